@@ -1,0 +1,100 @@
+use crate::Side;
+
+/// What was wrong with a profile, an integrand class, a spectrum or a fit.
+#[non_exhaustive]
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum Error {
+    /// A single number is outside its domain (NaN included).
+    #[error("{name} is {got}; it must be {expected}")]
+    Parameter {
+        /// The name of the parameter.
+        name: &'static str,
+        /// The value that was given.
+        got: f64,
+        /// The domain, in words.
+        expected: &'static str,
+    },
+    /// A per-degree value is negative, infinite or NaN.
+    #[error("{quantity} of degree {degree} is {got}; it must be finite and not negative")]
+    DegreeValue {
+        /// What the slice holds.
+        quantity: &'static str,
+        /// The degree, which is the index in the slice.
+        degree: usize,
+        /// The value found there.
+        got: f64,
+    },
+    /// The two slices of a measured spectrum differ in length.
+    #[error(
+        "the spectrum has {power} values of power but {stderr} standard errors; one is needed for each degree"
+    )]
+    LengthMismatch {
+        /// Length of the slice of powers.
+        power: usize,
+        /// Length of the slice of standard errors.
+        stderr: usize,
+    },
+    /// The number of points is zero.
+    #[error("the number of points is 0; a spectrum needs at least 1 point")]
+    NoPoints,
+    /// The spectrum holds no degree that enters the variance.
+    #[error("the spectrum has {got} values; at least {needed} are needed, for the degrees 0 to {}", needed - 1)]
+    NoDegrees {
+        /// Values in the spectrum, degree 0 included.
+        got: usize,
+        /// The smallest usable length.
+        needed: usize,
+    },
+    /// No member of the family of profiles bounds the spectrum.
+    #[error(
+        "no {side} profile of this family bounds the spectrum: at degree {degree} the confidence limit is {limit} \
+         and the family reaches from {lowest} to {highest}; give another offset, gamma or shape"
+    )]
+    NoFit {
+        /// Which side was asked for.
+        side: Side,
+        /// The first degree that stands against it.
+        degree: usize,
+        /// Simultaneous confidence limit of the power at this degree.
+        limit: f64,
+        /// Smallest value that the family takes at this degree.
+        lowest: f64,
+        /// Largest value that the family takes at this degree.
+        highest: f64,
+    },
+    /// The break `alpha` was to be fitted, but no value of it is better than another.
+    #[error(
+        "alpha cannot be fitted: every alpha gives a {side} bound of this spectrum; fit gamma, or give a step or a \
+         polynomial of exponent above 0 whose gamma matters"
+    )]
+    AlphaUndetermined {
+        /// Which side was asked for.
+        side: Side,
+    },
+}
+
+/// Returns `value` if it is finite and not negative.
+pub(crate) fn not_negative(name: &'static str, value: f64) -> Result<f64, Error> {
+    if value >= 0.0 && value.is_finite() {
+        Ok(value)
+    } else {
+        Err(Error::Parameter { name, got: value, expected: "finite and at least 0" })
+    }
+}
+
+/// Returns `value` if it is finite and above zero.
+pub(crate) fn positive(name: &'static str, value: f64) -> Result<f64, Error> {
+    if value > 0.0 && value.is_finite() {
+        Ok(value)
+    } else {
+        Err(Error::Parameter { name, got: value, expected: "finite and above 0" })
+    }
+}
+
+/// Checks every value of a slice indexed by degree.
+pub(crate) fn per_degree(quantity: &'static str, values: &[f64]) -> Result<(), Error> {
+    match values.iter().position(|v| !(v.is_finite() && *v >= 0.0)) {
+        Some(degree) => Err(Error::DegreeValue { quantity, degree, got: values[degree] }),
+        None => Ok(()),
+    }
+}

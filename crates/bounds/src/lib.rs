@@ -1,0 +1,59 @@
+//! Spectral profiles of sampling patterns: closed-form variance bounds and convergence rates.
+//!
+//! The power spectrum of a pattern of N points often lies between two simple laws, its [`Profile`]s. Put in place of the
+//! spectrum, a profile turns the variance of Monte Carlo integration,
+//!
+//! ```text
+//! Var = (4 pi / N) sum_{l >= 1} (2l+1) P_S(l) P_F(l),
+//! ```
+//!
+//! into a closed form for whole classes of integrands ([`IntegrandClass`]), with its rate in N, and into a bound for a
+//! given integrand ([`variance_bound`]). The other way round, a measured spectrum tells whether a profile bounds it and
+//! which profile does so most tightly ([`Bound`]). Everything here is a pure function: no randomness, no input or output.
+//!
+//! Conventions: orthonormal harmonics, white noise has power 1, the frequency axis is `omega = l / sqrt N`, the energy of
+//! an integrand is `E(l) = (2l+1) P_F(l)`; the hemisphere is the projective plane with even degrees only ([`Domain`]).
+//!
+//! # Examples
+//!
+//! How much does a jittered pattern gain over white noise for an integrand with a jump?
+//!
+//! ```
+//! use sphvar_bounds::{Domain, IntegrandClass, Profile, Rate, thesis_bounds};
+//!
+//! let jump = IntegrandClass::power_law(1.0, 2.0)?;
+//! let jittered = thesis_bounds()[2].upper;
+//! let white = Profile::constant(1.0)?;
+//!
+//! assert_eq!(jump.rate(&jittered, Domain::Sphere).to_string(), "N^-1.5");
+//! assert_eq!(jump.rate(&white, Domain::Sphere), Rate::Algebraic { exponent: -1.0, log: false });
+//! let gain = jump.variance(&white, 10_000, Domain::Sphere) / jump.variance(&jittered, 10_000, Domain::Sphere);
+//! assert!(gain > 15.0 && gain < 17.0); // (pi^2 / 6) / (2 / L) with L = 20, nearly
+//! # Ok::<(), sphvar_bounds::Error>(())
+//! ```
+
+mod bound;
+mod compensated_sum;
+mod degree_run;
+mod domain;
+mod error;
+mod fit;
+mod integrand_class;
+mod measured_spectrum;
+mod power_sum;
+mod profile;
+mod rate;
+mod thesis_bounds;
+mod variance_range;
+mod zeta;
+
+pub use bound::{Bound, Side, Verdict};
+pub use domain::Domain;
+pub use error::Error;
+pub use integrand_class::{Asymptotic, IntegrandClass};
+pub use measured_spectrum::MeasuredSpectrum;
+pub use profile::{Profile, Shape};
+pub use rate::Rate;
+pub use thesis_bounds::{ThesisBound, thesis_bounds};
+pub use variance_range::{VarianceRange, variance_bound};
+pub use zeta::{generalized_harmonic, hurwitz_zeta, riemann_zeta, trigamma};

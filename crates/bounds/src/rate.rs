@@ -1,0 +1,34 @@
+use std::fmt;
+
+/// How the variance falls with the number of points N.
+///
+/// ```
+/// use sphvar_bounds::Rate;
+/// assert_eq!(Rate::Algebraic { exponent: -1.5, log: true }.to_string(), "N^-1.5 ln N");
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Rate {
+    /// `Var ~ constant * N^exponent`, times `ln N` if `log`.
+    Algebraic {
+        /// The power of N, negative.
+        exponent: f64,
+        /// Whether a factor `ln N` goes with it.
+        log: bool,
+    },
+    /// The variance is exactly zero for every `N > beyond`.
+    Zero {
+        /// `(l0 / alpha)^2` with `l0` the last degree of the band; 0 if the variance is zero for every N.
+        beyond: f64,
+    },
+}
+
+impl fmt::Display for Rate {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Algebraic { exponent, log } => {
+                write!(f, "N^{exponent}{}", if *log { " ln N" } else { "" })
+            }
+            Self::Zero { beyond } => write!(f, "0 for N > {beyond}"),
+        }
+    }
+}

@@ -1,0 +1,145 @@
+//! What can go wrong with a file, said with its name, the place in it, and what would be right.
+
+use std::fmt;
+use std::io;
+use std::path::Path;
+
+/// Where in a file something was found.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Place {
+    /// The file as a whole.
+    Whole,
+    /// A line of a text file, counted from 1 as editors do.
+    Line(usize),
+    /// A row of an `(N, 3)` array, counted from 0 as `NumPy` does.
+    Row(usize),
+    /// A row of one realization of an `(M, N, 3)` array, both counted from 0.
+    RowOfSet(usize, usize),
+    /// A vertex of a PLY file, counted from 0.
+    Vertex(usize),
+}
+
+impl fmt::Display for Place {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Whole => Ok(()),
+            Self::Line(line) => write!(f, ":{line}"),
+            Self::Row(row) => write!(f, "[{row}]"),
+            Self::RowOfSet(set, row) => write!(f, "[{set}, {row}]"),
+            Self::Vertex(vertex) => write!(f, ": vertex {vertex}"),
+        }
+    }
+}
+
+/// Errors of reading and writing files. Every message starts with or contains the path.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub(crate) enum FileError {
+    /// A file could not be opened for reading.
+    #[error("cannot open {path}: {source}")]
+    Open {
+        /// The path as the user wrote it.
+        path: String,
+        /// The reason that the system gave.
+        source: io::Error,
+    },
+    /// Reading failed after the file was opened.
+    #[error("cannot read {path}: {source}")]
+    Read {
+        /// The path as the user wrote it.
+        path: String,
+        /// The reason that the system gave.
+        source: io::Error,
+    },
+    /// The folder of an output file is not there.
+    #[error("cannot write {path}: the folder {folder} does not exist; create it first")]
+    MissingFolder {
+        /// The output path as the user wrote it.
+        path: String,
+        /// The folder that is missing.
+        folder: String,
+    },
+    /// The output path may not be replaced.
+    #[error("cannot write {path}: {reason}")]
+    Refused {
+        /// The output path as the user wrote it.
+        path: String,
+        /// Why, and what to do instead.
+        reason: &'static str,
+    },
+    /// The system refused to create, write, flush or rename the output.
+    #[error("cannot write {path}: {source}")]
+    Write {
+        /// The output path as the user wrote it.
+        path: String,
+        /// The reason that the system gave.
+        source: io::Error,
+    },
+    /// One number in a file is not what its field allows.
+    #[error("{path}{place}: {field}: expected {expected}, got {got}")]
+    Value {
+        /// The path as the user wrote it.
+        path: String,
+        /// Line, row or vertex.
+        place: Place,
+        /// Name of the field.
+        field: String,
+        /// What would be right.
+        expected: String,
+        /// What stands there.
+        got: String,
+    },
+    /// A line, a header or a whole file has the wrong form.
+    #[error("{path}{place}: expected {expected}, got {got}")]
+    Layout {
+        /// The path as the user wrote it.
+        path: String,
+        /// Line, row, vertex or the whole file.
+        place: Place,
+        /// What would be right.
+        expected: String,
+        /// What stands there.
+        got: String,
+    },
+    /// A binary file ends before its data do.
+    #[error("{path}: cut short: expected {expected} bytes, got {got} ({what})")]
+    Truncated {
+        /// The path as the user wrote it.
+        path: String,
+        /// What the header promises.
+        what: String,
+        /// Bytes that the file must have.
+        expected: u64,
+        /// Bytes that it has.
+        got: u64,
+    },
+    /// A file without a single point.
+    #[error("{path}: no points: expected at least one direction")]
+    Empty {
+        /// The path as the user wrote it.
+        path: String,
+    },
+    /// The extension of an output path names no format known here.
+    #[error("cannot write {path}: expected a name that ends in one of {known}")]
+    UnknownExtension {
+        /// The output path as the user wrote it.
+        path: String,
+        /// The extensions that would do.
+        known: &'static str,
+    },
+}
+
+/// Returns the name of an input for messages; `-` is standard input.
+pub(super) fn input_name(path: &Path) -> String {
+    if is_dash(path) { "standard input".to_owned() } else { path.display().to_string() }
+}
+
+/// Returns the name of an output for messages; `-` is standard output.
+pub(super) fn output_name(path: &Path) -> String {
+    if is_dash(path) { "standard output".to_owned() } else { path.display().to_string() }
+}
+
+/// Returns whether a path is the single dash that stands for a standard stream.
+pub(super) fn is_dash(path: &Path) -> bool {
+    path.as_os_str() == "-"
+}

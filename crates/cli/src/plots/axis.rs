@@ -1,0 +1,347 @@
+//! An axis: its range, its ticks and their labels.
+
+/// How an axis maps values to lengths.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Scale {
+    /// In proportion.
+    Linear,
+    /// By the logarithm; values that are not positive are not drawn.
+    Log,
+}
+
+/// Room between the data and the frame, in parts of the range.
+const MARGIN: f64 = 0.04;
+/// Larger sizes are left out, so that ranges and their margins stay finite.
+const LARGEST: f64 = 1e300;
+/// Smaller sizes are zero for a linear axis, so that its power of ten stays a normal number.
+const SMALLEST: f64 = 1e-290;
+
+impl Scale {
+    /// Returns the place of a value on the scale, or `None` for a value that cannot be drawn.
+    pub(super) fn place(self, value: f64) -> Option<f64> {
+        if !value.is_finite() || value.abs() > LARGEST {
+            return None;
+        }
+        match self {
+            Self::Linear => Some(value),
+            Self::Log => (value > 0.0).then(|| value.log10()),
+        }
+    }
+}
+
+/// A labelled tick.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Tick {
+    /// Its place from 0 (start of the axis) to 1.
+    pub(super) at: f64,
+    /// What is written beside it.
+    pub(super) label: String,
+}
+
+/// An axis fitted to data.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Axis {
+    scale: Scale,
+    low: f64,
+    high: f64,
+    /// Labelled ticks.
+    pub(super) ticks: Vec<Tick>,
+    /// Places of grid lines without labels, from 0 to 1.
+    pub(super) fine: Vec<f64>,
+    /// The power of ten that all labels have in common and that belongs to the axis label.
+    pub(super) power: Option<i32>,
+}
+
+impl Axis {
+    /// Returns an axis that shows all the values that can be drawn, with about `most` labels.
+    pub(super) fn fit(scale: Scale, values: impl Iterator<Item = f64>, most: u32) -> Self {
+        let places = values.filter_map(|value| scale.place(value));
+        let range = places.fold(None, |range: Option<(f64, f64)>, place| {
+            Some(range.map_or((place, place), |(low, high)| (low.min(place), high.max(place))))
+        });
+        match scale {
+            Scale::Linear => Self::linear(range, most),
+            Scale::Log => Self::log(range, most),
+        }
+    }
+
+    /// Returns the place of a value from 0 to 1, beyond that for values outside of the range, or
+    /// `None` for a value that cannot be drawn.
+    pub(super) fn position(&self, value: f64) -> Option<f64> {
+        self.scale.place(value).map(|place| self.fraction(place))
+    }
+
+    fn fraction(&self, place: f64) -> f64 {
+        (place - self.low) / (self.high - self.low)
+    }
+
+    fn linear(range: Option<(f64, f64)>, most: u32) -> Self {
+        let (mut low, mut high) = range.unwrap_or((0.0, 1.0));
+        let size = low.abs().max(high.abs());
+        if size < SMALLEST {
+            (low, high) = if range.is_some() { (-1.0, 1.0) } else { (0.0, 1.0) };
+        } else if high - low <= 1e-9 * size {
+            // A range of a few roundings has no sensible ticks.
+            (low, high) = (low - 0.5 * size, high + 0.5 * size);
+        } else {
+            let margin = MARGIN * (high - low);
+            // Data without negative values get an axis without them.
+            (low, high) =
+                (if low >= 0.0 { (low - margin).max(0.0) } else { low - margin }, high + margin);
+        }
+        let mut axis = Self {
+            scale: Scale::Linear,
+            low,
+            high,
+            ticks: Vec::new(),
+            fine: Vec::new(),
+            power: None,
+        };
+        let size = low.abs().max(high.abs());
+        let exponent = floor_i32(size.log10());
+        axis.power = (!(-3..=5).contains(&exponent)).then_some(exponent);
+        let unit = axis.power.map_or(1.0, |power| 10f64.powi(power));
+        let step = nice_step((high - low) / unit / f64::from(most));
+        let decimals = floor_i32(step.log10() + 1e-9).min(0).unsigned_abs() as usize;
+        for value in multiples(low / unit, high / unit, step) {
+            let value = if value.abs() < 1e-6 * step { 0.0 } else { value };
+            let label = format!("{value:.decimals$}").replace('-', "\u{2212}");
+            axis.ticks.push(Tick { at: axis.fraction(value * unit), label });
+        }
+        axis
+    }
+
+    fn log(range: Option<(f64, f64)>, most: u32) -> Self {
+        let (mut low, mut high) = range.unwrap_or((0.0, 1.0));
+        // One value, or several that are one to the eye, get half a decade to either side.
+        let margin = if high - low < 1e-6 { 0.5 } else { MARGIN * (high - low) };
+        (low, high) = (low - margin, high + margin);
+        let mut axis =
+            Self { scale: Scale::Log, low, high, ticks: Vec::new(), fine: Vec::new(), power: None };
+        let (first, last) = (floor_i32(low), floor_i32(high));
+        let decades = last - first;
+        if decades >= 3 {
+            // The spacing of labels: every decade, or every second, third, fifth, tenth, ...
+            let wanted = (decades + i32::try_from(most).unwrap_or(i32::MAX) - 1)
+                / i32::try_from(most).unwrap_or(i32::MAX).max(1);
+            let step = [1, 2, 3, 5, 10, 20, 50, 100]
+                .into_iter()
+                .find(|&step| step >= wanted)
+                .unwrap_or(200);
+            for decade in first..=last {
+                let at = axis.fraction(f64::from(decade));
+                if (0.0..=1.0).contains(&at) {
+                    if decade.rem_euclid(step) == 0 {
+                        axis.ticks.push(Tick { at, label: power_of_ten(decade) });
+                    } else {
+                        axis.fine.push(at);
+                    }
+                }
+                if decades <= 8 {
+                    axis.fine_digits(decade, &[2, 3, 4, 5, 6, 7, 8, 9]);
+                }
+            }
+        } else {
+            let sparse: &[u8] =
+                if high - low > 1.0 { &[1, 2, 5] } else { &[1, 2, 3, 4, 5, 6, 7, 8, 9] };
+            for decade in first..=last {
+                for &digit in sparse {
+                    let at = axis.fraction(f64::from(decade) + f64::from(digit).log10());
+                    if (0.0..=1.0).contains(&at) {
+                        axis.ticks.push(Tick { at, label: digit_and_power(digit, decade) });
+                    }
+                }
+                axis.fine_digits(decade, &[2, 3, 4, 5, 6, 7, 8, 9]);
+            }
+            if axis.ticks.len() < 2 {
+                axis.linear_ticks(most);
+            }
+        }
+        axis
+    }
+
+    /// Adds grid lines at these multiples of a power of ten.
+    fn fine_digits(&mut self, decade: i32, digits: &[u8]) {
+        for &digit in digits {
+            let at = self.fraction(f64::from(decade) + f64::from(digit).log10());
+            if (0.0..=1.0).contains(&at) {
+                self.fine.push(at);
+            }
+        }
+    }
+
+    /// Labels a logarithmic axis of a small part of a decade as a linear one.
+    fn linear_ticks(&mut self, most: u32) {
+        let exponent = floor_i32(self.high);
+        let unit = 10f64.powi(exponent.clamp(-300, 300));
+        let (low, high) = (10f64.powf(self.low) / unit, 10f64.powf(self.high) / unit);
+        let step = nice_step((high - low) / f64::from(most));
+        let decimals = floor_i32(step.log10() + 1e-9).min(0).unsigned_abs() as usize;
+        self.power = (exponent != 0).then_some(exponent);
+        self.ticks.clear();
+        self.fine.clear();
+        for value in multiples(low, high, step) {
+            if let Some(at) = self.position(value * unit) {
+                self.ticks.push(Tick { at, label: format!("{value:.decimals$}") });
+            }
+        }
+    }
+}
+
+/// Returns the power of ten in the form of print: 1, 10, then 10 with a raised exponent.
+pub(super) fn power_of_ten(exponent: i32) -> String {
+    match exponent {
+        0 => "1".to_owned(),
+        1 => "10".to_owned(),
+        _ => format!("10{}", raised(exponent)),
+    }
+}
+
+fn digit_and_power(digit: u8, exponent: i32) -> String {
+    match (digit, exponent) {
+        (_, -3..=-1) => {
+            format!("{}{digit}", ["0.00", "0.0", "0."][(exponent + 3).unsigned_abs() as usize])
+        }
+        (_, 0..=5) => format!("{digit}{}", "0".repeat(exponent.unsigned_abs() as usize)),
+        (1, _) => power_of_ten(exponent),
+        _ => format!("{digit}\u{d7}10{}", raised(exponent)),
+    }
+}
+
+/// Returns an integer in raised figures.
+fn raised(number: i32) -> String {
+    let figure = |c: char| match c {
+        '-' => '\u{207b}',
+        '1' => '\u{b9}',
+        '2' => '\u{b2}',
+        '3' => '\u{b3}',
+        '0' => '\u{2070}',
+        '4' => '\u{2074}',
+        '5' => '\u{2075}',
+        '6' => '\u{2076}',
+        '7' => '\u{2077}',
+        '8' => '\u{2078}',
+        '9' => '\u{2079}',
+        other => other,
+    };
+    number.to_string().chars().map(figure).collect()
+}
+
+/// Returns the smallest of 1, 2, 5 times a power of ten that is at least `least`.
+fn nice_step(least: f64) -> f64 {
+    let power = 10f64.powi(floor_i32(least.log10()));
+    let steps = [1.0, 2.0, 5.0, 10.0];
+    // The slack lets a step of exactly 1, 2 or 5 stay itself.
+    steps
+        .into_iter()
+        .map(|step| step * power)
+        .find(|&step| step >= least * (1.0 - 1e-9))
+        .unwrap_or(10.0 * power)
+}
+
+/// Returns the multiples of `step` in [low, high], with half a millionth of a step of slack.
+fn multiples(low: f64, high: f64, step: f64) -> impl Iterator<Item = f64> {
+    let first = (low / step - 5e-7).ceil();
+    (0..64)
+        .map(move |k| (first + f64::from(k)) * step)
+        .take_while(move |&value| value <= high + 5e-7 * step)
+}
+
+#[expect(
+    clippy::cast_possible_truncation,
+    reason = "the logarithm of a double lies in [-324, 309], and the cast saturates in any case"
+)]
+fn floor_i32(value: f64) -> i32 {
+    value.floor() as i32
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn labels(scale: Scale, values: &[f64]) -> Vec<String> {
+        let axis = Axis::fit(scale, values.iter().copied(), 8);
+        axis.ticks.into_iter().map(|tick| tick.label).collect()
+    }
+
+    #[test]
+    fn decades_are_powers() {
+        assert_eq!(
+            labels(Scale::Log, &[0.5e-3, 200.0]),
+            ["10⁻³", "10⁻²", "10⁻¹", "1", "10", "10²"]
+        );
+        assert_eq!(labels(Scale::Log, &[1e-9, 30.0]), ["10⁻⁸", "10⁻⁶", "10⁻⁴", "10⁻²", "1"]);
+        assert_eq!(labels(Scale::Log, &[16.0, 700.0]), ["20", "50", "100", "200", "500"]);
+        assert_eq!(
+            labels(Scale::Log, &[2.1e-8, 8e-8]),
+            ["2×10⁻⁸", "3×10⁻⁸", "4×10⁻⁸", "5×10⁻⁸", "6×10⁻⁸", "7×10⁻⁸", "8×10⁻⁸"]
+        );
+    }
+
+    #[test]
+    fn linear_labels_are_short() {
+        assert_eq!(labels(Scale::Linear, &[0.0, 10.0]), ["0", "2", "4", "6", "8", "10"]);
+        assert_eq!(
+            labels(Scale::Linear, &[-0.3, 0.31]),
+            ["−0.3", "−0.2", "−0.1", "0.0", "0.1", "0.2", "0.3"]
+        );
+        let axis = Axis::fit(Scale::Linear, [1e-7, 4e-7].into_iter(), 8);
+        assert_eq!(axis.power, Some(-7));
+        assert_eq!(axis.ticks.first().map(|tick| tick.label.as_str()), Some("1.0"));
+    }
+
+    #[test]
+    fn log_axis_places_no_zero() {
+        let axis = Axis::fit(Scale::Log, [0.0, -1.0, f64::NAN, 1.0, 100.0].into_iter(), 8);
+        for value in [0.0, -0.0, -1.0, f64::NAN, f64::INFINITY] {
+            assert_eq!(axis.position(value), None, "{value}");
+        }
+        let middle = axis.position(10.0).unwrap();
+        assert!((middle - 0.5).abs() <= 4.0 * f64::EPSILON, "{middle}");
+    }
+
+    #[test]
+    fn any_data_give_a_few_ticks_inside() {
+        let extremes = [
+            0.0,
+            -0.0,
+            1.0,
+            -1.0,
+            5e-324,
+            1e-300,
+            1e-12,
+            1.0 + f64::EPSILON,
+            3.0,
+            7.5,
+            1e3,
+            1e6,
+            1e15,
+            9e299,
+            1e300,
+            f64::MAX,
+            f64::NAN,
+            f64::NEG_INFINITY,
+            -1e300,
+        ];
+        for scale in [Scale::Linear, Scale::Log] {
+            for a in extremes {
+                for b in extremes {
+                    for most in [4, 8] {
+                        let axis = Axis::fit(scale, [a, b].into_iter(), most);
+                        let count = axis.ticks.len();
+                        assert!((1..=20).contains(&count), "{scale:?} {a:e} {b:e}: {count} ticks");
+                        for tick in &axis.ticks {
+                            let inside = (-1e-6..=1.0 + 1e-6).contains(&tick.at);
+                            assert!(inside, "{scale:?} {a:e} {b:e}: {tick:?}");
+                        }
+                        for value in [a, b] {
+                            if let Some(at) = axis.position(value) {
+                                assert!((0.0..=1.0).contains(&at), "{scale:?} {a:e} {b:e}: {at}");
+                            }
+                        }
+                    }
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,258 @@
+//! A drawing surface in figure units (one unit is one pixel of the finished PNG).
+
+use std::sync::OnceLock;
+
+use plotters::coord::Shift;
+use plotters::prelude::{
+    BLACK, Circle, Color, DrawingArea, DrawingBackend, FontTransform, IntoFont, PathElement,
+    Polygon, RGBColor, ShapeStyle, Text, TextStyle, WHITE,
+};
+use plotters::style::text_anchor::{HPos, Pos, VPos};
+use plotters::style::{FontStyle, register_font};
+
+use super::palette::Marker;
+use super::plot_error::PlotError;
+
+/// The generic family: a viewer of the SVG takes its own, the PNG gets the embedded font.
+const FAMILY: &str = "sans-serif";
+/// What the drawing library divides a font's size by to get the height of its em.
+const SIZE_PER_EM: f64 = 1.24;
+
+/// A colour, an opacity in [0, 1] and a line width in figure units.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Pen {
+    pub(super) colour: RGBColor,
+    pub(super) opacity: f64,
+    pub(super) width: f64,
+}
+
+impl Pen {
+    /// Returns an opaque pen.
+    pub(super) fn new(colour: RGBColor, width: f64) -> Self {
+        Self { colour, opacity: 1.0, width }
+    }
+}
+
+/// A surface of the drawing library, with every coordinate multiplied by `zoom` on the way: the
+/// library counts in whole pixels, and the zoom brings them below what the eye sees.
+pub(super) struct Canvas<DB: DrawingBackend> {
+    area: DrawingArea<DB, Shift>,
+    zoom: f64,
+    text_drop: f64,
+}
+
+impl<DB: DrawingBackend> Canvas<DB> {
+    /// Returns a white canvas. `text_drop` is how far below the middle of its figures the backend
+    /// puts the middle of a line of text, in ems.
+    pub(super) fn new(
+        area: DrawingArea<DB, Shift>,
+        zoom: f64,
+        text_drop: f64,
+    ) -> Result<Self, PlotError> {
+        ensure_font()?;
+        area.fill(&WHITE).map_err(drawing)?;
+        Ok(Self { area, zoom, text_drop })
+    }
+
+    /// Completes the image.
+    pub(super) fn finish(self) -> Result<(), PlotError> {
+        self.area.present().map_err(drawing)
+    }
+
+    #[expect(
+        clippy::cast_possible_truncation,
+        reason = "a cast from float to integer saturates, and figures are some thousand units wide"
+    )]
+    fn whole(&self, length: f64) -> i32 {
+        (length * self.zoom).round() as i32
+    }
+
+    fn pixel(&self, (x, y): (f64, f64)) -> (i32, i32) {
+        (self.whole(x), self.whole(y))
+    }
+
+    fn pixels(&self, points: &[(f64, f64)]) -> Vec<(i32, i32)> {
+        let mut pixels: Vec<_> = points.iter().map(|&point| self.pixel(point)).collect();
+        pixels.dedup();
+        pixels
+    }
+
+    fn stroke(&self, pen: Pen) -> ShapeStyle {
+        ShapeStyle {
+            color: pen.colour.mix(pen.opacity),
+            filled: false,
+            stroke_width: self.whole(pen.width).max(1).unsigned_abs(),
+        }
+    }
+
+    /// Draws a line through the points; a single point gives nothing.
+    pub(super) fn line(&self, points: &[(f64, f64)], pen: Pen) -> Result<(), PlotError> {
+        let pixels = self.pixels(points);
+        if pixels.len() < 2 {
+            return Ok(());
+        }
+        self.area.draw(&PathElement::new(pixels, self.stroke(pen))).map_err(drawing)
+    }
+
+    /// Draws a dashed line: `dash` units on, `gap` units off, counted along the whole line.
+    pub(super) fn dashed(
+        &self,
+        points: &[(f64, f64)],
+        pen: Pen,
+        dash: f64,
+        gap: f64,
+    ) -> Result<(), PlotError> {
+        let mut piece: Vec<(f64, f64)> = points.first().copied().into_iter().collect();
+        let (mut drawing_dash, mut left) = (true, dash);
+        for ends in points.windows(2) {
+            let (mut from, to) = (ends[0], ends[1]);
+            loop {
+                let length = (to.0 - from.0).hypot(to.1 - from.1);
+                if length < left {
+                    left -= length;
+                    if drawing_dash {
+                        piece.push(to);
+                    }
+                    break;
+                }
+                let part = left / length;
+                from = (from.0 + part * (to.0 - from.0), from.1 + part * (to.1 - from.1));
+                if drawing_dash {
+                    piece.push(from);
+                    self.line(&piece, pen)?;
+                    piece.clear();
+                } else {
+                    piece = vec![from];
+                }
+                drawing_dash = !drawing_dash;
+                left = if drawing_dash { dash } else { gap };
+            }
+        }
+        self.line(&piece, pen)
+    }
+
+    /// Fills a polygon.
+    pub(super) fn polygon(&self, points: &[(f64, f64)], pen: Pen) -> Result<(), PlotError> {
+        let pixels = self.pixels(points);
+        if pixels.len() < 3 {
+            return Ok(());
+        }
+        self.area.draw(&Polygon::new(pixels, pen.colour.mix(pen.opacity))).map_err(drawing)
+    }
+
+    /// Fills a disc.
+    pub(super) fn disc(&self, centre: (f64, f64), radius: f64, pen: Pen) -> Result<(), PlotError> {
+        let style = ShapeStyle { filled: true, ..self.stroke(pen) };
+        let radius = self.whole(radius).max(1);
+        self.area.draw(&Circle::new(self.pixel(centre), radius, style)).map_err(drawing)
+    }
+
+    /// Fills a marker.
+    pub(super) fn marker(
+        &self,
+        centre: (f64, f64),
+        radius: f64,
+        marker: Marker,
+        pen: Pen,
+    ) -> Result<(), PlotError> {
+        let Marker::Polygon(corners) = marker else {
+            return self.disc(centre, radius, pen);
+        };
+        let percent = radius / 100.0;
+        let corners: Vec<_> = corners
+            .iter()
+            .map(|&(x, y)| (centre.0 + percent * f64::from(x), centre.1 + percent * f64::from(y)))
+            .collect();
+        self.polygon(&corners, pen)
+    }
+
+    fn text_style(&self, size: f64, colour: RGBColor) -> TextStyle<'static> {
+        let font = (FAMILY, size * SIZE_PER_EM * self.zoom).into_font();
+        let mut style = TextStyle::from(font);
+        style.color = colour.to_backend_color();
+        style
+    }
+
+    /// Writes one line of text, its figures centred at the height of `at`; `size` is the height of an
+    /// em, `side` says which end of the line is at `at`.
+    pub(super) fn text(
+        &self,
+        text: &str,
+        at: (f64, f64),
+        size: f64,
+        colour: RGBColor,
+        side: HPos,
+    ) -> Result<(), PlotError> {
+        let style = self.text_style(size, colour).pos(Pos::new(side, VPos::Center));
+        let at = self.pixel((at.0, at.1 + self.text_drop * size));
+        self.area.draw(&Text::new(printable(text), at, style)).map_err(drawing)
+    }
+
+    /// Writes one line of text upwards, centred at `at`.
+    pub(super) fn text_upwards(
+        &self,
+        text: &str,
+        at: (f64, f64),
+        size: f64,
+        colour: RGBColor,
+    ) -> Result<(), PlotError> {
+        let style = self
+            .text_style(size, colour)
+            .transform(FontTransform::Rotate270)
+            .pos(Pos::new(HPos::Center, VPos::Center));
+        // The foot of the letters points to the right.
+        let at = self.pixel((at.0 + self.text_drop * size, at.1));
+        self.area.draw(&Text::new(printable(text), at, style)).map_err(drawing)
+    }
+
+    /// Returns the width of a line of text in the embedded font.
+    pub(super) fn text_width(&self, text: &str, size: f64) -> Result<f64, PlotError> {
+        let style = self.text_style(size, BLACK);
+        let (width, _) = self.area.estimate_text_size(&printable(text), &style).map_err(drawing)?;
+        Ok(f64::from(width) / self.zoom)
+    }
+
+    /// Returns the text in lines no wider than `width`, broken at blanks where there are any.
+    pub(super) fn wrap(&self, text: &str, size: f64, width: f64) -> Result<Vec<String>, PlotError> {
+        let mut lines = Vec::new();
+        let mut line = String::new();
+        for word in text.split_whitespace() {
+            let joined = if line.is_empty() { word.to_owned() } else { format!("{line} {word}") };
+            if self.text_width(&joined, size)? <= width {
+                line = joined;
+                continue;
+            }
+            if !line.is_empty() {
+                lines.push(std::mem::take(&mut line));
+            }
+            for character in word.chars() {
+                line.push(character);
+                if line.chars().count() > 1 && self.text_width(&line, size)? > width {
+                    line.pop();
+                    lines.push(std::mem::replace(&mut line, character.to_string()));
+                }
+            }
+        }
+        if !line.is_empty() {
+            lines.push(line);
+        }
+        Ok(lines)
+    }
+}
+
+/// Returns the text without control characters, which XML forbids and no font draws.
+fn printable(text: &str) -> String {
+    text.chars().map(|c| if c.is_control() { ' ' } else { c }).collect()
+}
+
+fn drawing(error: impl std::fmt::Display) -> PlotError {
+    PlotError::Drawing { reason: error.to_string() }
+}
+
+/// Registers the embedded font, once in the life of the process.
+fn ensure_font() -> Result<(), PlotError> {
+    static REGISTERED: OnceLock<bool> = OnceLock::new();
+    let registered = *REGISTERED
+        .get_or_init(|| register_font(FAMILY, FontStyle::Normal, dejavu::sans::regular()).is_ok());
+    if registered { Ok(()) } else { Err(drawing("the embedded font cannot be read")) }
+}

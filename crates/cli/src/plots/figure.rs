@@ -1,0 +1,109 @@
+//! From a figure to a file: the choice of the image format, and its bytes.
+
+use std::io::{Cursor, Write};
+use std::path::Path;
+
+use image::{RgbImage, imageops};
+use plotters::prelude::{BitMapBackend, DrawingBackend, IntoDrawingArea, SVGBackend};
+
+use super::canvas::Canvas;
+use super::plot_error::PlotError;
+use crate::files::AtomicFile;
+
+/// SVG coordinates are whole numbers of a tenth of a unit.
+const SVG_ZOOM: u32 = 10;
+/// PNG is drawn this many times larger and averaged down, which smooths every edge.
+const PNG_ZOOM: u32 = 3;
+/// See [`Canvas::new`]: SVG centres small letters, whose middle is a tenth of an em below that of
+/// figures.
+const SVG_TEXT_DROP: f64 = 0.09;
+/// The bitmap backend takes half an em for the height of the letters above the middle; measured on
+/// the embedded font.
+const PNG_TEXT_DROP: f64 = 0.26;
+
+/// An image format of figures.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum ImageFormat {
+    /// Scalable vector graphics.
+    Svg,
+    /// Portable network graphics, 8 bit RGB.
+    Png,
+}
+
+impl ImageFormat {
+    /// Returns the format that the extension names, whatever its case.
+    pub(crate) fn of_path(path: &Path) -> Option<Self> {
+        match path.extension()?.to_str()?.to_ascii_lowercase().as_str() {
+            "svg" => Some(Self::Svg),
+            "png" => Some(Self::Png),
+            _ => None,
+        }
+    }
+}
+
+/// Something that can be drawn.
+pub(super) trait Figure {
+    /// Returns width and height in units.
+    fn size(&self) -> (u32, u32);
+
+    /// Draws everything on a white canvas.
+    fn draw<DB: DrawingBackend>(&self, canvas: &Canvas<DB>) -> Result<(), PlotError>;
+}
+
+/// Writes a figure in the format that the extension names; `-` is standard output, as SVG.
+pub(super) fn write(figure: &impl Figure, path: &Path) -> Result<(), PlotError> {
+    let format = if path.as_os_str() == "-" {
+        ImageFormat::Svg
+    } else {
+        ImageFormat::of_path(path)
+            .ok_or_else(|| PlotError::UnknownExtension { path: path.display().to_string() })?
+    };
+    let bytes = match format {
+        ImageFormat::Svg => svg(figure)?.into_bytes(),
+        ImageFormat::Png => png(figure)?,
+    };
+    let mut file = AtomicFile::create(path)?;
+    file.write_all(&bytes).map_err(|source| file.error(source))?;
+    Ok(file.commit()?)
+}
+
+/// Returns a figure as an SVG document.
+pub(super) fn svg(figure: &impl Figure) -> Result<String, PlotError> {
+    let (width, height) = figure.size();
+    let (inner_width, inner_height) = (width * SVG_ZOOM, height * SVG_ZOOM);
+    let mut document = String::new();
+    let backend = SVGBackend::with_string(&mut document, (inner_width, inner_height));
+    draw(figure, backend, SVG_ZOOM, SVG_TEXT_DROP)?;
+    // The view box keeps the fine coordinates; the figure asks for its size in units.
+    Ok(document.replacen(
+        &format!("width=\"{inner_width}\" height=\"{inner_height}\" viewBox"),
+        &format!("width=\"{width}\" height=\"{height}\" viewBox"),
+        1,
+    ))
+}
+
+/// Returns a figure as a PNG file.
+pub(super) fn png(figure: &impl Figure) -> Result<Vec<u8>, PlotError> {
+    let (width, height) = figure.size();
+    let (inner_width, inner_height) = (width * PNG_ZOOM, height * PNG_ZOOM);
+    let mut image = RgbImage::new(inner_width, inner_height);
+    let backend = BitMapBackend::with_buffer(&mut image, (inner_width, inner_height));
+    draw(figure, backend, PNG_ZOOM, PNG_TEXT_DROP)?;
+    let image = imageops::thumbnail(&image, width, height);
+    let mut bytes = Cursor::new(Vec::new());
+    image
+        .write_to(&mut bytes, image::ImageFormat::Png)
+        .map_err(|source| PlotError::Encoding { source })?;
+    Ok(bytes.into_inner())
+}
+
+fn draw<DB: DrawingBackend>(
+    figure: &impl Figure,
+    backend: DB,
+    zoom: u32,
+    text_drop: f64,
+) -> Result<(), PlotError> {
+    let canvas = Canvas::new(backend.into_drawing_area(), f64::from(zoom), text_drop)?;
+    figure.draw(&canvas)?;
+    canvas.finish()
+}

@@ -1,0 +1,160 @@
+use std::fmt::Debug;
+
+use glam::DVec3;
+
+use crate::{Cell, Error, Nside};
+
+/// A numbering of the pixels of one resolution: [`Ring`](crate::Ring) or [`Nested`](crate::Nested).
+///
+/// An order supplies two index maps, pixel to [`Cell`] and back; all geometry is that of the cell and is written once.
+/// The trait can be used as `dyn PixelOrder`.
+///
+/// Wherever a pixel is an argument it must be below [`n_pixels`](Self::n_pixels); check foreign numbers once with
+/// [`Nside::check_pixel`]. Wherever a direction is an argument it must be a unit vector; check foreign vectors once with
+/// [`unit_direction`](crate::unit_direction). Otherwise nothing here can fail.
+///
+/// # Examples
+/// ```
+/// use sphvar_healpix::{Nested, Nside, PixelOrder, Ring};
+///
+/// let nside = Nside::new(4)?;
+/// let (ring, nested) = (Ring::new(nside), Nested::new(nside)?);
+/// let orders: [&dyn PixelOrder; 2] = [&ring, &nested];
+/// for order in orders {
+///     let dir = order.centre(17);
+///     assert_eq!(order.pixel(dir), 17);
+/// }
+/// # Ok::<(), sphvar_healpix::Error>(())
+/// ```
+pub trait PixelOrder: Debug + Send + Sync {
+    /// Returns the resolution.
+    fn nside(&self) -> Nside;
+
+    /// Returns the cell that bears the number `pixel`.
+    ///
+    /// # Panics
+    /// If `pixel >= self.n_pixels()`.
+    fn cell(&self, pixel: u64) -> Cell;
+
+    /// Returns the number of `cell`.
+    ///
+    /// # Panics
+    /// If `cell` belongs to another resolution.
+    fn pixel_of_cell(&self, cell: Cell) -> u64;
+
+    /// Returns the number of pixels, `12 nside^2`.
+    #[inline]
+    fn n_pixels(&self) -> u64 {
+        self.nside().n_pixels()
+    }
+
+    /// Returns the pixel that contains the unit vector `dir`; points on an edge go as in
+    /// [`Cell::invert_uniform_point`].
+    ///
+    /// # Panics
+    /// In debug builds, if `dir` is not a unit vector. In release builds the result is then some valid pixel.
+    #[inline]
+    fn pixel(&self, dir: DVec3) -> u64 {
+        self.pixel_of_cell(Cell::containing(self.nside(), dir))
+    }
+
+    /// Returns the pixel that contains colatitude `theta` in `[0, pi]` and longitude `phi`, any finite angle, in
+    /// radians.
+    ///
+    /// # Errors
+    /// [`Error::ThetaOutOfRange`] and [`Error::PhiNotFinite`].
+    #[inline]
+    fn pixel_of_angles(&self, theta: f64, phi: f64) -> Result<u64, Error> {
+        Cell::containing_angles(self.nside(), theta, phi).map(|cell| self.pixel_of_cell(cell))
+    }
+
+    /// Returns the direction of the pixel's centre.
+    ///
+    /// # Panics
+    /// If `pixel >= self.n_pixels()`.
+    #[inline]
+    fn centre(&self, pixel: u64) -> DVec3 {
+        self.cell(pixel).centre()
+    }
+
+    /// Returns the colatitude and the longitude of the pixel's centre in radians.
+    ///
+    /// # Panics
+    /// If `pixel >= self.n_pixels()`.
+    #[inline]
+    fn centre_angles(&self, pixel: u64) -> (f64, f64) {
+        self.cell(pixel).centre_angles()
+    }
+
+    /// Returns the direction at `(u, v)` in the pixel, by the area-preserving map of [`Cell::uniform_point`].
+    ///
+    /// # Panics
+    /// If `pixel >= self.n_pixels()`; in debug builds also if `u` or `v` is outside `[0, 1]`.
+    #[inline]
+    fn uniform_point(&self, pixel: u64, u: f64, v: f64) -> DVec3 {
+        self.cell(pixel).uniform_point(u, v)
+    }
+
+    /// Returns the density of [`uniform_point`](Self::uniform_point) per steradian, one over the area of a pixel.
+    #[inline]
+    fn uniform_point_pdf(&self) -> f64 {
+        1.0 / self.nside().pixel_area()
+    }
+
+    /// Returns the pixel that contains `dir` and the coordinates `(u, v)` in `[0, 1)` of `dir` in it, by
+    /// [`Cell::invert_uniform_point`].
+    ///
+    /// # Panics
+    /// In debug builds, if `dir` is not a unit vector.
+    #[inline]
+    fn invert_uniform_point(&self, dir: DVec3) -> (u64, f64, f64) {
+        let (cell, u, v) = Cell::invert_uniform_point(self.nside(), dir);
+        (self.pixel_of_cell(cell), u, v)
+    }
+
+    /// Returns the directions of the northern, western, southern and eastern corner of the pixel.
+    ///
+    /// # Panics
+    /// If `pixel >= self.n_pixels()`.
+    fn corners(&self, pixel: u64) -> [DVec3; 4] {
+        self.cell(pixel).corners()
+    }
+
+    /// Returns the neighbours of the pixel towards SW, W, NW, N, NE, E, SE, S, with `None` as in
+    /// [`Cell::neighbours`].
+    ///
+    /// # Panics
+    /// If `pixel >= self.n_pixels()`.
+    fn neighbours(&self, pixel: u64) -> [Option<u64>; 8] {
+        self.cell(pixel).neighbours().map(|cell| cell.map(|cell| self.pixel_of_cell(cell)))
+    }
+
+    /// Returns the pixel opposite through the centre of the sphere, which is never the pixel itself.
+    ///
+    /// # Panics
+    /// If `pixel >= self.n_pixels()`.
+    #[inline]
+    fn antipode(&self, pixel: u64) -> u64 {
+        self.pixel_of_cell(self.cell(pixel).antipode())
+    }
+}
+
+/// Panics unless the grid has the pixel: the one check of the index maps, in the manner of slice indexing.
+#[inline]
+pub(crate) fn assert_pixel(nside: Nside, pixel: u64) {
+    assert!(
+        pixel < nside.n_pixels(),
+        "pixel {pixel} is out of range: nside {nside} has {} pixels",
+        nside.n_pixels()
+    );
+}
+
+/// Panics unless the cell belongs to the grid.
+#[inline]
+pub(crate) fn assert_resolution(nside: Nside, cell: Cell) {
+    assert!(
+        cell.nside() == nside,
+        "a cell of nside {} has no number at nside {nside}",
+        cell.nside()
+    );
+}

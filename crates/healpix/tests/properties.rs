@@ -1,0 +1,289 @@
+//! Properties of the maps, with generators that favour the poles, the seams between faces and the border of the caps.
+
+use std::f64::consts::{FRAC_PI_2, TAU};
+
+use glam::DVec3;
+use proptest::prelude::*;
+use sphvar_healpix::{Cell, Nested, Nside, PixelOrder, Ring, unit_direction};
+
+const CASES: u32 = 4000;
+
+/// Rounding of a unit vector's components: each of two or three products rounds by half an eps.
+const DIRECTION_TOLERANCE: f64 = 4.0 * f64::EPSILON;
+
+fn any_nside() -> impl Strategy<Value = Nside> {
+    prop_oneof![
+        1..=8_u32,
+        1..=1000_u32,
+        (0..=29_u32).prop_map(|k| 1 << k),
+        1..=Nside::MAX,
+        Just(Nside::MAX),
+    ]
+    .prop_map(|n| Nside::new(n).unwrap())
+}
+
+/// A coordinate in a face: anything, or within three of an end.
+fn coordinate(n: u32) -> impl Strategy<Value = u32> {
+    prop_oneof![
+        0..n,
+        (0..3_u32).prop_map(move |k| k.min(n - 1)),
+        (0..3_u32).prop_map(move |k| n - 1 - k.min(n - 1)),
+    ]
+}
+
+/// A cell anywhere, at a seam, or in the rings nside - 1, nside and nside + 1 from a pole.
+fn any_cell() -> impl Strategy<Value = Cell> {
+    cell_of(any_nside())
+}
+
+fn cell_of(nside: impl Strategy<Value = Nside>) -> impl Strategy<Value = Cell> {
+    nside.prop_flat_map(|nside| {
+        let n = nside.value();
+        let anywhere = (0..12_u8, coordinate(n), coordinate(n));
+        let border = (0..12_u8, coordinate(n), 0..3_u32).prop_map(move |(face, ix, k)| {
+            let iy = (n - 1 - ix + k).saturating_sub(1).min(n - 1);
+            (face, ix, iy)
+        });
+        prop_oneof![anywhere, border]
+            .prop_map(move |(face, ix, iy)| Cell::new(nside, face, ix, iy).unwrap())
+    })
+}
+
+fn unit_interval() -> impl Strategy<Value = f64> {
+    prop_oneof![
+        4 => 0.0..1.0_f64,
+        1 => Just(0.0),
+        1 => (0.0..16.0_f64).prop_map(|digits| 10.0_f64.powf(-digits).min(1.0 - f64::EPSILON)),
+        1 => (0.0..16.0_f64).prop_map(|digits| 1.0 - 10.0_f64.powf(-digits)),
+    ]
+}
+
+fn any_direction() -> impl Strategy<Value = DVec3> {
+    let tiny = || {
+        (any::<bool>(), 0.0..320.0_f64).prop_map(|(negative, digits)| {
+            let value = 10.0_f64.powf(-digits);
+            if negative { -value } else { value }
+        })
+    };
+    let anywhere = (-1.0..1.0_f64, 0.0..TAU).prop_map(|(z, phi)| at(z, phi));
+    // Components of all magnitudes: poles, axes and seams at every distance.
+    let hostile = (tiny(), tiny(), tiny()).prop_map(|(x, y, z)| DVec3::new(x, y, z));
+    let exact = prop::array::uniform3(prop_oneof![Just(0.0), Just(-0.0), Just(1.0), Just(-1.0)])
+        .prop_map(DVec3::from_array)
+        .prop_filter("zero has no direction", |v| *v != DVec3::ZERO);
+    let border = (-4..=4_i32, any::<bool>(), 0.0..TAU).prop_map(|(ulps, south, phi)| {
+        let z = 2.0 / 3.0 + f64::from(ulps) * f64::EPSILON / 2.0;
+        at(if south { -z } else { z }, phi)
+    });
+    let seam = (-1.0..1.0_f64, 0..=4_u32, tiny())
+        .prop_map(|(z, quarter, offset)| at(z, f64::from(quarter) * FRAC_PI_2 + offset));
+    prop_oneof![anywhere, hostile, exact, border, seam].prop_map(|v| unit_direction(v).unwrap())
+}
+
+fn at(z: f64, phi: f64) -> DVec3 {
+    let radius = ((1.0 - z) * (1.0 + z)).sqrt();
+    DVec3::new(radius * phi.cos(), radius * phi.sin(), z)
+}
+
+/// Both orders of the resolution, or the one that exists.
+fn orders(nside: Nside) -> Vec<Box<dyn PixelOrder>> {
+    let mut orders: Vec<Box<dyn PixelOrder>> = vec![Box::new(Ring::new(nside))];
+    if let Ok(nested) = Nested::new(nside) {
+        orders.push(Box::new(nested));
+    }
+    orders
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(CASES))]
+
+    #[test]
+    fn a_centre_is_in_its_pixel(cell in any_cell()) {
+        let (theta, phi) = cell.centre_angles();
+        prop_assert!((0.0..TAU).contains(&phi), "{:?}: phi {}", cell, phi);
+        for order in orders(cell.nside()) {
+            let pixel = order.pixel_of_cell(cell);
+            prop_assert!(pixel < order.n_pixels());
+            prop_assert_eq!(order.cell(pixel), cell);
+            prop_assert_eq!(order.pixel(order.centre(pixel)), pixel, "{:?}", cell);
+            prop_assert_eq!(order.pixel_of_angles(theta, phi), Ok(pixel), "{:?}", cell);
+            prop_assert_eq!(order.pixel_of_angles(theta, phi - TAU), Ok(pixel), "{:?}", cell);
+        }
+    }
+
+    #[test]
+    fn ends_of_the_numbering(nside in any_nside(), offset in 0..200_u64) {
+        let n = u64::from(nside.value());
+        let cap = 2 * n * (n - 1);
+        let n_pixels = nside.n_pixels();
+        for order in orders(nside) {
+            for start in [0, cap, cap + 4 * n, cap + 4 * n * n, n_pixels - cap, n_pixels] {
+                for pixel in [start.saturating_sub(1 + offset), start + offset] {
+                    if pixel < n_pixels {
+                        prop_assert_eq!(order.pixel(order.centre(pixel)), pixel, "{:?}", order);
+                        prop_assert_eq!(order.pixel_of_cell(order.cell(pixel)), pixel, "{:?}", order);
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn orders_convert_to_each_other(depth in 0..=29_u32, fraction in 0..u64::MAX) {
+        let nside = Nside::new(1 << depth).unwrap();
+        let nested = Nested::new(nside).unwrap();
+        let pixel = fraction % nside.n_pixels();
+        prop_assert_eq!(nested.from_ring(nested.to_ring(pixel)), pixel);
+        prop_assert_eq!(nested.to_ring(nested.from_ring(pixel)), pixel);
+        let ring = Ring::new(nside);
+        prop_assert_eq!(ring.centre(nested.to_ring(pixel)), nested.centre(pixel));
+    }
+
+    #[test]
+    fn the_map_inverts_any_direction(dir in any_direction(), nside in any_nside()) {
+        let (cell, u, v) = Cell::invert_uniform_point(nside, dir);
+        prop_assert!((0.0..1.0).contains(&u) && (0.0..1.0).contains(&v), "{}: {} {}", dir, u, v);
+        prop_assert_eq!(Cell::containing(nside, dir), cell);
+        let back = cell.uniform_point(u, v);
+        // In-cell coordinates and the map round once or twice each, in units of at most 2 rad.
+        prop_assert!(back.distance(dir) <= 2.0 * DIRECTION_TOLERANCE, "{} came back as {}", dir, back);
+    }
+
+    #[test]
+    fn the_inverse_of_the_map_is_the_identity(cell in any_cell(), u in unit_interval(), v in unit_interval()) {
+        let dir = cell.uniform_point(u, v);
+        prop_assert!((dir.length() - 1.0).abs() <= DIRECTION_TOLERANCE, "{:?} {} {}: {}", cell, u, v, dir);
+        let (found, found_u, found_v) = Cell::invert_uniform_point(cell.nside(), dir);
+        // Directions are rounded to 1 eps or so and a radian has up to 1.3 nside pixels.
+        let slack = 8.0 * f64::EPSILON * f64::from(cell.nside().value());
+        let inside = |w: f64| slack < w && w < 1.0 - slack;
+        if inside(u) && inside(v) {
+            prop_assert_eq!(found, cell, "u {}, v {}", u, v);
+            prop_assert!((found_u - u).abs() <= slack && (found_v - v).abs() <= slack,
+                "{:?}: ({}, {}) came back as ({}, {})", cell, u, v, found_u, found_v);
+        } else {
+            // On an edge: it may be a neighbour's, but no further away.
+            prop_assert!(found == cell || cell.neighbours().contains(&Some(found)),
+                "{:?} {} {}: found in {:?}", cell, u, v, found);
+        }
+    }
+
+    #[test]
+    fn area_is_preserved(cell in cell_of((1..=1000_u32).prop_map(|n| Nside::new(n).unwrap())), u in 0.05..0.95_f64, v in 0.05..0.95_f64) {
+        // Central differences of step h, in units of the pixel: truncation h^2 times a third derivative that is at
+        // most 1/0.05^2 at the pole, rounding eps/h times nside.
+        const H: f64 = 1e-5;
+        let tolerance = 400.0 * H * H + 4.0 * f64::EPSILON / H * f64::from(cell.nside().value());
+        // The map has a kink where a cap meets the belt.
+        let kink = 2.0 / 3.0 - cell.uniform_point(u, v).z.abs();
+        prop_assume!(kink.abs() * f64::from(cell.nside().value()) > 4.0 * H);
+        let du = (cell.uniform_point(u + H, v) - cell.uniform_point(u - H, v)) / (2.0 * H);
+        let dv = (cell.uniform_point(u, v + H) - cell.uniform_point(u, v - H)) / (2.0 * H);
+        let ratio = du.cross(dv).dot(cell.uniform_point(u, v)) * cell.uniform_point_pdf();
+        prop_assert!((ratio - 1.0).abs() <= tolerance, "{:?} {} {}: {}", cell, u, v, ratio);
+    }
+
+    #[test]
+    fn neighbours_are_mutual_and_share_corners(cell in any_cell()) {
+        let [north, west, south, east] = cell.corners();
+        let shared: [&[DVec3]; 8] = [&[south, west], &[west], &[west, north], &[north], &[north, east], &[east], &[east, south], &[south]];
+        for (neighbour, shared) in cell.neighbours().into_iter().zip(shared) {
+            let Some(neighbour) = neighbour else { continue };
+            prop_assert!(neighbour.neighbours().contains(&Some(cell)), "{:?} of {:?}", neighbour, cell);
+            prop_assert!(Cell::new(cell.nside(), neighbour.face(), neighbour.ix(), neighbour.iy()).is_ok());
+            for corner in shared {
+                let found = neighbour.corners().iter().any(|c| c.distance(*corner) <= 2.0 * DIRECTION_TOLERANCE);
+                prop_assert!(found, "{:?} of {:?} lacks {}", neighbour, cell, corner);
+            }
+        }
+    }
+
+    #[test]
+    fn antipodes_are_opposite(cell in any_cell(), u in unit_interval(), v in unit_interval()) {
+        let other = cell.antipode();
+        prop_assert_ne!(other, cell);
+        prop_assert_eq!(other.antipode(), cell);
+        let (here, there) = (cell.uniform_point(u, v), other.uniform_point(1.0 - v, 1.0 - u));
+        prop_assert!((here + there).length() <= 2.0 * DIRECTION_TOLERANCE, "{:?}: {} and {}", cell, here, there);
+        for order in orders(cell.nside()) {
+            let pixel = order.pixel_of_cell(cell);
+            prop_assert_eq!(order.antipode(order.antipode(pixel)), pixel);
+        }
+    }
+}
+
+#[test]
+fn every_centre_of_small_grids_is_in_its_pixel() {
+    for n in 1..=33 {
+        for order in orders(Nside::new(n).unwrap()) {
+            for pixel in 0..order.n_pixels() {
+                let dir = order.centre(pixel);
+                assert_eq!(order.pixel(dir), pixel, "{order:?}: {dir}");
+                assert_eq!(order.invert_uniform_point(dir).0, pixel, "{order:?}: {dir}");
+            }
+        }
+    }
+}
+
+#[test]
+fn centres_next_to_the_poles_keep_their_relative_precision() {
+    let n = Nside::MAX;
+    let order = Ring::new(Nside::new(n).unwrap());
+    for ring in [1_u32, 2, 3, 1000] {
+        // 1 - z = ring^2/(3 nside^2) exactly, and sin(theta) = sqrt((1 - z)(1 + z)); here 1 + z is 2 less 1e-12 at most.
+        let distance = f64::from(ring) / f64::from(n);
+        let one_minus_z = distance * distance / 3.0;
+        let expected = (one_minus_z * (2.0 - one_minus_z)).sqrt();
+        let pixels = order.ring(ring).unwrap().pixels();
+        for pixel in [pixels.start, pixels.end - 1] {
+            for pixel in [pixel, order.antipode(pixel)] {
+                let dir = order.centre(pixel);
+                let got = dir.x.hypot(dir.y);
+                assert!(
+                    (got - expected).abs() <= 3.0 * f64::EPSILON * expected,
+                    "pixel {pixel}: {got:e} against {expected:e}"
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn poles_are_corners_of_four_pixels() {
+    for n in [1, 2, 3, 18, Nside::MAX] {
+        for order in orders(Nside::new(n).unwrap()) {
+            for pole in [DVec3::Z, DVec3::NEG_Z] {
+                let cell = order.cell(order.pixel(pole));
+                assert!(cell.corners().contains(&pole), "{order:?}: {cell:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn angles_out_of_range_are_refused() {
+    let order = Ring::new(Nside::new(3).unwrap());
+    for theta in [-1e-300, 3.2, f64::NAN, f64::INFINITY] {
+        assert!(order.pixel_of_angles(theta, 0.0).is_err(), "theta {theta}");
+    }
+    for phi in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+        assert!(order.pixel_of_angles(1.0, phi).is_err(), "phi {phi}");
+    }
+    for phi in [-0.0, -1e-300, -1e300, 1e300, f64::MAX, TAU, -TAU] {
+        assert!(order.pixel_of_angles(1.0, phi).unwrap() < order.n_pixels(), "phi {phi}");
+    }
+}
+
+#[test]
+fn a_longitude_just_below_zero_is_west_of_the_seam() {
+    for n in [1, 5, Nside::MAX] {
+        let order = Ring::new(Nside::new(n).unwrap());
+        for theta in [0.4, 2.7] {
+            let below = order.pixel_of_angles(theta, -1e-15).unwrap();
+            let at_zero = order.pixel_of_angles(theta, 0.0).unwrap();
+            assert_eq!(order.cell(below).face() % 4, 3, "nside {n}, theta {theta}");
+            assert_eq!(order.cell(at_zero).face() % 4, 0, "nside {n}, theta {theta}");
+            assert_eq!(order.pixel_of_angles(theta, TAU), Ok(at_zero));
+        }
+    }
+}

@@ -1,0 +1,47 @@
+use crate::{Domain, Pattern};
+
+/// Why a sampler cannot be built.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// A pattern of no points integrates nothing.
+    #[error("{pattern} needs at least 1 point, got 0")]
+    NoPoints {
+        /// The pattern asked for.
+        pattern: Pattern,
+    },
+    /// The pattern does not exist with this number of points.
+    #[error(
+        "{pattern} has no pattern of {asked} points on the {}: N must be {rule}; the nearest is {nearest}",
+        domain_name(*.domain)
+    )]
+    IllegalCount {
+        /// The pattern asked for.
+        pattern: Pattern,
+        /// Where it was to live.
+        domain: Domain,
+        /// The number of points asked for.
+        asked: usize,
+        /// The legal number of points nearest to `asked`.
+        nearest: usize,
+        /// The rule that legal numbers obey.
+        rule: &'static str,
+    },
+    /// More points than the pattern's indices can count.
+    #[error("{pattern} cannot have {asked} points: the most is {most}")]
+    TooManyPoints {
+        /// The pattern asked for.
+        pattern: Pattern,
+        /// The number of points asked for.
+        asked: usize,
+        /// The largest legal number.
+        most: usize,
+    },
+}
+
+fn domain_name(domain: Domain) -> &'static str {
+    match domain {
+        Domain::Sphere => "sphere",
+        Domain::Hemisphere => "hemisphere",
+    }
+}

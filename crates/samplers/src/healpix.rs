@@ -1,0 +1,161 @@
+use glam::DVec3;
+use rand::{Rng, RngExt};
+use sphvar_healpix::{Cell, Nside};
+
+use crate::{Domain, Sampler};
+
+/// The centres of the HEALPix pixels (Gorski et al. 2005), 12 nside^2 of them; on the hemisphere
+/// one of each antipodal pair, 6 nside^2.
+///
+/// Odd degrees vanish exactly because the set is antipodally symmetric; even ones do not, so it
+/// is no spherical design. Not random: one realization is the pattern.
+#[derive(Clone, Copy, Debug)]
+pub struct HealpixRegular {
+    nside: Nside,
+    domain: Domain,
+}
+
+/// One uniform direction in every HEALPix pixel, for any nside; on the hemisphere one in every
+/// antipodal pair of pixels, turned up where it lies below.
+///
+/// The pixels have equal areas, so this is stratified sampling:
+/// `<P(l)> = 1 - (1/N) sum_k E P_l(x.y)` over pairs x, y in pixel k, at most 1, and about
+/// 1.1186 l(l+1)/N for small l.
+#[derive(Clone, Copy, Debug)]
+pub struct HealpixJittered {
+    nside: Nside,
+    domain: Domain,
+}
+
+impl HealpixRegular {
+    /// The pattern of resolution `nside`.
+    #[must_use]
+    pub fn new(nside: Nside, domain: Domain) -> Self {
+        Self { nside, domain }
+    }
+}
+
+impl HealpixJittered {
+    /// The pattern of resolution `nside`.
+    #[must_use]
+    pub fn new(nside: Nside, domain: Domain) -> Self {
+        Self { nside, domain }
+    }
+}
+
+impl Sampler for HealpixRegular {
+    fn n_points(&self) -> usize {
+        n_strata(self.nside, self.domain)
+    }
+
+    fn domain(&self) -> Domain {
+        self.domain
+    }
+
+    fn is_random(&self) -> bool {
+        false
+    }
+
+    fn sample_into(&self, _: &mut dyn Rng, points: &mut Vec<DVec3>) {
+        points.clear();
+        points.extend(
+            strata(self.nside, self.domain).map(|c| self.domain.representative(c.centre())),
+        );
+    }
+}
+
+impl Sampler for HealpixJittered {
+    fn n_points(&self) -> usize {
+        n_strata(self.nside, self.domain)
+    }
+
+    fn domain(&self) -> Domain {
+        self.domain
+    }
+
+    fn is_random(&self) -> bool {
+        true
+    }
+
+    fn sample_into(&self, rng: &mut dyn Rng, points: &mut Vec<DVec3>) {
+        points.clear();
+        points.extend(strata(self.nside, self.domain).map(|cell| {
+            let (u, v) = (rng.random(), rng.random());
+            self.domain.representative(cell.uniform_point(u, v))
+        }));
+    }
+}
+
+/// The number of base faces whose cells are the strata. Faces 0 to 3 surround the north pole, 4
+/// to 7 lie on the equator; the antipode of face 4 is 6, of 5 is 7, of 0 to 3 are 8 to 11. So the
+/// first six hold one cell of every antipodal pair.
+fn strata_faces(domain: Domain) -> u8 {
+    match domain {
+        Domain::Sphere => 12,
+        Domain::Hemisphere => 6,
+    }
+}
+
+fn n_strata(nside: Nside, domain: Domain) -> usize {
+    let nside = nside.value() as usize;
+    usize::from(strata_faces(domain)) * nside * nside
+}
+
+/// The cells of the strata, face by face.
+fn strata(nside: Nside, domain: Domain) -> impl Iterator<Item = Cell> {
+    let side = 0..nside.value();
+    (0..strata_faces(domain)).flat_map(move |face| {
+        let side = side.clone();
+        side.clone().flat_map(move |iy| {
+            side.clone().filter_map(move |ix| Cell::new(nside, face, ix, iy).ok())
+        })
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::HashSet;
+
+    use super::{Domain, HealpixJittered, HealpixRegular, Nside, Sampler, strata};
+    use crate::{Purpose, Streams};
+
+    #[test]
+    fn the_hemisphere_has_one_cell_of_every_antipodal_pair() {
+        for n in [1, 2, 3, 8] {
+            let nside = Nside::new(n).unwrap();
+            let half: HashSet<_> = strata(nside, Domain::Hemisphere).collect();
+            assert_eq!(half.len(), 6 * (n * n) as usize);
+            for cell in strata(nside, Domain::Sphere) {
+                assert!(half.contains(&cell) != half.contains(&cell.antipode()), "{cell:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn every_stratum_has_its_one_direction() {
+        for domain in [Domain::Sphere, Domain::Hemisphere] {
+            let nside = Nside::new(9).unwrap();
+            let mut rng = Streams::new(3, Purpose::Pattern, 0).realization(0);
+            for sampler in [
+                &HealpixRegular::new(nside, domain) as &dyn Sampler,
+                &HealpixJittered::new(nside, domain),
+            ] {
+                let points = sampler.sample(&mut rng);
+                assert_eq!(points.len(), sampler.n_points());
+                let strata: HashSet<_> = points
+                    .iter()
+                    .map(|&p| {
+                        let cell = sphvar_healpix::Cell::containing(nside, p);
+                        // A line is named by the smaller of its two cells' faces.
+                        if domain == Domain::Hemisphere && cell.face() >= 6 {
+                            cell.antipode()
+                        } else {
+                            cell
+                        }
+                    })
+                    .collect();
+                assert_eq!(strata.len(), sampler.n_points(), "{sampler:?}");
+            }
+        }
+    }
+}

@@ -1,0 +1,61 @@
+//! Spherical harmonics on the unit sphere: associated Legendre functions, coefficients, quadrature.
+//!
+//! Conventions: `theta` is the colatitude in `[0, pi]`, `phi` the longitude, both in radians; directions are unit
+//! `glam::DVec3`. Harmonics are orthonormal, `integral |Y_lm|^2 = 1`, with the Condon-Shortley phase,
+//! `Y_lm = lambda_lm(theta) e^(i m phi)`. Coefficients of real functions are stored for `m >= 0` in the layout of
+//! [`LmIndex`], `lmax` inclusive.
+//!
+//! - [`lambda`](lambda()), [`LegendrePlan`], [`Recurrence`]: associated Legendre functions, one value, all values
+//!   at a colatitude, one order at many colatitudes. Accurate at every colatitude, tested for degrees up to 20000.
+//! - [`ylm`], [`real_ylm`] and their `_at` forms for directions: single harmonics.
+//! - [`Alm`]: coefficients, energy and power per degree.
+//! - [`legendre_p`]: Legendre polynomials. [`GaussLegendre`]: quadrature on an interval.
+//!
+//! # Examples
+//!
+//! The coefficient of a sum of point masses, and the addition theorem on the way:
+//!
+//! ```
+//! use glam::DVec3;
+//! use sphvar_sh::{Alm, legendre_p, ylm_at};
+//!
+//! let points = [DVec3::Z, DVec3::new(0.6, 0.0, 0.8)];
+//! let mut alm = Alm::zeros(4)?;
+//! for (l, m) in alm.index().iter() {
+//!     for p in points {
+//!         alm[(l, m)] += ylm_at(l, m as i64, p)?.conj();
+//!     }
+//! }
+//! // sum_m |a_lm|^2 = (2l + 1)/(4 pi) sum over pairs of P_l(p . q)
+//! let cos = points[0].dot(points[1]);
+//! for (l, energy) in alm.energy_per_degree().into_iter().enumerate() {
+//!     let orders = (2 * l + 1) as f64;
+//!     let pairs = 2.0 + 2.0 * legendre_p(l, cos)?;
+//!     assert!((energy - orders / (4.0 * std::f64::consts::PI) * pairs).abs() < 1e-14);
+//! }
+//! # Ok::<(), sphvar_sh::Error>(())
+//! ```
+
+mod alm;
+mod colatitude;
+mod error;
+mod gauss;
+mod index;
+mod lambda;
+mod plan;
+mod polynomial;
+mod recurrence;
+mod scaled;
+mod ylm;
+
+pub use alm::Alm;
+pub use colatitude::Colatitude;
+pub use error::Error;
+pub use gauss::GaussLegendre;
+pub use index::{LmIndex, MAX_DEGREE};
+pub use lambda::{lambda, lambda_scaled, sectoral, sectoral_function};
+pub use plan::LegendrePlan;
+pub use polynomial::{legendre_p, legendre_p_into};
+pub use recurrence::{Recurrence, Step};
+pub use scaled::Scaled;
+pub use ylm::{real_ylm, real_ylm_at, ylm, ylm_at};

@@ -1,0 +1,29 @@
+//! Transforms between scattered points on the sphere and spherical harmonic coefficients.
+//!
+//! ```
+//! use glam::DVec3;
+//! use sphvar_sht::ExactTransform;
+//!
+//! // Two antipodal unit masses: every odd degree cancels.
+//! let transform = ExactTransform::new(8)?;
+//! let alm = transform.adjoint(&[DVec3::Z, -DVec3::Z], None)?;
+//! let power = alm.power_per_degree();
+//! assert!(power[1] == 0.0 && power[3] == 0.0);
+//! assert!((power[2] - 1.0 / std::f64::consts::PI).abs() < 1e-14);
+//! # Ok::<(), sphvar_sht::Error>(())
+//! ```
+//!
+//! The *adjoint* takes weighted points to coefficients, `a_lm = sum_k w_k conj Y_lm(x_k)`; it is
+//! the adjoint of synthesis, not its inverse. [`ExactTransform`] computes it from the definition
+//! in O(N lmax^2), to rounding, for any points. Its Legendre part stands alone as
+//! [`RingTransform`], for functions whose Fourier coefficients are known on rings of constant
+//! colatitude.
+
+mod exact;
+mod kernel;
+mod lanes;
+mod rings;
+
+pub use exact::{ExactTransform, ExactWorkspace};
+pub use rings::{RingTransform, RingWorkspace};
+pub use sphvar_sh::Error;

@@ -1,0 +1,38 @@
+use num_complex::Complex;
+
+use crate::{Accumulator, Realization};
+
+/// Collects one coefficient `S_lm` of every realization, for looking at its distribution.
+#[derive(Clone, Debug)]
+pub struct CoefficientSamples {
+    l: usize,
+    m: usize,
+    samples: Vec<(u64, Complex<f64>)>,
+}
+
+impl CoefficientSamples {
+    /// An empty collection for degree `l` and order `m`, 0 <= m <= l.
+    #[must_use]
+    pub fn new(l: usize, m: usize) -> Self {
+        Self { l, m, samples: Vec::new() }
+    }
+
+    /// The coefficients in the order of the realizations.
+    #[must_use]
+    pub fn finish(mut self) -> Vec<Complex<f64>> {
+        self.samples.sort_by_key(|s| s.0);
+        self.samples.into_iter().map(|s| s.1).collect()
+    }
+}
+
+impl Accumulator for CoefficientSamples {
+    fn push(&mut self, realization: &Realization<'_>) {
+        let alm = realization.alm();
+        let value = alm.values()[alm.index().at(self.l, self.m)];
+        self.samples.push((realization.index(), value));
+    }
+
+    fn merge(&mut self, other: &Self) {
+        self.samples.extend_from_slice(&other.samples);
+    }
+}

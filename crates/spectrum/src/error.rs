@@ -1,0 +1,21 @@
+/// Why a spectrum cannot be computed or merged.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// The transform cannot be built.
+    #[error(transparent)]
+    Transform(#[from] sphvar_sht::Error),
+    /// Two accumulators do not belong to the same ensemble.
+    #[error("cannot merge spectra of different {what}: {left} and {right}")]
+    Mismatch {
+        /// What differs.
+        what: &'static str,
+        /// Its value on the left.
+        left: usize,
+        /// Its value on the right.
+        right: usize,
+    },
+    /// An ensemble of no realizations has no mean.
+    #[error("a spectrum needs at least 1 realization, got 0")]
+    NoRealizations,
+}

@@ -1,0 +1,255 @@
+/// Bits per digit.
+const DIGIT: u32 = 32;
+/// The power of two of the lowest digit's lowest bit: that of the least subnormal f64.
+const LOWEST: i32 = -1074;
+/// Additions move a digit by less than 2^32, so this many fit an i64 before carries must be
+/// propagated.
+const MOST_PENDING: u32 = 1 << 29;
+
+/// A sum of f64 numbers without any rounding, so that neither order nor grouping can change it.
+///
+/// A fixed-point number wide enough for every f64 (Kulisch 1971), of which only the digits in use
+/// are stored: numbers of similar size take some 100 bytes. Adding costs a few nanoseconds.
+///
+/// ```
+/// use sphvar_spectrum::ExactSum;
+/// let mut sum = ExactSum::default();
+/// for x in [1e300, 1.0, -1e300, 1e-300] {
+///     sum.add(x);
+/// }
+/// assert_eq!(sum.value(), 1.0);
+/// assert_eq!(sum.value_and_rest(), (1.0, 1e-300));
+/// ```
+#[derive(Clone, Debug, Default)]
+pub struct ExactSum {
+    /// `sum = sum_i digits[i] 2^(LOWEST + 32 (first + i))`.
+    digits: Vec<i64>,
+    first: usize,
+    pending: u32,
+    /// The plain sum of what is not finite, 0 while everything is.
+    non_finite: f64,
+}
+
+impl ExactSum {
+    /// Adds a number. Infinities and NaN make the value infinite or NaN as plain addition would.
+    pub fn add(&mut self, x: f64) {
+        if !x.is_finite() {
+            self.non_finite += x;
+            return;
+        }
+        let bits = x.to_bits();
+        let biased = (bits >> 52) & 0x7ff;
+        let fraction = bits & ((1 << 52) - 1);
+        // Subnormals have the exponent of the least normal number and no hidden bit.
+        let (significand, shift) =
+            if biased == 0 { (fraction, 0) } else { (fraction | 1 << 52, biased - 1) };
+        if significand == 0 {
+            return;
+        }
+        #[expect(clippy::cast_possible_truncation, reason = "the shift is below 2048")]
+        let (digit, offset) = (shift as usize / DIGIT as usize, shift as u32 % DIGIT);
+        self.make_room(digit, digit + 3);
+        let wide = u128::from(significand) << offset;
+        let at = digit - self.first;
+        for (i, slot) in self.digits[at..at + 3].iter_mut().enumerate() {
+            #[expect(clippy::cast_possible_truncation, reason = "one digit is cut out")]
+            let part = i64::from((wide >> (DIGIT as usize * i)) as u32);
+            *slot += if x.is_sign_negative() { -part } else { part };
+        }
+        self.pending += 1;
+        if self.pending == MOST_PENDING {
+            self.propagate();
+        }
+    }
+
+    /// Adds another sum; the result is that of adding its numbers one by one.
+    pub fn merge(&mut self, other: &Self) {
+        self.non_finite += other.non_finite;
+        let mut other = other.clone();
+        other.propagate();
+        self.propagate();
+        if other.digits.is_empty() {
+            return;
+        }
+        self.make_room(other.first, other.first + other.digits.len());
+        let at = other.first - self.first;
+        for (slot, digit) in self.digits[at..].iter_mut().zip(&other.digits) {
+            *slot += digit;
+        }
+        // The sum of two propagated numbers is as good as two additions.
+        self.pending = 2;
+    }
+
+    /// The sum as f64, within one unit in the last place.
+    #[must_use]
+    pub fn value(&self) -> f64 {
+        self.value_and_rest().0
+    }
+
+    /// The sum as an f64 and the f64 of what that leaves: some 106 bits together.
+    ///
+    /// Both are functions of the exact sum alone. An infinite or NaN sum has a rest of 0.
+    #[must_use]
+    pub fn value_and_rest(&self) -> (f64, f64) {
+        if self.non_finite != 0.0 {
+            return (self.non_finite, 0.0);
+        }
+        let mut exact = self.clone();
+        let value = exact.round();
+        if !value.is_finite() {
+            return (value, 0.0);
+        }
+        exact.add(-value);
+        (value, exact.round())
+    }
+
+    /// The value of the digits, added from the smallest on; propagates.
+    fn round(&mut self) -> f64 {
+        self.propagate();
+        // Work on the magnitude, so that the digits above the leading one are zero.
+        let negative = self.digits.last().is_some_and(|&d| d < 0);
+        if negative {
+            for d in &mut self.digits {
+                *d = -*d;
+            }
+            self.propagate();
+        }
+        let mut magnitude = 0.0;
+        for (i, &d) in self.digits.iter().enumerate() {
+            if d != 0 {
+                #[expect(
+                    clippy::cast_possible_truncation,
+                    clippy::cast_possible_wrap,
+                    reason = "a digit index is below 70, a propagated digit below 2^32"
+                )]
+                let part = times_power_of_two(
+                    d as f64,
+                    LOWEST + (DIGIT as usize * (self.first + i)) as i32,
+                );
+                magnitude += part;
+            }
+        }
+        if negative {
+            for d in &mut self.digits {
+                *d = -*d;
+            }
+            -magnitude
+        } else {
+            magnitude
+        }
+    }
+
+    /// Makes digits `from..until` exist.
+    fn make_room(&mut self, from: usize, until: usize) {
+        if self.digits.is_empty() {
+            self.first = from;
+        }
+        if from < self.first {
+            self.digits.splice(..0, std::iter::repeat_n(0, self.first - from));
+            self.first = from;
+        }
+        let needed = until - self.first;
+        if self.digits.len() < needed {
+            self.digits.resize(needed, 0);
+        }
+    }
+
+    /// Brings every digit but the leading one into [0, 2^32), the sign into the leading one.
+    fn propagate(&mut self) {
+        let mut carry = 0;
+        for d in &mut self.digits {
+            let total = *d + carry;
+            carry = total >> DIGIT;
+            *d = total - (carry << DIGIT);
+        }
+        if carry != 0 {
+            // A leading digit of -1 above digits in range is how a negative number ends.
+            self.digits.push(carry);
+        }
+        while self.digits.last() == Some(&0) {
+            self.digits.pop();
+        }
+        self.pending = 0;
+    }
+}
+
+/// `x 2^exponent` for |exponent| up to 2100, in two steps so that the power itself stays in range.
+fn times_power_of_two(x: f64, exponent: i32) -> f64 {
+    let half = exponent / 2;
+    x * 2f64.powi(half) * 2f64.powi(exponent - half)
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::{ProptestConfig, any, prop, prop_assert_eq, proptest};
+
+    use super::ExactSum;
+
+    fn sum(numbers: &[f64]) -> ExactSum {
+        let mut sum = ExactSum::default();
+        for &x in numbers {
+            sum.add(x);
+        }
+        sum
+    }
+
+    #[test]
+    fn extremes_are_held_exactly() {
+        let tiny = f64::from_bits(1);
+        let cases: [(&[f64], f64); 8] = [
+            (&[], 0.0),
+            (&[0.0, -0.0], 0.0),
+            (&[tiny], tiny),
+            (&[-tiny, f64::MIN_POSITIVE], f64::from_bits((1 << 52) - 1)),
+            (&[f64::MAX, tiny, -f64::MAX], tiny),
+            (&[f64::MAX, f64::MAX, -f64::MAX], f64::MAX),
+            (&[-1.0, 2f64.powi(-53)], -1.0 + 2f64.powi(-53)),
+            (&[2f64.powi(32), -1.0], 4294967295.0),
+        ];
+        for (numbers, expected) in cases {
+            let got = sum(numbers).value();
+            assert_eq!(got.to_bits(), expected.to_bits(), "{numbers:?} gave {got:e}");
+        }
+    }
+
+    #[test]
+    fn what_is_not_finite_stays_visible() {
+        assert!(sum(&[1.0, f64::INFINITY]).value() > f64::MAX);
+        assert!(sum(&[f64::NEG_INFINITY, f64::INFINITY]).value().is_nan());
+        assert!(sum(&[f64::NAN]).value().is_nan());
+        assert!(sum(&[f64::MAX, f64::MAX]).value() > f64::MAX);
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(500))]
+
+        /// The oracle is integer arithmetic: multiples of 2^-20 below 2^60 are exact in i128.
+        #[test]
+        fn the_sum_is_that_of_integers(numbers in prop::collection::vec(any::<i64>(), 0..40)) {
+            let scaled: Vec<f64> =
+                numbers.iter().map(|&k| (k >> 11) as f64 * 2f64.powi(-20)).collect();
+            let exact: i128 = numbers.iter().map(|&k| i128::from(k >> 11)).sum();
+            let (value, rest) = sum(&scaled).value_and_rest();
+            #[expect(clippy::cast_possible_truncation, reason = "integers below 2^60")]
+            let integer = |x: f64| (x * 2f64.powi(20)) as i128;
+            let back = integer(value) + integer(rest);
+            prop_assert_eq!(back, exact);
+        }
+
+        #[test]
+        fn order_and_grouping_do_not_matter(
+            bits in prop::collection::vec(any::<u64>(), 0..60),
+            cut in 0usize..60,
+        ) {
+            let numbers: Vec<f64> =
+                bits.iter().map(|&b| f64::from_bits(b)).filter(|x| x.is_finite()).collect();
+            let whole = sum(&numbers).value_and_rest();
+            let reversed: Vec<f64> = numbers.iter().rev().copied().collect();
+            prop_assert_eq!(sum(&reversed).value_and_rest(), whole);
+            let (left, right) = numbers.split_at(cut.min(numbers.len()));
+            let mut merged = sum(right);
+            merged.merge(&sum(left));
+            prop_assert_eq!(merged.value_and_rest(), whole);
+        }
+    }
+}

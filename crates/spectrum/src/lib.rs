@@ -1,0 +1,37 @@
+//! Angular power spectra of ensembles of sampling patterns, with error bars that merge exactly.
+//!
+//! ```
+//! use sphvar_samplers::{Domain, Pattern, Purpose, Realizations, Streams};
+//! use sphvar_spectrum::estimate;
+//!
+//! let white = Pattern::WhiteNoise.build(64, Domain::Sphere)?;
+//! let ensemble = Realizations::rotated(&*white, Streams::new(0, Purpose::Pattern, 64));
+//! let spectrum = estimate(&ensemble, 16, 200, &|| ())?;
+//! // White noise has P(l) = 1 for every l >= 1; P(0) = N for every set.
+//! let (power, stderr) = (spectrum.power()[4], spectrum.stderr()[4]);
+//! assert!((power - 1.0).abs() < 5.0 * stderr);
+//! assert!((spectrum.power()[0] - 64.0).abs() < 1e-10);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! The data's way: point sets ([`PointSets`], such as the realizations of a sampler) go through
+//! the transform of `sphvar-sht` into an [`Accumulator`], which keeps what is wanted of the
+//! coefficients: their power per degree ([`SpectrumAccumulator`]), per degree and order
+//! ([`OrderAccumulator`]), or single coefficients ([`CoefficientSamples`]). Accumulators sum
+//! exactly ([`ExactSum`]), so any split over threads or machines merges to the same bits.
+
+mod accumulate;
+mod coefficients;
+mod error;
+mod exact_sum;
+mod moments;
+mod orders;
+mod spectrum;
+
+pub use accumulate::{Accumulator, PointSets, Realization, accumulate, estimate};
+pub use coefficients::CoefficientSamples;
+pub use error::Error;
+pub use exact_sum::ExactSum;
+pub use moments::Moments;
+pub use orders::{OrderAccumulator, OrderPower};
+pub use spectrum::{Spectrum, SpectrumAccumulator};

@@ -1,0 +1,141 @@
+use sphvar_samplers::Domain;
+
+use crate::{Accumulator, Error, Moments, Realization};
+
+/// The mean angular power per degree of an ensemble, with the standard error of that mean.
+///
+/// `P(l) = (4 pi / N) 1/(2l+1) sum_m |sum_k conj Y_lm(s_k)|^2`, so that white noise has P(l) = 1
+/// for l >= 1 and every set has P(0) = N (`docs/conventions.md`). On the hemisphere only even
+/// degrees exist; the entries of odd degrees are 0 and mean nothing.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Spectrum {
+    domain: Domain,
+    n_points: usize,
+    realizations: u64,
+    power: Vec<f64>,
+    stderr: Vec<f64>,
+}
+
+impl Spectrum {
+    /// Where the points live.
+    #[must_use]
+    pub fn domain(&self) -> Domain {
+        self.domain
+    }
+
+    /// The number of points of a realization.
+    #[must_use]
+    pub fn n_points(&self) -> usize {
+        self.n_points
+    }
+
+    /// How many realizations the mean is taken over.
+    #[must_use]
+    pub fn realizations(&self) -> u64 {
+        self.realizations
+    }
+
+    /// The largest degree, inclusive.
+    #[must_use]
+    pub fn lmax(&self) -> usize {
+        self.power.len() - 1
+    }
+
+    /// The mean power, index l from 0.
+    #[must_use]
+    pub fn power(&self) -> &[f64] {
+        &self.power
+    }
+
+    /// The standard error of the mean power, index l from 0; 0 where it is known exactly, as for
+    /// a pattern of one realization.
+    #[must_use]
+    pub fn stderr(&self) -> &[f64] {
+        &self.stderr
+    }
+
+    /// The degrees that exist, from 0 on, each with its mean power and standard error.
+    pub fn rows(&self) -> impl Iterator<Item = (usize, f64, f64)> {
+        let rows = self.power.iter().zip(&self.stderr).enumerate();
+        rows.map(|(l, (&p, &e))| (l, p, e)).filter(|row| self.domain.has_degree(row.0))
+    }
+}
+
+/// Accumulates the power per degree; the [`Spectrum`] in the making.
+#[derive(Clone, Debug)]
+pub struct SpectrumAccumulator {
+    domain: Domain,
+    n_points: usize,
+    degrees: Vec<Moments>,
+}
+
+impl SpectrumAccumulator {
+    /// An empty accumulator for degrees up to `lmax` of sets of `n_points`.
+    #[must_use]
+    pub fn new(domain: Domain, n_points: usize, lmax: usize) -> Self {
+        Self { domain, n_points, degrees: vec![Moments::default(); lmax + 1] }
+    }
+
+    /// Adds the realizations of another accumulator, exactly.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Mismatch`] if the two differ in the number of points or degrees.
+    pub fn try_merge(&mut self, other: &Self) -> Result<(), Error> {
+        let pairs = [
+            ("numbers of points", self.n_points, other.n_points),
+            ("numbers of degrees", self.degrees.len(), other.degrees.len()),
+            (
+                "domains",
+                usize::from(self.domain == Domain::Sphere),
+                usize::from(other.domain == Domain::Sphere),
+            ),
+        ];
+        for (what, left, right) in pairs {
+            if left != right {
+                return Err(Error::Mismatch { what, left, right });
+            }
+        }
+        self.merge(other);
+        Ok(())
+    }
+
+    /// The mean and its standard error, which is 0 for a single realization: whether that is the
+    /// whole ensemble is the caller's knowledge.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::NoRealizations`] if nothing was accumulated.
+    pub fn finish(&self) -> Result<Spectrum, Error> {
+        let realizations = self.degrees[0].count();
+        if realizations == 0 {
+            return Err(Error::NoRealizations);
+        }
+        let exists = |l: usize, x: f64| if self.domain.has_degree(l) { x } else { 0.0 };
+        let stderr = |m: &Moments| if realizations == 1 { 0.0 } else { m.standard_error() };
+        let by_degree = |f: &dyn Fn(&Moments) -> f64| -> Vec<f64> {
+            self.degrees.iter().enumerate().map(|(l, m)| exists(l, f(m))).collect()
+        };
+        Ok(Spectrum {
+            domain: self.domain,
+            n_points: self.n_points,
+            realizations,
+            power: by_degree(&Moments::mean),
+            stderr: by_degree(&stderr),
+        })
+    }
+}
+
+impl Accumulator for SpectrumAccumulator {
+    fn push(&mut self, realization: &Realization<'_>) {
+        for (moments, power) in self.degrees.iter_mut().zip(realization.power()) {
+            moments.push(power);
+        }
+    }
+
+    fn merge(&mut self, other: &Self) {
+        for (mine, theirs) in self.degrees.iter_mut().zip(&other.degrees) {
+            mine.merge(theirs);
+        }
+    }
+}

@@ -1,0 +1,60 @@
+/// Why an integrand cannot be built or its energy not be given.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// A parameter is outside its range.
+    #[error("{name} must be {range}, got {got}")]
+    Parameter {
+        /// The parameter.
+        name: &'static str,
+        /// Its legal values in words.
+        range: &'static str,
+        /// The value given.
+        got: f64,
+    },
+    /// The order of a harmonic exceeds its degree.
+    #[error("the order must satisfy |m| <= l, got l = {l}, m = {m}")]
+    Order {
+        /// The degree.
+        l: usize,
+        /// The order.
+        m: i64,
+    },
+    /// The integrand does not know its energy per degree.
+    #[error("the energy per degree of this integrand is not known: {reason}")]
+    NoEnergy {
+        /// Why.
+        reason: &'static str,
+    },
+    /// An environment map is not twice as wide as high.
+    #[error("an environment map must be 2:1 (width = 2 height), got {width} x {height}")]
+    Shape {
+        /// Texels in a row.
+        width: usize,
+        /// Rows.
+        height: usize,
+    },
+    /// An environment map has another number of texels than its size says.
+    #[error("a map of {width} x {height} has {} texels, got {got}", width * height)]
+    TexelCount {
+        /// Texels in a row.
+        width: usize,
+        /// Rows.
+        height: usize,
+        /// Texels given.
+        got: usize,
+    },
+    /// A texel of an environment map is infinite or NaN.
+    #[error("texel (row {row}, column {column}) is {value}; every texel must be finite")]
+    Texel {
+        /// Row from the top, 0-based.
+        row: usize,
+        /// Column from the left, 0-based.
+        column: usize,
+        /// Its value.
+        value: f64,
+    },
+    /// A harmonic evaluation or transform refused its input.
+    #[error(transparent)]
+    Harmonics(#[from] sphvar_sh::Error),
+}

@@ -1,0 +1,52 @@
+//! Integrands on the sphere, their energy per degree, and the variance of Monte Carlo integration
+//! over a pattern of directions: predicted from spectra and measured.
+//!
+//! ```
+//! use sphvar_samplers::{Domain, Pattern, Purpose, Realizations, Streams};
+//! use sphvar_variance::{Harmonic, Integrand, measure, predict};
+//!
+//! let jittered = Pattern::Jittered.build(192, Domain::Sphere)?;
+//! let integrand = Harmonic::new(4, 0)?;
+//!
+//! // Predicted: the product of two spectra.
+//! let sets = Realizations::rotated(&*jittered, Streams::new(0, Purpose::Pattern, 192));
+//! let spectrum = sphvar_spectrum::estimate(&sets, 8, 400, &|| ())?;
+//! let predicted = predict(&spectrum, &integrand.energy(Domain::Sphere, 8)?);
+//!
+//! // Measured, on independent realizations.
+//! let trials = Realizations::rotated(&*jittered, Streams::new(0, Purpose::Trial, 192));
+//! let measured = measure(&trials, &integrand, 400, &|| ());
+//! assert!((measured.variance() / predicted.variance - 1.0).abs() < 0.3);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! `Var(I_N) = (4 pi / N) sum_{l >= 1} (2l+1) <P_S(l)> P_F(l)`, Singh 2015 as corrected in
+//! `docs/theory.md`; the part of the integrand's energy beyond the largest degree is accounted
+//! for. An [`Integrand`] is a function with, where known, its exact integral and its [`Energy`]
+//! per degree; closures are integrands too.
+
+mod cap;
+mod cosine;
+mod crossover;
+mod energy;
+mod environment;
+mod error;
+mod harmonic;
+mod integrand;
+mod lobe;
+mod measurement;
+mod prediction;
+mod rate;
+
+pub use cap::Cap;
+pub use cosine::ClampedCosine;
+pub use crossover::{Crossover, crossover};
+pub use energy::Energy;
+pub use environment::EnvironmentMap;
+pub use error::Error;
+pub use harmonic::Harmonic;
+pub use integrand::Integrand;
+pub use lobe::VonMisesFisher;
+pub use measurement::{Measurement, measure};
+pub use prediction::{Prediction, PredictionAccumulator, predict};
+pub use rate::{RateFit, VariancePoint, fit_rate};

@@ -1,0 +1,1 @@
+//! Shared statistics of the cross-crate checks.
