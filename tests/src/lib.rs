@@ -1,1 +1,20 @@
-//! Shared statistics of the cross-crate checks.
+//! What the cross-crate checks share: significance of families of comparisons, reference spectra
+//! and an exact spectrum of stratified patterns.
+//!
+//! The checks themselves are in `tests/*.rs`, one topic a file. Their rules: seeds, counts and
+//! significance are named constants, the unit of replication is the realization, and every
+//! statistical check states how often it would fail although nothing is wrong.
+
+mod family;
+mod kolmogorov_smirnov;
+mod point_list;
+mod reference_spectrum;
+mod significance;
+mod strata;
+
+pub use family::Family;
+pub use kolmogorov_smirnov::{ks_distance, ks_p_value};
+pub use point_list::PointList;
+pub use reference_spectrum::ReferenceSpectrum;
+pub use significance::{chi2_false_alarm, chi2_interval, sidak_z};
+pub use strata::{Stratum, exact_jitter_orders, exact_jitter_spectrum, strata};

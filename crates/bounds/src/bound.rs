@@ -124,7 +124,7 @@ impl Bound {
             } else {
                 excess * f64::INFINITY
             };
-            let ratio = if power == bound { 1.0 } else { power / bound };
+            let ratio = if excess == 0.0 { 1.0 } else { power / bound };
             let first = verdict.n_degrees == 0;
             // Exact spectra have infinite z throughout; among equals the ratio decides.
             let worse = z > verdict.z

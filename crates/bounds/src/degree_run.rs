@@ -1,8 +1,11 @@
 //! The one closed form behind the tables of Chapter 6: a power of `l` against a profile, over a run of degrees.
 
 use crate::power_sum::power_sum;
-use crate::zeta::{hurwitz_zeta, riemann_zeta_regular};
+use crate::zeta::{hurwitz_zeta, riemann_zeta, riemann_zeta_regular};
 use crate::{Domain, Profile};
+
+/// Below this argument the zeta term of the large-N form is left out.
+const ZETA_NEGLIGIBLE: f64 = -150.0;
 
 /// The energy `coefficient * l^-decay` on the degrees `first..=last`; `last` may be infinite if `decay > 1`.
 ///
@@ -121,15 +124,21 @@ impl DegreeRun {
         }
         let epsilon = p - 1.0 - b;
         let growth = epsilon * log;
-        let logarithmic = if growth == 0.0 { log } else { log * (growth.exp_m1() / growth) };
-        // zeta(1 + epsilon) ~ Gamma(b) / (2 pi)^b: for large b and L >= b its term is far below an ulp.
-        const ZETA_NEGLIGIBLE: f64 = -150.0;
-        let zeta_term = if 1.0 + epsilon < ZETA_NEGLIGIBLE {
-            -epsilon.recip() * growth.exp()
+        let whole = if growth > 1.0 {
+            // Here the two terms do not cancel, and L^epsilon may overflow.
+            riemann_zeta(p - b) * break_index.powf(-b)
+                - b / ((p - 1.0) * epsilon) * break_index.powf(1.0 - p)
         } else {
-            riemann_zeta_regular(1.0 + epsilon) * growth.exp()
+            let logarithmic = if growth == 0.0 { log } else { log * (growth.exp_m1() / growth) };
+            // zeta(p-b) ~ Gamma(b) / (2 pi)^b: for large b and L >= b its term is far below an ulp.
+            let zeta_regular = if p - b < ZETA_NEGLIGIBLE {
+                -epsilon.recip()
+            } else {
+                riemann_zeta_regular(p - b)
+            };
+            break_index.powf(1.0 - p)
+                * (zeta_regular * growth.exp() + logarithmic + (p - 1.0).recip())
         };
-        let whole = break_index.powf(1.0 - p) * (zeta_term + logarithmic + (p - 1.0).recip());
         let before = Self { first: 1.0, ..self }.head_sum(b, break_index, self.first - 1.0);
         Some((whole - before, b / 12.0 * break_index.powf(-p - 1.0)))
     }

@@ -73,7 +73,7 @@ impl Bound {
     ///
     /// [`Error::Parameter`] unless `0 < confidence < 1`; [`Error::NoFit`] if a limit lies above the plateau of an upper
     /// bound, or not above the offset of a lower one; [`Error::AlphaUndetermined`] if no degree constrains `alpha`,
-    /// as for a constant profile.
+    /// as for a constant profile that clears them all.
     pub fn fit_alpha(
         &self,
         spectrum: &MeasuredSpectrum<'_>,

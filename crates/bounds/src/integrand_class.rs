@@ -151,7 +151,7 @@ impl IntegrandClass {
             return f64::INFINITY;
         }
         let sum: f64 = self.runs().iter().map(|run| run.sum(profile, n_points, domain)).sum();
-        domain.prefactor(n_points) * sum
+        domain.variance_factor(n_points) * sum
     }
 
     /// Returns the large-N form of the variance, `None` where it does not hold yet.
@@ -177,7 +177,7 @@ impl IntegrandClass {
         if n_points == 0 {
             return None;
         }
-        let prefactor = domain.prefactor(n_points);
+        let prefactor = domain.variance_factor(n_points);
         let mut total = Asymptotic { variance: 0.0, remainder: 0.0 };
         for run in self.runs() {
             let (value, remainder) = run.asymptotic(profile, n_points, domain)?;

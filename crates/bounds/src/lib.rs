@@ -35,7 +35,7 @@
 mod bound;
 mod compensated_sum;
 mod degree_run;
-mod domain;
+
 mod error;
 mod fit;
 mod integrand_class;
@@ -48,12 +48,12 @@ mod variance_range;
 mod zeta;
 
 pub use bound::{Bound, Side, Verdict};
-pub use domain::Domain;
 pub use error::Error;
 pub use integrand_class::{Asymptotic, IntegrandClass};
 pub use measured_spectrum::MeasuredSpectrum;
 pub use profile::{Profile, Shape};
 pub use rate::Rate;
+pub use sphvar_variance::Domain;
 pub use thesis_bounds::{ThesisBound, thesis_bounds};
 pub use variance_range::{VarianceRange, variance_bound};
 pub use zeta::{generalized_harmonic, hurwitz_zeta, riemann_zeta, trigamma};

@@ -40,8 +40,8 @@ impl<'a> MeasuredSpectrum<'a> {
         if n_points == 0 {
             return Err(Error::NoPoints);
         }
-        if power.len() <= domain.first_degree() {
-            return Err(Error::NoDegrees { got: power.len(), needed: domain.first_degree() + 1 });
+        if power.len() <= domain.degree_step() {
+            return Err(Error::NoDegrees { got: power.len(), needed: domain.degree_step() + 1 });
         }
         per_degree("power", power)?;
         per_degree("standard error", stderr)?;
@@ -56,7 +56,7 @@ impl<'a> MeasuredSpectrum<'a> {
 
     /// Returns the degrees that enter the variance, ascending.
     pub fn degrees(&self) -> impl Iterator<Item = usize> + use<> {
-        (self.domain.first_degree()..self.power.len()).step_by(self.domain.degree_step())
+        (self.domain.degree_step()..self.power.len()).step_by(self.domain.degree_step())
     }
 
     /// Returns the mean power of a degree.

@@ -38,15 +38,18 @@ pub(crate) fn end_correction(x: f64, s: f64) -> f64 {
             break;
         }
         let next = s + (2 * j + 1) as f64;
-        rising *= next * (next + 1.0) / (x * x);
+        // One quotient at a time: the squares of large x and s would overflow.
+        rising *= (next / x) * ((next + 1.0) / x);
     }
     sum
 }
 
-/// Returns `(x / reference)^exponent`, both positive, without magnifying the rounding of the quotient by a large exponent.
+/// Exponents above this would magnify the rounding of a quotient too much.
+const LARGE_EXPONENT: f64 = 32.0;
+
+/// Returns `(x / reference)^exponent` for positive `x` and `reference`.
 fn ratio_power(x: f64, reference: f64, exponent: f64) -> f64 {
-    const LARGE: f64 = 32.0;
-    if exponent.abs() <= LARGE {
+    if exponent.abs() <= LARGE_EXPONENT {
         (x / reference).powf(exponent)
     } else {
         (exponent * ((x - reference) / reference).ln_1p()).exp()
@@ -92,16 +95,18 @@ pub(crate) fn power_sum(first: f64, last: f64, s: f64) -> PowerSum {
         sum.add(at_start * (0.5 + end_correction(start, s)));
         sum.add(at_last * (0.5 - end_correction(last, s)));
     }
-    // The terms before `start`, the largest first, so that the loop may stop early. Counting the offset keeps it
-    // finite where 1 is below the spacing of the numbers.
-    let (from, direction, count) = if s < 0.0 {
-        (last.min(start - 1.0), -1.0, last.min(start - 1.0) - first)
-    } else {
-        (first, 1.0, last.min(start - 1.0) - first)
-    };
+    // The terms before `start`, the largest first, so that the loop may stop early. For large `s` they are taken from their
+    // distance to the largest, which still counts where 1 is below the spacing of the numbers.
+    let direct_last = last.min(start - 1.0);
+    let (from, direction) = if s < 0.0 { (direct_last, -1.0) } else { (first, 1.0) };
+    let largest = ratio_power(from, reference, -s);
     let mut offset = 0.0;
-    while offset <= count {
-        let term = ratio_power(from + direction * offset, reference, -s);
+    while offset <= direct_last - first {
+        let term = if s.abs() <= LARGE_EXPONENT {
+            ratio_power(from + direction * offset, reference, -s)
+        } else {
+            largest * (-s * (direction * offset / from).ln_1p()).exp()
+        };
         sum.add(term);
         if term <= NEGLIGIBLE * sum.value() {
             break;

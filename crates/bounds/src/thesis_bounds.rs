@@ -108,11 +108,8 @@ mod tests {
             let bound = thesis_bounds()[which];
             for (omega, power) in spectrum {
                 // With 4096 points sqrt N = 64, and each of these omega is a whole degree.
-                let l = (0..256).find(|&l| f64::from(l) >= omega * 64.0).unwrap_or(0);
-                let (low, high) = (
-                    bound.lower.power(l as usize, n_points),
-                    bound.upper.power(l as usize, n_points),
-                );
+                let l = (0..256).find(|&l| l as f64 >= omega * 64.0).unwrap_or(0);
+                let (low, high) = (bound.lower.power(l, n_points), bound.upper.power(l, n_points));
                 assert!(
                     low < power && power < high,
                     "{}: omega {omega}: {low} {power} {high}",

@@ -51,7 +51,7 @@ pub fn variance_bound(
     if n_points == 0 {
         return Err(Error::NoPoints);
     }
-    let (first, step) = (domain.first_degree(), domain.degree_step());
+    let (first, step) = (domain.degree_step(), domain.degree_step());
     let sum: CompensatedSum = energy_per_degree
         .iter()
         .enumerate()
@@ -64,7 +64,7 @@ pub fn variance_bound(
     let with_tail = |power: f64| {
         let mut total = sum;
         total.add(power * tail_energy);
-        domain.prefactor(n_points) * total.value()
+        domain.variance_factor(n_points) * total.value()
     };
     Ok(VarianceRange {
         lower: with_tail(profile.power(tail_start, n_points)),

@@ -50,7 +50,7 @@ fn slow_variance(
     domain: Domain,
     last: usize,
 ) -> f64 {
-    let (first, step) = (domain.first_degree(), domain.degree_step());
+    let (first, step) = (domain.degree_step(), domain.degree_step());
     let body =
         kahan((first..=last).step_by(step).map(|l| class.energy(l) * profile.power(l, N_POINTS)));
     let count = (last / step) as f64;
@@ -61,7 +61,7 @@ fn slow_variance(
             c * (step as f64).powf(-p) * (x.powf(1.0 - p) / (p - 1.0) - p / 24.0 * x.powf(-p - 1.0))
         })
         .sum();
-    domain.prefactor(N_POINTS) * (body + tail * profile.supremum())
+    domain.variance_factor(N_POINTS) * (body + tail * profile.supremum())
 }
 
 #[test]
@@ -121,7 +121,7 @@ fn tailed_closed_forms_are_the_sums() -> Result<(), Error> {
 /// The formulas as they stand in the table, one by one, on the sphere.
 #[test]
 fn closed_forms_are_those_of_the_table() -> Result<(), Error> {
-    let scale = Domain::Sphere.prefactor(N_POINTS);
+    let scale = Domain::Sphere.variance_factor(N_POINTS);
     for break_degree in BREAKS {
         let (alpha, n) = (break_degree / 64.0, break_degree.floor());
         let n_whole = (0..10_000_u64).rev().find(|&k| k as f64 <= break_degree).unwrap_or(0);
@@ -202,7 +202,7 @@ fn hemisphere_best_case_is_that_of_the_table() -> Result<(), Error> {
                 let class = IntegrandClass::band_limited(1.0, usize::try_from(l0).unwrap_or(0))?;
                 let profile = Profile::polynomial(b, break_degree / 64.0, 1.0)?;
                 let value = class.variance(&profile, N_POINTS, Domain::Hemisphere)
-                    / Domain::Hemisphere.prefactor(N_POINTS);
+                    / Domain::Hemisphere.variance_factor(N_POINTS);
                 assert!(
                     close(value, expected),
                     "b {b} L {break_degree} l0 {l0}: {value} {expected}"
@@ -304,6 +304,9 @@ fn given_integrand_is_bounded_by_its_class() -> Result<(), Error> {
     assert!(close(sphere.upper, 2.0 * sphere.lower), "{sphere:?}");
     let hemisphere = variance_bound(&profile, 4, Domain::Hemisphere, &[1.0, 1.0], 1.0)?;
     assert!(close(hemisphere.upper, hemisphere.lower), "{hemisphere:?}");
+    // Behind lmax = 2 the next degree that exists is 4, half way to the break at 8.
+    let next = variance_bound(&profile, 64, Domain::Hemisphere, &[0.0; 3], 1.0)?;
+    assert!(close(next.upper, 2.0 * next.lower), "{next:?}");
     Ok(())
 }
 

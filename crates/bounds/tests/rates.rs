@@ -189,7 +189,7 @@ fn large_n_forms_are_those_of_the_table() -> Result<(), Error> {
     let value = |profile: Profile| {
         class
             .asymptotic_variance(&profile, 4096, Domain::Sphere)
-            .map(|form| form.variance / Domain::Sphere.prefactor(4096))
+            .map(|form| form.variance / Domain::Sphere.variance_factor(4096))
     };
     // zeta(1.5), zeta(0.5) and zeta(-1) from mpmath.
     for (b, expected) in [

@@ -21,7 +21,7 @@ struct Place {
     v: f64,
 }
 
-/// Uniform places; a multiplicative generator (SplitMix64) saves a dependency.
+/// Uniform places; a multiplicative generator (`SplitMix64`) saves a dependency.
 fn places() -> Vec<Place> {
     let mut state = 1_u64;
     let mut uniform = move || {

@@ -20,10 +20,10 @@ impl Azimuth {
     /// Branch-free: random directions would mispredict every second comparison.
     #[inline]
     pub(crate) fn of_xy(x: f64, y: f64) -> Self {
-        let southern = (y < 0.0) | ((y == 0.0) & (x < 0.0));
-        // A quadrant owns the axis it starts on, so the second quarter is x <= 0 with y > 0.
-        let odd = ((y > 0.0) & (x <= 0.0)) | ((y < 0.0) & (x >= 0.0));
-        let quadrant = 2 * u32::from(southern) + u32::from(odd);
+        // Adding zero turns -0 into 0, so that the sign bits tell the half planes.
+        let (x, y) = (x + 0.0, y + 0.0);
+        let odd = x.is_sign_negative() ^ y.is_sign_negative();
+        let quadrant = 2 * u32::from(y.is_sign_negative()) + u32::from(odd);
 
         let (abs_x, abs_y) = (x.abs(), y.abs());
         let steep = abs_y > abs_x;
@@ -32,7 +32,15 @@ impl Azimuth {
         let near = quarter_turns_of_ratio(short, long);
         // One of the two is `near`, the other `1 - near`; subtracting from 0 or 1 spares a branch and is exact for 0.
         let from_end = f64::from(u8::from(odd != steep));
-        Self { quadrant, since: (from_end - near).abs(), until: ((1.0 - from_end) - near).abs() }
+        let since = (from_end - near).abs();
+        let until = ((1.0 - from_end) - near).abs();
+        // An axis belongs to the quadrant that starts on it.
+        let inside = until > 0.0;
+        Self {
+            quadrant: (quadrant + u32::from(!inside)) & 3,
+            since: if inside { since } else { 0.0 },
+            until: if inside { until } else { 1.0 },
+        }
     }
 
     /// The longitude `phi`, any finite number of radians.
@@ -87,12 +95,12 @@ const ATAN: [f64; 12] = [
 /// Returns `(2/pi) atan(short/long)` for `0 <= short <= long`, and 0 for two zeros.
 #[inline]
 fn quarter_turns_of_ratio(short: f64, long: f64) -> f64 {
-    // Beyond pi/8, atan(a/b) = pi/4 + atan((a - b)/(b + a)). Written with terms that vanish, for speed: the two cases
-    // are equally frequent, and this compiles to masks.
-    let fold = short > TAN_PI_8 * long;
-    let num = short - if fold { long } else { 0.0 };
-    let den = long + if fold { short } else { 0.0 };
-    let start = if fold { 0.5 } else { 0.0 };
+    // Beyond pi/8, atan(a/b) = pi/4 + atan((a - b)/(b + a)). Written with a factor 0 or 1, which is exact, because both
+    // cases are equally frequent and a branch would be mispredicted every other time.
+    let fold = if short > TAN_PI_8 * long { 1.0 } else { 0.0 };
+    let num = short - fold * long;
+    let den = long + fold * short;
+    let start = 0.5 * fold;
     // The floor only changes 0/0: with one component that small the pole is reached to all digits.
     let floor = f64::MIN_POSITIVE;
     let t = num / if den > floor { den } else { floor };
@@ -152,8 +160,9 @@ const INV_FACTORIAL: [f64; 18] = {
 
 #[cfg(test)]
 mod tests {
-    use super::*;
     use std::f64::consts::TAU;
+
+    use super::*;
 
     const SAMPLES: u32 = 20_000;
 
@@ -167,7 +176,7 @@ mod tests {
             let (y, x) = phi.sin_cos();
             let got = Azimuth::of_xy(x, y);
             let turns = y.atan2(x).rem_euclid(TAU) * FRAC_2_PI;
-            assert_eq!(f64::from(got.quadrant), turns.floor(), "phi {phi}");
+            assert_eq!(got.quadrant, quadrant_of(turns.floor()), "phi {phi}");
             let since = turns - turns.floor();
             assert!(
                 (got.since - since).abs() <= tolerance * turns.max(1.0),

@@ -1,7 +1,7 @@
-//! `HEALPix` indexing on the unit sphere: ring order for every nside from 1 to 2^29, nested order for powers of two, and
+//! HEALPix indexing on the unit sphere: ring order for every nside from 1 to 2^29, nested order for powers of two, and
 //! the equal-area coordinates inside a pixel.
 //!
-//! The scheme (Gorski et al. 2005) cuts the sphere into `12 nside^2` pixels of equal area whose centres lie on
+//! HEALPix (Gorski et al. 2005) cuts the sphere into `12 nside^2` pixels of equal area whose centres lie on
 //! `4 nside - 1` rings of equal colatitude.
 //!
 //! ```

@@ -24,7 +24,7 @@ use crate::{Cell, Error, Nside, PixelOrder, Ring};
 /// ```
 ///
 /// # References
-/// Gorski et al. 2005, Astrophys. J. 622, 759, section 4.2.
+/// Gorski et al. 2005, ApJ 622, 759, section 4.2.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct Nested {
     nside: Nside,

@@ -18,7 +18,7 @@ use crate::Error;
 /// ```
 ///
 /// # References
-/// Gorski et al. 2005, Astrophys. J. 622, 759, doi:10.1086/427976.
+/// Gorski et al. 2005, ApJ 622, 759, doi:10.1086/427976.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Nside(u32);
 

@@ -24,7 +24,7 @@ use crate::{Cell, Error, Nside, PixelOrder, RingGeometry};
 /// ```
 ///
 /// # References
-/// Gorski et al. 2005, Astrophys. J. 622, 759, section 4.1.
+/// Gorski et al. 2005, ApJ 622, 759, section 4.1.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct Ring {
     nside: Nside,
@@ -70,7 +70,7 @@ impl PixelOrder for Ring {
         self.nside
     }
 
-    #[inline]
+    #[inline(always)]
     fn cell(&self, pixel: u64) -> Cell {
         assert_pixel(self.nside, pixel);
         let n = self.nside.value();

@@ -122,8 +122,7 @@ mod tests {
             let (sin, cos) = Zone::North(distance).sin_cos();
             assert_eq!(Zone::South(distance).sin_cos(), (sin, -cos));
         }
-        assert_eq!(Zone::North(0.0).theta(), 0.0);
-        assert_eq!(Zone::South(0.0).theta(), PI);
+        assert_eq!((Zone::North(0.0).theta(), Zone::South(0.0).theta()), (0.0, PI));
         assert_eq!(Zone::of_xyz(0.0, 0.0, -1.0), Zone::South(0.0));
     }
 }

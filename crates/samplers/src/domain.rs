@@ -27,9 +27,16 @@ impl Domain {
     /// even ones on the hemisphere.
     #[must_use]
     pub fn has_degree(self, l: usize) -> bool {
+        l.is_multiple_of(self.degree_step())
+    }
+
+    /// The distance between two degrees that exist, which is also the first degree that enters a
+    /// variance: 1 on the sphere, 2 on the hemisphere.
+    #[must_use]
+    pub const fn degree_step(self) -> usize {
         match self {
-            Self::Sphere => true,
-            Self::Hemisphere => l.is_multiple_of(2),
+            Self::Sphere => 1,
+            Self::Hemisphere => 2,
         }
     }
 

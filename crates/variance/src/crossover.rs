@@ -12,6 +12,8 @@ pub struct Crossover {
     pub interval: (f64, f64),
     /// The share of resampled curves that cross at all; well below 1, the crossing may be noise.
     pub confidence: f64,
+    /// Whether the first curve lies below the second beyond the crossing.
+    pub first_is_better_above: bool,
 }
 
 /// How many resampled pairs of curves an interval is taken from.
@@ -26,12 +28,12 @@ const RESAMPLES: u64 = 1000;
 #[must_use]
 pub fn crossover(a: &[VariancePoint], b: &[VariancePoint], streams: Streams) -> Option<Crossover> {
     let (a, b) = (Curve::new(a), Curve::new(b));
-    let at = last_crossing(&a, &b)?;
+    let (at, first_is_better_above) = last_crossing(&a, &b)?;
     let mut crossings: Vec<f64> = (0..RESAMPLES)
         .filter_map(|i| {
             let mut rng = streams.realization(i);
             let mut normal = || StandardNormal.sample(&mut rng);
-            last_crossing(&a.shaken(&mut normal), &b.shaken(&mut normal))
+            last_crossing(&a.shaken(&mut normal), &b.shaken(&mut normal)).map(|c| c.0)
         })
         .collect();
     crossings.sort_by(f64::total_cmp);
@@ -45,7 +47,12 @@ pub fn crossover(a: &[VariancePoint], b: &[VariancePoint], streams: Streams) -> 
         crossings.get(index).copied().unwrap_or(at).exp()
     };
     let confidence = crossings.len() as f64 / RESAMPLES as f64;
-    Some(Crossover { n_points: at.exp(), interval: (quantile(0.025), quantile(0.975)), confidence })
+    Some(Crossover {
+        n_points: at.exp(),
+        interval: (quantile(0.025), quantile(0.975)),
+        confidence,
+        first_is_better_above,
+    })
 }
 
 /// A variance curve as points (ln N, ln Var, relative error).
@@ -69,8 +76,8 @@ impl Curve {
     }
 }
 
-/// The abscissa of the last crossing.
-fn last_crossing(a: &Curve, b: &Curve) -> Option<f64> {
+/// The abscissa of the last crossing, and whether `a` is the lower curve beyond it.
+fn last_crossing(a: &Curve, b: &Curve) -> Option<(f64, bool)> {
     if a.0.len() < 2 || b.0.len() < 2 {
         return None;
     }
@@ -84,7 +91,7 @@ fn last_crossing(a: &Curve, b: &Curve) -> Option<f64> {
     knots.windows(2).rev().find_map(|pair| {
         let (d0, d1) = (difference(pair[0]), difference(pair[1]));
         let crosses = d0 * d1 < 0.0;
-        crosses.then(|| pair[0] + (pair[1] - pair[0]) * d0 / (d0 - d1))
+        crosses.then(|| (pair[0] + (pair[1] - pair[0]) * d0 / (d0 - d1), d1 < 0.0))
     })
 }
 
@@ -111,7 +118,7 @@ mod tests {
         assert!((got.n_points - 100.0).abs() < 1e-9, "{got:?}");
         assert!(got.interval.0 < 100.0 && got.interval.1 > 100.0, "{got:?}");
         assert!(got.interval.0 > 85.0 && got.interval.1 < 118.0, "{got:?}");
-        assert!(got.confidence > 0.999, "{got:?}");
+        assert!(got.confidence > 0.999 && !got.first_is_better_above, "{got:?}");
     }
 
     #[test]

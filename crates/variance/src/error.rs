@@ -54,6 +54,9 @@ pub enum Error {
         /// Its value.
         value: f64,
     },
+    /// The spectrum of a pattern cannot be computed.
+    #[error(transparent)]
+    Spectrum(#[from] sphvar_spectrum::Error),
     /// A harmonic evaluation or transform refused its input.
     #[error(transparent)]
     Harmonics(#[from] sphvar_sh::Error),

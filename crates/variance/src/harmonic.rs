@@ -52,4 +52,8 @@ impl Integrand for Harmonic {
         }
         Ok(Energy::new(domain, per_degree, 1.0))
     }
+
+    fn effective_degree(&self) -> Option<usize> {
+        Some(self.l)
+    }
 }

@@ -28,6 +28,12 @@ pub trait Integrand: Sync {
         let _ = (domain, lmax);
         Err(Error::NoEnergy { reason: "it is given by its values only" })
     }
+
+    /// A degree beyond which no energy matters for a variance, if the integrand has one: the degree of
+    /// a polynomial, or one that leaves less than 10^-6 of the energy that a pattern can leave.
+    fn effective_degree(&self) -> Option<usize> {
+        None
+    }
 }
 
 impl<F: Fn(DVec3) -> f64 + Sync> Integrand for F {

@@ -26,6 +26,7 @@
 //! per degree; closures are integrands too.
 
 mod cap;
+mod comparison;
 mod cosine;
 mod crossover;
 mod energy;
@@ -39,6 +40,9 @@ mod prediction;
 mod rate;
 
 pub use cap::Cap;
+pub use comparison::{
+    Comparison, Effort, compare, comparison_cost, prediction_degree, worthwhile_realizations,
+};
 pub use cosine::ClampedCosine;
 pub use crossover::{Crossover, crossover};
 pub use energy::Energy;
@@ -50,3 +54,4 @@ pub use lobe::VonMisesFisher;
 pub use measurement::{Measurement, measure};
 pub use prediction::{Prediction, PredictionAccumulator, predict};
 pub use rate::{RateFit, VariancePoint, fit_rate};
+pub use sphvar_samplers::Domain;

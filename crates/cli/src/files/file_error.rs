@@ -113,6 +113,14 @@ pub(crate) enum FileError {
         /// Bytes that it has.
         got: u64,
     },
+    /// An image is damaged or of a kind that is not read here.
+    #[error("cannot read {path} as an EXR or HDR image: {source}")]
+    Image {
+        /// The path as the user wrote it.
+        path: String,
+        /// The reason that the decoder gave.
+        source: image::ImageError,
+    },
     /// A file without a single point.
     #[error("{path}: no points: expected at least one direction")]
     Empty {

@@ -2,8 +2,14 @@
 
 mod atomic;
 mod file_error;
+mod image;
+mod lists;
 mod points;
+mod spectra;
 
 pub(crate) use atomic::AtomicFile;
 pub(crate) use file_error::{FileError, Place};
-pub(crate) use points::{PointFile, PointFormat, PointSet, ReadOptions, read_points, write_points};
+pub(crate) use image::{Channel, read_image};
+pub(crate) use lists::{Columns, Fault, ListWriter, Number, Written, read_list};
+pub(crate) use points::{PointSet, ReadOptions, read_points, write_points};
+pub(crate) use spectra::read_spectrum;

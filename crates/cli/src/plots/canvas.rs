@@ -87,48 +87,12 @@ impl<DB: DrawingBackend> Canvas<DB> {
 
     /// Draws a line through the points; a single point gives nothing.
     pub(super) fn line(&self, points: &[(f64, f64)], pen: Pen) -> Result<(), PlotError> {
-        let pixels = self.pixels(points);
-        if pixels.len() < 2 {
-            return Ok(());
+        let mut pixels = self.pixels(points);
+        pixels.dedup();
+        for piece in between_sharp_turns(&pixels) {
+            self.area.draw(&PathElement::new(piece.to_vec(), self.stroke(pen))).map_err(drawing)?;
         }
-        self.area.draw(&PathElement::new(pixels, self.stroke(pen))).map_err(drawing)
-    }
-
-    /// Draws a dashed line: `dash` units on, `gap` units off, counted along the whole line.
-    pub(super) fn dashed(
-        &self,
-        points: &[(f64, f64)],
-        pen: Pen,
-        dash: f64,
-        gap: f64,
-    ) -> Result<(), PlotError> {
-        let mut piece: Vec<(f64, f64)> = points.first().copied().into_iter().collect();
-        let (mut drawing_dash, mut left) = (true, dash);
-        for ends in points.windows(2) {
-            let (mut from, to) = (ends[0], ends[1]);
-            loop {
-                let length = (to.0 - from.0).hypot(to.1 - from.1);
-                if length < left {
-                    left -= length;
-                    if drawing_dash {
-                        piece.push(to);
-                    }
-                    break;
-                }
-                let part = left / length;
-                from = (from.0 + part * (to.0 - from.0), from.1 + part * (to.1 - from.1));
-                if drawing_dash {
-                    piece.push(from);
-                    self.line(&piece, pen)?;
-                    piece.clear();
-                } else {
-                    piece = vec![from];
-                }
-                drawing_dash = !drawing_dash;
-                left = if drawing_dash { dash } else { gap };
-            }
-        }
-        self.line(&piece, pen)
+        Ok(())
     }
 
     /// Fills a polygon.
@@ -255,4 +219,24 @@ fn ensure_font() -> Result<(), PlotError> {
     let registered = *REGISTERED
         .get_or_init(|| register_font(FAMILY, FontStyle::Normal, dejavu::sans::regular()).is_ok());
     if registered { Ok(()) } else { Err(drawing("the embedded font cannot be read")) }
+}
+
+/// The runs of a polyline between its turns by more than a right angle, each of two points or more;
+/// a mitred joint at such a turn would be a long spike.
+fn between_sharp_turns(points: &[(i32, i32)]) -> impl Iterator<Item = &[(i32, i32)]> {
+    let mut rest = points;
+    std::iter::from_fn(move || {
+        if rest.len() < 2 {
+            return None;
+        }
+        let towards = |a: (i32, i32), b: (i32, i32)| (i64::from(b.0 - a.0), i64::from(b.1 - a.1));
+        let is_sharp = |corner: &[(i32, i32)]| {
+            let (before, after) = (towards(corner[0], corner[1]), towards(corner[1], corner[2]));
+            before.0 * after.0 + before.1 * after.1 < 0
+        };
+        let turn = rest.windows(3).position(is_sharp).map_or(rest.len() - 1, |i| i + 1);
+        let piece = &rest[..=turn];
+        rest = &rest[turn..];
+        Some(piece)
+    })
 }

@@ -11,24 +11,8 @@ use super::plot_error::PlotError;
 pub(crate) enum Style {
     /// A line; errors as a band.
     Line,
-    /// A dashed line; errors as a band.
-    Dashed,
     /// Markers; errors as bars.
     Markers,
-    /// Markers joined by a thin line; errors as bars.
-    LineMarkers,
-}
-
-impl Style {
-    /// Returns whether errors are drawn as a band and not as bars.
-    pub(super) fn has_band(self) -> bool {
-        matches!(self, Self::Line | Self::Dashed)
-    }
-
-    /// Returns whether points get markers.
-    pub(super) fn has_markers(self) -> bool {
-        !self.has_band()
-    }
 }
 
 /// One named series.
@@ -76,14 +60,6 @@ impl Chart {
     /// When the extension is another one or the file cannot be written.
     pub(crate) fn render(&self, path: &Path) -> Result<(), PlotError> {
         figure::write(self, path)
-    }
-
-    /// Returns the chart as an SVG document, for embedding in a report.
-    ///
-    /// # Errors
-    /// When the drawing library fails.
-    pub(crate) fn to_svg(&self) -> Result<String, PlotError> {
-        figure::svg(self)
     }
 }
 

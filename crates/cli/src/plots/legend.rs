@@ -7,7 +7,7 @@ use super::canvas::{Canvas, Pen};
 use super::chart::{Series, Style};
 use super::palette::{INK, colour, marker};
 use super::plot_error::PlotError;
-use super::series_drawing::{BAND_OPACITY, DASH, GAP, LINE, MARKER, THIN_LINE};
+use super::series_drawing::{BAND_OPACITY, LINE, MARKER, THIN_LINE};
 
 const TEXT: f64 = 17.0;
 const LEADING: f64 = 1.3;
@@ -86,23 +86,17 @@ fn draw_sample<DB: DrawingBackend>(
     let ink = colour(series.colour);
     let ends = [(x, y), (x + SAMPLE, y)];
     let half = 8.0 * shrink;
-    if series.error.is_some() && series.style.has_band() {
+    if series.error.is_some() && series.style == Style::Line {
         let band = [(x, y - half), (x + SAMPLE, y - half), (x + SAMPLE, y + half), (x, y + half)];
         canvas.polygon(&band, Pen { colour: ink, opacity: BAND_OPACITY, width: 1.0 })?;
     }
-    match series.style {
-        Style::Line => canvas.line(&ends, Pen::new(ink, LINE))?,
-        Style::Dashed => canvas.dashed(&ends, Pen::new(ink, LINE), DASH, GAP)?,
-        Style::LineMarkers => canvas.line(&ends, Pen::new(ink, THIN_LINE))?,
-        Style::Markers => {}
+    if series.style == Style::Line {
+        return canvas.line(&ends, Pen::new(ink, LINE));
     }
-    if series.style.has_markers() {
-        let centre = (x + 0.5 * SAMPLE, y);
-        if series.error.is_some() {
-            let bar = [(centre.0, y - 1.3 * half), (centre.0, y + 1.3 * half)];
-            canvas.line(&bar, Pen::new(ink, THIN_LINE))?;
-        }
-        canvas.marker(centre, MARKER * shrink, marker(series.colour), Pen::new(ink, 1.0))?;
+    let centre = (x + 0.5 * SAMPLE, y);
+    if series.error.is_some() {
+        let bar = [(centre.0, y - 1.3 * half), (centre.0, y + 1.3 * half)];
+        canvas.line(&bar, Pen::new(ink, THIN_LINE))?;
     }
-    Ok(())
+    canvas.marker(centre, MARKER * shrink, marker(series.colour), Pen::new(ink, 1.0))
 }

@@ -52,14 +52,6 @@ impl OrthographicView {
         figure::write(&Sight { view: self, directions }, path)
     }
 
-    /// Returns the view as an SVG document, for embedding in a report.
-    ///
-    /// # Errors
-    /// When the drawing library fails.
-    pub(crate) fn to_svg(&self, directions: &[DVec3]) -> Result<String, PlotError> {
-        figure::svg(&Sight { view: self, directions })
-    }
-
     /// Returns the axes of the image: to the right, up, and towards the viewer.
     fn axes(&self) -> [DVec3; 3] {
         let towards = self.viewpoint.try_normalize().unwrap_or(DVec3::Z);
@@ -69,9 +61,9 @@ impl OrthographicView {
 }
 
 /// A view together with what is seen.
-struct Sight<'a> {
-    view: &'a OrthographicView,
-    directions: &'a [DVec3],
+pub(super) struct Sight<'a> {
+    pub(super) view: &'a OrthographicView,
+    pub(super) directions: &'a [DVec3],
 }
 
 impl Figure for Sight<'_> {

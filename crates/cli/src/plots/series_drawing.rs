@@ -10,8 +10,6 @@ use super::plot_error::PlotError;
 
 pub(super) const LINE: f64 = 2.2;
 pub(super) const THIN_LINE: f64 = 1.3;
-pub(super) const DASH: f64 = 11.0;
-pub(super) const GAP: f64 = 7.0;
 pub(super) const BAND_OPACITY: f64 = 0.2;
 pub(super) const MARKER: f64 = 5.2;
 /// Half the width of the caps of an error bar.
@@ -32,7 +30,7 @@ pub(super) fn draw_series<DB: DrawingBackend>(
 ) -> Result<(), PlotError> {
     let runs = unbroken_runs(series, plane);
     let ink = colour(series.colour);
-    if series.style.has_band() {
+    if series.style == Style::Line {
         for run in &runs {
             let upper = run.iter().filter_map(|point| Some((point.at.0, point.error?.1)));
             let lower = run.iter().rev().filter_map(|point| Some((point.at.0, point.error?.0)));
@@ -51,15 +49,10 @@ pub(super) fn draw_series<DB: DrawingBackend>(
     }
     for run in &runs {
         let points: Vec<_> = run.iter().map(|point| point.at).collect();
-        match series.style {
-            Style::Line => canvas.line(&points, Pen::new(ink, LINE))?,
-            Style::Dashed => canvas.dashed(&points, Pen::new(ink, LINE), DASH, GAP)?,
-            Style::LineMarkers => canvas.line(&points, Pen::new(ink, THIN_LINE))?,
-            Style::Markers => {}
-        }
         // A line of one point would not show at all.
-        let lonely = series.style.has_band() && points.len() == 1;
-        if series.style.has_markers() || lonely {
+        if series.style == Style::Line && points.len() > 1 {
+            canvas.line(&points, Pen::new(ink, LINE))?;
+        } else {
             for point in points {
                 canvas.marker(point, MARKER, marker(series.colour), Pen::new(ink, 1.0))?;
             }

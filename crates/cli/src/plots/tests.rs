@@ -4,9 +4,11 @@ use std::fs;
 
 use glam::DVec3;
 
+use super::figure::svg;
+use super::orthographic_view::Sight;
 use super::{Chart, ImageFormat, OrthographicView, Scale, Series, Style};
 
-const STYLES: [Style; 4] = [Style::Line, Style::Dashed, Style::Markers, Style::LineMarkers];
+const STYLES: [Style; 2] = [Style::Line, Style::Markers];
 /// The first four colours, as SVG writes them.
 const COLOURS: [&str; 4] = ["#0072B2", "#D55E00", "#009E73", "#CC79A7"];
 
@@ -72,8 +74,7 @@ fn elements(document: &str) -> Vec<String> {
 fn svg_is_well_formed_and_complete() {
     let data =
         |k: usize| (1..20).map(|i| (f64::from(i), f64::from(i).powi(2) + k as f64)).collect();
-    let document =
-        chart((0..4).map(|k| series(k, data(k))).collect(), Scale::Log).to_svg().unwrap();
+    let document = svg(&chart((0..4).map(|k| series(k, data(k))).collect(), Scale::Log)).unwrap();
     let names = elements(&document);
     assert_eq!(names[0], "svg");
     assert!(document.starts_with("<svg width=\"1200\" height=\"800\" viewBox=\"0 0 12000 8000\""));
@@ -121,14 +122,14 @@ fn log_axis_skips_what_has_no_logarithm() {
     bad.push((50.0, 0.0));
     bad.push((f64::NAN, 1.0));
     bad.push((70.0, f64::INFINITY));
-    let svg = |points| {
+    let document = |points| {
         let one = Series { error: None, ..series(0, points) };
-        chart(vec![one], Scale::Log).to_svg().unwrap()
+        svg(&chart(vec![one], Scale::Log)).unwrap()
     };
-    assert_eq!(svg(good), svg(bad), "points without a logarithm changed the drawing");
+    assert_eq!(document(good), document(bad), "points without a logarithm changed the drawing");
 
     // In the middle such a point divides the line: drawing over the gap would invent data.
-    let broken = svg(vec![(1.0, 1.0), (2.0, 2.0), (3.0, 0.0), (4.0, 2.0), (5.0, 1.0)]);
+    let broken = document(vec![(1.0, 1.0), (2.0, 2.0), (3.0, 0.0), (4.0, 2.0), (5.0, 1.0)]);
     let lines = broken
         .lines()
         .filter(|line| line.starts_with("<polyline") && line.contains(COLOURS[0]))
@@ -155,7 +156,7 @@ fn odd_data_draw_without_panic() {
     ];
     for (index, case) in cases.into_iter().enumerate() {
         for scale in [Scale::Linear, Scale::Log] {
-            let names = elements(&chart(case.clone(), scale).to_svg().unwrap());
+            let names = elements(&svg(&chart(case.clone(), scale)).unwrap());
             assert!(names.len() > 10, "case {index} drew only {names:?}");
         }
     }
@@ -166,14 +167,14 @@ fn odd_data_draw_without_panic() {
         notes: vec![],
         ..chart(vec![], Scale::Linear)
     };
-    elements(&bare.to_svg().unwrap());
+    elements(&svg(&bare).unwrap());
 }
 
 #[test]
 fn view_shows_the_near_side_only() {
     let view = OrthographicView { viewpoint: DVec3::Z, ..OrthographicView::default() };
     let circles = |points: &[DVec3]| {
-        let document = view.to_svg(points).unwrap();
+        let document = svg(&Sight { view: &view, directions: points }).unwrap();
         elements(&document).iter().filter(|name| *name == "circle").count()
     };
     assert_eq!(circles(&[DVec3::Z, DVec3::NEG_Z, DVec3::X, DVec3::Y]), 3);
@@ -181,7 +182,7 @@ fn view_shows_the_near_side_only() {
     assert_eq!(circles(&[DVec3::NAN, DVec3::INFINITY]), 0);
 
     // Seen from +z, x points right and y up.
-    let document = view.to_svg(&[DVec3::X]).unwrap();
+    let document = svg(&Sight { view: &view, directions: &[DVec3::X] }).unwrap();
     let circle = document.lines().find(|line| line.starts_with("<circle")).unwrap();
     let number = |name: &str| {
         let from = circle.find(&format!(" {name}=\"")).unwrap() + name.len() + 3;
@@ -196,7 +197,7 @@ fn any_viewpoint_draws() {
     let points = [DVec3::X, DVec3::NEG_Y, DVec3::Z];
     for viewpoint in [DVec3::ZERO, DVec3::NAN, DVec3::NEG_Z, DVec3::splat(1e200), DVec3::Y] {
         let view = OrthographicView { viewpoint, ..OrthographicView::default() };
-        elements(&view.to_svg(&points).unwrap());
+        elements(&svg(&Sight { view: &view, directions: &points }).unwrap());
     }
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("view.png");

@@ -1,0 +1,58 @@
+//! The flags that all subcommands share, and the list of subcommands.
+
+use clap::{Args, Parser, Subcommand};
+
+use crate::commands::{bounds, compare, eval, healpix, sample, spectrum, variance};
+
+/// Which pattern of N directions on the sphere or hemisphere gives the least integration error, and
+/// why.
+#[derive(Debug, Parser)]
+#[command(name = "sphvar", version, propagate_version = true, max_term_width = 100)]
+pub(crate) struct Cli {
+    #[command(subcommand)]
+    pub(crate) command: Command,
+    #[command(flatten)]
+    pub(crate) global: Global,
+}
+
+/// Flags of every subcommand.
+#[derive(Debug, Args)]
+pub(crate) struct Global {
+    /// Print exactly one JSON document to standard output
+    #[arg(long, global = true)]
+    pub(crate) json: bool,
+    /// Show no progress and no remarks
+    #[arg(long, global = true)]
+    pub(crate) quiet: bool,
+    /// Seed of all random numbers; the same seed gives the same bytes
+    #[arg(short, long, global = true, default_value_t = 0, value_name = "SEED")]
+    pub(crate) seed: u64,
+    /// Number of threads, 0 for one per core; results do not depend on it
+    #[arg(short = 'j', long, global = true, default_value_t = 0, value_name = "THREADS")]
+    pub(crate) threads: usize,
+}
+
+#[derive(Debug, Subcommand)]
+pub(crate) enum Command {
+    /// Compare patterns on an integrand: predicted and measured variance, rates, crossovers
+    #[command(after_help = compare::EXAMPLES)]
+    Compare(compare::CompareArgs),
+    /// Make realizations of a pattern: points as CSV, NPY or PLY, or a picture as SVG or PNG
+    #[command(after_help = sample::EXAMPLES)]
+    Sample(sample::SampleArgs),
+    /// Angular power spectrum of a pattern, or of points in files
+    #[command(after_help = spectrum::EXAMPLES)]
+    Spectrum(spectrum::SpectrumArgs),
+    /// Predicted and measured variance of patterns on one integrand
+    #[command(after_help = variance::EXAMPLES)]
+    Variance(variance::VarianceArgs),
+    /// Variance bounds and convergence rates from spectral profiles
+    #[command(after_help = bounds::EXAMPLES)]
+    Bounds(bounds::BoundsArgs),
+    /// Convert lists of directions, angles and HEALPix pixels into each other
+    #[command(after_help = healpix::EXAMPLES)]
+    Healpix(healpix::HealpixArgs),
+    /// Evaluate a Legendre function, a harmonic, the spectrum of a cap, or a profile
+    #[command(after_help = eval::EXAMPLES)]
+    Eval(eval::EvalArgs),
+}

@@ -1,0 +1,407 @@
+//! `sphvar compare`, the main job: which pattern integrates this best, and why.
+
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use serde::Serialize;
+use sphvar_samplers::{Pattern, Purpose, Streams};
+use sphvar_variance::{Crossover, Energy, RateFit, VariancePoint, crossover, fit_rate};
+
+use super::rows::{self, Case, Plan, Row, RowRecord};
+use super::spectrum::{power_chart, power_series};
+use crate::args::Global;
+use crate::error::CliError;
+use crate::integrands::{FORMS, parse_integrand};
+use crate::patterns::parse_patterns;
+use crate::plots::{Chart, Scale, Series, Style};
+use crate::report::{Provenance, csv, full, print, print_json, say, short, table, write_text};
+
+pub(crate) const EXAMPLES: &str = "Examples:
+  sphvar compare
+  sphvar compare jittered,fibonacci -n 100,1000 --integrand cap:degrees=60 -o out
+  sphvar compare --hemisphere --integrand cosine
+
+Every sampler takes the number of points nearest to the one asked for. Into the output folder go
+comparison.csv and .json, spectra.csv, and the plots spectra, variance and integrand as .svg and .png.";
+
+#[derive(Debug, Args)]
+pub(crate) struct CompareArgs {
+    /// Samplers, separated by commas [default: all]
+    pub(crate) samplers: Option<String>,
+    /// Numbers of points, separated by commas
+    #[arg(
+        short = 'n',
+        long = "points",
+        value_delimiter = ',',
+        default_values_t = [48, 108, 192, 432, 768, 1728, 3072],
+        hide_default_value = true,
+        value_name = "N"
+    )]
+    pub(crate) points: Vec<usize>,
+    #[arg(long, default_value = "env:data/city.exr", help = format!("Integrand: {FORMS}"))]
+    pub(crate) integrand: String,
+    /// Trials from which each variance is measured
+    #[arg(short = 'm', long, default_value_t = 1000, value_name = "M")]
+    pub(crate) realizations: u64,
+    /// Realizations from which each spectrum is estimated [default: about the work of the trials]
+    #[arg(long, value_name = "R")]
+    pub(crate) spectrum_realizations: Option<u64>,
+    /// Largest degree of the spectra [default: 4 sqrt(N), for lattices 40 sqrt(N)]
+    #[arg(long)]
+    pub(crate) lmax: Option<usize>,
+    /// Integrate over the hemisphere z >= 0
+    #[arg(long)]
+    pub(crate) hemisphere: bool,
+    /// Folder for tables and plots
+    #[arg(short, long, default_value = "out", value_name = "FOLDER")]
+    pub(crate) out: PathBuf,
+}
+
+/// What is said about one sampler over all its numbers of points.
+#[derive(Debug, Serialize)]
+struct Summary {
+    sampler: &'static str,
+    /// Exponent of the measured variance and its 95 % interval.
+    rate: Option<f64>,
+    rate_interval: Option<(f64, f64)>,
+    /// Exponent of the predicted variance.
+    predicted_rate: Option<f64>,
+    /// At the largest number of points: white noise's exact variance over the measured one.
+    n: usize,
+    gain: f64,
+    gain_stderr: f64,
+    /// The pattern's power as the integrand weighs it: predicted over white noise's variance.
+    power_seen: f64,
+}
+
+/// Where two samplers' measured variances cross.
+#[derive(Debug, Serialize)]
+struct CrossoverRecord {
+    better_below: &'static str,
+    better_above: &'static str,
+    n: f64,
+    interval: (f64, f64),
+    confidence: f64,
+}
+
+impl CrossoverRecord {
+    /// Whether the resampled curves cross nearly always, and within a factor of 4.
+    fn is_clear(&self) -> bool {
+        self.confidence >= 0.95 && self.interval.1 < 4.0 * self.interval.0
+    }
+}
+
+/// The document of `--json` and of comparison.json.
+#[derive(Debug, Serialize)]
+struct Document<'a> {
+    rows: &'a [RowRecord],
+    samplers: &'a [Summary],
+    crossovers: &'a [CrossoverRecord],
+    provenance: &'a Provenance,
+}
+
+pub(crate) fn run(args: &CompareArgs, global: &Global) -> Result<(), CliError> {
+    let integrand = parse_integrand(&args.integrand)?;
+    let domain = super::domain(args.hemisphere);
+    let patterns = match &args.samplers {
+        Some(list) => parse_patterns(list)?,
+        None => Pattern::ALL.to_vec(),
+    };
+    let mut cases: Vec<Case> = Vec::new();
+    for pattern in &patterns {
+        for &n in &args.points {
+            let case = Case::new(*pattern, n, domain, true)?;
+            let same = |c: &Case| c.pattern == *pattern && c.n_points() == case.n_points();
+            if !cases.iter().any(same) {
+                cases.push(case);
+            }
+        }
+    }
+    prepare_folder(&args.out)?;
+    let plan = Plan {
+        integrand: &integrand,
+        domain,
+        seed: global.seed,
+        trials: args.realizations,
+        realizations: args.spectrum_realizations,
+        lmax: args.lmax,
+        whole_spectra: true,
+        quiet: global.quiet,
+    };
+    let (rows, energy) = rows::run(&plan, &cases)?;
+
+    let curves: Vec<Curve<'_>> = patterns.iter().map(|&p| Curve::new(p, &rows)).collect();
+    let summaries: Vec<Summary> = curves.iter().filter_map(|c| c.summary(&energy)).collect();
+    let crossovers = crossovers(&curves, global.seed);
+    let records: Vec<RowRecord> = rows.iter().map(|row| RowRecord::new(row, &plan)).collect();
+    let provenance = Provenance::new(global.seed);
+    let document = Document {
+        rows: &records,
+        samplers: &summaries,
+        crossovers: &crossovers,
+        provenance: &provenance,
+    };
+    write_files(&args.out, &document, &rows, &curves, &energy, &plan)?;
+    if global.json {
+        return print_json(&document);
+    }
+    print(&text(&document, &plan))?;
+    say(global.quiet, &format!("Tables and plots are in {}", args.out.display()));
+    Ok(())
+}
+
+/// Makes the output folder, so that a folder that cannot be written is known before the work.
+fn prepare_folder(folder: &Path) -> Result<(), CliError> {
+    let refused = |e| CliError::Failed(format!("cannot write into {}: {e}", folder.display()));
+    std::fs::create_dir_all(folder).map_err(refused)?;
+    tempfile::tempfile_in(folder).map_err(refused)?;
+    Ok(())
+}
+
+/// The rows of one pattern, by number of points.
+struct Curve<'a> {
+    pattern: Pattern,
+    rows: Vec<&'a Row>,
+}
+
+impl<'a> Curve<'a> {
+    fn new(pattern: Pattern, rows: &'a [Row]) -> Self {
+        let mut rows: Vec<&Row> = rows.iter().filter(|r| r.pattern == pattern).collect();
+        rows.sort_by_key(|r| r.comparison.spectrum.n_points());
+        Self { pattern, rows }
+    }
+
+    fn measured(&self) -> Vec<VariancePoint> {
+        self.rows.iter().map(|r| r.comparison.measured_point()).collect()
+    }
+
+    fn predicted(&self) -> Vec<VariancePoint> {
+        let point = |r: &&Row| VariancePoint {
+            variance: r.comparison.prediction.variance,
+            stderr: r.comparison.prediction.stderr,
+            ..r.comparison.measured_point()
+        };
+        self.rows.iter().map(point).collect()
+    }
+
+    fn summary(&self, energy: &Energy) -> Option<Summary> {
+        let last = self.rows.last()?;
+        let n = last.comparison.spectrum.n_points();
+        let fit: Option<RateFit> = fit_rate(&self.measured());
+        let white = energy.domain().variance_factor(n) * energy.beyond(0);
+        let measured = &last.comparison.measurement;
+        let gain = white / measured.variance();
+        Some(Summary {
+            sampler: self.pattern.name(),
+            rate: fit.map(|f| f.slope),
+            rate_interval: fit.map(|f| f.interval),
+            predicted_rate: fit_rate(&self.predicted()).map(|f| f.slope),
+            n,
+            gain,
+            gain_stderr: gain * measured.variance_stderr() / measured.variance(),
+            power_seen: last.comparison.prediction.variance / white,
+        })
+    }
+}
+
+/// The crossings of every pair of curves.
+fn crossovers(curves: &[Curve<'_>], seed: u64) -> Vec<CrossoverRecord> {
+    let mut found = Vec::new();
+    for (i, a) in curves.iter().enumerate() {
+        for (j, b) in curves.iter().enumerate().skip(i + 1) {
+            let streams = Streams::new(seed, Purpose::Resample, i * curves.len() + j);
+            let (points_a, points_b) = (a.measured(), b.measured());
+            let usable = |p: &[VariancePoint]| p.iter().all(|p| p.variance > 0.0);
+            if !usable(&points_a) || !usable(&points_b) {
+                continue;
+            }
+            let Some(Crossover { n_points, interval, confidence, first_is_better_above }) =
+                crossover(&points_a, &points_b, streams)
+            else {
+                continue;
+            };
+            let (above, below) = if first_is_better_above { (a, b) } else { (b, a) };
+            found.push(CrossoverRecord {
+                better_below: below.pattern.name(),
+                better_above: above.pattern.name(),
+                n: n_points,
+                interval,
+                confidence,
+            });
+        }
+    }
+    found
+}
+
+fn text(document: &Document<'_>, plan: &Plan<'_>) -> String {
+    let mut text = format!("Variance of integrating {}\n\n", plan.integrand.name);
+    text += &table(&RowRecord::HEADING, document.rows.iter().map(RowRecord::cells).collect(), 1);
+    let agreeing = document.rows.iter().filter(|r| r.z().abs() <= 3.0).count();
+    let n_rows = document.rows.len();
+    text += &format!(
+        "\nPredicted and measured agree within 3 standard errors in {agreeing} of {n_rows} rows.\n\n"
+    );
+    let optional = |x: Option<f64>| x.map_or("-".to_owned(), |x| format!("{x:.2}"));
+    let cells = |s: &Summary| {
+        let interval = s.rate_interval.map_or("-".to_owned(), |(a, b)| format!("{a:.2} to {b:.2}"));
+        vec![
+            s.sampler.to_owned(),
+            optional(s.rate),
+            interval,
+            optional(s.predicted_rate),
+            s.n.to_string(),
+            format!("{:.4}", s.power_seen),
+            format!("{:.1} +- {:.1}", s.gain, s.gain_stderr),
+        ]
+    };
+    let heading =
+        ["sampler", "rate", "95 %", "predicted", "at N", "power seen", "gain over white noise"];
+    text += &table(&heading, document.samplers.iter().map(cells).collect(), 1);
+    text += "\nrate: exponent b of variance ~ N^b. power seen: the pattern's power, averaged over the \
+             degrees\nwith the integrand's energies; white noise has 1. gain: how many times the \
+             variance is smaller.\n\n";
+    for c in document.crossovers {
+        text += &format!(
+            "{} overtakes {} at N = {:.0} ({:.0} to {:.0}{})\n",
+            c.better_above,
+            c.better_below,
+            c.n,
+            c.interval.0,
+            c.interval.1,
+            if c.is_clear() { "" } else { ", not clear: the curves run together" }
+        );
+    }
+    text + &verdict(document.samplers)
+}
+
+/// The sampler with the least variance at its largest number of points, and those that the measured
+/// errors do not tell from it.
+fn verdict(samplers: &[Summary]) -> String {
+    let Some(best) = samplers.iter().max_by(|a, b| a.gain.total_cmp(&b.gain)) else {
+        return String::new();
+    };
+    let equal: Vec<&str> = samplers
+        .iter()
+        .filter(|s| s.sampler != best.sampler)
+        .filter(|s| best.gain - s.gain < 2.0 * best.gain_stderr.hypot(s.gain_stderr))
+        .map(|s| s.sampler)
+        .collect();
+    let ties = match equal.as_slice() {
+        [] => String::new(),
+        names => format!(" {} cannot be told from it.", names.join(" and ")),
+    };
+    format!(
+        "Least variance at N = {}: {}, {:.1} times less than white noise.{ties}\n",
+        best.n, best.sampler, best.gain
+    )
+}
+
+fn write_files(
+    folder: &Path,
+    document: &Document<'_>,
+    rows: &[Row],
+    curves: &[Curve<'_>],
+    energy: &Energy,
+    plan: &Plan<'_>,
+) -> Result<(), CliError> {
+    let provenance = document.provenance;
+    let cells: Vec<_> = document.rows.iter().map(RowRecord::record).collect();
+    write_text(&folder.join("comparison.csv"), &csv(provenance, RowRecord::COLUMNS, &cells))?;
+    let json = serde_json::to_string_pretty(document).map_err(CliError::failed)?;
+    write_text(&folder.join("comparison.json"), &(json + "\n"))?;
+    let spectra = csv(provenance, "sampler,n,l,omega,power,stderr", &spectrum_records(rows));
+    write_text(&folder.join("spectra.csv"), &spectra)?;
+    let charts = [
+        ("spectra", spectra_chart(curves)),
+        ("variance", variance_chart(curves, plan)),
+        ("integrand", integrand_chart(energy, plan)),
+    ];
+    for (name, chart) in charts {
+        let chart = Chart { notes: vec![provenance.line()], ..chart };
+        chart.render(&folder.join(format!("{name}.svg")))?;
+        chart.render(&folder.join(format!("{name}.png")))?;
+    }
+    Ok(())
+}
+
+fn spectrum_records(rows: &[Row]) -> Vec<Vec<String>> {
+    let mut records = Vec::new();
+    for row in rows {
+        let spectrum = &row.comparison.spectrum;
+        let n = spectrum.n_points();
+        for (l, power, stderr) in spectrum.rows() {
+            let omega = l as f64 / (n as f64).sqrt();
+            records.push(vec![
+                row.pattern.name().to_owned(),
+                n.to_string(),
+                l.to_string(),
+                full(omega),
+                full(power),
+                full(stderr),
+            ]);
+        }
+    }
+    records
+}
+
+/// The spectra at the largest number of points.
+fn spectra_chart(curves: &[Curve<'_>]) -> Chart {
+    let series = curves.iter().enumerate().filter_map(|(i, curve)| {
+        let spectrum = &curve.rows.last()?.comparison.spectrum;
+        let label = format!("{}, N = {}", curve.pattern, spectrum.n_points());
+        // Beyond 4 sqrt(N) only lattices are computed, and they only wobble.
+        Some(power_series(&label, spectrum, 4.0, i))
+    });
+    Chart { title: "Angular power spectra".to_owned(), ..power_chart(series.collect()) }
+}
+
+fn variance_chart(curves: &[Curve<'_>], plan: &Plan<'_>) -> Chart {
+    let points = |p: &[VariancePoint]| p.iter().map(|p| (p.n_points, p.variance)).collect();
+    let mut series = Vec::new();
+    for (colour, curve) in curves.iter().enumerate() {
+        series.push(Series {
+            label: format!("{}, predicted", curve.pattern),
+            points: points(&curve.predicted()),
+            error: None,
+            style: Style::Line,
+            colour,
+        });
+        let measured = curve.measured();
+        series.push(Series {
+            label: format!("{}, measured", curve.pattern),
+            points: points(&measured),
+            error: Some(measured.iter().map(|p| p.stderr).collect()),
+            style: Style::Markers,
+            colour,
+        });
+    }
+    Chart {
+        title: format!("Variance of integrating {}", plan.integrand.name),
+        x_label: "number of points N".to_owned(),
+        y_label: "variance".to_owned(),
+        x_scale: Scale::Log,
+        y_scale: Scale::Log,
+        series,
+        notes: Vec::new(),
+    }
+}
+
+fn integrand_chart(energy: &Energy, plan: &Plan<'_>) -> Chart {
+    let total = energy.total();
+    let degrees = energy.per_degree().iter().enumerate().skip(1);
+    Chart {
+        title: format!("Energy per degree of {}", plan.integrand.name),
+        x_label: "degree l".to_owned(),
+        y_label: format!("E(l) / total, total = {}", short(total)),
+        x_scale: Scale::Log,
+        y_scale: Scale::Log,
+        series: vec![Series {
+            label: plan.integrand.name.clone(),
+            points: degrees.map(|(l, e)| (l as f64, e / total)).collect(),
+            error: None,
+            style: Style::Line,
+            colour: 0,
+        }],
+        notes: Vec::new(),
+    }
+}

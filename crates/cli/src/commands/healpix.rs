@@ -1,0 +1,263 @@
+//! `sphvar healpix`: directions, angles and pixels converted into each other, list by list.
+
+use std::f64::consts::PI;
+use std::io;
+use std::path::{Path, PathBuf};
+
+use clap::{Args, ValueEnum};
+use glam::DVec3;
+use serde::ser::{Serialize, SerializeMap, Serializer};
+use sphvar_healpix::{Nested, Nside, PixelOrder, Ring, unit_direction};
+
+use crate::args::Global;
+use crate::error::CliError;
+use crate::files::{Columns, Fault, FileError, ListWriter, Number, Written, read_list};
+use crate::report::{Provenance, print_json};
+
+#[cfg(test)]
+mod tests;
+
+pub(crate) const EXAMPLES: &str = "Lists:
+  CSV with a header that names the columns x,y,z | theta,phi | pixel (with --degrees lon,lat), or
+  without a header in this order, divided by commas or blanks; or NPY of shape (N, 3) | (N, 2) | (N,).
+  Vectors may have any length. Angles are colatitude and longitude in radians. Pixels are integers.
+
+Examples:
+  sphvar healpix vec2pix --nside 64 points.npy -o pixels.npy
+  sphvar healpix pix2ang --nside 1024 --nested pixels.csv
+  echo 13.4 52.5 | sphvar healpix ang2pix --nside 256 --degrees -
+  seq 0 47 | sphvar healpix ring2nest --nside 2 - --json";
+
+/// How far above pi a colatitude may be and is taken as pi: that much a number with seven digits, such
+/// as pi in `f32`, rounds up.
+const THETA_SLACK: f64 = 1e-6;
+
+const VECTOR: Columns<3> = Columns { names: ["x", "y", "z"], remark: "components of vectors" };
+const RADIANS: Columns<2> = Columns {
+    names: ["theta", "phi"],
+    remark: "colatitude and longitude in radians; --degrees takes lon,lat",
+};
+const DEGREES: Columns<2> =
+    Columns { names: ["lon", "lat"], remark: "longitude and latitude in degrees" };
+const PIXEL: Columns<1> = Columns { names: ["pixel"], remark: "integers" };
+
+/// From what to what.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Conversion {
+    /// Vectors to the pixels that contain them
+    #[value(name = "vec2pix")]
+    VecToPix,
+    /// Pixels to the unit vectors of their centres
+    #[value(name = "pix2vec")]
+    PixToVec,
+    /// Angles to the pixels that contain them
+    #[value(name = "ang2pix")]
+    AngToPix,
+    /// Pixels to the angles of their centres
+    #[value(name = "pix2ang")]
+    PixToAng,
+    /// Pixel numbers in ring order to nested order
+    #[value(name = "ring2nest")]
+    RingToNest,
+    /// Pixel numbers in nested order to ring order
+    #[value(name = "nest2ring")]
+    NestToRing,
+}
+
+impl Conversion {
+    fn name(self) -> &'static str {
+        match self {
+            Self::VecToPix => "vec2pix",
+            Self::PixToVec => "pix2vec",
+            Self::AngToPix => "ang2pix",
+            Self::PixToAng => "pix2ang",
+            Self::RingToNest => "ring2nest",
+            Self::NestToRing => "nest2ring",
+        }
+    }
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct HealpixArgs {
+    /// What to convert into what
+    #[arg(value_enum, value_name = "CONVERSION")]
+    pub(crate) conversion: Conversion,
+    /// Resolution: the sphere has 12 K^2 pixels; K is from 1 to 2^29, in nested order a power of two
+    #[arg(long, value_name = "K", value_parser = parse_nside, allow_negative_numbers = true)]
+    pub(crate) nside: Nside,
+    /// Number pixels in nested order and not in ring order (ring2nest and nest2ring know by themselves)
+    #[arg(long)]
+    pub(crate) nested: bool,
+    /// Angles are longitude and latitude in degrees, columns lon,lat
+    #[arg(long)]
+    pub(crate) degrees: bool,
+    /// The list to convert, CSV or NPY; - is standard input
+    #[arg(value_name = "IN")]
+    pub(crate) input: PathBuf,
+    /// File for the results (.csv, .npy); - is CSV on standard output
+    #[arg(short, long, default_value = "-", value_name = "OUT")]
+    pub(crate) out: PathBuf,
+}
+
+fn parse_nside(text: &str) -> Result<Nside, String> {
+    let nside = text.parse::<u32>().ok().and_then(|nside| Nside::new(nside).ok());
+    nside.ok_or_else(|| format!("expected an integer from 1 to {}", Nside::MAX))
+}
+
+pub(crate) fn run(args: &HealpixArgs, global: &Global) -> Result<(), CliError> {
+    let nside = args.nside;
+    let conversion = args.conversion;
+    if args.degrees && !matches!(conversion, Conversion::AngToPix | Conversion::PixToAng) {
+        return Err(CliError::Usage(format!(
+            "--degrees is for ang2pix and pix2ang, there are no angles in {}",
+            conversion.name()
+        )));
+    }
+    let order: &dyn PixelOrder =
+        if args.nested { &Nested::new(nside).map_err(CliError::usage)? } else { &Ring::new(nside) };
+    let order_name = if args.nested { "nested" } else { "ring" };
+    let job = Job { args, global, order: order_name };
+    match conversion {
+        Conversion::VecToPix => job.convert(&VECTOR, &PIXEL, |[x, y, z]| {
+            let dir = unit_direction(DVec3::new(x, y, z))
+                .map_err(|_| Fault::Row("a vector other than zero".to_owned()))?;
+            Ok([written(order.pixel(dir))])
+        }),
+        Conversion::PixToVec => job.convert(&PIXEL, &VECTOR, |[pixel]| {
+            Ok(order.centre(checked(nside, pixel)?).to_array())
+        }),
+        Conversion::AngToPix if args.degrees => {
+            job.convert(&DEGREES, &PIXEL, |[lon, lat]: [f64; 2]| {
+                if !(-90.0..=90.0).contains(&lat) {
+                    return Err(Fault::Column(1, "a latitude from -90 to 90 degrees".to_owned()));
+                }
+                // The remainder is exact, so that far longitudes lose nothing.
+                pixel_of_angles(order, (90.0_f64 - lat).to_radians(), (lon % 360.0).to_radians())
+            })
+        }
+        Conversion::AngToPix => {
+            job.convert(&RADIANS, &PIXEL, |[theta, phi]| pixel_of_angles(order, theta, phi))
+        }
+        Conversion::PixToAng if args.degrees => job.convert(&PIXEL, &DEGREES, |[pixel]| {
+            let (theta, phi) = order.centre_angles(checked(nside, pixel)?);
+            Ok([phi.to_degrees(), 90.0 - theta.to_degrees()])
+        }),
+        Conversion::PixToAng => job.convert(&PIXEL, &RADIANS, |[pixel]| {
+            Ok(<[f64; 2]>::from(order.centre_angles(checked(nside, pixel)?)))
+        }),
+        Conversion::RingToNest => {
+            let nested = Nested::new(nside).map_err(CliError::usage)?;
+            let job = Job { order: "nested", ..job };
+            job.convert(&PIXEL, &PIXEL, |[pixel]| {
+                Ok([written(nested.from_ring(checked(nside, pixel)?))])
+            })
+        }
+        Conversion::NestToRing => {
+            let nested = Nested::new(nside).map_err(CliError::usage)?;
+            let job = Job { order: "ring", ..job };
+            job.convert(&PIXEL, &PIXEL, |[pixel]| {
+                Ok([written(nested.to_ring(checked(nside, pixel)?))])
+            })
+        }
+    }
+}
+
+fn pixel_of_angles(order: &dyn PixelOrder, theta: f64, phi: f64) -> Result<[i64; 1], Fault> {
+    let theta = if (PI..=PI + THETA_SLACK).contains(&theta) { PI } else { theta };
+    // The list holds finite numbers alone, so that no longitude is wrong.
+    let pixel = order.pixel_of_angles(theta, phi).map_err(|_| {
+        let expected = "a colatitude from 0 to pi radians (degrees are lon,lat, with --degrees)";
+        Fault::Column(0, expected.to_owned())
+    })?;
+    Ok([written(pixel)])
+}
+
+fn checked(nside: Nside, pixel: i128) -> Result<u64, Fault> {
+    let found = u64::try_from(pixel).ok().and_then(|pixel| nside.check_pixel(pixel).ok());
+    found.ok_or_else(|| {
+        let last = nside.n_pixels() - 1;
+        Fault::Column(0, format!("a pixel from 0 to {last} (nside {nside})"))
+    })
+}
+
+/// A pixel as files have it: the largest, 12 * 2^58 - 1, is below 2^63.
+fn written(pixel: u64) -> i64 {
+    pixel.cast_signed()
+}
+
+/// One run of the command.
+struct Job<'a> {
+    args: &'a HealpixArgs,
+    global: &'a Global,
+    /// The order of the pixels that come out, or go in where none come out.
+    order: &'static str,
+}
+
+impl Job<'_> {
+    fn convert<A: Number, B: Written + Serialize, const M: usize, const N: usize>(
+        &self,
+        from: &Columns<M>,
+        to: &Columns<N>,
+        row: impl FnMut([A; M]) -> Result<[B; N], Fault>,
+    ) -> Result<(), CliError> {
+        let Self { args, global, order } = *self;
+        let to_stdout = args.out == Path::new("-");
+        let writer = match to_stdout && global.json {
+            true => None,
+            false => Some(ListWriter::create(&args.out)?),
+        };
+        let rows = read_list(&args.input, from, row)?;
+        if let Some(writer) = writer {
+            writer.write(&to.names, &rows).map_err(output_error)?;
+        }
+        if global.json {
+            let provenance = Provenance::new(global.seed);
+            print_json(&Document { args, order, names: &to.names, rows: &rows, provenance })?;
+        }
+        Ok(())
+    }
+}
+
+/// A reader of standard output that has gone, as `head` does, is no failure.
+fn output_error(error: FileError) -> CliError {
+    match error {
+        FileError::Write { source, .. } if source.kind() == io::ErrorKind::BrokenPipe => {
+            CliError::ClosedPipe
+        }
+        error => error.into(),
+    }
+}
+
+/// The document of `--json`: an array for each column.
+struct Document<'a, T, const N: usize> {
+    args: &'a HealpixArgs,
+    order: &'static str,
+    names: &'a [&'static str; N],
+    rows: &'a [[T; N]],
+    provenance: Provenance,
+}
+
+impl<T: Serialize, const N: usize> Serialize for Document<'_, T, N> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut map = serializer.serialize_map(Some(N + 4))?;
+        map.serialize_entry("conversion", self.args.conversion.name())?;
+        map.serialize_entry("nside", &self.args.nside.value())?;
+        map.serialize_entry("order", self.order)?;
+        for (column, name) in self.names.iter().enumerate() {
+            map.serialize_entry(name, &Column { rows: self.rows, column })?;
+        }
+        map.serialize_entry("provenance", &self.provenance)?;
+        map.end()
+    }
+}
+
+struct Column<'a, T, const N: usize> {
+    rows: &'a [[T; N]],
+    column: usize,
+}
+
+impl<T: Serialize, const N: usize> Serialize for Column<'_, T, N> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_seq(self.rows.iter().map(|row| &row[self.column]))
+    }
+}

@@ -1,0 +1,26 @@
+//! The subcommands, one file each.
+
+pub(crate) mod bounds;
+pub(crate) mod compare;
+pub(crate) mod eval;
+pub(crate) mod healpix;
+pub(crate) mod sample;
+pub(crate) mod spectrum;
+pub(crate) mod variance;
+
+mod rows;
+
+use sphvar_samplers::Domain;
+
+/// The domain that `--hemisphere` chooses.
+fn domain(hemisphere: bool) -> Domain {
+    if hemisphere { Domain::Hemisphere } else { Domain::Sphere }
+}
+
+/// The domain's name in results.
+fn domain_name(domain: Domain) -> &'static str {
+    match domain {
+        Domain::Sphere => "sphere",
+        Domain::Hemisphere => "hemisphere",
+    }
+}

@@ -1,0 +1,217 @@
+//! Rows of predicted and measured variance, as `variance` and `compare` show them.
+
+use serde::Serialize;
+use sphvar_samplers::{Domain, Pattern, Sampler};
+use sphvar_variance::{
+    Comparison, Effort, Energy, compare, comparison_cost, prediction_degree,
+    worthwhile_realizations,
+};
+
+use crate::error::CliError;
+use crate::integrands::{NamedIntegrand, check_domain};
+use crate::memory::{check_memory, coefficient_bytes};
+use crate::patterns;
+use crate::progress::Progress;
+use crate::report::{full, short};
+
+/// What is to be run for every pattern and number of points.
+pub(super) struct Plan<'a> {
+    pub(super) integrand: &'a NamedIntegrand,
+    pub(super) domain: Domain,
+    pub(super) seed: u64,
+    pub(super) trials: u64,
+    /// The number of realizations of a spectrum, if the user has a wish.
+    pub(super) realizations: Option<u64>,
+    /// The largest degree of a spectrum, if the user has a wish.
+    pub(super) lmax: Option<usize>,
+    /// Spectra go to 4 sqrt(N) even if the integrand needs less: they are to be shown.
+    pub(super) whole_spectra: bool,
+    pub(super) quiet: bool,
+}
+
+/// One pattern at one number of points.
+pub(super) struct Case {
+    pub(super) pattern: Pattern,
+    /// The number of points that the user asked for.
+    pub(super) asked: usize,
+    sampler: Box<dyn Sampler>,
+}
+
+impl Case {
+    /// The pattern with `asked` points, or with the nearest number that it has.
+    pub(super) fn new(
+        pattern: Pattern,
+        asked: usize,
+        domain: Domain,
+        nearest: bool,
+    ) -> Result<Self, CliError> {
+        Ok(Self { pattern, asked, sampler: patterns::build(pattern, asked, domain, nearest)? })
+    }
+
+    pub(super) fn n_points(&self) -> usize {
+        self.sampler.n_points()
+    }
+}
+
+/// The results of one case.
+pub(super) struct Row {
+    pub(super) pattern: Pattern,
+    pub(super) asked: usize,
+    pub(super) comparison: Comparison,
+}
+
+/// Runs all cases, with one progress bar, and returns the rows in the order of the cases with the
+/// integrand's energies.
+pub(super) fn run(plan: &Plan<'_>, cases: &[Case]) -> Result<(Vec<Row>, Energy), CliError> {
+    check_domain(plan.integrand, plan.domain)?;
+    if plan.trials < 4 {
+        return Err(CliError::Usage(format!(
+            "the error of a measured variance needs at least 4 trials (-m), got {}",
+            plan.trials
+        )));
+    }
+    let efforts: Vec<Effort> = cases.iter().map(|case| plan.effort(case)).collect();
+    let lmax = efforts.iter().map(|e| e.lmax).max().unwrap_or(0);
+    let most = cases.iter().map(Case::n_points).max().unwrap_or(0);
+    check_memory(&format!("--lmax {lmax}"), coefficient_bytes(lmax))?;
+    // A point takes 24 bytes, and some 150 while it is transformed.
+    check_memory(&format!("a set of {most} points"), 174.0 * most as f64)?;
+
+    let cost = cases.iter().zip(&efforts).map(|(c, &e)| comparison_cost(&*c.sampler, e)).sum();
+    let progress = Progress::new(cost, plan.quiet);
+    progress.stage("integrand");
+    let energy = plan.integrand.function.energy(plan.domain, lmax)?;
+    let rows = cases
+        .iter()
+        .zip(efforts)
+        .map(|(case, effort)| {
+            progress.stage(&format!("{} N = {}", case.pattern, case.n_points()));
+            let done = |cost| progress.advance(cost);
+            let function = &*plan.integrand.function;
+            let comparison = compare(&*case.sampler, function, &energy, effort, &done)?;
+            Ok(Row { pattern: case.pattern, asked: case.asked, comparison })
+        })
+        .collect::<Result<Vec<Row>, CliError>>()?;
+    Ok((rows, energy))
+}
+
+impl Plan<'_> {
+    fn effort(&self, case: &Case) -> Effort {
+        let needed = prediction_degree(&*case.sampler, &*self.integrand.function);
+        let shown = if self.whole_spectra { (4 * case.n_points().isqrt()).max(32) } else { 0 };
+        let lmax = self.lmax.unwrap_or(needed.max(shown));
+        let realizations =
+            self.realizations.unwrap_or_else(|| worthwhile_realizations(lmax, self.trials));
+        Effort { seed: self.seed, lmax, realizations, trials: self.trials }
+    }
+}
+
+/// A row as scripts see it.
+#[derive(Debug, Serialize)]
+pub(super) struct RowRecord {
+    sampler: &'static str,
+    integrand: String,
+    domain: &'static str,
+    asked: usize,
+    n: usize,
+    lmax: usize,
+    realizations: u64,
+    trials: usize,
+    predicted: f64,
+    predicted_stderr: f64,
+    predicted_tail: f64,
+    measured: f64,
+    measured_stderr: f64,
+    ratio: f64,
+    ratio_stderr: f64,
+    z: f64,
+    mean: f64,
+    mean_stderr: f64,
+    exact: Option<f64>,
+}
+
+impl RowRecord {
+    pub(super) fn new(row: &Row, plan: &Plan<'_>) -> Self {
+        let Comparison { spectrum, prediction, measurement } = &row.comparison;
+        let (ratio, ratio_stderr) = row.comparison.ratio();
+        Self {
+            sampler: row.pattern.name(),
+            integrand: plan.integrand.name.clone(),
+            domain: super::domain_name(plan.domain),
+            asked: row.asked,
+            n: spectrum.n_points(),
+            lmax: spectrum.lmax(),
+            realizations: spectrum.realizations(),
+            trials: measurement.estimates().len(),
+            predicted: prediction.variance,
+            predicted_stderr: prediction.stderr,
+            predicted_tail: prediction.tail,
+            measured: measurement.variance(),
+            measured_stderr: measurement.variance_stderr(),
+            ratio,
+            ratio_stderr,
+            z: row.comparison.z_score(),
+            mean: measurement.mean(),
+            mean_stderr: measurement.mean_stderr(),
+            exact: plan.integrand.function.exact(plan.domain),
+        }
+    }
+
+    /// Measured minus predicted variance in standard errors.
+    pub(super) fn z(&self) -> f64 {
+        self.z
+    }
+
+    /// The heading of [`Self::cells`].
+    pub(super) const HEADING: [&'static str; 9] =
+        ["sampler", "N asked", "N", "predicted", "+-", "measured", "+-", "measured/predicted", "z"];
+
+    /// The row of a table for people.
+    pub(super) fn cells(&self) -> Vec<String> {
+        vec![
+            self.sampler.to_owned(),
+            self.asked.to_string(),
+            self.n.to_string(),
+            short(self.predicted),
+            short(self.predicted_stderr),
+            short(self.measured),
+            short(self.measured_stderr),
+            format!("{:.3} +- {:.3}", self.ratio, self.ratio_stderr),
+            format!("{:+.1}", self.z),
+        ]
+    }
+
+    /// The heading of [`Self::record`].
+    pub(super) const COLUMNS: &'static str = "sampler,integrand,domain,asked,n,lmax,realizations,\
+         trials,predicted,predicted_stderr,predicted_tail,measured,measured_stderr,ratio,\
+         ratio_stderr,z,mean,mean_stderr,exact";
+
+    /// The row of a CSV file.
+    pub(super) fn record(&self) -> Vec<String> {
+        let mut cells = vec![
+            self.sampler.to_owned(),
+            self.integrand.clone(),
+            self.domain.to_owned(),
+            self.asked.to_string(),
+            self.n.to_string(),
+            self.lmax.to_string(),
+            self.realizations.to_string(),
+            self.trials.to_string(),
+        ];
+        let numbers = [
+            self.predicted,
+            self.predicted_stderr,
+            self.predicted_tail,
+            self.measured,
+            self.measured_stderr,
+            self.ratio,
+            self.ratio_stderr,
+            self.z,
+            self.mean,
+            self.mean_stderr,
+            self.exact.unwrap_or(f64::NAN),
+        ];
+        cells.extend(numbers.map(full));
+        cells
+    }
+}

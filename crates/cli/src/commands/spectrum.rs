@@ -1,0 +1,358 @@
+//! `sphvar spectrum`: the angular power spectrum of a pattern or of points in files.
+
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use clap::Args;
+use glam::DVec3;
+use serde::Serialize;
+use sphvar_samplers::{Domain, Purpose, Realizations, Sampler, Streams};
+use sphvar_spectrum::{
+    CoefficientSamples, OrderAccumulator, PointSets, Spectrum, SpectrumAccumulator, accumulate,
+};
+
+use crate::args::Global;
+use crate::error::CliError;
+use crate::files::{PointSet, ReadOptions, read_points};
+use crate::memory::{check_memory, coefficient_bytes};
+use crate::patterns;
+use crate::plots::{Chart, ImageFormat, Scale, Series, Style};
+use crate::progress::Progress;
+use crate::report::{
+    Provenance, csv, full, print, print_json, say, short, table, write_result, write_text,
+};
+
+pub(crate) const EXAMPLES: &str = "Examples:
+  sphvar spectrum jittered -n 3888 -m 300 --lmax 190
+  sphvar spectrum --points data/stars.csv --lmax 64
+  sphvar spectrum healpix -n 972 -o spectrum.png
+
+White noise has power 1 for l >= 1; P(0) = N. The error is the standard error of the mean over the
+realizations, each turned by a uniform rotation of its own; a pattern that is not random has no
+error, one set is enough.";
+
+#[derive(Debug, Args)]
+pub(crate) struct SpectrumArgs {
+    /// The sampler
+    #[arg(required_unless_present = "points_from", conflicts_with = "points_from")]
+    pub(crate) sampler: Option<String>,
+    /// Read points from these files (.csv, .npy, .ply; - is standard input); each set in them is a
+    /// realization
+    #[arg(long = "points", num_args = 1.., value_name = "FILE", id = "points_from")]
+    pub(crate) files: Vec<PathBuf>,
+    /// Number of points
+    #[arg(
+        short = 'n',
+        long = "n-points",
+        value_name = "N",
+        required_unless_present = "points_from"
+    )]
+    pub(crate) n: Option<usize>,
+    /// Number of realizations
+    #[arg(short = 'm', long, default_value_t = 100, value_name = "M")]
+    pub(crate) realizations: u64,
+    /// Largest degree, inclusive [default: 4 sqrt(N)]
+    #[arg(long)]
+    pub(crate) lmax: Option<usize>,
+    /// Points on the hemisphere z >= 0; only even degrees exist
+    #[arg(long)]
+    pub(crate) hemisphere: bool,
+    /// Take the nearest number of points that the pattern has
+    #[arg(long)]
+    pub(crate) nearest: bool,
+    /// Names of the columns in point files without a header, or to choose among those of a header
+    #[arg(long, value_delimiter = ',', value_name = "NAMES")]
+    pub(crate) columns: Option<Vec<String>>,
+    /// Write the spectrum to a file: .csv, .json, or a plot as .svg or .png
+    #[arg(short, long, value_name = "FILE")]
+    pub(crate) out: Option<PathBuf>,
+    /// Write the mean power of every degree and order, `(4 pi/N) |S_lm|^2`, to a CSV file
+    #[arg(long, value_name = "FILE")]
+    pub(crate) per_order: Option<PathBuf>,
+    /// Write the samples of one coefficient `S_lm` over the realizations to a CSV file
+    #[arg(long, num_args = 3, value_names = ["L", "M", "FILE"])]
+    pub(crate) coefficient: Option<Vec<String>>,
+}
+
+/// The document of `--json`.
+#[derive(Debug, Serialize)]
+struct Document<'a> {
+    sampler: &'a str,
+    domain: &'static str,
+    n: usize,
+    lmax: usize,
+    realizations: u64,
+    l: Vec<usize>,
+    power: Vec<f64>,
+    stderr: Vec<f64>,
+    seconds: f64,
+    provenance: &'a Provenance,
+}
+
+/// Where the point sets come from.
+enum Source {
+    Sampler { name: String, sampler: Box<dyn Sampler> },
+    Files { name: String, sets: FileSets },
+}
+
+/// The point sets of files, as an ensemble.
+struct FileSets(Vec<PointSet>);
+
+impl PointSets for FileSets {
+    fn realize_into(&self, index: u64, points: &mut Vec<DVec3>, weights: &mut Vec<f64>) {
+        let set = usize::try_from(index).ok().and_then(|i| self.0.get(i));
+        points.clear();
+        weights.clear();
+        if let Some(set) = set {
+            points.extend_from_slice(&set.directions);
+            weights.extend(set.weights.iter().flatten());
+        }
+    }
+}
+
+pub(crate) fn run(args: &SpectrumArgs, global: &Global) -> Result<(), CliError> {
+    let domain = super::domain(args.hemisphere);
+    let source = source(args, domain, global)?;
+    let (name, n_points, count) = match &source {
+        Source::Sampler { name, sampler } => (name, sampler.n_points(), args.realizations),
+        Source::Files { name, sets } => (name, mean_size(&sets.0), sets.0.len() as u64),
+    };
+    if count == 0 {
+        return Err(CliError::Usage("-m must be at least 1, got 0".to_owned()));
+    }
+    let lmax = args.lmax.unwrap_or_else(|| (4 * n_points.isqrt()).max(16));
+    let coefficient =
+        args.coefficient.as_deref().map(|c| parse_coefficient(c, lmax)).transpose()?;
+    let threads = rayon::current_num_threads() as f64;
+    let mut bytes = threads * coefficient_bytes(lmax);
+    if args.per_order.is_some() {
+        // Every order has two exact sums of some 150 bytes, in every thread.
+        bytes += threads * coefficient_bytes(lmax) / 16.0 * 300.0;
+    }
+    check_memory(&format!("--lmax {lmax}"), bytes)?;
+    check_memory(&format!("a set of {n_points} points"), threads * 174.0 * n_points as f64)?;
+
+    let started = Instant::now();
+    let orders = args.per_order.is_some().then(|| OrderAccumulator::new(lmax)).transpose()?;
+    let empty = (
+        SpectrumAccumulator::new(domain, n_points, lmax),
+        (orders, coefficient.as_ref().map(|c| CoefficientSamples::new(c.l, c.m))),
+    );
+    let (sets, count): (&dyn PointSets, u64) = match &source {
+        Source::Files { sets, .. } => (sets, count),
+        Source::Sampler { sampler, .. } => {
+            let streams = Streams::new(global.seed, Purpose::Pattern, n_points);
+            // One set of a pattern that is not random holds its whole spectrum, but not the
+            // distribution of what rotations change.
+            let distributions = args.per_order.is_some() || args.coefficient.is_some();
+            let count = if sampler.is_random() || distributions { count } else { 1 };
+            (&Realizations::rotated(&**sampler, streams), count)
+        }
+    };
+    let progress = Progress::new(count as f64, global.quiet);
+    progress.stage(name);
+    let (spectrum, (orders, samples)) =
+        accumulate(sets, lmax, 0..count, &empty, &|| progress.advance(1.0))?;
+    drop(progress);
+    let spectrum = spectrum.finish()?;
+    let seconds = started.elapsed().as_secs_f64();
+
+    let provenance = Provenance::new(global.seed);
+    if let (Some(path), Some(orders)) = (&args.per_order, orders) {
+        let row = |o: sphvar_spectrum::OrderPower| {
+            vec![o.l.to_string(), o.m.to_string(), full(o.power), full(o.stderr)]
+        };
+        let rows: Vec<_> = orders.finish().into_iter().map(row).collect();
+        write_text(path, &csv(&provenance, "l,m,power,stderr", &rows))?;
+    }
+    if let (Some(coefficient), Some(samples)) = (&coefficient, samples) {
+        let rows: Vec<_> = samples.finish().iter().map(|a| vec![full(a.re), full(a.im)]).collect();
+        write_text(&coefficient.path, &csv(&provenance, "re,im", &rows))?;
+    }
+    emit(args, global, name, &spectrum, seconds, &provenance)
+}
+
+fn source(args: &SpectrumArgs, domain: Domain, global: &Global) -> Result<Source, CliError> {
+    let (Some(name), Some(n)) = (&args.sampler, args.n) else {
+        return files(args, domain, global);
+    };
+    let pattern = patterns::parse_pattern(name)?;
+    let sampler = patterns::build(pattern, n, domain, args.nearest)?;
+    if sampler.n_points() != n {
+        let got = sampler.n_points();
+        say(global.quiet, &format!("{pattern}: {got} points, the nearest to the {n} asked for"));
+    }
+    Ok(Source::Sampler { name: pattern.to_string(), sampler })
+}
+
+fn files(args: &SpectrumArgs, domain: Domain, global: &Global) -> Result<Source, CliError> {
+    let options = ReadOptions { columns: args.columns.clone(), ..ReadOptions::default() };
+    let mut sets = Vec::new();
+    for path in &args.files {
+        let file = read_points(path, &options)?;
+        for warning in &file.warnings {
+            say(global.quiet, &format!("warning: {warning}"));
+        }
+        sets.extend(file.sets);
+    }
+    for set in &mut sets {
+        for p in &mut set.directions {
+            *p = domain.representative(*p);
+        }
+    }
+    let sizes: Vec<usize> = sets.iter().map(|s| s.directions.len()).collect();
+    if let (Some(least), Some(most)) = (sizes.iter().min(), sizes.iter().max())
+        && least != most
+    {
+        say(global.quiet, &format!("sets of {least} to {most} points, each normalised by its own"));
+    }
+    let names: Vec<String> = args.files.iter().map(|p| p.display().to_string()).collect();
+    Ok(Source::Files { name: names.join(" "), sets: FileSets(sets) })
+}
+
+fn mean_size(sets: &[PointSet]) -> usize {
+    let total: usize = sets.iter().map(|s| s.directions.len()).sum();
+    (total + sets.len() / 2) / sets.len().max(1)
+}
+
+/// The wish for the samples of one coefficient.
+struct Coefficient {
+    l: usize,
+    m: usize,
+    path: PathBuf,
+}
+
+fn parse_coefficient(words: &[String], lmax: usize) -> Result<Coefficient, CliError> {
+    let number = |word: &String| {
+        word.parse::<usize>().map_err(|_| {
+            CliError::Usage(format!("--coefficient L M FILE: \"{word}\" is not a number"))
+        })
+    };
+    let [l, m, path] = words else {
+        return Err(CliError::Usage("--coefficient takes L M FILE".to_owned()));
+    };
+    let (l, m) = (number(l)?, number(m)?);
+    if m > l || l > lmax {
+        return Err(CliError::Usage(format!(
+            "--coefficient must satisfy 0 <= M <= L <= lmax, got L = {l}, M = {m}, lmax = {lmax}"
+        )));
+    }
+    Ok(Coefficient { l, m, path: Path::new(path).to_path_buf() })
+}
+
+fn emit(
+    args: &SpectrumArgs,
+    global: &Global,
+    name: &str,
+    spectrum: &Spectrum,
+    seconds: f64,
+    provenance: &Provenance,
+) -> Result<(), CliError> {
+    let rows: Vec<(usize, f64, f64)> = spectrum.rows().collect();
+    let document = Document {
+        sampler: name,
+        domain: super::domain_name(spectrum.domain()),
+        n: spectrum.n_points(),
+        lmax: spectrum.lmax(),
+        realizations: spectrum.realizations(),
+        l: rows.iter().map(|r| r.0).collect(),
+        power: rows.iter().map(|r| r.1).collect(),
+        stderr: rows.iter().map(|r| r.2).collect(),
+        seconds,
+        provenance,
+    };
+    let scale = (spectrum.n_points() as f64).sqrt();
+    if let Some(path) = &args.out {
+        if ImageFormat::of_path(path).is_some() {
+            let chart = Chart {
+                title: format!("Angular power spectrum of {name}, N = {}", spectrum.n_points()),
+                notes: vec![provenance.line()],
+                ..power_chart(vec![power_series(name, spectrum, f64::INFINITY, 0)])
+            };
+            chart.render(path)?;
+        } else {
+            let cells: Vec<_> = rows
+                .iter()
+                .map(|&(l, p, e)| {
+                    vec![
+                        l.to_string(),
+                        full(l as f64 / scale),
+                        full(p),
+                        full(e),
+                        spectrum.realizations().to_string(),
+                    ]
+                })
+                .collect();
+            write_result(path, &document, &|| {
+                csv(provenance, "l,omega,power,stderr,realizations", &cells)
+            })?;
+        }
+    }
+    if global.json {
+        return print_json(&document);
+    }
+    if args.out.is_some() {
+        return Ok(());
+    }
+    let shown = thinned(&rows);
+    let cells = shown
+        .iter()
+        .map(|&&(l, p, e)| {
+            vec![l.to_string(), format!("{:.4}", l as f64 / scale), short(p), short(e)]
+        })
+        .collect();
+    print(&table(&["l", "l/sqrt(N)", "power", "+-"], cells, 0))?;
+    if shown.len() < rows.len() {
+        let remark = format!("{} of {} degrees; all of them: -o FILE.csv", shown.len(), rows.len());
+        say(global.quiet, &remark);
+    }
+    Ok(())
+}
+
+/// All of a short list, or some 40 rows of a long one, ever farther apart.
+fn thinned(rows: &[(usize, f64, f64)]) -> Vec<&(usize, f64, f64)> {
+    const FEW: usize = 40;
+    let mut next = 0;
+    rows.iter()
+        .enumerate()
+        .filter(|&(i, _)| {
+            let take = rows.len() <= FEW || i == next || i + 1 == rows.len();
+            if i == next {
+                next = (i + 1).max(i * 9 / 8);
+            }
+            take
+        })
+        .map(|(_, row)| row)
+        .collect()
+}
+
+/// Power below this is 0 to rounding and has no place on a logarithmic axis.
+const ROUNDING: f64 = 1e-20;
+
+/// The power of l >= 1 against l/sqrt(N) up to `most`, as a line with its error as a band. Degrees
+/// whose power is 0 to rounding are passed over.
+pub(super) fn power_series(label: &str, spectrum: &Spectrum, most: f64, colour: usize) -> Series {
+    let scale = (spectrum.n_points() as f64).sqrt();
+    let shown = |r: &(usize, f64, f64)| r.1 > ROUNDING && r.0 as f64 <= most * scale;
+    let rows: Vec<(usize, f64, f64)> = spectrum.rows().skip(1).filter(shown).collect();
+    Series {
+        label: label.to_owned(),
+        points: rows.iter().map(|r| (r.0 as f64 / scale, r.1)).collect(),
+        error: Some(rows.iter().map(|r| r.2).collect()),
+        style: Style::Line,
+        colour,
+    }
+}
+
+/// A chart of spectra; title and notes are left to be filled in.
+pub(super) fn power_chart(series: Vec<Series>) -> Chart {
+    Chart {
+        title: String::new(),
+        x_label: "frequency l / \u{221a}N".to_owned(),
+        y_label: "power P(l), white noise = 1".to_owned(),
+        x_scale: Scale::Log,
+        y_scale: Scale::Log,
+        series,
+        notes: Vec::new(),
+    }
+}

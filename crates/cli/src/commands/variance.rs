@@ -1,0 +1,92 @@
+//! `sphvar variance`: predicted and measured variance of patterns on one integrand.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use serde::Serialize;
+
+use super::rows::{self, Case, Plan, RowRecord};
+use crate::args::Global;
+use crate::error::CliError;
+use crate::integrands::{FORMS, parse_integrand};
+use crate::patterns::parse_patterns;
+use crate::report::{Provenance, csv, print, print_json, table, write_result};
+
+pub(crate) const EXAMPLES: &str = "Example:
+  sphvar variance jittered,white-noise -n 192,768 --integrand cap:degrees=60 -m 2000
+
+Columns: the variance that the spectra predict and the one measured on independent, uniformly
+rotated realizations, each with its standard error; z is their difference in standard errors.";
+
+#[derive(Debug, Args)]
+pub(crate) struct VarianceArgs {
+    /// Samplers, separated by commas
+    pub(crate) samplers: String,
+    /// Numbers of points, separated by commas
+    #[arg(short = 'n', long = "points", value_delimiter = ',', required = true, value_name = "N")]
+    pub(crate) points: Vec<usize>,
+    #[arg(long, help = format!("Integrand: {FORMS}"))]
+    pub(crate) integrand: String,
+    /// Trials from which each variance is measured
+    #[arg(short = 'm', long, default_value_t = 1000, value_name = "M")]
+    pub(crate) realizations: u64,
+    /// Realizations from which each spectrum is estimated [default: about the work of the trials]
+    #[arg(long, value_name = "R")]
+    pub(crate) spectrum_realizations: Option<u64>,
+    /// Largest degree of the spectra [default: 4 sqrt(N), for lattices 40 sqrt(N)]
+    #[arg(long)]
+    pub(crate) lmax: Option<usize>,
+    /// Integrate over the hemisphere z >= 0
+    #[arg(long)]
+    pub(crate) hemisphere: bool,
+    /// Take the nearest number of points that a pattern has
+    #[arg(long)]
+    pub(crate) nearest: bool,
+    /// Write the rows to a file, .csv or .json
+    #[arg(short, long, value_name = "FILE")]
+    pub(crate) out: Option<PathBuf>,
+}
+
+/// The document of `--json`.
+#[derive(Debug, Serialize)]
+struct Document<'a> {
+    rows: &'a [RowRecord],
+    provenance: &'a Provenance,
+}
+
+pub(crate) fn run(args: &VarianceArgs, global: &Global) -> Result<(), CliError> {
+    let integrand = parse_integrand(&args.integrand)?;
+    let domain = super::domain(args.hemisphere);
+    let mut cases = Vec::new();
+    for pattern in parse_patterns(&args.samplers)? {
+        for &n in &args.points {
+            cases.push(Case::new(pattern, n, domain, args.nearest)?);
+        }
+    }
+    let plan = Plan {
+        integrand: &integrand,
+        domain,
+        seed: global.seed,
+        trials: args.realizations,
+        realizations: args.spectrum_realizations,
+        lmax: args.lmax,
+        whole_spectra: false,
+        quiet: global.quiet,
+    };
+    let (rows, _) = rows::run(&plan, &cases)?;
+    let records: Vec<RowRecord> = rows.iter().map(|row| RowRecord::new(row, &plan)).collect();
+    let provenance = Provenance::new(global.seed);
+    let document = Document { rows: &records, provenance: &provenance };
+    if let Some(path) = &args.out {
+        let cells: Vec<_> = records.iter().map(RowRecord::record).collect();
+        write_result(path, &document, &|| csv(&provenance, RowRecord::COLUMNS, &cells))?;
+    }
+    if global.json {
+        print_json(&document)
+    } else if args.out.as_ref().is_some_and(|path| path.as_os_str() == "-") {
+        Ok(())
+    } else {
+        let cells = records.iter().map(RowRecord::cells).collect();
+        print(&table(&RowRecord::HEADING, cells, 1))
+    }
+}

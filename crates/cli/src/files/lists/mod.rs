@@ -1,0 +1,113 @@
+//! Lists of plain rows, such as pixels or angles, as CSV or NPY: one row in, one row out.
+//!
+//! Point sets have a reader of their own, which turns every row into a direction; here a number stays
+//! what it is, and an integer never passes through a float.
+
+mod npy;
+mod number;
+mod text;
+mod write;
+
+#[cfg(test)]
+mod tests;
+
+use std::fs::File;
+use std::io::{self, BufRead, BufReader};
+use std::path::Path;
+
+use super::file_error::{FileError, Place, input_name, is_dash};
+use super::points::PointFormat;
+
+pub(crate) use number::{Number, Written};
+pub(crate) use write::ListWriter;
+
+/// What the columns of a list are.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Columns<const N: usize> {
+    /// The names in the header; without a header the columns stand in this order.
+    pub(crate) names: [&'static str; N],
+    /// The unit or another remark for messages about missing columns.
+    pub(crate) remark: &'static str,
+}
+
+/// Why a row whose numbers are well formed cannot be used.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) enum Fault {
+    /// The number of one column, counted as in [`Columns::names`], is not what this text asks for.
+    Column(usize, String),
+    /// The row as a whole is not.
+    Row(String),
+}
+
+/// Returns `accept` of every row of a file, in order; the path `-` is standard input.
+///
+/// A file is NPY if its name or its first byte says so, and text otherwise.
+///
+/// Text has fields divided by commas or by blanks. A first line without any number is a header and
+/// chooses the columns by their names (quoted or not, in any case, order and company); without one the fields are
+/// exactly the columns. Lines that start with `#` and empty lines are skipped.
+///
+/// NPY has the shape `(rows, N)`, or `(rows,)` for a single column, in C or Fortran order and either
+/// byte order; floats of 4 or 8 bytes for `f64`, integers of 1 to 8 bytes for `i128`.
+///
+/// # Errors
+/// When the file cannot be read, is neither, or has a row that is malformed or has a [`Fault`]; the
+/// message names the file, the line (or row), the field, and what would be right. A file with neither
+/// header nor row is refused, a header or an array without rows is an empty list.
+///
+/// # Performance
+/// Holds the results, and of an NPY file 8 bytes per number.
+pub(crate) fn read_list<T: Number, R, const N: usize>(
+    path: &Path,
+    columns: &Columns<N>,
+    accept: impl FnMut([T; N]) -> Result<R, Fault>,
+) -> Result<Vec<R>, FileError> {
+    let name = input_name(path);
+    if is_dash(path) {
+        return read_stream(io::stdin().lock(), &name, false, columns, accept);
+    }
+    let open_error = |source| FileError::Open { path: name.clone(), source };
+    let file = File::open(path).map_err(open_error)?;
+    if file.metadata().map_err(open_error)?.is_dir() {
+        return Err(open_error(io::Error::from(io::ErrorKind::IsADirectory)));
+    }
+    let npy = PointFormat::of_path(path) == Some(PointFormat::Npy);
+    read_stream(BufReader::with_capacity(1 << 16, file), &name, npy, columns, accept)
+}
+
+fn read_stream<T: Number, R, const N: usize>(
+    mut input: impl BufRead,
+    path: &str,
+    npy: bool,
+    columns: &Columns<N>,
+    accept: impl FnMut([T; N]) -> Result<R, Fault>,
+) -> Result<Vec<R>, FileError> {
+    let start =
+        input.fill_buf().map_err(|source| FileError::Read { path: path.to_owned(), source })?;
+    // No UTF-8 text starts with this byte.
+    if npy || start.first() == Some(&npy::MAGIC[0]) {
+        npy::read_npy(input, path, columns, accept)
+    } else {
+        text::read_text(input, path, columns, accept)
+    }
+}
+
+/// Returns the error of a row that was not accepted; `got` are its numbers as they were written.
+fn fault_error<const N: usize>(
+    fault: Fault,
+    path: &str,
+    place: Place,
+    columns: &Columns<N>,
+    got: &[impl AsRef<str>; N],
+) -> FileError {
+    let (field, expected, got) = match fault {
+        Fault::Column(column, expected) => {
+            (columns.names[column].to_owned(), expected, got[column].as_ref().to_owned())
+        }
+        Fault::Row(expected) => {
+            let numbers: Vec<&str> = got.iter().map(AsRef::as_ref).collect();
+            (columns.names.join(","), expected, format!("({})", numbers.join(", ")))
+        }
+    };
+    FileError::Value { path: path.to_owned(), place, field, expected, got }
+}

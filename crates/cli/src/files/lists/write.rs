@@ -1,0 +1,108 @@
+//! Writes lists as CSV or NPY.
+
+use std::io::{self, Write};
+use std::path::Path;
+
+use npyz::WriterBuilder;
+
+use super::Written;
+use crate::files::atomic::AtomicFile;
+use crate::files::file_error::{FileError, is_dash, output_name};
+use crate::files::points::PointFormat;
+
+/// Text is handed on in pieces of about this many bytes.
+const CHUNK: usize = 1 << 16;
+
+/// A list file that is about to be written.
+///
+/// It is opened before the work, so that a name that cannot be written to fails at once.
+#[derive(Debug)]
+pub(crate) struct ListWriter {
+    file: AtomicFile,
+    npy: bool,
+}
+
+impl ListWriter {
+    /// Returns a writer in the format that the extension names; `-` is standard output, as CSV.
+    ///
+    /// # Errors
+    /// When the extension is that of no list, or the file cannot be created.
+    pub(crate) fn create(path: &Path) -> Result<Self, FileError> {
+        let npy = match PointFormat::of_path(path) {
+            Some(PointFormat::Npy) => true,
+            Some(PointFormat::Csv) => false,
+            None if is_dash(path) => false,
+            _ => {
+                return Err(FileError::UnknownExtension {
+                    path: output_name(path),
+                    known: ".csv, .npy",
+                });
+            }
+        };
+        Ok(Self { file: AtomicFile::create(path)?, npy })
+    }
+
+    /// Writes all rows; the file appears when it is complete.
+    ///
+    /// CSV has the `names` as header and the shortest digits that are read back to the same number,
+    /// at most 17. NPY has the shape `(rows, N)`, or `(rows,)` for a single column, of 8-byte items in
+    /// little-endian byte and C order.
+    ///
+    /// # Errors
+    /// When the file cannot be written.
+    pub(crate) fn write<T: Written, const N: usize>(
+        mut self,
+        names: &[&str; N],
+        rows: &[[T; N]],
+    ) -> Result<(), FileError> {
+        let written = if self.npy {
+            write_npy(&mut self.file, rows)
+        } else {
+            write_csv(&mut self.file, names, rows)
+        };
+        written.map_err(|source| self.file.error(source))?;
+        self.file.commit()
+    }
+}
+
+fn write_csv<T: Written, const N: usize>(
+    out: &mut impl Write,
+    names: &[&str; N],
+    rows: &[[T; N]],
+) -> io::Result<()> {
+    let mut text = names.join(",");
+    text.push('\n');
+    for row in rows {
+        for (i, &number) in row.iter().enumerate() {
+            if i > 0 {
+                text.push(',');
+            }
+            number.append_to(&mut text);
+        }
+        text.push('\n');
+        if text.len() >= CHUNK {
+            out.write_all(text.as_bytes())?;
+            text.clear();
+        }
+    }
+    out.write_all(text.as_bytes())
+}
+
+fn write_npy<T: Written, const N: usize>(out: &mut impl Write, rows: &[[T; N]]) -> io::Result<()> {
+    let mut shape = vec![rows.len() as u64];
+    if N > 1 {
+        shape.push(N as u64);
+    }
+    // Named and not left to the machine, so that files do not depend on it.
+    let descr =
+        T::DESCR.parse().map_err(|error| io::Error::new(io::ErrorKind::InvalidData, error))?;
+    let mut writer = npyz::WriteOptions::<T::Stored>::new()
+        .dtype(npyz::DType::new_scalar(descr))
+        .shape(&shape)
+        .writer(out)
+        .begin_nd()?;
+    for row in rows {
+        writer.extend(row.iter().map(|number| number.stored()))?;
+    }
+    writer.finish()
+}

@@ -1,0 +1,56 @@
+//! Progress on standard error, with the time that is left, for work that takes a while.
+
+use std::time::Duration;
+
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+
+/// A progress bar over an estimated number of seconds of work; silent where standard error is no
+/// terminal.
+pub(crate) struct Progress {
+    bar: ProgressBar,
+}
+
+/// Ticks to an estimated second: the bar counts whole numbers.
+const TICKS: f64 = 1e6;
+
+impl Progress {
+    /// A bar for `cost` units of work, of any size.
+    pub(crate) fn new(cost: f64, quiet: bool) -> Self {
+        let bar = ProgressBar::with_draw_target(
+            Some(ticks(cost)),
+            if quiet { ProgressDrawTarget::hidden() } else { ProgressDrawTarget::stderr() },
+        );
+        let style =
+            ProgressStyle::with_template("{msg:24!} [{bar:32}] {percent:>3} % {eta:>4} left");
+        if let Ok(style) = style {
+            bar.set_style(style.progress_chars("=> "));
+        }
+        bar.enable_steady_tick(Duration::from_millis(200));
+        Self { bar }
+    }
+
+    /// Says what is being done.
+    pub(crate) fn stage(&self, what: &str) {
+        self.bar.set_message(what.to_owned());
+    }
+
+    /// Counts `cost` units as done.
+    pub(crate) fn advance(&self, cost: f64) {
+        self.bar.inc(ticks(cost));
+    }
+}
+
+impl Drop for Progress {
+    fn drop(&mut self) {
+        self.bar.finish_and_clear();
+    }
+}
+
+#[expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "the cast saturates, and a bar may"
+)]
+fn ticks(cost: f64) -> u64 {
+    (cost * TICKS).round() as u64
+}

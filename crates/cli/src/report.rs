@@ -1,0 +1,135 @@
+//! Results on their way out: tables, CSV and JSON, each with its provenance.
+
+use std::io::Write;
+use std::path::Path;
+
+use comfy_table::{CellAlignment, Table, presets};
+use serde::Serialize;
+
+use crate::error::CliError;
+use crate::files::AtomicFile;
+
+/// What makes a result reproducible.
+#[derive(Clone, Debug, Serialize)]
+pub(crate) struct Provenance {
+    /// The command line.
+    pub(crate) command: String,
+    /// The version of this program.
+    pub(crate) version: &'static str,
+    /// The seed of all random streams.
+    pub(crate) seed: u64,
+}
+
+impl Provenance {
+    /// Of this run.
+    pub(crate) fn new(seed: u64) -> Self {
+        let words: Vec<String> = std::env::args().skip(1).collect();
+        Self {
+            command: format!("sphvar {}", words.join(" ")),
+            version: env!("CARGO_PKG_VERSION"),
+            seed,
+        }
+    }
+
+    /// One line for the heads of files and the feet of figures.
+    pub(crate) fn line(&self) -> String {
+        format!("{} (sphvar {}, seed {})", self.command, self.version, self.seed)
+    }
+}
+
+/// A table of text cells under a heading; every column but the `left` first ones is aligned right.
+pub(crate) fn table(heading: &[&str], rows: Vec<Vec<String>>, left: usize) -> String {
+    let mut table = Table::new();
+    table.load_style(presets::NOTHING).set_header(heading.iter().copied());
+    for row in rows {
+        table.add_row(row);
+    }
+    for (i, column) in table.column_iter_mut().enumerate() {
+        column.set_padding((0, 2));
+        column.set_cell_alignment(if i < left {
+            CellAlignment::Left
+        } else {
+            CellAlignment::Right
+        });
+    }
+    let text = table.to_string();
+    // Trailing blanks are a nuisance in files and diffs.
+    text.lines().map(str::trim_end).fold(String::new(), |all, line| all + line + "\n")
+}
+
+/// Prints text to standard output.
+pub(crate) fn print(text: &str) -> Result<(), CliError> {
+    let mut out = std::io::stdout().lock();
+    out.write_all(text.as_bytes()).and_then(|()| out.flush()).map_err(|e| CliError::stdout(&e))
+}
+
+/// Says something to the person at the terminal, unless that is unwanted.
+pub(crate) fn say(quiet: bool, text: &str) {
+    if !quiet {
+        // A lost remark must not end the work.
+        let _ = writeln!(std::io::stderr(), "{text}");
+    }
+}
+
+/// Prints the one JSON document of `--json`.
+pub(crate) fn print_json(document: &impl Serialize) -> Result<(), CliError> {
+    print(&(json(document)? + "\n"))
+}
+
+/// Writes a text file whole, or not at all; `-` is standard output.
+pub(crate) fn write_text(path: &Path, text: &str) -> Result<(), CliError> {
+    let mut file = AtomicFile::create(path)?;
+    file.write_all(text.as_bytes()).map_err(|e| file.error(e))?;
+    Ok(file.commit()?)
+}
+
+/// Writes a result to `path` by its extension, `.json` or `.csv`.
+pub(crate) fn write_result(
+    path: &Path,
+    document: &impl Serialize,
+    csv: &dyn Fn() -> String,
+) -> Result<(), CliError> {
+    match path.extension().and_then(|e| e.to_str()) {
+        Some("json") => write_text(path, &(json(document)? + "\n")),
+        Some("csv") => write_text(path, &csv()),
+        None if path.as_os_str() == "-" => write_text(path, &csv()),
+        _ => Err(CliError::Usage(format!(
+            "{}: results are written as .csv or .json, plots as .svg or .png",
+            path.display()
+        ))),
+    }
+}
+
+fn json(document: &impl Serialize) -> Result<String, CliError> {
+    serde_json::to_string(document).map_err(CliError::failed)
+}
+
+/// CSV with the provenance as comment, a heading and rows of cells.
+pub(crate) fn csv(provenance: &Provenance, heading: &str, rows: &[Vec<String>]) -> String {
+    let mut text = format!("# {}\n{heading}\n", provenance.line());
+    for row in rows {
+        let cells: Vec<String> = row.iter().map(|cell| quoted(cell)).collect();
+        text.push_str(&cells.join(","));
+        text.push('\n');
+    }
+    text
+}
+
+/// A cell as CSV has it: names of integrands contain commas.
+fn quoted(cell: &str) -> String {
+    if cell.contains([',', '"', '\n']) {
+        format!("\"{}\"", cell.replace('"', "\"\""))
+    } else {
+        cell.to_owned()
+    }
+}
+
+/// A number with three significant decimals in scientific form, `-` for one that is not known.
+pub(crate) fn short(x: f64) -> String {
+    if x.is_finite() { format!("{x:.3e}") } else { "-".to_owned() }
+}
+
+/// A number with all its digits, as files have it.
+pub(crate) fn full(x: f64) -> String {
+    if x.is_finite() { format!("{x:e}") } else { String::new() }
+}

@@ -1,0 +1,149 @@
+use sphvar_samplers::{Purpose, Realizations, Sampler, Streams};
+use sphvar_spectrum::{Spectrum, SpectrumAccumulator, accumulate};
+
+use crate::{
+    Energy, Error, Integrand, Measurement, Prediction, PredictionAccumulator, VariancePoint,
+    measure,
+};
+
+/// How much work a [`Comparison`] may take, and from which random numbers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Effort {
+    /// The seed of all streams.
+    pub seed: u64,
+    /// The largest degree of the pattern's spectrum.
+    pub lmax: usize,
+    /// Realizations from which the spectrum is estimated (one suffices a pattern that is not random).
+    pub realizations: u64,
+    /// Trials from which the variance is measured, independent of the realizations.
+    pub trials: u64,
+}
+
+/// A pattern's spectrum, the variance that it predicts for an integrand, and the variance measured
+/// on independent realizations.
+#[derive(Clone, Debug)]
+pub struct Comparison {
+    /// The mean spectrum of the pattern.
+    pub spectrum: Spectrum,
+    /// The variance predicted from it.
+    pub prediction: Prediction,
+    /// The estimates of the trials.
+    pub measurement: Measurement,
+}
+
+impl Comparison {
+    /// Measured over predicted variance and the standard error of this ratio.
+    #[must_use]
+    pub fn ratio(&self) -> (f64, f64) {
+        let measured = self.measurement.variance();
+        let ratio = measured / self.prediction.variance;
+        let relative = (self.measurement.variance_stderr() / measured)
+            .hypot(self.prediction.stderr / self.prediction.variance);
+        (ratio, ratio * relative)
+    }
+
+    /// The difference of measured and predicted variance in units of its standard error; close to
+    /// standard normal where the theory holds and trials are many.
+    #[must_use]
+    pub fn z_score(&self) -> f64 {
+        let stderr = self.measurement.variance_stderr().hypot(self.prediction.stderr);
+        (self.measurement.variance() - self.prediction.variance) / stderr
+    }
+
+    /// The measured variance at its number of points, for rates and crossovers.
+    #[must_use]
+    pub fn measured_point(&self) -> VariancePoint {
+        VariancePoint {
+            n_points: self.spectrum.n_points() as f64,
+            variance: self.measurement.variance(),
+            stderr: self.measurement.variance_stderr(),
+        }
+    }
+}
+
+/// Predicts and measures the variance of integrating `integrand`, whose energies are `energy`, with
+/// uniformly rotated realizations of `sampler`. `done` is called with a number of seconds, roughly,
+/// after each piece of work.
+///
+/// # Errors
+///
+/// [`Error::Spectrum`] if the spectrum cannot be computed.
+pub fn compare(
+    sampler: &dyn Sampler,
+    integrand: &dyn Integrand,
+    energy: &Energy,
+    effort: Effort,
+    done: &(dyn Fn(f64) + Sync),
+) -> Result<Comparison, Error> {
+    let n_points = sampler.n_points();
+    let ensemble =
+        |purpose| Realizations::rotated(sampler, Streams::new(effort.seed, purpose, n_points));
+    let realizations = distinct_realizations(sampler, effort.realizations);
+    let empty = (
+        SpectrumAccumulator::new(sampler.domain(), n_points, effort.lmax),
+        PredictionAccumulator::new(energy, n_points, effort.lmax),
+    );
+    let cost = transform_cost(n_points, effort.lmax);
+    let (spectrum, prediction) =
+        accumulate(&ensemble(Purpose::Pattern), effort.lmax, 0..realizations, &empty, &|| {
+            done(cost);
+        })?;
+    let cost = trial_cost(n_points);
+    let measurement = measure(&ensemble(Purpose::Trial), integrand, effort.trials, &|| {
+        done(cost);
+    });
+    Ok(Comparison { spectrum: spectrum.finish()?, prediction: prediction.finish(), measurement })
+}
+
+/// The seconds that [`compare`] reports in all.
+#[must_use]
+pub fn comparison_cost(sampler: &dyn Sampler, effort: Effort) -> f64 {
+    let n_points = sampler.n_points();
+    let realizations = distinct_realizations(sampler, effort.realizations);
+    realizations as f64 * transform_cost(n_points, effort.lmax)
+        + effort.trials as f64 * trial_cost(n_points)
+}
+
+/// The degree to which a spectrum is needed for predicting the variance of an integrand, if the
+/// caller has no wish of his own.
+///
+/// A random pattern's power is 1 beyond some 2 sqrt(N), so 4 sqrt(N) leave a tail that is known. A
+/// lattice has peaks at all degrees whose mean only is 1: 40 sqrt(N). Degrees that the integrand
+/// does not have are not needed.
+#[must_use]
+pub fn prediction_degree(sampler: &dyn Sampler, integrand: &dyn Integrand) -> usize {
+    let multiple = if sampler.is_random() { 4 } else { 40 };
+    let degree = (multiple * sampler.n_points().isqrt()).max(32);
+    integrand.effective_degree().map_or(degree, |most| most.min(degree))
+}
+
+/// How many realizations a spectrum to `lmax` is worth beside `trials` of the measurement: about the
+/// same work, but no fewer than 300 (or the trials, if these are fewer) and no more than eight times
+/// the trials.
+#[must_use]
+#[expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "a positive number of realizations"
+)]
+pub fn worthwhile_realizations(lmax: usize, trials: u64) -> u64 {
+    let relative = trial_cost(1) / transform_cost(1, lmax);
+    let balanced = 8.0 * trials as f64 * relative;
+    (balanced as u64).clamp(trials.min(300), trials.saturating_mul(8))
+}
+
+fn distinct_realizations(sampler: &dyn Sampler, realizations: u64) -> u64 {
+    if sampler.is_random() { realizations } else { realizations.min(1) }
+}
+
+/// Seconds for the transform of one realization: per point, making it and the steps of the
+/// recurrence. Measured on one core of a 2.6 GHz machine; used for shares of work only.
+fn transform_cost(n_points: usize, lmax: usize) -> f64 {
+    let degrees = (lmax + 1) as f64;
+    n_points as f64 * (40e-9 + 0.5 * degrees * degrees * 0.35e-9)
+}
+
+/// Seconds for one trial: per point, making it and evaluating the integrand.
+fn trial_cost(n_points: usize) -> f64 {
+    n_points as f64 * 80e-9
+}

@@ -1,0 +1,124 @@
+//! Every pattern integrates every harmonic of degree 1 to 8 without bias.
+//!
+//! The unit of replication is the realization: the points of a stratified set depend on each other.
+
+use std::f64::consts::PI;
+
+use sphvar_samplers::{Domain, Pattern, Purpose, Realizations, Streams};
+use sphvar_sh::legendre_p;
+use sphvar_spectrum::{Accumulator, CoefficientSamples, Moments, Realization, accumulate};
+use sphvar_tests::Family;
+
+const SEED: u64 = 3;
+const LMAX: usize = 8;
+const REALIZATIONS: u64 = 4000;
+/// The probability that a family fails although nothing is biased (nominal: means of 4000 bounded
+/// numbers are normal but for some per cent in the far tail).
+const ALPHA: f64 = 1e-4;
+/// Coefficients that are 0 for every realization are 0 to this times N.
+const ROUNDING: f64 = 1e-12;
+
+/// Mean and spread of the real and imaginary part of every coefficient.
+#[derive(Clone)]
+struct CoefficientMoments(Vec<[Moments; 2]>);
+
+impl Accumulator for CoefficientMoments {
+    fn push(&mut self, realization: &Realization<'_>) {
+        for (moments, a) in self.0.iter_mut().zip(realization.alm().values()) {
+            moments[0].push(a.re);
+            moments[1].push(a.im);
+        }
+    }
+
+    fn merge(&mut self, other: &Self) {
+        for (mine, theirs) in self.0.iter_mut().zip(&other.0) {
+            for (a, b) in mine.iter_mut().zip(theirs) {
+                a.merge(b);
+            }
+        }
+    }
+}
+
+/// The mean of `Y_lm` over the domain: 0 on the sphere for l >= 1. On the hemisphere odd zonal ones
+/// are left, `int_0^1 P_l dz = (P_{l-1}(0) - P_{l+1}(0))/(2l+1)`.
+fn mean_of_harmonic(domain: Domain, l: usize, m: usize) -> f64 {
+    if domain == Domain::Sphere || m > 0 {
+        return 0.0;
+    }
+    let p = |l: usize| legendre_p(l, 0.0).unwrap();
+    ((2 * l + 1) as f64 / (4.0 * PI)).sqrt() * (p(l - 1) - p(l + 1)) / (2 * l + 1) as f64
+}
+
+fn add_to(family: &mut Family, ensemble: &Realizations<'_>, label: &str) {
+    let sampler = ensemble.sampler();
+    let (n, domain) = (sampler.n_points() as f64, sampler.domain());
+    let empty = CoefficientMoments(vec![Default::default(); (LMAX + 1) * (LMAX + 2) / 2]);
+    let samples = CoefficientSamples::new(LMAX, LMAX);
+    let (got, last) =
+        accumulate(ensemble, LMAX, 0..REALIZATIONS, &(empty, samples), &|| ()).unwrap();
+    assert_eq!(last.finish().len() as u64, REALIZATIONS, "{label}");
+    let index = sphvar_sh::LmIndex::new(LMAX).unwrap();
+    for (l, m) in index.iter().filter(|lm| lm.0 >= 1) {
+        for (part, name) in [(0, "Re"), (1, "Im")] {
+            let moments = &got.0[index.at(l, m)][part];
+            let expected = if part == 0 { n * mean_of_harmonic(domain, l, m) } else { 0.0 };
+            let (mean, stderr) = (moments.mean(), moments.standard_error());
+            if stderr < ROUNDING * n {
+                // Im S_l0, and odd degrees of sets that hold the antipode of each point.
+                assert!(
+                    (mean - expected).abs() < ROUNDING * n,
+                    "{label}: {name} S_{l},{m} = {mean:e} in every realization"
+                );
+            } else {
+                family.compare(mean, expected, stderr, || format!("{label}, {name} S_{l},{m}"));
+            }
+        }
+    }
+}
+
+/// After a uniform rotation, on the smallest sets that exist and on larger ones.
+#[test]
+fn every_rotated_pattern_is_unbiased() {
+    let mut family = Family::new("mean of S_lm, rotated");
+    for pattern in Pattern::ALL {
+        for domain in [Domain::Sphere, Domain::Hemisphere] {
+            for asked in [1, 100] {
+                let n = pattern.nearest_count(asked, domain);
+                let sampler = pattern.build(n, domain).unwrap();
+                let streams = Streams::new(SEED, Purpose::Pattern, n);
+                let label = format!("{pattern} {domain:?} N = {n}");
+                add_to(&mut family, &Realizations::rotated(&*sampler, streams), &label);
+            }
+        }
+    }
+    family.assert_null(ALPHA);
+}
+
+/// Independent and stratified points are unbiased as they are: equal areas see to that, no rotation
+/// is needed.
+#[test]
+fn random_patterns_are_unbiased_without_rotation() {
+    let mut family = Family::new("mean of S_lm, unrotated");
+    for pattern in [Pattern::WhiteNoise, Pattern::Jittered] {
+        for domain in [Domain::Sphere, Domain::Hemisphere] {
+            // One line of each antipodal pair of cells is turned up, so the upper representative is
+            // uniform on the hemisphere as well.
+            let n = pattern.nearest_count(48, domain);
+            let sampler = pattern.build(n, domain).unwrap();
+            assert!(sampler.is_random(), "{pattern}");
+            let streams = Streams::new(SEED, Purpose::Trial, n);
+            let label = format!("{pattern} {domain:?} N = {n}");
+            add_to(&mut family, &Realizations::unrotated(&*sampler, streams), &label);
+        }
+    }
+    family.assert_null(ALPHA);
+}
+
+/// The test can fail: a fixed set that is not rotated has coefficients other than 0.
+#[test]
+#[should_panic(expected = "in every realization")]
+fn a_fixed_set_without_rotation_is_biased() {
+    let sampler = Pattern::Fibonacci.build(20, Domain::Sphere).unwrap();
+    let streams = Streams::new(SEED, Purpose::Pattern, 20);
+    add_to(&mut Family::new("biased"), &Realizations::unrotated(&*sampler, streams), "fixed");
+}
