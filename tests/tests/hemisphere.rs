@@ -191,7 +191,6 @@ fn estimators_from_half_a_sphere_set() {
     family.compare(best.mean(), PI, best.mean_stderr(), || "stratified lines".into());
     family.assert_null(ALPHA);
     let (a, b) = (fixed.variance() / best.variance(), ratio.variance() / best.variance());
-    eprintln!("{a} {b}");
     // Recorded 1.5 to 1.6 and 1.2 to 1.3; a ratio of variances has an error of sqrt(4/6000) = 2.6 %, so
     // the margins are six of them.
     assert!((a / 1.55 - 1.0).abs() < 0.18, "unbiased over stratified: {a}");

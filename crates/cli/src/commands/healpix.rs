@@ -18,9 +18,9 @@ use crate::report::{Provenance, print_json};
 mod tests;
 
 pub(crate) const EXAMPLES: &str = "Lists:
-  CSV with a header that names the columns x,y,z | theta,phi | pixel (with --degrees lon,lat), or
-  without a header in this order, divided by commas or blanks; or NPY of shape (N, 3) | (N, 2) | (N,).
-  Vectors may have any length. Angles are colatitude and longitude in radians. Pixels are integers.
+  CSV with a header that names the columns x,y,z | theta,phi | pixel (with --degrees lon,lat),
+  or without a header in this order, divided by commas or blanks; NPY of shape (N, 3) | (N, 2) |
+  (N,). Vectors may have any length. Angles are colatitude and longitude in radians.
 
 Examples:
   sphvar healpix vec2pix --nside 64 points.npy -o pixels.npy
