@@ -47,7 +47,7 @@ fn some_coefficients(lmax: usize) -> Alm {
 /// The function of these coefficients by its definition, one harmonic at a time.
 fn value(alm: &Alm, dir: DVec3) -> f64 {
     let term = |(l, m): (usize, usize)| {
-        let real = (alm[(l, m)] * ylm_at(l, m as i64, dir).unwrap()).re;
+        let real = (alm[(l, m)] * ylm_at(l, i64::try_from(m).unwrap(), dir).unwrap()).re;
         if m == 0 { real } else { 2.0 * real }
     };
     alm.index().iter().map(term).sum()
@@ -127,7 +127,7 @@ fn rotations_keep_the_power_of_every_degree() {
 #[test]
 fn a_band_limited_function_comes_back_with_its_energy() {
     const LMAX: usize = 12;
-    const LONGITUDES: u32 = 2 * LMAX as u32 + 1;
+    const LONGITUDES: u32 = 25; // 2 LMAX + 1: exact in phi
     let alm = some_coefficients(LMAX);
     let rule = GaussLegendre::new(LMAX + 1).unwrap();
     let (mut points, mut weights, mut square) = (Vec::new(), Vec::new(), 0.0);

@@ -89,10 +89,10 @@ fn healpix_has_its_recorded_spectrum() {
             digits_agree(l, power, reference.power()[l]);
         }
     }
-    // The large-N constants N P(l) -> 0.309, 0.906, 0.460, 0.208; at N = 972 they are 0.4 to 7 % off.
+    // The large-N constants N P(l) -> 0.309, 0.906, 0.460, 0.208; at N = 972 they are up to 2.3 % off.
     for (l, constant) in [(2, 0.309), (4, 0.906), (6, 0.460), (8, 0.208)] {
         let scaled = 972.0 * got.power()[l];
-        assert!((scaled / constant - 1.0).abs() < 0.08, "l = {l}: N P = {scaled}");
+        assert!((scaled / constant - 1.0).abs() < 0.025, "l = {l}: N P = {scaled}");
     }
     let fine = spectrum(Pattern::Healpix, 12 * 64 * 64, 8, 1);
     for (l, constant) in [(2, 0.309), (4, 0.906), (6, 0.460), (8, 0.208)] {
@@ -120,7 +120,7 @@ fn digits_agree(l: usize, power: f64, recorded: f64) {
     );
 }
 
-/// Jitter at low degrees: `<P(l)> = c_N l(l+1)/N (1 + O(l^2/N))`, c_N from 1.0117 for 12 points to the
+/// Jitter at low degrees: `<P(l)> = c_N l(l+1)/N (1 + O(l^2/N))`, with constants from 1.0117 for 12 points to the
 /// limit 1.118598.
 #[test]
 fn jitter_obeys_its_law_of_low_degrees() {

@@ -23,7 +23,7 @@ fn legendre_differences(cos: f64, lmax: usize) -> Vec<f64> {
     (0..=lmax).map(|l| below(l) - p[l + 1]).collect()
 }
 
-/// Row 1: the factor (2 - delta_0m) of (3.10) with e^{im phi} makes harmonics of squared norm 2.
+/// Row 1: the factor `2 - delta_0m` of (3.10) with `e^{im phi}` makes harmonics of squared norm 2.
 #[test]
 fn the_factor_2_makes_complex_harmonics_of_norm_2() {
     let rule = GaussLegendre::new(8).unwrap();
@@ -140,7 +140,7 @@ fn the_sum_from_degree_0_is_the_second_moment() {
     }
 }
 
-/// Row 23: P_F = c' l^-3 weighs (2l+1) l^-3 = 2 l^-2 + l^-3, not l^-2.
+/// Row 23: `P_F = c' l^-3` weighs `(2l+1) l^-3 = 2 l^-2 + l^-3`, not `l^-2`.
 #[test]
 fn cubic_power_is_twice_the_square_law_and_more() {
     let class = |p| IntegrandClass::power_law(1.0, p).unwrap();
@@ -164,12 +164,12 @@ fn cubic_power_is_twice_the_square_law_and_more() {
 #[test]
 fn profiles_scale_with_the_square_root_of_n() {
     let (alpha, gamma, l, n) = (1.5_f64, 0.8, 7_usize, 400_usize);
-    for b in [1.0, 2.0, 3.0, 4.5] {
+    for (b, agrees) in [(1.0, false), (2.0, true), (3.0, false), (4.5, false)] {
         let got = Profile::polynomial(b, alpha, gamma).unwrap().power(l, n);
         let value = |root: f64| gamma * (l as f64 / (alpha * root)).powf(b);
         let (square, printed) = (value((n as f64).sqrt()), value((n as f64).powf(1.0 / b)));
         assert!((got / square - 1.0).abs() < 1e-14, "b = {b}: {got}, {square}");
-        assert_eq!(b == 2.0, (got / printed - 1.0).abs() < 1e-14, "b = {b}: {got}, {printed}");
+        assert_eq!(agrees, (got / printed - 1.0).abs() < 1e-14, "b = {b}: {got}, {printed}");
     }
 }
 
@@ -202,7 +202,7 @@ fn the_bound_of_the_cap_holds_with_16() {
         let bound = |l: usize| 16.0 / (sin * (2 * l + 1) as f64 * (2 * l - 1) as f64);
         let largest = (1..=LMAX).map(|l| e[l] / bound(l)).fold(0.0, f64::max);
         assert!(largest < 1.0, "{degrees}: E(l) over the bound reaches {largest}");
-        if degrees == 60.0 {
+        if (degrees - 60.0).abs() < 1e-9 {
             assert!((largest - 0.700).abs() < 1e-3, "60 degrees: {largest}, recorded 0.700");
         }
         let tail = LMAX / 2..LMAX;
@@ -217,7 +217,7 @@ fn the_bound_of_the_cap_holds_with_16() {
     }
 }
 
-/// Rows 36 and 37: F_00^2 = pi (1 - cos)^2, far below (C.25); (C.26) at l = 0 is negative, so it bounds nothing.
+/// Rows 36 and 37: `F_00^2 = pi (1 - cos)^2`, far below (C.25); (C.26) at l = 0 is negative, so it bounds nothing.
 #[test]
 fn the_bound_of_the_cap_fails_at_degree_0() {
     for degrees in CAP_ANGLES {
@@ -281,8 +281,8 @@ fn a_random_number_of_points_needs_its_own_weights() {
     assert!(off > 20.0, "the mean N is only {off} standard errors off");
 }
 
-/// Row 31: (7.1) belongs to an F of norm sqrt(4 pi) and to one degree: with unit norm P_F(4) = 1/9 and the variance is
-/// (4 pi/N) P_S(4).
+/// Row 31: (7.1) belongs to an F of norm sqrt(4 pi) and to one degree: with unit norm `P_F(4) = 1/9` and the variance is
+/// `(4 pi/N) P_S(4)`.
 #[test]
 fn a_harmonic_has_power_in_its_own_degree() {
     for (l, m) in [(4_usize, 0_i64), (4, 3), (7, -7)] {
@@ -307,7 +307,7 @@ fn slope(variance: impl Fn(usize) -> f64, from: usize, to: usize) -> f64 {
     (variance(to) / variance(from)).ln() / (to as f64 / from as f64).ln()
 }
 
-/// The author's program weighs with P_F/(2l+1) where the formula has (2l+1) P_F: rates for the cap come out as -2.5,
+/// The author's program weighs with `P_F/(2l+1)` where the formula has `(2l+1) P_F`: rates for the cap come out as -2.5,
 /// -2 and -1.5 instead of -1.5, -1.5 and -1.5 (with a logarithm for the linear profile).
 #[test]
 fn wrong_weights_fake_faster_rates() {
@@ -353,8 +353,8 @@ fn a_cut_sum_fakes_faster_rates() {
     }
 }
 
-/// The measured variance of a closure without known energy is that of its values: sqrt(4 pi) Y_40, the F of row 31,
-/// has 4 pi times the variance of Y_40, in every trial.
+/// The measured variance of a closure without known energy is that of its values: `sqrt(4 pi) Y_40`, the F of row 31,
+/// has 4 pi times the variance of `Y_40`.
 #[test]
 fn the_harmonic_of_norm_4_pi_has_4_pi_times_the_variance() {
     const N: usize = 48;

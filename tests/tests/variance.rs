@@ -77,7 +77,7 @@ fn jitter_has_its_recorded_variances_and_rates() {
     assert!((coefficient / 41.2 - 1.0).abs() < 2e-3, "cap: Var N^1.5 = {coefficient}");
 }
 
-/// The predictions of the library from sampled spectra: within 2 % for Y_40 and the cap. The relative error
+/// The predictions of the library from sampled spectra: within 2 % for `Y_40` and the cap. The relative error
 /// of P(4) from R realizations is sqrt(2/(9 R)) = 0.6 %, so 2 % is passed by chance in 4e-4 of seeds for
 /// each N; the cap's is smaller.
 #[test]
@@ -156,7 +156,7 @@ fn fixed_patterns_have_their_recorded_variances() {
 ///
 /// 4 patterns, 4 integrands, 6 numbers of points; every cell has trials of its own, and the integrands of a
 /// pattern share a spectrum, whose error is small beside that of the trials. False
-/// alarms: ALPHA for the largest |z| and for the largest bias each, ALPHA_KS for the law.
+/// alarms: ALPHA for the largest |z| and for the largest bias each, `ALPHA_KS` for the law.
 #[test]
 fn measured_variances_are_the_predicted_ones() {
     const ASKED: [usize; 6] = [12, 48, 108, 192, 432, 768];
@@ -217,7 +217,7 @@ fn measured_variances_are_the_predicted_ones() {
     assert!(sidak_z(ALPHA, variance.scores().len()) > 4.0, "too few comparisons");
 }
 
-/// The reference table of Y_40 and the cap: measured variances at 192, 768 and 3072 points agree with the
+/// The reference table of `Y_40` and the cap: measured variances at 192, 768 and 3072 points agree with the
 /// recorded predictions. False alarm: ALPHA for the family.
 #[test]
 fn measured_variances_are_the_recorded_ones() {
