@@ -20,10 +20,13 @@
 //! colatitude.
 
 mod exact;
+mod fast;
 mod kernel;
 mod lanes;
 mod rings;
+mod window;
 
 pub use exact::{ExactTransform, ExactWorkspace};
+pub use fast::{FastTransform, FastWorkspace};
 pub use rings::{RingTransform, RingWorkspace};
 pub use sphvar_sh::Error;
