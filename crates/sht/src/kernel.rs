@@ -4,7 +4,7 @@ use num_complex::Complex;
 use pulp::{Simd, WithSimd};
 use sphvar_sh::{Recurrence, Step};
 
-use crate::lanes::{Lanes, SCALE_BITS};
+use crate::lanes::{BLOCK, Lanes, PARTS, SCALE_BITS};
 
 const SCALE_DOWN: f64 = f64::from_bits((1023 - SCALE_BITS as u64) << 52);
 /// A value beyond this moves to the next scale. One step multiplies by at most 2 sqrt(2m+3), so
@@ -12,12 +12,17 @@ const SCALE_DOWN: f64 = f64::from_bits((1023 - SCALE_BITS as u64) << 52);
 const SCALE_LIMIT: f64 = f64::from_bits((1023 + SCALE_BITS as u64 / 2) << 52);
 const STEPS_PER_CHECK: usize = 8;
 
-/// The sums over the rings of `lambda_lm f_m` for one m and every l from m.
+/// Functions that share one pass of the recurrence.
+const FUNCTIONS: usize = 4;
+
+/// The sums over the rings of `lambda_lm f_m` for one m, every l from m, and several functions f.
 pub(crate) struct Column<'a> {
     pub(crate) lanes: &'a Lanes,
+    pub(crate) n_functions: usize,
     pub(crate) recurrence: &'a Recurrence,
-    /// Scratch: a vector register's worth of partial sums per l, real and imaginary.
+    /// Scratch: a vector register's worth of partial sums per l and function, real and imaginary.
     pub(crate) sums: &'a mut Vec<f64>,
+    /// By function and degree.
     pub(crate) out: &'a mut Vec<Complex<f64>>,
 }
 
@@ -26,75 +31,102 @@ impl WithSimd for Column<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        let Self { lanes, recurrence, sums, out } = self;
+        let Self { lanes, n_functions, recurrence, sums, out } = self;
         let steps = recurrence.steps();
         out.clear();
-        if lanes.is_empty() {
-            out.resize(steps.len(), Complex::ZERO);
-            return;
+        let mut first = 0;
+        while first < n_functions {
+            let several = if n_functions - first >= FUNCTIONS { FUNCTIONS } else { 1 };
+            sums.clear();
+            sums.resize(several * 2 * S::F64_LANES * steps.len(), 0.0);
+            let (partial, _) = S::as_mut_simd_f64s(sums);
+            let terms = Terms { all: &lanes.terms, n_functions, first };
+            // Enough independent chains to hide the latency of the recurrence, few enough to stay in
+            // registers: of the wide kind there are 32, of the others 16.
+            match (several, S::F64_LANES >= 8) {
+                (1, true) => accumulate::<S, 4, 1>(simd, lanes, terms, steps, partial),
+                (1, false) => accumulate::<S, 2, 1>(simd, lanes, terms, steps, partial),
+                (_, true) => accumulate::<S, 4, FUNCTIONS>(simd, lanes, terms, steps, partial),
+                (_, false) => accumulate::<S, 2, FUNCTIONS>(simd, lanes, terms, steps, partial),
+            }
+            for function in 0..several {
+                let of_degree = partial.chunks_exact(2 * several);
+                out.extend(of_degree.map(|sum| {
+                    let (re, im) = (sum[2 * function], sum[2 * function + 1]);
+                    Complex::new(simd.reduce_sum_f64s(re), simd.reduce_sum_f64s(im))
+                }));
+            }
+            first += several;
         }
-        sums.clear();
-        sums.resize(2 * S::F64_LANES * (steps.len()), 0.0);
-        let (sums, _) = S::as_mut_simd_f64s(sums);
-        // Enough independent chains to hide the latency of the recurrence, few enough to stay in
-        // registers: of the wide kind there are 32, of the others 16.
-        if S::F64_LANES >= 8 {
-            accumulate::<S, 4>(simd, lanes, steps, sums);
-        } else {
-            accumulate::<S, 2>(simd, lanes, steps, sums);
-        }
-        let total =
-            |s: &[S::f64s]| Complex::new(simd.reduce_sum_f64s(s[0]), simd.reduce_sum_f64s(s[1]));
-        out.extend(sums.chunks_exact(2).map(total));
     }
 }
 
-/// `K` vectors of rings at one degree of the recurrence.
-struct Group<S: Simd, const K: usize> {
+/// The terms of some of the functions.
+#[derive(Clone, Copy)]
+struct Terms<'a> {
+    all: &'a [f64],
+    n_functions: usize,
+    first: usize,
+}
+
+/// `K` vectors of rings at one degree of the recurrence, with the terms of `F` functions.
+struct Group<S: Simd, const K: usize, const F: usize> {
     versine: [S::f64s; K],
-    re: [S::f64s; K],
-    im: [S::f64s; K],
     /// `lambda_lm` and its difference (see [`Recurrence`]), in the scale of the ring.
     lambda: [S::f64s; K],
     difference: [S::f64s; K],
+    terms: [[[S::f64s; K]; PARTS]; F],
 }
 
-/// Adds the terms of all rings to `sums`, two vectors for each degree.
+/// Adds the terms of all rings to `sums`: by degree and function, a vector for each part.
 #[inline(always)]
-fn accumulate<S: Simd, const K: usize>(
+fn accumulate<S: Simd, const K: usize, const F: usize>(
     simd: S,
     lanes: &Lanes,
+    terms: Terms<'_>,
     steps: &[Step],
     sums: &mut [S::f64s],
 ) {
     let (versine, _) = S::as_simd_f64s(&lanes.versine);
-    let (re, _) = S::as_simd_f64s(&lanes.re);
-    let (im, _) = S::as_simd_f64s(&lanes.im);
     let (start, _) = S::as_simd_f64s(&lanes.start);
     let (scale, _) = S::as_simd_f64s(&lanes.scale);
+    let (all_terms, _) = S::as_simd_f64s(terms.all);
+    let per_block = BLOCK / S::F64_LANES;
     for first in (0..versine.len()).step_by(K) {
-        let at =
-            |column: &[S::f64s]| -> [S::f64s; K] { std::array::from_fn(|i| column[first + i]) };
-        let mut group = Group::<S, K> {
+        let at = |column: &[S::f64s]| -> [S::f64s; K] { std::array::from_fn(|i| column[first + i]) };
+        let (block, offset) = (first / per_block, first % per_block);
+        let part = |function: usize, part: usize| {
+            let place = (block * terms.n_functions + terms.first + function) * PARTS + part;
+            let vectors = &all_terms[place * per_block + offset..][..K];
+            std::array::from_fn(|i| vectors[i])
+        };
+        let mut group = Group::<S, K, F> {
             versine: at(versine),
-            re: at(re),
-            im: at(im),
             lambda: at(start),
             difference: [simd.splat_f64s(0.0); K],
+            terms: std::array::from_fn(|f| std::array::from_fn(|p| part(f, p))),
         };
         group.run(simd, at(scale), steps, sums);
     }
 }
 
-impl<S: Simd, const K: usize> Group<S, K> {
+impl<S: Simd, const K: usize, const F: usize> Group<S, K, F> {
     /// All degrees of the order.
     #[inline(always)]
     fn run(&mut self, simd: S, scale: [S::f64s; K], steps: &[Step], sums: &mut [S::f64s]) {
         let begun = self.climb(simd, scale, steps, sums);
-        let rest = sums[2 * begun..].chunks_exact_mut(2);
-        for (step, sum) in steps[begun..].iter().zip(rest) {
-            self.add(simd, self.lambda, sum);
-            self.step(simd, step);
+        // `climb` stops at an even number of degrees, or at the end.
+        let mut pairs = sums[2 * F * begun..].chunks_exact_mut(4 * F);
+        let mut step_pairs = steps[begun..].chunks_exact(2);
+        for (sum, step) in (&mut pairs).zip(&mut step_pairs) {
+            let (even, odd) = sum.split_at_mut(2 * F);
+            self.add::<0>(simd, self.lambda, even);
+            self.step(simd, &step[0]);
+            self.add::<1>(simd, self.lambda, odd);
+            self.step(simd, &step[1]);
+        }
+        if !step_pairs.remainder().is_empty() {
+            self.add::<0>(simd, self.lambda, pairs.into_remainder());
         }
     }
 
@@ -115,19 +147,25 @@ impl<S: Simd, const K: usize> Group<S, K> {
         let down = simd.splat_f64s(SCALE_DOWN);
         let mut done = 0;
         while done < steps.len() && scale.iter().any(|&s| simd.reduce_min_f64s(s) < 0.0) {
-            let visible = |lambda: &[S::f64s; K]| {
-                std::array::from_fn(|i| {
-                    simd.select_f64s(simd.less_than_f64s(scale[i], zero), zero, lambda[i])
-                })
-            };
+            let all_below = scale.iter().all(|&s| simd.reduce_max_f64s(s) < 0.0);
             let until = (done + STEPS_PER_CHECK).min(steps.len());
-            for (step, sum) in steps[done..until].iter().zip(sums[2 * done..].chunks_exact_mut(2)) {
-                self.add(simd, visible(&self.lambda), sum);
-                self.step(simd, step);
+            for l in done..until {
+                if !all_below {
+                    let visible = std::array::from_fn(|i| {
+                        simd.select_f64s(simd.less_than_f64s(scale[i], zero), zero, self.lambda[i])
+                    });
+                    let sum = &mut sums[2 * F * l..2 * F * (l + 1)];
+                    if l % 2 == 0 {
+                        self.add::<0>(simd, visible, sum);
+                    } else {
+                        self.add::<1>(simd, visible, sum);
+                    }
+                }
+                self.step(simd, &steps[l]);
             }
             for i in 0..K {
-                let size =
-                    simd.max_f64s(simd.abs_f64s(self.lambda[i]), simd.abs_f64s(self.difference[i]));
+                let size = simd
+                    .max_f64s(simd.abs_f64s(self.lambda[i]), simd.abs_f64s(self.difference[i]));
                 let over = simd.less_than_f64s(limit, size);
                 let factor = simd.select_f64s(over, down, one);
                 self.lambda[i] = simd.mul_f64s(self.lambda[i], factor);
@@ -139,16 +177,20 @@ impl<S: Simd, const K: usize> Group<S, K> {
         done
     }
 
-    /// Adds the terms of one degree, with `lambda` for its values.
+    /// Adds the terms of one degree, l + m of parity `ODD`, with `lambda` for its values.
     #[inline(always)]
     #[expect(clippy::needless_range_loop, reason = "several arrays run in step")]
-    fn add(&self, simd: S, lambda: [S::f64s; K], sum: &mut [S::f64s]) {
-        let (mut re, mut im) = (sum[0], sum[1]);
-        for i in 0..K {
-            re = simd.mul_add_f64s(lambda[i], self.re[i], re);
-            im = simd.mul_add_f64s(lambda[i], self.im[i], im);
+    fn add<const ODD: usize>(&self, simd: S, lambda: [S::f64s; K], sum: &mut [S::f64s]) {
+        for function in 0..F {
+            let re = &self.terms[function][2 * ODD];
+            let im = &self.terms[function][2 * ODD + 1];
+            let (mut sum_re, mut sum_im) = (sum[2 * function], sum[2 * function + 1]);
+            for i in 0..K {
+                sum_re = simd.mul_add_f64s(lambda[i], re[i], sum_re);
+                sum_im = simd.mul_add_f64s(lambda[i], im[i], sum_im);
+            }
+            (sum[2 * function], sum[2 * function + 1]) = (sum_re, sum_im);
         }
-        (sum[0], sum[1]) = (re, im);
     }
 
     /// From one degree to the next.

@@ -22,16 +22,10 @@ pub struct RingTransform {
 /// Scratch memory of [`RingTransform::adjoint_into`]; grows to the largest input it has seen.
 #[derive(Clone, Debug, Default)]
 pub struct RingWorkspace {
-    halves: [Half; 2],
+    lanes: Lanes,
     recurrence: Recurrence,
     sums: Vec<f64>,
     fourier: Vec<Complex<f64>>,
-}
-
-/// The rings of one hemisphere and the coefficients of one order that come from them.
-#[derive(Clone, Debug, Default)]
-struct Half {
-    lanes: Lanes,
     column: Vec<Complex<f64>>,
 }
 
@@ -60,38 +54,45 @@ impl RingTransform {
     pub fn adjoint_into(
         &self,
         colatitudes: impl Iterator<Item = Colatitude>,
-        mut fourier: impl FnMut(usize, &mut [Complex<f64>]),
+        fourier: impl FnMut(usize, &mut [Complex<f64>]),
         workspace: &mut RingWorkspace,
         out: &mut Alm,
     ) {
-        assert_eq!(out.lmax(), self.lmax(), "coefficients of another lmax");
-        let RingWorkspace { halves, recurrence, sums, fourier: values } = workspace;
-        // Southern rings are evaluated at their mirror image in the equator, where lambda_lm only
-        // changes sign with the parity of l + m: one sign at the end, none inside.
-        for half in &mut *halves {
-            half.lanes.clear();
+        self.adjoint_batch_into(colatitudes, fourier, workspace, std::slice::from_mut(out));
+    }
+
+    /// Replaces each of `outs` by the coefficients of one function on the same rings. `fourier`
+    /// writes `f_m` of function b on ring r at `b * n_rings + r`.
+    ///
+    /// The recurrence is run once for several functions, so that four of them cost about half of
+    /// what they cost one by one.
+    ///
+    /// # Panics
+    ///
+    /// If one of `outs` is not of this transform's lmax.
+    pub fn adjoint_batch_into(
+        &self,
+        colatitudes: impl Iterator<Item = Colatitude>,
+        mut fourier: impl FnMut(usize, &mut [Complex<f64>]),
+        workspace: &mut RingWorkspace,
+        outs: &mut [Alm],
+    ) {
+        for out in &*outs {
+            assert_eq!(out.lmax(), self.lmax(), "coefficients of another lmax");
         }
-        let mut n_rings = 0;
-        for (ring, colatitude) in colatitudes.enumerate() {
-            halves[usize::from(colatitude.is_south())].lanes.push(ring, colatitude);
-            n_rings += 1;
-        }
-        for half in &mut *halves {
-            half.lanes.pad();
-        }
+        let RingWorkspace { lanes, recurrence, sums, fourier: values, column } = workspace;
+        let n_rings = lanes.load(colatitudes);
+        let n_functions = outs.len();
         values.clear();
-        values.resize(n_rings, Complex::ZERO);
+        values.resize(n_rings * n_functions, Complex::ZERO);
         for m in 0..=self.lmax() {
             recurrence.fill(m, self.lmax());
             fourier(m, values);
-            for Half { lanes, column } in &mut *halves {
-                lanes.start_order(m, values);
-                self.arch.dispatch(Column { lanes, recurrence, sums, out: column });
-            }
-            let [north, south] = &*halves;
-            let pairs = north.column.iter().zip(&south.column).enumerate();
-            for (a, (n, (north, south))) in out.column_mut(m).iter_mut().zip(pairs) {
-                *a = if n.is_multiple_of(2) { north + south } else { north - south };
+            lanes.start_order(m, values, n_rings);
+            self.arch.dispatch(Column { lanes, n_functions, recurrence, sums, out: column });
+            let degrees = self.lmax() + 1 - m;
+            for (out, values) in outs.iter_mut().zip(column.chunks_exact(degrees)) {
+                out.column_mut(m).copy_from_slice(values);
             }
         }
     }
