@@ -2,7 +2,7 @@
 
 use rayon::ThreadPoolBuilder;
 use sphvar_samplers::{Domain, Pattern, Purpose, Realizations, Streams};
-use sphvar_spectrum::{SpectrumAccumulator, accumulate, estimate};
+use sphvar_spectrum::{Resolution, SpectrumAccumulator, accumulate, estimate};
 use sphvar_variance::{
     Cap, Integrand, PredictionAccumulator, VariancePoint, crossover, measure, predict,
 };
@@ -36,7 +36,9 @@ fn experiment() -> Vec<u64> {
         let predicted = predict(&spectrum, &energy);
         out.extend(bits(&[predicted.variance, predicted.stderr, predicted.tail]));
         let empty = PredictionAccumulator::new(&energy, n, LMAX);
-        let own = accumulate(&ensemble, LMAX, 0..REALIZATIONS, &empty, &|| ()).unwrap().finish();
+        let own = accumulate(&ensemble, Resolution::new(LMAX, n), 0..REALIZATIONS, &empty, &|| ())
+            .unwrap()
+            .finish();
         out.extend(bits(&[own.variance, own.stderr, own.tail]));
         let measured = measure(&ensemble, &cap, REALIZATIONS, &|| ());
         out.extend(bits(measured.estimates()));
@@ -81,7 +83,8 @@ fn shards_merge_to_the_unsplit_run() {
     let sampler = Pattern::Jittered.build(N, Domain::Sphere).unwrap();
     let ensemble = Realizations::rotated(&*sampler, streams());
     let empty = SpectrumAccumulator::new(Domain::Sphere, N, LMAX);
-    let run = |range| accumulate(&ensemble, LMAX, range, &empty, &|| ()).unwrap();
+    let run =
+        |range| accumulate(&ensemble, Resolution::new(LMAX, N), range, &empty, &|| ()).unwrap();
     let whole = run(0..REALIZATIONS).finish().unwrap();
     for cuts in [vec![30], vec![1, 2, 3], vec![7, 20, 21, 59], vec![10, 20, 30, 40, 50]] {
         let mut limits = vec![0];

@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 
 use glam::DVec3;
 use sphvar_samplers::{Domain, Pattern, Purpose, Realizations, Streams, uniform_rotation};
-use sphvar_spectrum::{Moments, Spectrum, SpectrumAccumulator, accumulate, estimate};
+use sphvar_spectrum::{Moments, Resolution, Spectrum, SpectrumAccumulator, accumulate, estimate};
 use sphvar_tests::{Family, PointList, ReferenceSpectrum, chi2_interval, exact_jitter_spectrum};
 use sphvar_variance::{Cap, Integrand, Measurement, measure, predict};
 
@@ -153,7 +153,10 @@ fn half_a_sphere_set_is_not_stratified() {
         let m = 12 * (nside * nside) as usize;
         let empty = SpectrumAccumulator::new(Domain::Hemisphere, m / 2, 2);
         let sets = PointList(|i| kept_half(m, i));
-        let got = accumulate(&sets, 2, 0..REALIZATIONS, &empty, &|| ()).unwrap().finish().unwrap();
+        let got = accumulate(&sets, Resolution::new(2, 100), 0..REALIZATIONS, &empty, &|| ())
+            .unwrap()
+            .finish()
+            .unwrap();
         let stratified = exact_jitter_spectrum(nside, 2)[2];
         let (power, stderr) = (got.power()[2], got.stderr()[2]);
         // Recorded with errors of 2.5 %; six standard errors of both.

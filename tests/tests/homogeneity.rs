@@ -6,7 +6,9 @@ use std::f64::consts::PI;
 use num_complex::Complex;
 use sphvar_samplers::{Domain, Pattern, Purpose, Realizations, Streams};
 use sphvar_sh::LmIndex;
-use sphvar_spectrum::{Accumulator, Moments, OrderAccumulator, Realization, accumulate};
+use sphvar_spectrum::{
+    Accumulator, Moments, OrderAccumulator, Realization, Resolution, accumulate,
+};
 use sphvar_tests::{Family, exact_jitter_orders, ks_distance, ks_p_value, strata};
 use sphvar_variance::{Harmonic, Integrand, measure};
 
@@ -81,7 +83,14 @@ impl Accumulator for Anisotropy {
 fn add_to(family: &mut Family, ensemble: &Realizations<'_>, realizations: u64, label: &str) {
     const ROUNDING: f64 = 1e-12;
     let domain = ensemble.sampler().domain();
-    let got = accumulate(ensemble, LMAX, 0..realizations, &Anisotropy::new(), &|| ()).unwrap();
+    let got = accumulate(
+        ensemble,
+        Resolution::new(LMAX, ensemble.sampler().n_points()),
+        0..realizations,
+        &Anisotropy::new(),
+        &|| (),
+    )
+    .unwrap();
     let mut add = |moments: &Moments, what: String| {
         if moments.standard_error() > ROUNDING {
             family.compare(moments.mean(), 0.0, moments.standard_error(), || {
@@ -146,8 +155,13 @@ fn unrotated_jitter_prefers_directions() {
     let sampler = Pattern::Jittered.build(768, Domain::Sphere).unwrap();
     let streams = Streams::new(SEED, Purpose::Trial, 768);
     let ensemble = Realizations::unrotated(&*sampler, streams);
-    let orders =
-        accumulate(&ensemble, 4, 0..REALIZATIONS, &OrderAccumulator::new(4).unwrap(), &|| ());
+    let orders = accumulate(
+        &ensemble,
+        Resolution::new(4, 768),
+        0..REALIZATIONS,
+        &OrderAccumulator::new(4).unwrap(),
+        &|| (),
+    );
     // False alarm: ALPHA over five orders.
     let mut family = Family::new("P(4, m) of unrotated jitter");
     for row in orders.unwrap().finish().into_iter().filter(|row| row.l == 4) {
@@ -229,10 +243,15 @@ fn phases_are_uniform_except_for_order_0() {
         let sampler = pattern.build(n, Domain::Sphere).unwrap();
         let ensemble = Realizations::rotated(&*sampler, Streams::new(SEED, Purpose::Pattern, n));
         for m in [0, 1, 3] {
-            let samples =
-                accumulate(&ensemble, 4, 0..REALIZATIONS, &CoefficientSamples::new(4, m), &|| ())
-                    .unwrap()
-                    .finish();
+            let samples = accumulate(
+                &ensemble,
+                Resolution::new(4, n),
+                0..REALIZATIONS,
+                &CoefficientSamples::new(4, m),
+                &|| (),
+            )
+            .unwrap()
+            .finish();
             if m == 0 {
                 assert!(samples.iter().all(|s| s.im == 0.0), "{pattern}: Im S_40 is not 0");
                 continue;

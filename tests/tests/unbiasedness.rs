@@ -6,7 +6,9 @@ use std::f64::consts::PI;
 
 use sphvar_samplers::{Domain, Pattern, Purpose, Realizations, Streams};
 use sphvar_sh::legendre_p;
-use sphvar_spectrum::{Accumulator, CoefficientSamples, Moments, Realization, accumulate};
+use sphvar_spectrum::{
+    Accumulator, CoefficientSamples, Moments, Realization, Resolution, accumulate,
+};
 use sphvar_tests::Family;
 
 const SEED: u64 = 3;
@@ -54,8 +56,14 @@ fn add_to(family: &mut Family, ensemble: &Realizations<'_>, label: &str) {
     let (n, domain) = (sampler.n_points() as f64, sampler.domain());
     let empty = CoefficientMoments(vec![Default::default(); (LMAX + 1) * (LMAX + 2) / 2]);
     let samples = CoefficientSamples::new(LMAX, LMAX);
-    let (got, last) =
-        accumulate(ensemble, LMAX, 0..REALIZATIONS, &(empty, samples), &|| ()).unwrap();
+    let (got, last) = accumulate(
+        ensemble,
+        Resolution::new(LMAX, sampler.n_points()),
+        0..REALIZATIONS,
+        &(empty, samples),
+        &|| (),
+    )
+    .unwrap();
     assert_eq!(last.finish().len() as u64, REALIZATIONS, "{label}");
     let index = sphvar_sh::LmIndex::new(LMAX).unwrap();
     for (l, m) in index.iter().filter(|lm| lm.0 >= 1) {

@@ -28,7 +28,14 @@ pub(crate) struct Global {
     #[arg(short, long, global = true, default_value_t = 0, value_name = "SEED")]
     pub(crate) seed: u64,
     /// Number of threads, 0 for one per core; results do not depend on it
-    #[arg(short = 'j', long, global = true, default_value_t = 0, value_name = "THREADS")]
+    #[arg(
+        short = 'j',
+        long,
+        global = true,
+        default_value_t = 0,
+        value_name = "THREADS",
+        value_parser = clap::builder::RangedU64ValueParser::<usize>::new().range(0..=1024)
+    )]
     pub(crate) threads: usize,
 }
 

@@ -1,5 +1,8 @@
 use std::io;
 
+use crate::files::FileError;
+use crate::plots::PlotError;
+
 /// Why the command ends without having done its work.
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum CliError {
@@ -43,20 +46,42 @@ impl CliError {
     }
 }
 
-/// Files and figures fail while the work is done, whatever is wrong with them.
-macro_rules! failure_from {
-    ($($error:ty),*) => {$(
-        impl From<$error> for CliError {
-            fn from(error: $error) -> Self {
-                Self::failed(error)
+impl From<FileError> for CliError {
+    fn from(error: FileError) -> Self {
+        match error {
+            FileError::UnknownExtension { .. } => Self::usage(error),
+            FileError::Write { source, .. } if source.kind() == io::ErrorKind::BrokenPipe => {
+                Self::ClosedPipe
             }
+            _ => Self::failed(error),
         }
-    )*};
+    }
 }
 
-failure_from!(
-    crate::files::FileError,
-    crate::plots::PlotError,
-    sphvar_spectrum::Error,
-    sphvar_variance::Error
-);
+impl From<PlotError> for CliError {
+    fn from(error: PlotError) -> Self {
+        match error {
+            PlotError::UnknownExtension { .. } => Self::usage(error),
+            PlotError::File(error) => error.into(),
+            _ => Self::failed(error),
+        }
+    }
+}
+
+impl From<sphvar_spectrum::Error> for CliError {
+    fn from(error: sphvar_spectrum::Error) -> Self {
+        match error {
+            sphvar_spectrum::Error::NoRealizations => Self::usage(error),
+            _ => Self::failed(error),
+        }
+    }
+}
+
+impl From<sphvar_variance::Error> for CliError {
+    fn from(error: sphvar_variance::Error) -> Self {
+        match error {
+            sphvar_variance::Error::Spectrum(error) => error.into(),
+            _ => Self::failed(error),
+        }
+    }
+}

@@ -7,6 +7,7 @@ use sphvar_variance::{Cap, ClampedCosine, EnvironmentMap, Harmonic, Integrand, V
 
 use crate::error::CliError;
 use crate::files::{Channel, read_image};
+use crate::memory::check_degree;
 use crate::spec::{Spec, unknown_name};
 
 /// The names and their parameters, for help texts.
@@ -29,6 +30,7 @@ pub(crate) fn parse_integrand(text: &str) -> Result<NamedIntegrand, CliError> {
         "ylm" => {
             let l = spec.require_number("l")?;
             let m = spec.take_number("m")?.unwrap_or(0);
+            check_degree(text, l)?;
             (Box::new(Harmonic::new(l, m).map_err(wrong)?), &["l", "m"])
         }
         "cap" => {

@@ -14,6 +14,7 @@ mod plots;
 mod progress;
 mod report;
 mod spec;
+mod transforms;
 
 use std::io::Write;
 use std::process::ExitCode;

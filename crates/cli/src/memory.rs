@@ -1,4 +1,6 @@
-//! Refusing work that the machine's memory cannot hold, before it is begun.
+//! Refusing work that is too large for the machine or for the transforms, before it is begun.
+
+use sphvar_sh::MAX_DEGREE;
 
 use crate::error::CliError;
 
@@ -14,6 +16,16 @@ pub(crate) fn check_memory(what: &str, bytes: f64) -> Result<(), CliError> {
             "{what} needs {:.1} GiB of memory, {:.1} GiB are available; choose a smaller one",
             gib(bytes),
             gib(available)
+        )));
+    }
+    Ok(())
+}
+
+/// Refuses a degree beyond those that there are; `what` asked for it.
+pub(crate) fn check_degree(what: &str, l: usize) -> Result<(), CliError> {
+    if l > MAX_DEGREE {
+        return Err(CliError::Usage(format!(
+            "{what}: the largest degree is {MAX_DEGREE}, got {l}"
         )));
     }
     Ok(())

@@ -8,11 +8,12 @@ use serde::Serialize;
 
 use crate::error::CliError;
 use crate::files::AtomicFile;
+use crate::plots::ImageFormat;
 
 /// What makes a result reproducible.
 #[derive(Clone, Debug, Serialize)]
 pub(crate) struct Provenance {
-    /// The command line.
+    /// The command line, without the number of threads: results do not depend on it, to the byte.
     pub(crate) command: String,
     /// The version of this program.
     pub(crate) version: &'static str,
@@ -23,9 +24,9 @@ pub(crate) struct Provenance {
 impl Provenance {
     /// Of this run.
     pub(crate) fn new(seed: u64) -> Self {
-        let words: Vec<String> = std::env::args().skip(1).collect();
+        let words = std::env::args_os().skip(1).map(|w| w.to_string_lossy().into_owned());
         Self {
-            command: format!("sphvar {}", words.join(" ")),
+            command: format!("sphvar {}", without_threads(words).join(" ")),
             version: env!("CARGO_PKG_VERSION"),
             seed,
         }
@@ -35,6 +36,19 @@ impl Provenance {
     pub(crate) fn line(&self) -> String {
         format!("{} (sphvar {}, seed {})", self.command, self.version, self.seed)
     }
+}
+
+/// The words of a command line without `-j` and `--threads` and their number.
+fn without_threads(mut words: impl Iterator<Item = String>) -> Vec<String> {
+    let mut kept = Vec::new();
+    while let Some(word) = words.next() {
+        if word == "-j" || word == "--threads" {
+            words.next();
+        } else if !word.starts_with("-j") && !word.starts_with("--threads=") {
+            kept.push(word);
+        }
+    }
+    kept
 }
 
 /// A table of text cells under a heading; every column but the `left` first ones is aligned right.
@@ -83,6 +97,27 @@ pub(crate) fn write_text(path: &Path, text: &str) -> Result<(), CliError> {
     Ok(file.commit()?)
 }
 
+/// Whether an output path stands for standard output.
+pub(crate) fn is_stdout(path: &Path) -> bool {
+    path.as_os_str() == "-"
+}
+
+/// Refuses a result file that [`write_result`], or a plot if `plots`, could not be written to: better
+/// before the work than after it.
+pub(crate) fn check_result(path: &Path, plots: bool) -> Result<(), CliError> {
+    let extension = path.extension().and_then(|e| e.to_str());
+    let result = matches!(extension, Some("json" | "csv")) || is_stdout(path);
+    let plot = plots && ImageFormat::of_path(path).is_some();
+    if !(result || plot) {
+        let plots = if plots { ", plots as .svg or .png" } else { "" };
+        return Err(CliError::Usage(format!(
+            "{}: results are written as .csv or .json{plots}",
+            path.display()
+        )));
+    }
+    Ok(AtomicFile::check(path)?)
+}
+
 /// Writes a result to `path` by its extension, `.json` or `.csv`.
 pub(crate) fn write_result(
     path: &Path,
@@ -92,9 +127,9 @@ pub(crate) fn write_result(
     match path.extension().and_then(|e| e.to_str()) {
         Some("json") => write_text(path, &(json(document)? + "\n")),
         Some("csv") => write_text(path, &csv()),
-        None if path.as_os_str() == "-" => write_text(path, &csv()),
+        None if is_stdout(path) => write_text(path, &csv()),
         _ => Err(CliError::Usage(format!(
-            "{}: results are written as .csv or .json, plots as .svg or .png",
+            "{}: results are written as .csv or .json",
             path.display()
         ))),
     }

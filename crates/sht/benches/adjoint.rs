@@ -29,7 +29,8 @@ fn exact(c: &mut Criterion) {
     for (n, lmax) in [(1024, 128), (4096, 256)] {
         let points = points(n);
         let transform = ExactTransform::new(lmax).expect("a small degree");
-        let (mut workspace, mut alm) = (ExactWorkspace::default(), Alm::zeros(lmax).expect("small"));
+        let (mut workspace, mut alm) =
+            (ExactWorkspace::default(), Alm::zeros(lmax).expect("small"));
         group.throughput(Throughput::Elements(n as u64));
         group.bench_function(BenchmarkId::from_parameter(format!("{n}/{lmax}")), |b| {
             b.iter(|| transform.adjoint_into(black_box(&points), None, &mut workspace, &mut alm));
@@ -45,7 +46,8 @@ fn fast(c: &mut Criterion) {
         let points = points(n);
         for epsilon in [1e-5, 1e-12] {
             let plan = FastTransform::new(lmax, epsilon).expect("a small degree");
-            let (mut workspace, mut alm) = (FastWorkspace::default(), Alm::zeros(lmax).expect("small"));
+            let (mut workspace, mut alm) =
+                (FastWorkspace::default(), Alm::zeros(lmax).expect("small"));
             group.throughput(Throughput::Elements(n as u64));
             let id = BenchmarkId::new(format!("{n}/{lmax}"), epsilon);
             group.bench_function(id, |b| {

@@ -58,8 +58,8 @@ pub struct FastWorkspace {
     grid: Vec<f64>,
     row: Vec<f64>,
     row_spectrum: Vec<Complex<f64>>,
-    /// `columns[m * rows + i]`: the Fourier coefficient m of row i.
-    columns: Vec<Complex<f64>>,
+    /// By set: `columns[m * rows + i]` is the Fourier coefficient m of row i.
+    columns: Vec<Vec<Complex<f64>>>,
     torus: Vec<Complex<f64>>,
     ring_values: Vec<Complex<f64>>,
     odd: Vec<Complex<f64>>,
@@ -141,28 +141,54 @@ impl FastTransform {
         workspace: &mut FastWorkspace,
         out: &mut Alm,
     ) {
-        if let Some(weights) = weights {
-            assert_eq!(weights.len(), points.len(), "one weight per point");
+        self.adjoint_batch_into(&[(points, weights)], workspace, std::slice::from_mut(out));
+    }
+
+    /// Replaces each of `outs` by the coefficients of one weighted set of points.
+    ///
+    /// The result for a set does not depend on its company, to the last bit, but the Legendre
+    /// recurrence is shared: sets cost least in multiples of four.
+    ///
+    /// # Panics
+    ///
+    /// If there are not as many `outs` as `sets`, or as [`Self::adjoint_into`].
+    pub fn adjoint_batch_into(
+        &self,
+        sets: &[(&[DVec3], Option<&[f64]>)],
+        workspace: &mut FastWorkspace,
+        outs: &mut [Alm],
+    ) {
+        assert_eq!(sets.len(), outs.len(), "one place for coefficients per set");
+        workspace.columns.resize_with(sets.len().max(workspace.columns.len()), Vec::new);
+        for (i, (points, weights)) in sets.iter().enumerate() {
+            if let Some(weights) = weights {
+                assert_eq!(weights.len(), points.len(), "one weight per point");
+            }
+            self.load(points, *weights, workspace);
+            self.spread(workspace);
+            self.transform_rows(i, workspace);
         }
-        self.load(points, weights, workspace);
-        self.spread(workspace);
-        self.transform_rows(workspace);
         let FastWorkspace { rings, columns, torus, ring_values, odd, scratch, .. } = workspace;
         let half = self.n_rings / 2;
         let colatitudes = (0..=half).map(|r| ring_colatitude(r, half));
         odd.clear();
-        odd.resize(half + 1, Complex::ZERO);
-        self.rings.adjoint_into(
+        odd.resize(sets.len() * (half + 1), Complex::ZERO);
+        let columns = &columns[..sets.len()];
+        self.rings.adjoint_batch_into(
             colatitudes,
             |m, terms| {
                 if m % 2 == 1 {
                     terms.copy_from_slice(odd);
-                } else {
-                    self.ring_pair(m, columns, torus, ring_values, scratch, terms, odd);
+                    return;
+                }
+                let terms = terms.chunks_exact_mut(half + 1);
+                for ((even, odd), columns) in terms.zip(odd.chunks_exact_mut(half + 1)).zip(columns)
+                {
+                    self.ring_pair(m, columns, torus, ring_values, scratch, even, odd);
                 }
             },
             rings,
-            out,
+            outs,
         );
     }
 
@@ -231,10 +257,11 @@ impl FastTransform {
         }
     }
 
-    /// Fourier transforms of the rows, corrected for the window, into columns.
-    fn transform_rows(&self, workspace: &mut FastWorkspace) {
+    /// Fourier transforms of the rows, corrected for the window, into the columns of set `set`.
+    fn transform_rows(&self, set: usize, workspace: &mut FastWorkspace) {
         let FastWorkspace { grid, row, row_spectrum, columns, scratch, .. } = workspace;
         let n_rows = self.n_rows();
+        let columns = &mut columns[set];
         row.resize(self.n_phi, 0.0);
         row_spectrum.resize(self.n_phi / 2 + 1, Complex::ZERO);
         scratch.resize(self.row_fft.get_scratch_len().max(scratch.len()), Complex::ZERO);
@@ -289,7 +316,8 @@ impl FastTransform {
                 torus[(n - at) % n] += value * sign;
             }
         }
-        let needed = self.grid_fft.get_inplace_scratch_len().max(self.ring_fft.get_inplace_scratch_len());
+        let needed =
+            self.grid_fft.get_inplace_scratch_len().max(self.ring_fft.get_inplace_scratch_len());
         scratch.resize(needed.max(scratch.len()), Complex::ZERO);
         self.grid_fft.process_with_scratch(torus, scratch);
         ring_values.clear();
@@ -357,7 +385,8 @@ mod tests {
         };
         let random: Vec<DVec3> = (0..300).map(|_| direction()).collect();
         let clustered = random.iter().map(|p| (*p * 1e-3 + DVec3::Y).normalize()).collect();
-        let polar = random.iter().map(|p| DVec3::new(p.x * 1e-9, p.y * 1e-9, p.z.signum())).collect();
+        let polar =
+            random.iter().map(|p| DVec3::new(p.x * 1e-9, p.y * 1e-9, p.z.signum())).collect();
         vec![
             ("random", random),
             ("clustered", clustered),
@@ -366,6 +395,31 @@ mod tests {
             ("one", vec![DVec3::new(0.48, 0.6, 0.64)]),
             ("none", vec![]),
         ]
+    }
+
+    #[test]
+    fn a_set_does_not_feel_its_company() {
+        let plan = FastTransform::new(40, 1e-9).unwrap();
+        let sets = sets();
+        let weights: Vec<f64> = (0..300).map(|k| 1.0 + 0.1 * f64::from(k % 7)).collect();
+        // Six sets: a full pass of the shared recurrence and two single ones.
+        let batch: Vec<(&[DVec3], Option<&[f64]>)> = sets
+            .iter()
+            .map(|(_, p)| (p.as_slice(), (p.len() == 300).then_some(weights.as_slice())))
+            .collect();
+        let mut workspace = FastWorkspace::default();
+        let mut together = vec![Alm::zeros(40).unwrap(); batch.len()];
+        plan.adjoint_batch_into(&batch, &mut workspace, &mut together);
+        for ((points, weights), together) in batch.iter().zip(&together) {
+            let mut alone = Alm::zeros(40).unwrap();
+            plan.adjoint_into(points, *weights, &mut workspace, &mut alone);
+            assert_eq!(&alone, together);
+            let exact = ExactTransform::new(40).unwrap().adjoint(points, *weights).unwrap();
+            let size: f64 = exact.values().iter().map(|a| a.norm_sqr()).sum::<f64>().sqrt();
+            for (a, b) in exact.values().iter().zip(alone.values()) {
+                assert!((a - b).norm() <= 1e-9 * size, "{a} and {b}");
+            }
+        }
     }
 
     #[test]
@@ -386,8 +440,11 @@ mod tests {
                         .map(|(a, b)| (a - b).norm_sqr())
                         .sum::<f64>()
                         .sqrt();
-                    println!("{name} {lmax} {epsilon:e} {:e}", error / norm);
-                    assert!(error <= epsilon * norm, "{name}, lmax {lmax}, {epsilon:e}: {:e}", error / norm);
+                    assert!(
+                        error <= epsilon * norm,
+                        "{name}, lmax {lmax}, {epsilon:e}: {:e}",
+                        error / norm
+                    );
                 }
             }
         }

@@ -93,7 +93,8 @@ fn accumulate<S: Simd, const K: usize, const F: usize>(
     let (all_terms, _) = S::as_simd_f64s(terms.all);
     let per_block = BLOCK / S::F64_LANES;
     for first in (0..versine.len()).step_by(K) {
-        let at = |column: &[S::f64s]| -> [S::f64s; K] { std::array::from_fn(|i| column[first + i]) };
+        let at =
+            |column: &[S::f64s]| -> [S::f64s; K] { std::array::from_fn(|i| column[first + i]) };
         let (block, offset) = (first / per_block, first % per_block);
         let part = |function: usize, part: usize| {
             let place = (block * terms.n_functions + terms.first + function) * PARTS + part;
@@ -164,8 +165,8 @@ impl<S: Simd, const K: usize, const F: usize> Group<S, K, F> {
                 self.step(simd, &steps[l]);
             }
             for i in 0..K {
-                let size = simd
-                    .max_f64s(simd.abs_f64s(self.lambda[i]), simd.abs_f64s(self.difference[i]));
+                let size =
+                    simd.max_f64s(simd.abs_f64s(self.lambda[i]), simd.abs_f64s(self.difference[i]));
                 let over = simd.less_than_f64s(limit, size);
                 let factor = simd.select_f64s(over, down, one);
                 self.lambda[i] = simd.mul_f64s(self.lambda[i], factor);
@@ -179,7 +180,6 @@ impl<S: Simd, const K: usize, const F: usize> Group<S, K, F> {
 
     /// Adds the terms of one degree, l + m of parity `ODD`, with `lambda` for its values.
     #[inline(always)]
-    #[expect(clippy::needless_range_loop, reason = "several arrays run in step")]
     fn add<const ODD: usize>(&self, simd: S, lambda: [S::f64s; K], sum: &mut [S::f64s]) {
         for function in 0..F {
             let re = &self.terms[function][2 * ODD];

@@ -15,18 +15,21 @@
 //!
 //! The *adjoint* takes weighted points to coefficients, `a_lm = sum_k w_k conj Y_lm(x_k)`; it is
 //! the adjoint of synthesis, not its inverse. [`ExactTransform`] computes it from the definition
-//! in O(N lmax^2), to rounding, for any points. Its Legendre part stands alone as
-//! [`RingTransform`], for functions whose Fourier coefficients are known on rings of constant
-//! colatitude.
+//! in O(N lmax^2), to rounding, for any points; [`FastTransform`] to a requested accuracy in
+//! O(N log^2(1/epsilon) + lmax^3); [`Transform`] chooses between them. Their Legendre part stands
+//! alone as [`RingTransform`], for functions whose Fourier coefficients are known on rings of
+//! constant colatitude.
 
 mod exact;
 mod fast;
 mod kernel;
 mod lanes;
 mod rings;
+mod transform;
 mod window;
 
 pub use exact::{ExactTransform, ExactWorkspace};
 pub use fast::{FastTransform, FastWorkspace};
 pub use rings::{RingTransform, RingWorkspace};
 pub use sphvar_sh::Error;
+pub use transform::{Method, Transform, TransformWorkspace};

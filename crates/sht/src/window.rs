@@ -78,7 +78,9 @@ impl Window {
             let chebyshev: Vec<f64> = (0..n)
                 .map(|j| {
                     let sum: f64 = (0..n)
-                        .map(|k| piece(node(k)) * (PI * j as f64 * (k as f64 + 0.5) / n as f64).cos())
+                        .map(|k| {
+                            piece(node(k)) * (PI * j as f64 * (k as f64 + 0.5) / n as f64).cos()
+                        })
                         .sum();
                     sum * if j == 0 { 1.0 } else { 2.0 } / n as f64
                 })

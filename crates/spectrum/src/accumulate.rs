@@ -5,7 +5,7 @@ use glam::DVec3;
 use rayon::prelude::{IntoParallelIterator, ParallelIterator};
 use sphvar_samplers::Realizations;
 use sphvar_sh::Alm;
-use sphvar_sht::{ExactTransform, ExactWorkspace};
+use sphvar_sht::{Method, Transform, TransformWorkspace};
 
 use crate::{Error, Spectrum, SpectrumAccumulator};
 
@@ -95,36 +95,67 @@ impl<A: Accumulator> Accumulator for Option<A> {
     }
 }
 
-/// Transforms the sets of the given numbers to degree `lmax` and accumulates them into a copy of
-/// `empty`, in parallel over the sets; `done` is called after each.
+/// To which degree and how spectra are computed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Resolution {
+    /// The largest degree, inclusive.
+    pub lmax: usize,
+    /// The number of points of a set, or about that: the choice of [`Method::Auto`] goes by it.
+    pub n_points: usize,
+    /// The way of transforming.
+    pub method: Method,
+    /// The relative accuracy of coefficients by the fast method.
+    pub epsilon: f64,
+}
+
+impl Resolution {
+    /// The accuracy unless another is asked for: power comes out to its square, 1e-24, where the
+    /// pattern has none.
+    pub const EPSILON: f64 = 1e-12;
+
+    /// Degree `lmax` for sets of `n_points`, by the cheaper method.
+    #[must_use]
+    pub fn new(lmax: usize, n_points: usize) -> Self {
+        Self { lmax, n_points, method: Method::Auto, epsilon: Self::EPSILON }
+    }
+}
+
+/// Sets that one thread transforms together: the recurrence is shared among as many.
+const BATCH: u64 = 4;
+
+/// Transforms the sets of the given numbers and accumulates them into a copy of `empty`, in
+/// parallel over the sets; `done` is called after each.
 ///
 /// # Errors
 ///
-/// [`Error::Transform`] if `lmax` is beyond what the transform can hold.
+/// [`Error::Transform`] if the degree is beyond what the transform can hold.
 pub fn accumulate<A: Accumulator>(
     sets: &dyn PointSets,
-    lmax: usize,
+    resolution: Resolution,
     indices: Range<u64>,
     empty: &A,
     done: &(dyn Fn() + Sync),
 ) -> Result<A, Error> {
-    let transform = ExactTransform::new(lmax)?;
-    let begin = || -> Result<Worker<A>, Error> {
-        Ok(Worker {
-            points: Vec::new(),
-            weights: Vec::new(),
-            workspace: ExactWorkspace::default(),
-            alm: Alm::zeros(lmax)?,
-            accumulator: empty.clone(),
-        })
+    let Resolution { lmax, n_points, method, epsilon } = resolution;
+    let transform = Transform::new(method, lmax, n_points, epsilon)?;
+    let begin = || Worker {
+        sets: Vec::new(),
+        workspace: TransformWorkspace::default(),
+        alms: Vec::new(),
+        accumulator: empty.clone(),
     };
-    let step = |worker: Result<Worker<A>, Error>, index| {
+    let step = |worker: Result<Worker<A>, Error>, batch: u64| {
         let mut worker = worker?;
-        worker.take(sets, &transform, index);
-        done();
+        let first = indices.start + batch * BATCH;
+        let batch = first..(first + BATCH).min(indices.end);
+        worker.take(sets, &transform, lmax, batch, done)?;
         Ok(worker)
     };
-    let finished = indices.into_par_iter().fold(begin, step).map(|worker| Ok(worker?.accumulator));
+    let n_batches = indices.end.saturating_sub(indices.start).div_ceil(BATCH);
+    let finished = (0..n_batches)
+        .into_par_iter()
+        .fold(|| Ok(begin()), step)
+        .map(|worker| Ok(worker?.accumulator));
     finished.reduce(
         || Ok(empty.clone()),
         |a, b| {
@@ -137,21 +168,44 @@ pub fn accumulate<A: Accumulator>(
 
 /// The buffers of one thread's share of the sets.
 struct Worker<A> {
-    points: Vec<DVec3>,
-    weights: Vec<f64>,
-    workspace: ExactWorkspace,
-    alm: Alm,
+    sets: Vec<(Vec<DVec3>, Vec<f64>)>,
+    workspace: TransformWorkspace,
+    alms: Vec<Alm>,
     accumulator: A,
 }
 
 impl<A: Accumulator> Worker<A> {
-    fn take(&mut self, sets: &dyn PointSets, transform: &ExactTransform, index: u64) {
-        sets.realize_into(index, &mut self.points, &mut self.weights);
-        let weights = (!self.weights.is_empty()).then_some(&*self.weights);
-        transform.adjoint_into(&self.points, weights, &mut self.workspace, &mut self.alm);
-        let squares = weights.map_or(self.points.len() as f64, |w| w.iter().map(|x| x * x).sum());
-        let normalization = if squares > 0.0 { 4.0 * PI / squares } else { 0.0 };
-        self.accumulator.push(&Realization { index, alm: &self.alm, normalization });
+    fn take(
+        &mut self,
+        sets: &dyn PointSets,
+        transform: &Transform,
+        lmax: usize,
+        batch: Range<u64>,
+        done: &(dyn Fn() + Sync),
+    ) -> Result<(), Error> {
+        let mut used = 0;
+        for index in batch.clone() {
+            if self.alms.len() == used {
+                self.sets.push((Vec::new(), Vec::new()));
+                self.alms.push(Alm::zeros(lmax)?);
+            }
+            let (points, weights) = &mut self.sets[used];
+            sets.realize_into(index, points, weights);
+            used += 1;
+        }
+        let sets: Vec<(&[DVec3], Option<&[f64]>)> = self.sets[..used]
+            .iter()
+            .map(|(points, weights)| (&**points, (!weights.is_empty()).then_some(&**weights)))
+            .collect();
+        let alms = &mut self.alms[..used];
+        transform.adjoint_batch_into(&sets, &mut self.workspace, alms);
+        for ((index, (points, weights)), alm) in batch.zip(sets).zip(alms) {
+            let squares = weights.map_or(points.len() as f64, |w| w.iter().map(|x| x * x).sum());
+            let normalization = if squares > 0.0 { 4.0 * PI / squares } else { 0.0 };
+            self.accumulator.push(&Realization { index, alm, normalization });
+            done();
+        }
+        Ok(())
     }
 }
 
@@ -173,5 +227,6 @@ pub fn estimate(
     let sampler = ensemble.sampler();
     let count = if sampler.is_random() { realizations } else { realizations.min(1) };
     let empty = SpectrumAccumulator::new(sampler.domain(), sampler.n_points(), lmax);
-    accumulate(ensemble, lmax, 0..count, &empty, done)?.finish()
+    accumulate(ensemble, Resolution::new(lmax, sampler.n_points()), 0..count, &empty, done)?
+        .finish()
 }

@@ -28,10 +28,11 @@ mod moments;
 mod orders;
 mod spectrum;
 
-pub use accumulate::{Accumulator, PointSets, Realization, accumulate, estimate};
+pub use accumulate::{Accumulator, PointSets, Realization, Resolution, accumulate, estimate};
 pub use coefficients::CoefficientSamples;
 pub use error::Error;
 pub use exact_sum::ExactSum;
 pub use moments::Moments;
 pub use orders::{OrderAccumulator, OrderPower};
 pub use spectrum::{Spectrum, SpectrumAccumulator};
+pub use sphvar_sht::Method;

@@ -1,5 +1,5 @@
 use sphvar_samplers::{Purpose, Realizations, Sampler, Streams};
-use sphvar_spectrum::{Spectrum, SpectrumAccumulator, accumulate};
+use sphvar_spectrum::{Method, Resolution, Spectrum, SpectrumAccumulator, accumulate};
 
 use crate::{
     Energy, Error, Integrand, Measurement, Prediction, PredictionAccumulator, VariancePoint,
@@ -7,12 +7,16 @@ use crate::{
 };
 
 /// How much work a [`Comparison`] may take, and from which random numbers.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Effort {
     /// The seed of all streams.
     pub seed: u64,
     /// The largest degree of the pattern's spectrum.
     pub lmax: usize,
+    /// How the spectrum is computed.
+    pub method: Method,
+    /// The relative accuracy of coefficients by the fast method.
+    pub epsilon: f64,
     /// Realizations from which the spectrum is estimated (one suffices a pattern that is not random).
     pub realizations: u64,
     /// Trials from which the variance is measured, independent of the realizations.
@@ -83,11 +87,12 @@ pub fn compare(
         SpectrumAccumulator::new(sampler.domain(), n_points, effort.lmax),
         PredictionAccumulator::new(energy, n_points, effort.lmax),
     );
-    let cost = transform_cost(n_points, effort.lmax);
+    let resolution =
+        Resolution { lmax: effort.lmax, n_points, method: effort.method, epsilon: effort.epsilon };
+    let cost = realization_cost(n_points, effort.lmax, effort.method);
+    let sets = ensemble(Purpose::Pattern);
     let (spectrum, prediction) =
-        accumulate(&ensemble(Purpose::Pattern), effort.lmax, 0..realizations, &empty, &|| {
-            done(cost);
-        })?;
+        accumulate(&sets, resolution, 0..realizations, &empty, &|| done(cost))?;
     let cost = trial_cost(n_points);
     let measurement = measure(&ensemble(Purpose::Trial), integrand, effort.trials, &|| {
         done(cost);
@@ -100,7 +105,7 @@ pub fn compare(
 pub fn comparison_cost(sampler: &dyn Sampler, effort: Effort) -> f64 {
     let n_points = sampler.n_points();
     let realizations = distinct_realizations(sampler, effort.realizations);
-    realizations as f64 * transform_cost(n_points, effort.lmax)
+    realizations as f64 * realization_cost(n_points, effort.lmax, effort.method)
         + effort.trials as f64 * trial_cost(n_points)
 }
 
@@ -117,17 +122,17 @@ pub fn prediction_degree(sampler: &dyn Sampler, integrand: &dyn Integrand) -> us
     integrand.effective_degree().map_or(degree, |most| most.min(degree))
 }
 
-/// How many realizations a spectrum to `lmax` is worth beside `trials` of the measurement: about the
-/// same work, but no fewer than 300 (or the trials, if these are fewer) and no more than eight times
-/// the trials.
+/// How many realizations of `n_points` a spectrum to `lmax` is worth beside `trials` of the
+/// measurement: eight times the work, but no fewer than 300 (or the trials, if these are fewer) and no
+/// more than eight times the trials.
 #[must_use]
 #[expect(
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,
     reason = "a positive number of realizations"
 )]
-pub fn worthwhile_realizations(lmax: usize, trials: u64) -> u64 {
-    let relative = trial_cost(1) / transform_cost(1, lmax);
+pub fn worthwhile_realizations(n_points: usize, lmax: usize, trials: u64) -> u64 {
+    let relative = trial_cost(n_points) / realization_cost(n_points, lmax, Method::Auto);
     let balanced = 8.0 * trials as f64 * relative;
     (balanced as u64).clamp(trials.min(300), trials.saturating_mul(8))
 }
@@ -136,11 +141,9 @@ fn distinct_realizations(sampler: &dyn Sampler, realizations: u64) -> u64 {
     if sampler.is_random() { realizations } else { realizations.min(1) }
 }
 
-/// Seconds for the transform of one realization: per point, making it and the steps of the
-/// recurrence. Measured on one core of a 2.6 GHz machine; used for shares of work only.
-fn transform_cost(n_points: usize, lmax: usize) -> f64 {
-    let degrees = (lmax + 1) as f64;
-    n_points as f64 * (40e-9 + 0.5 * degrees * degrees * 0.35e-9)
+/// Seconds for making one realization and transforming it, roughly.
+fn realization_cost(n_points: usize, lmax: usize, method: Method) -> f64 {
+    n_points as f64 * 40e-9 + method.seconds(n_points, lmax)
 }
 
 /// Seconds for one trial: per point, making it and evaluating the integrand.

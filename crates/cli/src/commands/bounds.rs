@@ -8,16 +8,19 @@ use sphvar_bounds::{
     Bound, IntegrandClass, MeasuredSpectrum, Profile, Shape, Side, variance_bound,
 };
 use sphvar_samplers::{Domain, Purpose, Realizations, Streams};
+use sphvar_sh::MAX_DEGREE;
 use sphvar_spectrum::estimate;
 
 use crate::args::Global;
 use crate::error::CliError;
 use crate::files::read_spectrum;
 use crate::integrands::{FORMS, check_domain, parse_integrand};
-use crate::memory::{check_memory, coefficient_bytes};
+use crate::memory::{check_degree, check_memory, coefficient_bytes};
 use crate::patterns;
 use crate::progress::Progress;
-use crate::report::{Provenance, csv, full, print, print_json, short, table, write_result};
+use crate::report::{
+    Provenance, check_result, csv, full, is_stdout, print, print_json, short, table, write_result,
+};
 use crate::spec::{Spec, unknown_name};
 
 pub(crate) const EXAMPLES: &str = "Examples:
@@ -35,7 +38,7 @@ pub(crate) struct BoundsArgs {
     /// The sampler whose spectrum is to be bounded
     #[arg(conflicts_with = "spectrum")]
     pub(crate) sampler: Option<String>,
-    /// A spectrum file (CSV: l,power[,stderr]) to be bounded
+    /// A spectrum file (CSV: l,power and, if it is known, stderr) to be bounded; - is standard input
     #[arg(long, value_name = "FILE")]
     pub(crate) spectrum: Option<PathBuf>,
     /// The profile
@@ -151,6 +154,15 @@ pub(crate) fn run(args: &BoundsArgs, global: &Global) -> Result<(), CliError> {
     if args.points == 0 {
         return Err(CliError::Usage("-n must be at least 1, got 0".to_owned()));
     }
+    if !(args.confidence > 0.0 && args.confidence < 1.0) {
+        return Err(CliError::Usage(format!(
+            "--confidence must be above 0 and below 1, got {}",
+            args.confidence
+        )));
+    }
+    if let Some(path) = &args.out {
+        check_result(path, false)?;
+    }
     let measured = measured(args, domain, global)?;
     let n_points = measured.as_ref().map_or(args.points, |m| m.n_points);
     let consequences = Consequences::new(args, domain, n_points)?;
@@ -171,7 +183,9 @@ pub(crate) fn run(args: &BoundsArgs, global: &Global) -> Result<(), CliError> {
         bounds: &records,
         provenance: &provenance,
     };
-    if let Some(path) = &args.out {
+    if let Some(path) = &args.out
+        && !(global.json && is_stdout(path))
+    {
         let cells: Vec<_> = records.iter().map(|r| r.cells(&full)).collect();
         let heading = HEADING.join(",").replace(' ', "_");
         write_result(path, &document, &|| csv(&provenance, &heading, &cells))?;
@@ -205,6 +219,7 @@ fn measured(
     let sampler = patterns::build(pattern, args.points, domain, args.nearest)?;
     let n_points = sampler.n_points();
     let lmax = args.lmax.unwrap_or_else(|| (4 * n_points.isqrt()).max(16));
+    check_degree("--lmax", lmax)?;
     check_memory(&format!("--lmax {lmax}"), coefficient_bytes(lmax))?;
     let ensemble =
         Realizations::rotated(&*sampler, Streams::new(global.seed, Purpose::Pattern, n_points));
@@ -283,7 +298,7 @@ impl Consequences {
                 let lmax = integrand
                     .function
                     .effective_degree()
-                    .unwrap_or_else(|| (40 * n_points.isqrt()).max(64));
+                    .unwrap_or_else(|| (40 * n_points.isqrt()).clamp(64, MAX_DEGREE));
                 let energy = integrand.function.energy(domain, lmax)?;
                 Some((energy.per_degree().to_vec(), energy.beyond(lmax)))
             }

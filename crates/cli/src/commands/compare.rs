@@ -14,7 +14,10 @@ use crate::error::CliError;
 use crate::integrands::{FORMS, parse_integrand};
 use crate::patterns::parse_patterns;
 use crate::plots::{Chart, Scale, Series, Style};
-use crate::report::{Provenance, csv, full, print, print_json, say, short, table, write_text};
+use crate::report::{
+    Provenance, csv, full, is_stdout, print, print_json, say, short, table, write_text,
+};
+use crate::transforms::TransformArgs;
 
 pub(crate) const EXAMPLES: &str = "Examples:
   sphvar compare
@@ -49,6 +52,8 @@ pub(crate) struct CompareArgs {
     /// Largest degree of the spectra [default: 4 sqrt(N), for lattices 40 sqrt(N)]
     #[arg(long)]
     pub(crate) lmax: Option<usize>,
+    #[command(flatten)]
+    pub(crate) transform: TransformArgs,
     /// Integrate over the hemisphere z >= 0
     #[arg(long)]
     pub(crate) hemisphere: bool,
@@ -101,12 +106,24 @@ struct Document<'a> {
 }
 
 pub(crate) fn run(args: &CompareArgs, global: &Global) -> Result<(), CliError> {
+    if is_stdout(&args.out) {
+        return Err(CliError::Usage(
+            "-o must name a folder, not - (the table goes to standard output, with --json as JSON)"
+                .to_owned(),
+        ));
+    }
     let integrand = parse_integrand(&args.integrand)?;
     let domain = super::domain(args.hemisphere);
-    let patterns = match &args.samplers {
+    let listed = match &args.samplers {
         Some(list) => parse_patterns(list)?,
         None => Pattern::ALL.to_vec(),
     };
+    let mut patterns: Vec<Pattern> = Vec::new();
+    for pattern in listed {
+        if !patterns.contains(&pattern) {
+            patterns.push(pattern);
+        }
+    }
     let mut cases: Vec<Case> = Vec::new();
     for pattern in &patterns {
         for &n in &args.points {
@@ -117,7 +134,7 @@ pub(crate) fn run(args: &CompareArgs, global: &Global) -> Result<(), CliError> {
             }
         }
     }
-    prepare_folder(&args.out)?;
+    let (method, epsilon) = args.transform.checked()?;
     let plan = Plan {
         integrand: &integrand,
         domain,
@@ -125,9 +142,13 @@ pub(crate) fn run(args: &CompareArgs, global: &Global) -> Result<(), CliError> {
         trials: args.realizations,
         realizations: args.spectrum_realizations,
         lmax: args.lmax,
+        method,
+        epsilon,
         whole_spectra: true,
         quiet: global.quiet,
     };
+    rows::check(&plan, &cases)?;
+    prepare_folder(&args.out)?;
     let (rows, energy) = rows::run(&plan, &cases)?;
 
     let curves: Vec<Curve<'_>> = patterns.iter().map(|&p| Curve::new(p, &rows)).collect();
@@ -153,6 +174,10 @@ pub(crate) fn run(args: &CompareArgs, global: &Global) -> Result<(), CliError> {
 /// Makes the output folder, so that a folder that cannot be written is known before the work.
 fn prepare_folder(folder: &Path) -> Result<(), CliError> {
     let refused = |e| CliError::Failed(format!("cannot write into {}: {e}", folder.display()));
+    if folder.is_file() {
+        let message = format!("{} is a file; -o must name a folder", folder.display());
+        return Err(CliError::Failed(message));
+    }
     std::fs::create_dir_all(folder).map_err(refused)?;
     tempfile::tempfile_in(folder).map_err(refused)?;
     Ok(())

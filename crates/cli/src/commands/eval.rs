@@ -3,13 +3,13 @@
 use clap::{Args, Subcommand};
 use serde::Serialize;
 use sphvar_samplers::Domain;
-use sphvar_sh::{Colatitude, MAX_DEGREE, lambda_scaled, ylm};
+use sphvar_sh::{Colatitude, lambda_scaled, ylm};
 use sphvar_variance::{Cap, Integrand};
 
 use super::bounds::parse_profile;
 use crate::args::Global;
 use crate::error::CliError;
-use crate::memory::check_memory;
+use crate::memory::{check_degree, check_memory};
 use crate::report::{print, print_json};
 
 pub(crate) const EXAMPLES: &str = "Examples:
@@ -111,7 +111,7 @@ pub(crate) fn run(args: &EvalArgs, global: &Global) -> Result<(), CliError> {
             output(global, &ComplexValue { re: y.re, im: y.im }, &text)
         }
         &Function::CapPower { degrees, lmax } => {
-            check_degree(lmax)?;
+            check_size("--lmax", lmax)?;
             let cap = Cap::from_degrees(degrees).map_err(CliError::usage)?;
             let energy = cap.energy(Domain::Sphere, lmax)?;
             let values = energy.per_degree().to_vec();
@@ -120,7 +120,7 @@ pub(crate) fn run(args: &EvalArgs, global: &Global) -> Result<(), CliError> {
             output(global, &Energies { l, energy: values, total: energy.total() }, &text)
         }
         Function::Profile { profile, points, lmax } => {
-            check_degree(*lmax)?;
+            check_size("--lmax", *lmax)?;
             let profile = parse_profile(profile)?.profile;
             if *points == 0 {
                 return Err(CliError::Usage("-n must be at least 1, got 0".to_owned()));
@@ -133,7 +133,7 @@ pub(crate) fn run(args: &EvalArgs, global: &Global) -> Result<(), CliError> {
 }
 
 fn legendre(l: usize, m: i64, theta: f64, global: &Global) -> Result<(), CliError> {
-    check_degree(l)?;
+    check_size("--l", l)?;
     if m.unsigned_abs() > l as u64 {
         return Err(CliError::Usage(format!("--m must satisfy |m| <= l, got l = {l}, m = {m}")));
     }
@@ -148,11 +148,9 @@ fn legendre(l: usize, m: i64, theta: f64, global: &Global) -> Result<(), CliErro
     output(global, &document, &format!("{value:e}\n"))
 }
 
-fn check_degree(l: usize) -> Result<(), CliError> {
-    if l > MAX_DEGREE {
-        return Err(CliError::Usage(format!("the largest degree is {MAX_DEGREE}, got {l}")));
-    }
-    check_memory(&format!("degree {l}"), 16.0 * l as f64)
+fn check_size(what: &str, l: usize) -> Result<(), CliError> {
+    check_degree(what, l)?;
+    check_memory(&format!("{what} {l}"), 16.0 * l as f64)
 }
 
 fn listing(heading: &str, values: &[f64]) -> String {

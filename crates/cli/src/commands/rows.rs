@@ -3,13 +3,13 @@
 use serde::Serialize;
 use sphvar_samplers::{Domain, Pattern, Sampler};
 use sphvar_variance::{
-    Comparison, Effort, Energy, compare, comparison_cost, prediction_degree,
+    Comparison, Effort, Energy, Method, compare, comparison_cost, prediction_degree,
     worthwhile_realizations,
 };
 
 use crate::error::CliError;
 use crate::integrands::{NamedIntegrand, check_domain};
-use crate::memory::{check_memory, coefficient_bytes};
+use crate::memory::{check_degree, check_memory, coefficient_bytes};
 use crate::patterns;
 use crate::progress::Progress;
 use crate::report::{full, short};
@@ -24,6 +24,9 @@ pub(super) struct Plan<'a> {
     pub(super) realizations: Option<u64>,
     /// The largest degree of a spectrum, if the user has a wish.
     pub(super) lmax: Option<usize>,
+    /// How spectra are computed, and how accurately.
+    pub(super) method: Method,
+    pub(super) epsilon: f64,
     /// Spectra go to 4 sqrt(N) even if the integrand needs less: they are to be shown.
     pub(super) whole_spectra: bool,
     pub(super) quiet: bool,
@@ -63,20 +66,7 @@ pub(super) struct Row {
 /// Runs all cases, with one progress bar, and returns the rows in the order of the cases with the
 /// integrand's energies.
 pub(super) fn run(plan: &Plan<'_>, cases: &[Case]) -> Result<(Vec<Row>, Energy), CliError> {
-    check_domain(plan.integrand, plan.domain)?;
-    if plan.trials < 4 {
-        return Err(CliError::Usage(format!(
-            "the error of a measured variance needs at least 4 trials (-m), got {}",
-            plan.trials
-        )));
-    }
-    let efforts: Vec<Effort> = cases.iter().map(|case| plan.effort(case)).collect();
-    let lmax = efforts.iter().map(|e| e.lmax).max().unwrap_or(0);
-    let most = cases.iter().map(Case::n_points).max().unwrap_or(0);
-    check_memory(&format!("--lmax {lmax}"), coefficient_bytes(lmax))?;
-    // A point takes 24 bytes, and some 150 while it is transformed.
-    check_memory(&format!("a set of {most} points"), 174.0 * most as f64)?;
-
+    let (efforts, lmax) = check(plan, cases)?;
     let cost = cases.iter().zip(&efforts).map(|(c, &e)| comparison_cost(&*c.sampler, e)).sum();
     let progress = Progress::new(cost, plan.quiet);
     progress.stage("integrand");
@@ -95,14 +85,42 @@ pub(super) fn run(plan: &Plan<'_>, cases: &[Case]) -> Result<(Vec<Row>, Energy),
     Ok((rows, energy))
 }
 
+/// Refuses what cannot be run; returns the effort for each case and the largest degree.
+pub(super) fn check(plan: &Plan<'_>, cases: &[Case]) -> Result<(Vec<Effort>, usize), CliError> {
+    check_domain(plan.integrand, plan.domain)?;
+    if plan.trials < 4 {
+        return Err(CliError::Usage(format!(
+            "the error of a measured variance needs at least 4 trials (-m), got {}",
+            plan.trials
+        )));
+    }
+    let efforts: Vec<Effort> = cases.iter().map(|case| plan.effort(case)).collect();
+    let lmax = efforts.iter().map(|e| e.lmax).max().unwrap_or(0);
+    check_degree("--lmax", lmax)?;
+    let most = cases.iter().map(Case::n_points).max().unwrap_or(0);
+    check_memory(&format!("--lmax {lmax}"), coefficient_bytes(lmax))?;
+    // A point takes 24 bytes, and some 150 while it is transformed.
+    check_memory(&format!("a set of {most} points"), 174.0 * most as f64)?;
+    check_memory(&format!("-m {}", plan.trials), 8.0 * plan.trials as f64)?;
+    Ok((efforts, lmax))
+}
+
 impl Plan<'_> {
     fn effort(&self, case: &Case) -> Effort {
         let needed = prediction_degree(&*case.sampler, &*self.integrand.function);
         let shown = if self.whole_spectra { (4 * case.n_points().isqrt()).max(32) } else { 0 };
         let lmax = self.lmax.unwrap_or(needed.max(shown));
-        let realizations =
-            self.realizations.unwrap_or_else(|| worthwhile_realizations(lmax, self.trials));
-        Effort { seed: self.seed, lmax, realizations, trials: self.trials }
+        let realizations = self
+            .realizations
+            .unwrap_or_else(|| worthwhile_realizations(case.n_points(), lmax, self.trials));
+        Effort {
+            seed: self.seed,
+            lmax,
+            method: self.method,
+            epsilon: self.epsilon,
+            realizations,
+            trials: self.trials,
+        }
     }
 }
 
@@ -168,6 +186,13 @@ impl RowRecord {
 
     /// The row of a table for people.
     pub(super) fn cells(&self) -> Vec<String> {
+        // Where a variance is 0 there is no ratio.
+        let ratio = if self.ratio.is_finite() && self.ratio_stderr.is_finite() {
+            format!("{:.3} +- {:.3}", self.ratio, self.ratio_stderr)
+        } else {
+            "-".to_owned()
+        };
+        let z = if self.z.abs() < 1e4 { format!("{:+.1}", self.z) } else { short(self.z) };
         vec![
             self.sampler.to_owned(),
             self.asked.to_string(),
@@ -176,8 +201,8 @@ impl RowRecord {
             short(self.predicted_stderr),
             short(self.measured),
             short(self.measured_stderr),
-            format!("{:.3} +- {:.3}", self.ratio, self.ratio_stderr),
-            format!("{:+.1}", self.z),
+            ratio,
+            z,
         ]
     }
 

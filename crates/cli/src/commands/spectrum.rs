@@ -8,19 +8,22 @@ use glam::DVec3;
 use serde::Serialize;
 use sphvar_samplers::{Domain, Purpose, Realizations, Sampler, Streams};
 use sphvar_spectrum::{
-    CoefficientSamples, OrderAccumulator, PointSets, Spectrum, SpectrumAccumulator, accumulate,
+    CoefficientSamples, OrderAccumulator, PointSets, Resolution, Spectrum, SpectrumAccumulator,
+    accumulate,
 };
 
 use crate::args::Global;
 use crate::error::CliError;
-use crate::files::{PointSet, ReadOptions, read_points};
-use crate::memory::{check_memory, coefficient_bytes};
+use crate::files::{AtomicFile, PointSet, ReadOptions, read_points};
+use crate::memory::{check_degree, check_memory, coefficient_bytes};
 use crate::patterns;
 use crate::plots::{Chart, ImageFormat, Scale, Series, Style};
 use crate::progress::Progress;
 use crate::report::{
-    Provenance, csv, full, print, print_json, say, short, table, write_result, write_text,
+    Provenance, check_result, csv, full, is_stdout, print, print_json, say, short, table,
+    write_result, write_text,
 };
+use crate::transforms::TransformArgs;
 
 pub(crate) const EXAMPLES: &str = "Examples:
   sphvar spectrum jittered -n 3888 -m 300 --lmax 190
@@ -54,6 +57,8 @@ pub(crate) struct SpectrumArgs {
     /// Largest degree, inclusive [default: 4 sqrt(N)]
     #[arg(long)]
     pub(crate) lmax: Option<usize>,
+    #[command(flatten)]
+    pub(crate) transform: TransformArgs,
     /// Points on the hemisphere z >= 0; only even degrees exist
     #[arg(long)]
     pub(crate) hemisphere: bool,
@@ -112,6 +117,7 @@ impl PointSets for FileSets {
 
 pub(crate) fn run(args: &SpectrumArgs, global: &Global) -> Result<(), CliError> {
     let domain = super::domain(args.hemisphere);
+    check_outputs(args, global)?;
     let source = source(args, domain, global)?;
     let (name, n_points, count) = match &source {
         Source::Sampler { name, sampler } => (name, sampler.n_points(), args.realizations),
@@ -121,6 +127,7 @@ pub(crate) fn run(args: &SpectrumArgs, global: &Global) -> Result<(), CliError> 
         return Err(CliError::Usage("-m must be at least 1, got 0".to_owned()));
     }
     let lmax = args.lmax.unwrap_or_else(|| (4 * n_points.isqrt()).max(16));
+    check_degree("--lmax", lmax)?;
     let coefficient =
         args.coefficient.as_deref().map(|c| parse_coefficient(c, lmax)).transpose()?;
     let threads = rayon::current_num_threads() as f64;
@@ -132,6 +139,8 @@ pub(crate) fn run(args: &SpectrumArgs, global: &Global) -> Result<(), CliError> 
     check_memory(&format!("--lmax {lmax}"), bytes)?;
     check_memory(&format!("a set of {n_points} points"), threads * 174.0 * n_points as f64)?;
 
+    let (method, epsilon) = args.transform.checked()?;
+    let resolution = Resolution { lmax, n_points, method, epsilon };
     let started = Instant::now();
     let orders = args.per_order.is_some().then(|| OrderAccumulator::new(lmax)).transpose()?;
     let empty = (
@@ -152,7 +161,7 @@ pub(crate) fn run(args: &SpectrumArgs, global: &Global) -> Result<(), CliError> 
     let progress = Progress::new(count as f64, global.quiet);
     progress.stage(name);
     let (spectrum, (orders, samples)) =
-        accumulate(sets, lmax, 0..count, &empty, &|| progress.advance(1.0))?;
+        accumulate(sets, resolution, 0..count, &empty, &|| progress.advance(1.0))?;
     drop(progress);
     let spectrum = spectrum.finish()?;
     let seconds = started.elapsed().as_secs_f64();
@@ -170,6 +179,25 @@ pub(crate) fn run(args: &SpectrumArgs, global: &Global) -> Result<(), CliError> 
         write_text(&coefficient.path, &csv(&provenance, "re,im", &rows))?;
     }
     emit(args, global, name, &spectrum, seconds, &provenance)
+}
+
+/// Refuses what could not be written in the end.
+fn check_outputs(args: &SpectrumArgs, global: &Global) -> Result<(), CliError> {
+    if let Some(path) = &args.out {
+        check_result(path, true)?;
+    }
+    let coefficient = args.coefficient.as_ref().and_then(|c| c.last()).map(Path::new);
+    let tables = [("--per-order", args.per_order.as_deref()), ("--coefficient", coefficient)];
+    for (flag, path) in tables {
+        let Some(path) = path else { continue };
+        if global.json && is_stdout(path) {
+            return Err(CliError::Usage(format!(
+                "{flag} must name a file: with --json standard output has the one document"
+            )));
+        }
+        AtomicFile::check(path)?;
+    }
+    Ok(())
 }
 
 fn source(args: &SpectrumArgs, domain: Domain, global: &Global) -> Result<Source, CliError> {
@@ -262,7 +290,9 @@ fn emit(
         provenance,
     };
     let scale = (spectrum.n_points() as f64).sqrt();
-    if let Some(path) = &args.out {
+    if let Some(path) = &args.out
+        && !(global.json && is_stdout(path))
+    {
         if ImageFormat::of_path(path).is_some() {
             let chart = Chart {
                 title: format!("Angular power spectrum of {name}, N = {}", spectrum.n_points()),

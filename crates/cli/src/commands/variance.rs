@@ -10,7 +10,10 @@ use crate::args::Global;
 use crate::error::CliError;
 use crate::integrands::{FORMS, parse_integrand};
 use crate::patterns::parse_patterns;
-use crate::report::{Provenance, csv, print, print_json, table, write_result};
+use crate::report::{
+    Provenance, check_result, csv, is_stdout, print, print_json, table, write_result,
+};
+use crate::transforms::TransformArgs;
 
 pub(crate) const EXAMPLES: &str = "Example:
   sphvar variance jittered,white-noise -n 192,768 --integrand cap:degrees=60 -m 2000
@@ -36,6 +39,8 @@ pub(crate) struct VarianceArgs {
     /// Largest degree of the spectra [default: 4 sqrt(N), for lattices 40 sqrt(N)]
     #[arg(long)]
     pub(crate) lmax: Option<usize>,
+    #[command(flatten)]
+    pub(crate) transform: TransformArgs,
     /// Integrate over the hemisphere z >= 0
     #[arg(long)]
     pub(crate) hemisphere: bool,
@@ -55,6 +60,9 @@ struct Document<'a> {
 }
 
 pub(crate) fn run(args: &VarianceArgs, global: &Global) -> Result<(), CliError> {
+    if let Some(path) = &args.out {
+        check_result(path, false)?;
+    }
     let integrand = parse_integrand(&args.integrand)?;
     let domain = super::domain(args.hemisphere);
     let mut cases = Vec::new();
@@ -63,6 +71,7 @@ pub(crate) fn run(args: &VarianceArgs, global: &Global) -> Result<(), CliError> 
             cases.push(Case::new(pattern, n, domain, args.nearest)?);
         }
     }
+    let (method, epsilon) = args.transform.checked()?;
     let plan = Plan {
         integrand: &integrand,
         domain,
@@ -70,6 +79,8 @@ pub(crate) fn run(args: &VarianceArgs, global: &Global) -> Result<(), CliError> 
         trials: args.realizations,
         realizations: args.spectrum_realizations,
         lmax: args.lmax,
+        method,
+        epsilon,
         whole_spectra: false,
         quiet: global.quiet,
     };
@@ -77,13 +88,15 @@ pub(crate) fn run(args: &VarianceArgs, global: &Global) -> Result<(), CliError> 
     let records: Vec<RowRecord> = rows.iter().map(|row| RowRecord::new(row, &plan)).collect();
     let provenance = Provenance::new(global.seed);
     let document = Document { rows: &records, provenance: &provenance };
-    if let Some(path) = &args.out {
+    if let Some(path) = &args.out
+        && !(global.json && is_stdout(path))
+    {
         let cells: Vec<_> = records.iter().map(RowRecord::record).collect();
         write_result(path, &document, &|| csv(&provenance, RowRecord::COLUMNS, &cells))?;
     }
     if global.json {
         print_json(&document)
-    } else if args.out.as_ref().is_some_and(|path| path.as_os_str() == "-") {
+    } else if args.out.as_ref().is_some_and(|path| is_stdout(path)) {
         Ok(())
     } else {
         let cells = records.iter().map(RowRecord::cells).collect();

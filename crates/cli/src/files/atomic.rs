@@ -67,6 +67,9 @@ impl AtomicFile {
             Some(parent) if !parent.as_os_str().is_empty() => parent,
             _ => Path::new("."),
         };
+        if folder.is_file() {
+            return Err(refused("what stands before its last / is a file and not a folder"));
+        }
         if !folder.is_dir() {
             let folder = folder.display().to_string();
             return Err(FileError::MissingFolder { path: name, folder });
@@ -78,6 +81,16 @@ impl AtomicFile {
         }
         let temporary = BufWriter::new(temporary);
         Ok(Self { name, sink: Sink::Beside { temporary, target } })
+    }
+
+    /// Refuses a target that [`create`](Self::create) would refuse, and leaves no trace.
+    ///
+    /// # Errors
+    /// Those of [`create`](Self::create).
+    pub(crate) fn check(path: &Path) -> Result<(), FileError> {
+        // A pipe that is opened and closed shows its reader the end.
+        let is_device = fs::metadata(path).is_ok_and(|m| !m.is_file() && !m.is_dir());
+        if is_device { Ok(()) } else { Self::create(path).map(drop) }
     }
 
     /// Flushes everything, makes it durable and gives the file its final name.

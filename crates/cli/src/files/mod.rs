@@ -3,9 +3,12 @@
 mod atomic;
 mod file_error;
 mod image;
+mod input;
 mod lists;
+mod npy;
 mod points;
 mod spectra;
+mod text_rows;
 
 pub(crate) use atomic::AtomicFile;
 pub(crate) use file_error::{FileError, Place};

@@ -30,7 +30,7 @@ fn series(index: usize, points: Vec<(f64, f64)>) -> Series {
         label: format!("series-{index}"),
         points,
         error,
-        style: STYLES[index % 4],
+        style: STYLES[index % STYLES.len()],
         colour: index,
     }
 }

@@ -11,11 +11,12 @@ mod write;
 #[cfg(test)]
 mod tests;
 
-use std::fs::File;
-use std::io::{self, BufRead, BufReader};
+use std::io::BufRead;
 use std::path::Path;
 
-use super::file_error::{FileError, Place, input_name, is_dash};
+use super::file_error::{FileError, Place, input_name};
+use super::input::open_input;
+use super::npy::MAGIC;
 use super::points::PointFormat;
 
 pub(crate) use number::{Number, Written};
@@ -62,17 +63,9 @@ pub(crate) fn read_list<T: Number, R, const N: usize>(
     columns: &Columns<N>,
     accept: impl FnMut([T; N]) -> Result<R, Fault>,
 ) -> Result<Vec<R>, FileError> {
-    let name = input_name(path);
-    if is_dash(path) {
-        return read_stream(io::stdin().lock(), &name, false, columns, accept);
-    }
-    let open_error = |source| FileError::Open { path: name.clone(), source };
-    let file = File::open(path).map_err(open_error)?;
-    if file.metadata().map_err(open_error)?.is_dir() {
-        return Err(open_error(io::Error::from(io::ErrorKind::IsADirectory)));
-    }
+    let input = open_input(path)?;
     let npy = PointFormat::of_path(path) == Some(PointFormat::Npy);
-    read_stream(BufReader::with_capacity(1 << 16, file), &name, npy, columns, accept)
+    read_stream(input, &input_name(path), npy, columns, accept)
 }
 
 fn read_stream<T: Number, R, const N: usize>(
@@ -84,8 +77,8 @@ fn read_stream<T: Number, R, const N: usize>(
 ) -> Result<Vec<R>, FileError> {
     let start =
         input.fill_buf().map_err(|source| FileError::Read { path: path.to_owned(), source })?;
-    // No UTF-8 text starts with this byte.
-    if npy || start.first() == Some(&npy::MAGIC[0]) {
+    // One byte will do: no text starts with it, and of a damaged file the array's reader says more.
+    if npy || start.first() == Some(&MAGIC[0]) {
         npy::read_npy(input, path, columns, accept)
     } else {
         text::read_text(input, path, columns, accept)

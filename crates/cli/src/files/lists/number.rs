@@ -3,6 +3,8 @@
 use std::fmt::{Display, Write};
 use std::num::IntErrorKind;
 
+use crate::files::npy::ItemType;
+
 /// What a list is read into: `f64` for finite reals, `i128` for integers of any 64-bit type.
 pub(crate) trait Number: Copy + Default + Display {
     /// What a field of text has to be, for messages.
@@ -32,14 +34,11 @@ impl Number for f64 {
     }
 
     fn takes(item: ItemType) -> bool {
-        item.kind == ItemKind::Float
+        item.is_float()
     }
 
     fn of_bits(item: ItemType, bits: u64) -> Self {
-        match u32::try_from(bits) {
-            Ok(bits) if item.size == 4 => f32::from_bits(bits).into(),
-            _ => Self::from_bits(bits),
-        }
+        item.float(bits)
     }
 
     fn is_expected(self) -> bool {
@@ -68,16 +67,11 @@ impl Number for i128 {
     }
 
     fn takes(item: ItemType) -> bool {
-        item.kind != ItemKind::Float
+        !item.is_float()
     }
 
     fn of_bits(item: ItemType, bits: u64) -> Self {
-        if item.kind == ItemKind::Unsigned {
-            return bits.into();
-        }
-        // The sign bit of a short item goes to the top and is spread on the way back.
-        let unused = u64::BITS - 8 * u32::from(item.size);
-        ((bits << unused).cast_signed() >> unused).into()
+        item.integer(bits)
     }
 
     fn is_expected(self) -> bool {
@@ -85,81 +79,17 @@ impl Number for i128 {
     }
 }
 
-/// The families of item types that arrays of numbers have.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum ItemKind {
-    /// 4 or 8 bytes.
-    Float,
-    /// 1, 2, 4 or 8 bytes, two's complement.
-    Signed,
-    /// 1, 2, 4 or 8 bytes.
-    Unsigned,
-}
-
-/// The item type of an array.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) struct ItemType {
-    pub(super) kind: ItemKind,
-    /// Bytes of one item, at most 8.
-    pub(super) size: u8,
-    pub(super) big_endian: bool,
-}
-
-impl ItemType {
-    /// Returns the type that a `descr` such as `<i8` names; `None` for all but floats and integers.
-    pub(super) fn of_descr(descr: &str) -> Option<Self> {
-        let &[order, kind, size] = descr.as_bytes() else {
-            return None;
-        };
-        let size = size.checked_sub(b'0')?;
-        let kind = match (kind, size) {
-            (b'f', 4 | 8) => ItemKind::Float,
-            (b'i', 1 | 2 | 4 | 8) => ItemKind::Signed,
-            (b'u', 1 | 2 | 4 | 8) => ItemKind::Unsigned,
-            _ => return None,
-        };
-        let big_endian = match order {
-            b'<' => false,
-            b'>' => true,
-            // A single byte has no order.
-            b'|' if size == 1 => false,
-            _ => return None,
-        };
-        Some(Self { kind, size, big_endian })
-    }
-
-    /// Returns the bits of one item, its lowest byte lowest, with zeros above.
-    pub(super) fn bits(self, bytes: &[u8]) -> u64 {
-        let append = |bits: u64, byte: &u8| (bits << 8) | u64::from(*byte);
-        if self.big_endian {
-            bytes.iter().fold(0, append)
-        } else {
-            bytes.iter().rev().fold(0, append)
-        }
-    }
-}
-
 /// What a list is written from.
-pub(crate) trait Written: Copy {
-    /// What an NPY array holds, 8 bytes in little-endian order.
-    type Stored: npyz::Serialize + npyz::AutoSerialize;
-    /// The item type of that array.
+pub(crate) trait Written: Copy + npyz::Serialize {
+    /// The item type of an NPY array of these numbers, in little-endian order.
     const DESCR: &'static str;
-
-    /// Returns the number as an array holds it.
-    fn stored(self) -> Self::Stored;
 
     /// Appends the shortest digits that are read back to the same number.
     fn append_to(self, text: &mut String);
 }
 
 impl Written for f64 {
-    type Stored = Self;
     const DESCR: &'static str = "<f8";
-
-    fn stored(self) -> Self {
-        self
-    }
 
     fn append_to(self, text: &mut String) {
         // Writing to a string cannot fail.
@@ -168,12 +98,7 @@ impl Written for f64 {
 }
 
 impl Written for i64 {
-    type Stored = Self;
     const DESCR: &'static str = "<i8";
-
-    fn stored(self) -> Self {
-        self
-    }
 
     fn append_to(self, text: &mut String) {
         // Writing to a string cannot fail.

@@ -3,11 +3,10 @@
 use std::io::{self, Write};
 use std::path::Path;
 
-use npyz::WriterBuilder;
-
 use super::Written;
 use crate::files::atomic::AtomicFile;
 use crate::files::file_error::{FileError, is_dash, output_name};
+use crate::files::npy::write_npy;
 use crate::files::points::PointFormat;
 
 /// Text is handed on in pieces of about this many bytes.
@@ -56,7 +55,9 @@ impl ListWriter {
         rows: &[[T; N]],
     ) -> Result<(), FileError> {
         let written = if self.npy {
-            write_npy(&mut self.file, rows)
+            let n = rows.len() as u64;
+            let shape = if N == 1 { vec![n] } else { vec![n, N as u64] };
+            write_npy(&mut self.file, T::DESCR, &shape, rows.as_flattened().iter().copied())
         } else {
             write_csv(&mut self.file, names, rows)
         };
@@ -86,23 +87,4 @@ fn write_csv<T: Written, const N: usize>(
         }
     }
     out.write_all(text.as_bytes())
-}
-
-fn write_npy<T: Written, const N: usize>(out: &mut impl Write, rows: &[[T; N]]) -> io::Result<()> {
-    let mut shape = vec![rows.len() as u64];
-    if N > 1 {
-        shape.push(N as u64);
-    }
-    // Named and not left to the machine, so that files do not depend on it.
-    let descr =
-        T::DESCR.parse().map_err(|error| io::Error::new(io::ErrorKind::InvalidData, error))?;
-    let mut writer = npyz::WriteOptions::<T::Stored>::new()
-        .dtype(npyz::DType::new_scalar(descr))
-        .shape(&shape)
-        .writer(out)
-        .begin_nd()?;
-    for row in rows {
-        writer.extend(row.iter().map(|number| number.stored()))?;
-    }
-    writer.finish()
 }

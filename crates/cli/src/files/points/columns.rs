@@ -37,12 +37,12 @@ const SYSTEMS_TEXT: &str = "x,y,z or theta,phi (radians) or lon,lat or ra,dec (d
 impl Layout {
     /// Returns the layout of a file whose first line is a header.
     pub(super) fn of_header(
-        header: &[&str],
+        header: &[impl AsRef<str>],
         chosen: Option<&[String]>,
         path: &str,
         line: usize,
     ) -> Result<Self, FileError> {
-        let names: Vec<String> = header.iter().map(|name| canonical(name)).collect();
+        let names: Vec<String> = header.iter().map(|name| canonical(name.as_ref())).collect();
         let Some(chosen) = chosen else {
             return Self::of_names(names, path, Place::Line(line));
         };
@@ -52,6 +52,7 @@ impl Layout {
             return Self::of_names(chosen, path, Place::Line(line));
         }
         if let Some(missing) = chosen.iter().find(|name| !names.contains(name)) {
+            let header: Vec<&str> = header.iter().map(AsRef::as_ref).collect();
             return Err(FileError::Layout {
                 path: path.to_owned(),
                 place: Place::Line(line),

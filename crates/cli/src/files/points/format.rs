@@ -3,6 +3,8 @@
 use std::path::Path;
 use std::str::FromStr;
 
+use crate::files::npy::MAGIC;
+
 /// A format of point sets.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum PointFormat {
@@ -31,7 +33,7 @@ impl PointFormat {
 
     /// Returns the format that the first bytes of a file show; text where they show nothing.
     pub(super) fn of_content(start: &[u8]) -> Self {
-        if start.starts_with(b"\x93NUMPY") {
+        if start.starts_with(MAGIC) {
             Self::Npy
         } else if start.starts_with(b"ply\n") || start.starts_with(b"ply\r") {
             Self::Ply

@@ -12,13 +12,13 @@ mod write;
 #[cfg(test)]
 mod tests;
 
-use std::fs::File;
-use std::io::{self, BufRead, BufReader};
+use std::io::BufRead;
 use std::path::Path;
 
 use glam::DVec3;
 
-use super::file_error::{FileError, input_name, is_dash};
+use super::file_error::{FileError, input_name};
+use super::input::open_input;
 
 pub(crate) use format::PointFormat;
 pub(crate) use write::write_points;
@@ -69,17 +69,9 @@ pub(crate) struct ReadOptions {
 /// When the file cannot be read, holds no point, or holds something else than the above; the
 /// message names the file, the line (or row, or vertex), the field, and what would be right.
 pub(crate) fn read_points(path: &Path, options: &ReadOptions) -> Result<PointFile, FileError> {
-    let name = input_name(path);
-    if is_dash(path) {
-        return read_stream(io::stdin().lock(), &name, options.format, options);
-    }
-    let open_error = |source| FileError::Open { path: name.clone(), source };
-    let file = File::open(path).map_err(open_error)?;
-    if file.metadata().map_err(open_error)?.is_dir() {
-        return Err(open_error(io::Error::from(io::ErrorKind::IsADirectory)));
-    }
+    let input = open_input(path)?;
     let format = options.format.or_else(|| PointFormat::of_path(path));
-    read_stream(BufReader::new(file), &name, format, options)
+    read_stream(input, &input_name(path), format, options)
 }
 
 fn read_stream(

@@ -4,11 +4,11 @@ use std::io::{self, Write};
 use std::path::Path;
 
 use glam::DVec3;
-use npyz::WriterBuilder;
 
 use super::format::PointFormat;
 use crate::files::atomic::AtomicFile;
 use crate::files::file_error::{FileError, is_dash, output_name};
+use crate::files::npy::write_npy;
 
 /// Writes point sets in the format that the extension names; `-` is standard output, as CSV.
 ///
@@ -55,7 +55,7 @@ pub(crate) fn write_points(
     let mut file = AtomicFile::create(path)?;
     let written = match format {
         PointFormat::Csv => write_csv(&mut file, sets, provenance),
-        PointFormat::Npy => write_npy(&mut file, sets, first.len()),
+        PointFormat::Npy => write_array(&mut file, sets, first.len()),
         PointFormat::Ply => write_ply(&mut file, sets, provenance),
     };
     written.map_err(|source| file.error(source))?;
@@ -86,22 +86,13 @@ fn write_csv(
     Ok(())
 }
 
-fn write_npy(out: &mut impl Write, sets: &[Vec<DVec3>], points: usize) -> io::Result<()> {
+fn write_array(out: &mut impl Write, sets: &[Vec<DVec3>], points: usize) -> io::Result<()> {
     let (sets_u64, points_u64) = (sets.len() as u64, points as u64);
     let shape = match sets.len() {
         1 => vec![points_u64, 3],
         _ => vec![sets_u64, points_u64, 3],
     };
-    // "<f8" and not the default of the machine, so that files do not depend on it.
-    let double = npyz::DType::new_scalar(
-        "<f8".parse().map_err(|error| io::Error::new(io::ErrorKind::InvalidData, error))?,
-    );
-    let mut writer =
-        npyz::WriteOptions::<f64>::new().dtype(double).shape(&shape).writer(out).begin_nd()?;
-    for point in sets.iter().flatten() {
-        writer.extend(point.to_array())?;
-    }
-    writer.finish()
+    write_npy(out, "<f8", &shape, sets.iter().flatten().flat_map(DVec3::to_array))
 }
 
 fn write_ply(

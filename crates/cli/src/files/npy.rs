@@ -1,0 +1,290 @@
+//! NPY, the array format of `NumPy`: reads rows of plain numbers and writes arrays.
+//!
+//! The reader is our own. What parsers of the whole format do with a hostile header (products of
+//! dimensions that overflow, dictionaries nested without end) would have to be caught before they see
+//! it, and that takes the same parsing.
+
+mod item_type;
+
+#[cfg(test)]
+mod tests;
+
+use std::io::{self, Read, Write};
+
+use npyz::WriterBuilder;
+
+use super::file_error::{FileError, Place};
+
+pub(super) use item_type::ItemType;
+
+/// The first bytes of every NPY file. No UTF-8 text starts with the first of them.
+pub(super) const MAGIC: &[u8; 6] = b"\x93NUMPY";
+/// The header of a plain array takes 128 bytes; what is much longer describes something else.
+const LONGEST_HEADER: usize = 2048;
+/// Bytes that are read at a time: a multiple of all item sizes.
+const CHUNK: usize = 1 << 16;
+
+/// An array whose header has been read and whose items have not.
+pub(super) struct NpyReader<'a, R> {
+    input: R,
+    path: &'a str,
+    description: Description,
+    /// The length of everything before the items.
+    header_bytes: usize,
+}
+
+impl<'a, R: Read> NpyReader<'a, R> {
+    /// Returns a reader behind the header of a file of version 1, 2 or 3.
+    ///
+    /// # Errors
+    /// When the file cannot be read, is no NPY file, ends within the header, or holds records or
+    /// anything else than plain items.
+    pub(super) fn new(mut input: R, path: &'a str) -> Result<Self, FileError> {
+        let mut header = HeaderBytes { input: &mut input, path, taken: 0 };
+        let magic = header.take_some(MAGIC.len())?;
+        if !MAGIC.starts_with(&magic) {
+            return Err(layout_error(path, "the magic bytes of an NPY file", "other bytes"));
+        }
+        header.check_end(MAGIC.len(), magic.len())?;
+        // The length has 2 bytes in version 1 and 4 bytes in versions 2 and 3.
+        let width = match header.take(2)?[0] {
+            1 => 2,
+            2 | 3 => 4,
+            other => {
+                let got = format!("version {other}");
+                return Err(layout_error(path, "an NPY file of version 1, 2 or 3", &got));
+            }
+        };
+        let length =
+            header.take(width)?.iter().rev().fold(0, |sum, &byte| (sum << 8) | usize::from(byte));
+        if length > LONGEST_HEADER {
+            let expected = format!("a header of at most {LONGEST_HEADER} bytes");
+            return Err(layout_error(path, &expected, &length.to_string()));
+        }
+        let text = String::from_utf8_lossy(&header.take(length)?).into_owned();
+        let header_bytes = header.taken;
+        let description = Description::parse(&text).ok_or_else(|| {
+            let expected = "an NPY header of an array of plain numbers with a plain decimal shape";
+            layout_error(path, expected, text.trim())
+        })?;
+        Ok(Self { input, path, description, header_bytes })
+    }
+
+    /// Returns the dimensions.
+    pub(super) fn shape(&self) -> &[usize] {
+        &self.description.shape
+    }
+
+    /// Returns the item type as the header names it, such as `<f8`.
+    pub(super) fn descr(&self) -> &str {
+        &self.description.descr
+    }
+
+    /// Returns the item type; `None` for all but floats and integers.
+    pub(super) fn item_type(&self) -> Option<ItemType> {
+        ItemType::of_descr(&self.description.descr)
+    }
+
+    /// Returns the error of an array whose shape is not this one.
+    pub(super) fn shape_error(&self, expected: &str) -> FileError {
+        let got = format!("the shape {}", python_tuple(self.shape()));
+        layout_error(self.path, expected, &got)
+    }
+
+    /// Reads all items of this type, which [`item_type`](Self::item_type) has given.
+    ///
+    /// # Errors
+    /// When the bytes of the array cannot be counted, the file ends before it, or reading fails.
+    ///
+    /// # Performance
+    /// Holds 8 bytes per item, whatever its type, of those that are there: a header that promises
+    /// more than the file has costs nothing.
+    pub(super) fn read_items(mut self, item: ItemType) -> Result<Array, FileError> {
+        let bytes = self.array_bytes(item).ok_or_else(|| {
+            let expected = "an array of a plain decimal shape that fits in memory";
+            layout_error(self.path, expected, &format!("the shape {}", python_tuple(self.shape())))
+        })?;
+        let read_error = |source| FileError::Read { path: self.path.to_owned(), source };
+        let mut bits = Vec::new();
+        let mut chunk = Vec::with_capacity(CHUNK.min(bytes));
+        let mut done = 0;
+        while done < bytes {
+            chunk.clear();
+            let wanted = (bytes - done).min(CHUNK);
+            let part = self.input.by_ref().take(wanted as u64);
+            done += { part }.read_to_end(&mut chunk).map_err(read_error)?;
+            if chunk.len() < wanted {
+                return Err(FileError::Truncated {
+                    path: self.path.to_owned(),
+                    what: format!("an array of shape {}", python_tuple(self.shape())),
+                    expected: (self.header_bytes + bytes) as u64,
+                    got: (self.header_bytes + done) as u64,
+                });
+            }
+            bits.extend(chunk.chunks_exact(item.size()).map(|bytes| item.bits(bytes)));
+        }
+        let bytes_follow = self.input.read(&mut [0]).map_err(read_error)? > 0;
+        let Description { shape, fortran_order, .. } = self.description;
+        Ok(Array { bits, shape, fortran_order, bytes_follow })
+    }
+
+    /// Returns the number of bytes of all items, if that and the header's fit in memory.
+    fn array_bytes(&self, item: ItemType) -> Option<usize> {
+        if self.shape().contains(&0) {
+            return Some(0);
+        }
+        let mut dimensions = self.shape().iter();
+        let bytes = dimensions.try_fold(item.size(), |bytes, &n| bytes.checked_mul(n))?;
+        (bytes < usize::MAX / 2).then_some(bytes)
+    }
+}
+
+/// The items of an array.
+pub(super) struct Array {
+    /// The bits of every item, in the order of the file.
+    bits: Vec<u64>,
+    shape: Vec<usize>,
+    fortran_order: bool,
+    /// Whether the file goes on behind the array.
+    pub(super) bytes_follow: bool,
+}
+
+impl Array {
+    /// Returns the bits of the items in rows, the last index fastest in either order of the file.
+    ///
+    /// `N` is the last dimension, or 1. There are as many rows as the items fill: a shape such as
+    /// `(10^18, 0, 3)` has none.
+    pub(super) fn rows<const N: usize>(&self) -> impl Iterator<Item = [u64; N]> + '_ {
+        debug_assert!(N == 1 || self.shape.last() == Some(&N), "{:?} in rows of {N}", self.shape);
+        let rows = self.bits.len() / N;
+        let step = if self.fortran_order { rows } else { 1 };
+        (0..rows).map(move |row| {
+            let start = if self.fortran_order { self.fortran_place(row * N) } else { row * N };
+            std::array::from_fn(|column| self.bits[start + column * step])
+        })
+    }
+
+    /// Returns where the item stands that has this place when the last index runs fastest.
+    fn fortran_place(&self, place: usize) -> usize {
+        let mut rest = place;
+        self.shape.iter().rev().fold(0, |sum, &dimension| {
+            let index = rest % dimension;
+            rest /= dimension;
+            sum * dimension + index
+        })
+    }
+}
+
+/// Writes an array in C order.
+///
+/// `descr` is named and not left to the machine, so that files do not depend on it.
+///
+/// # Errors
+/// When writing fails, or `descr` is not the item type of a `T`, or there are not as many items as
+/// the shape has.
+pub(super) fn write_npy<T: npyz::Serialize>(
+    out: &mut impl Write,
+    descr: &str,
+    shape: &[u64],
+    items: impl IntoIterator<Item = T>,
+) -> io::Result<()> {
+    let invalid = |error| io::Error::new(io::ErrorKind::InvalidData, error);
+    let item = npyz::DType::new_scalar(descr.parse().map_err(invalid)?);
+    let mut writer =
+        npyz::WriteOptions::<T>::new().dtype(item).shape(shape).writer(out).begin_nd()?;
+    writer.extend(items)?;
+    writer.finish()
+}
+
+/// The bytes of a header, counted as they are taken.
+struct HeaderBytes<'a, R> {
+    input: R,
+    path: &'a str,
+    taken: usize,
+}
+
+impl<R: Read> HeaderBytes<'_, R> {
+    /// Returns the next bytes, fewer than `count` only where the file ends.
+    fn take_some(&mut self, count: usize) -> Result<Vec<u8>, FileError> {
+        let mut bytes = Vec::new();
+        let part = self.input.by_ref().take(count as u64);
+        let read = { part }.read_to_end(&mut bytes);
+        read.map_err(|source| FileError::Read { path: self.path.to_owned(), source })?;
+        self.taken += bytes.len();
+        Ok(bytes)
+    }
+
+    /// Returns the next `count` bytes.
+    fn take(&mut self, count: usize) -> Result<Vec<u8>, FileError> {
+        let bytes = self.take_some(count)?;
+        self.check_end(count, bytes.len())?;
+        Ok(bytes)
+    }
+
+    /// Returns an error if of `count` bytes taken last there were only `got`.
+    fn check_end(&self, count: usize, got: usize) -> Result<(), FileError> {
+        if got == count {
+            return Ok(());
+        }
+        Err(FileError::Truncated {
+            path: self.path.to_owned(),
+            what: "the NPY header".to_owned(),
+            expected: (self.taken - got + count) as u64,
+            got: self.taken as u64,
+        })
+    }
+}
+
+/// What a header such as `{'descr': '<i8', 'fortran_order': False, 'shape': (5, 2), }` says.
+struct Description {
+    descr: String,
+    fortran_order: bool,
+    shape: Vec<usize>,
+}
+
+impl Description {
+    fn parse(text: &str) -> Option<Self> {
+        let descr = value_of(text, "descr")?;
+        let quote = descr.chars().next().filter(|c| matches!(c, '\'' | '"'))?;
+        let (descr, _) = descr[1..].split_once(quote)?;
+        let order = value_of(text, "fortran_order")?;
+        let fortran_order = order.starts_with("True");
+        if !fortran_order && !order.starts_with("False") {
+            return None;
+        }
+        let (inside, _) = value_of(text, "shape")?.strip_prefix('(')?.split_once(')')?;
+        // A comma at the end is how Python tells (5,) from a number.
+        let inside = inside.trim();
+        let inside = inside.strip_suffix(',').unwrap_or(inside);
+        let shape = match inside {
+            "" => Vec::new(),
+            _ => inside.split(',').map(|n| n.trim().parse().ok()).collect::<Option<_>>()?,
+        };
+        Some(Self { descr: descr.to_owned(), fortran_order, shape })
+    }
+}
+
+/// Returns what follows the colon of a quoted key.
+fn value_of<'t>(text: &'t str, key: &str) -> Option<&'t str> {
+    let after = ['\'', '"'].iter().find_map(|quote| {
+        let quoted = format!("{quote}{key}{quote}");
+        text.find(&quoted).map(|at| &text[at + quoted.len()..])
+    })?;
+    Some(after.trim_start().strip_prefix(':')?.trim_start())
+}
+
+fn python_tuple(shape: &[usize]) -> String {
+    match shape {
+        [single] => format!("({single},)"),
+        _ => format!("({})", shape.iter().map(usize::to_string).collect::<Vec<_>>().join(", ")),
+    }
+}
+
+fn layout_error(path: &str, expected: &str, got: &str) -> FileError {
+    FileError::Layout {
+        path: path.to_owned(),
+        place: Place::Whole,
+        expected: expected.to_owned(),
+        got: got.to_owned(),
+    }
+}

@@ -1,0 +1,203 @@
+//! Text files as lines of fields: numbers in columns, divided by commas or by blanks.
+
+use std::borrow::Cow;
+use std::io::{self, BufRead};
+use std::iter;
+
+use super::file_error::{FileError, Place};
+
+/// How much of a wrong field or line an error message repeats.
+const SHOWN: usize = 40;
+const BYTE_ORDER_MARK: char = '\u{feff}';
+
+/// The lines of a text file.
+pub(super) struct TextRows<'a, R> {
+    input: R,
+    path: &'a str,
+    /// What a file that is no text should have been, for the message.
+    expected: &'static str,
+    number: usize,
+    line: String,
+    commas: Option<bool>,
+}
+
+impl<'a, R: BufRead> TextRows<'a, R> {
+    /// Returns the lines of a file; `expected` is for the message when it is no text.
+    pub(super) fn new(input: R, path: &'a str, expected: &'static str) -> Self {
+        Self { input, path, expected, number: 0, line: String::new(), commas: None }
+    }
+
+    /// Returns the next line that is not empty, or `None` at the end.
+    ///
+    /// A byte order mark at the start of the file is skipped.
+    ///
+    /// # Errors
+    /// When reading fails or the line is not UTF-8.
+    pub(super) fn next_line(&mut self) -> Result<Option<TextLine<'_>>, FileError> {
+        self.line.clear();
+        while self.line.trim().is_empty() {
+            self.line.clear();
+            self.number += 1;
+            let read = self.input.read_line(&mut self.line).map_err(|error| self.error(error))?;
+            if read == 0 {
+                return Ok(None);
+            }
+            if self.number == 1 && self.line.starts_with(BYTE_ORDER_MARK) {
+                self.line.remove(0);
+            }
+        }
+        let mut line = TextLine { number: self.number, text: self.line.trim(), commas: false };
+        if !line.is_comment() {
+            line.commas = *self.commas.get_or_insert_with(|| line.text.contains(','));
+        }
+        Ok(Some(line))
+    }
+
+    fn error(&self, source: io::Error) -> FileError {
+        let path = self.path.to_owned();
+        // So `read_line` says that a line is not UTF-8.
+        if source.kind() != io::ErrorKind::InvalidData {
+            return FileError::Read { path, source };
+        }
+        FileError::Layout {
+            path,
+            place: Place::Line(self.number),
+            expected: self.expected.to_owned(),
+            got: "other bytes".to_owned(),
+        }
+    }
+}
+
+/// A line that is not empty.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct TextLine<'t> {
+    /// Counted from 1, as editors do.
+    pub(super) number: usize,
+    /// The line without blanks at its ends.
+    pub(super) text: &'t str,
+    /// Whether commas divide the fields: so they do in the whole file if the first line that is no
+    /// comment has one.
+    commas: bool,
+}
+
+impl<'t> TextLine<'t> {
+    /// Returns whether the line starts with `#`.
+    pub(super) fn is_comment(&self) -> bool {
+        self.text.starts_with('#')
+    }
+
+    /// Returns whether no field is a number.
+    pub(super) fn is_header(&self) -> bool {
+        self.fields().all(|field| field.parse::<f64>().is_err())
+    }
+
+    /// Returns the fields without blanks at their ends.
+    ///
+    /// A field in `"` loses these and may hold commas, blanks and, doubled, `"`, but no line break.
+    pub(super) fn fields(&self) -> impl Iterator<Item = Cow<'t, str>> + use<'t> {
+        let commas = self.commas;
+        let mut rest = Some(self.text);
+        iter::from_fn(move || {
+            let text = rest?.trim_start();
+            let quoted = quoted_bytes(text);
+            let after = &text[quoted..];
+            let divided =
+                if commas { after.split_once(',') } else { after.split_once(char::is_whitespace) };
+            rest = divided.map(|(_, rest)| rest);
+            let unquoted_bytes = divided.map_or(after.len(), |(end, _)| end.len());
+            Some(unquoted(text[..quoted + unquoted_bytes].trim_end()))
+        })
+    }
+}
+
+/// Returns the length of the quoted field at the start of a text, with its quotes; 0 if there is none.
+fn quoted_bytes(text: &str) -> usize {
+    let Some(quoted) = text.strip_prefix('"') else {
+        return 0;
+    };
+    // A quote ends the field unless a second one follows at once.
+    let mut ended = false;
+    let end = quoted.char_indices().find(|&(i, c)| {
+        ended ^= c == '"';
+        ended && !quoted[i + 1..].starts_with('"')
+    });
+    end.map_or(text.len(), |(i, _)| i + 2)
+}
+
+fn unquoted(field: &str) -> Cow<'_, str> {
+    match field.strip_prefix('"').and_then(|field| field.strip_suffix('"')) {
+        Some(inner) if inner.contains('"') => inner.replace("\"\"", "\"").trim().to_owned().into(),
+        Some(inner) => inner.trim().into(),
+        None => field.into(),
+    }
+}
+
+/// Returns the start of a text for a message, with dots where something is left away.
+pub(super) fn shortened(text: &str) -> String {
+    let mut shown: String = text.chars().take(SHOWN).collect();
+    if text.chars().nth(SHOWN).is_some() {
+        shown.push_str("...");
+    }
+    shown
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{TextRows, shortened};
+
+    /// The number and the fields of every line that is no comment.
+    fn rows(text: &str) -> Vec<(usize, Vec<String>)> {
+        let mut rows = TextRows::new(text.as_bytes(), "T", "text");
+        let mut found = Vec::new();
+        while let Some(line) = rows.next_line().unwrap() {
+            if !line.is_comment() {
+                found.push((line.number, line.fields().map(String::from).collect()));
+            }
+        }
+        found
+    }
+
+    #[test]
+    fn fields_are_divided_by_what_the_first_line_has() {
+        let cases: [(&str, &[&str]); 10] = [
+            ("a,b", &["a", "b"]),
+            (" a , b,", &["a", "b", ""]),
+            (",", &["", ""]),
+            ("a\t b   c ", &["a", "b", "c"]),
+            ("\"a, b\" , \"say \"\"c, d\"\"\",\"\"", &["a, b", "say \"c, d\"", ""]),
+            ("\" a \",b", &["a", "b"]),
+            ("5\" pipe,6\",7", &["5\" pipe", "6\"", "7"]),
+            ("\"a b\" c", &["a b", "c"]),
+            ("\"open, b", &["\"open, b"]),
+            ("\"", &["\""]),
+        ];
+        for (line, fields) in cases {
+            let [(1, found)] = &rows(line)[..] else { panic!("{line:?}: {:?}", rows(line)) };
+            assert_eq!(found, fields, "{line:?}");
+        }
+        let found = rows("\u{feff}\r\n# no, comma\n 1 2 \r\n\n3,4 5\n");
+        let expected = [(3, ["1", "2"]), (5, ["3,4", "5"])]
+            .map(|(number, fields)| (number, fields.map(str::to_owned).to_vec()));
+        assert_eq!(found, expected);
+    }
+
+    /// Where no quote is inside a field the established library divides lines in the same way.
+    #[test]
+    fn quotes_mean_what_they_mean_to_another_library() {
+        for line in ["a,b", "\"a, b\",\"c\"", "\"a\"\"b\",,\"\"", "1,\"2,\"\",\"\",3\",4", "\",\""]
+        {
+            let mut reader =
+                csv::ReaderBuilder::new().has_headers(false).from_reader(line.as_bytes());
+            let record = reader.records().next().unwrap().unwrap();
+            let expected: Vec<String> = record.iter().map(str::to_owned).collect();
+            assert_eq!(rows(line), [(1, expected)], "{line:?}");
+        }
+    }
+
+    #[test]
+    fn messages_show_the_start() {
+        let forty = "\u{e9}".repeat(40);
+        assert_eq!(shortened(&forty), forty);
+        assert_eq!(shortened(&format!("{forty}x")), format!("{forty}..."));
+    }
+}

@@ -1,0 +1,179 @@
+//! What cannot be meant: exit status 2, and a message with what would be right.
+
+use crate::workplace::Workplace;
+
+/// Runs each in an empty folder, which must stay empty.
+fn assert_usage(cases: &[(&str, &[&str])]) {
+    let place = Workplace::new();
+    for (arguments, parts) in cases {
+        place.run(arguments).fails(2, parts);
+        assert!(place.names().is_empty(), "sphvar {arguments} left {:?}", place.names());
+    }
+}
+
+#[test]
+fn numbers_of_points() {
+    assert_usage(&[
+        ("sample white-noise -n 0", &["white-noise", "at least 1", "got 0"]),
+        ("sample jittered -n 0 --nearest -o p.csv", &["at least 1", "got 0"]),
+        ("spectrum healpix -n 0", &["at least 1", "got 0"]),
+        ("variance fibonacci -n 12,0 --integrand cosine", &["at least 1", "got 0"]),
+        ("compare -n 0 --integrand cosine", &["at least 1", "got 0"]),
+        ("bounds --profile step -n 0", &["-n", "at least 1", "got 0"]),
+        ("eval profile --profile step -n 0 --lmax 4", &["-n", "at least 1", "got 0"]),
+        ("sample jittered -n 100 -o p.csv", &["100", "12 nside^2", "nearest is 108", "--nearest"]),
+        ("sample healpix -n 25 --hemisphere", &["25", "hemisphere", "6 nside^2", "nearest is 24"]),
+        ("variance jittered -n 13 --integrand cosine", &["13", "nearest is 12", "--nearest"]),
+        ("bounds jittered -n 13 --profile step", &["13", "nearest is 12", "--nearest"]),
+        ("spectrum jittered -n 18446744073709551615 --nearest", &["jittered", "the most is"]),
+        ("sample white-noise -n -3", &["-3"]),
+        ("sample white-noise -n ten", &["ten", "--points"]),
+        ("sample white-noise -n 1e3", &["1e3"]),
+        ("sample white-noise", &["--points"]),
+        ("spectrum", &["--n-points", "SAMPLER"]),
+    ]);
+    let place = Workplace::new();
+    let outcome = place.run("sample jittered -n 100 --nearest -o p.csv").ok();
+    assert!(outcome.stderr.contains("108 points, the nearest to the 100"), "{}", outcome.stderr);
+    assert_eq!(place.text("p.csv").lines().count(), 2 + 108);
+}
+
+#[test]
+fn names() {
+    assert_usage(&[
+        (
+            "sample jitered -n 12",
+            &["sampler \"jitered\"", "did you mean \"jittered\"", "fibonacci"],
+        ),
+        ("sample Healpix -n 12", &["sampler \"Healpix\"", "did you mean \"healpix\""]),
+        ("spectrum white-nois -n 12", &["did you mean \"white-noise\""]),
+        ("variance jittered,zzz -n 12 --integrand cosine", &["\"zzz\"", "There is: white-noise"]),
+        ("compare jittered,fibonaci --integrand cosine", &["did you mean \"fibonacci\""]),
+        ("bounds healpx -n 12 --profile step", &["did you mean \"healpix\""]),
+        ("sample jittered:radius=2 -n 12", &["jittered:radius=2", "\"radius\""]),
+        ("variance healpix -n 12 --integrand ylm", &["ylm", "l is missing"]),
+        (
+            "variance healpix -n 12 --integrand cosin",
+            &["\"cosin\"", "did you mean \"cosine\"", "cap"],
+        ),
+        ("variance healpix -n 12 --integrand ylm:l=2,k=1", &["ylm:l=2,k=1", "\"k\"", "l, m"]),
+        ("variance healpix -n 12 --integrand ylm:l=2,l=3", &["twice"]),
+        ("variance healpix -n 12 --integrand ylm:l=two", &["l must be a number", "two"]),
+        ("variance healpix -n 12 --integrand cap:60", &["cap:60", "degrees is missing"]),
+        ("variance healpix -n 12 --integrand env:", &["file is missing", "env:FILE"]),
+        ("bounds --profile stp -n 12", &["profile \"stp\"", "did you mean \"step\""]),
+        ("bounds --profile poly -n 12", &["poly", "b is missing"]),
+        ("bounds --profile step:beta=1 -n 12", &["\"beta\"", "alpha, gamma"]),
+        ("eval profile --profile cubic -n 12 --lmax 3", &["\"cubic\"", "quadratic"]),
+        ("smple jittered -n 12", &["smple", "sample"]),
+        ("sample jittered -n 12 --sed 4", &["--sed", "--seed"]),
+        ("healpix vec2pxi --nside 2 -", &["vec2pxi", "vec2pix"]),
+    ]);
+    // Without a word the whole help is shown, as wrong usage.
+    let outcome = Workplace::new().run("");
+    assert!(outcome.stderr.contains("Usage: sphvar") && outcome.stderr.contains("compare"));
+    assert_eq!(outcome.status, Some(2));
+}
+
+#[test]
+fn parameters() {
+    let integrands: [(&str, &[&str]); 13] = [
+        ("cap:degrees=0", &["degrees", "(0, 180]", "got 0"]),
+        ("cap:degrees=181", &["degrees", "(0, 180]", "got 181"]),
+        ("cap:degrees=nan", &["degrees", "(0, 180]", "NaN"]),
+        ("cap:degrees=-inf", &["degrees", "(0, 180]"]),
+        ("vmf:kappa=-1", &["kappa", "[0, 1e6]", "got -1"]),
+        ("vmf:kappa=nan", &["kappa", "[0, 1e6]", "NaN"]),
+        ("vmf:kappa=inf", &["kappa", "[0, 1e6]"]),
+        ("ylm:l=2,m=3", &["|m| <= l", "l = 2, m = 3"]),
+        ("ylm:l=2,m=-3", &["|m| <= l", "m = -3"]),
+        ("ylm:l=-2", &["l must be a number", "-2"]),
+        ("ylm:l=1000001", &["ylm:l=1000001", "largest degree is 1000000"]),
+        ("ylm:l=99999999999", &["largest degree is 1000000"]),
+        ("ylm:l=3,m=1 --hemisphere", &["ylm:l=3,m=1", "odd", "take an even l"]),
+    ];
+    for (integrand, parts) in integrands {
+        for command in [
+            "variance healpix -n 24 --nearest",
+            "compare healpix -n 24",
+            "bounds --profile step -n 24",
+        ] {
+            assert_usage(&[(&format!("{command} --integrand {integrand}"), parts)]);
+        }
+    }
+    assert_usage(&[
+        ("bounds --profile poly:b=-1 -n 9", &["exponent is -1", "at least 0"]),
+        ("bounds --profile poly:b=2,alpha=0 -n 9", &["alpha is 0", "above 0"]),
+        ("bounds --profile poly:b=2,gamma=nan -n 9", &["gamma is NaN"]),
+        ("bounds --profile step -n 9 --decay 1", &["decay is 1", "above 1"]),
+        (
+            "bounds --profile step -n 9 --confidence nan",
+            &["confidence", "above 0 and below 1", "NaN"],
+        ),
+        (
+            "bounds jittered -n 12 --profile step --confidence 1",
+            &["confidence", "below 1", "got 1"],
+        ),
+        ("eval legendre --l 2 --m 3 --theta 1", &["|m| <= l", "l = 2, m = 3"]),
+        ("eval legendre --l 2 --m 1 --theta 4", &["4", "[0, pi]"]),
+        ("eval legendre --l 2 --m 1 --theta nan", &["NaN", "[0, pi]"]),
+        ("eval ylm --l 2 --m -3 --theta 1 --phi 0", &["m = -3", "l = 2"]),
+        ("eval ylm --l 2 --m 2 --theta 1 --phi inf", &["inf", "finite"]),
+        ("eval cap-power --degrees 181 --lmax 3", &["degrees", "(0, 180]", "181"]),
+        ("sample healpix -n 12 -j 1000000", &["1000000", "0..=1024"]),
+        ("sample healpix -n 12 -s -1", &["-1"]),
+    ]);
+}
+
+#[test]
+fn numbers_of_realizations() {
+    assert_usage(&[
+        ("sample white-noise -n 12 -m 0 -o p.npy", &["-m", "at least 1", "got 0"]),
+        ("spectrum white-noise -n 12 -m 0", &["-m", "at least 1", "got 0"]),
+        ("bounds white-noise -n 12 -m 0 --profile step", &["at least 1 realization", "got 0"]),
+        ("variance white-noise -n 12 -m 0 --integrand cosine", &["-m", "at least 4", "got 0"]),
+        (
+            "variance white-noise -n 12 -m 1 --integrand cosine -o v.csv",
+            &["-m", "at least 4", "got 1"],
+        ),
+        (
+            "compare white-noise -n 12 -m 1 --integrand cosine -o out",
+            &["-m", "at least 4", "got 1"],
+        ),
+        (
+            "variance white-noise -n 12 -m 4 --integrand cosine --spectrum-realizations 0",
+            &["at least 1", "got 0"],
+        ),
+    ]);
+}
+
+#[test]
+fn degrees_beyond_the_limit() {
+    let parts: &[&str] = &["--lmax", "largest degree is 1000000", "1000001"];
+    assert_usage(&[
+        ("spectrum white-noise -n 100 --lmax 1000001 -o s.csv", parts),
+        ("variance white-noise -n 100 --integrand cosine --lmax 1000001", parts),
+        ("compare white-noise -n 100 --integrand cosine --lmax 1000001", parts),
+        ("bounds white-noise -n 100 --profile step --lmax 1000001", parts),
+        ("eval cap-power --degrees 60 --lmax 1000001", parts),
+        ("eval profile --profile step -n 5 --lmax 1000001", parts),
+        ("eval legendre --l 1000001 --m 0 --theta 1", &["--l", "largest degree is 1000000"]),
+        ("spectrum white-noise -n 9 --lmax 18446744073709551615", &["largest degree is 1000000"]),
+    ]);
+}
+
+#[test]
+fn coefficients_out_of_range() {
+    assert_usage(&[
+        (
+            "spectrum healpix -n 12 --lmax 4 --coefficient 5 0 a.csv",
+            &["M <= L <= lmax", "L = 5", "lmax = 4"],
+        ),
+        ("spectrum healpix -n 12 --lmax 4 --coefficient 2 3 a.csv", &["M <= L <= lmax", "M = 3"]),
+        ("spectrum healpix -n 12 --lmax 4 --coefficient two 0 a.csv", &["L M FILE", "\"two\""]),
+        ("spectrum healpix -n 12 --lmax 4 --coefficient 2 -1 a.csv", &["-1"]),
+        ("spectrum healpix -n 12 --lmax 4 --coefficient 2 1", &["--coefficient", "3 values"]),
+        ("spectrum healpix -n 12 --coefficient 2 1 - --json", &["--coefficient must name a file"]),
+        ("spectrum healpix -n 12 --per-order - --json", &["--per-order must name a file"]),
+    ]);
+}

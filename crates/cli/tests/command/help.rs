@@ -1,0 +1,56 @@
+//! The texts of `--help` and `--version`.
+
+use crate::workplace::Workplace;
+
+const SUBCOMMANDS: [&str; 7] =
+    ["compare", "sample", "spectrum", "variance", "bounds", "healpix", "eval"];
+
+#[test]
+fn every_subcommand_shows_an_example() {
+    let place = Workplace::new();
+    let overview = place.run("--help").ok().stdout;
+    for name in SUBCOMMANDS {
+        assert!(overview.contains(&format!("\n  {name} ")), "{name}: {overview}");
+        let help = place.run(&format!("{name} --help")).ok().stdout;
+        assert!(help.contains("Example"), "{help}");
+        assert!(help.contains(&format!("sphvar {name}")), "{help}");
+        assert!(help.contains("--seed") && help.contains("--json"), "{help}");
+    }
+    for name in ["legendre", "ylm", "cap-power", "profile"] {
+        let help = place.run(&format!("eval {name} --help")).ok().stdout;
+        assert!(help.contains("Usage: sphvar eval"), "{help}");
+    }
+}
+
+/// Examples are promises: those that need no more than this repository are run, small.
+#[test]
+fn examples_work() {
+    let place = Workplace::new();
+    for name in SUBCOMMANDS {
+        let help = place.run(&format!("{name} --help")).ok().stdout;
+        let examples = help.lines().filter_map(|l| l.trim().strip_prefix("sphvar "));
+        // A remark behind an example stands in brackets.
+        let examples = examples.map(|l| l.split("   ").next().unwrap());
+        let mut run = 0;
+        for example in examples.filter(|e| {
+            // `compare` is large; some need files that a reader has.
+            let large = e.starts_with("compare")
+                || e.contains("-m ")
+                || e.contains("jittered -n 972 --profile");
+            let files = e.contains("--points data") || (e.starts_with("healpix"));
+            !large && !files
+        }) {
+            place.run(example).ok();
+            run += 1;
+        }
+        let expected = !["compare", "variance", "healpix"].contains(&name);
+        assert_eq!(run > 0, expected, "{name}: {run} examples were run\n{help}");
+    }
+}
+
+#[test]
+fn version() {
+    let place = Workplace::new();
+    let expected = format!("sphvar {}\n", env!("CARGO_PKG_VERSION"));
+    assert_eq!(place.run("--version").ok().stdout, expected);
+}

@@ -1,0 +1,16 @@
+//! The command `sphvar` as a user or a script meets it: the built binary, in an empty folder of its own
+//! for every test, judged by standard output, standard error, exit status and the files it leaves.
+
+mod comparison_files;
+mod determinism;
+mod errors_of_files;
+mod errors_of_outputs;
+mod errors_of_usage;
+mod forms_of_points;
+mod forms_of_results;
+mod grammar;
+mod help;
+mod numbers;
+mod outcome;
+mod pipes;
+mod workplace;

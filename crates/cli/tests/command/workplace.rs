@@ -1,0 +1,94 @@
+use std::fs;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+
+use tempfile::TempDir;
+
+use crate::outcome::Outcome;
+
+/// An empty folder in which the command runs; it is removed in the end.
+#[derive(Debug)]
+pub(crate) struct Workplace {
+    folder: TempDir,
+}
+
+impl Workplace {
+    pub(crate) fn new() -> Self {
+        Self { folder: tempfile::tempdir().unwrap() }
+    }
+
+    pub(crate) fn path(&self, name: impl AsRef<Path>) -> PathBuf {
+        self.folder.path().join(name)
+    }
+
+    /// The command with these arguments, which are divided by blanks, before it is started.
+    ///
+    /// A backtrace is asked for, so that a panic would show.
+    pub(crate) fn command(&self, arguments: &str) -> Command {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_sphvar"));
+        command
+            .args(arguments.split_whitespace())
+            .current_dir(self.folder.path())
+            .env("RUST_BACKTRACE", "1")
+            .env_remove("RAYON_NUM_THREADS")
+            .stdin(Stdio::null())
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped());
+        command
+    }
+
+    /// Runs the command to its end.
+    pub(crate) fn run(&self, arguments: &str) -> Outcome {
+        Outcome::new(arguments, self.command(arguments).output().unwrap())
+    }
+
+    /// Runs the command with this text on standard input.
+    pub(crate) fn run_on(&self, arguments: &str, input: &str) -> Outcome {
+        let mut child = self.command(arguments).stdin(Stdio::piped()).spawn().unwrap();
+        // Dropped at once, which is the end of the input. All inputs here fit into the pipe.
+        child.stdin.take().unwrap().write_all(input.as_bytes()).unwrap();
+        Outcome::new(arguments, child.wait_with_output().unwrap())
+    }
+
+    pub(crate) fn write(&self, name: &str, content: impl AsRef<[u8]>) {
+        fs::write(self.path(name), content).unwrap();
+    }
+
+    pub(crate) fn bytes(&self, name: &str) -> Vec<u8> {
+        fs::read(self.path(name)).unwrap_or_else(|e| panic!("{name}: {e}"))
+    }
+
+    pub(crate) fn text(&self, name: &str) -> String {
+        String::from_utf8(self.bytes(name)).unwrap()
+    }
+
+    /// The names of all files and folders, hidden ones too, in order.
+    pub(crate) fn names(&self) -> Vec<String> {
+        self.names_in("")
+    }
+
+    /// The same of a folder in this one.
+    pub(crate) fn names_in(&self, folder: &str) -> Vec<String> {
+        let entries = fs::read_dir(self.path(folder)).unwrap();
+        let mut names: Vec<String> =
+            entries.map(|e| e.unwrap().file_name().to_string_lossy().into_owned()).collect();
+        names.sort();
+        names
+    }
+}
+
+/// A file of the repository's folder `data`.
+pub(crate) fn data(name: &str) -> String {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../data").join(name);
+    path.to_str().unwrap().to_owned()
+}
+
+/// A minimal OpenEXR image, grey, brighter from texel to texel.
+pub(crate) fn small_exr(width: u32, height: u32) -> Vec<u8> {
+    let texel = |x, y| image::Rgb([(1 + x + width * y) as f32; 3]);
+    let map = image::Rgb32FImage::from_fn(width, height, texel);
+    let mut bytes = std::io::Cursor::new(Vec::new());
+    map.write_to(&mut bytes, image::ImageFormat::OpenExr).unwrap();
+    bytes.into_inner()
+}

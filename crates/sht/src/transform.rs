@@ -1,0 +1,119 @@
+use glam::DVec3;
+use sphvar_sh::{Alm, Error};
+
+use crate::{ExactTransform, ExactWorkspace, FastTransform, FastWorkspace};
+
+/// How coefficients are to be computed.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Method {
+    /// Whichever is expected to take less time.
+    #[default]
+    Auto,
+    /// From the definition, to rounding: [`ExactTransform`].
+    Exact,
+    /// To the accuracy asked for: [`FastTransform`].
+    Fast,
+}
+
+impl Method {
+    /// The seconds that the transform of one set of `n_points` to degree `lmax` is expected to take on
+    /// one core of a 2.6 GHz machine, from a model with measured constants: for choosing a method
+    /// and for progress, not for promises.
+    #[must_use]
+    pub fn seconds(self, n_points: usize, lmax: usize) -> f64 {
+        let (n, degrees) = (n_points as f64, (lmax + 1) as f64);
+        match self {
+            Self::Auto => {
+                Self::Exact.seconds(n_points, lmax).min(Self::Fast.seconds(n_points, lmax))
+            }
+            // A step for each point and coefficient, and the coefficients of the recurrence.
+            Self::Exact => 0.5 * degrees * degrees * (0.28e-9 * n.max(32.0) + 6e-9),
+            // Spreading a point, transforming the grid, and the recurrence on mirrored rings.
+            Self::Fast => 0.25e-6 * n + degrees * degrees * (45e-9 + 0.08e-9 * degrees) + 20e-6,
+        }
+    }
+}
+
+/// The adjoint transform by either method, for several sets at a time.
+#[derive(Clone, Debug)]
+pub struct Transform(Kind);
+
+#[derive(Clone, Debug)]
+enum Kind {
+    Exact(ExactTransform),
+    Fast(Box<FastTransform>),
+}
+
+/// Scratch memory of [`Transform::adjoint_batch_into`].
+#[derive(Debug, Default)]
+pub struct TransformWorkspace {
+    exact: ExactWorkspace,
+    fast: FastWorkspace,
+}
+
+impl Transform {
+    /// The transform to degree `lmax` for sets of about `n_points`; `epsilon` is the relative
+    /// accuracy of the fast method.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::DegreeTooLarge`] if `lmax` is beyond what coefficients can be indexed for.
+    pub fn new(method: Method, lmax: usize, n_points: usize, epsilon: f64) -> Result<Self, Error> {
+        let fast = match method {
+            Method::Auto => {
+                Method::Fast.seconds(n_points, lmax) < Method::Exact.seconds(n_points, lmax)
+            }
+            Method::Exact => false,
+            Method::Fast => true,
+        };
+        Ok(Self(if fast {
+            Kind::Fast(Box::new(FastTransform::new(lmax, epsilon)?))
+        } else {
+            Kind::Exact(ExactTransform::new(lmax)?)
+        }))
+    }
+
+    /// Whether the fast method is used.
+    #[must_use]
+    pub fn is_fast(&self) -> bool {
+        matches!(self.0, Kind::Fast(_))
+    }
+
+    /// Replaces each of `outs` by the coefficients of one weighted set of points, whatever the
+    /// company to the same bits.
+    ///
+    /// # Panics
+    ///
+    /// If there are not as many `outs` as `sets`, a set has not as many weights as points, or one of
+    /// `outs` is of another lmax.
+    pub fn adjoint_batch_into(
+        &self,
+        sets: &[(&[DVec3], Option<&[f64]>)],
+        workspace: &mut TransformWorkspace,
+        outs: &mut [Alm],
+    ) {
+        match &self.0 {
+            Kind::Fast(plan) => plan.adjoint_batch_into(sets, &mut workspace.fast, outs),
+            Kind::Exact(transform) => {
+                assert_eq!(sets.len(), outs.len(), "one place for coefficients per set");
+                for ((points, weights), out) in sets.iter().zip(outs) {
+                    transform.adjoint_into(points, *weights, &mut workspace.exact, out);
+                }
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Method, Transform};
+
+    #[test]
+    fn auto_is_fast_for_many_points_and_exact_for_few() {
+        let is_fast = |n, lmax| Transform::new(Method::Auto, lmax, n, 1e-12).unwrap().is_fast();
+        assert!(is_fast(4096, 256) && is_fast(100_000, 512));
+        assert!(!is_fast(12, 128) && !is_fast(4096, 4) && !is_fast(0, 0));
+        assert!(Transform::new(Method::Fast, 4, 12, 1e-5).unwrap().is_fast());
+        assert!(!Transform::new(Method::Exact, 512, 100_000, 1e-5).unwrap().is_fast());
+    }
+}
