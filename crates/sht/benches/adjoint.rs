@@ -1,7 +1,5 @@
 //! The adjoint transform of random points, exact and fast.
 
-#![expect(missing_docs, reason = "criterion's macros make undocumented items")]
-
 use std::f64::consts::TAU;
 use std::hint::black_box;
 use std::time::Duration;

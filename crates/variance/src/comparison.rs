@@ -33,6 +33,8 @@ pub struct Comparison {
     pub prediction: Prediction,
     /// The estimates of the trials.
     pub measurement: Measurement,
+    /// The variance that the rounding of an estimate alone can make.
+    pub rounding: f64,
 }
 
 impl Comparison {
@@ -46,11 +48,13 @@ impl Comparison {
         (ratio, ratio * relative)
     }
 
-    /// The difference of measured and predicted variance in units of its standard error; close to
-    /// standard normal where the theory holds and trials are many.
+    /// The difference of measured and predicted variance in units of its standard error, to which
+    /// the rounding of the estimates is added; close to standard normal where the theory holds and
+    /// trials are many.
     #[must_use]
     pub fn z_score(&self) -> f64 {
         let stderr = self.measurement.variance_stderr().hypot(self.prediction.stderr);
+        let stderr = stderr.hypot(self.rounding);
         (self.measurement.variance() - self.prediction.variance) / stderr
     }
 
@@ -97,7 +101,14 @@ pub fn compare(
     let measurement = measure(&ensemble(Purpose::Trial), integrand, effort.trials, &|| {
         done(cost);
     });
-    Ok(Comparison { spectrum: spectrum.finish()?, prediction: prediction.finish(), measurement })
+    // An estimate of int F is a sum of numbers of the size of F, whose roundings partly cancel.
+    let size = sampler.domain().area() * energy.total();
+    Ok(Comparison {
+        spectrum: spectrum.finish()?,
+        prediction: prediction.finish(),
+        measurement,
+        rounding: size * (4.0 * f64::EPSILON).powi(2),
+    })
 }
 
 /// The seconds that [`compare`] reports in all.

@@ -2,7 +2,7 @@ use std::f64::consts::PI;
 
 use glam::DVec3;
 use sphvar_samplers::Domain;
-use sphvar_sh::real_ylm_at;
+use sphvar_sh::{LmIndex, real_ylm_at};
 
 use crate::{Energy, Error, Integrand};
 
@@ -21,9 +21,13 @@ impl Harmonic {
     ///
     /// # Errors
     ///
-    /// [`Error::Order`] unless |m| <= l.
+    /// [`Error::Order`] unless |m| <= l; [`Error::Harmonics`] beyond the degrees that can be evaluated.
     pub fn new(l: usize, m: i64) -> Result<Self, Error> {
-        if m.unsigned_abs() > l as u64 { Err(Error::Order { l, m }) } else { Ok(Self { l, m }) }
+        if m.unsigned_abs() > l as u64 {
+            return Err(Error::Order { l, m });
+        }
+        LmIndex::new(l)?;
+        Ok(Self { l, m })
     }
 }
 

@@ -42,6 +42,7 @@ fn direction(theta: f64, phi: f64) -> DVec3 {
 }
 
 /// Compares integral, E(l) for l up to `lmax`, and total with the oracle.
+#[expect(clippy::cast_possible_wrap, reason = "orders of a few")]
 fn check(
     name: &str,
     integrand: &dyn Integrand,
@@ -196,6 +197,11 @@ fn small_caps_and_high_degrees_keep_their_digits() {
 }
 
 #[test]
+#[expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "a degree of some thousands"
+)]
 fn an_extreme_lobe_sums_to_its_total() {
     for kappa in [1e4, VonMisesFisher::MAX_KAPPA] {
         let lmax = (12.0 * f64::sqrt(kappa)) as usize;

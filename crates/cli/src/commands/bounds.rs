@@ -4,24 +4,22 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use serde::Serialize;
-use sphvar_bounds::{
-    Bound, IntegrandClass, MeasuredSpectrum, Profile, Shape, Side, variance_bound,
-};
+use sphvar_bounds::{Bound, IntegrandClass, MeasuredSpectrum, Profile, Side, variance_bound};
 use sphvar_samplers::{Domain, Purpose, Realizations, Streams};
 use sphvar_sh::MAX_DEGREE;
 use sphvar_spectrum::estimate;
 
-use crate::args::Global;
 use crate::error::CliError;
 use crate::files::read_spectrum;
+use crate::global::Global;
 use crate::integrands::{FORMS, check_domain, parse_integrand};
 use crate::memory::{check_degree, check_memory, coefficient_bytes};
 use crate::patterns;
+use crate::profiles::{ParsedProfile, parse_profile};
 use crate::progress::Progress;
 use crate::report::{
     Provenance, check_result, csv, full, is_stdout, print, print_json, short, table, write_result,
 };
-use crate::spec::{Spec, unknown_name};
 
 pub(crate) const EXAMPLES: &str = "Examples:
   sphvar bounds --profile poly:b=2,alpha=0.5,gamma=1 -n 1024     (rates and bounds of a profile)
@@ -73,40 +71,6 @@ pub(crate) struct BoundsArgs {
     /// Write the bounds to a file, .csv or .json
     #[arg(short, long, value_name = "FILE")]
     pub(crate) out: Option<PathBuf>,
-}
-
-/// A profile as it was asked for: which of its numbers were given.
-pub(crate) struct ParsedProfile {
-    pub(crate) profile: Profile,
-    has_alpha: bool,
-    has_gamma: bool,
-}
-
-/// The profile of a specification such as `poly:b=2,alpha=0.5`; alpha and gamma are 1 if left out.
-pub(crate) fn parse_profile(text: &str) -> Result<ParsedProfile, CliError> {
-    let mut spec = Spec::parse(text)?;
-    let shape = match spec.name.as_str() {
-        "constant" => Shape::Constant,
-        "step" => Shape::Step,
-        "linear" => Shape::Polynomial { exponent: 1.0 },
-        "quadratic" => Shape::Polynomial { exponent: 2.0 },
-        "poly" => Shape::Polynomial { exponent: spec.require_number("b")? },
-        name => {
-            let known = ["constant", "step", "linear", "quadratic", "poly"];
-            return Err(unknown_name("profile", name, &known));
-        }
-    };
-    let alpha = spec.take_number("alpha")?;
-    let gamma = spec.take_number("gamma")?;
-    let offset = spec.take_number("offset")?.unwrap_or(0.0);
-    spec.finish(&["alpha", "gamma", "offset", "b (poly)"])?;
-    let wrong = |e: sphvar_bounds::Error| CliError::Usage(format!("{text}: {e}"));
-    let profile = Profile::new(shape, alpha.unwrap_or(1.0), gamma.unwrap_or(1.0))
-        .and_then(|p| p.with_offset(offset))
-        .map_err(wrong)?;
-    // A constant has no place where it levels off.
-    let has_alpha = alpha.is_some() || shape == Shape::Constant;
-    Ok(ParsedProfile { profile, has_alpha, has_gamma: gamma.is_some() })
 }
 
 /// A bound and what it implies, as scripts see it.

@@ -7,17 +7,16 @@ use serde::Serialize;
 use sphvar_samplers::{Pattern, Purpose, Streams};
 use sphvar_variance::{Crossover, Energy, RateFit, VariancePoint, crossover, fit_rate};
 
-use super::rows::{self, Case, Plan, Row, RowRecord};
-use super::spectrum::{power_chart, power_series};
-use crate::args::Global;
+use super::power_chart::{power_chart, power_series};
+use super::rows::{self, Case, EffortArgs, Plan, Row, RowRecord};
 use crate::error::CliError;
+use crate::global::Global;
 use crate::integrands::{FORMS, parse_integrand};
 use crate::patterns::parse_patterns;
 use crate::plots::{Chart, Scale, Series, Style};
 use crate::report::{
     Provenance, csv, full, is_stdout, print, print_json, say, short, table, write_text,
 };
-use crate::transforms::TransformArgs;
 
 pub(crate) const EXAMPLES: &str = "Examples:
   sphvar compare
@@ -43,20 +42,8 @@ pub(crate) struct CompareArgs {
     pub(crate) points: Vec<usize>,
     #[arg(long, default_value = "env:data/city.exr", help = format!("Integrand: {FORMS}"))]
     pub(crate) integrand: String,
-    /// Trials from which each variance is measured
-    #[arg(short = 'm', long, default_value_t = 1000, value_name = "M")]
-    pub(crate) realizations: u64,
-    /// Realizations from which each spectrum is estimated [default: about the work of the trials]
-    #[arg(long, value_name = "R")]
-    pub(crate) spectrum_realizations: Option<u64>,
-    /// Largest degree of the spectra [default: 4 sqrt(N), for lattices 40 sqrt(N)]
-    #[arg(long)]
-    pub(crate) lmax: Option<usize>,
     #[command(flatten)]
-    pub(crate) transform: TransformArgs,
-    /// Integrate over the hemisphere z >= 0
-    #[arg(long)]
-    pub(crate) hemisphere: bool,
+    pub(crate) effort: EffortArgs,
     /// Folder for tables and plots
     #[arg(short, long, default_value = "out", value_name = "FOLDER")]
     pub(crate) out: PathBuf,
@@ -113,7 +100,7 @@ pub(crate) fn run(args: &CompareArgs, global: &Global) -> Result<(), CliError> {
         ));
     }
     let integrand = parse_integrand(&args.integrand)?;
-    let domain = super::domain(args.hemisphere);
+    let domain = super::domain(args.effort.hemisphere);
     let listed = match &args.samplers {
         Some(list) => parse_patterns(list)?,
         None => Pattern::ALL.to_vec(),
@@ -134,19 +121,7 @@ pub(crate) fn run(args: &CompareArgs, global: &Global) -> Result<(), CliError> {
             }
         }
     }
-    let (method, epsilon) = args.transform.checked()?;
-    let plan = Plan {
-        integrand: &integrand,
-        domain,
-        seed: global.seed,
-        trials: args.realizations,
-        realizations: args.spectrum_realizations,
-        lmax: args.lmax,
-        method,
-        epsilon,
-        whole_spectra: true,
-        quiet: global.quiet,
-    };
+    let plan = args.effort.plan(&integrand, global, true)?;
     rows::check(&plan, &cases)?;
     prepare_folder(&args.out)?;
     let (rows, energy) = rows::run(&plan, &cases)?;

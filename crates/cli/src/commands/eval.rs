@@ -6,10 +6,10 @@ use sphvar_samplers::Domain;
 use sphvar_sh::{Colatitude, lambda_scaled, ylm};
 use sphvar_variance::{Cap, Integrand};
 
-use super::bounds::parse_profile;
-use crate::args::Global;
 use crate::error::CliError;
+use crate::global::Global;
 use crate::memory::{check_degree, check_memory};
+use crate::profiles::parse_profile;
 use crate::report::{print, print_json};
 
 pub(crate) const EXAMPLES: &str = "Examples:

@@ -9,9 +9,9 @@ use glam::DVec3;
 use serde::ser::{Serialize, SerializeMap, Serializer};
 use sphvar_healpix::{Nested, Nside, PixelOrder, Ring, unit_direction};
 
-use crate::args::Global;
 use crate::error::CliError;
 use crate::files::{Columns, Fault, FileError, ListWriter, Number, Written, read_list};
+use crate::global::Global;
 use crate::report::{Provenance, print_json};
 
 #[cfg(test)]

@@ -1,5 +1,6 @@
 //! Rows of predicted and measured variance, as `variance` and `compare` show them.
 
+use clap::Args;
 use serde::Serialize;
 use sphvar_samplers::{Domain, Pattern, Sampler};
 use sphvar_variance::{
@@ -8,11 +9,56 @@ use sphvar_variance::{
 };
 
 use crate::error::CliError;
+use crate::global::Global;
 use crate::integrands::{NamedIntegrand, check_domain};
 use crate::memory::{check_degree, check_memory, coefficient_bytes};
 use crate::patterns;
 use crate::progress::Progress;
 use crate::report::{full, short};
+use crate::transforms::TransformArgs;
+
+/// Flags that say how variances are predicted and measured.
+#[derive(Debug, Args)]
+pub(crate) struct EffortArgs {
+    /// Trials from which each variance is measured
+    #[arg(short = 'm', long, default_value_t = 1000, value_name = "M")]
+    pub(crate) realizations: u64,
+    /// Realizations from which each spectrum is estimated [default: about the work of the trials]
+    #[arg(long, value_name = "R")]
+    pub(crate) spectrum_realizations: Option<u64>,
+    /// Largest degree of the spectra [default: 4 sqrt(N), for lattices 40 sqrt(N)]
+    #[arg(long)]
+    pub(crate) lmax: Option<usize>,
+    #[command(flatten)]
+    pub(crate) transform: TransformArgs,
+    /// Integrate over the hemisphere z >= 0
+    #[arg(long)]
+    pub(crate) hemisphere: bool,
+}
+
+impl EffortArgs {
+    /// The plan for an integrand; `whole_spectra` are wanted if they are shown.
+    pub(super) fn plan<'a>(
+        &self,
+        integrand: &'a NamedIntegrand,
+        global: &Global,
+        whole_spectra: bool,
+    ) -> Result<Plan<'a>, CliError> {
+        let (method, epsilon) = self.transform.checked()?;
+        Ok(Plan {
+            integrand,
+            domain: super::domain(self.hemisphere),
+            seed: global.seed,
+            trials: self.realizations,
+            realizations: self.spectrum_realizations,
+            lmax: self.lmax,
+            method,
+            epsilon,
+            whole_spectra,
+            quiet: global.quiet,
+        })
+    }
+}
 
 /// What is to be run for every pattern and number of points.
 pub(super) struct Plan<'a> {
@@ -150,7 +196,7 @@ pub(super) struct RowRecord {
 
 impl RowRecord {
     pub(super) fn new(row: &Row, plan: &Plan<'_>) -> Self {
-        let Comparison { spectrum, prediction, measurement } = &row.comparison;
+        let Comparison { spectrum, prediction, measurement, .. } = &row.comparison;
         let (ratio, ratio_stderr) = row.comparison.ratio();
         Self {
             sampler: row.pattern.name(),

@@ -6,9 +6,9 @@ use clap::Args;
 use serde::Serialize;
 use sphvar_samplers::{Domain, Pattern, Purpose, Realizations, Streams};
 
-use crate::args::Global;
 use crate::error::CliError;
 use crate::files::write_points;
+use crate::global::Global;
 use crate::memory::check_memory;
 use crate::patterns;
 use crate::plots::{ImageFormat, OrthographicView};

@@ -5,15 +5,14 @@ use std::path::PathBuf;
 use clap::Args;
 use serde::Serialize;
 
-use super::rows::{self, Case, Plan, RowRecord};
-use crate::args::Global;
+use super::rows::{self, Case, EffortArgs, RowRecord};
 use crate::error::CliError;
+use crate::global::Global;
 use crate::integrands::{FORMS, parse_integrand};
 use crate::patterns::parse_patterns;
 use crate::report::{
     Provenance, check_result, csv, is_stdout, print, print_json, table, write_result,
 };
-use crate::transforms::TransformArgs;
 
 pub(crate) const EXAMPLES: &str = "Example:
   sphvar variance jittered,white-noise -n 192,768 --integrand cap:degrees=60 -m 2000
@@ -30,20 +29,8 @@ pub(crate) struct VarianceArgs {
     pub(crate) points: Vec<usize>,
     #[arg(long, help = format!("Integrand: {FORMS}"))]
     pub(crate) integrand: String,
-    /// Trials from which each variance is measured
-    #[arg(short = 'm', long, default_value_t = 1000, value_name = "M")]
-    pub(crate) realizations: u64,
-    /// Realizations from which each spectrum is estimated [default: about the work of the trials]
-    #[arg(long, value_name = "R")]
-    pub(crate) spectrum_realizations: Option<u64>,
-    /// Largest degree of the spectra [default: 4 sqrt(N), for lattices 40 sqrt(N)]
-    #[arg(long)]
-    pub(crate) lmax: Option<usize>,
     #[command(flatten)]
-    pub(crate) transform: TransformArgs,
-    /// Integrate over the hemisphere z >= 0
-    #[arg(long)]
-    pub(crate) hemisphere: bool,
+    pub(crate) effort: EffortArgs,
     /// Take the nearest number of points that a pattern has
     #[arg(long)]
     pub(crate) nearest: bool,
@@ -64,26 +51,14 @@ pub(crate) fn run(args: &VarianceArgs, global: &Global) -> Result<(), CliError> 
         check_result(path, false)?;
     }
     let integrand = parse_integrand(&args.integrand)?;
-    let domain = super::domain(args.hemisphere);
+    let domain = super::domain(args.effort.hemisphere);
     let mut cases = Vec::new();
     for pattern in parse_patterns(&args.samplers)? {
         for &n in &args.points {
             cases.push(Case::new(pattern, n, domain, args.nearest)?);
         }
     }
-    let (method, epsilon) = args.transform.checked()?;
-    let plan = Plan {
-        integrand: &integrand,
-        domain,
-        seed: global.seed,
-        trials: args.realizations,
-        realizations: args.spectrum_realizations,
-        lmax: args.lmax,
-        method,
-        epsilon,
-        whole_spectra: false,
-        quiet: global.quiet,
-    };
+    let plan = args.effort.plan(&integrand, global, false)?;
     let (rows, _) = rows::run(&plan, &cases)?;
     let records: Vec<RowRecord> = rows.iter().map(|row| RowRecord::new(row, &plan)).collect();
     let provenance = Provenance::new(global.seed);

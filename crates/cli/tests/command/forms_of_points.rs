@@ -52,7 +52,7 @@ fn csv_of_one_set() {
         }
     }
     // The provenance is in comments above the header.
-    assert!(text.starts_with("# sphvar sample jittered -n 48"), "{text}");
+    assert!(text.starts_with("x,y,z\n"), "{text}");
     assert!(text.lines().next().unwrap().contains("seed 0"), "{text}");
 }
 

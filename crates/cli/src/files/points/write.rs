@@ -13,10 +13,10 @@ use crate::files::npy::write_npy;
 /// Writes point sets in the format that the extension names; `-` is standard output, as CSV.
 ///
 /// - `.csv`: the header `x,y,z`, with a fourth column `set` (counted from 0) for several sets. Every
-///   number has the shortest digits that are read back to the same bits, at most 17. The lines of
-///   `provenance` come first as `# ` comments; `None` leaves them away for readers without comments.
+///   number has the shortest digits that are read back to the same bits, at most 17. The header is the
+///   first line, for readers that know no comments, so there is no room for `provenance`.
 /// - `.npy`: `(N, 3)` for one set, `(M, N, 3)` for several; 8 byte floats, little endian, C order.
-///   The format has no room for `provenance`.
+///   There is no room for `provenance` either.
 /// - `.ply`: binary little endian, vertices with doubles x y z, with an int `set` for several sets,
 ///   and `provenance` as comments.
 ///
@@ -54,7 +54,7 @@ pub(crate) fn write_points(
     }
     let mut file = AtomicFile::create(path)?;
     let written = match format {
-        PointFormat::Csv => write_csv(&mut file, sets, provenance),
+        PointFormat::Csv => write_csv(&mut file, sets),
         PointFormat::Npy => write_array(&mut file, sets, first.len()),
         PointFormat::Ply => write_ply(&mut file, sets, provenance),
     };
@@ -62,14 +62,7 @@ pub(crate) fn write_points(
     file.commit()
 }
 
-fn write_csv(
-    out: &mut impl Write,
-    sets: &[Vec<DVec3>],
-    provenance: Option<&str>,
-) -> io::Result<()> {
-    for line in comment_lines(provenance) {
-        writeln!(out, "# {line}")?;
-    }
+fn write_csv(out: &mut impl Write, sets: &[Vec<DVec3>]) -> io::Result<()> {
     if let [set] = sets {
         writeln!(out, "x,y,z")?;
         for p in set {
