@@ -121,7 +121,7 @@ fn written_forms_are_those_that_scripts_rely_on() {
     write_points(&path, None, &sets[..1], None).unwrap();
     assert_eq!(fs::read_to_string(&path).unwrap(), "x,y,z\n1.0,0.0,0.0\n0.0,1.0,0.0\n");
     write_points(&path, None, &sets, Some("seed 0")).unwrap();
-    assert!(fs::read_to_string(&path).unwrap().starts_with("# seed 0\nx,y,z,set\n1.0,0.0,0.0,0\n"));
+    assert!(fs::read_to_string(&path).unwrap().starts_with("x,y,z,set\n1.0,0.0,0.0,0\n"));
 
     // A plain CSV reader that knows comments finds the same numbers.
     let mut plain = csv::ReaderBuilder::new().comment(Some(b'#')).from_path(&path).unwrap();
