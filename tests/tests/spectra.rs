@@ -12,7 +12,7 @@ const SEED: u64 = 0;
 /// The probability that a family of comparisons fails by chance (nominal).
 const ALPHA: f64 = 1e-4;
 const REALIZATIONS: u64 = 300;
-/// The window for chi-square per degree of freedom that the project's brief sets.
+/// The window for chi-square per degree of freedom that a comparison of two right spectra should keep.
 const CHI2_WINDOW: (f64, f64) = (0.8, 1.2);
 
 fn spectrum(pattern: Pattern, n: usize, lmax: usize, realizations: u64) -> Spectrum {
@@ -32,7 +32,7 @@ fn compare(got: &Spectrum, expected: &[f64], name: &'static str) -> (f64, Family
 }
 
 /// False alarms, were the seed not fixed: 5.0 % of seeds for the 190 degrees and 11 % for the 126, since
-/// chi-square per degree of freedom spreads by sqrt(2/dof); the window is that of the brief. ALPHA for
+/// chi-square per degree of freedom spreads by sqrt(2/dof); the window is two of these at 190 degrees. ALPHA for
 /// the largest deviation.
 #[test]
 fn jitter_has_its_recorded_spectrum() {

@@ -74,7 +74,7 @@ fn environment(path: &Path, channel: Channel) -> Result<EnvironmentMap, CliError
         .map_err(|e| CliError::Failed(format!("{}: {e}", path.display())))
 }
 
-/// The exact integral, or a refusal that says which domain it would take.
+/// Refuses an integrand whose energy is not known on the domain.
 pub(crate) fn check_domain(integrand: &NamedIntegrand, domain: Domain) -> Result<(), CliError> {
     integrand
         .function

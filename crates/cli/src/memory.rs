@@ -1,6 +1,7 @@
 //! Refusing work that is too large for the machine or for the transforms, before it is begun.
 
 use sphvar_sh::MAX_DEGREE;
+use sphvar_spectrum::Resolution;
 
 use crate::error::CliError;
 
@@ -31,8 +32,9 @@ pub(crate) fn check_degree(what: &str, l: usize) -> Result<(), CliError> {
     Ok(())
 }
 
-/// The bytes of one set of coefficients to degree `lmax`.
-pub(crate) fn coefficient_bytes(lmax: usize) -> f64 {
-    let l = lmax as f64;
-    8.0 * (l + 1.0) * (l + 2.0)
+/// Refuses a transform of `sets` sets that does not fit.
+pub(crate) fn check_transform(resolution: Resolution, sets: u64) -> Result<(), CliError> {
+    let Resolution { lmax, n_points, .. } = resolution;
+    let bytes = resolution.bytes(sets, rayon::current_num_threads());
+    check_memory(&format!("a spectrum of {n_points} points to degree {lmax} (--lmax)"), bytes)
 }

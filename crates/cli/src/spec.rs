@@ -23,7 +23,9 @@ impl Spec {
         }
         let mut items: Vec<(String, String)> = Vec::new();
         for (i, item) in rest.split(',').filter(|item| !item.is_empty()).enumerate() {
-            let (key, value) = match item.split_once('=') {
+            let is_key = |key: &str| key.chars().all(|c| c.is_ascii_alphanumeric() || c == '-');
+            // A path may contain an equals sign; a key contains neither slashes nor dots.
+            let (key, value) = match item.split_once('=').filter(|(key, _)| is_key(key)) {
                 Some((key, value)) => (key, value),
                 None if i == 0 => ("", item),
                 None => {
@@ -42,7 +44,7 @@ impl Spec {
     /// specification before it, as in `poisson-disk:radius=2,mode=exact,jittered`.
     pub(crate) fn parse_list(text: &str) -> Result<Vec<Self>, CliError> {
         let mut specs: Vec<String> = Vec::new();
-        for piece in text.split(',') {
+        for piece in text.split(',').map(str::trim) {
             match specs.last_mut() {
                 Some(last) if piece.contains('=') && !piece.contains(':') => {
                     last.push(',');
@@ -122,7 +124,7 @@ mod tests {
         assert_eq!(spec.take_number::<i64>("m").unwrap(), Some(-2));
         spec.finish(&["l", "m"]).unwrap();
         let mut spec = Spec::parse("env:data/a=b.exr,channel=r").unwrap();
-        assert_eq!(spec.take("data/a").as_deref(), Some("b.exr"));
+        assert_eq!(spec.take("").as_deref(), Some("data/a=b.exr"));
         let mut spec = Spec::parse("env:data/city.exr,channel=r").unwrap();
         assert_eq!(spec.take("").as_deref(), Some("data/city.exr"));
     }

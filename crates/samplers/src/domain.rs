@@ -1,4 +1,5 @@
 use std::f64::consts::PI;
+use std::fmt;
 
 use glam::DVec3;
 
@@ -14,6 +15,15 @@ pub enum Domain {
 }
 
 impl Domain {
+    /// The domain's name: `sphere` or `hemisphere`.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Sphere => "sphere",
+            Self::Hemisphere => "hemisphere",
+        }
+    }
+
     /// The area of the domain in steradian: 4 pi or 2 pi.
     #[must_use]
     pub fn area(self) -> f64 {
@@ -61,6 +71,12 @@ impl Domain {
             Self::Hemisphere => DVec3::new(dir.x, dir.y, dir.z.abs()),
             Self::Sphere => dir,
         }
+    }
+}
+
+impl fmt::Display for Domain {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(self.name())
     }
 }
 

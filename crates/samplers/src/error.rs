@@ -12,8 +12,7 @@ pub enum Error {
     },
     /// The pattern does not exist with this number of points.
     #[error(
-        "{pattern} has no pattern of {asked} points on the {}: N must be {rule}; the nearest is {nearest}",
-        domain_name(*.domain)
+        "{pattern} has no pattern of {asked} points on the {domain}: N must be {rule}; the nearest is {nearest}"
     )]
     IllegalCount {
         /// The pattern asked for.
@@ -37,11 +36,4 @@ pub enum Error {
         /// The largest legal number.
         most: usize,
     },
-}
-
-fn domain_name(domain: Domain) -> &'static str {
-    match domain {
-        Domain::Sphere => "sphere",
-        Domain::Hemisphere => "hemisphere",
-    }
 }

@@ -39,6 +39,15 @@ impl Pattern {
         Self::ALL.into_iter().find(|p| p.name() == name)
     }
 
+    /// A number for [`Streams::new`](crate::Streams::new) that tells the ensembles of one run apart: of
+    /// this pattern and number of points, by a hash of the name (FNV-1a, 32 bits).
+    #[must_use]
+    pub fn stream_group(self, n_points: usize) -> usize {
+        let step = |hash: u32, byte: u8| (hash ^ u32::from(byte)).wrapping_mul(0x0100_0193);
+        let hash = self.name().bytes().fold(0x811c_9dc5, step);
+        hash as usize ^ n_points
+    }
+
     /// The rule that the number of points obeys on `domain`, in words.
     #[must_use]
     pub fn legal_counts(self, domain: Domain) -> &'static str {

@@ -35,7 +35,7 @@ pub struct Streams {
 
 impl Streams {
     /// The family of `seed` for one purpose. `group` tells apart ensembles of one run that must
-    /// not share rotations; by custom it is the number of points.
+    /// not share numbers; see [`Pattern::stream_group`](crate::Pattern::stream_group).
     #[must_use]
     pub fn new(seed: u64, purpose: Purpose, group: usize) -> Self {
         let purpose: u64 = match purpose {

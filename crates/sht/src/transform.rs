@@ -34,6 +34,39 @@ impl Method {
     }
 }
 
+impl Method {
+    /// The method that [`Method::Auto`] stands for; another stands for itself.
+    fn chosen(self, n_points: usize, lmax: usize) -> Self {
+        match self {
+            Self::Auto
+                if Self::Fast.seconds(n_points, lmax) < Self::Exact.seconds(n_points, lmax) =>
+            {
+                Self::Fast
+            }
+            Self::Auto => Self::Exact,
+            Self::Exact | Self::Fast => self,
+        }
+    }
+
+    /// The bytes that the transform of `sets` sets at a time takes, points and coefficients included;
+    /// an estimate from below that misses no large part.
+    #[must_use]
+    pub fn bytes(self, n_points: usize, lmax: usize, sets: u64) -> f64 {
+        let (n, degrees) = (n_points as f64, (lmax + 1) as f64);
+        let copies = sets as f64;
+        let coefficients = 8.0 * degrees * degrees * copies;
+        match self {
+            Self::Auto => self.chosen(n_points, lmax).bytes(n_points, lmax, sets),
+            Self::Exact => coefficients + (24.0 * copies + 150.0) * n,
+            // The grid is twice oversampled in either direction, its columns are kept for each set.
+            Self::Fast => {
+                let grid = (64.0 + 32.0 * copies) * degrees * degrees;
+                coefficients + grid + (24.0 * copies + 48.0) * n
+            }
+        }
+    }
+}
+
 /// The adjoint transform by either method, for several sets at a time.
 #[derive(Clone, Debug)]
 pub struct Transform(Kind);
@@ -59,14 +92,7 @@ impl Transform {
     ///
     /// [`Error::DegreeTooLarge`] if `lmax` is beyond what coefficients can be indexed for.
     pub fn new(method: Method, lmax: usize, n_points: usize, epsilon: f64) -> Result<Self, Error> {
-        let fast = match method {
-            Method::Auto => {
-                Method::Fast.seconds(n_points, lmax) < Method::Exact.seconds(n_points, lmax)
-            }
-            Method::Exact => false,
-            Method::Fast => true,
-        };
-        Ok(Self(if fast {
+        Ok(Self(if method.chosen(n_points, lmax) == Method::Fast {
             Kind::Fast(Box::new(FastTransform::new(lmax, epsilon)?))
         } else {
             Kind::Exact(ExactTransform::new(lmax)?)

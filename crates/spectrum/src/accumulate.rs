@@ -113,6 +113,21 @@ impl Resolution {
     /// pattern has none.
     pub const EPSILON: f64 = 1e-12;
 
+    /// The degree by which the spectrum of a random pattern has settled, 4 sqrt(N), at least 32.
+    #[must_use]
+    pub fn natural_degree(n_points: usize) -> usize {
+        (4 * n_points.isqrt()).max(32)
+    }
+
+    /// The bytes that [`accumulate`] takes for `sets` sets on `threads` threads, without what the
+    /// accumulators keep.
+    #[must_use]
+    pub fn bytes(&self, sets: u64, threads: usize) -> f64 {
+        let together = sets.clamp(1, BATCH);
+        let busy = sets.div_ceil(BATCH).clamp(1, threads.max(1) as u64);
+        busy as f64 * self.method.bytes(self.n_points, self.lmax, together)
+    }
+
     /// Degree `lmax` for sets of `n_points`, by the cheaper method.
     #[must_use]
     pub fn new(lmax: usize, n_points: usize) -> Self {
@@ -227,6 +242,7 @@ pub fn estimate(
     let sampler = ensemble.sampler();
     let count = if sampler.is_random() { realizations } else { realizations.min(1) };
     let empty = SpectrumAccumulator::new(sampler.domain(), sampler.n_points(), lmax);
-    accumulate(ensemble, Resolution::new(lmax, sampler.n_points()), 0..count, &empty, done)?
-        .finish()
+    let resolution = Resolution::new(lmax, sampler.n_points());
+    let spectrum = accumulate(ensemble, resolution, 0..count, &empty, done)?.finish()?;
+    Ok(if sampler.is_random() { spectrum } else { spectrum.into_exact() })
 }

@@ -162,8 +162,10 @@ impl ExactSum {
             carry = total >> DIGIT;
             *d = total - (carry << DIGIT);
         }
-        if carry != 0 {
-            // A leading digit of -1 above digits in range is how a negative number ends.
+        if let Some(leading) = self.digits.last_mut().filter(|_| carry == -1) {
+            // The leading digit of a negative number stays negative: no digit is added each time.
+            *leading -= 1 << DIGIT;
+        } else if carry != 0 {
             self.digits.push(carry);
         }
         while self.digits.last() == Some(&0) {
@@ -210,6 +212,16 @@ mod tests {
             let got = sum(numbers).value();
             assert_eq!(got.to_bits(), expected.to_bits(), "{numbers:?} gave {got:e}");
         }
+    }
+
+    #[test]
+    fn negative_sums_do_not_grow() {
+        let mut total = ExactSum::default();
+        for _ in 0..1000 {
+            total.merge(&sum(&[-1.0, 2f64.powi(-60)]));
+        }
+        assert!(total.digits.len() <= 6, "{} digits", total.digits.len());
+        assert_eq!(total.value_and_rest(), (-1000.0, 1000.0 * 2f64.powi(-60)));
     }
 
     #[test]

@@ -18,7 +18,8 @@
 //! the transform of `sphvar-sht` into an [`Accumulator`], which keeps what is wanted of the
 //! coefficients: their power per degree ([`SpectrumAccumulator`]), per degree and order
 //! ([`OrderAccumulator`]), or single coefficients ([`CoefficientSamples`]). Accumulators sum
-//! exactly ([`ExactSum`]), so any split over threads or machines merges to the same bits.
+//! exactly ([`ExactSum`]), so any split over threads, or over machines of one kind, merges to the
+//! same bits.
 
 mod accumulate;
 mod coefficients;

@@ -47,11 +47,19 @@ impl Spectrum {
         &self.power
     }
 
-    /// The standard error of the mean power, index l from 0; 0 where it is known exactly, as for
-    /// a pattern of one realization.
+    /// The standard error of the mean power, index l from 0: 0 where the power is known exactly, NaN
+    /// where one realization tells nothing of it.
     #[must_use]
     pub fn stderr(&self) -> &[f64] {
         &self.stderr
+    }
+
+    /// The same power as an exact one, with standard errors of 0: a pattern that is not random has
+    /// the power of any of its realizations, and so has a set of points that is of interest itself.
+    #[must_use]
+    pub fn into_exact(mut self) -> Self {
+        self.stderr.fill(0.0);
+        self
     }
 
     /// The degrees that exist, from 0 on, each with its mean power and standard error.
@@ -100,8 +108,8 @@ impl SpectrumAccumulator {
         Ok(())
     }
 
-    /// The mean and its standard error, which is 0 for a single realization: whether that is the
-    /// whole ensemble is the caller's knowledge.
+    /// The mean and its standard error, which is NaN for a single realization; see
+    /// [`Spectrum::into_exact`] for a realization that is the whole ensemble.
     ///
     /// # Errors
     ///
@@ -112,7 +120,6 @@ impl SpectrumAccumulator {
             return Err(Error::NoRealizations);
         }
         let exists = |l: usize, x: f64| if self.domain.has_degree(l) { x } else { 0.0 };
-        let stderr = |m: &Moments| if realizations == 1 { 0.0 } else { m.standard_error() };
         let by_degree = |f: &dyn Fn(&Moments) -> f64| -> Vec<f64> {
             self.degrees.iter().enumerate().map(|(l, m)| exists(l, f(m))).collect()
         };
@@ -121,7 +128,7 @@ impl SpectrumAccumulator {
             n_points: self.n_points,
             realizations,
             power: by_degree(&Moments::mean),
-            stderr: by_degree(&stderr),
+            stderr: by_degree(&Moments::standard_error),
         })
     }
 }

@@ -11,6 +11,9 @@ use crate::{
 pub struct Effort {
     /// The seed of all streams.
     pub seed: u64,
+    /// What tells the streams of this ensemble from those of others of one run, such as
+    /// [`Pattern::stream_group`](sphvar_samplers::Pattern::stream_group).
+    pub group: usize,
     /// The largest degree of the pattern's spectrum.
     pub lmax: usize,
     /// How the spectrum is computed.
@@ -58,13 +61,25 @@ impl Comparison {
         (self.measurement.variance() - self.prediction.variance) / stderr
     }
 
-    /// The measured variance at its number of points, for rates and crossovers.
+    /// The measured variance at its number of points, for rates and crossovers; 0 where it is no more
+    /// than rounding.
     #[must_use]
     pub fn measured_point(&self) -> VariancePoint {
-        VariancePoint {
-            n_points: self.spectrum.n_points() as f64,
-            variance: self.measurement.variance(),
-            stderr: self.measurement.variance_stderr(),
+        self.point(self.measurement.variance(), self.measurement.variance_stderr())
+    }
+
+    /// The predicted variance at its number of points, likewise.
+    #[must_use]
+    pub fn predicted_point(&self) -> VariancePoint {
+        self.point(self.prediction.variance, self.prediction.stderr)
+    }
+
+    fn point(&self, variance: f64, stderr: f64) -> VariancePoint {
+        let n_points = self.spectrum.n_points() as f64;
+        if variance > self.rounding {
+            VariancePoint { n_points, variance, stderr }
+        } else {
+            VariancePoint { n_points, variance: 0.0, stderr: 0.0 }
         }
     }
 }
@@ -85,7 +100,7 @@ pub fn compare(
 ) -> Result<Comparison, Error> {
     let n_points = sampler.n_points();
     let ensemble =
-        |purpose| Realizations::rotated(sampler, Streams::new(effort.seed, purpose, n_points));
+        |purpose| Realizations::rotated(sampler, Streams::new(effort.seed, purpose, effort.group));
     let realizations = distinct_realizations(sampler, effort.realizations);
     let empty = (
         SpectrumAccumulator::new(sampler.domain(), n_points, effort.lmax),
@@ -103,9 +118,14 @@ pub fn compare(
     });
     // An estimate of int F is a sum of numbers of the size of F, whose roundings partly cancel.
     let size = sampler.domain().area() * energy.total();
+    let (mut spectrum, mut prediction) = (spectrum.finish()?, prediction.finish());
+    if !sampler.is_random() {
+        spectrum = spectrum.into_exact();
+        prediction.stderr = 0.0;
+    }
     Ok(Comparison {
-        spectrum: spectrum.finish()?,
-        prediction: prediction.finish(),
+        spectrum,
+        prediction,
         measurement,
         rounding: size * (4.0 * f64::EPSILON).powi(2),
     })
@@ -124,13 +144,14 @@ pub fn comparison_cost(sampler: &dyn Sampler, effort: Effort) -> f64 {
 /// caller has no wish of his own.
 ///
 /// A random pattern's power is 1 beyond some 2 sqrt(N), so 4 sqrt(N) leave a tail that is known. A
-/// lattice has peaks at all degrees whose mean only is 1: 40 sqrt(N). Degrees that the integrand
-/// does not have are not needed.
+/// lattice has peaks at all degrees whose mean only is 1: 40 sqrt(N), unless the integrand's energies
+/// fall fast before that. Degrees that the integrand does not have are not needed.
 #[must_use]
 pub fn prediction_degree(sampler: &dyn Sampler, integrand: &dyn Integrand) -> usize {
-    let multiple = if sampler.is_random() { 4 } else { 40 };
-    let degree = (multiple * sampler.n_points().isqrt()).max(32);
-    integrand.effective_degree().map_or(degree, |most| most.min(degree))
+    let law = Resolution::natural_degree(sampler.n_points());
+    let degree = if sampler.is_random() { law } else { law.saturating_mul(10) };
+    let resolved = integrand.resolved_degree().map_or(degree, |most| degree.min(most.max(law)));
+    integrand.band_limit().map_or(resolved, |most| resolved.min(most))
 }
 
 /// How many realizations of `n_points` a spectrum to `lmax` is worth beside `trials` of the

@@ -23,7 +23,7 @@ const RESAMPLES: u64 = 1000;
 /// `None` if they do not cross there. Each curve is sorted by N and has positive variances.
 ///
 /// Curves are straight between their points in log N and log Var. The interval comes from
-/// [`RESAMPLES`] pairs of curves whose log variances are drawn about the given ones with their
+/// 1000 pairs of curves whose log variances are drawn about the given ones with their
 /// relative standard errors (a parametric bootstrap).
 #[must_use]
 pub fn crossover(a: &[VariancePoint], b: &[VariancePoint], streams: Streams) -> Option<Crossover> {

@@ -59,22 +59,4 @@ impl Energy {
         let rounding = 4.0 * f64::EPSILON * self.total * (known.len() as f64).sqrt();
         if tail > rounding { tail } else { 0.0 }
     }
-
-    /// The smallest degree up to the known ones beyond which less than `fraction` of the energy
-    /// of the degrees l >= 1 lies, or `None` if more than that lies beyond them all.
-    #[must_use]
-    pub fn degree_holding_all_but(&self, fraction: f64) -> Option<usize> {
-        let allowed = fraction * (self.total - self.per_degree[0]);
-        let mut beyond = self.beyond(self.lmax());
-        if beyond > allowed {
-            return None;
-        }
-        for l in (1..=self.lmax()).rev() {
-            beyond += self.per_degree[l];
-            if beyond > allowed {
-                return Some(l);
-            }
-        }
-        Some(0)
-    }
 }

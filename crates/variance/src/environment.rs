@@ -220,9 +220,9 @@ impl Integrand for EnvironmentMap {
         Ok(Energy::new(domain, per_degree, total))
     }
 
-    /// Four degrees to a texel: between centres the map is smooth, across them it has kinks, whose
-    /// energy falls as l^-3 from some l = width/2 on.
-    fn effective_degree(&self) -> Option<usize> {
-        Some(4 * self.width)
+    /// Four degrees to a texel, and at least 1024: between centres the map is smooth, across them it
+    /// has kinks, whose energy falls as l^-3 from some l = width/2 on.
+    fn resolved_degree(&self) -> Option<usize> {
+        Some((4 * self.width).max(1024))
     }
 }

@@ -57,7 +57,7 @@ impl Integrand for Harmonic {
         Ok(Energy::new(domain, per_degree, 1.0))
     }
 
-    fn effective_degree(&self) -> Option<usize> {
+    fn band_limit(&self) -> Option<usize> {
         Some(self.l)
     }
 }

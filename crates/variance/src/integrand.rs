@@ -29,9 +29,14 @@ pub trait Integrand: Sync {
         Err(Error::NoEnergy { reason: "it is given by its values only" })
     }
 
-    /// A degree beyond which no energy matters for a variance, if the integrand has one: the degree of
-    /// a polynomial, or one that leaves less than 10^-6 of the energy that a pattern can leave.
-    fn effective_degree(&self) -> Option<usize> {
+    /// The degree beyond which the integrand has no energy at all, if there is one.
+    fn band_limit(&self) -> Option<usize> {
+        None
+    }
+
+    /// A degree beyond which energies fall so fast (as l^-3 or faster) that a variance need not be
+    /// summed much further, if there is one.
+    fn resolved_degree(&self) -> Option<usize> {
         None
     }
 }

@@ -75,12 +75,11 @@ impl PredictionAccumulator {
         Self { weights: Weights::new(energy, n_points, lmax), moments: Moments::default() }
     }
 
-    /// The prediction; its standard error is 0 for a single realization, which is the whole ensemble
-    /// of a pattern that is not random.
+    /// The prediction; its standard error is NaN for a single realization.
     #[must_use]
     pub fn finish(&self) -> Prediction {
-        let stderr = if self.moments.count() > 1 { self.moments.standard_error() } else { 0.0 };
         let tail = self.weights.tail;
+        let stderr = self.moments.standard_error();
         Prediction { variance: self.moments.mean() + tail, stderr, tail }
     }
 }

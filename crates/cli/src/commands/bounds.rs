@@ -7,13 +7,13 @@ use serde::Serialize;
 use sphvar_bounds::{Bound, IntegrandClass, MeasuredSpectrum, Profile, Side, variance_bound};
 use sphvar_samplers::{Domain, Purpose, Realizations, Streams};
 use sphvar_sh::MAX_DEGREE;
-use sphvar_spectrum::estimate;
+use sphvar_spectrum::{Resolution, estimate};
 
 use crate::error::CliError;
 use crate::files::read_spectrum;
 use crate::global::Global;
 use crate::integrands::{FORMS, check_domain, parse_integrand};
-use crate::memory::{check_degree, check_memory, coefficient_bytes};
+use crate::memory::{check_degree, check_transform};
 use crate::patterns;
 use crate::profiles::{ParsedProfile, parse_profile};
 use crate::progress::Progress;
@@ -51,7 +51,7 @@ pub(crate) struct BoundsArgs {
     /// Largest degree of the spectrum [default: 4 sqrt(N)]
     #[arg(long)]
     pub(crate) lmax: Option<usize>,
-    /// Probability that the bound holds at all degrees together
+    /// Confidence of fits and checks, over all degrees together
     #[arg(long, default_value_t = 0.99)]
     pub(crate) confidence: f64,
     /// Band limit of the best case, a flat spectrum up to this degree
@@ -142,7 +142,7 @@ pub(crate) fn run(args: &BoundsArgs, global: &Global) -> Result<(), CliError> {
     let provenance = Provenance::new(global.seed);
     let document = Document {
         n: n_points,
-        domain: super::domain_name(domain),
+        domain: domain.name(),
         confidence: args.confidence,
         bounds: &records,
         provenance: &provenance,
@@ -182,11 +182,16 @@ fn measured(
     let pattern = patterns::parse_pattern(name)?;
     let sampler = patterns::build(pattern, args.points, domain, args.nearest)?;
     let n_points = sampler.n_points();
-    let lmax = args.lmax.unwrap_or_else(|| (4 * n_points.isqrt()).max(16));
+    let lmax = args.lmax.unwrap_or_else(|| Resolution::natural_degree(n_points));
     check_degree("--lmax", lmax)?;
-    check_memory(&format!("--lmax {lmax}"), coefficient_bytes(lmax))?;
+    check_transform(Resolution::new(lmax, n_points), args.realizations)?;
+    if sampler.is_random() && args.realizations == 1 {
+        let message = "-m must be at least 2 for an error of the spectrum, got 1";
+        return Err(CliError::Usage(message.to_owned()));
+    }
+    let group = pattern.stream_group(n_points);
     let ensemble =
-        Realizations::rotated(&*sampler, Streams::new(global.seed, Purpose::Pattern, n_points));
+        Realizations::rotated(&*sampler, Streams::new(global.seed, Purpose::Pattern, group));
     let progress = Progress::new(args.realizations as f64, global.quiet);
     progress.stage(pattern.name());
     let spectrum = estimate(&ensemble, lmax, args.realizations, &|| progress.advance(1.0))?;
@@ -261,7 +266,8 @@ impl Consequences {
                 check_domain(&integrand, domain)?;
                 let lmax = integrand
                     .function
-                    .effective_degree()
+                    .band_limit()
+                    .or(integrand.function.resolved_degree())
                     .unwrap_or_else(|| (40 * n_points.isqrt()).clamp(64, MAX_DEGREE));
                 let energy = integrand.function.energy(domain, lmax)?;
                 Some((energy.per_degree().to_vec(), energy.beyond(lmax)))

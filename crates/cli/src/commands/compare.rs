@@ -60,8 +60,9 @@ struct Summary {
     predicted_rate: Option<f64>,
     /// At the largest number of points: white noise's exact variance over the measured one.
     n: usize,
-    gain: f64,
-    gain_stderr: f64,
+    /// Nothing where the measured variance is no more than rounding.
+    gain: Option<f64>,
+    gain_stderr: Option<f64>,
     /// The pattern's power as the integrand weighs it: predicted over white noise's variance.
     power_seen: f64,
 }
@@ -176,12 +177,7 @@ impl<'a> Curve<'a> {
     }
 
     fn predicted(&self) -> Vec<VariancePoint> {
-        let point = |r: &&Row| VariancePoint {
-            variance: r.comparison.prediction.variance,
-            stderr: r.comparison.prediction.stderr,
-            ..r.comparison.measured_point()
-        };
-        self.rows.iter().map(point).collect()
+        self.rows.iter().map(|r| r.comparison.predicted_point()).collect()
     }
 
     fn summary(&self, energy: &Energy) -> Option<Summary> {
@@ -189,17 +185,18 @@ impl<'a> Curve<'a> {
         let n = last.comparison.spectrum.n_points();
         let fit: Option<RateFit> = fit_rate(&self.measured());
         let white = energy.domain().variance_factor(n) * energy.beyond(0);
-        let measured = &last.comparison.measurement;
-        let gain = white / measured.variance();
+        let measured = last.comparison.measured_point();
+        let gain = white / measured.variance;
+        let is_measurable = gain.is_finite();
         Some(Summary {
             sampler: self.pattern.name(),
             rate: fit.map(|f| f.slope),
             rate_interval: fit.map(|f| f.interval),
             predicted_rate: fit_rate(&self.predicted()).map(|f| f.slope),
             n,
-            gain,
-            gain_stderr: gain * measured.variance_stderr() / measured.variance(),
-            power_seen: last.comparison.prediction.variance / white,
+            gain: is_measurable.then_some(gain),
+            gain_stderr: is_measurable.then_some(gain * measured.stderr / measured.variance),
+            power_seen: last.comparison.predicted_point().variance / white,
         })
     }
 }
@@ -250,8 +247,8 @@ fn text(document: &Document<'_>, plan: &Plan<'_>) -> String {
             interval,
             optional(s.predicted_rate),
             s.n.to_string(),
-            format!("{:.4}", s.power_seen),
-            format!("{:.1} +- {:.1}", s.gain, s.gain_stderr),
+            short(s.power_seen),
+            s.gain.zip(s.gain_stderr).map_or("-".to_owned(), |(g, e)| format!("{g:.1} +- {e:.1}")),
         ]
     };
     let heading =
@@ -274,25 +271,25 @@ fn text(document: &Document<'_>, plan: &Plan<'_>) -> String {
     text + &verdict(document.samplers)
 }
 
-/// The sampler with the least variance at its largest number of points, and those that the measured
-/// errors do not tell from it.
+/// Which sampler gains most at its largest number of points. Predictions decide: they are more precise
+/// than measurements.
 fn verdict(samplers: &[Summary]) -> String {
-    let Some(best) = samplers.iter().max_by(|a, b| a.gain.total_cmp(&b.gain)) else {
-        return String::new();
+    let with_variance = samplers.iter().filter(|s| s.power_seen.is_finite());
+    let Some(best) = with_variance.min_by(|a, b| a.power_seen.total_cmp(&b.power_seen)) else {
+        return "The integrand has no variance with any pattern: it is constant.\n".to_owned();
     };
-    let equal: Vec<&str> = samplers
-        .iter()
-        .filter(|s| s.sampler != best.sampler)
-        .filter(|s| best.gain - s.gain < 2.0 * best.gain_stderr.hypot(s.gain_stderr))
-        .map(|s| s.sampler)
-        .collect();
-    let ties = match equal.as_slice() {
-        [] => String::new(),
-        names => format!(" {} cannot be told from it.", names.join(" and ")),
+    let Some((gain, stderr)) = best.gain.zip(best.gain_stderr).filter(|_| best.power_seen > 0.0)
+    else {
+        let exact: Vec<&str> =
+            samplers.iter().filter(|s| s.gain.is_none()).map(|s| s.sampler).collect();
+        return format!("Exact to rounding: {}.\n", exact.join(", "));
     };
     format!(
-        "Least variance at N = {}: {}, {:.1} times less than white noise.{ties}\n",
-        best.n, best.sampler, best.gain
+        "Largest gain: {} with N = {}, {:.1} times less variance than white noise as predicted, \
+         {gain:.1} +- {stderr:.1} as measured.\n",
+        best.sampler,
+        best.n,
+        1.0 / best.power_seen,
     )
 }
 

@@ -35,7 +35,7 @@ enum Function {
         #[arg(long, allow_negative_numbers = true)]
         m: i64,
         /// Colatitude in radians, 0 to pi
-        #[arg(long)]
+        #[arg(long, allow_negative_numbers = true)]
         theta: f64,
     },
     /// The complex orthonormal spherical harmonic `Y_lm(theta, phi)`
@@ -47,7 +47,7 @@ enum Function {
         #[arg(long, allow_negative_numbers = true)]
         m: i64,
         /// Colatitude in radians, 0 to pi
-        #[arg(long)]
+        #[arg(long, allow_negative_numbers = true)]
         theta: f64,
         /// Longitude in radians
         #[arg(long, allow_negative_numbers = true)]

@@ -17,11 +17,3 @@ use sphvar_samplers::Domain;
 fn domain(hemisphere: bool) -> Domain {
     if hemisphere { Domain::Hemisphere } else { Domain::Sphere }
 }
-
-/// The domain's name in results.
-fn domain_name(domain: Domain) -> &'static str {
-    match domain {
-        Domain::Sphere => "sphere",
-        Domain::Hemisphere => "hemisphere",
-    }
-}

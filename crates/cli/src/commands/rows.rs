@@ -3,6 +3,7 @@
 use clap::Args;
 use serde::Serialize;
 use sphvar_samplers::{Domain, Pattern, Sampler};
+use sphvar_spectrum::Resolution;
 use sphvar_variance::{
     Comparison, Effort, Energy, Method, compare, comparison_cost, prediction_degree,
     worthwhile_realizations,
@@ -11,7 +12,7 @@ use sphvar_variance::{
 use crate::error::CliError;
 use crate::global::Global;
 use crate::integrands::{NamedIntegrand, check_domain};
-use crate::memory::{check_degree, check_memory, coefficient_bytes};
+use crate::memory::{check_degree, check_memory, check_transform};
 use crate::patterns;
 use crate::progress::Progress;
 use crate::report::{full, short};
@@ -23,7 +24,8 @@ pub(crate) struct EffortArgs {
     /// Trials from which each variance is measured
     #[arg(short = 'm', long, default_value_t = 1000, value_name = "M")]
     pub(crate) realizations: u64,
-    /// Realizations from which each spectrum is estimated [default: about the work of the trials]
+    /// Realizations from which each spectrum is estimated [default: what eight times the work of
+    /// the trials allows, at least 300 and at most 8 M]
     #[arg(long, value_name = "R")]
     pub(crate) spectrum_realizations: Option<u64>,
     /// Largest degree of the spectra [default: 4 sqrt(N), for lattices 40 sqrt(N)]
@@ -140,13 +142,20 @@ pub(super) fn check(plan: &Plan<'_>, cases: &[Case]) -> Result<(Vec<Effort>, usi
             plan.trials
         )));
     }
+    if plan.realizations == Some(1) {
+        return Err(CliError::Usage(
+            "--spectrum-realizations must be at least 2 for an error of the prediction, got 1"
+                .to_owned(),
+        ));
+    }
     let efforts: Vec<Effort> = cases.iter().map(|case| plan.effort(case)).collect();
     let lmax = efforts.iter().map(|e| e.lmax).max().unwrap_or(0);
-    check_degree("--lmax", lmax)?;
-    let most = cases.iter().map(Case::n_points).max().unwrap_or(0);
-    check_memory(&format!("--lmax {lmax}"), coefficient_bytes(lmax))?;
-    // A point takes 24 bytes, and some 150 while it is transformed.
-    check_memory(&format!("a set of {most} points"), 174.0 * most as f64)?;
+    check_degree("the spectra (--lmax)", lmax)?;
+    for (case, effort) in cases.iter().zip(&efforts) {
+        let Effort { lmax, method, epsilon, .. } = *effort;
+        let resolution = Resolution { lmax, n_points: case.n_points(), method, epsilon };
+        check_transform(resolution, effort.realizations)?;
+    }
     check_memory(&format!("-m {}", plan.trials), 8.0 * plan.trials as f64)?;
     Ok((efforts, lmax))
 }
@@ -154,13 +163,15 @@ pub(super) fn check(plan: &Plan<'_>, cases: &[Case]) -> Result<(Vec<Effort>, usi
 impl Plan<'_> {
     fn effort(&self, case: &Case) -> Effort {
         let needed = prediction_degree(&*case.sampler, &*self.integrand.function);
-        let shown = if self.whole_spectra { (4 * case.n_points().isqrt()).max(32) } else { 0 };
+        let natural = Resolution::natural_degree(case.n_points());
+        let shown = if self.whole_spectra { natural } else { 0 };
         let lmax = self.lmax.unwrap_or(needed.max(shown));
         let realizations = self
             .realizations
             .unwrap_or_else(|| worthwhile_realizations(case.n_points(), lmax, self.trials));
         Effort {
             seed: self.seed,
+            group: case.pattern.stream_group(case.n_points()),
             lmax,
             method: self.method,
             epsilon: self.epsilon,
@@ -201,7 +212,7 @@ impl RowRecord {
         Self {
             sampler: row.pattern.name(),
             integrand: plan.integrand.name.clone(),
-            domain: super::domain_name(plan.domain),
+            domain: plan.domain.name(),
             asked: row.asked,
             n: spectrum.n_points(),
             lmax: spectrum.lmax(),

@@ -7,7 +7,7 @@ use serde::Serialize;
 use sphvar_samplers::{Domain, Pattern, Purpose, Realizations, Streams};
 
 use crate::error::CliError;
-use crate::files::write_points;
+use crate::files::{AtomicFile, write_points};
 use crate::global::Global;
 use crate::memory::check_memory;
 use crate::patterns;
@@ -67,6 +67,9 @@ pub(crate) fn run(args: &SampleArgs, global: &Global) -> Result<(), CliError> {
     if args.realizations == 0 {
         return Err(CliError::Usage("-m must be at least 1, got 0".to_owned()));
     }
+    if args.out.as_os_str() != "-" {
+        AtomicFile::check(&args.out)?;
+    }
     let sampler = patterns::build(pattern, n, super::domain(args.hemisphere), args.nearest)?;
     let n_points = sampler.n_points();
     let total = 24.0 * n_points as f64 * args.realizations as f64;
@@ -78,7 +81,7 @@ pub(crate) fn run(args: &SampleArgs, global: &Global) -> Result<(), CliError> {
         );
     }
 
-    let streams = Streams::new(global.seed, Purpose::Pattern, n_points);
+    let streams = Streams::new(global.seed, Purpose::Pattern, pattern.stream_group(n_points));
     let ensemble = if args.rotate {
         Realizations::rotated(&*sampler, streams)
     } else {
@@ -88,6 +91,9 @@ pub(crate) fn run(args: &SampleArgs, global: &Global) -> Result<(), CliError> {
     let provenance = Provenance::new(global.seed);
     let to_stdout = args.out.as_os_str() == "-";
     if ImageFormat::of_path(&args.out).is_some() {
+        if args.realizations > 1 {
+            say(global.quiet, "the picture shows the first realization");
+        }
         let view = OrthographicView {
             title: format!("{pattern}, N = {n_points}"),
             notes: vec![provenance.line()],

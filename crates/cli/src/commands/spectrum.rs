@@ -6,7 +6,7 @@ use std::time::Instant;
 use clap::Args;
 use glam::DVec3;
 use serde::Serialize;
-use sphvar_samplers::{Domain, Purpose, Realizations, Sampler, Streams};
+use sphvar_samplers::{Domain, Pattern, Purpose, Realizations, Sampler, Streams};
 use sphvar_spectrum::{
     CoefficientSamples, OrderAccumulator, PointSets, Resolution, Spectrum, SpectrumAccumulator,
     accumulate,
@@ -16,7 +16,7 @@ use super::power_chart::{power_chart, power_series};
 use crate::error::CliError;
 use crate::files::{AtomicFile, PointSet, ReadOptions, read_points};
 use crate::global::Global;
-use crate::memory::{check_degree, check_memory, coefficient_bytes};
+use crate::memory::{check_degree, check_memory, check_transform};
 use crate::patterns;
 use crate::plots::{Chart, ImageFormat};
 use crate::progress::Progress;
@@ -32,8 +32,8 @@ pub(crate) const EXAMPLES: &str = "Examples:
   sphvar spectrum healpix -n 972 -o spectrum.png
 
 White noise has power 1 for l >= 1; P(0) = N. The error is the standard error of the mean over the
-realizations, each turned by a uniform rotation of its own; a pattern that is not random has no
-error, one set is enough.";
+realizations, each turned by a uniform rotation of its own. A pattern that is not random, and a
+single set of points from a file, have exactly this spectrum: their error is 0.";
 
 #[derive(Debug, Args)]
 pub(crate) struct SpectrumArgs {
@@ -97,7 +97,7 @@ struct Document<'a> {
 
 /// Where the point sets come from.
 enum Source {
-    Sampler { name: String, sampler: Box<dyn Sampler> },
+    Sampler { pattern: Pattern, sampler: Box<dyn Sampler> },
     Files { name: String, sets: FileSets },
 }
 
@@ -121,27 +121,27 @@ pub(crate) fn run(args: &SpectrumArgs, global: &Global) -> Result<(), CliError> 
     check_outputs(args, global)?;
     let source = source(args, domain, global)?;
     let (name, n_points, count) = match &source {
-        Source::Sampler { name, sampler } => (name, sampler.n_points(), args.realizations),
-        Source::Files { name, sets } => (name, mean_size(&sets.0), sets.0.len() as u64),
+        Source::Sampler { pattern, sampler } => {
+            (pattern.name(), sampler.n_points(), args.realizations)
+        }
+        Source::Files { name, sets } => (name.as_str(), mean_size(&sets.0), sets.0.len() as u64),
     };
     if count == 0 {
         return Err(CliError::Usage("-m must be at least 1, got 0".to_owned()));
     }
-    let lmax = args.lmax.unwrap_or_else(|| (4 * n_points.isqrt()).max(16));
+    let lmax = args.lmax.unwrap_or_else(|| Resolution::natural_degree(n_points));
     check_degree("--lmax", lmax)?;
     let coefficient =
-        args.coefficient.as_deref().map(|c| parse_coefficient(c, lmax)).transpose()?;
-    let threads = rayon::current_num_threads() as f64;
-    let mut bytes = threads * coefficient_bytes(lmax);
-    if args.per_order.is_some() {
-        // Every order has two exact sums of some 150 bytes, in every thread.
-        bytes += threads * coefficient_bytes(lmax) / 16.0 * 300.0;
-    }
-    check_memory(&format!("--lmax {lmax}"), bytes)?;
-    check_memory(&format!("a set of {n_points} points"), threads * 174.0 * n_points as f64)?;
-
+        args.coefficient.as_deref().map(|c| parse_coefficient(c, lmax, domain)).transpose()?;
     let (method, epsilon) = args.transform.checked()?;
     let resolution = Resolution { lmax, n_points, method, epsilon };
+    check_transform(resolution, count)?;
+    if args.per_order.is_some() {
+        // Every order has two exact sums of some 150 bytes, in every thread.
+        let orders = 0.5 * ((lmax + 1) as f64).powi(2);
+        let threads = rayon::current_num_threads() as f64;
+        check_memory("--per-order", 300.0 * orders * threads)?;
+    }
     let started = Instant::now();
     let orders = args.per_order.is_some().then(|| OrderAccumulator::new(lmax)).transpose()?;
     let empty = (
@@ -150,8 +150,9 @@ pub(crate) fn run(args: &SpectrumArgs, global: &Global) -> Result<(), CliError> 
     );
     let (sets, count): (&dyn PointSets, u64) = match &source {
         Source::Files { sets, .. } => (sets, count),
-        Source::Sampler { sampler, .. } => {
-            let streams = Streams::new(global.seed, Purpose::Pattern, n_points);
+        Source::Sampler { sampler, pattern } => {
+            let group = pattern.stream_group(n_points);
+            let streams = Streams::new(global.seed, Purpose::Pattern, group);
             // One set of a pattern that is not random holds its whole spectrum, but not the
             // distribution of what rotations change.
             let distributions = args.per_order.is_some() || args.coefficient.is_some();
@@ -165,6 +166,12 @@ pub(crate) fn run(args: &SpectrumArgs, global: &Global) -> Result<(), CliError> 
         accumulate(sets, resolution, 0..count, &empty, &|| progress.advance(1.0))?;
     drop(progress);
     let spectrum = spectrum.finish()?;
+    let exact = match &source {
+        Source::Sampler { sampler, .. } => !sampler.is_random(),
+        // A single set in a file is of interest itself, not as a realization of something.
+        Source::Files { .. } => count == 1,
+    };
+    let spectrum = if exact { spectrum.into_exact() } else { spectrum };
     let seconds = started.elapsed().as_secs_f64();
 
     let provenance = Provenance::new(global.seed);
@@ -172,7 +179,8 @@ pub(crate) fn run(args: &SpectrumArgs, global: &Global) -> Result<(), CliError> 
         let row = |o: sphvar_spectrum::OrderPower| {
             vec![o.l.to_string(), o.m.to_string(), full(o.power), full(o.stderr)]
         };
-        let rows: Vec<_> = orders.finish().into_iter().map(row).collect();
+        let rows: Vec<_> =
+            orders.finish().into_iter().filter(|o| domain.has_degree(o.l)).map(row).collect();
         write_text(path, &csv(&provenance, "l,m,power,stderr", &rows))?;
     }
     if let (Some(coefficient), Some(samples)) = (&coefficient, samples) {
@@ -211,7 +219,7 @@ fn source(args: &SpectrumArgs, domain: Domain, global: &Global) -> Result<Source
         let got = sampler.n_points();
         say(global.quiet, &format!("{pattern}: {got} points, the nearest to the {n} asked for"));
     }
-    Ok(Source::Sampler { name: pattern.to_string(), sampler })
+    Ok(Source::Sampler { pattern, sampler })
 }
 
 fn files(args: &SpectrumArgs, domain: Domain, global: &Global) -> Result<Source, CliError> {
@@ -223,6 +231,11 @@ fn files(args: &SpectrumArgs, domain: Domain, global: &Global) -> Result<Source,
             say(global.quiet, &format!("warning: {warning}"));
         }
         sets.extend(file.sets);
+    }
+    for (i, set) in sets.iter().enumerate() {
+        if set.weights.as_ref().is_some_and(|w| w.iter().all(|&w| w == 0.0)) {
+            return Err(CliError::Failed(format!("set {i} has no weight: every weight is 0")));
+        }
     }
     for set in &mut sets {
         for p in &mut set.directions {
@@ -251,7 +264,11 @@ struct Coefficient {
     path: PathBuf,
 }
 
-fn parse_coefficient(words: &[String], lmax: usize) -> Result<Coefficient, CliError> {
+fn parse_coefficient(
+    words: &[String],
+    lmax: usize,
+    domain: Domain,
+) -> Result<Coefficient, CliError> {
     let number = |word: &String| {
         word.parse::<usize>().map_err(|_| {
             CliError::Usage(format!("--coefficient L M FILE: \"{word}\" is not a number"))
@@ -264,6 +281,11 @@ fn parse_coefficient(words: &[String], lmax: usize) -> Result<Coefficient, CliEr
     if m > l || l > lmax {
         return Err(CliError::Usage(format!(
             "--coefficient must satisfy 0 <= M <= L <= lmax, got L = {l}, M = {m}, lmax = {lmax}"
+        )));
+    }
+    if !domain.has_degree(l) {
+        return Err(CliError::Usage(format!(
+            "--coefficient: the {domain} has even degrees only, got L = {l}"
         )));
     }
     Ok(Coefficient { l, m, path: Path::new(path).to_path_buf() })
@@ -280,7 +302,7 @@ fn emit(
     let rows: Vec<(usize, f64, f64)> = spectrum.rows().collect();
     let document = Document {
         sampler: name,
-        domain: super::domain_name(spectrum.domain()),
+        domain: spectrum.domain().name(),
         n: spectrum.n_points(),
         lmax: spectrum.lmax(),
         realizations: spectrum.realizations(),

@@ -148,10 +148,18 @@ fn work_beyond_the_memory() {
     let place = Workplace::new();
     let parts: &[&str] = &["GiB of memory", "are available", "choose a smaller one"];
     for (arguments, name) in [
-        ("spectrum white-noise -n 100 --lmax 900000 -o s.csv", "--lmax 900000"),
-        ("variance white-noise -n 100 --integrand cosine --lmax 900000 -o v.csv", "--lmax 900000"),
-        ("compare white-noise -n 100 --integrand cosine --lmax 900000 -o out", "--lmax 900000"),
-        ("bounds white-noise -n 100 --profile step --lmax 900000", "--lmax 900000"),
+        ("spectrum white-noise -n 100 --lmax 900000 -o s.csv", "degree 900000 (--lmax)"),
+        (
+            "variance white-noise -n 100 --integrand cosine --lmax 900000 -o v.csv",
+            "degree 900000 (--lmax)",
+        ),
+        (
+            "compare white-noise -n 100 --integrand cosine --lmax 900000 -o out",
+            "degree 900000 (--lmax)",
+        ),
+        ("bounds white-noise -n 100 --profile step --lmax 900000", "degree 900000 (--lmax)"),
+        ("spectrum white-noise -n 20000 --lmax 30000 -m 50", "degree 30000 (--lmax)"),
+        ("bounds white-noise -n 1000000000000 --lmax 4 --profile constant", "1000000000000 points"),
         ("sample white-noise -n 999999999999999 -o p.npy", "999999999999999 points"),
         ("sample white-noise -n 1000 -m 999999999999 -o p.npy", "999999999999 sets"),
         ("spectrum white-noise -n 999999999999999 --lmax 9", "999999999999999 points"),

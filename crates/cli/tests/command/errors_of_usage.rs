@@ -165,6 +165,7 @@ fn degrees_beyond_the_limit() {
 #[test]
 fn coefficients_out_of_range() {
     assert_usage(&[
+        ("spectrum white-noise -n 9 --hemisphere --coefficient 3 0 c.csv", &["hemisphere", "even"]),
         (
             "spectrum healpix -n 12 --lmax 4 --coefficient 5 0 a.csv",
             &["M <= L <= lmax", "L = 5", "lmax = 4"],
