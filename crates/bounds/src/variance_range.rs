@@ -51,16 +51,17 @@ pub fn variance_bound(
     if n_points == 0 {
         return Err(Error::NoPoints);
     }
-    let (first, step) = (domain.degree_step(), domain.degree_step());
+    // The first degree that enters is as far from 0 as degrees are from each other.
+    let step = domain.degree_step();
     let sum: CompensatedSum = energy_per_degree
         .iter()
         .enumerate()
-        .skip(first)
+        .skip(step)
         .step_by(step)
         .map(|(l, energy)| energy * profile.power(l, n_points))
         .collect();
     // Profiles do not fall, so the smallest value beyond lmax is at the first degree there.
-    let tail_start = energy_per_degree.len().next_multiple_of(step).max(first);
+    let tail_start = energy_per_degree.len().next_multiple_of(step).max(step);
     let with_tail = |power: f64| {
         let mut total = sum;
         total.add(power * tail_energy);
