@@ -2,29 +2,34 @@ use glam::DVec3;
 use num_complex::Complex;
 use sphvar_sh::{Alm, Colatitude, Error};
 
+use crate::generators::{RotationDerivatives, tangent_gradients};
 use crate::{RingTransform, RingWorkspace};
 
-/// The exact transform of scattered weighted points, `a_lm = sum_k w_k conj Y_lm(x_k)`.
+/// The exact transforms between scattered points and coefficients: the adjoint
+/// `a_lm = sum_k w_k conj Y_lm(x_k)`, the synthesis `f(x_k) = sum_lm a_lm Y_lm(x_k)`, and the gradient.
 ///
-/// It evaluates the definition by the recurrence of `sphvar-sh` in difference form, which keeps
-/// its accuracy at the poles, several points to a vector register; the instruction set is chosen
-/// at run time. Points at the poles, repeated points and N = 0 are ordinary inputs. It is the
+/// They evaluate the definition by recurrences in difference form, which keep their
+/// accuracy at the poles and at the equator, several points to a vector register; the instruction set is chosen
+/// at run time. Points at the poles, repeated points and N = 0 are ordinary inputs. They are the
 /// oracle for faster transforms.
 ///
-/// Cost: about `N (lmax + 1)^2 / 2` steps of six vector instructions; memory: the coefficients
+/// Cost: about `N (lmax + 1)^2 / 4` steps of seven vector operations; memory: the coefficients
 /// and some 150 bytes per point in the workspace.
 #[derive(Clone, Debug)]
 pub struct ExactTransform {
     rings: RingTransform,
 }
 
-/// Scratch memory of [`ExactTransform::adjoint_into`]; grows to the largest set it has seen.
+/// Scratch memory of [`ExactTransform`]; grows to the largest set it has seen.
 #[derive(Clone, Debug, Default)]
 pub struct ExactWorkspace {
     rings: RingWorkspace,
     /// `e^{-i phi}` and `w e^{-i m phi}` of each point.
     turn: Vec<Complex<f64>>,
     terms: Vec<Complex<f64>>,
+    /// By point and function.
+    values: Vec<f64>,
+    derivatives: Option<RotationDerivatives>,
 }
 
 impl ExactTransform {
@@ -76,17 +81,8 @@ impl ExactTransform {
         if let Some(weights) = weights {
             assert_eq!(weights.len(), points.len(), "one weight per point");
         }
-        let ExactWorkspace { rings, turn, terms } = workspace;
-        turn.clear();
-        turn.extend(points.iter().map(|p| {
-            let sin_theta = p.x.hypot(p.y);
-            // At a pole only m = 0 counts, whatever the longitude.
-            if sin_theta > 0.0 {
-                Complex::new(p.x / sin_theta, -p.y / sin_theta)
-            } else {
-                Complex::ONE
-            }
-        }));
+        let ExactWorkspace { rings, turn, terms, .. } = workspace;
+        load_turns(points, turn);
         terms.clear();
         terms.extend((0..points.len()).map(|k| Complex::new(weights.map_or(1.0, |w| w[k]), 0.0)));
         // Every point is a ring of its own, with one Dirac on it.
@@ -105,6 +101,80 @@ impl ExactTransform {
             out,
         );
     }
+
+    /// Writes the values of the real function with coefficients `alm` at the points,
+    /// `f(x_k) = sum_lm a_lm Y_lm(x_k)`.
+    ///
+    /// # Panics
+    ///
+    /// If `out` and `points` differ in length, or `alm` is not of this transform's lmax.
+    pub fn synthesis_into(
+        &self,
+        alm: &Alm,
+        points: &[DVec3],
+        workspace: &mut ExactWorkspace,
+        out: &mut [f64],
+    ) {
+        assert_eq!(out.len(), points.len(), "one value per point");
+        self.values_by_point(&[alm], points, workspace);
+        out.copy_from_slice(&workspace.values);
+    }
+
+    /// Writes values and tangent gradients of the function with coefficients `alm` at the points, as
+    /// [`FastTransform::gradient_into`](crate::FastTransform::gradient_into).
+    ///
+    /// # Panics
+    ///
+    /// If `values` or `gradients` differ from `points` in length, or `alm` is not of this transform's
+    /// lmax.
+    pub fn gradient_into(
+        &self,
+        alm: &Alm,
+        points: &[DVec3],
+        workspace: &mut ExactWorkspace,
+        values: &mut [f64],
+        gradients: &mut [DVec3],
+    ) {
+        let derivatives = RotationDerivatives::of(alm, workspace.derivatives.take());
+        self.values_by_point(&derivatives.functions(alm), points, workspace);
+        tangent_gradients(&workspace.values, points, values, gradients);
+        workspace.derivatives = Some(derivatives);
+    }
+
+    /// Leaves the values of every function at each point in turn in the workspace.
+    fn values_by_point(&self, alms: &[&Alm], points: &[DVec3], workspace: &mut ExactWorkspace) {
+        let ExactWorkspace { rings, turn, terms, values, .. } = workspace;
+        load_turns(points, turn);
+        terms.clear();
+        terms.resize(points.len(), Complex::ONE);
+        values.clear();
+        values.resize(points.len() * alms.len(), 0.0);
+        let colatitudes = points.iter().map(|&p| Colatitude::from_direction(p));
+        let emit = |m: usize, fourier: &[Complex<f64>]| {
+            if m > 0 {
+                for (term, turn) in terms.iter_mut().zip(&*turn) {
+                    *term *= turn;
+                }
+            }
+            // Orders m and -m are complex conjugates.
+            let copies = if m == 0 { 1.0 } else { 2.0 };
+            for (b, of_function) in fourier.chunks_exact(points.len().max(1)).enumerate() {
+                for (k, (f, term)) in of_function.iter().zip(&*terms).enumerate() {
+                    values[k * alms.len() + b] += copies * (f.re * term.re + f.im * term.im);
+                }
+            }
+        };
+        self.rings.synthesis_batch_into(colatitudes, alms, emit, rings);
+    }
+}
+
+/// `e^{-i phi}` of each point; 1 at a pole, where only m = 0 counts, whatever the longitude.
+fn load_turns(points: &[DVec3], turn: &mut Vec<Complex<f64>>) {
+    turn.clear();
+    turn.extend(points.iter().map(|p| {
+        let sin_theta = p.x.hypot(p.y);
+        if sin_theta > 0.0 { Complex::new(p.x / sin_theta, -p.y / sin_theta) } else { Complex::ONE }
+    }));
 }
 
 #[cfg(test)]

@@ -1,77 +1,62 @@
-use std::f64::consts::{PI, TAU};
 use std::fmt;
-use std::sync::Arc;
 
 use glam::DVec3;
-use num_complex::Complex;
-use realfft::{RealFftPlanner, RealToComplex};
-use rustfft::{Fft, FftPlanner};
-use sphvar_sh::{Alm, Colatitude, Error};
+use pulp::Arch;
+use sphvar_sh::{Alm, Error};
 
-use crate::window::{MAX_WIDTH, Window};
+use crate::engine::{Engine, Scratch};
+use crate::generators::{RotationDerivatives, tangent_gradients};
+use crate::legendre::ValueRange;
+use crate::window::Window;
 use crate::{RingTransform, RingWorkspace};
 
-/// The fast transform of scattered weighted points to a requested accuracy,
-/// `a_lm = sum_k w_k conj Y_lm(x_k)`.
+/// The fast transforms between scattered points and coefficients to a requested accuracy: the adjoint
+/// `a_lm = sum_k w_k conj Y_lm(x_k)`, the synthesis `f(x_k) = sum_lm a_lm Y_lm(x_k)`, and the gradient.
 ///
 /// The sphere is laid twice on the torus, theta in [0, 2 pi), where a function of degree L is a
 /// trigonometric polynomial. Points are spread onto a regular grid by a window; Fourier transforms,
-/// divided by that of the window, take the grid to L + 2 rings of constant theta; from there a
-/// Legendre transform that is exact for degree L leads to the coefficients.
+/// divided by that of the window, take the grid to L + 2 rings of constant theta (Clenshaw-Curtis
+/// nodes); from there a Legendre transform that is exact for degree L leads to the coefficients.
+/// Synthesis is the transpose, step by step.
+///
+/// For an accuracy down to 2.5e-7 the grids are of f32; the Legendre stage is always of f64.
 ///
 /// Cost O(N log^2(1/epsilon) + L^3) against O(N L^2) of [`ExactTransform`](crate::ExactTransform).
+/// Calls allocate nothing once the workspace has seen as much.
 #[derive(Clone)]
 pub struct FastTransform {
     rings: RingTransform,
     window: Window,
-    n_phi: usize,
-    n_theta: usize,
-    /// Rings on the whole torus, an even number 2R > 2 lmax: ring r is at `theta = pi r/R`.
-    n_rings: usize,
-    /// One over the window's transform at each m, and at each k from 0 (it is even in k).
-    phi_correction: Box<[f64]>,
-    theta_correction: Box<[f64]>,
-    row_fft: Arc<dyn RealToComplex<f64>>,
-    grid_fft: Arc<dyn Fft<f64>>,
-    ring_fft: Arc<dyn Fft<f64>>,
+    engine: Precision,
+}
+
+#[derive(Clone)]
+enum Precision {
+    Single(Engine<f32>),
+    Double(Engine<f64>),
 }
 
 impl fmt::Debug for FastTransform {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let (kind, n_phi) = match &self.engine {
+            Precision::Single(engine) => ("f32", engine.n_phi()),
+            Precision::Double(engine) => ("f64", engine.n_phi()),
+        };
         f.debug_struct("FastTransform")
             .field("lmax", &self.lmax())
             .field("window_width", &self.window.width())
-            .field("grid", &(self.n_theta, self.n_phi))
+            .field("grid", &(kind, n_phi))
             .finish_non_exhaustive()
     }
 }
 
-/// Scratch memory of [`FastTransform`]; grows to the largest set it has seen.
+/// Scratch memory of [`FastTransform`]; grows to the largest input it has seen.
 #[derive(Debug, Default)]
 pub struct FastWorkspace {
     rings: RingWorkspace,
-    /// The points as (row, column) coordinates and weight, by row.
-    points: Vec<GridPoint>,
-    unsorted: Vec<GridPoint>,
-    row_starts: Vec<usize>,
-    /// Rows of the grid, each followed by `MAX_WIDTH` more entries that wrap to its start.
-    grid: Vec<f64>,
-    row: Vec<f64>,
-    row_spectrum: Vec<Complex<f64>>,
-    /// By set: `columns[m * rows + i]` is the Fourier coefficient m of row i.
-    columns: Vec<Vec<Complex<f64>>>,
-    torus: Vec<Complex<f64>>,
-    ring_values: Vec<Complex<f64>>,
-    odd: Vec<Complex<f64>>,
-    scratch: Vec<Complex<f64>>,
-}
-
-/// A point in units of the grid.
-#[derive(Clone, Copy, Debug, Default)]
-struct GridPoint {
-    row: f64,
-    column: f64,
-    weight: f64,
+    single: Scratch<f32>,
+    double: Scratch<f64>,
+    derivatives: Option<RotationDerivatives>,
 }
 
 impl FastTransform {
@@ -84,51 +69,37 @@ impl FastTransform {
     ///
     /// [`Error::DegreeTooLarge`] if `lmax` is beyond what coefficients can be indexed for.
     pub fn new(lmax: usize, epsilon: f64) -> Result<Self, Error> {
+        Self::with_arch(lmax, epsilon, Arch::new())
+    }
+
+    pub(crate) fn with_arch(lmax: usize, epsilon: f64, arch: Arch) -> Result<Self, Error> {
         let epsilon = epsilon.clamp(1e-14, 1e-1);
-        // A coarser grid needs a wider window, and rounding is amplified at its high frequencies: it
-        // pays for low accuracies only.
-        let oversampling = if epsilon >= 1e-8 { 1.5 } else { 2.0 };
-        let window = Window::new(epsilon, oversampling)?;
-        let fine = |least: usize| good_size((oversampling * least as f64).ceil().max(24.0));
-        let n_phi = fine(2 * lmax + 2);
-        let n_theta = fine(2 * lmax + 2);
-        let n_rings = good_size((2 * lmax + 2).max(4) as f64);
-        let correction = |n: usize| -> Result<Box<[f64]>, Error> {
-            (0..=lmax).map(|m| Ok(1.0 / window.transform(m, n)?)).collect()
+        // Legendre functions of a thousandth of the accuracy do not show.
+        let range = ValueRange::counting_from(0.001 * epsilon);
+        let rings = RingTransform::with_arch(lmax, arch, range)?;
+        // A coarser grid is cheaper to transform but needs a wider window, and amplifies rounding at
+        // its high frequencies: it pays for low accuracies only.
+        // Each a little below 5/4, 3/2 and 2, which keeps grids for degrees 2^k at sizes 5 2^k, 3 2^k, 2^k.
+        let (single, oversampling) = match epsilon {
+            e if e >= 2e-6 => (true, 1.245),
+            e if e >= 2.5e-7 => (true, 1.49),
+            e if e >= 1e-9 => (false, 1.245),
+            e if e >= 5e-12 => (false, 1.49),
+            _ => (false, 1.99),
         };
-        let mut planner = FftPlanner::new();
-        Ok(Self {
-            rings: RingTransform::new(lmax)?,
-            phi_correction: correction(n_phi)?,
-            theta_correction: correction(n_theta)?,
-            row_fft: RealFftPlanner::new().plan_fft_forward(n_phi),
-            grid_fft: planner.plan_fft_forward(n_theta),
-            ring_fft: planner.plan_fft_inverse(n_rings),
-            window,
-            n_phi,
-            n_theta,
-            n_rings,
-        })
+        let window = Window::new(epsilon, oversampling);
+        let engine = if single {
+            Precision::Single(Engine::new(lmax, oversampling, window, arch)?)
+        } else {
+            Precision::Double(Engine::new(lmax, oversampling, window, arch)?)
+        };
+        Ok(Self { rings, window, engine })
     }
 
     /// The largest degree, inclusive.
     #[must_use]
     pub fn lmax(&self) -> usize {
         self.rings.lmax()
-    }
-
-    /// Rows of the grid beyond either pole.
-    fn margin(&self) -> usize {
-        self.window.width() / 2 + 1
-    }
-
-    /// Rows of the grid: theta from 0 to pi, and the margins.
-    fn n_rows(&self) -> usize {
-        self.n_theta / 2 + 1 + 2 * self.margin()
-    }
-
-    fn stride(&self) -> usize {
-        self.n_phi + MAX_WIDTH
     }
 
     /// Replaces `out` by the coefficients of the points, with unit weights if `weights` is `None`.
@@ -161,216 +132,111 @@ impl FastTransform {
         outs: &mut [Alm],
     ) {
         assert_eq!(sets.len(), outs.len(), "one place for coefficients per set");
-        workspace.columns.resize_with(sets.len().max(workspace.columns.len()), Vec::new);
-        for (i, (points, weights)) in sets.iter().enumerate() {
-            if let Some(weights) = weights {
-                assert_eq!(weights.len(), points.len(), "one weight per point");
-            }
-            self.load(points, *weights, workspace);
-            self.spread(workspace);
-            self.transform_rows(i, workspace);
+        for (points, weights) in sets {
+            let n_weights = weights.map_or(points.len(), <[f64]>::len);
+            assert_eq!(n_weights, points.len(), "one weight per point");
         }
-        let FastWorkspace { rings, columns, torus, ring_values, odd, scratch, .. } = workspace;
-        let half = self.n_rings / 2;
-        let colatitudes = (0..=half).map(|r| ring_colatitude(r, half));
-        odd.clear();
-        odd.resize(sets.len() * (half + 1), Complex::ZERO);
-        let columns = &columns[..sets.len()];
-        self.rings.adjoint_batch_into(
-            colatitudes,
-            |m, terms| {
-                if m % 2 == 1 {
-                    terms.copy_from_slice(odd);
-                    return;
-                }
-                let terms = terms.chunks_exact_mut(half + 1);
-                for ((even, odd), columns) in terms.zip(odd.chunks_exact_mut(half + 1)).zip(columns)
-                {
-                    self.ring_pair(m, columns, torus, ring_values, scratch, even, odd);
-                }
-            },
-            rings,
-            outs,
-        );
-    }
-
-    /// Brings the points into grid units, by row.
-    #[expect(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "rows are between 0 and their number"
-    )]
-    fn load(&self, points: &[DVec3], weights: Option<&[f64]>, workspace: &mut FastWorkspace) {
-        let FastWorkspace { points: sorted, unsorted, row_starts, .. } = workspace;
-        let (per_theta, per_phi) = (self.n_theta as f64 / TAU, self.n_phi as f64 / TAU);
-        unsorted.clear();
-        unsorted.extend(points.iter().enumerate().map(|(k, p)| {
-            let theta = p.x.hypot(p.y).atan2(p.z);
-            let phi = p.y.atan2(p.x);
-            let column = phi * per_phi;
-            GridPoint {
-                row: theta * per_theta,
-                column: if column < 0.0 { column + self.n_phi as f64 } else { column },
-                weight: weights.map_or(1.0, |w| w[k]),
-            }
-        }));
-        // Counting sort: points of a row share its stretch of memory.
-        row_starts.clear();
-        row_starts.resize(self.n_rows() + 1, 0);
-        let row = |p: &GridPoint| (p.row as usize).min(self.n_rows() - 1);
-        for p in &*unsorted {
-            row_starts[row(p) + 1] += 1;
-        }
-        for i in 0..self.n_rows() {
-            row_starts[i + 1] += row_starts[i];
-        }
-        sorted.clear();
-        sorted.resize(unsorted.len(), GridPoint::default());
-        for p in &*unsorted {
-            let place = &mut row_starts[row(p)];
-            sorted[*place] = *p;
-            *place += 1;
+        let FastWorkspace { rings, single, double, .. } = workspace;
+        match &self.engine {
+            Precision::Single(engine) => engine.adjoint(&self.rings, sets, rings, single, outs),
+            Precision::Double(engine) => engine.adjoint(&self.rings, sets, rings, double, outs),
         }
     }
 
-    #[expect(
-        clippy::cast_possible_wrap,
-        clippy::cast_sign_loss,
-        reason = "the margins keep rows and columns at or above 0"
-    )]
-    fn spread(&self, workspace: &mut FastWorkspace) {
-        let FastWorkspace { points, grid, .. } = workspace;
-        let (width, stride) = (self.window.width(), self.stride());
-        grid.clear();
-        grid.resize(self.n_rows() * stride, 0.0);
-        let (mut by_row, mut by_column) = ([0.0; MAX_WIDTH], [0.0; MAX_WIDTH]);
-        for p in &*points {
-            let row = self.window.evaluate(p.row, &mut by_row) + self.margin() as isize;
-            // Half a window to the right, so that no column is negative; `transform_rows` turns back.
-            let shifted = p.column + 0.5 * width as f64;
-            let column = self.window.evaluate(shifted, &mut by_column) as usize;
-            for (i, &value) in by_row.iter().enumerate().take(width) {
-                let start = (row as usize + i) * stride + column;
-                let value = value * p.weight;
-                for (g, w) in grid[start..start + MAX_WIDTH].iter_mut().zip(&by_column) {
-                    *g += value * w;
-                }
-            }
-        }
-    }
-
-    /// Fourier transforms of the rows, corrected for the window, into the columns of set `set`.
-    fn transform_rows(&self, set: usize, workspace: &mut FastWorkspace) {
-        let FastWorkspace { grid, row, row_spectrum, columns, scratch, .. } = workspace;
-        let n_rows = self.n_rows();
-        let columns = &mut columns[set];
-        row.resize(self.n_phi, 0.0);
-        row_spectrum.resize(self.n_phi / 2 + 1, Complex::ZERO);
-        scratch.resize(self.row_fft.get_scratch_len().max(scratch.len()), Complex::ZERO);
-        columns.clear();
-        columns.resize(n_rows * (self.lmax() + 1), Complex::ZERO);
-        let turn: Vec<Complex<f64>> = (0..=self.lmax())
-            .map(|m| {
-                let shift = 0.5 * self.window.width() as f64 * TAU / self.n_phi as f64;
-                Complex::cis(m as f64 * shift) * self.phi_correction[m]
-            })
-            .collect();
-        for (i, line) in grid.chunks_exact_mut(self.stride()).enumerate() {
-            let (body, wrapped) = line.split_at_mut(self.n_phi);
-            for (b, w) in body.iter_mut().zip(wrapped) {
-                *b += *w;
-            }
-            row.copy_from_slice(body);
-            // The lengths are those of the plan, so the transform cannot refuse them.
-            let done = self.row_fft.process_with_scratch(row, row_spectrum, scratch);
-            debug_assert!(done.is_ok());
-            for (m, (value, turn)) in row_spectrum.iter().zip(&turn).enumerate() {
-                columns[m * n_rows + i] = value * turn;
-            }
-        }
-    }
-
-    /// The terms of all rings for the even order `m` and the odd order m + 1.
+    /// Writes the values of the real function with coefficients `alm` at the points.
     ///
-    /// A column of even order is even about the poles, one of odd order odd: their sum is
-    /// transformed once and taken apart by its symmetry.
-    #[expect(clippy::too_many_arguments, reason = "the parts of a borrowed workspace")]
-    fn ring_pair(
+    /// The error at a point is of the order of `epsilon ||a|| sqrt(lmax + 1)`, in the mean over points
+    /// less.
+    ///
+    /// # Panics
+    ///
+    /// If `out` and `points` differ in length, or `alm` is not of this plan's lmax.
+    pub fn synthesis_into(
         &self,
-        m: usize,
-        columns: &[Complex<f64>],
-        torus: &mut Vec<Complex<f64>>,
-        ring_values: &mut Vec<Complex<f64>>,
-        scratch: &mut Vec<Complex<f64>>,
-        even: &mut [Complex<f64>],
-        odd: &mut [Complex<f64>],
+        alm: &Alm,
+        points: &[DVec3],
+        workspace: &mut FastWorkspace,
+        out: &mut [f64],
     ) {
-        let (n, n_rows, margin) = (self.n_theta, self.n_rows(), self.margin());
-        torus.clear();
-        torus.resize(n, Complex::ZERO);
-        for (order, sign) in [(m, 1.0), (m + 1, -1.0)] {
-            let Some(column) = columns.get(order * n_rows..(order + 1) * n_rows) else {
-                continue;
-            };
-            for (i, &value) in column.iter().enumerate() {
-                let at = (i + n - margin) % n;
-                torus[at] += value;
-                torus[(n - at) % n] += value * sign;
+        self.synthesis_batch_into(&[alm], points, workspace, out);
+    }
+
+    /// Writes the values of several functions at the same points: function b at point k to
+    /// `out[b * points.len() + k]`.
+    ///
+    /// Functions share the recurrence in groups of four, and the windows of the points.
+    ///
+    /// # Panics
+    ///
+    /// If `out` is not of length `alms.len() * points.len()`, or one of `alms` is not of this plan's
+    /// lmax.
+    pub fn synthesis_batch_into(
+        &self,
+        alms: &[&Alm],
+        points: &[DVec3],
+        workspace: &mut FastWorkspace,
+        out: &mut [f64],
+    ) {
+        assert_eq!(out.len(), alms.len() * points.len(), "one place per function and point");
+        if out.is_empty() {
+            return;
+        }
+        let values = self.values_by_point(alms, points, workspace);
+        for (b, out) in out.chunks_exact_mut(points.len()).enumerate() {
+            for (out, values) in out.iter_mut().zip(values.chunks_exact(alms.len())) {
+                *out = values[b];
             }
-        }
-        let needed =
-            self.grid_fft.get_inplace_scratch_len().max(self.ring_fft.get_inplace_scratch_len());
-        scratch.resize(needed.max(scratch.len()), Complex::ZERO);
-        self.grid_fft.process_with_scratch(torus, scratch);
-        ring_values.clear();
-        ring_values.resize(self.n_rings, Complex::ZERO);
-        // One 1/2 because the symmetrised column counts everything twice, one over the rings.
-        let scale = 0.5 / self.n_rings as f64;
-        ring_values[0] = torus[0] * (self.theta_correction[0] * scale);
-        for (k, correction) in self.theta_correction.iter().enumerate().skip(1) {
-            ring_values[k] = torus[k] * (correction * scale);
-            ring_values[self.n_rings - k] = torus[n - k] * (correction * scale);
-        }
-        self.ring_fft.process_with_scratch(ring_values, scratch);
-        let half = self.n_rings / 2;
-        for r in 0..=half {
-            let (here, mirrored) = (ring_values[r], ring_values[(self.n_rings - r) % self.n_rings]);
-            // Rings between the poles stand for their mirror image on the torus too.
-            let copies = if r == 0 || r == half { 0.5 } else { 1.0 };
-            even[r] = (here + mirrored) * copies;
-            odd[r] = (here - mirrored) * copies;
         }
     }
-}
 
-/// `theta = pi r/R`, exact at the poles and on the equator's two sides alike.
-fn ring_colatitude(r: usize, half: usize) -> Colatitude {
-    let acute = PI * r.min(half - r) as f64 / half as f64;
-    let (sin, cos) = acute.sin_cos();
-    let z = if 2 * r > half { -cos } else { cos };
-    Colatitude::from_direction(DVec3::new(sin, 0.0, z))
-}
+    /// Writes the values and the tangent gradients, `grad f(x) - x (x . grad f(x))` of any
+    /// continuation off the sphere, of the function with coefficients `alm` at the points.
+    ///
+    /// The gradient comes from the derivatives for rotations about the three axes, which are functions
+    /// of the same degree with known coefficients, so that poles are points as any other. Cost: a
+    /// synthesis of four functions.
+    ///
+    /// # Panics
+    ///
+    /// If `values` or `gradients` differ from `points` in length, or `alm` is not of this plan's lmax.
+    pub fn gradient_into(
+        &self,
+        alm: &Alm,
+        points: &[DVec3],
+        workspace: &mut FastWorkspace,
+        values: &mut [f64],
+        gradients: &mut [DVec3],
+    ) {
+        let derivatives = RotationDerivatives::of(alm, workspace.derivatives.take());
+        let functions = self.values_by_point(&derivatives.functions(alm), points, workspace);
+        tangent_gradients(functions, points, values, gradients);
+        workspace.derivatives = Some(derivatives);
+    }
 
-/// The least even number from `least` on that has no prime factor above 5.
-#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a grid size")]
-fn good_size(least: f64) -> usize {
-    let mut n = (least as usize).next_multiple_of(2);
-    loop {
-        let mut rest = n;
-        for p in [2, 3, 5] {
-            while rest.is_multiple_of(p) {
-                rest /= p;
+    fn values_by_point<'w>(
+        &self,
+        alms: &[&Alm],
+        points: &[DVec3],
+        workspace: &'w mut FastWorkspace,
+    ) -> &'w [f64] {
+        let FastWorkspace { rings, single, double, .. } = workspace;
+        match &self.engine {
+            Precision::Single(engine) => {
+                engine.synthesis(&self.rings, alms, points, rings, single);
+                single.values()
+            }
+            Precision::Double(engine) => {
+                engine.synthesis(&self.rings, alms, points, rings, double);
+                double.values()
             }
         }
-        if rest == 1 {
-            return n;
-        }
-        n += 2;
     }
 }
 
 #[cfg(test)]
 mod tests {
+    use std::f64::consts::TAU;
+
     use super::*;
     use crate::ExactTransform;
 

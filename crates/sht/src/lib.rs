@@ -20,11 +20,18 @@
 //! alone as [`RingTransform`], for functions whose Fourier coefficients are known on rings of
 //! constant colatitude.
 
+mod angles;
+mod cells;
+mod engine;
 mod exact;
 mod fast;
-mod kernel;
-mod lanes;
+mod generators;
+mod legendre;
+mod polynomial;
+mod real;
 mod rings;
+mod spreading;
+mod torus;
 mod transform;
 mod window;
 

@@ -1,32 +1,32 @@
 use num_complex::Complex;
 use pulp::Arch;
-use sphvar_sh::{Alm, Colatitude, Error, LmIndex, Recurrence};
+use sphvar_sh::{Alm, Colatitude, Error, LmIndex};
 
-use crate::kernel::Column;
-use crate::lanes::Lanes;
+use crate::legendre::{Adjoint, Columns, FUNCTIONS, Lanes, Order, Synthesis, ValueRange};
 
-/// The Legendre part of a transform, `a_lm = sum_r lambda_lm(theta_r) f_m(r)`, from Fourier
-/// coefficients `f_m` on rings r of constant colatitude.
+/// The Legendre part of a transform, between coefficients and Fourier coefficients `f_m` on rings
+/// r of constant colatitude: the adjoint `a_lm = sum_r lambda_lm(theta_r) f_m(r)`, and the synthesis
+/// `f_m(r) = sum_l a_lm lambda_lm(theta_r)`.
 ///
 /// For a quadrature over rings, `f_m(r)` is the ring's weight times its Fourier coefficient
 /// `int f e^{-i m phi} dphi`.
 ///
-/// Cost: about `R (lmax + 1)^2 / 2` steps of six vector instructions for R rings, at any
-/// colatitudes; no tables.
+/// Cost: about `R (lmax + 1)^2 / 4` steps of seven vector operations for R rings, at any
+/// colatitudes, rings that mirror each other in the equator counting once; no tables.
 #[derive(Clone, Debug)]
 pub struct RingTransform {
     arch: Arch,
     index: LmIndex,
+    range: ValueRange,
 }
 
-/// Scratch memory of [`RingTransform::adjoint_into`]; grows to the largest input it has seen.
+/// Scratch memory of [`RingTransform`]; grows to the largest input it has seen.
 #[derive(Clone, Debug, Default)]
 pub struct RingWorkspace {
     lanes: Lanes,
-    recurrence: Recurrence,
-    sums: Vec<f64>,
+    order: Order,
+    columns: Columns,
     fourier: Vec<Complex<f64>>,
-    column: Vec<Complex<f64>>,
 }
 
 impl RingTransform {
@@ -36,7 +36,12 @@ impl RingTransform {
     ///
     /// [`Error::DegreeTooLarge`] if `lmax` is beyond what coefficients can be indexed for.
     pub fn new(lmax: usize) -> Result<Self, Error> {
-        Ok(Self { arch: Arch::new(), index: LmIndex::new(lmax)? })
+        Self::with_arch(lmax, Arch::new(), ValueRange::default())
+    }
+
+    /// On a given instruction set, and with functions that count from a given size on.
+    pub(crate) fn with_arch(lmax: usize, arch: Arch, range: ValueRange) -> Result<Self, Error> {
+        Ok(Self { arch, index: LmIndex::new(lmax)?, range })
     }
 
     /// The largest degree, inclusive.
@@ -64,8 +69,8 @@ impl RingTransform {
     /// Replaces each of `outs` by the coefficients of one function on the same rings. `fourier`
     /// writes `f_m` of function b on ring r at `b * n_rings + r`.
     ///
-    /// The recurrence is run once for several functions, so that four of them cost about half of
-    /// what they cost one by one.
+    /// The recurrence is run once for up to four functions, so that four of them cost little more
+    /// than half of what they cost one by one; the bits of one do not depend on the others.
     ///
     /// # Panics
     ///
@@ -80,20 +85,53 @@ impl RingTransform {
         for out in &*outs {
             assert_eq!(out.lmax(), self.lmax(), "coefficients of another lmax");
         }
-        let RingWorkspace { lanes, recurrence, sums, fourier: values, column } = workspace;
-        let n_rings = lanes.load(colatitudes);
-        let n_functions = outs.len();
+        let RingWorkspace { lanes, order, columns: scratch, fourier: values } = workspace;
+        lanes.load(colatitudes, self.lmax(), self.range);
+        let n_rings = lanes.n_rings();
         values.clear();
-        values.resize(n_rings * n_functions, Complex::ZERO);
+        values.resize(n_rings * outs.len(), Complex::ZERO);
         for m in 0..=self.lmax() {
-            recurrence.fill(m, self.lmax());
             fourier(m, values);
-            lanes.start_order(m, values, n_rings);
-            self.arch.dispatch(Column { lanes, n_functions, recurrence, sums, out: column });
-            let degrees = self.lmax() + 1 - m;
-            for (out, values) in outs.iter_mut().zip(column.chunks_exact(degrees)) {
-                out.column_mut(m).copy_from_slice(values);
+            lanes.start_order(self.arch, m);
+            order.fill(self.arch, m, self.lmax());
+            for (group, outs) in outs.chunks_mut(FUNCTIONS).enumerate() {
+                let first = group * FUNCTIONS * n_rings;
+                let values = &values[first..first + outs.len() * n_rings];
+                Adjoint { lanes, order, m, values, scratch, outs }.run(self.arch);
             }
+        }
+    }
+
+    /// Calls `emit` for each m from 0 to lmax, in this order, with `f_m` of each of `alms` on the
+    /// rings at `colatitudes`: function b on ring r at `b * n_rings + r`.
+    ///
+    /// # Panics
+    ///
+    /// If one of `alms` is not of this transform's lmax.
+    pub fn synthesis_batch_into(
+        &self,
+        colatitudes: impl Iterator<Item = Colatitude>,
+        alms: &[&Alm],
+        mut emit: impl FnMut(usize, &[Complex<f64>]),
+        workspace: &mut RingWorkspace,
+    ) {
+        for alm in alms {
+            assert_eq!(alm.lmax(), self.lmax(), "coefficients of another lmax");
+        }
+        let RingWorkspace { lanes, order, columns: scratch, fourier: values } = workspace;
+        lanes.load(colatitudes, self.lmax(), self.range);
+        let n_rings = lanes.n_rings();
+        values.clear();
+        values.resize(n_rings * alms.len(), Complex::ZERO);
+        for m in 0..=self.lmax() {
+            lanes.start_order(self.arch, m);
+            order.fill(self.arch, m, self.lmax());
+            for (group, alms) in alms.chunks(FUNCTIONS).enumerate() {
+                let first = group * FUNCTIONS * n_rings;
+                let values = &mut values[first..first + alms.len() * n_rings];
+                Synthesis { lanes, order, m, alms, scratch, values }.run(self.arch);
+            }
+            emit(m, values);
         }
     }
 }

@@ -1,0 +1,94 @@
+use std::f64::consts::{FRAC_PI_8, TAU};
+
+use crate::polynomial;
+use crate::real::Real;
+
+/// Points whose angles are computed side by side.
+pub(crate) const WIDTH: usize = 8;
+
+const DEGREE: usize = 12;
+
+/// Angles of plane vectors by arithmetic that the compiler can vectorise.
+#[derive(Clone, Debug)]
+pub(crate) struct Angles {
+    /// Of `atan(u)/u` in turns, as a polynomial in t with `u^2 = (t + 1)/2 tan^2(pi/8)`.
+    coefficients: [f64; DEGREE + 1],
+}
+
+/// Angles as `eighths/8 + rest` turns, with |rest| <= 1/16: in two parts because a sum would round
+/// away what a grid of thousands of cells to a turn can see.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Turns {
+    /// From 0 to 8.
+    pub(crate) eighths: [f64; WIDTH],
+    pub(crate) rest: [f64; WIDTH],
+}
+
+impl Angles {
+    pub(crate) fn new() -> Self {
+        let limit = FRAC_PI_8.tan();
+        let ratio = |t: f64| {
+            let u = limit * (0.5 * (t + 1.0)).sqrt();
+            if u > 0.0 { u.atan() / u / TAU } else { 1.0 / TAU }
+        };
+        // atan is analytic up to u^2 = -1: the coefficients fall by 25 from degree to degree.
+        let fitted = polynomial::interpolate(ratio, DEGREE);
+        Self { coefficients: std::array::from_fn(|i| fitted[i]) }
+    }
+
+    /// The angles of the vectors (x, y), from 0 to a full turn, both included; 0 for the zero vector.
+    #[inline(always)]
+    pub(crate) fn of<const FUSED: bool>(&self, x: &[f64; WIDTH], y: &[f64; WIDTH]) -> Turns {
+        let limit = FRAC_PI_8.tan();
+        let scale = 2.0 / (limit * limit);
+        let mut turns = Turns::default();
+        for i in 0..WIDTH {
+            let (ax, ay) = (x[i].abs(), y[i].abs());
+            let (low, high) = if ay > ax { (ax, ay) } else { (ay, ax) };
+            // Beyond pi/8 the angle is counted from pi/4, by atan u - pi/4 = atan((u - 1)/(u + 1)).
+            let beyond = low > limit * high;
+            let (over, under) = if beyond { (low - high, low + high) } else { (low, high) };
+            let u = over / if under > 0.0 { under } else { 1.0 };
+            let t = (u * u).times_plus::<FUSED>(scale, -1.0);
+            let mut sum = 0.0_f64;
+            for &c in &self.coefficients {
+                sum = sum.times_plus::<FUSED>(t, c);
+            }
+            let rest = sum * u;
+            let eighths = if beyond { 1.0 } else { 0.0 };
+            let (eighths, rest) = if ay > ax { (2.0 - eighths, -rest) } else { (eighths, rest) };
+            let (eighths, rest) = if x[i] < 0.0 { (4.0 - eighths, -rest) } else { (eighths, rest) };
+            let (eighths, rest) = if y[i] < 0.0 { (8.0 - eighths, -rest) } else { (eighths, rest) };
+            turns.eighths[i] = eighths;
+            turns.rest[i] = rest;
+        }
+        turns
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::TAU;
+
+    use super::{Angles, WIDTH};
+
+    #[test]
+    fn they_are_those_of_atan2() {
+        let angles = Angles::new();
+        let special = [0.0, -0.0, 1e-300, -1e-300, 1e-9, 0.5, -0.5, 1.0, -1.0, 0.4142, 0.4143];
+        let round = (0..2000).map(|k| (f64::from(k) * 0.01234).sin_cos());
+        let pairs = special.into_iter().flat_map(|x| special.map(|y| (x, y))).chain(round);
+        for (x, y) in pairs {
+            let turns = angles.of::<true>(&[x; WIDTH], &[y; WIDTH]);
+            let (eighths, rest) = (turns.eighths[3], turns.rest[3]);
+            assert!((0.0..=8.0).contains(&eighths) && rest.abs() <= 0.0626, "({x}, {y})");
+            let got = eighths / 8.0 + rest;
+            assert!((0.0..=1.0).contains(&got), "({x}, {y}): {got} turns");
+            let expected = (y + 0.0).atan2(x + 0.0) / TAU;
+            let difference = got - expected;
+            // atan2 and the sum round at 1/2 turn, to EPSILON/4 each.
+            let off = (difference - difference.round()).abs();
+            assert!(off <= f64::EPSILON, "({x}, {y}): {got} instead of {expected}");
+        }
+    }
+}

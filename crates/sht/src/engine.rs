@@ -1,0 +1,172 @@
+use glam::DVec3;
+use num_complex::Complex;
+use pulp::Arch;
+use sphvar_sh::{Alm, Error};
+
+use crate::cells::Cells;
+use crate::real::Real;
+use crate::spreading::Spreading;
+use crate::torus::{Layout, ORDERS, Stage, Torus, TorusScratch};
+use crate::window::Window;
+use crate::{RingTransform, RingWorkspace};
+
+/// The fast transform with grids of numbers `T`.
+#[derive(Clone)]
+pub(crate) struct Engine<T> {
+    arch: Arch,
+    spreading: Spreading<T>,
+    torus: Torus<T>,
+}
+
+/// Scratch memory of [`Engine`].
+#[derive(Debug, Default)]
+pub(crate) struct Scratch<T> {
+    cells: Cells<T>,
+    /// The grid of one set, or of each function.
+    grid: Vec<T>,
+    /// By set or function.
+    spectra: Vec<Complex<T>>,
+    /// For `ORDERS` orders: by set or function, order and ring.
+    ring_values: Vec<Complex<T>>,
+    torus: TorusScratch<T>,
+    values: Vec<f64>,
+}
+
+impl<T: Real> Engine<T> {
+    pub(crate) fn new(
+        lmax: usize,
+        oversampling: f64,
+        window: Window,
+        arch: Arch,
+    ) -> Result<Self, Error> {
+        let torus = Torus::new(lmax, oversampling, window)?;
+        let spreading = Spreading::new(torus.n_theta(), torus.n_phi(), window.table());
+        Ok(Self { arch, spreading, torus })
+    }
+
+    /// Grid cells to a turn.
+    pub(crate) fn n_phi(&self) -> usize {
+        self.torus.n_phi()
+    }
+
+    fn layout(&self) -> Layout {
+        Layout { stride: self.spreading.stride(), margin: self.spreading.locator.margin }
+    }
+
+    fn grid_len(&self) -> usize {
+        self.spreading.locator.n_rows() * self.spreading.stride()
+    }
+
+    /// See [`FastTransform::adjoint_batch_into`](crate::FastTransform::adjoint_batch_into).
+    pub(crate) fn adjoint(
+        &self,
+        rings: &RingTransform,
+        sets: &[(&[DVec3], Option<&[f64]>)],
+        ring_workspace: &mut RingWorkspace,
+        scratch: &mut Scratch<T>,
+        outs: &mut [Alm],
+    ) {
+        let Scratch { cells, grid, spectra, ring_values, torus: torus_scratch, .. } = scratch;
+        let torus = &self.torus;
+        spectra.resize(torus.spectra_len() * sets.len(), Complex::default());
+        for ((points, weights), spectra) in
+            sets.iter().zip(spectra.chunks_exact_mut(torus.spectra_len()))
+        {
+            let size = weights.map_or(1.0, largest);
+            self.spreading.locator.locate(self.arch, points, *weights, 1.0 / size, cells);
+            grid.clear();
+            grid.resize(self.grid_len(), T::default());
+            self.spreading.spread(self.arch, &cells.sorted, grid);
+            let stage = Stage::AnalyseRows { grid, layout: self.layout(), spectra };
+            torus.run(self.arch, stage, torus_scratch);
+        }
+        let n_rings = torus.n_ring_rows();
+        ring_values.resize(n_rings * ORDERS * sets.len(), Complex::default());
+        let fourier = |m: usize, terms: &mut [Complex<f64>]| {
+            let by_set = ring_values.chunks_exact_mut(n_rings * ORDERS);
+            if m.is_multiple_of(ORDERS) {
+                for (values, spectra) in by_set.zip(spectra.chunks_exact(torus.spectra_len())) {
+                    let stage = Stage::AnalyseColumns { first: m, spectra, terms: values };
+                    torus.run(self.arch, stage, torus_scratch);
+                }
+            }
+            let by_set = ring_values.chunks_exact(n_rings * ORDERS);
+            for (terms, values) in terms.chunks_exact_mut(n_rings).zip(by_set) {
+                for (term, value) in terms.iter_mut().zip(&values[m % ORDERS * n_rings..]) {
+                    *term = Complex::new(value.re.to_f64(), value.im.to_f64());
+                }
+            }
+        };
+        rings.adjoint_batch_into(torus.colatitudes(), fourier, ring_workspace, outs);
+        for ((_, weights), out) in sets.iter().zip(outs) {
+            if let Some(size) = weights.map(largest) {
+                for a in out.values_mut() {
+                    *a *= size;
+                }
+            }
+        }
+    }
+
+    /// See [`FastTransform::synthesis_batch_into`](crate::FastTransform::synthesis_batch_into);
+    /// `emit` gets the values of all functions at each point in turn.
+    pub(crate) fn synthesis(
+        &self,
+        rings: &RingTransform,
+        alms: &[&Alm],
+        points: &[DVec3],
+        ring_workspace: &mut RingWorkspace,
+        scratch: &mut Scratch<T>,
+    ) {
+        let Scratch { cells, grid, spectra, ring_values, torus: torus_scratch, values } = scratch;
+        let torus = &self.torus;
+        spectra.resize(torus.spectra_len() * alms.len(), Complex::default());
+        let n_rings = torus.n_ring_rows();
+        ring_values.resize(n_rings * ORDERS * alms.len(), Complex::default());
+        let emit = |m: usize, columns: &[Complex<f64>]| {
+            let by_function = ring_values.chunks_exact_mut(n_rings * ORDERS);
+            for (values, column) in by_function.zip(columns.chunks_exact(n_rings)) {
+                if m.is_multiple_of(ORDERS) {
+                    values.fill(Complex::default());
+                }
+                for (value, f) in values[m % ORDERS * n_rings..].iter_mut().zip(column) {
+                    *value = Complex { re: T::of(f.re), im: T::of(f.im) };
+                }
+            }
+            if m % ORDERS == ORDERS - 1 || m == rings.lmax() {
+                let by_function = ring_values.chunks_exact(n_rings * ORDERS);
+                for (values, spectra) in
+                    by_function.zip(spectra.chunks_exact_mut(torus.spectra_len()))
+                {
+                    let first = m / ORDERS * ORDERS;
+                    let stage = Stage::SynthesiseColumns { first, values, spectra };
+                    torus.run(self.arch, stage, torus_scratch);
+                }
+            }
+        };
+        rings.synthesis_batch_into(torus.colatitudes(), alms, emit, ring_workspace);
+        grid.resize(self.grid_len() * alms.len(), T::default());
+        let grids = grid.chunks_exact_mut(self.grid_len());
+        for (grid, spectra) in grids.zip(spectra.chunks_exact(torus.spectra_len())) {
+            let stage = Stage::SynthesiseRows { spectra, grid, layout: self.layout() };
+            torus.run(self.arch, stage, torus_scratch);
+        }
+        self.spreading.locator.locate(self.arch, points, None, 1.0, cells);
+        values.resize(points.len() * alms.len(), 0.0);
+        self.spreading.interpolate(self.arch, &cells.sorted, grid, values);
+    }
+}
+
+impl<T> Scratch<T> {
+    /// By point and function: what the last synthesis gave.
+    pub(crate) fn values(&self) -> &[f64] {
+        &self.values
+    }
+}
+
+/// The power of two below the largest absolute value, which keeps weights in the range of f32 and
+/// changes no other bit; 1 if there is none.
+fn largest(weights: &[f64]) -> f64 {
+    let largest = weights.iter().fold(0.0, |size: f64, w| size.max(w.abs()));
+    let exponent = f64::from_bits(largest.to_bits() & f64::INFINITY.to_bits());
+    if largest > 0.0 && exponent.is_finite() { exponent.max(f64::MIN_POSITIVE) } else { 1.0 }
+}

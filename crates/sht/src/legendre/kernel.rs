@@ -1,0 +1,403 @@
+use std::ops::Range;
+
+use num_complex::Complex;
+use pulp::{Arch, Simd, WithSimd};
+use sphvar_sh::Alm;
+
+use super::lanes::{Group, ValueRange};
+use super::order::{Factors, SPAN, Segment, Step};
+use super::{Anchor, FUNCTIONS, Lanes, Order, PARTS, RINGS};
+
+/// Values of the recurrence: by n within a segment, and ring.
+type Tile = [[f64; RINGS]; SPAN];
+
+/// Values of n that sums over rings take at a time.
+pub(crate) const ROWS: usize = 8;
+
+/// Vectors that go through the recurrence together, to hide its latency.
+const TOGETHER: usize = 4;
+
+/// The adjoint at one order: from ring values of one to `FUNCTIONS` functions to their coefficients.
+pub(crate) struct Adjoint<'a> {
+    pub(crate) lanes: &'a Lanes,
+    pub(crate) order: &'a Order,
+    pub(crate) m: usize,
+    /// Function b on ring r at `b * n_rings + r`.
+    pub(crate) values: &'a [Complex<f64>],
+    pub(crate) scratch: &'a mut Columns,
+    pub(crate) outs: &'a mut [Alm],
+}
+
+/// The synthesis at one order: from coefficients to ring values.
+pub(crate) struct Synthesis<'a> {
+    pub(crate) lanes: &'a Lanes,
+    pub(crate) order: &'a Order,
+    pub(crate) m: usize,
+    pub(crate) alms: &'a [&'a Alm],
+    pub(crate) scratch: &'a mut Columns,
+    pub(crate) values: &'a mut [Complex<f64>],
+}
+
+/// Scratch memory: what is multiplied, and the product, by anchor. A row has `PARTS` columns for each
+/// of one or `FUNCTIONS` functions.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Columns {
+    by_lane: [Vec<f64>; 2],
+    by_degree: [Vec<f64>; 2],
+}
+
+impl Adjoint<'_> {
+    pub(crate) fn run(self, arch: Arch) {
+        dispatch(arch, self.outs.len(), self);
+    }
+}
+
+impl Synthesis<'_> {
+    pub(crate) fn run(self, arch: Arch) {
+        dispatch(arch, self.alms.len(), self);
+    }
+}
+
+/// The columns for a group of functions.
+fn n_columns(n_functions: usize) -> usize {
+    if n_functions == 1 { PARTS } else { FUNCTIONS * PARTS }
+}
+
+/// Runs on the widest vectors that divide the columns.
+fn dispatch(arch: Arch, n_functions: usize, op: impl WithSimd<Output = ()>) {
+    debug_assert!(n_functions <= FUNCTIONS, "one group of functions");
+    #[cfg(target_arch = "x86_64")]
+    if let Arch::V4(simd) = arch
+        && n_functions == 1
+    {
+        return Simd::vectorize(*simd, op);
+    }
+    arch.dispatch(op);
+}
+
+impl WithSimd for Adjoint<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        let Self { lanes, order, m, values, scratch: Columns { by_lane, by_degree }, outs } = self;
+        let n_columns = n_columns(outs.len());
+        lanes.gather(values, n_columns, by_lane);
+        for (anchor, (terms, sums)) in
+            Anchor::BOTH.into_iter().zip(by_lane.iter().zip(&mut *by_degree))
+        {
+            sums.clear();
+            sums.resize((order.len() + ROWS) * n_columns, 0.0);
+            let product = Product { group: lanes.group(anchor), order, anchor, m };
+            match n_columns / S::F64_LANES {
+                1 => product.adjoint::<S, 1, 8>(simd, terms, sums),
+                2 => product.adjoint::<S, 2, 8>(simd, terms, sums),
+                4 => product.adjoint::<S, 4, 2>(simd, terms, sums),
+                8 => product.adjoint::<S, 8, 2>(simd, terms, sums),
+                _ => product.adjoint::<S, 16, 1>(simd, terms, sums),
+            }
+        }
+        for (function, out) in outs.iter_mut().enumerate() {
+            order.collect(by_degree, n_columns, function, out.column_mut(m));
+        }
+    }
+}
+
+impl WithSimd for Synthesis<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        let Self { lanes, order, m, alms, scratch: Columns { by_lane, by_degree }, values } = self;
+        let n_columns = n_columns(alms.len());
+        for terms in &mut *by_degree {
+            terms.clear();
+            terms.resize(order.len() * n_columns, 0.0);
+        }
+        for (function, alm) in alms.iter().enumerate() {
+            order.distribute(alm.column(m), n_columns, function, by_degree);
+        }
+        for (anchor, (values, terms)) in
+            Anchor::BOTH.into_iter().zip(by_lane.iter_mut().zip(&*by_degree))
+        {
+            let group = lanes.group(anchor);
+            values.clear();
+            values.resize(group.capacity() * n_columns, 0.0);
+            let product = Product { group, order, anchor, m };
+            match n_columns / S::F64_LANES {
+                1 => product.synthesis::<S, 1, 8>(simd, terms, values),
+                2 => product.synthesis::<S, 2, 8>(simd, terms, values),
+                4 => product.synthesis::<S, 4, 2>(simd, terms, values),
+                8 => product.synthesis::<S, 8, 2>(simd, terms, values),
+                _ => product.synthesis::<S, 16, 1>(simd, terms, values),
+            }
+        }
+        lanes.scatter(by_lane, n_columns, values);
+    }
+}
+
+/// The matrix of the recurrence's values `v_n(r)`, lanes r of one anchor, in products with columns c:
+/// `V` vectors of them.
+#[derive(Clone, Copy)]
+struct Product<'a> {
+    group: &'a Group,
+    order: &'a Order,
+    anchor: Anchor,
+    m: usize,
+}
+
+impl Product<'_> {
+    /// Adds `sum_r v_n(r) terms[r][c]` to `sums[n][c]`, for `N` degrees at a time.
+    #[inline(always)]
+    fn adjoint<S: Simd, const V: usize, const N: usize>(
+        self,
+        simd: S,
+        terms: &[f64],
+        sums: &mut [f64],
+    ) {
+        let (terms, _) = S::as_simd_f64s(terms);
+        let (sums, _) = S::as_mut_simd_f64s(sums);
+        let active = self.group.active(self.m);
+        let mut tile: Tile = [[0.0; RINGS]; SPAN];
+        for first in (0..active).step_by(RINGS) {
+            let count = RINGS.min(active - first);
+            let terms = terms[first * V..(first + count) * V].as_chunks::<V>().0;
+            self.walk(simd, first..first + count, &mut tile, &mut |simd, n, tile| {
+                let padded = n.len().next_multiple_of(ROWS);
+                let sums = sums[n.start * V..(n.start + padded) * V].as_chunks_mut::<V>().0;
+                let sums = sums.as_chunks_mut::<N>().0;
+                for (rows, sums) in tile.as_chunks::<N>().0.iter().zip(sums) {
+                    over_rings(simd, rows, terms, sums);
+                }
+            });
+        }
+    }
+
+    /// Adds `sum_n v_n(r) terms[n][c]` to `values[r][c]`, for `N` rings at a time.
+    #[inline(always)]
+    fn synthesis<S: Simd, const V: usize, const N: usize>(
+        self,
+        simd: S,
+        terms: &[f64],
+        values: &mut [f64],
+    ) {
+        let (terms, _) = S::as_simd_f64s(terms);
+        let (values, _) = S::as_mut_simd_f64s(values);
+        let active = self.group.active(self.m);
+        let mut tile: Tile = [[0.0; RINGS]; SPAN];
+        for first in (0..active).step_by(RINGS) {
+            // Lanes are padded to whole blocks, so that whole groups of N are there.
+            let count = RINGS.min(active - first).next_multiple_of(N);
+            let values = values[first * V..(first + count) * V].as_chunks_mut::<V>().0;
+            self.walk(simd, first..first + count, &mut tile, &mut |simd, n, tile| {
+                let terms = terms[n.start * V..n.end * V].as_chunks::<V>().0;
+                for (group, values) in values.as_chunks_mut::<N>().0.iter_mut().enumerate() {
+                    over_degrees(simd, tile, group * N, terms, values);
+                }
+            });
+        }
+    }
+
+    /// Takes up to `RINGS` lanes of a group through all degrees, and hands the values of each segment in
+    /// which any of them counts to `consume`, with the range of n. Rows of the tile beyond the range, up
+    /// to a multiple of `ROWS`, are zero.
+    #[inline(always)]
+    fn walk<S: Simd>(
+        self,
+        simd: S,
+        lanes: Range<usize>,
+        tile: &mut Tile,
+        consume: &mut impl FnMut(S, Range<usize>, &Tile),
+    ) {
+        let Self { group, order, anchor, .. } = self;
+        let count = lanes.len();
+        let block = lanes.start..lanes.start + RINGS;
+        let mut lane = Block {
+            n_vectors: count.div_ceil(S::F64_LANES),
+            argument: [0.0; RINGS],
+            value: [0.0; RINGS],
+            difference: [0.0; RINGS],
+            scale: [0.0; RINGS],
+        };
+        lane.argument.copy_from_slice(&group.argument[block.clone()]);
+        lane.value.copy_from_slice(&group.start[block.clone()]);
+        lane.scale.copy_from_slice(&group.scale[block]);
+        let mut begun = 0;
+        let mut climbing = lane.scale.iter().any(|&scale| scale < 0.0);
+        let sequence = order.sequence(anchor);
+        for (&Segment { end, growth }, factors) in order.segments().iter().zip(&sequence.factors) {
+            let steps = &sequence.steps[begun..end];
+            if climbing && lane.all_dark(growth, group.range) {
+                lane.run::<S, false>(simd, steps, tile);
+            } else {
+                lane.run::<S, true>(simd, steps, tile);
+                let padded = steps.len().next_multiple_of(ROWS);
+                tile[steps.len()..padded].fill([0.0; RINGS]);
+                if climbing {
+                    lane.scale_down(simd, &mut tile[..steps.len()], group.range);
+                }
+                consume(simd, begun..end, tile);
+            }
+            lane.rescale(factors);
+            if climbing {
+                lane.climb(group.range);
+                climbing = lane.scale.iter().any(|&scale| scale < 0.0);
+            }
+            begun = end;
+        }
+    }
+}
+
+/// `sums[i] += sum_r rows[i][r] terms[r]`.
+#[inline(always)]
+fn over_rings<S: Simd, const V: usize, const N: usize>(
+    simd: S,
+    rows: &[[f64; RINGS]; N],
+    terms: &[[S::f64s; V]],
+    sums: &mut [[S::f64s; V]; N],
+) {
+    let mut local = *sums;
+    for (r, term) in terms.iter().enumerate().take(RINGS) {
+        for i in 0..N {
+            let value = simd.splat_f64s(rows[i][r]);
+            for v in 0..V {
+                local[i][v] = simd.mul_add_e_f64s(value, term[v], local[i][v]);
+            }
+        }
+    }
+    *sums = local;
+}
+
+/// `values[i] += sum_n tile[n][first + i] terms[n]`, over as many n as there are terms.
+#[inline(always)]
+fn over_degrees<S: Simd, const V: usize, const N: usize>(
+    simd: S,
+    tile: &Tile,
+    first: usize,
+    terms: &[[S::f64s; V]],
+    values: &mut [[S::f64s; V]; N],
+) {
+    let mut local = *values;
+    for (row, term) in tile.iter().zip(terms) {
+        let row: &[f64; N] = row[first..].first_chunk().unwrap_or(&[0.0; N]);
+        for i in 0..N {
+            let value = simd.splat_f64s(row[i]);
+            for v in 0..V {
+                local[i][v] = simd.mul_add_e_f64s(value, term[v], local[i][v]);
+            }
+        }
+    }
+    *values = local;
+}
+
+/// Lanes that go through the recurrence together.
+struct Block {
+    n_vectors: usize,
+    argument: [f64; RINGS],
+    value: [f64; RINGS],
+    difference: [f64; RINGS],
+    scale: [f64; RINGS],
+}
+
+impl Block {
+    /// Whether no lane comes into the range that counts while it grows by `growth`.
+    #[inline(always)]
+    fn all_dark(&self, growth: f64, range: ValueRange) -> bool {
+        let lanes = self.value.iter().zip(&self.scale);
+        // Lanes without a ring have the value 0.
+        lanes.fold(true, |dark, (value, &scale)| {
+            dark & ((scale < 0.0) & (value.abs() * growth < range.limit) | (*value == 0.0))
+        })
+    }
+
+    /// The steps of a segment, `STORE` saying whether values are wanted.
+    #[inline(always)]
+    fn run<S: Simd, const STORE: bool>(&mut self, simd: S, steps: &[Step], tile: &mut Tile) {
+        let mut vector = 0;
+        while vector + TOGETHER <= self.n_vectors {
+            self.run_vectors::<S, TOGETHER, STORE>(simd, vector, steps, tile);
+            vector += TOGETHER;
+        }
+        while vector < self.n_vectors {
+            self.run_vectors::<S, 1, STORE>(simd, vector, steps, tile);
+            vector += 1;
+        }
+    }
+
+    #[inline(always)]
+    fn run_vectors<S: Simd, const K: usize, const STORE: bool>(
+        &mut self,
+        simd: S,
+        first: usize,
+        steps: &[Step],
+        tile: &mut Tile,
+    ) {
+        let argument: [S::f64s; K] = load::<S, K>(&self.argument, first);
+        let mut value: [S::f64s; K] = load::<S, K>(&self.value, first);
+        let mut difference: [S::f64s; K] = load::<S, K>(&self.difference, first);
+        for (step, row) in steps.iter().zip(tile) {
+            if STORE {
+                store::<S, K>(row, first, value);
+            }
+            let (forcing, follow) = (simd.splat_f64s(step.forcing), simd.splat_f64s(step.follow));
+            for k in 0..K {
+                let forced = simd.mul_f64s(forcing, argument[k]);
+                difference[k] = simd.negate_mul_add_e_f64s(forced, value[k], difference[k]);
+                value[k] = simd.mul_add_e_f64s(follow, difference[k], value[k]);
+            }
+        }
+        store::<S, K>(&mut self.value, first, value);
+        store::<S, K>(&mut self.difference, first, difference);
+    }
+
+    /// The factors at the end of a segment.
+    #[inline(always)]
+    fn rescale(&mut self, factors: &Factors) {
+        for (value, difference) in self.value.iter_mut().zip(&mut self.difference) {
+            *value *= factors.value;
+            *difference *= factors.difference;
+        }
+    }
+
+    /// Lanes whose values have grown enough go to the next scale.
+    #[inline(always)]
+    fn climb(&mut self, range: ValueRange) {
+        let lanes = self.value.iter_mut().zip(&mut self.difference).zip(&mut self.scale);
+        for ((value, difference), scale) in lanes {
+            if *scale < 0.0 && value.abs().max(difference.abs()) > range.limit {
+                *value *= range.down;
+                *difference *= range.down;
+                *scale += 1.0;
+            }
+        }
+    }
+
+    /// Brings the values of lanes that are below the scale of 1 to it.
+    #[inline(always)]
+    fn scale_down<S: Simd>(&self, simd: S, tile: &mut [[f64; RINGS]], range: ValueRange) {
+        let mut factors = [0.0; RINGS];
+        for (factor, &scale) in factors.iter_mut().zip(&self.scale) {
+            let below = if scale < -1.0 { 0.0 } else { range.down };
+            *factor = if scale < 0.0 { below } else { 1.0 };
+        }
+        let (factors, _) = S::as_simd_f64s(&factors);
+        for row in tile {
+            let (row, _) = S::as_mut_simd_f64s(row);
+            for (value, factor) in row.iter_mut().zip(factors) {
+                *value = simd.mul_f64s(*value, *factor);
+            }
+        }
+    }
+}
+
+#[inline(always)]
+fn load<S: Simd, const K: usize>(from: &[f64; RINGS], first: usize) -> [S::f64s; K] {
+    let (vectors, _) = S::as_simd_f64s(from);
+    std::array::from_fn(|k| vectors[first + k])
+}
+
+#[inline(always)]
+fn store<S: Simd, const K: usize>(to: &mut [f64; RINGS], first: usize, values: [S::f64s; K]) {
+    let (vectors, _) = S::as_mut_simd_f64s(to);
+    vectors[first..first + K].copy_from_slice(&values);
+}

@@ -1,0 +1,47 @@
+use std::ops::AddAssign;
+
+use rustfft::FftNum;
+
+/// The numbers of a grid: f32 where the accuracy asked for allows it, f64 elsewhere.
+pub(crate) trait Real: FftNum + Default + AddAssign {
+    /// The nearest number.
+    fn of(x: f64) -> Self;
+    fn to_f64(self) -> f64;
+    /// `self * a + b`, rounded once if `FUSED`; without the instruction that would be slow.
+    fn times_plus<const FUSED: bool>(self, a: Self, b: Self) -> Self;
+}
+
+impl Real for f32 {
+    #[inline(always)]
+    #[expect(clippy::cast_possible_truncation, reason = "rounding is what is asked for")]
+    fn of(x: f64) -> Self {
+        x as Self
+    }
+
+    #[inline(always)]
+    fn to_f64(self) -> f64 {
+        f64::from(self)
+    }
+
+    #[inline(always)]
+    fn times_plus<const FUSED: bool>(self, a: Self, b: Self) -> Self {
+        if FUSED { Self::mul_add(self, a, b) } else { self * a + b }
+    }
+}
+
+impl Real for f64 {
+    #[inline(always)]
+    fn of(x: f64) -> Self {
+        x
+    }
+
+    #[inline(always)]
+    fn to_f64(self) -> f64 {
+        self
+    }
+
+    #[inline(always)]
+    fn times_plus<const FUSED: bool>(self, a: Self, b: Self) -> Self {
+        if FUSED { Self::mul_add(self, a, b) } else { self * a + b }
+    }
+}

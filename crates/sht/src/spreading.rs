@@ -1,0 +1,138 @@
+use pulp::{Arch, Simd, WithSimd};
+
+use crate::cells::{Cell, Locator};
+use crate::real::Real;
+use crate::window::{MAX_WIDTH, WindowTable};
+
+/// The grid around the points: the window takes points to it and values on it back to points.
+///
+/// A grid has [`Locator::n_rows`] rows of [`Self::stride`] numbers; on either side of the `n_phi` columns
+/// of a row there is a margin for what belongs to the row's other end.
+#[derive(Clone, Debug)]
+pub(crate) struct Spreading<T> {
+    pub(crate) locator: Locator,
+    table: WindowTable<T>,
+}
+
+impl<T: Real> Spreading<T> {
+    pub(crate) fn new(n_theta: usize, n_phi: usize, table: WindowTable<T>) -> Self {
+        Self { locator: Locator::new(n_theta, n_phi, table.width()), table }
+    }
+
+    pub(crate) fn stride(&self) -> usize {
+        self.locator.n_phi + self.locator.margin + MAX_WIDTH
+    }
+
+    /// Adds the points to the grid.
+    pub(crate) fn spread(&self, arch: Arch, cells: &[Cell<T>], grid: &mut [T]) {
+        arch.dispatch(Spread { spreading: self, cells, grid });
+    }
+
+    /// Writes the values of the functions with the given grids, one after the other, at the points:
+    /// function b at point i to `out[i * n_functions + b]` in the caller's order.
+    pub(crate) fn interpolate(&self, arch: Arch, cells: &[Cell<T>], grids: &[T], out: &mut [f64]) {
+        arch.dispatch(Interpolate { spreading: self, cells, grids, out });
+    }
+}
+
+struct Spread<'a, T> {
+    spreading: &'a Spreading<T>,
+    cells: &'a [Cell<T>],
+    grid: &'a mut [T],
+}
+
+impl<T: Real> WithSimd for Spread<'_, T> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        match (self.spreading.table.padded(), S::F64_LANES > 1) {
+            (4, true) => self.run::<4, true>(),
+            (8, true) => self.run::<8, true>(),
+            (12, true) => self.run::<12, true>(),
+            (16, true) => self.run::<16, true>(),
+            (_, true) => self.run::<MAX_WIDTH, true>(),
+            (4, false) => self.run::<4, false>(),
+            (8, false) => self.run::<8, false>(),
+            (12, false) => self.run::<12, false>(),
+            (16, false) => self.run::<16, false>(),
+            (_, false) => self.run::<MAX_WIDTH, false>(),
+        }
+    }
+}
+
+impl<T: Real> Spread<'_, T> {
+    #[inline(always)]
+    fn run<const P: usize, const FUSED: bool>(self) {
+        let Self { spreading, cells, grid } = self;
+        let (width, stride) = (spreading.table.width(), spreading.stride());
+        for cell in cells {
+            let [by_row, by_column] = spreading.table.evaluate::<P, FUSED>(cell.t);
+            let start = cell.row as usize * stride + cell.column as usize;
+            let Some(window) = grid.get_mut(start..) else { continue };
+            for (line, by_row) in window.chunks_mut(stride).zip(&by_row[..width]) {
+                let factor = *by_row * cell.weight;
+                if let Some(line) = line.first_chunk_mut::<P>() {
+                    for i in 0..P {
+                        line[i] = by_column[i].times_plus::<FUSED>(factor, line[i]);
+                    }
+                }
+            }
+        }
+    }
+}
+
+struct Interpolate<'a, T> {
+    spreading: &'a Spreading<T>,
+    cells: &'a [Cell<T>],
+    grids: &'a [T],
+    out: &'a mut [f64],
+}
+
+impl<T: Real> WithSimd for Interpolate<'_, T> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        match (self.spreading.table.padded(), S::F64_LANES > 1) {
+            (4, true) => self.run::<4, true>(),
+            (8, true) => self.run::<8, true>(),
+            (12, true) => self.run::<12, true>(),
+            (16, true) => self.run::<16, true>(),
+            (_, true) => self.run::<MAX_WIDTH, true>(),
+            (4, false) => self.run::<4, false>(),
+            (8, false) => self.run::<8, false>(),
+            (12, false) => self.run::<12, false>(),
+            (16, false) => self.run::<16, false>(),
+            (_, false) => self.run::<MAX_WIDTH, false>(),
+        }
+    }
+}
+
+impl<T: Real> Interpolate<'_, T> {
+    #[inline(always)]
+    fn run<const P: usize, const FUSED: bool>(self) {
+        let Self { spreading, cells, grids, out } = self;
+        let (width, stride) = (spreading.table.width(), spreading.stride());
+        let size = spreading.locator.n_rows() * stride;
+        let n_functions = grids.len() / size;
+        for cell in cells {
+            let [by_row, by_column] = spreading.table.evaluate::<P, FUSED>(cell.t);
+            let start = cell.row as usize * stride + cell.column as usize;
+            let values = &mut out[cell.index as usize * n_functions..][..n_functions];
+            for (value, grid) in values.iter_mut().zip(grids.chunks_exact(size)) {
+                let Some(window) = grid.get(start..) else { continue };
+                let mut sums = [T::default(); P];
+                for (line, by_row) in window.chunks(stride).zip(&by_row[..width]) {
+                    if let Some(line) = line.first_chunk::<P>() {
+                        for i in 0..P {
+                            sums[i] = line[i].times_plus::<FUSED>(*by_row, sums[i]);
+                        }
+                    }
+                }
+                let products = sums.iter().zip(&by_column).map(|(s, w)| *s * *w);
+                *value = products.fold(T::default(), |sum, p| sum + p).to_f64();
+            }
+        }
+    }
+}

@@ -1,0 +1,63 @@
+//! Many points to a cell of the grid: sums of many terms are as close to the definition as those of few.
+
+use glam::DVec3;
+use sphvar_sh::Alm;
+use sphvar_sht::{ExactTransform, FastTransform, FastWorkspace};
+
+use crate::coefficients::{distance, norm, rounding, scaled};
+use crate::definition::Definition;
+use crate::points::{Lcg, distinct};
+
+const LMAX: usize = 60;
+const POINTS: usize = 20000;
+const EPSILONS: [f64; 8] = [1e-3, 1e-4, 1e-5, 1e-6, 3e-7, 1e-9, 1e-12, 1e-13];
+
+/// Tells every miss.
+fn misses(name: &str, points: &[DVec3], expected: &Alm) -> Vec<String> {
+    let exact = ExactTransform::new(LMAX).unwrap().adjoint(points, None).unwrap();
+    // Roundings of a long sum that go either way.
+    let mut results =
+        vec![("exact", rounding(LMAX) + (POINTS as f64).sqrt() * f64::EPSILON, exact)];
+    let mut workspace = FastWorkspace::default();
+    for epsilon in EPSILONS {
+        let mut alm = Alm::zeros(LMAX).unwrap();
+        let plan = FastTransform::new(LMAX, epsilon).unwrap();
+        plan.adjoint_into(points, None, &mut workspace, &mut alm);
+        results.push(("fast", epsilon, alm));
+    }
+    let errors = results
+        .into_iter()
+        .map(|(method, epsilon, alm)| (method, epsilon, distance(&alm, expected) / norm(expected)));
+    let errors = errors.filter(|(_, epsilon, error)| error.is_nan() || error > epsilon);
+    let message = |(method, epsilon, error): (&str, f64, f64)| {
+        format!("{name}, {method} {epsilon:.1e}: {:.3} of what is allowed", error / epsilon)
+    };
+    errors.map(message).collect()
+}
+
+#[test]
+fn a_crowd_at_one_place() {
+    let directions = Lcg::new(81).directions(2).into_iter();
+    let places = directions.chain([DVec3::new(-0.6, 0.0, 0.8), DVec3::Z, DVec3::Y]);
+    let misses: Vec<String> = places
+        .flat_map(|place| {
+            let expected = scaled(&Definition::new(&[place]).adjoint(None, LMAX), POINTS as f64);
+            misses(&place.to_string(), &[place; POINTS], &expected)
+        })
+        .collect();
+    assert!(misses.is_empty(), "{} misses:\n{}", misses.len(), misses.join("\n"));
+}
+
+#[test]
+fn crowds_of_distinct_points() {
+    let mut sets = distinct(POINTS);
+    sets.retain(|set| ["random", "clustered", "equatorial"].contains(&set.name));
+    let misses: Vec<String> = sets
+        .iter()
+        .flat_map(|set| {
+            let expected = Definition::new(&set.points).adjoint(None, LMAX);
+            misses(set.name, &set.points, &expected)
+        })
+        .collect();
+    assert!(misses.is_empty(), "{} misses:\n{}", misses.len(), misses.join("\n"));
+}
