@@ -40,7 +40,7 @@ fn experiment() -> Vec<u64> {
             .unwrap()
             .finish();
         out.extend(bits(&[own.variance, own.stderr, own.tail]));
-        let measured = measure(&ensemble, &cap, REALIZATIONS, &|| ());
+        let measured = measure(&ensemble, &cap, REALIZATIONS, &|| ()).unwrap();
         out.extend(bits(measured.estimates()));
         out.extend(bits(&[measured.mean(), measured.variance(), measured.variance_stderr()]));
         points.push(VariancePoint {

@@ -75,7 +75,7 @@ fn the_double_cap_with_white_noise() {
     }
     let sampler = Pattern::WhiteNoise.build(N, Domain::Hemisphere).unwrap();
     let streams = Streams::new(SEED, Purpose::Trial, N);
-    let got = measure(&Realizations::rotated(&*sampler, streams), &cap, TRIALS, &|| ());
+    let got = measure(&Realizations::rotated(&*sampler, streams), &cap, TRIALS, &|| ()).unwrap();
     // False alarm: ALPHA.
     let mut family = Family::new("double cap, white noise");
     family.compare(got.variance(), expected, got.variance_stderr(), || "variance".into());
@@ -99,7 +99,7 @@ fn measured_variances_are_the_predicted_ones() {
             let sets = Realizations::rotated(&*sampler, Streams::new(SEED, Purpose::Pattern, n));
             let predicted = predict(&estimate(&sets, LMAX, SETS, &|| ()).unwrap(), &energy);
             let trials = Realizations::rotated(&*sampler, Streams::new(SEED, Purpose::Trial, n));
-            let got = measure(&trials, &cap, TRIALS, &|| ());
+            let got = measure(&trials, &cap, TRIALS, &|| ()).unwrap();
             let stderr = got.variance_stderr().hypot(predicted.stderr);
             family.compare(got.variance(), predicted.variance, stderr, || format!("{pattern} {n}"));
         }
@@ -111,7 +111,7 @@ fn measured_variances_are_the_predicted_ones() {
 fn kept_half(m: usize, index: u64) -> Vec<DVec3> {
     let sampler = Pattern::Jittered.build(m, Domain::Sphere).unwrap();
     let streams = Streams::new(SEED, Purpose::Resample, m);
-    let mut points = Realizations::rotated(&*sampler, streams).realize(index);
+    let mut points = Realizations::rotated(&*sampler, streams).realize(index).unwrap();
     points.retain(|p| p.z > 0.0);
     points
 }
@@ -185,7 +185,7 @@ fn estimators_from_half_a_sphere_set() {
         let points = kept_half(m, i);
         estimates[0].push(4.0 * PI / m as f64 * sum(&points));
         estimates[1].push(2.0 * PI / points.len() as f64 * sum(&points));
-        estimates[2].push(4.0 * PI / m as f64 * sum(&best.realize(i)));
+        estimates[2].push(4.0 * PI / m as f64 * sum(&best.realize(i).unwrap()));
     }
     let [fixed, ratio, best] = estimates.map(Measurement::new);
     // False alarm: ALPHA.

@@ -188,8 +188,10 @@ fn unrotated_jitter_does_not_have_the_predicted_variance() {
     let streams = Streams::new(SEED, Purpose::Resample, 768);
     let y40 = Harmonic::new(4, 0).unwrap();
     let mut family = Family::new("variance of Y_40");
-    let unrotated = measure(&Realizations::unrotated(&*sampler, streams), &y40, TRIALS, &|| ());
-    let rotated = measure(&Realizations::rotated(&*sampler, streams), &y40, TRIALS, &|| ());
+    let unrotated =
+        measure(&Realizations::unrotated(&*sampler, streams), &y40, TRIALS, &|| ()).unwrap();
+    let rotated =
+        measure(&Realizations::rotated(&*sampler, streams), &y40, TRIALS, &|| ()).unwrap();
     family.compare(unrotated.variance(), along_the_axis, unrotated.variance_stderr(), || {
         "unrotated".into()
     });
@@ -223,7 +225,8 @@ fn unrotated_jitter_needs_the_cross_terms() {
     let diagonal = variance_of(&|p| y20.eval(p)) + variance_of(&|p| y40.eval(p));
     let sampler = Pattern::Jittered.build(12, Domain::Sphere).unwrap();
     let streams = Streams::new(SEED, Purpose::Trial, 12);
-    let measured = measure(&Realizations::unrotated(&*sampler, streams), &both, TRIALS, &|| ());
+    let measured =
+        measure(&Realizations::unrotated(&*sampler, streams), &both, TRIALS, &|| ()).unwrap();
     // False alarm: ALPHA.
     let mut family = Family::new("variance with cross terms");
     family.compare(measured.variance(), full, measured.variance_stderr(), || "unrotated".into());

@@ -20,7 +20,10 @@ fn point_sets(asked: usize) -> Vec<(String, Vec<DVec3>)> {
             let n = pattern.nearest_count(asked, Domain::Sphere);
             let sampler = pattern.build(n, Domain::Sphere).unwrap();
             let streams = Streams::new(SEED, Purpose::Pattern, n);
-            (format!("{pattern}, N = {n}"), Realizations::rotated(&*sampler, streams).realize(0))
+            (
+                format!("{pattern}, N = {n}"),
+                Realizations::rotated(&*sampler, streams).realize(0).unwrap(),
+            )
         })
         .collect();
     let hostile = vec![DVec3::Z, DVec3::Z, -DVec3::Z, DVec3::X, DVec3::NEG_Y, DVec3::Y];
@@ -182,7 +185,8 @@ fn separated_points_obey_the_sum_rule() {
     for pattern in [Pattern::Fibonacci, Pattern::Healpix] {
         let n = pattern.nearest_count(192, Domain::Sphere);
         let sampler = pattern.build(n, Domain::Sphere).unwrap();
-        let points = sampler.sample(&mut Streams::new(SEED, Purpose::Pattern, n).realization(0));
+        let points =
+            sampler.sample(&mut Streams::new(SEED, Purpose::Pattern, n).realization(0)).unwrap();
         let nearest = points
             .iter()
             .enumerate()

@@ -60,7 +60,7 @@ fn check_sampler(pattern: Pattern, domain: Domain, n: usize, sampler: &dyn Sampl
     {
         let mut dirty = vec![DVec3::NAN; 3 * n + 1];
         for i in 0..REALIZATIONS {
-            let points = ensemble.realize(i);
+            let points = ensemble.realize(i).unwrap();
             assert_eq!(points.len(), n, "{name}, realization {i}");
             for p in &points {
                 assert!((p.length() - 1.0).abs() <= NORM_TOLERANCE, "{name}: |{p}| is not 1");
@@ -70,27 +70,27 @@ fn check_sampler(pattern: Pattern, domain: Domain, n: usize, sampler: &dyn Sampl
                 }
             }
             // What is in the buffer, and how long it is, does not matter; nor does repetition.
-            ensemble.realize_into(i, &mut dirty);
+            ensemble.realize_into(i, &mut dirty).unwrap();
             assert_eq!(
                 bits(&dirty),
                 bits(&points),
                 "{name}: a dirty buffer changed realization {i}"
             );
             assert_eq!(
-                bits(&ensemble.realize(i)),
+                bits(&ensemble.realize(i).unwrap()),
                 bits(&points),
                 "{name}: realization {i} changed"
             );
         }
         // Rotations make even a fixed pattern's realizations differ.
         assert_ne!(
-            bits(&Realizations::rotated(sampler, streams(n)).realize(0)),
-            bits(&Realizations::rotated(sampler, streams(n)).realize(1)),
+            bits(&Realizations::rotated(sampler, streams(n)).realize(0).unwrap()),
+            bits(&Realizations::rotated(sampler, streams(n)).realize(1).unwrap()),
             "{name}: two rotated realizations are equal"
         );
     }
     let unrotated = Realizations::unrotated(sampler, streams(n));
-    let differ = bits(&unrotated.realize(0)) != bits(&unrotated.realize(1));
+    let differ = bits(&unrotated.realize(0).unwrap()) != bits(&unrotated.realize(1).unwrap());
     assert_eq!(sampler.is_random(), differ, "{name}: is_random is not what the sampler does");
 }
 

@@ -126,7 +126,7 @@ fn the_sum_from_degree_0_is_the_second_moment() {
     assert!((from_0 - from_1 - integral * integral).abs() < 1e-12, "{from_0}, {from_1}");
     let sampler = Pattern::WhiteNoise.build(N, Domain::Sphere).unwrap();
     let streams = Streams::new(SEED, Purpose::Trial, N);
-    let got = measure(&Realizations::rotated(&*sampler, streams), &cap, TRIALS, &|| ());
+    let got = measure(&Realizations::rotated(&*sampler, streams), &cap, TRIALS, &|| ()).unwrap();
     let squares = Measurement::new(got.estimates().iter().map(|x| x * x).collect());
     // False alarm: ALPHA.
     let mut family = Family::new("moments of the estimate");
@@ -265,7 +265,7 @@ fn a_random_number_of_points_needs_its_own_weights() {
         .map(|i| {
             let sampler = &samplers[usize::from(i % 2 == 1)];
             let streams = Streams::new(SEED, Purpose::Trial, 0);
-            let points = Realizations::rotated(&**sampler, streams).realize(i);
+            let points = Realizations::rotated(&**sampler, streams).realize(i).unwrap();
             let sum: f64 = points.iter().map(|&p| y40.eval(p)).sum();
             4.0 * PI / points.len() as f64 * sum
         })
@@ -363,8 +363,8 @@ fn the_harmonic_of_norm_4_pi_has_4_pi_times_the_variance() {
     let scaled = |dir: DVec3| (4.0 * PI).sqrt() * y40.eval(dir);
     let sampler = Pattern::Jittered.build(N, Domain::Sphere).unwrap();
     let ensemble = Realizations::rotated(&*sampler, Streams::new(SEED, Purpose::Trial, N));
-    let one = measure(&ensemble, &y40, TRIALS, &|| ());
-    let other = measure(&ensemble, &scaled, TRIALS, &|| ());
+    let one = measure(&ensemble, &y40, TRIALS, &|| ()).unwrap();
+    let other = measure(&ensemble, &scaled, TRIALS, &|| ()).unwrap();
     let ratio = other.variance() / one.variance();
     assert!((ratio / (4.0 * PI) - 1.0).abs() < 1e-12, "{ratio}");
 }

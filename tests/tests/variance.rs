@@ -187,7 +187,7 @@ fn measured_variances_are_the_predicted_ones() {
                     Realizations::rotated(&*sampler, Streams::new(cell, Purpose::Trial, n));
                 let predicted =
                     predict(&got, &integrand.energy(Domain::Sphere, lmax.max(30)).unwrap());
-                let measured = measure(&trials, integrand, TRIALS, &|| ());
+                let measured = measure(&trials, integrand, TRIALS, &|| ()).unwrap();
                 let label = || format!("{name}, {pattern}, N = {n}");
                 let exact = integrand.exact(Domain::Sphere).unwrap();
                 if predicted.variance < 1e-25 {
@@ -240,7 +240,8 @@ fn measured_variances_are_the_recorded_ones() {
             {
                 let streams = Streams::new(100 + k as u64, Purpose::Trial, n);
                 let got =
-                    measure(&Realizations::rotated(&*sampler, streams), integrand, TRIALS, &|| ());
+                    measure(&Realizations::rotated(&*sampler, streams), integrand, TRIALS, &|| ())
+                        .unwrap();
                 // Three printed digits: 0.25 % at most.
                 let stderr = got.variance_stderr().hypot(0.0025 * recorded);
                 family

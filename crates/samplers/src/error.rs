@@ -26,6 +26,16 @@ pub enum Error {
         /// The rule that legal numbers obey.
         rule: &'static str,
     },
+    /// A realization could not be completed.
+    #[error("{pattern} of {n_points} points: {reason}")]
+    Unrealised {
+        /// The pattern.
+        pattern: Pattern,
+        /// The number of points asked for.
+        n_points: usize,
+        /// What stood in the way, and what would be possible.
+        reason: String,
+    },
     /// More points than the pattern's indices can count.
     #[error("{pattern} cannot have {asked} points: the most is {most}")]
     TooManyPoints {

@@ -3,7 +3,7 @@ use std::f64::consts::TAU;
 use glam::DVec3;
 use rand::Rng;
 
-use crate::{Domain, Sampler, archimedes};
+use crate::{Domain, Error, Sampler, archimedes};
 
 /// 2^128 divided by the golden ratio (1 + sqrt 5)/2, rounded down: the longitude's step in turns.
 const INVERSE_GOLDEN_RATIO: u128 = 0x9E37_79B9_7F4A_7C15_F39C_C060_5CED_C834;
@@ -39,7 +39,7 @@ impl Sampler for Fibonacci {
         false
     }
 
-    fn sample_into(&self, _: &mut dyn Rng, points: &mut Vec<DVec3>) {
+    fn sample_into(&self, _: &mut dyn Rng, points: &mut Vec<DVec3>) -> Result<(), Error> {
         let per_point = match self.domain {
             Domain::Sphere => 1.0 / self.n_points as f64,
             Domain::Hemisphere => 0.5 / self.n_points as f64,
@@ -49,6 +49,7 @@ impl Sampler for Fibonacci {
             let drop = (2 * j + 1) as f64 * per_point;
             archimedes::direction(drop, TAU * golden_turns(j))
         }));
+        Ok(())
     }
 }
 

@@ -2,7 +2,7 @@ use glam::DVec3;
 use rand::{Rng, RngExt};
 use sphvar_healpix::{Cell, Nside};
 
-use crate::{Domain, Sampler};
+use crate::{Domain, Error, Sampler};
 
 /// The centres of the HEALPix pixels (Gorski et al. 2005), 12 nside^2 of them; on the hemisphere
 /// one of each antipodal pair, 6 nside^2.
@@ -56,11 +56,12 @@ impl Sampler for HealpixRegular {
         false
     }
 
-    fn sample_into(&self, _: &mut dyn Rng, points: &mut Vec<DVec3>) {
+    fn sample_into(&self, _: &mut dyn Rng, points: &mut Vec<DVec3>) -> Result<(), Error> {
         points.clear();
         points.extend(
             strata(self.nside, self.domain).map(|c| self.domain.representative(c.centre())),
         );
+        Ok(())
     }
 }
 
@@ -77,12 +78,13 @@ impl Sampler for HealpixJittered {
         true
     }
 
-    fn sample_into(&self, rng: &mut dyn Rng, points: &mut Vec<DVec3>) {
+    fn sample_into(&self, rng: &mut dyn Rng, points: &mut Vec<DVec3>) -> Result<(), Error> {
         points.clear();
         points.extend(strata(self.nside, self.domain).map(|cell| {
             let (u, v) = (rng.random(), rng.random());
             self.domain.representative(cell.uniform_point(u, v))
         }));
+        Ok(())
     }
 }
 
@@ -140,7 +142,7 @@ mod tests {
                 &HealpixRegular::new(nside, domain) as &dyn Sampler,
                 &HealpixJittered::new(nside, domain),
             ] {
-                let points = sampler.sample(&mut rng);
+                let points = sampler.sample(&mut rng).unwrap();
                 assert_eq!(points.len(), sampler.n_points());
                 let strata: HashSet<_> = points
                     .iter()

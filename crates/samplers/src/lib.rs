@@ -6,7 +6,7 @@
 //! // One direction in each of 48 equal-area cells, the whole set turned uniformly.
 //! let jittered = Pattern::Jittered.build(48, Domain::Sphere)?;
 //! let ensemble = Realizations::rotated(&*jittered, Streams::new(0, Purpose::Pattern, 48));
-//! let points = ensemble.realize(0);
+//! let points = ensemble.realize(0)?;
 //! assert_eq!(points.len(), 48);
 //! assert!(points.iter().all(|p| (p.length() - 1.0).abs() < 1e-15));
 //! # Ok::<(), sphvar_samplers::Error>(())

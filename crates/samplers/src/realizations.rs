@@ -1,7 +1,7 @@
 use glam::DVec3;
 use rand::Rng;
 
-use crate::{Sampler, Streams, rotate, uniform_rotation};
+use crate::{Error, Sampler, Streams, rotate, uniform_rotation};
 
 /// The ensemble of a sampler: realization `i` is a function of (streams, i) alone.
 ///
@@ -14,7 +14,7 @@ use crate::{Sampler, Streams, rotate, uniform_rotation};
 /// use sphvar_samplers::{Domain, Pattern, Purpose, Realizations, Streams};
 /// let sampler = Pattern::Jittered.build(48, Domain::Sphere)?;
 /// let ensemble = Realizations::rotated(&*sampler, Streams::new(0, Purpose::Pattern, 48));
-/// assert_eq!(ensemble.realize(5), ensemble.realize(5));
+/// assert_eq!(ensemble.realize(5)?, ensemble.realize(5)?);
 /// # Ok::<(), sphvar_samplers::Error>(())
 /// ```
 #[derive(Clone, Copy, Debug)]
@@ -44,19 +44,27 @@ impl<'a> Realizations<'a> {
     }
 
     /// Replaces `points` by realization `index`.
-    pub fn realize_into(&self, index: u64, points: &mut Vec<DVec3>) {
+    ///
+    /// # Errors
+    ///
+    /// Those of [`Sampler::sample_into`].
+    pub fn realize_into(&self, index: u64, points: &mut Vec<DVec3>) -> Result<(), Error> {
         let rng: &mut dyn Rng = &mut self.streams.realization(index);
-        self.sampler.sample_into(rng, points);
+        self.sampler.sample_into(rng, points)?;
         if self.rotated {
             rotate(uniform_rotation(rng), self.sampler.domain(), points);
         }
+        Ok(())
     }
 
     /// Realization `index` in a vector of its own.
-    #[must_use]
-    pub fn realize(&self, index: u64) -> Vec<DVec3> {
+    ///
+    /// # Errors
+    ///
+    /// Those of [`Sampler::sample_into`].
+    pub fn realize(&self, index: u64) -> Result<Vec<DVec3>, Error> {
         let mut points = Vec::with_capacity(self.sampler.n_points());
-        self.realize_into(index, &mut points);
-        points
+        self.realize_into(index, &mut points)?;
+        Ok(points)
     }
 }

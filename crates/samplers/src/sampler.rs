@@ -3,7 +3,7 @@ use std::fmt::Debug;
 use glam::DVec3;
 use rand::Rng;
 
-use crate::Domain;
+use crate::{Domain, Error};
 
 /// A pattern of directions of a fixed number of points: what it takes to make one realization.
 ///
@@ -29,12 +29,20 @@ pub trait Sampler: Debug + Send + Sync {
     ///
     /// The buffer is taken whole rather than as a slice so that a loop over realizations
     /// allocates once and patterns with a random number of points fit the same contract.
-    fn sample_into(&self, rng: &mut dyn Rng, points: &mut Vec<DVec3>);
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Unrealised`] if this realization cannot be completed; most patterns have none.
+    fn sample_into(&self, rng: &mut dyn Rng, points: &mut Vec<DVec3>) -> Result<(), Error>;
 
     /// One realization in a vector of its own.
-    fn sample(&self, rng: &mut dyn Rng) -> Vec<DVec3> {
+    ///
+    /// # Errors
+    ///
+    /// Those of [`Self::sample_into`].
+    fn sample(&self, rng: &mut dyn Rng) -> Result<Vec<DVec3>, Error> {
         let mut points = Vec::with_capacity(self.n_points());
-        self.sample_into(rng, &mut points);
-        points
+        self.sample_into(rng, &mut points)?;
+        Ok(points)
     }
 }

@@ -3,7 +3,7 @@ use std::f64::consts::TAU;
 use glam::DVec3;
 use rand::{Rng, RngExt};
 
-use crate::{Domain, Sampler, archimedes};
+use crate::{Domain, Error, Sampler, archimedes};
 
 /// Independent, uniformly distributed directions: `P(l) = 1` for every l >= 1, variance
 /// `(area int F^2 - (int F)^2)/N`.
@@ -32,7 +32,7 @@ impl Sampler for WhiteNoise {
         true
     }
 
-    fn sample_into(&self, rng: &mut dyn Rng, points: &mut Vec<DVec3>) {
+    fn sample_into(&self, rng: &mut dyn Rng, points: &mut Vec<DVec3>) -> Result<(), Error> {
         let height = match self.domain {
             Domain::Sphere => 2.0,
             Domain::Hemisphere => 1.0,
@@ -42,5 +42,6 @@ impl Sampler for WhiteNoise {
             let drop = height * rng.random::<f64>();
             archimedes::direction(drop, TAU * rng.random::<f64>())
         }));
+        Ok(())
     }
 }

@@ -13,13 +13,27 @@ use crate::{Error, Spectrum, SpectrumAccumulator};
 pub trait PointSets: Sync {
     /// Replaces `points` by set `index`, unit vectors; `weights` is filled with one weight per
     /// point or left empty for unit weights.
-    fn realize_into(&self, index: u64, points: &mut Vec<DVec3>, weights: &mut Vec<f64>);
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Sampler`] if the set cannot be made.
+    fn realize_into(
+        &self,
+        index: u64,
+        points: &mut Vec<DVec3>,
+        weights: &mut Vec<f64>,
+    ) -> Result<(), Error>;
 }
 
 impl PointSets for Realizations<'_> {
-    fn realize_into(&self, index: u64, points: &mut Vec<DVec3>, weights: &mut Vec<f64>) {
+    fn realize_into(
+        &self,
+        index: u64,
+        points: &mut Vec<DVec3>,
+        weights: &mut Vec<f64>,
+    ) -> Result<(), Error> {
         weights.clear();
-        Self::realize_into(self, index, points);
+        Ok(Self::realize_into(self, index, points)?)
     }
 }
 
@@ -205,7 +219,7 @@ impl<A: Accumulator> Worker<A> {
                 self.alms.push(Alm::zeros(lmax)?);
             }
             let (points, weights) = &mut self.sets[used];
-            sets.realize_into(index, points, weights);
+            sets.realize_into(index, points, weights)?;
             used += 1;
         }
         let sets: Vec<(&[DVec3], Option<&[f64]>)> = self.sets[..used]

@@ -5,6 +5,9 @@ pub enum Error {
     /// The transform cannot be built.
     #[error(transparent)]
     Transform(#[from] sphvar_sht::Error),
+    /// A realization of the pattern cannot be made.
+    #[error(transparent)]
+    Sampler(#[from] sphvar_samplers::Error),
     /// Two accumulators do not belong to the same ensemble.
     #[error("cannot merge spectra of different {what}: {left} and {right}")]
     Mismatch {

@@ -115,7 +115,7 @@ pub fn compare(
     let cost = trial_cost(n_points);
     let measurement = measure(&ensemble(Purpose::Trial), integrand, effort.trials, &|| {
         done(cost);
-    });
+    })?;
     // An estimate of int F is a sum of numbers of the size of F, whose roundings partly cancel.
     let size = sampler.domain().area() * energy.total();
     let (mut spectrum, mut prediction) = (spectrum.finish()?, prediction.finish());

@@ -15,7 +15,7 @@
 //!
 //! // Measured, on independent realizations.
 //! let trials = Realizations::rotated(&*jittered, Streams::new(0, Purpose::Trial, 192));
-//! let measured = measure(&trials, &integrand, 400, &|| ());
+//! let measured = measure(&trials, &integrand, 400, &|| ())?;
 //! assert!((measured.variance() / predicted.variance - 1.0).abs() < 0.3);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```

@@ -2,7 +2,7 @@ use glam::DVec3;
 use rayon::prelude::{IntoParallelIterator, ParallelIterator};
 use sphvar_samplers::Realizations;
 
-use crate::Integrand;
+use crate::{Error, Integrand};
 
 /// The estimates that trials of a pattern gave of one integral.
 #[derive(Clone, Debug, PartialEq)]
@@ -70,22 +70,27 @@ impl Measurement {
 
 /// Integrates `integrand` by `trials` realizations of an ensemble, `area/N sum_k f(s_k)` each, in
 /// parallel; `done` is called after each.
-#[must_use]
+///
+/// # Errors
+///
+/// [`Error::Spectrum`] with the sampler's error if a realization cannot be made.
 pub fn measure(
     ensemble: &Realizations<'_>,
     integrand: &dyn Integrand,
     trials: u64,
     done: &(dyn Fn() + Sync),
-) -> Measurement {
+) -> Result<Measurement, Error> {
     let area = ensemble.sampler().domain().area();
     let trial = |points: &mut Vec<DVec3>, index| {
-        ensemble.realize_into(index, points);
+        ensemble.realize_into(index, points).map_err(sphvar_spectrum::Error::from)?;
         let mean = points.iter().map(|&p| integrand.eval(p)).sum::<f64>() / points.len() as f64;
         done();
-        area * mean
+        Ok(area * mean)
     };
     // Collected in the order of the trials: what follows does not depend on threads.
-    Measurement::new((0..trials).into_par_iter().map_init(Vec::new, trial).collect())
+    let estimates: Result<Vec<f64>, Error> =
+        (0..trials).into_par_iter().map_init(Vec::new, trial).collect();
+    Ok(Measurement::new(estimates?))
 }
 
 #[cfg(test)]

@@ -87,7 +87,9 @@ pub(crate) fn run(args: &SampleArgs, global: &Global) -> Result<(), CliError> {
     } else {
         Realizations::unrotated(&*sampler, streams)
     };
-    let sets: Vec<_> = (0..args.realizations as u64).map(|i| ensemble.realize(i)).collect();
+    let sets = (0..args.realizations as u64)
+        .map(|i| ensemble.realize(i).map_err(CliError::usage))
+        .collect::<Result<Vec<_>, _>>()?;
     let provenance = Provenance::new(global.seed);
     let to_stdout = args.out.as_os_str() == "-";
     if ImageFormat::of_path(&args.out).is_some() {

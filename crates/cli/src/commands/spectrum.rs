@@ -105,7 +105,12 @@ enum Source {
 struct FileSets(Vec<PointSet>);
 
 impl PointSets for FileSets {
-    fn realize_into(&self, index: u64, points: &mut Vec<DVec3>, weights: &mut Vec<f64>) {
+    fn realize_into(
+        &self,
+        index: u64,
+        points: &mut Vec<DVec3>,
+        weights: &mut Vec<f64>,
+    ) -> Result<(), sphvar_spectrum::Error> {
         let set = usize::try_from(index).ok().and_then(|i| self.0.get(i));
         points.clear();
         weights.clear();
@@ -113,6 +118,7 @@ impl PointSets for FileSets {
             points.extend_from_slice(&set.directions);
             weights.extend(set.weights.iter().flatten());
         }
+        Ok(())
     }
 }
 
