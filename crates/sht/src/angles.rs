@@ -29,7 +29,7 @@ impl Angles {
         let limit = FRAC_PI_8.tan();
         let ratio = |t: f64| {
             let u = limit * (0.5 * (t + 1.0)).sqrt();
-            if u > 0.0 { u.atan() / u / TAU } else { 1.0 / TAU }
+            (0..40).rev().fold(0.0, |sum, k| 1.0 / f64::from(2 * k + 3) - u * u * sum) * -1.0 / TAU
         };
         // atan is analytic up to u^2 = -1: the coefficients fall by 25 from degree to degree.
         let fitted = polynomial::interpolate(ratio, DEGREE);
@@ -54,7 +54,7 @@ impl Angles {
             for &c in &self.coefficients {
                 sum = sum.times_plus::<FUSED>(t, c);
             }
-            let rest = sum * u;
+            let rest = u.times_plus::<FUSED>(1.0 / TAU, sum * (u * u) * u);
             let eighths = if beyond { 1.0 } else { 0.0 };
             let (eighths, rest) = if ay > ax { (2.0 - eighths, -rest) } else { (eighths, rest) };
             let (eighths, rest) = if x[i] < 0.0 { (4.0 - eighths, -rest) } else { (eighths, rest) };

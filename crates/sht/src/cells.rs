@@ -6,8 +6,8 @@ use crate::real::Real;
 
 /// Rows and columns of the grid that points are gathered by, so that those treated in succession
 /// share the memory nearest to the processor.
-const TILE_ROWS: usize = 16;
-const TILE_COLUMNS: usize = 64;
+pub(crate) const TILE_ROWS: usize = 16;
+pub(crate) const TILE_COLUMNS: usize = 64;
 
 /// How points find their place on the grid: theta from 0 to pi in rows, phi in columns.
 #[derive(Clone, Debug)]
@@ -37,9 +37,26 @@ pub(crate) struct Cell<T> {
 /// The points of a set by tile of the grid; scratch memory.
 #[derive(Debug, Default)]
 pub(crate) struct Cells<T> {
-    pub(crate) sorted: Vec<Cell<T>>,
+    sorted: Vec<Cell<T>>,
     unsorted: Vec<Cell<T>>,
-    tile_starts: Vec<u32>,
+    tile_ends: Vec<u32>,
+}
+
+impl<T> Cells<T> {
+    /// The points, those of a tile after one another.
+    pub(crate) fn sorted(&self) -> &[Cell<T>] {
+        &self.sorted
+    }
+
+    /// The points of each tile in turn.
+    pub(crate) fn tiles(&self) -> impl Iterator<Item = &[Cell<T>]> {
+        let mut start = 0;
+        self.tile_ends.iter().map(move |&end| {
+            let tile = &self.sorted[start..end as usize];
+            start = end as usize;
+            tile
+        })
+    }
 }
 
 impl Locator {
@@ -61,7 +78,7 @@ impl Locator {
         scale: f64,
         cells: &mut Cells<T>,
     ) {
-        let Cells { sorted, unsorted, tile_starts } = cells;
+        let Cells { sorted, unsorted, tile_ends } = cells;
         unsorted.clear();
         unsorted.resize(points.len(), Cell::default());
         arch.dispatch(Locate { locator: self, points, weights, scale, cells: unsorted });
@@ -69,19 +86,19 @@ impl Locator {
         let tile =
             |c: &Cell<T>| c.row as usize / TILE_ROWS * across + c.column as usize / TILE_COLUMNS;
         // A counting sort.
-        tile_starts.clear();
-        tile_starts.resize((self.n_rows() / TILE_ROWS + 1) * across + 1, 0);
+        tile_ends.clear();
+        tile_ends.resize((self.n_rows() / TILE_ROWS + 1) * across, 0);
         for cell in &*unsorted {
-            tile_starts[tile(cell) + 1] += 1;
+            tile_ends[tile(cell)] += 1;
         }
         let mut sum = 0;
-        for start in &mut *tile_starts {
-            sum += *start;
-            *start = sum;
+        for end in &mut *tile_ends {
+            sum += std::mem::replace(end, sum);
         }
         sorted.resize(unsorted.len(), Cell::default());
         for cell in &*unsorted {
-            let place = &mut tile_starts[tile(cell)];
+            // Starts become ends while the tiles fill up.
+            let place = &mut tile_ends[tile(cell)];
             sorted[*place as usize] = *cell;
             *place += 1;
         }

@@ -4,6 +4,7 @@ use pulp::Arch;
 use sphvar_sh::{Alm, Error};
 
 use crate::cells::Cells;
+use crate::magnitude::magnitude;
 use crate::real::Real;
 use crate::spreading::Spreading;
 use crate::torus::{Layout, ORDERS, Stage, Torus, TorusScratch};
@@ -29,6 +30,8 @@ pub(crate) struct Scratch<T> {
     /// For `ORDERS` orders: by set or function, order and ring.
     ring_values: Vec<Complex<T>>,
     torus: TorusScratch<T>,
+    /// By function: what its coefficients were divided by.
+    sizes: Vec<f64>,
     values: Vec<f64>,
 }
 
@@ -37,10 +40,13 @@ impl<T: Real> Engine<T> {
         lmax: usize,
         oversampling: f64,
         window: Window,
+        epsilon: f64,
         arch: Arch,
     ) -> Result<Self, Error> {
         let torus = Torus::new(lmax, oversampling, window)?;
-        let spreading = Spreading::new(torus.n_theta(), torus.n_phi(), window.table());
+        // Roundings that all fall to the same side: half of this many, each of the whole sum.
+        let run = (epsilon / T::EPSILON).clamp(16.0, 64.0) as usize;
+        let spreading = Spreading::new(torus.n_theta(), torus.n_phi(), window.table(), run);
         Ok(Self { arch, spreading, torus })
     }
 
@@ -72,11 +78,11 @@ impl<T: Real> Engine<T> {
         for ((points, weights), spectra) in
             sets.iter().zip(spectra.chunks_exact_mut(torus.spectra_len()))
         {
-            let size = weights.map_or(1.0, largest);
+            let size = weights.map_or(1.0, |w| magnitude(w.iter().copied()));
             self.spreading.locator.locate(self.arch, points, *weights, 1.0 / size, cells);
             grid.clear();
             grid.resize(self.grid_len(), T::default());
-            self.spreading.spread(self.arch, &cells.sorted, grid);
+            self.spreading.spread(self.arch, cells, grid);
             let stage = Stage::AnalyseRows { grid, layout: self.layout(), spectra };
             torus.run(self.arch, stage, torus_scratch);
         }
@@ -99,7 +105,8 @@ impl<T: Real> Engine<T> {
         };
         rings.adjoint_batch_into(torus.colatitudes(), fourier, ring_workspace, outs);
         for ((_, weights), out) in sets.iter().zip(outs) {
-            if let Some(size) = weights.map(largest) {
+            if let Some(weights) = weights {
+                let size = magnitude(weights.iter().copied());
                 for a in out.values_mut() {
                     *a *= size;
                 }
@@ -108,7 +115,7 @@ impl<T: Real> Engine<T> {
     }
 
     /// See [`FastTransform::synthesis_batch_into`](crate::FastTransform::synthesis_batch_into);
-    /// `emit` gets the values of all functions at each point in turn.
+    /// leaves the values of all functions at each point in turn in `scratch`.
     pub(crate) fn synthesis(
         &self,
         rings: &RingTransform,
@@ -117,19 +124,25 @@ impl<T: Real> Engine<T> {
         ring_workspace: &mut RingWorkspace,
         scratch: &mut Scratch<T>,
     ) {
-        let Scratch { cells, grid, spectra, ring_values, torus: torus_scratch, values } = scratch;
+        let Scratch { cells, grid, spectra, ring_values, torus: torus_scratch, sizes, values } =
+            scratch;
+        sizes.clear();
+        sizes.extend(
+            alms.iter().map(|alm| magnitude(alm.values().iter().flat_map(|a| [a.re, a.im]))),
+        );
         let torus = &self.torus;
         spectra.resize(torus.spectra_len() * alms.len(), Complex::default());
         let n_rings = torus.n_ring_rows();
         ring_values.resize(n_rings * ORDERS * alms.len(), Complex::default());
         let emit = |m: usize, columns: &[Complex<f64>]| {
             let by_function = ring_values.chunks_exact_mut(n_rings * ORDERS);
-            for (values, column) in by_function.zip(columns.chunks_exact(n_rings)) {
+            let columns = columns.chunks_exact(n_rings).zip(&*sizes);
+            for (values, (column, size)) in by_function.zip(columns) {
                 if m.is_multiple_of(ORDERS) {
                     values.fill(Complex::default());
                 }
                 for (value, f) in values[m % ORDERS * n_rings..].iter_mut().zip(column) {
-                    *value = Complex { re: T::of(f.re), im: T::of(f.im) };
+                    *value = Complex { re: T::of(f.re / size), im: T::of(f.im / size) };
                 }
             }
             if m % ORDERS == ORDERS - 1 || m == rings.lmax() {
@@ -152,7 +165,7 @@ impl<T: Real> Engine<T> {
         }
         self.spreading.locator.locate(self.arch, points, None, 1.0, cells);
         values.resize(points.len() * alms.len(), 0.0);
-        self.spreading.interpolate(self.arch, &cells.sorted, grid, values);
+        self.spreading.interpolate(self.arch, cells.sorted(), grid, sizes, values);
     }
 }
 
@@ -161,12 +174,4 @@ impl<T> Scratch<T> {
     pub(crate) fn values(&self) -> &[f64] {
         &self.values
     }
-}
-
-/// The power of two below the largest absolute value, which keeps weights in the range of f32 and
-/// changes no other bit; 1 if there is none.
-fn largest(weights: &[f64]) -> f64 {
-    let largest = weights.iter().fold(0.0, |size: f64, w| size.max(w.abs()));
-    let exponent = f64::from_bits(largest.to_bits() & f64::INFINITY.to_bits());
-    if largest > 0.0 && exponent.is_finite() { exponent.max(f64::MIN_POSITIVE) } else { 1.0 }
 }

@@ -3,6 +3,7 @@ use num_complex::Complex;
 use sphvar_sh::{Alm, Colatitude, Error};
 
 use crate::generators::{RotationDerivatives, tangent_gradients};
+use crate::magnitude::magnitude;
 use crate::{RingTransform, RingWorkspace};
 
 /// The exact transforms between scattered points and coefficients: the adjoint
@@ -84,7 +85,9 @@ impl ExactTransform {
         let ExactWorkspace { rings, turn, terms, .. } = workspace;
         load_turns(points, turn);
         terms.clear();
-        terms.extend((0..points.len()).map(|k| Complex::new(weights.map_or(1.0, |w| w[k]), 0.0)));
+        let size = weights.map_or(1.0, |w| magnitude(w.iter().copied()));
+        let weight = |k: usize| weights.map_or(1.0, |w| w[k] / size);
+        terms.extend((0..points.len()).map(|k| Complex::new(weight(k), 0.0)));
         // Every point is a ring of its own, with one Dirac on it.
         let colatitudes = points.iter().map(|&p| Colatitude::from_direction(p));
         self.rings.adjoint_into(
@@ -100,6 +103,11 @@ impl ExactTransform {
             rings,
             out,
         );
+        if weights.is_some() {
+            for a in out.values_mut() {
+                *a *= size;
+            }
+        }
     }
 
     /// Writes the values of the real function with coefficients `alm` at the points,

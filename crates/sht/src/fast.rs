@@ -19,7 +19,7 @@ use crate::{RingTransform, RingWorkspace};
 /// nodes); from there a Legendre transform that is exact for degree L leads to the coefficients.
 /// Synthesis is the transpose, step by step.
 ///
-/// For an accuracy down to 2.5e-7 the grids are of f32; the Legendre stage is always of f64.
+/// For an accuracy down to 5e-7 the grids are of f32; the Legendre stage is always of f64.
 ///
 /// Cost O(N log^2(1/epsilon) + L^3) against O(N L^2) of [`ExactTransform`](crate::ExactTransform).
 /// Calls allocate nothing once the workspace has seen as much.
@@ -61,7 +61,7 @@ pub struct FastWorkspace {
 
 impl FastTransform {
     /// The plan for degree `lmax`, inclusive, and relative accuracy `epsilon`, which is brought into
-    /// [1e-14, 1e-1] (down to 1e-13 it is met): for weights of one sign the error
+    /// [1e-14, 1e-1], NaN to its lower end (down to 1e-13 it is met): for weights of one sign the error
     /// `||a - a_exact||` is at most `epsilon ||a_exact||`. With weights that cancel, the norm is that
     /// of their absolute values.
     ///
@@ -73,7 +73,8 @@ impl FastTransform {
     }
 
     pub(crate) fn with_arch(lmax: usize, epsilon: f64, arch: Arch) -> Result<Self, Error> {
-        let epsilon = epsilon.clamp(1e-14, 1e-1);
+        // Not clamp, which would let NaN pass.
+        let epsilon = epsilon.max(1e-14).min(1e-1);
         // Legendre functions of a thousandth of the accuracy do not show.
         let range = ValueRange::counting_from(0.001 * epsilon);
         let rings = RingTransform::with_arch(lmax, arch, range)?;
@@ -82,16 +83,16 @@ impl FastTransform {
         // Each a little below 5/4, 3/2 and 2, which keeps grids for degrees 2^k at sizes 5 2^k, 3 2^k, 2^k.
         let (single, oversampling) = match epsilon {
             e if e >= 2e-6 => (true, 1.245),
-            e if e >= 2.5e-7 => (true, 1.49),
+            e if e >= 5e-7 => (true, 1.49),
             e if e >= 1e-9 => (false, 1.245),
-            e if e >= 5e-12 => (false, 1.49),
-            _ => (false, 1.99),
+            e if e >= 1e-11 => (false, 1.49),
+            _ => (false, 2.0),
         };
         let window = Window::new(epsilon, oversampling);
         let engine = if single {
-            Precision::Single(Engine::new(lmax, oversampling, window, arch)?)
+            Precision::Single(Engine::new(lmax, oversampling, window, epsilon, arch)?)
         } else {
-            Precision::Double(Engine::new(lmax, oversampling, window, arch)?)
+            Precision::Double(Engine::new(lmax, oversampling, window, epsilon, arch)?)
         };
         Ok(Self { rings, window, engine })
     }
@@ -145,8 +146,8 @@ impl FastTransform {
 
     /// Writes the values of the real function with coefficients `alm` at the points.
     ///
-    /// The error at a point is of the order of `epsilon ||a|| sqrt(lmax + 1)`, in the mean over points
-    /// less.
+    /// The error at a point is at most `epsilon ||a|| (lmax + 1)/sqrt(4 pi)`, the largest value that a
+    /// function with these coefficients could have, times epsilon; `||a||` counts m and -m.
     ///
     /// # Panics
     ///

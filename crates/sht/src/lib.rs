@@ -27,6 +27,7 @@ mod exact;
 mod fast;
 mod generators;
 mod legendre;
+mod magnitude;
 mod polynomial;
 mod real;
 mod rings;

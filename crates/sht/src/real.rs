@@ -4,6 +4,9 @@ use rustfft::FftNum;
 
 /// The numbers of a grid: f32 where the accuracy asked for allows it, f64 elsewhere.
 pub(crate) trait Real: FftNum + Default + AddAssign {
+    /// The distance from 1 to the next number.
+    const EPSILON: f64;
+
     /// The nearest number.
     fn of(x: f64) -> Self;
     fn to_f64(self) -> f64;
@@ -12,6 +15,8 @@ pub(crate) trait Real: FftNum + Default + AddAssign {
 }
 
 impl Real for f32 {
+    const EPSILON: f64 = Self::EPSILON as f64;
+
     #[inline(always)]
     #[expect(clippy::cast_possible_truncation, reason = "rounding is what is asked for")]
     fn of(x: f64) -> Self {
@@ -30,6 +35,8 @@ impl Real for f32 {
 }
 
 impl Real for f64 {
+    const EPSILON: f64 = Self::EPSILON;
+
     #[inline(always)]
     fn of(x: f64) -> Self {
         x

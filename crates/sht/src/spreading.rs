@@ -1,6 +1,6 @@
 use pulp::{Arch, Simd, WithSimd};
 
-use crate::cells::{Cell, Locator};
+use crate::cells::{Cell, Cells, Locator, TILE_COLUMNS, TILE_ROWS};
 use crate::real::Real;
 use crate::window::{MAX_WIDTH, WindowTable};
 
@@ -12,11 +12,17 @@ use crate::window::{MAX_WIDTH, WindowTable};
 pub(crate) struct Spreading<T> {
     pub(crate) locator: Locator,
     table: WindowTable<T>,
+    /// How many points at one place may be added up before it shows.
+    run: usize,
 }
 
+/// The numbers that the windows of a tile's points touch, row by row of `TILE_STRIDE`.
+const TILE_STRIDE: usize = TILE_COLUMNS + MAX_WIDTH;
+type Patch<T> = [T; TILE_STRIDE * (TILE_ROWS + MAX_WIDTH)];
+
 impl<T: Real> Spreading<T> {
-    pub(crate) fn new(n_theta: usize, n_phi: usize, table: WindowTable<T>) -> Self {
-        Self { locator: Locator::new(n_theta, n_phi, table.width()), table }
+    pub(crate) fn new(n_theta: usize, n_phi: usize, table: WindowTable<T>, run: usize) -> Self {
+        Self { locator: Locator::new(n_theta, n_phi, table.width()), table, run }
     }
 
     pub(crate) fn stride(&self) -> usize {
@@ -24,20 +30,27 @@ impl<T: Real> Spreading<T> {
     }
 
     /// Adds the points to the grid.
-    pub(crate) fn spread(&self, arch: Arch, cells: &[Cell<T>], grid: &mut [T]) {
+    pub(crate) fn spread(&self, arch: Arch, cells: &Cells<T>, grid: &mut [T]) {
         arch.dispatch(Spread { spreading: self, cells, grid });
     }
 
-    /// Writes the values of the functions with the given grids, one after the other, at the points:
-    /// function b at point i to `out[i * n_functions + b]` in the caller's order.
-    pub(crate) fn interpolate(&self, arch: Arch, cells: &[Cell<T>], grids: &[T], out: &mut [f64]) {
-        arch.dispatch(Interpolate { spreading: self, cells, grids, out });
+    /// Writes the values of the functions with the given grids, one after the other, times `sizes`, at
+    /// the points: function b at point i to `out[i * n_functions + b]` in the caller's order.
+    pub(crate) fn interpolate(
+        &self,
+        arch: Arch,
+        cells: &[Cell<T>],
+        grids: &[T],
+        sizes: &[f64],
+        out: &mut [f64],
+    ) {
+        arch.dispatch(Interpolate { spreading: self, cells, grids, sizes, out });
     }
 }
 
 struct Spread<'a, T> {
     spreading: &'a Spreading<T>,
-    cells: &'a [Cell<T>],
+    cells: &'a Cells<T>,
     grid: &'a mut [T],
 }
 
@@ -65,11 +78,51 @@ impl<T: Real> Spread<'_, T> {
     #[inline(always)]
     fn run<const P: usize, const FUSED: bool>(self) {
         let Self { spreading, cells, grid } = self;
-        let (width, stride) = (spreading.table.width(), spreading.stride());
-        for cell in cells {
-            let [by_row, by_column] = spreading.table.evaluate::<P, FUSED>(cell.t);
-            let start = cell.row as usize * stride + cell.column as usize;
-            let Some(window) = grid.get_mut(start..) else { continue };
+        let stride = spreading.stride();
+        for tile in cells.tiles() {
+            if tile.len() <= spreading.run {
+                spreading.add::<P, FUSED>(tile, [0, 0], stride, grid);
+                continue;
+            }
+            // In a long sum every rounding may fall to the same side: short ones first.
+            let [row, column] = [tile[0].row as usize, tile[0].column as usize];
+            let origin = [row / TILE_ROWS * TILE_ROWS, column / TILE_COLUMNS * TILE_COLUMNS];
+            let n_rows = TILE_ROWS + spreading.table.width();
+            let mut sums: Patch<f64> = [0.0; _];
+            let mut part: Patch<T> = [T::default(); _];
+            let part = &mut part[..n_rows * TILE_STRIDE];
+            for points in tile.chunks(spreading.run) {
+                part.fill(T::default());
+                spreading.add::<P, FUSED>(points, origin, TILE_STRIDE, part);
+                for (sum, part) in sums.iter_mut().zip(&*part) {
+                    *sum += part.to_f64();
+                }
+            }
+            let lines = grid.chunks_exact_mut(stride).skip(origin[0]);
+            for (line, sums) in lines.zip(sums[..n_rows * TILE_STRIDE].chunks_exact(TILE_STRIDE)) {
+                for (value, &sum) in line[origin[1]..].iter_mut().zip(sums) {
+                    *value += T::of(sum);
+                }
+            }
+        }
+    }
+}
+
+impl<T: Real> Spreading<T> {
+    /// Adds points to the part of the grid that begins at `origin`.
+    #[inline(always)]
+    fn add<const P: usize, const FUSED: bool>(
+        &self,
+        points: &[Cell<T>],
+        origin: [usize; 2],
+        stride: usize,
+        part: &mut [T],
+    ) {
+        let width = self.table.width();
+        for cell in points {
+            let [by_row, by_column] = self.table.evaluate::<P, FUSED>(cell.t);
+            let [row, column] = [cell.row as usize - origin[0], cell.column as usize - origin[1]];
+            let Some(window) = part.get_mut(row * stride + column..) else { continue };
             for (line, by_row) in window.chunks_mut(stride).zip(&by_row[..width]) {
                 let factor = *by_row * cell.weight;
                 if let Some(line) = line.first_chunk_mut::<P>() {
@@ -86,6 +139,7 @@ struct Interpolate<'a, T> {
     spreading: &'a Spreading<T>,
     cells: &'a [Cell<T>],
     grids: &'a [T],
+    sizes: &'a [f64],
     out: &'a mut [f64],
 }
 
@@ -112,15 +166,15 @@ impl<T: Real> WithSimd for Interpolate<'_, T> {
 impl<T: Real> Interpolate<'_, T> {
     #[inline(always)]
     fn run<const P: usize, const FUSED: bool>(self) {
-        let Self { spreading, cells, grids, out } = self;
+        let Self { spreading, cells, grids, sizes, out } = self;
         let (width, stride) = (spreading.table.width(), spreading.stride());
         let size = spreading.locator.n_rows() * stride;
-        let n_functions = grids.len() / size;
         for cell in cells {
             let [by_row, by_column] = spreading.table.evaluate::<P, FUSED>(cell.t);
             let start = cell.row as usize * stride + cell.column as usize;
-            let values = &mut out[cell.index as usize * n_functions..][..n_functions];
-            for (value, grid) in values.iter_mut().zip(grids.chunks_exact(size)) {
+            let values = &mut out[cell.index as usize * sizes.len()..][..sizes.len()];
+            let functions = grids.chunks_exact(size).zip(sizes);
+            for (value, (grid, scale)) in values.iter_mut().zip(functions) {
                 let Some(window) = grid.get(start..) else { continue };
                 let mut sums = [T::default(); P];
                 for (line, by_row) in window.chunks(stride).zip(&by_row[..width]) {
@@ -131,7 +185,7 @@ impl<T: Real> Interpolate<'_, T> {
                     }
                 }
                 let products = sums.iter().zip(&by_column).map(|(s, w)| *s * *w);
-                *value = products.fold(T::default(), |sum, p| sum + p).to_f64();
+                *value = products.fold(T::default(), |sum, p| sum + p).to_f64() * scale;
             }
         }
     }

@@ -439,8 +439,14 @@ fn add<T: AddAssign + Copy>(to: &mut [T], from: &[T]) {
 
 /// `theta = pi r/R`, exact at the poles and on the equator's two sides alike.
 fn ring_colatitude(r: usize, half: usize) -> Colatitude {
-    let acute = PI * r.min(half - r) as f64 / half as f64;
-    let (sin, cos) = acute.sin_cos();
+    let near = r.min(half - r);
+    // From the nearer of pole and equator: the rounding of the angle is relative to it.
+    let (sin, cos) = if 4 * near <= half {
+        (PI * near as f64 / half as f64).sin_cos()
+    } else {
+        let (cos, sin) = (PI * (half - 2 * near) as f64 / (2 * half) as f64).sin_cos();
+        (sin, cos)
+    };
     let z = if 2 * r > half { -cos } else { cos };
     Colatitude::from_direction(DVec3::new(sin, 0.0, z))
 }

@@ -33,7 +33,7 @@ impl Window {
         let width = width.clamp(4, MAX_WIDTH);
         // The largest beta whose transform has decayed at the first alias, with a little room.
         let beta = 0.98 * PI * width as f64 * (1.0 - 0.5 / oversampling);
-        Self { width, beta, tolerance: 0.05 * epsilon }
+        Self { width, beta, tolerance: 0.01 * epsilon }
     }
 
     /// The width in grid cells.

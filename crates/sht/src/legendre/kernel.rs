@@ -159,7 +159,7 @@ impl Product<'_> {
         let (sums, _) = S::as_mut_simd_f64s(sums);
         let active = self.group.active(self.m);
         let mut tile: Tile = [[0.0; RINGS]; SPAN];
-        for first in (0..active).step_by(RINGS) {
+        for first in (0..active).step_by(RINGS).rev() {
             let count = RINGS.min(active - first);
             let terms = terms[first * V..(first + count) * V].as_chunks::<V>().0;
             self.walk(simd, first..first + count, &mut tile, &mut |simd, n, tile| {
@@ -256,8 +256,8 @@ fn over_rings<S: Simd, const V: usize, const N: usize>(
     terms: &[[S::f64s; V]],
     sums: &mut [[S::f64s; V]; N],
 ) {
-    let mut local = *sums;
-    for (r, term) in terms.iter().enumerate().take(RINGS) {
+    let mut local = [[simd.splat_f64s(0.0); V]; N];
+    for (r, term) in terms.iter().enumerate().take(RINGS).rev() {
         for i in 0..N {
             let value = simd.splat_f64s(rows[i][r]);
             for v in 0..V {
@@ -265,7 +265,11 @@ fn over_rings<S: Simd, const V: usize, const N: usize>(
             }
         }
     }
-    *sums = local;
+    for i in 0..N {
+        for v in 0..V {
+            sums[i][v] = simd.add_f64s(sums[i][v], local[i][v]);
+        }
+    }
 }
 
 /// `values[i] += sum_n tile[n][first + i] terms[n]`, over as many n as there are terms.

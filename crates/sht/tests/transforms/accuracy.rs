@@ -9,9 +9,9 @@ use crate::points::{Set, distinct};
 
 /// Every power of ten, and what f32 grids may be asked for at the least.
 const ALL: [f64; 13] =
-    [1e-3, 1e-4, 1e-5, 2e-6, 1e-6, 3e-7, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12, 1e-13];
+    [1e-3, 1e-4, 1e-5, 2e-6, 1e-6, 5e-7, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12, 1e-13];
 /// The ends of the ranges that one kind of grid serves, and where the window is narrowest.
-const SOME: [f64; 7] = [1e-3, 1e-5, 1e-6, 1e-8, 1e-9, 1e-12, 1e-13];
+const SOME: [f64; 7] = [1e-3, 1e-5, 5e-7, 1e-8, 1e-9, 1e-12, 1e-13];
 
 /// Compares with the definition; tells every miss.
 fn check(lmax: usize, sets: &[Set], epsilons: &[f64]) {
