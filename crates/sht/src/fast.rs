@@ -318,4 +318,42 @@ mod tests {
             }
         }
     }
+
+    #[test]
+    fn the_portable_code_meets_the_accuracy_too() {
+        let mut workspace = FastWorkspace::default();
+        for (name, points) in sets() {
+            let weights: Vec<f64> = (0..points.len()).map(|k| 1.0 - 0.1 * (k % 7) as f64).collect();
+            let exact = ExactTransform::new(70).unwrap();
+            let exact = exact.adjoint(&points, Some(&weights)).unwrap();
+            let size = exact.values().iter().map(|a| a.norm_sqr()).sum::<f64>().sqrt();
+            for epsilon in [1e-4, 1e-6, 1e-9, 1e-13] {
+                let plan = FastTransform::with_arch(70, epsilon, Arch::Scalar).unwrap();
+                let mut alms = [Alm::zeros(70).unwrap(), Alm::zeros(70).unwrap()];
+                // One by itself, and one in a group of four.
+                plan.adjoint_into(&points, Some(&weights), &mut workspace, &mut alms[0]);
+                let mut group = vec![Alm::zeros(70).unwrap(); 4];
+                let set = (points.as_slice(), Some(weights.as_slice()));
+                plan.adjoint_batch_into(&[set; 4], &mut workspace, &mut group);
+                alms[1].clone_from(&group[3]);
+                for alm in &alms {
+                    let differences = exact.values().iter().zip(alm.values());
+                    let error = differences.map(|(a, b)| (a - b).norm_sqr()).sum::<f64>().sqrt();
+                    assert!(error <= epsilon * size, "{name}, {epsilon:e}: {:e}", error / size);
+                }
+                // Synthesis is the transpose: <A x, y> = <x, A* y> with the other instructions too.
+                let mut values = vec![0.0; points.len()];
+                plan.synthesis_into(&exact, &points, &mut workspace, &mut values);
+                let by_points: f64 = values.iter().zip(&weights).map(|(v, w)| v * w).sum();
+                let by_degrees: f64 = (0..=70)
+                    .map(|m| {
+                        let copies = if m == 0 { 1.0 } else { 2.0 };
+                        copies * exact.column(m).iter().map(|a| a.norm_sqr()).sum::<f64>()
+                    })
+                    .sum();
+                let off = (by_points - by_degrees).abs();
+                assert!(off <= 4.0 * epsilon * by_degrees, "{name}, {epsilon:e}: {off:e}");
+            }
+        }
+    }
 }

@@ -274,3 +274,38 @@ impl NullaryFnOnce for Advance<'_> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec3;
+    use sphvar_sh::{Colatitude, Recurrence};
+
+    use super::{ValueRange, last_order_at};
+
+    #[test]
+    fn what_is_skipped_does_not_count() {
+        for range in [1e-4, 1e-8, 1e-16, 1e-20].map(ValueRange::counting_from) {
+            for lmax in [1, 2, 7, 40, 300, 1500_u32] {
+                for k in 0..60 {
+                    // From the equator to within 1e-9 of the pole.
+                    let theta = std::f64::consts::FRAC_PI_2 * 0.7_f64.powi(k);
+                    let colatitude =
+                        Colatitude::from_direction(DVec3::new(theta.sin(), 0.0, theta.cos()));
+                    let (sin, cos) = (colatitude.sin(), colatitude.cos());
+                    let last = last_order_at(sin, cos, f64::from(lmax), range);
+                    assert!(last <= f64::from(lmax) * sin * 1.5 + 200.0, "skips little: {last}");
+                    // They fall with the order: the first that is skipped is the largest.
+                    let Some(m) = (0..=lmax as usize).find(|&m| m as f64 > last) else { continue };
+                    let mut column = vec![0.0; lmax as usize + 1 - m];
+                    Recurrence::new(m, lmax as usize).column_into(colatitude, &mut column);
+                    let largest = column.iter().fold(0.0, |size: f64, x| size.max(x.abs()));
+                    assert!(
+                        largest < 1.0 / range.limit,
+                        "lmax {lmax}, theta {theta:e}, m {m}: {largest:e}, counted from {:e}",
+                        1.0 / range.limit
+                    );
+                }
+            }
+        }
+    }
+}
