@@ -27,9 +27,9 @@ impl Method {
                 Self::Exact.seconds(n_points, lmax).min(Self::Fast.seconds(n_points, lmax))
             }
             // A step for each point and coefficient, and the coefficients of the recurrence.
-            Self::Exact => 0.5 * degrees * degrees * (0.28e-9 * n.max(32.0) + 6e-9),
+            Self::Exact => 0.5 * degrees * degrees * (0.25e-9 * n.max(32.0) + 6e-9),
             // Spreading a point, transforming the grid, and the recurrence on mirrored rings.
-            Self::Fast => 0.25e-6 * n + degrees * degrees * (45e-9 + 0.08e-9 * degrees) + 20e-6,
+            Self::Fast => 0.06e-6 * n + degrees * degrees * (33e-9 + 0.04e-9 * degrees) + 20e-6,
         }
     }
 }
@@ -61,7 +61,7 @@ impl Method {
             // The grid is twice oversampled in either direction, its columns are kept for each set.
             Self::Fast => {
                 let grid = (64.0 + 32.0 * copies) * degrees * degrees;
-                coefficients + grid + (24.0 * copies + 48.0) * n
+                coefficients + grid + (24.0 * copies + 80.0) * n
             }
         }
     }
