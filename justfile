@@ -20,6 +20,10 @@ bench *ARGS:
 legendre-accuracy:
     cargo run --release -p sphvar-sh --example accuracy
 
+# The fast transform beside ducc0, in one run.
+peers *ARGS:
+    python3 benches/peers/transforms.py {{ARGS}}
+
 # Record the values of healpy again that the tests of sphvar-healpix compare with.
 healpy-values:
     python3 benches/peers/healpix_values.py

@@ -19,6 +19,26 @@
 //! O(N log^2(1/epsilon) + lmax^3); [`Transform`] chooses between them. Their Legendre part stands
 //! alone as [`RingTransform`], for functions whose Fourier coefficients are known on rings of
 //! constant colatitude.
+//!
+//! *Synthesis* evaluates a function given by coefficients at scattered points, and *gradient* its tangent
+//! gradient there too, with no trouble at the poles:
+//!
+//! ```
+//! use glam::DVec3;
+//! use sphvar_sht::{FastTransform, FastWorkspace};
+//! use sphvar_sh::Alm;
+//!
+//! // f = z, which is Y_10 sqrt(4 pi/3).
+//! let mut alm = Alm::zeros(16)?;
+//! alm.column_mut(0)[1] = (4.0 * std::f64::consts::PI / 3.0).sqrt().into();
+//! let plan = FastTransform::new(16, 1e-12)?;
+//! let points = [DVec3::X, DVec3::Z];
+//! let (mut values, mut gradients) = ([0.0; 2], [DVec3::ZERO; 2]);
+//! plan.gradient_into(&alm, &points, &mut FastWorkspace::default(), &mut values, &mut gradients);
+//! assert!(values[0].abs() < 1e-11 && (values[1] - 1.0).abs() < 1e-11);
+//! assert!((gradients[0] - DVec3::Z).length() < 1e-11 && gradients[1].length() < 1e-11);
+//! # Ok::<(), sphvar_sht::Error>(())
+//! ```
 
 mod angles;
 mod cells;
