@@ -67,7 +67,7 @@ impl Method {
     }
 }
 
-/// The adjoint transform by either method, for several sets at a time.
+/// The transforms by either method.
 #[derive(Clone, Debug)]
 pub struct Transform(Kind);
 
@@ -77,7 +77,7 @@ enum Kind {
     Fast(Box<FastTransform>),
 }
 
-/// Scratch memory of [`Transform::adjoint_batch_into`].
+/// Scratch memory of [`Transform`].
 #[derive(Debug, Default)]
 pub struct TransformWorkspace {
     exact: ExactWorkspace,
@@ -125,6 +125,30 @@ impl Transform {
                 for ((points, weights), out) in sets.iter().zip(outs) {
                     transform.adjoint_into(points, *weights, &mut workspace.exact, out);
                 }
+            }
+        }
+    }
+
+    /// Writes values and tangent gradients of a function at the points, as
+    /// [`FastTransform::gradient_into`].
+    ///
+    /// # Panics
+    ///
+    /// If `values` or `gradients` differ from `points` in length, or `alm` is of another lmax.
+    pub fn gradient_into(
+        &self,
+        alm: &Alm,
+        points: &[DVec3],
+        workspace: &mut TransformWorkspace,
+        values: &mut [f64],
+        gradients: &mut [DVec3],
+    ) {
+        match &self.0 {
+            Kind::Fast(plan) => {
+                plan.gradient_into(alm, points, &mut workspace.fast, values, gradients);
+            }
+            Kind::Exact(transform) => {
+                transform.gradient_into(alm, points, &mut workspace.exact, values, gradients);
             }
         }
     }
