@@ -18,24 +18,31 @@
 //! [`Pattern`] is the list of what can be built by name, with the numbers of points that exist.
 
 mod archimedes;
+mod count;
 mod domain;
+mod equal_area;
 mod error;
 mod fibonacci;
 mod healpix;
 mod pattern;
 mod realizations;
+mod region;
 mod rotation;
 mod sampler;
+mod spiral;
 mod streams;
 mod white_noise;
 
 pub use domain::Domain;
+pub use equal_area::{EqualArea, Placement};
 pub use error::Error;
 pub use fibonacci::Fibonacci;
 pub use healpix::{HealpixJittered, HealpixRegular};
 pub use pattern::Pattern;
 pub use realizations::Realizations;
+pub use region::Region;
 pub use rotation::{rotate, uniform_rotation};
 pub use sampler::Sampler;
+pub use spiral::GeneralizedSpiral;
 pub use streams::{Purpose, Streams};
 pub use white_noise::WhiteNoise;
