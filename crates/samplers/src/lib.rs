@@ -18,8 +18,10 @@
 //! [`Pattern`] is the list of what can be built by name, with the numbers of points that exist.
 
 mod archimedes;
+mod best_candidate;
 mod cosine_hemisphere;
 mod count;
+mod cube_grid;
 mod domain;
 mod equal_area;
 mod error;
@@ -42,6 +44,7 @@ mod streams;
 mod white_noise;
 mod white_square;
 
+pub use best_candidate::BestCandidate;
 pub use cosine_hemisphere::{
     CosineHemisphere, concentric_disk, cosine_hemisphere, cosine_hemisphere_pdf,
 };

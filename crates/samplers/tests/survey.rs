@@ -4,9 +4,9 @@ use std::collections::HashSet;
 
 use glam::DVec3;
 use sphvar_samplers::{
-    CosineHemisphere, Domain, EqualArea, Error, GeneralizedSpiral, Halton, Hammersley,
-    JitteredSquare, OnSphere, Placement, Purpose, Sampler, Sobol, SquarePattern, Streams,
-    WhiteSquare,
+    BestCandidate, CosineHemisphere, Domain, EqualArea, Error, GeneralizedSpiral, Halton,
+    Hammersley, JitteredSquare, OnSphere, Placement, Purpose, Sampler, Sobol, SquarePattern,
+    Streams, WhiteSquare,
 };
 
 const DOMAINS: [Domain; 2] = [Domain::Sphere, Domain::Hemisphere];
@@ -39,13 +39,17 @@ const UNIFORM: [(&str, Build); 6] = [
     ("jittered-square", |n, d| on_sphere(JitteredSquare::nearest_to_square(n), d)),
 ];
 
+/// Those whose law is invariant under rotations.
+const ISOTROPIC: [(&str, Build); 1] =
+    [("best-candidate", |n, d| boxed(BestCandidate::new(n, d, BestCandidate::DEFAULT_FACTOR)))];
+
 const REGULAR: [(&str, Build); 2] = [
     ("equal-area-centred", |n, d| boxed(EqualArea::new(n, d, Placement::Centred))),
     ("spiral", |n, d| boxed(GeneralizedSpiral::new(n, d))),
 ];
 
 fn all() -> impl Iterator<Item = (&'static str, Build)> {
-    UNIFORM.into_iter().chain(REGULAR)
+    UNIFORM.into_iter().chain(ISOTROPIC).chain(REGULAR)
 }
 
 #[test]
@@ -95,7 +99,7 @@ fn low_harmonics(p: DVec3) -> [f64; 8] {
 #[test]
 fn means_of_low_harmonics_vanish_unrotated() {
     const M: u64 = 4000;
-    for (name, build) in UNIFORM {
+    for (name, build) in UNIFORM.into_iter().chain(ISOTROPIC) {
         for domain in DOMAINS {
             for n in [1, 5, 16] {
                 let sampler = build(n, domain).expect("a small number");
@@ -252,4 +256,61 @@ fn cosine_weighted_directions_have_their_density() {
             );
         }
     }
+}
+
+/// The squared distance of the closest pair, between lines on the hemisphere.
+fn closest_pair(points: &[DVec3], domain: Domain) -> f64 {
+    let mut closest = f64::INFINITY;
+    for (i, &p) in points.iter().enumerate() {
+        for &q in &points[..i] {
+            closest = closest.min(p.distance_squared(q));
+            if domain == Domain::Hemisphere {
+                closest = closest.min(p.distance_squared(-q));
+            }
+        }
+    }
+    closest
+}
+
+/// White noise has its closest pair at about 2/N, best candidates at about 2/sqrt(N).
+#[test]
+fn best_candidates_keep_apart() {
+    for (domain, per_sphere) in [(Domain::Sphere, 1.0), (Domain::Hemisphere, 2.0)] {
+        for n in [2, 10, 100, 1000] {
+            for i in 0..4 {
+                let points = BestCandidate::new(n, domain, 1).unwrap().sample(&mut rng(i)).unwrap();
+                let spacing = (closest_pair(&points, domain) * per_sphere * n as f64).sqrt();
+                // Two points: one candidate, anywhere.
+                assert!(n == 2 || spacing > 1.4, "{domain}, N = {n}: {spacing}/sqrt(N)");
+            }
+        }
+    }
+}
+
+/// The same candidates, each compared with every point, give the same set.
+#[test]
+fn best_candidates_are_their_definition() {
+    for domain in DOMAINS {
+        let white = |rng: &mut dyn rand::Rng| {
+            WhiteSquare::new(1).and_then(|w| OnSphere::new(w, domain).sample(rng))
+        };
+        let mut stream = rng(9);
+        let mut expected = white(&mut stream).unwrap();
+        while expected.len() < 60 {
+            let mut best = (DVec3::ZERO, -1.0);
+            for _ in 0..3 * expected.len() {
+                let candidate = white(&mut stream).unwrap()[0];
+                let clearance = expected
+                    .iter()
+                    .fold(f64::INFINITY, |c, &q| c.min(closest_pair(&[candidate, q], domain)));
+                if clearance > best.1 {
+                    best = (candidate, clearance);
+                }
+            }
+            expected.push(best.0);
+        }
+        let points = BestCandidate::new(60, domain, 3).unwrap().sample(&mut rng(9)).unwrap();
+        assert_eq!(points, expected, "{domain}");
+    }
+    assert!(BestCandidate::new(60, Domain::Sphere, 0).is_err());
 }
