@@ -7,8 +7,8 @@ use std::time::Duration;
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use sphvar_samplers::{
-    BestCandidate, Domain, EqualArea, GeneralizedSpiral, Halton, Hammersley, JitteredSquare,
-    OnSphere, Placement, Purpose, Sampler, Sobol, Streams,
+    BestCandidate, Domain, EqualArea, GeneralizedSpiral, Halton, Hammersley, JitteredSquare, Lloyd,
+    OnSphere, Placement, Purpose, Riesz, Sampler, Sobol, Streams,
 };
 
 fn sets(n: usize) -> Vec<(&'static str, Box<dyn Sampler>)> {
@@ -23,6 +23,13 @@ fn sets(n: usize) -> Vec<(&'static str, Box<dyn Sampler>)> {
         (
             "jittered-square",
             Box::new(OnSphere::new(JitteredSquare::nearest_to_square(n).expect(LEGAL), domain)),
+        ),
+        ("lloyd", Box::new(Lloyd::new(n, domain, Lloyd::DEFAULT_ITERATIONS).expect(LEGAL))),
+        (
+            "riesz",
+            Box::new(
+                Riesz::new(n, domain, Riesz::DEFAULT_S, Riesz::DEFAULT_ITERATIONS).expect(LEGAL),
+            ),
         ),
         ("best-candidate", Box::new(BestCandidate::new(n, domain, 1).expect(LEGAL))),
     ]

@@ -5,8 +5,8 @@ use std::collections::HashSet;
 use glam::DVec3;
 use sphvar_samplers::{
     BestCandidate, CosineHemisphere, Domain, EqualArea, Error, GeneralizedSpiral, Halton,
-    Hammersley, JitteredSquare, OnSphere, Placement, Purpose, Sampler, Sobol, SquarePattern,
-    Streams, WhiteSquare,
+    Hammersley, JitteredSquare, Lloyd, OnSphere, Placement, Purpose, Riesz, Sampler, Sobol,
+    SquarePattern, Streams, WhiteSquare, quantization_energy, riesz_energy,
 };
 
 const DOMAINS: [Domain; 2] = [Domain::Sphere, Domain::Hemisphere];
@@ -81,7 +81,10 @@ fn numbers_that_do_not_exist_are_refused() {
         for n in [0, 1 << 32, usize::MAX] {
             let refused = build(n, Domain::Sphere).expect_err("no such number");
             let message = refused.to_string();
-            assert!(message.contains("the number of points must be from 1"), "{name}: {message}");
+            assert!(
+                message.contains("the number of points") && message.contains("must be from 1"),
+                "{name}: {message}"
+            );
         }
     }
     assert!(JitteredSquare::new(1 << 40, 1 << 40).is_err());
@@ -313,4 +316,106 @@ fn best_candidates_are_their_definition() {
         assert_eq!(points, expected, "{domain}");
     }
     assert!(BestCandidate::new(60, Domain::Sphere, 0).is_err());
+}
+
+#[test]
+fn every_step_of_lloyd_decreases_the_quantization_energy() {
+    for domain in DOMAINS {
+        for n in [1, 2, 3, 4, 10, 300] {
+            let mut previous = f64::INFINITY;
+            for iterations in 0..25 {
+                let points =
+                    Lloyd::new(n, domain, iterations).unwrap().sample(&mut rng(2)).unwrap();
+                let energy = quantization_energy(&points, domain);
+                // A sum of n terms around 8 pi, equal once the relaxation has converged.
+                let slack = 32.0 * n as f64 * f64::EPSILON;
+                assert!(energy <= previous + slack, "{domain}, N = {n}: step {iterations}");
+                previous = energy;
+            }
+            // Hexagons are the least in the plane.
+            let scaled = previous * n as f64 / domain.area().powi(2);
+            let hexagons = 5.0 / (18.0 * 3f64.sqrt());
+            assert!(n < 300 || (scaled > 0.99 * hexagons && scaled < 1.06 * hexagons), "{scaled}");
+        }
+    }
+}
+
+/// Four points end as a tetrahedron, two lines as perpendicular ones, three as the axes.
+#[test]
+fn lloyd_finds_the_regular_sets() {
+    for (domain, n, cosine) in [
+        (Domain::Sphere, 2, -1.0),
+        (Domain::Sphere, 3, -0.5),
+        (Domain::Sphere, 4, -1.0 / 3.0),
+        (Domain::Hemisphere, 2, 0.0),
+        (Domain::Hemisphere, 3, 0.0),
+    ] {
+        for i in 0..10 {
+            let points = Lloyd::new(n, domain, 400).unwrap().sample(&mut rng(i)).unwrap();
+            for (k, p) in points.iter().enumerate() {
+                for q in &points[..k] {
+                    // Linear convergence has long ended in rounding.
+                    let off = (p.dot(*q) - cosine).abs();
+                    assert!(off < 1e-9, "{domain}, N = {n}, realization {i}: {points:?}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn every_step_decreases_the_riesz_energy() {
+    for domain in DOMAINS {
+        for s in [0.0, 0.5, 1.0, 2.0, 3.0, 4.0] {
+            for n in [1, 2, 5, 200] {
+                let mut previous = f64::INFINITY;
+                for iterations in [0, 1, 2, 3, 5, 10, 20, 50] {
+                    let sampler = Riesz::new(n, domain, s, iterations).unwrap();
+                    let energy = riesz_energy(&sampler.sample(&mut rng(2)).unwrap(), domain, s);
+                    // Representatives of lines and sums in another order: n^2 terms.
+                    let slack = 16.0 * f64::EPSILON * (energy.abs() + (n * n) as f64);
+                    assert!(
+                        energy <= previous + slack,
+                        "{domain}, N = {n}, s = {s}: {energy} after {iterations}, was {previous}"
+                    );
+                    previous = energy;
+                }
+            }
+        }
+    }
+    for s in [-1e-9, 4.1, f64::NAN, f64::INFINITY] {
+        let refused = Riesz::new(5, Domain::Sphere, s, 1).unwrap_err().to_string();
+        assert!(refused.contains("must be in [0, 4], got"), "{refused}");
+    }
+}
+
+/// Thomson's problem: the tetrahedron, octahedron and icosahedron, and larger sets (Wales and
+/// Ulker 2006, whose values are the least known).
+#[test]
+fn riesz_finds_known_minima() {
+    for (n, least, tries) in [
+        (2, 0.5, 1),
+        (3, 3f64.sqrt(), 1),
+        (4, 3.674234614, 1),
+        (6, 9.985281374, 1),
+        (12, 49.165253058, 1),
+        (32, 412.261274651, 8),
+        (72, 2255.001190975, 40),
+    ] {
+        let sampler = Riesz::new(n, Domain::Sphere, 1.0, 600).unwrap();
+        let found = (0..tries)
+            .map(|i| riesz_energy(&sampler.sample(&mut rng(i)).unwrap(), Domain::Sphere, 1.0));
+        let found = found.fold(f64::INFINITY, f64::min);
+        // Nine decimals are printed.
+        assert!((found - least).abs() < 1e-8, "N = {n}: {found}, least known {least}");
+    }
+    // Three lines: the axes, 3 pairs at sqrt 2 twice. Six: those of the icosahedron, 15 pairs.
+    let chord = |cosine: f64| (2.0 - 2.0 * cosine).sqrt().recip();
+    let icosahedron = 15.0 * (chord(0.2f64.sqrt()) + chord(-(0.2f64.sqrt())));
+    for (n, least) in [(2, 2f64.sqrt()), (3, 3.0 * 2f64.sqrt()), (6, icosahedron)] {
+        let sampler = Riesz::new(n, Domain::Hemisphere, 1.0, 400).unwrap();
+        let points = sampler.sample(&mut rng(0)).unwrap();
+        let found = riesz_energy(&points, Domain::Hemisphere, 1.0);
+        assert!((found - least).abs() < 1e-10, "{n} lines: {found}, least {least}");
+    }
 }
