@@ -18,24 +18,61 @@
 //! [`Pattern`] is the list of what can be built by name, with the numbers of points that exist.
 
 mod archimedes;
+mod best_candidate;
+mod cosine_hemisphere;
+mod count;
+mod cube_grid;
+mod descent;
 mod domain;
+mod equal_area;
 mod error;
 mod fibonacci;
+mod halton;
+mod hammersley;
 mod healpix;
+mod jittered_square;
+mod lloyd;
+mod on_sphere;
 mod pattern;
+mod radical_inverse;
 mod realizations;
+mod region;
+mod riesz;
+mod riesz_energy;
 mod rotation;
 mod sampler;
+mod sobol;
+mod spiral;
+mod square_pattern;
 mod streams;
+mod voronoi;
 mod white_noise;
+mod white_square;
 
+pub use best_candidate::BestCandidate;
+pub use cosine_hemisphere::{
+    CosineHemisphere, concentric_disk, cosine_hemisphere, cosine_hemisphere_pdf,
+};
 pub use domain::Domain;
+pub use equal_area::{EqualArea, Placement};
 pub use error::Error;
 pub use fibonacci::Fibonacci;
+pub use halton::Halton;
+pub use hammersley::Hammersley;
 pub use healpix::{HealpixJittered, HealpixRegular};
+pub use jittered_square::JitteredSquare;
+pub use lloyd::{Lloyd, quantization_energy};
+pub use on_sphere::OnSphere;
 pub use pattern::Pattern;
 pub use realizations::Realizations;
+pub use region::Region;
+pub use riesz::Riesz;
+pub use riesz_energy::riesz_energy;
 pub use rotation::{rotate, uniform_rotation};
 pub use sampler::Sampler;
+pub use sobol::Sobol;
+pub use spiral::GeneralizedSpiral;
+pub use square_pattern::SquarePattern;
 pub use streams::{Purpose, Streams};
 pub use white_noise::WhiteNoise;
+pub use white_square::WhiteSquare;

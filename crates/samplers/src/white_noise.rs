@@ -33,15 +33,18 @@ impl Sampler for WhiteNoise {
     }
 
     fn sample_into(&self, rng: &mut dyn Rng, points: &mut Vec<DVec3>) -> Result<(), Error> {
-        let height = match self.domain {
-            Domain::Sphere => 2.0,
-            Domain::Hemisphere => 1.0,
-        };
         points.clear();
-        points.extend((0..self.n_points).map(|_| {
-            let drop = height * rng.random::<f64>();
-            archimedes::direction(drop, TAU * rng.random::<f64>())
-        }));
+        points.extend((0..self.n_points).map(|_| uniform_direction(self.domain, rng)));
         Ok(())
     }
+}
+
+/// A uniformly distributed direction of `domain`.
+pub(crate) fn uniform_direction(domain: Domain, rng: &mut dyn Rng) -> DVec3 {
+    let height = match domain {
+        Domain::Sphere => 2.0,
+        Domain::Hemisphere => 1.0,
+    };
+    let drop = height * rng.random::<f64>();
+    archimedes::direction(drop, TAU * rng.random::<f64>())
 }

@@ -1,0 +1,99 @@
+use glam::DVec3;
+use rand::Rng;
+
+use crate::cube_grid::CubeGrid;
+use crate::{Domain, Error, Sampler, count, white_noise};
+
+/// Best-candidate sampling (Mitchell 1991): each new point is that of several uniform candidates
+/// which lies farthest from all points so far.
+///
+/// The n-th point is chosen among `factor (n - 1)` candidates, so that their density relative to
+/// the points stays the same. On the hemisphere distances are between lines: the smaller of those
+/// to a point and to its antipode. The law is invariant under rotations, so every single point is
+/// uniform; sets of any N exist and the first n points are the pattern of n points.
+///
+/// The cost is `factor N^2/2` candidates, each of which meets a few cells of a grid.
+///
+/// ```
+/// use sphvar_samplers::{BestCandidate, Domain, Purpose, Sampler, Streams};
+/// let sampler = BestCandidate::new(100, Domain::Sphere, BestCandidate::DEFAULT_FACTOR)?;
+/// let points = sampler.sample(&mut Streams::new(0, Purpose::Pattern, 100).realization(0))?;
+/// assert_eq!(points.len(), 100);
+/// # Ok::<(), sphvar_samplers::Error>(())
+/// ```
+#[derive(Clone, Copy, Debug)]
+pub struct BestCandidate {
+    n: u32,
+    domain: Domain,
+    factor: u32,
+}
+
+impl BestCandidate {
+    /// Candidates per point so far.
+    pub const DEFAULT_FACTOR: u32 = 1;
+
+    /// The pattern of `n_points` points with `factor` candidates per point so far.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Parameter`] unless both are from 1 to `u32::MAX`.
+    pub fn new(n_points: usize, domain: Domain, factor: u32) -> Result<Self, Error> {
+        if factor == 0 {
+            let (name, range) = ("the candidates per point", "a whole number from 1");
+            return Err(Error::Parameter { name, range, got: 0.0 });
+        }
+        Ok(Self { n: count::checked(n_points)?, domain, factor })
+    }
+}
+
+impl Sampler for BestCandidate {
+    fn n_points(&self) -> usize {
+        self.n as usize
+    }
+
+    fn domain(&self) -> Domain {
+        self.domain
+    }
+
+    fn is_random(&self) -> bool {
+        true
+    }
+
+    fn sample_into(&self, rng: &mut dyn Rng, points: &mut Vec<DVec3>) -> Result<(), Error> {
+        points.clear();
+        points.push(white_noise::uniform_direction(self.domain, rng));
+        let mut grid = CubeGrid::for_points(1);
+        let mut crowded_at = 1;
+        for n in 1..self.n {
+            if points.len() >= crowded_at {
+                crowded_at = 2 * points.len();
+                grid = CubeGrid::for_points(crowded_at);
+                points.iter().for_each(|&p| grid.insert(p));
+            }
+            let mut best = DVec3::ZERO;
+            // Below every squared distance, so that the first candidate stands.
+            let mut clearance = -1.0;
+            for _ in 0..u64::from(self.factor) * u64::from(n) {
+                let candidate = white_noise::uniform_direction(self.domain, rng);
+                if let Some(farther) = self.clearance(&grid, points, candidate, clearance) {
+                    (best, clearance) = (candidate, farther);
+                }
+            }
+            points.push(best);
+            grid.insert(best);
+        }
+        Ok(())
+    }
+}
+
+impl BestCandidate {
+    /// The squared distance of `p` from the nearest point, or `None` if that is no larger
+    /// than `bound`.
+    fn clearance(&self, grid: &CubeGrid, points: &[DVec3], p: DVec3, bound: f64) -> Option<f64> {
+        let above = grid.clearance(points, p, bound)?;
+        match self.domain {
+            Domain::Sphere => Some(above),
+            Domain::Hemisphere => Some(above.min(grid.clearance(points, -p, bound)?)),
+        }
+    }
+}

@@ -1,0 +1,113 @@
+use glam::DVec3;
+use rand::Rng;
+
+use crate::{Domain, Error, Sampler, voronoi, white_noise};
+
+/// White noise after some steps of Lloyd's relaxation (Lloyd 1982; on the sphere Du, Gunzburger
+/// and Ju 2003): every step moves each point to the centroid of its Voronoi cell.
+///
+/// Cells are exact, not made of mass points: with the direction of the integral of x over the
+/// cell as centroid, a step never increases [`quantization_energy`]. It converges slowly, towards
+/// hexagons with a few defects; the number of steps is part of the pattern. On the hemisphere the
+/// cells are those of lines, that is of the points and their antipodes together.
+///
+/// The law is invariant under rotations, so every single point is uniform. The cost of a step is
+/// a planar Delaunay triangulation, O(N log N), of 2N points for the hemisphere.
+///
+/// ```
+/// use sphvar_samplers::{Domain, Lloyd, Purpose, Sampler, Streams, quantization_energy};
+/// let domain = Domain::Sphere;
+/// let relaxed = |steps| -> Result<f64, sphvar_samplers::Error> {
+///     let mut rng = Streams::new(0, Purpose::Pattern, 200).realization(0);
+///     Ok(quantization_energy(&Lloyd::new(200, domain, steps)?.sample(&mut rng)?, domain))
+/// };
+/// assert!(relaxed(10)? < 0.6 * relaxed(0)?);
+/// # Ok::<(), sphvar_samplers::Error>(())
+/// ```
+#[derive(Clone, Copy, Debug)]
+pub struct Lloyd {
+    n_points: usize,
+    domain: Domain,
+    iterations: u32,
+}
+
+impl Lloyd {
+    /// Steps that bring the energy within about 4 % of what a thousand reach, for any N.
+    pub const DEFAULT_ITERATIONS: u32 = 20;
+
+    /// The pattern of `n_points` points after `iterations` steps, 0 of which leave white noise.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Parameter`] unless `n_points` is from 1 to 2^28.
+    pub fn new(n_points: usize, domain: Domain, iterations: u32) -> Result<Self, Error> {
+        if !(1..=voronoi::MOST_SITES / 2).contains(&n_points) {
+            return Err(Error::Parameter {
+                name: "the number of points to relax",
+                range: "from 1 to 268435456",
+                got: n_points as f64,
+            });
+        }
+        Ok(Self { n_points, domain, iterations })
+    }
+}
+
+impl Sampler for Lloyd {
+    fn n_points(&self) -> usize {
+        self.n_points
+    }
+
+    fn domain(&self) -> Domain {
+        self.domain
+    }
+
+    fn is_random(&self) -> bool {
+        true
+    }
+
+    fn sample_into(&self, rng: &mut dyn Rng, points: &mut Vec<DVec3>) -> Result<(), Error> {
+        points.clear();
+        points.extend((0..self.n_points).map(|_| white_noise::uniform_direction(self.domain, rng)));
+        let mut sites = Vec::new();
+        let mut moments = Vec::new();
+        for _ in 0..self.iterations {
+            sites_of(points, self.domain, &mut sites);
+            voronoi::cell_moments(&sites, &mut moments);
+            for (p, moment) in points.iter_mut().zip(&moments) {
+                // A cell without a centroid, such as the whole sphere, keeps its point.
+                *p = self.domain.representative(moment.normalize_or(*p));
+            }
+        }
+        Ok(())
+    }
+}
+
+/// The mean squared chord from a direction to the nearest point, times the area of the domain:
+/// what Lloyd's steps decrease.
+///
+/// ```text
+/// E = int min_k |x - p_k|^2 d omega
+/// ```
+///
+/// over the sphere, or over the hemisphere with the distance between lines. For one point it is
+/// 8 pi and 2 pi. For many points it is about `c area^2/N` with c = 1/pi for white noise and, the
+/// least possible, `5/(18 sqrt 3) = 0.1604` for hexagons (Fejes Toth 1959). Points that coincide
+/// to rounding may all be counted as having no cell. The cost is that of a triangulation.
+#[must_use]
+pub fn quantization_energy(points: &[DVec3], domain: Domain) -> f64 {
+    let (mut sites, mut moments) = (Vec::new(), Vec::new());
+    sites_of(points, domain, &mut sites);
+    voronoi::cell_moments(&sites, &mut moments);
+    // |x - p|^2 = 2 - 2 x.p, summed over the points' own cells.
+    let inner: f64 = points.iter().zip(&moments).map(|(p, moment)| p.dot(*moment)).sum();
+    2.0 * domain.area() - 2.0 * inner
+}
+
+/// The points on the sphere that stand for `points`: on the hemisphere with their antipodes.
+fn sites_of(points: &[DVec3], domain: Domain, sites: &mut Vec<DVec3>) {
+    sites.clear();
+    sites.extend_from_slice(points);
+    if domain == Domain::Hemisphere {
+        sites.extend(points.iter().map(|&p| -p));
+    }
+}

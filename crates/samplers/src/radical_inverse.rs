@@ -1,0 +1,55 @@
+//! Digits of an integer mirrored at the point (van der Corput 1935), exact or correctly rounded.
+
+/// The radical inverse of `i` in base 2, exact: in [0, 1).
+pub(crate) fn base_2(i: u32) -> f64 {
+    f64::from(i.reverse_bits()) * 2f64.powi(-32)
+}
+
+/// The radical inverse of `i` in base 3, correctly rounded: in [0, 1).
+///
+/// The mirrored digits and the power of 3 are integers of at most 21 trits, exact in `f64`, so
+/// that the one division rounds.
+pub(crate) fn base_3(mut i: u32) -> f64 {
+    let (mut mirrored, mut power) = (0u64, 1u64);
+    while i > 0 {
+        mirrored = 3 * mirrored + u64::from(i % 3);
+        power *= 3;
+        i /= 3;
+    }
+    mirrored as f64 / power as f64
+}
+
+/// `x + shift` modulo 1, in [0, 1), for both in [0, 1): the shift of Cranley and Patterson 1976.
+pub(crate) fn shifted(x: f64, shift: f64) -> f64 {
+    let sum = x + shift;
+    if sum >= 1.0 { sum - 1.0 } else { sum }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{base_2, base_3, shifted};
+
+    #[test]
+    fn the_first_values() {
+        let twos = [0.0, 0.5, 0.25, 0.75, 0.125, 0.625, 0.375, 0.875, 0.0625];
+        let threes = [0.0, 1.0, 2.0, 1.0 / 3.0, 4.0 / 3.0, 7.0 / 3.0, 2.0 / 3.0].map(|x| x / 3.0);
+        for (i, expected) in (0..).zip(twos) {
+            assert!((base_2(i) - expected).abs() <= 0.0, "i = {i}: {}", base_2(i));
+        }
+        for (i, expected) in (0..).zip(threes) {
+            assert!((base_3(i) - expected).abs() < f64::EPSILON, "i = {i}: {}", base_3(i));
+        }
+        assert!((base_2(u32::MAX) - (1.0 - 2f64.powi(-32))).abs() <= 0.0);
+        // 3^20 - 1 is twenty digits 2.
+        assert!((base_3(3u32.pow(20) - 1) - (1.0 - 3f64.powi(-20))).abs() < f64::EPSILON);
+    }
+
+    #[test]
+    fn shifts_stay_in_the_unit_interval() {
+        let below = 1.0 - f64::EPSILON / 2.0;
+        for (x, shift) in [(0.0, 0.0), (below, below), (0.5, 0.5), (1e-300, below), (0.25, 0.5)] {
+            let s = shifted(x, shift);
+            assert!((0.0..1.0).contains(&s), "{x} + {shift} gave {s}");
+        }
+    }
+}
