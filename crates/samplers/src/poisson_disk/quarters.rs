@@ -1,12 +1,6 @@
 use glam::DVec3;
 use sphvar_healpix::Cell;
 
-/// The corners of each child in the mask of nine points, which lie row by row, `u` running first.
-const CORNERS_OF_CHILD: [u32; 4] = {
-    let square = 1 | 1 << 1 | 1 << 3 | 1 << 4;
-    [square, square << 1, square << 3, square << 4]
-};
-
 /// Bit k of a mask of children stands for the child at `(2 ix + k % 2, 2 iy + k / 2)`.
 pub(crate) const ALL_CHILDREN: u32 = 0b1111;
 
@@ -94,20 +88,34 @@ impl Quarters {
         if inner <= 0.0 {
             return 0;
         }
-        let inner_squared = inner * inner;
-        let mut covered = 0;
+        // For each child the least, over the disks, of the greatest squared distance of a corner.
+        let mut best = [f64::INFINITY; 4];
         for q in points {
-            let mut held = 0;
-            for i in 0..9 {
+            let d: [f64; 9] = std::array::from_fn(|i| {
                 let (dx, dy, dz) = (self.x[i] - q.x, self.y[i] - q.y, self.z[i] - q.z);
-                held |= u32::from(dx * dx + dy * dy + dz * dz <= inner_squared) << i;
-            }
-            for (child, &corners) in CORNERS_OF_CHILD.iter().enumerate() {
-                covered |= u32::from(held & corners == corners) << child;
+                dx * dx + dy * dy + dz * dz
+            });
+            let [west, east]: [[f64; 3]; 2] =
+                [0, 1].map(|i| [0, 3, 6].map(|row| larger(d[row + i], d[row + i + 1])));
+            let worst = [
+                larger(west[0], west[1]),
+                larger(east[0], east[1]),
+                larger(west[1], west[2]),
+                larger(east[1], east[2]),
+            ];
+            for (best, worst) in best.iter_mut().zip(worst) {
+                *best = if worst < *best { worst } else { *best };
             }
         }
-        covered
+        let is_covered = |child: usize| u32::from(best[child] <= inner * inner) << child;
+        is_covered(0) | is_covered(1) | is_covered(2) | is_covered(3)
     }
+}
+
+/// The larger of two numbers that are not NaN, which `f64::max` would have to check.
+#[inline]
+fn larger(a: f64, b: f64) -> f64 {
+    if a > b { a } else { b }
 }
 
 #[cfg(test)]

@@ -10,12 +10,14 @@ use crate::Domain;
 /// Darts per cell of the grid before the first subdivision: enough for two thirds of the points.
 const FIRST_RATE: f64 = 4.0;
 
-/// Darts per subdivided cell, one for each child. Rates from 2 to 8 cost the same within 10 %.
-const RATE: f64 = 4.0;
+/// Darts per child. Rates from 0.5 to 2 cost the same within 10 %.
+const RATE: f64 = 1.0;
 
 /// The cells at which subdivision ends: those of the finest resolution from which a step to twice
 /// the resolution exists.
 const FINEST: u32 = Nside::MAX / 2;
+
+const FOUR_PI: f64 = 4.0 * std::f64::consts::PI;
 
 /// One run of random sequential addition: disks are placed one after the other, each centre
 /// uniform on what the disks before it have left free.
@@ -45,15 +47,15 @@ pub(crate) struct Thrower<'a> {
 }
 
 /// How a run ended.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum End {
     /// The limit was reached.
     Full,
-    /// Nothing is free, but for at most `unresolved` cells of the finest resolution, each of at
-    /// most 1.5e-17 steradian.
+    /// Nothing is free outside cells of the finest resolution whose area is `unresolved` in all,
+    /// in steradian: each at most 1.5e-17, of which about 20 are left at a million points.
     Saturated {
-        /// The number of cells not known to be covered when subdivision ended.
-        unresolved: usize,
+        /// The area not known to be covered when subdivision ended.
+        unresolved: f64,
     },
 }
 
@@ -89,8 +91,12 @@ impl<'a> Thrower<'a> {
             if points.len() == limit {
                 return End::Full;
             }
-            if self.front.is_empty() || base << level > FINEST {
-                return End::Saturated { unresolved: self.front.len() };
+            if self.front.is_empty() {
+                return End::Saturated { unresolved: 0.0 };
+            }
+            if base << level > FINEST {
+                let cell = FOUR_PI / (12.0 * f64::from(base << level).powi(2));
+                return End::Saturated { unresolved: self.front.len() as f64 * cell };
             }
             self.refine(level);
             level += 1;
@@ -125,9 +131,13 @@ impl<'a> Thrower<'a> {
     /// Cuts the cells of the front, which is at `level` below the grid, drops what is covered and
     /// throws the next darts.
     fn refine(&mut self, level: u32) {
-        let Ok(nside) = Nside::new(self.grid.nside().value() << level) else { return };
+        let base = self.grid.nside().value();
+        let (Ok(nside), Ok(fine)) = (Nside::new(base << level), Nside::new(base << (level + 1)))
+        else {
+            return;
+        };
         let chord_squared = self.chord * self.chord;
-        let count = PoissonCount::new(RATE);
+        let counts = [1.0, 2.0, 3.0, 4.0].map(|n_live| PoissonCount::new(RATE * n_live));
         let mut children = Vec::with_capacity(2 * self.front.len());
         let (mut around, mut near, mut near_place) = (Vec::new(), Vec::new(), None);
         self.darts.clear();
@@ -143,21 +153,25 @@ impl<'a> Thrower<'a> {
             let quarters = Quarters::new(parent, self.chord);
             let len = quarters.select(&around, self.chord, &mut near);
             let near = &near[..len];
-            let covered = quarters.covered(near, self.chord);
-            if covered == ALL_CHILDREN {
+            let live = ALL_CHILDREN & !quarters.covered(near, self.chord);
+            if live == 0 {
                 continue;
             }
-            children.extend(
-                (0..4).filter(|child| covered >> child & 1 == 0).map(|child| place.child(child)),
-            );
-            // Darts on the parent that miss its live children are none of the process on these.
-            for _ in 0..count.draw(self.rng) {
-                let (u, v): (f64, f64) = (self.rng.random(), self.rng.random());
-                let child = u32::from(u >= 0.5) + 2 * u32::from(v >= 0.5);
-                if covered >> child & 1 == 1 {
-                    continue;
-                }
-                let dir = parent.uniform_point(u, v);
+            let n_live = live.count_ones();
+            let (mut live_children, mut rest) = ([place; 4], live);
+            for child in &mut live_children[..n_live as usize] {
+                *child = place.child(rest.trailing_zeros());
+                rest &= rest - 1;
+            }
+            let live_children = &live_children[..n_live as usize];
+            children.extend_from_slice(live_children);
+            for _ in 0..counts[live_children.len() - 1].draw(self.rng) {
+                // Which child, and where in it: the whole and the broken part of one number.
+                let across = f64::from(n_live) * self.rng.random::<f64>();
+                let index = [1.0, 2.0, 3.0].map(|i| usize::from(across >= i)).iter().sum::<usize>();
+                let child = live_children[index];
+                let Some(cell) = child.cell(fine) else { continue };
+                let dir = cell.uniform_point(across.fract(), self.rng.random());
                 if near.iter().all(|q| q.distance_squared(dir) >= chord_squared) {
                     self.darts.push(Dart { dir, place: grid_place });
                 }
@@ -176,7 +190,8 @@ impl<'a> Thrower<'a> {
             .extend((0..self.darts.len() as u64).map(|i| u64::from(rng.random::<u32>()) << 32 | i));
         self.order.sort_unstable();
         for &key in &self.order {
-            let dart = self.darts[(key & u64::from(u32::MAX)) as usize];
+            #[expect(clippy::cast_possible_truncation, reason = "the lower half is the index")]
+            let dart = self.darts[key as u32 as usize];
             if !self.grid.has_near(dart.place, dart.dir, chord_squared) {
                 self.grid.insert(dart.place, dart.dir);
                 points.push(self.domain.representative(dart.dir));
@@ -201,16 +216,17 @@ impl Place {
         Self(u64::from(cell.face()) << (2 * Self::BITS) | ix << Self::BITS | iy)
     }
 
-    #[expect(clippy::cast_possible_truncation, reason = "fields of 4 and 29 bits")]
     #[inline]
     fn cell(self, nside: Nside) -> Option<Cell> {
-        let (ix, iy) = ((self.0 >> Self::BITS & Self::MASK) as u32, (self.0 & Self::MASK) as u32);
-        Cell::new(nside, (self.0 >> (2 * Self::BITS)) as u8, ix, iy).ok()
+        let field = |shift: u32| u32::try_from(self.0 >> shift & Self::MASK).ok();
+        let face = u8::try_from(field(2 * Self::BITS)?).ok()?;
+        Cell::new(nside, face, field(Self::BITS)?, field(0)?).ok()
     }
 
     /// Child 0 to 3 at twice the resolution, at most 2^29, so that no field overflows.
     #[inline]
-    fn child(self, child: u64) -> Self {
+    fn child(self, child: u32) -> Self {
+        let child = u64::from(child);
         let below_face = (1 << (2 * Self::BITS)) - 1;
         let doubled = (self.0 & below_face) << 1;
         Self(self.0 & !below_face | doubled | (child & 1) << Self::BITS | child >> 1)
