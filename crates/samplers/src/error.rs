@@ -46,6 +46,24 @@ pub enum Error {
         /// The largest legal number.
         most: usize,
     },
+    /// No pattern is as asked for, or none was found.
+    #[error("{pattern} of {n_points} points is infeasible: {reason}")]
+    Infeasible {
+        /// The pattern's name.
+        pattern: &'static str,
+        /// The number of points asked for.
+        n_points: usize,
+        /// What stands in the way, and what would be possible.
+        reason: String,
+    },
+    /// A spectrum of so many degrees cannot be computed.
+    #[error("a target to degree {last} cannot be computed: {reason}")]
+    Degree {
+        /// The last degree of the target.
+        last: usize,
+        /// Why.
+        reason: String,
+    },
     /// A parameter outside its range.
     #[error("{name} must be {range}, got {got}")]
     Parameter {

@@ -1,8 +1,9 @@
 use glam::DVec3;
 use rand::Rng;
 
+use crate::descent::{Descent, Objective};
 use crate::riesz_energy::RieszEnergy;
-use crate::{Domain, Error, Sampler, count, descent, white_noise};
+use crate::{Domain, Error, Sampler, count, white_noise};
 
 /// White noise after some steps down the Riesz energy of exponent s, or the logarithmic energy
 /// for s = 0 (Hardin and Saff 2004); see [`riesz_energy`](crate::riesz_energy).
@@ -58,6 +59,22 @@ impl Riesz {
     }
 }
 
+/// Energy and gradient come from the same pairs, so they are computed together.
+struct Downhill {
+    energy: RieszEnergy,
+    gradient: Vec<DVec3>,
+}
+
+impl Objective for Downhill {
+    fn energy(&mut self, points: &[DVec3]) -> f64 {
+        self.energy.evaluate(points, &mut self.gradient)
+    }
+
+    fn gradient(&mut self, _: &[DVec3], gradient: &mut Vec<DVec3>) {
+        std::mem::swap(gradient, &mut self.gradient);
+    }
+}
+
 impl Sampler for Riesz {
     fn n_points(&self) -> usize {
         self.n as usize
@@ -78,13 +95,13 @@ impl Sampler for Riesz {
         // The curvature of one neighbour's energy at that spacing, s(s+1)/spacing^(s+2), six times.
         let curvature = 6.0 * (self.s * (self.s + 1.0)).max(1.0) * spacing.powf(-self.s - 2.0);
         let energy = RieszEnergy::new(self.domain, self.s);
-        descent::minimize(
-            points,
-            self.iterations,
-            1.0 / curvature,
-            spacing / 3.0,
-            |p, gradient| energy.evaluate(p, gradient),
-        );
+        let descent = Descent {
+            iterations: self.iterations,
+            scale: 1.0 / curvature,
+            is_adaptive: true,
+            reach: spacing / 3.0,
+        };
+        descent.run(points, &mut Downhill { energy, gradient: Vec::new() });
         for p in points {
             *p = self.domain.representative(*p);
         }
