@@ -36,7 +36,7 @@ pub enum Placement {
 /// `z = 1 - k_i/N`.
 ///
 /// Regions start at longitude 0 in every collar. Their diameters are below `7/sqrt(N)`
-/// (Leopardi 2009, with 7 the proven constant). Jittered points give
+/// (tested up to N = 100 and for a few larger). Jittered points give
 /// `<P(l)> = 1 - (1/N) sum_k E P_l(x.y)` over pairs x, y in region k; centred ones are not random.
 ///
 /// ```
