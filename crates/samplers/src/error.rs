@@ -1,7 +1,7 @@
 use crate::{Domain, Pattern};
 
 /// Why a sampler cannot be built.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
     /// A pattern of no points integrates nothing.
@@ -45,5 +45,15 @@ pub enum Error {
         asked: usize,
         /// The largest legal number.
         most: usize,
+    },
+    /// A parameter is out of its range.
+    #[error("{name} must be {range}, got {got}")]
+    Parameter {
+        /// What the parameter is.
+        name: &'static str,
+        /// What it may be.
+        range: &'static str,
+        /// What it was.
+        got: f64,
     },
 }

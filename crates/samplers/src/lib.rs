@@ -18,6 +18,7 @@
 //! [`Pattern`] is the list of what can be built by name, with the numbers of points that exist.
 
 mod archimedes;
+mod ccvt;
 mod domain;
 mod error;
 mod fibonacci;
@@ -29,6 +30,7 @@ mod sampler;
 mod streams;
 mod white_noise;
 
+pub use ccvt::{Ccvt, MassPoints, Tessellation};
 pub use domain::Domain;
 pub use error::Error;
 pub use fibonacci::Fibonacci;
