@@ -45,7 +45,7 @@ use crate::{Domain, Error, Sampler};
 /// # Performance
 ///
 /// Exchanges go from pair to pair until none is left: 20 to 40 passes at capacity 64, most of them
-/// over few pairs, 80 at 256, 250 at 1024; about 50 microseconds a point at capacity 64 and 300 at
+/// over few pairs, 80 at 256, 250 at 1024; about 35 microseconds a point at capacity 64 and 200 at
 /// 256. Memory: 56 bytes for each mass point, and some hundred for each site.
 ///
 /// ```

@@ -103,31 +103,32 @@ impl Kernel for Gains<'_> {
     #[inline(always)]
     fn run<const TERMS: usize, const LINES: bool>(self) -> f64 {
         let Self { block, own, other, gains } = self;
-        let gain = |x: f64, y: f64, z: f64| {
-            let from = squared_angle::<TERMS>(squared_chord::<LINES>(own, x, y, z).0);
-            let to = squared_angle::<TERMS>(squared_chord::<LINES>(other, x, y, z).0);
-            from - to
+        let squared = |site: DVec3, x: f64, y: f64, z: f64| {
+            squared_angle::<TERMS>(squared_chord::<LINES>(site, x, y, z).0)
         };
-        let (xs, x_rest) = block.x.as_chunks::<LANES>();
-        let (ys, y_rest) = block.y.as_chunks::<LANES>();
-        let (zs, z_rest) = block.z.as_chunks::<LANES>();
-        let (gains, gains_rest) = gains.as_chunks_mut::<LANES>();
-        let mut most = [f64::NEG_INFINITY; LANES];
-        for (((x, y), z), gains) in xs.iter().zip(ys).zip(zs).zip(gains) {
-            for k in 0..LANES {
-                gains[k] = gain(x[k], y[k], z[k]);
-            }
-            for k in 0..LANES {
-                most[k] = if gains[k] > most[k] { gains[k] } else { most[k] };
-            }
+        // One site after the other: side by side, the compiler fills registers with the two sites
+        // instead of with points.
+        for (((&x, &y), &z), gain) in block.x.iter().zip(block.y).zip(block.z).zip(&mut *gains) {
+            *gain = squared(own, x, y, z);
         }
-        let mut most = most.into_iter().fold(f64::NEG_INFINITY, f64::max);
-        for (((&x, &y), &z), out) in x_rest.iter().zip(y_rest).zip(z_rest).zip(gains_rest) {
-            *out = gain(x, y, z);
-            most = most.max(*out);
+        for (((&x, &y), &z), gain) in block.x.iter().zip(block.y).zip(block.z).zip(&mut *gains) {
+            *gain -= squared(other, x, y, z);
         }
-        most
+        largest(gains)
     }
+}
+
+#[inline(always)]
+fn largest(values: &[f64]) -> f64 {
+    let larger = |a: f64, b: f64| if b > a { b } else { a };
+    let (chunks, rest) = values.as_chunks::<LANES>();
+    let mut most = [f64::NEG_INFINITY; LANES];
+    for chunk in chunks {
+        for (most, &value) in most.iter_mut().zip(chunk) {
+            *most = larger(*most, value);
+        }
+    }
+    most.into_iter().chain(rest.iter().copied()).fold(f64::NEG_INFINITY, larger)
 }
 
 impl Kernel for Sums<'_> {
@@ -224,7 +225,8 @@ mod tests {
                     let off = (gains[k] - (from - to)).abs();
                     assert!(off < tolerance, "point {k} of {n}, spread {spread}: off by {off}");
                 }
-                assert_eq!(best, gains.iter().copied().fold(f64::NEG_INFINITY, f64::max));
+                let largest = gains.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+                assert_eq!(best.to_bits(), largest.to_bits(), "{best} is not {largest}");
                 let mut narrow = vec![f64::NAN; n];
                 block.gains_into(Arch::Scalar, lines, own, other, most, &mut narrow);
                 assert_eq!(gains, narrow, "the bits depend on the width of registers");

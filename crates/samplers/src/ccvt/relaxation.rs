@@ -16,8 +16,9 @@ const SHORTEST_STEP: f64 = 1e-15;
 const AT_REST: f64 = 1e-13;
 
 /// By how much balls may outgrow those that the list of pairs was made for, in units of
-/// sqrt(4 pi/N). More makes the list longer, less makes it more often.
-const SLACK: f64 = 0.1;
+/// sqrt(4 pi/N). Anything from 0.05 to 0.5 takes the same time: more makes the list longer, less makes
+/// it more often.
+const SLACK: f64 = 0.2;
 
 /// Squared geodesic distances below this difference are equal: a few roundings of `2 - 2 cos d`.
 const ROUNDING: f64 = 2e-15;
@@ -97,7 +98,8 @@ impl Relaxation {
     }
 
     pub(super) fn cell(&self, k: usize) -> impl ExactSizeIterator<Item = DVec3> + '_ {
-        (k * self.capacity..(k + 1) * self.capacity).map(|p| self.point(p))
+        let Block { x, y, z } = self.block(k);
+        x.iter().zip(y).zip(z).map(|((&x, &y), &z)| DVec3::new(x, y, z))
     }
 
     /// Number of sites times the mean squared distance from a point to its site.
