@@ -17,7 +17,7 @@ struct Placed {
 ///
 /// The set is halved again and again, the parts holding what their sites need, across a random
 /// tangent direction. (The long axis of the region instead, its corners filled by chance, and
-/// random numbers of sites in the parts all lead to energies within 0.2 % of each other after the
+/// random numbers of sites in the parts all lead to energies within 0.3 % of each other after the
 /// relaxation.) Lines are first brought to one side of a random plane.
 ///
 /// If the law of the mass points is invariant under rotations, that of the order is as well.
