@@ -26,7 +26,7 @@ fn experiment() -> Vec<u64> {
     let cap = Cap::from_degrees(60.0).unwrap();
     let energy = cap.energy(Domain::Sphere, LMAX).unwrap();
     let mut points = Vec::new();
-    for pattern in Pattern::ALL {
+    for pattern in Pattern::ELEMENTARY {
         let n = pattern.nearest_count(N, Domain::Sphere);
         let sampler = pattern.build(n, Domain::Sphere).unwrap();
         let ensemble = Realizations::rotated(&*sampler, streams());

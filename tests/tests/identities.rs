@@ -14,7 +14,7 @@ const SEED: u64 = 1;
 
 /// One realization of every pattern near `asked` points, and a set with the poles and repetitions.
 fn point_sets(asked: usize) -> Vec<(String, Vec<DVec3>)> {
-    let mut sets: Vec<_> = Pattern::ALL
+    let mut sets: Vec<_> = Pattern::ELEMENTARY
         .into_iter()
         .map(|pattern| {
             let n = pattern.nearest_count(asked, Domain::Sphere);

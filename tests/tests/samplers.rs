@@ -17,7 +17,7 @@ fn streams(n: usize) -> Streams {
 }
 
 /// The whole contract, for every legal number of points up to [`MOST_ASKED`].
-fn check(pattern: Pattern, domain: Domain) {
+fn check(pattern: &Pattern, domain: Domain) {
     let legal: Vec<usize> =
         (1..=MOST_ASKED).filter(|&n| pattern.build(n, domain).is_ok()).collect();
     assert!(!legal.is_empty(), "{pattern} {domain:?} has no number of points up to {MOST_ASKED}");
@@ -30,9 +30,15 @@ fn check(pattern: Pattern, domain: Domain) {
 }
 
 /// A refusal names the legal number that is nearest.
-fn check_refusal(pattern: Pattern, domain: Domain, asked: usize, legal: &[usize], refusal: &Error) {
+fn check_refusal(
+    pattern: &Pattern,
+    domain: Domain,
+    asked: usize,
+    legal: &[usize],
+    refusal: &Error,
+) {
     if asked == 0 {
-        assert_eq!(*refusal, Error::NoPoints { pattern });
+        assert_eq!(*refusal, Error::NoPoints { pattern: pattern.clone() });
         return;
     }
     let Error::IllegalCount { nearest, asked: named, .. } = *refusal else {
@@ -52,7 +58,7 @@ fn check_refusal(pattern: Pattern, domain: Domain, asked: usize, legal: &[usize]
     }
 }
 
-fn check_sampler(pattern: Pattern, domain: Domain, n: usize, sampler: &dyn Sampler) {
+fn check_sampler(pattern: &Pattern, domain: Domain, n: usize, sampler: &dyn Sampler) {
     let name = format!("{pattern} {domain:?} N = {n}");
     assert_eq!((sampler.n_points(), sampler.domain()), (n, domain), "{name}");
     for ensemble in
@@ -100,9 +106,9 @@ fn bits(points: &[DVec3]) -> Vec<[u64; 3]> {
 
 #[test]
 fn every_sampler_keeps_its_contract() {
-    for pattern in Pattern::ALL {
+    for pattern in Pattern::ELEMENTARY {
         for domain in DOMAINS {
-            check(pattern, domain);
+            check(&pattern, domain);
         }
     }
 }

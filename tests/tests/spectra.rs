@@ -15,7 +15,7 @@ const REALIZATIONS: u64 = 300;
 /// The window for chi-square per degree of freedom that a comparison of two right spectra should keep.
 const CHI2_WINDOW: (f64, f64) = (0.8, 1.2);
 
-fn spectrum(pattern: Pattern, n: usize, lmax: usize, realizations: u64) -> Spectrum {
+fn spectrum(pattern: &Pattern, n: usize, lmax: usize, realizations: u64) -> Spectrum {
     let sampler = pattern.build(n, Domain::Sphere).unwrap();
     let ensemble = Realizations::rotated(&*sampler, Streams::new(SEED, Purpose::Pattern, n));
     estimate(&ensemble, lmax, realizations, &|| ()).unwrap()
@@ -41,7 +41,7 @@ fn jitter_has_its_recorded_spectrum() {
     {
         let reference = ReferenceSpectrum::load(name);
         assert!(reference.stderr()[1..].iter().all(|e| *e == 0.0), "{name} must be exact");
-        let got = spectrum(Pattern::Jittered, n, lmax, REALIZATIONS);
+        let got = spectrum(&Pattern::Jittered, n, lmax, REALIZATIONS);
         let (chi2, family) = compare(&got, reference.power(), name);
         let (low, high) = CHI2_WINDOW;
         assert!((low..=high).contains(&chi2), "{name}: chi2/dof = {chi2}");
@@ -58,7 +58,7 @@ fn the_spread_of_white_noise_is_that_of_its_orders() {
     const N: usize = 256;
     const LMAX: usize = 64;
     const WHITE: u64 = 1000;
-    let got = spectrum(Pattern::WhiteNoise, N, LMAX, WHITE);
+    let got = spectrum(&Pattern::WhiteNoise, N, LMAX, WHITE);
     let (chi2, family) = compare(&got, &[1.0; LMAX + 1], "white noise");
     family.assert_null(ALPHA);
     let (low, high) = chi2_interval(LMAX, ALPHA);
@@ -79,7 +79,7 @@ fn the_spread_of_white_noise_is_that_of_its_orders() {
 #[test]
 fn healpix_has_its_recorded_spectrum() {
     let reference = ReferenceSpectrum::load("healpix_972");
-    let got = spectrum(Pattern::Healpix, 972, reference.lmax(), REALIZATIONS);
+    let got = spectrum(&Pattern::Healpix, 972, reference.lmax(), REALIZATIONS);
     assert_eq!(got.realizations(), 1, "a fixed pattern is transformed once");
     for (l, power, stderr) in got.rows().skip(1) {
         assert!(stderr == 0.0, "l = {l}: a fixed pattern has no standard error, got {stderr}");
@@ -94,7 +94,7 @@ fn healpix_has_its_recorded_spectrum() {
         let scaled = 972.0 * got.power()[l];
         assert!((scaled / constant - 1.0).abs() < 0.025, "l = {l}: N P = {scaled}");
     }
-    let fine = spectrum(Pattern::Healpix, 12 * 64 * 64, 8, 1);
+    let fine = spectrum(&Pattern::Healpix, 12 * 64 * 64, 8, 1);
     for (l, constant) in [(2, 0.309), (4, 0.906), (6, 0.460), (8, 0.208)] {
         let scaled = 49152.0 * fine.power()[l];
         assert!((scaled / constant - 1.0).abs() < 0.003, "nside 64, l = {l}: N P = {scaled}");
@@ -104,7 +104,7 @@ fn healpix_has_its_recorded_spectrum() {
 #[test]
 fn fibonacci_has_its_recorded_spectrum() {
     let reference = ReferenceSpectrum::load("fib_1024");
-    let got = spectrum(Pattern::Fibonacci, 1024, reference.lmax(), 1);
+    let got = spectrum(&Pattern::Fibonacci, 1024, reference.lmax(), 1);
     for (l, power, _) in got.rows().skip(1) {
         digits_agree(l, power, reference.power()[l]);
     }
@@ -151,7 +151,7 @@ fn lattices_have_peaks() {
     for (pattern, n, lmax, height, omega) in
         [(Pattern::Healpix, 3888, 220, 30.2, 1.764), (Pattern::Fibonacci, 4096, 220, 7.96, 1.75)]
     {
-        let got = spectrum(pattern, n, lmax, 1);
+        let got = spectrum(&pattern, n, lmax, 1);
         let (l, peak) = got
             .power()
             .iter()

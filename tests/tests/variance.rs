@@ -16,7 +16,7 @@ const SEED: u64 = 7;
 const ALPHA: f64 = 1e-4;
 const COUNTS: [usize; 3] = [192, 768, 3072];
 
-fn spectrum(pattern: Pattern, n: usize, lmax: usize, realizations: u64) -> Spectrum {
+fn spectrum(pattern: &Pattern, n: usize, lmax: usize, realizations: u64) -> Spectrum {
     let sampler = pattern.build(n, Domain::Sphere).unwrap();
     let ensemble = Realizations::rotated(&*sampler, Streams::new(SEED, Purpose::Pattern, n));
     estimate(&ensemble, lmax, realizations, &|| ()).unwrap()
@@ -31,7 +31,7 @@ fn cap60() -> Cap {
 }
 
 /// Degrees enough for the cap: 4 sqrt N for random patterns, 40 sqrt N for lattices.
-fn lmax_of(pattern: Pattern, n: usize) -> usize {
+fn lmax_of(pattern: &Pattern, n: usize) -> usize {
     let root = n.isqrt();
     match pattern {
         Pattern::WhiteNoise => root,
@@ -58,7 +58,7 @@ fn jitter_has_its_recorded_variances_and_rates() {
     {
         let n = 12 * (nside * nside) as usize;
         // Beyond 4 sqrt N the power of jitter is within 0.3 % of the 1 that the tail assumes.
-        let lmax = lmax_of(Pattern::Jittered, n);
+        let lmax = lmax_of(&Pattern::Jittered, n);
         let both = [
             ("Y_40", harmonic, y40().energy(Domain::Sphere, 4).unwrap()),
             ("cap", cap, cap60().energy(Domain::Sphere, lmax).unwrap()),
@@ -87,13 +87,13 @@ fn predictions_of_jitter_are_within_2_percent() {
         [(4_u32, 7.183e-3, 1.544e-2), (8, 4.689e-4, 1.934e-3), (16, 2.965e-5, 2.420e-4)]
     {
         let n = 12 * (nside * nside) as usize;
-        let lmax = lmax_of(Pattern::Jittered, n);
+        let lmax = lmax_of(&Pattern::Jittered, n);
         let y = predict(
-            &spectrum(Pattern::Jittered, n, 4, 6000),
+            &spectrum(&Pattern::Jittered, n, 4, 6000),
             &y40().energy(Domain::Sphere, 4).unwrap(),
         );
         let c = predict(
-            &spectrum(Pattern::Jittered, n, lmax, 120),
+            &spectrum(&Pattern::Jittered, n, lmax, 120),
             &cap60().energy(Domain::Sphere, lmax).unwrap(),
         );
         for (name, got, recorded) in [("Y_40", y, harmonic), ("cap", c, cap)] {
@@ -144,11 +144,11 @@ fn fixed_patterns_have_their_recorded_variances() {
         (Pattern::Fibonacci, 768, 1.35e-7, 8.15e-4),
         (Pattern::Fibonacci, 3072, 1.50e-9, 1.060e-4),
     ] {
-        let y = predict(&spectrum(pattern, n, 4, 1), &y40().energy(Domain::Sphere, 4).unwrap());
+        let y = predict(&spectrum(&pattern, n, 4, 1), &y40().energy(Domain::Sphere, 4).unwrap());
         assert!((y.variance / harmonic - 1.0).abs() < 5e-3, "{pattern} {n}: {y:?}, {harmonic}");
-        let lmax = lmax_of(pattern, n).min(700);
+        let lmax = lmax_of(&pattern, n).min(700);
         let energy = cap60().energy(Domain::Sphere, lmax).unwrap();
-        let c = predict(&spectrum(pattern, n, lmax, 1), &energy);
+        let c = predict(&spectrum(&pattern, n, lmax, 1), &energy);
         assert!((c.variance / cap - 1.0).abs() < 0.02, "{pattern} {n}: {c:?}, recorded {cap}");
     }
 }
@@ -173,11 +173,11 @@ fn measured_variances_are_the_predicted_ones() {
     let mut variance = Family::new("measured/predicted variance");
     let mut bias = Family::new("mean of the estimates");
     let mut cell = 0;
-    for pattern in Pattern::ALL {
+    for pattern in Pattern::ELEMENTARY {
         for asked in ASKED {
             let n = pattern.nearest_count(asked, Domain::Sphere);
             let sampler = pattern.build(n, Domain::Sphere).unwrap();
-            let lmax = if sampler.is_random() { lmax_of(pattern, n) } else { 20 * n.isqrt() };
+            let lmax = if sampler.is_random() { lmax_of(&pattern, n) } else { 20 * n.isqrt() };
             // A spectrum for all integrands of the cell; its error is small beside that of the trials.
             let sets = Realizations::rotated(&*sampler, Streams::new(SEED, Purpose::Pattern, n));
             let got = estimate(&sets, lmax.max(30), SETS, &|| ()).unwrap();
@@ -259,7 +259,7 @@ fn coarse_maps_are_predicted_too() {
     let texels = vec![0.0, 1.0, 5.0, 2.0, 0.5, 0.0, 3.0, 1.0];
     let map = EnvironmentMap::new(4, 2, texels).unwrap();
     let mut family = Family::new("coarse map");
-    for pattern in Pattern::ALL {
+    for pattern in Pattern::ELEMENTARY {
         let sampler = pattern.build(768, Domain::Sphere).unwrap();
         let effort = Effort {
             seed: SEED,

@@ -1,8 +1,13 @@
 //! Samplers as they are named on the command line.
 
-use sphvar_samplers::{Domain, Error, Pattern, Sampler};
+use std::path::Path;
+
+use sphvar_samplers::{
+    DiskMode, Domain, Error, MassPoints, Pattern, Placement, PowerProfile, Sampler,
+};
 
 use crate::error::CliError;
+use crate::files::read_spectrum;
 use crate::spec::{Spec, unknown_name};
 
 /// The patterns of a list such as `jittered,white-noise`.
@@ -15,17 +20,91 @@ pub(crate) fn parse_pattern(text: &str) -> Result<Pattern, CliError> {
     pattern(Spec::parse(text)?)
 }
 
-fn pattern(spec: Spec) -> Result<Pattern, CliError> {
-    let known: Vec<&str> = Pattern::ALL.iter().map(|p| p.name()).collect();
-    let pattern = Pattern::from_name(&spec.name)
+fn pattern(mut spec: Spec) -> Result<Pattern, CliError> {
+    let known: Vec<&str> = Pattern::ALL.iter().map(Pattern::name).collect();
+    let mut pattern = Pattern::from_name(&spec.name)
         .ok_or_else(|| unknown_name("sampler", &spec.name, &known))?;
-    spec.finish(&[])?;
+    let keys = take_parameters(&mut pattern, &mut spec)?;
+    spec.finish(keys)?;
     Ok(pattern)
+}
+
+/// Sets what the specification gives, and returns the keys that there are.
+fn take_parameters(
+    pattern: &mut Pattern,
+    spec: &mut Spec,
+) -> Result<&'static [&'static str], CliError> {
+    Ok(match pattern {
+        Pattern::PoissonDisk { mode, radius } => {
+            let modes = [DiskMode::Exact, DiskMode::Saturated].map(|m| (m.name(), m));
+            spec.replace_choice("mode", &modes, mode)?;
+            *radius = spec.take_number("radius")?;
+            &["radius", "mode (exact, saturated)"]
+        }
+        Pattern::Ccvt { capacity, mass } => {
+            spec.replace_number("capacity", capacity)?;
+            spec.replace_choice("mass", &MassPoints::ALL.map(|m| (m.name(), m)), mass)?;
+            &["capacity", "mass (white, fibonacci, healpix)"]
+        }
+        Pattern::Step { alpha, flat, core } => {
+            spec.replace_number("alpha", alpha)?;
+            *flat = spec.take_number("flat")?;
+            spec.replace_number("core", core)?;
+            &["alpha", "flat", "core"]
+        }
+        Pattern::Blue { alpha, core } => {
+            spec.replace_number("alpha", alpha)?;
+            spec.replace_number("core", core)?;
+            &["alpha", "core"]
+        }
+        Pattern::Profile { profile, core } => {
+            spec.replace_number("core", core)?;
+            if let Some(path) = spec.take("") {
+                *profile = read_profile(&path)?;
+            } else if let PowerProfile::Polynomial { exponent, alpha, gamma, offset, to } = profile
+            {
+                spec.replace_number("b", exponent)?;
+                spec.replace_number("alpha", alpha)?;
+                spec.replace_number("gamma", gamma)?;
+                spec.replace_number("offset", offset)?;
+                spec.replace_number("to", to)?;
+            }
+            &["a file of l,power first of all", "b", "alpha", "gamma", "offset", "to", "core"]
+        }
+        Pattern::EqualArea { placement } => {
+            let placements = [Placement::Jittered, Placement::Centred].map(|p| (p.name(), p));
+            spec.replace_choice("placement", &placements, placement)?;
+            &["placement (jittered, centred)"]
+        }
+        Pattern::BestCandidate { factor } => {
+            spec.replace_number("factor", factor)?;
+            &["factor"]
+        }
+        Pattern::Lloyd { iterations } => {
+            spec.replace_number("iterations", iterations)?;
+            &["iterations"]
+        }
+        Pattern::Riesz { s, iterations } => {
+            spec.replace_number("s", s)?;
+            spec.replace_number("iterations", iterations)?;
+            &["s", "iterations"]
+        }
+        _ => &[],
+    })
+}
+
+/// The powers of a file of degrees and powers, which begins at degree 0 or 1 and leaves none out.
+fn read_profile(path: &str) -> Result<PowerProfile, CliError> {
+    let rows = read_spectrum(Path::new(path))?;
+    let first = rows.first().map_or(0, |row| row.l);
+    // Degree 0 does not count.
+    let powers = (0..first).map(|_| 0.0).chain(rows.iter().map(|row| row.power));
+    Ok(PowerProfile::Table { name: path.into(), power: powers.collect() })
 }
 
 /// The sampler of `n` points, or of the nearest number that the pattern has if `nearest`.
 pub(crate) fn build(
-    pattern: Pattern,
+    pattern: &Pattern,
     n: usize,
     domain: Domain,
     nearest: bool,

@@ -75,6 +75,34 @@ impl Spec {
         })
     }
 
+    /// Takes a parameter as a number in place of `value`, if it is there.
+    pub(crate) fn replace_number<T: std::str::FromStr>(
+        &mut self,
+        key: &str,
+        value: &mut T,
+    ) -> Result<(), CliError> {
+        if let Some(given) = self.take_number(key)? {
+            *value = given;
+        }
+        Ok(())
+    }
+
+    /// Takes a parameter as one of some names in place of `value`, if it is there.
+    pub(crate) fn replace_choice<T: Copy>(
+        &mut self,
+        key: &str,
+        choices: &[(&str, T)],
+        value: &mut T,
+    ) -> Result<(), CliError> {
+        if let Some(given) = self.take(key) {
+            let names: Vec<&str> = choices.iter().map(|(name, _)| *name).collect();
+            let found = choices.iter().find(|(name, _)| *name == given);
+            let what = format!("{key} of {}", self.name);
+            *value = found.ok_or_else(|| unknown_name(&what, &given, &names))?.1;
+        }
+        Ok(())
+    }
+
     /// Takes a parameter that must be there.
     pub(crate) fn require_number<T: std::str::FromStr>(
         &mut self,

@@ -15,6 +15,17 @@ pub enum Placement {
     Centred,
 }
 
+impl Placement {
+    /// The placement's name: `jittered` or `centred`.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Jittered => "jittered",
+            Self::Centred => "centred",
+        }
+    }
+}
+
 /// One point in each of N regions of equal area: the recursive zonal equal-area partition
 /// EQ(2, N) (Leopardi 2006), for any N.
 ///

@@ -29,8 +29,8 @@ pub enum Error {
     /// A realization could not be completed.
     #[error("{pattern} of {n_points} points: {reason}")]
     Unrealised {
-        /// The pattern.
-        pattern: Pattern,
+        /// The pattern's name.
+        pattern: &'static str,
         /// The number of points asked for.
         n_points: usize,
         /// What stood in the way, and what would be possible.
@@ -39,8 +39,8 @@ pub enum Error {
     /// More points than the pattern's indices can count.
     #[error("{pattern} cannot have {asked} points: the most is {most}")]
     TooManyPoints {
-        /// The pattern asked for.
-        pattern: Pattern,
+        /// The pattern's name.
+        pattern: &'static str,
         /// The number of points asked for.
         asked: usize,
         /// The largest legal number.

@@ -19,6 +19,7 @@
 
 mod archimedes;
 mod best_candidate;
+mod ccvt;
 mod cosine_hemisphere;
 mod count;
 mod cube_grid;
@@ -34,6 +35,7 @@ mod jittered_square;
 mod lloyd;
 mod on_sphere;
 mod pattern;
+mod pattern_facts;
 mod poisson_disk;
 mod radical_inverse;
 mod realizations;
@@ -52,6 +54,7 @@ mod white_noise;
 mod white_square;
 
 pub use best_candidate::BestCandidate;
+pub use ccvt::{Ccvt, MassPoints, Tessellation};
 pub use cosine_hemisphere::{
     CosineHemisphere, concentric_disk, cosine_hemisphere, cosine_hemisphere_pdf,
 };
@@ -66,6 +69,7 @@ pub use jittered_square::JitteredSquare;
 pub use lloyd::{Lloyd, quantization_energy};
 pub use on_sphere::OnSphere;
 pub use pattern::Pattern;
+pub use pattern_facts::PatternFacts;
 pub use poisson_disk::{DiskMode, PoissonDisk};
 pub use realizations::Realizations;
 pub use region::Region;
@@ -74,7 +78,7 @@ pub use riesz_energy::riesz_energy;
 pub use rotation::{rotate, uniform_rotation};
 pub use sampler::Sampler;
 pub use sobol::Sobol;
-pub use spectral_control::{SpectralControl, SpectralTarget};
+pub use spectral_control::{PowerProfile, SpectralControl, SpectralTarget};
 pub use spiral::GeneralizedSpiral;
 pub use square_pattern::SquarePattern;
 pub use streams::{Purpose, Streams};

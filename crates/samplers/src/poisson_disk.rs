@@ -14,8 +14,7 @@ pub(crate) use grid::Grid;
 use packing::greatest_chord;
 use throw::{End, Thrower};
 
-/// Registered by name later.
-const PATTERN: Pattern = Pattern::WhiteNoise;
+const NAME: &str = "poisson-disk";
 
 /// When a Poisson disk pattern is complete.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -129,11 +128,11 @@ impl PoissonDisk {
         radius: Option<f64>,
     ) -> Result<Self, Error> {
         if n_points == 0 {
-            return Err(Error::NoPoints { pattern: PATTERN });
+            return Err(Error::NoPoints { pattern: Pattern::PoissonDisk { mode, radius } });
         }
         if n_points > Self::MOST_POINTS {
             let most = Self::MOST_POINTS;
-            return Err(Error::TooManyPoints { pattern: PATTERN, asked: n_points, most });
+            return Err(Error::TooManyPoints { pattern: NAME, asked: n_points, most });
         }
         let radius = radius.unwrap_or_else(|| Self::default_radius(n_points, domain, mode));
         let disks = Self { n_points, domain, mode, radius };
@@ -222,7 +221,7 @@ impl PoissonDisk {
     }
 
     fn unrealised(&self, reason: String) -> Error {
-        Error::Unrealised { pattern: PATTERN, n_points: self.n_points, reason }
+        Error::Unrealised { pattern: NAME, n_points: self.n_points, reason }
     }
 
     fn exact_into(&self, rng: &mut ChaCha8Rng, points: &mut Vec<DVec3>) -> Result<(), Error> {

@@ -1,4 +1,5 @@
 mod energy;
+mod profile;
 mod soft_core;
 mod target;
 
@@ -8,6 +9,7 @@ use rand::Rng;
 use crate::descent::Descent;
 use crate::{Domain, Error, Sampler, count, white_noise};
 use energy::SpectralEnergy;
+pub use profile::PowerProfile;
 use soft_core::SoftCore;
 pub use target::SpectralTarget;
 
@@ -28,7 +30,7 @@ pub use target::SpectralTarget;
 ///
 /// ```
 /// use sphvar_samplers::{Domain, Purpose, Sampler, SpectralControl, Streams};
-/// let step = SpectralControl::step(100, Domain::Sphere, 1.0)?;
+/// let step = SpectralControl::step(100, Domain::Sphere, 1.0, None)?;
 /// assert_eq!(step.target().constraints(Domain::Sphere), 99);
 /// let points = step.sample(&mut Streams::new(0, Purpose::Pattern, 100).realization(0))?;
 /// // No power at degree 1: the points balance.
@@ -63,19 +65,28 @@ impl SpectralControl {
     /// That of [`Self::blue`].
     pub const BLUE_CORE: f64 = 0.75;
 
+    /// Fewer points have no freedom left for a flat spectrum beyond a step.
+    const FEWEST_FLAT: usize = 32;
+
     /// Steps of one descent, and how many are begun.
     const MOST_STEPS: u32 = 3000;
     const MOST_STARTS: u32 = 4;
 
     /// No power at all up to the last degree t with `(t+1)^2 - 1 <= alpha^2 N`, about alpha sqrt(N),
-    /// and for alpha up to 1 that of white noise from there to `2 sqrt(N)`, where points are no nearer than
-    /// 0.3 of a hexagonal lattice's.
+    /// and that of white noise from there to `flat sqrt(N)`, where points are no nearer than 0.3 of a
+    /// hexagonal lattice's. If not given, `flat` is 2 for alpha up to 1 and 32 points or more, else 0.
     ///
     /// # Errors
     ///
     /// As [`Self::new`].
-    pub fn step(n_points: usize, domain: Domain, alpha: f64) -> Result<Self, Error> {
-        let flat = if alpha <= 1.0 { 2.0 } else { 0.0 };
+    pub fn step(
+        n_points: usize,
+        domain: Domain,
+        alpha: f64,
+        flat: Option<f64>,
+    ) -> Result<Self, Error> {
+        let usual = if alpha <= 1.0 && n_points >= Self::FEWEST_FLAT { 2.0 } else { 0.0 };
+        let flat = flat.unwrap_or(usual);
         Self::new("step", n_points, Self::step_target(n_points, domain, alpha, flat)?, domain)?
             .with_core(Self::STEP_CORE)
     }
@@ -89,6 +100,15 @@ impl SpectralControl {
     pub fn blue(n_points: usize, domain: Domain, alpha: f64) -> Result<Self, Error> {
         Self::new("blue", n_points, Self::step_target(n_points, domain, alpha, 0.0)?, domain)?
             .with_core(Self::BLUE_CORE)
+    }
+
+    /// The power of a profile, met at every degree of every realization.
+    ///
+    /// # Errors
+    ///
+    /// As [`PowerProfile::target`] and [`Self::new`].
+    pub fn profile(n_points: usize, domain: Domain, profile: &PowerProfile) -> Result<Self, Error> {
+        Self::new("profile", n_points, profile.target(n_points, domain)?, domain)
     }
 
     /// The target of a step to alpha, and of white noise from there to `flat sqrt(N)`.

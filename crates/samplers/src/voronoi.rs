@@ -183,7 +183,7 @@ mod tests {
     #[test]
     fn moments_of_large_sets_add_up_to_nothing() {
         for kind in [Pattern::WhiteNoise, Pattern::Fibonacci, Pattern::Healpix] {
-            let sites = pattern(kind, 12 * 40 * 40);
+            let sites = pattern(kind.clone(), 12 * 40 * 40);
             let moments = moments(&sites);
             let area = 4.0 * PI / sites.len() as f64;
             let sum: DVec3 = moments.iter().sum();

@@ -180,7 +180,7 @@ fn measured(
         return Ok(None);
     };
     let pattern = patterns::parse_pattern(name)?;
-    let sampler = patterns::build(pattern, args.points, domain, args.nearest)?;
+    let sampler = patterns::build(&pattern, args.points, domain, args.nearest)?;
     let n_points = sampler.n_points();
     let lmax = args.lmax.unwrap_or_else(|| Resolution::natural_degree(n_points));
     check_degree("--lmax", lmax)?;
@@ -193,7 +193,7 @@ fn measured(
     let ensemble =
         Realizations::rotated(&*sampler, Streams::new(global.seed, Purpose::Pattern, group));
     let progress = Progress::new(args.realizations as f64, global.quiet);
-    progress.stage(pattern.name());
+    progress.stage(&pattern.to_string());
     let spectrum = estimate(&ensemble, lmax, args.realizations, &|| progress.advance(1.0))?;
     Ok(Some(Measured {
         n_points,

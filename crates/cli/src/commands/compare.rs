@@ -52,7 +52,7 @@ pub(crate) struct CompareArgs {
 /// What is said about one sampler over all its numbers of points.
 #[derive(Debug, Serialize)]
 struct Summary {
-    sampler: &'static str,
+    sampler: String,
     /// Exponent of the measured variance and its 95 % interval.
     rate: Option<f64>,
     rate_interval: Option<(f64, f64)>,
@@ -70,8 +70,8 @@ struct Summary {
 /// Where two samplers' measured variances cross.
 #[derive(Debug, Serialize)]
 struct CrossoverRecord {
-    better_below: &'static str,
-    better_above: &'static str,
+    better_below: String,
+    better_above: String,
     n: f64,
     interval: (f64, f64),
     confidence: f64,
@@ -104,7 +104,7 @@ pub(crate) fn run(args: &CompareArgs, global: &Global) -> Result<(), CliError> {
     let domain = super::domain(args.effort.hemisphere);
     let listed = match &args.samplers {
         Some(list) => parse_patterns(list)?,
-        None => Pattern::ALL.to_vec(),
+        None => Pattern::ELEMENTARY.to_vec(),
     };
     let mut patterns: Vec<Pattern> = Vec::new();
     for pattern in listed {
@@ -115,7 +115,7 @@ pub(crate) fn run(args: &CompareArgs, global: &Global) -> Result<(), CliError> {
     let mut cases: Vec<Case> = Vec::new();
     for pattern in &patterns {
         for &n in &args.points {
-            let case = Case::new(*pattern, n, domain, true)?;
+            let case = Case::new(pattern.clone(), n, domain, true)?;
             let same = |c: &Case| c.pattern == *pattern && c.n_points() == case.n_points();
             if !cases.iter().any(same) {
                 cases.push(case);
@@ -127,7 +127,7 @@ pub(crate) fn run(args: &CompareArgs, global: &Global) -> Result<(), CliError> {
     prepare_folder(&args.out)?;
     let (rows, energy) = rows::run(&plan, &cases)?;
 
-    let curves: Vec<Curve<'_>> = patterns.iter().map(|&p| Curve::new(p, &rows)).collect();
+    let curves: Vec<Curve<'_>> = patterns.iter().map(|p| Curve::new(p, &rows)).collect();
     let summaries: Vec<Summary> = curves.iter().filter_map(|c| c.summary(&energy)).collect();
     let crossovers = crossovers(&curves, global.seed);
     let records: Vec<RowRecord> = rows.iter().map(|row| RowRecord::new(row, &plan)).collect();
@@ -161,13 +161,13 @@ fn prepare_folder(folder: &Path) -> Result<(), CliError> {
 
 /// The rows of one pattern, by number of points.
 struct Curve<'a> {
-    pattern: Pattern,
+    pattern: &'a Pattern,
     rows: Vec<&'a Row>,
 }
 
 impl<'a> Curve<'a> {
-    fn new(pattern: Pattern, rows: &'a [Row]) -> Self {
-        let mut rows: Vec<&Row> = rows.iter().filter(|r| r.pattern == pattern).collect();
+    fn new(pattern: &'a Pattern, rows: &'a [Row]) -> Self {
+        let mut rows: Vec<&Row> = rows.iter().filter(|r| r.pattern == *pattern).collect();
         rows.sort_by_key(|r| r.comparison.spectrum.n_points());
         Self { pattern, rows }
     }
@@ -189,7 +189,7 @@ impl<'a> Curve<'a> {
         let gain = white / measured.variance;
         let is_measurable = gain.is_finite();
         Some(Summary {
-            sampler: self.pattern.name(),
+            sampler: self.pattern.to_string(),
             rate: fit.map(|f| f.slope),
             rate_interval: fit.map(|f| f.interval),
             predicted_rate: fit_rate(&self.predicted()).map(|f| f.slope),
@@ -219,8 +219,8 @@ fn crossovers(curves: &[Curve<'_>], seed: u64) -> Vec<CrossoverRecord> {
             };
             let (above, below) = if first_is_better_above { (a, b) } else { (b, a) };
             found.push(CrossoverRecord {
-                better_below: below.pattern.name(),
-                better_above: above.pattern.name(),
+                better_below: below.pattern.to_string(),
+                better_above: above.pattern.to_string(),
                 n: n_points,
                 interval,
                 confidence,
@@ -281,7 +281,7 @@ fn verdict(samplers: &[Summary]) -> String {
     let Some((gain, stderr)) = best.gain.zip(best.gain_stderr).filter(|_| best.power_seen > 0.0)
     else {
         let exact: Vec<&str> =
-            samplers.iter().filter(|s| s.gain.is_none()).map(|s| s.sampler).collect();
+            samplers.iter().filter(|s| s.gain.is_none()).map(|s| s.sampler.as_str()).collect();
         return format!("Exact to rounding: {}.\n", exact.join(", "));
     };
     format!(
@@ -329,7 +329,7 @@ fn spectrum_records(rows: &[Row]) -> Vec<Vec<String>> {
         for (l, power, stderr) in spectrum.rows() {
             let omega = l as f64 / (n as f64).sqrt();
             records.push(vec![
-                row.pattern.name().to_owned(),
+                row.pattern.to_string(),
                 n.to_string(),
                 l.to_string(),
                 full(omega),

@@ -96,7 +96,8 @@ impl Case {
         domain: Domain,
         nearest: bool,
     ) -> Result<Self, CliError> {
-        Ok(Self { pattern, asked, sampler: patterns::build(pattern, asked, domain, nearest)? })
+        let sampler = patterns::build(&pattern, asked, domain, nearest)?;
+        Ok(Self { pattern, asked, sampler })
     }
 
     pub(super) fn n_points(&self) -> usize {
@@ -127,7 +128,7 @@ pub(super) fn run(plan: &Plan<'_>, cases: &[Case]) -> Result<(Vec<Row>, Energy),
             let done = |cost| progress.advance(cost);
             let function = &*plan.integrand.function;
             let comparison = compare(&*case.sampler, function, &energy, effort, &done)?;
-            Ok(Row { pattern: case.pattern, asked: case.asked, comparison })
+            Ok(Row { pattern: case.pattern.clone(), asked: case.asked, comparison })
         })
         .collect::<Result<Vec<Row>, CliError>>()?;
     Ok((rows, energy))
@@ -184,7 +185,7 @@ impl Plan<'_> {
 /// A row as scripts see it.
 #[derive(Debug, Serialize)]
 pub(super) struct RowRecord {
-    sampler: &'static str,
+    sampler: String,
     integrand: String,
     domain: &'static str,
     asked: usize,
@@ -210,7 +211,7 @@ impl RowRecord {
         let Comparison { spectrum, prediction, measurement, .. } = &row.comparison;
         let (ratio, ratio_stderr) = row.comparison.ratio();
         Self {
-            sampler: row.pattern.name(),
+            sampler: row.pattern.to_string(),
             integrand: plan.integrand.name.clone(),
             domain: plan.domain.name(),
             asked: row.asked,

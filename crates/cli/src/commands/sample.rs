@@ -51,7 +51,7 @@ pub(crate) struct SampleArgs {
 /// The document of `--json`.
 #[derive(Debug, Serialize)]
 struct Document {
-    sampler: &'static str,
+    sampler: String,
     n: usize,
     realizations: usize,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -70,7 +70,7 @@ pub(crate) fn run(args: &SampleArgs, global: &Global) -> Result<(), CliError> {
     if args.out.as_os_str() != "-" {
         AtomicFile::check(&args.out)?;
     }
-    let sampler = patterns::build(pattern, n, super::domain(args.hemisphere), args.nearest)?;
+    let sampler = patterns::build(&pattern, n, super::domain(args.hemisphere), args.nearest)?;
     let n_points = sampler.n_points();
     let total = 24.0 * n_points as f64 * args.realizations as f64;
     check_memory(&format!("{} sets of {n_points} points", args.realizations), total)?;
@@ -110,7 +110,7 @@ pub(crate) fn run(args: &SampleArgs, global: &Global) -> Result<(), CliError> {
             .then(|| sets.iter().map(|s| s.iter().map(glam::DVec3::to_array).collect()).collect());
         let realizations = args.realizations;
         return print_json(&Document {
-            sampler: pattern.name(),
+            sampler: pattern.to_string(),
             n: n_points,
             realizations,
             points,
@@ -129,12 +129,12 @@ struct Entry {
 }
 
 fn list(global: &Global) -> Result<(), CliError> {
-    let entry = |p: Pattern| Entry {
+    let entry = |p: &Pattern| Entry {
         sampler: p.name(),
         sphere: p.legal_counts(Domain::Sphere),
         hemisphere: p.legal_counts(Domain::Hemisphere),
     };
-    let entries: Vec<Entry> = Pattern::ALL.into_iter().map(entry).collect();
+    let entries: Vec<Entry> = Pattern::ALL.iter().map(entry).collect();
     if global.json {
         return print_json(&entries);
     }

@@ -128,9 +128,9 @@ pub(crate) fn run(args: &SpectrumArgs, global: &Global) -> Result<(), CliError> 
     let source = source(args, domain, global)?;
     let (name, n_points, count) = match &source {
         Source::Sampler { pattern, sampler } => {
-            (pattern.name(), sampler.n_points(), args.realizations)
+            (pattern.to_string(), sampler.n_points(), args.realizations)
         }
-        Source::Files { name, sets } => (name.as_str(), mean_size(&sets.0), sets.0.len() as u64),
+        Source::Files { name, sets } => (name.clone(), mean_size(&sets.0), sets.0.len() as u64),
     };
     if count == 0 {
         return Err(CliError::Usage("-m must be at least 1, got 0".to_owned()));
@@ -167,7 +167,7 @@ pub(crate) fn run(args: &SpectrumArgs, global: &Global) -> Result<(), CliError> 
         }
     };
     let progress = Progress::new(count as f64, global.quiet);
-    progress.stage(name);
+    progress.stage(&name);
     let (spectrum, (orders, samples)) =
         accumulate(sets, resolution, 0..count, &empty, &|| progress.advance(1.0))?;
     drop(progress);
@@ -193,7 +193,7 @@ pub(crate) fn run(args: &SpectrumArgs, global: &Global) -> Result<(), CliError> 
         let rows: Vec<_> = samples.finish().iter().map(|a| vec![full(a.re), full(a.im)]).collect();
         write_text(&coefficient.path, &csv(&provenance, "re,im", &rows))?;
     }
-    emit(args, global, name, &spectrum, seconds, &provenance)
+    emit(args, global, &name, &spectrum, seconds, &provenance)
 }
 
 /// Refuses what could not be written in the end.
@@ -220,7 +220,7 @@ fn source(args: &SpectrumArgs, domain: Domain, global: &Global) -> Result<Source
         return files(args, domain, global);
     };
     let pattern = patterns::parse_pattern(name)?;
-    let sampler = patterns::build(pattern, n, domain, args.nearest)?;
+    let sampler = patterns::build(&pattern, n, domain, args.nearest)?;
     if sampler.n_points() != n {
         let got = sampler.n_points();
         say(global.quiet, &format!("{pattern}: {got} points, the nearest to the {n} asked for"));

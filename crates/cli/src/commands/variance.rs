@@ -55,7 +55,7 @@ pub(crate) fn run(args: &VarianceArgs, global: &Global) -> Result<(), CliError> 
     let mut cases = Vec::new();
     for pattern in parse_patterns(&args.samplers)? {
         for &n in &args.points {
-            cases.push(Case::new(pattern, n, domain, args.nearest)?);
+            cases.push(Case::new(pattern.clone(), n, domain, args.nearest)?);
         }
     }
     let plan = args.effort.plan(&integrand, global, false)?;

@@ -105,7 +105,7 @@ mod tests {
                 for k in 0..points.len() {
                     for axis in DVec3::AXES {
                         let h = 1e-6;
-                        let mut at = |step: f64| {
+                        let at = |step: f64| {
                             let mut moved = points.clone();
                             moved[k] += step * axis;
                             definition(core, &moved)

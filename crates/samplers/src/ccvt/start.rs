@@ -1,0 +1,111 @@
+use glam::DVec3;
+use rand::Rng;
+use rand_distr::{Distribution, StandardNormal};
+
+/// Mean vectors shorter than this belong to regions that are no cap: they have no tangent plane.
+const SHORTEST_MEAN: f64 = 0.2;
+
+/// A mass point with its place along the direction in which its region is divided.
+#[derive(Clone, Copy, Debug)]
+struct Placed {
+    key: f64,
+    point: DVec3,
+}
+
+/// Puts mass points in an order in which those of site k, `capacity` of them from `k capacity`
+/// on, lie close together.
+///
+/// The set is halved again and again, the parts holding what their sites need, across a random
+/// tangent direction. (The long axis of the region instead, its corners filled by chance, and
+/// random numbers of sites in the parts all lead to energies within 0.3 % of each other after the
+/// relaxation.) Lines are first brought to one side of a random plane.
+///
+/// If the law of the mass points is invariant under rotations, that of the order is as well.
+pub(super) fn divide(points: &mut [DVec3], capacity: usize, lines: bool, rng: &mut dyn Rng) {
+    if lines {
+        let up = random_direction(rng);
+        for p in &mut *points {
+            if p.dot(up) < 0.0 {
+                *p = -*p;
+            }
+        }
+    }
+    let mut placed: Vec<Placed> = points.iter().map(|&point| Placed { key: 0.0, point }).collect();
+    halve(&mut placed, capacity, rng);
+    for (p, placed) in points.iter_mut().zip(placed) {
+        *p = placed.point;
+    }
+}
+
+fn halve(placed: &mut [Placed], capacity: usize, rng: &mut dyn Rng) {
+    let n = placed.len() / capacity;
+    if n < 2 {
+        return;
+    }
+    let direction = cut(placed, rng);
+    for p in &mut *placed {
+        p.key = p.point.dot(direction);
+    }
+    let below = n / 2 * capacity;
+    placed.select_nth_unstable_by(below, |a, b| a.key.total_cmp(&b.key));
+    let (low, high) = placed.split_at_mut(below);
+    halve(low, capacity, rng);
+    halve(high, capacity, rng);
+}
+
+/// A uniform direction of the tangent plane at the middle of the region, which for a region as
+/// large as the sphere is any direction.
+fn cut(placed: &[Placed], rng: &mut dyn Rng) -> DVec3 {
+    let mean = placed.iter().map(|p| p.point).sum::<DVec3>() / placed.len() as f64;
+    let direction = random_direction(rng);
+    if mean.length() < SHORTEST_MEAN {
+        return direction;
+    }
+    // Any multiple of the direction gives the same order, even the zero vector some order.
+    let normal = mean.normalize();
+    direction - direction.dot(normal) * normal
+}
+
+/// A uniform direction.
+pub(super) fn random_direction(rng: &mut dyn Rng) -> DVec3 {
+    loop {
+        let mut normal = || -> f64 { StandardNormal.sample(&mut *rng) };
+        let v = DVec3::new(normal(), normal(), normal());
+        // A vector this short (probability 1e-19) would lose digits when normalised.
+        if v.length_squared() > 1e-12 {
+            return v.normalize();
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{DVec3, divide, random_direction};
+    use crate::{Purpose, Streams};
+
+    #[test]
+    fn the_order_is_a_permutation_into_compact_groups() {
+        let mut rng = Streams::new(5, Purpose::Pattern, 0).realization(0);
+        for (n, capacity, lines) in [(1, 7, false), (2, 5, true), (37, 16, false), (64, 9, true)] {
+            let mut points: Vec<DVec3> =
+                (0..n * capacity).map(|_| random_direction(&mut rng)).collect();
+            // What a point and its antipode have in common.
+            let sorted = |points: &[DVec3]| {
+                let mut all: Vec<_> =
+                    points.iter().map(|p| if lines && p.z < 0.0 { -*p } else { *p }).collect();
+                all.sort_by(|a, b| a.x.total_cmp(&b.x));
+                all
+            };
+            let before = sorted(&points);
+            divide(&mut points, capacity, lines, &mut rng);
+            assert_eq!(before, sorted(&points), "n = {n}, capacity = {capacity}");
+            // Random groups would have mean vectors of length about 1/sqrt(capacity), 0.25.
+            if n > 16 {
+                for group in points.chunks_exact(capacity) {
+                    let mean = group.iter().sum::<DVec3>().length() / capacity as f64;
+                    assert!(mean > 0.7, "a group of n = {n} has mean length {mean}");
+                }
+            }
+        }
+    }
+}
