@@ -163,7 +163,9 @@ impl<T: Real> Locate<'_, T> {
                     let place = if short { below + 1 } else { below };
                     let start = f64::from(place) - margin;
                     first[axis][i] = place;
-                    t[axis][i] = 2.0 * ((base - start - half) + rest) + 1.0;
+                    // The product is not rounded before the difference, which is small.
+                    let offset = turns.rest[i].times_plus::<FUSED>(n, base - start - half);
+                    t[axis][i] = 2.0 * offset + 1.0;
                 }
             }
             let weights = weights.map(|w| &w[chunk * angles::WIDTH..]);

@@ -3,8 +3,9 @@
 use std::path::PathBuf;
 
 use clap::Args;
+use rayon::prelude::{IntoParallelIterator, ParallelIterator};
 use serde::Serialize;
-use sphvar_samplers::{Domain, Pattern, Purpose, Realizations, Streams};
+use sphvar_samplers::{Domain, Pattern, PatternFacts, Purpose, Realizations, Streams};
 
 use crate::error::CliError;
 use crate::files::{AtomicFile, write_points};
@@ -12,19 +13,25 @@ use crate::global::Global;
 use crate::memory::check_memory;
 use crate::patterns;
 use crate::plots::{ImageFormat, OrthographicView};
-use crate::report::{Provenance, print, print_json, say, table};
+use crate::progress::Progress;
+use crate::report::{Provenance, print, print_json, say};
 
 pub(crate) const EXAMPLES: &str = "Examples:
   sphvar sample jittered -n 972 -o points.csv
   sphvar sample fibonacci -n 1000 -o points.svg     (a picture)
-  sphvar sample white-noise -n 4096 -m 100 --rotate -o sets.npy";
+  sphvar sample white-noise -n 4096 -m 100 --rotate -o sets.npy
+  sphvar sample poisson-disk:mode=saturated -n 4096 -o disks.ply
+  sphvar sample step:alpha=1 -n 4096 -o step.npy    (no power up to degree 63)
+  sphvar sample profile:b=2,alpha=1,to=2 -n 1000 -o quadratic.csv
+  sphvar sample --list";
 
 #[derive(Debug, Args)]
 pub(crate) struct SampleArgs {
-    /// The sampler
+    /// The sampler, with parameters as name:key=value,key=value
     #[arg(required_unless_present = "list")]
     pub(crate) sampler: Option<String>,
-    /// List the samplers with the numbers of points that they have
+    /// List the samplers with their parameters, the numbers of points that they have, what a set costs,
+    /// their power at low degrees, their rates and who described them
     #[arg(long)]
     pub(crate) list: bool,
     /// Number of points
@@ -54,6 +61,9 @@ struct Document {
     sampler: String,
     n: usize,
     realizations: usize,
+    /// The number of points of each set, where the pattern does not fix it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    counts: Option<Vec<usize>>,
     #[serde(skip_serializing_if = "Option::is_none")]
     points: Option<Vec<Vec<[f64; 3]>>>,
     provenance: Provenance,
@@ -87,9 +97,18 @@ pub(crate) fn run(args: &SampleArgs, global: &Global) -> Result<(), CliError> {
     } else {
         Realizations::unrotated(&*sampler, streams)
     };
+    let progress = Progress::new(args.realizations as f64, global.quiet);
+    progress.stage(&pattern.to_string());
+    let realize = |i| {
+        let set = ensemble.realize(i).map_err(CliError::failed)?;
+        progress.advance(1.0);
+        Ok(set)
+    };
     let sets = (0..args.realizations as u64)
-        .map(|i| ensemble.realize(i).map_err(CliError::usage))
-        .collect::<Result<Vec<_>, _>>()?;
+        .into_par_iter()
+        .map(realize)
+        .collect::<Result<Vec<_>, CliError>>()?;
+    drop(progress);
     let provenance = Provenance::new(global.seed);
     let to_stdout = args.out.as_os_str() == "-";
     if ImageFormat::of_path(&args.out).is_some() {
@@ -97,7 +116,7 @@ pub(crate) fn run(args: &SampleArgs, global: &Global) -> Result<(), CliError> {
             say(global.quiet, "the picture shows the first realization");
         }
         let view = OrthographicView {
-            title: format!("{pattern}, N = {n_points}"),
+            title: format!("{pattern}, N = {}", sets[0].len()),
             notes: vec![provenance.line()],
             ..OrthographicView::default()
         };
@@ -109,10 +128,13 @@ pub(crate) fn run(args: &SampleArgs, global: &Global) -> Result<(), CliError> {
         let points = to_stdout
             .then(|| sets.iter().map(|s| s.iter().map(glam::DVec3::to_array).collect()).collect());
         let realizations = args.realizations;
+        let counts: Vec<usize> = sets.iter().map(Vec::len).collect();
+        let counts = Some(counts).filter(|counts| counts.iter().any(|&count| count != n_points));
         return print_json(&Document {
             sampler: pattern.to_string(),
             n: n_points,
             realizations,
+            counts,
             points,
             provenance,
         });
@@ -124,21 +146,63 @@ pub(crate) fn run(args: &SampleArgs, global: &Global) -> Result<(), CliError> {
 #[derive(Debug, Serialize)]
 struct Entry {
     sampler: &'static str,
+    parameters: String,
     sphere: &'static str,
     hemisphere: &'static str,
+    cost: &'static str,
+    law: &'static str,
+    best_rate: &'static str,
+    worst_rate: &'static str,
+    source: &'static str,
+}
+
+impl Entry {
+    fn new(pattern: &Pattern) -> Self {
+        let PatternFacts { cost, law, best_rate, worst_rate, source, .. } = pattern.facts();
+        Self {
+            sampler: pattern.name(),
+            parameters: pattern.all_parameters().join(","),
+            sphere: pattern.legal_counts(Domain::Sphere),
+            hemisphere: pattern.legal_counts(Domain::Hemisphere),
+            cost,
+            law,
+            best_rate,
+            worst_rate,
+            source,
+        }
+    }
 }
 
 fn list(global: &Global) -> Result<(), CliError> {
-    let entry = |p: &Pattern| Entry {
-        sampler: p.name(),
-        sphere: p.legal_counts(Domain::Sphere),
-        hemisphere: p.legal_counts(Domain::Hemisphere),
-    };
-    let entries: Vec<Entry> = Pattern::ALL.iter().map(entry).collect();
+    let entries: Vec<Entry> = Pattern::ALL.iter().map(Entry::new).collect();
     if global.json {
         return print_json(&entries);
     }
-    let cells = |e: &Entry| [e.sampler, e.sphere, e.hemisphere].map(str::to_owned).to_vec();
-    let rows = entries.iter().map(cells).collect();
-    print(&table(&["sampler", "N on the sphere", "N on the hemisphere"], rows, 3))
+    let mut text = String::new();
+    for e in &entries {
+        let name = if e.parameters.is_empty() {
+            e.sampler.to_owned()
+        } else {
+            format!("{}:{}", e.sampler, e.parameters)
+        };
+        // A pattern takes a paragraph: in one table the columns would not fit a terminal.
+        let counts = if e.sphere == e.hemisphere {
+            e.sphere.to_owned()
+        } else {
+            format!("{}; on the hemisphere {}", e.sphere, e.hemisphere)
+        };
+        let rates = format!("N^{} smooth, N^{} with jumps", e.best_rate, e.worst_rate);
+        text += &name;
+        text.push('\n');
+        for (what, value) in [
+            ("N", counts.as_str()),
+            ("cost", e.cost),
+            ("P(l) as l -> 0", e.law),
+            ("variance", rates.as_str()),
+            ("source", e.source),
+        ] {
+            text += &format!("    {what:<15} {value}\n");
+        }
+    }
+    print(&text)
 }

@@ -248,6 +248,9 @@ impl Product<'_> {
     }
 }
 
+/// Rings that are added without asking whether there is a next one.
+const STRETCH: usize = 8;
+
 /// `sums[i] += sum_r rows[i][r] terms[r]`.
 #[inline(always)]
 fn over_rings<S: Simd, const V: usize, const N: usize>(
@@ -257,17 +260,36 @@ fn over_rings<S: Simd, const V: usize, const N: usize>(
     sums: &mut [[S::f64s; V]; N],
 ) {
     let mut local = [[simd.splat_f64s(0.0); V]; N];
-    for (r, term) in terms.iter().enumerate().take(RINGS).rev() {
-        for i in 0..N {
-            let value = simd.splat_f64s(rows[i][r]);
-            for v in 0..V {
-                local[i][v] = simd.mul_add_e_f64s(value, term[v], local[i][v]);
-            }
+    // Towards the equator, where the largest terms are if they are of unlike sizes.
+    let (stretches, rest) = terms.as_chunks::<STRETCH>();
+    for (r, term) in (stretches.len() * STRETCH..RINGS).zip(rest).rev() {
+        add_ring(simd, rows, r, term, &mut local);
+    }
+    for (first, stretch) in (0..RINGS).step_by(STRETCH).zip(stretches).rev() {
+        for r in (0..STRETCH).rev() {
+            add_ring(simd, rows, first + r, &stretch[r], &mut local);
         }
     }
     for i in 0..N {
         for v in 0..V {
             sums[i][v] = simd.add_f64s(sums[i][v], local[i][v]);
+        }
+    }
+}
+
+/// `sums[i] += rows[i][r] term`.
+#[inline(always)]
+fn add_ring<S: Simd, const V: usize, const N: usize>(
+    simd: S,
+    rows: &[[f64; RINGS]; N],
+    r: usize,
+    term: &[S::f64s; V],
+    sums: &mut [[S::f64s; V]; N],
+) {
+    for i in 0..N {
+        let value = simd.splat_f64s(rows[i][r]);
+        for v in 0..V {
+            sums[i][v] = simd.mul_add_e_f64s(value, term[v], sums[i][v]);
         }
     }
 }
