@@ -15,6 +15,7 @@
 //! A [`Sampler`] makes one realization from a random generator; [`Streams`] give every
 //! realization a generator of its own, so that results do not depend on threads or order;
 //! [`Realizations`] put the two together and turn each set by a [`uniform_rotation`].
+//! [`SpectralControl`] makes patterns whose power is chosen, degree by degree.
 //! [`Pattern`] is the list of what can be built by name, with the numbers of points that exist.
 
 mod archimedes;
