@@ -64,25 +64,31 @@ impl Pattern {
             Self::Profile { .. } => {
                 facts("N log N", "as asked for", "as asked for", "as asked for", "this project")
             }
-            Self::EqualArea { .. } => facts("N", "c l(l+1)/N", "-2", "-1.5", "Leopardi 2006"),
+            Self::EqualArea { .. } => {
+                facts("N", "c l(l+1)/N, c about 1.1", "-2", "-1.5", "Leopardi 2006")
+            }
             Self::Spiral => facts("N", "irregular", "-2", "-1.5", "Rakhmanov, Saff and Zhou 1994"),
-            Self::BestCandidate { .. } => facts("N^2", "constant", "-1", "-1", "Mitchell 1991"),
+            Self::BestCandidate { .. } => facts("N^2", "0.075", "-1", "-1", "Mitchell 1991"),
             Self::Lloyd { .. } => facts(
                 "N log N a step",
-                "between l^2 and l^4",
-                "-2",
-                "-1.5",
+                "white noise's where the steps do not reach",
+                "-1",
+                "-1",
                 "Lloyd 1982; Du, Faber and Gunzburger 1999",
             ),
-            Self::Riesz { .. } => {
-                facts("N^2 a step", "between l^2 and l^4", "-2", "-1.5", "Hardin and Saff 2004")
-            }
-            Self::Sobol => facts("N", "irregular", "-3", "-1.5", "Sobol 1967; Owen 1995"),
+            Self::Riesz { .. } => facts(
+                "N^2 a step",
+                "1e-5 l at N = 1024, where the steps reach",
+                "-2",
+                "-1.5",
+                "Hardin and Saff 2004",
+            ),
+            Self::Sobol => facts("N", "irregular", "-2.7", "-1.5", "Sobol 1967; Owen 1995"),
             Self::Halton => {
                 facts("N", "irregular", "-2", "-1.5", "Halton 1960; Cranley and Patterson 1976")
             }
             Self::Hammersley => {
-                facts("N", "irregular", "-2", "-1.5", "Hammersley 1960; Cranley and Patterson 1976")
+                facts("N", "irregular", "-3", "-1.5", "Hammersley 1960; Cranley and Patterson 1976")
             }
         }
     }
