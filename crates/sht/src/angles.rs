@@ -29,7 +29,8 @@ impl Angles {
         let limit = FRAC_PI_8.tan();
         let ratio = |t: f64| {
             let u = limit * (0.5 * (t + 1.0)).sqrt();
-            (0..40).rev().fold(0.0, |sum, k| 1.0 / f64::from(2 * k + 3) - u * u * sum) * -1.0 / TAU
+            // (atan(u)/u - 1)/u^2 = -1/3 + u^2/5 - ..., without the cancellation of the left side.
+            -(0..40).rev().fold(0.0, |sum, k| 1.0 / f64::from(2 * k + 3) - u * u * sum) / TAU
         };
         // atan is analytic up to u^2 = -1: the coefficients fall by 25 from degree to degree.
         let fitted = polynomial::interpolate(ratio, DEGREE);

@@ -45,6 +45,7 @@ impl<T: Real> Engine<T> {
     ) -> Result<Self, Error> {
         let torus = Torus::new(lmax, oversampling, window)?;
         // Roundings that all fall to the same side: half of this many, each of the whole sum.
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "16 to 64")]
         let run = (epsilon / T::EPSILON).clamp(16.0, 64.0) as usize;
         let spreading = Spreading::new(torus.n_theta(), torus.n_phi(), window.table(), run);
         Ok(Self { arch, spreading, torus })

@@ -73,8 +73,8 @@ impl FastTransform {
     }
 
     pub(crate) fn with_arch(lmax: usize, epsilon: f64, arch: Arch) -> Result<Self, Error> {
-        // Not clamp, which would let NaN pass.
-        let epsilon = epsilon.max(1e-14).min(1e-1);
+        let epsilon = if epsilon.is_nan() { 0.0 } else { epsilon };
+        let epsilon = epsilon.clamp(1e-14, 1e-1);
         // Legendre functions of a thousandth of the accuracy do not show.
         let range = ValueRange::counting_from(0.001 * epsilon);
         let rings = RingTransform::with_arch(lmax, arch, range)?;

@@ -35,7 +35,7 @@ impl Real for f32 {
 }
 
 impl Real for f64 {
-    const EPSILON: f64 = Self::EPSILON;
+    const EPSILON: Self = Self::EPSILON;
 
     #[inline(always)]
     fn of(x: f64) -> Self {
