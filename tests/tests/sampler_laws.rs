@@ -90,7 +90,7 @@ fn compare(family: &mut Family, got: (f64, f64), recorded: (f64, f64), label: &s
 /// 1.758(6), is a little higher because the largest of noisy numbers was taken.
 fn check_disks(mode: DiskMode, constant: (f64, f64), slope: (f64, f64), peak: (f64, f64)) {
     const N: usize = 4096;
-    const REALIZATIONS: u64 = 400;
+    const REALIZATIONS: u64 = 300;
     let got = spectrum(&Pattern::PoissonDisk { mode, radius: None }, N, 129, REALIZATIONS);
     let line = fit_low_degrees(&got);
     let mut family = Family::new("laws of Poisson disks");
@@ -120,7 +120,7 @@ fn saturated_poisson_disks_obey_their_laws() {
 fn poisson_disks_peak_at_twice_the_root_of_n() {
     const N: usize = 1024;
     let disks = Pattern::PoissonDisk { mode: DiskMode::Exact, radius: None };
-    let got = spectrum(&disks, N, 81, 1000);
+    let got = spectrum(&disks, N, 81, 500);
     let means = (48..=80).map(|l| (l, pooled(&got, l - 1..=l + 1, |_| 1.0)));
     let (l, peak) = means.max_by(|a, b| a.1.0.total_cmp(&b.1.0)).unwrap();
     let mut family = Family::new("the peak of Poisson disks");
@@ -136,7 +136,7 @@ fn tessellations_of_white_mass_keep_its_noise() {
     const N: usize = 1024;
     const CAPACITY: usize = 64;
     let ccvt = Pattern::Ccvt { capacity: CAPACITY, mass: MassPoints::White };
-    let got = spectrum(&ccvt, N, 6, 150);
+    let got = spectrum(&ccvt, N, 6, 60);
     // The quartic part 0.031 x^4 that theory.md fits is 0.3 % of 1/64 at degree 6.
     let law = |l: usize| 1.0 / CAPACITY as f64 + 0.031 * x_squared(l, N).powi(2);
     let mut family = Family::new("P(l) m of white mass points");
@@ -155,7 +155,7 @@ fn tessellations_of_lattice_mass_are_quartic() {
     const N: usize = 1024;
     const ALLOWANCE: f64 = 0.02;
     let ccvt = Pattern::Ccvt { capacity: 64, mass: MassPoints::Fibonacci };
-    let got = spectrum(&ccvt, N, 6, 250);
+    let got = spectrum(&ccvt, N, 6, 80);
     let law = |l: usize| {
         let (l, n) = (l as f64, N as f64);
         let traceless = (l - 1.0) * l * (l + 1.0) * (l + 2.0);
@@ -189,7 +189,7 @@ fn power_at_degree_1(n: usize) -> f64 {
 #[test]
 fn equal_area_strata_obey_their_law_of_low_degrees() {
     const N: usize = 1024;
-    const REALIZATIONS: u64 = 1000;
+    const REALIZATIONS: u64 = 500;
     let equal_area = Pattern::EqualArea { placement: Placement::Jittered };
     let got = spectrum(&equal_area, N, 128, REALIZATIONS);
     let exact = power_at_degree_1(N) / x_squared(1, N);

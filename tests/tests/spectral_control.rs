@@ -17,7 +17,7 @@ const SEED: u64 = 23;
 /// The probability that a comparison fails by chance (nominal).
 const ALPHA: f64 = 1e-4;
 const N: usize = 256;
-const REALIZATIONS: u64 = 6;
+const REALIZATIONS: u64 = 4;
 /// What counts as no power.
 const VANISHED: f64 = 1e-18;
 /// How near the power is to a target other than 0.
@@ -168,7 +168,7 @@ fn steps_have_less_variance_than_jitter_for_a_cap() {
     const NSIDE: u32 = 18;
     const POINTS: usize = 12 * 18 * 18;
     const LMAX: usize = 250;
-    const SETS: u64 = 20;
+    const SETS: u64 = 12;
     let cap = Cap::from_degrees(60.0).unwrap();
     let energy = cap.energy(Domain::Sphere, LMAX).unwrap();
     let jitter_power = exact_jitter_spectrum(NSIDE, LMAX);
