@@ -1,27 +1,66 @@
 //! One checker of the `Sampler` contract, run on every pattern and both domains.
 
+use std::sync::LazyLock;
+
 use glam::DVec3;
-use sphvar_samplers::{Domain, Error, Pattern, Purpose, Realizations, Sampler, Streams};
+use rayon::prelude::{IntoParallelIterator, ParallelIterator};
+use rayon::{ThreadPool, ThreadPoolBuilder};
+use sphvar_samplers::{DiskMode, Domain, Error, Pattern, Purpose, Realizations, Sampler, Streams};
 
 const SEED: u64 = 2;
 const DOMAINS: [Domain; 2] = [Domain::Sphere, Domain::Hemisphere];
-/// Every number of points up to this one is asked for.
+/// Every number of points up to this one is asked for of patterns that cost little.
 const MOST_ASKED: usize = 200;
+/// The numbers that are asked for of patterns that are moved about until they please.
+const FEW_ASKED: [usize; 8] = [0, 1, 2, 3, 5, 12, 48, 100];
 /// Realizations per number of points.
 const REALIZATIONS: u64 = 3;
 /// The norm of a result is good to a few roundings; `length` itself takes three.
 const NORM_TOLERANCE: f64 = 1e-15;
+static ONE_THREAD: LazyLock<ThreadPool> = LazyLock::new(|| pool(1));
+/// More threads than there are realizations, so that their order is anyone's guess.
+static SEVERAL_THREADS: LazyLock<ThreadPool> = LazyLock::new(|| pool(4));
+
+fn pool(threads: usize) -> ThreadPool {
+    ThreadPoolBuilder::new().num_threads(threads).build().unwrap()
+}
 
 fn streams(n: usize) -> Streams {
     Streams::new(SEED, Purpose::Pattern, n)
 }
 
-/// The whole contract, for every legal number of points up to [`MOST_ASKED`].
+fn is_expensive(pattern: &Pattern) -> bool {
+    matches!(
+        pattern,
+        Pattern::Ccvt { .. }
+            | Pattern::Step { .. }
+            | Pattern::Blue { .. }
+            | Pattern::Profile { .. }
+            | Pattern::BestCandidate { .. }
+            | Pattern::Lloyd { .. }
+            | Pattern::Riesz { .. }
+    )
+}
+
+/// Whether `n` points are too few for what the pattern promises of its spectrum: the angle of two points
+/// cannot give two degrees the powers of a profile. One point has the power 1 that it asks for.
+fn is_infeasible(pattern: &Pattern, n: usize) -> bool {
+    n == 2 && matches!(pattern, Pattern::Profile { .. })
+}
+
+/// Whether every realization has the number of points that was asked for.
+fn has_exact_count(pattern: &Pattern) -> bool {
+    !matches!(pattern, Pattern::PoissonDisk { mode: DiskMode::Saturated, .. })
+}
+
+/// The whole contract, for every legal number of points up to [`MOST_ASKED`] or for a few.
 fn check(pattern: &Pattern, domain: Domain) {
+    let all: Vec<usize> =
+        if is_expensive(pattern) { FEW_ASKED.into() } else { (0..=MOST_ASKED).collect() };
     let legal: Vec<usize> =
-        (1..=MOST_ASKED).filter(|&n| pattern.build(n, domain).is_ok()).collect();
+        all.iter().copied().filter(|&n| pattern.build(n, domain).is_ok()).collect();
     assert!(!legal.is_empty(), "{pattern} {domain:?} has no number of points up to {MOST_ASKED}");
-    for asked in 0..=MOST_ASKED {
+    for asked in all {
         match pattern.build(asked, domain) {
             Ok(sampler) => check_sampler(pattern, domain, asked, &*sampler),
             Err(refusal) => check_refusal(pattern, domain, asked, &legal, &refusal),
@@ -58,46 +97,69 @@ fn check_refusal(
     }
 }
 
+/// A realization by its bits, or why there is none.
+type Outcome = Result<Vec<[u64; 3]>, Error>;
+
+/// Realizations 0, 1, ... on the threads of `pool`, each into a buffer that `fill` made.
+fn outcomes(
+    ensemble: &Realizations<'_>,
+    pool: &ThreadPool,
+    fill: impl Fn() -> Vec<DVec3> + Sync,
+) -> Vec<Outcome> {
+    let realize = |index| {
+        let mut points = fill();
+        ensemble.realize_into(index, &mut points)?;
+        Ok(bits(&points))
+    };
+    pool.install(|| (0..REALIZATIONS).into_par_iter().map(realize).collect())
+}
+
 fn check_sampler(pattern: &Pattern, domain: Domain, n: usize, sampler: &dyn Sampler) {
     let name = format!("{pattern} {domain:?} N = {n}");
     assert_eq!((sampler.n_points(), sampler.domain()), (n, domain), "{name}");
-    for ensemble in
-        [Realizations::unrotated(sampler, streams(n)), Realizations::rotated(sampler, streams(n))]
-    {
-        let mut dirty = vec![DVec3::NAN; 3 * n + 1];
-        for i in 0..REALIZATIONS {
-            let points = ensemble.realize(i).unwrap();
-            assert_eq!(points.len(), n, "{name}, realization {i}");
-            for p in &points {
-                assert!((p.length() - 1.0).abs() <= NORM_TOLERANCE, "{name}: |{p}| is not 1");
-                if domain == Domain::Hemisphere {
-                    // The sign bit too: a z of -0 prints a minus.
-                    assert!(p.z >= 0.0 && p.z.is_sign_positive(), "{name}: {p} lies below");
-                }
+    for is_rotated in [false, true] {
+        let ensemble = if is_rotated {
+            Realizations::rotated(sampler, streams(n))
+        } else {
+            Realizations::unrotated(sampler, streams(n))
+        };
+        let first = outcomes(&ensemble, &ONE_THREAD, Vec::new);
+        // What is in the buffer, and how long it is, does not matter; nor do threads or repetition.
+        let again = outcomes(&ensemble, &SEVERAL_THREADS, || vec![DVec3::NAN; 3 * n + 1]);
+        for (i, (outcome, again)) in first.iter().zip(&again).enumerate() {
+            assert_eq!(outcome, again, "{name}: realization {i} changed");
+            assert_eq!(outcome.is_err(), is_infeasible(pattern, n), "{name}: {outcome:?}");
+            match outcome {
+                Ok(points) => check_points(pattern, domain, n, points),
+                Err(Error::Infeasible { n_points, reason, .. }) => assert!(
+                    *n_points == n && reason.contains("pair correlation"),
+                    "{name}, realization {i}: {n_points} points, {reason}"
+                ),
+                Err(error) => panic!("{name}, realization {i}: {error}"),
             }
-            // What is in the buffer, and how long it is, does not matter; nor does repetition.
-            ensemble.realize_into(i, &mut dirty).unwrap();
-            assert_eq!(
-                bits(&dirty),
-                bits(&points),
-                "{name}: a dirty buffer changed realization {i}"
-            );
-            assert_eq!(
-                bits(&ensemble.realize(i).unwrap()),
-                bits(&points),
-                "{name}: realization {i} changed"
-            );
         }
-        // Rotations make even a fixed pattern's realizations differ.
-        assert_ne!(
-            bits(&Realizations::rotated(sampler, streams(n)).realize(0).unwrap()),
-            bits(&Realizations::rotated(sampler, streams(n)).realize(1).unwrap()),
-            "{name}: two rotated realizations are equal"
-        );
+        if let [Ok(zeroth), Ok(first), ..] = &first[..] {
+            // Rotations make even a fixed pattern's realizations differ.
+            let expected = is_rotated || sampler.is_random();
+            assert_eq!(zeroth != first, expected, "{name}, rotated {is_rotated}: do they differ?");
+        }
     }
-    let unrotated = Realizations::unrotated(sampler, streams(n));
-    let differ = bits(&unrotated.realize(0).unwrap()) != bits(&unrotated.realize(1).unwrap());
-    assert_eq!(sampler.is_random(), differ, "{name}: is_random is not what the sampler does");
+}
+
+fn check_points(pattern: &Pattern, domain: Domain, n: usize, points: &[[u64; 3]]) {
+    let name = format!("{pattern} {domain:?} N = {n}");
+    if has_exact_count(pattern) {
+        assert_eq!(points.len(), n, "{name}");
+    } else {
+        assert!(!points.is_empty(), "{name}: no point");
+    }
+    for p in points.iter().map(|p| DVec3::from_array(p.map(f64::from_bits))) {
+        assert!((p.length() - 1.0).abs() <= NORM_TOLERANCE, "{name}: |{p}| is not 1");
+        if domain == Domain::Hemisphere {
+            // The sign bit too: a z of -0 prints a minus.
+            assert!(p.z >= 0.0 && p.z.is_sign_positive(), "{name}: {p} lies below");
+        }
+    }
 }
 
 fn bits(points: &[DVec3]) -> Vec<[u64; 3]> {
@@ -106,9 +168,34 @@ fn bits(points: &[DVec3]) -> Vec<[u64; 3]> {
 
 #[test]
 fn every_sampler_keeps_its_contract() {
-    for pattern in Pattern::ELEMENTARY {
+    for pattern in Pattern::ALL {
         for domain in DOMAINS {
             check(&pattern, domain);
+        }
+    }
+}
+
+/// The one pattern whose number of points is random.
+#[test]
+fn saturated_disks_keep_the_contract() {
+    for domain in DOMAINS {
+        check(&Pattern::PoissonDisk { mode: DiskMode::Saturated, radius: None }, domain);
+    }
+}
+
+/// One point, or one in each pixel, is never too few.
+#[test]
+fn the_smallest_number_of_points_works() {
+    for pattern in Pattern::ALL {
+        for domain in DOMAINS {
+            let n = pattern.nearest_count(0, domain);
+            let sampler = pattern.build(n, domain).unwrap();
+            let points = Realizations::rotated(&*sampler, streams(n)).realize(0);
+            assert_eq!(
+                points.map(|p| p.len()),
+                Ok(n),
+                "{pattern} {domain:?}: {n} points, the fewest"
+            );
         }
     }
 }
@@ -116,12 +203,11 @@ fn every_sampler_keeps_its_contract() {
 /// The smallest patterns: 1 point, or one pixel of each kind.
 #[test]
 fn smallest_numbers_of_points() {
-    for (pattern, sphere, hemisphere) in [
-        (Pattern::WhiteNoise, 1, 1),
-        (Pattern::Fibonacci, 1, 1),
-        (Pattern::Jittered, 12, 6),
-        (Pattern::Healpix, 12, 6),
-    ] {
+    for pattern in Pattern::ALL {
+        let (sphere, hemisphere) = match pattern {
+            Pattern::Jittered | Pattern::Healpix => (12, 6),
+            _ => (1, 1),
+        };
         for (domain, smallest) in [(Domain::Sphere, sphere), (Domain::Hemisphere, hemisphere)] {
             assert_eq!(pattern.nearest_count(0, domain), smallest, "{pattern} {domain:?}");
             for n in 1..smallest {

@@ -1,0 +1,196 @@
+//! Patterns whose spectrum is set: what they promise holds in every realization, by the exact transform
+//! and by pairs, not by the fast ones that made them.
+
+use std::f64::consts::PI;
+
+use glam::DVec3;
+use rayon::prelude::{IntoParallelIterator, ParallelIterator};
+use sphvar_samplers::{
+    Domain, Error, Pattern, PowerProfile, Purpose, Realizations, SpectralControl, Streams,
+};
+use sphvar_sht::ExactTransform;
+use sphvar_spectrum::{Resolution, accumulate};
+use sphvar_tests::{PointList, chi2_interval, exact_jitter_spectrum, sidak_z};
+use sphvar_variance::{Cap, Harmonic, Integrand, Measurement, PredictionAccumulator, measure};
+
+const SEED: u64 = 23;
+/// The probability that a comparison fails by chance (nominal).
+const ALPHA: f64 = 1e-4;
+const N: usize = 256;
+const REALIZATIONS: u64 = 4;
+/// What counts as no power.
+const VANISHED: f64 = 1e-18;
+/// How near the power is to a target other than 0.
+const NEAR: f64 = 1e-6;
+/// The largest part of a core's chord that two points may overlap by.
+const OVERLAP: f64 = 1e-9;
+
+const STEP: Pattern = Pattern::Step { alpha: 1.0, flat: None, core: SpectralControl::STEP_CORE };
+const BLUE: Pattern = Pattern::Blue { alpha: 1.0, core: SpectralControl::BLUE_CORE };
+
+fn realizations(pattern: &Pattern, domain: Domain) -> Vec<Vec<DVec3>> {
+    let sampler = pattern.build(N, domain).unwrap();
+    let ensemble = Realizations::rotated(&*sampler, Streams::new(SEED, Purpose::Pattern, N));
+    (0..REALIZATIONS).map(|i| ensemble.realize(i).unwrap()).collect()
+}
+
+/// The density of points on the sphere: those of the hemisphere stand for twice as many.
+fn density(domain: Domain) -> usize {
+    match domain {
+        Domain::Sphere => N,
+        Domain::Hemisphere => 2 * N,
+    }
+}
+
+/// `P(l) = (4 pi/N)/(2l+1) sum_m |a_lm|^2` by the definition.
+fn power(points: &[DVec3], lmax: usize) -> Vec<f64> {
+    let alm = ExactTransform::new(lmax).unwrap().adjoint(points, None).unwrap();
+    alm.power_per_degree().into_iter().map(|p| 4.0 * PI / points.len() as f64 * p).collect()
+}
+
+/// The least distance of two points, of lines on the hemisphere, in units of a hexagonal lattice's.
+fn least_distance(points: &[DVec3], domain: Domain) -> f64 {
+    let pairs =
+        points.iter().enumerate().flat_map(|(k, p)| points[..k].iter().map(move |q| (p, q)));
+    let chord = |(p, q): (&DVec3, &DVec3)| match domain {
+        Domain::Sphere => p.distance(*q),
+        Domain::Hemisphere => p.distance(*q).min(p.distance(-*q)),
+    };
+    let hexagonal = (8.0 * PI / (3.0_f64.sqrt() * density(domain) as f64)).sqrt();
+    pairs.map(chord).fold(2.0, f64::min) / hexagonal
+}
+
+/// The last degree t with `(t+1)^2 - 1 <= N`.
+fn last_empty(domain: Domain) -> usize {
+    (density(domain) + 1).isqrt() - 1
+}
+
+/// No power up to the last degree (5e-21 was found), and points apart; above, to `2 sqrt N`, what
+/// `beyond` says if anything.
+fn check_step(pattern: &Pattern, domain: Domain, core: f64, beyond: Option<f64>) {
+    let empty = last_empty(domain);
+    let lmax = (4 * density(domain)).isqrt();
+    for (i, points) in realizations(pattern, domain).iter().enumerate() {
+        let name = format!("{pattern} {domain}, realization {i}");
+        assert_eq!(points.len(), N, "{name}");
+        let power = power(points, lmax);
+        for (l, &p) in power.iter().enumerate().skip(1).filter(|row| domain.has_degree(row.0)) {
+            if l <= empty {
+                assert!(p <= VANISHED, "{name}: P({l}) = {p:e}");
+            } else if let Some(target) = beyond {
+                assert!((p - target).abs() <= NEAR, "{name}: P({l}) = {p}, not {target}");
+            }
+        }
+        let distance = least_distance(points, domain);
+        assert!(distance >= core * (1.0 - OVERLAP), "{name}: points {distance} apart, not {core}");
+    }
+    // The test can fail: white noise has all that a step has not.
+    let white = &realizations(&Pattern::WhiteNoise, domain)[0];
+    assert!(power(white, empty)[2] > VANISHED && least_distance(white, domain) < core);
+}
+
+#[test]
+fn steps_are_empty_and_flat_in_every_realization() {
+    check_step(&STEP, Domain::Sphere, SpectralControl::STEP_CORE, Some(1.0));
+}
+
+#[test]
+fn steps_of_lines_are_empty_and_flat_in_every_realization() {
+    check_step(&STEP, Domain::Hemisphere, SpectralControl::STEP_CORE, Some(1.0));
+}
+
+#[test]
+fn blue_steps_are_empty_and_far_apart_in_every_realization() {
+    check_step(&BLUE, Domain::Sphere, SpectralControl::BLUE_CORE, None);
+}
+
+/// Profiles are met at every degree of every single realization: to 9e-7, just below the 1e-6 at which
+/// descents stop.
+#[test]
+fn profiles_are_met_in_every_realization() {
+    let constant =
+        PowerProfile::Polynomial { exponent: 0.0, alpha: 1.0, gamma: 0.3, offset: 0.0, to: 2.0 };
+    for (profile, expected) in
+        [(PowerProfile::QUADRATIC, (|x2: f64| x2.min(1.0)) as fn(f64) -> f64), (constant, |_| 0.3)]
+    {
+        let pattern = Pattern::Profile { profile, core: 0.0 };
+        for (i, points) in realizations(&pattern, Domain::Sphere).iter().enumerate() {
+            let power = power(points, 32);
+            for (l, &p) in power.iter().enumerate().skip(1) {
+                let target = expected((l * l) as f64 / N as f64);
+                let off = (p - target).abs();
+                assert!(off <= NEAR, "{pattern}, realization {i}: P({l}) = {p}, not {target}");
+            }
+        }
+    }
+}
+
+/// What cannot be is refused, with the reason: before, if there is too little freedom, or after trying, if
+/// the pair correlation would be negative.
+#[test]
+fn impossible_spectra_are_refused_with_the_reason() {
+    let empty =
+        PowerProfile::Polynomial { exponent: 0.0, alpha: 1.0, gamma: 0.0, offset: 0.0, to: 2.0 };
+    let too_empty = Pattern::Profile { profile: empty, core: 0.0 };
+    let Err(Error::Infeasible { reason, .. }) = too_empty.build(N, Domain::Sphere).map(|_| ())
+    else {
+        panic!("{too_empty} was not refused");
+    };
+    assert!(reason.contains("1088") && reason.contains("509 degrees of freedom"), "{reason}");
+    let steep = Pattern::Step { alpha: 1.35, flat: Some(2.0), core: SpectralControl::STEP_CORE };
+    // Fewer points, for the time that it takes to find out.
+    let sampler = steep.build(64, Domain::Sphere).unwrap();
+    let ensemble = Realizations::rotated(&*sampler, Streams::new(SEED, Purpose::Pattern, 64));
+    let Err(Error::Infeasible { pattern, n_points, reason }) = ensemble.realize(0) else {
+        panic!("{steep} was realized");
+    };
+    assert_eq!((pattern, n_points), ("step", 64));
+    assert!(reason.contains("pair correlation at distance 0 would be -"), "{reason}");
+}
+
+/// A harmonic below the step is integrated exactly: no variance at all.
+#[test]
+fn steps_integrate_low_harmonics_exactly() {
+    const TRIALS: u64 = 20;
+    let sampler = STEP.build(N, Domain::Sphere).unwrap();
+    let ensemble = Realizations::rotated(&*sampler, Streams::new(SEED, Purpose::Trial, N));
+    let y40 = Harmonic::new(4, 0).unwrap();
+    let measured = measure(&ensemble, &y40, TRIALS, &|| ()).unwrap();
+    assert!(measured.variance() <= 1e-20, "variance {:e}", measured.variance());
+    assert!(measured.mean().abs() <= 1e-10, "mean {:e}", measured.mean());
+}
+
+/// An integrand with a jump, too, has less variance under a step than under jitter: at most 0.6 of it,
+/// predicted from the mean spectrum (0.5321(2) was found); what is measured agrees with the prediction, in the
+/// interval that chi-square leaves with probability ALPHA.
+#[test]
+fn steps_have_less_variance_than_jitter_for_a_cap() {
+    const NSIDE: u32 = 18;
+    const POINTS: usize = 12 * 18 * 18;
+    const LMAX: usize = 250;
+    const SETS: u64 = 12;
+    let cap = Cap::from_degrees(60.0).unwrap();
+    let energy = cap.energy(Domain::Sphere, LMAX).unwrap();
+    let jitter_power = exact_jitter_spectrum(NSIDE, LMAX);
+    let known: f64 =
+        energy.per_degree().iter().zip(&jitter_power).skip(1).map(|(e, p)| e * p).sum();
+    let jitter = Domain::Sphere.variance_factor(POINTS) * (known + energy.beyond(LMAX));
+    let sampler = STEP.build(POINTS, Domain::Sphere).unwrap();
+    let ensemble = Realizations::rotated(&*sampler, Streams::new(SEED, Purpose::Pattern, POINTS));
+    let sets: Vec<Vec<DVec3>> =
+        (0..SETS).into_par_iter().map(|i| ensemble.realize(i).unwrap()).collect();
+    let at = |i: u64| sets[usize::try_from(i).unwrap()].clone();
+    let resolution = Resolution::new(LMAX, POINTS);
+    let empty = PredictionAccumulator::new(&energy, POINTS, LMAX);
+    let step = accumulate(&PointList(at), resolution, 0..SETS, &empty, &|| ()).unwrap().finish();
+    let estimate = |points: &Vec<DVec3>| {
+        4.0 * PI / POINTS as f64 * points.iter().map(|&p| cap.eval(p)).sum::<f64>()
+    };
+    let measured = Measurement::new(sets.iter().map(estimate).collect());
+    let (ratio, error) = (step.variance / jitter, step.stderr / jitter);
+    let of_prediction = measured.variance() / step.variance;
+    assert!(ratio + sidak_z(ALPHA, 1) * error <= 0.6, "{ratio} +- {error} of jitter's variance");
+    let dof = usize::try_from(SETS).unwrap() - 1;
+    let (low, high) = chi2_interval(dof, ALPHA);
+    assert!((low..=high).contains(&of_prediction), "measured/predicted = {of_prediction}");
+}
