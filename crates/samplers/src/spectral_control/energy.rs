@@ -165,3 +165,159 @@ impl Objective for SpectralEnergy<'_> {
         self.is_fine && self.has_arrived() || self.stalled_for >= PATIENCE
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::{DVec3, Domain, Objective, PI, SoftCore, SpectralEnergy, SpectralTarget};
+    use crate::descent::Descent;
+    use crate::{Pattern, Purpose, SpectralControl, Streams};
+
+    const DOMAINS: [Domain; 2] = [Domain::Sphere, Domain::Hemisphere];
+
+    fn white(n: usize, domain: Domain, realization: u64) -> Vec<DVec3> {
+        let mut rng = Streams::new(11, Purpose::Pattern, n).realization(realization);
+        Pattern::WhiteNoise.build(n, domain).unwrap().sample(&mut rng).unwrap()
+    }
+
+    /// Zeros, powers, and a core that some of 20 points overlap.
+    fn mixed(domain: Domain) -> (SpectralTarget, SoftCore) {
+        let power = vec![7.0, 0.0, 0.0, 0.0, 1.0, 1.0, 0.5, 0.0, 2.0];
+        (SpectralTarget::new(power).unwrap(), SoftCore { domain, sigma: 0.5 })
+    }
+
+    fn fine<'a>(target: &'a SpectralTarget, core: SoftCore, n: usize) -> SpectralEnergy<'a> {
+        let mut energy = SpectralEnergy::new(core.domain, target, core, n).unwrap();
+        energy.is_fine = true;
+        energy
+    }
+
+    /// `|c_l|^2 = (2l+1)/(4 pi) sum_ij P_l(p_i.p_j)`, the addition theorem, by all pairs.
+    fn squares(points: &[DVec3], last: usize) -> Vec<f64> {
+        let mut sums = vec![0.0; last + 1];
+        for p in points {
+            for q in points {
+                let x = p.dot(*q);
+                let (mut before, mut legendre) = (0.0, 1.0);
+                for (l, sum) in sums.iter_mut().enumerate() {
+                    *sum += (2 * l + 1) as f64 / (4.0 * PI) * legendre;
+                    let l = l as f64;
+                    let next = ((2.0 * l + 1.0) * x * legendre - l * before) / (l + 1.0);
+                    (before, legendre) = (legendre, next);
+                }
+            }
+        }
+        sums
+    }
+
+    /// The core by its own code, which has a definition beside it.
+    fn definition(target: &SpectralTarget, core: SoftCore, points: &[DVec3]) -> f64 {
+        let normalization = 4.0 * PI / points.len() as f64;
+        let squares = squares(points, target.last_degree());
+        let mut sum = 0.0;
+        for (l, power) in target.degrees(core.domain) {
+            let amplitude = ((2 * l + 1) as f64 * power / normalization).sqrt();
+            sum += (squares[l].max(0.0).sqrt() - amplitude).powi(2) / (l * (l + 1)) as f64;
+        }
+        0.5 * normalization * sum + core.add(points, &mut vec![DVec3::ZERO; points.len()])
+    }
+
+    #[test]
+    fn the_energy_is_that_of_the_definition() {
+        for domain in DOMAINS {
+            let (target, core) = mixed(domain);
+            for n in [1, 2, 20, 300] {
+                let points = white(n, domain, 0);
+                let mut energy = fine(&target, core, n);
+                let (fast, slow) = (energy.energy(&points), definition(&target, core, &points));
+                // What the finer transform promises of coefficients, with a margin for how energies
+                // of order 1 follow from them.
+                assert!((fast - slow).abs() < 1e-9 * (1.0 + slow), "{domain} {n}: {fast}, {slow}");
+
+                energy.is_fine = false;
+                let rough = energy.energy(&points);
+                assert!(
+                    (rough - slow).abs() < 1e-4 * (1.0 + slow),
+                    "{domain} {n}: {rough}, {slow}"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn the_gradient_is_the_difference_of_energies() {
+        const H: f64 = 1e-5;
+        for domain in DOMAINS {
+            let (target, core) = mixed(domain);
+            let points = white(20, domain, 0);
+            let mut energy = fine(&target, core, points.len());
+            let mut gradient = Vec::new();
+            energy.energy(&points);
+            energy.gradient(&points, &mut gradient);
+            assert!(energy.core_energy > 0.0, "{domain}: no points overlap");
+
+            let scale = gradient.iter().map(|g| g.length()).fold(0.0, f64::max);
+            for (k, &p) in points.iter().enumerate() {
+                let (u, v) = p.any_orthonormal_pair();
+                for tangent in [u, v, (u + v).normalize()] {
+                    let at = |step: f64| {
+                        let mut moved = points.clone();
+                        moved[k] = (p + step * tangent).normalize();
+                        definition(&target, core, &moved)
+                    };
+                    let slope = (at(H) - at(-H)) / (2.0 * H);
+                    let off = (slope - gradient[k].dot(tangent)).abs();
+                    // Third derivatives grow by l^2 = 64 and are left with H^2/6 of that, 1e-9; energies
+                    // of order 1 round to 1e-15 of which H leaves 1e-10; and amplitudes near 0 bend
+                    // more than others.
+                    assert!(
+                        off < 1e-7 * scale,
+                        "{domain}, point {k}: {slope} by difference, off by {off} of {scale}"
+                    );
+                }
+            }
+        }
+    }
+
+    /// An objective that counts.
+    struct Counted<'a>(SpectralEnergy<'a>, u32);
+
+    impl Objective for Counted<'_> {
+        fn energy(&mut self, points: &[DVec3]) -> f64 {
+            self.1 += 1;
+            self.0.energy(points)
+        }
+
+        fn gradient(&mut self, points: &[DVec3], gradient: &mut Vec<DVec3>) {
+            self.0.gradient(points, gradient);
+        }
+
+        fn is_final(&mut self, energy: f64, squared_slope: f64) -> bool {
+            self.0.is_final(energy, squared_slope)
+        }
+    }
+
+    /// Evaluations of the energy for one descent of a bare step.
+    fn evaluations(n: usize, domain: Domain, realization: u64) -> u32 {
+        let target = SpectralControl::step_target(n, domain, 1.0, 0.0).unwrap();
+        let core = SoftCore { domain, sigma: 0.0 };
+        let energy = SpectralEnergy::new(domain, &target, core, n).unwrap();
+        let mut counted = Counted(energy, 0);
+        let mut points = white(n, domain, realization);
+        let reach = 8.0 * (domain.area() / n as f64).sqrt();
+        let descent = Descent { iterations: 3000, scale: 1.0, is_adaptive: false, reach };
+        descent.run(&mut points, &mut counted);
+        assert!(counted.0.has_arrived(), "{domain} {n}: {:?}", counted.0.residuals());
+        counted.1
+    }
+
+    /// `8 (1 + sqrt f)/(1 - sqrt f)` is 47 for as many zeros as half the degrees of freedom, whatever N.
+    #[test]
+    fn descents_are_no_longer_for_more_points() {
+        for domain in DOMAINS {
+            for n in [100, 400, 1600] {
+                let mean = f64::from((0..4).map(|k| evaluations(n, domain, k)).sum::<u32>()) / 4.0;
+                assert!((30.0..64.0).contains(&mean), "{domain} {n}: {mean} evaluations");
+            }
+        }
+    }
+}

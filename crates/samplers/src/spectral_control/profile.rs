@@ -1,7 +1,7 @@
 use std::sync::Arc;
 
 use super::target::SpectralTarget;
-use crate::{Domain, Error};
+use crate::{Domain, Error, count};
 
 /// The power that a pattern is to have, for any number of points.
 #[derive(Clone, Debug, PartialEq)]
@@ -39,7 +39,8 @@ impl PowerProfile {
     /// # Errors
     ///
     /// [`Error::Parameter`] unless exponent, gamma and offset are finite and at least 0, alpha is
-    /// positive, `to` in (0, 8], and a table's powers finite and at least 0.
+    /// positive, `to` in (0, 8], there are 1 to `u32::MAX` points, and a table's powers are finite and
+    /// at least 0.
     pub fn target(&self, n_points: usize, domain: Domain) -> Result<SpectralTarget, Error> {
         let (exponent, alpha, gamma, offset, to) = match self {
             Self::Table { power, .. } => return SpectralTarget::new(power.to_vec()),
@@ -62,9 +63,11 @@ impl PowerProfile {
         if !(to > 0.0 && to <= 8.0) {
             return Err(Error::Parameter { name: "to", range: "in (0, 8]", got: to });
         }
+        // Refused here, before a vector of as many degrees as the root of any number.
+        let n = f64::from(count::checked(n_points)?);
         let density = match domain {
-            Domain::Sphere => n_points as f64,
-            Domain::Hemisphere => 2.0 * n_points as f64,
+            Domain::Sphere => n,
+            Domain::Hemisphere => 2.0 * n,
         };
         let omega = |l: usize| l as f64 / density.sqrt();
         let power = (0..).take_while(|&l| omega(l) <= to);

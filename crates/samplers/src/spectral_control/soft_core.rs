@@ -76,7 +76,8 @@ mod tests {
                 if core.domain == Domain::Hemisphere {
                     chords.push(p.distance(-*q));
                 }
-                let overlaps = chords.iter().map(|r| core.sigma - r);
+                // Lines that coincide exert no force.
+                let overlaps = chords.iter().filter(|r| **r > 0.0).map(|r| core.sigma - r);
                 sum +=
                     overlaps.filter(|o| *o > 0.0).map(|o| 0.5 * super::KAPPA * o * o).sum::<f64>();
             }

@@ -1,0 +1,189 @@
+//! Prints the time for one set of every pattern over a ladder of numbers of points, and how it grows.
+//!
+//! ```text
+//! cargo run --release -p sphvar-samplers --example growth -- [PATTERN | N]...
+//! ```
+//!
+//! Patterns are those of `Pattern::ALL` unless some are named, by name or as in `step:flat=0,core=0`
+//! (those of [`others`]); numbers take the place of the ladder, and then nothing is left out for the time it
+//! takes. One thread, warm buffers, on the sphere. The last column is the slope of the logarithm of the time
+//! by that of N, by least squares over the last four rows of the pattern.
+
+use std::io::{self, Write};
+use std::time::Instant;
+
+use sphvar_samplers::{
+    DiskMode, Domain, Error, MassPoints, Pattern, PowerProfile, Purpose, SpectralControl, Streams,
+};
+
+/// Factors of 4 from 256 points to a million.
+const LADDER: [usize; 7] = [256, 1024, 4096, 16_384, 65_536, 262_144, 1_048_576];
+
+/// What one pattern may take, so that all of them take less than a minute.
+const SECONDS_PER_PATTERN: f64 = 8.0;
+
+/// Sets that are timed: so many at least, and more until so many seconds have passed.
+const SETS: [usize; 2] = [3, 25];
+const SECONDS_PER_ROW: f64 = 0.3;
+
+/// Overheads rule the times of few points, so the exponent is that of the last rows.
+const MOST_FITTED: usize = 4;
+
+/// Patterns with other than their usual parameters that can be asked for.
+fn others() -> Vec<Pattern> {
+    let step = |alpha, flat, core| Pattern::Step { alpha, flat, core };
+    let ccvt = |capacity, mass| Pattern::Ccvt { capacity, mass };
+    vec![
+        Pattern::PoissonDisk { mode: DiskMode::Saturated, radius: None },
+        ccvt(256, MassPoints::Fibonacci),
+        ccvt(64, MassPoints::White),
+        step(1.0, Some(0.0), 0.0),
+        step(1.0, Some(0.0), SpectralControl::STEP_CORE),
+        step(0.5, None, SpectralControl::STEP_CORE),
+        Pattern::Profile {
+            profile: PowerProfile::Polynomial {
+                exponent: 0.0,
+                alpha: 1.0,
+                gamma: 0.0,
+                offset: 1.0,
+                to: 2.0,
+            },
+            core: 0.0,
+        },
+    ]
+}
+
+/// One row of the table.
+struct Row {
+    n_points: usize,
+    seconds: f64,
+}
+
+fn main() -> Result<(), Box<dyn std::error::Error>> {
+    let (mut patterns, mut counts) = (Vec::new(), Vec::new());
+    for argument in std::env::args().skip(1) {
+        if let Ok(n) = argument.parse() {
+            counts.push(n);
+            continue;
+        }
+        let mut known = Pattern::ALL.into_iter().chain(others());
+        match known.find(|pattern| pattern.to_string() == argument) {
+            Some(pattern) => patterns.push(pattern),
+            None => {
+                let known: Vec<_> =
+                    Pattern::ALL.iter().chain(&others()).map(Pattern::to_string).collect();
+                return Err(format!("no pattern {argument}; there are {}", known.join(" ")).into());
+            }
+        }
+    }
+    if patterns.is_empty() {
+        patterns = Pattern::ALL.into();
+    }
+
+    let mut out = io::stdout().lock();
+    writeln!(out, "| pattern | N | ms a set | sets | million points/s | exponent |")?;
+    writeln!(out, "|---|--:|--:|--:|--:|--:|")?;
+    for pattern in &patterns {
+        print_growth(&mut out, pattern, &counts)?;
+    }
+    Ok(())
+}
+
+/// The rows of one pattern, each as soon as it is there, the exponent in the last.
+fn print_growth(
+    out: &mut impl Write,
+    pattern: &Pattern,
+    counts: &[usize],
+) -> Result<(), Box<dyn std::error::Error>> {
+    let ladder = if counts.is_empty() { &LADDER } else { counts };
+    let start = Instant::now();
+    let mut rows: Vec<Row> = Vec::new();
+    let mut rungs = ladder.iter().copied().peekable();
+    while let Some(asked) = rungs.next() {
+        let n_points = pattern.nearest_count(asked, Domain::Sphere);
+        let (seconds, sets) = time(pattern, n_points)?;
+        rows.push(Row { n_points, seconds });
+        let next = rungs.peek().map(|&next| seconds_at(&rows, next));
+        let left = SECONDS_PER_PATTERN - start.elapsed().as_secs_f64();
+        let is_last = next.is_none_or(|next| {
+            // A set that is not timed comes first.
+            counts.is_empty() && (SETS[0] + 1) as f64 * next > left
+        });
+        let exponent = exponent(&rows)
+            .filter(|_| is_last)
+            .map_or_else(String::new, |exponent| format!("{exponent:.2}"));
+        writeln!(
+            out,
+            "| {pattern} | {n_points} | {:.*} | {sets} | {:.*} | {exponent} |",
+            decimals(1e3 * seconds),
+            1e3 * seconds,
+            decimals(1e-6 * n_points as f64 / seconds),
+            1e-6 * n_points as f64 / seconds,
+        )?;
+        out.flush()?;
+        if is_last {
+            break;
+        }
+    }
+    Ok(())
+}
+
+/// The median time for a set, and of how many.
+fn time(pattern: &Pattern, n_points: usize) -> Result<(f64, usize), Error> {
+    let sampler = pattern.build(n_points, Domain::Sphere)?;
+    let streams = Streams::new(0, Purpose::Pattern, n_points);
+    let mut points = Vec::new();
+    let mut set = |realization| -> Result<f64, Error> {
+        let start = Instant::now();
+        sampler.sample_into(&mut streams.realization(realization), &mut points)?;
+        Ok(start.elapsed().as_secs_f64())
+    };
+    // The first touches memory that the others find.
+    set(0)?;
+    let mut times = Vec::new();
+    let start = Instant::now();
+    for realization in 1..=SETS[1] as u64 {
+        times.push(set(realization)?);
+        if times.len() >= SETS[0] && start.elapsed().as_secs_f64() > SECONDS_PER_ROW {
+            break;
+        }
+    }
+    times.sort_by(f64::total_cmp);
+    Ok((times[times.len() / 2], times.len()))
+}
+
+/// What a set of `n_points` will take by the last two rows, or by a square law if there is only one.
+fn seconds_at(rows: &[Row], n_points: usize) -> f64 {
+    let [.., last] = rows else { return 0.0 };
+    let exponent = match rows {
+        [.., before, _] => slope([before, last].into_iter()).clamp(1.0, 2.5),
+        _ => 2.0,
+    };
+    last.seconds * (n_points as f64 / last.n_points as f64).powf(exponent)
+}
+
+/// The exponent of the last rows, of which there must be two.
+fn exponent(rows: &[Row]) -> Option<f64> {
+    let fitted = &rows[rows.len().saturating_sub(MOST_FITTED)..];
+    (fitted.len() >= 2).then(|| slope(fitted.iter()))
+}
+
+/// The slope of log(seconds) by log(N), by least squares.
+fn slope<'a>(rows: impl Iterator<Item = &'a Row> + Clone) -> f64 {
+    let logs = rows.map(|row| ((row.n_points as f64).ln(), row.seconds.ln()));
+    let count = logs.clone().count() as f64;
+    let x_mean = logs.clone().map(|(x, _)| x).sum::<f64>() / count;
+    let covariance: f64 = logs.clone().map(|(x, y)| (x - x_mean) * y).sum();
+    let variance: f64 = logs.map(|(x, _)| (x - x_mean).powi(2)).sum();
+    covariance / variance
+}
+
+/// Digits after the point that show three in all.
+fn decimals(x: f64) -> usize {
+    match x {
+        100.0.. => 0,
+        10.0.. => 1,
+        1.0.. => 2,
+        _ => 3,
+    }
+}

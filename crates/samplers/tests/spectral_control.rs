@@ -1,0 +1,212 @@
+//! Controlled spectra: what is refused, small numbers of points, and the contract of samplers.
+
+use std::time::{Duration, Instant};
+
+use glam::DVec3;
+use sphvar_samplers::{
+    Domain, Error, PowerProfile, Purpose, Sampler, SpectralControl, SpectralTarget, Streams,
+};
+
+const DOMAINS: [Domain; 2] = [Domain::Sphere, Domain::Hemisphere];
+
+fn sample(control: &SpectralControl, realization: u64) -> Result<Vec<DVec3>, Error> {
+    let streams = Streams::new(20_250_701, Purpose::Pattern, control.n_points());
+    control.sample(&mut streams.realization(realization))
+}
+
+/// The name of the parameter that was refused.
+fn refused<T: std::fmt::Debug>(result: Result<T, Error>) -> &'static str {
+    match result {
+        Err(Error::Parameter { name, .. }) => name,
+        other => panic!("not a refused parameter: {other:?}"),
+    }
+}
+
+fn zeros(last: usize) -> SpectralTarget {
+    SpectralTarget::new(vec![0.0; last + 1]).expect("legal powers")
+}
+
+#[test]
+fn parameters_outside_their_range_are_refused() {
+    const OUTSIDE: [f64; 4] = [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, -1e-9];
+    for domain in DOMAINS {
+        for alpha in OUTSIDE.into_iter().chain([1.39, 10.0, 1e300]) {
+            for flat in [None, Some(0.0), Some(2.0)] {
+                let step = SpectralControl::step(100, domain, alpha, flat);
+                assert_eq!(refused(step), "alpha", "{domain} {alpha} {flat:?}");
+            }
+            assert_eq!(refused(SpectralControl::blue(100, domain, alpha)), "alpha", "{alpha}");
+        }
+        for flat in OUTSIDE.into_iter().chain([8.1, 1e300]) {
+            let step = SpectralControl::step(100, domain, 1.0, Some(flat));
+            assert_eq!(refused(step), "flat", "{domain} {flat}");
+        }
+        for core in OUTSIDE.into_iter().chain([0.96, 1.0, 1e300]) {
+            let step = SpectralControl::step(100, domain, 1.0, None).expect("legal parameters");
+            assert_eq!(refused(step.with_core(core)), "core", "{domain} {core}");
+        }
+        // The ends belong to the ranges.
+        for (alpha, flat, core) in [(0.0, 0.0, 0.0), (1.38, 0.0, 0.95), (0.5, 8.0, 0.0)] {
+            let step = SpectralControl::step(100, domain, alpha, Some(flat));
+            let with_core = step.and_then(|step| step.with_core(core));
+            assert!(with_core.is_ok(), "{domain} {alpha} {flat} {core}: {with_core:?}");
+        }
+    }
+}
+
+#[test]
+fn numbers_of_points_outside_their_range_are_refused() {
+    const COUNT: &str = "the number of points";
+    let profile = PowerProfile::QUADRATIC;
+    for domain in DOMAINS {
+        for n in [0, 1 << 32, usize::MAX] {
+            assert_eq!(refused(SpectralControl::step(n, domain, 1.0, None)), COUNT, "{n}");
+            assert_eq!(refused(SpectralControl::blue(n, domain, 1.0)), COUNT, "{n}");
+            assert_eq!(refused(SpectralControl::profile(n, domain, &profile)), COUNT, "{n}");
+            assert_eq!(refused(SpectralControl::new("test", n, zeros(1), domain)), COUNT, "{n}");
+        }
+    }
+}
+
+#[test]
+fn powers_that_are_none_are_refused() {
+    for power in [f64::NAN, f64::INFINITY, -1e-300, -1.0] {
+        for at in 1..4 {
+            let mut powers = vec![1.0; 4];
+            powers[at] = power;
+            assert_eq!(
+                refused(SpectralTarget::new(powers.clone())),
+                "a target power",
+                "{powers:?}"
+            );
+            let table = PowerProfile::Table { name: "table".into(), power: powers.into() };
+            let control = SpectralControl::profile(50, Domain::Sphere, &table);
+            assert_eq!(refused(control), "a target power", "{power} at degree {at}");
+        }
+    }
+    let polynomial = |exponent, alpha, gamma, offset, to| {
+        let profile = PowerProfile::Polynomial { exponent, alpha, gamma, offset, to };
+        refused(SpectralControl::profile(50, Domain::Sphere, &profile))
+    };
+    for bad in [f64::NAN, f64::INFINITY, -1.0] {
+        assert_eq!(polynomial(bad, 1.0, 1.0, 0.0, 2.0), "the exponent b", "{bad}");
+        assert_eq!(polynomial(2.0, bad, 1.0, 0.0, 2.0), "alpha", "{bad}");
+        assert_eq!(polynomial(2.0, 1.0, bad, 0.0, 2.0), "gamma", "{bad}");
+        assert_eq!(polynomial(2.0, 1.0, 1.0, bad, 2.0), "offset", "{bad}");
+        assert_eq!(polynomial(2.0, 1.0, 1.0, 0.0, bad), "to", "{bad}");
+    }
+}
+
+/// 100 points have 197 degrees of freedom, of which 191 may be spent: on degrees 1 to 12 (168
+/// coefficients) but not 13 (195) of the sphere, 2 to 18 (189) but not 20 (230) of the hemisphere.
+#[test]
+fn more_zeros_than_freedom_are_infeasible() {
+    for (domain, most, beyond) in [(Domain::Sphere, 12, 13), (Domain::Hemisphere, 19, 20)] {
+        let feasible = SpectralControl::new("test", 100, zeros(most), domain);
+        assert!(feasible.is_ok(), "{domain}: {feasible:?}");
+        match SpectralControl::new("test", 100, zeros(beyond), domain) {
+            Err(Error::Infeasible { pattern: "test", n_points: 100, reason }) => {
+                let coefficients = zeros(beyond).constraints(domain).to_string();
+                assert!(reason.contains(&coefficients) && reason.contains("197"), "{reason}");
+                assert!(reason.contains("191"), "no word of what would be possible: {reason}");
+            }
+            other => panic!("{domain}: {other:?}"),
+        }
+    }
+    // One point has no freedom, but nothing to ask of it is feasible.
+    assert!(SpectralControl::new("test", 1, zeros(0), Domain::Sphere).is_ok());
+    assert!(SpectralControl::new("test", 1, zeros(1), Domain::Sphere).is_err());
+}
+
+#[test]
+fn few_points_end_soon_one_way_or_the_other() {
+    // 0.09 s was the longest; the limit leaves room for a busy machine.
+    const LIMIT: Duration = Duration::from_secs(1);
+    for domain in DOMAINS {
+        for n in 1..=40 {
+            let quadratic = PowerProfile::QUADRATIC;
+            let controls = [
+                ("step", SpectralControl::step(n, domain, 1.0, None)),
+                ("bare step", SpectralControl::step(n, domain, 1.0, Some(0.0))),
+                ("steepest step", SpectralControl::step(n, domain, 1.38, None)),
+                ("blue", SpectralControl::blue(n, domain, 1.0)),
+                ("profile", SpectralControl::profile(n, domain, &quadratic)),
+            ];
+            for (name, control) in controls {
+                let start = Instant::now();
+                let points = control.and_then(|control| sample(&control, 0));
+                let elapsed = start.elapsed();
+                assert!(elapsed < LIMIT, "{name} of {n}, {domain}: {elapsed:?}, {points:?}");
+                match points {
+                    Ok(points) => assert_eq!(points.len(), n, "{name} of {n}, {domain}"),
+                    Err(Error::Infeasible { n_points, .. }) => assert_eq!(n_points, n, "{name}"),
+                    Err(other) => panic!("{name} of {n}, {domain}: {other}"),
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn it_keeps_the_contract_of_samplers() {
+    for domain in DOMAINS {
+        for n in [1, 2, 5, 64, 333] {
+            for flat in [None, Some(0.0)] {
+                let step = SpectralControl::step(n, domain, 0.8, flat).expect("legal parameters");
+                assert_eq!((step.n_points(), step.domain()), (n, domain));
+                assert!(step.is_random());
+                let case = format!("{domain}, N = {n}, flat {flat:?}");
+                let points = sample(&step, 1).expect(&case);
+                assert_eq!(points.len(), n, "{case}");
+                for p in &points {
+                    // One normalisation, and a sign.
+                    assert!((p.length() - 1.0).abs() <= 4.0 * f64::EPSILON, "{case}: {p}");
+                    assert!(domain == Domain::Sphere || p.z.is_sign_positive(), "{case}: {p}");
+                }
+
+                let streams = Streams::new(20_250_701, Purpose::Pattern, n);
+                for dirt in [vec![], vec![DVec3::NAN; 7], vec![DVec3::INFINITY; n + 3]] {
+                    let mut buffer = dirt;
+                    step.sample_into(&mut streams.realization(1), &mut buffer).expect(&case);
+                    assert!(same_bits(&points, &buffer), "{case}: not the same again");
+                }
+                // Through a mutable buffer that holds another realization.
+                let mut buffer = sample(&step, 2).expect(&case);
+                assert!(!same_bits(&points, &buffer), "{case}: two realizations are the same");
+                step.sample_into(&mut streams.realization(1), &mut buffer).expect(&case);
+                assert!(same_bits(&points, &buffer), "{case}: not the same again");
+            }
+        }
+    }
+}
+
+fn same_bits(a: &[DVec3], b: &[DVec3]) -> bool {
+    let bits = |points: &[DVec3]| -> Vec<_> {
+        points.iter().map(|p| p.to_array().map(f64::to_bits)).collect()
+    };
+    bits(a) == bits(b)
+}
+
+/// The distance to all others, by the definition.
+#[test]
+fn cores_keep_points_apart() {
+    for domain in DOMAINS {
+        for control in
+            [SpectralControl::step(200, domain, 1.0, None), SpectralControl::blue(200, domain, 0.8)]
+        {
+            let control = control.expect("legal parameters");
+            let points = sample(&control, 3).expect("a realization");
+            // What overlap is left is a share of sqrt(N 5e-21) of the core at most.
+            let chord = control.core_chord() * (1.0 - 1e-8);
+            for (i, p) in points.iter().enumerate() {
+                for q in &points[..i] {
+                    let apart = match domain {
+                        Domain::Sphere => p.distance(*q),
+                        Domain::Hemisphere => p.distance(*q).min(p.distance(-*q)),
+                    };
+                    assert!(apart >= chord, "{control:?}: {p} and {q} are {apart} apart");
+                }
+            }
+        }
+    }
+}
