@@ -48,6 +48,27 @@ impl<T: Real> Spreading<T> {
     }
 }
 
+/// Work that is compiled for every padded width P of the window, with fused multiply-adds or without.
+trait ByWidth {
+    fn run<const P: usize, const FUSED: bool>(self);
+}
+
+#[inline(always)]
+fn for_width<S: Simd, W: ByWidth>(padded: usize, work: W) {
+    match (padded, S::F64_LANES > 1) {
+        (4, true) => work.run::<4, true>(),
+        (8, true) => work.run::<8, true>(),
+        (12, true) => work.run::<12, true>(),
+        (16, true) => work.run::<16, true>(),
+        (_, true) => work.run::<MAX_WIDTH, true>(),
+        (4, false) => work.run::<4, false>(),
+        (8, false) => work.run::<8, false>(),
+        (12, false) => work.run::<12, false>(),
+        (16, false) => work.run::<16, false>(),
+        (_, false) => work.run::<MAX_WIDTH, false>(),
+    }
+}
+
 struct Spread<'a, T> {
     spreading: &'a Spreading<T>,
     cells: &'a Cells<T>,
@@ -59,22 +80,12 @@ impl<T: Real> WithSimd for Spread<'_, T> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) {
-        match (self.spreading.table.padded(), S::F64_LANES > 1) {
-            (4, true) => self.run::<4, true>(),
-            (8, true) => self.run::<8, true>(),
-            (12, true) => self.run::<12, true>(),
-            (16, true) => self.run::<16, true>(),
-            (_, true) => self.run::<MAX_WIDTH, true>(),
-            (4, false) => self.run::<4, false>(),
-            (8, false) => self.run::<8, false>(),
-            (12, false) => self.run::<12, false>(),
-            (16, false) => self.run::<16, false>(),
-            (_, false) => self.run::<MAX_WIDTH, false>(),
-        }
+        let padded = self.spreading.table.padded();
+        for_width::<S, _>(padded, self);
     }
 }
 
-impl<T: Real> Spread<'_, T> {
+impl<T: Real> ByWidth for Spread<'_, T> {
     #[inline(always)]
     fn run<const P: usize, const FUSED: bool>(self) {
         let Self { spreading, cells, grid } = self;
@@ -148,22 +159,12 @@ impl<T: Real> WithSimd for Interpolate<'_, T> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) {
-        match (self.spreading.table.padded(), S::F64_LANES > 1) {
-            (4, true) => self.run::<4, true>(),
-            (8, true) => self.run::<8, true>(),
-            (12, true) => self.run::<12, true>(),
-            (16, true) => self.run::<16, true>(),
-            (_, true) => self.run::<MAX_WIDTH, true>(),
-            (4, false) => self.run::<4, false>(),
-            (8, false) => self.run::<8, false>(),
-            (12, false) => self.run::<12, false>(),
-            (16, false) => self.run::<16, false>(),
-            (_, false) => self.run::<MAX_WIDTH, false>(),
-        }
+        let padded = self.spreading.table.padded();
+        for_width::<S, _>(padded, self);
     }
 }
 
-impl<T: Real> Interpolate<'_, T> {
+impl<T: Real> ByWidth for Interpolate<'_, T> {
     #[inline(always)]
     fn run<const P: usize, const FUSED: bool>(self) {
         let Self { spreading, cells, grids, sizes, out } = self;
