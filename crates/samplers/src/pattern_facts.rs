@@ -64,9 +64,7 @@ impl Pattern {
             Self::Profile { .. } => {
                 facts("N log N", "as asked for", "as asked for", "as asked for", "this project")
             }
-            Self::EqualArea { .. } => {
-                facts("N", "c l(l+1)/N, c about 1.1", "-2", "-1.5", "Leopardi 2006")
-            }
+            Self::EqualArea { .. } => facts("N", "1.04 l(l+1)/N", "-2", "-1.5", "Leopardi 2006"),
             Self::Spiral => facts("N", "irregular", "-2", "-1.5", "Rakhmanov, Saff and Zhou 1994"),
             Self::BestCandidate { .. } => facts("N^2", "0.075", "-1", "-1", "Mitchell 1991"),
             Self::Lloyd { .. } => facts(
