@@ -80,12 +80,14 @@ impl FastTransform {
         let rings = RingTransform::with_arch(lmax, arch, range)?;
         // A coarser grid is cheaper to transform but needs a wider window, and amplifies rounding at
         // its high frequencies: it pays for low accuracies only.
-        // Each a little below 5/4, 3/2 and 2, which keeps grids for degrees 2^k at sizes 5 2^k, 3 2^k, 2^k.
+        // The first ones lie a little below 5/4, 3/2 and 7/4, which keeps grids for degrees 2^k at sizes
+        // 5 2^k, 3 2^k and 7 2^k.
         let (single, oversampling) = match epsilon {
             e if e >= 2e-6 => (true, 1.245),
             e if e >= 5e-7 => (true, 1.49),
             e if e >= 1e-9 => (false, 1.245),
             e if e >= 1e-11 => (false, 1.49),
+            e if e >= 5e-13 => (false, 1.745),
             _ => (false, 2.0),
         };
         let window = Window::new(epsilon, oversampling);
