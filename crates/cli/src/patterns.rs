@@ -61,8 +61,9 @@ fn take_parameters(
             spec.replace_number("core", core)?;
             if let Some(path) = spec.take("") {
                 *profile = read_profile(&path)?;
-            } else if let PowerProfile::Polynomial { exponent, alpha, gamma, offset, to } = profile
-            {
+                return Ok(&["core"]);
+            }
+            if let PowerProfile::Polynomial { exponent, alpha, gamma, offset, to } = profile {
                 spec.replace_number("b", exponent)?;
                 spec.replace_number("alpha", alpha)?;
                 spec.replace_number("gamma", gamma)?;

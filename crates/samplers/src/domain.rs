@@ -61,6 +61,16 @@ impl Domain {
         pi / n_points as f64
     }
 
+    /// The number of points of the same density on the whole sphere, by whose root spacings and
+    /// frequencies are measured: N, or 2N on the hemisphere.
+    #[must_use]
+    pub fn count_on_sphere(self, n_points: usize) -> f64 {
+        match self {
+            Self::Sphere => n_points as f64,
+            Self::Hemisphere => 2.0 * n_points as f64,
+        }
+    }
+
     /// The representative of a direction: itself on the sphere, the one of `dir` and `-dir` with
     /// z >= 0 on the hemisphere.
     #[must_use]

@@ -26,16 +26,6 @@ pub enum Error {
         /// The rule that legal numbers obey.
         rule: &'static str,
     },
-    /// A realization could not be completed.
-    #[error("{pattern} of {n_points} points: {reason}")]
-    Unrealised {
-        /// The pattern's name.
-        pattern: &'static str,
-        /// The number of points asked for.
-        n_points: usize,
-        /// What stood in the way, and what would be possible.
-        reason: String,
-    },
     /// More points than the pattern's indices can count.
     #[error("{pattern} cannot have {asked} points: the most is {most}")]
     TooManyPoints {
@@ -46,7 +36,7 @@ pub enum Error {
         /// The largest legal number.
         most: usize,
     },
-    /// No pattern is as asked for, or none was found.
+    /// No pattern is as asked for, or no realization could be completed.
     #[error("{pattern} of {n_points} points is infeasible: {reason}")]
     Infeasible {
         /// The pattern's name.

@@ -29,6 +29,7 @@ mod domain;
 mod equal_area;
 mod error;
 mod fibonacci;
+mod grid;
 mod halton;
 mod hammersley;
 mod healpix;

@@ -1,4 +1,3 @@
-mod grid;
 mod packing;
 mod quarters;
 mod throw;
@@ -10,7 +9,6 @@ use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
 use crate::{Domain, Error, Pattern, Sampler};
-pub(crate) use grid::Grid;
 use packing::greatest_chord;
 use throw::{End, Thrower};
 
@@ -119,7 +117,7 @@ impl PoissonDisk {
     /// # Errors
     ///
     /// [`Error::NoPoints`] for 0 points, [`Error::TooManyPoints`] above [`Self::MOST_POINTS`],
-    /// [`Error::Unrealised`] if the radius is not a positive number, if no `n_points` points
+    /// [`Error::Infeasible`] if the radius is not a positive number, if no `n_points` points
     /// are so far apart, or if a saturated set would have more than [`Self::MOST_POINTS`].
     pub fn new(
         n_points: usize,
@@ -137,14 +135,14 @@ impl PoissonDisk {
         let radius = radius.unwrap_or_else(|| Self::default_radius(n_points, domain, mode));
         let disks = Self { n_points, domain, mode, radius };
         if !(radius.is_finite() && radius > 0.0) {
-            return Err(disks.unrealised(format!(
+            return Err(disks.infeasible(format!(
                 "the radius must be a positive number such as {}, got {radius}",
                 disks.usual_radius()
             )));
         }
         let greatest = greatest_chord(n_points, domain);
         if mode == DiskMode::Exact && disks.chord() > greatest {
-            return Err(disks.unrealised(format!(
+            return Err(disks.infeasible(format!(
                 "so many points are at most {greatest:.6} apart, a radius of {:.4}; {radius} asks \
                  for {:.6}, and random points reach {:.4}",
                 greatest * disks.root_of_density(),
@@ -154,7 +152,7 @@ impl PoissonDisk {
         }
         let expected = disks.saturated_count();
         if mode == DiskMode::Saturated && expected > Self::MOST_POINTS as f64 {
-            return Err(disks.unrealised(format!(
+            return Err(disks.infeasible(format!(
                 "with radius {radius} a saturated set has about {expected:.3e} points, more than \
                  {}; the radius must be at least {:.6}",
                 Self::MOST_POINTS,
@@ -172,7 +170,8 @@ impl PoissonDisk {
         match mode {
             DiskMode::Saturated => Self::SATURATED_RADIUS,
             DiskMode::Exact => {
-                let packed = greatest_chord(n_points, domain) * root_of_density(n_points, domain);
+                let packed =
+                    greatest_chord(n_points, domain) * domain.count_on_sphere(n_points).sqrt();
                 Self::EXACT_RADIUS.min(Self::PACKING_SHARE * packed)
             }
         }
@@ -202,7 +201,7 @@ impl PoissonDisk {
     }
 
     fn root_of_density(&self) -> f64 {
-        root_of_density(self.n_points, self.domain)
+        self.domain.count_on_sphere(self.n_points).sqrt()
     }
 
     /// The number of points of a saturated set, about.
@@ -220,8 +219,8 @@ impl PoissonDisk {
         16 + 100_000 / self.n_points
     }
 
-    fn unrealised(&self, reason: String) -> Error {
-        Error::Unrealised { pattern: NAME, n_points: self.n_points, reason }
+    fn infeasible(&self, reason: String) -> Error {
+        Error::Infeasible { pattern: NAME, n_points: self.n_points, reason }
     }
 
     fn exact_into(&self, rng: &mut ChaCha8Rng, points: &mut Vec<DVec3>) -> Result<(), Error> {
@@ -238,7 +237,7 @@ impl PoissonDisk {
         points.clear();
         // What was placed had this radius in its own units; a little less leaves room for chance.
         let possible = 0.98 * self.radius * (most as f64 / self.n_points as f64).sqrt();
-        Err(self.unrealised(format!(
+        Err(self.infeasible(format!(
             "in {} attempts disks of radius {} left room for {most} points at most; a radius of \
              {:.3} is possible",
             self.attempts(),
@@ -254,21 +253,13 @@ impl PoissonDisk {
                 if unresolved > Self::UNRESOLVED_SHARE * self.domain.area() =>
             {
                 points.clear();
-                Err(self.unrealised(format!(
+                Err(self.infeasible(format!(
                     "{unresolved:.1e} steradian could not be told to be covered; fewer points \
                      can be saturated"
                 )))
             }
             _ => Ok(()),
         }
-    }
-}
-
-/// The number N or, on the hemisphere, 2 N by whose root radii are measured; its root.
-fn root_of_density(n_points: usize, domain: Domain) -> f64 {
-    match domain {
-        Domain::Sphere => (n_points as f64).sqrt(),
-        Domain::Hemisphere => (2.0 * n_points as f64).sqrt(),
     }
 }
 
@@ -340,7 +331,7 @@ mod tests {
             (12, Domain::Sphere, 1.0514, 1.0515),
             (2, Domain::Hemisphere, 1.41, 1.42),
         ] {
-            let scale = root_of_density(n, domain);
+            let scale = domain.count_on_sphere(n).sqrt();
             let with =
                 |chord: f64| PoissonDisk::new(n, domain, DiskMode::Exact, Some(chord * scale));
             assert!(with(legal).is_ok(), "{n} {domain} {legal}");

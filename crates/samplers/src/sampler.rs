@@ -32,7 +32,7 @@ pub trait Sampler: Debug + Send + Sync {
     ///
     /// # Errors
     ///
-    /// [`Error::Unrealised`] if this realization cannot be completed; most patterns have none.
+    /// [`Error::Infeasible`] if this realization cannot be completed; most patterns have none.
     fn sample_into(&self, rng: &mut dyn Rng, points: &mut Vec<DVec3>) -> Result<(), Error>;
 
     /// One realization in a vector of its own.

@@ -136,12 +136,9 @@ impl SpectralControl {
             Self::MOST_ALPHA,
         )?;
         in_range("flat", "in [0, 8]", flat, 8.0)?;
-        let n = f64::from(count::checked(n_points)?);
-        // As many harmonics to a degree as there are to half of 2N points.
-        let density = match domain {
-            Domain::Sphere => n,
-            Domain::Hemisphere => 2.0 * n,
-        };
+        count::checked(n_points)?;
+        // On the hemisphere half of the harmonics of a degree are left, as half of 2N points are.
+        let density = domain.count_on_sphere(n_points);
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a degree")]
         let degree = |x: f64| x.max(0.0) as usize;
         let mut last = degree((alpha * alpha * density + 1.0).sqrt() - 1.0);

@@ -21,7 +21,7 @@ pub trait SquarePattern: Debug + Send + Sync {
     ///
     /// # Errors
     ///
-    /// [`Error::Unrealised`] if this realization cannot be completed; no pattern of this crate
+    /// [`Error::Infeasible`] if this realization cannot be completed; no pattern of this crate
     /// has any.
     fn fill_into(&self, rng: &mut dyn Rng, points: &mut Vec<[f64; 2]>) -> Result<(), Error>;
 

@@ -323,7 +323,7 @@ fn a_radius_that_random_points_do_not_reach_is_an_error_that_names_one_they_do()
         let disks = disks(200, domain, DiskMode::Exact, Some(3.3));
         let mut points = vec![DVec3::X; 7];
         let refused = disks.sample_into(&mut streams(200).realization(0), &mut points).unwrap_err();
-        let Error::Unrealised { n_points: 200, reason, .. } = &refused else {
+        let Error::Infeasible { n_points: 200, reason, .. } = &refused else {
             panic!("{refused}");
         };
         let possible: f64 = reason

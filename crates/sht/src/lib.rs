@@ -51,6 +51,7 @@ mod magnitude;
 mod polynomial;
 mod real;
 mod rings;
+mod sizes;
 mod spreading;
 mod torus;
 mod transform;

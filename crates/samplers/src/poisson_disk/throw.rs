@@ -3,9 +3,9 @@ use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use sphvar_healpix::{Cell, Nside};
 
-use super::grid::Grid;
 use super::quarters::{ALL_CHILDREN, Quarters};
 use crate::Domain;
+use crate::grid::Grid;
 
 /// Darts per cell of the grid before the first subdivision: enough for two thirds of the points.
 const FIRST_RATE: f64 = 4.0;

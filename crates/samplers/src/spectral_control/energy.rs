@@ -89,6 +89,11 @@ impl<'a> SpectralEnergy<'a> {
         4.0 * PI / self.n_points as f64
     }
 
+    /// `a_l` of a target power.
+    fn amplitude(&self, l: usize, target: f64) -> f64 {
+        ((2 * l + 1) as f64 * target / self.normalization()).sqrt()
+    }
+
     /// The largest power where the target is 0, and the largest deviation from it elsewhere.
     pub(crate) fn residuals(&self) -> [f64; 2] {
         let mut residuals = [0.0; 2];
@@ -112,20 +117,16 @@ impl Objective for SpectralEnergy<'_> {
     fn energy(&mut self, points: &[DVec3]) -> f64 {
         let transform = &self.transforms[usize::from(self.is_fine)];
         transform.adjoint_batch_into(&[(points, None)], &mut self.workspace, &mut self.alms);
-        self.squares = self.alms[0].power_per_degree();
-        let normalization = self.normalization();
+        self.squares = self.alms[0].energy_per_degree();
         let mut sum = 0.0;
-        for (l, square) in self.squares.iter_mut().enumerate() {
-            *square *= (2 * l + 1) as f64;
-        }
         for (l, target) in self.target.degrees(self.domain) {
-            let amplitude = ((2 * l + 1) as f64 * target / normalization).sqrt();
-            sum += (self.squares[l].sqrt() - amplitude).powi(2) / (l * (l + 1)) as f64;
+            let off = self.squares[l].sqrt() - self.amplitude(l, target);
+            sum += off * off / (l * (l + 1)) as f64;
         }
         self.core_gradient.clear();
         self.core_gradient.resize(points.len(), DVec3::ZERO);
         self.core_energy = self.core.add(points, &mut self.core_gradient);
-        0.5 * normalization * sum + self.core_energy
+        0.5 * self.normalization() * sum + self.core_energy
     }
 
     fn gradient(&mut self, points: &[DVec3], gradient: &mut Vec<DVec3>) {
@@ -134,10 +135,9 @@ impl Objective for SpectralEnergy<'_> {
         let mut factors = vec![0.0; self.squares.len()];
         let normalization = self.normalization();
         for (l, target) in self.target.degrees(self.domain) {
-            let amplitude = ((2 * l + 1) as f64 * target / normalization).sqrt();
             let size = self.squares[l].sqrt();
             // Without any amplitude there is no direction in which to grow.
-            let ratio = if size > 0.0 { amplitude / size } else { 0.0 };
+            let ratio = if size > 0.0 { self.amplitude(l, target) / size } else { 0.0 };
             factors[l] = normalization * (1.0 - ratio) / (l * (l + 1)) as f64;
         }
         let alm = &mut self.alms[0];

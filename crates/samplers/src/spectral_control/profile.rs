@@ -64,12 +64,8 @@ impl PowerProfile {
             return Err(Error::Parameter { name: "to", range: "in (0, 8]", got: to });
         }
         // Refused here, before a vector of as many degrees as the root of any number.
-        let n = f64::from(count::checked(n_points)?);
-        let density = match domain {
-            Domain::Sphere => n,
-            Domain::Hemisphere => 2.0 * n,
-        };
-        let omega = |l: usize| l as f64 / density.sqrt();
+        count::checked(n_points)?;
+        let omega = |l: usize| l as f64 / domain.count_on_sphere(n_points).sqrt();
         let power = (0..).take_while(|&l| omega(l) <= to);
         SpectralTarget::new(
             power.map(|l| offset + gamma * (omega(l) / alpha).powf(exponent).min(1.0)).collect(),
