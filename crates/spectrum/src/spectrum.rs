@@ -17,6 +17,33 @@ pub struct Spectrum {
 }
 
 impl Spectrum {
+    /// A mean power per degree that is known without sampling: no realizations, standard errors of 0.
+    ///
+    /// `power` is indexed by l from 0; its first entry is replaced by N, which every set has, and odd
+    /// degrees of the hemisphere by 0.
+    ///
+    /// # Panics
+    ///
+    /// If `power` is empty.
+    #[must_use]
+    pub fn exact(domain: Domain, n_points: usize, mut power: Vec<f64>) -> Self {
+        assert!(!power.is_empty(), "the power of degree 0 is always there");
+        power[0] = n_points as f64;
+        for (l, p) in power.iter_mut().enumerate() {
+            if !domain.has_degree(l) {
+                *p = 0.0;
+            }
+        }
+        let stderr = vec![0.0; power.len()];
+        Self { domain, n_points, realizations: 0, power, stderr }
+    }
+
+    /// Whether the power of every degree is known without error.
+    #[must_use]
+    pub fn is_exact(&self) -> bool {
+        self.stderr.iter().all(|&e| e == 0.0)
+    }
+
     /// Where the points live.
     #[must_use]
     pub fn domain(&self) -> Domain {
@@ -29,7 +56,7 @@ impl Spectrum {
         self.n_points
     }
 
-    /// How many realizations the mean is taken over.
+    /// How many realizations the mean is taken over; 0 of a spectrum that is known without sampling.
     #[must_use]
     pub fn realizations(&self) -> u64 {
         self.realizations
