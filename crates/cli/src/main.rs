@@ -12,6 +12,7 @@ mod integrands;
 mod memory;
 mod patterns;
 mod plots;
+mod point_sets;
 mod profiles;
 mod progress;
 mod report;

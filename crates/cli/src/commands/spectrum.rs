@@ -4,7 +4,6 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use clap::Args;
-use glam::DVec3;
 use serde::Serialize;
 use sphvar_samplers::{Domain, Pattern, Purpose, Realizations, Sampler, Streams};
 use sphvar_spectrum::{
@@ -14,11 +13,12 @@ use sphvar_spectrum::{
 
 use super::power_chart::{power_chart, power_series};
 use crate::error::CliError;
-use crate::files::{AtomicFile, PointSet, ReadOptions, read_points};
+use crate::files::AtomicFile;
 use crate::global::Global;
 use crate::memory::{check_degree, check_memory, check_transform};
 use crate::patterns;
 use crate::plots::{Chart, ImageFormat};
+use crate::point_sets::FileSets;
 use crate::progress::Progress;
 use crate::report::{
     Provenance, check_result, csv, full, is_stdout, print, print_json, say, short, table,
@@ -98,28 +98,7 @@ struct Document<'a> {
 /// Where the point sets come from.
 enum Source {
     Sampler { pattern: Pattern, sampler: Box<dyn Sampler> },
-    Files { name: String, sets: FileSets },
-}
-
-/// The point sets of files, as an ensemble.
-struct FileSets(Vec<PointSet>);
-
-impl PointSets for FileSets {
-    fn realize_into(
-        &self,
-        index: u64,
-        points: &mut Vec<DVec3>,
-        weights: &mut Vec<f64>,
-    ) -> Result<(), sphvar_spectrum::Error> {
-        let set = usize::try_from(index).ok().and_then(|i| self.0.get(i));
-        points.clear();
-        weights.clear();
-        if let Some(set) = set {
-            points.extend_from_slice(&set.directions);
-            weights.extend(set.weights.iter().flatten());
-        }
-        Ok(())
-    }
+    Files { sets: FileSets },
 }
 
 pub(crate) fn run(args: &SpectrumArgs, global: &Global) -> Result<(), CliError> {
@@ -130,7 +109,7 @@ pub(crate) fn run(args: &SpectrumArgs, global: &Global) -> Result<(), CliError> 
         Source::Sampler { pattern, sampler } => {
             (pattern.to_string(), sampler.n_points(), args.realizations)
         }
-        Source::Files { name, sets } => (name.clone(), mean_size(&sets.0), sets.0.len() as u64),
+        Source::Files { sets } => (sets.name().to_owned(), sets.mean_size(), sets.count()),
     };
     if count == 0 {
         return Err(CliError::Usage("-m must be at least 1, got 0".to_owned()));
@@ -155,7 +134,7 @@ pub(crate) fn run(args: &SpectrumArgs, global: &Global) -> Result<(), CliError> 
         (orders, coefficient.as_ref().map(|c| CoefficientSamples::new(c.l, c.m))),
     );
     let (sets, count): (&dyn PointSets, u64) = match &source {
-        Source::Files { sets, .. } => (sets, count),
+        Source::Files { sets } => (sets, count),
         Source::Sampler { sampler, pattern } => {
             let group = pattern.stream_group(n_points);
             let streams = Streams::new(global.seed, Purpose::Pattern, group);
@@ -217,7 +196,8 @@ fn check_outputs(args: &SpectrumArgs, global: &Global) -> Result<(), CliError> {
 
 fn source(args: &SpectrumArgs, domain: Domain, global: &Global) -> Result<Source, CliError> {
     let (Some(name), Some(n)) = (&args.sampler, args.n) else {
-        return files(args, domain, global);
+        let sets = FileSets::read(&args.files, args.columns.as_deref(), domain, global.quiet)?;
+        return Ok(Source::Files { sets });
     };
     let pattern = patterns::parse_pattern(name)?;
     let sampler = patterns::build(&pattern, n, domain, args.nearest)?;
@@ -226,41 +206,6 @@ fn source(args: &SpectrumArgs, domain: Domain, global: &Global) -> Result<Source
         say(global.quiet, &format!("{pattern}: {got} points, the nearest to the {n} asked for"));
     }
     Ok(Source::Sampler { pattern, sampler })
-}
-
-fn files(args: &SpectrumArgs, domain: Domain, global: &Global) -> Result<Source, CliError> {
-    let options = ReadOptions { columns: args.columns.clone(), ..ReadOptions::default() };
-    let mut sets = Vec::new();
-    for path in &args.files {
-        let file = read_points(path, &options)?;
-        for warning in &file.warnings {
-            say(global.quiet, &format!("warning: {warning}"));
-        }
-        sets.extend(file.sets);
-    }
-    for (i, set) in sets.iter().enumerate() {
-        if set.weights.as_ref().is_some_and(|w| w.iter().all(|&w| w == 0.0)) {
-            return Err(CliError::Failed(format!("set {i} has no weight: every weight is 0")));
-        }
-    }
-    for set in &mut sets {
-        for p in &mut set.directions {
-            *p = domain.representative(*p);
-        }
-    }
-    let sizes: Vec<usize> = sets.iter().map(|s| s.directions.len()).collect();
-    if let (Some(least), Some(most)) = (sizes.iter().min(), sizes.iter().max())
-        && least != most
-    {
-        say(global.quiet, &format!("sets of {least} to {most} points, each normalised by its own"));
-    }
-    let names: Vec<String> = args.files.iter().map(|p| p.display().to_string()).collect();
-    Ok(Source::Files { name: names.join(" "), sets: FileSets(sets) })
-}
-
-fn mean_size(sets: &[PointSet]) -> usize {
-    let total: usize = sets.iter().map(|s| s.directions.len()).sum();
-    (total + sets.len() / 2) / sets.len().max(1)
 }
 
 /// The wish for the samples of one coefficient.
