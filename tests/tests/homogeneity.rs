@@ -3,12 +3,8 @@
 
 use std::f64::consts::PI;
 
-use num_complex::Complex;
 use sphvar_samplers::{Domain, Pattern, Purpose, Realizations, Streams};
-use sphvar_sh::LmIndex;
-use sphvar_spectrum::{
-    Accumulator, Moments, OrderAccumulator, Realization, Resolution, accumulate,
-};
+use sphvar_spectrum::{Anisotropy, Moments, OrderAccumulator, Resolution, accumulate};
 use sphvar_tests::{Family, exact_jitter_orders, ks_distance, ks_p_value, strata};
 use sphvar_variance::{Harmonic, Integrand, measure};
 
@@ -30,54 +26,6 @@ const PAIRS: [[(usize, usize); 2]; 8] = [
     [(1, 0), (2, 0)],
 ];
 
-/// For every (l, m), the power of the order less the power of its degree, realization by realization:
-/// its mean is 0 for a homogeneous ensemble, and its error knows how the orders vary together.
-#[derive(Clone)]
-struct Anisotropy {
-    orders: Vec<Moments>,
-    /// Real and imaginary part of `S_lm conj S_l'm'` and of `S_lm S_l'm'`, in units of N.
-    products: Vec<[Moments; 4]>,
-}
-
-impl Anisotropy {
-    fn new() -> Self {
-        let orders = LmIndex::new(LMAX).unwrap().len();
-        Self {
-            orders: vec![Moments::default(); orders],
-            products: vec![Default::default(); PAIRS.len()],
-        }
-    }
-}
-
-impl Accumulator for Anisotropy {
-    fn push(&mut self, realization: &Realization<'_>) {
-        let (alm, scale) = (realization.alm(), realization.normalization());
-        let degree: Vec<f64> = realization.power().collect();
-        for ((l, _), (moments, a)) in
-            alm.index().iter().zip(self.orders.iter_mut().zip(alm.values()))
-        {
-            moments.push(scale * a.norm_sqr() - degree[l]);
-        }
-        for ([a, b], moments) in PAIRS.into_iter().zip(&mut self.products) {
-            let (a, b): (Complex<f64>, Complex<f64>) = (alm[a], alm[b]);
-            let (covariance, plain) = (scale * a * b.conj(), scale * a * b);
-            let parts = [covariance.re, covariance.im, plain.re, plain.im];
-            for (m, x) in moments.iter_mut().zip(parts) {
-                m.push(x);
-            }
-        }
-    }
-
-    fn merge(&mut self, other: &Self) {
-        for (a, b) in self.orders.iter_mut().zip(&other.orders) {
-            a.merge(b);
-        }
-        for (a, b) in self.products.iter_mut().flatten().zip(other.products.iter().flatten()) {
-            a.merge(b);
-        }
-    }
-}
-
 /// Adds all comparisons of one ensemble. Quantities that are 0 in every realization but for rounding
 /// (odd degrees of antipodal sets, Im of two zonal coefficients) have nothing to compare.
 fn add_to(family: &mut Family, ensemble: &Realizations<'_>, realizations: u64, label: &str) {
@@ -87,7 +35,7 @@ fn add_to(family: &mut Family, ensemble: &Realizations<'_>, realizations: u64, l
         ensemble,
         Resolution::new(LMAX, ensemble.sampler().n_points()),
         0..realizations,
-        &Anisotropy::new(),
+        &Anisotropy::new(LMAX, &PAIRS).unwrap(),
         &|| (),
     )
     .unwrap();
@@ -100,13 +48,13 @@ fn add_to(family: &mut Family, ensemble: &Realizations<'_>, realizations: u64, l
             assert!(moments.mean().abs() < 100.0 * ROUNDING, "{label}, {what}: constant");
         }
     };
-    for ((l, m), moments) in LmIndex::new(LMAX).unwrap().iter().zip(&got.orders) {
+    for ((l, m), moments) in got.orders() {
         // Degree 0 has one order; on the hemisphere odd degrees do not exist.
         if l > 0 && domain.has_degree(l) {
             add(moments, format!("power of ({l}, {m}) less that of its degree"));
         }
     }
-    for ([a, b], moments) in PAIRS.iter().zip(&got.products) {
+    for ([a, b], moments) in got.products() {
         if domain.has_degree(a.0) && domain.has_degree(b.0) {
             for (m, part) in
                 moments.iter().zip(["Re S conj S'", "Im S conj S'", "Re SS'", "Im SS'"])

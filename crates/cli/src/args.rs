@@ -2,7 +2,7 @@
 
 use clap::{Parser, Subcommand};
 
-use crate::commands::{bounds, compare, eval, healpix, sample, spectrum, variance};
+use crate::commands::{audit, bounds, compare, eval, healpix, sample, spectrum, variance};
 use crate::global::Global;
 
 /// Which pattern of N directions on the sphere or hemisphere gives the least integration error, and
@@ -33,6 +33,9 @@ pub(crate) enum Command {
     /// Variance bounds and convergence rates from spectral profiles
     #[command(after_help = bounds::EXAMPLES)]
     Bounds(bounds::BoundsArgs),
+    /// Whether the variance formula may be used for a pattern, or for points in files
+    #[command(after_help = audit::EXAMPLES)]
+    Audit(audit::AuditArgs),
     /// Convert lists of directions, angles and HEALPix pixels into each other
     #[command(after_help = healpix::EXAMPLES)]
     Healpix(healpix::HealpixArgs),

@@ -21,4 +21,14 @@ pub enum Error {
     /// An ensemble of no realizations has no mean.
     #[error("a spectrum needs at least 1 realization, got 0")]
     NoRealizations,
+    /// A setting is out of its range.
+    #[error("{what} must be {expected}, got {got}")]
+    Setting {
+        /// Which one.
+        what: &'static str,
+        /// What it can be.
+        expected: &'static str,
+        /// What it was.
+        got: f64,
+    },
 }

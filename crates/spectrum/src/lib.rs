@@ -17,22 +17,30 @@
 //! The data's way: point sets ([`PointSets`], such as the realizations of a sampler) go through
 //! the transform of `sphvar-sht` into an [`Accumulator`], which keeps what is wanted of the
 //! coefficients: their power per degree ([`SpectrumAccumulator`]), per degree and order
-//! ([`OrderAccumulator`]), or single coefficients ([`CoefficientSamples`]). Accumulators sum
-//! exactly ([`ExactSum`]), so any split over threads, or over machines of one kind, merges to the
+//! ([`OrderAccumulator`]), or single coefficients ([`CoefficientSamples`]). Whether an ensemble is
+//! homogeneous, so that variances follow from its spectrum, is judged from its low coefficients
+//! ([`HomogeneityAccumulator`], [`HomogeneityAudit`]). Accumulators sum exactly ([`ExactSum`]), so any split over threads, or over machines of one kind, merges to the
 //! same bits.
 
 mod accumulate;
+mod anisotropy;
 mod coefficients;
 mod error;
 mod exact_sum;
+mod homogeneity;
 mod moments;
 mod orders;
 mod spectrum;
 
 pub use accumulate::{Accumulator, PointSets, Realization, Resolution, accumulate, estimate};
+pub use anisotropy::Anisotropy;
 pub use coefficients::CoefficientSamples;
 pub use error::Error;
 pub use exact_sum::ExactSum;
+pub use homogeneity::{
+    AuditFamily, AuditSettings, AuditVerdict, Finding, HomogeneityAccumulator, HomogeneityAudit,
+    MeanBias, OrderRatio, RotationLaw, TurnedSets,
+};
 pub use moments::Moments;
 pub use orders::{OrderAccumulator, OrderPower};
 pub use spectrum::{Spectrum, SpectrumAccumulator};

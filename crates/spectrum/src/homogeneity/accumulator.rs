@@ -1,0 +1,90 @@
+use std::f64::consts::SQRT_2;
+
+use glam::DMat3;
+use sphvar_samplers::Domain;
+
+use super::audit::{AuditSettings, HomogeneityAudit};
+use super::judge::judge;
+use crate::{Accumulator, Anisotropy, Error, Realization};
+
+/// Keeps the low coefficients of every realization; the [`HomogeneityAudit`] in the making.
+///
+/// `8 (lmax+1)^2` bytes a realization.
+#[derive(Clone, Debug)]
+pub struct HomogeneityAccumulator {
+    domain: Domain,
+    lmax: usize,
+    rows: Vec<(u64, Vec<f64>)>,
+    anisotropy: Anisotropy,
+}
+
+impl HomogeneityAccumulator {
+    /// An empty accumulator for degrees 1 to `lmax`, on the hemisphere the even ones.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Setting`] if no degree of the domain is among them, [`Error::Transform`] if `lmax` is
+    /// beyond what the index can hold.
+    pub fn new(domain: Domain, lmax: usize) -> Result<Self, Error> {
+        if lmax < domain.degree_step() {
+            return Err(Error::Setting {
+                what: "lmax of an audit",
+                expected: "at least 1, on the hemisphere at least 2",
+                got: lmax as f64,
+            });
+        }
+        Ok(Self { domain, lmax, rows: Vec::new(), anisotropy: Anisotropy::new(lmax, &[])? })
+    }
+
+    /// Judges the realizations.
+    ///
+    /// `rotations` are those that turned them, if they are known; `done` is called after each of
+    /// [`AuditSettings::replicates`] turned copies of the ensemble. The result depends on nothing
+    /// but the realizations, the settings and the rotations.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::NoRealizations`] if nothing was accumulated, [`Error::Setting`] if a setting is out
+    /// of its range.
+    ///
+    /// # Performance
+    ///
+    /// Some `8/3 lmax^3` operations for each realization of each copy: 3 microseconds for lmax = 8.
+    pub fn audit(
+        &self,
+        settings: &AuditSettings,
+        rotations: Option<&[DMat3]>,
+        done: &(dyn Fn() + Sync),
+    ) -> Result<HomogeneityAudit, Error> {
+        settings.check()?;
+        if self.rows.is_empty() {
+            return Err(Error::NoRealizations);
+        }
+        let mut rows: Vec<&(u64, Vec<f64>)> = self.rows.iter().collect();
+        rows.sort_by_key(|row| row.0);
+        let rows: Vec<Vec<f64>> = rows.into_iter().map(|row| row.1.clone()).collect();
+        Ok(judge(self.domain, self.lmax, &rows, &self.anisotropy, settings, rotations, done))
+    }
+}
+
+impl Accumulator for HomogeneityAccumulator {
+    fn push(&mut self, realization: &Realization<'_>) {
+        let (alm, scale) = (realization.alm(), realization.normalization().sqrt());
+        let mut row = vec![0.0; (self.lmax + 1) * (self.lmax + 1)];
+        for l in 0..=self.lmax {
+            row[l * l] = scale * alm[(l, 0)].re;
+            for m in 1..=l {
+                let a = SQRT_2 * scale * alm[(l, m)];
+                row[l * l + m] = a.re;
+                row[l * l + l + m] = a.im;
+            }
+        }
+        self.rows.push((realization.index(), row));
+        self.anisotropy.push(realization);
+    }
+
+    fn merge(&mut self, other: &Self) {
+        self.rows.extend_from_slice(&other.rows);
+        self.anisotropy.merge(&other.anisotropy);
+    }
+}
