@@ -5,6 +5,10 @@ use super::AuditFamily;
 /// Products of coefficients are taken between degrees up to this one.
 pub(super) const PAIR_DEGREE: usize = 4;
 
+/// What rounding leaves of power, relative to that of degree 0: the transform is good to 1e-12 of its
+/// root.
+const ROUNDING: f64 = 1e-22;
+
 /// What is summed over the realizations of an ensemble: which components, and by which name.
 ///
 /// Components are those of [`Turner`](super::turner::Turner).
@@ -32,8 +36,6 @@ pub(super) struct Sums {
 impl Layout {
     /// The layout for realizations whose degrees above 0 have this power, up to `lmax`.
     pub(super) fn new(domain: Domain, lmax: usize, rows: &[Vec<f64>]) -> Self {
-        // Rounding of the transform, 1e-12 of the root of the power of degree 0, leaves its square.
-        const ROUNDING: f64 = 1e-22;
         let mean =
             |l: usize| rows.iter().map(|row| degree_power(row, l)).sum::<f64>() / rows.len() as f64;
         let power: Vec<f64> = (0..=lmax).map(mean).collect();
@@ -91,8 +93,10 @@ impl Layout {
         }
         for (sum, (l, m)) in sums.phases.chunks_exact_mut(4).zip(self.orders(1)) {
             let (x, y) = (row[l * l + m], row[l * l + l + m]);
-            let size = x.hypot(y);
-            if size > 0.0 {
+            let square = x * x + y * y;
+            // What vanishes by symmetry, such as S_41 of a lattice with a fourfold axis, has no phase.
+            if square > ROUNDING * row[0] * row[0] {
+                let size = square.sqrt();
                 let (c, s) = (x / size, y / size);
                 for (sum, part) in sum.iter_mut().zip([c, s, c * c - s * s, 2.0 * c * s]) {
                     *sum += part;
