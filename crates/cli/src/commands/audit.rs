@@ -1,16 +1,18 @@
 //! `sphvar audit`: whether the variance formula may be used for an ensemble.
 
+mod report;
+
 use std::path::PathBuf;
 
 use clap::Args;
 use glam::DMat3;
-use serde::Serialize;
 use sphvar_samplers::{Domain, Purpose, Realizations, Sampler, Streams, uniform_rotation};
 use sphvar_spectrum::{
-    AuditFamily, AuditSettings, AuditVerdict, Finding, HomogeneityAccumulator, HomogeneityAudit,
-    PointSets, Resolution, TurnedSets, accumulate,
+    AuditSettings, HomogeneityAccumulator, HomogeneityAudit, PointSets, Resolution, TurnedSets,
+    accumulate,
 };
 
+use self::report::{AuditRecord, Document, Ensemble};
 use crate::error::CliError;
 use crate::global::Global;
 use crate::memory::{check_degree, check_memory, check_transform};
@@ -18,8 +20,7 @@ use crate::patterns;
 use crate::point_sets::FileSets;
 use crate::progress::Progress;
 use crate::report::{
-    Provenance, check_result, csv, full, is_stdout, print, print_json, say, short, table,
-    write_result,
+    Provenance, check_result, csv, is_stdout, print, print_json, say, write_result,
 };
 
 pub(crate) const EXAMPLES: &str = "Examples:
@@ -34,7 +35,7 @@ degrees 1 to --lmax (on the hemisphere the even ones):
   covariances  different coefficients uncorrelated, degrees up to 4 (correlation)
   rotations    the mean of the rotations that were used is 0 (entry of the mean)
 Degrees without power, such as odd ones of antipodal sets, are left out. Each p-value comes from
-copies of the ensemble in which every set is turned anew by a uniform rotation; all tests together
+copies of the ensemble in which every set is turned anew by a uniform rotation; all tests of it together
 object to a homogeneous ensemble with probability --alpha at most. A sampler is audited as it draws
 and as turned by uniform rotations. The exit status is 0 whatever the verdict.";
 
@@ -87,82 +88,6 @@ pub(crate) struct AuditArgs {
     pub(crate) out: Option<PathBuf>,
 }
 
-/// The document of `--json`.
-#[derive(Debug, Serialize)]
-struct Document<'a> {
-    sampler: &'a str,
-    domain: &'static str,
-    n: usize,
-    realizations: u64,
-    lmax: usize,
-    alpha: f64,
-    tolerance: f64,
-    copies: u64,
-    audits: Vec<AuditRecord>,
-    provenance: &'a Provenance,
-}
-
-/// One audit as scripts see it.
-#[derive(Debug, Serialize)]
-struct AuditRecord {
-    ensemble: &'static str,
-    verdict: &'static str,
-    conclusion: String,
-    /// Infinite where nothing can be seen, which is null in JSON.
-    detectable: f64,
-    vanishing: Vec<usize>,
-    tests: Vec<TestRecord>,
-    ratios: Vec<RatioRecord>,
-    bias: Option<BiasRecord>,
-}
-
-#[derive(Debug, Serialize)]
-struct TestRecord {
-    test: &'static str,
-    compared: usize,
-    statistic: f64,
-    p_value: f64,
-    adjusted: f64,
-    rejected: bool,
-    worst: String,
-    value: f64,
-}
-
-#[derive(Debug, Serialize)]
-struct RatioRecord {
-    l: usize,
-    m: usize,
-    ratio: f64,
-    stderr: f64,
-    low: f64,
-    high: f64,
-}
-
-#[derive(Debug, Serialize)]
-struct BiasRecord {
-    l: usize,
-    m: usize,
-    share: f64,
-}
-
-/// What is known of the rotations of an ensemble.
-#[derive(Clone, Copy, PartialEq, Eq)]
-enum Ensemble {
-    AsDrawn { random: bool },
-    Rotated,
-    FromFiles,
-}
-
-impl Ensemble {
-    fn name(self) -> &'static str {
-        match self {
-            Self::AsDrawn { .. } => "as drawn",
-            Self::Rotated => "rotated",
-            Self::FromFiles => "from files",
-        }
-    }
-}
-
 /// Where the point sets come from.
 enum Source {
     Sampler { name: String, sampler: Box<dyn Sampler>, streams: Streams },
@@ -187,7 +112,8 @@ pub(crate) fn run(args: &AuditArgs, global: &Global) -> Result<(), CliError> {
     let audits = plan.audits(&source, name, args.unrotated, global.quiet)?;
 
     let provenance = Provenance::new(global.seed);
-    let records = audits.iter().map(|(ensemble, audit)| record(*ensemble, audit, &settings));
+    let records =
+        audits.iter().map(|(ensemble, audit)| AuditRecord::new(*ensemble, audit, &settings));
     let document = Document {
         sampler: name,
         domain: domain.name(),
@@ -337,129 +263,12 @@ impl Plan {
     }
 }
 
-fn record(ensemble: Ensemble, audit: &HomogeneityAudit, settings: &AuditSettings) -> AuditRecord {
-    let test = |f: &Finding| TestRecord {
-        test: f.family.name(),
-        compared: f.comparisons,
-        statistic: f.statistic,
-        p_value: f.p_value,
-        adjusted: f.adjusted,
-        rejected: f.rejected,
-        worst: f.worst.clone(),
-        value: f.value,
-    };
-    let ratios = audit.ratios.iter().map(|r| RatioRecord {
-        l: r.l,
-        m: r.m,
-        ratio: r.ratio,
-        stderr: r.stderr,
-        low: r.low,
-        high: r.high,
-    });
-    AuditRecord {
-        ensemble: ensemble.name(),
-        verdict: match audit.verdict {
-            AuditVerdict::Homogeneous => "yes",
-            AuditVerdict::Inhomogeneous => "no",
-            AuditVerdict::Undecided => "undecided",
-        },
-        conclusion: conclusion(ensemble, audit, settings),
-        detectable: audit.detectable,
-        vanishing: audit.vanishing.clone(),
-        tests: audit.findings.iter().map(test).collect(),
-        ratios: ratios.collect(),
-        bias: audit.bias.map(|b| BiasRecord { l: b.l, m: b.m, share: b.share }),
-    }
-}
-
-/// What the findings mean, in a sentence or three.
-fn conclusion(ensemble: Ensemble, audit: &HomogeneityAudit, settings: &AuditSettings) -> String {
-    let seen = format!(
-        "an error of {} of the variance of any Y_lm, l <= {}, would have been seen in 9 of 10 audits",
-        percent(audit.detectable),
-        audit.lmax
-    );
-    match audit.verdict {
-        AuditVerdict::Homogeneous => format!("The variance formula may be used: {seen}."),
-        AuditVerdict::Undecided if audit.ratios.is_empty() => {
-            "Not enough to tell: no degree that was looked at has any power.".to_owned()
-        }
-        AuditVerdict::Undecided => {
-            let factor = (audit.detectable / settings.tolerance).powi(2);
-            let needed = (factor * audit.realizations as f64 / 100.0).ceil() * 100.0;
-            format!(
-                "Not enough realizations to tell: only {seen}; for {} take about {needed} of them.",
-                percent(settings.tolerance)
-            )
-        }
-        AuditVerdict::Inhomogeneous => objection(ensemble, audit),
-    }
-}
-
-fn objection(ensemble: Ensemble, audit: &HomogeneityAudit) -> String {
-    let rejected = |family| audit.finding(family).is_some_and(|f| f.rejected);
-    let mut text = match ensemble {
-        Ensemble::AsDrawn { random: false } => {
-            "The variance formula may not be used: this is one fixed set, so the error is no chance \
-             at all; turn every realization by a uniform rotation."
-        }
-        Ensemble::AsDrawn { random: true } => {
-            "The variance formula may not be used: turn every realization by a uniform rotation."
-        }
-        Ensemble::Rotated => "The variance formula may not be used: the rotations are not uniform.",
-        Ensemble::FromFiles => {
-            "The variance formula may not be used, unless these sets are turned by uniform rotations."
-        }
-    }
-    .to_owned();
-    if let Some(w) = audit.worst_ratio() {
-        let (l, m) = (w.l, w.m);
-        text += &format!(
-            " Worst factor of the mean squared error: {:.3} for Y_{l},{m} ({:.3} to {:.3}, all orders \
-             together at 1 - alpha).",
-            w.ratio, w.low, w.high
-        );
-    }
-    if rejected(AuditFamily::Means)
-        && let Some(b) = audit.bias
-    {
-        let (l, m) = (b.l, b.m);
-        text += &format!(" Bias: {} of the formula's variance for Y_{l},{m}.", percent(b.share));
-    }
-    if rejected(AuditFamily::Covariances) {
-        text += " Integrands of several coefficients have cross terms besides.";
-    }
-    text
-}
-
-/// A share in percent, to two digits.
-fn percent(x: f64) -> String {
-    let percent = 100.0 * x;
-    if percent >= 10.0 { format!("{percent:.0} %") } else { format!("{percent:.1} %") }
-}
-
 fn emit(args: &AuditArgs, global: &Global, document: &Document<'_>) -> Result<(), CliError> {
     if let Some(path) = &args.out
         && !(global.json && is_stdout(path))
     {
-        let rows = document.audits.iter().flat_map(|audit| {
-            audit.tests.iter().map(|t| {
-                vec![
-                    audit.ensemble.to_owned(),
-                    t.test.to_owned(),
-                    t.compared.to_string(),
-                    full(t.statistic),
-                    full(t.p_value),
-                    full(t.adjusted),
-                    t.rejected.to_string(),
-                    t.worst.clone(),
-                    full(t.value),
-                    audit.verdict.to_owned(),
-                ]
-            })
-        });
-        let rows: Vec<_> = rows.collect();
-        write_result(path, document, &|| csv(document.provenance, COLUMNS, &rows))?;
+        let text = || csv(document.provenance, Document::COLUMNS, &document.rows());
+        write_result(path, document, &text)?;
     }
     if global.json {
         return print_json(document);
@@ -467,47 +276,5 @@ fn emit(args: &AuditArgs, global: &Global, document: &Document<'_>) -> Result<()
     if args.out.as_ref().is_some_and(|path| is_stdout(path)) {
         return Ok(());
     }
-    let parts: Vec<String> = document.audits.iter().map(|audit| text(document, audit)).collect();
-    print(&parts.join("\n"))
-}
-
-const COLUMNS: &str =
-    "ensemble,test,compared,statistic,p_value,adjusted,rejected,worst,value,verdict";
-
-/// The report on one ensemble for people.
-fn text(document: &Document<'_>, audit: &AuditRecord) -> String {
-    let Document { sampler, n, realizations, lmax, copies, .. } = document;
-    let mut text = format!(
-        "{sampler}, N = {n}, {}: {realizations} realizations, degrees to {lmax}, {copies} turned copies\n",
-        audit.ensemble
-    );
-    let cells = audit.tests.iter().map(|t| {
-        let verdict = match (t.compared, t.rejected) {
-            (0, _) => "nothing to test",
-            (_, true) => "objects",
-            (_, false) => "no objection",
-        };
-        vec![
-            t.test.to_owned(),
-            t.compared.to_string(),
-            if t.compared > 0 { format!("{:.2}", t.statistic) } else { "-".to_owned() },
-            short(t.p_value),
-            t.worst.clone(),
-            if t.value.is_finite() { format!("{:.4}", t.value) } else { "-".to_owned() },
-            verdict.to_owned(),
-        ]
-    });
-    let heading = ["test", "compared", "largest score", "p", "where", "value", "verdict"];
-    text += &table(&heading, cells.collect(), 1);
-    if !audit.tests.iter().any(|t| t.test == AuditFamily::Rotations.name()) {
-        text += match audit.ensemble {
-            "from files" => "rotations: not known of points from files\n",
-            _ => "rotations: none were used\n",
-        };
-    }
-    if !audit.vanishing.is_empty() {
-        let degrees: Vec<String> = audit.vanishing.iter().map(ToString::to_string).collect();
-        text += &format!("left out, without power: l = {}\n", degrees.join(", "));
-    }
-    text + &audit.conclusion + "\n"
+    print(&document.text())
 }
