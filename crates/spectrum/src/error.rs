@@ -1,3 +1,5 @@
+use sphvar_samplers::Pattern;
+
 /// Why a spectrum cannot be computed or merged.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
@@ -21,4 +23,13 @@ pub enum Error {
     /// An ensemble of no realizations has no mean.
     #[error("a spectrum needs at least 1 realization, got 0")]
     NoRealizations,
+    /// The mean spectrum of a pattern has no form that could be evaluated.
+    #[error(
+        "the spectrum of {pattern} is known by sampling only; exact ones have {}",
+        crate::exact::patterns_in_words()
+    )]
+    NoExactSpectrum {
+        /// The pattern.
+        pattern: Pattern,
+    },
 }

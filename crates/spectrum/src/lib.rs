@@ -20,10 +20,13 @@
 //! ([`OrderAccumulator`]), or single coefficients ([`CoefficientSamples`]). Accumulators sum
 //! exactly ([`ExactSum`]), so any split over threads, or over machines of one kind, merges to the
 //! same bits.
+//!
+//! Some patterns need no ensemble: [`exact_spectrum`] evaluates the mean itself.
 
 mod accumulate;
 mod coefficients;
 mod error;
+mod exact;
 mod exact_sum;
 mod moments;
 mod orders;
@@ -32,6 +35,7 @@ mod spectrum;
 pub use accumulate::{Accumulator, PointSets, Realization, Resolution, accumulate, estimate};
 pub use coefficients::CoefficientSamples;
 pub use error::Error;
+pub use exact::{exact_spectrum, exact_spectrum_cost, has_exact_spectrum};
 pub use exact_sum::ExactSum;
 pub use moments::Moments;
 pub use orders::{OrderAccumulator, OrderPower};
