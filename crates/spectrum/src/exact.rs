@@ -102,12 +102,7 @@ pub fn exact_spectrum(
 /// The seconds that [`exact_spectrum`] reports in all: what it is expected to take on one core of a
 /// 2.6 GHz machine. 0 where it ends with an error.
 #[must_use]
-pub fn exact_spectrum_cost(
-    pattern: &Pattern,
-    n_points: usize,
-    domain: Domain,
-    lmax: usize,
-) -> f64 {
+pub fn exact_spectrum_cost(pattern: &Pattern, n_points: usize, domain: Domain, lmax: usize) -> f64 {
     match Kind::of(pattern, n_points, domain) {
         Err(_) | Ok(Kind::White) => 0.0,
         Ok(Kind::Fixed(_)) => fixed_cost(n_points, lmax),

@@ -25,7 +25,13 @@ pub(super) fn power(
     let most = partition.nodes(degree).into_iter().map(|(_, nodes)| nodes).max().unwrap_or(1);
     let transform = Transform::new(Method::Auto, lmax, most, EPSILON)?;
     let none = || vec![ExactSum::default(); lmax + 1];
-    let begin = || Ok(Worker { alm: [Alm::zeros(lmax)?], workspace: TransformWorkspace::default(), sums: none() });
+    let begin = || {
+        Ok(Worker {
+            alm: [Alm::zeros(lmax)?],
+            workspace: TransformWorkspace::default(),
+            sums: none(),
+        })
+    };
     let sums = (0..partition.n_rows())
         .into_par_iter()
         .flat_map_iter(|row| partition.row(row))

@@ -77,7 +77,8 @@ impl ChordMoments {
         let mut points: Vec<LegendreDefect> = (0..count)
             .map(|k| {
                 // s_k = s_max (1 - cos)/2, and half of it enters.
-                let half_chord_squared = 0.5 * self.longest_squared * (0.5 * angle(k)).sin().powi(2);
+                let half_chord_squared =
+                    0.5 * self.longest_squared * (0.5 * angle(k)).sin().powi(2);
                 LegendreDefect::new(weight(k), half_chord_squared)
             })
             .collect();
@@ -196,8 +197,7 @@ pub(super) fn n_moments(lmax: usize, longest_squared: f64) -> usize {
     let mut log_factorial = 0.0;
     for j in 1..=lmax {
         log_factorial += (j as f64).ln();
-        let log_bessel =
-            j as f64 * (0.5 * a).ln() - log_factorial + a * a / (4.0 * j as f64 + 4.0);
+        let log_bessel = j as f64 * (0.5 * a).ln() - log_factorial + a * a / (4.0 * j as f64 + 4.0);
         // The factor 2 and the tail behind are together below 4.
         if 2.0 * log_bessel + 4.0_f64.ln() < goal {
             return j.max(2);

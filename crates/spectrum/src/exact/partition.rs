@@ -153,7 +153,10 @@ fn ring_classes(nside: Nside, row: usize) -> Vec<CongruentStrata> {
         let halves = if ring < 2 * n { 2.0 } else { 1.0 };
         let share = halves * 4.0 * f64::from(n) / n_cells;
         let cell = Cell::new(nside, 4, n - 1, sum - (n - 1));
-        return cell.map(|c| CongruentStrata { share, shape: Shape::Cell(c) }).into_iter().collect();
+        return cell
+            .map(|c| CongruentStrata { share, shape: Shape::Cell(c) })
+            .into_iter()
+            .collect();
     }
     (0..ring.div_ceil(2))
         .filter_map(|west| {

@@ -1,8 +1,8 @@
 //! The spectrum of one uniform point in each stratum, by the way that is expected to take less time.
 
+use super::cell_means;
 use super::chords::{self, ChordMoments};
 use super::partition::Partition;
-use super::cell_means;
 use crate::Error;
 
 /// The power of degrees 0 to `lmax`; degree 0 is not N but 0.
