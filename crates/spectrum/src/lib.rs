@@ -35,7 +35,7 @@ mod spectrum;
 pub use accumulate::{Accumulator, PointSets, Realization, Resolution, accumulate, estimate};
 pub use coefficients::CoefficientSamples;
 pub use error::Error;
-pub use exact::{exact_spectrum, exact_spectrum_cost, has_exact_spectrum};
+pub use exact::{exact_spectrum, exact_spectrum_bytes, exact_spectrum_cost, has_exact_spectrum};
 pub use exact_sum::ExactSum;
 pub use moments::Moments;
 pub use orders::{OrderAccumulator, OrderPower};

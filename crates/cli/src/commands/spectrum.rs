@@ -9,7 +9,7 @@ use serde::Serialize;
 use sphvar_samplers::{Domain, Pattern, Purpose, Realizations, Sampler, Streams};
 use sphvar_spectrum::{
     CoefficientSamples, OrderAccumulator, PointSets, Resolution, Spectrum, SpectrumAccumulator,
-    accumulate, exact_spectrum, exact_spectrum_cost, has_exact_spectrum,
+    accumulate, exact_spectrum, exact_spectrum_bytes, exact_spectrum_cost, has_exact_spectrum,
 };
 
 use super::power_chart::{power_chart, power_series};
@@ -219,9 +219,8 @@ fn run_exact(
     let (n_points, domain) = (sampler.n_points(), sampler.domain());
     let lmax = args.lmax.unwrap_or_else(|| Resolution::natural_degree(n_points));
     check_degree("--lmax", lmax)?;
-    // Only a pattern that is not random is transformed as a whole.
-    let points_held = if sampler.is_random() { 0 } else { n_points };
-    check_transform(Resolution::new(lmax, points_held), 1)?;
+    let bytes = exact_spectrum_bytes(pattern, n_points, domain, lmax, rayon::current_num_threads());
+    check_memory(&format!("a spectrum to degree {lmax} (--lmax)"), bytes)?;
     let started = Instant::now();
     let name = pattern.to_string();
     let progress =

@@ -22,8 +22,7 @@ pub(super) fn power(
     lmax: usize,
     done: &(dyn Fn(f64) + Sync),
 ) -> Result<Vec<f64>, Error> {
-    let most = partition.nodes(degree).into_iter().map(|(_, nodes)| nodes).max().unwrap_or(1);
-    let transform = Transform::new(Method::Auto, lmax, most, EPSILON)?;
+    let transform = Transform::new(Method::Auto, lmax, partition.most_nodes(degree), EPSILON)?;
     let none = || vec![ExactSum::default(); lmax + 1];
     let begin = || {
         Ok(Worker {
@@ -83,6 +82,12 @@ impl Worker {
 /// The seconds for all classes, as [`power`] reports them.
 pub(super) fn cost(partition: &Partition, lmax: usize) -> f64 {
     partition.nodes(lmax).into_iter().map(|(classes, n)| classes * class_cost(n, lmax)).sum()
+}
+
+/// The bytes that a thread takes.
+pub(super) fn bytes(partition: &Partition, lmax: usize) -> f64 {
+    let nodes = partition.most_nodes(lmax);
+    Method::Auto.bytes(nodes, lmax, 1) + 32.0 * nodes as f64 + 150.0 * lmax as f64
 }
 
 fn class_cost(n_nodes: usize, lmax: usize) -> f64 {

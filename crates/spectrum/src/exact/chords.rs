@@ -212,6 +212,12 @@ pub(super) fn cost(partition: &Partition, lmax: usize) -> f64 {
     partition.nodes(lmax).into_iter().map(|(classes, n)| classes * class_cost(n, count)).sum()
 }
 
+/// The bytes that a thread takes: nodes twice over, and moments.
+pub(super) fn bytes(partition: &Partition, lmax: usize) -> f64 {
+    let count = n_moments(lmax, partition.longest_chord_squared());
+    64.0 * partition.most_nodes(lmax) as f64 + 250.0 * count as f64
+}
+
 fn class_cost(n_nodes: usize, count: usize) -> f64 {
     0.5 * (n_nodes as f64).powi(2) * (count as f64 + 4.0) * PAIR_SECONDS
 }

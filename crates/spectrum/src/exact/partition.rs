@@ -89,20 +89,26 @@ impl Partition {
             Self::Healpix(nside) => {
                 let n = f64::from(nside.value());
                 let edge = cell_nodes(*nside, lmax);
+                let square = edge.saturating_mul(edge);
                 // The polar cap has ceil(i/2) classes in ring i.
                 let first = if nside.value() > 1 { 1.0 } else { 0.0 };
                 let smooth = (n * n / 4.0).floor() - first + n;
                 let cut = (n / 2.0).ceil() + first;
-                vec![(smooth, edge * edge), (cut, 2 * edge * edge)]
+                vec![(smooth, square), (cut, square.saturating_mul(2))]
             }
             Self::Zonal(regions, _) => regions
                 .iter()
                 .map(|(region, _)| {
                     let [theta, phi] = region_nodes(region, lmax);
-                    (1.0, theta * phi)
+                    (1.0, theta.saturating_mul(phi))
                 })
                 .collect(),
         }
+    }
+
+    /// The largest of the numbers of nodes.
+    pub(super) fn most_nodes(&self, lmax: usize) -> usize {
+        self.nodes(lmax).into_iter().map(|(_, nodes)| nodes).max().unwrap_or(1)
     }
 
     /// A bound of the squared distance of two points of one stratum, at most 4.

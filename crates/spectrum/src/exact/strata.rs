@@ -29,6 +29,17 @@ pub(super) fn cost(partition: &Partition, lmax: usize) -> f64 {
     chords::cost(partition, by_chords) + rest
 }
 
+/// The bytes that [`power`] takes on `threads` threads.
+pub(super) fn bytes(partition: &Partition, lmax: usize, threads: usize) -> f64 {
+    let by_chords = degrees_by_chords(partition, lmax);
+    let each = if by_chords == lmax {
+        chords::bytes(partition, lmax)
+    } else {
+        cell_means::bytes(partition, lmax)
+    };
+    partition.n_rows().min(threads.max(1)) as f64 * each
+}
+
 /// The largest degree that goes by chords: all, or where means of cells cost less, those to about sqrt(N).
 /// Beyond, the power is no longer small, and a difference from 1 serves as well.
 fn degrees_by_chords(partition: &Partition, lmax: usize) -> usize {
