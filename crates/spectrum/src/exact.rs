@@ -1,7 +1,7 @@
 //! Spectra that are known without sampling.
 
 mod cell_means;
-mod chords;
+mod chord_moments;
 mod partition;
 mod quadrature;
 mod strata;

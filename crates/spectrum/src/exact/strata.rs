@@ -1,7 +1,7 @@
 //! The spectrum of one uniform point in each stratum, by the way that is expected to take less time.
 
 use super::cell_means;
-use super::chords::{self, ChordMoments};
+use super::chord_moments::{self, ChordMoments};
 use super::partition::Partition;
 use crate::Error;
 
@@ -12,7 +12,7 @@ pub(super) fn power(
     done: &(dyn Fn(f64) + Sync),
 ) -> Result<Vec<f64>, Error> {
     let by_chords = degrees_by_chords(partition, lmax);
-    let count = chords::n_moments(by_chords, partition.longest_chord_squared());
+    let count = chord_moments::n_moments(by_chords, partition.longest_chord_squared());
     let low = ChordMoments::new(partition, by_chords, count, done)?.power(by_chords);
     if by_chords == lmax {
         return Ok(low);
@@ -26,14 +26,14 @@ pub(super) fn power(
 pub(super) fn cost(partition: &Partition, lmax: usize) -> f64 {
     let by_chords = degrees_by_chords(partition, lmax);
     let rest = if by_chords == lmax { 0.0 } else { cell_means::cost(partition, lmax) };
-    chords::cost(partition, by_chords) + rest
+    chord_moments::cost(partition, by_chords) + rest
 }
 
 /// The bytes that [`power`] takes on `threads` threads.
 pub(super) fn bytes(partition: &Partition, lmax: usize, threads: usize) -> f64 {
     let by_chords = degrees_by_chords(partition, lmax);
     let each = if by_chords == lmax {
-        chords::bytes(partition, lmax)
+        chord_moments::bytes(partition, lmax)
     } else {
         cell_means::bytes(partition, lmax)
     };
@@ -43,7 +43,7 @@ pub(super) fn bytes(partition: &Partition, lmax: usize, threads: usize) -> f64 {
 /// The largest degree that goes by chords: all, or where means of cells cost less, those to about sqrt(N).
 /// Beyond, the power is no longer small, and a difference from 1 serves as well.
 fn degrees_by_chords(partition: &Partition, lmax: usize) -> usize {
-    if chords::cost(partition, lmax) <= cell_means::cost(partition, lmax) {
+    if chord_moments::cost(partition, lmax) <= cell_means::cost(partition, lmax) {
         return lmax;
     }
     // The chord of a stratum is some 2 spacings long.

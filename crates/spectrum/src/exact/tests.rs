@@ -5,7 +5,7 @@ use std::sync::Mutex;
 use sphvar_healpix::{Cell, Nside};
 use sphvar_samplers::{Domain, EqualArea, Pattern, Placement};
 
-use super::chords::{self, ChordMoments};
+use super::chord_moments::{self, ChordMoments};
 use super::partition::Partition;
 use super::quadrature::Quadrature;
 use super::{cell_means, exact_spectrum, exact_spectrum_cost, has_exact_spectrum, strata};
@@ -33,7 +33,7 @@ fn partitions() -> Vec<(String, Partition)> {
 }
 
 fn by_chords(partition: &Partition, degree: usize, lmax: usize) -> Vec<f64> {
-    let count = chords::n_moments(lmax, partition.longest_chord_squared());
+    let count = chord_moments::n_moments(lmax, partition.longest_chord_squared());
     ChordMoments::new(partition, degree, count, &|_| ()).unwrap().power(lmax)
 }
 
@@ -88,7 +88,7 @@ fn the_quadrature_has_converged() {
 fn the_series_has_converged() {
     for (nside, lmax) in [(1, 3), (4, 20), (8, 100), (64, 8)] {
         let partition = healpix(nside);
-        let count = chords::n_moments(lmax, partition.longest_chord_squared());
+        let count = chord_moments::n_moments(lmax, partition.longest_chord_squared());
         let power =
             |count| ChordMoments::new(&partition, lmax, count, &|_| ()).unwrap().power(lmax);
         assert_near(&power(count), &power(2 * count), |p| RELATIVE * p, &format!("nside {nside}"));
@@ -206,7 +206,10 @@ fn the_ways_are_joined_without_a_seam() {
     for (name, partition, lmax) in
         [("nside 1", healpix(1), 60), ("20 regions", zonal(20, Domain::Hemisphere), 80)]
     {
-        assert!(cell_means::cost(&partition, lmax) < chords::cost(&partition, lmax), "{name}");
+        assert!(
+            cell_means::cost(&partition, lmax) < chord_moments::cost(&partition, lmax),
+            "{name}"
+        );
         let got = strata::power(&partition, lmax, &|_| ()).unwrap();
         assert_near(&got, &by_chords(&partition, lmax, lmax), |_| 4.0 * ABSOLUTE, name);
         assert_near(&got[..4], &by_chords(&partition, 3, 3), |p| RELATIVE * p, name);
