@@ -1,5 +1,5 @@
 //! What the cross-crate checks share: significance of families of comparisons, reference spectra
-//! and an exact spectrum of stratified patterns.
+//! and quadrature on HEALPix cells.
 //!
 //! The checks themselves are in `tests/*.rs`, one topic a file. Their rules: seeds, counts and
 //! significance are named constants, the unit of replication is the realization, and every

@@ -2,8 +2,8 @@
 
 use std::f64::consts::PI;
 
-use sphvar_samplers::{Domain, Pattern, Purpose, Realizations, Streams};
-use sphvar_spectrum::{Spectrum, estimate};
+use sphvar_samplers::{Domain, Pattern, Placement, Purpose, Realizations, Streams};
+use sphvar_spectrum::{Spectrum, estimate, exact_spectrum};
 use sphvar_tests::{
     Family, ReferenceSpectrum, chi2_false_alarm, chi2_interval, exact_jitter_spectrum,
 };
@@ -141,6 +141,59 @@ fn jitter_obeys_its_law_of_low_degrees() {
         let c = n * p / (l * (l + 1)) as f64;
         let correction = (l * l) as f64 / n;
         assert!((c - 1.1179).abs() < 3e-4 + correction, "l = {l}: c = {c}");
+    }
+    // Cells of another shape than their neighbours, at the poles, at |z| = 2/3 and on the edges of the faces, are
+    // some 1/nside of all: c_N = limit + a/nside + ..., extrapolated twice.
+    let [coarse, middle, fine] = [32_u32, 64, 128]
+        .map(|nside| exact_jitter_spectrum(nside, 1)[1] * 6.0 * f64::from(nside * nside));
+    let (first, second) = (2.0 * middle - coarse, 2.0 * fine - middle);
+    let extrapolated = second + (second - first) / 3.0;
+    // The second order has a logarithm, from the sum over rings: ln(128)/128^2 = 3e-4, of which 2 % are left.
+    assert!((extrapolated - limit).abs() < 1e-5, "{extrapolated}, limit {limit}");
+}
+
+/// Exact spectra against sampled ones. False alarms, were the seeds not fixed: at most ALPHA for the largest
+/// deviation, 2 ALPHA for chi-square (ALPHA, and as much for its stderrs being estimates) of each case.
+#[test]
+fn exact_spectra_are_what_sampling_finds() {
+    const MANY: u64 = 1500;
+    let equal_area = Pattern::EqualArea { placement: Placement::Jittered };
+    for (pattern, n, domain, lmax) in [
+        (Pattern::Jittered, 768, Domain::Sphere, 110),
+        (Pattern::Jittered, 150, Domain::Hemisphere, 100),
+        (equal_area.clone(), 333, Domain::Sphere, 80),
+        (equal_area, 61, Domain::Hemisphere, 60),
+    ] {
+        let sampler = pattern.build(n, domain).unwrap();
+        let ensemble = Realizations::rotated(&*sampler, Streams::new(SEED, Purpose::Trial, n));
+        let got = estimate(&ensemble, lmax, MANY, &|| ()).unwrap();
+        let exact = exact_spectrum(&pattern, n, domain, lmax, &|_| ()).unwrap();
+        assert!(exact.is_exact() && exact.realizations() == 0);
+        let (chi2, family) = compare(&got, exact.power(), "an exact spectrum");
+        family.assert_null(ALPHA);
+        let (low, high) = chi2_interval(family.scores().len(), ALPHA);
+        assert!((low..=high).contains(&chi2), "{pattern}, N = {n}, {domain}: chi2/dof = {chi2}");
+    }
+}
+
+/// A pattern that is not random has the power of any of its realizations.
+#[test]
+fn exact_spectra_of_fixed_patterns_are_those_of_a_rotated_set() {
+    for (pattern, domain) in
+        [(Pattern::Healpix, Domain::Sphere), (Pattern::Fibonacci, Domain::Hemisphere)]
+    {
+        const N: usize = 768;
+        let n = pattern.nearest_count(N, domain);
+        let sampler = pattern.build(n, domain).unwrap();
+        let ensemble = Realizations::rotated(&*sampler, Streams::new(SEED, Purpose::Pattern, n));
+        let rotated = estimate(&ensemble, 150, 1, &|| ()).unwrap();
+        let exact = exact_spectrum(&pattern, n, domain, 150, &|_| ()).unwrap();
+        for (l, p, _) in rotated.rows() {
+            // Coefficients of size sqrt(N P/(4 pi)) are good to some 1e-12 N/(4 pi).
+            let expected = exact.power()[l];
+            let tolerance = 1e-11 * (1.0 + expected.sqrt()) * expected.sqrt() + 1e-22;
+            assert!((p - expected).abs() < tolerance, "{pattern}, l = {l}: {p:e}, {expected:e}");
+        }
     }
 }
 

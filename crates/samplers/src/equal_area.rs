@@ -1,3 +1,4 @@
+use std::cmp::Ordering;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use glam::DVec3;
@@ -86,20 +87,52 @@ impl EqualArea {
         self.above.windows(2).map(|k| k[1] - k[0])
     }
 
+    /// One region of each zone, the first, with the number of regions that are congruent to it: those
+    /// of its zone, and on the sphere those of the zone that mirrors it at the equator, which is then
+    /// left out.
+    ///
+    /// ```
+    /// use sphvar_samplers::{Domain, EqualArea, Placement};
+    /// let pattern = EqualArea::new(34, Domain::Sphere, Placement::Jittered)?;
+    /// assert_eq!(pattern.zones().collect::<Vec<_>>(), [1, 6, 10, 10, 6, 1]);
+    /// let counts: Vec<_> = pattern.congruent_regions().map(|(_, count)| count).collect();
+    /// assert_eq!(counts, [2, 12, 20]);
+    /// # Ok::<(), sphvar_samplers::Error>(())
+    /// ```
+    pub fn congruent_regions(&self) -> impl Iterator<Item = (Region, u32)> {
+        let n_zones = self.above.len() - 1;
+        let n = self.above[n_zones];
+        (0..n_zones).filter_map(move |i| {
+            let [top, bottom] = [self.above[i], self.above[i + 1]];
+            let j = n_zones - 1 - i;
+            let is_mirrored = self.domain == Domain::Sphere
+                && (self.above[j], self.above[j + 1]) == (n - bottom, n - top);
+            let region = self.zone_regions(top, bottom).next()?;
+            match (is_mirrored, i.cmp(&j)) {
+                (true, Ordering::Greater) => None,
+                (true, Ordering::Less) => Some((region, 2 * (bottom - top))),
+                _ => Some((region, bottom - top)),
+            }
+        })
+    }
+
     /// The regions in the order of the points: zone by zone from the north pole, each from
     /// longitude 0 eastwards. Neighbours share their edges to the bit.
     pub fn regions(&self) -> impl Iterator<Item = Region> {
+        self.above.windows(2).flat_map(|k| self.zone_regions(k[0], k[1]))
+    }
+
+    /// The regions between two parallels, given by the numbers of regions above them.
+    fn zone_regions(&self, top: u32, bottom: u32) -> impl Iterator<Item = Region> + use<> {
         let height = match self.domain {
             Domain::Sphere => 2.0,
             Domain::Hemisphere => 1.0,
         };
         let n = self.n_points() as f64;
-        self.above.windows(2).flat_map(move |k| {
-            let drop = [k[0], k[1]].map(|k| height * f64::from(k) / n);
-            let regions = k[1] - k[0];
-            let meridian = move |j: u32| TAU * (f64::from(j) / f64::from(regions));
-            (0..regions).map(move |j| Region::new(drop, [meridian(j), meridian(j + 1)]))
-        })
+        let drop = [top, bottom].map(|k| height * f64::from(k) / n);
+        let regions = bottom - top;
+        let meridian = move |j: u32| TAU * (f64::from(j) / f64::from(regions));
+        (0..regions).map(move |j| Region::new(drop, [meridian(j), meridian(j + 1)]))
     }
 }
 

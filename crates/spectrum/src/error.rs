@@ -1,3 +1,5 @@
+use sphvar_samplers::Pattern;
+
 /// Why a spectrum cannot be computed or merged.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
@@ -30,5 +32,14 @@ pub enum Error {
         expected: &'static str,
         /// What it was.
         got: f64,
+    },
+    /// The mean spectrum of a pattern has no form that could be evaluated.
+    #[error(
+        "the spectrum of {pattern} is known by sampling only; exact ones have {}",
+        crate::exact::patterns_in_words()
+    )]
+    NoExactSpectrum {
+        /// The pattern.
+        pattern: Pattern,
     },
 }

@@ -21,11 +21,14 @@
 //! homogeneous, so that variances follow from its spectrum, is judged from its low coefficients
 //! ([`HomogeneityAccumulator`], [`HomogeneityAudit`]). Accumulators sum exactly ([`ExactSum`]), so any split over threads, or over machines of one kind, merges to the
 //! same bits.
+//!
+//! Some patterns need no ensemble: [`exact_spectrum`] evaluates the mean itself.
 
 mod accumulate;
 mod anisotropy;
 mod coefficients;
 mod error;
+mod exact;
 mod exact_sum;
 mod homogeneity;
 mod moments;
@@ -36,6 +39,7 @@ pub use accumulate::{Accumulator, PointSets, Realization, Resolution, accumulate
 pub use anisotropy::Anisotropy;
 pub use coefficients::CoefficientSamples;
 pub use error::Error;
+pub use exact::{exact_spectrum, exact_spectrum_bytes, exact_spectrum_cost, has_exact_spectrum};
 pub use exact_sum::ExactSum;
 pub use homogeneity::{
     AuditFamily, AuditSettings, AuditVerdict, Finding, HomogeneityAccumulator, HomogeneityAudit,

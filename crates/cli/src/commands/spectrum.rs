@@ -8,7 +8,7 @@ use serde::Serialize;
 use sphvar_samplers::{Domain, Pattern, Purpose, Realizations, Sampler, Streams};
 use sphvar_spectrum::{
     CoefficientSamples, OrderAccumulator, PointSets, Resolution, Spectrum, SpectrumAccumulator,
-    accumulate,
+    accumulate, exact_spectrum, exact_spectrum_bytes, exact_spectrum_cost, has_exact_spectrum,
 };
 
 use super::power_chart::{power_chart, power_series};
@@ -30,10 +30,13 @@ pub(crate) const EXAMPLES: &str = "Examples:
   sphvar spectrum jittered -n 3888 -m 300 --lmax 190
   sphvar spectrum --points data/stars.csv --lmax 64
   sphvar spectrum healpix -n 972 -o spectrum.png
+  sphvar spectrum jittered -n 3888 --exact --lmax 190
 
 White noise has power 1 for l >= 1; P(0) = N. The error is the standard error of the mean over the
 realizations, each turned by a uniform rotation of its own. A pattern that is not random, and a
-single set of points from a file, have exactly this spectrum: their error is 0.";
+single set of points from a file, have exactly this spectrum: their error is 0. --exact evaluates the
+mean itself, which can be done for white noise, for one point in each of N equal-area cells (jittered,
+equal-area) and for patterns that are not random.";
 
 #[derive(Debug, Args)]
 pub(crate) struct SpectrumArgs {
@@ -52,6 +55,11 @@ pub(crate) struct SpectrumArgs {
         required_unless_present = "points_from"
     )]
     pub(crate) n: Option<usize>,
+    /// Evaluate the mean spectrum without sampling: 0 realizations, no error
+    #[arg(long, conflicts_with_all = [
+        "points_from", "realizations", "per_order", "coefficient", "method", "epsilon",
+    ])]
+    pub(crate) exact: bool,
     /// Number of realizations
     #[arg(short = 'm', long, default_value_t = 100, value_name = "M")]
     pub(crate) realizations: u64,
@@ -105,6 +113,11 @@ pub(crate) fn run(args: &SpectrumArgs, global: &Global) -> Result<(), CliError> 
     let domain = super::domain(args.hemisphere);
     check_outputs(args, global)?;
     let source = source(args, domain, global)?;
+    if let Source::Sampler { pattern, sampler } = &source
+        && args.exact
+    {
+        return run_exact(args, global, pattern, &**sampler);
+    }
     let (name, n_points, count) = match &source {
         Source::Sampler { pattern, sampler } => {
             (pattern.to_string(), sampler.n_points(), args.realizations)
@@ -175,6 +188,30 @@ pub(crate) fn run(args: &SpectrumArgs, global: &Global) -> Result<(), CliError> 
     emit(args, global, &name, &spectrum, seconds, &provenance)
 }
 
+/// The spectrum without realizations.
+fn run_exact(
+    args: &SpectrumArgs,
+    global: &Global,
+    pattern: &Pattern,
+    sampler: &dyn Sampler,
+) -> Result<(), CliError> {
+    let (n_points, domain) = (sampler.n_points(), sampler.domain());
+    let lmax = args.lmax.unwrap_or_else(|| Resolution::natural_degree(n_points));
+    check_degree("--lmax", lmax)?;
+    let bytes = exact_spectrum_bytes(pattern, n_points, domain, lmax, rayon::current_num_threads());
+    check_memory(&format!("a spectrum to degree {lmax} (--lmax)"), bytes)?;
+    let started = Instant::now();
+    let name = pattern.to_string();
+    let progress =
+        Progress::new(exact_spectrum_cost(pattern, n_points, domain, lmax), global.quiet);
+    progress.stage(&name);
+    let spectrum =
+        exact_spectrum(pattern, n_points, domain, lmax, &|seconds| progress.advance(seconds))?;
+    drop(progress);
+    let seconds = started.elapsed().as_secs_f64();
+    emit(args, global, &name, &spectrum, seconds, &Provenance::new(global.seed))
+}
+
 /// Refuses what could not be written in the end.
 fn check_outputs(args: &SpectrumArgs, global: &Global) -> Result<(), CliError> {
     if let Some(path) = &args.out {
@@ -200,6 +237,9 @@ fn source(args: &SpectrumArgs, domain: Domain, global: &Global) -> Result<Source
         return Ok(Source::Files { sets });
     };
     let pattern = patterns::parse_pattern(name)?;
+    if args.exact && !has_exact_spectrum(&pattern) {
+        return Err(CliError::usage(sphvar_spectrum::Error::NoExactSpectrum { pattern }));
+    }
     let sampler = patterns::build(&pattern, n, domain, args.nearest)?;
     if sampler.n_points() != n {
         let got = sampler.n_points();

@@ -178,3 +178,30 @@ fn coefficients_out_of_range() {
         ("spectrum healpix -n 12 --per-order - --json", &["--per-order must name a file"]),
     ]);
 }
+
+#[test]
+fn exact_spectra_where_there_are_none() {
+    let place = Workplace::new();
+    place.write("p.csv", "x,y,z\n0,0,1\n");
+    let outcome = place.run("spectrum --points p.csv --exact");
+    outcome.fails(2, &["--exact", "--points", "cannot be used with"]);
+    assert_usage(&[
+        (
+            "spectrum poisson-disk -n 12 --exact -o s.csv",
+            &["poisson-disk", "by sampling only", "white-noise, jittered, healpix"],
+        ),
+        ("spectrum step:alpha=0.5 -n 12 --exact", &["step:alpha=0.5", "equal-area"]),
+        ("spectrum jittered -n 13 --exact", &["13", "nearest is 12", "--nearest"]),
+        (
+            "spectrum jittered -n 12 --exact --per-order lm.csv",
+            &["--exact", "--per-order", "cannot be used with"],
+        ),
+        (
+            "spectrum jittered -n 12 --exact --coefficient 1 0 a.csv",
+            &["--exact", "--coefficient", "cannot be used with"],
+        ),
+        ("spectrum jittered -n 12 --exact -m 100", &["--exact", "--realizations"]),
+        ("spectrum jittered -n 12 --exact --method fast", &["--exact", "--method"]),
+        ("spectrum jittered -n 12 --exact --lmax 1000001", &["largest degree is 1000000"]),
+    ]);
+}

@@ -43,6 +43,42 @@ fn spectrum() {
     assert_eq!(file["power"], document["power"]);
 }
 
+/// Exact spectra come in the same forms.
+#[test]
+fn exact_spectrum() {
+    let place = Workplace::new();
+    let document = place.run("spectrum jittered -n 48 --exact --lmax 9 --json").json();
+    assert_eq!((&document["n"], &document["realizations"]), (&48.into(), &0.into()));
+    let (power, stderr) = (numbers(&document["power"]), numbers(&document["stderr"]));
+    assert!(same(power[0], 48.0), "{document}");
+    // c_N l(l+1)/N with c = 1.0771.
+    assert!((power[1] * 24.0 - 1.0771).abs() < 1e-4, "{document}");
+    assert!(stderr.iter().all(|e| same(*e, 0.0)) && stderr.len() == 10, "{document}");
+
+    place.run("spectrum jittered -n 48 --exact --lmax 9 -o s.csv").ok();
+    for (l, row) in rows(&place.text("s.csv"))[1..].iter().enumerate() {
+        assert!(same(row[2].parse().unwrap(), power[l]), "degree {l}: {row:?}");
+        assert_eq!((&row[3], &row[4]), ("0", "0"), "degree {l}: {row:?}");
+    }
+    place.run("spectrum jittered -n 48 --exact --lmax 9 -o s.svg").ok();
+    assert!(place.text("s.svg").contains("jittered"));
+
+    // The lines of the hemisphere have the spectrum of the sphere of the same cells, at even degrees.
+    let half = place.run("spectrum jittered -n 24 --exact --hemisphere --lmax 9 --json").json();
+    assert_eq!(numbers(&half["l"]), [0.0, 2.0, 4.0, 6.0, 8.0]);
+    for (l, p) in [2, 4, 6, 8].into_iter().zip(&numbers(&half["power"])[1..]) {
+        assert!(same(*p, power[l]), "degree {l}: {p}, {}", power[l]);
+    }
+    // The default degree is the usual one.
+    let white = place.run("spectrum white-noise -n 100 --exact --json").json();
+    assert_eq!(white["lmax"], 40);
+    for thread in [1, 2] {
+        let again =
+            place.run(&format!("spectrum jittered -n 48 --exact --lmax 9 -j {thread} --json"));
+        assert_eq!(numbers(&again.json()["power"]), power, "{thread} threads");
+    }
+}
+
 #[test]
 fn spectrum_by_order_and_single_coefficients() {
     let place = Workplace::new();

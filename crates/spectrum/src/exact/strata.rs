@@ -1,0 +1,57 @@
+//! The spectrum of one uniform point in each stratum, by the way that is expected to take less time.
+
+use super::cell_means;
+use super::chord_moments::{self, ChordMoments};
+use super::partition::Partition;
+use crate::Error;
+
+/// The power of degrees 0 to `lmax`; degree 0 is not N but 0.
+pub(super) fn power(
+    partition: &Partition,
+    lmax: usize,
+    done: &(dyn Fn(f64) + Sync),
+) -> Result<Vec<f64>, Error> {
+    let by_chords = degrees_by_chords(partition, lmax);
+    let count = chord_moments::n_moments(by_chords, partition.longest_chord_squared());
+    let low = ChordMoments::new(partition, by_chords, count, done)?.power(by_chords);
+    if by_chords == lmax {
+        return Ok(low);
+    }
+    let mut power = cell_means::power(partition, lmax, lmax, done)?;
+    power[..=by_chords].copy_from_slice(&low);
+    Ok(power)
+}
+
+/// The seconds that [`power`] reports.
+pub(super) fn cost(partition: &Partition, lmax: usize) -> f64 {
+    let by_chords = degrees_by_chords(partition, lmax);
+    let rest = if by_chords == lmax { 0.0 } else { cell_means::cost(partition, lmax) };
+    chord_moments::cost(partition, by_chords) + rest
+}
+
+/// The bytes that [`power`] takes on `threads` threads.
+pub(super) fn bytes(partition: &Partition, lmax: usize, threads: usize) -> f64 {
+    let by_chords = degrees_by_chords(partition, lmax);
+    let each = if by_chords == lmax {
+        chord_moments::bytes(partition, lmax)
+    } else {
+        cell_means::bytes(partition, lmax)
+    };
+    partition.n_rows().min(threads.max(1)) as f64 * each
+}
+
+/// The largest degree that goes by chords: all, or where means of cells cost less, those to about sqrt(N).
+/// Beyond, the power is no longer small, and a difference from 1 serves as well.
+fn degrees_by_chords(partition: &Partition, lmax: usize) -> usize {
+    if chord_moments::cost(partition, lmax) <= cell_means::cost(partition, lmax) {
+        return lmax;
+    }
+    // The chord of a stratum is some 2 spacings long.
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "the bound is positive; a cast saturates"
+    )]
+    let low = (8.0 / partition.longest_chord_squared().sqrt()) as usize;
+    low.min(lmax)
+}

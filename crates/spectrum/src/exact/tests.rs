@@ -1,0 +1,264 @@
+//! The two ways against each other, against sums over all strata and against finer quadrature.
+
+use std::sync::Mutex;
+
+use sphvar_healpix::{Cell, Nside};
+use sphvar_samplers::{Domain, EqualArea, Pattern, Placement};
+
+use super::chord_moments::{self, ChordMoments};
+use super::partition::Partition;
+use super::quadrature::Quadrature;
+use super::{cell_means, exact_spectrum, exact_spectrum_cost, has_exact_spectrum, strata};
+use crate::Error;
+
+const EQUAL_AREA: Pattern = Pattern::EqualArea { placement: Placement::Jittered };
+
+fn healpix(nside: u32) -> Partition {
+    Partition::Healpix(Nside::new(nside).unwrap())
+}
+
+fn zonal(n: usize, domain: Domain) -> Partition {
+    Partition::of(&EQUAL_AREA, n, domain).unwrap().unwrap()
+}
+
+/// Partitions with every kind of stratum: poles, caps, cells cut at |z| = 2/3, belts, odd and even, collars of few
+/// and of many regions, mirrored and not.
+fn partitions() -> Vec<(String, Partition)> {
+    let cells = [1, 2, 3, 4, 5, 8].map(|n| (format!("nside {n}"), healpix(n)));
+    let regions = [1, 2, 3, 4, 5, 7, 12, 33, 150].into_iter().flat_map(|n| {
+        let of = |domain| (format!("{n} regions of the {domain}"), zonal(n, domain));
+        [Domain::Sphere, Domain::Hemisphere].map(of)
+    });
+    cells.into_iter().chain(regions).collect()
+}
+
+fn by_chords(partition: &Partition, degree: usize, lmax: usize) -> Vec<f64> {
+    let count = chord_moments::n_moments(lmax, partition.longest_chord_squared());
+    ChordMoments::new(partition, degree, count, &|_| ()).unwrap().power(lmax)
+}
+
+fn by_means(partition: &Partition, degree: usize, lmax: usize) -> Vec<f64> {
+    cell_means::power(partition, degree, lmax, &|_| ()).unwrap()
+}
+
+fn assert_near(got: &[f64], expected: &[f64], tolerance: impl Fn(f64) -> f64, what: &str) {
+    assert_eq!(got.len(), expected.len());
+    for (l, (a, b)) in got.iter().zip(expected).enumerate().skip(1) {
+        assert!((a - b).abs() <= tolerance(*b), "{what}, degree {l}: {a:e}, expected {b:e}");
+    }
+}
+
+/// Of the rounding of a sum of a few hundred weights, of which some 10 to 50 terms of like size remain.
+const RELATIVE: f64 = 100.0 * f64::EPSILON;
+
+/// The means come from a transform that is good to 1e-13 of the sum of the weights, twice in a square.
+const ABSOLUTE: f64 = 2.0 * super::EPSILON;
+
+#[test]
+fn both_ways_agree() {
+    for (name, partition) in partitions() {
+        let (chords, means) = (by_chords(&partition, 24, 24), by_means(&partition, 24, 24));
+        assert_near(&chords, &means, |_| ABSOLUTE, &name);
+    }
+    // Strata of many waves, by the fast transform.
+    for (name, partition, lmax) in
+        [("nside 2", healpix(2), 90), ("60 regions", zonal(60, Domain::Sphere), 100)]
+    {
+        let (chords, means) = (by_chords(&partition, lmax, lmax), by_means(&partition, lmax, lmax));
+        assert_near(&chords, &means, |_| 4.0 * ABSOLUTE, name);
+    }
+}
+
+/// With more nodes, up to twice as many along an edge, nothing changes but the rounding.
+#[test]
+fn the_quadrature_has_converged() {
+    const LMAX: usize = 24;
+    for (name, partition) in partitions() {
+        let (got, finer) = (by_chords(&partition, LMAX, LMAX), by_chords(&partition, 60, LMAX));
+        assert_near(&got, &finer, |p| RELATIVE * p, &name);
+    }
+    for (name, partition) in [("nside 1", healpix(1)), ("7 regions", zonal(7, Domain::Sphere))] {
+        let (got, finer) = (by_means(&partition, 200, 200), by_means(&partition, 450, 200));
+        assert_near(&got, &finer, |_| 2.0 * ABSOLUTE, name);
+    }
+}
+
+/// Twice the moments change nothing either.
+#[test]
+fn the_series_has_converged() {
+    for (nside, lmax) in [(1, 3), (4, 20), (8, 100), (64, 8)] {
+        let partition = healpix(nside);
+        let count = chord_moments::n_moments(lmax, partition.longest_chord_squared());
+        let power =
+            |count| ChordMoments::new(&partition, lmax, count, &|_| ()).unwrap().power(lmax);
+        assert_near(&power(count), &power(2 * count), |p| RELATIVE * p, &format!("nside {nside}"));
+    }
+}
+
+/// The classes with their sizes against all cells, each cut along u + v = 1 whether it need be or not, by the
+/// definition: Legendre polynomials of the angles of pairs of nodes.
+#[test]
+fn classes_stand_for_all_cells() {
+    for nside in 1..=7 {
+        let partition = healpix(nside);
+        let shares: f64 =
+            (0..partition.n_rows()).flat_map(|r| partition.row(r)).map(|c| c.share).sum();
+        assert!((shares - 1.0).abs() < 64.0 * f64::EPSILON, "nside {nside}: {shares}");
+        let resolution = Nside::new(nside).unwrap();
+        let side = 0..nside;
+        // An edge has a phase of 1.5/nside * 4: this many nodes leave less than 1e-12.
+        let nodes = if nside == 1 { 14 } else { 10 };
+        let mut means = [0.0; 5];
+        let mut n_cells = 0.0;
+        for face in 0..12 {
+            for (ix, iy) in side.clone().flat_map(|ix| side.clone().map(move |iy| (ix, iy))) {
+                let cell = Cell::new(resolution, face, ix, iy).unwrap();
+                let rule = Quadrature::of_cut_cell(cell, nodes).unwrap();
+                add_legendre_means(&rule, &mut means);
+                n_cells += 1.0;
+            }
+        }
+        let expected = means.map(|mean| 1.0 - mean / n_cells);
+        let got = by_chords(&partition, 4, 4);
+        assert_near(&got, &expected, |_| 1e-12, &format!("nside {nside}"));
+    }
+}
+
+/// The same for zones, whose classes are counted from a list of all regions.
+#[test]
+fn classes_stand_for_all_regions() {
+    for (n, domain) in [1, 2, 3, 5, 9, 34, 35]
+        .into_iter()
+        .flat_map(|n| [(n, Domain::Sphere), (n, Domain::Hemisphere)])
+    {
+        let regions = EqualArea::new(n, domain, Placement::Jittered).unwrap();
+        let mut means = [0.0; 5];
+        for region in regions.regions() {
+            // Enough for a full turn and for a half.
+            let rule = Quadrature::of_region(&region, 12, 22).unwrap();
+            add_legendre_means(&rule, &mut means);
+        }
+        let expected = means.map(|mean| 1.0 - mean / n as f64);
+        let got = by_chords(&zonal(n, domain), 4, 4);
+        assert_near(&got, &expected, |_| 1e-12, &format!("{n} regions of the {domain}"));
+    }
+}
+
+/// Adds `E P_l(x.y)` for l from 0, by the addition theorem written out in moments of the coordinates:
+/// `P_l` is a polynomial in `x.y`, and `E (x.y)^p` the squared norm of the mean tensor `x^p`.
+fn add_legendre_means(rule: &Quadrature, means: &mut [f64; 5]) {
+    let tensor = |p: u32| -> f64 {
+        let indices = (0..3_usize.pow(p)).map(|code| {
+            let component = |x: glam::DVec3| {
+                let factors = (0..p).map(|d| x.to_array()[code / 3_usize.pow(d) % 3]);
+                factors.product::<f64>()
+            };
+            let nodes = rule.points.iter().zip(&rule.weights);
+            nodes.map(|(x, w)| w * component(*x)).sum::<f64>().powi(2)
+        });
+        indices.sum()
+    };
+    let [p0, p1, p2, p3, p4] = [0, 1, 2, 3, 4].map(tensor);
+    means[0] += p0;
+    means[1] += p1;
+    means[2] += 1.5 * p2 - 0.5 * p0;
+    means[3] += 2.5 * p3 - 1.5 * p1;
+    means[4] += (35.0 * p4 - 30.0 * p2 + 3.0 * p0) / 8.0;
+}
+
+/// The moments live on [-1, 1] only if the bound of the chord is one.
+#[test]
+fn no_chord_is_longer_than_the_bound() {
+    for (name, partition) in partitions().into_iter().chain([("large".into(), healpix(40))]) {
+        let bound = partition.longest_chord_squared();
+        for class in (0..partition.n_rows()).flat_map(|row| partition.row(row)) {
+            let points = class.quadrature(0).unwrap().points;
+            let longest = points.iter().flat_map(|x| points.iter().map(|y| x.distance_squared(*y)));
+            let longest = longest.fold(0.0, f64::max);
+            assert!(longest <= bound, "{name}: {longest}, bound {bound}");
+        }
+    }
+}
+
+/// The count in advance is that of the classes as they come.
+#[test]
+fn costs_add_up_to_what_is_reported() {
+    for (pattern, n, domain, lmax) in [
+        (Pattern::Jittered, 12, Domain::Sphere, 5),
+        (Pattern::Jittered, 12, Domain::Sphere, 60),
+        (Pattern::Jittered, 6 * 49, Domain::Hemisphere, 40),
+        (EQUAL_AREA, 35, Domain::Sphere, 50),
+        (Pattern::Fibonacci, 100, Domain::Sphere, 20),
+        (Pattern::WhiteNoise, 100, Domain::Sphere, 20),
+    ] {
+        let reported = Mutex::new(0.0);
+        let done = |seconds: f64| *reported.lock().unwrap() += seconds;
+        exact_spectrum(&pattern, n, domain, lmax, &done).unwrap();
+        let (reported, cost) =
+            (reported.into_inner().unwrap(), exact_spectrum_cost(&pattern, n, domain, lmax));
+        assert!((reported - cost).abs() <= 1e-12 * cost, "{pattern}: {reported}, {cost}");
+    }
+}
+
+/// Where the ways meet there is no seam: all degrees by chords, at whatever cost.
+#[test]
+fn the_ways_are_joined_without_a_seam() {
+    for (name, partition, lmax) in
+        [("nside 1", healpix(1), 60), ("20 regions", zonal(20, Domain::Hemisphere), 80)]
+    {
+        assert!(
+            cell_means::cost(&partition, lmax) < chord_moments::cost(&partition, lmax),
+            "{name}"
+        );
+        let got = strata::power(&partition, lmax, &|_| ()).unwrap();
+        assert_near(&got, &by_chords(&partition, lmax, lmax), |_| 4.0 * ABSOLUTE, name);
+        assert_near(&got[..4], &by_chords(&partition, 3, 3), |p| RELATIVE * p, name);
+    }
+}
+
+#[test]
+fn patterns_have_an_exact_spectrum_if_they_are_not_random_or_have_strata() {
+    let centred = Pattern::EqualArea { placement: Placement::Centred };
+    for pattern in Pattern::ALL.into_iter().chain([centred]) {
+        let stratified =
+            matches!(pattern, Pattern::WhiteNoise | Pattern::Jittered | Pattern::EqualArea { .. });
+        let is_random = pattern.build(12, Domain::Sphere).unwrap().is_random();
+        assert_eq!(has_exact_spectrum(&pattern), stratified || !is_random, "{pattern}");
+        let result = exact_spectrum(&pattern, 12, Domain::Sphere, 4, &|_| ());
+        match result {
+            Ok(spectrum) => {
+                assert!(spectrum.is_exact() && spectrum.lmax() == 4, "{spectrum:?}");
+                assert_eq!((spectrum.realizations(), spectrum.power()[0]), (0, 12.0));
+            }
+            Err(error) => {
+                assert!(!has_exact_spectrum(&pattern), "{pattern}: {error}");
+                assert!(matches!(error, Error::NoExactSpectrum { .. }), "{error}");
+                let message = error.to_string();
+                assert!(message.contains("white-noise, jittered, healpix"), "{message}");
+                assert!(exact_spectrum_cost(&pattern, 12, Domain::Sphere, 4) <= 0.0);
+            }
+        }
+    }
+}
+
+#[test]
+fn extremes_are_answered_or_refused() {
+    let run = |pattern: &Pattern, n, lmax| {
+        exact_spectrum(pattern, n, Domain::Sphere, lmax, &|_| ()).map(|s| s.power().to_vec())
+    };
+    assert!(matches!(run(&Pattern::Jittered, 13, 4), Err(Error::Sampler(_))));
+    assert!(matches!(run(&EQUAL_AREA, 0, 4), Err(Error::Sampler(_))));
+    for pattern in [Pattern::Jittered, Pattern::WhiteNoise, Pattern::Healpix] {
+        let refused = run(&pattern, 12, usize::MAX).unwrap_err();
+        assert!(matches!(refused, Error::Transform(_)), "{refused}");
+        assert_eq!(run(&pattern, 12, 0), Ok(vec![12.0]), "{pattern}");
+    }
+    // One point anywhere on the sphere is white noise.
+    for p in &run(&EQUAL_AREA, 1, 30).unwrap()[1..] {
+        assert!((p - 1.0).abs() < RELATIVE, "{p}");
+    }
+    // The estimate of the work is there at once for whatever exists.
+    let most = 12 << 58;
+    assert!(exact_spectrum_cost(&Pattern::Jittered, most, Domain::Sphere, 100) > 1e6);
+    assert!(exact_spectrum_cost(&EQUAL_AREA, u32::MAX as usize, Domain::Sphere, 100) > 0.0);
+}
