@@ -10,12 +10,20 @@ pub enum Side {
     Lower,
 }
 
-impl fmt::Display for Side {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
+impl Side {
+    /// Returns the name, `upper` or `lower`.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
             Self::Upper => "upper",
             Self::Lower => "lower",
-        })
+        }
+    }
+}
+
+impl fmt::Display for Side {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
     }
 }
 

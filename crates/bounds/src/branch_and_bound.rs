@@ -16,7 +16,7 @@ pub(crate) struct Found {
 /// The relative gap at which the search ends.
 pub(crate) const GAP: f64 = 1e-4;
 /// The number of profiles after which it ends with the gap that it has: seconds for the longest spectra.
-const EVALUATIONS: usize = 40_000;
+const EVALUATIONS: usize = 20_000;
 
 /// Exponents and offsets, with the profile of one corner and what no profile of the box can be better than.
 #[derive(Debug, Clone, Copy)]
@@ -32,10 +32,8 @@ struct Cell {
 /// Returns the best of all profiles whose exponent and offset lie in these closed ranges; `None` if none clears the
 /// limits.
 ///
-/// Take the best profile of a cell and give it the exponent and the offset of the corner where it clears the limits
-/// the more easily (upper bounds: least exponent, largest offset): it still clears them, and its value has changed by a factor
-/// of at most `span^(b2-b1)` in the rise and by `g2 - g1` times the value of white noise. So the best profile of the
-/// corner bounds all of the cell, and cells that cannot be better than what is known are left.
+/// Of every cell [`Envelope::relaxed`] bounds what its profiles can be; cells that cannot be better than what is known are
+/// left, the most promising one is halved.
 pub(crate) fn search(
     envelope: &Envelope,
     exponent: (f64, f64),
@@ -88,22 +86,12 @@ impl Cell {
         offset: (f64, f64),
         sign: f64,
     ) -> Option<Self> {
-        let white = envelope.white();
-        let widening = if exponent.0 < exponent.1 {
-            envelope.span().powf(exponent.1 - exponent.0)
-        } else {
-            1.0
+        // The corner that clears the limits the most easily, so that it fails only where all of the cell does.
+        let corner = match envelope.side() {
+            Side::Upper => envelope.best(exponent.0, offset.1)?,
+            Side::Lower => envelope.best(exponent.1, offset.0)?,
         };
-        let (corner, bound) = match envelope.side() {
-            Side::Upper => {
-                let corner = envelope.best(exponent.0, offset.1)?;
-                (corner, offset.0 * white + (corner.value - offset.1 * white) / widening)
-            }
-            Side::Lower => {
-                let corner = envelope.best(exponent.1, offset.0)?;
-                (corner, offset.1 * white + (corner.value - offset.0 * white) * widening)
-            }
-        };
+        let bound = envelope.relaxed(exponent, offset)?;
         Some(Self { exponent, offset, corner, bound, sign })
     }
 
@@ -114,13 +102,11 @@ impl Cell {
     /// Returns the halves across the side that contributes more to the uncertainty.
     fn halves(&self, envelope: &Envelope) -> Vec<((f64, f64), (f64, f64))> {
         let (exponent, offset) = (middle(self.exponent), middle(self.offset));
-        let by_exponent = exponent.map(|_| {
-            let rise = self.corner.value - self.corner.offset * envelope.white();
-            (self.exponent.1 - self.exponent.0) * envelope.span().ln() * rise
-        });
-        let by_offset = offset.map(|_| (self.offset.1 - self.offset.0) * envelope.white());
+        let across_offset = (self.offset.1 - self.offset.0) * envelope.white();
+        // What is not owed to the offset is owed to the exponent.
+        let whole = (self.corner.value - self.bound).abs();
         match (exponent, offset) {
-            (Some(b), _) if by_offset.is_none() || by_exponent >= by_offset => {
+            (Some(b), _) if offset.is_none() || across_offset < 0.5 * whole => {
                 vec![((self.exponent.0, b), self.offset), ((b, self.exponent.1), self.offset)]
             }
             (_, Some(g)) => {

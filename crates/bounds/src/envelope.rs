@@ -57,11 +57,6 @@ impl Envelope {
         self.tails[0]
     }
 
-    /// Returns the largest degree over the smallest.
-    pub(crate) fn span(&self) -> f64 {
-        self.degrees[self.degrees.len() - 1] / self.degrees[0]
-    }
-
     /// Returns the limit that every offset must clear: what no offset of a best bound is above.
     pub(crate) fn largest_offset(&self) -> f64 {
         self.strictest[0]
@@ -77,44 +72,84 @@ impl Envelope {
         if exponent.is_infinite() {
             self.best_step(offset)
         } else {
-            Some(self.best_polynomial(exponent, offset))
+            Some(self.sweep(exponent, exponent, offset))
         }
     }
 
-    /// Between two neighbouring degrees the plateau must clear `A`, the head `C L^b` with fixed A and C; the value falls
-    /// with L where A decides and rises where C does, so that the best break is where both decide, `L^b = A/C`, or
-    /// the nearest end. Lower bounds likewise with rising and falling exchanged. So the optimum is found without a
-    /// search: at most one candidate between two degrees, `O(lmax)` in all.
-    fn best_polynomial(&self, exponent: f64, offset: f64) -> Candidate {
+    /// Returns a value that no profile is better than whose exponent and offset lie in these ranges: the exact best where they
+    /// are points.
+    ///
+    /// Upper bounds: a smaller exponent asks for less of the plateau and a larger one sums to less, so that the best break
+    /// with the plateau of the one end and the sum of the other is not worse than any profile of the range. The offset
+    /// likewise. Lower bounds with both exchanged.
+    pub(crate) fn relaxed(&self, exponent: (f64, f64), offset: (f64, f64)) -> Option<f64> {
+        let (plateau, sum, high, low) = match self.side {
+            Side::Upper => (exponent.0, exponent.1, offset.1, offset.0),
+            Side::Lower => (exponent.1, exponent.0, offset.0, offset.1),
+        };
+        let found = if plateau.is_infinite() {
+            self.best(plateau, high)?
+        } else {
+            self.sweep(plateau, sum, high)
+        };
+        Some(found.value + (low - high) * self.white())
+    }
+
+    /// Returns the best break if the plateau follows from the exponent b and the sum is taken with the exponent s; with
+    /// `b = s` the best profile.
+    ///
+    /// Between two neighbouring degrees the plateau must clear `A` and the head `C L^b`, with fixed A and C. Where A decides,
+    /// the value of an upper bound falls with L; where C does it is `C (H L^(b-s) + T L^b)`, which for `b = s` rises. So
+    /// the best break is where both decide, `L^b = A/C`, or beyond it at the minimum of the second form, `L^s = H (s-b)/(T b)`, or
+    /// the nearest end. Lower bounds, with `s <= b`, likewise with rising and falling exchanged. So the
+    /// optimum needs no search: one candidate between two degrees, `O(lmax)` in all.
+    fn sweep(&self, b: f64, s: f64, offset: f64) -> Candidate {
         let over = |limit: f64| (limit - offset).max(0.0);
         let candidate = |sum: f64, gamma: f64, break_degree: f64| Candidate {
             value: offset * self.white() + gamma * sum,
-            exponent,
+            exponent: b,
             offset,
             break_degree,
             gamma,
         };
-        let plain = over(self.strictest[0]);
-        let mut best = candidate(self.tails[0], plain, self.degrees[0]);
-        if exponent == 0.0 {
+        let mut best = candidate(self.tails[0], over(self.strictest[0]), self.degrees[0]);
+        if b == 0.0 && s == 0.0 {
             return best;
         }
-        // Degrees below the break: what their limits ask for, and the sum of l^(b-p).
-        let mut before = self.degrees[0].powf(exponent);
-        let mut head = over(self.limits[0]) / before;
-        let mut sum = self.weights[0] * before;
+        let one_exponent = b.to_bits() == s.to_bits();
+        // l^b and l^s of the last degree below the break; what the head asks for; the sum of l^(s-p).
+        let powers = |l: f64| (l.powf(b), if one_exponent { l.powf(b) } else { l.powf(s) });
+        let mut before = powers(self.degrees[0]);
+        let mut head = over(self.limits[0]) / before.0;
+        let mut sum = self.weights[0] * before.1;
         for k in 1..self.degrees.len() {
-            let here = self.degrees[k].powf(exponent);
-            let plateau = over(self.strictest[k]);
-            // L^b; where the head asks for nothing, the farther break is the better one.
-            let rise = if head > 0.0 { (plateau / head).clamp(before, here) } else { here };
-            let gamma = stricter(self.side, plateau, head * rise);
-            let found = candidate(sum / rise + self.tails[k], gamma, rise.powf(exponent.recip()));
+            let here = powers(self.degrees[k]);
+            let (plateau, tail) = (over(self.strictest[k]), self.tails[k]);
+            // Where the head asks for nothing, the farther break is the better one.
+            let crossing = if head > 0.0 { plateau / head } else { here.0 };
+            let mut at = if crossing <= before.0 {
+                before
+            } else if crossing >= here.0 {
+                here
+            } else {
+                (crossing, if one_exponent { crossing } else { crossing.powf(s / b) })
+            };
+            if self.side == Side::Upper && s > b {
+                let least = sum * (s - b) / (tail * b);
+                if least >= here.1 {
+                    at = here;
+                } else if least > at.1 {
+                    at = (least.powf(b / s), least);
+                }
+            }
+            let gamma = stricter(self.side, plateau, head * at.0);
+            let break_degree = if one_exponent { at.0.powf(b.recip()) } else { f64::NAN };
+            let found = candidate(sum / at.1 + tail, gamma, break_degree);
             if self.better(found.value, best.value) {
                 best = found;
             }
-            head = stricter(self.side, head, over(self.limits[k]) / here);
-            sum += self.weights[k] * here;
+            head = stricter(self.side, head, over(self.limits[k]) / here.0);
+            sum += self.weights[k] * here.1;
             before = here;
         }
         best

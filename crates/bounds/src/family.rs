@@ -59,7 +59,6 @@ impl Family {
 
     /// Returns the narrowest family that a profile belongs to.
     #[must_use]
-    #[expect(clippy::float_cmp, reason = "an exponent of exactly 1 or 2 is what is asked for")]
     pub fn of(profile: &Profile) -> Self {
         match profile.shape() {
             Shape::Constant => Self::Constant,

@@ -125,6 +125,8 @@ impl Bound {
                 }
                 (g, g)
             }
+            // A constant has no use for another one.
+            Offset::Fitted if family == Family::Constant => (0.0, 0.0),
             Offset::Fitted => (0.0, envelope.largest_offset()),
         };
         let found = search(&envelope, family.exponents(), offsets).ok_or_else(|| {
