@@ -94,8 +94,9 @@ fn verdict(spectrum: &Spectrum, bound: Bound) -> Verdict {
     bound.check(&spectrum, 1.0 - ALPHA).unwrap()
 }
 
-/// White noise lies between 0.7 and 1.3, which the data prove: 1000 realizations. The lowest degree has an error of 2.6 % of
-/// the mean, the quantile for all degrees is 4.2, so the limits leave the bounds only if the mean is off by seven of them.
+/// White noise lies between 0.7 and 1.3, which the data prove: 1000 realizations. The lowest degree has an error of
+/// 2.6 % of the mean, the quantile for all degrees is 4.2, so the limits leave the bounds only if the mean is off by
+/// seven of them.
 #[test]
 fn the_bounds_of_white_noise_hold() {
     let spectrum = sampled(&Pattern::WhiteNoise, 256, None, 1000);
@@ -107,10 +108,10 @@ fn the_bounds_of_white_noise_hold() {
     }
 }
 
-/// Tessellations of white mass points keep the floor 1/m, and the upper bound is 40 l^2/N at low degrees: broken at l = 1
-/// once N > 40 m, and there only. m = 64 with N = 1024 keeps both bounds; N = 4096 breaks the upper one at l = 1 with a ratio of
-/// 1.6 = (1/64)/(40/4096); the next degree has 0.5. 140 sets: the error at l = 1 is 7 %, so that the excess is 5.5(10) standard
-/// errors, of which 3.5 refute.
+/// Tessellations of white mass points keep the floor 1/m, and the upper bound is 40 l^2/N at low degrees: broken at
+/// l = 1 once N > 40 m, and there only. m = 64 with N = 1024 keeps both bounds; N = 4096 breaks the upper one at l =
+/// 1 with a ratio of 1.6 = (1/64)/(40/4096); the next degree has 0.5. 140 sets: the error at l = 1 is 7 %, so that
+/// the excess is 5.5(10) standard errors, of which 3.5 refute.
 #[test]
 fn the_upper_bound_of_ccvt_is_broken_by_the_floor() {
     let known = thesis_bounds()[3];
@@ -131,8 +132,8 @@ fn the_upper_bound_of_ccvt_is_broken_by_the_floor() {
     }
 }
 
-/// Tessellations of lattice mass have P ~ l^4, far below the lower bound: a ratio of 3e-4 at l = 1, and nothing above 1 up to
-/// omega = 0.7.
+/// Tessellations of lattice mass have P ~ l^4, far below the lower bound: a ratio of 3e-4 at l = 1, and nothing
+/// above 1 up to omega = 0.7.
 #[test]
 fn the_lower_bound_of_ccvt_is_broken_by_ideal_mass() {
     let lower = thesis_bounds()[3].lower;
@@ -146,7 +147,8 @@ fn the_lower_bound_of_ccvt_is_broken_by_ideal_mass() {
     }
 }
 
-/// The peak grows with the capacity: m = 1024 with N = 256 reaches 2.54(11) in the recorded sets, above the bound of 2.
+/// The peak grows with the capacity: m = 1024 with N = 256 reaches 2.54(11) in the recorded sets, above the bound of
+/// 2.
 #[test]
 fn the_upper_bound_of_ccvt_is_broken_by_the_peak() {
     let upper = thesis_bounds()[3].upper;
@@ -157,8 +159,8 @@ fn the_upper_bound_of_ccvt_is_broken_by_the_peak() {
     assert!((1.7..2.0).contains(&omega), "{verdict:?}");
 }
 
-/// What the fits make of a profile's own spectrum predicts what the closed forms say: the sum over degrees and a tail of
-/// power 1, where the profile has gamma.
+/// What the fits make of a profile's own spectrum predicts what the closed forms say: the sum over degrees and a
+/// tail of power 1, where the profile has gamma.
 #[test]
 fn spectra_of_profiles_predict_the_closed_forms() {
     let (n, lmax) = (1024, 4000);
@@ -190,8 +192,8 @@ fn spectra_of_profiles_predict_the_closed_forms() {
     }
 }
 
-/// The exact spectrum of jitter: its tightest profiles are sharper than those of the thesis, and the largest quadratic below it
-/// comes with the exponent of the rate that jitter has.
+/// The exact spectrum of jitter: its tightest profiles are sharper than those of the thesis, and the largest
+/// quadratic below it comes with the exponent of the rate that jitter has.
 #[test]
 fn fits_of_jitter_are_tighter_than_the_thesis() {
     let n = 972;

@@ -86,12 +86,12 @@ impl Bound {
     /// the claim is refuted if z_l > critical_z = Phi^-1(confidence^(1/K)) for any of the K degrees
     /// ```
     ///
-    /// False alarms: if the claim is true, the errors are normal and independent between degrees and the standard errors
-    /// are right, then the claim is refuted with probability at most `1 - confidence`; exactly that if the spectrum
-    /// lies on the profile at every degree. Positive correlation between degrees only lowers it (Slepian). Standard
-    /// errors estimated from few realizations (below about 30) make the tails heavier than normal and raise it.
-    /// `holds` says that the data do not refute the bound; `proved`, which a fitted bound always has, says that the true
-    /// spectrum is within it with probability at least `confidence`. For exact spectra the two are the same.
+    /// False alarms: if the claim is true, the errors are normal and independent between degrees and the standard
+    /// errors are right, then the claim is refuted with probability at most `1 - confidence`; exactly that if the
+    /// spectrum lies on the profile at every degree. Positive correlation between degrees only lowers it (Slepian).
+    /// Standard errors estimated from few realizations (below about 30) make the tails heavier than normal and raise
+    /// it. `holds` says that the data do not refute the bound; `proved`, which a fitted bound always has, says that
+    /// the true spectrum is within it with probability at least `confidence`. For exact spectra the two are the same.
     /// Nothing is said about degrees beyond the spectrum.
     ///
     /// An exact value (standard error 0) refutes the claim if it lies beyond the bound by more than 1e-12 of it and

@@ -32,8 +32,8 @@ struct Cell {
 /// Returns the best of all profiles whose exponent and offset lie in these closed ranges; `None` if none clears the
 /// limits.
 ///
-/// Of every cell [`Envelope::relaxed`] bounds what its profiles can be; cells that cannot be better than what is known are
-/// left, the most promising one is halved.
+/// Of every cell [`Envelope::relaxed`] bounds what its profiles can be; cells that cannot be better than what is
+/// known are left, the most promising one is halved.
 pub(crate) fn search(
     envelope: &Envelope,
     exponent: (f64, f64),

@@ -76,12 +76,12 @@ impl Envelope {
         }
     }
 
-    /// Returns a value that no profile is better than whose exponent and offset lie in these ranges: the exact best where they
-    /// are points.
+    /// Returns a value that no profile is better than whose exponent and offset lie in these ranges: the exact best
+    /// where they are points.
     ///
-    /// Upper bounds: a smaller exponent asks for less of the plateau and a larger one sums to less, so that the best break
-    /// with the plateau of the one end and the sum of the other is not worse than any profile of the range. The offset
-    /// likewise. Lower bounds with both exchanged.
+    /// Upper bounds: a smaller exponent asks for less of the plateau and a larger one sums to less, so that the best
+    /// break with the plateau of the one end and the sum of the other is not worse than any profile of the range.
+    /// The offset likewise. Lower bounds with both exchanged.
     pub(crate) fn relaxed(&self, exponent: (f64, f64), offset: (f64, f64)) -> Option<f64> {
         let (plateau, sum, high, low) = match self.side {
             Side::Upper => (exponent.0, exponent.1, offset.1, offset.0),
@@ -95,14 +95,14 @@ impl Envelope {
         Some(found.value + (low - high) * self.white())
     }
 
-    /// Returns the best break if the plateau follows from the exponent b and the sum is taken with the exponent s; with
-    /// `b = s` the best profile.
+    /// Returns the best break if the plateau follows from the exponent b and the sum is taken with the exponent s;
+    /// with `b = s` the best profile.
     ///
-    /// Between two neighbouring degrees the plateau must clear `A` and the head `C L^b`, with fixed A and C. Where A decides,
-    /// the value of an upper bound falls with L; where C does it is `C (H L^(b-s) + T L^b)`, which for `b = s` rises. So
-    /// the best break is where both decide, `L^b = A/C`, or beyond it at the minimum of the second form, `L^s = H (s-b)/(T b)`, or
-    /// the nearest end. Lower bounds, with `s <= b`, likewise with rising and falling exchanged. So the
-    /// optimum needs no search: one candidate between two degrees, `O(lmax)` in all.
+    /// Between two neighbouring degrees the plateau must clear `A` and the head `C L^b`, with fixed A and C. Where A
+    /// decides, the value of an upper bound falls with L; where C does it is `C (H L^(b-s) + T L^b)`, which for `b =
+    /// s` rises. So the best break is where both decide, `L^b = A/C`, or beyond it at the minimum of the second
+    /// form, `L^s = H (s-b)/(T b)`, or the nearest end. Lower bounds, with `s <= b`, likewise with rising and
+    /// falling exchanged. So the optimum needs no search: one candidate between two degrees, `O(lmax)` in all.
     fn sweep(&self, b: f64, s: f64, offset: f64) -> Candidate {
         let over = |limit: f64| (limit - offset).max(0.0);
         let candidate = |sum: f64, gamma: f64, break_degree: f64| Candidate {

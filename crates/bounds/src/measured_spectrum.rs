@@ -5,8 +5,8 @@ use statrs::distribution::{ContinuousCDF, Normal};
 
 /// A measured mean spectrum with its standard errors, borrowed and checked.
 ///
-/// Both slices are indexed by the degree from 0; degree 0 is not used, nor are odd degrees on the hemisphere. A standard
-/// error of 0 marks an exact value.
+/// Both slices are indexed by the degree from 0; degree 0 is not used, nor are odd degrees on the hemisphere. A
+/// standard error of 0 marks an exact value.
 ///
 /// ```
 /// use sphvar_bounds::{Domain, MeasuredSpectrum};
@@ -67,9 +67,9 @@ impl<'a> MeasuredSpectrum<'a> {
         Self::new(spectrum.n_points(), spectrum.domain(), spectrum.power(), spectrum.stderr())
     }
 
-    /// Power up to this counts as none, where white noise has 1: below it, transforms of points return the rounding of
-    /// their coefficients (about 1e-24 at an accuracy of 1e-12), and a pattern that was moved until its power was 0 what its
-    /// iteration has left (1e-20).
+    /// Power up to this counts as none, where white noise has 1: below it, transforms of points return the rounding
+    /// of their coefficients (about 1e-24 at an accuracy of 1e-12), and a pattern that was moved until its power was
+    /// 0 what its iteration has left (1e-20).
     pub const NO_POWER: f64 = 1e-18;
 
     /// Returns the number of points of the patterns.

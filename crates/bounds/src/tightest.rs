@@ -54,30 +54,35 @@ impl Bound {
     /// ```
     ///
     /// at this number of points: among all profiles that clear the simultaneous confidence limits of
-    /// [`MeasuredSpectrum::limits`] at every degree, an upper bound is the one with the least such variance and a lower
-    /// bound that with the greatest. The break, the plateau, for [`Family::Polynomial`] the exponent, and the offset if that is to be
-    /// fitted, are all free, but the break lies within the spectrum, so that the plateau has been seen.
+    /// [`MeasuredSpectrum::limits`] at every degree, an upper bound is the one with the least such variance and a
+    /// lower bound that with the greatest. The break, the plateau, for [`Family::Polynomial`] the exponent, and the
+    /// offset if that is to be fitted, are all free, but the break lies within the spectrum, so that the plateau has
+    /// been seen.
     ///
-    /// With probability at least `confidence` the true mean spectrum lies on the right side at all degrees of the spectrum
-    /// (errors normal and independent between degrees, or positively correlated, standard errors right). The profiles of
-    /// all families hold together at that level, since they clear the same limits; upper and lower ones together
-    /// at `2 confidence - 1`. Beyond the spectrum nothing has been measured: there the profile claims its plateau. A rate read from
-    /// the profile supposes that the spectrum is a function of `l / sqrt N`, which one number of points cannot tell.
+    /// With probability at least `confidence` the true mean spectrum lies on the right side at all degrees of the
+    /// spectrum (errors normal and independent between degrees, or positively correlated, standard errors right).
+    /// The profiles of all families hold together at that level, since they clear the same limits; upper and lower
+    /// ones together at `2 confidence - 1`. Beyond the spectrum nothing has been measured: there the profile claims
+    /// its plateau. A rate read from the profile supposes that the spectrum is a function of `l / sqrt N`, which one
+    /// number of points cannot tell.
     ///
-    /// The fit is exact for a given exponent and offset. Where one of them is free it is found by branch and bound, to within
+    /// The fit is exact for a given exponent and offset. Where one of them is free it is found by branch and bound,
+    /// to within
     /// [`Tightest::gap`] of the best there is.
     ///
     /// # Errors
     ///
     /// [`Error::Parameter`] unless `0 < confidence < 1`, `decay > 1` and the given offset is at least 0, all finite;
     /// [`Error::NoDegrees`] for a step over a single degree;
-    /// [`Error::PowerBelowStep`] for an upper step over a spectrum that has power at its first degree (beyond the offset);
+    /// [`Error::PowerBelowStep`] for an upper step over a spectrum that has power at its first degree (beyond the
+    /// offset);
     /// [`Error::NoFit`] for a lower bound with a given offset above a limit; [`Error::OnlyZero`] if the largest lower
     /// bound is zero.
     ///
     /// # Performance
     ///
-    /// `O(lmax)` powers for a given exponent and offset; some hundred to some ten thousand times that where one is free.
+    /// `O(lmax)` powers for a given exponent and offset; some hundred to some ten thousand times that where one is
+    /// free.
     ///
     /// # Examples
     ///

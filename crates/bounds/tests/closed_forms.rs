@@ -41,8 +41,8 @@ fn kahan(terms: impl Iterator<Item = f64>) -> f64 {
 
 /// The definition: every degree up to `last`, then the plateau against the tail energy of `c l^-p`.
 ///
-/// The tail is the midpoint rule for the integral of x^-p with its first correction; 3e4 degrees on, the next one is below
-/// 1e-17 of it.
+/// The tail is the midpoint rule for the integral of x^-p with its first correction; 3e4 degrees on, the next one is
+/// below 1e-17 of it.
 fn slow_variance(
     class: &IntegrandClass,
     decays: &[(f64, f64)],
@@ -353,7 +353,8 @@ proptest! {
         profile in any_profile(), g0 in prop_oneof![Just(0.0), 0.0..1.0_f64], domain in any_domain(),
         n in 1_usize..20_000, l0 in 0_usize..3000, p in 1.1..4.0_f64, a in 0.01..3.0_f64, c in 0.01..3.0_f64
     ) {
-        // Breaks go up to e^3 sqrt(20000) = 2841, and from 5000 on the first term of the tail that is left out is below 1e-15.
+        // Breaks go up to e^3 sqrt(20000) = 2841, and from 5000 on the first term of the tail that is left out is
+        // below 1e-15.
         const LAST: usize = 5000;
         let Ok(profile) = profile.with_offset(g0) else { unreachable!("valid") };
         for (class, decays) in [

@@ -109,8 +109,8 @@ fn by_grid(
     best
 }
 
-/// The grid has breaks 1/20 apart and exponents 1/4 apart and misses the best by up to 12 %; what the fit may miss it by
-/// is its gap.
+/// The grid has breaks 1/20 apart and exponents 1/4 apart and misses the best by up to 12 %; what the fit may miss
+/// it by is its gap.
 #[test]
 fn no_profile_of_a_grid_does_better() -> Result<(), Error> {
     let mut compared = 0;
@@ -324,8 +324,8 @@ fn fits_without_an_answer_say_so() -> Result<(), Error> {
 }
 
 /// All families of one side hang on the same limits, so all of them together miss the truth with probability at most
-/// `1 - confidence`. 500 spectra, seed in place, expected at most 50 misses; five standard deviations are 33, so a right
-/// program fails with probability below 1e-6, if the seed were drawn.
+/// `1 - confidence`. 500 spectra, seed in place, expected at most 50 misses; five standard deviations are 33, so a
+/// right program fails with probability below 1e-6, if the seed were drawn.
 #[test]
 fn all_families_cover_together() -> Result<(), Error> {
     const TRIALS: usize = 500;
