@@ -119,8 +119,6 @@ pub(crate) fn run(args: &BoundsArgs, global: &Global) -> Result<(), CliError> {
     if let Some(path) = &args.out {
         check_result(path, true)?;
     }
-    // Wrong bands, decays and integrands are found before the spectrum is made.
-    Consequences::new(args, domain, args.points.unwrap_or(1))?;
     let measured = Measured::of_args(args, domain, global)?;
     let n_points = measured.as_ref().map_or(args.points.unwrap_or(0), |m| m.n_points);
     let consequences = Consequences::new(args, domain, n_points)?;
