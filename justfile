@@ -27,3 +27,14 @@ peers *ARGS:
 # Record the values of healpy again that the tests of sphvar-healpix compare with.
 healpy-values:
     python3 benches/peers/healpix_values.py
+
+# The bounds of the thesis against every pattern that it gives them for, those that take minutes too.
+bounds-verdicts *ARGS:
+    cargo run --release -- bounds white-noise -n 4096 -m 1000 {{ARGS}}
+    cargo run --release -- bounds poisson-disk -n 4096 -m 600 {{ARGS}}
+    cargo run --release -- bounds jittered -n 3888 -m 1000 {{ARGS}}
+    cargo run --release -- bounds ccvt:capacity=64,mass=white -n 1024 -m 400 {{ARGS}}
+    cargo run --release -- bounds ccvt:capacity=64,mass=white -n 4096 -m 160 {{ARGS}}
+    cargo run --release -- bounds ccvt:capacity=256,mass=white -n 1024 -m 60 {{ARGS}}
+    cargo run --release -- bounds ccvt:capacity=1024,mass=white -n 256 -m 60 {{ARGS}}
+    cargo run --release -- bounds ccvt:capacity=64,mass=fibonacci -n 1024 -m 400 {{ARGS}}

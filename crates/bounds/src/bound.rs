@@ -10,19 +10,27 @@ pub enum Side {
     Lower,
 }
 
-impl fmt::Display for Side {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
+impl Side {
+    /// Returns the name, `upper` or `lower`.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
             Self::Upper => "upper",
             Self::Lower => "lower",
-        })
+        }
+    }
+}
+
+impl fmt::Display for Side {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
     }
 }
 
 /// A profile together with the claim that it bounds a spectrum from above or from below.
 ///
 /// [`Bound::check`] tests the claim; [`Bound::fit_gamma`] and [`Bound::fit_alpha`] move the profile until the
-/// claim is safe.
+/// claim is safe, and [`Bound::tightest`] finds the profile of a family that says most.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Bound {
     /// The side on which the profile lies.
@@ -46,6 +54,12 @@ pub struct Verdict {
     pub n_degrees: usize,
     /// Whether the bound stands: no degree refutes it.
     pub holds: bool,
+    /// Whether the data prove the bound at the same confidence: every degree's limit clears it.
+    pub proved: bool,
+    /// The degree that comes closest to the bound, or lies farthest beyond it, in proportion, whatever its error.
+    pub extreme_degree: usize,
+    /// Measured power over bound at that degree.
+    pub extreme_ratio: f64,
 }
 
 /// Relative rounding allowed to a value that should lie exactly on the profile: a fitted profile takes a handful of
@@ -72,14 +86,16 @@ impl Bound {
     /// the claim is refuted if z_l > critical_z = Phi^-1(confidence^(1/K)) for any of the K degrees
     /// ```
     ///
-    /// False alarms: if the claim is true, the errors are normal and independent between degrees and the standard errors
-    /// are right, then the claim is refuted with probability at most `1 - confidence`; exactly that if the spectrum
-    /// lies on the profile at every degree. Positive correlation between degrees only lowers it (Slepian). Standard
-    /// errors estimated from few realizations (below about 30) make the tails heavier than normal and raise it.
-    /// `holds` says that the data do not refute the bound, not that they prove it: for that, use a fit.
+    /// False alarms: if the claim is true, the errors are normal and independent between degrees and the standard
+    /// errors are right, then the claim is refuted with probability at most `1 - confidence`; exactly that if the
+    /// spectrum lies on the profile at every degree. Positive correlation between degrees only lowers it (Slepian).
+    /// Standard errors estimated from few realizations (below about 30) make the tails heavier than normal and raise
+    /// it. `holds` says that the data do not refute the bound; `proved`, which a fitted bound always has, says that
+    /// the true spectrum is within it with probability at least `confidence`. For exact spectra the two are the same.
     /// Nothing is said about degrees beyond the spectrum.
     ///
-    /// An exact value (standard error 0) refutes the claim if it lies beyond the bound by more than 1e-12 of it.
+    /// An exact value (standard error 0) refutes the claim if it lies beyond the bound by more than 1e-12 of it and
+    /// [`MeasuredSpectrum::NO_POWER`].
     ///
     /// # Errors
     ///
@@ -112,11 +128,16 @@ impl Bound {
             critical_z,
             n_degrees: 0,
             holds: true,
+            proved: true,
+            extreme_degree: 0,
+            extreme_ratio: f64::NAN,
         };
         for l in spectrum.degrees() {
             let bound = self.profile.power(l, spectrum.n_points());
             let (power, stderr) = (spectrum.power(l), spectrum.stderr(l));
-            let excess = self.outwards(power - bound);
+            let allowance = ROUNDING * bound + MeasuredSpectrum::NO_POWER;
+            let difference = self.outwards(power - bound);
+            let excess = if difference.abs() <= allowance { 0.0 } else { difference };
             let z = if excess == 0.0 {
                 0.0
             } else if stderr > 0.0 {
@@ -132,7 +153,13 @@ impl Bound {
             if first || worse {
                 (verdict.worst_degree, verdict.worst_ratio, verdict.z) = (l, ratio, z);
             }
-            verdict.holds &= excess <= critical_z * stderr + ROUNDING * bound;
+            // 0 below a step says nothing, so it comes close to nothing.
+            let extreme = self.outwards(ratio) > self.outwards(verdict.extreme_ratio);
+            if bound > 0.0 && (verdict.extreme_ratio.is_nan() || extreme) {
+                (verdict.extreme_degree, verdict.extreme_ratio) = (l, ratio);
+            }
+            verdict.holds &= excess <= critical_z * stderr + allowance;
+            verdict.proved &= excess + critical_z * stderr <= allowance;
             verdict.n_degrees += 1;
         }
         Ok(verdict)

@@ -1,4 +1,4 @@
-use crate::Side;
+use crate::{Family, Side};
 
 /// What was wrong with a profile, an integrand class, a spectrum or a fit.
 #[non_exhaustive]
@@ -61,6 +61,29 @@ pub enum Error {
         lowest: f64,
         /// Largest value that the family takes at this degree.
         highest: f64,
+    },
+    /// An upper step was asked for, but the first degree has power.
+    #[error(
+        "a step has no power below its break, but that of degree {degree} may be {limit:e}; give an offset that covers it"
+    )]
+    PowerBelowStep {
+        /// The lowest degree.
+        degree: usize,
+        /// Simultaneous confidence limit of the power at this degree.
+        limit: f64,
+    },
+    /// The largest lower bound is zero everywhere.
+    #[error(
+        "the largest {family} profile below the spectrum is 0: at degree {degree} the confidence limit is {limit:e}; \
+         more realizations may raise it"
+    )]
+    OnlyZero {
+        /// The family that was asked for.
+        family: Family,
+        /// A degree that stands against every larger profile.
+        degree: usize,
+        /// Simultaneous confidence limit of the power at this degree.
+        limit: f64,
     },
     /// The break `alpha` was to be fitted, but no value of it is better than another.
     #[error(

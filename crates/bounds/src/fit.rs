@@ -38,7 +38,7 @@ impl Bound {
         let profile = self.profile;
         let mut gamma: Option<f64> = None;
         for l in spectrum.degrees() {
-            let limit = self.limit(spectrum, l, critical_z);
+            let limit = spectrum.limit(self.side, l, critical_z);
             let rise = profile.rise(l, spectrum.n_points());
             let over_offset = limit - profile.offset();
             let impossible = match self.side {
@@ -83,7 +83,7 @@ impl Bound {
         let profile = self.profile;
         let mut alpha: Option<f64> = None;
         for l in spectrum.degrees() {
-            let limit = self.limit(spectrum, l, critical_z);
+            let limit = spectrum.limit(self.side, l, critical_z);
             match self.alpha_at(l, spectrum.n_points(), limit) {
                 Constraint::None => {}
                 Constraint::Impossible => {
@@ -99,16 +99,6 @@ impl Bound {
         }
         let alpha = alpha.ok_or(Error::AlphaUndetermined { side: self.side })?;
         Ok(Self { profile: profile.with_alpha(alpha)?, ..*self })
-    }
-
-    /// Returns the simultaneous confidence limit of the power at a degree, on the side of this bound.
-    fn limit(&self, spectrum: &MeasuredSpectrum<'_>, l: usize, critical_z: f64) -> f64 {
-        let margin = critical_z * spectrum.stderr(l);
-        match self.side {
-            Side::Upper => spectrum.power(l) + margin,
-            // Power is never negative, so neither is what can be claimed from below.
-            Side::Lower => (spectrum.power(l) - margin).max(0.0),
-        }
     }
 
     /// Returns what one degree demands of `alpha`: at most the limit for an upper bound, at least for a lower one.

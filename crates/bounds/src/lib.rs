@@ -33,10 +33,12 @@
 //! ```
 
 mod bound;
+mod branch_and_bound;
 mod compensated_sum;
 mod degree_run;
-
+mod envelope;
 mod error;
+mod family;
 mod fit;
 mod integrand_class;
 mod measured_spectrum;
@@ -44,16 +46,19 @@ mod power_sum;
 mod profile;
 mod rate;
 mod thesis_bounds;
+mod tightest;
 mod variance_range;
 mod zeta;
 
 pub use bound::{Bound, Side, Verdict};
 pub use error::Error;
+pub use family::Family;
 pub use integrand_class::{Asymptotic, IntegrandClass};
 pub use measured_spectrum::MeasuredSpectrum;
 pub use profile::{Profile, Shape};
 pub use rate::Rate;
-pub use sphvar_variance::Domain;
+pub use sphvar_variance::{Domain, Spectrum};
 pub use thesis_bounds::{ThesisBound, thesis_bounds};
+pub use tightest::{Criterion, Offset, Tightest};
 pub use variance_range::{VarianceRange, variance_bound};
 pub use zeta::{generalized_harmonic, hurwitz_zeta, riemann_zeta, trigamma};

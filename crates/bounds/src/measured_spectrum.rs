@@ -1,11 +1,12 @@
 use crate::error::per_degree;
-use crate::{Domain, Error};
+use crate::{Domain, Error, Side};
+use sphvar_variance::Spectrum;
 use statrs::distribution::{ContinuousCDF, Normal};
 
 /// A measured mean spectrum with its standard errors, borrowed and checked.
 ///
-/// Both slices are indexed by the degree from 0; degree 0 is not used, nor are odd degrees on the hemisphere. A standard
-/// error of 0 marks an exact value.
+/// Both slices are indexed by the degree from 0; degree 0 is not used, nor are odd degrees on the hemisphere. A
+/// standard error of 0 marks an exact value.
 ///
 /// ```
 /// use sphvar_bounds::{Domain, MeasuredSpectrum};
@@ -48,10 +49,44 @@ impl<'a> MeasuredSpectrum<'a> {
         Ok(Self { n_points, domain, power, stderr })
     }
 
+    /// Returns the measured spectrum of an estimated or exact one, of which it borrows the values.
+    ///
+    /// # Errors
+    ///
+    /// As [`MeasuredSpectrum::new`]: a single realization of a random pattern has no standard errors (NaN).
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use sphvar_bounds::{Domain, MeasuredSpectrum, Profile};
+    /// let spectrum = Profile::quadratic(1.0, 1.0)?.spectrum(64, Domain::Sphere, 32);
+    /// assert_eq!(MeasuredSpectrum::from_spectrum(&spectrum)?.n_points(), 64);
+    /// # Ok::<(), sphvar_bounds::Error>(())
+    /// ```
+    pub fn from_spectrum(spectrum: &'a Spectrum) -> Result<Self, Error> {
+        Self::new(spectrum.n_points(), spectrum.domain(), spectrum.power(), spectrum.stderr())
+    }
+
+    /// Power up to this counts as none, where white noise has 1: below it, transforms of points return the rounding
+    /// of their coefficients (about 1e-24 at an accuracy of 1e-12), and a pattern that was moved until its power was
+    /// 0 what its iteration has left (1e-20).
+    pub const NO_POWER: f64 = 1e-18;
+
     /// Returns the number of points of the patterns.
     #[must_use]
     pub const fn n_points(&self) -> usize {
         self.n_points
+    }
+
+    /// Returns where the points live.
+    #[must_use]
+    pub const fn domain(&self) -> Domain {
+        self.domain
+    }
+
+    /// Returns the number of values, degree 0 included.
+    pub(crate) const fn len(&self) -> usize {
+        self.power.len()
     }
 
     /// Returns the degrees that enter the variance, ascending.
@@ -67,6 +102,32 @@ impl<'a> MeasuredSpectrum<'a> {
     /// Returns the standard error of a degree.
     pub(crate) fn stderr(&self, l: usize) -> f64 {
         self.stderr[l]
+    }
+
+    /// Returns the simultaneous confidence limit of a degree on one side, `power +- critical_z stderr`.
+    pub(crate) fn limit(&self, side: Side, l: usize, critical_z: f64) -> f64 {
+        let margin = critical_z * self.stderr(l);
+        match side {
+            Side::Upper => self.power(l) + margin,
+            // Power is never negative, so neither is what can be claimed from below.
+            Side::Lower => (self.power(l) - margin).max(0.0),
+        }
+    }
+
+    /// Returns the simultaneous confidence limits of all degrees on one side, with their degrees.
+    ///
+    /// ```text
+    /// power_l + critical_z stderr_l   or   max(0, power_l - critical_z stderr_l)
+    /// ```
+    ///
+    /// They are the values themselves where the spectrum is exact.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Parameter`] unless `0 < confidence < 1`.
+    pub fn limits(&self, side: Side, confidence: f64) -> Result<Vec<(usize, f64)>, Error> {
+        let critical_z = self.critical_z(confidence)?;
+        Ok(self.degrees().map(|l| (l, self.limit(side, l, critical_z))).collect())
     }
 
     /// Returns the one-sided normal quantile that keeps all degrees together at `confidence` (Sidak).

@@ -1,5 +1,6 @@
-use crate::Error;
 use crate::error::{not_negative, positive};
+use crate::{Domain, Error};
+use sphvar_variance::Spectrum;
 
 /// How a [`Profile`] rises to its plateau.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -201,6 +202,26 @@ impl Profile {
     #[must_use]
     pub fn power(&self, l: usize, n_points: usize) -> f64 {
         self.offset + self.gamma * self.rise(l, n_points)
+    }
+
+    /// Returns the profile as a spectrum of patterns of `n_points`, known without sampling.
+    ///
+    /// It stands wherever an estimated spectrum can. Like any spectrum it ends at `lmax`, beyond which predictions take
+    /// the power to be 1, so `lmax` should be large where the plateau is not 1.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use sphvar_bounds::{Domain, Profile};
+    /// let spectrum = Profile::linear(0.5, 1.0)?.spectrum(64, Domain::Sphere, 5);
+    /// assert!(spectrum.is_exact());
+    /// assert_eq!(spectrum.power(), [64.0, 0.25, 0.5, 0.75, 1.0, 1.0]);
+    /// # Ok::<(), sphvar_bounds::Error>(())
+    /// ```
+    #[must_use]
+    pub fn spectrum(&self, n_points: usize, domain: Domain, lmax: usize) -> Spectrum {
+        let power = (0..=lmax).map(|l| self.power(l, n_points)).collect();
+        Spectrum::exact(domain, n_points, power)
     }
 
     /// Returns the profile without offset and with `gamma = 1`.

@@ -3,7 +3,7 @@ use crate::{Profile, Shape};
 /// The bounds that the thesis draws around the spectrum of one sampler.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ThesisBound {
-    /// The sampler's name.
+    /// The name by which the command knows the sampler.
     pub sampler: &'static str,
     /// The profile below the spectrum.
     pub lower: Profile,
@@ -15,12 +15,12 @@ pub struct ThesisBound {
 ///
 /// | sampler | lower | upper |
 /// |---|---|---|
-/// | `white` | constant 0.7 | constant 1.3 |
+/// | `white-noise` | constant 0.7 | constant 1.3 |
 /// | `poisson-disk` | constant 0.055 | constant 1.8 |
 /// | `jittered` | quadratic, alpha = sqrt 0.6, gamma = 0.4 | quadratic, alpha = 0.2, gamma = 1 |
 /// | `ccvt` | quadratic, alpha = sqrt 2.85, gamma = 0.05 | quadratic, alpha = sqrt 0.05, gamma = 2 |
 ///
-/// Those of `white`, `poisson-disk` and `jittered` hold for the mean spectrum. Those of `ccvt` hold only for a band of
+/// Those of `white-noise`, `poisson-disk` and `jittered` hold for the mean spectrum. Those of `ccvt` hold only for a band of
 /// capacities m: with random mass points the floor 1/m breaks the upper one at the lowest degrees once `N > 40 m`, and
 /// for m >= 1024 both are broken, the lower one also by ideal mass points.
 ///
@@ -48,7 +48,7 @@ pub fn thesis_bounds() -> [ThesisBound; 4] {
     let quadratic = Shape::Polynomial { exponent: 2.0 };
     let disk_axis = 2.75_f64.sqrt();
     [
-        pair("white", Shape::Constant, (1.0, 0.7), (1.0, 1.3)),
+        pair("white-noise", Shape::Constant, (1.0, 0.7), (1.0, 1.3)),
         pair("poisson-disk", Shape::Constant, (disk_axis, 0.055), (disk_axis, 1.8)),
         pair("jittered", quadratic, (0.6_f64.sqrt(), 0.4), (0.2, 1.0)),
         pair("ccvt", quadratic, (2.85_f64.sqrt(), 0.05), (0.05_f64.sqrt(), 2.0)),

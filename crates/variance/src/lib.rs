@@ -55,4 +55,4 @@ pub use measurement::{Measurement, measure};
 pub use prediction::{Prediction, PredictionAccumulator, predict};
 pub use rate::{RateFit, VariancePoint, fit_rate};
 pub use sphvar_samplers::Domain;
-pub use sphvar_spectrum::Method;
+pub use sphvar_spectrum::{Method, Spectrum};

@@ -217,6 +217,65 @@ fn bounds() {
     }
 }
 
+/// Without a profile every family is fitted; what the thesis says of the sampler is checked.
+#[test]
+fn bounds_without_a_profile() {
+    let place = Workplace::new();
+    let document = place.run("bounds jittered -n 192 -m 40 --integrand ylm:l=2 --json").json();
+    assert_keys(&document, &["n", "lmax", "confidence", "bounds", "none", "thesis"]);
+    let list = document["bounds"].as_array().unwrap();
+    let names: Vec<_> =
+        list.iter().map(|r| (r["side"].as_str().unwrap(), r["family"].as_str().unwrap())).collect();
+    let upper = ["constant", "linear", "quadratic", "poly"].map(|f| ("upper", f));
+    let lower = ["constant", "step", "linear", "quadratic", "poly"].map(|f| ("lower", f));
+    assert_eq!(names, [&upper[..], &lower[..]].concat());
+    // Jitter has power at l = 1.
+    assert_eq!(document["none"][0]["family"], "step");
+    assert!(document["none"][0]["reason"].as_str().unwrap().contains("degree 1"), "{document}");
+    for record in list {
+        assert_keys(
+            record,
+            &["exponent", "alpha", "gamma", "offset", "touching", "gap", "best_rate"],
+        );
+        assert_eq!((&record["holds"], &record["origin"]), (&true.into(), &"fitted".into()));
+        assert!(!numbers(&record["touching"]).is_empty(), "{record}");
+        assert!(record["gap"].as_f64().unwrap() <= 1e-4, "{record}");
+    }
+    let variance = |i: usize| list[i]["worst_variance"].as_f64().unwrap();
+    assert!((0..3).all(|i| variance(3) <= variance(i)), "poly is the least upper: {document}");
+    assert!((0..4).all(|i| variance(i) > variance(8)), "upper above lower: {document}");
+    let verdicts: Vec<_> = document["thesis"].as_array().unwrap().iter().collect();
+    assert_eq!((&verdicts[0]["side"], &verdicts[1]["side"]), (&"upper".into(), &"lower".into()));
+    for verdict in verdicts {
+        assert_keys(
+            verdict,
+            &["verdict", "worst_degree", "worst_omega", "worst_ratio", "z", "critical_z"],
+        );
+        assert_ne!(verdict["verdict"], "broken", "{verdict}");
+    }
+    // A file that has degree 0 says how many points there were.
+    place.run("spectrum jittered -n 192 -m 40 -o s.csv").ok();
+    let file = place.run("bounds --spectrum s.csv --json").json();
+    assert_eq!(file["n"], 192);
+    assert_eq!(file["bounds"][3]["alpha"], list[3]["alpha"]);
+    place.write("bare.csv", "l,power\n1,0.5\n2,0.6\n");
+    place.run("bounds --spectrum bare.csv").fails(2, &["bare.csv", "-n N", "degree 0"]);
+    // Tables, plots, and an offset.
+    let table = place.run("bounds --spectrum s.csv --offset fit").ok().stdout;
+    assert!(table.contains("quadratic") && table.contains("Confidence 0.99"), "{table}");
+    place.run("bounds --spectrum s.csv --offset 0.001 -o b.csv").ok();
+    let cells = rows(&place.text("b.csv"));
+    assert!(cells.len() > 5 && cells.iter().all(|r| r.len() == cells[0].len()), "{cells:?}");
+    place.run("bounds --spectrum s.csv -o b.svg").ok();
+    let plot = place.text("b.svg");
+    assert!(plot.contains("upper quadratic") && plot.contains("lower step"), "the legend");
+    place.run("bounds --profile step -n 100 -o p.png").ok();
+    place.run("bounds --spectrum s.csv --offset -1").fails(2, &["--offset"]);
+    place.run("bounds --spectrum s.csv --offset x").fails(2, &["--offset", "fit", "\"x\""]);
+    place.run("bounds -n 12").fails(2, &["--profile"]);
+    place.run("bounds jittered").fails(2, &["--points"]);
+}
+
 #[test]
 fn healpix_round_trip() {
     let place = Workplace::new();

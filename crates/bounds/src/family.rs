@@ -1,0 +1,77 @@
+use std::fmt;
+
+use crate::{Profile, Shape};
+
+/// A family of profiles of which a fit takes the tightest member.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Family {
+    /// The plateau from the first degree on.
+    Constant,
+    /// Nothing below a break, with at least one degree there, and the plateau from it on.
+    Step,
+    /// The exponent 1.
+    Linear,
+    /// The exponent 2.
+    Quadratic,
+    /// Any exponent from 0 to [`Family::STEEPEST`].
+    Polynomial,
+}
+
+impl Family {
+    /// Every family, in the order in which they are shown.
+    pub const ALL: [Self; 5] =
+        [Self::Constant, Self::Step, Self::Linear, Self::Quadratic, Self::Polynomial];
+
+    /// The largest exponent that is fitted. Between degrees 1 and 2 it is a step by five orders of magnitude; what is
+    /// steeper is a [`Family::Step`] to the eye.
+    pub const STEEPEST: f64 = 16.0;
+
+    /// Returns the name: `constant`, `step`, `linear`, `quadratic`, `poly`.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Constant => "constant",
+            Self::Step => "step",
+            Self::Linear => "linear",
+            Self::Quadratic => "quadratic",
+            Self::Polynomial => "poly",
+        }
+    }
+
+    /// Returns the smallest and the largest exponent; both infinite for the step.
+    pub(crate) const fn exponents(self) -> (f64, f64) {
+        match self {
+            Self::Constant => (0.0, 0.0),
+            Self::Step => (f64::INFINITY, f64::INFINITY),
+            Self::Linear => (1.0, 1.0),
+            Self::Quadratic => (2.0, 2.0),
+            Self::Polynomial => (0.0, Self::STEEPEST),
+        }
+    }
+
+    pub(crate) const fn shape(self, exponent: f64) -> Shape {
+        match self {
+            Self::Constant => Shape::Constant,
+            Self::Step => Shape::Step,
+            Self::Linear | Self::Quadratic | Self::Polynomial => Shape::Polynomial { exponent },
+        }
+    }
+
+    /// Returns the narrowest family that a profile belongs to.
+    #[must_use]
+    pub fn of(profile: &Profile) -> Self {
+        match profile.shape() {
+            Shape::Constant => Self::Constant,
+            Shape::Step => Self::Step,
+            Shape::Polynomial { exponent: 1.0 } => Self::Linear,
+            Shape::Polynomial { exponent: 2.0 } => Self::Quadratic,
+            Shape::Polynomial { .. } => Self::Polynomial,
+        }
+    }
+}
+
+impl fmt::Display for Family {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}

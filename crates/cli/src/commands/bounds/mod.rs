@@ -1,0 +1,273 @@
+//! `sphvar bounds`: variance bounds and convergence rates from spectral profiles.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use serde::Serialize;
+use sphvar_bounds::{Bound, Criterion, Error, Family, Offset, Side};
+
+use self::record::{BoundRecord, Consequences};
+use self::source::Measured;
+use self::thesis::ThesisRecord;
+use crate::error::CliError;
+use crate::global::Global;
+use crate::integrands::FORMS;
+use crate::plots::{Chart, ImageFormat};
+use crate::profiles::{ParsedProfile, parse_profile};
+use crate::report::{
+    Provenance, check_result, csv, is_stdout, print, print_json, table, write_result,
+};
+
+mod chart;
+mod record;
+mod source;
+mod thesis;
+
+pub(crate) const EXAMPLES: &str = "Examples:
+  sphvar bounds jittered -n 972                                  (fit every family of profiles)
+  sphvar bounds poisson-disk -n 1024 --offset fit -o bounds.png  (above a floor; a plot)
+  sphvar bounds --spectrum s.csv --integrand cap:degrees=60
+  sphvar bounds jittered -n 972 --profile poly:b=2,alpha=0.2,gamma=1
+  sphvar bounds --profile poly:b=2,alpha=0.5,gamma=1 -n 1024     (rates and bounds of a profile)
+
+A profile bounds the mean spectrum from above or below: constant, step, linear, quadratic or poly:b=B,
+each with alpha (where it levels off, in units of sqrt(N)) and gamma (its level). Without --profile the
+tightest of each family is fitted: of all profiles that clear the confidence limits of every degree
+together, the upper one with the least, the lower one with the greatest variance in the worst case.
+Beyond the largest degree its plateau is a claim. Bounds that the thesis gives for the sampler are checked.
+With --profile, what is left out of alpha and gamma is fitted, and what is given in full is checked.";
+
+#[derive(Debug, Args)]
+pub(crate) struct BoundsArgs {
+    /// The sampler whose spectrum is to be bounded
+    #[arg(conflicts_with = "spectrum")]
+    pub(crate) sampler: Option<String>,
+    /// A spectrum file (CSV: l,power and, if it is known, stderr) to be bounded; - is standard input
+    #[arg(long, value_name = "FILE")]
+    pub(crate) spectrum: Option<PathBuf>,
+    /// The profile; without it one of each family is fitted
+    #[arg(long, required_unless_present_any = ["sampler", "spectrum"])]
+    pub(crate) profile: Option<String>,
+    /// Number of points; a spectrum file may say it, as the power of degree 0
+    #[arg(short = 'n', long = "points", value_name = "N", required_unless_present = "spectrum")]
+    pub(crate) points: Option<usize>,
+    /// Realizations of the sampler
+    #[arg(short = 'm', long, default_value_t = 300, value_name = "M")]
+    pub(crate) realizations: u64,
+    /// Largest degree of the spectrum [default: 4 sqrt(N), for lattices 40 sqrt(N)]
+    #[arg(long)]
+    pub(crate) lmax: Option<usize>,
+    /// Confidence of fits and checks, over all degrees together
+    #[arg(long, default_value_t = 0.99)]
+    pub(crate) confidence: f64,
+    /// Floor under the fitted profiles: a power, or `fit`
+    #[arg(long, value_name = "G0|fit", conflicts_with = "profile")]
+    pub(crate) offset: Option<String>,
+    /// Band limit of the best case, a flat spectrum up to this degree
+    #[arg(long, default_value_t = 10, value_name = "L0")]
+    pub(crate) band: usize,
+    /// Decay p of the worst case, energy l^-p; 2 for integrands with a jump
+    #[arg(long, default_value_t = 2.0, value_name = "P")]
+    pub(crate) decay: f64,
+    #[arg(long, help = format!("Bound the variance of this integrand too: {FORMS}"))]
+    pub(crate) integrand: Option<String>,
+    /// The hemisphere z >= 0
+    #[arg(long)]
+    pub(crate) hemisphere: bool,
+    /// Take the nearest number of points that the pattern has
+    #[arg(long)]
+    pub(crate) nearest: bool,
+    /// Write the bounds to a file, .csv or .json, or a plot of them as .svg or .png
+    #[arg(short, long, value_name = "FILE")]
+    pub(crate) out: Option<PathBuf>,
+}
+
+/// A family without a profile that bounds the spectrum.
+#[derive(Debug, Serialize)]
+struct Missing {
+    side: &'static str,
+    family: &'static str,
+    reason: String,
+}
+
+/// The document of `--json`.
+#[derive(Debug, Serialize)]
+struct Document<'a> {
+    n: usize,
+    domain: &'static str,
+    confidence: f64,
+    lmax: Option<usize>,
+    bounds: &'a [BoundRecord],
+    none: &'a [Missing],
+    thesis: &'a [ThesisRecord],
+    provenance: &'a Provenance,
+}
+
+pub(crate) fn run(args: &BoundsArgs, global: &Global) -> Result<(), CliError> {
+    let domain = super::domain(args.hemisphere);
+    let parsed = args.profile.as_deref().map(parse_profile).transpose()?;
+    let offset = parse_offset(args.offset.as_deref())?;
+    if args.points == Some(0) {
+        return Err(CliError::Usage("-n must be at least 1, got 0".to_owned()));
+    }
+    if !(args.confidence > 0.0 && args.confidence < 1.0) {
+        return Err(CliError::Usage(format!(
+            "--confidence must be above 0 and below 1, got {}",
+            args.confidence
+        )));
+    }
+    if let Some(path) = &args.out {
+        check_result(path, true)?;
+    }
+    let measured = Measured::of_args(args, domain, global)?;
+    let n_points = measured.as_ref().map_or(args.points.unwrap_or(0), |m| m.n_points);
+    let consequences = Consequences::new(args, domain, n_points)?;
+    let (mut records, mut none, mut thesis) = (Vec::new(), Vec::new(), Vec::new());
+    match (&measured, &parsed) {
+        (Some(measured), Some(parsed)) => {
+            for side in [Side::Upper, Side::Lower] {
+                records.push(against_spectrum(side, parsed, measured, args, &consequences)?);
+            }
+        }
+        (Some(measured), None) => {
+            let criterion = Criterion { confidence: args.confidence, decay: args.decay, offset };
+            (records, none) = tightest(measured, criterion, &consequences)?;
+            if let Some(name) = measured.sampler {
+                let spectrum = measured.spectrum()?;
+                thesis = ThesisRecord::of_sampler(name, &spectrum, args.confidence)?;
+            }
+        }
+        (None, Some(parsed)) => {
+            records.push(consequences.record(&parsed.profile, "given", "given")?);
+        }
+        (None, None) => {}
+    }
+    let provenance = Provenance::new(global.seed);
+    let document = Document {
+        n: n_points,
+        domain: domain.name(),
+        confidence: args.confidence,
+        lmax: measured.as_ref().map(Measured::lmax),
+        bounds: &records,
+        none: &none,
+        thesis: &thesis,
+        provenance: &provenance,
+    };
+    if let Some(path) = &args.out
+        && !(global.json && is_stdout(path))
+    {
+        if ImageFormat::of_path(path).is_some() {
+            let label = measured.as_ref().map_or("a profile", |m| &m.label);
+            let chart = Chart {
+                title: format!("Bounds of {label}, N = {n_points}"),
+                notes: vec![provenance.line()],
+                ..chart::chart(&records, measured.as_ref(), n_points)?
+            };
+            chart.render(path)?;
+        } else {
+            let cells: Vec<_> = records.iter().map(BoundRecord::cells).collect();
+            write_result(path, &document, &|| csv(&provenance, BoundRecord::COLUMNS, &cells))?;
+        }
+    }
+    if global.json {
+        return print_json(&document);
+    }
+    if args.out.is_some() {
+        return Ok(());
+    }
+    print(&text(args, &document, parsed.is_none()))
+}
+
+/// The tables for people, with what they rest on.
+fn text(args: &BoundsArgs, document: &Document<'_>, fitted: bool) -> String {
+    let heading = BoundRecord::heading(fitted, args.integrand.is_some());
+    let rows = document.bounds.iter().map(|r| r.row(fitted)).collect();
+    let mut text = table(&heading, rows, 2);
+    for missing in document.none {
+        text += &format!("no {} {}: {}\n", missing.side, missing.family, missing.reason);
+    }
+    text += &format!(
+        "\nN = {}. best: band limit {}, power 1. worst: energy l^-{}.\n",
+        document.n, args.band, args.decay
+    );
+    if let Some(lmax) = document.lmax {
+        text += &format!(
+            "Confidence {} for all degrees up to {lmax} together; beyond it nothing was measured.\n",
+            args.confidence
+        );
+    }
+    if let Some(first) = document.thesis.first() {
+        let rows = document.thesis.iter().map(ThesisRecord::row).collect();
+        text += &format!("\n{}", table(&ThesisRecord::HEADING, rows, 2));
+        text += &format!("A bound is broken where z is above {:.2}.\n", first.critical_z());
+    }
+    text
+}
+
+fn parse_offset(text: Option<&str>) -> Result<Offset, CliError> {
+    match text {
+        None => Ok(Offset::Given(0.0)),
+        Some("fit") => Ok(Offset::Fitted),
+        Some(text) => match text.parse::<f64>() {
+            Ok(g) if g >= 0.0 && g.is_finite() => Ok(Offset::Given(g)),
+            _ => Err(CliError::Usage(format!(
+                "--offset must be \"fit\" or a finite number from 0, got \"{text}\""
+            ))),
+        },
+    }
+}
+
+/// The tightest profile of every family on both sides, and the families that have none.
+fn tightest(
+    measured: &Measured,
+    criterion: Criterion,
+    consequences: &Consequences,
+) -> Result<(Vec<BoundRecord>, Vec<Missing>), CliError> {
+    let spectrum = measured.spectrum()?;
+    let (mut records, mut none) = (Vec::new(), Vec::new());
+    for side in [Side::Upper, Side::Lower] {
+        for family in Family::ALL {
+            match Bound::tightest(side, family, &spectrum, criterion) {
+                Ok(fit) => {
+                    let verdict = fit
+                        .bound
+                        .check(&spectrum, criterion.confidence)
+                        .map_err(CliError::usage)?;
+                    let record = consequences.judged(&fit.bound, "fitted", &verdict)?;
+                    records.push(record.with_fit(family, fit.touching, fit.gap));
+                }
+                Err(
+                    error @ (Error::PowerBelowStep { .. }
+                    | Error::OnlyZero { .. }
+                    | Error::NoFit { .. }
+                    | Error::NoDegrees { .. }),
+                ) => none.push(Missing {
+                    side: side.name(),
+                    family: family.name(),
+                    reason: error.to_string(),
+                }),
+                Err(error) => return Err(CliError::usage(error)),
+            }
+        }
+    }
+    Ok((records, none))
+}
+
+fn against_spectrum(
+    side: Side,
+    parsed: &ParsedProfile,
+    measured: &Measured,
+    args: &BoundsArgs,
+    consequences: &Consequences,
+) -> Result<BoundRecord, CliError> {
+    let spectrum = measured.spectrum()?;
+    let wish = Bound { side, profile: parsed.profile };
+    let (origin, bound) = match (parsed.has_alpha, parsed.has_gamma) {
+        (true, true) => ("checked", Ok(wish)),
+        (_, false) => ("fitted gamma", wish.fit_gamma(&spectrum, args.confidence)),
+        (false, true) => ("fitted alpha", wish.fit_alpha(&spectrum, args.confidence)),
+    };
+    let bound = bound.map_err(CliError::failed)?;
+    let verdict = bound.check(&spectrum, args.confidence).map_err(CliError::usage)?;
+    consequences.judged(&bound, origin, &verdict)
+}

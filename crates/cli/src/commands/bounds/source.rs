@@ -1,0 +1,134 @@
+//! Where the spectrum comes from that is to be bounded.
+
+use std::path::Path;
+
+use sphvar_bounds::MeasuredSpectrum;
+use sphvar_samplers::{Domain, Purpose, Realizations, Streams};
+use sphvar_spectrum::{Resolution, estimate};
+
+use super::BoundsArgs;
+use crate::error::CliError;
+use crate::files::read_spectrum;
+use crate::global::Global;
+use crate::memory::{check_degree, check_transform};
+use crate::patterns;
+use crate::progress::Progress;
+
+/// A mean spectrum, index l.
+pub(super) struct Measured {
+    /// The sampler with its parameters, or the file.
+    pub(super) label: String,
+    /// The name of the sampler alone, by which the thesis may know bounds of it.
+    pub(super) sampler: Option<&'static str>,
+    pub(super) n_points: usize,
+    domain: Domain,
+    power: Vec<f64>,
+    stderr: Vec<f64>,
+}
+
+impl Measured {
+    /// The spectrum that the arguments name, if they name one.
+    pub(super) fn of_args(
+        args: &BoundsArgs,
+        domain: Domain,
+        global: &Global,
+    ) -> Result<Option<Self>, CliError> {
+        match (&args.spectrum, &args.sampler, args.points) {
+            (Some(path), ..) => Self::from_file(path, args.points, domain).map(Some),
+            (None, Some(name), Some(n)) => {
+                Self::from_sampler(name, n, args, domain, global).map(Some)
+            }
+            _ => Ok(None),
+        }
+    }
+
+    fn from_sampler(
+        name: &str,
+        points: usize,
+        args: &BoundsArgs,
+        domain: Domain,
+        global: &Global,
+    ) -> Result<Self, CliError> {
+        let pattern = patterns::parse_pattern(name)?;
+        let sampler = patterns::build(&pattern, points, domain, args.nearest)?;
+        let n_points = sampler.n_points();
+        // Lattices have peaks at all degrees, which an upper bound must know.
+        let natural = Resolution::natural_degree(n_points);
+        let natural = if sampler.is_random() { natural } else { natural.saturating_mul(10) };
+        let lmax = args.lmax.unwrap_or(natural);
+        check_degree("--lmax", lmax)?;
+        let realizations = args.realizations;
+        let count = if sampler.is_random() { realizations } else { realizations.min(1) };
+        check_transform(Resolution::new(lmax, n_points), count)?;
+        if sampler.is_random() && realizations == 1 {
+            let message = "-m must be at least 2 for an error of the spectrum, got 1";
+            return Err(CliError::Usage(message.to_owned()));
+        }
+        let group = pattern.stream_group(n_points);
+        let ensemble =
+            Realizations::rotated(&*sampler, Streams::new(global.seed, Purpose::Pattern, group));
+        let progress = Progress::new(count as f64, global.quiet);
+        progress.stage(&pattern.to_string());
+        let spectrum = estimate(&ensemble, lmax, realizations, &|| progress.advance(1.0))?;
+        Ok(Self {
+            label: pattern.to_string(),
+            sampler: Some(pattern.name()),
+            n_points,
+            domain,
+            power: spectrum.power().to_vec(),
+            stderr: spectrum.stderr().to_vec(),
+        })
+    }
+
+    fn from_file(path: &Path, points: Option<usize>, domain: Domain) -> Result<Self, CliError> {
+        let rows = read_spectrum(path)?;
+        let lmax = rows.iter().map(|r| r.l).max().unwrap_or(0);
+        let (mut power, mut stderr) = (vec![f64::NAN; lmax + 1], vec![0.0; lmax + 1]);
+        for row in rows {
+            power[row.l] = row.power;
+            stderr[row.l] = row.stderr;
+        }
+        // P(0) = N holds for every set and is often left out.
+        let n_points = points.or_else(|| whole(power[0])).ok_or_else(|| {
+            CliError::Usage(format!(
+                "{}: the number of points is not known: give -n N, or a row of degree 0, whose power is N",
+                path.display()
+            ))
+        })?;
+        power[0] = n_points as f64;
+        let label = path.display().to_string();
+        Ok(Self { label, sampler: None, n_points, domain, power, stderr })
+    }
+
+    /// The spectrum as fits and checks have it.
+    pub(super) fn spectrum(&self) -> Result<MeasuredSpectrum<'_>, CliError> {
+        MeasuredSpectrum::new(self.n_points, self.domain, &self.power, &self.stderr)
+            .map_err(CliError::failed)
+    }
+
+    /// The mean power of a degree.
+    pub(super) fn power(&self, l: usize) -> f64 {
+        self.power[l]
+    }
+
+    /// The standard error of a degree.
+    pub(super) fn stderr(&self, l: usize) -> f64 {
+        self.stderr[l]
+    }
+
+    /// The largest degree.
+    pub(super) fn lmax(&self) -> usize {
+        self.power.len() - 1
+    }
+}
+
+/// The nearest whole number from 1 on; a random number of points has a broken mean.
+#[expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "between 1 and 2^53, where every number is whole"
+)]
+fn whole(x: f64) -> Option<usize> {
+    let nearest = x.round();
+    (1.0..9.0e15).contains(&nearest).then_some(nearest as usize)
+}
