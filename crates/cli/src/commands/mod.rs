@@ -1,6 +1,7 @@
 //! The subcommands, one file each.
 
 pub(crate) mod bounds;
+pub(crate) mod choose;
 pub(crate) mod compare;
 pub(crate) mod eval;
 pub(crate) mod healpix;
