@@ -71,8 +71,29 @@ impl PredictedCurve {
     /// number of points; `None` of fewer than two.
     #[must_use]
     pub fn rate_near(&self, n_points: usize) -> Option<RateFit> {
-        let n = n_points as f64;
-        let near = |p: &VariancePoint| (0.25 * n..=4.0 * n).contains(&p.n_points);
-        fit_rate(&self.variance_points().into_iter().filter(near).collect::<Vec<_>>())
+        self.rate_within(0.25 * n_points as f64, 4.0 * n_points as f64)
+    }
+
+    /// The power law through the points from `low` to `high`, all of the same weight: next to a law
+    /// that is not quite a power, their own errors are small.
+    pub(crate) fn rate_within(&self, low: f64, high: f64) -> Option<RateFit> {
+        let within = |p: &VariancePoint| (low..=high).contains(&p.n_points);
+        let points = self.variance_points().into_iter().filter(within);
+        fit_rate(&points.map(|p| VariancePoint { stderr: 0.0, ..p }).collect::<Vec<_>>())
+    }
+
+    /// The variance at a number of points within the curve, by a line in log N and log Var between the
+    /// points next to it.
+    #[must_use]
+    pub fn interpolate(&self, n_points: f64) -> Option<f64> {
+        let points = self.variance_points();
+        let at = points.partition_point(|p| p.n_points < n_points);
+        let above = points.get(at)?;
+        if above.n_points == n_points {
+            return Some(above.variance);
+        }
+        let below = points.get(at.checked_sub(1)?)?;
+        let share = (n_points / below.n_points).ln() / (above.n_points / below.n_points).ln();
+        Some(below.variance * (above.variance / below.variance).powf(share))
     }
 }

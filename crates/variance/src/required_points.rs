@@ -1,6 +1,6 @@
 use sphvar_samplers::{Domain, Pattern};
 
-use crate::{Error, PredictedCurve, Predictor, RateFit, VariancePoint, fit_rate};
+use crate::{Error, PredictedCurve, PredictedPoint, Predictor, RateFit};
 
 /// How many points a pattern needs for a variance.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -58,6 +58,20 @@ const RESOLUTION: f64 = 1.02;
 ///
 /// [`Error::Parameter`] for a variance that is not positive and finite; those of
 /// [`Predictor::predict`] if the pattern cannot be made with any number of points that was tried.
+///
+/// ```
+/// use sphvar_samplers::{Domain, Pattern};
+/// use sphvar_variance::{ClampedCosine, Precision, PredictedCurve, Predictor, required_points};
+///
+/// // White noise on the hemisphere has the variance (2 pi int f^2 - (int f)^2)/N = pi^2/(3 N).
+/// let mut predictor =
+///     Predictor::new(&ClampedCosine, Domain::Hemisphere, 0, Precision::USUAL)?;
+/// let mut curve = PredictedCurve::new(Pattern::WhiteNoise);
+/// let variance = (0.01 * std::f64::consts::PI).powi(2);
+/// let needed = required_points(&mut predictor, &mut curve, variance, 100_000, &|| ())?;
+/// assert_eq!(needed.n_points(), Some(3334));
+/// # Ok::<(), sphvar_variance::Error>(())
+/// ```
 pub fn required_points(
     predictor: &mut Predictor<'_>,
     curve: &mut PredictedCurve,
@@ -77,7 +91,7 @@ pub fn required_points(
                 Some(too_few) => search.refine(too_few, enough)?,
                 None => enough,
             };
-            let too_few = search.curve.points().iter().rev().map(crate::PredictedPoint::n_points);
+            let too_few = search.curve.points().iter().rev().map(PredictedPoint::n_points);
             let too_few = too_few.filter(|&n| n < n_points).find(|&n| !search.suffices_at(n));
             Ok(RequiredPoints::Predicted { n_points, too_few })
         }
@@ -204,13 +218,11 @@ impl Search<'_, '_> {
 
     /// By the power law through the last points, over a factor of 8 in N.
     fn extrapolate(&self, max_points: usize) -> RequiredPoints {
-        let points = self.curve.variance_points();
-        let Some(last) = points.last().map(|p| p.n_points) else {
+        let Some(last) = self.curve.points().last().map(|p| p.n_points() as f64) else {
             return RequiredPoints::OutOfReach;
         };
-        let near: Vec<VariancePoint> =
-            points.into_iter().filter(|p| p.n_points >= last / 8.5).collect();
-        let Some(fit) = fit_rate(&near).filter(|fit| fit.slope < 0.0) else {
+        let fit = self.curve.rate_within(last / 8.5, last);
+        let Some(fit) = fit.filter(|fit| fit.slope < 0.0) else {
             return RequiredPoints::OutOfReach;
         };
         // All numbers that were tried, the last one among them, were too few.

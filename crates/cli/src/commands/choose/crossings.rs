@@ -21,12 +21,17 @@ pub(super) struct CrossingRecord {
     confidence: f64,
     /// Whether one of the two needs a number of points within a factor of 4.
     is_near: bool,
+    /// Whether the better one has at least a tenth less variance at half and at twice the number.
+    is_wide: bool,
 }
 
 impl CrossingRecord {
-    /// Whether it is clear and near the answer.
+    /// Whether it is clear, near the answer and makes a difference.
     pub(super) fn matters(&self) -> bool {
-        self.is_near && self.confidence >= 0.95 && self.interval.1 < 4.0 * self.interval.0
+        self.is_near
+            && self.is_wide
+            && self.confidence >= 0.95
+            && self.interval.1 < 4.0 * self.interval.0
     }
 
     /// The crossover in words.
@@ -52,6 +57,11 @@ pub(super) fn between(ranked: &[Candidate], seed: u64) -> Vec<CrossingRecord> {
                 let ratio = n as f64 / crossing.n_points;
                 (1.0 / NEAR..=NEAR).contains(&ratio)
             };
+            let gap = |n: f64| {
+                let ratio = above.curve.interpolate(n).zip(below.curve.interpolate(n));
+                ratio.map_or(0.0, |(above, below)| below / above)
+            };
+            let (before, after) = (gap(0.5 * crossing.n_points), gap(2.0 * crossing.n_points));
             found.push(CrossingRecord {
                 better_below: below.curve.pattern().to_string(),
                 better_above: above.curve.pattern().to_string(),
@@ -59,6 +69,7 @@ pub(super) fn between(ranked: &[Candidate], seed: u64) -> Vec<CrossingRecord> {
                 interval: crossing.interval,
                 confidence: crossing.confidence,
                 is_near: [a, b].into_iter().filter_map(|c| c.n_points).any(near),
+                is_wide: (0.0..0.9).contains(&before) && after > 1.0 / 0.9,
             });
         }
     }

@@ -210,8 +210,8 @@ impl<'a> Answer<'a> {
             let label = candidate.curve.pattern().to_string();
             let line =
                 |label, style| Series { label, points: points.clone(), error: None, style, colour };
-            series.push(line(label, Style::Line));
-            series.push(line(String::new(), Style::Markers));
+            series.push(line(String::new(), Style::Line));
+            series.push(line(label, Style::Markers));
         }
         if let Wish::Error { text, standard_error, .. } = &question.wish {
             let all = series.iter().flat_map(|s| s.points.iter().map(|p| p.0));
