@@ -46,13 +46,13 @@ fn white_noise_needs_what_the_textbook_says() {
     for (name, integrand) in integrands {
         let integral = integrand.exact(Domain::Sphere).unwrap();
         let square = integrand.energy(Domain::Sphere, 1).unwrap().total();
-        for relative in [0.5, 0.1, 0.033, 0.01, 0.0077] {
+        for relative in [0.47, 0.11, 0.033, 0.013, 0.0077] {
             let error: f64 = relative * integral;
             let exact = (4.0 * PI * square - integral * integral) / (error * error);
             // Not so near to a whole number that rounding decides.
             assert!((exact - exact.round()).abs() > 1e-9 * exact, "{name}, {relative}: {exact}");
             let got =
-                required(integrand, Domain::Sphere, &Pattern::WhiteNoise, error * error, MOST);
+                required(integrand, Domain::Sphere, &Pattern::WhiteNoise, error * error, 10 * MOST);
             let n_points = exact.ceil() as usize;
             let too_few = (n_points > 1).then(|| n_points - 1);
             assert_eq!(got, RequiredPoints::Predicted { n_points, too_few }, "{name}, {relative}");
@@ -98,7 +98,8 @@ fn jitter_needs_what_its_exact_spectrum_says() {
         assert_eq!(got, RequiredPoints::Predicted { n_points, too_few }, "{asked}");
         // The law of the cap, 41.2 N^-1.5 for many points.
         let law = (41.2 / asked).powf(2.0 / 3.0);
-        assert!((n_points as f64 / law - 1.0).abs() < 0.2, "{n_points}, by the law {law}");
+        let between = too_few.is_some_and(|n| (n as f64) < law) && law < n_points as f64;
+        assert!(between, "{got:?}, by the law {law}");
     }
 }
 
@@ -196,11 +197,10 @@ fn too_many_points_are_out_of_reach() {
 #[test]
 fn what_costs_too_much_is_extrapolated() {
     let cap = cap60();
-    let pattern = Pattern::from_name("lloyd").unwrap();
-    let dear = Pattern::Jittered;
-    for (pattern, variance, seconds) in
-        [(dear, 41.2 / 1e3_f64.powf(1.5), 5e-3), (pattern, 0.1, 5e-3)]
-    {
+    let ccvt = Pattern::from_name("ccvt").unwrap();
+    // Variances of about 1000 and 100 points; a prediction of 5 ms reaches 300 and 20.
+    let seconds = 5e-3;
+    for (pattern, variance) in [(Pattern::Jittered, 1.3e-3), (ccvt, 0.018)] {
         let precision = Precision { relative: 0.03, seconds };
         let mut poor = Predictor::new(&cap, Domain::Sphere, SEED, precision).unwrap();
         let mut curve = PredictedCurve::new(pattern.clone());
@@ -212,7 +212,7 @@ fn what_costs_too_much_is_extrapolated() {
         let known = required(&cap, Domain::Sphere, &pattern, variance, MOST).n_points().unwrap();
         let ratio = n_points as f64 / known as f64;
         assert!((0.6..1.6).contains(&ratio), "{pattern}: {n_points} by rate, {known} by spectra");
-        assert!(!poor.is_affordable(&pattern, known).unwrap(), "{pattern}");
+        assert!(!poor.is_affordable(&pattern, n_points).unwrap(), "{pattern}: {n_points}");
         let most = n_points - 1;
         let mut again = PredictedCurve::new(pattern.clone());
         let got = required_points(&mut poor, &mut again, variance, most, &|| ()).unwrap();

@@ -89,7 +89,7 @@ impl PredictedCurve {
         let points = self.variance_points();
         let at = points.partition_point(|p| p.n_points < n_points);
         let above = points.get(at)?;
-        if above.n_points == n_points {
+        if above.n_points <= n_points {
             return Some(above.variance);
         }
         let below = points.get(at.checked_sub(1)?)?;

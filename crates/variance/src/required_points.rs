@@ -85,18 +85,10 @@ pub fn required_points(
     }
     let mut search = Search { predictor, curve, variance, done };
     let climb = search.climb(max_points)?;
-    match (climb.enough, climb.is_cut_short) {
-        (Some(enough), _) => {
-            let n_points = match climb.too_few {
-                Some(too_few) => search.refine(too_few, enough)?,
-                None => enough,
-            };
-            let too_few = search.curve.points().iter().rev().map(PredictedPoint::n_points);
-            let too_few = too_few.filter(|&n| n < n_points).find(|&n| !search.suffices_at(n));
-            Ok(RequiredPoints::Predicted { n_points, too_few })
-        }
-        (None, true) => Ok(search.extrapolate(max_points)),
-        (None, false) => Ok(RequiredPoints::OutOfReach),
+    match climb.enough {
+        Some(enough) => search.predicted(climb.too_few, enough),
+        None if climb.is_cut_short => search.extrapolate(climb.too_few, max_points),
+        None => Ok(RequiredPoints::OutOfReach),
     }
 }
 
@@ -140,7 +132,10 @@ impl Search<'_, '_> {
                 Ok(false) => climb = Climb { too_few: Some(n), enough: None, ..climb },
                 Err(error) => {
                     refused(&error)?;
-                    climb = Climb { too_few: Some(n), enough: None, ..climb };
+                    // Nothing is known there; a smaller number that suffices still does.
+                    if climb.enough.is_none() {
+                        climb.too_few = Some(n);
+                    }
                     refusal = Some(error);
                 }
             }
@@ -156,6 +151,21 @@ impl Search<'_, '_> {
             Some(error) if self.curve.points().is_empty() => Err(error),
             _ => Ok(climb),
         }
+    }
+
+    /// The answer from a number that suffices and the largest one that does not.
+    fn predicted(
+        &mut self,
+        too_few: Option<usize>,
+        enough: usize,
+    ) -> Result<RequiredPoints, Error> {
+        let n_points = match too_few {
+            Some(too_few) => self.refine(too_few, enough)?,
+            None => enough,
+        };
+        let tried = self.curve.points().iter().rev().map(PredictedPoint::n_points);
+        let too_few = tried.filter(|&n| n < n_points).find(|&n| !self.suffices_at(n));
+        Ok(RequiredPoints::Predicted { n_points, too_few })
     }
 
     /// The smallest number that is found to suffice between one that does not and one that does.
@@ -216,8 +226,31 @@ impl Search<'_, '_> {
         self.curve.at(n_points).is_some_and(|p| p.prediction.variance <= self.variance)
     }
 
+    /// By the rate of the last points; where that leads to a number that is affordable, it is tried.
+    fn extrapolate(
+        &mut self,
+        mut too_few: Option<usize>,
+        max_points: usize,
+    ) -> Result<RequiredPoints, Error> {
+        const TRIES: usize = 4;
+        let pattern = self.curve.pattern().clone();
+        for _ in 0..TRIES {
+            let led = self.by_rate(max_points);
+            match led.n_points() {
+                Some(n) if self.predictor.is_affordable(&pattern, n)? => {
+                    if self.suffices(n)? {
+                        return self.predicted(too_few, n);
+                    }
+                    too_few = Some(n);
+                }
+                _ => return Ok(led),
+            }
+        }
+        Ok(self.by_rate(max_points))
+    }
+
     /// By the power law through the last points, over a factor of 8 in N.
-    fn extrapolate(&self, max_points: usize) -> RequiredPoints {
+    fn by_rate(&self, max_points: usize) -> RequiredPoints {
         let Some(last) = self.curve.points().last().map(|p| p.n_points() as f64) else {
             return RequiredPoints::OutOfReach;
         };
