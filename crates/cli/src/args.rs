@@ -2,7 +2,9 @@
 
 use clap::{Parser, Subcommand};
 
-use crate::commands::{audit, bounds, compare, eval, healpix, sample, spectrum, variance};
+use crate::commands::{
+    audit, bounds, choose, compare, eval, healpix, sample, spectrum, variance,
+};
 use crate::global::Global;
 
 /// Which pattern of N directions on the sphere or hemisphere gives the least integration error, and
@@ -21,6 +23,9 @@ pub(crate) enum Command {
     /// Compare patterns on an integrand: predicted and measured variance, rates, crossovers
     #[command(after_help = compare::EXAMPLES)]
     Compare(compare::CompareArgs),
+    /// Rank patterns for an integrand: the points that an error needs, or the error with N points
+    #[command(after_help = choose::EXAMPLES)]
+    Choose(choose::ChooseArgs),
     /// Make realizations of a pattern: points as CSV, NPY or PLY, or a picture as SVG or PNG
     #[command(after_help = sample::EXAMPLES)]
     Sample(sample::SampleArgs),

@@ -48,6 +48,7 @@ fn run(cli: Cli) -> Result<(), CliError> {
     )?;
     match cli.command {
         Command::Compare(args) => commands::compare::run(&args, &cli.global),
+        Command::Choose(args) => commands::choose::run(&args, &cli.global),
         Command::Sample(args) => commands::sample::run(&args, &cli.global),
         Command::Spectrum(args) => commands::spectrum::run(&args, &cli.global),
         Command::Variance(args) => commands::variance::run(&args, &cli.global),

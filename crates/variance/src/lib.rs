@@ -35,9 +35,14 @@ mod error;
 mod harmonic;
 mod integrand;
 mod lobe;
+mod making_cost;
 mod measurement;
+mod predicted_curve;
+mod predicted_point;
 mod prediction;
+mod predictor;
 mod rate;
+mod required_points;
 
 pub use cap::Cap;
 pub use comparison::{
@@ -51,8 +56,13 @@ pub use error::Error;
 pub use harmonic::Harmonic;
 pub use integrand::Integrand;
 pub use lobe::VonMisesFisher;
+pub use making_cost::making_seconds;
 pub use measurement::{Measurement, measure};
+pub use predicted_curve::PredictedCurve;
+pub use predicted_point::PredictedPoint;
 pub use prediction::{Prediction, PredictionAccumulator, predict};
+pub use predictor::{Precision, Predictor};
 pub use rate::{RateFit, VariancePoint, fit_rate};
+pub use required_points::{RequiredPoints, required_points};
 pub use sphvar_samplers::Domain;
 pub use sphvar_spectrum::{Method, Spectrum};

@@ -2,6 +2,7 @@
 
 pub(crate) mod audit;
 pub(crate) mod bounds;
+pub(crate) mod choose;
 pub(crate) mod compare;
 pub(crate) mod eval;
 pub(crate) mod healpix;

@@ -2,8 +2,8 @@
 
 use crate::workplace::Workplace;
 
-const SUBCOMMANDS: [&str; 8] =
-    ["compare", "sample", "spectrum", "variance", "bounds", "audit", "healpix", "eval"];
+const SUBCOMMANDS: [&str; 9] =
+    ["compare", "choose", "sample", "spectrum", "variance", "bounds", "audit", "healpix", "eval"];
 
 #[test]
 fn every_subcommand_shows_an_example() {
@@ -33,8 +33,9 @@ fn examples_work() {
         let examples = examples.map(|l| l.split("   ").next().unwrap());
         let mut run = 0;
         for example in examples.filter(|e| {
-            // `compare` is large; some need files that a reader has.
+            // `compare` is large, `choose` of all samplers too; some need files that a reader has.
             let large = e.starts_with("compare")
+                || (e.starts_with("choose") && !e.contains("--samplers"))
                 || e.contains("-m ")
                 || e.contains("jittered -n 972 --profile");
             let files = e.contains("--points ") || (e.starts_with("healpix"));

@@ -2,6 +2,7 @@
 //! for every test, judged by standard output, standard error, exit status and the files it leaves.
 
 mod audits;
+mod choices;
 mod comparison_files;
 mod determinism;
 mod errors_of_files;

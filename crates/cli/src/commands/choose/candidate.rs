@@ -1,0 +1,186 @@
+//! What one pattern needs or achieves.
+
+use std::time::Instant;
+
+use sphvar_samplers::{Domain, Pattern, Purpose, Realizations, Streams};
+use sphvar_variance::{
+    PredictedCurve, PredictedPoint, Predictor, RequiredPoints, making_seconds, required_points,
+};
+
+use super::question::{Question, Wish};
+use crate::error::CliError;
+
+/// A pattern with its predictions and its answer to the question.
+pub(super) struct Candidate {
+    pub(super) curve: PredictedCurve,
+    /// What it needs, if an error was asked for.
+    pub(super) required: Option<RequiredPoints>,
+    /// The number of points that it needs, or the legal one nearest to that at hand.
+    pub(super) n_points: Option<usize>,
+    /// The variance at this number and its standard error, by prediction or extrapolation.
+    pub(super) variance: Option<(f64, f64)>,
+    pub(super) making: Option<Making>,
+    /// Seconds for a set and the values of the integrand at its points.
+    pub(super) seconds_in_all: Option<f64>,
+}
+
+/// The time for a set.
+#[derive(Clone, Copy)]
+pub(super) struct Making {
+    pub(super) seconds: f64,
+    /// Not measured at this number of points, but scaled from a smaller one.
+    pub(super) is_scaled: bool,
+}
+
+impl Candidate {
+    pub(super) fn new(
+        pattern: Pattern,
+        question: &Question,
+        predictor: &mut Predictor<'_>,
+        seed: u64,
+    ) -> Result<Self, CliError> {
+        let mut curve = PredictedCurve::new(pattern);
+        let (required, n_points) = match question.wish {
+            Wish::Error { standard_error, max_points, .. } => {
+                let variance = standard_error * standard_error;
+                let required =
+                    required_points(predictor, &mut curve, variance, max_points, &|| ())?;
+                (Some(required), required.n_points())
+            }
+            Wish::Points(n) => (None, Some(around(&mut curve, predictor, n)?)),
+        };
+        let predicted = n_points.and_then(|n| curve.at(n)).map(PredictedPoint::variance_point);
+        let variance = match (predicted, required) {
+            (Some(p), _) => Some((p.variance, p.stderr)),
+            (None, Some(RequiredPoints::Extrapolated { n_points, fit })) => {
+                let ln = (n_points as f64).ln();
+                Some(((fit.intercept + fit.slope * ln).exp(), f64::NAN))
+            }
+            _ => None,
+        };
+        let making = match n_points {
+            Some(n) => Some(making(&curve, question.domain, n, seed)?),
+            None => None,
+        };
+        let values = question.cost_per_sample.zip(n_points).map(|(cost, n)| cost * n as f64);
+        let seconds_in_all = values.zip(making).map(|(values, making)| values + making.seconds);
+        Ok(Self { curve, required, n_points, variance, making, seconds_in_all })
+    }
+
+    /// How the answer was found.
+    pub(super) fn basis(&self) -> &'static str {
+        match self.required {
+            None | Some(RequiredPoints::Predicted { .. }) => "predicted",
+            Some(RequiredPoints::Extrapolated { .. }) => "extrapolated",
+            Some(_) => "out of reach",
+        }
+    }
+
+    /// By what candidates are ranked, the least first.
+    fn merit(&self, question: &Question) -> f64 {
+        let merit = match question.wish {
+            Wish::Error { .. } => self.seconds_in_all.or(self.n_points.map(|n| n as f64)),
+            Wish::Points(_) => self.variance.map(|v| v.0),
+        };
+        merit.unwrap_or(f64::INFINITY)
+    }
+}
+
+/// Predicts at the legal number next to `n` and, as far as that is affordable, at those from a quarter to
+/// four times it, for the rate; returns the first.
+fn around(
+    curve: &mut PredictedCurve,
+    predictor: &mut Predictor<'_>,
+    n: usize,
+) -> Result<usize, CliError> {
+    let pattern = curve.pattern().clone();
+    let legal = |n: usize| pattern.nearest_count(n, predictor.domain());
+    let at = legal(n);
+    let others: Vec<usize> =
+        [n / 4, n / 2, n.saturating_mul(2), n.saturating_mul(4)].map(legal).to_vec();
+    curve.predict(predictor, at, &|| ())?;
+    for n in others {
+        // A number that the pattern refuses is a point less on the curve.
+        if predictor.is_affordable(&pattern, n).unwrap_or(false) {
+            let _ = curve.predict(predictor, n, &|| ());
+        }
+    }
+    Ok(at)
+}
+
+/// Sets that are made for a median.
+const TIMED_SETS: u64 = 5;
+/// Seconds after which no further set is made.
+const TIMED_SECONDS: f64 = 0.2;
+/// A set that is expected to take longer is not made.
+const LONGEST_SET: f64 = 1.0;
+
+/// The time for a set of `n_points`: measured, or scaled from the largest set that was predicted.
+fn making(
+    curve: &PredictedCurve,
+    domain: Domain,
+    n_points: usize,
+    seed: u64,
+) -> Result<Making, CliError> {
+    let pattern = curve.pattern();
+    let expected = |n: usize| making_seconds(pattern, n);
+    let largest = curve.points().last().map_or(n_points, PredictedPoint::n_points);
+    let is_scaled = largest < n_points && expected(n_points) > LONGEST_SET;
+    let timed = if is_scaled { largest } else { n_points };
+    let seconds = median_seconds(pattern, domain, timed, seed)?;
+    Ok(Making { seconds: seconds * expected(n_points) / expected(timed), is_scaled })
+}
+
+/// The median time for a set on this core, rotation included.
+fn median_seconds(
+    pattern: &Pattern,
+    domain: Domain,
+    n_points: usize,
+    seed: u64,
+) -> Result<f64, CliError> {
+    let sampler = pattern.build(n_points, domain).map_err(CliError::failed)?;
+    let streams = Streams::new(seed, Purpose::Pattern, pattern.stream_group(n_points));
+    let sets = Realizations::rotated(&*sampler, streams);
+    let mut points = Vec::with_capacity(n_points);
+    let mut seconds = Vec::new();
+    for index in 0..TIMED_SETS {
+        let started = Instant::now();
+        sets.realize_into(index, &mut points).map_err(CliError::failed)?;
+        seconds.push(started.elapsed().as_secs_f64());
+        if seconds.iter().sum::<f64>() > TIMED_SECONDS {
+            break;
+        }
+    }
+    seconds.sort_by(f64::total_cmp);
+    Ok(seconds[seconds.len() / 2])
+}
+
+/// Puts the best first. Equal ones go by their variance.
+pub(super) fn rank(candidates: &mut [Candidate], question: &Question) {
+    let variance = |c: &Candidate| c.variance.map_or(f64::INFINITY, |v| v.0);
+    candidates.sort_by(|a, b| {
+        let order = a.merit(question).total_cmp(&b.merit(question));
+        order.then(variance(a).total_cmp(&variance(b)))
+    });
+}
+
+/// What to take of the ranked candidates: the first, or one that is cheaper to make and no more than
+/// 10 % worse. With the time for all that is the first: it counts the making already.
+pub(super) fn recommended<'a>(
+    ranked: &'a [Candidate],
+    question: &Question,
+) -> Option<&'a Candidate> {
+    let first = ranked.first().filter(|c| c.variance.is_some())?;
+    if question.cost_per_sample.is_some() {
+        return Some(first);
+    }
+    let limit = 1.1 * first.merit(question);
+    let near = ranked.iter().filter(|c| c.merit(question) <= limit);
+    // Expected times, not measured ones: these change from run to run.
+    let cost = |c: &Candidate| c.n_points.map_or(f64::INFINITY, |n| per_point(c, n));
+    near.min_by(|a, b| cost(a).total_cmp(&cost(b)))
+}
+
+fn per_point(candidate: &Candidate, n_points: usize) -> f64 {
+    making_seconds(candidate.curve.pattern(), n_points) / n_points as f64
+}

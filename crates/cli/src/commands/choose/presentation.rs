@@ -1,0 +1,367 @@
+//! The answer as table, JSON, CSV and plot.
+
+use serde::Serialize;
+use sphvar_variance::{PredictedPoint, Predictor, RequiredPoints};
+
+use super::ChooseArgs;
+use super::candidate::{Candidate, recommended};
+use super::crossings::{self, CrossingRecord};
+use super::question::{Question, Wish};
+use super::reason::Reason;
+use crate::error::CliError;
+use crate::global::Global;
+use crate::plots::{Chart, ImageFormat, Scale, Series, Style};
+use crate::report::{
+    Provenance, csv, full, is_stdout, print, print_json, short, table, write_result,
+};
+
+/// A sampler that was not considered.
+#[derive(Debug, Serialize)]
+pub(super) struct LeftOut {
+    pub(super) sampler: String,
+    pub(super) reason: String,
+}
+
+/// What is said of one sampler.
+#[derive(Debug, Serialize)]
+struct Row {
+    rank: usize,
+    sampler: String,
+    /// The number of points needed, or the legal one nearest to that at hand.
+    n: Option<usize>,
+    /// `predicted`, `extrapolated` or `out of reach`.
+    basis: &'static str,
+    /// The largest number of points tried that does not suffice.
+    too_few: Option<usize>,
+    /// The predicted variance of the integral and its standard error, which is nothing for an
+    /// extrapolation.
+    variance: Option<f64>,
+    variance_stderr: Option<f64>,
+    /// The standard error of the integral, `sqrt(variance)`, and the same over the integral.
+    error: Option<f64>,
+    relative_error: Option<f64>,
+    /// How many times less variance than white noise with the same number of points.
+    gain: Option<f64>,
+    /// The exponent of the variance against N near this N and its 95 % interval.
+    rate: Option<f64>,
+    rate_interval: Option<(f64, f64)>,
+    /// Seconds for making a set on one core; scaled from a smaller one if `seconds_are_scaled`.
+    seconds_per_set: Option<f64>,
+    seconds_are_scaled: bool,
+    /// The same with the values of the integrand, if their cost was given.
+    seconds_in_all: Option<f64>,
+    /// Of the spectrum at n.
+    lmax: Option<usize>,
+    realizations: Option<u64>,
+    /// Every prediction that was made.
+    curve: Vec<CurvePoint>,
+}
+
+#[derive(Debug, Serialize)]
+struct CurvePoint {
+    n: usize,
+    variance: f64,
+    variance_stderr: f64,
+}
+
+/// The document of `--json`.
+#[derive(Debug, Serialize)]
+struct Document<'a> {
+    integrand: &'a str,
+    domain: &'static str,
+    /// The exact integral; nothing if it is unknown or 0.
+    integral: Option<f64>,
+    /// The standard error asked for, in units of the integral.
+    error_asked: Option<f64>,
+    points_asked: Option<usize>,
+    max_points: Option<usize>,
+    cost_per_sample: Option<f64>,
+    rows: &'a [Row],
+    left_out: &'a [LeftOut],
+    crossovers: &'a [CrossingRecord],
+    reason: &'a Option<Reason>,
+    recommendation: &'a str,
+    provenance: &'a Provenance,
+}
+
+/// The whole answer.
+pub(super) struct Answer<'a> {
+    question: &'a Question,
+    candidates: &'a [Candidate],
+    rows: Vec<Row>,
+    left_out: Vec<LeftOut>,
+    crossovers: Vec<CrossingRecord>,
+    reason: Option<Reason>,
+    recommendation: String,
+}
+
+impl<'a> Answer<'a> {
+    pub(super) fn new(
+        question: &'a Question,
+        predictor: &Predictor<'_>,
+        candidates: &'a [Candidate],
+        left_out: Vec<LeftOut>,
+        seed: u64,
+    ) -> Self {
+        let row = |(i, c): (usize, &Candidate)| row(i + 1, c, question, predictor);
+        let rows = candidates.iter().enumerate().map(row).collect();
+        let best = recommended(candidates, question);
+        let reason = best.and_then(|best| Reason::new(best, predictor));
+        let recommendation = recommendation(best, reason.as_ref(), question, predictor);
+        let crossovers = crossings::between(candidates, seed);
+        Self { question, candidates, rows, left_out, crossovers, reason, recommendation }
+    }
+
+    /// Writes and prints the answer in the form asked for.
+    pub(super) fn emit(&self, args: &ChooseArgs, global: &Global) -> Result<(), CliError> {
+        let provenance = Provenance::new(global.seed);
+        let (error_asked, points_asked, max_points) = match self.question.wish {
+            Wish::Error { standard_error, max_points, .. } => {
+                (Some(standard_error), None, Some(max_points))
+            }
+            Wish::Points(n) => (None, Some(n), None),
+        };
+        let document = Document {
+            integrand: &self.question.integrand,
+            domain: self.question.domain.name(),
+            integral: self.question.integral,
+            error_asked,
+            points_asked,
+            max_points,
+            cost_per_sample: self.question.cost_per_sample,
+            rows: &self.rows,
+            left_out: &self.left_out,
+            crossovers: &self.crossovers,
+            reason: &self.reason,
+            recommendation: &self.recommendation,
+            provenance: &provenance,
+        };
+        let out = args.out.as_deref();
+        if let Some(path) = out
+            && !(global.json && is_stdout(path))
+        {
+            if ImageFormat::of_path(path).is_some() {
+                Chart { notes: vec![provenance.line()], ..self.chart() }.render(path)?;
+            } else {
+                let cells: Vec<_> = self.rows.iter().map(Row::record).collect();
+                write_result(path, &document, &|| csv(&provenance, Row::COLUMNS, &cells))?;
+            }
+        }
+        if global.json {
+            print_json(&document)
+        } else if out.is_some_and(is_stdout) {
+            Ok(())
+        } else {
+            print(&self.text())
+        }
+    }
+
+    fn text(&self) -> String {
+        let question = self.question;
+        let mut text = match &question.wish {
+            Wish::Error { text, standard_error, .. } => {
+                let asked = match question.integral {
+                    Some(integral) if question.relative(*standard_error).is_some() => {
+                        format!(
+                            "{text}, {} of the integral {}",
+                            short(*standard_error),
+                            short(integral)
+                        )
+                    }
+                    _ => text.clone(),
+                };
+                format!("Points for a standard error of {asked}: {}\n\n", question.integrand)
+            }
+            Wish::Points(n) => {
+                format!("Standard errors with about {n} points: {}\n\n", question.integrand)
+            }
+        };
+        let mut heading = vec!["sampler", "N", "error", "+-", "gain", "rate", "s/set"];
+        if question.cost_per_sample.is_some() {
+            heading.push("s in all");
+        }
+        heading.push("by");
+        let cells = self.rows.iter().map(|row| row.cells(question)).collect();
+        text += &table(&heading, cells, 1);
+        text += "\nerror: one standard error of the integral";
+        text += if question.integral.is_some() { ", relative to it" } else { "" };
+        text += "; +-: what is not known of it. gain: how many times less\nvariance than white noise \
+                 with as many points. rate: exponent of the variance against N near this N.\n\n";
+        for left in &self.left_out {
+            text += &format!("Left out: {} ({})\n", left.sampler, left.reason);
+        }
+        for crossing in self.crossovers.iter().filter(|c| c.matters()).take(8) {
+            text += &crossing.line();
+        }
+        text + &self.recommendation + "\n"
+    }
+
+    /// Standard errors against N, with the error asked for as a line across.
+    fn chart(&self) -> Chart {
+        let question = self.question;
+        let scale = question.integral.map_or(1.0, |i| 100.0 / i.abs());
+        let mut series = Vec::new();
+        for (i, candidate) in self.candidates.iter().enumerate() {
+            // Every eighth colour is black, which is left to the error asked for.
+            let colour = i + (i + 3) / 7;
+            let points = candidate.curve.variance_points();
+            let points: Vec<(f64, f64)> =
+                points.iter().map(|p| (p.n_points, scale * p.variance.sqrt())).collect();
+            let label = candidate.curve.pattern().to_string();
+            let line =
+                |label, style| Series { label, points: points.clone(), error: None, style, colour };
+            series.push(line(String::new(), Style::Line));
+            series.push(line(label, Style::Markers));
+        }
+        if let Wish::Error { text, standard_error, .. } = &question.wish {
+            let all = series.iter().flat_map(|s| s.points.iter().map(|p| p.0));
+            let most = all.fold(1.0, f64::max);
+            let asked = scale * standard_error;
+            series.push(Series {
+                label: format!("{text} asked for"),
+                points: vec![(1.0, asked), (most, asked)],
+                error: None,
+                style: Style::Line,
+                colour: 4,
+            });
+        }
+        let unit = if question.integral.is_some() { ", % of the integral" } else { "" };
+        Chart {
+            title: format!("Predicted standard error of integrating {}", question.integrand),
+            x_label: "number of points N".to_owned(),
+            y_label: format!("standard error{unit}"),
+            x_scale: Scale::Log,
+            y_scale: Scale::Log,
+            series,
+            notes: Vec::new(),
+        }
+    }
+}
+
+fn row(rank: usize, candidate: &Candidate, question: &Question, predictor: &Predictor<'_>) -> Row {
+    let curve = &candidate.curve;
+    let point = candidate.n_points.and_then(|n| curve.at(n));
+    let rate = match candidate.required {
+        Some(RequiredPoints::Extrapolated { fit, .. }) => Some(fit),
+        _ => candidate.n_points.and_then(|n| curve.rate_near(n)),
+    };
+    let variance = candidate.variance.map(|v| v.0);
+    let white = candidate.n_points.map(|n| predictor.white_variance(n));
+    let finite = |x: &f64| x.is_finite();
+    let curve_point = |p: &PredictedPoint| CurvePoint {
+        n: p.n_points(),
+        variance: p.prediction.variance,
+        variance_stderr: p.prediction.stderr,
+    };
+    Row {
+        rank,
+        sampler: curve.pattern().to_string(),
+        n: candidate.n_points,
+        basis: candidate.basis(),
+        too_few: match candidate.required {
+            Some(RequiredPoints::Predicted { too_few, .. }) => too_few,
+            _ => None,
+        },
+        variance,
+        variance_stderr: candidate.variance.map(|v| v.1).filter(finite),
+        error: variance.map(f64::sqrt),
+        relative_error: variance.and_then(|v| question.relative(v.sqrt())),
+        gain: white.zip(variance).map(|(white, v)| white / v).filter(finite),
+        rate: rate.map(|fit| fit.slope),
+        rate_interval: rate.map(|fit| fit.interval).filter(|i| (i.1 - i.0).is_finite()),
+        seconds_per_set: candidate.making.map(|m| m.seconds),
+        seconds_are_scaled: candidate.making.is_some_and(|m| m.is_scaled),
+        seconds_in_all: candidate.seconds_in_all,
+        lmax: point.map(|p| p.spectrum.lmax()),
+        realizations: point.map(|p| p.spectrum.realizations()),
+        curve: curve.points().iter().map(curve_point).collect(),
+    }
+}
+
+impl Row {
+    /// The row of a table for people.
+    fn cells(&self, question: &Question) -> Vec<String> {
+        let show = |x: Option<f64>, f: &dyn Fn(f64) -> String| x.map_or("-".to_owned(), f);
+        let approximate = if self.basis == "extrapolated" { "~" } else { "" };
+        let percent = self.relative_error.is_some();
+        let error = |e: f64| if percent { format!("{:.3} %", 100.0 * e) } else { short(e) };
+        let shown = self.relative_error.or(self.error);
+        // Half the relative error of the variance is that of its root.
+        let half = self.variance_stderr.zip(self.variance).map(|(e, v)| 0.5 * e / v);
+        let unknown = shown.zip(half).map(|(e, half)| e * half).filter(|e| e.is_finite());
+        let scaled = if self.seconds_are_scaled { "~" } else { "" };
+        let mut cells = vec![
+            self.sampler.clone(),
+            self.n.map_or("-".to_owned(), |n| format!("{approximate}{n}")),
+            show(shown, &error),
+            show(unknown, &error),
+            show(self.gain, &|g| if g < 1e5 { format!("{g:.1}") } else { format!("{g:.1e}") }),
+            show(self.rate, &|r| format!("{r:.2}")),
+            show(self.seconds_per_set, &|s| format!("{scaled}{s:.1e}")),
+        ];
+        if question.cost_per_sample.is_some() {
+            cells.push(show(self.seconds_in_all, &|s| format!("{s:.2e}")));
+        }
+        cells.push(self.basis.to_owned());
+        cells
+    }
+
+    /// The heading of [`Self::record`].
+    const COLUMNS: &'static str = "rank,sampler,n,basis,too_few,variance,variance_stderr,error,\
+         relative_error,gain,rate,rate_low,rate_high,seconds_per_set,seconds_are_scaled,\
+         seconds_in_all,lmax,realizations";
+
+    /// The row of a CSV file.
+    fn record(&self) -> Vec<String> {
+        let number = |x: Option<f64>| full(x.unwrap_or(f64::NAN));
+        let count = |x: Option<usize>| x.map_or(String::new(), |x| x.to_string());
+        vec![
+            self.rank.to_string(),
+            self.sampler.clone(),
+            count(self.n),
+            self.basis.to_owned(),
+            count(self.too_few),
+            number(self.variance),
+            number(self.variance_stderr),
+            number(self.error),
+            number(self.relative_error),
+            number(self.gain),
+            number(self.rate),
+            number(self.rate_interval.map(|i| i.0)),
+            number(self.rate_interval.map(|i| i.1)),
+            number(self.seconds_per_set),
+            self.seconds_are_scaled.to_string(),
+            number(self.seconds_in_all),
+            count(self.lmax),
+            self.realizations.map_or(String::new(), |r| r.to_string()),
+        ]
+    }
+}
+
+/// What to take and why, in a sentence.
+fn recommendation(
+    best: Option<&Candidate>,
+    reason: Option<&Reason>,
+    question: &Question,
+    predictor: &Predictor<'_>,
+) -> String {
+    if predictor.white_variance(1) <= 0.0 {
+        return "Any sampler will do: the integrand is constant, and its integral has no variance."
+            .to_owned();
+    }
+    let (Some(best), Some(n)) = (best, best.and_then(|b| b.n_points)) else {
+        return "No sampler reaches this error with the most points allowed (--max-points)."
+            .to_owned();
+    };
+    let extrapolated = if best.basis() == "extrapolated" { ", by extrapolation" } else { "" };
+    let choice = match question.wish {
+        _ if question.cost_per_sample.is_some() => "the least time for set and values",
+        Wish::Error { .. } => {
+            "of those that need the fewest points, within 10 %, the cheapest to make"
+        }
+        Wish::Points(_) => "of those of the least variance, within 10 %, the cheapest to make",
+    };
+    let name = best.curve.pattern();
+    let why = reason.map_or(String::new(), |reason| format!(": {}", reason.sentence(name.name())));
+    format!("Take {name} with N = {n} ({choice}{extrapolated}){why}.")
+}

@@ -1,0 +1,108 @@
+//! What is asked for: an error or a number of points.
+
+use sphvar_variance::{Domain, Energy};
+
+use super::ChooseArgs;
+use crate::error::CliError;
+use crate::integrands::NamedIntegrand;
+
+/// The question with what is known of the integrand.
+pub(super) struct Question {
+    /// The integrand as it was written.
+    pub(super) integrand: String,
+    pub(super) domain: Domain,
+    /// The exact integral, where it is known and not 0.
+    pub(super) integral: Option<f64>,
+    pub(super) wish: Wish,
+    /// Seconds for a value of the integrand.
+    pub(super) cost_per_sample: Option<f64>,
+}
+
+/// What the user has or wants.
+pub(super) enum Wish {
+    /// At most this standard error of the integral, with at most so many points.
+    Error {
+        /// As it was written.
+        text: String,
+        standard_error: f64,
+        max_points: usize,
+    },
+    /// As little error as possible with about so many points.
+    Points(usize),
+}
+
+impl Question {
+    pub(super) fn new(
+        args: &ChooseArgs,
+        integrand: &NamedIntegrand,
+        energy: &Energy,
+    ) -> Result<Self, CliError> {
+        let domain = energy.domain();
+        let exact = integrand.function.exact(domain);
+        // By the Cauchy-Schwarz inequality no integral exceeds this; one that rounds to 0 beside it is 0.
+        let largest = (domain.area() * energy.total()).sqrt();
+        let integral = exact.filter(|i| i.abs() > 1e-12 * largest);
+        let wish = match (&args.error, args.points) {
+            (Some(text), _) => {
+                if args.max_points == 0 {
+                    let message = "--max-points must be at least 1, got 0".to_owned();
+                    return Err(CliError::Usage(message));
+                }
+                let standard_error = standard_error(text, args.absolute, integral, exact)?;
+                Wish::Error { text: text.clone(), standard_error, max_points: args.max_points }
+            }
+            (None, Some(0)) => {
+                return Err(CliError::Usage("-n must be at least 1, got 0".to_owned()));
+            }
+            (None, Some(n)) => Wish::Points(n),
+            (None, None) => {
+                return Err(CliError::Usage("--error E or -n N is missing".to_owned()));
+            }
+        };
+        let cost_per_sample = args.cost_per_sample;
+        Ok(Self { integrand: integrand.name.clone(), domain, integral, wish, cost_per_sample })
+    }
+
+    /// A standard error relative to the integral, where that is known and not 0.
+    pub(super) fn relative(&self, standard_error: f64) -> Option<f64> {
+        self.integral.map(|i| standard_error / i.abs())
+    }
+}
+
+/// The standard error that `text` asks for.
+fn standard_error(
+    text: &str,
+    absolute: bool,
+    integral: Option<f64>,
+    exact: Option<f64>,
+) -> Result<f64, CliError> {
+    let (number, unit) = match text.trim().strip_suffix('%') {
+        Some(number) => (number.trim_end(), 0.01),
+        None => (text.trim(), 1.0),
+    };
+    let value = number.parse::<f64>().ok().filter(|e| *e > 0.0 && e.is_finite());
+    let Some(value) = value else {
+        return Err(CliError::Usage(format!(
+            "--error must be a positive number such as 1% or 0.01, got \"{text}\""
+        )));
+    };
+    if absolute {
+        if unit < 1.0 {
+            return Err(CliError::Usage(format!(
+                "--error {text} is relative to the integral; with --absolute it must be a number"
+            )));
+        }
+        return Ok(value);
+    }
+    match (integral, exact) {
+        (Some(integral), _) => Ok(value * unit * integral.abs()),
+        (None, Some(_)) => Err(CliError::Usage(format!(
+            "the integral is 0, so that no error can be {text} of it; give the error in units of \
+             the integral with --absolute"
+        ))),
+        (None, None) => Err(CliError::Usage(format!(
+            "the integral is not known, so that {text} of it is not either; give the error in \
+             units of the integral with --absolute"
+        ))),
+    }
+}

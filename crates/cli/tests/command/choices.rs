@@ -1,0 +1,195 @@
+//! `choose`: its two questions, its forms and what it refuses.
+
+use serde_json::Value;
+
+use crate::outcome::{assert_keys, same};
+use crate::workplace::{Workplace, small_exr};
+
+const ROW: [&str; 18] = [
+    "rank",
+    "sampler",
+    "n",
+    "basis",
+    "too_few",
+    "variance",
+    "variance_stderr",
+    "error",
+    "relative_error",
+    "gain",
+    "rate",
+    "rate_interval",
+    "seconds_per_set",
+    "seconds_are_scaled",
+    "seconds_in_all",
+    "lmax",
+    "realizations",
+    "curve",
+];
+
+fn rows(document: &Value) -> &Vec<Value> {
+    document["rows"].as_array().unwrap()
+}
+
+#[test]
+fn an_error_is_answered_with_points() {
+    let place = Workplace::new();
+    place.write("map.exr", small_exr(8, 4));
+    let arguments = "choose --integrand env:map.exr --error 2% --samplers \
+                     white-noise,jittered,fibonacci --json";
+    let document = place.run(arguments).json();
+    assert_keys(
+        &document,
+        &[
+            "integrand",
+            "domain",
+            "integral",
+            "error_asked",
+            "points_asked",
+            "max_points",
+            "cost_per_sample",
+            "rows",
+            "left_out",
+            "crossovers",
+            "reason",
+            "recommendation",
+            "provenance",
+        ],
+    );
+    let integral = document["integral"].as_f64().unwrap();
+    let asked = document["error_asked"].as_f64().unwrap();
+    assert!(same(asked, 0.02 * integral), "{asked} of {integral}");
+    let mut last = 0;
+    for row in rows(&document) {
+        assert_keys(row, &ROW);
+        assert_eq!(row["basis"], "predicted", "{row}");
+        let n = row["n"].as_u64().unwrap();
+        assert!(n >= last, "the fewest points come first: {document}");
+        last = n;
+        let error = row["error"].as_f64().unwrap();
+        assert!(error <= asked && error > 0.7 * asked, "{row}");
+        assert!(same(row["relative_error"].as_f64().unwrap(), error / integral), "{row}");
+        assert!(row["too_few"].as_u64().unwrap() < n, "{row}");
+    }
+    assert_eq!(rows(&document)[2]["sampler"], "white-noise");
+    let sentence = document["recommendation"].as_str().unwrap();
+    assert!(sentence.contains("half of the integrand's variance"), "{sentence}");
+    assert_eq!(document["reason"]["half_degree"], 1, "{document}");
+}
+
+/// White noise has the variance (4 pi int f^2 - I^2)/N: of the cap 3 pi^2/N.
+#[test]
+fn white_noise_is_exact_in_every_unit() {
+    let place = Workplace::new();
+    let n = |flags: &str| {
+        let cap = "choose --integrand cap:degrees=60 --samplers white-noise --json";
+        rows(&place.run(&format!("{cap} {flags}")).json())[0]["n"].as_u64()
+    };
+    assert_eq!(n("--error 3%"), Some(3334));
+    assert_eq!(n("--error 0.03"), Some(3334));
+    assert_eq!(n("--error 0.3 --absolute"), Some(329));
+    assert_eq!(n("--error 3% --max-points 3000"), None);
+    assert_eq!(n("--error 1000%"), Some(1));
+    assert_eq!(n("-n 77"), Some(77));
+    // The double cap of the hemisphere: pi^2/N.
+    assert_eq!(n("--error 3% --hemisphere"), Some(1112));
+    // The same by values: white noise's time for all is N times the cost, and the set.
+    let arguments = "choose --integrand cap:degrees=60 --samplers white-noise --error 3% \
+                     --cost-per-sample 2 --json";
+    let row = &rows(&place.run(arguments).json())[0].clone();
+    let (all, set) = (&row["seconds_in_all"], &row["seconds_per_set"]);
+    assert!(same(all.as_f64().unwrap(), 6668.0 + set.as_f64().unwrap()), "{row}");
+}
+
+#[test]
+fn points_are_answered_with_errors() {
+    let place = Workplace::new();
+    let arguments =
+        "choose --integrand cap:degrees=60 -n 200 --samplers white-noise,jittered,healpix";
+    let document = place.run(&format!("{arguments} --json")).json();
+    let names: Vec<&str> = rows(&document).iter().map(|r| r["sampler"].as_str().unwrap()).collect();
+    assert_eq!(names, ["healpix", "jittered", "white-noise"]);
+    let n: Vec<u64> = rows(&document).iter().map(|r| r["n"].as_u64().unwrap()).collect();
+    assert_eq!(n, [192, 192, 200]);
+    // Recorded variance of HEALPix at 192 points, and white noise's rate.
+    let variance = rows(&document)[0]["variance"].as_f64().unwrap();
+    assert!((variance / 5.64e-3 - 1.0).abs() < 0.02, "{variance}");
+    let rate = rows(&document)[2]["rate"].as_f64().unwrap();
+    assert!((rate + 1.0).abs() < 1e-12, "{rate}");
+    // Predictions, unlike times, are the same with any number of threads.
+    let one = place.run(&format!("{arguments} --json -j 1")).json();
+    for (a, b) in rows(&document).iter().zip(rows(&one)) {
+        assert_eq!((&a["variance"], &a["curve"]), (&b["variance"], &b["curve"]));
+    }
+    let text = place.run(arguments).ok().stdout;
+    for part in ["about 200 points", "healpix", "rate", "Take healpix with N = 192"] {
+        assert!(text.contains(part), "{text}\nlacks {part}");
+    }
+}
+
+#[test]
+fn files_have_the_answer() {
+    let place = Workplace::new();
+    let arguments = "choose --integrand cosine --error 5% --samplers white-noise,healpix -o";
+    for name in ["a.csv", "a.json", "a.svg", "a.png"] {
+        place.run(&format!("{arguments} {name}")).ok();
+    }
+    assert_eq!(place.names(), ["a.csv", "a.json", "a.png", "a.svg"]);
+    let text = place.text("a.csv");
+    let lines: Vec<&str> = text.lines().collect();
+    assert_eq!(lines.len(), 4, "{text}");
+    assert!(lines[1].starts_with("rank,sampler,n,basis"), "{text}");
+    let columns = lines[1].split(',').count();
+    assert!(lines[2..].iter().all(|l| l.split(',').count() == columns), "{text}");
+    let document: Value = serde_json::from_str(&place.text("a.json")).unwrap();
+    assert_eq!(rows(&document).len(), 2);
+    let svg = place.text("a.svg");
+    for part in ["healpix", "white-noise", "asked for", "number of points N"] {
+        assert!(svg.contains(part), "{part} is missing");
+    }
+    let piped = place.run(&format!("{arguments} -")).ok().stdout;
+    assert!(piped.starts_with("# choose") || piped.starts_with("# sphvar choose"), "{piped}");
+}
+
+#[test]
+fn samplers_that_cannot_are_named() {
+    let place = Workplace::new();
+    let arguments = "choose --integrand cap:degrees=60 -n 2 --samplers white-noise,profile";
+    let text = place.run(arguments).ok().stdout;
+    assert!(text.contains("Left out: profile (") && text.contains("infeasible"), "{text}");
+    place
+        .run("choose --integrand cap:degrees=60 -n 2 --samplers profile")
+        .fails(1, &["profile", "infeasible"]);
+    let text = place
+        .run("choose --integrand cap:degrees=60 --error 1% --max-points 50 --samplers jittered")
+        .ok()
+        .stdout;
+    assert!(text.contains("out of reach") && text.contains("--max-points"), "{text}");
+}
+
+#[test]
+fn what_cannot_be_meant_is_refused() {
+    let place = Workplace::new();
+    let cases: [(&str, &[&str]); 14] = [
+        ("--integrand cap:degrees=60", &["--error", "--points"]),
+        ("--error 1%", &["--integrand"]),
+        ("--integrand cap:degrees=60 --error 1% -n 12", &["cannot be used with"]),
+        ("--integrand cap:degrees=60 -n 0", &["-n", "at least 1", "got 0"]),
+        ("--integrand cap:degrees=60 --error 0", &["positive number", "\"0\""]),
+        ("--integrand cap:degrees=60 --error -1%", &["-1"]),
+        ("--integrand cap:degrees=60 --error nan", &["positive number", "nan"]),
+        ("--integrand cap:degrees=60 --error 1e400", &["positive number"]),
+        ("--integrand cap:degrees=60 --error 1% --absolute", &["--absolute", "relative"]),
+        ("--integrand ylm:l=4 --error 1%", &["integral is 0", "--absolute"]),
+        ("--integrand cap:degrees=60 --error 1% --max-points 0", &["--max-points", "got 0"]),
+        (
+            "--integrand cap:degrees=60 --error 1% --cost-per-sample nan",
+            &["--cost-per-sample", "NaN"],
+        ),
+        ("--integrand ylm:l=3 --hemisphere -n 12", &["ylm:l=3"]),
+        ("--integrand cap:degrees=60 -n 12 -o a.txt", &["a.txt", ".csv or .json", ".svg"]),
+    ];
+    for (arguments, parts) in cases {
+        place.run(&format!("choose {arguments}")).fails(2, parts);
+    }
+    assert!(place.names().is_empty());
+}

@@ -1,0 +1,99 @@
+use sphvar_samplers::Pattern;
+
+use crate::{Error, PredictedPoint, Predictor, RateFit, VariancePoint, fit_rate};
+
+/// The predicted variance of one pattern against its number of points.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PredictedCurve {
+    pattern: Pattern,
+    /// By number of points, all different.
+    points: Vec<PredictedPoint>,
+}
+
+impl PredictedCurve {
+    /// A curve without points.
+    #[must_use]
+    pub fn new(pattern: Pattern) -> Self {
+        Self { pattern, points: Vec::new() }
+    }
+
+    /// The pattern.
+    #[must_use]
+    pub fn pattern(&self) -> &Pattern {
+        &self.pattern
+    }
+
+    /// The points by number of points, each number once.
+    #[must_use]
+    pub fn points(&self) -> &[PredictedPoint] {
+        &self.points
+    }
+
+    /// The point at a number of points, if it is there.
+    #[must_use]
+    pub fn at(&self, n_points: usize) -> Option<&PredictedPoint> {
+        let found = self.points.binary_search_by_key(&n_points, PredictedPoint::n_points);
+        found.ok().map(|i| &self.points[i])
+    }
+
+    /// The point at a number of points, predicted now if it is not there yet. `done` is called after
+    /// each realization.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`Predictor::predict`].
+    pub fn predict(
+        &mut self,
+        predictor: &mut Predictor<'_>,
+        n_points: usize,
+        done: &(dyn Fn() + Sync),
+    ) -> Result<&PredictedPoint, Error> {
+        let found = self.points.binary_search_by_key(&n_points, PredictedPoint::n_points);
+        let at = match found {
+            Ok(at) => at,
+            Err(at) => {
+                let point = predictor.predict(&self.pattern, n_points, done)?;
+                self.points.insert(at, point);
+                at
+            }
+        };
+        Ok(&self.points[at])
+    }
+
+    /// The points with a variance above 0, for fits and crossovers.
+    #[must_use]
+    pub fn variance_points(&self) -> Vec<VariancePoint> {
+        let all = self.points.iter().map(PredictedPoint::variance_point);
+        all.filter(|p| p.variance > 0.0).collect()
+    }
+
+    /// The power law through the points from a quarter to four times `n_points`, the rate at this
+    /// number of points; `None` of fewer than two.
+    #[must_use]
+    pub fn rate_near(&self, n_points: usize) -> Option<RateFit> {
+        self.rate_within(0.25 * n_points as f64, 4.0 * n_points as f64)
+    }
+
+    /// The power law through the points from `low` to `high`, all of the same weight: next to a law
+    /// that is not quite a power, their own errors are small.
+    pub(crate) fn rate_within(&self, low: f64, high: f64) -> Option<RateFit> {
+        let within = |p: &VariancePoint| (low..=high).contains(&p.n_points);
+        let points = self.variance_points().into_iter().filter(within);
+        fit_rate(&points.map(|p| VariancePoint { stderr: 0.0, ..p }).collect::<Vec<_>>())
+    }
+
+    /// The variance at a number of points within the curve, by a line in log N and log Var between the
+    /// points next to it.
+    #[must_use]
+    pub fn interpolate(&self, n_points: f64) -> Option<f64> {
+        let points = self.variance_points();
+        let at = points.partition_point(|p| p.n_points < n_points);
+        let above = points.get(at)?;
+        if above.n_points <= n_points {
+            return Some(above.variance);
+        }
+        let below = points.get(at.checked_sub(1)?)?;
+        let share = (n_points / below.n_points).ln() / (above.n_points / below.n_points).ln();
+        Some(below.variance * (above.variance / below.variance).powf(share))
+    }
+}

@@ -1,0 +1,42 @@
+use sphvar_spectrum::Spectrum;
+
+use crate::{Energy, Prediction, VariancePoint};
+
+/// The variance that is predicted for a pattern at one number of points, and the spectrum behind it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PredictedPoint {
+    /// The mean spectrum of the pattern.
+    pub spectrum: Spectrum,
+    /// The variance predicted from it.
+    pub prediction: Prediction,
+}
+
+impl PredictedPoint {
+    /// The number of points N.
+    #[must_use]
+    pub fn n_points(&self) -> usize {
+        self.spectrum.n_points()
+    }
+
+    /// The predicted standard error of the integral, `sqrt(Var)`.
+    #[must_use]
+    pub fn standard_error(&self) -> f64 {
+        self.prediction.variance.sqrt()
+    }
+
+    /// The pattern's mean power over the degrees 1 to `last`, each weighted with its energy; white
+    /// noise has 1. NaN where the integrand has no energy.
+    #[must_use]
+    pub fn power_to(&self, energy: &Energy, last: usize) -> f64 {
+        let terms = energy.per_degree().iter().zip(self.spectrum.power()).take(last + 1).skip(1);
+        let (seen, all) = terms.fold((0.0, 0.0), |(s, a), (e, p)| (s + e * p, a + e));
+        seen / all
+    }
+
+    /// The point of a variance curve.
+    #[must_use]
+    pub fn variance_point(&self) -> VariancePoint {
+        let Prediction { variance, stderr, .. } = self.prediction;
+        VariancePoint { n_points: self.n_points() as f64, variance, stderr }
+    }
+}

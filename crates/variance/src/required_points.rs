@@ -1,0 +1,375 @@
+use sphvar_samplers::{Domain, Pattern};
+
+use crate::{Error, PredictedCurve, PredictedPoint, Predictor, RateFit};
+
+/// How many points a pattern needs for a variance.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum RequiredPoints {
+    /// The predicted variance is at most the one asked for with `n_points`, and with every larger
+    /// number that was tried.
+    Predicted {
+        /// The number of points.
+        n_points: usize,
+        /// The largest number tried that does not suffice; `None` if the smallest legal number does.
+        too_few: Option<usize>,
+    },
+    /// Predictions of so many points cost too much: the power law through the last ones that do not
+    /// leads to this number.
+    Extrapolated {
+        /// The number of points.
+        n_points: usize,
+        /// The power law.
+        fit: RateFit,
+    },
+    /// No more than the most points allowed suffice.
+    OutOfReach,
+}
+
+impl RequiredPoints {
+    /// The number of points, if there is one.
+    #[must_use]
+    pub fn n_points(&self) -> Option<usize> {
+        match *self {
+            Self::Predicted { n_points, .. } | Self::Extrapolated { n_points, .. } => {
+                Some(n_points)
+            }
+            Self::OutOfReach => None,
+        }
+    }
+}
+
+/// Numbers of points closer than this are not told apart where variances are estimates: 3 % of
+/// variance are 1.5 to 3 % of points.
+const RESOLUTION: f64 = 1.02;
+
+/// The smallest number of points, at most `max_points`, with which `curve`'s pattern is predicted to
+/// have at most `variance`; what is predicted on the way is added to the curve. `done` is called after
+/// each realization.
+///
+/// The legal numbers next to 1, 2, 4, 8, ... are tried until one suffices and the one that follows it
+/// too (two that follow for a pattern that is not random, whose variance may rise again), as far as
+/// they are affordable. Between the last one that does not suffice and the next, numbers by
+/// interpolation in log N and log Var are tried: to the very number where the predictions are exact,
+/// else to 2 %. What is between numbers that were not tried is not known: a lattice may have a bad
+/// number there.
+///
+/// # Errors
+///
+/// [`Error::Parameter`] for a variance that is not positive and finite; those of
+/// [`Predictor::predict`] if the pattern cannot be made with any number of points that was tried.
+///
+/// ```
+/// use sphvar_samplers::{Domain, Pattern};
+/// use sphvar_variance::{ClampedCosine, Precision, PredictedCurve, Predictor, required_points};
+///
+/// // White noise on the hemisphere has the variance (2 pi int f^2 - (int f)^2)/N = pi^2/(3 N).
+/// let mut predictor =
+///     Predictor::new(&ClampedCosine, Domain::Hemisphere, 0, Precision::USUAL)?;
+/// let mut curve = PredictedCurve::new(Pattern::WhiteNoise);
+/// let variance = (0.01 * std::f64::consts::PI).powi(2);
+/// let needed = required_points(&mut predictor, &mut curve, variance, 100_000, &|| ())?;
+/// assert_eq!(needed.n_points(), Some(3334));
+/// # Ok::<(), sphvar_variance::Error>(())
+/// ```
+pub fn required_points(
+    predictor: &mut Predictor<'_>,
+    curve: &mut PredictedCurve,
+    variance: f64,
+    max_points: usize,
+    done: &(dyn Fn() + Sync),
+) -> Result<RequiredPoints, Error> {
+    if !(variance > 0.0 && variance.is_finite()) {
+        let (name, range) = ("the variance asked for", "positive and finite");
+        return Err(Error::Parameter { name, range, got: variance });
+    }
+    let mut search = Search { predictor, curve, variance, done };
+    let climb = search.climb(max_points)?;
+    match climb.enough {
+        Some(enough) => search.predicted(climb.too_few, enough),
+        None if climb.is_cut_short => search.extrapolate(climb.too_few, max_points),
+        None => Ok(RequiredPoints::OutOfReach),
+    }
+}
+
+struct Search<'a, 'b> {
+    predictor: &'a mut Predictor<'b>,
+    curve: &'a mut PredictedCurve,
+    variance: f64,
+    done: &'a (dyn Fn() + Sync),
+}
+
+/// What is known after trying ever larger numbers.
+struct Climb {
+    /// The largest that does not suffice.
+    too_few: Option<usize>,
+    /// The next larger one, if there is one.
+    enough: Option<usize>,
+    /// Whether larger ones are allowed but not affordable.
+    is_cut_short: bool,
+}
+
+impl Search<'_, '_> {
+    fn climb(&mut self, max_points: usize) -> Result<Climb, Error> {
+        let domain = self.predictor.domain();
+        let pattern = self.curve.pattern().clone();
+        let mut climb = Climb { too_few: None, enough: None, is_cut_short: false };
+        let mut refusal = None;
+        for n in rungs(&pattern, domain, max_points) {
+            match self.predictor.is_affordable(&pattern, n) {
+                Ok(true) => {}
+                Ok(false) => {
+                    climb.is_cut_short = true;
+                    break;
+                }
+                // It will be refused when it is made, too.
+                Err(_) => {}
+            }
+            match self.suffices(n) {
+                Ok(true) => {
+                    climb.enough.get_or_insert(n);
+                }
+                Ok(false) => climb = Climb { too_few: Some(n), enough: None, ..climb },
+                Err(error) => {
+                    refused(&error)?;
+                    // Nothing is known there; a smaller number that suffices still does.
+                    if climb.enough.is_none() {
+                        climb.too_few = Some(n);
+                    }
+                    refusal = Some(error);
+                }
+            }
+            let further = climb.enough.map_or(0, |least| {
+                self.curve.points().iter().filter(|p| p.n_points() > least).count()
+            });
+            let is_lattice = self.curve.at(n).is_some_and(|p| p.spectrum.realizations() == 1);
+            if climb.enough.is_some() && further >= if is_lattice { 2 } else { 1 } {
+                break;
+            }
+        }
+        match refusal {
+            Some(error) if self.curve.points().is_empty() => Err(error),
+            _ => Ok(climb),
+        }
+    }
+
+    /// The answer from a number that suffices and the largest one that does not.
+    fn predicted(
+        &mut self,
+        too_few: Option<usize>,
+        enough: usize,
+    ) -> Result<RequiredPoints, Error> {
+        let n_points = match too_few {
+            Some(too_few) => self.refine(too_few, enough)?,
+            None => enough,
+        };
+        let tried = self.curve.points().iter().rev().map(PredictedPoint::n_points);
+        let too_few = tried.filter(|&n| n < n_points).find(|&n| !self.suffices_at(n));
+        Ok(RequiredPoints::Predicted { n_points, too_few })
+    }
+
+    /// The smallest number that is found to suffice between one that does not and one that does.
+    fn refine(&mut self, mut too_few: usize, mut enough: usize) -> Result<usize, Error> {
+        let domain = self.predictor.domain();
+        let pattern = self.curve.pattern().clone();
+        let mut halve = false;
+        loop {
+            let is_exact = [too_few, enough]
+                .iter()
+                .all(|&n| self.curve.at(n).is_none_or(|p| p.prediction.stderr == 0.0));
+            if !is_exact && enough as f64 <= RESOLUTION * too_few as f64 {
+                return Ok(enough);
+            }
+            let wanted = self.between(too_few, enough, halve);
+            let Some(n) = legal_between(&pattern, domain, too_few, enough, wanted) else {
+                return Ok(enough);
+            };
+            let before = enough as f64 / too_few as f64;
+            match self.suffices(n) {
+                Ok(true) => enough = n,
+                Ok(false) => too_few = n,
+                Err(error) => {
+                    refused(&error)?;
+                    too_few = n;
+                }
+            }
+            // Interpolation that does not gain much is followed by a halving.
+            halve = (enough as f64 / too_few as f64).ln() > 0.5 * before.ln();
+        }
+    }
+
+    /// Where between two numbers the one that just suffices is expected.
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "a number between two numbers of points"
+    )]
+    fn between(&self, too_few: usize, enough: usize, halve: bool) -> usize {
+        let at = |n: usize| (n as f64).ln();
+        let excess = |n: usize| {
+            self.curve.at(n).map_or(f64::NAN, |p| (p.prediction.variance / self.variance).ln())
+        };
+        let (from, to) = (excess(too_few), excess(enough));
+        let share = from / (from - to);
+        let share = if share.is_finite() && !halve { share.clamp(0.0, 1.0) } else { 0.5 };
+        // A hair less, so that a law's own number is not rounded past by the logarithms.
+        let n = (at(too_few) + share * (at(enough) - at(too_few))).exp() * (1.0 - 1e-12);
+        n.ceil() as usize
+    }
+
+    fn suffices(&mut self, n_points: usize) -> Result<bool, Error> {
+        let point = self.curve.predict(self.predictor, n_points, self.done)?;
+        Ok(point.prediction.variance <= self.variance)
+    }
+
+    fn suffices_at(&self, n_points: usize) -> bool {
+        self.curve.at(n_points).is_some_and(|p| p.prediction.variance <= self.variance)
+    }
+
+    /// By the rate of the last points; where that leads to a number that is affordable, it is tried.
+    fn extrapolate(
+        &mut self,
+        mut too_few: Option<usize>,
+        max_points: usize,
+    ) -> Result<RequiredPoints, Error> {
+        const TRIES: usize = 4;
+        let pattern = self.curve.pattern().clone();
+        for _ in 0..TRIES {
+            let led = self.by_rate(max_points);
+            match led.n_points() {
+                Some(n) if self.predictor.is_affordable(&pattern, n)? => {
+                    if self.suffices(n)? {
+                        return self.predicted(too_few, n);
+                    }
+                    too_few = Some(n);
+                }
+                _ => return Ok(led),
+            }
+        }
+        Ok(self.by_rate(max_points))
+    }
+
+    /// By the power law through the last points, over a factor of 8 in N.
+    fn by_rate(&self, max_points: usize) -> RequiredPoints {
+        let Some(last) = self.curve.points().last().map(|p| p.n_points() as f64) else {
+            return RequiredPoints::OutOfReach;
+        };
+        let fit = self.curve.rate_within(last / 8.5, last);
+        let Some(fit) = fit.filter(|fit| fit.slope < 0.0) else {
+            return RequiredPoints::OutOfReach;
+        };
+        // All numbers that were tried, the last one among them, were too few.
+        let n = ((self.variance.ln() - fit.intercept) / fit.slope).exp().max(last + 1.0);
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "a positive number, at most that of all points allowed"
+        )]
+        let n = if n <= max_points as f64 { n.ceil() as usize } else { usize::MAX };
+        let (pattern, domain) = (self.curve.pattern(), self.predictor.domain());
+        let above = legal_between(pattern, domain, n.saturating_sub(1), usize::MAX, n);
+        match above.filter(|&n| n <= max_points) {
+            Some(n_points) => RequiredPoints::Extrapolated { n_points, fit },
+            None => RequiredPoints::OutOfReach,
+        }
+    }
+}
+
+/// Passes on an error that is not a pattern's refusal of a number of points.
+fn refused(error: &Error) -> Result<(), Error> {
+    match error {
+        Error::Spectrum(sphvar_spectrum::Error::Sampler(_)) => Ok(()),
+        other => Err(other.clone()),
+    }
+}
+
+/// The legal numbers next to 1, 2, 4, ..., and the largest legal one, none beyond `max_points`.
+fn rungs(pattern: &Pattern, domain: Domain, max_points: usize) -> Vec<usize> {
+    let powers = (0..usize::BITS).map(|k| 1_usize << k).take_while(|&n| n < max_points);
+    let mut rungs: Vec<usize> = powers.map(|n| pattern.nearest_count(n, domain)).collect();
+    let beyond = max_points.saturating_add(1);
+    rungs.extend(legal_between(pattern, domain, 0, beyond, max_points));
+    rungs.retain(|&n| n <= max_points);
+    rungs.dedup();
+    rungs
+}
+
+/// The legal number nearest to `wanted` among those above `low` and below `high`, if there is one.
+fn legal_between(
+    pattern: &Pattern,
+    domain: Domain,
+    low: usize,
+    high: usize,
+    wanted: usize,
+) -> Option<usize> {
+    if high <= low.saturating_add(1) {
+        return None;
+    }
+    // The legal number next to n never falls as n grows.
+    let legal = |n: usize| pattern.nearest_count(n, domain);
+    let wanted = wanted.clamp(low + 1, high - 1);
+    let (mut from, mut to) = (low + 1, high - 1);
+    let near = legal(wanted);
+    let found = if near >= high {
+        // The largest n whose legal number is below.
+        while from < to {
+            let middle = to - (to - from) / 2;
+            if legal(middle) < high {
+                from = middle;
+            } else {
+                to = middle - 1;
+            }
+        }
+        legal(from)
+    } else if near <= low {
+        while from < to {
+            let middle = from + (to - from) / 2;
+            if legal(middle) > low {
+                to = middle;
+            } else {
+                from = middle + 1;
+            }
+        }
+        legal(from)
+    } else {
+        near
+    };
+    (low < found && found < high).then_some(found)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Domain, Pattern, legal_between, rungs};
+
+    #[test]
+    fn legal_numbers_in_an_interval_are_found_if_there_are_any() {
+        for domain in [Domain::Sphere, Domain::Hemisphere] {
+            let legal: Vec<usize> =
+                (1..400).filter(|&n| Pattern::Healpix.nearest_count(n, domain) == n).collect();
+            for low in 0..200 {
+                for high in low..low + 90 {
+                    let inside = legal.iter().filter(|&&n| low < n && n < high);
+                    for wanted in [low, (low + high) / 2, high] {
+                        let got = legal_between(&Pattern::Healpix, domain, low, high, wanted);
+                        assert_eq!(got.is_some(), inside.clone().count() > 0, "{low} {high}");
+                        assert!(got.is_none_or(|n| legal.contains(&n) && low < n && n < high));
+                    }
+                }
+            }
+        }
+        let top = legal_between(&Pattern::Healpix, Domain::Sphere, 0, usize::MAX, 1 << 40);
+        assert!(top.is_some_and(|n| n % 12 == 0));
+    }
+
+    #[test]
+    fn rungs_are_legal_and_end_with_the_largest() {
+        let sphere = Domain::Sphere;
+        assert_eq!(rungs(&Pattern::Jittered, sphere, 11), []);
+        assert_eq!(rungs(&Pattern::Jittered, sphere, 12), [12]);
+        assert_eq!(rungs(&Pattern::Jittered, sphere, 200), [12, 48, 108, 192]);
+        assert_eq!(rungs(&Pattern::WhiteNoise, sphere, 0), []);
+        assert_eq!(rungs(&Pattern::WhiteNoise, sphere, 9), [1, 2, 4, 8, 9]);
+        let all = rungs(&Pattern::Healpix, sphere, usize::MAX);
+        assert!(all.windows(2).all(|pair| pair[0] < pair[1]), "{all:?}");
+    }
+}

@@ -1,0 +1,273 @@
+//! How many points a pattern needs for an error: closed forms, exact spectra, and measurements at the
+//! numbers found.
+
+use std::f64::consts::PI;
+
+use glam::DVec3;
+use sphvar_samplers::{Domain, Pattern, Purpose, Realizations, Streams};
+use sphvar_tests::{Family, exact_jitter_spectrum};
+use sphvar_variance::{
+    Cap, ClampedCosine, EnvironmentMap, Error, Harmonic, Integrand, Precision, PredictedCurve,
+    Predictor, RequiredPoints, VonMisesFisher, measure, required_points,
+};
+
+const SEED: u64 = 11;
+const MOST: usize = 100_000;
+
+fn predictor(integrand: &dyn Integrand, domain: Domain) -> Predictor<'_> {
+    Predictor::new(integrand, domain, SEED, Precision::USUAL).unwrap()
+}
+
+fn required(
+    integrand: &dyn Integrand,
+    domain: Domain,
+    pattern: &Pattern,
+    variance: f64,
+    most: usize,
+) -> RequiredPoints {
+    let mut curve = PredictedCurve::new(pattern.clone());
+    required_points(&mut predictor(integrand, domain), &mut curve, variance, most, &|| ()).unwrap()
+}
+
+fn cap60() -> Cap {
+    Cap::from_degrees(60.0).unwrap()
+}
+
+/// A map of few texels, bright on one side.
+fn map() -> EnvironmentMap {
+    EnvironmentMap::new(4, 2, vec![0.0, 1.0, 5.0, 2.0, 0.5, 0.0, 3.0, 1.0]).unwrap()
+}
+
+#[test]
+fn white_noise_needs_what_the_textbook_says() {
+    let (lobe, map) = (VonMisesFisher::new(10.0).unwrap(), map());
+    let integrands: [(&str, &dyn Integrand); 3] =
+        [("cap", &cap60()), ("lobe", &lobe), ("map", &map)];
+    for (name, integrand) in integrands {
+        let integral = integrand.exact(Domain::Sphere).unwrap();
+        let square = integrand.energy(Domain::Sphere, 1).unwrap().total();
+        for relative in [0.47, 0.11, 0.033, 0.013, 0.0077] {
+            let error: f64 = relative * integral;
+            let exact = (4.0 * PI * square - integral * integral) / (error * error);
+            // Not so near to a whole number that rounding decides.
+            assert!((exact - exact.round()).abs() > 1e-9 * exact, "{name}, {relative}: {exact}");
+            let got =
+                required(integrand, Domain::Sphere, &Pattern::WhiteNoise, error * error, 10 * MOST);
+            let n_points = exact.ceil() as usize;
+            let too_few = (n_points > 1).then(|| n_points - 1);
+            assert_eq!(got, RequiredPoints::Predicted { n_points, too_few }, "{name}, {relative}");
+        }
+    }
+}
+
+#[test]
+fn the_hemisphere_has_its_own_law() {
+    // (2 pi int f^2 - (int f)^2)/N = pi^2/(3 N), and the double cap: area 2 pi (1 - cos) of 2 pi.
+    let got = |integrand: &dyn Integrand, error: f64| {
+        let domain = Domain::Hemisphere;
+        required(integrand, domain, &Pattern::WhiteNoise, error * error, MOST).n_points()
+    };
+    assert_eq!(got(&ClampedCosine, 0.01 * PI), Some(3334));
+    // int f = pi of area 2 pi: variance pi^2/N.
+    assert_eq!(got(&cap60(), 0.03 * PI), Some(1112));
+    let nearest =
+        required(&ClampedCosine, Domain::Hemisphere, &Pattern::Jittered, (0.01 * PI).powi(2), MOST);
+    let n = nearest.n_points().unwrap();
+    assert_eq!(Pattern::Jittered.nearest_count(n, Domain::Hemisphere), n);
+    assert!(n < 600, "jitter needs no more than a fifth of white noise: {n}");
+}
+
+/// The variance asked for lies midway between the exact ones of two neighbours, 17 % or more from
+/// either, and estimates know theirs to 3 %: five standard errors.
+#[test]
+fn jitter_needs_what_its_exact_spectrum_says() {
+    let cap = cap60();
+    let exact = |nside: u32| {
+        let n = 12 * (nside * nside) as usize;
+        let energy = cap.energy(Domain::Sphere, 4 * n.isqrt()).unwrap();
+        let power = exact_jitter_spectrum(nside, energy.lmax());
+        let known: f64 = energy.per_degree().iter().zip(&power).skip(1).map(|(e, p)| e * p).sum();
+        Domain::Sphere.variance_factor(n) * (known + energy.beyond(energy.lmax()))
+    };
+    for nside in [4, 8] {
+        let (few, enough) = (exact(nside), exact(nside + 1));
+        let asked = (few * enough).sqrt();
+        let too_few = Some(12 * (nside * nside) as usize);
+        let n_points = 12 * ((nside + 1) * (nside + 1)) as usize;
+        let got = required(&cap, Domain::Sphere, &Pattern::Jittered, asked, MOST);
+        assert_eq!(got, RequiredPoints::Predicted { n_points, too_few }, "{asked}");
+        // The law of the cap, 41.2 N^-1.5 for many points.
+        let law = (41.2 / asked).powf(2.0 / 3.0);
+        let between = too_few.is_some_and(|n| (n as f64) < law) && law < n_points as f64;
+        assert!(between, "{got:?}, by the law {law}");
+    }
+}
+
+/// The error asked for is the error measured, on independent realizations. False alarm of the family:
+/// 1e-4; seed 11, 3000 trials a cell.
+#[test]
+fn the_numbers_found_have_the_error_asked_for() {
+    const TRIALS: u64 = 3000;
+    const ALPHA: f64 = 1e-4;
+    let disks = Pattern::from_name("poisson-disk").unwrap();
+    let patterns =
+        [Pattern::WhiteNoise, Pattern::Jittered, Pattern::Fibonacci, Pattern::Hammersley, disks];
+    let map = map();
+    let integrands: [(&str, &dyn Integrand, f64); 2] =
+        [("cap", &cap60(), 0.05), ("map", &map, 0.03)];
+    let mut family = Family::new("measured variance at the number found");
+    for (name, integrand, relative) in integrands {
+        let integral = integrand.exact(Domain::Sphere).unwrap();
+        let asked = (relative * integral).powi(2);
+        for pattern in &patterns {
+            let mut predictor = predictor(integrand, Domain::Sphere);
+            let mut curve = PredictedCurve::new(pattern.clone());
+            let got = required_points(&mut predictor, &mut curve, asked, MOST, &|| ()).unwrap();
+            let RequiredPoints::Predicted { n_points, too_few } = got else {
+                panic!("{name}, {pattern}: {got:?}");
+            };
+            let variance = |n: usize| curve.at(n).unwrap().prediction.variance;
+            assert!(variance(n_points) <= asked, "{name}, {pattern}: {got:?}");
+            assert!(variance(too_few.unwrap()) > asked, "{name}, {pattern}: {got:?}");
+            for point in curve.points().iter().filter(|p| p.n_points() > n_points) {
+                assert!(point.prediction.variance <= asked, "{name}, {pattern}: {point:?}");
+            }
+            let sampler = pattern.build(n_points, Domain::Sphere).unwrap();
+            let streams = Streams::new(SEED, Purpose::Trial, pattern.stream_group(n_points));
+            let trials = Realizations::rotated(&*sampler, streams);
+            let measured = measure(&trials, integrand, TRIALS, &|| ()).unwrap();
+            let prediction = curve.at(n_points).unwrap().prediction;
+            // What a lattice's spectrum leaves out is at most 1 % of its variance.
+            let left_out = 0.01 * prediction.variance;
+            let stderr = measured.variance_stderr().hypot(prediction.stderr).hypot(left_out);
+            family.compare(measured.variance(), prediction.variance, stderr, || {
+                format!("{name}, {pattern}, N = {n_points}")
+            });
+        }
+    }
+    family.assert_null(ALPHA);
+}
+
+#[test]
+fn smaller_errors_need_more_points() {
+    let cap = cap60();
+    for name in ["white-noise", "jittered", "healpix", "spiral", "equal-area", "sobol"] {
+        let pattern = Pattern::from_name(name).unwrap();
+        let needed = |relative: f64| {
+            let error = relative * PI;
+            let got = required(&cap, Domain::Sphere, &pattern, error * error, MOST);
+            got.n_points().unwrap_or(usize::MAX)
+        };
+        let all: Vec<usize> = [1.0, 0.5, 0.25, 0.12, 0.06, 0.03].map(needed).to_vec();
+        assert!(all.windows(2).all(|pair| pair[0] <= pair[1]), "{name}: {all:?}");
+        assert!(all[5] > 2 * all[3], "{name}: {all:?}");
+    }
+}
+
+#[test]
+fn any_number_will_do_for_a_large_error() {
+    for domain in [Domain::Sphere, Domain::Hemisphere] {
+        for pattern in Pattern::ALL {
+            let least = pattern.nearest_count(1, domain);
+            let got = required(&cap60(), domain, &pattern, 1e6, MOST);
+            let expected = RequiredPoints::Predicted { n_points: least, too_few: None };
+            assert_eq!(got, expected, "{pattern}, {domain}");
+        }
+    }
+}
+
+#[test]
+fn too_many_points_are_out_of_reach() {
+    let cap = cap60();
+    let got = |pattern: &Pattern, variance: f64, most: usize| {
+        required(&cap, Domain::Sphere, pattern, variance, most)
+    };
+    // White noise has the variance 3 pi^2/N.
+    let variance = 3.0 * PI * PI / 100.5;
+    let enough = RequiredPoints::Predicted { n_points: 101, too_few: Some(100) };
+    assert_eq!(got(&Pattern::WhiteNoise, variance, 101), enough);
+    assert_eq!(got(&Pattern::WhiteNoise, variance, 100), RequiredPoints::OutOfReach);
+    assert_eq!(got(&Pattern::Jittered, 1e6, 11), RequiredPoints::OutOfReach);
+    assert_eq!(got(&Pattern::WhiteNoise, f64::MIN_POSITIVE, 1000), RequiredPoints::OutOfReach);
+    assert_eq!(got(&Pattern::WhiteNoise, 1.0, 0), RequiredPoints::OutOfReach);
+}
+
+/// What is too dear is extrapolated, to about what predictions of more points find: rates change by
+/// less than 0.2 over the factor of 8 that is extrapolated.
+#[test]
+fn what_costs_too_much_is_extrapolated() {
+    let cap = cap60();
+    let ccvt = Pattern::from_name("ccvt").unwrap();
+    // Variances of about 1000 and 100 points; a prediction of 5 ms reaches 300 and 20.
+    let seconds = 5e-3;
+    for (pattern, variance) in [(Pattern::Jittered, 1.3e-3), (ccvt, 0.018)] {
+        let precision = Precision { relative: 0.03, seconds };
+        let mut poor = Predictor::new(&cap, Domain::Sphere, SEED, precision).unwrap();
+        let mut curve = PredictedCurve::new(pattern.clone());
+        let got = required_points(&mut poor, &mut curve, variance, MOST, &|| ()).unwrap();
+        let RequiredPoints::Extrapolated { n_points, fit } = got else {
+            panic!("{pattern}: {got:?}, {:?}", curve.variance_points());
+        };
+        assert!(fit.slope < -0.5, "{pattern}: {fit:?}");
+        let known = required(&cap, Domain::Sphere, &pattern, variance, MOST).n_points().unwrap();
+        let ratio = n_points as f64 / known as f64;
+        assert!((0.6..1.6).contains(&ratio), "{pattern}: {n_points} by rate, {known} by spectra");
+        assert!(!poor.is_affordable(&pattern, n_points).unwrap(), "{pattern}: {n_points}");
+        let most = n_points - 1;
+        let mut again = PredictedCurve::new(pattern.clone());
+        let got = required_points(&mut poor, &mut again, variance, most, &|| ()).unwrap();
+        assert_eq!(got, RequiredPoints::OutOfReach, "{pattern}");
+    }
+}
+
+/// A pattern that does not exist with few points is found at more; one that never exists says why.
+#[test]
+fn refused_numbers_are_passed_over() {
+    let profile = Pattern::from_name("profile").unwrap();
+    let harmonic = Harmonic::new(2, 0).unwrap();
+    let got = required(&harmonic, Domain::Sphere, &profile, 0.05, MOST);
+    assert!(got.n_points().is_some_and(|n| n > 2), "{got:?}");
+    let mut predictor = predictor(&harmonic, Domain::Sphere);
+    assert!(predictor.predict(&profile, 2, &|| ()).is_err(), "profile exists with 2 points");
+}
+
+#[test]
+fn predictions_do_not_depend_on_what_went_before() {
+    let map = map();
+    let fresh =
+        |n: usize| predictor(&map, Domain::Sphere).predict(&Pattern::Fibonacci, n, &|| ()).unwrap();
+    let mut used = predictor(&map, Domain::Sphere);
+    used.predict(&Pattern::Fibonacci, 2000, &|| ()).unwrap();
+    assert!(used.energy().lmax() > 256, "{:?}", used.energy().lmax());
+    assert_eq!(used.predict(&Pattern::Fibonacci, 48, &|| ()).unwrap(), fresh(48));
+    let mut curve = PredictedCurve::new(Pattern::Fibonacci);
+    for n in [200, 50, 200, 800] {
+        curve.predict(&mut used, n, &|| ()).unwrap();
+    }
+    let numbers: Vec<usize> = curve.points().iter().map(|p| p.n_points()).collect();
+    assert_eq!(numbers, [50, 200, 800]);
+    let at = |n: f64| curve.interpolate(n);
+    assert_eq!(at(200.0), Some(curve.at(200).unwrap().prediction.variance));
+    let root = at(50.0).zip(at(200.0)).map(|(a, b)| (a * b).sqrt()).unwrap();
+    assert!((at(100.0).unwrap() / root - 1.0).abs() < 1e-14);
+    assert_eq!((at(49.0), at(801.0)), (None, None));
+}
+
+#[test]
+fn what_cannot_be_asked_is_refused() {
+    let cap = cap60();
+    for variance in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+        let mut curve = PredictedCurve::new(Pattern::WhiteNoise);
+        let mut predictor = predictor(&cap, Domain::Sphere);
+        let got = required_points(&mut predictor, &mut curve, variance, MOST, &|| ());
+        assert!(matches!(got, Err(Error::Parameter { .. })), "{variance}: {got:?}");
+    }
+    for (relative, seconds) in [(0.0, 1.0), (f64::NAN, 1.0), (0.1, -1.0), (0.1, f64::INFINITY)] {
+        let precision = Precision { relative, seconds };
+        let got = Predictor::new(&cap, Domain::Sphere, SEED, precision);
+        assert!(matches!(got, Err(Error::Parameter { .. })), "{precision:?}");
+    }
+    let closure = |dir: DVec3| dir.z;
+    let got = Predictor::new(&closure, Domain::Sphere, SEED, Precision::USUAL);
+    assert!(matches!(got, Err(Error::NoEnergy { .. })));
+}
