@@ -2,9 +2,7 @@
 
 use clap::{Parser, Subcommand};
 
-use crate::commands::{
-    audit, bounds, choose, compare, eval, healpix, sample, spectrum, variance,
-};
+use crate::commands::{audit, bounds, choose, compare, eval, healpix, sample, spectrum, variance};
 use crate::global::Global;
 
 /// Which pattern of N directions on the sphere or hemisphere gives the least integration error, and
