@@ -34,7 +34,7 @@ fn rows(document: &Value) -> &Vec<Value> {
 fn an_error_is_answered_with_points() {
     let place = Workplace::new();
     place.write("map.exr", small_exr(8, 4));
-    let arguments = "choose --integrand env:map.exr --error 2% --samplers \
+    let arguments = "choose --integrand env:map.exr --error 1% --samplers \
                      white-noise,jittered,fibonacci --json";
     let document = place.run(arguments).json();
     assert_keys(
@@ -57,7 +57,7 @@ fn an_error_is_answered_with_points() {
     );
     let integral = document["integral"].as_f64().unwrap();
     let asked = document["error_asked"].as_f64().unwrap();
-    assert!(same(asked, 0.02 * integral), "{asked} of {integral}");
+    assert!(same(asked, 0.01 * integral), "{asked} of {integral}");
     let mut last = 0;
     for row in rows(&document) {
         assert_keys(row, &ROW);
@@ -66,7 +66,7 @@ fn an_error_is_answered_with_points() {
         assert!(n >= last, "the fewest points come first: {document}");
         last = n;
         let error = row["error"].as_f64().unwrap();
-        assert!(error <= asked && error > 0.7 * asked, "{row}");
+        assert!(error <= asked && error > 0.5 * asked, "{row}");
         assert!(same(row["relative_error"].as_f64().unwrap(), error / integral), "{row}");
         assert!(row["too_few"].as_u64().unwrap() < n, "{row}");
     }
@@ -170,7 +170,7 @@ fn samplers_that_cannot_are_named() {
 fn what_cannot_be_meant_is_refused() {
     let place = Workplace::new();
     let cases: [(&str, &[&str]); 14] = [
-        ("--integrand cap:degrees=60", &["--error", "--points"]),
+        ("--integrand cap:degrees=60", &["--error"]),
         ("--error 1%", &["--integrand"]),
         ("--integrand cap:degrees=60 --error 1% -n 12", &["cannot be used with"]),
         ("--integrand cap:degrees=60 -n 0", &["-n", "at least 1", "got 0"]),
