@@ -29,6 +29,9 @@ mod cap;
 mod comparison;
 mod cosine;
 mod crossover;
+mod cut_sphere;
+mod degree;
+mod effort;
 mod energy;
 mod environment;
 mod error;
@@ -38,21 +41,24 @@ mod lobe;
 mod measurement;
 mod prediction;
 mod rate;
+mod stopping;
 
 pub use cap::Cap;
-pub use comparison::{
-    Comparison, Effort, compare, comparison_cost, prediction_degree, worthwhile_realizations,
-};
+pub use comparison::{Comparison, Work, compare};
 pub use cosine::ClampedCosine;
 pub use crossover::{Crossover, crossover};
+pub use cut_sphere::{CutAxis, CutMeasurement, energy_above_equator, measure_cut_sphere};
+pub use degree::{check_degree, prediction_degree, settled_degree};
+pub use effort::{Effort, worthwhile_realizations};
 pub use energy::Energy;
 pub use environment::EnvironmentMap;
 pub use error::Error;
 pub use harmonic::Harmonic;
 pub use integrand::Integrand;
 pub use lobe::VonMisesFisher;
-pub use measurement::{Measurement, measure};
+pub use measurement::{BiasTest, Measurement, measure};
 pub use prediction::{Prediction, PredictionAccumulator, predict};
 pub use rate::{RateFit, VariancePoint, fit_rate};
 pub use sphvar_samplers::Domain;
 pub use sphvar_spectrum::Method;
+pub use stopping::{Precision, measure_until};
