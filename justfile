@@ -27,3 +27,7 @@ peers *ARGS:
 # Record the values of healpy again that the tests of sphvar-healpix compare with.
 healpy-values:
     python3 benches/peers/healpix_values.py
+
+# Predicted over measured variance of every pattern, SECONDS of core time for trials and spectrum of a cell each.
+closed-loop SECONDS="1":
+    cargo run --release -p sphvar-tests --example closed_loop -- {{SECONDS}}
