@@ -57,7 +57,7 @@ fn main() -> Outcome<()> {
                         }
                     }
                     Err(reason) => {
-                        writeln!(out, "| {pattern} | {asked} | {domain}: skipped, {reason} |")?
+                        writeln!(out, "| {pattern} | {asked} | {domain}: skipped, {reason} |")?;
                     }
                 }
                 out.flush()?;
@@ -84,10 +84,10 @@ fn study(
     let set = pattern.seconds(n);
     let trials = count(seconds / (set + 80e-9 * n as f64), 20_000);
     let sampler = pattern.build(n, domain)?;
-    let root = domain.count_on_sphere(n).sqrt().ceil();
-    let lmax = ((if sampler.is_random() { 8.0 } else { 40.0 }) * root).max(32.0) as usize;
+    // Lattices have peaks at all degrees.
+    let lmax = roots(domain.count_on_sphere(n), if sampler.is_random() { 8 } else { 40 });
     let realization = set + Method::Auto.seconds(n, lmax);
-    let sets = count(2.0 * seconds / realization, 4000);
+    let sets = if sampler.is_random() { count(4.0 * seconds / realization, 4000) } else { 1 };
     if trials < FEWEST_TRIALS || (sampler.is_random() && sets < FEWEST_SETS) {
         return Ok(Err(format!("a set takes {set:.1e} s: {trials} trials, {sets} spectra")));
     }
@@ -99,6 +99,12 @@ fn study(
         cells.push(Cell { pattern: pattern.clone(), integrand: name, domain, comparison });
     }
     Ok(Ok(cells))
+}
+
+/// A multiple of the root of a number of points, at least 32.
+#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a small number")]
+fn roots(n_points: f64, multiple: usize) -> usize {
+    (multiple * n_points.sqrt().ceil() as usize).max(32)
 }
 
 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a positive number")]
@@ -237,7 +243,7 @@ fn overtaking(
         for &n in counts {
             let sampler = pattern.build(n, Domain::Sphere)?;
             let band = integrand.band_limit();
-            let lmax = band.unwrap_or(8 * (n as f64).sqrt().ceil() as usize);
+            let lmax = band.unwrap_or_else(|| roots(n as f64, 8));
             let realization = pattern.seconds(n) + Method::Auto.seconds(n, lmax);
             let sets = count(5.0 * seconds / realization, 40_000).max(FEWEST_SETS);
             let streams = Streams::new(SEED + 9, Purpose::Pattern, pattern.stream_group(n));
