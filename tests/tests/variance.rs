@@ -155,7 +155,7 @@ fn fixed_patterns_have_their_recorded_variances() {
 
 /// Measured against predicted: z-scores of independent cells, ratios, bias, and their law.
 ///
-/// Every pattern that makes a set of 1000 points in less than 5 ms, 4 integrands, 3 to 6 numbers of points; every
+/// Every pattern that makes a set of 1000 points in less than 1 ms, 4 integrands, 3 to 6 numbers of points; every
 /// cell has trials of its own, and the integrands of a pattern share a spectrum, whose error is small beside that
 /// of the trials. False alarms: ALPHA for the largest |z| and for the largest bias each, `ALPHA_KS` for
 /// the law. The study of all patterns is `examples/closed_loop.rs`.
@@ -174,7 +174,7 @@ fn measured_variances_are_the_predicted_ones() {
     let mut variance = Family::new("measured/predicted variance");
     let mut bias = Family::new("mean of the estimates");
     let mut cell = 0;
-    let cheap = Pattern::ALL.into_iter().filter(|p| p.seconds(1000) < 5e-3);
+    let cheap = Pattern::ALL.into_iter().filter(|p| p.seconds(1000) < 1e-3);
     for pattern in cheap {
         // The other patterns have fewer cells.
         let counts = if Pattern::ELEMENTARY.contains(&pattern) { &ASKED[..] } else { &ASKED[1..4] };
