@@ -6,12 +6,12 @@
 
 use std::io::Write;
 
-use sphvar_samplers::{DiskMode, Domain, Pattern, Purpose, Realizations, Streams};
+use sphvar_samplers::{DiskMode, Domain, Pattern, Purpose, Realizations, SpectralControl, Streams};
 use sphvar_spectrum::{Method, Resolution, Spectrum, estimate};
 use sphvar_tests::{ks_distance, ks_p_value};
 use sphvar_variance::{
     Cap, ClampedCosine, Comparison, Crossover, Effort, Harmonic, Integrand, VariancePoint, compare,
-    crossover, fit_rate,
+    crossover, fit_rate, measure,
 };
 use statrs::distribution::{ContinuousCDF, Normal};
 
@@ -66,6 +66,7 @@ fn main() -> Outcome<()> {
     }
     judge(&mut out, &cells)?;
     rates(&mut out, &cells)?;
+    steps(&mut out, &harmonic)?;
     for (integrand, name) in [(sphere[0].1, sphere[0].0), (sphere[1].1, sphere[1].0)] {
         overtaking(&mut out, integrand, name, seconds)?;
     }
@@ -226,6 +227,24 @@ fn rates(out: &mut impl Write, cells: &[Cell]) -> Outcome<()> {
                 if m.is_pre_asymptotic() { "yes" } else { "no" }
             )?;
         }
+    }
+    Ok(())
+}
+
+/// The variance of the harmonic with sets that have no power in its degree: a few trials tell.
+fn steps(out: &mut impl Write, harmonic: &Harmonic) -> Outcome<()> {
+    const TRIALS: u64 = 20;
+    let step = Pattern::Step { alpha: 1.0, flat: None, core: SpectralControl::STEP_CORE };
+    for n in [48, 192, 768] {
+        let sampler = step.build(n, Domain::Sphere)?;
+        let streams = Streams::new(SEED, Purpose::Trial, step.stream_group(n));
+        let sets = Realizations::rotated(&*sampler, streams);
+        let variance = measure(&sets, harmonic, TRIALS, &|| ())?.variance();
+        let verdict = if variance < NOTHING { "below" } else { "NOT below" };
+        writeln!(
+            out,
+            "\nY_40 with {step}, N = {n}: variance {variance:.1e}, {verdict} {NOTHING:e}"
+        )?;
     }
     Ok(())
 }

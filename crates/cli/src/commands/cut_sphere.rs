@@ -46,7 +46,7 @@ pub(super) struct CutRecord {
     exact: Option<f64>,
     bias_z: Option<f64>,
     bias_p: Option<f64>,
-    /// The number of points kept: mean and variance over M/4, which is 1 for white noise.
+    /// Mean and variance of the number of points kept.
     kept: f64,
     kept_variance: f64,
     /// Trials in which no point was kept, whose ratio estimates are 0.

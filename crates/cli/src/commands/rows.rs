@@ -230,8 +230,21 @@ impl Plan<'_> {
     /// From how many realizations of `n_points` the spectrum of the case's pattern is estimated.
     pub(super) fn spectrum_realizations(&self, case: &Case, n_points: usize, lmax: usize) -> u64 {
         let seconds = case.pattern.seconds(n_points);
+        let trials = self.expected_trials();
         self.realizations
-            .unwrap_or_else(|| worthwhile_realizations(n_points, lmax, self.trials, seconds))
+            .unwrap_or_else(|| worthwhile_realizations(n_points, lmax, trials, seconds))
+    }
+
+    /// The number of trials, or what a precision takes of normal estimates: `2/e^2`.
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "positive, and the cast saturates"
+    )]
+    fn expected_trials(&self) -> u64 {
+        self.until.map_or(self.trials, |Precision { relative, most }| {
+            ((2.0 / (relative * relative)) as u64).max(self.trials).min(most)
+        })
     }
 
     fn effort(&self, case: &Case) -> Effort {

@@ -27,7 +27,7 @@ fn trials_are_doubled_until_the_variance_is_precise() {
         assert!(low < value && value < high, "{row}");
     }
     assert_keys(&row, &["predicted_tail_error", "bias_z", "bias_p"]);
-    for flags in ["--until-rel 0", "--until-rel -2%", "--until-rel nan", "--until-rel x%"] {
+    for flags in ["--until-rel 0", "--until-rel=-2%", "--until-rel nan", "--until-rel x%"] {
         let command = format!("variance white-noise -n 12 --integrand cosine {flags}");
         place.run(&command).fails(2, &["a share above 0"]);
     }
