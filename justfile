@@ -38,3 +38,7 @@ bounds-verdicts *ARGS:
     cargo run --release -- bounds ccvt:capacity=256,mass=white -n 1024 -m 60 {{ARGS}}
     cargo run --release -- bounds ccvt:capacity=1024,mass=white -n 256 -m 60 {{ARGS}}
     cargo run --release -- bounds ccvt:capacity=64,mass=fibonacci -n 1024 -m 400 {{ARGS}}
+
+# Predicted over measured variance of every pattern, SECONDS of core time for trials and spectrum of a cell each.
+closed-loop SECONDS="1":
+    cargo run --release -p sphvar-tests --example closed_loop -- {{SECONDS}}

@@ -7,7 +7,10 @@ use glam::DVec3;
 use sphvar_samplers::{Domain, Pattern, Purpose, Realizations, Streams, uniform_rotation};
 use sphvar_spectrum::{Moments, Resolution, Spectrum, SpectrumAccumulator, accumulate, estimate};
 use sphvar_tests::{Family, PointList, ReferenceSpectrum, chi2_interval, exact_jitter_spectrum};
-use sphvar_variance::{Cap, Integrand, Measurement, measure, predict};
+use sphvar_variance::{
+    Cap, ClampedCosine, CutAxis, Integrand, Measurement, energy_above_equator, measure,
+    measure_cut_sphere, predict,
+};
 
 const SEED: u64 = 6;
 /// The probability that a family of comparisons fails by chance (nominal).
@@ -198,4 +201,42 @@ fn estimators_from_half_a_sphere_set() {
     // the margins are six of them.
     assert!((a / 1.55 - 1.0).abs() < 0.18, "unbiased over stratified: {a}");
     assert!((b / 1.25 - 1.0).abs() < 0.18, "ratio estimate over stratified: {b}");
+}
+
+/// The library's cut sets: with the cut turned at random the ratios of the test above, and with the cut at the equator
+/// the variance that the formula of the sphere predicts for what vanishes below it. False alarm: ALPHA.
+#[test]
+fn cut_sphere_sets_are_measured_and_predicted() {
+    const TRIALS: u64 = 6000;
+    const M: usize = 192;
+    let cap = Cap::from_degrees(60.0).unwrap();
+    let sphere = Pattern::Jittered.build(M, Domain::Sphere).unwrap();
+    let sets = Realizations::rotated(&*sphere, Streams::new(SEED + 2, Purpose::Trial, M));
+    let lines = Pattern::Jittered.build(M / 2, Domain::Hemisphere).unwrap();
+    let lines = Realizations::rotated(&*lines, Streams::new(SEED + 3, Purpose::Trial, M));
+    let best = measure(&lines, &cap, TRIALS, &|| ()).unwrap();
+    let axis = CutAxis::Random(Streams::new(SEED + 2, Purpose::Resample, M));
+    let got = measure_cut_sphere(&sets, &cap, axis, TRIALS, &|| ()).unwrap();
+    let ratio = |m: &Measurement| m.variance() / best.variance();
+    let (a, b) = (ratio(&got.unbiased), ratio(&got.ratio));
+    // As in the test above: six standard errors of 2.6 %.
+    assert!((a / 1.55 - 1.0).abs() < 0.18, "unbiased over stratified: {a}");
+    assert!((b / 1.25 - 1.0).abs() < 0.18, "ratio estimate over stratified: {b}");
+
+    let lmax = 8 * M.isqrt();
+    let spectrum = Spectrum::exact(Domain::Sphere, M, exact_jitter_spectrum(4, lmax));
+    let mut family = Family::new("cut at the equator");
+    let integrands: [(&str, &dyn Integrand); 2] = [("cap", &cap), ("cosine", &ClampedCosine)];
+    for (name, integrand) in integrands {
+        let energy = energy_above_equator(integrand, lmax).unwrap();
+        let predicted = predict(&spectrum, &energy);
+        let got = measure_cut_sphere(&sets, integrand, CutAxis::Equator, TRIALS, &|| ())
+            .unwrap()
+            .unbiased;
+        let stderr = got.variance_stderr().hypot(predicted.total_stderr());
+        family.compare(got.variance(), predicted.variance, stderr, || format!("{name}, variance"));
+        let exact = integrand.exact(Domain::Hemisphere).unwrap();
+        family.compare(got.mean(), exact, got.mean_stderr(), || format!("{name}, mean"));
+    }
+    family.assert_null(ALPHA);
 }

@@ -34,6 +34,11 @@ impl Progress {
         self.bar.set_message(what.to_owned());
     }
 
+    /// Adds `cost` units to what is to be done.
+    pub(crate) fn lengthen(&self, cost: f64) {
+        self.bar.inc_length(ticks(cost));
+    }
+
     /// Counts `cost` units as done.
     pub(crate) fn advance(&self, cost: f64) {
         self.bar.inc(ticks(cost));

@@ -1,30 +1,10 @@
 use sphvar_samplers::{Purpose, Realizations, Sampler, Streams};
-use sphvar_spectrum::{Method, Resolution, Spectrum, SpectrumAccumulator, accumulate};
+use sphvar_spectrum::{Resolution, Spectrum, SpectrumAccumulator, accumulate};
 
 use crate::{
-    Energy, Error, Integrand, Measurement, Prediction, PredictionAccumulator, VariancePoint,
-    measure,
+    BiasTest, Effort, Energy, Error, Integrand, Measurement, Prediction, PredictionAccumulator,
+    VariancePoint, measure, measure_until, predict,
 };
-
-/// How much work a [`Comparison`] may take, and from which random numbers.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Effort {
-    /// The seed of all streams.
-    pub seed: u64,
-    /// What tells the streams of this ensemble from those of others of one run, such as
-    /// [`Pattern::stream_group`](sphvar_samplers::Pattern::stream_group).
-    pub group: usize,
-    /// The largest degree of the pattern's spectrum.
-    pub lmax: usize,
-    /// How the spectrum is computed.
-    pub method: Method,
-    /// The relative accuracy of coefficients by the fast method.
-    pub epsilon: f64,
-    /// Realizations from which the spectrum is estimated (one suffices a pattern that is not random).
-    pub realizations: u64,
-    /// Trials from which the variance is measured, independent of the realizations.
-    pub trials: u64,
-}
 
 /// A pattern's spectrum, the variance that it predicts for an integrand, and the variance measured
 /// on independent realizations.
@@ -36,6 +16,8 @@ pub struct Comparison {
     pub prediction: Prediction,
     /// The estimates of the trials.
     pub measurement: Measurement,
+    /// The exact integral, if it is known.
+    pub exact: Option<f64>,
     /// The variance that the rounding of an estimate alone can make.
     pub rounding: f64,
 }
@@ -47,18 +29,34 @@ impl Comparison {
         let measured = self.measurement.variance();
         let ratio = measured / self.prediction.variance;
         let relative = (self.measurement.variance_stderr() / measured)
-            .hypot(self.prediction.stderr / self.prediction.variance);
+            .hypot(self.prediction.total_stderr() / self.prediction.variance);
         (ratio, ratio * relative)
     }
 
-    /// The difference of measured and predicted variance in units of its standard error, to which
-    /// the rounding of the estimates is added; close to standard normal where the theory holds and
-    /// trials are many.
+    /// The difference of measured and predicted variance in units of the standard error that it has if the
+    /// prediction is right, to which the rounding of the estimates is added; close to standard normal
+    /// where the theory holds and trials are many.
+    ///
+    /// ```text
+    /// z = (s^2 - V)/sqrt((V r)^2 + e^2 + rounding^2)
+    /// ```
+    ///
+    /// V and e are the prediction and its [`total_stderr`](Prediction::total_stderr), r is the relative standard error
+    /// of the measured s^2. With `s^2 r` instead of `V r` the score would lean to the negative side, as
+    /// measured errors are small where measured variances are.
     #[must_use]
     pub fn z_score(&self) -> f64 {
-        let stderr = self.measurement.variance_stderr().hypot(self.prediction.stderr);
-        let stderr = stderr.hypot(self.rounding);
-        (self.measurement.variance() - self.prediction.variance) / stderr
+        let expected = self.prediction.variance;
+        let stderr = (expected * self.measurement.relative_stderr())
+            .hypot(self.prediction.total_stderr())
+            .hypot(self.rounding);
+        (self.measurement.variance() - expected) / stderr
+    }
+
+    /// Whether the mean of the trials is the exact integral, if that is known.
+    #[must_use]
+    pub fn bias(&self) -> Option<BiasTest> {
+        self.exact.map(|exact| self.measurement.bias(exact, self.rounding))
     }
 
     /// The measured variance at its number of points, for rates and crossovers; 0 where it is no more
@@ -84,101 +82,92 @@ impl Comparison {
     }
 }
 
+/// What [`compare`] reports of its progress, in seconds, roughly.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Work {
+    /// A piece of work is done.
+    Done(f64),
+    /// More is to be done than [`Effort::seconds`] said: trials that a precision needs.
+    Added(f64),
+}
+
 /// Predicts and measures the variance of integrating `integrand`, whose energies are `energy`, with
-/// uniformly rotated realizations of `sampler`. `done` is called with a number of seconds, roughly,
-/// after each piece of work.
+/// uniformly rotated realizations of `sampler`.
+///
+/// If the pattern's spectrum is `known`, exactly or from elsewhere, it is taken as it is and not estimated, and the
+/// effort's lmax and realizations mean nothing.
 ///
 /// # Errors
 ///
 /// [`Error::Spectrum`] if the spectrum cannot be computed.
+///
+/// # Panics
+///
+/// If a known spectrum belongs to another domain than `energy`.
 pub fn compare(
     sampler: &dyn Sampler,
     integrand: &dyn Integrand,
     energy: &Energy,
     effort: Effort,
-    done: &(dyn Fn(f64) + Sync),
+    known: Option<Spectrum>,
+    report: &(dyn Fn(Work) + Sync),
 ) -> Result<Comparison, Error> {
     let n_points = sampler.n_points();
-    let ensemble =
-        |purpose| Realizations::rotated(sampler, Streams::new(effort.seed, purpose, effort.group));
-    let realizations = distinct_realizations(sampler, effort.realizations);
-    let empty = (
-        SpectrumAccumulator::new(sampler.domain(), n_points, effort.lmax),
-        PredictionAccumulator::new(energy, n_points, effort.lmax),
-    );
-    let resolution =
-        Resolution { lmax: effort.lmax, n_points, method: effort.method, epsilon: effort.epsilon };
-    let cost = realization_cost(n_points, effort.lmax, effort.method);
-    let sets = ensemble(Purpose::Pattern);
-    let (spectrum, prediction) =
-        accumulate(&sets, resolution, 0..realizations, &empty, &|| done(cost))?;
-    let cost = trial_cost(n_points);
-    let measurement = measure(&ensemble(Purpose::Trial), integrand, effort.trials, &|| {
-        done(cost);
-    })?;
+    let (spectrum, prediction) = if let Some(spectrum) = known {
+        let prediction = predict(&spectrum, energy);
+        (spectrum, prediction)
+    } else {
+        estimate(sampler, energy, effort, report)?
+    };
+    let streams = Streams::new(effort.seed, Purpose::Trial, effort.group);
+    let trials = Realizations::rotated(sampler, streams);
+    let cost = effort.trial_seconds(n_points);
+    let done = || report(Work::Done(cost));
+    let measurement = match effort.until {
+        None => measure(&trials, integrand, effort.trials, &done)?,
+        Some(target) => {
+            let expected = std::cell::Cell::new(effort.trials);
+            let expect = |total: u64| {
+                let more = total.saturating_sub(expected.replace(total)) as f64;
+                report(Work::Added(cost * more));
+            };
+            measure_until(&trials, integrand, effort.trials, target, &expect, &done)?
+        }
+    };
     // An estimate of int F is a sum of numbers of the size of F, whose roundings partly cancel.
     let size = sampler.domain().area() * energy.total();
-    let (mut spectrum, mut prediction) = (spectrum.finish()?, prediction.finish());
-    if !sampler.is_random() {
-        spectrum = spectrum.into_exact();
-        prediction.stderr = 0.0;
-    }
     Ok(Comparison {
         spectrum,
         prediction,
         measurement,
+        exact: integrand.exact(sampler.domain()),
         rounding: size * (4.0 * f64::EPSILON).powi(2),
     })
 }
 
-/// The seconds that [`compare`] reports in all.
-#[must_use]
-pub fn comparison_cost(sampler: &dyn Sampler, effort: Effort) -> f64 {
+/// The spectrum from realizations, and the prediction with the covariance of its degrees.
+fn estimate(
+    sampler: &dyn Sampler,
+    energy: &Energy,
+    effort: Effort,
+    report: &(dyn Fn(Work) + Sync),
+) -> Result<(Spectrum, Prediction), Error> {
     let n_points = sampler.n_points();
-    let realizations = distinct_realizations(sampler, effort.realizations);
-    realizations as f64 * realization_cost(n_points, effort.lmax, effort.method)
-        + effort.trials as f64 * trial_cost(n_points)
-}
-
-/// The degree to which a spectrum is needed for predicting the variance of an integrand, if the
-/// caller has no wish of his own.
-///
-/// A random pattern's power is 1 beyond some 2 sqrt(N), so 4 sqrt(N) leave a tail that is known. A
-/// lattice has peaks at all degrees whose mean only is 1: 40 sqrt(N), unless the integrand's energies
-/// fall fast before that. Degrees that the integrand does not have are not needed.
-#[must_use]
-pub fn prediction_degree(sampler: &dyn Sampler, integrand: &dyn Integrand) -> usize {
-    let law = Resolution::natural_degree(sampler.n_points());
-    let degree = if sampler.is_random() { law } else { law.saturating_mul(10) };
-    let resolved = integrand.resolved_degree().map_or(degree, |most| degree.min(most.max(law)));
-    integrand.band_limit().map_or(resolved, |most| resolved.min(most))
-}
-
-/// How many realizations of `n_points` a spectrum to `lmax` is worth beside `trials` of the
-/// measurement: eight times the work, but no fewer than 300 (or the trials, if these are fewer) and no
-/// more than eight times the trials.
-#[must_use]
-#[expect(
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "a positive number of realizations"
-)]
-pub fn worthwhile_realizations(n_points: usize, lmax: usize, trials: u64) -> u64 {
-    let relative = trial_cost(n_points) / realization_cost(n_points, lmax, Method::Auto);
-    let balanced = 8.0 * trials as f64 * relative;
-    (balanced as u64).clamp(trials.min(300), trials.saturating_mul(8))
-}
-
-fn distinct_realizations(sampler: &dyn Sampler, realizations: u64) -> u64 {
-    if sampler.is_random() { realizations } else { realizations.min(1) }
-}
-
-/// Seconds for making one realization and transforming it, roughly.
-fn realization_cost(n_points: usize, lmax: usize, method: Method) -> f64 {
-    n_points as f64 * 40e-9 + method.seconds(n_points, lmax)
-}
-
-/// Seconds for one trial: per point, making it and evaluating the integrand.
-fn trial_cost(n_points: usize) -> f64 {
-    n_points as f64 * 80e-9
+    let Effort { seed, group, lmax, method, epsilon, .. } = effort;
+    let empty = (
+        SpectrumAccumulator::new(sampler.domain(), n_points, lmax),
+        PredictionAccumulator::new(energy, n_points, lmax),
+    );
+    let resolution = Resolution { lmax, n_points, method, epsilon };
+    let cost = effort.realization_seconds(n_points);
+    let sets = Realizations::rotated(sampler, Streams::new(seed, Purpose::Pattern, group));
+    let realizations = effort.distinct_realizations(sampler);
+    let (spectrum, prediction) =
+        accumulate(&sets, resolution, 0..realizations, &empty, &|| report(Work::Done(cost)))?;
+    let (mut spectrum, mut prediction) = (spectrum.finish()?, prediction.finish());
+    if !sampler.is_random() {
+        spectrum = spectrum.into_exact();
+        prediction = Prediction { stderr: 0.0, dof: f64::INFINITY, ..prediction };
+    }
+    Ok((spectrum, prediction))
 }

@@ -20,7 +20,8 @@ pub struct Crossover {
 const RESAMPLES: u64 = 1000;
 
 /// The last crossing of two variance curves within the numbers of points that both cover, or
-/// `None` if they do not cross there. Each curve is sorted by N and has positive variances.
+/// `None` if they do not cross there; touching is not crossing, nor is meeting at the end. Each curve is
+/// sorted by N and has positive variances.
 ///
 /// Curves are straight between their points in log N and log Var. The interval comes from
 /// 1000 pairs of curves whose log variances are drawn about the given ones with their
@@ -87,12 +88,24 @@ fn last_crossing(a: &Curve, b: &Curve) -> Option<(f64, bool)> {
         a.0.iter().chain(&b.0).map(|p| p.0).filter(|x| (from..=to).contains(x)).collect();
     knots.sort_by(f64::total_cmp);
     knots.dedup();
-    let difference = |x: f64| a.at(x) - b.at(x);
-    knots.windows(2).rev().find_map(|pair| {
-        let (d0, d1) = (difference(pair[0]), difference(pair[1]));
-        let crosses = d0 * d1 < 0.0;
-        crosses.then(|| (pair[0] + (pair[1] - pair[0]) * d0 / (d0 - d1), d1 < 0.0))
-    })
+    // From the right, the last two knots at which the curves differ, in opposite ways; where they meet
+    // exactly at knots between these, the last such knot is the crossing.
+    let mut beyond: Option<(f64, f64)> = None;
+    let mut touch = None;
+    for &x in knots.iter().rev() {
+        let d = a.at(x) - b.at(x);
+        match beyond {
+            _ if d == 0.0 => touch = touch.or(beyond.map(|_| x)),
+            Some((x1, d1)) if d * d1 < 0.0 => {
+                return Some((touch.unwrap_or(x + (x1 - x) * d / (d - d1)), d1 < 0.0));
+            }
+            _ => {
+                beyond = Some((x, d));
+                touch = None;
+            }
+        }
+    }
+    None
 }
 
 #[cfg(test)]
@@ -119,6 +132,38 @@ mod tests {
         assert!(got.interval.0 < 100.0 && got.interval.1 > 100.0, "{got:?}");
         assert!(got.interval.0 > 85.0 && got.interval.1 < 118.0, "{got:?}");
         assert!(got.confidence > 0.999 && !got.first_is_better_above, "{got:?}");
+    }
+
+    /// Curves that meet exactly at a knot, along a whole stretch of knots, or only touch.
+    #[test]
+    fn a_crossing_at_a_knot_is_seen() {
+        let curve = |variances: [f64; 5]| -> Vec<VariancePoint> {
+            let points = variances.iter().enumerate();
+            points
+                .map(|(i, &variance)| VariancePoint {
+                    n_points: 4f64.powi(i32::try_from(i).unwrap() + 1),
+                    variance,
+                    stderr: 0.0,
+                })
+                .collect()
+        };
+        let at = |a, b| crossover(&curve(a), &curve(b), Streams::new(0, Purpose::Resample, 0));
+        let level = [4.0; 5];
+        // At the third knot, N = 64; both ways round.
+        let falling = [16.0, 8.0, 4.0, 2.0, 1.0];
+        let got = at(falling, level).unwrap();
+        assert!((got.n_points - 64.0).abs() < 1e-12 && got.first_is_better_above, "{got:?}");
+        let got = at(level, falling).unwrap();
+        assert!((got.n_points - 64.0).abs() < 1e-12 && !got.first_is_better_above, "{got:?}");
+        // From the second to the fourth knot they are one curve: the crossing is where that ends.
+        let got = at([8.0, 4.0, 4.0, 4.0, 2.0], level).unwrap();
+        assert!((got.n_points - 256.0).abs() < 1e-10, "{got:?}");
+        // Touching is not crossing, and neither is meeting at an end.
+        assert!(at([8.0, 4.0, 8.0, 8.0, 8.0], level).is_none());
+        assert!(at([8.0, 8.0, 8.0, 8.0, 4.0], level).is_none());
+        // An earlier crossing is not hidden by a later touch.
+        let got = at([8.0, 2.0, 2.0, 4.0, 2.0], level).unwrap();
+        assert!(got.n_points > 4.0 && got.n_points < 16.0, "{got:?}");
     }
 
     #[test]

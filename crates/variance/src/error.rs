@@ -54,6 +54,21 @@ pub enum Error {
         /// Its value.
         value: f64,
     },
+    /// A prediction would be made of energy beyond the spectrum instead of the pattern.
+    #[error(
+        "a spectrum to degree {lmax} says nothing of {n_points} points: their power settles at degree {settled}, \
+         and the integrand has energy in between; the least degree that will do is {least}"
+    )]
+    Unsettled {
+        /// The degree asked for.
+        lmax: usize,
+        /// The least degree that will do.
+        least: usize,
+        /// The degree at which the pattern's power is about 1.
+        settled: usize,
+        /// The number of points.
+        n_points: usize,
+    },
     /// The spectrum of a pattern cannot be computed.
     #[error(transparent)]
     Spectrum(#[from] sphvar_spectrum::Error),

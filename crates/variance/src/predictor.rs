@@ -2,13 +2,13 @@ use sphvar_samplers::{Domain, Pattern, Purpose, Realizations, Sampler, Streams};
 use sphvar_spectrum::{Accumulator, Method, Resolution, Spectrum, SpectrumAccumulator, accumulate};
 
 use crate::{
-    Energy, Error, Integrand, PredictedPoint, Prediction, PredictionAccumulator, making_seconds,
-    predict, prediction_degree,
+    Energy, Error, Integrand, PredictedPoint, Prediction, PredictionAccumulator, is_spectrum_known,
+    known_spectrum, predict, prediction_degree,
 };
 
 /// How precise predictions shall be, and what each may take.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Precision {
+pub struct PredictionBudget {
     /// The relative standard error of a variance at which a prediction is precise enough.
     pub relative: f64,
     /// The seconds of one core that a prediction may take, by a model of the cost and not by a
@@ -16,7 +16,7 @@ pub struct Precision {
     pub seconds: f64,
 }
 
-impl Precision {
+impl PredictionBudget {
     /// 3 % of the variance, half a second.
     pub const USUAL: Self = Self { relative: 0.03, seconds: 0.5 };
 }
@@ -33,12 +33,12 @@ const NEGLIGIBLE: f64 = 0.01;
 ///
 /// It keeps the integrand's energies and computes those of higher degrees when a number of points
 /// needs them. A prediction is a function of the seed, the pattern, the number of points and the
-/// [`Precision`]; what was predicted before does not matter.
+/// [`PredictionBudget`]; what was predicted before does not matter.
 pub struct Predictor<'a> {
     integrand: &'a dyn Integrand,
     domain: Domain,
     seed: u64,
-    precision: Precision,
+    budget: PredictionBudget,
     /// To 256, 512, 1024, ... degrees.
     energies: Vec<Energy>,
 }
@@ -48,7 +48,7 @@ impl std::fmt::Debug for Predictor<'_> {
         f.debug_struct("Predictor")
             .field("domain", &self.domain)
             .field("seed", &self.seed)
-            .field("precision", &self.precision)
+            .field("budget", &self.budget)
             .finish_non_exhaustive()
     }
 }
@@ -64,16 +64,16 @@ impl<'a> Predictor<'a> {
         integrand: &'a dyn Integrand,
         domain: Domain,
         seed: u64,
-        precision: Precision,
+        budget: PredictionBudget,
     ) -> Result<Self, Error> {
         for (name, got) in
-            [("the relative precision", precision.relative), ("the seconds", precision.seconds)]
+            [("the relative precision", budget.relative), ("the seconds", budget.seconds)]
         {
             if !(got > 0.0 && got.is_finite()) {
                 return Err(Error::Parameter { name, range: "positive and finite", got });
             }
         }
-        let mut new = Self { integrand, domain, seed, precision, energies: Vec::new() };
+        let mut new = Self { integrand, domain, seed, budget, energies: Vec::new() };
         new.energy_to(0)?;
         Ok(new)
     }
@@ -99,7 +99,7 @@ impl<'a> Predictor<'a> {
     /// Predicts the variance for a pattern of `n_points`. `done` is called after each realization.
     ///
     /// Realizations are added until the relative standard error, as it is estimated from them, is at
-    /// most that of the [`Precision`], but no more than its seconds allow and no fewer than 8. A
+    /// most that of the [`PredictionBudget`], but no more than its seconds allow and no fewer than 8. A
     /// pattern that is not random takes one.
     ///
     /// # Errors
@@ -113,9 +113,12 @@ impl<'a> Predictor<'a> {
     ) -> Result<PredictedPoint, Error> {
         let sampler = pattern.build(n_points, self.domain).map_err(sphvar_spectrum::Error::from)?;
         let lmax = self.degree(&*sampler)?;
-        let (seed, Precision { relative, seconds }) = (self.seed, self.precision);
+        let (seed, PredictionBudget { relative, seconds }) = (self.seed, self.budget);
+        let domain = self.domain;
         let energy = self.energy_to(lmax)?;
-        if let Some(spectrum) = known_spectrum(pattern, &*sampler, lmax) {
+        if let Some(spectrum) =
+            known_spectrum(pattern, n_points, domain, lmax, seconds, &|_| done())?
+        {
             let prediction = predict(&spectrum, energy);
             return Ok(PredictedPoint { spectrum, prediction });
         }
@@ -133,19 +136,19 @@ impl<'a> Predictor<'a> {
     }
 
     /// Whether a prediction for a pattern of `n_points` takes no more than the seconds of the
-    /// [`Precision`], precise enough or not.
+    /// [`PredictionBudget`], precise enough or not.
     ///
     /// # Errors
     ///
     /// Those of [`Self::predict`] that show without a realization.
     pub fn is_affordable(&mut self, pattern: &Pattern, n_points: usize) -> Result<bool, Error> {
         let sampler = pattern.build(n_points, self.domain).map_err(sphvar_spectrum::Error::from)?;
-        if known_spectrum(pattern, &*sampler, 0).is_some() {
+        let lmax = self.degree(&*sampler)?;
+        if is_spectrum_known(pattern, n_points, self.domain, lmax, self.budget.seconds) {
             return Ok(true);
         }
-        let lmax = self.degree(&*sampler)?;
         let sets = if sampler.is_random() { LEAST as f64 } else { 1.0 };
-        Ok(sets * realization_seconds(pattern, n_points, lmax) <= self.precision.seconds)
+        Ok(sets * realization_seconds(pattern, n_points, lmax) <= self.budget.seconds)
     }
 
     /// The degree to which a spectrum is computed: [`prediction_degree`], and for a lattice less where
@@ -197,12 +200,6 @@ fn level(lmax: usize) -> usize {
     (0..).find(|&k| degrees_of(k) >= lmax.min(sphvar_sh::MAX_DEGREE)).unwrap_or(0)
 }
 
-/// The spectrum of a pattern that has one by a law, without sampling.
-fn known_spectrum(pattern: &Pattern, sampler: &dyn Sampler, lmax: usize) -> Option<Spectrum> {
-    let flat = || Spectrum::exact(sampler.domain(), sampler.n_points(), vec![1.0; lmax + 1]);
-    matches!(pattern, Pattern::WhiteNoise).then(flat)
-}
-
 /// The spectrum and the variance that it predicts, from up to `most` realizations until the variance is
 /// known to `relative`.
 fn estimate(
@@ -221,7 +218,7 @@ fn estimate(
     let resolution = Resolution::new(lmax, n_points);
     if !sampler.is_random() {
         let (spectrum, prediction) = accumulate(sets, resolution, 0..1, &empty, done)?;
-        let exact = Prediction { stderr: 0.0, ..prediction.finish() };
+        let exact = Prediction { stderr: 0.0, dof: f64::INFINITY, ..prediction.finish() };
         return Ok((spectrum.finish()?.into_exact(), exact));
     }
     let (mut sum, mut count) = (empty.clone(), 0);
@@ -243,5 +240,5 @@ fn estimate(
 
 /// Seconds for making a set and transforming it, roughly.
 fn realization_seconds(pattern: &Pattern, n_points: usize, lmax: usize) -> f64 {
-    making_seconds(pattern, n_points) + Method::Auto.seconds(n_points, lmax)
+    pattern.seconds(n_points) + Method::Auto.seconds(n_points, lmax)
 }

@@ -1,4 +1,4 @@
-use statrs::distribution::{ContinuousCDF, StudentsT};
+use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
 
 /// A variance at a number of points, measured or predicted.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -23,6 +23,23 @@ pub struct RateFit {
     /// Chi-square per degree of freedom of the fit; well above 1 where the variances do not follow
     /// one power law within their errors. NaN for exact variances or two points.
     pub chi2_per_dof: f64,
+    /// By how much the local exponent changes from the smallest to the largest N, from a parabola in log
+    /// N and log Var; NaN of fewer than three points, or four without errors.
+    pub slope_change: f64,
+    /// The probability of a change at least as large where the law is a power law.
+    pub slope_change_p: f64,
+}
+
+impl RateFit {
+    /// The false-alarm rate of [`Self::is_pre_asymptotic`].
+    pub const FALSE_ALARM: f64 = 0.01;
+
+    /// Whether the variances bend so much that the exponent is not the asymptotic one yet: the parabola's term is
+    /// significant at 1 %, so that of a hundred power laws one is called bent.
+    #[must_use]
+    pub fn is_pre_asymptotic(&self) -> bool {
+        self.slope_change_p < Self::FALSE_ALARM
+    }
 }
 
 /// The power law through `points` by least squares in log N and log Var, or `None` of fewer than
@@ -70,12 +87,56 @@ pub fn fit_rate(points: &[VariancePoint]) -> Option<RateFit> {
         _ => 1.959_963_984_540_054,
     };
     let half = quantile * (scale * variance_of_slope).sqrt();
+    let (slope_change, slope_change_p) = bend(&rows, weighted);
     Some(RateFit {
         slope,
         interval: (slope - half, slope + half),
         intercept: y0 - slope * x0,
         chi2_per_dof: if weighted { chi2_per_dof } else { f64::NAN },
+        slope_change,
+        slope_change_p,
     })
+}
+
+/// The change of slope of the parabola through rows (x, y, weight) from the first to the last x, and the
+/// probability of one as large by chance: normal where weights are known errors, else Student's t with
+/// the scatter about the parabola.
+///
+/// The parabola's last term is `c q(x)` with q orthogonal to 1 and x under the weights, so
+/// `c = <y q>/<q q>` has variance `1/<q q>` whatever the other two terms are.
+fn bend(rows: &[(f64, f64, f64)], weighted: bool) -> (f64, f64) {
+    let dof = rows.len() as f64 - 3.0;
+    if dof < 0.0 || (!weighted && dof < 1.0) {
+        return (f64::NAN, f64::NAN);
+    }
+    let total: f64 = rows.iter().map(|r| r.2).sum();
+    let sum = |f: &dyn Fn(f64, f64) -> f64| rows.iter().map(|r| r.2 * f(r.0, r.1)).sum::<f64>();
+    let (x0, y0) = (sum(&|x, _| x) / total, sum(&|_, y| y) / total);
+    let moment = |k: i32| sum(&|x, _| (x - x0).powi(k));
+    let (second, slope) = (moment(2), sum(&|x, y| (x - x0) * (y - y0)) / moment(2));
+    let skew = moment(3) / second;
+    let q = |x: f64| (x - x0) * (x - x0) - skew * (x - x0) - second / total;
+    let norm = sum(&|x, _| q(x) * q(x));
+    // With all points at two different N there is no parabola.
+    if norm <= 1e-12 * moment(4) {
+        return (f64::NAN, f64::NAN);
+    }
+    let line = |x: f64, y: f64| y - y0 - slope * (x - x0);
+    let c = sum(&|x, y| q(x) * line(x, y)) / norm;
+    let ends = |f: fn(f64, f64) -> f64, from| rows.iter().map(|r| r.0).fold(from, f);
+    let span = ends(f64::max, f64::NEG_INFINITY) - ends(f64::min, f64::INFINITY);
+    // Logarithms round by some EPSILON of 10: what is below that is a straight line.
+    if c.abs() * (norm / total).sqrt() <= 1e-13 {
+        return (2.0 * c * span, 1.0);
+    }
+    let z = c.abs() * norm.sqrt();
+    let p = if weighted {
+        2.0 * Normal::standard().sf(z)
+    } else {
+        let scatter = sum(&|x, y| (line(x, y) - c * q(x)).powi(2)) / dof;
+        StudentsT::new(0.0, 1.0, dof).map_or(f64::NAN, |t| 2.0 * t.sf(z / scatter.sqrt()))
+    };
+    (2.0 * c * span, p)
 }
 
 #[cfg(test)]
@@ -109,6 +170,30 @@ mod tests {
         let sigma = 0.01 / (5f64.sqrt() * 4f64.ln());
         let half = 0.5 * (fit.interval.1 - fit.interval.0);
         assert!((half / (1.959_963_984_540_054 * sigma) - 1.0).abs() < 1e-12, "{half}");
+    }
+
+    /// `Var = c N^(-1 + a ln N)` has the exponent `-1 + 2 a ln N`: a change of `2 a ln 64` over these points.
+    #[test]
+    fn a_bend_is_the_change_of_the_exponent() {
+        for stderr in [0.0, 0.01] {
+            let points: Vec<_> = [12.0f64, 48.0, 100.0, 192.0, 768.0]
+                .iter()
+                .map(|&n| {
+                    let variance = n.powf(-1.0 + 0.02 * n.ln());
+                    VariancePoint { n_points: n, variance, stderr: stderr * variance }
+                })
+                .collect();
+            let fit = fit_rate(&points).unwrap();
+            let expected = 0.04 * 64f64.ln();
+            assert!((fit.slope_change - expected).abs() < 1e-12, "{fit:?}, {expected}");
+            assert!(fit.is_pre_asymptotic(), "{fit:?}");
+            let straight = fit_rate(&law(-1.5, stderr)).unwrap();
+            assert!(!straight.is_pre_asymptotic() && straight.slope_change.abs() < 1e-12);
+            // Three points have a parabola, but no scatter about it.
+            let few = fit_rate(&points[..3]).unwrap();
+            assert!(few.slope_change.is_nan() == (stderr == 0.0), "{few:?}");
+            assert!(!fit_rate(&points[..2]).unwrap().is_pre_asymptotic());
+        }
     }
 
     #[test]

@@ -61,11 +61,11 @@ const RESOLUTION: f64 = 1.02;
 ///
 /// ```
 /// use sphvar_samplers::{Domain, Pattern};
-/// use sphvar_variance::{ClampedCosine, Precision, PredictedCurve, Predictor, required_points};
+/// use sphvar_variance::{ClampedCosine, PredictionBudget, PredictedCurve, Predictor, required_points};
 ///
 /// // White noise on the hemisphere has the variance (2 pi int f^2 - (int f)^2)/N = pi^2/(3 N).
 /// let mut predictor =
-///     Predictor::new(&ClampedCosine, Domain::Hemisphere, 0, Precision::USUAL)?;
+///     Predictor::new(&ClampedCosine, Domain::Hemisphere, 0, PredictionBudget::USUAL)?;
 /// let mut curve = PredictedCurve::new(Pattern::WhiteNoise);
 /// let variance = (0.01 * std::f64::consts::PI).powi(2);
 /// let needed = required_points(&mut predictor, &mut curve, variance, 100_000, &|| ())?;

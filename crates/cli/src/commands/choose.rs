@@ -11,7 +11,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 use sphvar_samplers::Pattern;
-use sphvar_variance::{Precision, Predictor, making_seconds};
+use sphvar_variance::{PredictionBudget, Predictor};
 
 use self::candidate::Candidate;
 use self::presentation::{Answer, LeftOut};
@@ -86,11 +86,11 @@ pub(crate) fn run(args: &ChooseArgs, global: &Global) -> Result<(), CliError> {
         None => Pattern::ALL.to_vec(),
     };
     let function = &*integrand.function;
-    let mut predictor =
-        Predictor::new(function, domain, global.seed, Precision::USUAL).map_err(CliError::usage)?;
+    let mut predictor = Predictor::new(function, domain, global.seed, PredictionBudget::USUAL)
+        .map_err(CliError::usage)?;
     let question = Question::new(args, &integrand, predictor.energy())?;
 
-    let weight = |pattern: &Pattern| 0.3 + making_seconds(pattern, 1024).min(1.0) * LEAST_SETS;
+    let weight = |pattern: &Pattern| 0.3 + pattern.seconds(1024).min(1.0) * LEAST_SETS;
     let progress = Progress::new(patterns.iter().map(weight).sum(), global.quiet);
     let (mut candidates, mut left_out) = (Vec::<Candidate>::new(), Vec::new());
     for pattern in patterns {
@@ -99,7 +99,7 @@ pub(crate) fn run(args: &ChooseArgs, global: &Global) -> Result<(), CliError> {
         }
         progress.stage(&pattern.to_string());
         let share = weight(&pattern);
-        let seconds = args.points.map_or(0.0, |n| LEAST_SETS * making_seconds(&pattern, n));
+        let seconds = args.points.map_or(0.0, |n| LEAST_SETS * pattern.seconds(n));
         if args.samplers.is_none() && seconds > TOO_LONG {
             left_out.push(LeftOut {
                 sampler: pattern.to_string(),

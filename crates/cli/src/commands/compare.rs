@@ -56,6 +56,12 @@ struct Summary {
     /// Exponent of the measured variance and its 95 % interval.
     rate: Option<f64>,
     rate_interval: Option<(f64, f64)>,
+    /// By how much the exponent changes from the smallest to the largest number of points, and the
+    /// probability of as much where the law is a power.
+    rate_change: Option<f64>,
+    rate_change_p: Option<f64>,
+    /// Whether that is below 1 %: the exponent is not the asymptotic one yet.
+    pre_asymptotic: bool,
     /// Exponent of the predicted variance.
     predicted_rate: Option<f64>,
     /// At the largest number of points: white noise's exact variance over the measured one.
@@ -188,10 +194,14 @@ impl<'a> Curve<'a> {
         let measured = last.comparison.measured_point();
         let gain = white / measured.variance;
         let is_measurable = gain.is_finite();
+        let known = |x: Option<f64>| x.filter(|x| x.is_finite());
         Some(Summary {
             sampler: self.pattern.to_string(),
             rate: fit.map(|f| f.slope),
             rate_interval: fit.map(|f| f.interval),
+            rate_change: known(fit.map(|f| f.slope_change)),
+            rate_change_p: known(fit.map(|f| f.slope_change_p)),
+            pre_asymptotic: fit.is_some_and(|f| f.is_pre_asymptotic()),
             predicted_rate: fit_rate(&self.predicted()).map(|f| f.slope),
             n,
             gain: is_measurable.then_some(gain),
@@ -243,7 +253,7 @@ fn text(document: &Document<'_>, plan: &Plan<'_>) -> String {
         let interval = s.rate_interval.map_or("-".to_owned(), |(a, b)| format!("{a:.2} to {b:.2}"));
         vec![
             s.sampler.to_owned(),
-            optional(s.rate),
+            optional(s.rate) + if s.pre_asymptotic { " *" } else { "" },
             interval,
             optional(s.predicted_rate),
             s.n.to_string(),
@@ -256,7 +266,12 @@ fn text(document: &Document<'_>, plan: &Plan<'_>) -> String {
     text += &table(&heading, document.samplers.iter().map(cells).collect(), 1);
     text += "\nrate: exponent b of variance ~ N^b. power seen: the pattern's power, averaged over the \
              degrees\nwith the integrand's energies; white noise has 1. gain: how many times the \
-             variance is smaller.\n\n";
+             variance is smaller.\n";
+    if document.samplers.iter().any(|s| s.pre_asymptotic) {
+        text += "*: the rate changes over these numbers of points (false alarms: 1 %), it is not the \
+                 asymptotic one yet.\n";
+    }
+    text += "\n";
     for c in document.crossovers {
         text += &format!(
             "{} overtakes {} at N = {:.0} ({:.0} to {:.0}{})\n",

@@ -10,6 +10,7 @@ pub(crate) mod sample;
 pub(crate) mod spectrum;
 pub(crate) mod variance;
 
+mod cut_sphere;
 mod power_chart;
 mod rows;
 

@@ -3,10 +3,10 @@
 use clap::Args;
 use serde::Serialize;
 use sphvar_samplers::{Domain, Pattern, Sampler};
-use sphvar_spectrum::Resolution;
+use sphvar_spectrum::{Resolution, Spectrum, exact_spectrum_cost};
 use sphvar_variance::{
-    Comparison, Effort, Energy, Method, compare, comparison_cost, prediction_degree,
-    worthwhile_realizations,
+    Comparison, Effort, Energy, Method, Precision, Work, check_degree as check_settled, compare,
+    is_spectrum_known, known_spectrum, prediction_degree, settled_degree, worthwhile_realizations,
 };
 
 use crate::error::CliError;
@@ -21,11 +21,18 @@ use crate::transforms::TransformArgs;
 /// Flags that say how variances are predicted and measured.
 #[derive(Debug, Args)]
 pub(crate) struct EffortArgs {
-    /// Trials from which each variance is measured
+    /// Trials from which each variance is measured; with --until-rel, those to begin with
     #[arg(short = 'm', long, default_value_t = 1000, value_name = "M")]
     pub(crate) realizations: u64,
-    /// Realizations from which each spectrum is estimated [default: what eight times the work of
-    /// the trials allows, at least 300 and at most 8 M]
+    /// Double the trials until the relative standard error of each variance is at most this, such as
+    /// 2% or 0.02
+    #[arg(long, value_name = "E", value_parser = parse_share)]
+    pub(crate) until_rel: Option<f64>,
+    /// Trials at which --until-rel gives up
+    #[arg(long, default_value_t = 1_000_000, value_name = "M", requires = "until_rel")]
+    pub(crate) max_realizations: u64,
+    /// Realizations from which each spectrum is estimated [default: spectra that are known without
+    /// sampling are not; others from what eight times the work of the trials allows, up to 8 M]
     #[arg(long, value_name = "R")]
     pub(crate) spectrum_realizations: Option<u64>,
     /// Largest degree of the spectra [default: 4 sqrt(N), for lattices 40 sqrt(N)]
@@ -36,6 +43,18 @@ pub(crate) struct EffortArgs {
     /// Integrate over the hemisphere z >= 0
     #[arg(long)]
     pub(crate) hemisphere: bool,
+}
+
+/// A share as a number or in percent, above 0.
+fn parse_share(text: &str) -> Result<f64, String> {
+    let (number, unit) = match text.strip_suffix('%') {
+        Some(percent) => (percent.trim_end(), 0.01),
+        None => (text, 1.0),
+    };
+    match number.parse::<f64>() {
+        Ok(x) if x > 0.0 && x.is_finite() => Ok(unit * x),
+        _ => Err("a share above 0 is needed, such as 2% or 0.02".to_owned()),
+    }
 }
 
 impl EffortArgs {
@@ -52,6 +71,9 @@ impl EffortArgs {
             domain: super::domain(self.hemisphere),
             seed: global.seed,
             trials: self.realizations,
+            until: self
+                .until_rel
+                .map(|relative| Precision { relative, most: self.max_realizations }),
             realizations: self.spectrum_realizations,
             lmax: self.lmax,
             method,
@@ -68,6 +90,8 @@ pub(super) struct Plan<'a> {
     pub(super) domain: Domain,
     pub(super) seed: u64,
     pub(super) trials: u64,
+    /// How precise each variance is to be, if not by a number of trials.
+    pub(super) until: Option<Precision>,
     /// The number of realizations of a spectrum, if the user has a wish.
     pub(super) realizations: Option<u64>,
     /// The largest degree of a spectrum, if the user has a wish.
@@ -116,7 +140,7 @@ pub(super) struct Row {
 /// integrand's energies.
 pub(super) fn run(plan: &Plan<'_>, cases: &[Case]) -> Result<(Vec<Row>, Energy), CliError> {
     let (efforts, lmax) = check(plan, cases)?;
-    let cost = cases.iter().zip(&efforts).map(|(c, &e)| comparison_cost(&*c.sampler, e)).sum();
+    let cost = cases.iter().zip(&efforts).map(|(c, e)| plan.cost(c, e)).sum();
     let progress = Progress::new(cost, plan.quiet);
     progress.stage("integrand");
     let energy = plan.integrand.function.energy(plan.domain, lmax)?;
@@ -125,9 +149,13 @@ pub(super) fn run(plan: &Plan<'_>, cases: &[Case]) -> Result<(Vec<Row>, Energy),
         .zip(efforts)
         .map(|(case, effort)| {
             progress.stage(&format!("{} N = {}", case.pattern, case.n_points()));
-            let done = |cost| progress.advance(cost);
+            let report = |work| match work {
+                Work::Done(seconds) => progress.advance(seconds),
+                Work::Added(seconds) => progress.lengthen(seconds),
+            };
             let function = &*plan.integrand.function;
-            let comparison = compare(&*case.sampler, function, &energy, effort, &done)?;
+            let known = plan.known_spectrum(case, &effort, &|seconds| progress.advance(seconds))?;
+            let comparison = compare(&*case.sampler, function, &energy, effort, known, &report)?;
             Ok(Row { pattern: case.pattern.clone(), asked: case.asked, comparison })
         })
         .collect::<Result<Vec<Row>, CliError>>()?;
@@ -157,19 +185,109 @@ pub(super) fn check(plan: &Plan<'_>, cases: &[Case]) -> Result<(Vec<Effort>, usi
         let resolution = Resolution { lmax, n_points: case.n_points(), method, epsilon };
         check_transform(resolution, effort.realizations)?;
     }
-    check_memory(&format!("-m {}", plan.trials), 8.0 * plan.trials as f64)?;
+    check_trials(plan)?;
+    check_cut_sum(plan, cases)?;
     Ok((efforts, lmax))
 }
 
+/// Refuses numbers of trials whose estimates do not fit into memory.
+fn check_trials(plan: &Plan<'_>) -> Result<(), CliError> {
+    let (what, most) = match plan.until {
+        Some(Precision { most, .. }) if most < plan.trials => {
+            return Err(CliError::Usage(format!(
+                "--max-realizations must be at least the {} trials of -m, got {most}",
+                plan.trials
+            )));
+        }
+        Some(Precision { most, .. }) => ("--max-realizations", most),
+        None => ("-m", plan.trials),
+    };
+    check_memory(&format!("{what} {most}"), 8.0 * most as f64)
+}
+
+/// Refuses a largest degree of the user's with which predictions would tell nothing of the patterns. White noise is the
+/// one pattern whose power is 1 in every degree, as it is taken to be beyond the last one.
+fn check_cut_sum(plan: &Plan<'_>, cases: &[Case]) -> Result<(), CliError> {
+    let Some(lmax) = plan.lmax else {
+        return Ok(());
+    };
+    let low: Vec<&Case> = cases
+        .iter()
+        .filter(|c| c.pattern != Pattern::WhiteNoise && lmax < settled_degree(&*c.sampler))
+        .collect();
+    let Some(highest) = low.iter().map(|c| settled_degree(&*c.sampler)).max() else {
+        return Ok(());
+    };
+    check_degree("the integrand's energies", highest)?;
+    let energy = plan.integrand.function.energy(plan.domain, highest)?;
+    for case in low {
+        check_settled(&*case.sampler, &energy, lmax)
+            .map_err(|e| CliError::Usage(format!("--lmax {lmax}, {}: {e}", case.pattern)))?;
+    }
+    Ok(())
+}
+
 impl Plan<'_> {
+    /// From how many realizations of `n_points` the spectrum of the case's pattern is estimated.
+    pub(super) fn spectrum_realizations(&self, case: &Case, n_points: usize, lmax: usize) -> u64 {
+        let seconds = case.pattern.seconds(n_points);
+        let trials = self.expected_trials();
+        self.realizations
+            .unwrap_or_else(|| worthwhile_realizations(n_points, lmax, trials, seconds))
+    }
+
+    /// The number of trials, or what a precision takes of normal estimates: `2/e^2`.
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "positive, and the cast saturates"
+    )]
+    fn expected_trials(&self) -> u64 {
+        self.until.map_or(self.trials, |Precision { relative, most }| {
+            ((2.0 / (relative * relative)) as u64).max(self.trials).min(most)
+        })
+    }
+
+    /// The seconds that the spectrum of a case may take if it is not sampled, or `None` if it is to be:
+    /// by the user's wish, or because one realization of a pattern that is not random is its spectrum.
+    fn seconds_unsampled(&self, case: &Case) -> Option<f64> {
+        (self.realizations.is_none() && case.sampler.is_random()).then_some(MOST_UNSAMPLED)
+    }
+
+    /// The spectrum of a case without sampling, where there is one.
+    fn known_spectrum(
+        &self,
+        case: &Case,
+        effort: &Effort,
+        done: &(dyn Fn(f64) + Sync),
+    ) -> Result<Option<Spectrum>, CliError> {
+        let Some(seconds) = self.seconds_unsampled(case) else {
+            return Ok(None);
+        };
+        let (pattern, n) = (&case.pattern, case.n_points());
+        Ok(known_spectrum(pattern, n, self.domain, effort.lmax, seconds, done)?)
+    }
+
+    /// The seconds for a case, roughly.
+    fn cost(&self, case: &Case, effort: &Effort) -> f64 {
+        let (pattern, n, lmax) = (&case.pattern, case.n_points(), effort.lmax);
+        let is_known = |&seconds: &f64| is_spectrum_known(pattern, n, self.domain, lmax, seconds);
+        if self.seconds_unsampled(case).filter(is_known).is_some() {
+            let trials_alone = Effort { realizations: 0, ..*effort };
+            trials_alone.seconds(&*case.sampler)
+                + exact_spectrum_cost(pattern, n, self.domain, lmax)
+        } else {
+            effort.seconds(&*case.sampler)
+        }
+    }
+
     fn effort(&self, case: &Case) -> Effort {
         let needed = prediction_degree(&*case.sampler, &*self.integrand.function);
         let natural = Resolution::natural_degree(case.n_points());
         let shown = if self.whole_spectra { natural } else { 0 };
         let lmax = self.lmax.unwrap_or(needed.max(shown));
-        let realizations = self
-            .realizations
-            .unwrap_or_else(|| worthwhile_realizations(case.n_points(), lmax, self.trials));
+        let seconds_per_set = case.pattern.seconds(case.n_points());
+        let realizations = self.spectrum_realizations(case, case.n_points(), lmax);
         Effort {
             seed: self.seed,
             group: case.pattern.stream_group(case.n_points()),
@@ -178,9 +296,14 @@ impl Plan<'_> {
             epsilon: self.epsilon,
             realizations,
             trials: self.trials,
+            until: self.until,
+            seconds_per_set,
         }
     }
 }
+
+/// The seconds of one core that a spectrum without sampling may take; beyond that it is sampled.
+const MOST_UNSAMPLED: f64 = 20.0;
 
 /// A row as scripts see it.
 #[derive(Debug, Serialize)]
@@ -204,12 +327,27 @@ pub(super) struct RowRecord {
     mean: f64,
     mean_stderr: f64,
     exact: Option<f64>,
+    predicted_tail_error: f64,
+    /// 95 % intervals.
+    predicted_low: f64,
+    predicted_high: f64,
+    measured_low: f64,
+    measured_high: f64,
+    /// Mean minus exact in standard errors, and its probability without a bias.
+    bias_z: Option<f64>,
+    bias_p: Option<f64>,
 }
+
+/// The confidence of the intervals in files.
+const CONFIDENCE: f64 = 0.95;
 
 impl RowRecord {
     pub(super) fn new(row: &Row, plan: &Plan<'_>) -> Self {
         let Comparison { spectrum, prediction, measurement, .. } = &row.comparison;
         let (ratio, ratio_stderr) = row.comparison.ratio();
+        let (predicted_low, predicted_high) = prediction.interval(CONFIDENCE);
+        let (measured_low, measured_high) = measurement.variance_interval(CONFIDENCE);
+        let bias = row.comparison.bias();
         Self {
             sampler: row.pattern.to_string(),
             integrand: plan.integrand.name.clone(),
@@ -229,7 +367,14 @@ impl RowRecord {
             z: row.comparison.z_score(),
             mean: measurement.mean(),
             mean_stderr: measurement.mean_stderr(),
-            exact: plan.integrand.function.exact(plan.domain),
+            exact: row.comparison.exact,
+            predicted_tail_error: prediction.tail_error,
+            predicted_low,
+            predicted_high,
+            measured_low,
+            measured_high,
+            bias_z: bias.map(|b| b.z),
+            bias_p: bias.map(|b| b.p_value),
         }
     }
 
@@ -239,8 +384,8 @@ impl RowRecord {
     }
 
     /// The heading of [`Self::cells`].
-    pub(super) const HEADING: [&'static str; 9] =
-        ["sampler", "N asked", "N", "predicted", "+-", "measured", "+-", "measured/predicted", "z"];
+    pub(super) const HEADING: [&'static str; 10] =
+        ["sampler", "N asked", "N", "predicted", "+-", "measured", "+-", "ratio", "z", "bias z"];
 
     /// The row of a table for people.
     pub(super) fn cells(&self) -> Vec<String> {
@@ -250,24 +395,27 @@ impl RowRecord {
         } else {
             "-".to_owned()
         };
-        let z = if self.z.abs() < 1e4 { format!("{:+.1}", self.z) } else { short(self.z) };
+        let score = |z: f64| if z.abs() < 1e4 { format!("{z:+.1}") } else { short(z) };
+        let error = |x: f64| if x.is_finite() { format!("{x:.1e}") } else { "-".to_owned() };
         vec![
             self.sampler.to_owned(),
             self.asked.to_string(),
             self.n.to_string(),
             short(self.predicted),
-            short(self.predicted_stderr),
+            error(self.predicted_stderr.hypot(self.predicted_tail_error)),
             short(self.measured),
-            short(self.measured_stderr),
+            error(self.measured_stderr),
             ratio,
-            z,
+            score(self.z),
+            self.bias_z.map_or("-".to_owned(), score),
         ]
     }
 
     /// The heading of [`Self::record`].
     pub(super) const COLUMNS: &'static str = "sampler,integrand,domain,asked,n,lmax,realizations,\
          trials,predicted,predicted_stderr,predicted_tail,measured,measured_stderr,ratio,\
-         ratio_stderr,z,mean,mean_stderr,exact";
+         ratio_stderr,z,mean,mean_stderr,exact,predicted_tail_error,predicted_low,predicted_high,\
+         measured_low,measured_high,bias_z,bias_p";
 
     /// The row of a CSV file.
     pub(super) fn record(&self) -> Vec<String> {
@@ -293,6 +441,13 @@ impl RowRecord {
             self.mean,
             self.mean_stderr,
             self.exact.unwrap_or(f64::NAN),
+            self.predicted_tail_error,
+            self.predicted_low,
+            self.predicted_high,
+            self.measured_low,
+            self.measured_high,
+            self.bias_z.unwrap_or(f64::NAN),
+            self.bias_p.unwrap_or(f64::NAN),
         ];
         cells.extend(numbers.map(full));
         cells

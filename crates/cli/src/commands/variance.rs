@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 use serde::Serialize;
 
+use super::cut_sphere::{self, Cut, CutRecord};
 use super::rows::{self, Case, EffortArgs, RowRecord};
 use crate::error::CliError;
 use crate::global::Global;
@@ -15,10 +16,12 @@ use crate::report::{
 };
 
 pub(crate) const EXAMPLES: &str = "Example:
-  sphvar variance jittered,white-noise -n 192,768 --integrand cap:degrees=60 -m 2000
+  sphvar variance jittered,white-noise -n 192,768 --integrand cap:degrees=60 --until-rel 2%
 
 Columns: the variance that the spectra predict and the one measured on independent, uniformly
-rotated realizations, each with its standard error; z is their difference in standard errors.";
+rotated realizations, each with its standard error (that of the prediction with the error of the
+degrees beyond the spectrum); ratio is measured/predicted, z their difference in standard errors,
+bias z that of the mean estimate and the exact integral. 95 % intervals are in files and --json.";
 
 #[derive(Debug, Args)]
 pub(crate) struct VarianceArgs {
@@ -34,6 +37,10 @@ pub(crate) struct VarianceArgs {
     /// Take the nearest number of points that a pattern has
     #[arg(long)]
     pub(crate) nearest: bool,
+    /// Cut sphere sets of twice the points in half as well, with both estimators that are in use
+    #[arg(long, value_name = "AXIS", num_args = 0..=1, require_equals = true,
+        default_missing_value = "random", requires = "hemisphere")]
+    pub(crate) cut_sphere: Option<Cut>,
     /// Write the rows to a file, .csv or .json
     #[arg(short, long, value_name = "FILE")]
     pub(crate) out: Option<PathBuf>,
@@ -43,6 +50,9 @@ pub(crate) struct VarianceArgs {
 #[derive(Debug, Serialize)]
 struct Document<'a> {
     rows: &'a [RowRecord],
+    /// With `--cut-sphere` only.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    cut_sphere: Option<&'a [CutRecord]>,
     provenance: &'a Provenance,
 }
 
@@ -62,7 +72,11 @@ pub(crate) fn run(args: &VarianceArgs, global: &Global) -> Result<(), CliError> 
     let (rows, _) = rows::run(&plan, &cases)?;
     let records: Vec<RowRecord> = rows.iter().map(|row| RowRecord::new(row, &plan)).collect();
     let provenance = Provenance::new(global.seed);
-    let document = Document { rows: &records, provenance: &provenance };
+    let cut = match args.cut_sphere {
+        Some(cut) => Some(cut_sphere::run(&plan, cut, &cases, &rows)?),
+        None => None,
+    };
+    let document = Document { rows: &records, cut_sphere: cut.as_deref(), provenance: &provenance };
     if let Some(path) = &args.out
         && !(global.json && is_stdout(path))
     {
@@ -75,6 +89,11 @@ pub(crate) fn run(args: &VarianceArgs, global: &Global) -> Result<(), CliError> 
         Ok(())
     } else {
         let cells = records.iter().map(RowRecord::cells).collect();
-        print(&table(&RowRecord::HEADING, cells, 1))
+        let mut text = table(&RowRecord::HEADING, cells, 1);
+        if let Some(cut) = &cut {
+            text.push('\n');
+            text += &table(&CutRecord::HEADING, cut.iter().map(CutRecord::cells).collect(), 1);
+        }
+        print(&text)
     }
 }

@@ -15,4 +15,5 @@ mod help;
 mod numbers;
 mod outcome;
 mod pipes;
+mod precision;
 mod workplace;

@@ -3,9 +3,7 @@
 use std::time::Instant;
 
 use sphvar_samplers::{Domain, Pattern, Purpose, Realizations, Streams};
-use sphvar_variance::{
-    PredictedCurve, PredictedPoint, Predictor, RequiredPoints, making_seconds, required_points,
-};
+use sphvar_variance::{PredictedCurve, PredictedPoint, Predictor, RequiredPoints, required_points};
 
 use super::question::{Question, Wish};
 use crate::error::CliError;
@@ -123,7 +121,7 @@ fn making(
     seed: u64,
 ) -> Result<Making, CliError> {
     let pattern = curve.pattern();
-    let expected = |n: usize| making_seconds(pattern, n);
+    let expected = |n: usize| pattern.seconds(n);
     let largest = curve.points().last().map_or(n_points, PredictedPoint::n_points);
     let is_scaled = largest < n_points && expected(n_points) > LONGEST_SET;
     let timed = if is_scaled { largest } else { n_points };
@@ -182,5 +180,5 @@ pub(super) fn recommended<'a>(
 }
 
 fn per_point(candidate: &Candidate, n_points: usize) -> f64 {
-    making_seconds(candidate.curve.pattern(), n_points) / n_points as f64
+    candidate.curve.pattern().seconds(n_points) / n_points as f64
 }

@@ -1,0 +1,184 @@
+//! Sphere sets cut in half beside patterns of the hemisphere, as `variance --cut-sphere` shows them.
+
+use clap::ValueEnum;
+use serde::Serialize;
+use sphvar_samplers::{Domain, Purpose, Realizations, Sampler, Streams};
+use sphvar_variance::{
+    BiasTest, CutAxis, CutMeasurement, Measurement, energy_above_equator, measure_cut_sphere,
+    predict, prediction_degree,
+};
+
+use super::rows::{Case, Plan, Row};
+use crate::error::CliError;
+use crate::memory::check_transform;
+use crate::patterns;
+use crate::progress::Progress;
+use crate::report::short;
+
+/// Where sphere sets are cut.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Cut {
+    /// Turned at random against the integrand, which is taken as a function of lines
+    Random,
+    /// At the equator
+    Equator,
+}
+
+/// One pattern of the sphere, cut, under one estimator.
+#[derive(Debug, Serialize)]
+pub(super) struct CutRecord {
+    sampler: String,
+    /// The number of points on the whole sphere.
+    m: usize,
+    estimator: &'static str,
+    axis: &'static str,
+    trials: usize,
+    predicted: Option<f64>,
+    predicted_stderr: Option<f64>,
+    measured: f64,
+    measured_stderr: f64,
+    measured_low: f64,
+    measured_high: f64,
+    /// Measured over measured variance of the same pattern on the hemisphere itself.
+    over_hemisphere: f64,
+    over_hemisphere_stderr: f64,
+    mean: f64,
+    exact: Option<f64>,
+    bias_z: Option<f64>,
+    bias_p: Option<f64>,
+    /// Mean and variance of the number of points kept.
+    kept: f64,
+    kept_variance: f64,
+    /// Trials in which no point was kept, whose ratio estimates are 0.
+    empty: usize,
+}
+
+/// Both estimators for every case, whose rows on the hemisphere are `rows`.
+pub(super) fn run(
+    plan: &Plan<'_>,
+    cut: Cut,
+    cases: &[Case],
+    rows: &[Row],
+) -> Result<Vec<CutRecord>, CliError> {
+    let sphere: Vec<Box<dyn Sampler>> = cases
+        .iter()
+        .map(|c| patterns::build(&c.pattern, c.n_points().saturating_mul(2), Domain::Sphere, true))
+        .collect::<Result<_, _>>()?;
+    let trials = |row: &Row| row.comparison.measurement.estimates().len();
+    let seconds = |case: &Case, m: usize| case.pattern.seconds(m) + 80e-9 * m as f64;
+    let cost = sphere.iter().zip(cases).zip(rows);
+    let cost = cost.map(|((s, c), r)| trials(r) as f64 * seconds(c, s.n_points())).sum();
+    let progress = Progress::new(cost, plan.quiet);
+    let mut records = Vec::new();
+    for ((sampler, case), row) in sphere.iter().zip(cases).zip(rows) {
+        let m = sampler.n_points();
+        progress.stage(&format!("{} M = {m}, cut", case.pattern));
+        let group = case.pattern.stream_group(m);
+        let streams = Streams::new(plan.seed, Purpose::Trial, group);
+        let axis = match cut {
+            Cut::Equator => CutAxis::Equator,
+            Cut::Random => CutAxis::Random(Streams::new(plan.seed, Purpose::Resample, group)),
+        };
+        let ensemble = Realizations::rotated(&**sampler, streams);
+        let function = &*plan.integrand.function;
+        let done = || progress.advance(seconds(case, m));
+        let measured = measure_cut_sphere(&ensemble, function, axis, trials(row) as u64, &done)?;
+        let predicted = match cut {
+            Cut::Equator => predicted(plan, case, &**sampler)?,
+            Cut::Random => None,
+        };
+        for (name, estimates, predicted) in [
+            ("(4 pi/M) sum f", &measured.unbiased, predicted),
+            ("(2 pi/n) sum f", &measured.ratio, None),
+        ] {
+            records.push(CutRecord::new(name, estimates, predicted, cut, m, &measured, row));
+        }
+    }
+    Ok(records)
+}
+
+/// The variance of the unbiased estimate by the formula of the sphere, if the energies of the integrand's upper half are
+/// known.
+fn predicted(
+    plan: &Plan<'_>,
+    case: &Case,
+    sampler: &dyn Sampler,
+) -> Result<Option<(f64, f64)>, CliError> {
+    let lmax = prediction_degree(sampler, &*plan.integrand.function);
+    let Some(energy) = energy_above_equator(&*plan.integrand.function, lmax) else {
+        return Ok(None);
+    };
+    let realizations = plan.spectrum_realizations(case, sampler.n_points(), lmax);
+    let resolution = sphvar_spectrum::Resolution::new(lmax, sampler.n_points());
+    check_transform(resolution, realizations)?;
+    let streams =
+        Streams::new(plan.seed, Purpose::Pattern, case.pattern.stream_group(sampler.n_points()));
+    let sets = Realizations::rotated(sampler, streams);
+    let spectrum = sphvar_spectrum::estimate(&sets, lmax, realizations, &|| ())
+        .map_err(sphvar_variance::Error::from)?;
+    let prediction = predict(&spectrum, &energy);
+    Ok(Some((prediction.variance, prediction.total_stderr())))
+}
+
+impl CutRecord {
+    fn new(
+        estimator: &'static str,
+        estimates: &Measurement,
+        predicted: Option<(f64, f64)>,
+        cut: Cut,
+        m: usize,
+        all: &CutMeasurement,
+        row: &Row,
+    ) -> Self {
+        let itself = &row.comparison.measurement;
+        let over_hemisphere = estimates.variance() / itself.variance();
+        let bias: Option<BiasTest> =
+            row.comparison.exact.map(|exact| estimates.bias(exact, row.comparison.rounding));
+        let (measured_low, measured_high) = estimates.variance_interval(0.95);
+        Self {
+            sampler: row.pattern.to_string(),
+            m,
+            estimator,
+            axis: if cut == Cut::Equator { "equator" } else { "random" },
+            trials: estimates.estimates().len(),
+            predicted: predicted.map(|p| p.0),
+            predicted_stderr: predicted.map(|p| p.1),
+            measured: estimates.variance(),
+            measured_stderr: estimates.variance_stderr(),
+            measured_low,
+            measured_high,
+            over_hemisphere,
+            over_hemisphere_stderr: over_hemisphere
+                * estimates.relative_stderr().hypot(itself.relative_stderr()),
+            mean: estimates.mean(),
+            exact: row.comparison.exact,
+            bias_z: bias.map(|b| b.z),
+            bias_p: bias.map(|b| b.p_value),
+            kept: all.kept.mean(),
+            kept_variance: all.kept.variance(),
+            empty: all.kept.estimates().iter().filter(|n| **n < 0.5).count(),
+        }
+    }
+
+    /// The heading of [`Self::cells`].
+    pub(super) const HEADING: [&'static str; 8] =
+        ["cut sampler", "M", "n", "estimate", "predicted", "measured", "cut/hemisphere", "bias z"];
+
+    /// The row of a table for people.
+    pub(super) fn cells(&self) -> Vec<String> {
+        vec![
+            self.sampler.clone(),
+            self.m.to_string(),
+            format!("{:.0} +- {:.1}", self.kept, self.kept_variance.sqrt()),
+            self.estimator.to_owned(),
+            self.predicted.map_or("-".to_owned(), short),
+            short(self.measured),
+            if self.over_hemisphere.is_finite() {
+                format!("{:.3} +- {:.3}", self.over_hemisphere, self.over_hemisphere_stderr)
+            } else {
+                "-".to_owned()
+            },
+            self.bias_z.map_or("-".to_owned(), |z| format!("{z:+.1}")),
+        ]
+    }
+}

@@ -1,0 +1,75 @@
+//! Variances to a precision, degrees that are refused, and sphere sets cut in half.
+
+use crate::outcome::assert_keys;
+use crate::workplace::Workplace;
+
+#[test]
+fn trials_are_doubled_until_the_variance_is_precise() {
+    let place = Workplace::new();
+    let run = |flags: &str| {
+        let command = format!("variance white-noise -n 12 --integrand cosine -m 50 --json {flags}");
+        place.run(&command).json()["rows"][0].clone()
+    };
+    let row = run("--until-rel 10%");
+    let (measured, stderr) =
+        (row["measured"].as_f64().unwrap(), row["measured_stderr"].as_f64().unwrap());
+    assert!(stderr <= 0.1 * measured, "{row}");
+    let trials = row["trials"].as_u64().unwrap();
+    // 2/0.1^2 = 200 trials of near-normal estimates, by doubling 50.
+    assert!([100, 200, 400].contains(&trials), "{row}");
+    assert_eq!(run("--until-rel 0.1"), row);
+    assert_eq!(run("--until-rel 0.1% --max-realizations 120")["trials"], 120);
+    for (low, high, value) in [
+        ("measured_low", "measured_high", "measured"),
+        ("predicted_low", "predicted_high", "predicted"),
+    ] {
+        let [low, high, value] = [low, high, value].map(|key| row[key].as_f64().unwrap());
+        assert!(low < value && value < high, "{row}");
+    }
+    assert_keys(&row, &["predicted_tail_error", "bias_z", "bias_p"]);
+    for flags in ["--until-rel 0", "--until-rel=-2%", "--until-rel nan", "--until-rel x%"] {
+        let command = format!("variance white-noise -n 12 --integrand cosine {flags}");
+        place.run(&command).fails(2, &["a share above 0"]);
+    }
+    place
+        .run("variance white-noise -n 12 --integrand cosine --until-rel 1% --max-realizations 9")
+        .fails(2, &["--max-realizations must be at least the 1000 trials"]);
+}
+
+#[test]
+fn a_degree_that_fakes_a_rate_is_refused() {
+    let place = Workplace::new();
+    let with = |sampler: &str, lmax: usize, integrand: &str| {
+        place.run(&format!(
+            "variance {sampler} -n 768 -m 4 --lmax {lmax} --integrand {integrand} --json"
+        ))
+    };
+    with("jittered", 30, "cap:degrees=60").fails(2, &["the least degree that will do is 5"]);
+    with("jittered", 3, "ylm:l=4").fails(2, &["the least degree that will do is 4"]);
+    with("jittered", 4, "ylm:l=4").ok();
+    with("jittered", 56, "cap:degrees=60").ok();
+    with("white-noise", 8, "cap:degrees=60").ok();
+}
+
+/// Cut at the equator, what vanishes there costs nothing and is predicted; the ratio estimate pays.
+#[test]
+fn cut_spheres_stand_beside_the_hemisphere() {
+    let place = Workplace::new();
+    let command = "variance jittered -n 96 --integrand cosine -m 400 --hemisphere";
+    let document = place.run(&format!("{command} --cut-sphere=equator --json")).json();
+    let rows = document["cut_sphere"].as_array().unwrap();
+    assert_eq!(rows.len(), 2);
+    for row in rows {
+        assert_keys(row, &["sampler", "m", "estimator", "measured_low", "over_hemisphere", "kept"]);
+        assert_eq!(row["m"], 192, "{row}");
+    }
+    // Six standard errors of 7 % each.
+    let ratio = |row: &serde_json::Value, over: &str| {
+        row["measured"].as_f64().unwrap() / row[over].as_f64().unwrap()
+    };
+    assert!((ratio(&rows[0], "predicted") - 1.0).abs() < 0.45, "{rows:?}");
+    assert!(rows[1]["over_hemisphere"].as_f64().unwrap() > 1.8, "{rows:?}");
+    let text = place.run(&format!("{command} --cut-sphere")).ok().stdout;
+    assert!(text.contains("cut/hemisphere"), "{text}");
+    assert!(place.run(&format!("{command} --json")).json().get("cut_sphere").is_none());
+}

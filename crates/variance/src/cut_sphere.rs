@@ -1,0 +1,129 @@
+use std::f64::consts::PI;
+
+use glam::DVec3;
+use rayon::prelude::{IntoParallelIterator, ParallelIterator};
+use sphvar_samplers::{Domain, Realizations, Streams, rotate, uniform_rotation};
+
+use crate::{Energy, Error, Integrand, Measurement};
+
+/// How the cut lies to the integrand.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum CutAxis {
+    /// At the equator, as where a renderer keeps the visible half.
+    Equator,
+    /// Turned at random, by rotations from these streams: the integrand is a function of lines, and any half of the
+    /// sphere represents them all. This is what compares with a pattern of lines, which has no
+    /// preferred half.
+    Random(Streams),
+}
+
+/// Estimates of an integral over the hemisphere from sphere sets of which one half is kept.
+///
+/// A set has M points on the sphere, n of them in the half that is kept. n is random, and the cut is a
+/// seam that the pattern knows nothing of (`docs/theory.md`, section on the hemisphere).
+#[derive(Clone, Debug, PartialEq)]
+pub struct CutMeasurement {
+    /// `(4 pi/M) sum f`: unbiased, with the variance of f cut off at the seam.
+    pub unbiased: Measurement,
+    /// `(2 pi/n) sum f`: a ratio estimate, whose bias is of the order 1/M. 0, as the sum is, for n = 0; that happens
+    /// where M is a handful.
+    pub ratio: Measurement,
+    /// The numbers n.
+    pub kept: Measurement,
+}
+
+/// Integrates `integrand` over the hemisphere by `trials` realizations of an ensemble on the sphere, cut
+/// in half; `done` is called after each.
+///
+/// # Errors
+///
+/// [`Error::Spectrum`] with the sampler's error if a realization cannot be made.
+///
+/// # Panics
+///
+/// If the ensemble is not one on the sphere.
+pub fn measure_cut_sphere(
+    ensemble: &Realizations<'_>,
+    integrand: &dyn Integrand,
+    axis: CutAxis,
+    trials: u64,
+    done: &(dyn Fn() + Sync),
+) -> Result<CutMeasurement, Error> {
+    assert_eq!(ensemble.sampler().domain(), Domain::Sphere, "a sphere set is to be cut");
+    let trial = |points: &mut Vec<DVec3>, index| {
+        ensemble.realize_into(index, points).map_err(sphvar_spectrum::Error::from)?;
+        let m = points.len() as f64;
+        points.retain(|p| p.z > 0.0);
+        if let CutAxis::Random(streams) = axis {
+            let rotation = uniform_rotation(&mut streams.realization(index));
+            rotate(rotation, Domain::Hemisphere, points);
+        }
+        let n = points.len() as f64;
+        let sum: f64 = points.iter().map(|&p| integrand.eval(p)).sum();
+        done();
+        Ok([4.0 * PI / m * sum, if n > 0.0 { 2.0 * PI / n * sum } else { 0.0 }, n])
+    };
+    // Collected in the order of the trials: what follows does not depend on threads.
+    let rows: Result<Vec<[f64; 3]>, Error> =
+        (0..trials).into_par_iter().map_init(Vec::new, trial).collect();
+    let rows = rows?;
+    let column = |i: usize| Measurement::new(rows.iter().map(|row| row[i]).collect());
+    Ok(CutMeasurement { unbiased: column(0), ratio: column(1), kept: column(2) })
+}
+
+/// The energies on the sphere of the integrand cut off at the equator, if they follow from what it says of
+/// itself: if it vanishes below, then it is its own upper half.
+///
+/// With a sphere pattern's spectrum they predict the variance of the unbiased estimate with the cut at the
+/// equator, by the formula of the sphere: [`predict`](crate::predict). With the energies of `(f - mean f) 1_H`
+/// the same predicts that of the ratio estimate, to first order in 1/M.
+///
+/// The even extension has twice the energy of the upper half, and the function on the sphere that of both halves: if twice
+/// the latter is the former, nothing is left for the lower half.
+#[must_use]
+pub fn energy_above_equator(integrand: &dyn Integrand, lmax: usize) -> Option<Energy> {
+    let whole = integrand.energy(Domain::Sphere, lmax).ok()?;
+    let even = integrand.energy(Domain::Hemisphere, 0).ok()?;
+    // Totals come from closed forms or long sums, with relative errors of 1e-14 at most.
+    let same = (2.0 * whole.total() - even.total()).abs() <= 1e-12 * even.total();
+    same.then_some(whole)
+}
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::PI;
+
+    use sphvar_samplers::{Domain, Pattern, Purpose, Realizations, Streams};
+
+    use super::{CutAxis, energy_above_equator, measure_cut_sphere};
+    use crate::{Cap, ClampedCosine, Harmonic, VonMisesFisher};
+
+    #[test]
+    fn only_what_vanishes_below_is_its_own_upper_half() {
+        for degrees in [1.0, 60.0, 90.0] {
+            assert!(energy_above_equator(&Cap::from_degrees(degrees).unwrap(), 8).is_some());
+        }
+        assert!(energy_above_equator(&ClampedCosine, 8).is_some());
+        assert!(energy_above_equator(&Cap::from_degrees(91.0).unwrap(), 8).is_none());
+        assert!(energy_above_equator(&VonMisesFisher::new(10.0).unwrap(), 8).is_none());
+        assert!(energy_above_equator(&Harmonic::new(4, 0).unwrap(), 8).is_none());
+        assert!(energy_above_equator(&Harmonic::new(3, 0).unwrap(), 8).is_none());
+        assert!(energy_above_equator(&|_| 1.0, 8).is_none());
+    }
+
+    /// Of one point half the sets are empty; the constant 1 then has the estimates 0, and 4 pi or 2 pi.
+    #[test]
+    fn an_empty_half_gives_0() {
+        let sampler = Pattern::WhiteNoise.build(1, Domain::Sphere).unwrap();
+        let sets = Realizations::rotated(&*sampler, Streams::new(0, Purpose::Trial, 1));
+        for axis in [CutAxis::Equator, CutAxis::Random(Streams::new(1, Purpose::Trial, 1))] {
+            let got = measure_cut_sphere(&sets, &|_| 1.0, axis, 200, &|| ()).unwrap();
+            for i in 0..200 {
+                let [a, b, n] = [&got.unbiased, &got.ratio, &got.kept].map(|m| m.estimates()[i]);
+                assert!((a - 4.0 * PI * n).abs() < 1e-14 && (b - 2.0 * PI * n).abs() < 1e-14);
+            }
+            // Binomial with 1/2: six standard errors of 0.035.
+            assert!((got.kept.mean() - 0.5).abs() < 0.21, "{}", got.kept.mean());
+        }
+    }
+}
