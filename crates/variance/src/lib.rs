@@ -25,34 +25,34 @@
 //! for. An [`Integrand`] is a function with, where known, its exact integral and its [`Energy`]
 //! per degree; closures are integrands too.
 
-mod cap;
+mod coefficients;
 mod comparison;
-mod cosine;
 mod crossover;
 mod energy;
-mod environment;
 mod error;
-mod harmonic;
 mod integrand;
-mod lobe;
+mod integrands;
 mod measurement;
 mod prediction;
+mod quadrature;
 mod rate;
+mod shape;
 
-pub use cap::Cap;
+pub use coefficients::Coefficients;
 pub use comparison::{
     Comparison, Effort, compare, comparison_cost, prediction_degree, worthwhile_realizations,
 };
-pub use cosine::ClampedCosine;
 pub use crossover::{Crossover, crossover};
 pub use energy::Energy;
-pub use environment::EnvironmentMap;
 pub use error::Error;
-pub use harmonic::Harmonic;
 pub use integrand::Integrand;
-pub use lobe::VonMisesFisher;
+pub use integrands::{
+    AbsCosine, Cap, ClampedCosine, DoubleCap, EnvironmentMap, Harmonic, HealpixMap, PhongLobe,
+    Product, Rotated, SampledFunction, Sum, VonMisesFisher,
+};
 pub use measurement::{Measurement, measure};
 pub use prediction::{Prediction, PredictionAccumulator, predict};
 pub use rate::{RateFit, VariancePoint, fit_rate};
+pub use shape::{Circle, Shape};
 pub use sphvar_samplers::Domain;
 pub use sphvar_spectrum::Method;
