@@ -3,7 +3,7 @@ use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, TAU};
 use glam::DVec3;
 use num_complex::Complex;
 use rustfft::FftPlanner;
-use sphvar_healpix::{Nside, PixelOrder, Ring};
+use sphvar_healpix::{Nested, Nside, PixelOrder, Ring};
 use sphvar_samplers::Domain;
 use sphvar_sh::{Alm, Colatitude, GaussLegendre};
 use sphvar_sht::{RingTransform, RingWorkspace};
@@ -82,12 +82,26 @@ impl HealpixMap {
             let expected = nside.n_pixels();
             return Err(Error::PixelCount { nside: nside.value(), expected, got: values.len() });
         }
-        let is_missing = |v: &&f64| !v.is_finite() || (*v / UNSEEN - 1.0).abs() < UNSEEN_TOLERANCE;
-        if let Some(first) = values.iter().position(|v| is_missing(&v)) {
-            let count = values.iter().filter(is_missing).count();
-            return Err(Error::Pixels { count, first });
-        }
+        check_values(&values)?;
         Ok(Self { nside, values })
+    }
+
+    /// The map with `values` in nested order, which are brought to ring order.
+    ///
+    /// # Errors
+    ///
+    /// As [`new`](Self::new); pixels are counted in nested order.
+    pub fn from_nested(order: Nested, values: Vec<f64>) -> Result<Self, Error> {
+        let nside = order.nside();
+        if values.len() as u64 != nside.n_pixels() {
+            // Which says so.
+            return Self::new(nside, values);
+        }
+        check_values(&values)?;
+        // There are as many pixels as values in memory.
+        let nested = |ring: usize| order.from_ring(ring as u64) as usize;
+        let ringed = (0..values.len()).map(|ring| values[nested(ring)]).collect();
+        Self::new(nside, ringed)
     }
 
     /// The resolution.
@@ -246,6 +260,17 @@ impl HealpixMap {
             }
         };
         self.nside.pixel_area() * total
+    }
+}
+
+/// Refuses values that are none.
+fn check_values(values: &[f64]) -> Result<(), Error> {
+    let is_missing = |v: &f64| !v.is_finite() || (v / UNSEEN - 1.0).abs() < UNSEEN_TOLERANCE;
+    match values.iter().position(is_missing) {
+        Some(first) => {
+            Err(Error::Pixels { count: values.iter().filter(|v| is_missing(v)).count(), first })
+        }
+        None => Ok(()),
     }
 }
 
