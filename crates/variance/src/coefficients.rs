@@ -201,15 +201,20 @@ impl Coefficients {
 
     /// The coefficients of `F(x) + F(-x)`: twice the even degrees, nothing in odd ones.
     #[must_use]
-    pub fn even_extension(mut self) -> Self {
-        let factor = |l: usize| if l.is_multiple_of(2) { 2.0 } else { 0.0 };
+    pub fn even_extension(self) -> Self {
+        self.even_part().scaled(2.0)
+    }
+
+    /// The coefficients of `(F(x) + F(-x))/2`: the even degrees.
+    #[must_use]
+    pub fn even_part(mut self) -> Self {
         for zonal in &mut self.zonals {
-            zonal.per_degree.iter_mut().enumerate().for_each(|(l, c)| *c *= factor(l));
+            zonal.per_degree.iter_mut().skip(1).step_by(2).for_each(|c| *c = 0.0);
         }
         if let Some(alm) = &mut self.general {
             for m in 0..=self.lmax {
-                let column = alm.column_mut(m).iter_mut();
-                column.enumerate().for_each(|(n, a)| *a *= factor(m + n));
+                let odd = alm.column_mut(m).iter_mut().skip((m + 1) % 2).step_by(2);
+                odd.for_each(|a| *a = Complex::ZERO);
             }
         }
         self

@@ -32,8 +32,8 @@ pub(crate) struct FitsMap {
 /// When the file cannot be read or is cut short, and when the header does not say unmistakably that this is
 /// a HEALPix map of the whole sphere, of what nside and in what order.
 pub(crate) fn read_fits_map(path: &Path, field: usize) -> Result<FitsMap, FileError> {
-    let bytes = fs::read(path)
-        .map_err(|source| FileError::Open { path: input_name(path), source })?;
+    let bytes =
+        fs::read(path).map_err(|source| FileError::Open { path: input_name(path), source })?;
     Reader { path, bytes: &bytes }.read(field)
 }
 
@@ -92,9 +92,10 @@ impl Reader<'_> {
         }
         let nside = self.count(header, "NSIDE")?;
         let expected = "an integer from 1 to 8192";
-        let nside = u32::try_from(nside).ok().filter(|n| (1..=8192).contains(n)).ok_or_else(|| {
-            self.keyword("NSIDE", expected, &nside.to_string())
-        })?;
+        let nside = u32::try_from(nside)
+            .ok()
+            .filter(|n| (1..=8192).contains(n))
+            .ok_or_else(|| self.keyword("NSIDE", expected, &nside.to_string()))?;
         let n_pixels = 12 * u64::from(nside) * u64::from(nside);
         for (name, expected) in [("FIRSTPIX", 0), ("LASTPIX", n_pixels - 1)] {
             if header.get(name).is_some() {

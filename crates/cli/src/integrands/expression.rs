@@ -54,11 +54,7 @@ fn first_of<'a>(text: &'a str, operators: [&str; 2]) -> Option<(usize, &'a str)>
 }
 
 /// The weight and the function of a summand: a product of numbers and rotated terms.
-fn summand(
-    sign: f64,
-    text: &str,
-    whole: &str,
-) -> Result<(f64, Box<dyn Integrand>), CliError> {
+fn summand(sign: f64, text: &str, whole: &str) -> Result<(f64, Box<dyn Integrand>), CliError> {
     let mut weight = sign;
     let mut product: Option<Box<dyn Integrand>> = None;
     for factor in text.split(" * ").map(str::trim) {

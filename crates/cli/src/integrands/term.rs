@@ -15,7 +15,16 @@ use crate::spec::{Spec, unknown_name};
 
 /// All names.
 const NAMES: [&str; 10] = [
-    "ylm", "cap", "double-cap", "half-space", "vmf", "phong", "cosine", "abs-cosine", "env", "map",
+    "ylm",
+    "cap",
+    "double-cap",
+    "half-space",
+    "vmf",
+    "phong",
+    "cosine",
+    "abs-cosine",
+    "env",
+    "map",
 ];
 
 /// The integrand of one specification.
@@ -94,9 +103,8 @@ fn environment(path: &Path, channel: Channel) -> Result<EnvironmentMap, CliError
 fn healpix_map(path: &Path, field: usize) -> Result<HealpixMap, CliError> {
     let map = read_fits_map(path, field)?;
     let system = map.coordinates.map_or(String::new(), |c| format!(" (COORDSYS {c})"));
-    let failed = |e: &dyn std::fmt::Display| {
-        CliError::Failed(format!("{}{system}: {e}", path.display()))
-    };
+    let failed =
+        |e: &dyn std::fmt::Display| CliError::Failed(format!("{}{system}: {e}", path.display()));
     let nside = Nside::new(map.nside).map_err(|e| failed(&e))?;
     if map.nested {
         let order = Nested::new(nside).map_err(|e| failed(&e))?;

@@ -37,7 +37,8 @@ pub(super) fn coefficients(
     lmax: usize,
 ) -> Result<Coefficients, Error> {
     match f.fold(domain)? {
-        Fold::Whole | Fold::Even => f.sphere_coefficients(lmax),
+        Fold::Whole => f.sphere_coefficients(lmax),
+        Fold::Even => Ok(f.sphere_coefficients(lmax)?.even_part()),
         Fold::Above => Ok(f.sphere_coefficients(lmax)?.even_extension()),
         Fold::Cut => quadrature::coefficients(&f.shape()?, domain, lmax, &|dir| f.eval(dir)),
     }

@@ -92,7 +92,8 @@ pub(crate) fn coefficients(
         Coefficients::general(batches.finish()?)
     };
     Ok(match fold {
-        Fold::Whole | Fold::Even => part,
+        Fold::Whole => part,
+        Fold::Even => part.even_part(),
         Fold::Above | Fold::Cut => part.even_extension(),
     })
 }
