@@ -5,12 +5,13 @@ use crate::{Circle, Error, Integrand, Shape};
 /// A function of the caller's with a statement of its shape, from which integral, coefficients and energies
 /// follow by quadrature of its values.
 ///
-/// The statement is a degree: everywhere (or between the edges that are stated, too) the function is a
-/// polynomial of this degree in x, y and z to the accuracy that is wanted. Then everything is exact to
-/// rounding. Of a function that is not, integral and square have the error of a quadrature of twice as many
-/// rings: about the energy beyond the degree for a smooth function, of the size of
-/// `jump/degree` for one with an edge that was not stated, and energies up to the degree are
-/// as wrong. Doubling the degree shows the error.
+/// The statement is a degree: everywhere (between the edges, if some are stated) the function is a
+/// polynomial of this degree in x, y and z to the accuracy that is wanted. Then all is exact to rounding. The rules
+/// are exact for the degree in the integral, for twice the degree in the square, and for `degree + lmax` in
+/// coefficients. Of a smooth function that is no polynomial the integral is wrong by some of its coefficients
+/// beyond the degree, and the square and the coefficients by products of those, as with any sampling
+/// (aliasing). Across an edge that was not stated every result is wrong by about `jump/degree`, and energies near the
+/// degree mean nothing. Doubling the degree shows the error.
 ///
 /// Cost: some `degree^2` values for the integral, `2 (degree + lmax)^2` for coefficients.
 ///

@@ -13,7 +13,7 @@ use crate::{Coefficients, Error};
 pub(crate) use panel_rule::node_count;
 use rings::Rings;
 
-/// Nodes that are transformed at a time.
+/// Nodes that are transformed at a time, at least; as many as fill the memory of the transform if that is more.
 const BATCH: usize = 1 << 20;
 /// The accuracy of transforms, relative to the coefficients of the absolute values.
 const EPSILON: f64 = 1e-13;
@@ -123,7 +123,8 @@ impl Batches {
             self.points.push(dir);
             self.weights.push(weight);
         }
-        if self.points.len() >= BATCH { self.flush() } else { Ok(()) }
+        let degrees = self.sum.lmax() + 1;
+        if self.points.len() >= BATCH.max(2 * degrees * degrees) { self.flush() } else { Ok(()) }
     }
 
     fn flush(&mut self) -> Result<(), Error> {

@@ -61,6 +61,11 @@ fn graded(t: f64, rest: f64) -> f64 {
 ///
 /// The error is below `(e k/(4n))^{2n}`, the remainder of the Taylor series of degree 2n with
 /// Stirling's formula; a few nodes are for what is not quite an exponential.
+#[expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "not negative, and brought into range"
+)]
 pub(crate) fn node_count(k: f64) -> usize {
     /// `-ln` of the accuracy, 1e-18.
     const DIGITS: f64 = 41.0;

@@ -169,6 +169,11 @@ impl Rings {
         let outside = |dir: DVec3| self.domain == Domain::Hemisphere && dir.z < 0.0;
         let orders = if self.zonal { 0.0 } else { self.orders(theta) };
         if meetings.is_empty() {
+            #[expect(
+                clippy::cast_possible_truncation,
+                clippy::cast_sign_loss,
+                reason = "not negative, and at most the degree"
+            )]
             let n = (orders + 1.0) as usize;
             if outside(self.direction(theta, 0.0)) {
                 return Ok(());
