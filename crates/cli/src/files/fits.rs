@@ -125,9 +125,9 @@ impl Reader<'_> {
                 got: self.bytes.len() as u64,
             });
         }
-        // Both fit in memory, as the data do.
-        let (row, rows) = (row as usize, rows as usize);
-        let values = data.chunks_exact(row.max(1)).take(rows);
+        // Both are at most the length of the data.
+        let in_memory = |n: u64| usize::try_from(n).unwrap_or(usize::MAX);
+        let values = data.chunks_exact(in_memory(row).max(1)).take(in_memory(rows));
         Ok(FitsMap {
             nside,
             nested,

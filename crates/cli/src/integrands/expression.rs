@@ -25,10 +25,9 @@ pub(super) fn parse(text: &str) -> Result<Box<dyn Integrand>, CliError> {
         rest = next;
     }
     summands.push(summand(sign, rest, text)?);
-    if let [(weight, _)] = summands.as_slice()
-        && *weight == 1.0
-        && let Some((_, single)) = summands.pop()
-    {
+    // A single integrand without a weight stays itself.
+    let plain = summands.len() == 1 && summands[0].0.to_bits() == 1f64.to_bits();
+    if let Some((_, single)) = summands.pop_if(|_| plain) {
         return Ok(single);
     }
     let mut sum = Sum::default();

@@ -98,9 +98,9 @@ impl HealpixMap {
             return Self::new(nside, values);
         }
         check_values(&values)?;
-        // There are as many pixels as values in memory.
-        let nested = |ring: usize| order.from_ring(ring as u64) as usize;
-        let ringed = (0..values.len()).map(|ring| values[nested(ring)]).collect();
+        let value = |ring| usize::try_from(order.from_ring(ring)).map(|pixel| values[pixel]);
+        // As many pixels as values in memory.
+        let ringed = (0..nside.n_pixels()).map(|ring| value(ring).unwrap_or(f64::NAN)).collect();
         Self::new(nside, ringed)
     }
 
@@ -178,8 +178,10 @@ impl HealpixMap {
         for i in 0..end {
             let from_pole = i.min(4 * n - 1 - i);
             if from_pole < n {
+                // theta = 2 asin(s/(nside sqrt 6)), whose slope is at most 1.1 times that of its start.
                 let (from, angle) = (from_pole as f64, 2.0 / (side * 6f64.sqrt()) * 1.3);
-                for (&x, &w) in rule(angle)?.nodes().iter().zip(rule(angle)?.weights()) {
+                let rule = rule(angle)?;
+                for (&x, &w) in rule.nodes().iter().zip(rule.weights()) {
                     // 1 - |z| = s^2/(3 nside^2)
                     let (s, w) = (from + 0.5 * (1.0 + x), 0.5 * w);
                     let half_sin = s / (side * 6f64.sqrt());

@@ -60,13 +60,7 @@ impl PhongLobe {
     }
 
     fn value(self, z: f64) -> f64 {
-        if z < 0.0 {
-            0.0
-        } else if self.exponent == 1.0 {
-            z
-        } else {
-            z.powf(self.exponent)
-        }
+        if z < 0.0 { 0.0 } else { z.powf(self.exponent) }
     }
 }
 
