@@ -26,6 +26,41 @@ pub enum Error {
         /// Why.
         reason: &'static str,
     },
+    /// A rotation is no rotation.
+    #[error(
+        "a rotation needs finite angles or a quaternion of positive length, got length {length}"
+    )]
+    Rotation {
+        /// Length of the quaternion.
+        length: f64,
+    },
+    /// The weight of a term is infinite or NaN.
+    #[error("a weight must be finite, got {got}")]
+    Weight {
+        /// The weight.
+        got: f64,
+    },
+    /// A HEALPix map has another number of values than its nside says.
+    #[error("a HEALPix map of nside {nside} has {expected} pixels, got {got} values")]
+    PixelCount {
+        /// Pixels along the edge of a base pixel.
+        nside: u32,
+        /// `12 nside^2`.
+        expected: u64,
+        /// Values given.
+        got: usize,
+    },
+    /// Pixels of a HEALPix map have no value.
+    #[error(
+        "{count} of the map's pixels have no value (NaN, infinite or UNSEEN = -1.6375e30), the first is \
+         {first} in its order; fill them, for an integral needs all"
+    )]
+    Pixels {
+        /// How many.
+        count: usize,
+        /// The first, 0-based in the order of the values.
+        first: usize,
+    },
     /// An environment map is not twice as wide as high.
     #[error("an environment map must be 2:1 (width = 2 height), got {width} x {height}")]
     Shape {

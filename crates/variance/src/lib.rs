@@ -25,43 +25,42 @@
 //! for. An [`Integrand`] is a function with, where known, its exact integral and its [`Energy`]
 //! per degree; closures are integrands too.
 
-mod cap;
+mod coefficients;
 mod comparison;
-mod cosine;
 mod crossover;
 mod cut_sphere;
 mod degree;
 mod effort;
 mod energy;
-mod environment;
 mod error;
-mod harmonic;
 mod integrand;
+mod integrands;
 mod known_spectrum;
-mod lobe;
 mod measurement;
 mod predicted_curve;
 mod predicted_point;
 mod prediction;
 mod predictor;
+mod quadrature;
 mod rate;
 mod required_points;
+mod shape;
 mod stopping;
 
-pub use cap::Cap;
+pub use coefficients::Coefficients;
 pub use comparison::{Comparison, Work, compare};
-pub use cosine::ClampedCosine;
 pub use crossover::{Crossover, crossover};
 pub use cut_sphere::{CutAxis, CutMeasurement, energy_above_equator, measure_cut_sphere};
 pub use degree::{check_degree, prediction_degree, settled_degree};
 pub use effort::{Effort, worthwhile_realizations};
 pub use energy::Energy;
-pub use environment::EnvironmentMap;
 pub use error::Error;
-pub use harmonic::Harmonic;
 pub use integrand::Integrand;
+pub use integrands::{
+    AbsCosine, Cap, ClampedCosine, DoubleCap, EnvironmentMap, Harmonic, HealpixMap, PhongLobe,
+    Product, Rotated, SampledFunction, Sum, VonMisesFisher,
+};
 pub use known_spectrum::{is_spectrum_known, known_spectrum};
-pub use lobe::VonMisesFisher;
 pub use measurement::{BiasTest, Measurement, measure};
 pub use predicted_curve::PredictedCurve;
 pub use predicted_point::PredictedPoint;
@@ -69,6 +68,7 @@ pub use prediction::{Prediction, PredictionAccumulator, predict};
 pub use predictor::{PredictionBudget, Predictor};
 pub use rate::{RateFit, VariancePoint, fit_rate};
 pub use required_points::{RequiredPoints, required_points};
+pub use shape::{Circle, Shape};
 pub use sphvar_samplers::Domain;
 pub use sphvar_spectrum::{Method, Spectrum};
 pub use stopping::{Precision, measure_until};

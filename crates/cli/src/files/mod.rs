@@ -2,6 +2,7 @@
 
 mod atomic;
 mod file_error;
+mod fits;
 mod image;
 mod input;
 mod lists;
@@ -12,6 +13,7 @@ mod text_rows;
 
 pub(crate) use atomic::AtomicFile;
 pub(crate) use file_error::{FileError, Place};
+pub(crate) use fits::read_fits_map;
 pub(crate) use image::{Channel, read_image};
 pub(crate) use lists::{Columns, Fault, ListWriter, Number, Written, read_list};
 pub(crate) use points::{PointSet, ReadOptions, read_points, write_points};

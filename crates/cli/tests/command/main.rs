@@ -8,6 +8,7 @@ mod determinism;
 mod errors_of_files;
 mod errors_of_outputs;
 mod errors_of_usage;
+mod expressions;
 mod forms_of_points;
 mod forms_of_results;
 mod grammar;

@@ -2,9 +2,10 @@ use std::f64::consts::PI;
 
 use glam::DVec3;
 use sphvar_samplers::Domain;
-use sphvar_sh::{Colatitude, GaussLegendre, LegendrePlan};
 
-use crate::{Energy, Error, Integrand};
+use super::closed_form::{self, ClosedForm};
+use super::{drop_from_pole, exponential_degree, exponential_support};
+use crate::{Circle, Coefficients, Error, Integrand, Shape};
 
 /// The von Mises-Fisher density about +z, `kappa/(2 pi (1 - e^{-2 kappa})) e^{kappa (z - 1)}`: a
 /// smooth lobe with integral 1 over the sphere.
@@ -75,54 +76,36 @@ impl VonMisesFisher {
         }
         ratios
     }
-
-    /// The energies of the even extension, `f(|z|)`, by Gauss-Legendre quadrature over panels in
-    /// 1 - z that double in width from the lobe's.
-    #[expect(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "degrees and node counts are small"
-    )]
-    fn hemisphere_energies(&self, lmax: usize) -> Result<Vec<f64>, Error> {
-        let plan = LegendrePlan::new(lmax)?;
-        let mut column = vec![0.0; lmax + 1];
-        let mut coefficients = vec![0.0; lmax + 1];
-        let (mut from, mut width) = (0.0, (2.0 / self.kappa).min(1.0));
-        // Beyond 750/kappa the density is below the range of f64.
-        while from < 1.0 && self.kappa * from < 750.0 {
-            let to = f64::min(from + width, 1.0);
-            // The phase of lambda_l0 moves by l dtheta; beyond half of that the error of the rule
-            // falls faster than exponentially.
-            let phase = lmax as f64 * (angle_of_drop(to) - angle_of_drop(from));
-            let rule = GaussLegendre::new((0.5 * phase) as usize + 24)?;
-            for (&x, &w) in rule.nodes().iter().zip(rule.weights()) {
-                let half = 0.5 * (to - from);
-                let drop = from + half * (1.0 + x);
-                plan.column_into(0, Colatitude::from_theta(angle_of_drop(drop))?, &mut column);
-                let weight = 4.0 * PI * w * half * self.peak * (-self.kappa * drop).exp();
-                for (c, lambda) in coefficients.iter_mut().zip(&column) {
-                    *c += weight * lambda;
-                }
-            }
-            (from, width) = (to, 2.0 * width);
-        }
-        let even = |(l, c): (usize, f64)| if l.is_multiple_of(2) { c * c } else { 0.0 };
-        Ok(coefficients.into_iter().enumerate().map(even).collect())
-    }
 }
 
-/// The colatitude at height z = 1 - `drop`.
-fn angle_of_drop(drop: f64) -> f64 {
-    2.0 * (0.5 * drop).sqrt().asin()
+impl ClosedForm for VonMisesFisher {
+    fn sphere_integral(&self) -> Option<f64> {
+        Some(1.0)
+    }
+
+    fn sphere_square(&self) -> Result<f64, Error> {
+        Ok(2.0 * PI * self.peak * self.peak * Self::falloff(2.0 * self.kappa, 2.0))
+    }
+
+    fn sphere_coefficients(&self, lmax: usize) -> Result<Coefficients, Error> {
+        let peak = |l: usize| ((2 * l + 1) as f64 / (4.0 * PI)).sqrt();
+        let ratios = self.bessel_ratios(lmax).into_iter().enumerate();
+        Coefficients::zonal(DVec3::Z, ratios.map(|(l, a)| peak(l) * a).collect())
+    }
 }
 
 impl Integrand for VonMisesFisher {
     fn eval(&self, dir: DVec3) -> f64 {
-        let drop =
-            if dir.z > 0.0 { (dir.x * dir.x + dir.y * dir.y) / (1.0 + dir.z) } else { 1.0 - dir.z };
-        self.peak * (-self.kappa * drop).exp()
+        self.peak * (-self.kappa * drop_from_pole(dir)).exp()
     }
 
+    fn shape(&self) -> Result<Shape, Error> {
+        let shape = Shape::smooth(exponential_degree(self.kappa)).zonal(DVec3::Z);
+        let angle = exponential_support(self.kappa);
+        Ok(shape.within(Circle { axis: DVec3::Z, angle }))
+    }
+
+    /// On the hemisphere `1/(1 + e^{-kappa})`.
     fn exact(&self, domain: Domain) -> Option<f64> {
         Some(match domain {
             Domain::Sphere => 1.0,
@@ -130,20 +113,12 @@ impl Integrand for VonMisesFisher {
         })
     }
 
-    fn energy(&self, domain: Domain, lmax: usize) -> Result<Energy, Error> {
-        let square = |height: f64| {
-            2.0 * PI * self.peak * self.peak * Self::falloff(2.0 * self.kappa, height)
-        };
-        match domain {
-            Domain::Sphere => {
-                let energy = |(l, a): (usize, f64)| (2.0 * l as f64 + 1.0) / (4.0 * PI) * a * a;
-                let per_degree =
-                    self.bessel_ratios(lmax).into_iter().enumerate().map(energy).collect();
-                Ok(Energy::new(domain, per_degree, square(2.0)))
-            }
-            Domain::Hemisphere => {
-                Ok(Energy::new(domain, self.hemisphere_energies(lmax)?, 2.0 * square(1.0)))
-            }
-        }
+    fn coefficients(&self, domain: Domain, lmax: usize) -> Result<Coefficients, Error> {
+        closed_form::coefficients(self, domain, lmax)
+    }
+
+    fn square(&self, domain: Domain) -> Result<f64, Error> {
+        let (copies, height) = if domain == Domain::Sphere { (1.0, 2.0) } else { (2.0, 1.0) };
+        Ok(copies * 2.0 * PI * self.peak * self.peak * Self::falloff(2.0 * self.kappa, height))
     }
 }

@@ -7,7 +7,7 @@ use sphvar_samplers::Domain;
 use sphvar_sh::{Alm, Colatitude, GaussLegendre};
 use sphvar_sht::{RingTransform, RingWorkspace};
 
-use crate::{Energy, Error, Integrand};
+use crate::{Circle, Coefficients, Error, Integrand, Shape};
 
 /// An equirectangular map of a scalar, W = 2H texels: the light that comes from each direction.
 ///
@@ -63,7 +63,7 @@ impl EnvironmentMap {
     /// # Errors
     ///
     /// [`Error::Harmonics`] if `lmax` is out of range or memory.
-    pub fn coefficients(&self, domain: Domain, lmax: usize) -> Result<Alm, Error> {
+    pub fn alm(&self, domain: Domain, lmax: usize) -> Result<Alm, Error> {
         let nodes = self.nodes(domain, lmax)?;
         let rows = self.row_transforms();
         let mut alm = Alm::zeros(lmax)?;
@@ -210,14 +210,29 @@ impl Integrand for EnvironmentMap {
         Some(self.integrals(domain).0)
     }
 
-    fn energy(&self, domain: Domain, lmax: usize) -> Result<Energy, Error> {
-        let mut per_degree = self.coefficients(domain, lmax)?.energy_per_degree();
-        let mut total = self.integrals(domain).1;
-        if domain == Domain::Hemisphere {
-            crate::cap::double_even(&mut per_degree);
-            total *= 2.0;
-        }
-        Ok(Energy::new(domain, per_degree, total))
+    /// Edges are the rows and columns of texel centres.
+    fn shape(&self) -> Result<Shape, Error> {
+        let row =
+            |i: usize| Circle { axis: DVec3::Z, angle: PI * (i as f64 + 0.5) / self.height as f64 };
+        // The column half a turn on lies on the same great circle.
+        let column = |j: usize| {
+            let (sin, cos) = (TAU * (j as f64 + 0.5) / self.width as f64).sin_cos();
+            Circle { axis: DVec3::new(-sin, cos, 0.0), angle: FRAC_PI_2 }
+        };
+        let rows = (0..self.height).map(row);
+        let edges = rows.chain((0..self.width / 2).map(column));
+        // Between them the map is bilinear in the angles, as fine as a polynomial of some degree.
+        Ok(edges.fold(Shape::smooth(4), Shape::with_edge))
+    }
+
+    fn coefficients(&self, domain: Domain, lmax: usize) -> Result<Coefficients, Error> {
+        let part = Coefficients::general(self.alm(domain, lmax)?);
+        Ok(if domain == Domain::Sphere { part } else { part.even_extension() })
+    }
+
+    fn square(&self, domain: Domain) -> Result<f64, Error> {
+        let copies = if domain == Domain::Sphere { 1.0 } else { 2.0 };
+        Ok(copies * self.integrals(domain).1)
     }
 
     /// Four degrees to a texel, and at least 1024: between centres the map is smooth, across them it

@@ -1,0 +1,113 @@
+//! Sums, products and rotations of integrands.
+//!
+//! `+` and `-` bind least, then `*`, then `@`; each has blanks around it, so that neither numbers nor names
+//! of files are torn apart.
+
+use std::path::Path;
+
+use glam::DVec3;
+use sphvar_variance::{Integrand, Product, Rotated, SampledFunction, Shape, Sum};
+
+use super::term;
+use crate::error::CliError;
+use crate::spec::Spec;
+
+/// The integrand of an expression.
+pub(super) fn parse(text: &str) -> Result<Box<dyn Integrand>, CliError> {
+    if names_a_file(text) {
+        return term::parse(text);
+    }
+    let mut summands = Vec::new();
+    let (mut sign, mut rest) = (1.0, text);
+    while let Some((at, next)) = first_of(rest, [" + ", " - "]) {
+        summands.push(summand(sign, &rest[..at], text)?);
+        sign = if &rest[at..at + 3] == " + " { 1.0 } else { -1.0 };
+        rest = next;
+    }
+    summands.push(summand(sign, rest, text)?);
+    // A single integrand without a weight stays itself.
+    let plain = summands.len() == 1 && summands[0].0.to_bits() == 1f64.to_bits();
+    if let Some((_, single)) = summands.pop_if(|_| plain) {
+        return Ok(single);
+    }
+    let mut sum = Sum::default();
+    for (weight, function) in summands {
+        sum = sum.plus(weight, function).map_err(|e| CliError::Usage(format!("{text}: {e}")))?;
+    }
+    Ok(Box::new(sum))
+}
+
+/// Whether the text is a single term with a file whose name looks like an expression.
+fn names_a_file(text: &str) -> bool {
+    let file = Spec::parse(text).ok().and_then(|mut spec| {
+        matches!(spec.name.as_str(), "env" | "map")
+            .then(|| spec.take("").or_else(|| spec.take("file")))
+    });
+    file.flatten().is_some_and(|file| Path::new(&file).is_file())
+}
+
+/// The first of two operators, and what is behind it.
+fn first_of<'a>(text: &'a str, operators: [&str; 2]) -> Option<(usize, &'a str)> {
+    let at = operators.iter().filter_map(|o| text.find(o)).min()?;
+    Some((at, &text[at + operators[0].len()..]))
+}
+
+/// The weight and the function of a summand: a product of numbers and rotated terms.
+fn summand(sign: f64, text: &str, whole: &str) -> Result<(f64, Box<dyn Integrand>), CliError> {
+    let mut weight = sign;
+    let mut product: Option<Box<dyn Integrand>> = None;
+    for factor in text.split(" * ").map(str::trim) {
+        if factor.is_empty() {
+            return Err(CliError::Usage(format!(
+                "\"{whole}\": there is no integrand on one side of an operator"
+            )));
+        }
+        if let Ok(number) = factor.parse::<f64>() {
+            weight *= number;
+            continue;
+        }
+        let function = rotated(factor)?;
+        product = Some(match product {
+            Some(before) => Box::new(Product::new(before, function)),
+            None => function,
+        });
+    }
+    if !weight.is_finite() {
+        return Err(CliError::Usage(format!("\"{text}\": a weight must be finite")));
+    }
+    // Numbers alone are a constant function.
+    let one = || {
+        let shape = Shape::smooth(0).zonal(DVec3::Z).even();
+        Box::new(SampledFunction::with_shape(|_: DVec3| 1.0, shape)) as Box<dyn Integrand>
+    };
+    Ok((weight, product.unwrap_or_else(one)))
+}
+
+/// A term with the rotations behind it.
+fn rotated(text: &str) -> Result<Box<dyn Integrand>, CliError> {
+    let mut pieces = text.split(" @ ").map(str::trim);
+    let mut function = term::parse(pieces.next().unwrap_or_default())?;
+    for piece in pieces {
+        let [theta, phi, psi] = angles(piece).ok_or_else(|| {
+            CliError::Usage(format!(
+                "{text}: @ wants THETA/PHI or THETA/PHI/PSI in degrees, THETA in [0, 180], got \"{piece}\""
+            ))
+        })?;
+        let turned = Rotated::to_angles(function, theta, phi, psi);
+        function = Box::new(turned.map_err(|e| CliError::Usage(format!("{text}: {e}")))?);
+    }
+    Ok(function)
+}
+
+/// Colatitude, longitude and turn in radians.
+fn angles(text: &str) -> Option<[f64; 3]> {
+    let degrees: Option<Vec<f64>> = text.split('/').map(|a| a.trim().parse().ok()).collect();
+    let degrees = degrees?;
+    let known = degrees.iter().all(|a| a.is_finite()) && (0.0..=180.0).contains(degrees.first()?);
+    match degrees.as_slice() {
+        _ if !known => None,
+        &[theta, phi] => Some([theta, phi, 0.0].map(f64::to_radians)),
+        &[theta, phi, psi] => Some([theta, phi, psi].map(f64::to_radians)),
+        _ => None,
+    }
+}

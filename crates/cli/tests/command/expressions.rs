@@ -1,0 +1,118 @@
+//! Integrands made of several: sums, products, rotations, maps.
+
+use std::f64::consts::PI;
+
+use crate::workplace::{Workplace, small_exr};
+
+/// The exact value of an integrand and the row's other numbers, by `variance`.
+fn row(place: &Workplace, integrand: &str, more: &str) -> serde_json::Value {
+    let command = format!("variance healpix -n 12 -m 4 --json {more} --integrand");
+    let output = place.command(&command).arg(integrand).output().unwrap();
+    let message = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{integrand}: {message}");
+    let document: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(document["rows"][0]["integrand"], integrand);
+    document["rows"][0].clone()
+}
+
+/// What the command says of an integrand that it refuses, and its exit status.
+fn refusal(place: &Workplace, integrand: &str, more: &str) -> (String, Option<i32>) {
+    let command = format!("variance healpix -n 24 --nearest -m 4 {more} --integrand");
+    let output = place.command(&command).arg(integrand).output().unwrap();
+    (String::from_utf8_lossy(&output.stderr).into_owned(), output.status.code())
+}
+
+#[test]
+fn expressions_have_the_integrals_of_their_parts() {
+    let place = Workplace::new();
+    let cap = |degrees: f64| 2.0 * PI * (1.0 - degrees.to_radians().cos());
+    for (integrand, exact) in [
+        ("cap:degrees=30 @ 40/10 + 0.5 * vmf:kappa=10", cap(30.0) + 0.5),
+        ("cap:degrees=30 - cosine", cap(30.0) - PI),
+        ("2 * cosine * 0.25", 0.5 * PI),
+        ("-1e-3 * cosine", -1e-3 * PI),
+        ("cosine * half-space", PI),
+        ("cosine * cap:degrees=30 @ 40/10", 0.25 * PI * 40f64.to_radians().cos()),
+        (
+            "cosine * cap:degrees=20 @ 50/10/70",
+            cap(20.0) * 0.5 * (1.0 + 20f64.to_radians().cos()) * 50f64.to_radians().cos(),
+        ),
+        ("1 + ylm:l=3,m=2 @ 10/20/30", 4.0 * PI),
+        ("half-space:height=0.5", PI),
+        ("phong:n=20 @ 90/0", 2.0 * PI / 21.0),
+        ("abs-cosine @ 12/34", 2.0 * PI),
+        ("double-cap:degrees=60 @ 12/34", 2.0 * PI),
+        ("cap:degrees=60 @ 30/0 @ 0/90", PI),
+    ] {
+        let got = row(&place, integrand, "")["exact"].as_f64().unwrap();
+        assert!((got - exact).abs() < 1e-12, "{integrand}: {got}, not {exact}");
+    }
+    let got = row(&place, "cosine @ 90/0 + cosine", "--hemisphere")["exact"].as_f64().unwrap();
+    assert!((got - 1.5 * PI).abs() < 1e-11, "{got}");
+}
+
+#[test]
+fn mistakes_name_the_piece() {
+    let place = Workplace::new();
+    for (integrand, parts) in [
+        ("cap:degrees=30 @ 40", &["@ wants THETA/PHI", "\"40\""][..]),
+        ("cap:degrees=30 @ 40/x", &["\"40/x\""]),
+        ("cap:degrees=30 @ 181/0", &["[0, 180]", "\"181/0\""]),
+        ("cap:degrees=30 @ 1/2/3/4", &["\"1/2/3/4\""]),
+        ("cosine + cap:degrees=300", &["cap:degrees=300", "got 300"]),
+        ("cosine +  + cosine", &["on one side of an operator"]),
+        ("cosine * cosin", &["\"cosin\"", "did you mean \"cosine\""]),
+        ("cosine * nan", &["a weight must be finite"]),
+        ("phong:n=-1", &["n must be in [0, 1e6]", "-1"]),
+        ("half-space:height=1", &["height", "[-1, 1)"]),
+        ("double-cap:degrees=91", &["(0, 90]"]),
+    ] {
+        let (message, status) = refusal(&place, integrand, "");
+        assert_eq!(status, Some(2), "{integrand}: {message}");
+        for part in parts {
+            assert!(message.contains(part), "{integrand}: {message}");
+        }
+    }
+}
+
+#[test]
+fn maps_are_functions() {
+    let place = Workplace::new();
+    let data = |name: &str| format!("{}/tests/data/{name}", env!("CARGO_MANIFEST_DIR"));
+    // The mean of 0 .. 191 in either order.
+    for name in ["ring.fits", "nested.fits"] {
+        let got = row(&place, &format!("map:{}", data(name)), "")["exact"].as_f64().unwrap();
+        assert!((got - 4.0 * PI * 95.5).abs() < 1e-9, "{name}: {got}");
+    }
+    let half = |name: &str| {
+        row(&place, &format!("map:{}", data(name)), "--hemisphere")["exact"].as_f64().unwrap()
+    };
+    // The upper half in ring order is 0 .. 87 and half of 88 .. 103; in the other order it would be another.
+    let exact = 4.0 * PI / 192.0 * (87.0 * 44.0 + 0.5 * 16.0 * 95.5);
+    for name in ["ring.fits", "nested.fits"] {
+        assert!((half(name) - exact).abs() < 1e-9, "{name}: {}, not {exact}", half(name));
+    }
+    let got = row(&place, &format!("map:{},field=1", data("two_fields.fits")), "");
+    assert!((got["exact"].as_f64().unwrap() + 4.0 * PI * 95.5).abs() < 1e-4);
+    row(&place, &format!("map:{} @ 30/40 + vmf:kappa=3", data("ring.fits")), "");
+    let (message, status) = refusal(&place, &format!("map:{}", data("unseen.fits")), "");
+    assert!(
+        message.contains("2 of the map's pixels") && message.contains("first is 3"),
+        "{message}"
+    );
+    assert_eq!(status, Some(1));
+    let product = format!("map:{} * cap:degrees=30", data("ring.fits"));
+    let (message, status) = refusal(&place, &product, "");
+    assert!(message.contains("edges of HEALPix pixels are no circles"), "{message}");
+    assert_eq!(status, Some(2));
+}
+
+/// Whatever could be a file's name before is one still.
+#[test]
+fn names_of_files_may_look_like_expressions() {
+    let place = Workplace::new();
+    place.write("a + b @ c.exr", small_exr(8, 4));
+    row(&place, "env:a + b @ c.exr", "");
+    let (message, _) = refusal(&place, "env:a + b.exr", "");
+    assert!(message.contains('a') && !message.contains("panic"), "{message}");
+}

@@ -1,0 +1,97 @@
+use glam::{DMat3, DQuat, DVec3};
+use sphvar_samplers::Domain;
+
+use super::closed_form::{ClosedForm, from_closed_form};
+use crate::{Coefficients, Energy, Error, Integrand, Shape};
+
+/// An integrand after a rotation R of the sphere, `f(R^-1 x)`.
+///
+/// On the sphere integral and energies stay what they are. On the hemisphere they follow from these for
+/// even functions and for those that vanish below the equator, and else by quadrature with the
+/// equator as an edge.
+///
+/// # Examples
+///
+/// ```
+/// use glam::DQuat;
+/// use sphvar_variance::{Cap, Domain, Integrand, Rotated};
+///
+/// let cap = Cap::from_degrees(30.0)?;
+/// let turned = Rotated::new(cap, DQuat::from_rotation_x(0.7))?;
+/// assert_eq!(turned.exact(Domain::Sphere), cap.exact(Domain::Sphere));
+/// # Ok::<(), sphvar_variance::Error>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct Rotated<I> {
+    function: I,
+    rotation: DMat3,
+}
+
+impl<I: Integrand> Rotated<I> {
+    /// `function` after `rotation`, which is brought to unit length.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Rotation`] if `rotation` has no direction: zero or not finite.
+    pub fn new(function: I, rotation: DQuat) -> Result<Self, Error> {
+        let length = rotation.length();
+        if !(length > 0.0 && length.is_finite()) {
+            return Err(Error::Rotation { length });
+        }
+        Ok(Self { function, rotation: DMat3::from_quat(rotation.normalize()) })
+    }
+
+    /// `function` turned by `psi` about +z and then carried with +z to colatitude `theta` and longitude
+    /// `phi`, all in radians.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Rotation`] if an angle is not finite.
+    pub fn to_angles(function: I, theta: f64, phi: f64, psi: f64) -> Result<Self, Error> {
+        let tilt = DQuat::from_rotation_z(phi) * DQuat::from_rotation_y(theta);
+        Self::new(function, tilt * DQuat::from_rotation_z(psi))
+    }
+}
+
+impl<I: Integrand> ClosedForm for Rotated<I> {
+    fn sphere_integral(&self) -> Option<f64> {
+        self.function.exact(Domain::Sphere)
+    }
+
+    fn sphere_square(&self) -> Result<f64, Error> {
+        self.function.square(Domain::Sphere)
+    }
+
+    fn sphere_coefficients(&self, lmax: usize) -> Result<Coefficients, Error> {
+        self.function.coefficients(Domain::Sphere, lmax)?.rotated(self.rotation)
+    }
+}
+
+impl<I: Integrand> Integrand for Rotated<I> {
+    fn eval(&self, dir: DVec3) -> f64 {
+        self.function.eval((self.rotation.transpose() * dir).normalize())
+    }
+
+    fn shape(&self) -> Result<Shape, Error> {
+        Ok(self.function.shape()?.rotated(self.rotation))
+    }
+
+    from_closed_form!();
+
+    /// On the sphere those of the function before the rotation.
+    fn energy(&self, domain: Domain, lmax: usize) -> Result<Energy, Error> {
+        if domain == Domain::Sphere {
+            return self.function.energy(domain, lmax);
+        }
+        let per_degree = self.coefficients(domain, lmax)?.energy_per_degree()?;
+        Ok(Energy::new(domain, per_degree, self.square(domain)?))
+    }
+
+    fn band_limit(&self) -> Option<usize> {
+        self.function.band_limit()
+    }
+
+    fn resolved_degree(&self) -> Option<usize> {
+        self.function.resolved_degree()
+    }
+}
