@@ -95,6 +95,7 @@ fn cases() -> Vec<Case> {
         case("environment", [Tail::Power(2.0), Tail::Power(1.4)], environment.clone()),
         case("map 1", [JUMP, JUMP], map(1)),
         case("map 3", [JUMP, JUMP], map(3)),
+        case("constant", [Tail::None, Tail::None], SampledFunction::new(|_: DVec3| 2.0, 0)),
         case("smooth", [Tail::None, JUMP], SampledFunction::new(smooth, 24)),
         case(
             "edged",

@@ -15,8 +15,9 @@ use crate::report::{
     Provenance, check_result, csv, is_stdout, print, print_json, table, write_result,
 };
 
-pub(crate) const EXAMPLES: &str = "Example:
-  sphvar variance jittered,white-noise -n 192,768 --integrand cap:degrees=60 --until-rel 2%
+pub(crate) const EXAMPLES: &str = "Examples:
+  sphvar variance jittered,white-noise -n 192,768 --integrand cap:degrees=60 -m 2000
+  sphvar variance jittered -n 192 --integrand cap:degrees=60 -m 100 --until-rel 10%
 
 Columns: the variance that the spectra predict and the one measured on independent, uniformly
 rotated realizations, each with its standard error (that of the prediction with the error of the

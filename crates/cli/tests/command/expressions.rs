@@ -6,8 +6,9 @@ use crate::workplace::{Workplace, small_exr};
 
 /// The exact value of an integrand and the row's other numbers, by `variance`.
 fn row(place: &Workplace, integrand: &str, more: &str) -> serde_json::Value {
-    let command = format!("variance healpix -n 12 -m 4 --json {more} --integrand");
-    let output = place.command(&command).arg(integrand).output().unwrap();
+    let command = format!("variance white-noise -n 12 -m 4 --json {more}");
+    // One argument, since an expression may start with a minus.
+    let output = place.command(&command).arg(format!("--integrand={integrand}")).output().unwrap();
     let message = String::from_utf8_lossy(&output.stderr);
     assert!(output.status.success(), "{integrand}: {message}");
     let document: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();

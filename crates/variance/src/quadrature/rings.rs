@@ -112,7 +112,7 @@ impl Rings {
         let mut meetings = Vec::new();
         for panel in self.breaks.windows(2) {
             let (from, width) = (panel[0], panel[1] - panel[0]);
-            for &(x, w) in rules.rule(self.ends, self.degree as f64 * width)? {
+            for &(x, w) in rules.rule(self.ends, self.phase(width))? {
                 // From the nearer end, so that a break keeps its side.
                 let theta = from + width * x;
                 let weight = w * width * theta.sin();
@@ -127,12 +127,17 @@ impl Rings {
         let mut rules = PanelRules::default();
         for panel in self.breaks.windows(2) {
             let (from, width) = (panel[0], panel[1] - panel[0]);
-            for &(x, w) in rules.rule(self.ends, self.degree as f64 * width)? {
+            for &(x, w) in rules.rule(self.ends, self.phase(width))? {
                 let theta = from + width * x;
                 f(theta, TAU * w * width * theta.sin());
             }
         }
         Ok(())
+    }
+
+    /// The phase of the fastest oscillation over a panel; `sin theta` of the area adds to that of the function.
+    fn phase(&self, width: f64) -> f64 {
+        (self.degree + 2) as f64 * width
     }
 
     /// The direction at a place in the frame of the rings.
