@@ -1,4 +1,5 @@
 use std::collections::BTreeMap;
+use std::collections::btree_map::Entry;
 
 use sphvar_sh::GaussLegendre;
 
@@ -28,23 +29,24 @@ impl PanelRules {
             // The steepest part of the polynomial goes 35/16 times as fast.
             Ends::Rough => node_count(35.0 / 32.0 * phase) + ROUGH_NODES,
         };
-        if !self.0.contains_key(&(ends, n)) {
-            let rule = GaussLegendre::new(n)?;
-            let place = |(&x, &w): (&f64, &f64)| {
-                let (t, w) = (0.5 * (1.0 + x), 0.5 * w);
-                match ends {
-                    Ends::Smooth => (t, w),
-                    Ends::Rough => {
-                        let rest = 0.5 * (1.0 - x);
-                        (graded(t, rest), w * 140.0 * (t * rest).powi(3))
-                    }
-                }
-            };
-            let nodes = rule.nodes().iter().zip(rule.weights()).map(place).collect();
-            self.0.insert((ends, n), nodes);
-        }
-        Ok(&self.0[&(ends, n)])
+        Ok(match self.0.entry((ends, n)) {
+            Entry::Occupied(known) => known.into_mut(),
+            Entry::Vacant(place) => place.insert(nodes(ends, n)?),
+        })
     }
+}
+
+/// The rule of n nodes on [0, 1].
+fn nodes(ends: Ends, n: usize) -> Result<Vec<(f64, f64)>, Error> {
+    let rule = GaussLegendre::new(n)?;
+    let place = |(&x, &w): (&f64, &f64)| {
+        let (t, rest, w) = (0.5 * (1.0 + x), 0.5 * (1.0 - x), 0.5 * w);
+        match ends {
+            Ends::Smooth => (t, w),
+            Ends::Rough => (graded(t, rest), w * 140.0 * (t * rest).powi(3)),
+        }
+    };
+    Ok(rule.nodes().iter().zip(rule.weights()).map(place).collect())
 }
 
 /// Nodes that a rule with rough ends has beyond those of the oscillation, for its own polynomial and

@@ -56,7 +56,7 @@ fn headers_that_leave_a_doubt_are_refused() {
         ("NSIDE", "NSIDE   =                    0", &["NSIDE", "from 1 to 8192", "got 0"]),
         ("NSIDE", "NSIDE   =                   -4", &["NSIDE", "-4"]),
         ("NSIDE", "NSIDE   =                    5", &["LASTPIX", "expected 299"]),
-        ("TFORM1", "TFORM1  = '2D      '", &["192 values", "192 rows of 8 bytes with 2 values"]),
+        ("TFORM1", "TFORM1  = '2D      '", &["NAXIS1 and TFORMS"]),
         ("NSIDE", "NSIDE   = 'four    '", &["NSIDE", "another type"]),
         ("FIRSTPIX", "FIRSTPIX=                    1", &["FIRSTPIX", "expected 0", "got 1"]),
         ("LASTPIX", "LASTPIX =                   95", &["LASTPIX", "expected 191", "got 95"]),
