@@ -62,7 +62,7 @@ fn headers_that_leave_a_doubt_are_refused() {
         ("LASTPIX", "LASTPIX =                   95", &["LASTPIX", "expected 191", "got 95"]),
         ("INDXSCHM", "INDXSCHM= 'EXPLICIT'", &["INDXSCHM", "IMPLICIT"]),
         ("PIXTYPE", "PIXTYPE = 'CAR     '", &["PIXTYPE", "'HEALPIX'", "'CAR'"]),
-        ("TFORM1", "TFORM1  = 'J       '", &["TFORM1", "E or D", "'J'"]),
+        ("TFORM1", "TFORM1  = 'K       '", &["TFORM1", "E or D", "'K'"]),
         ("TFORM1", "TFORM1  = '99999999999999999999D'", &[]),
     ] {
         let message = read(&with_card(RING, card, text), 0).unwrap_err();
