@@ -104,10 +104,10 @@ fn angles(text: &str) -> Option<[f64; 3]> {
     let degrees: Option<Vec<f64>> = text.split('/').map(|a| a.trim().parse().ok()).collect();
     let degrees = degrees?;
     let known = degrees.iter().all(|a| a.is_finite()) && (0.0..=180.0).contains(degrees.first()?);
-    let angles = match *degrees.as_slice() {
-        [theta, phi] => [theta, phi, 0.0],
-        [theta, phi, psi] => [theta, phi, psi],
-        _ => return None,
-    };
-    known.then(|| angles.map(f64::to_radians))
+    match *degrees.as_slice() {
+        _ if !known => None,
+        [theta, phi] => Some([theta, phi, 0.0].map(f64::to_radians)),
+        [theta, phi, psi] => Some([theta, phi, psi].map(f64::to_radians)),
+        _ => None,
+    }
 }

@@ -30,23 +30,20 @@ impl PanelRules {
             Ends::Rough => node_count(35.0 / 32.0 * phase) + ROUGH_NODES,
         };
         Ok(match self.0.entry((ends, n)) {
-            Entry::Occupied(rule) => rule.into_mut(),
-            Entry::Vacant(place) => place.insert(panel_rule(ends, n)?),
+            Entry::Occupied(known) => known.into_mut(),
+            Entry::Vacant(place) => place.insert(nodes(ends, n)?),
         })
     }
 }
 
-/// The rule of `n` nodes on [0, 1].
-fn panel_rule(ends: Ends, n: usize) -> Result<Vec<(f64, f64)>, Error> {
+/// The rule of n nodes on [0, 1].
+fn nodes(ends: Ends, n: usize) -> Result<Vec<(f64, f64)>, Error> {
     let rule = GaussLegendre::new(n)?;
     let place = |(&x, &w): (&f64, &f64)| {
-        let (t, w) = (0.5 * (1.0 + x), 0.5 * w);
+        let (t, rest, w) = (0.5 * (1.0 + x), 0.5 * (1.0 - x), 0.5 * w);
         match ends {
             Ends::Smooth => (t, w),
-            Ends::Rough => {
-                let rest = 0.5 * (1.0 - x);
-                (graded(t, rest), w * 140.0 * (t * rest).powi(3))
-            }
+            Ends::Rough => (graded(t, rest), w * 140.0 * (t * rest).powi(3)),
         }
     };
     Ok(rule.nodes().iter().zip(rule.weights()).map(place).collect())
