@@ -4,7 +4,7 @@ use glam::DVec3;
 use rayon::prelude::{IntoParallelIterator, ParallelIterator};
 use sphvar_samplers::{Domain, Realizations, Streams, rotate, uniform_rotation};
 
-use crate::{Energy, Error, Integrand, Measurement};
+use crate::{Error, Integrand, Measurement};
 
 /// How the cut lies to the integrand.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -71,45 +71,13 @@ pub fn measure_cut_sphere(
     Ok(CutMeasurement { unbiased: column(0), ratio: column(1), kept: column(2) })
 }
 
-/// The energies on the sphere of the integrand cut off at the equator, if they follow from what it says of
-/// itself: if it vanishes below, then it is its own upper half.
-///
-/// With a sphere pattern's spectrum they predict the variance of the unbiased estimate with the cut at the
-/// equator, by the formula of the sphere: [`predict`](crate::predict). With the energies of `(f - mean f) 1_H`
-/// the same predicts that of the ratio estimate, to first order in 1/M.
-///
-/// The even extension has twice the energy of the upper half, and the function on the sphere that of both halves: if twice
-/// the latter is the former, nothing is left for the lower half.
-#[must_use]
-pub fn energy_above_equator(integrand: &dyn Integrand, lmax: usize) -> Option<Energy> {
-    let whole = integrand.energy(Domain::Sphere, lmax).ok()?;
-    let even = integrand.energy(Domain::Hemisphere, 0).ok()?;
-    // Totals come from closed forms or long sums, with relative errors of 1e-14 at most.
-    let same = (2.0 * whole.total() - even.total()).abs() <= 1e-12 * even.total();
-    same.then_some(whole)
-}
-
 #[cfg(test)]
 mod tests {
     use std::f64::consts::PI;
 
     use sphvar_samplers::{Domain, Pattern, Purpose, Realizations, Streams};
 
-    use super::{CutAxis, energy_above_equator, measure_cut_sphere};
-    use crate::{Cap, ClampedCosine, Harmonic, VonMisesFisher};
-
-    #[test]
-    fn only_what_vanishes_below_is_its_own_upper_half() {
-        for degrees in [1.0, 60.0, 90.0] {
-            assert!(energy_above_equator(&Cap::from_degrees(degrees).unwrap(), 8).is_some());
-        }
-        assert!(energy_above_equator(&ClampedCosine, 8).is_some());
-        assert!(energy_above_equator(&Cap::from_degrees(91.0).unwrap(), 8).is_none());
-        assert!(energy_above_equator(&VonMisesFisher::new(10.0).unwrap(), 8).is_none());
-        assert!(energy_above_equator(&Harmonic::new(4, 0).unwrap(), 8).is_none());
-        assert!(energy_above_equator(&Harmonic::new(3, 0).unwrap(), 8).is_none());
-        assert!(energy_above_equator(&|_| 1.0, 8).is_none());
-    }
+    use super::{CutAxis, measure_cut_sphere};
 
     /// Of one point half the sets are empty; the constant 1 then has the estimates 0, and 4 pi or 2 pi.
     #[test]

@@ -28,6 +28,7 @@
 mod coefficients;
 mod comparison;
 mod crossover;
+mod cut_integrand;
 mod cut_sphere;
 mod degree;
 mod effort;
@@ -50,7 +51,8 @@ mod stopping;
 pub use coefficients::Coefficients;
 pub use comparison::{Comparison, Work, compare};
 pub use crossover::{Crossover, crossover};
-pub use cut_sphere::{CutAxis, CutMeasurement, energy_above_equator, measure_cut_sphere};
+pub use cut_integrand::{CutEstimator, CutIntegrand};
+pub use cut_sphere::{CutAxis, CutMeasurement, measure_cut_sphere};
 pub use degree::{check_degree, prediction_degree, settled_degree};
 pub use effort::{Effort, worthwhile_realizations};
 pub use energy::Energy;

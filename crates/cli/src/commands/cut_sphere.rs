@@ -3,12 +3,13 @@
 use clap::ValueEnum;
 use serde::Serialize;
 use sphvar_samplers::{Domain, Purpose, Realizations, Sampler, Streams};
+use sphvar_spectrum::{Resolution, estimate};
 use sphvar_variance::{
-    BiasTest, CutAxis, CutMeasurement, Measurement, energy_above_equator, measure_cut_sphere,
-    predict, prediction_degree,
+    BiasTest, CutAxis, CutEstimator, CutIntegrand, CutMeasurement, Integrand, Measurement,
+    Prediction, Spectrum, known_spectrum, measure_cut_sphere, predict, prediction_degree,
 };
 
-use super::rows::{Case, Plan, Row};
+use super::rows::{Case, MOST_UNSAMPLED, Plan, Row};
 use crate::error::CliError;
 use crate::memory::check_transform;
 use crate::patterns;
@@ -83,48 +84,53 @@ pub(super) fn run(
         let function = &*plan.integrand.function;
         let done = || progress.advance(seconds(case, m));
         let measured = measure_cut_sphere(&ensemble, function, axis, trials(row) as u64, &done)?;
-        let predicted = match cut {
-            Cut::Equator => predicted(plan, case, &**sampler)?,
+        let spectrum = match cut {
+            Cut::Equator => Some(spectrum(plan, case, &**sampler)?),
             Cut::Random => None,
         };
-        for (name, estimates, predicted) in [
-            ("(4 pi/M) sum f", &measured.unbiased, predicted),
-            ("(2 pi/n) sum f", &measured.ratio, None),
+        for (name, estimates, estimator) in [
+            ("(4 pi/M) sum f", &measured.unbiased, CutEstimator::Unbiased),
+            ("(2 pi/n) sum f", &measured.ratio, CutEstimator::Ratio),
         ] {
+            // An integrand whose cut has unknown energies is measured only.
+            let predicted = spectrum.as_ref().and_then(|s| predicted(s, plan, estimator).ok());
             records.push(CutRecord::new(name, estimates, predicted, cut, m, &measured, row));
         }
     }
     Ok(records)
 }
 
-/// The variance of the unbiased estimate by the formula of the sphere, if the energies of the integrand's upper half are
-/// known.
+/// The variance of an estimate with the cut at the equator, by the formula of the sphere.
 fn predicted(
+    spectrum: &Spectrum,
     plan: &Plan<'_>,
-    case: &Case,
-    sampler: &dyn Sampler,
-) -> Result<Option<(f64, f64)>, CliError> {
-    let lmax = prediction_degree(sampler, &*plan.integrand.function);
-    let Some(energy) = energy_above_equator(&*plan.integrand.function, lmax) else {
-        return Ok(None);
-    };
-    let realizations = plan.spectrum_realizations(case, sampler.n_points(), lmax);
-    let resolution = sphvar_spectrum::Resolution::new(lmax, sampler.n_points());
-    check_transform(resolution, realizations)?;
-    let streams =
-        Streams::new(plan.seed, Purpose::Pattern, case.pattern.stream_group(sampler.n_points()));
+    estimator: CutEstimator,
+) -> Result<Prediction, sphvar_variance::Error> {
+    let cut = CutIntegrand::new(&*plan.integrand.function, estimator)?;
+    Ok(predict(spectrum, &cut.energy(Domain::Sphere, spectrum.lmax())?))
+}
+
+/// The spectrum of a sphere set, to the degree that an integrand with an edge at the equator needs.
+fn spectrum(plan: &Plan<'_>, case: &Case, sampler: &dyn Sampler) -> Result<Spectrum, CliError> {
+    let (n, pattern) = (sampler.n_points(), &case.pattern);
+    let lmax = prediction_degree(sampler, &|_| 0.0);
+    if let Some(spectrum) =
+        known_spectrum(pattern, n, Domain::Sphere, lmax, MOST_UNSAMPLED, &|_| ())?
+    {
+        return Ok(spectrum);
+    }
+    let realizations = plan.spectrum_realizations(case, n, lmax);
+    check_transform(Resolution::new(lmax, n), realizations)?;
+    let streams = Streams::new(plan.seed, Purpose::Pattern, pattern.stream_group(n));
     let sets = Realizations::rotated(sampler, streams);
-    let spectrum = sphvar_spectrum::estimate(&sets, lmax, realizations, &|| ())
-        .map_err(sphvar_variance::Error::from)?;
-    let prediction = predict(&spectrum, &energy);
-    Ok(Some((prediction.variance, prediction.total_stderr())))
+    Ok(estimate(&sets, lmax, realizations, &|| ())?)
 }
 
 impl CutRecord {
     fn new(
         estimator: &'static str,
         estimates: &Measurement,
-        predicted: Option<(f64, f64)>,
+        predicted: Option<Prediction>,
         cut: Cut,
         m: usize,
         all: &CutMeasurement,
@@ -141,8 +147,8 @@ impl CutRecord {
             estimator,
             axis: if cut == Cut::Equator { "equator" } else { "random" },
             trials: estimates.estimates().len(),
-            predicted: predicted.map(|p| p.0),
-            predicted_stderr: predicted.map(|p| p.1),
+            predicted: predicted.map(|p| p.variance),
+            predicted_stderr: predicted.map(|p| p.total_stderr()),
             measured: estimates.variance(),
             measured_stderr: estimates.variance_stderr(),
             measured_low,

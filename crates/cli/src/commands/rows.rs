@@ -303,7 +303,7 @@ impl Plan<'_> {
 }
 
 /// The seconds of one core that a spectrum without sampling may take; beyond that it is sampled.
-const MOST_UNSAMPLED: f64 = 20.0;
+pub(super) const MOST_UNSAMPLED: f64 = 20.0;
 
 /// A row as scripts see it.
 #[derive(Debug, Serialize)]

@@ -51,9 +51,10 @@ pub(crate) struct BoundsArgs {
     /// Number of points; a spectrum file may say it, as the power of degree 0
     #[arg(short = 'n', long = "points", value_name = "N", required_unless_present = "spectrum")]
     pub(crate) points: Option<usize>,
-    /// Realizations of the sampler
-    #[arg(short = 'm', long, default_value_t = 300, value_name = "M")]
-    pub(crate) realizations: u64,
+    /// Estimate the spectrum of the sampler from M realizations [default: 300, and none where it is
+    /// known without sampling]
+    #[arg(short = 'm', long, value_name = "M")]
+    pub(crate) realizations: Option<u64>,
     /// Largest degree of the spectrum [default: 4 sqrt(N), for lattices 40 sqrt(N)]
     #[arg(long)]
     pub(crate) lmax: Option<usize>,

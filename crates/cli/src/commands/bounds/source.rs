@@ -3,16 +3,21 @@
 use std::path::Path;
 
 use sphvar_bounds::MeasuredSpectrum;
-use sphvar_samplers::{Domain, Purpose, Realizations, Streams};
-use sphvar_spectrum::{Resolution, estimate};
+use sphvar_samplers::{Domain, Pattern, Purpose, Realizations, Sampler, Streams};
+use sphvar_spectrum::{Resolution, Spectrum, estimate, exact_spectrum, exact_spectrum_cost};
+use sphvar_variance::is_spectrum_known;
 
 use super::BoundsArgs;
+use crate::commands::rows::MOST_UNSAMPLED;
 use crate::error::CliError;
 use crate::files::read_spectrum;
 use crate::global::Global;
 use crate::memory::{check_degree, check_transform};
 use crate::patterns;
 use crate::progress::Progress;
+
+/// Realizations of a pattern whose spectrum has to be sampled.
+const REALIZATIONS: u64 = 300;
 
 /// A mean spectrum, index l.
 pub(super) struct Measured {
@@ -57,19 +62,17 @@ impl Measured {
         let natural = if sampler.is_random() { natural } else { natural.saturating_mul(10) };
         let lmax = args.lmax.unwrap_or(natural);
         check_degree("--lmax", lmax)?;
-        let realizations = args.realizations;
-        let count = if sampler.is_random() { realizations } else { realizations.min(1) };
-        check_transform(Resolution::new(lmax, n_points), count)?;
-        if sampler.is_random() && realizations == 1 {
-            let message = "-m must be at least 2 for an error of the spectrum, got 1";
-            return Err(CliError::Usage(message.to_owned()));
-        }
-        let group = pattern.stream_group(n_points);
-        let ensemble =
-            Realizations::rotated(&*sampler, Streams::new(global.seed, Purpose::Pattern, group));
-        let progress = Progress::new(count as f64, global.quiet);
-        progress.stage(&pattern.to_string());
-        let spectrum = estimate(&ensemble, lmax, realizations, &|| progress.advance(1.0))?;
+        let known = args.realizations.is_none()
+            && is_spectrum_known(&pattern, n_points, domain, lmax, MOST_UNSAMPLED);
+        let spectrum = if known {
+            let cost = exact_spectrum_cost(&pattern, n_points, domain, lmax);
+            let progress = Progress::new(cost, global.quiet);
+            progress.stage(&pattern.to_string());
+            exact_spectrum(&pattern, n_points, domain, lmax, &|seconds| progress.advance(seconds))?
+        } else {
+            let count = args.realizations.unwrap_or(REALIZATIONS);
+            sampled(&pattern, &*sampler, lmax, count, global)?
+        };
         Ok(Self {
             label: pattern.to_string(),
             sampler: Some(pattern.name()),
@@ -120,6 +123,28 @@ impl Measured {
     pub(super) fn lmax(&self) -> usize {
         self.power.len() - 1
     }
+}
+
+/// The spectrum estimated from `realizations` sets.
+fn sampled(
+    pattern: &Pattern,
+    sampler: &dyn Sampler,
+    lmax: usize,
+    realizations: u64,
+    global: &Global,
+) -> Result<Spectrum, CliError> {
+    let n_points = sampler.n_points();
+    let count = if sampler.is_random() { realizations } else { realizations.min(1) };
+    check_transform(Resolution::new(lmax, n_points), count)?;
+    if sampler.is_random() && realizations == 1 {
+        let message = "-m must be at least 2 for an error of the spectrum, got 1";
+        return Err(CliError::Usage(message.to_owned()));
+    }
+    let streams = Streams::new(global.seed, Purpose::Pattern, pattern.stream_group(n_points));
+    let progress = Progress::new(count as f64, global.quiet);
+    progress.stage(&pattern.to_string());
+    let ensemble = Realizations::rotated(sampler, streams);
+    Ok(estimate(&ensemble, lmax, realizations, &|| progress.advance(1.0))?)
 }
 
 /// The nearest whole number from 1 on; a random number of points has a broken mean.
