@@ -133,8 +133,13 @@ impl Weights {
     }
 
     fn tail_error(&self, windows: &[f64]) -> f64 {
-        let departure = windows.iter().map(|p| (p - 1.0).abs()).reduce(f64::max);
-        self.tail * departure.unwrap_or(1.0)
+        // The weights of a window add up to 1 with a rounding for each degree.
+        let rounding = |w: &Window| f64::EPSILON * w.weights.len() as f64;
+        let departures = windows.iter().zip(&self.windows).map(|(p, w)| {
+            let departure = (p - 1.0).abs();
+            if departure <= rounding(w) { 0.0 } else { departure }
+        });
+        self.tail * departures.reduce(f64::max).unwrap_or(1.0)
     }
 }
 

@@ -32,10 +32,10 @@ pub struct RateFit {
 
 impl RateFit {
     /// The false-alarm rate of [`Self::is_pre_asymptotic`].
-    pub const FALSE_ALARM: f64 = 0.01;
+    pub const FALSE_ALARM: f64 = 0.001;
 
     /// Whether the variances bend so much that the exponent is not the asymptotic one yet: the parabola's term is
-    /// significant at 1 %, so that of a hundred power laws one is called bent.
+    /// significant at 0.1 %, so that of a thousand power laws one is called bent: tables have many of them.
     #[must_use]
     pub fn is_pre_asymptotic(&self) -> bool {
         self.slope_change_p < Self::FALSE_ALARM

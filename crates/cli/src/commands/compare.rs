@@ -268,7 +268,7 @@ fn text(document: &Document<'_>, plan: &Plan<'_>) -> String {
              degrees\nwith the integrand's energies; white noise has 1. gain: how many times the \
              variance is smaller.\n";
     if document.samplers.iter().any(|s| s.pre_asymptotic) {
-        text += "*: the rate changes over these numbers of points (false alarms: 1 %), it is not the \
+        text += "*: the rate changes over these numbers of points (false alarms: 0.1 %), it is not the \
                  asymptotic one yet.\n";
     }
     text += "\n";

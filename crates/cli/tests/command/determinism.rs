@@ -92,7 +92,7 @@ fn bounds() {
 #[test]
 fn compare() {
     assert_reproducible(
-        "compare white-noise,jittered,fibonacci -n 12,27,48 --integrand cosine -m 40 --json -o out",
+        "compare white-noise,jittered,poisson-disk -n 12,27,48 --integrand cosine -m 40 --json -o out",
         &["out/integrand.svg"],
     );
 }

@@ -60,14 +60,19 @@ fn variance_of_white_noise() {
     let number = |key: &str| row[key].as_f64().unwrap();
     // A harmonic has energy 1 in one degree: Var = 4 pi/N.
     let expected = 4.0 * PI / 48.0;
-    for key in ["predicted", "measured"] {
-        let (value, error) = (number(key), number(&format!("{key}_stderr")));
-        assert!(
-            (value - expected).abs() < 4.0 * error,
-            "{key}: {value} +- {error}, not {expected}"
-        );
-        assert!(error < 0.06 * expected, "{key}: {value} +- {error}");
-    }
+    let (value, error) = (number("measured"), number("measured_stderr"));
+    assert!((value - expected).abs() < 4.0 * error, "measured {value} +- {error}, not {expected}");
+    assert!(error < 0.06 * expected, "measured {value} +- {error}");
+    // The spectrum is known, so the prediction is a product of a few numbers.
+    let (value, error) = (number("predicted"), number("predicted_stderr"));
+    assert!((value / expected - 1.0).abs() < 8.0 * f64::EPSILON && error == 0.0, "{value} {error}");
+    // Sampled, it has an error.
+    let row =
+        place.run(&format!("{arguments} --spectrum-realizations 2000")).json()["rows"][0].clone();
+    let number = |key: &str| row[key].as_f64().unwrap();
+    let (value, error) = (number("predicted"), number("predicted_stderr"));
+    assert!((value - expected).abs() < 4.0 * error, "predicted {value} +- {error}, not {expected}");
+    assert!(error < 0.06 * expected, "predicted {value} +- {error}");
 }
 
 /// Stratification: 1/16 of white noise's variance at N = 192 and less; the issue's own figures.

@@ -7,7 +7,7 @@ use crate::workplace::Workplace;
 fn trials_are_doubled_until_the_variance_is_precise() {
     let place = Workplace::new();
     let run = |flags: &str| {
-        let command = format!("variance white-noise -n 12 --integrand cosine -m 50 --json {flags}");
+        let command = format!("variance sobol -n 12 --integrand cosine -m 50 --json {flags}");
         place.run(&command).json()["rows"][0].clone()
     };
     let row = run("--until-rel 10%");

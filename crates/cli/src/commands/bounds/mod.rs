@@ -25,7 +25,7 @@ mod thesis;
 
 pub(crate) const EXAMPLES: &str = "Examples:
   sphvar bounds jittered -n 972                                  (fit every family of profiles)
-  sphvar bounds poisson-disk -n 1024 --offset fit -o bounds.png  (above a floor; a plot)
+  sphvar bounds poisson-disk -n 1024 --offset fit -o bounds.png   (above a floor; a plot)
   sphvar bounds --spectrum s.csv --integrand cap:degrees=60
   sphvar bounds jittered -n 972 --profile poly:b=2,alpha=0.2,gamma=1
   sphvar bounds --profile poly:b=2,alpha=0.5,gamma=1 -n 1024     (rates and bounds of a profile)
@@ -62,7 +62,7 @@ pub(crate) struct BoundsArgs {
     #[arg(long, default_value_t = 0.99)]
     pub(crate) confidence: f64,
     /// Floor under the fitted profiles: a power, or `fit`
-    #[arg(long, value_name = "G0|fit", conflicts_with = "profile")]
+    #[arg(long, value_name = "G0|fit", conflicts_with = "profile", allow_hyphen_values = true)]
     pub(crate) offset: Option<String>,
     /// Band limit of the best case, a flat spectrum up to this degree
     #[arg(long, default_value_t = 10, value_name = "L0")]

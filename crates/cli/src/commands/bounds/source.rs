@@ -4,7 +4,9 @@ use std::path::Path;
 
 use sphvar_bounds::MeasuredSpectrum;
 use sphvar_samplers::{Domain, Pattern, Purpose, Realizations, Sampler, Streams};
-use sphvar_spectrum::{Resolution, Spectrum, estimate, exact_spectrum, exact_spectrum_cost};
+use sphvar_spectrum::{
+    Resolution, Spectrum, estimate, exact_spectrum, exact_spectrum_bytes, exact_spectrum_cost,
+};
 use sphvar_variance::is_spectrum_known;
 
 use super::BoundsArgs;
@@ -12,7 +14,7 @@ use crate::commands::rows::MOST_UNSAMPLED;
 use crate::error::CliError;
 use crate::files::read_spectrum;
 use crate::global::Global;
-use crate::memory::{check_degree, check_transform};
+use crate::memory::{check_degree, check_memory, check_transform};
 use crate::patterns;
 use crate::progress::Progress;
 
@@ -65,6 +67,9 @@ impl Measured {
         let known = args.realizations.is_none()
             && is_spectrum_known(&pattern, n_points, domain, lmax, MOST_UNSAMPLED);
         let spectrum = if known {
+            let threads = rayon::current_num_threads();
+            let bytes = exact_spectrum_bytes(&pattern, n_points, domain, lmax, threads);
+            check_memory(&format!("a spectrum to degree {lmax} (--lmax)"), bytes)?;
             let cost = exact_spectrum_cost(&pattern, n_points, domain, lmax);
             let progress = Progress::new(cost, global.quiet);
             progress.stage(&pattern.to_string());

@@ -163,17 +163,20 @@ pub(super) fn rank(candidates: &mut [Candidate], question: &Question) {
 }
 
 /// What to take of the ranked candidates: the first, or one that is cheaper to make and no more than
-/// 10 % worse. With the time for all that is the first: it counts the making already.
+/// 10 % worse. With the time for all that is the first: it counts the making already. Extrapolated ones are
+/// taken only if none was predicted.
 pub(super) fn recommended<'a>(
     ranked: &'a [Candidate],
     question: &Question,
 ) -> Option<&'a Candidate> {
-    let first = ranked.first().filter(|c| c.variance.is_some())?;
+    let sure = |c: &&Candidate| c.basis() == "predicted";
+    let any = ranked.iter().find(|c| c.variance.is_some())?;
+    let first = ranked.iter().filter(|c| c.variance.is_some()).find(sure).unwrap_or(any);
     if question.cost_per_sample.is_some() {
         return Some(first);
     }
     let limit = 1.1 * first.merit(question);
-    let near = ranked.iter().filter(|c| c.merit(question) <= limit);
+    let near = ranked.iter().filter(|c| c.basis() == first.basis() && c.merit(question) <= limit);
     // Expected times, not measured ones: these change from run to run.
     let cost = |c: &Candidate| c.n_points.map_or(f64::INFINITY, |n| per_point(c, n));
     near.min_by(|a, b| cost(a).total_cmp(&cost(b)))

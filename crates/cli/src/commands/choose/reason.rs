@@ -45,13 +45,13 @@ impl Reason {
             l => format!("degrees <= {l}"),
         };
         let power = match self.power_of_half {
-            p if p < 1e-20 => "none".to_owned(),
-            p => format!("{p:.2e}"),
+            p if p < 1e-20 => "no power".to_owned(),
+            p => format!("power {p:.2e}"),
         };
         let n = self.n;
         format!(
             "half of the integrand's variance under white noise is in {degrees}, where {name} has \
-             power {power} at N = {n} (white noise 1)"
+             {power} at N = {n} (white noise 1)"
         )
     }
 }
