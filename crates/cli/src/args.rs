@@ -2,7 +2,7 @@
 
 use clap::{Parser, Subcommand};
 
-use crate::commands::{bounds, compare, eval, healpix, sample, spectrum, variance};
+use crate::commands::{bounds, compare, eval, healpix, render, sample, spectrum, variance};
 use crate::global::Global;
 
 /// Which pattern of N directions on the sphere or hemisphere gives the least integration error, and
@@ -33,6 +33,9 @@ pub(crate) enum Command {
     /// Variance bounds and convergence rates from spectral profiles
     #[command(after_help = bounds::EXAMPLES)]
     Bounds(bounds::BoundsArgs),
+    /// Render a scene with a pattern's directions: ambient occlusion or light, and its error
+    #[command(after_help = render::EXAMPLES)]
+    Render(render::RenderArgs),
     /// Convert lists of directions, angles and HEALPix pixels into each other
     #[command(after_help = healpix::EXAMPLES)]
     Healpix(healpix::HealpixArgs),

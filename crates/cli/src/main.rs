@@ -51,6 +51,7 @@ fn run(cli: Cli) -> Result<(), CliError> {
         Command::Spectrum(args) => commands::spectrum::run(&args, &cli.global),
         Command::Variance(args) => commands::variance::run(&args, &cli.global),
         Command::Bounds(args) => commands::bounds::run(&args, &cli.global),
+        Command::Render(args) => commands::render::run(&args, &cli.global),
         Command::Healpix(args) => commands::healpix::run(&args, &cli.global),
         Command::Eval(args) => commands::eval::run(&args, &cli.global),
     }

@@ -1,5 +1,7 @@
 use thiserror::Error as ThisError;
 
+use crate::Region;
+
 /// What can be wrong with the input of this crate.
 #[derive(Debug, Clone, PartialEq, ThisError)]
 #[non_exhaustive]
@@ -74,4 +76,47 @@ pub enum Error {
         /// What is missing.
         expected: &'static str,
     },
+    /// A set of directions cannot be made.
+    #[error(transparent)]
+    Sampler(#[from] sphvar_samplers::Error),
+    /// More renders of one seed than there are random streams for.
+    #[error("renders of one seed are counted from 0 and below {max}")]
+    TooManyRenders {
+        /// One more than the last render.
+        max: u64,
+    },
+    /// An image without pixels or too large.
+    #[error("an image of {width} by {height} pixels: sides must be from 1 to {max}")]
+    ImageSize {
+        /// Columns asked for.
+        width: usize,
+        /// Rows asked for.
+        height: usize,
+        /// The longest side.
+        max: usize,
+    },
+    /// A part of an image that is empty or sticks out.
+    #[error(
+        "the part of {} by {} pixels at ({}, {}) is not within an image of {width} by {height}",
+        region.width, region.height, region.x, region.y
+    )]
+    Region {
+        /// The part.
+        region: Region,
+        /// Columns of the image.
+        width: usize,
+        /// Rows of the image.
+        height: usize,
+    },
+    /// Too many or too few primary rays.
+    #[error("a pixel has {got} by {got} primary rays: the number must be from 1 to {max}")]
+    RaysPerSide {
+        /// The number per side asked for.
+        got: usize,
+        /// The largest.
+        max: usize,
+    },
+    /// Images that are to be compared show different things.
+    #[error("the image shows other surfaces than the reference image")]
+    OtherView,
 }

@@ -14,30 +14,56 @@
 //!
 //! [`Scene::closest_hit`] finds where primary rays meet a surface, in double precision;
 //! [`Scene::occlusion_into`] which of many directions at such a point are blocked.
+//!
+//! [`render`] makes the picture of an [`Integral`] over the hemisphere of each point, with the directions of a
+//! [`DirectionPlan`]; [`RenderErrors`] says how far repeated renders are from a reference image, and how.
 
+mod bias_test;
 mod bounds;
 mod bundle;
 mod camera;
 mod cone;
 mod cornell;
+mod direction_mode;
+mod direction_plan;
+mod direction_sets;
 mod error;
+mod estimate;
+mod estimator;
+mod frame;
 mod hit;
+mod image;
+mod integral;
 mod mesh;
 mod obj;
 mod order;
 mod packets;
 mod quad;
 mod quads;
+mod render;
+mod render_errors;
 mod scene;
+mod view;
 
+pub use bias_test::BiasTest;
 pub use bounds::Bounds;
 pub use camera::Camera;
 pub use cornell::CornellBox;
+pub use direction_mode::DirectionMode;
+pub use direction_plan::DirectionPlan;
+pub use direction_sets::DirectionSets;
 pub use error::Error;
+pub use estimate::Estimate;
+pub use estimator::Estimator;
 pub use hit::{Hit, Reach};
+pub use image::Image;
+pub use integral::Integral;
 pub use mesh::Mesh;
 pub use quad::Quad;
+pub use render::render;
+pub use render_errors::{ErrorReport, RenderErrors};
 pub use scene::Scene;
+pub use view::{Region, View};
 
 /// The largest coordinate of a vertex: products of three differences stay finite.
 const MAX_COORDINATE: f64 = 1e100;

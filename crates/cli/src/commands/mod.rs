@@ -4,6 +4,7 @@ pub(crate) mod bounds;
 pub(crate) mod compare;
 pub(crate) mod eval;
 pub(crate) mod healpix;
+pub(crate) mod render;
 pub(crate) mod sample;
 pub(crate) mod spectrum;
 pub(crate) mod variance;

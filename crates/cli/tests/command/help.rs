@@ -2,8 +2,8 @@
 
 use crate::workplace::Workplace;
 
-const SUBCOMMANDS: [&str; 7] =
-    ["compare", "sample", "spectrum", "variance", "bounds", "healpix", "eval"];
+const SUBCOMMANDS: [&str; 8] =
+    ["compare", "sample", "spectrum", "variance", "bounds", "render", "healpix", "eval"];
 
 #[test]
 fn every_subcommand_shows_an_example() {
@@ -33,11 +33,12 @@ fn examples_work() {
         let examples = examples.map(|l| l.split("   ").next().unwrap());
         let mut run = 0;
         for example in examples.filter(|e| {
-            // `compare` is large; some need files that a reader has.
+            // `compare` is large, and so are reference images; some need files that a reader has.
             let large = e.starts_with("compare")
+                || ["--mse", "--study", "--sheet"].iter().any(|flag| e.contains(flag))
                 || e.contains("-m ")
                 || e.contains("jittered -n 972 --profile");
-            let files = e.contains("--points data") || (e.starts_with("healpix"));
+            let files = e.contains("--points data") || e.starts_with("healpix") || e.contains(".obj");
             !large && !files
         }) {
             place.run(example).ok();

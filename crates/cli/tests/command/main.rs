@@ -13,4 +13,5 @@ mod help;
 mod numbers;
 mod outcome;
 mod pipes;
+mod render;
 mod workplace;
