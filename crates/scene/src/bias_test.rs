@@ -1,4 +1,4 @@
-use statrs::distribution::{ContinuousCDF, StudentsT};
+use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
 
 use crate::Image;
 
@@ -8,7 +8,8 @@ pub struct BiasTest {
     /// The largest |t| of a pixel: its mean error in standard errors.
     pub largest: f64,
     /// What |t| stays below in all pixels with probability 99 % if there is no bias: Student's t with one degree of
-    /// freedom less than there are renders, with Sidak's correction for the number of pixels.
+    /// freedom less than there are renders, or where all renders are the same, so that only the reference is random, a
+    /// normal number; with Sidak's correction for the number of pixels.
     pub limit: f64,
     /// Number of pixels beyond the limit.
     pub beyond: usize,
@@ -32,9 +33,12 @@ impl BiasTest {
         if pixels.is_empty() {
             return None;
         }
+        let is_random = (0..pixels.len()).any(|k| moments(k).1 > 0.0);
         // 1 - (1 - alpha)^(1/k) without the rounding of numbers near 1.
         let single = -((-Self::ALPHA).ln_1p() / pixels.len() as f64).exp_m1();
-        let limit = -law.inverse_cdf(0.5 * single);
+        let quantile =
+            |p| if is_random { law.inverse_cdf(p) } else { Normal::standard().inverse_cdf(p) };
+        let limit = -quantile(0.5 * single);
         let scores = pixels.iter().enumerate().map(|(k, &i)| {
             let (mean, variance) = moments(k);
             // The reference is jittered, and so no worse than independent directions.
@@ -42,8 +46,11 @@ impl BiasTest {
             // Where all renders agree by chance, their scatter says nothing; but the share of a single direction,
             // of the size that those have which count, cannot be resolved.
             let value = reference.values[i];
-            let size = if value == 0.0 { 0.0 } else { value + reference.spreads[i] / value };
-            let resolution = size / (count * n_points as f64);
+            let resolution = if is_random && value > 0.0 {
+                (value + reference.spreads[i] / value) / (count * n_points as f64)
+            } else {
+                0.0
+            };
             let squared_error = variance / count + of_reference + resolution * resolution;
             if mean == 0.0 { 0.0 } else { mean.abs() / squared_error.sqrt() }
         });

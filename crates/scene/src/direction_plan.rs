@@ -19,7 +19,8 @@ pub struct DirectionPlan {
     pattern: Pattern,
     n_points: usize,
     mode: DirectionMode,
-    n_sets: usize,
+    /// Of a table; `None` if all sets of the pattern are the same.
+    n_sets: Option<usize>,
     seed: u64,
     group: usize,
 }
@@ -37,7 +38,7 @@ impl DirectionPlan {
         seed: u64,
     ) -> Result<Self, Error> {
         let sampler = pattern.build(mode.set_points(n_points), mode.domain())?;
-        let n_sets = if sampler.is_random() { Self::usual_sets(&pattern, n_points) } else { 1 };
+        let n_sets = sampler.is_random().then(|| Self::usual_sets(&pattern, n_points));
         let group = pattern.stream_group(n_points);
         Ok(Self { pattern, n_points, mode, n_sets, seed, group })
     }
@@ -63,8 +64,7 @@ impl DirectionPlan {
     /// [`DirectionMode::Projective`] only, and for patterns that are random.
     #[must_use]
     pub fn with_sets(self, n_sets: usize) -> Self {
-        let n_sets = if self.n_sets == 1 { 1 } else { n_sets.max(1) };
-        Self { n_sets, ..self }
+        Self { n_sets: self.n_sets.map(|_| n_sets.max(1)), ..self }
     }
 
     /// The number of directions nearest to `asked` with which the pattern exists.
@@ -75,8 +75,8 @@ impl DirectionPlan {
         pattern.nearest_count(asked, Domain::Hemisphere)
     }
 
-    /// How many sets a table has unless another number is wished: as many as 6 MB hold, at most 1024, of patterns
-    /// whose sets are optimised 4.
+    /// How many sets a table has unless another number is wished: as many as have 262144 directions
+    /// together but from 4 to 1024; of patterns whose sets are optimised 4.
     ///
     /// Sets that are turned uniformly give every pixel the right mean and pixels that do not depend on
     /// each other, however few they are; but a few sets may be better or worse than most.
@@ -119,7 +119,7 @@ impl DirectionPlan {
     pub fn n_sets(&self) -> usize {
         match self.mode {
             DirectionMode::Shared | DirectionMode::Spun => 1,
-            DirectionMode::Rotated | DirectionMode::Projective => self.n_sets,
+            DirectionMode::Rotated | DirectionMode::Projective => self.n_sets.unwrap_or(1),
             DirectionMode::Fresh => 0,
         }
     }

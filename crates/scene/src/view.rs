@@ -34,7 +34,11 @@ impl<'a> View<'a> {
     /// # Errors
     /// [`Error::ImageSize`] for a side of 0 or beyond [`Self::MAX_SIDE`].
     pub fn new(scene: &'a Scene, camera: &'a Camera, size: [usize; 2]) -> Result<Self, Error> {
-        const { assert!((View::MAX_SIDE * View::MAX_RAYS_PER_SIDE).pow(2) as u64 <= DirectionSets::MAX_HITS) };
+        const {
+            assert!(
+                (View::MAX_SIDE * View::MAX_RAYS_PER_SIDE).pow(2) as u64 <= DirectionSets::MAX_HITS
+            )
+        };
         let [width, height] = size;
         if !size.iter().all(|side| (1..=Self::MAX_SIDE).contains(side)) {
             return Err(Error::ImageSize { width, height, max: Self::MAX_SIDE });

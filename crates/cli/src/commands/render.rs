@@ -23,10 +23,10 @@ use crate::spec::unknown_name;
 
 pub(crate) const EXAMPLES: &str = "Examples:
   sphvar render cornell --sampler jittered -n 24 --size 64 -o ao.png
-  sphvar render cornell --sampler fibonacci -n 256 --mode shared --mse -o bands.png   (minutes at 512)
-  sphvar render cornell --study -n 16..1024 --samplers white-noise,jittered -o study.png   (minutes)
-  sphvar render mesh.obj --sampler healpix -n 216 --integral irradiance:env=sky.exr -o m.exr   (a file)
-  sphvar render cornell --sheet fibonacci@shared,fibonacci@rotated,healpix@shared -o s.png   (minutes)
+  sphvar render cornell --sampler fibonacci -n 256 --mode shared --mse -o bands.png
+  sphvar render cornell --study --samplers white-noise,jittered -o study.png
+  sphvar render mesh.obj --sampler healpix --integral irradiance:env=sky.exr -o m.exr
+  sphvar render cornell --sheet reference,healpix@shared,healpix@rotated -o sheet.png
 
 Modes: shared, one sphere set as it is for all pixels; spun, one hemisphere set turned about each
 normal; rotated, sphere sets turned uniformly at each point; projective, hemisphere sets turned as
@@ -34,7 +34,8 @@ lines; fresh, the same with a new realization for each pixel. Of sphere sets of 
 visible half is kept. Every sampler takes the N nearest to the one asked for.
 
 Errors are against a reference image of 32768 jittered directions for each pixel. It is made when
---mse, --json, --difference, --error, --study or --sheet need it, and kept in --cache for the next run.";
+--mse, --json, --difference, --error, --study or --sheet need it, which takes minutes for large
+pictures, and kept in --cache for the next run.";
 
 #[derive(Debug, Args)]
 pub(crate) struct RenderArgs {
@@ -53,7 +54,7 @@ pub(crate) struct RenderArgs {
     /// What stands for the kept half of a sphere set: its mean (ratio), or its sum over N (unbiased)
     #[arg(long, default_value = "ratio")]
     pub(super) estimator: String,
-    /// Sets in the table of a render [default: as many as 6 MB hold, 4 of optimised patterns]
+    /// Sets in the table of a render [default: 262144/N, from 4 to 1024; of optimised patterns 4]
     #[arg(long, value_name = "K")]
     pub(super) sets: Option<usize>,
     /// Renders from which errors are estimated; the first one is the picture [default: 8, or 1 without errors]

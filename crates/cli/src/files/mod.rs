@@ -15,6 +15,6 @@ pub(crate) use atomic::AtomicFile;
 pub(crate) use file_error::{FileError, Place};
 pub(crate) use image::{Channel, read_image};
 pub(crate) use lists::{Columns, Fault, ListWriter, Number, Written, read_list};
-pub(crate) use picture::{PICTURES, Picture, PictureFormat, png_bytes, srgb};
+pub(crate) use picture::{Picture, PictureFormat, png_bytes, srgb};
 pub(crate) use points::{PointSet, ReadOptions, read_points, write_points};
 pub(crate) use spectra::read_spectrum;

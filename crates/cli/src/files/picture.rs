@@ -3,12 +3,14 @@
 use std::io::{self, Cursor, Write};
 use std::path::Path;
 
-use exr::prelude::{Encoding, Image, Layer, LayerAttributes, SpecificChannels, Text, WritableImage};
+use exr::prelude::{
+    Encoding, Image, Layer, LayerAttributes, SpecificChannels, Text, WritableImage,
+};
 
 use super::{AtomicFile, FileError};
 
 /// The extensions of [`PictureFormat::of_path`], for messages.
-pub(crate) const PICTURES: &str = ".png, .exr or .pfm";
+const PICTURES: &str = ".png, .exr or .pfm";
 
 /// A format of images.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -153,9 +155,15 @@ mod tests {
     #[test]
     fn greys_are_those_of_the_standard() {
         // Values of the sRGB standard's curve: half of the light is 188, the linear part ends at 10.
-        for (linear, grey) in
-            [(0.0, 0), (1.0, 255), (0.5, 188), (0.003_130_8, 10), (-1.0, 0), (f64::NAN, 0), (9.0, 255)]
-        {
+        for (linear, grey) in [
+            (0.0, 0),
+            (1.0, 255),
+            (0.5, 188),
+            (0.003_130_8, 10),
+            (-1.0, 0),
+            (f64::NAN, 0),
+            (9.0, 255),
+        ] {
             assert_eq!(srgb(linear), grey, "{linear}");
         }
     }

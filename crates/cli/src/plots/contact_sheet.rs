@@ -1,7 +1,7 @@
 //! Pictures in rows and columns with captions below.
 
 use image::{RgbImage, imageops};
-use plotters::prelude::{DrawingBackend, IntoDrawingArea};
+use plotters::prelude::DrawingBackend;
 use plotters::style::text_anchor::HPos;
 
 use super::canvas::Canvas;

@@ -38,7 +38,8 @@ fn examples_work() {
                 || ["--mse", "--study", "--sheet"].iter().any(|flag| e.contains(flag))
                 || e.contains("-m ")
                 || e.contains("jittered -n 972 --profile");
-            let files = e.contains("--points data") || e.starts_with("healpix") || e.contains(".obj");
+            let files =
+                e.contains("--points data") || e.starts_with("healpix") || e.contains(".obj");
             !large && !files
         }) {
             place.run(example).ok();

@@ -8,8 +8,7 @@ use crate::workplace::{Workplace, data, small_exr};
 /// Small pictures with a small reference image in a folder of their own.
 const SMALL: &str = "--size 24 --reference-n 600 --cache cache";
 
-const PYRAMID: &str =
-    "v -1 0 -1\nv 1 0 -1\nv 1 0 1\nv -1 0 1\nv 0 1.5 0\nf 1 2 5\nf 2 3 5\nf 3 4 5\nf -2 -5 -1\nf 1 2 3 4\n";
+const PYRAMID: &str = "v -1 0 -1\nv 1 0 -1\nv 1 0 1\nv -1 0 1\nv 0 1.5 0\nf 1 2 5\nf 2 3 5\nf 3 4 5\nf -2 -5 -1\nf 1 2 3 4\n";
 
 fn number(document: &Value, key: &str) -> f64 {
     document[key].as_f64().unwrap_or_else(|| panic!("{key}: {document}"))
@@ -51,9 +50,24 @@ fn the_document_has_its_keys_and_agrees_with_itself() {
     assert_keys(
         &document,
         &[
-            "mse", "mse_stderr", "rays", "seconds", "variance", "bias_squared", "white_noise", "gain",
-            "structured_error", "autocorrelation", "bias_t", "bias_limit", "n", "asked", "mode",
-            "renders", "reference_n", "provenance",
+            "mse",
+            "mse_stderr",
+            "rays",
+            "seconds",
+            "variance",
+            "bias_squared",
+            "white_noise",
+            "gain",
+            "structured_error",
+            "autocorrelation",
+            "bias_t",
+            "bias_limit",
+            "n",
+            "asked",
+            "mode",
+            "renders",
+            "reference_n",
+            "provenance",
         ],
     );
     assert_eq!((document["n"].as_u64(), document["asked"].as_u64()), (Some(96), Some(100)));
@@ -62,7 +76,9 @@ fn the_document_has_its_keys_and_agrees_with_itself() {
     assert!(mse > 0.0 && number(&document, "mse_stderr") < 0.3 * mse, "{document}");
     let sum = number(&document, "variance") + number(&document, "bias_squared");
     assert!((sum / mse - 1.0).abs() < 1e-12, "{document}");
-    assert!((number(&document, "gain") * mse / number(&document, "white_noise") - 1.0).abs() < 1e-12);
+    assert!(
+        (number(&document, "gain") * mse / number(&document, "white_noise") - 1.0).abs() < 1e-12
+    );
     assert!(number(&document, "gain") > 1.5, "{document}");
     let rays = document["rays"].as_u64().unwrap();
     assert_eq!(rays, 8 * 96 * document["pixels"].as_u64().unwrap());
@@ -87,7 +103,8 @@ fn parts_of_a_picture_are_those_of_the_whole() {
     };
     run("-o whole.pfm");
     run("-o part.pfm --crop 7,11,20,9");
-    let (whole, part) = (pfm(&place.bytes("whole.pfm"), 40, 40), pfm(&place.bytes("part.pfm"), 20, 9));
+    let (whole, part) =
+        (pfm(&place.bytes("whole.pfm"), 40, 40), pfm(&place.bytes("part.pfm"), 20, 9));
     for y in 0..9 {
         assert_eq!(part[20 * y..20 * (y + 1)], whole[40 * (y + 11) + 7..][..20], "row {y}");
     }
@@ -127,7 +144,9 @@ fn reference_images_are_kept_and_damage_is_noticed() {
     place.write(&name, &kept[..kept.len() / 3]);
     assert!(same(mse(&place), first));
     // Whatever the reference depends on makes another one.
-    for other in ["--seed 1", "--max-distance 50", "--crop 2,2,20,20", "--integral light", "--fov 30"] {
+    for other in
+        ["--seed 1", "--max-distance 50", "--crop 2,2,20,20", "--integral light", "--fov 30"]
+    {
         let before = place.names_in("cache").len();
         place.run(&format!("{arguments} {other}")).ok();
         assert_eq!(place.names_in("cache").len(), before + 1, "{other}");
@@ -154,7 +173,10 @@ fn light_and_skies() {
     let under_sky = mean(&format!("pyramid.obj {sky}"));
     assert!(under_sky > 4.0 && under_sky < 17.0, "{under_sky}");
     let upside_down = mean(&format!("pyramid.obj {sky} --up 0,-1,0 --eye 3,3,3"));
-    assert!(upside_down > under_sky, "the ground of the map is brighter: {upside_down} {under_sky}");
+    assert!(
+        upside_down > under_sky,
+        "the ground of the map is brighter: {upside_down} {under_sky}"
+    );
     let lamp = "--integral light --lamp 1,3,-1,1,3,1,-1,3,1,-1,3,-1";
     assert!(mean(&format!("pyramid.obj --sampler healpix -n 96 {lamp}")) > 0.01);
     let wide = mean("pyramid.obj --sampler healpix -n 96 --eye 0,5,0.1 --look-at 0,0,0 --fov 60");
@@ -201,7 +223,10 @@ fn a_sheet_shows_panels() {
     let document = place.run(&arguments).json();
     let rows = document["panels"].as_array().unwrap();
     assert_eq!(rows.len(), 4);
-    assert_eq!((rows[0]["mode"].as_str(), rows[1]["mode"].as_str()), (Some("shared"), Some("rotated")));
+    assert_eq!(
+        (rows[0]["mode"].as_str(), rows[1]["mode"].as_str()),
+        (Some("shared"), Some("rotated"))
+    );
     let sheet = image::open(place.path("sheet.png")).unwrap();
     assert!(sheet.width() > 3 * 24 && sheet.height() > 2 * 24, "{sheet:?}");
 }
@@ -247,7 +272,7 @@ fn wrong_usage_is_told() {
         ("--reference-n 0 --json", &["--reference-n"]),
         ("--samplers jittered", &["--study"]),
     ] {
-        run(&format!("cornell --sampler jittered {arguments}")).fails(2, parts);
+        run(&format!("cornell --sampler jittered --cache none {arguments}")).fails(2, parts);
     }
     run("cornell --study -n 6").fails(2, &["--samplers is missing"]);
     run("cornell --study --samplers jittered -m 1").fails(2, &["-m from 2 on"]);

@@ -69,9 +69,14 @@ fn parts_and_sizes_out_of_range_are_refused() {
         View::new(&cornell.scene, &cornell.camera, size).unwrap_err();
     }
     let view = View::new(&cornell.scene, &cornell.camera, [8, 6]).unwrap();
-    for [x, y, width, height] in
-        [[0, 0, 0, 1], [0, 0, 1, 0], [8, 0, 1, 1], [0, 6, 1, 1], [1, 0, 8, 6], [usize::MAX, 0, 2, 2]]
-    {
+    for [x, y, width, height] in [
+        [0, 0, 0, 1],
+        [0, 0, 1, 0],
+        [8, 0, 1, 1],
+        [0, 6, 1, 1],
+        [1, 0, 8, 6],
+        [usize::MAX, 0, 2, 2],
+    ] {
         let region = Region { x, y, width, height };
         let message = view.with_region(region).unwrap_err().to_string();
         assert!(message.contains("8 by 6"), "{message}");

@@ -33,7 +33,7 @@ fn report(pattern: Pattern, n: usize, mode: DirectionMode, renders: u64) -> Erro
     errors.report()
 }
 
-/// To 3 %: 8 renders of 3000 pixels and more have a standard error of 1 %.
+/// To 3 %: 8 renders of 3844 pixels have a standard error of 1 %, with sets of a table up to 2 %.
 #[test]
 fn white_noise_has_the_binomial_variance() {
     let n = 16;
@@ -46,7 +46,7 @@ fn white_noise_has_the_binomial_variance() {
         assert!((exact / binomial - 1.0).abs() < 1e-12, "{exact:e} {binomial:e}");
         let ratio = report.mse.value / exact;
         assert!((ratio - 1.0).abs() < 0.03, "{mode}: {ratio}, {report:?}");
-        assert!(report.mse.stderr / exact < 0.015, "{mode}: {report:?}");
+        assert!(report.mse.stderr / exact < 0.02, "{mode}: {report:?}");
         assert!((report.variance.value / exact - 1.0).abs() < 0.03, "{mode}: {report:?}");
     }
 }
@@ -70,9 +70,9 @@ fn shared_sets_have_structure_and_turned_ones_do_not() {
 
 #[test]
 fn a_bias_is_found_where_there_is_one() {
-    let of = |mode| report(Pattern::Fibonacci, 64, mode, 8);
-    let shared = of(DirectionMode::Shared).bias.unwrap();
+    let shared = report(Pattern::Fibonacci, 24, DirectionMode::Shared, 2).bias.unwrap();
     assert!(shared.is_biased() && shared.beyond > 100, "{shared:?}");
+    let of = |mode| report(Pattern::Fibonacci, 64, mode, 8);
     for mode in [DirectionMode::Projective, DirectionMode::Rotated, DirectionMode::Fresh] {
         let turned = of(mode).bias.unwrap();
         assert!(!turned.is_biased(), "{mode}: {turned:?}");

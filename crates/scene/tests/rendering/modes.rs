@@ -81,14 +81,20 @@ fn turned_sets_are_unbiased() {
             let sets = plan(pattern, 24, mode).prepare(0).unwrap();
             let image = spot.render(&AMBIENT, Estimator::Unbiased, &sets, 48);
             let (mean, error) = mean_and_error(&image.values);
-            assert!(error > 0.0 && (mean - exact).abs() < Z * error, "{pattern} {mode}: {mean} +- {error}, {exact}");
+            assert!(
+                error > 0.0 && (mean - exact).abs() < Z * error,
+                "{pattern} {mode}: {mean} +- {error}, {exact}"
+            );
         }
     }
     for pattern in &patterns[..4] {
         let sets = plan(pattern, 24, DirectionMode::Fresh).prepare(0).unwrap();
         let image = spot.render(&AMBIENT, Estimator::Unbiased, &sets, 48);
         let (mean, error) = mean_and_error(&image.values);
-        assert!(error > 0.0 && (mean - exact).abs() < Z * error, "{pattern} fresh: {mean} +- {error}, {exact}");
+        assert!(
+            error > 0.0 && (mean - exact).abs() < Z * error,
+            "{pattern} fresh: {mean} +- {error}, {exact}"
+        );
     }
 }
 
@@ -106,7 +112,10 @@ fn sets_that_are_not_turned_are_unbiased_over_renders() {
             };
             let values: Vec<f64> = (0..1500).map(value).collect();
             let (mean, error) = mean_and_error(&values);
-            assert!((mean - exact).abs() < Z * error, "{pattern} {mode}: {mean} +- {error}, {exact}");
+            assert!(
+                (mean - exact).abs() < Z * error,
+                "{pattern} {mode}: {mean} +- {error}, {exact}"
+            );
         }
     }
 }
@@ -137,7 +146,10 @@ fn white_noise_has_its_variances() {
         let variance = error * error * count;
         // sqrt(2/4096) = 2.2 % as for normal numbers, and as much again for sets of a table that are used four times.
         let tolerance = Z * expected * 2.0 * (2.0 / count).sqrt();
-        assert!((variance - expected).abs() < tolerance, "{mode} {estimator:?}: {variance}, {expected}");
+        assert!(
+            (variance - expected).abs() < tolerance,
+            "{mode} {estimator:?}: {variance}, {expected}"
+        );
     }
 }
 

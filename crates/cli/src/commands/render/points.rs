@@ -12,7 +12,11 @@ impl Counts {
 
     /// From `first`, doubling, to no more than `last`.
     pub(super) fn doubling(first: usize, last: usize) -> Self {
-        Self(std::iter::successors(Some(first), |n| n.checked_mul(2)).take_while(|&n| n <= last).collect())
+        Self(
+            std::iter::successors(Some(first), |n| n.checked_mul(2))
+                .take_while(|&n| n <= last)
+                .collect(),
+        )
     }
 }
 
@@ -22,12 +26,16 @@ impl FromStr for Counts {
     fn from_str(text: &str) -> Result<Self, String> {
         let count = |text: &str| match text.trim().parse::<usize>() {
             Ok(n) if n > 0 => Ok(n),
-            _ => Err(format!("expected numbers from 1 as in 256, 16,64,256 or 16..1024, got \"{text}\"")),
+            _ => Err(format!(
+                "expected numbers from 1 as in 256, 16,64,256 or 16..1024, got \"{text}\""
+            )),
         };
         if let Some((first, last)) = text.split_once("..") {
             let (first, last) = (count(first)?, count(last)?);
             if first > last {
-                return Err(format!("the range {first}..{last} is empty: give the smaller number first"));
+                return Err(format!(
+                    "the range {first}..{last} is empty: give the smaller number first"
+                ));
             }
             return Ok(Self::doubling(first, last));
         }

@@ -71,6 +71,11 @@ pub(super) fn run(args: &RenderArgs, panels: &str, global: &Global) -> Result<()
         }
     }
     let stage = args.stage.stage(USUAL_SIZE)?;
+    for wish in &wishes {
+        if let Wish::Pattern(trials) = wish {
+            trials.check(&stage)?;
+        }
+    }
     let reference = Reference::new(args, &stage, global)?.image(&stage)?;
     let white = args.white.unwrap_or_else(|| white(&stage, &reference));
     let mut cost = 0.0;
@@ -164,7 +169,7 @@ fn rendered(
     });
     caption.extend(record.as_ref().map(|record| {
         let ErrorRecord { mse, structured_error, .. } = record.errors;
-        format!("MSE {mse:.2e}, structured error {structured_error:.1}")
+        format!("MSE {mse:.2e}, structure {structured_error:.1}")
     }));
     Ok((panel(&picture, white, caption), record))
 }

@@ -1,6 +1,6 @@
 //! One picture, and if it is wished its errors.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use serde::Serialize;
 use sphvar_scene::Image;
@@ -105,6 +105,7 @@ pub(super) fn run(args: &RenderArgs, global: &Global) -> Result<(), CliError> {
     let pattern = parse_pattern(sampler)?;
     let trials = Trials::new(args, pattern, args.mode()?, count, renders, global.seed)?;
     let stage = args.stage.stage(USUAL_SIZE)?;
+    trials.check(&stage)?;
     let reference = Reference::new(args, &stage, global)?;
     let reference = if compare { Some(reference.image(&stage)?) } else { None };
     let progress = Progress::new(trials.cost(&stage)?, global.quiet);
@@ -127,12 +128,13 @@ fn check_outputs(args: &RenderArgs, global: &Global) -> Result<(), CliError> {
     for path in paths.into_iter().flatten() {
         PictureFormat::of_path(path)?;
         AtomicFile::check(path)?;
-        let spoken_for = path.as_path() != args.out.as_deref().unwrap_or(path) || global.json;
-        if is_stdout(path) && spoken_for {
-            return Err(CliError::Usage(
-                "standard output takes one document: the picture of -o - or that of --json".to_owned(),
-            ));
-        }
+    }
+    let on_stdout = |path: &Option<PathBuf>| path.as_deref().is_some_and(is_stdout);
+    let others = [&args.difference, &args.error].into_iter().any(on_stdout);
+    if others || (on_stdout(&args.out) && global.json) {
+        return Err(CliError::Usage(
+            "standard output takes one document: the picture of -o - or that of --json".to_owned(),
+        ));
     }
     if args.white.is_some_and(|white| !(white > 0.0 && white.is_finite())) {
         return Err(CliError::Usage("--white must be a number above 0".to_owned()));

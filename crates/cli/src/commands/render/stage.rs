@@ -139,8 +139,15 @@ impl StageArgs {
             "\ncamera {camera:?}\nsize {size:?} part {region:?} rays {}\n{words}",
             self.pixel_rays
         ));
-        let stage =
-            Stage { scene, camera, size, region, pixel_rays: self.pixel_rays, integral, description };
+        let stage = Stage {
+            scene,
+            camera,
+            size,
+            region,
+            pixel_rays: self.pixel_rays,
+            integral,
+            description,
+        };
         // Wrong sizes and crops are known now.
         stage.view()?;
         Ok(stage)
@@ -162,19 +169,15 @@ impl StageArgs {
         Ok((Scene::from_mesh(mesh), fingerprint(&bytes)))
     }
 
-    fn camera(
-        &self,
-        scene: &Scene,
-        own: Option<Camera>,
-        up: DVec3,
-    ) -> Result<Camera, CliError> {
+    fn camera(&self, scene: &Scene, own: Option<Camera>, up: DVec3) -> Result<Camera, CliError> {
         let given = self.eye.is_some() || self.look_at.is_some() || self.up.is_some();
         match own {
             Some(camera) if !given && self.fov.is_none() => return Ok(camera),
             _ => (),
         }
         let bounds = scene.bounds();
-        let usual_fov = if own.is_some() { 2.0 * CORNELL_HALF_VIEW.atan() } else { USUAL_FOV.to_radians() };
+        let usual_fov =
+            if own.is_some() { 2.0 * CORNELL_HALF_VIEW.atan() } else { USUAL_FOV.to_radians() };
         let fov = self.fov.map_or(usual_fov, f64::to_radians);
         let target = match (self.look_at, own) {
             (Some(at), _) => DVec3::from_array(at.0),
@@ -199,7 +202,9 @@ impl StageArgs {
             }
             spec.replace_number("albedo", &mut albedo)?;
             if !(0.0..=1.0).contains(&albedo) {
-                return Err(CliError::Usage(format!("{text}: albedo must be in [0, 1], got {albedo}")));
+                return Err(CliError::Usage(format!(
+                    "{text}: albedo must be in [0, 1], got {albedo}"
+                )));
             }
         }
         match spec.name.as_str() {
@@ -211,7 +216,11 @@ impl StageArgs {
                     )));
                 }
                 let mut cosine = false;
-                spec.replace_choice("weight", &[("uniform", false), ("cosine", true)], &mut cosine)?;
+                spec.replace_choice(
+                    "weight",
+                    &[("uniform", false), ("cosine", true)],
+                    &mut cosine,
+                )?;
                 spec.finish(&["weight (uniform, cosine)"])?;
                 let words = format!("ambient {max_distance:e} {cosine}");
                 Ok((Wanted::Ambient { max_distance, cosine }, words))
@@ -254,7 +263,8 @@ fn usual_eye(scene: &Scene, target: DVec3, up: DVec3, fov: f64) -> DVec3 {
 }
 
 fn read(path: &Path) -> Result<Vec<u8>, CliError> {
-    std::fs::read(path).map_err(|e| CliError::Failed(format!("cannot open {}: {e}", path.display())))
+    std::fs::read(path)
+        .map_err(|e| CliError::Failed(format!("cannot open {}: {e}", path.display())))
 }
 
 impl Stage {

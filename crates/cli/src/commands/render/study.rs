@@ -89,7 +89,9 @@ pub(super) fn run(args: &RenderArgs, global: &Global) -> Result<(), CliError> {
     }
     let renders = args.realizations.unwrap_or(USUAL_RENDERS);
     if renders < 2 {
-        return Err(CliError::Usage(format!("a study needs errors, so -m from 2 on, got {renders}")));
+        return Err(CliError::Usage(format!(
+            "a study needs errors, so -m from 2 on, got {renders}"
+        )));
     }
     let list = args.samplers.as_ref().ok_or_else(|| {
         CliError::Usage("--samplers is missing: which ones are studied?".to_owned())
@@ -112,6 +114,9 @@ pub(super) fn run(args: &RenderArgs, global: &Global) -> Result<(), CliError> {
         patterns.push(pattern);
     }
     let stage = args.stage.stage(USUAL_SIZE)?;
+    for case in &cases {
+        case.check(&stage)?;
+    }
     let reference = Reference::new(args, &stage, global)?.image(&stage)?;
     let costs: Result<Vec<f64>, CliError> = cases.iter().map(|c| c.cost(&stage)).collect();
     let progress = Progress::new(costs?.iter().sum(), global.quiet);
@@ -174,7 +179,9 @@ impl Row {
     fn record(&self) -> Vec<String> {
         let e = &self.errors;
         let mut cells = vec![self.sampler.clone(), self.mode.to_owned()];
-        cells.extend([self.asked as u64, self.n as u64, self.sets, self.renders].map(|n| n.to_string()));
+        cells.extend(
+            [self.asked as u64, self.n as u64, self.sets, self.renders].map(|n| n.to_string()),
+        );
         let numbers = [
             e.mse,
             e.mse_stderr,

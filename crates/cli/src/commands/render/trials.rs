@@ -10,6 +10,7 @@ use sphvar_scene::{
 use super::RenderArgs;
 use super::stage::Stage;
 use crate::error::CliError;
+use crate::memory::check_memory;
 use crate::progress::Progress;
 
 /// Renders from which errors are estimated, unless another number is wished.
@@ -59,6 +60,18 @@ impl Trials {
             plan = plan.with_sets(sets);
         }
         Ok(Self { asked, plan, estimator: args.estimator()?, renders })
+    }
+
+    /// Refuses what does not fit into memory.
+    pub(super) fn check(&self, stage: &Stage) -> Result<(), CliError> {
+        let direction = size_of::<glam::DVec3>() as f64;
+        let points = self.plan.mode().set_points(self.plan.n_points()) as f64;
+        let at_once = (self.plan.n_sets() + rayon::current_num_threads()) as f64;
+        check_memory(&format!("-n {}", self.asked), direction * points * at_once)?;
+        // Value, spread and whether hit of render and reference; errors of all renders.
+        let pixel = (2 * 17 + 8) as f64 + 8.0 * self.renders as f64;
+        let region = stage.view()?.region();
+        check_memory("the picture", pixel * (region.width * region.height) as f64)
     }
 
     /// What a progress bar counts.
