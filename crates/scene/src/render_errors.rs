@@ -213,14 +213,14 @@ mod tests {
         assert_eq!((report.mse.value, report.mse.stderr), (0.0625, 0.0));
         assert_eq!((report.structure.value, report.autocorrelation.value), (64.0, 1.0));
         assert_eq!((report.variance.value, report.bias_squared), (0.125, -0.0625));
-        assert!(errors.squared_errors().iter().all(|&e| e == 0.0625));
+        assert_eq!(errors.squared_errors(), [0.0625; 16 * 9]);
     }
 
     #[test]
     fn a_chequerboard_has_no_mean_in_a_square() {
         let reference = image(8, 8, |_, _| 0.5);
         let mut errors = RenderErrors::new(&reference);
-        let board = |x: usize, y: usize| if (x + y) % 2 == 0 { 0.75 } else { 0.25 };
+        let board = |x: usize, y: usize| if (x + y).is_multiple_of(2) { 0.75 } else { 0.25 };
         errors.push(&image(8, 8, board)).unwrap();
         let report = errors.report();
         assert_eq!((report.structure.value, report.autocorrelation.value), (0.0, -1.0));

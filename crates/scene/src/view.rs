@@ -37,7 +37,7 @@ impl<'a> View<'a> {
         const {
             assert!(
                 (View::MAX_SIDE * View::MAX_RAYS_PER_SIDE).pow(2) as u64 <= DirectionSets::MAX_HITS
-            )
+            );
         };
         let [width, height] = size;
         if !size.iter().all(|side| (1..=Self::MAX_SIDE).contains(side)) {
