@@ -25,10 +25,10 @@ mod hit;
 mod mesh;
 mod obj;
 mod order;
-mod packets;
 mod quad;
 mod quads;
 mod scene;
+mod stream;
 
 pub use bounds::Bounds;
 pub use camera::Camera;
