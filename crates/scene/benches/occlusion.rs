@@ -1,8 +1,10 @@
 //! Time for the occlusion rays of hit points, on one thread; rays per second.
 //!
 //! An id is scene/what/number of directions at a hit point, which are random over the visible hemisphere and other ones at
-//! every point, in random order. `box/.../near` has a reach of a tenth of the scene. `field/hierarchy` is what the crate
-//! for the hierarchy gives on the same rays if each is traced by itself.
+//! every point, in random order. `endless` rays have no end, `near` ones a reach of a tenth of the scene. Hit points are
+//! those seen through random pixels, so that little of what one needs is left in the cache by the one before; in
+//! `field-rows` they are those of neighbouring pixels, as in a picture. `hierarchy` is what the crate that makes the
+//! hierarchy of the field gives on the same endless rays if each is traced by itself.
 
 use std::hint::black_box;
 use std::time::Duration;
@@ -65,14 +67,33 @@ fn field() -> (Vec<DVec3>, Vec<[u32; 3]>) {
     (vertices, faces.collect())
 }
 
-/// Hit points seen through random pixels, each with directions.
-fn work(scene: &Scene, camera: &Camera, n: usize) -> Vec<(Hit, Vec<DVec3>)> {
+/// Hit points seen through pixels, each with directions.
+type Work = Vec<(Hit, Vec<DVec3>)>;
+
+/// Which pixels.
+#[derive(Clone, Copy)]
+enum Pixels {
+    Random,
+    Rows,
+}
+
+/// Pixels of the picture of which neighbours are taken, and of the part that they fill, from its middle downwards.
+const SIZE: [usize; 2] = [512, 512];
+const ROW: usize = 64;
+
+fn work(scene: &Scene, camera: &Camera, pixels: Pixels, n: usize) -> Work {
     let mut numbers = Numbers(1);
     let mut work = Vec::new();
-    while work.len() * n < N_RAYS {
-        let dir = camera.direction(numbers.unit(), numbers.unit(), [1, 1]);
-        if let Some(hit) = scene.closest_hit(camera.position(), dir) {
+    for pixel in 0.. {
+        let (x, y) = match pixels {
+            Pixels::Random => (512.0 * numbers.unit(), 512.0 * numbers.unit()),
+            Pixels::Rows => ((224 + pixel % ROW) as f64, (256 + pixel / ROW % 256) as f64),
+        };
+        if let Some(hit) = scene.closest_hit(camera.position(), camera.direction(x, y, SIZE)) {
             work.push((hit, (0..n).map(|_| numbers.above(hit.normal)).collect()));
+        }
+        if work.len() * n >= N_RAYS {
+            break;
         }
     }
     work
@@ -86,17 +107,28 @@ fn trace(scene: &Scene, work: &[(Hit, Vec<DVec3>)], reach: f64, occluded: &mut [
     }
 }
 
-fn bench_scene(c: &mut Criterion, name: &str, scene: &Scene, camera: &Camera) {
+fn bench_scene(
+    c: &mut Criterion,
+    name: &str,
+    scene: &Scene,
+    work: impl Fn(usize) -> Work,
+    peer: Option<&Hierarchy>,
+) {
     let mut group = c.benchmark_group(name);
     group.sample_size(10).warm_up_time(Duration::from_millis(300));
     group.measurement_time(Duration::from_secs(2)).throughput(Throughput::Elements(N_RAYS as u64));
     let near = 0.1 * scene.bounds().size();
     for n in N_DIRECTIONS {
-        let work = work(scene, camera, n);
+        let work = work(n);
         let mut occluded = vec![false; n];
         for (name, reach) in [("endless", f64::INFINITY), ("near", near)] {
             group.bench_function(BenchmarkId::new(name, n), |b| {
                 b.iter(|| trace(scene, black_box(&work), reach, &mut occluded));
+            });
+        }
+        if let Some(peer) = peer {
+            group.bench_function(BenchmarkId::new("hierarchy", n), |b| {
+                b.iter(|| peer.trace(black_box(&work), scene.clearance()));
             });
         }
     }
@@ -140,8 +172,8 @@ impl Hierarchy {
 }
 
 fn occlusion(c: &mut Criterion) {
-    let cornell = CornellBox::new();
-    bench_scene(c, "box", &cornell.scene, &cornell.camera);
+    let CornellBox { scene, camera, .. } = CornellBox::new();
+    bench_scene(c, "box", &scene, |n| work(&scene, &camera, Pixels::Random, n), None);
 
     let (vertices, faces) = field();
     let position = DVec3::new(0.5, -0.7, 1.0);
@@ -149,14 +181,9 @@ fn occlusion(c: &mut Criterion) {
     let camera = camera.expect("a camera");
     let peer = Hierarchy::new(&vertices, &faces);
     let scene = Scene::from_mesh(Mesh::new(vertices, faces).expect("a mesh"));
-    bench_scene(c, "field", &scene, &camera);
-    let work = work(&scene, &camera, 256);
-    let mut group = c.benchmark_group("field");
-    group.sample_size(10).throughput(Throughput::Elements(N_RAYS as u64));
-    group.bench_function(BenchmarkId::new("hierarchy", 256), |b| {
-        b.iter(|| peer.trace(black_box(&work), scene.clearance()));
-    });
-    group.finish();
+    for (name, pixels) in [("field", Pixels::Random), ("field-rows", Pixels::Rows)] {
+        bench_scene(c, name, &scene, |n| work(&scene, &camera, pixels, n), Some(&peer));
+    }
 }
 
 criterion_group!(benches, occlusion);

@@ -117,6 +117,9 @@ impl<S: Simd> Tracer<'_, S> {
                     self.visit(index, groups & self.open, octant);
                 }
             }
+            for (range, _) in &self.leaves {
+                black_box((self.corners[range.start][0].x, self.corners[range.end - 1][2].z));
+            }
             for i in 0..self.leaves.len() {
                 let (range, groups) = self.leaves[i].clone();
                 for primitive in range {
@@ -140,7 +143,6 @@ impl<S: Simd> Tracer<'_, S> {
             if node.is_leaf(child) {
                 let (first, count) = node.child_primitives(child);
                 let range = first as usize..(first + count) as usize;
-                black_box((self.corners[range.start][0].x, self.corners[range.end - 1][2].z));
                 self.leaves.push((range, met[child]));
             } else {
                 self.nodes.push((node.child_node_index(child), met[child]));
