@@ -9,7 +9,7 @@ pub struct Hit {
     ///
     /// It is the normal of the plane of the quadrilateral or triangle; normals of a file are not used.
     pub normal: DVec3,
-    /// Distance from the ray's origin, in lengths of its direction.
+    /// Distance from the ray's origin.
     pub distance: f64,
     /// The number of the quadrilateral or triangle in the order they were given, from 0.
     pub primitive: usize,

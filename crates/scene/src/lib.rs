@@ -37,12 +37,12 @@ mod integral;
 mod mesh;
 mod obj;
 mod order;
-mod packets;
 mod quad;
 mod quads;
 mod render;
 mod render_errors;
 mod scene;
+mod stream;
 mod view;
 
 pub use bias_test::BiasTest;

@@ -1,17 +1,17 @@
-use std::time::Duration;
-
 use glam::{DVec3, Vec3, Vec3A};
 use obvhs::BvhBuildParams;
+use obvhs::aabb::Aabb;
+use obvhs::bvh2::reinsertion::ReinsertionOptimizer;
 use obvhs::cwbvh::CwBvh;
-use obvhs::cwbvh::builder::build_cwbvh_from_tris;
+use obvhs::cwbvh::bvh2_to_cwbvh::bvh2_to_cwbvh;
+use obvhs::ploc::PlocBuilder;
 use obvhs::ray::{Ray, RayHit};
-use obvhs::triangle::Triangle;
 use pulp::Arch;
 
 use crate::bounds::Bounds;
 use crate::order::coherent_order;
-use crate::packets::Packets;
-use crate::quad::meet;
+use crate::quad::{meet, normal_between};
+use crate::stream::Stream;
 use crate::{Error, Hit, MAX_COORDINATE, Reach};
 
 /// Triangles with a hierarchy over them.
@@ -35,12 +35,18 @@ pub struct Mesh {
 /// Size of the mesh in the hierarchy's coordinates. Its boxes are ignored where a ray leaves them before 1e-4, so
 /// that should be less than the distance that rays start from surfaces.
 pub(crate) const SIZE: u32 = 1 << 16;
+/// How far before the mesh primary rays start, in units of its size.
+const RUN_UP: f64 = 1.0 / 16.0;
+/// Triangles of a leaf: the format has room for three.
+const MAX_LEAF: u32 = 3;
+
 const MAX_TRIANGLES: usize = 1 << 28;
 
 impl Mesh {
     /// The mesh of triangles given by the numbers of their vertices, from 0.
     ///
-    /// Triangles without area are left out; [`Hit::primitive`] counts the others in their order.
+    /// Triangles without area are left out, as are those with no coordinates that differ by 1e-100 or more;
+    /// [`Hit::primitive`] counts the others in their order.
     ///
     /// # Errors
     /// [`Error::Vertex`] if a coordinate that is used is not finite or beyond 1e100, [`Error::FaceIndex`] if there is no
@@ -74,15 +80,8 @@ impl Mesh {
         if faces.is_empty() {
             return Err(Error::NoTriangles { n_faces });
         }
-        let triangles = faces.iter().map(|face| {
-            let [v0, v1, v2] = local(face).map(Vec3A::from);
-            Triangle { v0, v1, v2 }
-        });
-        let hierarchy = build_cwbvh_from_tris(
-            &triangles.collect::<Vec<_>>(),
-            BvhBuildParams::medium_build(),
-            &mut Duration::default(),
-        );
+        let boxes = faces.iter().map(|face| Aabb::from_points(&local(face).map(Vec3A::from)));
+        let hierarchy = hierarchy_of(&boxes.collect::<Vec<_>>());
         let order = hierarchy.primitive_indices.iter();
         let corners = order.map(|&i| local(&faces[i as usize])).collect();
         Ok(Self {
@@ -117,10 +116,17 @@ impl Mesh {
 
     #[expect(clippy::cast_possible_truncation, reason = "for the hierarchy, which has a reserve")]
     pub(crate) fn closest_hit(&self, origin: DVec3, dir: DVec3) -> Option<Hit> {
-        // Within the hierarchy, in f32, the way is counted from where the ray enters.
-        let start = self.bounds.crossing(origin, dir)?[0];
+        // Within the hierarchy, in f32, the way is counted from a little before the ray enters: what is met at once would
+        // be ignored.
+        let before = RUN_UP * self.bounds.size();
+        let start = f64::max(0.0, self.bounds.crossing(origin, dir)?[0] - before);
         let entry = (origin + start * dir - self.center) * self.scale;
-        let ray = Ray::new_inf(entry.as_vec3a(), dir.as_vec3a());
+        if !entry.is_finite() {
+            return None;
+        }
+        // It is near the box but for rounding, which is large if the origin is far away.
+        let limit = DVec3::splat(f64::from(SIZE));
+        let ray = Ray::new_inf(entry.clamp(-limit, limit).as_vec3a(), dir.as_vec3a());
         let mut best: Option<(f64, usize, DVec3)> = None;
         self.hierarchy.ray_traverse(ray, &mut RayHit::none(), |_, i| {
             let primitive = self.hierarchy.primitive_indices[i] as usize;
@@ -156,7 +162,7 @@ impl Mesh {
         let rays = order.iter().map(|&i| (dirs[i as usize], distance(i as usize) * self.scale));
         let rays = rays.collect::<Vec<_>>();
         let mut answers = vec![false; dirs.len()];
-        self.arch.dispatch(Packets {
+        self.arch.dispatch(Stream {
             hierarchy: &self.hierarchy,
             corners: &self.corners,
             origin: (origin - self.center) * self.scale,
@@ -170,7 +176,23 @@ impl Mesh {
     }
 }
 
-/// The unit normal of a triangle, on the side from which the corners are counterclockwise.
+/// The hierarchy over boxes, as the crate's own function of this purpose makes it, but without that one's check in
+/// debug builds, which takes roundings for errors.
+fn hierarchy_of(boxes: &[Aabb]) -> CwBvh {
+    let parameters = BvhBuildParams::medium_build();
+    let indices = (0..).take(boxes.len()).collect();
+    let mut binary = PlocBuilder::with_capacity(boxes.len()).build(
+        parameters.ploc_search_distance,
+        boxes,
+        indices,
+        parameters.sort_precision,
+        parameters.search_depth_threshold,
+    );
+    ReinsertionOptimizer::default().run(&mut binary, parameters.reinsertion_batch_ratio, None);
+    bvh2_to_cwbvh(&binary, MAX_LEAF, true, false)
+}
+
+/// The unit normal of a triangle, on the side from which the corners are counterclockwise, if it has an area.
 fn normal_of([a, b, c]: [DVec3; 3]) -> Option<DVec3> {
-    (b - a).cross(c - a).try_normalize()
+    normal_between(b - a, c - a)
 }

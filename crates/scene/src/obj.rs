@@ -62,12 +62,20 @@ impl Mesh {
     }
 }
 
+/// Numbers of a vertex that has a colour.
+const N_WITH_COLOR: usize = 6;
+
 /// The lines for vertices and faces, the latter without texture coordinates and normals.
 fn geometry_of(text: &str) -> String {
     let mut geometry = String::with_capacity(text.len());
     for line in text.lines().map(without_comment) {
         let mut words = line.split_whitespace();
         match words.next() {
+            // The loader wants a colour for all vertices or none.
+            Some("v") if words.clone().count() == N_WITH_COLOR => {
+                let coordinates = words.take(3).collect::<Vec<_>>();
+                geometry.extend(["v ", &coordinates.join(" ")]);
+            }
             Some("v") => geometry.push_str(line),
             Some("f") => {
                 geometry.push('f');
@@ -131,7 +139,7 @@ const QUOTED: usize = 60;
 fn is_vertex<'a>(words: impl Iterator<Item = &'a str>) -> bool {
     let numbers = words.map(|word| word.parse().unwrap_or(f64::NAN)).collect::<Vec<_>>();
     let w = match numbers.len() {
-        3 | 6 => 1.0,
+        3 | N_WITH_COLOR => 1.0,
         4 => numbers[3],
         _ => f64::NAN,
     };

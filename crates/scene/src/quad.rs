@@ -5,6 +5,8 @@ use crate::{Error, MAX_COORDINATE};
 /// Corners may be this far from their plane, in lengths of the longer diagonal: what remains of data
 /// with six digits.
 const FLATNESS: f64 = 1e-6;
+/// Products of three coordinates stay above the smallest number.
+const MIN_SIZE: f64 = 1e-100;
 
 /// A plane convex quadrilateral: a wall, the side of a block, or a light.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -25,7 +27,7 @@ impl Quad {
             return refuse("of finite coordinates within 1e100");
         }
         let [a, b, c, d] = corners;
-        let Some(normal) = (c - a).cross(d - b).try_normalize() else {
+        let Some(normal) = normal_between(c - a, d - b) else {
             return refuse("of some area");
         };
         let size = (c - a).length().max((d - b).length());
@@ -70,6 +72,13 @@ impl Quad {
     pub fn intersect(&self, origin: DVec3, dir: DVec3) -> Option<f64> {
         meet(self.corners.map(|c| c - origin), self.normal, dir)
     }
+}
+
+/// The unit normal of the plane of two vectors; `None` if they are parallel or shorter than 1e-100.
+pub(crate) fn normal_between(u: DVec3, v: DVec3) -> Option<DVec3> {
+    let size = u.abs().max(v.abs()).max_element();
+    // Lengths of order 1 have squares that are numbers.
+    (size >= MIN_SIZE).then(|| (u / size).cross(v / size).try_normalize())?
 }
 
 /// The distance at which a ray from 0 meets the convex polygon with these corners.

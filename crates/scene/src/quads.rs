@@ -2,7 +2,7 @@ use glam::DVec3;
 use pulp::{Arch, Simd, WithSimd};
 
 use crate::bounds::Bounds;
-use crate::bundle::{BUNDLE, Bundle};
+use crate::bundle::Bundle;
 use crate::cone::Cone;
 use crate::{Error, Hit, Quad, Reach};
 
@@ -15,8 +15,9 @@ pub(crate) struct Quads {
     arch: Arch,
 }
 
-/// Polygons that are tested in a round, on the stack.
+/// Polygons and rays that are on the stack at a time.
 const ROUND: usize = 32;
+const BUNDLE: usize = 64;
 
 impl Quads {
     pub(crate) fn new(quads: Vec<Quad>) -> Result<Self, Error> {
@@ -27,8 +28,8 @@ impl Quads {
         Ok(Self { quads: quads.into(), scale, arch: Arch::new() })
     }
 
-    pub(crate) fn len(&self) -> usize {
-        self.quads.len()
+    pub(crate) fn as_slice(&self) -> &[Quad] {
+        &self.quads
     }
 
     pub(crate) fn bounds(&self) -> Bounds {
@@ -75,7 +76,7 @@ impl WithSimd for Occlusion<'_> {
             Reach::Within(distance) => distance * scene.scale,
             Reach::Each(_) => f64::INFINITY,
         };
-        let mut bundle = Bundle::new();
+        let mut bundle = Bundle::<BUNDLE>::new();
         let mut cones = [Cone::<4>::NONE; ROUND];
         for quads in scene.quads.chunks(ROUND) {
             let mut n_cones = 0;
@@ -101,16 +102,18 @@ impl WithSimd for Occlusion<'_> {
                         bundle.fill(rays.map(|(&dir, distance)| (dir, distance * scene.scale)));
                     }
                 }
-                for (v, occluded) in occluded.chunks_mut(S::F32_LANES).enumerate() {
-                    let mut rays = bundle.rays(simd, v, normal.as_vec3());
+                bundle.answer_below(simd, normal.as_vec3());
+                for v in 0..occluded.len().div_ceil(S::F32_LANES) {
+                    let mut rays = bundle.rays(v);
                     for cone in &cones[..n_cones] {
                         rays = rays.without(simd, cone.meet(simd, &rays));
                         if rays.all_answered(simd) {
                             break;
                         }
                     }
-                    rays.report(occluded);
+                    bundle.set(v, rays);
                 }
+                bundle.report(occluded);
             }
         }
     }

@@ -71,19 +71,25 @@ impl Scene {
     /// Number of quadrilaterals or triangles.
     pub fn n_primitives(&self) -> usize {
         match &self.geometry {
-            Geometry::Quads(quads) => quads.len(),
+            Geometry::Quads(quads) => quads.as_slice().len(),
             Geometry::Mesh(mesh) => mesh.n_triangles(),
+        }
+    }
+
+    /// The walls of a scene that has no mesh.
+    pub fn quads(&self) -> &[Quad] {
+        match &self.geometry {
+            Geometry::Quads(quads) => quads.as_slice(),
+            Geometry::Mesh(_) => &[],
         }
     }
 
     /// The nearest surface that a ray meets, in double precision.
     ///
-    /// `dir` need not be of unit length; distances are in lengths of it. Surfaces through the origin itself and
-    /// those that are edge on are not met. `None` for rays that are not finite or have no direction.
+    /// `dir` need not be of unit length. Surfaces through the origin itself and those that are edge on are not met. `None`
+    /// for origins that are not finite and directions that have no length that can be computed.
     pub fn closest_hit(&self, origin: DVec3, dir: DVec3) -> Option<Hit> {
-        if !origin.is_finite() || !dir.is_finite() || dir == DVec3::ZERO {
-            return None;
-        }
+        let dir = dir.try_normalize().filter(|_| origin.is_finite())?;
         match &self.geometry {
             Geometry::Quads(quads) => quads.closest_hit(origin, dir),
             Geometry::Mesh(mesh) => mesh.closest_hit(origin, dir),
@@ -99,8 +105,8 @@ impl Scene {
     /// hit are used.
     ///
     /// Directions are judged in single precision: wrongly only if they pass an edge, the horizon or, at the end of
-    /// their reach, a surface within 4 `f32::EPSILON` (5e-7) radians as seen from the point. On meshes vertices are
-    /// rounded to 2^-25 of the size of the mesh besides. No ray passes between faces that share an edge.
+    /// their reach, a surface within 9 `f32::EPSILON` (1.1e-6) radians as seen from the point. On meshes vertices are
+    /// rounded to 2^-25 of the size of the mesh besides. No ray passes between faces that share edges or corners.
     ///
     /// # Panics
     /// If the lengths of the lists differ.
