@@ -35,7 +35,7 @@ pub(crate) enum Command {
     Bounds(bounds::BoundsArgs),
     /// Render a scene with a pattern's directions: ambient occlusion or light, and its error
     #[command(after_help = render::EXAMPLES)]
-    Render(render::RenderArgs),
+    Render(Box<render::RenderArgs>),
     /// Convert lists of directions, angles and HEALPix pixels into each other
     #[command(after_help = healpix::EXAMPLES)]
     Healpix(healpix::HealpixArgs),

@@ -31,7 +31,7 @@ pub(crate) struct StageArgs {
     /// Occluders farther away than this do not count for ao
     #[arg(long, value_name = "LENGTH", allow_negative_numbers = true)]
     max_distance: Option<f64>,
-    /// Pixels: W or WxH [default: 512, of a study 128, of a panel 256]
+    /// Width and height in pixels, or the side of a square [default: 512, of a study 128, of a panel 256]
     #[arg(long, value_name = "W[xH]")]
     size: Option<Size>,
     /// Render this part of the picture only
@@ -210,7 +210,7 @@ impl StageArgs {
         match spec.name.as_str() {
             "ao" => {
                 let max_distance = self.max_distance.unwrap_or(f64::INFINITY);
-                if !(max_distance > 0.0) {
+                if max_distance.is_nan() || max_distance <= 0.0 {
                     return Err(CliError::Usage(format!(
                         "--max-distance must be above 0, got {max_distance}"
                     )));
