@@ -50,7 +50,9 @@ impl DirectionPlan {
     /// [`Error::Sampler`] for 0 or more points than indices can count.
     pub fn reference(n_points: usize, seed: u64) -> Result<Self, Error> {
         let mode = DirectionMode::Projective;
-        let mut n = Pattern::Jittered.nearest_count(n_points, Domain::Hemisphere);
+        let nearest = Pattern::Jittered.nearest_count(n_points, Domain::Hemisphere);
+        // No directions at all are refused below.
+        let mut n = if n_points == 0 { 0 } else { nearest };
         if n < n_points {
             // Numbers are 6 nside^2.
             let nside = (n / 6).isqrt() + 1;

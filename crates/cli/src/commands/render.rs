@@ -66,7 +66,7 @@ pub(crate) struct RenderArgs {
     /// Directions of each pixel of the reference image, at least; jittered, so 6 nside^2
     #[arg(long, default_value_t = 32768, value_name = "N")]
     pub(super) reference_n: usize,
-    /// Folder where reference images are kept, `none` for nowhere [default: sphvar in the user's cache folder]
+    /// Folder where reference images are kept, `none` for nowhere [default: the cache folder of the user]
     #[arg(long, value_name = "FOLDER")]
     pub(super) cache: Option<PathBuf>,
     /// The picture, .png, .exr or .pfm; of a study the results, .csv or .json, or a plot, .svg or .png

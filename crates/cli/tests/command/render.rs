@@ -270,7 +270,7 @@ fn wrong_usage_is_told() {
         ("--difference -", &["standard output takes one document"]),
         ("-m 0", &["-m must be at least 1"]),
         ("--reference-n 0 --json", &["--reference-n"]),
-        ("--samplers jittered", &["--study"]),
+        ("--samplers jittered", &["cannot be used with"]),
     ] {
         run(&format!("cornell --sampler jittered --cache none {arguments}")).fails(2, parts);
     }
