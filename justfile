@@ -34,7 +34,7 @@ figure-7-9 *ARGS:
 
 # Figures 4.13, 7.5, 7.6 and 7.8 of the thesis as contact sheets.
 scene-figures *ARGS:
-    cargo run --release -- render cornell --integral light --sheet reference,fibonacci@shared,fibonacci@rotated -n 1024 -o figure-4-13.png {{ARGS}}
+    cargo run --release -- render cornell --integral light --sheet reference,fibonacci@shared,fibonacci@rotated -n 128,1024 -o figure-4-13.png {{ARGS}}
     cargo run --release -- render cornell --sheet white-noise@rotated,jittered@rotated,poisson-disk@rotated -n 24,96,384 -o figure-7-5.png {{ARGS}}
     cargo run --release -- render cornell --sheet white-noise@rotated,ccvt@rotated,healpix@rotated -n 24,96,384 -o figure-7-6.png {{ARGS}}
     cargo run --release -- render cornell --sheet fibonacci@shared,fibonacci@rotated,healpix@shared -n 384 -o figure-7-8.png {{ARGS}}

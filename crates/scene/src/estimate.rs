@@ -16,6 +16,8 @@ impl Estimate {
         let mean = values.iter().sum::<f64>() / n;
         let scatter: f64 = values.iter().map(|x| (x - mean).powi(2)).sum();
         let stderr = if count < 2 { f64::NAN } else { ((n - 1.0) / n * scatter).sqrt() };
+        // Replications that are all the same scatter by the rounding of their sums.
+        let stderr = if stderr < n * f64::EPSILON * value.abs() { 0.0 } else { stderr };
         Self { value, stderr }
     }
 }

@@ -177,10 +177,11 @@ fn square(corner: usize, width: usize) -> impl Iterator<Item = usize> {
     (0..BLOCK * BLOCK).map(move |k| corner + k / BLOCK * width + k % BLOCK)
 }
 
-/// Mean and unbiased variance.
+/// Mean and unbiased variance; exact where all values are the same.
 fn moments(values: impl Iterator<Item = f64> + Clone) -> (f64, f64) {
-    let (sum, count) = values.clone().fold((0.0, 0.0), |(sum, n), x| (sum + x, n + 1.0));
-    let mean = sum / count;
+    let first = values.clone().next().unwrap_or(0.0);
+    let (sum, count) = values.clone().fold((0.0, 0.0), |(sum, n), x| (sum + (x - first), n + 1.0));
+    let mean = first + sum / count;
     (mean, values.map(|x| (x - mean).powi(2)).sum::<f64>() / (count - 1.0))
 }
 

@@ -70,7 +70,7 @@ fn shared_sets_have_structure_and_turned_ones_do_not() {
 
 #[test]
 fn a_bias_is_found_where_there_is_one() {
-    let shared = report(Pattern::Fibonacci, 24, DirectionMode::Shared, 2).bias.unwrap();
+    let shared = report(Pattern::Fibonacci, 24, DirectionMode::Shared, 7).bias.unwrap();
     assert!(shared.is_biased() && shared.beyond > 100, "{shared:?}");
     let of = |mode| report(Pattern::Fibonacci, 64, mode, 8);
     for mode in [DirectionMode::Projective, DirectionMode::Rotated, DirectionMode::Fresh] {

@@ -107,7 +107,12 @@ pub(super) fn run(args: &RenderArgs, global: &Global) -> Result<(), CliError> {
     let stage = args.stage.stage(USUAL_SIZE)?;
     trials.check(&stage)?;
     let reference = Reference::new(args, &stage, global)?;
-    let reference = if compare { Some(reference.image(&stage)?) } else { None };
+    let reference = if compare {
+        reference.remark(trials.plan.n_points());
+        Some(reference.image(&stage)?)
+    } else {
+        None
+    };
     let progress = Progress::new(trials.cost(&stage)?, global.quiet);
     let outcome = trials.run(&stage, reference.as_ref(), &progress)?;
     drop(progress);
