@@ -54,7 +54,7 @@ impl Mesh {
     /// [`Error::TooManyTriangles`] for more than 2^28.
     ///
     /// # Performance
-    /// About 1.5 microseconds and 120 bytes a triangle.
+    /// Makes the hierarchy: about a microsecond a triangle, of which 75 bytes stay for each.
     pub fn new(vertices: Vec<DVec3>, faces: Vec<[u32; 3]>) -> Result<Self, Error> {
         let n_faces = faces.len();
         if n_faces > MAX_TRIANGLES {

@@ -110,6 +110,10 @@ impl Scene {
     ///
     /// # Panics
     /// If the lengths of the lists differ.
+    ///
+    /// # Performance
+    /// Many directions at once are faster than few: what the point sees is prepared or fetched once for all of
+    /// them, for walls up to any number, for meshes up to 256. Their order does not matter.
     pub fn occlusion_into(
         &self,
         at: &Hit,

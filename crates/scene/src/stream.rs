@@ -137,7 +137,7 @@ impl<S: Simd> Tracer<'_, S> {
         let met = self.children_met(node, groups);
         for place in 0..WIDTH {
             let child = place ^ octant;
-            if met[child] == 0 || node.is_child_empty(child) {
+            if met[child] == 0 {
                 continue;
             }
             if node.is_leaf(child) {
@@ -191,6 +191,9 @@ impl<S: Simd> Tracer<'_, S> {
                 let rays = self.bundle.rays::<S>(v);
                 let inverses = self.inverses.each_ref().map(|lane| S::as_simd_f32s(lane).0[v]);
                 for child in 0..WIDTH {
+                    if node.is_child_empty(child) {
+                        continue;
+                    }
                     let [x0, x1] = slab(simd, inverses[0], x[0][child], x[1][child]);
                     let [y0, y1] = slab(simd, inverses[1], y[0][child], y[1][child]);
                     let [z0, z1] = slab(simd, inverses[2], z[0][child], z[1][child]);

@@ -4,7 +4,7 @@ mod reference;
 
 use glam::DVec3;
 use reference::{Numbers, Reference};
-use sphvar_scene::{CornellBox, Hit, Mesh, Quad, Scene};
+use sphvar_scene::{CornellBox, Hit, Mesh, Quad, Reach, Scene};
 
 /// Hits agree to `tolerance`, except where a ray passes so near an edge that either may be right.
 fn agree(scene: &Scene, reference: &Reference, origin: DVec3, dir: DVec3, tolerance: f64) -> bool {
@@ -120,6 +120,20 @@ fn triangles_of_all_sizes_are_all_met() {
         let next = if from * dir.x < 0.5f64.powi(i) { next } else { 2.0 * next };
         assert!((hit.distance + from - next).abs() < 1e-12, "{i}: {hit:?}");
     }
+}
+
+#[test]
+fn many_triangles_at_one_place() {
+    let vertices = vec![DVec3::ZERO, DVec3::X, DVec3::Y];
+    let scene = Scene::from_mesh(Mesh::new(vertices, vec![[0, 1, 2]; 5000]).expect("a mesh"));
+    let origin = DVec3::new(0.25, 0.25, 1.0);
+    let hit = scene.closest_hit(origin, DVec3::NEG_Z).expect("one of them");
+    assert!((hit.distance - 1.0).abs() < 4.0 * f64::EPSILON, "{hit:?}");
+    let above = Hit { position: origin, normal: DVec3::NEG_Z, ..hit };
+    let mut occluded = [false; 2];
+    let dirs = [DVec3::NEG_Z, DVec3::new(0.9, 0.9, -1.0).normalize()];
+    scene.occlusion_into(&above, &dirs, Reach::Within(2.0), &mut occluded);
+    assert_eq!(occluded, [true, false]);
 }
 
 #[test]
