@@ -13,7 +13,7 @@ mod trials;
 use std::path::PathBuf;
 
 use clap::Args;
-use sphvar_scene::{DirectionMode, Estimator};
+use sphvar_scene::{DirectionMode, DirectionSets, Estimator};
 
 use self::points::Counts;
 use self::stage::StageArgs;
@@ -95,6 +95,13 @@ pub(crate) struct RenderArgs {
 pub(crate) fn run(args: &RenderArgs, global: &Global) -> Result<(), CliError> {
     if args.realizations == Some(0) {
         return Err(CliError::Usage("-m must be at least 1, got 0".to_owned()));
+    }
+    if args.realizations.is_some_and(|m| m > DirectionSets::MAX_RENDERS) {
+        let most = DirectionSets::MAX_RENDERS;
+        return Err(CliError::Usage(format!("-m must be at most {most}")));
+    }
+    if args.sets == Some(0) {
+        return Err(CliError::Usage("--sets must be at least 1, got 0".to_owned()));
     }
     if args.study {
         study::run(args, global)

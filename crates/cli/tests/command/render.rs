@@ -270,10 +270,17 @@ fn wrong_usage_is_told() {
         ("--difference -", &["standard output takes one document"]),
         ("-m 0", &["-m must be at least 1"]),
         ("--reference-n 0 --json", &["--reference-n"]),
+        ("--sets 0", &["--sets must be at least 1"]),
+        ("-m 99999999", &["-m must be at most"]),
         ("--samplers jittered", &["cannot be used with"]),
     ] {
         run(&format!("cornell --sampler jittered --cache none {arguments}")).fails(2, parts);
     }
+    let away = "--eye 0,0,-800 --look-at 0,0,-900 --size 8";
+    run(&format!("cornell --sampler jittered {away}")).fails(1, &["shows no surface", "--eye"]);
+    let many = "-n 1000000000000 --size 8";
+    run(&format!("cornell --sampler jittered {many}"))
+        .fails(1, &["-n 1000000000000 needs", "memory"]);
     run("cornell --study -n 6").fails(2, &["--samplers is missing"]);
     run("cornell --study --samplers jittered -m 1").fails(2, &["-m from 2 on"]);
     run("cornell --sheet jittered@upside").fails(2, &["-o is missing"]);

@@ -9,6 +9,7 @@ use super::reference_file::{ReferenceFile, Stored};
 use super::stage::Stage;
 use crate::error::CliError;
 use crate::global::Global;
+use crate::memory::check_memory;
 use crate::progress::Progress;
 use crate::report::say;
 
@@ -28,6 +29,9 @@ impl Reference {
     pub(super) fn new(args: &RenderArgs, stage: &Stage, global: &Global) -> Result<Self, CliError> {
         let plan = DirectionPlan::reference(args.reference_n, global.seed)
             .map_err(|e| CliError::Usage(format!("--reference-n: {e}")))?;
+        let directions = size_of::<glam::DVec3>() as f64 * plan.n_points() as f64;
+        let at_once = (plan.n_sets() + rayon::current_num_threads()) as f64;
+        check_memory("--reference-n", directions * at_once)?;
         let description = format!(
             "program {}\nseed {} directions {}\n{}",
             env!("CARGO_PKG_VERSION"),

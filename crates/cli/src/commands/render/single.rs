@@ -191,21 +191,25 @@ fn text(trials: &Trials, outcome: &Outcome) -> String {
     );
     if let Some(errors) = errors {
         let record = ErrorRecord::new(errors);
+        let plain = |x: f64, digits: usize| match x.is_finite() {
+            true => format!("{x:.digits$}"),
+            false => "-".to_owned(),
+        };
         text += &format!(
-            "mean squared error {} +- {} from {} renders, {:.2} times less than white noise's {}\n\
+            "mean squared error {} +- {} (renders: {}), {} times less than white noise's {}\n\
              variance {} +- {}, squared bias {}\n\
-             structured error {:.2} +- {:.2} (1: independent pixels), neighbours' correlation {:.3}\n",
+             structured error {} +- {} (1: independent pixels), neighbours' correlation {}\n",
             short(record.mse),
             short(record.mse_stderr),
             trials.renders,
-            record.gain,
+            plain(record.gain, 2),
             short(record.white_noise),
             short(record.variance),
             short(record.variance_stderr),
             short(record.bias_squared),
-            record.structured_error,
-            record.structured_error_stderr,
-            record.autocorrelation,
+            plain(record.structured_error, 2),
+            plain(record.structured_error_stderr, 2),
+            plain(record.autocorrelation, 3),
         );
         if let Some(bias) = errors.report.bias {
             text += &format!(

@@ -108,6 +108,12 @@ impl Trials {
             if let Some(errors) = &mut errors {
                 errors.push(&image).map_err(CliError::failed)?;
             }
+            if image.n_hits() == 0 {
+                return Err(CliError::Failed(
+                    "the picture shows no surface: --eye, --look-at, --fov or --crop miss the scene"
+                        .to_owned(),
+                ));
+            }
             picture.get_or_insert(image);
         }
         let picture =
