@@ -42,3 +42,14 @@ bounds-verdicts *ARGS:
 # Predicted over measured variance of every pattern, SECONDS of core time for trials and spectrum of a cell each.
 closed-loop SECONDS="1":
     cargo run --release -p sphvar-tests --example closed_loop -- {{SECONDS}}
+
+# Figure 7.9 c of the thesis: mean squared errors of ambient occlusion, with halves of sphere sets as there.
+figure-7-9 *ARGS:
+    cargo run --release -- render cornell --study -n 16..1024 --mode rotated --samplers white-noise,jittered,poisson-disk,ccvt,healpix,fibonacci,step -o figure-7-9.png {{ARGS}}
+
+# Figures 4.13, 7.5, 7.6 and 7.8 of the thesis as contact sheets.
+scene-figures *ARGS:
+    cargo run --release -- render cornell --integral light --sheet reference,fibonacci@shared,fibonacci@rotated -n 128,1024 -o figure-4-13.png {{ARGS}}
+    cargo run --release -- render cornell --sheet white-noise@rotated,jittered@rotated,poisson-disk@rotated -n 24,96,384 -o figure-7-5.png {{ARGS}}
+    cargo run --release -- render cornell --sheet white-noise@rotated,ccvt@rotated,healpix@rotated -n 24,96,384 -o figure-7-6.png {{ARGS}}
+    cargo run --release -- render cornell --sheet fibonacci@shared,fibonacci@rotated,healpix@shared -n 384 -o figure-7-8.png {{ARGS}}

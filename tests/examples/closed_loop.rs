@@ -1,8 +1,9 @@
 //! Predicted over measured variance of every pattern: two integrands, ten numbers of points, sphere and
 //! hemisphere, with spectra and trials that share no random numbers. Prints Markdown.
 //!
-//! `closed_loop [SECONDS]` spends about that many core seconds (1 unless given) on the trials of a cell and
-//! as many on its spectrum; cells in which too few sets can be made in that time are skipped and named.
+//! `closed_loop [SECONDS]` spends about that many core seconds (1 unless given) on the trials of a cell and four
+//! times as many on its spectrum, more where that would be too few sets; cells that take too long even so are
+//! skipped and named.
 
 use std::io::Write;
 
@@ -20,6 +21,8 @@ const COUNTS: [usize; 10] = [12, 48, 108, 192, 432, 768, 1452, 3072, 6348, 12288
 /// Fewer trials say too little of a variance, and their scores are not normal.
 const FEWEST_TRIALS: u64 = 200;
 const FEWEST_SETS: u64 = 40;
+/// A cell is skipped where the fewest of both would take so many times the seconds asked for.
+const PATIENCE: f64 = 12.0;
 /// What no estimate can resolve: its rounding.
 const NOTHING: f64 = 1e-20;
 
@@ -83,14 +86,16 @@ fn study(
 ) -> Outcome<Result<Vec<Cell>, String>> {
     let n = pattern.nearest_count(asked, domain);
     let set = pattern.seconds(n);
-    let trials = count(seconds / (set + 80e-9 * n as f64), 20_000);
+    let trials = count(seconds / (set + 80e-9 * n as f64), 20_000).max(FEWEST_TRIALS);
     let sampler = pattern.build(n, domain)?;
     // Lattices have peaks at all degrees.
     let lmax = roots(domain.count_on_sphere(n), if sampler.is_random() { 8 } else { 40 });
     let realization = set + Method::Auto.seconds(n, lmax);
-    let sets = if sampler.is_random() { count(4.0 * seconds / realization, 4000) } else { 1 };
-    if trials < FEWEST_TRIALS || (sampler.is_random() && sets < FEWEST_SETS) {
-        return Ok(Err(format!("a set takes {set:.1e} s: {trials} trials, {sets} spectra")));
+    let sets = count(4.0 * seconds / realization, 4000).max(FEWEST_SETS);
+    let sets = if sampler.is_random() { sets } else { 1 };
+    let needed = 2.0 * FEWEST_TRIALS as f64 * set + sets.min(FEWEST_SETS) as f64 * realization;
+    if needed > PATIENCE * seconds {
+        return Ok(Err(format!("a set takes {set:.1e} s")));
     }
     let streams = Streams::new(SEED, Purpose::Pattern, pattern.stream_group(n));
     let spectrum = estimate(&Realizations::rotated(&*sampler, streams), lmax, sets, &|| ())?;

@@ -2,7 +2,9 @@
 
 use clap::{Parser, Subcommand};
 
-use crate::commands::{audit, bounds, choose, compare, eval, healpix, sample, spectrum, variance};
+use crate::commands::{
+    audit, bounds, choose, compare, eval, healpix, render, sample, spectrum, variance,
+};
 use crate::global::Global;
 
 /// Which pattern of N directions on the sphere or hemisphere gives the least integration error, and
@@ -39,6 +41,9 @@ pub(crate) enum Command {
     /// Whether the variance formula may be used for a pattern, or for points in files
     #[command(after_help = audit::EXAMPLES)]
     Audit(audit::AuditArgs),
+    /// Render a scene with a pattern's directions: ambient occlusion or light, and its error
+    #[command(after_help = render::EXAMPLES)]
+    Render(Box<render::RenderArgs>),
     /// Convert lists of directions, angles and HEALPix pixels into each other
     #[command(after_help = healpix::EXAMPLES)]
     Healpix(healpix::HealpixArgs),

@@ -54,6 +54,7 @@ fn run(cli: Cli) -> Result<(), CliError> {
         Command::Variance(args) => commands::variance::run(&args, &cli.global),
         Command::Bounds(args) => commands::bounds::run(&args, &cli.global),
         Command::Audit(args) => commands::audit::run(&args, &cli.global),
+        Command::Render(args) => commands::render::run(&args, &cli.global),
         Command::Healpix(args) => commands::healpix::run(&args, &cli.global),
         Command::Eval(args) => commands::eval::run(&args, &cli.global),
     }

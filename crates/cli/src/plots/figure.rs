@@ -84,17 +84,21 @@ pub(super) fn svg(figure: &impl Figure) -> Result<String, PlotError> {
 
 /// Returns a figure as a PNG file.
 pub(super) fn png(figure: &impl Figure) -> Result<Vec<u8>, PlotError> {
+    let mut bytes = Cursor::new(Vec::new());
+    raster(figure)?
+        .write_to(&mut bytes, image::ImageFormat::Png)
+        .map_err(|source| PlotError::Encoding { source })?;
+    Ok(bytes.into_inner())
+}
+
+/// Returns the pixels of a figure.
+pub(super) fn raster(figure: &impl Figure) -> Result<RgbImage, PlotError> {
     let (width, height) = figure.size();
     let (inner_width, inner_height) = (width * PNG_ZOOM, height * PNG_ZOOM);
     let mut image = RgbImage::new(inner_width, inner_height);
     let backend = BitMapBackend::with_buffer(&mut image, (inner_width, inner_height));
     draw(figure, backend, PNG_ZOOM, PNG_TEXT_DROP)?;
-    let image = imageops::thumbnail(&image, width, height);
-    let mut bytes = Cursor::new(Vec::new());
-    image
-        .write_to(&mut bytes, image::ImageFormat::Png)
-        .map_err(|source| PlotError::Encoding { source })?;
-    Ok(bytes.into_inner())
+    Ok(imageops::thumbnail(&image, width, height))
 }
 
 fn draw<DB: DrawingBackend>(

@@ -4,6 +4,7 @@ mod axis;
 mod canvas;
 mod chart;
 mod chart_layout;
+mod contact_sheet;
 mod figure;
 mod legend;
 mod orthographic_view;
@@ -16,6 +17,7 @@ mod tests;
 
 pub(crate) use axis::Scale;
 pub(crate) use chart::{Chart, Series, Style};
+pub(crate) use contact_sheet::{ContactSheet, Panel};
 pub(crate) use figure::ImageFormat;
 pub(crate) use orthographic_view::OrthographicView;
 pub(crate) use plot_error::PlotError;

@@ -2,8 +2,10 @@
 
 use crate::workplace::Workplace;
 
-const SUBCOMMANDS: [&str; 9] =
-    ["compare", "choose", "sample", "spectrum", "variance", "bounds", "audit", "healpix", "eval"];
+const SUBCOMMANDS: [&str; 10] = [
+    "compare", "choose", "sample", "spectrum", "variance", "bounds", "audit", "render", "healpix",
+    "eval",
+];
 
 #[test]
 fn every_subcommand_shows_an_example() {
@@ -33,12 +35,15 @@ fn examples_work() {
         let examples = examples.map(|l| l.split("   ").next().unwrap());
         let mut run = 0;
         for example in examples.filter(|e| {
-            // `compare` is large, `choose` of all samplers too; some need files that a reader has.
+            // `compare` is large, and so are `choose` of all samplers and reference images; some need files that
+            // a reader has.
             let large = e.starts_with("compare")
                 || (e.starts_with("choose") && !e.contains("--samplers"))
+                || ["--mse", "--study", "--sheet"].iter().any(|flag| e.contains(flag))
                 || e.contains("-m ")
                 || e.contains("jittered -n 972 --profile");
-            let files = e.contains("--points ") || (e.starts_with("healpix"));
+            let files = ["--points ", "--spectrum ", ".obj"].iter().any(|file| e.contains(file))
+                || e.starts_with("healpix");
             !large && !files
         }) {
             place.run(example).ok();

@@ -17,4 +17,5 @@ mod numbers;
 mod outcome;
 mod pipes;
 mod precision;
+mod render;
 mod workplace;

@@ -1,0 +1,130 @@
+//! `sphvar render`: what a pattern does to a picture.
+
+mod colours;
+mod points;
+mod reference;
+mod reference_file;
+mod sheet;
+mod single;
+mod stage;
+mod study;
+mod trials;
+
+use std::path::PathBuf;
+
+use clap::Args;
+use sphvar_scene::{DirectionMode, DirectionSets, Estimator};
+
+use self::points::Counts;
+use self::stage::StageArgs;
+use crate::error::CliError;
+use crate::global::Global;
+use crate::spec::unknown_name;
+
+pub(crate) const EXAMPLES: &str = "Examples:
+  sphvar render cornell --sampler jittered -n 24 --size 64 -o ao.png
+  sphvar render cornell --sampler fibonacci -n 256 --mode shared --mse -o bands.png
+  sphvar render cornell --study --samplers white-noise,jittered -o study.png
+  sphvar render mesh.obj --sampler healpix --integral irradiance:env=sky.exr -o m.exr
+  sphvar render cornell --sheet reference,healpix@shared,healpix@rotated -o sheet.png
+
+Modes: shared, one sphere set as it is for all pixels; spun, one hemisphere set turned about each
+normal; rotated, sphere sets turned uniformly at each point; projective, hemisphere sets turned as
+lines; fresh, the same with a new realization for each pixel. Of sphere sets of 2N points the
+visible half is kept. Every sampler takes the N nearest to the one asked for.
+
+Errors are against a reference image of 32768 jittered directions for each pixel. It is made when
+--mse, --json, --difference, --error, --study or --sheet need it, which takes minutes for large
+pictures, and kept in --cache for the next run.";
+
+#[derive(Debug, Args)]
+pub(crate) struct RenderArgs {
+    #[command(flatten)]
+    pub(super) stage: StageArgs,
+    /// Sampler of the directions at each point
+    #[arg(long, conflicts_with_all = ["samplers", "sheet"])]
+    pub(super) sampler: Option<String>,
+    /// Directions on the visible hemisphere of each point; several for a study: 16,64,256 or 16..1024 for doubling
+    /// [default: 256, of a study 16..1024]
+    #[arg(short = 'n', long = "points", value_name = "N")]
+    pub(super) points: Option<Counts>,
+    /// How sets become the directions of a point: shared, spun, rotated, projective or fresh
+    #[arg(long, default_value = "projective")]
+    pub(super) mode: String,
+    /// What stands for the kept half of a sphere set: its mean (ratio), or its sum over N (unbiased)
+    #[arg(long, default_value = "ratio")]
+    pub(super) estimator: String,
+    /// Sets in the table of a render [default: 262144/N, from 4 to 1024; of optimised patterns 4]
+    #[arg(long, value_name = "K")]
+    pub(super) sets: Option<usize>,
+    /// Renders from which errors are estimated; the first one is the picture [default: 8, or 1 without errors]
+    #[arg(short = 'm', long, value_name = "M")]
+    pub(super) realizations: Option<u64>,
+    /// Compare with the reference image: mean squared error, bias, structure
+    #[arg(long)]
+    pub(super) mse: bool,
+    /// Directions of each pixel of the reference image, at least; jittered, so 6 nside^2
+    #[arg(long, default_value_t = 32768, value_name = "N")]
+    pub(super) reference_n: usize,
+    /// Folder where reference images are kept, `none` for nowhere [default: the cache folder of the user]
+    #[arg(long, value_name = "FOLDER")]
+    pub(super) cache: Option<PathBuf>,
+    /// The picture, .png, .exr or .pfm; of a study the results, .csv or .json, or a plot, .svg or .png
+    #[arg(short, long, value_name = "FILE")]
+    pub(super) out: Option<PathBuf>,
+    /// What is white in a .png [default: 1, of irradiance and light the brightest pixel of the picture]
+    #[arg(long, value_name = "VALUE")]
+    pub(super) white: Option<f64>,
+    /// Write picture minus reference image; in a .png red is too bright and blue too dark
+    #[arg(long, value_name = "FILE")]
+    pub(super) difference: Option<PathBuf>,
+    /// Write the squared error of each pixel in the mean over the renders
+    #[arg(long, value_name = "FILE")]
+    pub(super) error: Option<PathBuf>,
+    /// Mean squared errors over N of --samplers, with rates and crossovers
+    #[arg(long, conflicts_with_all = ["difference", "error", "sheet", "white"])]
+    pub(super) study: bool,
+    /// Samplers of a study, separated by commas
+    #[arg(long, requires = "study")]
+    pub(super) samplers: Option<String>,
+    /// Pictures side by side with their errors: SAMPLER@MODE or reference, separated by commas; one row for each N
+    #[arg(long, value_name = "PANELS", conflicts_with_all = ["difference", "error"])]
+    pub(super) sheet: Option<String>,
+}
+
+pub(crate) fn run(args: &RenderArgs, global: &Global) -> Result<(), CliError> {
+    if args.realizations == Some(0) {
+        return Err(CliError::Usage("-m must be at least 1, got 0".to_owned()));
+    }
+    if args.realizations.is_some_and(|m| m > DirectionSets::MAX_RENDERS) {
+        let most = DirectionSets::MAX_RENDERS;
+        return Err(CliError::Usage(format!("-m must be at most {most}")));
+    }
+    if args.sets == Some(0) {
+        return Err(CliError::Usage("--sets must be at least 1, got 0".to_owned()));
+    }
+    if args.study {
+        study::run(args, global)
+    } else if let Some(panels) = &args.sheet {
+        sheet::run(args, panels, global)
+    } else {
+        single::run(args, global)
+    }
+}
+
+impl RenderArgs {
+    fn mode(&self) -> Result<DirectionMode, CliError> {
+        parse_mode(&self.mode)
+    }
+
+    fn estimator(&self) -> Result<Estimator, CliError> {
+        let found = Estimator::ALL.into_iter().find(|e| e.name() == self.estimator);
+        let names = Estimator::ALL.map(Estimator::name);
+        found.ok_or_else(|| unknown_name("estimator", &self.estimator, &names))
+    }
+}
+
+fn parse_mode(text: &str) -> Result<DirectionMode, CliError> {
+    let found = DirectionMode::ALL.into_iter().find(|m| m.name() == text);
+    found.ok_or_else(|| unknown_name("mode", text, &DirectionMode::ALL.map(DirectionMode::name)))
+}

@@ -1,0 +1,106 @@
+//! The reference image: from the cache, or made and put there.
+
+use std::path::{Path, PathBuf};
+
+use sphvar_scene::{DirectionPlan, Estimator, Image, render};
+
+use super::RenderArgs;
+use super::reference_file::{ReferenceFile, Stored};
+use super::stage::Stage;
+use crate::error::CliError;
+use crate::global::Global;
+use crate::memory::check_memory;
+use crate::progress::Progress;
+use crate::report::say;
+
+/// A reference image of this many times as many directions has little error: where errors fall as N^-1.5, 1 % of the
+/// picture's.
+const FEWER: usize = 20;
+
+/// A wish for a reference image.
+pub(super) struct Reference {
+    plan: DirectionPlan,
+    file: Option<ReferenceFile>,
+    quiet: bool,
+}
+
+impl Reference {
+    /// Checks what was asked for.
+    pub(super) fn new(args: &RenderArgs, stage: &Stage, global: &Global) -> Result<Self, CliError> {
+        let plan = DirectionPlan::reference(args.reference_n, global.seed)
+            .map_err(|e| CliError::Usage(format!("--reference-n: {e}")))?;
+        let directions = size_of::<glam::DVec3>() as f64 * plan.n_points() as f64;
+        let at_once = (plan.n_sets() + rayon::current_num_threads()) as f64;
+        check_memory("--reference-n", directions * at_once)?;
+        let description = format!(
+            "program {}\nseed {} directions {}\n{}",
+            env!("CARGO_PKG_VERSION"),
+            global.seed,
+            plan.n_points(),
+            stage.description
+        );
+        let folder = match &args.cache {
+            Some(folder) if folder.as_os_str() == "none" => None,
+            Some(folder) => Some(folder.clone()),
+            None => user_cache(),
+        };
+        let file = folder.map(|folder| ReferenceFile::new(&folder, &description));
+        Ok(Self { plan, file, quiet: global.quiet })
+    }
+
+    /// The image, from the cache or made.
+    pub(super) fn image(&self, stage: &Stage) -> Result<Image, CliError> {
+        if let Some(file) = &self.file {
+            match file.read() {
+                Stored::Image(image) => return Ok(image),
+                Stored::Nothing => (),
+                Stored::Unusable => say(
+                    self.quiet,
+                    &format!("{} is damaged; it is made again", file.path().display()),
+                ),
+            }
+        }
+        let image = self.make(stage)?;
+        if let Some(file) = &self.file {
+            // Without it the next run takes longer, and that is all.
+            if let Err(error) = file.write(&image) {
+                say(self.quiet, &format!("the reference image is not kept: {error}"));
+            }
+        }
+        Ok(image)
+    }
+
+    /// Says so if the reference image is not much better than one of `n_points` directions.
+    pub(super) fn remark(&self, n_points: usize) {
+        if n_points.saturating_mul(FEWER) > self.plan.n_points() {
+            let text = format!(
+                "the error of the reference image, of {} directions, shows beside that of {n_points}; \
+                 --reference-n takes more",
+                self.plan.n_points()
+            );
+            say(self.quiet, &text);
+        }
+    }
+
+    fn make(&self, stage: &Stage) -> Result<Image, CliError> {
+        let view = stage.view()?;
+        let n_pixels = view.region().width * view.region().height;
+        let progress = Progress::new(n_pixels as f64, self.quiet);
+        progress.stage("reference image");
+        let sets = self.plan.prepare(0).map_err(CliError::failed)?;
+        let done = |pixels: usize| progress.advance(pixels as f64);
+        stage
+            .with_integral(|integral| render(&view, integral, Estimator::Ratio, &sets, &done))
+            .map_err(CliError::failed)
+    }
+}
+
+/// The folder `sphvar` where the user keeps what can be made again, if the system names one.
+fn user_cache() -> Option<PathBuf> {
+    let folder = |name: &str| {
+        let value = std::env::var_os(name)?;
+        Path::new(&value).is_absolute().then(|| PathBuf::from(value))
+    };
+    let caches = folder("XDG_CACHE_HOME").or_else(|| Some(folder("HOME")?.join(".cache")))?;
+    Some(caches.join("sphvar"))
+}

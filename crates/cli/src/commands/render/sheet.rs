@@ -1,0 +1,175 @@
+//! Pictures side by side, with their errors below.
+
+use std::io::Write;
+
+use serde::Serialize;
+use sphvar_scene::{DirectionMode, Image};
+
+use super::colours::grey;
+use super::reference::Reference;
+use super::single::{ErrorRecord, white};
+use super::stage::Stage;
+use super::trials::{Outcome, Trials};
+use super::{RenderArgs, parse_mode};
+use crate::error::CliError;
+use crate::files::{AtomicFile, PictureFormat, png_bytes};
+use crate::global::Global;
+use crate::patterns::parse_pattern;
+use crate::plots::{ContactSheet, Panel};
+use crate::progress::Progress;
+use crate::report::{Provenance, is_stdout, print, print_json, short, table};
+use crate::spec::Spec;
+
+/// Pixels on a side of a panel, unless others are wished.
+const USUAL_SIZE: usize = 256;
+/// Directions, unless others are wished.
+const USUAL_COUNT: usize = 256;
+/// Renders of a panel, unless another number is wished: the picture itself has a fair part in its error.
+const USUAL_RENDERS: u64 = 2;
+
+/// What a panel shows.
+enum Wish {
+    Reference,
+    Pattern(Box<Trials>),
+}
+
+/// The document of `--json`.
+#[derive(Debug, Serialize)]
+struct Document<'a> {
+    panels: &'a [PanelRecord],
+    reference_n: usize,
+    provenance: &'a Provenance,
+}
+
+#[derive(Debug, Serialize)]
+struct PanelRecord {
+    sampler: String,
+    mode: &'static str,
+    n: usize,
+    #[serde(flatten)]
+    errors: ErrorRecord,
+}
+
+pub(super) fn run(args: &RenderArgs, panels: &str, global: &Global) -> Result<(), CliError> {
+    let Some(path) = &args.out else {
+        return Err(CliError::Usage("-o is missing: where does the sheet go?".to_owned()));
+    };
+    if PictureFormat::of_path(path)? != PictureFormat::Png {
+        return Err(CliError::Usage(format!("{}: sheets are written as .png", path.display())));
+    }
+    if global.json && is_stdout(path) {
+        return Err(CliError::Usage(
+            "standard output takes one document: the sheet of -o - or that of --json".to_owned(),
+        ));
+    }
+    AtomicFile::check(path)?;
+    let counts = args.points.as_ref().map_or(&[USUAL_COUNT][..], |counts| counts.all());
+    let mut wishes = Vec::new();
+    for &n in counts {
+        for spec in Spec::parse_list(panels)? {
+            wishes.push(wish(args, &spec.text, n, global.seed)?);
+        }
+    }
+    let stage = args.stage.stage(USUAL_SIZE)?;
+    for wish in &wishes {
+        if let Wish::Pattern(trials) = wish {
+            trials.check(&stage)?;
+        }
+    }
+    let reference = Reference::new(args, &stage, global)?.image(&stage)?;
+    let white = args.white.unwrap_or_else(|| white(&stage, &reference));
+    let mut cost = 0.0;
+    for wish in &wishes {
+        if let Wish::Pattern(trials) = wish {
+            cost += trials.cost(&stage)?;
+        }
+    }
+    let progress = Progress::new(cost, global.quiet);
+    let (mut pictures, mut records) = (Vec::new(), Vec::new());
+    for wish in &wishes {
+        match wish {
+            Wish::Reference => {
+                let caption = vec![format!("reference, N = {}", reference.n_points)];
+                pictures.push(panel(&reference, white, caption));
+            }
+            Wish::Pattern(trials) => {
+                let (panel, record) = rendered(trials, &stage, &reference, white, &progress)?;
+                pictures.push(panel);
+                records.extend(record);
+            }
+        }
+    }
+    drop(progress);
+    let provenance = Provenance::new(global.seed);
+    let columns = wishes.len() / counts.len();
+    let sheet = ContactSheet { panels: pictures, columns };
+    let (size, colours) = sheet.pixels()?;
+    let mut file = AtomicFile::create(path)?;
+    let written = png_bytes(size, &colours, &provenance.line()).and_then(|b| file.write_all(&b));
+    written.map_err(|source| file.error(source))?;
+    file.commit()?;
+    if global.json {
+        let document =
+            Document { panels: &records, reference_n: reference.n_points, provenance: &provenance };
+        return print_json(&document);
+    }
+    if is_stdout(path) {
+        return Ok(());
+    }
+    let cells = |r: &PanelRecord| {
+        vec![
+            r.sampler.clone(),
+            r.mode.to_owned(),
+            r.n.to_string(),
+            short(r.errors.mse),
+            short(r.errors.mse_stderr),
+            format!("{:.2}", r.errors.structured_error),
+            format!("{:.3}", r.errors.autocorrelation),
+        ]
+    };
+    let heading = ["sampler", "mode", "N", "mse", "+-", "structured error", "correlation"];
+    print(&table(&heading, records.iter().map(cells).collect(), 2))
+}
+
+/// `SAMPLER@MODE`, `SAMPLER` in the mode of `--mode`, or `reference`.
+fn wish(args: &RenderArgs, text: &str, n: usize, seed: u64) -> Result<Wish, CliError> {
+    if text == "reference" {
+        return Ok(Wish::Reference);
+    }
+    let (sampler, mode): (&str, DirectionMode) = match text.rsplit_once('@') {
+        Some((sampler, mode)) => (sampler, parse_mode(mode)?),
+        None => (text, args.mode()?),
+    };
+    let renders = args.realizations.unwrap_or(USUAL_RENDERS);
+    let trials = Trials::new(args, parse_pattern(sampler)?, mode, n, renders, seed)?;
+    Ok(Wish::Pattern(Box::new(trials)))
+}
+
+fn panel(image: &Image, white: f64, caption: Vec<String>) -> Panel {
+    let colour = grey(white);
+    let colours = image.values.iter().flat_map(|&x| colour(x)).collect();
+    Panel { size: [image.width, image.height], colours, caption }
+}
+
+fn rendered(
+    trials: &Trials,
+    stage: &Stage,
+    reference: &Image,
+    white: f64,
+    progress: &Progress,
+) -> Result<(Panel, Option<PanelRecord>), CliError> {
+    let Outcome { picture, errors, .. } = trials.run(stage, Some(reference), progress)?;
+    let plan = &trials.plan;
+    let mut caption = vec![format!("{}, {}, N = {}", plan.pattern(), plan.mode(), plan.n_points())];
+    let record = errors.as_ref().map(|errors| PanelRecord {
+        sampler: plan.pattern().to_string(),
+        mode: plan.mode().name(),
+        n: plan.n_points(),
+        errors: ErrorRecord::new(errors),
+    });
+    caption.extend(record.as_ref().map(|record| {
+        let ErrorRecord { mse, structured_error, .. } = record.errors;
+        format!("MSE {mse:.2e}, structure {structured_error:.1}")
+    }));
+    Ok((panel(&picture, white, caption), record))
+}

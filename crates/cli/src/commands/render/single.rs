@@ -1,0 +1,258 @@
+//! One picture, and if it is wished its errors.
+
+use std::path::{Path, PathBuf};
+
+use serde::Serialize;
+use sphvar_scene::Image;
+
+use super::RenderArgs;
+use super::colours::{grey, quantile, signed};
+use super::reference::Reference;
+use super::stage::Stage;
+use super::trials::{Errors, Outcome, Trials, USUAL_RENDERS};
+use crate::error::CliError;
+use crate::files::{AtomicFile, Picture, PictureFormat};
+use crate::global::Global;
+use crate::patterns::parse_pattern;
+use crate::progress::Progress;
+use crate::report::{Provenance, is_stdout, print, print_json, short};
+
+/// Pixels on a side, unless others are wished.
+const USUAL_SIZE: usize = 512;
+/// Directions, unless others are wished.
+const USUAL_COUNT: usize = 256;
+
+/// The document of `--json`.
+#[derive(Debug, Serialize)]
+struct Document<'a> {
+    sampler: String,
+    mode: &'static str,
+    estimator: &'static str,
+    asked: usize,
+    n: usize,
+    sets: usize,
+    width: usize,
+    height: usize,
+    /// Pixels in which a surface is seen, and their mean value.
+    pixels: usize,
+    mean: f64,
+    renders: u64,
+    #[serde(flatten)]
+    errors: ErrorRecord,
+    reference_n: usize,
+    rays: u64,
+    seconds: f64,
+    provenance: &'a Provenance,
+}
+
+/// Errors as scripts see them.
+#[derive(Debug, Serialize)]
+pub(super) struct ErrorRecord {
+    pub(super) mse: f64,
+    pub(super) mse_stderr: f64,
+    pub(super) variance: f64,
+    pub(super) variance_stderr: f64,
+    pub(super) bias_squared: f64,
+    pub(super) white_noise: f64,
+    /// White noise's exact mean squared error over this one.
+    pub(super) gain: f64,
+    pub(super) structured_error: f64,
+    pub(super) structured_error_stderr: f64,
+    pub(super) autocorrelation: f64,
+    pub(super) bias_t: Option<f64>,
+    pub(super) bias_limit: Option<f64>,
+    pub(super) biased_pixels: Option<usize>,
+}
+
+impl ErrorRecord {
+    pub(super) fn new(errors: &Errors) -> Self {
+        let Errors { report, white_noise, .. } = errors;
+        Self {
+            mse: report.mse.value,
+            mse_stderr: report.mse.stderr,
+            variance: report.variance.value,
+            variance_stderr: report.variance.stderr,
+            bias_squared: report.bias_squared,
+            white_noise: *white_noise,
+            gain: white_noise / report.mse.value,
+            structured_error: report.structure.value,
+            structured_error_stderr: report.structure.stderr,
+            autocorrelation: report.autocorrelation.value,
+            bias_t: report.bias.map(|b| b.largest),
+            bias_limit: report.bias.map(|b| b.limit),
+            biased_pixels: report.bias.map(|b| b.beyond),
+        }
+    }
+}
+
+pub(super) fn run(args: &RenderArgs, global: &Global) -> Result<(), CliError> {
+    let Some(sampler) = &args.sampler else {
+        return Err(CliError::Usage("--sampler is missing: which directions?".to_owned()));
+    };
+    check_outputs(args, global)?;
+    let count = match args.points.as_ref().map(|counts| counts.all()) {
+        None => USUAL_COUNT,
+        Some(&[n]) => n,
+        Some(several) => {
+            return Err(CliError::Usage(format!(
+                "one picture has one number of directions, got {}; several are for --study",
+                several.len()
+            )));
+        }
+    };
+    let compare = args.mse || global.json || args.difference.is_some() || args.error.is_some();
+    let renders = args.realizations.unwrap_or(if compare { USUAL_RENDERS } else { 1 });
+    let pattern = parse_pattern(sampler)?;
+    let trials = Trials::new(args, pattern, args.mode()?, count, renders, global.seed)?;
+    let stage = args.stage.stage(USUAL_SIZE)?;
+    trials.check(&stage)?;
+    let reference = Reference::new(args, &stage, global)?;
+    let reference = if compare {
+        reference.remark(trials.plan.n_points());
+        Some(reference.image(&stage)?)
+    } else {
+        None
+    };
+    let progress = Progress::new(trials.cost(&stage)?, global.quiet);
+    let outcome = trials.run(&stage, reference.as_ref(), &progress)?;
+    drop(progress);
+    let provenance = Provenance::new(global.seed);
+    write_pictures(args, &stage, &outcome, reference.as_ref(), &provenance)?;
+    if let (true, Some(reference), Some(errors)) = (global.json, &reference, &outcome.errors) {
+        return print_json(&document(&trials, &outcome, errors, reference, &provenance));
+    }
+    if args.out.as_deref().is_some_and(is_stdout) {
+        return Ok(());
+    }
+    print(&text(&trials, &outcome))
+}
+
+/// Refuses names that could not be written, before the work.
+fn check_outputs(args: &RenderArgs, global: &Global) -> Result<(), CliError> {
+    let paths = [&args.out, &args.difference, &args.error];
+    for path in paths.into_iter().flatten() {
+        PictureFormat::of_path(path)?;
+        AtomicFile::check(path)?;
+    }
+    let on_stdout = |path: &Option<PathBuf>| path.as_deref().is_some_and(is_stdout);
+    let others = [&args.difference, &args.error].into_iter().any(on_stdout);
+    if others || (on_stdout(&args.out) && global.json) {
+        return Err(CliError::Usage(
+            "standard output takes one document: the picture of -o - or that of --json".to_owned(),
+        ));
+    }
+    if args.white.is_some_and(|white| !(white > 0.0 && white.is_finite())) {
+        return Err(CliError::Usage("--white must be a number above 0".to_owned()));
+    }
+    Ok(())
+}
+
+fn document<'a>(
+    trials: &Trials,
+    outcome: &Outcome,
+    errors: &Errors,
+    reference: &Image,
+    provenance: &'a Provenance,
+) -> Document<'a> {
+    let Outcome { picture, rays, seconds, .. } = outcome;
+    Document {
+        sampler: trials.plan.pattern().to_string(),
+        mode: trials.plan.mode().name(),
+        estimator: trials.estimator.name(),
+        asked: trials.asked,
+        n: trials.plan.n_points(),
+        sets: trials.plan.n_sets(),
+        width: picture.width,
+        height: picture.height,
+        pixels: picture.n_hits(),
+        mean: picture.mean(),
+        renders: trials.renders,
+        errors: ErrorRecord::new(errors),
+        reference_n: reference.n_points,
+        rays: *rays,
+        seconds: *seconds,
+        provenance,
+    }
+}
+
+fn text(trials: &Trials, outcome: &Outcome) -> String {
+    let Outcome { picture, errors, rays, seconds } = outcome;
+    let plan = &trials.plan;
+    let mut text = format!(
+        "{}, {}, N = {}: mean value {:.4} over {} pixels\n{:.3e} rays in {:.1} s, {:.2e} a second\n",
+        plan.pattern(),
+        plan.mode(),
+        plan.n_points(),
+        picture.mean(),
+        picture.n_hits(),
+        *rays as f64,
+        seconds,
+        *rays as f64 / seconds,
+    );
+    if let Some(errors) = errors {
+        let record = ErrorRecord::new(errors);
+        let plain = |x: f64, digits: usize| match x.is_finite() {
+            true => format!("{x:.digits$}"),
+            false => "-".to_owned(),
+        };
+        text += &format!(
+            "mean squared error {} +- {} (renders: {}), {} times less than white noise's {}\n\
+             variance {} +- {}, squared bias {}\n\
+             structured error {} +- {} (1: independent pixels), neighbours' correlation {}\n",
+            short(record.mse),
+            short(record.mse_stderr),
+            trials.renders,
+            plain(record.gain, 2),
+            short(record.white_noise),
+            short(record.variance),
+            short(record.variance_stderr),
+            short(record.bias_squared),
+            plain(record.structured_error, 2),
+            plain(record.structured_error_stderr, 2),
+            plain(record.autocorrelation, 3),
+        );
+        if let Some(bias) = errors.report.bias {
+            text += &format!(
+                "bias: {} of {} pixels beyond |t| = {:.1}, which chance passes in 1 % of pictures\n",
+                bias.beyond, errors.report.pixels, bias.limit
+            );
+        }
+    }
+    text
+}
+
+fn write_pictures(
+    args: &RenderArgs,
+    stage: &Stage,
+    outcome: &Outcome,
+    reference: Option<&Image>,
+    provenance: &Provenance,
+) -> Result<(), CliError> {
+    let Outcome { picture, errors, .. } = outcome;
+    let remark = provenance.line();
+    let write = |path: &Path, values: &[f64], colour: &dyn Fn(f64) -> [u8; 3]| {
+        let picture = Picture { width: picture.width, height: picture.height, values };
+        picture.write(path, colour, &remark)
+    };
+    if let Some(path) = &args.out {
+        let white = args.white.unwrap_or_else(|| white(stage, picture));
+        write(path, &picture.values, &grey(white))?;
+    }
+    if let (Some(path), Some(reference)) = (&args.difference, reference) {
+        let pairs = picture.values.iter().zip(&reference.values);
+        let difference: Vec<f64> = pairs.map(|(a, b)| a - b).collect();
+        let full = quantile(difference.iter().map(|x| x.abs()), 0.99);
+        write(path, &difference, &signed(full))?;
+    }
+    if let (Some(path), Some(errors)) = (&args.error, errors) {
+        let full = quantile(errors.squared.iter().copied(), 0.99);
+        write(path, &errors.squared, &grey(full))?;
+    }
+    Ok(())
+}
+
+/// What is white in a picture of these values: 1 for shares, else the brightest pixel.
+pub(super) fn white(stage: &Stage, picture: &Image) -> f64 {
+    let brightest = picture.values.iter().copied().fold(0.0, f64::max);
+    if stage.is_share() || brightest == 0.0 { 1.0 } else { brightest }
+}

@@ -1,0 +1,300 @@
+//! What is seen, from where, and what is integrated: the flags about the scene.
+
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use glam::{DQuat, DVec3};
+use sphvar_scene::{Camera, CornellBox, Integral, Mesh, Quad, Region, Scene, View};
+use sphvar_variance::Integrand;
+
+use super::reference_file::fingerprint;
+use crate::error::CliError;
+use crate::integrands::parse_integrand;
+use crate::spec::{Spec, unknown_name};
+
+/// The names of integrals and their parameters, for help texts.
+const INTEGRALS: &str = "ao[:weight=cosine] | irradiance:env=FILE[,channel=luminance|r|g|b][,albedo=1] | \
+     light[:albedo=1]";
+
+/// The field of view of a mesh, degrees.
+const USUAL_FOV: f64 = 40.0;
+/// Half the height of the film behind the box's camera over its distance: 0.0125 m and 0.035 m.
+const CORNELL_HALF_VIEW: f64 = 0.0125 / 0.035;
+
+/// Flags about the scene.
+#[derive(Debug, Args)]
+pub(crate) struct StageArgs {
+    /// `cornell`, or a mesh in Wavefront form (.obj)
+    pub(super) scene: String,
+    #[arg(long, default_value = "ao", help = format!("Integral over the hemisphere of each point: {INTEGRALS}"))]
+    integral: String,
+    /// Occluders farther away than this do not count for ao
+    #[arg(long, value_name = "LENGTH", allow_negative_numbers = true)]
+    max_distance: Option<f64>,
+    /// Width and height in pixels, or the side of a square [default: 512, of a study 128, of a panel 256]
+    #[arg(long, value_name = "W[xH]")]
+    size: Option<Size>,
+    /// Render this part of the picture only
+    #[arg(long, value_name = "X,Y,W,H")]
+    crop: Option<Numbers<4, usize>>,
+    /// Primary rays of a pixel, K by K, each with its own directions: a box filter
+    #[arg(long, value_name = "K", default_value_t = 1)]
+    pixel_rays: usize,
+    /// Place of the camera [default: the box's own; of a mesh where it fills the picture]
+    #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true)]
+    eye: Option<Numbers<3, f64>>,
+    /// What is in the middle of the picture [default: the middle of the scene]
+    #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true)]
+    look_at: Option<Numbers<3, f64>>,
+    /// Upward direction, of the camera and of the environment map [default: 0,1,0]
+    #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true)]
+    up: Option<Numbers<3, f64>>,
+    /// Vertical field of view, degrees [default: the box's own, 39.3; of a mesh 40]
+    #[arg(long, value_name = "DEGREES", allow_negative_numbers = true)]
+    fov: Option<f64>,
+    /// Corners of the lamp of `light`, in turn, counterclockwise as seen from where it shines [default: the box's own]
+    #[arg(long, value_name = "X,Y,Z,...", allow_hyphen_values = true)]
+    lamp: Option<Numbers<12, f64>>,
+}
+
+/// Width and height.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Size([usize; 2]);
+
+impl std::str::FromStr for Size {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let (width, height) = text.split_once('x').unwrap_or((text, text));
+        let side = |text: &str| {
+            text.parse().map_err(|_| format!("expected W or WxH as in 640x480, got \"{text}\""))
+        };
+        Ok(Self([side(width)?, side(height)?]))
+    }
+}
+
+/// A list of so many numbers, with commas.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Numbers<const N: usize, T>([T; N]);
+
+impl<const N: usize, T: std::str::FromStr> std::str::FromStr for Numbers<N, T> {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let numbers: Result<Vec<T>, _> = text.split(',').map(|item| item.trim().parse()).collect();
+        let list = numbers.ok().and_then(|list| <[T; N]>::try_from(list).ok());
+        list.map(Self).ok_or_else(|| format!("expected {N} numbers with commas, got \"{text}\""))
+    }
+}
+
+/// What the flags about the scene stand for.
+pub(super) struct Stage {
+    scene: Scene,
+    camera: Camera,
+    size: [usize; 2],
+    region: Option<Region>,
+    pixel_rays: usize,
+    integral: Wanted,
+    /// Everything that a reference image depends on but its directions, in words and hashes.
+    pub(super) description: String,
+}
+
+/// An [`Integral`] with what it borrows.
+enum Wanted {
+    Ambient { max_distance: f64, cosine: bool },
+    Irradiance { environment: Box<dyn Integrand>, to_map: DQuat, albedo: f64 },
+    Light { light: Quad, albedo: f64 },
+}
+
+impl StageArgs {
+    /// Reads the files and checks the numbers.
+    pub(super) fn stage(&self, usual_size: usize) -> Result<Stage, CliError> {
+        let wrong = |error: sphvar_scene::Error| CliError::usage(error);
+        let up = self.up.map_or(DVec3::Y, |up| DVec3::from_array(up.0));
+        let mut description = String::new();
+        let (scene, own_camera, own_light) = if self.scene == "cornell" {
+            description.push_str("scene cornell");
+            let CornellBox { scene, camera, light } = CornellBox::new();
+            (scene, Some(camera), Some(light))
+        } else {
+            let (scene, hash) = self.mesh()?;
+            description.push_str(&format!("scene obj {hash}"));
+            (scene, None, None)
+        };
+        let camera = self.camera(&scene, own_camera, up)?;
+        let size = self.size.map_or([usual_size; 2], |size| size.0);
+        let region = self.crop.map(|crop| {
+            let [x, y, width, height] = crop.0;
+            Region { x, y, width, height }
+        });
+        let own_light = match &self.lamp {
+            Some(lamp) => {
+                let corner = |i: usize| DVec3::from_slice(&lamp.0[3 * i..]);
+                Some(Quad::new([0, 1, 2, 3].map(corner)).map_err(wrong)?)
+            }
+            None => own_light,
+        };
+        let (integral, words) = self.wanted(own_light, up)?;
+        description.push_str(&format!(
+            "\ncamera {camera:?}\nsize {size:?} part {region:?} rays {}\n{words}",
+            self.pixel_rays
+        ));
+        let stage = Stage {
+            scene,
+            camera,
+            size,
+            region,
+            pixel_rays: self.pixel_rays,
+            integral,
+            description,
+        };
+        // Wrong sizes and crops are known now.
+        stage.view()?;
+        Ok(stage)
+    }
+
+    fn mesh(&self) -> Result<(Scene, String), CliError> {
+        let path = Path::new(&self.scene);
+        let is_obj = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("obj"));
+        if !is_obj {
+            return Err(CliError::Usage(format!(
+                "unknown scene \"{}\"; there is: cornell, or a mesh in a file that ends in .obj",
+                self.scene
+            )));
+        }
+        let failed = |e: &dyn std::fmt::Display| CliError::Failed(format!("{}: {e}", self.scene));
+        let bytes = std::fs::read(path)
+            .map_err(|e| CliError::Failed(format!("cannot open {}: {e}", self.scene)))?;
+        let mesh = Mesh::from_obj(&*bytes).map_err(|e| failed(&e))?;
+        Ok((Scene::from_mesh(mesh), fingerprint(&bytes)))
+    }
+
+    fn camera(&self, scene: &Scene, own: Option<Camera>, up: DVec3) -> Result<Camera, CliError> {
+        let given = self.eye.is_some() || self.look_at.is_some() || self.up.is_some();
+        match own {
+            Some(camera) if !given && self.fov.is_none() => return Ok(camera),
+            _ => (),
+        }
+        let bounds = scene.bounds();
+        let usual_fov =
+            if own.is_some() { 2.0 * CORNELL_HALF_VIEW.atan() } else { USUAL_FOV.to_radians() };
+        let fov = self.fov.map_or(usual_fov, f64::to_radians);
+        let target = match (self.look_at, own) {
+            (Some(at), _) => DVec3::from_array(at.0),
+            (None, Some(camera)) if self.eye.is_none() => camera.position() + DVec3::Z,
+            _ => bounds.center(),
+        };
+        let eye = match (self.eye, own) {
+            (Some(eye), _) => DVec3::from_array(eye.0),
+            (None, Some(camera)) => camera.position(),
+            (None, None) => usual_eye(scene, target, up, fov),
+        };
+        Camera::look_at(eye, target, up, fov).map_err(CliError::usage)
+    }
+
+    fn wanted(&self, light: Option<Quad>, up: DVec3) -> Result<(Wanted, String), CliError> {
+        let text = &self.integral;
+        let mut spec = Spec::parse(text)?;
+        let mut albedo = 1.0;
+        if spec.name != "ao" {
+            if self.max_distance.is_some() {
+                return Err(CliError::Usage(format!("--max-distance is for ao, not for {text}")));
+            }
+            spec.replace_number("albedo", &mut albedo)?;
+            if !(0.0..=1.0).contains(&albedo) {
+                return Err(CliError::Usage(format!(
+                    "{text}: albedo must be in [0, 1], got {albedo}"
+                )));
+            }
+        }
+        match spec.name.as_str() {
+            "ao" => {
+                let max_distance = self.max_distance.unwrap_or(f64::INFINITY);
+                if max_distance.is_nan() || max_distance <= 0.0 {
+                    return Err(CliError::Usage(format!(
+                        "--max-distance must be above 0, got {max_distance}"
+                    )));
+                }
+                let mut cosine = false;
+                spec.replace_choice(
+                    "weight",
+                    &[("uniform", false), ("cosine", true)],
+                    &mut cosine,
+                )?;
+                spec.finish(&["weight (uniform, cosine)"])?;
+                let words = format!("ambient {max_distance:e} {cosine}");
+                Ok((Wanted::Ambient { max_distance, cosine }, words))
+            }
+            "irradiance" => {
+                let file = spec.take("env").or_else(|| spec.take("")).ok_or_else(|| {
+                    CliError::Usage(format!("{text}: the map is missing: irradiance:env=FILE"))
+                })?;
+                let file = file.strip_prefix("env:").unwrap_or(&file).to_owned();
+                let channel = spec.take("channel");
+                spec.finish(&["env", "channel", "albedo"])?;
+                let channel = channel.map_or(String::new(), |c| format!(",channel={c}"));
+                let environment = parse_integrand(&format!("env:{file}{channel}"))?.function;
+                let up = up.try_normalize().unwrap_or(DVec3::Y);
+                let to_map = DQuat::from_rotation_arc(up, DVec3::Z);
+                let hash = fingerprint(&read(&PathBuf::from(&file))?);
+                let words = format!("irradiance {hash}{channel} {albedo:e} {to_map:?}");
+                Ok((Wanted::Irradiance { environment, to_map, albedo }, words))
+            }
+            "light" => {
+                spec.finish(&["albedo"])?;
+                let light = light.ok_or_else(|| {
+                    CliError::Usage(format!("{text}: a mesh has no lamp of its own; give --lamp"))
+                })?;
+                Ok((Wanted::Light { light, albedo }, format!("light {light:?} {albedo:e}")))
+            }
+            name => Err(unknown_name("integral", name, &["ao", "irradiance", "light"])),
+        }
+    }
+}
+
+/// Above and in front, so far that the ball around the scene's box fills the picture's height.
+fn usual_eye(scene: &Scene, target: DVec3, up: DVec3, fov: f64) -> DVec3 {
+    let bounds = scene.bounds();
+    let radius = 0.5 * (bounds.max - bounds.min).length();
+    let up = up.try_normalize().unwrap_or(DVec3::Y);
+    let turn = DQuat::from_rotation_arc(DVec3::Y, up);
+    let towards = turn * DVec3::new(0.5, 0.45, 1.0).normalize();
+    target + towards * (radius / (0.5 * fov).sin())
+}
+
+fn read(path: &Path) -> Result<Vec<u8>, CliError> {
+    std::fs::read(path)
+        .map_err(|e| CliError::Failed(format!("cannot open {}: {e}", path.display())))
+}
+
+impl Stage {
+    /// The part of the picture that is wanted.
+    pub(super) fn view(&self) -> Result<View<'_>, CliError> {
+        let view = View::new(&self.scene, &self.camera, self.size)
+            .and_then(|view| view.with_rays_per_side(self.pixel_rays))
+            .and_then(|view| match self.region {
+                Some(region) => view.with_region(region),
+                None => Ok(view),
+            });
+        view.map_err(CliError::usage)
+    }
+
+    /// Calls `then` with the integral.
+    pub(super) fn with_integral<T>(&self, then: impl FnOnce(&Integral<'_>) -> T) -> T {
+        match &self.integral {
+            &Wanted::Ambient { max_distance, cosine } => {
+                then(&Integral::AmbientOcclusion { max_distance, cosine })
+            }
+            Wanted::Irradiance { environment, to_map, albedo } => {
+                let radiance = |dir: DVec3| environment.eval(*to_map * dir);
+                then(&Integral::Irradiance { radiance: &radiance, albedo: *albedo })
+            }
+            Wanted::Light { light, albedo } => then(&Integral::Light { light, albedo: *albedo }),
+        }
+    }
+
+    /// Whether 1 is the value of a point that everything reaches.
+    pub(super) fn is_share(&self) -> bool {
+        matches!(self.integral, Wanted::Ambient { .. })
+    }
+}

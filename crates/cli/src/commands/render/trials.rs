@@ -1,0 +1,128 @@
+//! Repeated renders of one pattern with their errors.
+
+use std::time::Instant;
+
+use sphvar_samplers::Pattern;
+use sphvar_scene::{
+    DirectionMode, DirectionPlan, ErrorReport, Estimator, Image, RenderErrors, render,
+};
+
+use super::RenderArgs;
+use super::stage::Stage;
+use crate::error::CliError;
+use crate::memory::check_memory;
+use crate::progress::Progress;
+
+/// Renders from which errors are estimated, unless another number is wished.
+pub(super) const USUAL_RENDERS: u64 = 8;
+
+/// One pattern at one number of directions.
+pub(super) struct Trials {
+    pub(super) asked: usize,
+    pub(super) plan: DirectionPlan,
+    pub(super) estimator: Estimator,
+    pub(super) renders: u64,
+}
+
+/// What came of it.
+pub(super) struct Outcome {
+    /// The first render.
+    pub(super) picture: Image,
+    /// If there was a reference image.
+    pub(super) errors: Option<Errors>,
+    /// Occlusion rays of all renders, and the time that they took; making the sets is not in it.
+    pub(super) rays: u64,
+    pub(super) seconds: f64,
+}
+
+/// Errors against the reference image.
+pub(super) struct Errors {
+    pub(super) report: ErrorReport,
+    /// Of each pixel, in the mean over the renders.
+    pub(super) squared: Vec<f64>,
+    /// The exact mean squared error of as many independent directions.
+    pub(super) white_noise: f64,
+}
+
+impl Trials {
+    /// The nearest number of directions that the pattern has is taken.
+    pub(super) fn new(
+        args: &RenderArgs,
+        pattern: Pattern,
+        mode: DirectionMode,
+        asked: usize,
+        renders: u64,
+        seed: u64,
+    ) -> Result<Self, CliError> {
+        let n = DirectionPlan::nearest_count(&pattern, asked);
+        let mut plan = DirectionPlan::new(pattern, n, mode, seed).map_err(CliError::usage)?;
+        if let Some(sets) = args.sets {
+            plan = plan.with_sets(sets);
+        }
+        Ok(Self { asked, plan, estimator: args.estimator()?, renders })
+    }
+
+    /// Refuses what does not fit into memory.
+    pub(super) fn check(&self, stage: &Stage) -> Result<(), CliError> {
+        let direction = size_of::<glam::DVec3>() as f64;
+        let points = self.plan.mode().set_points(self.plan.n_points()) as f64;
+        let at_once = (self.plan.n_sets() + rayon::current_num_threads()) as f64;
+        check_memory(&format!("-n {}", self.asked), direction * points * at_once)?;
+        // Value, spread and whether hit of render and reference; errors of all renders.
+        let pixel = (2 * 17 + 8) as f64 + 8.0 * self.renders as f64;
+        let region = stage.view()?.region();
+        check_memory("the picture", pixel * (region.width * region.height) as f64)
+    }
+
+    /// What a progress bar counts.
+    pub(super) fn cost(&self, stage: &Stage) -> Result<f64, CliError> {
+        let region = stage.view()?.region();
+        Ok((region.width * region.height) as f64 * self.cost_of_pixel() * self.renders as f64)
+    }
+
+    /// In units of a microsecond, about: rays, and what a pixel costs besides.
+    fn cost_of_pixel(&self) -> f64 {
+        1e-6 * (0.1 * self.plan.n_points() as f64 + 1.0)
+    }
+
+    /// Renders and compares.
+    pub(super) fn run(
+        &self,
+        stage: &Stage,
+        reference: Option<&Image>,
+        progress: &Progress,
+    ) -> Result<Outcome, CliError> {
+        progress.stage(&format!("{} N = {}", self.plan.pattern(), self.plan.n_points()));
+        let view = stage.view()?;
+        let mut errors = reference.map(RenderErrors::new);
+        let (mut picture, mut rays, mut seconds) = (None, 0, 0.0);
+        for number in 0..self.renders {
+            let sets = self.plan.prepare(number).map_err(CliError::failed)?;
+            let start = Instant::now();
+            let done = |pixels: usize| progress.advance(pixels as f64 * self.cost_of_pixel());
+            let image = stage
+                .with_integral(|integral| render(&view, integral, self.estimator, &sets, &done))
+                .map_err(CliError::failed)?;
+            seconds += start.elapsed().as_secs_f64();
+            rays += image.rays;
+            if let Some(errors) = &mut errors {
+                errors.push(&image).map_err(CliError::failed)?;
+            }
+            if image.n_hits() == 0 {
+                return Err(CliError::Failed(
+                    "the picture shows no surface: --eye, --look-at, --fov or --crop miss the scene"
+                        .to_owned(),
+                ));
+            }
+            picture.get_or_insert(image);
+        }
+        let picture =
+            picture.ok_or_else(|| CliError::Usage("-m must be at least 1, got 0".to_owned()))?;
+        let errors = errors.zip(reference).map(|(errors, reference)| Errors {
+            report: errors.report(),
+            squared: errors.squared_errors(),
+            white_noise: reference.white_noise_variance(self.plan.n_points()),
+        });
+        Ok(Outcome { picture, errors, rays, seconds })
+    }
+}

@@ -1,0 +1,208 @@
+//! Writing images: PNG to be looked at, `OpenEXR` and PFM to be computed with.
+
+use std::io::{self, Cursor, Write};
+use std::path::Path;
+
+use exr::prelude::{
+    Encoding, Image, Layer, LayerAttributes, SpecificChannels, Text, WritableImage,
+};
+
+use super::{AtomicFile, FileError};
+
+/// The extensions of [`PictureFormat::of_path`], for messages.
+const PICTURES: &str = ".png, .exr or .pfm";
+
+/// A format of images.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum PictureFormat {
+    /// 8 bits per channel, sRGB.
+    Png,
+    /// Linear, 32 bits.
+    Exr,
+    /// Portable float map: linear, 32 bits, grey. It has no room for remarks.
+    Pfm,
+}
+
+impl PictureFormat {
+    /// The format that the extension names, whatever its case; `-`, standard output, is PNG.
+    ///
+    /// # Errors
+    /// [`FileError::UnknownExtension`].
+    pub(crate) fn of_path(path: &Path) -> Result<Self, FileError> {
+        if path.as_os_str() == "-" {
+            return Ok(Self::Png);
+        }
+        let extension = path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase);
+        match extension.as_deref() {
+            Some("png") => Ok(Self::Png),
+            Some("exr") => Ok(Self::Exr),
+            Some("pfm") => Ok(Self::Pfm),
+            _ => Err(FileError::UnknownExtension {
+                path: path.display().to_string(),
+                known: PICTURES,
+            }),
+        }
+    }
+}
+
+/// Grey values, row by row from the top.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Picture<'a> {
+    pub(crate) width: usize,
+    pub(crate) height: usize,
+    pub(crate) values: &'a [f64],
+}
+
+impl Picture<'_> {
+    /// Writes the values as they are to an `.exr` or `.pfm`, or as the sRGB colours of `colour` to a `.png`; `remark`
+    /// goes into the file where the format has room for it.
+    ///
+    /// # Errors
+    /// When the extension is another one or the file cannot be written.
+    pub(crate) fn write(
+        &self,
+        path: &Path,
+        colour: &dyn Fn(f64) -> [u8; 3],
+        remark: &str,
+    ) -> Result<(), FileError> {
+        let bytes = match PictureFormat::of_path(path)? {
+            PictureFormat::Png => {
+                let colours: Vec<u8> = self.values.iter().flat_map(|&x| colour(x)).collect();
+                png_bytes([self.width, self.height], &colours, remark)
+            }
+            PictureFormat::Exr => self.exr(remark),
+            PictureFormat::Pfm => Ok(self.pfm()),
+        };
+        let mut file = AtomicFile::create(path)?;
+        let written = bytes.and_then(|bytes| file.write_all(&bytes));
+        written.map_err(|source| file.error(source))?;
+        file.commit()
+    }
+
+    fn exr(&self, remark: &str) -> io::Result<Vec<u8>> {
+        let value = |at: exr::math::Vec2<usize>| {
+            let grey = single(self.values[at.1 * self.width + at.0]);
+            (grey, grey, grey)
+        };
+        let attributes = LayerAttributes {
+            comments: Text::new_or_none(remark),
+            ..LayerAttributes::named("linear")
+        };
+        let layer = Layer::new(
+            (self.width, self.height),
+            attributes,
+            Encoding::FAST_LOSSLESS,
+            SpecificChannels::rgb(value),
+        );
+        let mut bytes = Cursor::new(Vec::new());
+        Image::from_layer(layer).write().to_buffered(&mut bytes).map_err(io::Error::other)?;
+        Ok(bytes.into_inner())
+    }
+
+    /// The rows from the bottom; the negative scale says that numbers are little-endian.
+    fn pfm(&self) -> Vec<u8> {
+        let mut bytes = format!("Pf\n{} {}\n-1.0\n", self.width, self.height).into_bytes();
+        for row in self.values.chunks(self.width).rev() {
+            bytes.extend(row.iter().flat_map(|&x| single(x).to_le_bytes()));
+        }
+        bytes
+    }
+}
+
+/// A PNG file of 8-bit sRGB colours, row by row from the top, with a remark in it.
+pub(crate) fn png_bytes(
+    [width, height]: [usize; 2],
+    colours: &[u8],
+    remark: &str,
+) -> io::Result<Vec<u8>> {
+    let side = |n: usize| u32::try_from(n).map_err(io::Error::other);
+    let mut bytes = Vec::new();
+    let mut encoder = png::Encoder::new(&mut bytes, side(width)?, side(height)?);
+    encoder.set_color(png::ColorType::Rgb);
+    encoder.set_depth(png::BitDepth::Eight);
+    encoder.set_source_srgb(png::SrgbRenderingIntent::RelativeColorimetric);
+    encoder.add_itxt_chunk("Comment".to_owned(), remark.to_owned()).map_err(io::Error::other)?;
+    let mut writer = encoder.write_header().map_err(io::Error::other)?;
+    writer.write_image_data(colours).map_err(io::Error::other)?;
+    writer.finish().map_err(io::Error::other)?;
+    Ok(bytes)
+}
+
+/// A linear value in [0, 1], cut off there, as a grey of sRGB (IEC 61966-2-1).
+pub(crate) fn srgb(linear: f64) -> u8 {
+    // NaN becomes black.
+    let x = if linear > 0.0 { linear.min(1.0) } else { 0.0 };
+    let encoded = if x <= 0.003_130_8 { 12.92 * x } else { 1.055 * x.powf(1.0 / 2.4) - 0.055 };
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "between 0 and 255"
+    )]
+    let byte = (255.0 * encoded).round() as u8;
+    byte
+}
+
+#[expect(clippy::cast_possible_truncation, reason = "the formats have 32 bits")]
+fn single(x: f64) -> f32 {
+    x as f32
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Path, Picture, PictureFormat, srgb};
+    use crate::files::{Channel, read_image};
+
+    #[test]
+    fn greys_are_those_of_the_standard() {
+        // Values of the sRGB standard's curve: half of the light is 188, the linear part ends at 10.
+        for (linear, grey) in [
+            (0.0, 0),
+            (1.0, 255),
+            (0.5, 188),
+            (0.003_130_8, 10),
+            (-1.0, 0),
+            (f64::NAN, 0),
+            (9.0, 255),
+        ] {
+            assert_eq!(srgb(linear), grey, "{linear}");
+        }
+    }
+
+    #[test]
+    fn values_come_back_from_exr_and_pfm() {
+        let folder = tempfile::tempdir().unwrap();
+        let values = [0.0, 0.25, -0.5, 1e-20, 3.5, 1e20];
+        let picture = Picture { width: 3, height: 2, values: &values };
+        let path = folder.path().join("p.exr");
+        picture.write(&path, &|_| [0; 3], "a remark").unwrap();
+        let got = read_image(&path, Channel::Red).unwrap();
+        assert_eq!((got.width, got.height), (3, 2));
+        for (a, b) in got.values.iter().zip(values) {
+            // Rounded to 24 bits.
+            assert!((a - b).abs() <= 6e-8 * b.abs(), "{a} {b}");
+        }
+        let bytes = std::fs::read(&path).unwrap();
+        assert!(bytes.windows(8).any(|w| w == b"a remark"), "the remark is in the file");
+        let path = folder.path().join("p.pfm");
+        picture.write(&path, &|_| [0; 3], "").unwrap();
+        let bytes = std::fs::read(&path).unwrap();
+        let (head, body) = bytes.split_at(bytes.len() - 24);
+        assert_eq!(head, b"Pf\n3 2\n-1.0\n");
+        let last_row_first: Vec<f32> =
+            body.chunks(4).map(|c| f32::from_le_bytes(c.try_into().unwrap())).collect();
+        assert_eq!(last_row_first, [1e-20, 3.5, 1e20, 0.0, 0.25, -0.5]);
+    }
+
+    #[test]
+    fn a_png_has_its_colours_and_its_remark() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("p.PNG");
+        let picture = Picture { width: 2, height: 1, values: &[0.0, 1.0] };
+        picture.write(&path, &|x| [srgb(x), 7, 9], "sphvar \u{3c0}").unwrap();
+        let got = image::open(&path).unwrap().into_rgb8();
+        assert_eq!(got.into_raw(), [0, 7, 9, 255, 7, 9]);
+        let bytes = std::fs::read(&path).unwrap();
+        assert!(bytes.windows(4).any(|w| w == b"sRGB") && bytes.windows(4).any(|w| w == b"iTXt"));
+        assert!(PictureFormat::of_path(Path::new("a.gif")).is_err());
+    }
+}

@@ -1,0 +1,304 @@
+//! `sphvar render`.
+
+use serde_json::Value;
+
+use crate::outcome::{assert_keys, numbers, same};
+use crate::workplace::{Workplace, data, small_exr};
+
+/// Small pictures with a small reference image in a folder of their own.
+const SMALL: &str = "--size 24 --reference-n 600 --cache cache";
+
+const PYRAMID: &str = "v -1 0 -1\nv 1 0 -1\nv 1 0 1\nv -1 0 1\nv 0 1.5 0\nf 1 2 5\nf 2 3 5\nf 3 4 5\nf -2 -5 -1\nf 1 2 3 4\n";
+
+fn number(document: &Value, key: &str) -> f64 {
+    document[key].as_f64().unwrap_or_else(|| panic!("{key}: {document}"))
+}
+
+/// The grey values of a portable float map, from the top.
+fn pfm(bytes: &[u8], width: usize, height: usize) -> Vec<f32> {
+    let head = format!("Pf\n{width} {height}\n-1.0\n");
+    let body = bytes.strip_prefix(head.as_bytes()).unwrap_or_else(|| panic!("no {head:?}"));
+    assert_eq!(body.len(), 4 * width * height);
+    let rows = body.chunks(4 * width).rev();
+    rows.flat_map(|row| row.chunks(4).map(|c| f32::from_le_bytes(c.try_into().unwrap()))).collect()
+}
+
+#[test]
+fn a_picture_needs_no_reference_image() {
+    let place = Workplace::new();
+    let arguments = "render cornell --sampler jittered -n 24 --size 48x32 -o ao.png --cache cache";
+    let text = place.run(arguments).ok().stdout;
+    assert!(text.contains("jittered, projective, N = 24") && text.contains("rays"), "{text}");
+    assert_eq!(place.names(), ["ao.png"]);
+    let picture = image::open(place.path("ao.png")).unwrap().into_rgb8();
+    assert_eq!(picture.dimensions(), (48, 32));
+    // Outside of the box it is dark, the middle of the back wall is not.
+    assert_eq!(picture.get_pixel(0, 16).0, [0; 3]);
+    assert!(picture.get_pixel(24, 6).0[0] > 60, "{:?}", picture.get_pixel(24, 6));
+    assert!(place.bytes("ao.png").windows(6).any(|w| w == b"render"), "the command is in the file");
+}
+
+#[test]
+fn the_document_has_its_keys_and_agrees_with_itself() {
+    let place = Workplace::new();
+    let run = |mode: &str, more: &str| {
+        let arguments =
+            format!("render cornell --sampler jittered -n 100 --mode {mode} --json {SMALL} {more}");
+        place.run(&arguments).json()
+    };
+    let document = run("projective", "-o p.exr --difference d.pfm --error e.pfm");
+    assert_keys(
+        &document,
+        &[
+            "mse",
+            "mse_stderr",
+            "rays",
+            "seconds",
+            "variance",
+            "bias_squared",
+            "white_noise",
+            "gain",
+            "structured_error",
+            "autocorrelation",
+            "bias_t",
+            "bias_limit",
+            "n",
+            "asked",
+            "mode",
+            "renders",
+            "reference_n",
+            "provenance",
+        ],
+    );
+    assert_eq!((document["n"].as_u64(), document["asked"].as_u64()), (Some(96), Some(100)));
+    assert_eq!(document["reference_n"].as_u64(), Some(600));
+    let mse = number(&document, "mse");
+    assert!(mse > 0.0 && number(&document, "mse_stderr") < 0.3 * mse, "{document}");
+    let sum = number(&document, "variance") + number(&document, "bias_squared");
+    assert!((sum / mse - 1.0).abs() < 1e-12, "{document}");
+    assert!(
+        (number(&document, "gain") * mse / number(&document, "white_noise") - 1.0).abs() < 1e-12
+    );
+    assert!(number(&document, "gain") > 1.5, "{document}");
+    let rays = document["rays"].as_u64().unwrap();
+    assert_eq!(rays, 8 * 96 * document["pixels"].as_u64().unwrap());
+    // The error image has the same mean.
+    let errors = pfm(&place.bytes("e.pfm"), 24, 24);
+    let mean = errors.iter().map(|&e| f64::from(e)).sum::<f64>() / number(&document, "pixels");
+    assert!((mean / mse - 1.0).abs() < 1e-5, "{mean:e} {mse:e}");
+    let differences = pfm(&place.bytes("d.pfm"), 24, 24);
+    assert!(differences.iter().any(|&d| d > 0.0) && differences.iter().any(|&d| d < 0.0));
+    for mode in ["shared", "spun", "rotated", "fresh"] {
+        assert!(number(&run(mode, ""), "mse") > 0.0, "{mode}");
+    }
+    let shared = run("shared --estimator unbiased", "");
+    assert!(number(&shared, "mse") > 0.0);
+}
+
+#[test]
+fn parts_of_a_picture_are_those_of_the_whole() {
+    let place = Workplace::new();
+    let run = |more: &str| {
+        place.run(&format!("render cornell --sampler healpix -n 24 --size 40 --seed 5 {more}")).ok()
+    };
+    run("-o whole.pfm");
+    run("-o part.pfm --crop 7,11,20,9");
+    let (whole, part) =
+        (pfm(&place.bytes("whole.pfm"), 40, 40), pfm(&place.bytes("part.pfm"), 20, 9));
+    for y in 0..9 {
+        assert_eq!(part[20 * y..20 * (y + 1)], whole[40 * (y + 11) + 7..][..20], "row {y}");
+    }
+}
+
+#[test]
+fn threads_do_not_show() {
+    let run = |threads: u32| {
+        let place = Workplace::new();
+        let arguments = "render cornell --sampler poisson-disk -n 30 --mode rotated -o p.png --error e.exr \
+             --difference d.png --json -m 3";
+        let mut document = place.run(&format!("{arguments} {SMALL} -j {threads}")).json();
+        document["seconds"] = Value::Null;
+        let files = ["p.png", "e.exr", "d.png"].map(|name| place.bytes(name));
+        let cached = place.names_in("cache");
+        (document, files, place.bytes(&format!("cache/{}", cached[0])))
+    };
+    assert!(run(1) == run(2), "one thread and two give different bytes");
+}
+
+#[test]
+fn reference_images_are_kept_and_damage_is_noticed() {
+    let place = Workplace::new();
+    let arguments = format!("render cornell --sampler fibonacci -n 20 -m 2 --json {SMALL}");
+    let mse = |place: &Workplace| number(&place.run(&arguments).json(), "mse");
+    let first = mse(&place);
+    let [name] = &*place.names_in("cache") else { panic!("{:?}", place.names_in("cache")) };
+    let name = format!("cache/{name}");
+    let kept = place.bytes(&name);
+    assert!(same(mse(&place), first));
+    let mut damaged = kept.clone();
+    damaged[kept.len() / 2] ^= 1;
+    place.write(&name, &damaged);
+    let outcome = place.run(&arguments).ok();
+    assert!(outcome.stderr.contains("is damaged; it is made again"), "{}", outcome.stderr);
+    assert_eq!(place.bytes(&name), kept, "it is made again and kept");
+    place.write(&name, &kept[..kept.len() / 3]);
+    assert!(same(mse(&place), first));
+    // Whatever the reference depends on makes another one.
+    for other in
+        ["--seed 1", "--max-distance 50", "--crop 2,2,20,20", "--integral light", "--fov 30"]
+    {
+        let before = place.names_in("cache").len();
+        place.run(&format!("{arguments} {other}")).ok();
+        assert_eq!(place.names_in("cache").len(), before + 1, "{other}");
+    }
+    // A cache that cannot be written is no reason to stop.
+    let outcome = place.run(&arguments.replace("--cache cache", "--cache /dev/null/x")).ok();
+    assert!(outcome.stderr.contains("not kept"), "{}", outcome.stderr);
+    place.run(&arguments.replace("--cache cache", "--cache none")).ok();
+}
+
+#[test]
+fn light_and_skies() {
+    let place = Workplace::new();
+    place.write("sky.exr", small_exr(8, 4));
+    place.write("pyramid.obj", PYRAMID);
+    let mean = |arguments: &str| {
+        number(&place.run(&format!("render {arguments} -m 2 --json {SMALL}")).json(), "mean")
+    };
+    let box_light = mean("cornell --sampler jittered -n 96 --integral light:albedo=0.5");
+    let twice = mean("cornell --sampler jittered -n 96 --integral light");
+    assert!((twice / box_light - 2.0).abs() < 1e-9, "{box_light} {twice}");
+    let sky = "--sampler jittered -n 96 --integral irradiance:env=sky.exr";
+    // The map's rows are 1 to 8, 9 to 16, ...: the sky is darker than 17, a mean over it above 4.
+    let under_sky = mean(&format!("pyramid.obj {sky}"));
+    assert!(under_sky > 4.0 && under_sky < 17.0, "{under_sky}");
+    let upside_down = mean(&format!("pyramid.obj {sky} --up 0,-1,0 --eye 3,3,3"));
+    assert!(
+        upside_down > under_sky,
+        "the ground of the map is brighter: {upside_down} {under_sky}"
+    );
+    let lamp = "--integral light --lamp 1,3,-1,1,3,1,-1,3,1,-1,3,-1";
+    assert!(mean(&format!("pyramid.obj --sampler healpix -n 96 {lamp}")) > 0.01);
+    let wide = mean("pyramid.obj --sampler healpix -n 96 --eye 0,5,0.1 --look-at 0,0,0 --fov 60");
+    let cosine = mean("pyramid.obj --sampler healpix -n 96 --integral ao:weight=cosine");
+    assert!(wide > 0.99 && cosine > 0.99, "nothing stands above it: {wide} {cosine}");
+}
+
+#[test]
+fn a_study_has_rows_rates_and_crossovers() {
+    let place = Workplace::new();
+    let arguments = format!(
+        "render cornell --study -n 6..48 --samplers white-noise,jittered,white-noise -m 4 {SMALL}"
+    );
+    let document = place.run(&format!("{arguments} --json -o s.csv")).json();
+    let rows = document["rows"].as_array().unwrap();
+    // 6, 12, 24, 48 and of jitter 6, 24, 54.
+    assert_eq!(rows.len(), 7, "{document}");
+    for row in rows {
+        assert_keys(row, &["sampler", "mode", "n", "mse", "mse_stderr", "white_noise", "gain"]);
+        if row["sampler"] == "white-noise" {
+            let gain = number(row, "gain");
+            // Four renders of some 400 pixels: 4 %.
+            assert!((gain - 1.0).abs() < 0.2, "{row}");
+        }
+    }
+    let samplers = document["samplers"].as_array().unwrap();
+    let rate = number(&samplers[0]["all"], "rate");
+    assert!((rate + 1.0).abs() < 0.15, "{samplers:?}");
+    assert!(number(&samplers[1]["all"], "rate") < rate, "{samplers:?}");
+    assert_eq!(numbers(&samplers[0]["all"]["interval"]).len(), 2);
+    let table = place.text("s.csv");
+    assert!(table.starts_with("# sphvar render cornell --study"), "{table}");
+    assert_eq!(table.lines().count(), 2 + 7);
+    let text = place.run(&format!("{arguments} -o s.png --quiet")).ok().stdout;
+    assert!(text.contains("structured error") && text.contains("rate"), "{text}");
+    assert_eq!(image::open(place.path("s.png")).unwrap().width(), 1200);
+}
+
+#[test]
+fn a_sheet_shows_panels() {
+    let place = Workplace::new();
+    let panels = "reference,fibonacci@shared,fibonacci@rotated";
+    let arguments = format!("render cornell --sheet {panels} -n 24,54 -o sheet.png --json {SMALL}");
+    let document = place.run(&arguments).json();
+    let rows = document["panels"].as_array().unwrap();
+    assert_eq!(rows.len(), 4);
+    assert_eq!(
+        (rows[0]["mode"].as_str(), rows[1]["mode"].as_str()),
+        (Some("shared"), Some("rotated"))
+    );
+    let sheet = image::open(place.path("sheet.png")).unwrap();
+    assert!(sheet.width() > 3 * 24 && sheet.height() > 2 * 24, "{sheet:?}");
+}
+
+#[test]
+fn wrong_usage_is_told() {
+    let place = Workplace::new();
+    place.write("broken.obj", "v 0 0 0\nv 1 0 0\nv 0 1 nan\nf 1 2 3\n");
+    place.write("empty.obj", "");
+    let run = |arguments: &str| place.run(&format!("render {arguments}"));
+    run("cornell -n 24").fails(2, &["--sampler is missing"]);
+    run("teapot --sampler jittered").fails(2, &["unknown scene \"teapot\"", "cornell", ".obj"]);
+    run("no.obj --sampler jittered").fails(1, &["cannot open no.obj"]);
+    run("broken.obj --sampler jittered").fails(1, &["broken.obj", "line 3"]);
+    run("empty.obj --sampler jittered").fails(1, &["empty.obj"]);
+    for (arguments, parts) in [
+        ("-n 0", &["expected numbers from 1"][..]),
+        ("-n 24,48", &["one picture has one number"]),
+        ("--mode spin", &["unknown mode", "did you mean \"spun\""]),
+        ("--estimator best", &["unknown estimator", "ratio, unbiased"]),
+        ("--integral gi", &["unknown integral", "ao, irradiance, light"]),
+        ("--integral ao:weight=x", &["unknown weight of ao"]),
+        ("--integral irradiance", &["irradiance:env=FILE"]),
+        ("--integral light:albedo=2", &["albedo must be in [0, 1]"]),
+        ("--integral light --max-distance 3", &["--max-distance is for ao"]),
+        ("--max-distance -3", &["--max-distance must be above 0"]),
+        ("--max-distance nan", &["--max-distance must be above 0"]),
+        ("--size 0", &["sides must be from 1"]),
+        ("--size 10x", &["expected W or WxH"]),
+        ("--size 20 --crop 15,0,10,10", &["is not within an image of 20 by 20"]),
+        ("--size 20 --crop 1,2,3", &["expected 4 numbers"]),
+        ("--pixel-rays 0", &["0 by 0 primary rays"]),
+        ("--fov 180", &["field of view above 0 and below 180"]),
+        ("--fov nan", &["field of view"]),
+        ("--eye 1,2", &["expected 3 numbers"]),
+        ("--eye 0,0,0 --look-at 0,0,0", &["a target apart from its position"]),
+        ("--up 0,0,0", &["an upward direction"]),
+        ("--white 0 -o p.png", &["--white must be a number above 0"]),
+        ("-o p.gif", &[".png, .exr or .pfm"]),
+        ("--json -o -", &["standard output takes one document"]),
+        ("--difference -", &["standard output takes one document"]),
+        ("-m 0", &["-m must be at least 1"]),
+        ("--reference-n 0 --json", &["--reference-n"]),
+        ("--sets 0", &["--sets must be at least 1"]),
+        ("-m 99999999", &["-m must be at most"]),
+        ("--samplers jittered", &["cannot be used with"]),
+    ] {
+        run(&format!("cornell --sampler jittered --cache none {arguments}")).fails(2, parts);
+    }
+    let away = "--eye 0,0,-800 --look-at 0,0,-900 --size 8";
+    run(&format!("cornell --sampler jittered {away}")).fails(1, &["shows no surface", "--eye"]);
+    let many = "-n 1000000000000 --size 8";
+    run(&format!("cornell --sampler jittered {many}"))
+        .fails(1, &["-n 1000000000000 needs", "memory"]);
+    run("cornell --study -n 6").fails(2, &["--samplers is missing"]);
+    run("cornell --study --samplers jittered -m 1").fails(2, &["-m from 2 on"]);
+    run("cornell --sheet jittered@upside").fails(2, &["-o is missing"]);
+    run("cornell --sheet jittered@upside -o s.png").fails(2, &["unknown mode \"upside\""]);
+    run("cornell --sheet jittered -o s.exr").fails(2, &["sheets are written as .png"]);
+    assert_eq!(place.names(), ["broken.obj", "empty.obj"]);
+}
+
+/// The city of the repository lights a mesh.
+#[test]
+fn a_real_map_lights_a_mesh() {
+    let place = Workplace::new();
+    place.write("pyramid.obj", PYRAMID);
+    let map = data("city.exr");
+    let arguments = "render pyramid.obj --sampler step -n 32 --size 32 -o m.png";
+    let text = place.run(&format!("{arguments} --integral irradiance:env={map}")).ok().stdout;
+    assert!(text.contains("mean value"), "{text}");
+    // The brightest pixel is white.
+    let picture = image::open(place.path("m.png")).unwrap().into_rgb8();
+    assert_eq!(picture.pixels().map(|p| p.0[0]).max(), Some(255));
+}

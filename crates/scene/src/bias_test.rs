@@ -1,0 +1,70 @@
+use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
+
+use crate::Image;
+
+/// A test of all pixels for a bias, together.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BiasTest {
+    /// The largest |t| of a pixel: its mean error in standard errors.
+    pub largest: f64,
+    /// What |t| stays below in all pixels with probability 99 % if there is no bias: Student's t with one degree of
+    /// freedom less than there are renders, or where all renders are the same, so that only the reference is random, a
+    /// normal number; with Sidak's correction for the number of pixels.
+    pub limit: f64,
+    /// Number of pixels beyond the limit.
+    pub beyond: usize,
+}
+
+impl BiasTest {
+    /// The probability of finding a bias where there is none, as far as errors are normal.
+    pub const ALPHA: f64 = 0.01;
+
+    /// Tests the pixels with these numbers; `moments(k)` are mean and variance of the errors of pixel k of them
+    /// over `renders` renders with `n_points` directions. `None` without pixels or with fewer than two renders.
+    pub(crate) fn new(
+        reference: &Image,
+        pixels: &[usize],
+        renders: usize,
+        n_points: usize,
+        moments: impl Fn(usize) -> (f64, f64),
+    ) -> Option<Self> {
+        let count = renders as f64;
+        let law = StudentsT::new(0.0, 1.0, count - 1.0).ok()?;
+        if pixels.is_empty() {
+            return None;
+        }
+        let is_random = (0..pixels.len()).any(|k| moments(k).1 > 0.0);
+        // 1 - (1 - alpha)^(1/k) without the rounding of numbers near 1.
+        let single = -((-Self::ALPHA).ln_1p() / pixels.len() as f64).exp_m1();
+        let quantile =
+            |p| if is_random { law.inverse_cdf(p) } else { Normal::standard().inverse_cdf(p) };
+        let limit = -quantile(0.5 * single);
+        let scores = pixels.iter().enumerate().map(|(k, &i)| {
+            let (mean, variance) = moments(k);
+            // The reference is jittered, and so no worse than independent directions.
+            let of_reference = reference.spreads[i] / reference.n_points as f64;
+            // Where all renders agree by chance, their scatter says nothing; but the share of a single direction,
+            // of the size that those have which count, cannot be resolved.
+            let value = reference.values[i];
+            let resolution = if is_random && value > 0.0 {
+                (value + reference.spreads[i] / value) / (count * n_points as f64)
+            } else {
+                0.0
+            };
+            let squared_error = variance / count + of_reference + resolution * resolution;
+            if mean == 0.0 { 0.0 } else { mean.abs() / squared_error.sqrt() }
+        });
+        let mut test = Self { largest: 0.0, limit, beyond: 0 };
+        for t in scores {
+            test.largest = test.largest.max(t);
+            test.beyond += usize::from(t > limit);
+        }
+        Some(test)
+    }
+
+    /// Whether there is a pixel with a bias.
+    #[must_use]
+    pub fn is_biased(&self) -> bool {
+        self.beyond > 0
+    }
+}

@@ -1,0 +1,120 @@
+use std::fmt;
+
+use glam::DVec3;
+
+use crate::{Hit, Quad, Reach, Scene};
+
+/// What is integrated over the hemisphere above a hit point.
+///
+/// All are means over the hemisphere, `(1/2 pi) int f`, of the function in the brackets; V is 1 where the ray
+/// meets nothing, else 0.
+#[derive(Clone, Copy)]
+#[non_exhaustive]
+pub enum Integral<'a> {
+    /// Ambient occlusion, the open share of the hemisphere: `[V]`, or weighted with the cosine `[2 V cos]`.
+    /// Both are 1 where nothing is met.
+    AmbientOcclusion {
+        /// What is farther away than this does not occlude; infinity for no limit.
+        max_distance: f64,
+        /// Whether directions count with the cosine of their angle to the normal.
+        cosine: bool,
+    },
+    /// The light that leaves a diffuse surface under an environment: `[2 albedo V L cos]`, which is `albedo/pi` times
+    /// the irradiance. Under a constant radiance L without occluders it is `albedo L`.
+    Irradiance {
+        /// The radiance that comes from each unit direction, not negative and finite.
+        radiance: &'a (dyn Fn(DVec3) -> f64 + Sync),
+        /// The share of the light that the surface sends back.
+        albedo: f64,
+    },
+    /// The light of a quadrilateral of radiance 1 that leaves a diffuse surface: `[2 albedo V cos]` for directions
+    /// that meet it, V as far as it. It shines along its normal and is no part of the scene.
+    Light {
+        /// The lamp.
+        light: &'a Quad,
+        /// The share of the light that the surface sends back.
+        albedo: f64,
+    },
+}
+
+/// Rays to a light end this much before it, in their own length: a lamp on a ceiling must not be behind it. Single
+/// precision is off by some EPSILON over the cosine at the lamp, so this holds up to 89.98 degrees.
+const BEFORE_LIGHT: f64 = 1.0 - 1.0 / 1024.0;
+
+/// Sums over the directions of one hit point.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Sums {
+    /// Of f.
+    pub(crate) values: f64,
+    /// Of f squared.
+    pub(crate) squares: f64,
+    /// Rays that were traced.
+    pub(crate) rays: u64,
+}
+
+/// Buffers that are used again from hit point to hit point.
+#[derive(Debug, Default)]
+pub(crate) struct Workspace {
+    pub(crate) dirs: Vec<DVec3>,
+    occluded: Vec<bool>,
+    reaches: Vec<f64>,
+}
+
+impl Integral<'_> {
+    /// The sums over the directions in `workspace.dirs`, which may change.
+    pub(crate) fn sums(&self, scene: &Scene, hit: &Hit, workspace: &mut Workspace) -> Sums {
+        let Workspace { dirs, occluded, reaches } = workspace;
+        let mut reach = Reach::Within(f64::INFINITY);
+        match *self {
+            Integral::AmbientOcclusion { max_distance, .. } => reach = Reach::Within(max_distance),
+            Integral::Irradiance { .. } => (),
+            Integral::Light { light, .. } => {
+                reaches.clear();
+                let origin = hit.position;
+                dirs.retain(|&dir| {
+                    let lit = dir.dot(light.normal()) < 0.0;
+                    let distance = if lit { light.intersect(origin, dir) } else { None };
+                    reaches.extend(distance.map(|d| d * BEFORE_LIGHT));
+                    distance.is_some()
+                });
+                reach = Reach::Each(reaches);
+            }
+        }
+        occluded.resize(dirs.len(), false);
+        scene.occlusion_into(hit, dirs, reach, occluded);
+        let mut sums = Sums { rays: dirs.len() as u64, ..Sums::default() };
+        if let Integral::AmbientOcclusion { cosine: false, .. } = self {
+            let open = occluded.iter().filter(|o| !**o).count() as f64;
+            return Sums { values: open, squares: open, ..sums };
+        }
+        for (&dir, _) in dirs.iter().zip(&*occluded).filter(|(_, occluded)| !**occluded) {
+            let cosine = 2.0 * hit.normal.dot(dir);
+            let f = match *self {
+                Integral::AmbientOcclusion { .. } => cosine,
+                Integral::Irradiance { radiance, albedo } => albedo * radiance(dir) * cosine,
+                Integral::Light { albedo, .. } => albedo * cosine,
+            };
+            sums.values += f;
+            sums.squares += f * f;
+        }
+        sums
+    }
+}
+
+impl fmt::Debug for Integral<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::AmbientOcclusion { max_distance, cosine } => f
+                .debug_struct("AmbientOcclusion")
+                .field("max_distance", max_distance)
+                .field("cosine", cosine)
+                .finish(),
+            Self::Irradiance { albedo, .. } => {
+                f.debug_struct("Irradiance").field("albedo", albedo).finish_non_exhaustive()
+            }
+            Self::Light { light, albedo } => {
+                f.debug_struct("Light").field("light", light).field("albedo", albedo).finish()
+            }
+        }
+    }
+}

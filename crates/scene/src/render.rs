@@ -1,0 +1,124 @@
+use rayon::prelude::{IntoParallelIterator, ParallelIterator};
+
+use crate::integral::Workspace;
+use crate::{DirectionSets, Error, Estimator, Image, Integral, View};
+
+/// Side of the squares that are worked on at a time.
+const TILE: usize = 16;
+
+/// One pixel.
+#[derive(Clone, Copy, Debug, Default)]
+struct Pixel {
+    value: f64,
+    spread: f64,
+    hits: usize,
+    rays: u64,
+}
+
+/// Renders a view, in parallel over tiles; `done` is called with the number of pixels of each.
+///
+/// A pixel's value depends on the view's scene, camera and size, the integral, the directions and its place in the
+/// image, and on nothing else.
+///
+/// ```
+/// use sphvar_samplers::Pattern;
+/// use sphvar_scene::{
+///     CornellBox, DirectionMode, DirectionPlan, Estimator, Integral, View, render,
+/// };
+///
+/// let cornell = CornellBox::new();
+/// let view = View::new(&cornell.scene, &cornell.camera, [32, 32])?;
+/// let ambient = Integral::AmbientOcclusion { max_distance: f64::INFINITY, cosine: false };
+/// let plan = DirectionPlan::new(Pattern::Jittered, 24, DirectionMode::Projective, 0)?;
+/// let image = render(&view, &ambient, Estimator::Ratio, &plan.prepare(0)?, &|_| ())?;
+/// // The box is open in front only.
+/// assert!(image.mean() > 0.0 && image.mean() < 0.5);
+/// # Ok::<(), sphvar_scene::Error>(())
+/// ```
+///
+/// # Errors
+/// [`Error::Sampler`] if a set of [`DirectionMode::Fresh`](crate::DirectionMode::Fresh) cannot be completed.
+pub fn render(
+    view: &View<'_>,
+    integral: &Integral<'_>,
+    estimator: Estimator,
+    directions: &DirectionSets,
+    done: &(dyn Fn(usize) + Sync),
+) -> Result<Image, Error> {
+    let region = view.region();
+    let across = region.width.div_ceil(TILE);
+    let n_tiles = across * region.height.div_ceil(TILE);
+    let corner = |tile: usize| [TILE * (tile % across), TILE * (tile / across)];
+    let extent = |[x, y]: [usize; 2]| [TILE.min(region.width - x), TILE.min(region.height - y)];
+    let tiles: Result<Vec<Vec<Pixel>>, Error> = (0..n_tiles)
+        .into_par_iter()
+        .map_init(Workspace::default, |workspace, tile| {
+            let [left, top] = corner(tile);
+            let [width, height] = extent([left, top]);
+            let mut pixels = Vec::with_capacity(width * height);
+            for y in top..top + height {
+                for x in left..left + width {
+                    let at = [region.x + x, region.y + y];
+                    pixels.push(pixel(view, integral, estimator, directions, at, workspace)?);
+                }
+            }
+            done(pixels.len());
+            Ok(pixels)
+        })
+        .collect();
+    let n_pixels = region.width * region.height;
+    let mut image = Image {
+        width: region.width,
+        height: region.height,
+        values: vec![0.0; n_pixels],
+        spreads: vec![0.0; n_pixels],
+        hits: vec![false; n_pixels],
+        n_points: directions.n_points(),
+        rays: 0,
+    };
+    for (tile, pixels) in tiles?.iter().enumerate() {
+        let [left, top] = corner(tile);
+        let [width, _] = extent([left, top]);
+        for (i, pixel) in pixels.iter().enumerate() {
+            let at = (top + i / width) * region.width + left + i % width;
+            image.values[at] = pixel.value;
+            image.spreads[at] = pixel.spread;
+            image.hits[at] = pixel.hits > 0;
+            image.rays += pixel.rays;
+        }
+    }
+    Ok(image)
+}
+
+fn pixel(
+    view: &View<'_>,
+    integral: &Integral<'_>,
+    estimator: Estimator,
+    directions: &DirectionSets,
+    [x, y]: [usize; 2],
+    workspace: &mut Workspace,
+) -> Result<Pixel, Error> {
+    let per_side = view.rays_per_side();
+    let [width, _] = view.size();
+    let share = 1.0 / (per_side * per_side) as f64;
+    let mut pixel = Pixel::default();
+    for (j, i) in (0..per_side).flat_map(|j| (0..per_side).map(move |i| (j, i))) {
+        let within = |cell: usize| (cell as f64 + 0.5) / per_side as f64;
+        let dir = view.camera().direction(x as f64 + within(i), y as f64 + within(j), view.size());
+        let Some(hit) = view.scene().closest_hit(view.camera().position(), dir) else {
+            continue;
+        };
+        let index = (y * width + x) * per_side * per_side + j * per_side + i;
+        directions.directions_into(hit.normal, index as u64, &mut workspace.dirs)?;
+        let kept = workspace.dirs.len();
+        let sums = integral.sums(view.scene(), &hit, workspace);
+        pixel.value += share * estimator.weight(kept, directions.n_points()) * sums.values;
+        let mean = sums.values / kept.max(1) as f64;
+        // Rounding may leave a little less than 0 of a constant.
+        let spread = (sums.squares / kept.max(1) as f64 - mean * mean).max(0.0);
+        pixel.spread += share * share * spread;
+        pixel.hits += 1;
+        pixel.rays += sums.rays;
+    }
+    Ok(pixel)
+}

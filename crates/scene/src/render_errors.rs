@@ -1,0 +1,244 @@
+use crate::{BiasTest, Error, Estimate, Image};
+
+/// Side of the squares whose mean errors tell structure.
+const BLOCK: usize = 8;
+
+/// Errors of repeated renders of one view against a reference image.
+///
+/// The unit of replication is the render: its pixels may share directions. Renders must be independent, as those
+/// of one [`DirectionPlan`](crate::DirectionPlan) are. Pixels in which no surface is seen do not count.
+///
+/// Memory: 8 bytes for each pixel of each render.
+#[derive(Clone, Debug)]
+pub struct RenderErrors<'a> {
+    reference: &'a Image,
+    /// The pixels that count.
+    pixels: Vec<usize>,
+    /// The upper left pixels of squares that count whole.
+    blocks: Vec<usize>,
+    n_points: usize,
+    /// The errors of the pixels that count.
+    errors: Vec<Box<[f64]>>,
+    sums: Vec<Sums>,
+}
+
+/// Sums over the errors of one render.
+#[derive(Clone, Copy, Debug, Default)]
+struct Sums {
+    /// Mean square over all pixels that count.
+    mean_square: f64,
+    /// Squares of the means over blocks, and the mean squares in the same blocks.
+    of_blocks: f64,
+    in_blocks: f64,
+    /// Products of the errors of neighbours, and the means of their squares.
+    products: f64,
+    squares: f64,
+}
+
+/// What repeated renders say about the errors of a view.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ErrorReport {
+    /// Number of renders.
+    pub renders: usize,
+    /// Number of pixels that count.
+    pub pixels: usize,
+    /// Mean squared error against the reference image; that image's own error is in it.
+    pub mse: Estimate,
+    /// The variance of a pixel between renders, in the mean; NaN from a single render.
+    pub variance: Estimate,
+    /// The squared bias of a pixel, in the mean, `mse - variance`; chance can make it negative. The squared error of
+    /// the reference image is in it.
+    pub bias_squared: f64,
+    /// How much larger the variance of mean errors over 8 by 8 pixels is than it would be if pixels were
+    /// independent: 1 if they are, 64 if all errors in such a square are the same. NaN if no square is seen whole or
+    /// there are no errors.
+    pub structure: Estimate,
+    /// The correlation of the errors of pixels side by side or one above the other: 0 if they are independent. NaN if
+    /// there are none or no errors.
+    pub autocorrelation: Estimate,
+    /// Whether some pixel has a bias; `None` from a single render.
+    pub bias: Option<BiasTest>,
+}
+
+impl<'a> RenderErrors<'a> {
+    /// Without any render yet.
+    #[must_use]
+    pub fn new(reference: &'a Image) -> Self {
+        let pixels = (0..reference.hits.len()).filter(|&i| reference.hits[i]).collect();
+        let corners = |length: usize| (0..length / BLOCK).map(|i| i * BLOCK);
+        let blocks = corners(reference.height)
+            .flat_map(|y| corners(reference.width).map(move |x| y * reference.width + x))
+            .filter(|&corner| square(corner, reference.width).all(|i| reference.hits[i]))
+            .collect();
+        Self { reference, pixels, blocks, n_points: 0, errors: Vec::new(), sums: Vec::new() }
+    }
+
+    /// Adds a render.
+    ///
+    /// # Errors
+    /// [`Error::OtherView`] if it does not show the same surfaces in the same pixels as the reference image.
+    pub fn push(&mut self, image: &Image) -> Result<(), Error> {
+        let reference = self.reference;
+        if image.width != reference.width || image.hits != reference.hits {
+            return Err(Error::OtherView);
+        }
+        let pairs = image.values.iter().zip(&reference.values);
+        let errors: Vec<f64> = pairs.map(|(a, b)| a - b).collect();
+        self.sums.push(self.sums_of(&errors));
+        self.errors.push(self.pixels.iter().map(|&i| errors[i]).collect());
+        self.n_points = image.n_points;
+        Ok(())
+    }
+
+    /// `errors` are those of all pixels, 0 where nothing is seen.
+    fn sums_of(&self, errors: &[f64]) -> Sums {
+        let width = self.reference.width;
+        let squared = |i: usize| errors[i] * errors[i];
+        let all: f64 = self.pixels.iter().map(|&i| squared(i)).sum();
+        let mut sums = Sums { mean_square: all / self.pixels.len() as f64, ..Sums::default() };
+        let area = (BLOCK * BLOCK) as f64;
+        for &corner in &self.blocks {
+            let mean = square(corner, width).map(|i| errors[i]).sum::<f64>() / area;
+            sums.of_blocks += mean * mean;
+            sums.in_blocks += square(corner, width).map(squared).sum::<f64>() / area;
+        }
+        for &i in &self.pixels {
+            let right = ((i + 1) % width != 0).then_some(i + 1);
+            for j in right.into_iter().chain([i + width]) {
+                if self.reference.hits.get(j) == Some(&true) {
+                    sums.products += errors[i] * errors[j];
+                    sums.squares += 0.5 * (squared(i) + squared(j));
+                }
+            }
+        }
+        sums
+    }
+
+    /// The squared error of each pixel of the image in the mean over the renders; 0 where no surface is seen.
+    #[must_use]
+    pub fn squared_errors(&self) -> Vec<f64> {
+        let mut result = vec![0.0; self.reference.values.len()];
+        let share = 1.0 / self.errors.len() as f64;
+        for errors in &self.errors {
+            for (&i, e) in self.pixels.iter().zip(errors) {
+                result[i] += share * e * e;
+            }
+        }
+        result
+    }
+
+    /// What the renders say.
+    #[must_use]
+    pub fn report(&self) -> ErrorReport {
+        let count = self.errors.len();
+        let mse = self.jackknife(|sums| [sums.mean_square, 1.0]);
+        let moments: Vec<(f64, f64)> =
+            (0..self.pixels.len()).map(|k| moments(self.errors.iter().map(|e| e[k]))).collect();
+        let variance = self.variance(&moments);
+        let area = (BLOCK * BLOCK) as f64;
+        ErrorReport {
+            renders: count,
+            pixels: self.pixels.len(),
+            mse,
+            variance,
+            bias_squared: mse.value - variance.value,
+            structure: self.jackknife(|sums| [area * sums.of_blocks, sums.in_blocks]),
+            autocorrelation: self.jackknife(|sums| [sums.products, sums.squares]),
+            bias: BiasTest::new(self.reference, &self.pixels, count, self.n_points, |k| moments[k]),
+        }
+    }
+
+    /// The mean of the pixels' variances.
+    fn variance(&self, moments: &[(f64, f64)]) -> Estimate {
+        let (count, n_pixels) = (self.errors.len() as f64, self.pixels.len() as f64);
+        let value = moments.iter().map(|m| m.1).sum::<f64>() / n_pixels;
+        Estimate::jackknife(value, self.errors.len(), |r| {
+            let deviations = self.errors[r].iter().zip(moments).map(|(e, m)| (e - m.0).powi(2));
+            let squares = deviations.sum::<f64>() / n_pixels;
+            // What leaving a number out does to the sum of squared deviations.
+            ((count - 1.0) * value - squares * count / (count - 1.0)) / (count - 2.0)
+        })
+    }
+
+    /// The ratio of the sums over renders of two numbers that each render has.
+    fn jackknife(&self, pair: impl Fn(&Sums) -> [f64; 2]) -> Estimate {
+        let pairs: Vec<[f64; 2]> = self.sums.iter().map(pair).collect();
+        let total = |left_out: Option<usize>| {
+            let used = pairs.iter().enumerate().filter(|(i, _)| Some(*i) != left_out);
+            let [a, b] = used.fold([0.0; 2], |[a, b], (_, p)| [a + p[0], b + p[1]]);
+            a / b
+        };
+        Estimate::jackknife(total(None), pairs.len(), |i| total(Some(i)))
+    }
+}
+
+/// The pixels of the square with this upper left one.
+fn square(corner: usize, width: usize) -> impl Iterator<Item = usize> {
+    (0..BLOCK * BLOCK).map(move |k| corner + k / BLOCK * width + k % BLOCK)
+}
+
+/// Mean and unbiased variance; exact where all values are the same.
+fn moments(values: impl Iterator<Item = f64> + Clone) -> (f64, f64) {
+    let first = values.clone().next().unwrap_or(0.0);
+    let (sum, count) = values.clone().fold((0.0, 0.0), |(sum, n), x| (sum + (x - first), n + 1.0));
+    let mean = first + sum / count;
+    (mean, values.map(|x| (x - mean).powi(2)).sum::<f64>() / (count - 1.0))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Image, RenderErrors};
+
+    fn image(width: usize, height: usize, value: impl Fn(usize, usize) -> f64) -> Image {
+        let values = (0..width * height).map(|i| value(i % width, i / width)).collect();
+        Image {
+            width,
+            height,
+            values,
+            spreads: vec![0.25; width * height],
+            hits: vec![true; width * height],
+            n_points: 16,
+            rays: 0,
+        }
+    }
+
+    #[test]
+    fn constant_errors_are_all_structure() {
+        let reference = image(16, 9, |_, _| 0.5);
+        let mut errors = RenderErrors::new(&reference);
+        for sign in [1.0, -1.0] {
+            errors.push(&image(16, 9, |_, _| 0.5 + 0.25 * sign)).unwrap();
+        }
+        let report = errors.report();
+        // Quarters are exact.
+        assert_eq!((report.mse.value, report.mse.stderr), (0.0625, 0.0));
+        assert_eq!((report.structure.value, report.autocorrelation.value), (64.0, 1.0));
+        assert_eq!((report.variance.value, report.bias_squared), (0.125, -0.0625));
+        assert_eq!(errors.squared_errors(), [0.0625; 16 * 9]);
+    }
+
+    #[test]
+    fn a_chequerboard_has_no_mean_in_a_square() {
+        let reference = image(8, 8, |_, _| 0.5);
+        let mut errors = RenderErrors::new(&reference);
+        let board = |x: usize, y: usize| if (x + y).is_multiple_of(2) { 0.75 } else { 0.25 };
+        errors.push(&image(8, 8, board)).unwrap();
+        let report = errors.report();
+        assert_eq!((report.structure.value, report.autocorrelation.value), (0.0, -1.0));
+        assert!(report.bias.is_none() && report.variance.value.is_nan(), "{report:?}");
+    }
+
+    #[test]
+    fn what_is_not_seen_does_not_count() {
+        let mut reference = image(8, 8, |_, _| 0.5);
+        reference.hits[0] = false;
+        let mut errors = RenderErrors::new(&reference);
+        let mut other = image(8, 8, |_, _| 0.75);
+        errors.push(&other).unwrap_err();
+        other.hits[0] = false;
+        errors.push(&other).unwrap();
+        let report = errors.report();
+        assert_eq!((report.pixels, report.mse.value), (63, 0.0625));
+        assert!(report.structure.value.is_nan(), "no square is whole: {report:?}");
+    }
+}

@@ -1,0 +1,106 @@
+use crate::{Camera, DirectionSets, Error, Scene};
+
+/// A rectangle of pixels.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct Region {
+    /// Column of its left edge.
+    pub x: usize,
+    /// Row of its upper edge.
+    pub y: usize,
+    /// Number of columns.
+    pub width: usize,
+    /// Number of rows.
+    pub height: usize,
+}
+
+/// A scene as a camera sees it: an image or a part of one.
+#[derive(Clone, Copy, Debug)]
+pub struct View<'a> {
+    scene: &'a Scene,
+    camera: &'a Camera,
+    size: [usize; 2],
+    region: Region,
+    rays_per_side: usize,
+}
+
+impl<'a> View<'a> {
+    /// The longest side of an image.
+    pub const MAX_SIDE: usize = 1 << 15;
+    /// The most primary rays of a pixel per side.
+    pub const MAX_RAYS_PER_SIDE: usize = 16;
+
+    /// A whole image of `[width, height]` pixels, with one primary ray through the centre of each.
+    ///
+    /// # Errors
+    /// [`Error::ImageSize`] for a side of 0 or beyond [`Self::MAX_SIDE`].
+    pub fn new(scene: &'a Scene, camera: &'a Camera, size: [usize; 2]) -> Result<Self, Error> {
+        const {
+            assert!(
+                (View::MAX_SIDE * View::MAX_RAYS_PER_SIDE).pow(2) as u64 <= DirectionSets::MAX_HITS
+            );
+        };
+        let [width, height] = size;
+        if !size.iter().all(|side| (1..=Self::MAX_SIDE).contains(side)) {
+            return Err(Error::ImageSize { width, height, max: Self::MAX_SIDE });
+        }
+        let region = Region { x: 0, y: 0, width, height };
+        Ok(Self { scene, camera, size, region, rays_per_side: 1 })
+    }
+
+    /// The part `region` of the image: the same values as in the whole.
+    ///
+    /// # Errors
+    /// [`Error::Region`] if it is empty or not within the image.
+    pub fn with_region(self, region: Region) -> Result<Self, Error> {
+        let [width, height] = self.size;
+        let fits = |from: usize, length: usize, whole: usize| {
+            length > 0 && from < whole && length <= whole - from
+        };
+        if !(fits(region.x, region.width, width) && fits(region.y, region.height, height)) {
+            return Err(Error::Region { region, width, height });
+        }
+        Ok(Self { region, ..self })
+    }
+
+    /// A box filter: the mean over `per_side` by `per_side` primary rays on a regular grid in each pixel, each with its
+    /// own directions.
+    ///
+    /// # Errors
+    /// [`Error::RaysPerSide`] for 0 or beyond [`Self::MAX_RAYS_PER_SIDE`].
+    pub fn with_rays_per_side(self, per_side: usize) -> Result<Self, Error> {
+        if !(1..=Self::MAX_RAYS_PER_SIDE).contains(&per_side) {
+            return Err(Error::RaysPerSide { got: per_side, max: Self::MAX_RAYS_PER_SIDE });
+        }
+        Ok(Self { rays_per_side: per_side, ..self })
+    }
+
+    /// The scene.
+    #[must_use]
+    pub fn scene(&self) -> &'a Scene {
+        self.scene
+    }
+
+    /// The camera.
+    #[must_use]
+    pub fn camera(&self) -> &'a Camera {
+        self.camera
+    }
+
+    /// Width and height of the whole image.
+    #[must_use]
+    pub fn size(&self) -> [usize; 2] {
+        self.size
+    }
+
+    /// The part that is rendered.
+    #[must_use]
+    pub fn region(&self) -> Region {
+        self.region
+    }
+
+    /// Primary rays of a pixel, per side.
+    #[must_use]
+    pub fn rays_per_side(&self) -> usize {
+        self.rays_per_side
+    }
+}

@@ -1,0 +1,8 @@
+//! Pictures: integrals at points where they are known in closed form, the modes of directions, determinism and
+//! the errors of pictures.
+
+mod determinism;
+mod errors_of_pictures;
+mod exact_values;
+mod modes;
+mod spot;

@@ -1,0 +1,180 @@
+//! What the modes promise: directions above the surface, no bias, and the variance of white noise.
+
+use glam::DVec3;
+use sphvar_samplers::{Domain, Pattern};
+use sphvar_scene::{DirectionMode, DirectionPlan, Error, Estimator, Integral};
+
+use crate::spot::{Spot, covered_share, horizontal, mean_and_error};
+
+const SEED: u64 = 2;
+/// Twenty-odd comparisons at |z| < 4.5 fail by chance in 1.5e-4 of seeds.
+const Z: f64 = 4.5;
+const AMBIENT: Integral<'static> =
+    Integral::AmbientOcclusion { max_distance: f64::INFINITY, cosine: false };
+
+/// A ceiling to one side, and the open share beneath it.
+fn sheltered() -> (Spot, f64) {
+    let (x, y, z) = ([-0.3, 2.2], [0.1, 1.9], 0.8);
+    (Spot::with(vec![horizontal(x, y, z)]), 1.0 - covered_share(x, y, z))
+}
+
+fn plan(pattern: &Pattern, asked: usize, mode: DirectionMode) -> DirectionPlan {
+    let n = DirectionPlan::nearest_count(pattern, asked);
+    DirectionPlan::new(pattern.clone(), n, mode, SEED).unwrap()
+}
+
+#[test]
+fn directions_are_unit_vectors_above_the_surface() {
+    let normals = [DVec3::Z, -DVec3::Z, DVec3::Y, DVec3::new(-0.6, 0.0, 0.8)];
+    let mut dirs = Vec::new();
+    for pattern in [Pattern::WhiteNoise, Pattern::Jittered, Pattern::Healpix, Pattern::Fibonacci] {
+        for mode in DirectionMode::ALL {
+            for asked in [1, 50] {
+                let plan = plan(&pattern, asked, mode);
+                let sets = plan.prepare(3).unwrap();
+                for (index, &normal) in normals.iter().enumerate() {
+                    sets.directions_into(normal, index as u64, &mut dirs).unwrap();
+                    // A rotation's entries and the sum of three products round by a few EPSILON.
+                    let unit = |d: &DVec3| (d.length() - 1.0).abs() < 8.0 * f64::EPSILON;
+                    let above = |d: &DVec3| normal.dot(*d) > -8.0 * f64::EPSILON;
+                    assert!(dirs.iter().all(|d| unit(d) && above(d)), "{pattern} {mode} {normal}");
+                    if mode.domain() == Domain::Hemisphere {
+                        assert_eq!(dirs.len(), plan.n_points(), "{pattern} {mode} {normal}");
+                    } else {
+                        assert!(dirs.len() <= 2 * plan.n_points(), "{pattern} {mode} {normal}");
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// Of a set that is turned alike, the kept halves above a surface and below it are the whole set.
+#[test]
+fn halves_of_a_sphere_set_make_it_whole() {
+    let (mut above, mut below) = (Vec::new(), Vec::new());
+    for mode in [DirectionMode::Shared, DirectionMode::Rotated] {
+        let plan = plan(&Pattern::Fibonacci, 100, mode);
+        let sets = plan.prepare(0).unwrap();
+        let normal = DVec3::new(0.36, -0.48, 0.8);
+        for index in 0..20 {
+            sets.directions_into(normal, index, &mut above).unwrap();
+            sets.directions_into(-normal, index, &mut below).unwrap();
+            assert_eq!(above.len() + below.len(), 200, "{mode}");
+        }
+    }
+}
+
+#[test]
+fn turned_sets_are_unbiased() {
+    let (spot, exact) = sheltered();
+    let patterns = [
+        Pattern::WhiteNoise,
+        Pattern::Jittered,
+        Pattern::Healpix,
+        Pattern::Fibonacci,
+        Pattern::from_name("poisson-disk").unwrap(),
+        Pattern::from_name("step").unwrap(),
+    ];
+    for pattern in &patterns {
+        for mode in [DirectionMode::Rotated, DirectionMode::Projective] {
+            let sets = plan(pattern, 24, mode).prepare(0).unwrap();
+            let image = spot.render(&AMBIENT, Estimator::Unbiased, &sets, 48);
+            let (mean, error) = mean_and_error(&image.values);
+            assert!(
+                error > 0.0 && (mean - exact).abs() < Z * error,
+                "{pattern} {mode}: {mean} +- {error}, {exact}"
+            );
+        }
+    }
+    for pattern in &patterns[..4] {
+        let sets = plan(pattern, 24, DirectionMode::Fresh).prepare(0).unwrap();
+        let image = spot.render(&AMBIENT, Estimator::Unbiased, &sets, 48);
+        let (mean, error) = mean_and_error(&image.values);
+        assert!(
+            error > 0.0 && (mean - exact).abs() < Z * error,
+            "{pattern} fresh: {mean} +- {error}, {exact}"
+        );
+    }
+}
+
+/// With one set for all pixels the render is the replication, and the set must be random. Spun sets are unbiased
+/// because their patterns are.
+#[test]
+fn sets_that_are_not_turned_are_unbiased_over_renders() {
+    let (spot, exact) = sheltered();
+    for pattern in [Pattern::WhiteNoise, Pattern::Jittered] {
+        for mode in [DirectionMode::Shared, DirectionMode::Spun] {
+            let plan = plan(&pattern, 24, mode);
+            let value = |number| {
+                let sets = plan.prepare(number).unwrap();
+                spot.render(&AMBIENT, Estimator::Unbiased, &sets, 1).values[0]
+            };
+            let values: Vec<f64> = (0..1500).map(value).collect();
+            let (mean, error) = mean_and_error(&values);
+            assert!(
+                (mean - exact).abs() < Z * error,
+                "{pattern} {mode}: {mean} +- {error}, {exact}"
+            );
+        }
+    }
+}
+
+/// N directions of the hemisphere, the sum over half of 2N of the sphere, and their mean: `p(1-p)/N`,
+/// `p(1-p/2)/N`, and `p(1-p) E(1/n)` with binomial n.
+#[test]
+fn white_noise_has_its_variances() {
+    let (spot, p) = sheltered();
+    let n = 16;
+    let chance = |k: u64| {
+        let choose = (0..k).fold(1.0, |c, i| c * (2 * n - i) as f64 / (i + 1) as f64);
+        choose * 0.5f64.powi(2 * i32::try_from(n).unwrap())
+    };
+    let inverse: f64 = (1..=2 * n).map(|k| chance(k) / k as f64).sum();
+    let cases = [
+        (DirectionMode::Fresh, Estimator::Ratio, p * (1.0 - p) / n as f64),
+        (DirectionMode::Rotated, Estimator::Unbiased, p * (1.0 - 0.5 * p) / n as f64),
+        (DirectionMode::Rotated, Estimator::Ratio, p * (1.0 - p) * inverse),
+    ];
+    const SIDE: usize = 64;
+    for (mode, estimator, expected) in cases {
+        let sets = plan(&Pattern::WhiteNoise, 16, mode).prepare(0).unwrap();
+        let image = spot.render(&AMBIENT, estimator, &sets, SIDE);
+        let (mean, error) = mean_and_error(&image.values);
+        assert!((mean - p).abs() < Z * error, "{mode} {estimator:?}: {mean} +- {error}, exact {p}");
+        let count = (SIDE * SIDE) as f64;
+        let variance = error * error * count;
+        // sqrt(2/4096) = 2.2 % as for normal numbers, and as much again for sets of a table that are used four times.
+        let tolerance = Z * expected * 2.0 * (2.0 / count).sqrt();
+        assert!(
+            (variance - expected).abs() < tolerance,
+            "{mode} {estimator:?}: {variance}, {expected}"
+        );
+    }
+}
+
+#[test]
+fn numbers_of_directions() {
+    assert_eq!(DirectionPlan::reference(32768, 0).unwrap().n_points(), 6 * 74 * 74);
+    assert_eq!(DirectionPlan::reference(1, 0).unwrap().n_points(), 6);
+    assert_eq!(DirectionPlan::reference(6, 0).unwrap().n_points(), 6);
+    assert_eq!(DirectionPlan::reference(7, 0).unwrap().n_points(), 24);
+    DirectionPlan::reference(0, 0).unwrap_err();
+    for n in [usize::MAX, usize::MAX / 4] {
+        assert!(matches!(DirectionPlan::reference(n, 0), Ok(_) | Err(Error::Sampler(_))), "{n}");
+    }
+    for mode in DirectionMode::ALL {
+        // Whatever exists in one mode exists in all.
+        for pattern in Pattern::ALL {
+            let n = DirectionPlan::nearest_count(&pattern, 100);
+            let plan = DirectionPlan::new(pattern.clone(), n, mode, 0);
+            assert!(plan.is_ok(), "{pattern} {mode}: {:?}", plan.err());
+        }
+        let refused = DirectionPlan::new(Pattern::Jittered, 100, mode, 0).unwrap_err();
+        assert!(matches!(refused, Error::Sampler(_)), "{refused}");
+        DirectionPlan::new(Pattern::WhiteNoise, 0, mode, 0).unwrap_err();
+        let plan = DirectionPlan::new(Pattern::WhiteNoise, 1, mode, 0).unwrap();
+        plan.prepare((1 << 24) - 1).unwrap();
+        assert!(matches!(plan.prepare(1 << 24), Err(Error::TooManyRenders { .. })));
+    }
+}
