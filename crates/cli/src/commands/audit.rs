@@ -13,6 +13,7 @@ use sphvar_spectrum::{
 };
 
 use self::report::{AuditRecord, Document, Ensemble};
+use super::sets_args::SetsArgs;
 use crate::error::CliError;
 use crate::global::Global;
 use crate::memory::{check_degree, check_memory, check_transform};
@@ -44,21 +45,8 @@ const LEAST: u64 = 30;
 
 #[derive(Debug, Args)]
 pub(crate) struct AuditArgs {
-    /// The sampler
-    #[arg(required_unless_present = "points_from", conflicts_with = "points_from")]
-    pub(crate) sampler: Option<String>,
-    /// Read points from these files (.csv, .npy, .ply; - is standard input); each set in them is a
-    /// realization, at least 30 are needed
-    #[arg(long = "points", num_args = 1.., value_name = "FILE", id = "points_from")]
-    pub(crate) files: Vec<PathBuf>,
-    /// Number of points
-    #[arg(
-        short = 'n',
-        long = "n-points",
-        value_name = "N",
-        required_unless_present = "points_from"
-    )]
-    pub(crate) n: Option<usize>,
+    #[command(flatten)]
+    pub(crate) sets: SetsArgs,
     /// Number of realizations, at least 30
     #[arg(short = 'm', long, default_value_t = 2000, value_name = "M")]
     pub(crate) realizations: u64,
@@ -74,15 +62,6 @@ pub(crate) struct AuditArgs {
     /// Audit the sampler only as it draws, not as turned by uniform rotations
     #[arg(long, conflicts_with = "points_from")]
     pub(crate) unrotated: bool,
-    /// Points on the hemisphere z >= 0; only even degrees exist
-    #[arg(long)]
-    pub(crate) hemisphere: bool,
-    /// Take the nearest number of points that the pattern has
-    #[arg(long)]
-    pub(crate) nearest: bool,
-    /// Names of the columns in point files without a header, or to choose among those of a header
-    #[arg(long, value_delimiter = ',', value_name = "NAMES")]
-    pub(crate) columns: Option<Vec<String>>,
     /// Write the findings to a file, .csv or .json
     #[arg(short, long, value_name = "FILE")]
     pub(crate) out: Option<PathBuf>,
@@ -98,7 +77,7 @@ pub(crate) fn run(args: &AuditArgs, global: &Global) -> Result<(), CliError> {
     if let Some(path) = &args.out {
         check_result(path, false)?;
     }
-    let domain = super::domain(args.hemisphere);
+    let domain = super::domain(args.sets.hemisphere);
     let settings =
         AuditSettings { alpha: args.alpha, tolerance: args.tolerance, seed: global.seed };
     check_settings(args, domain)?;
@@ -147,7 +126,7 @@ fn check_settings(args: &AuditArgs, domain: Domain) -> Result<(), CliError> {
         let got = args.tolerance;
         return Err(CliError::Usage(format!("--tolerance must be above 0 and finite, got {got}")));
     }
-    if args.files.is_empty() && args.realizations < LEAST {
+    if args.sets.files.is_empty() && args.realizations < LEAST {
         return Err(CliError::Usage(format!(
             "-m must be at least {LEAST} for an audit, got {}",
             args.realizations
@@ -157,8 +136,9 @@ fn check_settings(args: &AuditArgs, domain: Domain) -> Result<(), CliError> {
 }
 
 fn source(args: &AuditArgs, domain: Domain, global: &Global) -> Result<Source, CliError> {
-    let (Some(name), Some(n)) = (&args.sampler, args.n) else {
-        let sets = FileSets::read(&args.files, args.columns.as_deref(), domain, global.quiet)?;
+    let (Some(name), Some(n)) = (&args.sets.sampler, args.sets.n) else {
+        let sets =
+            FileSets::read(&args.sets.files, args.sets.columns.as_deref(), domain, global.quiet)?;
         if sets.count() < LEAST {
             return Err(CliError::Failed(format!(
                 "an audit needs at least {LEAST} sets, each a realization; {} has {}",
@@ -169,7 +149,7 @@ fn source(args: &AuditArgs, domain: Domain, global: &Global) -> Result<Source, C
         return Ok(Source::Files(sets));
     };
     let pattern = patterns::parse_pattern(name)?;
-    let sampler = patterns::build(&pattern, n, domain, args.nearest)?;
+    let sampler = patterns::build(&pattern, n, domain, args.sets.nearest)?;
     if sampler.n_points() != n {
         let got = sampler.n_points();
         say(global.quiet, &format!("{pattern}: {got} points, the nearest to the {n} asked for"));

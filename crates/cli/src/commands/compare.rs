@@ -4,9 +4,10 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use serde::Serialize;
-use sphvar_samplers::{Pattern, Purpose, Streams};
-use sphvar_variance::{Crossover, Energy, RateFit, VariancePoint, crossover, fit_rate};
+use sphvar_samplers::Pattern;
+use sphvar_variance::{Energy, RateFit, VariancePoint, fit_rate};
 
+use super::crossovers::{CrossoverRecord, crossovers};
 use super::power_chart::{power_chart, power_series};
 use super::rows::{self, Case, EffortArgs, Plan, Row, RowRecord};
 use crate::error::CliError;
@@ -73,23 +74,6 @@ struct Summary {
     power_seen: f64,
 }
 
-/// Where two samplers' measured variances cross.
-#[derive(Debug, Serialize)]
-struct CrossoverRecord {
-    better_below: String,
-    better_above: String,
-    n: f64,
-    interval: (f64, f64),
-    confidence: f64,
-}
-
-impl CrossoverRecord {
-    /// Whether the resampled curves cross nearly always, and within a factor of 4.
-    fn is_clear(&self) -> bool {
-        self.confidence >= 0.95 && self.interval.1 < 4.0 * self.interval.0
-    }
-}
-
 /// The document of `--json` and of comparison.json.
 #[derive(Debug, Serialize)]
 struct Document<'a> {
@@ -135,7 +119,8 @@ pub(crate) fn run(args: &CompareArgs, global: &Global) -> Result<(), CliError> {
 
     let curves: Vec<Curve<'_>> = patterns.iter().map(|p| Curve::new(p, &rows)).collect();
     let summaries: Vec<Summary> = curves.iter().filter_map(|c| c.summary(&energy)).collect();
-    let crossovers = crossovers(&curves, global.seed);
+    let measured: Vec<_> = curves.iter().map(|c| (c.pattern.to_string(), c.measured())).collect();
+    let crossovers = crossovers(&measured, global.seed);
     let records: Vec<RowRecord> = rows.iter().map(|row| RowRecord::new(row, &plan)).collect();
     let provenance = Provenance::new(global.seed);
     let document = Document {
@@ -211,35 +196,6 @@ impl<'a> Curve<'a> {
     }
 }
 
-/// The crossings of every pair of curves.
-fn crossovers(curves: &[Curve<'_>], seed: u64) -> Vec<CrossoverRecord> {
-    let mut found = Vec::new();
-    for (i, a) in curves.iter().enumerate() {
-        for (j, b) in curves.iter().enumerate().skip(i + 1) {
-            let streams = Streams::new(seed, Purpose::Resample, i * curves.len() + j);
-            let (points_a, points_b) = (a.measured(), b.measured());
-            let usable = |p: &[VariancePoint]| p.iter().all(|p| p.variance > 0.0);
-            if !usable(&points_a) || !usable(&points_b) {
-                continue;
-            }
-            let Some(Crossover { n_points, interval, confidence, first_is_better_above }) =
-                crossover(&points_a, &points_b, streams)
-            else {
-                continue;
-            };
-            let (above, below) = if first_is_better_above { (a, b) } else { (b, a) };
-            found.push(CrossoverRecord {
-                better_below: below.pattern.to_string(),
-                better_above: above.pattern.to_string(),
-                n: n_points,
-                interval,
-                confidence,
-            });
-        }
-    }
-    found
-}
-
 fn text(document: &Document<'_>, plan: &Plan<'_>) -> String {
     let mut text = format!("Variance of integrating {}\n\n", plan.integrand.name);
     text += &table(&RowRecord::HEADING, document.rows.iter().map(RowRecord::cells).collect(), 1);
@@ -272,17 +228,7 @@ fn text(document: &Document<'_>, plan: &Plan<'_>) -> String {
                  asymptotic one yet.\n";
     }
     text += "\n";
-    for c in document.crossovers {
-        text += &format!(
-            "{} overtakes {} at N = {:.0} ({:.0} to {:.0}{})\n",
-            c.better_above,
-            c.better_below,
-            c.n,
-            c.interval.0,
-            c.interval.1,
-            if c.is_clear() { "" } else { ", not clear: the curves run together" }
-        );
-    }
+    text.extend(document.crossovers.iter().map(CrossoverRecord::line));
     text + &verdict(document.samplers)
 }
 

@@ -11,9 +11,11 @@ pub(crate) mod sample;
 pub(crate) mod spectrum;
 pub(crate) mod variance;
 
+pub(crate) mod crossovers;
 mod cut_sphere;
 mod power_chart;
 mod rows;
+mod sets_args;
 
 use sphvar_samplers::Domain;
 

@@ -12,6 +12,7 @@ use sphvar_spectrum::{
 };
 
 use super::power_chart::{power_chart, power_series};
+use super::sets_args::SetsArgs;
 use crate::error::CliError;
 use crate::files::AtomicFile;
 use crate::global::Global;
@@ -40,21 +41,8 @@ equal-area) and for patterns that are not random.";
 
 #[derive(Debug, Args)]
 pub(crate) struct SpectrumArgs {
-    /// The sampler
-    #[arg(required_unless_present = "points_from", conflicts_with = "points_from")]
-    pub(crate) sampler: Option<String>,
-    /// Read points from these files (.csv, .npy, .ply; - is standard input); each set in them is a
-    /// realization
-    #[arg(long = "points", num_args = 1.., value_name = "FILE", id = "points_from")]
-    pub(crate) files: Vec<PathBuf>,
-    /// Number of points
-    #[arg(
-        short = 'n',
-        long = "n-points",
-        value_name = "N",
-        required_unless_present = "points_from"
-    )]
-    pub(crate) n: Option<usize>,
+    #[command(flatten)]
+    pub(crate) sets: SetsArgs,
     /// Evaluate the mean spectrum without sampling: 0 realizations, no error
     #[arg(long, conflicts_with_all = [
         "points_from", "realizations", "per_order", "coefficient", "method", "epsilon",
@@ -68,15 +56,6 @@ pub(crate) struct SpectrumArgs {
     pub(crate) lmax: Option<usize>,
     #[command(flatten)]
     pub(crate) transform: TransformArgs,
-    /// Points on the hemisphere z >= 0; only even degrees exist
-    #[arg(long)]
-    pub(crate) hemisphere: bool,
-    /// Take the nearest number of points that the pattern has
-    #[arg(long)]
-    pub(crate) nearest: bool,
-    /// Names of the columns in point files without a header, or to choose among those of a header
-    #[arg(long, value_delimiter = ',', value_name = "NAMES")]
-    pub(crate) columns: Option<Vec<String>>,
     /// Write the spectrum to a file: .csv, .json, or a plot as .svg or .png
     #[arg(short, long, value_name = "FILE")]
     pub(crate) out: Option<PathBuf>,
@@ -110,7 +89,7 @@ enum Source {
 }
 
 pub(crate) fn run(args: &SpectrumArgs, global: &Global) -> Result<(), CliError> {
-    let domain = super::domain(args.hemisphere);
+    let domain = super::domain(args.sets.hemisphere);
     check_outputs(args, global)?;
     let source = source(args, domain, global)?;
     if let Source::Sampler { pattern, sampler } = &source
@@ -232,15 +211,16 @@ fn check_outputs(args: &SpectrumArgs, global: &Global) -> Result<(), CliError> {
 }
 
 fn source(args: &SpectrumArgs, domain: Domain, global: &Global) -> Result<Source, CliError> {
-    let (Some(name), Some(n)) = (&args.sampler, args.n) else {
-        let sets = FileSets::read(&args.files, args.columns.as_deref(), domain, global.quiet)?;
+    let (Some(name), Some(n)) = (&args.sets.sampler, args.sets.n) else {
+        let sets =
+            FileSets::read(&args.sets.files, args.sets.columns.as_deref(), domain, global.quiet)?;
         return Ok(Source::Files { sets });
     };
     let pattern = patterns::parse_pattern(name)?;
     if args.exact && !has_exact_spectrum(&pattern) {
         return Err(CliError::usage(sphvar_spectrum::Error::NoExactSpectrum { pattern }));
     }
-    let sampler = patterns::build(&pattern, n, domain, args.nearest)?;
+    let sampler = patterns::build(&pattern, n, domain, args.sets.nearest)?;
     if sampler.n_points() != n {
         let got = sampler.n_points();
         say(global.quiet, &format!("{pattern}: {got} points, the nearest to the {n} asked for"));

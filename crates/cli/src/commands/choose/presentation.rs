@@ -191,7 +191,7 @@ impl<'a> Answer<'a> {
             text += &format!("Left out: {} ({})\n", left.sampler, left.reason);
         }
         for crossing in self.crossovers.iter().filter(|c| c.matters()).take(8) {
-            text += &crossing.line();
+            text += &crossing.crossover.line();
         }
         text + &self.recommendation + "\n"
     }

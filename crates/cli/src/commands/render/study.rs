@@ -1,14 +1,15 @@
 //! Mean squared errors over the number of directions, their rates and crossovers.
 
 use serde::Serialize;
-use sphvar_samplers::{Pattern, Purpose, Streams};
-use sphvar_variance::{Crossover, RateFit, VariancePoint, crossover, fit_rate};
+use sphvar_samplers::Pattern;
+use sphvar_variance::{RateFit, VariancePoint, fit_rate};
 
 use super::RenderArgs;
 use super::points::Counts;
 use super::reference::Reference;
 use super::single::ErrorRecord;
 use super::trials::{Trials, USUAL_RENDERS};
+use crate::commands::crossovers::{CrossoverRecord, crossovers};
 use crate::error::CliError;
 use crate::global::Global;
 use crate::patterns::parse_patterns;
@@ -73,16 +74,6 @@ struct Summary {
     tail: Option<Rate>,
 }
 
-/// Where the errors of two samplers cross.
-#[derive(Debug, Serialize)]
-struct CrossoverRecord {
-    better_below: String,
-    better_above: String,
-    n: f64,
-    interval: (f64, f64),
-    confidence: f64,
-}
-
 pub(super) fn run(args: &RenderArgs, global: &Global) -> Result<(), CliError> {
     if let Some(path) = &args.out {
         check_result(path, true)?;
@@ -140,7 +131,8 @@ pub(super) fn run(args: &RenderArgs, global: &Global) -> Result<(), CliError> {
     drop(progress);
     let curves: Vec<Curve<'_>> = patterns.iter().map(|p| Curve::new(p, &rows)).collect();
     let summaries: Vec<Summary> = curves.iter().map(Curve::summary).collect();
-    let crossovers = crossovers(&curves, global.seed);
+    let errors: Vec<_> = curves.iter().map(|c| (c.pattern.clone(), c.points())).collect();
+    let crossovers = crossovers(&errors, global.seed);
     let provenance = Provenance::new(global.seed);
     let document = Document {
         rows: &rows,
@@ -257,34 +249,6 @@ impl<'a> Curve<'a> {
     }
 }
 
-/// The crossings of every pair of curves.
-fn crossovers(curves: &[Curve<'_>], seed: u64) -> Vec<CrossoverRecord> {
-    let mut found = Vec::new();
-    for (i, a) in curves.iter().enumerate() {
-        for (j, b) in curves.iter().enumerate().skip(i + 1) {
-            let streams = Streams::new(seed, Purpose::Resample, i * curves.len() + j);
-            let (points_a, points_b) = (a.points(), b.points());
-            if points_a.iter().chain(&points_b).any(|p| p.variance <= 0.0) {
-                continue;
-            }
-            let Some(Crossover { n_points, interval, confidence, first_is_better_above }) =
-                crossover(&points_a, &points_b, streams)
-            else {
-                continue;
-            };
-            let (above, below) = if first_is_better_above { (a, b) } else { (b, a) };
-            found.push(CrossoverRecord {
-                better_below: below.pattern.clone(),
-                better_above: above.pattern.clone(),
-                n: n_points,
-                interval,
-                confidence,
-            });
-        }
-    }
-    found
-}
-
 fn text(document: &Document<'_>) -> String {
     let heading =
         ["sampler", "N asked", "N", "mse", "+-", "gain", "structured error", "largest bias |t|"];
@@ -304,17 +268,7 @@ fn text(document: &Document<'_>) -> String {
     let heading = ["sampler", "rate", "95 %", "upper half", "95 %"];
     text += &table(&heading, document.samplers.iter().map(cells).collect(), 1);
     text.push('\n');
-    for c in document.crossovers {
-        text += &format!(
-            "{} overtakes {} at N = {:.0} ({:.0} to {:.0}; {:.0} % of resampled curves cross)\n",
-            c.better_above,
-            c.better_below,
-            c.n,
-            c.interval.0,
-            c.interval.1,
-            100.0 * c.confidence
-        );
-    }
+    text.extend(document.crossovers.iter().map(CrossoverRecord::line));
     text
 }
 
