@@ -21,6 +21,16 @@ impl Side {
     }
 }
 
+impl Side {
+    /// Returns the other side.
+    pub(crate) const fn opposite(self) -> Self {
+        match self {
+            Self::Upper => Self::Lower,
+            Self::Lower => Self::Upper,
+        }
+    }
+}
+
 impl fmt::Display for Side {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(self.name())
@@ -89,8 +99,9 @@ impl Bound {
     /// False alarms: if the claim is true, the errors are normal and independent between degrees and the standard
     /// errors are right, then the claim is refuted with probability at most `1 - confidence`; exactly that if the
     /// spectrum lies on the profile at every degree. Positive correlation between degrees only lowers it (Slepian).
-    /// Standard errors estimated from few realizations (below about 30) make the tails heavier than normal and raise
-    /// it. `holds` says that the data do not refute the bound; `proved`, which a fitted bound always has, says that
+    /// Standard errors estimated from few realizations make the tails heavier than normal and raise it, unless the
+    /// spectrum knows its number of realizations ([`MeasuredSpectrum::with_realizations`]), of which limits and z then
+    /// take account. `holds` says that the data do not refute the bound; `proved`, which a fitted bound always has, says that
     /// the true spectrum is within it with probability at least `confidence`. For exact spectra the two are the same.
     /// Nothing is said about degrees beyond the spectrum.
     ///
@@ -141,7 +152,7 @@ impl Bound {
             let z = if excess == 0.0 {
                 0.0
             } else if stderr > 0.0 {
-                excess / stderr
+                self.outwards(spectrum.score(l, bound))
             } else {
                 excess * f64::INFINITY
             };
@@ -158,8 +169,9 @@ impl Bound {
             if bound > 0.0 && (verdict.extreme_ratio.is_nan() || extreme) {
                 (verdict.extreme_degree, verdict.extreme_ratio) = (l, ratio);
             }
-            verdict.holds &= excess <= critical_z * stderr + allowance;
-            verdict.proved &= excess + critical_z * stderr <= allowance;
+            let beyond = |side| self.outwards(spectrum.limit(side, l, critical_z) - bound);
+            verdict.holds &= beyond(self.side.opposite()) <= allowance;
+            verdict.proved &= beyond(self.side) <= allowance;
             verdict.n_degrees += 1;
         }
         Ok(verdict)

@@ -4,6 +4,14 @@ use crate::{Family, Side};
 #[non_exhaustive]
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum Error {
+    /// So few realizations say nothing of how large the mean power can be.
+    #[error(
+        "too few realizations for a limit of the power of degree {degree} at this confidence; take more, some 30"
+    )]
+    TooFewRealizations {
+        /// The first degree without a limit.
+        degree: usize,
+    },
     /// A single number is outside its domain (NaN included).
     #[error("{name} is {got}; it must be {expected}")]
     Parameter {

@@ -1,12 +1,15 @@
 use crate::error::per_degree;
 use crate::{Domain, Error, Side};
 use sphvar_variance::Spectrum;
-use statrs::distribution::{ContinuousCDF, Normal};
+use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
 
 /// A measured mean spectrum with its standard errors, borrowed and checked.
 ///
 /// Both slices are indexed by the degree from 0; degree 0 is not used, nor are odd degrees on the hemisphere. A
 /// standard error of 0 marks an exact value.
+///
+/// Confidence limits treat the errors as normal and the standard errors as right, unless the number of
+/// realizations is known ([`Self::with_realizations`]): then they allow for both being estimates.
 ///
 /// ```
 /// use sphvar_bounds::{Domain, MeasuredSpectrum};
@@ -20,6 +23,8 @@ pub struct MeasuredSpectrum<'a> {
     domain: Domain,
     power: &'a [f64],
     stderr: &'a [f64],
+    /// From how many realizations the values come, where that is known and they are not exact.
+    realizations: Option<u64>,
 }
 
 impl<'a> MeasuredSpectrum<'a> {
@@ -46,7 +51,22 @@ impl<'a> MeasuredSpectrum<'a> {
         }
         per_degree("power", power)?;
         per_degree("standard error", stderr)?;
-        Ok(Self { n_points, domain, power, stderr })
+        Ok(Self { n_points, domain, power, stderr, realizations: None })
+    }
+
+    /// Returns the same spectrum as a mean over `realizations` (from 2 on), of which the standard errors are
+    /// estimates too.
+    ///
+    /// The mean power of few realizations is skewed as a chi-square is, and its standard error is not known well. In place
+    /// of `power +- z stderr` the limits are those of a chi-square law with the relative error r of the
+    /// measured one, by the cube root of Wilson and Hilferty, with Student's quantile q of R - 1 degrees of freedom:
+    ///
+    /// ```text
+    /// power/(1 - w -+ q sqrt(w))^3,   w = r^2/9,   r = stderr/power
+    /// ```
+    #[must_use]
+    pub fn with_realizations(self, realizations: u64) -> Self {
+        Self { realizations: (realizations >= 2).then_some(realizations), ..self }
     }
 
     /// Returns the measured spectrum of an estimated or exact one, of which it borrows the values.
@@ -65,6 +85,7 @@ impl<'a> MeasuredSpectrum<'a> {
     /// ```
     pub fn from_spectrum(spectrum: &'a Spectrum) -> Result<Self, Error> {
         Self::new(spectrum.n_points(), spectrum.domain(), spectrum.power(), spectrum.stderr())
+            .map(|measured| measured.with_realizations(spectrum.realizations()))
     }
 
     /// Power up to this counts as none, where white noise has 1: below it, transforms of points return the rounding
@@ -104,14 +125,39 @@ impl<'a> MeasuredSpectrum<'a> {
         self.stderr[l]
     }
 
-    /// Returns the simultaneous confidence limit of a degree on one side, `power +- critical_z stderr`.
+    /// Returns the simultaneous confidence limit of a degree on one side, for the quantile of
+    /// [`Self::critical_z`]; infinite from above where few realizations tell nothing.
     pub(crate) fn limit(&self, side: Side, l: usize, critical_z: f64) -> f64 {
-        let margin = critical_z * self.stderr(l);
-        match side {
-            Side::Upper => self.power(l) + margin,
-            // Power is never negative, so neither is what can be claimed from below.
-            Side::Lower => (self.power(l) - margin).max(0.0),
+        let (power, sign) = match side {
+            Side::Upper => (self.power(l), 1.0),
+            Side::Lower => (self.power(l), -1.0),
+        };
+        match self.relative_cube_error(l) {
+            None => {
+                // Power is never negative, so neither is what can be claimed from below.
+                (power + sign * critical_z * self.stderr(l)).max(0.0)
+            }
+            Some(error) => {
+                let base = 1.0 - error * error - sign * critical_z * error;
+                if base > 0.0 { power / base.powi(3) } else { f64::INFINITY }
+            }
         }
+    }
+
+    /// Returns how many standard errors the power of a degree lies above `bound`, in the scale of the limits.
+    pub(crate) fn score(&self, l: usize, bound: f64) -> f64 {
+        let power = self.power(l);
+        match self.relative_cube_error(l) {
+            None => (power - bound) / self.stderr(l),
+            Some(error) => ((power / bound).cbrt() - 1.0 + error * error) / error,
+        }
+    }
+
+    /// Returns `sqrt(w) = stderr/(3 power)`, the standard error of the cube root of power over its mean, where
+    /// limits allow for estimated errors.
+    fn relative_cube_error(&self, l: usize) -> Option<f64> {
+        let error = self.stderr(l) / (3.0 * self.power(l));
+        (self.realizations.is_some() && error > 0.0 && error.is_finite()).then_some(error)
     }
 
     /// Returns the simultaneous confidence limits of all degrees on one side, with their degrees.
@@ -120,17 +166,20 @@ impl<'a> MeasuredSpectrum<'a> {
     /// power_l + critical_z stderr_l   or   max(0, power_l - critical_z stderr_l)
     /// ```
     ///
+    /// or, where the number of realizations is known, those of [`Self::with_realizations`].
+    ///
     /// They are the values themselves where the spectrum is exact.
     ///
     /// # Errors
     ///
-    /// [`Error::Parameter`] unless `0 < confidence < 1`.
+    /// Those of [`Self::critical_z`].
     pub fn limits(&self, side: Side, confidence: f64) -> Result<Vec<(usize, f64)>, Error> {
         let critical_z = self.critical_z(confidence)?;
         Ok(self.degrees().map(|l| (l, self.limit(side, l, critical_z))).collect())
     }
 
-    /// Returns the one-sided normal quantile that keeps all degrees together at `confidence` (Sidak).
+    /// Returns the one-sided quantile that keeps all degrees together at `confidence` (Sidak): normal, or Student's
+    /// where the number of realizations is known.
     ///
     /// ```text
     /// z = Phi^-1(confidence^(1/K))     K degrees
@@ -138,7 +187,8 @@ impl<'a> MeasuredSpectrum<'a> {
     ///
     /// # Errors
     ///
-    /// [`Error::Parameter`] unless `0 < confidence < 1`.
+    /// [`Error::Parameter`] unless `0 < confidence < 1`, [`Error::TooFewRealizations`] if they leave a degree without a
+    /// limit from above.
     pub fn critical_z(&self, confidence: f64) -> Result<f64, Error> {
         if !(confidence > 0.0 && confidence < 1.0) {
             return Err(Error::Parameter {
@@ -149,6 +199,14 @@ impl<'a> MeasuredSpectrum<'a> {
         }
         // The upper tail 1 - confidence^(1/K) without the rounding of a number near 1.
         let tail = -(confidence.ln() / self.degrees().count() as f64).exp_m1();
-        Ok(-Normal::standard().inverse_cdf(tail))
+        // As many degrees of freedom are as good as normal, and quick.
+        let dof = self.realizations.map(|r| r as f64 - 1.0).filter(|&dof| dof < 1e5);
+        let student = dof.and_then(|dof| StudentsT::new(0.0, 1.0, dof).ok());
+        let critical_z =
+            student.map_or_else(|| -Normal::standard().inverse_cdf(tail), |t| -t.inverse_cdf(tail));
+        match self.degrees().find(|&l| self.limit(Side::Upper, l, critical_z).is_infinite()) {
+            Some(degree) => Err(Error::TooFewRealizations { degree }),
+            None => Ok(critical_z),
+        }
     }
 }

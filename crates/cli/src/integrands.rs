@@ -32,9 +32,14 @@ pub(crate) fn parse_integrand(text: &str) -> Result<NamedIntegrand, CliError> {
 
 /// Refuses an integrand whose energy is not known on the domain.
 pub(crate) fn check_domain(integrand: &NamedIntegrand, domain: Domain) -> Result<(), CliError> {
-    integrand
-        .function
-        .energy(domain, 1)
-        .map(|_| ())
-        .map_err(|e| CliError::Usage(format!("{}: {e}", integrand.name)))
+    let wrong = |what: String| CliError::Usage(format!("{}: {what}", integrand.name));
+    let energy = integrand.function.energy(domain, 1).map_err(|e| wrong(e.to_string()))?;
+    if energy.total().is_finite() {
+        Ok(())
+    } else {
+        Err(wrong(
+            "its square has an integral beyond the range of numbers; take smaller weights"
+                .to_owned(),
+        ))
+    }
 }

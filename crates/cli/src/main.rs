@@ -16,6 +16,7 @@ mod point_sets;
 mod profiles;
 mod progress;
 mod report;
+mod share;
 mod spec;
 mod transforms;
 

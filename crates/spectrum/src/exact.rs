@@ -146,7 +146,11 @@ impl Kind {
         if !sampler.is_random() {
             return Ok(Self::Fixed(sampler));
         }
-        Ok(Partition::of(pattern, n_points, domain)?.map_or(Self::White, Self::Stratified))
+        if *pattern == Pattern::WhiteNoise {
+            return Ok(Self::White);
+        }
+        let unknown = || Error::NoExactSpectrum { pattern: pattern.clone() };
+        Partition::of(pattern, n_points, domain)?.map(Self::Stratified).ok_or_else(unknown)
     }
 }
 

@@ -26,6 +26,9 @@ impl Comparison {
     /// Measured over predicted variance and the standard error of this ratio.
     #[must_use]
     pub fn ratio(&self) -> (f64, f64) {
+        if self.missed() {
+            return (f64::NAN, f64::NAN);
+        }
         let measured = self.measurement.variance();
         let ratio = measured / self.prediction.variance;
         let relative = (self.measurement.variance_stderr() / measured)
@@ -44,8 +47,12 @@ impl Comparison {
     /// V and e are the prediction and its [`total_stderr`](Prediction::total_stderr), r is the relative standard error
     /// of the measured s^2. With `s^2 r` instead of `V r` the score would lean to the negative side, as
     /// measured errors are small where measured variances are.
+    /// NaN if no trial saw the integrand.
     #[must_use]
     pub fn z_score(&self) -> f64 {
+        if self.missed() {
+            return f64::NAN;
+        }
         let expected = self.prediction.variance;
         let stderr = (expected * self.measurement.relative_stderr())
             .hypot(self.prediction.total_stderr())
@@ -53,10 +60,17 @@ impl Comparison {
         (self.measurement.variance() - expected) / stderr
     }
 
-    /// Whether the mean of the trials is the exact integral, if that is known.
+    /// Whether the mean of the trials is the exact integral, if that is known and the trials saw the integrand.
     #[must_use]
     pub fn bias(&self) -> Option<BiasTest> {
-        self.exact.map(|exact| self.measurement.bias(exact, self.rounding))
+        let exact = self.exact.filter(|_| !self.missed())?;
+        Some(self.measurement.bias(exact, self.rounding))
+    }
+
+    /// Whether the trials have no variance although one is predicted: an integrand so small that none of them saw
+    /// it, which says nothing.
+    fn missed(&self) -> bool {
+        self.measurement.variance() <= self.rounding && self.prediction.variance > self.rounding
     }
 
     /// The measured variance at its number of points, for rates and crossovers; 0 where it is no more
@@ -69,7 +83,7 @@ impl Comparison {
     /// The predicted variance at its number of points, likewise.
     #[must_use]
     pub fn predicted_point(&self) -> VariancePoint {
-        self.point(self.prediction.variance, self.prediction.stderr)
+        self.point(self.prediction.variance, self.prediction.total_stderr())
     }
 
     fn point(&self, variance: f64, stderr: f64) -> VariancePoint {
@@ -123,7 +137,12 @@ pub fn compare(
     let trials = Realizations::rotated(sampler, streams);
     let cost = effort.trial_seconds(n_points);
     let done = || report(Work::Done(cost));
-    let measurement = match effort.until {
+    // An estimate of int F is a sum of numbers of the size of F, whose roundings partly cancel.
+    let size = sampler.domain().area() * energy.total();
+    let rounding = size * (4.0 * f64::EPSILON).powi(2);
+    // No number of trials makes the variance of roundings precise.
+    let until = effort.until.filter(|_| prediction.variance > rounding);
+    let measurement = match until {
         None => measure(&trials, integrand, effort.trials, &done)?,
         Some(target) => {
             let expected = std::cell::Cell::new(effort.trials);
@@ -134,14 +153,12 @@ pub fn compare(
             measure_until(&trials, integrand, effort.trials, target, &expect, &done)?
         }
     };
-    // An estimate of int F is a sum of numbers of the size of F, whose roundings partly cancel.
-    let size = sampler.domain().area() * energy.total();
     Ok(Comparison {
         spectrum,
         prediction,
         measurement,
         exact: integrand.exact(sampler.domain()),
-        rounding: size * (4.0 * f64::EPSILON).powi(2),
+        rounding,
     })
 }
 

@@ -1,4 +1,4 @@
-use sphvar_samplers::Sampler;
+use sphvar_samplers::{Domain, Sampler};
 use sphvar_spectrum::Resolution;
 
 use crate::{Energy, Error, Integrand};
@@ -14,7 +14,13 @@ pub fn prediction_degree(sampler: &dyn Sampler, integrand: &dyn Integrand) -> us
     let law = Resolution::natural_degree(sampler.n_points());
     let degree = if sampler.is_random() { law } else { law.saturating_mul(10) };
     let resolved = integrand.resolved_degree().map_or(degree, |most| degree.min(most.max(law)));
-    integrand.band_limit().map_or(resolved, |most| resolved.min(most))
+    let band = integrand.band_limit().filter(|&most| is_limited(integrand, sampler.domain(), most));
+    band.map_or(resolved, |most| resolved.min(most))
+}
+
+/// Whether a function of a band limit keeps it on the domain: the even extension of what the equator cuts may not.
+fn is_limited(integrand: &dyn Integrand, domain: Domain, most: usize) -> bool {
+    domain == Domain::Sphere || integrand.energy(domain, most).is_ok_and(|e| e.beyond(most) == 0.0)
 }
 
 /// The degree from which on the mean power of any pattern is about 1: 2 sqrt(N), with the N of the

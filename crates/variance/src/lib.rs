@@ -69,7 +69,7 @@ pub use predicted_point::PredictedPoint;
 pub use prediction::{Prediction, PredictionAccumulator, predict};
 pub use predictor::{PredictionBudget, Predictor};
 pub use rate::{RateFit, VariancePoint, fit_rate};
-pub use required_points::{RequiredPoints, required_points};
+pub use required_points::{RequiredPoints, legal_between, required_points};
 pub use shape::{Circle, Shape};
 pub use sphvar_samplers::Domain;
 pub use sphvar_spectrum::{Method, Spectrum};

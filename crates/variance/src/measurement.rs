@@ -136,9 +136,12 @@ impl Measurement {
     #[must_use]
     pub fn bias(&self, exact: f64, rounding: f64) -> BiasTest {
         let z = (self.mean() - exact) / self.mean_stderr().hypot(rounding.sqrt());
+        if z.is_nan() {
+            return BiasTest { z, p_value: f64::NAN };
+        }
         let p_value = StudentsT::new(0.0, 1.0, self.count() - 1.0)
             .map_or(f64::NAN, |t| (2.0 * t.sf(z.abs())).min(1.0));
-        BiasTest { z, p_value: if z.is_nan() { f64::NAN } else { p_value } }
+        BiasTest { z, p_value }
     }
 
     /// How many trials it takes until the relative standard error of the variance is `relative`, by
@@ -248,6 +251,14 @@ mod tests {
             let got = chi_square_quantile(dof, p);
             // Tables have five digits, and the quantile moves by one in 50 with a degree of freedom.
             assert!((got / table - 1.0).abs() < 1e-4, "{dof}, {p}: {got}, table {table}");
+        }
+    }
+
+    #[test]
+    fn estimates_without_variance_test_nothing() {
+        for estimates in [vec![], vec![0.0], vec![0.0; 10]] {
+            let got = Measurement::new(estimates).bias(0.0, 0.0);
+            assert!(got.z.is_nan() && got.p_value.is_nan(), "{got:?}");
         }
     }
 

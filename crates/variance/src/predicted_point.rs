@@ -36,7 +36,8 @@ impl PredictedPoint {
     /// The point of a variance curve.
     #[must_use]
     pub fn variance_point(&self) -> VariancePoint {
-        let Prediction { variance, stderr, .. } = self.prediction;
+        let Prediction { variance, .. } = self.prediction;
+        let stderr = self.prediction.total_stderr();
         VariancePoint { n_points: self.n_points() as f64, variance, stderr }
     }
 }

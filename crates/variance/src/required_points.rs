@@ -142,7 +142,7 @@ impl Search<'_, '_> {
             let further = climb.enough.map_or(0, |least| {
                 self.curve.points().iter().filter(|p| p.n_points() > least).count()
             });
-            let is_lattice = self.curve.at(n).is_some_and(|p| p.spectrum.realizations() == 1);
+            let is_lattice = pattern.build(n, domain).is_ok_and(|sampler| !sampler.is_random());
             if climb.enough.is_some() && further >= if is_lattice { 2 } else { 1 } {
                 break;
             }
@@ -294,8 +294,10 @@ fn rungs(pattern: &Pattern, domain: Domain, max_points: usize) -> Vec<usize> {
     rungs
 }
 
-/// The legal number nearest to `wanted` among those above `low` and below `high`, if there is one.
-fn legal_between(
+/// The legal number of points of a pattern nearest to `wanted` among those above `low` and below `high`, if
+/// there is one.
+#[must_use]
+pub fn legal_between(
     pattern: &Pattern,
     domain: Domain,
     low: usize,

@@ -39,7 +39,10 @@ pub fn measure_until(
     loop {
         measurement.extend(estimates(ensemble, integrand, from..total, done)?);
         // A precision that is not a number is never reached.
-        if measurement.relative_stderr() <= target.relative || total >= most {
+        // Equal estimates have no error, but may be those of an integrand that no trial saw.
+        let precise =
+            measurement.variance() > 0.0 && measurement.relative_stderr() <= target.relative;
+        if precise || total >= most {
             return Ok(measurement);
         }
         from = total;

@@ -19,6 +19,7 @@ use self::question::Question;
 use crate::error::CliError;
 use crate::global::Global;
 use crate::integrands::{FORMS, check_domain, parse_integrand};
+use crate::memory::check_memory;
 use crate::patterns::parse_patterns;
 use crate::progress::Progress;
 use crate::report::check_result;
@@ -40,7 +41,7 @@ pub(crate) struct ChooseArgs {
     /// The standard error wanted, relative to the integral: 1% or 0.01
     #[arg(long, value_name = "E", required_unless_present = "points", conflicts_with = "points")]
     pub(crate) error: Option<String>,
-    /// The number of points at hand; samplers take the nearest that they have
+    /// The number of points at hand; samplers take the largest that they have up to it
     #[arg(short = 'n', long, value_name = "N")]
     pub(crate) points: Option<usize>,
     /// --error is in units of the integral itself
@@ -65,6 +66,8 @@ pub(crate) struct ChooseArgs {
 
 /// A default sampler is left out where a prediction alone would take longer, in seconds.
 const TOO_LONG: f64 = 10.0;
+/// Bytes of a point of a set that is transformed, at least.
+const BYTES_PER_POINT: f64 = 24.0;
 /// Sets that a prediction takes at least.
 const LEAST_SETS: f64 = 8.0;
 
@@ -89,6 +92,9 @@ pub(crate) fn run(args: &ChooseArgs, global: &Global) -> Result<(), CliError> {
     let mut predictor = Predictor::new(function, domain, global.seed, PredictionBudget::USUAL)
         .map_err(CliError::usage)?;
     let question = Question::new(args, &integrand, predictor.energy())?;
+    if let Some(n) = args.points {
+        check_memory(&format!("-n {n}"), BYTES_PER_POINT * n as f64)?;
+    }
 
     let weight = |pattern: &Pattern| 0.3 + pattern.seconds(1024).min(1.0) * LEAST_SETS;
     let progress = Progress::new(patterns.iter().map(weight).sum(), global.quiet);

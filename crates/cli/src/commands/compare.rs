@@ -61,7 +61,7 @@ struct Summary {
     /// probability of as much where the law is a power.
     rate_change: Option<f64>,
     rate_change_p: Option<f64>,
-    /// Whether that is below 1 %: the exponent is not the asymptotic one yet.
+    /// Whether that is below 0.1 %: the exponent is not the asymptotic one yet.
     pre_asymptotic: bool,
     /// Exponent of the predicted variance.
     predicted_rate: Option<f64>,
@@ -199,8 +199,11 @@ impl<'a> Curve<'a> {
 fn text(document: &Document<'_>, plan: &Plan<'_>) -> String {
     let mut text = format!("Variance of integrating {}\n\n", plan.integrand.name);
     text += &table(&RowRecord::HEADING, document.rows.iter().map(RowRecord::cells).collect(), 1);
-    let agreeing = document.rows.iter().filter(|r| r.z().abs() <= 3.0).count();
-    let n_rows = document.rows.len();
+    // Without a score no trial saw the integrand.
+    let scores: Vec<f64> =
+        document.rows.iter().map(RowRecord::z).filter(|z| z.is_finite()).collect();
+    let agreeing = scores.iter().filter(|z| z.abs() <= 3.0).count();
+    let n_rows = scores.len();
     text += &format!(
         "\nPredicted and measured agree within 3 standard errors in {agreeing} of {n_rows} rows.\n\n"
     );

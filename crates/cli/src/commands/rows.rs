@@ -16,6 +16,7 @@ use crate::memory::{check_degree, check_memory, check_transform};
 use crate::patterns;
 use crate::progress::Progress;
 use crate::report::{full, short};
+use crate::share::parse_share;
 use crate::transforms::TransformArgs;
 
 /// Flags that say how variances are predicted and measured.
@@ -26,7 +27,7 @@ pub(crate) struct EffortArgs {
     pub(crate) realizations: u64,
     /// Double the trials until the relative standard error of each variance is at most this, such as
     /// 2% or 0.02
-    #[arg(long, value_name = "E", value_parser = parse_share)]
+    #[arg(long, value_name = "E", value_parser = parse_share, allow_negative_numbers = true)]
     pub(crate) until_rel: Option<f64>,
     /// Trials at which --until-rel gives up
     #[arg(long, default_value_t = 1_000_000, value_name = "M", requires = "until_rel")]
@@ -43,18 +44,6 @@ pub(crate) struct EffortArgs {
     /// Integrate over the hemisphere z >= 0
     #[arg(long)]
     pub(crate) hemisphere: bool,
-}
-
-/// A share as a number or in percent, above 0.
-fn parse_share(text: &str) -> Result<f64, String> {
-    let (number, unit) = match text.strip_suffix('%') {
-        Some(percent) => (percent.trim_end(), 0.01),
-        None => (text, 1.0),
-    };
-    match number.parse::<f64>() {
-        Ok(x) if x > 0.0 && x.is_finite() => Ok(unit * x),
-        _ => Err("a share above 0 is needed, such as 2% or 0.02".to_owned()),
-    }
 }
 
 impl EffortArgs {

@@ -60,6 +60,12 @@ struct Document<'a> {
 pub(crate) fn run(args: &VarianceArgs, global: &Global) -> Result<(), CliError> {
     if let Some(path) = &args.out {
         check_result(path, false)?;
+        let is_json = path.extension().is_some_and(|e| e == "json");
+        if args.cut_sphere.is_some() && !is_json && !(global.json && is_stdout(path)) {
+            let message =
+                "--cut-sphere has rows of two kinds: write them with --json or to a .json file";
+            return Err(CliError::Usage(message.to_owned()));
+        }
     }
     let integrand = parse_integrand(&args.integrand)?;
     let domain = super::domain(args.effort.hemisphere);

@@ -60,6 +60,7 @@ impl Reader<'_> {
         if !self.bytes.starts_with(b"SIMPLE  =") {
             return Err(self.layout("a FITS file", "a file that does not start with SIMPLE"));
         }
+        self.check_counts()?;
         for hdu in Fits::from_reader(Cursor::new(self.bytes)) {
             let hdu = hdu.map_err(|error| self.layout("a FITS file", &error.to_string()))?;
             if let HDU::XBinaryTable(table) = hdu {
@@ -68,6 +69,22 @@ impl Reader<'_> {
             }
         }
         Err(self.layout("a binary table extension with a map", "none"))
+    }
+
+    /// Refuses numbers of axes and of fields beyond the 999 of the standard, over which the reader of headers would
+    /// count for ever.
+    fn check_counts(&self) -> Result<(), FileError> {
+        for name in ["TFIELDS", "NAXIS"] {
+            let start = format!("{name:<8}=");
+            for card in self.bytes.chunks(80).filter(|card| card.starts_with(start.as_bytes())) {
+                let value = String::from_utf8_lossy(&card[start.len()..]);
+                let value = value.split('/').next().unwrap_or_default().trim();
+                if value.parse::<u64>().is_ok_and(|count| count > 999) {
+                    return Err(self.keyword(name, "at most 999", value));
+                }
+            }
+        }
+        Ok(())
     }
 
     fn table(&self, header: &ValueMap, start: usize, field: usize) -> Result<FitsMap, FileError> {

@@ -31,6 +31,8 @@ pub(super) struct Measured {
     domain: Domain,
     power: Vec<f64>,
     stderr: Vec<f64>,
+    /// 0 where it is not known, or the spectrum is.
+    realizations: u64,
 }
 
 impl Measured {
@@ -85,6 +87,7 @@ impl Measured {
             domain,
             power: spectrum.power().to_vec(),
             stderr: spectrum.stderr().to_vec(),
+            realizations: spectrum.realizations(),
         })
     }
 
@@ -105,12 +108,13 @@ impl Measured {
         })?;
         power[0] = n_points as f64;
         let label = path.display().to_string();
-        Ok(Self { label, sampler: None, n_points, domain, power, stderr })
+        Ok(Self { label, sampler: None, n_points, domain, power, stderr, realizations: 0 })
     }
 
     /// The spectrum as fits and checks have it.
     pub(super) fn spectrum(&self) -> Result<MeasuredSpectrum<'_>, CliError> {
         MeasuredSpectrum::new(self.n_points, self.domain, &self.power, &self.stderr)
+            .map(|measured| measured.with_realizations(self.realizations))
             .map_err(CliError::failed)
     }
 

@@ -3,7 +3,9 @@
 use std::time::Instant;
 
 use sphvar_samplers::{Domain, Pattern, Purpose, Realizations, Streams};
-use sphvar_variance::{PredictedCurve, PredictedPoint, Predictor, RequiredPoints, required_points};
+use sphvar_variance::{
+    PredictedCurve, PredictedPoint, Predictor, RequiredPoints, legal_between, required_points,
+};
 
 use super::question::{Question, Wish};
 use crate::error::CliError;
@@ -77,7 +79,11 @@ impl Candidate {
     /// By what candidates are ranked, the least first.
     fn merit(&self, question: &Question) -> f64 {
         let merit = match question.wish {
-            Wish::Error { .. } => self.seconds_in_all.or(self.n_points.map(|n| n as f64)),
+            // By the model of costs: measured seconds change from run to run, and the answer must not.
+            Wish::Error { .. } => self.n_points.map(|n| match question.cost_per_sample {
+                Some(cost) => cost * n as f64 + self.curve.pattern().seconds(n),
+                None => n as f64,
+            }),
             Wish::Points(_) => self.variance.map(|v| v.0),
         };
         merit.unwrap_or(f64::INFINITY)
@@ -93,7 +99,9 @@ fn around(
 ) -> Result<usize, CliError> {
     let pattern = curve.pattern().clone();
     let legal = |n: usize| pattern.nearest_count(n, predictor.domain());
-    let at = legal(n);
+    // More points than are at hand only where the pattern has no fewer.
+    let fewer = legal_between(&pattern, predictor.domain(), 0, n.saturating_add(1), n);
+    let at = fewer.unwrap_or_else(|| legal(n));
     let others: Vec<usize> =
         [n / 4, n / 2, n.saturating_mul(2), n.saturating_mul(4)].map(legal).to_vec();
     curve.predict(predictor, at, &|| ())?;
@@ -110,6 +118,8 @@ fn around(
 const TIMED_SETS: u64 = 5;
 /// Seconds after which no further set is made.
 const TIMED_SECONDS: f64 = 0.2;
+/// Points of the largest set that is made for its time.
+const MOST_TIMED: usize = 10_000_000;
 /// A set that is expected to take longer is not made.
 const LONGEST_SET: f64 = 1.0;
 
@@ -123,8 +133,13 @@ fn making(
     let pattern = curve.pattern();
     let expected = |n: usize| pattern.seconds(n);
     let largest = curve.points().last().map_or(n_points, PredictedPoint::n_points);
-    let is_scaled = largest < n_points && expected(n_points) > LONGEST_SET;
-    let timed = if is_scaled { largest } else { n_points };
+    let too_long = largest < n_points && expected(n_points) > LONGEST_SET;
+    let timed = if too_long { largest } else { n_points };
+    let timed = match legal_between(pattern, domain, 0, MOST_TIMED, MOST_TIMED) {
+        Some(most) if timed > MOST_TIMED => most,
+        _ => timed,
+    };
+    let is_scaled = timed < n_points;
     let seconds = median_seconds(pattern, domain, timed, seed)?;
     Ok(Making { seconds: seconds * expected(n_points) / expected(timed), is_scaled })
 }

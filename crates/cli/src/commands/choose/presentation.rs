@@ -251,8 +251,11 @@ fn row(rank: usize, candidate: &Candidate, question: &Question, predictor: &Pred
     let curve_point = |p: &PredictedPoint| CurvePoint {
         n: p.n_points(),
         variance: p.prediction.variance,
-        variance_stderr: p.prediction.stderr,
+        variance_stderr: p.prediction.total_stderr(),
     };
+    // A constant has rounding for variance, whose gains and rates mean nothing.
+    let varies = predictor.white_variance(1) > 0.0;
+    let (rate, white) = (rate.filter(|_| varies), white.filter(|_| varies));
     Row {
         rank,
         sampler: curve.pattern().to_string(),

@@ -5,6 +5,7 @@ use sphvar_variance::{Domain, Energy};
 use super::ChooseArgs;
 use crate::error::CliError;
 use crate::integrands::NamedIntegrand;
+use crate::share::parse_share;
 
 /// The question with what is known of the integrand.
 pub(super) struct Question {
@@ -76,26 +77,22 @@ fn standard_error(
     integral: Option<f64>,
     exact: Option<f64>,
 ) -> Result<f64, CliError> {
-    let (number, unit) = match text.trim().strip_suffix('%') {
-        Some(number) => (number.trim_end(), 0.01),
-        None => (text.trim(), 1.0),
-    };
-    let value = number.parse::<f64>().ok().filter(|e| *e > 0.0 && e.is_finite());
-    let Some(value) = value else {
+    let share = parse_share(text).ok().filter(|e| e * e > 0.0);
+    let Some(share) = share else {
         return Err(CliError::Usage(format!(
-            "--error must be a positive number such as 1% or 0.01, got \"{text}\""
+            "--error must be a positive number such as 1% or 0.01, from 1e-150 on, got \"{text}\""
         )));
     };
     if absolute {
-        if unit < 1.0 {
+        if text.contains('%') {
             return Err(CliError::Usage(format!(
                 "--error {text} is relative to the integral; with --absolute it must be a number"
             )));
         }
-        return Ok(value);
+        return Ok(share);
     }
     match (integral, exact) {
-        (Some(integral), _) => Ok(value * unit * integral.abs()),
+        (Some(integral), _) => Ok(share * integral.abs()),
         (None, Some(_)) => Err(CliError::Usage(format!(
             "the integral is 0, so that no error can be {text} of it; give the error in units of \
              the integral with --absolute"

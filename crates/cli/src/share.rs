@@ -1,0 +1,30 @@
+//! Shares as people write them: `2%` or `0.02`.
+
+/// A share as a number or in percent, above 0.
+pub(crate) fn parse_share(text: &str) -> Result<f64, String> {
+    let text = text.trim();
+    let (number, unit) = match text.strip_suffix('%') {
+        Some(percent) => (percent.trim_end(), 0.01),
+        None => (text, 1.0),
+    };
+    match number.parse::<f64>() {
+        Ok(x) if x > 0.0 && x.is_finite() => Ok(unit * x),
+        _ => Err("a share above 0 is needed, such as 2% or 0.02".to_owned()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::parse_share;
+
+    #[test]
+    fn shares_are_numbers_or_percent() {
+        for (text, share) in [("2%", 0.02), (" 2 % ", 0.02), ("0.5", 0.5), ("1e-3", 1e-3)] {
+            let got = parse_share(text).unwrap();
+            assert!((got / share - 1.0).abs() < 2.0 * f64::EPSILON, "{text}: {got}");
+        }
+        for text in ["", "%", "0", "-1%", "nan", "inf", "x"] {
+            assert!(parse_share(text).is_err(), "{text}");
+        }
+    }
+}
