@@ -179,6 +179,9 @@ impl<'a> Curve<'a> {
         let measured = last.comparison.measured_point();
         let gain = white / measured.variance;
         let is_measurable = gain.is_finite();
+        // Predictions lie closer to their curve than the curve to a power law: all weigh the same.
+        let exact: Vec<VariancePoint> =
+            self.predicted().into_iter().map(|p| VariancePoint { stderr: 0.0, ..p }).collect();
         let known = |x: Option<f64>| x.filter(|x| x.is_finite());
         Some(Summary {
             sampler: self.pattern.to_string(),
@@ -187,7 +190,7 @@ impl<'a> Curve<'a> {
             rate_change: known(fit.map(|f| f.slope_change)),
             rate_change_p: known(fit.map(|f| f.slope_change_p)),
             pre_asymptotic: fit.is_some_and(|f| f.is_pre_asymptotic()),
-            predicted_rate: fit_rate(&self.predicted()).map(|f| f.slope),
+            predicted_rate: fit_rate(&exact).map(|f| f.slope),
             n,
             gain: is_measurable.then_some(gain),
             gain_stderr: is_measurable.then_some(gain * measured.stderr / measured.variance),
