@@ -7,7 +7,7 @@ use sphvar_variance::{RateFit, VariancePoint, fit_rate};
 use super::RenderArgs;
 use super::points::Counts;
 use super::reference::Reference;
-use super::single::ErrorRecord;
+use super::single::{ErrorRecord, plain};
 use super::trials::{Trials, USUAL_RENDERS};
 use crate::commands::crossovers::{CrossoverRecord, crossovers};
 use crate::error::CliError;
@@ -44,7 +44,7 @@ struct Row {
     mode: &'static str,
     asked: usize,
     n: usize,
-    /// Different sets in all renders together; 0 if every pixel has its own.
+    /// Different sets in all renders together: 1 of lattices, 0 if every pixel has its own.
     sets: u64,
     renders: u64,
     #[serde(flatten)]
@@ -104,6 +104,7 @@ pub(super) fn run(args: &RenderArgs, global: &Global) -> Result<(), CliError> {
         }
         patterns.push(pattern);
     }
+    Trials::check_sets(args, &cases)?;
     let stage = args.stage.stage(USUAL_SIZE)?;
     for case in &cases {
         case.check(&stage)?;
@@ -123,7 +124,7 @@ pub(super) fn run(args: &RenderArgs, global: &Global) -> Result<(), CliError> {
             mode: mode.name(),
             asked: case.asked,
             n: case.plan.n_points(),
-            sets: case.plan.n_sets() as u64 * renders,
+            sets: case.plan.distinct_sets(renders),
             renders,
             errors: ErrorRecord::new(errors),
         }));
@@ -203,8 +204,8 @@ impl Row {
             self.n.to_string(),
             short(e.mse),
             short(e.mse_stderr),
-            format!("{:.3}", e.gain),
-            format!("{:.2}", e.structured_error),
+            plain(e.gain, 3),
+            plain(e.structured_error, 2),
             e.bias_t.map_or("-".to_owned(), |t| format!("{t:.1}")),
         ]
     }
