@@ -56,6 +56,7 @@ fn the_document_has_its_keys_and_agrees_with_itself() {
             "seconds",
             "variance",
             "bias_squared",
+            "bias_squared_stderr",
             "white_noise",
             "gain",
             "structured_error",
@@ -207,6 +208,7 @@ fn a_study_has_rows_rates_and_crossovers() {
     assert!((rate + 1.0).abs() < 0.15, "{samplers:?}");
     assert!(number(&samplers[1]["all"], "rate") < rate, "{samplers:?}");
     assert_eq!(numbers(&samplers[0]["all"]["interval"]).len(), 2);
+    assert!(rows.iter().all(|row| number(row, "bias_squared_stderr") > 0.0), "{document}");
     let table = place.text("s.csv");
     assert!(table.starts_with("# sphvar render cornell --study"), "{table}");
     assert_eq!(table.lines().count(), 2 + 7);

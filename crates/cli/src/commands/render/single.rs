@@ -53,6 +53,7 @@ pub(super) struct ErrorRecord {
     pub(super) variance: f64,
     pub(super) variance_stderr: f64,
     pub(super) bias_squared: f64,
+    pub(super) bias_squared_stderr: f64,
     pub(super) white_noise: f64,
     /// White noise's exact mean squared error over this one.
     pub(super) gain: f64,
@@ -72,7 +73,8 @@ impl ErrorRecord {
             mse_stderr: report.mse.stderr,
             variance: report.variance.value,
             variance_stderr: report.variance.stderr,
-            bias_squared: report.bias_squared,
+            bias_squared: report.bias_squared.value,
+            bias_squared_stderr: report.bias_squared.stderr,
             white_noise: *white_noise,
             gain: white_noise / report.mse.value,
             structured_error: report.structure.value,
@@ -206,7 +208,7 @@ fn text(trials: &Trials, outcome: &Outcome) -> String {
         let record = ErrorRecord::new(errors);
         text += &format!(
             "mean squared error {} +- {} (renders: {}), {} times less than white noise's {}\n\
-             variance {} +- {}, squared bias {}\n\
+             variance {} +- {}, squared bias {} +- {}\n\
              structured error {} +- {} (1: independent pixels), neighbours' correlation {}\n",
             short(record.mse),
             short(record.mse_stderr),
@@ -216,6 +218,7 @@ fn text(trials: &Trials, outcome: &Outcome) -> String {
             short(record.variance),
             short(record.variance_stderr),
             short(record.bias_squared),
+            short(record.bias_squared_stderr),
             plain(record.structured_error, 2),
             plain(record.structured_error_stderr, 2),
             plain(record.autocorrelation, 3),

@@ -167,8 +167,8 @@ pub(super) fn run(args: &RenderArgs, global: &Global) -> Result<(), CliError> {
 impl Row {
     /// The heading of [`Self::record`].
     const COLUMNS: &'static str = "sampler,mode,asked,n,sets,renders,mse,mse_stderr,variance,\
-         variance_stderr,bias_squared,white_noise,gain,structured_error,structured_error_stderr,\
-         autocorrelation,bias_t,bias_limit";
+         variance_stderr,bias_squared,bias_squared_stderr,white_noise,gain,structured_error,\
+         structured_error_stderr,autocorrelation,bias_t,bias_limit";
 
     /// The row of a CSV file.
     fn record(&self) -> Vec<String> {
@@ -183,6 +183,7 @@ impl Row {
             e.variance,
             e.variance_stderr,
             e.bias_squared,
+            e.bias_squared_stderr,
             e.white_noise,
             e.gain,
             e.structured_error,
