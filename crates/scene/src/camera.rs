@@ -1,6 +1,8 @@
-use glam::DVec3;
+use std::f64::consts::PI;
 
-use crate::Error;
+use glam::{DQuat, DVec3};
+
+use crate::{Bounds, Error};
 
 /// A pinhole camera: rays through the points of an image.
 ///
@@ -42,9 +44,7 @@ impl Camera {
         if !position.is_finite() || !target.is_finite() || !up.is_finite() {
             return refuse("finite coordinates");
         }
-        if !(field_of_view > 0.0 && field_of_view < std::f64::consts::PI) {
-            return refuse("a field of view above 0 and below 180 degrees");
-        }
+        check_angle(field_of_view)?;
         let Some(forward) = (target - position).try_normalize() else {
             return refuse("a target apart from its position");
         };
@@ -57,6 +57,33 @@ impl Camera {
         let half = (0.5 * field_of_view).tan();
         let right = right.normalize() * half;
         Ok(Self { position, forward, up: right.cross(forward), right })
+    }
+
+    /// A camera above and in front of `target` that has it in the middle of its image, so far away that a ball about
+    /// the target with the diagonal of `bounds` for its diameter fills the height of the image.
+    ///
+    /// `up` and `field_of_view` are those of [`Self::look_at`]; in front is positive z where `up` is y.
+    ///
+    /// # Errors
+    /// As [`Self::look_at`]; bounds without extent have the target at the position.
+    pub fn around(
+        bounds: &Bounds,
+        target: DVec3,
+        up: DVec3,
+        field_of_view: f64,
+    ) -> Result<Self, Error> {
+        check_angle(field_of_view)?;
+        let radius = 0.5 * (bounds.max - bounds.min).length();
+        let turn = DQuat::from_rotation_arc(DVec3::Y, up.try_normalize().unwrap_or(DVec3::Y));
+        let towards = turn * DVec3::new(0.5, 0.45, 1.0).normalize();
+        let position = target + towards * (radius / (0.5 * field_of_view).sin());
+        Self::look_at(position, target, up, field_of_view)
+    }
+
+    /// The angle between the lower and the upper edge of the image, radians.
+    #[must_use]
+    pub fn field_of_view(&self) -> f64 {
+        2.0 * self.up.length().atan()
     }
 
     /// The pinhole.
@@ -72,5 +99,48 @@ impl Camera {
         let (width, height) = (width as f64, height.max(1) as f64);
         let (across, upwards) = ((2.0 * x - width) / height, 1.0 - 2.0 * y / height);
         (self.forward + across * self.right + upwards * self.up).normalize()
+    }
+}
+
+fn check_angle(field_of_view: f64) -> Result<(), Error> {
+    if field_of_view > 0.0 && field_of_view < PI {
+        return Ok(());
+    }
+    Err(Error::Camera { expected: "a field of view above 0 and below 180 degrees" })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Bounds, Camera, DVec3, PI};
+
+    #[test]
+    fn a_ball_around_the_bounds_fills_the_height() {
+        let bounds = Bounds { min: DVec3::new(-1.0, 2.0, 0.5), max: DVec3::new(3.0, 2.5, 7.0) };
+        let radius = 0.5 * DVec3::new(4.0, 0.5, 6.5).length();
+        for up in [DVec3::Y, DVec3::NEG_Y, 3.0 * DVec3::Z, DVec3::new(1.0, -2.0, 0.3)] {
+            for fov in [1e-3, 0.7, 3.1] {
+                let camera = Camera::around(&bounds, bounds.center(), up, fov).unwrap();
+                // The tangent of half the angle and its arc, a few roundings each; near pi the former's are magnified.
+                let rounding = 64.0 * f64::EPSILON / (PI - fov);
+                assert!((camera.field_of_view() / fov - 1.0).abs() < rounding, "{up} {fov}");
+                let offset = bounds.center() - camera.position();
+                let middle = camera.direction(1.5, 1.5, [3, 3]);
+                assert!(middle.distance(offset.normalize()) < 1e-12, "{up} {fov}");
+                // The upper edge touches the ball.
+                let edge = camera.direction(1.5, 0.0, [3, 3]);
+                let distance = edge.cross(offset).length();
+                // Roundings of the directions count by the camera's distance.
+                let rounding = 64.0 * f64::EPSILON * (1.0 + offset.length() / radius);
+                assert!((distance / radius - 1.0).abs() < rounding, "{up} {fov}: {distance}");
+                assert!(offset.dot(up) < 0.0, "it looks down: {up} {fov}");
+            }
+        }
+        for fov in [0.0, -1.0, PI, f64::NAN, f64::INFINITY] {
+            let error = Camera::around(&bounds, bounds.center(), DVec3::Y, fov).unwrap_err();
+            assert!(error.to_string().contains("field of view"), "{fov}: {error}");
+        }
+        Camera::around(&bounds, bounds.center(), DVec3::ZERO, 1.0).unwrap_err();
+        let point = Bounds { min: DVec3::ONE, max: DVec3::ONE };
+        Camera::around(&point, DVec3::ONE, DVec3::Y, 1.0).unwrap_err();
     }
 }

@@ -56,12 +56,6 @@ impl DirectionMode {
             Domain::Hemisphere => n_points,
         }
     }
-
-    /// Whether every hit point has random numbers of its own.
-    #[must_use]
-    pub const fn differs_between_pixels(self) -> bool {
-        !matches!(self, Self::Shared)
-    }
 }
 
 impl fmt::Display for DirectionMode {

@@ -3,12 +3,14 @@ use sphvar_samplers::{Domain, Pattern, Purpose, Realizations, Streams};
 
 use crate::{DirectionMode, DirectionSets, Error};
 
-/// Directions of a table, at most: 24 bytes each.
+/// Directions of a table if it has more sets than the fewest, at most: 24 bytes each.
 const TABLE_DIRECTIONS: usize = 1 << 18;
 /// Sets of a table, at most.
 const MOST_SETS: usize = 1024;
-/// The same for patterns whose sets take long to make.
-const MOST_COSTLY_SETS: usize = 4;
+/// Sets of a table, at least.
+const FEWEST_SETS: usize = 4;
+/// What a table with more sets than the fewest may take to make on one core, seconds.
+const TABLE_SECONDS: f64 = 0.1;
 
 /// Which directions the hit points of renders have.
 ///
@@ -78,23 +80,20 @@ impl DirectionPlan {
     }
 
     /// How many sets a table has unless another number is wished: as many as have 262144 directions
-    /// together but from 4 to 1024; of patterns whose sets are optimised 4.
+    /// together, or take a tenth of a second to make on one core by [`Pattern::seconds`] if that is fewer, but from 4
+    /// to 1024.
     ///
     /// Sets that are turned uniformly give every pixel the right mean and pixels that do not depend on
     /// each other, however few they are; but a few sets may be better or worse than most.
     #[must_use]
     pub fn usual_sets(pattern: &Pattern, n_points: usize) -> usize {
-        let most = match pattern {
-            Pattern::Ccvt { .. }
-            | Pattern::Step { .. }
-            | Pattern::Blue { .. }
-            | Pattern::Profile { .. }
-            | Pattern::BestCandidate { .. }
-            | Pattern::Lloyd { .. }
-            | Pattern::Riesz { .. } => MOST_COSTLY_SETS,
-            _ => MOST_SETS,
-        };
-        (TABLE_DIRECTIONS / n_points.max(1)).clamp(MOST_COSTLY_SETS, most)
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "a positive number, and too large ones become the largest"
+        )]
+        let in_time = (TABLE_SECONDS / pattern.seconds(n_points)) as usize;
+        (TABLE_DIRECTIONS / n_points.max(1)).min(in_time).clamp(FEWEST_SETS, MOST_SETS)
     }
 
     /// The pattern.
@@ -126,10 +125,21 @@ impl DirectionPlan {
         }
     }
 
-    /// The seed.
+    /// Whether a render draws on a table of several sets, so that [`Self::with_sets`] matters.
     #[must_use]
-    pub fn seed(&self) -> u64 {
-        self.seed
+    pub fn has_table(&self) -> bool {
+        let from_table = matches!(self.mode, DirectionMode::Rotated | DirectionMode::Projective);
+        from_table && self.n_sets.is_some()
+    }
+
+    /// The number of different sets in so many renders together: 1 if all sets of the pattern are the same, 0 if every
+    /// pixel has its own.
+    #[must_use]
+    pub fn distinct_sets(&self, renders: u64) -> u64 {
+        match self.n_sets {
+            None => 1,
+            Some(_) => renders.saturating_mul(self.n_sets() as u64),
+        }
     }
 
     /// Makes the sets of one render, in parallel.

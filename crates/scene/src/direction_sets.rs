@@ -65,7 +65,7 @@ impl DirectionSets {
         dirs.clear();
         match self.mode {
             DirectionMode::Shared => {
-                dirs.extend(self.sets[0].iter().filter(|d| normal.dot(**d) >= 0.0));
+                dirs.extend(self.sets[0].iter().filter(|d| is_kept(normal, **d)));
             }
             DirectionMode::Spun => {
                 let spin = DMat3::from_rotation_z(TAU * stream().random::<f64>());
@@ -78,7 +78,7 @@ impl DirectionSets {
                 let turn = uniform_rotation(&mut rng);
                 // The half is chosen before turning: what is not kept costs a dot product.
                 let back = turn.transpose() * normal;
-                let kept = set.iter().filter(|d| back.dot(**d) >= 0.0);
+                let kept = set.iter().filter(|d| is_kept(back, **d));
                 dirs.extend(kept.map(|&d| turn * d));
             }
             DirectionMode::Projective => {
@@ -103,6 +103,18 @@ impl DirectionSets {
         let k = if self.sets.len() == 1 { 0 } else { rng.random_range(0..self.sets.len()) };
         &self.sets[k]
     }
+}
+
+/// Whether a direction of a sphere set belongs to the half above a surface. In its plane one of two opposite directions
+/// does, and the other one to the half below, so that each direction is in one half.
+fn is_kept(normal: DVec3, dir: DVec3) -> bool {
+    let height = normal.dot(dir);
+    height > 0.0 || (height == 0.0 && is_positive(dir) == is_positive(normal))
+}
+
+/// Whether the first coordinate that is not 0 is positive.
+fn is_positive(dir: DVec3) -> bool {
+    dir.to_array().into_iter().find(|x| *x != 0.0).is_some_and(|x| x > 0.0)
 }
 
 /// The end above the surface of the line along `dir`.

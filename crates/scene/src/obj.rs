@@ -39,6 +39,10 @@ impl Mesh {
             ignore_points: true,
             ignore_lines: true,
         };
+        // Vertices of no face count, too, of which neither loader nor mesh says anything.
+        if text.lines().any(is_wrong_vertex) {
+            return Err(wrong_line(&text, "a vertex is not finite"));
+        }
         let geometry = geometry_of(&text);
         let loaded = tobj::load_obj_buf(&mut geometry.as_bytes(), &options, |_| {
             Err(LoadError::OpenFileFailed)
@@ -54,9 +58,7 @@ impl Mesh {
             faces.extend_from_slice(model.mesh.indices.as_chunks().0);
         }
         Self::new(vertices, faces).map_err(|error| match error {
-            Error::Vertex { .. } | Error::NoTriangles { n_faces: 0 } => {
-                wrong_line(&text, &error.to_string())
-            }
+            Error::NoTriangles { n_faces: 0 } => wrong_line(&text, &error.to_string()),
             error => error,
         })
     }
@@ -135,6 +137,11 @@ fn wrong_line(text: &str, reason: &str) -> Error {
 
 /// How much of a wrong line a message has.
 const QUOTED: usize = 60;
+
+fn is_wrong_vertex(line: &str) -> bool {
+    let mut words = without_comment(line).split_whitespace();
+    words.next() == Some("v") && !is_vertex(words)
+}
 
 fn is_vertex<'a>(words: impl Iterator<Item = &'a str>) -> bool {
     let numbers = words.map(|word| word.parse().unwrap_or(f64::NAN)).collect::<Vec<_>>();

@@ -47,8 +47,8 @@ pub struct ErrorReport {
     /// The variance of a pixel between renders, in the mean; NaN from a single render.
     pub variance: Estimate,
     /// The squared bias of a pixel, in the mean, `mse - variance`; chance can make it negative. The squared error of
-    /// the reference image is in it.
-    pub bias_squared: f64,
+    /// the reference image is in it. Without a standard error from two renders, NaN from one.
+    pub bias_squared: Estimate,
     /// How much larger the variance of mean errors over 8 by 8 pixels is than it would be if pixels were
     /// independent: 1 if they are, 64 if all errors in such a square are the same. NaN if no square is seen whole or
     /// there are no errors.
@@ -141,7 +141,7 @@ impl<'a> RenderErrors<'a> {
             pixels: self.pixels.len(),
             mse,
             variance,
-            bias_squared: mse.value - variance.value,
+            bias_squared: self.bias_squared(mse.value, variance.value, &moments),
             structure: self.jackknife(|sums| [area * sums.of_blocks, sums.in_blocks]),
             autocorrelation: self.jackknife(|sums| [sums.products, sums.squares]),
             bias: BiasTest::new(self.reference, &self.pixels, count, self.n_points, |k| moments[k]),
@@ -150,13 +150,25 @@ impl<'a> RenderErrors<'a> {
 
     /// The mean of the pixels' variances.
     fn variance(&self, moments: &[(f64, f64)]) -> Estimate {
-        let (count, n_pixels) = (self.errors.len() as f64, self.pixels.len() as f64);
-        let value = moments.iter().map(|m| m.1).sum::<f64>() / n_pixels;
-        Estimate::jackknife(value, self.errors.len(), |r| {
-            let deviations = self.errors[r].iter().zip(moments).map(|(e, m)| (e - m.0).powi(2));
-            let squares = deviations.sum::<f64>() / n_pixels;
-            // What leaving a number out does to the sum of squared deviations.
-            ((count - 1.0) * value - squares * count / (count - 1.0)) / (count - 2.0)
+        let value = moments.iter().map(|m| m.1).sum::<f64>() / self.pixels.len() as f64;
+        Estimate::jackknife(value, self.errors.len(), |r| self.variance_without(r, value, moments))
+    }
+
+    /// The mean of the pixels' variances over all renders but one; `variance` is that over all.
+    fn variance_without(&self, render: usize, variance: f64, moments: &[(f64, f64)]) -> f64 {
+        let count = self.errors.len() as f64;
+        let deviations = self.errors[render].iter().zip(moments).map(|(e, m)| (e - m.0).powi(2));
+        let squares = deviations.sum::<f64>() / self.pixels.len() as f64;
+        // What leaving a number out does to the sum of squared deviations.
+        ((count - 1.0) * variance - squares * count / (count - 1.0)) / (count - 2.0)
+    }
+
+    /// The difference of mean squared error and variance.
+    fn bias_squared(&self, mse: f64, variance: f64, moments: &[(f64, f64)]) -> Estimate {
+        let count = self.errors.len() as f64;
+        Estimate::jackknife(mse - variance, self.errors.len(), |r| {
+            let mse = (count * mse - self.sums[r].mean_square) / (count - 1.0);
+            mse - self.variance_without(r, variance, moments)
         })
     }
 
@@ -213,7 +225,7 @@ mod tests {
         // Quarters are exact.
         assert_eq!((report.mse.value, report.mse.stderr), (0.0625, 0.0));
         assert_eq!((report.structure.value, report.autocorrelation.value), (64.0, 1.0));
-        assert_eq!((report.variance.value, report.bias_squared), (0.125, -0.0625));
+        assert_eq!((report.variance.value, report.bias_squared.value), (0.125, -0.0625));
         assert_eq!(errors.squared_errors(), [0.0625; 16 * 9]);
     }
 

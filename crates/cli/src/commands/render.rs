@@ -54,7 +54,7 @@ pub(crate) struct RenderArgs {
     /// What stands for the kept half of a sphere set: its mean (ratio), or its sum over N (unbiased)
     #[arg(long, default_value = "ratio")]
     pub(super) estimator: String,
-    /// Sets in the table of a render [default: 262144/N, from 4 to 1024; of optimised patterns 4]
+    /// Sets in the table of a render [default: 262144/N, from 4 to 1024; fewer where they take long to make]
     #[arg(long, value_name = "K")]
     pub(super) sets: Option<usize>,
     /// Renders from which errors are estimated; the first one is the picture [default: 8, or 1 without errors]

@@ -2,9 +2,9 @@
 
 use std::path::Path;
 
-use image::ImageReader;
+use image::{ImageFormat, ImageReader};
 
-use super::FileError;
+use super::{FileError, Place};
 
 /// What an environment map is a map of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -33,6 +33,19 @@ pub(crate) fn read_image(path: &Path, channel: Channel) -> Result<ChannelImage, 
     let open_error = |source| FileError::Open { path: name.clone(), source };
     let reader =
         ImageReader::open(path).and_then(ImageReader::with_guessed_format).map_err(open_error)?;
+    match reader.format() {
+        Some(ImageFormat::OpenExr | ImageFormat::Hdr) => (),
+        // Others are not linear: their numbers are no radiance.
+        other => {
+            let other = other.and_then(|format| format.extensions_str().first());
+            return Err(FileError::Layout {
+                path: name,
+                place: Place::Whole,
+                expected: "OpenEXR (.exr) or Radiance HDR (.hdr)".to_owned(),
+                got: other.map_or("another format".to_owned(), |e| format!("the format of .{e}")),
+            });
+        }
+    }
     let decoded = reader.decode().map_err(|source| FileError::Image { path: name, source })?;
     let weights: [f64; 3] = match channel {
         Channel::Luminance => [0.2126, 0.7152, 0.0722],
@@ -51,4 +64,32 @@ pub(crate) fn read_image(path: &Path, channel: Channel) -> Result<ChannelImage, 
     };
     let values = decoded.into_rgb32f().pixels().map(value).collect();
     Ok(ChannelImage { width, height, values })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Channel, ImageFormat, read_image};
+
+    #[test]
+    fn pictures_that_are_not_linear_are_refused() {
+        let folder = tempfile::tempdir().unwrap();
+        let picture = image::RgbImage::from_pixel(8, 4, image::Rgb([188; 3]));
+        // What is in a file counts, not its name.
+        for (name, format) in [("map.png", ImageFormat::Png), ("map.exr", ImageFormat::Png)] {
+            let path = folder.path().join(name);
+            picture.save_with_format(&path, format).unwrap();
+            let message = read_image(&path, Channel::Red).unwrap_err().to_string();
+            assert!(
+                message.contains(name)
+                    && message.contains("expected OpenEXR (.exr) or Radiance HDR (.hdr)")
+                    && message.contains(".png"),
+                "{message}"
+            );
+        }
+        let path = folder.path().join("map.hdr");
+        let map = image::Rgb32FImage::from_pixel(8, 4, image::Rgb([0.5; 3]));
+        map.save_with_format(&path, ImageFormat::Hdr).unwrap();
+        let got = read_image(&path, Channel::Red).unwrap();
+        assert_eq!((got.width, got.height, got.values), (8, 4, vec![0.5; 32]));
+    }
 }

@@ -14,6 +14,11 @@ const GAP: u32 = 12;
 const LETTERS: f64 = 14.0;
 /// From one line of a caption to the next.
 const LINE: u32 = 20;
+/// For each pixel of a sheet: its captions are drawn three by three times as large, and then there are the sheet, the
+/// pictures and the file, of three bytes a pixel each.
+const BYTES: f64 = (3 * 3 * 3 + 3 * 3) as f64;
+/// Lines below a picture: two, each broken once.
+const USUAL_LINES: f64 = 4.0;
 
 /// One picture.
 #[derive(Clone, Debug, PartialEq)]
@@ -48,6 +53,12 @@ struct Captions<'a> {
 }
 
 impl ContactSheet {
+    /// The memory that a sheet of so many pictures of this size takes, about, with captions of two lines.
+    pub(crate) fn bytes([width, height]: [usize; 2], panels: usize) -> f64 {
+        let (gap, caption) = (f64::from(GAP), USUAL_LINES * f64::from(LINE));
+        BYTES * (width as f64 + gap) * (height as f64 + caption + gap) * panels as f64
+    }
+
     /// Width and height, and three bytes a pixel.
     ///
     /// # Errors

@@ -56,6 +56,7 @@ fn the_document_has_its_keys_and_agrees_with_itself() {
             "seconds",
             "variance",
             "bias_squared",
+            "bias_squared_stderr",
             "white_noise",
             "gain",
             "structured_error",
@@ -207,6 +208,7 @@ fn a_study_has_rows_rates_and_crossovers() {
     assert!((rate + 1.0).abs() < 0.15, "{samplers:?}");
     assert!(number(&samplers[1]["all"], "rate") < rate, "{samplers:?}");
     assert_eq!(numbers(&samplers[0]["all"]["interval"]).len(), 2);
+    assert!(rows.iter().all(|row| number(row, "bias_squared_stderr") > 0.0), "{document}");
     let table = place.text("s.csv");
     assert!(table.starts_with("# sphvar render cornell --study"), "{table}");
     assert_eq!(table.lines().count(), 2 + 7);
@@ -271,6 +273,12 @@ fn wrong_usage_is_told() {
         ("-m 0", &["-m must be at least 1"]),
         ("--reference-n 0 --json", &["--reference-n"]),
         ("--sets 0", &["--sets must be at least 1"]),
+        ("--sets 9 --mode shared", &["--sets is for random samplers"]),
+        ("--sets 9 --mode fresh", &["--sets is for random samplers"]),
+        ("-m 8 -o p.png", &["-m 8 is for errors", "--mse"]),
+        ("--lamp 0,0,0,1,0,0,1,1,0,0,1,0", &["--lamp is for light, not for ao"]),
+        ("-o p.png --difference p.png", &["files of their own", "p.png twice"]),
+        ("--difference p.exr --error p.exr", &["files of their own", "p.exr twice"]),
         ("-m 99999999", &["-m must be at most"]),
         ("--samplers jittered", &["cannot be used with"]),
     ] {
@@ -281,12 +289,27 @@ fn wrong_usage_is_told() {
     let many = "-n 1000000000000 --size 8";
     run(&format!("cornell --sampler jittered {many}"))
         .fails(1, &["-n 1000000000000 needs", "memory"]);
+    let sets = format!("--sets {} -n 24 --size 8", u64::MAX);
+    run(&format!("cornell --sampler jittered {sets}"))
+        .fails(1, &["--sets 18446744073709551615 needs", "memory"]);
+    run("cornell --sampler healpix -n 24 --sets 9").fails(2, &["--sets is for random samplers"]);
+    place.write("pyramid.obj", PYRAMID);
+    for fov in ["0", "nan", "180", "-3"] {
+        run(&format!("pyramid.obj --sampler jittered --fov {fov}"))
+            .fails(2, &["--fov must be", "above 0 and below 180 degrees"]);
+    }
+    image::RgbImage::new(8, 4).save(place.path("sky.png")).unwrap();
+    run("cornell --sampler jittered --integral irradiance:env=sky.png")
+        .fails(1, &["sky.png", "expected OpenEXR (.exr) or Radiance HDR (.hdr)"]);
+    let panels = vec!["reference"; 4000].join(",");
+    run(&format!("cornell --sheet {panels} -o s.png --size 32768"))
+        .fails(1, &["the sheet needs", "memory"]);
     run("cornell --study -n 6").fails(2, &["--samplers is missing"]);
     run("cornell --study --samplers jittered -m 1").fails(2, &["-m from 2 on"]);
     run("cornell --sheet jittered@upside").fails(2, &["-o is missing"]);
     run("cornell --sheet jittered@upside -o s.png").fails(2, &["unknown mode \"upside\""]);
     run("cornell --sheet jittered -o s.exr").fails(2, &["sheets are written as .png"]);
-    assert_eq!(place.names(), ["broken.obj", "empty.obj"]);
+    assert_eq!(place.names(), ["broken.obj", "empty.obj", "pyramid.obj", "sky.png"]);
 }
 
 /// The city of the repository lights a mesh.

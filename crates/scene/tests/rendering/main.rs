@@ -5,4 +5,5 @@ mod determinism;
 mod errors_of_pictures;
 mod exact_values;
 mod modes;
+mod random_errors;
 mod spot;

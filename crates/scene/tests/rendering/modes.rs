@@ -49,20 +49,26 @@ fn directions_are_unit_vectors_above_the_surface() {
     }
 }
 
-/// Of a set that is turned alike, the kept halves above a surface and below it are the whole set.
+/// Of a set that is turned alike, the kept halves above a surface and below it are the whole set: directions in its plane
+/// are in one of them. Pixels of HEALPix lie on the equator.
 #[test]
 fn halves_of_a_sphere_set_make_it_whole() {
     let (mut above, mut below) = (Vec::new(), Vec::new());
-    for mode in [DirectionMode::Shared, DirectionMode::Rotated] {
-        let plan = plan(&Pattern::Fibonacci, 100, mode);
-        let sets = plan.prepare(0).unwrap();
-        let normal = DVec3::new(0.36, -0.48, 0.8);
-        for index in 0..20 {
-            sets.directions_into(normal, index, &mut above).unwrap();
-            sets.directions_into(-normal, index, &mut below).unwrap();
-            assert_eq!(above.len() + below.len(), 200, "{mode}");
+    let mut n_in_plane = 0;
+    for (pattern, n) in [(Pattern::Fibonacci, 100), (Pattern::Healpix, 96)] {
+        for mode in [DirectionMode::Shared, DirectionMode::Rotated] {
+            let sets = plan(&pattern, n, mode).prepare(0).unwrap();
+            for normal in [DVec3::new(0.36, -0.48, 0.8), DVec3::X, DVec3::Y, DVec3::Z] {
+                for index in 0..20 {
+                    sets.directions_into(normal, index, &mut above).unwrap();
+                    sets.directions_into(-normal, index, &mut below).unwrap();
+                    assert_eq!(above.len() + below.len(), 2 * n, "{pattern} {mode} {normal}");
+                    n_in_plane += above.iter().filter(|d| normal.dot(**d) == 0.0).count();
+                }
+            }
         }
     }
+    assert!(n_in_plane > 0, "no direction is in a plane, so nothing was tested");
 }
 
 #[test]
@@ -121,35 +127,64 @@ fn sets_that_are_not_turned_are_unbiased_over_renders() {
 }
 
 /// N directions of the hemisphere, the sum over half of 2N of the sphere, and their mean: `p(1-p)/N`,
-/// `p(1-p/2)/N`, and `p(1-p) E(1/n)` with binomial n.
+/// `p(1-p/2)/N`, and with binomial n, of which `q = 2^-2N` is the chance of 0, where the value is 0,
+/// `p(1-p) E(1/n; n > 0) + p^2 q(1-q)`. Of three directions the first and the last are 20 % apart.
 #[test]
 fn white_noise_has_its_variances() {
     let (spot, p) = sheltered();
-    let n = 16;
+    let n = 3;
     let chance = |k: u64| {
         let choose = (0..k).fold(1.0, |c, i| c * (2 * n - i) as f64 / (i + 1) as f64);
         choose * 0.5f64.powi(2 * i32::try_from(n).unwrap())
     };
     let inverse: f64 = (1..=2 * n).map(|k| chance(k) / k as f64).sum();
+    let none = chance(0);
+    let of_halves = p * (1.0 - p) * inverse + p * p * none * (1.0 - none);
     let cases = [
-        (DirectionMode::Fresh, Estimator::Ratio, p * (1.0 - p) / n as f64),
-        (DirectionMode::Rotated, Estimator::Unbiased, p * (1.0 - 0.5 * p) / n as f64),
-        (DirectionMode::Rotated, Estimator::Ratio, p * (1.0 - p) * inverse),
+        (DirectionMode::Fresh, Estimator::Ratio, p, p * (1.0 - p) / n as f64),
+        (DirectionMode::Rotated, Estimator::Unbiased, p, p * (1.0 - 0.5 * p) / n as f64),
+        (DirectionMode::Rotated, Estimator::Ratio, p * (1.0 - none), of_halves),
     ];
-    const SIDE: usize = 64;
-    for (mode, estimator, expected) in cases {
-        let sets = plan(&Pattern::WhiteNoise, 16, mode).prepare(0).unwrap();
+    const SIDE: usize = 256;
+    for (mode, estimator, p, expected) in cases {
+        let plan = plan(&Pattern::WhiteNoise, 3, mode).with_sets(SIDE * SIDE);
+        let sets = plan.prepare(0).unwrap();
         let image = spot.render(&AMBIENT, estimator, &sets, SIDE);
         let (mean, error) = mean_and_error(&image.values);
         assert!((mean - p).abs() < Z * error, "{mode} {estimator:?}: {mean} +- {error}, exact {p}");
         let count = (SIDE * SIDE) as f64;
         let variance = error * error * count;
-        // sqrt(2/4096) = 2.2 % as for normal numbers, and as much again for sets of a table that are used four times.
+        // sqrt(2/65536) = 0.6 % as for normal numbers, and as much again for sets of a table that are used more than
+        // once: 5 % in all.
         let tolerance = Z * expected * 2.0 * (2.0 / count).sqrt();
         assert!(
             (variance - expected).abs() < tolerance,
             "{mode} {estimator:?}: {variance}, {expected}"
         );
+    }
+}
+
+/// Sets that are quickly made fill a table, slow ones are few, and lattices have one.
+#[test]
+fn numbers_of_sets() {
+    let usual = |name: &str, n| DirectionPlan::usual_sets(&Pattern::from_name(name).unwrap(), n);
+    assert_eq!(["jittered", "white-noise", "poisson-disk"].map(|name| usual(name, 16)), [1024; 3]);
+    assert_eq!((usual("jittered", 4096), usual("jittered", 1 << 20)), (64, 4));
+    assert_eq!((usual("riesz", 4096), usual("ccvt", usize::MAX), usual("sobol", 0)), (4, 4, 1024));
+    let between = usual("step", 64);
+    assert!((5..1024).contains(&between), "{between}");
+    let of = |pattern, mode| {
+        let plan = plan(&pattern, 24, mode).with_sets(5);
+        (plan.has_table(), plan.n_sets(), plan.distinct_sets(3))
+    };
+    for mode in DirectionMode::ALL {
+        let (table, sets, distinct) = match mode {
+            DirectionMode::Shared | DirectionMode::Spun => (false, 1, 3),
+            DirectionMode::Rotated | DirectionMode::Projective => (true, 5, 15),
+            DirectionMode::Fresh => (false, 0, 0),
+        };
+        assert_eq!(of(Pattern::Jittered, mode), (table, sets, distinct), "{mode}");
+        assert_eq!(of(Pattern::Healpix, mode), (false, sets.min(1), 1), "{mode}");
     }
 }
 
@@ -161,7 +196,8 @@ fn numbers_of_directions() {
     assert_eq!(DirectionPlan::reference(7, 0).unwrap().n_points(), 24);
     DirectionPlan::reference(0, 0).unwrap_err();
     for n in [usize::MAX, usize::MAX / 4] {
-        assert!(matches!(DirectionPlan::reference(n, 0), Ok(_) | Err(Error::Sampler(_))), "{n}");
+        let refused = DirectionPlan::reference(n, 0);
+        assert!(matches!(refused, Err(Error::Sampler(_))), "{n}: {refused:?}");
     }
     for mode in DirectionMode::ALL {
         // Whatever exists in one mode exists in all.

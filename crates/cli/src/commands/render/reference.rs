@@ -30,7 +30,7 @@ impl Reference {
         let plan = DirectionPlan::reference(args.reference_n, global.seed)
             .map_err(|e| CliError::Usage(format!("--reference-n: {e}")))?;
         let directions = size_of::<glam::DVec3>() as f64 * plan.n_points() as f64;
-        let at_once = (plan.n_sets() + rayon::current_num_threads()) as f64;
+        let at_once = plan.n_sets() as f64 + rayon::current_num_threads() as f64;
         check_memory("--reference-n", directions * at_once)?;
         let description = format!(
             "program {}\nseed {} directions {}\n{}",

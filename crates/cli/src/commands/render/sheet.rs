@@ -7,13 +7,14 @@ use sphvar_scene::{DirectionMode, Image};
 
 use super::colours::grey;
 use super::reference::Reference;
-use super::single::{ErrorRecord, white};
+use super::single::{ErrorRecord, plain, white};
 use super::stage::Stage;
 use super::trials::{Outcome, Trials};
 use super::{RenderArgs, parse_mode};
 use crate::error::CliError;
 use crate::files::{AtomicFile, PictureFormat, png_bytes};
 use crate::global::Global;
+use crate::memory::check_memory;
 use crate::patterns::parse_pattern;
 use crate::plots::{ContactSheet, Panel};
 use crate::progress::Progress;
@@ -71,18 +72,21 @@ pub(super) fn run(args: &RenderArgs, panels: &str, global: &Global) -> Result<()
         }
     }
     let stage = args.stage.stage(USUAL_SIZE)?;
-    for wish in &wishes {
-        if let Wish::Pattern(trials) = wish {
-            trials.check(&stage)?;
-        }
+    let region = stage.view()?.region();
+    check_memory("the sheet", ContactSheet::bytes([region.width, region.height], wishes.len()))?;
+    let mut most = 0;
+    for trials in patterns(&wishes) {
+        trials.check(&stage)?;
+        most = most.max(trials.plan.n_points());
     }
-    let reference = Reference::new(args, &stage, global)?.image(&stage)?;
+    Trials::check_sets(args, patterns(&wishes))?;
+    let reference = Reference::new(args, &stage, global)?;
+    reference.remark(most);
+    let reference = reference.image(&stage)?;
     let white = args.white.unwrap_or_else(|| white(&stage, &reference));
     let mut cost = 0.0;
-    for wish in &wishes {
-        if let Wish::Pattern(trials) = wish {
-            cost += trials.cost(&stage)?;
-        }
+    for trials in patterns(&wishes) {
+        cost += trials.cost(&stage)?;
     }
     let progress = Progress::new(cost, global.quiet);
     let (mut pictures, mut records) = (Vec::new(), Vec::new());
@@ -123,8 +127,8 @@ pub(super) fn run(args: &RenderArgs, panels: &str, global: &Global) -> Result<()
             r.n.to_string(),
             short(r.errors.mse),
             short(r.errors.mse_stderr),
-            format!("{:.2}", r.errors.structured_error),
-            format!("{:.3}", r.errors.autocorrelation),
+            plain(r.errors.structured_error, 2),
+            plain(r.errors.autocorrelation, 3),
         ]
     };
     let heading = ["sampler", "mode", "N", "mse", "+-", "structured error", "correlation"];
@@ -143,6 +147,14 @@ fn wish(args: &RenderArgs, text: &str, n: usize, seed: u64) -> Result<Wish, CliE
     let renders = args.realizations.unwrap_or(USUAL_RENDERS);
     let trials = Trials::new(args, parse_pattern(sampler)?, mode, n, renders, seed)?;
     Ok(Wish::Pattern(Box::new(trials)))
+}
+
+/// Those that show a pattern.
+fn patterns(wishes: &[Wish]) -> impl Iterator<Item = &Trials> {
+    wishes.iter().filter_map(|wish| match wish {
+        Wish::Reference => None,
+        Wish::Pattern(trials) => Some(&**trials),
+    })
 }
 
 fn panel(image: &Image, white: f64, caption: Vec<String>) -> Panel {
@@ -169,7 +181,7 @@ fn rendered(
     });
     caption.extend(record.as_ref().map(|record| {
         let ErrorRecord { mse, structured_error, .. } = record.errors;
-        format!("MSE {mse:.2e}, structure {structured_error:.1}")
+        format!("MSE {mse:.2e}, structure {}", plain(structured_error, 1))
     }));
     Ok((panel(&picture, white, caption), record))
 }

@@ -53,6 +53,7 @@ pub(super) struct ErrorRecord {
     pub(super) variance: f64,
     pub(super) variance_stderr: f64,
     pub(super) bias_squared: f64,
+    pub(super) bias_squared_stderr: f64,
     pub(super) white_noise: f64,
     /// White noise's exact mean squared error over this one.
     pub(super) gain: f64,
@@ -72,7 +73,8 @@ impl ErrorRecord {
             mse_stderr: report.mse.stderr,
             variance: report.variance.value,
             variance_stderr: report.variance.stderr,
-            bias_squared: report.bias_squared,
+            bias_squared: report.bias_squared.value,
+            bias_squared_stderr: report.bias_squared.stderr,
             white_noise: *white_noise,
             gain: white_noise / report.mse.value,
             structured_error: report.structure.value,
@@ -95,15 +97,21 @@ pub(super) fn run(args: &RenderArgs, global: &Global) -> Result<(), CliError> {
         Some(&[n]) => n,
         Some(several) => {
             return Err(CliError::Usage(format!(
-                "one picture has one number of directions, got {}; several are for --study",
+                "one picture has one number of directions, got {}; several are for --study and --sheet",
                 several.len()
             )));
         }
     };
     let compare = args.mse || global.json || args.difference.is_some() || args.error.is_some();
     let renders = args.realizations.unwrap_or(if compare { USUAL_RENDERS } else { 1 });
+    if renders > 1 && !compare {
+        return Err(CliError::Usage(format!(
+            "-m {renders} is for errors: ask for them with --mse, --json, --difference or --error"
+        )));
+    }
     let pattern = parse_pattern(sampler)?;
     let trials = Trials::new(args, pattern, args.mode()?, count, renders, global.seed)?;
+    Trials::check_sets(args, [&trials])?;
     let stage = args.stage.stage(USUAL_SIZE)?;
     trials.check(&stage)?;
     let reference = Reference::new(args, &stage, global)?;
@@ -129,10 +137,17 @@ pub(super) fn run(args: &RenderArgs, global: &Global) -> Result<(), CliError> {
 
 /// Refuses names that could not be written, before the work.
 fn check_outputs(args: &RenderArgs, global: &Global) -> Result<(), CliError> {
-    let paths = [&args.out, &args.difference, &args.error];
-    for path in paths.into_iter().flatten() {
+    let paths: Vec<&PathBuf> =
+        [&args.out, &args.difference, &args.error].into_iter().flatten().collect();
+    for (i, path) in paths.iter().enumerate() {
         PictureFormat::of_path(path)?;
         AtomicFile::check(path)?;
+        if !is_stdout(path) && paths[..i].contains(path) {
+            return Err(CliError::Usage(format!(
+                "-o, --difference and --error need files of their own, got {} twice",
+                path.display()
+            )));
+        }
     }
     let on_stdout = |path: &Option<PathBuf>| path.as_deref().is_some_and(is_stdout);
     let others = [&args.difference, &args.error].into_iter().any(on_stdout);
@@ -191,13 +206,9 @@ fn text(trials: &Trials, outcome: &Outcome) -> String {
     );
     if let Some(errors) = errors {
         let record = ErrorRecord::new(errors);
-        let plain = |x: f64, digits: usize| match x.is_finite() {
-            true => format!("{x:.digits$}"),
-            false => "-".to_owned(),
-        };
         text += &format!(
             "mean squared error {} +- {} (renders: {}), {} times less than white noise's {}\n\
-             variance {} +- {}, squared bias {}\n\
+             variance {} +- {}, squared bias {} +- {}\n\
              structured error {} +- {} (1: independent pixels), neighbours' correlation {}\n",
             short(record.mse),
             short(record.mse_stderr),
@@ -207,6 +218,7 @@ fn text(trials: &Trials, outcome: &Outcome) -> String {
             short(record.variance),
             short(record.variance_stderr),
             short(record.bias_squared),
+            short(record.bias_squared_stderr),
             plain(record.structured_error, 2),
             plain(record.structured_error_stderr, 2),
             plain(record.autocorrelation, 3),
@@ -219,6 +231,11 @@ fn text(trials: &Trials, outcome: &Outcome) -> String {
         }
     }
     text
+}
+
+/// A number for people with so many digits after the point, or a dash if there is none.
+pub(super) fn plain(x: f64, digits: usize) -> String {
+    if x.is_finite() { format!("{x:.digits$}") } else { "-".to_owned() }
 }
 
 fn write_pictures(

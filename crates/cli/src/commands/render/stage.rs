@@ -18,8 +18,6 @@ const INTEGRALS: &str = "ao[:weight=cosine] | irradiance:env=FILE[,channel=lumin
 
 /// The field of view of a mesh, degrees.
 const USUAL_FOV: f64 = 40.0;
-/// Half the height of the film behind the box's camera over its distance: 0.0125 m and 0.035 m.
-const CORNELL_HALF_VIEW: f64 = 0.0125 / 0.035;
 
 /// Flags about the scene.
 #[derive(Debug, Args)]
@@ -176,26 +174,36 @@ impl StageArgs {
             _ => (),
         }
         let bounds = scene.bounds();
-        let usual_fov =
-            if own.is_some() { 2.0 * CORNELL_HALF_VIEW.atan() } else { USUAL_FOV.to_radians() };
-        let fov = self.fov.map_or(usual_fov, f64::to_radians);
+        let usual_fov = own.map_or(USUAL_FOV.to_radians(), |camera| camera.field_of_view());
+        let fov = match self.fov {
+            None => usual_fov,
+            Some(fov) if fov > 0.0 && fov < 180.0 => fov.to_radians(),
+            Some(fov) => {
+                return Err(CliError::Usage(format!(
+                    "--fov must be a field of view above 0 and below 180 degrees, got {fov}"
+                )));
+            }
+        };
         let target = match (self.look_at, own) {
             (Some(at), _) => DVec3::from_array(at.0),
             (None, Some(camera)) if self.eye.is_none() => camera.position() + DVec3::Z,
             _ => bounds.center(),
         };
-        let eye = match (self.eye, own) {
-            (Some(eye), _) => DVec3::from_array(eye.0),
-            (None, Some(camera)) => camera.position(),
-            (None, None) => usual_eye(scene, target, up, fov),
+        let eye = self.eye.map(|eye| DVec3::from_array(eye.0));
+        let camera = match eye.or(own.map(|camera| camera.position())) {
+            Some(eye) => Camera::look_at(eye, target, up, fov),
+            None => Camera::around(&bounds, target, up, fov),
         };
-        Camera::look_at(eye, target, up, fov).map_err(CliError::usage)
+        camera.map_err(CliError::usage)
     }
 
     fn wanted(&self, light: Option<Quad>, up: DVec3) -> Result<(Wanted, String), CliError> {
         let text = &self.integral;
         let mut spec = Spec::parse(text)?;
         let mut albedo = 1.0;
+        if spec.name != "light" && self.lamp.is_some() {
+            return Err(CliError::Usage(format!("--lamp is for light, not for {text}")));
+        }
         if spec.name != "ao" {
             if self.max_distance.is_some() {
                 return Err(CliError::Usage(format!("--max-distance is for ao, not for {text}")));
@@ -250,16 +258,6 @@ impl StageArgs {
             name => Err(unknown_name("integral", name, &["ao", "irradiance", "light"])),
         }
     }
-}
-
-/// Above and in front, so far that the ball around the scene's box fills the picture's height.
-fn usual_eye(scene: &Scene, target: DVec3, up: DVec3, fov: f64) -> DVec3 {
-    let bounds = scene.bounds();
-    let radius = 0.5 * (bounds.max - bounds.min).length();
-    let up = up.try_normalize().unwrap_or(DVec3::Y);
-    let turn = DQuat::from_rotation_arc(DVec3::Y, up);
-    let towards = turn * DVec3::new(0.5, 0.45, 1.0).normalize();
-    target + towards * (radius / (0.5 * fov).sin())
 }
 
 fn read(path: &Path) -> Result<Vec<u8>, CliError> {

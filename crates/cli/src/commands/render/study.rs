@@ -7,7 +7,7 @@ use sphvar_variance::{RateFit, VariancePoint, fit_rate};
 use super::RenderArgs;
 use super::points::Counts;
 use super::reference::Reference;
-use super::single::ErrorRecord;
+use super::single::{ErrorRecord, plain};
 use super::trials::{Trials, USUAL_RENDERS};
 use crate::commands::crossovers::{CrossoverRecord, crossovers};
 use crate::error::CliError;
@@ -44,7 +44,7 @@ struct Row {
     mode: &'static str,
     asked: usize,
     n: usize,
-    /// Different sets in all renders together; 0 if every pixel has its own.
+    /// Different sets in all renders together: 1 of lattices, 0 if every pixel has its own.
     sets: u64,
     renders: u64,
     #[serde(flatten)]
@@ -104,6 +104,7 @@ pub(super) fn run(args: &RenderArgs, global: &Global) -> Result<(), CliError> {
         }
         patterns.push(pattern);
     }
+    Trials::check_sets(args, &cases)?;
     let stage = args.stage.stage(USUAL_SIZE)?;
     for case in &cases {
         case.check(&stage)?;
@@ -123,7 +124,7 @@ pub(super) fn run(args: &RenderArgs, global: &Global) -> Result<(), CliError> {
             mode: mode.name(),
             asked: case.asked,
             n: case.plan.n_points(),
-            sets: case.plan.n_sets() as u64 * renders,
+            sets: case.plan.distinct_sets(renders),
             renders,
             errors: ErrorRecord::new(errors),
         }));
@@ -166,8 +167,8 @@ pub(super) fn run(args: &RenderArgs, global: &Global) -> Result<(), CliError> {
 impl Row {
     /// The heading of [`Self::record`].
     const COLUMNS: &'static str = "sampler,mode,asked,n,sets,renders,mse,mse_stderr,variance,\
-         variance_stderr,bias_squared,white_noise,gain,structured_error,structured_error_stderr,\
-         autocorrelation,bias_t,bias_limit";
+         variance_stderr,bias_squared,bias_squared_stderr,white_noise,gain,structured_error,\
+         structured_error_stderr,autocorrelation,bias_t,bias_limit";
 
     /// The row of a CSV file.
     fn record(&self) -> Vec<String> {
@@ -182,6 +183,7 @@ impl Row {
             e.variance,
             e.variance_stderr,
             e.bias_squared,
+            e.bias_squared_stderr,
             e.white_noise,
             e.gain,
             e.structured_error,
@@ -203,8 +205,8 @@ impl Row {
             self.n.to_string(),
             short(e.mse),
             short(e.mse_stderr),
-            format!("{:.3}", e.gain),
-            format!("{:.2}", e.structured_error),
+            plain(e.gain, 3),
+            plain(e.structured_error, 2),
             e.bias_t.map_or("-".to_owned(), |t| format!("{t:.1}")),
         ]
     }

@@ -20,6 +20,8 @@ pub(super) const USUAL_RENDERS: u64 = 8;
 pub(super) struct Trials {
     pub(super) asked: usize,
     pub(super) plan: DirectionPlan,
+    /// Of `--sets`.
+    sets: Option<usize>,
     pub(super) estimator: Estimator,
     pub(super) renders: u64,
 }
@@ -59,15 +61,32 @@ impl Trials {
         if let Some(sets) = args.sets {
             plan = plan.with_sets(sets);
         }
-        Ok(Self { asked, plan, estimator: args.estimator()?, renders })
+        Ok(Self { asked, plan, sets: args.sets, estimator: args.estimator()?, renders })
+    }
+
+    /// Refuses `--sets` where none of the cases has a table.
+    pub(super) fn check_sets<'a>(
+        args: &RenderArgs,
+        cases: impl IntoIterator<Item = &'a Self>,
+    ) -> Result<(), CliError> {
+        if args.sets.is_some() && !cases.into_iter().any(|case| case.plan.has_table()) {
+            return Err(CliError::Usage(
+                "--sets is for random samplers in the modes rotated and projective".to_owned(),
+            ));
+        }
+        Ok(())
     }
 
     /// Refuses what does not fit into memory.
     pub(super) fn check(&self, stage: &Stage) -> Result<(), CliError> {
         let direction = size_of::<glam::DVec3>() as f64;
         let points = self.plan.mode().set_points(self.plan.n_points()) as f64;
-        let at_once = (self.plan.n_sets() + rayon::current_num_threads()) as f64;
-        check_memory(&format!("-n {}", self.asked), direction * points * at_once)?;
+        let at_once = self.plan.n_sets() as f64 + rayon::current_num_threads() as f64;
+        let what = match self.sets {
+            Some(sets) if self.plan.has_table() => format!("-n {} --sets {sets}", self.asked),
+            _ => format!("-n {}", self.asked),
+        };
+        check_memory(&what, direction * points * at_once)?;
         // Value, spread and whether hit of render and reference; errors of all renders.
         let pixel = (2 * 17 + 8) as f64 + 8.0 * self.renders as f64;
         let region = stage.view()?.region();
@@ -77,12 +96,24 @@ impl Trials {
     /// What a progress bar counts.
     pub(super) fn cost(&self, stage: &Stage) -> Result<f64, CliError> {
         let region = stage.view()?.region();
-        Ok((region.width * region.height) as f64 * self.cost_of_pixel() * self.renders as f64)
+        let pixels = (region.width * region.height) as f64 * self.cost_of_pixel();
+        Ok((self.cost_of_table() + pixels) * self.renders as f64)
     }
 
-    /// In units of a microsecond, about: rays, and what a pixel costs besides.
+    /// Seconds on one core, about: rays, what a pixel costs besides, and its own set if it has one.
     fn cost_of_pixel(&self) -> f64 {
-        1e-6 * (0.1 * self.plan.n_points() as f64 + 1.0)
+        let n = self.plan.n_points();
+        let own = match self.plan.mode() {
+            DirectionMode::Fresh => self.plan.pattern().seconds(n),
+            _ => 0.0,
+        };
+        1e-7 * n as f64 + 1e-6 + own
+    }
+
+    /// Seconds on one core for the sets of a render, about.
+    fn cost_of_table(&self) -> f64 {
+        let points = self.plan.mode().set_points(self.plan.n_points());
+        self.plan.n_sets() as f64 * self.plan.pattern().seconds(points)
     }
 
     /// Renders and compares.
@@ -98,6 +129,7 @@ impl Trials {
         let (mut picture, mut rays, mut seconds) = (None, 0, 0.0);
         for number in 0..self.renders {
             let sets = self.plan.prepare(number).map_err(CliError::failed)?;
+            progress.advance(self.cost_of_table());
             let start = Instant::now();
             let done = |pixels: usize| progress.advance(pixels as f64 * self.cost_of_pixel());
             let image = stage
