@@ -17,10 +17,12 @@ pub(crate) struct SpectrumRow {
     pub(crate) power: f64,
     /// 0 where the file gives none: the value is taken as exact.
     pub(crate) stderr: f64,
+    /// 0 where the file does not say it.
+    pub(crate) realizations: u64,
 }
 
-/// Returns the degrees of a text file with the columns `l` and `power` (or `mean`), and `stderr` if there
-/// is one; the path `-` is standard input.
+/// Returns the degrees of a text file with the columns `l` and `power` (or `mean`), and `stderr` and
+/// `realizations` if there are any; the path `-` is standard input.
 ///
 /// Fields are divided by commas or by blanks. A first line without any number is a header and names the
 /// columns (quoted or not, in any case, order and company); without one they are l, power, stderr in
@@ -86,7 +88,12 @@ fn read_stream(input: impl BufRead, path: &str) -> Result<Vec<SpectrumRow>, File
         };
         let power = number("power", columns.power)?;
         let stderr = columns.stderr.map_or(Ok(0.0), |column| number("stderr", column))?;
-        rows.insert(l, SpectrumRow { l, power, stderr });
+        let count = |column: usize| {
+            let text = &fields[column];
+            text.parse().map_err(|_| wrong("realizations", "a whole number", text))
+        };
+        let realizations = columns.realizations.map_or(Ok(0), count)?;
+        rows.insert(l, SpectrumRow { l, power, stderr, realizations });
     }
     let Some(&lmax) = rows.keys().next_back() else {
         return Err(layout_error(
@@ -113,6 +120,7 @@ struct Columns {
     l: usize,
     power: usize,
     stderr: Option<usize>,
+    realizations: Option<usize>,
 }
 
 impl Columns {
@@ -125,13 +133,15 @@ impl Columns {
             l: find(&["l"])?,
             power: find(&["power", "mean"])?,
             stderr: find(&["stderr"]),
+            realizations: find(&["realizations"]),
         })
     }
 
     /// Returns the columns of lines that have this number of fields; those after the third mean
     /// nothing here.
     fn without_header(count: usize) -> Option<Self> {
-        (count >= 2).then_some(Self { count, l: 0, power: 1, stderr: (count > 2).then_some(2) })
+        let stderr = (count > 2).then_some(2);
+        (count >= 2).then_some(Self { count, l: 0, power: 1, stderr, realizations: None })
     }
 }
 
@@ -145,7 +155,7 @@ mod tests {
 
     #[test]
     fn every_dialect_gives_the_same_rows() {
-        let row = |l, power, stderr| SpectrumRow { l, power, stderr };
+        let row = |l, power, stderr| SpectrumRow { l, power, stderr, realizations: 0 };
         let with_errors = vec![row(1, 0.5, 0.25), row(2, 1e-3, 0.0)];
         for text in [
             "1,0.5,0.25\n2,1e-3,0\n",
@@ -164,6 +174,12 @@ mod tests {
     }
 
     #[test]
+    fn the_number_of_realizations_is_read() {
+        let rows = read("l,power,stderr,realizations\n1,0.5,0.1,40\n").unwrap();
+        assert_eq!(rows[0].realizations, 40);
+    }
+
+    #[test]
     fn wrong_lines_are_named() {
         for (text, message) in [
             ("", "S: expected rows of l and power, got none"),
@@ -178,6 +194,10 @@ mod tests {
             ),
             ("l,power\n\n1,0.5\n2,x\n", "S:4: power: expected a finite number from 0, got \"x\""),
             ("1 0.5\n2 nan", "S:2: power: expected a finite number from 0, got \"nan\""),
+            (
+                "l,power,realizations\n1,0.5,x\n",
+                "S:2: realizations: expected a whole number, got \"x\"",
+            ),
             ("nan 0.5", "S:1: l: expected a degree, got \"nan\""),
             ("1 0.5 -1", "S:1: stderr: expected a finite number from 0, got \"-1\""),
             ("l,power,stderr\n1,0.5\n", "S:2: expected 3 fields, got 2"),

@@ -94,6 +94,7 @@ impl Measured {
     fn from_file(path: &Path, points: Option<usize>, domain: Domain) -> Result<Self, CliError> {
         let rows = read_spectrum(path)?;
         let lmax = rows.iter().map(|r| r.l).max().unwrap_or(0);
+        let realizations = rows.iter().map(|r| r.realizations).min().unwrap_or(0);
         let (mut power, mut stderr) = (vec![f64::NAN; lmax + 1], vec![0.0; lmax + 1]);
         for row in rows {
             power[row.l] = row.power;
@@ -108,7 +109,7 @@ impl Measured {
         })?;
         power[0] = n_points as f64;
         let label = path.display().to_string();
-        Ok(Self { label, sampler: None, n_points, domain, power, stderr, realizations: 0 })
+        Ok(Self { label, sampler: None, n_points, domain, power, stderr, realizations })
     }
 
     /// The spectrum as fits and checks have it.
