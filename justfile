@@ -28,6 +28,14 @@ peers *ARGS:
 healpy-values:
     python3 benches/peers/healpix_values.py
 
+# Write the small HEALPix maps of the tests again with healpy.
+healpy-maps:
+    python3 benches/peers/healpix_maps.py
+
+# Occlusion rays in a mesh beside Embree.
+occlusion-peer *ARGS:
+    python3 benches/peers/occlusion.py {{ARGS}}
+
 # The bounds of the thesis against every pattern that it gives them for, those that take minutes too.
 bounds-verdicts *ARGS:
     cargo run --release -- bounds white-noise -n 4096 -m 1000 {{ARGS}}
