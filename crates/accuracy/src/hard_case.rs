@@ -1,0 +1,22 @@
+use crate::Errors;
+
+/// An input at the edge of what numbers can hold, and the bound that the error keeps there.
+#[derive(Clone, Copy, Debug)]
+pub struct HardCase {
+    /// The name, which is that of its test: `colatitudes_down_to_1e_minus_300`.
+    pub name: &'static str,
+    /// What is computed, and what errors are relative to.
+    pub what: &'static str,
+    /// What the largest error must not exceed.
+    pub bound: f64,
+    /// Why the bound is what it is.
+    pub reason: &'static str,
+    /// Computes it and compares it with its reference.
+    pub measure: fn() -> Errors,
+}
+
+/// Every hard case.
+#[must_use]
+pub fn hard_cases() -> Vec<HardCase> {
+    Vec::new()
+}
