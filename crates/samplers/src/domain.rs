@@ -5,6 +5,7 @@ use glam::DVec3;
 
 /// Where the directions of a pattern live.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Domain {
     /// The unit sphere, area 4 pi; every degree exists.
     Sphere,

@@ -1,5 +1,6 @@
 /// The result of a render, row by row from the top.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Image {
     /// Number of columns.
     pub width: usize,

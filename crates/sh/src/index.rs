@@ -35,6 +35,7 @@ pub const MAX_DEGREE: usize = 1_000_000;
 ///
 /// Górski et al. 2005, doi:10.1086/427976; the layout is that of the `a_lm` files of their package.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct LmIndex {
     lmax: usize,
 }

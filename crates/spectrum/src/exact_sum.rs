@@ -21,6 +21,7 @@ const MOST_PENDING: u32 = 1 << 29;
 /// assert_eq!(sum.value_and_rest(), (1.0, 1e-300));
 /// ```
 #[derive(Clone, Debug, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct ExactSum {
     /// `sum = sum_i digits[i] 2^(LOWEST + 32 (first + i))`.
     digits: Vec<i64>,

@@ -16,6 +16,7 @@ use crate::ExactSum;
 /// assert_eq!(moments.variance(), 5.0 / 3.0);
 /// ```
 #[derive(Clone, Debug, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Moments {
     count: u64,
     sum: ExactSum,

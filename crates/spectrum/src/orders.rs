@@ -7,6 +7,7 @@ use crate::{Accumulator, Error, Moments, Realization};
 /// Its mean over a homogeneous ensemble is P(l) for every m; differences between orders show
 /// that an ensemble prefers directions.
 #[derive(Clone, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct OrderAccumulator {
     index: LmIndex,
     orders: Vec<Moments>,

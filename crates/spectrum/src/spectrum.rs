@@ -98,6 +98,7 @@ impl Spectrum {
 
 /// Accumulates the power per degree; the [`Spectrum`] in the making.
 #[derive(Clone, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct SpectrumAccumulator {
     domain: Domain,
     n_points: usize,

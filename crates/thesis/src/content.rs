@@ -1,0 +1,171 @@
+use glam::DVec3;
+
+/// What a panel shows.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Content {
+    /// Series over a common axis.
+    Curves(Curves),
+    /// A set of directions.
+    Directions(Directions),
+    /// Values on a grid, as colours.
+    Field(Field),
+    /// A picture of a scene.
+    Picture(Picture),
+}
+
+/// An axis.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Axis {
+    /// Quantity and unit.
+    pub label: String,
+    /// Whether it is logarithmic.
+    pub logarithmic: bool,
+    /// The first and last value that are shown; all of them if `None`. Not of logarithmic axes only.
+    pub range: Option<(f64, f64)>,
+}
+
+impl Axis {
+    /// A linear axis over all values.
+    pub(crate) fn linear(label: &str) -> Self {
+        Self { label: label.to_owned(), logarithmic: false, range: None }
+    }
+
+    /// A logarithmic axis over all values.
+    pub(crate) fn log(label: &str) -> Self {
+        Self { label: label.to_owned(), logarithmic: true, range: None }
+    }
+
+    /// The same axis from `low` to `high`.
+    pub(crate) fn over(self, low: f64, high: f64) -> Self {
+        Self { range: Some((low, high)), ..self }
+    }
+}
+
+/// Series over a common axis.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Curves {
+    /// The horizontal axis.
+    pub x: Axis,
+    /// The vertical axis.
+    pub y: Axis,
+    /// The series, the later drawn over the earlier.
+    pub curves: Vec<Curve>,
+}
+
+/// One series.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Curve {
+    /// Its entry in the legend, and its name in the data.
+    pub label: String,
+    /// x, y and the standard error of y (0 if it is exact).
+    pub points: Vec<[f64; 3]>,
+    /// How it is drawn.
+    pub mark: Mark,
+    /// Series with the same number have the same colour: measured and predicted values of one pattern.
+    pub colour: usize,
+}
+
+impl Curve {
+    /// A line through exact values.
+    pub(crate) fn line(
+        label: impl Into<String>,
+        colour: usize,
+        points: impl IntoIterator<Item = (f64, f64)>,
+    ) -> Self {
+        let points = points.into_iter().map(|(x, y)| [x, y, 0.0]).collect();
+        Self { label: label.into(), points, mark: Mark::Line, colour }
+    }
+
+    /// A series of values with standard errors.
+    pub(crate) fn new(
+        label: impl Into<String>,
+        colour: usize,
+        mark: Mark,
+        points: impl IntoIterator<Item = [f64; 3]>,
+    ) -> Self {
+        Self { label: label.into(), points: points.into_iter().collect(), mark, colour }
+    }
+}
+
+/// How a series is drawn.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Mark {
+    /// A line; errors as a band.
+    Line,
+    /// Markers; errors as bars.
+    Markers,
+}
+
+/// A set of directions, seen from afar.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Directions {
+    /// Unit vectors.
+    pub points: Vec<DVec3>,
+    /// From where they are seen: a direction of any length but zero.
+    pub viewpoint: DVec3,
+    /// Lines on the sphere that belong to the pattern, such as the borders of its strata, each through unit vectors.
+    pub lines: Vec<Vec<DVec3>>,
+}
+
+/// Values on a grid, row by row from the top.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Field {
+    /// Columns and rows.
+    pub size: [usize; 2],
+    /// The values; NaN where there is nothing.
+    pub values: Vec<f64>,
+    /// The quantity, for the scale of colours.
+    pub label: String,
+    /// The colours.
+    pub palette: Palette,
+    /// What is counted from left to right, with the values at the left and right edges.
+    pub x: Axis,
+    /// What is counted from top to bottom, with the values at the top and bottom edges.
+    pub y: Axis,
+}
+
+/// How values become colours.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Palette {
+    /// From 0 (dark) to the largest value.
+    Heat,
+    /// Black for 0 to white for the largest value.
+    Grey,
+    /// From minus the largest magnitude over white at 0 to the largest magnitude.
+    Signed,
+}
+
+/// A picture of a scene, with its error if it is not the reference.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Picture {
+    /// Columns and rows.
+    pub size: [usize; 2],
+    /// Linear grey, 1 is white, row by row from the top.
+    pub values: Vec<f64>,
+    /// A line below it: its number of directions and its mean squared error.
+    pub caption: String,
+}
+
+impl From<Curves> for Content {
+    fn from(curves: Curves) -> Self {
+        Self::Curves(curves)
+    }
+}
+
+impl From<Directions> for Content {
+    fn from(directions: Directions) -> Self {
+        Self::Directions(directions)
+    }
+}
+
+impl From<Field> for Content {
+    fn from(field: Field) -> Self {
+        Self::Field(field)
+    }
+}
+
+impl From<Picture> for Content {
+    fn from(picture: Picture) -> Self {
+        Self::Picture(picture)
+    }
+}

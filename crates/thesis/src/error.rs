@@ -1,0 +1,43 @@
+use crate::FigureId;
+
+/// Why a figure cannot be made.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// A text names no figure.
+    #[error("there is no figure \"{name}\": {}", FigureId::names())]
+    UnknownFigure {
+        /// The text.
+        name: String,
+    },
+    /// A pattern cannot be made.
+    #[error(transparent)]
+    Sampler(#[from] sphvar_samplers::Error),
+    /// A spectrum cannot be computed.
+    #[error(transparent)]
+    Spectrum(#[from] sphvar_spectrum::Error),
+    /// A variance cannot be computed.
+    #[error(transparent)]
+    Variance(#[from] sphvar_variance::Error),
+    /// A bound cannot be checked.
+    #[error(transparent)]
+    Bounds(#[from] sphvar_bounds::Error),
+    /// A picture cannot be rendered.
+    #[error(transparent)]
+    Scene(#[from] sphvar_scene::Error),
+    /// A harmonic cannot be computed.
+    #[error(transparent)]
+    Harmonics(#[from] sphvar_sh::Error),
+    /// The results lack a job of the figure.
+    #[error("the results lack \"{key}\": run all jobs of the figure first")]
+    Missing {
+        /// Its key.
+        key: String,
+    },
+    /// A finished piece cannot be kept.
+    #[error("a finished piece cannot be kept: {reason}")]
+    Store {
+        /// What the store said.
+        reason: String,
+    },
+}

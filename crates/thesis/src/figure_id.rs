@@ -1,0 +1,72 @@
+use std::fmt;
+use std::str::FromStr;
+
+use crate::figures::{self, Recipe};
+use crate::{Error, Figure, Job, Results, Setting};
+
+/// A figure of the thesis.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct FigureId(usize);
+
+impl FigureId {
+    /// Every figure that can be made, in the thesis's order.
+    pub fn all() -> impl Iterator<Item = Self> {
+        (0..figures::ALL.len()).map(Self)
+    }
+
+    /// The number in the thesis: `4.10`, `C.1`.
+    #[must_use]
+    pub fn number(self) -> &'static str {
+        figures::ALL[self.0].0
+    }
+
+    /// What the figure shows, in a few words.
+    #[must_use]
+    pub fn title(self) -> &'static str {
+        self.recipe().title()
+    }
+
+    /// The work that must be done before the figure can be composed.
+    #[must_use]
+    pub fn jobs(self, setting: Setting) -> Vec<Job> {
+        self.recipe().jobs(setting)
+    }
+
+    /// The figure, from the results of its jobs (others may be among them).
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Missing`] if a job was not run; the errors of what is computed besides.
+    pub fn compose(self, setting: Setting, results: &Results) -> Result<Figure, Error> {
+        let mut figure =
+            Figure { id: self, panels: Vec::new(), claims: Vec::new(), notes: Vec::new() };
+        self.recipe().compose(setting, results, &mut figure)?;
+        Ok(figure)
+    }
+
+    fn recipe(self) -> &'static dyn Recipe {
+        figures::ALL[self.0].1
+    }
+
+    /// The numbers, for messages.
+    pub(crate) fn names() -> String {
+        let names: Vec<&str> = Self::all().map(Self::number).collect();
+        format!("those that can be made are {}", names.join(", "))
+    }
+}
+
+impl fmt::Display for FigureId {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(self.number())
+    }
+}
+
+impl FromStr for FigureId {
+    type Err = Error;
+
+    /// Reads `4.10`, `c.1`.
+    fn from_str(text: &str) -> Result<Self, Error> {
+        let same = |id: &Self| id.number().eq_ignore_ascii_case(text.trim());
+        Self::all().find(same).ok_or_else(|| Error::UnknownFigure { name: text.to_owned() })
+    }
+}

@@ -1,0 +1,224 @@
+use std::ops::Range;
+
+use glam::DVec3;
+use num_complex::Complex;
+use rayon::prelude::{IntoParallelIterator, ParallelIterator};
+use serde::{Deserialize, Serialize};
+use sphvar_samplers::{Domain, Purpose};
+use sphvar_scene::Image;
+use sphvar_spectrum::{
+    Accumulator, CoefficientSamples, OrderAccumulator, Resolution, SpectrumAccumulator, accumulate,
+};
+use sphvar_variance::Measurement;
+
+use crate::results::Outcome;
+use crate::{Ensemble, Error, Pictures, TestIntegrand};
+
+/// An ensemble and what is kept of it.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum Job {
+    /// The mean power per degree.
+    Spectrum {
+        /// Of these sets.
+        ensemble: Ensemble,
+        /// Read as sets of this domain: hemisphere sets may be read as sets of the sphere.
+        domain: Domain,
+        /// To this degree, inclusive.
+        lmax: usize,
+        /// Over so many sets.
+        sets: u64,
+    },
+    /// The mean power of every order, of sets read as sets of the sphere.
+    Orders {
+        /// Of these sets.
+        ensemble: Ensemble,
+        /// To this degree, inclusive.
+        lmax: usize,
+        /// Over so many sets.
+        sets: u64,
+    },
+    /// One coefficient `S_lm = sum_k conj Y_lm(s_k)` of every set.
+    Coefficient {
+        /// Of these sets.
+        ensemble: Ensemble,
+        /// Its degree.
+        l: usize,
+        /// Its order, from 0 to l.
+        m: usize,
+        /// Of so many sets.
+        sets: u64,
+    },
+    /// Estimates of the integrals of both test functions, with the same sets, which are others than those of spectra.
+    Trials {
+        /// With these sets.
+        ensemble: Ensemble,
+        /// As many.
+        sets: u64,
+    },
+    /// Renders of the Cornell box.
+    Pictures(Pictures),
+}
+
+/// What a piece of a job gives.
+#[derive(Serialize, Deserialize)]
+pub(crate) enum Piece {
+    Spectrum(SpectrumAccumulator),
+    Orders(OrderAccumulator),
+    Coefficients(Vec<Complex<f64>>),
+    Trials([Vec<f64>; 2]),
+    Pictures(Vec<Image>),
+}
+
+/// Seconds of one core that a piece should take: what is lost at most when a run is interrupted.
+const PIECE_SECONDS: f64 = 4.0;
+/// Seconds that a point takes in both test functions, about.
+const TRIAL_SECONDS: f64 = 30e-9;
+
+impl Job {
+    /// Words that tell the job from every other, and from itself with another number of sets.
+    #[must_use]
+    pub fn key(&self) -> String {
+        format!("{} sets={}", self.key_of_set(), self.sets())
+    }
+
+    /// Words that tell what is done with each set.
+    pub(crate) fn key_of_set(&self) -> String {
+        match self {
+            Self::Spectrum { ensemble, domain, lmax, .. } => {
+                format!("spectrum on {domain} lmax={lmax} of {}", ensemble.key())
+            }
+            Self::Orders { ensemble, lmax, .. } => {
+                format!("orders lmax={lmax} of {}", ensemble.key())
+            }
+            Self::Coefficient { ensemble, l, m, .. } => {
+                format!("coefficient l={l} m={m} of {}", ensemble.key())
+            }
+            Self::Trials { ensemble, .. } => format!("trials of {}", ensemble.key()),
+            Self::Pictures(pictures) => pictures.key(),
+        }
+    }
+
+    /// The number of sets, or of renders.
+    #[must_use]
+    pub fn sets(&self) -> u64 {
+        match self {
+            Self::Spectrum { sets, .. }
+            | Self::Orders { sets, .. }
+            | Self::Coefficient { sets, .. }
+            | Self::Trials { sets, .. } => *sets,
+            Self::Pictures(pictures) => pictures.renders,
+        }
+    }
+
+    /// Seconds of one core for each set, about.
+    pub(crate) fn seconds_of_set(&self) -> f64 {
+        match self {
+            Self::Spectrum { ensemble, lmax, .. } | Self::Orders { ensemble, lmax, .. } => {
+                ensemble.seconds(*lmax)
+            }
+            Self::Coefficient { ensemble, l, .. } => ensemble.seconds(*l),
+            Self::Trials { ensemble, .. } => {
+                ensemble.pattern.seconds(ensemble.n_points)
+                    + TRIAL_SECONDS * ensemble.n_points as f64
+            }
+            Self::Pictures(pictures) => pictures.seconds(),
+        }
+    }
+
+    /// The pieces, each a range of sets. They depend on the job alone, not on the number of sets: a longer run takes
+    /// over the whole pieces of a shorter one.
+    pub(crate) fn pieces(&self) -> impl Iterator<Item = Range<u64>> + use<> {
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "a positive number, and too large ones become the largest"
+        )]
+        let length = ((PIECE_SECONDS / self.seconds_of_set()) as u64).max(1);
+        let sets = self.sets();
+        (0..sets.div_ceil(length)).map(move |i| i * length..((i + 1) * length).min(sets))
+    }
+
+    /// Does the work on some sets.
+    pub(crate) fn work(&self, seed: u64, sets: Range<u64>) -> Result<Piece, Error> {
+        Ok(match self {
+            Self::Spectrum { ensemble, domain, lmax, .. } => {
+                let empty = SpectrumAccumulator::new(*domain, ensemble.used_points(), *lmax);
+                Piece::Spectrum(accumulated(ensemble, seed, *lmax, sets, &empty)?)
+            }
+            Self::Orders { ensemble, lmax, .. } => {
+                let empty = OrderAccumulator::new(*lmax)?;
+                Piece::Orders(accumulated(ensemble, seed, *lmax, sets, &empty)?)
+            }
+            Self::Coefficient { ensemble, l, m, .. } => {
+                let empty = CoefficientSamples::new(*l, *m);
+                Piece::Coefficients(accumulated(ensemble, seed, *l, sets, &empty)?.finish())
+            }
+            Self::Trials { ensemble, .. } => Piece::Trials(estimates(ensemble, seed, sets)?),
+            Self::Pictures(pictures) => Piece::Pictures(pictures.render(seed, sets)?),
+        })
+    }
+
+    /// Puts the pieces together, in their order.
+    pub(crate) fn finish(&self, pieces: Vec<Piece>) -> Result<Outcome, Error> {
+        let lost = || Error::Missing { key: self.key() };
+        let mut pieces = pieces.into_iter();
+        let mut whole = pieces.next().ok_or_else(lost)?;
+        for piece in pieces {
+            match (&mut whole, piece) {
+                (Piece::Spectrum(whole), Piece::Spectrum(piece)) => whole.merge(&piece),
+                (Piece::Orders(whole), Piece::Orders(piece)) => whole.merge(&piece),
+                (Piece::Coefficients(whole), Piece::Coefficients(piece)) => whole.extend(piece),
+                (Piece::Trials(whole), Piece::Trials(piece)) => {
+                    for (whole, piece) in whole.iter_mut().zip(piece) {
+                        whole.extend(piece);
+                    }
+                }
+                (Piece::Pictures(whole), Piece::Pictures(piece)) => whole.extend(piece),
+                _ => return Err(lost()),
+            }
+        }
+        Ok(match whole {
+            Piece::Spectrum(accumulator) => {
+                let spectrum = accumulator.finish()?;
+                let exact = self.sets() == 1;
+                Outcome::Spectrum(if exact { spectrum.into_exact() } else { spectrum })
+            }
+            Piece::Orders(accumulator) => Outcome::Orders(accumulator.finish()),
+            Piece::Coefficients(samples) => Outcome::Coefficients(samples),
+            Piece::Trials(estimates) => Outcome::Trials(estimates.map(Measurement::new)),
+            Piece::Pictures(images) => Outcome::Pictures(images),
+        })
+    }
+}
+
+fn accumulated<A: Accumulator>(
+    ensemble: &Ensemble,
+    seed: u64,
+    lmax: usize,
+    sets: Range<u64>,
+    empty: &A,
+) -> Result<A, Error> {
+    let resolution = Resolution::new(lmax, ensemble.used_points());
+    ensemble.with_sets(seed, Purpose::Pattern, |all| {
+        Ok(accumulate(all, resolution, sets, empty, &|| ())?)
+    })
+}
+
+/// `area/N sum_k f(s_k)` of each set, for both test functions.
+fn estimates(ensemble: &Ensemble, seed: u64, sets: Range<u64>) -> Result<[Vec<f64>; 2], Error> {
+    let [harmonic, cap] = TestIntegrand::ALL.map(TestIntegrand::function);
+    let functions = [harmonic?, cap?];
+    let area = ensemble.domain().area();
+    let pairs: Result<Vec<[f64; 2]>, Error> = ensemble.with_sets(seed, Purpose::Trial, |all| {
+        let estimate = |(points, weights): &mut (Vec<DVec3>, Vec<f64>), index| {
+            all.realize_into(index, points, weights)?;
+            let n = points.len() as f64;
+            Ok([0, 1]
+                .map(|i| area * (points.iter().map(|&p| functions[i].eval(p)).sum::<f64>() / n)))
+        };
+        sets.into_par_iter().map_init(<(Vec<DVec3>, Vec<f64>)>::default, estimate).collect()
+    });
+    let pairs = pairs?;
+    Ok([0, 1].map(|i| pairs.iter().map(|pair| pair[i]).collect()))
+}

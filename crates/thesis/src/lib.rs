@@ -1,0 +1,50 @@
+//! The figures of Singh's thesis (*Sampling and Variance Analysis for Monte Carlo Integration in Spherical Domain*, 2015)
+//! and the numbers it states, computed again.
+//!
+//! ```text
+//! FigureId --jobs--> [Job] --run, piece by piece, kept in a Store--> Results --compose--> Figure { panels, claims }
+//! ```
+//!
+//! A [`Job`] is an ensemble and what is kept of it. Figures share jobs, a job falls into pieces of some seconds, and a
+//! [`Store`] keeps finished pieces, so that a run that was interrupted goes on where it stopped. Sums are exact, so
+//! pieces make the same bits as one run. What is in a figure are numbers; whoever has them draws them.
+//!
+//! ```
+//! use sphvar_thesis::{FigureId, Nothing, Results, Scale, Setting, run};
+//! let id: FigureId = "C.1".parse()?;
+//! let setting = Setting { scale: Scale::Quick, seed: 0 };
+//! let results = run(&id.jobs(setting), setting, &Nothing, &|_| ())?;
+//! let figure = id.compose(setting, &results)?;
+//! assert!(!figure.panels.is_empty() && !figure.claims.is_empty());
+//! # Ok::<(), sphvar_thesis::Error>(())
+//! ```
+
+mod claim;
+mod content;
+mod ensemble;
+mod error;
+mod figure;
+mod figure_id;
+mod figures;
+mod job;
+mod kept_half;
+mod pictures;
+mod results;
+mod run;
+mod setting;
+mod store;
+mod test_integrand;
+
+pub use claim::{Claim, Quantity, Stated, Verdict};
+pub use content::{Axis, Content, Curve, Curves, Directions, Field, Mark, Palette, Picture};
+pub use ensemble::{Ensemble, Points};
+pub use error::Error;
+pub use figure::{Figure, Panel};
+pub use figure_id::FigureId;
+pub use job::Job;
+pub use pictures::Pictures;
+pub use results::Results;
+pub use run::{run, seconds};
+pub use setting::{Scale, Setting};
+pub use store::{Nothing, Store};
+pub use test_integrand::TestIntegrand;

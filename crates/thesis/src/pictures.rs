@@ -1,0 +1,74 @@
+use std::ops::Range;
+
+use sphvar_samplers::Pattern;
+use sphvar_scene::{
+    CornellBox, DirectionMode, DirectionPlan, Estimator, Image, Integral, View, render,
+};
+
+use crate::Error;
+
+/// Renders of the Cornell box, each with sets of its own.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Pictures {
+    /// The pattern of directions; `None` for the reference: jittered, with about `n_points` directions, kept halves of
+    /// none.
+    pub pattern: Option<Pattern>,
+    /// The number of directions of a hit point, or the one that the pattern has next to it.
+    pub n_points: usize,
+    /// How sets become directions; the reference has its own way.
+    pub mode: DirectionMode,
+    /// Whether the lamp is on: direct light instead of ambient occlusion.
+    pub lamp: bool,
+    /// Pixels on a side.
+    pub side: usize,
+    /// How many renders.
+    pub renders: u64,
+}
+
+impl Pictures {
+    /// The number of directions of a hit point that the pattern really has; of halves of sphere sets the expected one.
+    #[must_use]
+    pub fn legal_points(&self) -> usize {
+        match &self.pattern {
+            Some(pattern) => DirectionPlan::nearest_count(pattern, self.n_points),
+            None => self.n_points,
+        }
+    }
+
+    pub(crate) fn key(&self) -> String {
+        let light = if self.lamp { "lamp" } else { "occlusion" };
+        let what = match &self.pattern {
+            Some(pattern) => format!("{pattern} {}", self.mode.name()),
+            None => "reference".to_owned(),
+        };
+        format!("pictures {light} {what} n={} side={}", self.legal_points(), self.side)
+    }
+
+    /// Seconds of one core for a render, about.
+    pub(crate) fn seconds(&self) -> f64 {
+        let n = self.legal_points() as f64;
+        // 10^7 rays a second, and what a pixel costs besides.
+        (1e-7 * n + 1e-6) * (self.side * self.side) as f64
+    }
+
+    pub(crate) fn render(&self, seed: u64, renders: Range<u64>) -> Result<Vec<Image>, Error> {
+        let plan = match &self.pattern {
+            Some(pattern) => {
+                DirectionPlan::new(pattern.clone(), self.legal_points(), self.mode, seed)?
+            }
+            None => DirectionPlan::reference(self.n_points, seed)?,
+        };
+        let CornellBox { scene, camera, light } = CornellBox::new();
+        let view = View::new(&scene, &camera, [self.side; 2])?;
+        let integral = if self.lamp {
+            Integral::Light { light: &light, albedo: 1.0 }
+        } else {
+            Integral::AmbientOcclusion { max_distance: f64::INFINITY, cosine: false }
+        };
+        let picture = |number| {
+            let sets = plan.prepare(number)?;
+            Ok(render(&view, &integral, Estimator::Ratio, &sets, &|_| ())?)
+        };
+        renders.map(picture).collect()
+    }
+}

@@ -1,0 +1,100 @@
+use std::collections::HashMap;
+
+use num_complex::Complex;
+use sphvar_scene::Image;
+use sphvar_spectrum::{OrderPower, Spectrum};
+use sphvar_variance::Measurement;
+
+use crate::{Error, Job};
+
+/// What jobs have given.
+#[derive(Clone, Debug, Default)]
+pub struct Results {
+    outcomes: HashMap<String, Outcome>,
+}
+
+/// What a whole job gives.
+#[derive(Clone, Debug)]
+pub(crate) enum Outcome {
+    Spectrum(Spectrum),
+    Orders(Vec<OrderPower>),
+    Coefficients(Vec<Complex<f64>>),
+    Trials([Measurement; 2]),
+    Pictures(Vec<Image>),
+}
+
+impl Results {
+    /// Whether the job has been run.
+    #[must_use]
+    pub fn contains(&self, job: &Job) -> bool {
+        self.outcomes.contains_key(&job.key())
+    }
+
+    pub(crate) fn insert(&mut self, job: &Job, outcome: Outcome) {
+        self.outcomes.insert(job.key(), outcome);
+    }
+
+    /// The mean spectrum of a [`Job::Spectrum`]; of a single set it is the set's own, without errors.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Missing`], as for the others.
+    pub fn spectrum(&self, job: &Job) -> Result<&Spectrum, Error> {
+        match self.outcomes.get(&job.key()) {
+            Some(Outcome::Spectrum(spectrum)) => Ok(spectrum),
+            _ => Err(missing(job)),
+        }
+    }
+
+    /// The mean powers of a [`Job::Orders`], by degree and then by order from 0.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Missing`].
+    pub fn orders(&self, job: &Job) -> Result<&[OrderPower], Error> {
+        match self.outcomes.get(&job.key()) {
+            Some(Outcome::Orders(orders)) => Ok(orders),
+            _ => Err(missing(job)),
+        }
+    }
+
+    /// The coefficients of a [`Job::Coefficient`], set by set.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Missing`].
+    pub fn coefficients(&self, job: &Job) -> Result<&[Complex<f64>], Error> {
+        match self.outcomes.get(&job.key()) {
+            Some(Outcome::Coefficients(samples)) => Ok(samples),
+            _ => Err(missing(job)),
+        }
+    }
+
+    /// The estimates of a [`Job::Trials`], in the order of [`TestIntegrand::ALL`](crate::TestIntegrand::ALL).
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Missing`].
+    pub fn trials(&self, job: &Job) -> Result<&[Measurement; 2], Error> {
+        match self.outcomes.get(&job.key()) {
+            Some(Outcome::Trials(measurements)) => Ok(measurements),
+            _ => Err(missing(job)),
+        }
+    }
+
+    /// The renders of a [`Job::Pictures`].
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Missing`].
+    pub fn pictures(&self, job: &Job) -> Result<&[Image], Error> {
+        match self.outcomes.get(&job.key()) {
+            Some(Outcome::Pictures(images)) => Ok(images),
+            _ => Err(missing(job)),
+        }
+    }
+}
+
+fn missing(job: &Job) -> Error {
+    Error::Missing { key: job.key() }
+}

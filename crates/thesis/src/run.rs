@@ -1,0 +1,62 @@
+use std::collections::HashSet;
+
+use crate::job::Piece;
+use crate::{Error, Job, Results, Setting, Store};
+
+/// Seconds of one core that the jobs take, about; jobs that are there twice count once.
+#[must_use]
+pub fn seconds(jobs: &[Job]) -> f64 {
+    distinct(jobs).map(|job| job.seconds_of_set() * job.sets() as f64).sum()
+}
+
+/// Does the jobs, piece by piece, and keeps each piece in `store`; pieces that are there are not done again. `done` is
+/// called after each piece with its share of [`seconds`].
+///
+/// # Errors
+///
+/// [`Error::Store`] if a piece cannot be kept; those of what is computed.
+pub fn run(
+    jobs: &[Job],
+    setting: Setting,
+    store: &dyn Store,
+    done: &dyn Fn(f64),
+) -> Result<Results, Error> {
+    let mut results = Results::default();
+    for job in distinct(jobs) {
+        let mut pieces = Vec::new();
+        for sets in job.pieces() {
+            let (length, key) = (sets.end - sets.start, piece_key(job, setting, &sets));
+            let kept = store.load(&key).and_then(|bytes| postcard::from_bytes(&bytes).ok());
+            pieces.push(match kept {
+                Some(piece) => piece,
+                None => {
+                    let piece = job.work(setting.seed, sets)?;
+                    keep(store, &key, &piece)?;
+                    piece
+                }
+            });
+            done(job.seconds_of_set() * length as f64);
+        }
+        results.insert(job, job.finish(pieces)?);
+    }
+    Ok(results)
+}
+
+fn keep(store: &dyn Store, key: &str, piece: &Piece) -> Result<(), Error> {
+    let bytes =
+        postcard::to_stdvec(piece).map_err(|error| Error::Store { reason: error.to_string() })?;
+    store.save(key, &bytes).map_err(|reason| Error::Store { reason })
+}
+
+/// A piece is made by this version from this seed: pieces of other versions may differ.
+fn piece_key(job: &Job, setting: Setting, sets: &std::ops::Range<u64>) -> String {
+    let version = env!("CARGO_PKG_VERSION");
+    let seed = setting.seed;
+    format!("{} sets={}..{} seed={seed} sphvar={version}", job.key_of_set(), sets.start, sets.end)
+}
+
+/// Each job once, in the order of its first place.
+fn distinct(jobs: &[Job]) -> impl Iterator<Item = &Job> {
+    let mut seen = HashSet::new();
+    jobs.iter().filter(move |job| seen.insert(job.key()))
+}
