@@ -13,7 +13,8 @@
 //! use sphvar_thesis::{FigureId, Nothing, Results, Scale, Setting, run};
 //! let id: FigureId = "C.1".parse()?;
 //! let setting = Setting { scale: Scale::Quick, seed: 0 };
-//! let results = run(&id.jobs(setting), setting, &Nothing, &|_| ())?;
+//! let mut results = Results::default();
+//! run(&id.jobs(setting), setting, &Nothing, &mut results, &|_| ())?;
 //! let figure = id.compose(setting, &results)?;
 //! assert!(!figure.panels.is_empty() && !figure.claims.is_empty());
 //! # Ok::<(), sphvar_thesis::Error>(())

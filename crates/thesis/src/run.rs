@@ -6,11 +6,13 @@ use crate::{Error, Job, Results, Setting, Store};
 /// Seconds of one core that the jobs take, about; jobs that are there twice count once.
 #[must_use]
 pub fn seconds(jobs: &[Job]) -> f64 {
-    distinct(jobs).map(|job| job.seconds_of_set() * job.sets() as f64).sum()
+    let mut seen = HashSet::new();
+    let distinct = jobs.iter().filter(|job| seen.insert(job.key()));
+    distinct.map(|job| job.seconds_of_set() * job.sets() as f64).sum()
 }
 
-/// Does the jobs, piece by piece, and keeps each piece in `store`; pieces that are there are not done again. `done` is
-/// called after each piece with its share of [`seconds`].
+/// Does the jobs that `results` lack, piece by piece, and keeps each piece in `store`; pieces that are there are not
+/// done again. `done` is called after each piece with its share of [`seconds`].
 ///
 /// # Errors
 ///
@@ -19,10 +21,13 @@ pub fn run(
     jobs: &[Job],
     setting: Setting,
     store: &dyn Store,
+    results: &mut Results,
     done: &dyn Fn(f64),
-) -> Result<Results, Error> {
-    let mut results = Results::default();
-    for job in distinct(jobs) {
+) -> Result<(), Error> {
+    for job in jobs {
+        if results.contains(job) {
+            continue;
+        }
         let mut pieces = Vec::new();
         for sets in job.pieces() {
             let (length, key) = (sets.end - sets.start, piece_key(job, setting, &sets));
@@ -39,7 +44,7 @@ pub fn run(
         }
         results.insert(job, job.finish(pieces)?);
     }
-    Ok(results)
+    Ok(())
 }
 
 fn keep(store: &dyn Store, key: &str, piece: &Piece) -> Result<(), Error> {
@@ -53,10 +58,4 @@ fn piece_key(job: &Job, setting: Setting, sets: &std::ops::Range<u64>) -> String
     let version = env!("CARGO_PKG_VERSION");
     let seed = setting.seed;
     format!("{} sets={}..{} seed={seed} sphvar={version}", job.key_of_set(), sets.start, sets.end)
-}
-
-/// Each job once, in the order of its first place.
-fn distinct(jobs: &[Job]) -> impl Iterator<Item = &Job> {
-    let mut seen = HashSet::new();
-    jobs.iter().filter(move |job| seen.insert(job.key()))
 }
