@@ -3,7 +3,7 @@
 use clap::{Parser, Subcommand};
 
 use crate::commands::{
-    audit, bounds, choose, compare, eval, healpix, render, sample, spectrum, variance,
+    audit, bounds, choose, compare, eval, healpix, render, reproduce, sample, spectrum, variance,
 };
 use crate::global::Global;
 
@@ -44,6 +44,9 @@ pub(crate) enum Command {
     /// Render a scene with a pattern's directions: ambient occlusion or light, and its error
     #[command(after_help = render::EXAMPLES)]
     Render(Box<render::RenderArgs>),
+    /// Compute the figures of Singh's thesis again and judge its numbers
+    #[command(after_help = reproduce::EXAMPLES)]
+    Reproduce(reproduce::ReproduceArgs),
     /// Convert lists of directions, angles and HEALPix pixels into each other
     #[command(after_help = healpix::EXAMPLES)]
     Healpix(healpix::HealpixArgs),

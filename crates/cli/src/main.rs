@@ -56,6 +56,7 @@ fn run(cli: Cli) -> Result<(), CliError> {
         Command::Bounds(args) => commands::bounds::run(&args, &cli.global),
         Command::Audit(args) => commands::audit::run(&args, &cli.global),
         Command::Render(args) => commands::render::run(&args, &cli.global),
+        Command::Reproduce(args) => commands::reproduce::run(&args, &cli.global),
         Command::Healpix(args) => commands::healpix::run(&args, &cli.global),
         Command::Eval(args) => commands::eval::run(&args, &cli.global),
     }

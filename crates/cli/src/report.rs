@@ -25,11 +25,12 @@ impl Provenance {
     /// Of this run.
     pub(crate) fn new(seed: u64) -> Self {
         let words = std::env::args_os().skip(1).map(|w| w.to_string_lossy().into_owned());
-        Self {
-            command: format!("sphvar {}", without_threads(words).join(" ")),
-            version: env!("CARGO_PKG_VERSION"),
-            seed,
-        }
+        Self::of(format!("sphvar {}", without_threads(words).join(" ")), seed)
+    }
+
+    /// Of a command that stands for this run.
+    pub(crate) fn of(command: String, seed: u64) -> Self {
+        Self { command, version: env!("CARGO_PKG_VERSION"), seed }
     }
 
     /// One line for the heads of files and the feet of figures.

@@ -7,6 +7,7 @@ pub(crate) mod compare;
 pub(crate) mod eval;
 pub(crate) mod healpix;
 pub(crate) mod render;
+pub(crate) mod reproduce;
 pub(crate) mod sample;
 pub(crate) mod spectrum;
 pub(crate) mod variance;

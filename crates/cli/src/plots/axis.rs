@@ -89,6 +89,11 @@ impl Axis {
             (low, high) =
                 (if low >= 0.0 { (low - margin).max(0.0) } else { low - margin }, high + margin);
         }
+        Self::between(low, high, most)
+    }
+
+    /// Returns a linear axis from `low` to `high`, which differ by more than roundings, without margins.
+    pub(super) fn between(low: f64, high: f64, most: u32) -> Self {
         let mut axis = Self {
             scale: Scale::Linear,
             low,

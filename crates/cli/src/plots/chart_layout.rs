@@ -11,15 +11,15 @@ use super::palette::{FINE_GRID, GREY, GRID, INK};
 use super::plot_error::PlotError;
 use super::series_drawing::draw_series;
 
-const EDGE: f64 = 22.0;
-const TITLE: f64 = 24.0;
-const LABEL: f64 = 20.0;
-const TICK: f64 = 17.0;
-const NOTE: f64 = 13.0;
+pub(super) const EDGE: f64 = 22.0;
+pub(super) const TITLE: f64 = 24.0;
+pub(super) const LABEL: f64 = 20.0;
+pub(super) const TICK: f64 = 17.0;
+pub(super) const NOTE: f64 = 13.0;
 /// From one line of text to the next, in ems.
-const LEADING: f64 = 1.35;
+pub(super) const LEADING: f64 = 1.35;
 /// Between the frame and the labels of its ticks.
-const TICK_GAP: f64 = 9.0;
+pub(super) const TICK_GAP: f64 = 9.0;
 /// An error bar may stretch the axis below the lowest point by this factor and no further: on a
 /// logarithmic scale a bar that nearly reaches zero would squeeze everything else.
 const BAR_REACH: f64 = 10.0;
@@ -235,7 +235,7 @@ fn drawable(
         .filter(move |&(_, (x, y))| x_scale.place(x).is_some() && y_scale.place(y).is_some())
 }
 
-fn with_power(label: &str, power: Option<i32>) -> String {
+pub(super) fn with_power(label: &str, power: Option<i32>) -> String {
     match power {
         None => label.to_owned(),
         Some(power) if label.is_empty() => format!("\u{d7} {}", power_of_ten(power)),
@@ -243,6 +243,6 @@ fn with_power(label: &str, power: Option<i32>) -> String {
     }
 }
 
-fn rows(lines: &[String]) -> f64 {
+pub(super) fn rows(lines: &[String]) -> f64 {
     f64::from(u32::try_from(lines.len()).unwrap_or(u32::MAX))
 }

@@ -84,8 +84,13 @@ pub(super) fn svg(figure: &impl Figure) -> Result<String, PlotError> {
 
 /// Returns a figure as a PNG file.
 pub(super) fn png(figure: &impl Figure) -> Result<Vec<u8>, PlotError> {
+    encoded(&raster(figure)?)
+}
+
+/// Returns pixels as a PNG file.
+pub(super) fn encoded(picture: &RgbImage) -> Result<Vec<u8>, PlotError> {
     let mut bytes = Cursor::new(Vec::new());
-    raster(figure)?
+    picture
         .write_to(&mut bytes, image::ImageFormat::Png)
         .map_err(|source| PlotError::Encoding { source })?;
     Ok(bytes.into_inner())

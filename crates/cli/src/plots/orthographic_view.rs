@@ -21,13 +21,15 @@ pub(crate) struct OrthographicView {
     /// The direction from the centre to the viewer, of any length but zero; +z points up in the
     /// image, or +y when the viewer stands on the z axis.
     pub(crate) viewpoint: DVec3,
+    /// Lines on the sphere that belong to the pattern, such as the borders of its strata, each through unit vectors.
+    pub(crate) lines: Vec<Vec<DVec3>>,
 }
 
 impl Default for OrthographicView {
     /// Looks from 30 degrees above the equator, so that pole and equator are both in sight.
     fn default() -> Self {
         let viewpoint = DVec3::new(0.75, 0.433_012_701_892_219_3, 0.5);
-        Self { title: String::new(), notes: Vec::new(), viewpoint }
+        Self { title: String::new(), notes: Vec::new(), viewpoint, lines: Vec::new() }
     }
 }
 
@@ -96,7 +98,14 @@ impl Figure for Sight<'_> {
             radius,
             axes: self.view.axes(),
         };
-        globe.draw_graticule(canvas)?;
+        if self.view.lines.is_empty() {
+            globe.draw_graticule(canvas)?;
+        } else {
+            for line in &self.view.lines {
+                globe.curve(line.iter().copied(), Pen::new(GRID, 1.2), canvas)?;
+            }
+        }
+        globe.draw_outline(canvas)?;
 
         let count = self.directions.len().max(1);
         let spacing = (4.0 * std::f64::consts::PI
@@ -127,7 +136,7 @@ impl Globe {
             .then_some((self.centre.0 + self.radius * right, self.centre.1 - self.radius * up))
     }
 
-    /// Draws the outline, and the front of the circles of latitude and longitude, faint.
+    /// Draws the front of the circles of latitude and longitude, faint.
     fn draw_graticule<DB: DrawingBackend>(&self, canvas: &Canvas<DB>) -> Result<(), PlotError> {
         let faint = Pen::new(GRID, 1.2);
         let on_sphere = |theta: f64, phi: f64| {
@@ -142,9 +151,13 @@ impl Globe {
         for phi in degrees(0, 330, TICK_DEGREES) {
             self.curve(degrees(0, 180, 2).map(|theta| on_sphere(theta, phi)), faint, canvas)?;
         }
-        let outline: Vec<_> = degrees(0, 360, 1)
+        Ok(())
+    }
+
+    fn draw_outline<DB: DrawingBackend>(&self, canvas: &Canvas<DB>) -> Result<(), PlotError> {
+        let outline: Vec<_> = (0..=360_u16)
             .map(|angle| {
-                let (sin, cos) = angle.to_radians().sin_cos();
+                let (sin, cos) = f64::from(angle).to_radians().sin_cos();
                 (self.centre.0 + self.radius * cos, self.centre.1 + self.radius * sin)
             })
             .collect();

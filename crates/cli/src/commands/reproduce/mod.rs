@@ -1,0 +1,149 @@
+//! `sphvar reproduce`: the figures of the thesis, with a page that shows them all.
+
+mod data;
+mod drawing;
+mod folder;
+mod page;
+mod verdicts;
+
+use std::path::PathBuf;
+
+use clap::Args;
+use serde::Serialize;
+use sphvar_thesis::{Figure, FigureId, Job, Results, Scale, Setting, run as run_jobs, seconds};
+
+use self::folder::OutFolder;
+use self::verdicts::{VerdictRecord, markdown, plain_table, records, verdict_rows};
+use crate::error::CliError;
+use crate::global::Global;
+use crate::progress::Progress;
+use crate::report::{Provenance, csv, print, print_json, say};
+
+pub(crate) const EXAMPLES: &str = "Examples:
+  sphvar reproduce all --quick -o out
+  sphvar reproduce 4.14 7.4 --full -o out
+
+In the folder: index.html, one page with every figure and the table of what the thesis says and what is found;
+claims.csv and claims.md, the table alone; figures/, every panel as SVG or PNG with its numbers as CSV; pieces/,
+finished pieces of the work. A run that was interrupted goes on where it stopped when it is started again, and
+gives the same bytes. Full figures take over what quick ones have, and figures share their ensembles.";
+
+#[derive(Debug, Args)]
+pub(crate) struct ReproduceArgs {
+    /// Figures of the thesis: 3.1 4.9 ... C.1, or `all`
+    #[arg(value_name = "FIGURE", default_value = "all")]
+    figures: Vec<String>,
+    /// Folder of the results; it is made if it is missing
+    #[arg(short, long, value_name = "FOLDER")]
+    out: PathBuf,
+    /// All figures within ten minutes on two cores: fewer points and realizations (default)
+    #[arg(long)]
+    quick: bool,
+    /// The thesis's numbers of points and realizations
+    #[arg(long, conflicts_with = "quick")]
+    full: bool,
+}
+
+impl ReproduceArgs {
+    /// The figures, each once, in the thesis's order.
+    fn ids(&self) -> Result<Vec<FigureId>, CliError> {
+        let mut ids = Vec::new();
+        for name in &self.figures {
+            if name == "all" {
+                ids.extend(FigureId::all());
+            } else {
+                ids.push(name.parse().map_err(CliError::usage)?);
+            }
+        }
+        ids.sort_unstable();
+        ids.dedup();
+        Ok(ids)
+    }
+
+    fn scale(&self) -> Scale {
+        if self.full { Scale::Full } else { Scale::Quick }
+    }
+
+    /// The command without folder, threads and silence, on which the files do not depend.
+    fn canonical(&self, ids: &[FigureId], seed: u64) -> Provenance {
+        let figures = if ids.len() == FigureId::all().count() {
+            "all".to_owned()
+        } else {
+            ids.iter().map(ToString::to_string).collect::<Vec<_>>().join(" ")
+        };
+        Provenance::of(format!("sphvar reproduce {figures} --{}", self.scale().name()), seed)
+    }
+}
+
+/// The document of `--json`.
+#[derive(Debug, Serialize)]
+struct Document<'a> {
+    figures: Vec<FigureRecord>,
+    claims: &'a [VerdictRecord],
+    scale: &'static str,
+    provenance: &'a Provenance,
+}
+
+/// A figure and its files.
+#[derive(Debug, Serialize)]
+struct FigureRecord {
+    id: &'static str,
+    title: &'static str,
+    panels: Vec<String>,
+    files: Vec<String>,
+    notes: Vec<String>,
+}
+
+/// A figure with the files that it has been written to.
+struct Drawn {
+    figure: Figure,
+    /// For each panel its picture and its data, relative to the folder.
+    files: Vec<[String; 2]>,
+}
+
+pub(crate) fn run(args: &ReproduceArgs, global: &Global) -> Result<(), CliError> {
+    let ids = args.ids()?;
+    let setting = Setting { scale: args.scale(), seed: global.seed };
+    let provenance = args.canonical(&ids, global.seed);
+    let folder = OutFolder::open(&args.out)?;
+    let store = folder.pieces()?;
+
+    let jobs: Vec<Vec<Job>> = ids.iter().map(|id| id.jobs(setting)).collect();
+    let progress = Progress::new(seconds(&jobs.concat()), global.quiet);
+    let (mut results, mut drawn) = (Results::default(), Vec::new());
+    for (&id, jobs) in ids.iter().zip(&jobs) {
+        progress.stage(&format!("figure {id}"));
+        run_jobs(jobs, setting, &store, &mut results, &|seconds| progress.advance(seconds))
+            .map_err(CliError::failed)?;
+        let figure = id.compose(setting, &results).map_err(CliError::failed)?;
+        let files = folder.write_panels(&figure, &provenance)?;
+        drawn.push(Drawn { figure, files });
+    }
+    drop(progress);
+
+    let claims = records(&drawn);
+    folder
+        .write("claims.csv", &csv(&provenance, VerdictRecord::HEADING, &verdict_rows(&claims)))?;
+    folder.write("claims.md", &markdown(&claims, &drawn, &provenance))?;
+    folder.write("index.html", &page::page(&drawn, &claims, &folder, &provenance)?)?;
+    say(global.quiet, &format!("wrote {}", args.out.join("index.html").display()));
+    if global.json {
+        let figures = drawn.iter().map(FigureRecord::new).collect();
+        let scale = setting.scale.name();
+        print_json(&Document { figures, claims: &claims, scale, provenance: &provenance })
+    } else {
+        print(&plain_table(&claims))
+    }
+}
+
+impl FigureRecord {
+    fn new(Drawn { figure, files }: &Drawn) -> Self {
+        Self {
+            id: figure.id.number(),
+            title: figure.id.title(),
+            panels: figure.panels.iter().map(|panel| panel.title.clone()).collect(),
+            files: files.iter().flatten().cloned().collect(),
+            notes: figure.notes.clone(),
+        }
+    }
+}

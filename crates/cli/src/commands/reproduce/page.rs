@@ -1,0 +1,167 @@
+//! One page with every figure, the table and the provenance, which needs nothing but itself.
+
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
+use maud::{DOCTYPE, Markup, PreEscaped, html};
+use sphvar_thesis::{Content, Panel};
+
+use super::Drawn;
+use super::folder::OutFolder;
+use super::verdicts::{VerdictRecord, tally};
+use crate::error::CliError;
+use crate::report::Provenance;
+
+/// What the page looks like: wide figures, narrow text, both lights, and paper.
+const STYLE: &str = "
+:root { color-scheme: light dark; --ink: #222; --faint: #666; --line: #d9d9d9; --ground: #fff; --soft: #f6f6f4;
+  --good: #00694b; --bad: #a64500; }
+@media (prefers-color-scheme: dark) { :root { --ink: #e8e8e6; --faint: #a0a09c; --line: #3a3a38; --ground: #161615;
+  --soft: #222220; --good: #4fc79a; --bad: #f0965a; } }
+body { margin: 0 auto; max-width: 78rem; padding: 1.5rem; background: var(--ground); color: var(--ink);
+  font: 16px/1.55 system-ui, sans-serif; }
+h1 { font-size: 1.7rem; line-height: 1.2; margin: 0 0 .5rem; }
+h2 { font-size: 1.25rem; margin: 3rem 0 .5rem; border-top: 1px solid var(--line); padding-top: 1.2rem; }
+p, li { max-width: 46rem; }
+nav { display: flex; flex-wrap: wrap; gap: .4rem; margin: 1rem 0; }
+nav a { border: 1px solid var(--line); border-radius: .3rem; padding: .1rem .5rem; text-decoration: none; color: inherit; }
+.scroll { overflow-x: auto; }
+table { border-collapse: collapse; font-size: .9rem; }
+th, td { text-align: left; vertical-align: top; padding: .3rem .7rem .3rem 0; border-bottom: 1px solid var(--line); }
+td.number { white-space: nowrap; font-variant-numeric: tabular-nums; }
+.holds { color: var(--good); font-weight: 600; } .wrong { color: var(--bad); font-weight: 600; }
+.undecided { color: var(--faint); font-weight: 600; }
+.panels { display: grid; grid-template-columns: repeat(auto-fill, minmax(min(24rem, 100%), 1fr)); gap: 1.2rem; margin: 1rem 0; }
+figure { margin: 0; background: var(--soft); border-radius: .4rem; padding: .6rem; }
+figure img { display: block; width: 100%; height: auto; background: #fff; border-radius: .2rem; }
+figure.picture img { image-rendering: pixelated; }
+figcaption { font-size: .85rem; color: var(--faint); padding: .5rem .2rem 0; }
+code { font-size: .9em; }
+@media print { nav { display: none; } h2 { break-after: avoid; } figure { break-inside: avoid; } }
+";
+
+/// The page as HTML.
+pub(super) fn page(
+    drawn: &[Drawn],
+    claims: &[VerdictRecord],
+    folder: &OutFolder,
+    provenance: &Provenance,
+) -> Result<String, CliError> {
+    let mut sections = Vec::new();
+    for figure in drawn {
+        sections.push(section(figure, claims, folder)?);
+    }
+    let markup = html! {
+        (DOCTYPE)
+        html lang="en" {
+            head {
+                meta charset="utf-8";
+                meta name="viewport" content="width=device-width, initial-scale=1";
+                title { "The thesis, figure by figure" }
+                style { (PreEscaped(STYLE)) }
+            }
+            body {
+                header {
+                    h1 { "The thesis, figure by figure" }
+                    p {
+                        "The figures and numbers of G. Singh, "
+                        cite { "Sampling and Variance Analysis for Monte Carlo Integration in Spherical Domain" }
+                        " (2015), computed again. Of " (claims.len()) " claims "
+                        @for (i, (name, n)) in tally(claims).into_iter().enumerate() {
+                            @if i > 0 { ", " }
+                            span class=(name) { (n) " " @match name { "holds" => "hold", "wrong" => "are wrong", _ => "are undecided" } }
+                        }
+                        ". Intervals are of 95 %. Errata are numbered as in the project's docs/theory.md."
+                    }
+                    p { code { (provenance.command) } " (sphvar " (provenance.version) ", seed " (provenance.seed) ")" }
+                    nav aria-label="Figures" {
+                        a href="#claims" { "All claims" }
+                        @for Drawn { figure, .. } in drawn {
+                            a href={ "#figure-" (figure.id) } title=(figure.id.title()) { (figure.id) }
+                        }
+                    }
+                }
+                main {
+                    @for section in sections { (section) }
+                    section id="claims" {
+                        h2 { "All claims" }
+                        (claim_table(&claims.iter().collect::<Vec<_>>(), true))
+                    }
+                }
+            }
+        }
+    };
+    Ok(markup.into_string())
+}
+
+fn section(
+    Drawn { figure, files }: &Drawn,
+    claims: &[VerdictRecord],
+    folder: &OutFolder,
+) -> Result<Markup, CliError> {
+    let mut panels = Vec::new();
+    for (panel, files) in figure.panels.iter().zip(files) {
+        panels.push(panel_markup(panel, files, folder)?);
+    }
+    let number = figure.id.number();
+    let own: Vec<_> = claims.iter().filter(|claim| claim.figure == number).collect();
+    Ok(html! {
+        section id={ "figure-" (number) } {
+            h2 { "Figure " (number) ": " (figure.id.title()) }
+            @for note in &figure.notes { p { (note) } }
+            div class="panels" { @for panel in panels { (panel) } }
+            @if !own.is_empty() { (claim_table(&own, false)) }
+        }
+    })
+}
+
+fn panel_markup(
+    panel: &Panel,
+    [picture, numbers]: &[String; 2],
+    folder: &OutFolder,
+) -> Result<Markup, CliError> {
+    let kind = if picture.ends_with(".svg") { "image/svg+xml" } else { "image/png" };
+    let source = format!("data:{kind};base64,{}", STANDARD.encode(folder.read(picture)?));
+    let (class, caption) = match &panel.content {
+        Content::Picture(picture) => ("picture", picture.caption.as_str()),
+        _ => ("", ""),
+    };
+    Ok(html! {
+        figure class=(class) {
+            img src=(source) alt=(panel.title) loading="lazy";
+            figcaption {
+                (panel.title) ". " (caption) " "
+                a href=(numbers) { "Numbers" }
+            }
+        }
+    })
+}
+
+fn claim_table(claims: &[&VerdictRecord], with_figure: bool) -> Markup {
+    html! {
+        div class="scroll" {
+            table {
+                thead {
+                    tr {
+                        @if with_figure { th { "Figure" } }
+                        th { "What" } th { "The thesis says" } th { "We find" } th { "95 %" } th { "Verdict" }
+                        th { "Erratum" } th { "Remark" }
+                    }
+                }
+                tbody {
+                    @for claim in claims {
+                        tr {
+                            @if with_figure { td { a href={ "#figure-" (claim.figure) } { (claim.figure) } } }
+                            td { (claim.what) }
+                            td { (claim.stated) }
+                            td class="number" { (claim.found_text()) }
+                            td class="number" { (claim.interval_text()) }
+                            td class=(claim.verdict) { (claim.verdict) }
+                            td { (claim.erratum_text()) }
+                            td { (claim.remark) }
+                        }
+                    }
+                }
+            }
+        }
+    }
+}
