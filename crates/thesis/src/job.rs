@@ -222,3 +222,39 @@ fn estimates(ensemble: &Ensemble, seed: u64, sets: Range<u64>) -> Result<[Vec<f6
     let pairs = pairs?;
     Ok([0, 1].map(|i| pairs.iter().map(|pair| pair[i]).collect()))
 }
+
+#[cfg(test)]
+mod tests {
+    use sphvar_samplers::Pattern;
+
+    use super::{Domain, Ensemble, Job};
+    use crate::Results;
+
+    /// Exact sums and lists know nothing of where they were cut.
+    #[test]
+    fn pieces_of_any_length_give_the_same_bits() {
+        let white = Ensemble::sphere(Pattern::WhiteNoise, 40);
+        let half = Ensemble::kept_half(Pattern::Jittered, 24);
+        let jobs = [
+            Job::Spectrum { ensemble: half, domain: Domain::Hemisphere, lmax: 6, sets: 9 },
+            Job::Orders { ensemble: white.clone(), lmax: 5, sets: 9 },
+            Job::Coefficient { ensemble: white.clone(), l: 4, m: 3, sets: 9 },
+            Job::Trials { ensemble: white, sets: 9 },
+        ];
+        let finished = |job: &Job, cuts: &[u64]| {
+            let pieces = cuts.windows(2).map(|cut| job.work(1, cut[0]..cut[1]).unwrap()).collect();
+            let mut results = Results::default();
+            results.insert(job, job.finish(pieces).unwrap());
+            results
+        };
+        let both =
+            jobs.each_ref().map(|job| (finished(job, &[0, 9]), finished(job, &[0, 1, 6, 9])));
+        let [spectra, orders, coefficients, trials] = both;
+        let same = spectra.0.spectrum(&jobs[0]).unwrap() == spectra.1.spectrum(&jobs[0]).unwrap();
+        assert!(same, "spectra");
+        assert_eq!(orders.0.orders(&jobs[1]).unwrap(), orders.1.orders(&jobs[1]).unwrap());
+        let (whole, cut) = coefficients;
+        assert_eq!(whole.coefficients(&jobs[2]).unwrap(), cut.coefficients(&jobs[2]).unwrap());
+        assert_eq!(trials.0.trials(&jobs[3]).unwrap(), trials.1.trials(&jobs[3]).unwrap());
+    }
+}

@@ -2,8 +2,17 @@
 
 use crate::workplace::Workplace;
 
-const SUBCOMMANDS: [&str; 10] = [
-    "compare", "choose", "sample", "spectrum", "variance", "bounds", "audit", "render", "healpix",
+const SUBCOMMANDS: [&str; 11] = [
+    "compare",
+    "choose",
+    "sample",
+    "spectrum",
+    "variance",
+    "bounds",
+    "audit",
+    "render",
+    "reproduce",
+    "healpix",
     "eval",
 ];
 
@@ -35,9 +44,10 @@ fn examples_work() {
         let examples = examples.map(|l| l.split("   ").next().unwrap());
         let mut run = 0;
         for example in examples.filter(|e| {
-            // `compare` is large, and so are `choose` of all samplers and reference images; some need files that
+            // `compare` and `reproduce` are large, and so are `choose` of all samplers and reference images; some need files that
             // a reader has.
             let large = e.starts_with("compare")
+                || e.starts_with("reproduce")
                 || (e.starts_with("choose") && !e.contains("--samplers"))
                 || ["--mse", "--study", "--sheet"].iter().any(|flag| e.contains(flag))
                 || e.contains("-m ")
@@ -49,7 +59,7 @@ fn examples_work() {
             place.run(example).ok();
             run += 1;
         }
-        let expected = !["compare", "variance", "audit", "healpix"].contains(&name);
+        let expected = !["compare", "variance", "audit", "reproduce", "healpix"].contains(&name);
         assert_eq!(run > 0, expected, "{name}: {run} examples were run\n{help}");
     }
 }

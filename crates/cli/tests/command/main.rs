@@ -18,4 +18,5 @@ mod outcome;
 mod pipes;
 mod precision;
 mod render;
+mod reproduction;
 mod workplace;

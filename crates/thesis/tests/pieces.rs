@@ -1,0 +1,126 @@
+//! Work in pieces gives the bits of work in one go, and what is kept is not done again.
+
+use std::cell::Cell;
+use std::collections::BTreeMap;
+use std::sync::Mutex;
+
+use sphvar_samplers::{Domain, Pattern};
+use sphvar_scene::DirectionMode;
+use sphvar_thesis::{
+    Ensemble, Error, Job, Nothing, Pictures, Results, Scale, Setting, Store, run, seconds,
+};
+
+const SETTING: Setting = Setting { scale: Scale::Quick, seed: 5 };
+
+/// Keeps pieces in memory, and counts.
+#[derive(Default)]
+struct Memory {
+    pieces: Mutex<BTreeMap<String, Vec<u8>>>,
+    saved: Mutex<usize>,
+    /// No more than so many can be saved.
+    room: Option<usize>,
+}
+
+impl Store for Memory {
+    fn load(&self, key: &str) -> Option<Vec<u8>> {
+        self.pieces.lock().unwrap().get(key).cloned()
+    }
+
+    fn save(&self, key: &str, bytes: &[u8]) -> Result<(), String> {
+        let mut saved = self.saved.lock().unwrap();
+        if self.room.is_some_and(|room| *saved >= room) {
+            return Err("the store is full".to_owned());
+        }
+        *saved += 1;
+        self.pieces.lock().unwrap().insert(key.to_owned(), bytes.to_vec());
+        Ok(())
+    }
+}
+
+fn done(jobs: &[Job], store: &dyn Store) -> Result<Results, Error> {
+    let mut results = Results::default();
+    run(jobs, SETTING, store, &mut results, &|_| ())?;
+    Ok(results)
+}
+
+/// Renders that take two seconds each by the model and less on any machine: they fall into pieces.
+fn costly(renders: u64) -> Job {
+    Job::Pictures(Pictures {
+        pattern: Some(Pattern::Fibonacci),
+        n_points: 9600,
+        mode: DirectionMode::Shared,
+        lamp: false,
+        side: 44,
+        renders,
+    })
+}
+
+fn jobs() -> Vec<Job> {
+    let white = Ensemble::sphere(Pattern::WhiteNoise, 40);
+    let half = Ensemble::kept_half(Pattern::Jittered, 24);
+    vec![
+        Job::Spectrum { ensemble: half, domain: Domain::Hemisphere, lmax: 6, sets: 9 },
+        Job::Orders { ensemble: white.clone(), lmax: 5, sets: 7 },
+        Job::Coefficient { ensemble: white.clone(), l: 4, m: 3, sets: 11 },
+        Job::Trials { ensemble: white, sets: 10 },
+        Job::Pictures(Pictures {
+            pattern: Some(Pattern::Fibonacci),
+            n_points: 8,
+            mode: DirectionMode::Rotated,
+            lamp: false,
+            side: 12,
+            renders: 2,
+        }),
+    ]
+}
+
+#[test]
+fn kept_pieces_are_the_same_as_new_ones() {
+    let store = Memory::default();
+    let first = done(&jobs(), &store).unwrap();
+    let saved = *store.saved.lock().unwrap();
+    assert!(saved >= 5);
+    let second = done(&jobs(), &store).unwrap();
+    assert_eq!(*store.saved.lock().unwrap(), saved, "nothing is done twice");
+    let jobs = jobs();
+    assert_eq!(first.spectrum(&jobs[0]).unwrap(), second.spectrum(&jobs[0]).unwrap());
+    assert_eq!(first.orders(&jobs[1]).unwrap(), second.orders(&jobs[1]).unwrap());
+    assert_eq!(first.coefficients(&jobs[2]).unwrap(), second.coefficients(&jobs[2]).unwrap());
+    assert_eq!(first.trials(&jobs[3]).unwrap(), second.trials(&jobs[3]).unwrap());
+    assert_eq!(first.pictures(&jobs[4]).unwrap(), second.pictures(&jobs[4]).unwrap());
+}
+
+#[test]
+fn an_interrupted_run_goes_on_where_it_stopped() {
+    let store = Memory { room: Some(1), ..Memory::default() };
+    let failed = done(&[costly(3)], &store);
+    assert!(matches!(failed, Err(Error::Store { .. })), "{failed:?}");
+    let store = Memory { room: None, ..store };
+    let advanced = Cell::new(0.0);
+    let mut results = Results::default();
+    let jobs = [costly(3), costly(3)];
+    run(&jobs, SETTING, &store, &mut results, &|x| advanced.set(advanced.get() + x)).unwrap();
+    let pieces = *store.saved.lock().unwrap();
+    assert!(pieces > 1, "the job must fall into several pieces");
+    // A sum of some products.
+    assert!((advanced.get() / seconds(&jobs) - 1.0).abs() < 16.0 * f64::EPSILON);
+    let undisturbed = done(&jobs[..1], &Nothing).unwrap();
+    assert_eq!(results.pictures(&jobs[0]).unwrap(), undisturbed.pictures(&jobs[0]).unwrap());
+
+    // A longer run takes the whole pieces over.
+    let longer = [costly(5)];
+    done(&longer, &store).unwrap();
+    let fresh = Memory::default();
+    done(&longer, &fresh).unwrap();
+    assert!(*store.saved.lock().unwrap() - pieces < *fresh.saved.lock().unwrap());
+}
+
+#[test]
+fn what_was_not_run_is_missing() {
+    let results = done(&[], &Nothing).unwrap();
+    for job in jobs() {
+        assert!(!results.contains(&job));
+        let message = results.spectrum(&job).unwrap_err().to_string();
+        assert!(message.contains(&job.key()), "{message}");
+    }
+}
