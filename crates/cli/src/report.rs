@@ -93,9 +93,7 @@ pub(crate) fn print_json(document: &impl Serialize) -> Result<(), CliError> {
 
 /// Writes a text file whole, or not at all; `-` is standard output.
 pub(crate) fn write_text(path: &Path, text: &str) -> Result<(), CliError> {
-    let mut file = AtomicFile::create(path)?;
-    file.write_all(text.as_bytes()).map_err(|e| file.error(e))?;
-    Ok(file.commit()?)
+    Ok(AtomicFile::write_whole(path, text.as_bytes())?)
 }
 
 /// Whether an output path stands for standard output.

@@ -93,6 +93,16 @@ impl AtomicFile {
         if is_device { Ok(()) } else { Self::create(path).map(drop) }
     }
 
+    /// Writes a file whole, or not at all; `-` is standard output.
+    ///
+    /// # Errors
+    /// Those of [`create`](Self::create) and [`commit`](Self::commit), or when the bytes cannot be written.
+    pub(crate) fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), FileError> {
+        let mut file = Self::create(path)?;
+        file.write_all(bytes).map_err(|source| file.error(source))?;
+        file.commit()
+    }
+
     /// Flushes everything, makes it durable and gives the file its final name.
     ///
     /// # Errors

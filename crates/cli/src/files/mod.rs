@@ -18,7 +18,7 @@ pub(crate) use file_error::{FileError, Place};
 pub(crate) use fits::read_fits_map;
 pub(crate) use image::{Channel, read_image};
 pub(crate) use lists::{Columns, Fault, ListWriter, Number, Written, read_list};
-pub(crate) use picture::{Picture, PictureFormat, png_bytes, srgb};
+pub(crate) use picture::{Picture, PictureFormat, srgb, write_png};
 pub(crate) use piece_store::PieceStore;
 pub(crate) use points::{PointSet, ReadOptions, read_points, write_points};
 pub(crate) use spectra::read_spectrum;

@@ -1,6 +1,6 @@
 //! Writing images: PNG to be looked at, `OpenEXR` and PFM to be computed with.
 
-use std::io::{self, Cursor, Write};
+use std::io::{self, Cursor};
 use std::path::Path;
 
 use exr::prelude::{
@@ -73,10 +73,7 @@ impl Picture<'_> {
             PictureFormat::Exr => self.exr(remark),
             PictureFormat::Pfm => Ok(self.pfm()),
         };
-        let mut file = AtomicFile::create(path)?;
-        let written = bytes.and_then(|bytes| file.write_all(&bytes));
-        written.map_err(|source| file.error(source))?;
-        file.commit()
+        write_encoded(path, bytes)
     }
 
     fn exr(&self, remark: &str) -> io::Result<Vec<u8>> {
@@ -109,12 +106,26 @@ impl Picture<'_> {
     }
 }
 
-/// A PNG file of 8-bit sRGB colours, row by row from the top, with a remark in it.
-pub(crate) fn png_bytes(
-    [width, height]: [usize; 2],
+/// Writes 8-bit sRGB colours, row by row from the top, as a PNG file with a remark in it.
+///
+/// # Errors
+/// When the file cannot be written.
+pub(crate) fn write_png(
+    path: &Path,
+    size: [usize; 2],
     colours: &[u8],
     remark: &str,
-) -> io::Result<Vec<u8>> {
+) -> Result<(), FileError> {
+    write_encoded(path, png_bytes(size, colours, remark))
+}
+
+fn write_encoded(path: &Path, bytes: io::Result<Vec<u8>>) -> Result<(), FileError> {
+    let unwritten = |source| FileError::Write { path: path.display().to_string(), source };
+    AtomicFile::write_whole(path, &bytes.map_err(unwritten)?)
+}
+
+/// A PNG file of 8-bit sRGB colours, row by row from the top, with a remark in it.
+fn png_bytes([width, height]: [usize; 2], colours: &[u8], remark: &str) -> io::Result<Vec<u8>> {
     let side = |n: usize| u32::try_from(n).map_err(io::Error::other);
     let mut bytes = Vec::new();
     let mut encoder = png::Encoder::new(&mut bytes, side(width)?, side(height)?);

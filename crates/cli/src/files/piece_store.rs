@@ -1,7 +1,6 @@
 //! Finished pieces of a long run, each in a file of its own.
 
 use std::fs;
-use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use sphvar_thesis::Store;
@@ -51,11 +50,9 @@ impl Store for PieceStore {
     fn save(&self, key: &str, bytes: &[u8]) -> Result<(), String> {
         let length = u32::try_from(key.len()).map_err(|error| error.to_string())?;
         let body = [&length.to_le_bytes(), key.as_bytes(), bytes].concat();
-        let mut file = AtomicFile::create(&self.path(key)).map_err(|error| error.to_string())?;
         let checksum = crc32fast::hash(&body).to_le_bytes();
-        let written = file.write_all(&checksum).and_then(|()| file.write_all(&body));
-        written.map_err(|source| file.error(source).to_string())?;
-        file.commit().map_err(|error| error.to_string())
+        AtomicFile::write_whole(&self.path(key), &[&checksum[..], &body].concat())
+            .map_err(|error| error.to_string())
     }
 }
 

@@ -1,6 +1,6 @@
 //! From a figure to a file: the choice of the image format, and its bytes.
 
-use std::io::{Cursor, Write};
+use std::io::Cursor;
 use std::path::Path;
 
 use image::{RgbImage, imageops};
@@ -62,9 +62,7 @@ pub(super) fn write(figure: &impl Figure, path: &Path) -> Result<(), PlotError> 
         ImageFormat::Svg => svg(figure)?.into_bytes(),
         ImageFormat::Png => png(figure)?,
     };
-    let mut file = AtomicFile::create(path)?;
-    file.write_all(&bytes).map_err(|source| file.error(source))?;
-    Ok(file.commit()?)
+    Ok(AtomicFile::write_whole(path, &bytes)?)
 }
 
 /// Returns a figure as an SVG document.

@@ -100,10 +100,7 @@ impl HeatMap {
     /// # Errors
     /// When the file cannot be written.
     pub(crate) fn render(&self, path: &Path) -> Result<(), PlotError> {
-        let bytes = figure::encoded(&self.raster()?)?;
-        let mut file = AtomicFile::create(path)?;
-        std::io::Write::write_all(&mut file, &bytes).map_err(|source| file.error(source))?;
-        Ok(file.commit()?)
+        Ok(AtomicFile::write_whole(path, &figure::encoded(&self.raster()?)?)?)
     }
 
     /// The finished picture: the map's colours keep their pixels, only lines and letters are smoothed.

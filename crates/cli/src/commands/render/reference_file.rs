@@ -1,6 +1,5 @@
 //! Reference images on disk, each under the hash of what it is of.
 
-use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use sphvar_scene::Image;
@@ -72,9 +71,7 @@ impl ReferenceFile {
                 source,
             })?;
         }
-        let mut file = AtomicFile::create(&self.path)?;
-        file.write_all(&self.encode(image)).map_err(|source| file.error(source))?;
-        file.commit()
+        AtomicFile::write_whole(&self.path, &self.encode(image))
     }
 
     /// Head, four whole numbers, values, spreads, whether hit, and a hash of it all.

@@ -1,7 +1,5 @@
 //! Pictures side by side, with their errors below.
 
-use std::io::Write;
-
 use serde::Serialize;
 use sphvar_scene::{DirectionMode, Image};
 
@@ -12,7 +10,7 @@ use super::stage::Stage;
 use super::trials::{Outcome, Trials};
 use super::{RenderArgs, parse_mode};
 use crate::error::CliError;
-use crate::files::{AtomicFile, PictureFormat, png_bytes};
+use crate::files::{AtomicFile, PictureFormat, write_png};
 use crate::global::Global;
 use crate::memory::check_memory;
 use crate::patterns::parse_pattern;
@@ -108,10 +106,7 @@ pub(super) fn run(args: &RenderArgs, panels: &str, global: &Global) -> Result<()
     let columns = wishes.len() / counts.len();
     let sheet = ContactSheet { panels: pictures, columns };
     let (size, colours) = sheet.pixels()?;
-    let mut file = AtomicFile::create(path)?;
-    let written = png_bytes(size, &colours, &provenance.line()).and_then(|b| file.write_all(&b));
-    written.map_err(|source| file.error(source))?;
-    file.commit()?;
+    write_png(path, size, &colours, &provenance.line())?;
     if global.json {
         let document =
             Document { panels: &records, reference_n: reference.n_points, provenance: &provenance };
