@@ -3,7 +3,8 @@
 use clap::{Parser, Subcommand};
 
 use crate::commands::{
-    audit, bounds, choose, compare, eval, healpix, render, reproduce, sample, spectrum, variance,
+    audit, bounds, choose, compare, eval, healpix, merge, render, reproduce, sample, spectrum,
+    variance,
 };
 use crate::global::Global;
 
@@ -32,6 +33,9 @@ pub(crate) enum Command {
     /// Angular power spectrum of a pattern, or of points in files
     #[command(after_help = spectrum::EXAMPLES)]
     Spectrum(spectrum::SpectrumArgs),
+    /// Put the saved parts of a spectrum together, to the bits of one run
+    #[command(after_help = merge::EXAMPLES)]
+    Merge(merge::MergeArgs),
     /// Predicted and measured variance of patterns on one integrand
     #[command(after_help = variance::EXAMPLES)]
     Variance(variance::VarianceArgs),

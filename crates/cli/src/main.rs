@@ -52,6 +52,7 @@ fn run(cli: Cli) -> Result<(), CliError> {
         Command::Choose(args) => commands::choose::run(&args, &cli.global),
         Command::Sample(args) => commands::sample::run(&args, &cli.global),
         Command::Spectrum(args) => commands::spectrum::run(&args, &cli.global),
+        Command::Merge(args) => commands::merge::run(&args, &cli.global),
         Command::Variance(args) => commands::variance::run(&args, &cli.global),
         Command::Bounds(args) => commands::bounds::run(&args, &cli.global),
         Command::Audit(args) => commands::audit::run(&args, &cli.global),

@@ -143,7 +143,7 @@ impl SpectrumAccumulator {
     ///
     /// [`Error::NoRealizations`] if nothing was accumulated.
     pub fn finish(&self) -> Result<Spectrum, Error> {
-        let realizations = self.degrees[0].count();
+        let realizations = self.degrees.first().map_or(0, Moments::count);
         if realizations == 0 {
             return Err(Error::NoRealizations);
         }

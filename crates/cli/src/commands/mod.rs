@@ -6,6 +6,7 @@ pub(crate) mod choose;
 pub(crate) mod compare;
 pub(crate) mod eval;
 pub(crate) mod healpix;
+pub(crate) mod merge;
 pub(crate) mod render;
 pub(crate) mod reproduce;
 pub(crate) mod sample;

@@ -1,30 +1,27 @@
 //! `sphvar spectrum`: the angular power spectrum of a pattern or of points in files.
 
+mod report;
+
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use clap::Args;
-use serde::Serialize;
 use sphvar_samplers::{Domain, Pattern, Purpose, Realizations, Sampler, Streams};
 use sphvar_spectrum::{
-    CoefficientSamples, OrderAccumulator, PointSets, Resolution, Spectrum, SpectrumAccumulator,
-    accumulate, exact_spectrum, exact_spectrum_bytes, exact_spectrum_cost, has_exact_spectrum,
+    CoefficientSamples, OrderAccumulator, PointSets, Resolution, SpectrumAccumulator, accumulate,
+    exact_spectrum, exact_spectrum_bytes, exact_spectrum_cost, has_exact_spectrum,
 };
 
-use super::power_chart::{power_chart, power_series};
+pub(crate) use self::report::emit;
 use super::sets_args::SetsArgs;
 use crate::error::CliError;
-use crate::files::AtomicFile;
+use crate::files::{AtomicFile, SavedEnsemble, Shard};
 use crate::global::Global;
 use crate::memory::{check_degree, check_memory, check_transform};
 use crate::patterns;
-use crate::plots::{Chart, ImageFormat};
 use crate::point_sets::FileSets;
 use crate::progress::Progress;
-use crate::report::{
-    Provenance, check_result, csv, full, is_stdout, print, print_json, say, short, table,
-    write_result, write_text,
-};
+use crate::report::{Provenance, check_result, csv, full, is_stdout, say, write_text};
 use crate::transforms::TransformArgs;
 
 pub(crate) const EXAMPLES: &str = "Examples:
@@ -32,6 +29,7 @@ pub(crate) const EXAMPLES: &str = "Examples:
   sphvar spectrum --points data/stars.csv --lmax 64
   sphvar spectrum healpix -n 972 -o spectrum.png
   sphvar spectrum jittered -n 3888 --exact --lmax 190
+  sphvar spectrum jittered -n 3888 -m 300 --shard 2/3 --save second.shard
 
 White noise has power 1 for l >= 1; P(0) = N. The error is the standard error of the mean over the
 realizations, each turned by a uniform rotation of its own. A pattern that is not random, and a
@@ -59,6 +57,12 @@ pub(crate) struct SpectrumArgs {
     /// Write the spectrum to a file: .csv, .json, or a plot as .svg or .png
     #[arg(short, long, value_name = "FILE")]
     pub(crate) out: Option<PathBuf>,
+    /// Make only part I of K equal parts of the realizations; `merge` puts them together
+    #[arg(long, value_name = "I/K", requires = "save")]
+    pub(crate) shard: Option<Share>,
+    /// Save the sums, exactly, for `merge`
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["points_from", "exact"])]
+    pub(crate) save: Option<PathBuf>,
     /// Write the mean power of every degree and order, `(4 pi/N) |S_lm|^2`, to a CSV file
     #[arg(long, value_name = "FILE")]
     pub(crate) per_order: Option<PathBuf>,
@@ -67,19 +71,35 @@ pub(crate) struct SpectrumArgs {
     pub(crate) coefficient: Option<Vec<String>>,
 }
 
-/// The document of `--json`.
-#[derive(Debug, Serialize)]
-struct Document<'a> {
-    sampler: &'a str,
-    domain: &'static str,
-    n: usize,
-    lmax: usize,
-    realizations: u64,
-    l: Vec<usize>,
-    power: Vec<f64>,
-    stderr: Vec<f64>,
-    seconds: f64,
-    provenance: &'a Provenance,
+/// One of equal parts, `I/K`, counted from 1.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Share {
+    part: u64,
+    parts: u64,
+}
+
+impl std::str::FromStr for Share {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let numbers =
+            text.split_once('/').and_then(|(i, k)| Some((i.parse().ok()?, k.parse().ok()?)));
+        match numbers {
+            Some((part, parts)) if 1 <= part && part <= parts => Ok(Self { part, parts }),
+            _ => Err(format!("expected I/K with 1 <= I <= K as in 2/4, got \"{text}\"")),
+        }
+    }
+}
+
+impl Share {
+    /// The range of this part of `count`; the parts differ by one at most.
+    fn of(self, count: u64) -> std::ops::Range<u64> {
+        let end = |part: u64| {
+            let wide = u128::from(count) * u128::from(part) / u128::from(self.parts);
+            u64::try_from(wide).unwrap_or(count)
+        };
+        end(self.part - 1)..end(self.part)
+    }
 }
 
 /// Where the point sets come from.
@@ -137,12 +157,16 @@ pub(crate) fn run(args: &SpectrumArgs, global: &Global) -> Result<(), CliError> 
             (&Realizations::rotated(&**sampler, streams), count)
         }
     };
-    let progress = Progress::new(count as f64, global.quiet);
+    let part = args.shard.map_or(0..count, |share| share.of(count));
+    if part.is_empty() {
+        return Err(CliError::Usage(format!("--shard: none of {count} realizations is in it")));
+    }
+    let progress = Progress::new((part.end - part.start) as f64, global.quiet);
     progress.stage(&name);
-    let (spectrum, (orders, samples)) =
-        accumulate(sets, resolution, 0..count, &empty, &|| progress.advance(1.0))?;
+    let (sums, (orders, samples)) =
+        accumulate(sets, resolution, part.clone(), &empty, &|| progress.advance(1.0))?;
     drop(progress);
-    let spectrum = spectrum.finish()?;
+    let spectrum = sums.finish()?;
     let exact = match &source {
         Source::Sampler { sampler, .. } => !sampler.is_random(),
         // A single set in a file is of interest itself, not as a realization of something.
@@ -152,6 +176,18 @@ pub(crate) fn run(args: &SpectrumArgs, global: &Global) -> Result<(), CliError> 
     let seconds = started.elapsed().as_secs_f64();
 
     let provenance = Provenance::new(global.seed);
+    if let Some(path) = &args.save {
+        let ensemble = SavedEnsemble {
+            sampler: name.clone(),
+            is_random: !exact,
+            domain,
+            lmax,
+            transform: format!("{method:?} {epsilon:e}"),
+            seed: global.seed,
+            version: provenance.version.to_owned(),
+        };
+        Shard { ensemble, parts: vec![part], sums }.write(path)?;
+    }
     if let (Some(path), Some(orders)) = (&args.per_order, orders) {
         let row = |o: sphvar_spectrum::OrderPower| {
             vec![o.l.to_string(), o.m.to_string(), full(o.power), full(o.stderr)]
@@ -164,7 +200,7 @@ pub(crate) fn run(args: &SpectrumArgs, global: &Global) -> Result<(), CliError> 
         let rows: Vec<_> = samples.finish().iter().map(|a| vec![full(a.re), full(a.im)]).collect();
         write_text(&coefficient.path, &csv(&provenance, "re,im", &rows))?;
     }
-    emit(args, global, &name, &spectrum, seconds, &provenance)
+    emit(args.out.as_deref(), global, &name, &spectrum, seconds, &provenance)
 }
 
 /// The spectrum without realizations.
@@ -188,7 +224,7 @@ fn run_exact(
         exact_spectrum(pattern, n_points, domain, lmax, &|seconds| progress.advance(seconds))?;
     drop(progress);
     let seconds = started.elapsed().as_secs_f64();
-    emit(args, global, &name, &spectrum, seconds, &Provenance::new(global.seed))
+    emit(args.out.as_deref(), global, &name, &spectrum, seconds, &Provenance::new(global.seed))
 }
 
 /// Refuses what could not be written in the end.
@@ -204,6 +240,12 @@ fn check_outputs(args: &SpectrumArgs, global: &Global) -> Result<(), CliError> {
             return Err(CliError::Usage(format!(
                 "{flag} must name a file: with --json standard output has the one document"
             )));
+        }
+        AtomicFile::check(path)?;
+    }
+    if let Some(path) = &args.save {
+        if is_stdout(path) {
+            return Err(CliError::Usage("--save must name a file".to_owned()));
         }
         AtomicFile::check(path)?;
     }
@@ -260,92 +302,4 @@ fn parse_coefficient(
         )));
     }
     Ok(Coefficient { l, m, path: Path::new(path).to_path_buf() })
-}
-
-fn emit(
-    args: &SpectrumArgs,
-    global: &Global,
-    name: &str,
-    spectrum: &Spectrum,
-    seconds: f64,
-    provenance: &Provenance,
-) -> Result<(), CliError> {
-    let rows: Vec<(usize, f64, f64)> = spectrum.rows().collect();
-    let document = Document {
-        sampler: name,
-        domain: spectrum.domain().name(),
-        n: spectrum.n_points(),
-        lmax: spectrum.lmax(),
-        realizations: spectrum.realizations(),
-        l: rows.iter().map(|r| r.0).collect(),
-        power: rows.iter().map(|r| r.1).collect(),
-        stderr: rows.iter().map(|r| r.2).collect(),
-        seconds,
-        provenance,
-    };
-    let scale = (spectrum.n_points() as f64).sqrt();
-    if let Some(path) = &args.out
-        && !(global.json && is_stdout(path))
-    {
-        if ImageFormat::of_path(path).is_some() {
-            let chart = Chart {
-                title: format!("Angular power spectrum of {name}, N = {}", spectrum.n_points()),
-                notes: vec![provenance.line()],
-                ..power_chart(vec![power_series(name, spectrum, f64::INFINITY, 0)])
-            };
-            chart.render(path)?;
-        } else {
-            let cells: Vec<_> = rows
-                .iter()
-                .map(|&(l, p, e)| {
-                    vec![
-                        l.to_string(),
-                        full(l as f64 / scale),
-                        full(p),
-                        full(e),
-                        spectrum.realizations().to_string(),
-                    ]
-                })
-                .collect();
-            write_result(path, &document, &|| {
-                csv(provenance, "l,omega,power,stderr,realizations", &cells)
-            })?;
-        }
-    }
-    if global.json {
-        return print_json(&document);
-    }
-    if args.out.is_some() {
-        return Ok(());
-    }
-    let shown = thinned(&rows);
-    let cells = shown
-        .iter()
-        .map(|&&(l, p, e)| {
-            vec![l.to_string(), format!("{:.4}", l as f64 / scale), short(p), short(e)]
-        })
-        .collect();
-    print(&table(&["l", "l/sqrt(N)", "power", "+-"], cells, 0))?;
-    if shown.len() < rows.len() {
-        let remark = format!("{} of {} degrees; all of them: -o FILE.csv", shown.len(), rows.len());
-        say(global.quiet, &remark);
-    }
-    Ok(())
-}
-
-/// All of a short list, or some 40 rows of a long one, ever farther apart.
-fn thinned(rows: &[(usize, f64, f64)]) -> Vec<&(usize, f64, f64)> {
-    const FEW: usize = 40;
-    let mut next = 0;
-    rows.iter()
-        .enumerate()
-        .filter(|&(i, _)| {
-            let take = rows.len() <= FEW || i == next || i + 1 == rows.len();
-            if i == next {
-                next = (i + 1).max(i * 9 / 8);
-            }
-            take
-        })
-        .map(|(_, row)| row)
-        .collect()
 }

@@ -10,6 +10,7 @@ mod npy;
 mod picture;
 mod piece_store;
 mod points;
+mod shard;
 mod spectra;
 mod text_rows;
 
@@ -21,4 +22,5 @@ pub(crate) use lists::{Columns, Fault, ListWriter, Number, Written, read_list};
 pub(crate) use picture::{Picture, PictureFormat, srgb, write_png};
 pub(crate) use piece_store::PieceStore;
 pub(crate) use points::{PointSet, ReadOptions, read_points, write_points};
+pub(crate) use shard::{SavedEnsemble, Shard};
 pub(crate) use spectra::read_spectrum;

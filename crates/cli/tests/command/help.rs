@@ -51,6 +51,7 @@ fn examples_work() {
                 || (e.starts_with("choose") && !e.contains("--samplers"))
                 || ["--mse", "--study", "--sheet"].iter().any(|flag| e.contains(flag))
                 || e.contains("-m ")
+                || e.starts_with("merge")
                 || e.contains("jittered -n 972 --profile");
             let files = ["--points ", "--spectrum ", ".obj"].iter().any(|file| e.contains(file))
                 || e.starts_with("healpix");
@@ -59,7 +60,8 @@ fn examples_work() {
             place.run(example).ok();
             run += 1;
         }
-        let expected = !["compare", "variance", "audit", "reproduce", "healpix"].contains(&name);
+        let expected =
+            !["compare", "merge", "variance", "audit", "reproduce", "healpix"].contains(&name);
         assert_eq!(run > 0, expected, "{name}: {run} examples were run\n{help}");
     }
 }

@@ -19,4 +19,5 @@ mod pipes;
 mod precision;
 mod render;
 mod reproduction;
+mod shards;
 mod workplace;

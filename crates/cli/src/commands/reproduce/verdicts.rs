@@ -93,7 +93,7 @@ pub(super) fn plain_table(claims: &[VerdictRecord]) -> String {
         ]
     });
     let heading = ["figure", "what", "the thesis says", "we find", "95 %", "verdict", "erratum"];
-    let counts: Vec<String> = tally(claims).iter().map(|(name, n)| format!("{n} {name}")).collect();
+    let counts: Vec<String> = tally(claims).iter().map(|(name, n)| format!("{name} {n}")).collect();
     format!(
         "{}\n{} claims: {}\n",
         table(&heading, rows.collect(), 3),

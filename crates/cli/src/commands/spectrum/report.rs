@@ -1,0 +1,118 @@
+//! A spectrum on its way out: table, JSON, CSV or plot.
+
+use std::path::Path;
+
+use serde::Serialize;
+use sphvar_spectrum::Spectrum;
+
+use crate::commands::power_chart::{power_chart, power_series};
+use crate::error::CliError;
+use crate::global::Global;
+use crate::plots::{Chart, ImageFormat};
+use crate::report::{
+    Provenance, csv, full, is_stdout, print, print_json, say, short, table, write_result,
+};
+
+/// The document of `--json`.
+#[derive(Debug, Serialize)]
+struct Document<'a> {
+    sampler: &'a str,
+    domain: &'static str,
+    n: usize,
+    lmax: usize,
+    realizations: u64,
+    l: Vec<usize>,
+    power: Vec<f64>,
+    stderr: Vec<f64>,
+    seconds: f64,
+    provenance: &'a Provenance,
+}
+
+/// Writes the spectrum of `name` to `out`, prints it as JSON, or shows a table if neither is asked for.
+pub(crate) fn emit(
+    out: Option<&Path>,
+    global: &Global,
+    name: &str,
+    spectrum: &Spectrum,
+    seconds: f64,
+    provenance: &Provenance,
+) -> Result<(), CliError> {
+    let rows: Vec<(usize, f64, f64)> = spectrum.rows().collect();
+    let document = Document {
+        sampler: name,
+        domain: spectrum.domain().name(),
+        n: spectrum.n_points(),
+        lmax: spectrum.lmax(),
+        realizations: spectrum.realizations(),
+        l: rows.iter().map(|r| r.0).collect(),
+        power: rows.iter().map(|r| r.1).collect(),
+        stderr: rows.iter().map(|r| r.2).collect(),
+        seconds,
+        provenance,
+    };
+    let scale = (spectrum.n_points() as f64).sqrt();
+    if let Some(path) = out
+        && !(global.json && is_stdout(path))
+    {
+        if ImageFormat::of_path(path).is_some() {
+            let chart = Chart {
+                title: format!("Angular power spectrum of {name}, N = {}", spectrum.n_points()),
+                notes: vec![provenance.line()],
+                ..power_chart(vec![power_series(name, spectrum, f64::INFINITY, 0)])
+            };
+            chart.render(path)?;
+        } else {
+            let cells: Vec<_> = rows
+                .iter()
+                .map(|&(l, p, e)| {
+                    vec![
+                        l.to_string(),
+                        full(l as f64 / scale),
+                        full(p),
+                        full(e),
+                        spectrum.realizations().to_string(),
+                    ]
+                })
+                .collect();
+            write_result(path, &document, &|| {
+                csv(provenance, "l,omega,power,stderr,realizations", &cells)
+            })?;
+        }
+    }
+    if global.json {
+        return print_json(&document);
+    }
+    if out.is_some() {
+        return Ok(());
+    }
+    let shown = thinned(&rows);
+    let cells = shown
+        .iter()
+        .map(|&&(l, p, e)| {
+            vec![l.to_string(), format!("{:.4}", l as f64 / scale), short(p), short(e)]
+        })
+        .collect();
+    print(&table(&["l", "l/sqrt(N)", "power", "+-"], cells, 0))?;
+    if shown.len() < rows.len() {
+        let remark = format!("{} of {} degrees; all of them: -o FILE.csv", shown.len(), rows.len());
+        say(global.quiet, &remark);
+    }
+    Ok(())
+}
+
+/// All of a short list, or some 40 rows of a long one, ever farther apart.
+fn thinned(rows: &[(usize, f64, f64)]) -> Vec<&(usize, f64, f64)> {
+    const FEW: usize = 40;
+    let mut next = 0;
+    rows.iter()
+        .enumerate()
+        .filter(|&(i, _)| {
+            let take = rows.len() <= FEW || i == next || i + 1 == rows.len();
+            if i == next {
+                next = (i + 1).max(i * 9 / 8);
+            }
+            take
+        })
+        .map(|(_, row)| row)
+        .collect()
+}
