@@ -1,6 +1,7 @@
 //! The figures, one file each.
 
 mod cap_power;
+mod patterns;
 
 use crate::{Error, Figure, Job, Results, Setting};
 
