@@ -2,6 +2,7 @@
 
 mod cap_power;
 mod patterns;
+mod spectra;
 
 use crate::{Error, Figure, Job, Results, Setting};
 
