@@ -1,0 +1,73 @@
+use sphvar_samplers::{DiskMode, MassPoints, Pattern};
+
+/// A pattern of the thesis. It has the same colour and the same words in every figure.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum ThesisPattern {
+    /// Independent directions.
+    WhiteNoise,
+    /// One direction in each HEALPix pixel.
+    Jittered,
+    /// Exactly N directions, none nearer to another than the chord of the thesis's program.
+    PoissonDisk,
+    /// Capacity-constrained Voronoi tessellations with random mass points, whose capacity the thesis does not state.
+    Ccvt,
+    /// HEALPix centres.
+    Healpix,
+    /// The spherical Fibonacci lattice.
+    Fibonacci,
+}
+
+/// The colour of bounds.
+pub(crate) const BOUND_COLOUR: usize = 6;
+/// The colour of what is neither a pattern nor a bound.
+pub(crate) const OTHER_COLOUR: usize = 7;
+
+impl ThesisPattern {
+    /// How it is made.
+    pub(crate) fn pattern(self) -> Pattern {
+        match self {
+            Self::WhiteNoise => Pattern::WhiteNoise,
+            Self::Jittered => Pattern::Jittered,
+            Self::PoissonDisk => Pattern::PoissonDisk { mode: DiskMode::Exact, radius: None },
+            Self::Ccvt => Pattern::Ccvt { capacity: 64, mass: MassPoints::White },
+            Self::Healpix => Pattern::Healpix,
+            Self::Fibonacci => Pattern::Fibonacci,
+        }
+    }
+
+    /// The number of its colour.
+    pub(crate) const fn colour(self) -> usize {
+        match self {
+            Self::WhiteNoise => 0,
+            Self::Jittered => 1,
+            Self::PoissonDisk => 2,
+            Self::Ccvt => 3,
+            Self::Healpix => 4,
+            Self::Fibonacci => 5,
+        }
+    }
+
+    /// Its entry in legends.
+    pub(crate) const fn label(self) -> &'static str {
+        match self {
+            Self::WhiteNoise => "white noise",
+            Self::Jittered => "jittered",
+            Self::PoissonDisk => "Poisson disk",
+            Self::Ccvt => "CCVT",
+            Self::Healpix => "HEALPix regular",
+            Self::Fibonacci => "Fibonacci",
+        }
+    }
+
+    /// Its part of panel names.
+    pub(crate) const fn name(self) -> &'static str {
+        match self {
+            Self::WhiteNoise => "white-noise",
+            Self::Jittered => "jittered",
+            Self::PoissonDisk => "poisson-disk",
+            Self::Ccvt => "ccvt",
+            Self::Healpix => "healpix",
+            Self::Fibonacci => "fibonacci",
+        }
+    }
+}
