@@ -1,7 +1,10 @@
 //! The figures, one file each.
 
 mod cap_power;
+mod integrand_classes;
 mod patterns;
+mod spectra;
+mod spectra_product;
 
 use crate::{Error, Figure, Job, Results, Setting};
 
@@ -23,4 +26,8 @@ pub(crate) trait Recipe: Sync {
 }
 
 /// Every figure by its number, in the thesis's order.
-pub(crate) const ALL: [(&str, &dyn Recipe); 1] = [("C.1", &cap_power::CapPower)];
+pub(crate) const ALL: [(&str, &dyn Recipe); 3] = [
+    ("5.1", &spectra_product::SpectraProduct),
+    ("6.1", &integrand_classes::IntegrandClasses),
+    ("C.1", &cap_power::CapPower),
+];
