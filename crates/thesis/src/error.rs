@@ -28,6 +28,9 @@ pub enum Error {
     /// A harmonic cannot be computed.
     #[error(transparent)]
     Harmonics(#[from] sphvar_sh::Error),
+    /// A HEALPix cell does not exist.
+    #[error(transparent)]
+    Healpix(#[from] sphvar_healpix::Error),
     /// The results lack a job of the figure.
     #[error("the results lack \"{key}\": run all jobs of the figure first")]
     Missing {

@@ -1,12 +1,26 @@
 //! The figures, one file each.
 
+mod basis_functions;
 mod cap_power;
+mod coefficient_clouds;
+mod disk_points;
 mod integrand_classes;
+mod lattice_spectra;
+mod open_hemisphere;
+mod order_grid;
 mod patterns;
+mod point_panel;
+mod rotated_lattices;
+mod sampler_spectra;
+mod significance;
 mod spectra;
 mod spectra_product;
+mod strata;
+mod tessellation;
+mod white_noise_orders;
 
 use crate::{Error, Figure, Job, Results, Setting};
+use rotated_lattices::RotatedLattice;
 
 /// How a figure is made: what must be computed for it, and what is then shown and decided.
 pub(crate) trait Recipe: Sync {
@@ -26,8 +40,20 @@ pub(crate) trait Recipe: Sync {
 }
 
 /// Every figure by its number, in the thesis's order.
-pub(crate) const ALL: [(&str, &dyn Recipe); 3] = [
+pub(crate) const ALL: [(&str, &dyn Recipe); 15] = [
+    ("3.1", &basis_functions::BasisFunctions),
+    ("4.9", &white_noise_orders::WhiteNoiseOrders),
+    ("4.10", &lattice_spectra::LatticeSpectra),
+    ("4.11", &RotatedLattice::HEALPIX),
+    ("4.12", &RotatedLattice::FIBONACCI),
+    ("4.14", &sampler_spectra::SamplerSpectra),
+    ("4.15", &open_hemisphere::OpenHemisphere),
+    ("4.16", &RotatedLattice::HEMISPHERICAL_FIBONACCI),
+    ("4.17", &coefficient_clouds::CoefficientClouds),
     ("5.1", &spectra_product::SpectraProduct),
     ("6.1", &integrand_classes::IntegrandClasses),
+    ("7.1", &strata::Strata),
+    ("7.2", &disk_points::DiskPoints),
+    ("7.3", &tessellation::TessellationSites),
     ("C.1", &cap_power::CapPower),
 ];

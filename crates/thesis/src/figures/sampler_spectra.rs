@@ -1,0 +1,279 @@
+use sphvar_samplers::{Domain, Pattern};
+use sphvar_spectrum::Spectrum;
+
+use super::Recipe;
+use super::patterns::ThesisPattern;
+use super::point_panel::{hemisphere_points, sphere_points};
+use super::spectra::{LMAX, N_POINTS, mean_spectrum, omega_axis, realizations, spectrum_curve};
+use crate::{
+    Axis, Claim, Curve, Curves, Ensemble, Error, Figure, Job, Mark, Quantity, Results, Setting,
+    Stated, Verdict,
+};
+
+/// Figure 4.14: the mean spectra of the random patterns on the sphere and on the hemisphere.
+pub(crate) struct SamplerSpectra;
+
+const PATTERNS: [ThesisPattern; 4] = [
+    ThesisPattern::WhiteNoise,
+    ThesisPattern::Jittered,
+    ThesisPattern::PoissonDisk,
+    ThesisPattern::Ccvt,
+];
+/// The number of points of a hemisphere, half of that of the sphere.
+const N_HALF: usize = N_POINTS / 2;
+/// The number of points of the pictures.
+const N_SHOWN: usize = 1024;
+/// Numbers of points of halves whose power of degree 2 gives a rate.
+const N_RATE: [usize; 2] = [1536, 6144];
+
+/// How hemisphere sets are made.
+#[derive(Clone, Copy)]
+enum Half {
+    /// The upper points of sphere sets, as in the thesis.
+    Kept,
+    /// The pattern of the projective plane.
+    Own,
+}
+
+fn hemisphere_spectrum(pattern: ThesisPattern, half: Half, setting: Setting) -> Job {
+    let ensemble = match (half, pattern) {
+        // The thesis makes white noise on the hemisphere itself.
+        (
+            Half::Kept,
+            ThesisPattern::Jittered | ThesisPattern::PoissonDisk | ThesisPattern::Ccvt,
+        ) => Ensemble::kept_half(pattern.pattern(), N_HALF),
+        _ => Ensemble::hemisphere(pattern.pattern(), N_HALF),
+    };
+    Job::Spectrum {
+        ensemble,
+        domain: Domain::Hemisphere,
+        lmax: LMAX,
+        sets: realizations(pattern, setting),
+    }
+}
+
+/// Degree 2 of kept halves of jittered sets.
+fn seam(n_points: usize, setting: Setting) -> Job {
+    Job::Spectrum {
+        ensemble: Ensemble::kept_half(Pattern::Jittered, n_points),
+        domain: Domain::Hemisphere,
+        lmax: 2,
+        sets: setting.scale.pick(1000, 4000),
+    }
+}
+
+impl Recipe for SamplerSpectra {
+    fn title(&self) -> &'static str {
+        "Mean spectra of random patterns on the sphere and the hemisphere"
+    }
+
+    fn jobs(&self, setting: Setting) -> Vec<Job> {
+        let spectra = PATTERNS.iter().flat_map(|&pattern| {
+            [
+                mean_spectrum(pattern, setting),
+                hemisphere_spectrum(pattern, Half::Kept, setting),
+                hemisphere_spectrum(pattern, Half::Own, setting),
+            ]
+        });
+        spectra.chain(N_RATE.map(|n| seam(n, setting))).collect()
+    }
+
+    fn compose(
+        &self,
+        setting: Setting,
+        results: &Results,
+        figure: &mut Figure,
+    ) -> Result<(), Error> {
+        let sphere = |pattern| results.spectrum(&mean_spectrum(pattern, setting));
+        let half = |pattern, half| results.spectrum(&hemisphere_spectrum(pattern, half, setting));
+        spectra_panel(figure, "sphere", "Sphere", sphere)?;
+        spectra_panel(
+            figure,
+            "half",
+            "Hemisphere: halves of sphere sets, as in the thesis",
+            |p| half(p, Half::Kept),
+        )?;
+        spectra_panel(figure, "hemisphere", "Hemisphere: patterns of the projective plane", |p| {
+            half(p, Half::Own)
+        })?;
+        let mut low = Vec::new();
+        for pattern in PATTERNS {
+            for (how, mark, made) in
+                [("halves", Mark::Markers, Half::Kept), ("own", Mark::Line, Half::Own)]
+            {
+                let label = format!("{}, {how}", pattern.label());
+                let mut curve = spectrum_curve(label, pattern.colour(), half(pattern, made)?);
+                curve.points.retain(|p| p[0] < 1.0);
+                curve.mark = mark;
+                low.push(curve);
+            }
+        }
+        figure.panel(
+            "seam",
+            "What the cut at the equator adds at low degrees",
+            Curves { x: omega_axis(), y: Axis::log("mean angular power P"), curves: low },
+        );
+        insets(setting, figure)?;
+
+        for pattern in PATTERNS {
+            figure.claims.push(limit(pattern, sphere(pattern)?));
+        }
+        figure.claims.push(empty_region(sphere(ThesisPattern::Ccvt)?));
+        for pattern in [ThesisPattern::Jittered, ThesisPattern::PoissonDisk, ThesisPattern::Ccvt] {
+            let claim = stands_for_hemisphere(
+                pattern,
+                half(pattern, Half::Kept)?,
+                half(pattern, Half::Own)?,
+            );
+            figure.claims.push(claim);
+        }
+        let [few, many] = N_RATE.map(|n| results.spectrum(&seam(n, setting)));
+        figure.claims.push(seam_rate(few?, many?));
+        notes(setting, figure);
+        Ok(())
+    }
+}
+
+fn spectra_panel<'a>(
+    figure: &mut Figure,
+    name: &str,
+    title: &str,
+    spectrum: impl Fn(ThesisPattern) -> Result<&'a Spectrum, Error>,
+) -> Result<(), Error> {
+    let curve = |&pattern: &ThesisPattern| -> Result<Curve, Error> {
+        let spectrum = spectrum(pattern)?;
+        let label = format!("{}, N = {}", pattern.label(), spectrum.n_points());
+        Ok(spectrum_curve(label, pattern.colour(), spectrum))
+    };
+    let curves: Result<Vec<Curve>, Error> = PATTERNS.iter().map(curve).collect();
+    let y = Axis::linear("mean angular power P");
+    figure.panel(name, title, Curves { x: omega_axis(), y, curves: curves? });
+    Ok(())
+}
+
+/// A set of each pattern, with fewer points than the spectra have.
+fn insets(setting: Setting, figure: &mut Figure) -> Result<(), Error> {
+    for pattern in PATTERNS {
+        let sphere = Ensemble::sphere(pattern.pattern(), N_SHOWN);
+        figure.panel(
+            &format!("{}-sphere", pattern.name()),
+            format!("{}, N = {}", pattern.label(), sphere.n_points),
+            sphere_points(sphere.set(setting.seed, 0)?),
+        );
+        let half = match pattern {
+            ThesisPattern::WhiteNoise => Ensemble::hemisphere(pattern.pattern(), N_SHOWN / 2),
+            _ => Ensemble::kept_half(pattern.pattern(), N_SHOWN / 2),
+        };
+        let points = half.set(setting.seed, 0)?;
+        figure.panel(
+            &format!("{}-half", pattern.name()),
+            format!("{}, {} points", pattern.label(), points.len()),
+            hemisphere_points(points),
+        );
+    }
+    Ok(())
+}
+
+/// The mean over degrees from `first` to `last`, weighted by 2l+1, with the errors of independent degrees.
+fn mean_power(spectrum: &Spectrum, first: usize, last: usize) -> Quantity {
+    let (mut sum, mut variance, mut count) = (0.0, 0.0, 0.0);
+    for (l, power, stderr) in spectrum.rows().filter(|r| first <= r.0 && r.0 <= last) {
+        let orders = (2 * l + 1) as f64;
+        sum += orders * power;
+        variance += (orders * stderr).powi(2);
+        count += orders;
+    }
+    Quantity::with_stderr(sum / count, variance.sqrt() / count)
+}
+
+/// "The power of any pattern converges to 1."
+fn limit(pattern: ThesisPattern, spectrum: &Spectrum) -> Claim {
+    let first = (3.0 * (spectrum.n_points() as f64).sqrt()).ceil();
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "some hundred")]
+    let mean = mean_power(spectrum, first as usize, LMAX);
+    Claim::number(
+        format!("{}: limit of the power, mean from omega = 3", pattern.label()),
+        Stated::About { value: 1.0, tolerance: 0.05 },
+        mean,
+    )
+    .because(format!(
+        "degrees {first} to {LMAX}, weighted by 2l+1; of lattices it is wrong, see Figure 4.10"
+    ))
+}
+
+/// "In case of regular and CCVT sampling there is a low-frequency region with no energy."
+fn empty_region(spectrum: &Spectrum) -> Claim {
+    /// omega = 0.25 at 4096 points.
+    const LAST: usize = 16;
+    Claim::number(
+        format!("CCVT: power of the low degrees, mean of 1 to {LAST}"),
+        Stated::About { value: 0.0, tolerance: 0.001 },
+        mean_power(spectrum, 1, LAST),
+    )
+    .erratum(40)
+    .because(
+        "\"a low-frequency region with no energy\": random mass points leave their own noise, 1/capacity = 1/64; the \
+         thesis states no capacity (erratum 39)",
+    )
+}
+
+/// Whether halves of sphere sets have the power of a pattern of the projective plane in degree 2: wrong if the interval of
+/// the ratio does not reach down to 1.1, true if it lies within 0.9 and 1.1.
+fn stands_for_hemisphere(pattern: ThesisPattern, kept: &Spectrum, own: &Spectrum) -> Claim {
+    let at = |s: &Spectrum| (s.power()[2], s.stderr()[2]);
+    let ((kept, kept_error), (own, own_error)) = (at(kept), at(own));
+    let ratio = kept / own;
+    let relative = (kept_error / kept).hypot(own_error / own);
+    let found = Quantity::with_stderr(ratio, ratio * relative);
+    let (low, high) = found.interval;
+    let verdict = if low > 1.1 {
+        Verdict::Wrong
+    } else if low > 0.9 && high < 1.1 {
+        Verdict::Holds
+    } else {
+        Verdict::Undecided
+    };
+    Claim::words(
+        format!(
+            "{}: P(2) of halves over that of patterns of the projective plane",
+            pattern.label()
+        ),
+        "halves are the hemisphere's pattern",
+        verdict,
+    )
+    .found(found)
+    .erratum(13)
+    .because(format!("{kept:.4} against {own:.4}: the cut at the equator is a seam"))
+}
+
+/// The exponent of N of the power of degree 2, for which sphere jitter has -1.
+fn seam_rate(few: &Spectrum, many: &Spectrum) -> Claim {
+    let [a, b] = [few, many].map(|s| (s.n_points() as f64, s.power()[2], s.stderr()[2]));
+    let steps = (b.0 / a.0).ln();
+    let found =
+        Quantity::with_stderr((b.1 / a.1).ln() / steps, (a.2 / a.1).hypot(b.2 / b.1) / steps);
+    Claim::number(
+        format!("jittered: exponent of N of P(2) of halves, {} to {} points", a.0, b.0),
+        Stated::About { value: -1.0, tolerance: 0.05 },
+        found,
+    )
+    .erratum(13)
+    .because("\"all results of the sphere follow\"; the seam's part falls as N^-1/2 only")
+}
+
+fn notes(setting: Setting, figure: &mut Figure) {
+    figure.note(format!(
+        "{} realizations, of CCVT {}. HEALPix strata exist for 12 nside^2 points on the sphere and 6 nside^2 on the \
+         hemisphere.",
+        realizations(ThesisPattern::WhiteNoise, setting),
+        realizations(ThesisPattern::Ccvt, setting)
+    ));
+    figure.note(
+        "Poisson disk sets have exactly N points and the chord 2.893/sqrt(N) of the author's program. CCVT has 64 random \
+         mass points a site; the thesis states neither their number nor their kind.",
+    );
+    figure.note(
+        "On the hemisphere N counts the points above and only even degrees exist; at equal density omega is sqrt(2) times \
+         that of the sphere. The thesis makes white noise on the hemisphere itself.",
+    );
+}

@@ -1,0 +1,46 @@
+use sphvar_samplers::Domain;
+use sphvar_spectrum::Spectrum;
+
+use super::patterns::ThesisPattern;
+use crate::{Axis, Curve, Ensemble, Job, Mark, Setting};
+
+/// The number of points of the thesis's mean spectra.
+pub(crate) const N_POINTS: usize = 4096;
+/// Their last degree, omega = 4.
+pub(crate) const LMAX: usize = 256;
+
+/// The mean spectrum of turned sphere sets of about [`N_POINTS`] points, which several figures show.
+pub(crate) fn mean_spectrum(pattern: ThesisPattern, setting: Setting) -> Job {
+    Job::Spectrum {
+        ensemble: Ensemble::sphere(pattern.pattern(), N_POINTS),
+        domain: Domain::Sphere,
+        lmax: LMAX,
+        sets: realizations(pattern, setting),
+    }
+}
+
+/// Over how many realizations spectra of about [`N_POINTS`] points are averaged: 1000 in the thesis.
+pub(crate) fn realizations(pattern: ThesisPattern, setting: Setting) -> u64 {
+    match pattern {
+        // Not random: one set is the ensemble.
+        ThesisPattern::Healpix | ThesisPattern::Fibonacci => 1,
+        ThesisPattern::Ccvt => setting.scale.pick(100, 1000),
+        _ => setting.scale.pick(300, 1000),
+    }
+}
+
+/// The axis of frequencies of spectra.
+pub(crate) fn omega_axis() -> Axis {
+    Axis::linear("omega = l/sqrt(N)")
+}
+
+/// The power of every degree from 1 over omega, with standard errors.
+pub(crate) fn spectrum_curve(
+    label: impl Into<String>,
+    colour: usize,
+    spectrum: &Spectrum,
+) -> Curve {
+    let root = (spectrum.n_points() as f64).sqrt();
+    let rows = spectrum.rows().filter(|row| row.0 > 0);
+    Curve::new(label, colour, Mark::Line, rows.map(|(l, p, e)| [l as f64 / root, p, e]))
+}
