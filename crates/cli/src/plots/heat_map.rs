@@ -85,8 +85,10 @@ impl Colours {
     }
 }
 
-/// Width and height of the whole figure, pixels.
-const SIZE: (u32, u32) = (900, 820);
+/// The sides of the largest map, pixels.
+const LARGEST: (f64, f64) = (620.0, 600.0);
+/// The width of the narrowest figure: headings need it.
+const NARROWEST: f64 = 640.0;
 /// Width of the scale of colours, and its distance from the map.
 const BAR: (f64, f64) = (22.0, 22.0);
 /// Room for the labels of the scale.
@@ -142,28 +144,17 @@ impl HeatMap {
 struct Layout {
     map: Frame,
     bar: Frame,
+    /// Width and height of the whole figure.
+    size: (f64, f64),
 }
 
 impl Layout {
     fn new(map: &HeatMap) -> Self {
-        let (width, height) = (f64::from(SIZE.0), f64::from(SIZE.1));
         let left = EDGE + LABEL * LEADING + 4.0 + 56.0 + TICK_GAP;
         // Two lines of heading and two of remarks have room.
         let top = EDGE + 2.0 * TITLE * LEADING + 6.0;
-        let room = (
-            width - EDGE - BAR_LABELS - LABEL - BAR.0 - BAR.1 - left,
-            height
-                - EDGE
-                - 2.0 * NOTE * LEADING
-                - 10.0
-                - LABEL * LEADING
-                - 4.0
-                - TICK * LEADING
-                - TICK_GAP
-                - top,
-        );
         let [columns, rows] = map.size.map(|n| n.max(1) as f64);
-        let cell = (room.0 / columns).min(room.1 / rows);
+        let cell = (LARGEST.0 / columns).min(LARGEST.1 / rows);
         // Cells of whole pixels look even.
         let cell = if cell >= 1.0 { cell.floor() } else { cell };
         let frame = Frame {
@@ -173,7 +164,10 @@ impl Layout {
             bottom: top.round() + (cell * rows).round(),
         };
         let left = frame.right + BAR.1;
-        Self { map: frame, bar: Frame { left, right: left + BAR.0, ..frame } }
+        let bar = Frame { left, right: left + BAR.0, ..frame };
+        let below = TICK_GAP + TICK * LEADING + LABEL * LEADING + 14.0 + 2.0 * NOTE * LEADING;
+        let width = (bar.right + BAR_LABELS + LABEL + EDGE).max(NARROWEST);
+        Self { map: frame, bar, size: (width, frame.bottom + below + EDGE) }
     }
 }
 
@@ -186,12 +180,11 @@ struct Scaffold<'a> {
 
 impl Figure for Scaffold<'_> {
     fn size(&self) -> (u32, u32) {
-        SIZE
+        (pixel(self.layout.size.0), pixel(self.layout.size.1))
     }
 
     fn draw<DB: DrawingBackend>(&self, canvas: &Canvas<DB>) -> Result<(), PlotError> {
-        let (width, height) = (f64::from(SIZE.0), f64::from(SIZE.1));
-        let Layout { map: frame, bar } = self.layout;
+        let Layout { map: frame, bar, size: (width, height) } = self.layout;
         for (row, line) in
             (0_u8..).zip(canvas.wrap(&self.map.title, TITLE, width - 2.0 * EDGE)?.iter().take(2))
         {

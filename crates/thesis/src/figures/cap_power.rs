@@ -107,7 +107,7 @@ fn logarithmic_panel(energy: &[f64], figure: &mut Figure) {
                     OTHER_COLOUR + 1,
                     over(1, LMAX, |l| PRINTED * decay(l)),
                 ),
-                Curve::line("mean 2 sin theta_0/l^2", OTHER_COLOUR + 2, over(1, LMAX, mean)),
+                Curve::line("mean 2 sin theta_0/l^2", OTHER_COLOUR + 4, over(1, LMAX, mean)),
             ],
         },
     );

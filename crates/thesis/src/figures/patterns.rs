@@ -19,8 +19,8 @@ pub(crate) enum ThesisPattern {
 
 /// The colour of bounds.
 pub(crate) const BOUND_COLOUR: usize = 6;
-/// The colour of what is neither a pattern nor a bound.
-pub(crate) const OTHER_COLOUR: usize = 7;
+/// The colour of what is neither a pattern nor a bound: that of HEALPix, with which it is in no figure.
+pub(crate) const OTHER_COLOUR: usize = 4;
 
 impl ThesisPattern {
     /// How it is made.

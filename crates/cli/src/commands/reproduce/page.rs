@@ -30,7 +30,8 @@ th, td { text-align: left; vertical-align: top; padding: .3rem .7rem .3rem 0; bo
 td.number { white-space: nowrap; font-variant-numeric: tabular-nums; }
 .holds { color: var(--good); font-weight: 600; } .wrong { color: var(--bad); font-weight: 600; }
 .undecided { color: var(--faint); font-weight: 600; }
-.panels { display: grid; grid-template-columns: repeat(auto-fill, minmax(min(32rem, 100%), 1fr)); gap: 1.2rem; margin: 1rem 0; }
+.panels { display: grid; grid-template-columns: repeat(auto-fill, minmax(min(32rem, 100%), 1fr)); gap: 1.2rem; margin: 1rem 0;
+  align-items: start; }
 figure { margin: 0; background: var(--soft); border-radius: .4rem; padding: .6rem; }
 figure img { display: block; width: 100%; height: auto; background: #fff; border-radius: .2rem; }
 figure.picture img { image-rendering: pixelated; }

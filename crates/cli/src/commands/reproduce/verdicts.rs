@@ -53,15 +53,14 @@ impl VerdictRecord {
         self.found.map_or_else(|| "-".to_owned(), |found| rounded(found, self.interval))
     }
 
-    /// The interval, `exact` where it has no width.
+    /// The interval; nothing where it has no width: closed forms, single sets of points, p-values.
     pub(super) fn interval_text(&self) -> String {
         match self.interval {
-            Some((low, high)) if low.to_bits() == high.to_bits() => "exact".to_owned(),
-            Some((low, high)) => {
+            Some((low, high)) if low.to_bits() != high.to_bits() => {
                 let end = |x| rounded(x, self.interval);
                 format!("{} to {}", end(low), end(high))
             }
-            None => "-".to_owned(),
+            _ => "-".to_owned(),
         }
     }
 
@@ -169,13 +168,32 @@ pub(super) fn markdown(
 
 fn stated(stated: &Stated) -> String {
     match *stated {
-        Stated::About { value, tolerance } if tolerance > 0.0 => {
-            format!("{value} \u{b1} {tolerance}")
+        Stated::About { value, tolerance } if tolerance > SLIGHT * value.abs().max(1.0) => {
+            format!("{} \u{b1} {}", plain(value), plain(tolerance))
         }
-        Stated::About { value, .. } => value.to_string(),
-        Stated::AtMost(limit) => format!("at most {limit}"),
-        Stated::AtLeast(limit) => format!("at least {limit}"),
+        Stated::About { value, .. } => plain(value),
+        Stated::AtMost(limit) => format!("at most {}", plain(limit)),
+        Stated::AtLeast(limit) => format!("at least {}", plain(limit)),
         Stated::Words(words) => words.to_owned(),
+    }
+}
+
+/// Tolerances below this are for roundings and say nothing to a reader.
+const SLIGHT: f64 = 1e-9;
+
+/// A number that is printed somewhere, to six digits.
+fn plain(x: f64) -> String {
+    let size = x.abs();
+    if size != 0.0 && !(1e-4..1e6).contains(&size) {
+        return format!("{x:.0e}");
+    }
+    #[expect(clippy::cast_possible_truncation, reason = "logarithms of f64 are below 400")]
+    let decimals = if size > 0.0 { 5 - size.log10().floor() as i32 } else { 0 };
+    let text = format!("{x:.*}", usize::try_from(decimals).unwrap_or(0));
+    if text.contains('.') {
+        text.trim_end_matches('0').trim_end_matches('.').to_owned()
+    } else {
+        text
     }
 }
 
@@ -202,7 +220,22 @@ fn rounded(x: f64, interval: Option<(f64, f64)>) -> String {
 mod tests {
     use sphvar_thesis::Quantity;
 
-    use super::rounded;
+    use super::{plain, rounded};
+
+    #[test]
+    fn printed_numbers_stay_as_they_are() {
+        for (x, text) in [
+            (0.055, "0.055"),
+            (300.0, "300"),
+            (-1.5, "-1.5"),
+            (0.0, "0"),
+            (1e-6, "1e-6"),
+            (232.166_318_621_979_88, "232.166"),
+            (0.6, "0.6"),
+        ] {
+            assert_eq!(plain(x), text);
+        }
+    }
 
     #[test]
     fn numbers_have_the_digits_that_their_intervals_leave() {
