@@ -51,10 +51,12 @@ impl Recipe for BoundedVariance {
         results: &Results,
         figure: &mut Figure,
     ) -> Result<(), Error> {
-        let rows = ROWS.into_iter().zip(thesis_bounds());
-        for (pattern, bounds) in rows.clone() {
+        let mut columns = Vec::new();
+        for (pattern, bounds) in ROWS.into_iter().zip(thesis_bounds()) {
             let job = mean_spectrum(pattern, setting);
-            spectrum_panel(pattern, &bounds, results.spectrum(&job)?, job.sets(), figure);
+            let spectrum = results.spectrum(&job)?;
+            spectrum_panel(pattern, &bounds, spectrum, job.sets(), figure);
+            claim_bounds(pattern, &bounds, spectrum, figure)?;
             for integrand in TestIntegrand::ALL {
                 let column = Column::new(pattern, bounds, integrand, setting, results)?;
                 figure.panel(
@@ -62,20 +64,11 @@ impl Recipe for BoundedVariance {
                     format!("{}: variance of the {}", pattern.label(), integrand.name()),
                     column.curves()?,
                 );
+                columns.push(column);
             }
         }
-        for (pattern, bounds) in rows.clone() {
-            claim_bounds(
-                pattern,
-                &bounds,
-                results.spectrum(&mean_spectrum(pattern, setting))?,
-                figure,
-            )?;
-        }
-        for integrand in TestIntegrand::ALL {
-            for (pattern, bounds) in rows.clone() {
-                Column::new(pattern, bounds, integrand, setting, results)?.claim(figure)?;
-            }
+        for column in columns {
+            column.claim(figure)?;
         }
         let most = |pattern| VarianceStudy { pattern, setting }.counts().last().copied();
         for pattern in ROWS {

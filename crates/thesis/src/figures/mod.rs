@@ -23,6 +23,8 @@ mod spectra;
 mod spectra_product;
 mod strata;
 mod tessellation;
+#[cfg(test)]
+mod tests;
 mod variance_comparison;
 mod variance_study;
 mod white_noise_orders;
