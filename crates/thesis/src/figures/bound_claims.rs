@@ -3,10 +3,14 @@ use sphvar_samplers::{Domain, Pattern};
 use sphvar_spectrum::{Spectrum, exact_spectrum};
 
 use super::patterns::ThesisPattern;
-use crate::{Claim, Error, Figure, Quantity, Verdict};
+use crate::{Claim, Error, Figure, Quantity, Stated, Verdict};
 
 /// The confidence of all degrees together at which a bound is refuted or proved.
 const CONFIDENCE: f64 = 0.99;
+
+/// What counts as low degrees of CCVT, and as no power there.
+const LOW: f64 = 0.25;
+const NO_POWER: f64 = 1e-3;
 
 /// Whether a mean spectrum is within the thesis's two profiles.
 ///
@@ -65,6 +69,32 @@ pub(crate) fn claim_bounds(
         figure.claims.push(claim);
     }
     Ok(())
+}
+
+/// "A low-frequency region with no energy", which sections 6.2.2 and 7.4 see in CCVT.
+pub(crate) fn claim_no_power(spectrum: &Spectrum, figure: &mut Figure) {
+    let root = (spectrum.n_points() as f64).sqrt();
+    let low = spectrum.rows().filter(|&(l, ..)| l > 0 && l as f64 <= LOW * root);
+    let (mut weight, mut power, mut variance) = (0.0, 0.0, 0.0);
+    for (l, p, stderr) in low {
+        // A degree counts by its orders.
+        let orders = (2 * l + 1) as f64;
+        weight += orders;
+        power += orders * p;
+        variance += (orders * stderr).powi(2);
+    }
+    figure.claims.push(
+        Claim::number(
+            format!("CCVT: mean power for omega below {LOW}"),
+            Stated::AtMost(NO_POWER),
+            Quantity::with_stderr(power / weight, variance.sqrt() / weight),
+        )
+        .erratum(40)
+        .because(format!(
+            "\"no energy\" is read as a thousandth of white noise; capacity 64 leaves 1/64 = {:.4}",
+            1.0 / 64.0
+        )),
+    );
 }
 
 /// What the thesis states, and the erratum about it.

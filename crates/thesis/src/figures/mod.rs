@@ -2,6 +2,7 @@
 
 mod basis_functions;
 mod bound_claims;
+mod bounded_column;
 mod bounded_variance;
 mod cap_power;
 mod coefficient_clouds;

@@ -241,7 +241,7 @@ impl VarianceCurves {
             .erratum(40)
             .because(format!(
                 "its variance is said to be the higher one; N = {}; mass points of capacity 64 leave CCVT a floor, which \
-                 jitter is below from some 1400 points on",
+                 jitter is below at degree 4 from some 1400 points on",
                 ccvt.n_points
             )),
         );
