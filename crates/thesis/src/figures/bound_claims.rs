@@ -116,3 +116,52 @@ fn stated(pattern: ThesisPattern, side: Side) -> (&'static str, Option<u8>) {
         (_, Side::Lower) => ("above 0.7", None),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use sphvar_bounds::thesis_bounds;
+    use sphvar_samplers::Domain;
+    use sphvar_spectrum::Spectrum;
+
+    use super::{claim_bounds, claim_no_power};
+    use crate::figures::patterns::ThesisPattern;
+    use crate::{Claim, Figure, FigureId, Verdict};
+
+    fn claims(fill: impl Fn(&mut Figure)) -> Vec<Claim> {
+        let id: FigureId = "7.4".parse().unwrap();
+        let mut figure = Figure { id, panels: Vec::new(), claims: Vec::new(), notes: Vec::new() };
+        fill(&mut figure);
+        figure.claims
+    }
+
+    fn flat(power: f64) -> Spectrum {
+        Spectrum::exact(Domain::Sphere, 1024, vec![power; 65])
+    }
+
+    #[test]
+    fn bounds_hold_or_are_wrong() {
+        for (power, expected) in [
+            (1.0, [Verdict::Holds, Verdict::Holds]),
+            (1.4, [Verdict::Wrong, Verdict::Holds]),
+            (0.6, [Verdict::Holds, Verdict::Wrong]),
+        ] {
+            let got = claims(|figure| {
+                let bounds = thesis_bounds()[0];
+                claim_bounds(ThesisPattern::WhiteNoise, &bounds, &flat(power), figure).unwrap();
+            });
+            assert_eq!([got[0].verdict, got[1].verdict], expected, "{power}: {got:?}");
+            let ratio = got[0].found.unwrap().value;
+            assert!((ratio - power / 1.3).abs() < 4.0 * f64::EPSILON, "{power}: {ratio}");
+        }
+    }
+
+    #[test]
+    fn power_at_low_degrees_is_seen() {
+        for (power, expected) in [(1e-4, Verdict::Holds), (1.0 / 64.0, Verdict::Wrong)] {
+            let got = claims(|figure| claim_no_power(&flat(power), figure));
+            assert_eq!(got[0].verdict, expected, "{got:?}");
+            let mean = got[0].found.unwrap().value;
+            assert!((mean / power - 1.0).abs() < 16.0 * f64::EPSILON, "{power}: {mean}");
+        }
+    }
+}
