@@ -1,10 +1,17 @@
 //! The figures, one file each.
 
 mod basis_functions;
+mod bound_claims;
+mod bounded_variance;
 mod cap_power;
 mod coefficient_clouds;
+mod cornell_box;
 mod disk_points;
+mod integrand_classes;
+mod lattice_artifacts;
 mod lattice_spectra;
+mod low_frequencies;
+mod occlusion;
 mod open_hemisphere;
 mod order_grid;
 mod patterns;
@@ -13,11 +20,17 @@ mod rotated_lattices;
 mod sampler_spectra;
 mod significance;
 mod spectra;
+mod spectra_product;
 mod strata;
 mod tessellation;
+#[cfg(test)]
+mod tests;
+mod variance_comparison;
+mod variance_study;
 mod white_noise_orders;
 
 use crate::{Error, Figure, Job, Results, Setting};
+use cornell_box::{CornellBoxes, ReferenceImage};
 use rotated_lattices::RotatedLattice;
 
 /// How a figure is made: what must be computed for it, and what is then shown and decided.
@@ -38,7 +51,7 @@ pub(crate) trait Recipe: Sync {
 }
 
 /// Every figure by its number, in the thesis's order.
-pub(crate) const ALL: [(&str, &dyn Recipe); 13] = [
+pub(crate) const ALL: [(&str, &dyn Recipe); 22] = [
     ("3.1", &basis_functions::BasisFunctions),
     ("4.9", &white_noise_orders::WhiteNoiseOrders),
     ("4.10", &lattice_spectra::LatticeSpectra),
@@ -48,8 +61,17 @@ pub(crate) const ALL: [(&str, &dyn Recipe); 13] = [
     ("4.15", &open_hemisphere::OpenHemisphere),
     ("4.16", &RotatedLattice::HEMISPHERICAL_FIBONACCI),
     ("4.17", &coefficient_clouds::CoefficientClouds),
+    ("5.1", &spectra_product::SpectraProduct),
+    ("6.1", &integrand_classes::IntegrandClasses),
     ("7.1", &strata::Strata),
     ("7.2", &disk_points::DiskPoints),
     ("7.3", &tessellation::TessellationSites),
+    ("7.4", &bounded_variance::BoundedVariance),
+    ("7.5", &CornellBoxes::RANDOM),
+    ("7.6", &CornellBoxes::EVEN),
+    ("7.7", &ReferenceImage),
+    ("7.8", &lattice_artifacts::LatticeArtifacts),
+    ("7.9", &variance_comparison::VarianceComparison),
+    ("7.10", &low_frequencies::LowFrequencies),
     ("C.1", &cap_power::CapPower),
 ];

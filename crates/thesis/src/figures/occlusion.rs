@@ -1,0 +1,104 @@
+use sphvar_scene::{DirectionMode, ErrorReport, Image, RenderErrors};
+
+use super::patterns::ThesisPattern;
+use crate::{Error, Figure, Job, Picture, Pictures, Quantity, Results, Setting};
+
+/// The Cornell box with ambient occlusion, at one size: its reference image and what others are measured by.
+#[derive(Clone, Copy)]
+pub(crate) struct Occlusion {
+    side: usize,
+    reference_points: usize,
+}
+
+impl Occlusion {
+    /// Pictures that are looked at. The thesis's reference has 32k directions.
+    pub(crate) fn shown(setting: Setting) -> Self {
+        Self {
+            side: setting.scale.pick(192, 256),
+            reference_points: setting.scale.pick(8192, 32_768),
+        }
+    }
+
+    /// Pictures of which only the error is wanted.
+    pub(crate) fn measured(setting: Setting) -> Self {
+        Self {
+            side: setting.scale.pick(96, 128),
+            reference_points: setting.scale.pick(16_384, 32_768),
+        }
+    }
+
+    /// The job of the reference image.
+    pub(crate) fn reference(self) -> Job {
+        Job::Pictures(Pictures {
+            pattern: None,
+            n_points: self.reference_points,
+            mode: DirectionMode::Projective,
+            lamp: false,
+            side: self.side,
+            renders: 1,
+        })
+    }
+
+    /// Renders with about `n_points` directions on the visible hemisphere.
+    pub(crate) fn renders(
+        self,
+        pattern: ThesisPattern,
+        n_points: usize,
+        mode: DirectionMode,
+        renders: u64,
+    ) -> Job {
+        Job::Pictures(Pictures {
+            pattern: Some(pattern.pattern()),
+            n_points,
+            mode,
+            lamp: false,
+            side: self.side,
+            renders,
+        })
+    }
+
+    /// The reference image.
+    pub(crate) fn reference_image(self, results: &Results) -> Result<&Image, Error> {
+        first(results, &self.reference())
+    }
+
+    /// The errors of renders against the reference image.
+    pub(crate) fn errors(self, results: &Results, renders: &Job) -> Result<ErrorReport, Error> {
+        let mut errors = RenderErrors::new(self.reference_image(results)?);
+        for image in results.pictures(renders)? {
+            errors.push(image)?;
+        }
+        Ok(errors.report())
+    }
+
+    /// Adds the first of some renders, with the error of all of them.
+    pub(crate) fn panel(
+        self,
+        results: &Results,
+        renders: &Job,
+        (name, title): (&str, String),
+        figure: &mut Figure,
+    ) -> Result<(), Error> {
+        let image = first(results, renders)?;
+        let mse = self.errors(results, renders)?.mse.value;
+        let caption = format!("N = {}, MSE {mse:.2e}", image.n_points);
+        figure.panel(name, title, picture(image, caption));
+        Ok(())
+    }
+}
+
+/// An image as a picture.
+pub(crate) fn picture(image: &Image, caption: String) -> Picture {
+    Picture { size: [image.width, image.height], values: image.values.clone(), caption }
+}
+
+/// The ratio of the mean squared errors of two reports.
+pub(crate) fn mse_ratio(a: &ErrorReport, b: &ErrorReport) -> Quantity {
+    let ratio = a.mse.value / b.mse.value;
+    let relative = (a.mse.stderr / a.mse.value).hypot(b.mse.stderr / b.mse.value);
+    Quantity::with_stderr(ratio, ratio * relative)
+}
+
+fn first<'a>(results: &'a Results, job: &Job) -> Result<&'a Image, Error> {
+    results.pictures(job)?.first().ok_or_else(|| Error::Missing { key: job.key() })
+}
