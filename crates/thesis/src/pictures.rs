@@ -48,7 +48,21 @@ impl Pictures {
     pub(crate) fn seconds(&self) -> f64 {
         let n = self.legal_points() as f64;
         // 10^7 rays a second, and what a pixel costs besides.
-        (1e-7 * n + 1e-6) * (self.side * self.side) as f64
+        let pixels = (1e-7 * n + 1e-6) * (self.side * self.side) as f64;
+        pixels + self.pattern.as_ref().map_or(0.0, |pattern| self.seconds_of_sets(pattern))
+    }
+
+    /// Seconds of one core for the sets of a render, about.
+    fn seconds_of_sets(&self, pattern: &Pattern) -> f64 {
+        let n = self.legal_points();
+        let sets = match self.mode {
+            DirectionMode::Rotated | DirectionMode::Projective => {
+                DirectionPlan::usual_sets(pattern, n)
+            }
+            DirectionMode::Shared | DirectionMode::Spun => 1,
+            DirectionMode::Fresh => self.side * self.side,
+        };
+        sets as f64 * pattern.seconds(self.mode.set_points(n))
     }
 
     pub(crate) fn render(&self, seed: u64, renders: Range<u64>) -> Result<Vec<Image>, Error> {

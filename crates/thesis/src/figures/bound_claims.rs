@@ -3,10 +3,14 @@ use sphvar_samplers::{Domain, Pattern};
 use sphvar_spectrum::{Spectrum, exact_spectrum};
 
 use super::patterns::ThesisPattern;
-use crate::{Claim, Error, Figure, Quantity, Verdict};
+use crate::{Claim, Error, Figure, Quantity, Stated, Verdict};
 
 /// The confidence of all degrees together at which a bound is refuted or proved.
 const CONFIDENCE: f64 = 0.99;
+
+/// What counts as low degrees of CCVT, and as no power there.
+const LOW: f64 = 0.25;
+const NO_POWER: f64 = 1e-3;
 
 /// Whether a mean spectrum is within the thesis's two profiles.
 ///
@@ -67,6 +71,32 @@ pub(crate) fn claim_bounds(
     Ok(())
 }
 
+/// "A low-frequency region with no energy", which sections 6.2.2 and 7.4 see in CCVT.
+pub(crate) fn claim_no_power(spectrum: &Spectrum, figure: &mut Figure) {
+    let root = (spectrum.n_points() as f64).sqrt();
+    let low = spectrum.rows().filter(|&(l, ..)| l > 0 && l as f64 <= LOW * root);
+    let (mut weight, mut power, mut variance) = (0.0, 0.0, 0.0);
+    for (l, p, stderr) in low {
+        // A degree counts by its orders.
+        let orders = (2 * l + 1) as f64;
+        weight += orders;
+        power += orders * p;
+        variance += (orders * stderr).powi(2);
+    }
+    figure.claims.push(
+        Claim::number(
+            format!("CCVT: mean power for omega below {LOW}"),
+            Stated::AtMost(NO_POWER),
+            Quantity::with_stderr(power / weight, variance.sqrt() / weight),
+        )
+        .erratum(40)
+        .because(format!(
+            "\"no energy\" is read as a thousandth of white noise; capacity 64 leaves 1/64 = {:.4}",
+            1.0 / 64.0
+        )),
+    );
+}
+
 /// What the thesis states, and the erratum about it.
 fn stated(pattern: ThesisPattern, side: Side) -> (&'static str, Option<u8>) {
     match (pattern, side) {
@@ -84,5 +114,54 @@ fn stated(pattern: ThesisPattern, side: Side) -> (&'static str, Option<u8>) {
         }
         (_, Side::Upper) => ("below 1.3", None),
         (_, Side::Lower) => ("above 0.7", None),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use sphvar_bounds::thesis_bounds;
+    use sphvar_samplers::Domain;
+    use sphvar_spectrum::Spectrum;
+
+    use super::{claim_bounds, claim_no_power};
+    use crate::figures::patterns::ThesisPattern;
+    use crate::{Claim, Figure, FigureId, Verdict};
+
+    fn claims(fill: impl Fn(&mut Figure)) -> Vec<Claim> {
+        let id: FigureId = "7.4".parse().unwrap();
+        let mut figure = Figure { id, panels: Vec::new(), claims: Vec::new(), notes: Vec::new() };
+        fill(&mut figure);
+        figure.claims
+    }
+
+    fn flat(power: f64) -> Spectrum {
+        Spectrum::exact(Domain::Sphere, 1024, vec![power; 65])
+    }
+
+    #[test]
+    fn bounds_hold_or_are_wrong() {
+        for (power, expected) in [
+            (1.0, [Verdict::Holds, Verdict::Holds]),
+            (1.4, [Verdict::Wrong, Verdict::Holds]),
+            (0.6, [Verdict::Holds, Verdict::Wrong]),
+        ] {
+            let got = claims(|figure| {
+                let bounds = thesis_bounds()[0];
+                claim_bounds(ThesisPattern::WhiteNoise, &bounds, &flat(power), figure).unwrap();
+            });
+            assert_eq!([got[0].verdict, got[1].verdict], expected, "{power}: {got:?}");
+            let ratio = got[0].found.unwrap().value;
+            assert!((ratio - power / 1.3).abs() < 4.0 * f64::EPSILON, "{power}: {ratio}");
+        }
+    }
+
+    #[test]
+    fn power_at_low_degrees_is_seen() {
+        for (power, expected) in [(1e-4, Verdict::Holds), (1.0 / 64.0, Verdict::Wrong)] {
+            let got = claims(|figure| claim_no_power(&flat(power), figure));
+            assert_eq!(got[0].verdict, expected, "{got:?}");
+            let mean = got[0].found.unwrap().value;
+            assert!((mean / power - 1.0).abs() < 16.0 * f64::EPSILON, "{power}: {mean}");
+        }
     }
 }

@@ -1,16 +1,13 @@
 use sphvar_bounds::{Profile, ThesisBound, thesis_bounds};
-use sphvar_variance::{Energy, VariancePoint, fit_rate};
+use sphvar_spectrum::Spectrum;
 
 use super::Recipe;
-use super::bound_claims::claim_bounds;
+use super::bound_claims::{claim_bounds, claim_no_power};
+use super::bounded_column::BoundedColumn;
 use super::patterns::{BOUND_COLOUR, ThesisPattern};
-use super::significance;
 use super::spectra::{LMAX, mean_spectrum, omega_axis, spectrum_curve};
-use super::variance_study::{VarianceStudy, bound, energy};
-use crate::{
-    Axis, Claim, Curve, Curves, Error, Figure, Job, Mark, Quantity, Results, Setting, Stated,
-    TestIntegrand,
-};
+use super::variance_study::VarianceStudy;
+use crate::{Axis, Curve, Curves, Error, Figure, Job, Results, Setting, TestIntegrand};
 
 /// Figure 7.4: mean spectra and variances of four samplers, within the thesis's bounds.
 pub(crate) struct BoundedVariance;
@@ -22,15 +19,6 @@ const ROWS: [ThesisPattern; 4] = [
     ThesisPattern::Jittered,
     ThesisPattern::Ccvt,
 ];
-/// Rates are fitted from this N on; of CCVT, of which there are no sets so large, from the second.
-const ASYMPTOTIC: (f64, f64) = (768.0, 192.0);
-/// Half a unit of the last digit of exponents such as 1.5.
-const RATE_TOLERANCE: f64 = 0.05;
-/// What "consistent" allows a ratio of variances beyond its error.
-const CONSISTENT: f64 = 0.02;
-/// Points of a curve of bounds for each doubling of N.
-const PER_DOUBLING: usize = 4;
-
 impl Recipe for BoundedVariance {
     fn title(&self) -> &'static str {
         "Bounds on mean spectra and on the variance of two integrands"
@@ -51,31 +39,27 @@ impl Recipe for BoundedVariance {
         results: &Results,
         figure: &mut Figure,
     ) -> Result<(), Error> {
-        let rows = ROWS.into_iter().zip(thesis_bounds());
-        for (pattern, bounds) in rows.clone() {
+        let mut columns = Vec::new();
+        for (pattern, bounds) in ROWS.into_iter().zip(thesis_bounds()) {
             let job = mean_spectrum(pattern, setting);
-            spectrum_panel(pattern, &bounds, results.spectrum(&job)?, job.sets(), figure);
+            let spectrum = results.spectrum(&job)?;
+            spectrum_panel(pattern, &bounds, spectrum, job.sets(), figure);
+            claim_bounds(pattern, &bounds, spectrum, figure)?;
+            if pattern == ThesisPattern::Ccvt {
+                claim_no_power(spectrum, figure);
+            }
             for integrand in TestIntegrand::ALL {
-                let column = Column::new(pattern, bounds, integrand, setting, results)?;
+                let column = BoundedColumn::new(pattern, bounds, integrand, setting, results)?;
                 figure.panel(
                     &format!("{}-{}", pattern.name(), short(integrand)),
                     format!("{}: variance of the {}", pattern.label(), integrand.name()),
                     column.curves()?,
                 );
+                columns.push(column);
             }
         }
-        for (pattern, bounds) in rows.clone() {
-            claim_bounds(
-                pattern,
-                &bounds,
-                results.spectrum(&mean_spectrum(pattern, setting))?,
-                figure,
-            )?;
-        }
-        for integrand in TestIntegrand::ALL {
-            for (pattern, bounds) in rows.clone() {
-                Column::new(pattern, bounds, integrand, setting, results)?.claim(figure)?;
-            }
+        for column in columns {
+            column.claim(figure)?;
         }
         let most = |pattern| VarianceStudy { pattern, setting }.counts().last().copied();
         for pattern in ROWS {
@@ -89,6 +73,10 @@ impl Recipe for BoundedVariance {
              norm 1 (erratum 31), the energy of the cap is that of orthonormal harmonics (erratum 33).",
         );
         figure.note(
+            "Bounds are those of the thesis; omega is l/sqrt(N) in all rows, its alpha being part of a profile and of no \
+             effect on constant ones (errata 8 and 41).",
+        );
+        figure.note(
             "CCVT has capacity 64 and random mass points; the thesis gives neither (erratum 39). Jittered sets have \
              12 nside^2 points: 3888 in the spectrum (erratum 38).",
         );
@@ -99,7 +87,7 @@ impl Recipe for BoundedVariance {
 fn spectrum_panel(
     pattern: ThesisPattern,
     bounds: &ThesisBound,
-    spectrum: &sphvar_spectrum::Spectrum,
+    spectrum: &Spectrum,
     sets: u64,
     figure: &mut Figure,
 ) {
@@ -119,201 +107,6 @@ fn spectrum_panel(
         format!("{}: mean power of {sets} sets, N = {n}", pattern.label()),
         Curves { x: omega_axis(), y: Axis::linear("power P(l)"), curves },
     );
-}
-
-/// The variance of one integrand with one pattern.
-struct Column {
-    pattern: ThesisPattern,
-    bounds: ThesisBound,
-    integrand: TestIntegrand,
-    energy: Energy,
-    measured: Vec<VariancePoint>,
-    predicted: Vec<VariancePoint>,
-}
-
-impl Column {
-    fn new(
-        pattern: ThesisPattern,
-        bounds: ThesisBound,
-        integrand: TestIntegrand,
-        setting: Setting,
-        results: &Results,
-    ) -> Result<Self, Error> {
-        let study = VarianceStudy { pattern, setting };
-        Ok(Self {
-            pattern,
-            bounds,
-            integrand,
-            energy: energy(integrand)?,
-            measured: study.measured(results, integrand)?,
-            predicted: study.predicted(results, integrand)?,
-        })
-    }
-
-    fn curves(&self) -> Result<Curves, Error> {
-        let most = self.measured.last().map_or(1.0, |p| p.n_points);
-        let count = most.log2() * PER_DOUBLING as f64;
-        #[expect(
-            clippy::cast_possible_truncation,
-            clippy::cast_sign_loss,
-            reason = "numbers of points, from 1 to the most"
-        )]
-        let mut counts: Vec<usize> = (0..=count as usize)
-            .map(|i| (i as f64 / PER_DOUBLING as f64).exp2().round() as usize)
-            .collect();
-        counts.dedup();
-        let line = |label: &str, profile: &Profile| -> Result<Curve, Error> {
-            let points: Result<Vec<_>, Error> =
-                counts.iter().map(|&n| Ok((n as f64, bound(profile, n, &self.energy)?))).collect();
-            Ok(Curve::line(label, BOUND_COLOUR, points?))
-        };
-        let series = |label: &str, mark, points: &[VariancePoint]| {
-            let points = points.iter().map(|p| [p.n_points, p.variance, p.stderr]);
-            Curve::new(label, self.pattern.colour(), mark, points)
-        };
-        Ok(Curves {
-            x: Axis::log("number of points N"),
-            y: Axis::log("variance of the integral"),
-            curves: vec![
-                line("upper bound", &self.bounds.upper)?,
-                line("lower bound", &self.bounds.lower)?,
-                series("predicted", Mark::Line, &self.predicted),
-                series("measured", Mark::Markers, &self.measured),
-            ],
-        })
-    }
-
-    fn claim(&self, figure: &mut Figure) -> Result<(), Error> {
-        figure.claims.push(self.rate());
-        figure.claims.push(self.agreement());
-        figure.claims.push(self.bounded()?);
-        let quadratic_or_disk =
-            matches!(self.pattern, ThesisPattern::Jittered | ThesisPattern::PoissonDisk);
-        if quadratic_or_disk && self.integrand == TestIntegrand::Harmonic {
-            figure.claims.push(self.tighter()?);
-        }
-        Ok(())
-    }
-
-    fn named(&self, what: &str) -> String {
-        format!("{}, {}: {what}", self.pattern.label(), self.integrand.name())
-    }
-
-    /// The exponent of the measured variance against that of the profile which the thesis bounds the spectrum with.
-    fn rate(&self) -> Claim {
-        let quadratic = matches!(self.pattern, ThesisPattern::Jittered | ThesisPattern::Ccvt);
-        let value = match (quadratic, self.integrand) {
-            (false, _) => -1.0,
-            (true, TestIntegrand::Harmonic) => -2.0,
-            (true, TestIntegrand::Cap) => -1.5,
-        };
-        let ccvt = self.pattern == ThesisPattern::Ccvt;
-        let from = if ccvt { ASYMPTOTIC.1 } else { ASYMPTOTIC.0 };
-        let tail: Vec<VariancePoint> =
-            self.measured.iter().copied().filter(|p| p.n_points >= from).collect();
-        let (slope, interval) = fit_rate(&tail)
-            .map_or((f64::NAN, (f64::NAN, f64::NAN)), |fit| (fit.slope, fit.interval));
-        // The offset of Poisson disks rules the cap's variance at larger N only.
-        let bends =
-            self.pattern == ThesisPattern::PoissonDisk && self.integrand == TestIntegrand::Cap;
-        let tolerance = if bends { 2.0 * RATE_TOLERANCE } else { RATE_TOLERANCE };
-        let claim = Claim::number(
-            self.named("exponent of N"),
-            Stated::About { value, tolerance },
-            Quantity { value: slope, interval },
-        );
-        let fitted = format!("fitted from N = {from} on");
-        match self.pattern {
-            ThesisPattern::Ccvt => claim.erratum(40).because(format!(
-                "{fitted}; the thesis has the rate of its quadratic profile, but mass points of capacity 64 leave a floor \
-                 of 1/64, which ends in N^-1"
-            )),
-            _ if bends => claim.because(format!(
-                "{fitted}; the curve is still bending towards -1, so that twice the tolerance is allowed"
-            )),
-            _ => claim.because(fitted),
-        }
-    }
-
-    /// The mean of measured over predicted variance, weighted by its errors.
-    fn agreement(&self) -> Claim {
-        let rows = self.measured.iter().zip(&self.predicted).filter_map(|(m, p)| {
-            let error = (m.stderr / m.variance).hypot(p.stderr / p.variance);
-            let usable = m.variance > 0.0 && p.variance > 0.0 && error > 0.0 && error.is_finite();
-            // The logarithm is even about agreement, and its error independent of the value.
-            usable.then(|| ((m.variance / p.variance).ln(), error.powi(-2)))
-        });
-        let (sum, weight) = rows.fold((0.0, 0.0), |(s, w), (x, v)| (s + v * x, w + v));
-        let (ratio, stderr) = ((sum / weight).exp(), weight.powf(-0.5));
-        Claim::number(
-            self.named("measured over predicted variance"),
-            Stated::About { value: 1.0, tolerance: CONSISTENT },
-            Quantity::with_stderr(ratio, stderr),
-        )
-        .because(format!(
-            "weighted mean over all N; \"consistent\" is read as within {CONSISTENT} of 1, beyond the error"
-        ))
-    }
-
-    /// The largest factor by which a measured variance is beyond a bound, and whether that can be chance.
-    fn bounded(&self) -> Result<Claim, Error> {
-        let mut worst = (0.0, f64::NAN);
-        let mut largest_z = f64::NEG_INFINITY;
-        for point in &self.measured {
-            #[expect(
-                clippy::cast_possible_truncation,
-                clippy::cast_sign_loss,
-                reason = "it was a number of points"
-            )]
-            let n = point.n_points as usize;
-            let upper = bound(&self.bounds.upper, n, &self.energy)?;
-            let lower = bound(&self.bounds.lower, n, &self.energy)?;
-            let factor = (point.variance / upper).max(lower / point.variance);
-            if factor > worst.0 {
-                worst = (factor, point.n_points);
-            }
-            let relative = point.stderr / point.variance;
-            largest_z = largest_z.max(factor.ln() / relative);
-        }
-        let p_value = if largest_z > 0.0 {
-            significance::largest_of_normal(largest_z, 2 * self.measured.len())
-        } else {
-            1.0
-        };
-        Ok(Claim::words(
-            self.named("bounds of the variance"),
-            "the variance is correctly bounded",
-            significance::verdict(p_value),
-        )
-        .found(Quantity::exact(worst.0))
-        .because(format!(
-            "found: the largest factor by which a measured variance is beyond a bound (below 1: within), at N = {}; p = \
-             {p_value:.1e}",
-            worst.1
-        )))
-    }
-
-    /// Whether the lower bound is nearer than the upper one: `upper lower/measured^2` at the largest N.
-    fn tighter(&self) -> Result<Claim, Error> {
-        let last = self.measured.last().copied();
-        let last =
-            last.unwrap_or(VariancePoint { n_points: 1.0, variance: f64::NAN, stderr: f64::NAN });
-        #[expect(
-            clippy::cast_possible_truncation,
-            clippy::cast_sign_loss,
-            reason = "it was a number of points"
-        )]
-        let n = last.n_points as usize;
-        let upper = bound(&self.bounds.upper, n, &self.energy)?;
-        let lower = bound(&self.bounds.lower, n, &self.energy)?;
-        let ratio = upper * lower / (last.variance * last.variance);
-        Ok(Claim::number(
-            self.named("distance to the upper bound over that to the lower one, as factors"),
-            Stated::AtLeast(1.0),
-            Quantity::with_stderr(ratio, 2.0 * ratio * last.stderr / last.variance),
-        )
-        .because(format!("the lower bound is said to be the tighter one; at N = {n}")))
-    }
 }
 
 fn short(integrand: TestIntegrand) -> &'static str {

@@ -178,3 +178,17 @@ fn claim_decay(energy: &[f64], figure: &mut Figure) {
         );
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::octave_exponent;
+
+    #[test]
+    fn exponents_of_powers_are_found() {
+        for p in [1.5, 2.0, 3.0] {
+            // Sums over octaves are integrals up to a relative p/(2n), n >= 64: twice that over ln 8.
+            let got = octave_exponent(|l| (l as f64).powf(-p));
+            assert!((got + p).abs() < p / 64.0, "{p}: {got}");
+        }
+    }
+}

@@ -117,10 +117,30 @@ impl Recipe for LatticeArtifacts {
 
 /// The geometric mean over the numbers of directions of the ratio of two numbers, with its interval by their scatter.
 fn mean_ratio(a: &[ErrorReport], b: &[ErrorReport], of: &dyn Fn(&ErrorReport) -> f64) -> Quantity {
-    let logs: Vec<f64> = a.iter().zip(b).map(|(a, b)| (of(a) / of(b)).ln()).collect();
+    geometric_mean(a.iter().zip(b).map(|(a, b)| of(a) / of(b)))
+}
+
+/// The geometric mean of six numbers.
+fn geometric_mean(numbers: impl Iterator<Item = f64>) -> Quantity {
+    let logs: Vec<f64> = numbers.map(f64::ln).collect();
     let n = logs.len() as f64;
     let mean = logs.iter().sum::<f64>() / n;
     let scatter: f64 = logs.iter().map(|x| (x - mean).powi(2)).sum();
     let half = T_OF_6 * (scatter / (n * (n - 1.0))).sqrt();
     Quantity { value: mean.exp(), interval: ((mean - half).exp(), (mean + half).exp()) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{T_OF_6, geometric_mean};
+
+    #[test]
+    fn a_geometric_mean_has_students_interval() {
+        let got = geometric_mean([2.0, 8.0, 2.0, 8.0, 2.0, 8.0].into_iter());
+        assert!((got.value - 4.0).abs() < 16.0 * f64::EPSILON, "{got:?}");
+        // Deviations of ln 2 each: standard error ln 2/sqrt(5).
+        let factor = (T_OF_6 * 2f64.ln() / 5f64.sqrt()).exp();
+        assert!((got.interval.1 / (4.0 * factor) - 1.0).abs() < 1e-14, "{got:?}");
+        assert!((got.interval.0 / (4.0 / factor) - 1.0).abs() < 1e-14, "{got:?}");
+    }
 }

@@ -2,6 +2,7 @@
 
 mod basis_functions;
 mod bound_claims;
+mod bounded_column;
 mod bounded_variance;
 mod cap_power;
 mod coefficient_clouds;
@@ -23,6 +24,8 @@ mod spectra;
 mod spectra_product;
 mod strata;
 mod tessellation;
+#[cfg(test)]
+mod tests;
 mod variance_comparison;
 mod variance_study;
 mod white_noise_orders;

@@ -17,6 +17,10 @@ pub(crate) enum ThesisPattern {
     Fibonacci,
 }
 
+/// The mass points of a site of CCVT, which the thesis does not state.
+pub(crate) const CAPACITY: usize = 64;
+/// Their kind, which it does not state either.
+pub(crate) const MASS_POINTS: MassPoints = MassPoints::White;
 /// The colour of bounds.
 pub(crate) const BOUND_COLOUR: usize = 6;
 /// The colour of what is neither a pattern nor a bound: that of HEALPix, with which it is in no figure.
@@ -29,7 +33,7 @@ impl ThesisPattern {
             Self::WhiteNoise => Pattern::WhiteNoise,
             Self::Jittered => Pattern::Jittered,
             Self::PoissonDisk => Pattern::PoissonDisk { mode: DiskMode::Exact, radius: None },
-            Self::Ccvt => Pattern::Ccvt { capacity: 64, mass: MassPoints::White },
+            Self::Ccvt => Pattern::Ccvt { capacity: CAPACITY, mass: MASS_POINTS },
             Self::Healpix => Pattern::Healpix,
             Self::Fibonacci => Pattern::Fibonacci,
         }

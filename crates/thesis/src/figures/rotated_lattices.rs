@@ -55,12 +55,16 @@ impl RotatedLattice {
         }
     }
 
-    fn job(&self, rotations: u64) -> Job {
+    fn ensemble(&self) -> Ensemble {
         let pattern = self.lattice.pattern();
-        let ensemble = match self.domain {
+        match self.domain {
             Domain::Sphere => Ensemble::sphere(pattern, N_POINTS),
             Domain::Hemisphere => Ensemble::hemisphere(pattern, N_POINTS),
-        };
+        }
+    }
+
+    fn job(&self, rotations: u64) -> Job {
+        let ensemble = self.ensemble();
         let ensemble = if rotations == 0 { ensemble.unturned() } else { ensemble };
         Job::Orders { ensemble, lmax: self.lmax(), sets: rotations.max(1) }
     }
@@ -102,11 +106,10 @@ impl Recipe for RotatedLattice {
             panel("root", "square root of power", root, &f64::sqrt);
         }
         self.claims(results, figure)?;
-        let Job::Orders { ensemble, .. } = self.job(0) else { return Ok(()) };
         figure.note(format!(
             "N = {}; the thesis states neither this nor the numbers of rotations. Power is (4 pi/N) |S_lm|^2 to degree {}; \
              degree 0, whose power is N, is left out.",
-            ensemble.n_points,
+            self.ensemble().n_points,
             self.lmax()
         ));
         if self.domain == Domain::Hemisphere {

@@ -15,8 +15,8 @@ pub(crate) struct SpectraProduct;
 const N_POINTS: [usize; 2] = [300, 1200];
 /// The last degree shown: 2 sqrt(N) for the larger number.
 const LMAX: usize = 70;
-/// The concentration of the integrand: half of its peak 19 degrees from its centre.
-const KAPPA: f64 = 12.0;
+/// The concentration of the integrand: half of its peak 4.8 degrees from its centre.
+const KAPPA: f64 = 200.0;
 
 impl Recipe for SpectraProduct {
     fn title(&self) -> &'static str {

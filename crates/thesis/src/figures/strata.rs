@@ -49,7 +49,7 @@ impl Recipe for Strata {
                 Quantity::exact(ratio_of_areas(&order)),
             )
             .because(
-                "\"an equal area quadrangulation\"; polygons of 128 sides, good to about 1e-5",
+                "\"an equal area quadrangulation\"; polygons of 512 sides, good to about 1e-5",
             ),
         );
         figure.claims.push(
@@ -111,7 +111,7 @@ fn ratio_of_areas(order: &Ring) -> f64 {
 }
 
 fn area(cell: Cell) -> f64 {
-    const STEPS: u32 = 32;
+    const STEPS: u32 = 128;
     let corners = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)];
     let border: Vec<DVec3> = (0..4 * STEPS)
         .map(|k| {

@@ -2,7 +2,7 @@ use glam::DVec3;
 use sphvar_samplers::{Ccvt, Domain, Pattern, Purpose, Streams};
 
 use super::Recipe;
-use super::patterns::ThesisPattern;
+use super::patterns::{CAPACITY, MASS_POINTS, ThesisPattern};
 use super::point_panel::sphere_points;
 use crate::{Claim, Ensemble, Error, Figure, Job, Quantity, Results, Setting, Verdict};
 
@@ -13,8 +13,6 @@ pub(crate) struct TessellationSites;
 const N_POINTS: usize = 1024;
 /// Directions of a lattice to a site, which find its cell's area to some percent.
 const PROBES: usize = 64;
-/// Areas are equal if their spread is below this part of the mean; of random points it is 0.53.
-const EQUAL: f64 = 0.1;
 /// `10 pi/(9 sqrt 3)`: N times the mean squared distance from the middle of a regular hexagon, area 4 pi/N.
 const HEXAGONS: f64 = 2.015_333_362_7;
 
@@ -29,22 +27,23 @@ impl Recipe for TessellationSites {
 
     fn compose(&self, setting: Setting, _: &Results, figure: &mut Figure) -> Result<(), Error> {
         let pattern = ThesisPattern::Ccvt.pattern();
-        let Pattern::Ccvt { capacity, mass } = pattern else { return Ok(()) };
         let streams = Streams::new(setting.seed, Purpose::Pattern, pattern.stream_group(N_POINTS));
-        let ccvt = Ccvt::new(N_POINTS, Domain::Sphere, capacity, mass)?;
+        let ccvt = Ccvt::new(N_POINTS, Domain::Sphere, CAPACITY, MASS_POINTS)?;
         let tessellation = ccvt.tessellate(&mut streams.realization(0))?;
         let sites = tessellation.sites();
         let white =
             Ensemble::sphere(ThesisPattern::WhiteNoise.pattern(), N_POINTS).set(setting.seed, 0)?;
         let (spread, of_white) = (spread_of_areas(&sites)?, spread_of_areas(&white)?);
         figure.panel("points", format!("CCVT, N = {N_POINTS}"), sphere_points(sites));
-        let verdict = if spread < EQUAL { Verdict::Holds } else { Verdict::Wrong };
+        // What m random mass points leave open of an area.
+        let noise = 1.0 / (CAPACITY as f64).sqrt();
+        let verdict = if spread < noise { Verdict::Holds } else { Verdict::Wrong };
         figure.claims.push(
             Claim::words("areas of the cells", "equal capacities", verdict)
                 .found(Quantity::exact(spread))
                 .because(format!(
                     "found is the spread of the areas of the sites' Voronoi cells in parts of the mean, beside {of_white:.2} of \
-                     white noise; each site has exactly {capacity} mass points"
+                     white noise; the number {CAPACITY} of random mass points leaves {noise:.3} open"
                 )),
         );
         let verdict = if tessellation.is_settled() { Verdict::Holds } else { Verdict::Wrong };
@@ -57,7 +56,7 @@ impl Recipe for TessellationSites {
                 )),
         );
         figure.note(format!(
-            "{capacity} random mass points to a site. The thesis states neither their number nor their kind, which decide the power \
+            "{CAPACITY} random mass points to a site. The thesis states neither their number nor their kind, which decide the power \
              of the lowest degrees (erratum 39)."
         ));
         Ok(())

@@ -17,9 +17,11 @@ pub(crate) struct VarianceStudy {
 const FEW_POINTS: [usize; 3] = [1, 3, 6];
 /// HEALPix resolutions, evenly spaced in the logarithm as far as there are any.
 const NSIDES: [usize; 15] = [1, 2, 3, 4, 5, 6, 8, 11, 16, 23, 32, 45, 64, 80, 100];
-/// The fewest trials and the most: 200 to 1000 in the thesis. Spectra for predictions are given half the time.
-const FULL_TRIALS: (u64, u64) = (200, 1000);
-const QUICK_TRIALS: (u64, u64) = (100, 1000);
+/// The fewest trials and the most, as in the thesis.
+const TRIALS: (u64, u64) = (200, 1000);
+/// The fewest realizations of a spectrum that predicts, and the most. Where sets are dear, they take half the time of
+/// trials: powers of many degrees scatter less than estimates.
+const REALIZATIONS: (u64, u64) = (100, 1000);
 /// The last degree of energies: what all spectra reach to, and more.
 const LAST_DEGREE: usize = 2048;
 
@@ -106,7 +108,7 @@ impl VarianceStudy {
 
     fn trial(self, n_points: usize) -> Job {
         let of = |sets| Job::Trials { ensemble: self.ensemble(n_points), sets };
-        of(self.affordable(of(1).seconds_of_set(), self.setting.scale.pick(1.5, 20.0)))
+        of(affordable(&of(1), self.setting.scale.pick(1.5, 20.0), TRIALS))
     }
 
     fn spectrum(self, n_points: usize) -> Job {
@@ -116,19 +118,18 @@ impl VarianceStudy {
             lmax: Resolution::natural_degree(n_points),
             sets,
         };
-        of(self.affordable(of(1).seconds_of_set(), self.setting.scale.pick(0.75, 10.0)))
+        of(affordable(&of(1), self.setting.scale.pick(0.75, 10.0), REALIZATIONS))
     }
+}
 
-    /// How many sets are made in about so many seconds, within the limits.
-    #[expect(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "a positive number, and too large ones become the largest"
-    )]
-    fn affordable(self, seconds_of_set: f64, seconds: f64) -> u64 {
-        let (least, most) = self.setting.scale.pick(QUICK_TRIALS, FULL_TRIALS);
-        ((seconds / seconds_of_set) as u64).clamp(least, most)
-    }
+/// How many sets of a job are made in about so many seconds of one core, within limits.
+#[expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "a positive number, and too large ones become the largest"
+)]
+fn affordable(job: &Job, seconds: f64, (least, most): (u64, u64)) -> u64 {
+    ((seconds / job.seconds_of_set()) as u64).clamp(least, most)
 }
 
 /// The energies of a test integrand.

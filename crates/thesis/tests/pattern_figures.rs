@@ -1,0 +1,168 @@
+//! The figures of chapters 3 and 4 and of the point sets: what is in them can be drawn, and claims whose answer is known
+//! from closed forms come out as they must.
+
+use std::collections::HashSet;
+
+use sphvar_thesis::{
+    Content, Curves, Directions, Field, Figure, FigureId, Nothing, Scale, Setting, Verdict, run,
+    seconds,
+};
+
+const QUICK: Setting = Setting { scale: Scale::Quick, seed: 0 };
+const FULL: Setting = Setting { scale: Scale::Full, seed: 0 };
+/// Those that are composed here: all that take less than a second or so of one core.
+const CHEAP: [&str; 10] =
+    ["3.1", "4.9", "4.10", "4.11", "4.12", "4.15", "4.16", "7.1", "7.2", "7.3"];
+/// Those that are left to the command.
+const DEAR: [&str; 2] = ["4.14", "4.17"];
+
+fn figure(number: &str) -> Figure {
+    let id: FigureId = number.parse().unwrap();
+    let results = run(&id.jobs(QUICK), QUICK, &Nothing, &|_| ()).unwrap();
+    id.compose(QUICK, &results).unwrap()
+}
+
+fn check_curves(curves: &Curves, place: &str) {
+    assert!(!curves.curves.is_empty(), "{place}: no curves");
+    for curve in &curves.curves {
+        let place = format!("{place}, {}", curve.label);
+        assert!(curve.points.len() > 1, "{place}: {} points", curve.points.len());
+        assert!(curve.points.is_sorted_by(|a, b| a[0] < b[0]), "{place}: x must grow");
+        for &[x, y, error] in &curve.points {
+            assert!(x.is_finite() && y.is_finite() && error >= 0.0, "{place}: {x}, {y}, {error}");
+            assert!(!curves.x.logarithmic || x > 0.0, "{place}: log of x = {x}");
+            assert!(!curves.y.logarithmic || y > 0.0, "{place}: log of y = {y}");
+        }
+    }
+}
+
+fn check_directions(directions: &Directions, place: &str) {
+    assert!(!directions.points.is_empty(), "{place}: no points");
+    assert!(directions.viewpoint.length() > 0.5, "{place}: {}", directions.viewpoint);
+    for p in directions.points.iter().chain(directions.lines.iter().flatten()) {
+        // Unit vectors of any sampler, turned once: some roundings.
+        assert!((p.length() - 1.0).abs() < 16.0 * f64::EPSILON, "{place}: {p}");
+    }
+}
+
+fn check_field(field: &Field, place: &str) {
+    assert_eq!(field.values.len(), field.size[0] * field.size[1], "{place}: size");
+    assert!(field.values.iter().all(|v| !v.is_infinite()), "{place}: infinite");
+    let shown = field.values.iter().filter(|v| v.is_finite()).count();
+    assert!(3 * shown > field.values.len(), "{place}: {shown} values");
+    let least = field.values.iter().copied().fold(f64::INFINITY, f64::min);
+    let most = field.values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    assert!(least < most, "{place}: all values are {least}");
+    for axis in [&field.x, &field.y] {
+        let (first, last) = axis.range.unwrap();
+        assert!(first.is_finite() && last.is_finite() && first != last, "{place}: {axis:?}");
+    }
+}
+
+#[test]
+fn panels_can_be_drawn() {
+    for number in CHEAP {
+        let figure = figure(number);
+        let mut names = HashSet::new();
+        assert!(!figure.panels.is_empty(), "{number}");
+        for panel in &figure.panels {
+            let place = format!("{number} {}", panel.name);
+            let safe = |c: char| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '-';
+            assert!(!panel.name.is_empty() && panel.name.chars().all(safe), "{place}");
+            assert!(names.insert(&panel.name), "{place}: twice");
+            match &panel.content {
+                Content::Curves(curves) => check_curves(curves, &place),
+                Content::Directions(directions) => check_directions(directions, &place),
+                Content::Field(field) => check_field(field, &place),
+                Content::Picture(_) => panic!("{place}: a picture"),
+            }
+        }
+        for claim in &figure.claims {
+            let found =
+                claim.found.unwrap_or_else(|| panic!("{number}: {} lacks a number", claim.what));
+            let (low, high) = found.interval;
+            assert!(low <= found.value && found.value <= high, "{number}: {found:?}");
+        }
+    }
+}
+
+/// Verdicts that no sampling enters, or so little that another seed gives the same.
+#[test]
+fn known_claims_have_their_verdicts() {
+    use Verdict::{Holds, Wrong};
+    let known: [(&str, &[(Verdict, Option<u8>)]); 7] = [
+        ("3.1", &[(Holds, None), (Wrong, Some(1)), (Wrong, Some(2)), (Holds, None)]),
+        ("4.9", &[(Holds, None), (Holds, None)]),
+        (
+            "4.10",
+            &[
+                (Holds, None),
+                (Wrong, Some(12)),
+                (Holds, None),
+                (Wrong, Some(9)),
+                (Holds, None),
+                (Holds, None),
+                (Wrong, Some(9)),
+            ],
+        ),
+        ("4.15", &[(Holds, None), (Holds, None), (Holds, None)]),
+        ("7.1", &[(Holds, None), (Holds, None), (Wrong, Some(38))]),
+        ("7.2", &[(Holds, None)]),
+        ("7.3", &[(Holds, None), (Holds, None)]),
+    ];
+    for (number, expected) in known {
+        let figure = figure(number);
+        let got: Vec<_> = figure.claims.iter().map(|c| (c.verdict, c.erratum)).collect();
+        assert_eq!(got, expected, "{number}: {:#?}", figure.claims);
+    }
+}
+
+/// Numbers of the claims of 4.10 beside values of independent programs (`docs/theory.md`, Patterns).
+#[test]
+fn lattices_have_their_recorded_peaks() {
+    let figure = figure("4.10");
+    let found = |what: &str| {
+        let claim = figure.claims.iter().find(|c| c.what.contains(what));
+        claim.and_then(|c| c.found).unwrap().value
+    };
+    for (what, recorded, unit) in [
+        ("N P(2)", 0.309, 1e-3),
+        ("HEALPix regular: the region", 30.2, 0.1),
+        ("Fibonacci: the region", 7.96, 0.01),
+        ("HEALPix regular: largest power for omega < 1", 9e-4, 1e-4),
+        ("Fibonacci: largest power for omega < 1", 2.3e-4, 1e-5),
+    ] {
+        // Half a unit of the last recorded digit.
+        assert!((found(what) - recorded).abs() <= 0.5 * unit, "{what}: {}", found(what));
+    }
+}
+
+/// A rotation that were none would leave the orders of a lattice as they are.
+#[test]
+fn rotations_level_the_orders() {
+    for number in ["4.11", "4.12", "4.16"] {
+        let figure = figure(number);
+        assert_eq!(figure.claims[0].verdict, Verdict::Holds, "{number}: {:?}", figure.claims[0]);
+        // Differences are judged wrong with a probability of 1e-4; the seed is fixed.
+        assert_ne!(figure.claims[1].verdict, Verdict::Wrong, "{number}: {:?}", figure.claims[1]);
+        let brightest = |name: &str| {
+            let panel = figure.panels.iter().find(|p| p.name == name).unwrap();
+            let Content::Field(field) = &panel.content else { panic!("{name} is no field") };
+            field.values.iter().copied().fold(0.0, f64::max)
+        };
+        let (before, after) = (brightest("power-0"), brightest("power-1000"));
+        assert!(after < before / 10.0, "{number}: {before} becomes {after}");
+    }
+}
+
+/// What all of these figures cost by the model: the budgets of a quick run and of a full one.
+#[test]
+fn jobs_keep_to_the_budget() {
+    let all = |setting| -> Vec<_> {
+        let ids = CHEAP.iter().chain(&DEAR).map(|number| number.parse::<FigureId>().unwrap());
+        ids.flat_map(|id| id.jobs(setting)).collect()
+    };
+    let (quick, full) = (seconds(&all(QUICK)), seconds(&all(FULL)));
+    assert!(quick < 150.0, "{quick} s");
+    assert!(full < 1500.0, "{full} s");
+}
