@@ -8,7 +8,8 @@ use crate::{Error, Job, Results, Setting, Store};
 pub fn seconds(jobs: &[Job]) -> f64 {
     let mut seen = HashSet::new();
     let distinct = jobs.iter().filter(|job| seen.insert(job.key()));
-    distinct.map(|job| job.seconds_of_set() * job.sets() as f64).sum()
+    // An empty sum would be -0.
+    distinct.map(|job| job.seconds_of_set() * job.sets() as f64).fold(0.0, |a, b| a + b)
 }
 
 /// Does the jobs that `results` lack, piece by piece, and keeps each piece in `store`; pieces that are there are not
