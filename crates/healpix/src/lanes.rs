@@ -1,0 +1,259 @@
+use glam::DVec3;
+use pulp::{Arch, Simd, WithSimd};
+
+use crate::Nside;
+use crate::azimuth::Azimuth;
+use crate::cell_map::assert_unit;
+use crate::zone::{Z_BORDER, cap_distance};
+
+/// Directions that are treated together: enough for the widest registers twice over, few enough that short lists gain.
+const WIDTH: usize = 16;
+
+/// The low 31 bits, which hold every number here. A product of two such numbers is one instruction on lanes of 64 bits,
+/// and leaves a bit of an `i64` for what is added to it.
+pub(crate) const LOW: i64 = 0x7FFF_FFFF;
+
+/// A cell in numbers as wide as an `f64`, so that a lane of a register keeps its width from direction to pixel.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct LaneCell {
+    /// The face, 0..12.
+    pub(crate) face: i64,
+    /// The coordinate towards north-east, 0..nside.
+    pub(crate) ix: i64,
+    /// Cells from the north-western edge, `nside - 1 - iy`.
+    pub(crate) from_top: i64,
+    /// The ring, from 1 to `4 nside - 1`.
+    pub(crate) ring: i64,
+}
+
+/// Writes `number(cell of dirs[i])` to `pixels[i]`, and `one(dirs[i])`, which must be the same, for a rest that does not
+/// fill a register.
+///
+/// # Panics
+/// If the slices differ in length; in debug builds also if a direction is not a unit vector.
+pub(crate) fn pixels_into(
+    nside: Nside,
+    dirs: &[DVec3],
+    pixels: &mut [u64],
+    number: impl Fn(LaneCell) -> u64,
+    one: impl Fn(DVec3) -> u64,
+) {
+    assert!(
+        dirs.len() == pixels.len(),
+        "{} directions have {} pixels, not {}",
+        dirs.len(),
+        dirs.len(),
+        pixels.len()
+    );
+    dirs.iter().for_each(|dir| assert_unit(*dir));
+    fill(nside, dirs, pixels, number, one);
+}
+
+/// [`pixels_into`] without its checks; of different lengths the shorter one counts.
+fn fill(
+    nside: Nside,
+    dirs: &[DVec3],
+    pixels: &mut [u64],
+    number: impl Fn(LaneCell) -> u64,
+    one: impl Fn(DVec3) -> u64,
+) {
+    let (blocks, rest) = dirs.as_chunks();
+    let (block_pixels, rest_pixels) = pixels.as_chunks_mut();
+    Arch::new().dispatch(Blocks { nside, dirs: blocks, pixels: block_pixels, number });
+    for (dir, pixel) in rest.iter().zip(rest_pixels) {
+        *pixel = one(*dir);
+    }
+}
+
+struct Blocks<'a, F> {
+    nside: Nside,
+    dirs: &'a [[DVec3; WIDTH]],
+    pixels: &'a mut [[u64; WIDTH]],
+    number: F,
+}
+
+impl<F: Fn(LaneCell) -> u64> WithSimd for Blocks<'_, F> {
+    type Output = ();
+
+    /// Plain loops: the compiler turns them into the registers of the instruction set that it is called for. No product is
+    /// fused with a sum, so all sets give the same bits.
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        for (dirs, pixels) in self.dirs.iter().zip(self.pixels) {
+            let mut components = [[0.0; WIDTH]; 3];
+            for (i, dir) in dirs.iter().enumerate() {
+                (components[0][i], components[1][i], components[2][i]) = (dir.x, dir.y, dir.z);
+            }
+            let [x, y, z] = components;
+            for i in 0..WIDTH {
+                pixels[i] = (self.number)(lane_cell(self.nside, x[i], y[i], z[i]));
+            }
+        }
+    }
+}
+
+/// The cell of any vector, the one that [`Cell::containing`](crate::Cell::containing) finds: the same operations, but
+/// those of cap and belt are both carried out and one result is chosen.
+///
+/// What is not chosen may be out of its range, so differences are signed.
+#[inline(always)]
+fn lane_cell(nside: Nside, x: f64, y: f64, z: f64) -> LaneCell {
+    let Azimuth { quadrant, since, until } = Azimuth::of_xy(x, y);
+    let (n, size) = (i64::from(nside.value()), nside.as_f64());
+    let (belt, north, quadrant) = (z.abs() <= Z_BORDER, z > 0.0, i64::from(quadrant));
+
+    let distance = cap_distance(x, y, z.abs());
+    let first = if belt { size * ((0.5 + 0.75 * z) + since) } else { since * distance * size };
+    let second = if belt { size * ((0.5 - 0.75 * z) + since) } else { until * distance * size };
+    let last = if belt { 2.0 * size - 1.0 } else { size - 1.0 };
+    let (first, second) = (whole_part(first, last), whole_part(second, last));
+
+    // In the belt these are north_east and south_east, see `belt_cell`.
+    let (ne_far, se_far) = (i64::from(first >= n), i64::from(second >= n));
+    let belt_face = 4 * (1 + se_far - ne_far) + ((quadrant + (ne_far & se_far)) & 3);
+    let belt_ix = if first >= n { first - n } else { first };
+    let belt_from_top = if second >= n { second - n } else { second };
+    // In a cap, the distances from the pole along the western and the eastern edge of the face.
+    let cap_face = if north { quadrant } else { 8 + quadrant };
+    let cap_ix = if north { n - 1 - second } else { first };
+    let cap_from_top = if north { first } else { n - 1 - second };
+    let cap_ring = first + second + 1;
+    let cap_ring = if north { cap_ring } else { 4 * n - cap_ring };
+    LaneCell {
+        face: if belt { belt_face } else { cap_face },
+        ix: if belt { belt_ix } else { cap_ix },
+        from_top: if belt { belt_from_top } else { cap_from_top },
+        ring: if belt { 2 * n + second - first } else { cap_ring },
+    }
+}
+
+/// The whole part of `coordinate` within 0 and `last < 2^31`, 0 for NaN.
+///
+/// By the place that a sum with 2^52 leaves for a fraction, which is none: instruction sets that can round or convert
+/// registers differ too much.
+#[inline(always)]
+fn whole_part(coordinate: f64, last: f64) -> i64 {
+    const NO_FRACTION: f64 = (1_u64 << 52) as f64;
+    let from_zero = if coordinate > 0.0 { coordinate } else { 0.0 };
+    let within = if from_zero < last { from_zero } else { last };
+    let nearest = within + NO_FRACTION;
+    let rounded_up = nearest - NO_FRACTION > within;
+    (nearest.to_bits().cast_signed() & LOW) - i64::from(rounded_up)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Cell, Nested, PixelOrder, Ring};
+
+    /// Signed zeros, the smallest and largest numbers, neighbours of the borders between the zones, and what is no number.
+    const HOSTILE: [f64; 20] = [
+        0.0,
+        -0.0,
+        5e-324,
+        -5e-324,
+        1e-310,
+        f64::MIN_POSITIVE,
+        1e-160,
+        -1e-9,
+        0.5,
+        -0.5,
+        Z_BORDER,
+        -Z_BORDER,
+        Z_BORDER + f64::EPSILON,
+        -Z_BORDER - f64::EPSILON,
+        1.0,
+        -1.0,
+        1e308,
+        f64::INFINITY,
+        f64::NEG_INFINITY,
+        f64::NAN,
+    ];
+
+    /// Any three of them, whatever the length; more than a block and no multiple of one.
+    fn hostile_vectors() -> Vec<DVec3> {
+        let mut vectors = Vec::new();
+        for x in HOSTILE {
+            for y in HOSTILE {
+                vectors.extend(HOSTILE.map(|z| DVec3::new(x, y, z)));
+            }
+        }
+        vectors.truncate(vectors.len() - 1);
+        vectors
+    }
+
+    #[test]
+    fn any_bits_have_the_cell_of_the_look_up_one_by_one() {
+        for n in [1, 2, 3, 1024, 12345, Nside::MAX - 1, Nside::MAX] {
+            let nside = Nside::new(n).unwrap();
+            for v in hostile_vectors() {
+                let got = lane_cell(nside, v.x, v.y, v.z);
+                let cell = Cell::of_any_vector(nside, v);
+                let expected = (
+                    i64::from(cell.face()),
+                    i64::from(cell.ix()),
+                    i64::from(n - 1 - cell.iy()),
+                    i64::from(cell.ring()),
+                );
+                assert_eq!(
+                    (got.face, got.ix, got.from_top, got.ring),
+                    expected,
+                    "nside {n}, {v}: {got:?} against {cell:?}"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn any_bits_have_the_pixel_of_the_look_up_one_by_one() {
+        for n in [1, 3, 1 << 10, Nside::MAX] {
+            let nside = Nside::new(n).unwrap();
+            let vectors = hostile_vectors();
+            assert!(vectors.len() > WIDTH && !vectors.len().is_multiple_of(WIDTH));
+            let ring = Ring::new(nside);
+            let expected: Vec<u64> = vectors
+                .iter()
+                .map(|v| ring.pixel_of_cell(Cell::of_any_vector(nside, *v)))
+                .collect();
+            let mut pixels = vec![u64::MAX; vectors.len()];
+            let one = |v| ring.pixel_of_cell(Cell::of_any_vector(nside, v));
+            fill(nside, &vectors, &mut pixels, |cell| ring.pixel_of_lane(cell), one);
+            assert_eq!(pixels, expected, "ring order, nside {n}");
+
+            let Ok(nested) = Nested::new(nside) else { continue };
+            let expected: Vec<u64> = expected.iter().map(|&p| nested.from_ring(p)).collect();
+            let one = |v| nested.pixel_of_cell(Cell::of_any_vector(nside, v));
+            fill(nside, &vectors, &mut pixels, |cell| nested.pixel_of_lane(cell), one);
+            assert_eq!(pixels, expected, "nested order, nside {n}");
+        }
+    }
+
+    #[test]
+    fn whole_parts_are_those_of_a_cast() {
+        for last in [0_u32, 1, 5, (1 << 30) - 1, u32::MAX / 2] {
+            for coordinate in HOSTILE.into_iter().chain([
+                1.5,
+                2.0 - f64::EPSILON,
+                4.999_999,
+                5.0,
+                1e9 + 0.5,
+                f64::from(last),
+                f64::from(last) + 0.5,
+                f64::from(last) - 0.5,
+                (f64::from(last) - 0.5).next_down(),
+            ]) {
+                #[expect(
+                    clippy::cast_possible_truncation,
+                    clippy::cast_sign_loss,
+                    reason = "the cast that saturates is the definition"
+                )]
+                let expected = (coordinate as u32).min(last);
+                assert_eq!(
+                    whole_part(coordinate, f64::from(last)),
+                    i64::from(expected),
+                    "{coordinate}, at most {last}"
+                );
+            }
+        }
+    }
+}
