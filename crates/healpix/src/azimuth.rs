@@ -17,8 +17,9 @@ pub(crate) struct Azimuth {
 impl Azimuth {
     /// The longitude of `(x, y)`; `(0, 0)` has longitude 0, and so have all signed zeros of `y` with `x > 0`.
     ///
-    /// Branch-free: random directions would mispredict every second comparison.
-    #[inline]
+    /// Branch-free: random directions would mispredict every second comparison. Always inlined, so that a loop over many
+    /// becomes one in wide registers.
+    #[inline(always)]
     pub(crate) fn of_xy(x: f64, y: f64) -> Self {
         // Adding zero turns -0 into 0, so that the sign bits tell the half planes.
         let (x, y) = (x + 0.0, y + 0.0);
@@ -93,7 +94,7 @@ const ATAN: [f64; 12] = [
 ];
 
 /// Returns `(2/pi) atan(short/long)` for `0 <= short <= long`, and 0 for two zeros.
-#[inline]
+#[inline(always)]
 fn quarter_turns_of_ratio(short: f64, long: f64) -> f64 {
     // Beyond pi/8, atan(a/b) = pi/4 + atan((a - b)/(b + a)). Written with a factor 0 or 1, which is exact, because both
     // cases are equally frequent and a branch would be mispredicted every other time.
@@ -109,7 +110,7 @@ fn quarter_turns_of_ratio(short: f64, long: f64) -> f64 {
 
 /// The polynomial of [`ATAN`], summed in a tree: Horner's chain of 11 dependent steps would be the latency of a
 /// whole pixel look-up.
-#[inline]
+#[inline(always)]
 fn atan_series(s: f64) -> f64 {
     let c = &ATAN;
     let s2 = s * s;

@@ -1,10 +1,10 @@
 use glam::DVec3;
 use pulp::{Arch, Simd, WithSimd};
 
-use crate::Nside;
 use crate::azimuth::Azimuth;
 use crate::cell_map::assert_unit;
 use crate::zone::{Z_BORDER, cap_distance};
+use crate::{Nside, PixelOrder};
 
 /// Directions that are treated together: enough for the widest registers twice over, few enough that short lists gain.
 const WIDTH: usize = 16;
@@ -26,18 +26,65 @@ pub(crate) struct LaneCell {
     pub(crate) ring: i64,
 }
 
-/// Writes `number(cell of dirs[i])` to `pixels[i]`, and `one(dirs[i])`, which must be the same, for a rest that does not
-/// fill a register.
+impl LaneCell {
+    /// The cell that contains the unit vector `dir`.
+    ///
+    /// # Panics
+    /// In debug builds, if `dir` is not a unit vector.
+    #[inline(always)]
+    pub(crate) fn containing(nside: Nside, dir: DVec3) -> Self {
+        assert_unit(dir);
+        Self::of_any_vector(nside, dir.x, dir.y, dir.z)
+    }
+
+    /// The cell of any vector, the one that [`Cell::containing`](crate::Cell::containing) finds: the same operations, but
+    /// those of cap and belt are both carried out and one result is chosen.
+    ///
+    /// What is not chosen may be out of its range, so differences are signed.
+    #[inline(always)]
+    fn of_any_vector(nside: Nside, x: f64, y: f64, z: f64) -> Self {
+        let Azimuth { quadrant, since, until } = Azimuth::of_xy(x, y);
+        let (n, size) = (i64::from(nside.value()), nside.as_f64());
+        let (belt, north, quadrant) = (z.abs() <= Z_BORDER, z > 0.0, i64::from(quadrant));
+
+        let distance = cap_distance(x, y, z.abs());
+        let first = if belt { size * ((0.5 + 0.75 * z) + since) } else { since * distance * size };
+        let second = if belt { size * ((0.5 - 0.75 * z) + since) } else { until * distance * size };
+        let last = if belt { 2.0 * size - 1.0 } else { size - 1.0 };
+        let (first, second) = (whole_part(first, last), whole_part(second, last));
+
+        // In the belt these are north_east and south_east, see `belt_cell`.
+        let (ne_far, se_far) = (i64::from(first >= n), i64::from(second >= n));
+        let belt_face = 4 * (1 + se_far - ne_far) + ((quadrant + (ne_far & se_far)) & 3);
+        let belt_ix = if first >= n { first - n } else { first };
+        let belt_from_top = if second >= n { second - n } else { second };
+        // In a cap, the distances from the pole along the western and the eastern edge of the face.
+        let cap_face = if north { quadrant } else { 8 + quadrant };
+        let cap_ix = if north { n - 1 - second } else { first };
+        let cap_from_top = if north { first } else { n - 1 - second };
+        let cap_ring = first + second + 1;
+        let cap_ring = if north { cap_ring } else { 4 * n - cap_ring };
+        Self {
+            face: if belt { belt_face } else { cap_face },
+            ix: if belt { belt_ix } else { cap_ix },
+            from_top: if belt { belt_from_top } else { cap_from_top },
+            ring: if belt { 2 * n + second - first } else { cap_ring },
+        }
+    }
+}
+
+/// A numbering of cells without branches. A trait and not a closure, which would not always be compiled into the loop for
+/// wide registers, and then take four times as long.
+pub(crate) trait LaneOrder: PixelOrder {
+    /// The number of `cell`; to be inlined always.
+    fn pixel_of_lane(&self, cell: LaneCell) -> u64;
+}
+
+/// Writes the pixel of `dirs[i]` to `pixels[i]`.
 ///
 /// # Panics
 /// If the slices differ in length; in debug builds also if a direction is not a unit vector.
-pub(crate) fn pixels_into(
-    nside: Nside,
-    dirs: &[DVec3],
-    pixels: &mut [u64],
-    number: impl Fn(LaneCell) -> u64,
-    one: impl Fn(DVec3) -> u64,
-) {
+pub(crate) fn pixels_into(order: &impl LaneOrder, dirs: &[DVec3], pixels: &mut [u64]) {
     assert!(
         dirs.len() == pixels.len(),
         "{} directions have {} pixels, not {}",
@@ -46,33 +93,26 @@ pub(crate) fn pixels_into(
         pixels.len()
     );
     dirs.iter().for_each(|dir| assert_unit(*dir));
-    fill(nside, dirs, pixels, number, one);
+    fill(order, dirs, pixels);
 }
 
 /// [`pixels_into`] without its checks; of different lengths the shorter one counts.
-fn fill(
-    nside: Nside,
-    dirs: &[DVec3],
-    pixels: &mut [u64],
-    number: impl Fn(LaneCell) -> u64,
-    one: impl Fn(DVec3) -> u64,
-) {
+fn fill(order: &impl LaneOrder, dirs: &[DVec3], pixels: &mut [u64]) {
     let (blocks, rest) = dirs.as_chunks();
     let (block_pixels, rest_pixels) = pixels.as_chunks_mut();
-    Arch::new().dispatch(Blocks { nside, dirs: blocks, pixels: block_pixels, number });
+    Arch::new().dispatch(Blocks { order, dirs: blocks, pixels: block_pixels });
     for (dir, pixel) in rest.iter().zip(rest_pixels) {
-        *pixel = one(*dir);
+        *pixel = order.pixel_of_lane(LaneCell::of_any_vector(order.nside(), dir.x, dir.y, dir.z));
     }
 }
 
-struct Blocks<'a, F> {
-    nside: Nside,
+struct Blocks<'a, O> {
+    order: &'a O,
     dirs: &'a [[DVec3; WIDTH]],
     pixels: &'a mut [[u64; WIDTH]],
-    number: F,
 }
 
-impl<F: Fn(LaneCell) -> u64> WithSimd for Blocks<'_, F> {
+impl<O: LaneOrder> WithSimd for Blocks<'_, O> {
     type Output = ();
 
     /// Plain loops: the compiler turns them into the registers of the instruction set that it is called for. No product is
@@ -86,44 +126,10 @@ impl<F: Fn(LaneCell) -> u64> WithSimd for Blocks<'_, F> {
             }
             let [x, y, z] = components;
             for i in 0..WIDTH {
-                pixels[i] = (self.number)(lane_cell(self.nside, x[i], y[i], z[i]));
+                let cell = LaneCell::of_any_vector(self.order.nside(), x[i], y[i], z[i]);
+                pixels[i] = self.order.pixel_of_lane(cell);
             }
         }
-    }
-}
-
-/// The cell of any vector, the one that [`Cell::containing`](crate::Cell::containing) finds: the same operations, but
-/// those of cap and belt are both carried out and one result is chosen.
-///
-/// What is not chosen may be out of its range, so differences are signed.
-#[inline(always)]
-fn lane_cell(nside: Nside, x: f64, y: f64, z: f64) -> LaneCell {
-    let Azimuth { quadrant, since, until } = Azimuth::of_xy(x, y);
-    let (n, size) = (i64::from(nside.value()), nside.as_f64());
-    let (belt, north, quadrant) = (z.abs() <= Z_BORDER, z > 0.0, i64::from(quadrant));
-
-    let distance = cap_distance(x, y, z.abs());
-    let first = if belt { size * ((0.5 + 0.75 * z) + since) } else { since * distance * size };
-    let second = if belt { size * ((0.5 - 0.75 * z) + since) } else { until * distance * size };
-    let last = if belt { 2.0 * size - 1.0 } else { size - 1.0 };
-    let (first, second) = (whole_part(first, last), whole_part(second, last));
-
-    // In the belt these are north_east and south_east, see `belt_cell`.
-    let (ne_far, se_far) = (i64::from(first >= n), i64::from(second >= n));
-    let belt_face = 4 * (1 + se_far - ne_far) + ((quadrant + (ne_far & se_far)) & 3);
-    let belt_ix = if first >= n { first - n } else { first };
-    let belt_from_top = if second >= n { second - n } else { second };
-    // In a cap, the distances from the pole along the western and the eastern edge of the face.
-    let cap_face = if north { quadrant } else { 8 + quadrant };
-    let cap_ix = if north { n - 1 - second } else { first };
-    let cap_from_top = if north { first } else { n - 1 - second };
-    let cap_ring = first + second + 1;
-    let cap_ring = if north { cap_ring } else { 4 * n - cap_ring };
-    LaneCell {
-        face: if belt { belt_face } else { cap_face },
-        ix: if belt { belt_ix } else { cap_ix },
-        from_top: if belt { belt_from_top } else { cap_from_top },
-        ring: if belt { 2 * n + second - first } else { cap_ring },
     }
 }
 
@@ -144,7 +150,7 @@ fn whole_part(coordinate: f64, last: f64) -> i64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Cell, Nested, PixelOrder, Ring};
+    use crate::{Cell, Nested, Ring};
 
     /// Signed zeros, the smallest and largest numbers, neighbours of the borders between the zones, and what is no number.
     const HOSTILE: [f64; 20] = [
@@ -183,11 +189,11 @@ mod tests {
     }
 
     #[test]
-    fn any_bits_have_the_cell_of_the_look_up_one_by_one() {
+    fn any_bits_have_the_cell_of_the_look_up_with_branches() {
         for n in [1, 2, 3, 1024, 12345, Nside::MAX - 1, Nside::MAX] {
             let nside = Nside::new(n).unwrap();
             for v in hostile_vectors() {
-                let got = lane_cell(nside, v.x, v.y, v.z);
+                let got = LaneCell::of_any_vector(nside, v.x, v.y, v.z);
                 let cell = Cell::of_any_vector(nside, v);
                 let expected = (
                     i64::from(cell.face()),
@@ -205,7 +211,7 @@ mod tests {
     }
 
     #[test]
-    fn any_bits_have_the_pixel_of_the_look_up_one_by_one() {
+    fn any_bits_have_the_pixel_of_the_look_up_with_branches() {
         for n in [1, 3, 1 << 10, Nside::MAX] {
             let nside = Nside::new(n).unwrap();
             let vectors = hostile_vectors();
@@ -216,14 +222,12 @@ mod tests {
                 .map(|v| ring.pixel_of_cell(Cell::of_any_vector(nside, *v)))
                 .collect();
             let mut pixels = vec![u64::MAX; vectors.len()];
-            let one = |v| ring.pixel_of_cell(Cell::of_any_vector(nside, v));
-            fill(nside, &vectors, &mut pixels, |cell| ring.pixel_of_lane(cell), one);
+            fill(&ring, &vectors, &mut pixels);
             assert_eq!(pixels, expected, "ring order, nside {n}");
 
             let Ok(nested) = Nested::new(nside) else { continue };
             let expected: Vec<u64> = expected.iter().map(|&p| nested.from_ring(p)).collect();
-            let one = |v| nested.pixel_of_cell(Cell::of_any_vector(nside, v));
-            fill(nside, &vectors, &mut pixels, |cell| nested.pixel_of_lane(cell), one);
+            fill(&nested, &vectors, &mut pixels);
             assert_eq!(pixels, expected, "nested order, nside {n}");
         }
     }

@@ -1,6 +1,6 @@
 use glam::DVec3;
 
-use crate::lanes::{self, LaneCell};
+use crate::lanes::{self, LaneCell, LaneOrder};
 use crate::order::{assert_pixel, assert_resolution};
 use crate::{Cell, Error, Nside, PixelOrder, Ring};
 
@@ -81,13 +81,6 @@ impl Nested {
     fn number(&self, face: u64, ix: u64, iy: u64) -> u64 {
         (face << self.face_bits) | spread(ix) | (spread(iy) << 1)
     }
-
-    /// What [`pixel_of_cell`](PixelOrder::pixel_of_cell) returns.
-    #[inline(always)]
-    pub(crate) fn pixel_of_lane(&self, cell: LaneCell) -> u64 {
-        let iy = i64::from(self.nside.value()) - 1 - cell.from_top;
-        self.number(cell.face.cast_unsigned(), cell.ix.cast_unsigned(), iy.cast_unsigned())
-    }
 }
 
 impl PixelOrder for Nested {
@@ -114,9 +107,22 @@ impl PixelOrder for Nested {
         self.number(u64::from(cell.face()), u64::from(cell.ix()), u64::from(cell.iy()))
     }
 
+    #[inline]
+    fn pixel(&self, dir: DVec3) -> u64 {
+        self.pixel_of_lane(LaneCell::containing(self.nside, dir))
+    }
+
     fn pixels_into(&self, dirs: &[DVec3], pixels: &mut [u64]) {
-        let number = |cell| self.pixel_of_lane(cell);
-        lanes::pixels_into(self.nside, dirs, pixels, number, |dir| self.pixel(dir));
+        lanes::pixels_into(self, dirs, pixels);
+    }
+}
+
+impl LaneOrder for Nested {
+    /// What [`pixel_of_cell`](PixelOrder::pixel_of_cell) returns.
+    #[inline(always)]
+    fn pixel_of_lane(&self, cell: LaneCell) -> u64 {
+        let iy = i64::from(self.nside.value()) - 1 - cell.from_top;
+        self.number(cell.face.cast_unsigned(), cell.ix.cast_unsigned(), iy.cast_unsigned())
     }
 }
 

@@ -3,7 +3,7 @@ use std::ops::Range;
 use glam::DVec3;
 
 use crate::cell_map::{belt_cell, face_in_row};
-use crate::lanes::{self, LOW, LaneCell};
+use crate::lanes::{self, LOW, LaneCell, LaneOrder};
 use crate::order::{assert_pixel, assert_resolution};
 use crate::{Cell, Error, Nside, PixelOrder, RingGeometry};
 
@@ -64,34 +64,6 @@ impl Ring {
     /// ```
     pub const fn antipodal_half(&self) -> Range<u64> {
         0..6 * self.nside.n_face_pixels()
-    }
-
-    /// What [`pixel_of_cell`](PixelOrder::pixel_of_cell) computes, of which this is the branch-free form: the numbers in
-    /// all three regions, of which one is chosen.
-    #[inline(always)]
-    pub(crate) fn pixel_of_lane(&self, cell: LaneCell) -> u64 {
-        let LaneCell { face, ix, from_top, ring } = cell;
-        let n = i64::from(self.nside.value());
-        let column = face & 3;
-        let north = ring < n;
-        let from_pole = if north { ring } else { 4 * n - ring } & LOW;
-        let square = from_pole * from_pole;
-        let start = if north {
-            2 * (square - from_pole)
-        } else {
-            12 * n * n - 2 * (square + from_pole)
-        };
-        let in_cap = start + column * from_pole + if north { from_top } else { ix };
-
-        let row = ring - n;
-        let face_middle = 2 * column + i64::from(face & 4 == 0);
-        let twice = face_middle * n + ix - (n - 1 - from_top);
-        let place = (twice - ((row & 1) ^ 1)) >> 1;
-        let wrapped = if place < 0 { place + 4 * n } else { place };
-        let in_belt = 2 * n * (n - 1) + (row & LOW) * (4 * n) + wrapped;
-
-        let pixel = if north | (ring > 3 * n) { in_cap } else { in_belt };
-        pixel.cast_unsigned()
     }
 }
 
@@ -158,9 +130,40 @@ impl PixelOrder for Ring {
         }
     }
 
+    #[inline]
+    fn pixel(&self, dir: DVec3) -> u64 {
+        self.pixel_of_lane(LaneCell::containing(self.nside, dir))
+    }
+
     fn pixels_into(&self, dirs: &[DVec3], pixels: &mut [u64]) {
-        let number = |cell| self.pixel_of_lane(cell);
-        lanes::pixels_into(self.nside, dirs, pixels, number, |dir| self.pixel(dir));
+        lanes::pixels_into(self, dirs, pixels);
+    }
+}
+
+impl LaneOrder for Ring {
+    /// What [`pixel_of_cell`](PixelOrder::pixel_of_cell) computes, of which this is the branch-free form: the numbers in
+    /// all three regions, of which one is chosen.
+    #[inline(always)]
+    fn pixel_of_lane(&self, cell: LaneCell) -> u64 {
+        let LaneCell { face, ix, from_top, ring } = cell;
+        let n = i64::from(self.nside.value());
+        let column = face & 3;
+        let north = ring < n;
+        let from_pole = if north { ring } else { 4 * n - ring } & LOW;
+        let square = from_pole * from_pole;
+        let start =
+            if north { 2 * (square - from_pole) } else { 12 * n * n - 2 * (square + from_pole) };
+        let in_cap = start + column * from_pole + if north { from_top } else { ix };
+
+        let row = ring - n;
+        let face_middle = 2 * column + i64::from(face & 4 == 0);
+        let twice = face_middle * n + ix - (n - 1 - from_top);
+        let place = (twice - ((row & 1) ^ 1)) >> 1;
+        let wrapped = if place < 0 { place + 4 * n } else { place };
+        let in_belt = 2 * n * (n - 1) + (row & LOW) * (4 * n) + wrapped;
+
+        let pixel = if north | (ring > 3 * n) { in_cap } else { in_belt };
+        pixel.cast_unsigned()
     }
 }
 
