@@ -47,10 +47,7 @@ impl Azimuth {
     /// The longitude `phi`, any finite number of radians.
     #[inline]
     pub(crate) fn of_phi(phi: f64) -> Self {
-        let turns = (phi.abs() * FRAC_2_PI) % 4.0;
-        let whole = turns.floor();
-        let part = turns - whole;
-        let quadrant = quadrant_of(whole);
+        let (quadrant, part) = modulo_four(phi.abs() * FRAC_2_PI);
         if phi >= 0.0 {
             Self { quadrant, since: part, until: 1.0 - part }
         } else if part == 0.0 {
@@ -62,14 +59,24 @@ impl Azimuth {
     }
 }
 
+/// The whole part of `turns >= 0` modulo 4, and the rest, exactly.
 #[expect(
     clippy::cast_possible_truncation,
+    clippy::cast_precision_loss,
     clippy::cast_sign_loss,
-    reason = "the argument is 0, 1, 2 or 3; NaN becomes 0"
+    reason = "the conversions are of whole numbers below 2^53"
 )]
 #[inline]
-fn quadrant_of(whole: f64) -> u32 {
-    whole as u32 & 3
+fn modulo_four(turns: f64) -> (u32, f64) {
+    // From here on there are no fractions.
+    const WHOLE: f64 = (1_u64 << 52) as f64;
+    // Conversions cost a third of a call of the mathematical library.
+    if turns < WHOLE {
+        let whole = turns as i64;
+        ((whole & 3) as u32, turns - whole as f64)
+    } else {
+        ((turns % 4.0) as u32, 0.0)
+    }
 }
 
 /// tan(pi/8), where `t` and `(1 - t)/(1 + t)` are equal.
@@ -177,7 +184,7 @@ mod tests {
             let (y, x) = phi.sin_cos();
             let got = Azimuth::of_xy(x, y);
             let turns = y.atan2(x).rem_euclid(TAU) * FRAC_2_PI;
-            assert_eq!(got.quadrant, quadrant_of(turns.floor()), "phi {phi}");
+            assert_eq!(f64::from(got.quadrant), turns.floor(), "phi {phi}");
             let since = turns - turns.floor();
             assert!(
                 (got.since - since).abs() <= tolerance * turns.max(1.0),
