@@ -15,7 +15,7 @@
 //! edges PATH                how far each vector is from an edge of its pixel, in pixels  -> ok
 //! ```
 //!
-//! `run sphvar`: `vec2pix`, the list at once; `vec2pix-one`, one by one; `ang2pix`; `pix2vec`.
+//! `run sphvar`: `vec2pix` and `ang2pix`, the list at once; `vec2pix-one` and `ang2pix-one`, one by one; `pix2vec`.
 //! `run cdshealpix`: `lonlat2pix`, which is what it takes; `vec2pix`, angles found within the time; `pix2lonlat`, which is
 //! what it gives; `pix2vec`.
 //! Memory is there before the clock starts.
@@ -136,6 +136,13 @@ impl Server {
                 each(&server.vectors, &mut server.pixels_out, |&dir| order.pixel(dir));
             }))),
             "ang2pix" => {
+                let mut done = Ok(());
+                let seconds = self.time_pixels(self.angles.len(), |server| {
+                    done = order.pixels_of_angles_into(&server.angles, &mut server.pixels_out);
+                });
+                Ok(done.map(|()| Some(seconds))?)
+            }
+            "ang2pix-one" => {
                 let mut refused = Ok(());
                 let seconds = self.time_pixels(self.angles.len(), |server| {
                     each(&server.angles, &mut server.pixels_out, |&[theta, phi]| {

@@ -1,13 +1,9 @@
 use glam::DVec3;
-use pulp::{Arch, Simd, WithSimd};
 
-use crate::azimuth::Azimuth;
+use crate::azimuth::{Azimuth, floor};
 use crate::cell_map::assert_unit;
-use crate::zone::{Z_BORDER, cap_distance};
+use crate::zone::{Z_BORDER, cap_distance, cap_distance_of_theta, z_of_theta};
 use crate::{Nside, PixelOrder};
-
-/// Directions that are treated together: enough for the widest registers twice over, few enough that short lists gain.
-const WIDTH: usize = 16;
 
 /// The low 31 bits, which hold every number here. A product of two such numbers is one instruction on lanes of 64 bits,
 /// and leaves a bit of an `i64` for what is added to it.
@@ -39,15 +35,27 @@ impl LaneCell {
 
     /// The cell of any vector, the one that [`Cell::containing`](crate::Cell::containing) finds: the same operations, but
     /// those of cap and belt are both carried out and one result is chosen.
-    ///
-    /// What is not chosen may be out of its range, so differences are signed.
     #[inline(always)]
-    fn of_any_vector(nside: Nside, x: f64, y: f64, z: f64) -> Self {
-        let Azimuth { quadrant, since, until } = Azimuth::of_xy(x, y);
+    pub(crate) fn of_any_vector(nside: Nside, x: f64, y: f64, z: f64) -> Self {
+        Self::at(nside, Azimuth::of_xy(x, y), z, cap_distance(x, y, z.abs()))
+    }
+
+    /// The cell that contains colatitude `theta` in `[0, pi]` and a longitude, the one that
+    /// [`Cell::containing_angles`](crate::Cell::containing_angles) finds.
+    #[inline(always)]
+    pub(crate) fn of_angles(nside: Nside, theta: f64, azimuth: Azimuth) -> Self {
+        let z = z_of_theta(theta);
+        Self::at(nside, azimuth, z, cap_distance_of_theta(theta))
+    }
+
+    /// The cell at a longitude and a colatitude with cosine `z`, which counts in the belt, and cap distance `distance`, which
+    /// counts in the caps. What is not chosen may be out of its range, so differences are signed.
+    #[inline(always)]
+    fn at(nside: Nside, azimuth: Azimuth, z: f64, distance: f64) -> Self {
+        let Azimuth { quadrant, since, until } = azimuth;
         let (n, size) = (i64::from(nside.value()), nside.as_f64());
         let (belt, north, quadrant) = (z.abs() <= Z_BORDER, z > 0.0, i64::from(quadrant));
 
-        let distance = cap_distance(x, y, z.abs());
         let first = if belt { size * ((0.5 + 0.75 * z) + since) } else { since * distance * size };
         let second = if belt { size * ((0.5 - 0.75 * z) + since) } else { until * distance * size };
         let last = if belt { 2.0 * size - 1.0 } else { size - 1.0 };
@@ -80,77 +88,18 @@ pub(crate) trait LaneOrder: PixelOrder {
     fn pixel_of_lane(&self, cell: LaneCell) -> u64;
 }
 
-/// Writes the pixel of `dirs[i]` to `pixels[i]`.
-///
-/// # Panics
-/// If the slices differ in length; in debug builds also if a direction is not a unit vector.
-pub(crate) fn pixels_into(order: &impl LaneOrder, dirs: &[DVec3], pixels: &mut [u64]) {
-    assert!(
-        dirs.len() == pixels.len(),
-        "{} directions have {} pixels, not {}",
-        dirs.len(),
-        dirs.len(),
-        pixels.len()
-    );
-    dirs.iter().for_each(|dir| assert_unit(*dir));
-    fill(order, dirs, pixels);
-}
-
-/// [`pixels_into`] without its checks; of different lengths the shorter one counts.
-fn fill(order: &impl LaneOrder, dirs: &[DVec3], pixels: &mut [u64]) {
-    let (blocks, rest) = dirs.as_chunks();
-    let (block_pixels, rest_pixels) = pixels.as_chunks_mut();
-    Arch::new().dispatch(Blocks { order, dirs: blocks, pixels: block_pixels });
-    for (dir, pixel) in rest.iter().zip(rest_pixels) {
-        *pixel = order.pixel_of_lane(LaneCell::of_any_vector(order.nside(), dir.x, dir.y, dir.z));
-    }
-}
-
-struct Blocks<'a, O> {
-    order: &'a O,
-    dirs: &'a [[DVec3; WIDTH]],
-    pixels: &'a mut [[u64; WIDTH]],
-}
-
-impl<O: LaneOrder> WithSimd for Blocks<'_, O> {
-    type Output = ();
-
-    /// Plain loops: the compiler turns them into the registers of the instruction set that it is called for. No product is
-    /// fused with a sum, so all sets give the same bits.
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) {
-        for (dirs, pixels) in self.dirs.iter().zip(self.pixels) {
-            let mut components = [[0.0; WIDTH]; 3];
-            for (i, dir) in dirs.iter().enumerate() {
-                (components[0][i], components[1][i], components[2][i]) = (dir.x, dir.y, dir.z);
-            }
-            let [x, y, z] = components;
-            for i in 0..WIDTH {
-                let cell = LaneCell::of_any_vector(self.order.nside(), x[i], y[i], z[i]);
-                pixels[i] = self.order.pixel_of_lane(cell);
-            }
-        }
-    }
-}
-
 /// The whole part of `coordinate` within 0 and `last < 2^31`, 0 for NaN.
-///
-/// By the place that a sum with 2^52 leaves for a fraction, which is none: instruction sets that can round or convert
-/// registers differ too much.
 #[inline(always)]
 fn whole_part(coordinate: f64, last: f64) -> i64 {
-    const NO_FRACTION: f64 = (1_u64 << 52) as f64;
     let from_zero = if coordinate > 0.0 { coordinate } else { 0.0 };
     let within = if from_zero < last { from_zero } else { last };
-    let nearest = within + NO_FRACTION;
-    let rounded_up = nearest - NO_FRACTION > within;
-    (nearest.to_bits().cast_signed() & LOW) - i64::from(rounded_up)
+    floor(within).1.cast_signed() & LOW
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use super::*;
-    use crate::{Cell, Nested, Ring};
+    use crate::Cell;
 
     /// Signed zeros, the smallest and largest numbers, neighbours of the borders between the zones, and what is no number.
     const HOSTILE: [f64; 20] = [
@@ -177,7 +126,7 @@ mod tests {
     ];
 
     /// Any three of them, whatever the length; more than a block and no multiple of one.
-    fn hostile_vectors() -> Vec<DVec3> {
+    pub(crate) fn hostile_vectors() -> Vec<DVec3> {
         let mut vectors = Vec::new();
         for x in HOSTILE {
             for y in HOSTILE {
@@ -207,28 +156,6 @@ mod tests {
                     "nside {n}, {v}: {got:?} against {cell:?}"
                 );
             }
-        }
-    }
-
-    #[test]
-    fn any_bits_have_the_pixel_of_the_look_up_with_branches() {
-        for n in [1, 3, 1 << 10, Nside::MAX] {
-            let nside = Nside::new(n).unwrap();
-            let vectors = hostile_vectors();
-            assert!(vectors.len() > WIDTH && !vectors.len().is_multiple_of(WIDTH));
-            let ring = Ring::new(nside);
-            let expected: Vec<u64> = vectors
-                .iter()
-                .map(|v| ring.pixel_of_cell(Cell::of_any_vector(nside, *v)))
-                .collect();
-            let mut pixels = vec![u64::MAX; vectors.len()];
-            fill(&ring, &vectors, &mut pixels);
-            assert_eq!(pixels, expected, "ring order, nside {n}");
-
-            let Ok(nested) = Nested::new(nside) else { continue };
-            let expected: Vec<u64> = expected.iter().map(|&p| nested.from_ring(p)).collect();
-            fill(&nested, &vectors, &mut pixels);
-            assert_eq!(pixels, expected, "nested order, nside {n}");
         }
     }
 

@@ -40,6 +40,7 @@ mod cell_map;
 mod direction;
 mod error;
 mod lanes;
+mod lists;
 mod neighbours;
 mod nested;
 mod nside;

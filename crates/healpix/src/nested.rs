@@ -1,6 +1,7 @@
 use glam::DVec3;
 
-use crate::lanes::{self, LaneCell, LaneOrder};
+use crate::lanes::{LaneCell, LaneOrder};
+use crate::lists;
 use crate::order::{assert_pixel, assert_resolution};
 use crate::{Cell, Error, Nside, PixelOrder, Ring};
 
@@ -113,7 +114,11 @@ impl PixelOrder for Nested {
     }
 
     fn pixels_into(&self, dirs: &[DVec3], pixels: &mut [u64]) {
-        lanes::pixels_into(self, dirs, pixels);
+        lists::pixels_into(self, dirs, pixels);
+    }
+
+    fn pixels_of_angles_into(&self, angles: &[[f64; 2]], pixels: &mut [u64]) -> Result<(), Error> {
+        lists::pixels_of_angles_into(self, angles, pixels)
     }
 }
 

@@ -92,6 +92,33 @@ pub trait PixelOrder: Debug + Send + Sync {
         Cell::containing_angles(self.nside(), theta, phi).map(|cell| self.pixel_of_cell(cell))
     }
 
+    /// Writes to `pixels[i]` the pixel that contains colatitude and longitude `angles[i]`: what
+    /// [`pixel_of_angles`](Self::pixel_of_angles) returns, bit by bit and on every machine.
+    ///
+    /// # Errors
+    /// Those of the first pair that [`pixel_of_angles`](Self::pixel_of_angles) refuses; what `pixels` then holds has no
+    /// meaning.
+    ///
+    /// # Panics
+    /// If the slices differ in length.
+    ///
+    /// # Performance
+    /// As [`pixels_into`](Self::pixels_into): a fifth of the time of [`pixel_of_angles`](Self::pixel_of_angles) where registers
+    /// have 512 bits.
+    ///
+    /// # Examples
+    /// ```
+    /// use sphvar_healpix::{Nside, PixelOrder, Ring};
+    ///
+    /// let order = Ring::new(Nside::new(4)?);
+    /// let mut pixels = [0; 2];
+    /// order.pixels_of_angles_into(&[[0.0, 0.0], [1.5, -3.0]], &mut pixels)?;
+    /// assert_eq!(pixels, [order.pixel_of_angles(0.0, 0.0)?, order.pixel_of_angles(1.5, -3.0)?]);
+    /// assert!(order.pixels_of_angles_into(&[[0.0, f64::NAN]], &mut pixels[..1]).is_err());
+    /// # Ok::<(), sphvar_healpix::Error>(())
+    /// ```
+    fn pixels_of_angles_into(&self, angles: &[[f64; 2]], pixels: &mut [u64]) -> Result<(), Error>;
+
     /// Returns the direction of the pixel's centre.
     ///
     /// # Panics

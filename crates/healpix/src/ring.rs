@@ -3,7 +3,8 @@ use std::ops::Range;
 use glam::DVec3;
 
 use crate::cell_map::{belt_cell, face_in_row};
-use crate::lanes::{self, LOW, LaneCell, LaneOrder};
+use crate::lanes::{LOW, LaneCell, LaneOrder};
+use crate::lists;
 use crate::order::{assert_pixel, assert_resolution};
 use crate::{Cell, Error, Nside, PixelOrder, RingGeometry};
 
@@ -136,7 +137,11 @@ impl PixelOrder for Ring {
     }
 
     fn pixels_into(&self, dirs: &[DVec3], pixels: &mut [u64]) {
-        lanes::pixels_into(self, dirs, pixels);
+        lists::pixels_into(self, dirs, pixels);
+    }
+
+    fn pixels_of_angles_into(&self, angles: &[[f64; 2]], pixels: &mut [u64]) -> Result<(), Error> {
+        lists::pixels_of_angles_into(self, angles, pixels)
     }
 }
 
