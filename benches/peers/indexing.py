@@ -59,7 +59,8 @@ class Conversion:
 CONVERSIONS = [
     Conversion("direction to pixel", "vec2pix", ["lonlat2pix", "vec2pix"], ["vec2pix", "ang2pix"], ASKED_RATIO),
     Conversion("the same, one by one", "vec2pix-one", ["lonlat2pix"], []),
-    Conversion("angles to pixel", "ang2pix", ["lonlat2pix"], ["ang2pix"]),
+    Conversion("angles to pixel", "ang2pix", ["lonlat2pix"], ["ang2pix"], ASKED_RATIO),
+    Conversion("the same, one by one", "ang2pix-one", ["lonlat2pix"], []),
     Conversion("pixel to direction", "pix2vec", ["pix2vec"], ["pix2vec"]),
 ]
 
@@ -110,9 +111,9 @@ class Agreement:
     def line(self):
         parts = []
         for name, count in self.different.items():
-            away = f" (within {self.furthest[name]:.2g} of what rounding explains)" if count else ""
-            parts.append(f"{name} {self.n - count} of {self.n} equal{away}")
-        return f"{self.what:<22} {self.order:<6} {self.nside:>9}  " + ", ".join(parts)
+            away = f" (the rest within {self.furthest[name]:.2f} of the rounding)" if count else ""
+            parts.append(f"{name} {self.n - count}{away}")
+        return f"{self.what:<14} {self.order:<6} {self.nside:>9}  " + ", ".join(parts)
 
 
 class Section:
@@ -169,17 +170,19 @@ class Section:
         seconds = {name: statistics.median(times) / N_RANDOM for name, times in samples.items()}
         return Row(conversion.name, self.nside, self.order, seconds, conversion.asked_ratio)
 
-    def agree_on_pixels(self, what):
+    def agree_on_pixels(self, kind, what):
+        """Whether all find the pixels of the vectors (vec2pix) or of their angles (ang2pix)."""
         import numpy as np
 
         def of(code, conversion):
             self.run(code, conversion)
             return self.result("<u8").astype(np.int64)
 
-        ours = of("sphvar", "vec2pix")
+        ours = of("sphvar", what)
+        one_by_one = f"{what} one by one"
         theirs = {
-            "itself one by one": of("sphvar", "vec2pix-one"),
-            "healpy": self.healpy("vec2pix"),
+            one_by_one: of("sphvar", f"{what}-one"),
+            "healpy": self.healpy(what),
             "cdshealpix": of("cdshealpix", "lonlat2pix"),
         }
         self.driver.ask("edges", self.folder / "edges")
@@ -187,8 +190,9 @@ class Section:
         different = {name: pixels != ours for name, pixels in theirs.items()}
         counts = {name: int(off.sum()) for name, off in different.items()}
         furthest = {name: float(edges[off].max(initial=0.0)) for name, off in different.items()}
-        furthest["itself one by one"] = math.inf if counts["itself one by one"] else 0.0
-        return Agreement(what, self.nside, self.order, len(ours), counts, furthest)
+        # These are the same to the bit.
+        furthest[one_by_one] = math.inf if counts[one_by_one] else 0.0
+        return Agreement(f"{kind} {what}", self.nside, self.order, len(ours), counts, furthest)
 
     def centres(self):
         """How far the directions of centres are from ours, in units of epsilon."""
@@ -220,18 +224,20 @@ def measure(folder, quick):
                 section.take(random)
                 rows.append(section.time(conversion, rounds))
                 print(rows[-1].line(), flush=True)
-    print("\nEqual pixels; hard: at and near poles, equator, borders of caps, meridians between faces")
+    print(f"\nEqual pixels, of {N_RANDOM}; hard: at and near poles, equator, borders of caps, meridians between faces, where places")
+    print("lie on edges; rounding: how far from an edge it may bring a place to the other side")
     for nside in NSIDES:
         for order in ["ring", "nested"]:
             section = Section(driver, folder, nside, order, rng)
-            for what, xyz in [("random directions", random), ("hard directions", hard)]:
+            for kind, xyz in [("random", random), ("hard", hard)]:
                 section.take(xyz)
-                agreement = section.agree_on_pixels(what)
-                agreements.append(agreement)
-                print(agreement.line(), flush=True)
-                for name, furthest in agreement.furthest.items():
-                    if furthest > 1.0:
-                        complaints.append(f"pixels of {what}, nside {nside}, {order}, differ from {name} beyond rounding")
+                for what in ["vec2pix", "ang2pix"]:
+                    agreement = section.agree_on_pixels(kind, what)
+                    agreements.append(agreement)
+                    print(agreement.line(), flush=True)
+                    for name, furthest in agreement.furthest.items():
+                        if furthest > 1.0:
+                            complaints.append(f"{kind} {what}, nside {nside}, {order}: not as {name}, beyond rounding")
             centres.append({"nside": nside, "order": order, "off": section.centres()})
     print("\nDirections of centres, largest difference of a component in units of epsilon = 2^-52")
     for centre in centres:

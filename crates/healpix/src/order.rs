@@ -103,7 +103,7 @@ pub trait PixelOrder: Debug + Send + Sync {
     /// If the slices differ in length.
     ///
     /// # Performance
-    /// As [`pixels_into`](Self::pixels_into): a fifth of the time of [`pixel_of_angles`](Self::pixel_of_angles) where registers
+    /// As [`pixels_into`](Self::pixels_into): a quarter of the time of [`pixel_of_angles`](Self::pixel_of_angles) where registers
     /// have 512 bits.
     ///
     /// # Examples

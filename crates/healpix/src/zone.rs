@@ -141,6 +141,29 @@ mod tests {
     }
 
     #[test]
+    fn colatitudes_keep_their_digits_from_pole_to_pole() {
+        const SAMPLES: u32 = 100_000;
+        let even = (0..=SAMPLES).map(|k| PI * f64::from(k) / f64::from(SAMPLES));
+        let near = (1..=16).flat_map(|k| {
+            let offset = 10.0_f64.powi(-k);
+            [FRAC_PI_2 - offset, FRAC_PI_2 + offset, PI - offset]
+        });
+        for theta in even.chain(near).chain([FRAC_PI_2]) {
+            // The sine series, its argument, the factor and the library round once each, by half an eps.
+            let tolerance = 3.0 * f64::EPSILON;
+            let (got, expected) = match Zone::of_theta(theta) {
+                Zone::Belt(z) => (z, theta.cos()),
+                Zone::North(distance) => (distance, SQRT_6 * (0.5 * theta).sin()),
+                Zone::South(distance) => (distance, SQRT_6 * (0.5 * theta).cos()),
+            };
+            assert!(
+                (got - expected).abs() <= tolerance * expected.abs(),
+                "{theta}: {got} {expected}"
+            );
+        }
+    }
+
+    #[test]
     fn south_mirrors_north() {
         for distance in [0.0, 1e-12, 0.3, 1.0] {
             let (sin, cos) = Zone::North(distance).sin_cos();
