@@ -16,12 +16,12 @@
 //! ```
 //!
 //! `run sphvar`: `vec2pix` and `ang2pix`, the list at once; `vec2pix-one` and `ang2pix-one`, one by one; `pix2vec`.
-//! `run cdshealpix`: `lonlat2pix`, which is what it takes; `vec2pix`, angles found within the time; `pix2lonlat`, which is
-//! what it gives; `pix2vec`.
-//! Memory is there before the clock starts.
+//! `run cdshealpix`: `lonlat2pix`, which is what it takes; `vec2pix`, angles found within the time; `pix2vec`, vectors found
+//! from angles within the time. Memory is there before the clock starts.
 
 use std::error::Error;
 use std::fs;
+use std::hint::black_box;
 use std::io::{BufRead, Write};
 use std::time::Instant;
 
@@ -133,7 +133,7 @@ impl Server {
                 order.pixels_into(&server.vectors, &mut server.pixels_out);
             }))),
             "vec2pix-one" => Ok(Some(self.time_pixels(self.vectors.len(), |server| {
-                each(&server.vectors, &mut server.pixels_out, |&dir| order.pixel(dir));
+                each(&server.vectors, &mut server.pixels_out, |dir| order.pixel(*black_box(dir)));
             }))),
             "ang2pix" => {
                 let mut done = Ok(());
@@ -145,7 +145,8 @@ impl Server {
             "ang2pix-one" => {
                 let mut refused = Ok(());
                 let seconds = self.time_pixels(self.angles.len(), |server| {
-                    each(&server.angles, &mut server.pixels_out, |&[theta, phi]| {
+                    each(&server.angles, &mut server.pixels_out, |angles| {
+                        let [theta, phi] = *black_box(angles);
                         order.pixel_of_angles(theta, phi).unwrap_or_else(|error| {
                             refused = Err(error);
                             0
@@ -178,10 +179,6 @@ impl Server {
                 each(&server.vectors, &mut server.pixels_out, |dir| {
                     hash(dir.y.atan2(dir.x), dir.z.atan2(dir.x.hypot(dir.y)))
                 });
-            }))),
-            "pix2lonlat" => Ok(Some(self.time_vectors(|pixel| {
-                let (lon, lat) = center(pixel);
-                DVec3::new(lon, lat, 0.0)
             }))),
             "pix2vec" => Ok(Some(self.time_vectors(|pixel| {
                 let (lon, lat) = center(pixel);

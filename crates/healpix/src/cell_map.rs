@@ -102,8 +102,8 @@ impl Cell {
     /// In debug builds, if `dir` is not a unit vector.
     ///
     /// # Performance
-    /// Some 12 ns on a server core: a division, a polynomial, and in the caps a second division and a square root; random
-    /// directions mispredict the choice between cap and belt, which [`PixelOrder::pixel`](crate::PixelOrder::pixel) avoids.
+    /// Some 12 ns on a server core: a division, a polynomial, and in the caps a second division and a square root. Directions
+    /// in random order take half as much again, because the choice between cap and belt is then mispredicted.
     #[inline(always)]
     pub fn containing(nside: Nside, dir: DVec3) -> Self {
         assert_unit(dir);

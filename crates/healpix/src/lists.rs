@@ -3,10 +3,10 @@ use std::f64::consts::PI;
 use glam::DVec3;
 use pulp::{Arch, Simd, WithSimd};
 
-use crate::Error;
 use crate::azimuth::{Azimuth, NO_FRACTION, quarter_turns};
 use crate::cell_map::assert_unit;
 use crate::lanes::{LaneCell, LaneOrder};
+use crate::{Cell, Error};
 
 /// Places that are treated together: enough for the widest registers twice over, few enough that short lists gain.
 const WIDTH: usize = 16;
@@ -53,7 +53,7 @@ fn fill(order: &impl LaneOrder, dirs: &[DVec3], pixels: &mut [u64]) {
     let (block_pixels, rest_pixels) = pixels.as_chunks_mut();
     Arch::new().dispatch(Blocks { order, dirs: blocks, pixels: block_pixels });
     for (dir, pixel) in rest.iter().zip(rest_pixels) {
-        *pixel = order.pixel_of_lane(LaneCell::of_any_vector(order.nside(), dir.x, dir.y, dir.z));
+        *pixel = order.pixel_of_cell(Cell::of_any_vector(order.nside(), *dir));
     }
 }
 
@@ -127,7 +127,7 @@ impl<O: LaneOrder> WithSimd for AngleBlocks<'_, O> {
 mod tests {
     use super::*;
     use crate::lanes::tests::hostile_vectors;
-    use crate::{Cell, Nested, Nside, PixelOrder, Ring};
+    use crate::{Nested, Nside, PixelOrder, Ring};
 
     #[test]
     fn any_bits_have_the_pixel_of_the_look_up_with_branches() {

@@ -108,11 +108,6 @@ impl PixelOrder for Nested {
         self.number(u64::from(cell.face()), u64::from(cell.ix()), u64::from(cell.iy()))
     }
 
-    #[inline]
-    fn pixel(&self, dir: DVec3) -> u64 {
-        self.pixel_of_lane(LaneCell::containing(self.nside, dir))
-    }
-
     fn pixels_into(&self, dirs: &[DVec3], pixels: &mut [u64]) {
         lists::pixels_into(self, dirs, pixels);
     }

@@ -131,11 +131,6 @@ impl PixelOrder for Ring {
         }
     }
 
-    #[inline]
-    fn pixel(&self, dir: DVec3) -> u64 {
-        self.pixel_of_lane(LaneCell::containing(self.nside, dir))
-    }
-
     fn pixels_into(&self, dirs: &[DVec3], pixels: &mut [u64]) {
         lists::pixels_into(self, dirs, pixels);
     }

@@ -206,9 +206,6 @@ proptest! {
             order.pixels_into(&dirs, &mut pixels);
             for (dir, pixel) in dirs.iter().zip(pixels) {
                 prop_assert_eq!(pixel, order.pixel(*dir), "{:?}: {}", order, dir);
-                // Cells are found with branches, pixels without.
-                let cell = Cell::containing(nside, *dir);
-                prop_assert_eq!(pixel, order.pixel_of_cell(cell), "{:?}: {}", order, dir);
             }
         }
     }
@@ -330,10 +327,7 @@ fn every_corner_and_centre_of_small_grids_is_found_in_lists_too() {
                 .collect();
             let mut pixels = vec![u64::MAX; dirs.len()];
             order.pixels_into(&dirs, &mut pixels);
-            let one_by_one: Vec<u64> = dirs
-                .iter()
-                .map(|dir| order.pixel_of_cell(Cell::containing(order.nside(), *dir)))
-                .collect();
+            let one_by_one: Vec<u64> = dirs.iter().map(|dir| order.pixel(*dir)).collect();
             assert_eq!(pixels, one_by_one, "{order:?}");
         }
     }
