@@ -24,6 +24,10 @@ legendre-accuracy:
 peers *ARGS:
     python3 benches/peers/transforms.py {{ARGS}}
 
+# Speed and error beside healpy, cdshealpix, scipy and ducc0: indexing, harmonics, transforms.
+peers-accuracy *ARGS:
+    python3 benches/peers/accuracy.py {{ARGS}}
+
 # Record the values of healpy again that the tests of sphvar-healpix compare with.
 healpy-values:
     python3 benches/peers/healpix_values.py

@@ -32,22 +32,19 @@ than the accuracy asked for.
 """
 
 import argparse
-import contextlib
 import json
 import math
 import multiprocessing
-import os
-import platform
 import re
 import statistics
-import subprocess
 import sys
 import tempfile
 import time
 from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 
-ROOT = Path(__file__).resolve().parents[2]
+from environment import Driver, default_environment, describe_machine, enter_environment, in_turn, stopwatch
+
 PACKAGES = ["ducc0==0.42.*", "numpy"]
 SEED = 20240917
 # Below this N L^2 the exact transform takes a second or less. It is good to about 4e-17 times the degree.
@@ -123,61 +120,11 @@ class Contestant:
         return statistics.median(self.samples)
 
 
-def run_checked(command, failure):
-    """The standard output of a command; leaves with `failure` and the end of its messages if it fails."""
-    try:
-        done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
-    except OSError as error:
-        sys.exit(f"{failure}: {error}")
-    if done.returncode != 0:
-        sys.exit(f"{failure}:\n{(done.stderr or done.stdout)[-4000:]}")
-    return done.stdout
-
-
-def default_environment():
-    command = ["cargo", "metadata", "--format-version", "1", "--no-deps"]
-    metadata = json.loads(run_checked(command, "cargo metadata fails"))
-    return Path(metadata["target_directory"]) / "peers" / "venv"
-
-
-def enter_environment(folder):
-    """Runs this script again under an interpreter that has ducc0."""
-    if folder.exists() and os.path.samefile(sys.prefix, folder):
-        return
-    python = folder / "bin" / "python"
-    version = PACKAGES[0].split("==")[1].rstrip("*")
-    probe = f"import ducc0, numpy, sys; sys.exit(not ducc0.__version__.startswith('{version}'))"
-    if not python.exists() or subprocess.run([python, "-c", probe], capture_output=True, check=False).returncode != 0:
-        print(f"installing {' and '.join(PACKAGES)} in {folder}", file=sys.stderr)
-        if not python.exists():
-            if folder.exists() and any(folder.iterdir()):
-                sys.exit(f"{folder} is neither empty nor a virtual environment")
-            make = [sys.executable, "-m", "venv", folder]
-            run_checked(make, f"cannot make a virtual environment in {folder} (is python3-venv installed?)")
-        install = [python, "-m", "pip", "install", "--quiet", *PACKAGES]
-        run_checked(install, f"pip cannot install {' and '.join(PACKAGES)} in {folder} (is there a network?)")
-        run_checked([python, "-c", probe], f"ducc0 in {folder} cannot be used; remove that folder and run again")
-    os.execv(python, [str(python), *sys.argv])
-
-
-class Server:
+class Server(Driver):
     """The process that runs sphvar's transforms; see crates/sht/examples/transform_server.rs."""
 
     def __init__(self):
-        command = ["cargo", "build", "--release", "-p", "sphvar-sht", "--example", "transform_server"]
-        output = run_checked([*command, "--message-format", "json-render-diagnostics"], "the driver does not build")
-        messages = [json.loads(line) for line in output.splitlines()]
-        (executable,) = [m["executable"] for m in messages if m.get("executable")]
-        self.process = subprocess.Popen([executable], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
-
-    def ask(self, *words):
-        """The seconds that the command took, or None if it is not one that is timed."""
-        with contextlib.suppress(BrokenPipeError):
-            print(*words, file=self.process.stdin, flush=True)
-        answer = self.process.stdout.readline().strip()
-        if not answer:
-            sys.exit(f"the driver died of: {' '.join(map(str, words))}")
-        return None if answer == "ok" else float(answer)
+        super().__init__("sphvar-sht", "transform_server")
 
     def coefficients(self, folder):
         import numpy as np
@@ -185,10 +132,6 @@ class Server:
         path = folder / "coefficients"
         self.ask("write", path)
         return np.fromfile(path, dtype="<c16")
-
-    def close(self):
-        self.process.stdin.close()
-        self.process.wait()
 
 
 def ducc_transform(case, dtype, n_weighed=None):
@@ -308,33 +251,15 @@ def rivals(duccs, target):
     return [c for c in duccs if c.error <= target] or [min(duccs, key=lambda c: c.error)]
 
 
-def in_turn(rounds, contestants):
-    """Calls each timed function twice a round, appends the seconds of the second call; each round begins with another.
-
-    The first call brings the processor back from the other process: awake, its caches filled.
-    """
-    for r in range(rounds):
-        for k in range(len(contestants)):
-            contestant, timed = contestants[(r + k) % len(contestants)]
-            timed()
-            contestant.samples.append(timed())
-
-
-def stopwatch(function, *arguments):
-    start = time.perf_counter()
-    function(*arguments)
-    return time.perf_counter() - start
-
-
 def time_single(case, probe, server, duccs, ours):
     server.ask("load", probe.paths[0], case.n_points)
     server.ask("plan", case.lmax, ours.requested)
-    contestants = [(ours, lambda: server.ask("run"))]
+    contestants = [(ours.samples, lambda: server.ask("run"))]
     for c in duccs:
         transform = ducc_transform(case, c.label.split()[1])
         arguments = (transform, probe.angles[0], c.requested)
         stopwatch(*arguments)
-        contestants.append((c, lambda arguments=arguments: stopwatch(*arguments)))
+        contestants.append((c.samples, lambda arguments=arguments: stopwatch(*arguments)))
     in_turn(case.rounds, contestants)
     return server.coefficients(probe.folder)
 
@@ -393,7 +318,7 @@ def time_ensemble(case, probe, server, duccs, ours, sets):
         return server.ask("ensemble", *words) / case.sets
 
     server.ask("load", xyz_path, case.sets * case.n_points)
-    contestants = [(ours, our_ensemble), *((c, lambda c=c: ducc_ensemble(c)) for c in duccs)]
+    contestants = [(ours.samples, our_ensemble), *((c.samples, lambda c=c: ducc_ensemble(c)) for c in duccs)]
     in_turn(case.rounds, contestants)
     for queue in orders:
         queue.put(None)
@@ -489,21 +414,9 @@ def describe_environment():
     import ducc0
     import numpy as np
 
-    cpu = platform.processor() or platform.machine()
-    with contextlib.suppress(OSError):
-        found = re.search(r"^model name\s*:\s*(.+)$", Path("/proc/cpuinfo").read_text(), re.MULTILINE)
-        cpu = found[1] if found else cpu
     info = getattr(ducc0.misc, "cpu_info", dict)()
     profile = f" ({info['active_profile']})" if "active_profile" in info else ""
-    return {
-        "cpu": cpu,
-        "cores": os.cpu_count(),
-        "load": f"{os.getloadavg()[0]:.1f}",
-        "ducc0": ducc0.__version__ + profile,
-        "numpy": np.__version__,
-        "python": platform.python_version(),
-        "rustc": run_checked(["rustc", "--version"], "rustc fails").split()[1],
-    }
+    return describe_machine() | {"ducc0": ducc0.__version__ + profile, "numpy": np.__version__}
 
 
 def parse_arguments():
@@ -519,7 +432,7 @@ def parse_arguments():
 
 def main():
     arguments = parse_arguments()
-    enter_environment(arguments.venv or default_environment())
+    enter_environment(arguments.venv or default_environment(), PACKAGES)
     import ducc0
 
     cases = []

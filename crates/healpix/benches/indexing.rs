@@ -64,6 +64,14 @@ fn indexing(criterion: &mut Criterion) {
         group.bench_function(BenchmarkId::new("nested", nside), |b| {
             b.iter(|| sum(&places, |p| nested.pixel(p.dir)));
         });
+        let dirs: Vec<DVec3> = places.iter().map(|place| place.dir).collect();
+        let mut pixels = vec![0; dirs.len()];
+        group.bench_function(BenchmarkId::new("ring-list", nside), |b| {
+            b.iter(|| ring.pixels_into(black_box(&dirs), black_box(&mut pixels)));
+        });
+        group.bench_function(BenchmarkId::new("nested-list", nside), |b| {
+            b.iter(|| nested.pixels_into(black_box(&dirs), black_box(&mut pixels)));
+        });
         group.bench_function(BenchmarkId::new("cdshealpix-ring-lonlat", nside), |b| {
             b.iter(|| sum(&places, |p| cdshealpix::ring::hash(nside.value(), p.lon, p.lat)));
         });

@@ -17,8 +17,9 @@ pub(crate) struct Azimuth {
 impl Azimuth {
     /// The longitude of `(x, y)`; `(0, 0)` has longitude 0, and so have all signed zeros of `y` with `x > 0`.
     ///
-    /// Branch-free: random directions would mispredict every second comparison.
-    #[inline]
+    /// Branch-free: random directions would mispredict every second comparison. Always inlined, so that a loop over many
+    /// becomes one in wide registers.
+    #[inline(always)]
     pub(crate) fn of_xy(x: f64, y: f64) -> Self {
         // Adding zero turns -0 into 0, so that the sign bits tell the half planes.
         let (x, y) = (x + 0.0, y + 0.0);
@@ -44,31 +45,60 @@ impl Azimuth {
     }
 
     /// The longitude `phi`, any finite number of radians.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn of_phi(phi: f64) -> Self {
-        let turns = (phi.abs() * FRAC_2_PI) % 4.0;
-        let whole = turns.floor();
+        let turns = quarter_turns(phi);
+        Self::of_quarter_turns(
+            phi < 0.0,
+            if turns < NO_FRACTION { turns } else { within_four(turns) },
+        )
+    }
+
+    /// The longitude of `turns` quarter turns, at least 0 and below [`NO_FRACTION`], westwards if `negative`.
+    #[inline(always)]
+    pub(crate) fn of_quarter_turns(negative: bool, turns: f64) -> Self {
+        let (whole, bits) = floor(turns);
         let part = turns - whole;
-        let quadrant = quadrant_of(whole);
-        if phi >= 0.0 {
-            Self { quadrant, since: part, until: 1.0 - part }
-        } else if part == 0.0 {
-            // Exactly on an axis, which the next quadrant owns.
-            Self { quadrant: (4 - quadrant) % 4, since: 0.0, until: 1.0 }
-        } else {
-            Self { quadrant: 3 - quadrant, since: 1.0 - part, until: part }
+        // Exactly on an axis, the next quadrant owns the place.
+        let back = negative & (part > 0.0);
+        let quadrant = (bits & 3) as u32;
+        let mirrored = 4 - u32::from(back) - quadrant;
+        let from_end = if back { 1.0 } else { 0.0 };
+        Self {
+            quadrant: if negative { mirrored & 3 } else { quadrant },
+            since: (from_end - part).abs(),
+            until: ((1.0 - from_end) - part).abs(),
         }
     }
 }
 
-#[expect(
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "the argument is 0, 1, 2 or 3; NaN becomes 0"
-)]
-#[inline]
-fn quadrant_of(whole: f64) -> u32 {
-    whole as u32 & 3
+/// Out of the way of longitudes that are not 10^15 turns.
+#[cold]
+#[inline(never)]
+fn within_four(turns: f64) -> f64 {
+    turns % 4.0
+}
+
+/// Returns the quarter turns of `phi` radians, without its sign.
+#[inline(always)]
+pub(crate) fn quarter_turns(phi: f64) -> f64 {
+    phi.abs() * FRAC_2_PI
+}
+
+/// The number from which on no `f64` has a fraction, 2^52.
+pub(crate) const NO_FRACTION: f64 = (1_u64 << 52) as f64;
+
+/// Returns the whole part of `number`, from 0 to below [`NO_FRACTION`], and bits that end with those of the whole part.
+///
+/// By the place that a sum with 2^52 leaves for a fraction, which is none: the instructions that round or convert are others in
+/// each instruction set, or calls.
+#[inline(always)]
+pub(crate) fn floor(number: f64) -> (f64, u64) {
+    let nearest = number + NO_FRACTION;
+    let whole = nearest - NO_FRACTION;
+    // Rounded upwards as often as downwards, so not a branch.
+    let upwards = whole > number;
+    (whole - if upwards { 1.0 } else { 0.0 }, nearest.to_bits() - u64::from(upwards))
 }
 
 /// tan(pi/8), where `t` and `(1 - t)/(1 + t)` are equal.
@@ -93,7 +123,7 @@ const ATAN: [f64; 12] = [
 ];
 
 /// Returns `(2/pi) atan(short/long)` for `0 <= short <= long`, and 0 for two zeros.
-#[inline]
+#[inline(always)]
 fn quarter_turns_of_ratio(short: f64, long: f64) -> f64 {
     // Beyond pi/8, atan(a/b) = pi/4 + atan((a - b)/(b + a)). Written with a factor 0 or 1, which is exact, because both
     // cases are equally frequent and a branch would be mispredicted every other time.
@@ -109,7 +139,7 @@ fn quarter_turns_of_ratio(short: f64, long: f64) -> f64 {
 
 /// The polynomial of [`ATAN`], summed in a tree: Horner's chain of 11 dependent steps would be the latency of a
 /// whole pixel look-up.
-#[inline]
+#[inline(always)]
 fn atan_series(s: f64) -> f64 {
     let c = &ATAN;
     let s2 = s * s;
@@ -120,23 +150,33 @@ fn atan_series(s: f64) -> f64 {
     low + (mid + high * s4) * s4
 }
 
+/// Returns the sine of `x` radians for `|x| <= pi/4` within a unit in the last place, and up to pi/2 within 5e-14.
+///
+/// Taylor series to x^17: the first term left out is at most (pi/4)^19/19! = 8e-20.
+#[inline(always)]
+pub(crate) fn sin_series(x: f64) -> f64 {
+    let s = x * x;
+    let s2 = s * s;
+    let s4 = s2 * s2;
+    let sin_low =
+        (INV_FACTORIAL[3] - INV_FACTORIAL[5] * s) + (INV_FACTORIAL[7] - INV_FACTORIAL[9] * s) * s2;
+    let sin_high = (INV_FACTORIAL[11] - INV_FACTORIAL[13] * s)
+        + (INV_FACTORIAL[15] - INV_FACTORIAL[17] * s) * s2;
+    x - x * s * (sin_low + sin_high * s4)
+}
+
 /// Returns `(sin, cos)` of `eighth` eighths of a turn, that is of `eighth * pi/4`, for `|eighth| <= 1`.
 ///
-/// Taylor series to x^17 and x^16: the first term left out is at most (pi/4)^19/19! = 8e-20 and
+/// By [`sin_series`] and the Taylor series of the cosine to x^16: the first term left out is at most
 /// (pi/4)^18/18! = 2e-18, so only rounding remains, below one unit in the last place. Standard `sin_cos` costs
 /// more because it has to reduce its argument.
 #[inline]
 pub(crate) fn sin_cos_eighths(eighth: f64) -> (f64, f64) {
     let x = eighth * FRAC_PI_4;
+    let sin = sin_series(x);
     let s = x * x;
     let s2 = s * s;
     let s4 = s2 * s2;
-
-    let sin_low =
-        (INV_FACTORIAL[3] - INV_FACTORIAL[5] * s) + (INV_FACTORIAL[7] - INV_FACTORIAL[9] * s) * s2;
-    let sin_high = (INV_FACTORIAL[11] - INV_FACTORIAL[13] * s)
-        + (INV_FACTORIAL[15] - INV_FACTORIAL[17] * s) * s2;
-    let sin = x - x * s * (sin_low + sin_high * s4);
 
     let cos_low =
         (INV_FACTORIAL[4] - INV_FACTORIAL[6] * s) + (INV_FACTORIAL[8] - INV_FACTORIAL[10] * s) * s2;
@@ -166,6 +206,11 @@ mod tests {
 
     const SAMPLES: u32 = 20_000;
 
+    /// The whole part of `turns` in `[0, 4)`.
+    fn quadrant_of(turns: f64) -> u32 {
+        [1.0, 2.0, 3.0].map(|start| u32::from(turns >= start)).iter().sum()
+    }
+
     #[test]
     fn azimuth_agrees_with_atan2() {
         // Two roundings of the argument, the quotient, the series and the last subtraction, each eps/2 relative,
@@ -176,7 +221,7 @@ mod tests {
             let (y, x) = phi.sin_cos();
             let got = Azimuth::of_xy(x, y);
             let turns = y.atan2(x).rem_euclid(TAU) * FRAC_2_PI;
-            assert_eq!(got.quadrant, quadrant_of(turns.floor()), "phi {phi}");
+            assert_eq!(got.quadrant, quadrant_of(turns), "phi {phi}");
             let since = turns - turns.floor();
             assert!(
                 (got.since - since).abs() <= tolerance * turns.max(1.0),
@@ -235,6 +280,25 @@ mod tests {
         for (phi, quadrant) in [(0.0, 0), (-0.0, 0), (TAU, 0), (-TAU, 0), (-TAU / 4.0, 3)] {
             let a = Azimuth::of_phi(phi);
             assert_eq!((a.quadrant, a.since), (quadrant, 0.0), "phi {phi}: {a:?}");
+        }
+    }
+
+    #[test]
+    fn longitudes_are_reduced_exactly() {
+        let far = [4503599627370495.5, 4503599627370496.0, 1e15 + 0.3, 1e16, 1e300, f64::MAX];
+        let near = [0.0, 5e-324, 1e-300, 0.1, 1.5, TAU / 4.0, TAU / 2.0, TAU, 7.0, 1e3, 12345.678];
+        for phi in far.into_iter().chain(near) {
+            let turns = (phi * FRAC_2_PI) % 4.0;
+            let (quadrant, part) = (quadrant_of(turns), turns - turns.floor());
+            let expected = Azimuth { quadrant, since: part, until: 1.0 - part };
+            assert_eq!(Azimuth::of_phi(phi), expected, "{phi}");
+            // Westwards the quarters are passed through from their ends.
+            let expected = if part > 0.0 {
+                Azimuth { quadrant: 3 - quadrant, since: 1.0 - part, until: part }
+            } else {
+                Azimuth { quadrant: (4 - quadrant) % 4, since: 0.0, until: 1.0 }
+            };
+            assert_eq!(Azimuth::of_phi(-phi), expected, "-{phi}");
         }
     }
 

@@ -1,3 +1,7 @@
+use glam::DVec3;
+
+use crate::lanes::{LaneCell, LaneOrder};
+use crate::lists;
 use crate::order::{assert_pixel, assert_resolution};
 use crate::{Cell, Error, Nside, PixelOrder, Ring};
 
@@ -73,6 +77,11 @@ impl Nested {
     pub fn from_ring(&self, ring_pixel: u64) -> u64 {
         self.pixel_of_cell(Ring::new(self.nside).cell(ring_pixel))
     }
+
+    #[inline(always)]
+    fn number(&self, face: u64, ix: u64, iy: u64) -> u64 {
+        (face << self.face_bits) | spread(ix) | (spread(iy) << 1)
+    }
 }
 
 impl PixelOrder for Nested {
@@ -96,7 +105,24 @@ impl PixelOrder for Nested {
     #[inline]
     fn pixel_of_cell(&self, cell: Cell) -> u64 {
         assert_resolution(self.nside, cell);
-        (u64::from(cell.face()) << self.face_bits) | spread(cell.ix()) | (spread(cell.iy()) << 1)
+        self.number(u64::from(cell.face()), u64::from(cell.ix()), u64::from(cell.iy()))
+    }
+
+    fn pixels_into(&self, dirs: &[DVec3], pixels: &mut [u64]) {
+        lists::pixels_into(self, dirs, pixels);
+    }
+
+    fn pixels_of_angles_into(&self, angles: &[[f64; 2]], pixels: &mut [u64]) -> Result<(), Error> {
+        lists::pixels_of_angles_into(self, angles, pixels)
+    }
+}
+
+impl LaneOrder for Nested {
+    /// What [`pixel_of_cell`](PixelOrder::pixel_of_cell) returns.
+    #[inline(always)]
+    fn pixel_of_lane(&self, cell: LaneCell) -> u64 {
+        let iy = i64::from(self.nside.value()) - 1 - cell.from_top;
+        self.number(cell.face.cast_unsigned(), cell.ix.cast_unsigned(), iy.cast_unsigned())
     }
 }
 
@@ -118,10 +144,10 @@ const RUNS: [u64; 5] = [
     0x5555_5555_5555_5555,
 ];
 
-/// Moves bit k to bit 2k, halving the runs of neighbouring bits five times.
-#[inline]
-fn spread(value: u32) -> u64 {
-    let mut bits = u64::from(value);
+/// Moves bit k to bit 2k, halving the runs of neighbouring bits five times; `value` has at most 32 bits.
+#[inline(always)]
+fn spread(value: u64) -> u64 {
+    let mut bits = value;
     let mut shift = 16;
     for mask in RUNS {
         bits = (bits | (bits << shift)) & mask;
@@ -160,9 +186,10 @@ mod tests {
         for _ in 0..10_000 {
             // A full-period linear congruence (Numerical Recipes' constants): only variety is needed.
             value = value.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-            assert_eq!(spread(value), spread_bit_by_bit(value), "{value:#x}");
+            let spread = spread(u64::from(value));
+            assert_eq!(spread, spread_bit_by_bit(value), "{value:#x}");
             let noise = spread_bit_by_bit(!value) << 1;
-            assert_eq!(even_bits(spread(value) | noise), value, "{value:#x}");
+            assert_eq!(even_bits(spread | noise), value, "{value:#x}");
         }
     }
 

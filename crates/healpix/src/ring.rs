@@ -1,6 +1,10 @@
 use std::ops::Range;
 
+use glam::DVec3;
+
 use crate::cell_map::{belt_cell, face_in_row};
+use crate::lanes::{LOW, LaneCell, LaneOrder};
+use crate::lists;
 use crate::order::{assert_pixel, assert_resolution};
 use crate::{Cell, Error, Nside, PixelOrder, RingGeometry};
 
@@ -125,6 +129,41 @@ impl PixelOrder for Ring {
             let ring = 4 * n - ring;
             self.nside.n_pixels() - cap_start(ring + 1) + u64::from(column * ring + cell.ix())
         }
+    }
+
+    fn pixels_into(&self, dirs: &[DVec3], pixels: &mut [u64]) {
+        lists::pixels_into(self, dirs, pixels);
+    }
+
+    fn pixels_of_angles_into(&self, angles: &[[f64; 2]], pixels: &mut [u64]) -> Result<(), Error> {
+        lists::pixels_of_angles_into(self, angles, pixels)
+    }
+}
+
+impl LaneOrder for Ring {
+    /// What [`pixel_of_cell`](PixelOrder::pixel_of_cell) computes, of which this is the branch-free form: the numbers in
+    /// all three regions, of which one is chosen.
+    #[inline(always)]
+    fn pixel_of_lane(&self, cell: LaneCell) -> u64 {
+        let LaneCell { face, ix, from_top, ring } = cell;
+        let n = i64::from(self.nside.value());
+        let column = face & 3;
+        let north = ring < n;
+        let from_pole = if north { ring } else { 4 * n - ring } & LOW;
+        let square = from_pole * from_pole;
+        let start =
+            if north { 2 * (square - from_pole) } else { 12 * n * n - 2 * (square + from_pole) };
+        let in_cap = start + column * from_pole + if north { from_top } else { ix };
+
+        let row = ring - n;
+        let face_middle = 2 * column + i64::from(face & 4 == 0);
+        let twice = face_middle * n + ix - (n - 1 - from_top);
+        let place = (twice - ((row & 1) ^ 1)) >> 1;
+        let wrapped = if place < 0 { place + 4 * n } else { place };
+        let in_belt = 2 * n * (n - 1) + (row & LOW) * (4 * n) + wrapped;
+
+        let pixel = if north | (ring > 3 * n) { in_cap } else { in_belt };
+        pixel.cast_unsigned()
     }
 }
 

@@ -1,10 +1,10 @@
 //! Properties of the maps, with generators that favour the poles, the seams between faces and the border of the caps.
 
-use std::f64::consts::{FRAC_PI_2, TAU};
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use glam::DVec3;
 use proptest::prelude::*;
-use sphvar_healpix::{Cell, Nested, Nside, PixelOrder, Ring, unit_direction};
+use sphvar_healpix::{Cell, Error, Nested, Nside, PixelOrder, Ring, unit_direction};
 
 const CASES: u32 = 4000;
 
@@ -58,6 +58,11 @@ fn unit_interval() -> impl Strategy<Value = f64> {
     ]
 }
 
+/// The lower or the upper end of a coordinate, or its middle, where cells of twice the resolution meet.
+fn edge() -> impl Strategy<Value = f64> {
+    prop_oneof![Just(0.0), Just(1.0), Just(0.5)]
+}
+
 fn any_direction() -> impl Strategy<Value = DVec3> {
     let tiny = || {
         (any::<bool>(), 0.0..320.0_f64).prop_map(|(negative, digits)| {
@@ -78,6 +83,33 @@ fn any_direction() -> impl Strategy<Value = DVec3> {
     let seam = (-1.0..1.0_f64, 0..=4_u32, tiny())
         .prop_map(|(z, quarter, offset)| at(z, f64::from(quarter) * FRAC_PI_2 + offset));
     prop_oneof![anywhere, hostile, exact, border, seam].prop_map(|v| unit_direction(v).unwrap())
+}
+
+/// Colatitudes anywhere, at every distance from the poles, the equator and the borders of the caps, and these themselves.
+fn any_theta() -> impl Strategy<Value = f64> {
+    let border = (2.0_f64 / 3.0).acos();
+    let ends = [0.0, border, FRAC_PI_2, PI - border, PI];
+    let near =
+        (0..5_usize, -320.0..0.0_f64, any::<bool>()).prop_map(move |(end, digits, below)| {
+            let offset = 10.0_f64.powf(digits);
+            (ends[end] + if below { -offset } else { offset }).clamp(0.0, PI)
+        });
+    prop_oneof![0.0..=PI, near, (0..5_usize).prop_map(move |end| ends[end])]
+}
+
+/// Longitudes of either sign: near axes, of many turns, and beyond where a number has a fraction.
+fn any_phi() -> impl Strategy<Value = f64> {
+    let near_axis =
+        (-8..=8_i32, -320.0..0.0_f64, any::<bool>()).prop_map(|(quarter, digits, below)| {
+            let offset = 10.0_f64.powf(digits);
+            f64::from(quarter) * FRAC_PI_2 + if below { -offset } else { offset }
+        });
+    let far = (0.0..308.0_f64, any::<bool>()).prop_map(|(digits, west)| {
+        let phi = 10.0_f64.powf(digits);
+        if west { -phi } else { phi }
+    });
+    let axis = (-8..=8_i32).prop_map(|quarter| f64::from(quarter) * FRAC_PI_2);
+    prop_oneof![8 => -TAU..TAU, 4 => near_axis, 1 => far, 2 => axis, 1 => Just(-0.0), 1 => Just(f64::MAX)]
 }
 
 fn at(z: f64, phi: f64) -> DVec3 {
@@ -147,6 +179,67 @@ proptest! {
         let back = cell.uniform_point(u, v);
         // In-cell coordinates and the map round once or twice each, in units of at most 2 rad.
         prop_assert!(back.distance(dir) <= 2.0 * DIRECTION_TOLERANCE, "{} came back as {}", dir, back);
+    }
+
+    #[test]
+    fn a_list_has_the_pixels_of_its_directions(
+        anywhere in prop::collection::vec(any_direction(), 0..40),
+        on_edges in prop::collection::vec((any_cell(), edge(), unit_interval(), any::<[bool; 3]>()), 0..40),
+        nside in any_nside(),
+    ) {
+        // Points on the edges of cells of this resolution, and a unit in the last place of a component beside them.
+        let on_edges = on_edges.into_iter().map(|(cell, edge, along, nudge)| {
+            let n = nside.value();
+            let cell = Cell::new(nside, cell.face(), cell.ix() % n, cell.iy() % n).unwrap();
+            let (u, v) = if nudge[0] { (edge, along) } else { (along, edge) };
+            let dir = cell.uniform_point(u, v);
+            match nudge {
+                [_, true, true] => DVec3::new(dir.x.next_up(), dir.y.next_down(), dir.z),
+                [_, true, false] => DVec3::new(dir.x, dir.y, dir.z.next_up()),
+                [_, false, true] => DVec3::new(dir.x, dir.y, dir.z.next_down()),
+                _ => dir,
+            }
+        });
+        let dirs: Vec<DVec3> = anywhere.into_iter().chain(on_edges).collect();
+        for order in orders(nside) {
+            let mut pixels = vec![u64::MAX; dirs.len()];
+            order.pixels_into(&dirs, &mut pixels);
+            for (dir, pixel) in dirs.iter().zip(pixels) {
+                prop_assert_eq!(pixel, order.pixel(*dir), "{:?}: {}", order, dir);
+            }
+        }
+    }
+
+    #[test]
+    fn a_list_has_the_pixels_of_its_angles(
+        angles in prop::collection::vec((any_theta(), any_phi()), 0..70),
+        nside in any_nside(),
+    ) {
+        let angles: Vec<[f64; 2]> = angles.into_iter().map(|(theta, phi)| [theta, phi]).collect();
+        for order in orders(nside) {
+            let mut pixels = vec![u64::MAX; angles.len()];
+            prop_assert_eq!(order.pixels_of_angles_into(&angles, &mut pixels), Ok(()));
+            for ([theta, phi], pixel) in angles.iter().zip(pixels) {
+                prop_assert_eq!(Ok(pixel), order.pixel_of_angles(*theta, *phi), "{:?}: {} {}", order, theta, phi);
+            }
+        }
+    }
+
+    #[test]
+    fn angles_and_their_direction_are_in_one_pixel_or_beside_it(theta in any_theta(), phi in -10.0..10.0_f64, nside in any_nside()) {
+        let (sin, cos) = theta.sin_cos();
+        let dir = DVec3::new(sin * phi.cos(), sin * phi.sin(), cos);
+        let (cell, u, v) = Cell::invert_uniform_point(nside, dir);
+        let found = Cell::containing_angles(nside, theta, phi).unwrap();
+        // A longitude up to 10 is off by 4 eps in its own reduction and that of the library; a radian has 1.3 nside pixels.
+        let slack = 16.0 * f64::EPSILON * f64::from(nside.value());
+        let inside = |w: f64| slack < w && w < 1.0 - slack;
+        if inside(u) && inside(v) {
+            prop_assert_eq!(found, cell, "theta {}, phi {}, u {}, v {}", theta, phi, u, v);
+        } else {
+            prop_assert!(found == cell || cell.neighbours().contains(&Some(found)) || sin < 1e-15,
+                "theta {}, phi {}: {:?} and {:?}", theta, phi, found, cell);
+        }
     }
 
     #[test]
@@ -226,6 +319,28 @@ fn every_centre_of_small_grids_is_in_its_pixel() {
 }
 
 #[test]
+fn every_corner_and_centre_of_small_grids_is_found_in_lists_too() {
+    for n in [1, 2, 3, 4, 9, 16] {
+        for order in orders(Nside::new(n).unwrap()) {
+            let dirs: Vec<DVec3> = (0..order.n_pixels())
+                .flat_map(|pixel| order.corners(pixel).into_iter().chain([order.centre(pixel)]))
+                .collect();
+            let mut pixels = vec![u64::MAX; dirs.len()];
+            order.pixels_into(&dirs, &mut pixels);
+            let one_by_one: Vec<u64> = dirs.iter().map(|dir| order.pixel(*dir)).collect();
+            assert_eq!(pixels, one_by_one, "{order:?}");
+        }
+    }
+}
+
+#[test]
+#[should_panic(expected = "17 directions have 17 pixels, not 16")]
+fn a_list_of_another_length_is_refused() {
+    let order = Ring::new(Nside::new(2).unwrap());
+    order.pixels_into(&[DVec3::X; 17], &mut [0; 16]);
+}
+
+#[test]
 fn centres_next_to_the_poles_keep_their_relative_precision() {
     let n = Nside::MAX;
     let order = Ring::new(Nside::new(n).unwrap());
@@ -272,6 +387,30 @@ fn angles_out_of_range_are_refused() {
     for phi in [-0.0, -1e-300, -1e300, 1e300, f64::MAX, TAU, -TAU] {
         assert!(order.pixel_of_angles(1.0, phi).unwrap() < order.n_pixels(), "phi {phi}");
     }
+}
+
+#[test]
+fn the_first_pair_of_angles_out_of_range_is_named() {
+    let order = Ring::new(Nside::new(3).unwrap());
+    for length in [1, 16, 17, 50] {
+        for bad in [0, length / 2, length - 1] {
+            let mut angles = vec![[1.0, 2.0]; length];
+            angles[length - 1] = [f64::NAN, 0.0];
+            angles[bad] = [-0.5, 0.0];
+            let error = Err(Error::ThetaOutOfRange { theta: -0.5 });
+            assert_eq!(order.pixels_of_angles_into(&angles, &mut vec![0; length]), error);
+            angles[bad] = [0.5, f64::INFINITY];
+            let error = Err(Error::PhiNotFinite { phi: f64::INFINITY });
+            assert_eq!(order.pixels_of_angles_into(&angles, &mut vec![0; length]), error);
+        }
+    }
+}
+
+#[test]
+#[should_panic(expected = "2 pairs of angles have 2 pixels, not 3")]
+fn a_list_of_angles_of_another_length_is_refused() {
+    let order = Ring::new(Nside::new(2).unwrap());
+    let _ = order.pixels_of_angles_into(&[[0.0; 2]; 2], &mut [0; 3]);
 }
 
 #[test]

@@ -1,0 +1,153 @@
+use std::f64::consts::PI;
+
+use glam::DVec3;
+use pulp::{Arch, Simd, WithSimd};
+
+use crate::azimuth::{Azimuth, NO_FRACTION, quarter_turns};
+use crate::cell_map::assert_unit;
+use crate::lanes::{LaneCell, LaneOrder};
+use crate::{Cell, Error};
+
+/// Places that are treated together: enough for the widest registers twice over, few enough that short lists gain.
+const WIDTH: usize = 16;
+
+/// Writes the pixel of `dirs[i]` to `pixels[i]`.
+///
+/// # Panics
+/// If the slices differ in length; in debug builds also if a direction is not a unit vector.
+pub(crate) fn pixels_into(order: &impl LaneOrder, dirs: &[DVec3], pixels: &mut [u64]) {
+    assert_lengths("directions", dirs.len(), pixels.len());
+    dirs.iter().for_each(|dir| assert_unit(*dir));
+    fill(order, dirs, pixels);
+}
+
+/// Writes the pixel of colatitude and longitude `angles[i]` to `pixels[i]`.
+///
+/// # Errors
+/// Those of the first pair of angles that is out of range; the pixels are then of no meaning.
+///
+/// # Panics
+/// If the slices differ in length.
+pub(crate) fn pixels_of_angles_into(
+    order: &impl LaneOrder,
+    angles: &[[f64; 2]],
+    pixels: &mut [u64],
+) -> Result<(), Error> {
+    assert_lengths("pairs of angles", angles.len(), pixels.len());
+    let (blocks, rest) = angles.as_chunks();
+    let (block_pixels, rest_pixels) = pixels.as_chunks_mut();
+    Arch::new().dispatch(AngleBlocks { order, angles: blocks, pixels: block_pixels })?;
+    for (&[theta, phi], pixel) in rest.iter().zip(rest_pixels) {
+        *pixel = order.pixel_of_angles(theta, phi)?;
+    }
+    Ok(())
+}
+
+fn assert_lengths(what: &str, n: usize, n_pixels: usize) {
+    assert!(n == n_pixels, "{n} {what} have {n} pixels, not {n_pixels}");
+}
+
+/// [`pixels_into`] without its checks; of different lengths the shorter one counts.
+fn fill(order: &impl LaneOrder, dirs: &[DVec3], pixels: &mut [u64]) {
+    let (blocks, rest) = dirs.as_chunks();
+    let (block_pixels, rest_pixels) = pixels.as_chunks_mut();
+    Arch::new().dispatch(Blocks { order, dirs: blocks, pixels: block_pixels });
+    for (dir, pixel) in rest.iter().zip(rest_pixels) {
+        *pixel = order.pixel_of_cell(Cell::of_any_vector(order.nside(), *dir));
+    }
+}
+
+struct Blocks<'a, O> {
+    order: &'a O,
+    dirs: &'a [[DVec3; WIDTH]],
+    pixels: &'a mut [[u64; WIDTH]],
+}
+
+impl<O: LaneOrder> WithSimd for Blocks<'_, O> {
+    type Output = ();
+
+    /// Plain loops: the compiler turns them into the registers of the instruction set that it is called for. No product is
+    /// fused with a sum, so all sets give the same bits.
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        for (dirs, pixels) in self.dirs.iter().zip(self.pixels) {
+            let mut components = [[0.0; WIDTH]; 3];
+            for (i, dir) in dirs.iter().enumerate() {
+                (components[0][i], components[1][i], components[2][i]) = (dir.x, dir.y, dir.z);
+            }
+            let [x, y, z] = components;
+            for i in 0..WIDTH {
+                let cell = LaneCell::of_any_vector(self.order.nside(), x[i], y[i], z[i]);
+                pixels[i] = self.order.pixel_of_lane(cell);
+            }
+        }
+    }
+}
+
+struct AngleBlocks<'a, O> {
+    order: &'a O,
+    angles: &'a [[[f64; 2]; WIDTH]],
+    pixels: &'a mut [[u64; WIDTH]],
+}
+
+impl<O: LaneOrder> WithSimd for AngleBlocks<'_, O> {
+    type Output = Result<(), Error>;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> Self::Output {
+        for (angles, pixels) in self.angles.iter().zip(self.pixels) {
+            let mut thetas = [0.0; WIDTH];
+            let mut phis = [0.0; WIDTH];
+            for (i, angles) in angles.iter().enumerate() {
+                [thetas[i], phis[i]] = *angles;
+            }
+            let mut plain = true;
+            for i in 0..WIDTH {
+                plain &= (thetas[i] >= 0.0) & (thetas[i] <= PI);
+                plain &= quarter_turns(phis[i]) < NO_FRACTION;
+            }
+            if plain {
+                for i in 0..WIDTH {
+                    let azimuth = Azimuth::of_quarter_turns(phis[i] < 0.0, quarter_turns(phis[i]));
+                    let cell = LaneCell::of_angles(self.order.nside(), thetas[i], azimuth);
+                    pixels[i] = self.order.pixel_of_lane(cell);
+                }
+            } else {
+                // A longitude of 10^15 turns, or what is out of range.
+                for (&[theta, phi], pixel) in angles.iter().zip(pixels) {
+                    *pixel = self.order.pixel_of_angles(theta, phi)?;
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::lanes::tests::hostile_vectors;
+    use crate::{Nested, Nside, PixelOrder, Ring};
+
+    #[test]
+    fn any_bits_have_the_pixel_of_the_look_up_with_branches() {
+        for n in [1, 3, 1 << 10, Nside::MAX] {
+            let nside = Nside::new(n).unwrap();
+            let vectors = hostile_vectors();
+            assert!(vectors.len() > WIDTH && !vectors.len().is_multiple_of(WIDTH));
+            let ring = Ring::new(nside);
+            let expected: Vec<u64> = vectors
+                .iter()
+                .map(|v| ring.pixel_of_cell(Cell::of_any_vector(nside, *v)))
+                .collect();
+            let mut pixels = vec![u64::MAX; vectors.len()];
+            fill(&ring, &vectors, &mut pixels);
+            assert_eq!(pixels, expected, "ring order, nside {n}");
+
+            let Ok(nested) = Nested::new(nside) else { continue };
+            let expected: Vec<u64> = expected.iter().map(|&p| nested.from_ring(p)).collect();
+            fill(&nested, &vectors, &mut pixels);
+            assert_eq!(pixels, expected, "nested order, nside {n}");
+        }
+    }
+}
