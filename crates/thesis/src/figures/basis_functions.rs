@@ -11,9 +11,9 @@ use crate::{Axis, Claim, Error, Field, Figure, Job, Palette, Quantity, Results, 
 pub(crate) struct BasisFunctions;
 
 /// The last degree shown.
-const LMAX: usize = 4;
+const LMAX: u32 = 4;
 /// Pixels to a sphere and the gap beside it.
-const CELL: usize = 60;
+const CELL: u32 = 60;
 /// The radius of a sphere in parts of its cell.
 const RADIUS: f64 = 0.46;
 /// How far quadrature may be off: it is exact for these degrees, so some hundred products of numbers below 2 round.
@@ -84,23 +84,23 @@ fn farther_from_1(a: f64, b: f64) -> f64 {
 fn spheres() -> Result<Field, Error> {
     let (columns, rows) = ((2 * LMAX + 1) * CELL, (LMAX + 1) * CELL);
     let [right, up, towards] = view_axes(VIEWPOINT);
-    let mut values = Vec::with_capacity(columns * rows);
+    let mut values = Vec::with_capacity((columns * rows) as usize);
     for row in 0..rows {
         let (l, y) = (row / CELL, place(row));
         for column in 0..columns {
-            let (m, x) = ((column / CELL) as i64 - LMAX as i64, place(column));
+            let (m, x) = (i64::from(column / CELL) - i64::from(LMAX), place(column));
             let depth = 1.0 - x * x - y * y;
-            values.push(if m.unsigned_abs() as usize <= l && depth >= 0.0 {
+            values.push(if m.abs() <= i64::from(l) && depth >= 0.0 {
                 let dir = right * x - up * y + towards * depth.sqrt();
-                ylm_at(l, m, dir)?.re
+                ylm_at(l as usize, m, dir)?.re
             } else {
                 f64::NAN
             });
         }
     }
-    let edge = LMAX as f64 + 0.5;
+    let edge = f64::from(LMAX) + 0.5;
     Ok(Field {
-        size: [columns, rows],
+        size: [columns as usize, rows as usize],
         values,
         label: "Re Y_lm".to_owned(),
         palette: Palette::Signed,
@@ -110,8 +110,8 @@ fn spheres() -> Result<Field, Error> {
 }
 
 /// Where the middle of a pixel lies in its sphere: -1 and 1 are the rims.
-fn place(pixel: usize) -> f64 {
-    (((pixel % CELL) as f64 + 0.5) / CELL as f64 - 0.5) / RADIUS
+fn place(pixel: u32) -> f64 {
+    ((f64::from(pixel % CELL) + 0.5) / f64::from(CELL) - 0.5) / RADIUS
 }
 
 /// The squared norm of a harmonic.
@@ -139,20 +139,23 @@ fn largest_overlap() -> Result<f64, Error> {
 }
 
 fn harmonics() -> impl Iterator<Item = (usize, i64)> {
-    (0..=LMAX).flat_map(|l| (-(l as i64)..=l as i64).map(move |m| (l, m)))
+    (0..=LMAX).flat_map(|l| {
+        let last = i64::from(l);
+        (-last..=last).map(move |m| (l as usize, m))
+    })
 }
 
 /// `int Y_a conj Y_b` by a rule that is exact to degree `2 LMAX`.
 fn inner_product(a: (usize, i64), b: (usize, i64)) -> Result<Complex<f64>, Error> {
-    const MERIDIANS: usize = 2 * LMAX + 1;
-    let rule = GaussLegendre::new(LMAX + 1)?;
+    const MERIDIANS: u32 = 2 * LMAX + 1;
+    let rule = GaussLegendre::new(LMAX as usize + 1)?;
     let mut sum = Complex::ZERO;
     for (z, weight) in rule.nodes().iter().zip(rule.weights()) {
         let theta = z.acos();
         for k in 0..MERIDIANS {
-            let phi = TAU * k as f64 / MERIDIANS as f64;
+            let phi = TAU * f64::from(k) / f64::from(MERIDIANS);
             let product = ylm(a.0, a.1, theta, phi)? * ylm(b.0, b.1, theta, phi)?.conj();
-            sum += product * (weight * TAU / MERIDIANS as f64);
+            sum += product * (weight * TAU / f64::from(MERIDIANS));
         }
     }
     Ok(sum)

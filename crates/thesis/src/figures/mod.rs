@@ -15,6 +15,8 @@ mod low_frequencies;
 mod occlusion;
 mod open_hemisphere;
 mod order_grid;
+#[cfg(test)]
+mod pattern_tests;
 mod patterns;
 mod point_panel;
 mod rotated_lattices;

@@ -78,11 +78,10 @@ impl Recipe for Strata {
 
 /// The share of the pixels with exactly one of the points.
 fn share_with_one(order: &Ring, points: &[DVec3]) -> f64 {
-    let mut hits = vec![0_u32; order.nside().n_pixels() as usize];
-    for &p in points {
-        hits[order.pixel(p) as usize] += 1;
-    }
-    hits.iter().filter(|&&h| h == 1).count() as f64 / hits.len() as f64
+    let mut pixels: Vec<u64> = points.iter().map(|&p| order.pixel(p)).collect();
+    pixels.sort_unstable();
+    let alone = pixels.chunk_by(|a, b| a == b).filter(|same| same.len() == 1).count();
+    alone as f64 / order.n_pixels() as f64
 }
 
 /// The borders of all cells: the lines of the grid of each of the 12 faces.

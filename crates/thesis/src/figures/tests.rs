@@ -37,7 +37,7 @@ fn cut(job: &Job) -> Job {
 }
 
 /// The results of cut jobs in the place of those of whole ones.
-fn results_of(jobs: &[Job]) -> Result<Results, Error> {
+pub(super) fn results_of(jobs: &[Job], cut: fn(&Job) -> Job) -> Result<Results, Error> {
     let cut: Vec<Job> = jobs.iter().map(cut).collect();
     let few = run(&cut, QUICK, &Nothing, &|_| ())?;
     let mut results = Results::default();
@@ -47,7 +47,7 @@ fn results_of(jobs: &[Job]) -> Result<Results, Error> {
     Ok(results)
 }
 
-fn check_curves(curves: &Curves, place: &str) {
+pub(super) fn check_curves(curves: &Curves, place: &str) {
     assert!(!curves.curves.is_empty(), "{place}: no curves");
     for curve in &curves.curves {
         let place = format!("{place}, {}", curve.label);
@@ -102,7 +102,7 @@ fn every_figure_can_be_composed() -> Result<(), Error> {
     let ids: Result<Vec<FigureId>, Error> = FIGURES.iter().map(|name| name.parse()).collect();
     let ids = ids?;
     let jobs: Vec<Job> = ids.iter().flat_map(|id| id.jobs(QUICK)).collect();
-    let results = results_of(&jobs)?;
+    let results = results_of(&jobs, cut)?;
     for id in ids {
         let figure = id.compose(QUICK, &results)?;
         check(&figure);

@@ -1,0 +1,64 @@
+//! Figures of patterns that take long, composed from two sets of each ensemble.
+
+use super::tests::{check_curves, results_of};
+use crate::{Content, Error, FigureId, Job, Scale, Setting, Verdict};
+
+const QUICK: Setting = Setting { scale: Scale::Quick, seed: 0 };
+
+/// The job with two sets, the fewest that give errors; coefficients are cheap, and tests of them need many.
+fn cut(job: &Job) -> Job {
+    match job.clone() {
+        Job::Spectrum { ensemble, domain, lmax, sets } => {
+            Job::Spectrum { ensemble, domain, lmax, sets: sets.min(2) }
+        }
+        Job::Coefficient { ensemble, l, m, sets } => {
+            Job::Coefficient { ensemble, l, m, sets: sets.min(1000) }
+        }
+        job => job,
+    }
+}
+
+#[test]
+fn spectra_of_random_patterns_can_be_composed() -> Result<(), Error> {
+    let id: FigureId = "4.14".parse()?;
+    let figure = id.compose(QUICK, &results_of(&id.jobs(QUICK), cut)?)?;
+    let mut counts = [0, 0];
+    for panel in &figure.panels {
+        match &panel.content {
+            Content::Curves(curves) => {
+                check_curves(curves, &panel.name);
+                counts[0] += 1;
+            }
+            Content::Directions(directions) => {
+                assert!(directions.points.len() > 400, "{}", panel.name);
+                counts[1] += 1;
+            }
+            other => panic!("{}: {other:?}", panel.name),
+        }
+    }
+    assert_eq!(counts, [5, 8]);
+    // Random mass points leave 1/64 at low degrees, whatever the number of sets.
+    let claim = figure.claims.iter().find(|c| c.erratum == Some(40));
+    assert_eq!(claim.map(|c| c.verdict), Some(Verdict::Wrong), "{claim:?}");
+    Ok(())
+}
+
+/// Means and phases of coefficients: nothing is wrong but for order 0, which has no phase. Judged by p-values over all nine
+/// claims with a false alarm of 1e-4, at a fixed seed.
+#[test]
+fn coefficients_have_phases_unless_they_are_real() -> Result<(), Error> {
+    let id: FigureId = "4.17".parse()?;
+    let figure = id.compose(QUICK, &results_of(&id.jobs(QUICK), cut)?)?;
+    assert_eq!(figure.claims.len(), 9);
+    for claim in &figure.claims {
+        let wrong = claim.verdict == Verdict::Wrong;
+        assert_eq!(wrong, claim.erratum == Some(10), "{claim:?}");
+    }
+    for panel in &figure.panels {
+        let Content::Field(field) = &panel.content else { panic!("{}", panel.name) };
+        assert_eq!(field.values.len(), field.size[0] * field.size[1]);
+        // Three root mean squares hold nearly everything.
+        assert!(field.values.iter().sum::<f64>() > 950.0, "{}", panel.name);
+    }
+    Ok(())
+}
