@@ -138,7 +138,7 @@ impl RotatedLattice {
                 Stated::About { value: 0.0, tolerance: 1e-6 },
                 Quantity::exact(change),
             )
-            .because("\"the mean angular power spectrum does not change\""),
+            .because("\"the mean angular power spectrum do not change\""),
         );
 
         let peak =

@@ -281,7 +281,7 @@ fn seam_rate(few: &Spectrum, many: &Spectrum) -> Claim {
         found,
     )
     .erratum(13)
-    .because("\"all results of the sphere follow\"; the seam's part falls as N^-1/2 only")
+    .because("\"all the results derived in the spherical domain follow\"; the seam's part falls as N^-1/2 only")
 }
 
 fn notes(setting: Setting, figure: &mut Figure) {
