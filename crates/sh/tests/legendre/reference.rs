@@ -1,12 +1,9 @@
-//! The table of 25-digit values and the comparison with it.
+//! Comparison of associated Legendre functions with the table of 25-digit values and other exact ones.
 
 use core::fmt;
 
+use sphvar_reference::{DoubleDouble, LegendreTable};
 use sphvar_sh::{Colatitude, Scaled, lambda_scaled};
-
-use crate::double_double::DoubleDouble;
-
-const TABLE: &str = include_str!("../data/associated_legendre.csv");
 
 /// The promise of the crate, in units of `EPSILON (l + 1)` times the amplitude.
 const PROMISE: f64 = 4.0;
@@ -65,13 +62,15 @@ pub(crate) fn compare(l: usize, m: usize, theta: f64, exact: DoubleDouble) -> Co
     let c = Colatitude::from_theta(theta).unwrap();
     let region = Region::of(l, m, c);
     let below = if l > 0 { lambda_scaled(l - 1, m, c) } else { Scaled::ZERO };
-    let own = exact.scaled();
+    let (mantissa, exponent) = exact.leading();
+    let own = Scaled::new(mantissa, exponent);
     let amplitude = if region != Region::Evanescent && below.log10_abs() > own.log10_abs() {
         below
     } else {
         own
     };
-    let error = exact.excess_of(lambda_scaled(l, m, c), amplitude).abs();
+    let number = |x: Scaled| DoubleDouble::scaled(x.mantissa, x.exponent);
+    let error = ((number(lambda_scaled(l, m, c)) - exact) / number(amplitude)).value().abs();
     Comparison {
         l,
         m,
@@ -83,16 +82,5 @@ pub(crate) fn compare(l: usize, m: usize, theta: f64, exact: DoubleDouble) -> Co
 
 /// Compares every row of the table.
 pub(crate) fn compare_table() -> Vec<Comparison> {
-    let rows = TABLE.lines().filter(|line| line.starts_with(|c: char| c.is_ascii_digit()));
-    rows.map(|line| {
-        let fields: Vec<_> = line.split(',').collect();
-        let [l, m, theta, exact] = fields[..] else { panic!("four fields expected: {line}") };
-        compare(
-            l.parse().unwrap(),
-            m.parse().unwrap(),
-            theta.parse().unwrap(),
-            DoubleDouble::parse(exact),
-        )
-    })
-    .collect()
+    LegendreTable::rows().map(|row| compare(row.l, row.m, row.theta, row.value)).collect()
 }
