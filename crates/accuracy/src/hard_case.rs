@@ -1,4 +1,4 @@
-use crate::Errors;
+use crate::{Errors, harmonics, indexing, predictions, spectra, transforms};
 
 /// An input at the edge of what numbers can hold, and the bound that the error keeps there.
 #[derive(Clone, Copy, Debug)]
@@ -15,8 +15,15 @@ pub struct HardCase {
     pub measure: fn() -> Errors,
 }
 
-/// Every hard case.
+/// Every hard case, area by area.
 #[must_use]
 pub fn hard_cases() -> Vec<HardCase> {
-    Vec::new()
+    let areas = [
+        harmonics::hard_cases,
+        indexing::hard_cases,
+        transforms::hard_cases,
+        spectra::hard_cases,
+        predictions::hard_cases,
+    ];
+    areas.into_iter().flat_map(|cases| cases()).collect()
 }

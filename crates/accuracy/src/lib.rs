@@ -7,6 +7,11 @@
 mod area;
 mod errors;
 mod hard_case;
+mod harmonics;
+mod indexing;
+mod predictions;
+mod spectra;
+mod transforms;
 mod trial;
 
 pub use area::Area;
