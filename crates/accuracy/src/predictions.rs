@@ -1,13 +1,98 @@
-//! Predicted variances.
+//! Energies of integrands and predicted variances.
 
-use crate::{Effort, HardCase, Trial};
+mod energies;
+mod hard;
+mod lobe_pairs;
+mod subjects;
+
+use sphvar_samplers::Pattern;
+use sphvar_variance::{Cap, VonMisesFisher};
+
+pub(crate) use hard::hard_cases;
+
+use crate::{Area, Effort, Subject, Trial};
+use subjects::{CapEnergies, LobeEnergies, OfLobe, White};
 
 /// The trials of this area.
-pub(crate) fn trials(_effort: Effort) -> Vec<Trial> {
-    Vec::new()
+///
+/// - Energies are squares of coefficients that are right to `4 EPSILON (l + 1)` of the local amplitude for a cap, and of
+///   products of l ratios, each right to a rounding or two, for a lobe.
+/// - The variance of white noise is a sum of lmax terms, whose roundings go either way, and a rest that make the closed
+///   form together.
+/// - A lobe's variance is a mean of squares of coefficients, which are right to some EPSILON of those of white noise: so is the
+///   root of the variance.
+pub(crate) fn trials(effort: Effort) -> Vec<Trial> {
+    let (lmax, n) = match effort {
+        Effort::Quick => (1000, 192),
+        Effort::Full => (20_000, 768),
+    };
+    let cap = |degrees| Cap::from_degrees(degrees).expect("an angle in range");
+    let lobe = |kappa| VonMisesFisher::new(kappa).expect("a concentration in range");
+    let mut trials = Vec::new();
+    for degrees in [1.0, 60.0, 179.0] {
+        let case = format!("cap of {degrees} degrees, lmax = {lmax}");
+        let subject = Box::new(CapEnergies::new(cap(degrees), lmax));
+        trials.push(Trial {
+            unit: "degrees",
+            count: lmax as f64 + 1.0,
+            relative_to: "(l + 1) times the larger energy of two degrees",
+            ..trial("energies", case, 8.0 * f64::EPSILON, RECURRENCE, subject)
+        });
+    }
+    for kappa in [1.0, 100.0, 1e4] {
+        let lmax = 40 + (4.0 * f64::sqrt(kappa)).round() as usize;
+        let case = format!("von Mises-Fisher lobe, kappa = {kappa:e}, lmax = {lmax}");
+        let subject = Box::new(LobeEnergies::new(lobe(kappa), kappa, lmax));
+        trials.push(Trial {
+            unit: "degrees",
+            count: lmax as f64 + 1.0,
+            relative_to: "(l + 1) times the energy",
+            ..trial("energies", case, 8.0 * f64::EPSILON, RECURRENCE, subject)
+        });
+    }
+    for lmax in [4_u32, 64, 1000] {
+        let case = format!("white noise, cap of 60 degrees, lmax = {lmax}");
+        let subject = Box::new(White::new(cap(60.0), 1000, lmax as usize));
+        let bound = f64::EPSILON * (2.0 + f64::from(lmax).sqrt());
+        trials.push(trial("white noise", case, bound, "3 pi^2/N", subject));
+    }
+    for kappa in [1.0, 10.0, 100.0] {
+        for (method, pattern) in [
+            ("lattice", Pattern::Fibonacci),
+            ("lattice", Pattern::Healpix),
+            ("realizations", Pattern::Jittered),
+            ("realizations", Pattern::WhiteNoise),
+        ] {
+            let subject = Box::new(OfLobe::new(&pattern, n, kappa));
+            let case = format!("{n} {}, lobe of kappa = {kappa}", pattern.name());
+            let bound = 8.0 * f64::EPSILON;
+            trials.push(Trial {
+                relative_to: "the geometric mean of the variance and that of white noise",
+                ..trial(method, case, bound, "closed form for all pairs", subject)
+            });
+        }
+    }
+    trials
 }
 
-/// The hard cases of this area.
-pub(crate) fn hard_cases() -> Vec<HardCase> {
-    Vec::new()
+const RECURRENCE: &str = "recurrences and series in twice the precision";
+
+fn trial(
+    method: &str,
+    case: String,
+    bound: f64,
+    reference: &'static str,
+    subject: Box<dyn Subject>,
+) -> Trial {
+    Trial {
+        area: Area::Predictions,
+        method: method.to_owned(),
+        case,
+        count: 1.0,
+        unit: "predictions",
+        relative_to: "the variance",
+        bound,
+        reference,
+        subject,
+    }
 }
