@@ -76,7 +76,7 @@ pub(super) fn trials(l: usize) -> Vec<Trial> {
             let phi = DoubleDouble::atan2(dir.y.into(), dir.x.into());
             exact_ylm(l, m, AcuteAngle::from_direction(dir.to_array()), phi)
         },
-        name: |dir| format!("direction {dir:?}"),
+        name: |dir| format!("direction {:?}", dir.to_array()),
         unit: one,
         out,
     };

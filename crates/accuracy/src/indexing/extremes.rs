@@ -76,7 +76,7 @@ fn directions(list: &[DVec3]) -> Errors {
         for &dir in list {
             let own = definition_of(order, order.pixel(dir));
             let error = own.map_or(f64::INFINITY, |own| own.excess(dir));
-            errors.push(error, || format!("{order:?}, {dir:?}"));
+            errors.push(error, || format!("{}, direction {:?}", O::NAME, dir.to_array()));
         }
     }
     let mut errors = Errors::default();
@@ -169,7 +169,7 @@ fn centres<O: Numbering>(order: O, errors: &mut Errors) {
         let own = definition_of(order, pixel);
         let distance = own.map_or(f64::INFINITY, |own| own.distance_from_centre(centre));
         let found = exact(order.pixel(centre) == pixel);
-        errors.push(distance + found, || format!("{order:?}, pixel {pixel}"));
+        errors.push(distance + found, || format!("{}, pixel {pixel}", O::NAME));
     }
 }
 

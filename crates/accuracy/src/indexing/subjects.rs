@@ -6,17 +6,24 @@ use crate::{Errors, Subject};
 
 /// A numbering whose numbers the definition knows too.
 pub(super) trait Numbering: PixelOrder + Copy + 'static {
+    /// What the order is called.
+    const NAME: &'static str;
+
     /// The number of a pixel by definition.
     fn defined(definition: Definition) -> i128;
 }
 
 impl Numbering for Ring {
+    const NAME: &'static str = "ring";
+
     fn defined(definition: Definition) -> i128 {
         definition.ring_number()
     }
 }
 
 impl Numbering for Nested {
+    const NAME: &'static str = "nested";
+
     fn defined(definition: Definition) -> i128 {
         definition.nested_number()
     }
@@ -39,6 +46,7 @@ pub(super) fn exact(right: bool) -> f64 {
 pub(super) fn pixel<O: Numbering>(order: O, directions: Vec<DVec3>) -> Box<dyn Subject> {
     Box::new(Calls {
         inputs: directions,
+        name: |dir| format!("direction {:?}", dir.to_array()),
         out: Vec::new(),
         call: move |dir: DVec3| order.pixel(dir),
         error: move |dir, pixel| {
@@ -51,6 +59,7 @@ pub(super) fn pixel<O: Numbering>(order: O, directions: Vec<DVec3>) -> Box<dyn S
 pub(super) fn centre<O: Numbering>(order: O, pixels: Vec<u64>) -> Box<dyn Subject> {
     Box::new(Calls {
         inputs: pixels,
+        name: |pixel| format!("pixel {pixel}"),
         out: Vec::new(),
         call: move |pixel| order.centre(pixel),
         error: move |pixel, dir| {
@@ -63,6 +72,7 @@ pub(super) fn centre<O: Numbering>(order: O, pixels: Vec<u64>) -> Box<dyn Subjec
 pub(super) fn return_trip<O: Numbering>(order: O, pixels: Vec<u64>) -> Box<dyn Subject> {
     Box::new(Calls {
         inputs: pixels.into_iter().map(|pixel| (pixel, order.centre(pixel))).collect(),
+        name: |(pixel, _)| format!("pixel {pixel}"),
         out: Vec::new(),
         call: move |(_, centre): (u64, DVec3)| order.pixel(centre),
         error: |(pixel, _), found| exact(pixel == found),
@@ -73,6 +83,7 @@ pub(super) fn return_trip<O: Numbering>(order: O, pixels: Vec<u64>) -> Box<dyn S
 pub(super) fn renumbering(nested: Nested, pixels: Vec<u64>) -> Box<dyn Subject> {
     Box::new(Calls {
         inputs: pixels,
+        name: |pixel| format!("pixel {pixel}"),
         out: Vec::new(),
         call: move |pixel| nested.to_ring(pixel),
         error: move |pixel, ring| {
@@ -85,6 +96,7 @@ pub(super) fn renumbering(nested: Nested, pixels: Vec<u64>) -> Box<dyn Subject> 
 /// A function that is called once for each input.
 struct Calls<I, T, F, E> {
     inputs: Vec<I>,
+    name: fn(I) -> String,
     out: Vec<T>,
     call: F,
     error: E,
@@ -92,7 +104,7 @@ struct Calls<I, T, F, E> {
 
 impl<I, T, F, E> Subject for Calls<I, T, F, E>
 where
-    I: Copy + std::fmt::Debug + Send,
+    I: Copy + Send,
     T: Copy + Send,
     F: Fn(I) -> T + Send,
     E: Fn(I, T) -> f64 + Send,
@@ -105,7 +117,7 @@ where
     fn errors(&mut self) -> Errors {
         let mut errors = Errors::default();
         for (&input, &got) in self.inputs.iter().zip(&self.out) {
-            errors.push((self.error)(input, got), || format!("{input:?}"));
+            errors.push((self.error)(input, got), || (self.name)(input));
         }
         errors
     }

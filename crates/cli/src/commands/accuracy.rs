@@ -1,6 +1,7 @@
 //! `sphvar accuracy`: measured errors beside speed, and the bounds that hard inputs keep.
 
 mod charts;
+mod figures;
 mod machine;
 mod markdown;
 mod record;

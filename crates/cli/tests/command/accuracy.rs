@@ -85,8 +85,12 @@ fn indexing_holds_its_bounds_and_writes_every_form() {
 fn tables_and_files() {
     let place = Workplace::new();
     let text = place.run("accuracy indexing --quick -o a.csv --plot a.svg").ok().stdout;
-    for part in ["indexing\n", "largest error", "nside = 536870912", "centres at the largest nside"]
-    {
+    for part in [
+        "indexing: errors relative to",
+        "largest error",
+        "nside = 536870912",
+        "centres at the largest nside",
+    ] {
         assert!(text.contains(part), "{part:?} is missing:\n{text}");
     }
     let csv = place.text("a.csv");

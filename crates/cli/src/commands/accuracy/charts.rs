@@ -2,6 +2,7 @@
 
 use sphvar_accuracy::Area;
 
+use super::figures::singular;
 use super::record::{Document, TrialRecord};
 use crate::plots::{Chart, Scale, Series, Style};
 
@@ -10,16 +11,27 @@ pub(super) fn chart_name(area: Area) -> String {
     format!("accuracy-{}.svg", area.name())
 }
 
+/// A line of a chart's notes has room for about as many letters.
+const LONGEST_NOTE: usize = 160;
+
 /// Largest error against time per unit, a curve for each method through its cases.
+///
+/// An axis has one unit: only trials whose errors are relative to the same thing as most are shown.
 pub(super) fn area_chart(area: Area, document: &Document<'_>) -> Chart {
-    let trials: Vec<&TrialRecord> = document.trials_of(area).collect();
-    let mut methods: Vec<&str> = Vec::new();
-    let (mut units, mut scales, mut exact) = (Vec::new(), Vec::new(), Vec::new());
-    for trial in &trials {
-        add(&mut units, trial.unit);
-        if trial.error > 0.0 {
+    let all: Vec<&TrialRecord> = document.trials_of(area).collect();
+    let like =
+        |trial: &&TrialRecord| all.iter().filter(|t| t.relative_to == trial.relative_to).count();
+    let scale = all.iter().copied().max_by_key(like).map_or("", |trial| trial.relative_to);
+    let (mut methods, mut units, mut exact, mut others) =
+        (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+    let mut trials = Vec::new();
+    for trial in all.iter().copied() {
+        if trial.relative_to != scale {
+            add(&mut others, trial.relative_to);
+        } else if trial.error > 0.0 {
             add(&mut methods, &trial.method);
-            add(&mut scales, trial.relative_to);
+            add(&mut units, singular(trial.unit));
+            trials.push(trial);
         } else {
             add(&mut exact, &trial.method);
         }
@@ -39,7 +51,18 @@ pub(super) fn area_chart(area: Area, document: &Document<'_>) -> Chart {
         // The line is named by its markers.
         series.extend([of("", Style::Line), of(method, Style::Markers)]);
     }
-    let mut notes = vec![format!("Errors are relative to {}.", scales.join(" or "))];
+    let mut cases = Vec::new();
+    for trial in &trials {
+        add(&mut cases, &trial.case);
+    }
+    let mut notes = Vec::new();
+    let along = format!("Points of the curves: {}.", cases.join("; "));
+    if along.len() <= LONGEST_NOTE {
+        notes.push(along);
+    }
+    if !others.is_empty() {
+        notes.push(format!("Not shown are errors relative to {}.", others.join("; ")));
+    }
     if !exact.is_empty() {
         notes.push(format!("Without any error, and so not shown: {}.", exact.join("; ")));
     }
@@ -47,8 +70,8 @@ pub(super) fn area_chart(area: Area, document: &Document<'_>) -> Chart {
     notes.push(document.provenance.line());
     Chart {
         title: format!("Accuracy of {}: speed against error", area.name()),
-        x_label: format!("seconds per one of the {}", units.join(" or ")),
-        y_label: "largest error".to_owned(),
+        x_label: format!("seconds per {}", units.join(" or ")),
+        y_label: format!("largest error, relative to {scale}"),
         x_scale: Scale::Log,
         y_scale: Scale::Log,
         series,

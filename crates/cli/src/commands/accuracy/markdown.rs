@@ -2,8 +2,8 @@
 
 use sphvar_accuracy::Area;
 
-use super::record::{Document, time, verdict};
-use crate::report::short;
+use super::figures::{figure, verdict};
+use super::record::{Document, TrialRecord};
 
 impl Document<'_> {
     /// The findings as a document; `charts` are links to the charts of areas.
@@ -28,68 +28,53 @@ impl Document<'_> {
     }
 
     fn area(&self, area: Area, charts: &[(Area, String)]) -> String {
-        let mut text = String::new();
-        let rows: Vec<_> = self
-            .trials_of(area)
-            .map(|t| {
-                [
-                    t.method.clone(),
-                    t.case.clone(),
-                    time(t.seconds_per_unit, t.unit),
-                    short(t.error),
-                    short(t.rms),
-                    short(t.bound),
-                    verdict(t.held).to_owned(),
-                    t.relative_to.to_owned(),
-                    t.reference.to_owned(),
-                    t.worst.clone(),
-                ]
-            })
-            .collect();
-        if rows.is_empty() {
-            return text;
+        let groups = self.groups_of(area);
+        if groups.is_empty() {
+            return String::new();
         }
-        text += &format!("\n## {}\n\n", capital(area.name()));
+        let mut text = format!("\n## {}\n", capital(area.name()));
         for (_, link) in charts.iter().filter(|(of, _)| *of == area) {
-            text += &format!("![Largest error against time, {}]({link})\n\n", area.name());
+            text += &format!("\n![Largest error against time, {}]({link})\n", area.name());
         }
-        let heading = [
-            "method",
-            "case",
-            "time",
-            "largest error",
-            "rms",
-            "bound",
-            "held",
-            "relative to",
-            "reference",
-            "worst case",
-        ];
-        text + &pipe_table(&heading, &rows, 2..6)
+        for group in groups {
+            let TrialRecord { relative_to, reference, .. } = group[0];
+            text += &format!("\nErrors relative to {relative_to}; reference: {reference}.\n\n");
+            let heading = [&TrialRecord::HEADING[..], &["worst case"]].concat();
+            let rows =
+                group.iter().map(|t| t.cells().into_iter().chain([t.worst.clone()]).collect());
+            text += &pipe_table(&heading, rows, 2..6);
+        }
+        text
     }
 
     fn edge(&self) -> String {
-        let rows: Vec<_> = self
-            .hard_cases
-            .iter()
-            .map(|c| {
-                [
-                    format!("`{}`", c.name),
-                    short(c.error),
-                    short(c.bound),
-                    verdict(c.held).to_owned(),
-                    c.what.to_owned(),
-                    c.reason.to_owned(),
-                    c.worst.clone(),
-                ]
-            })
-            .collect();
-        if rows.is_empty() {
+        if self.hard_cases.is_empty() {
             return String::new();
         }
-        let heading =
-            ["name", "largest error", "bound", "held", "what", "why this bound", "worst case"];
-        format!("\n## Hard cases\n\n{HARD_CASES}\n{}", pipe_table(&heading, &rows, 1..3))
+        let rows = self.hard_cases.iter().map(|c| {
+            vec![
+                format!("`{}`", c.name),
+                figure(c.error),
+                figure(c.bound),
+                verdict(c.held).to_owned(),
+                c.worst.clone(),
+            ]
+        });
+        let heading = ["name", "largest error", "bound", "held", "worst case"];
+        let mut text = format!("\n## Hard cases\n\n{HARD_CASES}\n");
+        text += &pipe_table(&heading, rows, 1..3);
+        text += "\nWhat is measured, and why the bound is what it is:\n\n";
+        // Neighbours that say the same say it once.
+        for group in self.hard_cases.chunk_by(|a, b| (a.what, a.reason) == (b.what, b.reason)) {
+            let names: Vec<String> = group.iter().map(|c| format!("`{}`", c.name)).collect();
+            text += &format!(
+                "- {}: {}. Bound: {}.\n",
+                names.join(", "),
+                group[0].what,
+                group[0].reason
+            );
+        }
+        text
     }
 }
 
@@ -109,16 +94,19 @@ fn capital(word: &str) -> String {
 }
 
 /// A table in pipes; the `right` columns are numbers.
-fn pipe_table<const N: usize>(
-    heading: &[&str; N],
-    rows: &[[String; N]],
+fn pipe_table(
+    heading: &[&str],
+    rows: impl Iterator<Item = Vec<String>>,
     right: std::ops::Range<usize>,
 ) -> String {
     let line = |cells: &[String]| format!("| {} |\n", cells.join(" | "));
-    let rule = (0..N).map(|i| if right.contains(&i) { "--:" } else { "---" }.to_owned());
-    let mut text = line(&heading.map(str::to_owned)) + &line(&rule.collect::<Vec<_>>());
-    for row in rows {
-        text += &line(&row.clone().map(|cell| cell.replace('|', "\\|")));
-    }
-    text
+    let names: Vec<String> = heading.iter().map(|&name| name.to_owned()).collect();
+    let rules: Vec<String> = (0..heading.len())
+        .map(|i| if right.contains(&i) { "--:" } else { "---" }.to_owned())
+        .collect();
+    let rows = rows.map(|row| {
+        let cells: Vec<String> = row.iter().map(|cell| cell.replace('|', "\\|")).collect();
+        line(&cells)
+    });
+    line(&names) + &line(&rules) + &rows.collect::<String>()
 }

@@ -3,9 +3,10 @@
 use serde::Serialize;
 use sphvar_accuracy::{Area, Errors, HardCase, Trial};
 
+use super::figures::{figure, time, verdict};
 use super::machine::Machine;
 use crate::error::CliError;
-use crate::report::{Provenance, full, short, table};
+use crate::report::{Provenance, full, table};
 
 /// The document of `--json`.
 #[derive(Debug, Serialize)]
@@ -92,6 +93,25 @@ impl TrialRecord {
     }
 }
 
+impl TrialRecord {
+    /// The heading of [`Self::cells`].
+    pub(super) const HEADING: [&str; 7] =
+        ["method", "case", "time", "largest error", "rms", "bound", "held"];
+
+    /// A row of a table for people.
+    pub(super) fn cells(&self) -> [String; 7] {
+        [
+            self.method.clone(),
+            self.case.clone(),
+            time(self.seconds_per_unit, self.unit),
+            figure(self.error),
+            figure(self.rms),
+            figure(self.bound),
+            verdict(self.held).to_owned(),
+        ]
+    }
+}
+
 impl HardCaseRecord {
     pub(super) fn new(area: Area, case: &HardCase, errors: &Errors) -> Self {
         Self {
@@ -144,37 +164,31 @@ impl Document<'_> {
         })
     }
 
+    /// The trials of an area by what their errors are relative to and compared with.
+    pub(super) fn groups_of(&self, area: Area) -> Vec<Vec<&TrialRecord>> {
+        let mut groups: Vec<Vec<&TrialRecord>> = Vec::new();
+        for trial in self.trials_of(area) {
+            let key = (trial.relative_to, trial.reference);
+            match groups.iter_mut().find(|g| (g[0].relative_to, g[0].reference) == key) {
+                Some(group) => group.push(trial),
+                None => groups.push(vec![trial]),
+            }
+        }
+        groups
+    }
+
     /// The tables for people.
     pub(super) fn text(&self) -> String {
         let mut text = String::new();
         for area in self.areas() {
-            let rows: Vec<_> = self
-                .trials_of(area)
-                .map(|t| {
-                    vec![
-                        t.method.clone(),
-                        t.case.clone(),
-                        time(t.seconds_per_unit, t.unit),
-                        short(t.error),
-                        short(t.rms),
-                        short(t.bound),
-                        verdict(t.held).to_owned(),
-                        t.relative_to.to_owned(),
-                    ]
-                })
-                .collect();
-            if !rows.is_empty() {
-                let heading = [
-                    "method",
-                    "case",
-                    "time",
-                    "largest error",
-                    "rms",
-                    "bound",
-                    "held",
-                    "relative to",
-                ];
-                text += &format!("{}\n{}\n", area.name(), table(&heading, rows, 2));
+            for group in self.groups_of(area) {
+                let TrialRecord { relative_to, reference, .. } = group[0];
+                text += &format!(
+                    "{}: errors relative to {relative_to}; reference: {reference}\n",
+                    area.name()
+                );
+                let rows = group.iter().map(|trial| trial.cells().to_vec()).collect();
+                text += &format!("{}\n", table(&TrialRecord::HEADING, rows, 2));
             }
         }
         let rows: Vec<_> = self
@@ -182,7 +196,7 @@ impl Document<'_> {
             .iter()
             .map(|c| {
                 let name = c.name.replace('_', " ");
-                vec![name, short(c.error), short(c.bound), verdict(c.held).to_owned()]
+                vec![name, figure(c.error), figure(c.bound), verdict(c.held).to_owned()]
             })
             .collect();
         if !rows.is_empty() {
@@ -212,20 +226,62 @@ impl Document<'_> {
     }
 }
 
-/// Whether a bound is held, in a word.
-pub(super) fn verdict(held: bool) -> &'static str {
-    if held { "yes" } else { "NO" }
-}
+#[cfg(test)]
+mod tests {
+    use super::*;
 
-/// A time for each unit, in the fitting part of a second.
-pub(super) fn time(seconds: f64, unit: &str) -> String {
-    let (number, name) = match seconds {
-        s if s >= 1.0 => (s, "s"),
-        s if s >= 1e-3 => (1e3 * s, "ms"),
-        s if s >= 1e-6 => (1e6 * s, "us"),
-        s => (1e9 * s, "ns"),
-    };
-    // Units are plurals: one of the points.
-    let one = unit.strip_suffix('s').unwrap_or(unit);
-    format!("{number:.3} {name}/{one}")
+    fn errors(sizes: &[f64]) -> Errors {
+        let mut errors = Errors::default();
+        for &size in sizes {
+            errors.push(size, || "here".to_owned());
+        }
+        errors
+    }
+
+    fn case(measured: &[f64]) -> HardCaseRecord {
+        let case = HardCase {
+            name: "a_hard_case",
+            what: "something",
+            bound: 0.5,
+            reason: "it is so",
+            measure: Errors::default,
+        };
+        HardCaseRecord::new(Area::Indexing, &case, &errors(measured))
+    }
+
+    #[test]
+    fn bounds_that_are_not_held_are_named() {
+        let provenance = Provenance { command: String::new(), version: "0", seed: 0 };
+        for (measured, holds) in [
+            (&[0.5, -0.25][..], true),
+            (&[0.25, -0.6], false),
+            (&[0.25, f64::NAN], false),
+            (&[f64::INFINITY], false),
+            (&[], false),
+        ] {
+            let cases = [case(&[0.0]), case(measured)];
+            assert_eq!(cases[1].held, holds, "{measured:?}");
+            let document = Document {
+                held: holds,
+                quick: true,
+                date: String::new(),
+                version: "0",
+                machine: Machine { cpu: String::new(), cores: 1, threads: 1 },
+                trials: &[],
+                hard_cases: &cases,
+                provenance: &provenance,
+            };
+            match document.verdict() {
+                Ok(()) => assert!(holds, "{measured:?}"),
+                Err(error) => {
+                    assert!(!holds, "{measured:?}");
+                    assert_eq!(error.status(), 1);
+                    let text = error.to_string();
+                    assert!(text.contains("1 of 2") && text.contains("a_hard_case"), "{text}");
+                }
+            }
+            let word = if holds { "yes" } else { "NO" };
+            assert!(document.text().contains(word), "{}", document.text());
+        }
+    }
 }
