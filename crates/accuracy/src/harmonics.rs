@@ -1,8 +1,8 @@
 //! Associated Legendre functions and spherical harmonics of single arguments.
 //!
-//! Errors are relative to the local amplitude, as `sphvar-sh` promises them: the larger of `|lambda_lm|` and
-//! `|lambda_{l-1,m}|` where the function oscillates, `|lambda_lm|` where it is evanescent. What `f64` has to hold is compared
-//! with at least `2^-1022`, below which `f64` has fewer digits.
+//! Errors are relative to the local amplitude: the largest of `|lambda_lm|`, `|lambda_{l-1,m}|` and
+//! `|d lambda_lm/d theta|/(l + 1/2)` where the function oscillates, `|lambda_lm|` where it is evanescent. What `f64` has to hold is compared with at least `2^-1022`,
+//! below which `f64` has fewer digits.
 
 mod columns;
 mod extremes;

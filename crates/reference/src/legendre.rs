@@ -5,8 +5,9 @@ use crate::{AcuteAngle, DoubleDouble};
 pub struct LegendreValue {
     /// The function.
     pub value: DoubleDouble,
-    /// The larger of `|lambda_lm|` and `|lambda_{l-1,m}|` where the function oscillates; in the evanescent region,
-    /// `sin theta < m / (l + 1/2)`, `|lambda_lm|`.
+    /// The height of the waves, or not much less, where the function oscillates: the largest of `|lambda_lm|`,
+    /// `|lambda_{l-1,m}|` and `|d lambda_lm/d theta|/(l + 1/2)`. In the evanescent region, `sin theta < m / (l + 1/2)`,
+    /// it is `|lambda_lm|`.
     pub amplitude: DoubleDouble,
 }
 
@@ -86,6 +87,29 @@ impl LegendreColumn {
     }
 }
 
+impl LegendreColumn {
+    /// The amplitude at the current degree.
+    ///
+    /// `d lambda/d theta = ((m cos theta - n (1 - x)) L + n D)/sin theta`, from the derivative of Gegenbauer polynomials, DLMF
+    /// 18.9.19 and 18.9.1. Near the poles neighbouring degrees have their zeros at nearly the same place, so that only the slope
+    /// tells the height; where `m` is nearly `l` waves are much longer than `1/l`, and the degree below tells it.
+    fn amplitude(&self) -> DoubleDouble {
+        let Self { m, l, angle: AcuteAngle { sin, versine, .. }, below, value, difference } = *self;
+        let number = |n: u64| DoubleDouble::from(n);
+        let size = value.abs();
+        if sin * number(2 * l + 1) < number(2 * m) {
+            return size;
+        }
+        let n = number(l - m);
+        let factor = number(m) * (DoubleDouble::ONE - versine) - n * versine;
+        let slope = (factor * value + n * difference) / sin;
+        let scaled = slope.abs() / number(2 * l + 1).shifted(-1);
+        // At the pole itself the slope is not a number, and no number is less than that.
+        let larger = |a: DoubleDouble, b: DoubleDouble| if b > a { b } else { a };
+        larger(larger(size, below.abs()), scaled)
+    }
+}
+
 impl Iterator for LegendreColumn {
     type Item = LegendreValue;
 
@@ -93,9 +117,7 @@ impl Iterator for LegendreColumn {
         let (l, m, angle) = (self.l, self.m, self.angle);
         let n = l - m;
         let value = if angle.south && n % 2 == 1 { -self.value } else { self.value };
-        let (size, below) = (self.value.abs(), self.below.abs());
-        let oscillates = angle.sin * DoubleDouble::from(2 * l + 1) >= DoubleDouble::from(2 * m);
-        let amplitude = if oscillates && below > size { below } else { size };
+        let amplitude = self.amplitude();
 
         let number = |n: u64| DoubleDouble::from(n);
         let growth = (number((2 * l + 3) * (l + 1 + m)) / number((2 * l + 1) * (n + 1))).sqrt();

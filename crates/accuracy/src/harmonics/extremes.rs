@@ -37,6 +37,7 @@ pub(crate) fn hard_cases() -> Vec<HardCase> {
         legendre("degrees_to_20000_with_orders_near_the_degree", || {
             high_degrees(|l| vec![l - 3, l - 2, l - 1, l])
         }),
+        legendre("degrees_to_20000_at_zeros_near_a_pole", zeros_near_a_pole),
         HardCase {
             name: "values_under_the_f64_range",
             what: "lambda_lm as f64, in EPSILON (l + 1) of the local amplitude or of 2^-1022",
@@ -121,6 +122,37 @@ fn high_degrees(orders: fn(usize) -> Vec<usize>) -> Errors {
                 let Ok(colatitude) = Colatitude::from_theta(theta) else { continue };
                 let place = (colatitude, AcuteAngle::from_theta(theta));
                 compare(&mut errors, l, m, place, &format!("theta = {theta:?}"));
+            }
+        }
+    }
+    errors
+}
+
+/// Near a pole neighbouring degrees have their zeros at nearly the same place, so that only
+/// the slope tells the height of the waves.
+///
+/// `lambda_lm` is nearly in proportion to the Bessel function `J_m((l + 1/2) theta)` there; whole columns pass its zeros.
+fn zeros_near_a_pole() -> Errors {
+    /// The first two zeros of `J_0`, `J_1` and `J_2`, Abramowitz and Stegun, table 9.5.
+    const ZEROS: [(usize, [f64; 2]); 3] = [
+        (0, [2.404825557695773, 5.520078110286311]),
+        (1, [3.831705970207512, 7.015586669815619]),
+        (2, [5.135622301840683, 8.417244140399864]),
+    ];
+    let mut errors = Errors::default();
+    let Ok(plan) = LegendrePlan::new(LMAX) else { return errors };
+    let mut column = vec![0.0; LMAX + 1];
+    for (m, zeros) in ZEROS {
+        let at_zeros = zeros.map(|zero| zero / (LMAX as f64 + 0.5));
+        for theta in at_zeros.into_iter().chain([1e-3, 1e-2, PI - 1e-3]) {
+            let Ok(colatitude) = Colatitude::from_theta(theta) else { continue };
+            let column = &mut column[m..];
+            plan.column_into(m, colatitude, column);
+            let exact = LegendreColumn::new(m as u64, AcuteAngle::from_theta(theta));
+            for ((l, exact), &got) in (m..).zip(exact).zip(&*column) {
+                push(&mut errors, l, exact.error_in_f64(got), || {
+                    format!("l = {l}, m = {m}, theta = {theta:?}")
+                });
             }
         }
     }
