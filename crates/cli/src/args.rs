@@ -3,7 +3,7 @@
 use clap::{Parser, Subcommand};
 
 use crate::commands::{
-    audit, bounds, choose, compare, eval, healpix, render, sample, spectrum, variance,
+    accuracy, audit, bounds, choose, compare, eval, healpix, render, sample, spectrum, variance,
 };
 use crate::global::Global;
 
@@ -50,4 +50,7 @@ pub(crate) enum Command {
     /// Evaluate a Legendre function, a harmonic, the spectrum of a cap, or a profile
     #[command(after_help = eval::EXAMPLES)]
     Eval(eval::EvalArgs),
+    /// Measured errors beside speed, and inputs at the edge of what numbers can hold
+    #[command(after_help = accuracy::EXAMPLES)]
+    Accuracy(accuracy::AccuracyArgs),
 }

@@ -131,6 +131,7 @@ impl DoubleDouble {
     }
 
     /// Exact up to 106 bits.
+    #[expect(clippy::cast_possible_truncation, reason = "the rounded integer is below 10^31")]
     fn of_integer(integer: i128) -> Self {
         let hi = integer as f64;
         Self::normal(hi, (integer - hi as i128) as f64, 0)

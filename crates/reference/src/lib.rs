@@ -20,5 +20,5 @@ mod trigonometry;
 
 pub use acute_angle::AcuteAngle;
 pub use double_double::DoubleDouble;
-pub use legendre::{LegendreColumn, lambda};
+pub use legendre::{LegendreColumn, LegendreValue, lambda};
 pub use legendre_table::{LegendreRow, LegendreTable};

@@ -92,12 +92,26 @@ fn recurrence_against_the_table() {
     let mut rows = 0;
     for row in LegendreTable::rows() {
         let angle = AcuteAngle::from_theta(row.theta);
-        let (value, amplitude) = lambda(row.l as u64, row.m as u64, angle);
-        let error = ((value - row.value) / amplitude).value().abs();
+        let error = lambda(row.l as u64, row.m as u64, angle).error(row.value).abs();
         assert!(error < 6e-25, "{row:?}: {error:e}");
         rows += 1;
     }
     assert_eq!(rows, 263, "the table is complete");
+}
+
+/// Where `lambda_31 = -sqrt(21/(64 pi)) sin (5 cos^2 - 1)` is 0 its slope is `10 sqrt(21/(64 pi)) cos sin^2`.
+#[test]
+fn the_amplitude_at_a_zero_is_that_of_the_slope() {
+    let (sin, cos) = (0.8_f64.sqrt(), 0.2_f64.sqrt());
+    let at_zero = lambda(3, 1, AcuteAngle::from_direction([sin, 0.0, cos]));
+    let slope = 10.0 * (21.0 / (64.0 * PI)).sqrt() * cos * sin * sin;
+    // Sine and cosine are rounded, and the slope is the product of five numbers.
+    let rounding = 8.0 * f64::EPSILON;
+    assert!(at_zero.value.value().abs() < rounding, "{at_zero:?}");
+    assert_near(at_zero.amplitude, dd(slope / 3.5), rounding, "amplitude");
+    let at_pole = lambda(7, 0, AcuteAngle::from_theta(0.0));
+    assert_near(at_pole.amplitude, at_pole.value, 0.0, "amplitude at the pole");
+    assert!(lambda(2, 3, AcuteAngle::from_theta(1.0)).error(DoubleDouble::ONE).is_nan());
 }
 
 #[test]

@@ -2,9 +2,9 @@
 
 use crate::workplace::Workplace;
 
-const SUBCOMMANDS: [&str; 10] = [
+const SUBCOMMANDS: [&str; 11] = [
     "compare", "choose", "sample", "spectrum", "variance", "bounds", "audit", "render", "healpix",
-    "eval",
+    "eval", "accuracy",
 ];
 
 #[test]
@@ -35,9 +35,10 @@ fn examples_work() {
         let examples = examples.map(|l| l.split("   ").next().unwrap());
         let mut run = 0;
         for example in examples.filter(|e| {
-            // `compare` is large, and so are `choose` of all samplers and reference images; some need files that
-            // a reader has.
+            // `compare` is large, and so are `choose` of all samplers, `accuracy` of large inputs and reference
+            // images; some need files that a reader has.
             let large = e.starts_with("compare")
+                || (e.starts_with("accuracy") && !e.contains("--quick"))
                 || (e.starts_with("choose") && !e.contains("--samplers"))
                 || ["--mse", "--study", "--sheet"].iter().any(|flag| e.contains(flag))
                 || e.contains("-m ")

@@ -2,8 +2,8 @@
 
 use core::fmt;
 
-use sphvar_reference::{DoubleDouble, LegendreTable};
-use sphvar_sh::{Colatitude, Scaled, lambda_scaled};
+use sphvar_reference::{AcuteAngle, DoubleDouble, LegendreTable, LegendreValue, lambda};
+use sphvar_sh::{Colatitude, lambda_scaled};
 
 /// The promise of the crate, in units of `EPSILON (l + 1)` times the amplitude.
 const PROMISE: f64 = 4.0;
@@ -58,24 +58,22 @@ impl fmt::Display for Comparison {
 }
 
 /// Compares one value with an exact one.
+///
+/// The error counts relative to the amplitude of the reference, which near the poles is more than that of the degree
+/// below: both have their zeros at nearly the same place.
 pub(crate) fn compare(l: usize, m: usize, theta: f64, exact: DoubleDouble) -> Comparison {
     let c = Colatitude::from_theta(theta).unwrap();
-    let region = Region::of(l, m, c);
-    let below = if l > 0 { lambda_scaled(l - 1, m, c) } else { Scaled::ZERO };
-    let (mantissa, exponent) = exact.leading();
-    let own = Scaled::new(mantissa, exponent);
-    let amplitude = if region != Region::Evanescent && below.log10_abs() > own.log10_abs() {
-        below
-    } else {
-        own
-    };
-    let number = |x: Scaled| DoubleDouble::scaled(x.mantissa, x.exponent);
-    let error = ((number(lambda_scaled(l, m, c)) - exact) / number(amplitude)).value().abs();
+    let got = lambda_scaled(l, m, c);
+    let angle = AcuteAngle::from_theta(theta);
+    let amplitude = lambda(l as u64, m as u64, angle).amplitude;
+    let error = LegendreValue { value: exact, amplitude }
+        .error(DoubleDouble::scaled(got.mantissa, got.exponent))
+        .abs();
     Comparison {
         l,
         m,
         theta,
-        region,
+        region: Region::of(l, m, c),
         of_promise: error / (PROMISE * f64::EPSILON * (l as f64 + 1.0)),
     }
 }
