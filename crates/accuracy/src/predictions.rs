@@ -39,13 +39,13 @@ pub(crate) fn trials(effort: Effort) -> Vec<Trial> {
             ..trial("energies", case, 8.0 * f64::EPSILON, RECURRENCE, subject)
         });
     }
-    for kappa in [1.0, 100.0, 1e4] {
-        let lmax = 40 + (4.0 * f64::sqrt(kappa)).round() as usize;
+    // To where energies are 1e-16 of the largest, or nearly.
+    for (kappa, lmax) in [(1.0, 20_u32), (100.0, 80), (1e4, 500)] {
         let case = format!("von Mises-Fisher lobe, kappa = {kappa:e}, lmax = {lmax}");
-        let subject = Box::new(LobeEnergies::new(lobe(kappa), kappa, lmax));
+        let subject = Box::new(LobeEnergies::new(lobe(kappa), kappa, lmax as usize));
         trials.push(Trial {
             unit: "degrees",
-            count: lmax as f64 + 1.0,
+            count: f64::from(lmax) + 1.0,
             relative_to: "(l + 1) times the energy",
             ..trial("energies", case, 8.0 * f64::EPSILON, RECURRENCE, subject)
         });

@@ -28,9 +28,9 @@ pub(crate) fn trials(effort: Effort) -> Vec<Trial> {
     let inputs = match effort {
         Effort::Quick => vec![Input::white_noise(1000, 255, 6), Input::white_noise(10_000, 127, 3)],
         Effort::Full => vec![
-            Input::white_noise(10_000, 255, 8),
-            Input::mirrored(1_000_000, 255, 4),
-            Input::white_noise(10_000, 2000, 4),
+            Input::white_noise(10_000, 255, 4),
+            Input::mirrored(1_000_000, 255, 3),
+            Input::white_noise(10_000, 2000, 3),
         ],
     };
     let inputs: Vec<Arc<Input>> = inputs.into_iter().map(Arc::new).collect();

@@ -104,7 +104,7 @@ impl Definition {
             }
             let lambdas = LegendreColumn::new(m as u64, ring.angle);
             for ((sum, lambda), term) in sums.iter_mut().zip(lambdas).zip(terms.iter().cycle()) {
-                sum.add_product(*term, lambda);
+                sum.add_product(*term, lambda.value);
             }
         }
         sums
@@ -120,7 +120,7 @@ pub(super) fn value_at(p: DVec3, alm: &Alm) -> DoubleDouble {
         let mut of_order = Complex::ZERO;
         for (a, lambda) in alm.column(m).iter().zip(LegendreColumn::new(m as u64, angle)) {
             let a = Complex { re: DoubleDouble::from(a.re), im: DoubleDouble::from(a.im) };
-            of_order.add_product(a, lambda);
+            of_order.add_product(a, lambda.value);
         }
         // Orders m and -m are complex conjugates; the turn is that of the conjugate harmonic.
         let turn = turn.power(m);

@@ -91,8 +91,7 @@ impl Input {
                 let rest = |exact, got: f64| (DoubleDouble::from(got) - exact).value();
                 let square = rest(exact.re, got.re).powi(2) + rest(exact.im, got.im).powi(2);
                 squares += column.stands_for * copies * square;
-                // A NaN is not below anything.
-                if !(square <= worst.0) {
+                if square > worst.0 || square.is_nan() {
                     worst = (square, l, column.m);
                 }
             }
