@@ -48,7 +48,7 @@ pub(super) fn pixel<O: Numbering>(order: O, directions: Vec<DVec3>) -> Box<dyn S
         inputs: directions,
         name: |dir| format!("direction {:?}", dir.to_array()),
         out: Vec::new(),
-        call: move |dir: DVec3| order.pixel(dir),
+        run: each(move |dir: DVec3| order.pixel(dir)),
         error: move |dir, pixel| {
             definition_of(order, pixel).map_or(f64::INFINITY, |own| own.excess(dir))
         },
@@ -61,7 +61,7 @@ pub(super) fn centre<O: Numbering>(order: O, pixels: Vec<u64>) -> Box<dyn Subjec
         inputs: pixels,
         name: |pixel| format!("pixel {pixel}"),
         out: Vec::new(),
-        call: move |pixel| order.centre(pixel),
+        run: each(move |pixel| order.centre(pixel)),
         error: move |pixel, dir| {
             definition_of(order, pixel).map_or(f64::INFINITY, |own| own.distance_from_centre(dir))
         },
@@ -74,7 +74,7 @@ pub(super) fn return_trip<O: Numbering>(order: O, pixels: Vec<u64>) -> Box<dyn S
         inputs: pixels.into_iter().map(|pixel| (pixel, order.centre(pixel))).collect(),
         name: |(pixel, _)| format!("pixel {pixel}"),
         out: Vec::new(),
-        call: move |(_, centre): (u64, DVec3)| order.pixel(centre),
+        run: each(move |(_, centre): (u64, DVec3)| order.pixel(centre)),
         error: |(pixel, _), found| exact(pixel == found),
     })
 }
@@ -85,7 +85,7 @@ pub(super) fn renumbering(nested: Nested, pixels: Vec<u64>) -> Box<dyn Subject> 
         inputs: pixels,
         name: |pixel| format!("pixel {pixel}"),
         out: Vec::new(),
-        call: move |pixel| nested.to_ring(pixel),
+        run: each(move |pixel| nested.to_ring(pixel)),
         error: move |pixel, ring| {
             let defined = definition_of(nested, pixel).map(Definition::ring_number);
             exact(defined == Some(i128::from(ring)) && nested.from_ring(ring) == pixel)
@@ -93,12 +93,20 @@ pub(super) fn renumbering(nested: Nested, pixels: Vec<u64>) -> Box<dyn Subject> 
     })
 }
 
-/// A function that is called once for each input.
+/// Calls a function once for each input.
+fn each<I: Copy, T>(call: impl Fn(I) -> T + Send) -> impl Fn(&[I], &mut Vec<T>) + Send {
+    move |inputs, out| {
+        out.clear();
+        out.extend(inputs.iter().map(|&input| call(input)));
+    }
+}
+
+/// A map of many inputs, and the error of each output.
 struct Calls<I, T, F, E> {
     inputs: Vec<I>,
     name: fn(I) -> String,
     out: Vec<T>,
-    call: F,
+    run: F,
     error: E,
 }
 
@@ -106,12 +114,11 @@ impl<I, T, F, E> Subject for Calls<I, T, F, E>
 where
     I: Copy + Send,
     T: Copy + Send,
-    F: Fn(I) -> T + Send,
+    F: Fn(&[I], &mut Vec<T>) + Send,
     E: Fn(I, T) -> f64 + Send,
 {
     fn run(&mut self) {
-        self.out.clear();
-        self.out.extend(self.inputs.iter().map(|&input| (self.call)(input)));
+        (self.run)(&self.inputs, &mut self.out);
     }
 
     fn errors(&mut self) -> Errors {
