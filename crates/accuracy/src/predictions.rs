@@ -6,12 +6,14 @@ mod lobe_pairs;
 mod subjects;
 
 use sphvar_samplers::Pattern;
+use sphvar_sht::{Method, Transform};
+use sphvar_spectrum::Resolution;
 use sphvar_variance::{Cap, VonMisesFisher};
 
 pub(crate) use hard::hard_cases;
 
 use crate::{Area, Effort, Subject, Trial};
-use subjects::{CapEnergies, LobeEnergies, OfLobe, White};
+use subjects::{CapEnergies, LobeEnergies, OfHarmonic, OfLobe, White};
 
 /// The trials of this area.
 ///
@@ -19,12 +21,13 @@ use subjects::{CapEnergies, LobeEnergies, OfLobe, White};
 ///   products of l ratios, each right to a rounding or two, for a lobe.
 /// - The variance of white noise is a sum of lmax terms, whose roundings go either way, and a rest that make the closed
 ///   form together.
-/// - A lobe's variance is a mean of squares of coefficients, which are right to some EPSILON of those of white noise: so is the
-///   root of the variance.
+/// - The variance of a harmonic or a lobe is a mean of squares of coefficients. Where these are wrong by a part of what
+///   white noise has, it is wrong by twice that part of the geometric mean of itself and white noise's variance: see
+///   [`of_amplitudes`].
 pub(crate) fn trials(effort: Effort) -> Vec<Trial> {
     let (lmax, n) = match effort {
         Effort::Quick => (1000, 192),
-        Effort::Full => (20_000, 768),
+        Effort::Full => (20_000, 432),
     };
     let cap = |degrees| Cap::from_degrees(degrees).expect("an angle in range");
     let lobe = |kappa| VonMisesFisher::new(kappa).expect("a concentration in range");
@@ -56,6 +59,15 @@ pub(crate) fn trials(effort: Effort) -> Vec<Trial> {
         let bound = f64::EPSILON * (2.0 + f64::from(lmax).sqrt());
         trials.push(trial("white noise", case, bound, "3 pi^2/N", subject));
     }
+    for pattern in [Pattern::WhiteNoise, Pattern::Fibonacci, Pattern::Healpix] {
+        let method = if pattern == Pattern::WhiteNoise { "white noise" } else { "lattice" };
+        let case = format!("{n} {}, Y_40", pattern.name());
+        let subject = Box::new(OfHarmonic::new(pattern, n));
+        trials.push(Trial {
+            relative_to: OF_BOTH,
+            ..trial(method, case, of_amplitudes(n, 4), "Legendre polynomials of all pairs", subject)
+        });
+    }
     for kappa in [1.0, 10.0, 100.0] {
         for (method, pattern) in [
             ("lattice", Pattern::Fibonacci),
@@ -65,9 +77,9 @@ pub(crate) fn trials(effort: Effort) -> Vec<Trial> {
         ] {
             let subject = Box::new(OfLobe::new(&pattern, n, kappa));
             let case = format!("{n} {}, lobe of kappa = {kappa}", pattern.name());
-            let bound = 8.0 * f64::EPSILON;
+            let bound = of_amplitudes(n, subject.degree());
             trials.push(Trial {
-                relative_to: "the geometric mean of the variance and that of white noise",
+                relative_to: OF_BOTH,
                 ..trial(method, case, bound, "closed form for all pairs", subject)
             });
         }
@@ -75,6 +87,15 @@ pub(crate) fn trials(effort: Effort) -> Vec<Trial> {
     trials
 }
 
+/// Twice what low coefficients are wrong by: 24 EPSILON by the exact transform, where the points of a parallel have roundings in
+/// common, and 64 EPSILON by the fast one, the roundings of windows and grid.
+fn of_amplitudes(n: usize, lmax: usize) -> f64 {
+    let transform = Transform::new(Method::Auto, lmax, n, Resolution::EPSILON);
+    let amplitude = if transform.is_ok_and(|t| t.is_fast()) { 64.0 } else { 24.0 };
+    2.0 * amplitude * f64::EPSILON
+}
+
+const OF_BOTH: &str = "the geometric mean of the variance and that of white noise";
 const RECURRENCE: &str = "recurrences and series in twice the precision";
 
 fn trial(

@@ -28,7 +28,7 @@ const EPSILONS: [f64; 6] = [1e-3, 1e-5, 1e-7, 1e-9, 1e-11, 1e-13];
 pub(crate) fn trials(effort: Effort) -> Vec<Trial> {
     let (n, lmax, count) = match effort {
         Effort::Quick => (192, 64, 4),
-        Effort::Full => (768, 128, 8),
+        Effort::Full => (400, 128, 4),
     };
     let sets = Arc::new(Sets::new(Pattern::WhiteNoise, n, lmax, count));
     let mut trials = vec![of_sets(&sets, None)];

@@ -3,15 +3,21 @@ use std::f64::consts::PI;
 use sphvar_reference::DoubleDouble;
 use sphvar_samplers::{Domain, Pattern, Purpose, Realizations, Sampler, Streams};
 use sphvar_spectrum::{Resolution, Spectrum, accumulate};
-use sphvar_variance::{Cap, Energy, Integrand, PredictionAccumulator, VonMisesFisher, predict};
+use sphvar_variance::{
+    Cap, Energy, Harmonic, Integrand, PredictionAccumulator, PredictionBudget, Predictor,
+    VonMisesFisher, predict,
+};
 
 use super::energies;
 use super::lobe_pairs::variance;
+use crate::spectra::legendre_sums;
 use crate::{Errors, Subject};
 
 const SEED: u64 = 7;
+/// That of the harmonic.
+const DEGREE: usize = 4;
 /// Realizations of a random pattern.
-const COUNT: u64 = 4;
+const COUNT: u64 = 2;
 
 /// The energies of a cap by degree.
 #[derive(Debug)]
@@ -118,6 +124,51 @@ impl Subject for White {
     }
 }
 
+/// The harmonic `Y_40`, and a pattern whose spectrum is known without sampling.
+#[derive(Debug)]
+pub(super) struct OfHarmonic {
+    pattern: Pattern,
+    n: usize,
+    variance: f64,
+}
+
+impl OfHarmonic {
+    pub(super) fn new(pattern: Pattern, n: usize) -> Self {
+        Self { pattern, n, variance: f64::NAN }
+    }
+}
+
+impl Subject for OfHarmonic {
+    fn run(&mut self) {
+        let harmonic = Harmonic::new(DEGREE, 0).expect("an order in range");
+        let budget = PredictionBudget::USUAL;
+        let predictor = Predictor::new(&harmonic, Domain::Sphere, SEED, budget);
+        let point = predictor.and_then(|mut p| p.predict(&self.pattern, self.n, &|| ()));
+        self.variance = point.map_or(f64::NAN, |point| point.prediction.variance);
+    }
+
+    /// `4 pi/N P(4)`, and the power of white noise is 1.
+    fn errors(&mut self) -> Errors {
+        let number = DoubleDouble::from;
+        let white = number(4.0) * DoubleDouble::pi() / number(self.n as f64);
+        let sampler = self.pattern.build(self.n, Domain::Sphere).expect("so many points exist");
+        let power = if sampler.is_random() {
+            DoubleDouble::ONE
+        } else {
+            let mut rng = Streams::new(SEED, Purpose::Pattern, self.n).realization(0);
+            let points = sampler.sample(&mut rng).expect("a lattice is feasible");
+            legendre_sums(&points, DEGREE)[DEGREE]
+        };
+        let exact = white * power;
+        let mut errors = Errors::default();
+        let error = (number(self.variance) - exact).value();
+        errors.push(error / (white.value() * exact.value()).sqrt(), || {
+            format!("a variance of {:.3e}", exact.value())
+        });
+        errors
+    }
+}
+
 /// A smooth lobe, and sets of a pattern.
 #[derive(Debug)]
 pub(super) struct OfLobe {
@@ -136,7 +187,7 @@ impl OfLobe {
 
     /// A degree beyond which the lobe has no energy that counts.
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a hundred or so")]
-    fn degree(&self) -> usize {
+    pub(super) fn degree(&self) -> usize {
         (8.6 * self.kappa.sqrt()) as usize + 24
     }
 

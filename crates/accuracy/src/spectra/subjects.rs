@@ -38,14 +38,14 @@ impl Sets {
         self.count * self.sampler.n_points() as u64
     }
 
-    /// `4 epsilon sqrt(1 + N/(lmax + 1)^2)/sqrt(lmax n_sets)`, twice what errors that are spread evenly have in the middle
-    /// degree, and the roundings of sums over orders. The exact transform's epsilon is `EPSILON (lmax + 32)`.
+    /// `12 epsilon sqrt(1 + N/(lmax + 1)^2)/sqrt(lmax n_sets)`, six times what errors that are spread evenly have in the middle
+    /// degree, for those of windows are largest at the last; and the roundings of sums over orders. The exact transform's epsilon is `EPSILON (lmax + 32)`.
     pub(super) fn bound(&self, epsilon: Option<f64>) -> f64 {
         let degrees = self.lmax as f64 + 1.0;
         let epsilon = epsilon.unwrap_or(f64::EPSILON * (degrees + 31.0));
         let share = (1.0 + self.sampler.n_points() as f64 / (degrees * degrees)).sqrt();
         let coefficients = self.lmax as f64 * self.count as f64;
-        4.0 * epsilon * share / coefficients.sqrt() + 2.0 * f64::EPSILON * degrees.sqrt()
+        12.0 * epsilon * share / coefficients.sqrt() + 2.0 * f64::EPSILON * degrees.sqrt()
     }
 
     fn realizations(&self) -> Realizations<'_> {
