@@ -43,7 +43,7 @@ pub(crate) fn trials(effort: Effort) -> Vec<Trial> {
         Effort::Quick => &[20, 200, 2000],
         Effort::Full => &[20, 200, 2000, 20000],
     };
-    let mut trials = vec![single::table()];
+    let mut trials = single::tables();
     for &l in degrees {
         trials.extend(single::trials(l));
         trials.extend(columns::trials(l));

@@ -41,8 +41,8 @@ pub(crate) fn hard_cases() -> Vec<HardCase> {
         HardCase {
             name: "values_under_the_f64_range",
             what: "lambda_lm as f64, in EPSILON (l + 1) of the local amplitude or of 2^-1022",
-            bound: 2.0,
-            reason: "one EPSILON a step as for other values, and as much again: what a long evanescent start has lost stays in the amplitude",
+            bound: 1.0,
+            reason: ONE_A_STEP,
             measure: under_the_range,
         },
         HardCase {

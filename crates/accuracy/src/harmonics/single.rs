@@ -11,23 +11,23 @@ use crate::{Errors, Subject, Trial};
 /// A longitude that is no simple part of a turn.
 const PHI: f64 = 2.345678901234;
 
-/// `lambda` of every row of the 25-digit table; errors are in units of the promise, since rows differ in degree.
-pub(super) fn table() -> Trial {
-    let rows = LegendreTable::rows();
-    let arguments: Vec<_> = rows.map(|row| (row.l, row.m, Tabulated::new(row))).collect();
-    let count = arguments.len();
-    let single = Single {
-        arguments,
-        evaluate: |l, m, row| Ok(lambda(l, m, row.colatitude?).into()),
-        exact: |l, m, row| [row.exact(l, m), ZERO],
-        name: |row| theta_name(row.row.theta),
-        unit: promise,
-        out: vec![Complex::ZERO; count],
+/// `lambda` of every row of the 25-digit table, degree by degree.
+pub(super) fn tables() -> Vec<Trial> {
+    let mut rows: Vec<_> = LegendreTable::rows().collect();
+    rows.sort_by_key(|row| row.l);
+    let of_degree = |rows: &[LegendreRow]| {
+        let (l, count) = (rows[0].l, rows.len());
+        let single = Single {
+            arguments: rows.iter().map(|&row| (l, row.m, Tabulated::new(row))).collect(),
+            evaluate: |l, m, row| Ok(lambda(l, m, row.colatitude?).into()),
+            exact: |l, m, row| [row.exact(l, m), ZERO],
+            name: |row| theta_name(row.row.theta),
+            out: vec![Complex::ZERO; count],
+        };
+        let case = format!("l = {l}, {count} rows");
+        trial("lambda, table", case, count, promise(l), "25-digit table", single)
     };
-    let case = "all of the table".to_owned();
-    let mut trial = trial("lambda", case, count, 1.0, "25-digit table", single);
-    trial.relative_to = "4 EPSILON (l + 1) of the local amplitude";
-    trial
+    rows.chunk_by(|a, b| a.l == b.l).map(of_degree).collect()
 }
 
 /// `lambda`, `ylm` and `ylm_at` at degree `l`.
@@ -56,7 +56,6 @@ pub(super) fn trials(l: usize) -> Vec<Trial> {
             [exact_lambda(l as u64, m as u64, AcuteAngle::from_theta(given.theta)), ZERO]
         },
         name: |given| theta_name(given.theta),
-        unit: one,
         out: out.clone(),
     };
     let harmonics = Single {
@@ -66,7 +65,6 @@ pub(super) fn trials(l: usize) -> Vec<Trial> {
             exact_ylm(l, m, AcuteAngle::from_theta(theta), DoubleDouble::from(PHI))
         },
         name: theta_name,
-        unit: one,
         out: out.clone(),
     };
     let at_directions = Single {
@@ -77,7 +75,6 @@ pub(super) fn trials(l: usize) -> Vec<Trial> {
             exact_ylm(l, m, AcuteAngle::from_direction(dir.to_array()), phi)
         },
         name: |dir| format!("direction {:?}", dir.to_array()),
-        unit: one,
         out,
     };
     vec![
@@ -98,10 +95,6 @@ fn theta_name(theta: f64) -> String {
 /// Orders here are far below the largest, which would be refused.
 fn signed(m: usize) -> i64 {
     i64::try_from(m).unwrap_or(i64::MAX)
-}
-
-fn one(_l: usize) -> f64 {
-    1.0
 }
 
 fn direction(c: Colatitude) -> DVec3 {
@@ -146,8 +139,6 @@ struct Single<A> {
     /// Real and imaginary part.
     exact: fn(usize, usize, A) -> [LegendreValue; 2],
     name: fn(A) -> String,
-    /// What an error of this degree is divided by.
-    unit: fn(usize) -> f64,
     out: Vec<Complex<f64>>,
 }
 
@@ -164,9 +155,7 @@ impl<A: Copy + Send> Subject for Single<A> {
         for (got, &(l, m, place)) in self.out.iter().zip(&self.arguments) {
             let [re, im] = (self.exact)(l, m, place);
             let error = re.error_in_f64(got.re).hypot(im.error_in_f64(got.im));
-            errors.push(error / (self.unit)(l), || {
-                format!("l = {l}, m = {m}, {}", (self.name)(place))
-            });
+            errors.push(error, || format!("l = {l}, m = {m}, {}", (self.name)(place)));
         }
         errors
     }

@@ -12,26 +12,21 @@ pub(super) fn chart_name(area: Area) -> String {
 }
 
 /// A line of a chart's notes has room for about as many letters.
-const LONGEST_NOTE: usize = 160;
+const LINE: usize = 150;
+/// More cases than this are for the table to tell.
+const MOST_CASES: usize = 12;
 
 /// Largest error against time per unit, a curve for each method through its cases.
-///
-/// An axis has one unit: only trials whose errors are relative to the same thing as most are shown.
 pub(super) fn area_chart(area: Area, document: &Document<'_>) -> Chart {
-    let all: Vec<&TrialRecord> = document.trials_of(area).collect();
-    let like =
-        |trial: &&TrialRecord| all.iter().filter(|t| t.relative_to == trial.relative_to).count();
-    let scale = all.iter().copied().max_by_key(like).map_or("", |trial| trial.relative_to);
-    let (mut methods, mut units, mut exact, mut others) =
-        (Vec::new(), Vec::new(), Vec::new(), Vec::new());
-    let mut trials = Vec::new();
-    for trial in all.iter().copied() {
-        if trial.relative_to != scale {
-            add(&mut others, trial.relative_to);
-        } else if trial.error > 0.0 {
+    let (mut methods, mut units, mut scales, mut cases, mut exact) =
+        (Vec::new(), Vec::new(), Vec::new(), Vec::new(), Vec::new());
+    let trials: Vec<&TrialRecord> = document.trials_of(area).collect();
+    for trial in &trials {
+        add(&mut units, singular(trial.unit));
+        add(&mut scales, trial.relative_to);
+        if trial.error > 0.0 {
             add(&mut methods, &trial.method);
-            add(&mut units, singular(trial.unit));
-            trials.push(trial);
+            add(&mut cases, &trial.case);
         } else {
             add(&mut exact, &trial.method);
         }
@@ -51,32 +46,37 @@ pub(super) fn area_chart(area: Area, document: &Document<'_>) -> Chart {
         // The line is named by its markers.
         series.extend([of("", Style::Line), of(method, Style::Markers)]);
     }
-    let mut cases = Vec::new();
-    for trial in &trials {
-        add(&mut cases, &trial.case);
-    }
-    let mut notes = Vec::new();
-    let along = format!("Points of the curves: {}.", cases.join("; "));
-    if along.len() <= LONGEST_NOTE {
-        notes.push(along);
-    }
-    if !others.is_empty() {
-        notes.push(format!("Not shown are errors relative to {}.", others.join("; ")));
+    let mut notes = lines("Errors are relative to", &scales);
+    if cases.len() <= MOST_CASES {
+        notes.extend(lines("Points of the curves:", &cases));
     }
     if !exact.is_empty() {
-        notes.push(format!("Without any error, and so not shown: {}.", exact.join("; ")));
+        notes.extend(lines("Without any error, and so not shown:", &exact));
     }
     notes.push(format!("{}, {}", document.machine.phrase(), document.date));
     notes.push(document.provenance.line());
     Chart {
         title: format!("Accuracy of {}: speed against error", area.name()),
         x_label: format!("seconds per {}", units.join(" or ")),
-        y_label: format!("largest error, relative to {scale}"),
+        y_label: "largest error".to_owned(),
         x_scale: Scale::Log,
         y_scale: Scale::Log,
         series,
         notes,
     }
+}
+
+/// A list with what it is a list of, in as many lines as it takes.
+fn lines(of: &str, items: &[&str]) -> Vec<String> {
+    let mut lines = vec![of.to_owned()];
+    for (i, item) in items.iter().enumerate() {
+        let end = if i + 1 < items.len() { ";" } else { "." };
+        match lines.last_mut() {
+            Some(line) if line.len() + item.len() < LINE => *line += &format!(" {item}{end}"),
+            _ => lines.push(format!("{item}{end}")),
+        }
+    }
+    lines
 }
 
 /// Adds what is not there yet.
