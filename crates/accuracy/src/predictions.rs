@@ -17,13 +17,13 @@ use subjects::{CapEnergies, LobeEnergies, OfHarmonic, OfLobe, White};
 
 /// The trials of this area.
 ///
-/// - Energies are squares of coefficients that are right to `4 EPSILON (l + 1)` of the local amplitude for a cap, and of
-///   products of l ratios, each right to a rounding or two, for a lobe.
-/// - The variance of white noise is a sum of lmax terms, whose roundings go either way, and a rest that make the closed
-///   form together.
-/// - The variance of a harmonic or a lobe is a mean of squares of coefficients. Where these are wrong by a part of what
-///   white noise has, it is wrong by twice that part of the geometric mean of itself and white noise's variance: see
-///   [`of_amplitudes`].
+/// - Energies are squares of coefficients that are right to `4 EPSILON (l + 1)` of the local amplitude for a cap, and
+///   of products of l ratios, each right to a rounding or two, for a lobe.
+/// - The variance of white noise is a sum of lmax terms, whose roundings go either way, and a rest that make the
+///   closed form together.
+/// - The variance of a harmonic or a lobe is a mean of squares of coefficients. Where these are wrong by a part of
+///   what white noise has, it is wrong by twice that part of the geometric mean of itself and white noise's variance:
+///   see [`of_amplitudes`].
 pub(crate) fn trials(effort: Effort) -> Vec<Trial> {
     let (lmax, n) = match effort {
         Effort::Quick => (1000, 192),
@@ -87,8 +87,8 @@ pub(crate) fn trials(effort: Effort) -> Vec<Trial> {
     trials
 }
 
-/// Twice what low coefficients are wrong by: 24 EPSILON by the exact transform, where the points of a parallel have roundings in
-/// common, and 64 EPSILON by the fast one, the roundings of windows and grid.
+/// Twice what low coefficients are wrong by: 24 EPSILON by the exact transform, where the points of a parallel have
+/// roundings in common, and 64 EPSILON by the fast one, the roundings of windows and grid.
 fn of_amplitudes(n: usize, lmax: usize) -> f64 {
     let transform = Transform::new(Method::Auto, lmax, n, Resolution::EPSILON);
     let amplitude = if transform.is_ok_and(|t| t.is_fast()) { 64.0 } else { 24.0 };

@@ -23,8 +23,9 @@ const EPSILONS: [f64; 6] = [1e-3, 1e-5, 1e-7, 1e-9, 1e-11, 1e-13];
 ///
 /// An error of epsilon times the norm of all coefficients that is spread evenly over them moves one by epsilon of its
 /// mean size, a little more where the N of degree 0 counts. Power moves by twice that, less the root of the number of
-/// coefficients in a degree of all sets, which go either way; see [`Sets::bound`]. The power of strata is a sum of positive
-/// weights and terms, some roundings each; that of a lattice has twice the error of its amplitudes, where it is largest.
+/// coefficients in a degree of all sets, which go either way; see [`Sets::bound`]. The power of strata is a sum of
+/// positive weights and terms, some roundings each; that of a lattice has twice the error of its amplitudes, where it
+/// is largest.
 pub(crate) fn trials(effort: Effort) -> Vec<Trial> {
     let (n, lmax, count) = match effort {
         Effort::Quick => (192, 64, 4),

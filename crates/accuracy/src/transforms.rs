@@ -21,9 +21,9 @@ use subjects::{ToCoefficients, ToValues};
 
 /// The trials of this area.
 ///
-/// Bounds are the accuracy asked for, and of the exact transform [`Accuracy::bound_all_over`]. Values at points are compared one
-/// by one, the largest of them with the bound, while a transform that is right to epsilon has values right to that in
-/// the mean of squares; the largest of 40 normal numbers is 4 standard deviations once in 400 times.
+/// Bounds are the accuracy asked for, and of the exact transform [`Accuracy::bound_all_over`]. Values at points are
+/// compared one by one, the largest of them with the bound, while a transform that is right to epsilon has values
+/// right to that in the mean of squares; the largest of 40 normal numbers is 4 standard deviations once in 400 times.
 pub(crate) fn trials(effort: Effort) -> Vec<Trial> {
     let inputs = match effort {
         Effort::Quick => vec![Input::white_noise(1000, 255, 6), Input::white_noise(10_000, 127, 3)],

@@ -6,8 +6,8 @@ fn number(n: usize) -> DoubleDouble {
     DoubleDouble::from(n as f64)
 }
 
-/// The energies `E(l) = pi (P_{l-1}(c) - P_{l+1}(c))^2/(2l+1)`, l = 0 ..= lmax, of the cap of `angle`, taken as the exact
-/// number that it is; `P_{-1}` is 1.
+/// The energies `E(l) = pi (P_{l-1}(c) - P_{l+1}(c))^2/(2l+1)`, l = 0 ..= lmax, of the cap of `angle`, taken as the
+/// exact number that it is; `P_{-1}` is 1.
 ///
 /// For an angle of 1/100 of pi and more, below which the difference cancels.
 pub(super) fn of_cap(angle: f64, lmax: usize) -> Vec<DoubleDouble> {
@@ -51,8 +51,8 @@ pub(super) fn of_small_cap(angle: f64, lmax: usize) -> Vec<DoubleDouble> {
 /// A_0 = 1,   A_1 = coth(kappa) - 1/kappa,   A_{l+1} = A_{l-1} - (2l+1)/kappa A_l
 /// ```
 ///
-/// The series, all of whose terms are positive, for kappa to 200; the recurrence upwards for more: it magnifies errors by about
-/// `e^{l^2/kappa}`, so of 31 digits 16 are left to l^2 = 35 kappa.
+/// The series, all of whose terms are positive, for kappa to 200; the recurrence upwards for more: it magnifies
+/// errors by about `e^{l^2/kappa}`, so of 31 digits 16 are left to l^2 = 35 kappa.
 pub(super) fn of_lobe(kappa: f64, lmax: usize) -> Vec<DoubleDouble> {
     let ratios = if kappa <= 200.0 { by_series(kappa, lmax) } else { upwards(kappa, lmax) };
     let four_pi = DoubleDouble::from(4.0) * DoubleDouble::pi();

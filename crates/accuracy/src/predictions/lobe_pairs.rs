@@ -12,7 +12,8 @@ use crate::spectra::{dot, unit};
 ///     = C^2 sinh(r)/r,   C = kappa/(4 pi sinh kappa),   r = kappa |x + y|
 /// ```
 ///
-/// (The product of two lobes is a lobe about the sum of their axes.) In twice the working precision, for the 1 takes up to ten digits.
+/// (The product of two lobes is a lobe about the sum of their axes.) In twice the working precision, for the 1 takes
+/// up to ten digits.
 pub(super) fn variance(points: &[DVec3], kappa: f64) -> DoubleDouble {
     let units: Vec<_> = points.iter().map(|p| unit(*p)).collect();
     let two = DoubleDouble::from(2.0);

@@ -23,8 +23,8 @@ pub(crate) fn hard_cases() -> Vec<HardCase> {
         power(
             "power_of_1e_minus_20_at_epsilon_1e_minus_6",
             2.0 * f64::from(f32::EPSILON),
-            "2 a sqrt(P) + a^2 where amplitudes are wrong by a, here 2 EPSILON of the f32 grid: power below a^2 = 6e-14 \
-             is not seen",
+            "2 a sqrt(P) + a^2 where amplitudes are wrong by a, here 2 EPSILON of the f32 grid: power below \
+             a^2 = 6e-14 is not seen",
             || errors_of_power(Some(1e-6)),
         ),
         power(

@@ -14,8 +14,8 @@ pub(crate) fn dot(a: [DoubleDouble; 3], b: [DoubleDouble; 3]) -> DoubleDouble {
 
 /// The Legendre polynomials `P_0(x), P_1(x), ...`, without end.
 ///
-/// `(l + 1) P_{l+1} = (2l + 1) x P_l - l P_{l-1}`; near x = 1 and -1 it loses a factor of about l^2, which leaves 25 digits
-/// at degrees of some hundreds.
+/// `(l + 1) P_{l+1} = (2l + 1) x P_l - l P_{l-1}`; near x = 1 and -1 it loses a factor of about l^2, which leaves 25
+/// digits at degrees of some hundreds.
 pub(crate) fn legendre(x: DoubleDouble) -> impl Iterator<Item = DoubleDouble> {
     let (mut below, mut value) = (DoubleDouble::ZERO, DoubleDouble::ONE);
     (0_u64..).map(move |l| {

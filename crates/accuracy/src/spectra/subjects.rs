@@ -38,8 +38,9 @@ impl Sets {
         self.count * self.sampler.n_points() as u64
     }
 
-    /// `12 epsilon sqrt(1 + N/(lmax + 1)^2)/sqrt(lmax n_sets)`, six times what errors that are spread evenly have in the middle
-    /// degree, for those of windows are largest at the last; and the roundings of sums over orders. The exact transform's epsilon is `EPSILON (lmax + 32)`.
+    /// `12 epsilon sqrt(1 + N/(lmax + 1)^2)/sqrt(lmax n_sets)`, six times what errors that are spread evenly have in
+    /// the middle degree, for those of windows are largest at the last; and the roundings of sums over orders. The
+    /// exact transform's epsilon is `EPSILON (lmax + 32)`.
     pub(super) fn bound(&self, epsilon: Option<f64>) -> f64 {
         let degrees = self.lmax as f64 + 1.0;
         let epsilon = epsilon.unwrap_or(f64::EPSILON * (degrees + 31.0));

@@ -46,8 +46,8 @@ impl Mul for Complex {
 
 /// A weighted set of points by the colatitudes that they have in common.
 ///
-/// The definition of the transforms, `a_lm = sum_k w_k conj Y_lm(x_k)`, term by term in twice the working precision. Points
-/// are directions: vectors are brought to length 1 in that precision.
+/// The definition of the transforms, `a_lm = sum_k w_k conj Y_lm(x_k)`, term by term in twice the working precision.
+/// Points are directions: vectors are brought to length 1 in that precision.
 #[derive(Debug)]
 pub(crate) struct Definition {
     rings: Vec<Ring>,

@@ -44,9 +44,9 @@ impl Accuracy {
 
     /// What the error of coefficients, relative to the norm of all, must not exceed.
     ///
-    /// Exact coefficients of points at one place have an error from `e^{-i phi}`, which is right to some 2/3 EPSILON, and
-    /// its power m to m times that; from the Legendre function of degree l, to a part of l EPSILON; and from sums and
-    /// constants. Those of points all over the sphere go either way.
+    /// Exact coefficients of points at one place have an error from `e^{-i phi}`, which is right to some 2/3 EPSILON,
+    /// and its power m to m times that; from the Legendre function of degree l, to a part of l EPSILON; and from sums
+    /// and constants. Those of points all over the sphere go either way.
     pub(super) fn bound(self, lmax: usize) -> f64 {
         match self {
             Self::Exact => f64::EPSILON * (lmax as f64 + 32.0),
