@@ -23,6 +23,8 @@ mod tests {
         for _ in 0..1000 {
             add_with_rests(&mut sums, &mut rests, &[2f64.powi(-60), 0.5]);
         }
-        assert!(sums == [1.0, 500.0] && rests == [1000.0 * 2f64.powi(-60), 0.0], "{rests:?}");
+        let bits = |numbers: [f64; 2]| numbers.map(f64::to_bits);
+        assert_eq!(bits(sums), bits([1.0, 500.0]), "{sums:?}");
+        assert_eq!(bits(rests), bits([1000.0 * 2f64.powi(-60), 0.0]), "{rests:?}");
     }
 }
