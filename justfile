@@ -16,9 +16,9 @@ test:
 bench *ARGS:
     cargo bench --workspace {{ARGS}}
 
-# The accuracy of the Legendre functions against the 25-digit table.
-legendre-accuracy:
-    cargo run --release -p sphvar-sh --example accuracy
+# Measured errors beside speed, and the hard cases: `just accuracy --quick harmonics`.
+accuracy *ARGS:
+    cargo run --release -- accuracy {{ARGS}}
 
 # The fast transform beside ducc0, in one run.
 peers *ARGS:

@@ -7,7 +7,7 @@ from decimal import Decimal, getcontext
 
 from environment import ROOT, Driver, in_turn, stopwatch
 
-TABLE = ROOT / "crates" / "sh" / "tests" / "data" / "associated_legendre.csv"
+TABLE = ROOT / "crates" / "reference" / "data" / "associated_legendre.csv"
 SEED = 20240919
 EPSILON = 2.0**-52
 # What sphvar promises, in units of epsilon (l + 1) times the local amplitude.

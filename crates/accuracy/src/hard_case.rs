@@ -1,4 +1,4 @@
-use crate::Errors;
+use crate::{Area, Errors, harmonics, indexing, predictions, spectra, transforms};
 
 /// An input at the edge of what numbers can hold, and the bound that the error keeps there.
 #[derive(Clone, Copy, Debug)]
@@ -15,8 +15,14 @@ pub struct HardCase {
     pub measure: fn() -> Errors,
 }
 
-/// Every hard case.
+/// The hard cases of an area.
 #[must_use]
-pub fn hard_cases() -> Vec<HardCase> {
-    Vec::new()
+pub fn hard_cases(area: Area) -> Vec<HardCase> {
+    match area {
+        Area::Harmonics => harmonics::hard_cases(),
+        Area::Indexing => indexing::hard_cases(),
+        Area::Transforms => transforms::hard_cases(),
+        Area::Spectra => spectra::hard_cases(),
+        Area::Predictions => predictions::hard_cases(),
+    }
 }

@@ -1,6 +1,6 @@
 use std::fmt;
 
-use crate::{Area, Errors};
+use crate::{Area, Errors, harmonics, indexing, predictions, spectra, transforms};
 
 /// How much work a suite may be.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -55,10 +55,11 @@ impl fmt::Debug for Trial {
 /// The trials of an area.
 #[must_use]
 pub fn trials(area: Area, effort: Effort) -> Vec<Trial> {
-    let _ = effort;
     match area {
-        Area::Harmonics | Area::Indexing | Area::Transforms | Area::Spectra | Area::Predictions => {
-            Vec::new()
-        }
+        Area::Harmonics => harmonics::trials(effort),
+        Area::Indexing => indexing::trials(effort),
+        Area::Transforms => transforms::trials(effort),
+        Area::Spectra => spectra::trials(effort),
+        Area::Predictions => predictions::trials(effort),
     }
 }

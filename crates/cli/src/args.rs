@@ -3,8 +3,8 @@
 use clap::{Parser, Subcommand};
 
 use crate::commands::{
-    audit, bounds, choose, compare, eval, healpix, merge, render, reproduce, sample, spectrum,
-    variance,
+    accuracy, audit, bounds, choose, compare, eval, healpix, merge, render, reproduce, sample,
+    spectrum, variance,
 };
 use crate::global::Global;
 
@@ -57,4 +57,7 @@ pub(crate) enum Command {
     /// Evaluate a Legendre function, a harmonic, the spectrum of a cap, or a profile
     #[command(after_help = eval::EXAMPLES)]
     Eval(eval::EvalArgs),
+    /// Measured errors beside speed, and inputs at the edge of what numbers can hold
+    #[command(after_help = accuracy::EXAMPLES)]
+    Accuracy(accuracy::AccuracyArgs),
 }

@@ -59,6 +59,7 @@ fn run(cli: Cli) -> Result<(), CliError> {
         Command::Render(args) => commands::render::run(&args, &cli.global),
         Command::Reproduce(args) => commands::reproduce::run(&args, &cli.global),
         Command::Healpix(args) => commands::healpix::run(&args, &cli.global),
+        Command::Accuracy(args) => commands::accuracy::run(&args, &cli.global),
         Command::Eval(args) => commands::eval::run(&args, &cli.global),
     }
 }

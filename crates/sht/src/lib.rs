@@ -47,6 +47,7 @@ mod exact;
 mod fast;
 mod generators;
 mod legendre;
+mod long_sum;
 mod magnitude;
 mod polynomial;
 mod real;

@@ -1,6 +1,7 @@
 use pulp::{Arch, Simd, WithSimd};
 
 use crate::cells::{Cell, Cells, Locator, TILE_COLUMNS, TILE_ROWS};
+use crate::long_sum::{SHORT, add_with_rests};
 use crate::real::Real;
 use crate::window::{MAX_WIDTH, WindowTable};
 
@@ -95,18 +96,22 @@ impl<T: Real> ByWidth for Spread<'_, T> {
                 spreading.add::<P, FUSED>(tile, [0, 0], stride, grid);
                 continue;
             }
-            // In a long sum every rounding may fall to the same side: short ones first.
+            // In a long sum every rounding may fall to the same side: short ones first, and short sums of those.
             let [row, column] = [tile[0].row as usize, tile[0].column as usize];
             let origin = [row / TILE_ROWS * TILE_ROWS, column / TILE_COLUMNS * TILE_COLUMNS];
             let n_rows = TILE_ROWS + spreading.table.width();
             let mut sums: Patch<f64> = [0.0; _];
-            let mut part: Patch<T> = [T::default(); _];
-            let part = &mut part[..n_rows * TILE_STRIDE];
-            for points in tile.chunks(spreading.run) {
-                part.fill(T::default());
-                spreading.add::<P, FUSED>(points, origin, TILE_STRIDE, part);
-                for (sum, part) in sums.iter_mut().zip(&*part) {
-                    *sum += part.to_f64();
+            let mut blocks = tile.chunks(spreading.run * SHORT);
+            spreading.add_in_runs::<P, FUSED>(blocks.next().unwrap_or(&[]), origin, &mut sums);
+            if blocks.len() > 0 {
+                let mut rests: Patch<f64> = [0.0; _];
+                for block in blocks {
+                    let mut more: Patch<f64> = [0.0; _];
+                    spreading.add_in_runs::<P, FUSED>(block, origin, &mut more);
+                    add_with_rests(&mut sums, &mut rests, &more);
+                }
+                for (sum, rest) in sums.iter_mut().zip(&rests) {
+                    *sum += rest;
                 }
             }
             let lines = grid.chunks_exact_mut(stride).skip(origin[0]);
@@ -120,6 +125,25 @@ impl<T: Real> ByWidth for Spread<'_, T> {
 }
 
 impl<T: Real> Spreading<T> {
+    /// Adds points to the patch of the grid that begins at `origin`, as many at a time as does not show.
+    #[inline(always)]
+    fn add_in_runs<const P: usize, const FUSED: bool>(
+        &self,
+        points: &[Cell<T>],
+        origin: [usize; 2],
+        sums: &mut Patch<f64>,
+    ) {
+        let mut part: Patch<T> = [T::default(); _];
+        let part = &mut part[..(TILE_ROWS + self.table.width()) * TILE_STRIDE];
+        for points in points.chunks(self.run) {
+            part.fill(T::default());
+            self.add::<P, FUSED>(points, origin, TILE_STRIDE, part);
+            for (sum, part) in sums.iter_mut().zip(&*part) {
+                *sum += part.to_f64();
+            }
+        }
+    }
+
     /// Adds points to the part of the grid that begins at `origin`.
     #[inline(always)]
     fn add<const P: usize, const FUSED: bool>(

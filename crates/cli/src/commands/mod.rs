@@ -1,5 +1,6 @@
 //! The subcommands, one file each.
 
+pub(crate) mod accuracy;
 pub(crate) mod audit;
 pub(crate) mod bounds;
 pub(crate) mod choose;

@@ -2,11 +2,12 @@
 
 use crate::workplace::Workplace;
 
-const SUBCOMMANDS: [&str; 11] = [
+const SUBCOMMANDS: [&str; 13] = [
     "compare",
     "choose",
     "sample",
     "spectrum",
+    "merge",
     "variance",
     "bounds",
     "audit",
@@ -14,6 +15,7 @@ const SUBCOMMANDS: [&str; 11] = [
     "reproduce",
     "healpix",
     "eval",
+    "accuracy",
 ];
 
 #[test]
@@ -44,10 +46,11 @@ fn examples_work() {
         let examples = examples.map(|l| l.split("   ").next().unwrap());
         let mut run = 0;
         for example in examples.filter(|e| {
-            // `compare` and `reproduce` are large, and so are `choose` of all samplers and reference images; some need files that
-            // a reader has.
+            // `compare` and `reproduce` are large, and so are `choose` of all samplers, `accuracy` of large inputs and
+            // reference images; some need files that a reader has.
             let large = e.starts_with("compare")
                 || e.starts_with("reproduce")
+                || (e.starts_with("accuracy") && !e.contains("--quick"))
                 || (e.starts_with("choose") && !e.contains("--samplers"))
                 || ["--mse", "--study", "--sheet"].iter().any(|flag| e.contains(flag))
                 || e.contains("-m ")

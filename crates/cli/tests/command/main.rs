@@ -1,6 +1,7 @@
 //! The command `sphvar` as a user or a script meets it: the built binary, in an empty folder of its own
 //! for every test, judged by standard output, standard error, exit status and the files it leaves.
 
+mod accuracy;
 mod audits;
 mod choices;
 mod comparison_files;

@@ -1,6 +1,5 @@
 //! Accuracy of the associated Legendre functions against values with more digits.
 
-mod double_double;
 mod oracle;
 mod reference;
 

@@ -1,12 +1,9 @@
-//! The table of 25-digit values and the comparison with it.
+//! Comparison of associated Legendre functions with the table of 25-digit values and other exact ones.
 
 use core::fmt;
 
-use sphvar_sh::{Colatitude, Scaled, lambda_scaled};
-
-use crate::double_double::DoubleDouble;
-
-const TABLE: &str = include_str!("../data/associated_legendre.csv");
+use sphvar_reference::{AcuteAngle, DoubleDouble, LegendreTable, LegendreValue, lambda};
+use sphvar_sh::{Colatitude, lambda_scaled};
 
 /// The promise of the crate, in units of `EPSILON (l + 1)` times the amplitude.
 const PROMISE: f64 = 4.0;
@@ -61,38 +58,27 @@ impl fmt::Display for Comparison {
 }
 
 /// Compares one value with an exact one.
+///
+/// The error counts relative to the amplitude of the reference, which near the poles is more than that of the degree
+/// below: both have their zeros at nearly the same place.
 pub(crate) fn compare(l: usize, m: usize, theta: f64, exact: DoubleDouble) -> Comparison {
     let c = Colatitude::from_theta(theta).unwrap();
-    let region = Region::of(l, m, c);
-    let below = if l > 0 { lambda_scaled(l - 1, m, c) } else { Scaled::ZERO };
-    let own = exact.scaled();
-    let amplitude = if region != Region::Evanescent && below.log10_abs() > own.log10_abs() {
-        below
-    } else {
-        own
-    };
-    let error = exact.excess_of(lambda_scaled(l, m, c), amplitude).abs();
+    let got = lambda_scaled(l, m, c);
+    let angle = AcuteAngle::from_theta(theta);
+    let amplitude = lambda(l as u64, m as u64, angle).amplitude;
+    let error = LegendreValue { value: exact, amplitude }
+        .error(DoubleDouble::scaled(got.mantissa, got.exponent))
+        .abs();
     Comparison {
         l,
         m,
         theta,
-        region,
+        region: Region::of(l, m, c),
         of_promise: error / (PROMISE * f64::EPSILON * (l as f64 + 1.0)),
     }
 }
 
 /// Compares every row of the table.
 pub(crate) fn compare_table() -> Vec<Comparison> {
-    let rows = TABLE.lines().filter(|line| line.starts_with(|c: char| c.is_ascii_digit()));
-    rows.map(|line| {
-        let fields: Vec<_> = line.split(',').collect();
-        let [l, m, theta, exact] = fields[..] else { panic!("four fields expected: {line}") };
-        compare(
-            l.parse().unwrap(),
-            m.parse().unwrap(),
-            theta.parse().unwrap(),
-            DoubleDouble::parse(exact),
-        )
-    })
-    .collect()
+    LegendreTable::rows().map(|row| compare(row.l, row.m, row.theta, row.value)).collect()
 }

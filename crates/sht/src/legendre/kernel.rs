@@ -7,6 +7,7 @@ use sphvar_sh::Alm;
 use super::lanes::{Group, ValueRange};
 use super::order::{Factors, SPAN, Segment, Step};
 use super::{Anchor, FUNCTIONS, Lanes, Order, PARTS, RINGS};
+use crate::long_sum::{SHORT, add_with_rests};
 
 /// Values of the recurrence: by n within a segment, and ring.
 type Tile = [[f64; RINGS]; SPAN];
@@ -44,6 +45,36 @@ pub(crate) struct Synthesis<'a> {
 pub(crate) struct Columns {
     by_lane: [Vec<f64>; 2],
     by_degree: [Vec<f64>; 2],
+    long: LongSums,
+}
+
+/// The sums over rings where these are more than a short sum takes.
+#[derive(Clone, Debug, Default)]
+struct LongSums {
+    sums: Vec<f64>,
+    rests: Vec<f64>,
+}
+
+impl LongSums {
+    fn clear(&mut self, len: usize) {
+        for column in [&mut self.sums, &mut self.rests] {
+            column.clear();
+            column.resize(len, 0.0);
+        }
+    }
+
+    /// Takes in short sums and leaves zeros: in a long sum every rounding may fall to the same side.
+    #[inline(always)]
+    fn take(&mut self, short: &mut [f64]) {
+        add_with_rests(&mut self.sums, &mut self.rests, short);
+        short.fill(0.0);
+    }
+
+    fn write(&self, out: &mut [f64]) {
+        for (out, (sum, rest)) in out.iter_mut().zip(self.sums.iter().zip(&self.rests)) {
+            *out = sum + rest;
+        }
+    }
 }
 
 impl Adjoint<'_> {
@@ -80,7 +111,8 @@ impl WithSimd for Adjoint<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        let Self { lanes, order, m, values, scratch: Columns { by_lane, by_degree }, outs } = self;
+        let Self { lanes, order, m, values, scratch, outs } = self;
+        let Columns { by_lane, by_degree, long } = scratch;
         let n_columns = n_columns(outs.len());
         lanes.gather(values, n_columns, by_lane);
         for (anchor, (terms, sums)) in
@@ -88,13 +120,28 @@ impl WithSimd for Adjoint<'_> {
         {
             sums.clear();
             sums.resize((order.len() + ROWS) * n_columns, 0.0);
-            let product = Product { group: lanes.group(anchor), order, anchor, m };
-            match n_columns / S::F64_LANES {
-                1 => product.adjoint::<S, 1, 8>(simd, terms, sums),
-                2 => product.adjoint::<S, 2, 8>(simd, terms, sums),
-                4 => product.adjoint::<S, 4, 2>(simd, terms, sums),
-                8 => product.adjoint::<S, 8, 2>(simd, terms, sums),
-                _ => product.adjoint::<S, 16, 1>(simd, terms, sums),
+            let group = lanes.group(anchor);
+            let product = Product { group, order, anchor, m };
+            let active = group.active(m);
+            let n_parts = active.div_ceil(RINGS * SHORT);
+            if n_parts > 1 {
+                long.clear(sums.len());
+            }
+            for first in (0..n_parts).rev().map(|part| part * RINGS * SHORT) {
+                let lanes = first..active.min(first + RINGS * SHORT);
+                match n_columns / S::F64_LANES {
+                    1 => product.adjoint::<S, 1, 8>(simd, lanes, terms, sums),
+                    2 => product.adjoint::<S, 2, 8>(simd, lanes, terms, sums),
+                    4 => product.adjoint::<S, 4, 2>(simd, lanes, terms, sums),
+                    8 => product.adjoint::<S, 8, 2>(simd, lanes, terms, sums),
+                    _ => product.adjoint::<S, 16, 1>(simd, lanes, terms, sums),
+                }
+                if n_parts > 1 {
+                    long.take(sums);
+                }
+            }
+            if n_parts > 1 {
+                long.write(sums);
             }
         }
         for (function, out) in outs.iter_mut().enumerate() {
@@ -108,7 +155,8 @@ impl WithSimd for Synthesis<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        let Self { lanes, order, m, alms, scratch: Columns { by_lane, by_degree }, values } = self;
+        let Self { lanes, order, m, alms, scratch, values } = self;
+        let Columns { by_lane, by_degree, .. } = scratch;
         let n_columns = n_columns(alms.len());
         for terms in &mut *by_degree {
             terms.clear();
@@ -147,20 +195,21 @@ struct Product<'a> {
 }
 
 impl Product<'_> {
-    /// Adds `sum_r v_n(r) terms[r][c]` to `sums[n][c]`, for `N` degrees at a time.
+    /// Adds `sum_r v_n(r) terms[r][c]` over some of the lanes, from a multiple of `RINGS` on, to `sums[n][c]`, for `N`
+    /// degrees at a time.
     #[inline(always)]
     fn adjoint<S: Simd, const V: usize, const N: usize>(
         self,
         simd: S,
+        lanes: Range<usize>,
         terms: &[f64],
         sums: &mut [f64],
     ) {
         let (terms, _) = S::as_simd_f64s(terms);
         let (sums, _) = S::as_mut_simd_f64s(sums);
-        let active = self.group.active(self.m);
         let mut tile: Tile = [[0.0; RINGS]; SPAN];
-        for first in (0..active).step_by(RINGS).rev() {
-            let count = RINGS.min(active - first);
+        for first in lanes.clone().step_by(RINGS).rev() {
+            let count = RINGS.min(lanes.end - first);
             let terms = terms[first * V..(first + count) * V].as_chunks::<V>().0;
             self.walk(simd, first..first + count, &mut tile, &mut |simd, n, tile| {
                 let padded = n.len().next_multiple_of(ROWS);

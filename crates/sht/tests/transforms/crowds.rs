@@ -61,3 +61,27 @@ fn crowds_of_distinct_points() {
         .collect();
     assert!(misses.is_empty(), "{} misses:\n{}", misses.len(), misses.join("\n"));
 }
+
+#[test]
+fn a_million_points_at_one_place() {
+    // All roundings of a plain sum fall to one side here, 1e-19 of it for each point.
+    const MILLION: usize = 1_000_000;
+    const DEGREE: usize = 16;
+    for place in [DVec3::new(-0.6, 0.0, 0.8), DVec3::new(0.36, -0.48, 0.8)] {
+        let expected = scaled(&Definition::new(&[place]).adjoint(None, DEGREE), MILLION as f64);
+        let points = vec![place; MILLION];
+        let exact = ExactTransform::new(DEGREE).unwrap().adjoint(&points, None).unwrap();
+        let mut results = vec![("exact", rounding(DEGREE), exact)];
+        let mut workspace = FastWorkspace::default();
+        for epsilon in [1e-5, 5e-7, 1e-9, 1e-13] {
+            let mut alm = Alm::zeros(DEGREE).unwrap();
+            let plan = FastTransform::new(DEGREE, epsilon).unwrap();
+            plan.adjoint_into(&points, None, &mut workspace, &mut alm);
+            results.push(("fast", epsilon, alm));
+        }
+        for (method, epsilon, alm) in results {
+            let error = distance(&alm, &expected) / norm(&expected);
+            assert!(error <= epsilon, "{place}, {method} {epsilon:e}: {error:e}");
+        }
+    }
+}

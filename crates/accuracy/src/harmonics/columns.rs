@@ -1,0 +1,90 @@
+use sphvar_reference::{AcuteAngle, LegendreColumn};
+use sphvar_sh::{Colatitude, LegendrePlan, Recurrence};
+
+use super::{COLATITUDES, TWICE, orders, promise, trial};
+use crate::{Errors, Subject, Trial};
+
+/// All degrees of an order at once, with the coefficients made on the way and with those at hand.
+pub(super) fn trials(lmax: usize) -> Vec<Trial> {
+    // A column of order lmax has one value: the orders in between say more.
+    let [zero, one, half, ..] = orders(lmax);
+    let orders = [zero, one, half, lmax - lmax / 4];
+    let places: Vec<_> = COLATITUDES
+        .into_iter()
+        .filter_map(|theta| Some((theta, Colatitude::from_theta(theta).ok()?)))
+        .collect();
+    let columns = Columns { lmax, orders: orders.to_vec(), places, out: Vec::new() };
+    let count = columns.len();
+    let recurrences = orders.map(|m| Recurrence::new(m, lmax)).to_vec();
+    let mut trials = Vec::new();
+    let mut add = |method, columns: Columns, fill: Fill| {
+        let subject = Filled { columns: Columns { out: vec![0.0; count], ..columns }, fill };
+        trials.push(trial(method, format!("l to {lmax}"), count, promise(lmax), TWICE, subject));
+    };
+    // Every degree used here is in range.
+    if let Ok(plan) = LegendrePlan::new(lmax) {
+        add("LegendrePlan", columns.clone(), Fill::Plan(plan));
+    }
+    add("Recurrence", columns, Fill::Recurrences(recurrences));
+    trials
+}
+
+/// Columns of several orders at several colatitudes.
+#[derive(Clone)]
+struct Columns {
+    lmax: usize,
+    orders: Vec<usize>,
+    places: Vec<(f64, Colatitude)>,
+    /// Order after order, in each colatitude after colatitude, in each degree after degree.
+    out: Vec<f64>,
+}
+
+impl Columns {
+    fn len(&self) -> usize {
+        self.orders.iter().map(|m| (self.lmax + 1 - m) * self.places.len()).sum()
+    }
+}
+
+enum Fill {
+    Plan(LegendrePlan),
+    /// One for each order.
+    Recurrences(Vec<Recurrence>),
+}
+
+struct Filled {
+    columns: Columns,
+    fill: Fill,
+}
+
+impl Subject for Filled {
+    fn run(&mut self) {
+        let Columns { lmax, orders, places, out } = &mut self.columns;
+        let mut rest = &mut out[..];
+        for (i, &m) in orders.iter().enumerate() {
+            for &(_, colatitude) in &*places {
+                let (column, after) = rest.split_at_mut(*lmax + 1 - m);
+                match &self.fill {
+                    Fill::Plan(plan) => plan.column_into(m, colatitude, column),
+                    Fill::Recurrences(all) => all[i].column_into(colatitude, column),
+                }
+                rest = after;
+            }
+        }
+    }
+
+    fn errors(&mut self) -> Errors {
+        let Columns { lmax, orders, places, out } = &self.columns;
+        let mut errors = Errors::default();
+        let mut values = out.iter();
+        for &m in orders {
+            for &(theta, _) in places {
+                let exact = LegendreColumn::new(m as u64, AcuteAngle::from_theta(theta));
+                for ((l, exact), &got) in (m..=*lmax).zip(exact).zip(values.by_ref()) {
+                    let error = exact.error_in_f64(got);
+                    errors.push(error, || format!("l = {l}, m = {m}, theta = {theta:?}"));
+                }
+            }
+        }
+        errors
+    }
+}

@@ -1,0 +1,119 @@
+//! Energies of integrands and predicted variances.
+
+mod energies;
+mod hard;
+mod lobe_pairs;
+mod subjects;
+
+use sphvar_samplers::Pattern;
+use sphvar_sht::{Method, Transform};
+use sphvar_spectrum::Resolution;
+use sphvar_variance::{Cap, VonMisesFisher};
+
+pub(crate) use hard::hard_cases;
+
+use crate::{Area, Effort, Subject, Trial};
+use subjects::{CapEnergies, LobeEnergies, OfHarmonic, OfLobe, White};
+
+/// The trials of this area.
+///
+/// - Energies are squares of coefficients that are right to `4 EPSILON (l + 1)` of the local amplitude for a cap, and
+///   of products of l ratios, each right to a rounding or two, for a lobe.
+/// - The variance of white noise is a sum of lmax terms, whose roundings go either way, and a rest that make the
+///   closed form together.
+/// - The variance of a harmonic or a lobe is a mean of squares of coefficients. Where these are wrong by a part of
+///   what white noise has, it is wrong by twice that part of the geometric mean of itself and white noise's variance:
+///   see [`of_amplitudes`].
+pub(crate) fn trials(effort: Effort) -> Vec<Trial> {
+    let (lmax, n) = match effort {
+        Effort::Quick => (1000, 192),
+        Effort::Full => (20_000, 432),
+    };
+    let cap = |degrees| Cap::from_degrees(degrees).expect("an angle in range");
+    let lobe = |kappa| VonMisesFisher::new(kappa).expect("a concentration in range");
+    let mut trials = Vec::new();
+    for degrees in [1.0, 60.0, 179.0] {
+        let case = format!("cap of {degrees} degrees, lmax = {lmax}");
+        let subject = Box::new(CapEnergies::new(cap(degrees), lmax));
+        trials.push(Trial {
+            unit: "degrees",
+            count: lmax as f64 + 1.0,
+            relative_to: "(l + 1) times the larger energy of two degrees",
+            ..trial("energies", case, 8.0 * f64::EPSILON, RECURRENCE, subject)
+        });
+    }
+    // To where energies are 1e-16 of the largest, or nearly.
+    for (kappa, lmax) in [(1.0, 20_u32), (100.0, 80), (1e4, 500)] {
+        let case = format!("von Mises-Fisher lobe, kappa = {kappa:e}, lmax = {lmax}");
+        let subject = Box::new(LobeEnergies::new(lobe(kappa), kappa, lmax as usize));
+        trials.push(Trial {
+            unit: "degrees",
+            count: f64::from(lmax) + 1.0,
+            relative_to: "(l + 1) times the energy",
+            ..trial("energies", case, 8.0 * f64::EPSILON, RECURRENCE, subject)
+        });
+    }
+    for lmax in [4_u32, 64, 1000] {
+        let case = format!("white noise, cap of 60 degrees, lmax = {lmax}");
+        let subject = Box::new(White::new(cap(60.0), 1000, lmax as usize));
+        let bound = f64::EPSILON * (2.0 + f64::from(lmax).sqrt());
+        trials.push(trial("white noise", case, bound, "3 pi^2/N", subject));
+    }
+    for pattern in [Pattern::WhiteNoise, Pattern::Fibonacci, Pattern::Healpix] {
+        let method = if pattern == Pattern::WhiteNoise { "white noise" } else { "lattice" };
+        let case = format!("{n} {}, Y_40", pattern.name());
+        let subject = Box::new(OfHarmonic::new(pattern, n));
+        trials.push(Trial {
+            relative_to: OF_BOTH,
+            ..trial(method, case, of_amplitudes(n, 4), "Legendre polynomials of all pairs", subject)
+        });
+    }
+    for kappa in [1.0, 10.0, 100.0] {
+        for (method, pattern) in [
+            ("lattice", Pattern::Fibonacci),
+            ("lattice", Pattern::Healpix),
+            ("realizations", Pattern::Jittered),
+            ("realizations", Pattern::WhiteNoise),
+        ] {
+            let subject = Box::new(OfLobe::new(&pattern, n, kappa));
+            let case = format!("{n} {}, lobe of kappa = {kappa}", pattern.name());
+            let bound = of_amplitudes(n, subject.degree());
+            trials.push(Trial {
+                relative_to: OF_BOTH,
+                ..trial(method, case, bound, "closed form for all pairs", subject)
+            });
+        }
+    }
+    trials
+}
+
+/// Twice what low coefficients are wrong by: 24 EPSILON by the exact transform, where the points of a parallel have
+/// roundings in common, and 64 EPSILON by the fast one, the roundings of windows and grid.
+fn of_amplitudes(n: usize, lmax: usize) -> f64 {
+    let transform = Transform::new(Method::Auto, lmax, n, Resolution::EPSILON);
+    let amplitude = if transform.is_ok_and(|t| t.is_fast()) { 64.0 } else { 24.0 };
+    2.0 * amplitude * f64::EPSILON
+}
+
+const OF_BOTH: &str = "the geometric mean of the variance and that of white noise";
+const RECURRENCE: &str = "recurrences and series in twice the precision";
+
+fn trial(
+    method: &str,
+    case: String,
+    bound: f64,
+    reference: &'static str,
+    subject: Box<dyn Subject>,
+) -> Trial {
+    Trial {
+        area: Area::Predictions,
+        method: method.to_owned(),
+        case,
+        count: 1.0,
+        unit: "predictions",
+        relative_to: "the variance",
+        bound,
+        reference,
+        subject,
+    }
+}

@@ -1,0 +1,108 @@
+use std::f64::consts::PI;
+
+use sphvar_reference::DoubleDouble;
+use sphvar_samplers::Domain;
+use sphvar_spectrum::Spectrum;
+use sphvar_variance::{Cap, Energy, Integrand, VonMisesFisher, predict};
+
+use super::energies;
+use super::subjects::errors_of;
+use crate::{Errors, HardCase};
+
+/// The hard cases of this area.
+pub(crate) fn hard_cases() -> Vec<HardCase> {
+    vec![
+        HardCase {
+            name: "a_cap_of_a_millionth_of_a_degree",
+            what: "energies to degree 100000, relative to (l + 1) times the energy; its area, its variance",
+            bound: 4.0 * f64::EPSILON,
+            reason: "the coefficient of degree l has a few roundings and those of l steps of a recurrence, \
+                     which cancels nothing",
+            measure: tiny_cap,
+        },
+        HardCase {
+            name: "a_cap_of_180_degrees",
+            what: "the area and the energies to degree 1000 of the whole sphere over 4 pi, and its variance",
+            bound: 2.0 * f64::EPSILON,
+            reason: "no energy but that of degree 0, so nothing varies: exactly 0",
+            measure: whole_sphere,
+        },
+        HardCase {
+            name: "von_mises_fisher_of_kappa_1e6",
+            what: "energies to degree 6000, where they are 1e-15 of the largest, relative to (l + 1) times the energy; \
+                   their sum, relative to the total",
+            bound: 4.0 * f64::EPSILON,
+            reason: "a product of l ratios, each right to a rounding or two, squared",
+            measure: narrow_lobe,
+        },
+    ]
+}
+
+fn relative(got: f64, exact: DoubleDouble) -> f64 {
+    ((DoubleDouble::from(got) - exact) / exact).value()
+}
+
+/// Takes in errors under their worst name.
+fn push_worst(errors: &mut Errors, more: &Errors) {
+    errors.push(more.max(), || more.worst().to_owned());
+}
+
+fn tiny_cap() -> Errors {
+    const LMAX: usize = 100_000;
+    const N: usize = 1000;
+    let cap = Cap::from_degrees(1e-6).expect("an angle in range");
+    let exact = energies::of_small_cap(cap.angle(), LMAX);
+    let energy = cap.energy(Domain::Sphere, LMAX).unwrap_or_else(|_| nothing());
+    let mut errors = Errors::default();
+    push_worst(&mut errors, &errors_of(&energy, &exact, |l| exact[l].value()));
+    // 4 pi E(0) = A^2, and the variance of white noise (4 pi A - A^2)/N.
+    let four_pi = DoubleDouble::from(4.0) * DoubleDouble::pi();
+    let area = (four_pi * exact[0]).sqrt();
+    let got = cap.exact(Domain::Sphere).unwrap_or(f64::NAN);
+    errors.push(relative(got, area), || "the area".to_owned());
+    let white = Spectrum::exact(Domain::Sphere, N, vec![1.0; 200]);
+    let variance = (four_pi - area) * area / DoubleDouble::from(N as f64);
+    let got = predict(&white, &energy).variance;
+    errors.push(relative(got, variance), || "the variance with white noise".to_owned());
+    errors
+}
+
+/// What stands for energies that could not be had: no bound holds for it.
+fn nothing() -> Energy {
+    Energy::new(Domain::Sphere, vec![f64::NAN], f64::NAN)
+}
+
+fn whole_sphere() -> Errors {
+    let cap = Cap::from_degrees(180.0).expect("an angle in range");
+    let energy = cap.energy(Domain::Sphere, 1000).unwrap_or_else(|_| nothing());
+    let mut errors = Errors::default();
+    let four_pi = 4.0 * PI;
+    for (name, got) in [
+        ("the integral", cap.exact(Domain::Sphere).unwrap_or(f64::NAN)),
+        ("the square", energy.total()),
+        ("the energy of degree 0", energy.per_degree()[0]),
+    ] {
+        errors.push(got / four_pi - 1.0, || name.to_owned());
+    }
+    for (l, e) in energy.per_degree().iter().enumerate().skip(1) {
+        errors.push(e / four_pi, || format!("the energy of l = {l}"));
+    }
+    let white = Spectrum::exact(Domain::Sphere, 1, vec![1.0; 1001]);
+    errors.push(predict(&white, &energy).variance, || "the variance".to_owned());
+    errors
+}
+
+fn narrow_lobe() -> Errors {
+    const LMAX: usize = 6000;
+    let kappa = VonMisesFisher::MAX_KAPPA;
+    let lobe = VonMisesFisher::new(kappa).expect("the largest concentration");
+    let exact = energies::of_lobe(kappa, LMAX);
+    let energy = lobe.energy(Domain::Sphere, LMAX).unwrap_or_else(|_| nothing());
+    let mut errors = Errors::default();
+    push_worst(&mut errors, &errors_of(&energy, &exact, |l| exact[l].value()));
+    // int f^2 = kappa/(4 pi) coth(kappa), and e^{-2 kappa} is nothing.
+    let four_pi = DoubleDouble::from(4.0) * DoubleDouble::pi();
+    let total = DoubleDouble::from(kappa) / four_pi;
+    errors.push(relative(energy.total(), total), || "the total".to_owned());
+    errors
+}

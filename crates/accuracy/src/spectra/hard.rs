@@ -1,0 +1,99 @@
+use std::f64::consts::PI;
+
+use glam::DVec3;
+use sphvar_reference::DoubleDouble;
+use sphvar_samplers::{Domain, Pattern, Purpose, SpectralControl, Streams};
+use sphvar_sh::Alm;
+use sphvar_sht::{Method, Transform, TransformWorkspace};
+
+use super::{legendre_sums, merging};
+use crate::{Errors, HardCase};
+
+/// The hard cases of this area.
+pub(crate) fn hard_cases() -> Vec<HardCase> {
+    let power = |name, amplitude: f64, reason, measure| HardCase {
+        name,
+        what: "the power of degrees 1 to 8 of 100 points that have 1e-20 of it there, from a transform to degree 40; \
+               absolute",
+        bound: amplitude * (2.0 * POWER.sqrt() + amplitude),
+        reason,
+        measure,
+    };
+    vec![
+        power(
+            "power_of_1e_minus_20_at_epsilon_1e_minus_6",
+            2.0 * f64::from(f32::EPSILON),
+            "2 a sqrt(P) + a^2 where amplitudes are wrong by a, here 2 EPSILON of the f32 grid: power below \
+             a^2 = 6e-14 is not seen",
+            || errors_of_power(Some(1e-6)),
+        ),
+        power(
+            "power_of_1e_minus_20_at_epsilon_1e_minus_9",
+            3e-13,
+            "2 a sqrt(P) + a^2 where amplitudes are wrong by a, here 3e-4 of epsilon: windows err at the highest \
+             degrees, and the lowest see little of it",
+            || errors_of_power(Some(1e-9)),
+        ),
+        power(
+            "power_of_1e_minus_20_at_epsilon_1e_minus_12",
+            128.0 * f64::EPSILON,
+            "2 a sqrt(P) + a^2 where amplitudes are wrong by a, here 128 EPSILON, the roundings of windows and grid",
+            || errors_of_power(Some(1e-12)),
+        ),
+        power(
+            "power_of_1e_minus_20_by_the_exact_transform",
+            4.0 * f64::EPSILON,
+            "2 a sqrt(P) + a^2 where amplitudes are wrong by a, here 4 EPSILON: the roundings of single points, which \
+             go either way",
+            || errors_of_power(None),
+        ),
+        HardCase {
+            name: "realizations_merged_in_any_order",
+            what: "mean and variance of 10^5 numbers merged in random trees, and the spectrum of 10^5 realizations; \
+                   relative, and infinite if a bit depends on the order",
+            bound: 1.5 * f64::EPSILON,
+            reason: "the sums are exact: they are known to one unit in the last place, and a quotient is rounded",
+            measure: merging::errors,
+        },
+    ]
+}
+
+const N: usize = 100;
+/// The degree by which the spectrum of so many points has settled.
+const LMAX: usize = 40;
+/// The degrees that are looked at.
+const LAST: usize = 8;
+/// The power that the set has, about.
+const POWER: f64 = 1e-20;
+/// A set without power to degree 9 whose points are moved by about 1e-11.
+fn nearly_a_design() -> Vec<DVec3> {
+    let design = SpectralControl::step(N, Domain::Sphere, 1.0, None).expect("a step of 100 points");
+    let mut rng = Streams::new(0, Purpose::Pattern, N).realization(0);
+    let points = sphvar_samplers::Sampler::sample(&design, &mut rng).expect("the descent arrives");
+    let mut rng = Streams::new(0, Purpose::Trial, N).realization(0);
+    let noise = Pattern::WhiteNoise.build(N, Domain::Sphere).expect("any number of points");
+    let moves = noise.sample(&mut rng).expect("white noise is feasible");
+    points.iter().zip(moves).map(|(p, v)| (p + MOVE * v).normalize()).collect()
+}
+
+/// How far the points are moved: the power of degree l is about `l(l+1)/3` times the square.
+const MOVE: f64 = 3e-11;
+
+fn errors_of_power(epsilon: Option<f64>) -> Errors {
+    let points = nearly_a_design();
+    let method = if epsilon.is_some() { Method::Fast } else { Method::Exact };
+    let mut errors = Errors::default();
+    let mut alm = [Alm::zeros(LMAX).expect("a low degree")];
+    let transform = Transform::new(method, LMAX, N, epsilon.unwrap_or(0.0)).expect("a low degree");
+    transform.adjoint_batch_into(&[(&points, None)], &mut TransformWorkspace::default(), &mut alm);
+    let got = alm[0].power_per_degree();
+    let exact = legendre_sums(&points, LAST);
+    for (l, (got, exact)) in got.into_iter().zip(exact).enumerate().skip(1) {
+        let got = 4.0 * PI / N as f64 * got;
+        let error = DoubleDouble::from(got) - exact;
+        errors.push(error.value(), || {
+            format!("l = {l}: measured {got:.3e}, true {:.3e}", exact.value())
+        });
+    }
+    errors
+}

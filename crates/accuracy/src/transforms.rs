@@ -1,0 +1,73 @@
+//! Transforms of scattered points, to coefficients and back.
+//!
+//! The exact transform is measured against its definition in twice the working precision, the fast one too, whatever
+//! the accuracy that it is asked for.
+
+mod definition;
+mod hard;
+mod input;
+mod plan;
+mod points;
+mod subjects;
+
+use std::sync::Arc;
+
+pub(crate) use hard::hard_cases;
+
+use crate::{Area, Effort, Trial};
+use input::Input;
+use plan::Accuracy;
+use subjects::{ToCoefficients, ToValues};
+
+/// The trials of this area.
+///
+/// Bounds are the accuracy asked for, and of the exact transform [`Accuracy::bound_all_over`]. Values at points are
+/// compared one by one, the largest of them with the bound, while a transform that is right to epsilon has values
+/// right to that in the mean of squares; the largest of 40 normal numbers is 4 standard deviations once in 400 times.
+pub(crate) fn trials(effort: Effort) -> Vec<Trial> {
+    let inputs = match effort {
+        Effort::Quick => vec![Input::white_noise(1000, 255, 6), Input::white_noise(10_000, 127, 3)],
+        Effort::Full => vec![
+            Input::white_noise(10_000, 255, 4),
+            Input::mirrored(1_000_000, 255, 3),
+            Input::white_noise(10_000, 2000, 3),
+        ],
+    };
+    let inputs: Vec<Arc<Input>> = inputs.into_iter().map(Arc::new).collect();
+    let accuracies = || Accuracy::ladder();
+    let adjoint = inputs
+        .iter()
+        .flat_map(|input| accuracies().map(|accuracy| adjoint_trial(Arc::clone(input), accuracy)));
+    let synthesis = inputs.iter().take(1).flat_map(|input| {
+        accuracies().map(|accuracy| synthesis_trial(Arc::clone(input), accuracy))
+    });
+    adjoint.chain(synthesis).collect()
+}
+
+fn adjoint_trial(input: Arc<Input>, accuracy: Accuracy) -> Trial {
+    Trial {
+        area: Area::Transforms,
+        method: format!("{} to coefficients, {}", accuracy.kind(), input.size()),
+        case: format!("{}{}", input.name(), accuracy.words()),
+        count: input.points().len() as f64,
+        unit: "points",
+        relative_to: "the norm of all coefficients",
+        bound: accuracy.bound_all_over(input.lmax()),
+        reference: "definition in twice the precision, at some orders",
+        subject: Box::new(ToCoefficients::new(input, accuracy)),
+    }
+}
+
+fn synthesis_trial(input: Arc<Input>, accuracy: Accuracy) -> Trial {
+    Trial {
+        area: Area::Transforms,
+        method: format!("{} to values, {}", accuracy.kind(), input.size()),
+        case: format!("{}{}", input.name(), accuracy.words()),
+        count: input.points().len() as f64,
+        unit: "points",
+        relative_to: "the root mean square of the function",
+        bound: 4.0 * accuracy.bound_all_over(input.lmax()),
+        reference: "definition in twice the precision, at some points",
+        subject: Box::new(ToValues::new(input, accuracy)),
+    }
+}

@@ -1,0 +1,179 @@
+use std::ops::Mul;
+
+use glam::DVec3;
+use sphvar_reference::{AcuteAngle, DoubleDouble, LegendreColumn};
+use sphvar_sh::Alm;
+
+/// A complex number of twice the working precision.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Complex {
+    pub(crate) re: DoubleDouble,
+    pub(crate) im: DoubleDouble,
+}
+
+impl Complex {
+    pub(crate) const ZERO: Self = Self { re: DoubleDouble::ZERO, im: DoubleDouble::ZERO };
+    const ONE: Self = Self { re: DoubleDouble::ONE, im: DoubleDouble::ZERO };
+
+    fn power(self, n: usize) -> Self {
+        let (mut result, mut square, mut rest) = (Self::ONE, self, n);
+        while rest > 0 {
+            if rest % 2 == 1 {
+                result = result * square;
+            }
+            square = square * square;
+            rest /= 2;
+        }
+        result
+    }
+
+    fn add_product(&mut self, value: Self, factor: DoubleDouble) {
+        self.re += value.re * factor;
+        self.im += value.im * factor;
+    }
+}
+
+impl Mul for Complex {
+    type Output = Self;
+
+    fn mul(self, other: Self) -> Self {
+        Self {
+            re: self.re * other.re - self.im * other.im,
+            im: self.re * other.im + self.im * other.re,
+        }
+    }
+}
+
+/// A weighted set of points by the colatitudes that they have in common.
+///
+/// The definition of the transforms, `a_lm = sum_k w_k conj Y_lm(x_k)`, term by term in twice the working precision.
+/// Points are directions: vectors are brought to length 1 in that precision.
+#[derive(Debug)]
+pub(crate) struct Definition {
+    rings: Vec<Ring>,
+}
+
+/// Points of one colatitude or its mirror image in the equator.
+#[derive(Debug)]
+struct Ring {
+    angle: AcuteAngle,
+    places: Vec<Place>,
+}
+
+#[derive(Debug)]
+struct Place {
+    /// `e^{-i phi}`.
+    turn: Complex,
+    weight: DoubleDouble,
+    south: bool,
+}
+
+impl Definition {
+    /// Points that follow each other and differ by the signs of coordinates, or by x and y changing places, share a
+    /// ring. `weights` are 1 if there are none.
+    pub(crate) fn new(points: &[DVec3], weights: Option<&[f64]>) -> Self {
+        let mut rings: Vec<Ring> = Vec::new();
+        let mut last = None;
+        for (k, p) in points.iter().enumerate() {
+            let weight = DoubleDouble::from(weights.map_or(1.0, |w| w[k]));
+            let place = Place { turn: turn(*p), weight, south: p.z < 0.0 };
+            let a = p.abs();
+            let shape = Some((a.x.min(a.y).to_bits(), a.x.max(a.y).to_bits(), a.z.to_bits()));
+            match rings.last_mut() {
+                Some(ring) if shape == last => ring.places.push(place),
+                _ => {
+                    let angle = AcuteAngle::from_direction([p.x, p.y, a.z]);
+                    rings.push(Ring { angle, places: vec![place] });
+                    last = shape;
+                }
+            }
+        }
+        Self { rings }
+    }
+
+    /// `a_lm` for l = m ..= lmax. Cost `O((lmax + m) R + N log m)` with R rings.
+    pub(crate) fn column(&self, m: usize, lmax: usize) -> Vec<Complex> {
+        let mut sums = vec![Complex::ZERO; lmax + 1 - m];
+        for ring in &self.rings {
+            // By the parity of l - m, under which the functions of the south are those of the north.
+            let mut terms = [Complex::ZERO; 2];
+            for place in &ring.places {
+                let turn = place.turn.power(m);
+                terms[0].add_product(turn, place.weight);
+                terms[1].add_product(turn, if place.south { -place.weight } else { place.weight });
+            }
+            let lambdas = LegendreColumn::new(m as u64, ring.angle);
+            for ((sum, lambda), term) in sums.iter_mut().zip(lambdas).zip(terms.iter().cycle()) {
+                sum.add_product(*term, lambda.value);
+            }
+        }
+        sums
+    }
+}
+
+/// The value `sum_lm a_lm Y_lm(p)` of a real function. Cost `O(lmax^2)`.
+pub(super) fn value_at(p: DVec3, alm: &Alm) -> DoubleDouble {
+    let angle = AcuteAngle::from_direction(p.to_array());
+    let turn = turn(p);
+    let mut sum = DoubleDouble::ZERO;
+    for m in 0..=alm.lmax() {
+        let mut of_order = Complex::ZERO;
+        for (a, lambda) in alm.column(m).iter().zip(LegendreColumn::new(m as u64, angle)) {
+            let a = Complex { re: DoubleDouble::from(a.re), im: DoubleDouble::from(a.im) };
+            of_order.add_product(a, lambda.value);
+        }
+        // Orders m and -m are complex conjugates; the turn is that of the conjugate harmonic.
+        let turn = turn.power(m);
+        let real = of_order.re * turn.re + of_order.im * turn.im;
+        sum += if m == 0 { real } else { real + real };
+    }
+    sum
+}
+
+/// `e^{-i phi}`; 1 at a pole.
+fn turn(p: DVec3) -> Complex {
+    let [x, y] = [p.x, p.y].map(DoubleDouble::from);
+    let length = (x * x + y * y).sqrt();
+    if length == DoubleDouble::ZERO {
+        return Complex::ONE;
+    }
+    Complex { re: x / length, im: -y / length }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec3;
+    use num_complex::Complex as Rounded;
+    use sphvar_sh::{Alm, ylm_at};
+
+    use super::{Definition, value_at};
+
+    /// The functions of the harmonics' own crate, to their accuracy.
+    #[test]
+    fn it_is_made_of_spherical_harmonics() {
+        let p = DVec3::new(0.36, -0.48, 0.8);
+        let points = [p, p * DVec3::new(1.0, -1.0, -1.0), p * -1.0, DVec3::NEG_Z, DVec3::X];
+        let weights = [1.0, 0.5, -0.25, 2.0, 3.0];
+        let lmax = 12;
+        let definition = Definition::new(&points, Some(&weights));
+        assert_eq!(definition.rings.len(), 3, "mirror images share a ring");
+        let mut alm = Alm::zeros(lmax).unwrap();
+        for m in 0..=lmax {
+            for (l, got) in (m..).zip(definition.column(m, lmax)) {
+                let order = i64::try_from(m).unwrap();
+                let terms = points.iter().zip(weights);
+                let expected: Rounded<f64> =
+                    terms.map(|(p, w)| ylm_at(l, order, *p).unwrap().conj() * w).sum();
+                let got = Rounded::new(got.re.value(), got.im.value());
+                alm[(l, m)] = got;
+                // Five terms of size 1, each good to 4 (l + 1) EPSILON.
+                assert!((got - expected).norm() < 1e-13, "l = {l}, m = {m}: {got} {expected}");
+            }
+        }
+        // <A w, A w> = <w, A* A w>
+        let by_points: f64 =
+            points.iter().zip(weights).map(|(p, w)| w * value_at(*p, &alm).value()).sum();
+        let by_degrees: f64 = alm.energy_per_degree().iter().sum();
+        assert!((by_points / by_degrees - 1.0).abs() < 1e-13, "{by_points} and {by_degrees}");
+    }
+}

@@ -1,0 +1,153 @@
+use std::f64::consts::PI;
+use std::sync::OnceLock;
+
+use glam::DVec3;
+use num_complex::Complex as Rounded;
+use sphvar_reference::DoubleDouble;
+use sphvar_sh::Alm;
+
+use super::definition::{Complex, Definition, value_at};
+use super::points;
+use crate::Errors;
+
+/// A weighted set of points, the degree it is transformed to, and the reference for some of its coefficients.
+#[derive(Debug)]
+pub(super) struct Input {
+    name: &'static str,
+    points: Vec<DVec3>,
+    weights: Option<Vec<f64>>,
+    lmax: usize,
+    /// The number of parts that the orders are cut into, each represented by one of them.
+    parts: usize,
+    columns: OnceLock<Vec<Column>>,
+    function: OnceLock<Alm>,
+    values: OnceLock<Vec<f64>>,
+}
+
+/// The coefficients of one order, and how many orders it stands for.
+#[derive(Debug)]
+struct Column {
+    m: usize,
+    stands_for: f64,
+    values: Vec<Complex>,
+}
+
+/// Points at which values are compared.
+const COMPARED: usize = 40;
+
+impl Input {
+    /// Independent uniform directions without weights.
+    pub(super) fn white_noise(n: usize, lmax: usize, parts: usize) -> Self {
+        Self::new("white noise", points::white_noise(n), None, lmax, parts)
+    }
+
+    /// Mirrored directions with weights between 1/2 and 3/2, without which most coefficients would vanish.
+    pub(super) fn mirrored(n: usize, lmax: usize, parts: usize) -> Self {
+        let points = points::mirrored(n);
+        let weights = points::white_noise(points.len()).iter().map(|p| 1.0 + 0.5 * p.z).collect();
+        Self::new("weighted white noise, mirrored", points, Some(weights), lmax, parts)
+    }
+
+    /// Any set; `parts` of `lmax + 1` and more compares all coefficients.
+    pub(super) fn new(
+        name: &'static str,
+        points: Vec<DVec3>,
+        weights: Option<Vec<f64>>,
+        lmax: usize,
+        parts: usize,
+    ) -> Self {
+        let (columns, function, values) = Default::default();
+        Self { name, points, weights, lmax, parts, columns, function, values }
+    }
+
+    pub(super) fn name(&self) -> &'static str {
+        self.name
+    }
+
+    pub(super) fn points(&self) -> &[DVec3] {
+        &self.points
+    }
+
+    pub(super) fn weights(&self) -> Option<&[f64]> {
+        self.weights.as_deref()
+    }
+
+    pub(super) fn lmax(&self) -> usize {
+        self.lmax
+    }
+
+    /// The numbers of points and degrees in words.
+    pub(super) fn size(&self) -> String {
+        format!("N = {}, lmax = {}", self.points.len(), self.lmax)
+    }
+
+    /// The error `||a - b||/||a||` of all coefficients, as those of some orders tell it: each stands for its part.
+    pub(super) fn error_of(&self, got: &Alm) -> Errors {
+        let (mut squares, mut worst) = (0.0, (0.0, 0, 0));
+        for column in self.columns.get_or_init(|| self.columns()) {
+            // Orders m and -m.
+            let copies = if column.m == 0 { 1.0 } else { 2.0 };
+            for ((l, exact), got) in (column.m..).zip(&column.values).zip(got.column(column.m)) {
+                let rest = |exact, got: f64| (DoubleDouble::from(got) - exact).value();
+                let square = rest(exact.re, got.re).powi(2) + rest(exact.im, got.im).powi(2);
+                squares += column.stands_for * copies * square;
+                if square > worst.0 || square.is_nan() {
+                    worst = (square, l, column.m);
+                }
+            }
+        }
+        // The norm itself need not be known to more than a few digits.
+        let norm = got.energy_per_degree().iter().sum::<f64>().sqrt();
+        let mut errors = Errors::default();
+        let (_, l, m) = worst;
+        errors.push(squares.sqrt() / norm, || format!("most of it at l = {l}, m = {m}"));
+        errors
+    }
+
+    /// One order of each part, order 0 by itself.
+    fn columns(&self) -> Vec<Column> {
+        let definition = Definition::new(&self.points, self.weights());
+        let column = |first: usize, last: usize| {
+            // The middle has as many coefficients as the mean.
+            let m = first + (last - first) / 2;
+            let stands_for = (last + 1 - first) as f64;
+            Column { m, stands_for, values: definition.column(m, self.lmax) }
+        };
+        let parts = self.parts.min(self.lmax);
+        let start = |i: usize| 1 + i * self.lmax / parts;
+        let others = (0..parts).map(|i| column(start(i), start(i + 1) - 1));
+        std::iter::once(column(0, 0)).chain(others).collect()
+    }
+
+    /// The coefficients of a function without order whose root mean square over the sphere is 1.
+    pub(super) fn coefficients(&self) -> &Alm {
+        self.function.get_or_init(|| {
+            let mut alm = Alm::zeros(self.lmax).expect("a degree of some thousands");
+            let numbers = points::white_noise(alm.values().len());
+            for (a, p) in alm.values_mut().iter_mut().zip(numbers) {
+                *a = Rounded::new(p.x, p.y);
+            }
+            for a in alm.column_mut(0) {
+                a.im = 0.0;
+            }
+            let mean_square = alm.energy_per_degree().iter().sum::<f64>() / (4.0 * PI);
+            for a in alm.values_mut() {
+                *a /= mean_square.sqrt();
+            }
+            alm
+        })
+    }
+
+    /// The errors of the function's values at the first points.
+    pub(super) fn errors_of_values(&self, got: &[f64]) -> Errors {
+        let mut errors = Errors::default();
+        let exact = self.values.get_or_init(|| {
+            let compared = self.points.iter().take(COMPARED);
+            compared.map(|p| value_at(*p, self.coefficients()).value()).collect()
+        });
+        for ((exact, got), p) in exact.iter().zip(got).zip(&self.points) {
+            errors.push(got - exact, || format!("the point ({:.6}, {:.6}, {:.6})", p.x, p.y, p.z));
+        }
+        errors
+    }
+}

@@ -1,0 +1,5 @@
+hard_cases! {
+    points_within_1e_minus_16_and_repeated,
+    all_points_at_a_pole,
+    ten_million_points_in_one_set,
+}

@@ -1,0 +1,187 @@
+//! `sphvar accuracy`: measured errors beside speed, and the bounds that hard inputs keep.
+
+mod charts;
+mod figures;
+mod machine;
+mod markdown;
+mod record;
+mod timing;
+
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use sphvar_accuracy::{Area, Effort, hard_cases, trials};
+
+use self::charts::{area_chart, chart_name};
+use self::machine::{Machine, today};
+use self::record::{Document, HardCaseRecord, TrialRecord};
+use self::timing::median_seconds;
+use crate::error::CliError;
+use crate::files::AtomicFile;
+use crate::global::Global;
+use crate::plots::ImageFormat;
+use crate::progress::Progress;
+use crate::report::{
+    Provenance, check_result, csv, is_stdout, print, print_json, say, write_result, write_text,
+};
+
+pub(crate) const EXAMPLES: &str = "Examples:
+  sphvar accuracy harmonics indexing --quick
+  sphvar accuracy transforms --plot transforms.svg
+  sphvar accuracy -o docs/accuracy.md --plot docs/images   (everything; minutes)
+
+Areas are harmonics (associated Legendre functions, spherical harmonics), indexing (HEALPix), transforms
+(exact and fast), spectra and predictions. Every method is timed, the median of 5 runs at least (3 with
+--quick) that take 0.1 s together, and compared with a reference that is better than it: values with 25
+digits, twice the working precision, or a closed form. Hard cases are inputs at the edge of what numbers
+can hold. Every largest error has a bound, and the exit status is 1 if one is not held. The seeds of all inputs are
+fixed: --seed changes nothing.";
+
+#[derive(Debug, Args)]
+pub(crate) struct AccuracyArgs {
+    /// What to measure: harmonics, indexing, transforms, spectra, predictions [default: all]
+    #[arg(value_name = "AREAS", value_parser = parse_area)]
+    areas: Vec<Area>,
+    /// Smaller inputs: some seconds for each area
+    #[arg(long)]
+    quick: bool,
+    /// Write the findings to a file, .md, .json or .csv
+    #[arg(short, long, value_name = "FILE")]
+    out: Option<PathBuf>,
+    /// Draw error against time: a chart of one area as .svg or .png, or a folder for a chart of each
+    #[arg(long, value_name = "FILE|FOLDER")]
+    plot: Option<PathBuf>,
+}
+
+pub(crate) fn run(args: &AccuracyArgs, global: &Global) -> Result<(), CliError> {
+    let areas: Vec<Area> = Area::ALL
+        .into_iter()
+        .filter(|area| args.areas.is_empty() || args.areas.contains(area))
+        .collect();
+    let plots = plot_paths(args.plot.as_deref(), &areas)?;
+    if let Some(path) = &args.out {
+        if is_markdown(path) { AtomicFile::check(path)? } else { check_out(path)? }
+    }
+    if cfg!(debug_assertions) {
+        say(
+            global.quiet,
+            "this build has debug assertions: times are longer than those of a release",
+        );
+    }
+    let (trials, hard_cases) = measure(&areas, args.quick, global.quiet);
+    let provenance = Provenance::new(global.seed);
+    let document = Document {
+        held: trials.iter().all(|t| t.held) && hard_cases.iter().all(|c| c.held),
+        quick: args.quick,
+        date: today(),
+        version: provenance.version,
+        machine: Machine::of_this_run(),
+        trials: &trials,
+        hard_cases: &hard_cases,
+        provenance: &provenance,
+    };
+    for (area, path) in &plots {
+        area_chart(*area, &document).render(path)?;
+    }
+    emit(args, global, &document, &plots)?;
+    document.verdict()
+}
+
+fn parse_area(text: &str) -> Result<Area, String> {
+    Area::ALL.into_iter().find(|area| area.name() == text).ok_or_else(|| {
+        let names = Area::ALL.map(Area::name);
+        format!("no such area; there are {}", names.join(", "))
+    })
+}
+
+fn is_markdown(path: &Path) -> bool {
+    path.extension().is_some_and(|e| e == "md")
+}
+
+fn check_out(path: &Path) -> Result<(), CliError> {
+    check_result(path, false).map_err(|error| match error {
+        CliError::Usage(_) => CliError::Usage(format!(
+            "{}: results are written as .md, .json or .csv",
+            path.display()
+        )),
+        other => other,
+    })
+}
+
+/// The files of the charts; refused before the work rather than after it.
+fn plot_paths(plot: Option<&Path>, areas: &[Area]) -> Result<Vec<(Area, PathBuf)>, CliError> {
+    let Some(plot) = plot else { return Ok(Vec::new()) };
+    let paths = match (ImageFormat::of_path(plot), areas) {
+        (Some(_), [area]) => vec![(*area, plot.to_path_buf())],
+        (Some(_), _) => {
+            return Err(CliError::Usage(format!(
+                "--plot {}: a file has the chart of one area; name one, or give a folder",
+                plot.display()
+            )));
+        }
+        (None, _) => areas.iter().map(|&area| (area, plot.join(chart_name(area)))).collect(),
+    };
+    for (_, path) in &paths {
+        AtomicFile::check(path)?;
+    }
+    Ok(paths)
+}
+
+/// Runs every trial and hard case.
+fn measure(areas: &[Area], quick: bool, quiet: bool) -> (Vec<TrialRecord>, Vec<HardCaseRecord>) {
+    let effort = if quick { Effort::Quick } else { Effort::Full };
+    // What a trial takes is not known before: each counts as one, in seconds that are a guess.
+    let progress = Progress::new(0.0, quiet);
+    let (mut records, mut case_records) = (Vec::new(), Vec::new());
+    for &area in areas {
+        // One area after the other: inputs of all would fill the memory.
+        let trials = trials(area, effort);
+        let cases = hard_cases(area);
+        progress.lengthen((trials.len() + cases.len()) as f64);
+        for mut trial in trials {
+            progress.stage(&format!("{}: {}", trial.method, trial.case));
+            let seconds = median_seconds(&mut *trial.subject, effort);
+            let errors = trial.subject.errors();
+            records.push(TrialRecord::new(&trial, seconds, &errors));
+            progress.advance(1.0);
+        }
+        for case in cases {
+            progress.stage(case.name);
+            case_records.push(HardCaseRecord::new(area, &case, &(case.measure)()));
+            progress.advance(1.0);
+        }
+    }
+    (records, case_records)
+}
+
+fn emit(
+    args: &AccuracyArgs,
+    global: &Global,
+    document: &Document<'_>,
+    plots: &[(Area, PathBuf)],
+) -> Result<(), CliError> {
+    if let Some(path) = &args.out
+        && !(global.json && is_stdout(path))
+    {
+        if is_markdown(path) {
+            write_text(path, &document.markdown(&links(path, plots)))?;
+        } else {
+            let text = || csv(document.provenance, Document::COLUMNS, &document.rows());
+            write_result(path, document, &text)?;
+        }
+    }
+    if global.json {
+        return print_json(document);
+    }
+    if args.out.as_ref().is_some_and(|path| is_stdout(path)) {
+        return Ok(());
+    }
+    print(&document.text())
+}
+
+/// The charts as a document beside or above them names them.
+fn links(document: &Path, plots: &[(Area, PathBuf)]) -> Vec<(Area, String)> {
+    let folder = document.parent().unwrap_or(Path::new(""));
+    let link = |path: &Path| path.strip_prefix(folder).unwrap_or(path).display().to_string();
+    plots.iter().map(|(area, path)| (*area, link(path))).collect()
+}

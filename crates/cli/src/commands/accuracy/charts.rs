@@ -1,0 +1,87 @@
+//! Charts of error against time.
+
+use sphvar_accuracy::Area;
+
+use super::figures::singular;
+use super::record::{Document, TrialRecord};
+use crate::plots::{Chart, Scale, Series, Style};
+
+/// The name of an area's chart in a folder of charts.
+pub(super) fn chart_name(area: Area) -> String {
+    format!("accuracy-{}.svg", area.name())
+}
+
+/// A line of a chart's notes has room for about as many letters.
+const LINE: usize = 150;
+/// More cases than this are for the table to tell.
+const MOST_CASES: usize = 12;
+
+/// Largest error against time per unit, a curve for each method through its cases.
+pub(super) fn area_chart(area: Area, document: &Document<'_>) -> Chart {
+    let (mut methods, mut units, mut scales, mut cases, mut exact) =
+        (Vec::new(), Vec::new(), Vec::new(), Vec::new(), Vec::new());
+    let trials: Vec<&TrialRecord> = document.trials_of(area).collect();
+    for trial in &trials {
+        add(&mut units, singular(trial.unit));
+        add(&mut scales, trial.relative_to);
+        if trial.error > 0.0 {
+            add(&mut methods, &trial.method);
+            add(&mut cases, &trial.case);
+        } else {
+            add(&mut exact, &trial.method);
+        }
+    }
+    exact.retain(|method| !methods.contains(method));
+    let mut series = Vec::new();
+    for (colour, method) in methods.iter().enumerate() {
+        let own = trials.iter().filter(|trial| trial.method == *method);
+        let points: Vec<_> = own.map(|trial| (trial.seconds_per_unit, trial.error)).collect();
+        let of = |label: &str, style| Series {
+            label: label.to_owned(),
+            points: points.clone(),
+            error: None,
+            style,
+            colour,
+        };
+        // The line is named by its markers.
+        series.extend([of("", Style::Line), of(method, Style::Markers)]);
+    }
+    let mut notes = lines("Errors are relative to", &scales);
+    if cases.len() <= MOST_CASES {
+        notes.extend(lines("Points of the curves:", &cases));
+    }
+    if !exact.is_empty() {
+        notes.extend(lines("Without any error, and so not shown:", &exact));
+    }
+    notes.push(format!("{}, {}", document.machine.phrase(), document.date));
+    notes.push(document.provenance.line());
+    Chart {
+        title: format!("Accuracy of {}: speed against error", area.name()),
+        x_label: format!("seconds per {}", units.join(" or ")),
+        y_label: "largest error".to_owned(),
+        x_scale: Scale::Log,
+        y_scale: Scale::Log,
+        series,
+        notes,
+    }
+}
+
+/// A list with what it is a list of, in as many lines as it takes.
+fn lines(of: &str, items: &[&str]) -> Vec<String> {
+    let mut lines = vec![of.to_owned()];
+    for (i, item) in items.iter().enumerate() {
+        let end = if i + 1 < items.len() { ";" } else { "." };
+        match lines.last_mut() {
+            Some(line) if line.len() + item.len() < LINE => *line += &format!(" {item}{end}"),
+            _ => lines.push(format!("{item}{end}")),
+        }
+    }
+    lines
+}
+
+/// Adds what is not there yet.
+fn add<'a>(list: &mut Vec<&'a str>, item: &'a str) {
+    if !list.contains(&item) {
+        list.push(item);
+    }
+}

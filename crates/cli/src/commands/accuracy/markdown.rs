@@ -1,0 +1,112 @@
+//! What was measured, as a document.
+
+use sphvar_accuracy::Area;
+
+use super::figures::{figure, verdict};
+use super::record::{Document, TrialRecord};
+
+impl Document<'_> {
+    /// The findings as a document; `charts` are links to the charts of areas.
+    pub(super) fn markdown(&self, charts: &[(Area, String)]) -> String {
+        let effort = if self.quick { " with smaller inputs than usual" } else { "" };
+        let mut text = format!(
+            "# Accuracy\n\nMeasured on {} ({}) by sphvar {}{effort}; this file was written by\n\n\
+             ```text\n{}\n```\n\n{INTRODUCTION}",
+            self.date,
+            self.machine.phrase(),
+            self.version,
+            self.provenance.command,
+        );
+        for area in self.areas() {
+            text += &self.area(area, charts);
+        }
+        text += &self.edge();
+        let broken = self.trials.iter().filter(|t| !t.held).count()
+            + self.hard_cases.iter().filter(|c| !c.held).count();
+        let bounds = self.trials.len() + self.hard_cases.len();
+        text + &format!("\n{} of {bounds} bounds are held.\n", bounds - broken)
+    }
+
+    fn area(&self, area: Area, charts: &[(Area, String)]) -> String {
+        let groups = self.groups_of(area);
+        if groups.is_empty() {
+            return String::new();
+        }
+        let mut text = format!("\n## {}\n", capital(area.name()));
+        for (_, link) in charts.iter().filter(|(of, _)| *of == area) {
+            text += &format!("\n![Largest error against time, {}]({link})\n", area.name());
+        }
+        for group in groups {
+            let TrialRecord { relative_to, reference, .. } = group[0];
+            text += &format!("\nErrors relative to {relative_to}; reference: {reference}.\n\n");
+            let heading = [&TrialRecord::HEADING[..], &["worst case"]].concat();
+            let rows =
+                group.iter().map(|t| t.cells().into_iter().chain([t.worst.clone()]).collect());
+            text += &pipe_table(&heading, rows, 2..6);
+        }
+        text
+    }
+
+    fn edge(&self) -> String {
+        if self.hard_cases.is_empty() {
+            return String::new();
+        }
+        let rows = self.hard_cases.iter().map(|c| {
+            vec![
+                format!("`{}`", c.name),
+                figure(c.error),
+                figure(c.bound),
+                verdict(c.held).to_owned(),
+                c.worst.clone(),
+            ]
+        });
+        let heading = ["name", "largest error", "bound", "held", "worst case"];
+        let mut text = format!("\n## Hard cases\n\n{HARD_CASES}\n");
+        text += &pipe_table(&heading, rows, 1..3);
+        text += "\nWhat is measured, and why the bound is what it is:\n\n";
+        // Neighbours that say the same say it once.
+        for group in self.hard_cases.chunk_by(|a, b| (a.what, a.reason) == (b.what, b.reason)) {
+            let names: Vec<String> = group.iter().map(|c| format!("`{}`", c.name)).collect();
+            text += &format!(
+                "- {}: {}. Bound: {}.\n",
+                names.join(", "),
+                group[0].what,
+                group[0].reason
+            );
+        }
+        text
+    }
+}
+
+const INTRODUCTION: &str = "\
+Every method is timed (the median of several runs that take 0.1 s together at least) and compared with a reference that is
+better than it. `bound` is what the largest error must not exceed; where a method promises an accuracy, it is
+that. EPSILON is 2.2e-16. Times are those of this machine and of nothing else; errors are nearly the same everywhere.
+";
+
+const HARD_CASES: &str = "\
+Inputs at the edge of what numbers can hold. Each is also a test of this name in `crates/accuracy/tests/hard_cases`.
+";
+
+fn capital(word: &str) -> String {
+    let mut letters = word.chars();
+    letters.next().map_or(String::new(), |first| first.to_uppercase().chain(letters).collect())
+}
+
+/// A table in pipes; the `right` columns are numbers.
+fn pipe_table(
+    heading: &[&str],
+    rows: impl Iterator<Item = Vec<String>>,
+    right: std::ops::Range<usize>,
+) -> String {
+    let line = |cells: &[String]| format!("| {} |\n", cells.join(" | "));
+    let names: Vec<String> = heading.iter().map(|&name| name.to_owned()).collect();
+    let rules: Vec<String> = (0..heading.len())
+        .map(|i| if right.contains(&i) { "--:" } else { "---" }.to_owned())
+        .collect();
+    let rows = rows.map(|row| {
+        let cells: Vec<String> = row.iter().map(|cell| cell.replace('|', "\\|")).collect();
+        line(&cells)
+    });
+    line(&names) + &line(&rules) + &rows.collect::<String>()
+}

@@ -1,0 +1,24 @@
+//! What measured values are compared with: arithmetic of twice the working precision, associated Legendre functions in
+//! it, and a table of them with 25 digits.
+//!
+//! Nothing here is fast, and nothing depends on the crates whose values it judges.
+//!
+//! ```
+//! use sphvar_reference::{DoubleDouble, LegendreTable};
+//!
+//! let (sin, cos) = DoubleDouble::from(2.5).sin_cos();
+//! let rest = sin * sin + cos * cos - DoubleDouble::ONE;
+//! assert!(rest.value().abs() < 1e-30);
+//! assert_eq!(LegendreTable::rows().count(), 263);
+//! ```
+
+mod acute_angle;
+mod double_double;
+mod legendre;
+mod legendre_table;
+mod trigonometry;
+
+pub use acute_angle::AcuteAngle;
+pub use double_double::DoubleDouble;
+pub use legendre::{LegendreColumn, LegendreValue, lambda};
+pub use legendre_table::{LegendreRow, LegendreTable};
