@@ -13,9 +13,9 @@ use crate::{
 /// ```
 ///
 /// Domain: `0 <= m`, `l <=` [`MAX_DEGREE`](crate::MAX_DEGREE), any colatitude; 0 for `m > l`. Values below the
-/// range of `f64` are 0: [`lambda_scaled`] keeps them. Error at most `4 EPSILON (l + 1)` times the larger of
-/// `|lambda_lm|` and `|lambda_{l-1,m}|`, checked for `l <= 20000`; in the evanescent region,
-/// `sin theta < m / (l + 1/2)`, that is relative to the value.
+/// range of `f64` are 0: [`lambda_scaled`] keeps them. Error at most `4 EPSILON (l + 1)` times the local
+/// amplitude, the largest of `|lambda_lm|`, `|lambda_{l-1,m}|` and `|d lambda_lm/d theta|/(l + 1/2)`, checked for
+/// `l <= 20000`; in the evanescent region, `sin theta < m / (l + 1/2)`, that is relative to the value.
 ///
 /// # Performance
 ///
