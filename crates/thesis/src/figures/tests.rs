@@ -39,7 +39,8 @@ fn cut(job: &Job) -> Job {
 /// The results of cut jobs in the place of those of whole ones.
 pub(super) fn results_of(jobs: &[Job], cut: fn(&Job) -> Job) -> Result<Results, Error> {
     let cut: Vec<Job> = jobs.iter().map(cut).collect();
-    let few = run(&cut, QUICK, &Nothing, &|_| ())?;
+    let mut few = Results::default();
+    run(&cut, QUICK, &Nothing, &mut few, &|_| ())?;
     let mut results = Results::default();
     for (job, cut) in jobs.iter().zip(&cut) {
         results.take_over(job, &few, cut);
