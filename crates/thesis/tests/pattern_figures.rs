@@ -5,8 +5,8 @@ use std::collections::HashSet;
 use std::sync::LazyLock;
 
 use sphvar_thesis::{
-    Content, Curves, Directions, Field, Figure, FigureId, Nothing, Scale, Setting, Verdict, run,
-    seconds,
+    Content, Curves, Directions, Field, Figure, FigureId, Nothing, Results, Scale, Setting,
+    Verdict, run, seconds,
 };
 
 const QUICK: Setting = Setting { scale: Scale::Quick, seed: 0 };
