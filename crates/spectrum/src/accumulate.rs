@@ -176,7 +176,7 @@ pub fn accumulate<A: Accumulator>(
     let step = |worker: Result<Worker<A>, Error>, batch: u64| {
         let mut worker = worker?;
         let first = indices.start + batch * BATCH;
-        let batch = first..(first + BATCH).min(indices.end);
+        let batch = first..first.saturating_add(BATCH).min(indices.end);
         worker.take(sets, &transform, lmax, batch, done)?;
         Ok(worker)
     };

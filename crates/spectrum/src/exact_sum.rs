@@ -21,7 +21,11 @@ const MOST_PENDING: u32 = 1 << 29;
 /// assert_eq!(sum.value_and_rest(), (1.0, 1e-300));
 /// ```
 #[derive(Clone, Debug, Default)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(try_from = "Digits")
+)]
 pub struct ExactSum {
     /// `sum = sum_i digits[i] 2^(LOWEST + 32 (first + i))`.
     digits: Vec<i64>,
@@ -29,6 +33,37 @@ pub struct ExactSum {
     pending: u32,
     /// The plain sum of what is not finite, 0 while everything is.
     non_finite: f64,
+}
+
+/// What is loaded, before it is known to be a sum.
+#[cfg(feature = "serde")]
+#[derive(serde::Deserialize)]
+struct Digits {
+    digits: Vec<i64>,
+    first: usize,
+    pending: u32,
+    non_finite: f64,
+}
+
+/// More digits than any f64 reaches, with room for carries.
+#[cfg(feature = "serde")]
+const MOST_DIGITS: usize = 72;
+
+#[cfg(feature = "serde")]
+impl TryFrom<Digits> for ExactSum {
+    type Error = &'static str;
+
+    fn try_from(loaded: Digits) -> Result<Self, Self::Error> {
+        let Digits { digits, first, pending, non_finite } = loaded;
+        let in_range = first <= MOST_DIGITS && digits.len() <= MOST_DIGITS - first;
+        // What 2^29 additions of less than 2^32 can reach.
+        let small = digits.iter().all(|d| d.unsigned_abs() <= 1 << 61);
+        if in_range && small && pending <= MOST_PENDING {
+            Ok(Self { digits, first, pending, non_finite })
+        } else {
+            Err("digits that no sum has")
+        }
+    }
 }
 
 impl ExactSum {

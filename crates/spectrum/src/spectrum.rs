@@ -112,6 +112,31 @@ impl SpectrumAccumulator {
         Self { domain, n_points, degrees: vec![Moments::default(); lmax + 1] }
     }
 
+    /// Where the points live.
+    #[must_use]
+    pub fn domain(&self) -> Domain {
+        self.domain
+    }
+
+    /// The number of points of a realization.
+    #[must_use]
+    pub fn n_points(&self) -> usize {
+        self.n_points
+    }
+
+    /// How many degrees there are: lmax + 1.
+    #[must_use]
+    pub fn n_degrees(&self) -> usize {
+        self.degrees.len()
+    }
+
+    /// How many realizations have been taken in; `None` if degrees disagree, which only sums from elsewhere do.
+    #[must_use]
+    pub fn realizations(&self) -> Option<u64> {
+        let count = self.degrees.first()?.count();
+        self.degrees.iter().all(|moments| moments.count() == count).then_some(count)
+    }
+
     /// Adds the realizations of another accumulator, exactly.
     ///
     /// # Errors

@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use clap::Args;
 
-use super::spectrum::emit;
+use super::spectrum::{check_save, emit};
 use crate::error::CliError;
 use crate::files::Shard;
 use crate::global::Global;
@@ -36,6 +36,9 @@ pub(crate) struct MergeArgs {
 pub(crate) fn run(args: &MergeArgs, global: &Global) -> Result<(), CliError> {
     if let Some(path) = &args.out {
         check_result(path, true)?;
+    }
+    if let Some(path) = &args.save {
+        check_save(path)?;
     }
     let started = Instant::now();
     let mut shards = Vec::new();

@@ -58,7 +58,7 @@ pub(crate) struct SpectrumArgs {
     #[arg(short, long, value_name = "FILE")]
     pub(crate) out: Option<PathBuf>,
     /// Make only part I of K equal parts of the realizations; `merge` puts them together
-    #[arg(long, value_name = "I/K", requires = "save")]
+    #[arg(long, value_name = "I/K", requires = "save", conflicts_with_all = ["per_order", "coefficient"])]
     pub(crate) shard: Option<Share>,
     /// Save the sums, exactly, for `merge`
     #[arg(long, value_name = "FILE", conflicts_with_all = ["points_from", "exact"])]
@@ -159,7 +159,14 @@ pub(crate) fn run(args: &SpectrumArgs, global: &Global) -> Result<(), CliError> 
     };
     let part = args.shard.map_or(0..count, |share| share.of(count));
     if part.is_empty() {
-        return Err(CliError::Usage(format!("--shard: none of {count} realizations is in it")));
+        let why = if count == 1 && args.realizations > 1 {
+            "a pattern that is not random has one set: leave --shard out"
+        } else {
+            "take fewer parts than realizations"
+        };
+        return Err(CliError::Usage(format!(
+            "--shard: none of {count} realizations is in it; {why}"
+        )));
     }
     let progress = Progress::new((part.end - part.start) as f64, global.quiet);
     progress.stage(&name);
@@ -243,13 +250,15 @@ fn check_outputs(args: &SpectrumArgs, global: &Global) -> Result<(), CliError> {
         }
         AtomicFile::check(path)?;
     }
-    if let Some(path) = &args.save {
-        if is_stdout(path) {
-            return Err(CliError::Usage("--save must name a file".to_owned()));
-        }
-        AtomicFile::check(path)?;
+    args.save.as_deref().map_or(Ok(()), check_save)
+}
+
+/// Refuses a file of sums that could not be written: they are no text for standard output.
+pub(crate) fn check_save(path: &Path) -> Result<(), CliError> {
+    if is_stdout(path) {
+        return Err(CliError::Usage("--save must name a file".to_owned()));
     }
-    Ok(())
+    Ok(AtomicFile::check(path)?)
 }
 
 fn source(args: &SpectrumArgs, domain: Domain, global: &Global) -> Result<Source, CliError> {

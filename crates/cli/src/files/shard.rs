@@ -72,6 +72,66 @@ impl Shard {
         if crc32fast::hash(body).to_le_bytes() != checksum {
             return Err(wrong("one that is damaged"));
         }
-        postcard::from_bytes(body).map_err(|error| wrong(&error.to_string()))
+        let shard: Self = postcard::from_bytes(body).map_err(|error| wrong(&error.to_string()))?;
+        if shard.is_whole() {
+            Ok(shard)
+        } else {
+            Err(wrong("sums that do not fit its realizations"))
+        }
+    }
+
+    /// Whether the sums can be those of the realizations: nothing that this program writes fails here.
+    fn is_whole(&self) -> bool {
+        let Self { ensemble, parts, sums } = self;
+        let apart = parts.windows(2).all(|pair| pair[0].end < pair[1].start);
+        let filled = !parts.is_empty() && parts.iter().all(|part| part.start < part.end);
+        let count: u64 = parts
+            .iter()
+            .fold(0_u64, |sum, part| sum.saturating_add(part.end.saturating_sub(part.start)));
+        filled
+            && apart
+            && sums.realizations() == Some(count)
+            && sums.n_degrees().checked_sub(1) == Some(ensemble.lmax)
+            && sums.domain() == ensemble.domain
+            && sums.n_points() > 0
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Domain, SavedEnsemble, Shard, SpectrumAccumulator};
+
+    fn shard(parts: &[(u64, u64)], lmax: usize, n_points: usize) -> Shard {
+        let ensemble = SavedEnsemble {
+            sampler: "white-noise".to_owned(),
+            is_random: true,
+            domain: Domain::Sphere,
+            lmax: 3,
+            transform: String::new(),
+            seed: 0,
+            version: String::new(),
+        };
+        let parts = parts.iter().map(|part| part.0..part.1).collect();
+        Shard { ensemble, parts, sums: SpectrumAccumulator::new(Domain::Sphere, n_points, lmax) }
+    }
+
+    /// Files whose checksum is right and whose content is not.
+    #[test]
+    fn sums_of_other_realizations_are_refused() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.shard");
+        for (what, wrong) in [
+            ("nothing was accumulated", shard(&[(0, 2)], 3, 5)),
+            ("no parts", shard(&[], 3, 5)),
+            ("an empty part", shard(&[(0, 0)], 3, 5)),
+            ("a reversed part", shard(&[(5, 1)], 3, 5)),
+            ("parts that overlap", shard(&[(0, 4), (2, 6)], 3, 5)),
+            ("other degrees", shard(&[(0, 1)], 2, 5)),
+            ("no points", shard(&[(0, 1)], 3, 0)),
+        ] {
+            wrong.write(&path).unwrap();
+            let message = Shard::read(&path).unwrap_err().to_string();
+            assert!(message.contains("do not fit"), "{what}: {message}");
+        }
     }
 }

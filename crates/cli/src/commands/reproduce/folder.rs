@@ -21,6 +21,8 @@ pub(super) struct OutFolder {
 const FIGURES: &str = "figures";
 /// Finished pieces of work.
 const PIECES: &str = "pieces";
+/// The files in the folder itself.
+pub(super) const TABLES: [&str; 3] = ["claims.csv", "claims.md", "index.html"];
 /// What a run locks against others.
 const LOCK: &str = ".lock";
 
@@ -42,14 +44,12 @@ impl OutFolder {
             }
             Err(TryLockError::Error(source)) => return Err(write_error(source).into()),
         }
-        for folder in [root.to_owned(), root.join(FIGURES), root.join(PIECES)] {
-            for entry in fs::read_dir(&folder).map_err(write_error)? {
-                let entry = entry.map_err(write_error)?;
-                if is_unfinished(&entry.file_name().to_string_lossy()) {
-                    fs::remove_file(entry.path()).map_err(write_error)?;
-                }
-            }
-        }
+        // These two folders are the command's own; beside index.html there may be files of the user.
+        remove_unfinished(&root.join(FIGURES), |_| true)?;
+        remove_unfinished(&root.join(PIECES), |_| true)?;
+        remove_unfinished(root, |name| {
+            TABLES.iter().any(|table| name.starts_with(&format!(".{table}.")))
+        })?;
         Ok(Self { root: root.to_owned(), _lock: lock })
     }
 
@@ -89,7 +89,16 @@ impl OutFolder {
     }
 }
 
-/// Whether a name is one of those that files have while they are written.
-fn is_unfinished(name: &str) -> bool {
-    name.starts_with('.') && name.ends_with(".tmp")
+/// Removes what a killed run left of files of the right names: see [`AtomicFile`](crate::files::AtomicFile).
+fn remove_unfinished(folder: &Path, is_own: impl Fn(&str) -> bool) -> Result<(), CliError> {
+    let write_error =
+        |path: &Path, source| FileError::Write { path: path.display().to_string(), source };
+    for entry in fs::read_dir(folder).map_err(|source| write_error(folder, source))? {
+        let path = entry.map_err(|source| write_error(folder, source))?.path();
+        let name = path.file_name().unwrap_or_default().to_string_lossy();
+        if name.starts_with('.') && name.ends_with(".tmp") && is_own(&name) && path.is_file() {
+            fs::remove_file(&path).map_err(|source| write_error(&path, source))?;
+        }
+    }
+    Ok(())
 }

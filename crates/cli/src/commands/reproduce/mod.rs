@@ -12,7 +12,7 @@ use clap::Args;
 use serde::Serialize;
 use sphvar_thesis::{Figure, FigureId, Job, Results, Scale, Setting, run as run_jobs, seconds};
 
-use self::folder::OutFolder;
+use self::folder::{OutFolder, TABLES};
 use self::verdicts::{VerdictRecord, markdown, plain_table, records, verdict_rows};
 use crate::error::CliError;
 use crate::global::Global;
@@ -122,10 +122,10 @@ pub(crate) fn run(args: &ReproduceArgs, global: &Global) -> Result<(), CliError>
     drop(progress);
 
     let claims = records(&drawn);
-    folder
-        .write("claims.csv", &csv(&provenance, VerdictRecord::HEADING, &verdict_rows(&claims)))?;
-    folder.write("claims.md", &markdown(&claims, &drawn, &provenance))?;
-    folder.write("index.html", &page::page(&drawn, &claims, &folder, &provenance)?)?;
+    let [table, report, whole] = TABLES;
+    folder.write(table, &csv(&provenance, VerdictRecord::HEADING, &verdict_rows(&claims)))?;
+    folder.write(report, &markdown(&claims, &drawn, &provenance))?;
+    folder.write(whole, &page::page(&drawn, &claims, &folder, &provenance)?)?;
     say(global.quiet, &format!("wrote {}", args.out.join("index.html").display()));
     if global.json {
         let figures = drawn.iter().map(FigureRecord::new).collect();

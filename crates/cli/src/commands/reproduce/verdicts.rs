@@ -130,7 +130,7 @@ pub(super) fn markdown(
 ) -> String {
     let mut text = format!(
         "# The thesis, figure by figure\n\nWritten by `{}` (sphvar {}, seed {}). Errata are those of \
-         [theory.md](theory.md).\n\n",
+         the project's docs/theory.md.\n\n",
         provenance.command, provenance.version, provenance.seed
     );
     for (name, n) in tally(claims) {
@@ -181,11 +181,11 @@ fn stated(stated: &Stated) -> String {
 /// Tolerances below this are for roundings and say nothing to a reader.
 const SLIGHT: f64 = 1e-9;
 
-/// A number that is printed somewhere, to six digits.
+/// A number that is printed somewhere: all its digits if it is very small or large, else six.
 fn plain(x: f64) -> String {
     let size = x.abs();
     if size != 0.0 && !(1e-4..1e6).contains(&size) {
-        return format!("{x:.0e}");
+        return format!("{x:e}");
     }
     #[expect(clippy::cast_possible_truncation, reason = "logarithms of f64 are below 400")]
     let decimals = if size > 0.0 { 5 - size.log10().floor() as i32 } else { 0 };
