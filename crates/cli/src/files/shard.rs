@@ -115,6 +115,21 @@ mod tests {
         Shard { ensemble, parts, sums: SpectrumAccumulator::new(Domain::Sphere, n_points, lmax) }
     }
 
+    #[test]
+    fn digits_that_would_fill_the_memory_are_refused() {
+        use sphvar_spectrum::ExactSum;
+        let mut sum = ExactSum::default();
+        sum.add(0.1);
+        let whole = postcard::to_stdvec(&sum).unwrap();
+        let back: ExactSum = postcard::from_bytes(&whole).unwrap();
+        assert_eq!(back.value().to_bits(), 0.1_f64.to_bits());
+        // No digits, the first of them at 2^35 or at 100, nothing pending, and 0.0.
+        for first in [&[0x80, 0x80, 0x80, 0x80, 0x80, 0x01][..], &[100]] {
+            let crafted = [&[0], first, &[0], &[0; 8]].concat();
+            assert!(postcard::from_bytes::<ExactSum>(&crafted).is_err(), "{first:?}");
+        }
+    }
+
     /// Files whose checksum is right and whose content is not.
     #[test]
     fn sums_of_other_realizations_are_refused() {
