@@ -197,21 +197,21 @@ fn plain(x: f64) -> String {
     }
 }
 
-/// A number to two digits of its interval's width, or four digits if it is exact.
+/// A number to two digits of its interval's width, or five if it has none.
 fn rounded(x: f64, interval: Option<(f64, f64)>) -> String {
     if !x.is_finite() {
         return "-".to_owned();
     }
     let width = interval.map_or(0.0, |(low, high)| high - low);
-    let step = if width > 0.0 && width.is_finite() { 0.05 * width } else { 1e-4 * x.abs() };
+    let step = if width > 0.0 && width.is_finite() { 0.05 * width } else { 1e-5 * x.abs() };
     let size = x.abs().max(step);
     #[expect(clippy::cast_possible_truncation, reason = "logarithms of f64 are below 400")]
-    let decimals = if step > 0.0 { (-step.log10()).ceil() as i32 } else { 0 };
+    let decimals = if step > 0.0 { (-step.log10()).floor() as i32 } else { 0 };
     if (1e-3..1e6).contains(&size) || x == 0.0 {
         format!("{x:.*}", usize::try_from(decimals.clamp(0, 12)).unwrap_or(0))
     } else {
         #[expect(clippy::cast_possible_truncation, reason = "logarithms of f64 are below 400")]
-        let digits = (size / step).log10().ceil() as i32;
+        let digits = (size / step).log10().floor() as i32;
         format!("{x:.*e}", usize::try_from(digits.clamp(0, 12)).unwrap_or(0))
     }
 }
@@ -242,7 +242,7 @@ mod tests {
         for (x, interval, text) in [
             (346.21, Some((342.0, 351.0)), "346"),
             (0.059_512, Some((0.0587, 0.0603)), "0.0595"),
-            (-1.998_7, Some((-2.02, -1.97)), "-1.999"),
+            (-1.998_7, Some((-2.02, -1.97)), "-2.00"),
             (3.9e-8, Some((3.8e-8, 4.0e-8)), "3.90e-8"),
             (1.262_18, Some((1.262_18, 1.262_18)), "1.2622"),
             (0.0, Some((0.0, 0.0)), "0"),
