@@ -112,6 +112,30 @@ impl SpectrumAccumulator {
         Self { domain, n_points, degrees: vec![Moments::default(); lmax + 1] }
     }
 
+    /// Where the sets live.
+    #[must_use]
+    pub fn domain(&self) -> Domain {
+        self.domain
+    }
+
+    /// The number of points of a set.
+    #[must_use]
+    pub fn n_points(&self) -> usize {
+        self.n_points
+    }
+
+    /// The last degree; `None` if there are no degrees, as only one that was read can be.
+    #[must_use]
+    pub fn lmax(&self) -> Option<usize> {
+        self.degrees.len().checked_sub(1)
+    }
+
+    /// The number of realizations that every degree has seen.
+    #[must_use]
+    pub fn realizations(&self) -> u64 {
+        self.degrees.iter().map(Moments::count).min().unwrap_or(0)
+    }
+
     /// Adds the realizations of another accumulator, exactly.
     ///
     /// # Errors

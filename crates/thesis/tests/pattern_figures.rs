@@ -21,9 +21,9 @@ const DEAR: [&str; 2] = ["4.14", "4.17"];
 static FIGURES: LazyLock<Vec<Figure>> = LazyLock::new(|| {
     let ids: Vec<FigureId> = CHEAP.iter().map(|number| number.parse().unwrap()).collect();
     let jobs: Vec<_> = ids.iter().flat_map(|id| id.jobs(QUICK)).collect();
-    let mut results = Results::default();
-    run(&jobs, QUICK, &Nothing, &mut results, &|_| ()).unwrap();
-    ids.iter().map(|id| id.compose(QUICK, &results).unwrap()).collect()
+    let mut results = Results::new(QUICK);
+    run(&jobs, &Nothing, &mut results, &|_| ()).unwrap();
+    ids.iter().map(|id| id.compose(&results).unwrap()).collect()
 });
 
 fn figure(number: &str) -> &'static Figure {

@@ -38,8 +38,8 @@ impl Store for Memory {
 }
 
 fn done(jobs: &[Job], store: &dyn Store) -> Result<Results, Error> {
-    let mut results = Results::default();
-    run(jobs, SETTING, store, &mut results, &|_| ())?;
+    let mut results = Results::new(SETTING);
+    run(jobs, store, &mut results, &|_| ())?;
     Ok(results)
 }
 
@@ -49,7 +49,6 @@ fn costly(renders: u64) -> Job {
         pattern: Some(Pattern::Fibonacci),
         n_points: 9600,
         mode: DirectionMode::Shared,
-        lamp: false,
         side: 44,
         renders,
     })
@@ -67,7 +66,6 @@ fn jobs() -> Vec<Job> {
             pattern: Some(Pattern::Fibonacci),
             n_points: 8,
             mode: DirectionMode::Rotated,
-            lamp: false,
             side: 12,
             renders: 2,
         }),
@@ -97,9 +95,9 @@ fn an_interrupted_run_goes_on_where_it_stopped() {
     assert!(matches!(failed, Err(Error::Store { .. })), "{failed:?}");
     let store = Memory { room: None, ..store };
     let advanced = Cell::new(0.0);
-    let mut results = Results::default();
+    let mut results = Results::new(SETTING);
     let jobs = [costly(3), costly(3)];
-    run(&jobs, SETTING, &store, &mut results, &|x| advanced.set(advanced.get() + x)).unwrap();
+    run(&jobs, &store, &mut results, &|x| advanced.set(advanced.get() + x)).unwrap();
     let pieces = *store.saved.lock().unwrap();
     assert!(pieces > 1, "the job must fall into several pieces");
     // A sum of some products.

@@ -33,7 +33,6 @@ impl Occlusion {
             pattern: None,
             n_points: self.reference_points,
             mode: DirectionMode::Projective,
-            lamp: false,
             side: self.side,
             renders: 1,
         })
@@ -51,7 +50,6 @@ impl Occlusion {
             pattern: Some(pattern.pattern()),
             n_points,
             mode,
-            lamp: false,
             side: self.side,
             renders,
         })
