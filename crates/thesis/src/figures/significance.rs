@@ -28,6 +28,11 @@ pub(crate) fn largest_of_normal(z: f64, comparisons: usize) -> f64 {
     (comparisons as f64 * 2.0 * density / z).min(1.0)
 }
 
+/// A bound of a probability from above, in words: `p <= 0.23`, `p <= 5e-12`.
+pub(crate) fn at_most(p_value: f64) -> String {
+    if p_value < DOUBT { format!("p <= {p_value:.0e}") } else { format!("p <= {p_value:.2}") }
+}
+
 /// The probability that uniform phases, in radians, lie as unevenly as these, by Kuiper's statistic
 /// `V = D+ + D-` (Stephens 1970, Journal of the Royal Statistical Society B 32, 115: good for n >= 8).
 pub(crate) fn kuiper(phases: &[f64]) -> f64 {
@@ -109,6 +114,7 @@ mod tests {
         // Two-sided 1.96 is 5 %.
         assert!((0.05..0.07).contains(&largest_of_normal(1.96, 1)));
         assert!(verdict(0.5) == Verdict::Holds && verdict(1e-9) == Verdict::Wrong);
+        assert_eq!([at_most(1.0), at_most(2.4e-7)], ["p <= 1.00", "p <= 2e-7"]);
         assert!(verdict(1e-3) == Verdict::Undecided && verdict(f64::NAN) == Verdict::Undecided);
     }
 }
