@@ -89,12 +89,14 @@ fn check(figure: &Figure) {
         assert!(claims.insert(claim.what.clone()), "{id}: \"{}\" is there twice", claim.what);
         assert_ne!(claim.stated, Stated::Words(""), "{id}: {claim:?}");
         let Some(found) = claim.found else {
-            assert_eq!(claim.verdict, Verdict::Undecided, "{id}: {claim:?}");
+            assert_ne!(claim.verdict, Verdict::Holds, "{id}: {claim:?}");
             continue;
         };
         let (low, high) = found.interval;
         let within = low <= found.value && found.value <= high;
-        assert!(within || claim.verdict == Verdict::Undecided, "{id}: {claim:?}");
+        // A single random number beside words.
+        let single = low.is_nan() && matches!(claim.stated, Stated::Words(_));
+        assert!(within || single || claim.verdict == Verdict::Undecided, "{id}: {claim:?}");
     }
 }
 
@@ -107,6 +109,10 @@ fn every_figure_can_be_composed() -> Result<(), Error> {
     for id in ids {
         let figure = id.compose(&results)?;
         check(&figure);
+        // There are no 4096 strata, whatever the sets are.
+        let count = figure.claims.iter().find(|claim| claim.erratum == Some(38));
+        let expected = (id.number() == "7.4").then_some(Verdict::Wrong);
+        assert_eq!(count.map(|claim| claim.verdict), expected, "{id}: {count:?}");
         let missing = id.compose(&Results::new(QUICK));
         assert_eq!(missing.is_ok(), id.jobs(QUICK).is_empty(), "{id}");
     }
