@@ -89,6 +89,22 @@ fn kept_pieces_are_the_same_as_new_ones() {
 }
 
 #[test]
+fn pieces_that_do_not_fit_are_made_again() {
+    let store = Memory::default();
+    let first = done(&jobs(), &store).unwrap();
+    let good = store.pieces.lock().unwrap().clone();
+    // Under every key the piece of another job.
+    let mut exchanged: Vec<Vec<u8>> = good.values().cloned().collect();
+    exchanged.rotate_left(1);
+    *store.pieces.lock().unwrap() = good.keys().cloned().zip(exchanged).collect();
+    let second = done(&jobs(), &store).unwrap();
+    assert_eq!(*store.pieces.lock().unwrap(), good, "every piece is replaced");
+    let jobs = jobs();
+    assert_eq!(first.spectrum(&jobs[0]).unwrap(), second.spectrum(&jobs[0]).unwrap());
+    assert_eq!(first.pictures(&jobs[4]).unwrap(), second.pictures(&jobs[4]).unwrap());
+}
+
+#[test]
 fn an_interrupted_run_goes_on_where_it_stopped() {
     let store = Memory { room: Some(1), ..Memory::default() };
     let failed = done(&[costly(3)], &store);
