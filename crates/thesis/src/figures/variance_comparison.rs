@@ -39,7 +39,7 @@ struct Panel {
     /// A tenth of that number: what can be read off a curve.
     tolerance: f64,
     remark: &'static str,
-    /// About that number.
+    /// The erratum about that number, for data that contradict it.
     erratum: Option<u8>,
     /// Rates are compared from this number of points on.
     from: f64,
