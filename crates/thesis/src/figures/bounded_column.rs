@@ -44,11 +44,7 @@ impl BoundedColumn {
         results: &Results,
     ) -> Result<Self, Error> {
         let study = VarianceStudy { pattern, setting };
-        let from = match pattern {
-            ThesisPattern::Ccvt => ASYMPTOTIC_CCVT,
-            ThesisPattern::PoissonDisk => setting.scale.pick(ASYMPTOTIC, ASYMPTOTIC_DISKS),
-            _ => ASYMPTOTIC,
-        };
+        let from = asymptotic(pattern, setting);
         Ok(Self {
             pattern,
             from,
@@ -225,6 +221,15 @@ impl BoundedColumn {
             Quantity::with_stderr(ratio, 2.0 * ratio * last.stderr / last.variance),
         )
         .because(format!("the lower bound is said to be the tighter one; at N = {n}")))
+    }
+}
+
+/// The number of points from which on the variances of a pattern are fitted by a power law that is to be the asymptotic one.
+pub(crate) fn asymptotic(pattern: ThesisPattern, setting: Setting) -> f64 {
+    match pattern {
+        ThesisPattern::Ccvt => ASYMPTOTIC_CCVT,
+        ThesisPattern::PoissonDisk => setting.scale.pick(ASYMPTOTIC, ASYMPTOTIC_DISKS),
+        _ => ASYMPTOTIC,
     }
 }
 
