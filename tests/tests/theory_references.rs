@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::Path;
 
-const ROWS: usize = 42;
+const ROWS: usize = 44;
 
 #[test]
 fn every_test_named_in_the_theory_exists() {
@@ -25,7 +25,7 @@ fn every_test_named_in_the_theory_exists() {
     assert!(count > ROWS, "only {count} tests are named");
 }
 
-/// The table of errata is complete: rows 1 to 42 in order.
+/// The table of errata is complete: rows 1 to 44 in order.
 #[test]
 fn every_erratum_has_its_row() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/theory.md");

@@ -38,6 +38,20 @@ impl OrderAccumulator {
         Ok(Self { index, orders: vec![Moments::default(); index.len()] })
     }
 
+    /// The last degree.
+    #[must_use]
+    pub fn lmax(&self) -> usize {
+        self.index.lmax()
+    }
+
+    /// The number of realizations that every order has seen; 0 if there are not as many orders as the degrees have, as only
+    /// in one that was read can be.
+    #[must_use]
+    pub fn realizations(&self) -> u64 {
+        let counts = self.orders.iter().map(Moments::count);
+        if self.orders.len() == self.index.len() { counts.min().unwrap_or(0) } else { 0 }
+    }
+
     /// The mean power of every (l, m), by degree and then by order.
     #[must_use]
     pub fn finish(&self) -> Vec<OrderPower> {

@@ -124,10 +124,10 @@ impl SpectrumAccumulator {
         self.n_points
     }
 
-    /// How many degrees there are: lmax + 1.
+    /// The largest degree, inclusive; `None` if there are no degrees, as only sums from elsewhere can be.
     #[must_use]
-    pub fn n_degrees(&self) -> usize {
-        self.degrees.len()
+    pub fn lmax(&self) -> Option<usize> {
+        self.degrees.len().checked_sub(1)
     }
 
     /// How many realizations have been taken in; `None` if degrees disagree, which only sums from elsewhere do.

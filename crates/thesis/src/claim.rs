@@ -1,3 +1,5 @@
+use statrs::distribution::{ContinuousCDF, StudentsT};
+
 /// Something that the thesis says, beside what is found.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Claim {
@@ -34,7 +36,7 @@ pub enum Stated {
     Words(&'static str),
 }
 
-/// A number with its 95 % interval, which is the number itself if it is exact.
+/// A number with its 95 % interval, which is the number itself if it is exact, and NaN if nothing is known of its error.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Quantity {
     /// The value.
@@ -53,10 +55,28 @@ impl Quantity {
         Self { value, interval: (value, value) }
     }
 
+    /// A random value of which there is one only, without an interval.
+    #[must_use]
+    pub fn single(value: f64) -> Self {
+        Self { value, interval: (f64::NAN, f64::NAN) }
+    }
+
     /// A value with a standard error.
     #[must_use]
     pub fn with_stderr(value: f64, stderr: f64) -> Self {
-        Self { value, interval: (value - Z95 * stderr, value + Z95 * stderr) }
+        Self::within(value, Z95 * stderr)
+    }
+
+    /// A value with a standard error that was estimated from data with so many degrees of freedom: the interval of
+    /// Student's t, NaN without degrees of freedom.
+    #[must_use]
+    pub fn with_student(value: f64, stderr: f64, dof: f64) -> Self {
+        let quantile = StudentsT::new(0.0, 1.0, dof).map_or(f64::NAN, |t| t.inverse_cdf(0.975));
+        Self::within(value, quantile * stderr)
+    }
+
+    fn within(value: f64, half: f64) -> Self {
+        Self { value, interval: (value - half, value + half) }
     }
 }
 
@@ -85,8 +105,9 @@ impl Verdict {
 
 impl Claim {
     /// A claim about a number; the verdict follows from the interval. "At most" and "at least" are undecided while the
-    /// interval reaches over the limit; a value is undecided if it is in the interval only because that is wider than
-    /// the value is large.
+    /// interval reaches over the limit; a value that is within the interval and its tolerance is undecided if the
+    /// interval is wider than a tenth of the value and than twice the tolerance: it would agree with other values as
+    /// well. Without an interval everything is undecided.
     #[must_use]
     pub fn number(what: impl Into<String>, stated: Stated, found: Quantity) -> Self {
         let verdict = stated.judge(found);
@@ -142,7 +163,7 @@ impl Stated {
         match *self {
             Self::About { value, tolerance } => {
                 let inside = low - tolerance <= value && value <= high + tolerance;
-                if inside && high - low > value.abs() {
+                if inside && high - low > (0.1 * value.abs()).max(2.0 * tolerance) {
                     Verdict::Undecided
                 } else {
                     decided(inside)
@@ -164,12 +185,22 @@ mod tests {
     #[test]
     fn verdicts_follow_from_intervals() {
         let about = |value, tolerance| Stated::About { value, tolerance };
+        let around = |value, half| Quantity { value, interval: (value - half, value + half) };
         let sharp = Quantity { value: 2.0, interval: (1.9, 2.1) };
         for (stated, found, verdict) in [
             (about(2.05, 0.0), sharp, Verdict::Holds),
             (about(2.2, 0.0), sharp, Verdict::Wrong),
             (about(2.2, 0.15), sharp, Verdict::Holds),
-            (about(0.1, 0.0), Quantity { value: 0.0, interval: (-1.0, 1.0) }, Verdict::Undecided),
+            (about(0.1, 0.0), around(0.0, 1.0), Verdict::Undecided),
+            (about(0.0, 1e-3), around(2e-4, 1e-4), Verdict::Holds),
+            (about(0.0, 1e-3), around(5e-3, 1e-4), Verdict::Wrong),
+            (about(0.0, 1e-3), around(2e-4, 2e-3), Verdict::Undecided),
+            (about(-1.0, 0.05), around(-1.0, 0.2), Verdict::Undecided),
+            (about(-1.0, 0.05), around(-1.02, 0.04), Verdict::Holds),
+            (about(-1.0, 0.05), around(-1.5, 0.2), Verdict::Wrong),
+            (about(1.0, 9.0), Quantity::single(1.0), Verdict::Undecided),
+            (Stated::AtMost(9.0), Quantity::single(1.0), Verdict::Undecided),
+            (about(2.0, 0.0), Quantity::exact(2.0), Verdict::Holds),
             (Stated::AtMost(2.1), sharp, Verdict::Holds),
             (Stated::AtMost(2.0), sharp, Verdict::Undecided),
             (Stated::AtMost(1.8), sharp, Verdict::Wrong),
@@ -181,5 +212,17 @@ mod tests {
             let got = Claim::number("", stated.clone(), found).verdict;
             assert_eq!(got, verdict, "{stated:?}, {found:?}");
         }
+    }
+
+    /// Two-sided 5 % of Student's t: 12.706 with one degree of freedom, 2.571 with five (any table).
+    #[test]
+    fn few_renders_have_wide_intervals() {
+        for (dof, quantile) in [(1.0, 12.706), (5.0, 2.571)] {
+            let got = Quantity::with_student(3.0, 2.0, dof);
+            // Half a unit of the tables' last digit.
+            assert!((got.interval.1 - 3.0 - 2.0 * quantile).abs() < 1e-3, "{dof}: {got:?}");
+            assert!((got.interval.0 + got.interval.1 - 6.0).abs() < 1e-12, "{dof}: {got:?}");
+        }
+        assert!(Quantity::with_student(3.0, 2.0, 0.0).interval.0.is_nan());
     }
 }

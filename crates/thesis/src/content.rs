@@ -20,7 +20,7 @@ pub struct Axis {
     pub label: String,
     /// Whether it is logarithmic.
     pub logarithmic: bool,
-    /// The first and last value that are shown; all of them if `None`. Not of logarithmic axes only.
+    /// The first and last value that are shown; all of them if `None`, as of logarithmic axes.
     pub range: Option<(f64, f64)>,
 }
 

@@ -32,15 +32,15 @@ impl FigureId {
         self.recipe().jobs(setting)
     }
 
-    /// The figure, from the results of its jobs (others may be among them).
+    /// The figure, from the results of its jobs in their setting (others may be among them).
     ///
     /// # Errors
     ///
     /// [`Error::Missing`] if a job was not run; the errors of what is computed besides.
-    pub fn compose(self, setting: Setting, results: &Results) -> Result<Figure, Error> {
+    pub fn compose(self, results: &Results) -> Result<Figure, Error> {
         let mut figure =
             Figure { id: self, panels: Vec::new(), claims: Vec::new(), notes: Vec::new() };
-        self.recipe().compose(setting, results, &mut figure)?;
+        self.recipe().compose(results.setting(), results, &mut figure)?;
         Ok(figure)
     }
 

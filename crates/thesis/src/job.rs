@@ -1,16 +1,14 @@
 use std::ops::Range;
 
 use glam::DVec3;
-use num_complex::Complex;
 use rayon::prelude::{IntoParallelIterator, ParallelIterator};
-use serde::{Deserialize, Serialize};
 use sphvar_samplers::{Domain, Purpose};
-use sphvar_scene::Image;
 use sphvar_spectrum::{
     Accumulator, CoefficientSamples, OrderAccumulator, Resolution, SpectrumAccumulator, accumulate,
 };
 use sphvar_variance::Measurement;
 
+use crate::piece::Piece;
 use crate::results::Outcome;
 use crate::{Ensemble, Error, Pictures, TestIntegrand};
 
@@ -58,16 +56,6 @@ pub enum Job {
     },
     /// Renders of the Cornell box.
     Pictures(Pictures),
-}
-
-/// What a piece of a job gives.
-#[derive(Serialize, Deserialize)]
-pub(crate) enum Piece {
-    Spectrum(SpectrumAccumulator),
-    Orders(OrderAccumulator),
-    Coefficients(Vec<Complex<f64>>),
-    Trials([Vec<f64>; 2]),
-    Pictures(Vec<Image>),
 }
 
 /// Seconds of one core that a piece should take: what is lost at most when a run is interrupted.
@@ -233,7 +221,7 @@ mod tests {
     use sphvar_samplers::Pattern;
 
     use super::{Domain, Ensemble, Job};
-    use crate::Results;
+    use crate::{Results, Scale, Setting};
 
     /// Exact sums and lists know nothing of where they were cut.
     #[test]
@@ -248,7 +236,7 @@ mod tests {
         ];
         let finished = |job: &Job, cuts: &[u64]| {
             let pieces = cuts.windows(2).map(|cut| job.work(1, cut[0]..cut[1]).unwrap()).collect();
-            let mut results = Results::default();
+            let mut results = Results::new(Setting { scale: Scale::Quick, seed: 1 });
             results.insert(job, job.finish(pieces).unwrap());
             results
         };

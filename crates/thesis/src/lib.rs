@@ -13,9 +13,9 @@
 //! use sphvar_thesis::{FigureId, Nothing, Results, Scale, Setting, run};
 //! let id: FigureId = "C.1".parse()?;
 //! let setting = Setting { scale: Scale::Quick, seed: 0 };
-//! let mut results = Results::default();
-//! run(&id.jobs(setting), setting, &Nothing, &mut results, &|_| ())?;
-//! let figure = id.compose(setting, &results)?;
+//! let mut results = Results::new(setting);
+//! run(&id.jobs(setting), &Nothing, &mut results, &|_| ())?;
+//! let figure = id.compose(&results)?;
 //! assert!(!figure.panels.is_empty() && !figure.claims.is_empty());
 //! # Ok::<(), sphvar_thesis::Error>(())
 //! ```
@@ -30,6 +30,7 @@ mod figures;
 mod job;
 mod kept_half;
 mod pictures;
+mod piece;
 mod results;
 mod run;
 mod setting;

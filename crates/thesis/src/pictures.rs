@@ -7,7 +7,7 @@ use sphvar_scene::{
 
 use crate::Error;
 
-/// Renders of the Cornell box, each with sets of its own.
+/// Renders of the Cornell box with ambient occlusion, each with sets of its own.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Pictures {
     /// The pattern of directions; `None` for the reference: jittered, with about `n_points` directions, kept halves of
@@ -17,8 +17,6 @@ pub struct Pictures {
     pub n_points: usize,
     /// How sets become directions; the reference has its own way.
     pub mode: DirectionMode,
-    /// Whether the lamp is on: direct light instead of ambient occlusion.
-    pub lamp: bool,
     /// Pixels on a side.
     pub side: usize,
     /// How many renders.
@@ -36,12 +34,11 @@ impl Pictures {
     }
 
     pub(crate) fn key(&self) -> String {
-        let light = if self.lamp { "lamp" } else { "occlusion" };
         let what = match &self.pattern {
             Some(pattern) => format!("{pattern} {}", self.mode.name()),
             None => "reference".to_owned(),
         };
-        format!("pictures {light} {what} n={} side={}", self.legal_points(), self.side)
+        format!("pictures occlusion {what} n={} side={}", self.legal_points(), self.side)
     }
 
     /// Seconds of one core for a render, about.
@@ -72,13 +69,9 @@ impl Pictures {
             }
             None => DirectionPlan::reference(self.n_points, seed)?,
         };
-        let CornellBox { scene, camera, light } = CornellBox::new();
+        let CornellBox { scene, camera, .. } = CornellBox::new();
         let view = View::new(&scene, &camera, [self.side; 2])?;
-        let integral = if self.lamp {
-            Integral::Light { light: &light, albedo: 1.0 }
-        } else {
-            Integral::AmbientOcclusion { max_distance: f64::INFINITY, cosine: false }
-        };
+        let integral = Integral::AmbientOcclusion { max_distance: f64::INFINITY, cosine: false };
         let picture = |number| {
             let sets = plan.prepare(number)?;
             Ok(render(&view, &integral, Estimator::Ratio, &sets, &|_| ())?)

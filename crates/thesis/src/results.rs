@@ -5,11 +5,12 @@ use sphvar_scene::Image;
 use sphvar_spectrum::{OrderPower, Spectrum};
 use sphvar_variance::Measurement;
 
-use crate::{Error, Job};
+use crate::{Error, Job, Setting};
 
-/// What jobs have given.
-#[derive(Clone, Debug, Default)]
+/// What jobs have given in one setting: jobs do not know the seed that their sets are made from.
+#[derive(Clone, Debug)]
 pub struct Results {
+    setting: Setting,
     outcomes: HashMap<String, Outcome>,
 }
 
@@ -24,6 +25,18 @@ pub(crate) enum Outcome {
 }
 
 impl Results {
+    /// Of no jobs yet.
+    #[must_use]
+    pub fn new(setting: Setting) -> Self {
+        Self { setting, outcomes: HashMap::new() }
+    }
+
+    /// The setting that jobs are run in and figures are composed in.
+    #[must_use]
+    pub fn setting(&self) -> Setting {
+        self.setting
+    }
+
     /// Whether the job has been run.
     #[must_use]
     pub fn contains(&self, job: &Job) -> bool {

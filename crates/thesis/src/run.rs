@@ -1,6 +1,6 @@
 use std::collections::HashSet;
 
-use crate::job::Piece;
+use crate::piece::Piece;
 use crate::{Error, Job, Results, Setting, Store};
 
 /// Seconds of one core that the jobs take, about; jobs that are there twice count once.
@@ -12,19 +12,20 @@ pub fn seconds(jobs: &[Job]) -> f64 {
     distinct.map(|job| job.seconds_of_set() * job.sets() as f64).fold(0.0, |a, b| a + b)
 }
 
-/// Does the jobs that `results` lack, piece by piece, and keeps each piece in `store`; pieces that are there are not
-/// done again. `done` is called after each piece with its share of [`seconds`].
+/// Does the jobs that `results` lack, in their setting, piece by piece, and keeps each piece in `store`; pieces that are
+/// there are not done again, unless they do not fit their job. `done` is called after each piece with its share of
+/// [`seconds`].
 ///
 /// # Errors
 ///
 /// [`Error::Store`] if a piece cannot be kept; those of what is computed.
 pub fn run(
     jobs: &[Job],
-    setting: Setting,
     store: &dyn Store,
     results: &mut Results,
     done: &dyn Fn(f64),
 ) -> Result<(), Error> {
+    let setting = results.setting();
     for job in jobs {
         if results.contains(job) {
             continue;
@@ -33,7 +34,7 @@ pub fn run(
         for sets in job.pieces() {
             let (length, key) = (sets.end - sets.start, piece_key(job, setting, &sets));
             let kept = store.load(&key).and_then(|bytes| postcard::from_bytes(&bytes).ok());
-            pieces.push(match kept {
+            pieces.push(match kept.filter(|piece: &Piece| piece.fits(job, length)) {
                 Some(piece) => piece,
                 None => {
                     let piece = job.work(setting.seed, sets)?;

@@ -38,8 +38,8 @@ impl Store for Memory {
 }
 
 fn done(jobs: &[Job], store: &dyn Store) -> Result<Results, Error> {
-    let mut results = Results::default();
-    run(jobs, SETTING, store, &mut results, &|_| ())?;
+    let mut results = Results::new(SETTING);
+    run(jobs, store, &mut results, &|_| ())?;
     Ok(results)
 }
 
@@ -49,7 +49,6 @@ fn costly(renders: u64) -> Job {
         pattern: Some(Pattern::Fibonacci),
         n_points: 9600,
         mode: DirectionMode::Shared,
-        lamp: false,
         side: 44,
         renders,
     })
@@ -67,7 +66,6 @@ fn jobs() -> Vec<Job> {
             pattern: Some(Pattern::Fibonacci),
             n_points: 8,
             mode: DirectionMode::Rotated,
-            lamp: false,
             side: 12,
             renders: 2,
         }),
@@ -91,15 +89,31 @@ fn kept_pieces_are_the_same_as_new_ones() {
 }
 
 #[test]
+fn pieces_that_do_not_fit_are_made_again() {
+    let store = Memory::default();
+    let first = done(&jobs(), &store).unwrap();
+    let good = store.pieces.lock().unwrap().clone();
+    // Under every key the piece of another job.
+    let mut exchanged: Vec<Vec<u8>> = good.values().cloned().collect();
+    exchanged.rotate_left(1);
+    *store.pieces.lock().unwrap() = good.keys().cloned().zip(exchanged).collect();
+    let second = done(&jobs(), &store).unwrap();
+    assert_eq!(*store.pieces.lock().unwrap(), good, "every piece is replaced");
+    let jobs = jobs();
+    assert_eq!(first.spectrum(&jobs[0]).unwrap(), second.spectrum(&jobs[0]).unwrap());
+    assert_eq!(first.pictures(&jobs[4]).unwrap(), second.pictures(&jobs[4]).unwrap());
+}
+
+#[test]
 fn an_interrupted_run_goes_on_where_it_stopped() {
     let store = Memory { room: Some(1), ..Memory::default() };
     let failed = done(&[costly(3)], &store);
     assert!(matches!(failed, Err(Error::Store { .. })), "{failed:?}");
     let store = Memory { room: None, ..store };
     let advanced = Cell::new(0.0);
-    let mut results = Results::default();
+    let mut results = Results::new(SETTING);
     let jobs = [costly(3), costly(3)];
-    run(&jobs, SETTING, &store, &mut results, &|x| advanced.set(advanced.get() + x)).unwrap();
+    run(&jobs, &store, &mut results, &|x| advanced.set(advanced.get() + x)).unwrap();
     let pieces = *store.saved.lock().unwrap();
     assert!(pieces > 1, "the job must fall into several pieces");
     // A sum of some products.

@@ -91,7 +91,7 @@ impl Shard {
         filled
             && apart
             && sums.realizations() == Some(count)
-            && sums.n_degrees().checked_sub(1) == Some(ensemble.lmax)
+            && sums.lmax() == Some(ensemble.lmax)
             && sums.domain() == ensemble.domain
             && sums.n_points() > 0
     }

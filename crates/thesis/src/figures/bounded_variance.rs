@@ -2,12 +2,15 @@ use sphvar_bounds::{Profile, ThesisBound, thesis_bounds};
 use sphvar_spectrum::Spectrum;
 
 use super::Recipe;
-use super::bound_claims::{claim_bounds, claim_no_power};
+use super::bound_claims::{claim_bounds, no_power};
 use super::bounded_column::BoundedColumn;
 use super::patterns::{BOUND_COLOUR, ThesisPattern};
-use super::spectra::{LMAX, mean_spectrum, omega_axis, spectrum_curve};
+use super::spectra::{LMAX, N_POINTS, mean_spectrum, omega_axis, spectrum_curve};
 use super::variance_study::VarianceStudy;
-use crate::{Axis, Curve, Curves, Error, Figure, Job, Results, Setting, TestIntegrand};
+use crate::{
+    Axis, Claim, Curve, Curves, Error, Figure, Job, Quantity, Results, Setting, Stated,
+    TestIntegrand,
+};
 
 /// Figure 7.4: mean spectra and variances of four samplers, within the thesis's bounds.
 pub(crate) struct BoundedVariance;
@@ -45,8 +48,10 @@ impl Recipe for BoundedVariance {
             let spectrum = results.spectrum(&job)?;
             spectrum_panel(pattern, &bounds, spectrum, job.sets(), figure);
             claim_bounds(pattern, &bounds, spectrum, figure)?;
-            if pattern == ThesisPattern::Ccvt {
-                claim_no_power(spectrum, figure);
+            match pattern {
+                ThesisPattern::Ccvt => figure.claims.push(no_power(spectrum)),
+                ThesisPattern::Jittered => claim_count(spectrum.n_points(), figure),
+                _ => {}
             }
             for integrand in TestIntegrand::ALL {
                 let column = BoundedColumn::new(pattern, bounds, integrand, setting, results)?;
@@ -82,6 +87,19 @@ impl Recipe for BoundedVariance {
         );
         Ok(())
     }
+}
+
+/// "We plot power spectra for N = 4096", of which there are no strata.
+fn claim_count(n_points: usize, figure: &mut Figure) {
+    figure.claims.push(
+        Claim::number(
+            "jittered: number of points of the spectrum",
+            Stated::About { value: N_POINTS as f64, tolerance: 0.0 },
+            Quantity::exact(n_points as f64),
+        )
+        .erratum(38)
+        .because("there are 12 nside^2 HEALPix cells; found is the nearest such number"),
+    );
 }
 
 fn spectrum_panel(

@@ -59,7 +59,7 @@ impl Recipe for CoefficientClouds {
                     "zero",
                     mean_is_zero(&pairs),
                 )
-                .found(Quantity::exact(mean.norm() / root_mean_square(&samples)))
+                .found(Quantity::single(mean.norm() / root_mean_square(&samples)))
                 .because(format!(
                     "found is its size in units of the root mean square, {:.3e}; chance gives {:.4} in the mean, \
                      p = {:.2}",
@@ -109,7 +109,7 @@ fn phases(pattern: ThesisPattern, m: usize, samples: &[Complex<f64>]) -> Claim {
     let p = kuiper(&phases);
     let why = if m == 0 { "S_l0 is real, its phase 0 or pi; " } else { "" };
     judged(format!("{}: phase of S({DEGREE},{m})", pattern.label()), "uniform on [0, 2 pi]", p)
-        .found(Quantity::exact(p))
+        .found(Quantity::single(p))
         .because(format!("{why}found is the p-value of Kuiper's test"))
 }
 

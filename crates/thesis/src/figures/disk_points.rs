@@ -4,7 +4,7 @@ use sphvar_samplers::PoissonDisk;
 use super::Recipe;
 use super::patterns::ThesisPattern;
 use super::point_panel::sphere_points;
-use crate::{Claim, Ensemble, Error, Figure, Job, Quantity, Results, Setting, Stated};
+use crate::{Claim, Ensemble, Error, Figure, Job, Quantity, Results, Setting, Verdict};
 
 /// Figure 7.2: Poisson disk points.
 pub(crate) struct DiskPoints;
@@ -30,15 +30,18 @@ impl Recipe for DiskPoints {
         let shortest = root * shortest_chord(&points);
         let white = root * shortest_chord(&set(ThesisPattern::WhiteNoise)?);
         figure.panel("points", format!("Poisson disk, N = {N_POINTS}"), sphere_points(points));
+        let radius = PoissonDisk::EXACT_RADIUS;
+        let verdict = if shortest >= radius { Verdict::Holds } else { Verdict::Wrong };
         figure.claims.push(
-            Claim::number(
+            Claim::words(
                 "shortest chord between two points, times sqrt(N)",
-                Stated::AtLeast(PoissonDisk::EXACT_RADIUS),
-                Quantity::exact(shortest),
+                "samples that are too close are rejected",
+                verdict,
             )
+            .found(Quantity::single(shortest))
             .because(format!(
-                "samples that are too close are rejected; the thesis prints no radius, this one is of the author's \
-                 published program. Of white noise it is {white:.3}"
+                "it holds from {radius} on; the thesis prints no radius, this one is of the author's published program. Of \
+                 white noise the chord is {white:.3}"
             )),
         );
         let fill = PoissonDisk::EXACT_RADIUS.powi(2) / 16.0;

@@ -5,8 +5,11 @@ mod bound_claims;
 mod bounded_column;
 mod bounded_variance;
 mod cap_power;
+#[cfg(test)]
+mod cheap_tests;
 mod coefficient_clouds;
 mod cornell_box;
+mod crossover_claim;
 mod disk_points;
 mod integrand_classes;
 mod lattice_artifacts;

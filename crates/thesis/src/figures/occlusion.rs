@@ -33,7 +33,6 @@ impl Occlusion {
             pattern: None,
             n_points: self.reference_points,
             mode: DirectionMode::Projective,
-            lamp: false,
             side: self.side,
             renders: 1,
         })
@@ -51,7 +50,6 @@ impl Occlusion {
             pattern: Some(pattern.pattern()),
             n_points,
             mode,
-            lamp: false,
             side: self.side,
             renders,
         })
@@ -92,11 +90,20 @@ pub(crate) fn picture(image: &Image, caption: String) -> Picture {
     Picture { size: [image.width, image.height], values: image.values.clone(), caption }
 }
 
-/// The ratio of the mean squared errors of two reports.
+/// The ratio of the mean squared errors of two reports, with the interval of Student's t: there are few renders.
+///
+/// ```text
+/// nu = (u_a^2 + u_b^2)^2 / (u_a^4/(R_a - 1) + u_b^4/(R_b - 1)),   u the relative errors of R renders
+/// ```
+///
+/// degrees of freedom (Welch 1947, Biometrika 34, 28).
 pub(crate) fn mse_ratio(a: &ErrorReport, b: &ErrorReport) -> Quantity {
     let ratio = a.mse.value / b.mse.value;
-    let relative = (a.mse.stderr / a.mse.value).hypot(b.mse.stderr / b.mse.value);
-    Quantity::with_stderr(ratio, ratio * relative)
+    let [of_a, of_b] = [a, b].map(|r| (r.mse.stderr / r.mse.value).powi(2));
+    let square = of_a + of_b;
+    let dof = square * square
+        / (of_a * of_a / (a.renders as f64 - 1.0) + of_b * of_b / (b.renders as f64 - 1.0));
+    Quantity::with_student(ratio, ratio * square.sqrt(), dof)
 }
 
 fn first<'a>(results: &'a Results, job: &Job) -> Result<&'a Image, Error> {

@@ -21,7 +21,7 @@ fn cut(job: &Job) -> Job {
 #[test]
 fn spectra_of_random_patterns_can_be_composed() -> Result<(), Error> {
     let id: FigureId = "4.14".parse()?;
-    let figure = id.compose(QUICK, &results_of(&id.jobs(QUICK), cut)?)?;
+    let figure = id.compose(&results_of(&id.jobs(QUICK), cut)?)?;
     let mut counts = [0, 0];
     for panel in &figure.panels {
         match &panel.content {
@@ -48,7 +48,7 @@ fn spectra_of_random_patterns_can_be_composed() -> Result<(), Error> {
 #[test]
 fn coefficients_have_phases_unless_they_are_real() -> Result<(), Error> {
     let id: FigureId = "4.17".parse()?;
-    let figure = id.compose(QUICK, &results_of(&id.jobs(QUICK), cut)?)?;
+    let figure = id.compose(&results_of(&id.jobs(QUICK), cut)?)?;
     assert_eq!(figure.claims.len(), 9);
     for claim in &figure.claims {
         let wrong = claim.verdict == Verdict::Wrong;

@@ -4,7 +4,7 @@ use sphvar_spectrum::OrderPower;
 use super::Recipe;
 use super::order_grid::{OrderGrid, Style};
 use super::patterns::ThesisPattern;
-use super::significance::{largest_of_normal, verdict};
+use super::significance::{at_most, largest_of_normal, verdict};
 use crate::{Claim, Ensemble, Error, Figure, Job, Palette, Quantity, Results, Setting, Stated};
 
 /// Figures 4.11, 4.12 and 4.16: how rotations spread the power of a lattice over the orders.
@@ -165,14 +165,15 @@ impl RotatedLattice {
                 "becomes equal",
                 verdict(p),
             )
-            .found(Quantity::exact(spread(&after)))
+            .found(Quantity::single(spread(&after)))
             .because(format!(
                 "found is the spread over m at the peak l = {peak} in parts of its power {power:.2}; errors of sampling \
                  alone give {:.3}. It is {:.2} before and {:.2} after 10 rotations. The largest of {comparisons} \
-                 differences has z = {z:.1}, p < {p:.1e}",
+                 differences has z = {z:.1}, {}",
                 rms(&after, &|o| o.stderr),
                 spread(&before),
                 spread(&some),
+                at_most(p),
             )),
         );
         Ok(())

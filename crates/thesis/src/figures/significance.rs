@@ -7,14 +7,14 @@ const REJECT: f64 = 1e-4;
 /// Between the two nothing is decided.
 const DOUBT: f64 = 1e-2;
 
-/// What follows for a hypothesis from the probability of data that speak against it no less.
+/// What follows for a hypothesis from the probability of data that speak against it no less: nothing from NaN.
 pub(crate) fn verdict(p_value: f64) -> Verdict {
     if p_value < REJECT {
         Verdict::Wrong
-    } else if p_value < DOUBT {
-        Verdict::Undecided
-    } else {
+    } else if p_value >= DOUBT {
         Verdict::Holds
+    } else {
+        Verdict::Undecided
     }
 }
 
@@ -26,6 +26,11 @@ pub(crate) fn verdict(p_value: f64) -> Verdict {
 pub(crate) fn largest_of_normal(z: f64, comparisons: usize) -> f64 {
     let density = (-0.5 * z * z).exp() / TAU.sqrt();
     (comparisons as f64 * 2.0 * density / z).min(1.0)
+}
+
+/// A bound of a probability from above, in words: `p <= 0.23`, `p <= 5e-12`.
+pub(crate) fn at_most(p_value: f64) -> String {
+    if p_value < DOUBT { format!("p <= {p_value:.0e}") } else { format!("p <= {p_value:.2}") }
 }
 
 /// The probability that uniform phases, in radians, lie as unevenly as these, by Kuiper's statistic
@@ -52,7 +57,8 @@ pub(crate) fn kuiper(phases: &[f64]) -> f64 {
 }
 
 /// The probability that independent pairs of mean 0 have means as far from 0 as these: `exp(-T/2)` with
-/// `T = R mean^T C^-1 mean`, C the covariance of a pair; chi-square of 2 for many pairs.
+/// `T = R mean^T C^-1 mean`, C the covariance of a pair; chi-square of 2 for many pairs. NaN if
+/// the covariance is singular.
 pub(crate) fn mean_is_zero(pairs: &[[f64; 2]]) -> f64 {
     let n = pairs.len() as f64;
     let mean = |f: &dyn Fn(&[f64; 2]) -> f64| pairs.iter().map(f).sum::<f64>() / n;
@@ -62,8 +68,6 @@ pub(crate) fn mean_is_zero(pairs: &[[f64; 2]]) -> f64 {
     let ab = mean(&|p| (p[0] - a) * (p[1] - b));
     let determinant = aa * bb - ab * ab;
     let t = n * (bb * a * a - 2.0 * ab * a * b + aa * b * b) / determinant;
-    // A coefficient that is real has no second part.
-    let t = if bb <= f64::EPSILON * aa { n * a * a / aa } else { t };
     (-0.5 * t).exp()
 }
 
@@ -110,5 +114,7 @@ mod tests {
         // Two-sided 1.96 is 5 %.
         assert!((0.05..0.07).contains(&largest_of_normal(1.96, 1)));
         assert!(verdict(0.5) == Verdict::Holds && verdict(1e-9) == Verdict::Wrong);
+        assert_eq!([at_most(1.0), at_most(2.4e-7)], ["p <= 1.00", "p <= 2e-7"]);
+        assert!(verdict(1e-3) == Verdict::Undecided && verdict(f64::NAN) == Verdict::Undecided);
     }
 }

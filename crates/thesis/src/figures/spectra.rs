@@ -44,3 +44,15 @@ pub(crate) fn spectrum_curve(
     let rows = spectrum.rows().filter(|row| row.0 > 0);
     Curve::new(label, colour, Mark::Line, rows.map(|(l, p, e)| [l as f64 / root, p, e]))
 }
+
+/// The mean power of some degrees, weighted by their orders 2l+1, and its standard error for independent degrees.
+pub(crate) fn mean_power(spectrum: &Spectrum, degrees: impl Fn(usize) -> bool) -> (f64, f64) {
+    let (mut sum, mut variance, mut count) = (0.0, 0.0, 0.0);
+    for (l, power, stderr) in spectrum.rows().filter(|row| degrees(row.0)) {
+        let orders = (2 * l + 1) as f64;
+        sum += orders * power;
+        variance += (orders * stderr).powi(2);
+        count += orders;
+    }
+    (sum / count, variance.sqrt() / count)
+}

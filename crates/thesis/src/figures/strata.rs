@@ -1,11 +1,9 @@
 use glam::DVec3;
 use sphvar_healpix::{Cell, Nside, PixelOrder, Ring};
-use sphvar_samplers::Domain;
 
 use super::Recipe;
 use super::patterns::ThesisPattern;
 use super::point_panel::VIEWPOINT;
-use super::spectra;
 use crate::{Claim, Directions, Ensemble, Error, Figure, Job, Quantity, Results, Setting, Stated};
 
 /// Figure 7.1: white noise, HEALPix centres and jittered points, with the HEALPix cells.
@@ -59,17 +57,6 @@ impl Recipe for Strata {
                 Quantity::exact(single[2]),
             )
             .because(format!("of white noise it is {:.3}", single[0])),
-        );
-        let pattern = ThesisPattern::Jittered.pattern();
-        let legal = pattern.nearest_count(spectra::N_POINTS, Domain::Sphere);
-        figure.claims.push(
-            Claim::number(
-                "number of points of jittered and regular patterns",
-                Stated::About { value: spectra::N_POINTS as f64, tolerance: 0.0 },
-                Quantity::exact(legal as f64),
-            )
-            .erratum(38)
-            .because("there are 12 nside^2 HEALPix cells; found is the nearest such number"),
         );
         figure.note("The thesis states no numbers of points here. Sets are not turned.");
         Ok(())

@@ -40,7 +40,7 @@ impl Recipe for TessellationSites {
         let verdict = if spread < noise { Verdict::Holds } else { Verdict::Wrong };
         figure.claims.push(
             Claim::words("areas of the cells", "equal capacities", verdict)
-                .found(Quantity::exact(spread))
+                .found(Quantity::single(spread))
                 .because(format!(
                     "found is the spread of the areas of the sites' Voronoi cells in parts of the mean, beside {of_white:.2} of \
                      white noise; the number {CAPACITY} of random mass points leaves {noise:.3} open"
@@ -49,7 +49,7 @@ impl Recipe for TessellationSites {
         let verdict = if tessellation.is_settled() { Verdict::Holds } else { Verdict::Wrong };
         figure.claims.push(
             Claim::words("no exchange of mass points lowers the energy", "geodesic CCVT", verdict)
-                .found(Quantity::exact(tessellation.energy()))
+                .found(Quantity::single(tessellation.energy()))
                 .because(format!(
                     "found is N times the mean squared geodesic distance to the site; no pattern is below regular \
                      hexagons, {HEXAGONS:.3}"

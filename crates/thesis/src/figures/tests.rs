@@ -39,9 +39,9 @@ fn cut(job: &Job) -> Job {
 /// The results of cut jobs in the place of those of whole ones.
 pub(super) fn results_of(jobs: &[Job], cut: fn(&Job) -> Job) -> Result<Results, Error> {
     let cut: Vec<Job> = jobs.iter().map(cut).collect();
-    let mut few = Results::default();
-    run(&cut, QUICK, &Nothing, &mut few, &|_| ())?;
-    let mut results = Results::default();
+    let mut few = Results::new(QUICK);
+    run(&cut, &Nothing, &mut few, &|_| ())?;
+    let mut results = Results::new(QUICK);
     for (job, cut) in jobs.iter().zip(&cut) {
         results.take_over(job, &few, cut);
     }
@@ -89,12 +89,14 @@ fn check(figure: &Figure) {
         assert!(claims.insert(claim.what.clone()), "{id}: \"{}\" is there twice", claim.what);
         assert_ne!(claim.stated, Stated::Words(""), "{id}: {claim:?}");
         let Some(found) = claim.found else {
-            assert_eq!(claim.verdict, Verdict::Undecided, "{id}: {claim:?}");
+            assert_ne!(claim.verdict, Verdict::Holds, "{id}: {claim:?}");
             continue;
         };
         let (low, high) = found.interval;
         let within = low <= found.value && found.value <= high;
-        assert!(within || claim.verdict == Verdict::Undecided, "{id}: {claim:?}");
+        // A single random number beside words.
+        let single = low.is_nan() && matches!(claim.stated, Stated::Words(_));
+        assert!(within || single || claim.verdict == Verdict::Undecided, "{id}: {claim:?}");
     }
 }
 
@@ -105,9 +107,13 @@ fn every_figure_can_be_composed() -> Result<(), Error> {
     let jobs: Vec<Job> = ids.iter().flat_map(|id| id.jobs(QUICK)).collect();
     let results = results_of(&jobs, cut)?;
     for id in ids {
-        let figure = id.compose(QUICK, &results)?;
+        let figure = id.compose(&results)?;
         check(&figure);
-        let missing = id.compose(QUICK, &Results::default());
+        // There are no 4096 strata, whatever the sets are.
+        let count = figure.claims.iter().find(|claim| claim.erratum == Some(38));
+        let expected = (id.number() == "7.4").then_some(Verdict::Wrong);
+        assert_eq!(count.map(|claim| claim.verdict), expected, "{id}: {count:?}");
+        let missing = id.compose(&Results::new(QUICK));
         assert_eq!(missing.is_ok(), id.jobs(QUICK).is_empty(), "{id}");
     }
     Ok(())
@@ -128,7 +134,7 @@ fn claims_about_closed_forms_have_their_verdicts() -> Result<(), Error> {
         ),
     ] {
         let id: FigureId = number.parse()?;
-        for claim in id.compose(QUICK, &Results::default())?.claims {
+        for claim in id.compose(&Results::new(QUICK))?.claims {
             let expected = wrong.contains(&claim.what.as_str());
             let verdict = if expected { Verdict::Wrong } else { Verdict::Holds };
             assert_eq!(claim.verdict, verdict, "{number}: {claim:?}");

@@ -110,12 +110,12 @@ pub(crate) fn run(args: &ReproduceArgs, global: &Global) -> Result<(), CliError>
 
     let jobs: Vec<Vec<Job>> = ids.iter().map(|id| id.jobs(setting)).collect();
     let progress = Progress::new(seconds(&jobs.concat()), global.quiet);
-    let (mut results, mut drawn) = (Results::default(), Vec::new());
+    let (mut results, mut drawn) = (Results::new(setting), Vec::new());
     for (&id, jobs) in ids.iter().zip(&jobs) {
         progress.stage(&format!("figure {id}"));
-        run_jobs(jobs, setting, &store, &mut results, &|seconds| progress.advance(seconds))
+        run_jobs(jobs, &store, &mut results, &|seconds| progress.advance(seconds))
             .map_err(CliError::failed)?;
-        let figure = id.compose(setting, &results).map_err(CliError::failed)?;
+        let figure = id.compose(&results).map_err(CliError::failed)?;
         let files = folder.write_panels(&figure, &provenance)?;
         drawn.push(Drawn { figure, files });
     }

@@ -4,8 +4,9 @@
 use std::collections::HashSet;
 use std::sync::LazyLock;
 
-use sphvar_thesis::{
-    Content, Curves, Directions, Field, Figure, FigureId, Nothing, Results, Scale, Setting,
+use super::tests::check_curves;
+use crate::{
+    Content, Directions, Field, Figure, FigureId, Nothing, Results, Scale, Setting, Stated,
     Verdict, run, seconds,
 };
 
@@ -21,27 +22,13 @@ const DEAR: [&str; 2] = ["4.14", "4.17"];
 static FIGURES: LazyLock<Vec<Figure>> = LazyLock::new(|| {
     let ids: Vec<FigureId> = CHEAP.iter().map(|number| number.parse().unwrap()).collect();
     let jobs: Vec<_> = ids.iter().flat_map(|id| id.jobs(QUICK)).collect();
-    let mut results = Results::default();
-    run(&jobs, QUICK, &Nothing, &mut results, &|_| ()).unwrap();
-    ids.iter().map(|id| id.compose(QUICK, &results).unwrap()).collect()
+    let mut results = Results::new(QUICK);
+    run(&jobs, &Nothing, &mut results, &|_| ()).unwrap();
+    ids.iter().map(|id| id.compose(&results).unwrap()).collect()
 });
 
 fn figure(number: &str) -> &'static Figure {
     FIGURES.iter().find(|figure| figure.id.number() == number).unwrap()
-}
-
-fn check_curves(curves: &Curves, place: &str) {
-    assert!(!curves.curves.is_empty(), "{place}: no curves");
-    for curve in &curves.curves {
-        let place = format!("{place}, {}", curve.label);
-        assert!(curve.points.len() > 1, "{place}: {} points", curve.points.len());
-        assert!(curve.points.is_sorted_by(|a, b| a[0] < b[0]), "{place}: x must grow");
-        for &[x, y, error] in &curve.points {
-            assert!(x.is_finite() && y.is_finite() && error >= 0.0, "{place}: {x}, {y}, {error}");
-            assert!(!curves.x.logarithmic || x > 0.0, "{place}: log of x = {x}");
-            assert!(!curves.y.logarithmic || y > 0.0, "{place}: log of y = {y}");
-        }
-    }
 }
 
 fn check_directions(directions: &Directions, place: &str) {
@@ -89,7 +76,10 @@ fn panels_can_be_drawn() {
             let found =
                 claim.found.unwrap_or_else(|| panic!("{number}: {} lacks a number", claim.what));
             let (low, high) = found.interval;
-            assert!(low <= found.value && found.value <= high, "{number}: {found:?}");
+            let within = low <= found.value && found.value <= high;
+            // A single random number beside words.
+            let single = low.is_nan() && matches!(claim.stated, Stated::Words(_));
+            assert!(within || single, "{number}: {found:?}");
         }
     }
 }
@@ -115,7 +105,7 @@ fn known_claims_have_their_verdicts() {
             ],
         ),
         ("4.15", &[(Holds, None), (Holds, None), (Holds, None)]),
-        ("7.1", &[(Holds, None), (Holds, None), (Wrong, Some(38))]),
+        ("7.1", &[(Holds, None), (Holds, None)]),
         ("7.2", &[(Holds, None)]),
         ("7.3", &[(Holds, None), (Holds, None)]),
     ];
