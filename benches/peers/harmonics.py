@@ -99,7 +99,9 @@ class Contestant:
 
 
 class Case:
-    """Places whose values every code finds, with a function and an own number of timed values."""
+    """Places whose values every code finds, with a function and an own number of timed values.
+
+    `rivals` are pairs by name: a function that prepares a call for places, and whether the call is timed."""
 
     def __init__(self, name, places, words, rivals, n_values):
         self.name, self.places, self.words, self.rivals, self.n_values = name, places, words, rivals, n_values
@@ -120,11 +122,12 @@ class Case:
         samples = {"sphvar": []}
         turns = [(samples["sphvar"], lambda: driver.ask(self.words))]
         found = {"sphvar": ours(self.words)}
-        for name, (function, is_timed) in self.rivals.items():
-            found[name] = function(self.places)
+        for name, (prepare, is_timed) in self.rivals.items():
+            call = prepare(self.places)
+            found[name] = call()
             if is_timed:
                 samples[name] = []
-                turns.append((samples[name], lambda f=function: stopwatch(f, self.places)))
+                turns.append((samples[name], lambda call=call: stopwatch(call)))
         in_turn(rounds, turns)
         medians = {name: statistics.median(times) for name, times in samples.items()}
         return [
@@ -138,18 +141,22 @@ def columns(places):
     return tuple(np.array([getattr(p, name) for p in places]) for name in ("l", "m", "theta"))
 
 
+# Each of these returns a call without arguments that finds the values: arguments are made before the clock starts.
+
+
 def scipy_one(places):
-    """The ufunc over all places; the arrays are made in its time, which is small beside it."""
+    """The ufunc over all places."""
     import scipy.special as special
 
-    return special.sph_legendre_p(*columns(places)).reshape(len(places))
+    arguments = columns(places)
+    return lambda: special.sph_legendre_p(*arguments).reshape(len(places))
 
 
 def scipy_all(places):
     import scipy.special as special
 
     lmax = places[0].l
-    return [special.sph_legendre_p_all(lmax, lmax, p.theta).reshape(lmax + 1, -1)[p.l, p.m] for p in places]
+    return lambda: [special.sph_legendre_p_all(lmax, lmax, p.theta).reshape(lmax + 1, -1)[p.l, p.m] for p in places]
 
 
 def ducc_order(places):
@@ -160,13 +167,20 @@ def ducc_order(places):
     l, m = places[0].l, places[0].m
     alm = np.zeros((1, l + 1), dtype=np.complex128)
     alm[0, l] = 1.0
-    fixed = {"mval": np.array([m], dtype=np.uint64), "mstart": np.zeros(1, dtype=np.uint64), "nthreads": 1}
-    theta = np.array([p.theta for p in places])
-    return ducc0.sht.alm2leg(alm=alm, lmax=l, theta=theta, **fixed)[0, :, 0].real
+    arguments = {
+        "alm": alm,
+        "lmax": l,
+        "theta": np.array([p.theta for p in places]),
+        "mval": np.array([m], dtype=np.uint64),
+        "mstart": np.zeros(1, dtype=np.uint64),
+        "nthreads": 1,
+    }
+    return lambda: ducc0.sht.alm2leg(**arguments)[0, :, 0].real
 
 
 def ducc_one(places):
-    return [ducc_order([place])[0] for place in places]
+    calls = [ducc_order([place]) for place in places]
+    return lambda: [call()[0] for call in calls]
 
 
 def cases():

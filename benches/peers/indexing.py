@@ -115,6 +115,10 @@ class Agreement:
             parts.append(f"{name} {self.n - count}{away}")
         return f"{self.what:<14} {self.order:<6} {self.nside:>9}  " + ", ".join(parts)
 
+    def as_json(self):
+        """JSON has no infinity, which what must be the same to the bit is away from an edge if it is not."""
+        return vars(self) | {"furthest": {k: v if math.isfinite(v) else None for k, v in self.furthest.items()}}
+
 
 class Section:
     """Everything at one resolution and order."""
@@ -249,7 +253,7 @@ def measure(folder, quick):
     driver.close()
     record = {
         "times": [vars(row) | {"ratio": row.ratio} for row in rows],
-        "agreement": [vars(agreement) for agreement in agreements],
+        "agreement": [agreement.as_json() for agreement in agreements],
         "centres": centres,
     }
     return record, complaints

@@ -30,6 +30,14 @@ impl Errors {
         self.count += 1;
     }
 
+    /// Takes in an infinite error if `got` values came where `expected` ones should: a bound must not pass over those
+    /// that are missing.
+    pub(crate) fn push_length(&mut self, got: usize, expected: usize) {
+        if got != expected {
+            self.push(f64::NAN, || format!("{got} values, not {expected}"));
+        }
+    }
+
     /// The largest magnitude; 0 of no values.
     #[must_use]
     pub fn max(&self) -> f64 {
@@ -52,5 +60,20 @@ impl Errors {
     #[must_use]
     pub fn count(&self) -> u64 {
         self.count
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Errors;
+
+    #[test]
+    fn missing_values_are_infinite_errors() {
+        let mut errors = Errors::default();
+        errors.push_length(3, 3);
+        assert_eq!(errors, Errors::default());
+        errors.push(1.0, || "a value".to_owned());
+        errors.push_length(2, 3);
+        assert_eq!((errors.max(), errors.worst()), (f64::INFINITY, "2 values, not 3"));
     }
 }

@@ -51,7 +51,7 @@ fn at_resolution(nside: Nside, count: usize) -> Vec<Trial> {
         });
     };
     let plane = "definition, twice the precision";
-    let integers = "definition, integers";
+    let (integers, itself) = ("definition, integers", "the pixel whose centre it is");
     let (to_pixel, to_centre) = (bound_of_pixel(side), bound_of_centre(side));
     let pixels = random_pixels(nside, count);
     // Half of them anywhere and half where rounding decides.
@@ -67,7 +67,7 @@ fn at_resolution(nside: Nside, count: usize) -> Vec<Trial> {
         "ring, centre to pixel",
         "directions",
         0.0,
-        integers,
+        itself,
         subjects::return_trip(ring, pixels.clone()),
     );
     if let Ok(nested) = Nested::new(nside) {
@@ -84,7 +84,7 @@ fn at_resolution(nside: Nside, count: usize) -> Vec<Trial> {
             "nested, centre to pixel",
             "directions",
             0.0,
-            integers,
+            itself,
             subjects::return_trip(nested, pixels.clone()),
         );
         add("nested to ring", "pixels", 0.0, integers, subjects::renumbering(nested, pixels));

@@ -1,4 +1,4 @@
-use std::f64::consts::{FRAC_PI_2, TAU};
+use std::f64::consts::{FRAC_1_SQRT_2, FRAC_PI_2, TAU};
 
 use glam::DVec3;
 use sphvar_healpix::{Nested, Nside, PixelOrder, Ring, unit_direction};
@@ -32,7 +32,7 @@ pub(crate) fn hard_cases() -> Vec<HardCase> {
             what: OUTSIDE,
             bound: bound_of_pixel(NSIDE),
             reason: OF_PIXEL,
-            measure: || directions(&at_the_seams()),
+            measure: || directions(&[at_the_meridians(), at_the_slanted_seams()].concat()),
         },
         HardCase {
             name: "directions_at_the_borders_of_the_caps_at_the_largest_nside",
@@ -89,9 +89,16 @@ fn directions(list: &[DVec3]) -> Errors {
     errors
 }
 
-/// Directions of nearly this form; what has no direction is left out.
+/// Directions of nearly this form.
 fn unit(list: impl Iterator<Item = [f64; 3]>) -> Vec<DVec3> {
-    list.filter_map(|v| unit_direction(DVec3::from_array(v)).ok()).collect()
+    list.map(|v| unit_direction(DVec3::from_array(v)).expect("no component is that small"))
+        .collect()
+}
+
+/// The direction at a height and a longitude. Not made unit again, which would move z.
+fn at(z: f64, phi: f64) -> DVec3 {
+    let sin = ((1.0 - z) * (1.0 + z)).sqrt();
+    DVec3::new(sin * phi.cos(), sin * phi.sin(), z)
 }
 
 /// The number, its two neighbours and those of the other sign.
@@ -121,7 +128,7 @@ fn at_the_poles() -> Vec<DVec3> {
 }
 
 /// Longitudes at the edges and in the middle of faces, approached from both sides, from pole to pole.
-fn at_the_seams() -> Vec<DVec3> {
+fn at_the_meridians() -> Vec<DVec3> {
     let heights = (-40..=40).map(|k| f64::from(k) / 40.0);
     unit(heights.flat_map(|z| {
         let sin = ((1.0 - z) * (1.0 + z)).sqrt();
@@ -129,10 +136,21 @@ fn at_the_seams() -> Vec<DVec3> {
         let near_axes =
             on_axes.flat_map(move |w| [[sin, w, z], [-sin, w, z], [w, sin, z], [w, -sin, z]]);
         // In the middle of a face x and y are equal.
-        let x = sin * FRAC_PI_2.sin() * std::f64::consts::FRAC_1_SQRT_2;
+        let x = sin * FRAC_1_SQRT_2;
         let diagonal = around(x).into_iter().flat_map(move |y| [[x, y, z], [-x, y, z]]);
         near_axes.chain(diagonal)
     }))
+}
+
+/// The seams between the faces of the equator and those of the poles, approached from north and south:
+/// `|z| = (2/3)(1 - |t|)` at longitude `(q + t/2) pi/2`.
+fn at_the_slanted_seams() -> Vec<DVec3> {
+    let places = (0..4_i32).flat_map(|q| (-40..=40_i32).map(move |k| (q, f64::from(k) / 40.0)));
+    let near = |(q, t): (i32, f64)| {
+        let phi = (f64::from(q) + 0.5 * t) * FRAC_PI_2;
+        around((1.0 - t.abs()) * 2.0 / 3.0).map(|z| at(z, phi))
+    };
+    places.flat_map(near).collect()
 }
 
 /// The border between belt and caps at many longitudes, approached from both sides.
@@ -141,11 +159,7 @@ fn at_the_borders() -> Vec<DVec3> {
     let longitudes = (0..LONGITUDES).map(|k| TAU * f64::from(k) / f64::from(LONGITUDES));
     let mut list = Vec::new();
     for phi in longitudes {
-        for z in around(2.0 / 3.0) {
-            let sin = ((1.0 - z) * (1.0 + z)).sqrt();
-            // Not made unit again, which would move z.
-            list.push(DVec3::new(sin * phi.cos(), sin * phi.sin(), z));
-        }
+        list.extend(around(2.0 / 3.0).map(|z| at(z, phi)));
     }
     list
 }

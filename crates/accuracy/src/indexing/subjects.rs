@@ -139,6 +139,7 @@ where
 
     fn errors(&mut self) -> Errors {
         let mut errors = Errors::default();
+        errors.push_length(self.out.len(), self.inputs.len());
         for (&input, &got) in self.inputs.iter().zip(&self.out) {
             errors.push((self.error)(input, got), || (self.name)(input));
         }

@@ -1,5 +1,3 @@
-use std::f64::consts::PI;
-
 use sphvar_reference::DoubleDouble;
 use sphvar_samplers::{Domain, Pattern, Purpose, Realizations, Sampler, Streams};
 use sphvar_spectrum::{Resolution, Spectrum, accumulate};
@@ -81,6 +79,7 @@ pub(super) fn errors_of(
     scale: impl Fn(usize) -> f64,
 ) -> Errors {
     let mut errors = Errors::default();
+    errors.push_length(energy.per_degree().len(), exact.len());
     for (l, (got, exact)) in energy.per_degree().iter().zip(exact).enumerate() {
         let error = (DoubleDouble::from(*got) - *exact).value();
         errors.push(error / (scale(l) * (l as f64 + 1.0)), || format!("l = {l}"));
@@ -218,8 +217,8 @@ impl Subject for OfLobe {
             let points = self.realizations().realize(index).expect("a feasible pattern");
             exact += variance(&points, self.kappa) / DoubleDouble::from(self.count());
         }
-        let total = self.lobe.square(Domain::Sphere).unwrap_or(f64::NAN);
-        let white = (4.0 * PI * total - 1.0) / self.sampler.n_points() as f64;
+        // 4 pi int f^2 = kappa coth(kappa).
+        let white = (self.kappa / self.kappa.tanh() - 1.0) / self.sampler.n_points() as f64;
         let mut errors = Errors::default();
         let error = (DoubleDouble::from(self.variance) - exact).value();
         let error = error / (white * exact.value()).sqrt();

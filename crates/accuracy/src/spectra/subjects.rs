@@ -107,6 +107,7 @@ impl Subject for OfSets {
 /// The errors of a spectrum's degrees from 1 on.
 fn errors_from(got: &[f64], exact: &[f64], scale: impl Fn(f64) -> f64) -> Errors {
     let mut errors = Errors::default();
+    errors.push_length(got.len(), exact.len());
     for (l, (got, &exact)) in got.iter().zip(exact).enumerate().skip(1) {
         errors.push((got - exact) / scale(exact), || format!("l = {l}"));
     }
