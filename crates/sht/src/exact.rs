@@ -12,8 +12,8 @@ use crate::{RingTransform, RingWorkspace};
 /// They evaluate the definition by recurrences in difference form, which keep their
 /// accuracy at the poles and at the equator, several points to a vector register; the instruction set is chosen
 /// at run time. Points at the poles, repeated points and N = 0 are ordinary inputs: sums over points are made of
-/// short ones, which keep their accuracy for ten million points at one place. They are the oracle for faster
-/// transforms.
+/// short ones, which keep their accuracy for any number of points at one place (tested to 10^6). They are the oracle
+/// for faster transforms.
 ///
 /// Cost: about `N (lmax + 1)^2 / 4` steps of seven vector operations; memory: the coefficients
 /// and some 150 bytes per point in the workspace.

@@ -32,8 +32,19 @@ struct Column {
     values: Vec<Complex>,
 }
 
+impl Column {
+    /// By how much the sum over the orders that this one stands for exceeds that over its own coefficients; orders m
+    /// and -m are one column.
+    fn copies(&self) -> f64 {
+        self.stands_for * if self.m == 0 { 1.0 } else { 2.0 }
+    }
+}
+
 /// Points at which values are compared.
 const COMPARED: usize = 40;
+/// By how much the norm of all coefficients may exceed what the compared orders tell: half of it or twice it would be
+/// likely if few orders had most of the energy.
+const NORM_FACTOR: f64 = 4.0;
 
 impl Input {
     /// Independent uniform directions without weights.
@@ -81,16 +92,16 @@ impl Input {
         format!("N = {}, lmax = {}", self.points.len(), self.lmax)
     }
 
-    /// The error `||a - b||/||a||` of all coefficients, as those of some orders tell it: each stands for its part.
+    /// The error `||a - b||/||a||` of all coefficients, as those of some orders tell it: each stands for its part. NaN if
+    /// `||a||` is far above what these orders tell, for what is wrong in another one must not make the error small.
     pub(super) fn error_of(&self, got: &Alm) -> Errors {
-        let (mut squares, mut worst) = (0.0, (0.0, 0, 0));
+        let (mut squares, mut energy, mut worst) = (0.0, 0.0, (0.0, 0, 0));
         for column in self.columns.get_or_init(|| self.columns()) {
-            // Orders m and -m.
-            let copies = if column.m == 0 { 1.0 } else { 2.0 };
             for ((l, exact), got) in (column.m..).zip(&column.values).zip(got.column(column.m)) {
                 let rest = |exact, got: f64| (DoubleDouble::from(got) - exact).value();
                 let square = rest(exact.re, got.re).powi(2) + rest(exact.im, got.im).powi(2);
-                squares += column.stands_for * copies * square;
+                squares += column.copies() * square;
+                energy += column.copies() * (exact.re * exact.re + exact.im * exact.im).value();
                 if square > worst.0 || square.is_nan() {
                     worst = (square, l, column.m);
                 }
@@ -100,11 +111,15 @@ impl Input {
         let norm = got.energy_per_degree().iter().sum::<f64>().sqrt();
         let mut errors = Errors::default();
         let (_, l, m) = worst;
-        errors.push(squares.sqrt() / norm, || format!("most of it at l = {l}, m = {m}"));
+        if norm <= NORM_FACTOR * energy.sqrt() {
+            errors.push(squares.sqrt() / norm, || format!("most of it at l = {l}, m = {m}"));
+        } else {
+            errors.push(f64::NAN, || format!("a norm of {norm:.1e}, not {:.1e}", energy.sqrt()));
+        }
         errors
     }
 
-    /// One order of each part, order 0 by itself.
+    /// One order of each part, the first and the last order by themselves.
     fn columns(&self) -> Vec<Column> {
         let definition = Definition::new(&self.points, self.weights());
         let column = |first: usize, last: usize| {
@@ -113,10 +128,15 @@ impl Input {
             let stands_for = (last + 1 - first) as f64;
             Column { m, stands_for, values: definition.column(m, self.lmax) }
         };
-        let parts = self.parts.min(self.lmax);
-        let start = |i: usize| 1 + i * self.lmax / parts;
-        let others = (0..parts).map(|i| column(start(i), start(i + 1) - 1));
-        std::iter::once(column(0, 0)).chain(others).collect()
+        let between = self.lmax.saturating_sub(1);
+        let parts = self.parts.min(between);
+        let start = |i: usize| 1 + i * between / parts;
+        let mut columns = vec![column(0, 0)];
+        columns.extend((0..parts).map(|i| column(start(i), start(i + 1) - 1)));
+        if self.lmax > 0 {
+            columns.push(column(self.lmax, self.lmax));
+        }
+        columns
     }
 
     /// The coefficients of a function without order whose root mean square over the sphere is 1.
@@ -145,9 +165,35 @@ impl Input {
             let compared = self.points.iter().take(COMPARED);
             compared.map(|p| value_at(*p, self.coefficients()).value()).collect()
         });
+        errors.push_length(got.len(), self.points.len());
         for ((exact, got), p) in exact.iter().zip(got).zip(&self.points) {
             errors.push(got - exact, || format!("the point ({:.6}, {:.6}, {:.6})", p.x, p.y, p.z));
         }
         errors
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Input;
+    use crate::transforms::plan::Accuracy;
+
+    #[test]
+    fn the_norm_does_not_hide_what_is_not_compared() {
+        const LMAX: usize = 20;
+        for input in [Input::white_noise(300, LMAX, 3), Input::mirrored(320, LMAX, 3)] {
+            let mut alm = sphvar_sh::Alm::zeros(LMAX).unwrap();
+            Accuracy::Exact.plan(LMAX).adjoint(input.points(), input.weights(), &mut alm);
+            let right = input.error_of(&alm);
+            assert!(right.max() < 1e-14, "{right:?}");
+            let compared = input.columns.get().unwrap();
+            let orders: f64 = compared.iter().map(|c| c.stands_for).sum();
+            assert!((orders - (LMAX as f64 + 1.0)).abs() < 1e-12, "{orders} orders are stood for");
+            assert!(compared.last().is_some_and(|c| c.m == LMAX));
+            let other = (0..=LMAX).find(|m| compared.iter().all(|c| c.m != *m)).unwrap();
+            alm[(LMAX, other)].re += 1e6;
+            let wrong = input.error_of(&alm);
+            assert!(wrong.max().is_infinite(), "{wrong:?}");
+        }
     }
 }
