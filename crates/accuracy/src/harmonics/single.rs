@@ -40,7 +40,7 @@ pub(super) fn trials(l: usize) -> Vec<Trial> {
         .collect();
     let of_direction: Vec<_> = of_colatitude
         .iter()
-        .filter_map(|&(l, m, given)| Some((l, m, direction(given.colatitude.ok()?))))
+        .map(|&(l, m, given)| (l, m, direction(given.colatitude.expect("a colatitude"))))
         .collect();
     let (count, case) = (of_theta.len(), format!("l = {l}"));
     let out = vec![Complex::ZERO; count];
