@@ -119,12 +119,16 @@ impl DoubleDouble {
             Some((digits, power)) => (digits, power.parse::<i64>().ok()?),
             None => (text, 0),
         };
-        let fraction = digits.split_once('.').map_or(0, |(_, fraction)| fraction.len());
-        let integer: i128 = digits.replace('.', "").parse().ok()?;
+        let (whole, fraction) = digits.split_once('.').unwrap_or((digits, ""));
+        // A second point or a sign in the fraction is no digit.
+        if !fraction.bytes().all(|b| b.is_ascii_digit()) {
+            return None;
+        }
+        let integer: i128 = [whole, fraction].concat().parse().ok()?;
         if integer.unsigned_abs() >= 10_u128.pow(30) {
             return None;
         }
-        let power = power.checked_sub(i64::try_from(fraction).ok()?)?;
+        let power = power.checked_sub(i64::try_from(fraction.len()).ok()?)?;
         let ten = Self::from(10.0).power(power.unsigned_abs());
         let integer = Self::of_integer(integer);
         Some(if power < 0 { integer / ten } else { integer * ten })

@@ -17,7 +17,7 @@ pub struct LegendreRow {
 
 /// 263 values of associated Legendre functions with 25 digits, from arithmetic of many more.
 ///
-/// Degrees to 20000, colatitudes from 1e-300 to 1e-12 from the south pole, values down to `1e-6000000`.
+/// Degrees to 20000, colatitudes from 1e-300 to 5.4e-8 from the south pole, values down to about `1e-306477`.
 #[derive(Clone, Copy, Debug)]
 pub struct LegendreTable;
 
