@@ -49,9 +49,11 @@ pub(crate) fn trials(effort: Effort) -> Vec<Trial> {
 
 fn of_sets(sets: &Arc<Sets>, epsilon: Option<f64>) -> Trial {
     let (method, words) = match epsilon {
-        None => ("sets, exact", String::new()),
-        Some(epsilon) if epsilon >= 5e-7 => ("sets, fast f32", format!(", epsilon = {epsilon:e}")),
-        Some(epsilon) => ("sets, fast f64", format!(", epsilon = {epsilon:e}")),
+        None => ("sampling and exact", String::new()),
+        Some(epsilon) if epsilon >= 5e-7 => {
+            ("sampling and fast f32", format!(", epsilon = {epsilon:e}"))
+        }
+        Some(epsilon) => ("sampling and fast f64", format!(", epsilon = {epsilon:e}")),
     };
     Trial {
         area: Area::Spectra,

@@ -13,7 +13,9 @@ pub enum Effort {
 
 /// Something that can be run again and again, and compared with its reference.
 pub trait Subject: Send {
-    /// The work that is timed; inputs, plans and memory are made before.
+    /// The work that is timed. Inputs are made before, and so are plans and memory where a caller would keep them, or by
+    /// the first run. Spectra and predictions of sets are timed as a whole, with the sampling of the sets and the plan
+    /// of their transform; their methods say so.
     fn run(&mut self);
 
     /// The errors of what the last run gave. May be far dearer than the run.
