@@ -9,7 +9,7 @@ fn number(n: usize) -> DoubleDouble {
 /// The energies `E(l) = pi (P_{l-1}(c) - P_{l+1}(c))^2/(2l+1)`, l = 0 ..= lmax, of the cap of `angle`, taken as the
 /// exact number that it is; `P_{-1}` is 1.
 ///
-/// For an angle of 1/100 of pi and more, below which the difference cancels.
+/// For an angle of 1 degree and more, below which the difference cancels.
 pub(super) fn of_cap(angle: f64, lmax: usize) -> Vec<DoubleDouble> {
     let (_, cos) = DoubleDouble::from(angle).sin_cos();
     let values: Vec<_> =
@@ -52,7 +52,7 @@ pub(super) fn of_small_cap(angle: f64, lmax: usize) -> Vec<DoubleDouble> {
 /// ```
 ///
 /// The series, all of whose terms are positive, for kappa to 200; the recurrence upwards for more: it magnifies
-/// errors by about `e^{l^2/kappa}`, so of 31 digits 16 are left to l^2 = 35 kappa.
+/// errors by about `e^{l^2/kappa}`, so of 31 digits 15 are left at l^2 = 36 kappa.
 pub(super) fn of_lobe(kappa: f64, lmax: usize) -> Vec<DoubleDouble> {
     let ratios = if kappa <= 200.0 { by_series(kappa, lmax) } else { upwards(kappa, lmax) };
     let four_pi = DoubleDouble::from(4.0) * DoubleDouble::pi();

@@ -29,7 +29,7 @@ pub(crate) fn hard_cases() -> Vec<HardCase> {
         },
         HardCase {
             name: "von_mises_fisher_of_kappa_1e6",
-            what: "energies to degree 6000, where they are 1e-15 of the largest, relative to (l + 1) times the energy; \
+            what: "energies to degree 6000, where they are 3e-15 of the largest, relative to (l + 1) times the energy; \
                    their sum, relative to the total",
             bound: 4.0 * f64::EPSILON,
             reason: "a product of l ratios, each right to a rounding or two, squared",
