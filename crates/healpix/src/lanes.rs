@@ -2,8 +2,9 @@ use crate::azimuth::{Azimuth, floor};
 use crate::zone::{Z_BORDER, cap_distance, cap_distance_of_theta, z_of_theta};
 use crate::{Nside, PixelOrder};
 
-/// The low 31 bits, which hold every number here. A product of two such numbers is one instruction on lanes of 64 bits,
-/// and leaves a bit of an `i64` for what is added to it.
+/// The low 31 bits, which hold every number that they are cut out of: coordinates and numbers of rings, below `4 nside`,
+/// at most 2^31. A product of two such numbers, or of one up to `2 nside` and `4 nside`, is one instruction on lanes of
+/// 64 bits, and leaves a bit of an `i64` for what is added to it.
 pub(crate) const LOW: i64 = 0x7FFF_FFFF;
 
 /// A cell in numbers as wide as an `f64`, so that a lane of a register keeps its width from direction to pixel.

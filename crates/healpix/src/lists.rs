@@ -125,29 +125,86 @@ impl<O: LaneOrder> WithSimd for AngleBlocks<'_, O> {
 
 #[cfg(test)]
 mod tests {
+    use pulp::Scalar;
+
     use super::*;
     use crate::lanes::tests::hostile_vectors;
     use crate::{Nested, Nside, PixelOrder, Ring};
 
+    const NSIDES: [u32; 4] = [1, 3, 1 << 10, Nside::MAX];
+
+    /// The pixels of whole blocks by an instruction set.
+    fn of_vectors(simd: impl Simd, order: &impl LaneOrder, dirs: &[DVec3]) -> Vec<u64> {
+        let (dirs, _) = dirs.as_chunks();
+        let mut pixels = vec![[u64::MAX; WIDTH]; dirs.len()];
+        simd.vectorize(Blocks { order, dirs, pixels: &mut pixels });
+        pixels.concat()
+    }
+
+    /// [`of_vectors`] for angles in range.
+    fn of_angles(simd: impl Simd, order: &impl LaneOrder, angles: &[[f64; 2]]) -> Vec<u64> {
+        let (angles, _) = angles.as_chunks();
+        let mut pixels = vec![[u64::MAX; WIDTH]; angles.len()];
+        simd.vectorize(AngleBlocks { order, angles, pixels: &mut pixels }).unwrap();
+        pixels.concat()
+    }
+
+    /// Checks the list, and its blocks by other instruction sets than the best that there is.
+    fn assert_vectors(order: &impl LaneOrder, vectors: &[DVec3], expected: &[u64], name: &str) {
+        let mut pixels = vec![u64::MAX; vectors.len()];
+        fill(order, vectors, &mut pixels);
+        assert_eq!(pixels, expected, "{name}");
+        let found = of_vectors(Scalar::new(), order, vectors);
+        assert_eq!(found, expected[..found.len()], "{name}, no registers");
+        #[cfg(target_arch = "x86_64")]
+        if let Some(v3) = pulp::x86::V3::try_new() {
+            let found = of_vectors(v3, order, vectors);
+            assert_eq!(found, expected[..found.len()], "{name}, AVX2");
+        }
+    }
+
     #[test]
     fn any_bits_have_the_pixel_of_the_look_up_with_branches() {
-        for n in [1, 3, 1 << 10, Nside::MAX] {
+        let vectors = hostile_vectors();
+        assert!(vectors.len() > WIDTH && !vectors.len().is_multiple_of(WIDTH));
+        for n in NSIDES {
             let nside = Nside::new(n).unwrap();
-            let vectors = hostile_vectors();
-            assert!(vectors.len() > WIDTH && !vectors.len().is_multiple_of(WIDTH));
             let ring = Ring::new(nside);
             let expected: Vec<u64> = vectors
                 .iter()
                 .map(|v| ring.pixel_of_cell(Cell::of_any_vector(nside, *v)))
                 .collect();
-            let mut pixels = vec![u64::MAX; vectors.len()];
-            fill(&ring, &vectors, &mut pixels);
-            assert_eq!(pixels, expected, "ring order, nside {n}");
+            assert_vectors(&ring, &vectors, &expected, &format!("ring order, nside {n}"));
 
             let Ok(nested) = Nested::new(nside) else { continue };
             let expected: Vec<u64> = expected.iter().map(|&p| nested.from_ring(p)).collect();
-            fill(&nested, &vectors, &mut pixels);
-            assert_eq!(pixels, expected, "nested order, nside {n}");
+            assert_vectors(&nested, &vectors, &expected, &format!("nested order, nside {n}"));
+        }
+    }
+
+    #[test]
+    fn angles_have_the_pixel_of_the_look_up_of_one() {
+        const THETAS: [f64; 11] =
+            [0.0, 5e-324, 1e-160, 1e-9, 0.5, 0.841, 1.57, PI / 2.0, 2.3, 3.1, PI];
+        const PHIS: [f64; 11] = [0.0, -0.0, 5e-324, -1e-9, 0.7, PI / 4.0, PI, -PI, 6.2, 1e3, -1e15];
+        let pairs = || THETAS.into_iter().flat_map(|theta| PHIS.map(|phi| [theta, phi]));
+        // A longitude without a fraction takes its block out of the lanes, so it is in one of them alone.
+        let angles: Vec<[f64; 2]> = pairs().chain([[1.0, 1e300]]).chain(pairs()).collect();
+        assert!(!angles.len().is_multiple_of(WIDTH));
+        for n in NSIDES {
+            let ring = Ring::new(Nside::new(n).unwrap());
+            let expected: Vec<u64> =
+                angles.iter().map(|a| ring.pixel_of_angles(a[0], a[1]).unwrap()).collect();
+            let mut pixels = vec![u64::MAX; angles.len()];
+            pixels_of_angles_into(&ring, &angles, &mut pixels).unwrap();
+            assert_eq!(pixels, expected, "nside {n}");
+            let found = of_angles(Scalar::new(), &ring, &angles);
+            assert_eq!(found, expected[..found.len()], "nside {n}, no registers");
+            #[cfg(target_arch = "x86_64")]
+            if let Some(v3) = pulp::x86::V3::try_new() {
+                let found = of_angles(v3, &ring, &angles);
+                assert_eq!(found, expected[..found.len()], "nside {n}, AVX2");
+            }
         }
     }
 }
