@@ -181,7 +181,27 @@ fn emit(
 
 /// The charts as a document beside or above them names them.
 fn links(document: &Path, plots: &[(Area, PathBuf)]) -> Vec<(Area, String)> {
+    // Made absolute, so that `./docs` and `docs` are the same folder.
+    let absolute = |path: &Path| std::path::absolute(path).unwrap_or_else(|_| path.to_path_buf());
+    let document = absolute(document);
     let folder = document.parent().unwrap_or(Path::new(""));
-    let link = |path: &Path| path.strip_prefix(folder).unwrap_or(path).display().to_string();
+    let link = |path: &Path| {
+        let whole = absolute(path);
+        whole.strip_prefix(folder).unwrap_or(path).display().to_string()
+    };
     plots.iter().map(|(area, path)| (*area, link(path))).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn charts_below_the_document_are_named_from_there() {
+        let plots = [(Area::Spectra, PathBuf::from("docs/images/a.svg"))];
+        for document in ["docs/accuracy.md", "./docs/accuracy.md"] {
+            assert_eq!(links(Path::new(document), &plots)[0].1, "images/a.svg", "{document}");
+        }
+        assert_eq!(links(Path::new("other/accuracy.md"), &plots)[0].1, "docs/images/a.svg");
+    }
 }

@@ -30,7 +30,7 @@ impl Machine {
 
     /// The machine in a phrase.
     pub(super) fn phrase(&self) -> String {
-        format!("{}, {} cores, {} threads in use", self.cpu, self.cores, self.threads)
+        format!("{}, {} cores, {} threads at hand", self.cpu, self.cores, self.threads)
     }
 }
 

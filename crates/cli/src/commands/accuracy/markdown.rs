@@ -81,7 +81,8 @@ impl Document<'_> {
 const INTRODUCTION: &str = "\
 Every method is timed (the median of several runs that take 0.1 s together at least) and compared with a reference that is
 better than it. `bound` is what the largest error must not exceed; where a method promises an accuracy, it is
-that. EPSILON is 2.2e-16. Times are those of this machine and of nothing else; errors are nearly the same everywhere.
+that. A transform to coefficients has one error, a norm of all differences, so its rms is its largest error. EPSILON is
+2.2e-16. Times are those of this machine and of nothing else; errors are nearly the same everywhere.
 ";
 
 const HARD_CASES: &str = "\
