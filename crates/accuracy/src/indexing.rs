@@ -28,7 +28,7 @@ pub(crate) fn trials(effort: Effort) -> Vec<Trial> {
         Effort::Quick => (&[1, 64, 1 << 20, 1 << 29], 4000),
         Effort::Full => (&[1, 18, 64, 1024, 1 << 15, 1 << 20, 1 << 25, 1 << 29], 100_000),
     };
-    let resolutions = resolutions.iter().filter_map(|&n| Nside::new(n).ok());
+    let resolutions = resolutions.iter().map(|&n| Nside::new(n).expect("in range"));
     resolutions.flat_map(|nside| at_resolution(nside, count)).collect()
 }
 

@@ -14,8 +14,8 @@ pub enum Effort {
 /// Something that can be run again and again, and compared with its reference.
 pub trait Subject: Send {
     /// The work that is timed. Inputs are made before, and so are plans and memory where a caller would keep them, or by
-    /// the first run. Spectra and predictions of sets are timed as a whole, with the sampling of the sets and the plan
-    /// of their transform; their methods say so.
+    /// the first run. Spectra and predictions are timed as a whole, as a user asks for them: with the sampling of sets and
+    /// the plan of their transform.
     fn run(&mut self);
 
     /// The errors of what the last run gave. May be far dearer than the run.

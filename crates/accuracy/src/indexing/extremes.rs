@@ -58,15 +58,18 @@ pub(crate) fn hard_cases() -> Vec<HardCase> {
     ]
 }
 
+/// Ring and nested order at the largest resolution.
+fn orders() -> (Ring, Nested) {
+    let nside = Nside::new(Nside::MAX).expect("the largest resolution");
+    (Ring::new(nside), Nested::new(nside).expect("a power of 2"))
+}
+
 /// Errors in ring and in nested order.
 fn in_both_orders(ring: fn(Ring, &mut Errors), nested: fn(Nested, &mut Errors)) -> Errors {
     let mut errors = Errors::default();
-    if let Ok(nside) = Nside::new(Nside::MAX) {
-        ring(Ring::new(nside), &mut errors);
-        if let Ok(order) = Nested::new(nside) {
-            nested(order, &mut errors);
-        }
-    }
+    let (in_rings, in_faces) = orders();
+    ring(in_rings, &mut errors);
+    nested(in_faces, &mut errors);
     errors
 }
 
@@ -80,12 +83,9 @@ fn directions(list: &[DVec3]) -> Errors {
         }
     }
     let mut errors = Errors::default();
-    if let Ok(nside) = Nside::new(Nside::MAX) {
-        outside(Ring::new(nside), list, &mut errors);
-        if let Ok(nested) = Nested::new(nside) {
-            outside(nested, list, &mut errors);
-        }
-    }
+    let (ring, nested) = orders();
+    outside(ring, list, &mut errors);
+    outside(nested, list, &mut errors);
     errors
 }
 
@@ -114,14 +114,12 @@ fn at_the_poles() -> Vec<DVec3> {
         let others = distances.into_iter().flat_map(around);
         others.flat_map(move |y| [[x, y, 1.0], [x, y, -1.0]])
     }));
-    if let Ok(nside) = Nside::new(Nside::MAX) {
-        let ring = Ring::new(nside);
-        // 2 ring (ring - 1) pixels are north of a ring; a prime step reaches all longitudes.
-        let near_the_pole = (0..2_u64 * 1000 * 999).step_by(997);
-        for pixel in near_the_pole {
-            for pixel in [pixel, ring.antipode(pixel)] {
-                list.extend(super::on_edges(&ring, pixel));
-            }
+    let (ring, _) = orders();
+    // 2 ring (ring - 1) pixels are north of a ring; a prime step reaches all longitudes.
+    let near_the_pole = (0..2_u64 * 1000 * 999).step_by(997);
+    for pixel in near_the_pole {
+        for pixel in [pixel, ring.antipode(pixel)] {
+            list.extend(super::on_edges(&ring, pixel));
         }
     }
     list
