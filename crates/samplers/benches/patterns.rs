@@ -2,7 +2,7 @@
 //!
 //! An id is group/pattern with all its parameters/number of points, so that
 //! `cargo bench -p sphvar-samplers -- 'ccvt/.*capacity=64.*/4096'` runs some; jittered sets and HEALPix have
-//! the nearest number of points that there is. `cargo run --release -p sphvar-samplers --example growth`
+//! the nearest number of points that there is. `cargo run --release -p sphvar-samplers --example pattern_growth`
 //! tells how times grow with the number of points.
 
 use std::hint::black_box;

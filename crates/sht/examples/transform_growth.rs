@@ -1,7 +1,7 @@
 //! Prints how the time of the fast adjoint grows with the number of points and with the degree, and what part of
 //! it spreading, Fourier transforms and the Legendre stage take.
 //!
-//! `cargo run --release -p sphvar-sht --example growth [EPSILON]`; one thread, medians, about a minute.
+//! `cargo run --release -p sphvar-sht --example transform_growth [EPSILON]`; one thread, medians, about a minute.
 //!
 //! The parts are differences: a set of no points takes what the grid takes, and the Legendre stage by itself is
 //! timed on as many rings, where it counts values down to 1e-20 whatever epsilon, which takes up to a tenth longer.

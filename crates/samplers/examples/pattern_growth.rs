@@ -1,7 +1,7 @@
 //! Prints the time for one set of every pattern over a ladder of numbers of points, and how it grows.
 //!
 //! ```text
-//! cargo run --release -p sphvar-samplers --example growth -- [PATTERN | N]...
+//! cargo run --release -p sphvar-samplers --example pattern_growth -- [PATTERN | N]...
 //! ```
 //!
 //! Patterns are those of `Pattern::ALL` unless some are named, by name or as in `step:flat=0,core=0`
