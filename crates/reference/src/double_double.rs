@@ -1,6 +1,8 @@
 use std::cmp::Ordering;
 use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub};
 
+use crate::power;
+
 /// A number of about 32 digits, an unevaluated sum of two `f64` with an exponent of its own.
 ///
 /// ```text
@@ -146,17 +148,7 @@ impl DoubleDouble {
     /// Relative error `16 n UNIT^2` over `n` times that of `self`. Cost `O(log n)`.
     #[must_use]
     pub fn power(self, n: u64) -> Self {
-        let (mut result, mut square, mut rest) = (Self::ONE, self, n);
-        while rest > 0 {
-            if rest % 2 == 1 {
-                result = result * square;
-            }
-            rest /= 2;
-            if rest > 0 {
-                square = square * square;
-            }
-        }
-        result
+        power(Self::ONE, self, n)
     }
 
     /// Returns the square root, NaN of a negative number: the `f64` root with one correction of Newton.

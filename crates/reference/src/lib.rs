@@ -16,9 +16,11 @@ mod acute_angle;
 mod double_double;
 mod legendre;
 mod legendre_table;
+mod power;
 mod trigonometry;
 
 pub use acute_angle::AcuteAngle;
 pub use double_double::DoubleDouble;
 pub use legendre::{LegendreColumn, LegendreValue, lambda};
 pub use legendre_table::{LegendreRow, LegendreTable};
+pub use power::power;

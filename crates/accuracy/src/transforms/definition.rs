@@ -1,7 +1,7 @@
 use std::ops::Mul;
 
 use glam::DVec3;
-use sphvar_reference::{AcuteAngle, DoubleDouble, LegendreColumn};
+use sphvar_reference::{AcuteAngle, DoubleDouble, LegendreColumn, power};
 use sphvar_sh::Alm;
 
 /// A complex number of twice the working precision.
@@ -14,18 +14,6 @@ pub(crate) struct Complex {
 impl Complex {
     pub(crate) const ZERO: Self = Self { re: DoubleDouble::ZERO, im: DoubleDouble::ZERO };
     const ONE: Self = Self { re: DoubleDouble::ONE, im: DoubleDouble::ZERO };
-
-    fn power(self, n: usize) -> Self {
-        let (mut result, mut square, mut rest) = (Self::ONE, self, n);
-        while rest > 0 {
-            if rest % 2 == 1 {
-                result = result * square;
-            }
-            square = square * square;
-            rest /= 2;
-        }
-        result
-    }
 
     fn add_product(&mut self, value: Self, factor: DoubleDouble) {
         self.re += value.re * factor;
@@ -98,7 +86,7 @@ impl Definition {
             // By the parity of l - m, under which the functions of the south are those of the north.
             let mut terms = [Complex::ZERO; 2];
             for place in &ring.places {
-                let turn = place.turn.power(m);
+                let turn = power(Complex::ONE, place.turn, m as u64);
                 terms[0].add_product(turn, place.weight);
                 terms[1].add_product(turn, if place.south { -place.weight } else { place.weight });
             }
@@ -123,7 +111,7 @@ pub(super) fn value_at(p: DVec3, alm: &Alm) -> DoubleDouble {
             of_order.add_product(a, lambda.value);
         }
         // Orders m and -m are complex conjugates; the turn is that of the conjugate harmonic.
-        let turn = turn.power(m);
+        let turn = power(Complex::ONE, turn, m as u64);
         let real = of_order.re * turn.re + of_order.im * turn.im;
         sum += if m == 0 { real } else { real + real };
     }

@@ -71,7 +71,7 @@ pub(crate) fn run(args: &AccuracyArgs, global: &Global) -> Result<(), CliError> 
     let (trials, hard_cases) = measure(&areas, args.quick, global.quiet);
     let provenance = Provenance::new(global.seed);
     let document = Document {
-        held: trials.iter().all(|t| t.held) && hard_cases.iter().all(|c| c.held),
+        held: trials.iter().all(|t| t.outcome.held) && hard_cases.iter().all(|c| c.outcome.held),
         quick: args.quick,
         date: today(),
         version: provenance.version,

@@ -24,7 +24,7 @@ pub(super) fn area_chart(area: Area, document: &Document<'_>) -> Chart {
     for trial in &trials {
         add(&mut units, singular(trial.unit));
         add(&mut scales, trial.relative_to);
-        if trial.error > 0.0 {
+        if trial.outcome.error > 0.0 {
             add(&mut methods, &trial.method);
             add(&mut cases, &trial.case);
         } else {
@@ -35,7 +35,8 @@ pub(super) fn area_chart(area: Area, document: &Document<'_>) -> Chart {
     let mut series = Vec::new();
     for (colour, method) in methods.iter().enumerate() {
         let own = trials.iter().filter(|trial| trial.method == *method);
-        let points: Vec<_> = own.map(|trial| (trial.seconds_per_unit, trial.error)).collect();
+        let points: Vec<_> =
+            own.map(|trial| (trial.seconds_per_unit, trial.outcome.error)).collect();
         let of = |label: &str, style| Series {
             label: label.to_owned(),
             points: points.clone(),

@@ -21,8 +21,8 @@ impl Document<'_> {
             text += &self.area(area, charts);
         }
         text += &self.edge();
-        let broken = self.trials.iter().filter(|t| !t.held).count()
-            + self.hard_cases.iter().filter(|c| !c.held).count();
+        let broken = self.trials.iter().filter(|t| !t.outcome.held).count()
+            + self.hard_cases.iter().filter(|c| !c.outcome.held).count();
         let bounds = self.trials.len() + self.hard_cases.len();
         text + &format!("\n{} of {bounds} bounds are held.\n", bounds - broken)
     }
@@ -40,8 +40,9 @@ impl Document<'_> {
             let TrialRecord { relative_to, reference, .. } = group[0];
             text += &format!("\nErrors relative to {relative_to}; reference: {reference}.\n\n");
             let heading = [&TrialRecord::HEADING[..], &["worst case"]].concat();
-            let rows =
-                group.iter().map(|t| t.cells().into_iter().chain([t.worst.clone()]).collect());
+            let rows = group
+                .iter()
+                .map(|t| t.cells().into_iter().chain([t.outcome.worst.clone()]).collect());
             text += &pipe_table(&heading, rows, 2..6);
         }
         text
@@ -54,10 +55,10 @@ impl Document<'_> {
         let rows = self.hard_cases.iter().map(|c| {
             vec![
                 format!("`{}`", c.name),
-                figure(c.error),
-                figure(c.bound),
-                verdict(c.held).to_owned(),
-                c.worst.clone(),
+                figure(c.outcome.error),
+                figure(c.outcome.bound),
+                verdict(c.outcome.held).to_owned(),
+                c.outcome.worst.clone(),
             ]
         });
         let heading = ["name", "largest error", "bound", "held", "worst case"];

@@ -34,15 +34,8 @@ pub(super) struct TrialRecord {
     pub(super) count: f64,
     /// The median of the runs, divided by the count.
     pub(super) seconds_per_unit: f64,
-    /// The largest; null in JSON if it is infinite, as is that of what is not a number.
-    pub(super) error: f64,
-    pub(super) rms: f64,
-    /// Where the largest error is.
-    pub(super) worst: String,
-    /// How many errors were looked at.
-    pub(super) compared: u64,
-    pub(super) bound: f64,
-    pub(super) held: bool,
+    #[serde(flatten)]
+    pub(super) outcome: Outcome,
     pub(super) relative_to: &'static str,
     pub(super) reference: &'static str,
 }
@@ -53,23 +46,39 @@ pub(super) struct HardCaseRecord {
     pub(super) area: &'static str,
     pub(super) name: &'static str,
     pub(super) what: &'static str,
-    pub(super) error: f64,
-    pub(super) rms: f64,
-    pub(super) worst: String,
-    pub(super) compared: u64,
-    pub(super) bound: f64,
-    pub(super) held: bool,
+    #[serde(flatten)]
+    pub(super) outcome: Outcome,
     pub(super) reason: &'static str,
 }
 
-/// A comparison of nothing holds no bound.
-fn held(errors: &Errors, bound: f64) -> bool {
-    errors.count() > 0 && errors.max() <= bound
+/// Errors beside their bound.
+#[derive(Debug, Serialize)]
+pub(super) struct Outcome {
+    /// The largest; null in JSON if it is infinite, as is that of what is not a number.
+    pub(super) error: f64,
+    pub(super) rms: f64,
+    /// Where the largest error is.
+    pub(super) worst: String,
+    /// How many errors were looked at.
+    pub(super) compared: u64,
+    pub(super) bound: f64,
+    pub(super) held: bool,
 }
 
-/// Of errors that are all 0 none is the worst.
-fn worst(errors: &Errors) -> String {
-    if errors.max() > 0.0 { errors.worst().to_owned() } else { "-".to_owned() }
+impl Outcome {
+    /// A comparison of nothing holds no bound; of errors that are all 0 none is the worst.
+    fn new(errors: &Errors, bound: f64) -> Self {
+        let (error, compared) = (errors.max(), errors.count());
+        let worst = if error > 0.0 { errors.worst() } else { "-" };
+        Self {
+            error,
+            rms: errors.rms(),
+            worst: worst.to_owned(),
+            compared,
+            bound,
+            held: compared > 0 && error <= bound,
+        }
+    }
 }
 
 impl TrialRecord {
@@ -81,12 +90,7 @@ impl TrialRecord {
             unit: trial.unit,
             count: trial.count,
             seconds_per_unit: seconds / trial.count,
-            error: errors.max(),
-            rms: errors.rms(),
-            worst: worst(errors),
-            compared: errors.count(),
-            bound: trial.bound,
-            held: held(errors, trial.bound),
+            outcome: Outcome::new(errors, trial.bound),
             relative_to: trial.relative_to,
             reference: trial.reference,
         }
@@ -104,10 +108,10 @@ impl TrialRecord {
             self.method.clone(),
             self.case.clone(),
             time(self.seconds_per_unit, self.unit),
-            figure(self.error),
-            figure(self.rms),
-            figure(self.bound),
-            verdict(self.held).to_owned(),
+            figure(self.outcome.error),
+            figure(self.outcome.rms),
+            figure(self.outcome.bound),
+            verdict(self.outcome.held).to_owned(),
         ]
     }
 }
@@ -118,12 +122,7 @@ impl HardCaseRecord {
             area: area.name(),
             name: case.name,
             what: case.what,
-            error: errors.max(),
-            rms: errors.rms(),
-            worst: worst(errors),
-            compared: errors.count(),
-            bound: case.bound,
-            held: held(errors, case.bound),
+            outcome: Outcome::new(errors, case.bound),
             reason: case.reason,
         }
     }
@@ -137,16 +136,24 @@ impl Document<'_> {
     pub(super) fn rows(&self) -> Vec<Vec<String>> {
         let trials = self.trials.iter().map(|t| {
             let words = ["trial", t.area, &t.method, &t.case].map(str::to_owned);
-            let numbers = [full(t.seconds_per_unit), t.unit.to_owned(), full(t.error), full(t.rms)];
-            let bound = [t.compared.to_string(), full(t.bound), t.held.to_string()];
-            let rest = [t.relative_to, t.reference, &t.worst].map(str::to_owned);
+            let numbers = [
+                full(t.seconds_per_unit),
+                t.unit.to_owned(),
+                full(t.outcome.error),
+                full(t.outcome.rms),
+            ];
+            let bound =
+                [t.outcome.compared.to_string(), full(t.outcome.bound), t.outcome.held.to_string()];
+            let rest = [t.relative_to, t.reference, &t.outcome.worst].map(str::to_owned);
             [&words[..], &numbers, &bound, &rest].concat()
         });
         let cases = self.hard_cases.iter().map(|c| {
             let words = ["hard case", c.area, c.name, ""].map(str::to_owned);
-            let numbers = [String::new(), String::new(), full(c.error), full(c.rms)];
-            let bound = [c.compared.to_string(), full(c.bound), c.held.to_string()];
-            let rest = [c.what, c.reason, &c.worst].map(str::to_owned);
+            let numbers =
+                [String::new(), String::new(), full(c.outcome.error), full(c.outcome.rms)];
+            let bound =
+                [c.outcome.compared.to_string(), full(c.outcome.bound), c.outcome.held.to_string()];
+            let rest = [c.what, c.reason, &c.outcome.worst].map(str::to_owned);
             [&words[..], &numbers, &bound, &rest].concat()
         });
         trials.chain(cases).collect()
@@ -196,7 +203,12 @@ impl Document<'_> {
             .iter()
             .map(|c| {
                 let name = c.name.replace('_', " ");
-                vec![name, figure(c.error), figure(c.bound), verdict(c.held).to_owned()]
+                vec![
+                    name,
+                    figure(c.outcome.error),
+                    figure(c.outcome.bound),
+                    verdict(c.outcome.held).to_owned(),
+                ]
             })
             .collect();
         if !rows.is_empty() {
@@ -208,8 +220,8 @@ impl Document<'_> {
 
     /// An error that names the bounds that are not held, if there are any.
     pub(super) fn verdict(&self) -> Result<(), CliError> {
-        let trials = self.trials.iter().filter(|t| !t.held);
-        let cases = self.hard_cases.iter().filter(|c| !c.held);
+        let trials = self.trials.iter().filter(|t| !t.outcome.held);
+        let cases = self.hard_cases.iter().filter(|c| !c.outcome.held);
         let broken: Vec<String> = trials
             .map(|t| format!("{} ({})", t.method, t.case))
             .chain(cases.map(|c| c.name.to_owned()))
@@ -260,7 +272,7 @@ mod tests {
             (&[], false),
         ] {
             let cases = [case(&[0.0]), case(measured)];
-            assert_eq!(cases[1].held, holds, "{measured:?}");
+            assert_eq!(cases[1].outcome.held, holds, "{measured:?}");
             let document = Document {
                 held: holds,
                 quick: true,
