@@ -8,7 +8,7 @@
 //! - [`lambda`](lambda()), [`LegendrePlan`], [`Recurrence`]: associated Legendre functions, one value, all values
 //!   at a colatitude, one order at many colatitudes. Accurate at every colatitude, tested for degrees up to 20000.
 //! - [`ylm`], [`real_ylm`] and their `_at` forms for directions: single harmonics.
-//! - [`Alm`]: coefficients, energy and power per degree.
+//! - [`Alm`]: coefficients, energy and power per degree. [`ByParity`]: a value for even and one for odd degrees.
 //! - [`legendre_p`]: Legendre polynomials. [`GaussLegendre`]: quadrature on an interval.
 //!
 //! # Examples
@@ -42,6 +42,7 @@ mod error;
 mod gauss;
 mod index;
 mod lambda;
+mod parity;
 mod plan;
 mod polynomial;
 mod recurrence;
@@ -54,6 +55,7 @@ pub use error::Error;
 pub use gauss::GaussLegendre;
 pub use index::{LmIndex, MAX_DEGREE};
 pub use lambda::{lambda, lambda_scaled, sectoral, sectoral_function};
+pub use parity::ByParity;
 pub use plan::LegendrePlan;
 pub use polynomial::{legendre_p, legendre_p_into};
 pub use recurrence::{Recurrence, Step};

@@ -1,13 +1,14 @@
+use std::cell::OnceCell;
 use std::f64::consts::PI;
 use std::ops::Range;
 
 use glam::DVec3;
 use rayon::prelude::{IntoParallelIterator, ParallelIterator};
 use sphvar_samplers::Realizations;
-use sphvar_sh::Alm;
+use sphvar_sh::{Alm, ByParity};
 use sphvar_sht::{Method, Transform, TransformWorkspace};
 
-use crate::{Error, ExactSum, Spectrum, SpectrumAccumulator};
+use crate::{Error, ExactSum, Spectrum, SpectrumAccumulator, tail_power};
 
 /// A numbered family of point sets: the realizations of a sampler, or sets that a user brings.
 pub trait PointSets: Sync {
@@ -41,18 +42,29 @@ impl PointSets for Realizations<'_> {
 #[derive(Debug)]
 pub struct Realization<'a> {
     index: u64,
+    points: &'a [DVec3],
+    weights: &'a [f64],
     alm: &'a Alm,
     normalization: f64,
+    tail: OnceCell<ByParity>,
 }
 
-impl Realization<'_> {
+impl<'a> Realization<'a> {
+    fn new(index: u64, points: &'a [DVec3], weights: &'a [f64], alm: &'a Alm) -> Self {
+        let squares =
+            if weights.is_empty() { points.len() as f64 } else { sum_of_squares(weights) };
+        let normalization = if squares > 0.0 { 4.0 * PI / squares } else { 0.0 };
+        Self { index, points, weights, alm, normalization, tail: OnceCell::new() }
+    }
+
     /// Its number in the ensemble.
     #[must_use]
     pub fn index(&self) -> u64 {
         self.index
     }
 
-    /// `S_lm = sum_k w_k conj Y_lm(s_k)`.
+    /// `S_lm = sum_k w_k conj Y_lm(s_k)`, the weights scaled by a power of two so that the largest is in [1/2, 1);
+    /// equal weights are 1.
     #[must_use]
     pub fn alm(&self) -> &Alm {
         self.alm
@@ -63,6 +75,12 @@ impl Realization<'_> {
     #[must_use]
     pub fn normalization(&self) -> f64 {
         self.normalization
+    }
+
+    /// The mean power of even and of odd degrees at high degrees, [`tail_power`] of the points.
+    #[must_use]
+    pub fn tail(&self) -> ByParity {
+        *self.tail.get_or_init(|| tail_power(self.points, self.weights))
     }
 
     /// P(l) for every degree from 0.
@@ -220,6 +238,7 @@ impl<A: Accumulator> Worker<A> {
             }
             let (points, weights) = &mut self.sets[used];
             sets.realize_into(index, points, weights)?;
+            normalize_scale(weights);
             used += 1;
         }
         let sets: Vec<(&[DVec3], Option<&[f64]>)> = self.sets[..used]
@@ -229,13 +248,32 @@ impl<A: Accumulator> Worker<A> {
         let alms = &mut self.alms[..used];
         transform.adjoint_batch_into(&sets, &mut self.workspace, alms);
         for ((index, (points, weights)), alm) in batch.zip(sets).zip(alms) {
-            let squares = weights.map_or(points.len() as f64, sum_of_squares);
-            let normalization = if squares > 0.0 { 4.0 * PI / squares } else { 0.0 };
-            self.accumulator.push(&Realization { index, alm, normalization });
+            let weights = weights.unwrap_or_default();
+            self.accumulator.push(&Realization::new(index, points, weights, alm));
             done();
         }
         Ok(())
     }
+}
+
+/// Scales weights by a power of two so that the largest magnitude is in [1/2, 1): no result depends on their scale, and
+/// neither squares nor sums leave the range of numbers.
+///
+/// Exact but for weights that are 1e-300 of the largest and less.
+fn normalize_scale(weights: &mut [f64]) {
+    let largest = weights.iter().fold(0.0, |max: f64, w| max.max(w.abs()));
+    if !(largest > 0.0 && largest.is_finite()) {
+        return;
+    }
+    // The power of two of a subnormal number is out of range, so scaling takes two steps.
+    let (step, scaled) = if largest < f64::MIN_POSITIVE {
+        (2f64.powi(100), largest * 2f64.powi(100))
+    } else {
+        (1.0, largest)
+    };
+    // The exponent field with a mantissa of 0: the power of two not above the number.
+    let power = f64::from_bits(scaled.to_bits() & (0x7ff << 52));
+    weights.iter_mut().for_each(|w| *w = *w * step / power * 0.5);
 }
 
 /// The squares of equal weights, added up plainly, would all be rounded to one side.
@@ -272,7 +310,28 @@ pub fn estimate(
 
 #[cfg(test)]
 mod tests {
-    use super::sum_of_squares;
+    use super::{normalize_scale, sum_of_squares};
+
+    #[test]
+    fn weights_of_any_magnitude_are_brought_to_1() {
+        let base = [1.0, -0.3, 0.75, 1e-3];
+        for exponent in [-1074, -1060, -1022, -900, -533, -1, 0, 1, 600, 1023] {
+            // 2^-1074 has no power of two of its own in range.
+            let scale = 2f64.powi(exponent / 2) * 2f64.powi(exponent - exponent / 2);
+            let mut weights = base.map(|w| w * scale);
+            let before = weights.map(|w| w / scale);
+            normalize_scale(&mut weights);
+            for (w, b) in weights.iter().zip(before) {
+                // Subnormal weights have lost digits before they are scaled.
+                assert!((w - 0.5 * b).abs() <= f64::EPSILON * b.abs(), "2^{exponent}: {w}, {b}");
+            }
+        }
+        for mut weights in [vec![], vec![0.0, -0.0]] {
+            let before = weights.clone();
+            normalize_scale(&mut weights);
+            assert_eq!(weights, before);
+        }
+    }
 
     /// A plain sum is off by 1.7e-11 of it.
     #[test]

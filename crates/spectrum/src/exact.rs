@@ -10,11 +10,12 @@ mod tests;
 
 use std::f64::consts::PI;
 
+use glam::DVec3;
 use sphvar_samplers::{Domain, Pattern, Purpose, Sampler, Streams};
-use sphvar_sh::{Alm, LmIndex};
+use sphvar_sh::{Alm, ByParity, LmIndex};
 use sphvar_sht::{Method, Transform, TransformWorkspace};
 
-use crate::{Error, Spectrum};
+use crate::{Error, Spectrum, tail_power};
 use partition::Partition;
 
 /// The accuracy of coefficients by the fast transform, its best.
@@ -87,16 +88,21 @@ pub fn exact_spectrum(
 ) -> Result<Spectrum, Error> {
     // The one check of the degree for all ways.
     LmIndex::new(lmax)?;
+    // Random points coincide with probability 0.
+    let mut tail = ByParity::both(1.0);
     let power = match Kind::of(pattern, n_points, domain)? {
         Kind::White => vec![1.0; lmax + 1],
         Kind::Fixed(sampler) => {
-            let power = power_of_one_set(&*sampler, lmax)?;
+            let points =
+                sampler.sample(&mut Streams::new(0, Purpose::Pattern, 0).realization(0))?;
+            tail = tail_power(&points, &[]);
+            let power = power_of_one_set(&points, lmax)?;
             done(fixed_cost(n_points, lmax));
             power
         }
         Kind::Stratified(partition) => strata::power(&partition, lmax, done)?,
     };
-    Ok(Spectrum::exact(domain, n_points, power))
+    Ok(Spectrum::exact(domain, n_points, power).with_tail(tail))
 }
 
 /// The seconds that [`exact_spectrum`] reports in all: what it is expected to take on one core of a
@@ -155,11 +161,10 @@ impl Kind {
 }
 
 /// The power of a pattern that is not random. Rotations would not change it.
-fn power_of_one_set(sampler: &dyn Sampler, lmax: usize) -> Result<Vec<f64>, Error> {
-    let points = sampler.sample(&mut Streams::new(0, Purpose::Pattern, 0).realization(0))?;
+fn power_of_one_set(points: &[DVec3], lmax: usize) -> Result<Vec<f64>, Error> {
     let transform = Transform::new(Method::Auto, lmax, points.len(), EPSILON)?;
     let mut alm = [Alm::zeros(lmax)?];
-    transform.adjoint_batch_into(&[(&points, None)], &mut TransformWorkspace::default(), &mut alm);
+    transform.adjoint_batch_into(&[(points, None)], &mut TransformWorkspace::default(), &mut alm);
     let factor = 4.0 * PI / points.len() as f64;
     Ok(alm[0].power_per_degree().into_iter().map(|p| factor * p).collect())
 }

@@ -27,6 +27,7 @@
 mod accumulate;
 mod anisotropy;
 mod coefficients;
+mod coincidence;
 mod error;
 mod exact;
 mod exact_sum;
@@ -38,6 +39,7 @@ mod spectrum;
 pub use accumulate::{Accumulator, PointSets, Realization, Resolution, accumulate, estimate};
 pub use anisotropy::Anisotropy;
 pub use coefficients::CoefficientSamples;
+pub use coincidence::tail_power;
 pub use error::Error;
 pub use exact::{exact_spectrum, exact_spectrum_bytes, exact_spectrum_cost, has_exact_spectrum};
 pub use exact_sum::ExactSum;

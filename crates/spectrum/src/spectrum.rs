@@ -1,4 +1,5 @@
 use sphvar_samplers::Domain;
+use sphvar_sh::ByParity;
 
 use crate::{Accumulator, Error, Moments, Realization};
 
@@ -14,13 +15,15 @@ pub struct Spectrum {
     realizations: u64,
     power: Vec<f64>,
     stderr: Vec<f64>,
+    tail: ByParity,
+    tail_stderr: ByParity,
 }
 
 impl Spectrum {
     /// A mean power per degree that is known without sampling: no realizations, standard errors of 0.
     ///
     /// `power` is indexed by l from 0; its first entry is replaced by N, which every set has, and odd
-    /// degrees of the hemisphere by 0.
+    /// degrees of the hemisphere by 0. The [`tail`](Self::tail) is that of points in general position, 1.
     ///
     /// # Panics
     ///
@@ -35,7 +38,40 @@ impl Spectrum {
             }
         }
         let stderr = vec![0.0; power.len()];
-        Self { domain, n_points, realizations: 0, power, stderr }
+        let tail_stderr = ByParity::both(0.0);
+        let spectrum = Self {
+            domain,
+            n_points,
+            realizations: 0,
+            power,
+            stderr,
+            tail: tail_stderr,
+            tail_stderr,
+        };
+        spectrum.with_tail(ByParity::both(1.0))
+    }
+
+    /// The same spectrum with another mean power beyond its degrees, known without error.
+    #[must_use]
+    pub fn with_tail(mut self, tail: ByParity) -> Self {
+        self.tail = existing(self.domain, tail);
+        self.tail_stderr = ByParity::both(0.0);
+        self
+    }
+
+    /// The mean power of even and of odd degrees beyond those of the spectrum, to which any pattern tends in the mean
+    /// over degrees: 1 unless points coincide or are antipodes, see [`tail_power`](crate::tail_power).
+    ///
+    /// On the hemisphere that of odd degrees is 0 and has no meaning.
+    #[must_use]
+    pub fn tail(&self) -> ByParity {
+        self.tail
+    }
+
+    /// The standard error of the [`tail`](Self::tail).
+    #[must_use]
+    pub fn tail_stderr(&self) -> ByParity {
+        self.tail_stderr
     }
 
     /// Whether the power of every degree is known without error.
@@ -86,6 +122,7 @@ impl Spectrum {
     #[must_use]
     pub fn into_exact(mut self) -> Self {
         self.stderr.fill(0.0);
+        self.tail_stderr = ByParity::both(0.0);
         self
     }
 
@@ -96,6 +133,14 @@ impl Spectrum {
     }
 }
 
+/// The values of parities whose degrees exist, and 0.
+fn existing(domain: Domain, value: ByParity) -> ByParity {
+    ByParity {
+        even: if domain.has_degree(0) { value.even } else { 0.0 },
+        odd: if domain.has_degree(1) { value.odd } else { 0.0 },
+    }
+}
+
 /// Accumulates the power per degree; the [`Spectrum`] in the making.
 #[derive(Clone, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -103,13 +148,15 @@ pub struct SpectrumAccumulator {
     domain: Domain,
     n_points: usize,
     degrees: Vec<Moments>,
+    tail: ByParity<Moments>,
 }
 
 impl SpectrumAccumulator {
     /// An empty accumulator for degrees up to `lmax` of sets of `n_points`.
     #[must_use]
     pub fn new(domain: Domain, n_points: usize, lmax: usize) -> Self {
-        Self { domain, n_points, degrees: vec![Moments::default(); lmax + 1] }
+        let degrees = vec![Moments::default(); lmax + 1];
+        Self { domain, n_points, degrees, tail: ByParity::default() }
     }
 
     /// Where the points live.
@@ -134,7 +181,9 @@ impl SpectrumAccumulator {
     #[must_use]
     pub fn realizations(&self) -> Option<u64> {
         let count = self.degrees.first()?.count();
-        self.degrees.iter().all(|moments| moments.count() == count).then_some(count)
+        let tails = [&self.tail.even, &self.tail.odd];
+        let mut all = self.degrees.iter().chain(tails);
+        all.all(|moments| moments.count() == count).then_some(count)
     }
 
     /// Adds the realizations of another accumulator, exactly.
@@ -182,6 +231,8 @@ impl SpectrumAccumulator {
             realizations,
             power: by_degree(&Moments::mean),
             stderr: by_degree(&Moments::standard_error),
+            tail: existing(self.domain, self.tail.clone().map(|m| m.mean())),
+            tail_stderr: existing(self.domain, self.tail.clone().map(|m| m.standard_error())),
         })
     }
 }
@@ -191,11 +242,16 @@ impl Accumulator for SpectrumAccumulator {
         for (moments, power) in self.degrees.iter_mut().zip(realization.power()) {
             moments.push(power);
         }
+        let tail = realization.tail();
+        self.tail.even.push(tail.even);
+        self.tail.odd.push(tail.odd);
     }
 
     fn merge(&mut self, other: &Self) {
         for (mine, theirs) in self.degrees.iter_mut().zip(&other.degrees) {
             mine.merge(theirs);
         }
+        self.tail.even.merge(&other.tail.even);
+        self.tail.odd.merge(&other.tail.odd);
     }
 }

@@ -26,6 +26,15 @@ pub enum Error {
         /// Why.
         reason: &'static str,
     },
+    /// The values of an integrand are too large or too small for variances, which have the size of their squares.
+    #[error(
+        "the integrand's root mean square is {got:e}; variances need one between 1e-151 and 1e151 \
+         (values of about 1e-150 to 1e150)"
+    )]
+    Magnitude {
+        /// The root mean square.
+        got: f64,
+    },
     /// A rotation is no rotation.
     #[error(
         "a rotation needs finite angles or a quaternion of positive length, got length {length}"
@@ -34,8 +43,8 @@ pub enum Error {
         /// Length of the quaternion.
         length: f64,
     },
-    /// The weight of a term is infinite or NaN.
-    #[error("a weight must be finite, got {got}")]
+    /// The weight of a term is infinite, NaN or out of the usable range.
+    #[error("a weight must be 0 or between 1e-150 and 1e150 in magnitude, got {got:e}")]
     Weight {
         /// The weight.
         got: f64,

@@ -1,5 +1,6 @@
 use glam::DVec3;
 use sphvar_samplers::Domain;
+use sphvar_sh::ByParity;
 
 use crate::{Coefficients, Energy, Error, Shape, quadrature};
 
@@ -39,23 +40,41 @@ pub trait Integrand: Sync {
         quadrature::coefficients(&self.shape()?, domain, lmax, &|dir| self.eval(dir))
     }
 
+    /// `int (F - mean F)^2` over the sphere of the even part `(F(x) + F(-x))/2` and of the odd part
+    /// `(F(x) - F(-x))/2` of F: the energy of all even degrees from 2 on, and of all odd degrees.
+    ///
+    /// Implementations must not subtract the square of the mean from `int F^2`, which leaves no digits of functions that
+    /// are nearly constant, nor one parity from the whole, which leaves rounding where a function has one parity only.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::NoEnergy`] if it is not known.
+    fn centred_square(&self, domain: Domain) -> Result<ByParity, Error> {
+        quadrature::centred_square(&self.shape()?, domain, &|dir| self.eval(dir))
+    }
+
     /// `int F^2` over the sphere; on the hemisphere twice the integral of f^2.
     ///
     /// # Errors
     ///
     /// [`Error::NoEnergy`] if it is not known.
     fn square(&self, domain: Domain) -> Result<f64, Error> {
-        quadrature::square(&self.shape()?, domain, &|dir| self.eval(dir))
+        let centred = self.centred_square(domain)?.sum();
+        let unknown = Error::NoEnergy { reason: "its integral is not known" };
+        let integral = self.exact(domain).ok_or(unknown)?;
+        // The even extension has the hemisphere's integral twice.
+        let copies = if domain == Domain::Sphere { 1.0 } else { 2.0 };
+        Ok(copies * integral * integral / domain.area() + centred)
     }
 
     /// The energy of F per degree up to `lmax`, and the total.
     ///
     /// # Errors
     ///
-    /// Those of [`coefficients`](Self::coefficients) and [`square`](Self::square).
+    /// Those of [`coefficients`](Self::coefficients) and [`centred_square`](Self::centred_square).
     fn energy(&self, domain: Domain, lmax: usize) -> Result<Energy, Error> {
         let per_degree = self.coefficients(domain, lmax)?.energy_per_degree()?;
-        Ok(Energy::new(domain, per_degree, self.square(domain)?))
+        Ok(Energy::new(domain, per_degree, self.centred_square(domain)?))
     }
 
     /// The degree beyond which the integrand has no energy at all, if there is one.
@@ -91,6 +110,10 @@ impl Integrand for Box<dyn Integrand> {
 
     fn coefficients(&self, domain: Domain, lmax: usize) -> Result<Coefficients, Error> {
         (**self).coefficients(domain, lmax)
+    }
+
+    fn centred_square(&self, domain: Domain) -> Result<ByParity, Error> {
+        (**self).centred_square(domain)
     }
 
     fn square(&self, domain: Domain) -> Result<f64, Error> {

@@ -20,6 +20,14 @@ impl Circle {
     /// The equator of the coordinate system.
     pub(crate) const EQUATOR: Self = Self { axis: DVec3::Z, angle: FRAC_PI_2 };
 
+    /// Whether two circles are one to rounding; that of angle t about an axis is that of pi - t about its opposite.
+    fn is_same(&self, other: &Self) -> bool {
+        coaxial(self.axis, other.axis).is_some_and(|sign| {
+            let angle = if sign > 0.0 { other.angle } else { PI - other.angle };
+            (self.angle - angle).abs() <= 4.0 * f64::EPSILON
+        })
+    }
+
     /// The circle after a rotation.
     fn rotated(self, rotation: DMat3) -> Self {
         Self { axis: rotation * self.axis, ..self }
@@ -39,6 +47,7 @@ pub struct Shape {
     support: Option<Circle>,
     fractional: bool,
     even: bool,
+    cost: f64,
 }
 
 /// What the hemisphere leaves of a function.
@@ -58,7 +67,15 @@ impl Shape {
     /// A function that is a polynomial of degree `degree` in x, y and z, to rounding, everywhere.
     #[must_use]
     pub fn smooth(degree: usize) -> Self {
-        Self { degree, edges: vec![], axis: None, support: None, fractional: false, even: false }
+        Self {
+            degree,
+            edges: vec![],
+            axis: None,
+            support: None,
+            fractional: false,
+            even: false,
+            cost: 1.0,
+        }
     }
 
     /// With a circle across which values or derivatives may jump.
@@ -96,6 +113,13 @@ impl Shape {
         self
     }
 
+    /// A function of which a value costs so many times that of a simple one, some 20 ns.
+    #[must_use]
+    pub fn with_cost(mut self, cost: f64) -> Self {
+        self.cost = cost;
+        self
+    }
+
     /// The degree of the smooth pieces.
     #[must_use]
     pub fn degree(&self) -> usize {
@@ -116,6 +140,30 @@ impl Shape {
 
     pub(crate) fn support(&self) -> Option<Circle> {
         self.support
+    }
+
+    pub(crate) fn is_even(&self) -> bool {
+        self.even
+    }
+
+    pub(crate) fn cost(&self) -> f64 {
+        self.cost
+    }
+
+    /// The shape of `f(-x)`.
+    pub(crate) fn mirrored(&self) -> Self {
+        let mirror = |c: &Circle| Circle { axis: -c.axis, ..*c };
+        Self {
+            edges: self.edges.iter().map(mirror).collect(),
+            support: self.support.as_ref().map(mirror),
+            ..self.clone()
+        }
+    }
+
+    /// The shape of the even and the odd part of a function.
+    pub(crate) fn symmetrized(&self) -> Self {
+        let both = self.sum(&self.mirrored());
+        Self { support: None, ..both }
     }
 
     pub(crate) fn is_fractional(&self) -> bool {
@@ -150,12 +198,13 @@ impl Shape {
 
     fn joined(&self, other: &Self) -> Self {
         let mut edges = self.edges.clone();
-        edges.extend(other.edges.iter().filter(|e| !self.edges.contains(e)));
+        edges.extend(other.edges.iter().filter(|e| !self.edges.iter().any(|own| own.is_same(e))));
         Self {
             edges,
             axis: self.axis.filter(|&a| other.axis.is_some_and(|b| coaxial(a, b).is_some())),
             fractional: self.fractional || other.fractional,
             even: self.even && other.even,
+            cost: self.cost + other.cost,
             ..self.clone()
         }
     }

@@ -3,9 +3,11 @@
 mod panel_rule;
 mod rings;
 
+use std::f64::consts::PI;
+
 use glam::DVec3;
 use sphvar_samplers::Domain;
-use sphvar_sh::{Alm, Colatitude, LegendrePlan};
+use sphvar_sh::{Alm, ByParity, Colatitude, LegendrePlan};
 use sphvar_sht::{Method, Transform, TransformWorkspace};
 
 use crate::shape::{Fold, Shape};
@@ -18,14 +20,12 @@ const BATCH: usize = 1 << 20;
 /// The accuracy of transforms, relative to the coefficients of the absolute values.
 const EPSILON: f64 = 1e-13;
 
-/// The integral over the domain of `power` of a function, 1 or 2.
-fn moment(
+/// `int f` over the domain.
+pub(crate) fn integral(
     shape: &Shape,
     domain: Domain,
-    power: i32,
     eval: &dyn Fn(DVec3) -> f64,
 ) -> Result<f64, Error> {
-    let degree = shape.degree() * power.unsigned_abs() as usize;
     // The integral over the hemisphere of an even function is half of that over the sphere.
     let (domain, factor) = match shape.fold(domain) {
         Fold::Even => (Domain::Sphere, 0.5),
@@ -33,27 +33,65 @@ fn moment(
         Fold::Whole | Fold::Cut => (domain, 1.0),
     };
     let mut sum = Sum::default();
-    Rings::new(shape, domain, degree)?.for_each(|dir, w| sum.add(w * eval(dir).powi(power)))?;
+    Rings::new(shape, domain, shape.degree())?.for_each(|dir, w| sum.add(w * eval(dir)))?;
     Ok(factor * sum.value())
 }
 
-/// `int f` over the domain.
-pub(crate) fn integral(
+/// `int (F - mean)^2` over the sphere of the even and the odd part of F, which is the even extension on the
+/// hemisphere.
+///
+/// Means are taken out and parts formed value by value, so that what vanishes leaves the square of rounding.
+pub(crate) fn centred_square(
     shape: &Shape,
     domain: Domain,
     eval: &dyn Fn(DVec3) -> f64,
-) -> Result<f64, Error> {
-    moment(shape, domain, 1, eval)
+) -> Result<ByParity, Error> {
+    let even = |even: f64| ByParity { even, odd: 0.0 };
+    let hemisphere = Domain::Hemisphere.area();
+    Ok(match shape.fold(domain) {
+        Fold::Even => even(variation(shape, Domain::Sphere, 4.0 * PI, eval)?),
+        Fold::Whole if shape.is_even() => even(variation(shape, domain, 4.0 * PI, eval)?),
+        Fold::Above => even(2.0 * variation(shape, Domain::Sphere, hemisphere, eval)?),
+        Fold::Cut => even(2.0 * variation(shape, domain, hemisphere, eval)?),
+        Fold::Whole if shape.is_apart_from(&shape.mirrored()) => {
+            // Both parts have half the values here and half of them, up to the sign, at the antipodes.
+            let odd = Rings::new(shape, domain, 2 * shape.degree())?.sum(|x| 0.5 * eval(x).powi(2))?;
+            let half = |x: DVec3| 0.5 * eval(x);
+            ByParity { even: 2.0 * variation(shape, domain, 2.0 * PI, &half)?, odd }
+        }
+        Fold::Whole => {
+            let mean = integral(shape, domain, eval)? / (4.0 * PI);
+            let rings = Rings::new(&shape.symmetrized(), domain, 2 * shape.degree())?;
+            let mut sums = [Sum::default(); 2];
+            rings.for_each(|x, w| {
+                let (here, there) = (eval(x) - mean, eval(-x) - mean);
+                sums[0].add(w * (0.5 * (here + there)).powi(2));
+                sums[1].add(w * (0.5 * (here - there)).powi(2));
+            })?;
+            ByParity { even: sums[0].value(), odd: sums[1].value() }
+        }
+    })
 }
 
-/// `int F^2` over the sphere, of the even extension on the hemisphere.
-pub(crate) fn square(
+/// `int (f - mean)^2` over a region of the given area in which the rings are and beyond which f is nothing.
+fn variation(
     shape: &Shape,
     domain: Domain,
+    area: f64,
     eval: &dyn Fn(DVec3) -> f64,
 ) -> Result<f64, Error> {
-    let copies = if domain == Domain::Sphere { 1.0 } else { 2.0 };
-    Ok(copies * moment(shape, domain, 2, eval)?)
+    /// The share of the area that rounding leaves beyond rings that fill it.
+    const ROUNDING: f64 = 1e-13;
+    let rings = Rings::new(shape, domain, 2 * shape.degree())?;
+    let (mut integral, mut covered) = (Sum::default(), Sum::default());
+    rings.for_each(|x, w| {
+        integral.add(w * eval(x));
+        covered.add(w);
+    })?;
+    let mean = integral.value() / area;
+    let beyond = 1.0 - covered.value() / area;
+    let beyond = if beyond > ROUNDING { beyond * area } else { 0.0 };
+    Ok(rings.sum(|x| (eval(x) - mean).powi(2))? + mean * mean * beyond)
 }
 
 /// The coefficients of F to degree `lmax`.

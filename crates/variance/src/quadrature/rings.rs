@@ -3,12 +3,16 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use glam::{DMat3, DVec3};
 use sphvar_samplers::Domain;
 
+use super::Sum;
 use super::panel_rule::{Ends, PanelRules};
 use crate::Error;
 use crate::shape::{Circle, Shape, coaxial};
 
 /// Nodes of a quadrature beyond which it is refused, some minutes of work.
 const MAX_NODES: f64 = 2e8;
+
+/// Evaluations of a simple function whose time a quadrature may take, some ten seconds.
+const MAX_WORK: f64 = 5e8;
 
 /// A quadrature for functions of a given shape over a domain: rings about an axis of the shape,
 /// split where they meet its edges.
@@ -100,7 +104,7 @@ impl Rings {
         if rings.cuts.iter().any(|c| !c.is_meridian()) {
             rings.ends = Ends::Rough;
         }
-        rings.check_cost()?;
+        rings.check_cost(shape.cost())?;
         Ok(rings)
     }
 
@@ -120,6 +124,13 @@ impl Rings {
             }
         }
         Ok(())
+    }
+
+    /// The integral of a function of the shape.
+    pub(super) fn sum(&self, eval: impl Fn(DVec3) -> f64) -> Result<f64, Error> {
+        let mut sum = Sum::default();
+        self.for_each(|dir, w| sum.add(w * eval(dir)))?;
+        Ok(sum.value())
     }
 
     /// The colatitudes of the nodes of a zonal function, with weights that include `2 pi sin theta`.
@@ -255,16 +266,23 @@ impl Rings {
         }
     }
 
-    fn check_cost(&self) -> Result<(), Error> {
+    fn check_cost(&self, cost: f64) -> Result<(), Error> {
         let panels = self.breaks.len() as f64;
         let (first, last) = (self.breaks[0], self.breaks[self.breaks.len() - 1]);
         let rings = 0.5 * self.degree as f64 * (last - first) + 30.0 * panels;
         let orders = [first, last, 0.5 * (first + last)].map(|t| self.orders(t));
         let pieces = orders.into_iter().fold(0.0, f64::max) + 20.0 * self.cuts.len() as f64;
-        if !self.zonal && rings * pieces > MAX_NODES {
+        let nodes = if self.zonal { rings } else { rings * pieces };
+        if nodes > MAX_NODES {
             return Err(Error::NoEnergy {
                 reason: "its values would have to be taken at more than 2e8 places; \
                          take wider lobes, lower degrees or fewer factors",
+            });
+        }
+        if cost > 1.0 && nodes * cost > MAX_WORK {
+            return Err(Error::NoEnergy {
+                reason: "a quadrature over its values would take minutes; take lower degrees of \
+                         harmonics or fewer terms",
             });
         }
         Ok(())

@@ -1,0 +1,191 @@
+use glam::DVec3;
+use sphvar_sh::ByParity;
+
+use crate::ExactSum;
+
+/// The distance up to which two unit vectors are one direction: the rounding of a rotation or of a
+/// conversion from angles, each some `EPSILON` in every coordinate.
+const SAME_DIRECTION: f64 = 16.0 * f64::EPSILON;
+
+/// Three directions in general position. Points with nearly equal `|axis . x|` for all three lie on at most
+/// four lines through the origin.
+const AXES: [DVec3; 3] = [
+    DVec3::new(0.531_287_412_913, 0.270_936_517_241, 0.802_701_348_077),
+    DVec3::new(-0.718_530_931_347, 0.636_414_871_093, 0.280_611_236_719),
+    DVec3::new(0.362_947_150_531, 0.839_226_517_853, -0.405_070_911_337),
+];
+
+/// Returns the mean power of a point set at high degrees, for even and for odd degrees; an empty slice of
+/// `weights` stands for unit weights.
+///
+/// Two points contribute `2 w_j w_k P_l(x_j . x_k)/sum w^2` to the power of degree l, which vanishes in the mean over
+/// degrees unless the points coincide (`P_l = 1`) or are antipodes (`P_l = (-1)^l`). With `W+` and `W-` the sums of
+/// weights on the two ends of a line through the origin,
+///
+/// ```text
+/// even: sum_lines (W+ + W-)^2 / sum w^2,    odd: sum_lines (W+ - W-)^2 / sum w^2
+/// ```
+///
+/// which is exactly 1 for both if no two points share a line, and exactly 2 and 0 for an antipodal set of equal
+/// weights. Points count as coinciding up to a distance of 16 `EPSILON` = 3.6e-15. On the hemisphere the even value holds,
+/// and odd degrees do not exist.
+///
+/// Cost: a sort, O(N log N).
+///
+/// # Examples
+///
+/// ```
+/// use glam::DVec3;
+/// use sphvar_spectrum::tail_power;
+///
+/// let poles = tail_power(&[DVec3::Z, DVec3::NEG_Z], &[]);
+/// assert_eq!((poles.even, poles.odd), (2.0, 0.0));
+/// ```
+///
+/// # Panics
+///
+/// If there are weights, but not one for each point.
+#[must_use]
+pub fn tail_power(points: &[DVec3], weights: &[f64]) -> ByParity {
+    assert!(weights.is_empty() || weights.len() == points.len(), "one weight for each point");
+    let weight = |k: usize| weights.get(k).copied().unwrap_or(1.0);
+    // Exact sums, so that a set of distinct points has exactly 1.
+    let mut squares = ExactSum::default();
+    let mut sums = ByParity::<ExactSum>::default();
+    for_each_line(points, (0..points.len()).collect(), &AXES, &mut |line| {
+        let mut ends = [0.0; 2];
+        for &(k, is_opposite) in line {
+            let w = weight(k);
+            ends[usize::from(is_opposite)] += w;
+            squares.add(w * w);
+        }
+        sums.even.add((ends[0] + ends[1]).powi(2));
+        sums.odd.add((ends[0] - ends[1]).powi(2));
+    });
+    let squares = squares.value();
+    if squares > 0.0 { sums.map(|sum| sum.value() / squares) } else { ByParity::default() }
+}
+
+/// Calls `f` with the points of each line through the origin, each with whether it lies opposite to the first one.
+fn for_each_line(
+    points: &[DVec3],
+    members: Vec<usize>,
+    axes: &[DVec3],
+    f: &mut dyn FnMut(&[(usize, bool)]),
+) {
+    let Some((axis, rest)) = axes.split_first() else {
+        return;
+    };
+    let mut keyed: Vec<(f64, usize)> =
+        members.into_iter().map(|k| (axis.dot(points[k]).abs(), k)).collect();
+    keyed.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+    // Points of one line have keys that differ by rounding.
+    for run in keyed.chunk_by(|a, b| b.0 - a.0 <= SAME_DIRECTION) {
+        match run {
+            [(_, single)] => f(&[(*single, false)]),
+            _ if rest.is_empty() || run.len() == 2 => gather(points, run, f),
+            _ => for_each_line(points, run.iter().map(|r| r.1).collect(), rest, f),
+        }
+    }
+}
+
+/// Gathers the lines of a run of points, sorted by key, by comparing points.
+fn gather(points: &[DVec3], run: &[(f64, usize)], f: &mut dyn FnMut(&[(usize, bool)])) {
+    let mut is_taken = vec![false; run.len()];
+    let mut line = Vec::new();
+    for i in 0..run.len() {
+        if is_taken[i] {
+            continue;
+        }
+        let (key, first) = run[i];
+        line.clear();
+        line.push((first, false));
+        let near = (i + 1..run.len()).take_while(|&j| run[j].0 - key <= SAME_DIRECTION);
+        for j in near {
+            let (a, b) = (points[first], points[run[j].1]);
+            let is_opposite = a.dot(b) < 0.0;
+            let apart = if is_opposite { (a + b).length() } else { (a - b).length() };
+            if !is_taken[j] && apart <= SAME_DIRECTION {
+                is_taken[j] = true;
+                line.push((run[j].1, is_opposite));
+            }
+        }
+        f(&line);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::{DQuat, DVec3};
+    use sphvar_sh::ByParity;
+
+    use super::{SAME_DIRECTION, tail_power};
+
+    /// The definition, over all pairs.
+    fn by_pairs(points: &[DVec3], weights: &[f64]) -> ByParity {
+        let w = |k: usize| weights.get(k).copied().unwrap_or(1.0);
+        let mut sum = ByParity::both(0.0);
+        let mut squares = 0.0;
+        for (j, &x) in points.iter().enumerate() {
+            squares += w(j) * w(j);
+            for (k, &y) in points.iter().enumerate() {
+                let same = f64::from((x - y).length() <= SAME_DIRECTION);
+                let opposite = f64::from((x + y).length() <= SAME_DIRECTION);
+                sum.even += w(j) * w(k) * (same + opposite);
+                sum.odd += w(j) * w(k) * (same - opposite);
+            }
+        }
+        sum.map(|s| s / squares)
+    }
+
+    fn spiral(n: usize) -> Vec<DVec3> {
+        let point = |k: usize| {
+            let z = 1.0 - (2 * k + 1) as f64 / n as f64;
+            let (s, c) = (2.4 * k as f64).sin_cos();
+            DVec3::new(c * (1.0 - z * z).sqrt(), s * (1.0 - z * z).sqrt(), z).normalize()
+        };
+        (0..n).map(point).collect()
+    }
+
+    #[test]
+    fn lines_are_those_of_all_pairs() {
+        let rotation = DQuat::from_rotation_x(0.7) * DQuat::from_rotation_z(1.1);
+        let base = spiral(40);
+        let turned = |p: &DVec3| (rotation * *p).normalize();
+        let back = |p: &DVec3| (rotation.inverse() * turned(p)).normalize();
+        // Repeated up to rounding, their antipodes, and points of the equator and the poles.
+        let mut hostile = base.clone();
+        hostile.extend(base.iter().step_by(3).map(back));
+        hostile.extend(base.iter().step_by(4).map(|p| -back(p)));
+        hostile.extend([DVec3::X, DVec3::NEG_X, DVec3::Y, DVec3::Z, DVec3::NEG_Z, DVec3::Z]);
+        // Nearly the same point, but not quite.
+        hostile.extend((1..6).map(|k| DVec3::new(1e-14 * f64::from(k), 1.0, 0.0)));
+        let weights: Vec<f64> = (0..hostile.len()).map(|k| ((k * 7 % 11) as f64) - 3.0).collect();
+        let sets: [(&str, &[DVec3], &[f64]); 5] = [
+            ("distinct", &base, &[]),
+            ("hostile", &hostile, &[]),
+            ("weighted", &hostile, &weights),
+            ("repeated", &[DVec3::X; 50], &[]),
+            ("one", &[DVec3::X], &[]),
+        ];
+        for (name, points, weights) in sets {
+            let (got, expected) = (tail_power(points, weights), by_pairs(points, weights));
+            let near = |a: f64, b: f64| (a - b).abs() <= 1e-13 * b.abs().max(1.0);
+            assert!(
+                near(got.even, expected.even) && near(got.odd, expected.odd),
+                "{name}: {got:?}, by pairs {expected:?}"
+            );
+        }
+        assert_eq!(tail_power(&base, &[]), ByParity::both(1.0));
+        assert_eq!(tail_power(&[], &[]), ByParity::both(0.0));
+    }
+
+    #[test]
+    fn many_points_at_one_place_take_no_time() {
+        let mut points = vec![DVec3::X; 300_000];
+        points.extend(vec![DVec3::NEG_X; 100_000]);
+        let got = tail_power(&points, &[]);
+        // (3e5 +- 1e5)^2/4e5.
+        assert_eq!(got, ByParity { even: 4e5, odd: 1e5 });
+    }
+}
