@@ -32,6 +32,12 @@ impl<T> ByParity<T> {
         if l.is_multiple_of(2) { &mut self.even } else { &mut self.odd }
     }
 
+    /// Returns references to both values.
+    #[must_use]
+    pub fn as_ref(&self) -> ByParity<&T> {
+        ByParity { even: &self.even, odd: &self.odd }
+    }
+
     /// Returns `f` of both values.
     #[must_use]
     pub fn map<U>(self, mut f: impl FnMut(T) -> U) -> ByParity<U> {

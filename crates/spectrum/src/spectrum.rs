@@ -231,8 +231,8 @@ impl SpectrumAccumulator {
             realizations,
             power: by_degree(&Moments::mean),
             stderr: by_degree(&Moments::standard_error),
-            tail: existing(self.domain, self.tail.clone().map(|m| m.mean())),
-            tail_stderr: existing(self.domain, self.tail.clone().map(|m| m.standard_error())),
+            tail: existing(self.domain, self.tail.as_ref().map(Moments::mean)),
+            tail_stderr: existing(self.domain, self.tail.as_ref().map(Moments::standard_error)),
         })
     }
 }

@@ -95,12 +95,16 @@ impl Coefficients {
 
     /// `E(l) = sum_m |F_lm|^2` for l = 0 ..= lmax.
     ///
-    /// Cost: O(lmax^2) with a general part, else O(lmax) for each pair of axes.
+    /// Cost: O(lmax^2) with a general part, else O(lmax) for each pair of axes, or O(lmax^2) for each axis if there are
+    /// more than lmax.
     ///
     /// # Errors
     ///
     /// [`Error::Harmonics`] if lmax is beyond the degrees that can be evaluated.
     pub fn energy_per_degree(&self) -> Result<Vec<f64>, Error> {
+        if self.has_many_axes() {
+            return Ok(self.to_alm()?.energy_per_degree());
+        }
         let mut energy = match &self.general {
             Some(alm) => alm.energy_per_degree(),
             None => vec![0.0; self.lmax + 1],
@@ -126,6 +130,11 @@ impl Coefficients {
     ///
     /// As [`energy_per_degree`](Self::energy_per_degree).
     pub fn inner_per_degree(&self, other: &Self) -> Result<Vec<f64>, Error> {
+        for (many, few) in [(self, other), (other, self)] {
+            if many.has_many_axes() {
+                return Self::general(many.to_alm()?).inner_per_degree(few);
+            }
+        }
         let mut sum = vec![0.0; self.lmax.min(other.lmax) + 1];
         for a in &self.zonals {
             for b in &other.zonals {
@@ -263,6 +272,11 @@ impl Coefficients {
         Ok(alm)
     }
 
+    /// Whether coefficients of all orders take less time than pairs of axes.
+    fn has_many_axes(&self) -> bool {
+        self.zonals.len() > self.lmax.max(8)
+    }
+
     fn add_zonal(&mut self, weight: f64, zonal: &Zonal) {
         let own = self.zonals.iter_mut().find_map(|z| Some((coaxial(z.axis, zonal.axis)?, z)));
         if let Some((sign, own)) = own {
@@ -277,7 +291,7 @@ impl Coefficients {
         }
     }
 
-    fn truncate(&mut self, lmax: usize) -> Result<(), Error> {
+    pub(crate) fn truncate(&mut self, lmax: usize) -> Result<(), Error> {
         if lmax >= self.lmax {
             return Ok(());
         }

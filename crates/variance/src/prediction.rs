@@ -1,3 +1,4 @@
+use sphvar_sh::ByParity;
 use sphvar_spectrum::{Accumulator, Moments, Realization, Spectrum};
 use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
 
@@ -11,11 +12,11 @@ pub struct Prediction {
     /// Its standard error, from that of the pattern's spectrum; 0 if that is exact, NaN if it comes from a
     /// single realization of a random pattern.
     pub stderr: f64,
-    /// The part of `variance` that belongs to degrees beyond the spectrum, where the pattern's power
-    /// is taken to be 1: `k (int F^2 - sum_{l <= lmax} E(l))`.
+    /// The part of `variance` that belongs to degrees beyond the spectrum, where the pattern has the mean power of its
+    /// parity, [`Spectrum::tail`]: `k (sum_{even l > lmax} E(l) P_even + sum_{odd l > lmax} E(l) P_odd)`.
     pub tail: f64,
-    /// By how much the tail may be wrong: `tail` times the largest departure from 1 of the pattern's mean power
-    /// in the upper octave of the spectrum; see [`predict`].
+    /// By how much the tail may be wrong: the energies beyond times the largest departure from the mean power of
+    /// their parity in the upper octave of the spectrum; see [`predict`].
     pub tail_error: f64,
     /// Realizations less one, the degrees of freedom of `stderr`; infinite for an exact spectrum.
     pub dof: f64,
@@ -55,17 +56,19 @@ impl Prediction {
 /// The variance `k sum_{l >= 1} E(l) <P(l)>` of integrating a function of energies E with a pattern
 /// of spectrum P; k is [`Domain::variance_factor`](sphvar_samplers::Domain::variance_factor).
 ///
-/// Degrees beyond the smaller of the two lmax, L, enter with P = 1, the mean power that any pattern
-/// tends to. How far that may be off is judged by the octave below: it is cut into windows of about
+/// Degrees beyond the smaller of the two lmax, L, enter with the mean power that the pattern tends to, apart for even and
+/// for odd degrees: `T = `[`Spectrum::tail`], which is 1 unless points coincide or are antipodes. How far
+/// that may be off is judged by the octave below: it is cut into windows of about
 /// `sqrt(N)` degrees, over which the peaks of lattices and the oscillations of random patterns level
 /// out,
 ///
 /// ```text
-/// tail error = tail max_windows |<P>_E - 1|,   <P>_E = sum_window E(l) P(l) / sum_window E(l)
+/// tail error = k sum_parities E_beyond max_windows |<P>_E - T|,   <P>_E = sum_window E(l) P(l) / sum_window E(l)
 /// ```
 ///
-/// and where the integrand has no energy in that octave, but has some beyond, the whole tail is its error. Where
-/// the power is settled the mean of the tail is closer to 1 than that of the worst window; where L is far below
+/// with sums over degrees of the parity. Where the integrand has no energy of a parity in that octave, but has some
+/// beyond, the windows of the other parity stand for it, and where there are none the whole tail is its error. Where
+/// the power is settled the mean of the tail is closer to T than that of the worst window; where L is far below
 /// `sqrt(N)` the error is nearly the tail itself.
 ///
 /// The standard error treats the errors of different degrees as independent, since a [`Spectrum`] has one
@@ -79,12 +82,17 @@ pub fn predict(spectrum: &Spectrum, energy: &Energy) -> Prediction {
     assert_eq!(spectrum.domain(), energy.domain(), "spectra of different domains");
     let weights = Weights::new(energy, spectrum.n_points(), spectrum.lmax());
     let errors = weights.per_degree.iter().zip(spectrum.stderr()).map(|(w, e)| w * e);
-    let windows: Vec<f64> = weights.windows.iter().map(|w| w.mean(spectrum.power())).collect();
+    let tail_errors = weights.tail.zip(spectrum.tail_stderr()).map(|(w, e)| w * e);
+    let errors = errors.chain([tail_errors.even, tail_errors.odd]);
+    let windows = weights
+        .windows
+        .as_ref()
+        .map(|windows| windows.iter().map(|w| w.mean(spectrum.power())).collect::<Vec<f64>>());
     Prediction {
-        variance: weights.apply(spectrum.power()) + weights.tail,
-        stderr: errors.map(|e| e * e).sum::<f64>().sqrt(),
-        tail: weights.tail,
-        tail_error: weights.tail_error(&windows),
+        variance: weights.scale * weights.apply(spectrum.power(), spectrum.tail()),
+        stderr: weights.scale * errors.map(|e| e * e).sum::<f64>().sqrt(),
+        tail: weights.scale * weights.tail.dot(spectrum.tail()),
+        tail_error: weights.tail_error(&windows, spectrum.tail()),
         dof: if spectrum.is_exact() {
             f64::INFINITY
         } else {
@@ -93,15 +101,18 @@ pub fn predict(spectrum: &Spectrum, energy: &Energy) -> Prediction {
     }
 }
 
-/// What one integrand makes of a pattern's power: `sum_l per_degree[l] P(l) + tail`.
+/// What one integrand makes of a pattern's power: `scale (sum_l per_degree[l] P(l) + sum_parities tail T)`.
 #[derive(Clone, Debug)]
 struct Weights {
+    /// The variance with white noise. The weights are shares of it, so that squares of products of weights and powers
+    /// stay in the range of numbers for integrands of any size.
+    scale: f64,
     per_degree: Vec<f64>,
-    tail: f64,
-    windows: Vec<Window>,
+    tail: ByParity,
+    windows: ByParity<Vec<Window>>,
 }
 
-/// Consecutive degrees from `first` on, with weights whose sum is 1.
+/// Consecutive degrees from `first` on, with weights whose sum is 1; those of the other parity have none.
 #[derive(Clone, Debug)]
 struct Window {
     first: usize,
@@ -116,36 +127,48 @@ impl Window {
 
 impl Weights {
     fn new(energy: &Energy, n_points: usize, lmax: usize) -> Self {
-        let factor = energy.domain().variance_factor(n_points);
         let lmax = lmax.min(energy.lmax());
+        let whole = energy.centred().sum();
+        let share = |e: f64| if whole > 0.0 { e / whole } else { 0.0 };
         let mut per_degree: Vec<f64> =
-            energy.per_degree()[..=lmax].iter().map(|e| factor * e).collect();
+            energy.per_degree()[..=lmax].iter().map(|&e| share(e)).collect();
         // The number of points is fixed, so the mean has no variance.
         per_degree[0] = 0.0;
-        let tail = factor * energy.beyond(lmax);
+        let tail = energy.beyond_by_parity(lmax).map(share);
         // Without a tail nobody asks for its error.
-        let windows = if tail > 0.0 { windows(energy, n_points, lmax) } else { Vec::new() };
-        Self { per_degree, tail, windows }
+        let windows =
+            if tail.sum() > 0.0 { windows(energy, n_points, lmax) } else { ByParity::default() };
+        let scale = energy.domain().variance_factor(n_points) * whole;
+        Self { scale, per_degree, tail, windows }
     }
 
-    fn apply(&self, power: &[f64]) -> f64 {
-        self.per_degree.iter().zip(power).map(|(w, p)| w * p).sum()
+    fn apply(&self, power: &[f64], tail: ByParity) -> f64 {
+        let known: f64 = self.per_degree.iter().zip(power).map(|(w, p)| w * p).sum();
+        known + self.tail.dot(tail)
     }
 
-    fn tail_error(&self, windows: &[f64]) -> f64 {
-        // The weights of a window add up to 1 with a rounding for each degree.
-        let rounding = |w: &Window| f64::EPSILON * w.weights.len() as f64;
-        let departures = windows.iter().zip(&self.windows).map(|(p, w)| {
-            let departure = (p - 1.0).abs();
-            if departure <= rounding(w) { 0.0 } else { departure }
-        });
-        self.tail * departures.reduce(f64::max).unwrap_or(1.0)
+    /// The error of the tail from the mean powers in windows and those expected beyond.
+    fn tail_error(&self, means: &ByParity<Vec<f64>>, expected: ByParity) -> f64 {
+        let departure = |means: &[f64], windows: &[Window], expected: f64| {
+            let departures = means.iter().zip(windows).map(|(p, w)| {
+                // The weights of a window add up to 1 with a rounding for each degree.
+                let rounding = f64::EPSILON * w.weights.len() as f64 * expected.max(1.0);
+                let departure = (p - expected).abs();
+                if departure <= rounding { 0.0 } else { departure }
+            });
+            departures.reduce(f64::max)
+        };
+        let even = departure(&means.even, &self.windows.even, expected.even);
+        let odd = departure(&means.odd, &self.windows.odd, expected.odd);
+        let departures =
+            ByParity { even: even.or(odd), odd: odd.or(even) }.map(|d| d.unwrap_or(1.0));
+        self.scale * self.tail.dot(departures)
     }
 }
 
-/// The windows of the upper octave, `lmax/2 < l <= lmax`, with the integrand's energies as weights; those without
-/// energy are left out.
-fn windows(energy: &Energy, n_points: usize, lmax: usize) -> Vec<Window> {
+/// The windows of the upper octave, `lmax/2 < l <= lmax`, for either parity with the integrand's energies as weights;
+/// those without energy are left out.
+fn windows(energy: &Energy, n_points: usize, lmax: usize) -> ByParity<Vec<Window>> {
     let degrees = lmax / 2 + 1..lmax + 1;
     #[expect(
         clippy::cast_possible_truncation,
@@ -156,16 +179,19 @@ fn windows(energy: &Energy, n_points: usize, lmax: usize) -> Vec<Window> {
     // Of nearly equal width, so that no window is a scrap.
     let count = (degrees.len() / width.max(1)).max(1);
     let cut = |i: usize| degrees.start + i * degrees.len() / count;
-    (0..count)
-        .filter_map(|i| {
+    let windows = |parity: usize| {
+        let window = |i: usize| {
             let energies = energy.per_degree().get(cut(i)..cut(i + 1))?;
+            let of_parity =
+                |(k, e): (usize, &f64)| if (cut(i) + k) % 2 == parity { *e } else { 0.0 };
+            let energies: Vec<f64> = energies.iter().enumerate().map(of_parity).collect();
             let total: f64 = energies.iter().sum();
-            (total > 0.0).then(|| Window {
-                first: cut(i),
-                weights: energies.iter().map(|e| e / total).collect(),
-            })
-        })
-        .collect()
+            let weights = energies.iter().map(|e| e / total).collect();
+            (total > 0.0).then(|| Window { first: cut(i), weights })
+        };
+        (0..count).filter_map(window).collect()
+    };
+    ByParity { even: windows(0), odd: windows(1) }
 }
 
 /// Accumulates the predicted variance realization by realization, so that its standard error knows
@@ -173,8 +199,11 @@ fn windows(energy: &Energy, n_points: usize, lmax: usize) -> Vec<Window> {
 #[derive(Clone, Debug)]
 pub struct PredictionAccumulator {
     weights: Weights,
+    /// Of the variance over that of white noise.
     moments: Moments,
-    windows: Vec<Moments>,
+    /// Of the power beyond the spectrum.
+    tail: ByParity<Moments>,
+    windows: ByParity<Vec<Moments>>,
 }
 
 impl PredictionAccumulator {
@@ -183,20 +212,21 @@ impl PredictionAccumulator {
     #[must_use]
     pub fn new(energy: &Energy, n_points: usize, lmax: usize) -> Self {
         let weights = Weights::new(energy, n_points, lmax);
-        let windows = vec![Moments::default(); weights.windows.len()];
-        Self { weights, moments: Moments::default(), windows }
+        let windows = weights.windows.as_ref().map(|w| vec![Moments::default(); w.len()]);
+        Self { weights, moments: Moments::default(), tail: ByParity::default(), windows }
     }
 
     /// The prediction; its standard error is NaN for a single realization.
     #[must_use]
     pub fn finish(&self) -> Prediction {
-        let tail = self.weights.tail;
-        let windows: Vec<f64> = self.windows.iter().map(Moments::mean).collect();
+        let scale = self.weights.scale;
+        let tail = self.tail.as_ref().map(Moments::mean);
+        let windows = self.windows.as_ref().map(|w| w.iter().map(Moments::mean).collect());
         Prediction {
-            variance: self.moments.mean() + tail,
-            stderr: self.moments.standard_error(),
-            tail,
-            tail_error: self.weights.tail_error(&windows),
+            variance: scale * self.moments.mean(),
+            stderr: scale * self.moments.standard_error(),
+            tail: scale * self.weights.tail.dot(tail),
+            tail_error: self.weights.tail_error(&windows, tail),
             dof: self.moments.count().saturating_sub(1) as f64,
         }
     }
@@ -205,16 +235,34 @@ impl PredictionAccumulator {
 impl Accumulator for PredictionAccumulator {
     fn push(&mut self, realization: &Realization<'_>) {
         let power: Vec<f64> = realization.power().collect();
-        self.moments.push(self.weights.apply(&power));
-        for (moments, window) in self.windows.iter_mut().zip(&self.weights.windows) {
-            moments.push(window.mean(&power));
+        // Coincidences of points matter only if there is energy beyond the spectrum.
+        let has_tail = self.weights.tail.sum() > 0.0;
+        let tail = if has_tail { realization.tail() } else { ByParity::default() };
+        self.moments.push(self.weights.apply(&power, tail));
+        self.tail.even.push(tail.even);
+        self.tail.odd.push(tail.odd);
+        let mine = [&mut self.windows.even, &mut self.windows.odd];
+        for (all, windows) in
+            mine.into_iter().zip([&self.weights.windows.even, &self.weights.windows.odd])
+        {
+            for (moments, window) in all.iter_mut().zip(windows) {
+                moments.push(window.mean(&power));
+            }
         }
     }
 
     fn merge(&mut self, other: &Self) {
         self.moments.merge(&other.moments);
-        for (mine, theirs) in self.windows.iter_mut().zip(&other.windows) {
-            mine.merge(theirs);
+        self.tail.even.merge(&other.tail.even);
+        self.tail.odd.merge(&other.tail.odd);
+        let pairs = [
+            (&mut self.windows.even, &other.windows.even),
+            (&mut self.windows.odd, &other.windows.odd),
+        ];
+        for (mine, theirs) in pairs {
+            for (mine, theirs) in mine.iter_mut().zip(theirs) {
+                mine.merge(theirs);
+            }
         }
     }
 }

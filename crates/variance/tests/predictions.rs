@@ -1,6 +1,7 @@
 //! Predictions and what they say of their own errors.
 
 use sphvar_samplers::{Domain, Pattern, Purpose, Realizations, Streams};
+use sphvar_sh::ByParity;
 use sphvar_spectrum::{Resolution, Spectrum, accumulate, estimate};
 use sphvar_variance::{Cap, Energy, Integrand, PredictionAccumulator, predict};
 
@@ -70,7 +71,10 @@ fn swings_beyond_the_spectrum_are_within_the_error() {
 fn an_unseen_tail_is_its_own_error() {
     let mut energies = vec![0.0; 33];
     energies[3] = 1.0;
-    let got = predict(&exact(100, 32, |_| 0.5), &Energy::new(Domain::Sphere, energies, 2.0));
+    let got = predict(
+        &exact(100, 32, |_| 0.5),
+        &Energy::new(Domain::Sphere, energies, ByParity { even: 0.0, odd: 2.0 }),
+    );
     assert!(got.tail > 0.0 && (got.tail_error / got.tail - 1.0).abs() < 1e-15, "{got:?}");
 }
 

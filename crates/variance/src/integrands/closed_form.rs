@@ -1,4 +1,5 @@
 use sphvar_samplers::Domain;
+use sphvar_sh::ByParity;
 
 use crate::shape::Fold;
 use crate::{Coefficients, Error, Integrand, quadrature};
@@ -9,8 +10,8 @@ pub(super) trait ClosedForm: Integrand {
     /// `int F` over the sphere.
     fn sphere_integral(&self) -> Option<f64>;
 
-    /// `int F^2` over the sphere.
-    fn sphere_square(&self) -> Result<f64, Error>;
+    /// `int (F - mean F)^2` over the sphere of the even and of the odd part of F.
+    fn sphere_centred_square(&self) -> Result<ByParity, Error>;
 
     /// The coefficients on the sphere.
     fn sphere_coefficients(&self, lmax: usize) -> Result<Coefficients, Error>;
@@ -44,12 +45,15 @@ pub(super) fn coefficients(
     }
 }
 
-/// [`Integrand::square`] from closed forms.
-pub(super) fn square(f: &impl ClosedForm, domain: Domain) -> Result<f64, Error> {
+/// [`Integrand::centred_square`] from closed forms.
+pub(super) fn centred_square(f: &impl ClosedForm, domain: Domain) -> Result<ByParity, Error> {
+    let even = |even: f64| ByParity { even, odd: 0.0 };
     match f.fold(domain)? {
-        Fold::Whole | Fold::Even => f.sphere_square(),
-        Fold::Above => Ok(2.0 * f.sphere_square()?),
-        Fold::Cut => quadrature::square(&f.shape()?, domain, &|dir| f.eval(dir)),
+        Fold::Whole => f.sphere_centred_square(),
+        Fold::Even => Ok(even(f.sphere_centred_square()?.even)),
+        // The even extension is twice the even part.
+        Fold::Above => Ok(even(4.0 * f.sphere_centred_square()?.even)),
+        Fold::Cut => quadrature::centred_square(&f.shape()?, domain, &|dir| f.eval(dir)),
     }
 }
 
@@ -68,8 +72,11 @@ macro_rules! from_closed_form {
             crate::integrands::closed_form::coefficients(self, domain, lmax)
         }
 
-        fn square(&self, domain: sphvar_samplers::Domain) -> Result<f64, crate::Error> {
-            crate::integrands::closed_form::square(self, domain)
+        fn centred_square(
+            &self,
+            domain: sphvar_samplers::Domain,
+        ) -> Result<sphvar_sh::ByParity, crate::Error> {
+            crate::integrands::closed_form::centred_square(self, domain)
         }
     };
 }

@@ -1,6 +1,7 @@
 use std::f64::consts::FRAC_PI_2;
 
 use glam::DVec3;
+use sphvar_sh::ByParity;
 
 use super::Cap;
 use super::closed_form::{ClosedForm, from_closed_form};
@@ -50,8 +51,8 @@ impl ClosedForm for DoubleCap {
         Some(2.0 * self.cap.sphere_integral()?)
     }
 
-    fn sphere_square(&self) -> Result<f64, Error> {
-        Ok(2.0 * self.cap.sphere_square()?)
+    fn sphere_centred_square(&self) -> Result<ByParity, Error> {
+        Ok(ByParity { even: 4.0 * self.cap.sphere_centred_square()?.even, odd: 0.0 })
     }
 
     fn sphere_coefficients(&self, lmax: usize) -> Result<Coefficients, Error> {

@@ -4,7 +4,7 @@ use glam::DVec3;
 use num_complex::Complex;
 use rustfft::FftPlanner;
 use sphvar_samplers::Domain;
-use sphvar_sh::{Alm, Colatitude, GaussLegendre};
+use sphvar_sh::{Alm, ByParity, Colatitude, GaussLegendre};
 use sphvar_sht::{RingTransform, RingWorkspace};
 
 use crate::{Circle, Coefficients, Error, Integrand, Shape};
@@ -230,9 +230,25 @@ impl Integrand for EnvironmentMap {
         Ok(if domain == Domain::Sphere { part } else { part.even_extension() })
     }
 
-    fn square(&self, domain: Domain) -> Result<f64, Error> {
-        let copies = if domain == Domain::Sphere { 1.0 } else { 2.0 };
-        Ok(copies * self.integrals(domain).1)
+    /// The even and the odd part of a map are maps: the antipode of a texel's centre is a texel's centre.
+    fn centred_square(&self, domain: Domain) -> Result<ByParity, Error> {
+        let mean = self.integrals(domain).0 / domain.area();
+        let square = |value: &dyn Fn(usize) -> f64| {
+            let texels = (0..self.texels.len()).map(value).collect();
+            Self { texels, ..*self }.integrals(domain).1
+        };
+        if domain == Domain::Hemisphere {
+            return Ok(ByParity { even: 2.0 * square(&|k| self.texels[k] - mean), odd: 0.0 });
+        }
+        let opposite = |k: usize| {
+            let (row, column) = (k / self.width, k % self.width);
+            let across = (column + self.width / 2) % self.width;
+            self.texels[(self.height - 1 - row) * self.width + across]
+        };
+        Ok(ByParity {
+            even: square(&|k| 0.5 * ((self.texels[k] - mean) + (opposite(k) - mean))),
+            odd: square(&|k| 0.5 * (self.texels[k] - opposite(k))),
+        })
     }
 
     /// Four degrees to a texel, and at least 1024: between centres the map is smooth, across them it

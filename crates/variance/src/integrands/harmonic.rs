@@ -3,7 +3,7 @@ use std::f64::consts::{FRAC_1_SQRT_2, PI};
 use glam::DVec3;
 use num_complex::Complex;
 use sphvar_samplers::Domain;
-use sphvar_sh::{Alm, LmIndex, real_ylm_at};
+use sphvar_sh::{Alm, ByParity, LmIndex, real_ylm_at};
 
 use crate::{Coefficients, Energy, Error, Integrand, Shape};
 
@@ -48,7 +48,8 @@ impl Integrand for Harmonic {
     }
 
     fn shape(&self) -> Result<Shape, Error> {
-        let shape = Shape::smooth(self.l);
+        // The recurrence takes l steps.
+        let shape = Shape::smooth(self.l).with_cost(1.0 + self.l as f64 / 8.0);
         let shape = if self.m == 0 { shape.zonal(DVec3::Z) } else { shape };
         Ok(if self.l.is_multiple_of(2) { shape.even() } else { shape })
     }
@@ -81,8 +82,13 @@ impl Integrand for Harmonic {
         Ok(Coefficients::general(alm))
     }
 
-    fn square(&self, domain: Domain) -> Result<f64, Error> {
-        self.check(domain).map(|()| 1.0)
+    fn centred_square(&self, domain: Domain) -> Result<ByParity, Error> {
+        self.check(domain)?;
+        let mut centred = ByParity::both(0.0);
+        if self.l > 0 {
+            *centred.of_mut(self.l) = 1.0;
+        }
+        Ok(centred)
     }
 
     /// On the hemisphere known for even degrees: the even extension of an odd harmonic has a kink
@@ -93,7 +99,7 @@ impl Integrand for Harmonic {
         if let Some(e) = per_degree.get_mut(self.l) {
             *e = 1.0;
         }
-        Ok(Energy::new(domain, per_degree, 1.0))
+        Ok(Energy::new(domain, per_degree, self.centred_square(domain)?))
     }
 
     fn band_limit(&self) -> Option<usize> {

@@ -5,7 +5,7 @@ use num_complex::Complex;
 use rustfft::FftPlanner;
 use sphvar_healpix::{Nested, Nside, PixelOrder, Ring};
 use sphvar_samplers::Domain;
-use sphvar_sh::{Alm, Colatitude, GaussLegendre};
+use sphvar_sh::{Alm, ByParity, Colatitude, GaussLegendre};
 use sphvar_sht::{RingTransform, RingWorkspace};
 
 use crate::quadrature::node_count;
@@ -317,8 +317,28 @@ impl Integrand for HealpixMap {
         Ok(if domain == Domain::Sphere { part } else { part.even_extension() })
     }
 
-    fn square(&self, domain: Domain) -> Result<f64, Error> {
-        let copies = if domain == Domain::Sphere { 1.0 } else { 2.0 };
-        Ok(copies * self.moment(domain, 2))
+    /// The antipode of a pixel is a pixel, half a ring on in the opposite ring.
+    fn centred_square(&self, domain: Domain) -> Result<ByParity, Error> {
+        let mean = self.moment(domain, 1) / domain.area();
+        let square = |values: Vec<f64>| Self { values, nside: self.nside }.moment(domain, 2);
+        let centred: Vec<f64> = self.values.iter().map(|v| v - mean).collect();
+        if domain == Domain::Hemisphere {
+            return Ok(ByParity { even: 2.0 * square(centred), odd: 0.0 });
+        }
+        let rings = 4 * self.n() - 1;
+        let opposite: Vec<f64> = (0..rings)
+            .flat_map(|ring| {
+                let (first, second) = {
+                    let across = self.ring(rings - 1 - ring);
+                    across.split_at(across.len() / 2)
+                };
+                second.iter().chain(first).map(|v| v - mean)
+            })
+            .collect();
+        let pairs = || centred.iter().zip(&opposite);
+        Ok(ByParity {
+            even: square(pairs().map(|(a, b)| 0.5 * (a + b)).collect()),
+            odd: square(pairs().map(|(a, b)| 0.5 * (a - b)).collect()),
+        })
     }
 }

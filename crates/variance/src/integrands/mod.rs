@@ -12,6 +12,7 @@ mod product;
 mod rotated;
 mod sampled;
 mod sum;
+mod sum_square;
 mod von_mises_fisher;
 
 pub use cap::Cap;

@@ -1,6 +1,7 @@
 use std::f64::consts::{FRAC_PI_2, PI};
 
 use glam::DVec3;
+use sphvar_sh::ByParity;
 
 use super::closed_form::{ClosedForm, from_closed_form};
 use super::{exponential_degree, exponential_support};
@@ -69,8 +70,11 @@ impl ClosedForm for PhongLobe {
         Some(2.0 * PI / (self.exponent + 1.0))
     }
 
-    fn sphere_square(&self) -> Result<f64, Error> {
-        Ok(2.0 * PI / (2.0 * self.exponent + 1.0))
+    /// The two parts are `|z|^n/2` and `sign(z) |z|^n/2`: `pi/(2n+1)` each, less `pi/(n+1)^2` of the mean.
+    fn sphere_centred_square(&self) -> Result<ByParity, Error> {
+        let n = self.exponent;
+        let odd = PI / (2.0 * n + 1.0);
+        Ok(ByParity { even: odd * (n / (n + 1.0)).powi(2), odd })
     }
 
     fn sphere_coefficients(&self, lmax: usize) -> Result<Coefficients, Error> {
@@ -117,8 +121,8 @@ impl ClosedForm for ClampedCosine {
         Some(PI)
     }
 
-    fn sphere_square(&self) -> Result<f64, Error> {
-        Ok(2.0 * PI / 3.0)
+    fn sphere_centred_square(&self) -> Result<ByParity, Error> {
+        Self::LOBE.sphere_centred_square()
     }
 
     fn sphere_coefficients(&self, lmax: usize) -> Result<Coefficients, Error> {
@@ -149,8 +153,8 @@ impl ClosedForm for AbsCosine {
         Some(2.0 * PI)
     }
 
-    fn sphere_square(&self) -> Result<f64, Error> {
-        Ok(4.0 * PI / 3.0)
+    fn sphere_centred_square(&self) -> Result<ByParity, Error> {
+        Ok(ByParity { even: 4.0 * ClampedCosine::LOBE.sphere_centred_square()?.even, odd: 0.0 })
     }
 
     fn sphere_coefficients(&self, lmax: usize) -> Result<Coefficients, Error> {

@@ -1,5 +1,6 @@
 use glam::{DMat3, DQuat, DVec3};
 use sphvar_samplers::Domain;
+use sphvar_sh::ByParity;
 
 use super::closed_form::{ClosedForm, from_closed_form};
 use crate::{Coefficients, Energy, Error, Integrand, Shape};
@@ -58,8 +59,8 @@ impl<I: Integrand> ClosedForm for Rotated<I> {
         self.function.exact(Domain::Sphere)
     }
 
-    fn sphere_square(&self) -> Result<f64, Error> {
-        self.function.square(Domain::Sphere)
+    fn sphere_centred_square(&self) -> Result<ByParity, Error> {
+        self.function.centred_square(Domain::Sphere)
     }
 
     fn sphere_coefficients(&self, lmax: usize) -> Result<Coefficients, Error> {
@@ -84,7 +85,7 @@ impl<I: Integrand> Integrand for Rotated<I> {
             return self.function.energy(domain, lmax);
         }
         let per_degree = self.coefficients(domain, lmax)?.energy_per_degree()?;
-        Ok(Energy::new(domain, per_degree, self.square(domain)?))
+        Ok(Energy::new(domain, per_degree, self.centred_square(domain)?))
     }
 
     fn band_limit(&self) -> Option<usize> {

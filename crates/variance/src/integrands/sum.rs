@@ -2,15 +2,16 @@ use std::fmt;
 
 use glam::DVec3;
 use sphvar_samplers::Domain;
+use sphvar_sh::ByParity;
 
-use super::inner_product::inner_product;
+use super::sum_square::{self, sum_of_coefficients};
 use crate::{Coefficients, Error, Integrand, Shape};
 
 /// A weighted sum of integrands, `sum_i w_i f_i`.
 ///
-/// Integral and coefficients are sums; the square has the cross terms
-/// `2 w_i w_j int F_i F_j`, inner products of coefficients where one of the two has no edges, and quadrature
-/// over rings split at both functions' edges else.
+/// Integral and coefficients are sums. The square comes from the coefficients of all terms without edges, from
+/// quadratures of all terms about one axis, and from inner products of what is left; the time is
+/// proportional to the number of terms unless these have edges about as many axes.
 ///
 /// # Examples
 ///
@@ -30,17 +31,27 @@ pub struct Sum {
 }
 
 impl Sum {
+    /// The smallest magnitude of a weight that is not 0.
+    pub const MIN_WEIGHT: f64 = 1e-150;
+    /// The largest magnitude of a weight.
+    pub const MAX_WEIGHT: f64 = 1e150;
+
     /// This sum with a further term.
     ///
     /// # Errors
     ///
-    /// [`Error::Weight`] if the weight is not finite.
+    /// [`Error::Weight`] unless the weight is 0 or [`MIN_WEIGHT`](Self::MIN_WEIGHT) to
+    /// [`MAX_WEIGHT`](Self::MAX_WEIGHT) in magnitude, so that squares of integrals are in the range of numbers.
     pub fn plus(mut self, weight: f64, term: impl Integrand + 'static) -> Result<Self, Error> {
-        if !weight.is_finite() {
+        if weight != 0.0 && !(Self::MIN_WEIGHT..=Self::MAX_WEIGHT).contains(&weight.abs()) {
             return Err(Error::Weight { got: weight });
         }
         self.terms.push((weight, Box::new(term)));
         Ok(self)
+    }
+
+    fn terms(&self) -> impl Iterator<Item = (f64, &dyn Integrand)> {
+        self.terms.iter().map(|(w, f)| (*w, &**f))
     }
 
     /// The largest of a number that all terms have.
@@ -72,23 +83,11 @@ impl Integrand for Sum {
     }
 
     fn coefficients(&self, domain: Domain, lmax: usize) -> Result<Coefficients, Error> {
-        let mut sum = Coefficients::zonal(DVec3::Z, vec![0.0; lmax + 1])?;
-        for (weight, f) in &self.terms {
-            sum = sum.plus(*weight, &f.coefficients(domain, lmax)?)?;
-        }
-        Ok(sum)
+        sum_of_coefficients(self.terms(), domain, lmax)
     }
 
-    fn square(&self, domain: Domain) -> Result<f64, Error> {
-        let mut sum = 0.0;
-        for (i, (v, f)) in self.terms.iter().enumerate() {
-            sum += v * v * f.square(domain)?;
-            for (w, g) in &self.terms[..i] {
-                sum += 2.0 * v * w * inner_product(&**f, &**g, domain)?;
-            }
-        }
-        // Terms that cancel leave rounding of either sign.
-        Ok(sum.max(0.0))
+    fn centred_square(&self, domain: Domain) -> Result<ByParity, Error> {
+        sum_square::centred_square(self.terms(), domain)
     }
 
     fn band_limit(&self) -> Option<usize> {

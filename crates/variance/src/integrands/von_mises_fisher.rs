@@ -2,6 +2,7 @@ use std::f64::consts::PI;
 
 use glam::DVec3;
 use sphvar_samplers::Domain;
+use sphvar_sh::ByParity;
 
 use super::closed_form::{self, ClosedForm};
 use super::{drop_from_pole, exponential_degree, exponential_support};
@@ -23,6 +24,11 @@ impl VonMisesFisher {
     /// The largest concentration, a lobe of 0.06 degrees.
     pub const MAX_KAPPA: f64 = 1e6;
 
+    /// Below this concentration the energies beyond [`WIDE_DEGREE`](Self::WIDE_DEGREE) are nothing: about
+    /// `e^{-l^2/kappa}`.
+    const WIDE: f64 = 8.0;
+    const WIDE_DEGREE: usize = 64;
+
     /// The lobe of concentration `kappa` in [0, 10^6]; 0 is the constant 1/(4 pi).
     ///
     /// # Errors
@@ -35,11 +41,6 @@ impl VonMisesFisher {
         let peak =
             if kappa > 0.0 { -kappa / (2.0 * PI * (-2.0 * kappa).exp_m1()) } else { 0.25 / PI };
         Ok(Self { kappa, peak })
-    }
-
-    /// `int_0^d e^{-rate s} ds`.
-    fn falloff(rate: f64, d: f64) -> f64 {
-        if rate > 0.0 { -(-rate * d).exp_m1() / rate } else { d }
     }
 
     /// `I_{l+1/2}/I_{1/2}` at kappa for l = 0 ..= lmax.
@@ -83,8 +84,22 @@ impl ClosedForm for VonMisesFisher {
         Some(1.0)
     }
 
-    fn sphere_square(&self) -> Result<f64, Error> {
-        Ok(2.0 * PI * self.peak * self.peak * Self::falloff(2.0 * self.kappa, 2.0))
+    /// With `c = kappa coth kappa` and `s = kappa/sinh kappa` the parts have `(c/2 + s^2/2 - 1)/(4 pi)`
+    /// and `(c/2 - s^2/2)/(4 pi)`; for wide lobes, where these cancel, the sum of the energies, which ends soon.
+    fn sphere_centred_square(&self) -> Result<ByParity, Error> {
+        let kappa = self.kappa;
+        if kappa < Self::WIDE {
+            let mut sum = ByParity::both(0.0);
+            // The smallest first.
+            for (l, a) in self.bessel_ratios(Self::WIDE_DEGREE).iter().enumerate().skip(1).rev() {
+                *sum.of_mut(l) += (2 * l + 1) as f64 / (4.0 * PI) * a * a;
+            }
+            return Ok(sum);
+        }
+        let q = (-kappa).exp();
+        let (coth, csch) = ((1.0 + q * q) / (1.0 - q * q), 2.0 * q / (1.0 - q * q));
+        let (c, s) = (0.5 * kappa * coth, 0.5 * (kappa * csch).powi(2));
+        Ok(ByParity { even: c + s - 1.0, odd: c - s }.map(|x| x / (4.0 * PI)))
     }
 
     fn sphere_coefficients(&self, lmax: usize) -> Result<Coefficients, Error> {
@@ -117,8 +132,20 @@ impl Integrand for VonMisesFisher {
         closed_form::coefficients(self, domain, lmax)
     }
 
-    fn square(&self, domain: Domain) -> Result<f64, Error> {
-        let (copies, height) = if domain == Domain::Sphere { (1.0, 2.0) } else { (2.0, 1.0) };
-        Ok(copies * 2.0 * PI * self.peak * self.peak * Self::falloff(2.0 * self.kappa, height))
+    /// On the hemisphere `(x coth x - 1)/(pi (1 + e^{-kappa})^2)` with x = kappa/2, by Lambert's continued fraction
+    /// `x coth x = 1 + x^2/(3 + x^2/(5 + ...))` where the difference cancels.
+    fn centred_square(&self, domain: Domain) -> Result<ByParity, Error> {
+        if domain == Domain::Sphere {
+            return self.sphere_centred_square();
+        }
+        let (x, q) = (0.5 * self.kappa, (-self.kappa).exp());
+        let excess = if self.kappa < Self::WIDE {
+            let fraction =
+                (1..=20).rev().fold(0.0, |rest, k| x * x / (f64::from(2 * k + 1) + rest));
+            fraction
+        } else {
+            x * (1.0 + q) / (1.0 - q) - 1.0
+        };
+        Ok(ByParity { even: excess / (PI * (1.0 + q).powi(2)), odd: 0.0 })
     }
 }

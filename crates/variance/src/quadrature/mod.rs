@@ -55,7 +55,8 @@ pub(crate) fn centred_square(
         Fold::Cut => even(2.0 * variation(shape, domain, hemisphere, eval)?),
         Fold::Whole if shape.is_apart_from(&shape.mirrored()) => {
             // Both parts have half the values here and half of them, up to the sign, at the antipodes.
-            let odd = Rings::new(shape, domain, 2 * shape.degree())?.sum(|x| 0.5 * eval(x).powi(2))?;
+            let odd =
+                Rings::new(shape, domain, 2 * shape.degree())?.sum(|x| 0.5 * eval(x).powi(2))?;
             let half = |x: DVec3| 0.5 * eval(x);
             ByParity { even: 2.0 * variation(shape, domain, 2.0 * PI, &half)?, odd }
         }
