@@ -34,12 +34,5 @@ pub(crate) fn parse_integrand(text: &str) -> Result<NamedIntegrand, CliError> {
 pub(crate) fn check_domain(integrand: &NamedIntegrand, domain: Domain) -> Result<(), CliError> {
     let wrong = |what: String| CliError::Usage(format!("{}: {what}", integrand.name));
     let energy = integrand.function.energy(domain, 1).map_err(|e| wrong(e.to_string()))?;
-    if energy.total().is_finite() {
-        Ok(())
-    } else {
-        Err(wrong(
-            "its square has an integral beyond the range of numbers; take smaller weights"
-                .to_owned(),
-        ))
-    }
+    energy.check_magnitude().map_err(|e| wrong(e.to_string()))
 }

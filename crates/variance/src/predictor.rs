@@ -74,7 +74,7 @@ impl<'a> Predictor<'a> {
             }
         }
         let mut new = Self { integrand, domain, seed, budget, energies: Vec::new() };
-        new.energy_to(0)?;
+        new.energy_to(0)?.check_magnitude()?;
         Ok(new)
     }
 

@@ -2,6 +2,7 @@ use std::f64::consts::PI;
 
 use sphvar_reference::DoubleDouble;
 use sphvar_samplers::Domain;
+use sphvar_sh::ByParity;
 use sphvar_spectrum::Spectrum;
 use sphvar_variance::{Cap, Energy, Integrand, VonMisesFisher, predict};
 
@@ -70,7 +71,7 @@ fn tiny_cap() -> Errors {
 
 /// What stands for energies that could not be had: no bound holds for it.
 fn nothing() -> Energy {
-    Energy::new(Domain::Sphere, vec![f64::NAN], f64::NAN)
+    Energy::new(Domain::Sphere, vec![f64::NAN], ByParity::both(f64::NAN))
 }
 
 fn whole_sphere() -> Errors {

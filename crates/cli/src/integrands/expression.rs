@@ -5,12 +5,15 @@
 
 use std::path::Path;
 
-use glam::DVec3;
-use sphvar_variance::{Integrand, Product, Rotated, SampledFunction, Shape, Sum};
+use sphvar_variance::{Cap, Integrand, Product, Rotated, Sum};
 
 use super::term;
 use crate::error::CliError;
 use crate::spec::Spec;
+
+/// The largest number of integrands in a product: each is an object within the next, and quadratures over more
+/// factors have no end.
+const MAX_FACTORS: usize = 64;
 
 /// The integrand of an expression.
 pub(super) fn parse(text: &str) -> Result<Box<dyn Integrand>, CliError> {
@@ -56,6 +59,7 @@ fn first_of<'a>(text: &'a str, operators: [&str; 2]) -> Option<(usize, &'a str)>
 fn summand(sign: f64, text: &str, whole: &str) -> Result<(f64, Box<dyn Integrand>), CliError> {
     let mut weight = sign;
     let mut product: Option<Box<dyn Integrand>> = None;
+    let mut factors = 0;
     for factor in text.split(" * ").map(str::trim) {
         if factor.is_empty() {
             return Err(CliError::Usage(format!(
@@ -66,37 +70,48 @@ fn summand(sign: f64, text: &str, whole: &str) -> Result<(f64, Box<dyn Integrand
             weight *= number;
             continue;
         }
+        factors += 1;
+        if factors > MAX_FACTORS {
+            return Err(CliError::Usage(format!(
+                "a product has at most {MAX_FACTORS} integrands; this one has more"
+            )));
+        }
         let function = rotated(factor)?;
         product = Some(match product {
             Some(before) => Box::new(Product::new(before, function)),
             None => function,
         });
     }
-    if !weight.is_finite() {
-        return Err(CliError::Usage(format!("\"{text}\": a weight must be finite")));
+    if let Some(product) = product {
+        return Ok((weight, product));
     }
-    // Numbers alone are a constant function.
-    let one = || {
-        let shape = Shape::smooth(0).zonal(DVec3::Z).even();
-        Box::new(SampledFunction::with_shape(|_: DVec3| 1.0, shape)) as Box<dyn Integrand>
-    };
-    Ok((weight, product.unwrap_or_else(one)))
+    // Numbers alone are a constant function, the cap that is the whole sphere.
+    let one = Cap::from_degrees(180.0).map_err(|e| CliError::Usage(format!("{text}: {e}")))?;
+    Ok((weight, Box::new(one)))
 }
 
 /// A term with the rotations behind it.
 fn rotated(text: &str) -> Result<Box<dyn Integrand>, CliError> {
     let mut pieces = text.split(" @ ").map(str::trim);
-    let mut function = term::parse(pieces.next().unwrap_or_default())?;
-    for piece in pieces {
-        let [theta, phi, psi] = angles(piece).ok_or_else(|| {
+    let function = term::parse(pieces.next().unwrap_or_default())?;
+    // Chained rotations are one.
+    let mut angles_of = pieces.map(|piece| {
+        angles(piece).ok_or_else(|| {
             CliError::Usage(format!(
-                "{text}: @ wants THETA/PHI or THETA/PHI/PSI in degrees, THETA in [0, 180], got \"{piece}\""
+                "@ wants THETA/PHI or THETA/PHI/PSI in degrees, THETA in [0, 180], got \"{piece}\""
             ))
-        })?;
-        let turned = Rotated::to_angles(function, theta, phi, psi);
-        function = Box::new(turned.map_err(|e| CliError::Usage(format!("{text}: {e}")))?);
+        })
+    });
+    let Some(first) = angles_of.next() else {
+        return Ok(function);
+    };
+    let [theta, phi, psi] = first?;
+    let mut turned = Rotated::to_angles(function, theta, phi, psi);
+    for next in angles_of {
+        let [theta, phi, psi] = next?;
+        turned = turned.and_then(|turned| turned.then_to_angles(theta, phi, psi));
     }
-    Ok(function)
+    Ok(Box::new(turned.map_err(|e| CliError::Usage(format!("{text}: {e}")))?))
 }
 
 /// Colatitude, longitude and turn in radians.
@@ -109,5 +124,30 @@ fn angles(text: &str) -> Option<[f64; 3]> {
         [theta, phi] => Some([theta, phi, 0.0].map(f64::to_radians)),
         [theta, phi, psi] => Some([theta, phi, psi].map(f64::to_radians)),
         _ => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use sphvar_samplers::Domain;
+    use sphvar_variance::Integrand;
+
+    use super::parse;
+
+    #[test]
+    fn long_expressions_take_neither_stack_nor_much_time() {
+        let chain = format!("cap:degrees=30{}", " @ 40/10/5".repeat(12_000));
+        let turned = parse(&chain).unwrap();
+        let exact = parse("cap:degrees=30").unwrap().exact(Domain::Sphere).unwrap();
+        assert!((turned.exact(Domain::Sphere).unwrap() / exact - 1.0).abs() < 1e-15);
+        let square = |f: &dyn Integrand| f.square(Domain::Sphere).unwrap();
+        for term in ["cosine", "vmf:kappa=5 @ 30/20", "ylm:l=4,m=2", "cap:degrees=60"] {
+            let sum = parse(&vec![term; 1000].join(" + ")).unwrap();
+            let ratio = square(&*sum) / square(&*parse(term).unwrap());
+            assert!((ratio / 1e6 - 1.0).abs() < 1e-11, "{term}: {ratio}");
+        }
+        let product = vec!["cosine"; 100_000].join(" * ");
+        assert!(parse(&product).is_err_and(|e| e.to_string().contains("at most 64")));
+        assert!(parse("1e-200 * cosine").is_err_and(|e| e.to_string().contains("1e-150")));
     }
 }

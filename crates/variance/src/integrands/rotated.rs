@@ -25,6 +25,8 @@ use crate::{Coefficients, Energy, Error, Integrand, Shape};
 #[derive(Clone, Debug)]
 pub struct Rotated<I> {
     function: I,
+    turn: DQuat,
+    /// The same as a matrix.
     rotation: DMat3,
 }
 
@@ -39,7 +41,8 @@ impl<I: Integrand> Rotated<I> {
         if !(length > 0.0 && length.is_finite()) {
             return Err(Error::Rotation { length });
         }
-        Ok(Self { function, rotation: DMat3::from_quat(rotation.normalize()) })
+        let turn = rotation.normalize();
+        Ok(Self { function, turn, rotation: DMat3::from_quat(turn) })
     }
 
     /// `function` turned by `psi` about +z and then carried with +z to colatitude `theta` and longitude
@@ -49,9 +52,33 @@ impl<I: Integrand> Rotated<I> {
     ///
     /// [`Error::Rotation`] if an angle is not finite.
     pub fn to_angles(function: I, theta: f64, phi: f64, psi: f64) -> Result<Self, Error> {
-        let tilt = DQuat::from_rotation_z(phi) * DQuat::from_rotation_y(theta);
-        Self::new(function, tilt * DQuat::from_rotation_z(psi))
+        Self::new(function, turn_to_angles(theta, phi, psi))
     }
+
+    /// This integrand after a further rotation: both are folded into one, so that chains of any length cost what one
+    /// rotation does.
+    ///
+    /// # Errors
+    ///
+    /// As [`new`](Self::new).
+    pub fn then(self, rotation: DQuat) -> Result<Self, Error> {
+        Self::new(self.function, rotation * self.turn)
+    }
+
+    /// This integrand after a further rotation by angles, as for [`to_angles`](Self::to_angles).
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Rotation`] if an angle is not finite.
+    pub fn then_to_angles(self, theta: f64, phi: f64, psi: f64) -> Result<Self, Error> {
+        self.then(turn_to_angles(theta, phi, psi))
+    }
+}
+
+/// The rotation by `psi` about +z that then carries +z to colatitude `theta` and longitude `phi`.
+fn turn_to_angles(theta: f64, phi: f64, psi: f64) -> DQuat {
+    let tilt = DQuat::from_rotation_z(phi) * DQuat::from_rotation_y(theta);
+    tilt * DQuat::from_rotation_z(psi)
 }
 
 impl<I: Integrand> ClosedForm for Rotated<I> {

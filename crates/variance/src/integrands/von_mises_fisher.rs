@@ -6,7 +6,7 @@ use sphvar_sh::ByParity;
 
 use super::closed_form::{self, ClosedForm};
 use super::{drop_from_pole, exponential_degree, exponential_support};
-use crate::{Circle, Coefficients, Error, Integrand, Shape};
+use crate::{Circle, Coefficients, Error, Integrand, Shape, quadrature};
 
 /// The von Mises-Fisher density about +z, `kappa/(2 pi (1 - e^{-2 kappa})) e^{kappa (z - 1)}`: a
 /// smooth lobe with integral 1 over the sphere.
@@ -129,7 +129,15 @@ impl Integrand for VonMisesFisher {
     }
 
     fn coefficients(&self, domain: Domain, lmax: usize) -> Result<Coefficients, Error> {
-        closed_form::coefficients(self, domain, lmax)
+        if domain == Domain::Sphere || self.kappa >= Self::WIDE {
+            return closed_form::coefficients(self, domain, lmax);
+        }
+        // The even extension of a wide lobe is nearly constant: the difference from the peak keeps its digits.
+        let below_peak = |dir| self.peak * (-self.kappa * drop_from_pole(dir)).exp_m1();
+        let rest = quadrature::coefficients(&self.shape()?, domain, lmax, &below_peak)?;
+        let mut constant = vec![0.0; lmax + 1];
+        constant[0] = self.peak * (4.0 * PI).sqrt();
+        rest.plus(1.0, &Coefficients::zonal(DVec3::Z, constant)?)
     }
 
     /// On the hemisphere `(x coth x - 1)/(pi (1 + e^{-kappa})^2)` with x = kappa/2, by Lambert's continued fraction
@@ -140,9 +148,7 @@ impl Integrand for VonMisesFisher {
         }
         let (x, q) = (0.5 * self.kappa, (-self.kappa).exp());
         let excess = if self.kappa < Self::WIDE {
-            let fraction =
-                (1..=20).rev().fold(0.0, |rest, k| x * x / (f64::from(2 * k + 1) + rest));
-            fraction
+            (1..=20).rev().fold(0.0, |rest, k| x * x / (f64::from(2 * k + 1) + rest))
         } else {
             x * (1.0 + q) / (1.0 - q) - 1.0
         };
