@@ -9,6 +9,7 @@ pub struct Energy {
     domain: Domain,
     per_degree: Vec<f64>,
     total: f64,
+    kurtosis: Option<f64>,
 }
 
 impl Energy {
@@ -20,7 +21,20 @@ impl Energy {
     #[must_use]
     pub fn new(domain: Domain, per_degree: Vec<f64>, total: f64) -> Self {
         assert!(!per_degree.is_empty(), "the energy of degree 0 is always there");
-        Self { domain, per_degree, total }
+        Self { domain, per_degree, total, kurtosis: None }
+    }
+
+    /// With the kurtosis of the integrand's values ([`Integrand::kurtosis`](crate::Integrand::kurtosis)), by
+    /// which measured variances are judged.
+    #[must_use]
+    pub fn with_kurtosis(self, kurtosis: Option<f64>) -> Self {
+        Self { kurtosis, ..self }
+    }
+
+    /// The kurtosis of the integrand's values, if it has been stated.
+    #[must_use]
+    pub fn kurtosis(&self) -> Option<f64> {
+        self.kurtosis
     }
 
     /// The domain of the integrand.

@@ -4,7 +4,7 @@ use glam::DVec3;
 use sphvar_samplers::Domain;
 
 use super::inner_product::inner_product;
-use crate::{Coefficients, Error, Integrand, Shape};
+use crate::{Coefficients, Error, Integrand, Shape, quadrature};
 
 /// A weighted sum of integrands, `sum_i w_i f_i`.
 ///
@@ -89,6 +89,21 @@ impl Integrand for Sum {
         }
         // Terms that cancel leave rounding of either sign.
         Ok(sum.max(0.0))
+    }
+
+    /// That of the term where there is one, else by the values.
+    fn kurtosis(&self, domain: Domain) -> Option<f64> {
+        // A value of a longer sum takes too long.
+        const MAX_TERMS: usize = 16;
+        match &self.terms[..] {
+            [(weight, only)] => only.kurtosis(domain).filter(|_| *weight != 0.0),
+            terms if terms.len() <= MAX_TERMS => {
+                quadrature::kurtosis_of_values(self.shape().ok().as_ref(), domain, &|dir| {
+                    self.eval(dir)
+                })
+            }
+            _ => None,
+        }
     }
 
     fn band_limit(&self) -> Option<usize> {
