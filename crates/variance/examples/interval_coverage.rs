@@ -93,7 +93,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let patterns = ["fibonacci", "white-noise", "jittered"];
     let patterns: Vec<Pattern> = patterns.iter().filter_map(|p| Pattern::from_name(p)).collect();
     let total = AtomicU64::new(0);
-    let mut row = |pattern: &Pattern, n: usize, name: &str, f: &dyn Integrand, trials: u64| {
+    let row = |pattern: &Pattern, n: usize, name: &str, f: &dyn Integrand, trials: u64| {
         let n = pattern.nearest_count(n, Domain::Sphere);
         let (t, truth) = tally(pattern, n, f, trials, seeds)?;
         total.fetch_add(t.missed, Ordering::Relaxed);

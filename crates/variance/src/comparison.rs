@@ -97,12 +97,8 @@ impl Comparison {
             return f64::NAN;
         }
         let (measured, expected) = (self.measurement.variance(), self.prediction.variance);
-        let relative = self
-            .known
-            .exact_error(self.measurement.estimates().len())
-            .unwrap_or_else(|| self.error().at(expected / measured));
         // Of nothing but rounding the relative error may be any.
-        let sampling = if self.is_constant() { 0.0 } else { expected * relative };
+        let sampling = if self.is_constant() { 0.0 } else { expected * self.expected_error() };
         let stderr = sampling.hypot(self.prediction.total_stderr()).hypot(self.rounding);
         (measured - expected) / stderr
     }
@@ -126,11 +122,14 @@ impl Comparison {
             let n_points = self.spectrum.n_points() as f64;
             return VariancePoint { n_points, variance, stderr: f64::INFINITY };
         }
-        let relative = self
-            .known
-            .exact_error(self.measurement.estimates().len())
-            .unwrap_or_else(|| self.error().at(self.prediction.variance / variance));
-        self.point(variance, variance * relative)
+        self.point(variance, variance * self.expected_error())
+    }
+
+    /// The relative standard error of the measured variance if the prediction is right; if that is 0, by the trials alone.
+    fn expected_error(&self) -> f64 {
+        let ratio = self.prediction.variance / self.measurement.variance();
+        let by_trials = || self.error().at(if ratio > 0.0 { ratio } else { 1.0 });
+        self.known.exact_error(self.measurement.estimates().len()).unwrap_or_else(by_trials)
     }
 
     /// The predicted variance at its number of points, likewise.
@@ -145,9 +144,10 @@ impl Comparison {
     pub fn is_prediction_more_precise(&self) -> bool {
         let relative =
             |p: VariancePoint| if p.variance > 0.0 { p.stderr / p.variance } else { 0.0 };
+        let (predicted, measured) = (self.predicted_point(), self.measured_point());
         // An unknown error is no small one.
-        !(relative(self.predicted_point()) > relative(self.measured_point()))
-            && !self.prediction.total_stderr().is_nan()
+        let is_known = !self.prediction.total_stderr().is_nan();
+        is_known && (relative(predicted) <= relative(measured) || relative(measured).is_nan())
     }
 
     /// The more precise one of [`predicted_point`](Self::predicted_point) and

@@ -52,7 +52,7 @@ mod stopping;
 
 pub use coefficients::Coefficients;
 pub use comparison::{Comparison, Work, compare};
-pub use crossover::{Crossover, crossover};
+pub use crossover::{Crossover, crossover, crossovers};
 pub use cut_integrand::{CutEstimator, CutIntegrand};
 pub use cut_sphere::{CutAxis, CutMeasurement, measure_cut_sphere};
 pub use degree::{check_degree, prediction_degree, settled_degree};
@@ -70,7 +70,7 @@ pub use predicted_curve::PredictedCurve;
 pub use predicted_point::PredictedPoint;
 pub use prediction::{Prediction, PredictionAccumulator, predict};
 pub use predictor::{PredictionBudget, Predictor};
-pub use rate::{RateFit, VariancePoint, fit_rate};
+pub use rate::{RateFit, VariancePoint, fit_exact_rate, fit_rate, fit_rate_of_few};
 pub use relative_error::{RelativeError, rarest_seen};
 pub use required_points::{RequiredPoints, legal_between, required_points};
 pub use shape::{Circle, Shape};
