@@ -55,6 +55,10 @@ bounds-verdicts *ARGS:
 closed-loop SECONDS="1":
     cargo run --release -p sphvar-tests --example closed_loop -- {{SECONDS}}
 
+# Coverage of the intervals of measured variances, where few trials see the integrand and for ordinary ones.
+interval-coverage SEEDS="200":
+    cargo run --release -p sphvar-variance --example interval_coverage -- {{SEEDS}}
+
 # Figure 7.9 c of the thesis: mean squared errors of ambient occlusion, with halves of sphere sets as there.
 figure-7-9 *ARGS:
     cargo run --release -- render cornell --study -n 16..1024 --mode rotated --samplers white-noise,jittered,poisson-disk,ccvt,healpix,fibonacci,step -o figure-7-9.png {{ARGS}}

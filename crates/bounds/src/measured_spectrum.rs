@@ -64,9 +64,32 @@ impl<'a> MeasuredSpectrum<'a> {
     /// ```text
     /// power/(1 - w -+ q sqrt(w))^3,   w = r^2/9,   r = stderr/power
     /// ```
+    ///
+    /// The power of a realization is close to chi-square with 2l+1 degrees of freedom over their number, so r is taken for
+    /// at least `sqrt(2/((2l+1) R))`: among many degrees there are some whose error has come out far too small.
     #[must_use]
     pub fn with_realizations(self, realizations: u64) -> Self {
         Self { realizations: (realizations >= 2).then_some(realizations), ..self }
+    }
+
+    /// Returns the same spectrum as a mean over as many realizations as its errors tell, where nobody has said: the median
+    /// over degrees of `2 (power/stderr)^2/(2l+1)`, at least 2.
+    ///
+    /// As it is where the values are exact.
+    #[must_use]
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "positive, and the cast saturates"
+    )]
+    pub fn with_inferred_realizations(self) -> Self {
+        let of = |l: usize| 2.0 * (self.power(l) / self.stderr(l)).powi(2) / (2 * l + 1) as f64;
+        let mut each: Vec<f64> = self.degrees().map(of).filter(|r| r.is_finite()).collect();
+        each.sort_by(f64::total_cmp);
+        match each.get(each.len() / 2) {
+            Some(median) => self.with_realizations((*median as u64).max(2)),
+            None => self,
+        }
     }
 
     /// Returns the measured spectrum of an estimated or exact one, of which it borrows the values.
@@ -157,7 +180,9 @@ impl<'a> MeasuredSpectrum<'a> {
     /// limits allow for estimated errors.
     fn relative_cube_error(&self, l: usize) -> Option<f64> {
         let error = self.stderr(l) / (3.0 * self.power(l));
-        (self.realizations.is_some() && error > 0.0 && error.is_finite()).then_some(error)
+        let realizations = self.realizations.filter(|_| error > 0.0 && error.is_finite())?;
+        let normal = (2.0 / ((2 * l + 1) as f64 * realizations as f64)).sqrt() / 3.0;
+        Some(error.max(normal))
     }
 
     /// Returns the simultaneous confidence limits of all degrees on one side, with their degrees.

@@ -24,6 +24,12 @@ pub trait Sampler: Debug + Send + Sync {
     /// realization holds the whole spectrum of the pattern.
     fn is_random(&self) -> bool;
 
+    /// Whether the points of a realization are independent of each other and uniformly distributed, so that moments
+    /// of estimates follow from those of the integrand. `false` where that is not known.
+    fn is_independent(&self) -> bool {
+        self.n_points() == 1
+    }
+
     /// Replaces the content of `points` by one realization: `n_points` unit vectors, with z >= 0
     /// on the hemisphere.
     ///

@@ -32,6 +32,10 @@ impl Sampler for WhiteNoise {
         true
     }
 
+    fn is_independent(&self) -> bool {
+        true
+    }
+
     fn sample_into(&self, rng: &mut dyn Rng, points: &mut Vec<DVec3>) -> Result<(), Error> {
         points.clear();
         points.reserve(self.n_points);

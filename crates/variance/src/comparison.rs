@@ -1,9 +1,10 @@
 use sphvar_samplers::{Purpose, Realizations, Sampler, Streams};
 use sphvar_spectrum::{Resolution, Spectrum, SpectrumAccumulator, accumulate};
 
+use crate::known_moments::KnownMoments;
 use crate::{
     BiasTest, Effort, Energy, Error, Integrand, Measurement, Prediction, PredictionAccumulator,
-    VariancePoint, measure, measure_until, predict,
+    RelativeError, VariancePoint, measure, measure_until, predict,
 };
 
 /// A pattern's spectrum, the variance that it predicts for an integrand, and the variance measured
@@ -20,18 +21,59 @@ pub struct Comparison {
     pub exact: Option<f64>,
     /// The variance that the rounding of an estimate alone can make.
     pub rounding: f64,
+    known: KnownMoments,
 }
 
 impl Comparison {
-    /// Measured over predicted variance and the standard error of this ratio.
+    /// The relative error of the measured variance, as far as the trials and what is known of the integrand show it.
+    #[must_use]
+    pub fn error(&self) -> RelativeError {
+        self.known.error(&self.measurement)
+    }
+
+    /// Whether too few trials see the integrand's variation for an interval, a score, a ratio or a verdict
+    /// ([`RelativeError::is_known`]), although there is a variance to be seen.
+    #[must_use]
+    pub fn sees_too_little(&self) -> bool {
+        let is_visible = self.measurement.variance().max(self.prediction.variance) > self.rounding;
+        is_visible && (self.is_constant() || !self.error().is_known())
+    }
+
+    /// Whether all trials gave the same estimate, to rounding.
+    fn is_constant(&self) -> bool {
+        self.measurement.variance() <= self.rounding
+    }
+
+    /// The end points of the measured variance's confidence interval, which holds the measured value.
+    ///
+    /// Where all trials agree, it goes from 0 to an upper limit (97.5 %), from the moments of the integrand: equal
+    /// estimates tell only that others are rare. It is (0, 0) only if there is no variance by an exact
+    /// prediction. `None` if [too few trials see the integrand](Self::sees_too_little).
+    #[must_use]
+    pub fn measured_interval(&self, confidence: f64) -> Option<(f64, f64)> {
+        if !self.is_constant() {
+            return self.error().interval(self.measurement.variance(), confidence);
+        }
+        let prediction = &self.prediction;
+        if prediction.variance + prediction.total_stderr() <= self.rounding {
+            return Some((0.0, self.measurement.variance()));
+        }
+        let offset = self.exact.map(|exact| self.measurement.mean() - exact);
+        let limit = self.known.limit_unseen(self.measurement.estimates().len(), offset);
+        Some((0.0, limit.max(self.measurement.variance())))
+    }
+
+    /// Measured over predicted variance and the standard error of this ratio; NaN if too few trials see the
+    /// integrand.
     #[must_use]
     pub fn ratio(&self) -> (f64, f64) {
-        if self.missed() {
+        if self.sees_too_little() {
             return (f64::NAN, f64::NAN);
         }
-        let measured = self.measurement.variance();
-        let ratio = measured / self.prediction.variance;
-        let relative = (self.measurement.variance_stderr() / measured)
+        let ratio = self.measurement.variance() / self.prediction.variance;
+        let relative = self
+            .error()
+            .relative()
             .hypot(self.prediction.total_stderr() / self.prediction.variance);
         (ratio, ratio * relative)
     }
@@ -45,45 +87,78 @@ impl Comparison {
     /// ```
     ///
     /// V and e are the prediction and its [`total_stderr`](Prediction::total_stderr), r is the relative standard error
-    /// of the measured s^2. With `s^2 r` instead of `V r` the score would lean to the negative side, as
+    /// of the measured s^2 if V is right: exactly for independent points and an integrand of known kurtosis, else
+    /// [`RelativeError::at`]. With `s^2 r` instead of `V r` the score would lean to the negative side, as
     /// measured errors are small where measured variances are.
-    /// NaN if no trial saw the integrand.
+    /// NaN if too few trials see the integrand.
     #[must_use]
     pub fn z_score(&self) -> f64 {
-        if self.missed() {
+        if self.sees_too_little() {
             return f64::NAN;
         }
-        let expected = self.prediction.variance;
-        let stderr = (expected * self.measurement.relative_stderr())
-            .hypot(self.prediction.total_stderr())
-            .hypot(self.rounding);
-        (self.measurement.variance() - expected) / stderr
+        let (measured, expected) = (self.measurement.variance(), self.prediction.variance);
+        // Of nothing but rounding the relative error may be any.
+        let sampling = if self.is_constant() { 0.0 } else { expected * self.expected_error() };
+        let stderr = sampling.hypot(self.prediction.total_stderr()).hypot(self.rounding);
+        (measured - expected) / stderr
     }
 
-    /// Whether the mean of the trials is the exact integral, if that is known and the trials saw the integrand.
+    /// Whether the mean of the trials is the exact integral, if that is known and enough trials see the integrand.
     #[must_use]
     pub fn bias(&self) -> Option<BiasTest> {
-        let exact = self.exact.filter(|_| !self.missed())?;
+        let exact = self.exact.filter(|_| !self.sees_too_little())?;
         Some(self.measurement.bias(exact, self.rounding))
     }
 
-    /// Whether the trials have no variance although one is predicted: an integrand so small that none of them saw
-    /// it, which says nothing.
-    fn missed(&self) -> bool {
-        self.measurement.variance() <= self.rounding && self.prediction.variance > self.rounding
-    }
-
     /// The measured variance at its number of points, for rates and crossovers; 0 where it is no more
-    /// than rounding.
+    /// than rounding. Its error is infinite if too few trials see the integrand.
+    ///
+    /// The error is what it is if the prediction is right, so that weights by errors do not favour the variances that
+    /// came out small.
     #[must_use]
     pub fn measured_point(&self) -> VariancePoint {
-        self.point(self.measurement.variance(), self.measurement.variance_stderr())
+        let variance = self.measurement.variance();
+        if self.sees_too_little() {
+            let n_points = self.spectrum.n_points() as f64;
+            return VariancePoint { n_points, variance, stderr: f64::INFINITY };
+        }
+        self.point(variance, variance * self.expected_error())
+    }
+
+    /// The relative standard error of the measured variance if the prediction is right; if that is 0, by the trials alone.
+    fn expected_error(&self) -> f64 {
+        let ratio = self.prediction.variance / self.measurement.variance();
+        let by_trials = || self.error().at(if ratio > 0.0 { ratio } else { 1.0 });
+        self.known.exact_error(self.measurement.estimates().len()).unwrap_or_else(by_trials)
     }
 
     /// The predicted variance at its number of points, likewise.
     #[must_use]
     pub fn predicted_point(&self) -> VariancePoint {
         self.point(self.prediction.variance, self.prediction.total_stderr())
+    }
+
+    /// Whether the prediction has the smaller relative error of the two, which it has where there is nothing to
+    /// measure.
+    #[must_use]
+    pub fn is_prediction_more_precise(&self) -> bool {
+        let relative =
+            |p: VariancePoint| if p.variance > 0.0 { p.stderr / p.variance } else { 0.0 };
+        let (predicted, measured) = (self.predicted_point(), self.measured_point());
+        // An unknown error is no small one.
+        let is_known = !self.prediction.total_stderr().is_nan();
+        is_known && (relative(predicted) <= relative(measured) || relative(measured).is_nan())
+    }
+
+    /// The more precise one of [`predicted_point`](Self::predicted_point) and
+    /// [`measured_point`](Self::measured_point).
+    #[must_use]
+    pub fn best_point(&self) -> VariancePoint {
+        if self.is_prediction_more_precise() {
+            self.predicted_point()
+        } else {
+            self.measured_point()
+        }
     }
 
     fn point(&self, variance: f64, stderr: f64) -> VariancePoint {
@@ -140,6 +215,12 @@ pub fn compare(
     // An estimate of int F is a sum of numbers of the size of F, whose roundings partly cancel.
     let size = sampler.domain().area() * energy.total();
     let rounding = size * (4.0 * f64::EPSILON).powi(2);
+    let known = KnownMoments {
+        n_points: n_points as f64,
+        one_point_variance: sampler.domain().variance_factor(1) * energy.beyond(0),
+        kurtosis: energy.kurtosis().or_else(|| integrand.kurtosis(sampler.domain())),
+        is_independent: sampler.is_independent(),
+    };
     // No number of trials makes the variance of roundings precise.
     let until = effort.until.filter(|_| prediction.variance > rounding);
     let measurement = match until {
@@ -150,7 +231,8 @@ pub fn compare(
                 let more = total.saturating_sub(expected.replace(total)) as f64;
                 report(Work::Added(cost * more));
             };
-            measure_until(&trials, integrand, effort.trials, target, &expect, &done)?
+            let start = effort.trials.max(known.trials_for(target.relative));
+            measure_until(&trials, integrand, start, target, &expect, &done)?
         }
     };
     Ok(Comparison {
@@ -159,6 +241,7 @@ pub fn compare(
         measurement,
         exact: integrand.exact(sampler.domain()),
         rounding,
+        known,
     })
 }
 

@@ -1,5 +1,6 @@
 use rand_distr::{Distribution, StandardNormal};
 use sphvar_samplers::Streams;
+use statrs::distribution::{ContinuousCDF, Normal};
 
 use crate::VariancePoint;
 
@@ -10,8 +11,12 @@ pub struct Crossover {
     pub n_points: f64,
     /// The end points of its 95 % interval.
     pub interval: (f64, f64),
+    /// The numbers of points next to the crossing at which one of the curves is known.
+    pub bracket: (f64, f64),
     /// The share of resampled curves that cross at all; well below 1, the crossing may be noise.
     pub confidence: f64,
+    /// Whether the curves differ significantly on both sides, in opposite ways ([`crossovers`]).
+    pub is_significant: bool,
     /// Whether the first curve lies below the second beyond the crossing.
     pub first_is_better_above: bool,
 }
@@ -19,41 +24,139 @@ pub struct Crossover {
 /// How many resampled pairs of curves an interval is taken from.
 const RESAMPLES: u64 = 1000;
 
+/// The probability with which curves that do not cross are said to cross, for a pair.
+const FALSE_ALARM: f64 = 0.01;
+
 /// The last crossing of two variance curves within the numbers of points that both cover, or
 /// `None` if they do not cross there; touching is not crossing, nor is meeting at the end. Each curve is
 /// sorted by N and has positive variances.
 ///
-/// Curves are straight between their points in log N and log Var. The interval comes from
-/// 1000 pairs of curves whose log variances are drawn about the given ones with their
-/// relative standard errors (a parametric bootstrap).
+/// It is the last of the significant [`crossovers`] if there are any, else the last crossing, which may be noise.
 #[must_use]
 pub fn crossover(a: &[VariancePoint], b: &[VariancePoint], streams: Streams) -> Option<Crossover> {
-    let (a, b) = (Curve::new(a), Curve::new(b));
-    let (at, first_is_better_above) = last_crossing(&a, &b)?;
-    let mut crossings: Vec<f64> = (0..RESAMPLES)
-        .filter_map(|i| {
-            let mut rng = streams.realization(i);
-            let mut normal = || StandardNormal.sample(&mut rng);
-            last_crossing(&a.shaken(&mut normal), &b.shaken(&mut normal)).map(|c| c.0)
-        })
-        .collect();
-    crossings.sort_by(f64::total_cmp);
-    let quantile = |q: f64| {
-        #[expect(
-            clippy::cast_possible_truncation,
-            clippy::cast_sign_loss,
-            reason = "an index below RESAMPLES"
-        )]
-        let index = (q * (crossings.len().saturating_sub(1)) as f64).round() as usize;
-        crossings.get(index).copied().unwrap_or(at).exp()
+    let pair = Pair::new(a, b)?;
+    if let Some(&(from, to)) = pair.significant_changes().last() {
+        return pair.crossing(from, to, true, streams);
+    }
+    pair.crossing(0, pair.knots.len() - 1, false, streams)
+}
+
+/// All significant crossings of two variance curves, by number of points.
+///
+/// Curves are straight between their points in log N and log Var. A crossing is significant if there are numbers of
+/// points on both sides of it at which the curves differ by more than their errors allow, in opposite ways: with K
+/// numbers at which one of the curves is known, by the one-sided normal quantile of `0.01/K`. So a
+/// crossing is announced for at most 1 % of the pairs that do not cross. Where curves that run together cross several
+/// times between two such numbers, that is one crossing, the middle one of them: the last would lie too far up.
+///
+/// The interval comes from 1000 pairs of curves whose log variances are drawn about the given ones with their relative
+/// standard errors (a parametric bootstrap), and is widened by what bends of the curves between their points
+/// can move the crossing, at least half a point.
+#[must_use]
+pub fn crossovers(a: &[VariancePoint], b: &[VariancePoint], streams: Streams) -> Vec<Crossover> {
+    let Some(pair) = Pair::new(a, b) else {
+        return Vec::new();
     };
-    let confidence = crossings.len() as f64 / RESAMPLES as f64;
-    Some(Crossover {
-        n_points: at.exp(),
-        interval: (quantile(0.025), quantile(0.975)),
-        confidence,
-        first_is_better_above,
-    })
+    let changes = pair.significant_changes();
+    changes.into_iter().filter_map(|(from, to)| pair.crossing(from, to, true, streams)).collect()
+}
+
+/// Two curves, with the abscissas that both cover and at which one is known.
+struct Pair {
+    a: Curve,
+    b: Curve,
+    knots: Vec<f64>,
+}
+
+impl Pair {
+    fn new(a: &[VariancePoint], b: &[VariancePoint]) -> Option<Self> {
+        let (a, b) = (Curve::new(a), Curve::new(b));
+        if a.0.len() < 2 || b.0.len() < 2 {
+            return None;
+        }
+        let from = a.0[0].0.max(b.0[0].0);
+        let to = a.0[a.0.len() - 1].0.min(b.0[b.0.len() - 1].0);
+        let mut knots: Vec<f64> =
+            a.0.iter().chain(&b.0).map(|p| p.0).filter(|x| (from..=to).contains(x)).collect();
+        knots.sort_by(f64::total_cmp);
+        knots.dedup();
+        (knots.len() >= 2).then_some(Self { a, b, knots })
+    }
+
+    /// The pairs of knots, in order, between which the difference of the curves changes its sign
+    /// significantly.
+    fn significant_changes(&self) -> Vec<(usize, usize)> {
+        let critical = -Normal::standard().inverse_cdf(FALSE_ALARM / self.knots.len() as f64);
+        let decided = self.knots.iter().enumerate().filter_map(|(i, &x)| {
+            let difference = self.a.at(x) - self.b.at(x);
+            let stderr = self.a.error_at(x).hypot(self.b.error_at(x));
+            // Logarithms of exact variances round.
+            let is_significant = difference.abs() > critical * stderr && difference.abs() > 1e-12;
+            is_significant.then_some((i, difference > 0.0))
+        });
+        let decided: Vec<(usize, bool)> = decided.collect();
+        let changes = decided.windows(2).filter(|w| w[0].1 != w[1].1);
+        changes.map(|w| (w[0].0, w[1].0)).collect()
+    }
+
+    /// The crossing between two knots: the middle one where the ends are significantly different, else the last.
+    fn crossing(
+        &self,
+        from: usize,
+        to: usize,
+        is_significant: bool,
+        streams: Streams,
+    ) -> Option<Crossover> {
+        let knots = &self.knots[from..=to];
+        let pick = |found: &[(f64, bool)]| {
+            if is_significant { found.get(found.len() / 2).copied() } else { found.last().copied() }
+        };
+        let (at, first_is_better_above) = pick(&crossings(&self.a, &self.b, knots))?;
+        let mut n_crossing = 0_u64;
+        let mut resampled: Vec<f64> = (0..RESAMPLES)
+            .filter_map(|i| {
+                let mut rng = streams.realization(i);
+                let mut normal = || StandardNormal.sample(&mut rng);
+                let (a, b) = (self.a.shaken(&mut normal), self.b.shaken(&mut normal));
+                n_crossing += u64::from(!crossings(&a, &b, &self.knots).is_empty());
+                pick(&crossings(&a, &b, knots)).map(|c| c.0)
+            })
+            .collect();
+        resampled.sort_by(f64::total_cmp);
+        let quantile = |q: f64| {
+            #[expect(
+                clippy::cast_possible_truncation,
+                clippy::cast_sign_loss,
+                reason = "an index below RESAMPLES"
+            )]
+            let index = (q * (resampled.len().saturating_sub(1)) as f64).round() as usize;
+            resampled.get(index).copied().unwrap_or(at)
+        };
+        let above = self.knots.partition_point(|x| *x <= at).clamp(1, self.knots.len() - 1);
+        let bracket = (self.knots[above - 1], self.knots[above]);
+        let bend = self.bend_error(at, bracket);
+        let (low, high) = (quantile(0.025).min(at), quantile(0.975).max(at));
+        // Bends move the crossing between its neighbours only.
+        let low = (low - bend).max(low.min(bracket.0)).exp().min(at.exp() - 0.5);
+        let high = (high + bend).min(high.max(bracket.1)).exp().max(at.exp() + 0.5);
+        Some(Crossover {
+            n_points: at.exp(),
+            interval: (low.max(1.0).min(at.exp()), high),
+            bracket: (bracket.0.exp(), bracket.1.exp()),
+            confidence: n_crossing as f64 / RESAMPLES as f64,
+            is_significant,
+            first_is_better_above,
+        })
+    }
+
+    /// How far the crossing may lie from that of the straight lines, in log N: the largest departure of a parabola from
+    /// its chord, an eighth of its second difference, over the difference of the slopes.
+    fn bend_error(&self, at: f64, bracket: (f64, f64)) -> f64 {
+        let height = self.a.bend_at(at).hypot(self.b.bend_at(at));
+        let difference = |x: f64| self.a.at(x) - self.b.at(x);
+        let slope = (difference(bracket.1) - difference(bracket.0)) / (bracket.1 - bracket.0);
+        if height > 0.0 { height / slope.abs() } else { 0.0 }
+    }
 }
 
 /// A variance curve as points (ln N, ln Var, relative error).
@@ -69,50 +172,70 @@ impl Curve {
         Self(self.0.iter().map(|&(x, y, e)| (x, y + e * normal(), e)).collect())
     }
 
-    /// The ordinate at `x`, which lies within the curve.
+    /// The index of the point at the right end of the piece with `x`, which lies within the curve.
+    fn piece(&self, x: f64) -> usize {
+        self.0.partition_point(|p| p.0 < x).clamp(1, self.0.len() - 1)
+    }
+
+    /// The ordinate at `x`.
     fn at(&self, x: f64) -> f64 {
-        let i = self.0.partition_point(|p| p.0 < x).clamp(1, self.0.len() - 1);
+        let i = self.piece(x);
         let ((x0, y0, _), (x1, y1, _)) = (self.0[i - 1], self.0[i]);
         y0 + (y1 - y0) * (x - x0) / (x1 - x0)
     }
+
+    /// The standard error of the ordinate at `x`.
+    fn error_at(&self, x: f64) -> f64 {
+        let i = self.piece(x);
+        let ((x0, _, e0), (x1, _, e1)) = (self.0[i - 1], self.0[i]);
+        let share = (x - x0) / (x1 - x0);
+        ((1.0 - share) * e0).hypot(share * e1)
+    }
+
+    /// The departure from the line at `x` of the parabolas through its ends and a further point, the larger one.
+    /// What the errors of the points explain is no bend.
+    fn bend_at(&self, x: f64) -> f64 {
+        let i = self.piece(x);
+        let ((x0, y0, e0), (x1, y1, e1)) = (self.0[i - 1], self.0[i]);
+        let chord = (y1 - y0) / (x1 - x0);
+        let further = [i.checked_sub(2), Some(i + 1)].into_iter().flatten();
+        let bends = further.filter_map(|k| self.0.get(k)).map(|&(x2, y2, e2)| {
+            let off = y2 - y0 - chord * (x2 - x0);
+            let allowed = 2.0 * e2.hypot(e0).hypot(e1);
+            let second = (off.abs() - allowed).max(0.0) / ((x2 - x0) * (x2 - x1));
+            second * (x1 - x0) * (x1 - x0) / 4.0
+        });
+        bends.fold(0.0, f64::max)
+    }
 }
 
-/// The abscissa of the last crossing, and whether `a` is the lower curve beyond it.
-fn last_crossing(a: &Curve, b: &Curve) -> Option<(f64, bool)> {
-    if a.0.len() < 2 || b.0.len() < 2 {
-        return None;
-    }
-    let from = a.0[0].0.max(b.0[0].0);
-    let to = a.0[a.0.len() - 1].0.min(b.0[b.0.len() - 1].0);
-    let mut knots: Vec<f64> =
-        a.0.iter().chain(&b.0).map(|p| p.0).filter(|x| (from..=to).contains(x)).collect();
-    knots.sort_by(f64::total_cmp);
-    knots.dedup();
-    // From the right, the last two knots at which the curves differ, in opposite ways; where they meet
-    // exactly at knots between these, the last such knot is the crossing.
-    let mut beyond: Option<(f64, f64)> = None;
+/// The abscissas of all crossings between knots, in order, and whether `a` is the lower curve beyond them.
+///
+/// Where the curves meet exactly at knots between two at which they differ in opposite ways, the last such knot
+/// is the crossing.
+fn crossings(a: &Curve, b: &Curve, knots: &[f64]) -> Vec<(f64, bool)> {
+    let mut found = Vec::new();
+    let mut before: Option<(f64, f64)> = None;
     let mut touch = None;
-    for &x in knots.iter().rev() {
+    for &x in knots {
         let d = a.at(x) - b.at(x);
-        match beyond {
-            _ if d == 0.0 => touch = touch.or(beyond.map(|_| x)),
-            Some((x1, d1)) if d * d1 < 0.0 => {
-                return Some((touch.unwrap_or(x + (x1 - x) * d / (d - d1)), d1 < 0.0));
+        match before {
+            _ if d == 0.0 => touch = Some(x),
+            Some((x0, d0)) if d * d0 < 0.0 => {
+                found.push((touch.unwrap_or(x0 + (x - x0) * d0 / (d0 - d)), d < 0.0));
+                (before, touch) = (Some((x, d)), None);
             }
-            _ => {
-                beyond = Some((x, d));
-                touch = None;
-            }
+            _ => (before, touch) = (Some((x, d)), None),
         }
     }
-    None
+    found
 }
 
 #[cfg(test)]
 mod tests {
     use sphvar_samplers::{Purpose, Streams};
 
-    use super::{VariancePoint, crossover};
+    use super::{VariancePoint, crossover, crossovers};
 
     fn law(ns: &[f64], c: f64, slope: f64, relative: f64) -> Vec<VariancePoint> {
         let point = |&n: &f64| {
@@ -172,5 +295,71 @@ mod tests {
         let b = law(&[12.0, 48.0], 2.0, -1.0, 0.0);
         assert!(crossover(&a, &b, Streams::new(0, Purpose::Resample, 0)).is_none());
         assert!(crossover(&a, &b[..1], Streams::new(0, Purpose::Resample, 0)).is_none());
+    }
+
+    /// Curves that run together, or apart at one end only, are rarely said to cross; curves that cross at N = 170 with
+    /// errors of 4.5 % are, and by their middle crossing the values lie on both sides of it.
+    #[test]
+    fn noise_does_not_cross_and_crossings_are_in_the_middle() {
+        const SEEDS: u64 = 400;
+        let ns = [48.0, 108.0, 192.0, 432.0, 768.0, 1728.0, 3072.0];
+        let shaken = |law: &dyn Fn(f64) -> f64, seed: u64| -> Vec<VariancePoint> {
+            use rand_distr::{Distribution, StandardNormal};
+            let mut rng = Streams::new(seed, Purpose::Trial, 0).realization(0);
+            let point = |&n: &f64| {
+                let normal: f64 = StandardNormal.sample(&mut rng);
+                let variance = law(n) * (0.045 * normal).exp();
+                VariancePoint { n_points: n, variance, stderr: 0.045 * variance }
+            };
+            ns.iter().map(point).collect()
+        };
+        let found = |a: &dyn Fn(f64) -> f64, b: &dyn Fn(f64) -> f64| {
+            let of = |seed: u64| {
+                let (a, b) = (shaken(a, 2 * seed), shaken(b, 2 * seed + 1));
+                crossovers(&a, &b, Streams::new(seed, Purpose::Resample, 0))
+            };
+            (0..SEEDS).map(of).collect::<Vec<_>>()
+        };
+        let white = |n: f64| 1.0 / n;
+        // Stated: 1 %. Five standard errors of that: 2.5 %.
+        let apart = |n: f64| (1.0 + 0.002 * n) / n;
+        for law in [&white as &dyn Fn(f64) -> f64, &apart] {
+            let alarms = found(&white, law).iter().filter(|c| !c.is_empty()).count();
+            assert!(alarms as f64 <= 0.035 * SEEDS as f64, "{alarms}");
+        }
+        let jitter = |n: f64| 170f64.sqrt() * n.powf(-1.5);
+        let crossing: Vec<_> = found(&jitter, &white).into_iter().flatten().collect();
+        assert!(crossing.len() as f64 > 0.99 * SEEDS as f64, "{}", crossing.len());
+        let above = crossing.iter().filter(|c| c.n_points > 170.0).count();
+        // Half of them: five standard errors are an eighth.
+        let half = 0.5 * crossing.len() as f64;
+        assert!((above as f64 - half).abs() < 50.0, "{above} of {}", crossing.len());
+        let held = crossing.iter().filter(|c| c.interval.0 <= 170.0 && 170.0 <= c.interval.1);
+        assert!(held.count() as f64 > 0.9 * crossing.len() as f64);
+    }
+
+    #[test]
+    fn every_crossing_is_told_and_has_a_width() {
+        let curve = |f: &dyn Fn(f64) -> f64| -> Vec<VariancePoint> {
+            (0..8)
+                .map(|i| 10.0 * 2f64.powi(i))
+                .map(|n| VariancePoint { n_points: n, variance: f(n), stderr: 0.0 })
+                .collect()
+        };
+        let wave = curve(&|n: f64| (1.0 + 0.3 * (1.5 * n.ln()).sin()) / n);
+        let white = curve(&|n: f64| 1.0 / n);
+        let got = crossovers(&wave, &white, Streams::new(0, Purpose::Resample, 0));
+        // 1.5 ln N = k pi between 10 and 1280.
+        let exact = [65.97, 535.7].map(f64::from);
+        let near =
+            got.iter().filter(|c| exact.iter().any(|x| c.interval.0 <= *x && *x <= c.interval.1));
+        assert!(near.count() >= 2, "{got:?}");
+        for c in &got {
+            assert!(
+                c.interval.1 - c.interval.0 >= 1.0 && c.bracket.1 >= c.bracket.0 + 1.0,
+                "{c:?}"
+            );
+            assert!(c.interval.0 <= c.n_points && c.n_points <= c.interval.1, "{c:?}");
+        }
     }
 }

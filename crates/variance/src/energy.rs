@@ -15,6 +15,7 @@ pub struct Energy {
     domain: Domain,
     per_degree: Vec<f64>,
     centred: ByParity,
+    kurtosis: Option<f64>,
 }
 
 impl Energy {
@@ -31,7 +32,20 @@ impl Energy {
     #[must_use]
     pub fn new(domain: Domain, per_degree: Vec<f64>, centred: ByParity) -> Self {
         assert!(!per_degree.is_empty(), "the energy of degree 0 is always there");
-        Self { domain, per_degree, centred }
+        Self { domain, per_degree, centred, kurtosis: None }
+    }
+
+    /// With the kurtosis of the integrand's values ([`Integrand::kurtosis`](crate::Integrand::kurtosis)), by
+    /// which measured variances are judged.
+    #[must_use]
+    pub fn with_kurtosis(self, kurtosis: Option<f64>) -> Self {
+        Self { kurtosis, ..self }
+    }
+
+    /// The kurtosis of the integrand's values, if it has been stated.
+    #[must_use]
+    pub fn kurtosis(&self) -> Option<f64> {
+        self.kurtosis
     }
 
     /// The domain of the integrand.

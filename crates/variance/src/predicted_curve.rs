@@ -1,6 +1,6 @@
 use sphvar_samplers::Pattern;
 
-use crate::{Error, PredictedPoint, Predictor, RateFit, VariancePoint, fit_rate};
+use crate::{Error, PredictedPoint, Predictor, RateFit, VariancePoint, fit_exact_rate};
 
 /// The predicted variance of one pattern against its number of points.
 #[derive(Clone, Debug, PartialEq)]
@@ -79,7 +79,7 @@ impl PredictedCurve {
     pub(crate) fn rate_within(&self, low: f64, high: f64) -> Option<RateFit> {
         let within = |p: &VariancePoint| (low..=high).contains(&p.n_points);
         let points = self.variance_points().into_iter().filter(within);
-        fit_rate(&points.map(|p| VariancePoint { stderr: 0.0, ..p }).collect::<Vec<_>>())
+        fit_exact_rate(&points.collect::<Vec<_>>())
     }
 
     /// The variance at a number of points within the curve, by a line in log N and log Var between the

@@ -26,33 +26,82 @@ pub struct RateFit {
     /// By how much the local exponent changes from the smallest to the largest N, from a parabola in log
     /// N and log Var; NaN of fewer than three points, or four without errors.
     pub slope_change: f64,
-    /// The probability of a change at least as large where the law is a power law.
+    /// The probability of a change at least as large where the law is a power law; NaN of exact variances.
     pub slope_change_p: f64,
+    is_bent: bool,
 }
 
 impl RateFit {
     /// The false-alarm rate of [`Self::is_pre_asymptotic`].
     pub const FALSE_ALARM: f64 = 0.001;
 
-    /// Whether the variances bend so much that the exponent is not the asymptotic one yet: the parabola's term is
-    /// significant at 0.1 %, so that of a thousand power laws one is called bent: tables have many of them.
+    /// Whether the variances bend so much that the exponent is not the asymptotic one yet.
+    ///
+    /// Of [`fit_rate`]: the parabola's term is significant at 0.1 %, so that of a thousand power laws one is called bent:
+    /// tables have many of them. Of [`fit_exact_rate`] by its own criterion.
     #[must_use]
     pub fn is_pre_asymptotic(&self) -> bool {
-        self.slope_change_p < Self::FALSE_ALARM
+        self.is_bent
     }
+}
+
+/// The power law through predicted variances, whose errors are small beside what the curve departs from a power law:
+/// all points weigh the same, and the interval is Student's by the scatter about the line.
+///
+/// The rate is called pre-asymptotic if the parabola through the points changes its slope from the smallest to the
+/// largest N by at least 0.1, by 3.3 times what the errors of the points allow (0.1 % by chance) and, where there are
+/// more than three points, by three times what their scatter about the parabola allows: the curves of
+/// lattices scatter without bending.
+///
+/// `None` as [`fit_rate`].
+#[must_use]
+pub fn fit_exact_rate(points: &[VariancePoint]) -> Option<RateFit> {
+    let alike: Vec<_> = points.iter().map(|p| VariancePoint { stderr: 0.0, ..*p }).collect();
+    let fit = fit_rate(&alike)?;
+    let rows: Vec<(f64, f64, f64)> =
+        usable(points).iter().map(|p| (p.n_points.ln(), p.variance.ln(), 1.0)).collect();
+    let errors = usable(points).iter().map(|p| p.stderr / p.variance).collect::<Vec<_>>();
+    let is_bent = Bend::new(&rows).is_some_and(|bend| {
+        let change = bend.slope_change().abs();
+        let by_errors = bend.stderr_by(&errors);
+        let by_scatter = if bend.dof >= 1.0 { bend.stderr_by_scatter() } else { 0.0 };
+        // A NaN is no error that allows a verdict.
+        change >= MIN_CHANGE && change >= 3.3 * by_errors && change >= 3.0 * by_scatter
+    });
+    Some(RateFit { is_bent, slope_change_p: f64::NAN, ..fit })
+}
+
+/// The change of the exponent that is worth a word.
+const MIN_CHANGE: f64 = 0.1;
+
+/// The points that a power law can go through.
+fn usable(points: &[VariancePoint]) -> Vec<&VariancePoint> {
+    let is_usable = |p: &&VariancePoint| {
+        p.variance > 0.0 && p.variance.is_finite() && p.stderr != f64::INFINITY
+    };
+    points.iter().filter(is_usable).collect()
 }
 
 /// The power law through `points` by least squares in log N and log Var, or `None` of fewer than
 /// two usable points at different N.
 ///
-/// Points are weighted by their relative errors; points of variance 0 are left out. If some error
+/// Points are weighted by their relative errors, which should not depend on what noise did to the variances; points of
+/// variance 0 and those of infinite error are left out. If some error
 /// is 0 or unknown, all points weigh the same and the interval comes from their scatter alone. With
 /// scatter beyond the errors, as where the law is not a power yet, the interval is widened by it
 /// (Student's t at the degrees of freedom of the fit).
 #[must_use]
 pub fn fit_rate(points: &[VariancePoint]) -> Option<RateFit> {
-    let usable: Vec<_> =
-        points.iter().filter(|p| p.variance > 0.0 && p.variance.is_finite()).collect();
+    fit_rate_of_few(points, f64::INFINITY)
+}
+
+/// [`fit_rate`] of variances whose standard errors were estimated with `dof` degrees of freedom each, as from
+/// `dof + 1` pictures: Student's quantiles take the place of normal ones, with the degrees of freedom of all points
+/// together.
+#[must_use]
+pub fn fit_rate_of_few(points: &[VariancePoint], dof: f64) -> Option<RateFit> {
+    let usable = usable(points);
+    let known_dof = dof * usable.len() as f64;
     let weighted = usable.iter().all(|p| p.stderr > 0.0 && p.stderr.is_finite());
     let rows: Vec<(f64, f64, f64)> = usable
         .iter()
@@ -80,14 +129,14 @@ pub fn fit_rate(points: &[VariancePoint]) -> Option<RateFit> {
         (false, true) => chi2_per_dof,
         (false, false) => f64::INFINITY,
     };
-    // Known errors have a normal quantile, errors from the scatter that of their few degrees of
-    // freedom.
+    // Errors from the scatter have few degrees of freedom.
+    let dof = if scale > 1.0 || !weighted { dof } else { known_dof };
     let quantile = match StudentsT::new(0.0, 1.0, dof) {
-        Ok(t) if scale > 1.0 || !weighted => t.inverse_cdf(0.975),
+        Ok(t) if dof.is_finite() => t.inverse_cdf(0.975),
         _ => 1.959_963_984_540_054,
     };
     let half = quantile * (scale * variance_of_slope).sqrt();
-    let (slope_change, slope_change_p) = bend(&rows, weighted);
+    let (slope_change, slope_change_p) = bend(&rows, weighted.then_some(known_dof));
     Some(RateFit {
         slope,
         interval: (slope - half, slope + half),
@@ -95,53 +144,100 @@ pub fn fit_rate(points: &[VariancePoint]) -> Option<RateFit> {
         chi2_per_dof: if weighted { chi2_per_dof } else { f64::NAN },
         slope_change,
         slope_change_p,
+        is_bent: slope_change_p < RateFit::FALSE_ALARM,
     })
 }
 
+/// The parabola through rows (x, y, weight), whose last term is `c q(x)` with q orthogonal to 1 and x under the
+/// weights: `c = <y q>/<q q>` has the variance `1/<q q>` whatever the other two terms are.
+struct Bend {
+    c: f64,
+    /// `q` at the rows and its weighted square norm.
+    q: Vec<f64>,
+    norm: f64,
+    /// Residuals from the parabola and weights.
+    residuals: Vec<(f64, f64)>,
+    span: f64,
+    dof: f64,
+}
+
+impl Bend {
+    /// `None` of fewer than three rows or three different x.
+    fn new(rows: &[(f64, f64, f64)]) -> Option<Self> {
+        let dof = rows.len() as f64 - 3.0;
+        if dof < 0.0 {
+            return None;
+        }
+        let total: f64 = rows.iter().map(|r| r.2).sum();
+        let sum = |f: &dyn Fn(f64, f64) -> f64| rows.iter().map(|r| r.2 * f(r.0, r.1)).sum::<f64>();
+        let (x0, y0) = (sum(&|x, _| x) / total, sum(&|_, y| y) / total);
+        let moment = |k: i32| sum(&|x, _| (x - x0).powi(k));
+        let (second, slope) = (moment(2), sum(&|x, y| (x - x0) * (y - y0)) / moment(2));
+        let skew = moment(3) / second;
+        let q = |x: f64| (x - x0) * (x - x0) - skew * (x - x0) - second / total;
+        let norm = sum(&|x, _| q(x) * q(x));
+        // With all points at two different N there is no parabola.
+        if norm.is_nan() || norm <= 1e-12 * moment(4) {
+            return None;
+        }
+        let line = |x: f64, y: f64| y - y0 - slope * (x - x0);
+        let c = sum(&|x, y| q(x) * line(x, y)) / norm;
+        // Logarithms round by some EPSILON of 10: what is below that is a straight line.
+        let c = if c.abs() * (norm / total).sqrt() <= 1e-13 { 0.0 } else { c };
+        let ends = |f: fn(f64, f64) -> f64, from| rows.iter().map(|r| r.0).fold(from, f);
+        Some(Self {
+            c,
+            q: rows.iter().map(|r| q(r.0)).collect(),
+            norm,
+            residuals: rows.iter().map(|r| (line(r.0, r.1) - c * q(r.0), r.2)).collect(),
+            span: ends(f64::max, f64::NEG_INFINITY) - ends(f64::min, f64::INFINITY),
+            dof,
+        })
+    }
+
+    /// The change of slope from the first to the last x.
+    fn slope_change(&self) -> f64 {
+        2.0 * self.c * self.span
+    }
+
+    /// The standard error of the change by errors of y, with weights of 1.
+    fn stderr_by(&self, errors: &[f64]) -> f64 {
+        let sum: f64 = self.q.iter().zip(errors).map(|(q, e)| (q * e).powi(2)).sum();
+        2.0 * self.span * sum.sqrt() / self.norm
+    }
+
+    /// The standard error of the change by the scatter about the parabola.
+    fn stderr_by_scatter(&self) -> f64 {
+        let square: f64 = self.residuals.iter().map(|(r, w)| w * r * r).sum::<f64>() / self.dof;
+        2.0 * self.span * (square / self.norm).sqrt()
+    }
+}
+
 /// The change of slope of the parabola through rows (x, y, weight) from the first to the last x, and the
-/// probability of one as large by chance: normal where weights are known errors, else Student's t with
-/// the scatter about the parabola.
-///
-/// The parabola's last term is `c q(x)` with q orthogonal to 1 and x under the weights, so
-/// `c = <y q>/<q q>` has variance `1/<q q>` whatever the other two terms are.
-fn bend(rows: &[(f64, f64, f64)], weighted: bool) -> (f64, f64) {
-    let dof = rows.len() as f64 - 3.0;
-    if dof < 0.0 || (!weighted && dof < 1.0) {
+/// probability of one as large by chance: with weights from errors of `known_dof` degrees of freedom together normal
+/// or Student's, else Student's t with the scatter about the parabola.
+fn bend(rows: &[(f64, f64, f64)], known_dof: Option<f64>) -> (f64, f64) {
+    let Some(bend) = Bend::new(rows).filter(|b| known_dof.is_some() || b.dof >= 1.0) else {
         return (f64::NAN, f64::NAN);
-    }
-    let total: f64 = rows.iter().map(|r| r.2).sum();
-    let sum = |f: &dyn Fn(f64, f64) -> f64| rows.iter().map(|r| r.2 * f(r.0, r.1)).sum::<f64>();
-    let (x0, y0) = (sum(&|x, _| x) / total, sum(&|_, y| y) / total);
-    let moment = |k: i32| sum(&|x, _| (x - x0).powi(k));
-    let (second, slope) = (moment(2), sum(&|x, y| (x - x0) * (y - y0)) / moment(2));
-    let skew = moment(3) / second;
-    let q = |x: f64| (x - x0) * (x - x0) - skew * (x - x0) - second / total;
-    let norm = sum(&|x, _| q(x) * q(x));
-    // With all points at two different N there is no parabola.
-    if norm <= 1e-12 * moment(4) {
-        return (f64::NAN, f64::NAN);
-    }
-    let line = |x: f64, y: f64| y - y0 - slope * (x - x0);
-    let c = sum(&|x, y| q(x) * line(x, y)) / norm;
-    let ends = |f: fn(f64, f64) -> f64, from| rows.iter().map(|r| r.0).fold(from, f);
-    let span = ends(f64::max, f64::NEG_INFINITY) - ends(f64::min, f64::INFINITY);
-    // Logarithms round by some EPSILON of 10: what is below that is a straight line.
-    if c.abs() * (norm / total).sqrt() <= 1e-13 {
-        return (2.0 * c * span, 1.0);
-    }
-    let z = c.abs() * norm.sqrt();
-    let p = if weighted {
-        2.0 * Normal::standard().sf(z)
-    } else {
-        let scatter = sum(&|x, y| (line(x, y) - c * q(x)).powi(2)) / dof;
-        StudentsT::new(0.0, 1.0, dof).map_or(f64::NAN, |t| 2.0 * t.sf(z / scatter.sqrt()))
     };
-    (2.0 * c * span, p)
+    let change = bend.slope_change();
+    if bend.c == 0.0 {
+        return (change, 1.0);
+    }
+    let student = |t: f64, dof: f64| match StudentsT::new(0.0, 1.0, dof) {
+        Ok(law) if dof.is_finite() => 2.0 * law.sf(t),
+        _ => 2.0 * Normal::standard().sf(t),
+    };
+    let p = match known_dof {
+        Some(dof) => student(bend.c.abs() * bend.norm.sqrt(), dof),
+        None => student(change.abs() / bend.stderr_by_scatter(), bend.dof),
+    };
+    (change, p)
 }
 
 #[cfg(test)]
 mod tests {
-    use super::{VariancePoint, fit_rate};
+    use super::{VariancePoint, fit_exact_rate, fit_rate, fit_rate_of_few};
 
     fn law(slope: f64, stderr: f64) -> Vec<VariancePoint> {
         [12.0f64, 48.0, 192.0, 768.0]
@@ -204,5 +300,39 @@ mod tests {
         assert!(fit_rate(&[points[0], points[0]]).is_none());
         let zero = VariancePoint { variance: 0.0, ..points[1] };
         assert!(fit_rate(&[points[0], zero]).is_none());
+    }
+
+    /// Student's quantile with 4 points of 7 degrees of freedom each is 2.0484 (tables).
+    #[test]
+    fn errors_from_few_have_students_quantile() {
+        let points = law(-1.0, 0.01);
+        let half = |fit: super::RateFit| 0.5 * (fit.interval.1 - fit.interval.0);
+        let ratio = half(fit_rate_of_few(&points, 7.0).unwrap()) / half(fit_rate(&points).unwrap());
+        assert!((ratio - 2.048_407 / 1.959_964).abs() < 1e-5, "{ratio}");
+        let mut unusable = points.clone();
+        unusable[0].stderr = f64::INFINITY;
+        assert_eq!(fit_rate(&unusable), fit_rate(&points[1..]));
+    }
+
+    /// Jitter in degree 4 by disks of the area of a stratum, `1 - (2 J1(x)/x)^2` with `x = 8/sqrt N`: the exponent goes from
+    /// -1.7 to -2. White noise is straight, and a lattice that scatters by 10 % about a power law is not bent.
+    #[test]
+    fn exact_curves_show_their_bend() {
+        let curve = |powers: &[f64]| -> Vec<VariancePoint> {
+            let ns = [12.0, 48.0, 192.0, 768.0];
+            let point =
+                |(n, p): (&f64, &f64)| VariancePoint { n_points: *n, variance: p / n, stderr: 0.0 };
+            ns.iter().zip(powers).map(point).collect()
+        };
+        let bent = |powers: &[f64]| fit_exact_rate(&curve(powers)).unwrap().is_pre_asymptotic();
+        let jitter = [0.781, 0.290, 0.0815, 0.0207];
+        assert!(bent(&jitter));
+        assert!(!bent(&[1.0; 4]) && !bent(&[0.9, 1.1, 0.95, 1.05]) && !bent(&[1.1, 0.9, 0.9, 1.1]));
+        // With errors of 30 % nobody knows.
+        let vague: Vec<_> = curve(&jitter)
+            .into_iter()
+            .map(|p| VariancePoint { stderr: 0.3 * p.variance, ..p })
+            .collect();
+        assert!(!fit_exact_rate(&vague).unwrap().is_pre_asymptotic());
     }
 }

@@ -12,7 +12,7 @@ pub struct Precision {
 }
 
 /// Measures a variance until it is precise: `start` trials (at least 4), then twice as many in all and twice
-/// again, until [`Measurement::relative_stderr`] is at most `target.relative` or the trials are
+/// again, until the relative error ([`Measurement::relative_error`]) is at most `target.relative` or the trials are
 /// `target.most`.
 ///
 /// Trials are those of [`measure`](crate::measure), so a run that stops at n trials is `measure` with n. Looking only
@@ -40,8 +40,8 @@ pub fn measure_until(
         measurement.extend(estimates(ensemble, integrand, from..total, done)?);
         // A precision that is not a number is never reached.
         // Equal estimates have no error, but may be those of an integrand that no trial saw.
-        let precise =
-            measurement.variance() > 0.0 && measurement.relative_stderr() <= target.relative;
+        let precise = measurement.variance() > 0.0
+            && measurement.relative_error().relative() <= target.relative;
         if precise || total >= most {
             return Ok(measurement);
         }

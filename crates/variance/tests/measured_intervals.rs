@@ -1,9 +1,16 @@
 //! Coverage of intervals and false alarms of warnings, by simulated estimates and variances.
 
-use rand::Rng;
+use std::f64::consts::PI;
+
+use glam::DVec3;
+use proptest::prelude::{Just, any, prop_assert, prop_oneof, proptest};
+use rand::{Rng, RngExt};
 use rand_distr::{Distribution, Exp1, StandardNormal, StudentT};
-use sphvar_samplers::{Purpose, Streams};
-use sphvar_variance::{Measurement, RateFit, VariancePoint, fit_rate};
+use sphvar_samplers::{Pattern, Purpose, Streams};
+use sphvar_variance::{
+    Cap, Circle, Comparison, Domain, Effort, Integrand, Measurement, Method, RateFit,
+    SampledFunction, Shape, Spectrum, VariancePoint, compare, fit_rate,
+};
 
 const SEED: u64 = 3;
 /// Standard errors of a share that a check allows: passed by chance in 6e-7 of seeds.
@@ -16,8 +23,9 @@ fn coverage(trials: usize, reps: u64, variance: f64, law: impl Fn(&mut dyn Rng) 
     let held = (0..reps).filter(|&i| {
         let mut rng = streams.realization(i);
         let measured = Measurement::new((0..trials).map(|_| law(&mut rng)).collect());
-        let (low, high) = measured.variance_interval(0.95);
-        low <= variance && variance <= high
+        measured
+            .variance_interval(0.95)
+            .is_some_and(|(low, high)| low <= variance && variance <= high)
     });
     held.count() as f64 / reps as f64
 }
@@ -50,6 +58,185 @@ fn intervals_of_variances_cover_what_they_say() {
         within("exponential", coverage(trials, REPS, 1.0, |rng| Exp1.sample(rng)), heavy, 0.95);
         within("Student", coverage(trials, REPS, 5.0 / 3.0, |rng| t5.sample(rng)), heavy, 0.95);
     }
+}
+
+/// The sample of a hostile distribution.
+fn hostile(kind: u8, rng: &mut dyn Rng) -> f64 {
+    let x = normal(rng);
+    match kind {
+        // Two values, one in a hundred, few values with ties.
+        0 => f64::from(u8::from(x > 0.0)),
+        1 => f64::from(u8::from(x > 2.326)),
+        2 => x.round(),
+        // Tails: no variance, no mean, lobes of which most is far below the peak.
+        3 => 1.0 / x,
+        4 => (5.0 * x).exp(),
+        5 => (-50.0 * x.abs()).exp(),
+        // A spike on an offset, and what is nearly constant.
+        6 => 1e8 + f64::from(u8::from(x > 3.0)),
+        _ => 1.0 + 1e-15 * x,
+    }
+}
+
+proptest! {
+    /// Whatever the estimates are, an interval is finite and holds the measured variance; a scale of the estimates
+    /// that keeps it in range does not matter.
+    #[test]
+    fn intervals_hold_their_value(
+        kind in 0_u8..8,
+        log_trials in 1.4_f64..9.2,
+        exponent in prop_oneof![Just(0), Just(-140), Just(140)],
+        confidence in prop_oneof![Just(0.05), Just(0.95), Just(0.999_999)],
+        outlier in any::<bool>(),
+        seed in any::<u64>(),
+    ) {
+        let mut rng = Streams::new(seed, Purpose::Resample, 0).realization(0);
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "4 to 10^4")]
+        let trials = log_trials.exp() as usize;
+        let scale = 10f64.powi(exponent);
+        let mut estimates: Vec<f64> = (0..trials).map(|_| scale * hostile(kind, &mut rng)).collect();
+        if outlier {
+            estimates[0] = 1e6 * scale;
+        }
+        let measured = Measurement::new(estimates);
+        let variance = measured.variance();
+        if let Some((low, high)) = measured.variance_interval(confidence) {
+            prop_assert!(low >= 0.0 && low <= variance && variance <= high, "{low} {variance} {high}");
+            prop_assert!(high.is_finite() && high > 0.0, "{low} {variance} {high}");
+            prop_assert!(measured.relative_error().is_known());
+        }
+    }
+}
+
+/// Of lobes of which only the peak counts, with any share of trials that see it, at most 7 % of intervals miss the truth
+/// over all trials, also of those with no interval, and of 50 peaks or more there is one in 95 %. The lobe is `e^-u` for u uniform
+/// on (0, range): variance `1/(2 range) - 1/range^2`, and `1000/range` trials of 1000 within `u < 1`.
+#[test]
+fn intervals_of_rare_peaks_hold_the_truth_or_are_absent() {
+    const REPS: u64 = 400;
+    for (case, peaks) in [0.05, 0.3, 1.0, 3.0, 10.0, 60.0].into_iter().enumerate() {
+        let range: f64 = 1000.0 / peaks;
+        let variance = 0.5 / range - range.powi(-2);
+        let (mut missed, mut absent) = (0, 0);
+        for i in 0..REPS {
+            let mut rng = Streams::new(SEED, Purpose::Trial, case).realization(i);
+            let lobe = |u: f64| (-range * u).exp();
+            let estimates = (0..1000).map(|_| lobe(rng.random::<f64>())).collect();
+            match Measurement::new(estimates).variance_interval(0.95) {
+                None => absent += 1,
+                Some((low, high)) => missed += i32::from(!(low <= variance && variance <= high)),
+            }
+        }
+        // Five standard errors of 5 % are 5.4 %.
+        assert!(f64::from(missed) <= 0.07 * REPS as f64, "{peaks}: {missed} of {REPS} miss");
+        assert!(peaks < 50.0 || absent == 0, "{peaks}: {absent} of {REPS} absent");
+        assert!(peaks > 0.1 || f64::from(absent) > 0.95 * REPS as f64, "{peaks}: {absent}");
+    }
+}
+
+/// A cap of the sun's size by white noise and by lattices: too few trials see it for an interval, a score or a verdict, however
+/// wide the gap to the prediction is; of the complement, a cap of 179 degrees, likewise. Where all trials agree there
+/// is an upper limit, never (0, 0).
+#[test]
+fn unseen_caps_have_a_limit_and_no_verdict() {
+    for (degrees, n, trials) in [(0.27, 100, 1000), (179.0, 2, 2000), (179.9, 10, 100)] {
+        for pattern in [Pattern::WhiteNoise, Pattern::Fibonacci] {
+            let cap = Cap::from_degrees(degrees).unwrap();
+            let (p, q) = (
+                0.5 * (1.0 - degrees.to_radians().cos()),
+                (0.5 * degrees.to_radians()).cos().powi(2),
+            );
+            // Below half a point the points keep apart and the counts are nearly Poisson.
+            let truth = (4.0 * PI).powi(2) * p * q / n as f64;
+            let (mut missed, mut agreed) = (0, 0);
+            for seed in 0..40 {
+                let got = comparison(&pattern, n, &cap, trials, seed);
+                let measured = got.measurement.variance();
+                match got.measured_interval(0.95) {
+                    None => assert!(got.sees_too_little(), "{degrees} {pattern} {seed}"),
+                    Some((low, high)) => {
+                        assert!(low <= measured && measured <= high && high > 0.0);
+                        missed += i32::from(!(low <= truth && truth <= high));
+                    }
+                }
+                agreed += i32::from(measured == 0.0);
+                if measured == 0.0 {
+                    assert!(
+                        got.sees_too_little() && got.z_score().is_nan() && got.bias().is_none()
+                    );
+                    assert!(got.ratio().0.is_nan() && got.measured_point().stderr.is_infinite());
+                }
+            }
+            // 5 % of 40 are 2; 8 are beyond four standard errors.
+            assert!(missed <= 8, "{degrees} {pattern}: {missed}");
+            assert!(agreed > 5, "{degrees} {pattern}: {agreed} agree");
+        }
+    }
+}
+
+/// White noise in a probe whose variance is in one texel in 1e5: the sample looks well behaved, the moments of the
+/// integrand say that it is not.
+#[test]
+fn moments_tell_of_what_no_trial_sees() {
+    let spike = |d: DVec3| 2.0 + d.z + if d.z > 1.0 - 2e-5 { 1e5 } else { 0.0 };
+    let edge = Circle { axis: DVec3::Z, angle: (1.0f64 - 2e-5).acos() };
+    let probe =
+        SampledFunction::with_shape(spike, Shape::smooth(1).zonal(DVec3::Z).with_edge(edge));
+    // p = 1e-5 of the sphere: kurtosis 1/p.
+    let kurtosis = probe.kurtosis(Domain::Sphere).unwrap();
+    assert!((kurtosis * 1e-5 - 1.0).abs() < 1e-3, "{kurtosis}");
+    for pattern in [Pattern::WhiteNoise, Pattern::Fibonacci] {
+        let got = comparison(&pattern, 48, &probe, 20, 1);
+        assert!(got.sees_too_little() && got.z_score().is_nan() && got.bias().is_none());
+        assert!(got.measured_interval(0.95).is_none() && got.is_prediction_more_precise());
+        // The sample alone shows nothing of it.
+        assert!(got.measurement.variance_interval(0.95).is_some(), "{pattern}");
+    }
+}
+
+/// Scores of white noise with known moments: mean 0, variance 1, whatever the kurtosis; 400 seeds.
+#[test]
+fn scores_with_known_moments_are_standard() {
+    const SEEDS: u64 = 400;
+    for (degrees, n) in [(60.0, 1), (10.0, 4), (3.0, 48)] {
+        let cap = Cap::from_degrees(degrees).unwrap();
+        let scores: Vec<f64> = (0..SEEDS)
+            .map(|seed| comparison(&Pattern::WhiteNoise, n, &cap, 400, seed))
+            .map(|c| c.z_score())
+            .filter(|z| z.is_finite())
+            .collect();
+        let count = scores.len() as f64;
+        assert!(count > 0.95 * SEEDS as f64, "{degrees}: {count}");
+        let mean = scores.iter().sum::<f64>() / count;
+        let square = scores.iter().map(|z| z * z).sum::<f64>() / count;
+        // Five standard errors of a mean, and of a mean square of kurtosis up to 6.
+        assert!(mean.abs() < 5.0 / count.sqrt(), "{degrees}: mean {mean}");
+        assert!((square - 1.0).abs() < 5.0 * (5.0 / count).sqrt(), "{degrees}: square {square}");
+    }
+}
+
+fn comparison(
+    pattern: &Pattern,
+    n: usize,
+    integrand: &dyn Integrand,
+    trials: u64,
+    seed: u64,
+) -> Comparison {
+    let sampler = pattern.build(n, Domain::Sphere).unwrap();
+    let energy = integrand.energy(Domain::Sphere, 8).unwrap();
+    let spectrum = Some(Spectrum::exact(Domain::Sphere, n, vec![1.0; 9]));
+    let effort = Effort {
+        seed,
+        group: 0,
+        lmax: 8,
+        method: Method::Auto,
+        epsilon: 1e-12,
+        realizations: 0,
+        trials,
+        until: None,
+        seconds_per_set: 0.0,
+    };
+    compare(&*sampler, integrand, &energy, effort, spectrum, &|_| ()).unwrap()
 }
 
 /// Power laws with errors of 2 %, known or taken from the scatter, are significantly bent as often as the level

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use serde::Serialize;
 use sphvar_samplers::Pattern;
-use sphvar_variance::{Energy, RateFit, VariancePoint, fit_rate};
+use sphvar_variance::{Comparison, Energy, RateFit, VariancePoint, fit_exact_rate, fit_rate};
 
 use super::crossovers::{CrossoverRecord, crossovers};
 use super::power_chart::{power_chart, power_series};
@@ -54,22 +54,29 @@ pub(crate) struct CompareArgs {
 #[derive(Debug, Serialize)]
 struct Summary {
     sampler: String,
-    /// Exponent of the measured variance and its 95 % interval.
+    /// Where rate and gain come from, the more precise one at every N: `predicted`, `measured` or `both`.
+    basis: &'static str,
+    /// Exponent of the variance and its 95 % interval.
     rate: Option<f64>,
     rate_interval: Option<(f64, f64)>,
     /// By how much the exponent changes from the smallest to the largest number of points, and the
-    /// probability of as much where the law is a power.
+    /// probability of as much where the law is a power, if that is measured.
     rate_change: Option<f64>,
     rate_change_p: Option<f64>,
-    /// Whether that is below 0.1 %: the exponent is not the asymptotic one yet.
+    /// Whether that is significant: the exponent is not the asymptotic one yet.
     pre_asymptotic: bool,
-    /// Exponent of the predicted variance.
+    /// Exponents of the predicted and of the measured variance, the latter with its 95 % interval.
     predicted_rate: Option<f64>,
-    /// At the largest number of points: white noise's exact variance over the measured one.
+    measured_rate: Option<f64>,
+    measured_rate_interval: Option<(f64, f64)>,
+    /// At the largest number of points: white noise's exact variance over this one.
     n: usize,
-    /// Nothing where the measured variance is no more than rounding.
+    /// Nothing where the variance is no more than rounding.
     gain: Option<f64>,
     gain_stderr: Option<f64>,
+    /// The same by the measured variance, where enough trials see the integrand.
+    measured_gain: Option<f64>,
+    measured_gain_stderr: Option<f64>,
     /// The pattern's power as the integrand weighs it: predicted over white noise's variance.
     power_seen: f64,
 }
@@ -119,8 +126,8 @@ pub(crate) fn run(args: &CompareArgs, global: &Global) -> Result<(), CliError> {
 
     let curves: Vec<Curve<'_>> = patterns.iter().map(|p| Curve::new(p, &rows)).collect();
     let summaries: Vec<Summary> = curves.iter().filter_map(|c| c.summary(&energy)).collect();
-    let measured: Vec<_> = curves.iter().map(|c| (c.pattern.to_string(), c.measured())).collect();
-    let crossovers = crossovers(&measured, global.seed);
+    let best: Vec<_> = curves.iter().map(|c| (c.pattern.to_string(), c.best())).collect();
+    let crossovers = crossovers(&best, global.seed);
     let records: Vec<RowRecord> = rows.iter().map(|row| RowRecord::new(row, &plan)).collect();
     let provenance = Provenance::new(global.seed);
     let document = Document {
@@ -171,29 +178,49 @@ impl<'a> Curve<'a> {
         self.rows.iter().map(|r| r.comparison.predicted_point()).collect()
     }
 
+    /// The more precise of both at every number of points, as far as its error is known.
+    fn best(&self) -> Vec<VariancePoint> {
+        let points = self.rows.iter().map(|r| r.comparison.best_point());
+        points.filter(|p| p.stderr.is_finite()).collect()
+    }
+
     fn summary(&self, energy: &Energy) -> Option<Summary> {
         let last = self.rows.last()?;
         let n = last.comparison.spectrum.n_points();
-        let fit: Option<RateFit> = fit_rate(&self.measured());
         let white = energy.domain().variance_factor(n) * energy.beyond(0);
-        let measured = last.comparison.measured_point();
-        let gain = white / measured.variance;
-        let is_measurable = gain.is_finite();
-        // Predictions lie closer to their curve than the curve to a power law: all weigh the same.
-        let exact: Vec<VariancePoint> =
-            self.predicted().into_iter().map(|p| VariancePoint { stderr: 0.0, ..p }).collect();
+        let by_prediction = |c: &Comparison| c.is_prediction_more_precise();
+        let n_predicted = self.rows.iter().filter(|r| by_prediction(&r.comparison)).count();
+        let (basis, fit) = match n_predicted {
+            0 => ("measured", fit_rate(&self.best())),
+            all if all == self.rows.len() => ("predicted", fit_exact_rate(&self.best())),
+            _ => ("both", fit_rate(&self.best())),
+        };
+        let measured: Option<RateFit> = fit_rate(&self.measured());
+        let gain = |point: VariancePoint| {
+            let gain = white / point.variance;
+            let stderr = gain * point.stderr / point.variance;
+            (gain.is_finite() && stderr.is_finite()).then_some((gain, stderr))
+        };
+        let best_gain = gain(last.comparison.best_point());
+        let measured_gain = gain(last.comparison.measured_point());
         let known = |x: Option<f64>| x.filter(|x| x.is_finite());
+        let finite = |i: Option<(f64, f64)>| i.filter(|i| i.0.is_finite() && i.1.is_finite());
         Some(Summary {
             sampler: self.pattern.to_string(),
+            basis,
             rate: fit.map(|f| f.slope),
-            rate_interval: fit.map(|f| f.interval),
+            rate_interval: finite(fit.map(|f| f.interval)),
             rate_change: known(fit.map(|f| f.slope_change)),
             rate_change_p: known(fit.map(|f| f.slope_change_p)),
             pre_asymptotic: fit.is_some_and(|f| f.is_pre_asymptotic()),
-            predicted_rate: fit_rate(&exact).map(|f| f.slope),
+            predicted_rate: fit_exact_rate(&self.predicted()).map(|f| f.slope),
+            measured_rate: measured.map(|f| f.slope),
+            measured_rate_interval: finite(measured.map(|f| f.interval)),
             n,
-            gain: is_measurable.then_some(gain),
-            gain_stderr: is_measurable.then_some(gain * measured.stderr / measured.variance),
+            gain: best_gain.map(|g| g.0),
+            gain_stderr: best_gain.map(|g| g.1),
+            measured_gain: measured_gain.map(|g| g.0),
+            measured_gain_stderr: measured_gain.map(|g| g.1),
             power_seen: last.comparison.predicted_point().variance / white,
         })
     }
@@ -202,14 +229,19 @@ impl<'a> Curve<'a> {
 fn text(document: &Document<'_>, plan: &Plan<'_>) -> String {
     let mut text = format!("Variance of integrating {}\n\n", plan.integrand.name);
     text += &table(&RowRecord::HEADING, document.rows.iter().map(RowRecord::cells).collect(), 1);
-    // Without a score no trial saw the integrand.
+    text += &RowRecord::remarks(document.rows);
+    // Without a score there is no verdict.
     let scores: Vec<f64> =
         document.rows.iter().map(RowRecord::z).filter(|z| z.is_finite()).collect();
     let agreeing = scores.iter().filter(|z| z.abs() <= 3.0).count();
     let n_rows = scores.len();
     text += &format!(
-        "\nPredicted and measured agree within 3 standard errors in {agreeing} of {n_rows} rows.\n\n"
+        "\nPredicted and measured agree within 3 standard errors in {agreeing} of {n_rows} rows"
     );
+    text += &match document.rows.len() - n_rows {
+        0 => ".\n\n".to_owned(),
+        others => format!("; {others} have no verdict.\n\n"),
+    };
     let optional = |x: Option<f64>| x.map_or("-".to_owned(), |x| format!("{x:.2}"));
     let cells = |s: &Summary| {
         let interval = s.rate_interval.map_or("-".to_owned(), |(a, b)| format!("{a:.2} to {b:.2}"));
@@ -217,21 +249,22 @@ fn text(document: &Document<'_>, plan: &Plan<'_>) -> String {
             s.sampler.to_owned(),
             optional(s.rate) + if s.pre_asymptotic { " *" } else { "" },
             interval,
-            optional(s.predicted_rate),
+            optional(s.measured_rate),
             s.n.to_string(),
             short(s.power_seen),
             s.gain.zip(s.gain_stderr).map_or("-".to_owned(), |(g, e)| format!("{g:.1} +- {e:.1}")),
         ]
     };
     let heading =
-        ["sampler", "rate", "95 %", "predicted", "at N", "power seen", "gain over white noise"];
+        ["sampler", "rate", "95 %", "measured", "at N", "power seen", "gain over white noise"];
     text += &table(&heading, document.samplers.iter().map(cells).collect(), 1);
-    text += "\nrate: exponent b of variance ~ N^b. power seen: the pattern's power, averaged over the \
+    text += "\nrate: exponent b of variance ~ N^b, like the gain by predicted or measured variances, whichever are the \
+             more\nprecise. power seen: the pattern's power, averaged over the \
              degrees\nwith the integrand's energies; white noise has 1. gain: how many times the \
              variance is smaller.\n";
     if document.samplers.iter().any(|s| s.pre_asymptotic) {
-        text += "*: the rate changes over these numbers of points (false alarms: 0.1 %), it is not the \
-                 asymptotic one yet.\n";
+        text +=
+            "*: the rate changes over these numbers of points, it is not the asymptotic one yet.\n";
     }
     text += "\n";
     text.extend(document.crossovers.iter().map(CrossoverRecord::line));
@@ -245,15 +278,16 @@ fn verdict(samplers: &[Summary]) -> String {
     let Some(best) = with_variance.min_by(|a, b| a.power_seen.total_cmp(&b.power_seen)) else {
         return "The integrand has no variance with any pattern: it is constant.\n".to_owned();
     };
-    let Some((gain, stderr)) = best.gain.zip(best.gain_stderr).filter(|_| best.power_seen > 0.0)
-    else {
+    if best.gain.is_none() || best.power_seen <= 0.0 {
         let exact: Vec<&str> =
             samplers.iter().filter(|s| s.gain.is_none()).map(|s| s.sampler.as_str()).collect();
         return format!("Exact to rounding: {}.\n", exact.join(", "));
-    };
+    }
+    let measured = best.measured_gain.zip(best.measured_gain_stderr);
+    let measured =
+        measured.map_or(String::new(), |(g, e)| format!(", {g:.1} +- {e:.1} as measured"));
     format!(
-        "Largest gain: {} with N = {}, {:.1} times less variance than white noise as predicted, \
-         {gain:.1} +- {stderr:.1} as measured.\n",
+        "Largest gain: {} with N = {}, {:.1} times less variance than white noise as predicted{measured}.\n",
         best.sampler,
         best.n,
         1.0 / best.power_seen,

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 use sphvar_samplers::{Purpose, Streams};
-use sphvar_variance::{Crossover, VariancePoint, crossover};
+use sphvar_variance::{Crossover, VariancePoint};
 
 /// Where two samplers' curves cross.
 #[derive(Clone, Debug, Serialize)]
@@ -10,27 +10,21 @@ pub(super) struct CrossoverRecord {
     pub(super) better_below: String,
     pub(super) better_above: String,
     pub(super) n: f64,
+    /// The 95 % interval, with the numbers of points that were tried next to the crossing.
     pub(super) interval: (f64, f64),
+    /// The share of resampled curves that cross.
     pub(super) confidence: f64,
 }
 
 impl CrossoverRecord {
-    /// Whether the resampled curves cross nearly always, and within a factor of 4.
-    pub(super) fn is_clear(&self) -> bool {
-        self.confidence >= 0.95 && self.interval.1 < 4.0 * self.interval.0
-    }
-
     /// The crossover in a line of text.
     pub(super) fn line(&self) -> String {
         let Self { better_above, better_below, n, interval: (from, to), .. } = self;
-        let doubt = if self.is_clear() { "" } else { ", not clear: the curves run together" };
-        format!(
-            "{better_above} overtakes {better_below} at N = {n:.0} ({from:.0} to {to:.0}{doubt})\n"
-        )
+        format!("{better_above} overtakes {better_below} at N = {n:.0} ({from:.0} to {to:.0})\n")
     }
 }
 
-/// The last crossing of every pair of curves, each a sampler's name with its points by N. Curves that reach
+/// The significant crossings of every pair of curves, each a sampler's name with its points by N. Curves that reach
 /// the variance 0 are left out.
 pub(super) fn crossovers(
     curves: &[(String, Vec<VariancePoint>)],
@@ -43,20 +37,22 @@ pub(super) fn crossovers(
                 continue;
             }
             let streams = Streams::new(seed, Purpose::Resample, i * curves.len() + j);
-            let Some(Crossover { n_points, interval, confidence, first_is_better_above }) =
-                crossover(a, b, streams)
-            else {
-                continue;
+            let record = |crossover: Crossover| {
+                let Crossover { n_points, interval, bracket, confidence, .. } = crossover;
+                let (above, below) = if crossover.first_is_better_above {
+                    (name_a, name_b)
+                } else {
+                    (name_b, name_a)
+                };
+                CrossoverRecord {
+                    better_below: below.clone(),
+                    better_above: above.clone(),
+                    n: n_points,
+                    interval: (interval.0.min(bracket.0), interval.1.max(bracket.1)),
+                    confidence,
+                }
             };
-            let (above, below) =
-                if first_is_better_above { (name_a, name_b) } else { (name_b, name_a) };
-            found.push(CrossoverRecord {
-                better_below: below.clone(),
-                better_above: above.clone(),
-                n: n_points,
-                interval,
-                confidence,
-            });
+            found.extend(sphvar_variance::crossovers(a, b, streams).into_iter().map(record));
         }
     }
     found

@@ -137,10 +137,20 @@ impl CutRecord {
         row: &Row,
     ) -> Self {
         let itself = &row.comparison.measurement;
-        let over_hemisphere = estimates.variance() / itself.variance();
-        let bias: Option<BiasTest> =
-            row.comparison.exact.map(|exact| estimates.bias(exact, row.comparison.rounding));
-        let (measured_low, measured_high) = estimates.variance_interval(0.95);
+        let (error, of_itself) = (estimates.relative_error(), row.comparison.error());
+        // Trials that do not see the integrand say nothing of it, here or on the hemisphere itself.
+        let is_known = error.is_known()
+            && estimates.variance() > row.comparison.rounding
+            && !row.comparison.sees_too_little();
+        let known = |x: f64| if is_known { x } else { f64::NAN };
+        let over_hemisphere = known(estimates.variance() / itself.variance());
+        let bias: Option<BiasTest> = row
+            .comparison
+            .exact
+            .filter(|_| is_known)
+            .map(|exact| estimates.bias(exact, row.comparison.rounding));
+        let interval = estimates.variance_interval(0.95).filter(|_| is_known);
+        let (measured_low, measured_high) = interval.unwrap_or((f64::NAN, f64::NAN));
         Self {
             sampler: row.pattern.to_string(),
             m,
@@ -150,12 +160,11 @@ impl CutRecord {
             predicted: predicted.map(|p| p.variance),
             predicted_stderr: predicted.map(|p| p.total_stderr()),
             measured: estimates.variance(),
-            measured_stderr: estimates.variance_stderr(),
+            measured_stderr: known(estimates.variance() * error.relative()),
             measured_low,
             measured_high,
             over_hemisphere,
-            over_hemisphere_stderr: over_hemisphere
-                * estimates.relative_stderr().hypot(itself.relative_stderr()),
+            over_hemisphere_stderr: over_hemisphere * error.relative().hypot(of_itself.relative()),
             mean: estimates.mean(),
             exact: row.comparison.exact,
             bias_z: bias.map(|b| b.z),

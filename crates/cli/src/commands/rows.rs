@@ -132,7 +132,9 @@ pub(super) fn run(plan: &Plan<'_>, cases: &[Case]) -> Result<(Vec<Row>, Energy),
     let cost = cases.iter().zip(&efforts).map(|(c, e)| plan.cost(c, e)).sum();
     let progress = Progress::new(cost, plan.quiet);
     progress.stage("integrand");
-    let energy = plan.integrand.function.energy(plan.domain, lmax)?;
+    let function = &plan.integrand.function;
+    let kurtosis = function.kurtosis(plan.domain);
+    let energy = function.energy(plan.domain, lmax)?.with_kurtosis(kurtosis);
     let rows = cases
         .iter()
         .zip(efforts)
@@ -325,7 +327,12 @@ pub(super) struct RowRecord {
     /// Mean minus exact in standard errors, and its probability without a bias.
     bias_z: Option<f64>,
     bias_p: Option<f64>,
+    /// Why numbers are missing.
+    remark: Option<&'static str>,
 }
+
+/// The remark of a row whose measured variance has no error.
+const TOO_FEW: &str = "too few trials see the integrand";
 
 /// The confidence of the intervals in files.
 const CONFIDENCE: f64 = 0.95;
@@ -335,8 +342,12 @@ impl RowRecord {
         let Comparison { spectrum, prediction, measurement, .. } = &row.comparison;
         let (ratio, ratio_stderr) = row.comparison.ratio();
         let (predicted_low, predicted_high) = prediction.interval(CONFIDENCE);
-        let (measured_low, measured_high) = measurement.variance_interval(CONFIDENCE);
+        let measured = row.comparison.measured_interval(CONFIDENCE);
+        let (measured_low, measured_high) = measured.unwrap_or((f64::NAN, f64::NAN));
         let bias = row.comparison.bias();
+        let remark = row.comparison.sees_too_little().then_some(TOO_FEW);
+        // What the trials have not seen is no error of theirs.
+        let known = |x: f64| if remark.is_some() { f64::NAN } else { x };
         Self {
             sampler: row.pattern.to_string(),
             integrand: plan.integrand.name.clone(),
@@ -350,12 +361,12 @@ impl RowRecord {
             predicted_stderr: prediction.stderr,
             predicted_tail: prediction.tail,
             measured: measurement.variance(),
-            measured_stderr: measurement.variance_stderr(),
+            measured_stderr: known(measurement.variance() * row.comparison.error().relative()),
             ratio,
             ratio_stderr,
             z: row.comparison.z_score(),
             mean: measurement.mean(),
-            mean_stderr: measurement.mean_stderr(),
+            mean_stderr: known(measurement.mean_stderr()),
             exact: row.comparison.exact,
             predicted_tail_error: prediction.tail_error,
             predicted_low,
@@ -364,12 +375,21 @@ impl RowRecord {
             measured_high,
             bias_z: bias.map(|b| b.z),
             bias_p: bias.map(|b| b.p_value),
+            remark,
         }
     }
 
-    /// Measured minus predicted variance in standard errors.
+    /// Measured minus predicted variance in standard errors; NaN without a verdict.
     pub(super) fn z(&self) -> f64 {
         self.z
+    }
+
+    /// A line for every row whose measured variance has no error.
+    pub(super) fn remarks(records: &[Self]) -> String {
+        let line = |r: &Self| {
+            Some(format!("{}, N = {}: {} (-m {}).\n", r.sampler, r.n, r.remark?, r.trials))
+        };
+        records.iter().filter_map(line).collect()
     }
 
     /// The heading of [`Self::cells`].
@@ -384,7 +404,11 @@ impl RowRecord {
         } else {
             "-".to_owned()
         };
-        let score = |z: f64| if z.abs() < 1e4 { format!("{z:+.1}") } else { short(z) };
+        let score = |z: f64| match z.abs() {
+            small if small < 1e4 => format!("{z:+.1}"),
+            large if large.is_nan() => "-".to_owned(),
+            _ => short(z),
+        };
         let error = |x: f64| if x.is_finite() { format!("{x:.1e}") } else { "-".to_owned() };
         vec![
             self.sampler.to_owned(),

@@ -22,7 +22,9 @@ pub(crate) const EXAMPLES: &str = "Examples:
 Columns: the variance that the spectra predict and the one measured on independent, uniformly
 rotated realizations, each with its standard error (that of the prediction with the error of the
 degrees beyond the spectrum); ratio is measured/predicted, z their difference in standard errors,
-bias z that of the mean estimate and the exact integral. 95 % intervals are in files and --json.";
+bias z that of the mean estimate and the exact integral. 95 % intervals are in files and --json.
+Where too few trials see the integrand there is no error, ratio or z of the measured variance, and where
+all trials agree an upper limit only.";
 
 #[derive(Debug, Args)]
 pub(crate) struct VarianceArgs {
@@ -97,6 +99,7 @@ pub(crate) fn run(args: &VarianceArgs, global: &Global) -> Result<(), CliError> 
     } else {
         let cells = records.iter().map(RowRecord::cells).collect();
         let mut text = table(&RowRecord::HEADING, cells, 1);
+        text += &RowRecord::remarks(&records);
         if let Some(cut) = &cut {
             text.push('\n');
             text += &table(&CutRecord::HEADING, cut.iter().map(CutRecord::cells).collect(), 1);

@@ -98,10 +98,25 @@ impl Cap {
         self.versine.min(self.coversine)
     }
 
+    /// The shares of the domain inside and outside, neither of which is a difference from 1.
+    fn shares(&self, domain: Domain) -> (f64, f64) {
+        let half = (0.5 * self.angle).cos();
+        match domain {
+            Domain::Sphere => (0.5 * self.versine, half * half),
+            Domain::Hemisphere => (self.versine, self.angle.cos()),
+        }
+    }
+
     /// Whether the cap leaves nothing of the domain's boundary: all of the hemisphere.
     fn covers(&self, domain: Domain) -> bool {
         domain == Domain::Hemisphere && self.cos <= 0.0
     }
+}
+
+/// The kurtosis of a function that has one value on the share `p` of a domain and another one on the share `q`:
+/// `(p^3 + q^3)/(p q)`. `None` of a constant.
+pub(super) fn two_valued_kurtosis(p: f64, q: f64) -> Option<f64> {
+    (p > 0.0 && q > 0.0).then(|| (p * p - p * q + q * q) / (p * q))
 }
 
 impl ClosedForm for Cap {
@@ -170,5 +185,10 @@ impl Integrand for Cap {
             return Ok(ByParity::both(0.0));
         }
         closed_form::centred_square(self, domain)
+    }
+
+    fn kurtosis(&self, domain: Domain) -> Option<f64> {
+        let (inside, outside) = self.shares(domain);
+        two_valued_kurtosis(inside, outside)
     }
 }

@@ -1,6 +1,7 @@
 use std::f64::consts::FRAC_PI_2;
 
 use glam::DVec3;
+use sphvar_samplers::Domain;
 use sphvar_sh::ByParity;
 
 use super::Cap;
@@ -72,4 +73,9 @@ impl Integrand for DoubleCap {
     }
 
     from_closed_form!();
+
+    /// The two caps have the share of the sphere that one has of the hemisphere.
+    fn kurtosis(&self, _domain: Domain) -> Option<f64> {
+        self.cap.kurtosis(Domain::Hemisphere)
+    }
 }

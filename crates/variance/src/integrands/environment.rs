@@ -7,7 +7,7 @@ use sphvar_samplers::Domain;
 use sphvar_sh::{Alm, ByParity, Colatitude, GaussLegendre};
 use sphvar_sht::{RingTransform, RingWorkspace};
 
-use crate::{Circle, Coefficients, Error, Integrand, Shape};
+use crate::{Circle, Coefficients, Error, Integrand, Shape, quadrature};
 
 /// An equirectangular map of a scalar, W = 2H texels: the light that comes from each direction.
 ///
@@ -249,6 +249,31 @@ impl Integrand for EnvironmentMap {
             even: square(&|k| 0.5 * ((self.texels[k] - mean) + (opposite(k) - mean))),
             odd: square(&|k| 0.5 * (self.texels[k] - opposite(k))),
         })
+    }
+
+    /// By four values between every four texel centres, within 3 % of the exact moments.
+    fn kurtosis(&self, domain: Domain) -> Option<f64> {
+        // The nodes of Gauss and Legendre on the interval from 0 to 1.
+        let nodes = [0.5 - 0.5 / 3f64.sqrt(), 0.5 + 0.5 / 3f64.sqrt()];
+        let step = PI / self.height as f64;
+        let end = if domain == Domain::Sphere { PI } else { FRAC_PI_2 };
+        let values = || {
+            let rows = (0..self.height).flat_map(move |i| nodes.map(|share| (i, share)));
+            rows.filter_map(move |(i, share)| {
+                let theta = step * (i as f64 + 0.5 + share);
+                (theta < end).then(|| {
+                    (theta.sin(), share, self.row(i), self.row((i + 1).min(self.height - 1)))
+                })
+            })
+            .flat_map(move |(weight, share, row, next)| {
+                let at = move |j: usize| row[j] + share * (next[j] - row[j]);
+                (0..self.width).flat_map(move |j| {
+                    let (left, right) = (at(j), at((j + 1) % self.width));
+                    nodes.map(|x| (weight, left + x * (right - left)))
+                })
+            })
+        };
+        quadrature::weighted_kurtosis(values)
     }
 
     /// Four degrees to a texel, and at least 1024: between centres the map is smooth, across them it

@@ -5,7 +5,7 @@ use num_complex::Complex;
 use sphvar_samplers::Domain;
 use sphvar_sh::{Alm, ByParity, LmIndex, real_ylm_at};
 
-use crate::{Coefficients, Energy, Error, Integrand, Shape};
+use crate::{Coefficients, Energy, Error, Integrand, Shape, quadrature};
 
 /// A real orthonormal spherical harmonic, the band-limited test integrand: all its energy, 1, is
 /// in one degree.
@@ -100,6 +100,13 @@ impl Integrand for Harmonic {
             *e = 1.0;
         }
         Ok(Energy::new(domain, per_degree, self.centred_square(domain)?))
+    }
+
+    /// Known up to degree 128, beyond which a value is a long recurrence.
+    fn kurtosis(&self, domain: Domain) -> Option<f64> {
+        const MAX_DEGREE: usize = 128;
+        let shape = self.shape().ok().filter(|_| self.l <= MAX_DEGREE)?;
+        quadrature::kurtosis(&shape, domain, &|dir| self.eval(dir))
     }
 
     fn band_limit(&self) -> Option<usize> {

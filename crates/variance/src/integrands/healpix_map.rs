@@ -9,7 +9,7 @@ use sphvar_sh::{Alm, ByParity, Colatitude, GaussLegendre};
 use sphvar_sht::{RingTransform, RingWorkspace};
 
 use crate::quadrature::node_count;
-use crate::{Coefficients, Error, Integrand, Shape};
+use crate::{Coefficients, Error, Integrand, Shape, quadrature};
 
 /// A HEALPix map as a function: constant on every pixel.
 ///
@@ -340,5 +340,15 @@ impl Integrand for HealpixMap {
             even: square(pairs().map(|(a, b)| 0.5 * (a + b)).collect()),
             odd: square(pairs().map(|(a, b)| 0.5 * (a - b)).collect()),
         })
+    }
+
+    /// Exact but for pixels that the equator cuts, which count as whole ones.
+    fn kurtosis(&self, domain: Domain) -> Option<f64> {
+        let rings = match domain {
+            Domain::Sphere => 4 * self.n() - 1,
+            Domain::Hemisphere => 2 * self.n(),
+        };
+        let values = || (0..rings).flat_map(|r| self.ring(r)).map(|&value| (1.0, value));
+        quadrature::weighted_kurtosis(values)
     }
 }

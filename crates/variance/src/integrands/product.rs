@@ -2,7 +2,7 @@ use glam::DVec3;
 use sphvar_samplers::Domain;
 
 use super::inner_product::inner_product;
-use crate::{Error, Integrand, Shape};
+use crate::{Error, Integrand, Shape, quadrature};
 
 /// The product of two integrands, such as light and the lobe that reflects it.
 ///
@@ -51,6 +51,10 @@ impl<A: Integrand, B: Integrand> Integrand for Product<A, B> {
         // The even extension has the hemisphere twice.
         let copies = if domain == Domain::Sphere { 1.0 } else { 0.5 };
         Some(copies * inner_product(&self.first, &self.second, domain).ok()?)
+    }
+
+    fn kurtosis(&self, domain: Domain) -> Option<f64> {
+        quadrature::kurtosis_of_values(self.shape().ok().as_ref(), domain, &|dir| self.eval(dir))
     }
 
     fn band_limit(&self) -> Option<usize> {

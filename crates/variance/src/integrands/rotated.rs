@@ -3,7 +3,7 @@ use sphvar_samplers::Domain;
 use sphvar_sh::ByParity;
 
 use super::closed_form::{ClosedForm, from_closed_form};
-use crate::{Coefficients, Energy, Error, Integrand, Shape};
+use crate::{Coefficients, Energy, Error, Integrand, Shape, quadrature};
 
 /// An integrand after a rotation R of the sphere, `f(R^-1 x)`.
 ///
@@ -113,6 +113,14 @@ impl<I: Integrand> Integrand for Rotated<I> {
         }
         let per_degree = self.coefficients(domain, lmax)?.energy_per_degree()?;
         Ok(Energy::new(domain, per_degree, self.centred_square(domain)?))
+    }
+
+    /// On the sphere that of the function before the rotation.
+    fn kurtosis(&self, domain: Domain) -> Option<f64> {
+        if domain == Domain::Sphere {
+            return self.function.kurtosis(domain);
+        }
+        quadrature::kurtosis(&self.shape().ok()?, domain, &|dir| self.eval(dir))
     }
 
     fn band_limit(&self) -> Option<usize> {

@@ -5,7 +5,7 @@ use sphvar_samplers::Domain;
 use sphvar_sh::ByParity;
 
 use super::sum_square::{self, sum_of_coefficients};
-use crate::{Coefficients, Error, Integrand, Shape};
+use crate::{Coefficients, Error, Integrand, Shape, quadrature};
 
 /// A weighted sum of integrands, `sum_i w_i f_i`.
 ///
@@ -88,6 +88,21 @@ impl Integrand for Sum {
 
     fn centred_square(&self, domain: Domain) -> Result<ByParity, Error> {
         sum_square::centred_square(self.terms(), domain)
+    }
+
+    /// That of the term where there is one, else by the values.
+    fn kurtosis(&self, domain: Domain) -> Option<f64> {
+        // A value of a longer sum takes too long.
+        const MAX_TERMS: usize = 16;
+        match &self.terms[..] {
+            [(weight, only)] => only.kurtosis(domain).filter(|_| *weight != 0.0),
+            terms if terms.len() <= MAX_TERMS => {
+                quadrature::kurtosis_of_values(self.shape().ok().as_ref(), domain, &|dir| {
+                    self.eval(dir)
+                })
+            }
+            _ => None,
+        }
     }
 
     fn band_limit(&self) -> Option<usize> {

@@ -95,6 +95,67 @@ fn variation(
     Ok(rings.sum(|x| (eval(x) - mean).powi(2))? + mean * mean * beyond)
 }
 
+/// Nodes that a kurtosis may take, some hundredths of a second.
+const KURTOSIS_NODES: f64 = 1e6;
+
+/// The kurtosis of the value of a function at a uniformly distributed direction of the domain; `None` of a constant,
+/// and if it would take more than a million values.
+pub(crate) fn kurtosis(shape: &Shape, domain: Domain, eval: &dyn Fn(DVec3) -> f64) -> Option<f64> {
+    let rings = Rings::new(shape, domain, 4 * shape.degree()).ok()?;
+    if rings.cost() > KURTOSIS_NODES {
+        return None;
+    }
+    let mut values = Vec::new();
+    let mut add = |dir, w| values.push((w, eval(dir)));
+    if rings.is_zonal() {
+        rings.for_each_colatitude(|theta, w| add(rings.direction(theta, 0.0), w)).ok()?;
+    } else {
+        rings.for_each(add).ok()?;
+    }
+    // The function is 0 beyond its support, which the nodes leave out; their weights round.
+    let beyond = domain.area() - values.iter().map(|v| v.0).sum::<f64>();
+    if beyond > 1e-12 * domain.area() {
+        values.push((beyond, 0.0));
+    }
+    weighted_kurtosis(|| values.iter().copied())
+}
+
+/// [`kurtosis`] of a function whose shape is unknown or too complicated, from its values on a grid of half a
+/// million places: what is smaller than a third of a degree may be missed.
+pub(crate) fn kurtosis_of_values(
+    shape: Option<&Shape>,
+    domain: Domain,
+    eval: &dyn Fn(DVec3) -> f64,
+) -> Option<f64> {
+    const ROWS: usize = 512;
+    if let Some(kurtosis) = shape.and_then(|shape| kurtosis(shape, domain, eval)) {
+        return Some(kurtosis);
+    }
+    let rows = if domain == Domain::Sphere { ROWS } else { ROWS / 2 };
+    let angle = |k: usize| PI * (k as f64 + 0.5) / ROWS as f64;
+    let longitudes: Vec<(f64, f64)> = (0..2 * ROWS).map(|j| angle(j).sin_cos()).collect();
+    let mut values = Vec::with_capacity(rows * longitudes.len());
+    for (st, ct) in (0..rows).map(|i| angle(i).sin_cos()) {
+        let row = longitudes.iter().map(|(sp, cp)| DVec3::new(st * cp, st * sp, ct));
+        values.extend(row.map(|dir| (st, eval(dir))));
+    }
+    weighted_kurtosis(|| values.iter().copied())
+}
+
+/// The kurtosis of values with weights, `None` if they are all the same or not finite.
+pub(crate) fn weighted_kurtosis<I: Iterator<Item = (f64, f64)>>(
+    values: impl Fn() -> I,
+) -> Option<f64> {
+    let (total, first) = values().fold((0.0, 0.0), |(t, s), (w, x)| (t + w, s + w * x));
+    let mean = first / total;
+    let largest = values().fold(0.0, |most: f64, (_, x)| most.max((x - mean).abs()));
+    let square = |x: f64| ((x - mean) / largest).powi(2);
+    let (second, fourth) = values()
+        .fold((0.0, 0.0), |(s, f), (w, x)| (s + w * square(x), f + w * square(x) * square(x)));
+    let is_constant = largest <= 16.0 * f64::EPSILON * mean.abs();
+    Some(total * fourth / (second * second)).filter(|k| k.is_finite() && !is_constant)
+}
+
 /// The coefficients of F to degree `lmax`.
 pub(crate) fn coefficients(
     shape: &Shape,

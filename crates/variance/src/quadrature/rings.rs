@@ -266,13 +266,19 @@ impl Rings {
         }
     }
 
-    fn check_cost(&self, cost: f64) -> Result<(), Error> {
+    /// The number of nodes, roughly; of rings for a zonal function.
+    pub(super) fn cost(&self) -> f64 {
         let panels = self.breaks.len() as f64;
         let (first, last) = (self.breaks[0], self.breaks[self.breaks.len() - 1]);
         let rings = 0.5 * self.degree as f64 * (last - first) + 30.0 * panels;
         let orders = [first, last, 0.5 * (first + last)].map(|t| self.orders(t));
         let pieces = orders.into_iter().fold(0.0, f64::max) + 20.0 * self.cuts.len() as f64;
-        let nodes = if self.zonal { rings } else { rings * pieces };
+        if self.zonal { rings } else { rings * pieces }
+    }
+
+    /// `cost` is that of a value in those of a simple function.
+    fn check_cost(&self, cost: f64) -> Result<(), Error> {
+        let nodes = self.cost();
         if nodes > MAX_NODES {
             return Err(Error::NoEnergy {
                 reason: "its values would have to be taken at more than 2e8 places; \

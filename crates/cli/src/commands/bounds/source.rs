@@ -115,7 +115,10 @@ impl Measured {
     /// The spectrum as fits and checks have it.
     pub(super) fn spectrum(&self) -> Result<MeasuredSpectrum<'_>, CliError> {
         MeasuredSpectrum::new(self.n_points, self.domain, &self.power, &self.stderr)
-            .map(|measured| measured.with_realizations(self.realizations))
+            .map(|measured| match self.realizations {
+                0 => measured.with_inferred_realizations(),
+                known => measured.with_realizations(known),
+            })
             .map_err(CliError::failed)
     }
 

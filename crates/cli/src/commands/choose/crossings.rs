@@ -22,13 +22,13 @@ pub(super) struct CrossingRecord {
 }
 
 impl CrossingRecord {
-    /// Whether it is clear, near the answer and makes a difference.
+    /// Whether it is near the answer and makes a difference.
     pub(super) fn matters(&self) -> bool {
-        self.is_near && self.is_wide && self.crossover.is_clear()
+        self.is_near && self.is_wide
     }
 }
 
-/// The last crossings of the best candidates' curves in the range that both cover.
+/// The significant crossings of the best candidates' curves in the range that both cover.
 pub(super) fn between(ranked: &[Candidate], seed: u64) -> Vec<CrossingRecord> {
     let best = &ranked[..ranked.len().min(BEST)];
     let name = |c: &Candidate| c.curve.pattern().to_string();

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 use sphvar_samplers::Pattern;
-use sphvar_variance::{RateFit, VariancePoint, fit_rate};
+use sphvar_variance::{RateFit, VariancePoint, fit_rate_of_few};
 
 use super::RenderArgs;
 use super::points::Counts;
@@ -243,10 +243,13 @@ impl<'a> Curve<'a> {
         };
         let tail: Vec<VariancePoint> =
             points.iter().copied().filter(|p| p.n_points >= middle).collect();
+        // Errors come from the renders of each number of points.
+        let renders = self.rows.iter().map(|row| row.renders).min().unwrap_or(0);
+        let dof = renders.saturating_sub(1) as f64;
         Summary {
             sampler: self.pattern.clone(),
-            all: fit_rate(&points).map(Rate::from),
-            tail: fit_rate(&tail).map(Rate::from),
+            all: fit_rate_of_few(&points, dof).map(Rate::from),
+            tail: fit_rate_of_few(&tail, dof).map(Rate::from),
         }
     }
 }

@@ -1,0 +1,148 @@
+//! How often the 95 % intervals of measured variances hold the truth, and how often there is none.
+//!
+//! `cargo run --release -p sphvar-variance --example interval_coverage -- SEEDS`: the first table has integrands that few
+//! trials see, the second twenty ordinary ones. "seen" counts the seeds in which 50 trials or more differ from the
+//! others by a tenth of the largest difference.
+
+use std::error::Error;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use sphvar_samplers::{Domain, Pattern, Sampler};
+use sphvar_variance::{
+    Cap, ClampedCosine, Comparison, DoubleCap, Effort, Harmonic, Integrand, Method, PhongLobe,
+    Prediction, VonMisesFisher, compare, known_spectrum, predict, prediction_degree,
+};
+
+struct Tally {
+    present: u64,
+    missed: u64,
+    outside: u64,
+    seen: u64,
+    seen_present: u64,
+}
+
+/// The number of trials that see the integrand.
+fn seeing(comparison: &Comparison) -> usize {
+    let mean = comparison.measurement.mean();
+    let off = |x: &f64| (x - mean).abs();
+    let estimates = comparison.measurement.estimates();
+    let largest = estimates.iter().map(off).fold(0.0, f64::max);
+    estimates.iter().filter(|x| off(x) > 0.1 * largest).count()
+}
+
+/// The truth by a spectrum that is known without trials.
+fn truth(
+    pattern: &Pattern,
+    sampler: &dyn Sampler,
+    integrand: &dyn Integrand,
+) -> Result<(usize, Prediction), Box<dyn Error>> {
+    let lmax = prediction_degree(sampler, integrand).min(20_000);
+    let n = sampler.n_points();
+    let energy = integrand.energy(Domain::Sphere, lmax)?;
+    let spectrum = match known_spectrum(pattern, n, Domain::Sphere, lmax, 20.0, &|_| ())? {
+        Some(spectrum) => spectrum,
+        None => sphvar_spectrum::exact_spectrum(pattern, n, Domain::Sphere, lmax, &|_| ())?,
+    };
+    Ok((lmax, predict(&spectrum, &energy)))
+}
+
+fn tally(
+    pattern: &Pattern,
+    n: usize,
+    integrand: &dyn Integrand,
+    trials: u64,
+    seeds: u64,
+) -> Result<(Tally, f64), Box<dyn Error>> {
+    let sampler = pattern.build(n, Domain::Sphere)?;
+    let (lmax, truth) = truth(pattern, &*sampler, integrand)?;
+    let energy = integrand.energy(Domain::Sphere, lmax)?;
+    let energy = energy.with_kurtosis(integrand.kurtosis(Domain::Sphere));
+    let spectrum = sphvar_spectrum::exact_spectrum(pattern, n, Domain::Sphere, 4, &|_| ())?;
+    let mut tally = Tally { present: 0, missed: 0, outside: 0, seen: 0, seen_present: 0 };
+    for seed in 0..seeds {
+        let effort = Effort {
+            seed,
+            group: pattern.stream_group(n),
+            lmax: 4,
+            method: Method::Auto,
+            epsilon: 1e-12,
+            realizations: 0,
+            trials,
+            until: None,
+            seconds_per_set: 0.0,
+        };
+        let known = Some(spectrum.clone());
+        let mut got = compare(&*sampler, integrand, &energy, effort, known, &|_| ())?;
+        got.prediction = truth;
+        let interval = got.measured_interval(0.95);
+        let seen = seeing(&got) >= 50;
+        tally.seen += u64::from(seen);
+        if let Some((low, high)) = interval {
+            tally.present += 1;
+            tally.seen_present += u64::from(seen);
+            tally.missed += u64::from(!(low <= truth.variance && truth.variance <= high));
+            let measured = got.measurement.variance();
+            tally.outside += u64::from(!(low <= measured && measured <= high));
+        }
+    }
+    Ok((tally, truth.variance))
+}
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let seeds: u64 = std::env::args().nth(1).map_or(Ok(200), |s| s.parse())?;
+    let patterns = ["fibonacci", "white-noise", "jittered"];
+    let patterns: Vec<Pattern> = patterns.iter().filter_map(|p| Pattern::from_name(p)).collect();
+    let total = AtomicU64::new(0);
+    let row = |pattern: &Pattern, n: usize, name: &str, f: &dyn Integrand, trials: u64| {
+        let n = pattern.nearest_count(n, Domain::Sphere);
+        let (t, truth) = tally(pattern, n, f, trials, seeds)?;
+        total.fetch_add(t.missed, Ordering::Relaxed);
+        println!(
+            "{name:24} {pattern:12} N = {n:4} m = {trials:4} truth {truth:9.3e}: interval in {:3} of {seeds}, \
+             misses {:3}, without its value {}; seen {} of which with interval {}",
+            t.present, t.missed, t.outside, t.seen, t.seen_present
+        );
+        Ok::<u64, Box<dyn Error>>(t.missed)
+    };
+    let lobes: Vec<(&str, usize, u64, Box<dyn Integrand>)> = vec![
+        ("vmf 1e6", 100, 1000, Box::new(VonMisesFisher::new(1e6)?)),
+        ("vmf 1e5", 10, 1000, Box::new(VonMisesFisher::new(1e5)?)),
+        ("vmf 1e4", 30, 1000, Box::new(VonMisesFisher::new(1e4)?)),
+        ("phong 2000", 1, 200, Box::new(PhongLobe::new(2000.0)?)),
+        ("phong 2000", 1, 1000, Box::new(PhongLobe::new(2000.0)?)),
+        ("phong 2000", 12, 1000, Box::new(PhongLobe::new(2000.0)?)),
+        ("cap 0.27", 100, 1000, Box::new(Cap::from_degrees(0.27)?)),
+        ("cap 2", 48, 1000, Box::new(Cap::from_degrees(2.0)?)),
+        ("cap 5", 48, 1000, Box::new(Cap::from_degrees(5.0)?)),
+        ("cap 179", 2, 2000, Box::new(Cap::from_degrees(179.0)?)),
+        ("cap 177", 12, 1000, Box::new(Cap::from_degrees(177.0)?)),
+        ("double cap 1", 48, 1000, Box::new(DoubleCap::from_degrees(1.0)?)),
+    ];
+    for (name, n, trials, f) in &lobes {
+        for pattern in &patterns {
+            row(pattern, *n, name, &**f, *trials)?;
+        }
+    }
+    println!();
+    let ordinary: Vec<(&str, Box<dyn Integrand>)> = vec![
+        ("cosine", Box::new(ClampedCosine)),
+        ("cap 60", Box::new(Cap::from_degrees(60.0)?)),
+        ("cap 30", Box::new(Cap::from_degrees(30.0)?)),
+        ("cap 120", Box::new(Cap::from_degrees(120.0)?)),
+        ("double cap 40", Box::new(DoubleCap::from_degrees(40.0)?)),
+        ("vmf 10", Box::new(VonMisesFisher::new(10.0)?)),
+        ("vmf 50", Box::new(VonMisesFisher::new(50.0)?)),
+        ("phong 4", Box::new(PhongLobe::new(4.0)?)),
+        ("Y_4,0", Box::new(Harmonic::new(4, 0)?)),
+        ("Y_9,3", Box::new(Harmonic::new(9, 3)?)),
+    ];
+    let (mut missed, mut rows) = (0, 0);
+    for (name, f) in &ordinary {
+        for pattern in &patterns[1..] {
+            missed += row(pattern, 48, name, &**f, 1000)?;
+            rows += seeds;
+        }
+    }
+    println!("ordinary: {:.2} % covered", 100.0 * (1.0 - missed as f64 / rows as f64));
+    Ok(())
+}

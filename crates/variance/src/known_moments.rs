@@ -1,0 +1,107 @@
+use crate::{Measurement, RelativeError, rarest_seen};
+
+/// What is known of the distribution of estimates without any trial.
+///
+/// Every point of a homogeneous pattern is uniformly distributed, so the mean over N points spreads at most as
+/// much as a single value does, in every even moment (Jensen). And an integrand that few of N points see is seen by as
+/// few points of any pattern whose points keep apart as of white noise.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct KnownMoments {
+    /// The number of points N.
+    pub(crate) n_points: f64,
+    /// The variance of the estimate by a single point.
+    pub(crate) one_point_variance: f64,
+    /// The kurtosis of the integrand's values, and so of the estimate by a single point.
+    pub(crate) kurtosis: Option<f64>,
+    /// Whether the points are independent.
+    pub(crate) is_independent: bool,
+}
+
+impl KnownMoments {
+    /// The relative standard error of the variance of n estimates with independent points, exactly:
+    /// `r^2 = 2/(n - 1) + (k - 3)/(n N)` for the kurtosis k of values. `None` where it is not known.
+    pub(crate) fn exact_error(&self, trials: usize) -> Option<f64> {
+        let n = trials as f64;
+        let excess = (self.kurtosis.filter(|_| self.is_independent)? - 3.0) / self.n_points;
+        Some((2.0 / (n - 1.0) + excess / n).sqrt()).filter(|r| r.is_finite())
+    }
+
+    /// The error that trials show, but at least what is known: that of [`exact_error`](Self::exact_error), else
+    /// `(k/N - 3)/n`, the kurtosis of a sum over N points of which hardly two see the integrand.
+    pub(crate) fn error(&self, measurement: &Measurement) -> RelativeError {
+        let trials = measurement.estimates().len();
+        let rare = |k: f64| ((k / self.n_points - 3.0).max(0.0) / trials as f64).sqrt();
+        let known = self.exact_error(trials).or(self.kurtosis.map(rare)).unwrap_or(0.0);
+        measurement.relative_error().at_least(known)
+    }
+
+    /// The number of trials that it takes until the error that is known is `relative`.
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "the cast saturates, and NaN needs no trials"
+    )]
+    pub(crate) fn trials_for(&self, relative: f64) -> u64 {
+        let excess = self.kurtosis.map_or(0.0, |k| (k / self.n_points - 3.0).max(0.0));
+        (excess / (relative * relative)) as u64
+    }
+
+    /// The 97.5 % upper limit of the variance where all trials gave the same estimate, which differs by `offset` from
+    /// the integral if that is known.
+    ///
+    /// Other estimates have a probability of at most q = [`rarest_seen`], so that by Cauchy and Schwarz
+    ///
+    /// ```text
+    /// Var <= E[(x - x_0)^2; x != x_0] <= sqrt(q E (x - x_0)^4),   E (x - x_0)^4 <= (k^(1/4) s_1 + |offset|)^4
+    /// ```
+    ///
+    /// with the variance `s_1^2` and the kurtosis k of a single point, and it is never above `s_1^2`.
+    pub(crate) fn limit_unseen(&self, trials: usize, offset: Option<f64>) -> f64 {
+        let by_trials = self.kurtosis.zip(offset).map(|(kurtosis, offset)| {
+            let norm = kurtosis.sqrt().sqrt() * self.one_point_variance.sqrt() + offset.abs();
+            rarest_seen(trials).sqrt() * norm * norm
+        });
+        by_trials.map_or(self.one_point_variance, |limit| limit.min(self.one_point_variance))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::KnownMoments;
+
+    /// Of one value that is 1 on the share p and 0 elsewhere, all n trials give 0: then p is below 3.7/n, and so is the
+    /// variance p (1 - p) for the p that are possible at 97.5 %.
+    #[test]
+    fn the_limit_holds_for_every_cap_that_may_be_unseen() {
+        for n in [10, 1000, 100_000] {
+            for share in [0.01, 0.3, 1.0] {
+                let p: f64 = share * super::rarest_seen(n);
+                let known = KnownMoments {
+                    n_points: 1.0,
+                    one_point_variance: p * (1.0 - p),
+                    kurtosis: Some((1.0 - p).powi(2) / p + p * p / (1.0 - p)),
+                    is_independent: true,
+                };
+                let limit = known.limit_unseen(n, Some(p));
+                assert!(limit >= p * (1.0 - p), "{n}, {share}: {limit}");
+                assert!((known.limit_unseen(n, None) - p * (1.0 - p)).abs() < 1e-15);
+            }
+        }
+    }
+
+    /// Binomial counts: Var s^2 of a single point is that of p (1 - p) by moments, `(mu_4 - s^4 (n-3)/(n-1))/n`.
+    #[test]
+    fn the_exact_error_is_that_of_the_fourth_moment() {
+        let (p, n) = (0.2f64, 50);
+        let variance = p * (1.0 - p);
+        let fourth = p * (1.0f64 - p).powi(4) + (1.0 - p) * p.powi(4);
+        let known = KnownMoments {
+            n_points: 1.0,
+            one_point_variance: variance,
+            kurtosis: Some(fourth / variance.powi(2)),
+            is_independent: true,
+        };
+        let expected = ((fourth / variance.powi(2) - 47.0 / 49.0) / 50.0).sqrt();
+        assert!((known.exact_error(n).unwrap() / expected - 1.0).abs() < 1e-12);
+    }
+}
