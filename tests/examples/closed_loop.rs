@@ -239,7 +239,7 @@ fn rates(out: &mut impl Write, cells: &[Cell]) -> Outcome<()> {
 /// The variance of the harmonic with sets that have no power in its degree: a few trials tell.
 fn steps(out: &mut impl Write, harmonic: &Harmonic) -> Outcome<()> {
     const TRIALS: u64 = 20;
-    let step = Pattern::Step { alpha: 1.0, flat: None, core: SpectralControl::STEP_CORE };
+    let step = Pattern::Step { alpha: None, flat: None, core: SpectralControl::STEP_CORE };
     for n in [48, 192, 768] {
         let sampler = step.build(n, Domain::Sphere)?;
         let streams = Streams::new(SEED, Purpose::Trial, step.stream_group(n));

@@ -25,8 +25,8 @@ const NEAR: f64 = 1e-6;
 /// The largest part of a core's chord that two points may overlap by.
 const OVERLAP: f64 = 1e-9;
 
-const STEP: Pattern = Pattern::Step { alpha: 1.0, flat: None, core: SpectralControl::STEP_CORE };
-const BLUE: Pattern = Pattern::Blue { alpha: 1.0, core: SpectralControl::BLUE_CORE };
+const STEP: Pattern = Pattern::Step { alpha: None, flat: None, core: SpectralControl::STEP_CORE };
+const BLUE: Pattern = Pattern::Blue { alpha: None, core: SpectralControl::BLUE_CORE };
 
 fn realizations(pattern: &Pattern, domain: Domain) -> Vec<Vec<DVec3>> {
     let sampler = pattern.build(N, domain).unwrap();
@@ -137,7 +137,7 @@ fn impossible_spectra_are_refused_with_the_reason() {
         panic!("{too_empty} was not refused");
     };
     assert!(reason.contains("1088") && reason.contains("509 degrees of freedom"), "{reason}");
-    let steep = Pattern::Step { alpha: 1.35, flat: Some(2.0), core: SpectralControl::STEP_CORE };
+    let steep = Pattern::Step { alpha: Some(1.35), flat: Some(2.0), core: SpectralControl::STEP_CORE };
     // Fewer points, for the time that it takes to find out.
     let sampler = steep.build(64, Domain::Sphere).unwrap();
     let ensemble = Realizations::rotated(&*sampler, Streams::new(SEED, Purpose::Pattern, 64));

@@ -47,13 +47,13 @@ fn take_parameters(
             &["capacity", "mass (white, fibonacci, healpix)"]
         }
         Pattern::Step { alpha, flat, core } => {
-            spec.replace_number("alpha", alpha)?;
+            *alpha = spec.take_number("alpha")?;
             *flat = spec.take_number("flat")?;
             spec.replace_number("core", core)?;
             &["alpha", "flat", "core"]
         }
         Pattern::Blue { alpha, core } => {
-            spec.replace_number("alpha", alpha)?;
+            *alpha = spec.take_number("alpha")?;
             spec.replace_number("core", core)?;
             &["alpha", "core"]
         }

@@ -86,8 +86,8 @@ fn ccvt(c: &mut Criterion) {
 
 /// From white noise to a spectrum without power at low degrees, with and without more asked for.
 fn spectral_control(c: &mut Criterion) {
-    let bare = Pattern::Step { alpha: 1.0, flat: Some(0.0), core: 0.0 };
-    let usual = Pattern::Step { alpha: 1.0, flat: None, core: SpectralControl::STEP_CORE };
+    let bare = Pattern::Step { alpha: None, flat: Some(0.0), core: 0.0 };
+    let usual = Pattern::Step { alpha: None, flat: None, core: SpectralControl::STEP_CORE };
     let samplers = [bare, usual]
         .iter()
         .flat_map(|pattern| [256, 1024, 4096].map(|n| named(pattern, n)))

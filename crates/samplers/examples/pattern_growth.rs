@@ -37,9 +37,9 @@ fn others() -> Vec<Pattern> {
         Pattern::PoissonDisk { mode: DiskMode::Saturated, radius: None },
         ccvt(256, MassPoints::Fibonacci),
         ccvt(64, MassPoints::White),
-        step(1.0, Some(0.0), 0.0),
-        step(1.0, Some(0.0), SpectralControl::STEP_CORE),
-        step(0.5, None, SpectralControl::STEP_CORE),
+        step(None, Some(0.0), 0.0),
+        step(None, Some(0.0), SpectralControl::STEP_CORE),
+        step(Some(0.5), None, SpectralControl::STEP_CORE),
         Pattern::Profile {
             profile: PowerProfile::Polynomial {
                 exponent: 0.0,

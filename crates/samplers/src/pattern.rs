@@ -36,8 +36,9 @@ pub enum Pattern {
     },
     /// [`SpectralControl::step`].
     Step {
-        /// No power up to about alpha sqrt(N).
-        alpha: f64,
+        /// No power at any degree up to alpha sqrt(N); if not given, what [`SpectralControl::step`]
+        /// does.
+        alpha: Option<f64>,
         /// White noise's power from there to flat sqrt(N); if not given, what
         /// [`SpectralControl::step`] does.
         flat: Option<f64>,
@@ -46,8 +47,8 @@ pub enum Pattern {
     },
     /// [`SpectralControl::blue`].
     Blue {
-        /// No power up to about alpha sqrt(N).
-        alpha: f64,
+        /// As that of a step.
+        alpha: Option<f64>,
         /// The least distance in units of a hexagonal lattice's.
         core: f64,
     },
@@ -100,8 +101,8 @@ impl Pattern {
         Self::Fibonacci,
         Self::PoissonDisk { mode: DiskMode::Exact, radius: None },
         Self::Ccvt { capacity: 64, mass: MassPoints::Fibonacci },
-        Self::Step { alpha: 1.0, flat: None, core: SpectralControl::STEP_CORE },
-        Self::Blue { alpha: 1.0, core: SpectralControl::BLUE_CORE },
+        Self::Step { alpha: None, flat: None, core: SpectralControl::STEP_CORE },
+        Self::Blue { alpha: None, core: SpectralControl::BLUE_CORE },
         Self::Profile { profile: PowerProfile::QUADRATIC, core: 0.0 },
         Self::EqualArea { placement: Placement::Jittered },
         Self::Spiral,
@@ -270,10 +271,12 @@ impl Pattern {
                 vec![format!("capacity={capacity}"), format!("mass={}", mass.name())]
             }
             Self::Step { alpha, flat, core } => {
-                let all = [Some(format!("alpha={alpha}")), given("flat", *flat)];
-                all.into_iter().flatten().chain([format!("core={core}")]).collect()
+                let given = [given("alpha", *alpha), given("flat", *flat)];
+                given.into_iter().flatten().chain([format!("core={core}")]).collect()
             }
-            Self::Blue { alpha, core } => vec![format!("alpha={alpha}"), format!("core={core}")],
+            Self::Blue { alpha, core } => {
+                given("alpha", *alpha).into_iter().chain([format!("core={core}")]).collect()
+            }
             Self::Profile { profile, core } => {
                 profile.parameters().into_iter().chain([format!("core={core}")]).collect()
             }
@@ -335,7 +338,8 @@ mod tests {
         }
         let disks = Pattern::PoissonDisk { mode: DiskMode::Saturated, radius: Some(2.5) };
         assert_eq!(disks.to_string(), "poisson-disk:mode=saturated,radius=2.5");
-        let step = Pattern::Step { alpha: 0.5, flat: Some(0.0), core: SpectralControl::STEP_CORE };
+        let step =
+            Pattern::Step { alpha: Some(0.5), flat: Some(0.0), core: SpectralControl::STEP_CORE };
         assert_eq!(step.to_string(), "step:alpha=0.5,flat=0");
     }
 

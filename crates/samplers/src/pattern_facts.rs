@@ -1,4 +1,4 @@
-use crate::{BestCandidate, Lloyd, Pattern, Riesz};
+use crate::{BestCandidate, Lloyd, Pattern, Riesz, SpectralControl};
 
 /// What is known of a pattern before anything is computed, in words.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -107,11 +107,11 @@ impl Pattern {
                 let mass = (*capacity).max(2) as f64;
                 70e-9 * mass * mass.log2()
             }
-            // Pairs of transforms to a degree that grows with alpha; a soft core takes as long again.
+            // A soft core takes as long again as the transforms.
             Self::Step { alpha, core, .. } => {
-                19e-6 * alpha.max(1.0).powi(2) * if *core > 0.0 { 2.5 } else { 1.0 }
+                19e-6 * descent_length(*alpha) * if *core > 0.0 { 2.5 } else { 1.0 }
             }
-            Self::Blue { alpha, .. } => 27e-6 * alpha.max(1.0).powi(2),
+            Self::Blue { alpha, .. } => 27e-6 * descent_length(*alpha),
             Self::Profile { core, .. } => 8e-6 * if *core > 0.0 { 2.5 } else { 1.0 },
             Self::EqualArea { .. } => 29e-9,
             Self::BestCandidate { factor } => {
@@ -128,6 +128,16 @@ impl Pattern {
         };
         per_point * n
     }
+}
+
+/// The steps of a descent to an empty spectrum up to alpha sqrt(N), relative to those for alpha = 1:
+/// `(1 + sqrt f)/(1 - sqrt f)` with the share `f = alpha^2/2` of the degrees of freedom.
+fn descent_length(alpha: Option<f64>) -> f64 {
+    let steps = |alpha: f64| {
+        let root = (0.5 * alpha * alpha).min(SpectralControl::MOST_CONSTRAINED).sqrt();
+        (1.0 + root) / (1.0 - root)
+    };
+    alpha.map_or(1.0, |alpha| steps(alpha) / steps(SpectralControl::DEFAULT_ALPHA))
 }
 
 #[cfg(test)]

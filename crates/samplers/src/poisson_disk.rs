@@ -9,7 +9,7 @@ use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
 use crate::{Domain, Error, Pattern, Sampler};
-use packing::greatest_chord;
+pub(crate) use packing::greatest_chord;
 use throw::{End, Thrower};
 
 const NAME: &str = "poisson-disk";

@@ -30,6 +30,12 @@ pub trait Sampler: Debug + Send + Sync {
         self.n_points() == 1
     }
 
+    /// Returns the last degree t such that no realization has power at any degree `1 <= l <= t` of the
+    /// domain (0 if there is none), for patterns that are made so; `None` for others.
+    fn last_empty_degree(&self) -> Option<usize> {
+        None
+    }
+
     /// Replaces the content of `points` by one realization: `n_points` unit vectors, with z >= 0
     /// on the hemisphere.
     ///

@@ -1,4 +1,5 @@
 mod energy;
+mod freedom;
 mod profile;
 mod soft_core;
 mod target;
@@ -7,8 +8,10 @@ use glam::DVec3;
 use rand::Rng;
 
 use crate::descent::Descent;
+use crate::poisson_disk::greatest_chord;
 use crate::{Domain, Error, Sampler, count, white_noise};
 use energy::SpectralEnergy;
+use freedom::{coefficients, degree_within, degrees_of_freedom};
 pub use profile::PowerProfile;
 use soft_core::SoftCore;
 pub use target::SpectralTarget;
@@ -30,8 +33,8 @@ pub use target::SpectralTarget;
 ///
 /// ```
 /// use sphvar_samplers::{Domain, Purpose, Sampler, SpectralControl, Streams};
-/// let step = SpectralControl::step(100, Domain::Sphere, 1.0, None)?;
-/// assert_eq!(step.target().constraints(Domain::Sphere), 99);
+/// let step = SpectralControl::step(100, Domain::Sphere, None, None)?;
+/// assert_eq!(step.last_empty_degree(), 10);
 /// let points = step.sample(&mut Streams::new(0, Purpose::Pattern, 100).realization(0))?;
 /// // No power at degree 1: the points balance.
 /// let sum: glam::DVec3 = points.iter().sum();
@@ -53,11 +56,21 @@ pub struct SpectralControl {
 }
 
 impl SpectralControl {
-    /// Constraints over degrees of freedom beyond which descents do not arrive in reasonable time.
-    pub const MOST_CONSTRAINED: f64 = 0.97;
+    /// Coefficients that vanish over degrees of freedom beyond which descents do not converge in
+    /// reasonable time.
+    pub const MOST_CONSTRAINED: f64 = freedom::MAX_SHARE;
 
-    /// The largest alpha of a step.
+    /// The alpha of a step for which none is given.
+    pub const DEFAULT_ALPHA: f64 = 1.0;
+
+    /// The largest alpha of a step with any number of points; [`Self::max_alpha`] is that of N points.
     pub const MOST_ALPHA: f64 = 1.38;
+
+    /// The largest `flat`.
+    pub const MOST_FLAT: f64 = 8.0;
+
+    /// The largest core.
+    pub const MOST_CORE: f64 = 0.95;
 
     /// The chord of the soft core of [`Self::step`] in units of the spacing of a hexagonal lattice.
     pub const STEP_CORE: f64 = 0.3;
@@ -68,38 +81,45 @@ impl SpectralControl {
     /// Fewer points have no freedom left for a flat spectrum beyond a step.
     const FEWEST_FLAT: usize = 32;
 
-    /// Steps of one descent, and how many are begun.
-    const MOST_STEPS: u32 = 3000;
-    const MOST_STARTS: u32 = 4;
+    /// Steps of one descent: some 5000 are needed where all the freedom is spent that can be.
+    const MOST_STEPS: u32 = 20_000;
 
-    /// No power at all up to the last degree t with `(t+1)^2 - 1 <= alpha^2 N`, about alpha sqrt(N),
-    /// and that of white noise from there to `flat sqrt(N)`, where points are no nearer than 0.3 of a
-    /// hexagonal lattice's. If not given, `flat` is 2 for alpha up to 1 and 32 points or more, else 0.
+    /// How many descents are begun: up to two in five stall with some numbers of few points, none was
+    /// seen to with more than 100.
+    fn starts(n: u32) -> u32 {
+        (2048 / n).clamp(4, 16)
+    }
+
+    /// No power at any degree `1 <= l <= alpha sqrt(N)` (2N and even degrees on the hemisphere), and that
+    /// of white noise from there to `flat sqrt(N)`, where points are no nearer than 0.3 of a hexagonal
+    /// lattice's. If not given, `flat` is 2 for alpha up to 1 and 32 points or more, else 0.
+    ///
+    /// If not given, alpha is 1, or as large as can be where few points have less freedom: no set of
+    /// 1, 5 or 9 points is empty to sqrt(N). [`Self::last_empty_degree`] states the last empty degree.
     ///
     /// # Errors
     ///
-    /// As [`Self::new`].
+    /// [`Error::Parameter`] unless alpha is in [0, 1.38] and flat in [0, 8];
+    /// [`Error::Infeasible`] with the largest alpha of N points for one beyond it; as [`Self::new`].
     pub fn step(
         n_points: usize,
         domain: Domain,
-        alpha: f64,
+        alpha: Option<f64>,
         flat: Option<f64>,
     ) -> Result<Self, Error> {
-        let usual = if alpha <= 1.0 && n_points >= Self::FEWEST_FLAT { 2.0 } else { 0.0 };
-        let flat = flat.unwrap_or(usual);
-        Self::new("step", n_points, Self::step_target(n_points, domain, alpha, flat)?, domain)?
-            .with_core(Self::STEP_CORE)
+        let is_flat = alpha.unwrap_or(Self::DEFAULT_ALPHA) <= 1.0 && n_points >= Self::FEWEST_FLAT;
+        let flat = flat.unwrap_or(if is_flat { 2.0 } else { 0.0 });
+        Self::empty_to_alpha("step", n_points, domain, alpha, flat)?.with_core(Self::STEP_CORE)
     }
 
-    /// The step of `alpha` with nothing asked for beyond but points no nearer than 0.75 of a hexagonal
+    /// The step of `alpha` with no target beyond, but points no nearer than 0.75 of a hexagonal
     /// lattice's: blue noise that is exact at low degrees.
     ///
     /// # Errors
     ///
-    /// As [`Self::new`].
-    pub fn blue(n_points: usize, domain: Domain, alpha: f64) -> Result<Self, Error> {
-        Self::new("blue", n_points, Self::step_target(n_points, domain, alpha, 0.0)?, domain)?
-            .with_core(Self::BLUE_CORE)
+    /// As [`Self::step`].
+    pub fn blue(n_points: usize, domain: Domain, alpha: Option<f64>) -> Result<Self, Error> {
+        Self::empty_to_alpha("blue", n_points, domain, alpha, 0.0)?.with_core(Self::BLUE_CORE)
     }
 
     /// The power of a profile, met at every degree of every realization.
@@ -111,46 +131,60 @@ impl SpectralControl {
         Self::new("profile", n_points, profile.target(n_points, domain)?, domain)
     }
 
-    /// The target of a step to alpha, and of white noise from there to `flat sqrt(N)`.
+    /// Returns the last degree up to which sets of `n_points` points without any power can be made,
+    /// by the count of coefficients and degrees of freedom.
     ///
     /// # Errors
     ///
-    /// [`Error::Parameter`] unless alpha is in [0, 1.38] and flat in [0, 8].
-    pub fn step_target(
+    /// [`Error::Parameter`] unless there are 1 to `u32::MAX` points.
+    pub fn max_empty_degree(n_points: usize, domain: Domain) -> Result<usize, Error> {
+        count::checked(n_points)?;
+        Ok(freedom::max_empty_degree(n_points, domain))
+    }
+
+    /// Returns the largest alpha of a step of `n_points` points, rounded down to six digits.
+    ///
+    /// # Errors
+    ///
+    /// As [`Self::max_empty_degree`].
+    pub fn max_alpha(n_points: usize, domain: Domain) -> Result<f64, Error> {
+        count::checked(n_points)?;
+        Ok(freedom::max_alpha(n_points, domain).min(Self::MOST_ALPHA))
+    }
+
+    /// The pattern without power to alpha and with that of white noise from there to `flat sqrt(N)`.
+    fn empty_to_alpha(
+        name: &'static str,
         n_points: usize,
         domain: Domain,
-        alpha: f64,
+        alpha: Option<f64>,
         flat: f64,
-    ) -> Result<SpectralTarget, Error> {
-        let in_range = |name, range, got: f64, most| {
-            if (0.0..=most).contains(&got) {
-                Ok(())
-            } else {
-                Err(Error::Parameter { name, range, got })
-            }
-        };
-        in_range(
-            "alpha",
-            "in [0, 1.38]: beyond there are more constraints than freedom",
-            alpha,
-            Self::MOST_ALPHA,
-        )?;
-        in_range("flat", "in [0, 8]", flat, 8.0)?;
-        count::checked(n_points)?;
-        // On the hemisphere half of the harmonics of a degree are left, as half of 2N points are.
-        let density = domain.count_on_sphere(n_points);
-        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a degree")]
-        let degree = |x: f64| x.max(0.0) as usize;
-        let mut last = degree((alpha * alpha * density + 1.0).sqrt() - 1.0);
-        let target = |last: usize| {
-            let end = last.max(degree(flat * density.sqrt()));
-            SpectralTarget::new((0..=end).map(|l| if l <= last { 0.0 } else { 1.0 }).collect())
-        };
-        // Few points have less freedom than alpha promises.
-        while last > 0 && too_constrained(&target(last)?, n_points, domain) {
-            last -= 1;
+    ) -> Result<Self, Error> {
+        let given = alpha.unwrap_or(Self::DEFAULT_ALPHA);
+        let range = "in [0, 1.38]: beyond there are more constraints than freedom";
+        in_range("alpha", range, given, Self::MOST_ALPHA)?;
+        in_range("flat", "in [0, 8]", flat, Self::MOST_FLAT)?;
+        let n = count::checked(n_points)?;
+        let last = degree_within(given, n_points, domain);
+        let most = freedom::max_empty_degree(n_points, domain);
+        if let Some(alpha) = alpha.filter(|_| last > most) {
+            return Err(Error::Infeasible {
+                pattern: name,
+                n_points,
+                reason: format!(
+                    "alpha = {alpha} requires {} coefficients to vanish (degrees up to {last}) with {} \
+                     degrees of freedom; the largest alpha of {n_points} points on the {domain} is {} \
+                     (degrees up to {most})",
+                    coefficients(last, domain),
+                    degrees_of_freedom(n_points),
+                    Self::max_alpha(n_points, domain)?
+                ),
+            });
         }
-        target(last)
+        let last = last.min(most);
+        let end = last.max(degree_within(flat, n_points, domain));
+        let power = (0..=end).map(|l| if l <= last { 0.0 } else { 1.0 });
+        Ok(Self { n, domain, name, target: SpectralTarget::new(power.collect())?, sigma: 0.0 })
     }
 
     /// The pattern of `n_points` points with the target's power, and no core; `name` is for messages.
@@ -166,33 +200,43 @@ impl SpectralControl {
         domain: Domain,
     ) -> Result<Self, Error> {
         let n = count::checked(n_points)?;
-        let infeasible = |reason| Err(Error::Infeasible { pattern: name, n_points, reason });
-        if too_constrained(&target, n_points, domain) {
-            return infeasible(format!(
-                "{} coefficients cannot vanish with {} degrees of freedom: at most {:.0} can",
-                target.constraints(domain),
-                freedom(n_points),
-                Self::MOST_CONSTRAINED * freedom(n_points)
-            ));
+        let (constraints, freedom) = (target.constraints(domain), degrees_of_freedom(n_points));
+        let most = Self::MOST_CONSTRAINED * freedom;
+        if constraints as f64 > most {
+            return Err(Error::Infeasible {
+                pattern: name,
+                n_points,
+                reason: format!(
+                    "{constraints} coefficients cannot vanish with {freedom} degrees of freedom: at most \
+                     {} can",
+                    most.floor()
+                ),
+            });
         }
         Ok(Self { n, domain, name, target, sigma: 0.0 })
     }
 
-    /// The same, with no two points nearer than `core` times the spacing of a hexagonal lattice,
-    /// `sqrt(8 pi/(sqrt(3) N))` (2N on the hemisphere).
+    /// The same, with no two points nearer than `core` times the bound of Fejes Toth (1943) for the
+    /// least distance of N points, `sqrt(4 - 1/sin^2(pi N/(6 (N - 2))))`: for many points the spacing of
+    /// a hexagonal lattice, `sqrt(8 pi/(sqrt(3) N))`. On the hemisphere it is that of 2N points.
     ///
     /// # Errors
     ///
     /// [`Error::Parameter`] unless `core` is in [0, 0.95].
     pub fn with_core(mut self, core: f64) -> Result<Self, Error> {
-        if !(0.0..=0.95).contains(&core) {
-            return Err(Error::Parameter { name: "core", range: "in [0, 0.95]", got: core });
-        }
-        let cell = self.domain.area() / f64::from(self.n);
-        let hexagonal = (2.0 * cell / 3.0_f64.sqrt()).sqrt();
-        // Few points have no room for a flat lattice.
-        self.sigma = (core * hexagonal).min(1.2);
+        in_range("core", "in [0, 0.95]", core, Self::MOST_CORE)?;
+        // One point is no pair.
+        let packed = Some(greatest_chord(self.n_points(), self.domain)).filter(|d| d.is_finite());
+        self.sigma = core * packed.unwrap_or(0.0);
         Ok(self)
+    }
+
+    /// Returns the last degree t such that no realization has power at any degree `1 <= l <= t` of the
+    /// domain; 0 if there is none.
+    #[must_use]
+    pub fn last_empty_degree(&self) -> usize {
+        let degrees = self.target.degrees(self.domain);
+        degrees.take_while(|(_, power)| *power == 0.0).last().map_or(0, |(l, _)| l)
     }
 
     /// What the spectrum is to be.
@@ -221,11 +265,16 @@ impl Sampler for SpectralControl {
         true
     }
 
+    fn last_empty_degree(&self) -> Option<usize> {
+        Some(Self::last_empty_degree(self))
+    }
+
     fn sample_into(&self, rng: &mut dyn Rng, points: &mut Vec<DVec3>) -> Result<(), Error> {
         let core = SoftCore { domain: self.domain, sigma: self.sigma };
         let g2 = self.target.pair_correlation_at_zero(self.n_points(), self.domain);
-        // Power beyond the target can make up for a little.
-        let starts = if g2 < -0.5 { 1 } else { Self::MOST_STARTS };
+        // Power beyond the target can make up for a little, and for any emptiness if all of it is free.
+        let has_tail = self.target.last_degree() > Self::last_empty_degree(self);
+        let starts = if has_tail && g2 < -0.5 { 1 } else { Self::starts(self.n) };
         let mut reached = [0.0; 2];
         for _ in 0..starts {
             points.clear();
@@ -261,11 +310,7 @@ impl Sampler for SpectralControl {
     }
 }
 
-/// `2N - 3`, or 0.
-fn freedom(n_points: usize) -> f64 {
-    (2.0 * n_points as f64 - 3.0).max(0.0)
-}
-
-fn too_constrained(target: &SpectralTarget, n_points: usize, domain: Domain) -> bool {
-    target.constraints(domain) as f64 > SpectralControl::MOST_CONSTRAINED * freedom(n_points)
+/// Accepts numbers from 0 to `most`.
+fn in_range(name: &'static str, range: &'static str, got: f64, most: f64) -> Result<(), Error> {
+    if (0.0..=most).contains(&got) { Ok(()) } else { Err(Error::Parameter { name, range, got }) }
 }

@@ -6,6 +6,7 @@ use glam::DVec3;
 use sphvar_samplers::{
     Domain, Error, PowerProfile, Purpose, Sampler, SpectralControl, SpectralTarget, Streams,
 };
+use sphvar_sht::ExactTransform;
 
 const DOMAINS: [Domain; 2] = [Domain::Sphere, Domain::Hemisphere];
 
@@ -32,22 +33,27 @@ fn parameters_outside_their_range_are_refused() {
     for domain in DOMAINS {
         for alpha in OUTSIDE.into_iter().chain([1.39, 10.0, 1e300]) {
             for flat in [None, Some(0.0), Some(2.0)] {
-                let step = SpectralControl::step(100, domain, alpha, flat);
+                let step = SpectralControl::step(100, domain, Some(alpha), flat);
                 assert_eq!(refused(step), "alpha", "{domain} {alpha} {flat:?}");
             }
-            assert_eq!(refused(SpectralControl::blue(100, domain, alpha)), "alpha", "{alpha}");
+            assert_eq!(
+                refused(SpectralControl::blue(100, domain, Some(alpha))),
+                "alpha",
+                "{alpha}"
+            );
         }
         for flat in OUTSIDE.into_iter().chain([8.1, 1e300]) {
-            let step = SpectralControl::step(100, domain, 1.0, Some(flat));
+            let step = SpectralControl::step(100, domain, None, Some(flat));
             assert_eq!(refused(step), "flat", "{domain} {flat}");
         }
         for core in OUTSIDE.into_iter().chain([0.96, 1.0, 1e300]) {
-            let step = SpectralControl::step(100, domain, 1.0, None).expect("legal parameters");
+            let step = SpectralControl::step(100, domain, None, None).expect("legal parameters");
             assert_eq!(refused(step.with_core(core)), "core", "{domain} {core}");
         }
         // The ends belong to the ranges.
         for (alpha, flat, core) in [(0.0, 0.0, 0.0), (1.38, 0.0, 0.95), (0.5, 8.0, 0.0)] {
-            let step = SpectralControl::step(100, domain, alpha, Some(flat));
+            // Of many points, which have the freedom for the largest alpha.
+            let step = SpectralControl::step(100_000, domain, Some(alpha), Some(flat));
             let with_core = step.and_then(|step| step.with_core(core));
             assert!(with_core.is_ok(), "{domain} {alpha} {flat} {core}: {with_core:?}");
         }
@@ -60,8 +66,8 @@ fn numbers_of_points_outside_their_range_are_refused() {
     let profile = PowerProfile::QUADRATIC;
     for domain in DOMAINS {
         for n in [0, 1 << 32, usize::MAX] {
-            assert_eq!(refused(SpectralControl::step(n, domain, 1.0, None)), COUNT, "{n}");
-            assert_eq!(refused(SpectralControl::blue(n, domain, 1.0)), COUNT, "{n}");
+            assert_eq!(refused(SpectralControl::step(n, domain, None, None)), COUNT, "{n}");
+            assert_eq!(refused(SpectralControl::blue(n, domain, None)), COUNT, "{n}");
             assert_eq!(refused(SpectralControl::profile(n, domain, &profile)), COUNT, "{n}");
             assert_eq!(refused(SpectralControl::new("test", n, zeros(1), domain)), COUNT, "{n}");
         }
@@ -121,15 +127,15 @@ fn more_zeros_than_freedom_are_infeasible() {
 #[test]
 fn few_points_end_soon_one_way_or_the_other() {
     // 0.09 s was the longest; the limit leaves room for a busy machine.
-    const LIMIT: Duration = Duration::from_secs(1);
+    const LIMIT: Duration = Duration::from_secs(5);
     for domain in DOMAINS {
         for n in 1..=40 {
             let quadratic = PowerProfile::QUADRATIC;
             let controls = [
-                ("step", SpectralControl::step(n, domain, 1.0, None)),
-                ("bare step", SpectralControl::step(n, domain, 1.0, Some(0.0))),
-                ("steepest step", SpectralControl::step(n, domain, 1.38, None)),
-                ("blue", SpectralControl::blue(n, domain, 1.0)),
+                ("step", SpectralControl::step(n, domain, None, None)),
+                ("bare step", SpectralControl::step(n, domain, None, Some(0.0))),
+                ("steepest step", SpectralControl::step(n, domain, Some(1.38), None)),
+                ("blue", SpectralControl::blue(n, domain, None)),
                 ("profile", SpectralControl::profile(n, domain, &quadratic)),
             ];
             for (name, control) in controls {
@@ -152,7 +158,8 @@ fn it_keeps_the_contract_of_samplers() {
     for domain in DOMAINS {
         for n in [1, 2, 5, 64, 333] {
             for flat in [None, Some(0.0)] {
-                let step = SpectralControl::step(n, domain, 0.8, flat).expect("legal parameters");
+                let step =
+                    SpectralControl::step(n, domain, Some(0.8), flat).expect("legal parameters");
                 assert_eq!((step.n_points(), step.domain()), (n, domain));
                 assert!(step.is_random());
                 let case = format!("{domain}, N = {n}, flat {flat:?}");
@@ -191,9 +198,10 @@ fn same_bits(a: &[DVec3], b: &[DVec3]) -> bool {
 #[test]
 fn cores_keep_points_apart() {
     for domain in DOMAINS {
-        for control in
-            [SpectralControl::step(200, domain, 1.0, None), SpectralControl::blue(200, domain, 0.8)]
-        {
+        for control in [
+            SpectralControl::step(200, domain, None, None),
+            SpectralControl::blue(200, domain, Some(0.8)),
+        ] {
             let control = control.expect("legal parameters");
             let points = sample(&control, 3).expect("a realization");
             // What overlap is left is a share of sqrt(N 5e-21) of the core at most.
@@ -207,6 +215,87 @@ fn cores_keep_points_apart() {
                     assert!(apart >= chord, "{control:?}: {p} and {q} are {apart} apart");
                 }
             }
+        }
+    }
+}
+
+/// The power `P(l) = (4 pi/N)/(2l+1) sum_m |a_lm|^2` by the exact transform, not the one descents use.
+fn power(points: &[DVec3], lmax: usize) -> Vec<f64> {
+    let alm = ExactTransform::new(lmax).expect("a low degree").adjoint(points, None);
+    let power = alm.expect("a small table").power_per_degree();
+    power.into_iter().map(|p| 4.0 * std::f64::consts::PI / points.len() as f64 * p).collect()
+}
+
+/// No power at any degree `l <= alpha sqrt(N)`, whole products included, for numbers of points around
+/// squares and between; there is some at the degree after the last empty one that is stated.
+#[test]
+fn every_degree_to_alpha_sqrt_n_is_empty() {
+    let check = |control: Result<SpectralControl, Error>, hundredths: usize| {
+        let control = control.expect("a set that exists");
+        let (n, domain) = (control.n_points(), control.domain());
+        let case = format!("{domain}, N = {n}, alpha {hundredths} %");
+        let promised = (hundredths * hundredths * n * domain.degree_step()).isqrt() / 100;
+        let last = control.last_empty_degree();
+        assert!(last + domain.degree_step() > promised && last <= promised, "{case}: {last}");
+        let points = sample(&control, 0).expect(&case);
+        let power = power(&points, last + 2);
+        for (l, &p) in power.iter().enumerate().skip(1).filter(|row| domain.has_degree(row.0)) {
+            assert_eq!(p <= 1e-18, l <= last, "{case}, last empty {last}: P({l}) = {p:e}");
+        }
+    };
+    for domain in DOMAINS {
+        for n in [3, 4, 6, 7, 10, 11, 12, 16, 17, 25, 49, 100, 150, 169] {
+            check(SpectralControl::step(n, domain, Some(1.0), None), 100);
+            check(SpectralControl::blue(n, domain, Some(1.0)), 100);
+        }
+        for hundredths in [10, 50, 80, 110, 120] {
+            let alpha = f64::from(u32::try_from(hundredths).expect("a small number")) / 100.0;
+            check(SpectralControl::step(150, domain, Some(alpha), None), hundredths);
+        }
+    }
+}
+
+/// Where no set is empty to sqrt(N), the default empties what can be emptied and says so; an alpha that
+/// is given is an error with the largest one, which works.
+#[test]
+fn alphas_beyond_the_freedom_name_the_largest() {
+    for (domain, n, last) in [
+        (Domain::Sphere, 1, 0),
+        (Domain::Sphere, 5, 1),
+        (Domain::Sphere, 9, 2),
+        (Domain::Hemisphere, 2, 0),
+        (Domain::Hemisphere, 8, 2),
+    ] {
+        for control in
+            [SpectralControl::step(n, domain, None, None), SpectralControl::blue(n, domain, None)]
+        {
+            let control = control.expect("what is possible");
+            assert_eq!(control.last_empty_degree(), last, "{domain}, N = {n}");
+            let points = sample(&control, 0).expect("a realization");
+            let power = power(&points, last);
+            let degrees = (1..=last).filter(|&l| domain.has_degree(l));
+            assert!(degrees.map(|l| power[l]).all(|p| p <= 1e-18), "{domain}, N = {n}: {power:?}");
+        }
+        assert!(SpectralControl::step(n, domain, Some(1.0), None).is_err(), "{domain}, N = {n}");
+    }
+    for domain in DOMAINS {
+        for n in [5, 9, 53, 100, 227, 5252] {
+            let largest = SpectralControl::max_alpha(n, domain).expect("a number of points");
+            if largest < SpectralControl::MOST_ALPHA {
+                let asked = Some(largest + 1e-5);
+                for result in [
+                    SpectralControl::step(n, domain, asked, None),
+                    SpectralControl::blue(n, domain, asked),
+                ] {
+                    let Err(Error::Infeasible { reason, .. }) = result else {
+                        panic!("{domain}, N = {n}, alpha {asked:?}: {result:?}");
+                    };
+                    assert!(reason.contains(&largest.to_string()), "{reason}");
+                }
+            }
+            let step = SpectralControl::step(n, domain, Some(largest), None);
+            let most = SpectralControl::max_empty_degree(n, domain);
+            assert_eq!(step.map(|s| s.last_empty_degree()), most, "{domain}, N = {n}");
         }
     }
 }

@@ -298,9 +298,10 @@ mod tests {
 
     /// Evaluations of the energy for one descent of a bare step.
     fn evaluations(n: usize, domain: Domain, realization: u64) -> u32 {
-        let target = SpectralControl::step_target(n, domain, 1.0, 0.0).unwrap();
+        let step = SpectralControl::step(n, domain, None, Some(0.0)).unwrap();
+        let target = step.target();
         let core = SoftCore { domain, sigma: 0.0 };
-        let energy = SpectralEnergy::new(domain, &target, core, n).unwrap();
+        let energy = SpectralEnergy::new(domain, target, core, n).unwrap();
         let mut counted = Counted(energy, 0);
         let mut points = white(n, domain, realization);
         let reach = 8.0 * (domain.area() / n as f64).sqrt();
