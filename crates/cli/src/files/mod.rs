@@ -17,12 +17,12 @@ mod text_rows;
 
 pub(crate) use atomic::AtomicFile;
 pub(crate) use file_error::{FileError, Place};
-pub(crate) use fits::read_fits_map;
+pub(crate) use fits::{HduChoice, read_fits_map};
 pub(crate) use image::{Channel, read_image};
 pub(crate) use input::read_whole;
 pub(crate) use lists::{Columns, Fault, ListWriter, Number, Written, read_list};
 pub(crate) use picture::{Picture, PictureFormat, srgb, write_png};
 pub(crate) use piece_store::PieceStore;
-pub(crate) use points::{PointSet, ReadOptions, read_points, write_points};
+pub(crate) use points::{ColumnChoice, PointSet, ReadOptions, read_points, write_points};
 pub(crate) use shard::{SavedEnsemble, Shard};
 pub(crate) use spectra::read_spectrum;
