@@ -78,7 +78,8 @@ fn decompressed(raw: Box<dyn BufRead>) -> io::Result<Box<dyn BufRead>> {
     if !raw.head.starts_with(&GZIP) {
         return Ok(raw.into_reader());
     }
-    let gunzip = Gunzip(MultiGzDecoder::new(raw.into_reader()));
+    let decoder = MultiGzDecoder::new(raw.into_reader());
+    let gunzip = Gunzip { decoder, decompressed: 0, guard: MemoryGuard::default() };
     let content = with_head(Box::new(BufReader::with_capacity(BUFFER, gunzip)))?;
     Ok(content.map_or_else(|| Box::new(io::empty()) as Box<dyn BufRead>, WithHead::into_reader))
 }
@@ -107,11 +108,15 @@ fn with_head(mut rest: Box<dyn BufRead>) -> io::Result<Option<WithHead>> {
 /// A gzip decoder whose errors say that the file is at fault.
 ///
 /// Readers take `UnexpectedEof` for a short array and `InvalidData` for text in another encoding.
-struct Gunzip<R>(MultiGzDecoder<R>);
+struct Gunzip<R> {
+    decoder: MultiGzDecoder<R>,
+    decompressed: u64,
+    guard: MemoryGuard,
+}
 
 impl<R: BufRead> Read for Gunzip<R> {
     fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
-        self.0.read(buffer).map_err(|error| match error.kind() {
+        let read = self.decoder.read(buffer).map_err(|error| match error.kind() {
             io::ErrorKind::UnexpectedEof => {
                 io::Error::other("the gzip data are cut short: is the file complete?")
             }
@@ -119,7 +124,10 @@ impl<R: BufRead> Read for Gunzip<R> {
                 io::Error::other(format!("the gzip data are damaged ({error})"))
             }
             _ => error,
-        })
+        })?;
+        self.decompressed += read as u64;
+        self.guard.check_decompressed(self.decompressed)?;
+        Ok(read)
     }
 }
 

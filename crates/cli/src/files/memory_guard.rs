@@ -1,5 +1,7 @@
 //! Stops a reader before it takes more memory than there is.
 
+use std::io;
+
 use crate::files::FileError;
 use crate::memory::{available_memory, gibibytes};
 
@@ -21,16 +23,38 @@ impl MemoryGuard {
     /// # Errors
     /// [`FileError::Memory`].
     pub(super) fn check(&mut self, path: &str, what: &str, held: u64) -> Result<(), FileError> {
-        if held < self.checked.saturating_add(STEP) {
-            return Ok(());
-        }
-        self.checked = held;
-        match available_memory() {
-            Some(available) if available < STEP as f64 => {
-                Err(memory_error(path, what, held as f64 + STEP as f64, held as f64 + available))
+        match self.left(held) {
+            Some(left) if left < STEP as f64 => {
+                Err(memory_error(path, what, held as f64 + STEP as f64, held as f64 + left))
             }
             _ => Ok(()),
         }
+    }
+
+    /// Returns an error if there is no memory for what may come after so many decompressed bytes.
+    ///
+    /// A reader that keeps nothing of them takes no memory, however many there are.
+    ///
+    /// # Errors
+    /// When the memory has come to its end.
+    pub(super) fn check_decompressed(&mut self, bytes: u64) -> io::Result<()> {
+        match self.left(bytes) {
+            Some(left) if left < STEP as f64 => Err(io::Error::other(format!(
+                "{} after decompression and more do not fit, {} of memory are available",
+                gibibytes(bytes as f64),
+                gibibytes(left)
+            ))),
+            _ => Ok(()),
+        }
+    }
+
+    /// Returns the memory that is left, at every step.
+    fn left(&mut self, held: u64) -> Option<f64> {
+        if held < self.checked.saturating_add(STEP) {
+            return None;
+        }
+        self.checked = held;
+        available_memory()
     }
 }
 

@@ -15,6 +15,7 @@ use std::io::{self, Read, Write};
 use npyz::WriterBuilder;
 
 use super::file_error::{FileError, Place};
+use super::memory_guard::MemoryGuard;
 
 use description::Description;
 
@@ -112,6 +113,7 @@ impl<'a, R: Read> NpyReader<'a, R> {
     pub(super) fn read_items(mut self, item: ItemType) -> Result<Array, FileError> {
         let bytes = self.bytes_of(item.size()).ok_or_else(|| self.size_error())?;
         let read_error = |source| FileError::Read { path: self.path.to_owned(), source };
+        let mut guard = MemoryGuard::default();
         let mut bits = Vec::new();
         let mut chunk = Vec::new();
         let mut done = 0;
@@ -120,6 +122,7 @@ impl<'a, R: Read> NpyReader<'a, R> {
             self.read_bytes(&mut chunk, wanted, done, bytes)?;
             done += wanted;
             bits.extend(chunk.chunks_exact(item.size()).map(|bytes| item.bits(bytes)));
+            guard.check(self.path, "an array", 8 * bits.len() as u64)?;
         }
         let bytes_follow = self.input.read(&mut [0]).map_err(read_error)? > 0;
         let Description { shape, fortran_order, .. } = self.description;
@@ -147,19 +150,19 @@ impl<'a, R: Read> NpyReader<'a, R> {
         let rows = if row == 0 { 0 } else { bytes / row };
         // The order of a single dimension does not matter.
         let is_fortran = self.description.fortran_order && self.shape().len() > 1;
-        let mut chunk = Vec::new();
-        if is_fortran {
-            self.read_bytes(&mut chunk, bytes, 0, bytes)?;
+        if is_fortran && rows > 0 {
+            let all = self.read_all(bytes)?;
             let items = row / item;
             let mut gathered = vec![0; row];
             for index in 0..rows {
                 for (column, place) in gathered.chunks_exact_mut(item).enumerate() {
                     let start = item * fortran_place(self.shape(), index * items + column);
-                    place.copy_from_slice(&chunk[start..start + item]);
+                    place.copy_from_slice(&all[start..start + item]);
                 }
                 take(index, &gathered)?;
             }
         } else {
+            let mut chunk = Vec::new();
             let together = (CHUNK / row.max(1)).max(1);
             let mut index = 0;
             while index < rows {
@@ -173,6 +176,19 @@ impl<'a, R: Read> NpyReader<'a, R> {
         }
         let read_error = |source| FileError::Read { path: self.path.to_owned(), source };
         Ok(self.input.read(&mut [0]).map_err(read_error)? > 0)
+    }
+
+    /// Returns all `bytes` of the array, within the memory that there is.
+    fn read_all(&mut self, bytes: usize) -> Result<Vec<u8>, FileError> {
+        let (mut all, mut chunk) = (Vec::new(), Vec::new());
+        let mut guard = MemoryGuard::default();
+        while all.len() < bytes {
+            let wanted = (bytes - all.len()).min(CHUNK);
+            self.read_bytes(&mut chunk, wanted, all.len(), bytes)?;
+            all.extend_from_slice(&chunk);
+            guard.check(self.path, "an array in Fortran order", all.len() as u64)?;
+        }
+        Ok(all)
     }
 
     /// Replaces `chunk` by the next `wanted` bytes of `bytes`, of which `done` have been read.

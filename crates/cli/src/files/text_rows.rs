@@ -1,7 +1,7 @@
 //! Text files as lines of fields: numbers in columns, separated by commas, semicolons, tabs or blanks.
 
 use std::borrow::Cow;
-use std::io::{self, BufRead, Read as _};
+use std::io::{BufRead, Read as _};
 use std::iter;
 
 use super::file_error::{FileError, Place};
@@ -81,19 +81,24 @@ impl<'a, R: BufRead> TextRows<'a, R> {
         while self.line.trim().is_empty() {
             self.line.clear();
             self.number += 1;
-            let mut part = self.input.by_ref().take(MAX_LINE);
-            let read = part.read_line(&mut self.line).map_err(|error| self.error(error))?;
+            let mut bytes = std::mem::take(&mut self.line).into_bytes();
+            let read = self.input.by_ref().take(MAX_LINE).read_until(b'\n', &mut bytes);
+            let read =
+                read.map_err(|source| FileError::Read { path: self.path.to_owned(), source })?;
             if read == 0 {
                 return Ok(None);
             }
-            if read as u64 == MAX_LINE && !self.line.ends_with('\n') {
-                return Err(FileError::Layout {
-                    path: self.path.to_owned(),
-                    place: Place::Line(self.number),
-                    expected: self.expected.to_owned(),
-                    got: format!("a line of more than {MAX_LINE} bytes"),
-                });
+            if read as u64 == MAX_LINE && !bytes.ends_with(b"\n") {
+                return Err(self.error(&format!("a line of more than {MAX_LINE} bytes")));
             }
+            self.line = match String::from_utf8(bytes) {
+                Ok(line) => line,
+                // What a comment says does not matter, and many have names in Latin-1.
+                Err(error) if error.as_bytes().trim_ascii_start().starts_with(b"#") => {
+                    String::from_utf8_lossy(error.as_bytes()).into_owned()
+                }
+                Err(_) => return Err(self.error("other bytes")),
+            };
             if self.number == 1 && self.line.starts_with(BYTE_ORDER_MARK) {
                 self.line.remove(0);
             }
@@ -111,17 +116,12 @@ impl<'a, R: BufRead> TextRows<'a, R> {
         Ok(Some(TextLine { number: self.number, text, separator }))
     }
 
-    fn error(&self, source: io::Error) -> FileError {
-        let path = self.path.to_owned();
-        // So `read_line` says that a line is not UTF-8.
-        if source.kind() != io::ErrorKind::InvalidData {
-            return FileError::Read { path, source };
-        }
+    fn error(&self, got: &str) -> FileError {
         FileError::Layout {
-            path,
+            path: self.path.to_owned(),
             place: Place::Line(self.number),
             expected: self.expected.to_owned(),
-            got: "other bytes".to_owned(),
+            got: got.to_owned(),
         }
     }
 }

@@ -18,6 +18,8 @@ pub(crate) enum PointFormat {
     Ply,
     /// Tables of FITS files.
     Fits,
+    /// The document of `sphvar sample --json`.
+    Json,
 }
 
 /// Formats that are told by how they start, to name them in errors.
@@ -45,6 +47,7 @@ impl PointFormat {
             "npy" => Some(Self::Npy),
             "npz" => Some(Self::Npz),
             "ply" => Some(Self::Ply),
+            "json" => Some(Self::Json),
             "fits" | "fit" | "fts" => Some(Self::Fits),
             _ => None,
         }
@@ -74,6 +77,8 @@ impl PointFormat {
             Ok(Some(Self::Fits))
         } else if start.starts_with(b"PK\x03\x04") || start.starts_with(b"PK\x05\x06") {
             Ok(Some(Self::Npz))
+        } else if start.starts_with(b"{\"") {
+            Ok(Some(Self::Json))
         } else {
             match OTHERS.iter().find(|(magic, _)| start.starts_with(magic)) {
                 Some((_, name)) => Err(name),

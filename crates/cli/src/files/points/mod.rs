@@ -1,10 +1,11 @@
-//! Point sets in files: CSV and other text, NPY, NPZ, PLY, FITS tables.
+//! Point sets in files: CSV and other text, NPY, NPZ, PLY, FITS tables, and our own JSON.
 
 mod angles;
 mod collector;
 mod columns;
 mod fits;
 mod format;
+mod json;
 mod lengths;
 mod npy;
 mod npz;
@@ -118,6 +119,7 @@ fn read_stream(
         PointFormat::Csv => text::read_text(input, &name, options),
         PointFormat::Npy => npy::read_npy(input, &name, options, bytes),
         PointFormat::Ply => ply::read_ply(input, &name, options),
+        PointFormat::Json => json::read_json(input, &name, options),
         PointFormat::Fits => fits::read_fits(input, &name, options, bytes),
         PointFormat::Npz => {
             // An archive is read from its end. Of a plain file nothing need be held.

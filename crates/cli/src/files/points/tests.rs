@@ -1,6 +1,8 @@
 //! Round trips of every format and every dialect of it; the errors are in `messages`.
 
+mod dialects;
 mod messages;
+mod tables;
 
 use std::fs;
 use std::path::PathBuf;

@@ -49,7 +49,7 @@ pub(crate) fn write_points(
         return Err(FileError::Refused {
             path: name,
             reason: "the sets differ in size and do not fit one (M, N, 3) array; \
-                     write one file per set, or .csv or .ply with the column set",
+                     write one file per set with {i} in its name, or .csv or .ply with the column set",
         });
     }
     let mut file = AtomicFile::create(path)?;
