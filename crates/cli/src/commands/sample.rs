@@ -1,8 +1,9 @@
 //! `sphvar sample`: realizations of a pattern.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
+use glam::DVec3;
 use rayon::prelude::{IntoParallelIterator, ParallelIterator};
 use serde::Serialize;
 use sphvar_samplers::{Domain, Pattern, PatternFacts, Purpose, Realizations, Streams};
@@ -20,6 +21,7 @@ pub(crate) const EXAMPLES: &str = "Examples:
   sphvar sample jittered -n 972 -o points.csv
   sphvar sample fibonacci -n 1000 -o points.svg     (a picture)
   sphvar sample white-noise -n 4096 -m 100 --rotate -o sets.npy
+  sphvar sample poisson-disk:mode=saturated -n 512 -m 3 -o disks-{i}.npy   (a file for each set)
   sphvar sample poisson-disk:mode=saturated -n 4096 -o disks.ply
   sphvar sample step:alpha=1 -n 4096 -o step.npy    (no power up to degree 63)
   sphvar sample profile:b=2,alpha=1,to=2 -n 1000 -o quadratic.csv
@@ -50,7 +52,7 @@ pub(crate) struct SampleArgs {
     #[arg(long)]
     pub(crate) nearest: bool,
     /// File for the points (.csv, .npy, .ply) or a picture of them (.svg, .png); - is CSV on
-    /// standard output
+    /// standard output. With {i} in its name one file is written for each realization, counted from 0
     #[arg(short, long, default_value = "-", value_name = "FILE")]
     pub(crate) out: PathBuf,
 }
@@ -78,7 +80,7 @@ pub(crate) fn run(args: &SampleArgs, global: &Global) -> Result<(), CliError> {
         return Err(CliError::Usage("-m must be at least 1, got 0".to_owned()));
     }
     if args.out.as_os_str() != "-" {
-        AtomicFile::check(&args.out)?;
+        AtomicFile::check(&path_of_set(&args.out, 0).unwrap_or_else(|| args.out.clone()))?;
     }
     let sampler = patterns::build(&pattern, n, super::domain(args.hemisphere), args.nearest)?;
     let n_points = sampler.n_points();
@@ -111,22 +113,20 @@ pub(crate) fn run(args: &SampleArgs, global: &Global) -> Result<(), CliError> {
     drop(progress);
     let provenance = Provenance::new(global.seed);
     let to_stdout = args.out.as_os_str() == "-";
-    if ImageFormat::of_path(&args.out).is_some() {
-        if args.realizations > 1 {
+    if path_of_set(&args.out, 0).is_some() {
+        for (index, set) in sets.iter().enumerate() {
+            let path = path_of_set(&args.out, index).unwrap_or_default();
+            write_sets(&path, std::slice::from_ref(set), &pattern, &provenance)?;
+        }
+    } else if !(to_stdout && global.json) {
+        if ImageFormat::of_path(&args.out).is_some() && args.realizations > 1 {
             say(global.quiet, "the picture shows the first realization");
         }
-        let view = OrthographicView {
-            title: format!("{pattern}, N = {}", sets[0].len()),
-            notes: vec![provenance.line()],
-            ..OrthographicView::default()
-        };
-        view.render(&sets[0], &args.out)?;
-    } else if !(to_stdout && global.json) {
-        write_points(&args.out, None, &sets, Some(&provenance.line()))?;
+        write_sets(&args.out, &sets, &pattern, &provenance)?;
     }
     if global.json {
         let points = to_stdout
-            .then(|| sets.iter().map(|s| s.iter().map(glam::DVec3::to_array).collect()).collect());
+            .then(|| sets.iter().map(|s| s.iter().map(DVec3::to_array).collect()).collect());
         let realizations = args.realizations;
         let counts: Vec<usize> = sets.iter().map(Vec::len).collect();
         let counts = Some(counts).filter(|counts| counts.iter().any(|&count| count != n_points));
@@ -140,6 +140,30 @@ pub(crate) fn run(args: &SampleArgs, global: &Global) -> Result<(), CliError> {
         });
     }
     Ok(())
+}
+
+/// Returns the file of one set where the name has a place for its number, `{i}`.
+fn path_of_set(path: &Path, index: usize) -> Option<PathBuf> {
+    let name = path.to_str().filter(|name| name.contains("{i}"))?;
+    Some(name.replace("{i}", &index.to_string()).into())
+}
+
+/// Writes all sets, or a picture of the first one.
+fn write_sets(
+    path: &Path,
+    sets: &[Vec<DVec3>],
+    pattern: &Pattern,
+    provenance: &Provenance,
+) -> Result<(), CliError> {
+    if ImageFormat::of_path(path).is_none() {
+        return Ok(write_points(path, None, sets, Some(&provenance.line()))?);
+    }
+    let view = OrthographicView {
+        title: format!("{pattern}, N = {}", sets[0].len()),
+        notes: vec![provenance.line()],
+        ..OrthographicView::default()
+    };
+    Ok(view.render(&sets[0], path)?)
 }
 
 /// A pattern as `--list` shows it.

@@ -1,5 +1,9 @@
 //! Reading HEALPix maps from FITS files.
 
+mod hdu;
+mod header;
+mod table;
+
 use std::fs;
 use std::io::Cursor;
 use std::ops::Range;
@@ -10,6 +14,9 @@ use fitsrs::hdu::header::ValueMap;
 use fitsrs::{Fits, HDU};
 
 use super::file_error::{FileError, Place, input_name};
+
+pub(crate) use hdu::{Hdu, HduChoice, HduReader, keyword_error};
+pub(crate) use table::{Item, TableColumn};
 
 /// A HEALPix map as it stands in a file.
 #[derive(Clone, Debug, PartialEq)]

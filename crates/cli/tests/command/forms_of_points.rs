@@ -139,6 +139,25 @@ fn the_command_reads_what_it_writes() {
     }
     assert_eq!(spectra[0], spectra[1]);
     assert_eq!(spectra[0], spectra[2]);
+    // The document, and one file for each set.
+    let document = place.run("sample white-noise -n 40 -m 3 --json").ok().stdout;
+    place.write("p.json", &document);
+    let read = place.run("spectrum --points p.json --lmax 8 --json").json();
+    for (got, expected) in numbers(&read["power"]).into_iter().zip(&spectra[0]) {
+        // `serde_json` may miss the last bit of a number.
+        assert!((got - expected).abs() < 1e-13 * expected.max(1.0), "{got}, {expected}");
+    }
+    for extension in ["csv", "npy", "ply"] {
+        place.run(&format!("sample white-noise -n 40 -m 3 -o q{{i}}.{extension}")).ok();
+        let files = ["q0", "q1", "q2"].map(|name| format!("{name}.{extension}")).join(" ");
+        let read = place.run(&format!("spectrum --points {files} --lmax 8 --json")).json();
+        assert_eq!(numbers(&read["power"]), spectra[0], "{files}");
+    }
+    // Sets of different sizes fit no array, but files of their own.
+    let disks = "sample poisson-disk:mode=saturated -n 100 -m 3 -o";
+    place.run(&format!("{disks} d.npy")).fails(1, &["differ in size", "{i}"]);
+    place.run(&format!("{disks} d{{i}}.npy")).ok();
+    assert!(place.names().iter().any(|name| name == "d2.npy"), "{:?}", place.names());
     let csv = place.text("p.csv");
     let piped = place.run_on("spectrum --points - --lmax 8 --json", &csv).json();
     assert_eq!(numbers(&piped["power"]), spectra[0]);

@@ -3,6 +3,7 @@
 
 mod accuracy;
 mod audits;
+mod catalogues;
 mod choices;
 mod comparison_files;
 mod determinism;

@@ -33,9 +33,9 @@ pub(crate) fn write_points(
 ) -> Result<(), FileError> {
     let name = output_name(path);
     let format = match format.or_else(|| PointFormat::of_path(path)) {
-        Some(format) => format,
+        Some(format @ (PointFormat::Csv | PointFormat::Npy | PointFormat::Ply)) => format,
         None if is_dash(path) => PointFormat::Csv,
-        None => {
+        _ => {
             return Err(FileError::UnknownExtension { path: name, known: PointFormat::WRITABLE });
         }
     };
@@ -49,14 +49,14 @@ pub(crate) fn write_points(
         return Err(FileError::Refused {
             path: name,
             reason: "the sets differ in size and do not fit one (M, N, 3) array; \
-                     write one file per set, or .csv or .ply with the column set",
+                     write one file per set with {i} in its name, or .csv or .ply with the column set",
         });
     }
     let mut file = AtomicFile::create(path)?;
     let written = match format {
         PointFormat::Csv => write_csv(&mut file, sets),
         PointFormat::Npy => write_array(&mut file, sets, first.len()),
-        PointFormat::Ply => write_ply(&mut file, sets, provenance),
+        _ => write_ply(&mut file, sets, provenance),
     };
     written.map_err(|source| file.error(source))?;
     file.commit()

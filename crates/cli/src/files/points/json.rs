@@ -1,0 +1,46 @@
+//! Reads point sets from the document of `sphvar sample --json`.
+
+use std::io::BufRead;
+
+use serde::Deserialize;
+
+use super::collector::{Cell, PointCollector};
+use super::columns::{Column, Table};
+use super::{PointFile, ReadOptions};
+use crate::files::file_error::{FileError, Place};
+use crate::files::input::read_rest;
+
+/// What matters of the document.
+#[derive(Deserialize)]
+struct Document {
+    points: Vec<Vec<[f64; 3]>>,
+}
+
+/// Returns the sets of a JSON document with `points`, a list of lists of `[x, y, z]`.
+pub(super) fn read_json(
+    input: impl BufRead,
+    path: &str,
+    options: &ReadOptions,
+) -> Result<PointFile, FileError> {
+    let text = read_rest(input, path)?;
+    let document: Document = serde_json::from_slice(&text).map_err(|error| FileError::Layout {
+        path: path.to_owned(),
+        place: Place::Whole,
+        expected: "a JSON document with \"points\", as sample --json prints it".to_owned(),
+        got: format!("an error ({error})"),
+    })?;
+    let columns = vec![Column::single(""); 3];
+    let choice = options.columns.as_ref();
+    let place = Place::Whole;
+    let table = Table { path, place, columns: &columns, has_names: false, choice };
+    let mut points = PointCollector::new(path, table.layout()?, options);
+    let items: Vec<usize> = points.layout().slots.iter().map(|slot| slot.column).collect();
+    for (index, set) in document.points.iter().enumerate() {
+        points.next_set();
+        for (row, numbers) in set.iter().enumerate() {
+            let place = Place::RowOfSet(index, row);
+            points.row(place, |slot| Cell::Number(numbers[items[slot]]))?;
+        }
+    }
+    points.finish()
+}
