@@ -24,6 +24,10 @@ struct Document<'a> {
     l: Vec<usize>,
     power: Vec<f64>,
     stderr: Vec<f64>,
+    /// The mean power of even and of odd degrees beyond `lmax`; odd ones do not exist on the hemisphere.
+    tail_even: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    tail_odd: Option<f64>,
     seconds: f64,
     provenance: &'a Provenance,
 }
@@ -47,6 +51,8 @@ pub(crate) fn emit(
         l: rows.iter().map(|r| r.0).collect(),
         power: rows.iter().map(|r| r.1).collect(),
         stderr: rows.iter().map(|r| r.2).collect(),
+        tail_even: spectrum.tail().even,
+        tail_odd: spectrum.domain().has_degree(1).then_some(spectrum.tail().odd),
         seconds,
         provenance,
     };
