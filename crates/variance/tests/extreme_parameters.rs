@@ -22,11 +22,18 @@ fn row(function: impl Integrand + 'static, sphere: [f64; 6], hemisphere: [f64; 4
 const TOLERANCE: f64 = 1e-12;
 
 #[track_caller]
-fn check(what: &str, got: f64, expected: f64, size: f64) {
-    assert!(
-        (got - expected).abs() <= TOLERANCE * expected.abs() + 1e-30 * size,
-        "{what}: {got:e}, not {expected:e}"
-    );
+fn check(what: &str, got: f64, expected: f64) {
+    let off = (got - expected).abs();
+    assert!(off <= TOLERANCE * expected.abs(), "{what}: {got:e}, not {expected:e}");
+}
+
+/// Energies are squares of coefficients, which are known to a rounding of the largest one: near 90 degrees those of even
+/// degrees are differences of values at the equator.
+#[track_caller]
+fn check_energy(what: &str, got: f64, expected: f64, total: f64) {
+    let off = (got.sqrt() - expected.sqrt()).abs();
+    let allowed = TOLERANCE * expected.sqrt() + 2.0 * f64::EPSILON * total.sqrt();
+    assert!(off <= allowed, "{what}: {got:e}, not {expected:e}");
 }
 
 #[test]
@@ -35,30 +42,30 @@ fn closed_forms_keep_their_digits_at_both_ends_of_every_parameter() {
         let [integral, even, odd, e1, e2, e3] = sphere;
         let name = |what: &str| format!("row {i}, {what}");
         let on = Domain::Sphere;
-        check(&name("integral"), f.exact(on).unwrap(), integral, integral);
+        check(&name("integral"), f.exact(on).unwrap(), integral);
         let energy = f.energy(on, 3).unwrap();
         let size = even + odd;
-        check(&name("even"), energy.centred().even, even, size);
-        check(&name("odd"), energy.centred().odd, odd, size);
+        check(&name("even"), energy.centred().even, even);
+        check(&name("odd"), energy.centred().odd, odd);
         let square = integral * integral / (4.0 * PI) + even + odd;
-        check(&name("square"), f.square(on).unwrap(), square, square);
+        check(&name("square"), f.square(on).unwrap(), square);
         for (l, e) in [e1, e2, e3].into_iter().enumerate() {
-            check(&name(&format!("E({})", l + 1)), energy.per_degree()[l + 1], e, size);
+            check_energy(&name(&format!("E({})", l + 1)), energy.per_degree()[l + 1], e, size);
         }
         // White noise of three points: (4 pi int F^2 - (int F)^2)/3.
         let white = predict(&Spectrum::exact(on, 3, vec![1.0; 4]), &energy);
-        check(&name("white noise"), white.variance, 4.0 * PI * (even + odd) / 3.0, size);
+        check(&name("white noise"), white.variance, 4.0 * PI * (even + odd) / 3.0);
 
         let on = Domain::Hemisphere;
         let [integral, even, e2, e4] = hemisphere;
-        check(&name("integral above"), f.exact(on).unwrap(), integral, integral);
+        check(&name("integral above"), f.exact(on).unwrap(), integral);
         let energy = f.energy(on, 4).unwrap();
-        check(&name("even above"), energy.centred().even, even, even);
-        assert_eq!(energy.centred().odd, 0.0, "{i}");
+        check(&name("even above"), energy.centred().even, even);
+        check(&name("odd above"), energy.centred().odd, 0.0);
         let square = integral * integral / PI + even;
-        check(&name("square above"), f.square(on).unwrap(), square, square);
-        check(&name("E(2) above"), energy.per_degree()[2], e2, even);
-        check(&name("E(4) above"), energy.per_degree()[4], e4, even);
+        check(&name("square above"), f.square(on).unwrap(), square);
+        check_energy(&name("E(2) above"), energy.per_degree()[2], e2, even);
+        check_energy(&name("E(4) above"), energy.per_degree()[4], e4, even);
     }
 }
 

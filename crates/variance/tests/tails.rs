@@ -14,14 +14,10 @@ fn lens(theta: f64, gamma: f64) -> f64 {
     if gamma >= 2.0 * theta {
         return 0.0;
     }
-    let ((s, c), sg) = (theta.sin_cos(), gamma.sin());
-    if gamma == 0.0 {
-        return 2.0 * PI * (1.0 - c);
-    }
-    // cos(gamma) - cos^2(theta) = sin^2(theta) - (1 - cos(gamma))
-    let drop = 2.0 * (0.5 * gamma).sin().powi(2);
-    let corner = (1.0 - drop / (s * s)).clamp(-1.0, 1.0).acos();
-    let half = (c * drop / (s * sg)).clamp(-1.0, 1.0).acos();
+    let (s, c) = theta.sin_cos();
+    // The isosceles triangle of the two axes and a corner of the lens: its angles at the corner and at an axis.
+    let corner = 2.0 * ((0.5 * gamma).sin() / s).min(1.0).asin();
+    let half = (c * (0.5 * gamma).tan() / s).clamp(-1.0, 1.0).acos();
     2.0 * PI - 2.0 * corner - 4.0 * c * half
 }
 
