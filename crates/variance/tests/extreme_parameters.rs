@@ -70,7 +70,7 @@ fn closed_forms_keep_their_digits_at_both_ends_of_every_parameter() {
 }
 
 #[rustfmt::skip]
-#[expect(clippy::excessive_precision, reason = "as computed")]
+#[expect(clippy::approx_constant, reason = "as computed")]
 fn rows() -> Vec<Row> {
     vec![
         row(Cap::from_degrees(1e-9).unwrap(), [9.5698384815740197647e-22, 4.7849192407870098824e-22, 4.7849192407870098824e-22, 2.1863546295244736618e-43, 3.6439243825407894364e-43, 5.101494135557105211e-43], [9.5698384815740197647e-22, 1.9139676963148039529e-21, 1.4575697530163157746e-42, 2.6236255554293683942e-42]),
