@@ -15,6 +15,9 @@ const AXES: [DVec3; 3] = [
     DVec3::new(0.362_947_150_531, 0.839_226_517_853, -0.405_070_911_337),
 ];
 
+/// Takes the points of a line, each with whether it lies opposite to the first one.
+type Visitor<'a> = dyn FnMut(&[(usize, bool)]) + 'a;
+
 /// Returns the mean power of a point set at high degrees, for even and for odd degrees; an empty slice of
 /// `weights` stands for unit weights.
 ///
@@ -66,13 +69,8 @@ pub fn tail_power(points: &[DVec3], weights: &[f64]) -> ByParity {
     if squares > 0.0 { sums.map(|sum| sum.value() / squares) } else { ByParity::default() }
 }
 
-/// Calls `f` with the points of each line through the origin, each with whether it lies opposite to the first one.
-fn for_each_line(
-    points: &[DVec3],
-    members: Vec<usize>,
-    axes: &[DVec3],
-    f: &mut dyn FnMut(&[(usize, bool)]),
-) {
+/// Calls `f` with the points of each line through the origin.
+fn for_each_line(points: &[DVec3], members: Vec<usize>, axes: &[DVec3], f: &mut Visitor<'_>) {
     let Some((axis, rest)) = axes.split_first() else {
         return;
     };
@@ -90,7 +88,7 @@ fn for_each_line(
 }
 
 /// Gathers the lines of a run of points, sorted by key, by comparing points.
-fn gather(points: &[DVec3], run: &[(f64, usize)], f: &mut dyn FnMut(&[(usize, bool)])) {
+fn gather(points: &[DVec3], run: &[(f64, usize)], f: &mut Visitor<'_>) {
     let mut is_taken = vec![false; run.len()];
     let mut line = Vec::new();
     for i in 0..run.len() {

@@ -37,7 +37,7 @@ pub fn settled_degree(sampler: &dyn Sampler) -> usize {
 
 /// Refuses a largest degree that would fake a rate.
 ///
-/// Beyond `lmax` a prediction takes the pattern's power to be 1. Below [`settled_degree`] it can be anything
+/// Beyond `lmax` a prediction takes the mean power that the pattern tends to. Below [`settled_degree`] it can be anything
 /// from 0 on; if the integrand has energy between the two, then what is predicted is that energy and not the
 /// pattern, with a rate of -1 (or, were the rest dropped, with one that is too fast). Let
 /// `B = sum_{lmax < l <= settled} E(l)`. It has to be at most a tenth of the energy beyond the settled

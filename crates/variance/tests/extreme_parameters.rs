@@ -22,11 +22,18 @@ fn row(function: impl Integrand + 'static, sphere: [f64; 6], hemisphere: [f64; 4
 const TOLERANCE: f64 = 1e-12;
 
 #[track_caller]
-fn check(what: &str, got: f64, expected: f64, size: f64) {
-    assert!(
-        (got - expected).abs() <= TOLERANCE * expected.abs() + 1e-30 * size,
-        "{what}: {got:e}, not {expected:e}"
-    );
+fn check(what: &str, got: f64, expected: f64) {
+    let off = (got - expected).abs();
+    assert!(off <= TOLERANCE * expected.abs(), "{what}: {got:e}, not {expected:e}");
+}
+
+/// Near 90 degrees energies of even degrees are squares of values near the equator that nearly vanish: rounding of the
+/// energy of all degrees.
+#[track_caller]
+fn check_energy(what: &str, got: f64, expected: f64, total: f64) {
+    let off = (got - expected).abs();
+    let allowed = TOLERANCE * expected + 4.0 * f64::EPSILON * total;
+    assert!(off <= allowed, "{what}: {got:e}, not {expected:e}");
 }
 
 #[test]
@@ -35,35 +42,35 @@ fn closed_forms_keep_their_digits_at_both_ends_of_every_parameter() {
         let [integral, even, odd, e1, e2, e3] = sphere;
         let name = |what: &str| format!("row {i}, {what}");
         let on = Domain::Sphere;
-        check(&name("integral"), f.exact(on).unwrap(), integral, integral);
+        check(&name("integral"), f.exact(on).unwrap(), integral);
         let energy = f.energy(on, 3).unwrap();
         let size = even + odd;
-        check(&name("even"), energy.centred().even, even, size);
-        check(&name("odd"), energy.centred().odd, odd, size);
+        check(&name("even"), energy.centred().even, even);
+        check(&name("odd"), energy.centred().odd, odd);
         let square = integral * integral / (4.0 * PI) + even + odd;
-        check(&name("square"), f.square(on).unwrap(), square, square);
+        check(&name("square"), f.square(on).unwrap(), square);
         for (l, e) in [e1, e2, e3].into_iter().enumerate() {
-            check(&name(&format!("E({})", l + 1)), energy.per_degree()[l + 1], e, size);
+            check_energy(&name(&format!("E({})", l + 1)), energy.per_degree()[l + 1], e, size);
         }
         // White noise of three points: (4 pi int F^2 - (int F)^2)/3.
         let white = predict(&Spectrum::exact(on, 3, vec![1.0; 4]), &energy);
-        check(&name("white noise"), white.variance, 4.0 * PI * (even + odd) / 3.0, size);
+        check(&name("white noise"), white.variance, 4.0 * PI * (even + odd) / 3.0);
 
         let on = Domain::Hemisphere;
         let [integral, even, e2, e4] = hemisphere;
-        check(&name("integral above"), f.exact(on).unwrap(), integral, integral);
+        check(&name("integral above"), f.exact(on).unwrap(), integral);
         let energy = f.energy(on, 4).unwrap();
-        check(&name("even above"), energy.centred().even, even, even);
-        assert_eq!(energy.centred().odd, 0.0, "{i}");
+        check(&name("even above"), energy.centred().even, even);
+        check(&name("odd above"), energy.centred().odd, 0.0);
         let square = integral * integral / PI + even;
-        check(&name("square above"), f.square(on).unwrap(), square, square);
-        check(&name("E(2) above"), energy.per_degree()[2], e2, even);
-        check(&name("E(4) above"), energy.per_degree()[4], e4, even);
+        check(&name("square above"), f.square(on).unwrap(), square);
+        check_energy(&name("E(2) above"), energy.per_degree()[2], e2, even);
+        check_energy(&name("E(4) above"), energy.per_degree()[4], e4, even);
     }
 }
 
 #[rustfmt::skip]
-#[expect(clippy::excessive_precision, reason = "as computed")]
+#[expect(clippy::approx_constant, reason = "as computed")]
 fn rows() -> Vec<Row> {
     vec![
         row(Cap::from_degrees(1e-9).unwrap(), [9.5698384815740197647e-22, 4.7849192407870098824e-22, 4.7849192407870098824e-22, 2.1863546295244736618e-43, 3.6439243825407894364e-43, 5.101494135557105211e-43], [9.5698384815740197647e-22, 1.9139676963148039529e-21, 1.4575697530163157746e-42, 2.6236255554293683942e-42]),

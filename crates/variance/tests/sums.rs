@@ -70,7 +70,7 @@ fn many_smooth_terms_have_the_sum_of_their_energies() {
     let size = energy.centred().sum();
     same("even", sums.even, energy.centred().even, size);
     same("odd", sums.odd, energy.centred().odd, size);
-    assert_eq!(energy.beyond(80), 0.0);
+    assert!(energy.beyond(80) == 0.0, "{energy:?}");
 }
 
 /// A constant of any size and terms that cancel leave nothing behind.
@@ -82,14 +82,14 @@ fn constants_and_terms_that_cancel_leave_no_trace() {
         let sum = Sum::default().plus(1e15, whole()).unwrap().plus(1.0, harmonic).unwrap();
         let energy = sum.energy(domain, 8).unwrap();
         same("Y_40", energy.beyond(0), 1.0, 1.0);
-        assert_eq!(energy.beyond(4), 0.0);
+        assert!(energy.beyond(4) == 0.0, "{energy:?}");
         let nothing = Sum::default().plus(3.0, half).unwrap().plus(-3.0, half).unwrap();
-        assert_eq!(nothing.centred_square(domain).unwrap().sum(), 0.0);
+        assert!(nothing.centred_square(domain).unwrap().sum() == 0.0);
     }
     // Two half spaces are odd but for their mean; what rounding makes even counts as nothing.
     let sum = Sum::default().plus(1.0, half).unwrap().plus(1.0, tilted(3, half)).unwrap();
     let energy = sum.energy(Domain::Sphere, 64).unwrap();
-    assert_eq!(energy.beyond_by_parity(64).even, 0.0, "{:?}", energy.centred());
+    assert!(energy.beyond_by_parity(64).even == 0.0, "{:?}", energy.centred());
 }
 
 /// Predictions scale with the square of the integrand, and so do their errors.

@@ -36,7 +36,7 @@ pub(crate) struct SavedEnsemble {
 }
 
 /// How the files begin; after it a CRC-32 of the rest, little-endian.
-const HEAD: &[u8] = b"sphvar shard 1\n";
+const HEAD: &[u8] = b"sphvar shard 2\n";
 
 impl Shard {
     /// Writes the file, whole or not at all.

@@ -63,7 +63,7 @@ fn mistakes_name_the_piece() {
         ("cosine + cap:degrees=300", &["cap:degrees=300", "got 300"]),
         ("cosine +  + cosine", &["on one side of an operator"]),
         ("cosine * cosin", &["\"cosin\"", "did you mean \"cosine\""]),
-        ("cosine * nan", &["a weight must be finite"]),
+        ("cosine * nan", &["a weight must be 0 or between 1e-150 and 1e150"]),
         ("phong:n=-1", &["n must be in [0, 1e6]", "-1"]),
         ("half-space:height=1", &["height", "[-1, 1)"]),
         ("double-cap:degrees=91", &["(0, 90]"]),

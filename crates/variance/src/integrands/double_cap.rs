@@ -43,7 +43,7 @@ impl DoubleCap {
         if !(degrees > 0.0 && degrees <= 90.0) {
             return Err(Error::Parameter { name: "degrees", range: "in (0, 90]", got: degrees });
         }
-        Self::new(degrees.to_radians().min(FRAC_PI_2))
+        Ok(Self { cap: Cap::from_degrees(degrees)? })
     }
 }
 

@@ -3,6 +3,7 @@ use std::f64::consts::PI;
 use sphvar_samplers::Domain;
 use sphvar_sh::ByParity;
 
+use super::lens;
 use crate::{Error, Integrand, Shape, quadrature};
 
 /// `int F G` over the sphere, of the even extensions on the hemisphere.
@@ -48,6 +49,9 @@ pub(super) fn centred_inner_product(
     if domain == Domain::Hemisphere {
         let both = quadrature::integral(&a.product(&b), domain, &|x| f.eval(x) * g.eval(x))?;
         return Ok(ByParity { even: 2.0 * (both - product / domain.area()), odd: 0.0 });
+    }
+    if let Some(parts) = lens::centred_inner_product((f, &a), (g, &b)) {
+        return Ok(parts);
     }
     let here = if a.is_apart_from(&b) {
         0.0

@@ -7,6 +7,7 @@ mod environment;
 mod harmonic;
 mod healpix_map;
 mod inner_product;
+mod lens;
 mod phong;
 mod product;
 mod rotated;

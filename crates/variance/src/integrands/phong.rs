@@ -85,7 +85,7 @@ impl ClosedForm for PhongLobe {
             let x = l as f64;
             let moment = &mut moments[l % 2];
             if l >= 2 {
-                *moment *= (n - x + 2.0) / (n + x + 1.0);
+                *moment *= (n - (x - 2.0)) / (n + x + 1.0);
             }
             *c = (PI * (2.0 * x + 1.0)).sqrt() * *moment;
         }

@@ -124,9 +124,10 @@ fn limited_square<'a>(
     if let ([(_, (weight, single))], []) = (limited.as_slice(), groups) {
         return Ok(single.centred_square(domain)?.map(|square| weight * weight * square));
     }
-    // To powers of two, so that there are few different degrees.
+    // To eight degrees an octave, so that there are few different ones.
     for (degree, _) in &mut limited {
-        *degree = degree.next_power_of_two().min(MAX_DEGREE);
+        let step = (degree.next_power_of_two() / 16).max(1);
+        *degree = degree.next_multiple_of(step).min(MAX_DEGREE);
     }
     limited.sort_by_key(|&(degree, _)| std::cmp::Reverse(degree));
     let mut square = ByParity::both(0.0);

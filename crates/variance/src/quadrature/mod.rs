@@ -74,14 +74,14 @@ pub(crate) fn centred_square(
     })
 }
 
-/// `int (f - mean)^2` over a region of the given area in which the rings are and beyond which f is nothing.
+/// `int (f - mean)^2` over a region of the given area that holds all places where f is more than nothing.
 fn variation(
     shape: &Shape,
     domain: Domain,
     area: f64,
     eval: &dyn Fn(DVec3) -> f64,
 ) -> Result<f64, Error> {
-    /// The share of the area that rounding leaves beyond rings that fill it.
+    /// The share of the area by which rounding makes rings that fill it miss it.
     const ROUNDING: f64 = 1e-13;
     let rings = Rings::new(shape, domain, 2 * shape.degree())?;
     let (mut integral, mut covered) = (Sum::default(), Sum::default());
@@ -91,7 +91,8 @@ fn variation(
     })?;
     let mean = integral.value() / area;
     let beyond = 1.0 - covered.value() / area;
-    let beyond = if beyond > ROUNDING { beyond * area } else { 0.0 };
+    // Rings about another axis than that of the support may cover more than the region.
+    let beyond = if beyond.abs() > ROUNDING { beyond * area } else { 0.0 };
     Ok(rings.sum(|x| (eval(x) - mean).powi(2))? + mean * mean * beyond)
 }
 

@@ -28,6 +28,10 @@ struct Document<'a> {
     power: Vec<f64>,
     /// NaN, which becomes null, where there is no error.
     stderr: Vec<f64>,
+    /// The mean power of even and of odd degrees beyond `lmax`; odd ones do not exist on the hemisphere.
+    tail_even: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    tail_odd: Option<f64>,
     seconds: f64,
     provenance: &'a Provenance,
 }
@@ -65,6 +69,8 @@ pub(crate) fn emit(
         l: rows.iter().map(|r| r.0).collect(),
         power: rows.iter().map(|r| r.1).collect(),
         stderr: rows.iter().map(|r| r.2).collect(),
+        tail_even: spectrum.tail().even,
+        tail_odd: spectrum.domain().has_degree(1).then_some(spectrum.tail().odd),
         seconds,
         provenance,
     };
