@@ -314,7 +314,11 @@ fn few_realizations_refute_no_true_bound() -> Result<(), Error> {
             {
                 for (side, alarms) in [Side::Upper, Side::Lower].into_iter().zip(alarms) {
                     let bound = Bound { side, profile: Profile::constant(1.0)? };
-                    *alarms += u32::from(!bound.check(spectrum, 0.99)?.holds);
+                    // Of 10 realizations now and then there is no limit from above, and so no verdict.
+                    match bound.check(spectrum, 0.99) {
+                        Err(Error::TooFewRealizations { .. }) if realizations == 10 => {}
+                        verdict => *alarms += u32::from(!verdict?.holds),
+                    }
                 }
             }
         }

@@ -5,7 +5,7 @@
 //! others by a tenth of the largest difference.
 
 use std::error::Error;
-use std::sync::atomic::{AtomicU64, Ordering};
+use std::io::Write;
 
 use sphvar_samplers::{Domain, Pattern, Sampler};
 use sphvar_variance::{
@@ -92,16 +92,21 @@ fn main() -> Result<(), Box<dyn Error>> {
     let seeds: u64 = std::env::args().nth(1).map_or(Ok(200), |s| s.parse())?;
     let patterns = ["fibonacci", "white-noise", "jittered"];
     let patterns: Vec<Pattern> = patterns.iter().filter_map(|p| Pattern::from_name(p)).collect();
-    let total = AtomicU64::new(0);
-    let row = |pattern: &Pattern, n: usize, name: &str, f: &dyn Integrand, trials: u64| {
+    let mut out = std::io::stdout().lock();
+    let row = |out: &mut dyn Write,
+               pattern: &Pattern,
+               n: usize,
+               name: &str,
+               f: &dyn Integrand,
+               trials: u64| {
         let n = pattern.nearest_count(n, Domain::Sphere);
         let (t, truth) = tally(pattern, n, f, trials, seeds)?;
-        total.fetch_add(t.missed, Ordering::Relaxed);
-        println!(
+        writeln!(
+            out,
             "{name:24} {pattern:12} N = {n:4} m = {trials:4} truth {truth:9.3e}: interval in {:3} of {seeds}, \
              misses {:3}, without its value {}; seen {} of which with interval {}",
             t.present, t.missed, t.outside, t.seen, t.seen_present
-        );
+        )?;
         Ok::<u64, Box<dyn Error>>(t.missed)
     };
     let lobes: Vec<(&str, usize, u64, Box<dyn Integrand>)> = vec![
@@ -120,10 +125,10 @@ fn main() -> Result<(), Box<dyn Error>> {
     ];
     for (name, n, trials, f) in &lobes {
         for pattern in &patterns {
-            row(pattern, *n, name, &**f, *trials)?;
+            row(&mut out, pattern, *n, name, &**f, *trials)?;
         }
     }
-    println!();
+    writeln!(out)?;
     let ordinary: Vec<(&str, Box<dyn Integrand>)> = vec![
         ("cosine", Box::new(ClampedCosine)),
         ("cap 60", Box::new(Cap::from_degrees(60.0)?)),
@@ -139,10 +144,10 @@ fn main() -> Result<(), Box<dyn Error>> {
     let (mut missed, mut rows) = (0, 0);
     for (name, f) in &ordinary {
         for pattern in &patterns[1..] {
-            missed += row(pattern, 48, name, &**f, 1000)?;
+            missed += row(&mut out, pattern, 48, name, &**f, 1000)?;
             rows += seeds;
         }
     }
-    println!("ordinary: {:.2} % covered", 100.0 * (1.0 - missed as f64 / rows as f64));
+    writeln!(out, "ordinary: {:.2} % covered", 100.0 * (1.0 - missed as f64 / rows as f64))?;
     Ok(())
 }

@@ -235,12 +235,14 @@ fn text(document: &Document<'_>, plan: &Plan<'_>) -> String {
         document.rows.iter().map(RowRecord::z).filter(|z| z.is_finite()).collect();
     let agreeing = scores.iter().filter(|z| z.abs() <= 3.0).count();
     let n_rows = scores.len();
-    text += &format!(
-        "\nPredicted and measured agree within 3 standard errors in {agreeing} of {n_rows} rows"
+    let without = document.rows.len() - n_rows;
+    let agreement = format!(
+        "Predicted and measured agree within 3 standard errors in {agreeing} of {n_rows} rows"
     );
-    text += &match document.rows.len() - n_rows {
-        0 => ".\n\n".to_owned(),
-        others => format!("; {others} have no verdict.\n\n"),
+    text += &match (n_rows, without) {
+        (0, _) => "\nNo row has a verdict: too few trials see the integrand.\n\n".to_owned(),
+        (_, 0) => format!("\n{agreement}.\n\n"),
+        _ => format!("\n{agreement}; {without} have no verdict.\n\n"),
     };
     let optional = |x: Option<f64>| x.map_or("-".to_owned(), |x| format!("{x:.2}"));
     let cells = |s: &Summary| {
