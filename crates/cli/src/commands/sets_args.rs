@@ -4,6 +4,8 @@ use std::path::PathBuf;
 
 use clap::Args;
 
+use crate::counts::parse_count;
+
 /// A sampler with its number of points, or files of points.
 #[derive(Debug, Args)]
 pub(crate) struct SetsArgs {
@@ -19,6 +21,7 @@ pub(crate) struct SetsArgs {
         short = 'n',
         long = "n-points",
         value_name = "N",
+        value_parser = parse_count,
         required_unless_present = "points_from"
     )]
     pub(crate) n: Option<usize>,

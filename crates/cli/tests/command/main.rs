@@ -20,5 +20,6 @@ mod pipes;
 mod precision;
 mod render;
 mod reproduction;
+mod sampler_arguments;
 mod shards;
 mod workplace;
