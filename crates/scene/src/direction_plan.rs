@@ -72,7 +72,7 @@ impl DirectionPlan {
     pub fn with_sets(self, n_sets: usize) -> Result<Self, Error> {
         if n_sets == 0 {
             let name = "the number of sets of a table";
-            return Err(Error::Setting { name, range: "at least 1", got: n_sets });
+            return Err(Error::Setting { name, range: "at least 1", got: 0.0 });
         }
         Ok(Self { n_sets: self.n_sets.map(|_| n_sets), ..self })
     }

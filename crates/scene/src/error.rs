@@ -84,7 +84,7 @@ pub enum Error {
         /// The values that there are, in words.
         range: &'static str,
         /// The value given.
-        got: usize,
+        got: f64,
     },
     /// A set of directions cannot be made.
     #[error(transparent)]
