@@ -22,7 +22,7 @@ use crate::report::{
 pub(crate) const EXAMPLES: &str = "Examples:
   sphvar variance jittered,white-noise -n 192,768 --integrand cap:degrees=60 -m 2000
   sphvar variance jittered -n 192 --integrand cap:degrees=60 -m 100 --until-rel 10%
-  sphvar variance jittered,fibonacci -n 48..3072 --integrand cap:degrees=60 -o variance.svg
+  sphvar variance jittered,fibonacci -n 48..768 --nearest --integrand cap:degrees=60 -o v.svg
 
 Columns: the variance that the spectra predict and the one measured on independent, uniformly
 rotated realizations, each with its standard error (that of the prediction with the error of the
