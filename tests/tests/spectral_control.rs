@@ -60,9 +60,9 @@ fn least_distance(points: &[DVec3], domain: Domain) -> f64 {
     pairs.map(chord).fold(2.0, f64::min) / hexagonal
 }
 
-/// The last degree t with `(t+1)^2 - 1 <= N`.
+/// The last degree `l <= sqrt(N)`.
 fn last_empty(domain: Domain) -> usize {
-    (density(domain) + 1).isqrt() - 1
+    density(domain).isqrt()
 }
 
 /// No power up to the last degree (5e-21 was found), and points apart; above, to `2 sqrt N`, what
@@ -104,6 +104,28 @@ fn blue_steps_are_empty_and_far_apart_in_every_realization() {
     check_step(&BLUE, Domain::Sphere, SpectralControl::BLUE_CORE, None);
 }
 
+/// Numbers of points at and between squares, and an alpha above 1: no power at any `1 <= l <= alpha sqrt(N)`, and the sampler
+/// states that degree.
+#[test]
+fn steps_keep_their_promise_at_every_degree() {
+    let cases = [100, 150, 500, 777, 2114, 4096].map(|n| (1.0, n));
+    cases.into_iter().chain([(1.25, 2000)]).collect::<Vec<_>>().into_par_iter().for_each(
+        |(alpha, n)| {
+            let step =
+                Pattern::Step { alpha: Some(alpha), flat: None, core: SpectralControl::STEP_CORE };
+            let sampler = step.build(n, Domain::Sphere).unwrap();
+            let streams = Streams::new(SEED, Purpose::Pattern, n);
+            let points = sampler.sample(&mut streams.realization(0)).unwrap();
+            let power = power(&points, 2 * n.isqrt());
+            let last = (0..).take_while(|&l| f64::from(l) <= alpha * (n as f64).sqrt()).count() - 1;
+            for (l, p) in power.iter().enumerate().take(last + 1).skip(1) {
+                assert!(*p <= VANISHED, "{step}, N = {n}: P({l}) = {p:e}");
+            }
+            assert_eq!(sampler.last_empty_degree(), Some(last), "{step}, N = {n}");
+        },
+    );
+}
+
 /// Profiles are met at every degree of every single realization: to 9e-7, just below the 1e-6 at which
 /// descents stop.
 #[test]
@@ -137,7 +159,8 @@ fn impossible_spectra_are_refused_with_the_reason() {
         panic!("{too_empty} was not refused");
     };
     assert!(reason.contains("1088") && reason.contains("509 degrees of freedom"), "{reason}");
-    let steep = Pattern::Step { alpha: Some(1.35), flat: Some(2.0), core: SpectralControl::STEP_CORE };
+    let steep =
+        Pattern::Step { alpha: Some(1.35), flat: Some(2.0), core: SpectralControl::STEP_CORE };
     // Fewer points, for the time that it takes to find out.
     let sampler = steep.build(64, Domain::Sphere).unwrap();
     let ensemble = Realizations::rotated(&*sampler, Streams::new(SEED, Purpose::Pattern, 64));

@@ -16,6 +16,9 @@ pub(crate) const FORMS: &str = "ylm:l=4,m=0 | cap:degrees=60 | double-cap:degree
      \" @ THETA/PHI/PSI\" in degrees, which carries +z there after a turn by PSI: \
      \"cap:degrees=30 @ 40/10 + 0.5 * vmf:kappa=10\"";
 
+/// The integrand of the examples: where there is no such file, the copy that is built in.
+pub(crate) const CITY: &str = "env:data/city.exr";
+
 /// An integrand with the name by which tables know it.
 pub(crate) struct NamedIntegrand {
     /// As it was written.

@@ -5,6 +5,7 @@
 
 mod args;
 mod commands;
+mod counts;
 mod error;
 mod files;
 mod global;

@@ -10,9 +10,20 @@ use crate::error::CliError;
 use crate::files::read_spectrum;
 use crate::spec::{Spec, unknown_name};
 
-/// The patterns of a list such as `jittered,white-noise`.
+/// The name that stands for every pattern, wherever several make sense.
+const ALL: &str = "all";
+
+/// The patterns of a list such as `jittered,white-noise`, or `all`.
 pub(crate) fn parse_patterns(text: &str) -> Result<Vec<Pattern>, CliError> {
-    Spec::parse_list(text)?.into_iter().map(pattern).collect()
+    let mut patterns = Vec::new();
+    for spec in Spec::parse_list(text)? {
+        if spec.text == ALL {
+            patterns.extend(Pattern::ALL);
+        } else {
+            patterns.push(pattern(spec)?);
+        }
+    }
+    Ok(patterns)
 }
 
 /// The pattern of one name.
@@ -27,6 +38,11 @@ fn pattern(mut spec: Spec) -> Result<Pattern, CliError> {
     let keys = take_parameters(&mut pattern, &mut spec)?;
     spec.finish(keys)?;
     Ok(pattern)
+}
+
+/// The keys of a pattern's parameters, with the values of those that are names.
+pub(crate) fn parameter_keys(pattern: &Pattern) -> Result<&'static [&'static str], CliError> {
+    take_parameters(&mut pattern.clone(), &mut Spec::parse(pattern.name())?)
 }
 
 /// Sets what the specification gives, and returns the keys that there are.

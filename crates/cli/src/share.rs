@@ -1,6 +1,9 @@
 //! Shares as people write them: `2%` or `0.02`.
 
-/// A share as a number or in percent, above 0.
+/// The largest share that needs no % sign: beyond, a number of percent is more likely to be meant.
+const MAX_PLAIN: f64 = 0.5;
+
+/// A share as a number or in percent, above 0; beyond 0.5 in percent only.
 pub(crate) fn parse_share(text: &str) -> Result<f64, String> {
     let text = text.trim();
     let (number, unit) = match text.strip_suffix('%') {
@@ -8,6 +11,11 @@ pub(crate) fn parse_share(text: &str) -> Result<f64, String> {
         None => (text, 1.0),
     };
     match number.parse::<f64>() {
+        Ok(x) if !text.ends_with('%') && x > MAX_PLAIN && x.is_finite() => {
+            // Without the rounding of the product.
+            let percent = (1e6 * x).round() / 1e4;
+            Err(format!("{text} is {percent} %: did you mean {text}%? If not, write {percent}%"))
+        }
         Ok(x) if x > 0.0 && x.is_finite() => Ok(unit * x),
         _ => Err("a share above 0 is needed, such as 2% or 0.02".to_owned()),
     }
@@ -22,6 +30,13 @@ mod tests {
         for (text, share) in [("2%", 0.02), (" 2 % ", 0.02), ("0.5", 0.5), ("1e-3", 1e-3)] {
             let got = parse_share(text).unwrap();
             assert!((got / share - 1.0).abs() < 2.0 * f64::EPSILON, "{text}: {got}");
+        }
+        for text in ["60%", "100%", "250 %"] {
+            assert!(parse_share(text).unwrap() > 0.5, "{text}");
+        }
+        for text in ["1", "0.51", "100"] {
+            let error = parse_share(text).unwrap_err();
+            assert!(error.contains(&format!("did you mean {text}%?")), "{text}: {error}");
         }
         for text in ["", "%", "0", "-1%", "nan", "inf", "x"] {
             assert!(parse_share(text).is_err(), "{text}");

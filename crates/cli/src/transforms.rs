@@ -27,9 +27,11 @@ enum MethodArg {
 impl TransformArgs {
     /// The method and its accuracy.
     pub(crate) fn checked(self) -> Result<(Method, f64), CliError> {
-        if !(1e-13..=1e-1).contains(&self.epsilon) {
+        let (min, max) = (Resolution::MIN_EPSILON, Resolution::MAX_EPSILON);
+        if !(min..=max).contains(&self.epsilon) {
             let got = self.epsilon;
-            return Err(CliError::Usage(format!("--epsilon must be in [1e-13, 1e-1], got {got}")));
+            let message = format!("--epsilon must be in [{min:e}, {max:e}], got {got}");
+            return Err(CliError::Usage(message));
         }
         let method = match self.method {
             MethodArg::Auto => Method::Auto,

@@ -238,6 +238,12 @@ impl Pattern {
         })
     }
 
+    /// Returns [`Sampler::last_empty_degree`] of the sampler of `n_points` points; `None` if there is none.
+    #[must_use]
+    pub fn last_empty_degree(&self, n_points: usize, domain: Domain) -> Option<usize> {
+        self.build(n_points, domain).ok()?.last_empty_degree()
+    }
+
     /// The resolution of `n_points`, a legal number.
     fn nside(&self, n_points: usize, domain: Domain) -> Result<Nside, Error> {
         u32::try_from(nearest_nside(n_points, domain)).ok().and_then(|n| Nside::new(n).ok()).ok_or(

@@ -7,12 +7,26 @@ pub struct PatternFacts {
     pub cost: &'static str,
     /// The power P(l), white noise 1, as l goes to 0.
     pub law: &'static str,
-    /// The exponent of N that the variance falls with for smooth integrands.
+    /// The exponents of N that the variance falls with for smooth integrands, or `exact`.
     pub best_rate: &'static str,
     /// The exponent for integrands with jumps.
     pub worst_rate: &'static str,
     /// Who described the pattern.
     pub source: &'static str,
+}
+
+impl PatternFacts {
+    /// Returns how the variance falls with N, in words: `N^-2 for smooth integrands, ...`.
+    #[must_use]
+    pub fn rates(&self) -> String {
+        let powers = |rates: &str| {
+            let parts = rates.split(", ");
+            let power = |r: &str| if r.starts_with('-') { format!("N^{r}") } else { r.to_owned() };
+            parts.map(power).collect::<Vec<_>>().join(" or ")
+        };
+        let (smooth, jumps) = (powers(self.best_rate), powers(self.worst_rate));
+        format!("{smooth} for smooth integrands, {jumps} for those with jumps")
+    }
 }
 
 impl Pattern {
@@ -62,7 +76,7 @@ impl Pattern {
                 "this project; Graef and Potts 2011",
             ),
             Self::Profile { .. } => {
-                facts("N log N", "as asked for", "as asked for", "as asked for", "this project")
+                facts("N log N", "as requested", "as requested", "as requested", "this project")
             }
             Self::EqualArea { .. } => facts("N", "1.0472 l(l+1)/N", "-2", "-1.5", "Leopardi 2006"),
             Self::Spiral => facts("N", "irregular", "-2", "-1.5", "Rakhmanov, Saff and Zhou 1994"),
@@ -143,6 +157,21 @@ fn descent_length(alpha: Option<f64>) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::Pattern;
+
+    #[test]
+    fn rates_are_powers_of_n_or_words() {
+        for (name, rates) in [
+            ("white-noise", "N^-1 for smooth integrands, N^-1 for those with jumps"),
+            ("step", "exact for smooth integrands, N^-1.5 for those with jumps"),
+            (
+                "ccvt",
+                "N^-1 (white mass) or N^-3 for smooth integrands, N^-1 (white mass) or N^-1.5 for \
+                 those with jumps",
+            ),
+        ] {
+            assert_eq!(Pattern::from_name(name).unwrap().facts().rates(), rates);
+        }
+    }
 
     /// The milliseconds of `docs/performance.md` at 1024 points, within a factor of 2.
     #[test]

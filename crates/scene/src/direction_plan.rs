@@ -66,9 +66,15 @@ impl DirectionPlan {
 
     /// The same with tables of `n_sets` sets, at least 1. It matters for [`DirectionMode::Rotated`] and
     /// [`DirectionMode::Projective`] only, and for patterns that are random.
-    #[must_use]
-    pub fn with_sets(self, n_sets: usize) -> Self {
-        Self { n_sets: self.n_sets.map(|_| n_sets.max(1)), ..self }
+    ///
+    /// # Errors
+    /// [`Error::Setting`] for tables without sets.
+    pub fn with_sets(self, n_sets: usize) -> Result<Self, Error> {
+        if n_sets == 0 {
+            let name = "the number of sets of a table";
+            return Err(Error::Setting { name, range: "at least 1", got: 0.0 });
+        }
+        Ok(Self { n_sets: self.n_sets.map(|_| n_sets), ..self })
     }
 
     /// The number of directions nearest to `asked` with which the pattern exists.

@@ -76,6 +76,16 @@ pub enum Error {
         /// What is missing.
         expected: &'static str,
     },
+    /// A setting outside its range.
+    #[error("{name} must be {range}, got {got}")]
+    Setting {
+        /// What is set.
+        name: &'static str,
+        /// The values that there are, in words.
+        range: &'static str,
+        /// The value given.
+        got: f64,
+    },
     /// A set of directions cannot be made.
     #[error(transparent)]
     Sampler(#[from] sphvar_samplers::Error),

@@ -2,7 +2,7 @@ use std::fmt;
 
 use glam::DVec3;
 
-use crate::{Hit, Quad, Reach, Scene};
+use crate::{Error, Hit, Quad, Reach, Scene};
 
 /// What is integrated over the hemisphere above a hit point.
 ///
@@ -35,6 +35,24 @@ pub enum Integral<'a> {
         /// The share of the light that the surface sends back.
         albedo: f64,
     },
+}
+
+impl Integral<'_> {
+    /// Accepts a distance above 0 and an albedo in [0, 1].
+    ///
+    /// # Errors
+    /// [`Error::Setting`] for other ones and NaN.
+    pub fn check(&self) -> Result<(), Error> {
+        let (name, range, got, is_right) = match *self {
+            Self::AmbientOcclusion { max_distance: d, .. } => {
+                ("the largest distance of occluders", "above 0", d, d > 0.0)
+            }
+            Self::Irradiance { albedo, .. } | Self::Light { albedo, .. } => {
+                ("the albedo", "in [0, 1]", albedo, (0.0..=1.0).contains(&albedo))
+            }
+        };
+        if is_right { Ok(()) } else { Err(Error::Setting { name, range, got }) }
+    }
 }
 
 /// Rays to a light end this much before it, in their own length: a lamp on a ceiling must not be behind it. Single
@@ -115,6 +133,36 @@ impl fmt::Debug for Integral<'_> {
             Self::Light { light, albedo } => {
                 f.debug_struct("Light").field("light", light).field("albedo", albedo).finish()
             }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec3;
+
+    use super::Integral;
+
+    #[test]
+    fn settings_outside_their_range_are_rejected() {
+        let ambient = |max_distance| Integral::AmbientOcclusion { max_distance, cosine: true };
+        let irradiance = |albedo| Integral::Irradiance { radiance: &|_: DVec3| 1.0, albedo };
+        let outside = [f64::NAN, f64::NEG_INFINITY, -1.0];
+        for got in outside {
+            for integral in [ambient(got), irradiance(got)] {
+                let error = integral.check().unwrap_err().to_string();
+                assert!(error.ends_with(&format!("got {got}")), "{error}");
+            }
+        }
+        assert!(ambient(0.0).check().is_err());
+        for got in [1f64.next_up(), f64::INFINITY] {
+            assert!(irradiance(got).check().is_err(), "{got}");
+        }
+        for got in [f64::MIN_POSITIVE, f64::INFINITY] {
+            assert!(ambient(got).check().is_ok(), "{got}");
+        }
+        for got in [0.0, 1.0] {
+            assert!(irradiance(got).check().is_ok(), "{got}");
         }
     }
 }

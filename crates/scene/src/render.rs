@@ -37,7 +37,8 @@ struct Pixel {
 /// ```
 ///
 /// # Errors
-/// [`Error::Sampler`] if a set of [`DirectionMode::Fresh`](crate::DirectionMode::Fresh) cannot be completed.
+/// [`Error::Setting`] as [`Integral::check`], [`Error::Sampler`] if a set of
+/// [`DirectionMode::Fresh`](crate::DirectionMode::Fresh) cannot be completed.
 pub fn render(
     view: &View<'_>,
     integral: &Integral<'_>,
@@ -45,6 +46,7 @@ pub fn render(
     directions: &DirectionSets,
     done: &(dyn Fn(usize) + Sync),
 ) -> Result<Image, Error> {
+    integral.check()?;
     let region = view.region();
     let across = region.width.div_ceil(TILE);
     let n_tiles = across * region.height.div_ceil(TILE);

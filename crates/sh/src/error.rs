@@ -12,6 +12,16 @@ pub enum Error {
         /// The largest degree supported.
         max: usize,
     },
+    /// The accuracy requested of a transform is NaN or outside its range.
+    #[error("epsilon must be in [{min:e}, {max:e}], got {epsilon}")]
+    Accuracy {
+        /// The value given.
+        epsilon: f64,
+        /// The least accuracy that can be kept.
+        min: f64,
+        /// The largest.
+        max: f64,
+    },
     /// The memory for a table could not be had.
     #[error("no memory for {len} values of {bytes_each} bytes each: choose a smaller lmax")]
     OutOfMemory {

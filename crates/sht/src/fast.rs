@@ -60,21 +60,26 @@ pub struct FastWorkspace {
 }
 
 impl FastTransform {
-    /// The plan for degree `lmax`, inclusive, and relative accuracy `epsilon`, which is brought into
-    /// [1e-14, 1e-1], NaN to its lower end (down to 1e-13 it is met): for weights of one sign the error
-    /// `||a - a_exact||` is at most `epsilon ||a_exact||`. With weights that cancel, the norm is that
-    /// of their absolute values.
+    /// The smallest epsilon: rounding leaves no better accuracy.
+    pub const MIN_EPSILON: f64 = 1e-13;
+
+    /// The largest epsilon.
+    pub const MAX_EPSILON: f64 = 1e-1;
+
+    /// The plan for degree `lmax`, inclusive, and relative accuracy `epsilon` in [1e-13, 1e-1]: for
+    /// weights of one sign the error `||a - a_exact||` is at most `epsilon ||a_exact||`. With weights
+    /// that cancel, the norm is that of their absolute values.
     ///
     /// # Errors
     ///
-    /// [`Error::DegreeTooLarge`] if `lmax` is beyond what coefficients can be indexed for.
+    /// [`Error::Accuracy`] if `epsilon` is NaN or outside its range, [`Error::DegreeTooLarge`] if `lmax`
+    /// is beyond what coefficients can be indexed for.
     pub fn new(lmax: usize, epsilon: f64) -> Result<Self, Error> {
         Self::with_arch(lmax, epsilon, Arch::new())
     }
 
     pub(crate) fn with_arch(lmax: usize, epsilon: f64, arch: Arch) -> Result<Self, Error> {
-        let epsilon = if epsilon.is_nan() { 0.0 } else { epsilon };
-        let epsilon = epsilon.clamp(1e-14, 1e-1);
+        Self::check_epsilon(epsilon)?;
         // Legendre functions of a thousandth of the accuracy do not show.
         let range = ValueRange::counting_from(0.001 * epsilon);
         let rings = RingTransform::with_arch(lmax, arch, range)?;
@@ -99,10 +104,39 @@ impl FastTransform {
         Ok(Self { rings, window, engine })
     }
 
+    /// Accepts an `epsilon` in [[`Self::MIN_EPSILON`], [`Self::MAX_EPSILON`]].
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Accuracy`] if it is NaN or outside that range.
+    pub fn check_epsilon(epsilon: f64) -> Result<(), Error> {
+        let (min, max) = (Self::MIN_EPSILON, Self::MAX_EPSILON);
+        if (min..=max).contains(&epsilon) {
+            Ok(())
+        } else {
+            Err(Error::Accuracy { epsilon, min, max })
+        }
+    }
+
     /// The largest degree, inclusive.
     #[must_use]
     pub fn lmax(&self) -> usize {
         self.rings.lmax()
+    }
+
+    /// The coefficients of the points, with unit weights if `weights` is `None`.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::OutOfMemory`] if the coefficients do not fit.
+    ///
+    /// # Panics
+    ///
+    /// If `weights` and `points` differ in length.
+    pub fn adjoint(&self, points: &[DVec3], weights: Option<&[f64]>) -> Result<Alm, Error> {
+        let mut alm = Alm::zeros(self.lmax())?;
+        self.adjoint_into(points, weights, &mut FastWorkspace::default(), &mut alm);
+        Ok(alm)
     }
 
     /// Replaces `out` by the coefficients of the points, with unit weights if `weights` is `None`.

@@ -86,12 +86,13 @@ pub struct TransformWorkspace {
 
 impl Transform {
     /// The transform to degree `lmax` for sets of about `n_points`; `epsilon` is the relative
-    /// accuracy of the fast method.
+    /// accuracy of the fast method, checked whichever is used.
     ///
     /// # Errors
     ///
-    /// [`Error::DegreeTooLarge`] if `lmax` is beyond what coefficients can be indexed for.
+    /// [`Error::Accuracy`] as [`FastTransform::new`], [`Error::DegreeTooLarge`] if `lmax` is beyond what coefficients can be indexed for.
     pub fn new(method: Method, lmax: usize, n_points: usize, epsilon: f64) -> Result<Self, Error> {
+        FastTransform::check_epsilon(epsilon)?;
         Ok(Self(if method.chosen(n_points, lmax) == Method::Fast {
             Kind::Fast(Box::new(FastTransform::new(lmax, epsilon)?))
         } else {

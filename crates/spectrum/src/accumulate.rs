@@ -6,7 +6,7 @@ use glam::DVec3;
 use rayon::prelude::{IntoParallelIterator, ParallelIterator};
 use sphvar_samplers::Realizations;
 use sphvar_sh::{Alm, ByParity};
-use sphvar_sht::{Method, Transform, TransformWorkspace};
+use sphvar_sht::{FastTransform, Method, Transform, TransformWorkspace};
 
 use crate::{Error, ExactSum, Spectrum, SpectrumAccumulator, tail_power};
 
@@ -136,7 +136,7 @@ pub struct Resolution {
     pub n_points: usize,
     /// The way of transforming.
     pub method: Method,
-    /// The relative accuracy of coefficients by the fast method.
+    /// The relative accuracy of coefficients by the fast method, in [1e-13, 1e-1].
     pub epsilon: f64,
 }
 
@@ -144,6 +144,12 @@ impl Resolution {
     /// The accuracy unless another is asked for: power comes out to its square, 1e-24, where the
     /// pattern has none.
     pub const EPSILON: f64 = 1e-12;
+
+    /// The smallest [`Self::epsilon`].
+    pub const MIN_EPSILON: f64 = FastTransform::MIN_EPSILON;
+
+    /// The largest [`Self::epsilon`].
+    pub const MAX_EPSILON: f64 = FastTransform::MAX_EPSILON;
 
     /// The degree by which the spectrum of a random pattern has settled, 4 sqrt(N), at least 32.
     #[must_use]
@@ -175,7 +181,8 @@ const BATCH: u64 = 4;
 ///
 /// # Errors
 ///
-/// [`Error::Transform`] if the degree is beyond what the transform can hold.
+/// [`Error::Transform`] if the degree is beyond what the transform can hold, or the accuracy outside its
+/// range.
 pub fn accumulate<A: Accumulator>(
     sets: &dyn PointSets,
     resolution: Resolution,

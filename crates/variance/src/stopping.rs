@@ -11,6 +11,28 @@ pub struct Precision {
     pub most: u64,
 }
 
+impl Precision {
+    /// The fewest trials with an error of their variance to stop at.
+    pub const MIN_TRIALS: u64 = 4;
+
+    /// Accepts a positive, finite precision and at least [`Self::MIN_TRIALS`] trials, `start` and most.
+    fn check(self, start: u64) -> Result<(), Error> {
+        let relative = self.relative;
+        if !(relative > 0.0 && relative.is_finite()) {
+            let name = "the relative precision of a variance";
+            return Err(Error::Parameter { name, range: "positive and finite", got: relative });
+        }
+        let trials = [
+            ("the number of trials", "at least 4", start, start >= Self::MIN_TRIALS),
+            ("the largest number of trials", "at least the first", self.most, self.most >= start),
+        ];
+        match trials.into_iter().find(|row| !row.3) {
+            Some((name, range, got, _)) => Err(Error::Parameter { name, range, got: got as f64 }),
+            None => Ok(()),
+        }
+    }
+}
+
 /// Measures a variance until it is precise: `start` trials (at least 4), then twice as many in all and twice
 /// again, until the relative error ([`Measurement::relative_error`]) is at most `target.relative` or the trials are
 /// `target.most`.
@@ -22,7 +44,8 @@ pub struct Precision {
 ///
 /// # Errors
 ///
-/// [`Error::Spectrum`] with the sampler's error if a realization cannot be made.
+/// [`Error::Parameter`] unless the precision is positive and finite, `start` at least 4 and
+/// `target.most` at least `start`; [`Error::Spectrum`] with the sampler's error if a realization cannot be made.
 pub fn measure_until(
     ensemble: &Realizations<'_>,
     integrand: &dyn Integrand,
@@ -31,14 +54,13 @@ pub fn measure_until(
     expect: &dyn Fn(u64),
     done: &(dyn Fn() + Sync),
 ) -> Result<Measurement, Error> {
-    let most = target.most.max(4);
-    let mut total = start.clamp(4, most);
+    target.check(start)?;
+    let (mut total, most) = (start, target.most);
     let mut from = 0;
     let mut measurement = Measurement::default();
     expect(total);
     loop {
         measurement.extend(estimates(ensemble, integrand, from..total, done)?);
-        // A precision that is not a number is never reached.
         // Equal estimates have no error, but may be those of an integrand that no trial saw.
         let precise = measurement.variance() > 0.0
             && measurement.relative_error().relative() <= target.relative;
@@ -85,10 +107,31 @@ mod tests {
         assert!([400, 800, 1600].contains(&trials), "{trials}");
         assert_eq!(expected.borrow().last(), Some(&(trials as u64)));
         assert_eq!(got, measure(&sets, &ClampedCosine, trials as u64, &|| ()).unwrap());
-        // The cap holds, and nothing satisfies NaN.
+        // The cap holds.
         assert_eq!(until(0.001, 250).estimates().len(), 250);
-        assert_eq!(until(f64::NAN, 250).estimates().len(), 250);
-        assert_eq!(until(0.05, 0).estimates().len(), 4);
+    }
+
+    /// Nothing is put in the place of what cannot be meant; both ends of the ranges are taken.
+    #[test]
+    fn precisions_and_trials_outside_their_range_are_rejected() {
+        let sampler = Pattern::WhiteNoise.build(4, Domain::Sphere).unwrap();
+        let sets = Realizations::rotated(&*sampler, Streams::new(0, Purpose::Trial, 0));
+        let until = |relative, start, most| {
+            let target = Precision { relative, most };
+            measure_until(&sets, &ClampedCosine, start, target, &|_| (), &|| ())
+        };
+        for relative in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 0.0, -0.1] {
+            let error = until(relative, 100, 200).unwrap_err().to_string();
+            let expected = ["relative precision", "positive and finite", &relative.to_string()];
+            assert!(expected.iter().all(|part| error.contains(part)), "{error}");
+        }
+        for (start, most) in [(0, 9), (3, 9), (10, 9), (4, 0)] {
+            let error = until(0.1, start, most).unwrap_err().to_string();
+            assert!(error.contains("trials"), "{start} {most}: {error}");
+        }
+        for relative in [f64::MIN_POSITIVE, f64::MAX] {
+            assert_eq!(until(relative, 4, 4).unwrap().estimates().len(), 4);
+        }
     }
 
     #[test]

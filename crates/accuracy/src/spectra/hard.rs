@@ -5,6 +5,7 @@ use sphvar_reference::DoubleDouble;
 use sphvar_samplers::{Domain, Pattern, Purpose, SpectralControl, Streams};
 use sphvar_sh::Alm;
 use sphvar_sht::{Method, Transform, TransformWorkspace};
+use sphvar_spectrum::Resolution;
 
 use super::{legendre_sums, merging};
 use crate::{Errors, HardCase};
@@ -66,9 +67,10 @@ const LAST: usize = 8;
 /// The power that the set has, about.
 const POWER: f64 = 1e-20;
 
-/// A set without power to degree 9 whose points are moved by about 1e-11.
+/// A set without power to degree 10 whose points are moved by about 1e-11.
 fn nearly_a_design() -> Vec<DVec3> {
-    let design = SpectralControl::step(N, Domain::Sphere, 1.0, None).expect("a step of 100 points");
+    let design =
+        SpectralControl::step(N, Domain::Sphere, None, None).expect("a step of 100 points");
     let mut rng = Streams::new(0, Purpose::Pattern, N).realization(0);
     let points = sphvar_samplers::Sampler::sample(&design, &mut rng).expect("the descent arrives");
     let mut rng = Streams::new(0, Purpose::Trial, N).realization(0);
@@ -85,7 +87,8 @@ fn errors_of_power(epsilon: Option<f64>) -> Errors {
     let method = if epsilon.is_some() { Method::Fast } else { Method::Exact };
     let mut errors = Errors::default();
     let mut alm = [Alm::zeros(LMAX).expect("a low degree")];
-    let transform = Transform::new(method, LMAX, N, epsilon.unwrap_or(0.0)).expect("a low degree");
+    let transform = Transform::new(method, LMAX, N, epsilon.unwrap_or(Resolution::EPSILON))
+        .expect("a low degree");
     transform.adjoint_batch_into(&[(&points, None)], &mut TransformWorkspace::default(), &mut alm);
     let got = alm[0].power_per_degree();
     let exact = legendre_sums(&points, LAST);

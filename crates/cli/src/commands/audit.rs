@@ -118,9 +118,9 @@ fn check_settings(args: &AuditArgs, domain: Domain) -> Result<(), CliError> {
             args.lmax
         )));
     }
-    if !(1e-4..=0.5).contains(&args.alpha) {
-        let got = args.alpha;
-        return Err(CliError::Usage(format!("--alpha must be in [1e-4, 0.5], got {got}")));
+    let (min, max, got) = (AuditSettings::MIN_ALPHA, AuditSettings::MAX_ALPHA, args.alpha);
+    if !(min..=max).contains(&got) {
+        return Err(CliError::Usage(format!("--alpha must be in [{min:e}, {max}], got {got}")));
     }
     if !(args.tolerance > 0.0 && args.tolerance.is_finite()) {
         let got = args.tolerance;

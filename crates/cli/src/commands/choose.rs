@@ -16,6 +16,7 @@ use sphvar_variance::{PredictionBudget, Predictor};
 use self::candidate::Candidate;
 use self::presentation::{Answer, LeftOut};
 use self::question::Question;
+use crate::counts::parse_count;
 use crate::error::CliError;
 use crate::global::Global;
 use crate::integrands::{FORMS, check_domain, parse_integrand};
@@ -38,23 +39,24 @@ A set's seconds are measured on one core, the median of up to five.";
 pub(crate) struct ChooseArgs {
     #[arg(long, help = format!("Integrand: {FORMS}"))]
     pub(crate) integrand: String,
-    /// The standard error wanted, relative to the integral: 1% or 0.01
+    /// The standard error wanted, relative to the integral: 1% or 0.01; above 50 % with a % sign
     #[arg(long, value_name = "E", required_unless_present = "points", conflicts_with = "points")]
     pub(crate) error: Option<String>,
     /// The number of points at hand; samplers take the largest that they have up to it
-    #[arg(short = 'n', long, value_name = "N")]
+    #[arg(short = 'n', long, value_name = "N", value_parser = parse_count)]
     pub(crate) points: Option<usize>,
     /// --error is in units of the integral itself
     #[arg(long, requires = "error")]
     pub(crate) absolute: bool,
-    /// Samplers, separated by commas [default: all that cost little enough]
+    /// Samplers, separated by commas, or all [default: all that cost little enough]
     #[arg(long, value_name = "LIST")]
     pub(crate) samplers: Option<String>,
     /// Integrate over the hemisphere z >= 0
     #[arg(long)]
     pub(crate) hemisphere: bool,
     /// The most points that --error may take
-    #[arg(long, default_value_t = 100_000, value_name = "N", conflicts_with = "points")]
+    #[arg(long, default_value_t = 100_000, value_name = "N", value_parser = parse_count,
+        conflicts_with = "points")]
     pub(crate) max_points: usize,
     /// Seconds that a value of the integrand costs: rank by the time for the set and all values
     #[arg(long, value_name = "SECONDS", requires = "error")]

@@ -10,9 +10,10 @@ use sphvar_variance::{Comparison, Energy, RateFit, VariancePoint, fit_exact_rate
 use super::crossovers::{CrossoverRecord, crossovers};
 use super::power_chart::{power_chart, power_series};
 use super::rows::{self, Case, EffortArgs, Plan, Row, RowRecord};
+use crate::counts::Counts;
 use crate::error::CliError;
 use crate::global::Global;
-use crate::integrands::{FORMS, parse_integrand};
+use crate::integrands::{self, FORMS, parse_integrand};
 use crate::patterns::parse_patterns;
 use crate::plots::{Chart, Scale, Series, Style};
 use crate::report::{
@@ -29,19 +30,18 @@ comparison.csv and .json, spectra.csv, and the plots spectra, variance and integ
 
 #[derive(Debug, Args)]
 pub(crate) struct CompareArgs {
-    /// Samplers, separated by commas [default: all]
+    /// Samplers, separated by commas, or all [default: white-noise, jittered, healpix, fibonacci]
     pub(crate) samplers: Option<String>,
-    /// Numbers of points, separated by commas
+    /// Numbers of points: 48,108 or 16..1024 for doubling [default: 48 to 3072, seven of them]
     #[arg(
         short = 'n',
         long = "points",
-        value_delimiter = ',',
-        default_values_t = [48, 108, 192, 432, 768, 1728, 3072],
+        default_value = "48,108,192,432,768,1728,3072",
         hide_default_value = true,
         value_name = "N"
     )]
-    pub(crate) points: Vec<usize>,
-    #[arg(long, default_value = "env:data/city.exr", help = format!("Integrand: {FORMS}"))]
+    pub(crate) points: Counts,
+    #[arg(long, default_value = integrands::CITY, help = format!("Integrand: {FORMS}"))]
     pub(crate) integrand: String,
     #[command(flatten)]
     pub(crate) effort: EffortArgs,
@@ -111,7 +111,7 @@ pub(crate) fn run(args: &CompareArgs, global: &Global) -> Result<(), CliError> {
     }
     let mut cases: Vec<Case> = Vec::new();
     for pattern in &patterns {
-        for &n in &args.points {
+        for &n in args.points.all() {
             let case = Case::new(pattern.clone(), n, domain, true)?;
             let same = |c: &Case| c.pattern == *pattern && c.n_points() == case.n_points();
             if !cases.iter().any(same) {
@@ -158,13 +158,13 @@ fn prepare_folder(folder: &Path) -> Result<(), CliError> {
 }
 
 /// The rows of one pattern, by number of points.
-struct Curve<'a> {
+pub(super) struct Curve<'a> {
     pattern: &'a Pattern,
     rows: Vec<&'a Row>,
 }
 
 impl<'a> Curve<'a> {
-    fn new(pattern: &'a Pattern, rows: &'a [Row]) -> Self {
+    pub(super) fn new(pattern: &'a Pattern, rows: &'a [Row]) -> Self {
         let mut rows: Vec<&Row> = rows.iter().filter(|r| r.pattern == *pattern).collect();
         rows.sort_by_key(|r| r.comparison.spectrum.n_points());
         Self { pattern, rows }
@@ -355,7 +355,7 @@ fn spectra_chart(curves: &[Curve<'_>]) -> Chart {
     Chart { title: "Angular power spectra".to_owned(), ..power_chart(series.collect()) }
 }
 
-fn variance_chart(curves: &[Curve<'_>], plan: &Plan<'_>) -> Chart {
+pub(super) fn variance_chart(curves: &[Curve<'_>], plan: &Plan<'_>) -> Chart {
     let points = |p: &[VariancePoint]| p.iter().map(|p| (p.n_points, p.variance)).collect();
     let mut series = Vec::new();
     for (colour, curve) in curves.iter().enumerate() {

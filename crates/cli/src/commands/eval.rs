@@ -6,6 +6,7 @@ use sphvar_samplers::Domain;
 use sphvar_sh::{Colatitude, lambda_scaled, ylm};
 use sphvar_variance::{Cap, Integrand};
 
+use crate::counts::parse_count;
 use crate::error::CliError;
 use crate::global::Global;
 use crate::memory::{check_degree, check_memory};
@@ -68,7 +69,7 @@ enum Function {
         #[arg(long)]
         profile: String,
         /// Number of points
-        #[arg(short = 'n', long = "points")]
+        #[arg(short = 'n', long = "points", value_name = "N", value_parser = parse_count)]
         points: usize,
         /// Largest degree
         #[arg(long)]

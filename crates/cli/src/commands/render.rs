@@ -1,7 +1,6 @@
 //! `sphvar render`: what a pattern does to a picture.
 
 mod colours;
-mod points;
 mod reference;
 mod reference_file;
 mod sheet;
@@ -15,8 +14,8 @@ use std::path::PathBuf;
 use clap::Args;
 use sphvar_scene::{DirectionMode, DirectionSets, Estimator};
 
-use self::points::Counts;
 use self::stage::StageArgs;
+use crate::counts::Counts;
 use crate::error::CliError;
 use crate::global::Global;
 use crate::spec::unknown_name;

@@ -156,9 +156,10 @@ pub(super) fn run(plan: &Plan<'_>, cases: &[Case]) -> Result<(Vec<Row>, Energy),
 /// Refuses what cannot be run; returns the effort for each case and the largest degree.
 pub(super) fn check(plan: &Plan<'_>, cases: &[Case]) -> Result<(Vec<Effort>, usize), CliError> {
     check_domain(plan.integrand, plan.domain)?;
-    if plan.trials < 4 {
+    if plan.trials < Precision::MIN_TRIALS {
         return Err(CliError::Usage(format!(
-            "the error of a measured variance needs at least 4 trials (-m), got {}",
+            "the error of a measured variance needs at least {} trials (-m), got {}",
+            Precision::MIN_TRIALS,
             plan.trials
         )));
     }

@@ -8,6 +8,7 @@ use rayon::prelude::{IntoParallelIterator, ParallelIterator};
 use serde::Serialize;
 use sphvar_samplers::{Domain, Pattern, PatternFacts, Purpose, Realizations, Streams};
 
+use crate::counts::parse_count;
 use crate::error::CliError;
 use crate::files::{AtomicFile, write_points};
 use crate::global::Global;
@@ -23,7 +24,7 @@ pub(crate) const EXAMPLES: &str = "Examples:
   sphvar sample white-noise -n 4096 -m 100 --rotate -o sets.npy
   sphvar sample poisson-disk:mode=saturated -n 512 -m 3 -o disks-{i}.npy   (a file for each set)
   sphvar sample poisson-disk:mode=saturated -n 4096 -o disks.ply
-  sphvar sample step:alpha=1 -n 4096 -o step.npy    (no power up to degree 63)
+  sphvar sample step:alpha=1 -n 4096 -o step.npy    (no power up to degree 64)
   sphvar sample profile:b=2,alpha=1,to=2 -n 1000 -o quadratic.csv
   sphvar sample --list";
 
@@ -33,11 +34,13 @@ pub(crate) struct SampleArgs {
     #[arg(required_unless_present = "list")]
     pub(crate) sampler: Option<String>,
     /// List the samplers with their parameters, the numbers of points that they have, what a set costs,
-    /// their power at low degrees, their rates and who described them
+    /// their power at low degrees, their rates and who described them; with -n also the last degree
+    /// that has no power
     #[arg(long)]
     pub(crate) list: bool,
     /// Number of points
-    #[arg(short = 'n', long = "points", value_name = "N", required_unless_present = "list")]
+    #[arg(short = 'n', long = "points", value_name = "N", value_parser = parse_count,
+        required_unless_present = "list")]
     pub(crate) points: Option<usize>,
     /// Number of realizations
     #[arg(short = 'm', long, default_value_t = 1, value_name = "M")]
@@ -63,6 +66,9 @@ struct Document {
     sampler: String,
     n: usize,
     realizations: usize,
+    /// No set has power at any degree from 1 to this, for patterns that are made so.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    last_empty_degree: Option<usize>,
     /// The number of points of each set, where the pattern does not fix it.
     #[serde(skip_serializing_if = "Option::is_none")]
     counts: Option<Vec<usize>>,
@@ -73,7 +79,7 @@ struct Document {
 
 pub(crate) fn run(args: &SampleArgs, global: &Global) -> Result<(), CliError> {
     let (Some(sampler), Some(n), false) = (&args.sampler, args.points, args.list) else {
-        return list(global);
+        return list(args, global);
     };
     let pattern = patterns::parse_pattern(sampler)?;
     if args.realizations == 0 {
@@ -93,6 +99,11 @@ pub(crate) fn run(args: &SampleArgs, global: &Global) -> Result<(), CliError> {
         );
     }
 
+    let last_empty_degree = sampler.last_empty_degree();
+    let empty = last_empty_degree.map(|last| no_power(last, sampler.domain()));
+    if let Some(empty) = &empty {
+        say(global.quiet, &format!("{pattern}, N = {n_points}: {empty}"));
+    }
     let streams = Streams::new(global.seed, Purpose::Pattern, pattern.stream_group(n_points));
     let ensemble = if args.rotate {
         Realizations::rotated(&*sampler, streams)
@@ -112,17 +123,19 @@ pub(crate) fn run(args: &SampleArgs, global: &Global) -> Result<(), CliError> {
         .collect::<Result<Vec<_>, CliError>>()?;
     drop(progress);
     let provenance = Provenance::new(global.seed);
+    let line = provenance.line();
+    let note = empty.map_or(line.clone(), |empty| format!("{line}; {empty}"));
     let to_stdout = args.out.as_os_str() == "-";
     if path_of_set(&args.out, 0).is_some() {
         for (index, set) in sets.iter().enumerate() {
             let path = path_of_set(&args.out, index).unwrap_or_default();
-            write_sets(&path, std::slice::from_ref(set), &pattern, &provenance)?;
+            write_sets(&path, std::slice::from_ref(set), &pattern, &note)?;
         }
     } else if !(to_stdout && global.json) {
         if ImageFormat::of_path(&args.out).is_some() && args.realizations > 1 {
             say(global.quiet, "the picture shows the first realization");
         }
-        write_sets(&args.out, &sets, &pattern, &provenance)?;
+        write_sets(&args.out, &sets, &pattern, &note)?;
     }
     if global.json {
         let points = to_stdout
@@ -134,6 +147,7 @@ pub(crate) fn run(args: &SampleArgs, global: &Global) -> Result<(), CliError> {
             sampler: pattern.to_string(),
             n: n_points,
             realizations,
+            last_empty_degree,
             counts,
             points,
             provenance,
@@ -153,17 +167,26 @@ fn write_sets(
     path: &Path,
     sets: &[Vec<DVec3>],
     pattern: &Pattern,
-    provenance: &Provenance,
+    note: &str,
 ) -> Result<(), CliError> {
     if ImageFormat::of_path(path).is_none() {
-        return Ok(write_points(path, None, sets, Some(&provenance.line()))?);
+        return Ok(write_points(path, None, sets, Some(note))?);
     }
     let view = OrthographicView {
         title: format!("{pattern}, N = {}", sets[0].len()),
-        notes: vec![provenance.line()],
+        notes: vec![note.to_owned()],
         ..OrthographicView::default()
     };
     Ok(view.render(&sets[0], path)?)
+}
+
+/// What is said of sets without power at the degrees up to `last`.
+fn no_power(last: usize, domain: Domain) -> String {
+    match (last, domain) {
+        (0, _) => "power at every degree".to_owned(),
+        (_, Domain::Sphere) => format!("no power at degrees 1 to {last}"),
+        (_, Domain::Hemisphere) => format!("no power at even degrees 2 to {last}"),
+    }
 }
 
 /// A pattern as `--list` shows it.
@@ -178,14 +201,31 @@ struct Entry {
     best_rate: &'static str,
     worst_rate: &'static str,
     source: &'static str,
+    /// Every parameter: its name, its default where that is fixed, its values where they have names.
+    keys: Vec<String>,
+    /// With the number of points given, for patterns that are made without power at low degrees.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    last_empty_degree: Option<usize>,
 }
 
 impl Entry {
-    fn new(pattern: &Pattern) -> Self {
+    fn new(pattern: &Pattern, n: Option<usize>, domain: Domain) -> Result<Self, CliError> {
         let PatternFacts { cost, law, best_rate, worst_rate, source, .. } = pattern.facts();
-        Self {
+        let defaults = pattern.all_parameters();
+        let key = |text: &&str| {
+            let (key, values) = text.split_once(' ').unwrap_or((text, ""));
+            match defaults.iter().find(|d| d.starts_with(&format!("{key}="))) {
+                Some(default) => format!("{default} {values}").trim_end().to_owned(),
+                None if values.is_empty() => format!("{key} (default by N)"),
+                None => (*text).to_owned(),
+            }
+        };
+        let keys = patterns::parameter_keys(pattern)?.iter().map(key).collect();
+        Ok(Self {
             sampler: pattern.name(),
-            parameters: pattern.all_parameters().join(","),
+            parameters: defaults.join(","),
+            keys,
+            last_empty_degree: n.and_then(|n| pattern.last_empty_degree(n, domain)),
             sphere: pattern.legal_counts(Domain::Sphere),
             hemisphere: pattern.legal_counts(Domain::Hemisphere),
             cost,
@@ -193,39 +233,51 @@ impl Entry {
             best_rate,
             worst_rate,
             source,
-        }
+        })
     }
 }
 
-fn list(global: &Global) -> Result<(), CliError> {
-    let entries: Vec<Entry> = Pattern::ALL.iter().map(Entry::new).collect();
+/// Numbers of points for which `--list` shows last empty degrees if none is given.
+const LISTED: [usize; 3] = [100, 1000, 10_000];
+
+fn list(args: &SampleArgs, global: &Global) -> Result<(), CliError> {
+    let domain = super::domain(args.hemisphere);
+    let entries = Pattern::ALL
+        .iter()
+        .map(|pattern| Entry::new(pattern, args.points, domain))
+        .collect::<Result<Vec<_>, _>>()?;
     if global.json {
         return print_json(&entries);
     }
+    let numbers = args.points.map_or(LISTED.to_vec(), |n| vec![n]);
     let mut text = String::new();
-    for e in &entries {
-        let name = if e.parameters.is_empty() {
-            e.sampler.to_owned()
-        } else {
-            format!("{}:{}", e.sampler, e.parameters)
-        };
+    for (e, pattern) in entries.iter().zip(&Pattern::ALL) {
         // A pattern takes a paragraph: in one table the columns would not fit a terminal.
         let counts = if e.sphere == e.hemisphere {
             e.sphere.to_owned()
         } else {
             format!("{}; on the hemisphere {}", e.sphere, e.hemisphere)
         };
-        let rates = format!("N^{} smooth, N^{} with jumps", e.best_rate, e.worst_rate);
-        text += &name;
+        let rates = pattern.facts().rates();
+        let last =
+            |&n: &usize| Some(format!("{} of N = {n}", pattern.last_empty_degree(n, domain)?));
+        // The default profile is empty nowhere.
+        let is_made_empty = matches!(pattern, Pattern::Step { .. } | Pattern::Blue { .. });
+        let last = numbers.iter().filter(|_| is_made_empty).filter_map(last);
+        text += e.sampler;
         text.push('\n');
         for (what, value) in [
+            ("parameters", e.keys.join(", ").as_str()),
             ("N", counts.as_str()),
             ("cost", e.cost),
             ("P(l) as l -> 0", e.law),
+            ("last empty l", last.collect::<Vec<_>>().join(", ").as_str()),
             ("variance", rates.as_str()),
             ("source", e.source),
         ] {
-            text += &format!("    {what:<15} {value}\n");
+            if !value.is_empty() {
+                text += &format!("    {what:<15} {value}\n");
+            }
         }
     }
     print(&text)

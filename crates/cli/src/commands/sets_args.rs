@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
+use crate::counts::parse_count;
 use crate::files::{ColumnChoice, HduChoice, ReadOptions};
 
 /// A sampler with its number of points, or files of points.
@@ -19,6 +20,7 @@ pub(crate) struct SetsArgs {
         short = 'n',
         long = "n-points",
         value_name = "N",
+        value_parser = parse_count,
         required_unless_present = "points_from"
     )]
     pub(crate) n: Option<usize>,

@@ -4,13 +4,17 @@ use std::path::PathBuf;
 
 use clap::Args;
 use serde::Serialize;
+use sphvar_samplers::Pattern;
 
+use super::compare::{Curve, variance_chart};
 use super::cut_sphere::{self, Cut, CutRecord};
 use super::rows::{self, Case, EffortArgs, RowRecord};
+use crate::counts::Counts;
 use crate::error::CliError;
 use crate::global::Global;
 use crate::integrands::{FORMS, parse_integrand};
 use crate::patterns::parse_patterns;
+use crate::plots::{Chart, ImageFormat};
 use crate::report::{
     Provenance, check_result, csv, is_stdout, print, print_json, table, write_result,
 };
@@ -18,6 +22,7 @@ use crate::report::{
 pub(crate) const EXAMPLES: &str = "Examples:
   sphvar variance jittered,white-noise -n 192,768 --integrand cap:degrees=60 -m 2000
   sphvar variance jittered -n 192 --integrand cap:degrees=60 -m 100 --until-rel 10%
+  sphvar variance jittered,fibonacci -n 48..768 --nearest --integrand cap:degrees=60 -o v.svg
 
 Columns: the variance that the spectra predict and the one measured on independent, uniformly
 rotated realizations, each with its standard error (that of the prediction with the error of the
@@ -28,11 +33,11 @@ all trials agree an upper limit only.";
 
 #[derive(Debug, Args)]
 pub(crate) struct VarianceArgs {
-    /// Samplers, separated by commas
+    /// Samplers, separated by commas, or all
     pub(crate) samplers: String,
-    /// Numbers of points, separated by commas
-    #[arg(short = 'n', long = "points", value_delimiter = ',', required = true, value_name = "N")]
-    pub(crate) points: Vec<usize>,
+    /// Numbers of points: 192,768 or 16..1024 for doubling
+    #[arg(short = 'n', long = "points", required = true, value_name = "N")]
+    pub(crate) points: Counts,
     #[arg(long, help = format!("Integrand: {FORMS}"))]
     pub(crate) integrand: String,
     #[command(flatten)]
@@ -44,7 +49,7 @@ pub(crate) struct VarianceArgs {
     #[arg(long, value_name = "AXIS", num_args = 0..=1, require_equals = true,
         default_missing_value = "random", requires = "hemisphere")]
     pub(crate) cut_sphere: Option<Cut>,
-    /// Write the rows to a file, .csv or .json
+    /// Write the rows to a file, .csv or .json, or a plot of the variances against N as .svg or .png
     #[arg(short, long, value_name = "FILE")]
     pub(crate) out: Option<PathBuf>,
 }
@@ -61,7 +66,7 @@ struct Document<'a> {
 
 pub(crate) fn run(args: &VarianceArgs, global: &Global) -> Result<(), CliError> {
     if let Some(path) = &args.out {
-        check_result(path, false)?;
+        check_result(path, true)?;
         let is_json = path.extension().is_some_and(|e| e == "json");
         if args.cut_sphere.is_some() && !is_json && !(global.json && is_stdout(path)) {
             let message =
@@ -73,7 +78,7 @@ pub(crate) fn run(args: &VarianceArgs, global: &Global) -> Result<(), CliError> 
     let domain = super::domain(args.effort.hemisphere);
     let mut cases = Vec::new();
     for pattern in parse_patterns(&args.samplers)? {
-        for &n in &args.points {
+        for &n in args.points.all() {
             cases.push(Case::new(pattern.clone(), n, domain, args.nearest)?);
         }
     }
@@ -89,8 +94,20 @@ pub(crate) fn run(args: &VarianceArgs, global: &Global) -> Result<(), CliError> 
     if let Some(path) = &args.out
         && !(global.json && is_stdout(path))
     {
-        let cells: Vec<_> = records.iter().map(RowRecord::record).collect();
-        write_result(path, &document, &|| csv(&provenance, RowRecord::COLUMNS, &cells))?;
+        if ImageFormat::of_path(path).is_some() {
+            let mut patterns: Vec<&Pattern> = Vec::new();
+            for row in &rows {
+                if !patterns.contains(&&row.pattern) {
+                    patterns.push(&row.pattern);
+                }
+            }
+            let curves: Vec<_> = patterns.iter().map(|p| Curve::new(p, &rows)).collect();
+            let chart = variance_chart(&curves, &plan);
+            Chart { notes: vec![provenance.line()], ..chart }.render(path)?;
+        } else {
+            let cells: Vec<_> = records.iter().map(RowRecord::record).collect();
+            write_result(path, &document, &|| csv(&provenance, RowRecord::COLUMNS, &cells))?;
+        }
     }
     if global.json {
         print_json(&document)

@@ -1,5 +1,7 @@
 //! Reading environment maps.
 
+use std::fs::File;
+use std::io::{BufRead, BufReader, Seek};
 use std::path::Path;
 
 use image::{ImageFormat, ImageReader};
@@ -29,10 +31,22 @@ pub(crate) struct ChannelImage {
 /// # Errors
 /// When the file cannot be opened, is of another format, or is damaged.
 pub(crate) fn read_image(path: &Path, channel: Channel) -> Result<ChannelImage, FileError> {
+    let open_error = |source| FileError::Open { path: path.display().to_string(), source };
+    decode_image(BufReader::new(File::open(path).map_err(open_error)?), path, channel)
+}
+
+/// Reads one channel of an image that is called `path` in messages.
+///
+/// # Errors
+/// As [`read_image`].
+pub(crate) fn decode_image(
+    input: impl BufRead + Seek,
+    path: &Path,
+    channel: Channel,
+) -> Result<ChannelImage, FileError> {
     let name = path.display().to_string();
     let open_error = |source| FileError::Open { path: name.clone(), source };
-    let reader =
-        ImageReader::open(path).and_then(ImageReader::with_guessed_format).map_err(open_error)?;
+    let reader = ImageReader::new(input).with_guessed_format().map_err(open_error)?;
     match reader.format() {
         Some(ImageFormat::OpenExr | ImageFormat::Hdr) => (),
         // Others are not linear: their numbers are no radiance.

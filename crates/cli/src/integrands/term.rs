@@ -1,5 +1,6 @@
 //! Single integrands: a name with parameters.
 
+use std::io::Cursor;
 use std::path::Path;
 
 use sphvar_healpix::{Nested, Nside};
@@ -9,7 +10,7 @@ use sphvar_variance::{
 };
 
 use crate::error::CliError;
-use crate::files::{Channel, read_fits_map, read_image};
+use crate::files::{Channel, decode_image, read_fits_map, read_image};
 use crate::memory::check_degree;
 use crate::spec::{Spec, unknown_name};
 
@@ -93,8 +94,15 @@ fn channel(spec: &mut Spec) -> Result<Channel, CliError> {
     }
 }
 
+/// The light probe of the examples, for those who have no clone of the repository.
+const CITY: &[u8] = include_bytes!("../../../../data/city.exr");
+
 fn environment(path: &Path, channel: Channel) -> Result<EnvironmentMap, CliError> {
-    let image = read_image(path, channel)?;
+    let image = if path == Path::new("data/city.exr") && !path.exists() {
+        decode_image(Cursor::new(CITY), path, channel)?
+    } else {
+        read_image(path, channel)?
+    };
     EnvironmentMap::new(image.width, image.height, image.values)
         .map_err(|e| CliError::Failed(format!("{}: {e}", path.display())))
 }

@@ -28,7 +28,7 @@ fn numbers_of_points() {
         ("spectrum jittered -n 18446744073709551615 --nearest", &["jittered", "the most is"]),
         ("sample white-noise -n -3", &["-3"]),
         ("sample white-noise -n ten", &["ten", "--points"]),
-        ("sample white-noise -n 1e3", &["1e3"]),
+        ("sample white-noise -n 1e-3", &["1e-3"]),
         ("sample white-noise", &["--points"]),
         ("spectrum", &["--n-points", "SAMPLER"]),
     ]);

@@ -21,5 +21,6 @@ mod pipes;
 mod precision;
 mod render;
 mod reproduction;
+mod sampler_arguments;
 mod shards;
 mod workplace;

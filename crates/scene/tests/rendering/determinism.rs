@@ -17,7 +17,7 @@ fn picture(mode: DirectionMode, seed: u64, number: u64, region: Option<Region>, 
     if let Some(region) = region {
         view = view.with_region(region).unwrap();
     }
-    let plan = DirectionPlan::new(Pattern::Jittered, 24, mode, seed).unwrap().with_sets(5);
+    let plan = DirectionPlan::new(Pattern::Jittered, 24, mode, seed).unwrap().with_sets(5).unwrap();
     let sets = plan.prepare(number).unwrap();
     render(&view, &AMBIENT, Estimator::Ratio, &sets, &|_| ()).unwrap()
 }

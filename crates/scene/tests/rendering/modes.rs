@@ -147,7 +147,7 @@ fn white_noise_has_its_variances() {
     ];
     const SIDE: usize = 256;
     for (mode, estimator, p, expected) in cases {
-        let plan = plan(&Pattern::WhiteNoise, 3, mode).with_sets(SIDE * SIDE);
+        let plan = plan(&Pattern::WhiteNoise, 3, mode).with_sets(SIDE * SIDE).unwrap();
         let sets = plan.prepare(0).unwrap();
         let image = spot.render(&AMBIENT, estimator, &sets, SIDE);
         let (mean, error) = mean_and_error(&image.values);
@@ -174,7 +174,8 @@ fn numbers_of_sets() {
     let between = usual("step", 64);
     assert!((5..1024).contains(&between), "{between}");
     let of = |pattern, mode| {
-        let plan = plan(&pattern, 24, mode).with_sets(5);
+        let plan = plan(&pattern, 24, mode).with_sets(5).unwrap();
+        assert!(plan.clone().with_sets(0).is_err(), "a table without sets");
         (plan.has_table(), plan.n_sets(), plan.distinct_sets(3))
     };
     for mode in DirectionMode::ALL {

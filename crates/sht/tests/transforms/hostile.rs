@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 use sphvar_sh::Alm;
-use sphvar_sht::{ExactTransform, ExactWorkspace, FastTransform, FastWorkspace};
+use sphvar_sht::{ExactTransform, ExactWorkspace, FastTransform, FastWorkspace, Method, Transform};
 
 use crate::coefficients::{distance, is_finite, norm, random, rounding};
 use crate::definition::Definition;
@@ -153,18 +153,29 @@ fn what_is_no_direction_does_no_harm_to_other_points() {
     }
 }
 
+/// Accuracies that cannot be kept, or need not be, are errors, whichever method is chosen; both ends of
+/// the range are kept.
 #[test]
-fn any_epsilon_makes_a_plan() {
+fn accuracies_outside_their_range_are_rejected() {
+    let (min, max) = (FastTransform::MIN_EPSILON, FastTransform::MAX_EPSILON);
+    let beyond = [min.next_down(), max.next_up(), 0.0, -0.0, -1e-3, 1e-300, 1.0, 7.0];
+    for got in beyond.into_iter().chain([f64::INFINITY, f64::NEG_INFINITY, f64::NAN]) {
+        let mut results = vec![FastTransform::new(20, got).map(drop)];
+        for method in [Method::Auto, Method::Exact, Method::Fast] {
+            results.push(Transform::new(method, 20, 9, got).map(drop));
+        }
+        for result in results {
+            let message = result.unwrap_err().to_string();
+            assert_eq!(message, format!("epsilon must be in [1e-13, 1e-1], got {got}"));
+        }
+    }
     let points = Lcg::new(76).directions(20);
     let expected = Definition::new(&points).adjoint(None, 20);
-    for epsilon in [0.0, -1.0, 1e-300, 1e-14, 0.1, 1.0, 7.0, f64::INFINITY, -f64::INFINITY] {
-        let plan = FastTransform::new(20, epsilon).unwrap();
-        let mut alm = Alm::zeros(20).unwrap();
-        plan.adjoint_into(&points, None, &mut FastWorkspace::default(), &mut alm);
-        // Brought into what can be met.
-        let tolerance = epsilon.clamp(1e-13, 1e-1) * norm(&expected);
-        assert!(distance(&alm, &expected) <= tolerance, "epsilon {epsilon:e}");
+    for epsilon in [min, max] {
+        let alm = FastTransform::new(20, epsilon).unwrap().adjoint(&points, None).unwrap();
+        assert!(distance(&alm, &expected) <= epsilon * norm(&expected), "epsilon {epsilon:e}");
+        for method in [Method::Auto, Method::Exact, Method::Fast] {
+            assert!(Transform::new(method, 20, 9, epsilon).is_ok(), "{method:?} {epsilon:e}");
+        }
     }
-    // No panic; what comes out is not promised.
-    assert!(FastTransform::new(20, f64::NAN).is_ok());
 }

@@ -14,6 +14,12 @@ pub struct AuditSettings {
 }
 
 impl AuditSettings {
+    /// The smallest alpha.
+    pub const MIN_ALPHA: f64 = 1e-4;
+
+    /// The largest alpha.
+    pub const MAX_ALPHA: f64 = 0.5;
+
     /// Objects to 1 of 100 homogeneous ensembles, and wants to see an error of 20 %.
     #[must_use]
     pub fn new(seed: u64) -> Self {
@@ -34,7 +40,7 @@ impl AuditSettings {
     }
 
     pub(super) fn check(&self) -> Result<(), Error> {
-        if !(1e-4..=0.5).contains(&self.alpha) {
+        if !(Self::MIN_ALPHA..=Self::MAX_ALPHA).contains(&self.alpha) {
             return Err(Error::Setting {
                 what: "alpha of an audit",
                 expected: "in [1e-4, 0.5]",

@@ -9,6 +9,7 @@ use sphvar_bounds::{Bound, Criterion, Error, Family, Offset, Side};
 use self::record::{BoundRecord, Consequences};
 use self::source::Measured;
 use self::thesis::ThesisRecord;
+use crate::counts::parse_count;
 use crate::error::CliError;
 use crate::global::Global;
 use crate::integrands::FORMS;
@@ -49,7 +50,8 @@ pub(crate) struct BoundsArgs {
     #[arg(long, required_unless_present_any = ["sampler", "spectrum"])]
     pub(crate) profile: Option<String>,
     /// Number of points; a spectrum file may say it, as the power of degree 0
-    #[arg(short = 'n', long = "points", value_name = "N", required_unless_present = "spectrum")]
+    #[arg(short = 'n', long = "points", value_name = "N", value_parser = parse_count,
+        required_unless_present = "spectrum")]
     pub(crate) points: Option<usize>,
     /// Estimate the spectrum of the sampler from M realizations [default: 300, and none where it is
     /// known without sampling]

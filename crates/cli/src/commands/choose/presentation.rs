@@ -53,6 +53,8 @@ struct Row {
     /// Of the spectrum at n.
     lmax: Option<usize>,
     realizations: Option<u64>,
+    /// Up to which degree the pattern has no power at n, where it is made so.
+    last_empty_degree: Option<usize>,
     /// Every prediction that was made.
     curve: Vec<CurvePoint>,
 }
@@ -187,6 +189,14 @@ impl<'a> Answer<'a> {
         text += if question.integral.is_some() { ", relative to it" } else { "" };
         text += "; +-: what is not known of it. gain: how many times less\nvariance than white noise \
                  with as many points. rate: exponent of the variance against N near this N.\n\n";
+        let empty = |row: &Row| {
+            let last = row.last_empty_degree.filter(|&last| last > 0)?;
+            Some(format!("{} {last}", row.sampler))
+        };
+        let empty: Vec<String> = self.rows.iter().filter_map(empty).collect();
+        if !empty.is_empty() {
+            text += &format!("Last degree without any power: {}\n", empty.join(", "));
+        }
         for left in &self.left_out {
             text += &format!("Left out: {} ({})\n", left.sampler, left.reason);
         }
@@ -277,6 +287,9 @@ fn row(rank: usize, candidate: &Candidate, question: &Question, predictor: &Pred
         seconds_in_all: candidate.seconds_in_all,
         lmax: point.map(|p| p.spectrum.lmax()),
         realizations: point.map(|p| p.spectrum.realizations()),
+        last_empty_degree: candidate
+            .n_points
+            .and_then(|n| curve.pattern().last_empty_degree(n, question.domain)),
         curve: curve.points().iter().map(curve_point).collect(),
     }
 }
@@ -312,7 +325,7 @@ impl Row {
     /// The heading of [`Self::record`].
     const COLUMNS: &'static str = "rank,sampler,n,basis,too_few,variance,variance_stderr,error,\
          relative_error,gain,rate,rate_low,rate_high,seconds_per_set,seconds_are_scaled,\
-         seconds_in_all,lmax,realizations";
+         seconds_in_all,lmax,realizations,last_empty_degree";
 
     /// The row of a CSV file.
     fn record(&self) -> Vec<String> {
@@ -337,6 +350,7 @@ impl Row {
             number(self.seconds_in_all),
             count(self.lmax),
             self.realizations.map_or(String::new(), |r| r.to_string()),
+            count(self.last_empty_degree),
         ]
     }
 }

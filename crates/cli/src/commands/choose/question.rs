@@ -77,8 +77,17 @@ fn standard_error(
     integral: Option<f64>,
     exact: Option<f64>,
 ) -> Result<f64, CliError> {
-    let share = parse_share(text).ok().filter(|e| e * e > 0.0);
-    let Some(share) = share else {
+    // An absolute error has the unit of the integral, in which any number makes sense.
+    let is_plain = |e: &f64| *e > 0.0 && e.is_finite();
+    let share = match text.trim().parse().ok().filter(is_plain) {
+        Some(plain) if absolute => Some(plain),
+        Some(_) => {
+            let asked = |e| CliError::Usage(format!("--error: {e}"));
+            Some(parse_share(text).map_err(asked)?)
+        }
+        None => parse_share(text).ok(),
+    };
+    let Some(share) = share.filter(|e| e * e > 0.0) else {
         return Err(CliError::Usage(format!(
             "--error must be a positive number such as 1% or 0.01, from 1e-150 on, got \"{text}\""
         )));

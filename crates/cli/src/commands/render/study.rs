@@ -5,11 +5,11 @@ use sphvar_samplers::Pattern;
 use sphvar_variance::{RateFit, VariancePoint, fit_rate_of_few};
 
 use super::RenderArgs;
-use super::points::Counts;
 use super::reference::Reference;
 use super::single::{ErrorRecord, plain};
 use super::trials::{Trials, USUAL_RENDERS};
 use crate::commands::crossovers::{CrossoverRecord, crossovers};
+use crate::counts::Counts;
 use crate::error::CliError;
 use crate::global::Global;
 use crate::patterns::parse_patterns;

@@ -59,7 +59,7 @@ impl Trials {
         let n = DirectionPlan::nearest_count(&pattern, asked);
         let mut plan = DirectionPlan::new(pattern, n, mode, seed).map_err(CliError::usage)?;
         if let Some(sets) = args.sets {
-            plan = plan.with_sets(sets);
+            plan = plan.with_sets(sets).map_err(CliError::usage)?;
         }
         Ok(Self { asked, plan, sets: args.sets, estimator: args.estimator()?, renders })
     }

@@ -1,0 +1,157 @@
+//! Samplers, numbers of points and errors as people write them, and what is said of samplers.
+
+use serde_json::Value;
+
+use crate::workplace::Workplace;
+
+fn numbers(document: &Value, key: &str) -> Vec<u64> {
+    let rows = document["rows"].as_array().unwrap();
+    rows.iter().map(|row| row[key].as_u64().unwrap()).collect()
+}
+
+#[test]
+fn numbers_of_points_are_lists_ranges_and_powers() {
+    let place = Workplace::new();
+    let rows = "--integrand ylm:l=1 -m 4 --json";
+    let variance = place.run(&format!("variance fibonacci -n 4..20,1e2,1k {rows}")).json();
+    assert_eq!(numbers(&variance, "n"), [4, 8, 16, 100, 1000]);
+    let compare = place.run(&format!("compare fibonacci -n 6..24 {rows} -o out")).json();
+    assert_eq!(numbers(&compare, "n"), [6, 12, 24]);
+    for arguments in [
+        "sample fibonacci -n 0.1k --json",
+        "spectrum fibonacci -n 1e2 --lmax 3 --json",
+        "bounds --profile step -n 1e2 --json",
+        "eval profile --profile step -n 1e2 --lmax 3 --json",
+    ] {
+        place.run(arguments).json();
+    }
+    for (arguments, parts) in [
+        ("sample fibonacci -n 1.5", ["whole number", "\"1.5\""]),
+        ("variance fibonacci -n 8..4 --integrand cosine", ["8..4", "smaller number first"]),
+        ("compare -n 1e400", ["expected numbers", "1e400"]),
+    ] {
+        place.run(arguments).fails(2, &parts);
+    }
+}
+
+#[test]
+fn all_stands_for_every_sampler() {
+    let place = Workplace::new();
+    let all = place.run("sample --list --json").json().as_array().unwrap().len();
+    let variance = place.run("variance all -n 12 --integrand ylm:l=2 -m 4 --json").json();
+    assert_eq!(variance["rows"].as_array().unwrap().len(), all);
+    let compare = place.run("compare all -n 12 --integrand ylm:l=2 -m 4 --json -o out").json();
+    assert_eq!(compare["rows"].as_array().unwrap().len(), all);
+    place.run("sample all -n 12").fails(2, &["unknown sampler \"all\""]);
+}
+
+/// The folder of a test is no clone of the repository.
+#[test]
+fn the_default_comparison_needs_no_file() {
+    let place = Workplace::new();
+    let document = place.run("compare fibonacci -n 12 -m 4 --lmax 32 --json -o out").json();
+    assert_eq!(document["rows"][0]["integrand"], "env:data/city.exr");
+    // The integral of `theory.md` over the sphere.
+    let exact = document["rows"][0]["exact"].as_f64().unwrap();
+    assert!((exact - 7.0165).abs() < 1e-3, "{exact}");
+    place.run("variance fibonacci -n 12 --integrand env:city.exr").fails(1, &["city.exr"]);
+}
+
+#[test]
+fn help_states_the_default_samplers_of_a_comparison() {
+    let place = Workplace::new();
+    let help = place.run("compare --help").ok().stdout;
+    let words: Vec<&str> = help.split_whitespace().collect();
+    let stated = "[default: white-noise, jittered, healpix, fibonacci]";
+    assert!(words.join(" ").contains(stated), "{help}");
+    let rows = place.run("compare -n 12 --integrand ylm:l=1 -m 4 --json -o out").json();
+    let names: Vec<&str> = rows["samplers"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|s| s["sampler"].as_str().unwrap())
+        .collect();
+    assert_eq!(format!("[default: {}]", names.join(", ")), stated);
+}
+
+/// An error of 1 is 100 %, which nobody asks for.
+#[test]
+fn shares_above_a_half_need_a_percent_sign() {
+    let place = Workplace::new();
+    for arguments in [
+        "choose --integrand cap:degrees=60 --error 1",
+        "variance fibonacci -n 12 --integrand cap:degrees=60 --until-rel 1",
+        "compare fibonacci -n 12 --integrand cap:degrees=60 --until-rel 1",
+    ] {
+        place.run(arguments).fails(2, &["did you mean 1%?", "100%"]);
+    }
+    let choose = "choose --integrand cap:degrees=60 --samplers white-noise --json";
+    place.run(&format!("{choose} --error 100%")).json();
+    place.run(&format!("{choose} --error 2 --absolute")).json();
+}
+
+#[test]
+fn variances_are_drawn() {
+    let place = Workplace::new();
+    let arguments = "variance jittered,fibonacci -n 12,48 --integrand cap:degrees=60 -m 20";
+    place.run(&format!("{arguments} -o v.svg")).ok();
+    let picture = place.text("v.svg");
+    for part in ["<svg", "jittered", "fibonacci"] {
+        assert!(picture.contains(part), "no {part} in the picture");
+    }
+    place.run(&format!("{arguments} -o v.png")).ok();
+    assert_eq!(place.bytes("v.png")[1..4], *b"PNG");
+}
+
+#[test]
+fn the_list_says_rates_in_words_and_shows_every_parameter() {
+    let place = Workplace::new();
+    let text = place.run("sample --list").ok().stdout;
+    for part in [
+        "exact for smooth integrands, N^-1.5 for those with jumps",
+        "radius (default by N)",
+        "mode=exact (exact, saturated)",
+        "mass=fibonacci (white, fibonacci, healpix)",
+        "placement=jittered (jittered, centred)",
+        "alpha (default by N), flat (default by N), core=0.3",
+        "10 of N = 100, 31 of N = 1000, 100 of N = 10000",
+    ] {
+        assert!(text.contains(part), "no {part:?} in:\n{text}");
+    }
+    assert!(!text.contains("N^exact") && !text.contains("N^as"), "{text}");
+    let text = place.run("sample --list -n 9").ok().stdout;
+    assert!(text.contains("2 of N = 9"), "{text}");
+}
+
+/// The last degree without power, stated wherever a step is made or chosen; where there is no set for
+/// an alpha, the error names the largest.
+#[test]
+fn steps_state_their_last_empty_degree() {
+    let place = Workplace::new();
+    for (arguments, last) in [
+        ("step -n 150", 12),
+        ("step:alpha=1 -n 100", 10),
+        ("blue -n 25", 5),
+        ("step:alpha=1.2 -n 100", 12),
+        ("step -n 50 --hemisphere", 10),
+        ("step -n 9", 2),
+        ("step -n 1", 0),
+    ] {
+        let document = place.run(&format!("sample {arguments} --json -o p.csv")).json();
+        assert_eq!(document["last_empty_degree"], last, "{arguments}");
+    }
+    let sample = place.run("sample step -n 150 -o p.svg").ok();
+    assert!(sample.stderr.contains("no power at degrees 1 to 12"), "{}", sample.stderr);
+    assert!(place.text("p.svg").contains("no power at degrees 1 to 12"));
+    place.run("sample step:alpha=1 -n 9").fails(2, &["largest alpha of 9 points", "0.999999"]);
+    let others = place.run("sample fibonacci -n 12 --json -o p.csv").json();
+    assert!(others.get("last_empty_degree").is_none(), "{others}");
+
+    let choose = "choose --samplers step,fibonacci -n 100 --integrand vmf:kappa=5";
+    let document = place.run(&format!("{choose} --json")).json();
+    let rows = document["rows"].as_array().unwrap();
+    let of = |name: &str| &rows.iter().find(|r| r["sampler"] == name).unwrap()["last_empty_degree"];
+    assert_eq!((of("step"), of("fibonacci")), (&Value::from(10), &Value::Null));
+    let text = place.run(choose).ok().stdout;
+    assert!(text.contains("Last degree without any power: step 10"), "{text}");
+}
