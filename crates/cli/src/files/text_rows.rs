@@ -25,8 +25,8 @@ impl Separator {
     /// Returns the separator of a file whose first line that is no comment is this one.
     ///
     /// Of commas, semicolons and tabs outside of quotes the most frequent; on a par the comma, beside
-    /// which tabs are blanks. Tabs between which there are blanks as well separate like these, unless
-    /// the line is a header of several words.
+    /// which tabs are blanks. Tabs separate single fields, which may be empty or have blanks, where a header
+    /// or an empty field shows it; otherwise any run of tabs and blanks separates.
     fn of_line(line: &str) -> Self {
         let count = |separator: char| {
             let mut quoted = false;
@@ -45,10 +45,14 @@ impl Separator {
         } else if commas >= tabs {
             Self::Comma
         } else {
-            let mut fields = line.split('\t').map(str::trim);
-            let is_number = |word: &str| word.parse::<f64>().is_ok();
-            let is_mixed = fields.any(|f| f.contains(' ') && f.split(' ').any(is_number));
-            if is_mixed { Self::Blanks } else { Self::Tab }
+            // Blanks that align columns, or tabs that do in rows of numbers, are blanks.
+            let is_aligned = ["\t ", " \t", "  "].iter().any(|blanks| line.contains(blanks));
+            let is_header = line.split_whitespace().all(|word| word.parse::<f64>().is_err());
+            if !is_aligned && (is_header || line.contains("\t\t")) {
+                Self::Tab
+            } else {
+                Self::Blanks
+            }
         }
     }
 }
