@@ -203,6 +203,7 @@ fn columns_of_fits_tables() {
         ("0", "ra,dec", "expected a table in HDU 0, got [0] image"),
         ("7", "ra,dec", "expected HDU 7, got a FITS file with [0] image, [1] table NOTES, [2]"),
         ("stars", "ra,dec", "expected the HDU named stars, got a FITS file with"),
+        ("1", "ra,dec", "expected 2 fields, as --columns ra,dec says, got 1"),
         ("1", "ra=RA,dec=DEC", "the column RA of --columns, got the columns REMARK"),
         ("2", "ra=VAR,dec=DEC", "expected numbers in the column VAR"),
         ("2", "ra=C,dec=DEC", "expected numbers in the column C"),
@@ -232,6 +233,11 @@ fn the_hdu_may_stand_behind_the_name() {
         let back = super::super::read_points(&path, &options).unwrap();
         assert_eq!(back.sets[0].directions.len(), 3, "{name}");
     }
+    let path = folder.path().join("p.csv");
+    std::fs::write(&path, "x,y,z\n0,0,1\n").unwrap();
+    let path = folder.path().join("p.csv[2]");
+    let message = super::super::read_points(&path, &ReadOptions::default()).unwrap_err();
+    assert!(message.to_string().contains("a FITS file with HDU 2"), "{message}");
     // A file of that very name is meant first.
     let path = folder.path().join("k.fits.gz[2]");
     std::fs::write(&path, "x,y,z\n0,0,1\n").unwrap();
