@@ -157,6 +157,17 @@ impl<'t> TextLine<'t> {
         TextLine { number: self.number, text: text.trim(), separator: self.separator }
     }
 
+    /// Returns whether the line ends with a separator, behind which there is an empty field.
+    pub(super) fn has_open_end(&self) -> bool {
+        let separator = match self.separator {
+            Separator::Comma => ',',
+            Separator::Semicolon => ';',
+            Separator::Tab => '\t',
+            Separator::Blanks => return false,
+        };
+        self.text.ends_with(separator)
+    }
+
     /// Returns what separates the fields, for messages.
     pub(super) fn separator(&self) -> &'static str {
         match self.separator {
