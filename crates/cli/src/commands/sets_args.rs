@@ -43,20 +43,20 @@ pub(crate) struct PointFileArgs {
     /// Columns of point files: roles by position, as in ra,dec,_,w (_ skips a column), or by name,
     /// as in ra=RAJ2000,dec=DEJ2000,w=WEIGHT. Roles: x,y,z; theta,phi (radians); lon,lat or ra,dec or
     /// glon,glat or l,b (degrees); w (weight); set (label of the realization)
-    #[arg(long, value_name = "ROLES", requires = "points_from")]
+    #[arg(long, value_name = "ROLES", conflicts_with = "sampler")]
     pub(crate) columns: Option<ColumnChoice>,
     /// HDU of FITS files with the table: its number (0 is the primary one) or its name [default: the
     /// first table]
-    #[arg(long, value_name = "HDU", requires = "points_from")]
+    #[arg(long, value_name = "HDU", conflicts_with = "sampler")]
     pub(crate) hdu: Option<HduChoice>,
     /// Join all point files into one set, such as a catalogue in parts
-    #[arg(long, requires = "points_from")]
+    #[arg(long, conflicts_with = "sampler")]
     pub(crate) join: bool,
     /// Skip rows with empty, infinite or invalid numbers and report how many they were
-    #[arg(long, requires = "points_from")]
+    #[arg(long, conflicts_with = "sampler")]
     pub(crate) skip_invalid: bool,
     /// Accept vectors x,y,z of any length and scale them to unit length
-    #[arg(long, requires = "points_from")]
+    #[arg(long, conflicts_with = "sampler")]
     pub(crate) normalize: bool,
 }
 

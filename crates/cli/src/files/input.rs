@@ -158,7 +158,7 @@ mod tests {
 
     /// More than the buffers hold, and not all alike.
     fn long() -> Vec<u8> {
-        (0..300_000_u32).map(|k| (k.wrapping_mul(2_654_435_761) >> 24) as u8).collect()
+        (0..300_000_u32).map(|k| k.wrapping_mul(2_654_435_761).to_le_bytes()[3]).collect()
     }
 
     #[test]

@@ -25,8 +25,8 @@ impl Separator {
     /// Returns the separator of a file whose first line that is no comment is this one.
     ///
     /// Of commas, semicolons and tabs outside of quotes the most frequent; on a par the comma, beside
-    /// which tabs are blanks. Tabs between which there are blanks as well separate like these, unless
-    /// the line is a header of several words.
+    /// which tabs are blanks. Tabs separate single fields, which may be empty or have blanks, where a header
+    /// or an empty field shows it; otherwise any run of tabs and blanks separates.
     fn of_line(line: &str) -> Self {
         let count = |separator: char| {
             let mut quoted = false;
@@ -45,10 +45,14 @@ impl Separator {
         } else if commas >= tabs {
             Self::Comma
         } else {
-            let mut fields = line.split('\t').map(str::trim);
-            let is_number = |word: &str| word.parse::<f64>().is_ok();
-            let is_mixed = fields.any(|f| f.contains(' ') && f.split(' ').any(is_number));
-            if is_mixed { Self::Blanks } else { Self::Tab }
+            // Blanks that align columns, or tabs that do in rows of numbers, are blanks.
+            let is_aligned = ["\t ", " \t", "  "].iter().any(|blanks| line.contains(blanks));
+            let is_header = line.split_whitespace().all(|word| word.parse::<f64>().is_err());
+            if !is_aligned && (is_header || line.contains("\t\t")) {
+                Self::Tab
+            } else {
+                Self::Blanks
+            }
         }
     }
 }
@@ -151,6 +155,17 @@ impl<'t> TextLine<'t> {
     /// Returns the same line with another text.
     pub(super) fn with_text(self, text: &str) -> TextLine<'_> {
         TextLine { number: self.number, text: text.trim(), separator: self.separator }
+    }
+
+    /// Returns whether the line ends with a separator, behind which there is an empty field.
+    pub(super) fn has_open_end(&self) -> bool {
+        let separator = match self.separator {
+            Separator::Comma => ',',
+            Separator::Semicolon => ';',
+            Separator::Tab => '\t',
+            Separator::Blanks => return false,
+        };
+        self.text.ends_with(separator)
     }
 
     /// Returns what separates the fields, for messages.

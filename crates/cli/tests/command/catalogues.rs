@@ -116,5 +116,9 @@ fn columns_are_checked_before_files_are_read() {
             .run(&format!("spectrum --points none.csv --columns {columns}"))
             .fails(2, &["--columns", part]);
     }
-    place.run("spectrum jittered -n 12 --join").fails(2, &["--points"]);
+    for flag in ["--join", "--normalize", "--skip-invalid", "--hdu 1", "--columns x,y,z"] {
+        let name = flag.split(' ').next().unwrap();
+        let parts = [name, "cannot be used with", "SAMPLER"];
+        place.run(&format!("spectrum jittered -n 12 {flag}")).fails(2, &parts);
+    }
 }

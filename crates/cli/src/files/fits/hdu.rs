@@ -93,8 +93,6 @@ pub(crate) struct Hdu {
     pub(crate) number: usize,
     pub(crate) kind: HduKind,
     pub(crate) header: Header,
-    /// Bytes of the data unit, without what fills the last block.
-    pub(crate) data_bytes: u64,
 }
 
 impl Hdu {
@@ -191,7 +189,7 @@ impl<'a, R: BufRead> HduReader<'a, R> {
         let padded = data_bytes.div_ceil(BLOCK).checked_mul(BLOCK);
         self.unread = padded.ok_or_else(|| self.layout("data that fit in a file", "more"))?;
         self.next_number += 1;
-        Ok(Some(Hdu { number, kind, header, data_bytes }))
+        Ok(Some(Hdu { number, kind, header }))
     }
 
     /// Reads the next bytes of the data unit.

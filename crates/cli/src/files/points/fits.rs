@@ -6,7 +6,7 @@ use super::collector::{Cell, PointCollector};
 use super::columns::{Column, Table};
 use super::{PointFile, ReadOptions};
 use crate::files::file_error::{FileError, Place};
-use crate::files::fits::{Hdu, HduReader, Item, TableColumn, keyword_error};
+use crate::files::fits::{Hdu, HduChoice, HduReader, Item, TableColumn, keyword_error};
 use crate::files::memory_guard::check_announced;
 
 /// Bytes that are read at a time, where a row is not longer.
@@ -38,7 +38,10 @@ pub(super) fn read_fits(
         .collect();
     let choice = options.columns.as_ref();
     let table = Table { path, place: Place::Whole, columns: &columns, has_names: true, choice };
-    let layout = table.layout()?;
+    let layout = table.layout().map_err(|error| match options.hdu {
+        HduChoice::First => error.with_hint("this is the first table; --hdu chooses another"),
+        _ => error,
+    })?;
     if let Some(bytes) = file_bytes {
         let points = (bytes as f64 / row.max(1) as f64).min(rows as f64);
         check_announced(path, "the points of the table", points * size_of::<[f64; 4]>() as f64)?;

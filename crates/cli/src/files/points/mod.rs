@@ -115,7 +115,16 @@ fn read_stream(
         got: format!("{format}, which is not supported; convert it first"),
     })?;
     let format = options.format.or(shown).or_else(|| PointFormat::of_input_path(file));
-    match format.unwrap_or(PointFormat::Csv) {
+    let format = format.unwrap_or(PointFormat::Csv);
+    if options.hdu != HduChoice::First && format != PointFormat::Fits {
+        return Err(FileError::Layout {
+            path: name,
+            place: Place::Whole,
+            expected: format!("a FITS file with {}", options.hdu),
+            got: "another format".to_owned(),
+        });
+    }
+    match format {
         PointFormat::Csv => text::read_text(input, &name, options),
         PointFormat::Npy => npy::read_npy(input, &name, options, bytes),
         PointFormat::Ply => ply::read_ply(input, &name, options),

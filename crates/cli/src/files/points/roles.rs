@@ -2,6 +2,8 @@
 
 use std::str::FromStr;
 
+use crate::files::text_rows::shortened;
+
 /// The roles of columns with the names, in any case, that a header may give them.
 const ROLES: [(&str, &[&str]); 16] = [
     ("x", &["x"]),
@@ -123,7 +125,7 @@ impl FromStr for ColumnChoice {
                 let known: Vec<&str> = ROLES.iter().map(|(role, _)| *role).collect();
                 format!(
                     "unknown {:?}; expected {}, or _ to skip a column, or as in ra=RAJ2000",
-                    super::super::text_rows::shortened(name),
+                    shortened(name),
                     known.join(", ")
                 )
             })

@@ -115,7 +115,7 @@ fn table_of<'a>(
 ) -> Result<TextTable<'a>, FileError> {
     let (path, options) = (reader.path, reader.options);
     let mut fields: Vec<Cow<'_, str>> = line.fields().collect();
-    let open_end = fields.len() > 1 && fields.last().is_some_and(|field| field.is_empty());
+    let open_end = line.has_open_end();
     if open_end {
         fields.pop();
     }
@@ -165,9 +165,7 @@ impl TextTable<'_> {
         let slots = &self.points.layout().slots;
         let mut picked = [const { Cow::Borrowed("") }; MAX_SLOTS];
         let mut count = 0;
-        let mut ends_empty = false;
         for field in line.fields() {
-            ends_empty = field.is_empty();
             if let Some(slot) = slots.iter().position(|slot| slot.column == count) {
                 picked[slot] = field;
             }
@@ -175,7 +173,7 @@ impl TextTable<'_> {
         }
         let place = Place::Line(line.number);
         // A separator at the end of a line begins one more field, which is empty.
-        let one_more = count == self.names.len() + 1 && (ends_empty || self.open_end);
+        let one_more = count == self.names.len() + 1 && (line.has_open_end() || self.open_end);
         if count != self.names.len() && !one_more {
             let error = self.count_error(place, count, line.separator(), path);
             return self.points.skip(place, error);

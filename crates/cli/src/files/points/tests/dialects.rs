@@ -27,6 +27,7 @@ fn headers_of_catalogues() {
         "ra,dec\n0,0,\n270,0,\n",
         "ra,dec,\n0,0\n270,0\n",
         ",ra,dec\n0,0,0\n1,270,0\n",
+        "# ra dec n\n0 0 \"\"\n270 0 5\n",
         "\"ra\",\"dec\",\"a \"\"note\"\"\"\n0,0,\"x,y\"\n\"270\",\"0\",\n",
     ];
     for content in cases {

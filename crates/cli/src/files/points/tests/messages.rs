@@ -29,7 +29,6 @@ fn bad_values_are_named_with_file_line_and_field() {
         ("x,y,z", "1,0,0", "0,1", " expected 3 fields (x, y, z), got 2"),
         ("x,y,z,w", "1,0,0,1", "0,1,0,nan", "w: expected a finite number, got \"nan\""),
         ("x,y,z,weight", "1,0,0,1", "0,1,0,inf", "w: expected a finite number, got \"inf\""),
-        ("x,y,z,value", "1,0,0,1", "0,1,0,?", "value: expected a finite number, got \"?\""),
         ("theta,phi", "1,0", "3.2,0", "theta: expected a colatitude in [0, pi] radians"),
         ("theta,phi", "1,0", "-0.1,0", "theta: expected a colatitude in [0, pi] radians"),
         ("theta,phi", "1,0", "1,nan", "phi: expected a finite number, got \"nan\""),
