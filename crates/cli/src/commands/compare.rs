@@ -18,6 +18,7 @@ use crate::plots::{Chart, Scale, Series, Style};
 use crate::report::{
     Provenance, csv, full, is_stdout, print, print_json, say, short, table, write_text,
 };
+use crate::spec::argument;
 
 pub(crate) const EXAMPLES: &str = "Examples:
   sphvar compare
@@ -41,7 +42,7 @@ pub(crate) struct CompareArgs {
         value_name = "N"
     )]
     pub(crate) points: Vec<usize>,
-    #[arg(long, default_value = "env:data/city.exr", help = format!("Integrand: {FORMS}"))]
+    #[arg(long, value_parser = argument(), default_value = "env:data/city.exr", help = format!("Integrand: {FORMS}"))]
     pub(crate) integrand: String,
     #[command(flatten)]
     pub(crate) effort: EffortArgs,

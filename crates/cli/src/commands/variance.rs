@@ -14,6 +14,7 @@ use crate::patterns::parse_patterns;
 use crate::report::{
     Provenance, check_result, csv, is_stdout, print, print_json, table, write_result,
 };
+use crate::spec::argument;
 
 pub(crate) const EXAMPLES: &str = "Examples:
   sphvar variance jittered,white-noise -n 192,768 --integrand cap:degrees=60 -m 2000
@@ -31,7 +32,7 @@ pub(crate) struct VarianceArgs {
     /// Numbers of points, separated by commas
     #[arg(short = 'n', long = "points", value_delimiter = ',', required = true, value_name = "N")]
     pub(crate) points: Vec<usize>,
-    #[arg(long, help = format!("Integrand: {FORMS}"))]
+    #[arg(long, value_parser = argument(), help = format!("Integrand: {FORMS}"))]
     pub(crate) integrand: String,
     #[command(flatten)]
     pub(crate) effort: EffortArgs,

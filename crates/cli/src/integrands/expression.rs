@@ -1,16 +1,14 @@
 //! Sums, products and rotations of integrands.
 //!
 //! `+` and `-` bind least, then `*`, then `@`; each has blanks around it, so that neither numbers nor names
-//! of files are torn apart.
-
-use std::path::Path;
+//! of files are torn apart. Quoted names of files may contain operators.
 
 use glam::DVec3;
 use sphvar_variance::{Integrand, Product, Rotated, SampledFunction, Shape, Sum};
 
 use super::term;
 use crate::error::CliError;
-use crate::spec::Spec;
+use crate::spec::{Spec, find_outside, split_outside};
 
 /// The integrand of an expression.
 pub(super) fn parse(text: &str) -> Result<Box<dyn Integrand>, CliError> {
@@ -19,10 +17,10 @@ pub(super) fn parse(text: &str) -> Result<Box<dyn Integrand>, CliError> {
     }
     let mut summands = Vec::new();
     let (mut sign, mut rest) = (1.0, text);
-    while let Some((at, next)) = first_of(rest, [" + ", " - "]) {
+    while let Some((at, operator)) = find_outside(rest, &[" + ", " - "]) {
         summands.push(summand(sign, &rest[..at], text)?);
-        sign = if &rest[at..at + 3] == " + " { 1.0 } else { -1.0 };
-        rest = next;
+        sign = if operator == " + " { 1.0 } else { -1.0 };
+        rest = &rest[at + operator.len()..];
     }
     summands.push(summand(sign, rest, text)?);
     // A single integrand without a weight stays itself.
@@ -41,22 +39,16 @@ pub(super) fn parse(text: &str) -> Result<Box<dyn Integrand>, CliError> {
 fn names_a_file(text: &str) -> bool {
     let file = Spec::parse(text).ok().and_then(|mut spec| {
         matches!(spec.name.as_str(), "env" | "map")
-            .then(|| spec.take("").or_else(|| spec.take("file")))
+            .then(|| spec.take_path("").or_else(|| spec.take_path("file")))
     });
-    file.flatten().is_some_and(|file| Path::new(&file).is_file())
-}
-
-/// The first of two operators, and what is behind it.
-fn first_of<'a>(text: &'a str, operators: [&str; 2]) -> Option<(usize, &'a str)> {
-    let at = operators.iter().filter_map(|o| text.find(o)).min()?;
-    Some((at, &text[at + operators[0].len()..]))
+    file.flatten().is_some_and(|file| file.is_file())
 }
 
 /// The weight and the function of a summand: a product of numbers and rotated terms.
 fn summand(sign: f64, text: &str, whole: &str) -> Result<(f64, Box<dyn Integrand>), CliError> {
     let mut weight = sign;
     let mut product: Option<Box<dyn Integrand>> = None;
-    for factor in text.split(" * ").map(str::trim) {
+    for factor in split_outside(text, " * ").into_iter().map(str::trim) {
         if factor.is_empty() {
             return Err(CliError::Usage(format!(
                 "\"{whole}\": there is no integrand on one side of an operator"
@@ -85,7 +77,7 @@ fn summand(sign: f64, text: &str, whole: &str) -> Result<(f64, Box<dyn Integrand
 
 /// A term with the rotations behind it.
 fn rotated(text: &str) -> Result<Box<dyn Integrand>, CliError> {
-    let mut pieces = text.split(" @ ").map(str::trim);
+    let mut pieces = split_outside(text, " @ ").into_iter().map(str::trim);
     let mut function = term::parse(pieces.next().unwrap_or_default())?;
     for piece in pieces {
         let [theta, phi, psi] = angles(piece).ok_or_else(|| {

@@ -17,6 +17,7 @@ use crate::profiles::{ParsedProfile, parse_profile};
 use crate::report::{
     Provenance, check_result, csv, is_stdout, print, print_json, table, write_result,
 };
+use crate::spec::argument;
 
 mod chart;
 mod record;
@@ -70,7 +71,7 @@ pub(crate) struct BoundsArgs {
     /// Decay p of the worst case, energy l^-p; 2 for integrands with a jump
     #[arg(long, default_value_t = 2.0, value_name = "P")]
     pub(crate) decay: f64,
-    #[arg(long, help = format!("Bound the variance of this integrand too: {FORMS}"))]
+    #[arg(long, value_parser = argument(), help = format!("Bound the variance of this integrand too: {FORMS}"))]
     pub(crate) integrand: Option<String>,
     /// The hemisphere z >= 0
     #[arg(long)]

@@ -10,7 +10,7 @@ use sphvar_variance::Integrand;
 use super::reference_file::fingerprint;
 use crate::error::CliError;
 use crate::integrands::parse_integrand;
-use crate::spec::{Spec, unknown_name};
+use crate::spec::{Spec, argument, unknown_name};
 
 /// The names of integrals and their parameters, for help texts.
 const INTEGRALS: &str = "ao[:weight=cosine] | irradiance:env=FILE[,channel=luminance|r|g|b][,albedo=1] | \
@@ -24,7 +24,7 @@ const USUAL_FOV: f64 = 40.0;
 pub(crate) struct StageArgs {
     /// `cornell`, or a mesh in Wavefront form (.obj)
     pub(super) scene: String,
-    #[arg(long, default_value = "ao", help = format!("Integral over the hemisphere of each point: {INTEGRALS}"))]
+    #[arg(long, value_parser = argument(), default_value = "ao", help = format!("Integral over the hemisphere of each point: {INTEGRALS}"))]
     integral: String,
     /// Occluders farther away than this do not count for ao
     #[arg(long, value_name = "LENGTH", allow_negative_numbers = true)]
