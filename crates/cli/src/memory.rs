@@ -5,21 +5,36 @@ use sphvar_spectrum::Resolution;
 
 use crate::error::CliError;
 
+/// Returns the bytes of memory that may still be taken, within the limit of the control group;
+/// `None` where the machine does not tell.
+pub(crate) fn available_memory() -> Option<f64> {
+    let mut system = sysinfo::System::new();
+    system.refresh_memory();
+    let machine = system.available_memory();
+    if machine == 0 {
+        return None;
+    }
+    // What the group caches of files can be taken from it, so that its free memory would be too low.
+    let group = system.cgroup_limits().map(|group| group.total_memory.saturating_sub(group.rss));
+    Some(group.map_or(machine, |group| group.min(machine)) as f64)
+}
+
+/// Returns a number of bytes for a message.
+pub(crate) fn gibibytes(bytes: f64) -> String {
+    format!("{:.1} GiB", bytes / f64::from(1 << 30))
+}
+
 /// Refuses if `bytes` (a lower estimate of what `what` needs) exceed the memory that is available.
 /// Where the machine does not tell, everything is tried.
 pub(crate) fn check_memory(what: &str, bytes: f64) -> Result<(), CliError> {
-    let mut system = sysinfo::System::new();
-    system.refresh_memory();
-    let available = system.available_memory() as f64;
-    if available > 0.0 && bytes > available {
-        let gib = |b: f64| b / f64::from(1 << 30);
-        return Err(CliError::Failed(format!(
-            "{what} needs {:.1} GiB of memory, {:.1} GiB are available; choose a smaller one",
-            gib(bytes),
-            gib(available)
-        )));
+    match available_memory() {
+        Some(available) if bytes > available => Err(CliError::Failed(format!(
+            "{what} needs {} of memory, {} are available; choose a smaller one",
+            gibibytes(bytes),
+            gibibytes(available)
+        ))),
+        _ => Ok(()),
     }
-    Ok(())
 }
 
 /// Refuses a degree beyond those that there are; `what` asked for it.

@@ -113,6 +113,18 @@ pub(crate) enum FileError {
         /// Bytes that it has.
         got: u64,
     },
+    /// The content of a file does not fit in memory.
+    #[error("{path}: {what} needs {needed} of memory, {available} are available")]
+    Memory {
+        /// The path as the user wrote it.
+        path: String,
+        /// What is read.
+        what: String,
+        /// How much memory it takes, at least.
+        needed: String,
+        /// How much there is.
+        available: String,
+    },
     /// An image is damaged or of a kind that is not read here.
     #[error("cannot read {path} as an EXR or HDR image: {source}")]
     Image {

@@ -1,27 +1,188 @@
-//! Opens files for reading.
+//! Opens files for reading, whether or not they are compressed with gzip.
 
 use std::fs::File;
-use std::io::{self, BufRead, BufReader};
+use std::io::{self, BufRead, BufReader, Cursor, Read};
 use std::path::Path;
 
+use flate2::bufread::MultiGzDecoder;
+
 use super::file_error::{FileError, input_name, is_dash};
+use super::memory_guard::MemoryGuard;
 
 /// Bytes that are read from a file at a time.
 const BUFFER: usize = 1 << 16;
+/// Bytes that readers may look at to tell the format of a file.
+const HEAD: usize = 64;
+/// How a gzip file starts (RFC 1952).
+const GZIP: [u8; 2] = [0x1f, 0x8b];
 
 /// Returns the content of a file; the path `-` is standard input.
+///
+/// A file that starts with the magic bytes of gzip is decompressed as it is read, all members of
+/// it, whatever its name. At least 64 bytes are in the buffer, unless the file is shorter.
 ///
 /// # Errors
 /// When there is no such file, it may not be read, or it is a folder.
 pub(super) fn open_input(path: &Path) -> Result<Box<dyn BufRead>, FileError> {
-    if is_dash(path) {
-        return Ok(Box::new(io::stdin().lock()));
+    let raw: Box<dyn BufRead> = if is_dash(path) {
+        Box::new(io::stdin().lock())
+    } else {
+        let open_error = |source| FileError::Open { path: input_name(path), source };
+        let file = File::open(path).map_err(open_error)?;
+        // A folder can be opened, and the message of the first read would not say what is wrong.
+        if file.metadata().map_err(open_error)?.is_dir() {
+            return Err(open_error(io::Error::from(io::ErrorKind::IsADirectory)));
+        }
+        Box::new(BufReader::with_capacity(BUFFER, file))
+    };
+    decompressed(raw).map_err(|source| FileError::Read { path: input_name(path), source })
+}
+
+/// Returns all bytes of a file, decompressed as by [`open_input`].
+///
+/// # Errors
+/// As [`open_input`], when reading fails, and when the content does not fit in memory.
+pub(crate) fn read_whole(path: &Path) -> Result<Vec<u8>, FileError> {
+    let mut input = open_input(path)?;
+    let name = input_name(path);
+    let mut bytes = Vec::new();
+    let mut guard = MemoryGuard::default();
+    loop {
+        let chunk = match input.fill_buf() {
+            Ok(chunk) => chunk,
+            Err(error) if error.kind() == io::ErrorKind::Interrupted => continue,
+            Err(source) => return Err(FileError::Read { path: name, source }),
+        };
+        if chunk.is_empty() {
+            return Ok(bytes);
+        }
+        bytes.extend_from_slice(chunk);
+        let taken = chunk.len();
+        input.consume(taken);
+        guard.check(&name, "the content of the file", bytes.len() as u64)?;
     }
-    let open_error = |source| FileError::Open { path: input_name(path), source };
-    let file = File::open(path).map_err(open_error)?;
-    // A folder can be opened, and the message of the first read would not say what is wrong.
-    if file.metadata().map_err(open_error)?.is_dir() {
-        return Err(open_error(io::Error::from(io::ErrorKind::IsADirectory)));
+}
+
+/// Returns the content of an input that may be compressed with gzip, with its head in the buffer.
+fn decompressed(raw: Box<dyn BufRead>) -> io::Result<Box<dyn BufRead>> {
+    let raw = with_head(raw)?;
+    let Some(raw) = raw else {
+        return Ok(Box::new(io::empty()));
+    };
+    if !raw.head.starts_with(&GZIP) {
+        return Ok(raw.into_reader());
     }
-    Ok(Box::new(BufReader::with_capacity(BUFFER, file)))
+    let gunzip = Gunzip(MultiGzDecoder::new(raw.into_reader()));
+    let content = with_head(Box::new(BufReader::with_capacity(BUFFER, gunzip)))?;
+    Ok(content.map_or_else(|| Box::new(io::empty()) as Box<dyn BufRead>, WithHead::into_reader))
+}
+
+/// An input whose first bytes have been read.
+struct WithHead {
+    head: Vec<u8>,
+    rest: Box<dyn BufRead>,
+}
+
+impl WithHead {
+    fn into_reader(self) -> Box<dyn BufRead> {
+        Box::new(Cursor::new(self.head).chain(self.rest))
+    }
+}
+
+/// Reads the head of an input; `None` of an empty one.
+///
+/// A pipe may give its bytes one at a time.
+fn with_head(mut rest: Box<dyn BufRead>) -> io::Result<Option<WithHead>> {
+    let mut head = Vec::new();
+    rest.by_ref().take(HEAD as u64).read_to_end(&mut head)?;
+    Ok((!head.is_empty()).then_some(WithHead { head, rest }))
+}
+
+/// A gzip decoder whose errors say that the file is at fault.
+///
+/// Readers take `UnexpectedEof` for a short array and `InvalidData` for text in another encoding.
+struct Gunzip<R>(MultiGzDecoder<R>);
+
+impl<R: BufRead> Read for Gunzip<R> {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        self.0.read(buffer).map_err(|error| match error.kind() {
+            io::ErrorKind::UnexpectedEof => {
+                io::Error::other("the gzip data are cut short: is the file complete?")
+            }
+            io::ErrorKind::InvalidInput | io::ErrorKind::InvalidData => {
+                io::Error::other(format!("the gzip data are damaged ({error})"))
+            }
+            _ => error,
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::fs;
+    use std::io::{Read, Write};
+    use std::path::PathBuf;
+
+    use flate2::Compression;
+    use flate2::write::GzEncoder;
+    use tempfile::TempDir;
+
+    use super::{open_input, read_whole};
+
+    fn gzip(content: &[u8]) -> Vec<u8> {
+        let mut encoder = GzEncoder::new(Vec::new(), Compression::fast());
+        encoder.write_all(content).unwrap();
+        encoder.finish().unwrap()
+    }
+
+    fn file(content: &[u8]) -> (TempDir, PathBuf) {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("any name");
+        fs::write(&path, content).unwrap();
+        (folder, path)
+    }
+
+    /// More than the buffers hold, and not all alike.
+    fn long() -> Vec<u8> {
+        (0..300_000_u32).map(|k| (k.wrapping_mul(2_654_435_761) >> 24) as u8).collect()
+    }
+
+    #[test]
+    fn content_is_the_same_with_and_without_compression() {
+        for content in [&b""[..], b"\x1f", b"1", b"short text", &long()] {
+            let (_folder, path) = file(content);
+            assert_eq!(read_whole(&path).unwrap(), content);
+            let (_folder, path) = file(&gzip(content));
+            assert_eq!(read_whole(&path).unwrap(), content);
+            let mut streamed = Vec::new();
+            open_input(&path).unwrap().read_to_end(&mut streamed).unwrap();
+            assert_eq!(streamed, content);
+            // `cat a.gz b.gz` is the gzip file of both.
+            let (_folder, path) = file(&[gzip(content), gzip(b"tail")].concat());
+            assert_eq!(read_whole(&path).unwrap(), [content, b"tail"].concat());
+        }
+    }
+
+    #[test]
+    fn every_cut_of_a_gzip_file_is_an_error() {
+        let whole = gzip(b"1 0 0\n0 1 0\n0 0 1\n");
+        for length in 2..whole.len() {
+            let (_folder, path) = file(&whole[..length]);
+            let message = read_whole(&path).unwrap_err().to_string();
+            assert!(message.contains("cut short"), "{length}: {message}");
+        }
+        let mut damaged = gzip(&long());
+        let middle = damaged.len() / 2;
+        damaged[middle..middle + 64].fill(0xa5);
+        let (_folder, path) = file(&damaged);
+        let message = read_whole(&path).unwrap_err().to_string();
+        assert!(message.contains("damaged"), "{message}");
+    }
+
+    #[test]
+    fn the_head_is_in_the_buffer() {
+        let (_folder, path) = file(&gzip(&long()));
+        let mut input = open_input(&path).unwrap();
+        assert!(std::io::BufRead::fill_buf(&mut input).unwrap().len() >= 64);
+    }
 }

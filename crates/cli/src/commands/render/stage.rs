@@ -1,6 +1,6 @@
 //! What is seen, from where, and what is integrated: the flags about the scene.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use clap::Args;
 use glam::{DQuat, DVec3};
@@ -9,6 +9,7 @@ use sphvar_variance::Integrand;
 
 use super::reference_file::fingerprint;
 use crate::error::CliError;
+use crate::files::read_whole;
 use crate::integrands::parse_integrand;
 use crate::spec::{Spec, argument, unknown_name};
 
@@ -22,7 +23,7 @@ const USUAL_FOV: f64 = 40.0;
 /// Flags about the scene.
 #[derive(Debug, Args)]
 pub(crate) struct StageArgs {
-    /// `cornell`, or a mesh in Wavefront form (.obj)
+    /// `cornell`, or a mesh in Wavefront form (.obj, .obj.gz)
     pub(super) scene: String,
     #[arg(long, value_parser = argument(), default_value = "ao", help = format!("Integral over the hemisphere of each point: {INTEGRALS}"))]
     integral: String,
@@ -153,16 +154,16 @@ impl StageArgs {
 
     fn mesh(&self) -> Result<(Scene, String), CliError> {
         let path = Path::new(&self.scene);
-        let is_obj = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("obj"));
+        let name = self.scene.to_ascii_lowercase();
+        let is_obj = [".obj", ".obj.gz"].iter().any(|extension| name.ends_with(extension));
         if !is_obj {
             return Err(CliError::Usage(format!(
-                "unknown scene \"{}\"; there is: cornell, or a mesh in a file that ends in .obj",
+                "unknown scene \"{}\"; there is: cornell, or a mesh in a file that ends in .obj or .obj.gz",
                 self.scene
             )));
         }
         let failed = |e: &dyn std::fmt::Display| CliError::Failed(format!("{}: {e}", self.scene));
-        let bytes = std::fs::read(path)
-            .map_err(|e| CliError::Failed(format!("cannot open {}: {e}", self.scene)))?;
+        let bytes = read_whole(path)?;
         let mesh = Mesh::from_obj(&*bytes).map_err(|e| failed(&e))?;
         Ok((Scene::from_mesh(mesh), fingerprint(&bytes)))
     }
@@ -244,7 +245,7 @@ impl StageArgs {
                 let environment = parse_integrand(&format!("env:{file}{channel}"))?.function;
                 let up = up.try_normalize().unwrap_or(DVec3::Y);
                 let to_map = DQuat::from_rotation_arc(up, DVec3::Z);
-                let hash = fingerprint(&read(&PathBuf::from(&file))?);
+                let hash = fingerprint(&read_whole(Path::new(&file))?);
                 let words = format!("irradiance {hash}{channel} {albedo:e} {to_map:?}");
                 Ok((Wanted::Irradiance { environment, to_map, albedo }, words))
             }
@@ -258,11 +259,6 @@ impl StageArgs {
             name => Err(unknown_name("integral", name, &["ao", "irradiance", "light"])),
         }
     }
-}
-
-fn read(path: &Path) -> Result<Vec<u8>, CliError> {
-    std::fs::read(path)
-        .map_err(|e| CliError::Failed(format!("cannot open {}: {e}", path.display())))
 }
 
 impl Stage {
