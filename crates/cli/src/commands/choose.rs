@@ -76,7 +76,7 @@ pub(crate) fn run(args: &ChooseArgs, global: &Global) -> Result<(), CliError> {
     if let Some(path) = &args.out {
         check_result(path, true)?;
     }
-    let integrand = parse_integrand(&args.integrand)?;
+    let integrand = parse_integrand(&args.integrand, global.quiet)?;
     let domain = super::domain(args.hemisphere);
     check_domain(&integrand, domain)?;
     if let Some(cost) = args.cost_per_sample

@@ -91,7 +91,7 @@ pub(crate) fn run(args: &CompareArgs, global: &Global) -> Result<(), CliError> {
                 .to_owned(),
         ));
     }
-    let integrand = parse_integrand(&args.integrand)?;
+    let integrand = parse_integrand(&args.integrand, global.quiet)?;
     let domain = super::domain(args.effort.hemisphere);
     let listed = match &args.samplers {
         Some(list) => parse_patterns(list)?,

@@ -68,7 +68,7 @@ pub(crate) fn run(args: &VarianceArgs, global: &Global) -> Result<(), CliError> 
             return Err(CliError::Usage(message.to_owned()));
         }
     }
-    let integrand = parse_integrand(&args.integrand)?;
+    let integrand = parse_integrand(&args.integrand, global.quiet)?;
     let domain = super::domain(args.effort.hemisphere);
     let mut cases = Vec::new();
     for pattern in parse_patterns(&args.samplers)? {

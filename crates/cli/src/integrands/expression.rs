@@ -10,19 +10,22 @@ use super::term;
 use crate::error::CliError;
 use crate::spec::{Spec, find_outside, split_outside};
 
-/// The integrand of an expression.
-pub(super) fn parse(text: &str) -> Result<Box<dyn Integrand>, CliError> {
+/// The integrand of an expression; what a user should know of its files goes to `remarks`.
+pub(super) fn parse(
+    text: &str,
+    remarks: &mut Vec<String>,
+) -> Result<Box<dyn Integrand>, CliError> {
     if names_a_file(text) {
-        return term::parse(text);
+        return term::parse(text, remarks);
     }
     let mut summands = Vec::new();
     let (mut sign, mut rest) = (1.0, text);
     while let Some((at, operator)) = find_outside(rest, &[" + ", " - "]) {
-        summands.push(summand(sign, &rest[..at], text)?);
+        summands.push(summand(sign, &rest[..at], text, remarks)?);
         sign = if operator == " + " { 1.0 } else { -1.0 };
         rest = &rest[at + operator.len()..];
     }
-    summands.push(summand(sign, rest, text)?);
+    summands.push(summand(sign, rest, text, remarks)?);
     // A single integrand without a weight stays itself.
     let plain = summands.len() == 1 && summands[0].0.to_bits() == 1f64.to_bits();
     if let Some((_, single)) = summands.pop_if(|_| plain) {
@@ -45,7 +48,12 @@ fn names_a_file(text: &str) -> bool {
 }
 
 /// The weight and the function of a summand: a product of numbers and rotated terms.
-fn summand(sign: f64, text: &str, whole: &str) -> Result<(f64, Box<dyn Integrand>), CliError> {
+fn summand(
+    sign: f64,
+    text: &str,
+    whole: &str,
+    remarks: &mut Vec<String>,
+) -> Result<(f64, Box<dyn Integrand>), CliError> {
     let mut weight = sign;
     let mut product: Option<Box<dyn Integrand>> = None;
     for factor in split_outside(text, " * ").into_iter().map(str::trim) {
@@ -58,7 +66,7 @@ fn summand(sign: f64, text: &str, whole: &str) -> Result<(f64, Box<dyn Integrand
             weight *= number;
             continue;
         }
-        let function = rotated(factor)?;
+        let function = rotated(factor, remarks)?;
         product = Some(match product {
             Some(before) => Box::new(Product::new(before, function)),
             None => function,
@@ -76,9 +84,9 @@ fn summand(sign: f64, text: &str, whole: &str) -> Result<(f64, Box<dyn Integrand
 }
 
 /// A term with the rotations behind it.
-fn rotated(text: &str) -> Result<Box<dyn Integrand>, CliError> {
+fn rotated(text: &str, remarks: &mut Vec<String>) -> Result<Box<dyn Integrand>, CliError> {
     let mut pieces = split_outside(text, " @ ").into_iter().map(str::trim);
-    let mut function = term::parse(pieces.next().unwrap_or_default())?;
+    let mut function = term::parse(pieces.next().unwrap_or_default(), remarks)?;
     for piece in pieces {
         let [theta, phi, psi] = angles(piece).ok_or_else(|| {
             CliError::Usage(format!(

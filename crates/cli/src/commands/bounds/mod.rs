@@ -123,7 +123,7 @@ pub(crate) fn run(args: &BoundsArgs, global: &Global) -> Result<(), CliError> {
     }
     let measured = Measured::of_args(args, domain, global)?;
     let n_points = measured.as_ref().map_or(args.points.unwrap_or(0), |m| m.n_points);
-    let consequences = Consequences::new(args, domain, n_points)?;
+    let consequences = Consequences::new(args, domain, n_points, global.quiet)?;
     let (mut records, mut none, mut thesis) = (Vec::new(), Vec::new(), Vec::new());
     match (&measured, &parsed) {
         (Some(measured), Some(parsed)) => {
