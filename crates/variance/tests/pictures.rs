@@ -23,8 +23,7 @@ fn octahedral() -> PictureLayout {
 fn pictures_lie_as_in_mitsuba() {
     let (width, height) = (16, 8);
     let texels = picture();
-    let map =
-        EnvironmentMap::from_picture(width, height, texels.clone(), PictureLayout::default());
+    let map = EnvironmentMap::from_picture(width, height, texels.clone(), PictureLayout::default());
     let map = map.unwrap();
     for i in 0..height {
         for j in 0..width {

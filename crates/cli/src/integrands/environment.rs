@@ -1,6 +1,6 @@
 //! Environment maps in files, with how they are laid on the sphere.
 
-use std::path::PathBuf;
+use std::path::Path;
 
 use glam::{DQuat, DVec3};
 use sphvar_variance::{EnvironmentMap, Integrand, PictureLayout, Projection, Rotated};
@@ -25,7 +25,7 @@ pub(crate) struct Environment {
 
 impl Environment {
     /// Reads the map of a file with the parameters [`KEYS`] of a specification.
-    pub(crate) fn take(spec: &mut Spec, file: &PathBuf) -> Result<Self, CliError> {
+    pub(crate) fn take(spec: &mut Spec, file: &Path) -> Result<Self, CliError> {
         let choice = ChannelChoice { channel: spec.take("channel"), layer: spec.take("layer") };
         let mut layout = PictureLayout::default();
         let projections =
@@ -35,7 +35,8 @@ impl Environment {
         let mut turn = 0.0;
         spec.replace_number("turn", &mut turn)?;
         if !f64::is_finite(turn) {
-            let message = format!("{}: turn must be a finite number of degrees, got {turn}", spec.text);
+            let message =
+                format!("{}: turn must be a finite number of degrees, got {turn}", spec.text);
             return Err(CliError::Usage(message));
         }
         layout.turn = turn.to_radians();
@@ -43,7 +44,12 @@ impl Environment {
         let image = read_image(file, &choice)?;
         let map = EnvironmentMap::from_picture(image.width, image.height, image.values, layout);
         let map = map.map_err(|e| CliError::Failed(format!("{}: {e}", file.display())))?;
-        Ok(Self { map, pole, words: format!("{choice:?} {layout:?} {pole:?}"), remarks: image.remarks })
+        Ok(Self {
+            map,
+            pole,
+            words: format!("{choice:?} {layout:?} {pole:?}"),
+            remarks: image.remarks,
+        })
     }
 
     /// Returns the map as an integrand, with its pole at +z unless another place was given.

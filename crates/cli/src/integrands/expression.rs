@@ -11,10 +11,7 @@ use crate::error::CliError;
 use crate::spec::{Spec, find_outside, split_outside};
 
 /// The integrand of an expression; what a user should know of its files goes to `remarks`.
-pub(super) fn parse(
-    text: &str,
-    remarks: &mut Vec<String>,
-) -> Result<Box<dyn Integrand>, CliError> {
+pub(super) fn parse(text: &str, remarks: &mut Vec<String>) -> Result<Box<dyn Integrand>, CliError> {
     if names_a_file(text) {
         return term::parse(text, remarks);
     }

@@ -1,6 +1,6 @@
 //! HEALPix maps in FITS files.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use sphvar_healpix::{Nested, Nside};
 use sphvar_variance::HealpixMap;
@@ -24,7 +24,7 @@ enum Missing {
 /// Reads the map of a file with the parameters [`KEYS`] of a specification.
 pub(super) fn take(
     spec: &mut Spec,
-    file: &PathBuf,
+    file: &Path,
     remarks: &mut Vec<String>,
 ) -> Result<HealpixMap, CliError> {
     let field = match spec.take("field") {

@@ -154,7 +154,8 @@ pub(super) fn argument_text(argument: &OsStr) -> String {
     for term in split_ranges(&marked, &OPERATORS) {
         for item in items(&marked[term.clone()]) {
             let item = term.start + item.start..term.start + item.end;
-            let value = split_key(&marked[item.clone()]).map_or(item.len(), |(_, value)| value.len());
+            let value =
+                split_key(&marked[item.clone()]).map_or(item.len(), |(_, value)| value.len());
             let value = item.end - value..item.end;
             if foreign.range(value.clone()).next().is_none() {
                 continue;

@@ -13,9 +13,10 @@ use crate::{Circle, Coefficients, Error, Integrand, Shape};
 ///
 /// Row 0 is at the north pole; texel (row i, column j) has its centre at theta = pi (i + 1/2)/H,
 /// phi = `first_longitude` + 2 pi (j + 1/2)/W, with 0 for the first unless
-/// [`with_first_longitude`](Self::with_first_longitude) says otherwise. Columns run eastwards, as in a map of
-/// the Earth; [`from_picture`](Self::from_picture) takes pictures, in which they run westwards. Between centres the map is bilinear in (theta, phi), wrapped in phi and
-/// constant in theta beyond the first and last row.
+/// [`with_first_longitude`](Self::with_first_longitude) says otherwise. Columns run eastwards, as
+/// in a map of the Earth; [`from_picture`](Self::from_picture) takes pictures, in which they run
+/// westwards. Between centres the map is bilinear in (theta, phi), wrapped in phi and constant in
+/// theta beyond the first and last row.
 ///
 /// Integral and energies are those of this bilinear function, not of its texels as samples: the
 /// Fourier integral over phi is exact in closed form, the integral over theta is Gauss-Legendre
@@ -60,9 +61,7 @@ impl EnvironmentMap {
             return Err(Error::TexelCount { width, height, got: texels.len() });
         }
         match texels.iter().position(|x| !x.is_finite()) {
-            Some(i) => {
-                Err(Error::Texel { row: i / width, column: i % width, value: texels[i] })
-            }
+            Some(i) => Err(Error::Texel { row: i / width, column: i % width, value: texels[i] }),
             None => Ok(()),
         }
     }

@@ -243,9 +243,10 @@ impl StageArgs {
                 Ok((Wanted::Ambient { max_distance, cosine }, words))
             }
             "irradiance" => {
-                let file = spec.take_path("env").or_else(|| spec.take_path("")).ok_or_else(|| {
-                    CliError::Usage(format!("{text}: the map is missing: irradiance:env=FILE"))
-                })?;
+                let file =
+                    spec.take_path("env").or_else(|| spec.take_path("")).ok_or_else(|| {
+                        CliError::Usage(format!("{text}: the map is missing: irradiance:env=FILE"))
+                    })?;
                 // The file may be written as it is for an integrand.
                 let file = match file.to_str().and_then(|file| file.strip_prefix("env:")) {
                     Some(inner) if !file.exists() => PathBuf::from(inner),

@@ -38,7 +38,9 @@ impl FromStr for HduChoice {
     fn from_str(text: &str) -> Result<Self, String> {
         let text = text.trim();
         if text.is_empty() {
-            return Err("expected the number or the name of an HDU, such as 2 or CATALOG".to_owned());
+            return Err(
+                "expected the number or the name of an HDU, such as 2 or CATALOG".to_owned()
+            );
         }
         Ok(text.parse().map_or_else(|_| Self::Name(text.to_owned()), Self::Number))
     }
@@ -239,10 +241,7 @@ impl<'a, R: BufRead> HduReader<'a, R> {
             if block_number == 0 && !block.starts_with(start) {
                 // The standard allows other bytes behind the last HDU.
                 return match self.next_number {
-                    0 => Err(self.layout(
-                        "a FITS file",
-                        "a file that does not start with SIMPLE",
-                    )),
+                    0 => Err(self.layout("a FITS file", "a file that does not start with SIMPLE")),
                     _ => Ok(None),
                 };
             }

@@ -150,8 +150,7 @@ impl<'a> MapTable<'a> {
         let column = chosen_column(path, columns, field)?;
         let row = usize::try_from(row).map_err(|_| wrong("NAXIS1", "a row that fits in memory"))?;
         let nside = u32::try_from(nside).map_err(|_| wrong("NSIDE", "a smaller number"))?;
-        let table =
-            Self { path, header, nside, nested, n_pixels, indexing, column, row, rows };
+        let table = Self { path, header, nside, nested, n_pixels, indexing, column, row, rows };
         table.check_counts()?;
         Ok(table)
     }
@@ -288,7 +287,11 @@ fn chosen_column(
     };
     let column = columns.swap_remove(at);
     if column.items == 0 {
-        return Err(layout(path, REAL, "a column of complex numbers or of arrays of variable length"));
+        return Err(layout(
+            path,
+            REAL,
+            "a column of complex numbers or of arrays of variable length",
+        ));
     }
     Ok(column)
 }

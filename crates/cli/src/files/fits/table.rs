@@ -83,14 +83,12 @@ impl TableColumn {
             let column = column.ok_or_else(|| {
                 keyword_error(path, &keyword, "a type of columns", &format!("'{form}'"))
             })?;
-            end = column
-                .start
-                .checked_add(column.width)
-                .filter(|&end| end <= row)
-                .ok_or_else(|| {
+            end = column.start.checked_add(column.width).filter(|&end| end <= row).ok_or_else(
+                || {
                     let expected = format!("columns that fit in a row of NAXIS1 = {row} bytes");
                     keyword_error(path, &keyword, &expected, &format!("'{form}'"))
-                })?;
+                },
+            )?;
             columns.push(column);
         }
         Ok(columns)
@@ -145,14 +143,7 @@ impl TableColumn {
         Some(Self::new(header, i, kind, 1, start.checked_sub(1)?, width))
     }
 
-    fn new(
-        header: &Header,
-        i: u16,
-        kind: Kind,
-        items: usize,
-        start: usize,
-        width: usize,
-    ) -> Self {
+    fn new(header: &Header, i: u16, kind: Kind, items: usize, start: usize, width: usize) -> Self {
         let text = |keyword: &str| header.text(&format!("{keyword}{i}")).unwrap_or_default();
         let number = |keyword: &str| header.number(&format!("{keyword}{i}"));
         let null = format!("TNULL{i}");

@@ -62,7 +62,11 @@ pub(super) fn choose(
         let hint = if layer.is_none() { " (choose others by layer= or channel=)" } else { "" };
         return Err(layout(path, &format!("the channels R, G and B, or Y{hint}"), &list));
     }
-    Err(unknown_channel(path, choice.channel(), format!("{CHANNELS} of colours; the file has {list}")))
+    Err(unknown_channel(
+        path,
+        choice.channel(),
+        format!("{CHANNELS} of colours; the file has {list}"),
+    ))
 }
 
 /// Returns the layers in the order of the file.

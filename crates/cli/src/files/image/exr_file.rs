@@ -137,11 +137,7 @@ impl Frame {
 }
 
 /// Returns the samples at the start of some bytes, in the byte order of the machine.
-fn samples(
-    kind: SampleType,
-    bytes: &[u8],
-    count: usize,
-) -> Box<dyn Iterator<Item = f64> + '_> {
+fn samples(kind: SampleType, bytes: &[u8], count: usize) -> Box<dyn Iterator<Item = f64> + '_> {
     match kind {
         SampleType::F16 => {
             let (items, _) = bytes.as_chunks::<2>();

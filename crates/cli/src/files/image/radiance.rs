@@ -8,7 +8,9 @@ use std::io::Read;
 use image::ImageDecoder;
 use image::codecs::hdr::HdrDecoder;
 
-use super::{CHANNELS, ChannelChoice, ChannelImage, LUMINANCE, check_size, damaged, unknown_channel};
+use super::{
+    CHANNELS, ChannelChoice, ChannelImage, LUMINANCE, check_size, damaged, unknown_channel,
+};
 use crate::files::file_error::{FileError, Place};
 
 /// How a Radiance picture starts.
@@ -50,7 +52,10 @@ pub(super) fn read(
     choice: &ChannelChoice,
 ) -> Result<ChannelImage, FileError> {
     if let Some(layer) = &choice.layer {
-        return Err(damaged(name, format!("a Radiance picture has no layers, layer={layer} was given")));
+        return Err(damaged(
+            name,
+            format!("a Radiance picture has no layers, layer={layer} was given"),
+        ));
     }
     let weights = match choice.channel() {
         "luminance" => LUMINANCE,
@@ -66,7 +71,10 @@ pub(super) fn read(
     if scanlines > body.len() / 4 || length == 0 {
         return Err(damaged(
             name,
-            format!("{} bytes cannot hold its {scanlines} scanlines of {length} texels", body.len()),
+            format!(
+                "{} bytes cannot hold its {scanlines} scanlines of {length} texels",
+                body.len()
+            ),
         ));
     }
     check_size(name, width as u64, height as u64)?;
@@ -74,7 +82,8 @@ pub(super) fn read(
     let head = format!("#?RADIANCE\n\n-Y 1 +X {length}\n");
     let mut scanline = Vec::new();
     for i in 0..scanlines {
-        let failed = |reason: String| damaged(name, format!("scanline {i} of {scanlines}: {reason}"));
+        let failed =
+            |reason: String| damaged(name, format!("scanline {i} of {scanlines}: {reason}"));
         if let [2, 2, high @ 0..=127, low, ..] = *body
             && COMPRESSED_WIDTHS.contains(&length)
             && usize::from(high) * 256 + usize::from(low) != length
@@ -89,7 +98,9 @@ pub(super) fn read(
             let terms = texel.iter().zip(weights).zip(header.divisors);
             let value = terms
                 .filter(|((_, weight), _)| *weight > 0.0)
-                .map(|((&c, weight), divisor)| weight * (f64::from(f32::from_ne_bytes(c)) / divisor))
+                .map(|((&c, weight), divisor)| {
+                    weight * (f64::from(f32::from_ne_bytes(c)) / divisor)
+                })
                 .sum();
             let (x, y) = header.resolution.place(i, j);
             values[y * width + x] = value;
