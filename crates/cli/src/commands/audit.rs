@@ -126,7 +126,7 @@ fn check_settings(args: &AuditArgs, domain: Domain) -> Result<(), CliError> {
         let got = args.tolerance;
         return Err(CliError::Usage(format!("--tolerance must be above 0 and finite, got {got}")));
     }
-    if args.sets.files.is_empty() && args.realizations < LEAST {
+    if args.sets.files.files.is_empty() && args.realizations < LEAST {
         return Err(CliError::Usage(format!(
             "-m must be at least {LEAST} for an audit, got {}",
             args.realizations
@@ -137,8 +137,7 @@ fn check_settings(args: &AuditArgs, domain: Domain) -> Result<(), CliError> {
 
 fn source(args: &AuditArgs, domain: Domain, global: &Global) -> Result<Source, CliError> {
     let (Some(name), Some(n)) = (&args.sets.sampler, args.sets.n) else {
-        let sets =
-            FileSets::read(&args.sets.files, args.sets.columns.as_deref(), domain, global.quiet)?;
+        let sets = FileSets::read(&args.sets.files, domain, global.quiet)?;
         if sets.count() < LEAST {
             return Err(CliError::Failed(format!(
                 "an audit needs at least {LEAST} sets, each a realization; {} has {}",

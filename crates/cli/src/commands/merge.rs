@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use clap::Args;
 
-use super::spectrum::{check_save, emit};
+use super::spectrum::{Remarks, check_save, emit};
 use crate::error::CliError;
 use crate::files::Shard;
 use crate::global::Global;
@@ -91,7 +91,15 @@ pub(crate) fn run(args: &MergeArgs, global: &Global) -> Result<(), CliError> {
     let spectrum = if whole.ensemble.is_random { spectrum } else { spectrum.into_exact() };
     let seconds = started.elapsed().as_secs_f64();
     let provenance = Provenance::new(whole.ensemble.seed);
-    emit(args.out.as_deref(), global, &whole.ensemble.sampler, &spectrum, seconds, &provenance)
+    emit(
+        args.out.as_deref(),
+        global,
+        &whole.ensemble.sampler,
+        &spectrum,
+        Remarks::default(),
+        seconds,
+        &provenance,
+    )
 }
 
 /// Refuses a realization that is in two files.

@@ -22,6 +22,8 @@ mod sets_args;
 
 use sphvar_samplers::Domain;
 
+pub(crate) use self::sets_args::PointFileArgs;
+
 /// The domain that `--hemisphere` chooses.
 fn domain(hemisphere: bool) -> Domain {
     if hemisphere { Domain::Hemisphere } else { Domain::Sphere }

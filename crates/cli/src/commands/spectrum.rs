@@ -12,7 +12,7 @@ use sphvar_spectrum::{
     exact_spectrum, exact_spectrum_bytes, exact_spectrum_cost, has_exact_spectrum,
 };
 
-pub(crate) use self::report::emit;
+pub(crate) use self::report::{Remarks, emit};
 use super::sets_args::SetsArgs;
 use crate::error::CliError;
 use crate::files::{AtomicFile, SavedEnsemble, Shard};
@@ -27,13 +27,15 @@ use crate::transforms::TransformArgs;
 pub(crate) const EXAMPLES: &str = "Examples:
   sphvar spectrum jittered -n 3888 -m 300 --lmax 190
   sphvar spectrum --points data/stars.csv --lmax 64
+  sphvar spectrum --points cat.fits.gz --columns ra=RAJ2000,dec=DEJ2000,w=WEIGHT --lmax 64
   sphvar spectrum healpix -n 972 -o spectrum.png
   sphvar spectrum jittered -n 3888 --exact --lmax 190
   sphvar spectrum jittered -n 3888 -m 300 --shard 2/3 --save second.shard
 
 White noise has power 1 for l >= 1; P(0) = N. The error is the standard error of the mean over the
-realizations, each turned by a uniform rotation of its own. A pattern that is not random, and a
-single set of points from a file, have exactly this spectrum: their error is 0. --exact evaluates the
+realizations, each turned by a uniform rotation of its own. A pattern that is not random has exactly
+this spectrum: its error is 0. A single set of points from a file has none (- or null); of weighted
+points N is (sum w)^2 / sum w^2. --exact evaluates the
 mean itself, which can be done for white noise, for one point in each of N equal-area cells (jittered,
 equal-area) and for patterns that are not random.";
 
@@ -207,7 +209,12 @@ pub(crate) fn run(args: &SpectrumArgs, global: &Global) -> Result<(), CliError> 
         let rows: Vec<_> = samples.finish().iter().map(|a| vec![full(a.re), full(a.im)]).collect();
         write_text(&coefficient.path, &csv(&provenance, "re,im", &rows))?;
     }
-    emit(args.out.as_deref(), global, &name, &spectrum, seconds, &provenance)
+    let remarks = match &source {
+        Source::Sampler { .. } => Remarks::default(),
+        // One catalogue is no sample of anything: it has no error.
+        Source::Files { sets } => Remarks { has_no_error: count == 1, weights: sets.weight_sums() },
+    };
+    emit(args.out.as_deref(), global, &name, &spectrum, remarks, seconds, &provenance)
 }
 
 /// The spectrum without realizations.
@@ -231,7 +238,8 @@ fn run_exact(
         exact_spectrum(pattern, n_points, domain, lmax, &|seconds| progress.advance(seconds))?;
     drop(progress);
     let seconds = started.elapsed().as_secs_f64();
-    emit(args.out.as_deref(), global, &name, &spectrum, seconds, &Provenance::new(global.seed))
+    let (remarks, provenance) = (Remarks::default(), Provenance::new(global.seed));
+    emit(args.out.as_deref(), global, &name, &spectrum, remarks, seconds, &provenance)
 }
 
 /// Refuses what could not be written in the end.
@@ -263,8 +271,7 @@ pub(crate) fn check_save(path: &Path) -> Result<(), CliError> {
 
 fn source(args: &SpectrumArgs, domain: Domain, global: &Global) -> Result<Source, CliError> {
     let (Some(name), Some(n)) = (&args.sets.sampler, args.sets.n) else {
-        let sets =
-            FileSets::read(&args.sets.files, args.sets.columns.as_deref(), domain, global.quiet)?;
+        let sets = FileSets::read(&args.sets.files, domain, global.quiet)?;
         return Ok(Source::Files { sets });
     };
     let pattern = patterns::parse_pattern(name)?;

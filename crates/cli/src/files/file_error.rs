@@ -17,6 +17,8 @@ pub(crate) enum Place {
     RowOfSet(usize, usize),
     /// A vertex of a PLY file, counted from 0.
     Vertex(usize),
+    /// A row of a table, counted from 1 as programs for FITS tables do.
+    TableRow(u64),
 }
 
 impl fmt::Display for Place {
@@ -27,6 +29,7 @@ impl fmt::Display for Place {
             Self::Row(row) => write!(f, "[{row}]"),
             Self::RowOfSet(set, row) => write!(f, "[{set}, {row}]"),
             Self::Vertex(vertex) => write!(f, ": vertex {vertex}"),
+            Self::TableRow(row) => write!(f, ": row {row}"),
         }
     }
 }
@@ -157,6 +160,16 @@ pub(crate) enum FileError {
         /// The extensions that would do.
         known: &'static str,
     },
+}
+
+impl FileError {
+    /// Returns the same error with a remark on what to do behind what stands there.
+    pub(super) fn with_hint(mut self, hint: &str) -> Self {
+        if let Self::Value { got, .. } | Self::Layout { got, .. } = &mut self {
+            got.push_str(&format!(" ({hint})"));
+        }
+        self
+    }
 }
 
 /// Returns the name of an input for messages; `-` is standard input.

@@ -43,15 +43,21 @@ pub(super) fn open_input(path: &Path) -> Result<Box<dyn BufRead>, FileError> {
 /// # Errors
 /// As [`open_input`], when reading fails, and when the content does not fit in memory.
 pub(crate) fn read_whole(path: &Path) -> Result<Vec<u8>, FileError> {
-    let mut input = open_input(path)?;
-    let name = input_name(path);
+    read_rest(open_input(path)?, &input_name(path))
+}
+
+/// Returns what is left of an input, bounded by the memory that there is.
+///
+/// # Errors
+/// When reading fails, and when the content does not fit in memory.
+pub(super) fn read_rest(mut input: impl BufRead, name: &str) -> Result<Vec<u8>, FileError> {
     let mut bytes = Vec::new();
     let mut guard = MemoryGuard::default();
     loop {
         let chunk = match input.fill_buf() {
             Ok(chunk) => chunk,
             Err(error) if error.kind() == io::ErrorKind::Interrupted => continue,
-            Err(source) => return Err(FileError::Read { path: name, source }),
+            Err(source) => return Err(FileError::Read { path: name.to_owned(), source }),
         };
         if chunk.is_empty() {
             return Ok(bytes);
@@ -59,7 +65,7 @@ pub(crate) fn read_whole(path: &Path) -> Result<Vec<u8>, FileError> {
         bytes.extend_from_slice(chunk);
         let taken = chunk.len();
         input.consume(taken);
-        guard.check(&name, "the content of the file", bytes.len() as u64)?;
+        guard.check(name, "the content of the file", bytes.len() as u64)?;
     }
 }
 

@@ -23,6 +23,6 @@ pub(crate) use input::read_whole;
 pub(crate) use lists::{Columns, Fault, ListWriter, Number, Written, read_list};
 pub(crate) use picture::{Picture, PictureFormat, srgb, write_png};
 pub(crate) use piece_store::PieceStore;
-pub(crate) use points::{PointSet, ReadOptions, read_points, write_points};
+pub(crate) use points::{ColumnChoice, PointSet, ReadOptions, read_points, write_points};
 pub(crate) use shard::{SavedEnsemble, Shard};
 pub(crate) use spectra::read_spectrum;

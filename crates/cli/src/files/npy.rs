@@ -4,6 +4,7 @@
 //! dimensions that overflow, dictionaries nested without end) would have to be caught before they see
 //! it, and that takes the same parsing.
 
+mod description;
 mod item_type;
 
 #[cfg(test)]
@@ -15,12 +16,16 @@ use npyz::WriterBuilder;
 
 use super::file_error::{FileError, Place};
 
+use description::Description;
+
+pub(super) use description::Field;
 pub(super) use item_type::ItemType;
 
 /// The first bytes of every NPY file. No UTF-8 text starts with the first of them.
 pub(super) const MAGIC: &[u8; 6] = b"\x93NUMPY";
-/// The header of a plain array takes 128 bytes; what is much longer describes something else.
-const LONGEST_HEADER: usize = 2048;
+/// The header of a plain array takes 128 bytes, that of records some 20 bytes a field; what is much
+/// longer describes something else.
+const LONGEST_HEADER: usize = 1 << 16;
 /// Bytes that are read at a time: a multiple of all item sizes.
 const CHUNK: usize = 1 << 16;
 
@@ -75,6 +80,11 @@ impl<'a, R: Read> NpyReader<'a, R> {
         &self.description.shape
     }
 
+    /// Returns the fields of a record; `None` of an array of plain items.
+    pub(super) fn fields(&self) -> Option<&[Field]> {
+        self.description.fields.as_deref()
+    }
+
     /// Returns the item type as the header names it, such as `<f8`.
     pub(super) fn descr(&self) -> &str {
         &self.description.descr
@@ -100,27 +110,15 @@ impl<'a, R: Read> NpyReader<'a, R> {
     /// Holds 8 bytes per item, whatever its type, of those that are there: a header that promises
     /// more than the file has costs nothing.
     pub(super) fn read_items(mut self, item: ItemType) -> Result<Array, FileError> {
-        let bytes = self.array_bytes(item).ok_or_else(|| {
-            let expected = "an array of a plain decimal shape that fits in memory";
-            layout_error(self.path, expected, &format!("the shape {}", python_tuple(self.shape())))
-        })?;
+        let bytes = self.bytes_of(item.size()).ok_or_else(|| self.size_error())?;
         let read_error = |source| FileError::Read { path: self.path.to_owned(), source };
         let mut bits = Vec::new();
-        let mut chunk = Vec::with_capacity(CHUNK.min(bytes));
+        let mut chunk = Vec::new();
         let mut done = 0;
         while done < bytes {
-            chunk.clear();
             let wanted = (bytes - done).min(CHUNK);
-            let part = self.input.by_ref().take(wanted as u64);
-            done += { part }.read_to_end(&mut chunk).map_err(read_error)?;
-            if chunk.len() < wanted {
-                return Err(FileError::Truncated {
-                    path: self.path.to_owned(),
-                    what: format!("an array of shape {}", python_tuple(self.shape())),
-                    expected: (self.header_bytes + bytes) as u64,
-                    got: (self.header_bytes + done) as u64,
-                });
-            }
+            self.read_bytes(&mut chunk, wanted, done, bytes)?;
+            done += wanted;
             bits.extend(chunk.chunks_exact(item.size()).map(|bytes| item.bits(bytes)));
         }
         let bytes_follow = self.input.read(&mut [0]).map_err(read_error)? > 0;
@@ -128,13 +126,90 @@ impl<'a, R: Read> NpyReader<'a, R> {
         Ok(Array { bits, shape, fortran_order, bytes_follow })
     }
 
+    /// Gives `take` the bytes of the rows of an array, `row` bytes each, the last index fastest in
+    /// either order of the file. Returns whether the file goes on behind the array.
+    ///
+    /// `item` are the bytes of a plain item or of a record, and `row` a multiple of them by a number
+    /// that divides the last dimension.
+    ///
+    /// # Errors
+    /// As [`read_items`](Self::read_items), and those of `take`.
+    ///
+    /// # Performance
+    /// Holds a part of the file in C order, and all of it in Fortran order.
+    pub(super) fn for_each_row(
+        mut self,
+        item: usize,
+        row: usize,
+        mut take: impl FnMut(usize, &[u8]) -> Result<(), FileError>,
+    ) -> Result<bool, FileError> {
+        let bytes = self.bytes_of(item).ok_or_else(|| self.size_error())?;
+        let rows = if row == 0 { 0 } else { bytes / row };
+        // The order of a single dimension does not matter.
+        let is_fortran = self.description.fortran_order && self.shape().len() > 1;
+        let mut chunk = Vec::new();
+        if is_fortran {
+            self.read_bytes(&mut chunk, bytes, 0, bytes)?;
+            let items = row / item;
+            let mut gathered = vec![0; row];
+            for index in 0..rows {
+                for (column, place) in gathered.chunks_exact_mut(item).enumerate() {
+                    let start = item * fortran_place(self.shape(), index * items + column);
+                    place.copy_from_slice(&chunk[start..start + item]);
+                }
+                take(index, &gathered)?;
+            }
+        } else {
+            let together = (CHUNK / row.max(1)).max(1);
+            let mut index = 0;
+            while index < rows {
+                let count = together.min(rows - index);
+                self.read_bytes(&mut chunk, count * row, index * row, bytes)?;
+                for bytes in chunk.chunks_exact(row) {
+                    take(index, bytes)?;
+                    index += 1;
+                }
+            }
+        }
+        let read_error = |source| FileError::Read { path: self.path.to_owned(), source };
+        Ok(self.input.read(&mut [0]).map_err(read_error)? > 0)
+    }
+
+    /// Replaces `chunk` by the next `wanted` bytes of `bytes`, of which `done` have been read.
+    fn read_bytes(
+        &mut self,
+        chunk: &mut Vec<u8>,
+        wanted: usize,
+        done: usize,
+        bytes: usize,
+    ) -> Result<(), FileError> {
+        chunk.clear();
+        let part = self.input.by_ref().take(wanted as u64);
+        let read = { part }.read_to_end(chunk);
+        read.map_err(|source| FileError::Read { path: self.path.to_owned(), source })?;
+        if chunk.len() < wanted {
+            return Err(FileError::Truncated {
+                path: self.path.to_owned(),
+                what: format!("an array of shape {}", python_tuple(self.shape())),
+                expected: (self.header_bytes + bytes) as u64,
+                got: (self.header_bytes + done + chunk.len()) as u64,
+            });
+        }
+        Ok(())
+    }
+
+    fn size_error(&self) -> FileError {
+        let expected = "an array of a plain decimal shape that fits in memory";
+        layout_error(self.path, expected, &format!("the shape {}", python_tuple(self.shape())))
+    }
+
     /// Returns the number of bytes of all items, if that and the header's fit in memory.
-    fn array_bytes(&self, item: ItemType) -> Option<usize> {
+    fn bytes_of(&self, item: usize) -> Option<usize> {
         if self.shape().contains(&0) {
             return Some(0);
         }
         let mut dimensions = self.shape().iter();
-        let bytes = dimensions.try_fold(item.size(), |bytes, &n| bytes.checked_mul(n))?;
+        let bytes = dimensions.try_fold(item, |bytes, &n| bytes.checked_mul(n))?;
         (bytes < usize::MAX / 2).then_some(bytes)
     }
 }
@@ -159,20 +234,22 @@ impl Array {
         let rows = self.bits.len() / N;
         let step = if self.fortran_order { rows } else { 1 };
         (0..rows).map(move |row| {
-            let start = if self.fortran_order { self.fortran_place(row * N) } else { row * N };
+            let start =
+                if self.fortran_order { fortran_place(&self.shape, row * N) } else { row * N };
             std::array::from_fn(|column| self.bits[start + column * step])
         })
     }
+}
 
-    /// Returns where the item stands that has this place when the last index runs fastest.
-    fn fortran_place(&self, place: usize) -> usize {
-        let mut rest = place;
-        self.shape.iter().rev().fold(0, |sum, &dimension| {
-            let index = rest % dimension;
-            rest /= dimension;
-            sum * dimension + index
-        })
-    }
+/// Returns where in an array in Fortran order the item stands that has this place when the last index
+/// runs fastest.
+fn fortran_place(shape: &[usize], place: usize) -> usize {
+    let mut rest = place;
+    shape.iter().rev().fold(0, |sum, &dimension| {
+        let index = rest % dimension;
+        rest /= dimension;
+        sum * dimension + index
+    })
 }
 
 /// Writes an array in C order.
@@ -233,44 +310,6 @@ impl<R: Read> HeaderBytes<'_, R> {
             got: self.taken as u64,
         })
     }
-}
-
-/// What a header such as `{'descr': '<i8', 'fortran_order': False, 'shape': (5, 2), }` says.
-struct Description {
-    descr: String,
-    fortran_order: bool,
-    shape: Vec<usize>,
-}
-
-impl Description {
-    fn parse(text: &str) -> Option<Self> {
-        let descr = value_of(text, "descr")?;
-        let quote = descr.chars().next().filter(|c| matches!(c, '\'' | '"'))?;
-        let (descr, _) = descr[1..].split_once(quote)?;
-        let order = value_of(text, "fortran_order")?;
-        let fortran_order = order.starts_with("True");
-        if !fortran_order && !order.starts_with("False") {
-            return None;
-        }
-        let (inside, _) = value_of(text, "shape")?.strip_prefix('(')?.split_once(')')?;
-        // A comma at the end is how Python tells (5,) from a number.
-        let inside = inside.trim();
-        let inside = inside.strip_suffix(',').unwrap_or(inside);
-        let shape = match inside {
-            "" => Vec::new(),
-            _ => inside.split(',').map(|n| n.trim().parse().ok()).collect::<Option<_>>()?,
-        };
-        Some(Self { descr: descr.to_owned(), fortran_order, shape })
-    }
-}
-
-/// Returns what follows the colon of a quoted key.
-fn value_of<'t>(text: &'t str, key: &str) -> Option<&'t str> {
-    let after = ['\'', '"'].iter().find_map(|quote| {
-        let quoted = format!("{quote}{key}{quote}");
-        text.find(&quoted).map(|at| &text[at + quoted.len()..])
-    })?;
-    Some(after.trim_start().strip_prefix(':')?.trim_start())
 }
 
 fn python_tuple(shape: &[usize]) -> String {

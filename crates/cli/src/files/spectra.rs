@@ -87,7 +87,9 @@ fn read_stream(input: impl BufRead, path: &str) -> Result<Vec<SpectrumRow>, File
             value.ok_or_else(|| wrong(field, "a finite number from 0", text))
         };
         let power = number("power", columns.power)?;
-        let stderr = columns.stderr.map_or(Ok(0.0), |column| number("stderr", column))?;
+        // The spectrum of one given set has no error: its field is empty.
+        let stderr = columns.stderr.filter(|&column| !fields[column].is_empty());
+        let stderr = stderr.map_or(Ok(0.0), |column| number("stderr", column))?;
         let count = |column: usize| {
             let text = &fields[column];
             text.parse().map_err(|_| wrong("realizations", "a whole number", text))

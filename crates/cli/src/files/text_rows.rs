@@ -1,7 +1,7 @@
-//! Text files as lines of fields: numbers in columns, divided by commas or by blanks.
+//! Text files as lines of fields: numbers in columns, separated by commas, semicolons, tabs or blanks.
 
 use std::borrow::Cow;
-use std::io::{self, BufRead};
+use std::io::{self, BufRead, Read as _};
 use std::iter;
 
 use super::file_error::{FileError, Place};
@@ -9,6 +9,49 @@ use super::file_error::{FileError, Place};
 /// How much of a wrong field or line an error message repeats.
 const SHOWN: usize = 40;
 const BYTE_ORDER_MARK: char = '\u{feff}';
+/// A longer line is no row of numbers, and a compressed file may hold any number of bytes.
+const MAX_LINE: u64 = 1 << 28;
+
+/// What separates the fields of a file.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Separator {
+    Comma,
+    Semicolon,
+    Tab,
+    Blanks,
+}
+
+impl Separator {
+    /// Returns the separator of a file whose first line that is no comment is this one.
+    ///
+    /// Of commas, semicolons and tabs outside of quotes the most frequent; on a par the comma, beside
+    /// which tabs are blanks. Tabs between which there are blanks as well separate like these, unless
+    /// the line is a header of several words.
+    fn of_line(line: &str) -> Self {
+        let count = |separator: char| {
+            let mut quoted = false;
+            let outside = line.chars().filter(|&c| {
+                quoted ^= c == '"';
+                c == separator && !quoted
+            });
+            outside.count()
+        };
+        let (commas, semicolons, tabs) = (count(','), count(';'), count('\t'));
+        if commas.max(semicolons).max(tabs) == 0 {
+            Self::Blanks
+        } else if semicolons > 0 && semicolons >= tabs {
+            // "1,5;2,5" has decimal commas, which are an error of the number and not of the fields.
+            Self::Semicolon
+        } else if commas >= tabs {
+            Self::Comma
+        } else {
+            let mut fields = line.split('\t').map(str::trim);
+            let is_number = |word: &str| word.parse::<f64>().is_ok();
+            let is_mixed = fields.any(|f| f.contains(' ') && f.split(' ').any(is_number));
+            if is_mixed { Self::Blanks } else { Self::Tab }
+        }
+    }
+}
 
 /// The lines of a text file.
 pub(super) struct TextRows<'a, R> {
@@ -18,13 +61,13 @@ pub(super) struct TextRows<'a, R> {
     expected: &'static str,
     number: usize,
     line: String,
-    commas: Option<bool>,
+    separator: Option<Separator>,
 }
 
 impl<'a, R: BufRead> TextRows<'a, R> {
     /// Returns the lines of a file; `expected` is for the message when it is no text.
     pub(super) fn new(input: R, path: &'a str, expected: &'static str) -> Self {
-        Self { input, path, expected, number: 0, line: String::new(), commas: None }
+        Self { input, path, expected, number: 0, line: String::new(), separator: None }
     }
 
     /// Returns the next line that is not empty, or `None` at the end.
@@ -38,19 +81,34 @@ impl<'a, R: BufRead> TextRows<'a, R> {
         while self.line.trim().is_empty() {
             self.line.clear();
             self.number += 1;
-            let read = self.input.read_line(&mut self.line).map_err(|error| self.error(error))?;
+            let mut part = self.input.by_ref().take(MAX_LINE);
+            let read = part.read_line(&mut self.line).map_err(|error| self.error(error))?;
             if read == 0 {
                 return Ok(None);
+            }
+            if read as u64 == MAX_LINE && !self.line.ends_with('\n') {
+                return Err(FileError::Layout {
+                    path: self.path.to_owned(),
+                    place: Place::Line(self.number),
+                    expected: self.expected.to_owned(),
+                    got: format!("a line of more than {MAX_LINE} bytes"),
+                });
             }
             if self.number == 1 && self.line.starts_with(BYTE_ORDER_MARK) {
                 self.line.remove(0);
             }
         }
-        let mut line = TextLine { number: self.number, text: self.line.trim(), commas: false };
-        if !line.is_comment() {
-            line.commas = *self.commas.get_or_insert_with(|| line.text.contains(','));
+        let text = self.line.trim();
+        if text.starts_with('#') {
+            return Ok(Some(TextLine { number: self.number, text, separator: Separator::Blanks }));
         }
-        Ok(Some(line))
+        let separator = *self.separator.get_or_insert_with(|| Separator::of_line(text));
+        let text = match separator {
+            // The first or the last field may be empty.
+            Separator::Tab => self.line.trim_matches([' ', '\r', '\n']),
+            _ => text,
+        };
+        Ok(Some(TextLine { number: self.number, text, separator }))
     }
 
     fn error(&self, source: io::Error) -> FileError {
@@ -75,9 +133,8 @@ pub(super) struct TextLine<'t> {
     pub(super) number: usize,
     /// The line without blanks at its ends.
     pub(super) text: &'t str,
-    /// Whether commas divide the fields: so they do in the whole file if the first line that is no
-    /// comment has one.
-    commas: bool,
+    /// That of the first line of the file that is no comment.
+    separator: Separator,
 }
 
 impl<'t> TextLine<'t> {
@@ -91,18 +148,40 @@ impl<'t> TextLine<'t> {
         self.fields().all(|field| field.parse::<f64>().is_err())
     }
 
+    /// Returns the same line with another text.
+    pub(super) fn with_text(self, text: &str) -> TextLine<'_> {
+        TextLine { number: self.number, text: text.trim(), separator: self.separator }
+    }
+
+    /// Returns what separates the fields, for messages.
+    pub(super) fn separator(&self) -> &'static str {
+        match self.separator {
+            Separator::Comma => "commas",
+            Separator::Semicolon => "semicolons",
+            Separator::Tab => "tabs",
+            Separator::Blanks => "blanks",
+        }
+    }
+
     /// Returns the fields without blanks at their ends.
     ///
-    /// A field in `"` loses these and may hold commas, blanks and, doubled, `"`, but no line break.
+    /// A field in `"` loses these and may hold separators and, doubled, `"`, but no line break.
     pub(super) fn fields(&self) -> impl Iterator<Item = Cow<'t, str>> + use<'t> {
-        let commas = self.commas;
+        let separator = self.separator;
         let mut rest = Some(self.text);
         iter::from_fn(move || {
-            let text = rest?.trim_start();
+            let text = match separator {
+                Separator::Tab => rest?.trim_start_matches(' '),
+                _ => rest?.trim_start(),
+            };
             let quoted = quoted_bytes(text);
             let after = &text[quoted..];
-            let divided =
-                if commas { after.split_once(',') } else { after.split_once(char::is_whitespace) };
+            let divided = match separator {
+                Separator::Comma => after.split_once(','),
+                Separator::Semicolon => after.split_once(';'),
+                Separator::Tab => after.split_once('\t'),
+                Separator::Blanks => after.split_once(char::is_whitespace),
+            };
             rest = divided.map(|(_, rest)| rest);
             let unquoted_bytes = divided.map_or(after.len(), |(end, _)| end.len());
             Some(unquoted(text[..quoted + unquoted_bytes].trim_end()))
@@ -159,7 +238,7 @@ mod tests {
 
     #[test]
     fn fields_are_divided_by_what_the_first_line_has() {
-        let cases: [(&str, &[&str]); 10] = [
+        let cases: [(&str, &[&str]); 18] = [
             ("a,b", &["a", "b"]),
             (" a , b,", &["a", "b", ""]),
             (",", &["", ""]),
@@ -170,6 +249,14 @@ mod tests {
             ("\"a b\" c", &["a b", "c"]),
             ("\"open, b", &["\"open, b"]),
             ("\"", &["\""]),
+            ("a;b;;c", &["a", "b", "", "c"]),
+            ("1,5;2,5", &["1,5", "2,5"]),
+            ("a\tb c\t\td", &["a", "b c", "", "d"]),
+            ("1.5\t\t2\t", &["1.5", "", "2", ""]),
+            ("1,\t2,\t3", &["1", "2", "3"]),
+            ("1\t 2 3", &["1", "2", "3"]),
+            ("1 2\t3", &["1", "2", "3"]),
+            ("\"a,b\" \"c;d\"", &["a,b", "c;d"]),
         ];
         for (line, fields) in cases {
             let [(1, found)] = &rows(line)[..] else { panic!("{line:?}: {:?}", rows(line)) };

@@ -9,6 +9,7 @@ use crate::commands::power_chart::{power_chart, power_series};
 use crate::error::CliError;
 use crate::global::Global;
 use crate::plots::{Chart, ImageFormat};
+use crate::point_sets::WeightSums;
 use crate::report::{
     Provenance, csv, full, is_stdout, print, print_json, say, short, table, write_result,
 };
@@ -21,11 +22,23 @@ struct Document<'a> {
     n: usize,
     lmax: usize,
     realizations: u64,
+    #[serde(flatten)]
+    weights: Option<WeightSums>,
     l: Vec<usize>,
     power: Vec<f64>,
+    /// NaN, which becomes null, where there is no error.
     stderr: Vec<f64>,
     seconds: f64,
     provenance: &'a Provenance,
+}
+
+/// What is said of a spectrum besides its numbers.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Remarks {
+    /// Whether an error would mean nothing, because this is the spectrum of one given set.
+    pub(crate) has_no_error: bool,
+    /// The sums of the weights, if there are any.
+    pub(crate) weights: Option<WeightSums>,
 }
 
 /// Writes the spectrum of `name` to `out`, prints it as JSON, or shows a table if neither is asked for.
@@ -34,16 +47,21 @@ pub(crate) fn emit(
     global: &Global,
     name: &str,
     spectrum: &Spectrum,
+    remarks: Remarks,
     seconds: f64,
     provenance: &Provenance,
 ) -> Result<(), CliError> {
-    let rows: Vec<(usize, f64, f64)> = spectrum.rows().collect();
+    let mut rows: Vec<(usize, f64, f64)> = spectrum.rows().collect();
+    if remarks.has_no_error {
+        rows.iter_mut().for_each(|row| row.2 = f64::NAN);
+    }
     let document = Document {
         sampler: name,
         domain: spectrum.domain().name(),
         n: spectrum.n_points(),
         lmax: spectrum.lmax(),
         realizations: spectrum.realizations(),
+        weights: remarks.weights,
         l: rows.iter().map(|r| r.0).collect(),
         power: rows.iter().map(|r| r.1).collect(),
         stderr: rows.iter().map(|r| r.2).collect(),
@@ -93,6 +111,9 @@ pub(crate) fn emit(
         })
         .collect();
     print(&table(&["l", "l/sqrt(N)", "power", "+-"], cells, 0))?;
+    if let Some(WeightSums { n_effective, sum_w, sum_w2 }) = remarks.weights {
+        print(&format!("N_eff = {n_effective:.6} (sum w = {sum_w:e}, sum w^2 = {sum_w2:e})\n"))?;
+    }
     if shown.len() < rows.len() {
         let remark = format!("{} of {} degrees; all of them: -o FILE.csv", shown.len(), rows.len());
         say(global.quiet, &remark);

@@ -64,7 +64,7 @@ pub(crate) fn read_list<T: Number, R, const N: usize>(
     accept: impl FnMut([T; N]) -> Result<R, Fault>,
 ) -> Result<Vec<R>, FileError> {
     let input = open_input(path)?;
-    let npy = PointFormat::of_path(path) == Some(PointFormat::Npy);
+    let npy = PointFormat::of_input_path(path) == Some(PointFormat::Npy);
     read_stream(input, &input_name(path), npy, columns, accept)
 }
 

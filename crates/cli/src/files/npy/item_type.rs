@@ -46,7 +46,7 @@ impl ItemType {
     }
 
     /// Returns the number of bytes of one item.
-    pub(super) fn size(self) -> usize {
+    pub(in crate::files) fn size(self) -> usize {
         self.size.into()
     }
 
@@ -58,6 +58,12 @@ impl ItemType {
         } else {
             bytes.iter().rev().fold(0, append)
         }
+    }
+
+    /// Returns the number that the bytes of an item show, an integer rounded to a float.
+    pub(in crate::files) fn number(self, bytes: &[u8]) -> f64 {
+        let bits = self.bits(bytes);
+        if self.is_float() { self.float(bits) } else { self.integer(bits) as f64 }
     }
 
     /// Returns the number that the bits of an item show, for a type of floats.

@@ -1,54 +1,79 @@
 //! Gathers points from a reader into sets, whatever the format.
 
+use std::borrow::Cow;
 use std::collections::HashMap;
 
 use glam::DVec3;
 
-use super::{PointFile, PointSet};
+use super::angles::{direction_of_degrees, direction_of_radians};
+use super::columns::{Layout, listed};
+use super::lengths::Lengths;
+use super::roles::Coordinates;
+use super::{PointFile, PointSet, ReadOptions};
 use crate::files::file_error::{FileError, Place};
+use crate::files::memory_guard::MemoryGuard;
+use crate::files::text_rows::shortened;
 
-/// A length that differs from 1 by more than this is worth a warning (`formats.md`, "Points").
-const LENGTH_TOLERANCE: f64 = 1e-6;
-/// Vectors this close to unit length keep their bits: normalising one in `f64` leaves an error of
-/// at most some three roundings, so that what this program wrote is read back unchanged.
-const ROUNDING: f64 = 8.0 * f64::EPSILON;
+/// A colatitude printed with seven digits may exceed pi by this much; it is then taken as pi.
+const THETA_SLACK: f64 = 1e-6;
+/// Points between two looks at the memory.
+const STEP: usize = 1 << 12;
+/// Bytes of a set without its points.
+const SET_BYTES: usize = 128;
+/// How many skipped rows a warning names.
+const NAMED: usize = 5;
+
+/// What stands in a column of a row.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) enum Cell<'a> {
+    Number(f64),
+    Text(Cow<'a, str>),
+    /// Nothing, or a mark for an unknown value.
+    Missing,
+}
 
 /// The point sets of one file as they come in.
 pub(super) struct PointCollector<'a> {
     path: &'a str,
+    options: &'a ReadOptions,
+    layout: Layout,
     sets: Vec<PointSet>,
     by_label: HashMap<String, usize>,
+    /// The label of the row before.
+    label: Option<String>,
     current: usize,
-    rescaled: usize,
-    worst: Option<(f64, Place)>,
+    points: usize,
+    lengths: Lengths,
+    skipped: usize,
+    /// Where the first of the skipped rows stand.
+    skipped_places: Vec<Place>,
+    guard: MemoryGuard,
     warnings: Vec<String>,
 }
 
 impl<'a> PointCollector<'a> {
     /// Returns an empty collector for the file of this name.
-    pub(super) fn new(path: &'a str) -> Self {
+    pub(super) fn new(path: &'a str, layout: Layout, options: &'a ReadOptions) -> Self {
         Self {
             path,
+            options,
+            layout,
             sets: vec![PointSet::default()],
             by_label: HashMap::new(),
+            label: None,
             current: 0,
-            rescaled: 0,
-            worst: None,
+            points: 0,
+            lengths: Lengths::default(),
+            skipped: 0,
+            skipped_places: Vec::new(),
+            guard: MemoryGuard::default(),
             warnings: Vec::new(),
         }
     }
 
-    /// Sends the points that follow to the set of this label, which is new at its first use.
-    pub(super) fn select(&mut self, label: &str) {
-        if let Some(&index) = self.by_label.get(label) {
-            self.current = index;
-            return;
-        }
-        if !self.by_label.is_empty() {
-            self.sets.push(PointSet::default());
-        }
-        self.current = self.sets.len() - 1;
-        self.by_label.insert(label.to_owned(), self.current);
+    /// Returns what the columns mean.
+    pub(super) fn layout(&self) -> &Layout {
+        &self.layout
     }
 
     /// Starts the next set, unless the present one is still empty.
@@ -64,54 +89,48 @@ impl<'a> PointCollector<'a> {
         self.sets[self.current].directions.len()
     }
 
-    /// Adds the vector of a direction, scaled to unit length.
-    pub(super) fn push_vector(&mut self, vector: [f64; 3], place: Place) -> Result<(), FileError> {
-        for (field, value) in ["x", "y", "z"].into_iter().zip(vector) {
-            self.finite(value, field, place)?;
-        }
-        let vector = DVec3::from_array(vector);
-        let size = vector.abs().max_element();
-        if size == 0.0 {
-            return Err(FileError::Value {
-                path: self.path.to_owned(),
-                place,
-                field: "x, y, z".to_owned(),
-                expected: "a vector that has a direction".to_owned(),
-                got: "the zero vector".to_owned(),
-            });
-        }
-        // Scaled first, which keeps the squares of tiny and huge vectors in range.
-        let scaled = vector / size;
-        let length = size * scaled.length();
-        if (length - 1.0).abs() <= ROUNDING {
-            self.push_direction(vector);
-            return Ok(());
-        }
-        if (length - 1.0).abs() > LENGTH_TOLERANCE {
-            self.rescaled += 1;
-            // Far from 1 in ratio, so that 0.01 counts as worse than 2.
-            let badness = length.ln().abs();
-            if self.worst.is_none_or(|(other, _)| badness > other.ln().abs()) {
-                self.worst = Some((length, place));
+    /// Adds the point of a row; `cell` gives the content of each of the layout's slots.
+    ///
+    /// # Errors
+    /// When the row has no direction or weight, unless such rows are skipped.
+    pub(super) fn row<'c>(
+        &mut self,
+        place: Place,
+        cell: impl Fn(usize) -> Cell<'c>,
+    ) -> Result<(), FileError> {
+        match self.point(place, &cell) {
+            Ok((direction, weight)) => {
+                if let Some(set) = self.layout.set {
+                    self.select(cell(set));
+                }
+                let set = &mut self.sets[self.current];
+                set.directions.push(direction);
+                if let Some(weight) = weight {
+                    set.weights.get_or_insert_default().push(weight);
+                }
+                self.points += 1;
+                if self.points.is_multiple_of(STEP) {
+                    self.check_memory()?;
+                }
+                Ok(())
             }
+            Err(error) => self.skip(place, error),
         }
-        self.push_direction(scaled.normalize());
+    }
+
+    /// Skips a row that cannot be used, or returns why it cannot if that is not wanted.
+    ///
+    /// # Errors
+    /// `error`, unless invalid rows are skipped.
+    pub(super) fn skip(&mut self, place: Place, error: FileError) -> Result<(), FileError> {
+        if !self.options.skip_invalid {
+            return Err(error.with_hint("--skip-invalid skips such rows"));
+        }
+        self.skipped += 1;
+        if self.skipped_places.len() < NAMED {
+            self.skipped_places.push(place);
+        }
         Ok(())
-    }
-
-    /// Adds a direction that is unit already.
-    pub(super) fn push_direction(&mut self, direction: DVec3) {
-        self.sets[self.current].directions.push(direction);
-    }
-
-    /// Adds the weight of the point added last.
-    pub(super) fn push_weight(&mut self, weight: f64) {
-        self.sets[self.current].weights.get_or_insert_default().push(weight);
-    }
-
-    /// Adds the value at the point added last.
-    pub(super) fn push_value(&mut self, value: f64) {
-        self.sets[self.current].values.get_or_insert_default().push(value);
     }
 
     /// Adds a line for the user; the path is put before it.
@@ -119,34 +138,137 @@ impl<'a> PointCollector<'a> {
         self.warnings.push(format!("{}: {message}", self.path));
     }
 
-    /// Returns an error unless the value is finite.
-    pub(super) fn finite(&self, value: f64, field: &str, place: Place) -> Result<(), FileError> {
-        if value.is_finite() {
-            return Ok(());
+    /// Returns the sets, or an error when there is not a single point or most are no directions.
+    pub(super) fn finish(mut self) -> Result<PointFile, FileError> {
+        self.sets.retain(|set| !set.directions.is_empty());
+        if self.skipped > 0 {
+            let places: Vec<String> =
+                self.skipped_places.iter().map(|place| format!("{}{place}", self.path)).collect();
+            let more = if self.skipped > places.len() { ", ..." } else { "" };
+            self.warn(&format!(
+                "{} of {} rows skipped as invalid: {}{more}",
+                self.skipped,
+                self.skipped + self.points,
+                places.join(", ")
+            ));
         }
-        Err(FileError::Value {
+        if self.sets.is_empty() {
+            return match self.skipped {
+                0 => Err(FileError::Empty { path: self.path.to_owned() }),
+                skipped => Err(FileError::Layout {
+                    path: self.path.to_owned(),
+                    place: Place::Whole,
+                    expected: "at least one valid row".to_owned(),
+                    got: format!("{skipped} invalid rows"),
+                }),
+            };
+        }
+        let warning = self.lengths.verdict(self.path, self.points, self.options.normalize)?;
+        self.warnings.extend(warning);
+        let unused = &self.layout.unused;
+        let remarks = if unused.is_empty() {
+            Vec::new()
+        } else {
+            let noun = if unused.len() == 1 { "column" } else { "columns" };
+            vec![format!("{}: {noun} not used: {}", self.path, listed(unused, unused.len()))]
+        };
+        Ok(PointFile { sets: self.sets, warnings: self.warnings, remarks })
+    }
+
+    /// Returns the direction and the weight of a row.
+    fn point<'c>(
+        &mut self,
+        place: Place,
+        cell: &impl Fn(usize) -> Cell<'c>,
+    ) -> Result<(DVec3, Option<f64>), FileError> {
+        let number = |slot: usize| self.number(place, slot, cell(slot));
+        let direction = match self.layout.coordinates {
+            Coordinates::Vector => {
+                let vector = DVec3::new(number(0)?, number(1)?, number(2)?);
+                let weight = self.layout.weight.map(number).transpose()?;
+                let direction = self.lengths.direction(vector, place).ok_or_else(|| {
+                    let expected = "a vector that has a direction";
+                    self.error(place, "x, y, z", expected, "the zero vector".to_owned())
+                })?;
+                return Ok((direction, weight));
+            }
+            Coordinates::Radians => {
+                let (colatitude, longitude) = (number(0)?, number(1)?);
+                let pi = std::f64::consts::PI;
+                if !(0.0..=pi + THETA_SLACK).contains(&colatitude) {
+                    let expected = "a colatitude in [0, pi] radians (degrees are called lon, lat)";
+                    return Err(self.slot_error(place, 0, expected, &cell(0)));
+                }
+                direction_of_radians(colatitude.min(pi), longitude)
+            }
+            Coordinates::Degrees => {
+                let (longitude, latitude) = (number(0)?, number(1)?);
+                if !(-90.0..=90.0).contains(&latitude) {
+                    let expected = "an angle in [-90, 90] degrees";
+                    return Err(self.slot_error(place, 1, expected, &cell(1)));
+                }
+                direction_of_degrees(longitude, latitude)
+            }
+        };
+        Ok((direction, self.layout.weight.map(number).transpose()?))
+    }
+
+    fn number(&self, place: Place, slot: usize, cell: Cell<'_>) -> Result<f64, FileError> {
+        let value = match &cell {
+            Cell::Number(value) => Some(*value),
+            Cell::Text(text) => text.parse().ok(),
+            Cell::Missing => None,
+        };
+        value
+            .filter(|value| value.is_finite())
+            .ok_or_else(|| self.slot_error(place, slot, "a finite number", &cell))
+    }
+
+    fn slot_error(&self, place: Place, slot: usize, expected: &str, cell: &Cell<'_>) -> FileError {
+        let got = match cell {
+            Cell::Number(value) => value.to_string(),
+            Cell::Text(text) => format!("{:?}", shortened(text)),
+            Cell::Missing => "nothing".to_owned(),
+        };
+        self.error(place, &self.layout.slots[slot].label, expected, got)
+    }
+
+    fn error(&self, place: Place, field: &str, expected: &str, got: String) -> FileError {
+        FileError::Value {
             path: self.path.to_owned(),
             place,
             field: field.to_owned(),
-            expected: "a finite number".to_owned(),
-            got: value.to_string(),
-        })
+            expected: expected.to_owned(),
+            got,
+        }
     }
 
-    /// Returns the sets, or an error when there is not a single point.
-    pub(super) fn finish(mut self) -> Result<PointFile, FileError> {
-        self.sets.retain(|set| !set.directions.is_empty());
-        if self.sets.is_empty() {
-            return Err(FileError::Empty { path: self.path.to_owned() });
+    /// Sends the points that follow to the set of this label, which is new at its first use.
+    fn select(&mut self, label: Cell<'_>) {
+        let label = match label {
+            Cell::Number(value) => Cow::Owned(value.to_string()),
+            Cell::Text(text) => text,
+            Cell::Missing => Cow::Borrowed(""),
+        };
+        if self.label.as_deref() == Some(&*label) {
+            return;
         }
-        if let Some((length, place)) = self.worst {
-            let total: usize = self.sets.iter().map(|set| set.directions.len()).sum();
-            self.warnings.push(format!(
-                "{}: {} of {total} vectors were not of unit length and were scaled to it \
-                 (the furthest off: {}{place}, length {length})",
-                self.path, self.rescaled, self.path,
-            ));
+        self.label = Some(label.clone().into_owned());
+        if let Some(&index) = self.by_label.get(&*label) {
+            self.current = index;
+            return;
         }
-        Ok(PointFile { sets: self.sets, warnings: self.warnings })
+        if !self.by_label.is_empty() {
+            self.sets.push(PointSet::default());
+        }
+        self.current = self.sets.len() - 1;
+        self.by_label.insert(label.into_owned(), self.current);
+    }
+
+    fn check_memory(&mut self) -> Result<(), FileError> {
+        let of_point = size_of::<DVec3>() + self.layout.weight.map_or(0, |_| size_of::<f64>());
+        let held = self.points * of_point + self.sets.len() * SET_BYTES;
+        let what = format!("a set of more than {} points", self.points);
+        self.guard.check(self.path, &what, held as u64)
     }
 }

@@ -1,185 +1,346 @@
-//! Which column of a text file means what.
+//! Which column of a file means what, whatever the format of the file.
 
+use super::roles::{ColumnChoice, Coordinates, SYSTEMS, SYSTEMS_TEXT, role_of};
 use crate::files::file_error::{FileError, Place};
+use crate::files::text_rows::shortened;
 
-/// The columns that together give a direction.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Coordinates {
-    /// Cartesian components.
-    Vector { x: usize, y: usize, z: usize },
-    /// Colatitude and longitude in radians.
-    Radians { theta: usize, phi: usize },
-    /// Longitude and latitude, or right ascension and declination, in degrees.
-    Degrees { lon: usize, lat: usize },
+/// How many names a message lists.
+const LISTED: usize = 12;
+
+/// A column as its file describes it.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub(super) struct Column {
+    /// Empty if it has no name.
+    pub(super) name: String,
+    /// How many numbers stand in a row; 0 if they cannot be read as numbers.
+    pub(super) items: usize,
+    /// The unit where the file states it, empty otherwise.
+    pub(super) unit: String,
+}
+
+impl Column {
+    /// Returns a column of one number in a row.
+    pub(super) fn single(name: impl Into<String>) -> Self {
+        Self { name: name.into(), items: 1, unit: String::new() }
+    }
+}
+
+/// Where a number of a point stands.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) struct Slot {
+    /// What it means.
+    pub(super) role: &'static str,
+    /// The column, from 0.
+    pub(super) column: usize,
+    /// The number among those of the column in a row, from 0.
+    pub(super) item: usize,
+    /// Its name for messages.
+    pub(super) label: String,
 }
 
 /// The meaning of the columns of one file.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Layout {
-    /// The name of every column, in the order of the file.
-    pub(super) names: Vec<String>,
-    /// Where the direction stands.
     pub(super) coordinates: Coordinates,
-    /// Where the weight stands, if anywhere.
+    /// The coordinates in the order of their combination, then the weight, then the set.
+    pub(super) slots: Vec<Slot>,
+    /// The slot of the weight, if there is one.
     pub(super) weight: Option<usize>,
-    /// Where the value stands, if anywhere.
-    pub(super) value: Option<usize>,
-    /// Where the label of the set stands, if anywhere.
+    /// The slot of the label of the set, if there is one.
     pub(super) set: Option<usize>,
+    /// The columns that are not used, for a remark.
+    pub(super) unused: Vec<String>,
 }
-
-/// The ways to name a direction.
-const SYSTEMS: [&[&str]; 4] =
-    [&["x", "y", "z"], &["theta", "phi"], &["lon", "lat"], &["ra", "dec"]];
-/// The same for messages.
-const SYSTEMS_TEXT: &str = "x,y,z or theta,phi (radians) or lon,lat or ra,dec (degrees)";
 
 impl Layout {
-    /// Returns the layout of a file whose first line is a header.
-    pub(super) fn of_header(
-        header: &[impl AsRef<str>],
-        chosen: Option<&[String]>,
-        path: &str,
-        line: usize,
-    ) -> Result<Self, FileError> {
-        let names: Vec<String> = header.iter().map(|name| canonical(name.as_ref())).collect();
-        let Some(chosen) = chosen else {
-            return Self::of_names(names, path, Place::Line(line));
+    /// Adds the weight, which stands in a column of another table.
+    pub(super) fn add_weight(&mut self, column: usize) {
+        let slot = Slot { role: "w", column, item: 0, label: "w".to_owned() };
+        self.weight = Some(self.slots.len());
+        self.slots.push(slot);
+    }
+}
+
+/// The columns of a file with what the user said about them.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Table<'a> {
+    pub(super) path: &'a str,
+    /// Where the columns are named, for messages.
+    pub(super) place: Place,
+    pub(super) columns: &'a [Column],
+    /// Whether the file names its columns.
+    pub(super) has_names: bool,
+    pub(super) choice: Option<&'a ColumnChoice>,
+}
+
+/// A role with its column and item.
+type Assigned = (&'static str, usize, Option<usize>);
+
+impl Table<'_> {
+    /// Returns the meaning of the columns.
+    ///
+    /// # Errors
+    /// When no direction, or more than one, can be made of the columns, a name of `--columns` is not
+    /// among them, or a column that is needed has no numbers.
+    pub(super) fn layout(&self) -> Result<Layout, FileError> {
+        let assigned = match self.choice {
+            Some(ColumnChoice::Names(names)) => self.by_name(names)?,
+            Some(ColumnChoice::Positions(roles)) => self.by_position(roles)?,
+            None if self.has_names => self.by_header()?,
+            None => self.without_names()?,
         };
-        let chosen: Vec<String> = chosen.iter().map(|name| canonical(name)).collect();
-        if !names.iter().any(|name| chosen.contains(name)) && chosen.len() == names.len() {
-            // A header in words of its own: the option names its columns from left to right.
-            return Self::of_names(chosen, path, Place::Line(line));
+        let system = self.system(&assigned)?;
+        let mut slots = Vec::new();
+        for role in system.iter().copied().chain(["w", "set"]) {
+            if let Some(&assigned) = assigned.iter().find(|(other, ..)| *other == role) {
+                slots.push(self.slot(assigned, &slots)?);
+            }
         }
-        if let Some(missing) = chosen.iter().find(|name| !names.contains(name)) {
-            let header: Vec<&str> = header.iter().map(AsRef::as_ref).collect();
-            return Err(FileError::Layout {
-                path: path.to_owned(),
-                place: Place::Line(line),
-                expected: format!("the column {missing} that --columns asks for"),
-                got: format!("the header {}", header.join(",")),
-            });
+        let find = |role: &str| slots.iter().position(|slot| slot.role == role);
+        let (weight, set) = (find("w"), find("set"));
+        let mut is_used = vec![false; self.columns.len()];
+        for slot in &slots {
+            is_used[slot.column] = true;
         }
-        let kept = names
-            .into_iter()
-            .map(|name| if chosen.contains(&name) { name } else { String::new() })
-            .collect();
-        Self::of_names(kept, path, Place::Line(line))
+        let value = assigned.iter().find(|(role, ..)| *role == "value");
+        let name = |index: usize| match value {
+            Some((role, column, _)) if *column == index => (*role).to_owned(),
+            _ => self.name(index),
+        };
+        let unused = (0..self.columns.len()).filter(|&i| !is_used[i]).map(name).collect();
+        Ok(Layout { coordinates: Coordinates::of_system(system), slots, weight, set, unused })
     }
 
-    /// Returns the layout of a file without a header.
-    pub(super) fn without_header(
-        fields: usize,
-        chosen: Option<&[String]>,
-        path: &str,
-        line: usize,
-    ) -> Result<Self, FileError> {
-        if let Some(chosen) = chosen {
-            let names: Vec<String> = chosen.iter().map(|name| canonical(name)).collect();
-            if names.len() != fields {
-                return Err(FileError::Layout {
-                    path: path.to_owned(),
-                    place: Place::Line(line),
-                    expected: format!(
-                        "{} fields, as --columns {} says",
-                        names.len(),
-                        chosen.join(",")
-                    ),
-                    got: fields.to_string(),
-                });
+    /// Returns the roles that the names of columns tell.
+    fn by_header(&self) -> Result<Vec<Assigned>, FileError> {
+        let mut assigned: Vec<Assigned> = Vec::new();
+        for (index, column) in self.columns.iter().enumerate() {
+            let Some(role) = role_of(&column.name) else { continue };
+            if let Some(&(_, other, _)) = assigned.iter().find(|(taken, ..)| *taken == role) {
+                let got = format!("{} and {}", self.name(other), self.name(index));
+                let expected = format!("the column {role} once");
+                return Err(self
+                    .error(expected, format!("{got}; --columns {role}=NAME,... chooses by name")));
             }
-            return Self::of_names(names, path, Place::Line(line));
+            assigned.push((role, index, None));
         }
-        if fields == 3 {
-            let names = ["x", "y", "z"].map(str::to_owned).to_vec();
-            return Self::of_names(names, path, Place::Line(line));
+        Ok(assigned)
+    }
+
+    /// Returns the roles of columns that have no names.
+    fn without_names(&self) -> Result<Vec<Assigned>, FileError> {
+        let count = self.columns.len();
+        if count == 3 {
+            return Ok(vec![("x", 0, None), ("y", 1, None), ("z", 2, None)]);
         }
-        let example = match fields {
+        let example = match count {
             2 => "--columns theta,phi or --columns lon,lat",
             4 => "--columns x,y,z,w",
-            _ => "--columns x,y,z,_,_ (another name skips a field)",
+            _ => "--columns x,y,z,_,_ (_ skips a field)",
         };
-        Err(FileError::Layout {
-            path: path.to_owned(),
-            place: Place::Line(line),
-            expected: format!(
+        let noun = if count == 1 { "field" } else { "fields" };
+        Err(self.error(
+            format!(
                 "3 fields (x y z), or a header, or names by the option --columns such as {example}"
             ),
-            got: format!(
-                "{fields} {} without a header",
-                if fields == 1 { "field" } else { "fields" }
-            ),
-        })
+            format!("{count} {noun} without a header"),
+        ))
     }
 
-    fn of_names(names: Vec<String>, path: &str, place: Place) -> Result<Self, FileError> {
-        let error = |expected: String| FileError::Layout {
-            path: path.to_owned(),
-            place,
-            expected,
-            got: format!("the columns {}", shown(&names)),
-        };
-        let find = |wanted: &str| names.iter().position(|name| name == wanted);
-        let known = SYSTEMS.iter().copied().flatten().copied().chain(["w", "value", "set"]);
-        for name in known {
-            if names.iter().filter(|other| *other == name).count() > 1 {
-                return Err(error(format!("the column {name} once")));
+    /// Returns the roles that `--columns` gives to columns from left to right.
+    ///
+    /// Where the file has names, and they tell all these roles, they count and not the order: the file
+    /// knows better, unless a `_` says that the order is meant.
+    fn by_position(&self, roles: &[Option<&'static str>]) -> Result<Vec<Assigned>, FileError> {
+        if self.has_names && roles.iter().all(Option::is_some) {
+            let of_role = |role: &&'static str| {
+                let mut found =
+                    (0..).zip(self.columns).filter(|(_, c)| role_of(&c.name) == Some(*role));
+                let (index, _) = found.next()?;
+                found.next().is_none().then_some((*role, index, None))
+            };
+            let by_name: Option<Vec<Assigned>> = roles.iter().flatten().map(of_role).collect();
+            if let Some(by_name) = by_name {
+                return Ok(by_name);
             }
         }
-        let complete: Vec<&[&str]> = SYSTEMS
-            .into_iter()
-            .filter(|system| system.iter().all(|name| find(name).is_some()))
-            .collect();
-        let coordinates = match complete.as_slice() {
-            [] => {
-                let begun =
-                    SYSTEMS.iter().find(|system| system.iter().any(|name| find(name).is_some()));
-                let Some(begun) = begun else {
-                    return Err(error(format!("columns named {SYSTEMS_TEXT}")));
-                };
-                let missing: Vec<&str> =
-                    begun.iter().copied().filter(|name| find(name).is_none()).collect();
-                return Err(error(format!(
-                    "the column {} beside the others of {}",
-                    missing.join(" and "),
-                    begun.join(",")
-                )));
+        let count = self.columns.len();
+        if roles.len() > count || (!self.has_names && roles.len() < count) {
+            let written: Vec<&str> = roles.iter().map(|role| role.unwrap_or("_")).collect();
+            return Err(self.error(
+                format!("{} fields, as --columns {} says", roles.len(), written.join(",")),
+                count.to_string(),
+            ));
+        }
+        let named: Vec<&'static str> =
+            self.columns.iter().filter_map(|column| role_of(&column.name)).collect();
+        let complete = SYSTEMS.iter().filter(|s| s.iter().all(|role| named.contains(role)));
+        let coordinates: Vec<&str> = complete.copied().flatten().copied().collect();
+        let mut assigned = Vec::new();
+        for (index, role) in roles.iter().enumerate() {
+            let Some(role) = *role else { continue };
+            let own = role_of(&self.columns[index].name);
+            // A column that the file names otherwise is more likely to be an oversight.
+            if own.is_some_and(|own| own != role && coordinates.contains(&own)) {
+                let name = self.name(index);
+                return Err(self.error(
+                    format!("the column {role} that --columns asks for"),
+                    format!("the header {}; {role}={name} would take {name} for it", self.names()),
+                ));
             }
-            [system] => match system.iter().filter_map(|name| find(name)).collect::<Vec<_>>()[..] {
-                [x, y, z] => Coordinates::Vector { x, y, z },
-                [theta, phi] if system[0] == "theta" => Coordinates::Radians { theta, phi },
-                [lon, lat] => Coordinates::Degrees { lon, lat },
-                _ => return Err(error(format!("columns named {SYSTEMS_TEXT}"))),
-            },
-            [first, ..] => {
-                return Err(error(format!(
+            assigned.push((role, index, None));
+        }
+        Ok(assigned)
+    }
+
+    /// Returns the roles that `--columns` gives to names.
+    fn by_name(&self, names: &[(&'static str, String)]) -> Result<Vec<Assigned>, FileError> {
+        if !self.has_names {
+            return Err(self.error(
+                "a header with the names of --columns (without one: --columns ra,dec,w by position)"
+                    .to_owned(),
+                "none".to_owned(),
+            ));
+        }
+        names
+            .iter()
+            .map(|(role, name)| {
+                if let Some(column) = self.find(name)? {
+                    return Ok((*role, column, None));
+                }
+                let indexed = name.strip_suffix(']').and_then(|n| n.rsplit_once('['));
+                if let Some((name, item)) = indexed
+                    && let Ok(item) = item.trim().parse()
+                    && let Some(column) = self.find(name)?
+                {
+                    return Ok((*role, column, Some(item)));
+                }
+                let expected = format!("the column {} of --columns", shortened(name));
+                Err(self.error(expected, format!("the columns {}", self.names())))
+            })
+            .collect()
+    }
+
+    /// Returns the column of a name: as it is written, or else in any case.
+    fn find(&self, name: &str) -> Result<Option<usize>, FileError> {
+        let matching = |equal: &dyn Fn(&str) -> bool| {
+            let columns = self.columns.iter().enumerate();
+            columns.filter(|(_, c)| equal(c.name.trim())).map(|(i, _)| i).collect::<Vec<_>>()
+        };
+        let mut found = matching(&|other| other == name);
+        if found.is_empty() {
+            found = matching(&|other| other.eq_ignore_ascii_case(name));
+        }
+        match found[..] {
+            [] => Ok(None),
+            [column] => Ok(Some(column)),
+            _ => {
+                let expected = format!("one column {}", shortened(name));
+                let got = format!("{} of them; choose by position", found.len());
+                Err(self.error(expected, got))
+            }
+        }
+    }
+
+    /// Returns the one combination of roles that gives the direction.
+    fn system(&self, assigned: &[Assigned]) -> Result<&'static [&'static str], FileError> {
+        let has = |role: &&str| assigned.iter().any(|(other, ..)| other == role);
+        let complete: Vec<&'static [&'static str]> =
+            SYSTEMS.into_iter().filter(|system| system.iter().all(|role| has(&role))).collect();
+        let columns = || format!("the columns {}", self.names());
+        match complete[..] {
+            [system] => Ok(system),
+            [] => {
+                // A lone b or l is more likely to be something else.
+                let begun = SYSTEMS
+                    .iter()
+                    .find(|system| **system != ["l", "b"] && system.iter().any(|role| has(&role)));
+                let Some(begun) = begun else {
+                    return Err(self.error(format!("columns named {SYSTEMS_TEXT}"), columns()));
+                };
+                let missing: Vec<&str> = begun.iter().copied().filter(|r| !has(&r)).collect();
+                Err(self.error(
+                    format!(
+                        "the column {} beside the others of {}",
+                        missing.join(" and "),
+                        begun.join(",")
+                    ),
+                    columns(),
+                ))
+            }
+            [first, ..] => Err(self.error(
+                format!(
                     "one way to name the direction, chosen by the option --columns (such as {})",
                     first.join(",")
-                )));
+                ),
+                columns(),
+            )),
+        }
+    }
+
+    fn slot(&self, (role, column, item): Assigned, others: &[Slot]) -> Result<Slot, FileError> {
+        let Column { name, items, unit } = &self.columns[column];
+        let item = match (items, item) {
+            (0, _) => {
+                let got = "strings, complex numbers, or lists of any length".to_owned();
+                return Err(self.error(format!("numbers in the column {}", shortened(name)), got));
+            }
+            (1, None) => 0,
+            (_, Some(item)) if item < *items => item,
+            _ => {
+                let name = shortened(name);
+                let expected = format!("one of the numbers {name}[0] to {name}[{}]", items - 1);
+                return Err(self.error(expected, format!("{role}, which takes one number")));
             }
         };
-        let (weight, value, set) = (find("w"), find("value"), find("set"));
-        Ok(Self { names, coordinates, weight, value, set })
+        let unit_is = |names: &[&str]| names.iter().any(|n| unit.eq_ignore_ascii_case(n));
+        let wrong_unit = match role {
+            "lon" | "lat" | "ra" | "dec" | "glon" | "glat" | "l" | "b" => {
+                unit_is(&["rad", "radian", "radians", "h", "hour", "hours", "hourangle"])
+            }
+            "theta" | "phi" => unit_is(&["deg", "degree", "degrees"]),
+            _ => false,
+        };
+        if wrong_unit {
+            let unit_expected = if matches!(role, "theta" | "phi") { "radians" } else { "degrees" };
+            let expected = format!("{role} in {unit_expected}");
+            return Err(self.error(expected, format!("{} in the unit {unit}", self.name(column))));
+        }
+        if others.iter().any(|slot| (slot.column, slot.item) == (column, item)) {
+            let expected = format!("a column of its own for {role}");
+            return Err(self.error(expected, format!("{} twice", self.name(column))));
+        }
+        // A name that begins like the role tells nothing new.
+        let is_plain = name.is_empty() || name.trim().to_lowercase().starts_with(role);
+        let label =
+            if is_plain { role.to_owned() } else { format!("{role} ({})", shortened(name)) };
+        Ok(Slot { role, column, item, label })
+    }
+
+    /// Returns the name of a column for messages.
+    fn name(&self, index: usize) -> String {
+        match self.columns[index].name.trim() {
+            "" => format!("column {}", index + 1),
+            name => shortened(name),
+        }
+    }
+
+    fn names(&self) -> String {
+        let names: Vec<String> =
+            (0..self.columns.len().min(LISTED + 1)).map(|i| self.name(i)).collect();
+        listed(&names, self.columns.len())
+    }
+
+    fn error(&self, expected: String, got: String) -> FileError {
+        FileError::Layout { path: self.path.to_owned(), place: self.place, expected, got }
     }
 }
 
-/// Returns a column's name in the form used here: lower case, and one word for each meaning.
-fn canonical(name: &str) -> String {
-    let name = name.trim().to_ascii_lowercase();
-    match name.as_str() {
-        "weight" => "w".to_owned(),
-        "longitude" => "lon".to_owned(),
-        "latitude" => "lat".to_owned(),
-        _ => name,
-    }
-}
-
-/// Returns column names for a message; wide tables are cut.
-fn shown(names: &[String]) -> String {
-    const MOST: usize = 12;
-    let mut text = names.iter().take(MOST).map(String::as_str).collect::<Vec<_>>().join(",");
-    if names.len() > MOST {
-        text.push_str(",...");
+/// Returns the first of `count` names for a message, with the number of the others.
+pub(super) fn listed(names: &[String], count: usize) -> String {
+    let mut text = names.iter().take(LISTED).map(String::as_str).collect::<Vec<_>>().join(",");
+    if count > LISTED {
+        text.push_str(&format!(",... ({} more)", count - LISTED));
     }
     text
 }

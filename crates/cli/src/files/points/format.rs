@@ -8,13 +8,30 @@ use crate::files::npy::MAGIC;
 /// A format of point sets.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum PointFormat {
-    /// Text with commas or blanks.
+    /// Text with commas, semicolons, tabs or blanks.
     Csv,
     /// The array format of `NumPy`.
     Npy,
+    /// An archive of arrays of `NumPy`.
+    Npz,
     /// The polygon format of Stanford.
     Ply,
+    /// Tables of FITS files.
+    Fits,
 }
+
+/// Formats that are told by how they start, to name them in errors.
+const OTHERS: [(&[u8], &str); 9] = [
+    (b"PAR1", "Parquet"),
+    (b"\x89HDF", "HDF5"),
+    (b"ARROW1", "Arrow"),
+    (b"SQLite format 3", "SQLite"),
+    (b"BZh", "bzip2"),
+    (b"\xfd7zXZ", "xz"),
+    (b"\x28\xb5\x2f\xfd", "zstd"),
+    (b"<?xml", "XML (VOTable?)"),
+    (b"<VOTABLE", "VOTable"),
+];
 
 impl PointFormat {
     /// The extensions that [`write_points`](super::write_points) knows, for messages.
@@ -26,19 +43,42 @@ impl PointFormat {
         match extension.as_str() {
             "csv" | "txt" | "dat" | "tsv" | "xyz" => Some(Self::Csv),
             "npy" => Some(Self::Npy),
+            "npz" => Some(Self::Npz),
             "ply" => Some(Self::Ply),
+            "fits" | "fit" | "fts" => Some(Self::Fits),
             _ => None,
         }
     }
 
-    /// Returns the format that the first bytes of a file show; text where they show nothing.
-    pub(super) fn of_content(start: &[u8]) -> Self {
+    /// Returns the format that the extension of an input names; that of a compressed file is before
+    /// `.gz`.
+    pub(crate) fn of_input_path(path: &Path) -> Option<Self> {
+        match path.extension() {
+            Some(extension) if extension.eq_ignore_ascii_case("gz") => {
+                Self::of_path(Path::new(path.file_stem()?))
+            }
+            _ => Self::of_path(path),
+        }
+    }
+
+    /// Returns the format that the first bytes of a file show.
+    ///
+    /// # Errors
+    /// The name of a format that is not supported.
+    pub(super) fn of_content(start: &[u8]) -> Result<Option<Self>, &'static str> {
         if start.starts_with(MAGIC) {
-            Self::Npy
+            Ok(Some(Self::Npy))
         } else if start.starts_with(b"ply\n") || start.starts_with(b"ply\r") {
-            Self::Ply
+            Ok(Some(Self::Ply))
+        } else if start.starts_with(b"SIMPLE  =") {
+            Ok(Some(Self::Fits))
+        } else if start.starts_with(b"PK\x03\x04") || start.starts_with(b"PK\x05\x06") {
+            Ok(Some(Self::Npz))
         } else {
-            Self::Csv
+            match OTHERS.iter().find(|(magic, _)| start.starts_with(magic)) {
+                Some((_, name)) => Err(name),
+                None => Ok(None),
+            }
         }
     }
 }

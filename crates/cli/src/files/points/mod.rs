@@ -1,26 +1,33 @@
-//! Point sets in files: CSV and other text, NPY, PLY.
+//! Point sets in files: CSV and other text, NPY, NPZ, PLY, FITS tables.
 
 mod angles;
 mod collector;
 mod columns;
+mod fits;
 mod format;
+mod lengths;
 mod npy;
+mod npz;
 mod ply;
+mod roles;
 mod text;
 mod write;
 
 #[cfg(test)]
 mod tests;
 
-use std::io::BufRead;
+use std::fs::{self, File};
+use std::io::{BufRead, BufReader, Cursor};
 use std::path::Path;
 
 use glam::DVec3;
 
-use super::file_error::{FileError, input_name};
-use super::input::open_input;
+use super::file_error::{FileError, Place, input_name, is_dash};
+use super::fits::HduChoice;
+use super::input::{open_input, read_rest};
 
 pub(crate) use format::PointFormat;
+pub(crate) use roles::ColumnChoice;
 pub(crate) use write::write_points;
 
 /// One set of directions, with what the file said about each of them.
@@ -30,8 +37,6 @@ pub(crate) struct PointSet {
     pub(crate) directions: Vec<DVec3>,
     /// The column `w` or `weight`, where the file has one; finite, of any sign.
     pub(crate) weights: Option<Vec<f64>>,
-    /// The column `value`, where the file has one; finite.
-    pub(crate) values: Option<Vec<f64>>,
 }
 
 /// What a file holds: at least one set, each with at least one direction.
@@ -41,57 +46,94 @@ pub(crate) struct PointFile {
     pub(crate) sets: Vec<PointSet>,
     /// Lines for the user about what was accepted but looks odd.
     pub(crate) warnings: Vec<String>,
+    /// Lines for the user about what the file has besides.
+    pub(crate) remarks: Vec<String>,
 }
 
 /// How to read a file where the file itself leaves it open.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct ReadOptions {
-    /// The format; `None` takes it from the extension, and where that says nothing from the
-    /// first bytes.
+    /// The format; `None` takes it from the first bytes, and where they say nothing from the
+    /// extension.
     pub(crate) format: Option<PointFormat>,
-    /// The names of the option `--columns`. In a file with a header they choose among its columns;
-    /// in a file without one they name the fields from left to right (any other name skips one).
-    pub(crate) columns: Option<Vec<String>>,
+    /// The option `--columns`.
+    pub(crate) columns: Option<ColumnChoice>,
+    /// The table of a FITS file.
+    pub(crate) hdu: HduChoice,
+    /// Whether rows without a direction or with an invalid weight are skipped.
+    pub(crate) skip_invalid: bool,
+    /// Whether vectors may have any length.
+    pub(crate) normalize: bool,
 }
 
-/// Returns the point sets of a file; the path `-` is standard input.
+/// Returns the point sets of a file; the path `-` is standard input. Files may be compressed with gzip.
 ///
-/// Text has a header with `x,y,z`, or `theta,phi` (colatitude and longitude in radians), or
-/// `lon,lat` or `ra,dec` (degrees), and optionally `w` or `weight`, `value`, `set`; other columns
-/// are skipped. Fields are divided by commas or by blanks; `#` starts a comment line. Without a
-/// header three fields are x y z, and a line that is a bare `#` starts the next set. NPY is
-/// `(N, 3)` or `(M, N, 3)` of 4 or 8 byte floats. PLY has the vertex properties x y z.
+/// Every format is a table: text, the last dimension of an NPY array or the fields of its records,
+/// the arrays of an NPZ file, the properties of the vertices of a PLY file, the columns of a FITS
+/// table. A direction is `x,y,z`, or `theta,phi` (colatitude and longitude in radians), or `lon,lat`,
+/// `ra,dec`, `glon,glat` or `l,b` (degrees); `w` is its weight, and `set` the label of its set. Names in
+/// catalogues such as `RAJ2000` and `ALPHA_J2000` are known; [`ReadOptions::columns`] takes others.
+///
+/// In text `#` starts a comment line. Without a header three fields are x y z, and a line that is a
+/// bare `#` starts the next set. The other dimensions of an array are `(N,)` or `(M, N)`.
 ///
 /// Vectors are scaled to unit length; a warning is returned where that moved a length by more than
 /// 1e-6. Vectors that are unit to rounding keep their bits.
 ///
 /// # Errors
-/// When the file cannot be read, holds no point, or holds something else than the above; the
-/// message names the file, the line (or row, or vertex), the field, and what would be right.
+/// When the file cannot be read, holds no point, or holds something else than the above, when most
+/// vectors are far from unit length, and when the points do not fit in memory; the message names the
+/// file, the line (or row, or vertex), the field, and what would be right.
 pub(crate) fn read_points(path: &Path, options: &ReadOptions) -> Result<PointFile, FileError> {
-    let input = open_input(path)?;
-    let format = options.format.or_else(|| PointFormat::of_path(path));
-    read_stream(input, &input_name(path), format, options)
+    let (file, hdu) = HduChoice::of_path(path);
+    let with_hdu;
+    let options = if hdu == HduChoice::First {
+        options
+    } else {
+        with_hdu = ReadOptions { hdu, ..options.clone() };
+        &with_hdu
+    };
+    let input = open_input(&file)?;
+    let bytes = if is_dash(&file) { None } else { fs::metadata(&file).ok().map(|m| m.len()) };
+    read_stream(input, &file, bytes, options)
 }
 
 fn read_stream(
-    mut input: impl BufRead,
-    path: &str,
-    format: Option<PointFormat>,
+    mut input: Box<dyn BufRead>,
+    file: &Path,
+    bytes: Option<u64>,
     options: &ReadOptions,
 ) -> Result<PointFile, FileError> {
-    let format = match format {
-        Some(format) => format,
-        None => {
-            let start = input
-                .fill_buf()
-                .map_err(|source| FileError::Read { path: path.to_owned(), source })?;
-            PointFormat::of_content(start)
+    let name = input_name(file);
+    let start =
+        input.fill_buf().map_err(|source| FileError::Read { path: name.clone(), source })?;
+    let shown = PointFormat::of_content(start).map_err(|format| FileError::Layout {
+        path: name.clone(),
+        place: Place::Whole,
+        expected: "points as CSV or other text, NPY, NPZ, PLY or a FITS table".to_owned(),
+        got: format!("{format}, which is not supported; convert it first"),
+    })?;
+    let format = options.format.or(shown).or_else(|| PointFormat::of_input_path(file));
+    match format.unwrap_or(PointFormat::Csv) {
+        PointFormat::Csv => text::read_text(input, &name, options),
+        PointFormat::Npy => npy::read_npy(input, &name, options, bytes),
+        PointFormat::Ply => ply::read_ply(input, &name, options),
+        PointFormat::Fits => fits::read_fits(input, &name, options, bytes),
+        PointFormat::Npz => {
+            // An archive is read from its end. Of a plain file nothing need be held.
+            let is_plain = !is_dash(file) && plain_archive(file);
+            match File::open(file) {
+                Ok(file) if is_plain => npz::read_npz(BufReader::new(file), &name, options),
+                _ => npz::read_npz(Cursor::new(read_rest(input, &name)?), &name, options),
+            }
         }
-    };
-    match format {
-        PointFormat::Csv => text::read_text(input, path, options.columns.as_deref()),
-        PointFormat::Npy => npy::read_npy(input, path),
-        PointFormat::Ply => ply::read_ply(input, path),
     }
+}
+
+/// Returns whether a file starts as a zip archive, and not as a compressed one.
+fn plain_archive(file: &Path) -> bool {
+    let mut start = [0; 2];
+    fs::metadata(file).is_ok_and(|m| m.is_file())
+        && File::open(file).is_ok_and(|mut f| std::io::Read::read_exact(&mut f, &mut start).is_ok())
+        && &start == b"PK"
 }

@@ -2,46 +2,152 @@
 
 use std::io::BufRead;
 
-use super::PointFile;
-use super::collector::PointCollector;
+use super::collector::{Cell, PointCollector};
+use super::columns::{Column, Table};
+use super::{PointFile, ReadOptions};
 use crate::files::file_error::{FileError, Place};
-use crate::files::npy::NpyReader;
+use crate::files::memory_guard::check_announced;
+use crate::files::npy::{Field, ItemType, NpyReader};
 
-/// Returns the sets of an NPY file: one for `(N, 3)`, M for `(M, N, 3)`.
+/// Returns the sets of an NPY file: one for `(N, 3)`, M for `(M, N, 3)`; with `--columns` the last
+/// dimension is what that says. One set, or M, also for records of shape `(N,)` or `(M, N)`, whose
+/// fields are columns.
 ///
-/// Takes 4 and 8 byte floats of either byte order, in C or Fortran order.
-pub(super) fn read_npy(mut input: impl BufRead, path: &str) -> Result<PointFile, FileError> {
+/// Takes floats of 4 and 8 bytes and integers, of either byte order, in C or Fortran order.
+pub(super) fn read_npy(
+    mut input: impl BufRead,
+    path: &str,
+    options: &ReadOptions,
+    file_bytes: Option<u64>,
+) -> Result<PointFile, FileError> {
     let start =
         input.fill_buf().map_err(|source| FileError::Read { path: path.to_owned(), source })?;
     if start.is_empty() {
         return Err(FileError::Empty { path: path.to_owned() });
     }
     let array = NpyReader::new(input, path)?;
-    let (points, several) = match *array.shape() {
-        [points, 3] => (points, false),
-        [_, points, 3] => (points, true),
-        _ => return Err(array.shape_error("an array of shape (N, 3) or (M, N, 3)")),
-    };
-    let Some(item) = array.item_type().filter(|item| item.is_float()) else {
-        return Err(FileError::Layout {
-            path: path.to_owned(),
-            place: Place::Whole,
-            expected: "numbers of type float64 or float32".to_owned(),
-            got: format!("the type '{}'", array.descr()),
-        });
-    };
-    let array = array.read_items(item)?;
-    let mut collector = PointCollector::new(path);
-    for (index, row) in array.rows::<3>().enumerate() {
+    let table = ArrayTable::of(&array, path, options)?;
+    let layout = Table {
+        path,
+        place: Place::Whole,
+        columns: &table.columns,
+        has_names: array.fields().is_some(),
+        choice: options.columns.as_ref(),
+    }
+    .layout()?;
+    let places: Vec<(usize, ItemType)> =
+        layout.slots.iter().map(|slot| table.place(slot.column, slot.item)).collect();
+    if let Some(bytes) = file_bytes {
+        let of_point = size_of::<[f64; 4]>() as f64;
+        let points = bytes as f64 / table.row.max(1) as f64;
+        check_announced(path, "the points of the array", points * of_point)?;
+    }
+    let mut collector = PointCollector::new(path, layout, options);
+    let (points, several) = (table.points, table.several);
+    let follow = array.for_each_row(table.item, table.row, |index, row| {
         let (set, row_of_set) = (index / points, index % points);
         if row_of_set == 0 {
             collector.next_set();
         }
         let place = if several { Place::RowOfSet(set, row_of_set) } else { Place::Row(row_of_set) };
-        collector.push_vector(row.map(|bits| item.float(bits)), place)?;
-    }
-    if array.bytes_follow {
+        collector.row(place, |slot| {
+            let (offset, item) = places[slot];
+            Cell::Number(item.number(&row[offset..offset + item.size()]))
+        })
+    })?;
+    if follow {
         collector.warn("bytes follow the array and were not read");
     }
     collector.finish()
+}
+
+/// An array as a table with a row for each point.
+pub(super) struct ArrayTable {
+    pub(super) columns: Vec<Column>,
+    /// The offset and the type of every column's items.
+    places: Vec<Option<(usize, ItemType)>>,
+    /// Bytes of an item or a record.
+    pub(super) item: usize,
+    /// Bytes of a row.
+    pub(super) row: usize,
+    /// Points of a set.
+    pub(super) points: usize,
+    /// Whether there is a dimension for the sets.
+    pub(super) several: bool,
+}
+
+impl ArrayTable {
+    /// Returns an array as a table.
+    ///
+    /// # Errors
+    /// When its shape or its type is not that of points.
+    pub(super) fn of<R: std::io::Read>(
+        array: &NpyReader<'_, R>,
+        path: &str,
+        options: &ReadOptions,
+    ) -> Result<Self, FileError> {
+        if let Some(fields) = array.fields() {
+            return Self::of_records(array, fields);
+        }
+        let (points, width, several) = match *array.shape() {
+            [points, width] => (points, width, false),
+            [_, points, width] => (points, width, true),
+            _ => return Err(array.shape_error("an array of shape (N, 3) or (M, N, 3)")),
+        };
+        if width != 3 && options.columns.is_none() {
+            let error = array.shape_error("an array of shape (N, 3) or (M, N, 3)");
+            return Err(error.with_hint("--columns names other columns, as in --columns ra,dec,w"));
+        }
+        let Some(item) = array.item_type() else {
+            return Err(FileError::Layout {
+                path: path.to_owned(),
+                place: Place::Whole,
+                expected: "numbers of type float64 or float32, or integers".to_owned(),
+                got: format!("the type '{}'", array.descr()),
+            });
+        };
+        let size = item.size();
+        // As many columns as a header may promise are not made.
+        let columns = width.min(1 << 20);
+        Ok(Self {
+            columns: vec![Column::single(""); columns],
+            places: (0..columns).map(|column| Some((column * size, item))).collect(),
+            item: size,
+            row: width.saturating_mul(size),
+            points,
+            several,
+        })
+    }
+
+    fn of_records<R: std::io::Read>(
+        array: &NpyReader<'_, R>,
+        fields: &[Field],
+    ) -> Result<Self, FileError> {
+        let (points, several) = match *array.shape() {
+            [points] => (points, false),
+            [_, points] => (points, true),
+            _ => return Err(array.shape_error("records in an array of shape (N,) or (M, N)")),
+        };
+        let row = fields.last().map_or(0, |field| field.offset + field.bytes);
+        let column = |field: &Field| Column {
+            name: field.name.clone(),
+            items: field.item.map_or(0, |_| field.items),
+            unit: String::new(),
+        };
+        Ok(Self {
+            columns: fields.iter().map(column).collect(),
+            places: fields.iter().map(|field| Some((field.offset, field.item?))).collect(),
+            item: row,
+            row,
+            points,
+            several,
+        })
+    }
+
+    /// Returns where in a row an item of a column stands, and its type.
+    pub(super) fn place(&self, column: usize, item: usize) -> (usize, ItemType) {
+        // A layout has slots only where there are numbers.
+        let (offset, kind) = self.places[column].expect("a column of numbers");
+        (offset + item * kind.size(), kind)
+    }
 }

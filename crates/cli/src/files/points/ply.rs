@@ -4,7 +4,7 @@
 //! successor of `ply-rs` 0.1, which has seen no release for years. Only the writing is our own:
 //! it is one fixed header and a run of doubles.
 
-use std::io::{self, BufRead, Read};
+use std::io::{self, BufRead, Cursor, Read};
 
 use ply_rs_bw::parser::{ParseError, Parser, Reader};
 use ply_rs_bw::ply::{
@@ -12,77 +12,123 @@ use ply_rs_bw::ply::{
     ScalarType,
 };
 
-use super::PointFile;
-use super::collector::PointCollector;
+use super::collector::{Cell, PointCollector};
+use super::columns::{Column, Layout, Table};
+use super::{PointFile, ReadOptions};
 use crate::files::file_error::{FileError, Place};
+use crate::files::text_rows::shortened;
 
-/// Returns the sets of a PLY file: the vertices' `x`, `y`, `z`, and `w` (or `weight`), `value` and
-/// `set` where they are there. Other properties and elements are skipped.
-pub(super) fn read_ply(mut input: impl BufRead, path: &str) -> Result<PointFile, FileError> {
+/// A header of more bytes is none.
+const MAX_HEADER: u64 = 1 << 20;
+/// Rows that are read at a time.
+const CHUNK: usize = 1 << 12;
+
+/// Returns the sets of a PLY file: the element vertex, whose properties are columns. Other elements
+/// are skipped.
+pub(super) fn read_ply(
+    mut input: impl BufRead,
+    path: &str,
+    options: &ReadOptions,
+) -> Result<PointFile, FileError> {
     let start =
         input.fill_buf().map_err(|source| FileError::Read { path: path.to_owned(), source })?;
     if start.is_empty() {
         return Err(FileError::Empty { path: path.to_owned() });
     }
-    let mut reader = Reader::new(Counted { input, bytes: 0 });
-    let vertices = Parser::<Vertex>::new();
-    let header = vertices
+    let head = header_bytes(&mut input)
+        .map_err(|source| FileError::Read { path: path.to_owned(), source })?;
+    check_names(&head, path)?;
+    let mut reader = Reader::new(Counted { input: Cursor::new(head).chain(input), bytes: 0 });
+    let header = Parser::<Skipped>::new()
         .read_header(&mut reader)
         .map_err(|error| malformed(path, "a PLY header", error))?;
     let header_bytes = reader.get_ref().bytes;
-    check_vertices(&header, path)?;
+    let layout = layout(&header, path, options)?;
 
-    let mut rows = Vec::new();
+    let slots: Vec<usize> = layout.slots.iter().map(|slot| slot.column).collect();
+    let mut points = PointCollector::new(path, layout, options);
     for (name, element) in &header.elements {
-        let outcome = if name == "vertex" {
-            vertices.read_payload_for_element(&mut reader, element, &header).map(|read| rows = read)
-        } else {
-            Parser::<Skipped>::new()
-                .read_payload_for_element(&mut reader, element, &header)
-                .map(|_| ())
-        };
-        if let Err(error) = outcome {
-            if error.kind() == io::ErrorKind::UnexpectedEof
-                && let Some(expected) = bytes_through_vertices(&header)
-            {
-                return Err(FileError::Truncated {
-                    path: path.to_owned(),
-                    what: format!("{} vertices", header.elements["vertex"].count),
-                    expected: header_bytes.saturating_add(expected),
-                    got: reader.get_ref().bytes,
-                });
+        let is_vertex = name == "vertex";
+        let mut part = if is_vertex { with_slots(element, &slots) } else { element.clone() };
+        let mut done = 0;
+        while done < element.count {
+            part.count = CHUNK.min(element.count - done);
+            let rows = if is_vertex {
+                Parser::<Vertex>::new().read_payload_for_element(&mut reader, &part, &header)
+            } else {
+                let skipped = Parser::<Skipped>::new();
+                skipped.read_payload_for_element(&mut reader, &part, &header).map(|_| Vec::new())
+            };
+            let rows = rows.map_err(|error| {
+                if error.kind() == io::ErrorKind::UnexpectedEof
+                    && let Some(expected) = bytes_through_vertices(&header)
+                {
+                    return FileError::Truncated {
+                        path: path.to_owned(),
+                        what: format!("{} vertices", header.elements["vertex"].count),
+                        expected: header_bytes.saturating_add(expected),
+                        got: reader.get_ref().bytes,
+                    };
+                }
+                let expected = format!("{} rows of {}", element.count, shortened(name));
+                malformed(path, &expected, error)
+            })?;
+            for (index, row) in rows.iter().enumerate() {
+                points.row(Place::Vertex(done + index), |slot| Cell::Number(row.slots[slot]))?;
             }
-            return Err(malformed(path, &format!("{} rows of {name}", element.count), error));
+            done += part.count;
         }
-        if name == "vertex" {
+        if is_vertex {
             break;
-        }
-    }
-
-    let has = |name: &str| header.elements["vertex"].properties.contains_key(name);
-    let (has_weight, has_value, has_set) = (has("w") || has("weight"), has("value"), has("set"));
-    let mut points = PointCollector::new(path);
-    for (index, row) in rows.iter().enumerate() {
-        let place = Place::Vertex(index);
-        if has_set {
-            points.select(&row.set.to_string());
-        }
-        points.push_vector([row.x, row.y, row.z], place)?;
-        if has_weight {
-            points.finite(row.weight, "w", place)?;
-            points.push_weight(row.weight);
-        }
-        if has_value {
-            points.finite(row.value, "value", place)?;
-            points.push_value(row.value);
         }
     }
     points.finish()
 }
 
-/// Checks that there are vertices with scalar x, y, z, and that every element takes up room: a
-/// count without properties would cost time in proportion to a number that the file makes up.
-fn check_vertices(header: &Header, path: &str) -> Result<(), FileError> {
+/// Returns the bytes up to the line `end_header`, or as many as may be a header.
+fn header_bytes(input: &mut impl BufRead) -> io::Result<Vec<u8>> {
+    let mut input = input.take(MAX_HEADER);
+    let mut head = Vec::new();
+    loop {
+        let start = head.len();
+        if input.read_until(b'\n', &mut head)? == 0 || head[start..].trim_ascii() == b"end_header" {
+            return Ok(head);
+        }
+    }
+}
+
+/// Refuses two elements of one name, or two properties of one element: the parser would keep one of
+/// them without a word.
+fn check_names(head: &[u8], path: &str) -> Result<(), FileError> {
+    let text = String::from_utf8_lossy(head);
+    let mut elements: Vec<&str> = Vec::new();
+    let mut properties: Vec<&str> = Vec::new();
+    for line in text.lines() {
+        let words: Vec<&str> = line.split_whitespace().collect();
+        let (what, names, name) = match words[..] {
+            ["element", name, ..] => {
+                properties.clear();
+                ("element", &mut elements, name)
+            }
+            ["property", .., name] => ("property", &mut properties, name),
+            _ => continue,
+        };
+        if names.contains(&name) {
+            return Err(FileError::Layout {
+                path: path.to_owned(),
+                place: Place::Whole,
+                expected: format!("each {what} once"),
+                got: format!("{what} {} twice", shortened(name)),
+            });
+        }
+        names.push(name);
+    }
+    Ok(())
+}
+
+/// Returns the meaning of the properties of the vertices, and checks that every element takes up space:
+/// a count without properties would cost time in proportion to a number that the file makes up.
+fn layout(header: &Header, path: &str, options: &ReadOptions) -> Result<Layout, FileError> {
     let error = |expected: &str, got: String| FileError::Layout {
         path: path.to_owned(),
         place: Place::Whole,
@@ -90,34 +136,41 @@ fn check_vertices(header: &Header, path: &str) -> Result<(), FileError> {
         got,
     };
     let Some(vertex) = header.elements.get("vertex") else {
-        let names: Vec<&str> = header.elements.keys().map(String::as_str).collect();
+        let names: Vec<String> = header.elements.keys().take(8).map(|n| shortened(n)).collect();
         return Err(error("the element vertex", format!("the elements [{}]", names.join(", "))));
     };
-    for name in ["x", "y", "z", "w", "weight", "value", "set"] {
-        match vertex.properties.get(name).map(|property| &property.data_type) {
-            Some(PropertyType::Scalar(_)) => {}
-            Some(PropertyType::List(..)) => {
-                return Err(error(
-                    &format!("a number as vertex property {name}"),
-                    "a list".to_owned(),
-                ));
-            }
-            None if matches!(name, "x" | "y" | "z") => {
-                let names: Vec<&str> = vertex.properties.keys().map(String::as_str).collect();
-                return Err(error(
-                    &format!("the vertex property {name}"),
-                    format!("the properties [{}]", names.join(", ")),
-                ));
-            }
-            None => {}
-        }
-    }
     for (name, element) in &header.elements {
         if element.properties.is_empty() && element.count > 0 {
-            return Err(error("elements with properties", format!("{name} without any")));
+            let got = format!("{} without any", shortened(name));
+            return Err(error("elements with properties", got));
         }
     }
-    Ok(())
+    let columns: Vec<Column> = vertex
+        .properties
+        .iter()
+        .map(|(name, property)| {
+            let is_number = matches!(property.data_type, PropertyType::Scalar(_));
+            Column { name: name.clone(), items: is_number.into(), unit: String::new() }
+        })
+        .collect();
+    let choice = options.columns.as_ref();
+    Table { path, place: Place::Whole, columns: &columns, has_names: true, choice }.layout()
+}
+
+/// Returns the vertices with the properties that are used renamed to the numbers of their slots.
+fn with_slots(vertex: &ElementDef, slots: &[usize]) -> ElementDef {
+    let mut renamed = vertex.clone();
+    renamed.properties.clear();
+    for (index, property) in vertex.properties.values().enumerate() {
+        let name = match slots.iter().position(|&column| column == index) {
+            Some(slot) => slot.to_string(),
+            None => format!("unused {index}"),
+        };
+        let mut property = property.clone();
+        property.name.clone_from(&name);
+        renamed.properties.insert(name, property);
+    }
+    renamed
 }
 
 /// Returns the number of bytes from the end of the header to the end of the vertices, where the
@@ -162,31 +215,20 @@ fn malformed(path: &str, expected: &str, error: ParseError) -> FileError {
     }
 }
 
-/// The properties of a vertex that matter here.
+/// The numbers of a vertex in the slots of the layout.
 #[derive(Debug)]
 struct Vertex {
-    x: f64,
-    y: f64,
-    z: f64,
-    weight: f64,
-    value: f64,
-    set: f64,
+    slots: [f64; 5],
 }
 
 impl PropertyAccess for Vertex {
     fn new() -> Self {
-        Self { x: 0.0, y: 0.0, z: 0.0, weight: 0.0, value: 0.0, set: 0.0 }
+        Self { slots: [0.0; 5] }
     }
 
     fn set_property(&mut self, name: &str, property: Property) -> PropertyAccessResult {
-        let slot = match name {
-            "x" => &mut self.x,
-            "y" => &mut self.y,
-            "z" => &mut self.z,
-            "w" | "weight" => &mut self.weight,
-            "value" => &mut self.value,
-            "set" => &mut self.set,
-            _ => return PropertyAccessResult::Ignored,
+        let Some(slot) = name.parse().ok().and_then(|slot: usize| self.slots.get_mut(slot)) else {
+            return PropertyAccessResult::Ignored;
         };
         *slot = match property {
             Property::Char(value) => f64::from(value),

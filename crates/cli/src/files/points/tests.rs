@@ -19,16 +19,26 @@ fn file(name: &str, content: impl AsRef<[u8]>) -> (TempDir, PathBuf) {
 }
 
 fn read(name: &str, content: impl AsRef<[u8]>) -> PointFile {
-    let (_folder, path) = file(name, content);
-    read_points(&path, &ReadOptions::default()).unwrap()
+    read_with(name, content, &ReadOptions::default()).unwrap()
 }
 
 fn read_as(name: &str, content: impl AsRef<[u8]>, columns: &str) -> Result<PointFile, String> {
+    let columns = Some(columns.parse()?);
+    read_with(name, content, &ReadOptions { columns, ..ReadOptions::default() })
+}
+
+/// The file as it is read so, or the message of the error, without the name of the folder.
+fn read_with(
+    name: &str,
+    content: impl AsRef<[u8]>,
+    options: &ReadOptions,
+) -> Result<PointFile, String> {
     let (folder, path) = file(name, content);
-    let columns = Some(columns.split(',').map(str::to_owned).collect());
-    let prefix = format!("{}/", folder.path().display());
-    read_points(&path, &ReadOptions { format: None, columns })
-        .map_err(|error| error.to_string().replace(&prefix, ""))
+    let shown = |text: &String| text.replace(&format!("{}/", folder.path().display()), "");
+    let mut read = read_points(&path, options).map_err(|error| shown(&error.to_string()))?;
+    read.warnings = read.warnings.iter().map(shown).collect();
+    read.remarks = read.remarks.iter().map(shown).collect();
+    Ok(read)
 }
 
 /// The message of the error, without the name of the folder.
@@ -88,7 +98,7 @@ fn every_format_keeps_every_bit() {
                 assert_eq!(back.sets.len(), sets.len(), "{extension}");
                 for (set, expected) in back.sets.iter().zip(sets) {
                     assert_eq!(bits(&set.directions), bits(expected), "{extension}");
-                    assert_eq!((&set.weights, &set.values), (&None, &None), "{extension}");
+                    assert_eq!(set.weights, None, "{extension}");
                 }
             }
         }
@@ -177,7 +187,7 @@ fn radians_are_colatitudes() {
 fn columns_name_the_fields_of_bare_files() {
     let back = read_as("p.txt", "0 90 5\n0 -90 6\n", "lon,lat,value").unwrap();
     assert_eq!(back.sets[0].directions, [DVec3::Z, DVec3::NEG_Z]);
-    assert_eq!(back.sets[0].values, Some(vec![5.0, 6.0]));
+    assert_eq!(back.remarks, ["p.txt: column not used: value"]);
 
     let back = read_as("p.txt", "9 0 0 1 0.5\n9 1 0 0 0.25\n", "_,x,y,z,weight").unwrap();
     assert_eq!(back.sets[0].directions, [DVec3::Z, DVec3::X]);
@@ -244,7 +254,7 @@ fn meshes_of_other_programs() {
                 0.5\n255 1 0 0 4\n0 0 0 -1 5\n3 0 1 0\n";
     let back = read("p.ply", text);
     assert_eq!(back.sets[0].directions, [DVec3::X, DVec3::NEG_Z]);
-    assert_eq!(back.sets[0].values, Some(vec![4.0, 5.0]));
+    assert_eq!(back.remarks, ["p.ply: columns not used: red,value"]);
 
     let mut binary = b"ply\nformat binary_big_endian 1.0\nelement vertex 1\nproperty list uchar \
         short tags\nproperty double x\nproperty float y\nproperty int z\nend_header\n"
@@ -253,19 +263,23 @@ fn meshes_of_other_programs() {
     binary.extend(0.0_f64.to_be_bytes());
     binary.extend(0.0_f32.to_be_bytes());
     binary.extend((-3_i32).to_be_bytes());
-    let back = read("scan.bin", binary);
+    let options = ReadOptions { normalize: true, ..ReadOptions::default() };
+    let back = read_with("scan.bin", binary, &options).unwrap();
     assert_eq!(back.sets[0].directions, [DVec3::NEG_Z]);
-    assert!(back.warnings[0].contains("1 of 1 vectors"), "{:?}", back.warnings);
+    assert!(back.warnings.is_empty(), "{:?}", back.warnings);
 }
 
 #[test]
 fn lengths_are_mended_and_counted() {
-    let back =
-        read("p.csv", "x,y,z\n3,0,4\n1e-300,0,0\n0,1e200,1e200\n0,0,1.0000001\n5e-324,0,0\n");
+    let content = format!(
+        "x,y,z\n3,0,4\n1e-300,0,0\n0,1e200,1e200\n0,0,1.0000001\n5e-324,0,0\n{}",
+        "0,1,0\n".repeat(4)
+    );
+    let back = read("p.csv", content);
     for direction in &back.sets[0].directions {
         assert!((direction.length() - 1.0).abs() <= 2.0 * f64::EPSILON, "{direction}");
     }
     assert_eq!(back.warnings.len(), 1);
-    assert!(back.warnings[0].contains("4 of 5 vectors"), "{:?}", back.warnings);
+    assert!(back.warnings[0].contains("4 of 9 vectors"), "{:?}", back.warnings);
     assert!(back.warnings[0].contains("p.csv:6, length"), "{:?}", back.warnings);
 }

@@ -3,26 +3,26 @@
 use std::borrow::Cow;
 use std::io::BufRead;
 
-use super::PointFile;
-use super::angles::{direction_of_degrees, direction_of_radians};
-use super::collector::PointCollector;
-use super::columns::{Coordinates, Layout};
+use super::collector::{Cell, PointCollector};
+use super::columns::{Column, Table};
+use super::{PointFile, ReadOptions};
 use crate::files::file_error::{FileError, Place};
-use crate::files::text_rows::{TextLine, TextRows, shortened};
+use crate::files::text_rows::{TextLine, TextRows};
 
-/// A colatitude printed with seven digits may exceed pi by this much; it is then taken as pi.
-const THETA_SLACK: f64 = 1e-6;
+/// A layout has at most three coordinates, a weight and a set.
+const MAX_SLOTS: usize = 5;
+
 /// Returns the sets of a text file.
 pub(super) fn read_text(
     input: impl BufRead,
     path: &str,
-    columns: Option<&[String]>,
+    options: &ReadOptions,
 ) -> Result<PointFile, FileError> {
     let mut reader = TextReader {
         path,
-        points: PointCollector::new(path),
-        layout: None,
-        has_header: false,
+        options,
+        table: None,
+        header_comment: None,
         comment_inside: None,
         pending_comment: None,
     };
@@ -32,7 +32,7 @@ pub(super) fn read_text(
         if line.is_comment() {
             reader.comment(line);
         } else {
-            reader.line(line, columns)?;
+            reader.line(line)?;
         }
     }
     reader.finish()
@@ -40,136 +40,156 @@ pub(super) fn read_text(
 
 struct TextReader<'a> {
     path: &'a str,
-    points: PointCollector<'a>,
-    layout: Option<Layout>,
-    has_header: bool,
+    options: &'a ReadOptions,
+    table: Option<TextTable<'a>>,
+    /// The last comment before the rows: it may be a header.
+    header_comment: Option<String>,
     /// The first comment with words between the rows of a file without a header.
     comment_inside: Option<usize>,
     /// The same, before it is known whether more rows follow.
     pending_comment: Option<usize>,
 }
 
-impl TextReader<'_> {
-    fn line(&mut self, line: TextLine<'_>, columns: Option<&[String]>) -> Result<(), FileError> {
-        let fields: Vec<Cow<'_, str>> = line.fields().collect();
-        let layout = match self.layout.take() {
-            Some(layout) => layout,
-            None => {
-                self.has_header = line.is_header();
-                if self.has_header {
-                    let layout = Layout::of_header(&fields, columns, self.path, line.number)?;
-                    self.layout = Some(layout);
-                    return Ok(());
-                }
-                Layout::without_header(fields.len(), columns, self.path, line.number)?
+/// What the first line tells of the others.
+struct TextTable<'a> {
+    points: PointCollector<'a>,
+    names: Vec<String>,
+    has_header: bool,
+    /// Whether the first line ends with a separator, so that others may have one more field.
+    open_end: bool,
+}
+
+impl<'a> TextReader<'a> {
+    fn line(&mut self, line: TextLine<'_>) -> Result<(), FileError> {
+        if let Some(table) = &mut self.table {
+            if self.comment_inside.is_none() {
+                self.comment_inside = self.pending_comment;
             }
-        };
-        let row = self.row(&layout, &fields, line.number);
-        self.layout = Some(layout);
-        row
+            return table.row(line, self.path);
+        }
+        let has_header = line.is_header();
+        let mut first = table_of(line, has_header, self)?;
+        if !has_header {
+            first.row(line, self.path)?;
+        }
+        self.table = Some(first);
+        Ok(())
     }
 
     /// A bare `#` between the rows of a file without a header starts the next set: so do the
     /// programs UTK and pbrt's pspec. A comment with words does not; whoever meant it so is warned.
     fn comment(&mut self, line: TextLine<'_>) {
-        let sets_by_line = match &self.layout {
-            Some(layout) => !self.has_header && layout.set.is_none(),
-            None => false,
+        let Some(table) = &mut self.table else {
+            self.header_comment = Some(line.text.trim_start_matches('#').to_owned());
+            return;
         };
-        if !sets_by_line {
+        if table.has_header || table.points.layout().set.is_some() {
             return;
         }
         if line.text == "#" {
-            self.points.next_set();
-        } else if self.points.len() > 0 {
+            table.points.next_set();
+        } else if table.points.len() > 0 {
             self.pending_comment.get_or_insert(line.number);
         }
     }
 
-    fn row(
-        &mut self,
-        layout: &Layout,
-        fields: &[Cow<'_, str>],
-        line: usize,
-    ) -> Result<(), FileError> {
-        if fields.len() != layout.names.len() {
-            let mut expected = format!("{} fields", layout.names.len());
-            if layout.names.len() <= 8 && layout.names.iter().all(|name| !name.is_empty()) {
-                expected = format!("{expected} ({})", layout.names.join(", "));
-            }
-            return Err(FileError::Layout {
-                path: self.path.to_owned(),
-                place: Place::Line(line),
-                expected,
-                got: fields.len().to_string(),
-            });
-        }
-        if self.comment_inside.is_none() {
-            self.comment_inside = self.pending_comment;
-        }
-        if let Some(column) = layout.set {
-            self.points.select(&fields[column]);
-        }
-        let number = |column: usize| self.number(&layout.names[column], &fields[column], line);
-        match layout.coordinates {
-            Coordinates::Vector { x, y, z } => {
-                let vector = [number(x)?, number(y)?, number(z)?];
-                self.points.push_vector(vector, Place::Line(line))?;
-            }
-            Coordinates::Radians { theta, phi } => {
-                let (colatitude, longitude) = (number(theta)?, number(phi)?);
-                let pi = std::f64::consts::PI;
-                if !(0.0..=pi + THETA_SLACK).contains(&colatitude) {
-                    let expected = "a colatitude in [0, pi] radians (degrees are called lon, lat)";
-                    return Err(self.value_error("theta", expected, &fields[theta], line));
-                }
-                self.points.push_direction(direction_of_radians(colatitude.min(pi), longitude));
-            }
-            Coordinates::Degrees { lon, lat } => {
-                let (longitude, latitude) = (number(lon)?, number(lat)?);
-                if !(-90.0..=90.0).contains(&latitude) {
-                    let name = &layout.names[lat];
-                    let expected = "an angle in [-90, 90] degrees";
-                    return Err(self.value_error(name, expected, &fields[lat], line));
-                }
-                self.points.push_direction(direction_of_degrees(longitude, latitude));
-            }
-        }
-        if let Some(column) = layout.weight {
-            let weight = self.number("w", &fields[column], line)?;
-            self.points.push_weight(weight);
-        }
-        if let Some(column) = layout.value {
-            let value = self.number("value", &fields[column], line)?;
-            self.points.push_value(value);
-        }
-        Ok(())
-    }
-
-    fn number(&self, name: &str, field: &str, line: usize) -> Result<f64, FileError> {
-        match field.parse::<f64>() {
-            Ok(value) if value.is_finite() => Ok(value),
-            _ => Err(self.value_error(name, "a finite number", field, line)),
-        }
-    }
-
-    fn value_error(&self, name: &str, expected: &str, field: &str, line: usize) -> FileError {
-        FileError::Value {
-            path: self.path.to_owned(),
-            place: Place::Line(line),
-            field: name.to_owned(),
-            expected: expected.to_owned(),
-            got: format!("{:?}", shortened(field)),
-        }
-    }
-
-    fn finish(mut self) -> Result<PointFile, FileError> {
+    fn finish(self) -> Result<PointFile, FileError> {
+        let Some(mut table) = self.table else {
+            return Err(FileError::Empty { path: self.path.to_owned() });
+        };
         if let Some(line) = self.comment_inside {
-            self.points.warn(&format!(
+            table.points.warn(&format!(
                 "line {line} is a comment between points and was skipped; \
                  only a line that is a bare # starts the next set"
             ));
         }
-        self.points.finish()
+        table.points.finish()
+    }
+}
+
+/// Returns the columns that the first line, a header or a row, tells.
+fn table_of<'a>(
+    line: TextLine<'_>,
+    has_header: bool,
+    reader: &TextReader<'a>,
+) -> Result<TextTable<'a>, FileError> {
+    let (path, options) = (reader.path, reader.options);
+    let mut fields: Vec<Cow<'_, str>> = line.fields().collect();
+    let open_end = fields.len() > 1 && fields.last().is_some_and(|field| field.is_empty());
+    if open_end {
+        fields.pop();
+    }
+    let columns = |names: &[Cow<'_, str>]| -> Vec<Column> {
+        names.iter().map(|name| Column::single(&**name)).collect()
+    };
+    let table = Table {
+        path,
+        place: Place::Line(line.number),
+        columns: &[],
+        has_names: true,
+        choice: options.columns.as_ref(),
+    };
+    let (columns, layout) = if has_header {
+        let columns = columns(&fields);
+        let layout = Table { columns: &columns, ..table }.layout()?;
+        (columns, layout)
+    } else {
+        // Some programs put the names into a comment above the rows.
+        let comment = reader.header_comment.as_deref().map(|text| line.with_text(text));
+        let from_comment = comment.filter(TextLine::is_header).and_then(|comment| {
+            let names: Vec<Cow<'_, str>> = comment.fields().collect();
+            let columns = columns(&names);
+            let layout = Table { columns: &columns, ..table }.layout().ok()?;
+            (names.len() == fields.len()).then_some((columns, layout))
+        });
+        match from_comment {
+            Some(found) => found,
+            None => {
+                let columns = vec![Column::single(""); fields.len()];
+                let layout = Table { columns: &columns, has_names: false, ..table }.layout()?;
+                (columns, layout)
+            }
+        }
+    };
+    let names = columns.into_iter().map(|column| column.name).collect();
+    Ok(TextTable {
+        points: PointCollector::new(path, layout, options),
+        names,
+        has_header,
+        open_end,
+    })
+}
+
+impl TextTable<'_> {
+    fn row(&mut self, line: TextLine<'_>, path: &str) -> Result<(), FileError> {
+        let slots = &self.points.layout().slots;
+        let mut picked = [const { Cow::Borrowed("") }; MAX_SLOTS];
+        let mut count = 0;
+        let mut ends_empty = false;
+        for field in line.fields() {
+            ends_empty = field.is_empty();
+            if let Some(slot) = slots.iter().position(|slot| slot.column == count) {
+                picked[slot] = field;
+            }
+            count += 1;
+        }
+        let place = Place::Line(line.number);
+        // A separator at the end of a line begins one more field, which is empty.
+        let one_more = count == self.names.len() + 1 && (ends_empty || self.open_end);
+        if count != self.names.len() && !one_more {
+            let error = self.count_error(place, count, line.separator(), path);
+            return self.points.skip(place, error);
+        }
+        self.points.row(place, |slot| Cell::Text(Cow::Borrowed(&picked[slot])))
+    }
+
+    fn count_error(&self, place: Place, count: usize, separator: &str, path: &str) -> FileError {
+        let names = &self.names;
+        let mut expected = format!("{} fields", names.len());
+        if names.len() <= 8 && names.iter().all(|name| !name.is_empty()) {
+            expected = format!("{expected} ({})", names.join(", "));
+        }
+        let got = format!("{count}, separated by {separator}");
+        FileError::Layout { path: path.to_owned(), place, expected, got }
     }
 }

@@ -33,9 +33,9 @@ pub(crate) fn write_points(
 ) -> Result<(), FileError> {
     let name = output_name(path);
     let format = match format.or_else(|| PointFormat::of_path(path)) {
-        Some(format) => format,
+        Some(format @ (PointFormat::Csv | PointFormat::Npy | PointFormat::Ply)) => format,
         None if is_dash(path) => PointFormat::Csv,
-        None => {
+        _ => {
             return Err(FileError::UnknownExtension { path: name, known: PointFormat::WRITABLE });
         }
     };
@@ -56,7 +56,7 @@ pub(crate) fn write_points(
     let written = match format {
         PointFormat::Csv => write_csv(&mut file, sets),
         PointFormat::Npy => write_array(&mut file, sets, first.len()),
-        PointFormat::Ply => write_ply(&mut file, sets, provenance),
+        _ => write_ply(&mut file, sets, provenance),
     };
     written.map_err(|source| file.error(source))?;
     file.commit()

@@ -63,7 +63,7 @@ fn bad_layouts_say_what_would_be_right() {
         ("p.csv", b"x,y,z\n1,0,0\n\xff\xfe,0,0\n", "p.csv:3: expected UTF-8 text"),
         ("p.npy", b"x,y,z\n1,0,0\n", "expected the magic bytes of an NPY file"),
         ("p.ply", b"x,y,z\n1,0,0\n", "expected a PLY header"),
-        ("p.ply", b"ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float z\nend_header\n1 0\n", "expected the vertex property y, got the properties [x, z]"),
+        ("p.ply", b"ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float z\nend_header\n1 0\n", "expected the column y beside the others of x,y,z, got the columns x,z"),
     ];
     for (name, content, expected) in cases {
         let message = error(name, content);
@@ -90,7 +90,7 @@ fn bad_arrays_say_what_would_be_right() {
         (npy(&shape("<f8", "(2, 3)"), &[0; 48]), "p.npy[0]: x, y, z: expected a vector"),
         (npy(&shape("<f8", "(3, 2)"), &numbers), "shape (N, 3) or (M, N, 3), got the shape (3, 2)"),
         (npy(&shape("<f8", "(6,)"), &numbers), "got the shape (6,)"),
-        (npy(&shape("<i8", "(2, 3)"), &numbers), "float64 or float32, got the type '<i8'"),
+        (npy(&shape("<c8", "(2, 3)"), &numbers), "float32, or integers, got the type '<c8'"),
         (npy(&shape("|O", "(2, 3)"), &numbers), "float64 or float32"),
         (npy(&shape("<f8", "(0, 3)"), &[]), "p.npy: no points"),
         (npy(&shape("<f8", "(99999999999999, 0, 3)"), &[]), "p.npy: no points"),
@@ -101,7 +101,7 @@ fn bad_arrays_say_what_would_be_right() {
         (b"\x93NUMPY\x07\x00".to_vec(), "version 1, 2 or 3, got version 7"),
         (
             b"\x93NUMPY\x02\x00\xff\xff\xff\xff".to_vec(),
-            "a header of at most 2048 bytes, got 4294967295",
+            "a header of at most 65536 bytes, got 4294967295",
         ),
     ];
     for (content, expected) in cases {
@@ -144,7 +144,10 @@ fn hostile_meshes_end_soon() {
     let cases = [
         (format!("element vertex 999999999999999999\n{xyz}"), "cut short"),
         (format!("element void 999999999999999999\nelement vertex 1\n{xyz}"), "void without any"),
-        (format!("element vertex 1\n{xyz}property list uint double value\n"), "got a list"),
+        (
+            format!("element vertex 1\n{xyz}property list uint double value\n"),
+            "expected 1 rows of vertex",
+        ),
         ("element face 1\nproperty int a\n".to_owned(), "expected the element vertex"),
     ];
     for (elements, expected) in cases {

@@ -1,0 +1,73 @@
+//! Reads point sets from tables in FITS files.
+
+use std::io::BufRead;
+
+use super::collector::{Cell, PointCollector};
+use super::columns::{Column, Table};
+use super::{PointFile, ReadOptions};
+use crate::files::file_error::{FileError, Place};
+use crate::files::fits::{Hdu, HduReader, Item, TableColumn, keyword_error};
+use crate::files::memory_guard::check_announced;
+
+/// Bytes that are read at a time, where a row is not longer.
+const CHUNK: usize = 1 << 16;
+/// The longest row that is read.
+const MAX_ROW: usize = 1 << 26;
+
+/// Returns the sets of a table, binary or ASCII: that of the HDU that was chosen, or the first.
+pub(super) fn read_fits(
+    input: impl BufRead,
+    path: &str,
+    options: &ReadOptions,
+    file_bytes: Option<u64>,
+) -> Result<PointFile, FileError> {
+    let mut file = HduReader::new(input, path);
+    let hdu = file.select(&options.hdu, Hdu::is_table, "a table")?;
+    let count = |keyword: &str| {
+        let value = hdu.header.integer(keyword).and_then(|n| u64::try_from(n).ok());
+        value.ok_or_else(|| keyword_error(path, keyword, "a number from 0", "another value"))
+    };
+    let (row, rows) = (count("NAXIS1")?, count("NAXIS2")?);
+    let row = usize::try_from(row).ok().filter(|&row| row <= MAX_ROW).ok_or_else(|| {
+        keyword_error(path, "NAXIS1", &format!("at most {MAX_ROW} bytes"), &row.to_string())
+    })?;
+    let fields = TableColumn::of_table(&hdu, path)?;
+    let columns: Vec<Column> = fields
+        .iter()
+        .map(|f| Column { name: f.name.clone(), items: f.items, unit: f.unit.clone() })
+        .collect();
+    let choice = options.columns.as_ref();
+    let table = Table { path, place: Place::Whole, columns: &columns, has_names: true, choice };
+    let layout = table.layout()?;
+    if let Some(bytes) = file_bytes {
+        let points = (bytes as f64 / row.max(1) as f64).min(rows as f64);
+        check_announced(path, "the points of the table", points * size_of::<[f64; 4]>() as f64)?;
+    }
+    let places: Vec<(usize, usize)> =
+        layout.slots.iter().map(|slot| (slot.column, slot.item)).collect();
+    let mut points = PointCollector::new(path, layout, options);
+    let what = format!("{rows} rows of {row} bytes");
+    let together = (CHUNK / row.max(1)).max(1) as u64;
+    let mut bytes = Vec::new();
+    let mut done = 0;
+    while done < rows {
+        let count = together.min(rows - done);
+        // At most a chunk or a row.
+        let length = usize::try_from(count).unwrap_or(usize::MAX).saturating_mul(row);
+        bytes.resize(length, 0);
+        file.read_data(&mut bytes, &what)?;
+        for (index, row) in bytes.chunks_exact(row).enumerate() {
+            let place = Place::TableRow(done + index as u64 + 1);
+            points.row(place, |slot| {
+                let (column, item) = places[slot];
+                match fields[column].item(row, item) {
+                    Item::Number(number) => Cell::Number(number),
+                    Item::Text(text) => Cell::Text(text),
+                    Item::Missing => Cell::Missing,
+                }
+            })?;
+        }
+        done += count;
+    }
+    points.finish()
+}

@@ -1,0 +1,97 @@
+//! The lengths of vectors that ought to have length 1.
+
+use glam::DVec3;
+
+use crate::files::file_error::{FileError, Place};
+
+/// A length that differs from 1 by more than this is worth a warning (`formats.md`, "Points").
+const TOLERANCE: f64 = 1e-6;
+/// A length that differs from 1 by more than this is no matter of digits.
+const FAR: f64 = 1e-2;
+/// Vectors this close to unit length keep their bits: normalising one in `f64` leaves an error of
+/// at most some three roundings, so that what this program wrote is read back unchanged.
+const ROUNDING: f64 = 8.0 * f64::EPSILON;
+
+/// What was seen of the lengths of the vectors of a file.
+#[derive(Debug, Default)]
+pub(super) struct Lengths {
+    /// How many differ from 1 by more than [`TOLERANCE`].
+    rescaled: usize,
+    /// How many differ from 1 by more than [`FAR`].
+    far: usize,
+    worst: Option<(f64, Place)>,
+    /// The largest size of each coordinate.
+    sizes: DVec3,
+    /// The least first coordinate.
+    least_x: f64,
+}
+
+impl Lengths {
+    /// Returns a vector scaled to unit length; `None` for the zero vector.
+    pub(super) fn direction(&mut self, vector: DVec3, place: Place) -> Option<DVec3> {
+        let size = vector.abs().max_element();
+        if size == 0.0 {
+            return None;
+        }
+        self.sizes = self.sizes.max(vector.abs());
+        self.least_x = self.least_x.min(vector.x);
+        // Scaled first, which keeps the squares of tiny and huge vectors in range.
+        let scaled = vector / size;
+        let length = size * scaled.length();
+        let off = (length - 1.0).abs();
+        if off <= ROUNDING {
+            return Some(vector);
+        }
+        if off > TOLERANCE {
+            self.rescaled += 1;
+            self.far += usize::from(off > FAR);
+            // Far from 1 in ratio, so that 0.01 counts as worse than 2.
+            let badness = length.ln().abs();
+            if self.worst.is_none_or(|(other, _)| badness > other.ln().abs()) {
+                self.worst = Some((length, place));
+            }
+        }
+        Some(scaled.normalize())
+    }
+
+    /// Returns a warning about lengths other than 1, if there were any and it was not said that
+    /// there are.
+    ///
+    /// # Errors
+    /// If most of `total` vectors are far from unit length, unless it was said so.
+    pub(super) fn verdict(
+        &self,
+        path: &str,
+        total: usize,
+        expected: bool,
+    ) -> Result<Option<String>, FileError> {
+        let Some((length, place)) = self.worst.filter(|_| !expected) else { return Ok(None) };
+        let furthest = format!("the furthest off: {path}{place}, length {length:.6e}");
+        if self.far > total / 2 {
+            return Err(FileError::Layout {
+                path: path.to_owned(),
+                place: Place::Whole,
+                expected: format!("unit vectors x,y,z ({})", self.advice()),
+                got: format!("{} of {total} of other lengths ({furthest})", self.far),
+            });
+        }
+        Ok(Some(format!(
+            "{path}: {} of {total} vectors were not of unit length and were scaled to it \
+             ({furthest})",
+            self.rescaled
+        )))
+    }
+
+    /// Returns what the columns may be instead.
+    fn advice(&self) -> &'static str {
+        let DVec3 { x, y, .. } = self.sizes;
+        let pi = std::f64::consts::PI;
+        if x <= pi && self.least_x >= 0.0 && y <= 2.0 * pi && y > 1.1 {
+            "these look like angles in radians: --columns theta,phi,_; --normalize scales vectors"
+        } else if x > 2.0 && x <= 360.0 && y <= 90.0 {
+            "these look like degrees: --columns ra,dec,_ or ra,dec,w; --normalize scales vectors"
+        } else {
+            "--normalize scales vectors of any length"
+        }
+    }
+}

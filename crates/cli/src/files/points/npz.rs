@@ -1,0 +1,225 @@
+//! Reads point sets from NPZ files: zip archives of NPY arrays.
+
+use std::io::{Read, Seek};
+
+use zip::ZipArchive;
+use zip::result::ZipError;
+
+use super::collector::{Cell, PointCollector};
+use super::columns::{Column, Layout, Table};
+use super::npy::ArrayTable;
+use super::roles::{ColumnChoice, role_of};
+use super::{PointFile, ReadOptions};
+use crate::files::file_error::{FileError, Place};
+use crate::files::memory_guard::MemoryGuard;
+use crate::files::npy::{ItemType, NpyReader};
+use crate::files::text_rows::shortened;
+
+/// Archives of more arrays are not those of points.
+const MAX_ARRAYS: usize = 4096;
+
+/// Returns the sets of an NPZ file.
+///
+/// The directions are the array `points`, or the only one of two or three dimensions, as in an NPY
+/// file, and the weights are `weights` (or `w` or `weight`) of shape `(N,)` or `(M, N)`. Without such
+/// an array, and with the names of `--columns`, arrays of one dimension are columns.
+pub(super) fn read_npz(
+    input: impl Read + Seek,
+    path: &str,
+    options: &ReadOptions,
+) -> Result<PointFile, FileError> {
+    let archive = ZipArchive::new(input).map_err(|error| zip_error(path, &error))?;
+    let mut file = Npz { archive, path, options };
+    let arrays = file.arrays()?;
+    if arrays.is_empty() {
+        return Err(layout_error(path, "arrays (.npy) in the archive", "none".to_owned()));
+    }
+    let by_name = matches!(options.columns, Some(ColumnChoice::Names(_)));
+    let has_points = |array: &&Shape| (2..=3).contains(&array.shape.len());
+    let tables: Vec<&Shape> = arrays.iter().filter(has_points).collect();
+    let main = match tables[..] {
+        _ if by_name => None,
+        [single] => Some(single),
+        _ => tables.iter().copied().find(|array| array.name == "points"),
+    };
+    match main {
+        Some(main) => file.read_points(main, &arrays),
+        None => file.read_columns(&arrays),
+    }
+}
+
+/// An archive that is read.
+struct Npz<'a, R> {
+    archive: ZipArchive<R>,
+    path: &'a str,
+    options: &'a ReadOptions,
+}
+
+/// What the header of an array says.
+#[derive(Debug)]
+struct Shape {
+    /// Its number in the archive.
+    index: usize,
+    name: String,
+    shape: Vec<usize>,
+    /// The type of its items, where they are numbers.
+    item: Option<ItemType>,
+}
+
+impl<'a, R: Read + Seek> Npz<'a, R> {
+    /// Returns the arrays of the archive in its order.
+    fn arrays(&mut self) -> Result<Vec<Shape>, FileError> {
+        let count = self.archive.len();
+        if count > MAX_ARRAYS {
+            let expected = format!("at most {MAX_ARRAYS} arrays");
+            return Err(layout_error(self.path, &expected, count.to_string()));
+        }
+        let mut arrays = Vec::new();
+        for index in 0..count {
+            let path = self.path;
+            let entry = self.archive.by_index(index).map_err(|error| zip_error(path, &error))?;
+            let name = entry.name().map_err(|error| zip_error(path, &error))?;
+            let Some(name) = name.strip_suffix(".npy").map(str::to_owned) else { continue };
+            // An array of objects or of anything else is no reason to reject the others.
+            let Ok(array) = NpyReader::new(entry, path) else { continue };
+            let shape = array.shape().to_vec();
+            arrays.push(Shape { index, name, shape, item: array.item_type() });
+        }
+        Ok(arrays)
+    }
+
+    /// Returns the sets of an array of directions, with the weights of another one.
+    fn read_points(&mut self, main: &Shape, arrays: &[Shape]) -> Result<PointFile, FileError> {
+        let path = self.path;
+        let (options, name) = (self.options, format!("{path}: {}", main.name));
+        let weights = arrays.iter().find(|a| role_of(&a.name) == Some("w"));
+        let entry = self.archive.by_index(main.index).map_err(|e| zip_error(path, &e))?;
+        let mut table = ArrayTable::of(&NpyReader::new(entry, &name)?, &name, options)?;
+        let choice = options.columns.as_ref();
+        let place = Place::Whole;
+        let mut layout =
+            Table { path: &name, place, columns: &table.columns, has_names: false, choice }
+                .layout()?;
+        let own_weights = layout.weight.is_some();
+        let loaded = match weights {
+            Some(weights) if !own_weights => {
+                let fits = weights.shape == main.shape[..main.shape.len() - 1]
+                    || (table.several && weights.shape == main.shape[1..2]);
+                if !fits {
+                    let expected = format!("weights of the shape of {} but its last", main.name);
+                    let got = format!("{} of the shape {:?}", weights.name, weights.shape);
+                    return Err(layout_error(path, &expected, got));
+                }
+                layout.add_weight(table.columns.len());
+                table.columns.push(Column::single(&weights.name));
+                Some(self.load(weights, 0, 1)?)
+            }
+            _ => None,
+        };
+        let used = |array: &&Shape| {
+            array.index != main.index
+                && (loaded.is_none() || weights.is_none_or(|w| w.index != array.index))
+        };
+        layout.unused.extend(arrays.iter().filter(used).map(|array| shortened(&array.name)));
+        let places: Vec<Option<(usize, ItemType)>> = layout
+            .slots
+            .iter()
+            .map(|slot| {
+                let is_loaded = loaded.is_some() && slot.role == "w";
+                (!is_loaded).then(|| table.place(slot.column, slot.item))
+            })
+            .collect();
+        let entry = self.archive.by_index(main.index).map_err(|e| zip_error(path, &e))?;
+        let array = NpyReader::new(entry, &name)?;
+        let mut collector = PointCollector::new(&name, layout, options);
+        let (points, several) = (table.points, table.several);
+        array.for_each_row(table.item, table.row, |index, row| {
+            let (set, row_of_set) = (index / points, index % points);
+            if row_of_set == 0 {
+                collector.next_set();
+            }
+            let place =
+                if several { Place::RowOfSet(set, row_of_set) } else { Place::Row(row_of_set) };
+            collector.row(place, |slot| match places[slot] {
+                Some((offset, item)) => {
+                    Cell::Number(item.number(&row[offset..offset + item.size()]))
+                }
+                // One weight a point, or one a point of each set.
+                None => loaded
+                    .as_ref()
+                    .map_or(Cell::Missing, |weights| Cell::Number(weights[index % weights.len()])),
+            })
+        })?;
+        collector.finish()
+    }
+
+    /// Returns the set whose columns are arrays.
+    fn read_columns(&mut self, arrays: &[Shape]) -> Result<PointFile, FileError> {
+        let columns: Vec<Column> = arrays
+            .iter()
+            .map(|array| {
+                let items = match array.shape[..] {
+                    [_] => 1,
+                    [_, width] => width,
+                    _ => 0,
+                };
+                let items = array.item.map_or(0, |_| items);
+                Column { name: array.name.clone(), items, unit: String::new() }
+            })
+            .collect();
+        let path = self.path;
+        let choice = self.options.columns.as_ref();
+        let table = Table { path, place: Place::Whole, columns: &columns, has_names: true, choice };
+        let layout: Layout = table.layout()?;
+        let mut loaded: Vec<Vec<f64>> = Vec::new();
+        for slot in &layout.slots {
+            let array = &arrays[slot.column];
+            let column = self.load(array, slot.item, columns[slot.column].items)?;
+            if let Some(first) = loaded.first()
+                && first.len() != column.len()
+            {
+                let first_name = &arrays[layout.slots[0].column].name;
+                let expected = format!("{} numbers as in {}", first.len(), shortened(first_name));
+                let got = format!("{} in {}", column.len(), shortened(&array.name));
+                return Err(layout_error(path, &expected, got));
+            }
+            loaded.push(column);
+        }
+        let mut points = PointCollector::new(path, layout, self.options);
+        for index in 0..loaded[0].len() {
+            points.row(Place::Row(index), |slot| Cell::Number(loaded[slot][index]))?;
+        }
+        points.finish()
+    }
+
+    /// Returns one of `width` numbers of every row of an array.
+    fn load(&mut self, array: &Shape, column: usize, width: usize) -> Result<Vec<f64>, FileError> {
+        let path = self.path;
+        let name = format!("{path}: {}", array.name);
+        let Some(item) = array.item else {
+            return Err(layout_error(&name, "an array of numbers", "another type".to_owned()));
+        };
+        let entry = self.archive.by_index(array.index).map_err(|error| zip_error(path, &error))?;
+        let mut numbers = Vec::new();
+        let mut guard = MemoryGuard::default();
+        let size = item.size();
+        NpyReader::new(entry, &name)?.for_each_row(size, size * width, |_, row| {
+            numbers.push(item.number(&row[column * size..][..size]));
+            guard.check(&name, "the array", 8 * numbers.len() as u64)
+        })?;
+        Ok(numbers)
+    }
+}
+
+fn zip_error(path: &str, error: &ZipError) -> FileError {
+    layout_error(path, "an NPZ file, a zip archive of arrays", format!("an error ({error})"))
+}
+
+fn layout_error(path: &str, expected: &str, got: String) -> FileError {
+    FileError::Layout {
+        path: path.to_owned(),
+        place: Place::Whole,
+        expected: expected.to_owned(),
+        got,
+    }
+}
