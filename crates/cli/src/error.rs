@@ -49,7 +49,9 @@ impl CliError {
 impl From<FileError> for CliError {
     fn from(error: FileError) -> Self {
         match error {
-            FileError::UnknownExtension { .. } => Self::usage(error),
+            FileError::UnknownExtension { .. } | FileError::UnknownChannel { .. } => {
+                Self::usage(error)
+            }
             FileError::Write { source, .. } if source.kind() == io::ErrorKind::BrokenPipe => {
                 Self::ClosedPipe
             }

@@ -1,17 +1,23 @@
 //! Integrands as they are named on the command line.
 
+pub(crate) mod environment;
 mod expression;
+mod healpix_map;
 mod term;
 
 use sphvar_samplers::Domain;
 use sphvar_variance::Integrand;
 
 use crate::error::CliError;
+use crate::report::say;
 
 /// The names and their parameters, for help texts.
 pub(crate) const FORMS: &str = "ylm:l=4,m=0 | cap:degrees=60 | double-cap:degrees=60 | \
      half-space[:height=0] | vmf:kappa=10 | phong:n=20 | cosine | abs-cosine | \
-     env:FILE[,channel=luminance|r|g|b] (EXR or HDR, 2:1) | map:FILE[,field=0] (HEALPix map in FITS); \
+     env:FILE[,channel=luminance|r|g|b|NAME][,layer=NAME][,projection=latlong|octahedral]\
+     [,up=z|y|x|-z|-y|-x][,mirror=no|yes][,turn=DEGREES] (EXR or HDR) | \
+     map:FILE[,field=0|NAME][,hdu=1|NAME][,missing=0|mean] (HEALPix map in FITS); names of files with commas or \
+     operators in quotes, file=\"a,b.exr\"; \
      combined with blanks around by \" + \", \" - \", \" * \" and numbers, and turned by \" @ THETA/PHI\" or \
      \" @ THETA/PHI/PSI\" in degrees, which carries +z there after a turn by PSI: \
      \"cap:degrees=30 @ 40/10 + 0.5 * vmf:kappa=10\"";
@@ -27,9 +33,12 @@ pub(crate) struct NamedIntegrand {
     pub(crate) function: Box<dyn Integrand>,
 }
 
-/// The integrand of one expression; reads the files that it names.
-pub(crate) fn parse_integrand(text: &str) -> Result<NamedIntegrand, CliError> {
-    let function = expression::parse(text)?;
+/// The integrand of one expression; reads the files that it names and says what is remarkable of them, unless
+/// `quiet`.
+pub(crate) fn parse_integrand(text: &str, quiet: bool) -> Result<NamedIntegrand, CliError> {
+    let mut remarks = Vec::new();
+    let function = expression::parse(text, &mut remarks)?;
+    remarks.iter().for_each(|remark| say(quiet, remark));
     Ok(NamedIntegrand { name: text.to_owned(), function })
 }
 

@@ -1,7 +1,19 @@
 //! The one grammar for samplers, integrands and profiles: `name` or `name:item,item`, where an item
 //! is `key=value` or, first of all, a bare value.
+//!
+//! A value may stand in double quotes, `file="a,b.exr"`; then nothing in it is an operator or separator, and
+//! `\"`, `\\` and `\xHH` are a quote, a backslash and the byte HH.
+
+mod quoted;
+
+use std::ffi::OsString;
+use std::path::PathBuf;
+
+use clap::builder::{MapValueParser, OsStringValueParser, TypedValueParser};
 
 use crate::error::CliError;
+
+pub(crate) use quoted::{find_outside, split_outside};
 
 /// A name with its parameters, as it was written.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -10,22 +22,28 @@ pub(crate) struct Spec {
     pub(crate) text: String,
     /// What is in front of the colon.
     pub(crate) name: String,
-    /// Parameters that have not been taken yet; a bare value has the key "".
-    items: Vec<(String, String)>,
+    /// Parameters that have not been taken yet; a bare value has the key "". Values are bytes, since names of
+    /// files need not be UTF-8.
+    items: Vec<(String, Vec<u8>)>,
+}
+
+/// Returns a reader of arguments with specifications, whose file names may be any bytes: what is not UTF-8
+/// comes as quoted values with `\xHH`.
+pub(crate) fn argument() -> MapValueParser<OsStringValueParser, fn(OsString) -> String> {
+    OsStringValueParser::new().map(|argument| quoted::argument_text(&argument))
 }
 
 impl Spec {
     /// Reads one specification.
     pub(crate) fn parse(text: &str) -> Result<Self, CliError> {
-        let (name, rest) = text.split_once(':').unwrap_or((text, ""));
+        let name = text.split(':').next().unwrap_or_default();
         if name.is_empty() {
             return Err(CliError::Usage(format!("\"{text}\" has no name in front of the colon")));
         }
-        let mut items: Vec<(String, String)> = Vec::new();
-        for (i, item) in rest.split(',').filter(|item| !item.is_empty()).enumerate() {
-            let is_key = |key: &str| key.chars().all(|c| c.is_ascii_alphanumeric() || c == '-');
-            // A path may contain an equals sign; a key contains neither slashes nor dots.
-            let (key, value) = match item.split_once('=').filter(|(key, _)| is_key(key)) {
+        let mut items: Vec<(String, Vec<u8>)> = Vec::new();
+        for (i, range) in quoted::items(text).into_iter().enumerate() {
+            let item = &text[range.clone()];
+            let (key, value) = match quoted::split_key(item) {
                 Some((key, value)) => (key, value),
                 None if i == 0 => ("", item),
                 None => {
@@ -35,7 +53,12 @@ impl Spec {
             if items.iter().any(|(k, _)| k == key) {
                 return Err(CliError::Usage(format!("{text}: {key} is given twice")));
             }
-            items.push((key.to_owned(), value.to_owned()));
+            let start = range.end - value.len();
+            let value = quoted::unquote(value).map_err(|wrong| {
+                let place = text[..start + wrong.at].chars().count() + 1;
+                CliError::Usage(format!("{text}: at character {place}: {}", wrong.what))
+            })?;
+            items.push((key.to_owned(), value));
         }
         Ok(Self { text: text.to_owned(), name: name.to_owned(), items })
     }
@@ -44,9 +67,9 @@ impl Spec {
     /// specification before it, as in `poisson-disk:radius=2,mode=exact,jittered`.
     pub(crate) fn parse_list(text: &str) -> Result<Vec<Self>, CliError> {
         let mut specs: Vec<String> = Vec::new();
-        for piece in text.split(',').map(str::trim) {
+        for piece in split_outside(text, ",").into_iter().map(str::trim) {
             match specs.last_mut() {
-                Some(last) if piece.contains('=') && !piece.contains(':') => {
+                Some(last) if quoted::split_key(piece).is_some() => {
                     last.push(',');
                     last.push_str(piece);
                 }
@@ -58,8 +81,17 @@ impl Spec {
 
     /// Takes the text of a parameter, or the bare value with the key "".
     pub(crate) fn take(&mut self, key: &str) -> Option<String> {
+        Some(String::from_utf8_lossy(&self.take_bytes(key)?).into_owned())
+    }
+
+    fn take_bytes(&mut self, key: &str) -> Option<Vec<u8>> {
         let at = self.items.iter().position(|(k, _)| k == key)?;
         Some(self.items.remove(at).1)
+    }
+
+    /// Takes the path of a parameter, or of the bare value with the key "".
+    pub(crate) fn take_path(&mut self, key: &str) -> Option<PathBuf> {
+        self.take_bytes(key).map(quoted::path)
     }
 
     /// Takes a parameter as a number.
@@ -118,6 +150,7 @@ impl Spec {
         let Some((key, value)) = self.items.into_iter().next() else {
             return Ok(());
         };
+        let value = String::from_utf8_lossy(&value);
         let what =
             if key.is_empty() { format!("the value \"{value}\"") } else { format!("\"{key}\"") };
         let known = if known.is_empty() { "none".to_owned() } else { known.join(", ") };
@@ -155,6 +188,42 @@ mod tests {
         assert_eq!(spec.take("").as_deref(), Some("data/a=b.exr"));
         let mut spec = Spec::parse("env:data/city.exr,channel=r").unwrap();
         assert_eq!(spec.take("").as_deref(), Some("data/city.exr"));
+    }
+
+    #[test]
+    fn quoted_values_hold_separators_and_bytes() {
+        for (text, key, value) in [
+            (r#"env:"a,b.exr""#, "", &b"a,b.exr"[..]),
+            (r#"env:file="a,b=c + d.exr",channel=r"#, "file", b"a,b=c + d.exr"),
+            (r#"map:field=2,file="x=1.fits""#, "file", b"x=1.fits"),
+            (r#"env:"a\"bÿ,.exr""#, "", b"a\\\"b\xff,.exr"),
+            (r#"env:"""#, "", b""),
+            // Only at its start does a value become quoted.
+            (r#"env:a"b.exr"#, "", b"a\"b.exr"),
+            (r#"env:C:\x.exr"#, "", b"C:\\x.exr"),
+        ] {
+            let mut spec = Spec::parse(text).unwrap();
+            assert_eq!(spec.take_bytes(key).as_deref(), Some(value), "{text}");
+        }
+        let specs = Spec::parse_list(r#"a:f="x,y",b=2,c"#).unwrap();
+        let texts: Vec<_> = specs.iter().map(|s| s.text.as_str()).collect();
+        assert_eq!(texts, [r#"a:f="x,y",b=2"#, "c"]);
+    }
+
+    #[test]
+    fn mistakes_in_quotes_have_a_place() {
+        for (text, parts) in [
+            (r#"env:"a,b.exr"#, ["character 5", "not closed"]),
+            (r#"env:"a"b"#, ["character 8", "expected a comma"]),
+            (r#"env:"a\q""#, ["character 7", r#"\q"#]),
+            (r#"env:channel=r,file="\x4g""#, ["character 21", r#"\x"#]),
+            (r#"env:"\"#, ["character 6", "escape"]),
+        ] {
+            let message = Spec::parse(text).unwrap_err().to_string();
+            for part in parts {
+                assert!(message.contains(part), "{text}: {message}");
+            }
+        }
     }
 
     #[test]

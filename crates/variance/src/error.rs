@@ -78,8 +78,16 @@ pub enum Error {
         /// Rows.
         height: usize,
     },
+    /// An octahedral map is not square.
+    #[error("an octahedral map must be square (width = height), got {width} x {height}")]
+    Square {
+        /// Texels in a row.
+        width: usize,
+        /// Rows.
+        height: usize,
+    },
     /// An environment map has another number of texels than its size says.
-    #[error("a map of {width} x {height} has {} texels, got {got}", width * height)]
+    #[error("a map of {width} x {height} has {} texels, got {got}", width.saturating_mul(*height))]
     TexelCount {
         /// Texels in a row.
         width: usize,

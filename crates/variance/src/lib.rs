@@ -62,7 +62,7 @@ pub use error::Error;
 pub use integrand::Integrand;
 pub use integrands::{
     AbsCosine, Cap, ClampedCosine, DoubleCap, EnvironmentMap, Harmonic, HealpixMap, PhongLobe,
-    Product, Rotated, SampledFunction, Sum, VonMisesFisher,
+    PictureLayout, Product, Projection, Rotated, SampledFunction, Sum, VonMisesFisher,
 };
 pub use known_spectrum::{is_spectrum_known, known_spectrum};
 pub use measurement::{BiasTest, Measurement, measure};

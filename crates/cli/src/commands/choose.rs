@@ -24,6 +24,7 @@ use crate::memory::check_memory;
 use crate::patterns::parse_patterns;
 use crate::progress::Progress;
 use crate::report::check_result;
+use crate::spec::argument;
 
 pub(crate) const EXAMPLES: &str = "Examples:
   sphvar choose --integrand env:data/city.exr --error 1%
@@ -37,7 +38,7 @@ A set's seconds are measured on one core, the median of up to five.";
 
 #[derive(Debug, Args)]
 pub(crate) struct ChooseArgs {
-    #[arg(long, help = format!("Integrand: {FORMS}"))]
+    #[arg(long, value_parser = argument(), help = format!("Integrand: {FORMS}"))]
     pub(crate) integrand: String,
     /// The standard error wanted, relative to the integral: 1% or 0.01; above 50 % with a % sign
     #[arg(long, value_name = "E", required_unless_present = "points", conflicts_with = "points")]
@@ -77,7 +78,7 @@ pub(crate) fn run(args: &ChooseArgs, global: &Global) -> Result<(), CliError> {
     if let Some(path) = &args.out {
         check_result(path, true)?;
     }
-    let integrand = parse_integrand(&args.integrand)?;
+    let integrand = parse_integrand(&args.integrand, global.quiet)?;
     let domain = super::domain(args.hemisphere);
     check_domain(&integrand, domain)?;
     if let Some(cost) = args.cost_per_sample

@@ -19,6 +19,7 @@ use crate::plots::{Chart, Scale, Series, Style};
 use crate::report::{
     Provenance, csv, full, is_stdout, print, print_json, say, short, table, write_text,
 };
+use crate::spec::argument;
 
 pub(crate) const EXAMPLES: &str = "Examples:
   sphvar compare
@@ -41,7 +42,7 @@ pub(crate) struct CompareArgs {
         value_name = "N"
     )]
     pub(crate) points: Counts,
-    #[arg(long, default_value = integrands::CITY, help = format!("Integrand: {FORMS}"))]
+    #[arg(long, value_parser = argument(), default_value = integrands::CITY, help = format!("Integrand: {FORMS}"))]
     pub(crate) integrand: String,
     #[command(flatten)]
     pub(crate) effort: EffortArgs,
@@ -97,7 +98,7 @@ pub(crate) fn run(args: &CompareArgs, global: &Global) -> Result<(), CliError> {
                 .to_owned(),
         ));
     }
-    let integrand = parse_integrand(&args.integrand)?;
+    let integrand = parse_integrand(&args.integrand, global.quiet)?;
     let domain = super::domain(args.effort.hemisphere);
     let listed = match &args.samplers {
         Some(list) => parse_patterns(list)?,

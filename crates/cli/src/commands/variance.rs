@@ -18,6 +18,7 @@ use crate::plots::{Chart, ImageFormat};
 use crate::report::{
     Provenance, check_result, csv, is_stdout, print, print_json, table, write_result,
 };
+use crate::spec::argument;
 
 pub(crate) const EXAMPLES: &str = "Examples:
   sphvar variance jittered,white-noise -n 192,768 --integrand cap:degrees=60 -m 2000
@@ -38,7 +39,7 @@ pub(crate) struct VarianceArgs {
     /// Numbers of points: 192,768 or 16..1024 for doubling
     #[arg(short = 'n', long = "points", required = true, value_name = "N")]
     pub(crate) points: Counts,
-    #[arg(long, help = format!("Integrand: {FORMS}"))]
+    #[arg(long, value_parser = argument(), help = format!("Integrand: {FORMS}"))]
     pub(crate) integrand: String,
     #[command(flatten)]
     pub(crate) effort: EffortArgs,
@@ -74,7 +75,7 @@ pub(crate) fn run(args: &VarianceArgs, global: &Global) -> Result<(), CliError> 
             return Err(CliError::Usage(message.to_owned()));
         }
     }
-    let integrand = parse_integrand(&args.integrand)?;
+    let integrand = parse_integrand(&args.integrand, global.quiet)?;
     let domain = super::domain(args.effort.hemisphere);
     let mut cases = Vec::new();
     for pattern in parse_patterns(&args.samplers)? {

@@ -129,12 +129,22 @@ pub(crate) enum FileError {
         available: String,
     },
     /// An image is damaged or of a kind that is not read here.
-    #[error("cannot read {path} as an EXR or HDR image: {source}")]
+    #[error("cannot read {path} as an EXR or HDR image: {reason}")]
     Image {
         /// The path as the user wrote it.
         path: String,
-        /// The reason that the decoder gave.
-        source: image::ImageError,
+        /// What is wrong with it.
+        reason: String,
+    },
+    /// An image has no such channel.
+    #[error("{path}: unknown channel \"{channel}\"; there is: {known}")]
+    UnknownChannel {
+        /// The path as the user wrote it.
+        path: String,
+        /// What was asked for.
+        channel: String,
+        /// What there is.
+        known: String,
     },
     /// A file without a single point.
     #[error("{path}: no points: expected at least one direction")]

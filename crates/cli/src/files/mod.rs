@@ -17,8 +17,8 @@ mod text_rows;
 
 pub(crate) use atomic::AtomicFile;
 pub(crate) use file_error::{FileError, Place};
-pub(crate) use fits::{HduChoice, read_fits_map};
-pub(crate) use image::{Channel, decode_image, read_image};
+pub(crate) use fits::{FitsField, FitsMap, HduChoice, read_fits_map};
+pub(crate) use image::{ChannelChoice, decode_image, read_image};
 pub(crate) use input::read_whole;
 pub(crate) use lists::{Columns, Fault, ListWriter, Number, Written, read_list};
 pub(crate) use picture::{Picture, PictureFormat, srgb, write_png};

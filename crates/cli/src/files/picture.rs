@@ -161,7 +161,7 @@ fn single(x: f64) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::{Path, Picture, PictureFormat, srgb};
-    use crate::files::{Channel, read_image};
+    use crate::files::{ChannelChoice, read_image};
 
     #[test]
     fn greys_are_those_of_the_standard() {
@@ -186,7 +186,8 @@ mod tests {
         let picture = Picture { width: 3, height: 2, values: &values };
         let path = folder.path().join("p.exr");
         picture.write(&path, &|_| [0; 3], "a remark").unwrap();
-        let got = read_image(&path, Channel::Red).unwrap();
+        let red = ChannelChoice { channel: Some("r".to_owned()), layer: None };
+        let got = read_image(&path, &red).unwrap();
         assert_eq!((got.width, got.height), (3, 2));
         for (a, b) in got.values.iter().zip(values) {
             // Rounded to 24 bits.

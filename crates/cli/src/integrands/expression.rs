@@ -1,33 +1,31 @@
 //! Sums, products and rotations of integrands.
 //!
 //! `+` and `-` bind least, then `*`, then `@`; each has blanks around it, so that neither numbers nor names
-//! of files are torn apart.
-
-use std::path::Path;
+//! of files are torn apart. Quoted names of files may contain operators.
 
 use sphvar_variance::{Cap, Integrand, Product, Rotated, Sum};
 
 use super::term;
 use crate::error::CliError;
-use crate::spec::Spec;
+use crate::spec::{Spec, find_outside, split_outside};
 
 /// The largest number of integrands in a product: each is an object within the next, and quadratures over more
 /// factors have no end.
 const MAX_FACTORS: usize = 64;
 
-/// The integrand of an expression.
-pub(super) fn parse(text: &str) -> Result<Box<dyn Integrand>, CliError> {
+/// The integrand of an expression; what a user should know of its files goes to `remarks`.
+pub(super) fn parse(text: &str, remarks: &mut Vec<String>) -> Result<Box<dyn Integrand>, CliError> {
     if names_a_file(text) {
-        return term::parse(text);
+        return term::parse(text, remarks);
     }
     let mut summands = Vec::new();
     let (mut sign, mut rest) = (1.0, text);
-    while let Some((at, next)) = first_of(rest, [" + ", " - "]) {
-        summands.push(summand(sign, &rest[..at], text)?);
-        sign = if &rest[at..at + 3] == " + " { 1.0 } else { -1.0 };
-        rest = next;
+    while let Some((at, operator)) = find_outside(rest, &[" + ", " - "]) {
+        summands.push(summand(sign, &rest[..at], text, remarks)?);
+        sign = if operator == " + " { 1.0 } else { -1.0 };
+        rest = &rest[at + operator.len()..];
     }
-    summands.push(summand(sign, rest, text)?);
+    summands.push(summand(sign, rest, text, remarks)?);
     // A single integrand without a weight stays itself.
     let plain = summands.len() == 1 && summands[0].0.to_bits() == 1f64.to_bits();
     if let Some((_, single)) = summands.pop_if(|_| plain) {
@@ -44,23 +42,22 @@ pub(super) fn parse(text: &str) -> Result<Box<dyn Integrand>, CliError> {
 fn names_a_file(text: &str) -> bool {
     let file = Spec::parse(text).ok().and_then(|mut spec| {
         matches!(spec.name.as_str(), "env" | "map")
-            .then(|| spec.take("").or_else(|| spec.take("file")))
+            .then(|| spec.take_path("").or_else(|| spec.take_path("file")))
     });
-    file.flatten().is_some_and(|file| Path::new(&file).is_file())
-}
-
-/// The first of two operators, and what is behind it.
-fn first_of<'a>(text: &'a str, operators: [&str; 2]) -> Option<(usize, &'a str)> {
-    let at = operators.iter().filter_map(|o| text.find(o)).min()?;
-    Some((at, &text[at + operators[0].len()..]))
+    file.flatten().is_some_and(|file| file.is_file())
 }
 
 /// The weight and the function of a summand: a product of numbers and rotated terms.
-fn summand(sign: f64, text: &str, whole: &str) -> Result<(f64, Box<dyn Integrand>), CliError> {
+fn summand(
+    sign: f64,
+    text: &str,
+    whole: &str,
+    remarks: &mut Vec<String>,
+) -> Result<(f64, Box<dyn Integrand>), CliError> {
     let mut weight = sign;
     let mut product: Option<Box<dyn Integrand>> = None;
     let mut factors = 0;
-    for factor in text.split(" * ").map(str::trim) {
+    for factor in split_outside(text, " * ").into_iter().map(str::trim) {
         if factor.is_empty() {
             return Err(CliError::Usage(format!(
                 "\"{whole}\": there is no integrand on one side of an operator"
@@ -76,7 +73,7 @@ fn summand(sign: f64, text: &str, whole: &str) -> Result<(f64, Box<dyn Integrand
                 "a product has at most {MAX_FACTORS} integrands; this one has more"
             )));
         }
-        let function = rotated(factor)?;
+        let function = rotated(factor, remarks)?;
         product = Some(match product {
             Some(before) => Box::new(Product::new(before, function)),
             None => function,
@@ -91,9 +88,9 @@ fn summand(sign: f64, text: &str, whole: &str) -> Result<(f64, Box<dyn Integrand
 }
 
 /// A term with the rotations behind it.
-fn rotated(text: &str) -> Result<Box<dyn Integrand>, CliError> {
-    let mut pieces = text.split(" @ ").map(str::trim);
-    let function = term::parse(pieces.next().unwrap_or_default())?;
+fn rotated(text: &str, remarks: &mut Vec<String>) -> Result<Box<dyn Integrand>, CliError> {
+    let mut pieces = split_outside(text, " @ ").into_iter().map(str::trim);
+    let function = term::parse(pieces.next().unwrap_or_default(), remarks)?;
     // Chained rotations are one.
     let mut angles_of = pieces.map(|piece| {
         angles(piece).ok_or_else(|| {

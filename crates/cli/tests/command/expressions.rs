@@ -108,6 +108,133 @@ fn maps_are_functions() {
     assert_eq!(status, Some(2));
 }
 
+#[test]
+fn maps_may_be_partial_compressed_and_chosen() {
+    let place = Workplace::new();
+    let data = |name: &str| format!("map:{}/tests/data/{name}", env!("CARGO_MANIFEST_DIR"));
+    let exact = |integrand: &str, more: &str| {
+        row(&place, integrand, more)["exact"].as_f64().unwrap() / (4.0 * PI)
+    };
+    // Means and the ring order of `benches/peers/map_variants.py`.
+    for (integrand, more, mean) in [
+        (data("odd.fits.gz"), "", 53.5),
+        (format!("{},missing=0", data("explicit.fits")), "", 26.700520833333332),
+        (format!("{},missing=mean", data("explicit.fits")), "", 51.265),
+        // 1227 in the rings above the equator and 424.5 on it.
+        (
+            format!("{},missing=0", data("explicit.fits")),
+            "--hemisphere",
+            (1227.0 + 0.5 * 424.5) / 192.0,
+        ),
+        (format!("{},field=MASK", data("mixed.fits[2]")), "", 1.0 / 3.0),
+        (format!("{},field=counts,hdu=MAP,missing=0", data("mixed.fits")), "", 1963.5 / 192.0),
+        (format!("{},missing=mean", data("implicit_part.fits")), "", 59.5),
+    ] {
+        let got = exact(&integrand, more);
+        assert!((got - mean).abs() < 1e-12 * mean, "{integrand}: {got}, not {mean}");
+    }
+    let command =
+        format!("variance white-noise -n 12 -m 4 --integrand {},missing=0", data("explicit.fits"));
+    let remark = "92 of 192 pixels have no value and are taken for 0";
+    assert!(place.run(&command).ok().stderr.contains(remark));
+    assert!(!place.run(&format!("{command} --quiet")).ok().stderr.contains(remark));
+    for (options, parts) in [
+        ("", &["92 of the map's pixels", "missing=0 or missing=mean"][..]),
+        (",missing=1", &["missing of map", "0, mean"]),
+        (",field=3", &["a field below 2", "SIGNAL, N_OBS"]),
+        (",hdu=7", &["HDU 7", "[1] table"]),
+    ] {
+        let (message, _) = refusal(&place, &format!("{}{options}", data("explicit.fits")), "");
+        for part in parts {
+            assert!(message.contains(part), "{options}: {message}");
+        }
+    }
+}
+
+/// Orientation changes the function, not its integral; `render` and directions see it.
+#[test]
+fn environment_maps_have_options() {
+    let place = Workplace::new();
+    place.write("sky.exr", small_exr(16, 8));
+    let value = |integrand: &str, more: &str| row(&place, integrand, more);
+    let plain = value("env:sky.exr", "");
+    for options in ["mirror=yes", "turn=33", "up=y", "up=-x,turn=-5,mirror=yes", "up=z,channel=r"] {
+        let other = value(&format!("env:sky.exr,{options}"), "");
+        let (a, b) = (plain["exact"].as_f64().unwrap(), other["exact"].as_f64().unwrap());
+        assert!((a - b).abs() < 1e-6 * a, "{options}: {a} {b}");
+    }
+    let upper = |integrand: &str| value(integrand, "--hemisphere")["exact"].as_f64().unwrap();
+    let bright_below = upper("env:sky.exr,up=-z");
+    let sum = plain["exact"].as_f64().unwrap();
+    assert!((bright_below + upper("env:sky.exr") - sum).abs() < 1e-6 * sum);
+    assert!(bright_below > upper("env:sky.exr"));
+    for (options, parts) in [
+        ("up=w", &["unknown up axis \"w\"", "z, y, x, -z, -y, -x"][..]),
+        ("mirror=maybe", &["mirror of env", "no, yes"]),
+        ("turn=inf", &["turn must be a finite number"]),
+        ("projection=cube", &["projection of env", "latlong, octahedral"]),
+        ("projection=octahedral", &["must be square", "16 x 8"]),
+        ("tilt=3", &["\"tilt\" is no parameter", "mirror, turn"]),
+    ] {
+        let (message, _) = refusal(&place, &format!("env:sky.exr,{options}"), "");
+        for part in parts {
+            assert!(message.contains(part), "{options}: {message}");
+        }
+    }
+}
+
+#[test]
+fn quoted_names_hold_anything() {
+    let place = Workplace::new();
+    place.write("a,b=c + d * e @ f.exr", small_exr(8, 4));
+    let quoted = "\"a,b=c + d * e @ f.exr\"";
+    let one = row(&place, &format!("env:{quoted}"), "")["exact"].as_f64().unwrap();
+    let many = format!("2 * env:file={quoted},channel=r @ 40/10 - env:{quoted} + cap:degrees=60");
+    let got = row(&place, &many, "")["exact"].as_f64().unwrap();
+    assert!((got - one - PI).abs() < 1e-5 * one, "{got} {one}");
+    place.write(
+        "x=1.fits",
+        std::fs::read(format!("{}/tests/data/two_fields.fits", env!("CARGO_MANIFEST_DIR")))
+            .unwrap(),
+    );
+    let got = row(&place, "map:file=\"x=1.fits\",field=1", "")["exact"].as_f64().unwrap();
+    assert!((got + 4.0 * PI * 95.5).abs() < 1e-4);
+    let (message, status) = refusal(&place, "cosine + env:\"a,b", "");
+    assert!(message.contains("the quote is not closed"), "{message}");
+    assert_eq!(status, Some(2));
+}
+
+/// Names of files need not be UTF-8.
+#[cfg(target_os = "linux")]
+#[test]
+fn names_of_any_bytes_are_read() {
+    use std::os::unix::ffi::OsStrExt;
+
+    let place = Workplace::new();
+    let name = std::ffi::OsStr::from_bytes(b"sky\xff,1.exr");
+    std::fs::write(place.path(name), small_exr(8, 4)).unwrap();
+    std::fs::write(place.path(std::ffi::OsStr::from_bytes(b"sky\xff.exr")), small_exr(8, 4))
+        .unwrap();
+    for (argument, shown) in [
+        (&b"--integrand=env:\"sky\xff,1.exr\""[..], "env:\"sky\\xff,1.exr\""),
+        (b"--integrand=env:sky\xff.exr,channel=r", "env:\"sky\\xff.exr\",channel=r"),
+        // As it is shown it can be given.
+        (b"--integrand=env:\"sky\\xff.exr\"", "env:\"sky\\xff.exr\""),
+    ] {
+        let mut command = place.command("variance white-noise -n 12 -m 4 --json");
+        let output = command.arg(std::ffi::OsStr::from_bytes(argument)).output().unwrap();
+        let message = String::from_utf8_lossy(&output.stderr);
+        assert!(output.status.success(), "{shown}: {message}");
+        let document: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+        assert_eq!(document["rows"][0]["integrand"], shown);
+    }
+    let mut command = place.command("render cornell --sampler jittered -n 24 --size 4 -o p.exr");
+    let integral =
+        std::ffi::OsStr::from_bytes(b"--integral=irradiance:env=sky\xff.exr,turn=90,mirror=yes");
+    let output = command.arg(integral).output().unwrap();
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+}
+
 /// Whatever could be a file's name before is one still.
 #[test]
 fn names_of_files_may_look_like_expressions() {

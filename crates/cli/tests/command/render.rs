@@ -185,6 +185,52 @@ fn light_and_skies() {
     assert!(wide > 0.99 && cosine > 0.99, "nothing stands above it: {wide} {cosine}");
 }
 
+/// A quarter of the sky is bright: where the emitter `envmap` of Mitsuba 3 has the columns from 1/4 to 1/2, between +x
+/// and +z with y up, as pictures that it rendered show. A wall receives pi/2 (sin b - sin a) from longitudes a to b off
+/// its normal, and sends back that over pi.
+#[test]
+fn the_sky_lies_as_in_other_renderers() {
+    let place = Workplace::new();
+    let sky = image::Rgb32FImage::from_fn(64, 32, |x, _| {
+        image::Rgb([if (16..32).contains(&x) { 1.0 } else { 0.0 }; 3])
+    });
+    sky.save_with_format(place.path("sky.exr"), image::ImageFormat::OpenExr).unwrap();
+    let mut cube = String::new();
+    for k in 0..8 {
+        let side = |bit: i32| if k & bit == 0 { -1 } else { 1 };
+        cube.push_str(&format!("v {} {} {}\n", side(1), side(2), side(4)));
+    }
+    cube.push_str("f 1 5 7 3\nf 2 4 8 6\nf 1 2 6 5\nf 3 7 8 4\nf 1 3 4 2\nf 5 6 8 7\n");
+    place.write("cube.obj", cube);
+    let wall = |eye: &str, options: &str| {
+        let integral = format!("--integral irradiance:env=sky.exr{options} --fov 30");
+        let arguments = format!(
+            "render cube.obj --eye={eye} --look-at 0,0,0 --sampler fibonacci -n 4096 {integral}"
+        );
+        let more = "-m 2 --json --size 4 --reference-n 600 --cache none";
+        number(&place.run(&format!("{arguments} {more}")).json(), "mean")
+    };
+    for (options, bright, dark) in [
+        ("", ["4,0,0", "0,0,4"], ["-4,0,0", "0,0,-4"]),
+        // The other way round, -z comes in place of z.
+        (",mirror=yes", ["4,0,0", "0,0,-4"], ["-4,0,0", "0,0,4"]),
+        // Counterclockwise as seen from above: from +x to -z.
+        (",turn=90", ["0,0,-4", "4,0,0"], ["0,0,4", "-4,0,0"]),
+        (",turn=180", ["-4,0,0", "0,0,-4"], ["4,0,0", "0,0,4"]),
+        // As if z were up: the quarter lies between +x and -y, which the floor sees too.
+        (",up=z", ["4,0,0", "4,0,0"], ["-4,0,0", "-4,0,0"]),
+    ] {
+        for eye in bright {
+            let got = wall(eye, options);
+            assert!((got - 0.5).abs() < 0.01, "{options} {eye}: {got}");
+        }
+        for eye in dark {
+            let got = wall(eye, options);
+            assert!(got < 0.01, "{options} {eye}: {got}");
+        }
+    }
+}
+
 #[test]
 fn a_study_has_rows_rates_and_crossovers() {
     let place = Workplace::new();

@@ -12,8 +12,11 @@ use crate::{Circle, Coefficients, Error, Integrand, Shape, quadrature};
 /// An equirectangular map of a scalar, W = 2H texels: the light that comes from each direction.
 ///
 /// Row 0 is at the north pole; texel (row i, column j) has its centre at theta = pi (i + 1/2)/H,
-/// phi = 2 pi (j + 1/2)/W. Between centres the map is bilinear in (theta, phi), wrapped in phi and
-/// constant in theta beyond the first and last row.
+/// phi = `first_longitude` + 2 pi (j + 1/2)/W, with 0 for the first unless
+/// [`with_first_longitude`](Self::with_first_longitude) says otherwise. Columns run eastwards, as
+/// in a map of the Earth; [`from_picture`](Self::from_picture) takes pictures, in which they run
+/// westwards. Between centres the map is bilinear in (theta, phi), wrapped in phi and constant in
+/// theta beyond the first and last row.
 ///
 /// Integral and energies are those of this bilinear function, not of its texels as samples: the
 /// Fourier integral over phi is exact in closed form, the integral over theta is Gauss-Legendre
@@ -23,6 +26,8 @@ pub struct EnvironmentMap {
     height: usize,
     width: usize,
     texels: Vec<f64>,
+    /// The longitude of the left edge of column 0.
+    first_longitude: f64,
 }
 
 /// A node of the quadrature over theta.
@@ -46,13 +51,25 @@ impl EnvironmentMap {
         if height == 0 || width != 2 * height {
             return Err(Error::Shape { width, height });
         }
-        if texels.len() != width * height {
+        Self::check_texels(width, height, &texels)?;
+        Ok(Self { height, width, texels, first_longitude: 0.0 })
+    }
+
+    /// Checks the number of texels and that all are finite.
+    pub(super) fn check_texels(width: usize, height: usize, texels: &[f64]) -> Result<(), Error> {
+        if width.checked_mul(height) != Some(texels.len()) {
             return Err(Error::TexelCount { width, height, got: texels.len() });
         }
-        if let Some(i) = texels.iter().position(|x| !x.is_finite()) {
-            return Err(Error::Texel { row: i / width, column: i % width, value: texels[i] });
+        match texels.iter().position(|x| !x.is_finite()) {
+            Some(i) => Err(Error::Texel { row: i / width, column: i % width, value: texels[i] }),
+            None => Ok(()),
         }
-        Ok(Self { height, width, texels })
+    }
+
+    /// The map with the left edge of its first column at another longitude, in radians.
+    #[must_use]
+    pub fn with_first_longitude(self, first_longitude: f64) -> Self {
+        Self { first_longitude, ..self }
     }
 
     /// The coefficients `F_lm` of the map on the sphere, or of its upper half alone, to degree
@@ -74,7 +91,8 @@ impl EnvironmentMap {
                 // A hat of half-width `texel` around each centre has the transform texel sinc^2.
                 let half = 0.5 * texel * m as f64;
                 let sinc = if m == 0 { 1.0 } else { half.sin() / half };
-                let hat = Complex::cis(-half) * (texel * sinc * sinc);
+                let phase = -half - self.first_longitude * m as f64;
+                let hat = Complex::cis(phase) * (texel * sinc * sinc);
                 let column = m % self.width;
                 for (f, node) in fourier.iter_mut().zip(&nodes) {
                     let row = |i: usize| rows[i * self.width + column];
@@ -190,7 +208,7 @@ impl Integrand for EnvironmentMap {
     )]
     fn eval(&self, dir: DVec3) -> f64 {
         let theta = dir.x.hypot(dir.y).atan2(dir.z);
-        let turns = dir.y.atan2(dir.x) / TAU;
+        let turns = (dir.y.atan2(dir.x) - self.first_longitude) / TAU;
         let y = (theta / PI * self.height as f64 - 0.5).clamp(0.0, (self.height - 1) as f64);
         let x = (turns - turns.floor()) * self.width as f64 - 0.5;
         let (i, j) = (y as usize, x.floor());
@@ -216,7 +234,8 @@ impl Integrand for EnvironmentMap {
             |i: usize| Circle { axis: DVec3::Z, angle: PI * (i as f64 + 0.5) / self.height as f64 };
         // The column half a turn on lies on the same great circle.
         let column = |j: usize| {
-            let (sin, cos) = (TAU * (j as f64 + 0.5) / self.width as f64).sin_cos();
+            let phi = self.first_longitude + TAU * (j as f64 + 0.5) / self.width as f64;
+            let (sin, cos) = phi.sin_cos();
             Circle { axis: DVec3::new(-sin, cos, 0.0), angle: FRAC_PI_2 }
         };
         let rows = (0..self.height).map(row);

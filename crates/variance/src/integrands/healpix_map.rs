@@ -104,6 +104,12 @@ impl HealpixMap {
         Self::new(nside, ringed)
     }
 
+    /// Whether a number can be the value of a pixel: finite and not the UNSEEN of healpy, -1.6375e30.
+    #[must_use]
+    pub fn is_value(value: f64) -> bool {
+        value.is_finite() && (value / UNSEEN - 1.0).abs() >= UNSEEN_TOLERANCE
+    }
+
     /// The resolution.
     #[must_use]
     pub fn nside(&self) -> Nside {
@@ -267,7 +273,7 @@ impl HealpixMap {
 
 /// Refuses values that are none.
 fn check_values(values: &[f64]) -> Result<(), Error> {
-    let is_missing = |v: &f64| !v.is_finite() || (v / UNSEEN - 1.0).abs() < UNSEEN_TOLERANCE;
+    let is_missing = |v: &f64| !HealpixMap::is_value(*v);
     match values.iter().position(is_missing) {
         Some(first) => {
             Err(Error::Pixels { count: values.iter().filter(|v| is_missing(v)).count(), first })

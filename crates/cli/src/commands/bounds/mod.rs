@@ -18,6 +18,7 @@ use crate::profiles::{ParsedProfile, parse_profile};
 use crate::report::{
     Provenance, check_result, csv, is_stdout, print, print_json, table, write_result,
 };
+use crate::spec::argument;
 
 mod chart;
 mod record;
@@ -72,7 +73,7 @@ pub(crate) struct BoundsArgs {
     /// Decay p of the worst case, energy l^-p; 2 for integrands with a jump
     #[arg(long, default_value_t = 2.0, value_name = "P")]
     pub(crate) decay: f64,
-    #[arg(long, help = format!("Bound the variance of this integrand too: {FORMS}"))]
+    #[arg(long, value_parser = argument(), help = format!("Bound the variance of this integrand too: {FORMS}"))]
     pub(crate) integrand: Option<String>,
     /// The hemisphere z >= 0
     #[arg(long)]
@@ -124,7 +125,7 @@ pub(crate) fn run(args: &BoundsArgs, global: &Global) -> Result<(), CliError> {
     }
     let measured = Measured::of_args(args, domain, global)?;
     let n_points = measured.as_ref().map_or(args.points.unwrap_or(0), |m| m.n_points);
-    let consequences = Consequences::new(args, domain, n_points)?;
+    let consequences = Consequences::new(args, domain, n_points, global.quiet)?;
     let (mut records, mut none, mut thesis) = (Vec::new(), Vec::new(), Vec::new());
     match (&measured, &parsed) {
         (Some(measured), Some(parsed)) => {

@@ -56,11 +56,12 @@ impl Consequences {
         args: &BoundsArgs,
         domain: Domain,
         n_points: usize,
+        quiet: bool,
     ) -> Result<Self, CliError> {
         let energy = match &args.integrand {
             None => None,
             Some(text) => {
-                let integrand = parse_integrand(text)?;
+                let integrand = parse_integrand(text, quiet)?;
                 check_domain(&integrand, domain)?;
                 let lmax = integrand
                     .function

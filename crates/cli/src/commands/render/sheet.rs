@@ -69,7 +69,7 @@ pub(super) fn run(args: &RenderArgs, panels: &str, global: &Global) -> Result<()
             wishes.push(wish(args, &spec.text, n, global.seed)?);
         }
     }
-    let stage = args.stage.stage(USUAL_SIZE)?;
+    let stage = args.stage.stage(USUAL_SIZE, global.quiet)?;
     let region = stage.view()?.region();
     check_memory("the sheet", ContactSheet::bytes([region.width, region.height], wishes.len()))?;
     let mut most = 0;

@@ -112,7 +112,7 @@ pub(super) fn run(args: &RenderArgs, global: &Global) -> Result<(), CliError> {
     let pattern = parse_pattern(sampler)?;
     let trials = Trials::new(args, pattern, args.mode()?, count, renders, global.seed)?;
     Trials::check_sets(args, [&trials])?;
-    let stage = args.stage.stage(USUAL_SIZE)?;
+    let stage = args.stage.stage(USUAL_SIZE, global.quiet)?;
     trials.check(&stage)?;
     let reference = Reference::new(args, &stage, global)?;
     let reference = if compare {

@@ -1,21 +1,22 @@
 //! What is seen, from where, and what is integrated: the flags about the scene.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
 use glam::{DQuat, DVec3};
 use sphvar_scene::{Camera, CornellBox, Integral, Mesh, Quad, Region, Scene, View};
-use sphvar_variance::Integrand;
+use sphvar_variance::{EnvironmentMap, Integrand};
 
 use super::reference_file::fingerprint;
 use crate::error::CliError;
 use crate::files::read_whole;
-use crate::integrands::parse_integrand;
-use crate::spec::{Spec, unknown_name};
+use crate::integrands::environment::{self, Environment, to_map};
+use crate::report::say;
+use crate::spec::{Spec, argument, unknown_name};
 
 /// The names of integrals and their parameters, for help texts.
-const INTEGRALS: &str = "ao[:weight=cosine] | irradiance:env=FILE[,channel=luminance|r|g|b][,albedo=1] | \
-     light[:albedo=1]";
+const INTEGRALS: &str = "ao[:weight=cosine] | irradiance:env=FILE[,albedo=1], and the parameters of the integrand \
+     env: (channel, layer, projection, up, mirror, turn; up is --up unless given) | light[:albedo=1]";
 
 /// The field of view of a mesh, degrees.
 const USUAL_FOV: f64 = 40.0;
@@ -25,7 +26,7 @@ const USUAL_FOV: f64 = 40.0;
 pub(crate) struct StageArgs {
     /// `cornell`, or a mesh in Wavefront form (.obj, .obj.gz)
     pub(super) scene: String,
-    #[arg(long, default_value = "ao", help = format!("Integral over the hemisphere of each point: {INTEGRALS}"))]
+    #[arg(long, value_parser = argument(), default_value = "ao", help = format!("Integral over the hemisphere of each point: {INTEGRALS}"))]
     integral: String,
     /// Occluders farther away than this do not count for ao
     #[arg(long, value_name = "LENGTH", allow_negative_numbers = true)]
@@ -101,13 +102,15 @@ pub(super) struct Stage {
 /// An [`Integral`] with what it borrows.
 enum Wanted {
     Ambient { max_distance: f64, cosine: bool },
-    Irradiance { environment: Box<dyn Integrand>, to_map: DQuat, albedo: f64 },
+    Irradiance { environment: EnvironmentMap, to_map: DQuat, albedo: f64 },
     Light { light: Quad, albedo: f64 },
 }
 
 impl StageArgs {
     /// Reads the files and checks the numbers.
-    pub(super) fn stage(&self, usual_size: usize) -> Result<Stage, CliError> {
+    ///
+    /// Says what is remarkable of the files, unless `quiet`.
+    pub(super) fn stage(&self, usual_size: usize, quiet: bool) -> Result<Stage, CliError> {
         let wrong = |error: sphvar_scene::Error| CliError::usage(error);
         let up = self.up.map_or(DVec3::Y, |up| DVec3::from_array(up.0));
         let mut description = String::new();
@@ -133,7 +136,7 @@ impl StageArgs {
             }
             None => own_light,
         };
-        let (integral, words) = self.wanted(own_light, up)?;
+        let (integral, words) = self.wanted(own_light, up, quiet)?;
         description.push_str(&format!(
             "\ncamera {camera:?}\nsize {size:?} part {region:?} rays {}\n{words}",
             self.pixel_rays
@@ -198,7 +201,12 @@ impl StageArgs {
         camera.map_err(CliError::usage)
     }
 
-    fn wanted(&self, light: Option<Quad>, up: DVec3) -> Result<(Wanted, String), CliError> {
+    fn wanted(
+        &self,
+        light: Option<Quad>,
+        up: DVec3,
+        quiet: bool,
+    ) -> Result<(Wanted, String), CliError> {
         let text = &self.integral;
         let mut spec = Spec::parse(text)?;
         let mut albedo = 1.0;
@@ -235,18 +243,24 @@ impl StageArgs {
                 Ok((Wanted::Ambient { max_distance, cosine }, words))
             }
             "irradiance" => {
-                let file = spec.take("env").or_else(|| spec.take("")).ok_or_else(|| {
-                    CliError::Usage(format!("{text}: the map is missing: irradiance:env=FILE"))
-                })?;
-                let file = file.strip_prefix("env:").unwrap_or(&file).to_owned();
-                let channel = spec.take("channel");
-                spec.finish(&["env", "channel", "albedo"])?;
-                let channel = channel.map_or(String::new(), |c| format!(",channel={c}"));
-                let environment = parse_integrand(&format!("env:{file}{channel}"))?.function;
-                let up = up.try_normalize().unwrap_or(DVec3::Y);
-                let to_map = DQuat::from_rotation_arc(up, DVec3::Z);
-                let hash = fingerprint(&read_whole(Path::new(&file))?);
-                let words = format!("irradiance {hash}{channel} {albedo:e} {to_map:?}");
+                let file =
+                    spec.take_path("env").or_else(|| spec.take_path("")).ok_or_else(|| {
+                        CliError::Usage(format!("{text}: the map is missing: irradiance:env=FILE"))
+                    })?;
+                // The file may be written as it is for an integrand.
+                let file = match file.to_str().and_then(|file| file.strip_prefix("env:")) {
+                    Some(inner) if !file.exists() => PathBuf::from(inner),
+                    _ => file,
+                };
+                let Environment { map, pole, words, remarks } =
+                    Environment::take(&mut spec, &file)?;
+                spec.finish(&[&["env", "albedo"], &environment::KEYS[..]].concat())?;
+                remarks.iter().for_each(|remark| say(quiet, remark));
+                let up = pole.or(up.try_normalize()).unwrap_or(DVec3::Y);
+                let to_map = to_map(up);
+                let hash = fingerprint(&read_whole(&file)?);
+                let words = format!("irradiance {hash} {words} {albedo:e} {to_map:?}");
+                let environment = map;
                 Ok((Wanted::Irradiance { environment, to_map, albedo }, words))
             }
             "light" => {

@@ -105,7 +105,7 @@ pub(super) fn run(args: &RenderArgs, global: &Global) -> Result<(), CliError> {
         patterns.push(pattern);
     }
     Trials::check_sets(args, &cases)?;
-    let stage = args.stage.stage(USUAL_SIZE)?;
+    let stage = args.stage.stage(USUAL_SIZE, global.quiet)?;
     for case in &cases {
         case.check(&stage)?;
     }

@@ -1,6 +1,5 @@
-use std::path::Path;
-
-use super::Reader;
+use super::map::read_fits_map;
+use super::{FitsField, FitsMap, HduChoice};
 
 /// Maps that healpy 1.20.1 wrote; `benches/peers/healpix_maps.py`.
 const RING: &[u8] = include_bytes!("../../../tests/data/ring.fits");
@@ -9,8 +8,25 @@ const TWO_FIELDS: &[u8] = include_bytes!("../../../tests/data/two_fields.fits");
 const PARTIAL: &[u8] = include_bytes!("../../../tests/data/partial.fits");
 const SMOOTH: &[u8] = include_bytes!("../../../tests/data/smooth.fits");
 
-fn read(bytes: &[u8], field: usize) -> Result<super::FitsMap, String> {
-    Reader { path: Path::new("m.fits"), bytes }.read(field).map_err(|e| e.to_string())
+/// Written by `benches/peers/map_variants.py` with healpy 1.20.1 and astropy 8.0.2, which printed the sums.
+const MIXED: &[u8] = include_bytes!("../../../tests/data/mixed.fits");
+const EXPLICIT: &[u8] = include_bytes!("../../../tests/data/explicit.fits");
+const IMPLICIT_PART: &[u8] = include_bytes!("../../../tests/data/implicit_part.fits");
+const ODD: &[u8] = include_bytes!("../../../tests/data/odd.fits.gz");
+
+fn read(bytes: &[u8], field: usize) -> Result<FitsMap, String> {
+    choose(bytes, &HduChoice::First, &FitsField::Number(field))
+}
+
+fn choose(bytes: &[u8], hdu: &HduChoice, field: &FitsField) -> Result<FitsMap, String> {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("m.fits");
+    std::fs::write(&path, bytes).unwrap();
+    read_fits_map(&path, hdu, field).map_err(|e| e.to_string())
+}
+
+fn named(name: &str) -> FitsField {
+    FitsField::Name(name.to_owned())
 }
 
 /// The file with the first card of a name replaced; 80 characters to a card.
@@ -55,14 +71,17 @@ fn headers_that_leave_a_doubt_are_refused() {
         ("NSIDE", "COMMENT none", &["keyword NSIDE", "no such keyword"]),
         ("NSIDE", "NSIDE   =                    0", &["NSIDE", "from 1 to 8192", "got 0"]),
         ("NSIDE", "NSIDE   =                   -4", &["NSIDE", "-4"]),
-        ("NSIDE", "NSIDE   =                    5", &["LASTPIX", "expected 299"]),
-        ("TFORM1", "TFORM1  = '2D      '", &["NAXIS1 and TFORMS"]),
-        ("NSIDE", "NSIDE   = 'four    '", &["NSIDE", "another type"]),
-        ("FIRSTPIX", "FIRSTPIX=                    1", &["FIRSTPIX", "expected 0", "got 1"]),
-        ("LASTPIX", "LASTPIX =                   95", &["LASTPIX", "expected 191", "got 95"]),
-        ("INDXSCHM", "INDXSCHM= 'EXPLICIT'", &["INDXSCHM", "IMPLICIT"]),
+        ("NSIDE", "NSIDE   =                    3", &["LASTPIX", "from 0 to 107", "got 191"]),
+        ("TFORM1", "TFORM1  = '2D      '", &["TFORM1", "NAXIS1 = 8", "'2D'"]),
+        ("NSIDE", "NSIDE   = 'four    '", &["NSIDE", "'four'"]),
+        ("FIRSTPIX", "FIRSTPIX=                    1", &["191 values", "FIRSTPIX = 1", "192 rows"]),
+        ("LASTPIX", "LASTPIX =                   95", &["96 values", "LASTPIX = 95", "192 rows"]),
+        ("INDXSCHM", "INDXSCHM= 'EXPLICIT'", &["TFIELDS", "pixel numbers"]),
+        ("INDXSCHM", "INDXSCHM= 'SPARSE  '", &["INDXSCHM", "'IMPLICIT' or 'EXPLICIT'", "'SPARSE'"]),
         ("PIXTYPE", "PIXTYPE = 'CAR     '", &["PIXTYPE", "'HEALPIX'", "'CAR'"]),
-        ("TFORM1", "TFORM1  = 'K       '", &["TFORM1", "E or D", "'K'"]),
+        ("TFORM1", "TFORM1  = 'C       '", &["a field of real numbers", "complex"]),
+        ("TFORM1", "TFORM1  = '8A      '", &["a field of real numbers", "texts"]),
+        ("TFORM1", "TFORM1  = '7Z      '", &["TFORM1", "'7Z'"]),
         ("TFORM1", "TFORM1  = '99999999999999999999D'", &[]),
     ] {
         let message = read(&with_card(RING, card, text), 0).unwrap_err();
@@ -70,13 +89,74 @@ fn headers_that_leave_a_doubt_are_refused() {
             assert!(message.contains(part), "{text}: {message}");
         }
     }
-    let message = read(PARTIAL, 1).unwrap_err();
-    assert!(message.contains("INDXSCHM") && message.contains("'EXPLICIT'"), "{message}");
     let message = read(RING, 1).unwrap_err();
-    assert!(message.contains("below TFIELDS = 1"), "{message}");
+    assert!(message.contains("a field below 1") && message.contains("got field 1"), "{message}");
+    let message = choose(MIXED, &HduChoice::First, &named("count")).unwrap_err();
+    assert!(
+        message.contains("a field count") && message.contains("FLAGS, MASK, COUNTS"),
+        "{message}"
+    );
+    let message = choose(MIXED, &HduChoice::Number(1), &named("RA")).unwrap_err();
+    assert!(message.contains("HEALPix map in HDU 1") && message.contains("STARS"), "{message}");
     assert!(read(b"x,y,z\n", 0).unwrap_err().contains("a FITS file"));
     // Without the table.
     assert!(read(&RING[..2880], 0).unwrap_err().contains("binary table"));
+}
+
+#[test]
+#[expect(clippy::float_cmp, reason = "small integers and halves of them")]
+fn maps_of_every_layout_are_read() {
+    let absent = |map: &FitsMap| map.values.iter().filter(|value| value.is_nan()).count();
+    let sum = |map: &FitsMap| map.values.iter().filter(|value| !value.is_nan()).sum::<f64>();
+    // Bits before it, logicals, scaled integers with a null, bytes; a table of stars is passed over.
+    for hdu in [HduChoice::First, HduChoice::Number(2), HduChoice::Name("map".to_owned())] {
+        let mask = choose(MIXED, &hdu, &named("mask")).unwrap();
+        assert_eq!((sum(&mask), mask.values[0], mask.values[1]), (64.0, 1.0, 0.0));
+    }
+    let counts = read(MIXED, 2).unwrap();
+    assert_eq!((sum(&counts), absent(&counts)), (1963.5, 2));
+    assert_eq!(counts.values[..3], [41.0, 26.5, 39.0]);
+    assert!(counts.values[5].is_nan() && counts.values[17].is_nan());
+    let big = read(MIXED, 4).unwrap();
+    assert_eq!(big.values[191], 191.0 * 2f64.powi(40));
+    assert_eq!(read(MIXED, 3).unwrap().values[191], 191.0);
+    // By pixel numbers, which are no field.
+    let signal = read(EXPLICIT, 0).unwrap();
+    assert_eq!((signal.nested, absent(&signal), sum(&signal)), (true, 92, 5126.5));
+    let first = signal.values.iter().position(|value| !value.is_nan()).unwrap();
+    assert_eq!(signal.values[first], 0.5 * first as f64);
+    let observations = choose(EXPLICIT, &HduChoice::First, &named("n_obs")).unwrap();
+    assert_eq!(sum(&observations), 10353.0);
+    // healpy's own partial map, of the upper half of nside 16.
+    let half = read(PARTIAL, 0).unwrap();
+    assert_eq!((half.nside, absent(&half), sum(&half)), (16, 1536, 1536.0));
+    let part = read(IMPLICIT_PART, 0).unwrap();
+    assert_eq!((absent(&part), part.values[20], part.values[99]), (112, 20.0, 99.0));
+    assert!(part.values[19].is_nan() && part.values[100].is_nan());
+    // Compressed, and of an nside that only ring order has.
+    let odd = read(ODD, 0).unwrap();
+    assert_eq!((odd.nside, sum(&odd)), (3, 107.0 * 54.0));
+}
+
+#[test]
+fn pixel_numbers_are_checked() {
+    // The first row: 4 bytes of the pixel's number behind two headers.
+    let start = EXPLICIT.len() - 2880;
+    for (number, parts) in [
+        (192_i32, &["[0]", "from 0 to 191", "got 192"][..]),
+        (-1, &["from 0 to 191", "got -1"]),
+        (
+            i32::from_be_bytes(EXPLICIT[start + 12..start + 16].try_into().unwrap()),
+            &["[1]", "once"],
+        ),
+    ] {
+        let mut bytes = EXPLICIT.to_vec();
+        bytes[start..start + 4].copy_from_slice(&number.to_be_bytes());
+        let message = read(&bytes, 0).unwrap_err();
+        for part in parts.iter().chain(&["pixel number"]) {
+            assert!(message.contains(part), "{number}: {message}");
+        }
+    }
 }
 
 /// A file that ends anywhere, or has another byte anywhere in its headers, is read or refused, never more.

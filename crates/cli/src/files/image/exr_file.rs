@@ -1,0 +1,238 @@
+//! Reading `OpenEXR` files block by block, so that only the channel that is wanted is kept.
+
+use std::collections::HashSet;
+use std::io::Cursor;
+
+use exr::block::chunk::Chunk;
+use exr::block::{self, UncompressedBlock};
+use exr::math::Vec2;
+use exr::meta::BlockDescription;
+use exr::meta::attribute::SampleType;
+use exr::meta::header::Header;
+use exr::prelude::f16;
+use rayon::prelude::*;
+
+use super::exr_channels::{Chosen, choose};
+use super::{ChannelChoice, ChannelImage, check_size, damaged};
+use crate::files::file_error::FileError;
+
+/// How an `OpenEXR` file starts.
+pub(super) const MAGIC: [u8; 4] = [0x76, 0x2f, 0x31, 0x01];
+/// Bytes of texels for a byte of a file at most. Zip reaches 1032, of black pictures; DWA puts it over a run
+/// length code of blocks of 64 coefficients.
+const MAX_COMPRESSION: f64 = 65536.0;
+/// Bytes of a tile at most, so that the library's numbers do not overflow.
+const MAX_TILE: f64 = 1e15;
+/// Blocks that are decompressed side by side.
+const BATCH: usize = 16;
+
+/// Reads one channel of the largest level, laid into the display window: texels outside of the data window are 0.
+pub(super) fn read(
+    name: &str,
+    bytes: &[u8],
+    choice: &ChannelChoice,
+) -> Result<ChannelImage, FileError> {
+    let failed = |error: exr::error::Error| damaged(name, error);
+    check_windows(name, bytes)?;
+    let reader = block::read(Cursor::new(bytes), false).map_err(failed)?;
+    let meta = reader.meta_data().clone();
+    let chosen = choose(name, &meta.headers, choice)?;
+    let header = &meta.headers[chosen.part];
+    meta.headers.iter().try_for_each(|header| check_blocks(name, bytes.len(), header))?;
+    if header.channels.list.iter().any(|channel| channel.sampling.area() != 1) {
+        let reason = "channels of fewer samples (luminance-chroma pictures) are not supported; \
+                      convert it to R, G and B";
+        return Err(damaged(name, reason));
+    }
+    let window = header.shared_attributes.display_window;
+    check_size(name, window.size.width() as u64, window.size.height() as u64)?;
+    let mut frame = Frame {
+        width: window.size.width(),
+        height: window.size.height(),
+        left: i64::from(header.own_attributes.layer_position.x()) - i64::from(window.position.x()),
+        top: i64::from(header.own_attributes.layer_position.y()) - i64::from(window.position.y()),
+        values: vec![0.0; window.size.area()],
+    };
+
+    let mut chunks = reader
+        .filter_chunks(false, |_, tile, block| {
+            block.layer == chosen.part && tile.is_largest_resolution_level()
+        })
+        .map_err(failed)?;
+    let mut seen = HashSet::new();
+    let mut area = 0;
+    loop {
+        let batch: Result<Vec<Chunk>, _> = chunks.by_ref().take(BATCH).collect();
+        let batch = batch.map_err(failed)?;
+        if batch.is_empty() {
+            break;
+        }
+        let blocks: Result<Vec<_>, _> = batch
+            .into_par_iter()
+            .map(|chunk| UncompressedBlock::decompress_chunk(chunk, &meta, false))
+            .collect();
+        for block in blocks.map_err(failed)? {
+            let (position, size) = (block.index.pixel_position, block.index.pixel_size);
+            let is_wanted = block.index.layer == chosen.part && block.index.level == Vec2(0, 0);
+            if !is_wanted || !seen.insert((position.x(), position.y())) {
+                return Err(damaged(name, "a block stands in it twice or at a wrong place"));
+            }
+            area += size.area();
+            frame
+                .add(header, &chosen, &block)
+                .ok_or_else(|| damaged(name, "a block has another size than it should"))?;
+        }
+    }
+    if area != header.layer_size.area() {
+        return Err(damaged(name, "blocks of texels are missing"));
+    }
+    let Frame { width, height, values, .. } = frame;
+    Ok(ChannelImage { width, height, values, remarks: Vec::new() })
+}
+
+/// The display window.
+struct Frame {
+    width: usize,
+    height: usize,
+    /// The place of the data window in it.
+    left: i64,
+    top: i64,
+    values: Vec<f64>,
+}
+
+impl Frame {
+    /// Lays the texels of a block into the window; `None` if it has another number of bytes than its size says.
+    fn add(&mut self, header: &Header, chosen: &Chosen, block: &UncompressedBlock) -> Option<()> {
+        let channels = &header.channels.list;
+        let width = block.index.pixel_size.width();
+        let row_bytes = width * header.channels.bytes_per_pixel;
+        if block.data.len() != row_bytes * block.index.pixel_size.height() {
+            return None;
+        }
+        let left = self.left + i64::try_from(block.index.pixel_position.x()).ok()?;
+        let top = self.top + i64::try_from(block.index.pixel_position.y()).ok()?;
+        // A row has all samples of the first channel, then those of the second.
+        let offset = |channel: usize| -> usize {
+            channels[..channel].iter().map(|c| c.sample_type.bytes_per_sample() * width).sum()
+        };
+        for (y, row) in block.data.chunks_exact(row_bytes.max(1)).enumerate() {
+            let target = top + i64::try_from(y).ok()?;
+            let Some(target) = usize::try_from(target).ok().filter(|y| *y < self.height) else {
+                continue;
+            };
+            let target = &mut self.values[target * self.width..(target + 1) * self.width];
+            for &(channel, weight) in &chosen.terms {
+                let bytes = &row[offset(channel)..];
+                let columns = (left..).map(|x| usize::try_from(x).ok());
+                let cells = columns.zip(samples(channels[channel].sample_type, bytes, width));
+                for (column, sample) in cells {
+                    if let Some(value) = column.and_then(|column| target.get_mut(column)) {
+                        *value += weight * sample;
+                    }
+                }
+            }
+        }
+        Some(())
+    }
+}
+
+/// Returns the samples at the start of some bytes, in the byte order of the machine.
+fn samples(kind: SampleType, bytes: &[u8], count: usize) -> Box<dyn Iterator<Item = f64> + '_> {
+    match kind {
+        SampleType::F16 => {
+            let (items, _) = bytes.as_chunks::<2>();
+            Box::new(items.iter().take(count).map(|&item| f16::from_ne_bytes(item).into()))
+        }
+        SampleType::F32 => {
+            let (items, _) = bytes.as_chunks::<4>();
+            Box::new(items.iter().take(count).map(|&item| f32::from_ne_bytes(item).into()))
+        }
+        SampleType::U32 => {
+            let (items, _) = bytes.as_chunks::<4>();
+            Box::new(items.iter().take(count).map(|&item| u32::from_ne_bytes(item).into()))
+        }
+    }
+}
+
+/// Returns an error for sizes that the file cannot hold or the memory cannot take: a header may say anything.
+fn check_blocks(name: &str, file_bytes: usize, header: &Header) -> Result<(), FileError> {
+    let size = header.layer_size;
+    let window = header.shared_attributes.display_window.size;
+    let texel = header.channels.bytes_per_pixel as f64;
+    let area = |size: Vec2<usize>| size.width() as f64 * size.height() as f64;
+    // Each chunk has a place of 8 bytes in a table.
+    let table = 8.0 * header.chunk_count as f64;
+    let most = MAX_COMPRESSION * file_bytes as f64;
+    if texel * area(size) > most || area(window) > most || table > file_bytes as f64 {
+        let (width, height) = (size.width(), size.height());
+        return Err(damaged(
+            name,
+            format!(
+                "a file of {file_bytes} bytes cannot hold its data window of {width} x {height} texels \
+                 or its display window of {} x {}",
+                window.width(),
+                window.height(),
+            ),
+        ));
+    }
+    match header.blocks {
+        BlockDescription::Tiles(tiles) if texel * area(tiles.tile_size) > MAX_TILE => {
+            Err(damaged(name, "its tiles are larger than any memory"))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// Returns an error for windows with a minimum above their maximum, which the library would swap.
+///
+/// What is malformed otherwise is left to the library.
+fn check_windows(name: &str, bytes: &[u8]) -> Result<(), FileError> {
+    let mut rest = bytes.get(8..).unwrap_or_default();
+    while let Some(attribute) = Attribute::take(&mut rest) {
+        let (name_of_window, value) = (attribute.name, attribute.value);
+        let is_window = matches!(name_of_window, b"dataWindow" | b"displayWindow");
+        let (corners, _) = value.as_chunks::<4>();
+        if let (true, &[x, y, x_end, y_end]) = (is_window, corners) {
+            let [x, y, x_end, y_end] = [x, y, x_end, y_end].map(i32::from_le_bytes);
+            if x > x_end || y > y_end {
+                return Err(damaged(
+                    name,
+                    format!(
+                        "its {} goes from ({x}, {y}) to ({x_end}, {y_end}); the minimum must not exceed the maximum",
+                        String::from_utf8_lossy(name_of_window)
+                    ),
+                ));
+            }
+        }
+    }
+    Ok(())
+}
+
+/// An attribute of a header.
+struct Attribute<'a> {
+    name: &'a [u8],
+    value: &'a [u8],
+}
+
+impl<'a> Attribute<'a> {
+    /// Takes the next attribute; an empty name ends the header of a part, two of them the last one.
+    fn take(rest: &mut &'a [u8]) -> Option<Self> {
+        let mut name = text(rest)?;
+        if name.is_empty() {
+            name = text(rest)?;
+        }
+        let _type = text(rest).filter(|_| !name.is_empty())?;
+        let (size, after) = rest.split_first_chunk::<4>()?;
+        let (value, after) = after.split_at_checked(u32::from_le_bytes(*size) as usize)?;
+        *rest = after;
+        Some(Self { name, value })
+    }
+}
+
+/// Takes bytes up to a zero.
+fn text<'a>(rest: &mut &'a [u8]) -> Option<&'a [u8]> {
+    let end = rest.iter().position(|&byte| byte == 0)?;
+    let text = &rest[..end];
+    *rest = &rest[end + 1..];
+    Some(text)
+}

@@ -1,0 +1,110 @@
+//! Reading environment maps: one channel of a linear picture.
+
+mod exr_channels;
+mod exr_file;
+mod radiance;
+
+use std::path::Path;
+
+use super::file_error::{FileError, Place, input_name};
+use super::input::read_whole;
+use super::memory_guard::check_announced;
+
+/// The channels that every picture in colour has.
+const CHANNELS: &str = "luminance, r, g, b";
+/// Luminance is 0.2126 R + 0.7152 G + 0.0722 B (ITU-R BT.709).
+const LUMINANCE: [f64; 3] = [0.2126, 0.7152, 0.0722];
+
+/// Which channel of a picture is read.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub(crate) struct ChannelChoice {
+    /// `luminance`, `r`, `g`, `b`, or a channel's name in the file; luminance unless given.
+    pub(crate) channel: Option<String>,
+    /// A layer or part; channels without one unless given.
+    pub(crate) layer: Option<String>,
+}
+
+impl ChannelChoice {
+    fn channel(&self) -> &str {
+        self.channel.as_deref().unwrap_or("luminance")
+    }
+}
+
+/// One channel of an image, row by row from the top.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct ChannelImage {
+    pub(crate) width: usize,
+    pub(crate) height: usize,
+    pub(crate) values: Vec<f64>,
+    /// What a user should know of it.
+    pub(crate) remarks: Vec<String>,
+}
+
+/// Reads one channel of an `OpenEXR` or Radiance HDR image, linear as it is stored.
+///
+/// # Errors
+/// When the file cannot be opened, is of another format, is damaged, has no such channel, or does not fit in memory.
+pub(crate) fn read_image(path: &Path, choice: &ChannelChoice) -> Result<ChannelImage, FileError> {
+    decode_image(input_name(path), &read_whole(path)?, choice)
+}
+
+/// Reads one channel of an image that is in memory; `name` is for messages.
+///
+/// # Errors
+/// As [`read_image`].
+pub(crate) fn decode_image(
+    name: String,
+    bytes: &[u8],
+    choice: &ChannelChoice,
+) -> Result<ChannelImage, FileError> {
+    let mut image = if bytes.starts_with(&exr_file::MAGIC) {
+        exr_file::read(&name, bytes, choice)?
+    } else if radiance::MAGICS.iter().any(|magic| bytes.starts_with(magic)) {
+        radiance::read(&name, bytes, choice)?
+    } else {
+        // Others are not linear: their numbers are no radiance.
+        let format = image::guess_format(bytes).ok();
+        let extension = format.and_then(|format| format.extensions_str().first());
+        return Err(FileError::Layout {
+            path: name,
+            place: Place::Whole,
+            expected: "OpenEXR (.exr) or Radiance HDR (.hdr)".to_owned(),
+            got: extension.map_or("no EXR or HDR file".to_owned(), |extension| {
+                format!("the format of .{extension}")
+            }),
+        });
+    };
+    image.remarks.extend(negative_texels(&image));
+    image.remarks.iter_mut().for_each(|remark| *remark = format!("{name}: {remark}"));
+    Ok(image)
+}
+
+/// Returns a remark if there are negative texels, which no light has.
+fn negative_texels(image: &ChannelImage) -> Option<String> {
+    let negative = || image.values.iter().enumerate().filter(|(_, value)| **value < 0.0);
+    let (at, smallest) = negative().min_by(|a, b| a.1.total_cmp(b.1))?;
+    Some(format!(
+        "{} of {} texels are negative, the smallest is {smallest} (row {}, column {}); they are used as they are",
+        negative().count(),
+        image.values.len(),
+        at / image.width,
+        at % image.width,
+    ))
+}
+
+/// Returns an error if the channel of a picture of this size does not fit in memory.
+fn check_size(name: &str, width: u64, height: u64) -> Result<(), FileError> {
+    let what = format!("a channel of {width} x {height} texels");
+    check_announced(name, &what, size_of::<f64>() as f64 * width as f64 * height as f64)
+}
+
+fn damaged(name: &str, reason: impl std::fmt::Display) -> FileError {
+    FileError::Image { path: name.to_owned(), reason: reason.to_string() }
+}
+
+fn unknown_channel(name: &str, channel: &str, known: String) -> FileError {
+    FileError::UnknownChannel { path: name.to_owned(), channel: channel.to_owned(), known }
+}
+
+#[cfg(test)]
+mod tests;
