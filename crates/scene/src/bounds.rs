@@ -37,4 +37,9 @@ impl Bounds {
     pub(crate) fn and(self, other: Self) -> Self {
         Self { min: self.min.min(other.min), max: self.max.max(other.max) }
     }
+
+    /// Whether it is around no points.
+    pub(crate) fn is_empty(&self) -> bool {
+        self.min.x > self.max.x
+    }
 }

@@ -10,7 +10,7 @@ use crate::bundle::{Rays, dot};
 /// are moved out by as much, so that no ray that meets a surface of several polygons is lost between them: it could
 /// be at a corner, where the signs for three or more planes need not agree with any direction.
 ///
-/// Roundings in double precision, which matter for points that are nearly on an edge, are in the margins too.
+/// Roundings in double precision matter for points that are nearly on an edge, see [`Self::widen`].
 ///
 /// A direction is judged wrongly only if it passes within twice `sqrt(3) ROUNDING` radians of an edge, or of the
 /// polygon's plane where a ray ends.
@@ -29,12 +29,16 @@ const ROUNDING: f32 = 2.5 * f32::EPSILON;
 /// `EPSILON` for each of them, their product, and the difference of two products, in three components.
 const EDGE_ROUNDING: f64 = 8.0 * f64::EPSILON;
 
+/// Edges that a point is within 3e-9 of, in units of the distance of their ends, are off by more than cones allow for;
+/// then it is as near to the plane of the polygon, of which the product with the normal is up to three times that.
+pub(crate) const CLOSE: f64 = 1e-7;
+
 /// Planes nearer to a point than this, in units of its largest coordinate and of the largest distance of a corner, may go
 /// through it: rays from there meet what is on either side.
 ///
 /// A point that was computed on a surface is off by two roundings of each coordinate, and the corners' differences from it
-/// by another: sqrt(3) times 3 halves of an EPSILON.
-pub(crate) const NEAR: f64 = 3.0 * f64::EPSILON;
+/// by another: sqrt(3) halves of an EPSILON for each, of which two are of the larger.
+pub(crate) const NEAR: f64 = 2.0 * f64::EPSILON;
 
 impl<const N: usize> Cone<N> {
     /// A polygon that no ray meets.
@@ -53,13 +57,9 @@ impl<const N: usize> Cone<N> {
         let mut cone = Self::NONE;
         for i in 0..N {
             let (a, b) = (corners[i], corners[(i + 1) % N]);
-            let (sum, difference) = (a + b, b - a);
-            let edge = (side * sum.cross(difference)).as_vec3();
-            let product = sum.abs().max_element() * difference.abs().max_element();
-            #[expect(clippy::cast_possible_truncation, reason = "see the type")]
-            let rounding = (EDGE_ROUNDING * product) as f32;
+            let edge = (side * (a + b).cross(b - a)).as_vec3();
             cone.edges[i] = edge;
-            cone.margins[i] = ROUNDING * (edge.x.abs() + edge.y.abs() + edge.z.abs()) + rounding;
+            cone.margins[i] = ROUNDING * (edge.x.abs() + edge.y.abs() + edge.z.abs());
         }
         cone.normal = (side * normal).as_vec3();
         // Never 0, so that what is edge on is not met.
@@ -67,6 +67,19 @@ impl<const N: usize> Cone<N> {
         let height = (height.abs() as f32).max(f32::MIN_POSITIVE);
         cone.height = height;
         cone
+    }
+
+    /// Moves the edges out by what roundings in double precision may make of them, for points nearly on one, and by what
+    /// an error `near` of the origin may.
+    #[cold]
+    pub(crate) fn widen(&mut self, corners: [DVec3; N], near: f64) {
+        for (i, margin) in self.margins.iter_mut().enumerate() {
+            let (a, b) = (corners[i], corners[(i + 1) % N]);
+            let off = EDGE_ROUNDING * (a + b).abs().max_element() + 2.0 * near;
+            #[expect(clippy::cast_possible_truncation, reason = "see the type")]
+            let off = (off * (b - a).abs().max_element()) as f32;
+            *margin += off;
+        }
     }
 
     /// The same polygon if the origin is on the other side of its plane.

@@ -1,7 +1,13 @@
 use glam::DVec3;
+use obvhs::cwbvh::bvh2_to_cwbvh::bvh2_to_cwbvh;
 
 use crate::bounds::Bounds;
-use crate::partition::{Partition, WIDTH};
+use crate::partition::binary_tree;
+
+/// Children of a node.
+pub(crate) const WIDTH: usize = 8;
+/// Triangles of a leaf: a node has room for three.
+const MAX_LEAF: u32 = 3;
 
 /// A hierarchy of boxes over triangles, each node with up to eight children (Ylitie, Karras and Laine 2017).
 ///
@@ -49,28 +55,40 @@ const MIN_EXTENT: f64 = 1.0 / (1u64 << 35) as f64;
 
 impl Hierarchy {
     /// The hierarchy over boxes, in coordinates in which the whole is of size 2^16 or so.
+    ///
+    /// The kept crate makes a wide tree of the binary one and sorts children by octants; its boxes, in f32 of the whole,
+    /// are replaced.
     pub(crate) fn new(boxes: &[Bounds]) -> Self {
-        let mut partition = Partition::new(boxes);
-        let mut nodes = vec![Node::EMPTY];
-        // Breadth first: the children of a node are next to each other.
-        let mut ranges = std::collections::VecDeque::from([(0, partition.whole(), 0)]);
-        let mut order = Vec::with_capacity(boxes.len());
-        while let Some((index, range, depth)) = ranges.pop_front() {
-            let parts = partition.split(range, depth);
-            let mut node = Node::around(parts.iter().map(|part| part.bounds));
-            node.first_node = index_of(nodes.len());
-            node.first_triangle = index_of(order.len());
-            for (child, part) in parts.iter().enumerate() {
-                if part.is_leaf() {
-                    node.sizes |= u16::try_from(part.len()).unwrap_or(0) << (2 * child);
-                    order.extend_from_slice(partition.members(part));
+        let wide = bvh2_to_cwbvh(&binary_tree(boxes), MAX_LEAF, true, false);
+        let order = wide.primitive_indices;
+        let mut nodes = vec![Node::EMPTY; wide.nodes.len()];
+        let mut bounds = vec![Bounds::NONE; wide.nodes.len()];
+        // Children come after their parents.
+        for (index, wide) in wide.nodes.iter().enumerate().rev() {
+            let mut children = [Bounds::NONE; WIDTH];
+            let mut sizes = 0;
+            for (place, child) in children.iter_mut().enumerate() {
+                if wide.is_child_empty(place) {
+                    continue;
+                }
+                if wide.is_leaf(place) {
+                    let (first, count) = wide.child_primitives(place);
+                    let triangles = &order[first as usize..(first + count) as usize];
+                    let boxes = triangles.iter().map(|&i| boxes[i as usize]);
+                    *child = boxes.fold(Bounds::NONE, Bounds::and);
+                    sizes |= u16::try_from(count).unwrap_or(0) << (2 * place);
                 } else {
-                    node.inner |= 1 << child;
-                    ranges.push_back((nodes.len(), *part, depth + 1));
-                    nodes.push(Node::EMPTY);
+                    *child = bounds[wide.child_node_index(place) as usize];
                 }
             }
-            nodes[index] = node;
+            bounds[index] = children.into_iter().fold(Bounds::NONE, Bounds::and);
+            nodes[index] = Node {
+                first_node: wide.child_base_idx,
+                first_triangle: wide.primitive_base_idx,
+                sizes,
+                inner: wide.imask,
+                ..Node::around(&children)
+            };
         }
         Self { nodes: nodes.into(), order: order.into() }
     }
@@ -139,11 +157,6 @@ const ROUNDINGS: f64 = 8.0;
 /// Smaller components of directions are taken for this.
 const MIN_COMPONENT: f64 = 1e-100;
 
-#[expect(clippy::cast_possible_truncation, reason = "there are at most 2^28 triangles")]
-fn index_of(length: usize) -> u32 {
-    length as u32
-}
-
 impl Node {
     const EMPTY: Self = Self {
         base: DVec3::ZERO,
@@ -156,14 +169,14 @@ impl Node {
         inner: 0,
     };
 
-    /// A node with the boxes of its children.
+    /// A node with the boxes of its children; those of no points are not there.
     #[expect(
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,
         reason = "powers of two within f32, and numbers from 0 to 255"
     )]
-    fn around(children: impl ExactSizeIterator<Item = Bounds> + Clone) -> Self {
-        let whole = children.clone().fold(Bounds::NONE, Bounds::and);
+    fn around(children: &[Bounds; WIDTH]) -> Self {
+        let whole = children.iter().copied().fold(Bounds::NONE, Bounds::and);
         let mut node = Self { base: whole.min, ..Self::EMPTY };
         for axis in 0..3 {
             let length = whole.max[axis] - whole.min[axis];
@@ -172,7 +185,7 @@ impl Node {
                 extent *= 2.0;
             }
             node.extent[axis] = extent as f32;
-            for (i, child) in children.clone().enumerate() {
+            for (i, child) in children.iter().enumerate().filter(|(_, child)| !child.is_empty()) {
                 // The differences are off by a rounding, which is nothing beside what boxes are enlarged by.
                 let place = |x: f64| (x - whole.min[axis]) / extent;
                 node.min[axis][i] = place(child.min[axis]).floor().clamp(0.0, FULL) as u8;

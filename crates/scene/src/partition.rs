@@ -1,84 +1,81 @@
 use glam::DVec3;
+use obvhs::aabb::Aabb;
+use obvhs::bvh2::Bvh2;
+use obvhs::bvh2::node::Bvh2Node;
 
 use crate::bounds::Bounds;
 
-/// Children of a node.
-pub(crate) const WIDTH: usize = 8;
-/// Triangles of a leaf: a node has room for three.
-const MAX_LEAF: usize = 3;
 /// Intervals of centres that are told apart when a range is split.
 const BINS: usize = 16;
-/// Levels of nodes from which on ranges are split into halves: no order of sizes makes the hierarchy deep, and
-/// the time for it is n log n.
-const MAX_DEPTH: usize = 24;
+/// Depth from which on ranges are split into halves: no order of sizes makes the tree deep, and the time for it is
+/// n log n.
+const MAX_DEPTH: usize = 64;
+
+/// The binary tree over boxes, each leaf a single one.
+pub(crate) fn binary_tree(boxes: &[Bounds]) -> Bvh2 {
+    let mut partition = Partition::new(boxes);
+    let whole = partition.part(0, boxes.len());
+    // In f32, for areas only; the middle keeps them accurate.
+    let center = whole.bounds.center();
+    let node = |part: &Part, first_child: usize| {
+        let [min, max] = [part.bounds.min, part.bounds.max].map(|p| (p - center).as_vec3a());
+        let (count, first) = if part.len() == 1 { (1, part.start) } else { (0, first_child) };
+        Bvh2Node::new(Aabb::new(min, max), count, index_of(first))
+    };
+    let mut nodes = vec![node(&whole, 1)];
+    let mut to_split = vec![(0, whole, 0)];
+    while let Some((index, part, depth)) = to_split.pop() {
+        if part.len() == 1 {
+            continue;
+        }
+        let first_child = nodes.len();
+        nodes[index] = node(&part, first_child);
+        for (i, half) in partition.halves(part, depth < MAX_DEPTH).into_iter().enumerate() {
+            nodes.push(node(&half, 0));
+            to_split.push((first_child + i, half, depth + 1));
+        }
+    }
+    let mut tree = Bvh2::zeroed(0);
+    tree.nodes = nodes;
+    tree.primitive_indices = partition.order;
+    tree.children_are_ordered_after_parents = true;
+    tree
+}
+
+#[expect(clippy::cast_possible_truncation, reason = "there are at most 2^28 triangles")]
+fn index_of(length: usize) -> u32 {
+    length as u32
+}
 
 /// Boxes that are sorted into ranges.
 #[derive(Debug)]
-pub(crate) struct Partition<'a> {
+struct Partition<'a> {
     boxes: &'a [Bounds],
     order: Vec<u32>,
 }
 
 /// A range of boxes.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Part {
+struct Part {
     start: usize,
     end: usize,
-    pub(crate) bounds: Bounds,
+    bounds: Bounds,
 }
 
 impl Part {
-    pub(crate) fn len(&self) -> usize {
+    fn len(&self) -> usize {
         self.end - self.start
-    }
-
-    pub(crate) fn is_leaf(&self) -> bool {
-        self.len() <= MAX_LEAF
-    }
-
-    /// What a ray is expected to spend on it.
-    fn cost(&self) -> f64 {
-        half_area(&self.bounds) * self.len() as f64
     }
 }
 
 impl<'a> Partition<'a> {
-    pub(crate) fn new(boxes: &'a [Bounds]) -> Self {
+    fn new(boxes: &'a [Bounds]) -> Self {
         Self { boxes, order: (0..).take(boxes.len()).collect() }
-    }
-
-    pub(crate) fn whole(&self) -> Part {
-        self.part(0, self.order.len())
-    }
-
-    /// The numbers of the boxes of a range.
-    pub(crate) fn members(&self, part: &Part) -> &[u32] {
-        &self.order[part.start..part.end]
     }
 
     fn part(&self, start: usize, end: usize) -> Part {
         let boxes = self.order[start..end].iter().map(|&i| self.boxes[i as usize]);
         Part { start, end, bounds: boxes.fold(Bounds::NONE, Bounds::and) }
-    }
-
-    /// Splits the range of a node at this depth into those of its children: always that which costs most, until there
-    /// are eight or all are single.
-    pub(crate) fn split(&mut self, whole: Part, depth: usize) -> Vec<Part> {
-        let mut parts = vec![whole];
-        while parts.len() < WIDTH {
-            let can_split = parts.iter().enumerate().filter(|(_, part)| part.len() > 1);
-            // Leaves are split only if there is room besides.
-            let cost = |part: &Part| (!part.is_leaf(), part.cost());
-            let worst = can_split.max_by(|(_, a), (_, b)| {
-                let (a, b) = (cost(a), cost(b));
-                a.0.cmp(&b.0).then(a.1.total_cmp(&b.1))
-            });
-            let Some((worst, &part)) = worst else { break };
-            let [left, right] = self.halves(part, depth < MAX_DEPTH);
-            parts[worst] = left;
-            parts.insert(worst + 1, right);
-        }
-        parts
     }
 
     /// Splits a range where the areas of the two boxes times their members are least, or by count if centres coincide

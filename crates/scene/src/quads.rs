@@ -3,7 +3,7 @@ use pulp::{Arch, Simd, WithSimd};
 
 use crate::bounds::Bounds;
 use crate::bundle::Bundle;
-use crate::cone::{Cone, NEAR};
+use crate::cone::{CLOSE, Cone, NEAR};
 use crate::{Error, Hit, Quad, Reach};
 
 /// A handful of quadrilaterals, every one of them tested for every ray.
@@ -16,7 +16,7 @@ pub(crate) struct Quads {
 }
 
 /// Polygons and rays that are on the stack at a time.
-const ROUND: usize = 64;
+const ROUND: usize = 32;
 const BUNDLE: usize = 64;
 
 impl Quads {
@@ -82,7 +82,7 @@ impl WithSimd for Occlusion<'_> {
         };
         let mut bundle = Bundle::<BUNDLE>::new();
         let mut cones = [Cone::<4>::NONE; ROUND];
-        let near = NEAR * origin.abs().max_element() * scene.scale;
+        let near = NEAR * (origin.abs().max_element() * scene.scale + 1.0);
         // A quadrilateral through the point has two cones.
         for quads in scene.quads.chunks(ROUND / 2) {
             let mut n_cones = 0;
@@ -91,13 +91,17 @@ impl WithSimd for Occlusion<'_> {
                 let height = quad.normal().dot(corners[0]);
                 let visible = corners.iter().any(|&c| c.dot(normal) > 0.0);
                 if visible && height.abs() <= farthest {
-                    let size = corners.iter().map(|c| c.abs().max_element()).fold(0.0, f64::max);
-                    let cone = Cone::new(corners, quad.normal(), height);
-                    cones[n_cones] = cone;
+                    cones[n_cones] = Cone::new(corners, quad.normal(), height);
                     n_cones += 1;
-                    if height.abs() <= near + NEAR * size {
-                        cones[n_cones] = cone.other_side();
-                        n_cones += 1;
+                    // The longest side of the scene is 1.
+                    if height.abs() <= CLOSE.max(near) {
+                        let goes_through = height.abs() <= near;
+                        let cone = &mut cones[n_cones - 1];
+                        cone.widen(corners, if goes_through { near } else { 0.0 });
+                        if goes_through {
+                            cones[n_cones] = cone.other_side();
+                            n_cones += 1;
+                        }
                     }
                 }
             }

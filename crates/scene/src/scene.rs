@@ -7,9 +7,9 @@ use crate::{Error, Hit, Quad, Reach};
 
 /// Rays for occlusion start this far above the surface, in units of the point's largest coordinate and of the largest
 /// distance of a corner of what it lies on. The point is off by a few roundings of the former, its height above the
-/// plane of the corners by some of both ([`NEAR`](crate::cone::NEAR)). From that far above an edge, an edge plane is off by
-/// less than a hundredth of a radian ([`Cone`](crate::cone::Cone)).
-const OF_COORDINATE: f64 = 16.0 * f64::EPSILON;
+/// plane of the corners by some of both ([`NEAR`](crate::cone::NEAR)). From that far above an edge the plane of an edge is
+/// off by less than a tenth of a radian ([`Cone`](crate::cone::Cone)).
+const OF_COORDINATE: f64 = 64.0 * f64::EPSILON;
 const OF_SIZE: f64 = 512.0 * f64::EPSILON;
 
 /// Surfaces, and how rays meet them.
@@ -134,7 +134,7 @@ impl Scene {
 
     /// How far above a surface rays for occlusion start.
     ///
-    /// It is what rounding may do to the point: 16 EPSILON of its largest coordinate and 512 EPSILON of the largest
+    /// It is what rounding may do to the point: 64 EPSILON of its largest coordinate and 512 EPSILON of the largest
     /// distance of a corner of the quadrilateral or triangle `primitive`, if there is one of that number.
     pub fn clearance(&self, at: &Hit) -> f64 {
         let farthest = |corners: &[DVec3]| {

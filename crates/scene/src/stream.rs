@@ -6,10 +6,9 @@ use pulp::{Simd, WithSimd};
 use robust::{Coord3D, orient3d};
 
 use crate::bundle::Bundle;
-use crate::cone::{Cone, NEAR};
-use crate::hierarchy::{Child, Node, SLACK};
+use crate::cone::{CLOSE, Cone, NEAR};
+use crate::hierarchy::{Child, Node, SLACK, WIDTH};
 use crate::mesh::Triangles;
-use crate::partition::WIDTH;
 
 /// Rays that go through the hierarchy together, so that a node or triangle is fetched once for all of them, and those
 /// of them that share a bit.
@@ -49,6 +48,7 @@ impl WithSimd for Stream<'_> {
             triangles,
             origin,
             scaled_origin: origin * triangles.scale,
+            near: NEAR * origin.abs().max_element() * triangles.scale,
             bundle: Bundle::new(),
             inverses: [[0.0; STREAM]; 3],
             open: 0,
@@ -70,6 +70,8 @@ struct Tracer<'a, S> {
     /// In the coordinates of vertices and of the hierarchy.
     origin: DVec3,
     scaled_origin: DVec3,
+    /// What roundings of the origin amount to.
+    near: f64,
     bundle: Bundle<STREAM>,
     /// One over the components of the directions.
     inverses: [[f32; STREAM]; 3],
@@ -167,16 +169,20 @@ impl<S: Simd> Tracer<'_, S> {
         let [u, v] = [corners[1], corners[2]].map(|corner| (corner - corners[0]) * scale);
         let normal = u.cross(v);
         let mut height = normal.dot(relative[0]);
-        // What roundings may make of the height, and of the point: its distance from the plane times the normal.
         let size = u.abs().max(v.abs()).max_element();
         let distance = relative[0].abs().max_element();
-        let near = NEAR * (self.scaled_origin.abs().max_element() + distance + size);
+        let near = self.near + NEAR * (distance + size);
+        let is_close = height.abs() <= (CLOSE * (distance + size) + 3.0 * near) * size * size;
         let mut goes_through = false;
-        if height.abs() <= (HEIGHT_ROUNDING * distance + 3.0 * near) * size * size {
+        // What roundings may make of the height, and of the point: its distance from the plane times the normal.
+        if is_close && height.abs() <= (HEIGHT_ROUNDING * distance + 3.0 * near) * size * size {
             height = exact_height(corners.map(|c| c * scale), self.scaled_origin);
             goes_through = height.abs() <= near * normal.length();
         }
-        let cone = Cone::new(relative, normal, height);
+        let mut cone = Cone::new(relative, normal, height);
+        if is_close {
+            cone.widen(relative, if goes_through { near } else { 0.0 });
+        }
         self.answer(&cone, groups);
         if goes_through {
             self.answer(&cone.other_side(), groups);

@@ -251,8 +251,8 @@ fn edges_and_corners_of_a_closed_box_are_dark_inside() {
                 assert_eq!(open, 0.0, "{size:e} {offset} {position}");
                 hit.normal = outwards;
                 let open = open_share(&scene, &hit, &mut numbers);
-                // At sides and in corners rays within two hundredths of the planes of others may be lost.
-                assert!(open > 0.97, "outside: {size:e} {offset} {position}: {open}");
+                // At sides and in corners rays within a tenth of the planes of others may be lost.
+                assert!(open > 0.9, "outside: {size:e} {offset} {position}: {open}");
             }
         }
     }
