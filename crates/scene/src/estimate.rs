@@ -1,3 +1,5 @@
+use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
+
 /// A number with its standard error.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Estimate {
@@ -22,9 +24,26 @@ impl Estimate {
     }
 }
 
+/// Returns how much wider a 95 % interval is if its standard error comes from `replications` independent values, so that
+/// Student's t replaces the normal quantile: 1.21 from 8, infinite below 2.
+#[must_use]
+pub fn student_over_normal(replications: u64) -> f64 {
+    let student = StudentsT::new(0.0, 1.0, replications.saturating_sub(1) as f64);
+    student.map_or(f64::INFINITY, |t| t.inverse_cdf(0.975) / Normal::standard().inverse_cdf(0.975))
+}
+
 #[cfg(test)]
 mod tests {
-    use super::Estimate;
+    use super::{Estimate, student_over_normal};
+
+    /// Quantiles of tables: 2.364624 and 12.7062 for 7 and 1 degrees of freedom, 1.959964.
+    #[test]
+    fn few_replications_widen_intervals() {
+        assert!((student_over_normal(8) / (2.364624 / 1.959964) - 1.0).abs() < 1e-5);
+        assert!((student_over_normal(2) / (12.7062 / 1.959964) - 1.0).abs() < 1e-5);
+        assert!(student_over_normal(1).is_infinite());
+        assert!((student_over_normal(1_000_000) - 1.0).abs() < 1e-5);
+    }
 
     #[test]
     fn the_error_of_a_mean_is_the_usual_one() {

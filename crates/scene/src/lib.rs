@@ -60,7 +60,7 @@ pub use direction_mode::DirectionMode;
 pub use direction_plan::DirectionPlan;
 pub use direction_sets::DirectionSets;
 pub use error::Error;
-pub use estimate::Estimate;
+pub use estimate::{Estimate, student_over_normal};
 pub use estimator::Estimator;
 pub use hit::{Hit, Reach};
 pub use image::Image;

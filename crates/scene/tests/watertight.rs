@@ -333,3 +333,42 @@ fn a_mesh_out_of_reach_of_rounding_is_an_error() {
     assert!(moved(1e12).is_ok());
     assert!(moved(1e14).is_err());
 }
+
+/// A million rays at corners and sides of surfaces of 8 to 131,072 triangles, from inside and at what faces them from
+/// outside; `cargo test --release -p sphvar-scene --test watertight -- --ignored` takes a minute.
+#[test]
+#[ignore = "takes a minute"]
+fn a_million_rays_all_meet_the_surface() {
+    let mut numbers = Numbers(8);
+    let shapes = [
+        octahedron(),
+        cube(),
+        globe(9, 12),
+        globe(120, 200),
+        icosphere(1),
+        noisy(icosphere(3)),
+        icosphere(6),
+        noisy(icosphere(6)),
+    ];
+    let (mut n_rays, mut n_missed) = (0, 0);
+    for shape in &shapes {
+        let (scene, triangles) = scene_of(shape, |v| v);
+        for _ in 0..125 {
+            let inside = 0.4 * numbers.unit() * numbers.direction();
+            let outside = 5.0 * numbers.direction();
+            for _ in 0..1000 {
+                let [a, b, _] = triangles[numbers.below(triangles.len())];
+                let target = if numbers.unit() < 0.5 { a } else { a.lerp(b, numbers.unit()) };
+                n_missed += u32::from(scene.closest_hit(inside, target - inside).is_none());
+                n_rays += 1;
+                // A ball of half the size is inside all of them: what is in front of it cannot be on the outline.
+                let across = (target - outside).reject_from(outside).length();
+                if across < 0.5 {
+                    n_missed += u32::from(scene.closest_hit(outside, target - outside).is_none());
+                    n_rays += 1;
+                }
+            }
+        }
+    }
+    assert!(n_rays > 1_000_000 && n_missed == 0, "{n_missed} of {n_rays}");
+}

@@ -10,6 +10,7 @@ use sphvar_variance::Integrand;
 use super::reference_file::fingerprint;
 use crate::error::CliError;
 use crate::integrands::parse_integrand;
+use crate::report::say;
 use crate::spec::{Spec, unknown_name};
 
 /// The names of integrals and their parameters, for help texts.
@@ -35,7 +36,7 @@ pub(crate) struct StageArgs {
     /// Render this part of the picture only
     #[arg(long, value_name = "X,Y,W,H")]
     crop: Option<Numbers<4, usize>>,
-    /// Primary rays of a pixel, K by K, each with its own directions: a box filter
+    /// Primary rays of a pixel, K by K, each with its own directions: a box filter over what they see of surfaces
     #[arg(long, value_name = "K", default_value_t = 1)]
     pixel_rays: usize,
     /// Place of the camera [default: the box's own; of a mesh where it fills the picture]
@@ -106,7 +107,7 @@ enum Wanted {
 
 impl StageArgs {
     /// Reads the files and checks the numbers.
-    pub(super) fn stage(&self, usual_size: usize) -> Result<Stage, CliError> {
+    pub(super) fn stage(&self, usual_size: usize, quiet: bool) -> Result<Stage, CliError> {
         let wrong = |error: sphvar_scene::Error| CliError::usage(error);
         let up = self.up.map_or(DVec3::Y, |up| DVec3::from_array(up.0));
         let mut description = String::new();
@@ -115,7 +116,7 @@ impl StageArgs {
             let CornellBox { scene, camera, light } = CornellBox::new();
             (scene, Some(camera), Some(light))
         } else {
-            let (scene, hash) = self.mesh()?;
+            let (scene, hash) = self.mesh(quiet)?;
             description.push_str(&format!("scene obj {hash}"));
             (scene, None, None)
         };
@@ -151,7 +152,7 @@ impl StageArgs {
         Ok(stage)
     }
 
-    fn mesh(&self) -> Result<(Scene, String), CliError> {
+    fn mesh(&self, quiet: bool) -> Result<(Scene, String), CliError> {
         let path = Path::new(&self.scene);
         let is_obj = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("obj"));
         if !is_obj {
@@ -163,7 +164,10 @@ impl StageArgs {
         let failed = |e: &dyn std::fmt::Display| CliError::Failed(format!("{}: {e}", self.scene));
         let bytes = std::fs::read(path)
             .map_err(|e| CliError::Failed(format!("cannot open {}: {e}", self.scene)))?;
-        let mesh = Mesh::from_obj(&*bytes).map_err(|e| failed(&e))?;
+        let (mesh, remarks) = Mesh::from_obj_with_remarks(&*bytes).map_err(|e| failed(&e))?;
+        for remark in remarks.to_string().lines() {
+            say(quiet, &format!("{}: {remark}", self.scene));
+        }
         Ok((Scene::from_mesh(mesh), fingerprint(&bytes)))
     }
 

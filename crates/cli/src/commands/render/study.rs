@@ -2,6 +2,7 @@
 
 use serde::Serialize;
 use sphvar_samplers::Pattern;
+use sphvar_scene::student_over_normal;
 use sphvar_variance::{RateFit, VariancePoint, fit_rate};
 
 use super::RenderArgs;
@@ -58,9 +59,12 @@ struct Rate {
     interval: (f64, f64),
 }
 
-impl From<RateFit> for Rate {
-    fn from(fit: RateFit) -> Self {
-        Self { rate: fit.slope, interval: fit.interval }
+impl Rate {
+    /// A rate of errors that were estimated from `renders` renders each, to which a normal interval is too narrow.
+    fn new(fit: &RateFit, renders: u64) -> Self {
+        let widened = student_over_normal(renders);
+        let end = |end: f64| fit.slope + widened * (end - fit.slope);
+        Self { rate: fit.slope, interval: (end(fit.interval.0), end(fit.interval.1)) }
     }
 }
 
@@ -105,7 +109,7 @@ pub(super) fn run(args: &RenderArgs, global: &Global) -> Result<(), CliError> {
         patterns.push(pattern);
     }
     Trials::check_sets(args, &cases)?;
-    let stage = args.stage.stage(USUAL_SIZE)?;
+    let stage = args.stage.stage(USUAL_SIZE, global.quiet)?;
     for case in &cases {
         case.check(&stage)?;
     }
@@ -168,7 +172,7 @@ impl Row {
     /// The heading of [`Self::record`].
     const COLUMNS: &'static str = "sampler,mode,asked,n,sets,renders,mse,mse_stderr,variance,\
          variance_stderr,bias_squared,bias_squared_stderr,white_noise,gain,structured_error,\
-         structured_error_stderr,autocorrelation,bias_t,bias_limit";
+         structured_error_stderr,autocorrelation,bias_t,bias_limit,biased_pixels";
 
     /// The row of a CSV file.
     fn record(&self) -> Vec<String> {
@@ -193,6 +197,7 @@ impl Row {
             e.bias_limit.unwrap_or(f64::NAN),
         ];
         cells.extend(numbers.map(full));
+        cells.push(e.biased_pixels.map_or_else(String::new, |n| n.to_string()));
         cells
     }
 
@@ -237,6 +242,7 @@ impl<'a> Curve<'a> {
 
     fn summary(&self) -> Summary {
         let points = self.points();
+        let renders = self.rows.first().map_or(0, |row| row.renders);
         let middle = match (points.first(), points.last()) {
             (Some(first), Some(last)) => (first.n_points * last.n_points).sqrt(),
             _ => 0.0,
@@ -245,8 +251,8 @@ impl<'a> Curve<'a> {
             points.iter().copied().filter(|p| p.n_points >= middle).collect();
         Summary {
             sampler: self.pattern.clone(),
-            all: fit_rate(&points).map(Rate::from),
-            tail: fit_rate(&tail).map(Rate::from),
+            all: fit_rate(&points).map(|fit| Rate::new(&fit, renders)),
+            tail: fit_rate(&tail).map(|fit| Rate::new(&fit, renders)),
         }
     }
 }
@@ -270,6 +276,9 @@ fn text(document: &Document<'_>) -> String {
     let heading = ["sampler", "rate", "95 %", "upper half", "95 %"];
     text += &table(&heading, document.samplers.iter().map(cells).collect(), 1);
     text.push('\n');
+    if !document.crossovers.is_empty() {
+        text += "last crossing of each pair within the range:\n";
+    }
     text.extend(document.crossovers.iter().map(CrossoverRecord::line));
     text
 }
