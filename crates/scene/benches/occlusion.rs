@@ -24,6 +24,9 @@ const N_DIRECTIONS: [usize; 3] = [16, 256, 4096];
 /// Rays in one iteration.
 const N_RAYS: usize = 1 << 16;
 
+/// How far above surfaces the peer's rays start, in units of the size: vertices are rounded to f32.
+const CLEARANCE: f64 = 1.0 / (1u64 << 21) as f64;
+
 /// Squares of the height field along each side: a million triangles.
 const FIELD: u32 = 708;
 
@@ -128,7 +131,7 @@ fn bench_scene(
         }
         if let Some(peer) = peer {
             group.bench_function(BenchmarkId::new("hierarchy", n), |b| {
-                b.iter(|| peer.trace(black_box(&work), scene.clearance()));
+                b.iter(|| peer.trace(black_box(&work), CLEARANCE * scene.bounds().size()));
             });
         }
     }

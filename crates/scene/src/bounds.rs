@@ -12,8 +12,7 @@ pub struct Bounds {
 impl Bounds {
     /// The smallest box around points; inverted, from infinity to minus infinity, if there are none.
     pub fn around(points: impl IntoIterator<Item = DVec3>) -> Self {
-        let none = Self { min: DVec3::INFINITY, max: DVec3::NEG_INFINITY };
-        points.into_iter().fold(none, |b, p| Self { min: b.min.min(p), max: b.max.max(p) })
+        points.into_iter().fold(Self::NONE, |b, p| b.and(Self { min: p, max: p }))
     }
 
     /// The middle of the box.
@@ -31,20 +30,16 @@ impl Bounds {
         self.min.abs().max(self.max.abs()).max_element()
     }
 
-    /// The distances, in lengths of `dir` and not below 0, at which a ray enters and leaves the box.
-    pub(crate) fn crossing(&self, origin: DVec3, dir: DVec3) -> Option<[f64; 2]> {
-        let mut range = [0.0, f64::INFINITY];
-        for axis in 0..3 {
-            let (o, d) = (origin[axis], dir[axis]);
-            if d == 0.0 {
-                if o < self.min[axis] || o > self.max[axis] {
-                    return None;
-                }
-                continue;
-            }
-            let (a, b) = ((self.min[axis] - o) / d, (self.max[axis] - o) / d);
-            range = [f64::max(range[0], a.min(b)), f64::min(range[1], a.max(b))];
-        }
-        (range[0] <= range[1]).then_some(range)
+    /// The box of no points.
+    pub(crate) const NONE: Self = Self { min: DVec3::INFINITY, max: DVec3::NEG_INFINITY };
+
+    /// The smallest box around two.
+    pub(crate) fn and(self, other: Self) -> Self {
+        Self { min: self.min.min(other.min), max: self.max.max(other.max) }
+    }
+
+    /// Whether it is around no points.
+    pub(crate) fn is_empty(&self) -> bool {
+        self.min.x > self.max.x
     }
 }

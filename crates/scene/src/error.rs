@@ -51,8 +51,21 @@ pub enum Error {
         /// Its third coordinate.
         z: f64,
     },
+    /// A mesh is so far from 0 that rounding of its coordinates leaves little of its shape.
+    #[error(
+        "the mesh is of size {size:e} at coordinates up to {magnitude:e}, which leaves it fewer than \
+         4096 steps of double precision: move it nearer to 0"
+    )]
+    TooFar {
+        /// The longest side of its bounds.
+        size: f64,
+        /// Its largest coordinate.
+        magnitude: f64,
+    },
     /// A triangle has a vertex that there is not.
-    #[error("triangle {face} asks for vertex {vertex}: there are {n_vertices}, counted from 0")]
+    #[error(
+        "triangle {face} references vertex {vertex}, but the mesh has {n_vertices} vertices (0-based)"
+    )]
     FaceIndex {
         /// The triangle's number, counted from 0.
         face: usize,

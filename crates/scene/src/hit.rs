@@ -18,14 +18,14 @@ pub struct Hit {
 impl Hit {
     /// The hit on a plane with this unit normal, on either side of it.
     pub(crate) fn new(
-        origin: DVec3,
+        position: DVec3,
         dir: DVec3,
         distance: f64,
         normal: DVec3,
         primitive: usize,
     ) -> Self {
         let normal = if normal.dot(dir) > 0.0 { -normal } else { normal };
-        Self { position: origin + distance * dir, normal, distance, primitive }
+        Self { position, normal, distance, primitive }
     }
 }
 

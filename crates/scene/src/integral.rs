@@ -55,9 +55,9 @@ impl Integral<'_> {
     }
 }
 
-/// Rays to a light end this much before it, in their own length: a lamp on a ceiling must not be behind it. Single
-/// precision is off by some EPSILON over the cosine at the lamp, so this holds up to 89.98 degrees.
-const BEFORE_LIGHT: f64 = 1.0 - 1.0 / 1024.0;
+/// Rays to a light end this much before it, in their own length times the cosine at the lamp: a lamp on a ceiling must not
+/// be behind it. Single precision is off by 2.5 EPSILON for each component of a plane's normal, and 1 for the distance.
+const BEFORE_LIGHT: f64 = 8.0 * f32::EPSILON as f64;
 
 /// Sums over the directions of one hit point.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -90,9 +90,10 @@ impl Integral<'_> {
                 reaches.clear();
                 let origin = hit.position;
                 dirs.retain(|&dir| {
-                    let lit = dir.dot(light.normal()) < 0.0;
+                    let cosine = -dir.dot(light.normal());
+                    let lit = cosine > 0.0;
                     let distance = if lit { light.intersect(origin, dir) } else { None };
-                    reaches.extend(distance.map(|d| d * BEFORE_LIGHT));
+                    reaches.extend(distance.map(|d| d * (1.0 - BEFORE_LIGHT / cosine)));
                     distance.is_some()
                 });
                 reach = Reach::Each(reaches);

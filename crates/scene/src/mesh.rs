@@ -1,16 +1,12 @@
-use glam::{DVec3, Vec3, Vec3A};
-use obvhs::BvhBuildParams;
-use obvhs::aabb::Aabb;
-use obvhs::bvh2::reinsertion::ReinsertionOptimizer;
-use obvhs::cwbvh::CwBvh;
-use obvhs::cwbvh::bvh2_to_cwbvh::bvh2_to_cwbvh;
-use obvhs::ploc::PlocBuilder;
-use obvhs::ray::{Ray, RayHit};
+use glam::DVec3;
 use pulp::Arch;
 
 use crate::bounds::Bounds;
+use crate::duplicates::remove_duplicates;
+use crate::hierarchy::Hierarchy;
 use crate::order::coherent_order;
-use crate::quad::{meet, normal_between};
+use crate::quad::normal_between;
+use crate::ray::{Meeting, WatertightRay};
 use crate::stream::Stream;
 use crate::{Error, Hit, MAX_COORDINATE, Reach};
 
@@ -19,42 +15,53 @@ use crate::{Error, Hit, MAX_COORDINATE, Reach};
 /// Normals are those of the triangles' planes.
 #[derive(Clone, Debug)]
 pub struct Mesh {
-    vertices: Box<[DVec3]>,
-    /// Numbers of the vertices of the triangles that have an area.
-    faces: Box<[[u32; 3]]>,
+    pub(crate) triangles: Triangles,
+    /// For each triangle in the order given its place in the hierarchy's order.
+    places: Box<[u32]>,
     bounds: Bounds,
-    /// Coordinates in the hierarchy are `(x - center) * scale`.
-    center: DVec3,
-    scale: f64,
-    hierarchy: CwBvh,
-    /// The triangles in the hierarchy's order and coordinates.
-    corners: Box<[[Vec3; 3]]>,
+    pub(crate) hierarchy: Hierarchy,
     arch: Arch,
 }
 
-/// Size of the mesh in the hierarchy's coordinates. Its boxes are ignored where a ray leaves them before 1e-4, so
-/// that should be less than the distance that rays start from surfaces.
-pub(crate) const SIZE: u32 = 1 << 16;
-/// How far before the mesh primary rays start, in units of its size.
-const RUN_UP: f64 = 1.0 / 16.0;
-/// Triangles of a leaf: the format has room for three.
-const MAX_LEAF: u32 = 3;
+/// Triangles in the order of the hierarchy.
+#[derive(Clone, Debug)]
+pub(crate) struct Triangles {
+    pub(crate) vertices: Box<[DVec3]>,
+    pub(crate) faces: Box<[[u32; 3]]>,
+    /// The hierarchy's coordinates are those of vertices times this power of two, which brings the size to about 2^16.
+    pub(crate) scale: f64,
+}
 
 const MAX_TRIANGLES: usize = 1 << 28;
+
+/// Size of the mesh in the hierarchy's coordinates, at most: products of lengths are numbers in f32.
+const SIZE: f64 = (1u32 << 16) as f64;
+
+/// Steps of f64 along the size of a mesh, at least: what is farther from 0 has no shape left.
+const MIN_STEPS: f64 = (1u32 << 12) as f64;
+
+impl Triangles {
+    pub(crate) fn corners(&self, place: usize) -> [DVec3; 3] {
+        self.faces[place].map(|v| self.vertices[v as usize])
+    }
+}
 
 impl Mesh {
     /// The mesh of triangles given by the numbers of their vertices, from 0.
     ///
-    /// Triangles without area are left out, as are those with no coordinates that differ by 1e-100 or more;
-    /// [`Hit::primitive`] counts the others in their order.
+    /// Triangles without area are left out, as are those with no coordinates that differ by 1e-100 or more, and those
+    /// whose corners are at the same places as those of one before; [`Hit::primitive`] counts the others in their
+    /// order.
     ///
     /// # Errors
     /// [`Error::Vertex`] if a coordinate that is used is not finite or beyond 1e100, [`Error::FaceIndex`] if there is no
-    /// vertex of a given number, [`Error::NoTriangles`] if no triangle has an area,
+    /// vertex of a given number, [`Error::NoTriangles`] if no triangle has an area, [`Error::TooFar`] if
+    /// the mesh is so far from 0 that coordinates have fewer than 4096 steps along it,
     /// [`Error::TooManyTriangles`] for more than 2^28.
     ///
     /// # Performance
-    /// Makes the hierarchy: about a microsecond a triangle, of which 75 bytes stay for each.
+    /// Makes the hierarchy: some microseconds a triangle, of which about 60 bytes stay for each. The time is of order
+    /// n log n for any shape.
     pub fn new(vertices: Vec<DVec3>, faces: Vec<[u32; 3]>) -> Result<Self, Error> {
         let n_faces = faces.len();
         if n_faces > MAX_TRIANGLES {
@@ -74,31 +81,31 @@ impl Mesh {
         let corners_of = |face: &[u32; 3]| face.map(|v| vertices[v as usize]);
         let mut faces = faces;
         faces.retain(|face| normal_of(corners_of(face)).is_some());
-        let bounds = Bounds::around(faces.iter().flat_map(corners_of));
-        let (center, scale) = (bounds.center(), f64::from(SIZE) / bounds.size());
-        let local = |face: &[u32; 3]| corners_of(face).map(|p| ((p - center) * scale).as_vec3());
         if faces.is_empty() {
             return Err(Error::NoTriangles { n_faces });
         }
-        let boxes = faces.iter().map(|face| Aabb::from_points(&local(face).map(Vec3A::from)));
-        let hierarchy = hierarchy_of(&boxes.collect::<Vec<_>>());
-        let order = hierarchy.primitive_indices.iter();
-        let corners = order.map(|&i| local(&faces[i as usize])).collect();
-        Ok(Self {
-            corners,
-            vertices: vertices.into(),
-            faces: faces.into(),
-            bounds,
-            center,
-            scale,
-            hierarchy,
-            arch: Arch::new(),
-        })
+        remove_duplicates(&vertices, &mut faces);
+        let bounds = Bounds::around(faces.iter().flat_map(corners_of));
+        let (size, magnitude) = (bounds.size(), bounds.magnitude());
+        if size < MIN_STEPS * f64::EPSILON * magnitude {
+            return Err(Error::TooFar { size, magnitude });
+        }
+        let scale = (SIZE / size).log2().floor().exp2();
+        let boxes = faces.iter().map(|face| Bounds::around(corners_of(face).map(|p| p * scale)));
+        let hierarchy = Hierarchy::new(&boxes.collect::<Vec<_>>());
+        let mut places = vec![0; faces.len()];
+        for (place, &number) in (0..).zip(&hierarchy.order) {
+            places[number as usize] = place;
+        }
+        let ordered = hierarchy.order.iter().map(|&i| faces[i as usize]);
+        let (vertices, faces) = by_first_use(&vertices, ordered);
+        let triangles = Triangles { vertices, faces, scale };
+        Ok(Self { triangles, places: places.into(), bounds, hierarchy, arch: Arch::new() })
     }
 
-    /// Number of triangles that have an area.
+    /// Number of different triangles that have an area.
     pub fn n_triangles(&self) -> usize {
-        self.faces.len()
+        self.places.len()
     }
 
     /// The smallest box around the triangles.
@@ -111,38 +118,33 @@ impl Mesh {
     /// # Panics
     /// If `index` is not below [`Self::n_triangles`].
     pub fn triangle(&self, index: usize) -> [DVec3; 3] {
-        self.faces[index].map(|v| self.vertices[v as usize])
+        self.triangles.corners(self.places[index] as usize)
     }
 
-    #[expect(clippy::cast_possible_truncation, reason = "for the hierarchy, which has a reserve")]
+    /// `dir` is of unit length.
     pub(crate) fn closest_hit(&self, origin: DVec3, dir: DVec3) -> Option<Hit> {
-        // Within the hierarchy, in f32, the way is counted from a little before the ray enters: what is met at once would
-        // be ignored.
-        let before = RUN_UP * self.bounds.size();
-        let start = f64::max(0.0, self.bounds.crossing(origin, dir)?[0] - before);
-        let entry = (origin + start * dir - self.center) * self.scale;
-        if !entry.is_finite() {
-            return None;
-        }
-        // It is near the box but for rounding, which is large if the origin is far away.
-        let limit = DVec3::splat(f64::from(SIZE));
-        let ray = Ray::new_inf(entry.clamp(-limit, limit).as_vec3a(), dir.as_vec3a());
-        let mut best: Option<(f64, usize, DVec3)> = None;
-        self.hierarchy.ray_traverse(ray, &mut RayHit::none(), |_, i| {
-            let primitive = self.hierarchy.primitive_indices[i] as usize;
-            let corners = self.triangle(primitive);
-            let met = normal_of(corners)
-                .and_then(|n| Some((meet(corners.map(|c| c - origin), n, dir)?, n)));
-            match met {
-                Some((distance, normal)) if best.is_none_or(|(d, ..)| distance < d) => {
-                    best = Some((distance, primitive, normal));
-                    // Boxes that begin here may have what is nearer by less than a rounding.
-                    ((distance - start) * self.scale * (1.0 + 1e-6)) as f32
+        let ray = WatertightRay::new(origin, dir);
+        let mut best: Option<(Meeting, usize)> = None;
+        let scale = self.triangles.scale;
+        self.hierarchy.visit_along(origin * scale, dir, |first, count| {
+            for place in first..first + count {
+                let Some(meeting) = ray.meet(self.triangles.corners(place)) else { continue };
+                let number = self.hierarchy.order[place] as usize;
+                // Of triangles at one distance the first in the list.
+                let is_nearer =
+                    best.is_none_or(|(b, n)| (meeting.distance, number) < (b.distance, n));
+                if is_nearer {
+                    best = Some((meeting, number));
                 }
-                _ => f32::INFINITY,
             }
+            best.map_or(f64::INFINITY, |(meeting, _)| meeting.distance * scale)
         });
-        best.map(|(distance, primitive, normal)| Hit::new(origin, dir, distance, normal, primitive))
+        let (Meeting { distance, weights: [v, w] }, primitive) = best?;
+        let [a, b, c] = self.triangle(primitive);
+        let normal = normal_of([a, b, c])?;
+        // On the triangle to a rounding of its coordinates, however far away the origin is.
+        let position = a + v * (b - a) + w * (c - a);
+        Some(Hit::new(position, dir, distance, normal, primitive))
     }
 
     /// See [`Scene::occlusion_into`](crate::Scene::occlusion_into); `origin` is clear of the surface.
@@ -159,13 +161,14 @@ impl Mesh {
             Reach::Within(distance) => distance,
             Reach::Each(distances) => distances[i],
         };
-        let rays = order.iter().map(|&i| (dirs[i as usize], distance(i as usize) * self.scale));
+        let scale = self.triangles.scale;
+        let rays = order.iter().map(|&i| (dirs[i as usize], distance(i as usize) * scale));
         let rays = rays.collect::<Vec<_>>();
         let mut answers = vec![false; dirs.len()];
         self.arch.dispatch(Stream {
-            hierarchy: &self.hierarchy,
-            corners: &self.corners,
-            origin: (origin - self.center) * self.scale,
+            nodes: &self.hierarchy.nodes,
+            triangles: &self.triangles,
+            origin,
             normal,
             rays: &rays,
             occluded: &mut answers,
@@ -176,20 +179,25 @@ impl Mesh {
     }
 }
 
-/// The hierarchy over boxes, as the crate's own function of this purpose makes it, but without that one's check in
-/// debug builds, which takes roundings for errors.
-fn hierarchy_of(boxes: &[Aabb]) -> CwBvh {
-    let parameters = BvhBuildParams::medium_build();
-    let indices = (0..).take(boxes.len()).collect();
-    let mut binary = PlocBuilder::with_capacity(boxes.len()).build(
-        parameters.ploc_search_distance,
-        boxes,
-        indices,
-        parameters.sort_precision,
-        parameters.search_depth_threshold,
-    );
-    ReinsertionOptimizer::default().run(&mut binary, parameters.reinsertion_batch_ratio, None);
-    bvh2_to_cwbvh(&binary, MAX_LEAF, true, false)
+/// The vertices that faces use in the order in which they do, and the faces with their new numbers.
+fn by_first_use(
+    vertices: &[DVec3],
+    faces: impl Iterator<Item = [u32; 3]>,
+) -> (Box<[DVec3]>, Box<[[u32; 3]]>) {
+    let mut numbers = vec![u32::MAX; vertices.len()];
+    let mut used = Vec::new();
+    let mut next = 0;
+    let mut renumbered = |v: u32| {
+        let number = &mut numbers[v as usize];
+        if *number == u32::MAX {
+            *number = next;
+            next += 1;
+            used.push(vertices[v as usize]);
+        }
+        *number
+    };
+    let faces = faces.map(|face| face.map(&mut renumbered)).collect();
+    (used.into(), faces)
 }
 
 /// The unit normal of a triangle, on the side from which the corners are counterclockwise, if it has an area.

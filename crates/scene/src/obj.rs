@@ -1,21 +1,16 @@
 use std::io::Read;
 
 use glam::DVec3;
-use tobj::{LoadError, LoadOptions};
 
-use crate::{Error, MAX_COORDINATE, Mesh};
+use crate::obj_lines::lines;
+use crate::triangulation::triangulate;
+use crate::{Error, MAX_COORDINATE, Mesh, ObjRemarks};
 
 impl Mesh {
-    /// The mesh of a text in Wavefront's OBJ format.
-    ///
-    /// Faces of more than three corners become fans around their first, so they should be convex; negative indices count
-    /// from the last vertex so far. Objects and groups are put together. Points, lines, normals, texture coordinates
-    /// and materials are not used.
+    /// The mesh of a text in Wavefront's OBJ format, see [`Self::from_obj_with_remarks`].
     ///
     /// # Errors
-    /// [`Error::Unreadable`] if the reader fails; [`Error::ObjLine`] with the number of the line for a vertex that is not
-    /// three finite numbers (or four, or six with a colour), a face with an index that is no number or has no vertex,
-    /// and bytes that are not UTF-8; else as [`Mesh::new`].
+    /// As [`Self::from_obj_with_remarks`].
     ///
     /// # Examples
     /// ```
@@ -27,161 +22,184 @@ impl Mesh {
     /// assert!(matches!(error, Error::ObjLine { line: 5, .. }));
     /// # Ok::<(), Error>(())
     /// ```
-    pub fn from_obj(mut reader: impl Read) -> Result<Self, Error> {
+    pub fn from_obj(reader: impl Read) -> Result<Self, Error> {
+        Ok(Self::from_obj_with_remarks(reader)?.0)
+    }
+
+    /// The mesh of a text in Wavefront's OBJ format, and what else the text contains.
+    ///
+    /// Faces (`f`, and `fo` as it was once spelled) of more than three corners are triangulated: convex ones become fans
+    /// around their first corner, others are cut into triangles in the projection along the largest component of their
+    /// area vector. If a face has crossing sides there, the fan that is left over when no more ears can be cut off is
+    /// used, and counted in the remarks. Negative indices count from the last vertex so far, positive ones may be those of
+    /// vertices that follow. Objects and groups are put together.
+    ///
+    /// A vertex has three numbers; four, of which the last divides the others; or three and a colour of three or four
+    /// numbers, which is ignored. Lines end in LF, CR LF or CR, and are continued after `\` at their end unless they
+    /// have a comment. A UTF-8 byte order mark is skipped; names and comments may have any bytes.
+    ///
+    /// # Errors
+    /// [`Error::Unreadable`] if the reader fails; [`Error::ObjLine`] with the number of the line for a vertex that is not
+    /// as above or not finite, a face with an index that is no number or has no vertex, a keyword that is not
+    /// printable ASCII, and a text without faces; else as [`Mesh::new`].
+    pub fn from_obj_with_remarks(mut reader: impl Read) -> Result<(Self, ObjRemarks), Error> {
         let mut bytes = Vec::new();
         if let Err(error) = reader.read_to_end(&mut bytes) {
             return Err(Error::Unreadable { reason: error.to_string() });
         }
-        let text = String::from_utf8(bytes).map_err(|error| not_text(&error))?;
-        let options = LoadOptions {
-            single_index: true,
-            triangulate: true,
-            ignore_points: true,
-            ignore_lines: true,
-        };
-        // Vertices of no face count, too, of which neither loader nor mesh says anything.
-        if text.lines().any(is_wrong_vertex) {
-            return Err(wrong_line(&text, "a vertex is not finite"));
+        let mut content = Content::default();
+        let mut n_lines = 0;
+        for (line, text) in lines(&bytes) {
+            n_lines = line;
+            let read = content.read(line, &text);
+            read.map_err(|expected| Error::ObjLine { line, text: quoted(&text), expected })?;
         }
-        let geometry = geometry_of(&text);
-        let loaded = tobj::load_obj_buf(&mut geometry.as_bytes(), &options, |_| {
-            Err(LoadError::OpenFileFailed)
-        });
-        let models = match loaded {
-            Ok((models, _)) => models,
-            Err(error) => return Err(wrong_line(&text, &error.to_string())),
-        };
-        let (mut vertices, mut faces) = (Vec::new(), Vec::new());
-        for model in models {
-            vertices
-                .extend(model.mesh.positions.as_chunks().0.iter().map(|&p| DVec3::from_array(p)));
-            faces.extend_from_slice(model.mesh.indices.as_chunks().0);
+        if content.faces.is_empty() {
+            let expected = "a face (`f` and three vertices or more) before the end";
+            let line = n_lines.max(1);
+            return Err(Error::ObjLine { line, text: "end of the text".into(), expected });
         }
-        Self::new(vertices, faces).map_err(|error| match error {
-            Error::NoTriangles { n_faces: 0 } => wrong_line(&text, &error.to_string()),
-            error => error,
-        })
+        content.mesh(&bytes)
     }
 }
 
-/// Numbers of a vertex that has a colour.
-const N_WITH_COLOR: usize = 6;
-
-/// The lines for vertices and faces, the latter without texture coordinates and normals.
-fn geometry_of(text: &str) -> String {
-    let mut geometry = String::with_capacity(text.len());
-    for line in text.lines().map(without_comment) {
-        let mut words = line.split_whitespace();
-        match words.next() {
-            // The loader wants a colour for all vertices or none.
-            Some("v") if words.clone().count() == N_WITH_COLOR => {
-                let coordinates = words.take(3).collect::<Vec<_>>();
-                geometry.extend(["v ", &coordinates.join(" ")]);
-            }
-            Some("v") => geometry.push_str(line),
-            Some("f") => {
-                geometry.push('f');
-                for word in words {
-                    geometry.push(' ');
-                    geometry.push_str(vertex_index(word));
-                }
-            }
-            _ => continue,
-        }
-        geometry.push('\n');
-    }
-    geometry
-}
-
-fn without_comment(line: &str) -> &str {
-    line.split('#').next().unwrap_or_default()
-}
-
-fn vertex_index(corner: &str) -> &str {
-    corner.split('/').next().unwrap_or_default()
-}
-
-/// The first line that keeps a text from being a mesh; the loader does not tell.
-fn wrong_line(text: &str, reason: &str) -> Error {
-    let words_of = |line| without_comment(line).split_whitespace();
-    let n_vertices = text.lines().filter(|line| words_of(line).next() == Some("v")).count();
-    let (mut so_far, mut n_faces) = (0, 0);
-    for (i, line) in text.lines().enumerate() {
-        let mut words = words_of(line);
-        let expected = match words.next() {
-            Some("v") => {
-                so_far += 1;
-                (!is_vertex(words)).then_some("`v` and three finite numbers within 1e100")
-            }
-            Some("f") => {
-                n_faces += usize::from(words.clone().count() > 2);
-                wrong_face(words, so_far, n_vertices)
-            }
-            _ => None,
-        };
-        if let Some(expected) = expected {
-            return Error::ObjLine {
-                line: i + 1,
-                text: line.chars().take(QUOTED).collect(),
-                expected,
-            };
-        }
-    }
-    if n_faces == 0 {
-        let line = text.lines().count().max(1);
-        let expected = "a face (`f` and three vertices or more) before the end";
-        return Error::ObjLine { line, text: "end of the text".into(), expected };
-    }
-    Error::Unreadable { reason: reason.into() }
-}
-
-/// How much of a wrong line a message has.
+/// Bytes of a wrong line that a message has.
 const QUOTED: usize = 60;
 
-fn is_wrong_vertex(line: &str) -> bool {
-    let mut words = without_comment(line).split_whitespace();
-    words.next() == Some("v") && !is_vertex(words)
+/// The beginning of a line with everything escaped that is not printable.
+fn quoted(text: &[u8]) -> String {
+    let end = text.len().min(QUOTED);
+    let shown = String::from_utf8_lossy(&text[..end]);
+    shown.trim().chars().map(|c| if c.is_control() { '\u{fffd}' } else { c }).collect()
 }
 
-fn is_vertex<'a>(words: impl Iterator<Item = &'a str>) -> bool {
-    let numbers = words.map(|word| word.parse().unwrap_or(f64::NAN)).collect::<Vec<_>>();
-    let w = match numbers.len() {
-        3 | N_WITH_COLOR => 1.0,
-        4 => numbers[3],
-        _ => f64::NAN,
-    };
-    numbers.iter().take(3).all(|x| (x / w).abs() <= MAX_COORDINATE)
+/// What has been read.
+#[derive(Debug, Default)]
+struct Content {
+    vertices: Vec<DVec3>,
+    faces: Vec<Face>,
+    /// Indices of the corners of all faces, from 0.
+    corners: Vec<u64>,
+    remarks: ObjRemarks,
 }
 
-fn wrong_face<'a>(
-    words: impl Iterator<Item = &'a str>,
-    so_far: usize,
-    n_vertices: usize,
-) -> Option<&'static str> {
-    let mut n_corners = 0;
-    for word in words {
-        n_corners += 1;
-        match vertex_index(word).parse::<i64>() {
-            Err(_) => {
-                return Some(
-                    "the number of a vertex, with or without `/` and more, for each corner",
-                );
+/// A polygon.
+#[derive(Clone, Copy, Debug)]
+struct Face {
+    line: usize,
+    first_corner: usize,
+}
+
+impl Content {
+    /// Takes in a line; if it is wrong, what would be right.
+    fn read(&mut self, line: usize, text: &[u8]) -> Result<(), &'static str> {
+        let mut words = text.split(u8::is_ascii_whitespace).filter(|word| !word.is_empty());
+        match words.next() {
+            None => Ok(()),
+            Some(b"v") => {
+                self.vertices.push(vertex(words)?);
+                Ok(())
             }
-            Ok(0) => return Some("vertices counted from 1, or backwards from -1"),
-            Ok(index) if index < 0 && index.unsigned_abs() > so_far as u64 => {
-                return Some("indices that go back no further than the first vertex");
+            Some(b"f" | b"fo") => self.face(line, words),
+            Some(keyword) => {
+                if !keyword.iter().all(u8::is_ascii_graphic) {
+                    return Err("a keyword of the OBJ format, as `v` or `f`, in ASCII or UTF-8");
+                }
+                self.remarks.count(&String::from_utf8_lossy(keyword));
+                Ok(())
             }
-            Ok(index) if index > 0 && index.unsigned_abs() > n_vertices as u64 => {
-                return Some("indices up to the number of vertices");
-            }
-            Ok(_) => {}
         }
     }
-    (n_corners == 0).then_some("three vertices or more")
+
+    fn face<'a>(
+        &mut self,
+        line: usize,
+        words: impl Iterator<Item = &'a [u8]>,
+    ) -> Result<(), &'static str> {
+        let first_corner = self.corners.len();
+        for word in words {
+            self.corners.push(corner(word, self.vertices.len() as u64)?);
+        }
+        match self.corners.len() - first_corner {
+            0 => return Err("three vertices or more"),
+            1 | 2 => {
+                self.corners.truncate(first_corner);
+                self.remarks.small_faces += 1;
+            }
+            _ => self.faces.push(Face { line, first_corner }),
+        }
+        Ok(())
+    }
+
+    /// The mesh of the content of `text`.
+    fn mesh(self, text: &[u8]) -> Result<(Mesh, ObjRemarks), Error> {
+        let Self { vertices, faces, corners, mut remarks } = self;
+        let ends = faces.iter().skip(1).map(|f| f.first_corner).chain([corners.len()]);
+        let mut triangles = Vec::with_capacity(corners.len() - 2 * faces.len());
+        let (mut polygon, mut places) = (Vec::new(), Vec::new());
+        for (face, end) in faces.iter().zip(ends) {
+            polygon.clear();
+            places.clear();
+            for &corner in &corners[face.first_corner..end] {
+                let place = usize::try_from(corner).ok().and_then(|i| vertices.get(i));
+                let (Some(&place), Ok(index)) = (place, u32::try_from(corner)) else {
+                    let statement = lines(text).find(|&(line, _)| line == face.line);
+                    return Err(Error::ObjLine {
+                        line: face.line,
+                        text: statement.map_or_else(String::new, |(_, text)| quoted(&text)),
+                        expected: "indices up to the number of vertices",
+                    });
+                };
+                polygon.push(index);
+                places.push(place);
+            }
+            let (parts, is_simple) = triangulate(&places);
+            remarks.crossed_faces += usize::from(!is_simple);
+            triangles.extend(parts.iter().map(|part| part.map(|i| polygon[i])));
+        }
+        let n_triangles = triangles.len();
+        let mesh = Mesh::new(vertices, triangles)?;
+        remarks.left_out_triangles = n_triangles - mesh.n_triangles();
+        Ok((mesh, remarks))
+    }
 }
 
-fn not_text(error: &std::string::FromUtf8Error) -> Error {
-    let (valid, _) = error.as_bytes().split_at(error.utf8_error().valid_up_to());
-    let line = 1 + valid.iter().filter(|&&b| b == b'\n').count();
-    Error::ObjLine { line, text: "bytes that are no text".into(), expected: "text in UTF-8" }
+/// The place of a vertex, from the numbers after `v`.
+fn vertex<'a>(words: impl Iterator<Item = &'a [u8]>) -> Result<DVec3, &'static str> {
+    let mut numbers = [f64::NAN; 7];
+    let mut n = 0;
+    for word in words {
+        let number = std::str::from_utf8(word).ok().and_then(|word| word.parse().ok());
+        match (numbers.get_mut(n), number) {
+            (Some(slot), Some(number)) => *slot = number,
+            _ => return Err(VERTEX),
+        }
+        n += 1;
+    }
+    let w = match n {
+        3 | 6 | 7 => 1.0,
+        4 => numbers[3],
+        _ => return Err(VERTEX),
+    };
+    let place = DVec3::from_slice(&numbers) / w;
+    // Not NaN either.
+    let is_usable = place.to_array().iter().all(|x| x.abs() <= MAX_COORDINATE);
+    is_usable.then_some(place).ok_or(VERTEX)
+}
+
+const VERTEX: &str = "`v` and three finite numbers within 1e100 (or four, the last a divisor that is not 0; or a \
+     colour of three or four numbers more)";
+
+/// The index of a vertex, from 0, in a corner `v`, `v/vt`, `v//vn` or `v/vt/vn`; `so_far` vertices have been read.
+fn corner(word: &[u8], so_far: u64) -> Result<u64, &'static str> {
+    let index = word.split(|&b| b == b'/').next().unwrap_or_default();
+    let index = std::str::from_utf8(index).ok().and_then(|text| text.parse::<i64>().ok());
+    match index {
+        None => Err("the number of a vertex, with or without `/` and more, for each corner"),
+        Some(0) => Err("vertices counted from 1, or backwards from -1"),
+        Some(index) if index > 0 => Ok(index.unsigned_abs() - 1),
+        Some(index) => so_far
+            .checked_sub(index.unsigned_abs())
+            .ok_or("indices that go back no further than the first vertex"),
+    }
 }

@@ -3,7 +3,7 @@ use pulp::{Arch, Simd, WithSimd};
 
 use crate::bounds::Bounds;
 use crate::bundle::Bundle;
-use crate::cone::Cone;
+use crate::cone::{CLOSE, Cone, NEAR};
 use crate::{Error, Hit, Quad, Reach};
 
 /// A handful of quadrilaterals, every one of them tested for every ray.
@@ -40,7 +40,11 @@ impl Quads {
         let meetings = self.quads.iter().enumerate();
         let meetings = meetings.filter_map(|(i, q)| Some((i, q.intersect(origin, dir)?)));
         let (primitive, distance) = meetings.min_by(|a, b| a.1.total_cmp(&b.1))?;
-        Some(Hit::new(origin, dir, distance, self.quads[primitive].normal(), primitive))
+        let quad = &self.quads[primitive];
+        let position = origin + distance * dir;
+        // In the plane to a rounding of coordinates, however far away the origin is.
+        let height = (position - quad.corners()[0]).dot(quad.normal());
+        Some(Hit::new(position - height * quad.normal(), dir, distance, quad.normal(), primitive))
     }
 
     /// See [`Scene::occlusion_into`](crate::Scene::occlusion_into); `origin` is clear of the surface.
@@ -78,15 +82,27 @@ impl WithSimd for Occlusion<'_> {
         };
         let mut bundle = Bundle::<BUNDLE>::new();
         let mut cones = [Cone::<4>::NONE; ROUND];
-        for quads in scene.quads.chunks(ROUND) {
+        let near = NEAR * (origin.abs().max_element() * scene.scale + 1.0);
+        // A quadrilateral through the point has two cones.
+        for quads in scene.quads.chunks(ROUND / 2) {
             let mut n_cones = 0;
             for quad in quads {
                 let corners = quad.corners().map(|c| (c - origin) * scene.scale);
-                let height = quad.normal().dot(corners[0]).abs();
+                let height = quad.normal().dot(corners[0]);
                 let visible = corners.iter().any(|&c| c.dot(normal) > 0.0);
-                if visible && height > 0.0 && height <= farthest {
-                    cones[n_cones] = Cone::new(corners, quad.normal());
+                if visible && height.abs() <= farthest {
+                    cones[n_cones] = Cone::new(corners, quad.normal(), height);
                     n_cones += 1;
+                    // The longest side of the scene is 1.
+                    if height.abs() <= CLOSE.max(near) {
+                        let goes_through = height.abs() <= near;
+                        let cone = &mut cones[n_cones - 1];
+                        cone.widen(corners, if goes_through { near } else { 0.0 });
+                        if goes_through {
+                            cones[n_cones] = cone.other_side();
+                            n_cones += 1;
+                        }
+                    }
                 }
             }
             for (i, occluded) in occluded.chunks_mut(BUNDLE).enumerate() {

@@ -11,7 +11,7 @@ const TILE: usize = 16;
 struct Pixel {
     value: f64,
     spread: f64,
-    hits: usize,
+    coverage: f64,
     rays: u64,
 }
 
@@ -74,7 +74,7 @@ pub fn render(
         height: region.height,
         values: vec![0.0; n_pixels],
         spreads: vec![0.0; n_pixels],
-        hits: vec![false; n_pixels],
+        coverage: vec![0.0; n_pixels],
         n_points: directions.n_points(),
         rays: 0,
     };
@@ -85,7 +85,7 @@ pub fn render(
             let at = (top + i / width) * region.width + left + i % width;
             image.values[at] = pixel.value;
             image.spreads[at] = pixel.spread;
-            image.hits[at] = pixel.hits > 0;
+            image.coverage[at] = pixel.coverage;
             image.rays += pixel.rays;
         }
     }
@@ -102,8 +102,8 @@ fn pixel(
 ) -> Result<Pixel, Error> {
     let per_side = view.rays_per_side();
     let [width, _] = view.size();
-    let share = 1.0 / (per_side * per_side) as f64;
     let mut pixel = Pixel::default();
+    let mut hits = 0;
     for (j, i) in (0..per_side).flat_map(|j| (0..per_side).map(move |i| (j, i))) {
         let within = |cell: usize| (cell as f64 + 0.5) / per_side as f64;
         let dir = view.camera().direction(x as f64 + within(i), y as f64 + within(j), view.size());
@@ -114,13 +114,17 @@ fn pixel(
         directions.directions_into(hit.normal, index as u64, &mut workspace.dirs)?;
         let kept = workspace.dirs.len();
         let sums = integral.sums(view.scene(), &hit, workspace);
-        pixel.value += share * estimator.weight(kept, directions.n_points()) * sums.values;
+        pixel.value += estimator.weight(kept, directions.n_points()) * sums.values;
         let mean = sums.values / kept.max(1) as f64;
         // Rounding may leave a little less than 0 of a constant.
         let spread = (sums.squares / kept.max(1) as f64 - mean * mean).max(0.0);
-        pixel.spread += share * share * spread;
-        pixel.hits += 1;
+        pixel.spread += spread;
+        hits += 1;
         pixel.rays += sums.rays;
     }
+    let share = 1.0 / f64::from(hits.max(1));
+    pixel.value *= share;
+    pixel.spread *= share * share;
+    pixel.coverage = f64::from(hits) / (per_side * per_side) as f64;
     Ok(pixel)
 }

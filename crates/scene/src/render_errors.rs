@@ -6,7 +6,8 @@ const BLOCK: usize = 8;
 /// Errors of repeated renders of one view against a reference image.
 ///
 /// The unit of replication is the render: its pixels may share directions. Renders must be independent, as those
-/// of one [`DirectionPlan`](crate::DirectionPlan) are. Pixels in which no surface is seen do not count.
+/// of one [`DirectionPlan`](crate::DirectionPlan) are. Pixels count as surfaces cover them in means over pixels; those
+/// in which no surface is seen do not count.
 ///
 /// Memory: 8 bytes for each pixel of each render.
 #[derive(Clone, Debug)]
@@ -64,11 +65,12 @@ impl<'a> RenderErrors<'a> {
     /// Without any render yet.
     #[must_use]
     pub fn new(reference: &'a Image) -> Self {
-        let pixels = (0..reference.hits.len()).filter(|&i| reference.hits[i]).collect();
+        let is_seen = |i: usize| reference.coverage[i] > 0.0;
+        let pixels = (0..reference.coverage.len()).filter(|&i| is_seen(i)).collect();
         let corners = |length: usize| (0..length / BLOCK).map(|i| i * BLOCK);
         let blocks = corners(reference.height)
             .flat_map(|y| corners(reference.width).map(move |x| y * reference.width + x))
-            .filter(|&corner| square(corner, reference.width).all(|i| reference.hits[i]))
+            .filter(|&corner| square(corner, reference.width).all(is_seen))
             .collect();
         Self { reference, pixels, blocks, n_points: 0, errors: Vec::new(), sums: Vec::new() }
     }
@@ -79,7 +81,7 @@ impl<'a> RenderErrors<'a> {
     /// [`Error::OtherView`] if it does not show the same surfaces in the same pixels as the reference image.
     pub fn push(&mut self, image: &Image) -> Result<(), Error> {
         let reference = self.reference;
-        if image.width != reference.width || image.hits != reference.hits {
+        if image.width != reference.width || image.coverage != reference.coverage {
             return Err(Error::OtherView);
         }
         let pairs = image.values.iter().zip(&reference.values);
@@ -94,8 +96,8 @@ impl<'a> RenderErrors<'a> {
     fn sums_of(&self, errors: &[f64]) -> Sums {
         let width = self.reference.width;
         let squared = |i: usize| errors[i] * errors[i];
-        let all: f64 = self.pixels.iter().map(|&i| squared(i)).sum();
-        let mut sums = Sums { mean_square: all / self.pixels.len() as f64, ..Sums::default() };
+        let mean_square = self.mean(self.pixels.iter().map(|&i| squared(i)));
+        let mut sums = Sums { mean_square, ..Sums::default() };
         let area = (BLOCK * BLOCK) as f64;
         for &corner in &self.blocks {
             let mean = square(corner, width).map(|i| errors[i]).sum::<f64>() / area;
@@ -105,13 +107,20 @@ impl<'a> RenderErrors<'a> {
         for &i in &self.pixels {
             let right = ((i + 1) % width != 0).then_some(i + 1);
             for j in right.into_iter().chain([i + width]) {
-                if self.reference.hits.get(j) == Some(&true) {
+                if self.reference.coverage.get(j).is_some_and(|&c| c > 0.0) {
                     sums.products += errors[i] * errors[j];
                     sums.squares += 0.5 * (squared(i) + squared(j));
                 }
             }
         }
         sums
+    }
+
+    /// The mean of what the pixels that count have, by how they are covered.
+    fn mean(&self, of_pixels: impl Iterator<Item = f64>) -> f64 {
+        let weights = self.pixels.iter().map(|&i| self.reference.coverage[i]);
+        let products = of_pixels.zip(weights.clone()).map(|(x, weight)| weight * x);
+        products.sum::<f64>() / weights.sum::<f64>()
     }
 
     /// The squared error of each pixel of the image in the mean over the renders; 0 where no surface is seen.
@@ -150,7 +159,7 @@ impl<'a> RenderErrors<'a> {
 
     /// The mean of the pixels' variances.
     fn variance(&self, moments: &[(f64, f64)]) -> Estimate {
-        let value = moments.iter().map(|m| m.1).sum::<f64>() / self.pixels.len() as f64;
+        let value = self.mean(moments.iter().map(|m| m.1));
         Estimate::jackknife(value, self.errors.len(), |r| self.variance_without(r, value, moments))
     }
 
@@ -158,7 +167,7 @@ impl<'a> RenderErrors<'a> {
     fn variance_without(&self, render: usize, variance: f64, moments: &[(f64, f64)]) -> f64 {
         let count = self.errors.len() as f64;
         let deviations = self.errors[render].iter().zip(moments).map(|(e, m)| (e - m.0).powi(2));
-        let squares = deviations.sum::<f64>() / self.pixels.len() as f64;
+        let squares = self.mean(deviations);
         // What leaving a number out does to the sum of squared deviations.
         ((count - 1.0) * variance - squares * count / (count - 1.0)) / (count - 2.0)
     }
@@ -208,7 +217,7 @@ mod tests {
             height,
             values,
             spreads: vec![0.25; width * height],
-            hits: vec![true; width * height],
+            coverage: vec![1.0; width * height],
             n_points: 16,
             rays: 0,
         }
@@ -243,14 +252,26 @@ mod tests {
     #[test]
     fn what_is_not_seen_does_not_count() {
         let mut reference = image(8, 8, |_, _| 0.5);
-        reference.hits[0] = false;
+        reference.coverage[0] = 0.0;
         let mut errors = RenderErrors::new(&reference);
         let mut other = image(8, 8, |_, _| 0.75);
         errors.push(&other).unwrap_err();
-        other.hits[0] = false;
+        other.coverage[0] = 0.0;
         errors.push(&other).unwrap();
         let report = errors.report();
         assert_eq!((report.pixels, report.mse.value), (63, 0.0625));
         assert!(report.structure.value.is_nan(), "no square is whole: {report:?}");
+    }
+
+    #[test]
+    fn pixels_count_as_they_are_covered() {
+        let mut reference = image(2, 1, |_, _| 0.5);
+        reference.coverage[1] = 0.25;
+        let mut errors = RenderErrors::new(&reference);
+        let mut other = image(2, 1, |x, _| if x == 0 { 0.5 } else { 1.0 });
+        other.coverage[1] = 0.25;
+        errors.push(&other).unwrap();
+        // A quarter of an error of 1/2, over an area of 5/4.
+        assert_eq!((errors.report().mse.value, other.mean()), (0.05, 0.6));
     }
 }

@@ -5,11 +5,12 @@ use crate::mesh::Mesh;
 use crate::quads::Quads;
 use crate::{Error, Hit, Quad, Reach};
 
-/// Rays for occlusion start this far above the surface, in units of the scene's size or largest coordinate,
-/// whichever is larger. Quadrilaterals are kept in f64; triangles in f32 relative to the middle of the mesh, where
-/// a vertex is off by up to 2^-25 of the size in each coordinate.
-const QUADS_CLEARANCE: f64 = 1.0 / (1u64 << 40) as f64;
-const MESH_CLEARANCE: f64 = 1.0 / (1u64 << 21) as f64;
+/// Rays for occlusion start this far above the surface, in units of the point's largest coordinate and of the largest
+/// distance of a corner of what it lies on. The point is off by a few roundings of the former, its height above the
+/// plane of the corners by some of both ([`NEAR`](crate::cone::NEAR)). From that far above an edge the plane of an edge is
+/// off by less than a tenth of a radian ([`Cone`](crate::cone::Cone)).
+const OF_COORDINATE: f64 = 64.0 * f64::EPSILON;
+const OF_SIZE: f64 = 512.0 * f64::EPSILON;
 
 /// Surfaces, and how rays meet them.
 ///
@@ -31,7 +32,6 @@ const MESH_CLEARANCE: f64 = 1.0 / (1u64 << 21) as f64;
 pub struct Scene {
     geometry: Geometry,
     bounds: Bounds,
-    clearance: f64,
 }
 
 #[derive(Clone, Debug)]
@@ -51,16 +51,13 @@ impl Scene {
     pub fn from_quads(quads: Vec<Quad>) -> Result<Self, Error> {
         let quads = Quads::new(quads)?;
         let bounds = quads.bounds();
-        let clearance = QUADS_CLEARANCE * bounds.size().max(bounds.magnitude());
-        Ok(Self { geometry: Geometry::Quads(quads), bounds, clearance })
+        Ok(Self { geometry: Geometry::Quads(quads), bounds })
     }
 
     /// A scene of a mesh, seen from both sides.
     pub fn from_mesh(mesh: Mesh) -> Self {
         let bounds = mesh.bounds();
-        // Far from 0 the positions of hits, in f64, are what limits.
-        let clearance = (MESH_CLEARANCE * bounds.size()).max(QUADS_CLEARANCE * bounds.magnitude());
-        Self { geometry: Geometry::Mesh(Box::new(mesh)), bounds, clearance }
+        Self { geometry: Geometry::Mesh(Box::new(mesh)), bounds }
     }
 
     /// The smallest box around everything.
@@ -101,12 +98,13 @@ impl Scene {
     ///
     /// Directions below the surface, `normal . dir < 0`, are occluded by the surface itself, whatever their reach.
     /// Rays start at `position + clearance * normal`, see [`Self::clearance`], so that they do not meet the surface
-    /// that they come from; other surfaces nearer than that are not seen. Only `position` and `normal` of the
-    /// hit are used.
+    /// that they come from; other surfaces nearer than that are not seen. A surface that goes through the point where rays
+    /// start, as far as rounding can tell, is met by rays to either side: from an edge or a corner of a closed room
+    /// nothing outside is seen.
     ///
     /// Directions are judged in single precision: wrongly only if they pass an edge, the horizon or, at the end of
-    /// their reach, a surface within 9 `f32::EPSILON` (1.1e-6) radians as seen from the point. On meshes vertices are
-    /// rounded to 2^-25 of the size of the mesh besides. No ray passes between faces that share edges or corners.
+    /// their reach, a surface within 9 `f32::EPSILON` (1.1e-6) radians as seen from the point. No ray passes between
+    /// faces that share edges or corners.
     ///
     /// # Panics
     /// If the lengths of the lists differ.
@@ -125,7 +123,7 @@ impl Scene {
         if let Reach::Each(distances) = reach {
             assert_eq!(dirs.len(), distances.len(), "one distance for each direction");
         }
-        let origin = at.position + self.clearance * at.normal;
+        let origin = at.position + self.clearance(at) * at.normal;
         match &self.geometry {
             Geometry::Quads(quads) => {
                 quads.occlusion_into(origin, at.normal, dirs, reach, occluded);
@@ -136,9 +134,22 @@ impl Scene {
 
     /// How far above a surface rays for occlusion start.
     ///
-    /// For quadrilaterals `2^-40` of the size of the scene or of the largest coordinate if that is larger, for
-    /// meshes `2^-21` of the size, about eight times what rounding moves their vertices.
-    pub fn clearance(&self) -> f64 {
-        self.clearance
+    /// It is what rounding may do to the point: 64 EPSILON of its largest coordinate and 512 EPSILON of the largest
+    /// distance of a corner of the quadrilateral or triangle `primitive`, if there is one of that number.
+    pub fn clearance(&self, at: &Hit) -> f64 {
+        let farthest = |corners: &[DVec3]| {
+            let distances = corners.iter().map(|c| (c - at.position).abs().max_element());
+            distances.fold(0.0, f64::max)
+        };
+        let size = match &self.geometry {
+            Geometry::Quads(quads) => {
+                quads.as_slice().get(at.primitive).map_or(0.0, |quad| farthest(&quad.corners()))
+            }
+            Geometry::Mesh(mesh) if at.primitive < mesh.n_triangles() => {
+                farthest(&mesh.triangle(at.primitive))
+            }
+            Geometry::Mesh(_) => 0.0,
+        };
+        OF_COORDINATE * at.position.abs().max_element() + OF_SIZE * size
     }
 }

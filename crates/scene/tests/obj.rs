@@ -79,7 +79,7 @@ fn what_is_wrong_is_told_with_its_line() {
     }
     assert!(matches!(read(""), Err(Error::ObjLine { line: 1, .. })));
     assert!(matches!(read(&format!("{square}f 1 2 2\n")), Err(Error::NoTriangles { n_faces: 1 })));
-    let no_text = [b"v 0 0 0\nv 1 0 0\n# ".as_slice(), &[0xff, 0xfe], b"\nf 1 2 3\n"].concat();
+    let no_text = [b"v 0 0 0\nv 1 0 0\n".as_slice(), &[0xff, 0xfe], b"v\nf 1 2 3\n"].concat();
     assert!(matches!(Mesh::from_obj(&*no_text), Err(Error::ObjLine { line: 3, .. })));
 }
 
@@ -100,4 +100,119 @@ fn a_mesh_needs_its_vertices() {
         "{wrong:?}"
     );
     assert!(matches!(Mesh::new(vec![], vec![]), Err(Error::NoTriangles { n_faces: 0 })));
+}
+
+/// What the format allows and programs write: every text is the unit square.
+#[test]
+fn spellings_of_a_square() {
+    let square = read("v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n").expect("a mesh");
+    for text in [
+        b"\xef\xbb\xbfv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 5\nf 1 2 3 4\n".as_slice(),
+        b"v 0 0 0\rv 1 0 0\rv 1 1 0\rv 0 1 0\rf 1 2 3 4",
+        b"v 0 0 0\r\nv\t1 0 0\r\nv 1 1 0 \r\nv 0 1 0\r\nfo 1 2 3 4\r\n",
+        b"v 0 0 0\nv 1 0 \\\n0\nv 1 1 0\nv 0 1 0\nf 1 2 \\\r\n 3 4\n",
+        b"# caf\xe9\no caf\xe9\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4 # \xff\n",
+        b"# C:\\\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n",
+        b"v 0 0 0 .5 .5 .5\nv 1 0 0 .5 .5 .5 1\nv 2 2 0 2\nv 0 1 0\nf 1 2 3 4\n",
+        b"f 1 2 3 4\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n",
+        b"v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf -4/1/1 2//7 3/4 -1/-1/-1\n",
+    ] {
+        let mesh = Mesh::from_obj(text).expect("a mesh");
+        assert_eq!(mesh.n_triangles(), 2, "{:?}", String::from_utf8_lossy(text));
+        for i in 0..2 {
+            assert_eq!(mesh.triangle(i), square.triangle(i), "{:?}", String::from_utf8_lossy(text));
+        }
+    }
+}
+
+#[test]
+fn what_is_not_used_is_remarked() {
+    let text = "v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 0 1\nvn 0 0 1\nvt 0 0\nV 0 0 0\nfoo\nfoo\nl 1 2\n\
+                f 1 2 3\nf 3 1 2\nf 1 2\nf 1 2 2\n";
+    let (mesh, remarks) = Mesh::from_obj_with_remarks(text.as_bytes()).expect("a mesh");
+    assert_eq!((mesh.n_triangles(), remarks.unknown()), (1, 3));
+    let expected = "ignored: vertex normals (2), texture coordinates (1), points and lines (1)\n\
+                    unknown keywords, skipped: `V` (1), `foo` (2)\n\
+                    faces of fewer than three corners, left out: 1\n\
+                    triangles without area or given before, left out: 2";
+    assert_eq!(remarks.to_string(), expected);
+    let (_, remarks) = Mesh::from_obj_with_remarks(GOOD.as_bytes()).expect("a mesh");
+    assert_eq!(remarks.unknown(), 0);
+    // A second byte order mark, and a text in two bytes a letter.
+    for wrong in [b"\xef\xbb\xbf\xef\xbb\xbfv 0 0 0\n".as_slice(), b"\xff\xfev\0 \x000\0"] {
+        assert!(matches!(Mesh::from_obj(wrong), Err(Error::ObjLine { line: 1, .. })));
+    }
+}
+
+/// Areas add up to that of the polygon, and all triangles face as it does.
+fn check_triangles(polygon: &[DVec3], order: &[usize]) {
+    let mut text = String::new();
+    for p in polygon {
+        text += &format!("v {:e} {:e} {:e}\n", p.x, p.y, p.z);
+    }
+    let corners: Vec<String> = order.iter().map(|i| (i + 1).to_string()).collect();
+    let text = format!("{text}f {}\n", corners.join(" "));
+    let (mesh, remarks) = Mesh::from_obj_with_remarks(text.as_bytes()).expect("a mesh");
+    assert_eq!(remarks.crossed_faces, 0, "{text}");
+    let places = order.iter().map(|&i| polygon[i]).collect::<Vec<_>>();
+    let sides = places.iter().zip(places.iter().cycle().skip(1));
+    let area: DVec3 = sides.map(|(a, b)| 0.5 * a.cross(*b)).sum();
+    let areas = (0..mesh.n_triangles()).map(|i| {
+        let [a, b, c] = mesh.triangle(i);
+        0.5 * (b - a).cross(c - a)
+    });
+    let areas = areas.collect::<Vec<_>>();
+    let sum: f64 = areas.iter().map(|a| a.dot(area.normalize())).sum();
+    assert!((sum / area.length() - 1.0).abs() < 1e-12, "{sum}, not {}: {text}", area.length());
+    assert!(areas.iter().all(|a| a.dot(area) > 0.0), "{text}");
+}
+
+#[test]
+fn concave_polygons_keep_their_area() {
+    // A dart, from each corner on and in both senses; a comb; a spiral; a star that is not quite plane.
+    let dart = [(0.0, 0.0), (1.0, -1.0), (0.0, 1.0), (-1.0, -1.0)];
+    let comb = (0..40).map(|i| (f64::from(i), [0.0, 9.0][i as usize % 2]));
+    let comb = comb.chain([(39.0, 10.0), (0.0, 10.0)]).collect::<Vec<_>>();
+    let turn = |i: i32, r: f64| {
+        let t = 0.3 * f64::from(i);
+        ((r + t) * t.cos(), (r + t) * t.sin())
+    };
+    let spiral = (0..60).map(|i| turn(i, 2.0)).chain((0..60).rev().map(|i| turn(i, 1.0)));
+    let spiral = spiral.collect::<Vec<_>>();
+    let star = (0..20).map(|i| {
+        let (r, t) = ([1.0, 0.3][i as usize % 2], std::f64::consts::TAU * f64::from(i) / 20.0);
+        (r * t.cos(), r * t.sin())
+    });
+    let star = star.collect::<Vec<_>>();
+    for flat in [&dart[..], &comb, &spiral, &star] {
+        for axis in 0..3 {
+            let place = |(i, &(x, y)): (usize, &(f64, f64))| {
+                let bend = if flat.len() == 20 { 1e-3 * (i % 3) as f64 } else { 0.0 };
+                let [x, y, z] = [x, y, 0.25 * x + 0.5 * y + bend];
+                DVec3::from_array([[x, y, z], [y, z, x], [z, x, y]][axis])
+            };
+            let polygon = flat.iter().enumerate().map(place).collect::<Vec<_>>();
+            for start in 0..polygon.len().min(7) {
+                let mut order = (0..polygon.len()).collect::<Vec<_>>();
+                order.rotate_left(start);
+                check_triangles(&polygon, &order);
+                order.reverse();
+                check_triangles(&polygon, &order);
+            }
+        }
+    }
+    let (mesh, remarks) =
+        Mesh::from_obj_with_remarks(b"v 0 0 0\nv 1 1 0\nv 1 0 0\nv 0 1 0\nf 1 2 3 4\n".as_slice())
+            .expect("crossing sides make overlapping triangles");
+    assert_eq!((mesh.n_triangles(), remarks.crossed_faces), (2, 1));
+}
+
+/// Corners on a straight side stay, so that a neighbour that has them too leaves no gap.
+#[test]
+fn corners_on_a_side_stay() {
+    let text = "v 0 0 0\nv 1 0 0\nv 2 0 0\nv 3 0 0\nv 3 3 0\nv 0 3 0\nf 1 2 3 4 5 6\n";
+    let mesh = read(text).expect("a mesh");
+    assert_eq!(mesh.n_triangles(), 4);
+    let used = (0..4).flat_map(|i| mesh.triangle(i)).filter(|p| p.y == 0.0 && p.x == 1.0).count();
+    assert!(used > 0);
 }

@@ -30,7 +30,7 @@ fn differences(scene: &Scene, reference: &Reference, n_points: usize, reach: f64
     for point in 0..n_points {
         let origin = numbers.inside(bounds.min, bounds.max);
         let Some(hit) = scene.closest_hit(origin, numbers.direction()) else { continue };
-        let start = hit.position + scene.clearance() * hit.normal;
+        let start = hit.position + scene.clearance(&hit) * hit.normal;
         // Sets of every length, also those that fill no vector.
         let dirs = (0..40 + point % 300).map(|i| match i % 2 {
             0 => numbers.direction(),
@@ -44,9 +44,9 @@ fn differences(scene: &Scene, reference: &Reference, n_points: usize, reach: f64
         scene.occlusion_into(&hit, &dirs, Reach::Within(reach), &mut occluded);
         for (&dir, &got) in dirs.iter().zip(&occluded) {
             n_rays += 1;
-            if got != is_occluded(reference, &hit, scene.clearance(), dir, reach) {
+            if got != is_occluded(reference, &hit, scene.clearance(&hit), dir, reach) {
                 n_differ += 1;
-                worst = f64::max(worst, reference.margin(&hit, scene.clearance(), dir, reach));
+                worst = f64::max(worst, reference.margin(&hit, scene.clearance(&hit), dir, reach));
             }
         }
     }
@@ -146,7 +146,7 @@ fn no_ray_leaves_a_closed_mesh() {
     for _ in 0..40 {
         let inside = 0.9 * numbers.unit() * numbers.direction();
         let hit = scene.closest_hit(inside, numbers.direction()).expect("the sphere");
-        let start = hit.position + scene.clearance() * hit.normal;
+        let start = hit.position + scene.clearance(&hit) * hit.normal;
         // Through vertices, along and across edges.
         let mut dirs = vertices.iter().map(|v| (v - start).normalize()).collect::<Vec<_>>();
         for [a, b, _] in &corners {

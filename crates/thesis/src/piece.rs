@@ -43,7 +43,7 @@ impl Piece {
 }
 
 fn is_square(image: &Image, side: usize) -> bool {
-    let lengths = [image.values.len(), image.spreads.len(), image.hits.len()];
+    let lengths = [image.values.len(), image.spreads.len(), image.coverage.len()];
     image.width == side && image.height == side && lengths.iter().all(|&n| n == side * side)
 }
 
@@ -103,7 +103,7 @@ mod tests {
         let Piece::Pictures(mut images) = jobs[4].work(0, 0..SETS).unwrap() else {
             panic!("renders give pictures")
         };
-        images[1].hits.pop();
+        images[1].coverage.pop();
         assert!(!Piece::Pictures(images).fits(&jobs[4], SETS), "a pixel is missing");
     }
 }

@@ -68,10 +68,10 @@ pub(crate) struct RenderArgs {
     /// Folder where reference images are kept, `none` for nowhere [default: the cache folder of the user]
     #[arg(long, value_name = "FOLDER")]
     pub(super) cache: Option<PathBuf>,
-    /// The picture, .png, .exr or .pfm; of a study the results, .csv or .json, or a plot, .svg or .png
+    /// The picture, .png, .exr or .pfm, with the coverage of pixels as alpha if surfaces do not fill it; of a study the results, .csv or .json, or a plot, .svg or .png
     #[arg(short, long, value_name = "FILE")]
     pub(super) out: Option<PathBuf>,
-    /// What is white in a .png [default: 1, of irradiance and light the brightest pixel of the picture]
+    /// What is white in a .png [default: 1; for irradiance and light the brightest pixel, or what 99 % of the pixels stay below if that is less than a tenth of it]
     #[arg(long, value_name = "VALUE")]
     pub(super) white: Option<f64>,
     /// Write picture minus reference image; in a .png red is too bright and blue too dark

@@ -51,11 +51,16 @@ pub(crate) struct Picture<'a> {
     pub(crate) width: usize,
     pub(crate) height: usize,
     pub(crate) values: &'a [f64],
+    /// How much of each pixel its value stands for, as alpha; all of it if there is none.
+    pub(crate) coverage: Option<&'a [f64]>,
 }
 
 impl Picture<'_> {
     /// Writes the values as they are to an `.exr` or `.pfm`, or as the sRGB colours of `colour` to a `.png`; `remark`
     /// goes into the file where the format has room for it.
+    ///
+    /// Coverage becomes alpha: of a PNG with the colour as it is, of an EXR with the value times alpha, as is usual there.
+    /// A PFM has the value times coverage.
     ///
     /// # Errors
     /// When the extension is another one or the file cannot be written.
@@ -67,8 +72,21 @@ impl Picture<'_> {
     ) -> Result<(), FileError> {
         let bytes = match PictureFormat::of_path(path)? {
             PictureFormat::Png => {
-                let colours: Vec<u8> = self.values.iter().flat_map(|&x| colour(x)).collect();
-                png_bytes([self.width, self.height], &colours, remark)
+                let size = [self.width, self.height];
+                match self.coverage {
+                    None => {
+                        let colours: Vec<u8> =
+                            self.values.iter().flat_map(|&x| colour(x)).collect();
+                        png_bytes(size, png::ColorType::Rgb, &colours, remark)
+                    }
+                    Some(coverage) => {
+                        let pixels = self.values.iter().zip(coverage);
+                        let pixels = pixels.map(|(&x, &alpha)| (colour(x), eight_bits(alpha)));
+                        let colours: Vec<u8> =
+                            pixels.flat_map(|([r, g, b], alpha)| [r, g, b, alpha]).collect();
+                        png_bytes(size, png::ColorType::Rgba, &colours, remark)
+                    }
+                }
             }
             PictureFormat::Exr => self.exr(remark),
             PictureFormat::Pfm => Ok(self.pfm()),
@@ -77,32 +95,50 @@ impl Picture<'_> {
     }
 
     fn exr(&self, remark: &str) -> io::Result<Vec<u8>> {
-        let value = |at: exr::math::Vec2<usize>| {
-            let grey = single(self.values[at.1 * self.width + at.0]);
+        let place = |at: exr::math::Vec2<usize>| at.1 * self.width + at.0;
+        let value = |at| {
+            let grey = single(self.covered(place(at)));
             (grey, grey, grey)
         };
+        let size = (self.width, self.height);
         let attributes = LayerAttributes {
             comments: Text::new_or_none(remark),
             ..LayerAttributes::named("linear")
         };
-        let layer = Layer::new(
-            (self.width, self.height),
-            attributes,
-            Encoding::FAST_LOSSLESS,
-            SpecificChannels::rgb(value),
-        );
         let mut bytes = Cursor::new(Vec::new());
-        Image::from_layer(layer).write().to_buffered(&mut bytes).map_err(io::Error::other)?;
+        let encoding = Encoding::FAST_LOSSLESS;
+        let written = match self.coverage {
+            None => {
+                let channels = SpecificChannels::rgb(value);
+                let layer = Layer::new(size, attributes, encoding, channels);
+                Image::from_layer(layer).write().to_buffered(&mut bytes)
+            }
+            Some(coverage) => {
+                let channels = SpecificChannels::rgba(|at| {
+                    let (r, g, b) = value(at);
+                    (r, g, b, single(coverage[place(at)]))
+                });
+                let layer = Layer::new(size, attributes, encoding, channels);
+                Image::from_layer(layer).write().to_buffered(&mut bytes)
+            }
+        };
+        written.map_err(io::Error::other)?;
         Ok(bytes.into_inner())
     }
 
     /// The rows from the bottom; the negative scale says that numbers are little-endian.
     fn pfm(&self) -> Vec<u8> {
         let mut bytes = format!("Pf\n{} {}\n-1.0\n", self.width, self.height).into_bytes();
-        for row in self.values.chunks(self.width).rev() {
-            bytes.extend(row.iter().flat_map(|&x| single(x).to_le_bytes()));
+        for row in (0..self.height).rev() {
+            let pixels = row * self.width..(row + 1) * self.width;
+            bytes.extend(pixels.flat_map(|i| single(self.covered(i)).to_le_bytes()));
         }
         bytes
+    }
+
+    /// The value of a pixel times how much of it that stands for.
+    fn covered(&self, pixel: usize) -> f64 {
+        self.values[pixel] * self.coverage.map_or(1.0, |coverage| coverage[pixel])
     }
 }
 
@@ -116,7 +152,7 @@ pub(crate) fn write_png(
     colours: &[u8],
     remark: &str,
 ) -> Result<(), FileError> {
-    write_encoded(path, png_bytes(size, colours, remark))
+    write_encoded(path, png_bytes(size, png::ColorType::Rgb, colours, remark))
 }
 
 fn write_encoded(path: &Path, bytes: io::Result<Vec<u8>>) -> Result<(), FileError> {
@@ -125,11 +161,16 @@ fn write_encoded(path: &Path, bytes: io::Result<Vec<u8>>) -> Result<(), FileErro
 }
 
 /// A PNG file of 8-bit sRGB colours, row by row from the top, with a remark in it.
-fn png_bytes([width, height]: [usize; 2], colours: &[u8], remark: &str) -> io::Result<Vec<u8>> {
+fn png_bytes(
+    [width, height]: [usize; 2],
+    channels: png::ColorType,
+    colours: &[u8],
+    remark: &str,
+) -> io::Result<Vec<u8>> {
     let side = |n: usize| u32::try_from(n).map_err(io::Error::other);
     let mut bytes = Vec::new();
     let mut encoder = png::Encoder::new(&mut bytes, side(width)?, side(height)?);
-    encoder.set_color(png::ColorType::Rgb);
+    encoder.set_color(channels);
     encoder.set_depth(png::BitDepth::Eight);
     encoder.set_source_srgb(png::SrgbRenderingIntent::RelativeColorimetric);
     encoder.add_itxt_chunk("Comment".to_owned(), remark.to_owned()).map_err(io::Error::other)?;
@@ -137,6 +178,12 @@ fn png_bytes([width, height]: [usize; 2], colours: &[u8], remark: &str) -> io::R
     writer.write_image_data(colours).map_err(io::Error::other)?;
     writer.finish().map_err(io::Error::other)?;
     Ok(bytes)
+}
+
+/// A share in [0, 1] in 8 bits.
+#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "between 0 and 255")]
+fn eight_bits(share: f64) -> u8 {
+    (255.0 * share).round() as u8
 }
 
 /// A linear value in [0, 1], cut off there, as a grey of sRGB (IEC 61966-2-1).
@@ -183,7 +230,7 @@ mod tests {
     fn values_come_back_from_exr_and_pfm() {
         let folder = tempfile::tempdir().unwrap();
         let values = [0.0, 0.25, -0.5, 1e-20, 3.5, 1e20];
-        let picture = Picture { width: 3, height: 2, values: &values };
+        let picture = Picture { width: 3, height: 2, values: &values, coverage: None };
         let path = folder.path().join("p.exr");
         picture.write(&path, &|_| [0; 3], "a remark").unwrap();
         let red = ChannelChoice { channel: Some("r".to_owned()), layer: None };
@@ -209,7 +256,7 @@ mod tests {
     fn a_png_has_its_colours_and_its_remark() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("p.PNG");
-        let picture = Picture { width: 2, height: 1, values: &[0.0, 1.0] };
+        let picture = Picture { width: 2, height: 1, values: &[0.0, 1.0], coverage: None };
         picture.write(&path, &|x| [srgb(x), 7, 9], "sphvar \u{3c0}").unwrap();
         let got = image::open(&path).unwrap().into_rgb8();
         assert_eq!(got.into_raw(), [0, 7, 9, 255, 7, 9]);

@@ -12,6 +12,8 @@ use super::plot_error::PlotError;
 /// Between pictures and around them, pixels.
 const GAP: u32 = 12;
 const LETTERS: f64 = 14.0;
+/// A line of text is no wider than this for each letter, in ems.
+const WIDEST: f64 = 0.75;
 /// From one line of a caption to the next.
 const LINE: u32 = 20;
 /// For each pixel of a sheet: its captions are drawn three by three times as large, and then there are the sheet, the
@@ -80,19 +82,34 @@ impl ContactSheet {
     fn layout(&self) -> Result<Layout, PlotError> {
         let too_large = |_| PlotError::Drawing { reason: "the sheet is too large".to_owned() };
         let size = self.panels.first().map_or([1, 1], |panel| panel.size);
-        let lines = self.panels.iter().map(|panel| panel.caption.len()).max().unwrap_or(0);
+        let lines_of = |panel: &Panel| -> usize {
+            panel.caption.iter().map(|text| broken_lines(text, size[0])).sum()
+        };
+        let lines = self.panels.iter().map(lines_of).max().unwrap_or(0);
         let columns = self.columns.clamp(1, self.panels.len().max(1));
         Ok(Layout {
             panel: [
                 u32::try_from(size[0]).map_err(too_large)?,
                 u32::try_from(size[1]).map_err(too_large)?,
             ],
-            // A line may be broken once.
-            caption: LINE * 2 * u32::try_from(lines).map_err(too_large)?,
+            caption: LINE * u32::try_from(lines).map_err(too_large)?,
             columns: u32::try_from(columns).map_err(too_large)?,
             rows: u32::try_from(self.panels.len().div_ceil(columns)).map_err(too_large)?,
         })
     }
+}
+
+/// Lines that a caption is broken into at most: each line but the last is half full or more, since a word that is longer
+/// is cut; two lines are left for those that fit well.
+fn broken_lines(text: &str, width: usize) -> usize {
+    let letters = text.chars().count();
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "a whole number of letters"
+    )]
+    let per_line = ((width as f64 / (WIDEST * LETTERS)) as usize).max(1);
+    if letters <= per_line { 2 } else { (2 * letters.div_ceil(per_line)).max(2) }
 }
 
 impl Layout {

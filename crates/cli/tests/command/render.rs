@@ -258,6 +258,7 @@ fn a_study_has_rows_rates_and_crossovers() {
     let table = place.text("s.csv");
     assert!(table.starts_with("# sphvar render cornell --study"), "{table}");
     assert_eq!(table.lines().count(), 2 + 7);
+    assert!(table.lines().nth(1).unwrap().ends_with(",bias_limit,biased_pixels"), "{table}");
     let text = place.run(&format!("{arguments} -o s.png --quiet")).ok().stdout;
     assert!(text.contains("structured error") && text.contains("rate"), "{text}");
     assert_eq!(image::open(place.path("s.png")).unwrap().width(), 1200);
@@ -277,6 +278,28 @@ fn a_sheet_shows_panels() {
     );
     let sheet = image::open(place.path("sheet.png")).unwrap();
     assert!(sheet.width() > 3 * 24 && sheet.height() > 2 * 24, "{sheet:?}");
+}
+
+/// A square of 2 by 2 under an open sky that fills parts of pixels: its value is 1, and alpha says how much it fills.
+#[test]
+fn partly_covered_pixels_count_as_such() {
+    let place = Workplace::new();
+    let square =
+        "\u{feff}v -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nvn 0 0 1\nfo 1//1 2//1 3//1 4//1\n";
+    place.write("square.obj", square);
+    let view = "render square.obj --sampler jittered -n 96 --size 4 --pixel-rays 16 --eye 0,0,5 \
+                --look-at 0,0,0 --fov 30 --reference-n 96 --cache none -m 2";
+    let document = place.run(&format!("{view} --json -o s.exr")).json();
+    assert_eq!((number(&document, "mean"), number(&document, "mse")), (1.0, 0.0));
+    // The picture's height is 10 tan(15 degrees); primary rays are off by 1/32 of a pixel at most.
+    let share = (2.0 / (10.0 * 15f64.to_radians().tan())).powi(2);
+    assert!((number(&document, "coverage") - share).abs() < 0.05, "{document}");
+    let picture = image::open(place.path("s.exr")).unwrap().into_rgba32f();
+    assert!(picture.pixels().all(|p| p.0[0] == p.0[3]), "grey times alpha, and the grey is 1");
+    let output = place.run(&format!("{view} --mse -o s.png")).ok();
+    assert!(output.stderr.contains("square.obj: ignored: vertex normals (1)"), "{}", output.stderr);
+    let picture = image::open(place.path("s.png")).unwrap().into_rgba8();
+    assert!(picture.pixels().all(|p| p.0[0] == 255 && p.0[3] > 0));
 }
 
 #[test]

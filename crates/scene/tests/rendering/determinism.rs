@@ -55,7 +55,7 @@ fn a_part_is_the_part_of_the_whole() {
                     whole.spreads[j].to_bits(),
                     "{mode}: pixel ({x}, {y})"
                 );
-                assert_eq!(part.hits[i], whole.hits[j], "{mode}: pixel ({x}, {y})");
+                assert_eq!(part.coverage[i], whole.coverage[j], "{mode}: pixel ({x}, {y})");
             }
         }
     }

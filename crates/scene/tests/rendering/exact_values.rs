@@ -2,7 +2,9 @@
 
 use glam::DVec3;
 use sphvar_samplers::Pattern;
-use sphvar_scene::{DirectionMode, DirectionPlan, Estimator, Integral, Quad};
+use sphvar_scene::{
+    Camera, DirectionMode, DirectionPlan, Estimator, Integral, Quad, Scene, View, render,
+};
 
 use crate::spot::{FAR, Spot, covered_share, form_factor, horizontal, mean_and_error};
 
@@ -99,6 +101,11 @@ fn a_lamp_gives_its_form_factor() {
     let rest = horizontal([0.8, x[1]], y, z);
     let expected = 0.7 * form_factor(&rest.corners());
     assert_value(&Spot::with(vec![screen]), &light(&lamp), expected, "screen");
+    // However near the lamp it is, a screen hides it.
+    for share in [0.9, 0.999, 1.0 - 7.5e-4, 1.0 - 1e-5] {
+        let cover = horizontal([-3.0, 3.0], [-3.0, 3.0], share * z);
+        assert_eq!(measured(&Spot::with(vec![cover]), &light(&lamp)), (0.0, 0.0), "{share}");
+    }
     // One beyond the lamp hides nothing.
     let beyond = horizontal([-9.0, 9.0], [-9.0, 9.0], 1.1 * z);
     assert_value(&Spot::with(vec![beyond]), &light(&lamp), 0.7 * form_factor(&corners), "beyond");
@@ -114,6 +121,21 @@ fn irradiance_of_simple_skies() {
     under(&|_| 3.0, 1.5, "constant");
     under(&|dir| 1.0 + dir.z, 0.5 * (1.0 + 2.0 / 3.0), "brighter above");
     under(&|dir| if dir.x > 0.0 { 2.0 } else { 0.0 }, 0.5, "half of it");
+}
+
+/// A square under an open sky that covers parts of pixels has the value 1 in all of them.
+#[test]
+fn pixels_count_as_they_are_covered() {
+    let scene = Scene::from_quads(vec![horizontal([-1.0, 1.0], [-1.0, 1.0], 0.0)]).unwrap();
+    let camera = Camera::look_at(5.0 * DVec3::Z, DVec3::ZERO, DVec3::Y, 0.6).unwrap();
+    let plan = DirectionPlan::new(Pattern::Jittered, 96, DirectionMode::Projective, SEED).unwrap();
+    let view = View::new(&scene, &camera, [4, 4]).unwrap().with_rays_per_side(16).unwrap();
+    let image = render(&view, &OPEN, Estimator::Ratio, &plan.prepare(0).unwrap(), &|_| ()).unwrap();
+    assert_eq!((image.n_hits(), image.mean()), (16, 1.0));
+    assert!(image.values.iter().all(|&x| x == 1.0), "{:?}", image.values);
+    // The side of the square is 1 of the 5 tan(0.3) of half the picture; primary rays are 1/32 of a pixel off at most.
+    let side = 4.0 / (5.0 * 0.3f64.tan());
+    assert!((image.covered_area() / (side * side) - 1.0).abs() < 4.0 / 32.0 / side);
 }
 
 /// Spreads are the integrand's variance over the hemisphere, which has a mean over directions.

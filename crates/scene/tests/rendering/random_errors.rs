@@ -18,7 +18,7 @@ fn image(values: Vec<f64>) -> Image {
         values,
         // The reference image is exact, and so many directions resolve everything.
         spreads: vec![0.0; SIDE * SIDE],
-        hits: vec![true; SIDE * SIDE],
+        coverage: vec![1.0; SIDE * SIDE],
         n_points: 1 << 40,
         rays: 0,
     }

@@ -7,7 +7,7 @@ use sphvar_scene::Image;
 use crate::files::{AtomicFile, FileError};
 
 /// First line of every file; a change of how references are made or written becomes a new number.
-const HEADER: &str = "sphvar reference image 1";
+const HEADER: &str = "sphvar reference image 2";
 
 /// A hash of bytes with their number, in hexadecimal digits (FNV-1a, 64 bits).
 pub(super) fn fingerprint(bytes: &[u8]) -> String {
@@ -53,6 +53,10 @@ impl ReferenceFile {
 
     /// Reads the image.
     pub(super) fn read(&self) -> Stored {
+        // A FIFO or a device there could keep the command waiting.
+        if std::fs::metadata(&self.path).is_ok_and(|about| !about.is_file()) {
+            return Stored::Unusable;
+        }
         match std::fs::read(&self.path) {
             Ok(bytes) => self.decode(&bytes).map_or(Stored::Unusable, Stored::Image),
             Err(error) if error.kind() == std::io::ErrorKind::NotFound => Stored::Nothing,
@@ -74,17 +78,16 @@ impl ReferenceFile {
         AtomicFile::write_whole(&self.path, &self.encode(image))
     }
 
-    /// Head, four whole numbers, values, spreads, whether hit, and a hash of it all.
+    /// Head, four whole numbers, values, spreads, coverage, and a hash of it all.
     fn encode(&self, image: &Image) -> Vec<u8> {
         let mut bytes = self.head.clone().into_bytes();
         let counts = [image.width, image.height, image.n_points].map(|n| n as u64);
         for count in counts.into_iter().chain([image.rays]) {
             bytes.extend(count.to_le_bytes());
         }
-        for x in image.values.iter().chain(&image.spreads) {
+        for x in image.values.iter().chain(&image.spreads).chain(&image.coverage) {
             bytes.extend(x.to_le_bytes());
         }
-        bytes.extend(image.hits.iter().map(|&hit| u8::from(hit)));
         let sum = hash(&bytes);
         bytes.extend(sum.to_le_bytes());
         bytes
@@ -101,7 +104,7 @@ impl ReferenceFile {
         let count = |i: usize| usize::try_from(u64::from_le_bytes(counts[i])).ok();
         let (width, height, n_points) = (count(0)?, count(1)?, count(2)?);
         let n_pixels = width.checked_mul(height)?;
-        if n_pixels.checked_mul(17)? != rest.len() {
+        if n_pixels.checked_mul(24)? != rest.len() {
             return None;
         }
         let numbers = |bytes: &[u8]| -> Vec<f64> {
@@ -112,7 +115,7 @@ impl ReferenceFile {
             height,
             values: numbers(&rest[..8 * n_pixels]),
             spreads: numbers(&rest[8 * n_pixels..16 * n_pixels]),
-            hits: rest[16 * n_pixels..].iter().map(|&b| b == 1).collect(),
+            coverage: numbers(&rest[16 * n_pixels..]),
             n_points,
             rays: u64::from_le_bytes(counts[3]),
         })
@@ -129,7 +132,7 @@ mod tests {
             height: 1,
             values: vec![0.25, 0.0],
             spreads: vec![0.1875, 0.0],
-            hits: vec![true, false],
+            coverage: vec![1.0, 0.0],
             n_points: 6,
             rays: 6,
         }

@@ -81,7 +81,7 @@ pub(super) fn run(args: &RenderArgs, panels: &str, global: &Global) -> Result<()
     let reference = Reference::new(args, &stage, global)?;
     reference.remark(most);
     let reference = reference.image(&stage)?;
-    let white = args.white.unwrap_or_else(|| white(&stage, &reference));
+    let white = white(args, &stage, &reference, global.quiet);
     let mut cost = 0.0;
     for trials in patterns(&wishes) {
         cost += trials.cost(&stage)?;
@@ -154,7 +154,8 @@ fn patterns(wishes: &[Wish]) -> impl Iterator<Item = &Trials> {
 
 fn panel(image: &Image, white: f64, caption: Vec<String>) -> Panel {
     let colour = grey(white);
-    let colours = image.values.iter().flat_map(|&x| colour(x)).collect();
+    let pixels = image.values.iter().zip(&image.coverage);
+    let colours = pixels.flat_map(|(&x, coverage)| colour(x * coverage)).collect();
     Panel { size: [image.width, image.height], colours, caption }
 }
 

@@ -15,7 +15,7 @@ use crate::files::{AtomicFile, Picture, PictureFormat};
 use crate::global::Global;
 use crate::patterns::parse_pattern;
 use crate::progress::Progress;
-use crate::report::{Provenance, is_stdout, print, print_json, short};
+use crate::report::{Provenance, is_stdout, print, print_json, say, short};
 
 /// Pixels on a side, unless others are wished.
 const USUAL_SIZE: usize = 512;
@@ -33,8 +33,9 @@ struct Document<'a> {
     sets: usize,
     width: usize,
     height: usize,
-    /// Pixels in which a surface is seen, and their mean value.
+    /// Pixels in which a surface is seen, the share of the picture that surfaces cover, and the mean value over that.
     pixels: usize,
+    coverage: f64,
     mean: f64,
     renders: u64,
     #[serde(flatten)]
@@ -125,7 +126,7 @@ pub(super) fn run(args: &RenderArgs, global: &Global) -> Result<(), CliError> {
     let outcome = trials.run(&stage, reference.as_ref(), &progress)?;
     drop(progress);
     let provenance = Provenance::new(global.seed);
-    write_pictures(args, &stage, &outcome, reference.as_ref(), &provenance)?;
+    write_pictures(args, &stage, &outcome, reference.as_ref(), &provenance, global)?;
     if let (true, Some(reference), Some(errors)) = (global.json, &reference, &outcome.errors) {
         return print_json(&document(&trials, &outcome, errors, reference, &provenance));
     }
@@ -180,6 +181,7 @@ fn document<'a>(
         width: picture.width,
         height: picture.height,
         pixels: picture.n_hits(),
+        coverage: picture.covered_area() / (picture.width * picture.height) as f64,
         mean: picture.mean(),
         renders: trials.renders,
         errors: ErrorRecord::new(errors),
@@ -244,16 +246,21 @@ fn write_pictures(
     outcome: &Outcome,
     reference: Option<&Image>,
     provenance: &Provenance,
+    global: &Global,
 ) -> Result<(), CliError> {
     let Outcome { picture, errors, .. } = outcome;
     let remark = provenance.line();
+    let (width, height) = (picture.width, picture.height);
     let write = |path: &Path, values: &[f64], colour: &dyn Fn(f64) -> [u8; 3]| {
-        let picture = Picture { width: picture.width, height: picture.height, values };
-        picture.write(path, colour, &remark)
+        Picture { width, height, values, coverage: None }.write(path, colour, &remark)
     };
     if let Some(path) = &args.out {
-        let white = args.white.unwrap_or_else(|| white(stage, picture));
-        write(path, &picture.values, &grey(white))?;
+        let white = white(args, stage, picture, global.quiet);
+        let is_whole = picture.coverage.iter().all(|&c| c >= 1.0);
+        // Where surfaces are seen all over there is no need of alpha.
+        let coverage = (!is_whole).then_some(&*picture.coverage);
+        let picture = Picture { width, height, values: &picture.values, coverage };
+        picture.write(path, &grey(white), &remark)?;
     }
     if let (Some(path), Some(reference)) = (&args.difference, reference) {
         let pairs = picture.values.iter().zip(&reference.values);
@@ -268,8 +275,39 @@ fn write_pictures(
     Ok(())
 }
 
-/// What is white in a picture of these values: 1 for shares, else the brightest pixel.
-pub(super) fn white(stage: &Stage, picture: &Image) -> f64 {
-    let brightest = picture.values.iter().copied().fold(0.0, f64::max);
-    if stage.is_share() || brightest == 0.0 { 1.0 } else { brightest }
+/// What is white in a picture of these values: what is asked for, or 1 for shares, else the brightest pixel; but where
+/// few pixels are far brighter than the others, as under a sun, what 99 % of the pixels stay below. Says so where
+/// most of the picture would be black.
+pub(super) fn white(args: &RenderArgs, stage: &Stage, picture: &Image, quiet: bool) -> f64 {
+    let seen = || {
+        let pixels = picture.values.iter().zip(&picture.coverage);
+        pixels.filter(|(_, coverage)| **coverage > 0.0).map(|(&value, _)| value)
+    };
+    let brightest = seen().fold(0.0, f64::max);
+    let nearly_all = quantile(seen(), 0.99);
+    let is_spiky = nearly_all > 0.0 && nearly_all < SPIKE * brightest;
+    let white = match args.white {
+        Some(white) => white,
+        None if stage.is_share() || brightest == 0.0 => 1.0,
+        None if is_spiky => nearly_all,
+        None => brightest,
+    };
+    let median = quantile(seen(), 0.5);
+    if brightest > 0.0 && (median < BLACK * white || (args.white.is_none() && is_spiky)) {
+        let least = seen().fold(f64::INFINITY, f64::min);
+        let text = format!(
+            "values are from {} to {}, half of them below {}; {} is white (--white sets it)",
+            short(least),
+            short(brightest),
+            short(median),
+            short(white),
+        );
+        say(quiet, &text);
+    }
+    white
 }
+
+/// Pixels are spikes if 99 % of a picture stay below this share of them.
+const SPIKE: f64 = 0.1;
+/// The linear share of white below which a pixel of 8 bits looks black.
+const BLACK: f64 = 1.0 / 256.0;

@@ -37,7 +37,7 @@ pub(crate) struct StageArgs {
     /// Render this part of the picture only
     #[arg(long, value_name = "X,Y,W,H")]
     crop: Option<Numbers<4, usize>>,
-    /// Primary rays of a pixel, K by K, each with its own directions: a box filter
+    /// Primary rays of a pixel, K by K, each with its own directions: a box filter over what they see of surfaces
     #[arg(long, value_name = "K", default_value_t = 1)]
     pixel_rays: usize,
     /// Place of the camera [default: the box's own; of a mesh where it fills the picture]
@@ -119,7 +119,7 @@ impl StageArgs {
             let CornellBox { scene, camera, light } = CornellBox::new();
             (scene, Some(camera), Some(light))
         } else {
-            let (scene, hash) = self.mesh()?;
+            let (scene, hash) = self.mesh(quiet)?;
             description.push_str(&format!("scene obj {hash}"));
             (scene, None, None)
         };
@@ -155,7 +155,7 @@ impl StageArgs {
         Ok(stage)
     }
 
-    fn mesh(&self) -> Result<(Scene, String), CliError> {
+    fn mesh(&self, quiet: bool) -> Result<(Scene, String), CliError> {
         let path = Path::new(&self.scene);
         let name = self.scene.to_ascii_lowercase();
         let is_obj = [".obj", ".obj.gz"].iter().any(|extension| name.ends_with(extension));
@@ -167,7 +167,10 @@ impl StageArgs {
         }
         let failed = |e: &dyn std::fmt::Display| CliError::Failed(format!("{}: {e}", self.scene));
         let bytes = read_whole(path)?;
-        let mesh = Mesh::from_obj(&*bytes).map_err(|e| failed(&e))?;
+        let (mesh, remarks) = Mesh::from_obj_with_remarks(&*bytes).map_err(|e| failed(&e))?;
+        for remark in remarks.to_string().lines() {
+            say(quiet, &format!("{}: {remark}", self.scene));
+        }
         Ok((Scene::from_mesh(mesh), fingerprint(&bytes)))
     }
 

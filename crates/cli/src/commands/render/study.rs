@@ -168,7 +168,7 @@ impl Row {
     /// The heading of [`Self::record`].
     const COLUMNS: &'static str = "sampler,mode,asked,n,sets,renders,mse,mse_stderr,variance,\
          variance_stderr,bias_squared,bias_squared_stderr,white_noise,gain,structured_error,\
-         structured_error_stderr,autocorrelation,bias_t,bias_limit";
+         structured_error_stderr,autocorrelation,bias_t,bias_limit,biased_pixels";
 
     /// The row of a CSV file.
     fn record(&self) -> Vec<String> {
@@ -193,6 +193,7 @@ impl Row {
             e.bias_limit.unwrap_or(f64::NAN),
         ];
         cells.extend(numbers.map(full));
+        cells.push(e.biased_pixels.map_or_else(String::new, |n| n.to_string()));
         cells
     }
 
@@ -237,6 +238,7 @@ impl<'a> Curve<'a> {
 
     fn summary(&self) -> Summary {
         let points = self.points();
+        let renders = self.rows.first().map_or(0, |row| row.renders);
         let middle = match (points.first(), points.last()) {
             (Some(first), Some(last)) => (first.n_points * last.n_points).sqrt(),
             _ => 0.0,
@@ -273,6 +275,9 @@ fn text(document: &Document<'_>) -> String {
     let heading = ["sampler", "rate", "95 %", "upper half", "95 %"];
     text += &table(&heading, document.samplers.iter().map(cells).collect(), 1);
     text.push('\n');
+    if !document.crossovers.is_empty() {
+        text += "last crossing of each pair within the range:\n";
+    }
     text.extend(document.crossovers.iter().map(CrossoverRecord::line));
     text
 }

@@ -87,8 +87,8 @@ impl Trials {
             _ => format!("-n {}", self.asked),
         };
         check_memory(&what, direction * points * at_once)?;
-        // Value, spread and whether hit of render and reference; errors of all renders.
-        let pixel = (2 * 17 + 8) as f64 + 8.0 * self.renders as f64;
+        // Value, spread and coverage of render and reference; errors of all renders.
+        let pixel = (2 * 24 + 8) as f64 + 8.0 * self.renders as f64;
         let region = stage.view()?.region();
         check_memory("the picture", pixel * (region.width * region.height) as f64)
     }

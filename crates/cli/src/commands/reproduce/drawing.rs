@@ -109,6 +109,6 @@ fn write_picture(
 ) -> Result<(), CliError> {
     let [width, height] = picture.size;
     let remark = format!("{title}. {}. {}", picture.caption, provenance.line());
-    let image = files::Picture { width, height, values: &picture.values };
+    let image = files::Picture { width, height, values: &picture.values, coverage: None };
     Ok(image.write(path, &|value| [srgb(value); 3], &remark)?)
 }

@@ -1,0 +1,221 @@
+use glam::DVec3;
+use obvhs::cwbvh::bvh2_to_cwbvh::bvh2_to_cwbvh;
+
+use crate::bounds::Bounds;
+use crate::partition::binary_tree;
+
+/// Children of a node.
+pub(crate) const WIDTH: usize = 8;
+/// Triangles of a leaf: a node has room for three.
+const MAX_LEAF: u32 = 3;
+
+/// A hierarchy of boxes over triangles, each node with up to eight children (Ylitie, Karras and Laine 2017).
+///
+/// The boxes of children are stored as whole multiples of powers of two from the node's corner. The corner is in f64, so
+/// that small things are resolved on large ground.
+#[derive(Clone, Debug)]
+pub(crate) struct Hierarchy {
+    pub(crate) nodes: Box<[Node]>,
+    /// For each place of a triangle in the hierarchy, its number in the list that it was made from.
+    pub(crate) order: Box<[u32]>,
+}
+
+/// A node; 96 bytes.
+#[derive(Clone, Copy, Debug)]
+#[repr(align(32))]
+pub(crate) struct Node {
+    /// The corner of smallest coordinates.
+    pub(crate) base: DVec3,
+    /// What a unit of the children's bounds is along each axis.
+    pub(crate) extent: [f32; 3],
+    first_node: u32,
+    first_triangle: u32,
+    /// Bounds of the children along each axis, rounded outwards.
+    pub(crate) min: [[u8; WIDTH]; 3],
+    pub(crate) max: [[u8; WIDTH]; 3],
+    /// Two bits for each child: how many triangles it has, 0 if it is a node or is not there.
+    sizes: u16,
+    /// A bit for each child that is a node.
+    inner: u8,
+}
+
+/// What a child is.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Child {
+    Node(u32),
+    Triangles { first: usize, count: usize },
+}
+
+/// The largest bound of a child.
+const FULL: f64 = 255.0;
+
+/// Units are no smaller, so that boxes enlarged by a part of a unit hold what the roundings of directions along their
+/// planes amount to.
+const MIN_EXTENT: f64 = 1.0 / (1u64 << 35) as f64;
+
+impl Hierarchy {
+    /// The hierarchy over boxes, in coordinates in which the whole is of size 2^16 or so.
+    ///
+    /// The kept crate makes a wide tree of the binary one and sorts children by octants; its boxes, in f32 of the whole,
+    /// are replaced.
+    pub(crate) fn new(boxes: &[Bounds]) -> Self {
+        let wide = bvh2_to_cwbvh(&binary_tree(boxes), MAX_LEAF, true, false);
+        let order = wide.primitive_indices;
+        let mut nodes = vec![Node::EMPTY; wide.nodes.len()];
+        let mut bounds = vec![Bounds::NONE; wide.nodes.len()];
+        // Children come after their parents.
+        for (index, wide) in wide.nodes.iter().enumerate().rev() {
+            let mut children = [Bounds::NONE; WIDTH];
+            let mut sizes = 0;
+            for (place, child) in children.iter_mut().enumerate() {
+                if wide.is_child_empty(place) {
+                    continue;
+                }
+                if wide.is_leaf(place) {
+                    let (first, count) = wide.child_primitives(place);
+                    let triangles = &order[first as usize..(first + count) as usize];
+                    let boxes = triangles.iter().map(|&i| boxes[i as usize]);
+                    *child = boxes.fold(Bounds::NONE, Bounds::and);
+                    sizes |= u16::try_from(count).unwrap_or(0) << (2 * place);
+                } else {
+                    *child = bounds[wide.child_node_index(place) as usize];
+                }
+            }
+            bounds[index] = children.into_iter().fold(Bounds::NONE, Bounds::and);
+            nodes[index] = Node {
+                first_node: wide.child_base_idx,
+                first_triangle: wide.primitive_base_idx,
+                sizes,
+                inner: wide.imask,
+                ..Node::around(&children)
+            };
+        }
+        Self { nodes: nodes.into(), order: order.into() }
+    }
+}
+
+impl Hierarchy {
+    /// Calls `visit` with ranges of triangles whose boxes a ray may meet, the nearer ones first as far as that is
+    /// known; what is farther than what `visit` answers, in lengths of `dir`, may be left out from then on.
+    ///
+    /// Boxes are enlarged by what rounding may do to corners as a [`WatertightRay`](crate::ray::WatertightRay) sees
+    /// them.
+    pub(crate) fn visit_along(
+        &self,
+        origin: DVec3,
+        dir: DVec3,
+        mut visit: impl FnMut(usize, usize) -> f64,
+    ) {
+        // Not infinite, so that the product with 0 is a number.
+        let inverse = DVec3::from_array(
+            dir.to_array().map(|d| 1.0 / if d.abs() < MIN_COMPONENT { MIN_COMPONENT } else { d }),
+        );
+        let mut farthest = f64::INFINITY;
+        let mut stack = vec![(0.0, Child::Node(0))];
+        while let Some((enter, child)) = stack.pop() {
+            if enter > farthest {
+                continue;
+            }
+            let node = match child {
+                Child::Node(index) => &self.nodes[index as usize],
+                Child::Triangles { first, count } => {
+                    farthest = visit(first, count);
+                    continue;
+                }
+            };
+            let first = stack.len();
+            let base = node.base - origin;
+            let extent = DVec3::from_array(node.extent.map(f64::from));
+            let rounding = ROUNDINGS * f64::EPSILON * (base.abs() + 256.0 * extent).max_element();
+            let slack = f64::from(SLACK) * extent + rounding;
+            for place in 0..WIDTH {
+                let Some(child) = node.child(place) else { continue };
+                let bound = |bounds: &[[u8; WIDTH]; 3]| {
+                    let [x, y, z] = bounds.each_ref().map(|axis| f64::from(axis[place]));
+                    base + extent * DVec3::new(x, y, z)
+                };
+                let a = (bound(&node.min) - slack) * inverse;
+                let b = (bound(&node.max) + slack) * inverse;
+                let enter = a.min(b).max_element().max(0.0);
+                // What roundings of products may add.
+                let enter = enter * (1.0 - 4.0 * f64::EPSILON);
+                if enter <= a.max(b).min_element() && enter <= farthest {
+                    stack.push((enter, child));
+                }
+            }
+            stack[first..].sort_by(|a, b| b.0.total_cmp(&a.0));
+        }
+    }
+}
+
+/// What boxes are enlarged by on every side, in units of their node: far more than rounding them to units is off.
+pub(crate) const SLACK: f32 = 1.0 / 32.0;
+
+/// Roundings by which a corner may be off across a ray, in units of its distance from the origin.
+const ROUNDINGS: f64 = 8.0;
+
+/// Smaller components of directions are taken for this.
+const MIN_COMPONENT: f64 = 1e-100;
+
+impl Node {
+    const EMPTY: Self = Self {
+        base: DVec3::ZERO,
+        extent: [0.0; 3],
+        first_node: 0,
+        first_triangle: 0,
+        min: [[0; WIDTH]; 3],
+        max: [[0; WIDTH]; 3],
+        sizes: 0,
+        inner: 0,
+    };
+
+    /// A node with the boxes of its children; those of no points are not there.
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "powers of two within f32, and numbers from 0 to 255"
+    )]
+    fn around(children: &[Bounds; WIDTH]) -> Self {
+        let whole = children.iter().copied().fold(Bounds::NONE, Bounds::and);
+        let mut node = Self { base: whole.min, ..Self::EMPTY };
+        for axis in 0..3 {
+            let length = whole.max[axis] - whole.min[axis];
+            let mut extent = MIN_EXTENT;
+            while extent * FULL < length {
+                extent *= 2.0;
+            }
+            node.extent[axis] = extent as f32;
+            for (i, child) in children.iter().enumerate().filter(|(_, child)| !child.is_empty()) {
+                // The differences are off by a rounding, which is nothing beside what boxes are enlarged by.
+                let place = |x: f64| (x - whole.min[axis]) / extent;
+                node.min[axis][i] = place(child.min[axis]).floor().clamp(0.0, FULL) as u8;
+                node.max[axis][i] = place(child.max[axis]).ceil().clamp(0.0, FULL) as u8;
+            }
+        }
+        node
+    }
+
+    /// What is at a place, if anything.
+    #[inline(always)]
+    pub(crate) fn child(&self, place: usize) -> Option<Child> {
+        let before = (1u32 << place) - 1;
+        if self.inner & 1 << place != 0 {
+            let n_before = (u32::from(self.inner) & before).count_ones();
+            return Some(Child::Node(self.first_node + n_before));
+        }
+        let count = usize::from(self.sizes >> (2 * place) & 3);
+        if count == 0 {
+            return None;
+        }
+        let before = self.sizes & ((1u16 << (2 * place)) - 1);
+        let n_before = (before & 0x5555).count_ones() + 2 * (before & 0xaaaa).count_ones();
+        let first = (self.first_triangle + n_before) as usize;
+        Some(Child::Triangles { first, count })
+    }
+
+    /// Whether there is anything at a place.
+    #[inline(always)]
+    pub(crate) fn has_child(&self, place: usize) -> bool {
+        self.inner & 1 << place != 0 || self.sizes >> (2 * place) & 3 != 0
+    }
+}

@@ -1,0 +1,86 @@
+use std::cmp::Ordering;
+
+use glam::DVec3;
+
+/// A ray that meets every closed surface that it passes through: none is lost between triangles that share a side or a
+/// corner (Woop, Benthin and Wald 2013).
+///
+/// Corners are sheared so that the ray runs along an axis. What a corner becomes does not depend on the triangle that it
+/// belongs to, and the signs of areas in the plane are exact, so that triangles that share corners there leave
+/// no point between them uncovered.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct WatertightRay {
+    origin: DVec3,
+    /// The axis along which the direction is longest, and the two others.
+    axes: [usize; 3],
+    shear: [f64; 2],
+    along: f64,
+}
+
+/// Where a ray meets a triangle.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Meeting {
+    /// In lengths of the direction.
+    pub(crate) distance: f64,
+    /// The shares of the second and third corner in the point.
+    pub(crate) weights: [f64; 2],
+}
+
+impl WatertightRay {
+    /// `dir` is of a length that can be computed.
+    pub(crate) fn new(origin: DVec3, dir: DVec3) -> Self {
+        let z = dir.abs().max_position();
+        let [x, y] = [(z + 1) % 3, (z + 2) % 3];
+        let along = dir[z];
+        Self { origin, axes: [z, x, y], shear: [dir[x] / along, dir[y] / along], along }
+    }
+
+    /// The corner relative to the ray: across it, and along the axis.
+    fn place(&self, corner: DVec3) -> ([f64; 2], f64) {
+        let [z, x, y] = self.axes.map(|axis| corner[axis] - self.origin[axis]);
+        ([x - self.shear[0] * z, y - self.shear[1] * z], z)
+    }
+
+    /// Where the ray meets the triangle, its sides included, ahead of the origin.
+    ///
+    /// `None` for triangles that are edge on.
+    pub(crate) fn meet(&self, corners: [DVec3; 3]) -> Option<Meeting> {
+        let [(a, za), (b, zb), (c, zc)] = corners.map(|corner| self.place(corner));
+        // Twice the areas of the triangles that the ray makes with the sides.
+        let [u, v, w] = [area(b, c), area(c, a), area(a, b)];
+        let sides = [u, v, w];
+        if sides.iter().any(|&x| x < 0.0) && sides.iter().any(|&x| x > 0.0) {
+            return None;
+        }
+        let sum = u + v + w;
+        // Of numbers of one sign: the depth is among those of the corners.
+        let distance = (u * za + v * zb + w * zc) / sum / self.along;
+        let meeting = Meeting { distance, weights: [v / sum, w / sum] };
+        (sum != 0.0 && distance > 0.0 && distance.is_finite()).then_some(meeting)
+    }
+}
+
+/// Twice the area of the triangle of 0 and two points, of the right sign.
+fn area(p: [f64; 2], q: [f64; 2]) -> f64 {
+    let (left, right) = (p[0] * q[1], p[1] * q[0]);
+    match left.partial_cmp(&right) {
+        // Rounding keeps the order, so that different products have the right difference but for its last digits; of
+        // equal ones what rounding took tells.
+        Some(Ordering::Equal) => p[0].mul_add(q[1], -left) - p[1].mul_add(q[0], -right),
+        _ => left - right,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::area;
+
+    #[test]
+    fn signs_of_areas_are_exact() {
+        let up = 1.0 + f64::EPSILON;
+        // up * up rounds to 1 + 2 EPSILON; the product is EPSILON^2 more.
+        assert_eq!(area([up, 1.0 + 2.0 * f64::EPSILON], [1.0, up]), f64::EPSILON.powi(2));
+        assert_eq!(area([1.0, up], [up, 1.0 + 2.0 * f64::EPSILON]), -f64::EPSILON.powi(2));
+        assert_eq!(area([3.0, 5.0], [3.0, 5.0]), 0.0);
+    }
+}
