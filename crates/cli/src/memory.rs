@@ -10,8 +10,9 @@ use crate::error::CliError;
 pub(crate) fn check_memory(what: &str, bytes: f64) -> Result<(), CliError> {
     let mut system = sysinfo::System::new();
     system.refresh_memory();
-    let available = system.available_memory() as f64;
-    if available > 0.0 && bytes > available {
+    let free = Some(system.available_memory() as f64).filter(|&bytes| bytes > 0.0);
+    let available = free.into_iter().chain(address_space()).fold(f64::INFINITY, f64::min);
+    if bytes > available {
         let gib = |b: f64| b / f64::from(1 << 30);
         return Err(CliError::Failed(format!(
             "{what} needs {:.1} GiB of memory, {:.1} GiB are available; choose a smaller one",
@@ -20,6 +21,23 @@ pub(crate) fn check_memory(what: &str, bytes: f64) -> Result<(), CliError> {
         )));
     }
     Ok(())
+}
+
+/// Returns the bytes that a limit such as `ulimit -v` leaves to this process; nothing without a limit, and where the
+/// system does not tell.
+fn address_space() -> Option<f64> {
+    let limits = std::fs::read_to_string("/proc/self/limits").ok()?;
+    let line = limits.lines().find_map(|line| line.strip_prefix("Max address space"))?;
+    let limit: f64 = line.split_whitespace().next()?.parse().ok()?;
+    let sizes = std::fs::read_to_string("/proc/self/status").ok()?;
+    let line = sizes.lines().find_map(|line| line.strip_prefix("VmSize:"))?;
+    let kib: f64 = line.split_whitespace().next()?.parse().ok()?;
+    Some((limit - 1024.0 * kib).max(0.0))
+}
+
+/// Refuses points that do not fit: 24 bytes each, whatever is made of them.
+pub(crate) fn check_points(n: usize) -> Result<(), CliError> {
+    check_memory(&format!("a set of {n} points (-n)"), 24.0 * n as f64)
 }
 
 /// Refuses a degree beyond those that there are; `what` asked for it.

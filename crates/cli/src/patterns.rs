@@ -8,6 +8,7 @@ use sphvar_samplers::{
 
 use crate::error::CliError;
 use crate::files::read_spectrum;
+use crate::memory::check_points;
 use crate::spec::{Spec, unknown_name};
 
 /// The patterns of a list such as `jittered,white-noise`.
@@ -110,6 +111,7 @@ pub(crate) fn build(
     domain: Domain,
     nearest: bool,
 ) -> Result<Box<dyn Sampler>, CliError> {
+    check_points(n)?;
     let n = if nearest && n > 0 { pattern.nearest_count(n, domain) } else { n };
     pattern.build(n, domain).map_err(|error| match error {
         Error::IllegalCount { .. } => CliError::Usage(format!("{error} (--nearest takes it)")),

@@ -1,26 +1,28 @@
 //! `sphvar sample`: realizations of a pattern.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
+use glam::DVec3;
 use rayon::prelude::{IntoParallelIterator, ParallelIterator};
 use serde::Serialize;
 use sphvar_samplers::{Domain, Pattern, PatternFacts, Purpose, Realizations, Streams};
 
 use crate::error::CliError;
-use crate::files::{AtomicFile, write_points};
+use crate::files::{AtomicFile, NumberedPath, write_points};
 use crate::global::Global;
 use crate::memory::check_memory;
 use crate::patterns;
 use crate::plots::{ImageFormat, OrthographicView};
 use crate::progress::Progress;
-use crate::report::{Provenance, print, print_json, say};
+use crate::report::{Provenance, is_stdout, print, print_json, say};
 
 pub(crate) const EXAMPLES: &str = "Examples:
   sphvar sample jittered -n 972 -o points.csv
   sphvar sample fibonacci -n 1000 -o points.svg     (a picture)
   sphvar sample white-noise -n 4096 -m 100 --rotate -o sets.npy
   sphvar sample poisson-disk:mode=saturated -n 4096 -o disks.ply
+  sphvar sample poisson-disk:mode=saturated -n 4096 -m 3 -o disks-{i}.npy    (one file a set)
   sphvar sample step:alpha=1 -n 4096 -o step.npy    (no power up to degree 63)
   sphvar sample profile:b=2,alpha=1,to=2 -n 1000 -o quadratic.csv
   sphvar sample --list";
@@ -50,7 +52,7 @@ pub(crate) struct SampleArgs {
     #[arg(long)]
     pub(crate) nearest: bool,
     /// File for the points (.csv, .npy, .ply) or a picture of them (.svg, .png); - is CSV on
-    /// standard output
+    /// standard output. With {i} in the name every set gets a file of its own: {i} becomes 000000, 000001, ...
     #[arg(short, long, default_value = "-", value_name = "FILE")]
     pub(crate) out: PathBuf,
 }
@@ -77,8 +79,11 @@ pub(crate) fn run(args: &SampleArgs, global: &Global) -> Result<(), CliError> {
     if args.realizations == 0 {
         return Err(CliError::Usage("-m must be at least 1, got 0".to_owned()));
     }
-    if args.out.as_os_str() != "-" {
-        AtomicFile::check(&args.out)?;
+    let numbered = NumberedPath::of(&args.out);
+    for path in numbered.map_or(vec![args.out.clone()], |numbered| {
+        vec![numbered.path(0), numbered.path(args.realizations - 1)]
+    }) {
+        AtomicFile::check(&path)?;
     }
     let sampler = patterns::build(&pattern, n, super::domain(args.hemisphere), args.nearest)?;
     let n_points = sampler.n_points();
@@ -110,9 +115,12 @@ pub(crate) fn run(args: &SampleArgs, global: &Global) -> Result<(), CliError> {
         .collect::<Result<Vec<_>, CliError>>()?;
     drop(progress);
     let provenance = Provenance::new(global.seed);
-    let to_stdout = args.out.as_os_str() == "-";
-    if ImageFormat::of_path(&args.out).is_some() {
-        if args.realizations > 1 {
+    let to_stdout = is_stdout(&args.out);
+    let write = |path: &Path, sets: &[Vec<DVec3>]| -> Result<(), CliError> {
+        if ImageFormat::of_path(path).is_none() {
+            return Ok(write_points(path, None, sets, Some(&provenance.line()))?);
+        }
+        if sets.len() > 1 {
             say(global.quiet, "the picture shows the first realization");
         }
         let view = OrthographicView {
@@ -120,13 +128,18 @@ pub(crate) fn run(args: &SampleArgs, global: &Global) -> Result<(), CliError> {
             notes: vec![provenance.line()],
             ..OrthographicView::default()
         };
-        view.render(&sets[0], &args.out)?;
+        Ok(view.render(&sets[0], path)?)
+    };
+    if let Some(numbered) = numbered {
+        for (i, set) in sets.iter().enumerate() {
+            write(&numbered.path(i), std::slice::from_ref(set))?;
+        }
     } else if !(to_stdout && global.json) {
-        write_points(&args.out, None, &sets, Some(&provenance.line()))?;
+        write(&args.out, &sets)?;
     }
     if global.json {
         let points = to_stdout
-            .then(|| sets.iter().map(|s| s.iter().map(glam::DVec3::to_array).collect()).collect());
+            .then(|| sets.iter().map(|s| s.iter().map(DVec3::to_array).collect()).collect());
         let realizations = args.realizations;
         let counts: Vec<usize> = sets.iter().map(Vec::len).collect();
         let counts = Some(counts).filter(|counts| counts.iter().any(|&count| count != n_points));

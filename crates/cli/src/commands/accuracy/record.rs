@@ -2,6 +2,7 @@
 
 use serde::Serialize;
 use sphvar_accuracy::{Area, Errors, HardCase, Trial};
+use std::borrow::Cow;
 
 use super::figures::{figure, time, verdict};
 use super::machine::Machine;
@@ -16,7 +17,7 @@ pub(super) struct Document<'a> {
     pub(super) quick: bool,
     /// UTC, YYYY-MM-DD.
     pub(super) date: String,
-    pub(super) version: &'static str,
+    pub(super) version: Cow<'static, str>,
     pub(super) machine: Machine,
     pub(super) trials: &'a [TrialRecord],
     pub(super) hard_cases: &'a [HardCaseRecord],

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use sphvar_scene::Image;
 
-use crate::files::{AtomicFile, FileError};
+use crate::files::{AtomicFile, FileError, read_regular};
 
 /// First line of every file; a change of how references are made or written becomes a new number.
 const HEADER: &str = "sphvar reference image 1";
@@ -53,7 +53,7 @@ impl ReferenceFile {
 
     /// Reads the image.
     pub(super) fn read(&self) -> Stored {
-        match std::fs::read(&self.path) {
+        match read_regular(&self.path) {
             Ok(bytes) => self.decode(&bytes).map_or(Stored::Unusable, Stored::Image),
             Err(error) if error.kind() == std::io::ErrorKind::NotFound => Stored::Nothing,
             Err(_) => Stored::Unusable,
