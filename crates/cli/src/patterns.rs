@@ -111,10 +111,11 @@ pub(crate) fn build(
     domain: Domain,
     nearest: bool,
 ) -> Result<Box<dyn Sampler>, CliError> {
-    check_points(n)?;
     let n = if nearest && n > 0 { pattern.nearest_count(n, domain) } else { n };
-    pattern.build(n, domain).map_err(|error| match error {
+    let sampler = pattern.build(n, domain).map_err(|error| match error {
         Error::IllegalCount { .. } => CliError::Usage(format!("{error} (--nearest takes it)")),
         _ => CliError::usage(error),
-    })
+    })?;
+    check_points(sampler.n_points())?;
+    Ok(sampler)
 }

@@ -264,7 +264,7 @@ mod tests {
 
     #[test]
     fn bounds_that_are_not_held_are_named() {
-        let provenance = Provenance { command: String::new(), version: "0", seed: 0 };
+        let provenance = Provenance { command: String::new(), version: "0".into(), seed: 0 };
         for (measured, holds) in [
             (&[0.5, -0.25][..], true),
             (&[0.25, -0.6], false),
@@ -278,7 +278,7 @@ mod tests {
                 held: holds,
                 quick: true,
                 date: String::new(),
-                version: "0",
+                version: "0".into(),
                 machine: Machine { cpu: String::new(), cores: 1, threads: 1 },
                 trials: &[],
                 hard_cases: &cases,
