@@ -7,6 +7,8 @@ mod args;
 mod commands;
 mod error;
 mod files;
+#[doc(hidden)]
+pub mod fuzzing;
 mod global;
 mod instruction_set;
 mod integrands;

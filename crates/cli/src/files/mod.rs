@@ -30,7 +30,7 @@ pub(crate) use numbered_path::NumberedPath;
 pub(crate) use picture::{Picture, PictureFormat, srgb, write_png};
 pub(crate) use piece_store::PieceStore;
 pub(crate) use points::{PointSet, ReadOptions, read_points, write_points};
-pub(crate) use regular::read_regular;
+pub(crate) use regular::{read_regular, write_regular};
 pub(crate) use shard::{Part, SavedEnsemble, Shard};
 pub(crate) use spectra::read_spectrum;
 pub(crate) use target::{is_stdout, is_stream};

@@ -152,7 +152,7 @@ impl Shard {
         let mut missing = Vec::new();
         let mut next = 0;
         let end = self.ensemble.realizations;
-        for range in self.ranges().into_iter().chain([end..end]) {
+        for range in self.ranges().into_iter().chain(std::iter::once(end..end)) {
             if next < range.start {
                 missing.push(next..range.start);
             }

@@ -28,7 +28,7 @@ fn values_in_messages_are_escaped_and_short() {
 fn arguments_in_messages_are_escaped_too() {
     let place = Workplace::new();
     for (before, argument, part) in [
-        ("sample", "a\x1b[2Jb", "\\u{1b}[2J"),
+        ("sample -n 12", "a\x1b[2Jb", "\\u{1b}[2J"),
         ("sample fibonacci -n 12 -o", "no\x1b[2J/p.csv", "\\u{1b}[2J"),
         ("sample fibonacci -n", "1\n2", "\\n"),
         ("sample", "--no-such=\x07\nsphvar: all is well", "--no-such"),

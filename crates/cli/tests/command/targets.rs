@@ -157,7 +157,7 @@ fn one_file_a_set() {
         assert_eq!(text.lines().skip(1).collect::<Vec<_>>(), rows(set));
         let head =
             String::from_utf8_lossy(&place.bytes(&format!("set-{set:06}.npy"))[..128]).into_owned();
-        assert!(head.contains(&format!("({count}, 3)")), "{head}");
+        assert!(head.contains(&format!("({count}, 3")), "{head}");
         let ply = place.bytes(&format!("set-{set:06}.ply"));
         let line = format!("element vertex {count}\n");
         assert!(ply.windows(line.len()).any(|window| window == line.as_bytes()), "{line}");
@@ -175,7 +175,6 @@ fn a_comparison_is_not_overwritten_unasked() {
     place.run(one).ok();
     let before = place.bytes("out/comparison.json");
     place.run(&format!("{one} --quiet -j 1")).ok();
-    assert_eq!(place.bytes("out/comparison.csv").len(), place.bytes("out/comparison.csv").len());
     place
         .run(other)
         .fails(1, &["out has the results of another run", "fibonacci -n 12", "--force"]);

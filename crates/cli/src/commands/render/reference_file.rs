@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use sphvar_scene::Image;
 
-use crate::files::{AtomicFile, FileError, read_regular};
+use crate::files::{FileError, read_regular, write_regular};
 
 /// First line of every file; a change of how references are made or written becomes a new number.
 const HEADER: &str = "sphvar reference image 1";
@@ -71,7 +71,7 @@ impl ReferenceFile {
                 source,
             })?;
         }
-        AtomicFile::write_whole(&self.path, &self.encode(image))
+        write_regular(&self.path, &self.encode(image))
     }
 
     /// Head, four whole numbers, values, spreads, whether hit, and a hash of it all.
