@@ -1,5 +1,6 @@
 //! Readers and grammars as functions of bytes, for `examples/fuzz.rs`. No part of what this crate promises.
 
+use std::ffi::OsStr;
 use std::fs;
 use std::path::Path;
 
@@ -7,13 +8,12 @@ use clap::Parser;
 use glam::DVec3;
 use sphvar_samplers::Domain;
 use sphvar_scene::Mesh;
-use sphvar_spectrum::SpectrumAccumulator;
 
-use crate::args::Cli;
+use crate::args::{Cli, Command};
 use crate::error::CliError;
 use crate::files::{
-    Channel, Columns, Part, ReadOptions, SavedEnsemble, Shard, read_fits_map, read_image,
-    read_list, read_points, read_spectrum, write_points,
+    Channel, Columns, ReadOptions, Shard, read_fits_map, read_image, read_list, read_points,
+    read_spectrum, write_points,
 };
 use crate::message;
 
@@ -50,8 +50,11 @@ impl Target {
     }
 }
 
+/// The name of the target that has faults.
+pub const PLANTED: &str = "planted";
+
 /// All readers and grammars.
-pub const TARGETS: [Target; 16] = [
+pub const TARGETS: [Target; 17] = [
     Target {
         name: "points-text",
         extension: "csv",
@@ -128,6 +131,8 @@ pub const TARGETS: [Target; 16] = [
         seeds: argument_lists,
         read: arguments,
     },
+    // Not a reader: it has one fault of each kind, to see that they are found.
+    Target { name: PLANTED, extension: "txt", is_text: true, seeds: planted_seeds, read: planted },
 ];
 
 fn none(_: &Path) -> Vec<Vec<u8>> {
@@ -256,21 +261,16 @@ fn spectrum(input: &[u8], scratch: &Path) -> Result<(), CliError> {
 }
 
 fn shards(scratch: &Path) -> Vec<Vec<u8>> {
-    let domain = Domain::Sphere;
-    let ensemble = SavedEnsemble {
-        sampler: "white-noise".to_owned(),
-        is_random: true,
-        domain,
-        lmax: 2,
-        realizations: 4,
-        transform: "Exact 1e-12".to_owned(),
-        seed: 7,
-        version: "0".to_owned(),
-        instruction_set: "none".to_owned(),
-    };
-    let sums = SpectrumAccumulator::new(domain, 5, 2);
-    let shard = Shard { ensemble, parts: vec![Part { part: 1, parts: 2 }], sums };
-    shard.write(scratch).ok().and_then(|()| fs::read(scratch).ok()).into_iter().collect()
+    let out = scratch.with_extension("csv");
+    let words = "sphvar spectrum white-noise -n 5 -m 4 --lmax 2 --shard 1/2 --quiet --save";
+    let words = words.split(' ').map(OsStr::new);
+    let words = words.chain([scratch.as_os_str(), OsStr::new("-o"), out.as_os_str()]);
+    if let Ok(Cli { command: Command::Spectrum(arguments), global }) = Cli::try_parse_from(words) {
+        // Without a seed nothing is accepted, which shows.
+        let _ = crate::commands::spectrum::run(&arguments, &global);
+        let _ = fs::remove_file(out);
+    }
+    fs::read(scratch).into_iter().collect()
 }
 
 /// The checksum is made right, or nothing behind it would be reached.
@@ -345,4 +345,21 @@ fn arguments(input: &[u8], _: &Path) -> Result<(), CliError> {
     let words = std::iter::once("sphvar").chain(input.split_whitespace());
     // What clap prints has lines; the message of the test is about errors of one.
     Cli::try_parse_from(words).map(drop).map_err(|_| CliError::Usage(String::new()))
+}
+
+fn planted_seeds(_: &Path) -> Vec<Vec<u8>> {
+    texts(&["x"])
+}
+
+/// One bit away from the seed, an input panics, aborts, or takes more memory than there is.
+fn planted(input: &[u8], _: &Path) -> Result<(), CliError> {
+    match input.first() {
+        Some(b'p') => panic!("planted"),
+        Some(b'h') => std::process::abort(),
+        Some(b'X') => {
+            let memory = vec![1_u8; 1 << 40];
+            Err(CliError::Failed(format!("{} bytes", memory.len())))
+        }
+        _ => Ok(()),
+    }
 }

@@ -24,8 +24,8 @@ use crate::report::{
 
 pub(crate) const EXAMPLES: &str = "Examples:
   sphvar compare
-  sphvar compare jittered,fibonacci -n 100,1000 --integrand cap:degrees=60 -o out
-  sphvar compare --hemisphere --integrand cosine
+  sphvar compare jittered,fibonacci -n 100,1000 --integrand cap:degrees=60 -o cap
+  sphvar compare --hemisphere --integrand cosine -o cosine
 
 Every sampler takes the number of points nearest to the one asked for. Into the output folder go
 comparison.csv and .json, spectra.csv, and the plots spectra, variance and integrand as .svg and .png.
