@@ -28,6 +28,8 @@ const BATCH_SECONDS: u64 = 30;
 const INPUT_SECONDS: u64 = 5;
 /// A worker that waits for something uses no processor.
 const MAX_WAIT: Duration = Duration::from_secs(300);
+/// How the names of the files begin that workers write for readers.
+const SCRATCH: &str = "scratch-";
 const BATCH: u64 = 1000;
 /// Inputs kept of one target; further ones are counted.
 const MAX_KEPT: usize = 20;
@@ -64,7 +66,7 @@ fn target(name: &str) -> &'static Target {
 }
 
 fn scratch_file(folder: &Path, target: &Target) -> PathBuf {
-    folder.join(format!("input-{}.{}", std::process::id(), target.extension))
+    folder.join(format!("{SCRATCH}{}.{}", std::process::id(), target.extension))
 }
 
 /// The mutations of a target's own inputs and of the files of the tests that have its extension.
@@ -164,6 +166,7 @@ impl Run {
                 scope.spawn(|| while self.batch() {});
             }
         });
+        self.tidy();
         let counts = self.counts.lock().expect("no thread panicked");
         let mut found = 0;
         for (name, counts) in &*counts {
@@ -178,6 +181,15 @@ impl Run {
         let tried: u64 = counts.values().map(|counts| counts.tried).sum();
         say(&format!("{tried} inputs, {found} findings in {}", self.out.display()));
         ExitCode::from(u8::from(found > 0))
+    }
+
+    /// Removes the files that workers left which did not come to their ends.
+    fn tidy(&self) {
+        for entry in std::fs::read_dir(&self.out).into_iter().flatten().flatten() {
+            if entry.file_name().to_string_lossy().starts_with(SCRATCH) {
+                let _ = std::fs::remove_file(entry.path());
+            }
+        }
     }
 
     /// Takes the next batch, if there is one: the targets take turns.

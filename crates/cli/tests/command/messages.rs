@@ -32,7 +32,7 @@ fn arguments_in_messages_are_escaped_too() {
         ("sample fibonacci -n 12 -o", "no\x1b[2J/p.csv", "\\u{1b}[2J"),
         ("sample fibonacci -n", "1\n2", "\\n"),
         ("sample", "--no-such=\x07\nsphvar: all is well", "--no-such"),
-        ("no\rsuch", "x", "\\r"),
+        ("--json", "no\rsuch", "\\r"),
         ("variance fibonacci -n 12 --integrand", "cap:degrees=1e\x08", "\\u{8}"),
         ("spectrum --points", "no\nsuch.csv", "\\n"),
     ] {
