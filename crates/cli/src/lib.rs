@@ -8,9 +8,14 @@ mod commands;
 mod counts;
 mod error;
 mod files;
+#[doc(hidden)]
+pub mod fuzzing;
 mod global;
+mod instruction_set;
 mod integrands;
+mod interrupts;
 mod memory;
+mod message;
 mod patterns;
 mod plots;
 mod point_sets;
@@ -33,18 +38,53 @@ use crate::error::CliError;
 /// 2 usage.
 #[must_use]
 pub fn run() -> ExitCode {
-    // Wrong usage exits with 2 and --help with 0, both by clap's own hand.
-    let cli = Cli::parse();
-    match dispatch(cli) {
+    let cli = match Cli::try_parse() {
+        Ok(cli) => cli,
+        Err(error) => return usage(&error),
+    };
+    let watched = interrupts::watch()
+        .map_err(|error| CliError::Failed(format!("cannot watch for signals: {error}")));
+    match watched.and_then(|()| dispatch(cli)) {
         Ok(()) => ExitCode::SUCCESS,
         // The reader of a pipe has what it wanted.
         Err(CliError::ClosedPipe) => ExitCode::SUCCESS,
         Err(error) => {
-            // Nothing is left to be done if standard error is gone too.
-            let _ = writeln!(std::io::stderr(), "sphvar: {error}");
+            message::write(&format!("sphvar: {error}"));
             ExitCode::from(error.status())
         }
     }
+}
+
+/// Prints what clap has to say, which is help or an error of usage, and returns the exit status: 0 or 2.
+fn usage(error: &clap::Error) -> ExitCode {
+    let text = error.to_string();
+    let lines: Vec<String> = arguments_escaped(&text).lines().map(message::clean).collect();
+    let printed = if error.use_stderr() && lines.join("\n") != text.trim_end() {
+        writeln!(std::io::stderr(), "{}", lines.join("\n"))
+    } else {
+        error.print()
+    };
+    // Nothing is left to be done if standard error is gone.
+    let _ = printed;
+    ExitCode::from(if error.use_stderr() { 2 } else { 0 })
+}
+
+/// A text that quotes arguments, with the control characters in them escaped: a line break in one must not look
+/// like the end of a line.
+fn arguments_escaped(text: &str) -> String {
+    let mut text = text.to_owned();
+    for argument in std::env::args_os().skip(1) {
+        let argument = argument.to_string_lossy();
+        // Of `--key=value` either part may be quoted.
+        for part in
+            argument.split_once('=').map_or(vec![&*argument], |(key, value)| vec![key, value])
+        {
+            if part.contains('\n') {
+                text = text.replace(part, &message::escape(part));
+            }
+        }
+    }
+    text
 }
 
 fn dispatch(cli: Cli) -> Result<(), CliError> {

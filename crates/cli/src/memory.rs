@@ -5,8 +5,8 @@ use sphvar_spectrum::Resolution;
 
 use crate::error::CliError;
 
-/// Returns the bytes of memory that may still be taken, within the limit of the control group;
-/// `None` where the machine does not tell.
+/// Returns the bytes of memory that may still be taken, within the limits of the control group and of the
+/// process (`ulimit -v`); `None` where the machine does not tell.
 pub(crate) fn available_memory() -> Option<f64> {
     let mut system = sysinfo::System::new();
     system.refresh_memory();
@@ -16,7 +16,8 @@ pub(crate) fn available_memory() -> Option<f64> {
     }
     // What the group caches of files can be taken from it, so that its free memory would be too low.
     let group = system.cgroup_limits().map(|group| group.total_memory.saturating_sub(group.rss));
-    Some(group.map_or(machine, |group| group.min(machine)) as f64)
+    let free = group.map_or(machine, |group| group.min(machine)) as f64;
+    Some(free.min(address_space().unwrap_or(f64::INFINITY)))
 }
 
 /// Returns a number of bytes for a message.
@@ -35,6 +36,23 @@ pub(crate) fn check_memory(what: &str, bytes: f64) -> Result<(), CliError> {
         ))),
         _ => Ok(()),
     }
+}
+
+/// Returns the bytes that a limit such as `ulimit -v` leaves to this process; nothing without a limit, and where the
+/// system does not tell.
+fn address_space() -> Option<f64> {
+    let limits = std::fs::read_to_string("/proc/self/limits").ok()?;
+    let line = limits.lines().find_map(|line| line.strip_prefix("Max address space"))?;
+    let limit: f64 = line.split_whitespace().next()?.parse().ok()?;
+    let sizes = std::fs::read_to_string("/proc/self/status").ok()?;
+    let line = sizes.lines().find_map(|line| line.strip_prefix("VmSize:"))?;
+    let kib: f64 = line.split_whitespace().next()?.parse().ok()?;
+    Some((limit - 1024.0 * kib).max(0.0))
+}
+
+/// Refuses points that do not fit: 24 bytes each, whatever is made of them.
+pub(crate) fn check_points(n: usize) -> Result<(), CliError> {
+    check_memory(&format!("a set of {n} points (-n)"), 24.0 * n as f64)
 }
 
 /// Refuses a degree beyond those that there are; `what` asked for it.

@@ -8,6 +8,7 @@ use sphvar_samplers::{
 
 use crate::error::CliError;
 use crate::files::read_spectrum;
+use crate::memory::check_points;
 use crate::spec::{Spec, unknown_name};
 
 /// The name that stands for every pattern, wherever several make sense.
@@ -127,8 +128,10 @@ pub(crate) fn build(
     nearest: bool,
 ) -> Result<Box<dyn Sampler>, CliError> {
     let n = if nearest && n > 0 { pattern.nearest_count(n, domain) } else { n };
-    pattern.build(n, domain).map_err(|error| match error {
+    let sampler = pattern.build(n, domain).map_err(|error| match error {
         Error::IllegalCount { .. } => CliError::Usage(format!("{error} (--nearest takes it)")),
         _ => CliError::usage(error),
-    })
+    })?;
+    check_points(sampler.n_points())?;
+    Ok(sampler)
 }

@@ -4,6 +4,8 @@ use std::time::Duration;
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
+use crate::message;
+
 /// A progress bar over an estimated number of seconds of work; silent where standard error is no
 /// terminal.
 pub(crate) struct Progress {
@@ -31,7 +33,7 @@ impl Progress {
 
     /// Says what is being done.
     pub(crate) fn stage(&self, what: &str) {
-        self.bar.set_message(what.to_owned());
+        self.bar.set_message(message::escape(what).into_owned());
     }
 
     /// Adds `cost` units to what is to be done.

@@ -1,22 +1,26 @@
 //! Results on their way out: tables, CSV and JSON, each with its provenance.
 
+use std::borrow::Cow;
+use std::ffi::OsString;
 use std::io::Write;
 use std::path::Path;
 
 use comfy_table::{CellAlignment, Table, presets};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use crate::error::CliError;
-use crate::files::AtomicFile;
+pub(crate) use crate::files::is_stdout;
+use crate::files::{AtomicFile, is_stream};
+use crate::message;
 use crate::plots::ImageFormat;
 
 /// What makes a result reproducible.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct Provenance {
     /// The command line, without the number of threads: results do not depend on it, to the byte.
     pub(crate) command: String,
     /// The version of this program.
-    pub(crate) version: &'static str,
+    pub(crate) version: Cow<'static, str>,
     /// The seed of all random streams.
     pub(crate) seed: u64,
 }
@@ -24,13 +28,34 @@ pub(crate) struct Provenance {
 impl Provenance {
     /// Of this run.
     pub(crate) fn new(seed: u64) -> Self {
-        let words = std::env::args_os().skip(1).map(|w| w.to_string_lossy().into_owned());
+        // A line break would end the comment that this becomes.
+        let word = |word: OsString| message::escape(&word.to_string_lossy()).into_owned();
+        let words = std::env::args_os().skip(1).map(word);
         Self::of(format!("sphvar {}", without_threads(words).join(" ")), seed)
     }
 
     /// Of a command that stands for this run.
     pub(crate) fn of(command: String, seed: u64) -> Self {
-        Self { command, version: env!("CARGO_PKG_VERSION"), seed }
+        Self { command, version: env!("CARGO_PKG_VERSION").into(), seed }
+    }
+
+    /// Of a JSON document that has one under `provenance`.
+    pub(crate) fn of_document(json: &[u8]) -> Option<Self> {
+        #[derive(Deserialize)]
+        struct Document {
+            provenance: Provenance,
+        }
+        serde_json::from_slice::<Document>(json).ok().map(|document| document.provenance)
+    }
+
+    /// Whether both runs write the same bytes to files: their commands differ at most in what is shown
+    /// meanwhile.
+    pub(crate) fn is_same_run(&self, other: &Self) -> bool {
+        let words = |run: &Self| -> Vec<String> {
+            let is_shown = |word: &&str| !["--json", "--quiet", "--force"].contains(word);
+            run.command.split(' ').filter(is_shown).map(str::to_owned).collect()
+        };
+        (&self.version, self.seed) == (&other.version, other.seed) && words(self) == words(other)
     }
 
     /// One line for the heads of files and the feet of figures.
@@ -81,8 +106,7 @@ pub(crate) fn print(text: &str) -> Result<(), CliError> {
 /// Says something to the person at the terminal, unless that is unwanted.
 pub(crate) fn say(quiet: bool, text: &str) {
     if !quiet {
-        // A lost remark must not end the work.
-        let _ = writeln!(std::io::stderr(), "{text}");
+        message::write(text);
     }
 }
 
@@ -96,16 +120,12 @@ pub(crate) fn write_text(path: &Path, text: &str) -> Result<(), CliError> {
     Ok(AtomicFile::write_whole(path, text.as_bytes())?)
 }
 
-/// Whether an output path stands for standard output.
-pub(crate) fn is_stdout(path: &Path) -> bool {
-    path.as_os_str() == "-"
-}
-
 /// Refuses a result file that [`write_result`], or a plot if `plots`, could not be written to: better
 /// before the work than after it.
 pub(crate) fn check_result(path: &Path, plots: bool) -> Result<(), CliError> {
     let extension = path.extension().and_then(|e| e.to_str());
-    let result = matches!(extension, Some("json" | "csv")) || is_stdout(path);
+    let result =
+        matches!(extension, Some("json" | "csv")) || extension.is_none() && is_stream(path);
     let plot = plots && ImageFormat::of_path(path).is_some();
     if !(result || plot) {
         let plots = if plots { ", plots as .svg or .png" } else { "" };
@@ -126,7 +146,7 @@ pub(crate) fn write_result(
     match path.extension().and_then(|e| e.to_str()) {
         Some("json") => write_text(path, &(json(document)? + "\n")),
         Some("csv") => write_text(path, &csv()),
-        None if is_stdout(path) => write_text(path, &csv()),
+        None if is_stream(path) => write_text(path, &csv()),
         _ => Err(CliError::Usage(format!(
             "{}: results are written as .csv or .json",
             path.display()

@@ -74,7 +74,7 @@ pub(crate) fn run(args: &AccuracyArgs, global: &Global) -> Result<(), CliError> 
         held: trials.iter().all(|t| t.outcome.held) && hard_cases.iter().all(|c| c.outcome.held),
         quick: args.quick,
         date: today(),
-        version: provenance.version,
+        version: provenance.version.clone(),
         machine: Machine::of_this_run(),
         trials: &trials,
         hard_cases: &hard_cases,

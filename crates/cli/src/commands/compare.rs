@@ -1,5 +1,7 @@
 //! `sphvar compare`, the main job: which pattern integrates this best, and why.
 
+mod result_folder;
+
 use std::path::{Path, PathBuf};
 
 use clap::Args;
@@ -7,6 +9,7 @@ use serde::Serialize;
 use sphvar_samplers::Pattern;
 use sphvar_variance::{Comparison, Energy, RateFit, VariancePoint, fit_exact_rate, fit_rate};
 
+use self::result_folder::{RECORD, ResultFolder};
 use super::crossovers::{CrossoverRecord, crossovers};
 use super::power_chart::{power_chart, power_series};
 use super::rows::{self, Case, EffortArgs, Plan, Row, RowRecord};
@@ -23,11 +26,13 @@ use crate::spec::argument;
 
 pub(crate) const EXAMPLES: &str = "Examples:
   sphvar compare
-  sphvar compare jittered,fibonacci -n 100,1000 --integrand cap:degrees=60 -o out
-  sphvar compare --hemisphere --integrand cosine
+  sphvar compare jittered,fibonacci -n 100,1000 --integrand cap:degrees=60 -o cap
+  sphvar compare --hemisphere --integrand cosine -o cosine
 
 Every sampler takes the number of points nearest to the one asked for. Into the output folder go
-comparison.csv and .json, spectra.csv, and the plots spectra, variance and integrand as .svg and .png.";
+comparison.csv and .json, spectra.csv, and the plots spectra, variance and integrand as .svg and .png.
+The same command run again replaces its own files, since it gives the same results; the results of another
+command are overwritten only with --force. Two runs cannot write to one folder at the same time.";
 
 #[derive(Debug, Args)]
 pub(crate) struct CompareArgs {
@@ -49,6 +54,9 @@ pub(crate) struct CompareArgs {
     /// Folder for tables and plots
     #[arg(short, long, default_value = "out", value_name = "FOLDER")]
     pub(crate) out: PathBuf,
+    /// Overwrite the results of another run in the folder
+    #[arg(long)]
+    pub(crate) force: bool,
 }
 
 /// What is said about one sampler over all its numbers of points.
@@ -122,7 +130,8 @@ pub(crate) fn run(args: &CompareArgs, global: &Global) -> Result<(), CliError> {
     }
     let plan = args.effort.plan(&integrand, global, true)?;
     rows::check(&plan, &cases)?;
-    prepare_folder(&args.out)?;
+    let provenance = Provenance::new(global.seed);
+    let folder = ResultFolder::open(&args.out, &provenance, args.force)?;
     let (rows, energy) = rows::run(&plan, &cases)?;
 
     let curves: Vec<Curve<'_>> = patterns.iter().map(|p| Curve::new(p, &rows)).collect();
@@ -130,31 +139,18 @@ pub(crate) fn run(args: &CompareArgs, global: &Global) -> Result<(), CliError> {
     let best: Vec<_> = curves.iter().map(|c| (c.pattern.to_string(), c.best())).collect();
     let crossovers = crossovers(&best, global.seed);
     let records: Vec<RowRecord> = rows.iter().map(|row| RowRecord::new(row, &plan)).collect();
-    let provenance = Provenance::new(global.seed);
     let document = Document {
         rows: &records,
         samplers: &summaries,
         crossovers: &crossovers,
         provenance: &provenance,
     };
-    write_files(&args.out, &document, &rows, &curves, &energy, &plan)?;
+    folder.write(|folder| write_files(folder, &document, &rows, &curves, &energy, &plan))?;
     if global.json {
         return print_json(&document);
     }
     print(&text(&document, &plan))?;
     say(global.quiet, &format!("Tables and plots are in {}", args.out.display()));
-    Ok(())
-}
-
-/// Makes the output folder, so that a folder that cannot be written is known before the work.
-fn prepare_folder(folder: &Path) -> Result<(), CliError> {
-    let refused = |e| CliError::Failed(format!("cannot write into {}: {e}", folder.display()));
-    if folder.is_file() {
-        let message = format!("{} is a file; -o must name a folder", folder.display());
-        return Err(CliError::Failed(message));
-    }
-    std::fs::create_dir_all(folder).map_err(refused)?;
-    tempfile::tempfile_in(folder).map_err(refused)?;
     Ok(())
 }
 
@@ -308,8 +304,6 @@ fn write_files(
     let provenance = document.provenance;
     let cells: Vec<_> = document.rows.iter().map(RowRecord::record).collect();
     write_text(&folder.join("comparison.csv"), &csv(provenance, RowRecord::COLUMNS, &cells))?;
-    let json = serde_json::to_string_pretty(document).map_err(CliError::failed)?;
-    write_text(&folder.join("comparison.json"), &(json + "\n"))?;
     let spectra = csv(provenance, "sampler,n,l,omega,power,stderr", &spectrum_records(rows));
     write_text(&folder.join("spectra.csv"), &spectra)?;
     let charts = [
@@ -322,7 +316,8 @@ fn write_files(
         chart.render(&folder.join(format!("{name}.svg")))?;
         chart.render(&folder.join(format!("{name}.png")))?;
     }
-    Ok(())
+    let json = serde_json::to_string_pretty(document).map_err(CliError::failed)?;
+    write_text(&folder.join(RECORD), &(json + "\n"))
 }
 
 fn spectrum_records(rows: &[Row]) -> Vec<Vec<String>> {

@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 use std::io;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 use glam::DVec3;
@@ -12,7 +12,7 @@ use sphvar_healpix::{Nested, Nside, PixelOrder, Ring, unit_direction};
 use crate::error::CliError;
 use crate::files::{Columns, Fault, FileError, ListWriter, Number, Written, read_list};
 use crate::global::Global;
-use crate::report::{Provenance, print_json};
+use crate::report::{Provenance, is_stdout, print_json};
 
 #[cfg(test)]
 mod tests;
@@ -201,7 +201,7 @@ impl Job<'_> {
         row: impl FnMut([A; M]) -> Result<[B; N], Fault>,
     ) -> Result<(), CliError> {
         let Self { args, global, order } = *self;
-        let to_stdout = args.out == Path::new("-");
+        let to_stdout = is_stdout(&args.out);
         let writer = match to_stdout && global.json {
             true => None,
             false => Some(ListWriter::create(&args.out)?),

@@ -1,5 +1,6 @@
 //! `sphvar merge`: one spectrum from saved parts.
 
+use std::ops::Range;
 use std::path::PathBuf;
 use std::time::Instant;
 
@@ -7,7 +8,7 @@ use clap::Args;
 
 use super::spectrum::{Remarks, check_save, emit};
 use crate::error::CliError;
-use crate::files::Shard;
+use crate::files::{Part, Shard};
 use crate::global::Global;
 use crate::report::{Provenance, check_result, say};
 
@@ -16,9 +17,10 @@ pub(crate) const EXAMPLES: &str = "Examples:
   sphvar spectrum poisson-disk -n 1024 -m 200 --shard 2/2 --save b.shard
   sphvar merge a.shard b.shard -o spectrum.csv
 
-Sums are kept exactly: the spectrum has the bits of one run, whatever the parts and their order. Parts
-of other samplers, numbers of points, degrees, accuracies, seeds or versions are refused, and so is a
-realization that is in two of them.";
+Sums are kept exactly: the spectrum is bit-identical to that of a single run, whatever the parts and their
+order. Shards of different samplers, numbers of points or realizations, degrees, accuracies, seeds, versions
+or instruction-set classes are an error, and so are a realization that is in two of them and missing parts;
+--partial merges those that are there.";
 
 #[derive(Debug, Args)]
 pub(crate) struct MergeArgs {
@@ -28,6 +30,9 @@ pub(crate) struct MergeArgs {
     /// Write the spectrum to a file: .csv, .json, or a plot as .svg or .png
     #[arg(short, long, value_name = "FILE")]
     out: Option<PathBuf>,
+    /// Merge the parts that are there although others are missing
+    #[arg(long)]
+    partial: bool,
     /// Save the sums of all parts as one
     #[arg(long, value_name = "FILE")]
     save: Option<PathBuf>,
@@ -45,45 +50,37 @@ pub(crate) fn run(args: &MergeArgs, global: &Global) -> Result<(), CliError> {
     for path in &args.files {
         shards.push((path.display().to_string(), Shard::read(path)?));
     }
+    check_ensembles(&shards)?;
     check_overlap(&shards)?;
     let mut shards = shards.into_iter();
     let Some((first, mut whole)) = shards.next() else {
         return Err(CliError::Usage("no files to merge".to_owned()));
     };
     for (name, shard) in shards {
-        let differ = |what: &str, a: &dyn std::fmt::Display, b: &dyn std::fmt::Display| {
-            CliError::Failed(format!("{first} and {name} are of different {what}: {a} and {b}"))
-        };
-        let (a, b) = (&whole.ensemble, &shard.ensemble);
-        if a.sampler != b.sampler {
-            return Err(differ("samplers", &a.sampler, &b.sampler));
-        }
-        if a.seed != b.seed {
-            return Err(differ("seeds", &a.seed, &b.seed));
-        }
-        if a.transform != b.transform {
-            return Err(differ("transforms", &a.transform, &b.transform));
-        }
-        if a.version != b.version {
-            return Err(differ("versions of sphvar", &a.version, &b.version));
-        }
         whole
             .sums
             .try_merge(&shard.sums)
             .map_err(|error| CliError::Failed(format!("{first} and {name}: {error}")))?;
         whole.parts.extend(shard.parts);
     }
-    whole.parts.sort_by_key(|part| part.start);
-    whole.parts.dedup_by(|next, part| {
-        let touch = part.end == next.start;
-        if touch {
-            part.end = next.end;
-        }
-        touch
-    });
-    let parts: Vec<String> =
-        whole.parts.iter().map(|part| format!("{} to {}", part.start, part.end - 1)).collect();
-    say(global.quiet, &format!("{}, realizations {}", whole.ensemble.sampler, parts.join(", ")));
+    let total = whole.ensemble.realizations;
+    whole.parts.sort_by_key(|part| part.range(total).start);
+    let missing = whole.missing();
+    if !missing.is_empty() && !args.partial {
+        return Err(CliError::Failed(format!(
+            "missing: {}; add {}, or use --partial to merge the {} of {total} realizations that are there",
+            missing_in_words(&whole),
+            if missing.len() == 1 { "it" } else { "them" },
+            total - count(&missing),
+        )));
+    }
+    let merged = if missing.is_empty() {
+        format!("all {total} realizations")
+    } else {
+        let ranges = in_words(&joined(whole.ranges()), range_in_words);
+        format!("{} of {total} realizations: {ranges}", total - count(&missing))
+    };
+    say(global.quiet, &format!("{}, {merged}", whole.ensemble.sampler));
     if let Some(path) = &args.save {
         whole.write(path)?;
     }
@@ -102,10 +99,91 @@ pub(crate) fn run(args: &MergeArgs, global: &Global) -> Result<(), CliError> {
     )
 }
 
+/// Returns an error if two files do not belong to one ensemble.
+fn check_ensembles(shards: &[(String, Shard)]) -> Result<(), CliError> {
+    let Some(((first, a), others)) = shards.split_first() else { return Ok(()) };
+    let a = &a.ensemble;
+    for (name, b) in others {
+        let b = &b.ensemble;
+        let facts: [(&str, String, String); 6] = [
+            ("samplers", a.sampler.clone(), b.sampler.clone()),
+            ("seeds", a.seed.to_string(), b.seed.to_string()),
+            ("numbers of realizations", a.realizations.to_string(), b.realizations.to_string()),
+            ("transforms", a.transform.clone(), b.transform.clone()),
+            ("versions of sphvar", a.version.clone(), b.version.clone()),
+            ("instruction sets", a.instruction_set.clone(), b.instruction_set.clone()),
+        ];
+        if let Some((what, a, b)) = facts.into_iter().find(|(_, a, b)| a != b) {
+            return Err(CliError::Failed(format!(
+                "{first} and {name} are of different {what}: {a} and {b}"
+            )));
+        }
+    }
+    Ok(())
+}
+
+/// Entries of a list that are named; of longer ones the rest is counted.
+const MAX_LISTED: usize = 12;
+
+fn in_words<T>(list: &[T], word: impl Fn(&T) -> String) -> String {
+    let named: Vec<String> = list.iter().take(MAX_LISTED).map(word).collect();
+    let more = list.len() - named.len();
+    named.join(", ") + &if more > 0 { format!(" and {more} more") } else { String::new() }
+}
+
+fn range_in_words(range: &Range<u64>) -> String {
+    match range.end - range.start {
+        1 => range.start.to_string(),
+        _ => format!("{} to {}", range.start, range.end - 1),
+    }
+}
+
+/// The parts that are missing where all files are of the same number of parts, and their realizations.
+fn missing_in_words(whole: &Shard) -> String {
+    let missing = whole.missing();
+    let realizations = format!("realizations {}", in_words(&missing, range_in_words));
+    let total = whole.ensemble.realizations;
+    let parts = whole.parts[0].parts;
+    if whole.parts.iter().any(|part| part.parts != parts) {
+        return realizations;
+    }
+    let mut absent = Vec::new();
+    for gap in &missing {
+        let mut next = gap.start;
+        // One more than are named, so that it shows that there are more.
+        while next < gap.end && absent.len() <= MAX_LISTED {
+            let part = Part::of_realization(next, total, parts);
+            next = part.range(total).end;
+            absent.push(part);
+        }
+    }
+    let more = if absent.len() > MAX_LISTED { ", ..." } else { "" };
+    absent.truncate(MAX_LISTED);
+    format!("parts {}{more} ({realizations})", in_words(&absent, Part::to_string))
+}
+
+/// Ranges in order, those that touch made one.
+fn joined(mut ranges: Vec<Range<u64>>) -> Vec<Range<u64>> {
+    ranges.dedup_by(|next, range| {
+        let touch = range.end == next.start;
+        if touch {
+            range.end = next.end;
+        }
+        touch
+    });
+    ranges
+}
+
+fn count(ranges: &[Range<u64>]) -> u64 {
+    ranges.iter().map(|range| range.end - range.start).sum()
+}
+
 /// Refuses a realization that is in two files.
 fn check_overlap(shards: &[(String, Shard)]) -> Result<(), CliError> {
-    let mut parts: Vec<_> =
-        shards.iter().flat_map(|(name, s)| s.parts.iter().map(move |part| (part, name))).collect();
+    let mut parts: Vec<_> = shards
+        .iter()
+        .flat_map(|(name, s)| s.ranges().into_iter().map(move |range| (range, name)))
+        .collect();
     parts.sort_by_key(|(part, _)| part.start);
     for pair in parts.windows(2) {
         let [(a, first), (b, second)] = pair else { continue };

@@ -10,19 +10,19 @@ use sphvar_samplers::{Domain, Pattern, PatternFacts, Purpose, Realizations, Stre
 
 use crate::counts::parse_count;
 use crate::error::CliError;
-use crate::files::{AtomicFile, write_points};
+use crate::files::{AtomicFile, NumberedPath, write_points};
 use crate::global::Global;
 use crate::memory::check_memory;
 use crate::patterns;
 use crate::plots::{ImageFormat, OrthographicView};
 use crate::progress::Progress;
-use crate::report::{Provenance, print, print_json, say};
+use crate::report::{Provenance, is_stdout, print, print_json, say};
 
 pub(crate) const EXAMPLES: &str = "Examples:
   sphvar sample jittered -n 972 -o points.csv
   sphvar sample fibonacci -n 1000 -o points.svg     (a picture)
   sphvar sample white-noise -n 4096 -m 100 --rotate -o sets.npy
-  sphvar sample poisson-disk:mode=saturated -n 512 -m 3 -o disks-{i}.npy   (a file for each set)
+  sphvar sample poisson-disk:mode=saturated -n 512 -m 3 -o disks-{i}.npy   (a file for each set: disks-000000.npy, ...)
   sphvar sample poisson-disk:mode=saturated -n 4096 -o disks.ply
   sphvar sample step:alpha=1 -n 4096 -o step.npy    (no power up to degree 64)
   sphvar sample profile:b=2,alpha=1,to=2 -n 1000 -o quadratic.csv
@@ -55,7 +55,7 @@ pub(crate) struct SampleArgs {
     #[arg(long)]
     pub(crate) nearest: bool,
     /// File for the points (.csv, .npy, .ply) or a picture of them (.svg, .png); - is CSV on
-    /// standard output. With {i} in its name one file is written for each realization, counted from 0
+    /// standard output. With {i} in the name every set gets a file of its own: {i} becomes 000000, 000001, ...
     #[arg(short, long, default_value = "-", value_name = "FILE")]
     pub(crate) out: PathBuf,
 }
@@ -85,8 +85,12 @@ pub(crate) fn run(args: &SampleArgs, global: &Global) -> Result<(), CliError> {
     if args.realizations == 0 {
         return Err(CliError::Usage("-m must be at least 1, got 0".to_owned()));
     }
-    if args.out.as_os_str() != "-" {
-        AtomicFile::check(&path_of_set(&args.out, 0).unwrap_or_else(|| args.out.clone()))?;
+    let numbered = NumberedPath::of(&args.out);
+    let first_and_last = numbered.map_or(vec![args.out.clone()], |numbered| {
+        vec![numbered.path(0), numbered.path(args.realizations - 1)]
+    });
+    for path in first_and_last {
+        AtomicFile::check(&path)?;
     }
     let sampler = patterns::build(&pattern, n, super::domain(args.hemisphere), args.nearest)?;
     let n_points = sampler.n_points();
@@ -125,11 +129,10 @@ pub(crate) fn run(args: &SampleArgs, global: &Global) -> Result<(), CliError> {
     let provenance = Provenance::new(global.seed);
     let line = provenance.line();
     let note = empty.map_or(line.clone(), |empty| format!("{line}; {empty}"));
-    let to_stdout = args.out.as_os_str() == "-";
-    if path_of_set(&args.out, 0).is_some() {
-        for (index, set) in sets.iter().enumerate() {
-            let path = path_of_set(&args.out, index).unwrap_or_default();
-            write_sets(&path, std::slice::from_ref(set), &pattern, &note)?;
+    let to_stdout = is_stdout(&args.out);
+    if let Some(numbered) = numbered {
+        for (i, set) in sets.iter().enumerate() {
+            write_sets(&numbered.path(i), std::slice::from_ref(set), &pattern, &note)?;
         }
     } else if !(to_stdout && global.json) {
         if ImageFormat::of_path(&args.out).is_some() && args.realizations > 1 {
@@ -154,12 +157,6 @@ pub(crate) fn run(args: &SampleArgs, global: &Global) -> Result<(), CliError> {
         });
     }
     Ok(())
-}
-
-/// Returns the file of one set where the name has a place for its number, `{i}`.
-fn path_of_set(path: &Path, index: usize) -> Option<PathBuf> {
-    let name = path.to_str().filter(|name| name.contains("{i}"))?;
-    Some(name.replace("{i}", &index.to_string()).into())
 }
 
 /// Writes all sets, or a picture of the first one.

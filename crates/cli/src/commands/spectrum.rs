@@ -15,8 +15,9 @@ use sphvar_spectrum::{
 pub(crate) use self::report::{Remarks, emit};
 use super::sets_args::SetsArgs;
 use crate::error::CliError;
-use crate::files::{AtomicFile, SavedEnsemble, Shard};
+use crate::files::{AtomicFile, Part, SavedEnsemble, Shard};
 use crate::global::Global;
+use crate::instruction_set::instruction_set;
 use crate::memory::{check_degree, check_memory, check_transform};
 use crate::patterns;
 use crate::point_sets::FileSets;
@@ -61,7 +62,7 @@ pub(crate) struct SpectrumArgs {
     pub(crate) out: Option<PathBuf>,
     /// Make only part I of K equal parts of the realizations; `merge` puts them together
     #[arg(long, value_name = "I/K", requires = "save", conflicts_with_all = ["per_order", "coefficient"])]
-    pub(crate) shard: Option<Share>,
+    pub(crate) shard: Option<Part>,
     /// Save the sums, exactly, for `merge`
     #[arg(long, value_name = "FILE", conflicts_with_all = ["points_from", "exact"])]
     pub(crate) save: Option<PathBuf>,
@@ -71,37 +72,6 @@ pub(crate) struct SpectrumArgs {
     /// Write the samples of one coefficient `S_lm` over the realizations to a CSV file
     #[arg(long, num_args = 3, value_names = ["L", "M", "FILE"])]
     pub(crate) coefficient: Option<Vec<String>>,
-}
-
-/// One of equal parts, `I/K`, counted from 1.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Share {
-    part: u64,
-    parts: u64,
-}
-
-impl std::str::FromStr for Share {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        let numbers =
-            text.split_once('/').and_then(|(i, k)| Some((i.parse().ok()?, k.parse().ok()?)));
-        match numbers {
-            Some((part, parts)) if 1 <= part && part <= parts => Ok(Self { part, parts }),
-            _ => Err(format!("expected I/K with 1 <= I <= K as in 2/4, got \"{text}\"")),
-        }
-    }
-}
-
-impl Share {
-    /// The range of this part of `count`; the parts differ by one at most.
-    fn of(self, count: u64) -> std::ops::Range<u64> {
-        let end = |part: u64| {
-            let wide = u128::from(count) * u128::from(part) / u128::from(self.parts);
-            u64::try_from(wide).unwrap_or(count)
-        };
-        end(self.part - 1)..end(self.part)
-    }
 }
 
 /// Where the point sets come from.
@@ -159,7 +129,8 @@ pub(crate) fn run(args: &SpectrumArgs, global: &Global) -> Result<(), CliError> 
             (&Realizations::rotated(&**sampler, streams), count)
         }
     };
-    let part = args.shard.map_or(0..count, |share| share.of(count));
+    let share = args.shard.unwrap_or(Part::WHOLE);
+    let part = share.range(count);
     if part.is_empty() {
         let why = if count == 1 && args.realizations > 1 {
             "a pattern that is not random has one set: leave --shard out"
@@ -193,9 +164,11 @@ pub(crate) fn run(args: &SpectrumArgs, global: &Global) -> Result<(), CliError> 
             lmax,
             transform: format!("{method:?} {epsilon:e}"),
             seed: global.seed,
-            version: provenance.version.to_owned(),
+            realizations: count,
+            version: provenance.version.to_string(),
+            instruction_set: instruction_set(),
         };
-        Shard { ensemble, parts: vec![part], sums }.write(path)?;
+        Shard { ensemble, parts: vec![share], sums }.write(path)?;
     }
     if let (Some(path), Some(orders)) = (&args.per_order, orders) {
         let row = |o: sphvar_spectrum::OrderPower| {

@@ -1,22 +1,21 @@
 //! Output that appears whole or not at all.
 
-use std::fs::{self, File};
+use std::ffi::OsStr;
+use std::fs::File;
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
-use tempfile::{Builder, NamedTempFile};
-
-use super::file_error::{FileError, is_dash, output_name};
+use super::file_error::{FileError, output_name};
+use super::live_files::{LiveFile, sweep};
+use super::target::Target;
 
 /// A file under construction: written beside its target under a temporary name and renamed by
 /// [`commit`](Self::commit).
 ///
-/// Dropping it without a commit removes the temporary file and leaves the target as it was. Three
-/// kinds of target are not replaced by a rename: `-` is standard output; a device or pipe such as
-/// `/dev/null` is written to directly, since a rename would put a plain file in its place; and a
-/// symbolic link is followed, so that the link stays and the file that it names is replaced.
-/// An existing file keeps its permission bits. A process killed by a signal cannot clean up: it
-/// leaves at most `.NAME.xxxxxx.tmp`, never the final name.
+/// Dropping it without a commit, or an interrupt, removes the temporary file and leaves the target as it was. A
+/// process that is killed outright leaves at most `.NAME.sphvar-PID-COUNT.tmp`, never a part of a file under the
+/// final name; the next run that writes in that folder removes it. Symbolic links are followed, and an existing
+/// file keeps its permission bits. Standard output, devices and pipes are written to directly.
 #[derive(Debug)]
 pub(crate) struct AtomicFile {
     name: String,
@@ -26,8 +25,8 @@ pub(crate) struct AtomicFile {
 #[derive(Debug)]
 enum Sink {
     Stdout(BufWriter<io::Stdout>),
-    Device(BufWriter<File>),
-    Beside { temporary: BufWriter<NamedTempFile>, target: PathBuf },
+    Stream(BufWriter<File>),
+    Beside { temporary: BufWriter<LiveFile>, target: PathBuf },
 }
 
 impl AtomicFile {
@@ -37,60 +36,36 @@ impl AtomicFile {
     /// When the folder is missing or not writable, or the target is a folder or read-only.
     pub(crate) fn create(path: &Path) -> Result<Self, FileError> {
         let name = output_name(path);
-        if is_dash(path) {
-            return Ok(Self { name, sink: Sink::Stdout(BufWriter::new(io::stdout())) });
-        }
         let write_error = |source| FileError::Write { path: name.clone(), source };
-        let refused = |reason| FileError::Refused { path: name.clone(), reason };
-
-        let existing = fs::metadata(path).ok();
-        if let Some(metadata) = &existing {
-            if metadata.is_dir() {
-                return Err(refused("it is a folder; give the name of a file"));
+        let sink = match Target::of(path)? {
+            Target::Stdout => Sink::Stdout(BufWriter::new(io::stdout())),
+            Target::Stream(path) => {
+                // A descriptor may be a file that has a beginning already.
+                let stream = File::options().append(true).open(path).map_err(write_error)?;
+                Sink::Stream(BufWriter::new(stream))
             }
-            if metadata.permissions().readonly() {
-                return Err(refused("it is read-only; remove it or choose another name"));
+            Target::File { path: target, existing } => {
+                let temporary = temporary_beside(&target).map_err(write_error)?;
+                if let Some(metadata) = existing {
+                    let permissions = metadata.permissions();
+                    temporary.file().set_permissions(permissions).map_err(write_error)?;
+                }
+                Sink::Beside { temporary: BufWriter::new(temporary), target }
             }
-            if !metadata.is_file() {
-                let device = File::options().write(true).open(path).map_err(write_error)?;
-                return Ok(Self { name, sink: Sink::Device(BufWriter::new(device)) });
-            }
-        }
-        let target = match &existing {
-            Some(_) => fs::canonicalize(path).map_err(write_error)?,
-            None => path.to_path_buf(),
         };
-        let Some(file_name) = target.file_name() else {
-            return Err(refused("it names no file"));
-        };
-        let folder = match target.parent() {
-            Some(parent) if !parent.as_os_str().is_empty() => parent,
-            _ => Path::new("."),
-        };
-        if folder.is_file() {
-            return Err(refused("what stands before its last / is a file and not a folder"));
-        }
-        if !folder.is_dir() {
-            let folder = folder.display().to_string();
-            return Err(FileError::MissingFolder { path: name, folder });
-        }
-        let prefix = format!(".{}.", file_name.to_string_lossy());
-        let temporary = temporary_beside(folder, &prefix).map_err(write_error)?;
-        if let Some(metadata) = &existing {
-            fs::set_permissions(temporary.path(), metadata.permissions()).map_err(write_error)?;
-        }
-        let temporary = BufWriter::new(temporary);
-        Ok(Self { name, sink: Sink::Beside { temporary, target } })
+        Ok(Self { name, sink })
     }
 
-    /// Refuses a target that [`create`](Self::create) would refuse, and leaves no trace.
+    /// Returns the error for a target that [`create`](Self::create) would reject, and leaves no trace.
     ///
     /// # Errors
     /// Those of [`create`](Self::create).
     pub(crate) fn check(path: &Path) -> Result<(), FileError> {
-        // A pipe that is opened and closed shows its reader the end.
-        let is_device = fs::metadata(path).is_ok_and(|m| !m.is_file() && !m.is_dir());
-        if is_device { Ok(()) } else { Self::create(path).map(drop) }
+        match Target::of(path)? {
+            // A pipe that is opened and closed shows its reader the end.
+            Target::Stdout | Target::Stream(_) => Ok(()),
+            Target::File { .. } => Self::create(path).map(drop),
+        }
     }
 
     /// Writes a file whole, or not at all; `-` is standard output.
@@ -121,7 +96,7 @@ impl AtomicFile {
     fn writer(&mut self) -> &mut dyn Write {
         match &mut self.sink {
             Sink::Stdout(writer) => writer,
-            Sink::Device(writer) => writer,
+            Sink::Stream(writer) => writer,
             Sink::Beside { temporary, .. } => temporary,
         }
     }
@@ -140,32 +115,66 @@ impl Write for AtomicFile {
 fn finish(sink: Sink) -> io::Result<()> {
     match sink {
         Sink::Stdout(mut writer) => writer.flush(),
-        Sink::Device(mut writer) => writer.flush(),
+        Sink::Stream(mut writer) => writer.flush(),
         Sink::Beside { temporary, target } => {
             let temporary = temporary.into_inner().map_err(io::IntoInnerError::into_error)?;
-            temporary.as_file().sync_all()?;
-            temporary.persist(&target).map_err(|failed| failed.error)?;
-            Ok(())
+            temporary.file().sync_all()?;
+            temporary.rename(&target)
         }
     }
 }
 
-/// Creates a temporary file in `folder` with the permissions that a new file would get: the
-/// library's default is readable by the owner alone, and the rename would keep that.
-fn temporary_beside(folder: &Path, prefix: &str) -> io::Result<NamedTempFile> {
-    let mut builder = Builder::new();
-    builder.prefix(prefix).suffix(".tmp");
-    #[cfg(unix)]
-    {
-        use std::os::unix::fs::PermissionsExt;
-        // Read and write for all, less the process's umask.
-        builder.permissions(fs::Permissions::from_mode(0o666));
+/// Characters of a name that stand in a temporary one: 100 bytes at most, to which 42 are added. Some file systems
+/// allow no more than 143.
+const MAX_STEM: usize = 25;
+
+/// Begin and end of what a temporary name adds to `.NAME`, around the numbers of a process and a file.
+const MARK: &str = ".sphvar-";
+const SUFFIX: &str = ".tmp";
+
+/// Returns the temporary name number `count` of this process for a file.
+fn temporary_name(file_name: &OsStr, count: u64) -> String {
+    let stem: String = file_name.to_string_lossy().chars().take(MAX_STEM).collect();
+    format!(".{stem}{MARK}{}-{count}{SUFFIX}", std::process::id())
+}
+
+/// Whether a name has the form of [`temporary_name`].
+fn is_temporary_name(name: &str) -> bool {
+    let numbers = name
+        .strip_prefix('.')
+        .and_then(|rest| rest.strip_suffix(SUFFIX))
+        .and_then(|rest| rest.rsplit_once(MARK))
+        .and_then(|(_, numbers)| numbers.split_once('-'));
+    let is_number = |text: &str| !text.is_empty() && text.bytes().all(|b| b.is_ascii_digit());
+    numbers.is_some_and(|(process, count)| is_number(process) && is_number(count))
+}
+
+/// Removes the temporary files in `folder` that killed processes left.
+pub(super) fn sweep_temporaries(folder: &Path) {
+    sweep(folder, is_temporary_name);
+}
+
+/// Creates a temporary file beside `target`, with the permissions of a new file.
+fn temporary_beside(target: &Path) -> io::Result<LiveFile> {
+    let folder = match target.parent() {
+        Some(parent) if !parent.as_os_str().is_empty() => parent,
+        _ => Path::new("."),
+    };
+    sweep_temporaries(folder);
+    let file_name = target.file_name().unwrap_or_default();
+    let mut count = 0;
+    loop {
+        match LiveFile::create(folder.join(temporary_name(file_name, count))) {
+            Err(error) if error.kind() == io::ErrorKind::AlreadyExists => count += 1,
+            created => return created,
+        }
     }
-    builder.tempfile_in(folder)
 }
 
 #[cfg(test)]
 mod tests {
+    use std::fs;
+
     use super::*;
 
     fn names_in(folder: &Path) -> Vec<String> {

@@ -70,6 +70,28 @@ pub(crate) enum FileError {
         /// Why, and what to do instead.
         reason: &'static str,
     },
+    /// The folder of several output files cannot be made or written to.
+    #[error("cannot write into {path}: {source}")]
+    WriteInto {
+        /// The folder as the user wrote it.
+        path: String,
+        /// The reason that the system gave.
+        source: io::Error,
+    },
+    /// A file stands where the folder of several output files should be.
+    #[error("{path} is a file; -o must name a folder")]
+    NotAFolder {
+        /// The folder as the user wrote it.
+        path: String,
+    },
+    /// Another run writes to a folder.
+    #[error("{path}: another run writes to this folder ({holder}); wait for it or choose another")]
+    Busy {
+        /// The folder as the user wrote it.
+        path: String,
+        /// Which run.
+        holder: String,
+    },
     /// The system refused to create, write, flush or rename the output.
     #[error("cannot write {path}: {source}")]
     Write {

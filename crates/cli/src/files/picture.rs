@@ -7,7 +7,7 @@ use exr::prelude::{
     Encoding, Image, Layer, LayerAttributes, SpecificChannels, Text, WritableImage,
 };
 
-use super::{AtomicFile, FileError};
+use super::{AtomicFile, FileError, is_stream};
 
 /// The extensions of [`PictureFormat::of_path`], for messages.
 const PICTURES: &str = ".png, .exr or .pfm";
@@ -29,14 +29,12 @@ impl PictureFormat {
     /// # Errors
     /// [`FileError::UnknownExtension`].
     pub(crate) fn of_path(path: &Path) -> Result<Self, FileError> {
-        if path.as_os_str() == "-" {
-            return Ok(Self::Png);
-        }
         let extension = path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase);
         match extension.as_deref() {
             Some("png") => Ok(Self::Png),
             Some("exr") => Ok(Self::Exr),
             Some("pfm") => Ok(Self::Pfm),
+            None if is_stream(path) => Ok(Self::Png),
             _ => Err(FileError::UnknownExtension {
                 path: path.display().to_string(),
                 known: PICTURES,

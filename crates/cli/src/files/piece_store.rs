@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use sphvar_thesis::Store;
 
-use super::{AtomicFile, FileError};
+use super::{FileError, read_regular, write_regular};
 
 /// A folder of pieces. A file is `checksum (4 bytes, little-endian CRC-32), length of the key (4 bytes), key, piece`;
 /// one that is damaged or belongs to another key counts as missing.
@@ -37,7 +37,7 @@ impl PieceStore {
 
 impl Store for PieceStore {
     fn load(&self, key: &str) -> Option<Vec<u8>> {
-        let mut bytes = fs::read(self.path(key)).ok()?;
+        let mut bytes = read_regular(&self.path(key)).ok()?;
         let (checksum, rest) = bytes.split_at_checked(4)?;
         if crc32fast::hash(rest).to_le_bytes() != checksum {
             return None;
@@ -51,7 +51,7 @@ impl Store for PieceStore {
         let length = u32::try_from(key.len()).map_err(|error| error.to_string())?;
         let body = [&length.to_le_bytes(), key.as_bytes(), bytes].concat();
         let checksum = crc32fast::hash(&body).to_le_bytes();
-        AtomicFile::write_whole(&self.path(key), &[&checksum[..], &body].concat())
+        write_regular(&self.path(key), &[&checksum[..], &body].concat())
             .map_err(|error| error.to_string())
     }
 }

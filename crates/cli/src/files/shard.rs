@@ -1,8 +1,10 @@
 //! The sums of a part of an ensemble's spectrum.
 
+use std::fmt;
 use std::fs;
 use std::ops::Range;
 use std::path::Path;
+use std::str::FromStr;
 
 use serde::{Deserialize, Serialize};
 use sphvar_samplers::Domain;
@@ -15,9 +17,16 @@ use super::{AtomicFile, FileError, Place};
 pub(crate) struct Shard {
     /// What the sums are of.
     pub(crate) ensemble: SavedEnsemble,
-    /// Which realizations, in order and without overlap.
-    pub(crate) parts: Vec<Range<u64>>,
+    /// Which parts of its realizations, in order and without overlap.
+    pub(crate) parts: Vec<Part>,
     pub(crate) sums: SpectrumAccumulator,
+}
+
+/// One of equal parts of an ensemble, `I/K`, counted from 1.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub(crate) struct Part {
+    pub(crate) part: u64,
+    pub(crate) parts: u64,
 }
 
 /// Everything that sums depend on but the realizations.
@@ -28,15 +37,65 @@ pub(crate) struct SavedEnsemble {
     pub(crate) is_random: bool,
     pub(crate) domain: Domain,
     pub(crate) lmax: usize,
+    /// Number of realizations of the whole.
+    pub(crate) realizations: u64,
     /// Method and accuracy of the transforms.
     pub(crate) transform: String,
     pub(crate) seed: u64,
     /// Of this program.
     pub(crate) version: String,
+    /// Class of the machine: others round differently.
+    pub(crate) instruction_set: String,
 }
 
-/// How the files begin; after it a CRC-32 of the rest, little-endian.
-const HEAD: &[u8] = b"sphvar shard 2\n";
+/// How the files begin, in every version of their form.
+const NAME: &[u8] = b"sphvar shard ";
+/// The rest of their first line in this version; after it a CRC-32 of the rest, little-endian.
+const FORM: &[u8] = b"3\n";
+
+impl Part {
+    /// The whole.
+    pub(crate) const WHOLE: Self = Self { part: 1, parts: 1 };
+
+    /// The realizations of this part of `count`; the sizes of parts differ by one at most.
+    pub(crate) fn range(self, count: u64) -> Range<u64> {
+        let end = |part: u64| {
+            let wide = u128::from(count) * u128::from(part) / u128::from(self.parts);
+            u64::try_from(wide).unwrap_or(count)
+        };
+        end(self.part - 1)..end(self.part)
+    }
+
+    /// Of `parts` parts of `count` realizations, the one that has number `realization`, below `count`.
+    pub(crate) fn of_realization(realization: u64, count: u64, parts: u64) -> Self {
+        let wide = (u128::from(realization) + 1) * u128::from(parts);
+        let part = u64::try_from(wide.div_ceil(u128::from(count))).unwrap_or(parts);
+        Self { part, parts }
+    }
+
+    fn is_valid(self) -> bool {
+        1 <= self.part && self.part <= self.parts
+    }
+}
+
+impl FromStr for Part {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let numbers =
+            text.split_once('/').and_then(|(i, k)| Some((i.parse().ok()?, k.parse().ok()?)));
+        numbers
+            .map(|(part, parts)| Self { part, parts })
+            .filter(|part| part.is_valid())
+            .ok_or_else(|| format!("expected I/K with 1 <= I <= K as in 2/4, got \"{text}\""))
+    }
+}
+
+impl fmt::Display for Part {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}/{}", self.part, self.parts)
+    }
+}
 
 impl Shard {
     /// Writes the file, whole or not at all.
@@ -49,7 +108,7 @@ impl Shard {
             source: std::io::Error::other(error),
         })?;
         let checksum = crc32fast::hash(&body).to_le_bytes();
-        AtomicFile::write_whole(path, &[HEAD, &checksum, &body].concat())
+        AtomicFile::write_whole(path, &[NAME, FORM, &checksum, &body].concat())
     }
 
     /// Reads a file.
@@ -66,13 +125,16 @@ impl Shard {
             expected: "a file of `sphvar spectrum --save`".to_owned(),
             got: got.to_owned(),
         };
-        let rest = bytes.strip_prefix(HEAD).ok_or_else(|| wrong("something else"))?;
+        let rest = bytes.strip_prefix(NAME).ok_or_else(|| wrong("something else"))?;
+        let rest = rest.strip_prefix(FORM).ok_or_else(|| {
+            wrong("one of another version of sphvar, whose sums cannot be added to those of this one; make it again")
+        })?;
         let (checksum, body) =
             rest.split_at_checked(4).ok_or_else(|| wrong("its beginning only"))?;
         if crc32fast::hash(body).to_le_bytes() != checksum {
             return Err(wrong("one that is damaged"));
         }
-        let shard: Self = postcard::from_bytes(body).map_err(|error| wrong(&error.to_string()))?;
+        let shard: Self = postcard::from_bytes(body).map_err(|_| wrong("other content"))?;
         if shard.is_whole() {
             Ok(shard)
         } else {
@@ -80,17 +142,37 @@ impl Shard {
         }
     }
 
+    /// Which realizations are in it, part by part.
+    pub(crate) fn ranges(&self) -> Vec<Range<u64>> {
+        self.parts.iter().map(|part| part.range(self.ensemble.realizations)).collect()
+    }
+
+    /// Which realizations are not in it.
+    pub(crate) fn missing(&self) -> Vec<Range<u64>> {
+        let mut missing = Vec::new();
+        let mut next = 0;
+        let end = self.ensemble.realizations;
+        for range in self.ranges().into_iter().chain(std::iter::once(end..end)) {
+            if next < range.start {
+                missing.push(next..range.start);
+            }
+            next = range.end;
+        }
+        missing
+    }
+
     /// Whether the sums can be those of the realizations: nothing that this program writes fails here.
     fn is_whole(&self) -> bool {
         let Self { ensemble, parts, sums } = self;
-        let apart = parts.windows(2).all(|pair| pair[0].end < pair[1].start);
-        let filled = !parts.is_empty() && parts.iter().all(|part| part.start < part.end);
-        let count: u64 = parts
-            .iter()
-            .fold(0_u64, |sum, part| sum.saturating_add(part.end.saturating_sub(part.start)));
+        if parts.is_empty() || !parts.iter().all(|part| part.is_valid()) {
+            return false;
+        }
+        let ranges = self.ranges();
+        let apart = ranges.windows(2).all(|pair| pair[0].end <= pair[1].start);
+        let filled = ranges.iter().all(|range| range.start < range.end);
         filled
             && apart
-            && sums.realizations() == Some(count)
+            && sums.realizations() == Some(ranges.iter().map(|range| range.end - range.start).sum())
             && sums.lmax() == Some(ensemble.lmax)
             && sums.domain() == ensemble.domain
             && sums.n_points() > 0
@@ -99,7 +181,7 @@ impl Shard {
 
 #[cfg(test)]
 mod tests {
-    use super::{Domain, SavedEnsemble, Shard, SpectrumAccumulator};
+    use super::{Domain, Part, SavedEnsemble, Shard, SpectrumAccumulator};
 
     fn shard(parts: &[(u64, u64)], lmax: usize, n_points: usize) -> Shard {
         let ensemble = SavedEnsemble {
@@ -110,8 +192,10 @@ mod tests {
             transform: String::new(),
             seed: 0,
             version: String::new(),
+            realizations: 10,
+            instruction_set: String::new(),
         };
-        let parts = parts.iter().map(|part| part.0..part.1).collect();
+        let parts = parts.iter().map(|&(part, parts)| Part { part, parts }).collect();
         Shard { ensemble, parts, sums: SpectrumAccumulator::new(Domain::Sphere, n_points, lmax) }
     }
 
@@ -130,19 +214,47 @@ mod tests {
         }
     }
 
+    #[test]
+    fn parts_are_equal_and_what_is_missing_is_known() {
+        for (count, parts) in [(10_u64, 3_u64), (7, 7), (u64::MAX, 5), (3, 8)] {
+            let ranges: Vec<_> =
+                (1..=parts).map(|part| Part { part, parts }.range(count)).collect();
+            assert_eq!((ranges[0].start, ranges[ranges.len() - 1].end), (0, count));
+            assert!(ranges.windows(2).all(|pair| pair[0].end == pair[1].start), "{ranges:?}");
+            for range in ranges.iter().filter(|range| !range.is_empty()) {
+                for realization in [range.start, range.end - 1] {
+                    let part = Part::of_realization(realization, count, parts);
+                    assert_eq!(part.range(count), *range, "{realization} of {count}");
+                }
+            }
+            let sizes = || ranges.iter().map(|range| range.end - range.start);
+            assert!(sizes().max().unwrap() - sizes().min().unwrap() <= 1, "{ranges:?}");
+        }
+        // Of ten: 0..3, 3..6, 6..10 and 9..10.
+        assert_eq!(shard(&[(1, 3), (2, 3), (3, 3)], 3, 5).missing(), []);
+        assert_eq!(shard(&[(2, 3), (10, 10)], 3, 5).missing(), [0..3, 6..9]);
+        assert_eq!(shard(&[(1, 3)], 3, 5).missing(), [3..10]);
+        for text in ["", "1", "0/2", "3/2", "1/0", "-1/2", "1/2/3", "a/b"] {
+            assert!(text.parse::<Part>().is_err(), "{text}");
+        }
+        assert_eq!("2/3".parse::<Part>().unwrap().to_string(), "2/3");
+    }
+
     /// Files whose checksum is right and whose content is not.
     #[test]
     fn sums_of_other_realizations_are_refused() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a.shard");
         for (what, wrong) in [
-            ("nothing was accumulated", shard(&[(0, 2)], 3, 5)),
+            ("nothing was accumulated", shard(&[(1, 5)], 3, 5)),
             ("no parts", shard(&[], 3, 5)),
-            ("an empty part", shard(&[(0, 0)], 3, 5)),
-            ("a reversed part", shard(&[(5, 1)], 3, 5)),
-            ("parts that overlap", shard(&[(0, 4), (2, 6)], 3, 5)),
-            ("other degrees", shard(&[(0, 1)], 2, 5)),
-            ("no points", shard(&[(0, 1)], 3, 0)),
+            ("a part of none", shard(&[(0, 0)], 3, 5)),
+            ("part 0", shard(&[(0, 2)], 3, 5)),
+            ("a part beyond the last", shard(&[(5, 1)], 3, 5)),
+            ("an empty part", shard(&[(1, 11)], 3, 5)),
+            ("parts that overlap", shard(&[(1, 2), (1, 3)], 3, 5)),
+            ("other degrees", shard(&[(1, 10)], 2, 5)),
+            ("no points", shard(&[(1, 10)], 3, 0)),
         ] {
             wrong.write(&path).unwrap();
             let message = Shard::read(&path).unwrap_err().to_string();

@@ -8,7 +8,7 @@ use plotters::prelude::{BitMapBackend, DrawingBackend, IntoDrawingArea, SVGBacke
 
 use super::canvas::Canvas;
 use super::plot_error::PlotError;
-use crate::files::AtomicFile;
+use crate::files::{AtomicFile, is_stream};
 
 /// SVG coordinates are whole numbers of a tenth of a unit.
 const SVG_ZOOM: u32 = 10;
@@ -52,11 +52,10 @@ pub(super) trait Figure {
 
 /// Writes a figure in the format that the extension names; `-` is standard output, as SVG.
 pub(super) fn write(figure: &impl Figure, path: &Path) -> Result<(), PlotError> {
-    let format = if path.as_os_str() == "-" {
-        ImageFormat::Svg
-    } else {
-        ImageFormat::of_path(path)
-            .ok_or_else(|| PlotError::UnknownExtension { path: path.display().to_string() })?
+    let format = match ImageFormat::of_path(path) {
+        Some(format) => format,
+        None if is_stream(path) => ImageFormat::Svg,
+        None => return Err(PlotError::UnknownExtension { path: path.display().to_string() }),
     };
     let bytes = match format {
         ImageFormat::Svg => svg(figure)?.into_bytes(),

@@ -61,7 +61,7 @@ fn a_killed_run_goes_on_and_gives_the_same_bytes() {
         .map(|entry| (entry.path(), entry.metadata().unwrap().modified().unwrap()))
         .collect();
     // What a run that was killed in the middle of a file leaves.
-    fs::write(place.path("out/figures/.C.1-a.svg.abc123.tmp"), "half").unwrap();
+    fs::write(place.path("out/figures/.C.1-a.svg.sphvar-1-0.tmp"), "half").unwrap();
     place.run(&arguments).ok();
     let (whole, resumed) = (relative(&place.path("whole")), relative(&place.path("out")));
     assert_eq!(whole.keys().collect::<Vec<_>>(), resumed.keys().collect::<Vec<_>>());
@@ -107,7 +107,7 @@ fn wrong_figures_and_busy_folders_are_refused() {
     place.write("file", "");
     place.run("reproduce C.1 -o file").fails(1, &["file"]);
     place.run("reproduce C.1 -o out").ok();
-    let lock = fs::File::open(place.path("out/.lock")).unwrap();
+    let lock = fs::File::create(place.path("out/.sphvar.lock")).unwrap();
     lock.lock().unwrap();
     place.run("reproduce C.1 -o out").fails(1, &["another run writes to this folder"]);
 }

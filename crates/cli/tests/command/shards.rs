@@ -20,16 +20,74 @@ fn parts_in_any_order_give_the_bits_of_one_run() {
     }
     assert_eq!(numbers(&place, "merge 3.shard 1.shard 2.shard --json"), whole);
     // Parts of parts, too.
-    place.run("merge 2.shard 1.shard --save 12.shard --quiet").ok();
+    place.run("merge 2.shard 1.shard --save 12.shard --partial --quiet").ok();
     assert_eq!(numbers(&place, "merge 3.shard 12.shard --json"), whole);
-    let said = place.run("merge 3.shard 1.shard").ok();
-    assert!(said.stderr.contains("realizations 0 to 6, 15 to 22"), "{}", said.stderr);
+    let said = place.run("merge 3.shard 1.shard --partial").ok();
+    let words = "15 of 23 realizations: 0 to 6, 15 to 22";
+    assert!(said.stderr.contains(words), "{}", said.stderr);
     assert!(said.stdout.contains("power"), "{}", said.stdout);
     // A file has the same digits.
     place.run(&format!("{RUN} -o whole.csv")).ok();
     place.run("merge 1.shard 2.shard 3.shard -o merged.csv").ok();
     let rows = |name: &str| place.text(name).lines().skip(1).map(str::to_owned).collect::<Vec<_>>();
     assert_eq!(rows("whole.csv"), rows("merged.csv"));
+}
+
+#[test]
+fn missing_parts_are_listed() {
+    let place = Workplace::new();
+    for i in [2, 4] {
+        place.run(&format!("{RUN} --shard {i}/4 --save {i}.shard --quiet")).ok();
+    }
+    // 23 in 4: 0 to 4, 5 to 10, 11 to 16, 17 to 22.
+    let words =
+        ["missing: parts 1/4, 3/4 (realizations 0 to 4, 11 to 16)", "--partial", "12 of 23"];
+    place.run("merge 4.shard 2.shard -o m.csv").fails(1, &words);
+    assert!(!place.names().contains(&"m.csv".to_owned()));
+    place.run("merge 2.shard 4.shard -o m.csv --partial").ok();
+    assert!(
+        place.text("m.csv").lines().nth(3).unwrap().ends_with(",12"),
+        "{}",
+        place.text("m.csv")
+    );
+    // Many gaps are counted, whatever the number of parts.
+    let run = "spectrum white-noise -n 5 -m 90 --lmax 2";
+    place.run(&format!("{run} --shard 7/90 --save 7.shard --quiet")).ok();
+    place.run("merge 7.shard").fails(1, &["1/90, 2/90", "12/90", "...", "0 to 5, 7 to 89"]);
+    place
+        .run(&format!("{run} --shard 18446744073709551615/18446744073709551615 --save b.shard"))
+        .ok();
+    place.run("merge b.shard").fails(1, &["missing", "realizations 0 to 88"]);
+    place.run("merge 7.shard b.shard").fails(1, &["missing: realizations 0 to 5, 7 to 88"]);
+}
+
+/// A shard names the machine's class and the form of its file; both are checked.
+#[test]
+fn shards_of_other_machines_and_versions_are_errors() {
+    let place = Workplace::new();
+    for i in [1, 2] {
+        place.run(&format!("{RUN} --shard {i}/2 --save {i}.shard --quiet")).ok();
+    }
+    let bytes = place.bytes("2.shard");
+    let changed = |from: &[u8], to: &[u8]| {
+        let mut bytes = bytes.clone();
+        let at = bytes.windows(from.len()).position(|window| window == from).unwrap();
+        bytes[at..at + from.len()].copy_from_slice(to);
+        let sum = crc32fast::hash(&bytes[19..]).to_le_bytes();
+        bytes[15..19].copy_from_slice(&sum);
+        bytes
+    };
+    let arch = std::env::consts::ARCH.replace('_', "-");
+    let other = "z".repeat(arch.len());
+    place.write("2.shard", changed(arch.as_bytes(), other.as_bytes()));
+    place.run("merge 1.shard 2.shard").fails(1, &["1.shard", "2.shard", "instruction sets", &arch]);
+    let version = env!("CARGO_PKG_VERSION");
+    let other = "9".repeat(version.len());
+    place.write("2.shard", changed(version.as_bytes(), other.as_bytes()));
+    place.run("merge 1.shard 2.shard").fails(1, &["versions of sphvar", version, &other]);
+    place.write("2.shard", changed(b"sphvar shard 2", b"sphvar shard 1"));
+    place.run("merge 1.shard 2.shard").fails(1, &["2.shard", "another version", "make it again"]);
+    place.run("merge 1.shard 1.shard").fails(1, &["realization 0 is in 1.shard and in 1.shard"]);
 }
 
 #[test]
@@ -48,6 +106,10 @@ fn parts_that_do_not_belong_together_are_refused() {
     for (other, what) in [
         ("spectrum jittered -n 48 -m 23 --lmax 9 --shard 1/3", "realization 0 is in a and in b"),
         ("spectrum jittered -n 48 -m 23 --lmax 9 --shard 2/2 -s 1", "different seeds: 0 and 1"),
+        (
+            "spectrum jittered -n 48 -m 24 --lmax 9 --shard 2/2",
+            "numbers of realizations: 23 and 24",
+        ),
         ("spectrum jittered -n 48 -m 23 --lmax 8 --shard 2/2", "degrees: 10 and 9"),
         ("spectrum jittered -n 108 -m 23 --lmax 9 --shard 2/2", "points: 48 and 108"),
         ("spectrum white-noise -n 48 -m 23 --lmax 9 --shard 2/2", "jittered and white-noise"),

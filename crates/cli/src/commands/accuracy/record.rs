@@ -2,6 +2,7 @@
 
 use serde::Serialize;
 use sphvar_accuracy::{Area, Errors, HardCase, Trial};
+use std::borrow::Cow;
 
 use super::figures::{figure, time, verdict};
 use super::machine::Machine;
@@ -16,7 +17,7 @@ pub(super) struct Document<'a> {
     pub(super) quick: bool,
     /// UTC, YYYY-MM-DD.
     pub(super) date: String,
-    pub(super) version: &'static str,
+    pub(super) version: Cow<'static, str>,
     pub(super) machine: Machine,
     pub(super) trials: &'a [TrialRecord],
     pub(super) hard_cases: &'a [HardCaseRecord],
@@ -263,7 +264,7 @@ mod tests {
 
     #[test]
     fn bounds_that_are_not_held_are_named() {
-        let provenance = Provenance { command: String::new(), version: "0", seed: 0 };
+        let provenance = Provenance { command: String::new(), version: "0".into(), seed: 0 };
         for (measured, holds) in [
             (&[0.5, -0.25][..], true),
             (&[0.25, -0.6], false),
@@ -277,7 +278,7 @@ mod tests {
                 held: holds,
                 quick: true,
                 date: String::new(),
-                version: "0",
+                version: "0".into(),
                 machine: Machine { cpu: String::new(), cores: 1, threads: 1 },
                 trials: &[],
                 hard_cases: &cases,

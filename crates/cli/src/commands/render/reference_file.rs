@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use sphvar_scene::Image;
 
-use crate::files::{AtomicFile, FileError};
+use crate::files::{FileError, read_regular, write_regular};
 
 /// First line of every file; a change of how references are made or written becomes a new number.
 const HEADER: &str = "sphvar reference image 2";
@@ -53,11 +53,7 @@ impl ReferenceFile {
 
     /// Reads the image.
     pub(super) fn read(&self) -> Stored {
-        // A FIFO or a device there could keep the command waiting.
-        if std::fs::metadata(&self.path).is_ok_and(|about| !about.is_file()) {
-            return Stored::Unusable;
-        }
-        match std::fs::read(&self.path) {
+        match read_regular(&self.path) {
             Ok(bytes) => self.decode(&bytes).map_or(Stored::Unusable, Stored::Image),
             Err(error) if error.kind() == std::io::ErrorKind::NotFound => Stored::Nothing,
             Err(_) => Stored::Unusable,
@@ -75,7 +71,7 @@ impl ReferenceFile {
                 source,
             })?;
         }
-        AtomicFile::write_whole(&self.path, &self.encode(image))
+        write_regular(&self.path, &self.encode(image))
     }
 
     /// Head, four whole numbers, values, spreads, coverage, and a hash of it all.

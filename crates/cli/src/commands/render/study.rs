@@ -209,6 +209,7 @@ impl Row {
             plain(e.gain, 3),
             plain(e.structured_error, 2),
             e.bias_t.map_or("-".to_owned(), |t| format!("{t:.1}")),
+            e.bias_limit.map_or("-".to_owned(), |t| format!("{t:.1}")),
         ]
     }
 }
@@ -257,11 +258,21 @@ impl<'a> Curve<'a> {
 }
 
 fn text(document: &Document<'_>) -> String {
-    let heading =
-        ["sampler", "N asked", "N", "mse", "+-", "gain", "structured error", "largest bias |t|"];
+    let heading = [
+        "sampler",
+        "N asked",
+        "N",
+        "mse",
+        "+-",
+        "gain",
+        "structured error",
+        "largest |t|",
+        "99 % limit",
+    ];
     let mut text = table(&heading, document.rows.iter().map(Row::cells).collect(), 1);
     text += "\ngain: white noise's exact mean squared error over this one. structured error: 1 for \
-             independent\npixels, 64 for errors that are the same over 8 by 8.\n\n";
+             independent\npixels, 64 for errors that are the same over 8 by 8. |t|: the bias of a pixel over its standard error;\nthe \
+             largest of a picture exceeds the limit by chance in 1 % of pictures.\n\n";
     let rate = |rate: &Option<Rate>| match rate {
         Some(Rate { rate, interval: (from, to) }) => {
             [format!("{rate:.2}"), format!("{from:.2} to {to:.2}")]

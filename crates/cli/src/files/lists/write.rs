@@ -5,9 +5,10 @@ use std::path::Path;
 
 use super::Written;
 use crate::files::atomic::AtomicFile;
-use crate::files::file_error::{FileError, is_dash, output_name};
+use crate::files::file_error::{FileError, output_name};
 use crate::files::npy::write_npy;
 use crate::files::points::PointFormat;
+use crate::files::target::is_stream;
 
 /// Text is handed on in pieces of about this many bytes.
 const CHUNK: usize = 1 << 16;
@@ -30,7 +31,7 @@ impl ListWriter {
         let npy = match PointFormat::of_path(path) {
             Some(PointFormat::Npy) => true,
             Some(PointFormat::Csv) => false,
-            None if is_dash(path) => false,
+            None if is_stream(path) => false,
             _ => {
                 return Err(FileError::UnknownExtension {
                     path: output_name(path),

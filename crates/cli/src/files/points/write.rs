@@ -7,8 +7,9 @@ use glam::DVec3;
 
 use super::format::PointFormat;
 use crate::files::atomic::AtomicFile;
-use crate::files::file_error::{FileError, is_dash, output_name};
+use crate::files::file_error::{FileError, output_name};
 use crate::files::npy::write_npy;
+use crate::files::target::is_stream;
 
 /// Writes point sets in the format that the extension names; `-` is standard output, as CSV.
 ///
@@ -34,7 +35,7 @@ pub(crate) fn write_points(
     let name = output_name(path);
     let format = match format.or_else(|| PointFormat::of_path(path)) {
         Some(format @ (PointFormat::Csv | PointFormat::Npy | PointFormat::Ply)) => format,
-        None if is_dash(path) => PointFormat::Csv,
+        None if is_stream(path) => PointFormat::Csv,
         _ => {
             return Err(FileError::UnknownExtension { path: name, known: PointFormat::WRITABLE });
         }
@@ -48,8 +49,8 @@ pub(crate) fn write_points(
     if format == PointFormat::Npy && sets.iter().any(|set| set.len() != first.len()) {
         return Err(FileError::Refused {
             path: name,
-            reason: "the sets differ in size and do not fit one (M, N, 3) array; \
-                     write one file per set with {i} in its name, or .csv or .ply with the column set",
+            reason: "the sets differ in size and do not fit one (M, N, 3) array; write one file a set \
+                     with {i} in the name, as in sets-{i}.npy, or .csv or .ply with the column set",
         });
     }
     let mut file = AtomicFile::create(path)?;

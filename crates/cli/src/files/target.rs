@@ -1,0 +1,121 @@
+//! Where the path of an output leads: a file, standard output, or a stream such as a pipe.
+
+use std::fs::{self, Metadata};
+use std::io;
+use std::path::{Path, PathBuf};
+
+use super::file_error::{FileError, is_dash, output_name};
+
+/// Links that are followed before they count as a loop, as Linux has it.
+const MAX_LINKS: usize = 40;
+
+/// What the path of an output stands for.
+#[derive(Debug)]
+pub(super) enum Target {
+    /// `-`, or a name of descriptor 1 such as `/dev/stdout`.
+    Stdout,
+    /// A device, a FIFO, or another descriptor: it is written to directly, since a rename would put a plain file
+    /// in its place.
+    Stream(PathBuf),
+    /// A file at the end of all links; it may not be there yet.
+    File {
+        /// Its own path.
+        path: PathBuf,
+        /// What the file that is there is like.
+        existing: Option<Metadata>,
+    },
+}
+
+impl Target {
+    /// Returns where `path` leads; links are followed to their end, also to a file that does not exist.
+    ///
+    /// # Errors
+    /// When it is a folder, a read-only file, a loop of links, or in a folder that does not exist.
+    pub(super) fn of(path: &Path) -> Result<Self, FileError> {
+        if is_dash(path) {
+            return Ok(Self::Stdout);
+        }
+        let name = output_name(path);
+        let write_error = |source| FileError::Write { path: name.clone(), source };
+        let refused = |reason| FileError::Refused { path: name.clone(), reason };
+        let mut at = path.to_path_buf();
+        for _ in 0..=MAX_LINKS {
+            match descriptor(&at) {
+                Some(1) => return Ok(Self::Stdout),
+                Some(_) => return Ok(Self::Stream(at)),
+                None => (),
+            }
+            let metadata = match fs::symlink_metadata(&at) {
+                Ok(metadata) => metadata,
+                Err(error) if is_absent(&error) => {
+                    check_folder(&name, &at)?;
+                    return Ok(Self::File { path: at, existing: None });
+                }
+                Err(error) => return Err(write_error(error)),
+            };
+            if metadata.is_symlink() {
+                let to = fs::read_link(&at).map_err(write_error)?;
+                at.pop();
+                at.push(to);
+                continue;
+            }
+            if metadata.is_dir() {
+                return Err(refused("it is a folder; give the name of a file"));
+            }
+            if metadata.permissions().readonly() {
+                return Err(refused("it is read-only; remove it or choose another name"));
+            }
+            return Ok(if metadata.is_file() {
+                Self::File { path: at, existing: Some(metadata) }
+            } else {
+                Self::Stream(at)
+            });
+        }
+        Err(refused("its symbolic links form a loop"))
+    }
+}
+
+/// Whether an output path stands for standard output.
+pub(crate) fn is_stdout(path: &Path) -> bool {
+    matches!(Target::of(path), Ok(Target::Stdout))
+}
+
+/// Whether an output path stands for standard output, a device, a FIFO or an open descriptor: without an extension
+/// they get what standard output gets.
+pub(crate) fn is_stream(path: &Path) -> bool {
+    matches!(Target::of(path), Ok(Target::Stdout | Target::Stream(_)))
+}
+
+fn is_absent(error: &io::Error) -> bool {
+    matches!(error.kind(), io::ErrorKind::NotFound | io::ErrorKind::NotADirectory)
+}
+
+/// Returns an error unless a file can be created at `path`, as far as its folder goes.
+fn check_folder(name: &str, path: &Path) -> Result<(), FileError> {
+    let path_of = || name.to_owned();
+    let ends_in_separator = path.as_os_str().as_encoded_bytes().last() == Some(&b'/');
+    if path.file_name().is_none() || ends_in_separator {
+        return Err(FileError::Refused { path: path_of(), reason: "it names no file" });
+    }
+    let folder = match path.parent() {
+        Some(parent) if !parent.as_os_str().is_empty() => parent,
+        _ => Path::new("."),
+    };
+    if folder.is_file() {
+        let reason = "its parent is a file and not a folder";
+        return Err(FileError::Refused { path: path_of(), reason });
+    }
+    if !folder.is_dir() {
+        let folder = folder.display().to_string();
+        return Err(FileError::MissingFolder { path: path_of(), folder });
+    }
+    Ok(())
+}
+
+/// Returns the number of the open descriptor that a path such as `/dev/fd/3` names.
+fn descriptor(path: &Path) -> Option<u32> {
+    let number = path.file_name()?.to_str()?.parse().ok()?;
+    let folder = fs::canonicalize(path.parent()?).ok()?;
+    let is_own = |name: &str| fs::canonicalize(name).is_ok_and(|own| own == folder);
+    (is_own("/dev/fd") || is_own("/proc/self/fd")).then_some(number)
+}

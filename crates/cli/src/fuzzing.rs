@@ -1,0 +1,365 @@
+//! Readers and grammars as functions of bytes, for `examples/fuzz.rs`. No part of what this crate promises.
+
+use std::ffi::OsStr;
+use std::fs;
+use std::path::Path;
+
+use clap::Parser;
+use glam::DVec3;
+use sphvar_samplers::Domain;
+use sphvar_scene::Mesh;
+
+use crate::args::{Cli, Command};
+use crate::error::CliError;
+use crate::files::{
+    Channel, Columns, ReadOptions, Shard, read_fits_map, read_image, read_list, read_points,
+    read_spectrum, write_points,
+};
+use crate::message;
+
+/// A reader or grammar.
+#[derive(Clone, Copy, Debug)]
+pub struct Target {
+    /// Its name.
+    pub name: &'static str,
+    /// The extension of its files.
+    pub extension: &'static str,
+    /// Whether its inputs are text, of which more are tried.
+    pub is_text: bool,
+    seeds: fn(&Path) -> Vec<Vec<u8>>,
+    read: fn(&[u8], &Path) -> Result<(), CliError>,
+}
+
+impl Target {
+    /// Returns valid inputs; `scratch` is a file that may be written.
+    #[must_use]
+    pub fn seeds(&self, scratch: &Path) -> Vec<Vec<u8>> {
+        (self.seeds)(scratch)
+    }
+
+    /// Reads an input and returns whether it was accepted; `scratch` is a file that may be written.
+    ///
+    /// # Panics
+    /// If an error has a message that is long or has control characters, which is a finding like any panic.
+    #[must_use]
+    pub fn read(&self, input: &[u8], scratch: &Path) -> bool {
+        let Err(error) = (self.read)(input, scratch) else { return true };
+        let shown = message::clean(&error.to_string());
+        assert!(shown.len() < 8000 && !shown.chars().any(char::is_control), "message: {shown}");
+        false
+    }
+}
+
+/// The name of the target that has faults.
+pub const PLANTED: &str = "planted";
+
+/// All readers and grammars.
+pub const TARGETS: [Target; 17] = [
+    Target {
+        name: "points-text",
+        extension: "csv",
+        is_text: true,
+        seeds: point_texts,
+        read: points,
+    },
+    Target {
+        name: "points-columns",
+        extension: "csv",
+        is_text: true,
+        seeds: columns_seeds,
+        read: columns,
+    },
+    Target {
+        name: "points-npy",
+        extension: "npy",
+        is_text: false,
+        seeds: written_points,
+        read: points,
+    },
+    Target { name: "points-npz", extension: "npz", is_text: false, seeds: none, read: points },
+    Target {
+        name: "points-ply",
+        extension: "ply",
+        is_text: false,
+        seeds: written_points,
+        read: points,
+    },
+    Target { name: "points-fits", extension: "fits", is_text: false, seeds: none, read: points },
+    Target { name: "map-fits", extension: "fits", is_text: false, seeds: none, read: fits_map },
+    Target {
+        name: "image-exr",
+        extension: "exr",
+        is_text: false,
+        seeds: images,
+        read: environment,
+    },
+    Target {
+        name: "image-hdr",
+        extension: "hdr",
+        is_text: false,
+        seeds: images,
+        read: environment,
+    },
+    Target { name: "mesh-obj", extension: "obj", is_text: true, seeds: meshes, read: mesh },
+    Target { name: "list-text", extension: "csv", is_text: true, seeds: lists, read: list },
+    Target {
+        name: "spectrum-text",
+        extension: "csv",
+        is_text: true,
+        seeds: spectra,
+        read: spectrum,
+    },
+    Target { name: "shard", extension: "shard", is_text: false, seeds: shards, read: shard },
+    Target {
+        name: "samplers",
+        extension: "txt",
+        is_text: true,
+        seeds: sampler_names,
+        read: samplers,
+    },
+    Target {
+        name: "integrands",
+        extension: "txt",
+        is_text: true,
+        seeds: integrand_names,
+        read: integrand,
+    },
+    Target {
+        name: "arguments",
+        extension: "txt",
+        is_text: true,
+        seeds: argument_lists,
+        read: arguments,
+    },
+    // Not a reader: it has one fault of each kind, to see that they are found.
+    Target { name: PLANTED, extension: "txt", is_text: true, seeds: planted_seeds, read: planted },
+];
+
+fn none(_: &Path) -> Vec<Vec<u8>> {
+    Vec::new()
+}
+
+fn texts(texts: &[&str]) -> Vec<Vec<u8>> {
+    texts.iter().map(|text| text.as_bytes().to_vec()).collect()
+}
+
+/// What an input is as a grammar sees it.
+fn text(input: &[u8]) -> String {
+    String::from_utf8_lossy(input).into_owned()
+}
+
+fn write(input: &[u8], scratch: &Path) -> Result<(), CliError> {
+    fs::write(scratch, input).map_err(CliError::failed)
+}
+
+fn point_texts(_: &Path) -> Vec<Vec<u8>> {
+    texts(&[
+        "x,y,z\n1,0,0\n0,1,0\n0,0,-1\n",
+        "# a remark\nx,y,z,w,set\n1,0,0,0.5,0\n0,1,0,1.5,0\n0.6,0.8,0,-2,1\n",
+        "theta,phi\n0.5,1\n3,-6.5\n",
+        "ra,dec,weight,value\n10.25,-45,1,2\n359.9,89.9,0,1e-3\n",
+        "\"RAJ2000\";\"DEJ2000\";\"WEIGHT\";\"Z\"\n10,20,1,0.1\n",
+        "1 0 0\n0\t1 0\n#\n0 0 1\n1 0 0\n",
+        "lon lat\r\n-180 90\r\n180 -90\r\n",
+        "\u{feff}x,y,z\n1,0,0\n",
+    ])
+}
+
+fn points(input: &[u8], scratch: &Path) -> Result<(), CliError> {
+    write(input, scratch)?;
+    read_points(scratch, &ReadOptions::default())?;
+    Ok(())
+}
+
+fn columns_seeds(_: &Path) -> Vec<Vec<u8>> {
+    texts(&[
+        "ra,dec,w\n1,2,3\n4,5,6\n",
+        "ra=RAJ2000,dec=DEJ2000,w=WEIGHT\nRAJ2000,DEJ2000,WEIGHT,Z\n1,2,3,4\n",
+        "x,_,y,z\n1,7,0,0\n0,7,1,0\n",
+        "phi,theta\n1 2\n3 1\n",
+    ])
+}
+
+/// The first line is the value of `--columns`.
+fn columns(input: &[u8], scratch: &Path) -> Result<(), CliError> {
+    let end = input.iter().position(|&b| b == b'\n').unwrap_or(input.len());
+    write(input.get(end + 1..).unwrap_or_default(), scratch)?;
+    let columns = Some(text(&input[..end]).split(',').map(str::to_owned).collect());
+    read_points(scratch, &ReadOptions { columns, ..ReadOptions::default() })?;
+    Ok(())
+}
+
+fn written_points(scratch: &Path) -> Vec<Vec<u8>> {
+    let set = vec![DVec3::X, DVec3::new(0.6, 0.0, -0.8), DVec3::NEG_Z];
+    let written = |sets: &[Vec<DVec3>]| {
+        write_points(scratch, None, sets, Some("a remark"))
+            .ok()
+            .and_then(|()| fs::read(scratch).ok())
+    };
+    [written(std::slice::from_ref(&set)), written(&[set.clone(), set])]
+        .into_iter()
+        .flatten()
+        .collect()
+}
+
+fn fits_map(input: &[u8], scratch: &Path) -> Result<(), CliError> {
+    write(input, scratch)?;
+    read_fits_map(scratch, 0)?;
+    Ok(())
+}
+
+fn images(scratch: &Path) -> Vec<Vec<u8>> {
+    let picture = image::Rgb32FImage::from_fn(8, 4, |x, y| image::Rgb([0.5, 2.0, (x * y) as f32]));
+    let saved = picture.save(scratch).ok().and_then(|()| fs::read(scratch).ok());
+    let flat = b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\nEXPOSURE=1.0\n\n-Y 1 +X 2\n\x80\x80\x80\x80\x80\x80\x80\x80";
+    saved.into_iter().chain([flat.to_vec()]).collect()
+}
+
+fn environment(input: &[u8], scratch: &Path) -> Result<(), CliError> {
+    write(input, scratch)?;
+    read_image(scratch, Channel::Luminance)?;
+    Ok(())
+}
+
+fn meshes(_: &Path) -> Vec<Vec<u8>> {
+    texts(&[
+        "# a square\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n",
+        "o a\nv 0 0 0 1.0\nv 1 0 0\nv 0 1 0\nvn 0 0 1\nvt 0 0\nf -3/1/1 -2//1 -1/1\ng b\nusemtl c\ns off\n",
+        "v 0 0 0\nv 1 0 -1\nv 0 0 1\nv -1 0 -1\nf 2 3 \\\n4 1\nfo 1 2 3\nl 1 2\n",
+    ])
+}
+
+fn mesh(input: &[u8], _: &Path) -> Result<(), CliError> {
+    Mesh::from_obj(input).map(drop).map_err(CliError::failed)
+}
+
+fn lists(_: &Path) -> Vec<Vec<u8>> {
+    texts(&["pixel\n0\n17\n", "12\n3\n", "x,y,z\n1,0,0\n0.1,-2e3,4\n", "1 0 0\n"])
+}
+
+/// Lists of pixels and of vectors.
+fn list(input: &[u8], scratch: &Path) -> Result<(), CliError> {
+    write(input, scratch)?;
+    let pixels = Columns { names: ["pixel"], remark: "" };
+    let vectors = Columns { names: ["x", "y", "z"], remark: "" };
+    let first = read_list(scratch, &pixels, |row: [i128; 1]| Ok(row));
+    let second = read_list(scratch, &vectors, |row: [f64; 3]| Ok(row));
+    first.map(drop).or(second.map(drop)).map_err(CliError::from)
+}
+
+fn spectra(_: &Path) -> Vec<Vec<u8>> {
+    texts(&[
+        "# a remark\nl,omega,power,stderr,realizations\n0,0,12,0,1\n1,0.28,0,0,1\n2,0.57,1.5,0.1,1\n",
+        "0 12\n1 0.5\n2 1\n",
+    ])
+}
+
+fn spectrum(input: &[u8], scratch: &Path) -> Result<(), CliError> {
+    write(input, scratch)?;
+    read_spectrum(scratch)?;
+    Ok(())
+}
+
+fn shards(scratch: &Path) -> Vec<Vec<u8>> {
+    let out = scratch.with_extension("csv");
+    let words = "sphvar spectrum white-noise -n 5 -m 4 --lmax 2 --shard 1/2 --quiet --save";
+    let words = words.split(' ').map(OsStr::new);
+    let words = words.chain([scratch.as_os_str(), OsStr::new("-o"), out.as_os_str()]);
+    if let Ok(Cli { command: Command::Spectrum(arguments), global }) = Cli::try_parse_from(words) {
+        // Without a seed nothing is accepted, which shows.
+        let _ = crate::commands::spectrum::run(&arguments, &global);
+        let _ = fs::remove_file(out);
+    }
+    fs::read(scratch).into_iter().collect()
+}
+
+/// The checksum is made right, or nothing behind it would be reached.
+fn shard(input: &[u8], scratch: &Path) -> Result<(), CliError> {
+    const HEAD: usize = 15;
+    let mut input = input.to_vec();
+    if let Some((checksum, body)) =
+        input.get_mut(HEAD..).and_then(|rest| rest.split_at_mut_checked(4))
+    {
+        checksum.copy_from_slice(&crc32fast::hash(body).to_le_bytes());
+    }
+    write(&input, scratch)?;
+    let mut shard = Shard::read(scratch)?;
+    let same = shard.sums.clone();
+    shard.sums.try_merge(&same)?;
+    shard.sums.finish()?;
+    Ok(())
+}
+
+fn sampler_names(_: &Path) -> Vec<Vec<u8>> {
+    texts(&[
+        "jittered,white-noise,healpix",
+        "poisson-disk:radius=2,mode=saturated,fibonacci",
+        "step:alpha=1.2",
+        "profile:b=2,alpha=1,to=2",
+        "ccvt:capacity=64,mass=fibonacci",
+        "spiral,sobol,halton,hammersley,lloyd,riesz,blue,best-candidate,equal-area",
+    ])
+}
+
+fn samplers(input: &[u8], _: &Path) -> Result<(), CliError> {
+    for pattern in crate::patterns::parse_patterns(&text(input))? {
+        for domain in [Domain::Sphere, Domain::Hemisphere] {
+            let n = pattern.nearest_count(48, domain);
+            crate::patterns::build(&pattern, n, domain, true)?;
+        }
+    }
+    Ok(())
+}
+
+fn integrand_names(_: &Path) -> Vec<Vec<u8>> {
+    texts(&[
+        "cap:degrees=60",
+        "2 * ylm:l=4,m=-3 + 0.5 * cosine",
+        "rotate(cap:degrees=60, 10, 20, 30)",
+        "vmf:kappa=50 * half-space",
+        "phong:n=20 - (gaussian:sigma=0.2)",
+        "env:none.exr,channel=red",
+        "map:none.fits,field=1",
+    ])
+}
+
+fn integrand(input: &[u8], _: &Path) -> Result<(), CliError> {
+    crate::integrands::parse_integrand(&text(input)).map(drop)
+}
+
+fn argument_lists(_: &Path) -> Vec<Vec<u8>> {
+    texts(&[
+        "compare jittered,fibonacci -n 100,1000 --integrand cap:degrees=60 -o out",
+        "spectrum poisson-disk -n 1024 -m 200 --shard 1/2 --save a.shard",
+        "render cornell --study -n 16..1024 --mode rotated --samplers ccvt,step -o f.png --crop 1,2,3,4",
+        "choose --integrand vmf:kappa=50 --error 0.1% --hemisphere --json",
+        "healpix ang2pix --nside 8 --nested --degrees in.csv -o out.npy",
+        "bounds healpix -n 12 --profile poly:b=2,alpha=1 -s 3 -j 2",
+        "eval cap-power --degrees 60 --lmax 10",
+        "variance fibonacci -n 12 --integrand cosine -m 4 --until-rel 1%",
+    ])
+}
+
+fn arguments(input: &[u8], _: &Path) -> Result<(), CliError> {
+    let input = text(input);
+    let words = std::iter::once("sphvar").chain(input.split_whitespace());
+    // What clap prints has lines; the message of the test is about errors of one.
+    Cli::try_parse_from(words).map(drop).map_err(|_| CliError::Usage(String::new()))
+}
+
+fn planted_seeds(_: &Path) -> Vec<Vec<u8>> {
+    texts(&["x"])
+}
+
+/// One bit away from the seed, an input panics, aborts, or takes more memory than there is.
+fn planted(input: &[u8], _: &Path) -> Result<(), CliError> {
+    match input.first() {
+        Some(b'p') => panic!("planted"),
+        Some(b'h') => std::process::abort(),
+        Some(b'X') => {
+            let memory = vec![1_u8; 1 << 40];
+            Err(CliError::Failed(format!("{} bytes", memory.len())))
+        }
+        _ => Ok(()),
+    }
+}
