@@ -101,7 +101,9 @@ impl Cap {
     /// The shares of the domain inside and outside, neither of which is a difference from 1.
     fn shares(&self, domain: Domain) -> (f64, f64) {
         let half = (0.5 * self.angle).cos();
+        // The f64 nearest pi and pi/2 have cosines that are not 0.
         match domain {
+            _ if self.covers(domain) || self.angle >= PI => (1.0, 0.0),
             Domain::Sphere => (0.5 * self.versine, half * half),
             Domain::Hemisphere => (self.versine, self.angle.cos()),
         }
