@@ -216,18 +216,22 @@ impl SpectralControl {
         Ok(Self { n, domain, name, target, sigma: 0.0 })
     }
 
-    /// The same, with no two points nearer than `core` times the bound of Fejes Toth (1943) for the
-    /// least distance of N points, `sqrt(4 - 1/sin^2(pi N/(6 (N - 2))))`: for many points the spacing of
-    /// a hexagonal lattice, `sqrt(8 pi/(sqrt(3) N))`. On the hemisphere it is that of 2N points.
+    /// The same, with no two points nearer than `core` times the spacing of a hexagonal lattice,
+    /// `sqrt(8 pi/(sqrt(3) N))` (2N on the hemisphere), or than the bound of Fejes Toth for the least
+    /// distance of N points if that is less, as it can be for few; see [`Self::core_chord`].
     ///
     /// # Errors
     ///
     /// [`Error::Parameter`] unless `core` is in [0, 0.95].
     pub fn with_core(mut self, core: f64) -> Result<Self, Error> {
         in_range("core", "in [0, 0.95]", core, Self::MOST_CORE)?;
+        let cell = self.domain.area() / f64::from(self.n);
+        let hexagonal = (2.0 * cell / 3.0_f64.sqrt()).sqrt();
         // One point is no pair.
-        let packed = Some(greatest_chord(self.n_points(), self.domain)).filter(|d| d.is_finite());
-        self.sigma = core * packed.unwrap_or(0.0);
+        self.sigma = match self.n_points() {
+            1 => 0.0,
+            n => (core * hexagonal).min(greatest_chord(n, self.domain)),
+        };
         Ok(self)
     }
 

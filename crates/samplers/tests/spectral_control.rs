@@ -145,7 +145,12 @@ fn few_points_end_soon_one_way_or_the_other() {
                 assert!(elapsed < LIMIT, "{name} of {n}, {domain}: {elapsed:?}, {points:?}");
                 match points {
                     Ok(points) => assert_eq!(points.len(), n, "{name} of {n}, {domain}"),
-                    Err(Error::Infeasible { n_points, .. }) => assert_eq!(n_points, n, "{name}"),
+                    // Defaults ask for no more than there is.
+                    Err(Error::Infeasible { n_points, .. })
+                        if ["steepest step", "profile"].contains(&name) =>
+                    {
+                        assert_eq!(n_points, n, "{name}");
+                    }
                     Err(other) => panic!("{name} of {n}, {domain}: {other}"),
                 }
             }

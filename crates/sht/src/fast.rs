@@ -104,7 +104,7 @@ impl FastTransform {
         Ok(Self { rings, window, engine })
     }
 
-    /// Accepts an `epsilon` in [[`Self::MIN_EPSILON`], [`Self::MAX_EPSILON`]].
+    /// Accepts an `epsilon` from [`Self::MIN_EPSILON`] to [`Self::MAX_EPSILON`].
     ///
     /// # Errors
     ///
