@@ -196,7 +196,7 @@ mod tests {
             (r#"env:"a,b.exr""#, "", &b"a,b.exr"[..]),
             (r#"env:file="a,b=c + d.exr",channel=r"#, "file", b"a,b=c + d.exr"),
             (r#"map:field=2,file="x=1.fits""#, "file", b"x=1.fits"),
-            (r#"env:"a\"bÿ,.exr""#, "", b"a\\\"b\xff,.exr"),
+            (r#"env:"a\\\"b\xff\x2c.exr""#, "", b"a\\\"b\xff,.exr"),
             (r#"env:"""#, "", b""),
             // Only at its start does a value become quoted.
             (r#"env:a"b.exr"#, "", b"a\"b.exr"),
