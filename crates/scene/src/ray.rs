@@ -79,8 +79,13 @@ mod tests {
     fn signs_of_areas_are_exact() {
         let up = 1.0 + f64::EPSILON;
         // up * up rounds to 1 + 2 EPSILON; the product is EPSILON^2 more.
-        assert_eq!(area([up, 1.0 + 2.0 * f64::EPSILON], [1.0, up]), f64::EPSILON.powi(2));
-        assert_eq!(area([1.0, up], [up, 1.0 + 2.0 * f64::EPSILON]), -f64::EPSILON.powi(2));
-        assert_eq!(area([3.0, 5.0], [3.0, 5.0]), 0.0);
+        let (p, q) = ([up, 1.0 + 2.0 * f64::EPSILON], [1.0, up]);
+        for (got, exact) in [
+            (area(p, q), f64::EPSILON.powi(2)),
+            (area(q, p), -f64::EPSILON.powi(2)),
+            (area([3.0, 5.0], [3.0, 5.0]), 0.0),
+        ] {
+            assert_eq!(got.to_bits(), exact.to_bits(), "{got:e}, not {exact:e}");
+        }
     }
 }

@@ -171,7 +171,7 @@ fn check_triangles(polygon: &[DVec3], order: &[usize]) {
 fn concave_polygons_keep_their_area() {
     // A dart, from each corner on and in both senses; a comb; a spiral; a star that is not quite plane.
     let dart = [(0.0, 0.0), (1.0, -1.0), (0.0, 1.0), (-1.0, -1.0)];
-    let comb = (0..40).map(|i| (f64::from(i), [0.0, 9.0][i as usize % 2]));
+    let comb = (0..40u8).map(|i| (f64::from(i), [0.0, 9.0][usize::from(i % 2)]));
     let comb = comb.chain([(39.0, 10.0), (0.0, 10.0)]).collect::<Vec<_>>();
     let turn = |i: i32, r: f64| {
         let t = 0.3 * f64::from(i);
@@ -179,8 +179,8 @@ fn concave_polygons_keep_their_area() {
     };
     let spiral = (0..60).map(|i| turn(i, 2.0)).chain((0..60).rev().map(|i| turn(i, 1.0)));
     let spiral = spiral.collect::<Vec<_>>();
-    let star = (0..20).map(|i| {
-        let (r, t) = ([1.0, 0.3][i as usize % 2], std::f64::consts::TAU * f64::from(i) / 20.0);
+    let star = (0..20u8).map(|i| {
+        let (r, t) = ([1.0, 0.3][usize::from(i % 2)], std::f64::consts::TAU * f64::from(i) / 20.0);
         (r * t.cos(), r * t.sin())
     });
     let star = star.collect::<Vec<_>>();
@@ -213,6 +213,5 @@ fn corners_on_a_side_stay() {
     let text = "v 0 0 0\nv 1 0 0\nv 2 0 0\nv 3 0 0\nv 3 3 0\nv 0 3 0\nf 1 2 3 4 5 6\n";
     let mesh = read(text).expect("a mesh");
     assert_eq!(mesh.n_triangles(), 4);
-    let used = (0..4).flat_map(|i| mesh.triangle(i)).filter(|p| p.y == 0.0 && p.x == 1.0).count();
-    assert!(used > 0);
+    assert!((0..4).any(|i| mesh.triangle(i).contains(&DVec3::X)));
 }

@@ -248,7 +248,7 @@ fn edges_and_corners_of_a_closed_box_are_dark_inside() {
             for position in points {
                 let mut hit = Hit { position, normal: -outwards, distance: 1.0, primitive: i };
                 let open = open_share(&scene, &hit, &mut numbers);
-                assert_eq!(open, 0.0, "{size:e} {offset} {position}");
+                assert!(open <= 0.0, "{size:e} {offset} {position}: {open}");
                 hit.normal = outwards;
                 let open = open_share(&scene, &hit, &mut numbers);
                 // At sides and in corners rays within a tenth of the planes of others may be lost.
@@ -335,9 +335,8 @@ fn a_mesh_out_of_reach_of_rounding_is_an_error() {
 }
 
 /// A million rays at corners and sides of surfaces of 8 to 131,072 triangles, from inside and at what faces them from
-/// outside; `cargo test --release -p sphvar-scene --test watertight -- --ignored` takes a minute.
+/// outside.
 #[test]
-#[ignore = "takes a minute"]
 fn a_million_rays_all_meet_the_surface() {
     let mut numbers = Numbers(8);
     let shapes = [

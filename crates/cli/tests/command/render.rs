@@ -295,7 +295,8 @@ fn partly_covered_pixels_count_as_such() {
     let share = (2.0 / (10.0 * 15f64.to_radians().tan())).powi(2);
     assert!((number(&document, "coverage") - share).abs() < 0.05, "{document}");
     let picture = image::open(place.path("s.exr")).unwrap().into_rgba32f();
-    assert!(picture.pixels().all(|p| p.0[0] == p.0[3]), "grey times alpha, and the grey is 1");
+    let same = |p: &image::Rgba<f32>| p.0[0].to_bits() == p.0[3].to_bits();
+    assert!(picture.pixels().all(same), "grey times alpha, and the grey is 1");
     let output = place.run(&format!("{view} --mse -o s.png")).ok();
     assert!(output.stderr.contains("square.obj: ignored: vertex normals (1)"), "{}", output.stderr);
     let picture = image::open(place.path("s.png")).unwrap().into_rgba8();

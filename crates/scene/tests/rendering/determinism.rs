@@ -55,7 +55,8 @@ fn a_part_is_the_part_of_the_whole() {
                     whole.spreads[j].to_bits(),
                     "{mode}: pixel ({x}, {y})"
                 );
-                assert_eq!(part.coverage[i], whole.coverage[j], "{mode}: pixel ({x}, {y})");
+                let [coverage, expected] = [part.coverage[i], whole.coverage[j]].map(f64::to_bits);
+                assert_eq!(coverage, expected, "{mode}: pixel ({x}, {y})");
             }
         }
     }

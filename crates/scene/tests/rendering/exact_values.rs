@@ -132,7 +132,7 @@ fn pixels_count_as_they_are_covered() {
     let view = View::new(&scene, &camera, [4, 4]).unwrap().with_rays_per_side(16).unwrap();
     let image = render(&view, &OPEN, Estimator::Ratio, &plan.prepare(0).unwrap(), &|_| ()).unwrap();
     assert_eq!((image.n_hits(), image.mean()), (16, 1.0));
-    assert!(image.values.iter().all(|&x| x == 1.0), "{:?}", image.values);
+    assert_eq!(image.values, [1.0; 16]);
     // The side of the square is 1 of the 5 tan(0.3) of half the picture; primary rays are 1/32 of a pixel off at most.
     let side = 4.0 / (5.0 * 0.3f64.tan());
     assert!((image.covered_area() / (side * side) - 1.0).abs() < 4.0 / 32.0 / side);
