@@ -107,9 +107,15 @@ pub struct SpectrumAccumulator {
 
 impl SpectrumAccumulator {
     /// An empty accumulator for degrees up to `lmax` of sets of `n_points`.
+    ///
+    /// # Panics
+    ///
+    /// If `lmax + 1` moments do not fit in memory; degrees beyond [`MAX_DEGREE`](sphvar_sh::MAX_DEGREE) have no
+    /// transforms.
     #[must_use]
     pub fn new(domain: Domain, n_points: usize, lmax: usize) -> Self {
-        Self { domain, n_points, degrees: vec![Moments::default(); lmax + 1] }
+        let degrees = lmax.saturating_add(1);
+        Self { domain, n_points, degrees: vec![Moments::default(); degrees] }
     }
 
     /// Where the points live.
