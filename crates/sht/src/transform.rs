@@ -21,7 +21,7 @@ impl Method {
     /// and for progress, not for promises.
     #[must_use]
     pub fn seconds(self, n_points: usize, lmax: usize) -> f64 {
-        let (n, degrees) = (n_points as f64, (lmax + 1) as f64);
+        let (n, degrees) = (n_points as f64, lmax as f64 + 1.0);
         match self {
             Self::Auto => {
                 Self::Exact.seconds(n_points, lmax).min(Self::Fast.seconds(n_points, lmax))
@@ -52,7 +52,7 @@ impl Method {
     /// an estimate from below that misses no large part.
     #[must_use]
     pub fn bytes(self, n_points: usize, lmax: usize, sets: u64) -> f64 {
-        let (n, degrees) = (n_points as f64, (lmax + 1) as f64);
+        let (n, degrees) = (n_points as f64, lmax as f64 + 1.0);
         let copies = sets as f64;
         let coefficients = 8.0 * degrees * degrees * copies;
         match self {

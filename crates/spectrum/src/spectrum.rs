@@ -153,9 +153,14 @@ pub struct SpectrumAccumulator {
 
 impl SpectrumAccumulator {
     /// An empty accumulator for degrees up to `lmax` of sets of `n_points`.
+    ///
+    /// # Panics
+    ///
+    /// If `lmax + 1` moments do not fit in memory; degrees beyond [`MAX_DEGREE`](sphvar_sh::MAX_DEGREE) have no
+    /// transforms.
     #[must_use]
     pub fn new(domain: Domain, n_points: usize, lmax: usize) -> Self {
-        let degrees = vec![Moments::default(); lmax + 1];
+        let degrees = vec![Moments::default(); lmax.saturating_add(1)];
         Self { domain, n_points, degrees, tail: ByParity::default() }
     }
 

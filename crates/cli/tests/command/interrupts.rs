@@ -22,12 +22,12 @@ const COMMANDS: [&str; 12] = [
     "sample white-noise -n 1000000 -m 2 -o points.npy",
     "sample white-noise -n 2000 -o picture.png",
     "spectrum jittered -n 972 -m 40 --lmax 90 -o s.csv --per-order orders.csv --coefficient 4 1 c.csv",
-    "spectrum jittered -n 972 -m 40 --lmax 90 --save s.shard",
+    "spectrum jittered -n 972 -m 200 --lmax 90 --save s.shard",
     "variance jittered,healpix -n 48,192 --integrand cap:degrees=60 -m 2000 -o v.csv",
     "compare jittered,healpix -n 48,192 --integrand cap:degrees=60 -m 2000 -o out",
     "render cornell --sampler jittered -n 12 --size 48 --cache cache -o picture.exr --error error.png",
     "healpix pix2vec --nside 256 pixels.npy -o vectors.csv",
-    "bounds jittered -n 48 -m 200 --profile step -o bounds.csv",
+    "bounds white-noise -n 192 -m 4000 -o bounds.csv",
     "reproduce C.1 --quick -o figures",
 ];
 
