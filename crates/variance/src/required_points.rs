@@ -49,7 +49,7 @@ const RESOLUTION: f64 = 1.02;
 ///
 /// The legal numbers next to 1, 2, 4, 8, ... are tried until one suffices and the one that follows it
 /// too (two that follow for a pattern that is not random, whose variance may rise again), as far as
-/// they are affordable. Between the last one that does not suffice and the next, numbers by
+/// they are affordable; of random patterns only those whose [`Predictor::random_floor`] is low enough. Between the last one that does not suffice and the next, numbers by
 /// interpolation in log N and log Var are tried: to the very number where the predictions are exact,
 /// else to 2 %. What is between numbers that were not tried is not known: a lattice may have a bad
 /// number there.
@@ -116,6 +116,11 @@ impl Search<'_, '_> {
         let mut climb = Climb { too_few: None, enough: None, is_cut_short: false };
         let mut refusal = None;
         for n in rungs(&pattern, domain, max_points) {
+            let is_random = pattern.build(n, domain).is_ok_and(|sampler| sampler.is_random());
+            if is_random && self.predictor.random_floor(n)? > self.variance {
+                climb.too_few = Some(n);
+                continue;
+            }
             match self.predictor.is_affordable(&pattern, n) {
                 Ok(true) => {}
                 Ok(false) => {
@@ -142,8 +147,7 @@ impl Search<'_, '_> {
             let further = climb.enough.map_or(0, |least| {
                 self.curve.points().iter().filter(|p| p.n_points() > least).count()
             });
-            let is_lattice = pattern.build(n, domain).is_ok_and(|sampler| !sampler.is_random());
-            if climb.enough.is_some() && further >= if is_lattice { 2 } else { 1 } {
+            if climb.enough.is_some() && further >= if is_random { 1 } else { 2 } {
                 break;
             }
         }

@@ -87,6 +87,10 @@ impl<I: Integrand> Integrand for Rotated<I> {
         Ok(Energy::new(domain, per_degree, self.square(domain)?))
     }
 
+    fn energy_seconds(&self, domain: Domain, lmax: usize) -> f64 {
+        self.function.energy_seconds(domain, lmax)
+    }
+
     fn band_limit(&self) -> Option<usize> {
         self.function.band_limit()
     }
