@@ -33,7 +33,10 @@ impl NamedIntegrand {
     pub(crate) fn announce_energies(&self, domain: Domain, lmax: usize, quiet: bool) {
         let seconds = self.function.energy_seconds(domain, lmax);
         if seconds > WORTH_SAYING {
-            say(quiet, &format!("energies of {} to degree {lmax}: about {seconds:.0} s", self.name));
+            say(
+                quiet,
+                &format!("energies of {} to degree {lmax}: about {seconds:.0} s", self.name),
+            );
         }
     }
 }

@@ -41,7 +41,9 @@ pub fn best_design(
         if REMAINING_POWER * factor * predictor.energy_to(last)?.beyond(last) >= limit {
             break;
         }
-        let (work, realizations) = predictor.work(&design, n_points)?;
+        let Ok((work, realizations)) = predictor.work(&design, n_points) else {
+            continue;
+        };
         let least = work / realizations as f64 * PredictionBudget::MIN_REALIZATIONS as f64;
         if least > MAX_WORK * budget.work {
             continue;
@@ -87,9 +89,7 @@ fn designs(pattern: &Pattern, n_points: usize, domain: Domain) -> Vec<(usize, Pa
 /// The pattern with another alpha, if it has one.
 fn with_alpha(pattern: &Pattern, alpha: f64) -> Option<Pattern> {
     match *pattern {
-        Pattern::Step { flat, core, .. } => {
-            Some(Pattern::Step { alpha: alpha.into(), flat, core })
-        }
+        Pattern::Step { flat, core, .. } => Some(Pattern::Step { alpha: alpha.into(), flat, core }),
         Pattern::Blue { core, .. } => Some(Pattern::Blue { alpha: alpha.into(), core }),
         _ => None,
     }
@@ -107,11 +107,7 @@ fn last_empty_degree(design: &Pattern, n_points: usize, domain: Domain) -> Optio
     Some((1..=control.target().last_degree()).take_while(empty).last().unwrap_or(0))
 }
 
-#[expect(
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "a share of a degree"
-)]
+#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a share of a degree")]
 fn fraction(degree: usize) -> usize {
     (STEP_DOWN * degree as f64) as usize + 1
 }
@@ -131,7 +127,10 @@ mod tests {
             assert!(degrees.windows(2).all(|pair| pair[1] == pair[0] + 1), "{n}: {degrees:?}");
             // (t + 1)^2 - 1 coefficients, at most 97 % of 2 N - 3.
             let most = (0.97 * (2 * n - 3) as f64 + 1.0).sqrt() as usize - 1;
-            assert!(degrees.last().is_some_and(|&t| t + 1 >= most && t <= most), "{n}: {degrees:?}");
+            assert!(
+                degrees.last().is_some_and(|&t| t + 1 >= most && t <= most),
+                "{n}: {degrees:?}"
+            );
         }
         let names: Vec<String> =
             designs(&step, 500, Domain::Sphere).iter().map(|d| d.1.to_string()).collect();

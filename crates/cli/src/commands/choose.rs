@@ -123,8 +123,8 @@ pub(crate) fn run(args: &ChooseArgs, global: &Global) -> Result<(), CliError> {
                 ),
             });
         } else {
-            let candidate =
-                Candidate::new(pattern.clone(), &question, &mut predictor, global.seed).and_then(
+            let candidate = Candidate::new(pattern.clone(), &question, &mut predictor, global.seed)
+                .and_then(
                     // A pattern that was named is taken as it was.
                     |c| match args.samplers {
                         None => c.tuned(&question, &mut predictor, best, global.seed),

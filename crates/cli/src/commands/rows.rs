@@ -5,8 +5,8 @@ use serde::Serialize;
 use sphvar_samplers::{Domain, Pattern, Sampler};
 use sphvar_spectrum::Resolution;
 use sphvar_variance::{
-    Comparison, Effort, Energy, Integrand, Method, PredictedPoint, PredictionBudget, Precision, Predictor,
-    SpectrumOptions, Work, check_degree as check_settled, compare, prediction_degree,
+    Comparison, Effort, Energy, Integrand, Method, Precision, PredictedPoint, PredictionBudget,
+    Predictor, SpectrumOptions, Work, check_degree as check_settled, compare, prediction_degree,
     settled_degree,
 };
 
@@ -131,7 +131,8 @@ pub(super) struct Row {
 pub(super) fn run(plan: &Plan<'_>, cases: &[Case]) -> Result<(Vec<Row>, Energy), CliError> {
     let efforts = check(plan, cases)?;
     let on_energies = |lmax: usize| plan.integrand.announce_energies(plan.domain, lmax, plan.quiet);
-    let mut predictor = plan.predictor_of(&*plan.integrand.function, plan.domain)?.on_energies(&on_energies);
+    let mut predictor =
+        plan.predictor_of(&*plan.integrand.function, plan.domain)?.on_energies(&on_energies);
     let mut cost = 0.0;
     for (case, effort) in cases.iter().zip(&efforts) {
         cost += predictor.work(&case.pattern, case.n_points())?.0 * UNIT_SECONDS
@@ -276,7 +277,8 @@ impl Plan<'_> {
     /// The degree that a spectrum needs at most.
     fn needed_degree(&self, case: &Case) -> usize {
         let needed = prediction_degree(&*case.sampler, &*self.integrand.function);
-        let shown = if self.whole_spectra { Resolution::natural_degree(case.n_points()) } else { 0 };
+        let shown =
+            if self.whole_spectra { Resolution::natural_degree(case.n_points()) } else { 0 };
         needed.max(shown)
     }
 

@@ -312,7 +312,11 @@ impl Row {
         let show = |x: Option<f64>, f: &dyn Fn(f64) -> String| x.map_or("-".to_owned(), f);
         let approximate = if self.basis == "extrapolated" { "~" } else { "" };
         let percent = self.relative_error.is_some();
-        let error = |e: f64| if percent { format!("{:.3} %", 100.0 * e) } else { short(e) };
+        let error = |e: f64| match 100.0 * e {
+            p if !percent => short(p / 100.0),
+            p if p > 0.0 && p < 0.1 => format!("{p:.1e} %"),
+            p => format!("{p:.3} %"),
+        };
         let shown = self.relative_error.or(self.error);
         // Half the relative error of the variance is that of its root.
         let half = self.variance_stderr.zip(self.variance).map(|(e, v)| 0.5 * e / v.max(e));
@@ -391,7 +395,8 @@ fn recommendation(
 ) -> Result<(Option<Reason>, String), CliError> {
     let white = predictor.white_variance(1);
     if white <= 0.0 {
-        let text = "Any sampler will do: the integrand is constant, and its integral has no variance.";
+        let text =
+            "Any sampler will do: the integrand is constant, and its integral has no variance.";
         return Ok((None, text.to_owned()));
     }
     let (Some(best), Some(n)) = (best, best.and_then(|b| b.n_points)) else {
@@ -452,8 +457,10 @@ fn no_recommendation(
     let is_white = predictor.white_variance(n) <= variance + unknown;
     let is_white_noise = *name == Pattern::WhiteNoise;
     if is_white && !is_white_noise || is_white_noise && matches!(question.wish, Wish::Points(_)) {
-        let text = format!("No pattern considered helps: none has less variance with {n} points than \
-                            white noise, as far as that is known.");
+        let text = format!(
+            "No pattern considered helps: none has less variance with {n} points than \
+                            white noise, as far as that is known."
+        );
         return Ok(Some(text + &beyond_help(n, predictor)?));
     }
     Ok(None)
