@@ -11,8 +11,8 @@ use sphvar_samplers::{DiskMode, Domain, Pattern, Purpose, Realizations, Spectral
 use sphvar_spectrum::{Method, Resolution, Spectrum, estimate};
 use sphvar_tests::{ks_distance, ks_p_value};
 use sphvar_variance::{
-    Cap, ClampedCosine, Comparison, Crossover, Effort, Harmonic, Integrand, VariancePoint, compare,
-    crossover, fit_rate, measure,
+    Cap, ClampedCosine, Comparison, Crossover, Effort, Harmonic, Integrand, PredictedPoint,
+    VariancePoint, compare, crossover, fit_rate, measure, predict,
 };
 use statrs::distribution::{ContinuousCDF, Normal};
 
@@ -141,7 +141,9 @@ fn run(
         seconds_per_set: pattern.seconds(n),
     };
     let energy = integrand.energy(domain, spectrum.lmax())?;
-    Ok(compare(&*sampler, integrand, &energy, effort, Some(spectrum), &|_| ())?)
+    let prediction = predict(&spectrum, &energy);
+    let known = Some(PredictedPoint { spectrum, prediction });
+    Ok(compare(&*sampler, integrand, &energy, effort, known, &|_| ())?)
 }
 
 fn write_row(out: &mut impl Write, cell: &Cell) -> Outcome<()> {

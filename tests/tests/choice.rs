@@ -203,10 +203,9 @@ fn too_many_points_are_out_of_reach() {
 fn what_costs_too_much_is_extrapolated() {
     let cap = cap60();
     let ccvt = Pattern::from_name("ccvt").unwrap();
-    // Variances of about 1000 and 100 points; a prediction of 5 ms reaches 300 and 20.
-    let seconds = 5e-3;
-    for (pattern, variance) in [(Pattern::Jittered, 1.3e-3), (ccvt, 0.018)] {
-        let precision = PredictionBudget { relative: 0.03, seconds };
+    // Variances of about 1000 and 100 points; predictions of this work reach 256 and 16.
+    for (pattern, variance, work) in [(Pattern::Halton, 1.3e-3, 1.5e4), (ccvt, 0.018, 4e4)] {
+        let precision = PredictionBudget { relative: 0.03, work };
         let mut poor = Predictor::new(&cap, Domain::Sphere, SEED, precision).unwrap();
         let mut curve = PredictedCurve::new(pattern.clone());
         let got = required_points(&mut poor, &mut curve, variance, MOST, &|| ()).unwrap();
@@ -267,8 +266,8 @@ fn what_cannot_be_asked_is_refused() {
         let got = required_points(&mut predictor, &mut curve, variance, MOST, &|| ());
         assert!(matches!(got, Err(Error::Parameter { .. })), "{variance}: {got:?}");
     }
-    for (relative, seconds) in [(0.0, 1.0), (f64::NAN, 1.0), (0.1, -1.0), (0.1, f64::INFINITY)] {
-        let precision = PredictionBudget { relative, seconds };
+    for (relative, work) in [(0.0, 1.0), (f64::NAN, 1.0), (0.1, -1.0), (0.1, f64::INFINITY)] {
+        let precision = PredictionBudget { relative, work };
         let got = Predictor::new(&cap, Domain::Sphere, SEED, precision);
         assert!(matches!(got, Err(Error::Parameter { .. })), "{precision:?}");
     }

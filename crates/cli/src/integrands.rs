@@ -33,6 +33,22 @@ pub(crate) struct NamedIntegrand {
     pub(crate) function: Box<dyn Integrand>,
 }
 
+/// Energies that take less are computed without a word, in seconds.
+const WORTH_SAYING: f64 = 2.0;
+
+impl NamedIntegrand {
+    /// Says how long energies to a degree will take, if that is long.
+    pub(crate) fn announce_energies(&self, domain: Domain, lmax: usize, quiet: bool) {
+        let seconds = self.function.energy_seconds(domain, lmax);
+        if seconds > WORTH_SAYING {
+            say(
+                quiet,
+                &format!("energies of {} to degree {lmax}: about {seconds:.0} s", self.name),
+            );
+        }
+    }
+}
+
 /// The integrand of one expression; reads the files that it names and says what is remarkable of them, unless
 /// `quiet`.
 pub(crate) fn parse_integrand(text: &str, quiet: bool) -> Result<NamedIntegrand, CliError> {
@@ -45,6 +61,6 @@ pub(crate) fn parse_integrand(text: &str, quiet: bool) -> Result<NamedIntegrand,
 /// Refuses an integrand whose energy is not known on the domain.
 pub(crate) fn check_domain(integrand: &NamedIntegrand, domain: Domain) -> Result<(), CliError> {
     let wrong = |what: String| CliError::Usage(format!("{}: {what}", integrand.name));
-    let energy = integrand.function.energy(domain, 1).map_err(|e| wrong(e.to_string()))?;
+    let energy = integrand.function.energy(domain, 0).map_err(|e| wrong(e.to_string()))?;
     energy.check_magnitude().map_err(|e| wrong(e.to_string()))
 }

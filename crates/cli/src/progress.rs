@@ -1,5 +1,6 @@
 //! Progress on standard error, with the time that is left, for work that takes a while.
 
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Duration;
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
@@ -44,6 +45,37 @@ impl Progress {
     /// Counts `cost` units as done.
     pub(crate) fn advance(&self, cost: f64) {
         self.bar.inc(ticks(cost));
+    }
+
+    /// A share of `cost` units of the work.
+    pub(crate) fn share(&self, cost: f64) -> Share<'_> {
+        Share { progress: self, ticks: ticks(cost), done: AtomicU64::new(0) }
+    }
+
+    /// Writes a line above the bar, if there is one to be seen.
+    pub(crate) fn line(&self, text: &str) {
+        self.bar.println(text);
+    }
+}
+
+/// A part of the work that may turn out to be less than was expected.
+pub(crate) struct Share<'a> {
+    progress: &'a Progress,
+    ticks: u64,
+    done: AtomicU64,
+}
+
+impl Share<'_> {
+    /// Counts `cost` units as done, never more than the whole share.
+    pub(crate) fn advance(&self, cost: f64) {
+        let step = ticks(cost);
+        let before = self.done.fetch_add(step, Ordering::Relaxed);
+        self.progress.bar.inc(step.min(self.ticks.saturating_sub(before)));
+    }
+
+    /// Counts what is left as done.
+    pub(crate) fn finish(self) {
+        self.progress.bar.inc(self.ticks.saturating_sub(self.done.into_inner()));
     }
 }
 

@@ -123,9 +123,9 @@ impl Pattern {
             }
             // A soft core takes as long again as the transforms.
             Self::Step { alpha, core, .. } => {
-                19e-6 * descent_length(*alpha) * if *core > 0.0 { 2.5 } else { 1.0 }
+                19e-6 * descent(*alpha) * if *core > 0.0 { 2.5 } else { 1.0 }
             }
-            Self::Blue { alpha, .. } => 27e-6 * descent_length(*alpha),
+            Self::Blue { alpha, .. } => 27e-6 * descent(*alpha),
             Self::Profile { core, .. } => 8e-6 * if *core > 0.0 { 2.5 } else { 1.0 },
             Self::EqualArea { .. } => 29e-9,
             Self::BestCandidate { factor } => {
@@ -142,16 +142,52 @@ impl Pattern {
         };
         per_point * n
     }
+
+    /// Returns the nominal work of making a set of `n_points`, in units of what a fast transform does
+    /// for one point (some 60 ns of one core).
+    ///
+    /// Numbers of realizations follow from it, so that it is fixed by definition; [`Self::seconds`]
+    /// can be refined without changing a result.
+    #[must_use]
+    pub fn nominal_work(&self, n_points: usize) -> f64 {
+        let n = n_points as f64;
+        let per_point = match self {
+            Self::PoissonDisk { .. } => 40.0,
+            Self::Ccvt { capacity, .. } => {
+                let mass = (*capacity).max(2) as f64;
+                1.2 * mass * mass.log2()
+            }
+            Self::Step { alpha, core, .. } => {
+                320.0 * descent(*alpha) * if *core > 0.0 { 2.5 } else { 1.0 }
+            }
+            Self::Blue { alpha, .. } => 450.0 * descent(*alpha),
+            Self::Profile { core, .. } => 130.0 * if *core > 0.0 { 2.5 } else { 1.0 },
+            Self::BestCandidate { factor } => {
+                0.8 * n * f64::from(*factor) / f64::from(BestCandidate::DEFAULT_FACTOR)
+            }
+            Self::Lloyd { iterations } => {
+                160.0 * f64::from(*iterations) / f64::from(Lloyd::DEFAULT_ITERATIONS)
+            }
+            Self::Riesz { iterations, .. } => {
+                6.5 * n * f64::from(*iterations) / f64::from(Riesz::DEFAULT_ITERATIONS)
+            }
+            _ => 1.0,
+        };
+        per_point * n
+    }
 }
 
-/// The steps of a descent to an empty spectrum up to alpha sqrt(N), relative to those for alpha = 1:
-/// `(1 + sqrt f)/(1 - sqrt f)` with the share `f = alpha^2/2` of the degrees of freedom.
-fn descent_length(alpha: Option<f64>) -> f64 {
+/// The work of a descent that empties all degrees up to alpha sqrt(N) relative to that of alpha = 1,
+/// from where it is taken not to fall: the size of the transforms times the steps,
+/// `8 (1 + sqrt f)/(1 - sqrt f)` for a share f of the freedom.
+fn descent(alpha: Option<f64>) -> f64 {
     let steps = |alpha: f64| {
         let root = (0.5 * alpha * alpha).min(SpectralControl::MOST_CONSTRAINED).sqrt();
         (1.0 + root) / (1.0 - root)
     };
-    alpha.map_or(1.0, |alpha| steps(alpha) / steps(SpectralControl::DEFAULT_ALPHA))
+    let usual = SpectralControl::DEFAULT_ALPHA;
+    let alpha = alpha.unwrap_or(usual).max(usual);
+    alpha * alpha * steps(alpha) / steps(usual)
 }
 
 #[cfg(test)]

@@ -3,8 +3,8 @@ use sphvar_spectrum::{Resolution, Spectrum, SpectrumAccumulator, accumulate};
 
 use crate::known_moments::KnownMoments;
 use crate::{
-    BiasTest, Effort, Energy, Error, Integrand, Measurement, Prediction, PredictionAccumulator,
-    RelativeError, VariancePoint, measure, measure_until, predict,
+    BiasTest, Effort, Energy, Error, Integrand, Measurement, PredictedPoint, Prediction,
+    PredictionAccumulator, RelativeError, VariancePoint, measure, measure_until,
 };
 
 /// A pattern's spectrum, the variance that it predicts for an integrand, and the variance measured
@@ -183,27 +183,22 @@ pub enum Work {
 /// Predicts and measures the variance of integrating `integrand`, whose energies are `energy`, with
 /// uniformly rotated realizations of `sampler`.
 ///
-/// If the pattern's spectrum is `known`, exactly or from elsewhere, it is taken as it is and not estimated, and the
-/// effort's lmax and realizations mean nothing.
+/// If the prediction is `known`, as from a [`Predictor`](crate::Predictor), it is taken as it is, and the effort's
+/// lmax and realizations mean nothing.
 ///
 /// # Errors
 ///
 /// [`Error::Spectrum`] if the spectrum cannot be computed.
-///
-/// # Panics
-///
-/// If a known spectrum belongs to another domain than `energy`.
 pub fn compare(
     sampler: &dyn Sampler,
     integrand: &dyn Integrand,
     energy: &Energy,
     effort: Effort,
-    known: Option<Spectrum>,
+    known: Option<PredictedPoint>,
     report: &(dyn Fn(Work) + Sync),
 ) -> Result<Comparison, Error> {
     let n_points = sampler.n_points();
-    let (spectrum, prediction) = if let Some(spectrum) = known {
-        let prediction = predict(&spectrum, energy);
+    let (spectrum, prediction) = if let Some(PredictedPoint { spectrum, prediction }) = known {
         (spectrum, prediction)
     } else {
         estimate(sampler, energy, effort, report)?

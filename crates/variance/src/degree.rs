@@ -26,13 +26,19 @@ fn is_limited(integrand: &dyn Integrand, domain: Domain, most: usize) -> bool {
 /// The degree from which on the mean power of any pattern is about 1: 2 sqrt(N), with the N of the
 /// same density on the whole sphere.
 #[must_use]
+pub fn settled_degree(sampler: &dyn Sampler) -> usize {
+    settled_degree_of(sampler.n_points(), sampler.domain())
+}
+
+/// [`settled_degree`] of any pattern of `n_points`.
+#[must_use]
 #[expect(
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,
     reason = "the root of a number of points"
 )]
-pub fn settled_degree(sampler: &dyn Sampler) -> usize {
-    (2.0 * sampler.domain().count_on_sphere(sampler.n_points()).sqrt()).ceil() as usize
+pub fn settled_degree_of(n_points: usize, domain: Domain) -> usize {
+    (2.0 * domain.count_on_sphere(n_points).sqrt()).ceil() as usize
 }
 
 /// Refuses a largest degree that would fake a rate.

@@ -86,6 +86,12 @@ pub trait Integrand: Sync {
         Ok(Energy::new(domain, per_degree, self.centred_square(domain)?))
     }
 
+    /// The seconds that [`energy`](Self::energy) takes on one core, roughly: for progress only, and 0 where it is
+    /// inexpensive or not known.
+    fn energy_seconds(&self, _domain: Domain, _lmax: usize) -> f64 {
+        0.0
+    }
+
     /// The degree beyond which the integrand has no energy at all, if there is one.
     fn band_limit(&self) -> Option<usize> {
         None
@@ -135,6 +141,10 @@ impl Integrand for Box<dyn Integrand> {
 
     fn energy(&self, domain: Domain, lmax: usize) -> Result<Energy, Error> {
         (**self).energy(domain, lmax)
+    }
+
+    fn energy_seconds(&self, domain: Domain, lmax: usize) -> f64 {
+        (**self).energy_seconds(domain, lmax)
     }
 
     fn band_limit(&self) -> Option<usize> {

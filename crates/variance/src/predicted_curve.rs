@@ -60,6 +60,14 @@ impl PredictedCurve {
         Ok(&self.points[at])
     }
 
+    /// Adds a point that was predicted before, in place of one at its number of points.
+    pub fn insert(&mut self, point: PredictedPoint) {
+        match self.points.binary_search_by_key(&point.n_points(), PredictedPoint::n_points) {
+            Ok(at) => self.points[at] = point,
+            Err(at) => self.points.insert(at, point),
+        }
+    }
+
     /// The points with a variance above 0, for fits and crossovers.
     #[must_use]
     pub fn variance_points(&self) -> Vec<VariancePoint> {
@@ -68,9 +76,12 @@ impl PredictedCurve {
     }
 
     /// The power law through the points from a quarter to four times `n_points`, the rate at this
-    /// number of points; `None` of fewer than two.
+    /// number of points; `None` of fewer than two, and where the variance is 0.
     #[must_use]
     pub fn rate_near(&self, n_points: usize) -> Option<RateFit> {
+        if self.at(n_points).is_some_and(|p| p.prediction.variance <= 0.0) {
+            return None;
+        }
         self.rate_within(0.25 * n_points as f64, 4.0 * n_points as f64)
     }
 

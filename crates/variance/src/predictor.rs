@@ -1,30 +1,19 @@
-use sphvar_samplers::{Domain, Pattern, Purpose, Realizations, Sampler, Streams};
-use sphvar_spectrum::{Accumulator, Method, Resolution, Spectrum, SpectrumAccumulator, accumulate};
+use std::collections::BTreeMap;
 
-use crate::{
-    Energy, Error, Integrand, PredictedPoint, Prediction, PredictionAccumulator, is_spectrum_known,
-    known_spectrum, predict, prediction_degree,
+use sphvar_samplers::{Domain, Pattern, Purpose, Realizations, Sampler, Streams};
+use sphvar_spectrum::{
+    Accumulator, Resolution, Spectrum, SpectrumAccumulator, accumulate, exact_spectrum,
+    has_exact_spectrum,
 };
 
-/// How precise predictions shall be, and what each may take.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct PredictionBudget {
-    /// The relative standard error of a variance at which a prediction is precise enough.
-    pub relative: f64,
-    /// The seconds of one core that a prediction may take, by a model of the cost and not by a
-    /// clock: results do not depend on the machine.
-    pub seconds: f64,
-}
+use crate::prediction_budget::realization_work;
+use crate::{
+    Energy, Error, Integrand, PredictedPoint, Prediction, PredictionAccumulator, PredictionBudget,
+    SpectrumOptions, predict, prediction_degree,
+};
 
-impl PredictionBudget {
-    /// 3 % of the variance, half a second.
-    pub const USUAL: Self = Self { relative: 0.03, seconds: 0.5 };
-}
-
-/// Realizations that every estimate begins with: fewer say nothing of their error.
-const LEAST: u64 = 8;
-/// Realizations after which an estimate ends, however cheap they are.
-const MOST: u64 = 1 << 14;
+/// Realizations that an estimate begins with, if the budget allows as many.
+const FIRST: u64 = 8;
 /// The share of a lattice's variance that may lie beyond its spectrum, where the power is known in the
 /// mean only.
 const NEGLIGIBLE: f64 = 0.01;
@@ -32,15 +21,20 @@ const NEGLIGIBLE: f64 = 0.01;
 /// Predicts the variance of integrating one function, for any pattern and number of points.
 ///
 /// It keeps the integrand's energies and computes those of higher degrees when a number of points
-/// needs them. A prediction is a function of the seed, the pattern, the number of points and the
-/// [`PredictionBudget`]; what was predicted before does not matter.
+/// needs them; white noise needs none. A prediction is a function of the seed, the pattern, the number
+/// of points, the [`PredictionBudget`] and the [`SpectrumOptions`]; what was predicted before, and by
+/// which command, does not matter.
 pub struct Predictor<'a> {
     integrand: &'a dyn Integrand,
     domain: Domain,
     seed: u64,
     budget: PredictionBudget,
-    /// To 256, 512, 1024, ... degrees.
-    energies: Vec<Energy>,
+    options: SpectrumOptions,
+    /// The energy of degree 0 and the total.
+    outline: Energy,
+    /// By level, see [`degrees_of`].
+    energies: BTreeMap<usize, Energy>,
+    on_energies: &'a dyn Fn(usize),
 }
 
 impl std::fmt::Debug for Predictor<'_> {
@@ -49,6 +43,7 @@ impl std::fmt::Debug for Predictor<'_> {
             .field("domain", &self.domain)
             .field("seed", &self.seed)
             .field("budget", &self.budget)
+            .field("options", &self.options)
             .finish_non_exhaustive()
     }
 }
@@ -66,16 +61,31 @@ impl<'a> Predictor<'a> {
         seed: u64,
         budget: PredictionBudget,
     ) -> Result<Self, Error> {
-        for (name, got) in
-            [("the relative precision", budget.relative), ("the seconds", budget.seconds)]
-        {
-            if !(got > 0.0 && got.is_finite()) {
-                return Err(Error::Parameter { name, range: "positive and finite", got });
-            }
-        }
-        let mut new = Self { integrand, domain, seed, budget, energies: Vec::new() };
-        new.energy_to(0)?.check_magnitude()?;
-        Ok(new)
+        let outline = integrand.energy(domain, 0)?;
+        outline.check_magnitude()?;
+        Ok(Self {
+            integrand,
+            domain,
+            seed,
+            budget: budget.checked()?,
+            options: SpectrumOptions::default(),
+            outline,
+            energies: BTreeMap::new(),
+            on_energies: &|_| (),
+        })
+    }
+
+    /// The same with spectra as the user fixes them.
+    #[must_use]
+    pub fn with_options(self, options: SpectrumOptions) -> Self {
+        Self { options, ..self }
+    }
+
+    /// The same, with a function that is called with the degree before energies are computed, which
+    /// may take long.
+    #[must_use]
+    pub fn on_energies(self, on_energies: &'a dyn Fn(usize)) -> Self {
+        Self { on_energies, ..self }
     }
 
     /// Where the integrand lives.
@@ -84,27 +94,57 @@ impl<'a> Predictor<'a> {
         self.domain
     }
 
-    /// The integrand's energies to the highest degree that was needed so far, at least 256.
+    /// The integrand's energies to the highest degree that was needed so far, which is 0 at first.
     #[must_use]
     pub fn energy(&self) -> &Energy {
-        &self.energies[self.energies.len() - 1]
+        self.energies.last_key_value().map_or(&self.outline, |(_, energy)| energy)
     }
 
     /// The variance with white noise of `n_points`: `k sum_{l >= 1} E(l)`, exactly.
     #[must_use]
     pub fn white_variance(&self, n_points: usize) -> f64 {
-        self.domain.variance_factor(n_points) * self.energies[0].beyond(0)
+        self.domain.variance_factor(n_points) * self.outline.beyond(0)
+    }
+
+    /// The variance that the rounding of an estimate alone can make: a sum of numbers of the size of
+    /// the integrand, whose roundings partly cancel.
+    #[must_use]
+    pub fn rounding(&self) -> f64 {
+        (4.0 * f64::EPSILON).powi(2) * self.domain.area() * self.outline.total()
+    }
+
+    /// A bound below the variance with any pattern that is random: half of white noise's variance of the
+    /// degrees beyond 4 sqrt(N), where the power of all of them has settled about 1.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`Integrand::energy`].
+    pub fn random_floor(&mut self, n_points: usize) -> Result<f64, Error> {
+        let settled = Resolution::natural_degree(n_points);
+        let factor = self.domain.variance_factor(n_points);
+        Ok(0.5 * factor * self.energy_to(settled)?.beyond(settled))
+    }
+
+    /// The share of white noise's variance that lies beyond a degree.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`Integrand::energy`].
+    pub fn share_beyond(&mut self, degree: usize) -> Result<f64, Error> {
+        let all = self.outline.beyond(0);
+        Ok(self.energy_to(degree)?.beyond(degree) / all)
     }
 
     /// Predicts the variance for a pattern of `n_points`. `done` is called after each realization.
     ///
-    /// Realizations are added until the relative standard error, as it is estimated from them, is at
-    /// most that of the [`PredictionBudget`], but no more than its seconds allow and no fewer than 8. A
-    /// pattern that is not random takes one.
+    /// Spectra in closed form are taken where there are any; else realizations are added until the
+    /// relative standard error, as it is estimated from them, is at most that of the
+    /// [`PredictionBudget`], but no more than its work allows. A pattern that is not random takes one.
+    /// A variance that is no more than [`rounding`](Self::rounding) is 0.
     ///
     /// # Errors
     ///
-    /// [`Error::Spectrum`] with the sampler's error if the pattern cannot have so many points.
+    /// [`Error::Spectrum`] with the sampler's error if the pattern cannot have that many points.
     pub fn predict(
         &mut self,
         pattern: &Pattern,
@@ -112,30 +152,71 @@ impl<'a> Predictor<'a> {
         done: &(dyn Fn() + Sync),
     ) -> Result<PredictedPoint, Error> {
         let sampler = pattern.build(n_points, self.domain).map_err(sphvar_spectrum::Error::from)?;
-        let lmax = self.degree(&*sampler)?;
-        let (seed, PredictionBudget { relative, seconds }) = (self.seed, self.budget);
-        let domain = self.domain;
-        let energy = self.energy_to(lmax)?;
-        if let Some(spectrum) =
-            known_spectrum(pattern, n_points, domain, lmax, seconds, &|_| done())?
-        {
-            let prediction = predict(&spectrum, energy);
-            return Ok(PredictedPoint { spectrum, prediction });
+        let lmax = self.degree(pattern, &*sampler)?;
+        let mut point = if self.is_flat(pattern) {
+            let power = vec![1.0; lmax + 1];
+            let spectrum = Spectrum::exact(self.domain, n_points, power);
+            PredictedPoint { spectrum, prediction: self.flat_prediction(n_points) }
+        } else if self.is_known(pattern, &*sampler, lmax) {
+            let spectrum = exact_spectrum(pattern, n_points, self.domain, lmax, &|_| done())?;
+            let prediction = predict(&spectrum, self.energy_to(lmax)?);
+            PredictedPoint { spectrum, prediction }
+        } else {
+            self.estimate(pattern, &*sampler, lmax, done)?
+        };
+        if point.prediction.variance <= self.rounding() {
+            let Prediction { variance, stderr, .. } = &mut point.prediction;
+            (*variance, *stderr) = (0.0, 0.0);
         }
-        let streams = Streams::new(seed, Purpose::Pattern, pattern.stream_group(n_points));
-        let sets = Realizations::rotated(&*sampler, streams);
-        #[expect(
-            clippy::cast_possible_truncation,
-            clippy::cast_sign_loss,
-            reason = "a positive number, and the cast saturates"
-        )]
-        let most = (seconds / realization_seconds(pattern, n_points, lmax)) as u64;
-        let most = most.clamp(LEAST, MOST);
-        let (spectrum, prediction) = estimate(&sets, energy, lmax, (relative, most), done)?;
-        Ok(PredictedPoint { spectrum, prediction })
+        Ok(point)
     }
 
-    /// Whether a prediction for a pattern of `n_points` takes no more than the seconds of the
+    /// The spectrum to `lmax` of the very sets that `point` was predicted from.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`Self::predict`].
+    pub fn spectrum_to(
+        &self,
+        pattern: &Pattern,
+        point: &PredictedPoint,
+        lmax: usize,
+    ) -> Result<Spectrum, Error> {
+        let n_points = point.n_points();
+        let sampler = pattern.build(n_points, self.domain).map_err(sphvar_spectrum::Error::from)?;
+        if self.is_known(pattern, &*sampler, lmax) {
+            return Ok(exact_spectrum(pattern, n_points, self.domain, lmax, &|_| ())?);
+        }
+        let streams = Streams::new(self.seed, Purpose::Pattern, pattern.stream_group(n_points));
+        let sets = Realizations::rotated(&*sampler, streams);
+        let empty = SpectrumAccumulator::new(self.domain, n_points, lmax);
+        let count = 0..point.spectrum.realizations().max(1);
+        let resolution = self.resolution(lmax, n_points);
+        let spectrum = accumulate(&sets, resolution, count, &empty, &|| ())?.finish()?;
+        Ok(if sampler.is_random() { spectrum } else { spectrum.into_exact() })
+    }
+
+    /// The nominal work of a prediction at most, and the realizations that share it.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`Self::predict`] that show without a realization.
+    pub fn work(&mut self, pattern: &Pattern, n_points: usize) -> Result<(f64, u64), Error> {
+        let sampler = pattern.build(n_points, self.domain).map_err(sphvar_spectrum::Error::from)?;
+        if self.is_flat(pattern) {
+            return Ok((0.0, 1));
+        }
+        let lmax = self.degree(pattern, &*sampler)?;
+        let count = match self.options.realizations {
+            _ if !sampler.is_random() => 1,
+            Some(count) => count,
+            // Closed forms of strata take no longer than realizations would.
+            None => self.budget.realizations(pattern, n_points, lmax),
+        };
+        Ok((count as f64 * realization_work(pattern, n_points, lmax), count))
+    }
+
+    /// Whether a prediction for a pattern of `n_points` takes no more than the work of the
     /// [`PredictionBudget`], precise enough or not.
     ///
     /// # Errors
@@ -143,22 +224,101 @@ impl<'a> Predictor<'a> {
     /// Those of [`Self::predict`] that show without a realization.
     pub fn is_affordable(&mut self, pattern: &Pattern, n_points: usize) -> Result<bool, Error> {
         let sampler = pattern.build(n_points, self.domain).map_err(sphvar_spectrum::Error::from)?;
-        let lmax = self.degree(&*sampler)?;
-        if is_spectrum_known(pattern, n_points, self.domain, lmax, self.budget.seconds) {
+        let lmax = self.degree(pattern, &*sampler)?;
+        let is_known = sampler.is_random() && self.is_known(pattern, &*sampler, lmax);
+        if self.is_flat(pattern) || is_known {
             return Ok(true);
         }
-        let sets = if sampler.is_random() { LEAST as f64 } else { 1.0 };
-        Ok(sets * realization_seconds(pattern, n_points, lmax) <= self.budget.seconds)
+        let sets = if sampler.is_random() { PredictionBudget::MIN_REALIZATIONS } else { 1 };
+        Ok(sets as f64 * realization_work(pattern, n_points, lmax) <= self.budget.work)
+    }
+
+    /// Whether the pattern has the power 1 in every degree: the total and the mean of the integrand
+    /// are all that its variance needs.
+    fn is_flat(&self, pattern: &Pattern) -> bool {
+        *pattern == Pattern::WhiteNoise && self.options.realizations.is_none()
+    }
+
+    /// Whether the spectrum is computed without sampling.
+    fn is_known(&self, pattern: &Pattern, sampler: &dyn Sampler, lmax: usize) -> bool {
+        has_exact_spectrum(pattern)
+            && if sampler.is_random() {
+                self.options.realizations.is_none()
+                    && PredictionBudget::is_exact(sampler.n_points(), lmax)
+            } else {
+                self.options.is_default_transform()
+            }
+    }
+
+    fn flat_prediction(&self, n_points: usize) -> Prediction {
+        Prediction {
+            variance: self.white_variance(n_points),
+            stderr: 0.0,
+            tail: 0.0,
+            tail_error: 0.0,
+            dof: f64::INFINITY,
+        }
+    }
+
+    /// The spectrum and the variance that it predicts, from realizations.
+    fn estimate(
+        &mut self,
+        pattern: &Pattern,
+        sampler: &dyn Sampler,
+        lmax: usize,
+        done: &(dyn Fn() + Sync),
+    ) -> Result<PredictedPoint, Error> {
+        let n_points = sampler.n_points();
+        let (relative, rounding) = (self.budget.relative, self.rounding());
+        let most = match self.options.realizations {
+            Some(count) => count,
+            None => self.budget.realizations(pattern, n_points, lmax),
+        };
+        let first = self.options.realizations.unwrap_or(FIRST.min(most));
+        let streams = Streams::new(self.seed, Purpose::Pattern, pattern.stream_group(n_points));
+        let sets = Realizations::rotated(sampler, streams);
+        let resolution = self.resolution(lmax, n_points);
+        let energy = self.energy_to(lmax)?;
+        let empty = (
+            SpectrumAccumulator::new(sampler.domain(), n_points, lmax),
+            PredictionAccumulator::new(energy, n_points, lmax),
+        );
+        if !sampler.is_random() {
+            let (spectrum, prediction) = accumulate(&sets, resolution, 0..1, &empty, done)?;
+            let prediction = Prediction { stderr: 0.0, dof: f64::INFINITY, ..prediction.finish() };
+            return Ok(PredictedPoint { spectrum: spectrum.finish()?.into_exact(), prediction });
+        }
+        let (mut sum, mut count, mut next) = (empty.clone(), 0, first);
+        loop {
+            sum.merge(&accumulate(&sets, resolution, count..next, &empty, done)?);
+            count = next;
+            let prediction = sum.1.finish();
+            // A pattern without power where the integrand has energy leaves rounding, of 100 % error.
+            let enough = prediction.stderr <= relative * prediction.variance
+                || prediction.variance <= rounding;
+            if enough || count >= most {
+                return Ok(PredictedPoint { spectrum: sum.0.finish()?, prediction });
+            }
+            next = (2 * count).min(most);
+        }
+    }
+
+    fn resolution(&self, lmax: usize, n_points: usize) -> Resolution {
+        let SpectrumOptions { method, epsilon, .. } = self.options;
+        Resolution { lmax, n_points, method, epsilon }
     }
 
     /// The degree to which a spectrum is computed: [`prediction_degree`], and for a lattice less where
     /// the integrand has next to no energy beyond.
-    fn degree(&mut self, sampler: &dyn Sampler) -> Result<usize, Error> {
+    fn degree(&mut self, pattern: &Pattern, sampler: &dyn Sampler) -> Result<usize, Error> {
+        if let Some(lmax) = self.options.lmax {
+            return Ok(lmax);
+        }
         let most = prediction_degree(sampler, self.integrand);
-        let least = Resolution::natural_degree(sampler.n_points()).min(most);
-        if sampler.is_random() {
+        if sampler.is_random() || self.is_flat(pattern) {
             return Ok(most);
         }
+        let least = Resolution::natural_degree(sampler.n_points()).min(most);
         let mut asked = least;
         loop {
             let energy = self.energy_to(asked)?;
@@ -171,74 +331,49 @@ impl<'a> Predictor<'a> {
                 }
                 beyond -= energy.per_degree().get(l + 1).copied().unwrap_or(0.0);
             }
-            asked = degrees_of(level(asked)) + 1;
-            if asked > most {
+            if energy.lmax() >= most {
                 return Ok(most);
             }
+            // Energy beyond a degree that falls as its square, which is fast, is negligible here.
+            let factor = (beyond / (NEGLIGIBLE * whole)).sqrt();
+            asked = ahead(energy.lmax(), factor).min(most);
         }
     }
 
-    /// The energies to degree `lmax` or somewhat beyond.
-    fn energy_to(&mut self, lmax: usize) -> Result<&Energy, Error> {
-        let level = level(lmax);
+    /// Returns the energies to degree `lmax` or somewhat beyond.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`Integrand::energy`].
+    pub fn energy_to(&mut self, lmax: usize) -> Result<&Energy, Error> {
         // The same steps for everyone: the bits of an environment map's energies depend on lmax.
-        while self.energies.len() <= level {
-            let degrees = degrees_of(self.energies.len());
-            self.energies.push(self.integrand.energy(self.domain, degrees)?);
+        let level = level(lmax);
+        if !self.energies.contains_key(&level) {
+            let degrees = degrees_of(level);
+            (self.on_energies)(degrees);
+            self.energies.insert(level, self.integrand.energy(self.domain, degrees)?);
         }
-        Ok(&self.energies[level])
+        Ok(&self.energies[&level])
     }
 }
 
-/// The largest degree of the energies number `level`.
+/// The degree `factor` times `lmax`, at least the next one.
+#[expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "a degree, and the cast saturates"
+)]
+fn ahead(lmax: usize, factor: f64) -> usize {
+    ((lmax as f64 * factor) as usize).max(lmax + 1)
+}
+
+/// The largest degree of the energies number `level`: 256, 384, 512, 768, 1024, ...
 fn degrees_of(level: usize) -> usize {
-    (256_usize << level).min(sphvar_sh::MAX_DEGREE)
+    let power = 256_usize << (level / 2);
+    (power + level % 2 * power / 2).min(sphvar_sh::MAX_DEGREE)
 }
 
 /// The number of the energies that reach `lmax`; of those to the largest degree there is, beyond.
 fn level(lmax: usize) -> usize {
     (0..).find(|&k| degrees_of(k) >= lmax.min(sphvar_sh::MAX_DEGREE)).unwrap_or(0)
-}
-
-/// The spectrum and the variance that it predicts, from up to `most` realizations until the variance is
-/// known to `relative`.
-fn estimate(
-    sets: &Realizations<'_>,
-    energy: &Energy,
-    lmax: usize,
-    (relative, most): (f64, u64),
-    done: &(dyn Fn() + Sync),
-) -> Result<(Spectrum, Prediction), Error> {
-    let sampler = sets.sampler();
-    let n_points = sampler.n_points();
-    let empty = (
-        SpectrumAccumulator::new(sampler.domain(), n_points, lmax),
-        PredictionAccumulator::new(energy, n_points, lmax),
-    );
-    let resolution = Resolution::new(lmax, n_points);
-    if !sampler.is_random() {
-        let (spectrum, prediction) = accumulate(sets, resolution, 0..1, &empty, done)?;
-        let exact = Prediction { stderr: 0.0, dof: f64::INFINITY, ..prediction.finish() };
-        return Ok((spectrum.finish()?.into_exact(), exact));
-    }
-    let (mut sum, mut count) = (empty.clone(), 0);
-    let mut next = LEAST;
-    loop {
-        sum.merge(&accumulate(sets, resolution, count..next, &empty, done)?);
-        count = next;
-        let prediction = sum.1.finish();
-        // A pattern without power where the integrand has energy leaves rounding, of 100 % error.
-        let rounding = (4.0 * f64::EPSILON).powi(2) * sampler.domain().area() * energy.total();
-        let enough =
-            prediction.stderr <= relative * prediction.variance || prediction.variance <= rounding;
-        if enough || count >= most {
-            return Ok((sum.0.finish()?, prediction));
-        }
-        next = (2 * count).min(most);
-    }
-}
-
-/// Seconds for making a set and transforming it, roughly.
-fn realization_seconds(pattern: &Pattern, n_points: usize, lmax: usize) -> f64 {
-    pattern.seconds(n_points) + Method::Auto.seconds(n_points, lmax)
 }

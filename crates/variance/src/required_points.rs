@@ -49,9 +49,9 @@ const RESOLUTION: f64 = 1.02;
 ///
 /// The legal numbers next to 1, 2, 4, 8, ... are tried until one suffices and the one that follows it
 /// too (two that follow for a pattern that is not random, whose variance may rise again), as far as
-/// they are affordable. Between the last one that does not suffice and the next, numbers by
-/// interpolation in log N and log Var are tried: to the very number where the predictions are exact,
-/// else to 2 %. What is between numbers that were not tried is not known: a lattice may have a bad
+/// they are affordable and not ruled out by [`Predictor::random_floor`]. Between the last one that does not suffice and the next, numbers by
+/// interpolation in log N and log Var are tried: to the very number where the predictions of a random
+/// pattern are exact, else to 2 %. What is between numbers that were not tried is not known: a lattice may have a bad
 /// number there.
 ///
 /// # Errors
@@ -92,6 +92,9 @@ pub fn required_points(
     }
 }
 
+/// What a lattice may have of [`Predictor::random_floor`] at least: there are gaps between its peaks.
+const LATTICE_SHARE: f64 = 0.02;
+
 struct Search<'a, 'b> {
     predictor: &'a mut Predictor<'b>,
     curve: &'a mut PredictedCurve,
@@ -116,6 +119,11 @@ impl Search<'_, '_> {
         let mut climb = Climb { too_few: None, enough: None, is_cut_short: false };
         let mut refusal = None;
         for n in rungs(&pattern, domain, max_points) {
+            let is_random = pattern.build(n, domain).is_ok_and(|sampler| sampler.is_random());
+            if self.is_hopeless(&pattern, is_random, n)? {
+                climb.too_few = Some(n);
+                continue;
+            }
             match self.predictor.is_affordable(&pattern, n) {
                 Ok(true) => {}
                 Ok(false) => {
@@ -142,8 +150,7 @@ impl Search<'_, '_> {
             let further = climb.enough.map_or(0, |least| {
                 self.curve.points().iter().filter(|p| p.n_points() > least).count()
             });
-            let is_lattice = pattern.build(n, domain).is_ok_and(|sampler| !sampler.is_random());
-            if climb.enough.is_some() && further >= if is_lattice { 2 } else { 1 } {
+            if climb.enough.is_some() && further >= if is_random { 1 } else { 2 } {
                 break;
             }
         }
@@ -151,6 +158,21 @@ impl Search<'_, '_> {
             Some(error) if self.curve.points().is_empty() => Err(error),
             _ => Ok(climb),
         }
+    }
+
+    /// Whether no prediction is needed to know that a number does not suffice. White noise needs next to
+    /// none, and antipodal sets have no power in odd degrees, whatever their number.
+    fn is_hopeless(
+        &mut self,
+        pattern: &Pattern,
+        is_random: bool,
+        n_points: usize,
+    ) -> Result<bool, Error> {
+        if matches!(pattern, Pattern::WhiteNoise | Pattern::Healpix) {
+            return Ok(false);
+        }
+        let share = if is_random { 1.0 } else { LATTICE_SHARE };
+        Ok(share * self.predictor.random_floor(n_points)? > self.variance)
     }
 
     /// The answer from a number that suffices and the largest one that does not.
@@ -172,11 +194,14 @@ impl Search<'_, '_> {
     fn refine(&mut self, mut too_few: usize, mut enough: usize) -> Result<usize, Error> {
         let domain = self.predictor.domain();
         let pattern = self.curve.pattern().clone();
+        let is_lattice = pattern.build(enough, domain).is_ok_and(|sampler| !sampler.is_random());
         let mut halve = false;
         loop {
-            let is_exact = [too_few, enough]
-                .iter()
-                .all(|&n| self.curve.at(n).is_none_or(|p| p.prediction.stderr == 0.0));
+            // Lattices of neighbouring numbers differ by more than that.
+            let is_exact = !is_lattice
+                && [too_few, enough]
+                    .iter()
+                    .all(|&n| self.curve.at(n).is_none_or(|p| p.prediction.stderr == 0.0));
             if !is_exact && enough as f64 <= RESOLUTION * too_few as f64 {
                 return Ok(enough);
             }

@@ -3,13 +3,13 @@
 use clap::ValueEnum;
 use serde::Serialize;
 use sphvar_samplers::{Domain, Purpose, Realizations, Sampler, Streams};
-use sphvar_spectrum::{Resolution, estimate};
+use sphvar_spectrum::Resolution;
 use sphvar_variance::{
-    BiasTest, CutAxis, CutEstimator, CutIntegrand, CutMeasurement, Integrand, Measurement,
-    Prediction, Spectrum, known_spectrum, measure_cut_sphere, predict, prediction_degree,
+    BiasTest, CutAxis, CutEstimator, CutIntegrand, CutMeasurement, Measurement, Prediction,
+    measure_cut_sphere, prediction_degree,
 };
 
-use super::rows::{Case, MOST_UNSAMPLED, Plan, Row};
+use super::rows::{Case, Plan, Row};
 use crate::error::CliError;
 use crate::memory::check_transform;
 use crate::patterns;
@@ -84,16 +84,15 @@ pub(super) fn run(
         let function = &*plan.integrand.function;
         let done = || progress.advance(seconds(case, m));
         let measured = measure_cut_sphere(&ensemble, function, axis, trials(row) as u64, &done)?;
-        let spectrum = match cut {
-            Cut::Equator => Some(spectrum(plan, case, &**sampler)?),
-            Cut::Random => None,
-        };
         for (name, estimates, estimator) in [
             ("(4 pi/M) sum f", &measured.unbiased, CutEstimator::Unbiased),
             ("(2 pi/n) sum f", &measured.ratio, CutEstimator::Ratio),
         ] {
             // An integrand whose cut has unknown energies is measured only.
-            let predicted = spectrum.as_ref().and_then(|s| predicted(s, plan, estimator).ok());
+            let predicted = match cut {
+                Cut::Equator => predicted(plan, case, m, estimator).ok(),
+                Cut::Random => None,
+            };
             records.push(CutRecord::new(name, estimates, predicted, cut, m, &measured, row));
         }
     }
@@ -102,28 +101,18 @@ pub(super) fn run(
 
 /// The variance of an estimate with the cut at the equator, by the formula of the sphere.
 fn predicted(
-    spectrum: &Spectrum,
     plan: &Plan<'_>,
+    case: &Case,
+    n_points: usize,
     estimator: CutEstimator,
-) -> Result<Prediction, sphvar_variance::Error> {
+) -> Result<Prediction, CliError> {
+    let pattern = &case.pattern;
     let cut = CutIntegrand::new(&*plan.integrand.function, estimator)?;
-    Ok(predict(spectrum, &cut.energy(Domain::Sphere, spectrum.lmax())?))
-}
-
-/// The spectrum of a sphere set, to the degree that an integrand with an edge at the equator needs.
-fn spectrum(plan: &Plan<'_>, case: &Case, sampler: &dyn Sampler) -> Result<Spectrum, CliError> {
-    let (n, pattern) = (sampler.n_points(), &case.pattern);
-    let lmax = prediction_degree(sampler, &|_| 0.0);
-    if let Some(spectrum) =
-        known_spectrum(pattern, n, Domain::Sphere, lmax, MOST_UNSAMPLED, &|_| ())?
-    {
-        return Ok(spectrum);
-    }
-    let realizations = plan.spectrum_realizations(case, n, lmax);
-    check_transform(Resolution::new(lmax, n), realizations)?;
-    let streams = Streams::new(plan.seed, Purpose::Pattern, pattern.stream_group(n));
-    let sets = Realizations::rotated(sampler, streams);
-    Ok(estimate(&sets, lmax, realizations, &|| ())?)
+    let mut predictor = plan.predictor_of(&cut, Domain::Sphere)?;
+    let lmax = prediction_degree(&*patterns::build(pattern, n_points, Domain::Sphere, true)?, &cut);
+    let realizations = plan.spectrum_realizations(pattern, n_points, lmax);
+    check_transform(Resolution::new(lmax, n_points), realizations)?;
+    Ok(predictor.predict(pattern, n_points, &|| ())?.prediction)
 }
 
 impl CutRecord {

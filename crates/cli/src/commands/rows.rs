@@ -3,10 +3,11 @@
 use clap::Args;
 use serde::Serialize;
 use sphvar_samplers::{Domain, Pattern, Sampler};
-use sphvar_spectrum::{Resolution, Spectrum, exact_spectrum_cost};
+use sphvar_spectrum::Resolution;
 use sphvar_variance::{
-    Comparison, Effort, Energy, Method, Precision, Work, check_degree as check_settled, compare,
-    is_spectrum_known, known_spectrum, prediction_degree, settled_degree, worthwhile_realizations,
+    Comparison, Effort, Energy, Integrand, Method, Precision, PredictedPoint, PredictionBudget,
+    Predictor, SpectrumOptions, Work, check_degree as check_settled, compare, prediction_degree,
+    settled_degree,
 };
 
 use crate::error::CliError;
@@ -32,8 +33,8 @@ pub(crate) struct EffortArgs {
     /// Trials at which --until-rel gives up
     #[arg(long, default_value_t = 1_000_000, value_name = "M", requires = "until_rel")]
     pub(crate) max_realizations: u64,
-    /// Realizations from which each spectrum is estimated [default: spectra that are known without
-    /// sampling are not; others from what eight times the work of the trials allows, up to 8 M]
+    /// Realizations per estimated spectrum [default: none where a closed form is available; otherwise
+    /// until the prediction is known to 2 %, within a fixed budget]
     #[arg(long, value_name = "R")]
     pub(crate) spectrum_realizations: Option<u64>,
     /// Largest degree of the spectra [default: 4 sqrt(N), for lattices 40 sqrt(N)]
@@ -128,13 +129,18 @@ pub(super) struct Row {
 /// Runs all cases, with one progress bar, and returns the rows in the order of the cases with the
 /// integrand's energies.
 pub(super) fn run(plan: &Plan<'_>, cases: &[Case]) -> Result<(Vec<Row>, Energy), CliError> {
-    let (efforts, lmax) = check(plan, cases)?;
-    let cost = cases.iter().zip(&efforts).map(|(c, e)| plan.cost(c, e)).sum();
+    let efforts = check(plan, cases)?;
+    let on_energies = |lmax: usize| plan.integrand.announce_energies(plan.domain, lmax, plan.quiet);
+    let mut predictor =
+        plan.predictor_of(&*plan.integrand.function, plan.domain)?.on_energies(&on_energies);
+    let mut cost = 0.0;
+    for (case, effort) in cases.iter().zip(&efforts) {
+        cost += predictor.work(&case.pattern, case.n_points())?.0 * UNIT_SECONDS
+            + effort.seconds(&*case.sampler);
+    }
     let progress = Progress::new(cost, plan.quiet);
     progress.stage("integrand");
-    let function = &plan.integrand.function;
-    let kurtosis = function.kurtosis(plan.domain);
-    let energy = function.energy(plan.domain, lmax)?.with_kurtosis(kurtosis);
+    let kurtosis = plan.integrand.function.kurtosis(plan.domain);
     let rows = cases
         .iter()
         .zip(efforts)
@@ -145,16 +151,25 @@ pub(super) fn run(plan: &Plan<'_>, cases: &[Case]) -> Result<(Vec<Row>, Energy),
                 Work::Added(seconds) => progress.lengthen(seconds),
             };
             let function = &*plan.integrand.function;
-            let known = plan.known_spectrum(case, &effort, &|seconds| progress.advance(seconds))?;
-            let comparison = compare(&*case.sampler, function, &energy, effort, known, &report)?;
+            let known = plan.predict(&mut predictor, case, &progress)?;
+            let energy = predictor.energy().clone().with_kurtosis(kurtosis);
+            let comparison =
+                compare(&*case.sampler, function, &energy, effort, Some(known), &report)?;
             Ok(Row { pattern: case.pattern.clone(), asked: case.asked, comparison })
         })
         .collect::<Result<Vec<Row>, CliError>>()?;
-    Ok((rows, energy))
+    if plan.whole_spectra {
+        let most = cases.iter().map(Case::n_points).max().unwrap_or(0);
+        predictor.energy_to(Resolution::natural_degree(most))?;
+    }
+    Ok((rows, predictor.energy().clone()))
 }
 
-/// Refuses what cannot be run; returns the effort for each case and the largest degree.
-pub(super) fn check(plan: &Plan<'_>, cases: &[Case]) -> Result<(Vec<Effort>, usize), CliError> {
+/// The seconds of a unit of nominal work on one core, for progress only.
+pub(super) const UNIT_SECONDS: f64 = 60e-9;
+
+/// Rejects what cannot be run; returns the effort for each case.
+pub(super) fn check(plan: &Plan<'_>, cases: &[Case]) -> Result<Vec<Effort>, CliError> {
     check_domain(plan.integrand, plan.domain)?;
     if plan.trials < Precision::MIN_TRIALS {
         return Err(CliError::Usage(format!(
@@ -169,17 +184,17 @@ pub(super) fn check(plan: &Plan<'_>, cases: &[Case]) -> Result<(Vec<Effort>, usi
                 .to_owned(),
         ));
     }
-    let efforts: Vec<Effort> = cases.iter().map(|case| plan.effort(case)).collect();
-    let lmax = efforts.iter().map(|e| e.lmax).max().unwrap_or(0);
-    check_degree("the spectra (--lmax)", lmax)?;
-    for (case, effort) in cases.iter().zip(&efforts) {
-        let Effort { lmax, method, epsilon, .. } = *effort;
-        let resolution = Resolution { lmax, n_points: case.n_points(), method, epsilon };
-        check_transform(resolution, effort.realizations)?;
+    for case in cases {
+        let n_points = case.n_points();
+        let lmax = plan.lmax.unwrap_or_else(|| plan.needed_degree(case));
+        check_degree("the spectra (--lmax)", lmax)?;
+        let Plan { method, epsilon, .. } = *plan;
+        let resolution = Resolution { lmax, n_points, method, epsilon };
+        check_transform(resolution, plan.spectrum_realizations(&case.pattern, n_points, lmax))?;
     }
     check_trials(plan)?;
     check_cut_sum(plan, cases)?;
-    Ok((efforts, lmax))
+    Ok(cases.iter().map(|case| plan.effort(case)).collect())
 }
 
 /// Refuses numbers of trials whose estimates do not fit into memory.
@@ -220,82 +235,71 @@ fn check_cut_sum(plan: &Plan<'_>, cases: &[Case]) -> Result<(), CliError> {
 }
 
 impl Plan<'_> {
-    /// From how many realizations of `n_points` the spectrum of the case's pattern is estimated.
-    pub(super) fn spectrum_realizations(&self, case: &Case, n_points: usize, lmax: usize) -> u64 {
-        let seconds = case.pattern.seconds(n_points);
-        let trials = self.expected_trials();
-        self.realizations
-            .unwrap_or_else(|| worthwhile_realizations(n_points, lmax, trials, seconds))
-    }
-
-    /// The number of trials, or what a precision takes of normal estimates: `2/e^2`.
-    #[expect(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "positive, and the cast saturates"
-    )]
-    fn expected_trials(&self) -> u64 {
-        self.until.map_or(self.trials, |Precision { relative, most }| {
-            ((2.0 / (relative * relative)) as u64).max(self.trials).min(most)
-        })
-    }
-
-    /// The seconds that the spectrum of a case may take if it is not sampled, or `None` if it is to be:
-    /// by the user's wish, or because one realization of a pattern that is not random is its spectrum.
-    fn seconds_unsampled(&self, case: &Case) -> Option<f64> {
-        (self.realizations.is_none() && case.sampler.is_random()).then_some(MOST_UNSAMPLED)
-    }
-
-    /// The spectrum of a case without sampling, where there is one.
-    fn known_spectrum(
+    /// What makes the predictions, for this integrand and others of the same run.
+    pub(super) fn predictor_of<'a>(
         &self,
+        integrand: &'a dyn Integrand,
+        domain: Domain,
+    ) -> Result<Predictor<'a>, CliError> {
+        let predictor = Predictor::new(integrand, domain, self.seed, PredictionBudget::USUAL)?;
+        let Self { lmax, realizations, method, epsilon, .. } = *self;
+        Ok(predictor.with_options(SpectrumOptions { lmax, realizations, method, epsilon }))
+    }
+
+    /// From how many realizations at most the spectrum of a pattern is estimated.
+    pub(super) fn spectrum_realizations(
+        &self,
+        pattern: &Pattern,
+        n_points: usize,
+        lmax: usize,
+    ) -> u64 {
+        let budget = PredictionBudget::USUAL;
+        self.realizations.unwrap_or_else(|| budget.realizations(pattern, n_points, lmax))
+    }
+
+    /// The prediction for a case, with a spectrum as far as it is shown.
+    fn predict(
+        &self,
+        predictor: &mut Predictor<'_>,
         case: &Case,
-        effort: &Effort,
-        done: &(dyn Fn(f64) + Sync),
-    ) -> Result<Option<Spectrum>, CliError> {
-        let Some(seconds) = self.seconds_unsampled(case) else {
-            return Ok(None);
-        };
-        let (pattern, n) = (&case.pattern, case.n_points());
-        Ok(known_spectrum(pattern, n, self.domain, effort.lmax, seconds, done)?)
-    }
-
-    /// The seconds for a case, roughly.
-    fn cost(&self, case: &Case, effort: &Effort) -> f64 {
-        let (pattern, n, lmax) = (&case.pattern, case.n_points(), effort.lmax);
-        let is_known = |&seconds: &f64| is_spectrum_known(pattern, n, self.domain, lmax, seconds);
-        if self.seconds_unsampled(case).filter(is_known).is_some() {
-            let trials_alone = Effort { realizations: 0, ..*effort };
-            trials_alone.seconds(&*case.sampler)
-                + exact_spectrum_cost(pattern, n, self.domain, lmax)
-        } else {
-            effort.seconds(&*case.sampler)
+        progress: &Progress,
+    ) -> Result<PredictedPoint, CliError> {
+        let (pattern, n_points) = (&case.pattern, case.n_points());
+        let (work, count) = predictor.work(pattern, n_points)?;
+        let (all, each) = (work * UNIT_SECONDS, work * UNIT_SECONDS / count as f64);
+        let share = progress.share(all);
+        let mut point = predictor.predict(pattern, n_points, &|| share.advance(each))?;
+        share.finish();
+        let natural = Resolution::natural_degree(n_points);
+        if self.whole_spectra && self.lmax.is_none() && point.spectrum.lmax() < natural {
+            point.spectrum = predictor.spectrum_to(pattern, &point, natural)?;
         }
+        Ok(point)
     }
 
-    fn effort(&self, case: &Case) -> Effort {
+    /// The degree that a spectrum needs at most.
+    fn needed_degree(&self, case: &Case) -> usize {
         let needed = prediction_degree(&*case.sampler, &*self.integrand.function);
-        let natural = Resolution::natural_degree(case.n_points());
-        let shown = if self.whole_spectra { natural } else { 0 };
-        let lmax = self.lmax.unwrap_or(needed.max(shown));
-        let seconds_per_set = case.pattern.seconds(case.n_points());
-        let realizations = self.spectrum_realizations(case, case.n_points(), lmax);
+        let shown =
+            if self.whole_spectra { Resolution::natural_degree(case.n_points()) } else { 0 };
+        needed.max(shown)
+    }
+
+    /// The effort of the trials; predictions are known before.
+    fn effort(&self, case: &Case) -> Effort {
         Effort {
             seed: self.seed,
             group: case.pattern.stream_group(case.n_points()),
-            lmax,
+            lmax: 0,
             method: self.method,
             epsilon: self.epsilon,
-            realizations,
+            realizations: 0,
             trials: self.trials,
             until: self.until,
-            seconds_per_set,
+            seconds_per_set: case.pattern.seconds(case.n_points()),
         }
     }
 }
-
-/// The seconds of one core that a spectrum without sampling may take; beyond that it is sampled.
-pub(super) const MOST_UNSAMPLED: f64 = 20.0;
 
 /// A row as scripts see it.
 #[derive(Debug, Serialize)]

@@ -193,3 +193,95 @@ fn what_cannot_be_meant_is_refused() {
     }
     assert!(place.names().is_empty());
 }
+
+/// One question, one answer: to the last digit, whatever command asks and however many trials it makes.
+#[test]
+fn every_command_predicts_the_same() {
+    let place = Workplace::new();
+    let samplers = "white-noise,jittered,fibonacci,poisson-disk,sobol";
+    for integrand in ["cap:degrees=60", "ylm:l=4,m=0", "vmf:kappa=10"] {
+        let question = format!("{samplers} -n 48 --integrand {integrand} --json");
+        let few = place.run(&format!("variance {question} -m 10")).json();
+        let many = place.run(&format!("variance {question} -m 300")).json();
+        let compared = place.run(&format!("compare {question} -m 20")).json();
+        let chosen = place.run(&format!("choose --samplers {question}")).json();
+        assert_eq!(rows(&few).len(), 5);
+        for row in rows(&few) {
+            let same_sampler = |r: &&Value| r["sampler"] == row["sampler"];
+            for (other, variance, stderr) in [
+                (&many, "predicted", "predicted_stderr"),
+                (&compared, "predicted", "predicted_stderr"),
+                (&chosen, "variance", ""),
+            ] {
+                let other = rows(other).iter().find(same_sampler).unwrap();
+                assert_eq!(other["n"], 48, "{other}");
+                assert_eq!(other[variance], row["predicted"], "{integrand}: {row}, {other}");
+                assert_eq!(other["realizations"], row["realizations"], "{row}, {other}");
+                assert!(stderr.is_empty() || other[stderr] == row[stderr], "{row}, {other}");
+            }
+        }
+    }
+}
+
+/// HEALPix has no power in odd degrees: its variance is 0 with 12 points, and 0 has no rate.
+#[test]
+fn an_exact_pattern_needs_its_smallest_set() {
+    let place = Workplace::new();
+    let arguments = "choose --integrand ylm:l=3 --absolute --error 0.001 --samplers \
+                     white-noise,healpix";
+    let document = place.run(&format!("{arguments} --json")).json();
+    let best = &rows(&document)[0];
+    assert_eq!((&best["sampler"], &best["n"]), (&"healpix".into(), &12.into()), "{document}");
+    assert!(best["rate"].is_null() && best["gain"].is_null(), "{best}");
+    assert_eq!(best["variance"], 0.0, "{best}");
+    let text = place.run(arguments).ok().stdout;
+    assert!(text.contains("exact") && text.contains("Take healpix with N = 12"), "{text}");
+}
+
+/// A cap of area A has the relative variance (4 pi/A - 1)/N with white noise: 13131.6/N for one of a degree,
+/// A = 2 pi (1 - cos 1 deg).
+#[test]
+fn what_nothing_reaches_is_said_with_white_noise() {
+    let place = Workplace::new();
+    let arguments = "choose --integrand cap:degrees=1 --error 0.01%";
+    let document = place.run(&format!("{arguments} --json")).json();
+    let needed = document["white_noise_points"].as_f64().unwrap();
+    let area = 2.0 * std::f64::consts::PI * (1.0 - 1_f64.to_radians().cos());
+    let exact = (4.0 * std::f64::consts::PI / area - 1.0) / 1e-8;
+    assert!((needed / exact - 1.0).abs() < 1e-9, "{needed}, exactly {exact}");
+    let text = place.run(arguments).ok().stdout;
+    for part in ["out of reach", "white noise needs 1.31e12 points"] {
+        assert!(text.contains(part), "{text}\nlacks {part}");
+    }
+    assert!(text.lines().count() < 8, "{text}");
+}
+
+/// A cap of half a degree carries all: 48 points cannot see it.
+#[test]
+fn no_pattern_is_recommended_for_a_sun() {
+    let place = Workplace::new();
+    let arguments = "choose --integrand cap:degrees=0.5 -n 48 --samplers \
+                     white-noise,jittered,fibonacci,healpix";
+    let text = place.run(arguments).ok().stdout;
+    for part in ["No recommendation", "No pattern helps", "of the variance lies beyond degree 14"] {
+        assert!(text.contains(part), "{text}\nlacks {part}");
+    }
+    assert!(!text.contains("Take "), "{text}");
+}
+
+/// The alpha of a design is chosen for the integrand, and what is printed is accepted.
+#[test]
+fn designs_are_fitted_to_the_integrand() {
+    let place = Workplace::new();
+    let question = "choose --integrand vmf:kappa=20 -n 100 --json";
+    let document = place.run(question).json();
+    let best = &rows(&document)[0];
+    let name = best["sampler"].as_str().unwrap();
+    assert!(name.contains(":alpha=1."), "{name}");
+    let plain = place.run(&format!("{question} --samplers step,blue")).json();
+    let error = |row: &Value| row["error"].as_f64().unwrap();
+    assert!(error(best) < 0.3 * error(&rows(&plain)[0]), "{best}, {plain}");
+    let again = place.run(&format!("{question} --samplers {name}")).json();
+    assert_eq!(rows(&again)[0]["variance"], best["variance"], "{again}");
+    place.run(&format!("sample {name} -n 100 -o a.npy")).ok();
+}

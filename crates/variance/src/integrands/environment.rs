@@ -245,7 +245,11 @@ impl Integrand for EnvironmentMap {
     }
 
     fn coefficients(&self, domain: Domain, lmax: usize) -> Result<Coefficients, Error> {
-        let part = Coefficients::general(self.alm(domain, lmax)?);
+        // The mean is known without a transform.
+        let part = match lmax {
+            0 => Coefficients::zonal(DVec3::Z, vec![self.integrals(domain).0 / (4.0 * PI).sqrt()])?,
+            _ => Coefficients::general(self.alm(domain, lmax)?),
+        };
         Ok(if domain == Domain::Sphere { part } else { part.even_extension() })
     }
 
@@ -293,6 +297,11 @@ impl Integrand for EnvironmentMap {
             })
         };
         quadrature::weighted_kurtosis(values)
+    }
+
+    fn energy_seconds(&self, _domain: Domain, lmax: usize) -> f64 {
+        let (rows, degrees) = (self.height as f64, lmax as f64);
+        (12.0 * rows + 0.8 * degrees) * degrees * (0.3e-9 * degrees + 10e-9)
     }
 
     /// Four degrees to a texel, and at least 1024: between centres the map is smooth, across them it

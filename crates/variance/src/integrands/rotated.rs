@@ -123,6 +123,10 @@ impl<I: Integrand> Integrand for Rotated<I> {
         quadrature::kurtosis(&self.shape().ok()?, domain, &|dir| self.eval(dir))
     }
 
+    fn energy_seconds(&self, domain: Domain, lmax: usize) -> f64 {
+        self.function.energy_seconds(domain, lmax)
+    }
+
     fn band_limit(&self) -> Option<usize> {
         self.function.band_limit()
     }

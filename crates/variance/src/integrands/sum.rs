@@ -105,6 +105,10 @@ impl Integrand for Sum {
         }
     }
 
+    fn energy_seconds(&self, domain: Domain, lmax: usize) -> f64 {
+        self.terms.iter().map(|(_, f)| f.energy_seconds(domain, lmax)).sum()
+    }
+
     fn band_limit(&self) -> Option<usize> {
         self.largest(|f| f.band_limit())
     }

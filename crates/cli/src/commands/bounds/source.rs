@@ -10,7 +10,6 @@ use sphvar_spectrum::{
 use sphvar_variance::is_spectrum_known;
 
 use super::BoundsArgs;
-use crate::commands::rows::MOST_UNSAMPLED;
 use crate::error::CliError;
 use crate::files::read_spectrum;
 use crate::global::Global;
@@ -18,6 +17,8 @@ use crate::memory::{check_degree, check_memory, check_transform};
 use crate::patterns;
 use crate::progress::Progress;
 
+/// The seconds of one core that a spectrum without sampling may take; beyond that it is sampled.
+const MOST_UNSAMPLED: f64 = 20.0;
 /// Realizations of a pattern whose spectrum has to be sampled.
 const REALIZATIONS: u64 = 300;
 

@@ -4,7 +4,8 @@ use std::time::Instant;
 
 use sphvar_samplers::{Domain, Pattern, Purpose, Realizations, Streams};
 use sphvar_variance::{
-    PredictedCurve, PredictedPoint, Predictor, RequiredPoints, legal_between, required_points,
+    PredictedCurve, PredictedPoint, Predictor, RequiredPoints, best_design, legal_between,
+    required_points,
 };
 
 use super::question::{Question, Wish};
@@ -28,7 +29,7 @@ pub(super) struct Candidate {
 #[derive(Clone, Copy)]
 pub(super) struct Making {
     pub(super) seconds: f64,
-    /// Not measured at this number of points, but scaled from a smaller one.
+    /// Not measured at this number of points, but scaled from a smaller one or by the model of costs.
     pub(super) is_scaled: bool,
 }
 
@@ -39,9 +40,47 @@ impl Candidate {
         predictor: &mut Predictor<'_>,
         seed: u64,
     ) -> Result<Self, CliError> {
+        let max_points = match question.wish {
+            Wish::Error { max_points, .. } => max_points,
+            Wish::Points(_) => usize::MAX,
+        };
+        Self::answer(PredictedCurve::new(pattern), max_points, question, predictor, seed)
+    }
+
+    /// The pattern with the parameters that suit the integrand best, if they make it better than it is and
+    /// than all others, whose least variance is `best`.
+    pub(super) fn tuned(
+        self,
+        question: &Question,
+        predictor: &mut Predictor<'_>,
+        best: f64,
+        seed: u64,
+    ) -> Result<Self, CliError> {
+        let (Some(n), Some((variance, _))) = (self.n_points, self.variance) else {
+            return Ok(self);
+        };
+        let limit = match question.wish {
+            Wish::Error { .. } => variance,
+            Wish::Points(_) => variance.min(best),
+        };
+        let Some((pattern, point)) = best_design(predictor, self.curve.pattern(), n, limit)? else {
+            return Ok(self);
+        };
         let mut curve = PredictedCurve::new(pattern);
+        curve.insert(point);
+        let tuned = Self::answer(curve, n, question, predictor, seed)?;
+        Ok(if tuned.merit(question) < self.merit(question) { tuned } else { self })
+    }
+
+    fn answer(
+        mut curve: PredictedCurve,
+        max_points: usize,
+        question: &Question,
+        predictor: &mut Predictor<'_>,
+        seed: u64,
+    ) -> Result<Self, CliError> {
         let (required, n_points) = match question.wish {
-            Wish::Error { standard_error, max_points, .. } => {
+            Wish::Error { standard_error, .. } => {
                 let variance = standard_error * standard_error;
                 let required =
                     required_points(predictor, &mut curve, variance, max_points, &|| ())?;
@@ -67,6 +106,11 @@ impl Candidate {
         Ok(Self { curve, required, n_points, variance, making, seconds_in_all })
     }
 
+    /// Whether the variance is 0, to rounding.
+    pub(super) fn is_exact(&self) -> bool {
+        self.variance.is_some_and(|(variance, _)| variance <= 0.0)
+    }
+
     /// How the answer was found.
     pub(super) fn basis(&self) -> &'static str {
         match self.required {
@@ -77,7 +121,7 @@ impl Candidate {
     }
 
     /// By what candidates are ranked, the least first.
-    fn merit(&self, question: &Question) -> f64 {
+    pub(super) fn merit(&self, question: &Question) -> f64 {
         let merit = match question.wish {
             // By the model of costs: measured seconds change from run to run, and the answer must not.
             Wish::Error { .. } => self.n_points.map(|n| match question.cost_per_sample {
@@ -90,22 +134,21 @@ impl Candidate {
     }
 }
 
-/// Predicts at the legal number next to `n` and, as far as that is affordable, at those from a quarter to
-/// four times it, for the rate; returns the first.
+/// Predicts at the valid count next to `n` and, as far as that is affordable, at those next to a half and a
+/// quarter of it, for the rate; returns the first.
 fn around(
     curve: &mut PredictedCurve,
     predictor: &mut Predictor<'_>,
     n: usize,
 ) -> Result<usize, CliError> {
     let pattern = curve.pattern().clone();
-    let legal = |n: usize| pattern.nearest_count(n, predictor.domain());
+    let domain = predictor.domain();
+    let legal = |n: usize| pattern.nearest_count(n, domain);
     // More points than are at hand only where the pattern has no fewer.
-    let fewer = legal_between(&pattern, predictor.domain(), 0, n.saturating_add(1), n);
+    let fewer = legal_between(&pattern, domain, 0, n.saturating_add(1), n);
     let at = fewer.unwrap_or_else(|| legal(n));
-    let others: Vec<usize> =
-        [n / 4, n / 2, n.saturating_mul(2), n.saturating_mul(4)].map(legal).to_vec();
     curve.predict(predictor, at, &|| ())?;
-    for n in others {
+    for n in [n / 4, n / 2].map(legal) {
         // A number that the pattern refuses is a point less on the curve.
         if predictor.is_affordable(&pattern, n).unwrap_or(false) {
             let _ = curve.predict(predictor, n, &|| ());
@@ -121,7 +164,7 @@ const TIMED_SECONDS: f64 = 0.2;
 /// Points of the largest set that is made for its time.
 const MOST_TIMED: usize = 10_000_000;
 /// A set that is expected to take longer is not made.
-const LONGEST_SET: f64 = 1.0;
+const LONGEST_SET: f64 = 0.2;
 
 /// The time for a set of `n_points`: measured, or scaled from the largest set that was predicted.
 fn making(
@@ -139,6 +182,9 @@ fn making(
         Some(most) if timed > MOST_TIMED => most,
         _ => timed,
     };
+    if expected(timed) > LONGEST_SET {
+        return Ok(Making { seconds: expected(n_points), is_scaled: true });
+    }
     let is_scaled = timed < n_points;
     let seconds = median_seconds(pattern, domain, timed, seed)?;
     Ok(Making { seconds: seconds * expected(n_points) / expected(timed), is_scaled })

@@ -1,7 +1,8 @@
 //! The answer as table, JSON, CSV and plot.
 
 use serde::Serialize;
-use sphvar_variance::{PredictedPoint, Predictor, RequiredPoints};
+use sphvar_samplers::Pattern;
+use sphvar_variance::{PredictedPoint, Predictor, RequiredPoints, settled_degree_of};
 
 use super::ChooseArgs;
 use super::candidate::{Candidate, recommended};
@@ -78,6 +79,8 @@ struct Document<'a> {
     points_asked: Option<usize>,
     max_points: Option<usize>,
     cost_per_sample: Option<f64>,
+    /// The number of points that white noise needs for the error asked for, exactly, however many.
+    white_noise_points: Option<f64>,
     rows: &'a [Row],
     left_out: &'a [LeftOut],
     crossovers: &'a [CrossingRecord],
@@ -95,23 +98,33 @@ pub(super) struct Answer<'a> {
     crossovers: Vec<CrossingRecord>,
     reason: Option<Reason>,
     recommendation: String,
+    white_noise_points: Option<f64>,
 }
 
 impl<'a> Answer<'a> {
     pub(super) fn new(
         question: &'a Question,
-        predictor: &Predictor<'_>,
+        predictor: &mut Predictor<'_>,
         candidates: &'a [Candidate],
         left_out: Vec<LeftOut>,
         seed: u64,
-    ) -> Self {
+    ) -> Result<Self, CliError> {
         let row = |(i, c): (usize, &Candidate)| row(i + 1, c, question, predictor);
         let rows = candidates.iter().enumerate().map(row).collect();
         let best = recommended(candidates, question);
-        let reason = best.and_then(|best| Reason::new(best, predictor));
-        let recommendation = recommendation(best, reason.as_ref(), question, predictor);
+        let (reason, recommendation) = recommendation(best, question, predictor)?;
         let crossovers = crossings::between(candidates, seed);
-        Self { question, candidates, rows, left_out, crossovers, reason, recommendation }
+        let white_noise_points = question.white_noise_points(predictor);
+        Ok(Self {
+            question,
+            candidates,
+            rows,
+            left_out,
+            crossovers,
+            reason,
+            recommendation,
+            white_noise_points,
+        })
     }
 
     /// Writes and prints the answer in the form asked for.
@@ -131,6 +144,7 @@ impl<'a> Answer<'a> {
             points_asked,
             max_points,
             cost_per_sample: self.question.cost_per_sample,
+            white_noise_points: self.white_noise_points,
             rows: &self.rows,
             left_out: &self.left_out,
             crossovers: &self.crossovers,
@@ -183,12 +197,23 @@ impl<'a> Answer<'a> {
             heading.push("s in all");
         }
         heading.push("by");
-        let cells = self.rows.iter().map(|row| row.cells(question)).collect();
-        text += &table(&heading, cells, 1);
-        text += "\nerror: one standard error of the integral";
-        text += if question.integral.is_some() { ", relative to it" } else { "" };
-        text += "; +-: what is not known of it. gain: how many times less\nvariance than white noise \
-                 with as many points. rate: exponent of the variance against N near this N.\n\n";
+        let (reached, out_of_reach): (Vec<&Row>, Vec<&Row>) =
+            self.rows.iter().partition(|row| row.n.is_some());
+        if !reached.is_empty() {
+            let cells = reached.iter().map(|row| row.cells(question)).collect();
+            text += &table(&heading, cells, 1);
+            text += "\nerror: one standard error of the integral";
+            text += if question.integral.is_some() { ", relative to it" } else { "" };
+            text += "; +-: what is not known of it. gain: how many times less\nvariance than white noise \
+                     with as many points. rate: exponent of the variance against N near this N.\n\n";
+        }
+        if let (Wish::Error { max_points, .. }, false) = (&question.wish, out_of_reach.is_empty()) {
+            let names: Vec<&str> = out_of_reach.iter().map(|row| &*row.sampler).collect();
+            text += &format!(
+                "Out of reach with {max_points} points (--max-points): {}\n",
+                names.join(", ")
+            );
+        }
         let empty = |row: &Row| {
             let last = row.last_empty_degree.filter(|&last| last > 0)?;
             Some(format!("{} {last}", row.sampler))
@@ -300,10 +325,14 @@ impl Row {
         let show = |x: Option<f64>, f: &dyn Fn(f64) -> String| x.map_or("-".to_owned(), f);
         let approximate = if self.basis == "extrapolated" { "~" } else { "" };
         let percent = self.relative_error.is_some();
-        let error = |e: f64| if percent { format!("{:.3} %", 100.0 * e) } else { short(e) };
+        let error = |e: f64| match 100.0 * e {
+            p if !percent => short(p / 100.0),
+            p if p > 0.0 && p < 0.1 => format!("{p:.1e} %"),
+            p => format!("{p:.3} %"),
+        };
         let shown = self.relative_error.or(self.error);
         // Half the relative error of the variance is that of its root.
-        let half = self.variance_stderr.zip(self.variance).map(|(e, v)| 0.5 * e / v);
+        let half = self.variance_stderr.zip(self.variance).map(|(e, v)| 0.5 * e / v.max(e));
         let unknown = shown.zip(half).map(|(e, half)| e * half).filter(|e| e.is_finite());
         let scaled = if self.seconds_are_scaled { "~" } else { "" };
         let mut cells = vec![
@@ -312,7 +341,10 @@ impl Row {
             show(shown, &error),
             show(unknown, &error),
             show(self.gain, &|g| if g < 1e5 { format!("{g:.1}") } else { format!("{g:.1e}") }),
-            show(self.rate, &|r| format!("{r:.2}")),
+            match self.variance {
+                Some(v) if v <= 0.0 => "exact".to_owned(),
+                _ => show(self.rate, &|r| format!("{r:.2}")),
+            },
             show(self.seconds_per_set, &|s| format!("{scaled}{s:.1e}")),
         ];
         if question.cost_per_sample.is_some() {
@@ -355,21 +387,48 @@ impl Row {
     }
 }
 
-/// What to take and why, in a sentence.
-fn recommendation(
-    best: Option<&Candidate>,
-    reason: Option<&Reason>,
+/// A candidate in a line, before all are known.
+pub(super) fn line(
+    candidate: &Candidate,
     question: &Question,
     predictor: &Predictor<'_>,
 ) -> String {
-    if predictor.white_variance(1) <= 0.0 {
-        return "Any sampler will do: the integrand is constant, and its integral has no variance."
-            .to_owned();
+    let row = row(0, candidate, question, predictor);
+    let cells = row.cells(question);
+    match row.n {
+        Some(_) => format!("{:<28} N = {:<8} error {}", cells[0], cells[1], cells[2]),
+        None => format!("{:<28} {}", cells[0], row.basis),
+    }
+}
+
+/// What to take and why, in a sentence.
+fn recommendation(
+    best: Option<&Candidate>,
+    question: &Question,
+    predictor: &mut Predictor<'_>,
+) -> Result<(Option<Reason>, String), CliError> {
+    let white = predictor.white_variance(1);
+    if white <= 0.0 {
+        let text =
+            "Any sampler will do: the integrand is constant, and its integral has no variance.";
+        return Ok((None, text.to_owned()));
     }
     let (Some(best), Some(n)) = (best, best.and_then(|b| b.n_points)) else {
-        return "No sampler reaches this error with the most points allowed (--max-points)."
-            .to_owned();
+        let (mut text, mut most) = ("No sampler reaches this error".to_owned(), 1);
+        if let Wish::Error { max_points, .. } = question.wish {
+            most = max_points;
+            text += &format!(
+                " with {most} points (--max-points): all considered are out of reach, and white noise \
+                 needs {} points.",
+                count(question.white_noise_points(predictor))
+            );
+        }
+        return Ok((None, text + &beyond_help(most, predictor)?));
     };
+    if let Some(text) = no_recommendation(best, n, question, predictor)? {
+        return Ok((None, text));
+    }
+    let reason = Reason::new(best, predictor);
     let extrapolated = if best.basis() == "extrapolated" { ", by extrapolation" } else { "" };
     let choice = match question.wish {
         _ if question.cost_per_sample.is_some() => "the least time for set and values",
@@ -379,6 +438,68 @@ fn recommendation(
         Wish::Points(_) => "of those of the least variance, within 10 %, the cheapest to make",
     };
     let name = best.curve.pattern();
-    let why = reason.map_or(String::new(), |reason| format!(": {}", reason.sentence(name.name())));
-    format!("Take {name} with N = {n} ({choice}{extrapolated}){why}.")
+    let why = match &reason {
+        _ if best.is_exact() => ": it integrates this function exactly".to_owned(),
+        Some(reason) => format!(": {}", reason.sentence(name.name())),
+        None => String::new(),
+    };
+    let text = format!("Take {name} with N = {n} ({choice}{extrapolated}){why}.");
+    Ok((reason, text))
+}
+
+/// Why not even the best is worth a recommendation: its error exceeds the integral, or its variance is
+/// no less than white noise's as far as that is known.
+fn no_recommendation(
+    best: &Candidate,
+    n: usize,
+    question: &Question,
+    predictor: &mut Predictor<'_>,
+) -> Result<Option<String>, CliError> {
+    let Some((variance, stderr)) = best.variance else {
+        return Ok(None);
+    };
+    let name = best.curve.pattern();
+    let relative = question.relative(variance.sqrt());
+    if let Some(error) = relative.filter(|error| *error > 1.0) {
+        let text = format!(
+            "No recommendation: the least error with {n} points, of {name}, is {:.0} % of the integral.",
+            100.0 * error
+        );
+        return Ok(Some(text + &beyond_help(n, predictor)?));
+    }
+    let unknown = if stderr.is_finite() { 2.0 * stderr } else { 0.0 };
+    let is_white = predictor.white_variance(n) <= variance + unknown;
+    let is_white_noise = *name == Pattern::WhiteNoise;
+    if is_white && !is_white_noise || is_white_noise && matches!(question.wish, Wish::Points(_)) {
+        let text = format!(
+            "No pattern considered helps: none has less variance with {n} points than \
+                            white noise, as far as that is known."
+        );
+        return Ok(Some(text + &beyond_help(n, predictor)?));
+    }
+    Ok(None)
+}
+
+/// That most of the variance lies where no pattern has less power than white noise, if it does.
+fn beyond_help(n_points: usize, predictor: &mut Predictor<'_>) -> Result<String, CliError> {
+    let settled = settled_degree_of(n_points, predictor.domain());
+    let share = predictor.share_beyond(settled)?;
+    Ok(if share > 0.5 {
+        format!(
+            " No pattern helps: {:.0} % of the variance lies beyond degree {settled}, where every pattern of \
+             {n_points} points has white noise's power in the mean.",
+            100.0 * share
+        )
+    } else {
+        String::new()
+    })
+}
+
+/// A number of points, to two digits where it is large.
+fn count(points: Option<f64>) -> String {
+    match points {
+        Some(n) if n < 1e7 => format!("{n:.0}"),
+        Some(n) => format!("{n:.2e}"),
+        None => "-".to_owned(),
+    }
 }

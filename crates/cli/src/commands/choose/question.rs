@@ -1,6 +1,6 @@
 //! What is asked for: an error or a number of points.
 
-use sphvar_variance::{Domain, Energy};
+use sphvar_variance::{Domain, Energy, Predictor};
 
 use super::ChooseArgs;
 use crate::error::CliError;
@@ -62,6 +62,17 @@ impl Question {
         };
         let cost_per_sample = args.cost_per_sample;
         Ok(Self { integrand: integrand.name.clone(), domain, integral, wish, cost_per_sample })
+    }
+
+    /// The number of points that white noise needs for the error asked for, exactly.
+    pub(super) fn white_noise_points(&self, predictor: &Predictor<'_>) -> Option<f64> {
+        match self.wish {
+            Wish::Error { standard_error, .. } => {
+                let needed = predictor.white_variance(1) / (standard_error * standard_error);
+                Some(needed.ceil().max(1.0)).filter(|n| n.is_finite())
+            }
+            Wish::Points(_) => None,
+        }
     }
 
     /// A standard error relative to the integral, where that is known and not 0.

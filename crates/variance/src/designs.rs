@@ -1,0 +1,140 @@
+use sphvar_samplers::{Domain, Pattern, SpectralControl};
+
+use crate::{Error, PredictedPoint, PredictionBudget, Predictor};
+
+/// The share of white noise's power that a pattern has at least beyond its empty degrees, averaged
+/// with the energies of an integrand: power that is missing at low degrees comes back beyond
+/// (`sum (2l+1) (1 - P(l)) = N`), the more the more is missing.
+const REMAINING_POWER: f64 = 0.7;
+/// From one last empty degree to the next that is tried, where less emptiness may be better.
+const STEP_DOWN: f64 = 0.9;
+/// Patterns that cannot be made, after which the search ends.
+const MAX_FAILURES: usize = 3;
+/// The nominal work of a prediction that is tried, in units of the budget.
+const MAX_WORK: f64 = 25.0;
+
+/// Returns the parameters of a designed pattern with the least variance at `n_points`, with their
+/// prediction; `None` if none is better than `to_beat`, or the pattern has no such parameters.
+///
+/// A `step` or `blue` set has no power up to a degree t. For each t there is one value of alpha, the
+/// shortest decimal number. The largest t is best for smooth integrands: it is tried first, then
+/// smaller ones as long as they improve. What lies beyond t is a bound: where 0.7 times white noise's
+/// variance of the degrees beyond t exceeds the best variance known, t is not tried.
+///
+/// # Errors
+///
+/// Those of [`Predictor::predict`] but for sets that cannot be made.
+pub fn best_design(
+    predictor: &mut Predictor<'_>,
+    pattern: &Pattern,
+    n_points: usize,
+    to_beat: f64,
+) -> Result<Option<(Pattern, PredictedPoint)>, Error> {
+    let budget = PredictionBudget::USUAL;
+    let factor = predictor.domain().variance_factor(n_points);
+    let mut best: Option<(Pattern, PredictedPoint)> = None;
+    let (mut limit, mut below, mut failures) = (to_beat, usize::MAX, 0);
+    for (last, design) in designs(pattern, n_points, predictor.domain()).into_iter().rev() {
+        if last >= below {
+            continue;
+        }
+        if REMAINING_POWER * factor * predictor.energy_to(last)?.beyond(last) >= limit {
+            break;
+        }
+        let Ok((work, realizations)) = predictor.work(&design, n_points) else {
+            continue;
+        };
+        let least = work / realizations as f64 * PredictionBudget::MIN_REALIZATIONS as f64;
+        if least > MAX_WORK * budget.work {
+            continue;
+        }
+        match predictor.predict(&design, n_points, &|| ()) {
+            Ok(point) if point.prediction.variance < limit => {
+                limit = point.prediction.variance;
+                best = Some((design, point));
+            }
+            Ok(_) => break,
+            Err(Error::Spectrum(sphvar_spectrum::Error::Sampler(_))) if failures < MAX_FAILURES => {
+                failures += 1;
+                continue;
+            }
+            Err(Error::Spectrum(sphvar_spectrum::Error::Sampler(_))) => break,
+            Err(error) => return Err(error),
+        }
+        below = fraction(last);
+    }
+    Ok(best)
+}
+
+/// Returns the designs of a pattern, one for each last empty degree, which rises.
+fn designs(pattern: &Pattern, n_points: usize, domain: Domain) -> Vec<(usize, Pattern)> {
+    let mut found: Vec<(usize, Pattern)> = Vec::new();
+    // Hundredths tell all degrees of 5000 points apart, thousandths those of half a million.
+    let digits = if domain.count_on_sphere(n_points) < 5000.0 { 100 } else { 1000 };
+    for parts in digits / 2..2 * digits {
+        let alpha = f64::from(parts) / f64::from(digits);
+        let Some(design) = with_alpha(pattern, alpha) else {
+            return Vec::new();
+        };
+        let Some(last) = last_empty_degree(&design, n_points, domain) else {
+            break;
+        };
+        if last > found.last().map_or(0, |(last, _)| *last) {
+            found.push((last, design));
+        }
+    }
+    found
+}
+
+/// The pattern with another alpha, if it has one.
+fn with_alpha(pattern: &Pattern, alpha: f64) -> Option<Pattern> {
+    match *pattern {
+        Pattern::Step { flat, core, .. } => Some(Pattern::Step { alpha: alpha.into(), flat, core }),
+        Pattern::Blue { core, .. } => Some(Pattern::Blue { alpha: alpha.into(), core }),
+        _ => None,
+    }
+}
+
+/// The last degree up to which a design is empty; `None` if it cannot exist.
+fn last_empty_degree(design: &Pattern, n_points: usize, domain: Domain) -> Option<usize> {
+    let control = match *design {
+        Pattern::Step { alpha, .. } | Pattern::Blue { alpha, .. } => {
+            SpectralControl::step(n_points, domain, alpha, Some(0.0)).ok()?
+        }
+        _ => return None,
+    };
+    let empty = |l: &usize| control.target().at(*l, domain).is_none_or(|power| power == 0.0);
+    Some((1..=control.target().last_degree()).take_while(empty).last().unwrap_or(0))
+}
+
+#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a share of a degree")]
+fn fraction(degree: usize) -> usize {
+    (STEP_DOWN * degree as f64) as usize + 1
+}
+
+#[cfg(test)]
+mod tests {
+    use sphvar_samplers::{Domain, Pattern};
+
+    use super::designs;
+
+    #[test]
+    fn every_last_empty_degree_has_one_alpha() {
+        let step = Pattern::from_name("step").unwrap();
+        for n in [12, 100, 500, 2000, 20_000] {
+            let designs = designs(&step, n, Domain::Sphere);
+            let degrees: Vec<usize> = designs.iter().map(|d| d.0).collect();
+            assert!(degrees.windows(2).all(|pair| pair[1] == pair[0] + 1), "{n}: {degrees:?}");
+            // (t + 1)^2 - 1 coefficients, at most 97 % of 2 N - 3.
+            let most = (0.97 * (2 * n - 3) as f64 + 1.0).sqrt() as usize - 1;
+            assert!(
+                degrees.last().is_some_and(|&t| t + 1 >= most && t <= most),
+                "{n}: {degrees:?}"
+            );
+        }
+        let names: Vec<String> =
+            designs(&step, 500, Domain::Sphere).iter().map(|d| d.1.to_string()).collect();
+        assert!(names.iter().all(|name| name.len() <= "step:alpha=1.36".len()), "{names:?}");
+        assert!(designs(&Pattern::Fibonacci, 500, Domain::Sphere).is_empty());
+    }
+}

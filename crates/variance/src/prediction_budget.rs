@@ -1,0 +1,118 @@
+use sphvar_samplers::Pattern;
+use sphvar_spectrum::{Method, Resolution};
+
+use crate::Error;
+
+/// How precise predictions are to be, and how much work each may take.
+///
+/// Whatever decides a result is a count here, never a time: the same question has the same answer on
+/// every machine, from every command.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PredictionBudget {
+    /// The relative standard error of a variance at which a prediction is precise enough.
+    pub relative: f64,
+    /// The nominal work of all realizations of a prediction, in the unit of
+    /// [`Pattern::nominal_work`].
+    pub work: f64,
+}
+
+impl PredictionBudget {
+    /// 2 % of the variance, eight million units: about half a second of one core.
+    pub const USUAL: Self = Self { relative: 0.02, work: 8e6 };
+
+    /// Realizations of an estimate at least, however expensive they are: fewer say nothing of their
+    /// error.
+    pub const MIN_REALIZATIONS: u64 = 4;
+    /// Realizations after which an estimate ends, however inexpensive they are.
+    const MAX_REALIZATIONS: u64 = 1 << 14;
+    /// The largest number of strata whose spectrum is computed without sampling.
+    const MAX_EXACT_STRATA: usize = 4096;
+
+    /// Checks that both numbers are positive and finite.
+    pub(crate) fn checked(self) -> Result<Self, Error> {
+        for (name, got) in [("the relative precision", self.relative), ("the work", self.work)] {
+            if !(got > 0.0 && got.is_finite()) {
+                return Err(Error::Parameter { name, range: "positive and finite", got });
+            }
+        }
+        Ok(self)
+    }
+
+    /// Returns the largest number of realizations of `n_points` that a spectrum to degree `lmax` is
+    /// estimated from: as many as the work allows, 4 to 16384.
+    #[must_use]
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "a positive number, and the cast saturates"
+    )]
+    pub fn realizations(&self, pattern: &Pattern, n_points: usize, lmax: usize) -> u64 {
+        let affordable = (self.work / realization_work(pattern, n_points, lmax)) as u64;
+        affordable.clamp(Self::MIN_REALIZATIONS, Self::MAX_REALIZATIONS)
+    }
+
+    /// Whether the spectrum of a random pattern that has one in closed form is computed from it, and
+    /// not from realizations.
+    pub(crate) fn is_exact(n_points: usize, lmax: usize) -> bool {
+        n_points <= Self::MAX_EXACT_STRATA && lmax <= 2 * Resolution::natural_degree(n_points)
+    }
+}
+
+/// What a user fixes of the spectra behind predictions. By default everything is left to the
+/// [`PredictionBudget`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SpectrumOptions {
+    /// The largest degree.
+    pub lmax: Option<usize>,
+    /// The number of realizations; with it no spectrum of a random pattern is taken from a closed form.
+    pub realizations: Option<u64>,
+    /// How point sets are transformed.
+    pub method: Method,
+    /// The relative accuracy of coefficients by the fast method.
+    pub epsilon: f64,
+}
+
+impl Default for SpectrumOptions {
+    fn default() -> Self {
+        Self { lmax: None, realizations: None, method: Method::Auto, epsilon: Resolution::EPSILON }
+    }
+}
+
+impl SpectrumOptions {
+    /// Whether the way of transforming is left open.
+    pub(crate) fn is_default_transform(&self) -> bool {
+        let Self { method, epsilon, .. } = Self::default();
+        self.method == method && self.epsilon.to_bits() == epsilon.to_bits()
+    }
+}
+
+/// The nominal work of making one set and transforming it to degree `lmax`.
+pub(crate) fn realization_work(pattern: &Pattern, n_points: usize, lmax: usize) -> f64 {
+    pattern.nominal_work(n_points) + transform_work(n_points, lmax)
+}
+
+/// The nominal work of a transform: a unit for each point, half a unit for each pair of degree and
+/// order, and what a transform of nothing takes.
+fn transform_work(n_points: usize, lmax: usize) -> f64 {
+    n_points as f64 + 0.5 * (lmax as f64 + 1.0).powi(2) + 300.0
+}
+
+#[cfg(test)]
+mod tests {
+    use sphvar_samplers::Pattern;
+
+    use super::PredictionBudget;
+
+    #[test]
+    fn realizations_follow_from_the_work() {
+        let budget = PredictionBudget::USUAL;
+        let disks = Pattern::from_name("poisson-disk").unwrap();
+        // 40 + 1 units a point, half of 57^2 for the degrees, 300: 8e6/9796.5.
+        assert_eq!(budget.realizations(&disks, 192, 56), 816);
+        assert_eq!(budget.realizations(&Pattern::WhiteNoise, 12, 32), 9211);
+        let riesz = Pattern::from_name("riesz").unwrap();
+        assert_eq!(budget.realizations(&riesz, usize::MAX, 1 << 40), 4);
+        let rich = PredictionBudget { work: 1e300, ..budget };
+        assert_eq!(rich.realizations(&riesz, 12, 4), 1 << 14);
+    }
+}
