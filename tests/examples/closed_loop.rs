@@ -276,7 +276,7 @@ fn overtaking(
             let spectrum =
                 estimate(&Realizations::rotated(&*sampler, streams), lmax, sets, &|| ())?;
             let energy = integrand.energy(Domain::Sphere, lmax)?;
-            let prediction = sphvar_variance::predict(&spectrum, &energy);
+            let prediction = predict(&spectrum, &energy);
             points.push(VariancePoint {
                 n_points: n as f64,
                 variance: prediction.variance,

@@ -12,8 +12,8 @@ use sphvar_scene::Mesh;
 use crate::args::{Cli, Command};
 use crate::error::CliError;
 use crate::files::{
-    Channel, Columns, ReadOptions, Shard, read_fits_map, read_image, read_list, read_points,
-    read_spectrum, write_points,
+    ChannelChoice, Columns, FitsField, HduChoice, ReadOptions, Shard, read_fits_map, read_image,
+    read_list, read_points, read_spectrum, write_points,
 };
 use crate::message;
 
@@ -184,7 +184,7 @@ fn columns_seeds(_: &Path) -> Vec<Vec<u8>> {
 fn columns(input: &[u8], scratch: &Path) -> Result<(), CliError> {
     let end = input.iter().position(|&b| b == b'\n').unwrap_or(input.len());
     write(input.get(end + 1..).unwrap_or_default(), scratch)?;
-    let columns = Some(text(&input[..end]).split(',').map(str::to_owned).collect());
+    let columns = Some(text(&input[..end]).parse().map_err(CliError::Usage)?);
     read_points(scratch, &ReadOptions { columns, ..ReadOptions::default() })?;
     Ok(())
 }
@@ -204,7 +204,7 @@ fn written_points(scratch: &Path) -> Vec<Vec<u8>> {
 
 fn fits_map(input: &[u8], scratch: &Path) -> Result<(), CliError> {
     write(input, scratch)?;
-    read_fits_map(scratch, 0)?;
+    read_fits_map(scratch, &HduChoice::First, &FitsField::Number(0))?;
     Ok(())
 }
 
@@ -217,7 +217,7 @@ fn images(scratch: &Path) -> Vec<Vec<u8>> {
 
 fn environment(input: &[u8], scratch: &Path) -> Result<(), CliError> {
     write(input, scratch)?;
-    read_image(scratch, Channel::Luminance)?;
+    read_image(scratch, &ChannelChoice::default())?;
     Ok(())
 }
 
@@ -324,7 +324,7 @@ fn integrand_names(_: &Path) -> Vec<Vec<u8>> {
 }
 
 fn integrand(input: &[u8], _: &Path) -> Result<(), CliError> {
-    crate::integrands::parse_integrand(&text(input)).map(drop)
+    crate::integrands::parse_integrand(&text(input), true).map(drop)
 }
 
 fn argument_lists(_: &Path) -> Vec<Vec<u8>> {

@@ -68,43 +68,29 @@ pub fn best_design(
 
 /// Returns the designs of a pattern, one for each last empty degree, which rises.
 fn designs(pattern: &Pattern, n_points: usize, domain: Domain) -> Vec<(usize, Pattern)> {
-    let mut found: Vec<(usize, Pattern)> = Vec::new();
-    // Hundredths tell all degrees of 5000 points apart, thousandths those of half a million.
-    let digits = if domain.count_on_sphere(n_points) < 5000.0 { 100 } else { 1000 };
-    for parts in digits / 2..2 * digits {
-        let alpha = f64::from(parts) / f64::from(digits);
-        let Some(design) = with_alpha(pattern, alpha) else {
-            return Vec::new();
-        };
-        let Some(last) = last_empty_degree(&design, n_points, domain) else {
-            break;
-        };
-        if last > found.last().map_or(0, |(last, _)| *last) {
-            found.push((last, design));
-        }
-    }
-    found
+    let largest = SpectralControl::max_empty_degree(n_points, domain).unwrap_or(0);
+    let degrees = (1..=largest).filter(|&last| domain.has_degree(last));
+    degrees.filter_map(|last| Some((last, design(pattern, last, n_points, domain)?))).collect()
+}
+
+/// Returns the design whose last empty degree is `last`, with the shortest decimal alpha there is.
+fn design(pattern: &Pattern, last: usize, n_points: usize, domain: Domain) -> Option<Pattern> {
+    let least = last as f64 / domain.count_on_sphere(n_points).sqrt();
+    (1..=6).find_map(|digits| {
+        let scale = 10_f64.powi(digits);
+        let design = with_alpha(pattern, (least * scale).ceil() / scale)?;
+        (design.last_empty_degree(n_points, domain) == Some(last)).then_some(design)
+    })
 }
 
 /// The pattern with another alpha, if it has one.
 fn with_alpha(pattern: &Pattern, alpha: f64) -> Option<Pattern> {
+    let alpha = Some(alpha);
     match *pattern {
-        Pattern::Step { flat, core, .. } => Some(Pattern::Step { alpha: alpha.into(), flat, core }),
-        Pattern::Blue { core, .. } => Some(Pattern::Blue { alpha: alpha.into(), core }),
+        Pattern::Step { flat, core, .. } => Some(Pattern::Step { alpha, flat, core }),
+        Pattern::Blue { core, .. } => Some(Pattern::Blue { alpha, core }),
         _ => None,
     }
-}
-
-/// The last degree up to which a design is empty; `None` if it cannot exist.
-fn last_empty_degree(design: &Pattern, n_points: usize, domain: Domain) -> Option<usize> {
-    let control = match *design {
-        Pattern::Step { alpha, .. } | Pattern::Blue { alpha, .. } => {
-            SpectralControl::step(n_points, domain, alpha, Some(0.0)).ok()?
-        }
-        _ => return None,
-    };
-    let empty = |l: &usize| control.target().at(*l, domain).is_none_or(|power| power == 0.0);
-    Some((1..=control.target().last_degree()).take_while(empty).last().unwrap_or(0))
 }
 
 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a share of a degree")]
@@ -114,7 +100,7 @@ fn fraction(degree: usize) -> usize {
 
 #[cfg(test)]
 mod tests {
-    use sphvar_samplers::{Domain, Pattern};
+    use sphvar_samplers::{Domain, Pattern, SpectralControl};
 
     use super::designs;
 
@@ -125,12 +111,8 @@ mod tests {
             let designs = designs(&step, n, Domain::Sphere);
             let degrees: Vec<usize> = designs.iter().map(|d| d.0).collect();
             assert!(degrees.windows(2).all(|pair| pair[1] == pair[0] + 1), "{n}: {degrees:?}");
-            // (t + 1)^2 - 1 coefficients, at most 97 % of 2 N - 3.
-            let most = (0.97 * (2 * n - 3) as f64 + 1.0).sqrt() as usize - 1;
-            assert!(
-                degrees.last().is_some_and(|&t| t + 1 >= most && t <= most),
-                "{n}: {degrees:?}"
-            );
+            let most = SpectralControl::max_empty_degree(n, Domain::Sphere).unwrap();
+            assert_eq!(degrees.last(), Some(&most), "{n}");
         }
         let names: Vec<String> =
             designs(&step, 500, Domain::Sphere).iter().map(|d| d.1.to_string()).collect();

@@ -147,7 +147,7 @@ impl<'a, R: Read> NpyReader<'a, R> {
         mut take: impl FnMut(usize, &[u8]) -> Result<(), FileError>,
     ) -> Result<bool, FileError> {
         let bytes = self.bytes_of(item).ok_or_else(|| self.size_error())?;
-        let rows = if row == 0 { 0 } else { bytes / row };
+        let rows = bytes.checked_div(row).unwrap_or(0);
         // The order of a single dimension does not matter.
         let is_fortran = self.description.fortran_order && self.shape().len() > 1;
         if is_fortran && rows > 0 {

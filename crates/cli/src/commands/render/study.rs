@@ -239,7 +239,6 @@ impl<'a> Curve<'a> {
 
     fn summary(&self) -> Summary {
         let points = self.points();
-        let renders = self.rows.first().map_or(0, |row| row.renders);
         let middle = match (points.first(), points.last()) {
             (Some(first), Some(last)) => (first.n_points * last.n_points).sqrt(),
             _ => 0.0,

@@ -11,7 +11,7 @@ use crate::files::memory_guard::check_announced;
 
 /// The largest nside that fits in the memory of a machine: 6 GiB.
 const MAX_NSIDE: u64 = 8192;
-/// How near a value counts as the one that BAD_DATA names: maps of single precision have a neighbour of it.
+/// How near a value counts as the one that `BAD_DATA` names: maps of single precision have a neighbour of it.
 const BAD_DATA_TOLERANCE: f64 = 1e-5;
 
 /// What a field must have.

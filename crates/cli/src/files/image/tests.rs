@@ -273,7 +273,7 @@ fn radiance_scanlines_of_both_compressions_are_read() {
 
 #[test]
 fn negative_texels_are_counted() {
-    let mut texels = vec![1.0_f32; 32];
+    let mut texels = [1.0_f32; 32];
     texels[13] = -0.5;
     texels[30] = -0.25;
     let texel = |x, y| image::Rgb([texels[(8 * y + x) as usize]; 3]);

@@ -246,19 +246,18 @@ impl Table<'_> {
     fn system(&self, assigned: &[Assigned]) -> Result<&'static [&'static str], FileError> {
         let has = |role: &&str| assigned.iter().any(|(other, ..)| other == role);
         let complete: Vec<&'static [&'static str]> =
-            SYSTEMS.into_iter().filter(|system| system.iter().all(|role| has(&role))).collect();
+            SYSTEMS.into_iter().filter(|system| system.iter().all(&has)).collect();
         let columns = || format!("the columns {}", self.names());
         match complete[..] {
             [system] => Ok(system),
             [] => {
                 // A lone b or l is more likely to be something else.
-                let begun = SYSTEMS
-                    .iter()
-                    .find(|system| **system != ["l", "b"] && system.iter().any(|role| has(&role)));
+                let begun =
+                    SYSTEMS.iter().find(|system| **system != ["l", "b"] && system.iter().any(&has));
                 let Some(begun) = begun else {
                     return Err(self.error(format!("columns named {SYSTEMS_TEXT}"), columns()));
                 };
-                let missing: Vec<&str> = begun.iter().copied().filter(|r| !has(&r)).collect();
+                let missing: Vec<&str> = begun.iter().copied().filter(|r| !has(r)).collect();
                 Err(self.error(
                     format!(
                         "the column {} beside the others of {}",

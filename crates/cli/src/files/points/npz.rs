@@ -186,7 +186,7 @@ impl<'a, R: Read + Seek> Npz<'a, R> {
             loaded.push(column);
         }
         let mut points = PointCollector::new(path, layout, self.options);
-        for index in 0..loaded[0].len() {
+        for (index, _) in loaded.first().into_iter().flatten().enumerate() {
             points.row(Place::Row(index), |slot| Cell::Number(loaded[slot][index]))?;
         }
         points.finish()
