@@ -10,7 +10,7 @@ use std::io::Write;
 use sphvar_samplers::{Domain, Pattern, Sampler};
 use sphvar_variance::{
     Cap, ClampedCosine, Comparison, DoubleCap, Effort, Harmonic, Integrand, Method, PhongLobe,
-    Prediction, VonMisesFisher, compare, known_spectrum, predict, prediction_degree,
+    PredictedPoint, Prediction, VonMisesFisher, compare, predict, prediction_degree,
 };
 
 struct Tally {
@@ -39,10 +39,7 @@ fn truth(
     let lmax = prediction_degree(sampler, integrand).min(20_000);
     let n = sampler.n_points();
     let energy = integrand.energy(Domain::Sphere, lmax)?;
-    let spectrum = match known_spectrum(pattern, n, Domain::Sphere, lmax, 20.0, &|_| ())? {
-        Some(spectrum) => spectrum,
-        None => sphvar_spectrum::exact_spectrum(pattern, n, Domain::Sphere, lmax, &|_| ())?,
-    };
+    let spectrum = sphvar_spectrum::exact_spectrum(pattern, n, Domain::Sphere, lmax, &|_| ())?;
     Ok((lmax, predict(&spectrum, &energy)))
 }
 
@@ -71,9 +68,8 @@ fn tally(
             until: None,
             seconds_per_set: 0.0,
         };
-        let known = Some(spectrum.clone());
-        let mut got = compare(&*sampler, integrand, &energy, effort, known, &|_| ())?;
-        got.prediction = truth;
+        let known = Some(PredictedPoint { spectrum: spectrum.clone(), prediction: truth });
+        let got = compare(&*sampler, integrand, &energy, effort, known, &|_| ())?;
         let interval = got.measured_interval(0.95);
         let seen = seeing(&got) >= 50;
         tally.seen += u64::from(seen);

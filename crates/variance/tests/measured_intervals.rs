@@ -8,8 +8,8 @@ use rand::{Rng, RngExt};
 use rand_distr::{Distribution, Exp1, StandardNormal, StudentT};
 use sphvar_samplers::{Pattern, Purpose, Streams};
 use sphvar_variance::{
-    Cap, Circle, Comparison, Domain, Effort, Integrand, Measurement, Method, RateFit,
-    SampledFunction, Shape, Spectrum, VariancePoint, compare, fit_rate,
+    Cap, Circle, Comparison, Domain, Effort, Integrand, Measurement, Method, PredictedPoint,
+    RateFit, SampledFunction, Shape, Spectrum, VariancePoint, compare, fit_rate, predict,
 };
 
 const SEED: u64 = 3;
@@ -224,7 +224,9 @@ fn comparison(
 ) -> Comparison {
     let sampler = pattern.build(n, Domain::Sphere).unwrap();
     let energy = integrand.energy(Domain::Sphere, 8).unwrap();
-    let spectrum = Some(Spectrum::exact(Domain::Sphere, n, vec![1.0; 9]));
+    let spectrum = Spectrum::exact(Domain::Sphere, n, vec![1.0; 9]);
+    let prediction = predict(&spectrum, &energy);
+    let known = Some(PredictedPoint { spectrum, prediction });
     let effort = Effort {
         seed,
         group: 0,
@@ -236,7 +238,7 @@ fn comparison(
         until: None,
         seconds_per_set: 0.0,
     };
-    compare(&*sampler, integrand, &energy, effort, spectrum, &|_| ()).unwrap()
+    compare(&*sampler, integrand, &energy, effort, known, &|_| ()).unwrap()
 }
 
 /// Power laws with errors of 2 %, known or taken from the scatter, are significantly bent as often as the level
