@@ -67,7 +67,6 @@ fn unknown_extensions() {
             place.run(&format!("{command} {name}")).fails(2, &[name, known]);
         }
     }
-    place.run("variance fibonacci -n 12 --integrand cosine -m 4 -o v.png").fails(2, &["v.png"]);
     assert!(place.names().is_empty(), "{:?}", place.names());
 }
 

@@ -149,7 +149,8 @@ fn the_command_reads_what_it_writes() {
     }
     for extension in ["csv", "npy", "ply"] {
         place.run(&format!("sample white-noise -n 40 -m 3 -o q{{i}}.{extension}")).ok();
-        let files = ["q0", "q1", "q2"].map(|name| format!("{name}.{extension}")).join(" ");
+        let files =
+            ["q000000", "q000001", "q000002"].map(|name| format!("{name}.{extension}")).join(" ");
         let read = place.run(&format!("spectrum --points {files} --lmax 8 --json")).json();
         assert_eq!(numbers(&read["power"]), spectra[0], "{files}");
     }
@@ -157,7 +158,7 @@ fn the_command_reads_what_it_writes() {
     let disks = "sample poisson-disk:mode=saturated -n 100 -m 3 -o";
     place.run(&format!("{disks} d.npy")).fails(1, &["differ in size", "{i}"]);
     place.run(&format!("{disks} d{{i}}.npy")).ok();
-    assert!(place.names().iter().any(|name| name == "d2.npy"), "{:?}", place.names());
+    assert!(place.names().iter().any(|name| name == "d000002.npy"), "{:?}", place.names());
     let csv = place.text("p.csv");
     let piped = place.run_on("spectrum --points - --lmax 8 --json", &csv).json();
     assert_eq!(numbers(&piped["power"]), spectra[0]);

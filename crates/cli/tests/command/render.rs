@@ -315,7 +315,7 @@ fn wrong_usage_is_told() {
     run("broken.obj --sampler jittered").fails(1, &["broken.obj", "line 3"]);
     run("empty.obj --sampler jittered").fails(1, &["empty.obj"]);
     for (arguments, parts) in [
-        ("-n 0", &["expected numbers from 1"][..]),
+        ("-n 0", &["numbers of points must be at least 1"][..]),
         ("-n 24,48", &["one picture has one number"]),
         ("--mode spin", &["unknown mode", "did you mean \"spun\""]),
         ("--estimator best", &["unknown estimator", "ratio, unbiased"]),
