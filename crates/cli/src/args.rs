@@ -33,7 +33,7 @@ pub(crate) enum Command {
     /// Angular power spectrum of a pattern, or of points in files
     #[command(after_help = spectrum::EXAMPLES)]
     Spectrum(spectrum::SpectrumArgs),
-    /// Put the saved parts of a spectrum together, to the bits of one run
+    /// Merge spectrum shards; the result is bit-identical to a single run
     #[command(after_help = merge::EXAMPLES)]
     Merge(merge::MergeArgs),
     /// Predicted and measured variance of patterns on one integrand
@@ -42,13 +42,13 @@ pub(crate) enum Command {
     /// Variance bounds and convergence rates from spectral profiles
     #[command(after_help = bounds::EXAMPLES)]
     Bounds(bounds::BoundsArgs),
-    /// Whether the variance formula may be used for a pattern, or for points in files
+    /// Test a sampler or point files for rotation invariance, which the variance formula assumes
     #[command(after_help = audit::EXAMPLES)]
     Audit(audit::AuditArgs),
     /// Render a scene with a pattern's directions: ambient occlusion or light, and its error
     #[command(after_help = render::EXAMPLES)]
     Render(Box<render::RenderArgs>),
-    /// Compute the figures of Singh's thesis again and judge its numbers
+    /// Recompute the figures of Singh's thesis and check its numbers
     #[command(after_help = reproduce::EXAMPLES)]
     Reproduce(reproduce::ReproduceArgs),
     /// Convert lists of directions, angles and HEALPix pixels into each other
@@ -57,7 +57,7 @@ pub(crate) enum Command {
     /// Evaluate a Legendre function, a harmonic, the spectrum of a cap, or a profile
     #[command(after_help = eval::EXAMPLES)]
     Eval(eval::EvalArgs),
-    /// Measured errors beside speed, and inputs at the edge of what numbers can hold
+    /// Measure accuracy and speed against high-precision references, including extreme inputs
     #[command(after_help = accuracy::EXAMPLES)]
     Accuracy(accuracy::AccuracyArgs),
 }

@@ -2,17 +2,22 @@
 
 use clap::Args;
 
+/// Their heading in help texts, which keeps them together below the flags of the subcommand.
+const HEADING: &str = "Common options";
+
 /// Flags of every subcommand.
 #[derive(Debug, Args)]
 pub(crate) struct Global {
     /// Print exactly one JSON document to standard output
-    #[arg(long, global = true)]
+    #[arg(long, global = true, help_heading = HEADING)]
     pub(crate) json: bool,
     /// Show no progress and no remarks
-    #[arg(long, global = true)]
+    #[arg(long, global = true, help_heading = HEADING)]
     pub(crate) quiet: bool,
     /// Seed of all random numbers; the same seed gives the same bytes
-    #[arg(short, long, global = true, default_value_t = 0, value_name = "SEED")]
+    #[arg(
+        short, long, global = true, default_value_t = 0, value_name = "SEED", help_heading = HEADING
+    )]
     pub(crate) seed: u64,
     /// Number of threads, 0 for one per core; results do not depend on it
     #[arg(
@@ -21,6 +26,7 @@ pub(crate) struct Global {
         global = true,
         default_value_t = 0,
         value_name = "THREADS",
+        help_heading = HEADING,
         value_parser = clap::builder::RangedU64ValueParser::<usize>::new().range(0..=1024)
     )]
     pub(crate) threads: usize,

@@ -12,8 +12,8 @@ pub(crate) struct TransformArgs {
     /// expected to take less time
     #[arg(long, value_enum, default_value_t = MethodArg::Auto)]
     method: MethodArg,
-    /// Relative accuracy of the coefficients by the fast method, 1e-13 to 1e-1
-    #[arg(long, default_value_t = Resolution::EPSILON)]
+    /// Relative accuracy of the coefficients by the fast method, 1e-13 to 1e-1 [default: 1e-12]
+    #[arg(long, default_value_t = Resolution::EPSILON, hide_default_value = true)]
     epsilon: f64,
 }
 

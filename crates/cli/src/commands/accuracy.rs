@@ -30,12 +30,12 @@ pub(crate) const EXAMPLES: &str = "Examples:
   sphvar accuracy transforms --plot transforms.svg
   sphvar accuracy -o docs/accuracy.md --plot docs/images   (everything; minutes)
 
-Areas are harmonics (associated Legendre functions, spherical harmonics), indexing (HEALPix), transforms
-(exact and fast), spectra and predictions. Every method is timed, the median of 5 runs at least (3 with
---quick) that take 0.1 s together, and compared with a reference that is better than it: values with 25
-digits, twice the working precision, or a closed form. Hard cases are inputs at the edge of what numbers
-can hold. Every largest error has a bound, and the exit status is 1 if one is not held. The seeds of all inputs are
-fixed: --seed changes nothing.";
+Areas are harmonics (associated Legendre functions, spherical harmonics), indexing (HEALPix), transforms \
+(exact and fast), spectra and predictions. Every method is timed, the median of 5 runs at least (3 with \
+--quick) that take 0.1 s together, and compared with a reference that is better than it: values with 25 \
+digits, twice the working precision, or a closed form. Hard cases are extreme inputs. Every largest \
+error has a bound, and the exit status is 1 if one is exceeded. The seeds of all inputs are fixed: \
+--seed changes nothing.";
 
 #[derive(Debug, Args)]
 pub(crate) struct AccuracyArgs {

@@ -1,4 +1,4 @@
-//! `sphvar audit`: whether the variance formula may be used for an ensemble.
+//! `sphvar audit`: whether an ensemble is rotation-invariant, as the variance formula assumes.
 
 mod report;
 
@@ -28,17 +28,17 @@ pub(crate) const EXAMPLES: &str = "Examples:
   sphvar audit jittered -n 768 -m 2000
   sphvar audit --points sets.npy --lmax 6
 
-The variance formula holds for ensembles whose law no rotation changes. Tested on the coefficients of
-degrees 1 to --lmax (on the hemisphere the even ones):
+The variance formula holds for ensembles whose distribution is invariant under rotations. Tested on \
+the coefficients of degrees 1 to --lmax (on the hemisphere the even ones):
   means        E S_lm = 0: no bias (value: the mean in units of sqrt(P(l)))
   phases       arg S_lm and its double uniform for m >= 1; S_l0 is real (mean resultant length)
   orders       the same power for all orders of a degree (P(l,m)/P(l))
   covariances  different coefficients uncorrelated, degrees up to 4 (correlation)
   rotations    the mean of the rotations that were used is 0 (entry of the mean)
-Degrees without power, such as odd ones of antipodal sets, are left out. Each p-value comes from
-copies of the ensemble in which every set is turned anew by a uniform rotation; all tests of it together
-object to a homogeneous ensemble with probability --alpha at most. A sampler is audited as it draws
-and as turned by uniform rotations. The exit status is 0 whatever the verdict.";
+Degrees without power, such as odd ones of antipodal sets, are left out. Each p-value comes from \
+copies of the ensemble in which every set is rotated by another uniform rotation; all tests together \
+reject a homogeneous ensemble with probability --alpha at most. A sampler is audited both as drawn \
+and after uniform random rotations. The exit status is 0 whatever the verdict.";
 
 /// Fewer realizations say too little to be judged.
 const LEAST: u64 = 30;
@@ -48,7 +48,13 @@ pub(crate) struct AuditArgs {
     #[command(flatten)]
     pub(crate) sets: SetsArgs,
     /// Number of realizations, at least 30
-    #[arg(short = 'm', long, default_value_t = 2000, value_name = "M")]
+    #[arg(
+        short = 'm',
+        long,
+        default_value_t = 2000,
+        value_name = "M",
+        conflicts_with = "points_from"
+    )]
     pub(crate) realizations: u64,
     /// Largest degree that is looked at, inclusive
     #[arg(long, default_value_t = 8)]

@@ -31,12 +31,12 @@ pub(crate) const EXAMPLES: &str = "Examples:
   sphvar choose --integrand cap:degrees=60 -n 1000 -o errors.png
   sphvar choose --integrand ylm:l=4 --absolute --error 0.01 --samplers jittered,fibonacci
 
-The error is one standard error of the integral, the root of the predicted variance, over uniform
-rotations of the pattern. Predictions come from spectra, in closed form or estimated until the variance is
-known to 2 %; they are those of variance and compare. Patterns of which that costs too much at the N
-wanted are extrapolated by their rate and say so. Of step and blue the alpha is taken that suits the
-integrand best.
-A set's seconds are measured on one core, the median of up to five.";
+The error is one standard error of the integral, the root of the predicted variance, over uniform \
+rotations of the pattern. Predictions come from spectra, in closed form or estimated until the variance is \
+known to 2 %; they are those of variance and compare. Patterns for which that is too expensive at the \
+requested N are extrapolated by their rate and marked so. For step and blue the best alpha is chosen. \
+The seconds per set are measured on one core, the median of up to five. A run with all patterns takes \
+minutes; --samplers shortens it.";
 
 #[derive(Debug, Args)]
 pub(crate) struct ChooseArgs {
@@ -45,7 +45,7 @@ pub(crate) struct ChooseArgs {
     /// The standard error wanted, relative to the integral: 1% or 0.01; above 50 % with a % sign
     #[arg(long, value_name = "E", required_unless_present = "points", conflicts_with = "points")]
     pub(crate) error: Option<String>,
-    /// The number of points at hand; samplers take the largest that they have up to it
+    /// Sample budget; each sampler uses its largest valid count not exceeding N
     #[arg(short = 'n', long, value_name = "N", value_parser = parse_count)]
     pub(crate) points: Option<usize>,
     /// --error is in units of the integral itself
@@ -57,7 +57,7 @@ pub(crate) struct ChooseArgs {
     /// Integrate over the hemisphere z >= 0
     #[arg(long)]
     pub(crate) hemisphere: bool,
-    /// The most points that --error may take
+    /// Largest number of points considered for --error
     #[arg(long, default_value_t = 100_000, value_name = "N", value_parser = parse_count,
         conflicts_with = "points")]
     pub(crate) max_points: usize,

@@ -29,9 +29,9 @@ pub(crate) const EXAMPLES: &str = "Examples:
   sphvar compare jittered,fibonacci -n 100,1000 --integrand cap:degrees=60 -o cap
   sphvar compare --hemisphere --integrand cosine -o cosine
 
-Every sampler takes the number of points nearest to the one asked for. Into the output folder go
-comparison.csv and .json, spectra.csv, and the plots spectra, variance and integrand as .svg and .png.
-The same command run again replaces its own files, since it gives the same results; the results of another
+Every sampler takes the number of points nearest to the one asked for. Into the output folder go \
+comparison.csv and .json, spectra.csv, and the plots spectra, variance and integrand as .svg and .png. \
+The same command run again replaces its own files, since it gives the same results; the results of another \
 command are overwritten only with --force. Two runs cannot write to one folder at the same time.";
 
 #[derive(Debug, Args)]
@@ -251,15 +251,15 @@ fn text(document: &Document<'_>, plan: &Plan<'_>) -> String {
             optional(s.measured_rate),
             s.n.to_string(),
             short(s.power_seen),
-            s.gain.zip(s.gain_stderr).map_or("-".to_owned(), |(g, e)| format!("{g:.1} +- {e:.1}")),
+            s.gain.zip(s.gain_stderr).map_or("-".to_owned(), |(g, e)| format!("{g:.2} +- {e:.2}")),
         ]
     };
     let heading =
-        ["sampler", "rate", "95 %", "measured", "at N", "power seen", "gain over white noise"];
+        ["sampler", "rate", "95 %", "measured", "at N", "effective power", "gain over white noise"];
     text += &table(&heading, document.samplers.iter().map(cells).collect(), 1);
-    text += "\nrate: exponent b of variance ~ N^b, like the gain by predicted or measured variances, whichever are the \
-             more\nprecise. power seen: the pattern's power, averaged over the \
-             degrees\nwith the integrand's energies; white noise has 1. gain: how many times the \
+    text += "\nrate: exponent b of variance ~ N^b; it and the gain are from predicted or measured variances, \
+             whichever are\nthe more precise. effective power: the pattern's power averaged over the \
+             degrees with the integrand's energies;\nwhite noise has 1. gain: how many times the \
              variance is smaller.\n";
     if document.samplers.iter().any(|s| s.pre_asymptotic) {
         text +=

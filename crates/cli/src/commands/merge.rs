@@ -17,9 +17,9 @@ pub(crate) const EXAMPLES: &str = "Examples:
   sphvar spectrum poisson-disk -n 1024 -m 200 --shard 2/2 --save b.shard
   sphvar merge a.shard b.shard -o spectrum.csv
 
-Sums are kept exactly: the spectrum is bit-identical to that of a single run, whatever the parts and their
-order. Shards of different samplers, numbers of points or realizations, degrees, accuracies, seeds, versions
-or instruction-set classes are an error, and so are a realization that is in two of them and missing parts;
+Sums are kept exactly: the spectrum is bit-identical to that of a single run, whatever the parts and their \
+order. Shards of different samplers, numbers of points or realizations, degrees, accuracies, seeds, versions \
+or instruction-set classes are an error, and so are a realization that is in two of them and missing parts; \
 --partial merges those that are there.";
 
 #[derive(Debug, Args)]

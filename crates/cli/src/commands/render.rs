@@ -27,13 +27,13 @@ pub(crate) const EXAMPLES: &str = "Examples:
   sphvar render mesh.obj --sampler healpix --integral irradiance:env=sky.exr -o m.exr
   sphvar render cornell --sheet reference,healpix@shared,healpix@rotated -o sheet.png
 
-Modes: shared, one sphere set as it is for all pixels; spun, one hemisphere set turned about each
-normal; rotated, sphere sets turned uniformly at each point; projective, hemisphere sets turned as
-lines; fresh, the same with a new realization for each pixel. Of sphere sets of 2N points the
+Modes: shared, one unrotated sphere set for all pixels; spun, one hemisphere set rotated about each \
+normal; rotated, sphere sets rotated uniformly at each point; projective, hemisphere sets rotated as \
+antipodal pairs; fresh, the same with a new realization for each pixel. Of sphere sets of 2N points the \
 visible half is kept. Every sampler takes the N nearest to the one asked for.
 
-Errors are against a reference image of 32768 jittered directions for each pixel. It is made when
---mse, --json, --difference, --error, --study or --sheet need it, which takes minutes for large
+Errors are against a reference image of 32768 jittered directions for each pixel. It is made when \
+--mse, --json, --difference, --error, --study or --sheet need it, which takes minutes for large \
 pictures, and kept in --cache for the next run.";
 
 #[derive(Debug, Args)]
@@ -47,10 +47,12 @@ pub(crate) struct RenderArgs {
     /// [default: 256, of a study 16..1024]
     #[arg(short = 'n', long = "points", value_name = "N")]
     pub(super) points: Option<Counts>,
-    /// How sets become the directions of a point: shared, spun, rotated, projective or fresh
+    /// How point sets are mapped to directions at each shading point: shared, spun, rotated,
+    /// projective or fresh
     #[arg(long, default_value = "projective")]
     pub(super) mode: String,
-    /// What stands for the kept half of a sphere set: its mean (ratio), or its sum over N (unbiased)
+    /// Estimator for the visible half of a sphere set: ratio (mean of visible samples) or unbiased
+    /// (sum divided by N)
     #[arg(long, default_value = "ratio")]
     pub(super) estimator: String,
     /// Sets in the table of a render [default: 262144/N, from 4 to 1024; fewer where they take long to make]

@@ -21,14 +21,15 @@ pub(crate) struct SetsArgs {
         long = "n-points",
         value_name = "N",
         value_parser = parse_count,
-        required_unless_present = "points_from"
+        required_unless_present = "points_from",
+        conflicts_with = "points_from"
     )]
     pub(crate) n: Option<usize>,
     /// Points on the hemisphere z >= 0; only even degrees exist
     #[arg(long)]
     pub(crate) hemisphere: bool,
     /// Take the nearest number of points that the pattern has
-    #[arg(long)]
+    #[arg(long, conflicts_with = "points_from")]
     pub(crate) nearest: bool,
 }
 

@@ -33,11 +33,11 @@ pub(crate) const EXAMPLES: &str = "Examples:
   sphvar spectrum jittered -n 3888 --exact --lmax 190
   sphvar spectrum jittered -n 3888 -m 300 --shard 2/3 --save second.shard
 
-White noise has power 1 for l >= 1; P(0) = N. The error is the standard error of the mean over the
-realizations, each turned by a uniform rotation of its own. A pattern that is not random has
-exactly this spectrum: its error is 0. A single set of points from a file has none (- or null); of
-weighted points N is (sum w)^2 / sum w^2. --exact evaluates the mean itself, which can be done for
-white noise, for one point in each of N equal-area cells (jittered, equal-area) and for patterns
+White noise has power 1 for l >= 1; P(0) = N. The error is the standard error of the mean over the \
+realizations, each turned by a uniform rotation of its own. A pattern that is not random has \
+exactly this spectrum: its error is 0. A single set of points from a file has none (- or null); of \
+weighted points N is (sum w)^2 / sum w^2. --exact evaluates the mean itself, which can be done for \
+white noise, for one point in each of N equal-area cells (jittered, equal-area) and for patterns \
 that are not random.";
 
 #[derive(Debug, Args)]
@@ -50,7 +50,13 @@ pub(crate) struct SpectrumArgs {
     ])]
     pub(crate) exact: bool,
     /// Number of realizations
-    #[arg(short = 'm', long, default_value_t = 100, value_name = "M")]
+    #[arg(
+        short = 'm',
+        long,
+        default_value_t = 100,
+        value_name = "M",
+        conflicts_with = "points_from"
+    )]
     pub(crate) realizations: u64,
     /// Largest degree, inclusive [default: 4 sqrt(N)]
     #[arg(long)]

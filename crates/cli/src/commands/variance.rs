@@ -25,11 +25,11 @@ pub(crate) const EXAMPLES: &str = "Examples:
   sphvar variance jittered -n 192 --integrand cap:degrees=60 -m 100 --until-rel 10%
   sphvar variance jittered,fibonacci -n 48..768 --nearest --integrand cap:degrees=60 -o v.svg
 
-Columns: the variance that the spectra predict and the one measured on independent, uniformly
-rotated realizations, each with its standard error (that of the prediction with the error of the
-degrees beyond the spectrum); ratio is measured/predicted, z their difference in standard errors,
-bias z that of the mean estimate and the exact integral. 95 % intervals are in files and --json.
-Where too few trials see the integrand there is no error, ratio or z of the measured variance, and where
+Columns: the variance that the spectra predict and the one measured on independent, uniformly \
+rotated realizations, each with its standard error (that of the prediction with the error of the \
+degrees beyond the spectrum); ratio is measured/predicted, z their difference in standard errors, \
+bias z that of the mean estimate and the exact integral. 95 % intervals are in files and --json. \
+Where too few trials see the integrand there is no error, ratio or z of the measured variance, and where \
 all trials agree an upper limit only.";
 
 #[derive(Debug, Args)]

@@ -35,6 +35,26 @@ fn every_subcommand_shows_an_example() {
     }
 }
 
+/// Paragraphs are wrapped by the terminal alone: text that is wrapped in the source too shows as ragged lines.
+#[test]
+fn paragraphs_are_wrapped_once() {
+    let place = Workplace::new();
+    for name in SUBCOMMANDS {
+        let help = place.run(&format!("{name} --help")).ok().stdout;
+        let lines: Vec<&str> = help.lines().collect();
+        for pair in lines.windows(2) {
+            let starts = |line: &str| line.starts_with(|c: char| c.is_alphabetic());
+            let [line, next] = [pair[0], pair[1]];
+            if !starts(line) || !starts(next) {
+                continue;
+            }
+            let word = next.split(' ').next().unwrap();
+            let ends = line.ends_with(['.', ':']);
+            assert!(ends || line.len() + 1 + word.len() > 100, "{name}: {line}\n{next}");
+        }
+    }
+}
+
 /// Examples are promises: those that need no more than this repository are run, small.
 #[test]
 fn examples_work() {

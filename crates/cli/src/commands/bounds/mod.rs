@@ -32,11 +32,11 @@ pub(crate) const EXAMPLES: &str = "Examples:
   sphvar bounds jittered -n 972 --profile poly:b=2,alpha=0.2,gamma=1
   sphvar bounds --profile poly:b=2,alpha=0.5,gamma=1 -n 1024     (rates and bounds of a profile)
 
-A profile bounds the mean spectrum from above or below: constant, step, linear, quadratic or poly:b=B,
-each with alpha (where it levels off, in units of sqrt(N)) and gamma (its level). Without --profile the
-tightest of each family is fitted: of all profiles that clear the confidence limits of every degree
-together, the upper one with the least, the lower one with the greatest variance in the worst case.
-Beyond the largest degree its plateau is a claim. Bounds that the thesis gives for the sampler are checked.
+A profile bounds the mean spectrum from above or below: constant, step, linear, quadratic or poly:b=B, \
+each with alpha (where it levels off, in units of sqrt(N)) and gamma (its level). Without --profile the \
+tightest of each family is fitted: of all profiles that clear the confidence limits of every degree \
+together, the upper one with the least, the lower one with the greatest variance in the worst case. \
+Beyond the largest degree its plateau is a claim. Bounds that the thesis gives for the sampler are checked. \
 With --profile, what is left out of alpha and gamma is fitted, and what is given in full is checked.";
 
 #[derive(Debug, Args)]

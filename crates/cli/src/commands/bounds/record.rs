@@ -195,7 +195,7 @@ impl BoundRecord {
             if self.family == "constant" { "-".to_owned() } else { readable(self.alpha) };
         row.extend([self.profile_name(), break_at, readable(self.gamma), readable(self.offset)]);
         if fitted {
-            row.push(degrees(&self.touching));
+            row.push(first_degrees(&self.touching));
         } else {
             row.push(optional(self.holds.map(|h| yes(h).to_owned())));
             row.push(optional(self.worst_degree.map(|l| l.to_string())));
@@ -240,6 +240,15 @@ fn yes(holds: bool) -> &'static str {
 /// Degrees divided by blanks, which CSV need not quote.
 fn degrees(list: &[usize]) -> String {
     list.iter().map(usize::to_string).collect::<Vec<_>>().join(" ")
+}
+
+/// Returns the first degrees of a long list, and how many there are: a flat spectrum touches at many.
+fn first_degrees(list: &[usize]) -> String {
+    const SHOWN: usize = 4;
+    if list.len() <= SHOWN {
+        return degrees(list);
+    }
+    format!("{} ... ({} in all)", degrees(&list[..SHOWN]), list.len())
 }
 
 /// A rate with the digits that a fitted exponent has.

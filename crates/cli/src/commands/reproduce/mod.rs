@@ -23,10 +23,10 @@ pub(crate) const EXAMPLES: &str = "Examples:
   sphvar reproduce all --quick -o out
   sphvar reproduce 4.14 7.4 --full -o out
 
-In the folder: index.html, one page with every figure and the table of what the thesis says and what is found;
-claims.csv and claims.md, the table alone; figures/, every panel as SVG or PNG with its numbers as CSV; pieces/,
-finished pieces of the work. A run that was interrupted goes on where it stopped when it is started again, and
-gives the same bytes. Full figures take over what quick ones have, and figures share their ensembles.";
+In the folder: index.html, one page with every figure and the table of stated and measured numbers; \
+claims.csv and claims.md, the table alone; figures/, every panel as SVG or PNG with its numbers as CSV; pieces/, \
+finished pieces of the work. An interrupted run resumes where it stopped when started again, with the same \
+result. Full figures take over what quick ones have, and figures share their ensembles.";
 
 #[derive(Debug, Args)]
 pub(crate) struct ReproduceArgs {
