@@ -88,7 +88,7 @@ impl Integral<'_> {
             Integral::Irradiance { .. } => (),
             Integral::Light { light, .. } => {
                 reaches.clear();
-                let origin = hit.position;
+                let origin = scene.ray_origin(hit);
                 dirs.retain(|&dir| {
                     let cosine = -dir.dot(light.normal());
                     let lit = cosine > 0.0;

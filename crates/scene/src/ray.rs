@@ -2,6 +2,8 @@ use std::cmp::Ordering;
 
 use glam::DVec3;
 
+use crate::stream::{HEIGHT_ROUNDING, exact_height};
+
 /// A ray that meets every closed surface that it passes through: none is lost between triangles that share a side or a
 /// corner (Woop, Benthin and Wald 2013).
 ///
@@ -43,7 +45,7 @@ impl WatertightRay {
 
     /// Where the ray meets the triangle, its sides included, ahead of the origin.
     ///
-    /// `None` for triangles that are edge on.
+    /// `None` for triangles that are edge on, and for those whose plane the origin is in.
     pub(crate) fn meet(&self, corners: [DVec3; 3]) -> Option<Meeting> {
         let [(a, za), (b, zb), (c, zc)] = corners.map(|corner| self.place(corner));
         // Twice the areas of the triangles that the ray makes with the sides.
@@ -55,9 +57,22 @@ impl WatertightRay {
         let sum = u + v + w;
         // Of numbers of one sign: the depth is among those of the corners.
         let distance = (u * za + v * zb + w * zc) / sum / self.along;
+        // The height over the plane is the distance times this.
+        let is_ahead = height(corners, self.origin) * (sum * self.along).signum() > 0.0;
+        let distance = distance.max(f64::MIN_POSITIVE);
         let meeting = Meeting { distance, weights: [v / sum, w / sum] };
-        (sum != 0.0 && distance > 0.0 && distance.is_finite()).then_some(meeting)
+        (sum != 0.0 && is_ahead && distance.is_finite()).then_some(meeting)
     }
+}
+
+/// The dot product of `(b - a) x (c - a)` and `a - origin`, of the right sign.
+fn height(corners: [DVec3; 3], origin: DVec3) -> f64 {
+    let [a, b, c] = corners;
+    let (u, v, w) = (b - a, c - a, a - origin);
+    let size = u.abs().max(v.abs()).max_element();
+    let height = u.cross(v).dot(w);
+    let rounding = HEIGHT_ROUNDING * size * size * w.abs().max_element();
+    if height.abs() <= rounding { exact_height(corners, origin) } else { height }
 }
 
 /// Twice the area of the triangle of 0 and two points, of the right sign.

@@ -12,6 +12,13 @@ use crate::{Error, Hit, Quad, Reach};
 const OF_COORDINATE: f64 = 64.0 * f64::EPSILON;
 const OF_SIZE: f64 = 512.0 * f64::EPSILON;
 
+/// They start this many times as far from the sides of the surface: one that rises from a side at an angle whose cotangent
+/// is less is in front of them.
+const FROM_SIDES: f64 = 64.0;
+
+/// The part of the way to the middle of the surface that they start away from a side, at most: thin triangles have no room.
+const MAX_SHARE: f64 = 1.0 / 64.0;
+
 /// Surfaces, and how rays meet them.
 ///
 /// ```
@@ -97,8 +104,8 @@ impl Scene {
     /// within its reach.
     ///
     /// Directions below the surface, `normal . dir < 0`, are occluded by the surface itself, whatever their reach.
-    /// Rays start at `position + clearance * normal`, see [`Self::clearance`], so that they do not meet the surface
-    /// that they come from; other surfaces nearer than that are not seen. A surface that goes through the point where rays
+    /// Rays start a little above the point, see [`Self::ray_origin`], so that they do not meet the surface that they
+    /// come from; other surfaces nearer than that are not seen. A surface that goes through the point where rays
     /// start, as far as rounding can tell, is met by rays to either side: from an edge or a corner of a closed room
     /// nothing outside is seen.
     ///
@@ -123,7 +130,7 @@ impl Scene {
         if let Reach::Each(distances) = reach {
             assert_eq!(dirs.len(), distances.len(), "one distance for each direction");
         }
-        let origin = at.position + self.clearance(at) * at.normal;
+        let origin = self.ray_origin(at);
         match &self.geometry {
             Geometry::Quads(quads) => {
                 quads.occlusion_into(origin, at.normal, dirs, reach, occluded);
@@ -132,24 +139,45 @@ impl Scene {
         }
     }
 
-    /// How far above a surface rays for occlusion start.
+    /// Where the rays of [`Self::occlusion_into`] start.
     ///
-    /// It is what rounding may do to the point: 64 EPSILON of its largest coordinate and 512 EPSILON of the largest
-    /// distance of a corner of the quadrilateral or triangle `primitive`, if there is one of that number.
-    pub fn clearance(&self, at: &Hit) -> f64 {
-        let farthest = |corners: &[DVec3]| {
-            let distances = corners.iter().map(|c| (c - at.position).abs().max_element());
-            distances.fold(0.0, f64::max)
-        };
-        let size = match &self.geometry {
-            Geometry::Quads(quads) => {
-                quads.as_slice().get(at.primitive).map_or(0.0, |quad| farthest(&quad.corners()))
-            }
+    /// That is above the surface by what rounding may do to the point: 64 EPSILON of its largest coordinate and 512
+    /// EPSILON of the largest distance of a corner of the quadrilateral or triangle `primitive`, if there is one of
+    /// that number. A point within 64 times that of a side is moved away from it within the surface, so that it stays
+    /// in front of surfaces that rise from there at 1 degree or more.
+    pub fn ray_origin(&self, at: &Hit) -> DVec3 {
+        match &self.geometry {
+            Geometry::Quads(quads) => match quads.as_slice().get(at.primitive) {
+                Some(quad) => clear_of(at, &quad.corners()),
+                None => clear_of(at, &[]),
+            },
             Geometry::Mesh(mesh) if at.primitive < mesh.n_triangles() => {
-                farthest(&mesh.triangle(at.primitive))
+                clear_of(at, &mesh.triangle(at.primitive))
             }
-            Geometry::Mesh(_) => 0.0,
-        };
-        OF_COORDINATE * at.position.abs().max_element() + OF_SIZE * size
+            Geometry::Mesh(_) => clear_of(at, &[]),
+        }
     }
+}
+
+/// See [`Scene::ray_origin`]; the point is on the convex polygon of the corners, if there are any.
+fn clear_of(at: &Hit, corners: &[DVec3]) -> DVec3 {
+    let distances = corners.iter().map(|c| (c - at.position).abs().max_element());
+    let size = distances.fold(0.0, f64::max);
+    let clearance = OF_COORDINATE * at.position.abs().max_element() + OF_SIZE * size;
+    let center = corners.iter().sum::<DVec3>() / corners.len().max(1) as f64;
+    let from_sides = FROM_SIDES * clearance;
+    let mut share = 0.0;
+    for (i, &a) in corners.iter().enumerate() {
+        // Distances from the side are products with this over its length.
+        let inwards = at.normal.cross(corners[(i + 1) % corners.len()] - a);
+        let [point, middle] = [at.position, center].map(|p| inwards.dot(p - a));
+        let (point, middle) = if middle < 0.0 { (-point, -middle) } else { (point, middle) };
+        if point < from_sides * (inwards.x.abs() + inwards.y.abs() + inwards.z.abs()) {
+            let wanted = from_sides * inwards.length();
+            if point < wanted && point < middle {
+                share = f64::max(share, (wanted - point) / (middle - point));
+            }
+        }
+    }
+    at.position + share.min(MAX_SHARE) * (center - at.position) + clearance * at.normal
 }

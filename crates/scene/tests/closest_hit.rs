@@ -28,7 +28,7 @@ fn agree(scene: &Scene, reference: &Reference, origin: DVec3, dir: DVec3, tolera
         _ => {
             // An edge within a few roundings of the coordinates, seen from the origin.
             let at = Hit { position: origin, normal: dir, distance: 0.0, primitive: 0 };
-            let margin = reference.margin(&at, 0.0, dir, f64::INFINITY);
+            let margin = reference.margin(&at, origin, dir, f64::INFINITY);
             assert!(margin <= 64.0 * f64::EPSILON, "{}, {margin:e} from an edge", case());
             false
         }

@@ -7,8 +7,7 @@ use reference::{Numbers, Reference};
 use sphvar_scene::{CornellBox, Hit, Mesh, Reach, Scene};
 
 /// Whether a ray from above the surface is blocked within its reach, by itself or by another surface.
-fn is_occluded(reference: &Reference, at: &Hit, clearance: f64, dir: DVec3, reach: f64) -> bool {
-    let origin = at.position + clearance * at.normal;
+fn is_occluded(reference: &Reference, at: &Hit, origin: DVec3, dir: DVec3, reach: f64) -> bool {
     dir.dot(at.normal) < 0.0 || reference.closest(origin, dir).is_some_and(|(t, _)| t <= reach)
 }
 
@@ -30,7 +29,7 @@ fn differences(scene: &Scene, reference: &Reference, n_points: usize, reach: f64
     for point in 0..n_points {
         let origin = numbers.inside(bounds.min, bounds.max);
         let Some(hit) = scene.closest_hit(origin, numbers.direction()) else { continue };
-        let start = hit.position + scene.clearance(&hit) * hit.normal;
+        let start = scene.ray_origin(&hit);
         // Sets of every length, also those that fill no vector.
         let dirs = (0..40 + point % 300).map(|i| match i % 2 {
             0 => numbers.direction(),
@@ -44,9 +43,9 @@ fn differences(scene: &Scene, reference: &Reference, n_points: usize, reach: f64
         scene.occlusion_into(&hit, &dirs, Reach::Within(reach), &mut occluded);
         for (&dir, &got) in dirs.iter().zip(&occluded) {
             n_rays += 1;
-            if got != is_occluded(reference, &hit, scene.clearance(&hit), dir, reach) {
+            if got != is_occluded(reference, &hit, start, dir, reach) {
                 n_differ += 1;
-                worst = f64::max(worst, reference.margin(&hit, scene.clearance(&hit), dir, reach));
+                worst = f64::max(worst, reference.margin(&hit, start, dir, reach));
             }
         }
     }
@@ -146,7 +145,7 @@ fn no_ray_leaves_a_closed_mesh() {
     for _ in 0..40 {
         let inside = 0.9 * numbers.unit() * numbers.direction();
         let hit = scene.closest_hit(inside, numbers.direction()).expect("the sphere");
-        let start = hit.position + scene.clearance(&hit) * hit.normal;
+        let start = scene.ray_origin(&hit);
         // Through vertices, along and across edges.
         let mut dirs = vertices.iter().map(|v| (v - start).normalize()).collect::<Vec<_>>();
         for [a, b, _] in &corners {

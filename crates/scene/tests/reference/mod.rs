@@ -39,8 +39,7 @@ impl Reference {
 
     /// A bound on the angle by which the direction must turn for another answer: to the next edge, to the horizon, or to
     /// where a surface is just within reach.
-    pub(crate) fn margin(&self, at: &Hit, clearance: f64, dir: DVec3, reach: f64) -> f64 {
-        let origin = at.position + clearance * at.normal;
+    pub(crate) fn margin(&self, at: &Hit, origin: DVec3, dir: DVec3, reach: f64) -> f64 {
         let to_edges = self.edges.iter().map(|e| angle_to_edge(e.map(|p| p - origin), dir));
         let to_ends = self.triangles.iter().filter(|_| reach.is_finite()).map(|&([a, b, c], _)| {
             let normal = of_order_1(b - a).cross(of_order_1(c - a)).normalize_or_zero();

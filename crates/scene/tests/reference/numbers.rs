@@ -22,11 +22,13 @@ impl Numbers {
         (self.unit() * n as f64) as usize
     }
 
+    #[allow(dead_code, reason = "not used by every test")]
     pub(crate) fn direction(&mut self) -> DVec3 {
         let (z, phi) = (2.0 * self.unit() - 1.0, std::f64::consts::TAU * self.unit());
         (1.0 - z * z).sqrt() * DVec3::new(phi.cos(), phi.sin(), 0.0) + z * DVec3::Z
     }
 
+    #[allow(dead_code, reason = "not used by every test")]
     pub(crate) fn inside(&mut self, min: DVec3, max: DVec3) -> DVec3 {
         min + (max - min) * DVec3::new(self.unit(), self.unit(), self.unit())
     }
