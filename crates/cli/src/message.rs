@@ -21,10 +21,24 @@ pub(crate) fn write(text: &str) {
 /// exponent, and the middle of long words and texts is left out.
 pub(crate) fn clean(text: &str) -> String {
     // Escapes make text up to ten times longer: first what is far too long is cut.
-    let bounded = shorten(text, 16 * MAX_MESSAGE);
+    let bounded = without_codes(&shorten(text, 16 * MAX_MESSAGE));
     let escaped = escape(&bounded);
     let words: Vec<Cow<'_, str>> = escaped.split(' ').map(word).collect();
     shorten(&words.join(" "), MAX_MESSAGE).into_owned()
+}
+
+/// Returns a text without the numbers that the standard library puts behind the system's words.
+fn without_codes(text: &str) -> String {
+    const START: &str = " (os error ";
+    let mut pieces = text.split(START);
+    let mut short = pieces.next().unwrap_or_default().to_owned();
+    for piece in pieces {
+        match piece.split_once(')') {
+            Some((code, rest)) if code.bytes().all(|b| b.is_ascii_digit()) => short += rest,
+            _ => short.extend([START, piece]),
+        }
+    }
+    short
 }
 
 /// Returns a text with control characters as Rust writes them; those that reorder a line or are no
@@ -105,6 +119,10 @@ mod tests {
         ] {
             assert_eq!(clean(text), text);
         }
+        let missing = std::io::Error::from_raw_os_error(2);
+        let both = format!("a: {missing}; b: {missing}: x (os error y), z (os error");
+        let clear = "a: No such file or directory; b: No such file or directory: x (os error y), z (os error";
+        assert_eq!(clean(&both), clear);
     }
 
     #[test]

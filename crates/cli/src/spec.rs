@@ -84,6 +84,13 @@ impl Spec {
         Some(String::from_utf8_lossy(&self.take_bytes(key)?).into_owned())
     }
 
+    /// Returns whether a parameter that has not been taken contains an operator of expressions.
+    pub(crate) fn has_operator_left(&self) -> bool {
+        self.items.iter().any(|(_, value)| {
+            find_outside(&String::from_utf8_lossy(value), &quoted::OPERATORS).is_some()
+        })
+    }
+
     fn take_bytes(&mut self, key: &str) -> Option<Vec<u8>> {
         let at = self.items.iter().position(|(k, _)| k == key)?;
         Some(self.items.remove(at).1)

@@ -72,7 +72,7 @@ impl FolderLock {
 /// Makes a folder with its parents; what stays empty is removed in the end.
 fn create(folder: &Path) -> Result<(), FileError> {
     let path = folder.display().to_string();
-    if folder.is_file() {
+    if folder.exists() && !folder.is_dir() {
         return Err(FileError::NotAFolder { path });
     }
     create_folders(folder).map_err(|source| FileError::WriteInto { path, source })

@@ -4,7 +4,7 @@ use std::fs::File;
 use std::io::{self, BufRead, BufReader, Cursor, Read};
 use std::path::Path;
 
-use flate2::bufread::MultiGzDecoder;
+use flate2::bufread::GzDecoder;
 
 use super::file_error::{FileError, input_name, is_dash};
 use super::memory_guard::MemoryGuard;
@@ -78,7 +78,7 @@ fn decompressed(raw: Box<dyn BufRead>) -> io::Result<Box<dyn BufRead>> {
     if !raw.head.starts_with(&GZIP) {
         return Ok(raw.into_reader());
     }
-    let decoder = MultiGzDecoder::new(raw.into_reader());
+    let decoder = Some(GzDecoder::new(raw.into_reader()));
     let gunzip = Gunzip { decoder, decompressed: 0, guard: MemoryGuard::default() };
     let content = with_head(Box::new(BufReader::with_capacity(BUFFER, gunzip)))?;
     Ok(content.map_or_else(|| Box::new(io::empty()) as Box<dyn BufRead>, WithHead::into_reader))
@@ -105,29 +105,63 @@ fn with_head(mut rest: Box<dyn BufRead>) -> io::Result<Option<WithHead>> {
     Ok((!head.is_empty()).then_some(WithHead { head, rest }))
 }
 
-/// A gzip decoder whose errors say that the file is at fault.
+/// A decoder of all members of a gzip file, whose errors say that the file is at fault.
 ///
-/// Readers take `UnexpectedEof` for a short array and `InvalidData` for text in another encoding.
+/// Zeros behind the last member are padding to the blocks of a tape, as for the program `gzip`. Readers take
+/// `UnexpectedEof` for a short array and `InvalidData` for text in another encoding.
 struct Gunzip<R> {
-    decoder: MultiGzDecoder<R>,
+    /// Gone at the end of the file.
+    decoder: Option<GzDecoder<R>>,
     decompressed: u64,
     guard: MemoryGuard,
 }
 
+impl<R: BufRead> Gunzip<R> {
+    /// Returns the decoder of the member behind the one that has ended, if there is one.
+    fn next_member(mut input: R) -> io::Result<Option<GzDecoder<R>>> {
+        let mut is_padded = false;
+        loop {
+            let chunk = input.fill_buf()?;
+            let Some(&first) = chunk.first() else { return Ok(None) };
+            let zeros = chunk.iter().take_while(|&&byte| byte == 0).count();
+            if zeros == 0 {
+                let is_member = first == GZIP[0] && !is_padded;
+                return if is_member {
+                    Ok(Some(GzDecoder::new(input)))
+                } else {
+                    Err(io::Error::other("other bytes follow the gzip data"))
+                };
+            }
+            is_padded = true;
+            input.consume(zeros);
+        }
+    }
+}
+
 impl<R: BufRead> Read for Gunzip<R> {
     fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
-        let read = self.decoder.read(buffer).map_err(|error| match error.kind() {
-            io::ErrorKind::UnexpectedEof => {
-                io::Error::other("the gzip data are cut short: is the file complete?")
+        if buffer.is_empty() {
+            return Ok(0);
+        }
+        while let Some(decoder) = &mut self.decoder {
+            let read = decoder.read(buffer).map_err(|error| match error.kind() {
+                io::ErrorKind::UnexpectedEof => {
+                    io::Error::other("the gzip data are cut short: is the file complete?")
+                }
+                io::ErrorKind::InvalidInput | io::ErrorKind::InvalidData => {
+                    io::Error::other(format!("the gzip data are damaged ({error})"))
+                }
+                _ => error,
+            })?;
+            if read > 0 {
+                self.decompressed += read as u64;
+                self.guard.check_decompressed(self.decompressed)?;
+                return Ok(read);
             }
-            io::ErrorKind::InvalidInput | io::ErrorKind::InvalidData => {
-                io::Error::other(format!("the gzip data are damaged ({error})"))
-            }
-            _ => error,
-        })?;
-        self.decompressed += read as u64;
-        self.guard.check_decompressed(self.decompressed)?;
-        Ok(read)
+            let ended = self.decoder.take().map(GzDecoder::into_inner);
+            self.decoder = ended.map(Self::next_member).transpose()?.flatten();
+        }
+        Ok(0)
     }
 }
 
@@ -174,6 +208,14 @@ mod tests {
             // `cat a.gz b.gz` is the gzip file of both.
             let (_folder, path) = file(&[gzip(content), gzip(b"tail")].concat());
             assert_eq!(read_whole(&path).unwrap(), [content, b"tail"].concat());
+            // Padded to the blocks of a tape.
+            let (_folder, path) = file(&[gzip(content), vec![0; 100_000]].concat());
+            assert_eq!(read_whole(&path).unwrap(), content);
+        }
+        for tail in [&b"text"[..], b"\x1e", b"\0\0text", b"longer than a header"] {
+            let (_folder, path) = file(&[&gzip(b"1 0 0"), tail].concat());
+            let message = read_whole(&path).unwrap_err().to_string();
+            assert!(message.contains("other bytes follow the gzip data"), "{message}");
         }
     }
 

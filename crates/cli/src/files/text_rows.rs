@@ -95,6 +95,11 @@ impl<'a, R: BufRead> TextRows<'a, R> {
             if read as u64 == MAX_LINE && !bytes.ends_with(b"\n") {
                 return Err(self.error(&format!("a line of more than {MAX_LINE} bytes")));
             }
+            if self.number == 1
+                && let Some(got) = not_lines(&bytes)
+            {
+                return Err(self.error(got));
+            }
             self.line = match String::from_utf8(bytes) {
                 Ok(line) => line,
                 // What a comment says does not matter, and many have names in Latin-1.
@@ -130,6 +135,34 @@ impl<'a, R: BufRead> TextRows<'a, R> {
     }
 }
 
+/// Returns what the bytes up to the first line feed are if they are no line of text.
+fn not_lines(bytes: &[u8]) -> Option<&'static str> {
+    if bytes.starts_with(b"\xff\xfe") || bytes.starts_with(b"\xfe\xff") {
+        Some("UTF-16; save it as UTF-8")
+    } else if bytes.contains(&0) {
+        Some("zero bytes, as in UTF-16 or a binary file")
+    } else if !bytes.ends_with(b"\n") && bytes.trim_ascii().contains(&b'\r') {
+        Some("lines that end in a carriage return alone; end them with a line feed")
+    } else {
+        None
+    }
+}
+
+/// A line that is kept while others are read.
+#[derive(Debug)]
+pub(super) struct HeldLine {
+    text: String,
+    number: usize,
+    separator: Separator,
+}
+
+impl HeldLine {
+    /// Returns the line.
+    pub(super) fn line(&self) -> TextLine<'_> {
+        TextLine { number: self.number, text: &self.text, separator: self.separator }
+    }
+}
+
 /// A line that is not empty.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct TextLine<'t> {
@@ -150,6 +183,18 @@ impl<'t> TextLine<'t> {
     /// Returns whether no field is a number.
     pub(super) fn is_header(&self) -> bool {
         self.fields().all(|field| field.parse::<f64>().is_err())
+    }
+
+    /// Returns whether the line is drawn below a header: every field consists of dashes, at least one of them of
+    /// three or more.
+    pub(super) fn is_rule(&self) -> bool {
+        let is_dashes = |field: Cow<'_, str>| !field.is_empty() && field.bytes().all(|b| b == b'-');
+        self.text.contains("---") && self.fields().all(is_dashes)
+    }
+
+    /// Returns a copy that outlives the reading of the next line.
+    pub(super) fn held(&self) -> HeldLine {
+        HeldLine { text: self.text.to_owned(), number: self.number, separator: self.separator }
     }
 
     /// Returns the same line with another text.

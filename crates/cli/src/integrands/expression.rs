@@ -39,12 +39,15 @@ pub(super) fn parse(text: &str, remarks: &mut Vec<String>) -> Result<Box<dyn Int
 }
 
 /// Whether the text is a single term with a file whose name looks like an expression.
+///
+/// Operators in the other parameters belong to an expression, as in `env:a.exr,up=y * cosine`.
 fn names_a_file(text: &str) -> bool {
-    let file = Spec::parse(text).ok().and_then(|mut spec| {
-        matches!(spec.name.as_str(), "env" | "map")
-            .then(|| spec.take_path("").or_else(|| spec.take_path("file")))
-    });
-    file.flatten().is_some_and(|file| file.is_file())
+    let Ok(mut spec) = Spec::parse(text) else { return false };
+    if !matches!(spec.name.as_str(), "env" | "map") {
+        return false;
+    }
+    let file = spec.take_path("").or_else(|| spec.take_path("file"));
+    file.is_some_and(|file| file.is_file()) && !spec.has_operator_left()
 }
 
 /// The weight and the function of a summand: a product of numbers and rotated terms.

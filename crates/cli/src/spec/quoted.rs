@@ -6,7 +6,7 @@ use std::ops::Range;
 use std::path::PathBuf;
 
 /// The operators of expressions.
-const OPERATORS: [&str; 4] = [" + ", " - ", " * ", " @ "];
+pub(super) const OPERATORS: [&str; 4] = [" + ", " - ", " * ", " @ "];
 
 /// A mistake in a quoted value.
 pub(super) struct Mistake {

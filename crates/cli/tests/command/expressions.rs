@@ -235,12 +235,41 @@ fn names_of_any_bytes_are_read() {
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
 }
 
+/// A term with a file and parameters stands on either side of an operator.
+#[test]
+fn parameters_of_maps_end_at_operators() {
+    let place = Workplace::new();
+    place.write("sky.exr", small_exr(16, 8));
+    let data = format!("{}/tests/data/two_fields.fits", env!("CARGO_MANIFEST_DIR"));
+    place.write("two.fits", std::fs::read(data).unwrap());
+    let exact = |integrand: &str| row(&place, integrand, "")["exact"].as_f64().unwrap();
+    let whole = |term: &str| exact(term);
+    let env = whole("env:sky.exr,channel=r,up=y");
+    let map = whole("map:two.fits,field=1");
+    let close = |got: f64, wanted: f64| (got - wanted).abs() < 1e-9 * wanted.abs();
+    for (integrand, wanted) in [
+        ("env:sky.exr,channel=r,up=y * 0.5", 0.5 * env),
+        ("env:sky.exr,channel=r,up=y @ 40/10", env),
+        ("env:sky.exr,up=y,channel=r + cap:degrees=60", env + PI),
+        ("env:sky.exr,channel=r,up=y - env:sky.exr,channel=r,mirror=yes", 0.0),
+        ("map:two.fits,field=1 * 2", 2.0 * map),
+        ("map:two.fits,field=1 + cosine", map + PI),
+    ] {
+        let got = exact(integrand);
+        assert!(close(got, wanted) || (got - wanted).abs() < 1e-6 * env, "{integrand}: {got}");
+    }
+    let product = "env:sky.exr,up=y * cap:degrees=60 @ 40/10";
+    let reversed = "cap:degrees=60 @ 40/10 * env:sky.exr,up=y";
+    assert!((exact(product) / exact(reversed) - 1.0).abs() < 1e-6);
+}
+
 /// Whatever could be a file's name before is one still.
 #[test]
 fn names_of_files_may_look_like_expressions() {
     let place = Workplace::new();
     place.write("a + b @ c.exr", small_exr(8, 4));
     row(&place, "env:a + b @ c.exr", "");
+    row(&place, "env:a + b @ c.exr,channel=r,up=y", "");
     let (message, _) = refusal(&place, "env:a + b.exr", "");
     assert!(message.contains('a') && !message.contains("panic"), "{message}");
 }

@@ -107,7 +107,12 @@ impl Table<'_> {
             Some((role, column, _)) if *column == index => (*role).to_owned(),
             _ => self.name(index),
         };
-        let unused = (0..self.columns.len()).filter(|&i| !is_used[i]).map(name).collect();
+        // Without a name and numbers it is the padding of a record.
+        let is_padding = |column: &Column| column.name.is_empty() && column.items == 0;
+        let unused = (0..self.columns.len())
+            .filter(|&i| !is_used[i] && !is_padding(&self.columns[i]))
+            .map(name)
+            .collect();
         Ok(Layout { coordinates: Coordinates::of_system(system), slots, weight, set, unused })
     }
 
@@ -292,18 +297,10 @@ impl Table<'_> {
                 return Err(self.error(expected, format!("{role}, which takes one number")));
             }
         };
-        let unit_is = |names: &[&str]| names.iter().any(|n| unit.eq_ignore_ascii_case(n));
-        let wrong_unit = match role {
-            "lon" | "lat" | "ra" | "dec" | "glon" | "glat" | "l" | "b" => {
-                unit_is(&["rad", "radian", "radians", "h", "hour", "hours", "hourangle"])
-            }
-            "theta" | "phi" => unit_is(&["deg", "degree", "degrees"]),
-            _ => false,
-        };
-        if wrong_unit {
-            let unit_expected = if matches!(role, "theta" | "phi") { "radians" } else { "degrees" };
-            let expected = format!("{role} in {unit_expected}");
-            return Err(self.error(expected, format!("{} in the unit {unit}", self.name(column))));
+        if let Some(right) = right_unit(role, unit) {
+            let expected = format!("{role} in {right}");
+            let got = format!("{} in the unit {}", self.name(column), shortened(unit));
+            return Err(self.error(expected, got));
         }
         if others.iter().any(|slot| (slot.column, slot.item) == (column, item)) {
             let expected = format!("a column of its own for {role}");
@@ -335,6 +332,27 @@ impl Table<'_> {
     }
 }
 
+/// Returns the unit that a role must have where a column states another one.
+///
+/// A unit without letters, such as `-`, states nothing.
+fn right_unit(role: &str, unit: &str) -> Option<&'static str> {
+    let unit = unit.trim().to_lowercase();
+    let states_nothing = unit != "°" && !unit.contains(char::is_alphabetic) && !unit.contains('"');
+    let (is_right, right) = match role {
+        "lon" | "lat" | "ra" | "dec" | "glon" | "glat" | "l" | "b" => {
+            let in_degrees = ["deg", "d", "°", "decimal deg", "angle[deg"];
+            let is_right = in_degrees.iter().any(|name| match unit.strip_prefix(name) {
+                Some(rest) => rest.is_empty() || name.ends_with("deg"),
+                None => false,
+            });
+            (is_right, "degrees")
+        }
+        "theta" | "phi" => (matches!(&*unit, "rad" | "radian" | "radians"), "radians"),
+        _ => (true, ""),
+    };
+    (!is_right && !states_nothing).then_some(right)
+}
+
 /// Returns the first of `count` names for a message, with the number of the others.
 pub(super) fn listed(names: &[String], count: usize) -> String {
     let mut text = names.iter().take(LISTED).map(String::as_str).collect::<Vec<_>>().join(",");
@@ -342,4 +360,56 @@ pub(super) fn listed(names: &[String], count: usize) -> String {
         text.push_str(&format!(",... ({} more)", count - LISTED));
     }
     text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::right_unit;
+
+    /// A unit that is stated must be that of the role.
+    #[test]
+    fn units_of_angles() {
+        let degrees = [
+            "deg",
+            "DEGREES",
+            "Degree",
+            "decimal degrees",
+            "Angle[deg]",
+            "d",
+            "\u{b0}",
+            "",
+            "-",
+            " ",
+        ];
+        for unit in degrees {
+            assert_eq!(right_unit("ra", unit), None, "{unit}");
+        }
+        let others = [
+            "rad",
+            "arcsec",
+            "arcmin",
+            "mas",
+            "hourangle",
+            "h",
+            "mdeg",
+            "rad (J2000)",
+            "\"",
+            "dex",
+        ];
+        for unit in others {
+            assert_eq!(right_unit("glat", unit), Some("degrees"), "{unit}");
+        }
+        for (unit, right) in [
+            ("rad", None),
+            ("Radians", None),
+            ("", None),
+            ("deg", Some("radians")),
+            ("mrad", Some("radians")),
+            ("arcmin", Some("radians")),
+        ] {
+            assert_eq!(right_unit("theta", unit), right, "{unit}");
+        }
+        assert_eq!(right_unit("w", "kg"), None);
+        assert_eq!(right_unit("x", "mm"), None);
+    }
 }

@@ -8,7 +8,7 @@ use zip::result::ZipError;
 use super::collector::{Cell, PointCollector};
 use super::columns::{Column, Layout, Table};
 use super::npy::ArrayTable;
-use super::roles::{ColumnChoice, role_of};
+use super::roles::{ColumnChoice, SYSTEMS, role_of};
 use super::{PointFile, ReadOptions};
 use crate::files::file_error::{FileError, Place};
 use crate::files::memory_guard::MemoryGuard;
@@ -21,8 +21,9 @@ const MAX_ARRAYS: usize = 4096;
 /// Returns the sets of an NPZ file.
 ///
 /// The directions are the array `points`, or the only one of two or three dimensions, as in an NPY
-/// file, and the weights are `weights` (or `w` or `weight`) of shape `(N,)` or `(M, N)`. Without such
-/// an array, and with the names of `--columns`, arrays of one dimension are columns.
+/// file, or the only one of records, and the weights are `weights` (or `w` or `weight`) of shape `(N,)` or
+/// `(M, N)`. Without such an array, where arrays of one dimension have the names of a direction, and with names
+/// in `--columns` unless there are records, arrays of one dimension are columns.
 pub(super) fn read_npz(
     input: impl Read + Seek,
     path: &str,
@@ -35,11 +36,15 @@ pub(super) fn read_npz(
         return Err(layout_error(path, "arrays (.npy) in the archive", "none".to_owned()));
     }
     let by_name = matches!(options.columns, Some(ColumnChoice::Names(_)));
-    let has_points = |array: &&Shape| (2..=3).contains(&array.shape.len());
+    let is_column = |role: &&str| {
+        arrays.iter().any(|array| array.shape.len() == 1 && role_of(&array.name) == Some(*role))
+    };
+    let has_columns = SYSTEMS.iter().any(|system| system.iter().all(is_column));
+    let has_points =
+        |array: &&Shape| array.has_fields || (!by_name && (2..=3).contains(&array.shape.len()));
     let tables: Vec<&Shape> = arrays.iter().filter(has_points).collect();
     let main = match tables[..] {
-        _ if by_name => None,
-        [single] => Some(single),
+        [single] if !has_columns => Some(single),
         _ => tables.iter().copied().find(|array| array.name == "points"),
     };
     match main {
@@ -64,6 +69,8 @@ struct Shape {
     shape: Vec<usize>,
     /// The type of its items, where they are numbers.
     item: Option<ItemType>,
+    /// Whether its items are records.
+    has_fields: bool,
 }
 
 impl<'a, R: Read + Seek> Npz<'a, R> {
@@ -75,17 +82,26 @@ impl<'a, R: Read + Seek> Npz<'a, R> {
             return Err(layout_error(self.path, &expected, count.to_string()));
         }
         let mut arrays = Vec::new();
+        let mut first_error = None;
         for index in 0..count {
             let path = self.path;
             let entry = self.archive.by_index(index).map_err(|error| zip_error(path, &error))?;
             let name = entry.name().map_err(|error| zip_error(path, &error))?;
             let Some(name) = name.strip_suffix(".npy").map(str::to_owned) else { continue };
             // An array of objects or of anything else is no reason to reject the others.
-            let Ok(array) = NpyReader::new(entry, path) else { continue };
-            let shape = array.shape().to_vec();
-            arrays.push(Shape { index, name, shape, item: array.item_type() });
+            match NpyReader::new(entry, &format!("{path}: {}", shortened(&name))) {
+                Ok(array) => {
+                    let (shape, item) = (array.shape().to_vec(), array.item_type());
+                    let has_fields = array.fields().is_some();
+                    arrays.push(Shape { index, name, shape, item, has_fields });
+                }
+                Err(error) => first_error = first_error.or(Some(error)),
+            }
         }
-        Ok(arrays)
+        match first_error {
+            Some(error) if arrays.is_empty() => Err(error),
+            _ => Ok(arrays),
+        }
     }
 
     /// Returns the sets of an array of directions, with the weights of another one.
@@ -96,17 +112,20 @@ impl<'a, R: Read + Seek> Npz<'a, R> {
         let entry = self.archive.by_index(main.index).map_err(|e| zip_error(path, &e))?;
         let mut table = ArrayTable::of(&NpyReader::new(entry, &name)?, &name, options)?;
         let choice = options.columns.as_ref();
-        let place = Place::Whole;
+        let (place, has_names) = (Place::Whole, main.has_fields);
         let mut layout =
-            Table { path: &name, place, columns: &table.columns, has_names: false, choice }
-                .layout()?;
+            Table { path: &name, place, columns: &table.columns, has_names, choice }.layout()?;
         let own_weights = layout.weight.is_some();
         let loaded = match weights {
             Some(weights) if !own_weights => {
-                let fits = weights.shape == main.shape[..main.shape.len() - 1]
-                    || (table.several && weights.shape == main.shape[1..2]);
+                let of_points = match main.has_fields {
+                    true => &main.shape[..],
+                    false => &main.shape[..main.shape.len() - 1],
+                };
+                let fits = weights.shape == of_points
+                    || (table.several && weights.shape == of_points[1..]);
                 if !fits {
-                    let expected = format!("weights of the shape of {} but its last", main.name);
+                    let expected = format!("weights of the shape of {}, {of_points:?}", main.name);
                     let got = format!("{} of the shape {:?}", weights.name, weights.shape);
                     return Err(layout_error(path, &expected, got));
                 }

@@ -41,7 +41,7 @@ pub(super) fn read_ply(
     let mut reader = Reader::new(Counted { input: Cursor::new(head).chain(input), bytes: 0 });
     let header = Parser::<Skipped>::new()
         .read_header(&mut reader)
-        .map_err(|error| malformed(path, "a PLY header", error))?;
+        .map_err(|error| malformed(path, "a PLY header", &error))?;
     let header_bytes = reader.get_ref().bytes;
     let layout = layout(&header, path, options)?;
 
@@ -71,7 +71,7 @@ pub(super) fn read_ply(
                     };
                 }
                 let expected = format!("{} rows of {}", element.count, shortened(name));
-                malformed(path, &expected, error)
+                malformed(path, &expected, &error)
             })?;
             for (index, row) in rows.iter().enumerate() {
                 points.row(Place::Vertex(done + index), |slot| Cell::Number(row.slots[slot]))?;
@@ -203,15 +203,26 @@ fn bytes_of(element: &ElementDef) -> Option<u64> {
     Some(row.saturating_mul(element.count as u64))
 }
 
-fn malformed(path: &str, expected: &str, error: ParseError) -> FileError {
+/// Returns the error of the parser in our own words: its text has a line for what is wrong, lines for
+/// the value or the row that is, and debug text.
+fn malformed(path: &str, expected: &str, error: &ParseError) -> FileError {
+    let text = error.to_string();
+    let text = match error.line() {
+        Some(line) => text.strip_prefix(&format!("Line {line}: ")).unwrap_or(&text),
+        None => &text,
+    };
+    let (what, details) = text.split_once("\n\t").unwrap_or((text, ""));
+    let quoted = |label: &str| {
+        let (_, rest) = details.split_once(label)?;
+        let value = rest.split("\n\t").next()?.trim_matches(['\'', '\n', '\r', ' ']);
+        Some(format!("{:?}: ", shortened(value)))
+    };
+    let shown = quoted("Value: ").or_else(|| quoted("String: ")).unwrap_or_default();
     FileError::Layout {
         path: path.to_owned(),
-        place: Place::Whole,
+        place: error.line().map_or(Place::Whole, Place::Line),
         expected: expected.to_owned(),
-        got: format!(
-            "an error ({})",
-            io::Error::from(error).to_string().replace("\n\t", "; ").trim()
-        ),
+        got: format!("{shown}{}", what.trim().trim_end_matches('.')),
     }
 }
 

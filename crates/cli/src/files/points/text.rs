@@ -7,7 +7,7 @@ use super::collector::{Cell, PointCollector};
 use super::columns::{Column, Table};
 use super::{PointFile, ReadOptions};
 use crate::files::file_error::{FileError, Place};
-use crate::files::text_rows::{TextLine, TextRows};
+use crate::files::text_rows::{HeldLine, TextLine, TextRows};
 
 /// A layout has at most three coordinates, a weight and a set.
 const MAX_SLOTS: usize = 5;
@@ -22,6 +22,8 @@ pub(super) fn read_text(
         path,
         options,
         table: None,
+        header: None,
+        units: None,
         header_comment: None,
         comment_inside: None,
         pending_comment: None,
@@ -42,6 +44,10 @@ struct TextReader<'a> {
     path: &'a str,
     options: &'a ReadOptions,
     table: Option<TextTable<'a>>,
+    /// The header, before it is known what is below it.
+    header: Option<HeldLine>,
+    /// The line below the header if it has no numbers: units, where a rule follows.
+    units: Option<HeldLine>,
     /// The last comment before the rows: it may be a header.
     header_comment: Option<String>,
     /// The first comment with words between the rows of a file without a header.
@@ -67,13 +73,45 @@ impl<'a> TextReader<'a> {
             }
             return table.row(line, self.path);
         }
-        let has_header = line.is_header();
-        let mut first = table_of(line, has_header, self)?;
-        if !has_header {
-            first.row(line, self.path)?;
+        let Some(header) = &self.header else {
+            if line.is_header() {
+                self.header = Some(line.held());
+            } else {
+                let path = self.path;
+                self.start(line, None)?.row(line, path)?;
+            }
+            return Ok(());
+        };
+        // VizieR and others write names, units and dashes above the rows.
+        if line.is_rule() && line.fields().count() == header.line().fields().count() {
+            let (header, units) = (self.header.take(), self.units.take());
+            let units = units.as_ref().map(HeldLine::line);
+            header.map_or(Ok(()), |header| self.start(header.line(), units).map(drop))
+        } else if self.units.is_none() && line.is_header() {
+            self.units = Some(line.held());
+            Ok(())
+        } else {
+            self.start_without_rule()?;
+            self.line(line)
         }
-        self.table = Some(first);
-        Ok(())
+    }
+
+    /// Starts the table of the header that is held; the line below it was a row.
+    fn start_without_rule(&mut self) -> Result<(), FileError> {
+        let Some(header) = self.header.take() else { return Ok(()) };
+        let (path, row) = (self.path, self.units.take());
+        let table = self.start(header.line(), None)?;
+        row.map_or(Ok(()), |row| table.row(row.line(), path))
+    }
+
+    /// Starts the table whose first line, a header or a row, is this one, with the units below a header.
+    fn start(
+        &mut self,
+        first: TextLine<'_>,
+        units: Option<TextLine<'_>>,
+    ) -> Result<&mut TextTable<'a>, FileError> {
+        let table = table_of(first, units, self)?;
+        Ok(self.table.insert(table))
     }
 
     /// A bare `#` between the rows of a file without a header starts the next set: so do the
@@ -93,7 +131,10 @@ impl<'a> TextReader<'a> {
         }
     }
 
-    fn finish(self) -> Result<PointFile, FileError> {
+    fn finish(mut self) -> Result<PointFile, FileError> {
+        if self.table.is_none() {
+            self.start_without_rule()?;
+        }
         let Some(mut table) = self.table else {
             return Err(FileError::Empty { path: self.path.to_owned() });
         };
@@ -107,13 +148,14 @@ impl<'a> TextReader<'a> {
     }
 }
 
-/// Returns the columns that the first line, a header or a row, tells.
+/// Returns the columns that the first line, a header or a row, tells, with the units that stand below it.
 fn table_of<'a>(
     line: TextLine<'_>,
-    has_header: bool,
+    units: Option<TextLine<'_>>,
     reader: &TextReader<'a>,
 ) -> Result<TextTable<'a>, FileError> {
     let (path, options) = (reader.path, reader.options);
+    let has_header = line.is_header();
     let mut fields: Vec<Cow<'_, str>> = line.fields().collect();
     let open_end = line.has_open_end();
     if open_end {
@@ -130,7 +172,10 @@ fn table_of<'a>(
         choice: options.columns.as_ref(),
     };
     let (columns, layout) = if has_header {
-        let columns = columns(&fields);
+        let mut columns = columns(&fields);
+        for (column, unit) in columns.iter_mut().zip(units.iter().flat_map(TextLine::fields)) {
+            column.unit = unit.into_owned();
+        }
         let layout = Table { columns: &columns, ..table }.layout()?;
         (columns, layout)
     } else {

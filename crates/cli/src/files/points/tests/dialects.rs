@@ -43,6 +43,60 @@ fn headers_of_catalogues() {
     assert_eq!(read("p.txt", "# made by a program\n0 0 1\n").sets[0].directions, [DVec3::Z]);
 }
 
+/// The tables of VizieR have names, units and dashes.
+#[test]
+fn units_and_dashes_below_a_header() {
+    let top = "#RESOURCE=yCat_1239\n#Column\t_RAJ2000\t(F11.7)\n";
+    let cases = [
+        "_RAJ2000\t_DEJ2000\tVT\ndeg\tdeg\tmag\n---------\t--------\t---\n0\t0\t9\n270\t0\t\n",
+        "recno;RAJ2000;DEJ2000;n\n;deg;deg;\n--------;---;---;-\n1;0;0;a\n2;270;0;\n\n#END#\n",
+        "_RAJ2000\t_DEJ2000\n---\t---\n000.0\t+00.0\n270.0\t-00.0\n",
+        "ra  dec\n--- ---\n0 0\n270 0\n",
+        "ra,dec\r\ndeg,-\r\n---,----\r\n0,0\r\n270,0\r\n",
+    ];
+    for content in cases {
+        let back = read("p.tsv", format!("{top}{content}"));
+        assert_eq!(back.sets[0].directions, [DVec3::X, DVec3::NEG_Y], "{content}");
+        assert!(back.warnings.is_empty(), "{content}: {:?}", back.warnings);
+    }
+    // What is not followed by dashes is a row, and dashes elsewhere are one too.
+    for (content, part) in [
+        ("ra,dec\ndeg,deg\n0,0\n", "p.csv:2: ra: expected a finite number, got \"deg\""),
+        ("ra,dec\ndeg,deg\n", "p.csv:2: ra: expected a finite number, got \"deg\""),
+        ("ra,dec\na,b\nc,d\n---,---\n", "p.csv:2: ra"),
+        ("ra,dec\n0,0\n---,---\n", "p.csv:3: ra: expected a finite number, got \"---\""),
+        ("ra,dec\n-,-\n0,0\n", "p.csv:2: ra: expected a finite number, got \"-\""),
+        ("ra,dec\n---\n0,0\n", "p.csv:2: expected 2 fields"),
+        ("ra,dec\nrad,rad\n---,---\n0,0\n", "ra in degrees, got ra in the unit rad"),
+        ("ra,dec\n\"h:m:s\",\"d:m:s\"\n---,---\n0,0\n", "got ra in the unit h:m:s"),
+        ("theta,phi\narcmin,rad\n---,---\n0,0\n", "theta in radians, got theta in the unit arcmin"),
+        ("ra,dec\ndeg,deg\n---,---\n", "no points"),
+    ] {
+        let message = error(content);
+        assert!(message.contains(part), "{message}\n{part}");
+    }
+    let options = ReadOptions { skip_invalid: true, ..ReadOptions::default() };
+    let back = read_with("p.csv", "ra,dec\n,\n0,0\n", &options).unwrap();
+    assert_eq!(back.warnings, ["p.csv: 1 of 2 rows skipped as invalid: p.csv:2"]);
+}
+
+#[test]
+fn files_without_lines_of_utf_8_are_named() {
+    let utf_16 = |text: &str, bytes: fn(u16) -> [u8; 2]| {
+        text.encode_utf16().flat_map(bytes).collect::<Vec<u8>>()
+    };
+    for (content, part) in [
+        (utf_16("\u{feff}x,y,z\n0,0,1\n", u16::to_le_bytes), "got UTF-16; save it as UTF-8"),
+        (utf_16("\u{feff}x,y,z\n0,0,1\n", u16::to_be_bytes), "got UTF-16; save it as UTF-8"),
+        (utf_16("x,y,z\n0,0,1\n", u16::to_le_bytes), "got zero bytes, as in UTF-16"),
+        (b"x,y,z\r0,0,1\r".to_vec(), "lines that end in a carriage return alone"),
+    ] {
+        let message = read_with("p.csv", content, &ReadOptions::default()).unwrap_err();
+        assert!(message.starts_with("p.csv:1: expected UTF-8 text"), "{message}");
+        assert!(message.contains(part), "{message}\n{part}");
+    }
+}
+
 #[test]
 fn headers_that_leave_a_choice_or_none() {
     let cases = [

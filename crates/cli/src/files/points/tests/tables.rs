@@ -146,6 +146,68 @@ fn archives_of_points_and_weights() {
 }
 
 #[test]
+fn archives_of_records_and_of_columns_beside_other_arrays() {
+    let stored = zip::CompressionMethod::Stored;
+    let records = "[('ra', '<f8'), ('dec', '<f8'), ('q', '<f8')]";
+    let table = array(records, "(2,)", &doubles(&[90.0, 0.0, 5.0, 0.0, 90.0, 7.0]));
+    let weights = array("'<f8'", "(2,)", &doubles(&[3.0, 4.0]));
+    let file = npz(&[("table", table), ("weights", weights)], stored);
+    for columns in ["ra,dec,_", "ra=ra,dec=dec"] {
+        let back = read_as("p.npz", &file, columns).unwrap();
+        assert_eq!(back.sets[0].directions, [DVec3::Y, DVec3::Z]);
+        assert_eq!(back.sets[0].weights, Some(vec![3.0, 4.0]), "{columns}");
+    }
+    let back = read_as("p.npz", &file, "ra=ra,dec=dec,w=q").unwrap();
+    assert_eq!(back.sets[0].weights, Some(vec![5.0, 7.0]));
+    // Columns with the names of a direction, and a picture that is none.
+    let arrays = [
+        ("RAJ2000", array("'<f8'", "(2,)", &doubles(&[90.0, 0.0]))),
+        ("DEJ2000", array("'<f8'", "(2,)", &doubles(&[0.0, 90.0]))),
+        ("picture", array("'<f8'", "(2, 3)", &doubles(&[0.0; 6]))),
+    ];
+    let back = read("p.npz", npz(&arrays, stored));
+    assert_eq!(back.sets[0].directions, [DVec3::Y, DVec3::Z]);
+    assert_eq!(back.remarks, ["p.npz: column not used: picture"]);
+    // If no array can be read, the reason is told.
+    let message =
+        read_with("p.npz", npz(&[("a", b"text".to_vec())], stored), &ReadOptions::default());
+    let message = message.unwrap_err();
+    assert!(message.starts_with("p.npz: a") && !message.contains("got none"), "{message}");
+}
+
+/// The padding of aligned records has no name.
+#[test]
+fn padding_is_no_column() {
+    let records = "[('x', '|i1'), ('y', '|i1'), ('', '|V6'), ('z', '<f8')]";
+    let rows = [&[0_u8; 8][..], &1f64.to_le_bytes()].concat();
+    let back = read("p.npy", array(records, "(1,)", &rows));
+    assert_eq!(back.sets[0].directions, [DVec3::Z]);
+    assert!(back.remarks.is_empty(), "{:?}", back.remarks);
+}
+
+#[test]
+fn wrong_rows_of_ply_texts() {
+    let head = "ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\nproperty float y\n\
+                property uchar z\nend_header\n";
+    for (content, part) in [
+        (format!("{head}1 0 0\n1 0 1.0\n"), "p.ply:9: expected 2 rows of vertex, got \"1.0\": "),
+        (
+            format!("{head}1 0 0\n1 one 1\n"),
+            "p.ply:9: expected 2 rows of vertex, got \"1 one 1\": ",
+        ),
+        (format!("{head}1 0 0\n1 0\n"), "p.ply:9: expected 2 rows of vertex, got "),
+        (
+            head.replace("vertex 2", "vertex 99999999999999999999"),
+            "p.ply:3: expected a PLY header, got \"element vertex 99999999999999999999\": ",
+        ),
+    ] {
+        let message = read_with("p.ply", content, &ReadOptions::default()).unwrap_err();
+        assert!(message.starts_with(part), "{message}\n{part}");
+        assert!(!message.contains(['{', '\n', '\t']) && message.len() < 200, "{message}");
+    }
+}
+
+#[test]
 fn a_catalogue_is_the_same_in_every_format() {
     let names = "ra=RAJ2000,dec=DEJ2000,w=WEIGHT";
     let text = read_as("c.csv", CATALOGUE_CSV, names).unwrap();
