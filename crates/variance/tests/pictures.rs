@@ -87,7 +87,7 @@ fn mirror_and_turn_move_the_same_function() {
     assert!((got.im - area * sum[1]).abs() < 1e-3, "{got} {sum:?}");
 }
 
-/// pbrt-v4's EqualAreaSquareToSphere, written out.
+/// `EqualAreaSquareToSphere` of pbrt-v4, written out.
 fn square_to_sphere(u: f64, v: f64) -> DVec3 {
     let (u, v) = (2.0 * u - 1.0, 2.0 * v - 1.0);
     let signed = 1.0 - (u.abs() + v.abs());
