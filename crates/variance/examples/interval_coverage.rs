@@ -9,8 +9,8 @@ use std::io::Write;
 
 use sphvar_samplers::{Domain, Pattern, Sampler};
 use sphvar_variance::{
-    Cap, ClampedCosine, Comparison, DoubleCap, Effort, Harmonic, Integrand, Method, PhongLobe,
-    PredictedPoint, Prediction, VonMisesFisher, compare, predict, prediction_degree,
+    AbsCosine, Cap, ClampedCosine, Comparison, DoubleCap, Effort, Harmonic, Integrand, Method,
+    PhongLobe, PredictedPoint, Prediction, VonMisesFisher, compare, predict, prediction_degree,
 };
 
 struct Tally {
@@ -127,15 +127,25 @@ fn main() -> Result<(), Box<dyn Error>> {
     writeln!(out)?;
     let ordinary: Vec<(&str, Box<dyn Integrand>)> = vec![
         ("cosine", Box::new(ClampedCosine)),
+        ("abs-cosine", Box::new(AbsCosine)),
         ("cap 60", Box::new(Cap::from_degrees(60.0)?)),
         ("cap 30", Box::new(Cap::from_degrees(30.0)?)),
+        ("cap 90", Box::new(Cap::from_degrees(90.0)?)),
         ("cap 120", Box::new(Cap::from_degrees(120.0)?)),
+        ("cap 150", Box::new(Cap::from_degrees(150.0)?)),
+        ("half space 0.3", Box::new(Cap::new(0.3_f64.acos())?)),
         ("double cap 40", Box::new(DoubleCap::from_degrees(40.0)?)),
+        ("double cap 70", Box::new(DoubleCap::from_degrees(70.0)?)),
+        ("vmf 1", Box::new(VonMisesFisher::new(1.0)?)),
         ("vmf 10", Box::new(VonMisesFisher::new(10.0)?)),
         ("vmf 50", Box::new(VonMisesFisher::new(50.0)?)),
+        ("phong 1.5", Box::new(PhongLobe::new(1.5)?)),
         ("phong 4", Box::new(PhongLobe::new(4.0)?)),
+        ("phong 20", Box::new(PhongLobe::new(20.0)?)),
+        ("Y_1,0", Box::new(Harmonic::new(1, 0)?)),
         ("Y_4,0", Box::new(Harmonic::new(4, 0)?)),
         ("Y_9,3", Box::new(Harmonic::new(9, 3)?)),
+        ("Y_20,20", Box::new(Harmonic::new(20, 20)?)),
     ];
     let (mut missed, mut rows) = (0, 0);
     for (name, f) in &ordinary {
