@@ -1,9 +1,11 @@
 //! Progress on standard error, with the time that is left, for work that takes a while.
 
+use std::fmt::Write;
+use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Duration;
 
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
 
 use crate::message;
 
@@ -11,6 +13,8 @@ use crate::message;
 /// terminal.
 pub(crate) struct Progress {
     bar: ProgressBar,
+    /// The seconds left that were shown last, which later ones do not exceed.
+    longest: Arc<AtomicU64>,
 }
 
 /// Ticks to an estimated second: the bar counts whole numbers.
@@ -19,17 +23,22 @@ const TICKS: f64 = 1e6;
 impl Progress {
     /// A bar for `cost` units of work, of any size.
     pub(crate) fn new(cost: f64, quiet: bool) -> Self {
+        let longest = Arc::new(AtomicU64::new(u64::MAX));
         let bar = ProgressBar::with_draw_target(
             Some(ticks(cost)),
             if quiet { ProgressDrawTarget::hidden() } else { ProgressDrawTarget::stderr() },
         );
         let style =
-            ProgressStyle::with_template("{msg:24!} [{bar:32}] {percent:>3} % {eta:>4} left");
+            ProgressStyle::with_template("{msg:24!} [{bar:32}] {percent:>3} % {left:>4} left");
         if let Ok(style) = style {
-            bar.set_style(style.progress_chars("=> "));
+            let longest = Arc::clone(&longest);
+            let left = move |state: &ProgressState, out: &mut dyn Write| {
+                let _ = write!(out, "{}", left(state, &longest));
+            };
+            bar.set_style(style.with_key("left", left).progress_chars("=> "));
         }
         bar.enable_steady_tick(Duration::from_millis(200));
-        Self { bar }
+        Self { bar, longest }
     }
 
     /// Says what is being done.
@@ -40,6 +49,7 @@ impl Progress {
     /// Adds `cost` units to what is to be done.
     pub(crate) fn lengthen(&self, cost: f64) {
         self.bar.inc_length(ticks(cost));
+        self.longest.store(u64::MAX, Ordering::Relaxed);
     }
 
     /// Counts `cost` units as done.
@@ -83,6 +93,19 @@ impl Drop for Progress {
     fn drop(&mut self) {
         self.bar.finish_and_clear();
     }
+}
+
+/// The time that is left, in seconds; it waits rather than grows. Before a twentieth is done nothing is known
+/// of it.
+fn left(state: &ProgressState, longest: &AtomicU64) -> String {
+    if state.fraction() < 0.05 {
+        return "-".to_owned();
+    }
+    // All that was done, at its mean pace.
+    let done = f64::from(state.fraction());
+    let now = state.elapsed().mul_f64((1.0 - done).max(0.0) / done).as_secs();
+    let shown = longest.fetch_min(now, Ordering::Relaxed).min(now);
+    format!("{}s", shown)
 }
 
 #[expect(

@@ -3,7 +3,7 @@ use sphvar_samplers::{Domain, Pattern, SpectralControl};
 use crate::{Error, PredictedPoint, PredictionBudget, Predictor};
 
 /// The share of white noise's power that a pattern has at least beyond its empty degrees, averaged
-/// with the energies of an integrand: power that is missing at low degrees comes back beyond
+/// with the energies of an integrand over many degrees: power that is missing at low degrees comes back beyond
 /// (`sum (2l+1) (1 - P(l)) = N`), the more the more is missing.
 const REMAINING_POWER: f64 = 0.7;
 /// From one last empty degree to the next that is tried, where less emptiness may be better.
@@ -18,8 +18,9 @@ const MAX_WORK: f64 = 25.0;
 ///
 /// A `step` or `blue` set has no power up to a degree t. For each t there is one value of alpha, the
 /// shortest decimal number. The largest t is best for smooth integrands: it is tried first, then
-/// smaller ones as long as they improve. What lies beyond t is a bound: where 0.7 times white noise's
-/// variance of the degrees beyond t exceeds the best variance known, t is not tried.
+/// smaller ones as long as they improve. What lies beyond t is a bound where it is spread over many degrees
+/// ([`Predictor::broad_variance`]): where 0.7 times white noise's variance there exceeds the best variance
+/// known, no t is tried from there on.
 ///
 /// # Errors
 ///
@@ -31,14 +32,13 @@ pub fn best_design(
     to_beat: f64,
 ) -> Result<Option<(Pattern, PredictedPoint)>, Error> {
     let budget = PredictionBudget::USUAL;
-    let factor = predictor.domain().variance_factor(n_points);
     let mut best: Option<(Pattern, PredictedPoint)> = None;
     let (mut limit, mut below, mut failures) = (to_beat, usize::MAX, 0);
     for (last, design) in designs(pattern, n_points, predictor.domain()).into_iter().rev() {
         if last >= below {
             continue;
         }
-        if REMAINING_POWER * factor * predictor.energy_to(last)?.beyond(last) >= limit {
+        if REMAINING_POWER * predictor.broad_variance(last, n_points)?.sum() >= limit {
             break;
         }
         let Ok((work, realizations)) = predictor.work(&design, n_points) else {

@@ -28,6 +28,13 @@ impl PredictionBudget {
     /// The largest number of strata whose spectrum is computed without sampling.
     const MAX_EXACT_STRATA: usize = 4096;
 
+    /// Returns a budget of an eighth of the work and a third of the precision, for the points of a curve
+    /// that no answer depends on.
+    #[must_use]
+    pub fn rough(self) -> Self {
+        Self { relative: 3.0 * self.relative, work: self.work / 8.0 }
+    }
+
     /// Checks that both numbers are positive and finite.
     pub(crate) fn checked(self) -> Result<Self, Error> {
         for (name, got) in [("the relative precision", self.relative), ("the work", self.work)] {

@@ -1,6 +1,7 @@
 use std::collections::BTreeMap;
 
 use sphvar_samplers::{Domain, Pattern, Purpose, Realizations, Sampler, Streams};
+use sphvar_sh::ByParity;
 use sphvar_spectrum::{
     Accumulator, Resolution, Spectrum, SpectrumAccumulator, accumulate, exact_spectrum,
     has_exact_spectrum,
@@ -14,9 +15,13 @@ use crate::{
 
 /// Realizations that an estimate begins with, if the budget allows as many.
 const FIRST: u64 = 8;
+/// The effective number of degrees over sqrt(N) from which on a pattern's mean power there is known.
+const MIN_BREADTH: f64 = 1.2;
+/// The effective number of degrees at least, however few the points.
+const MIN_EFFECTIVE: f64 = 8.0;
 /// The share of a lattice's variance that may lie beyond its spectrum, where the power is known in the
-/// mean only.
-const NEGLIGIBLE: f64 = 0.01;
+/// mean only, relative to the precision of the budget: 1 % where that is 2 %.
+const NEGLIGIBLE: f64 = 0.5;
 
 /// Predicts the variance of integrating one function, for any pattern and number of points.
 ///
@@ -94,6 +99,12 @@ impl<'a> Predictor<'a> {
         self.domain
     }
 
+    /// The precision and work of its predictions.
+    #[must_use]
+    pub fn budget(&self) -> PredictionBudget {
+        self.budget
+    }
+
     /// The integrand's energies to the highest degree that was needed so far, which is 0 at first.
     #[must_use]
     pub fn energy(&self) -> &Energy {
@@ -113,16 +124,31 @@ impl<'a> Predictor<'a> {
         (4.0 * f64::EPSILON).powi(2) * self.domain.area() * self.outline.total()
     }
 
-    /// A bound below the variance with any pattern that is random: half of white noise's variance of the
-    /// degrees beyond 4 sqrt(N), where the power of all of them has settled about 1.
+    /// Returns white noise's variance of the degrees beyond `degree` that are known to be many, by
+    /// parity; 0 where the energy may be concentrated in a few degrees.
+    ///
+    /// A single degree says nothing of a pattern: any may have a gap in its power there. The degrees
+    /// beyond `degree`, `max(4 sqrt(N), 32)` of them at least, count only where their effective number,
+    /// `(sum E)^2 / sum E^2`, is at least 1.2 sqrt(N) and 8: the gaps of crystalline patterns are about
+    /// sqrt(N) wide. Energy of higher degrees does not count, since its degrees are not known.
     ///
     /// # Errors
     ///
     /// Those of [`Integrand::energy`].
-    pub fn random_floor(&mut self, n_points: usize) -> Result<f64, Error> {
-        let settled = Resolution::natural_degree(n_points);
+    pub fn broad_variance(&mut self, degree: usize, n_points: usize) -> Result<ByParity, Error> {
         let factor = self.domain.variance_factor(n_points);
-        Ok(0.5 * factor * self.energy_to(settled)?.beyond(settled))
+        let wide = MIN_BREADTH * self.domain.count_on_sphere(n_points).sqrt();
+        let energy = self.energy_to(degree + Resolution::natural_degree(n_points))?;
+        let total = energy.centred().sum();
+        let (mut sums, mut squares) = (ByParity::both(0.0), 0.0);
+        for (l, e) in energy.per_degree().iter().enumerate().skip(degree + 1) {
+            *sums.of_mut(l) += e;
+            // Relative to the total, so that no square leaves the range of numbers.
+            squares += (e / total).powi(2);
+        }
+        let effective = (sums.sum() / total).powi(2) / squares;
+        let is_broad = effective >= wide.max(MIN_EFFECTIVE);
+        Ok(if is_broad { sums.map(|sum| factor * sum) } else { ByParity::both(0.0) })
     }
 
     /// The share of white noise's variance that lies beyond a degree.
@@ -151,8 +177,23 @@ impl<'a> Predictor<'a> {
         n_points: usize,
         done: &(dyn Fn() + Sync),
     ) -> Result<PredictedPoint, Error> {
+        self.predict_within(self.budget, pattern, n_points, done)
+    }
+
+    /// [`Self::predict`] with another budget.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`Self::predict`].
+    pub fn predict_within(
+        &mut self,
+        budget: PredictionBudget,
+        pattern: &Pattern,
+        n_points: usize,
+        done: &(dyn Fn() + Sync),
+    ) -> Result<PredictedPoint, Error> {
         let sampler = pattern.build(n_points, self.domain).map_err(sphvar_spectrum::Error::from)?;
-        let lmax = self.degree(pattern, &*sampler)?;
+        let lmax = self.degree(budget, pattern, &*sampler)?;
         let mut point = if self.is_flat(pattern) {
             let power = vec![1.0; lmax + 1];
             let spectrum = Spectrum::exact(self.domain, n_points, power);
@@ -162,7 +203,7 @@ impl<'a> Predictor<'a> {
             let prediction = predict(&spectrum, self.energy_to(lmax)?);
             PredictedPoint { spectrum, prediction }
         } else {
-            self.estimate(pattern, &*sampler, lmax, done)?
+            self.estimate(budget, pattern, &*sampler, lmax, done)?
         };
         if point.prediction.variance <= self.rounding() {
             let Prediction { variance, stderr, .. } = &mut point.prediction;
@@ -206,7 +247,7 @@ impl<'a> Predictor<'a> {
         if self.is_flat(pattern) {
             return Ok((0.0, 1));
         }
-        let lmax = self.degree(pattern, &*sampler)?;
+        let lmax = self.degree(self.budget, pattern, &*sampler)?;
         let count = match self.options.realizations {
             _ if !sampler.is_random() => 1,
             Some(count) => count,
@@ -223,14 +264,28 @@ impl<'a> Predictor<'a> {
     ///
     /// Those of [`Self::predict`] that show without a realization.
     pub fn is_affordable(&mut self, pattern: &Pattern, n_points: usize) -> Result<bool, Error> {
+        self.is_affordable_within(self.budget, pattern, n_points)
+    }
+
+    /// [`Self::is_affordable`] with another budget.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`Self::is_affordable`].
+    pub fn is_affordable_within(
+        &mut self,
+        budget: PredictionBudget,
+        pattern: &Pattern,
+        n_points: usize,
+    ) -> Result<bool, Error> {
         let sampler = pattern.build(n_points, self.domain).map_err(sphvar_spectrum::Error::from)?;
-        let lmax = self.degree(pattern, &*sampler)?;
+        let lmax = self.degree(budget, pattern, &*sampler)?;
         let is_known = sampler.is_random() && self.is_known(pattern, &*sampler, lmax);
         if self.is_flat(pattern) || is_known {
             return Ok(true);
         }
         let sets = if sampler.is_random() { PredictionBudget::MIN_REALIZATIONS } else { 1 };
-        Ok(sets as f64 * realization_work(pattern, n_points, lmax) <= self.budget.work)
+        Ok(sets as f64 * realization_work(pattern, n_points, lmax) <= budget.work)
     }
 
     /// Whether the pattern has the power 1 in every degree: the total and the mean of the integrand
@@ -263,16 +318,17 @@ impl<'a> Predictor<'a> {
     /// The spectrum and the variance that it predicts, from realizations.
     fn estimate(
         &mut self,
+        budget: PredictionBudget,
         pattern: &Pattern,
         sampler: &dyn Sampler,
         lmax: usize,
         done: &(dyn Fn() + Sync),
     ) -> Result<PredictedPoint, Error> {
         let n_points = sampler.n_points();
-        let (relative, rounding) = (self.budget.relative, self.rounding());
+        let (relative, rounding) = (budget.relative, self.rounding());
         let most = match self.options.realizations {
             Some(count) => count,
-            None => self.budget.realizations(pattern, n_points, lmax),
+            None => budget.realizations(pattern, n_points, lmax),
         };
         let first = self.options.realizations.unwrap_or(FIRST.min(most));
         let streams = Streams::new(self.seed, Purpose::Pattern, pattern.stream_group(n_points));
@@ -310,7 +366,13 @@ impl<'a> Predictor<'a> {
 
     /// The degree to which a spectrum is computed: [`prediction_degree`], and for a lattice less where
     /// the integrand has next to no energy beyond.
-    fn degree(&mut self, pattern: &Pattern, sampler: &dyn Sampler) -> Result<usize, Error> {
+    fn degree(
+        &mut self,
+        budget: PredictionBudget,
+        pattern: &Pattern,
+        sampler: &dyn Sampler,
+    ) -> Result<usize, Error> {
+        let negligible = NEGLIGIBLE * budget.relative.min(0.1);
         if let Some(lmax) = self.options.lmax {
             return Ok(lmax);
         }
@@ -326,7 +388,7 @@ impl<'a> Predictor<'a> {
             let whole = energy.beyond(least / 2);
             let mut beyond = energy.beyond(least);
             for l in least..=most.min(energy.lmax()) {
-                if beyond <= NEGLIGIBLE * whole {
+                if beyond <= negligible * whole {
                     return Ok(l);
                 }
                 beyond -= energy.per_degree().get(l + 1).copied().unwrap_or(0.0);
@@ -335,7 +397,7 @@ impl<'a> Predictor<'a> {
                 return Ok(most);
             }
             // Energy beyond a degree that falls as its square, which is fast, is negligible here.
-            let factor = (beyond / (NEGLIGIBLE * whole)).sqrt();
+            let factor = (beyond / (negligible * whole)).sqrt();
             asked = ahead(energy.lmax(), factor).min(most);
         }
     }

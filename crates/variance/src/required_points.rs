@@ -1,6 +1,9 @@
-use sphvar_samplers::{Domain, Pattern};
+use std::collections::BTreeSet;
 
-use crate::{Error, PredictedCurve, PredictedPoint, Predictor, RateFit};
+use sphvar_samplers::{Domain, Pattern};
+use sphvar_spectrum::Resolution;
+
+use crate::{Error, PredictedCurve, PredictedPoint, Prediction, Predictor, RateFit};
 
 /// How many points a pattern needs for a variance.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -49,7 +52,8 @@ const RESOLUTION: f64 = 1.02;
 ///
 /// The legal numbers next to 1, 2, 4, 8, ... are tried until one suffices and the one that follows it
 /// too (two that follow for a pattern that is not random, whose variance may rise again), as far as
-/// they are affordable and not ruled out by [`Predictor::random_floor`]. Between the last one that does not suffice and the next, numbers by
+/// they are affordable and not ruled out by energy that is spread over many degrees beyond 4 sqrt(N), where
+/// random patterns have at least half of white noise's power ([`Predictor::broad_variance`]). Between the last one that does not suffice and the next, numbers by
 /// interpolation in log N and log Var are tried: to the very number where the predictions of a random
 /// pattern are exact, else to 2 %. What is between numbers that were not tried is not known: a lattice may have a bad
 /// number there.
@@ -83,7 +87,7 @@ pub fn required_points(
         let (name, range) = ("the variance asked for", "positive and finite");
         return Err(Error::Parameter { name, range, got: variance });
     }
-    let mut search = Search { predictor, curve, variance, done };
+    let mut search = Search { predictor, curve, variance, done, rough: BTreeSet::new() };
     let climb = search.climb(max_points)?;
     match climb.enough {
         Some(enough) => search.predicted(climb.too_few, enough),
@@ -92,14 +96,23 @@ pub fn required_points(
     }
 }
 
-/// What a lattice may have of [`Predictor::random_floor`] at least: there are gaps between its peaks.
-const LATTICE_SHARE: f64 = 0.02;
+/// The least share of white noise's power that random patterns have beyond 4 sqrt(N), averaged over
+/// many degrees.
+const RANDOM_SHARE: f64 = 0.5;
+/// The same of lattices, at even degrees: there are gaps between their peaks, and antipodal ones have no
+/// power at odd degrees.
+const LATTICE_SHARE: f64 = 0.01;
+/// A rough prediction decides where its variance is farther from the one asked for than by this factor
+/// and by this number of standard errors.
+const CLEAR: (f64, f64) = (1.5, 4.0);
 
 struct Search<'a, 'b> {
     predictor: &'a mut Predictor<'b>,
     curve: &'a mut PredictedCurve,
     variance: f64,
     done: &'a (dyn Fn() + Sync),
+    /// Numbers of points with a rough prediction on the curve.
+    rough: BTreeSet<usize>,
 }
 
 /// What is known after trying ever larger numbers.
@@ -118,9 +131,16 @@ impl Search<'_, '_> {
         let pattern = self.curve.pattern().clone();
         let mut climb = Climb { too_few: None, enough: None, is_cut_short: false };
         let mut refusal = None;
-        for n in rungs(&pattern, domain, max_points) {
+        let rungs = rungs(&pattern, domain, max_points);
+        // The floor falls with N: where it rules out the largest number, it rules out all.
+        if let Some(&most) = rungs.last()
+            && self.is_hopeless(&pattern, most)?
+        {
+            return Ok(climb);
+        }
+        for n in rungs {
             let is_random = pattern.build(n, domain).is_ok_and(|sampler| sampler.is_random());
-            if self.is_hopeless(&pattern, is_random, n)? {
+            if self.is_hopeless(&pattern, n)? {
                 climb.too_few = Some(n);
                 continue;
             }
@@ -161,18 +181,18 @@ impl Search<'_, '_> {
     }
 
     /// Whether no prediction is needed to know that a number does not suffice. White noise needs next to
-    /// none, and antipodal sets have no power in odd degrees, whatever their number.
-    fn is_hopeless(
-        &mut self,
-        pattern: &Pattern,
-        is_random: bool,
-        n_points: usize,
-    ) -> Result<bool, Error> {
-        if matches!(pattern, Pattern::WhiteNoise | Pattern::Healpix) {
+    /// none.
+    fn is_hopeless(&mut self, pattern: &Pattern, n_points: usize) -> Result<bool, Error> {
+        let white = self.predictor.white_variance(n_points);
+        if *pattern == Pattern::WhiteNoise || white <= self.variance {
             return Ok(false);
         }
-        let share = if is_random { 1.0 } else { LATTICE_SHARE };
-        Ok(share * self.predictor.random_floor(n_points)? > self.variance)
+        let domain = self.predictor.domain();
+        let is_random = pattern.build(n_points, domain).is_ok_and(|sampler| sampler.is_random());
+        let settled = Resolution::natural_degree(n_points);
+        let broad = self.predictor.broad_variance(settled, n_points)?;
+        let floor = if is_random { RANDOM_SHARE * broad.sum() } else { LATTICE_SHARE * broad.even };
+        Ok(floor > self.variance)
     }
 
     /// The answer from a number that suffices and the largest one that does not.
@@ -185,6 +205,7 @@ impl Search<'_, '_> {
             Some(too_few) => self.refine(too_few, enough)?,
             None => enough,
         };
+        self.predict_precisely(n_points)?;
         let tried = self.curve.points().iter().rev().map(PredictedPoint::n_points);
         let too_few = tried.filter(|&n| n < n_points).find(|&n| !self.suffices_at(n));
         Ok(RequiredPoints::Predicted { n_points, too_few })
@@ -242,9 +263,38 @@ impl Search<'_, '_> {
         n.ceil() as usize
     }
 
+    /// Whether a number suffices, by a rough prediction where that is clear.
     fn suffices(&mut self, n_points: usize) -> Result<bool, Error> {
-        let point = self.curve.predict(self.predictor, n_points, self.done)?;
-        Ok(point.prediction.variance <= self.variance)
+        let budget = self.predictor.budget().rough();
+        if self.curve.at(n_points).is_none() {
+            let pattern = self.curve.pattern();
+            let point = self.predictor.predict_within(budget, pattern, n_points, self.done)?;
+            self.rough.insert(n_points);
+            self.curve.insert(point);
+        }
+        if !self.is_clear(n_points) {
+            self.predict_precisely(n_points)?;
+        }
+        Ok(self.suffices_at(n_points))
+    }
+
+    fn is_clear(&self, n_points: usize) -> bool {
+        let (factor, errors) = CLEAR;
+        self.curve.at(n_points).is_some_and(|point| {
+            let Prediction { variance, stderr, .. } = point.prediction;
+            let ratio = variance / self.variance;
+            let is_far = !(1.0 / factor..=factor).contains(&ratio);
+            is_far && (variance - self.variance).abs() > errors * stderr
+        })
+    }
+
+    /// Puts a prediction of the whole budget in the place of a rough one.
+    fn predict_precisely(&mut self, n_points: usize) -> Result<(), Error> {
+        if self.rough.remove(&n_points) {
+            let point = self.predictor.predict(self.curve.pattern(), n_points, self.done)?;
+            self.curve.insert(point);
+        }
+        Ok(())
     }
 
     fn suffices_at(&self, n_points: usize) -> bool {
@@ -259,6 +309,15 @@ impl Search<'_, '_> {
     ) -> Result<RequiredPoints, Error> {
         const TRIES: usize = 4;
         let pattern = self.curve.pattern().clone();
+        // Numbers that were ruled out without a prediction have none on the curve, which a rate needs.
+        if let Some(last) = too_few {
+            for n in [last, last / 2, last / 4] {
+                let n = pattern.nearest_count(n, self.predictor.domain());
+                if let Err(error) = self.suffices(n) {
+                    refused(&error)?;
+                }
+            }
+        }
         for _ in 0..TRIES {
             let led = self.by_rate(max_points);
             match led.n_points() {

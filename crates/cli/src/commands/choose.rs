@@ -11,7 +11,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 use sphvar_samplers::Pattern;
-use sphvar_variance::{PredictionBudget, Predictor};
+use sphvar_variance::{Domain, PredictionBudget, Predictor};
 
 use self::candidate::Candidate;
 use self::presentation::{Answer, LeftOut};
@@ -33,10 +33,11 @@ pub(crate) const EXAMPLES: &str = "Examples:
 
 The error is one standard error of the integral, the root of the predicted variance, over uniform \
 rotations of the pattern. Predictions come from spectra, in closed form or estimated until the variance is \
-known to 2 %; they are those of variance and compare. Patterns for which that is too expensive at the \
-requested N are extrapolated by their rate and marked so. For step and blue the best alpha is chosen. \
-The seconds per set are measured on one core, the median of up to five. A run with all patterns takes \
-minutes; --samplers shortens it.";
+known to 2 %; they are those of variance and compare. The points that only rates need are known to about \
+6 %. With --error, expensive patterns are not tried with more than 4 times the points of the best. \
+Patterns for which predictions are too expensive at the requested N are extrapolated by their rate and marked so. \
+For step and blue the best alpha is chosen. \
+The seconds per set are measured on one core, the median of up to five.";
 
 #[derive(Debug, Args)]
 pub(crate) struct ChooseArgs {
@@ -108,10 +109,10 @@ pub(crate) fn run(args: &ChooseArgs, global: &Global) -> Result<(), CliError> {
     // Inexpensive ones first; the order is no matter of time, and so the same everywhere.
     patterns.sort_by(|a, b| a.nominal_work(typical).total_cmp(&b.nominal_work(typical)));
     patterns.dedup();
-    let shares: Vec<f64> = patterns.iter().map(|p| share(p, typical)).collect();
+    let shares: Vec<f64> = patterns.iter().map(|p| share(p, typical, domain)).collect();
     let progress = Progress::new(shares.iter().sum(), global.quiet);
     let (mut candidates, mut left_out) = (Vec::<Candidate>::new(), Vec::new());
-    let mut best = f64::INFINITY;
+    let (mut best, mut fewest) = (f64::INFINITY, None);
     for (pattern, share) in patterns.into_iter().zip(shares) {
         if candidates.iter().any(|c| *c.curve.pattern() == pattern) {
             continue;
@@ -126,17 +127,24 @@ pub(crate) fn run(args: &ChooseArgs, global: &Global) -> Result<(), CliError> {
                 ),
             });
         } else {
-            let candidate = Candidate::new(pattern.clone(), &question, &mut predictor, global.seed)
-                .and_then(
-                    // A pattern that was named is taken as it was.
-                    |c| match args.samplers {
-                        None => c.tuned(&question, &mut predictor, best, global.seed),
-                        Some(_) => Ok(c),
-                    },
-                );
+            // A pattern that was named is taken as it was, however far behind.
+            let is_named = args.samplers.is_some();
+            let limit = fewest.filter(|_| !is_named && args.cost_per_sample.is_none());
+            let candidate =
+                Candidate::new(pattern.clone(), limit, &question, &mut predictor, global.seed)
+                    .and_then(|c| {
+                        if is_named {
+                            Ok(c)
+                        } else {
+                            c.tuned(&question, &mut predictor, best, global.seed)
+                        }
+                    });
             match candidate {
                 Ok(candidate) => {
                     best = best.min(candidate.variance.map_or(f64::INFINITY, |v| v.0));
+                    if candidate.basis() == "predicted" {
+                        fewest = candidate.n_points.into_iter().chain(fewest).min();
+                    }
                     progress.line(&presentation::line(&candidate, &question, &predictor));
                     candidates.push(candidate);
                 }
@@ -163,8 +171,16 @@ fn budgets(pattern: &Pattern, n_points: usize) -> f64 {
 }
 
 /// The share of a pattern in the time for all, for progress.
-fn share(pattern: &Pattern, n_points: usize) -> f64 {
+fn share(pattern: &Pattern, n_points: usize, domain: Domain) -> f64 {
+    // Closed forms and single sets take next to no time.
+    const KNOWN: f64 = 0.02;
+    let is_estimated = pattern.build(n_points, domain).is_ok_and(|sampler| sampler.is_random())
+        && !matches!(pattern, Pattern::WhiteNoise | Pattern::Jittered);
     let is_designed = matches!(pattern, Pattern::Step { .. } | Pattern::Blue { .. });
     // A budget, or what the fewest realizations take; parameters are tried of designed patterns.
-    budgets(pattern, n_points).max(1.0) * if is_designed { 10.0 } else { 1.0 }
+    match (is_estimated, is_designed) {
+        (false, _) => KNOWN,
+        (true, false) => budgets(pattern, n_points).max(1.0),
+        (true, true) => 8.0 * budgets(pattern, n_points).max(1.0),
+    }
 }

@@ -18,6 +18,8 @@ pub(super) struct Candidate {
     pub(super) required: Option<RequiredPoints>,
     /// The number of points that it needs, or the legal one nearest to that at hand.
     pub(super) n_points: Option<usize>,
+    /// Whether it needs more than [`MAX_FACTOR`] times the points of the best, and no more is known.
+    pub(super) is_behind: bool,
     /// The variance at this number and its standard error, by prediction or extrapolation.
     pub(super) variance: Option<(f64, f64)>,
     pub(super) making: Option<Making>,
@@ -33,9 +35,19 @@ pub(super) struct Making {
     pub(super) is_scaled: bool,
 }
 
+/// Expensive patterns are not tried with more points than this number of times those of the best. With the
+/// largest alpha, sqrt(2), half of the points of alpha = 1 have the same empty degrees: a design behind that
+/// by default is behind with every alpha.
+pub(super) const MAX_FACTOR: usize = 4;
+/// The nominal work per point from which on a pattern is expensive.
+const EXPENSIVE: f64 = 30.0;
+
 impl Candidate {
+    /// The pattern as it is; where `best` is the number of points that the best one needs, an expensive one
+    /// only up to four times that.
     pub(super) fn new(
         pattern: Pattern,
+        best: Option<usize>,
         question: &Question,
         predictor: &mut Predictor<'_>,
         seed: u64,
@@ -44,6 +56,12 @@ impl Candidate {
             Wish::Error { max_points, .. } => max_points,
             Wish::Points(_) => usize::MAX,
         };
+        let needed = best.map_or(usize::MAX, |best| best.saturating_mul(MAX_FACTOR));
+        if needed < max_points && pattern.nominal_work(needed) >= EXPENSIVE * needed as f64 {
+            let curve = PredictedCurve::new(pattern);
+            let found = Self::answer(curve, needed, question, predictor, seed)?;
+            return Ok(Self { is_behind: found.n_points.is_none(), ..found });
+        }
         Self::answer(PredictedCurve::new(pattern), max_points, question, predictor, seed)
     }
 
@@ -103,7 +121,7 @@ impl Candidate {
         };
         let values = question.cost_per_sample.zip(n_points).map(|(cost, n)| cost * n as f64);
         let seconds_in_all = values.zip(making).map(|(values, making)| values + making.seconds);
-        Ok(Self { curve, required, n_points, variance, making, seconds_in_all })
+        Ok(Self { curve, required, n_points, is_behind: false, variance, making, seconds_in_all })
     }
 
     /// Whether the variance is 0, to rounding.
@@ -116,6 +134,7 @@ impl Candidate {
         match self.required {
             None | Some(RequiredPoints::Predicted { .. }) => "predicted",
             Some(RequiredPoints::Extrapolated { .. }) => "extrapolated",
+            Some(_) if self.is_behind => "behind",
             Some(_) => "out of reach",
         }
     }
@@ -134,8 +153,8 @@ impl Candidate {
     }
 }
 
-/// Predicts at the valid count next to `n` and, as far as that is affordable, at those next to a half and a
-/// quarter of it, for the rate; returns the first.
+/// Predicts at the valid count next to `n` and, roughly and as far as that is affordable, at those next to a
+/// half and a quarter of it, for the rate; returns the first.
 fn around(
     curve: &mut PredictedCurve,
     predictor: &mut Predictor<'_>,
@@ -149,9 +168,13 @@ fn around(
     let at = fewer.unwrap_or_else(|| legal(n));
     curve.predict(predictor, at, &|| ())?;
     for n in [n / 4, n / 2].map(legal) {
+        let rough = predictor.budget().rough();
         // A number that the pattern refuses is a point less on the curve.
-        if predictor.is_affordable(&pattern, n).unwrap_or(false) {
-            let _ = curve.predict(predictor, n, &|| ());
+        if curve.at(n).is_none()
+            && predictor.is_affordable_within(rough, &pattern, n).unwrap_or(false)
+            && let Ok(point) = predictor.predict_within(rough, &pattern, n, &|| ())
+        {
+            curve.insert(point);
         }
     }
     Ok(at)

@@ -5,7 +5,7 @@ use sphvar_samplers::Pattern;
 use sphvar_variance::{PredictedPoint, Predictor, RequiredPoints, settled_degree_of};
 
 use super::ChooseArgs;
-use super::candidate::{Candidate, recommended};
+use super::candidate::{Candidate, MAX_FACTOR, recommended};
 use super::crossings::{self, CrossingRecord};
 use super::question::{Question, Wish};
 use super::reason::Reason;
@@ -30,7 +30,7 @@ struct Row {
     sampler: String,
     /// The number of points needed, or the legal one nearest to that at hand.
     n: Option<usize>,
-    /// `predicted`, `extrapolated` or `out of reach`.
+    /// `predicted`, `extrapolated`, `out of reach`, or `behind`: more than 4 times the points of the best.
     basis: &'static str,
     /// The largest number of points tried that does not suffice.
     too_few: Option<usize>,
@@ -208,11 +208,23 @@ impl<'a> Answer<'a> {
                      with as many points. rate: exponent of the variance against N near this N.\n\n";
         }
         if let (Wish::Error { max_points, .. }, false) = (&question.wish, out_of_reach.is_empty()) {
-            let names: Vec<&str> = out_of_reach.iter().map(|row| &*row.sampler).collect();
-            text += &format!(
-                "Out of reach with {max_points} points (--max-points): {}\n",
-                names.join(", ")
-            );
+            let is_behind = |row: &&Row| row.basis == "behind";
+            let (behind, beyond): (Vec<&Row>, Vec<&Row>) =
+                out_of_reach.into_iter().partition(is_behind);
+            let names =
+                |rows: &[&Row]| rows.iter().map(|row| &*row.sampler).collect::<Vec<_>>().join(", ");
+            if !behind.is_empty() {
+                text += &format!(
+                    "Need more than {MAX_FACTOR} times the points of the best: {}\n",
+                    names(&behind)
+                );
+            }
+            if !beyond.is_empty() {
+                text += &format!(
+                    "Out of reach with {max_points} points (--max-points): {}\n",
+                    names(&beyond)
+                );
+            }
         }
         let empty = |row: &Row| {
             let last = row.last_empty_degree.filter(|&last| last > 0)?;
