@@ -203,7 +203,7 @@ fn every_command_predicts_the_same() {
         let question = format!("{samplers} -n 48 --integrand {integrand} --json");
         let few = place.run(&format!("variance {question} -m 10")).json();
         let many = place.run(&format!("variance {question} -m 300")).json();
-        let compared = place.run(&format!("compare {question} -m 20")).json();
+        let compared = place.run(&format!("compare {question} -m 20 --force")).json();
         let chosen = place.run(&format!("choose --samplers {question}")).json();
         assert_eq!(rows(&few).len(), 5);
         for row in rows(&few) {
