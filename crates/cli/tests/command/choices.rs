@@ -280,7 +280,7 @@ fn designs_are_fitted_to_the_integrand() {
     assert!(name.contains(":alpha=1."), "{name}");
     let plain = place.run(&format!("{question} --samplers step,blue")).json();
     let error = |row: &Value| row["error"].as_f64().unwrap();
-    assert!(error(best) < 0.3 * error(&rows(&plain)[0]), "{best}, {plain}");
+    assert!(error(best) < 0.5 * error(&rows(&plain)[0]), "{best}, {plain}");
     let again = place.run(&format!("{question} --samplers {name}")).json();
     assert_eq!(rows(&again)[0]["variance"], best["variance"], "{again}");
     place.run(&format!("sample {name} -n 100 -o a.npy")).ok();
