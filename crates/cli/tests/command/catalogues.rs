@@ -121,8 +121,10 @@ fn columns_are_checked_before_files_are_read() {
         let parts = [name, "cannot be used with", "SAMPLER"];
         place.run(&format!("spectrum jittered -n 12 {flag}")).fails(2, &parts);
     }
-    for flag in ["-n 12", "-m 50", "--nearest"] {
-        let parts = [flag.split(' ').next().unwrap(), "cannot be used with", "--points"];
+    for (flag, name) in
+        [("-n 12", "--n-points"), ("-m 50", "--realizations"), ("--nearest", "--nearest")]
+    {
+        let parts = [name, "cannot be used with", "--points"];
         for command in ["spectrum", "audit"] {
             place.run(&format!("{command} --points none.csv {flag}")).fails(2, &parts);
         }
