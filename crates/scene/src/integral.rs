@@ -55,9 +55,10 @@ impl Integral<'_> {
     }
 }
 
-/// Rays to a light end this much before it, in their own length times the cosine at the lamp: a lamp on a ceiling must not
-/// be behind it. Single precision is off by 2.5 EPSILON for each component of a plane's normal, and 1 for the distance.
-const BEFORE_LIGHT: f64 = 8.0 * f32::EPSILON as f64;
+/// Rays to a light reach this much beyond it, in their own length over the cosine at the lamp, so that what covers it
+/// however closely is met. Single precision is off by 2.5 EPSILON for each component of a plane's normal, and 1 for
+/// the distance.
+const BEYOND_LIGHT: f64 = 8.0 * f32::EPSILON as f64;
 
 /// Sums over the directions of one hit point.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -93,10 +94,10 @@ impl Integral<'_> {
                     let cosine = -dir.dot(light.normal());
                     let lit = cosine > 0.0;
                     let distance = if lit { light.intersect(origin, dir) } else { None };
-                    reaches.extend(distance.map(|d| d * (1.0 - BEFORE_LIGHT / cosine)));
+                    reaches.extend(distance.map(|d| d * (1.0 + BEYOND_LIGHT / cosine)));
                     distance.is_some()
                 });
-                reach = Reach::Each(reaches);
+                reach = Reach::ToLamp { lamp: light, distances: reaches };
             }
         }
         occluded.resize(dirs.len(), false);

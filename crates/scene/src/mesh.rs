@@ -157,12 +157,8 @@ impl Mesh {
         occluded: &mut [bool],
     ) {
         let order = coherent_order(dirs);
-        let distance = |i: usize| match reach {
-            Reach::Within(distance) => distance,
-            Reach::Each(distances) => distances[i],
-        };
         let scale = self.triangles.scale;
-        let rays = order.iter().map(|&i| (dirs[i as usize], distance(i as usize) * scale));
+        let rays = order.iter().map(|&i| (dirs[i as usize], reach.of(i as usize) * scale));
         let rays = rays.collect::<Vec<_>>();
         let mut answers = vec![false; dirs.len()];
         self.arch.dispatch(Stream {
@@ -170,6 +166,7 @@ impl Mesh {
             triangles: &self.triangles,
             origin,
             normal,
+            front: reach.front(),
             rays: &rays,
             occluded: &mut answers,
         });

@@ -78,8 +78,9 @@ impl WithSimd for Occlusion<'_> {
         occluded.fill(false);
         let farthest = match reach {
             Reach::Within(distance) => distance * scene.scale,
-            Reach::Each(_) => f64::INFINITY,
+            Reach::Each(_) | Reach::ToLamp { .. } => f64::INFINITY,
         };
+        let front = reach.front();
         let mut bundle = Bundle::<BUNDLE>::new();
         let mut cones = [Cone::<4>::NONE; ROUND];
         let near = NEAR * (origin.abs().max_element() * scene.scale + 1.0);
@@ -87,6 +88,9 @@ impl WithSimd for Occlusion<'_> {
         for quads in scene.quads.chunks(ROUND / 2) {
             let mut n_cones = 0;
             for quad in quads {
+                if front.is_some_and(|front| !front.holds_part_of(&quad.corners())) {
+                    continue;
+                }
                 let corners = quad.corners().map(|c| (c - origin) * scene.scale);
                 let height = quad.normal().dot(corners[0]);
                 let visible = corners.iter().any(|&c| c.dot(normal) > 0.0);
@@ -113,7 +117,7 @@ impl WithSimd for Occlusion<'_> {
                         let reach = distance * scene.scale;
                         bundle.fill(dirs.map(|&dir| (dir, reach)));
                     }
-                    Reach::Each(distances) => {
+                    Reach::Each(distances) | Reach::ToLamp { distances, .. } => {
                         let rays = dirs.zip(&distances[first..]);
                         bundle.fill(rays.map(|(&dir, distance)| (dir, distance * scene.scale)));
                     }

@@ -127,7 +127,7 @@ impl Scene {
         occluded: &mut [bool],
     ) {
         assert_eq!(dirs.len(), occluded.len(), "one answer for each direction");
-        if let Reach::Each(distances) = reach {
+        if let Reach::Each(distances) | Reach::ToLamp { distances, .. } = reach {
             assert_eq!(dirs.len(), distances.len(), "one distance for each direction");
         }
         let origin = self.ray_origin(at);

@@ -8,6 +8,7 @@ use robust::{Coord3D, orient3d};
 use crate::bundle::Bundle;
 use crate::cone::{CLOSE, Cone, NEAR};
 use crate::hierarchy::{Child, Node, SLACK, WIDTH};
+use crate::hit::Front;
 use crate::mesh::Triangles;
 
 /// Rays that go through the hierarchy together, so that a node or triangle is fetched once for all of them, and those
@@ -30,6 +31,8 @@ pub(crate) struct Stream<'a> {
     pub(crate) triangles: &'a Triangles,
     pub(crate) origin: DVec3,
     pub(crate) normal: DVec3,
+    /// Triangles that are not in front of this are not met.
+    pub(crate) front: Option<Front>,
     /// Directions and how far they reach. Those in succession should be near each other.
     pub(crate) rays: &'a [(DVec3, f64)],
     /// Set where a ray meets a triangle.
@@ -41,13 +44,14 @@ impl WithSimd for Stream<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        let Self { nodes, triangles, origin, normal, rays, occluded } = self;
+        let Self { nodes, triangles, origin, normal, front, rays, occluded } = self;
         let mut tracer = Tracer {
             simd,
             hierarchy: nodes,
             triangles,
             origin,
             scaled_origin: origin * triangles.scale,
+            front,
             near: NEAR * origin.abs().max_element() * triangles.scale,
             bundle: Bundle::new(),
             inverses: [[0.0; STREAM]; 3],
@@ -70,6 +74,7 @@ struct Tracer<'a, S> {
     /// In the coordinates of vertices and of the hierarchy.
     origin: DVec3,
     scaled_origin: DVec3,
+    front: Option<Front>,
     /// What roundings of the origin amount to.
     near: f64,
     bundle: Bundle<STREAM>,
@@ -165,6 +170,9 @@ impl<S: Simd> Tracer<'_, S> {
         }
         let scale = self.triangles.scale;
         let corners = self.triangles.corners(place);
+        if self.front.is_some_and(|front| !front.holds_part_of(&corners)) {
+            return;
+        }
         let relative = corners.map(|corner| (corner - self.origin) * scale);
         let [u, v] = [corners[1], corners[2]].map(|corner| (corner - corners[0]) * scale);
         let normal = u.cross(v);

@@ -12,14 +12,14 @@ use super::plot_error::PlotError;
 /// Between pictures and around them, pixels.
 const GAP: u32 = 12;
 const LETTERS: f64 = 14.0;
-/// A line of text is no wider than this for each letter, in ems.
-const WIDEST: f64 = 0.75;
+/// Room for captions below narrower pictures, pixels: some 25 letters.
+const MIN_WIDTH: u32 = 192;
 /// From one line of a caption to the next.
 const LINE: u32 = 20;
 /// For each pixel of a sheet: its captions are drawn three by three times as large, and then there are the sheet, the
 /// pictures and the file, of three bytes a pixel each.
 const BYTES: f64 = (3 * 3 * 3 + 3 * 3) as f64;
-/// Lines below a picture: two, each broken once.
+/// Lines below a picture, for estimates: two, each broken once.
 const USUAL_LINES: f64 = 4.0;
 
 /// One picture.
@@ -43,14 +43,16 @@ pub(crate) struct ContactSheet {
 /// Where things are, in pixels.
 struct Layout {
     panel: [u32; 2],
-    caption: u32,
+    /// Of a picture with its caption.
+    width: u32,
+    /// The lines below each picture.
+    captions: Vec<Vec<String>>,
     columns: u32,
     rows: u32,
 }
 
 /// The captions alone, which are drawn larger and averaged down; pictures keep their pixels.
 struct Captions<'a> {
-    sheet: &'a ContactSheet,
     layout: &'a Layout,
 }
 
@@ -58,7 +60,10 @@ impl ContactSheet {
     /// The memory that a sheet of so many pictures of this size takes, about, with captions of two lines.
     pub(crate) fn bytes([width, height]: [usize; 2], panels: usize) -> f64 {
         let (gap, caption) = (f64::from(GAP), USUAL_LINES * f64::from(LINE));
-        BYTES * (width as f64 + gap) * (height as f64 + caption + gap) * panels as f64
+        BYTES
+            * (f64::max(width as f64, f64::from(MIN_WIDTH)) + gap)
+            * (height as f64 + caption + gap)
+            * panels as f64
     }
 
     /// Width and height, and three bytes a pixel.
@@ -67,7 +72,7 @@ impl ContactSheet {
     /// When the sheet is too large or the font cannot be drawn.
     pub(crate) fn pixels(&self) -> Result<([usize; 2], Vec<u8>), PlotError> {
         let layout = self.layout()?;
-        let mut sheet = figure::raster(&Captions { sheet: self, layout: &layout })?;
+        let mut sheet = figure::raster(&Captions { layout: &layout })?;
         for (panel, corner) in self.panels.iter().zip(layout.corners()) {
             let [width, height] = layout.panel;
             let picture = RgbImage::from_raw(width, height, panel.colours.clone());
@@ -82,39 +87,33 @@ impl ContactSheet {
     fn layout(&self) -> Result<Layout, PlotError> {
         let too_large = |_| PlotError::Drawing { reason: "the sheet is too large".to_owned() };
         let size = self.panels.first().map_or([1, 1], |panel| panel.size);
-        let lines_of = |panel: &Panel| -> usize {
-            panel.caption.iter().map(|text| broken_lines(text, size[0])).sum()
-        };
-        let lines = self.panels.iter().map(lines_of).max().unwrap_or(0);
+        let [panel_width, panel_height] = size.map(u32::try_from);
+        let panel = [panel_width.map_err(too_large)?, panel_height.map_err(too_large)?];
+        let width = panel[0].max(MIN_WIDTH);
+        let captions = figure::measured(|canvas| {
+            let lines = |text: &String| canvas.wrap(text, LETTERS, f64::from(width));
+            let caption = |panel: &Panel| {
+                let parts: Result<Vec<_>, _> = panel.caption.iter().map(lines).collect();
+                Ok(parts?.concat())
+            };
+            self.panels.iter().map(caption).collect()
+        })?;
         let columns = self.columns.clamp(1, self.panels.len().max(1));
         Ok(Layout {
-            panel: [
-                u32::try_from(size[0]).map_err(too_large)?,
-                u32::try_from(size[1]).map_err(too_large)?,
-            ],
-            caption: LINE * u32::try_from(lines).map_err(too_large)?,
+            panel,
+            width,
+            captions,
             columns: u32::try_from(columns).map_err(too_large)?,
             rows: u32::try_from(self.panels.len().div_ceil(columns)).map_err(too_large)?,
         })
     }
 }
 
-/// Lines that a caption is broken into at most: each line but the last is half full or more, since a word that is longer
-/// is cut; two lines are left for those that fit well.
-fn broken_lines(text: &str, width: usize) -> usize {
-    let letters = text.chars().count();
-    #[expect(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "a whole number of letters"
-    )]
-    let per_line = ((width as f64 / (WIDEST * LETTERS)) as usize).max(1);
-    if letters <= per_line { 2 } else { (2 * letters.div_ceil(per_line)).max(2) }
-}
-
 impl Layout {
     fn step(&self) -> [u32; 2] {
-        [self.panel[0] + GAP, self.panel[1] + self.caption + GAP]
+        let lines = self.captions.iter().map(Vec::len).max().unwrap_or(0);
+        let caption = LINE * u32::try_from(lines).unwrap_or(u32::MAX / LINE);
+        [self.width + GAP, self.panel[1] + caption + GAP]
     }
 
     /// The upper left pixels of the pictures.
@@ -133,14 +132,12 @@ impl Figure for Captions<'_> {
     }
 
     fn draw<DB: DrawingBackend>(&self, canvas: &Canvas<DB>) -> Result<(), PlotError> {
-        let [width, height] = self.layout.panel.map(f64::from);
-        for (panel, [x, y]) in self.sheet.panels.iter().zip(self.layout.corners()) {
+        let height = f64::from(self.layout.panel[1]);
+        for (caption, [x, y]) in self.layout.captions.iter().zip(self.layout.corners()) {
             let mut middle = f64::from(y) + height + 0.7 * f64::from(LINE);
-            for text in &panel.caption {
-                for line in canvas.wrap(text, LETTERS, width)? {
-                    canvas.text(&line, (f64::from(x), middle), LETTERS, INK, HPos::Left)?;
-                    middle += f64::from(LINE);
-                }
+            for line in caption {
+                canvas.text(line, (f64::from(x), middle), LETTERS, INK, HPos::Left)?;
+                middle += f64::from(LINE);
             }
         }
         Ok(())

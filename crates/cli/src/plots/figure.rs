@@ -103,6 +103,15 @@ pub(super) fn raster(figure: &impl Figure) -> Result<RgbImage, PlotError> {
     Ok(imageops::thumbnail(&image, width, height))
 }
 
+/// Returns what `measure` reads off a canvas that draws text as PNG files have it.
+pub(super) fn measured<T>(
+    measure: impl FnOnce(&Canvas<BitMapBackend<'_>>) -> Result<T, PlotError>,
+) -> Result<T, PlotError> {
+    let mut pixel = RgbImage::new(1, 1);
+    let area = BitMapBackend::with_buffer(&mut pixel, (1, 1)).into_drawing_area();
+    measure(&Canvas::new(area, f64::from(PNG_ZOOM), PNG_TEXT_DROP)?)
+}
+
 fn draw<DB: DrawingBackend>(
     figure: &impl Figure,
     backend: DB,

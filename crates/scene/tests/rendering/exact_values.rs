@@ -102,10 +102,18 @@ fn a_lamp_gives_its_form_factor() {
     let expected = 0.7 * form_factor(&rest.corners());
     assert_value(&Spot::with(vec![screen]), &light(&lamp), expected, "screen");
     // However near the lamp it is, a screen hides it.
-    for share in [0.9, 0.999, 1.0 - 7.5e-4, 1.0 - 1e-5] {
-        let cover = horizontal([-3.0, 3.0], [-3.0, 3.0], share * z);
-        assert_eq!(measured(&Spot::with(vec![cover]), &light(&lamp)), (0.0, 0.0), "{share}");
+    for below in [0.1, 1e-3, 7.5e-4, 1e-5, 1e-6, 1e-9, 1e-12] {
+        let height = z - below * z;
+        let cover = horizontal([-3.0, 3.0], [-3.0, 3.0], height);
+        assert_eq!(measured(&Spot::with(vec![cover]), &light(&lamp)), (0.0, 0.0), "{below:e}");
+        // One that covers what is beyond y = 0, straight below the lamp.
+        let part = horizontal([-3.0, 3.0], [0.0, 3.0], height);
+        let rest = form_factor(&horizontal(x, [y[0], 0.0], z).corners());
+        assert_value(&Spot::with(vec![part]), &light(&lamp), 0.7 * rest, "part");
     }
+    // One as closely behind the lamp hides nothing.
+    let behind = horizontal([-3.0, 3.0], [-3.0, 3.0], z + 1e-12 * z);
+    assert_value(&Spot::with(vec![behind]), &light(&lamp), 0.7 * form_factor(&corners), "behind");
     // One beyond the lamp hides nothing.
     let beyond = horizontal([-9.0, 9.0], [-9.0, 9.0], 1.1 * z);
     assert_value(&Spot::with(vec![beyond]), &light(&lamp), 0.7 * form_factor(&corners), "beyond");
