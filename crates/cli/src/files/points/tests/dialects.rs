@@ -43,7 +43,7 @@ fn headers_of_catalogues() {
     assert_eq!(read("p.txt", "# made by a program\n0 0 1\n").sets[0].directions, [DVec3::Z]);
 }
 
-/// The tables of VizieR have names, units and dashes.
+/// The tables of `VizieR` have names, units and dashes.
 #[test]
 fn units_and_dashes_below_a_header() {
     let top = "#RESOURCE=yCat_1239\n#Column\t_RAJ2000\t(F11.7)\n";
