@@ -86,8 +86,9 @@ pub(super) fn read(
     if area != header.layer_size.area() {
         return Err(damaged(name, "blocks of texels are missing"));
     }
+    let remarks = frame.uncovered(header.layer_size).into_iter().collect();
     let Frame { width, height, values, .. } = frame;
-    Ok(ChannelImage { width, height, values, remarks: Vec::new() })
+    Ok(ChannelImage { width, height, values, remarks })
 }
 
 /// The display window.
@@ -101,6 +102,21 @@ struct Frame {
 }
 
 impl Frame {
+    /// Returns a remark if a data window of this size leaves texels without values.
+    fn uncovered(&self, data: Vec2<usize>) -> Option<String> {
+        let common = |start: i64, length: usize, size: usize| {
+            let end = i64::try_from(length).map_or(i64::MAX, |length| start.saturating_add(length));
+            let end = usize::try_from(end).map_or(0, |end| end.min(size));
+            end.saturating_sub(usize::try_from(start).unwrap_or(0))
+        };
+        let covered = common(self.left, data.width(), self.width)
+            * common(self.top, data.height(), self.height);
+        let total = self.values.len();
+        let remark =
+            "texels of the display window are outside of the data window and are taken for 0";
+        (covered < total).then(|| format!("{} of {total} {remark}", total - covered))
+    }
+
     /// Lays the texels of a block into the window; `None` if it has another number of bytes than its size says.
     fn add(&mut self, header: &Header, chosen: &Chosen, block: &UncompressedBlock) -> Option<()> {
         let channels = &header.channels.list;

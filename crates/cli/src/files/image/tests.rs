@@ -138,6 +138,9 @@ fn windows_are_checked_before_anything_is_decoded() {
         .map(|(x, y)| if x < 8 && y >= 0 { f64::from(8 * y + x) } else { 0.0 })
         .collect();
     assert_eq!(got.values, expected);
+    // 6 of 8 columns and 3 of 4 rows are covered.
+    let remark = "14 of 32 texels of the display window are outside of the data window";
+    assert!(got.remarks.len() == 1 && got.remarks[0].contains(remark), "{:?}", got.remarks);
 }
 
 #[test]

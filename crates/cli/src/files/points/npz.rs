@@ -231,7 +231,11 @@ impl<'a, R: Read + Seek> Npz<'a, R> {
 }
 
 fn zip_error(path: &str, error: &ZipError) -> FileError {
-    layout_error(path, "an NPZ file, a zip archive of arrays", format!("an error ({error})"))
+    let got = match error {
+        ZipError::InvalidArchive(_) => "one that is damaged or cut short".to_owned(),
+        _ => format!("an error ({error})"),
+    };
+    layout_error(path, "an NPZ file, a zip archive of arrays", got)
 }
 
 fn layout_error(path: &str, expected: &str, got: String) -> FileError {
