@@ -21,6 +21,8 @@ pub struct Comparison {
     pub exact: Option<f64>,
     /// The variance that the rounding of an estimate alone can make.
     pub rounding: f64,
+    /// The variance that the rounding of the prediction alone can make.
+    prediction_rounding: f64,
     known: KnownMoments,
 }
 
@@ -35,8 +37,12 @@ impl Comparison {
     /// ([`RelativeError::is_known`]), although there is a variance to be seen.
     #[must_use]
     pub fn sees_too_little(&self) -> bool {
-        let is_visible = self.measurement.variance().max(self.prediction.variance) > self.rounding;
-        is_visible && (self.is_constant() || !self.error().is_known())
+        self.is_visible() && (self.is_constant() || !self.error().is_known())
+    }
+
+    /// Whether there is a variance beyond the rounding of estimates.
+    fn is_visible(&self) -> bool {
+        self.measurement.variance().max(self.prediction.variance) > self.rounding
     }
 
     /// Whether all trials gave the same estimate, to rounding.
@@ -54,9 +60,9 @@ impl Comparison {
         if !self.is_constant() {
             return self.error().interval(self.measurement.variance(), confidence);
         }
-        let prediction = &self.prediction;
-        if prediction.variance + prediction.total_stderr() <= self.rounding {
-            return Some((0.0, self.measurement.variance()));
+        let predicted = self.prediction.variance + self.prediction.total_stderr();
+        if predicted <= self.rounding {
+            return Some((0.0, predicted.max(self.measurement.variance())));
         }
         let offset = self.exact.map(|exact| self.measurement.mean() - exact);
         let limit = self.known.limit_unseen(self.measurement.estimates().len(), offset);
@@ -64,10 +70,10 @@ impl Comparison {
     }
 
     /// Measured over predicted variance and the standard error of this ratio; NaN if too few trials see the
-    /// integrand.
+    /// integrand, and where both are no more than the rounding of estimates.
     #[must_use]
     pub fn ratio(&self) -> (f64, f64) {
-        if self.sees_too_little() {
+        if self.sees_too_little() || !self.is_visible() {
             return (f64::NAN, f64::NAN);
         }
         let ratio = self.measurement.variance() / self.prediction.variance;
@@ -111,18 +117,20 @@ impl Comparison {
     }
 
     /// The measured variance at its number of points, for rates and crossovers; 0 where it is no more
-    /// than rounding. Its error is infinite if too few trials see the integrand.
+    /// than rounding. Its error is infinite if too few trials see the integrand, or if there is a variance that rounding
+    /// hides.
     ///
     /// The error is what it is if the prediction is right, so that weights by errors do not favour the variances that
     /// came out small.
     #[must_use]
     pub fn measured_point(&self) -> VariancePoint {
         let variance = self.measurement.variance();
-        if self.sees_too_little() {
+        let is_hidden = !self.is_visible() && self.prediction.variance > self.prediction_rounding;
+        if self.sees_too_little() || is_hidden {
             let n_points = self.spectrum.n_points() as f64;
             return VariancePoint { n_points, variance, stderr: f64::INFINITY };
         }
-        self.point(variance, variance * self.expected_error())
+        self.point(variance, variance * self.expected_error(), self.rounding)
     }
 
     /// The relative standard error of the measured variance if the prediction is right; if that is 0, by the trials alone.
@@ -135,7 +143,8 @@ impl Comparison {
     /// The predicted variance at its number of points, likewise.
     #[must_use]
     pub fn predicted_point(&self) -> VariancePoint {
-        self.point(self.prediction.variance, self.prediction.total_stderr())
+        let Prediction { variance, .. } = self.prediction;
+        self.point(variance, self.prediction.total_stderr(), self.prediction_rounding)
     }
 
     /// Whether the prediction has the smaller relative error of the two, which it has where there is nothing to
@@ -161,9 +170,9 @@ impl Comparison {
         }
     }
 
-    fn point(&self, variance: f64, stderr: f64) -> VariancePoint {
+    fn point(&self, variance: f64, stderr: f64, rounding: f64) -> VariancePoint {
         let n_points = self.spectrum.n_points() as f64;
-        if variance > self.rounding {
+        if variance > rounding {
             VariancePoint { n_points, variance, stderr }
         } else {
             VariancePoint { n_points, variance: 0.0, stderr: 0.0 }
@@ -236,6 +245,7 @@ pub fn compare(
         measurement,
         exact: integrand.exact(sampler.domain()),
         rounding,
+        prediction_rounding: energy.prediction_rounding(sampler.domain()),
         known,
     })
 }

@@ -78,6 +78,12 @@ impl Energy {
         self.centred
     }
 
+    /// The variance that is no more than rounding of a prediction: power and energies are squares of sums whose terms have
+    /// the size of the integrand less its mean.
+    pub(crate) fn prediction_rounding(&self, domain: Domain) -> f64 {
+        (4.0 * f64::EPSILON).powi(2) * domain.area() * self.centred.sum()
+    }
+
     /// The energy beyond degree `lmax` (or beyond what is given, if that is less), never negative; that of degrees from 1
     /// on for lmax = 0.
     #[must_use]

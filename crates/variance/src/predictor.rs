@@ -117,11 +117,10 @@ impl<'a> Predictor<'a> {
         self.domain.variance_factor(n_points) * self.outline.beyond(0)
     }
 
-    /// The variance that the rounding of an estimate alone can make: a sum of numbers of the size of
-    /// the integrand, whose roundings partly cancel.
+    /// The variance that the rounding of a prediction alone can make, in which the integrand's mean has no part.
     #[must_use]
     pub fn rounding(&self) -> f64 {
-        (4.0 * f64::EPSILON).powi(2) * self.domain.area() * self.outline.total()
+        self.outline.prediction_rounding(self.domain)
     }
 
     /// Returns white noise's variance of the degrees beyond `degree` that are known to be many, by

@@ -3,10 +3,11 @@
 use glam::{DQuat, DVec3};
 use sphvar_samplers::{Domain, Pattern, Purpose, Realizations, Streams};
 use sphvar_sh::ByParity;
-use sphvar_spectrum::{Resolution, accumulate};
+use sphvar_spectrum::{Resolution, accumulate, exact_spectrum};
 use sphvar_variance::{
-    Cap, ClampedCosine, Energy, Error, Harmonic, Integrand, PhongLobe, PredictionAccumulator,
-    Product, Rotated, Sum, VonMisesFisher,
+    Cap, ClampedCosine, Effort, Energy, Error, Harmonic, Integrand, Method, PhongLobe,
+    PredictionAccumulator, PredictionBudget, Predictor, Product, Rotated, Sum, VonMisesFisher,
+    compare,
 };
 
 /// Some rotation for every k.
@@ -90,6 +91,45 @@ fn constants_and_terms_that_cancel_leave_no_trace() {
     let sum = Sum::default().plus(1.0, half).unwrap().plus(1.0, tilted(3, half)).unwrap();
     let energy = sum.energy(Domain::Sphere, 64).unwrap();
     assert!(energy.beyond_by_parity(64).even == 0.0, "{:?}", energy.centred());
+}
+
+/// The variance of Y_40 is `4 pi/N P(4)` whatever constant is added, also where the estimates of trials are nothing but
+/// rounding; then these say nothing against it.
+#[test]
+fn constants_take_no_part_in_predictions() {
+    let n = 12;
+    for pattern in ["white-noise", "fibonacci"] {
+        let pattern = Pattern::from_name(pattern).unwrap();
+        let sampler = pattern.build(n, Domain::Sphere).unwrap();
+        let power = exact_spectrum(&pattern, n, Domain::Sphere, 4, &|_| ()).unwrap().power()[4];
+        let expected = 4.0 * std::f64::consts::PI / n as f64 * power;
+        for constant in [0.0, 1.0, 1e8, 1e15, 1e16, 1e100] {
+            let harmonic = Harmonic::new(4, 0).unwrap();
+            let sum = Sum::default().plus(constant, whole()).unwrap().plus(1.0, harmonic).unwrap();
+            let mut predictor =
+                Predictor::new(&sum, Domain::Sphere, 0, PredictionBudget::USUAL).unwrap();
+            let point = predictor.predict(&pattern, n, &|| ()).unwrap();
+            let what = format!("{pattern} + {constant:e}");
+            same(&what, point.prediction.variance, expected, expected);
+            let effort = Effort {
+                seed: 0,
+                group: pattern.stream_group(n),
+                lmax: 4,
+                method: Method::Auto,
+                epsilon: 1e-12,
+                realizations: 0,
+                trials: 100,
+                until: None,
+                seconds_per_set: 0.0,
+            };
+            let energy = sum.energy(Domain::Sphere, 4).unwrap();
+            let got = compare(&*sampler, &sum, &energy, effort, Some(point), &|_| ()).unwrap();
+            same(&what, got.best_point().variance, expected, expected);
+            assert!(got.z_score().abs() < 4.0, "{what}: {}", got.z_score());
+            let (low, high) = got.measured_interval(0.9999).unwrap();
+            assert!(low <= expected && expected <= high, "{what}: {low:e} to {high:e}");
+        }
+    }
 }
 
 /// Predictions scale with the square of the integrand, and so do their errors.

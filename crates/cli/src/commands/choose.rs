@@ -41,7 +41,7 @@ The seconds per set are measured on one core, the median of up to five.";
 
 #[derive(Debug, Args)]
 pub(crate) struct ChooseArgs {
-    #[arg(long, value_parser = argument(), help = format!("Integrand: {FORMS}"))]
+    #[arg(long, allow_hyphen_values = true, value_parser = argument(), help = format!("Integrand: {FORMS}"))]
     pub(crate) integrand: String,
     /// The standard error wanted, relative to the integral: 1% or 0.01; above 50 % with a % sign
     #[arg(long, value_name = "E", required_unless_present = "points", conflicts_with = "points")]

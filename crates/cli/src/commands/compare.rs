@@ -47,7 +47,7 @@ pub(crate) struct CompareArgs {
         value_name = "N"
     )]
     pub(crate) points: Counts,
-    #[arg(long, value_parser = argument(), default_value = integrands::CITY, help = format!("Integrand: {FORMS}"))]
+    #[arg(long, allow_hyphen_values = true, value_parser = argument(), default_value = integrands::CITY, help = format!("Integrand: {FORMS}"))]
     pub(crate) integrand: String,
     #[command(flatten)]
     pub(crate) effort: EffortArgs,
@@ -223,6 +223,14 @@ impl<'a> Curve<'a> {
     }
 }
 
+/// A measured rate is shown with its interval: of few trials it can be anything.
+fn rate_with_interval(rate: Option<f64>, interval: Option<(f64, f64)>) -> String {
+    match (rate, interval) {
+        (Some(rate), Some((low, high))) => format!("{rate:.2} ({low:.2} to {high:.2})"),
+        _ => "-".to_owned(),
+    }
+}
+
 fn text(document: &Document<'_>, plan: &Plan<'_>) -> String {
     let mut text = format!("Variance of integrating {}\n\n", plan.integrand.name);
     text += &table(&RowRecord::HEADING, document.rows.iter().map(RowRecord::cells).collect(), 1);
@@ -248,14 +256,21 @@ fn text(document: &Document<'_>, plan: &Plan<'_>) -> String {
             s.sampler.to_owned(),
             optional(s.rate) + if s.pre_asymptotic { " *" } else { "" },
             interval,
-            optional(s.measured_rate),
+            rate_with_interval(s.measured_rate, s.measured_rate_interval),
             s.n.to_string(),
             short(s.power_seen),
             s.gain.zip(s.gain_stderr).map_or("-".to_owned(), |(g, e)| format!("{g:.2} +- {e:.2}")),
         ]
     };
-    let heading =
-        ["sampler", "rate", "95 %", "measured", "at N", "effective power", "gain over white noise"];
+    let heading = [
+        "sampler",
+        "rate",
+        "95 %",
+        "measured (95 %)",
+        "at N",
+        "effective power",
+        "gain over white noise",
+    ];
     text += &table(&heading, document.samplers.iter().map(cells).collect(), 1);
     text += "\nrate: exponent b of variance ~ N^b; it and the gain are from predicted or measured variances, \
              whichever are\nthe more precise. effective power: the pattern's power averaged over the \

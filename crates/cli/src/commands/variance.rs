@@ -39,7 +39,7 @@ pub(crate) struct VarianceArgs {
     /// Numbers of points: 192,768 or 16..1024 for doubling
     #[arg(short = 'n', long = "points", required = true, value_name = "N")]
     pub(crate) points: Counts,
-    #[arg(long, value_parser = argument(), help = format!("Integrand: {FORMS}"))]
+    #[arg(long, allow_hyphen_values = true, value_parser = argument(), help = format!("Integrand: {FORMS}"))]
     pub(crate) integrand: String,
     #[command(flatten)]
     pub(crate) effort: EffortArgs,

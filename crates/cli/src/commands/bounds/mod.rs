@@ -73,7 +73,7 @@ pub(crate) struct BoundsArgs {
     /// Decay p of the worst case, energy l^-p; 2 for integrands with a jump
     #[arg(long, default_value_t = 2.0, value_name = "P")]
     pub(crate) decay: f64,
-    #[arg(long, value_parser = argument(), help = format!("Bound the variance of this integrand too: {FORMS}"))]
+    #[arg(long, allow_hyphen_values = true, value_parser = argument(), help = format!("Bound the variance of this integrand too: {FORMS}"))]
     pub(crate) integrand: Option<String>,
     /// The hemisphere z >= 0
     #[arg(long)]
