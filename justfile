@@ -63,6 +63,11 @@ bounds-verdicts *ARGS:
 closed-loop SECONDS="1":
     cargo run --release -p sphvar-tests --example closed_loop -- {{SECONDS}}
 
+# The error of choose's best pattern over that of the best of a grid of parameters.
+choose-study *ARGS:
+    cargo build --release
+    python3 benches/choose_study.py {{ARGS}}
+
 # Coverage of the intervals of measured variances, where few trials see the integrand and for ordinary ones.
 interval-coverage SEEDS="200":
     cargo run --release -p sphvar-variance --example interval_coverage -- {{SEEDS}}

@@ -275,3 +275,29 @@ fn what_cannot_be_asked_is_refused() {
     let got = Predictor::new(&closure, Domain::Sphere, SEED, PredictionBudget::USUAL);
     assert!(matches!(got, Err(Error::NoEnergy { .. })));
 }
+
+/// A pattern may have a gap at any one degree: energy in a few degrees rules out nothing, however high
+/// they are, and that of caps, `sum_{l > L} E(l)` of about 1/L, is spread over many.
+#[test]
+fn energy_in_few_degrees_is_no_bound() {
+    for n in [1, 12, 200, 2000] {
+        for l in [33, 57, 180, 190, 300] {
+            let harmonic = Harmonic::new(l, 0).unwrap();
+            let mut predictor = predictor(&harmonic, Domain::Sphere);
+            for degree in [1, 32, l - 1] {
+                let broad = predictor.broad_variance(degree, n).unwrap();
+                assert!(broad.sum() == 0.0, "N = {n}, l = {l}, beyond {degree}: {broad:?}");
+            }
+        }
+        for degrees in [60.0, 90.0, 120.0] {
+            let cap = Cap::from_degrees(degrees).unwrap();
+            let mut predictor = predictor(&cap, Domain::Sphere);
+            let settled = (4 * n.isqrt()).max(32);
+            let broad = predictor.broad_variance(settled, n).unwrap().sum();
+            let share = broad / predictor.white_variance(n);
+            let beyond = predictor.share_beyond(settled).unwrap();
+            assert!(share <= beyond * (1.0 + 1e-12), "{degrees}, N = {n}: {share} of {beyond}");
+            assert!(share > 0.25 * beyond, "{degrees}, N = {n}: {share} of {beyond}");
+        }
+    }
+}

@@ -20,8 +20,8 @@ const MIN_BREADTH: f64 = 1.2;
 /// The effective number of degrees at least, however few the points.
 const MIN_EFFECTIVE: f64 = 8.0;
 /// The share of a lattice's variance that may lie beyond its spectrum, where the power is known in the
-/// mean only, relative to the precision of the budget: 1 % where that is 2 %.
-const NEGLIGIBLE: f64 = 0.5;
+/// mean only, relative to the square of the budget's precision: 1 % where that is 2 %.
+const NEGLIGIBLE: f64 = 25.0;
 
 /// Predicts the variance of integrating one function, for any pattern and number of points.
 ///
@@ -371,7 +371,7 @@ impl<'a> Predictor<'a> {
         pattern: &Pattern,
         sampler: &dyn Sampler,
     ) -> Result<usize, Error> {
-        let negligible = NEGLIGIBLE * budget.relative.min(0.1);
+        let negligible = (NEGLIGIBLE * budget.relative.powi(2)).min(0.1);
         if let Some(lmax) = self.options.lmax {
             return Ok(lmax);
         }

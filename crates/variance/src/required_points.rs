@@ -102,8 +102,8 @@ const RANDOM_SHARE: f64 = 0.5;
 /// The same of lattices, at even degrees: there are gaps between their peaks, and antipodal ones have no
 /// power at odd degrees.
 const LATTICE_SHARE: f64 = 0.01;
-/// A rough prediction decides where its variance is farther from the one asked for than by this factor
-/// and by this number of standard errors.
+/// A rough prediction decides where its variance is farther from the one asked for than by this factor, if
+/// it is an estimate, and by this number of standard errors.
 const CLEAR: (f64, f64) = (1.5, 4.0);
 
 struct Search<'a, 'b> {
@@ -283,8 +283,10 @@ impl Search<'_, '_> {
         self.curve.at(n_points).is_some_and(|point| {
             let Prediction { variance, stderr, .. } = point.prediction;
             let ratio = variance / self.variance;
-            let is_far = !(1.0 / factor..=factor).contains(&ratio);
-            is_far && (variance - self.variance).abs() > errors * stderr
+            // A standard error that is estimated from few realizations may be too small.
+            let is_far = stderr == 0.0 || !(1.0 / factor..=factor).contains(&ratio);
+            let distance = (variance - self.variance).abs();
+            is_far && distance > errors * point.prediction.total_stderr()
         })
     }
 

@@ -10,7 +10,7 @@ mod reason;
 use std::path::PathBuf;
 
 use clap::Args;
-use sphvar_samplers::Pattern;
+use sphvar_samplers::{Pattern, Placement, Riesz};
 use sphvar_variance::{Domain, PredictionBudget, Predictor};
 
 use self::candidate::Candidate;
@@ -92,7 +92,7 @@ pub(crate) fn run(args: &ChooseArgs, global: &Global) -> Result<(), CliError> {
     }
     let patterns = match &args.samplers {
         Some(list) => parse_patterns(list)?,
-        None => Pattern::ALL.to_vec(),
+        None => considered(),
     };
     let function = &*integrand.function;
     let announce = |lmax: usize| integrand.announce_energies(domain, lmax, global.quiet);
@@ -162,6 +162,15 @@ pub(crate) fn run(args: &ChooseArgs, global: &Global) -> Result<(), CliError> {
     }
     candidate::rank(&mut candidates, &question);
     Answer::new(&question, &mut predictor, &candidates, left_out, global.seed)?.emit(args, global)
+}
+
+/// All patterns, and those of other parameters that are the best of all for some integrands: centred
+/// equal-area points for caps, the logarithmic energy for lobes.
+fn considered() -> Vec<Pattern> {
+    let mut patterns = Pattern::ALL.to_vec();
+    patterns.push(Pattern::EqualArea { placement: Placement::Centred });
+    patterns.push(Pattern::Riesz { s: 0.0, iterations: Riesz::DEFAULT_ITERATIONS });
+    patterns
 }
 
 /// The work of the fewest realizations that a prediction takes, in budgets of it.
