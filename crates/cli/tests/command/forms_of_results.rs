@@ -336,7 +336,7 @@ fn dash_is_csv_on_standard_output() {
 fn long_lists_of_degrees_stay_out_of_tables() {
     let place = Workplace::new();
     let rows: String = (1..=64).map(|l| format!("{l},1\n")).collect();
-    place.write("flat.csv", &format!("l,power\n{rows}"));
+    place.write("flat.csv", format!("l,power\n{rows}"));
     let table = place.run("bounds --spectrum flat.csv -n 256").ok().stdout;
     assert!(table.contains("1 2 3 4 ... (64 in all)"), "{table}");
     assert!(table.lines().all(|line| line.len() < 160), "{table}");
