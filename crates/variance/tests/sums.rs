@@ -93,7 +93,7 @@ fn constants_and_terms_that_cancel_leave_no_trace() {
     assert!(energy.beyond_by_parity(64).even == 0.0, "{:?}", energy.centred());
 }
 
-/// The variance of Y_40 is `4 pi/N P(4)` whatever constant is added, also where the estimates of trials are nothing but
+/// The variance of `Y_40` is `4 pi/N P(4)` whatever constant is added, also where the estimates of trials are nothing but
 /// rounding; then these say nothing against it.
 #[test]
 fn constants_take_no_part_in_predictions() {
