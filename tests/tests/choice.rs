@@ -204,7 +204,7 @@ fn what_costs_too_much_is_extrapolated() {
     let cap = cap60();
     let ccvt = Pattern::from_name("ccvt").unwrap();
     // Variances of about 1000 and 100 points; predictions of this work reach 256 and 16.
-    for (pattern, variance, work) in [(Pattern::Halton, 1.3e-3, 1.5e4), (ccvt, 0.018, 4e4)] {
+    for (pattern, variance, work) in [(Pattern::Halton, 1.3e-3, 1.5e4), (ccvt, 0.018, 1e5)] {
         let precision = PredictionBudget { relative: 0.03, work };
         let mut poor = Predictor::new(&cap, Domain::Sphere, SEED, precision).unwrap();
         let mut curve = PredictedCurve::new(pattern.clone());
