@@ -113,7 +113,7 @@ impl Shape {
         self
     }
 
-    /// A function of which a value costs so many times that of a simple one, some 20 ns.
+    /// A function of which a value costs this many times that of a simple one, some 20 ns.
     #[must_use]
     pub fn with_cost(mut self, cost: f64) -> Self {
         self.cost = cost;

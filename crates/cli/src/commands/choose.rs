@@ -6,6 +6,7 @@ mod crossings;
 mod presentation;
 mod question;
 mod reason;
+mod recommendation;
 
 use std::path::PathBuf;
 

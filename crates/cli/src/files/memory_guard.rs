@@ -31,7 +31,7 @@ impl MemoryGuard {
         }
     }
 
-    /// Returns an error if there is no memory for what may come after so many decompressed bytes.
+    /// Returns an error if there is no memory for what may follow this number of decompressed bytes.
     ///
     /// A reader that keeps nothing of them takes no memory, however many there are.
     ///

@@ -1,14 +1,14 @@
 //! The answer as table, JSON, CSV and plot.
 
 use serde::Serialize;
-use sphvar_samplers::Pattern;
-use sphvar_variance::{PredictedPoint, Predictor, RequiredPoints, settled_degree_of};
+use sphvar_variance::{PredictedPoint, Predictor, RequiredPoints};
 
 use super::ChooseArgs;
 use super::candidate::{Candidate, MAX_FACTOR, recommended};
 use super::crossings::{self, CrossingRecord};
 use super::question::{Question, Wish};
 use super::reason::Reason;
+use super::recommendation::recommendation;
 use crate::error::CliError;
 use crate::global::Global;
 use crate::plots::{Chart, ImageFormat, Scale, Series, Style};
@@ -410,108 +410,5 @@ pub(super) fn line(
     match row.n {
         Some(_) => format!("{:<28} N = {:<8} error {}", cells[0], cells[1], cells[2]),
         None => format!("{:<28} {}", cells[0], row.basis),
-    }
-}
-
-/// What to take and why, in a sentence.
-fn recommendation(
-    best: Option<&Candidate>,
-    question: &Question,
-    predictor: &mut Predictor<'_>,
-) -> Result<(Option<Reason>, String), CliError> {
-    let white = predictor.white_variance(1);
-    if white <= 0.0 {
-        let text =
-            "Any sampler will do: the integrand is constant, and its integral has no variance.";
-        return Ok((None, text.to_owned()));
-    }
-    let (Some(best), Some(n)) = (best, best.and_then(|b| b.n_points)) else {
-        let (mut text, mut most) = ("No sampler reaches this error".to_owned(), 1);
-        if let Wish::Error { max_points, .. } = question.wish {
-            most = max_points;
-            text += &format!(
-                " with {most} points (--max-points): all considered are out of reach, and white noise \
-                 needs {} points.",
-                count(question.white_noise_points(predictor))
-            );
-        }
-        return Ok((None, text + &beyond_help(most, predictor)?));
-    };
-    if let Some(text) = no_recommendation(best, n, question, predictor)? {
-        return Ok((None, text));
-    }
-    let reason = Reason::new(best, predictor);
-    let extrapolated = if best.basis() == "extrapolated" { ", by extrapolation" } else { "" };
-    let choice = match question.wish {
-        _ if question.cost_per_sample.is_some() => "the least time for set and values",
-        Wish::Error { .. } => {
-            "of those that need the fewest points, within 10 %, the cheapest to make"
-        }
-        Wish::Points(_) => "of those of the least variance, within 10 %, the cheapest to make",
-    };
-    let name = best.curve.pattern();
-    let why = match &reason {
-        _ if best.is_exact() => ": it integrates this function exactly".to_owned(),
-        Some(reason) => format!(": {}", reason.sentence(name.name())),
-        None => String::new(),
-    };
-    let text = format!("Take {name} with N = {n} ({choice}{extrapolated}){why}.");
-    Ok((reason, text))
-}
-
-/// Why not even the best is worth a recommendation: its error exceeds the integral, or its variance is
-/// no less than white noise's as far as that is known.
-fn no_recommendation(
-    best: &Candidate,
-    n: usize,
-    question: &Question,
-    predictor: &mut Predictor<'_>,
-) -> Result<Option<String>, CliError> {
-    let Some((variance, stderr)) = best.variance else {
-        return Ok(None);
-    };
-    let name = best.curve.pattern();
-    let relative = question.relative(variance.sqrt());
-    if let Some(error) = relative.filter(|error| *error > 1.0) {
-        let text = format!(
-            "No recommendation: the least error with {n} points, of {name}, is {:.0} % of the integral.",
-            100.0 * error
-        );
-        return Ok(Some(text + &beyond_help(n, predictor)?));
-    }
-    let unknown = if stderr.is_finite() { 2.0 * stderr } else { 0.0 };
-    let is_white = predictor.white_variance(n) <= variance + unknown;
-    let is_white_noise = *name == Pattern::WhiteNoise;
-    if is_white && !is_white_noise || is_white_noise && matches!(question.wish, Wish::Points(_)) {
-        let text = format!(
-            "No pattern considered helps: none has less variance with {n} points than \
-                            white noise, as far as that is known."
-        );
-        return Ok(Some(text + &beyond_help(n, predictor)?));
-    }
-    Ok(None)
-}
-
-/// That most of the variance lies where no pattern has less power than white noise, if it does.
-fn beyond_help(n_points: usize, predictor: &mut Predictor<'_>) -> Result<String, CliError> {
-    let settled = settled_degree_of(n_points, predictor.domain());
-    let share = predictor.share_beyond(settled)?;
-    Ok(if share > 0.5 {
-        format!(
-            " No pattern helps: {:.0} % of the variance lies beyond degree {settled}, where every pattern of \
-             {n_points} points has white noise's power in the mean.",
-            100.0 * share
-        )
-    } else {
-        String::new()
-    })
-}
-
-/// A number of points, to two digits where it is large.
-fn count(points: Option<f64>) -> String {
-    match points {
-        Some(n) if n < 1e7 => format!("{n:.0}"),
-        Some(n) => format!("{n:.2e}"),
-        None => "-".to_owned(),
     }
 }
