@@ -50,7 +50,7 @@ fn address_space() -> Option<f64> {
     Some((limit - 1024.0 * kib).max(0.0))
 }
 
-/// Refuses points that do not fit: 24 bytes each, whatever is made of them.
+/// Rejects points that do not fit: 24 bytes each, whatever is made of them.
 pub(crate) fn check_points(n: usize) -> Result<(), CliError> {
     check_memory(&format!("a set of {n} points (-n)"), 24.0 * n as f64)
 }

@@ -97,7 +97,7 @@ fn header_bytes(input: &mut impl BufRead) -> io::Result<Vec<u8>> {
     }
 }
 
-/// Refuses two elements of one name, or two properties of one element: the parser would keep one of
+/// Rejects two elements of one name, or two properties of one element: the parser would keep one of
 /// them without a word.
 fn check_names(head: &[u8], path: &str) -> Result<(), FileError> {
     let text = String::from_utf8_lossy(head);
