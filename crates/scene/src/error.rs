@@ -1,3 +1,5 @@
+use std::borrow::Cow;
+
 use thiserror::Error as ThisError;
 
 use crate::Region;
@@ -12,6 +14,14 @@ pub enum Error {
         /// What the reader said.
         reason: String,
     },
+    /// An OBJ text has characters of two or four bytes.
+    #[error(
+        "the text is in {encoding}: expected ASCII, UTF-8 or Latin-1; `iconv -f {encoding} -t UTF-8` converts it"
+    )]
+    ObjEncoding {
+        /// UTF-16 or UTF-32.
+        encoding: &'static str,
+    },
     /// A line of an OBJ text is not what it should be.
     #[error("line {line}: `{text}`: expected {expected}")]
     ObjLine {
@@ -20,7 +30,7 @@ pub enum Error {
         /// Its beginning.
         text: String,
         /// What would be right.
-        expected: &'static str,
+        expected: Cow<'static, str>,
     },
     /// There is nothing that a ray could meet.
     #[error(

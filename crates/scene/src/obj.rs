@@ -1,3 +1,4 @@
+use std::borrow::Cow;
 use std::io::Read;
 
 use glam::DVec3;
@@ -39,13 +40,17 @@ impl Mesh {
     /// have a comment. A UTF-8 byte order mark is skipped; names and comments may have any bytes.
     ///
     /// # Errors
-    /// [`Error::Unreadable`] if the reader fails; [`Error::ObjLine`] with the number of the line for a vertex that is not
-    /// as above or not finite, a face with an index that is no number or has no vertex, a keyword that is not
-    /// printable ASCII, and a text without faces; else as [`Mesh::new`].
+    /// [`Error::Unreadable`] if the reader fails; [`Error::ObjEncoding`] for a text in UTF-16 or UTF-32;
+    /// [`Error::ObjLine`] with the number of the line for a vertex that is not as above or not finite, a face with an
+    /// index that is no number or has no vertex, a keyword that is not printable ASCII, and a text without faces; else
+    /// as [`Mesh::new`].
     pub fn from_obj_with_remarks(mut reader: impl Read) -> Result<(Self, ObjRemarks), Error> {
         let mut bytes = Vec::new();
         if let Err(error) = reader.read_to_end(&mut bytes) {
             return Err(Error::Unreadable { reason: error.to_string() });
+        }
+        if let Some(encoding) = wide_encoding(&bytes) {
+            return Err(Error::ObjEncoding { encoding });
         }
         let mut content = Content::default();
         let mut n_lines = 0;
@@ -55,11 +60,24 @@ impl Mesh {
             read.map_err(|expected| Error::ObjLine { line, text: quoted(&text), expected })?;
         }
         if content.faces.is_empty() {
-            let expected = "a face (`f` and three vertices or more) before the end";
+            let expected = "a face (`f` and three vertices or more) before the end".into();
             let line = n_lines.max(1);
             return Err(Error::ObjLine { line, text: "end of the text".into(), expected });
         }
         content.mesh(&bytes)
+    }
+}
+
+/// The encoding of a text whose characters have two or four bytes, told by its byte order mark or by the zero byte
+/// beside its first character.
+fn wide_encoding(text: &[u8]) -> Option<&'static str> {
+    match *text {
+        [0xff, 0xfe, 0, 0, ..]
+        | [0, 0, 0xfe, 0xff, ..]
+        | [1..=255, 0, 0, 0, ..]
+        | [0, 0, 0, 1..=255, ..] => Some("UTF-32"),
+        [0xff, 0xfe, ..] | [0xfe, 0xff, ..] | [1..=255, 0, ..] | [0, 1..=255, ..] => Some("UTF-16"),
+        _ => None,
     }
 }
 
@@ -92,7 +110,7 @@ struct Face {
 
 impl Content {
     /// Takes in a line; if it is wrong, what would be right.
-    fn read(&mut self, line: usize, text: &[u8]) -> Result<(), &'static str> {
+    fn read(&mut self, line: usize, text: &[u8]) -> Result<(), Cow<'static, str>> {
         let mut words = text.split(u8::is_ascii_whitespace).filter(|word| !word.is_empty());
         match words.next() {
             None => Ok(()),
@@ -103,7 +121,7 @@ impl Content {
             Some(b"f" | b"fo") => self.face(line, words),
             Some(keyword) => {
                 if !keyword.iter().all(u8::is_ascii_graphic) {
-                    return Err("a keyword of the OBJ format, as `v` or `f`, in ASCII or UTF-8");
+                    return Err("a keyword of the OBJ format, as `v` or `f`, in ASCII".into());
                 }
                 self.remarks.count(&String::from_utf8_lossy(keyword));
                 Ok(())
@@ -115,13 +133,13 @@ impl Content {
         &mut self,
         line: usize,
         words: impl Iterator<Item = &'a [u8]>,
-    ) -> Result<(), &'static str> {
+    ) -> Result<(), Cow<'static, str>> {
         let first_corner = self.corners.len();
         for word in words {
             self.corners.push(corner(word, self.vertices.len() as u64)?);
         }
         match self.corners.len() - first_corner {
-            0 => return Err("three vertices or more"),
+            0 => return Err("three vertices or more".into()),
             1 | 2 => {
                 self.corners.truncate(first_corner);
                 self.remarks.small_faces += 1;
@@ -147,7 +165,11 @@ impl Content {
                     return Err(Error::ObjLine {
                         line: face.line,
                         text: statement.map_or_else(String::new, |(_, text)| quoted(&text)),
-                        expected: "indices up to the number of vertices",
+                        expected: format!(
+                            "indices up to {}, the number of vertices",
+                            vertices.len()
+                        )
+                        .into(),
                     });
                 };
                 polygon.push(index);
@@ -191,15 +213,18 @@ const VERTEX: &str = "`v` and three finite numbers within 1e100 (or four, the la
      colour of three or four numbers more)";
 
 /// The index of a vertex, from 0, in a corner `v`, `v/vt`, `v//vn` or `v/vt/vn`; `so_far` vertices have been read.
-fn corner(word: &[u8], so_far: u64) -> Result<u64, &'static str> {
+fn corner(word: &[u8], so_far: u64) -> Result<u64, Cow<'static, str>> {
     let index = word.split(|&b| b == b'/').next().unwrap_or_default();
     let index = std::str::from_utf8(index).ok().and_then(|text| text.parse::<i64>().ok());
     match index {
-        None => Err("the number of a vertex, with or without `/` and more, for each corner"),
-        Some(0) => Err("vertices counted from 1, or backwards from -1"),
+        None => Err("the number of a vertex, with or without `/` and more, for each corner".into()),
+        Some(0) => Err("vertices counted from 1, or backwards from -1".into()),
         Some(index) if index > 0 => Ok(index.unsigned_abs() - 1),
-        Some(index) => so_far
-            .checked_sub(index.unsigned_abs())
-            .ok_or("indices that go back no further than the first vertex"),
+        Some(index) => so_far.checked_sub(index.unsigned_abs()).ok_or_else(|| {
+            format!(
+                "indices that go back no further than the first of the {so_far} vertices so far"
+            )
+            .into()
+        }),
     }
 }

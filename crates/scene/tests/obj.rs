@@ -86,7 +86,40 @@ fn what_is_wrong_is_told_with_its_line() {
 #[test]
 fn messages_say_what_would_be_right() {
     let error = read("v 0 0 0\nf 1 2 3\n").expect_err("no such vertices").to_string();
-    assert_eq!(error, "line 2: `f 1 2 3`: expected indices up to the number of vertices");
+    assert_eq!(error, "line 2: `f 1 2 3`: expected indices up to 1, the number of vertices");
+    // Vertices may follow, so that those of the whole text count; not for an index that counts back.
+    let vertices = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
+    let error =
+        read(&format!("{vertices}f 3/9/9 2 5 1\nv 1 1 0\n")).expect_err("no fifth").to_string();
+    assert!(error.ends_with("expected indices up to 4, the number of vertices"), "{error}");
+    let error =
+        read(&format!("{vertices}f -1 -3 -4\nv 1 1 0\n")).expect_err("no fourth").to_string();
+    let expected = "line 4: `f -1 -3 -4`: expected indices that go back no further than the first of the 3 \
+                    vertices so far";
+    assert_eq!(error, expected);
+}
+
+/// What editors call Unicode: characters of two or four bytes, in either order, with and without a mark.
+#[test]
+fn wide_encodings_are_named() {
+    let units: Vec<u16> = "# a\nv 0 0 0\nf 1 1 1\n".encode_utf16().collect();
+    let bytes = |big: bool, wide: bool, mark: bool| -> Vec<u8> {
+        let units = [0xfeff].into_iter().filter(|_| mark).chain(units.iter().copied());
+        let bytes = units.flat_map(|unit| {
+            let zeros = if wide { vec![0, 0] } else { vec![] };
+            let [high, low] = unit.to_be_bytes();
+            if big { [zeros, vec![high, low]].concat() } else { [vec![low, high], zeros].concat() }
+        });
+        bytes.collect()
+    };
+    for (big, mark) in [(false, false), (false, true), (true, false), (true, true)] {
+        for (wide, name) in [(false, "UTF-16"), (true, "UTF-32")] {
+            let error = Mesh::from_obj(&*bytes(big, wide, mark)).expect_err("another encoding");
+            assert_eq!(error, Error::ObjEncoding { encoding: name }, "{big} {mark}");
+            let message = error.to_string();
+            assert!(message.contains(&format!("iconv -f {name} -t UTF-8")), "{message}");
+        }
+    }
 }
 
 #[test]
@@ -138,10 +171,9 @@ fn what_is_not_used_is_remarked() {
     assert_eq!(remarks.to_string(), expected);
     let (_, remarks) = Mesh::from_obj_with_remarks(GOOD.as_bytes()).expect("a mesh");
     assert_eq!(remarks.unknown(), 0);
-    // A second byte order mark, and a text in two bytes a letter.
-    for wrong in [b"\xef\xbb\xbf\xef\xbb\xbfv 0 0 0\n".as_slice(), b"\xff\xfev\0 \x000\0"] {
-        assert!(matches!(Mesh::from_obj(wrong), Err(Error::ObjLine { line: 1, .. })));
-    }
+    // A second byte order mark.
+    let wrong = b"\xef\xbb\xbf\xef\xbb\xbfv 0 0 0\n".as_slice();
+    assert!(matches!(Mesh::from_obj(wrong), Err(Error::ObjLine { line: 1, .. })));
 }
 
 /// Areas add up to that of the polygon, and all triangles face as it does.
