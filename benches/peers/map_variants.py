@@ -68,3 +68,31 @@ write("implicit_part.fits", part)
 
 # healpy's own gzipped file, of an nside that is no power of two.
 hp.write_map(folder / "odd.fits.gz", np.arange(12.0 * 9), dtype=np.float64, overwrite=True)
+
+# Maps as images: two of scaled integers with a null in the primary HDU, then one in three axes, a part of one, and
+# one that is compressed.
+null = -32768
+scaled = np.stack([np.arange(N), 7 * np.arange(N)[::-1]]).astype(np.int16)
+scaled[0, 11] = null
+primary = fits.PrimaryHDU(scaled)
+keywords(primary, COORDSYS="G", BSCALE=0.5, BZERO=-3.0, BLANK=null)
+nested = fits.ImageHDU(np.arange(N, dtype=np.float32).reshape(12, NSIDE, NSIDE) ** 2, name="SQUARES")
+keywords(nested, "NESTED")
+upper = fits.ImageHDU(np.arange(5, 61, dtype=np.float64), name="UPPER")
+keywords(upper, FIRSTPIX=5, LASTPIX=60)
+bytes_ = fits.ImageHDU((np.arange(N) % 251).astype(np.uint8), name="BYTES")
+keywords(bytes_)
+packed = fits.CompImageHDU(np.arange(N, dtype=np.int32).reshape(12, 16), name="PACKED")
+keywords(packed)
+fits.HDUList([primary, nested, upper, bytes_, packed]).writeto(
+    folder / "images.fits", overwrite=True, output_verify="silentfix"
+)
+with fits.open(folder / "images.fits") as file:
+    print("images: second map of HDU 0, first values", file[0].data[1][:3], "NaN", np.isnan(file[0].data).sum())
+
+# Columns whose names are numbers.
+digits = fits.BinTableHDU.from_columns(
+    [fits.Column(name, "D", array=np.full(N, value)) for name, value in [("1", 5.0), ("3X", 6.0), ("0", 7.0)]]
+)
+keywords(digits)
+write("digits.fits", digits)

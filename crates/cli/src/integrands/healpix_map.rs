@@ -29,7 +29,7 @@ pub(super) fn take(
 ) -> Result<HealpixMap, CliError> {
     let field = match spec.take("field") {
         None => FitsField::Number(0),
-        Some(text) => text.parse().map_or_else(|_| FitsField::Name(text), FitsField::Number),
+        Some(text) => FitsField::Name(text),
     };
     let (path, mut hdu) = HduChoice::of_path(file);
     if let Some(text) = spec.take("hdu") {

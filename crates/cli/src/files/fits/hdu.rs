@@ -82,6 +82,8 @@ pub(crate) enum HduKind {
     AsciiTable,
     /// A binary table, BINTABLE.
     BinaryTable,
+    /// An image that is compressed in a binary table.
+    CompressedImage,
     /// An extension of another kind.
     Other,
 }
@@ -111,6 +113,7 @@ impl Hdu {
         let kind = match self.kind {
             HduKind::Image => "image",
             HduKind::AsciiTable | HduKind::BinaryTable => "table",
+            HduKind::CompressedImage => "compressed image (funpack unpacks it)",
             HduKind::Other => "other",
         };
         format!("[{}] {kind} {}", self.number, shortened(self.name())).trim_end().to_owned()
@@ -182,6 +185,7 @@ impl<'a, R: BufRead> HduReader<'a, R> {
         let kind = match header.text("XTENSION") {
             None | Some("IMAGE") => HduKind::Image,
             Some("TABLE") => HduKind::AsciiTable,
+            Some("BINTABLE") if header.logical("ZIMAGE") == Some(true) => HduKind::CompressedImage,
             Some("BINTABLE" | "A3DTABLE") => HduKind::BinaryTable,
             Some(_) => HduKind::Other,
         };

@@ -1,7 +1,8 @@
-//! HEALPix maps in FITS tables.
+//! HEALPix maps in tables and images of FITS files.
 
 use std::path::Path;
 
+use super::field::{FitsField, REAL_FIELD, chosen_column, image_field, layout, maps_in_image};
 use super::hdu::{Hdu, HduChoice, HduKind, HduReader, keyword_error};
 use super::header::{Header, Value};
 use super::table::{Item, TableColumn};
@@ -13,9 +14,6 @@ use crate::files::memory_guard::check_announced;
 const MAX_NSIDE: u64 = 8192;
 /// How near a value counts as the one that `BAD_DATA` names: maps of single precision have a neighbour of it.
 const BAD_DATA_TOLERANCE: f64 = 1e-5;
-
-/// What a field must have.
-const REAL: &str = "a field of real numbers, such as TFORM = 'D'";
 
 /// A HEALPix map as it stands in a file.
 #[derive(Clone, Debug, PartialEq)]
@@ -29,15 +27,6 @@ pub(crate) struct FitsMap {
     pub(crate) coordinates: Option<String>,
 }
 
-/// Which column of a table is the map.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) enum FitsField {
-    /// By its place from 0, the column of pixel numbers not counted, as by healpy.
-    Number(usize),
-    /// By its TTYPE, in any case.
-    Name(String),
-}
-
 /// Which pixels the values of a table belong to.
 enum Indexing {
     /// All from this one to that one, in order.
@@ -46,7 +35,7 @@ enum Indexing {
     Explicit(TableColumn),
 }
 
-/// Reads a field of a map; the first table with a map unless another HDU is chosen.
+/// Reads a field of a map; of the first table or image with a map unless another HDU is chosen.
 ///
 /// # Errors
 /// When the file cannot be read or is cut short, and when the header does not say unmistakably that this is
@@ -60,14 +49,17 @@ pub(crate) fn read_fits_map(
     let mut reader = HduReader::new(open_input(path)?, &name);
     let is_map = |hdu: &Hdu| {
         let keywords = ["PIXTYPE", "NSIDE", "ORDERING"];
-        hdu.kind == HduKind::BinaryTable && keywords.iter().any(|k| hdu.header.get(k).is_some())
+        matches!(hdu.kind, HduKind::BinaryTable | HduKind::Image)
+            && keywords.iter().any(|k| hdu.header.get(k).is_some())
     };
-    let hdu = reader.select(choice, is_map, "a binary table with a HEALPix map")?;
+    let expected =
+        "a binary table or an image with the keywords ORDERING and NSIDE of a HEALPix map";
+    let hdu = reader.select(choice, is_map, expected)?;
     let table = MapTable::new(&name, &hdu, field)?;
     table.read(&mut reader)
 }
 
-/// What the header of a table says of its map.
+/// What the header of a table says of its map. An image is a table of a single column.
 struct MapTable<'a> {
     path: &'a str,
     header: &'a Header,
@@ -79,6 +71,8 @@ struct MapTable<'a> {
     /// Bytes of a row, and their number.
     row: usize,
     rows: u64,
+    /// Rows before the first one, of other maps in an image.
+    skipped: u64,
 }
 
 impl<'a> MapTable<'a> {
@@ -116,8 +110,11 @@ impl<'a> MapTable<'a> {
             let count = header.integer(keyword).and_then(|n| u64::try_from(n).ok());
             count.ok_or_else(|| wrong(keyword, "an integer from 0"))
         };
-        let (row, rows) = (count("NAXIS1")?, count("NAXIS2")?);
-        let mut columns = TableColumn::of_table(hdu, path)?;
+        let nside = u32::try_from(nside).map_err(|_| wrong("NSIDE", "a smaller number"))?;
+        let mut columns = match hdu.kind {
+            HduKind::Image => Vec::new(),
+            _ => TableColumn::of_table(hdu, path)?,
+        };
         let indexing = match text("INDXSCHM").as_deref() {
             None | Some("IMPLICIT") => {
                 let pixel = |keyword: &str, default: u64| match header.get(keyword) {
@@ -133,6 +130,9 @@ impl<'a> MapTable<'a> {
                 }
                 Indexing::Implicit { first, last }
             }
+            Some("EXPLICIT") if hdu.kind == HduKind::Image => {
+                return Err(wrong("INDXSCHM", "'IMPLICIT' in an image"));
+            }
             Some("EXPLICIT") => {
                 let names = ["PIXEL", "PIX", "PIXEL_INDEX", "INDEX"];
                 let is_pixel =
@@ -147,10 +147,28 @@ impl<'a> MapTable<'a> {
             }
             Some(_) => return Err(wrong("INDXSCHM", "'IMPLICIT' or 'EXPLICIT'")),
         };
-        let column = chosen_column(path, columns, field)?;
-        let row = usize::try_from(row).map_err(|_| wrong("NAXIS1", "a row that fits in memory"))?;
-        let nside = u32::try_from(nside).map_err(|_| wrong("NSIDE", "a smaller number"))?;
-        let table = Self { path, header, nside, nested, n_pixels, indexing, column, row, rows };
+        let table =
+            if let (HduKind::Image, Indexing::Implicit { first, last }) = (hdu.kind, &indexing) {
+                let pixels = last - first + 1;
+                let maps = maps_in_image(path, header, pixels)?;
+                let field = image_field(path, maps, field)?;
+                // Rows that are neither short nor long, and divide the map.
+                let items = [12 * u64::from(nside), 12, 1].into_iter().find(|n| pixels % n == 0);
+                let items = items.unwrap_or(1);
+                let column = usize::try_from(items).ok();
+                let column = column.and_then(|items| TableColumn::of_image(header, items));
+                let column = column.ok_or_else(|| wrong("BITPIX", "8, 16, 32, 64, -32 or -64"))?;
+                let (row, rows) = (column.width, pixels / items);
+                let skipped = field * rows;
+                Self { path, header, nside, nested, n_pixels, indexing, column, row, rows, skipped }
+            } else {
+                let (row, rows) = (count("NAXIS1")?, count("NAXIS2")?);
+                let column = chosen_column(path, columns, field)?;
+                let row = usize::try_from(row)
+                    .map_err(|_| wrong("NAXIS1", "a row that fits in memory"))?;
+                let skipped = 0;
+                Self { path, header, nside, nested, n_pixels, indexing, column, row, rows, skipped }
+            };
         table.check_counts()?;
         Ok(table)
     }
@@ -199,8 +217,11 @@ impl<'a> MapTable<'a> {
             Indexing::Implicit { .. } => Vec::new(),
             Indexing::Explicit(_) => vec![false; n_pixels],
         };
-        let promise = format!("{} rows of {} bytes", self.rows, self.row);
+        let promise = format!("{} rows of {} bytes", self.skipped + self.rows, self.row);
         let bad = self.header.number("BAD_DATA");
+        for _ in 0..self.skipped {
+            reader.read_data(&mut row, &promise)?;
+        }
         let mut next = 0;
         for number in 0..self.rows {
             reader.read_data(&mut row, &promise)?;
@@ -216,7 +237,7 @@ impl<'a> MapTable<'a> {
                 values[at] = match self.column.item(&row, item) {
                     Item::Number(x) if !bad.is_some_and(|bad| is_near(x, bad)) => x,
                     Item::Number(_) | Item::Missing => f64::NAN,
-                    Item::Text(_) => return Err(self.layout(REAL, "a column of texts")),
+                    Item::Text(_) => return Err(self.layout(REAL_FIELD, "a column of texts")),
                 };
             }
         }
@@ -262,49 +283,6 @@ impl<'a> MapTable<'a> {
     }
 }
 
-/// Returns the column of a field.
-fn chosen_column(
-    path: &str,
-    mut columns: Vec<TableColumn>,
-    field: &FitsField,
-) -> Result<TableColumn, FileError> {
-    let at = match field {
-        FitsField::Number(number) => Some(*number).filter(|number| *number < columns.len()),
-        FitsField::Name(name) => columns.iter().position(|c| c.name.eq_ignore_ascii_case(name)),
-    };
-    let Some(at) = at else {
-        let names: Vec<&str> = columns.iter().take(12).map(|column| column.name.as_str()).collect();
-        let more = if columns.len() > names.len() { ", ..." } else { "" };
-        let known = format!("{} fields: {}{more}", columns.len(), names.join(", "));
-        return Err(match field {
-            FitsField::Number(number) => layout(
-                path,
-                &format!("a field below {}, the number of columns of values", columns.len()),
-                &format!("field {number} ({known})"),
-            ),
-            FitsField::Name(name) => layout(path, &format!("a field {name}"), &known),
-        });
-    };
-    let column = columns.swap_remove(at);
-    if column.items == 0 {
-        return Err(layout(
-            path,
-            REAL,
-            "a column of complex numbers or of arrays of variable length",
-        ));
-    }
-    Ok(column)
-}
-
 fn is_near(x: f64, bad: f64) -> bool {
     (x - bad).abs() <= BAD_DATA_TOLERANCE * bad.abs()
-}
-
-fn layout(path: &str, expected: &str, got: &str) -> FileError {
-    FileError::Layout {
-        path: path.to_owned(),
-        place: Place::Whole,
-        expected: expected.to_owned(),
-        got: got.to_owned(),
-    }
 }

@@ -94,6 +94,31 @@ impl TableColumn {
         Ok(columns)
     }
 
+    /// Returns a row of this number of pixels of an image as a column without a name; `None` if BITPIX is no type.
+    pub(crate) fn of_image(header: &Header, items: usize) -> Option<Self> {
+        let (kind, bytes) = match header.integer("BITPIX")? {
+            8 => (Kind::Byte, 1),
+            16 => (Kind::Integer(2), 2),
+            32 => (Kind::Integer(4), 4),
+            64 => (Kind::Integer(8), 8),
+            -32 => (Kind::Float(4), 4),
+            -64 => (Kind::Float(8), 8),
+            _ => return None,
+        };
+        Some(Self {
+            name: String::new(),
+            unit: String::new(),
+            items,
+            start: 0,
+            width: items.checked_mul(bytes)?,
+            kind,
+            scale: header.number("BSCALE").unwrap_or(1.0),
+            zero: header.number("BZERO").unwrap_or(0.0),
+            null: header.integer("BLANK"),
+            null_text: None,
+        })
+    }
+
     fn binary(header: &Header, i: u16, form: &str, start: usize) -> Option<Self> {
         let form = form.trim();
         let digits = form.find(|c: char| !c.is_ascii_digit())?;

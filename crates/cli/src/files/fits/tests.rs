@@ -13,6 +13,8 @@ const MIXED: &[u8] = include_bytes!("../../../tests/data/mixed.fits");
 const EXPLICIT: &[u8] = include_bytes!("../../../tests/data/explicit.fits");
 const IMPLICIT_PART: &[u8] = include_bytes!("../../../tests/data/implicit_part.fits");
 const ODD: &[u8] = include_bytes!("../../../tests/data/odd.fits.gz");
+const IMAGES: &[u8] = include_bytes!("../../../tests/data/images.fits");
+const DIGITS: &[u8] = include_bytes!("../../../tests/data/digits.fits");
 
 fn read(bytes: &[u8], field: usize) -> Result<FitsMap, String> {
     choose(bytes, &HduChoice::First, &FitsField::Number(field))
@@ -136,6 +138,65 @@ fn maps_of_every_layout_are_read() {
     // Compressed, and of an nside that only ring order has.
     let odd = read(ODD, 0).unwrap();
     assert_eq!((odd.nside, sum(&odd)), (3, 107.0 * 54.0));
+}
+
+/// The values are those of the script; of the scaled ones astropy printed the first.
+#[test]
+#[expect(clippy::float_cmp, reason = "small integers and halves of them")]
+fn maps_in_images_are_read() {
+    let first = read(IMAGES, 0).unwrap();
+    assert_eq!((first.nside, first.nested, first.coordinates.as_deref()), (4, false, Some("G")));
+    assert_eq!((first.values[0], first.values[191]), (-3.0, 92.5));
+    assert!(first.values.iter().enumerate().all(|(i, value)| value.is_nan() == (i == 11)));
+    for field in [FitsField::Number(1), named("1")] {
+        let second = choose(IMAGES, &HduChoice::First, &field).unwrap();
+        assert_eq!(second.values[..3], [665.5, 662.0, 658.5]);
+        assert_eq!(second.values[191], -3.0);
+    }
+    let hdu = |name: &str| choose(IMAGES, &HduChoice::Name(name.to_owned()), &FitsField::Number(0));
+    // In the order of the file, whatever the number of axes.
+    let squares = hdu("squares").unwrap();
+    assert!(squares.nested && (0..192).all(|i| squares.values[i] == (i * i) as f64));
+    let upper = hdu("upper").unwrap();
+    let has_value = |i: usize| (5..=60).contains(&i);
+    assert!((0..192).all(|i| upper.values[i].is_nan() != has_value(i)), "{upper:?}");
+    assert_eq!((upper.values[5], upper.values[60]), (5.0, 60.0));
+    let bytes = hdu("bytes").unwrap();
+    assert!((0..192).all(|i| bytes.values[i] == (i % 251) as f64));
+    for (hdu, field, parts) in [
+        (HduChoice::Number(4), named("0"), &["compressed image (funpack unpacks it) PACKED"][..]),
+        (HduChoice::First, named("2"), &["a field below 2", "field 2", "an image of 2 maps"]),
+        (HduChoice::First, named("I"), &["a field I", "an image of 2 maps"]),
+        (HduChoice::Number(3), FitsField::Number(1), &["a field below 1", "an image of 1 maps"]),
+    ] {
+        let message = choose(IMAGES, &hdu, &field).unwrap_err();
+        for part in parts {
+            assert!(message.contains(part), "{hdu:?} {field:?}: {message}");
+        }
+    }
+    // The primary header again, with another nside than the number of pixels.
+    let card = IMAGES.windows(8).position(|word| word == b"NSIDE   ").unwrap();
+    let mut other = IMAGES.to_vec();
+    other[card + 29] = b'8';
+    let message = read(&other, 0).unwrap_err();
+    assert!(message.contains("768 pixels along its first axes") && message.contains("192 x 2"));
+    for end in (0..2880 + 768).step_by(191) {
+        assert!(read(&IMAGES[..end], 1).is_err(), "{end}");
+    }
+}
+
+#[test]
+#[expect(clippy::float_cmp, reason = "small integers")]
+fn names_of_columns_come_before_their_numbers() {
+    // Columns 1, 3X and 0 in this order.
+    for (field, value) in [("1", 5.0), ("0", 7.0), ("3X", 6.0), ("3x", 6.0), ("2", 7.0)] {
+        let map = choose(DIGITS, &HduChoice::First, &named(field)).unwrap();
+        assert_eq!(map.values[0], value, "{field}");
+    }
+    for (field, part) in [("3", "a field below 3"), ("03X", "a field 03X"), ("-1", "a field -1")] {
+        let message = choose(DIGITS, &HduChoice::First, &named(field)).unwrap_err();
+        assert!(message.contains(part) && message.contains("3 fields: 1, 3X, 0"), "{message}");
+    }
 }
 
 #[test]
