@@ -152,19 +152,19 @@ impl Spec {
             .ok_or_else(|| CliError::Usage(format!("{text}: the parameter {key} is missing")))
     }
 
-    /// Refuses what no one has taken. `known` are the keys that there are.
+    /// Returns an error for a parameter that no one has taken. `known` are the valid keys.
     pub(crate) fn finish(self, known: &[&str]) -> Result<(), CliError> {
         let Some((key, value)) = self.items.into_iter().next() else {
             return Ok(());
         };
         let value = String::from_utf8_lossy(&value);
-        let what =
-            if key.is_empty() { format!("the value \"{value}\"") } else { format!("\"{key}\"") };
+        let what = if key.is_empty() {
+            format!("unexpected value \"{value}\"; valid parameters")
+        } else {
+            format!("unknown parameter \"{key}\"; valid")
+        };
         let known = if known.is_empty() { "none".to_owned() } else { known.join(", ") };
-        Err(CliError::Usage(format!(
-            "{}: {what} is no parameter here; there is: {known}",
-            self.text
-        )))
+        Err(CliError::Usage(format!("{}: {what}: {known}", self.text)))
     }
 }
 
@@ -176,8 +176,8 @@ pub(crate) fn unknown_name(what: &str, name: &str, known: &[&str]) -> CliError {
         .min()
         // Half of the letters wrong is no typing error.
         .filter(|(distance, k)| 2 * distance <= k.len().max(name.len()))
-        .map_or(String::new(), |(_, k)| format!("did you mean \"{k}\"? "));
-    CliError::Usage(format!("unknown {what} \"{name}\"; {nearest}There is: {}", known.join(", ")))
+        .map_or(String::new(), |(_, k)| format!(" (did you mean \"{k}\"?)"));
+    CliError::Usage(format!("unknown {what} \"{name}\"{nearest}; valid: {}", known.join(", ")))
 }
 
 #[cfg(test)]
@@ -249,10 +249,13 @@ mod tests {
             assert!(message.contains(part), "{text}: {message}");
         }
         let left = Spec::parse("a:x=1").unwrap().finish(&["y"]).unwrap_err().to_string();
-        assert!(left.contains("\"x\"") && left.contains('y'), "{left}");
-        let near = unknown_name("sampler", "jitered", &["jittered", "healpix"]).to_string();
-        assert!(near.contains("did you mean \"jittered\""), "{near}");
+        assert_eq!(left, "a:x=1: unknown parameter \"x\"; valid: y");
+        let bare = Spec::parse("a:1").unwrap().finish(&[]).unwrap_err().to_string();
+        assert_eq!(bare, "a:1: unexpected value \"1\"; valid parameters: none");
+        let near = unknown_name("mode", "rotatd", &["fixed", "rotated"]).to_string();
+        let expected = "unknown mode \"rotatd\" (did you mean \"rotated\"?); valid: fixed, rotated";
+        assert_eq!(near, expected);
         let far = unknown_name("sampler", "zzz", &["jittered", "healpix"]).to_string();
-        assert!(!far.contains("did you mean"), "{far}");
+        assert_eq!(far, "unknown sampler \"zzz\"; valid: jittered, healpix");
     }
 }

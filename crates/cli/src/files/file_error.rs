@@ -159,7 +159,7 @@ pub(crate) enum FileError {
         reason: String,
     },
     /// An image has no such channel.
-    #[error("{path}: unknown channel \"{channel}\"; there is: {known}")]
+    #[error("{path}: unknown channel \"{channel}\"; valid: {known}")]
     UnknownChannel {
         /// The path as the user wrote it.
         path: String,

@@ -47,7 +47,7 @@ fn names() {
         ),
         ("sample Healpix -n 12", &["sampler \"Healpix\"", "did you mean \"healpix\""]),
         ("spectrum white-nois -n 12", &["did you mean \"white-noise\""]),
-        ("variance jittered,zzz -n 12 --integrand cosine", &["\"zzz\"", "There is: white-noise"]),
+        ("variance jittered,zzz -n 12 --integrand cosine", &["\"zzz\"", "; valid: white-noise"]),
         ("compare jittered,fibonaci --integrand cosine", &["did you mean \"fibonacci\""]),
         ("bounds healpx -n 12 --profile step", &["did you mean \"healpix\""]),
         ("sample jittered:radius=2 -n 12", &["jittered:radius=2", "\"radius\""]),

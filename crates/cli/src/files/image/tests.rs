@@ -227,7 +227,7 @@ fn radiance_values_are_divided_by_their_exposure() {
     let message = read(&radiance(b"#?RGBE", "", "-Y 4 +X 8", &ramp()), &choice("", "sky"));
     assert!(message.unwrap_err().contains("no layers"));
     let message = read(&radiance(b"#?RGBE", "", "-Y 4 +X 8", &ramp()), &choice("y", ""));
-    assert!(message.unwrap_err().contains("unknown channel \"y\"; there is: luminance, r, g, b"));
+    assert!(message.unwrap_err().contains("unknown channel \"y\"; valid: luminance, r, g, b"));
 }
 
 #[test]

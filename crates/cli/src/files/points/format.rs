@@ -36,8 +36,9 @@ const OTHERS: [(&[u8], &str); 9] = [
 ];
 
 impl PointFormat {
-    /// The extensions that [`write_points`](super::write_points) knows, for messages.
-    pub(super) const WRITABLE: &'static str = ".csv, .npy, .ply";
+    /// The extensions of outputs of points, for messages: [`write_points`](super::write_points) knows the first ones,
+    /// pictures of points are plots.
+    pub(super) const WRITABLE: &'static str = ".csv, .npy, .ply (points), .svg, .png (a picture)";
 
     /// Returns the format that the extension names, whatever its case.
     pub(crate) fn of_path(path: &Path) -> Option<Self> {
