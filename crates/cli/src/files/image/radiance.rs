@@ -1,6 +1,7 @@
 //! Reading Radiance pictures (.hdr, .pic), whose header says what their values are to be divided by.
 //!
-//! The header is read here, since the decoder of the crate `image` knows one of the two magic texts, leaves exposures
+//! Values are red, green and blue, or X, Y and Z of the CIE, of which luminance is Y and colours are those of Radiance's
+//! standard primaries. The header is read here, since the decoder of the crate `image` knows one of the two magic texts, leaves exposures
 //! out and takes scanlines in one order; scanlines are decoded by it.
 
 use std::io::Read;
@@ -20,10 +21,45 @@ const MAX_HEADER: usize = 1 << 20;
 /// Scanlines of these widths are not compressed where they start with the mark of compressed ones.
 const COMPRESSED_WIDTHS: std::ops::RangeInclusive<usize> = 8..=32767;
 
+/// Red, green and blue from X, Y and Z: the inverse of the matrix of Radiance's standard primaries (x, y) = (0.640, 0.330),
+/// (0.290, 0.600), (0.150, 0.060) with the white (1/3, 1/3) of luminance 1 (`color.h` of Radiance).
+const XYZ_TO_RGB: [[f64; 3]; 3] = [
+    [2.5653128430296378, -1.1668496158068057, -0.39846322722283205],
+    [-1.0221081721279116, 1.9782866166600869, 0.043821555467824714],
+    [0.07472437729685586, -0.25193956717027358, 1.1772151898734177],
+];
+
+/// What the values of a texel are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Format {
+    /// Red, green and blue.
+    Rgbe,
+    /// X, Y and Z.
+    Xyze,
+}
+
+impl Format {
+    /// Returns the weights of the stored values in a channel; `None` if there is no such channel.
+    fn weights(self, channel: &str) -> Option<[f64; 3]> {
+        let colour = match channel {
+            "luminance" if self == Self::Xyze => return Some([0.0, 1.0, 0.0]),
+            "luminance" => return Some(LUMINANCE),
+            "r" => 0,
+            "g" => 1,
+            "b" => 2,
+            _ => return None,
+        };
+        let mut unit = [0.0; 3];
+        unit[colour] = 1.0;
+        Some(if self == Self::Xyze { XYZ_TO_RGB[colour] } else { unit })
+    }
+}
+
 /// What the header says.
 #[derive(Debug)]
 struct Header {
-    /// What red, green and blue are divided by: EXPOSURE times COLORCORR.
+    format: Format,
+    /// What the stored values are divided by: EXPOSURE times COLORCORR.
     divisors: [f64; 3],
     resolution: Resolution,
     remarks: Vec<String>,
@@ -57,14 +93,10 @@ pub(super) fn read(
             format!("a Radiance picture has no layers, layer={layer} was given"),
         ));
     }
-    let weights = match choice.channel() {
-        "luminance" => LUMINANCE,
-        "r" => [1.0, 0.0, 0.0],
-        "g" => [0.0, 1.0, 0.0],
-        "b" => [0.0, 0.0, 1.0],
-        other => return Err(unknown_channel(name, other, CHANNELS.to_owned())),
-    };
     let (header, mut body) = Header::read(name, bytes)?;
+    let channel = choice.channel();
+    let weights = header.format.weights(channel);
+    let weights = weights.ok_or_else(|| unknown_channel(name, channel, CHANNELS.to_owned()))?;
     let Resolution { axes, lengths: [scanlines, length] } = header.resolution;
     let (width, height) = if axes[0].is_x { (scanlines, length) } else { (length, scanlines) };
     // A scanline has one texel or mark of 4 bytes at least.
@@ -97,7 +129,7 @@ pub(super) fn read(
         for (j, texel) in texels.iter().enumerate() {
             let terms = texel.iter().zip(weights).zip(header.divisors);
             let value = terms
-                .filter(|((_, weight), _)| *weight > 0.0)
+                .filter(|((_, weight), _)| *weight != 0.0)
                 .map(|((&c, weight), divisor)| {
                     weight * (f64::from(f32::from_ne_bytes(c)) / divisor)
                 })
@@ -127,6 +159,7 @@ impl Header {
     /// Reads the header; returns what is behind it too.
     fn read<'a>(name: &str, bytes: &'a [u8]) -> Result<(Self, &'a [u8]), FileError> {
         let mut header = Self {
+            format: Format::Rgbe,
             divisors: [1.0; 3],
             resolution: Resolution {
                 axes: [Axis { is_x: false, is_reversed: false }; 2],
@@ -168,8 +201,12 @@ impl Header {
                         numbers::<3>(value).ok_or_else(|| wrong("COLORCORR=RED GREEN BLUE"))?;
                     header.divide(colours, &line);
                 }
-                "FORMAT" if value.trim() != "32-bit_rle_rgbe" => {
-                    return Err(wrong("FORMAT=32-bit_rle_rgbe, red, green and blue"));
+                "FORMAT" => {
+                    header.format = match value.trim() {
+                        "32-bit_rle_rgbe" => Format::Rgbe,
+                        "32-bit_rle_xyze" => Format::Xyze,
+                        _ => return Err(wrong("FORMAT=32-bit_rle_rgbe or 32-bit_rle_xyze")),
+                    };
                 }
                 _ => {}
             }

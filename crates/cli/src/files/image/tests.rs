@@ -213,7 +213,11 @@ fn radiance_values_are_divided_by_their_exposure() {
     for (header, resolution, parts) in [
         ("EXPOSURE=two\n", "-Y 4 +X 8", &[":2:", "EXPOSURE=NUMBER", "EXPOSURE=two"][..]),
         ("COLORCORR=1 2\n", "-Y 4 +X 8", &["COLORCORR=RED GREEN BLUE"]),
-        ("FORMAT=32-bit_rle_xyze\n", "-Y 4 +X 8", &["32-bit_rle_rgbe", "xyze"]),
+        (
+            "FORMAT=16-bit_rle_xyze\n",
+            "-Y 4 +X 8",
+            &["32-bit_rle_rgbe or 32-bit_rle_xyze", "16-bit"],
+        ),
         ("", "-Y 4 -Y 8", &["-Y 512 +X 1024", "-Y 4 -Y 8"]),
         ("", "-Y 4", &["a resolution"]),
         ("", "-Y 9 +X 8", &["scanline 4 of 9", "the file ends"]),
@@ -228,6 +232,37 @@ fn radiance_values_are_divided_by_their_exposure() {
     assert!(message.unwrap_err().contains("no layers"));
     let message = read(&radiance(b"#?RGBE", "", "-Y 4 +X 8", &ramp()), &choice("y", ""));
     assert!(message.unwrap_err().contains("unknown channel \"y\"; valid: luminance, r, g, b"));
+}
+
+/// Luminance is Y; white is red = green = blue; the primaries have the chromaticities of Radiance's `color.h`.
+#[test]
+fn tristimulus_values_become_colours() {
+    let texel = |xyz: [u8; 3], header: &str, channel: &str| {
+        let head =
+            format!("#?RADIANCE\nFORMAT=32-bit_rle_xyze\n{header}\n-Y 1 +X 1\n").into_bytes();
+        let file = [head, xyz.to_vec(), vec![136]].concat();
+        read(&file, &choice(channel, "")).map(|image| image.values[0])
+    };
+    let near = |a: f64, b: f64| (a - b).abs() < 1e-12 * (1.0 + b.abs());
+    for channel in ["", "r", "g", "b"] {
+        assert!(near(texel([90; 3], "", channel).unwrap(), 90.0), "{channel}");
+        assert!(near(texel([90; 3], "EXPOSURE=3\n", channel).unwrap(), 30.0), "{channel}");
+    }
+    assert_eq!(texel([13, 77, 200], "", "luminance"), Ok(77.0));
+    assert_eq!(texel([13, 77, 200], "COLORCORR=2 0.5 4\n", "luminance"), Ok(154.0));
+    // Light of a primary's chromaticity (x, y, 1 - x - y) times 100 has none of the others.
+    for (primary, xyz) in [("r", [64, 33, 3]), ("g", [29, 60, 11]), ("b", [15, 6, 79])] {
+        for channel in ["r", "g", "b"] {
+            let value = texel(xyz, "", channel).unwrap();
+            assert!(
+                if channel == primary { value > 50.0 } else { near(value, 0.0) },
+                "{channel} {value}"
+            );
+        }
+    }
+    // Colours outside of the triangle of the primaries are negative, which is remarked.
+    assert!(texel([0, 100, 0], "", "r").unwrap() < -100.0);
+    assert!(texel([1, 1, 1], "", "x").unwrap_err().contains("unknown channel \"x\""));
 }
 
 #[test]
