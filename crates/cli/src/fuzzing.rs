@@ -1,4 +1,6 @@
-//! Readers and grammars as functions of bytes, for `examples/fuzz.rs`. No part of what this crate promises.
+//! Readers and grammars as functions of bytes, for `examples/fuzz`. No part of what this crate promises.
+
+mod seeds;
 
 use std::ffi::OsStr;
 use std::fs;
@@ -76,7 +78,13 @@ pub const TARGETS: [Target; 17] = [
         seeds: written_points,
         read: points,
     },
-    Target { name: "points-npz", extension: "npz", is_text: false, seeds: none, read: points },
+    Target {
+        name: "points-npz",
+        extension: "npz",
+        is_text: false,
+        seeds: archives,
+        read: archived_points,
+    },
     Target {
         name: "points-ply",
         extension: "ply",
@@ -84,20 +92,32 @@ pub const TARGETS: [Target; 17] = [
         seeds: written_points,
         read: points,
     },
-    Target { name: "points-fits", extension: "fits", is_text: false, seeds: none, read: points },
-    Target { name: "map-fits", extension: "fits", is_text: false, seeds: none, read: fits_map },
+    Target {
+        name: "points-fits",
+        extension: "fits",
+        is_text: false,
+        seeds: |_| seeds::point_tables(),
+        read: points,
+    },
+    Target {
+        name: "map-fits",
+        extension: "fits",
+        is_text: false,
+        seeds: |_| seeds::maps(),
+        read: fits_map,
+    },
     Target {
         name: "image-exr",
         extension: "exr",
         is_text: false,
-        seeds: images,
+        seeds: |_| seeds::exr_pictures(),
         read: environment,
     },
     Target {
         name: "image-hdr",
         extension: "hdr",
         is_text: false,
-        seeds: images,
+        seeds: |_| seeds::radiance_pictures(),
         read: environment,
     },
     Target { name: "mesh-obj", extension: "obj", is_text: true, seeds: meshes, read: mesh },
@@ -134,10 +154,6 @@ pub const TARGETS: [Target; 17] = [
     // Not a reader: it has one fault of each kind, to see that they are found.
     Target { name: PLANTED, extension: "txt", is_text: true, seeds: planted_seeds, read: planted },
 ];
-
-fn none(_: &Path) -> Vec<Vec<u8>> {
-    Vec::new()
-}
 
 fn texts(texts: &[&str]) -> Vec<Vec<u8>> {
     texts.iter().map(|text| text.as_bytes().to_vec()).collect()
@@ -202,17 +218,20 @@ fn written_points(scratch: &Path) -> Vec<Vec<u8>> {
         .collect()
 }
 
+fn archives(scratch: &Path) -> Vec<Vec<u8>> {
+    let array = written_points(&scratch.with_extension("npy")).into_iter().next();
+    let _ = fs::remove_file(scratch.with_extension("npy"));
+    seeds::archives(&array.unwrap_or_default())
+}
+
+fn archived_points(input: &[u8], scratch: &Path) -> Result<(), CliError> {
+    points(&seeds::with_checksums(input.to_vec()), scratch)
+}
+
 fn fits_map(input: &[u8], scratch: &Path) -> Result<(), CliError> {
     write(input, scratch)?;
     read_fits_map(scratch, &HduChoice::First, &FitsField::Number(0))?;
     Ok(())
-}
-
-fn images(scratch: &Path) -> Vec<Vec<u8>> {
-    let picture = image::Rgb32FImage::from_fn(8, 4, |x, y| image::Rgb([0.5, 2.0, (x * y) as f32]));
-    let saved = picture.save(scratch).ok().and_then(|()| fs::read(scratch).ok());
-    let flat = b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\nEXPOSURE=1.0\n\n-Y 1 +X 2\n\x80\x80\x80\x80\x80\x80\x80\x80";
-    saved.into_iter().chain([flat.to_vec()]).collect()
 }
 
 fn environment(input: &[u8], scratch: &Path) -> Result<(), CliError> {

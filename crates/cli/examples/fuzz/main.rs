@@ -3,10 +3,11 @@
 //! Workers under limits of address space and processor time take batches of mutated valid inputs. An input is a
 //! function of target and number, so that the batch of a worker that died or came late is bisected by running its
 //! halves. A panic, an abort, memory beyond the limit or a late answer is a finding: the input is kept, shrunk,
-//! in the folder. Without `--seconds`, 10^6 inputs of each text reader and grammar are tried, 10^5 of each binary
+//! in the folder. Most inputs of binary formats keep their layout (`structured`). Without `--seconds`, 10^6 inputs of each text reader and grammar are tried, 10^5 of each binary
 //! one. The exit status is 1 if there are findings. `--targets planted` has three that must be found.
 
 mod mutation;
+mod structured;
 
 use std::collections::BTreeMap;
 use std::io::Write;
@@ -18,8 +19,9 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::thread::{available_parallelism, scope, sleep};
 use std::time::{Duration, Instant};
 
-use mutation::Mutator;
+use mutation::{MAX_BYTES, Mutator};
 use sphvar_cli::fuzzing::{PLANTED, TARGETS, Target};
+use structured::Layout;
 
 /// Limit of a worker's address space.
 const MAX_KIB: u64 = 2 << 20;
@@ -69,7 +71,7 @@ fn scratch_file(folder: &Path, target: &Target) -> PathBuf {
     folder.join(format!("{SCRATCH}{}.{}", std::process::id(), target.extension))
 }
 
-/// The mutations of a target's own inputs and of the files of the tests that have its extension.
+/// The mutations of a target's own inputs and of those files of the tests that have its extension and are accepted.
 fn mutator(target: &Target, scratch: &Path) -> Mutator {
     let mut seeds = target.seeds(scratch);
     let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data");
@@ -77,8 +79,10 @@ fn mutator(target: &Target, scratch: &Path) -> Mutator {
         std::fs::read_dir(data).into_iter().flatten().flatten().map(|entry| entry.path()).collect();
     files.sort();
     let is_own = |path: &&PathBuf| path.extension().is_some_and(|e| e == target.extension);
-    seeds.extend(files.iter().filter(is_own).filter_map(|path| std::fs::read(path).ok()));
-    Mutator::new(target.name, seeds)
+    let files = files.iter().filter(is_own).filter_map(|path| std::fs::read(path).ok());
+    // A catalogue is no map, and most mutations of it would be rejected for that alone.
+    seeds.extend(files.filter(|file| file.len() <= MAX_BYTES && target.read(file, scratch)));
+    Mutator::new(target.name, seeds, Layout::of_extension(target.extension))
 }
 
 /// Tries a batch. Panics are reported at once, what else goes wrong is for the parent to find.

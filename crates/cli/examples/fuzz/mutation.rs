@@ -1,7 +1,9 @@
 //! Mutated inputs, each a function of its number.
 
+use crate::structured::Layout;
+
 /// Largest input; those of readers that grow with a power of it would be late without a fault.
-const MAX_BYTES: usize = 1 << 14;
+pub(crate) const MAX_BYTES: usize = 1 << 14;
 
 /// Numbers at the limits of types and formats.
 const NUMBERS: [&str; 28] = [
@@ -36,7 +38,7 @@ const NUMBERS: [&str; 28] = [
 ];
 
 /// Whole numbers to be written over binary fields.
-const FIELDS: [u64; 12] =
+pub(crate) const FIELDS: [u64; 12] =
     [0, 1, 2, 0x7f, 0x80, 0xff, 0x7fff, 0xffff, 0x7fff_ffff, 0x8000_0000, 0xffff_ffff, u64::MAX];
 
 /// Makes inputs out of valid ones.
@@ -45,10 +47,12 @@ pub(crate) struct Mutator {
     /// Words of the seeds.
     tokens: Vec<Vec<u8>>,
     stream: u64,
+    /// The layout that most inputs keep, if the format has one.
+    layout: Option<Layout>,
 }
 
 /// The generator splitmix64.
-struct Random(u64);
+pub(crate) struct Random(u64);
 
 impl Random {
     fn next(&mut self) -> u64 {
@@ -60,15 +64,15 @@ impl Random {
     }
 
     /// A number below `end`, 0 if that is 0.
-    fn below(&mut self, end: usize) -> usize {
+    pub(crate) fn below(&mut self, end: usize) -> usize {
         usize::try_from(self.next() % (end.max(1) as u64)).unwrap_or(0)
     }
 
-    fn byte(&mut self) -> u8 {
+    pub(crate) fn byte(&mut self) -> u8 {
         self.next().to_le_bytes()[0]
     }
 
-    fn choose<'a, T>(&mut self, list: &'a [T]) -> Option<&'a T> {
+    pub(crate) fn choose<'a, T>(&mut self, list: &'a [T]) -> Option<&'a T> {
         list.get(self.below(list.len()))
     }
 
@@ -81,8 +85,9 @@ impl Random {
 }
 
 impl Mutator {
-    /// Of valid inputs; `name` sets the random numbers apart from those of others.
-    pub(crate) fn new(name: &str, seeds: Vec<Vec<u8>>) -> Self {
+    /// Of valid inputs; `name` sets the random numbers apart from those of others. Three quarters of the inputs keep
+    /// the layout, if there is one.
+    pub(crate) fn new(name: &str, seeds: Vec<Vec<u8>>, layout: Option<Layout>) -> Self {
         let is_word = |b: &u8| b.is_ascii_alphanumeric() || b"_-.".contains(b);
         let mut tokens: Vec<Vec<u8>> = seeds
             .iter()
@@ -94,7 +99,7 @@ impl Mutator {
         tokens.dedup();
         let stream =
             name.bytes().fold(0, |hash: u64, b| hash.wrapping_mul(31).wrapping_add(b.into()));
-        Self { seeds, tokens, stream }
+        Self { seeds, tokens, stream, layout }
     }
 
     /// Input `number`. The first ones are the valid inputs as they are.
@@ -106,8 +111,15 @@ impl Mutator {
         let mut input = random.choose(&self.seeds).cloned().unwrap_or_default();
         // One change in half of the inputs, two in a quarter, and so on.
         let changes = 1 + (random.next() | 1 << 8).trailing_zeros();
+        let kept = self.layout.filter(|_| random.below(4) > 0);
         for _ in 0..changes {
-            self.change(&mut input, &mut random);
+            match kept {
+                Some(layout) => {
+                    layout
+                        .change(&mut input, &mut random, |text, random| self.change(text, random));
+                }
+                None => self.change(&mut input, &mut random),
+            }
         }
         input.truncate(MAX_BYTES);
         input
