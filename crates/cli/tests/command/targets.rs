@@ -211,3 +211,67 @@ fn two_runs_do_not_share_a_folder() {
     place.run("compare fibonacci -n 12 --integrand cosine -m 4 -o out").ok();
     assert!(!place.names_in("out").contains(&".sphvar.lock".to_owned()));
 }
+
+/// What a run left that was killed while it wrote is not taken for results; other files and complete results are.
+#[test]
+fn results_of_a_killed_comparison_are_replaced() {
+    let place = Workplace::new();
+    let one = "compare spiral -n 30 --integrand ylm:l=2 -m 4 -o out";
+    let other = "compare white-noise -n 12 --integrand cosine -m 4 -o out";
+    let lock = "writing, process 1: sphvar compare spiral -n 30\n";
+    let half = ["comparison.csv", "spectra.csv", ".spectra.svg.sphvar-1-3.tmp"];
+    let prepare = |lock: Option<&str>| {
+        let _ = fs::remove_dir_all(place.path("out"));
+        fs::create_dir(place.path("out")).unwrap();
+        place.write("out/notes.txt", "kept");
+        for name in half {
+            place.write(&format!("out/{name}"), "half");
+        }
+        if let Some(lock) = lock {
+            place.write("out/.sphvar.lock", lock);
+        }
+    };
+    prepare(Some(lock));
+    place.run(other).ok();
+    assert_eq!(place.names_in("out").len(), 10, "{:?}", place.names_in("out"));
+    assert_eq!(place.text("out/notes.txt"), "kept");
+    // Without the mark they may be anybody's, even where a run was killed during its work.
+    for lock in [None, Some(""), Some("process 1: sphvar compare spiral -n 30\n")] {
+        prepare(lock);
+        place.run(other).fails(1, &["comparison.csv, spectra.csv", "not known", "--force"]);
+        assert_eq!(place.text("out/comparison.csv"), "half");
+        assert!(!place.names_in("out").contains(&".sphvar.lock".to_owned()));
+    }
+    // Complete results, where the run was killed before it took its lock away.
+    place.run(&format!("{one} --force")).ok();
+    place.write("out/.sphvar.lock", lock);
+    place.run(other).fails(1, &["the results of another run", "spiral -n 30", "--force"]);
+    // At whatever point it is killed, another comparison is possible unless the results are complete.
+    for delay in 0..6 {
+        fs::remove_dir_all(place.path("out")).unwrap();
+        let mut child = place.command(one).spawn().unwrap();
+        while !place.path("out/comparison.csv").exists() && child.try_wait().unwrap().is_none() {
+            std::thread::sleep(std::time::Duration::from_millis(1));
+        }
+        std::thread::sleep(std::time::Duration::from_millis(8 * delay));
+        child.kill().unwrap();
+        child.wait().unwrap();
+        if place.path("out/comparison.json").exists() {
+            place.run(other).fails(1, &["spiral -n 30", "--force"]);
+        } else {
+            place.run(other).ok();
+            assert_eq!(place.names_in("out").len(), 9, "{:?}", place.names_in("out"));
+        }
+    }
+}
+
+/// An error while results are written leaves no part of them, and what was there before.
+#[test]
+fn results_that_cannot_be_written_are_taken_back() {
+    let place = Workplace::new();
+    fs::create_dir_all(place.path("out/variance.svg")).unwrap();
+    place.write("out/spectra.csv", "mine");
+    let compare = "compare fibonacci -n 12 --integrand cosine -m 4 -o out --force";
+    place.run(compare).fails(1, &["variance.svg", "folder"]);
+    assert_eq!(place.names_in("out"), ["spectra.csv", "variance.svg"]);
+}

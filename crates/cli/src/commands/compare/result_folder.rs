@@ -25,11 +25,11 @@ const FILES: [&str; 9] = [
 /// A folder that this run may write its results to.
 pub(super) struct ResultFolder {
     folder: PathBuf,
-    _lock: FolderLock,
+    lock: FolderLock,
 }
 
 impl ResultFolder {
-    /// Makes and locks the folder, before the work.
+    /// Makes and locks the folder, before the work, and removes what a run left that was killed while it wrote.
     ///
     /// # Errors
     /// When it cannot be written to, another run writes to it, or it has the results of another run and not
@@ -39,34 +39,69 @@ impl ResultFolder {
         provenance: &Provenance,
         force: bool,
     ) -> Result<Self, CliError> {
-        let lock = FolderLock::take(folder, &provenance.command)?;
+        let mut lock = FolderLock::take(folder, &provenance.command)?;
+        // Results are complete when there is a record of them.
+        if lock.is_unfinished() {
+            if !is_there(folder, RECORD) {
+                remove(folder, &present(folder));
+            }
+            lock.set_unfinished(false)?;
+        }
         if !force {
             check_unused(folder, provenance)?;
         }
-        Ok(Self { folder: folder.to_owned(), _lock: lock })
+        Ok(Self { folder: folder.to_owned(), lock })
     }
 
     /// Writes the results with `write`. An interrupt waits until all are written; after an error no record
-    /// claims the files that are there.
+    /// claims the files that are there, and those are removed that were not there before.
     ///
     /// # Errors
     /// Those of `write`.
     pub(super) fn write(
-        &self,
+        mut self,
         write: impl FnOnce(&Path) -> Result<(), CliError>,
     ) -> Result<(), CliError> {
         as_group(|| {
+            let before = present(&self.folder);
+            self.lock.set_unfinished(true)?;
             // Where there is none, there is nothing to remove; another failure shows when it is written.
             let _ = std::fs::remove_file(self.folder.join(RECORD));
-            write(&self.folder)
+            let written = write(&self.folder);
+            if written.is_err() {
+                let mut new = present(&self.folder);
+                new.retain(|name| !before.contains(name));
+                remove(&self.folder, &new);
+            }
+            let cleared = self.lock.set_unfinished(false);
+            written.and(cleared.map_err(CliError::from))
         })
+    }
+}
+
+fn is_there(folder: &Path, name: &str) -> bool {
+    folder.join(name).symlink_metadata().is_ok()
+}
+
+/// Returns the names of the files of results that are there.
+fn present(folder: &Path) -> Vec<&'static str> {
+    FILES.into_iter().filter(|name| is_there(folder, name)).collect()
+}
+
+/// Removes plain files, as they are written here.
+fn remove(folder: &Path, names: &[&str]) {
+    for name in names {
+        let path = folder.join(name);
+        if path.symlink_metadata().is_ok_and(|metadata| metadata.is_file()) {
+            // What cannot be removed is found again, and told, when it is to be written.
+            let _ = std::fs::remove_file(path);
+        }
     }
 }
 
 /// Returns an error if there are results of another run: those of the same command are replaced by the same ones.
 fn check_unused(folder: &Path, provenance: &Provenance) -> Result<(), CliError> {
-    let is_there = |name: &&&str| folder.join(name).symlink_metadata().is_ok();
-    let present: Vec<&str> = FILES.iter().filter(is_there).copied().collect();
+    let present = present(folder);
     if present.is_empty() {
         return Ok(());
     }
