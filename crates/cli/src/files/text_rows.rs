@@ -106,7 +106,11 @@ impl<'a, R: BufRead> TextRows<'a, R> {
                 Err(error) if error.as_bytes().trim_ascii_start().starts_with(b"#") => {
                     String::from_utf8_lossy(error.as_bytes()).into_owned()
                 }
-                Err(_) => return Err(self.error("other bytes")),
+                Err(_) => {
+                    return Err(
+                        self.error("other bytes; iconv -f LATIN1 -t UTF-8 converts Latin-1")
+                    );
+                }
             };
             if self.number == 1 && self.line.starts_with(BYTE_ORDER_MARK) {
                 self.line.remove(0);

@@ -73,7 +73,10 @@ fn wrong_text_is_named() {
     let long = read::<i128, 1>(format!("1\n{}x\n", "y".repeat(1000)), &PIXEL).unwrap_err();
     assert!(long.ends_with("yyy...\"") && long.len() < 100, "{long}");
     let binary = read::<f64, 2>(b"1 2\n\xff\xfe\n", &ANGLES).unwrap_err();
-    assert_eq!(binary, "LIST:2: expected text in UTF-8, or an NPY array, got other bytes");
+    assert_eq!(
+        binary,
+        "LIST:2: expected text in UTF-8, or an NPY array, got other bytes; iconv -f LATIN1 -t UTF-8 converts Latin-1"
+    );
 }
 
 #[test]

@@ -166,12 +166,20 @@ impl<'a> PointCollector<'a> {
         let warning = self.lengths.verdict(self.path, self.points, self.options.normalize)?;
         self.warnings.extend(warning);
         let unused = &self.layout.unused;
-        let remarks = if unused.is_empty() {
+        let mut remarks = if unused.is_empty() {
             Vec::new()
         } else {
             let noun = if unused.len() == 1 { "column" } else { "columns" };
             vec![format!("{}: {noun} not used: {}", self.path, listed(unused, unused.len()))]
         };
+        if let Some(others) = &self.layout.others {
+            let used: Vec<&str> = self.layout.slots.iter().take(2).map(|slot| slot.role).collect();
+            let used = used.join(",");
+            remarks.push(format!(
+                "{}: directions are {used}; --columns {others} takes others",
+                self.path
+            ));
+        }
         Ok(PointFile { sets: self.sets, warnings: self.warnings, remarks })
     }
 
@@ -227,7 +235,7 @@ impl<'a> PointCollector<'a> {
     fn slot_error(&self, place: Place, slot: usize, expected: &str, cell: &Cell<'_>) -> FileError {
         let got = match cell {
             Cell::Number(value) => value.to_string(),
-            Cell::Text(text) => format!("{:?}", shortened(text)),
+            Cell::Text(text) => format!("{:?}{}", shortened(text), advice(text)),
             Cell::Missing => "nothing".to_owned(),
         };
         self.error(place, &self.layout.slots[slot].label, expected, got)
@@ -270,5 +278,21 @@ impl<'a> PointCollector<'a> {
         let held = self.points * of_point + self.sets.len() * SET_BYTES;
         let what = format!("a set of more than {} points", self.points);
         self.guard.check(self.path, &what, held as u64)
+    }
+}
+
+/// Returns what to do about a number in a notation that is not supported.
+fn advice(text: &str) -> &'static str {
+    let is_made_of = |others: &str| {
+        let is_part = |c: char| c.is_ascii_digit() || others.contains(c);
+        text.starts_with(is_part) && text.chars().all(is_part)
+    };
+    let is_sexagesimal = text.contains([':', 'h']) || (text.contains('d') && text.contains('m'));
+    if is_sexagesimal && is_made_of("+-.: hmsd'\"") {
+        "; convert hours, minutes and seconds to decimal degrees"
+    } else if text.matches(',').count() == 1 && is_made_of("+-,") {
+        "; replace decimal commas by points"
+    } else {
+        ""
     }
 }

@@ -1,6 +1,7 @@
 //! Which column of a file means what, whatever the format of the file.
 
-use super::roles::{ColumnChoice, Coordinates, SYSTEMS, SYSTEMS_TEXT, role_of};
+use super::roles::{CELESTIAL, ColumnChoice, Coordinates, SYSTEMS, SYSTEMS_TEXT, role_of};
+use super::suggestion::{suggested, suggestions};
 use crate::files::file_error::{FileError, Place};
 use crate::files::text_rows::shortened;
 
@@ -50,6 +51,8 @@ pub(super) struct Layout {
     pub(super) set: Option<usize>,
     /// The columns that are not used, for a remark.
     pub(super) unused: Vec<String>,
+    /// The columns of other directions that could be used, as a value of `--columns`, for a remark.
+    pub(super) others: Option<String>,
 }
 
 impl Layout {
@@ -113,7 +116,9 @@ impl Table<'_> {
             .filter(|&i| !is_used[i] && !is_padding(&self.columns[i]))
             .map(name)
             .collect();
-        Ok(Layout { coordinates: Coordinates::of_system(system), slots, weight, set, unused })
+        let coordinates = Coordinates::of_system(system);
+        let others = self.other_system(system, &assigned);
+        Ok(Layout { coordinates, slots, weight, set, unused, others })
     }
 
     /// Returns the roles that the names of columns tell.
@@ -124,8 +129,13 @@ impl Table<'_> {
             if let Some(&(_, other, _)) = assigned.iter().find(|(taken, ..)| *taken == role) {
                 let got = format!("{} and {}", self.name(other), self.name(index));
                 let expected = format!("the column {role} once");
-                return Err(self
-                    .error(expected, format!("{got}; --columns {role}=NAME,... chooses by name")));
+                let advice = match suggested(self.columns) {
+                    flags if flags.is_empty() || role == "w" || role == "set" => {
+                        format!("--columns {role}=NAME,... chooses by name")
+                    }
+                    flags => format!("use {flags}"),
+                };
+                return Err(self.error(expected, format!("{got}; {advice}")));
             }
             assigned.push((role, index, None));
         }
@@ -252,9 +262,19 @@ impl Table<'_> {
         let has = |role: &&str| assigned.iter().any(|(other, ..)| other == role);
         let complete: Vec<&'static [&'static str]> =
             SYSTEMS.into_iter().filter(|system| system.iter().all(&has)).collect();
-        let columns = || format!("the columns {}", self.names());
+        let columns = || {
+            // With --columns, or without names, there is nothing that could be better.
+            let flags = match self.choice {
+                None if self.has_names => suggested(self.columns),
+                _ => String::new(),
+            };
+            let advice = if flags.is_empty() { flags } else { format!("; use {flags}") };
+            format!("the columns {}{advice}", self.names())
+        };
         match complete[..] {
             [system] => Ok(system),
+            // They name the same places, which differ by a rotation.
+            [system, ..] if complete.iter().all(|system| CELESTIAL.contains(system)) => Ok(system),
             [] => {
                 // A lone b or l is more likely to be something else.
                 let begun =
@@ -272,14 +292,20 @@ impl Table<'_> {
                     columns(),
                 ))
             }
-            [first, ..] => Err(self.error(
-                format!(
-                    "one way to name the direction, chosen by the option --columns (such as {})",
-                    first.join(",")
-                ),
+            _ => Err(self.error(
+                "one way to name the direction, chosen by the option --columns".to_owned(),
                 columns(),
             )),
         }
+    }
+
+    /// Returns the value of `--columns` for a direction besides the one that is used, if the file has one.
+    fn other_system(&self, used: &[&str], assigned: &[Assigned]) -> Option<String> {
+        let has = |role: &&str| assigned.iter().any(|(other, ..)| other == role);
+        let other = SYSTEMS.iter().find(|system| **system != used && system.iter().all(has))?;
+        let start = format!("{}=", other[0]);
+        let is_other = |flag: &String| flag.trim_start_matches('\'').starts_with(&start);
+        suggestions(self.columns).into_iter().find(is_other)
     }
 
     fn slot(&self, (role, column, item): Assigned, others: &[Slot]) -> Result<Slot, FileError> {

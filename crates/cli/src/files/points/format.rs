@@ -22,18 +22,73 @@ pub(crate) enum PointFormat {
     Json,
 }
 
+/// A format that is not supported.
+#[derive(Debug, PartialEq, Eq)]
+pub(super) struct OtherFormat {
+    /// How its files start.
+    magic: &'static [u8],
+    pub(super) name: &'static str,
+    /// How to get a file that is.
+    pub(super) advice: &'static str,
+}
+
+const DECOMPRESS: &str = "decompress it first, or compress with gzip";
+
 /// Formats that are told by how they start, to name them in errors.
-const OTHERS: [(&[u8], &str); 9] = [
-    (b"PAR1", "Parquet"),
-    (b"\x89HDF", "HDF5"),
-    (b"ARROW1", "Arrow"),
-    (b"SQLite format 3", "SQLite"),
-    (b"BZh", "bzip2"),
-    (b"\xfd7zXZ", "xz"),
-    (b"\x28\xb5\x2f\xfd", "zstd"),
-    (b"<?xml", "XML (VOTable?)"),
-    (b"<VOTABLE", "VOTable"),
+const OTHERS: [OtherFormat; 13] = [
+    other(
+        b"PAR1",
+        "Parquet",
+        "convert it in Python: pandas.read_parquet(\"IN\").to_csv(\"OUT.csv\", index=False)",
+    ),
+    other(
+        b"ARROW1",
+        "Arrow (Feather)",
+        "convert it in Python: pandas.read_feather(\"IN\").to_csv(\"OUT.csv\", index=False)",
+    ),
+    other(
+        b"FEA1",
+        "Feather",
+        "convert it in Python: pandas.read_feather(\"IN\").to_csv(\"OUT.csv\", index=False)",
+    ),
+    other(
+        b"\x89HDF",
+        "HDF5",
+        "convert it in Python: numpy.save(\"OUT.npy\", h5py.File(\"IN\")[\"NAME\"][()])",
+    ),
+    other(
+        b"MATLAB 5.0 MAT-file",
+        "a MATLAB file",
+        "convert it in Python: numpy.save(\"OUT.npy\", scipy.io.loadmat(\"IN\")[\"NAME\"])",
+    ),
+    other(
+        b"\x80\x04\x95",
+        "a Python pickle",
+        "save the array with numpy.save(\"OUT.npy\", array) instead",
+    ),
+    other(
+        b"\x80\x05\x95",
+        "a Python pickle",
+        "save the array with numpy.save(\"OUT.npy\", array) instead",
+    ),
+    other(
+        b"SQLite format 3",
+        "SQLite",
+        "convert it: sqlite3 -header -csv IN \"select * from NAME\" > OUT.csv",
+    ),
+    other(b"BZh", "bzip2", DECOMPRESS),
+    other(b"\xfd7zXZ", "xz", DECOMPRESS),
+    other(b"\x28\xb5\x2f\xfd", "zstd", DECOMPRESS),
+    other(b"<?xml", "XML (VOTable?)", VOTABLE),
+    other(b"<VOTABLE", "VOTable", VOTABLE),
 ];
+
+const VOTABLE: &str = "convert a VOTable in Python: \
+                       astropy.table.Table.read(\"IN\", format=\"votable\").write(\"OUT.fits\")";
+
+const fn other(magic: &'static [u8], name: &'static str, advice: &'static str) -> OtherFormat {
+    OtherFormat { magic, name, advice }
+}
 
 impl PointFormat {
     /// The extensions of outputs of points, for messages: [`write_points`](super::write_points) knows the first ones,
@@ -68,8 +123,8 @@ impl PointFormat {
     /// Returns the format that the first bytes of a file show.
     ///
     /// # Errors
-    /// The name of a format that is not supported.
-    pub(super) fn of_content(start: &[u8]) -> Result<Option<Self>, &'static str> {
+    /// A format that is not supported.
+    pub(super) fn of_content(start: &[u8]) -> Result<Option<Self>, &'static OtherFormat> {
         if start.starts_with(MAGIC) {
             Ok(Some(Self::Npy))
         } else if start.starts_with(b"ply\n") || start.starts_with(b"ply\r") {
@@ -81,10 +136,7 @@ impl PointFormat {
         } else if start.starts_with(b"{\"") {
             Ok(Some(Self::Json))
         } else {
-            match OTHERS.iter().find(|(magic, _)| start.starts_with(magic)) {
-                Some((_, name)) => Err(name),
-                None => Ok(None),
-            }
+            OTHERS.iter().find(|other| start.starts_with(other.magic)).map_or(Ok(None), Err)
         }
     }
 }

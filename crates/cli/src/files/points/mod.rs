@@ -11,6 +11,7 @@ mod npy;
 mod npz;
 mod ply;
 mod roles;
+mod suggestion;
 mod text;
 mod write;
 
@@ -73,7 +74,8 @@ pub(crate) struct ReadOptions {
 /// the arrays of an NPZ file, the properties of the vertices of a PLY file, the columns of a FITS
 /// table. A direction is `x,y,z`, or `theta,phi` (colatitude and longitude in radians), or `lon,lat`,
 /// `ra,dec`, `glon,glat` or `l,b` (degrees); `w` is its weight, and `set` the label of its set. Names in
-/// catalogues such as `RAJ2000` and `ALPHA_J2000` are known; [`ReadOptions::columns`] takes others.
+/// catalogues such as `RAJ2000` and `ALPHA_J2000` are known; [`ReadOptions::columns`] takes others. Of several celestial
+/// systems in a catalogue `ra,dec` is taken, and `glon,glat` before `l,b`; other pairs of directions are an error.
 ///
 /// In text `#` starts a comment line. Without a header three fields are x y z, and a line that is a
 /// bare `#` starts the next set. The other dimensions of an array are `(N,)` or `(M, N)`.
@@ -112,7 +114,7 @@ fn read_stream(
         path: name.clone(),
         place: Place::Whole,
         expected: "points as CSV or other text, NPY, NPZ, PLY or a FITS table".to_owned(),
-        got: format!("{format}, which is not supported; convert it first"),
+        got: format!("{}, which is not supported; {}", format.name, format.advice),
     })?;
     let format = options.format.or(shown).or_else(|| PointFormat::of_input_path(file));
     let format = format.unwrap_or(PointFormat::Csv);

@@ -96,7 +96,10 @@ impl ArrayTable {
         };
         if width != 3 && options.columns.is_none() {
             let error = array.shape_error("an array of shape (N, 3) or (M, N, 3)");
-            return Err(error.with_hint("--columns names other columns, as in --columns ra,dec,w"));
+            return Err(error.with_hint(match *array.shape() {
+                [3, _] => "transpose it, a point in a row: array.T in Python",
+                _ => "--columns names other columns, as in --columns ra,dec,w",
+            }));
         }
         let Some(item) = array.item_type() else {
             return Err(FileError::Layout {

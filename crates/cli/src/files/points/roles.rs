@@ -13,7 +13,19 @@ const ROLES: [(&str, &[&str]); 16] = [
     ("phi", &["phi"]),
     ("lon", &["lon", "longitude"]),
     ("lat", &["lat", "latitude"]),
-    ("ra", &["ra", "raj2000", "_raj2000", "ra_icrs", "ra_deg", "radeg", "alpha_j2000"]),
+    (
+        "ra",
+        &[
+            "ra",
+            "raj2000",
+            "_raj2000",
+            "ra_icrs",
+            "ra_deg",
+            "radeg",
+            "alpha_j2000",
+            "alphawin_j2000",
+        ],
+    ),
     (
         "dec",
         &[
@@ -26,6 +38,7 @@ const ROLES: [(&str, &[&str]); 16] = [
             "dec_deg",
             "decdeg",
             "delta_j2000",
+            "deltawin_j2000",
         ],
     ),
     ("glon", &["glon", "_glon"]),
@@ -46,6 +59,8 @@ pub(super) const SYSTEMS: [&[&str]; 6] = [
     &["glon", "glat"],
     &["l", "b"],
 ];
+/// Those that catalogues have side by side for the same places.
+pub(super) const CELESTIAL: [&[&str]; 3] = [&["ra", "dec"], &["glon", "glat"], &["l", "b"]];
 /// The same for messages.
 pub(super) const SYSTEMS_TEXT: &str =
     "x,y,z or theta,phi (radians) or lon,lat or ra,dec or glon,glat or l,b (degrees)";

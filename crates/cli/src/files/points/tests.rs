@@ -1,5 +1,6 @@
 //! Round trips of every format and every dialect of it; the errors are in `messages`.
 
+mod choices;
 mod dialects;
 mod messages;
 mod tables;
