@@ -22,6 +22,18 @@ enum Separator {
 }
 
 impl Separator {
+    /// Returns the separator of a line such as `sep=;`.
+    fn of_declaration(line: &str) -> Option<Self> {
+        let (key, separator) = line.trim_end_matches(['\r', '\n']).split_at_checked(4)?;
+        match separator {
+            _ if !key.eq_ignore_ascii_case("sep=") => None,
+            "," => Some(Self::Comma),
+            ";" => Some(Self::Semicolon),
+            "\t" => Some(Self::Tab),
+            _ => None,
+        }
+    }
+
     /// Returns the separator of a file whose first line that is no comment is this one.
     ///
     /// Of commas, semicolons and tabs outside of quotes the most frequent; on a par the comma, beside
@@ -76,7 +88,8 @@ impl<'a, R: BufRead> TextRows<'a, R> {
 
     /// Returns the next line that is not empty, or `None` at the end.
     ///
-    /// A byte order mark at the start of the file is skipped.
+    /// A byte order mark at the start of the file is skipped, and so is a first line `sep=;`, by which Excel is told the
+    /// separator.
     ///
     /// # Errors
     /// When reading fails or the line is not UTF-8.
@@ -114,6 +127,12 @@ impl<'a, R: BufRead> TextRows<'a, R> {
             };
             if self.number == 1 && self.line.starts_with(BYTE_ORDER_MARK) {
                 self.line.remove(0);
+            }
+            if self.number == 1
+                && let Some(separator) = Separator::of_declaration(&self.line)
+            {
+                self.separator = Some(separator);
+                self.line.clear();
             }
         }
         let text = self.line.trim();
@@ -326,6 +345,15 @@ mod tests {
             let [(1, found)] = &rows(line)[..] else { panic!("{line:?}: {:?}", rows(line)) };
             assert_eq!(found, fields, "{line:?}");
         }
+        // Told to Excel in the first line, and nowhere else.
+        for (text, fields) in [
+            ("sep=;\na,b;c\n", ["a,b", "c"]),
+            ("\u{feff}SEP=,\r\na;b,c\r\n", ["a;b", "c"]),
+            ("sep=\t\na b\tc d\n", ["a b", "c d"]),
+        ] {
+            assert_eq!(rows(text), [(2, fields.map(str::to_owned).to_vec())], "{text:?}");
+        }
+        assert_eq!(rows("sep=|\n").len() + rows("a;b\nsep=;\n").len(), 3);
         let found = rows("\u{feff}\r\n# no, comma\n 1 2 \r\n\n3,4 5\n");
         let expected = [(3, ["1", "2"]), (5, ["3,4", "5"])]
             .map(|(number, fields)| (number, fields.map(str::to_owned).to_vec()));

@@ -95,6 +95,10 @@ impl<'a> MapTable<'a> {
         let nested = match text("ORDERING").as_deref() {
             Some("RING") => false,
             Some("NESTED" | "NEST") => true,
+            Some("NUNIQ") => {
+                let expected = "'RING' or 'NESTED' (ligo-skymap-flatten converts multi-order maps)";
+                return Err(wrong("ORDERING", expected));
+            }
             _ => return Err(wrong("ORDERING", "'RING' or 'NESTED'")),
         };
         let nside = header

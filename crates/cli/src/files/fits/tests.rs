@@ -70,6 +70,7 @@ fn headers_that_leave_a_doubt_are_refused() {
         ),
         ("ORDERING", "ORDERING= 'SPIRAL  '", &["ORDERING", "'SPIRAL'"]),
         ("ORDERING", "ORDERING=                    1", &["ORDERING"]),
+        ("ORDERING", "ORDERING= 'NUNIQ   '", &["multi-order", "'NUNIQ'"]),
         ("NSIDE", "COMMENT none", &["keyword NSIDE", "no such keyword"]),
         ("NSIDE", "NSIDE   =                    0", &["NSIDE", "from 1 to 8192", "got 0"]),
         ("NSIDE", "NSIDE   =                   -4", &["NSIDE", "-4"]),

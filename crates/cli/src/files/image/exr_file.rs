@@ -33,17 +33,12 @@ pub(super) fn read(
     choice: &ChannelChoice,
 ) -> Result<ChannelImage, FileError> {
     let failed = |error: exr::error::Error| damaged(name, error);
-    check_windows(name, bytes)?;
+    check_attributes(name, bytes)?;
     let reader = block::read(Cursor::new(bytes), false).map_err(failed)?;
     let meta = reader.meta_data().clone();
     let chosen = choose(name, &meta.headers, choice)?;
     let header = &meta.headers[chosen.part];
     meta.headers.iter().try_for_each(|header| check_blocks(name, bytes.len(), header))?;
-    if header.channels.list.iter().any(|channel| channel.sampling.area() != 1) {
-        let reason = "channels of fewer samples (luminance-chroma pictures) are not supported; \
-                      convert it to R, G and B";
-        return Err(damaged(name, reason));
-    }
     let window = header.shared_attributes.display_window;
     check_size(name, window.size.width() as u64, window.size.height() as u64)?;
     let mut frame = Frame {
@@ -199,14 +194,28 @@ fn check_blocks(name: &str, file_bytes: usize, header: &Header) -> Result<(), Fi
     }
 }
 
-/// Returns an error for windows with a minimum above their maximum, which the library would swap.
+/// Returns an error for windows with a minimum above their maximum, which the library would swap, and for channels of
+/// fewer samples than texels, which it does not know.
 ///
 /// What is malformed otherwise is left to the library.
-fn check_windows(name: &str, bytes: &[u8]) -> Result<(), FileError> {
+fn check_attributes(name: &str, bytes: &[u8]) -> Result<(), FileError> {
     let mut rest = bytes.get(8..).unwrap_or_default();
     while let Some(attribute) = Attribute::take(&mut rest) {
-        let (name_of_window, value) = (attribute.name, attribute.value);
-        let is_window = matches!(name_of_window, b"dataWindow" | b"displayWindow");
+        let (attribute_name, value) = (attribute.name, attribute.value);
+        let is_window = matches!(attribute_name, b"dataWindow" | b"displayWindow");
+        if attribute_name == b"channels" {
+            let channels = subsampled(value);
+            if !channels.is_empty() {
+                return Err(damaged(
+                    name,
+                    format!(
+                        "its channels {} have fewer samples than texels, as in luminance-chroma pictures, which are \
+                         not supported; convert it to channels R, G and B of all texels",
+                        channels.join(", ")
+                    ),
+                ));
+            }
+        }
         let (corners, _) = value.as_chunks::<4>();
         if let (true, &[x, y, x_end, y_end]) = (is_window, corners) {
             let [x, y, x_end, y_end] = [x, y, x_end, y_end].map(i32::from_le_bytes);
@@ -215,13 +224,27 @@ fn check_windows(name: &str, bytes: &[u8]) -> Result<(), FileError> {
                     name,
                     format!(
                         "its {} goes from ({x}, {y}) to ({x_end}, {y_end}); the minimum must not exceed the maximum",
-                        String::from_utf8_lossy(name_of_window)
+                        String::from_utf8_lossy(attribute_name)
                     ),
                 ));
             }
         }
     }
     Ok(())
+}
+
+/// Returns the names of channels in a list, the first of them, whose samples are not at every texel.
+fn subsampled(mut list: &[u8]) -> Vec<String> {
+    let mut found = Vec::new();
+    while let Some(name) = text(&mut list).filter(|name| !name.is_empty() && found.len() < 4) {
+        // Its type, four bytes of flags, and the steps from sample to sample in x and y.
+        let Some((numbers, rest)) = list.split_at_checked(16) else { break };
+        if numbers[8..] != [1, 0, 0, 0, 1, 0, 0, 0] {
+            found.push(String::from_utf8_lossy(name).escape_debug().to_string());
+        }
+        list = rest;
+    }
+    found
 }
 
 /// An attribute of a header.

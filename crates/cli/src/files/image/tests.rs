@@ -93,6 +93,24 @@ fn channels_and_layers_are_found_by_name() {
     }
 }
 
+/// The decoder knows no channels of fewer samples; which they are is said, whatever channel is wanted of that layer.
+#[test]
+fn luminance_and_chroma_are_named() {
+    // In the list of channels a name is followed by its type, four bytes of flags, and the two steps of samples.
+    let mut file = LAYERS.to_vec();
+    for name in [b"diffuse.B\0".as_slice(), b"diffuse.G\0"] {
+        let at = file.windows(name.len()).position(|bytes| bytes == name).unwrap() + name.len();
+        file[at + 8] = 2;
+        file[at + 12] = 2;
+    }
+    for channel in ["", "r", "diffuse.R"] {
+        let message = read(&file, &choice(channel, "diffuse")).unwrap_err();
+        for part in ["diffuse.B, diffuse.G have fewer samples", "luminance-chroma", "R, G and B"] {
+            assert!(message.contains(part), "{channel}: {message}");
+        }
+    }
+}
+
 /// The bytes of a window in the file; four numbers of four bytes.
 fn with_window(file: &[u8], name: &str, window: [i32; 4]) -> Vec<u8> {
     let mut copy = file.to_vec();

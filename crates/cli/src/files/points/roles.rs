@@ -24,6 +24,8 @@ const ROLES: [(&str, &[&str]); 16] = [
             "radeg",
             "alpha_j2000",
             "alphawin_j2000",
+            "right ascension",
+            "right_ascension",
         ],
     ),
     (
@@ -39,6 +41,7 @@ const ROLES: [(&str, &[&str]); 16] = [
             "decdeg",
             "delta_j2000",
             "deltawin_j2000",
+            "declination",
         ],
     ),
     ("glon", &["glon", "_glon"]),
@@ -226,9 +229,14 @@ mod tests {
 
     #[test]
     fn names_of_catalogues_are_known_in_any_case() {
-        for (name, role) in
-            [("RAJ2000", "ra"), ("delta_J2000", "dec"), ("Glon", "glon"), (" WEIGHTS ", "w")]
-        {
+        for (name, role) in [
+            ("RAJ2000", "ra"),
+            ("delta_J2000", "dec"),
+            ("Right Ascension", "ra"),
+            ("Declination", "dec"),
+            ("Glon", "glon"),
+            (" WEIGHTS ", "w"),
+        ] {
             assert_eq!(role_of(name), Some(role), "{name}");
         }
         assert_eq!((role_of("redshift"), role_of("")), (None, None));
