@@ -109,7 +109,7 @@ impl Hdu {
     }
 
     /// Returns a description for lists, such as `[1] table CATALOG`.
-    fn summary(&self) -> String {
+    pub(crate) fn summary(&self) -> String {
         let kind = match self.kind {
             HduKind::Image => "image",
             HduKind::AsciiTable | HduKind::BinaryTable => "table",

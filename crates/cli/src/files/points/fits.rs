@@ -11,6 +11,8 @@ use crate::files::memory_guard::check_announced;
 
 /// Bytes that are read at a time, where a row is not longer.
 const CHUNK: usize = 1 << 16;
+/// How many tables a message lists.
+const LISTED: usize = 4;
 /// The longest row that is read.
 const MAX_ROW: usize = 1 << 26;
 
@@ -38,10 +40,13 @@ pub(super) fn read_fits(
         .collect();
     let choice = options.columns.as_ref();
     let table = Table { path, place: Place::Whole, columns: &columns, has_names: true, choice };
-    let layout = table.layout().map_err(|error| match options.hdu {
-        HduChoice::First => error.with_hint("this is the first table; --hdu chooses another"),
-        _ => error,
-    })?;
+    let layout = match table.layout() {
+        Ok(layout) => layout,
+        Err(error) if options.hdu == HduChoice::First => {
+            return Err(error.with_hint(&other_tables(&mut file)));
+        }
+        Err(error) => return Err(error),
+    };
     if let Some(bytes) = file_bytes {
         let points = (bytes as f64 / row.max(1) as f64).min(rows as f64);
         check_announced(path, "the points of the table", points * size_of::<[f64; 4]>() as f64)?;
@@ -73,4 +78,19 @@ pub(super) fn read_fits(
         done += count;
     }
     points.finish()
+}
+
+/// Returns a remark that this is the first table, with those that follow it.
+fn other_tables(file: &mut HduReader<'_, impl BufRead>) -> String {
+    let mut tables = Vec::new();
+    // What is wrong with them would show when they are chosen.
+    while let Ok(Some(hdu)) = file.next_hdu() {
+        if hdu.is_table() && tables.len() < LISTED {
+            tables.push(hdu.summary());
+        }
+    }
+    match tables.is_empty() {
+        true => "it is the only table".to_owned(),
+        false => format!("this is the first table; --hdu chooses another: {}", tables.join(", ")),
+    }
 }

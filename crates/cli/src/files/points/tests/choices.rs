@@ -108,3 +108,13 @@ fn other_formats_come_with_a_way_out() {
         }
     }
 }
+
+/// A table that is no catalogue is often the first one.
+#[test]
+fn other_tables_of_a_fits_file_are_listed() {
+    let message = error("m.fits", include_bytes!("../../../../tests/data/mixed.fits"));
+    let expected = "the columns RA (this is the first table; --hdu chooses another: [2] table MAP)";
+    assert!(message.ends_with(expected), "{message}");
+    let message = error("r.fits", include_bytes!("../../../../tests/data/ring.fits"));
+    assert!(message.ends_with("(it is the only table)"), "{message}");
+}
