@@ -148,28 +148,29 @@ impl Scene {
     pub fn ray_origin(&self, at: &Hit) -> DVec3 {
         match &self.geometry {
             Geometry::Quads(quads) => match quads.as_slice().get(at.primitive) {
-                Some(quad) => clear_of(at, &quad.corners()),
-                None => clear_of(at, &[]),
+                Some(quad) => clear_of(at, quad.corners()),
+                None => clear_of(at, []),
             },
             Geometry::Mesh(mesh) if at.primitive < mesh.n_triangles() => {
-                clear_of(at, &mesh.triangle(at.primitive))
+                clear_of(at, mesh.triangle(at.primitive))
             }
-            Geometry::Mesh(_) => clear_of(at, &[]),
+            Geometry::Mesh(_) => clear_of(at, []),
         }
     }
 }
 
 /// See [`Scene::ray_origin`]; the point is on the convex polygon of the corners, if there are any.
-fn clear_of(at: &Hit, corners: &[DVec3]) -> DVec3 {
+fn clear_of<const N: usize>(at: &Hit, corners: [DVec3; N]) -> DVec3 {
     let distances = corners.iter().map(|c| (c - at.position).abs().max_element());
     let size = distances.fold(0.0, f64::max);
     let clearance = OF_COORDINATE * at.position.abs().max_element() + OF_SIZE * size;
-    let center = corners.iter().sum::<DVec3>() / corners.len().max(1) as f64;
+    let center = corners.iter().sum::<DVec3>() / N.max(1) as f64;
     let from_sides = FROM_SIDES * clearance;
     let mut share = 0.0;
-    for (i, &a) in corners.iter().enumerate() {
+    for i in 0..N {
+        let (a, b) = (corners[i], corners[(i + 1) % N]);
         // Distances from the side are products with this over its length.
-        let inwards = at.normal.cross(corners[(i + 1) % corners.len()] - a);
+        let inwards = at.normal.cross(b - a);
         let [point, middle] = [at.position, center].map(|p| inwards.dot(p - a));
         let (point, middle) = if middle < 0.0 { (-point, -middle) } else { (point, middle) };
         if point < from_sides * (inwards.x.abs() + inwards.y.abs() + inwards.z.abs()) {

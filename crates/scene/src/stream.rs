@@ -18,9 +18,6 @@ const GROUP: usize = 16;
 /// A bit for each group of a stream.
 type Groups = u16;
 
-/// Nodes that are visited after a look at all of them.
-const BATCH: usize = 2;
-
 /// What boxes are enlarged by in units of their distance from the origin: eight roundings, for those of the boxes
 /// relative to it, of directions and of distances.
 const ROUNDING: f32 = 4.0 * f32::EPSILON;
@@ -104,32 +101,22 @@ impl<S: Simd> Tracer<'_, S> {
         }
     }
 
-    /// Nodes are visited some at a time, after a look at all of them, and their triangles likewise: much of the time
-    /// goes by waiting for memory, here for several places at once.
+    /// Visits nodes depth first. Much of the time is spent waiting for memory, so nodes are read when they are found, long
+    /// before their visit, and the triangles of all leaves of a node before the first of them is tested: the processor
+    /// waits for several places at once.
     #[inline(always)]
     fn trace(&mut self, octant: usize) {
-        let root = (0, self.open);
         self.nodes.clear();
-        self.nodes.push(root);
-        while !self.nodes.is_empty() {
-            let mut batch = [root; BATCH];
-            let n_batch = self.nodes.len().min(BATCH);
-            for entry in &mut batch[..n_batch] {
-                *entry = self.nodes.pop().unwrap_or(root);
-                let node = &self.hierarchy[entry.0 as usize];
-                black_box((node.base.x, node.max[2][WIDTH - 1]));
+        self.nodes.push((0, self.open));
+        while let Some((index, groups)) = self.nodes.pop() {
+            if groups & self.open == 0 {
+                continue;
             }
-            for &(index, groups) in &batch[..n_batch] {
-                if groups & self.open != 0 {
-                    self.visit(index, groups & self.open, octant);
-                }
-            }
+            self.visit(index, groups & self.open, octant);
             for (range, _) in &self.leaves {
-                black_box((self.triangles.faces[range.start], self.triangles.faces[range.end - 1]));
-            }
-            for (range, _) in &self.leaves {
-                for face in &self.triangles.faces[range.clone()] {
-                    black_box(face.map(|v| self.triangles.vertices[v as usize].y));
+                for place in range.clone() {
+                    let [a, _, c] = self.triangles.corners(place);
+                    black_box((a.x, c.z));
                 }
             }
             for i in 0..self.leaves.len() {
@@ -156,7 +143,11 @@ impl<S: Simd> Tracer<'_, S> {
                 Some(Child::Triangles { first, count }) => {
                     self.leaves.push((first..first + count, met[child]));
                 }
-                Some(Child::Node(index)) => self.nodes.push((index, met[child])),
+                Some(Child::Node(index)) => {
+                    let node = &self.hierarchy[index as usize];
+                    black_box((node.base.x, node.max[2][WIDTH - 1]));
+                    self.nodes.push((index, met[child]));
+                }
                 None => (),
             }
         }
