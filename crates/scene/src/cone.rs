@@ -41,20 +41,16 @@ pub(crate) const CLOSE: f64 = 1e-7;
 pub(crate) const NEAR: f64 = 2.0 * f64::EPSILON;
 
 impl<const N: usize> Cone<N> {
-    /// A polygon that no ray meets.
-    pub(crate) const NONE: Self = Self {
-        edges: [Vec3::ZERO; N],
-        margins: [0.0; N],
-        normal: Vec3::ZERO,
-        height: f32::INFINITY,
-    };
+    /// The fields before they are set, for arrays: memory is filled with zeros faster than with other values.
+    pub(crate) const UNSET: Self =
+        Self { edges: [Vec3::ZERO; N], margins: [0.0; N], normal: Vec3::ZERO, height: 0.0 };
 
     /// The polygon with these corners, relative to the rays' origin, and this normal of any length, on the side of
     /// it that `height` says, which is that of the corners along the normal.
     #[inline(always)]
     pub(crate) fn new(corners: [DVec3; N], normal: DVec3, height: f64) -> Self {
         let side = 1f64.copysign(height);
-        let mut cone = Self::NONE;
+        let mut cone = Self::UNSET;
         for i in 0..N {
             let (a, b) = (corners[i], corners[(i + 1) % N]);
             let edge = (side * (a + b).cross(b - a)).as_vec3();

@@ -82,7 +82,7 @@ impl WithSimd for Occlusion<'_> {
         };
         let front = reach.front();
         let mut bundle = Bundle::<BUNDLE>::new();
-        let mut cones = [Cone::<4>::NONE; ROUND];
+        let mut cones = [Cone::<4>::UNSET; ROUND];
         let near = NEAR * (origin.abs().max_element() * scene.scale + 1.0);
         // A quadrilateral through the point has two cones.
         for quads in scene.quads.chunks(ROUND / 2) {
