@@ -9,7 +9,8 @@
 //!   at a colatitude, one order at many colatitudes. Accurate at every colatitude, tested for degrees up to 20000.
 //! - [`ylm`], [`real_ylm`] and their `_at` forms for directions: single harmonics.
 //! - [`Alm`]: coefficients, energy and power per degree. [`ByParity`]: a value for even and one for odd degrees.
-//! - [`legendre_p`]: Legendre polynomials. [`GaussLegendre`]: quadrature on an interval.
+//! - [`Domain`]: the sphere and the hemisphere. [`Bands`]: what a spectrum has one number for, such as their degrees.
+//! - [`legendre_p`]: Legendre polynomials. [`GaussLegendre`]: quadrature on an interval. [`CompensatedSum`]: sums of many terms.
 //!
 //! # Examples
 //!
@@ -37,7 +38,10 @@
 //! ```
 
 mod alm;
+mod bands;
 mod colatitude;
+mod compensated_sum;
+mod domain;
 mod error;
 mod gauss;
 mod index;
@@ -50,7 +54,10 @@ mod scaled;
 mod ylm;
 
 pub use alm::Alm;
+pub use bands::Bands;
 pub use colatitude::Colatitude;
+pub use compensated_sum::CompensatedSum;
+pub use domain::Domain;
 pub use error::Error;
 pub use gauss::GaussLegendre;
 pub use index::{LmIndex, MAX_DEGREE};

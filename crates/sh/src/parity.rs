@@ -32,6 +32,12 @@ impl<T> ByParity<T> {
         if l.is_multiple_of(2) { &mut self.even } else { &mut self.odd }
     }
 
+    /// Returns the even or the odd value, for changing it.
+    #[must_use]
+    pub fn at_mut(&mut self, even: bool) -> &mut T {
+        if even { &mut self.even } else { &mut self.odd }
+    }
+
     /// Returns references to both values.
     #[must_use]
     pub fn as_ref(&self) -> ByParity<&T> {

@@ -1,0 +1,89 @@
+use std::fmt::Debug;
+
+use crate::Domain;
+
+/// The bands in which the spectrum of a homogeneous ensemble is one number each.
+///
+/// An ensemble whose distribution is invariant under the motions of its space (rotations of the
+/// sphere, shifts of the torus) has one mean power per band: a degree of the sphere, a pair of
+/// frequencies k and -k of the torus. Spectra, predictions, sums and tables are written for this
+/// trait and so serve all spaces:
+///
+/// ```text
+/// Var = factor(N) sum_{bands b >= 1} multiplicity(b) <P(b)> P_F(b)
+/// ```
+///
+/// Bands are numbered from 0, the band of the constant, by radius. [`Domain`] is the set of degrees of the sphere, or of
+/// the even ones for the hemisphere.
+///
+/// # Examples
+///
+/// ```
+/// use sphvar_sh::{Bands, Domain};
+///
+/// assert_eq!(Domain::Sphere.multiplicity(3), 7.0);
+/// assert!(!Domain::Hemisphere.has_band(3));
+/// ```
+pub trait Bands: Clone + Debug + PartialEq + Send + Sync {
+    /// Returns the heading of the band's column in tables: `l` for degrees.
+    fn label(&self) -> &'static str;
+
+    /// Returns whether functions of the space can have power in the band. Bands without power keep
+    /// the numbering simple, such as odd degrees of the hemisphere.
+    fn has_band(&self, band: usize) -> bool;
+
+    /// Returns the number of coefficients of the band: 2l+1 for degree l.
+    fn multiplicity(&self, band: usize) -> f64;
+
+    /// Returns the length of the band's frequency, l for degree l; nondecreasing in `band`, and 0
+    /// for band 0 only.
+    fn radius(&self, band: usize) -> f64;
+
+    /// Returns whether functions of the band are even under the inversion of the space (x to -x on
+    /// the sphere), which negates those of odd bands. Coinciding and opposite points change the
+    /// mean power of even and odd bands at large radii.
+    fn is_even(&self, band: usize) -> bool;
+
+    /// Returns `factor(N)`, inversely proportional to N: 4 pi/N on the sphere.
+    fn factor(&self, n_points: usize) -> f64;
+
+    /// Returns the width in radius over which the peaks of lattices and the oscillations of random
+    /// patterns of N points average out: sqrt(N) on the sphere.
+    fn spacing_radius(&self, n_points: usize) -> f64;
+
+    /// Returns whether bands of a parity exist. Default: read from bands 1 and 2.
+    fn has_parity(&self, even: bool) -> bool {
+        let is_of_parity = |&band: &usize| self.has_band(band) && self.is_even(band) == even;
+        (1..=2).any(|band| is_of_parity(&band))
+    }
+}
+
+impl Bands for Domain {
+    fn label(&self) -> &'static str {
+        "l"
+    }
+
+    fn has_band(&self, band: usize) -> bool {
+        self.has_degree(band)
+    }
+
+    fn multiplicity(&self, band: usize) -> f64 {
+        (2 * band + 1) as f64
+    }
+
+    fn radius(&self, band: usize) -> f64 {
+        band as f64
+    }
+
+    fn is_even(&self, band: usize) -> bool {
+        band.is_multiple_of(2)
+    }
+
+    fn factor(&self, n_points: usize) -> f64 {
+        self.variance_factor(n_points)
+    }
+
+    fn spacing_radius(&self, n_points: usize) -> f64 {
+        self.count_on_sphere(n_points).sqrt()
+    }
+}
