@@ -1,10 +1,7 @@
 use std::f64::consts::{FRAC_PI_8, TAU};
 
-use crate::polynomial;
-use crate::real::Real;
-
-/// Points whose angles are computed side by side.
-pub(crate) const WIDTH: usize = 8;
+use glam::DVec3;
+use sphvar_nufft::parts::{LANES, Places, Real, Turns, interpolate};
 
 const DEGREE: usize = 12;
 
@@ -15,13 +12,33 @@ pub(crate) struct Angles {
     coefficients: [f64; DEGREE + 1],
 }
 
-/// Angles as `eighths/8 + rest` turns, with |rest| <= 1/16: in two parts because a sum would round
-/// away what a grid of thousands of cells to a turn can see.
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Turns {
-    /// From 0 to 8.
-    pub(crate) eighths: [f64; WIDTH],
-    pub(crate) rest: [f64; WIDTH],
+/// Directions, or vectors along them, as places on a grid: theta by row, phi by column.
+pub(crate) struct Directions<'a> {
+    pub(crate) angles: &'a Angles,
+    pub(crate) points: &'a [DVec3],
+}
+
+impl Places for Directions<'_> {
+    fn count(&self) -> usize {
+        self.points.len()
+    }
+
+    #[inline(always)]
+    fn turns<const FUSED: bool>(&self, first: usize) -> [Turns; 2] {
+        let mut coordinates = [[0.0; LANES]; 3];
+        let points = &self.points[first..self.points.len().min(first + LANES)];
+        for (i, p) in points.iter().enumerate() {
+            (coordinates[0][i], coordinates[1][i], coordinates[2][i]) = (p.x, p.y, p.z);
+        }
+        let [x, y, z] = coordinates;
+        let mut rho = [0.0; LANES];
+        for i in 0..LANES {
+            rho[i] = (x[i] * x[i] + y[i] * y[i]).sqrt();
+        }
+        let phi = self.angles.of::<FUSED>(&x, &y);
+        let theta = self.angles.of::<FUSED>(&z, &rho);
+        [theta, phi]
+    }
 }
 
 impl Angles {
@@ -33,17 +50,17 @@ impl Angles {
             -(0..40).rev().fold(0.0, |sum, k| 1.0 / f64::from(2 * k + 3) - u * u * sum) / TAU
         };
         // atan is analytic up to u^2 = -1: the coefficients fall by 25 from degree to degree.
-        let fitted = polynomial::interpolate(ratio, DEGREE);
+        let fitted = interpolate(ratio, DEGREE);
         Self { coefficients: std::array::from_fn(|i| fitted[i]) }
     }
 
     /// The angles of the vectors (x, y), from 0 to a full turn, both included; 0 for the zero vector.
     #[inline(always)]
-    pub(crate) fn of<const FUSED: bool>(&self, x: &[f64; WIDTH], y: &[f64; WIDTH]) -> Turns {
+    pub(crate) fn of<const FUSED: bool>(&self, x: &[f64; LANES], y: &[f64; LANES]) -> Turns {
         let limit = FRAC_PI_8.tan();
         let scale = 2.0 / (limit * limit);
         let mut turns = Turns::default();
-        for i in 0..WIDTH {
+        for i in 0..LANES {
             let (ax, ay) = (x[i].abs(), y[i].abs());
             let (low, high) = if ay > ax { (ax, ay) } else { (ay, ax) };
             // Beyond pi/8 the angle is counted from pi/4, by atan u - pi/4 = atan((u - 1)/(u + 1)).
@@ -71,7 +88,9 @@ impl Angles {
 mod tests {
     use std::f64::consts::TAU;
 
-    use super::{Angles, WIDTH};
+    use sphvar_nufft::parts::LANES;
+
+    use super::Angles;
 
     #[test]
     fn they_are_those_of_atan2() {
@@ -80,7 +99,7 @@ mod tests {
         let round = (0..2000).map(|k| (f64::from(k) * 0.01234).sin_cos());
         let pairs = special.into_iter().flat_map(|x| special.map(|y| (x, y))).chain(round);
         for (x, y) in pairs {
-            let turns = angles.of::<true>(&[x; WIDTH], &[y; WIDTH]);
+            let turns = angles.of::<true>(&[x; LANES], &[y; LANES]);
             let (eighths, rest) = (turns.eighths[3], turns.rest[3]);
             assert!((0.0..=8.0).contains(&eighths) && rest.abs() <= 0.0626, "({x}, {y})");
             let got = eighths / 8.0 + rest;

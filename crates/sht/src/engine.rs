@@ -1,20 +1,18 @@
 use glam::DVec3;
 use num_complex::Complex;
 use pulp::Arch;
-use sphvar_sh::{Alm, Error};
+use sphvar_nufft::parts::{Cells, Design, Real, Spreading, magnitude};
+use sphvar_sh::Alm;
 
-use crate::cells::Cells;
-use crate::magnitude::magnitude;
-use crate::real::Real;
-use crate::spreading::Spreading;
+use crate::angles::{Angles, Directions};
 use crate::torus::{Layout, ORDERS, Stage, Torus, TorusScratch};
-use crate::window::Window;
 use crate::{RingTransform, RingWorkspace};
 
 /// The fast transform with grids of numbers `T`.
 #[derive(Clone)]
 pub(crate) struct Engine<T> {
     arch: Arch,
+    angles: Angles,
     spreading: Spreading<T>,
     torus: Torus<T>,
 }
@@ -36,19 +34,12 @@ pub(crate) struct Scratch<T> {
 }
 
 impl<T: Real> Engine<T> {
-    pub(crate) fn new(
-        lmax: usize,
-        oversampling: f64,
-        window: Window,
-        epsilon: f64,
-        arch: Arch,
-    ) -> Result<Self, Error> {
-        let torus = Torus::new(lmax, oversampling, window)?;
-        // Roundings that all fall to the same side: half of this many, each of the whole sum.
-        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "16 to 64")]
-        let run = (epsilon / T::EPSILON).clamp(16.0, 64.0) as usize;
-        let spreading = Spreading::new(torus.n_theta(), torus.n_phi(), window.table(), run);
-        Ok(Self { arch, spreading, torus })
+    pub(crate) fn new(lmax: usize, design: Design, arch: Arch) -> Self {
+        let torus = Torus::new(lmax, design);
+        let cells = [torus.n_theta(), torus.n_phi()];
+        // The half grid, from pole to pole.
+        let spreading = Spreading::new(cells, torus.n_rows(), design.window, design.epsilon);
+        Self { arch, angles: Angles::new(), spreading, torus }
     }
 
     /// Grid cells to a turn.
@@ -57,11 +48,7 @@ impl<T: Real> Engine<T> {
     }
 
     fn layout(&self) -> Layout {
-        Layout { stride: self.spreading.stride(), margin: self.spreading.locator.margin }
-    }
-
-    fn grid_len(&self) -> usize {
-        self.spreading.locator.n_rows() * self.spreading.stride()
+        Layout { stride: self.spreading.stride(), margin: self.spreading.margin() }
     }
 
     /// See [`FastTransform::adjoint_batch_into`](crate::FastTransform::adjoint_batch_into).
@@ -80,9 +67,10 @@ impl<T: Real> Engine<T> {
             sets.iter().zip(spectra.chunks_exact_mut(torus.spectra_len()))
         {
             let size = weights.map_or(1.0, |w| magnitude(w.iter().copied()));
-            self.spreading.locator.locate(self.arch, points, *weights, 1.0 / size, cells);
+            let points = Directions { angles: &self.angles, points };
+            self.spreading.locate(self.arch, &points, *weights, 1.0 / size, cells);
             grid.clear();
-            grid.resize(self.grid_len(), T::default());
+            grid.resize(self.spreading.grid_len(), T::default());
             self.spreading.spread(self.arch, cells, grid);
             let stage = Stage::AnalyseRows { grid, layout: self.layout(), spectra };
             torus.run(self.arch, stage, torus_scratch);
@@ -158,15 +146,17 @@ impl<T: Real> Engine<T> {
             }
         };
         rings.synthesis_batch_into(torus.colatitudes(), alms, emit, ring_workspace);
-        grid.resize(self.grid_len() * alms.len(), T::default());
-        let grids = grid.chunks_exact_mut(self.grid_len());
+        let grid_len = self.spreading.grid_len();
+        grid.resize(grid_len * alms.len(), T::default());
+        let grids = grid.chunks_exact_mut(grid_len);
         for (grid, spectra) in grids.zip(spectra.chunks_exact(torus.spectra_len())) {
             let stage = Stage::SynthesiseRows { spectra, grid, layout: self.layout() };
             torus.run(self.arch, stage, torus_scratch);
         }
-        self.spreading.locator.locate(self.arch, points, None, 1.0, cells);
         values.resize(points.len() * alms.len(), 0.0);
-        self.spreading.interpolate(self.arch, cells.sorted(), grid, sizes, values);
+        let points = Directions { angles: &self.angles, points };
+        self.spreading.locate(self.arch, &points, None, 1.0, cells);
+        self.spreading.interpolate(self.arch, cells, grid, sizes, values);
     }
 }
 

@@ -1,9 +1,9 @@
 use glam::DVec3;
 use num_complex::Complex;
+use sphvar_nufft::parts::magnitude;
 use sphvar_sh::{Alm, Colatitude, Error};
 
 use crate::generators::{RotationDerivatives, tangent_gradients};
-use crate::magnitude::magnitude;
 use crate::{RingTransform, RingWorkspace};
 
 /// The exact transforms between scattered points and coefficients: the adjoint

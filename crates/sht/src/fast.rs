@@ -2,12 +2,12 @@ use std::fmt;
 
 use glam::DVec3;
 use pulp::Arch;
+use sphvar_nufft::parts::Design;
 use sphvar_sh::{Alm, Error};
 
 use crate::engine::{Engine, Scratch};
 use crate::generators::{RotationDerivatives, tangent_gradients};
 use crate::legendre::ValueRange;
-use crate::window::Window;
 use crate::{RingTransform, RingWorkspace};
 
 /// The fast transforms between scattered points and coefficients to a requested accuracy: the adjoint
@@ -26,7 +26,7 @@ use crate::{RingTransform, RingWorkspace};
 #[derive(Clone)]
 pub struct FastTransform {
     rings: RingTransform,
-    window: Window,
+    design: Design,
     engine: Precision,
 }
 
@@ -44,7 +44,7 @@ impl fmt::Debug for FastTransform {
         };
         f.debug_struct("FastTransform")
             .field("lmax", &self.lmax())
-            .field("window_width", &self.window.width())
+            .field("window_width", &self.design.window.width())
             .field("grid", &(kind, n_phi))
             .finish_non_exhaustive()
     }
@@ -61,10 +61,10 @@ pub struct FastWorkspace {
 
 impl FastTransform {
     /// The smallest epsilon: rounding leaves no better accuracy.
-    pub const MIN_EPSILON: f64 = 1e-13;
+    pub const MIN_EPSILON: f64 = sphvar_nufft::MIN_EPSILON;
 
     /// The largest epsilon.
-    pub const MAX_EPSILON: f64 = 1e-1;
+    pub const MAX_EPSILON: f64 = sphvar_nufft::MAX_EPSILON;
 
     /// The plan for degree `lmax`, inclusive, and relative accuracy `epsilon` in [1e-13, 1e-1]: for
     /// weights of one sign the error `||a - a_exact||` is at most `epsilon ||a_exact||`. With weights
@@ -79,29 +79,16 @@ impl FastTransform {
     }
 
     pub(crate) fn with_arch(lmax: usize, epsilon: f64, arch: Arch) -> Result<Self, Error> {
-        Self::check_epsilon(epsilon)?;
+        let design = Self::design(epsilon)?;
         // Legendre functions of a thousandth of the accuracy do not show.
         let range = ValueRange::counting_from(0.001 * epsilon);
         let rings = RingTransform::with_arch(lmax, arch, range)?;
-        // A coarser grid is cheaper to transform but needs a wider window, and amplifies rounding at
-        // its high frequencies: it pays for low accuracies only.
-        // The first ones lie a little below 5/4, 3/2 and 7/4, which keeps grids for degrees 2^k at sizes
-        // 5 2^k, 3 2^k and 7 2^k.
-        let (single, oversampling) = match epsilon {
-            e if e >= 2e-6 => (true, 1.245),
-            e if e >= 5e-7 => (true, 1.49),
-            e if e >= 1e-9 => (false, 1.245),
-            e if e >= 1e-11 => (false, 1.49),
-            e if e >= 5e-13 => (false, 1.745),
-            _ => (false, 2.0),
-        };
-        let window = Window::new(epsilon, oversampling);
-        let engine = if single {
-            Precision::Single(Engine::new(lmax, oversampling, window, epsilon, arch)?)
+        let engine = if design.single {
+            Precision::Single(Engine::new(lmax, design, arch))
         } else {
-            Precision::Double(Engine::new(lmax, oversampling, window, epsilon, arch)?)
+            Precision::Double(Engine::new(lmax, design, arch))
         };
-        Ok(Self { rings, window, engine })
+        Ok(Self { rings, design, engine })
     }
 
     /// Accepts an `epsilon` from [`Self::MIN_EPSILON`] to [`Self::MAX_EPSILON`].
@@ -110,12 +97,12 @@ impl FastTransform {
     ///
     /// [`Error::Accuracy`] if it is NaN or outside that range.
     pub fn check_epsilon(epsilon: f64) -> Result<(), Error> {
+        Self::design(epsilon).map(|_| ())
+    }
+
+    fn design(epsilon: f64) -> Result<Design, Error> {
         let (min, max) = (Self::MIN_EPSILON, Self::MAX_EPSILON);
-        if (min..=max).contains(&epsilon) {
-            Ok(())
-        } else {
-            Err(Error::Accuracy { epsilon, min, max })
-        }
+        Design::in_norm(epsilon).map_err(|_| Error::Accuracy { epsilon, min, max })
     }
 
     /// The largest degree, inclusive.

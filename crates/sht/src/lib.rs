@@ -41,22 +41,14 @@
 //! ```
 
 mod angles;
-mod cells;
 mod engine;
 mod exact;
 mod fast;
 mod generators;
 mod legendre;
-mod long_sum;
-mod magnitude;
-mod polynomial;
-mod real;
 mod rings;
-mod sizes;
-mod spreading;
 mod torus;
 mod transform;
-mod window;
 
 pub use exact::{ExactTransform, ExactWorkspace};
 pub use fast::{FastTransform, FastWorkspace};

@@ -6,11 +6,8 @@ use glam::DVec3;
 use num_complex::Complex;
 use pulp::{Arch, NullaryFnOnce};
 use rustfft::{Fft, FftPlanner};
-use sphvar_sh::{Colatitude, Error};
-
-use crate::real::Real;
-use crate::sizes::good_size;
-use crate::window::Window;
+use sphvar_nufft::parts::{Design, Real, good_size};
+use sphvar_sh::Colatitude;
 
 /// Orders whose columns are transformed at a time: a stretch of memory that one access brings in.
 pub(crate) const ORDERS: usize = 8;
@@ -60,17 +57,16 @@ pub(crate) struct Layout {
 }
 
 impl<T: Real> Torus<T> {
-    pub(crate) fn new(lmax: usize, oversampling: f64, window: Window) -> Result<Self, Error> {
-        // Not so small that the window would meet its own other end.
-        let n = good_size((oversampling * (2 * lmax + 2) as f64).max(48.0), 1.12);
+    pub(crate) fn new(lmax: usize, design: Design) -> Self {
+        let n = design.cells(lmax);
         // Each ring costs in the Legendre stage as well.
         let n_rings = good_size((2 * lmax + 2) as f64, 1.03);
         let mut correction: Vec<T> =
-            window.transform(n, lmax)?.into_iter().map(|t| T::of(1.0 / t)).collect();
+            design.window.transform(n, lmax).into_iter().map(|t| T::of(1.0 / t)).collect();
         let theta_correction = correction.clone().into();
         correction.resize((lmax + 1).next_multiple_of(ORDERS), T::default());
         let mut planner = FftPlanner::new();
-        Ok(Self {
+        Self {
             lmax,
             n_theta: n,
             n_phi: n,
@@ -83,7 +79,7 @@ impl<T: Real> Torus<T> {
             theta_inverse: planner.plan_fft_inverse(n),
             rings_forward: planner.plan_fft_forward(n_rings),
             rings_inverse: planner.plan_fft_inverse(n_rings),
-        })
+        }
     }
 
     pub(crate) fn n_theta(&self) -> usize {
@@ -105,7 +101,7 @@ impl<T: Real> Torus<T> {
     }
 
     /// Rows of the grid from pole to pole, both included.
-    fn n_rows(&self) -> usize {
+    pub(crate) fn n_rows(&self) -> usize {
         self.n_theta / 2 + 1
     }
 

@@ -6,7 +6,7 @@ use crate::{ExactTransform, ExactWorkspace, FastTransform, FastWorkspace};
 /// How coefficients are to be computed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Method {
-    /// Whichever is expected to take less time.
+    /// Whichever is of less [nominal work](Method::nominal_work).
     #[default]
     Auto,
     /// From the definition, to rounding: [`ExactTransform`].
@@ -16,20 +16,26 @@ pub enum Method {
 }
 
 impl Method {
-    /// The seconds that the transform of one set of `n_points` to degree `lmax` is expected to take on
-    /// one core of a 2.6 GHz machine, from a model with measured constants: for choosing a method
-    /// and for progress, not for promises.
+    /// Returns the nominal work of transforming one set of `n_points` to degree `lmax`, in units of what the fast
+    /// transform does for one point, some 60 ns of one core.
+    ///
+    /// [`Method::Auto`] takes the method of less work, and numbers of realizations follow from it: it is a policy with
+    /// constants that were fitted once, not a measurement.
+    ///
+    /// ```text
+    /// exact   (L + 1)^2 (max(N, 32)/480 + 1/20)            a step for each point and coefficient, and the recurrence
+    /// fast    N + (L + 1)^2 (11/20 + (L + 1)/1500) + 333   spreading, the grid, and the recurrence on its rings
+    /// ```
     #[must_use]
-    pub fn seconds(self, n_points: usize, lmax: usize) -> f64 {
+    pub fn nominal_work(self, n_points: usize, lmax: usize) -> f64 {
         let (n, degrees) = (n_points as f64, lmax as f64 + 1.0);
+        let square = degrees * degrees;
         match self {
-            Self::Auto => {
-                Self::Exact.seconds(n_points, lmax).min(Self::Fast.seconds(n_points, lmax))
-            }
-            // A step for each point and coefficient, and the coefficients of the recurrence.
-            Self::Exact => 0.5 * degrees * degrees * (0.25e-9 * n.max(32.0) + 6e-9),
-            // Spreading a point, transforming the grid, and the recurrence on mirrored rings.
-            Self::Fast => 0.06e-6 * n + degrees * degrees * (33e-9 + 0.04e-9 * degrees) + 20e-6,
+            Self::Auto => Self::Exact
+                .nominal_work(n_points, lmax)
+                .min(Self::Fast.nominal_work(n_points, lmax)),
+            Self::Exact => square * (n.max(32.0) / 480.0 + 0.05),
+            Self::Fast => n + square * (0.55 + degrees / 1500.0) + 333.0,
         }
     }
 }
@@ -38,13 +44,12 @@ impl Method {
     /// The method that [`Method::Auto`] stands for; another stands for itself.
     fn chosen(self, n_points: usize, lmax: usize) -> Self {
         match self {
-            Self::Auto
-                if Self::Fast.seconds(n_points, lmax) < Self::Exact.seconds(n_points, lmax) =>
-            {
-                Self::Fast
-            }
-            Self::Auto => Self::Exact,
             Self::Exact | Self::Fast => self,
+            Self::Auto => {
+                let [exact, fast] =
+                    [Self::Exact, Self::Fast].map(|method| method.nominal_work(n_points, lmax));
+                if fast < exact { Self::Fast } else { Self::Exact }
+            }
         }
     }
 

@@ -2,12 +2,12 @@ use std::ops::Range;
 
 use num_complex::Complex;
 use pulp::{Arch, Simd, WithSimd};
+use sphvar_nufft::parts::{SHORT, add_with_rests};
 use sphvar_sh::Alm;
 
 use super::lanes::{Group, ValueRange};
 use super::order::{Factors, SPAN, Segment, Step};
 use super::{Anchor, FUNCTIONS, Lanes, Order, PARTS, RINGS};
-use crate::long_sum::{SHORT, add_with_rests};
 
 /// Values of the recurrence: by n within a segment, and ring.
 type Tile = [[f64; RINGS]; SPAN];
@@ -235,9 +235,10 @@ impl Product<'_> {
         let active = self.group.active(self.m);
         let mut tile: Tile = [[0.0; RINGS]; SPAN];
         for first in (0..active).step_by(RINGS) {
+            let count = RINGS.min(active - first);
             // Lanes are padded to whole blocks, so that whole groups of N are there.
-            let count = RINGS.min(active - first).next_multiple_of(N);
-            let values = values[first * V..(first + count) * V].as_chunks_mut::<V>().0;
+            let padded = count.next_multiple_of(N);
+            let values = values[first * V..(first + padded) * V].as_chunks_mut::<V>().0;
             self.walk(simd, first..first + count, &mut tile, &mut |simd, n, tile| {
                 let terms = terms[n.start * V..n.end * V].as_chunks::<V>().0;
                 for (group, values) in values.as_chunks_mut::<N>().0.iter_mut().enumerate() {
@@ -262,7 +263,8 @@ impl Product<'_> {
         let count = lanes.len();
         let block = lanes.start..lanes.start + RINGS;
         let mut lane = Block {
-            n_vectors: count.div_ceil(S::F64_LANES),
+            // The lanes that pad the last group of synthesis are written, with zeros.
+            n_vectors: count.next_multiple_of(ROWS).div_ceil(S::F64_LANES),
             argument: [0.0; RINGS],
             value: [0.0; RINGS],
             difference: [0.0; RINGS],
@@ -271,6 +273,10 @@ impl Product<'_> {
         lane.argument.copy_from_slice(&group.argument[block.clone()]);
         lane.value.copy_from_slice(&group.start[block.clone()]);
         lane.scale.copy_from_slice(&group.scale[block]);
+        // Lanes that were not asked for decide nothing: how many of them are carried along depends on the width of vectors,
+        // which depends on the number of functions.
+        lane.value[count..].fill(0.0);
+        lane.scale[count..].fill(0.0);
         let mut begun = 0;
         let mut climbing = lane.scale.iter().any(|&scale| scale < 0.0);
         let sequence = order.sequence(anchor);

@@ -87,12 +87,14 @@ impl Lanes {
         share_lanes(&mut self.unsorted);
         // Neighbours in colatitude come into the range of f64 at about the same degree, which lets
         // whole blocks skip what is below it; and the lanes of a high order are the first ones.
-        self.unsorted.sort_unstable_by(|a, b| b.colatitude.sin().total_cmp(&a.colatitude.sin()));
+        // Rings whose place is no number come first and stay active: they spoil what is theirs and nothing else.
+        let sine = |ring: &Members| ring.colatitude.sin().abs();
+        self.unsorted.sort_unstable_by(|a, b| sine(b).total_cmp(&sine(a)));
         for group in &mut self.groups {
             group.range = range;
         }
         let near_equator =
-            self.unsorted.partition_point(|ring| ring.colatitude.sin() > FRAC_1_SQRT_2);
+            self.unsorted.partition_point(|ring| sine(ring) > FRAC_1_SQRT_2 || sine(ring).is_nan());
         let (equator, pole) = self.unsorted.split_at(near_equator);
         self.groups[Anchor::Equator as usize].load(equator, Anchor::Equator, lmax);
         self.groups[Anchor::Pole as usize].load(pole, Anchor::Pole, lmax);
@@ -244,7 +246,8 @@ fn last_order_at(sin_theta: f64, cos_theta: f64, lmax: f64, range: ValueRange) -
     let turning = (lmax + 0.5) * sin_theta;
     let exponent = range.limit.ln() + 2.0;
     let scale = 1.5 / SQRT_2 * exponent * turning.sqrt() * cos_theta.abs();
-    turning + (scale * scale).cbrt() + 8.0 + 0.2 * exponent
+    let last = turning + (scale * scale).cbrt() + 8.0 + 0.2 * exponent;
+    if last.is_nan() { f64::INFINITY } else { last }
 }
 
 /// `lambda_mm` from `lambda_{m-1,m-1}`, vectorised by the compiler.

@@ -91,6 +91,36 @@ fn syntheses() {
     }
 }
 
+/// At high degrees and orders many lanes of the recurrence are too small to count: which ones are asked must not depend on
+/// the width of vectors, which depends on the company.
+#[test]
+fn high_degrees() {
+    let mut rng = Lcg::new(54);
+    for (lmax, epsilon) in [(333, 1e-5), (340, 2e-6), (512, 1e-12), (701, 1e-3)] {
+        let plan = FastTransform::new(lmax, epsilon).unwrap();
+        let mut workspace = FastWorkspace::default();
+        for n_points in [1, 7, 600] {
+            let sets: Vec<Weighted> = (0..5).map(|_| (rng.directions(n_points), None)).collect();
+            let mut together = vec![Alm::zeros(lmax).unwrap(); 5];
+            plan.adjoint_batch_into(&borrowed(&sets), &mut workspace, &mut together);
+            for ((points, _), together) in sets.iter().zip(&together) {
+                let mut alone = Alm::zeros(lmax).unwrap();
+                plan.adjoint_into(points, None, &mut workspace, &mut alone);
+                assert!(&alone == together, "adjoint, {n_points} points, lmax {lmax}");
+            }
+            let functions: Vec<&Alm> = together.iter().collect();
+            let points = &sets[0].0;
+            let mut values = vec![0.0; 5 * n_points];
+            plan.synthesis_batch_into(&functions, points, &mut workspace, &mut values);
+            for (alm, together) in functions.iter().zip(values.chunks(n_points)) {
+                let mut alone = vec![0.0; n_points];
+                plan.synthesis_into(alm, points, &mut workspace, &mut alone);
+                assert_eq!(alone, together, "synthesis, {n_points} points, lmax {lmax}");
+            }
+        }
+    }
+}
+
 #[test]
 fn a_workspace_serves_transforms_of_any_degree_in_any_order() {
     let sets = mixed();

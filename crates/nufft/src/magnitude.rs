@@ -1,7 +1,7 @@
 /// The power of two below the largest absolute value; 1 if there is none or it is not finite.
 ///
 /// Dividing by it keeps numbers in range, that of f32 included, and changes no other bit.
-pub(crate) fn magnitude(numbers: impl IntoIterator<Item = f64>) -> f64 {
+pub fn magnitude(numbers: impl IntoIterator<Item = f64>) -> f64 {
     let largest = numbers.into_iter().fold(0.0, |size: f64, x| size.max(x.abs()));
     let exponent = f64::from_bits(largest.to_bits() & f64::INFINITY.to_bits());
     if largest > 0.0 && exponent.is_finite() { exponent.max(f64::MIN_POSITIVE) } else { 1.0 }

@@ -2,7 +2,7 @@ use std::f64::consts::PI;
 
 /// The coefficients, highest power first, of the polynomial in t that interpolates `f` at the
 /// Chebyshev points of [-1, 1].
-pub(crate) fn interpolate(f: impl Fn(f64) -> f64, degree: usize) -> Vec<f64> {
+pub fn interpolate(f: impl Fn(f64) -> f64, degree: usize) -> Vec<f64> {
     let n = degree + 1;
     let angle = |k: usize| PI * (k as f64 + 0.5) / n as f64;
     let values: Vec<f64> = (0..n).map(|k| f(angle(k).cos())).collect();

@@ -1,9 +1,9 @@
 //! Lengths of Fourier transforms.
 
-/// The size from `least` to a little more, a multiple of 4, that takes least time to transform, where
-/// `slack` says how much more.
+/// The size from `least` to a little more, a multiple of 4, that takes least time to transform,
+/// where `slack` says how much more.
 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a grid size")]
-pub(crate) fn good_size(least: f64, slack: f64) -> usize {
+pub fn good_size(least: f64, slack: f64) -> usize {
     let least = (least as usize).next_multiple_of(4);
     let most = (least as f64 * slack) as usize;
     let cost = |n: usize| transform_cost(n).unwrap_or(f64::INFINITY);

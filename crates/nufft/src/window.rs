@@ -1,6 +1,8 @@
 use std::f64::consts::PI;
 
-use sphvar_sh::{Error, GaussLegendre};
+use std::num::NonZeroUsize;
+
+use gauss_quad::GaussLegendre;
 
 use crate::polynomial;
 use crate::real::Real;
@@ -8,11 +10,11 @@ use crate::real::Real;
 /// The widest window in grid cells.
 pub(crate) const MAX_WIDTH: usize = 20;
 
-/// The exponential-of-semicircle window, `psi(x) = exp(beta (sqrt(1 - (2x/w)^2) - 1))` for |x| <= w/2
-/// grid cells, by which scattered points meet a regular grid (Barnett, Magland and af Klinteberg
-/// 2019, doi:10.1137/18M120885X).
+/// The exponential-of-semicircle window, `psi(x) = exp(beta (sqrt(1 - (2x/w)^2) - 1))` for |x| <=
+/// w/2 grid cells, by which scattered points meet a regular grid (Barnett, Magland and af
+/// Klinteberg 2019, doi:10.1137/18M120885X).
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Window {
+pub struct Window {
     width: usize,
     beta: f64,
     /// The error of its polynomials that does not show.
@@ -20,13 +22,14 @@ pub(crate) struct Window {
 }
 
 impl Window {
-    /// The narrowest window that reaches `epsilon` on a grid finer than needed by `oversampling`.
+    /// Returns the narrowest window that reaches `epsilon` on a grid finer than needed by
+    /// `oversampling`.
     #[expect(
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,
         reason = "a small positive number of cells"
     )]
-    pub(crate) fn new(epsilon: f64, oversampling: f64) -> Self {
+    pub fn new(epsilon: f64, oversampling: f64) -> Self {
         // Aliasing falls as exp(-pi w sqrt(1 - 1/sigma)), with a constant that was measured as 3.
         let decay = PI * (1.0 - 1.0 / oversampling).sqrt();
         let width = ((4.0 / epsilon).ln() / decay).ceil() as usize;
@@ -36,8 +39,9 @@ impl Window {
         Self { width, beta, tolerance: 0.01 * epsilon }
     }
 
-    /// The width in grid cells.
-    pub(crate) fn width(self) -> usize {
+    /// Returns the width in grid cells.
+    #[must_use]
+    pub fn width(self) -> usize {
         self.width
     }
 
@@ -47,25 +51,32 @@ impl Window {
         if root < 0.0 { 0.0 } else { (self.beta * (root.sqrt() - 1.0)).exp() }
     }
 
-    /// `int psi(x) cos(2 pi m x / n) dx` for a grid of `n` cells and every m from 0 to `last`.
-    pub(crate) fn transform(self, n: usize, last: usize) -> Result<Vec<f64>, Error> {
+    /// Returns `int psi(x) cos(2 pi m x / n) dx` for a grid of `n` cells and every m from 0 to
+    /// `last`.
+    #[must_use]
+    pub fn transform(self, n: usize, last: usize) -> Vec<f64> {
         // The substitution x = w/2 sin(t) takes the root away; the rule then converges faster than
         // exponentially.
         let half = 0.5 * self.width as f64;
-        let rule = GaussLegendre::new(2 * self.width + 24)?;
+        let nodes = NonZeroUsize::MIN.saturating_add(2 * self.width + 23);
+        let rule = GaussLegendre::new(nodes);
+        let quarter_turn = 0.5 * PI;
         let of_order = |m: usize| {
             let frequency = 2.0 * PI * m as f64 / n as f64 * half;
-            rule.integrate(-0.5 * PI, 0.5 * PI, |t: f64| {
+            let integrand = |t: f64| {
                 let (s, c) = t.sin_cos();
                 (self.beta * (c - 1.0)).exp() * (frequency * s).cos() * half * c
-            })
+            };
+            let terms = rule.iter().map(|(x, w)| w * integrand(quarter_turn * x));
+            quarter_turn * terms.sum::<f64>()
         };
-        Ok((0..=last).map(of_order).collect())
+        (0..=last).map(of_order).collect()
     }
 
-    /// Its values as piecewise polynomials.
+    /// Returns its values as piecewise polynomials.
     pub(crate) fn table<T: Real>(self) -> WindowTable<T> {
-        // Grid point i lies at distance x - first - i, which runs over cell i as t goes from -1 to 1.
+        // Grid point i lies at distance x - first - i, which runs over cell i as t goes from -1 to
+        // 1.
         let piece =
             |cell: usize, t: f64| self.value(0.5 * (self.width as f64 - 1.0 + t) - cell as f64);
         let fit = |degree: usize| -> Vec<Vec<f64>> {

@@ -1,17 +1,18 @@
 use pulp::{Arch, Simd, WithSimd};
 
-use crate::cells::{Cell, Cells, Locator, TILE_COLUMNS, TILE_ROWS};
+use crate::cells::{Cell, Cells, Locator, Places, TILE_COLUMNS, TILE_ROWS};
 use crate::long_sum::{SHORT, add_with_rests};
 use crate::real::Real;
-use crate::window::{MAX_WIDTH, WindowTable};
+use crate::window::{MAX_WIDTH, Window, WindowTable};
 
 /// The grid around the points: the window takes points to it and values on it back to points.
 ///
-/// A grid has [`Locator::n_rows`] rows of [`Self::stride`] numbers; on either side of the `n_phi` columns
-/// of a row there is a margin for what belongs to the row's other end.
+/// A grid has rows of [`Self::stride`] numbers. On either side of the columns of a full turn there
+/// is a margin for what belongs to the row's other end; [`Self::margin`] rows come before the first
+/// row and after the last one, for what the caller folds.
 #[derive(Clone, Debug)]
-pub(crate) struct Spreading<T> {
-    pub(crate) locator: Locator,
+pub struct Spreading<T> {
+    locator: Locator,
     table: WindowTable<T>,
     /// How many points at one place may be added up before it shows.
     run: usize,
@@ -22,34 +23,72 @@ const TILE_STRIDE: usize = TILE_COLUMNS + MAX_WIDTH;
 type Patch<T> = [T; TILE_STRIDE * (TILE_ROWS + MAX_WIDTH)];
 
 impl<T: Real> Spreading<T> {
-    pub(crate) fn new(n_theta: usize, n_phi: usize, table: WindowTable<T>, run: usize) -> Self {
-        Self { locator: Locator::new(n_theta, n_phi, table.width()), table, run }
+    /// Returns the one for a grid with `cells` to a turn, by row and by column, and `rows` between
+    /// its margins, to accuracy `epsilon`.
+    pub fn new(cells: [usize; 2], rows: usize, window: Window, epsilon: f64) -> Self {
+        // Roundings that all fall to the same side: half of this many, each of the whole sum.
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "16 to 64")]
+        let run = (epsilon / T::EPSILON).clamp(16.0, 64.0) as usize;
+        Self { locator: Locator::new(cells, rows, window.width()), table: window.table(), run }
     }
 
-    pub(crate) fn stride(&self) -> usize {
-        self.locator.n_phi + self.locator.margin + MAX_WIDTH
+    /// Returns the distance from a number of the grid to that below it.
+    pub fn stride(&self) -> usize {
+        self.locator.cells[1] + self.locator.margin + MAX_WIDTH
+    }
+
+    /// Returns the rows and columns before the first of the turn, and the rows after the last.
+    pub fn margin(&self) -> usize {
+        self.locator.margin
+    }
+
+    /// Returns the length of a grid.
+    pub fn grid_len(&self) -> usize {
+        self.locator.n_rows() * self.stride()
+    }
+
+    /// Replaces `cells` by the points, sorted by tile, with weights (1 if `None`) multiplied by
+    /// `scale`.
+    ///
+    /// # Panics
+    ///
+    /// If there are fewer weights than points.
+    pub fn locate(
+        &self,
+        arch: Arch,
+        points: &impl Places,
+        weights: Option<&[f64]>,
+        scale: f64,
+        cells: &mut Cells<T>,
+    ) {
+        self.locator.locate(arch, points, weights, scale, cells);
     }
 
     /// Adds the points to the grid.
-    pub(crate) fn spread(&self, arch: Arch, cells: &Cells<T>, grid: &mut [T]) {
+    pub fn spread(&self, arch: Arch, cells: &Cells<T>, grid: &mut [T]) {
         arch.dispatch(Spread { spreading: self, cells, grid });
     }
 
-    /// Writes the values of the functions with the given grids, one after the other, times `sizes`, at
-    /// the points: function b at point i to `out[i * n_functions + b]` in the caller's order.
-    pub(crate) fn interpolate(
+    /// Writes the values of the functions with the given grids, one after the other, times `sizes`,
+    /// at the points: function b at point i to `out[i * n_functions + b]` in the caller's order.
+    ///
+    /// # Panics
+    ///
+    /// If `out` is shorter than that.
+    pub fn interpolate(
         &self,
         arch: Arch,
-        cells: &[Cell<T>],
+        cells: &Cells<T>,
         grids: &[T],
         sizes: &[f64],
         out: &mut [f64],
     ) {
-        arch.dispatch(Interpolate { spreading: self, cells, grids, sizes, out });
+        arch.dispatch(Interpolate { spreading: self, cells: cells.sorted(), grids, sizes, out });
     }
 }
 
-/// Work that is compiled for every padded width P of the window, with fused multiply-adds or without.
+/// Work that is compiled for every padded width P of the window, with fused multiply-adds or
+/// without.
 trait ByWidth {
     fn run<const P: usize, const FUSED: bool>(self);
 }
@@ -96,7 +135,8 @@ impl<T: Real> ByWidth for Spread<'_, T> {
                 spreading.add::<P, FUSED>(tile, [0, 0], stride, grid);
                 continue;
             }
-            // In a long sum every rounding may fall to the same side: short ones first, and short sums of those.
+            // In a long sum every rounding may fall to the same side: short ones first, and short
+            // sums of those.
             let [row, column] = [tile[0].row as usize, tile[0].column as usize];
             let origin = [row / TILE_ROWS * TILE_ROWS, column / TILE_COLUMNS * TILE_COLUMNS];
             let n_rows = TILE_ROWS + spreading.table.width();
@@ -125,7 +165,8 @@ impl<T: Real> ByWidth for Spread<'_, T> {
 }
 
 impl<T: Real> Spreading<T> {
-    /// Adds points to the patch of the grid that begins at `origin`, as many at a time as does not show.
+    /// Adds points to the patch of the grid that begins at `origin`, as many at a time as does not
+    /// show.
     #[inline(always)]
     fn add_in_runs<const P: usize, const FUSED: bool>(
         &self,
@@ -193,7 +234,7 @@ impl<T: Real> ByWidth for Interpolate<'_, T> {
     fn run<const P: usize, const FUSED: bool>(self) {
         let Self { spreading, cells, grids, sizes, out } = self;
         let (width, stride) = (spreading.table.width(), spreading.stride());
-        let size = spreading.locator.n_rows() * stride;
+        let size = spreading.grid_len();
         for cell in cells {
             let [by_row, by_column] = spreading.table.evaluate::<P, FUSED>(cell.t);
             let start = cell.row as usize * stride + cell.column as usize;

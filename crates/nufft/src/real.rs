@@ -2,13 +2,14 @@ use std::ops::AddAssign;
 
 use rustfft::FftNum;
 
-/// The numbers of a grid: f32 where the accuracy asked for allows it, f64 elsewhere.
-pub(crate) trait Real: FftNum + Default + AddAssign {
+/// The numbers of a grid: f32 where the requested accuracy allows it, f64 elsewhere.
+pub trait Real: FftNum + Default + AddAssign {
     /// The distance from 1 to the next number.
     const EPSILON: f64;
 
     /// The nearest number.
     fn of(x: f64) -> Self;
+    /// The same number in f64.
     fn to_f64(self) -> f64;
     /// `self * a + b`, rounded once if `FUSED`; without the instruction that would be slow.
     fn times_plus<const FUSED: bool>(self, a: Self, b: Self) -> Self;

@@ -1,10 +1,11 @@
-/// Sums that are added up plainly before they count as one term of a longer sum: their roundings, should all fall to
-/// the same side, are half of this many.
-pub(crate) const SHORT: usize = 64;
+/// Sums that are added up plainly before they count as one term of a longer sum: their roundings,
+/// should all fall to the same side, are half of this many.
+pub const SHORT: usize = 64;
 
-/// Adds `terms` to `sums`, element by element, and what the roundings leave to `rests` (Knuth's two-sum).
+/// Adds `terms` to `sums`, element by element, and what the roundings leave to `rests` (Knuth's
+/// two-sum).
 #[inline(always)]
-pub(crate) fn add_with_rests(sums: &mut [f64], rests: &mut [f64], terms: &[f64]) {
+pub fn add_with_rests(sums: &mut [f64], rests: &mut [f64], terms: &[f64]) {
     for ((sum, rest), &term) in sums.iter_mut().zip(rests).zip(terms) {
         let total = *sum + term;
         let part = total - *sum;

@@ -1,0 +1,70 @@
+use std::f64::consts::TAU;
+
+use num_complex::Complex;
+
+use crate::coefficients::TorusCoefficients;
+use crate::error::Error;
+use crate::input;
+use crate::long_sum::add_with_rests;
+use crate::magnitude::magnitude;
+
+/// Returns the coefficients that [`TorusTransform::adjoint`](crate::TorusTransform::adjoint)
+/// approximates, by their definition, to rounding.
+///
+/// Cost O(N kmax^2): for few points, and to check the fast transform.
+///
+/// # Errors
+///
+/// [`Error::FrequencyTooLarge`] and [`Error::OutOfMemory`] as [`TorusCoefficients::zeros`]; for
+/// points and weights as [`TorusTransform::adjoint`](crate::TorusTransform::adjoint).
+///
+/// # Examples
+///
+/// ```
+/// let points = [[0.0, 0.0], [0.5, 0.0]];
+/// let c = sphvar_nufft::direct_adjoint(3, &points, None)?;
+/// assert_eq!(c.get(0, 2).map(|c| c.re), Some(2.0));
+/// assert!(c.get(1, 0).is_some_and(|c| c.norm() < 1e-15));
+/// # Ok::<(), sphvar_nufft::Error>(())
+/// ```
+pub fn direct_adjoint(
+    kmax: usize,
+    points: &[[f64; 2]],
+    weights: Option<&[f64]>,
+) -> Result<TorusCoefficients, Error> {
+    let mut out = TorusCoefficients::zeros(kmax)?;
+    input::check(points, weights)?;
+    let size = weights.map_or(1.0, |w| magnitude(w.iter().copied()));
+    let scale = 1.0 / size;
+    let row_len = 2 * (kmax + 1);
+    // Real and imaginary parts in turn.
+    let mut sums = vec![0.0; out.values().len() * 2];
+    let mut rests = vec![0.0; sums.len()];
+    let mut terms = vec![0.0; row_len];
+    for (index, &[u, v]) in points.iter().enumerate() {
+        let weight = weights.map_or(scale, |w| w[index] * scale);
+        let by_v: Vec<Complex<f64>> = (0..=kmax).map(|k| wave(k as f64, v)).collect();
+        let rows = sums.chunks_exact_mut(row_len).zip(rests.chunks_exact_mut(row_len));
+        for (line, (sums, rests)) in rows.enumerate() {
+            let by_u = wave(line as f64 - kmax as f64, u) * weight;
+            for (term, by_v) in terms.as_chunks_mut::<2>().0.iter_mut().zip(&by_v) {
+                let product = by_u * by_v;
+                *term = [product.re, product.im];
+            }
+            add_with_rests(sums, rests, &terms);
+        }
+    }
+    let parts = sums.as_chunks::<2>().0.iter().zip(rests.as_chunks::<2>().0);
+    for (value, (sum, rest)) in out.values_mut().iter_mut().zip(parts) {
+        *value = Complex::new(sum[0] + rest[0], sum[1] + rest[1]) * size;
+    }
+    Ok(out)
+}
+
+/// `e^{-2 pi i k x}`; the angle is rounded once, after whole turns are taken off.
+fn wave(k: f64, x: f64) -> Complex<f64> {
+    let turns = k * x;
+    let rest = k.mul_add(x, -turns);
+    let (sin, cos) = (TAU * (turns - turns.round() + rest)).sin_cos();
+    Complex::new(cos, -sin)
+}

@@ -1,0 +1,186 @@
+use std::ops::AddAssign;
+use std::sync::Arc;
+
+use num_complex::Complex;
+use pulp::{Arch, NullaryFnOnce};
+use rustfft::{Fft, FftPlanner};
+
+use crate::real::Real;
+use crate::spreading::Spreading;
+use crate::window::Window;
+
+/// Columns that are transformed at a time: a stretch of memory that one access brings in.
+const COLUMNS: usize = 8;
+
+/// The Fourier transforms from a real grid on the torus to coefficients, corrected for the window.
+#[derive(Clone)]
+pub(crate) struct Fourier<T> {
+    kmax: usize,
+    /// Grid cells to a turn, in both directions.
+    cells: usize,
+    /// One over the window's transform at each k from 0, filled up to a multiple of `COLUMNS` with
+    /// zeros.
+    correction: Box<[T]>,
+    fft: Arc<dyn Fft<T>>,
+}
+
+/// Scratch memory of [`Fourier`].
+#[derive(Debug, Default)]
+pub(crate) struct FourierScratch<T> {
+    pair: Vec<Complex<T>>,
+    /// By block of `COLUMNS` columns, row, and column.
+    spectra: Vec<Complex<T>>,
+    columns: Vec<Complex<T>>,
+    fft: Vec<Complex<T>>,
+}
+
+impl<T: Real> Fourier<T> {
+    pub(crate) fn new(kmax: usize, cells: usize, window: Window) -> Self {
+        let mut correction: Vec<T> =
+            window.transform(cells, kmax).into_iter().map(|t| T::of(1.0 / t)).collect();
+        correction.resize((kmax + 1).next_multiple_of(COLUMNS), T::default());
+        let fft = FftPlanner::new().plan_fft_forward(cells);
+        Self { kmax, cells, correction: correction.into(), fft }
+    }
+
+    /// The numbers that the spectra of all rows take.
+    pub(crate) fn spectra_len(&self) -> usize {
+        self.cells * self.correction.len()
+    }
+
+    /// Replaces `out` by `scale` times the coefficients of a grid that points were spread on, in
+    /// the order of [`TorusCoefficients::values`](crate::TorusCoefficients::values); uses the grid
+    /// up.
+    pub(crate) fn run(
+        &self,
+        arch: Arch,
+        grid: &mut [T],
+        spreading: &Spreading<T>,
+        scale: f64,
+        scratch: &mut FourierScratch<T>,
+        out: &mut [Complex<f64>],
+    ) {
+        arch.dispatch(Run { fourier: self, grid, spreading, scale, scratch, out });
+    }
+
+    /// Adds what lies beyond the ends of rows and columns to their other ends.
+    #[inline(always)]
+    fn fold(&self, grid: &mut [T], stride: usize, margin: usize) {
+        let n = self.cells;
+        for row in grid.chunks_exact_mut(stride) {
+            let (before, rest) = row.split_at_mut(margin);
+            let (body, after) = rest.split_at_mut(n);
+            add(&mut body[n - margin..], before);
+            add(body, after);
+        }
+        let (before, rest) = grid.split_at_mut(margin * stride);
+        let (body, after) = rest.split_at_mut(n * stride);
+        add(&mut body[(n - margin) * stride..], before);
+        add(body, after);
+    }
+
+    /// Transforms the rows of a folded grid, two at a time, to frequencies from 0 to kmax.
+    #[inline(always)]
+    fn transform_rows(&self, rows: &[T], stride: usize, scratch: &mut FourierScratch<T>) {
+        let FourierScratch { pair, spectra, fft, .. } = scratch;
+        let (n, half) = (self.cells, T::of(0.5));
+        let corrections = self.correction.as_chunks::<COLUMNS>().0;
+        for (first, rows) in (0..n).step_by(2).zip(rows.chunks_exact(2 * stride)) {
+            let (one, other) = rows.split_at(stride);
+            for (z, (&re, &im)) in pair[..n].iter_mut().zip(one.iter().zip(other)) {
+                *z = Complex { re, im };
+            }
+            self.fft.process_with_scratch(&mut pair[..n], fft);
+            pair[n] = pair[0];
+            // The transform of a + i b at k and n - k tells those of the real a and b apart.
+            for (block, corrections) in corrections.iter().enumerate() {
+                let k = block * COLUMNS;
+                let here = &pair[k..k + COLUMNS];
+                let there = &pair[n + 1 - k - COLUMNS..=n - k];
+                let place = &mut spectra[(block * n + first) * COLUMNS..][..2 * COLUMNS];
+                let (a, b) = place.split_at_mut(COLUMNS);
+                for i in 0..COLUMNS {
+                    let (here, there) = (here[i], there[COLUMNS - 1 - i].conj());
+                    let factor = corrections[i] * half;
+                    let rotated = here - there;
+                    a[i] = (here + there) * factor;
+                    b[i] = Complex { re: rotated.im, im: -rotated.re } * factor;
+                }
+            }
+        }
+    }
+
+    /// Transforms the columns of the spectra to coefficients.
+    #[inline(always)]
+    fn transform_columns(
+        &self,
+        scale: f64,
+        scratch: &mut FourierScratch<T>,
+        out: &mut [Complex<f64>],
+    ) {
+        let FourierScratch { spectra, columns, fft, .. } = scratch;
+        let (n, kmax) = (self.cells, self.kmax);
+        for (block, spectra) in spectra.chunks_exact(n * COLUMNS).enumerate() {
+            for (row, values) in spectra.as_chunks::<COLUMNS>().0.iter().enumerate() {
+                for (i, value) in values.iter().enumerate() {
+                    columns[i * n + row] = *value;
+                }
+            }
+            self.fft.process_with_scratch(columns, fft);
+            for (line, out) in out.chunks_exact_mut(kmax + 1).enumerate() {
+                // Line kmax is that of frequency 0, negative frequencies come from the column's
+                // end.
+                let (row, size) = if line < kmax {
+                    (n - (kmax - line), kmax - line)
+                } else {
+                    (line - kmax, line - kmax)
+                };
+                let out = out[block * COLUMNS..].iter_mut();
+                for (out, column) in out.zip(columns.chunks_exact(n)) {
+                    let value = column[row] * self.correction[size];
+                    *out = Complex::new(value.re.to_f64(), value.im.to_f64()) * scale;
+                }
+            }
+        }
+    }
+}
+
+struct Run<'a, T> {
+    fourier: &'a Fourier<T>,
+    grid: &'a mut [T],
+    spreading: &'a Spreading<T>,
+    scale: f64,
+    scratch: &'a mut FourierScratch<T>,
+    out: &'a mut [Complex<f64>],
+}
+
+impl<T: Real> NullaryFnOnce for Run<'_, T> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        let Self { fourier, grid, spreading, scale, scratch, out } = self;
+        let (stride, margin) = (spreading.stride(), spreading.margin());
+        scratch.fft.resize(fourier.fft.get_inplace_scratch_len(), Complex::default());
+        scratch.pair.resize(fourier.cells + 1, Complex::default());
+        scratch.columns.resize(fourier.cells * COLUMNS, Complex::default());
+        scratch.spectra.resize(fourier.spectra_len(), Complex::default());
+        fourier.fold(grid, stride, margin);
+        fourier.transform_rows(&grid[margin * stride + margin..], stride, scratch);
+        fourier.transform_columns(scale, scratch, out);
+    }
+}
+
+impl<T> FourierScratch<T> {
+    /// The memory that grows with the square of kmax.
+    pub(crate) fn spectra(&mut self) -> &mut Vec<Complex<T>> {
+        &mut self.spectra
+    }
+}
+
+#[inline(always)]
+fn add<T: AddAssign + Copy>(to: &mut [T], from: &[T]) {
+    for (to, from) in to.iter_mut().zip(from) {
+        *to += *from;
+    }
+}

@@ -1,0 +1,216 @@
+//! The fast transform beside its definition, on inputs at the edges, and both beside closed forms.
+
+use std::f64::consts::TAU;
+
+use num_complex::Complex;
+use sphvar_nufft::{
+    Error, MAX_KMAX, TorusCoefficients, TorusTransform, TorusWorkspace, direct_adjoint,
+};
+
+const EPSILONS: [f64; 12] =
+    [1e-1, 1e-2, 1e-3, 3e-5, 1e-5, 5e-6, 1e-7, 1e-9, 1e-10, 1e-11, 5e-13, 1e-13];
+const JUST_BELOW_1: f64 = 1.0 - f64::EPSILON / 2.0;
+
+/// Numbers from [0, 1) by a linear congruential generator.
+fn uniform(seed: u64) -> impl FnMut() -> f64 {
+    let mut state = seed;
+    move || {
+        state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+        (state >> 11) as f64 * 2f64.powi(-53)
+    }
+}
+
+type Input = (&'static str, Vec<[f64; 2]>, Option<Vec<f64>>);
+
+fn inputs() -> Vec<Input> {
+    let mut next = uniform(3);
+    let random: Vec<[f64; 2]> = (0..200).map(|_| [next(), next()]).collect();
+    let signs: Vec<f64> = (0..200).map(|_| 2.0 * next() - 1.0).collect();
+    let of_all_sizes = signs.iter().zip(0..).map(|(s, j)| s * 10f64.powi(3 * j - 300)).collect();
+    let corners = [0.0, -0.0, 5e-324, 1e-17, 0.0625, 0.5, 1.0 - f64::EPSILON, JUST_BELOW_1];
+    let corners: Vec<[f64; 2]> = corners.iter().flat_map(|&u| corners.map(|v| [u, v])).collect();
+    let clustered = random.iter().map(|[u, v]| [1e-7 * u, JUST_BELOW_1 - 1e-7 * v]).collect();
+    let lattice = (0..32 * 32).map(|j| [j % 32, j / 32].map(|i| f64::from(i) / 32.0)).collect();
+    vec![
+        ("none", vec![], None),
+        ("none, weighted", vec![], Some(vec![])),
+        ("one", vec![[0.3, 0.7]], None),
+        ("one at the last place", vec![[JUST_BELOW_1; 2]], None),
+        ("corners", corners, None),
+        ("clustered", clustered, None),
+        ("on the grid", lattice, None),
+        ("signs", random.clone(), Some(signs)),
+        ("huge weights", random.clone(), Some(vec![8e305; 200])),
+        ("tiny weights", random.clone(), Some(vec![3e-310; 200])),
+        ("zero weights", random.clone(), Some(vec![0.0; 200])),
+        ("weights of all sizes", random.clone(), Some(of_all_sizes)),
+        ("random", random, None),
+    ]
+}
+
+/// Asserts the accuracy of every coefficient, and of the norm for weights of one sign.
+fn assert_near(
+    name: &str,
+    epsilon: f64,
+    weights: &[f64],
+    fast: &TorusCoefficients,
+    exact: &TorusCoefficients,
+) {
+    // In units that keep squares in range.
+    let unit = weights.iter().fold(f64::MIN_POSITIVE, |size, w| size.max(w.abs()));
+    let sum: f64 = weights.iter().map(|w| w.abs() / unit).sum();
+    let kmax = exact.kmax();
+    let (mut squares, mut square_errors) = (0.0, 0.0);
+    for (fast, exact) in fast.values().iter().zip(exact.values()) {
+        let (fast, exact) = (fast / unit, exact / unit);
+        let error = (fast - exact).norm();
+        // What is subnormal has been rounded to multiples of 5e-324.
+        let rounding = 5e-324 / unit;
+        assert!(
+            error <= epsilon * sum + rounding,
+            "{name}, kmax {kmax}, {epsilon:e}: {:e} of the weights",
+            error / sum
+        );
+        squares += exact.norm_sqr();
+        square_errors += error * error;
+    }
+    if sum > 0.0 && weights.iter().all(|&w| w >= f64::MIN_POSITIVE) {
+        let off = (square_errors / squares).sqrt();
+        assert!(off <= epsilon, "{name}, kmax {kmax}, {epsilon:e}: {off:e} of the norm");
+    }
+}
+
+fn check(kmax: usize, epsilons: &[f64], (name, points, weights): &Input) {
+    let weights = weights.as_deref();
+    let exact = direct_adjoint(kmax, points, weights).unwrap();
+    let ones = vec![1.0; points.len()];
+    let mut workspace = TorusWorkspace::default();
+    let mut fast = TorusCoefficients::zeros(kmax).unwrap();
+    for &epsilon in epsilons {
+        let plan = TorusTransform::new(kmax, epsilon).unwrap();
+        plan.adjoint_into(points, weights, &mut workspace, &mut fast).unwrap();
+        assert_near(name, epsilon, weights.unwrap_or(&ones), &fast, &exact);
+    }
+}
+
+#[test]
+fn the_requested_accuracy_is_met() {
+    for input in inputs() {
+        for kmax in [0, 1, 2, 7, 8, 31] {
+            check(kmax, &EPSILONS, &input);
+        }
+    }
+}
+
+#[test]
+fn the_requested_accuracy_is_met_for_many_frequencies() {
+    let mut next = uniform(8);
+    let points: Vec<[f64; 2]> = (0..12).map(|_| [next(), next()]).collect();
+    for kmax in [100, 255, 256] {
+        check(kmax, &EPSILONS, &("few", points.clone(), None));
+    }
+}
+
+/// 20000 equal terms, whose roundings fall to the same side in a plain sum.
+#[test]
+fn repeated_points_lose_no_accuracy() {
+    for place in [[0.1, 0.2], [0.0, 0.0], [JUST_BELOW_1, 0.5]] {
+        check(3, &EPSILONS, &("repeated", vec![place; 20_000], None));
+    }
+}
+
+/// A single point has the coefficients exp(-2 pi i (k1 u + k2 v)); those of dyadic coordinates are
+/// computed here from integers, without rounding of the angle before the last step.
+#[test]
+fn the_definition_is_the_closed_form_of_a_point() {
+    let (kmax, a, b, turn) = (50, 12345_i32, 54321, 65536);
+    let point = [f64::from(a) / f64::from(turn), f64::from(b) / f64::from(turn)];
+    let c = direct_adjoint(50, &[point], Some(&[3.0])).unwrap();
+    for k1 in -kmax..=kmax {
+        for k2 in -kmax..=kmax {
+            let angle = TAU * f64::from((k1 * a + k2 * b).rem_euclid(turn)) / f64::from(turn);
+            let expected = Complex::from_polar(3.0, -angle);
+            let got = c.get(k1, k2).unwrap();
+            // Sine and cosine of an angle below 2 pi, rounded by 2^-52, and three products.
+            assert!((got - expected).norm() < 3.0 * 12.0 * f64::EPSILON, "({k1}, {k2}): {got}");
+        }
+    }
+}
+
+/// A lattice of p x q points has p q at multiples of (p, q), and zero elsewhere.
+#[test]
+fn a_lattice_has_the_coefficients_of_its_dual() {
+    let (p, q) = (7, 12);
+    let points: Vec<[f64; 2]> = (0..p * q)
+        .map(|j| [f64::from(j % p) / f64::from(p), f64::from(j / p) / f64::from(q)])
+        .collect();
+    let fast = TorusTransform::new(40, 1e-12).unwrap().adjoint(&points, None).unwrap();
+    let slow = direct_adjoint(40, &points, None).unwrap();
+    for k1 in -40..=40 {
+        for k2 in -40..=40 {
+            let dual = k1 % 7 == 0 && k2 % 12 == 0;
+            let expected = if dual { 84.0 } else { 0.0 };
+            for (c, epsilon) in [(&fast, 1e-12), (&slow, 1e-14)] {
+                let got = c.get(k1, k2).unwrap();
+                assert!((got - expected).norm() <= 84.0 * epsilon, "({k1}, {k2}): {got}");
+            }
+        }
+    }
+}
+
+#[test]
+fn the_same_input_gives_the_same_bits() {
+    let (_, points, weights) = inputs().swap_remove(7);
+    let mut workspace = TorusWorkspace::default();
+    for epsilon in [1e-4, 1e-10] {
+        let plan = TorusTransform::new(20, epsilon).unwrap();
+        let alone = plan.adjoint(&points, weights.as_deref()).unwrap();
+        // A larger transform before it, of other points.
+        let larger = TorusTransform::new(60, epsilon).unwrap();
+        let mut other = TorusCoefficients::zeros(60).unwrap();
+        larger.adjoint_into(&[[0.5, 0.1]; 700], None, &mut workspace, &mut other).unwrap();
+        let mut out = TorusCoefficients::zeros(20).unwrap();
+        plan.adjoint_into(&points, weights.as_deref(), &mut workspace, &mut out).unwrap();
+        assert_eq!(out, alone, "{epsilon:e}");
+    }
+}
+
+#[test]
+fn wrong_input_is_an_error() {
+    for epsilon in [0.0, -1e-3, 0.99e-13, 0.1001, 1.0, f64::INFINITY, f64::NAN] {
+        let error = TorusTransform::new(4, epsilon).unwrap_err();
+        assert!(matches!(error, Error::Accuracy { .. }), "{epsilon}: {error}");
+    }
+    for kmax in [MAX_KMAX + 1, usize::MAX] {
+        let expected = Error::FrequencyTooLarge { kmax };
+        assert_eq!(TorusTransform::new(kmax, 1e-3).unwrap_err(), expected);
+        assert_eq!(direct_adjoint(kmax, &[], None).unwrap_err(), expected);
+    }
+    let plan = TorusTransform::new(4, 1e-3).unwrap();
+    let both = |points: &[[f64; 2]], weights: Option<&[f64]>| {
+        let errors = [plan.adjoint(points, weights), direct_adjoint(4, points, weights)]
+            .map(Result::unwrap_err);
+        assert_eq!(errors[0].to_string(), errors[1].to_string());
+        errors[0]
+    };
+    for bad in [1.0, -1e-300, f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+        for point in [[bad, 0.0], [0.0, bad]] {
+            let error = both(&[[0.0, 0.0], point], None);
+            assert!(matches!(error, Error::Point { index: 1, .. }), "{bad}: {error}");
+        }
+    }
+    for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+        let error = both(&[[0.0, 0.0]; 3], Some(&[1.0, 2.0, bad]));
+        assert!(matches!(error, Error::Weight { index: 2, .. }), "{bad}: {error}");
+    }
+    let two = [[0.0, 0.0]; 2];
+    assert_eq!(both(&two, Some(&[1.0])), Error::WeightCount { weights: 1, points: 2 });
+    assert_eq!(both(&[], Some(&[1.0])), Error::WeightCount { weights: 1, points: 0 });
+    assert_eq!(both(&two, Some(&[f64::MAX, -1e300])), Error::Overflow);
+
+    let mut out = direct_adjoint(5, &two, None).unwrap();
+    let before = out.clone();
+    let error = plan.adjoint_into(&two, None, &mut TorusWorkspace::default(), &mut out);
+    assert_eq!(error, Err(Error::OutputSize { expected: 4, got: 5 }));
+    assert_eq!(out, before);
+}
