@@ -1,0 +1,18 @@
+//! Maps from the unit square to the disk, the sphere and the hemisphere that keep areas or have a known density.
+//!
+//! - [`concentric_disk`]: the square onto the disk, areas times pi (Shirley and Chiu 1997).
+//! - [`cosine_hemisphere`] with [`cosine_hemisphere_pdf`]: directions of density cos(theta)/pi (Malley).
+//! - [`archimedes`]: height and longitude to a direction, area to area.
+//!
+//! ```
+//! use sphvar_warps::{cosine_hemisphere, cosine_hemisphere_pdf};
+//!
+//! let dir = cosine_hemisphere(0.3, 0.8);
+//! assert_eq!(cosine_hemisphere_pdf(dir), dir.z / std::f64::consts::PI);
+//! ```
+
+mod archimedes;
+mod concentric;
+
+pub use archimedes::archimedes;
+pub use concentric::{concentric_disk, cosine_hemisphere, cosine_hemisphere_pdf};
