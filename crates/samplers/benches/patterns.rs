@@ -10,7 +10,7 @@ use std::time::Duration;
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use sphvar_samplers::{
-    DiskMode, Domain, JitteredSquare, MassPoints, OnSphere, Pattern, Purpose, Sampler,
+    DiskMode, Domain, JitteredSquare, MassPoints, OnSphere, Pattern, PointSet, Purpose, Sampler,
     SpectralControl, Streams,
 };
 
@@ -40,13 +40,13 @@ fn bench(c: &mut Criterion, group: &str, samplers: Vec<Named>) {
         group.throughput(Throughput::Elements(n_points as u64));
         group.bench_function(BenchmarkId::new(name, n_points), |b| {
             let streams = Streams::new(0, Purpose::Pattern, n_points);
-            let mut points = Vec::with_capacity(n_points);
+            let mut set = PointSet::new(Vec::with_capacity(n_points));
             let mut realization = 0;
             b.iter(|| {
                 let mut rng = streams.realization(black_box(realization));
                 realization += 1;
-                black_box(&sampler).sample_into(&mut rng, &mut points).expect("a realization");
-                black_box(&mut points);
+                black_box(&sampler).sample_into(&mut rng, &mut set).expect("a realization");
+                black_box(&mut set);
             });
         });
     }

@@ -13,7 +13,8 @@ use std::io::{self, Write};
 use std::time::Instant;
 
 use sphvar_samplers::{
-    DiskMode, Domain, Error, MassPoints, Pattern, PowerProfile, Purpose, SpectralControl, Streams,
+    DiskMode, Domain, Error, MassPoints, Pattern, PointSet, PowerProfile, Purpose, SpectralControl,
+    Streams,
 };
 
 /// Factors of 4 from 256 points to a million.
@@ -132,18 +133,18 @@ fn print_growth(
 fn time(pattern: &Pattern, n_points: usize) -> Result<(f64, usize), Error> {
     let sampler = pattern.build(n_points, Domain::Sphere)?;
     let streams = Streams::new(0, Purpose::Pattern, n_points);
-    let mut points = Vec::new();
-    let mut set = |realization| -> Result<f64, Error> {
+    let mut set = PointSet::default();
+    let mut sample = |realization| -> Result<f64, Error> {
         let start = Instant::now();
-        sampler.sample_into(&mut streams.realization(realization), &mut points)?;
+        sampler.sample_into(&mut streams.realization(realization), &mut set)?;
         Ok(start.elapsed().as_secs_f64())
     };
     // The first touches memory that the others find.
-    set(0)?;
+    sample(0)?;
     let mut times = Vec::new();
     let start = Instant::now();
     for realization in 1..=SETS[1] as u64 {
-        times.push(set(realization)?);
+        times.push(sample(realization)?);
         if times.len() >= SETS[0] && start.elapsed().as_secs_f64() > SECONDS_PER_ROW {
             break;
         }

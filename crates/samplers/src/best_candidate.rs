@@ -2,7 +2,7 @@ use glam::DVec3;
 use rand::Rng;
 
 use crate::cube_grid::CubeGrid;
-use crate::{Domain, Error, Sampler, count, white_noise};
+use crate::{Domain, Error, PointSet, Progress, Sampler, count, white_noise};
 
 /// Best-candidate sampling (Mitchell 1991): each new point is that of several uniform candidates
 /// which lies farthest from all points so far.
@@ -55,16 +55,28 @@ impl Sampler for BestCandidate {
         self.domain
     }
 
-    fn is_random(&self) -> bool {
-        true
+    fn nominal_work(&self) -> f64 {
+        let n = f64::from(self.n);
+        0.8 * n * f64::from(self.factor) / f64::from(Self::DEFAULT_FACTOR) * n
     }
 
-    fn sample_into(&self, rng: &mut dyn Rng, points: &mut Vec<DVec3>) -> Result<(), Error> {
-        points.clear();
+    fn sample_into(&self, rng: &mut dyn Rng, set: &mut PointSet) -> Result<(), Error> {
+        self.sample_watched(rng, set, &())
+    }
+
+    fn sample_watched(
+        &self,
+        rng: &mut dyn Rng,
+        set: &mut PointSet,
+        progress: &dyn Progress,
+    ) -> Result<(), Error> {
+        let points = set.start();
         points.push(white_noise::uniform_direction(self.domain, rng));
         let mut grid = CubeGrid::for_points(1);
         let mut crowded_at = 1;
+        let share = 2.0 * self.nominal_work() / f64::from(self.n).powi(2);
         for n in 1..self.n {
+            progress.tick(share * f64::from(n))?;
             if points.len() >= crowded_at {
                 crowded_at = 2 * points.len();
                 grid = CubeGrid::for_points(crowded_at);

@@ -6,14 +6,13 @@ mod relaxation;
 mod start;
 mod tessellation;
 
-use glam::DVec3;
 use rand::Rng;
 
 pub use self::mass_points::MassPoints;
 pub use self::tessellation::Tessellation;
 
 use self::relaxation::{Outcome, Relaxation};
-use crate::{Domain, Error, Sampler};
+use crate::{Domain, Error, PointSet, Progress, Sampler};
 
 /// The sites of capacity-constrained Voronoi tessellations (Balzer, Schloemer and Deussen 2009)
 /// with geodesic distances.
@@ -56,7 +55,7 @@ use crate::{Domain, Error, Sampler};
 /// assert!(tessellation.is_settled());
 /// assert!((tessellation.energy() - 2.19).abs() < 0.1);
 /// // Sites share the sphere evenly: their sum is far shorter than sqrt N.
-/// let sum: glam::DVec3 = ccvt.sample(&mut rng)?.into_iter().sum();
+/// let sum: glam::DVec3 = ccvt.sample(&mut rng)?.points.iter().sum();
 /// assert!(sum.length() < 0.1);
 /// # Ok::<(), sphvar_samplers::Error>(())
 /// ```
@@ -122,8 +121,17 @@ impl Ccvt {
     ///
     /// None for what [`Self::new`] accepts.
     pub fn tessellate(&self, rng: &mut dyn Rng) -> Result<Tessellation, Error> {
-        let mut points = Vec::new();
-        self.mass_points.draw_into(self.n_points * self.capacity, self.domain, rng, &mut points)?;
+        self.tessellate_watched(rng, &())
+    }
+
+    fn tessellate_watched(
+        &self,
+        rng: &mut dyn Rng,
+        progress: &dyn Progress,
+    ) -> Result<Tessellation, Error> {
+        let mut mass = PointSet::default();
+        self.mass_points.draw_into(self.n_points * self.capacity, self.domain, rng, &mut mass)?;
+        let mut points = mass.points;
         let lines = self.domain == Domain::Hemisphere;
         start::divide(&mut points, self.capacity, lines, rng);
         let mut relaxation = Relaxation::new(&points, self.capacity, lines);
@@ -132,7 +140,9 @@ impl Ccvt {
             relaxation.place(0, start::random_direction(rng));
             Outcome { passes: 0, is_settled: true }
         } else {
-            relaxation.run(Self::MOST_PASSES)
+            let expected = 6.0 * (self.n_points as f64).sqrt();
+            let pass = self.nominal_work() / expected;
+            relaxation.run(Self::MOST_PASSES, &|| progress.tick(pass))?
         };
         let Outcome { passes, is_settled } = outcome;
         Ok(Tessellation { relaxation, domain: self.domain, passes, is_settled })
@@ -148,12 +158,23 @@ impl Sampler for Ccvt {
         self.domain
     }
 
-    fn is_random(&self) -> bool {
-        true
+    fn nominal_work(&self) -> f64 {
+        let mass = self.capacity.max(2) as f64;
+        1.2 * mass * mass.log2() * self.n_points as f64
     }
 
-    fn sample_into(&self, rng: &mut dyn Rng, points: &mut Vec<DVec3>) -> Result<(), Error> {
-        self.tessellate(rng)?.sites_into(points);
+    fn sample_into(&self, rng: &mut dyn Rng, set: &mut PointSet) -> Result<(), Error> {
+        self.sample_watched(rng, set, &())
+    }
+
+    fn sample_watched(
+        &self,
+        rng: &mut dyn Rng,
+        set: &mut PointSet,
+        progress: &dyn Progress,
+    ) -> Result<(), Error> {
+        let points = set.start();
+        self.tessellate_watched(rng, progress)?.sites_into(points);
         Ok(())
     }
 }

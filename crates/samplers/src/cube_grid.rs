@@ -109,12 +109,12 @@ mod tests {
         let mut rng = Streams::new(2, Purpose::Pattern, 0).realization(0);
         let mut sample = |n| Pattern::WhiteNoise.build(n, Domain::Sphere)?.sample(&mut rng);
         for n in [1, 2, 3, 10, 300] {
-            let points = sample(n).unwrap();
+            let points = sample(n).unwrap().points;
             // Grids made for far fewer and far more points are slow, not wrong.
             for made_for in [1, n, 40 * n] {
                 let mut grid = CubeGrid::for_points(made_for);
                 points.iter().for_each(|&p| grid.insert(p));
-                for p in sample(50).unwrap() {
+                for p in sample(50).unwrap().points {
                     let nearest = points.iter().map(|q| q.distance_squared(p));
                     let nearest = nearest.fold(f64::INFINITY, f64::min);
                     let found = |bound| grid.clearance(&points, p, bound);

@@ -4,6 +4,8 @@ use std::collections::VecDeque;
 
 use glam::DVec3;
 
+use crate::Stopped;
+
 /// Steps of which the method remembers the change of the gradient.
 const MEMORY: usize = 6;
 
@@ -48,8 +50,14 @@ pub(crate) struct Descent {
 
 impl Descent {
     /// Moves the points until the objective is final or no shorter step goes down any more, and
-    /// returns the energy reached. The objective has last been asked for these points.
-    pub(crate) fn run(self, points: &mut Vec<DVec3>, objective: &mut impl Objective) -> f64 {
+    /// returns the energy reached. The objective has last been asked for these points. Before each step `tick` tells
+    /// whether to go on.
+    pub(crate) fn run(
+        self,
+        points: &mut Vec<DVec3>,
+        objective: &mut impl Objective,
+        tick: &dyn Fn() -> Result<(), Stopped>,
+    ) -> Result<f64, Stopped> {
         let mut gradient = Vec::new();
         let mut here = objective.energy(points);
         objective.gradient(points, &mut gradient);
@@ -57,6 +65,7 @@ impl Descent {
         let mut memory = Memory::default();
         let (mut step, mut trial, mut trial_gradient) = (Vec::new(), Vec::new(), Vec::new());
         for _ in 0..self.iterations {
+            tick()?;
             if objective.is_final(here, dot(&gradient, &gradient)) {
                 break;
             }
@@ -102,7 +111,7 @@ impl Descent {
             std::mem::swap(&mut gradient, &mut trial_gradient);
             here = there;
         }
-        here
+        Ok(here)
     }
 }
 
@@ -216,7 +225,7 @@ mod tests {
                 .map(|(x, y, z)| DVec3::new(x, y, z).normalize())
                 .into();
             let mut form = Form(DVec3::new(3.0, 1.0, 0.25));
-            let least = descent(is_adaptive).run(&mut points, &mut form);
+            let least = descent(is_adaptive).run(&mut points, &mut form, &|| Ok(())).unwrap();
             assert!((least - 0.75).abs() < 16.0 * f64::EPSILON, "{least} at {points:?}");
             // The angle left over shows in the energy squared.
             assert!(points.iter().all(|p| p.z.abs() > 1.0 - 1e-14), "{points:?}");
@@ -228,7 +237,9 @@ mod tests {
     fn no_energy_no_step() {
         let start = vec![DVec3::X, DVec3::Y];
         let mut points = start.clone();
-        assert!(descent(true).run(&mut points, &mut Form(DVec3::NAN)).is_nan());
+        assert!(
+            descent(true).run(&mut points, &mut Form(DVec3::NAN), &|| Ok(())).unwrap().is_nan()
+        );
         assert_eq!(points, start);
     }
 }

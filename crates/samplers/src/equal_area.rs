@@ -1,10 +1,9 @@
 use std::cmp::Ordering;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
-use glam::DVec3;
 use rand::{Rng, RngExt};
 
-use crate::{Domain, Error, Region, Sampler, count};
+use crate::{Domain, Error, Law, PointSet, Region, Sampler, Strata, count};
 
 /// Where a point lies in its region.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -145,12 +144,15 @@ impl Sampler for EqualArea {
         self.domain
     }
 
-    fn is_random(&self) -> bool {
-        self.placement == Placement::Jittered
+    fn law(&self) -> Law<'_> {
+        match self.placement {
+            Placement::Jittered => Law::Stratified(Strata::EqualArea(self)),
+            Placement::Centred => Law::Fixed,
+        }
     }
 
-    fn sample_into(&self, rng: &mut dyn Rng, points: &mut Vec<DVec3>) -> Result<(), Error> {
-        points.clear();
+    fn sample_into(&self, rng: &mut dyn Rng, set: &mut PointSet) -> Result<(), Error> {
+        let points = set.start();
         match self.placement {
             Placement::Jittered => points.extend(self.regions().map(|region| {
                 let (u, v) = (rng.random(), rng.random());

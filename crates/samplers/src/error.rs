@@ -1,4 +1,4 @@
-use crate::{Domain, Pattern};
+use crate::{Domain, Pattern, Stopped};
 
 /// Why a sampler cannot be built.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -54,6 +54,15 @@ pub enum Error {
         /// Why.
         reason: String,
     },
+    /// Invalid points or weights, given by the caller or made by a sampler of the caller's own.
+    #[error("invalid point sets: {reason}")]
+    Given {
+        /// What is wrong.
+        reason: String,
+    },
+    /// The work was ended from outside.
+    #[error(transparent)]
+    Stopped(#[from] Stopped),
     /// A parameter outside its range.
     #[error("{name} must be {range}, got {got}")]
     Parameter {

@@ -1,9 +1,10 @@
 use std::f64::consts::TAU;
 
-use glam::DVec3;
 use rand::Rng;
 
-use crate::{Domain, Error, Sampler, archimedes};
+use sphvar_warps::archimedes;
+
+use crate::{Domain, Error, Law, PointSet, Sampler};
 
 /// 2^128 divided by the golden ratio (1 + sqrt 5)/2, rounded down: the longitude's step in turns.
 const INVERSE_GOLDEN_RATIO: u128 = 0x9E37_79B9_7F4A_7C15_F39C_C060_5CED_C834;
@@ -35,19 +36,19 @@ impl Sampler for Fibonacci {
         self.domain
     }
 
-    fn is_random(&self) -> bool {
-        false
+    fn law(&self) -> Law<'_> {
+        Law::Fixed
     }
 
-    fn sample_into(&self, _: &mut dyn Rng, points: &mut Vec<DVec3>) -> Result<(), Error> {
+    fn sample_into(&self, _: &mut dyn Rng, set: &mut PointSet) -> Result<(), Error> {
+        let points = set.start();
         let per_point = match self.domain {
             Domain::Sphere => 1.0 / self.n_points as f64,
             Domain::Hemisphere => 0.5 / self.n_points as f64,
         };
-        points.clear();
         points.extend((0..self.n_points).map(|j| {
             let drop = (2 * j + 1) as f64 * per_point;
-            archimedes::direction(drop, TAU * golden_turns(j))
+            archimedes(drop, TAU * golden_turns(j))
         }));
         Ok(())
     }

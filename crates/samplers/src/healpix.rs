@@ -1,8 +1,7 @@
-use glam::DVec3;
 use rand::{Rng, RngExt};
 use sphvar_healpix::{Cell, Nside};
 
-use crate::{Domain, Error, Sampler};
+use crate::{Domain, Error, Law, PointSet, Sampler, Strata};
 
 /// The centres of the HEALPix pixels (Gorski et al. 2005), 12 nside^2 of them; on the hemisphere
 /// one of each antipodal pair, 6 nside^2.
@@ -52,12 +51,12 @@ impl Sampler for HealpixRegular {
         self.domain
     }
 
-    fn is_random(&self) -> bool {
-        false
+    fn law(&self) -> Law<'_> {
+        Law::Fixed
     }
 
-    fn sample_into(&self, _: &mut dyn Rng, points: &mut Vec<DVec3>) -> Result<(), Error> {
-        points.clear();
+    fn sample_into(&self, _: &mut dyn Rng, set: &mut PointSet) -> Result<(), Error> {
+        let points = set.start();
         points.extend(
             strata(self.nside, self.domain).map(|c| self.domain.representative(c.centre())),
         );
@@ -74,12 +73,12 @@ impl Sampler for HealpixJittered {
         self.domain
     }
 
-    fn is_random(&self) -> bool {
-        true
+    fn law(&self) -> Law<'_> {
+        Law::Stratified(Strata::Healpix(self.nside))
     }
 
-    fn sample_into(&self, rng: &mut dyn Rng, points: &mut Vec<DVec3>) -> Result<(), Error> {
-        points.clear();
+    fn sample_into(&self, rng: &mut dyn Rng, set: &mut PointSet) -> Result<(), Error> {
+        let points = set.start();
         points.extend(strata(self.nside, self.domain).map(|cell| {
             let (u, v) = (rng.random(), rng.random());
             self.domain.representative(cell.uniform_point(u, v))
@@ -142,7 +141,7 @@ mod tests {
                 &HealpixRegular::new(nside, domain) as &dyn Sampler,
                 &HealpixJittered::new(nside, domain),
             ] {
-                let points = sampler.sample(&mut rng).unwrap();
+                let points = sampler.sample(&mut rng).unwrap().points;
                 assert_eq!(points.len(), sampler.n_points());
                 let strata: HashSet<_> = points
                     .iter()

@@ -1,7 +1,7 @@
 use glam::DVec3;
 use rand::Rng;
 
-use crate::{Domain, Error, Sampler, voronoi, white_noise};
+use crate::{Domain, Error, PointSet, Progress, Sampler, voronoi, white_noise};
 
 /// White noise after some steps of Lloyd's relaxation (Lloyd 1982; on the sphere Du, Gunzburger
 /// and Ju 2003): every step moves each point to the centroid of its Voronoi cell.
@@ -19,7 +19,8 @@ use crate::{Domain, Error, Sampler, voronoi, white_noise};
 /// let domain = Domain::Sphere;
 /// let relaxed = |steps| -> Result<f64, sphvar_samplers::Error> {
 ///     let mut rng = Streams::new(0, Purpose::Pattern, 200).realization(0);
-///     Ok(quantization_energy(&Lloyd::new(200, domain, steps)?.sample(&mut rng)?, domain))
+///     let set = Lloyd::new(200, domain, steps)?.sample(&mut rng)?;
+///     Ok(quantization_energy(&set.points, domain))
 /// };
 /// assert!(relaxed(10)? < 0.6 * relaxed(0)?);
 /// # Ok::<(), sphvar_samplers::Error>(())
@@ -61,16 +62,28 @@ impl Sampler for Lloyd {
         self.domain
     }
 
-    fn is_random(&self) -> bool {
-        true
+    fn nominal_work(&self) -> f64 {
+        160.0 * f64::from(self.iterations) / f64::from(Self::DEFAULT_ITERATIONS)
+            * self.n_points as f64
     }
 
-    fn sample_into(&self, rng: &mut dyn Rng, points: &mut Vec<DVec3>) -> Result<(), Error> {
-        points.clear();
+    fn sample_into(&self, rng: &mut dyn Rng, set: &mut PointSet) -> Result<(), Error> {
+        self.sample_watched(rng, set, &())
+    }
+
+    fn sample_watched(
+        &self,
+        rng: &mut dyn Rng,
+        set: &mut PointSet,
+        progress: &dyn Progress,
+    ) -> Result<(), Error> {
+        let points = set.start();
         points.extend((0..self.n_points).map(|_| white_noise::uniform_direction(self.domain, rng)));
         let mut sites = Vec::new();
         let mut moments = Vec::new();
+        let step = self.nominal_work() / f64::from(self.iterations.max(1));
         for _ in 0..self.iterations {
+            progress.tick(step)?;
             sites_of(points, self.domain, &mut sites);
             voronoi::cell_moments(&sites, &mut moments);
             for (p, moment) in points.iter_mut().zip(&moments) {

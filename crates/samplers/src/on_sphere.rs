@@ -1,9 +1,10 @@
 use std::f64::consts::TAU;
 
-use glam::DVec3;
 use rand::Rng;
 
-use crate::{Domain, Error, Sampler, SquarePattern, archimedes};
+use sphvar_warps::archimedes;
+
+use crate::{Domain, Error, Law, PointSet, Sampler, SquarePattern};
 
 /// A pattern of the square, carried to the sphere or the hemisphere by the area-preserving map of
 /// Archimedes.
@@ -19,8 +20,8 @@ use crate::{Domain, Error, Sampler, SquarePattern, archimedes};
 /// ```
 /// use sphvar_samplers::{Domain, Hammersley, OnSphere, Purpose, Sampler, Streams};
 /// let sampler = OnSphere::new(Hammersley::new(100)?, Domain::Hemisphere);
-/// let points = sampler.sample(&mut Streams::new(0, Purpose::Pattern, 100).realization(0))?;
-/// assert!(points.len() == 100 && points.iter().all(|p| p.z >= 0.0));
+/// let set = sampler.sample(&mut Streams::new(0, Purpose::Pattern, 100).realization(0))?;
+/// assert!(set.len() == 100 && set.points.iter().all(|p| p.z >= 0.0));
 /// # Ok::<(), sphvar_samplers::Error>(())
 /// ```
 #[derive(Clone, Copy, Debug)]
@@ -46,18 +47,17 @@ impl<P: SquarePattern> Sampler for OnSphere<P> {
         self.domain
     }
 
-    fn is_random(&self) -> bool {
-        self.pattern.is_random()
+    fn law(&self) -> Law<'_> {
+        if self.pattern.is_random() { Law::Random } else { Law::Fixed }
     }
 
-    fn sample_into(&self, rng: &mut dyn Rng, points: &mut Vec<DVec3>) -> Result<(), Error> {
+    fn sample_into(&self, rng: &mut dyn Rng, set: &mut PointSet) -> Result<(), Error> {
         let height = match self.domain {
             Domain::Sphere => 2.0,
             Domain::Hemisphere => 1.0,
         };
         let square = self.pattern.fill(rng)?;
-        points.clear();
-        points.extend(square.iter().map(|[u, v]| archimedes::direction(height * u, TAU * v)));
+        set.start().extend(square.iter().map(|[u, v]| archimedes(height * u, TAU * v)));
         Ok(())
     }
 }

@@ -2,6 +2,8 @@ use std::fmt;
 
 use sphvar_healpix::Nside;
 
+use crate::hash::fnv1a;
+use crate::of_pattern::OfPattern;
 use crate::{
     BestCandidate, Ccvt, DiskMode, Domain, EqualArea, Error, Fibonacci, GeneralizedSpiral, Halton,
     Hammersley, HealpixJittered, HealpixRegular, Lloyd, MassPoints, OnSphere, Placement,
@@ -153,9 +155,7 @@ impl Pattern {
     /// this pattern and number of points, by a hash of its text (FNV-1a, 32 bits).
     #[must_use]
     pub fn stream_group(&self, n_points: usize) -> usize {
-        let step = |hash: u32, byte: u8| (hash ^ u32::from(byte)).wrapping_mul(0x0100_0193);
-        let hash = self.to_string().bytes().fold(0x811c_9dc5, step);
-        hash as usize ^ n_points
+        fnv1a(self.to_string().as_bytes()) as usize ^ n_points
     }
 
     /// The rule that the number of points obeys on `domain`, in words.
@@ -209,7 +209,7 @@ impl Pattern {
             return Err(Error::IllegalCount { pattern, domain, asked, nearest, rule });
         }
         let n = n_points;
-        Ok(match self {
+        let sampler: Box<dyn Sampler> = match self {
             Self::WhiteNoise => Box::new(WhiteNoise::new(n, domain)),
             Self::Fibonacci => Box::new(Fibonacci::new(n, domain)),
             Self::Healpix => Box::new(HealpixRegular::new(self.nside(n, domain)?, domain)),
@@ -235,7 +235,8 @@ impl Pattern {
             Self::Sobol => Box::new(OnSphere::new(Sobol::new(n)?, domain)),
             Self::Halton => Box::new(OnSphere::new(Halton::new(n)?, domain)),
             Self::Hammersley => Box::new(OnSphere::new(Hammersley::new(n)?, domain)),
-        })
+        };
+        Ok(Box::new(OfPattern::new(sampler, self)))
     }
 
     /// Returns [`Sampler::last_empty_degree`] of the sampler of `n_points` points; `None` if there is none.

@@ -8,7 +8,8 @@ use glam::DVec3;
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-use crate::{Domain, Error, Pattern, Sampler};
+use crate::progress::Tick;
+use crate::{Domain, Error, Pattern, PointSet, Progress, Sampler};
 pub(crate) use packing::greatest_chord;
 use throw::{End, Thrower};
 
@@ -70,7 +71,7 @@ impl fmt::Display for DiskMode {
 ///
 /// let disks = PoissonDisk::new(100, Domain::Sphere, DiskMode::Exact, None)?;
 /// let mut rng = Streams::new(0, Purpose::Pattern, 100).realization(0);
-/// let points = disks.sample(&mut rng)?;
+/// let points = disks.sample(&mut rng)?.points;
 /// assert_eq!(points.len(), 100);
 /// let nearest = points[1..].iter().map(|p| p.distance(points[0])).fold(2.0, f64::min);
 /// assert!(nearest >= disks.chord() && disks.chord() == 0.2893);
@@ -106,6 +107,9 @@ impl PoissonDisk {
 
     /// The share of the domain's area that may remain undecided in a saturated set.
     const UNRESOLVED_SHARE: f64 = 1e-12;
+
+    /// Levels of subdivision after which an exact set is complete, about.
+    const USUAL_LEVELS: f64 = 8.0;
 
     /// The share of the sphere, M r^2/16, that saturated disks of radius r/2 fill.
     const SATURATED_FILL: f64 = 0.547;
@@ -223,13 +227,18 @@ impl PoissonDisk {
         Error::Infeasible { pattern: NAME, n_points: self.n_points, reason }
     }
 
-    fn exact_into(&self, rng: &mut ChaCha8Rng, points: &mut Vec<DVec3>) -> Result<(), Error> {
+    fn exact_into(
+        &self,
+        rng: &mut ChaCha8Rng,
+        points: &mut Vec<DVec3>,
+        tick: Tick<'_>,
+    ) -> Result<(), Error> {
         let expected = self.saturated_count().min(self.n_points as f64);
         let mut most = 0;
         for _ in 0..self.attempts() {
             points.clear();
             let thrower = Thrower::new(self.domain, self.chord(), expected, rng);
-            if thrower.run(self.n_points, points) == End::Full {
+            if thrower.run(self.n_points, points, tick)? == End::Full {
                 return Ok(());
             }
             most = most.max(points.len());
@@ -246,9 +255,14 @@ impl PoissonDisk {
         )))
     }
 
-    fn saturated_into(&self, rng: &mut ChaCha8Rng, points: &mut Vec<DVec3>) -> Result<(), Error> {
+    fn saturated_into(
+        &self,
+        rng: &mut ChaCha8Rng,
+        points: &mut Vec<DVec3>,
+        tick: Tick<'_>,
+    ) -> Result<(), Error> {
         let thrower = Thrower::new(self.domain, self.chord(), self.saturated_count(), rng);
-        match thrower.run(usize::MAX, points) {
+        match thrower.run(usize::MAX, points, tick)? {
             End::Saturated { unresolved }
                 if unresolved > Self::UNRESOLVED_SHARE * self.domain.area() =>
             {
@@ -273,17 +287,27 @@ impl Sampler for PoissonDisk {
         self.domain
     }
 
-    fn is_random(&self) -> bool {
-        true
+    fn nominal_work(&self) -> f64 {
+        40.0 * self.n_points as f64
     }
 
-    fn sample_into(&self, rng: &mut dyn Rng, points: &mut Vec<DVec3>) -> Result<(), Error> {
-        points.clear();
+    fn sample_into(&self, rng: &mut dyn Rng, set: &mut PointSet) -> Result<(), Error> {
+        self.sample_watched(rng, set, &())
+    }
+
+    fn sample_watched(
+        &self,
+        rng: &mut dyn Rng,
+        set: &mut PointSet,
+        progress: &dyn Progress,
+    ) -> Result<(), Error> {
+        let points = set.start();
         // A generator of its own: a call through `dyn` for every number costs as much as a dart.
         let mut own = ChaCha8Rng::from_rng(rng);
+        let level = self.nominal_work() / Self::USUAL_LEVELS;
         match self.mode {
-            DiskMode::Exact => self.exact_into(&mut own, points),
-            DiskMode::Saturated => self.saturated_into(&mut own, points),
+            DiskMode::Exact => self.exact_into(&mut own, points, &|| progress.tick(level)),
+            DiskMode::Saturated => self.saturated_into(&mut own, points, &|| progress.tick(level)),
         }
     }
 }

@@ -2,7 +2,7 @@ use std::f64::consts::TAU;
 
 use glam::DVec3;
 
-use crate::archimedes;
+use sphvar_warps::archimedes;
 
 /// A zonal rectangle: the directions between two heights and two longitudes; a polar cap or a
 /// whole zone where the longitudes make a full turn.
@@ -54,7 +54,7 @@ impl Region {
         let [west, east] = self.phi;
         // The sum may round past the edge.
         let drop = (top + (bottom - top) * u).min(bottom);
-        archimedes::direction(drop, west + (east - west) * v)
+        archimedes(drop, west + (east - west) * v)
     }
 
     /// The direction in the middle of the colatitudes and the longitudes; the pole of a cap

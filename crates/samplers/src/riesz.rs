@@ -3,7 +3,7 @@ use rand::Rng;
 
 use crate::descent::{Descent, Objective};
 use crate::riesz_energy::RieszEnergy;
-use crate::{Domain, Error, Sampler, count, white_noise};
+use crate::{Domain, Error, PointSet, Progress, Sampler, count, white_noise};
 
 /// White noise after some steps down the Riesz energy of exponent s, or the logarithmic energy
 /// for s = 0 (Hardin and Saff 2004); see [`riesz_energy`](crate::riesz_energy).
@@ -21,9 +21,9 @@ use crate::{Domain, Error, Sampler, count, white_noise};
 /// ```
 /// use sphvar_samplers::{Domain, Purpose, Riesz, Sampler, Streams, riesz_energy};
 /// let thomson = Riesz::new(12, Domain::Sphere, Riesz::DEFAULT_S, Riesz::DEFAULT_ITERATIONS)?;
-/// let points = thomson.sample(&mut Streams::new(0, Purpose::Pattern, 12).realization(0))?;
+/// let set = thomson.sample(&mut Streams::new(0, Purpose::Pattern, 12).realization(0))?;
 /// // The icosahedron.
-/// assert!((riesz_energy(&points, Domain::Sphere, 1.0) - 49.165253058).abs() < 1e-8);
+/// assert!((riesz_energy(&set.points, Domain::Sphere, 1.0) - 49.165253058).abs() < 1e-8);
 /// # Ok::<(), sphvar_samplers::Error>(())
 /// ```
 #[derive(Clone, Copy, Debug)]
@@ -84,12 +84,22 @@ impl Sampler for Riesz {
         self.domain
     }
 
-    fn is_random(&self) -> bool {
-        true
+    fn nominal_work(&self) -> f64 {
+        let n = f64::from(self.n);
+        6.5 * n * f64::from(self.iterations) / f64::from(Self::DEFAULT_ITERATIONS) * n
     }
 
-    fn sample_into(&self, rng: &mut dyn Rng, points: &mut Vec<DVec3>) -> Result<(), Error> {
-        points.clear();
+    fn sample_into(&self, rng: &mut dyn Rng, set: &mut PointSet) -> Result<(), Error> {
+        self.sample_watched(rng, set, &())
+    }
+
+    fn sample_watched(
+        &self,
+        rng: &mut dyn Rng,
+        set: &mut PointSet,
+        progress: &dyn Progress,
+    ) -> Result<(), Error> {
+        let points = set.start();
         points.extend((0..self.n).map(|_| white_noise::uniform_direction(self.domain, rng)));
         let spacing = (self.domain.area() / f64::from(self.n)).sqrt();
         // The curvature of one neighbour's energy at that spacing, s(s+1)/spacing^(s+2), six times.
@@ -101,7 +111,9 @@ impl Sampler for Riesz {
             is_adaptive: true,
             reach: spacing / 3.0,
         };
-        descent.run(points, &mut Downhill { energy, gradient: Vec::new() });
+        let step = self.nominal_work() / f64::from(self.iterations.max(1));
+        let mut downhill = Downhill { energy, gradient: Vec::new() };
+        descent.run(points, &mut downhill, &|| progress.tick(step))?;
         for p in points {
             *p = self.domain.representative(*p);
         }

@@ -221,7 +221,7 @@ mod tests {
 
     fn white(n: usize, domain: Domain) -> Vec<DVec3> {
         let mut rng = Streams::new(8, Purpose::Pattern, n).realization(0);
-        Pattern::WhiteNoise.build(n, domain).unwrap().sample(&mut rng).unwrap()
+        Pattern::WhiteNoise.build(n, domain).unwrap().sample(&mut rng).unwrap().points
     }
 
     fn by_definition(points: &[DVec3], domain: Domain, s: f64) -> f64 {

@@ -4,12 +4,11 @@ mod profile;
 mod soft_core;
 mod target;
 
-use glam::DVec3;
 use rand::Rng;
 
 use crate::descent::Descent;
 use crate::poisson_disk::greatest_chord;
-use crate::{Domain, Error, Sampler, count, white_noise};
+use crate::{Domain, Error, PointSet, Progress, Sampler, count, white_noise};
 use energy::SpectralEnergy;
 use freedom::{coefficients, degree_within, degrees_of_freedom};
 pub use profile::PowerProfile;
@@ -35,9 +34,9 @@ pub use target::SpectralTarget;
 /// use sphvar_samplers::{Domain, Purpose, Sampler, SpectralControl, Streams};
 /// let step = SpectralControl::step(100, Domain::Sphere, None, None)?;
 /// assert_eq!(step.last_empty_degree(), 10);
-/// let points = step.sample(&mut Streams::new(0, Purpose::Pattern, 100).realization(0))?;
+/// let set = step.sample(&mut Streams::new(0, Purpose::Pattern, 100).realization(0))?;
 /// // No power at degree 1: the points balance.
-/// let sum: glam::DVec3 = points.iter().sum();
+/// let sum: glam::DVec3 = set.points.iter().sum();
 /// assert!(sum.length() < 1e-8);
 /// # Ok::<(), sphvar_samplers::Error>(())
 /// ```
@@ -53,6 +52,8 @@ pub struct SpectralControl {
     target: SpectralTarget,
     /// The chord of the soft core.
     sigma: f64,
+    /// The nominal work of a point without a core.
+    work: f64,
 }
 
 impl SpectralControl {
@@ -84,6 +85,16 @@ impl SpectralControl {
     /// Steps of one descent: some 5000 are needed where all the freedom is spent that can be.
     const MOST_STEPS: u32 = 20_000;
 
+    /// How much longer a set takes with a soft core, nominally.
+    const CORE_WORK: f64 = 2.5;
+
+    /// The steps of a descent, about.
+    fn expected_steps(&self) -> f64 {
+        let share =
+            self.target.constraints(self.domain) as f64 / degrees_of_freedom(self.n_points());
+        descent_steps(share)
+    }
+
     /// How many descents are begun: up to two in five stall with some numbers of few points, none was
     /// seen to with more than 100.
     fn starts(n: u32) -> u32 {
@@ -109,7 +120,8 @@ impl SpectralControl {
     ) -> Result<Self, Error> {
         let is_flat = alpha.unwrap_or(Self::DEFAULT_ALPHA) <= 1.0 && n_points >= Self::FEWEST_FLAT;
         let flat = flat.unwrap_or(if is_flat { 2.0 } else { 0.0 });
-        Self::empty_to_alpha("step", n_points, domain, alpha, flat)?.with_core(Self::STEP_CORE)
+        Self::empty_to_alpha("step", n_points, domain, alpha, flat, 320.0)?
+            .with_core(Self::STEP_CORE)
     }
 
     /// The step of `alpha` with no target beyond, but points no nearer than 0.75 of a hexagonal
@@ -119,7 +131,8 @@ impl SpectralControl {
     ///
     /// As [`Self::step`].
     pub fn blue(n_points: usize, domain: Domain, alpha: Option<f64>) -> Result<Self, Error> {
-        Self::empty_to_alpha("blue", n_points, domain, alpha, 0.0)?.with_core(Self::BLUE_CORE)
+        Self::empty_to_alpha("blue", n_points, domain, alpha, 0.0, 180.0)?
+            .with_core(Self::BLUE_CORE)
     }
 
     /// The power of a profile, met at every degree of every realization.
@@ -152,13 +165,15 @@ impl SpectralControl {
         Ok(freedom::max_alpha(n_points, domain).min(Self::MOST_ALPHA))
     }
 
-    /// The pattern without power to alpha and with that of white noise from there to `flat sqrt(N)`.
+    /// The pattern without power to alpha and with that of white noise from there to `flat sqrt(N)`; `work` is that of a
+    /// point for alpha = 1.
     fn empty_to_alpha(
         name: &'static str,
         n_points: usize,
         domain: Domain,
         alpha: Option<f64>,
         flat: f64,
+        work: f64,
     ) -> Result<Self, Error> {
         let given = alpha.unwrap_or(Self::DEFAULT_ALPHA);
         let range = "in [0, 1.38]: beyond there are more constraints than freedom";
@@ -184,7 +199,8 @@ impl SpectralControl {
         let last = last.min(most);
         let end = last.max(degree_within(flat, n_points, domain));
         let power = (0..=end).map(|l| if l <= last { 0.0 } else { 1.0 });
-        Ok(Self { n, domain, name, target: SpectralTarget::new(power.collect())?, sigma: 0.0 })
+        let target = SpectralTarget::new(power.collect())?;
+        Ok(Self { n, domain, name, target, sigma: 0.0, work: work * relative_work(given) })
     }
 
     /// The pattern of `n_points` points with the target's power, and no core; `name` is for messages.
@@ -213,7 +229,7 @@ impl SpectralControl {
                 ),
             });
         }
-        Ok(Self { n, domain, name, target, sigma: 0.0 })
+        Ok(Self { n, domain, name, target, sigma: 0.0, work: 130.0 })
     }
 
     /// The same, with no two points nearer than `core` times the spacing of a hexagonal lattice,
@@ -265,21 +281,33 @@ impl Sampler for SpectralControl {
         self.domain
     }
 
-    fn is_random(&self) -> bool {
-        true
-    }
-
     fn last_empty_degree(&self) -> Option<usize> {
         Some(Self::last_empty_degree(self))
     }
 
-    fn sample_into(&self, rng: &mut dyn Rng, points: &mut Vec<DVec3>) -> Result<(), Error> {
+    fn nominal_work(&self) -> f64 {
+        let core = if self.sigma > 0.0 { Self::CORE_WORK } else { 1.0 };
+        self.work * core * f64::from(self.n)
+    }
+
+    fn sample_into(&self, rng: &mut dyn Rng, set: &mut PointSet) -> Result<(), Error> {
+        self.sample_watched(rng, set, &())
+    }
+
+    fn sample_watched(
+        &self,
+        rng: &mut dyn Rng,
+        set: &mut PointSet,
+        progress: &dyn Progress,
+    ) -> Result<(), Error> {
+        let points = set.start();
         let core = SoftCore { domain: self.domain, sigma: self.sigma };
         let g2 = self.target.pair_correlation_at_zero(self.n_points(), self.domain);
         // Power beyond the target can make up for a little, and for any emptiness if all of it is free.
         let has_tail = self.target.last_degree() > Self::last_empty_degree(self);
         let starts = if has_tail && g2 < -0.5 { 1 } else { Self::starts(self.n) };
         let mut reached = [0.0; 2];
+        let step = self.nominal_work() / self.expected_steps();
         for _ in 0..starts {
             points.clear();
             points.extend((0..self.n).map(|_| white_noise::uniform_direction(self.domain, rng)));
@@ -291,7 +319,7 @@ impl Sampler for SpectralControl {
                 is_adaptive: false,
                 reach: 8.0 * spacing,
             };
-            descent.run(points, &mut energy);
+            descent.run(points, &mut energy, &|| progress.tick(step))?;
             if energy.has_arrived() {
                 for p in points.iter_mut() {
                     *p = self.domain.representative(*p);
@@ -312,6 +340,21 @@ impl Sampler for SpectralControl {
             ),
         })
     }
+}
+
+/// The work of a descent that empties all degrees up to alpha sqrt(N) relative to that of alpha = 1,
+/// from where it is taken not to fall: the size of the transforms times the steps.
+fn relative_work(alpha: f64) -> f64 {
+    let steps = |alpha: f64| descent_steps(0.5 * alpha * alpha);
+    let usual = SpectralControl::DEFAULT_ALPHA;
+    let alpha = alpha.max(usual);
+    alpha * alpha * steps(alpha) / steps(usual)
+}
+
+/// The steps of a descent that spends a share f of the freedom, about `8 (1 + sqrt f)/(1 - sqrt f)`.
+fn descent_steps(share: f64) -> f64 {
+    let root = share.min(SpectralControl::MOST_CONSTRAINED).sqrt();
+    8.0 * (1.0 + root) / (1.0 - root)
 }
 
 /// Accepts numbers from 0 to `most`.

@@ -3,7 +3,9 @@ use std::f64::consts::TAU;
 use glam::DVec3;
 use rand::Rng;
 
-use crate::{Domain, Error, Sampler, archimedes, count};
+use sphvar_warps::archimedes;
+
+use crate::{Domain, Error, Law, PointSet, Sampler, count};
 
 /// The advance along the spiral per point, in units of `1/sqrt(N)` of arc: the value that Rakhmanov,
 /// Saff and Zhou give from numerical experiments.
@@ -65,17 +67,17 @@ impl Sampler for GeneralizedSpiral {
         self.domain
     }
 
-    fn is_random(&self) -> bool {
-        false
+    fn law(&self) -> Law<'_> {
+        Law::Fixed
     }
 
-    fn sample_into(&self, _: &mut dyn Rng, points: &mut Vec<DVec3>) -> Result<(), Error> {
+    fn sample_into(&self, _: &mut dyn Rng, set: &mut PointSet) -> Result<(), Error> {
+        let points = set.start();
         let per_sphere = match self.domain {
             Domain::Sphere => f64::from(self.n),
             Domain::Hemisphere => 2.0 * f64::from(self.n),
         };
         let mut phi = 0.0;
-        points.clear();
         points.extend((0..self.n).map(|k| {
             let (drop, north) = self.height(k);
             if drop <= 0.0 {
@@ -83,7 +85,7 @@ impl Sampler for GeneralizedSpiral {
             } else if k > 0 {
                 phi = (phi + STEP / (per_sphere * drop * (2.0 - drop)).sqrt()) % TAU;
             }
-            let p = archimedes::direction(drop, phi);
+            let p = archimedes(drop, phi);
             if north { p } else { DVec3::new(p.x, p.y, -p.z) }
         }));
         Ok(())

@@ -56,10 +56,23 @@ impl Streams {
     /// The generator of one realization, at its start.
     #[must_use]
     pub fn realization(&self, index: u64) -> ChaCha8Rng {
-        let mut rng = ChaCha8Rng::from_seed(self.key);
-        rng.set_stream(index);
-        rng
+        generator(self.key, index)
     }
+
+    /// The generator of the rotation or shift of one realization, independent of
+    /// [`Self::realization`].
+    #[must_use]
+    pub fn randomization(&self, index: u64) -> ChaCha8Rng {
+        let mut key = self.key;
+        key[24..].copy_from_slice(b"rotate 1");
+        generator(key, index)
+    }
+}
+
+fn generator(key: [u8; 32], index: u64) -> ChaCha8Rng {
+    let mut rng = ChaCha8Rng::from_seed(key);
+    rng.set_stream(index);
+    rng
 }
 
 #[cfg(test)]
@@ -81,6 +94,8 @@ mod tests {
             first(0, Purpose::Pattern, 48, 0),
             first(0, Purpose::Pattern, 12, 1),
         ];
+        let other = Streams::new(0, Purpose::Pattern, 12).randomization(0).next_u64();
+        assert!(!all.contains(&other), "{other:x} is among {all:x?}");
         for (i, a) in all.iter().enumerate() {
             for b in &all[i + 1..] {
                 assert_ne!(a, b, "two streams start alike: {all:x?}");

@@ -114,7 +114,7 @@ mod tests {
 
     fn pattern(pattern: Pattern, n: usize) -> Vec<DVec3> {
         let mut rng = Streams::new(4, Purpose::Pattern, n).realization(0);
-        pattern.build(n, Domain::Sphere).unwrap().sample(&mut rng).unwrap()
+        pattern.build(n, Domain::Sphere).unwrap().sample(&mut rng).unwrap().points
     }
 
     #[test]

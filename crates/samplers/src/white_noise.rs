@@ -3,7 +3,9 @@ use std::f64::consts::TAU;
 use glam::DVec3;
 use rand::{Rng, RngExt};
 
-use crate::{Domain, Error, Sampler, archimedes};
+use sphvar_warps::archimedes;
+
+use crate::{Domain, Error, Law, PointSet, Sampler};
 
 /// Independent, uniformly distributed directions: `P(l) = 1` for every l >= 1, variance
 /// `(area int F^2 - (int F)^2)/N`.
@@ -28,16 +30,12 @@ impl Sampler for WhiteNoise {
         self.domain
     }
 
-    fn is_random(&self) -> bool {
-        true
+    fn law(&self) -> Law<'_> {
+        Law::Independent
     }
 
-    fn is_independent(&self) -> bool {
-        true
-    }
-
-    fn sample_into(&self, rng: &mut dyn Rng, points: &mut Vec<DVec3>) -> Result<(), Error> {
-        points.clear();
+    fn sample_into(&self, rng: &mut dyn Rng, set: &mut PointSet) -> Result<(), Error> {
+        let points = set.start();
         points.reserve(self.n_points);
         let mut bytes = [0; BLOCK * BYTES_PER_POINT];
         let mut missing = self.n_points;
@@ -79,7 +77,7 @@ fn direction_of(domain: Domain, u: f64, v: f64) -> DVec3 {
         Domain::Sphere => 2.0,
         Domain::Hemisphere => 1.0,
     };
-    archimedes::direction(height * u, TAU * v)
+    archimedes(height * u, TAU * v)
 }
 
 #[cfg(test)]
@@ -100,7 +98,7 @@ mod tests {
                         rng
                     };
                     let (mut rng, mut one_by_one) = (start(), start());
-                    let points = WhiteNoise::new(n, domain).sample(&mut rng).unwrap();
+                    let points = WhiteNoise::new(n, domain).sample(&mut rng).unwrap().points;
                     for (k, p) in points.iter().enumerate() {
                         let q = uniform_direction(domain, &mut one_by_one);
                         assert_eq!(*p, q, "{domain}, point {k} of {n}");

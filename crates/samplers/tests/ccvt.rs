@@ -6,7 +6,7 @@ use std::f64::consts::PI;
 use glam::DVec3;
 use rand::Rng;
 use sphvar_samplers::{
-    Ccvt, Domain, Error, MassPoints, Pattern, Purpose, Sampler, Streams, Tessellation,
+    Ccvt, Domain, Error, MassPoints, Pattern, PointSet, Purpose, Sampler, Streams, Tessellation,
 };
 
 fn rng(group: usize, realization: u64) -> impl Rng {
@@ -110,7 +110,7 @@ fn every_mass_point_has_one_site() {
             .collect();
         // White mass points are the first numbers of the stream.
         let white = Pattern::WhiteNoise.build(n * capacity, domain).unwrap();
-        let mut drawn = white.sample(&mut rng(n, 0)).unwrap();
+        let mut drawn = white.sample(&mut rng(n, 0)).unwrap().points;
         for points in [&mut owned, &mut drawn] {
             points.sort_by(|a, b| a.x.total_cmp(&b.x));
         }
@@ -171,7 +171,7 @@ fn low_degrees(points: &[DVec3]) -> [f64; 4] {
 fn mean_low_degrees(ccvt: &Ccvt, runs: u64) -> [f64; 4] {
     let mut mean = [0.0; 4];
     for r in 0..runs {
-        let points = ccvt.sample(&mut rng(ccvt.n_points(), r)).unwrap();
+        let points = ccvt.sample(&mut rng(ccvt.n_points(), r)).unwrap().points;
         for (mean, p) in mean.iter_mut().zip(low_degrees(&points)) {
             *mean += p / runs as f64;
         }
@@ -227,16 +227,16 @@ fn every_number_of_sites_and_capacity_has_its_points() {
                 for capacity in [1, 2, 3, 8, 13] {
                     let ccvt = Ccvt::new(n, domain, capacity, mass_points).unwrap();
                     let what = format!("{ccvt:?}");
-                    let mut points = vec![DVec3::NAN; 5];
-                    ccvt.sample_into(&mut rng(n, 1), &mut points).unwrap();
-                    assert_eq!(points.len(), n, "{what}");
-                    for p in &points {
+                    let mut set = PointSet { points: vec![DVec3::NAN; 5], weights: vec![2.0; 5] };
+                    ccvt.sample_into(&mut rng(n, 1), &mut set).unwrap();
+                    assert_eq!(set.len(), n, "{what}");
+                    for p in &set.points {
                         assert!((p.length() - 1.0).abs() < 1e-15, "{what}: {p}");
                         assert!(domain == Domain::Sphere || p.z >= 0.0, "{what}: {p}");
                     }
                     // The same seed gives the same bytes, whatever the buffer held.
-                    assert_eq!(points, ccvt.sample(&mut rng(n, 1)).unwrap(), "{what}");
-                    assert_ne!(points, ccvt.sample(&mut rng(n, 2)).unwrap(), "{what}");
+                    assert_eq!(set, ccvt.sample(&mut rng(n, 1)).unwrap(), "{what}");
+                    assert_ne!(set, ccvt.sample(&mut rng(n, 2)).unwrap(), "{what}");
                     assert!(tessellate(&ccvt, 0).is_settled(), "{what}");
                 }
             }
@@ -262,7 +262,7 @@ fn a_single_site_is_a_uniform_direction() {
     const RUNS: u64 = 2000;
     let ccvt = Ccvt::new(1, Domain::Sphere, 20, MassPoints::Fibonacci).unwrap();
     let mean = (0..RUNS)
-        .map(|r| ccvt.sample(&mut rng(1, r)).unwrap()[0].z.powi(2) / RUNS as f64)
+        .map(|r| ccvt.sample(&mut rng(1, r)).unwrap().points[0].z.powi(2) / RUNS as f64)
         .sum::<f64>();
     let off = (mean - 1.0 / 3.0) / (4.0 / (45.0 * RUNS as f64)).sqrt();
     assert!(off.abs() < 5.0, "the mean of z^2 is {mean}, {off} standard deviations off");

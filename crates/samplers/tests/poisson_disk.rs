@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 
 use glam::DVec3;
 use rand::{Rng, RngExt};
-use sphvar_samplers::{DiskMode, Domain, Error, PoissonDisk, Purpose, Sampler, Streams};
+use sphvar_samplers::{DiskMode, Domain, Error, PointSet, PoissonDisk, Purpose, Sampler, Streams};
 
 const DOMAINS: [Domain; 2] = [Domain::Sphere, Domain::Hemisphere];
 
@@ -19,7 +19,7 @@ fn disks(n: usize, domain: Domain, mode: DiskMode, radius: Option<f64>) -> Poiss
 
 fn sample(disks: &PoissonDisk, realization: u64) -> Vec<DVec3> {
     let mut rng = streams(disks.n_points()).realization(realization);
-    disks.sample(&mut rng).expect("a set that can be completed")
+    disks.sample(&mut rng).expect("a set that can be completed").points
 }
 
 /// The distance by which disks of the domain exclude each other.
@@ -95,9 +95,9 @@ fn the_state_of_the_generator_decides_and_the_buffer_does_not() {
         for mode in [DiskMode::Exact, DiskMode::Saturated] {
             let disks = disks(700, domain, mode, None);
             let clean = sample(&disks, 3);
-            let mut dirty = vec![DVec3::NAN; 1234];
+            let mut dirty = PointSet { points: vec![DVec3::NAN; 1234], weights: vec![2.0; 1234] };
             disks.sample_into(&mut streams(700).realization(3), &mut dirty).unwrap();
-            assert_eq!(clean, dirty, "{domain} {mode}");
+            assert_eq!(PointSet::new(clean.clone()), dirty, "{domain} {mode}");
             assert_ne!(clean, sample(&disks, 4), "{domain} {mode}");
         }
     }
@@ -321,8 +321,8 @@ fn a_radius_that_random_points_do_not_reach_is_an_error_that_names_one_they_do()
     for domain in DOMAINS {
         // Below the bound of all packings, 3.81, far above that of random ones.
         let disks = disks(200, domain, DiskMode::Exact, Some(3.3));
-        let mut points = vec![DVec3::X; 7];
-        let refused = disks.sample_into(&mut streams(200).realization(0), &mut points).unwrap_err();
+        let mut set = PointSet::new(vec![DVec3::X; 7]);
+        let refused = disks.sample_into(&mut streams(200).realization(0), &mut set).unwrap_err();
         let Error::Infeasible { n_points: 200, reason, .. } = &refused else {
             panic!("{refused}");
         };

@@ -4,7 +4,8 @@ use std::time::{Duration, Instant};
 
 use glam::DVec3;
 use sphvar_samplers::{
-    Domain, Error, PowerProfile, Purpose, Sampler, SpectralControl, SpectralTarget, Streams,
+    Domain, Error, PointSet, PowerProfile, Purpose, Sampler, SpectralControl, SpectralTarget,
+    Streams,
 };
 use sphvar_sht::ExactTransform;
 
@@ -12,7 +13,7 @@ const DOMAINS: [Domain; 2] = [Domain::Sphere, Domain::Hemisphere];
 
 fn sample(control: &SpectralControl, realization: u64) -> Result<Vec<DVec3>, Error> {
     let streams = Streams::new(20_250_701, Purpose::Pattern, control.n_points());
-    control.sample(&mut streams.realization(realization))
+    Ok(control.sample(&mut streams.realization(realization))?.points)
 }
 
 /// The name of the parameter that was refused.
@@ -178,15 +179,20 @@ fn it_keeps_the_contract_of_samplers() {
 
                 let streams = Streams::new(20_250_701, Purpose::Pattern, n);
                 for dirt in [vec![], vec![DVec3::NAN; 7], vec![DVec3::INFINITY; n + 3]] {
-                    let mut buffer = dirt;
+                    let weights = vec![2.0; dirt.len()];
+                    let mut buffer = PointSet { points: dirt, weights };
                     step.sample_into(&mut streams.realization(1), &mut buffer).expect(&case);
-                    assert!(same_bits(&points, &buffer), "{case}: not the same again");
+                    assert!(same_bits(&points, &buffer.points), "{case}: not the same again");
+                    assert_eq!(buffer.weights, [], "{case}");
                 }
                 // Through a mutable buffer that holds another realization.
-                let mut buffer = sample(&step, 2).expect(&case);
-                assert!(!same_bits(&points, &buffer), "{case}: two realizations are the same");
+                let mut buffer = PointSet::new(sample(&step, 2).expect(&case));
+                assert!(
+                    !same_bits(&points, &buffer.points),
+                    "{case}: two realizations are the same"
+                );
                 step.sample_into(&mut streams.realization(1), &mut buffer).expect(&case);
-                assert!(same_bits(&points, &buffer), "{case}: not the same again");
+                assert!(same_bits(&points, &buffer.points), "{case}: not the same again");
             }
         }
     }

@@ -1,12 +1,14 @@
 //! The contract of every sampler of the survey, and what each of them claims.
 
 use std::collections::HashSet;
+use std::sync::Mutex;
 
 use glam::DVec3;
 use sphvar_samplers::{
     BestCandidate, CosineHemisphere, Domain, EqualArea, Error, GeneralizedSpiral, Halton,
-    Hammersley, JitteredSquare, Lloyd, OnSphere, Placement, Purpose, Riesz, Sampler, Sobol,
-    SquarePattern, Streams, WhiteSquare, quantization_energy, riesz_energy,
+    Hammersley, JitteredSquare, Lloyd, OnSphere, Pattern, Placement, PointSet, Progress, Purpose,
+    Realizations, Riesz, Sampler, Sobol, SquarePattern, Stopped, Streams, WhiteSquare,
+    quantization_energy, riesz_energy,
 };
 
 const DOMAINS: [Domain; 2] = [Domain::Sphere, Domain::Hemisphere];
@@ -59,18 +61,101 @@ fn every_sampler_keeps_the_contract() {
             for n in [1, 2, 3, 4, 5, 31, 64, 100] {
                 let sampler = build(n, domain).expect("a small number");
                 assert_eq!((sampler.n_points(), sampler.domain()), (n, domain), "{name}");
-                let mut points = vec![DVec3::NAN; 7];
-                sampler.sample_into(&mut rng(1), &mut points).expect("no reason to fail");
-                assert_eq!(points.len(), n, "{name}");
-                for p in &points {
+                let mut set = PointSet { points: vec![DVec3::NAN; 7], weights: vec![2.0; 7] };
+                sampler.sample_into(&mut rng(1), &mut set).expect("no reason to fail");
+                assert_eq!(set.len(), n, "{name}");
+                for p in &set.points {
                     assert!((p.length() - 1.0).abs() < 1e-15, "{name} N = {n} {domain}: {p}");
                     assert!(domain == Domain::Sphere || p.z >= 0.0, "{name} N = {n}: {p}");
                 }
                 let again = sampler.sample(&mut rng(1)).expect("no reason to fail");
-                assert_eq!(points, again, "{name} N = {n} {domain}");
+                assert_eq!(set, again, "{name} N = {n} {domain}");
                 let other = sampler.sample(&mut rng(2)).expect("no reason to fail");
-                assert_eq!(points != other, sampler.is_random(), "{name} N = {n} {domain}");
+                assert_eq!(set != other, sampler.is_random(), "{name} N = {n} {domain}");
             }
+        }
+    }
+}
+
+/// Adds up the work that is ticked, and stops at a tick.
+struct Ticks {
+    /// Their number and sum.
+    seen: Mutex<(usize, f64)>,
+    stop_at: usize,
+}
+
+impl Ticks {
+    fn new(stop_at: usize) -> Self {
+        Self { seen: Mutex::new((0, 0.0)), stop_at }
+    }
+
+    fn seen(&self) -> (usize, f64) {
+        *self.seen.lock().unwrap()
+    }
+}
+
+impl Progress for Ticks {
+    fn tick(&self, work: f64) -> Result<(), Stopped> {
+        assert!(work >= 0.0, "{work} units");
+        let mut seen = self.seen.lock().unwrap();
+        seen.0 += 1;
+        seen.1 += work;
+        if seen.0 == self.stop_at { Err(Stopped) } else { Ok(()) }
+    }
+}
+
+/// The patterns whose realizations are made in steps.
+const ITERATIVE: [&str; 7] =
+    ["ccvt", "step", "blue", "lloyd", "riesz", "best-candidate", "poisson-disk"];
+
+/// Returns the sampler of the valid count nearest to 500.
+fn near_500(pattern: &Pattern, domain: Domain) -> Box<dyn Sampler> {
+    pattern.build(pattern.nearest_count(500, domain), domain).unwrap()
+}
+
+#[test]
+fn progress_does_not_change_the_points_and_adds_up_to_the_work() {
+    for pattern in Pattern::ALL {
+        for domain in DOMAINS {
+            let case = format!("{pattern}, {domain}");
+            let sampler = near_500(&pattern, domain);
+            let expected = sampler.sample(&mut rng(1)).unwrap();
+            let mut set = PointSet { points: vec![DVec3::NAN; 7], weights: vec![2.0; 7] };
+            let ticks = Ticks::new(usize::MAX);
+            sampler.sample_watched(&mut rng(1), &mut set, &ticks).unwrap();
+            assert_eq!(set, expected, "{case}");
+            assert!(ticks.seen().0 > 0, "{case}: nobody is asked whether to go on");
+
+            let streams = Streams::new(5, Purpose::Pattern, 1);
+            let work = sampler.nominal_work();
+            for ensemble in [
+                Realizations::rotated(&*sampler, streams),
+                Realizations::unrotated(&*sampler, streams),
+            ] {
+                let ticks = Ticks::new(usize::MAX);
+                ensemble.realize_into(1, &mut set, &ticks).unwrap();
+                assert_eq!(set, ensemble.realize(1).unwrap(), "{case}");
+                let (_, ticked) = ticks.seen();
+                assert!((ticked - work).abs() <= 1e-9 * work, "{case}: {ticked} of {work} units");
+            }
+        }
+    }
+}
+
+#[test]
+fn iterative_patterns_stop_when_they_are_told_to() {
+    for name in ITERATIVE {
+        let pattern = Pattern::from_name(name).unwrap();
+        for domain in DOMAINS {
+            let sampler = near_500(&pattern, domain);
+            let mut set = PointSet::default();
+            let ticks = Ticks::new(3);
+            let stopped = sampler.sample_watched(&mut rng(1), &mut set, &ticks);
+            assert_eq!(stopped, Err(Error::Stopped(Stopped)), "{pattern}, {domain}");
+            assert_eq!(ticks.seen().0, 3, "{pattern}, {domain}: more work after the end");
+            let ensemble = Realizations::rotated(&*sampler, Streams::new(5, Purpose::Pattern, 1));
+            let stopped = ensemble.realize_into(1, &mut set, &Ticks::new(3));
+            assert_eq!(stopped, Err(Error::Stopped(Stopped)), "{pattern}, {domain}");
         }
     }
 }
@@ -106,12 +191,12 @@ fn means_of_low_harmonics_vanish_unrotated() {
         for domain in DOMAINS {
             for n in [1, 5, 16] {
                 let sampler = build(n, domain).expect("a small number");
-                let mut points = Vec::new();
+                let mut set = PointSet::default();
                 let (mut sums, mut squares) = ([0.0; 8], [0.0; 8]);
                 for i in 0..M {
-                    sampler.sample_into(&mut rng(i), &mut points).expect("no reason to fail");
+                    sampler.sample_into(&mut rng(i), &mut set).expect("no reason to fail");
                     let mut means = [0.0; 8];
-                    for p in &points {
+                    for p in &set.points {
                         for (mean, y) in means.iter_mut().zip(low_harmonics(*p)) {
                             *mean += y / n as f64;
                         }
@@ -281,8 +366,8 @@ fn best_candidates_keep_apart() {
     for (domain, per_sphere) in [(Domain::Sphere, 1.0), (Domain::Hemisphere, 2.0)] {
         for n in [2, 10, 100, 1000] {
             for i in 0..4 {
-                let points = BestCandidate::new(n, domain, 1).unwrap().sample(&mut rng(i)).unwrap();
-                let spacing = (closest_pair(&points, domain) * per_sphere * n as f64).sqrt();
+                let set = BestCandidate::new(n, domain, 1).unwrap().sample(&mut rng(i)).unwrap();
+                let spacing = (closest_pair(&set.points, domain) * per_sphere * n as f64).sqrt();
                 // Two points: one candidate, anywhere.
                 assert!(n == 2 || spacing > 1.4, "{domain}, N = {n}: {spacing}/sqrt(N)");
             }
@@ -298,11 +383,11 @@ fn best_candidates_are_their_definition() {
             WhiteSquare::new(1).and_then(|w| OnSphere::new(w, domain).sample(rng))
         };
         let mut stream = rng(9);
-        let mut expected = white(&mut stream).unwrap();
+        let mut expected = white(&mut stream).unwrap().points;
         while expected.len() < 60 {
             let mut best = (DVec3::ZERO, -1.0);
             for _ in 0..3 * expected.len() {
-                let candidate = white(&mut stream).unwrap()[0];
+                let candidate = white(&mut stream).unwrap().points[0];
                 let clearance = expected
                     .iter()
                     .fold(f64::INFINITY, |c, &q| c.min(closest_pair(&[candidate, q], domain)));
@@ -312,8 +397,8 @@ fn best_candidates_are_their_definition() {
             }
             expected.push(best.0);
         }
-        let points = BestCandidate::new(60, domain, 3).unwrap().sample(&mut rng(9)).unwrap();
-        assert_eq!(points, expected, "{domain}");
+        let set = BestCandidate::new(60, domain, 3).unwrap().sample(&mut rng(9)).unwrap();
+        assert_eq!(set.points, expected, "{domain}");
     }
     assert!(BestCandidate::new(60, Domain::Sphere, 0).is_err());
 }
@@ -324,9 +409,8 @@ fn every_step_of_lloyd_decreases_the_quantization_energy() {
         for n in [1, 2, 3, 4, 10, 300] {
             let mut previous = f64::INFINITY;
             for iterations in 0..25 {
-                let points =
-                    Lloyd::new(n, domain, iterations).unwrap().sample(&mut rng(2)).unwrap();
-                let energy = quantization_energy(&points, domain);
+                let set = Lloyd::new(n, domain, iterations).unwrap().sample(&mut rng(2)).unwrap();
+                let energy = quantization_energy(&set.points, domain);
                 // A sum of n terms around 8 pi, equal once the relaxation has converged.
                 let slack = 32.0 * n as f64 * f64::EPSILON;
                 assert!(energy <= previous + slack, "{domain}, N = {n}: step {iterations}");
@@ -351,7 +435,7 @@ fn lloyd_finds_the_regular_sets() {
         (Domain::Hemisphere, 3, 0.0),
     ] {
         for i in 0..10 {
-            let points = Lloyd::new(n, domain, 400).unwrap().sample(&mut rng(i)).unwrap();
+            let points = Lloyd::new(n, domain, 400).unwrap().sample(&mut rng(i)).unwrap().points;
             for (k, p) in points.iter().enumerate() {
                 for q in &points[..k] {
                     // Linear convergence has long ended in rounding.
@@ -371,7 +455,8 @@ fn every_step_decreases_the_riesz_energy() {
                 let mut previous = f64::INFINITY;
                 for iterations in [0, 1, 2, 3, 5, 10, 20, 50] {
                     let sampler = Riesz::new(n, domain, s, iterations).unwrap();
-                    let energy = riesz_energy(&sampler.sample(&mut rng(2)).unwrap(), domain, s);
+                    let set = sampler.sample(&mut rng(2)).unwrap();
+                    let energy = riesz_energy(&set.points, domain, s);
                     // Representatives of lines and sums in another order: n^2 terms.
                     let slack = 16.0 * f64::EPSILON * (energy.abs() + (n * n) as f64);
                     assert!(
@@ -404,7 +489,8 @@ fn riesz_finds_known_minima() {
     ] {
         let sampler = Riesz::new(n, Domain::Sphere, 1.0, 600).unwrap();
         let found = (0..tries)
-            .map(|i| riesz_energy(&sampler.sample(&mut rng(i)).unwrap(), Domain::Sphere, 1.0));
+            .map(|i| sampler.sample(&mut rng(i)).unwrap())
+            .map(|set| riesz_energy(&set.points, Domain::Sphere, 1.0));
         let found = found.fold(f64::INFINITY, f64::min);
         // Nine decimals are printed.
         assert!((found - least).abs() < 1e-8, "N = {n}: {found}, least known {least}");
@@ -414,8 +500,8 @@ fn riesz_finds_known_minima() {
     let icosahedron = 15.0 * (chord(0.2f64.sqrt()) + chord(-(0.2f64.sqrt())));
     for (n, least) in [(2, 2f64.sqrt()), (3, 3.0 * 2f64.sqrt()), (6, icosahedron)] {
         let sampler = Riesz::new(n, Domain::Hemisphere, 1.0, 400).unwrap();
-        let points = sampler.sample(&mut rng(0)).unwrap();
-        let found = riesz_energy(&points, Domain::Hemisphere, 1.0);
+        let set = sampler.sample(&mut rng(0)).unwrap();
+        let found = riesz_energy(&set.points, Domain::Hemisphere, 1.0);
         assert!((found - least).abs() < 1e-10, "{n} lines: {found}, least {least}");
     }
 }

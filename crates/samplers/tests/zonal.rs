@@ -4,7 +4,7 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use glam::DVec3;
 use sphvar_samplers::{
-    Domain, EqualArea, GeneralizedSpiral, Placement, Purpose, Region, Sampler, Streams,
+    Domain, EqualArea, GeneralizedSpiral, Placement, PointSet, Purpose, Region, Sampler, Streams,
 };
 
 const DOMAINS: [Domain; 2] = [Domain::Sphere, Domain::Hemisphere];
@@ -130,7 +130,7 @@ fn every_region_has_its_point() {
         for n in [1, 2, 3, 4, 7, 33, 500] {
             for placement in [Placement::Jittered, Placement::Centred] {
                 let pattern = EqualArea::new(n, domain, placement).expect("a small number");
-                let points = pattern.sample(&mut rng(n as u64)).expect("no reason to fail");
+                let points = pattern.sample(&mut rng(n as u64)).expect("no reason to fail").points;
                 for (p, region) in points.iter().zip(pattern.regions()) {
                     let phi = p.y.atan2(p.x).rem_euclid(TAU);
                     let ([bottom, top], [west, east]) = (region.z(), region.phi());
@@ -152,11 +152,11 @@ fn jittered_points_are_uniform_in_their_regions() {
     const M: u64 = 20_000;
     let pattern = partition(10, Domain::Sphere);
     let regions: Vec<Region> = pattern.regions().collect();
-    let mut points = Vec::new();
+    let mut set = PointSet::default();
     let mut sums = [[[0.0; 2]; 2]; 10];
     for i in 0..M {
-        pattern.sample_into(&mut rng(i), &mut points).expect("no reason to fail");
-        for ((p, r), sum) in points.iter().zip(&regions).zip(&mut sums) {
+        pattern.sample_into(&mut rng(i), &mut set).expect("no reason to fail");
+        for ((p, r), sum) in set.points.iter().zip(&regions).zip(&mut sums) {
             let ([bottom, top], [west, east]) = (r.z(), r.phi());
             let u = (p.z - bottom) / (top - bottom);
             let v = (p.y.atan2(p.x).rem_euclid(TAU) - west) / (east - west);
@@ -179,7 +179,7 @@ fn jittered_points_are_uniform_in_their_regions() {
 
 fn spiral(n: usize, domain: Domain) -> Vec<DVec3> {
     let pattern = GeneralizedSpiral::new(n, domain).expect("a small number");
-    pattern.sample(&mut rng(0)).expect("no reason to fail")
+    pattern.sample(&mut rng(0)).expect("no reason to fail").points
 }
 
 #[test]

@@ -200,7 +200,8 @@ mod tests {
             for lines in [false, true] {
                 let around = uniform_rotation(&mut rng).x_axis;
                 let mut near = || {
-                    let away = WhiteNoise::new(1, Domain::Sphere).sample(&mut rng).unwrap()[0];
+                    let away =
+                        WhiteNoise::new(1, Domain::Sphere).sample(&mut rng).unwrap().points[0];
                     (around + spread * away).normalize()
                 };
                 let [own, other] = [near(), near()];

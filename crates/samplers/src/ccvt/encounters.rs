@@ -131,15 +131,14 @@ impl Query<'_> {
 mod tests {
     use rand::RngExt;
 
-    use super::{DVec3, Encounters, chord};
+    use super::{Encounters, chord};
     use crate::{Domain, Purpose, Sampler, Streams, WhiteNoise};
 
     #[test]
     fn the_pairs_are_those_of_all_comparisons() {
         let mut rng = Streams::new(2, Purpose::Pattern, 0).realization(0);
         for (n, scale) in [(1, 1.0), (2, 3.0), (5, 1.0), (150, 0.1), (151, 1.0)] {
-            let mut sites: Vec<DVec3> =
-                WhiteNoise::new(n, Domain::Sphere).sample(&mut rng).unwrap();
+            let mut sites = WhiteNoise::new(n, Domain::Sphere).sample(&mut rng).unwrap().points;
             sites.sort_by(|a, b| a.x.total_cmp(&b.x));
             let radii: Vec<f64> = (0..n).map(|_| scale * rng.random::<f64>()).collect();
             for lines in [false, true] {

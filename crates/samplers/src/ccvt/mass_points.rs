@@ -1,9 +1,9 @@
-use glam::DVec3;
 use rand::Rng;
 use sphvar_healpix::Nside;
 
 use crate::{
-    Domain, Error, Fibonacci, HealpixRegular, Sampler, WhiteNoise, rotate, uniform_rotation,
+    Domain, Error, Fibonacci, HealpixRegular, PointSet, Sampler, WhiteNoise, rotate,
+    uniform_rotation,
 };
 
 /// What the mass of a tessellation is made of; it sets the spectrum at low degrees.
@@ -42,22 +42,22 @@ impl MassPoints {
         }
     }
 
-    /// Replaces `points` by `count` mass points.
+    /// Replaces `mass` by `count` mass points.
     pub(super) fn draw_into(
         self,
         count: usize,
         domain: Domain,
         rng: &mut dyn Rng,
-        points: &mut Vec<DVec3>,
+        mass: &mut PointSet,
     ) -> Result<(), Error> {
         match self {
-            Self::White => return WhiteNoise::new(count, domain).sample_into(rng, points),
-            Self::Fibonacci => Fibonacci::new(count, domain).sample_into(rng, points)?,
+            Self::White => return WhiteNoise::new(count, domain).sample_into(rng, mass),
+            Self::Fibonacci => Fibonacci::new(count, domain).sample_into(rng, mass)?,
             Self::Healpix => {
-                HealpixRegular::new(nside(count, domain)?, domain).sample_into(rng, points)?;
+                HealpixRegular::new(nside(count, domain)?, domain).sample_into(rng, mass)?;
             }
         }
-        rotate(uniform_rotation(rng), domain, points);
+        rotate(uniform_rotation(rng), domain, &mut mass.points);
         Ok(())
     }
 }

@@ -3,6 +3,7 @@ use pulp::Arch;
 
 use super::block::Block;
 use super::encounters::{Encounters, chord};
+use crate::Stopped;
 
 /// Steps to the mean after which a site is left where it is. Each step shortens the way by the
 /// squared radius of the cell, at worst (half the sphere) to a quarter.
@@ -113,7 +114,11 @@ impl Relaxation {
 
     /// Exchanges points until none is left to lower the energy, all sites being at the means of
     /// their points, or `most_passes` are over.
-    pub(super) fn run(&mut self, most_passes: usize) -> Outcome {
+    pub(super) fn run(
+        &mut self,
+        most_passes: usize,
+        tick: &dyn Fn() -> Result<(), Stopped>,
+    ) -> Result<Outcome, Stopped> {
         let n = self.sites.len();
         for k in 0..n {
             self.centre(k, MOST_STEPS);
@@ -122,6 +127,7 @@ impl Relaxation {
         self.list_pairs(&mut progress);
         let mut is_thorough = true;
         for passes in 1..=most_passes {
+            tick()?;
             if progress.has_outgrown(&self.radii) {
                 self.list_pairs(&mut progress);
             }
@@ -140,7 +146,7 @@ impl Relaxation {
                 }
             }
             if is_quiet && is_thorough {
-                return Outcome { passes, is_settled: true };
+                return Ok(Outcome { passes, is_settled: true });
             }
             // What seems to be the end is looked at without the help of what is remembered.
             is_thorough = is_quiet;
@@ -149,7 +155,7 @@ impl Relaxation {
                 self.list_pairs(&mut progress);
             }
         }
-        Outcome { passes: most_passes, is_settled: false }
+        Ok(Outcome { passes: most_passes, is_settled: false })
     }
 
     fn point(&self, p: usize) -> DVec3 {

@@ -4,8 +4,9 @@ use rand_chacha::ChaCha8Rng;
 use sphvar_healpix::{Cell, Nside};
 
 use super::quarters::{ALL_CHILDREN, Quarters};
-use crate::Domain;
 use crate::grid::Grid;
+use crate::progress::Tick;
+use crate::{Domain, Stopped};
 
 /// Darts per cell of the grid before the first subdivision: enough for two thirds of the points.
 const FIRST_RATE: f64 = 4.0;
@@ -81,22 +82,28 @@ impl<'a> Thrower<'a> {
         }
     }
 
-    /// Appends to `points` until there are `limit` of them or nothing is free.
-    pub(crate) fn run(mut self, limit: usize, points: &mut Vec<DVec3>) -> End {
+    /// Appends to `points` until there are `limit` of them or nothing is free; `tick` tells at each level whether to go on.
+    pub(crate) fn run(
+        mut self,
+        limit: usize,
+        points: &mut Vec<DVec3>,
+        tick: Tick<'_>,
+    ) -> Result<End, Stopped> {
         self.start();
         let base = self.grid.nside().value();
         let mut level = 0;
         loop {
+            tick()?;
             self.settle(limit, points);
             if points.len() == limit {
-                return End::Full;
+                return Ok(End::Full);
             }
             if self.front.is_empty() {
-                return End::Saturated { unresolved: 0.0 };
+                return Ok(End::Saturated { unresolved: 0.0 });
             }
             if base << level > FINEST {
                 let cell = FOUR_PI / (12.0 * f64::from(base << level).powi(2));
-                return End::Saturated { unresolved: self.front.len() as f64 * cell };
+                return Ok(End::Saturated { unresolved: self.front.len() as f64 * cell });
             }
             self.refine(level);
             level += 1;

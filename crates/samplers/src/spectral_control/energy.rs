@@ -176,7 +176,7 @@ mod tests {
 
     fn white(n: usize, domain: Domain, realization: u64) -> Vec<DVec3> {
         let mut rng = Streams::new(11, Purpose::Pattern, n).realization(realization);
-        Pattern::WhiteNoise.build(n, domain).unwrap().sample(&mut rng).unwrap()
+        Pattern::WhiteNoise.build(n, domain).unwrap().sample(&mut rng).unwrap().points
     }
 
     /// Zeros, powers, and a core that some of 20 points overlap.
@@ -306,7 +306,7 @@ mod tests {
         let mut points = white(n, domain, realization);
         let reach = 8.0 * (domain.area() / n as f64).sqrt();
         let descent = Descent { iterations: 3000, scale: 1.0, is_adaptive: false, reach };
-        descent.run(&mut points, &mut counted);
+        descent.run(&mut points, &mut counted, &|| Ok(())).unwrap();
         assert!(counted.0.has_arrived(), "{domain} {n}: {:?}", counted.0.residuals());
         counted.1
     }

@@ -1,0 +1,43 @@
+use std::fmt::{Debug, Display};
+
+use crate::{Domain, Error, Pattern, Sampler};
+
+/// A pattern at any number of points, for variance curves and rankings; its `Display` text is the
+/// pattern's name.
+///
+/// [`Pattern`] implements it for the patterns of this crate; implement it to rank your own beside
+/// them.
+pub trait SamplerFamily: Debug + Display + Send + Sync {
+    /// Returns the sampler of exactly `n_points` points.
+    ///
+    /// # Errors
+    ///
+    /// [`Error`] if there is none; for patterns of your own, [`Error::Infeasible`].
+    fn build(&self, n_points: usize, domain: Domain) -> Result<Box<dyn Sampler>, Error>;
+
+    /// Returns the valid number of points nearest to `asked`, at least 1 and nondecreasing in
+    /// `asked`. Default: every number is valid.
+    fn nearest_count(&self, asked: usize, _domain: Domain) -> usize {
+        asked.max(1)
+    }
+}
+
+impl<F: SamplerFamily + ?Sized> SamplerFamily for &F {
+    fn build(&self, n_points: usize, domain: Domain) -> Result<Box<dyn Sampler>, Error> {
+        (**self).build(n_points, domain)
+    }
+
+    fn nearest_count(&self, asked: usize, domain: Domain) -> usize {
+        (**self).nearest_count(asked, domain)
+    }
+}
+
+impl SamplerFamily for Pattern {
+    fn build(&self, n_points: usize, domain: Domain) -> Result<Box<dyn Sampler>, Error> {
+        Self::build(self, n_points, domain)
+    }
+
+    fn nearest_count(&self, asked: usize, domain: Domain) -> usize {
+        Self::nearest_count(self, asked, domain)
+    }
+}

@@ -1,0 +1,42 @@
+use sphvar_healpix::Nside;
+
+use crate::{EqualArea, PointSet};
+
+/// What is known in advance about the distribution of a sampler's realizations, up to rotation: it
+/// decides whether spectra are computed in closed form or estimated.
+#[derive(Clone, Copy, Debug)]
+#[non_exhaustive]
+pub enum Law<'a> {
+    /// Nothing from which a spectrum follows.
+    Random,
+    /// Independent uniform points.
+    Independent,
+    /// One uniform point in each of N strata of equal area, independent of the others.
+    Stratified(Strata<'a>),
+    /// Always the same set, up to rotation: one realization has the spectrum of the pattern.
+    Fixed,
+    /// One of these sets, drawn uniformly.
+    OneOf(&'a [PointSet]),
+}
+
+/// A partition of the domain into strata of equal area.
+#[derive(Clone, Copy, Debug)]
+#[non_exhaustive]
+pub enum Strata<'a> {
+    /// The cells of HEALPix; on the hemisphere those of half the faces, one of each pair of antipodal cells.
+    Healpix(Nside),
+    /// The regions of Leopardi 2006.
+    EqualArea(&'a EqualArea),
+}
+
+impl Law<'_> {
+    /// Returns whether two realizations can differ by more than a rotation.
+    #[must_use]
+    pub fn is_random(&self) -> bool {
+        match self {
+            Self::Fixed => false,
+            Self::OneOf(sets) => sets.len() > 1,
+            Self::Random | Self::Independent | Self::Stratified(_) => true,
+        }
+    }
+}

@@ -1,0 +1,56 @@
+use rand::Rng;
+
+use crate::{Domain, Error, Law, Pattern, PointSet, Progress, Sampler};
+
+/// A sampler that was built from a pattern, whose text names its random streams.
+#[derive(Debug)]
+pub(crate) struct OfPattern {
+    sampler: Box<dyn Sampler>,
+    group: usize,
+}
+
+impl OfPattern {
+    pub(crate) fn new(sampler: Box<dyn Sampler>, pattern: &Pattern) -> Self {
+        let group = pattern.stream_group(sampler.n_points());
+        Self { sampler, group }
+    }
+}
+
+impl Sampler for OfPattern {
+    fn n_points(&self) -> usize {
+        self.sampler.n_points()
+    }
+
+    fn domain(&self) -> Domain {
+        self.sampler.domain()
+    }
+
+    fn sample_into(&self, rng: &mut dyn Rng, set: &mut PointSet) -> Result<(), Error> {
+        self.sampler.sample_into(rng, set)
+    }
+
+    fn sample_watched(
+        &self,
+        rng: &mut dyn Rng,
+        set: &mut PointSet,
+        progress: &dyn Progress,
+    ) -> Result<(), Error> {
+        self.sampler.sample_watched(rng, set, progress)
+    }
+
+    fn law(&self) -> Law<'_> {
+        self.sampler.law()
+    }
+
+    fn last_empty_degree(&self) -> Option<usize> {
+        self.sampler.last_empty_degree()
+    }
+
+    fn nominal_work(&self) -> f64 {
+        self.sampler.nominal_work()
+    }
+
+    fn stream_group(&self) -> usize {
+        self.group
+    }
+}
