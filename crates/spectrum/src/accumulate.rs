@@ -1,60 +1,33 @@
 use std::cell::OnceCell;
 use std::f64::consts::PI;
 use std::ops::Range;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use glam::DVec3;
 use rayon::prelude::{IntoParallelIterator, ParallelIterator};
-use sphvar_samplers::Realizations;
+use sphvar_samplers::{Ensemble, PointSet, Progress, Realizations, Stopped};
 use sphvar_sh::{Alm, ByParity};
 use sphvar_sht::{FastTransform, Method, Transform, TransformWorkspace};
 
 use crate::{Error, ExactSum, Spectrum, SpectrumAccumulator, tail_power};
 
-/// A numbered family of point sets: the realizations of a sampler, or sets that a user brings.
-pub trait PointSets: Sync {
-    /// Replaces `points` by set `index`, unit vectors; `weights` is filled with one weight per
-    /// point or left empty for unit weights.
-    ///
-    /// # Errors
-    ///
-    /// [`Error::Sampler`] if the set cannot be made.
-    fn realize_into(
-        &self,
-        index: u64,
-        points: &mut Vec<DVec3>,
-        weights: &mut Vec<f64>,
-    ) -> Result<(), Error>;
-}
-
-impl PointSets for Realizations<'_> {
-    fn realize_into(
-        &self,
-        index: u64,
-        points: &mut Vec<DVec3>,
-        weights: &mut Vec<f64>,
-    ) -> Result<(), Error> {
-        weights.clear();
-        Ok(Self::realize_into(self, index, points)?)
-    }
-}
-
 /// The coefficients of one realization, as accumulators see them.
 #[derive(Debug)]
 pub struct Realization<'a> {
     index: u64,
-    points: &'a [DVec3],
-    weights: &'a [f64],
+    set: &'a PointSet,
     alm: &'a Alm,
     normalization: f64,
     tail: OnceCell<ByParity>,
 }
 
 impl<'a> Realization<'a> {
-    fn new(index: u64, points: &'a [DVec3], weights: &'a [f64], alm: &'a Alm) -> Self {
+    /// From coefficients that were made with the weights of `set`.
+    fn new(index: u64, set: &'a PointSet, alm: &'a Alm) -> Self {
         let squares =
-            if weights.is_empty() { points.len() as f64 } else { sum_of_squares(weights) };
+            if set.weights.is_empty() { set.len() as f64 } else { sum_of_squares(&set.weights) };
         let normalization = if squares > 0.0 { 4.0 * PI / squares } else { 0.0 };
-        Self { index, points, weights, alm, normalization, tail: OnceCell::new() }
+        Self { index, set, alm, normalization, tail: OnceCell::new() }
     }
 
     /// Its number in the ensemble.
@@ -70,6 +43,12 @@ impl<'a> Realization<'a> {
         self.alm
     }
 
+    /// Returns [`PointSet::n_effective`] of the points: N of equal weights.
+    #[must_use]
+    pub fn n_effective(&self) -> f64 {
+        self.set.n_effective()
+    }
+
     /// The factor that makes the power of white noise 1: `4 pi / sum_k w_k^2`, which is 4 pi/N
     /// for unit weights; 0 for a set without weight.
     #[must_use]
@@ -80,7 +59,7 @@ impl<'a> Realization<'a> {
     /// The mean power of even and of odd degrees at high degrees, [`tail_power`] of the points.
     #[must_use]
     pub fn tail(&self) -> ByParity {
-        *self.tail.get_or_init(|| tail_power(self.points, self.weights))
+        *self.tail.get_or_init(|| tail_power(&self.set.points, &self.set.weights))
     }
 
     /// P(l) for every degree from 0.
@@ -177,18 +156,18 @@ impl Resolution {
 const BATCH: u64 = 4;
 
 /// Transforms the sets of the given numbers and accumulates them into a copy of `empty`, in
-/// parallel over the sets; `done` is called after each.
+/// parallel over the sets; the nominal work of making and transforming them is ticked.
 ///
 /// # Errors
 ///
-/// [`Error::Transform`] if the degree is beyond what the transform can hold, or the accuracy outside its
+/// [`Error::Sampler`] if a set cannot be made or `progress` ends the work, [`Error::Transform`] if the degree is beyond what the transform can hold, or the accuracy outside its
 /// range.
 pub fn accumulate<A: Accumulator>(
-    sets: &dyn PointSets,
+    sets: &dyn Ensemble,
     resolution: Resolution,
     indices: Range<u64>,
     empty: &A,
-    done: &(dyn Fn() + Sync),
+    progress: &dyn Progress,
 ) -> Result<A, Error> {
     let Resolution { lmax, n_points, method, epsilon } = resolution;
     let transform = Transform::new(method, lmax, n_points, epsilon)?;
@@ -198,11 +177,20 @@ pub fn accumulate<A: Accumulator>(
         alms: Vec::new(),
         accumulator: empty.clone(),
     };
+    // What follows a stop is not even begun.
+    let is_stopped = AtomicBool::new(false);
+    let stop = |error: &Error| {
+        let stopped = Error::Sampler(Stopped.into());
+        is_stopped.fetch_or(*error == stopped, Ordering::Relaxed);
+    };
     let step = |worker: Result<Worker<A>, Error>, batch: u64| {
         let mut worker = worker?;
+        if is_stopped.load(Ordering::Relaxed) {
+            return Err(Error::Sampler(Stopped.into()));
+        }
         let first = indices.start + batch * BATCH;
         let batch = first..first.saturating_add(BATCH).min(indices.end);
-        worker.take(sets, &transform, lmax, batch, done)?;
+        worker.take(sets, &transform, resolution, batch, progress).inspect_err(stop)?;
         Ok(worker)
     };
     let n_batches = indices.end.saturating_sub(indices.start).div_ceil(BATCH);
@@ -222,7 +210,7 @@ pub fn accumulate<A: Accumulator>(
 
 /// The buffers of one thread's share of the sets.
 struct Worker<A> {
-    sets: Vec<(Vec<DVec3>, Vec<f64>)>,
+    sets: Vec<PointSet>,
     workspace: TransformWorkspace,
     alms: Vec<Alm>,
     accumulator: A,
@@ -231,56 +219,34 @@ struct Worker<A> {
 impl<A: Accumulator> Worker<A> {
     fn take(
         &mut self,
-        sets: &dyn PointSets,
+        ensemble: &dyn Ensemble,
         transform: &Transform,
-        lmax: usize,
+        resolution: Resolution,
         batch: Range<u64>,
-        done: &(dyn Fn() + Sync),
+        progress: &dyn Progress,
     ) -> Result<(), Error> {
         let mut used = 0;
         for index in batch.clone() {
             if self.alms.len() == used {
-                self.sets.push((Vec::new(), Vec::new()));
-                self.alms.push(Alm::zeros(lmax)?);
+                self.sets.push(PointSet::default());
+                self.alms.push(Alm::zeros(resolution.lmax)?);
             }
-            let (points, weights) = &mut self.sets[used];
-            sets.realize_into(index, points, weights)?;
-            normalize_scale(weights);
+            ensemble.realize_into(index, &mut self.sets[used], progress)?;
+            self.sets[used].normalize_weights();
             used += 1;
         }
-        let sets: Vec<(&[DVec3], Option<&[f64]>)> = self.sets[..used]
-            .iter()
-            .map(|(points, weights)| (&**points, (!weights.is_empty()).then_some(&**weights)))
-            .collect();
-        let alms = &mut self.alms[..used];
-        transform.adjoint_batch_into(&sets, &mut self.workspace, alms);
-        for ((index, (points, weights)), alm) in batch.zip(sets).zip(alms) {
-            let weights = weights.unwrap_or_default();
-            self.accumulator.push(&Realization::new(index, points, weights, alm));
-            done();
+        let (sets, alms) = (&self.sets[..used], &mut self.alms[..used]);
+        let weights = |set: &PointSet| !set.weights.is_empty();
+        let inputs: Vec<(&[DVec3], Option<&[f64]>)> =
+            sets.iter().map(|set| (&*set.points, weights(set).then_some(&*set.weights))).collect();
+        transform.adjoint_batch_into(&inputs, &mut self.workspace, alms);
+        let work = resolution.method.nominal_work(resolution.n_points, resolution.lmax);
+        for ((index, set), alm) in batch.zip(sets).zip(alms) {
+            self.accumulator.push(&Realization::new(index, set, alm));
+            progress.tick(work).map_err(sphvar_samplers::Error::from)?;
         }
         Ok(())
     }
-}
-
-/// Scales weights by a power of two so that the largest magnitude is in [1/2, 1): no result depends on their scale, and
-/// neither squares nor sums leave the range of numbers.
-///
-/// Exact but for weights that are 1e-300 of the largest and less.
-fn normalize_scale(weights: &mut [f64]) {
-    let largest = weights.iter().fold(0.0, |max: f64, w| max.max(w.abs()));
-    if !(largest > 0.0 && largest.is_finite()) {
-        return;
-    }
-    // The power of two of a subnormal number is out of range, so scaling takes two steps.
-    let (step, scaled) = if largest < f64::MIN_POSITIVE {
-        (2f64.powi(100), largest * 2f64.powi(100))
-    } else {
-        (1.0, largest)
-    };
-    // The exponent field with a mantissa of 0: the power of two not above the number.
-    let power = f64::from_bits(scaled.to_bits() & (0x7ff << 52));
-    weights.iter_mut().for_each(|w| *w = *w * step / power * 0.5);
 }
 
 /// The squares of equal weights, added up plainly, would all be rounded to one side.
@@ -292,53 +258,33 @@ fn sum_of_squares(weights: &[f64]) -> f64 {
     sum.value()
 }
 
-/// The mean spectrum of a sampler to degree `lmax`, over `realizations` sets; `done` is called
-/// after each.
+/// The mean spectrum of a sampler to degree `lmax`, over `realizations` sets; the nominal work of making and
+/// transforming them is ticked.
 ///
 /// A pattern that is not random has the same spectrum in every rotation, so one set is
 /// transformed and the standard error is 0.
 ///
 /// # Errors
 ///
-/// [`Error::NoRealizations`] for none, [`Error::Transform`] if `lmax` is out of range.
+/// [`Error::NoRealizations`] for none, [`Error::Transform`] if `lmax` is out of range, [`Error::Sampler`] if a set cannot
+/// be made or `progress` ends the work.
 pub fn estimate(
     ensemble: &Realizations<'_>,
     lmax: usize,
     realizations: u64,
-    done: &(dyn Fn() + Sync),
+    progress: &dyn Progress,
 ) -> Result<Spectrum, Error> {
     let sampler = ensemble.sampler();
     let count = if sampler.is_random() { realizations } else { realizations.min(1) };
     let empty = SpectrumAccumulator::new(sampler.domain(), sampler.n_points(), lmax);
     let resolution = Resolution::new(lmax, sampler.n_points());
-    let spectrum = accumulate(ensemble, resolution, 0..count, &empty, done)?.finish()?;
+    let spectrum = accumulate(ensemble, resolution, 0..count, &empty, progress)?.finish()?;
     Ok(if sampler.is_random() { spectrum } else { spectrum.into_exact() })
 }
 
 #[cfg(test)]
 mod tests {
-    use super::{normalize_scale, sum_of_squares};
-
-    #[test]
-    fn weights_of_any_magnitude_are_brought_to_1() {
-        let base = [1.0, -0.3, 0.75, 1e-3];
-        for exponent in [-1074, -1060, -1022, -900, -533, -1, 0, 1, 600, 1023] {
-            // 2^-1074 has no power of two of its own in range.
-            let scale = 2f64.powi(exponent / 2) * 2f64.powi(exponent - exponent / 2);
-            let mut weights = base.map(|w| w * scale);
-            let before = weights.map(|w| w / scale);
-            normalize_scale(&mut weights);
-            for (w, b) in weights.iter().zip(before) {
-                // Subnormal weights have lost digits before they are scaled.
-                assert!((w - 0.5 * b).abs() <= f64::EPSILON * b.abs(), "2^{exponent}: {w}, {b}");
-            }
-        }
-        for mut weights in [vec![], vec![0.0, -0.0]] {
-            let before = weights.clone();
-            normalize_scale(&mut weights);
-            assert_eq!(weights, before);
-        }
-    }
+    use super::sum_of_squares;
 
     /// A plain sum is off by 1.7e-11 of it.
     #[test]

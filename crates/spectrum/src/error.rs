@@ -1,5 +1,3 @@
-use sphvar_samplers::Pattern;
-
 /// Why a spectrum cannot be computed or merged.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
@@ -16,9 +14,9 @@ pub enum Error {
         /// What differs.
         what: &'static str,
         /// Its value on the left.
-        left: usize,
+        left: String,
         /// Its value on the right.
-        right: usize,
+        right: String,
     },
     /// An ensemble of no realizations has no mean.
     #[error("a spectrum needs at least 1 realization, got 0")]
@@ -32,14 +30,5 @@ pub enum Error {
         expected: &'static str,
         /// What it was.
         got: f64,
-    },
-    /// The mean spectrum of a pattern has no form that could be evaluated.
-    #[error(
-        "the spectrum of {pattern} is known by sampling only; exact ones have {}",
-        crate::exact::patterns_in_words()
-    )]
-    NoExactSpectrum {
-        /// The pattern.
-        pattern: Pattern,
     },
 }

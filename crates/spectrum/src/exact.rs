@@ -8,46 +8,22 @@ mod strata;
 #[cfg(test)]
 mod tests;
 
-use std::f64::consts::PI;
+use sphvar_samplers::{Law, PointSet, Progress, Purpose, Realizations, Sampler, Streams};
+use sphvar_sh::{ByParity, LmIndex};
+use sphvar_sht::Method;
 
-use glam::DVec3;
-use sphvar_samplers::{Domain, Pattern, Purpose, Sampler, Streams};
-use sphvar_sh::{Alm, ByParity, LmIndex};
-use sphvar_sht::{Method, Transform, TransformWorkspace};
-
-use crate::{Error, Spectrum, tail_power};
+use crate::{Error, Resolution, Spectrum, SpectrumAccumulator, accumulate};
 use partition::Partition;
 
 /// The accuracy of coefficients by the fast transform, its best.
 const EPSILON: f64 = 1e-13;
 
-/// Whether [`exact_spectrum`] has an answer for the pattern: white noise, strata of equal area, and
-/// whatever is not random.
-#[must_use]
-pub fn has_exact_spectrum(pattern: &Pattern) -> bool {
-    matches!(
-        pattern,
-        Pattern::WhiteNoise
-            | Pattern::Jittered
-            | Pattern::EqualArea { .. }
-            | Pattern::Healpix
-            | Pattern::Fibonacci
-            | Pattern::Spiral
-    )
-}
-
-/// The names of the patterns with an exact spectrum.
-pub(crate) fn patterns_in_words() -> String {
-    let names: Vec<_> =
-        Pattern::ALL.iter().filter(|p| has_exact_spectrum(p)).map(Pattern::name).collect();
-    names.join(", ")
-}
-
-/// The mean power per degree of a pattern, to `lmax`, without sampling: no realizations, standard
+/// The mean power per degree of a sampler, from what is known of its law, without sampling: no realizations, standard
 /// errors of 0.
 ///
-/// - White noise has 1 for every `l >= 1`.
-/// - A pattern that is not random has the power of its one set, transformed to `1e-13 N`.
+/// - Independent uniform points have 1 for every `l >= 1`.
+/// - A pattern that is not random has the power of its one set, transformed to `1e-13 N`; one of several given sets the
+///   mean of theirs.
 /// - One uniform point in each of N strata `W_k` of equal area, independent of the others, has
 ///
 /// ```text
@@ -57,118 +33,120 @@ pub(crate) fn patterns_in_words() -> String {
 /// on the hemisphere, for even l, with the N strata of the hemisphere. The mean is taken by
 /// Gauss-Legendre quadrature in equal-area coordinates, over one of all congruent strata. While strata are
 /// small against `1/l` it goes by the distances of pairs of nodes, otherwise by the transforms of the
-/// nodes, whichever is expected to take less time; degrees to sqrt(N), where the power is small, always go
+/// nodes, whichever is of less nominal work; degrees to sqrt(N), where the power is small, always go
 /// by distances, which keep relative accuracy: about 1e-12, as far as tested (1e-12 absolute
 /// beyond sqrt(N)).
 ///
-/// `done` is called with a number of seconds, roughly, after each piece of work;
-/// [`exact_spectrum_cost`] is their sum. The bits do not depend on the number of threads.
+/// # Examples
 ///
 /// ```
 /// use sphvar_samplers::{Domain, Pattern};
-/// use sphvar_spectrum::exact_spectrum;
+/// use sphvar_spectrum::ExactSpectrum;
 ///
-/// let spectrum = exact_spectrum(&Pattern::Jittered, 3072, Domain::Sphere, 8, &|_| ())?;
+/// let jittered = Pattern::Jittered.build(3072, Domain::Sphere)?;
+/// let spectrum = ExactSpectrum::of(&*jittered).expect("of strata").to(8, &())?;
 /// assert!(spectrum.is_exact() && spectrum.realizations() == 0);
 /// // c_N l(l+1)/N with c_N = 1.1168.
 /// assert!((spectrum.power()[1] * 3072.0 / 2.0 - 1.1168).abs() < 1e-4);
 /// # Ok::<(), sphvar_spectrum::Error>(())
 /// ```
-///
-/// # Errors
-///
-/// [`Error::NoExactSpectrum`] unless [`has_exact_spectrum`], [`Error::Sampler`] if the pattern does not
-/// exist with `n_points`, [`Error::Transform`] if `lmax` is out of range.
-pub fn exact_spectrum(
-    pattern: &Pattern,
-    n_points: usize,
-    domain: Domain,
-    lmax: usize,
-    done: &(dyn Fn(f64) + Sync),
-) -> Result<Spectrum, Error> {
-    // The one check of the degree for all ways.
-    LmIndex::new(lmax)?;
-    // Random points coincide with probability 0.
-    let mut tail = ByParity::both(1.0);
-    let power = match Kind::of(pattern, n_points, domain)? {
-        Kind::White => vec![1.0; lmax + 1],
-        Kind::Fixed(sampler) => {
-            let points =
-                sampler.sample(&mut Streams::new(0, Purpose::Pattern, 0).realization(0))?;
-            tail = tail_power(&points, &[]);
-            let power = power_of_one_set(&points, lmax)?;
-            done(fixed_cost(n_points, lmax));
-            power
-        }
-        Kind::Stratified(partition) => strata::power(&partition, lmax, done)?,
-    };
-    Ok(Spectrum::exact(domain, n_points, power).with_tail(tail))
+#[derive(Debug)]
+pub struct ExactSpectrum<'a> {
+    sampler: &'a dyn Sampler,
+    kind: Kind<'a>,
 }
 
-/// The seconds that [`exact_spectrum`] reports in all: what it is expected to take on one core of a
-/// 2.6 GHz machine. 0 where it ends with an error.
-#[must_use]
-pub fn exact_spectrum_cost(pattern: &Pattern, n_points: usize, domain: Domain, lmax: usize) -> f64 {
-    match Kind::of(pattern, n_points, domain) {
-        Err(_) | Ok(Kind::White) => 0.0,
-        Ok(Kind::Fixed(_)) => fixed_cost(n_points, lmax),
-        Ok(Kind::Stratified(partition)) => strata::cost(&partition, lmax),
-    }
-}
-
-/// The bytes that [`exact_spectrum`] takes on `threads` threads: an estimate from below that misses no
-/// large part. 0 where it ends with an error.
-#[must_use]
-pub fn exact_spectrum_bytes(
-    pattern: &Pattern,
-    n_points: usize,
-    domain: Domain,
-    lmax: usize,
-    threads: usize,
-) -> f64 {
-    let spectrum = 16.0 * (lmax as f64 + 1.0);
-    match Kind::of(pattern, n_points, domain) {
-        Err(_) => 0.0,
-        Ok(Kind::White) => spectrum,
-        Ok(Kind::Fixed(_)) => spectrum + Method::Auto.bytes(n_points, lmax, 1),
-        Ok(Kind::Stratified(partition)) => spectrum + strata::bytes(&partition, lmax, threads),
-    }
-}
-
-/// Why a pattern has an exact spectrum.
-enum Kind {
+/// Why there is a spectrum without sampling.
+#[derive(Debug)]
+enum Kind<'a> {
     White,
-    Fixed(Box<dyn Sampler>),
+    Fixed,
+    Sets(&'a [PointSet]),
     Stratified(Partition),
 }
 
-impl Kind {
-    fn of(pattern: &Pattern, n_points: usize, domain: Domain) -> Result<Self, Error> {
-        if !has_exact_spectrum(pattern) {
-            return Err(Error::NoExactSpectrum { pattern: pattern.clone() });
-        }
-        // Building is cheap for these, and checks the number of points.
-        let sampler = pattern.build(n_points, domain)?;
-        if !sampler.is_random() {
-            return Ok(Self::Fixed(sampler));
-        }
-        if *pattern == Pattern::WhiteNoise {
-            return Ok(Self::White);
-        }
-        let unknown = || Error::NoExactSpectrum { pattern: pattern.clone() };
-        Partition::of(pattern, n_points, domain)?.map(Self::Stratified).ok_or_else(unknown)
+impl<'a> ExactSpectrum<'a> {
+    /// Returns the spectrum of a sampler; `None` if its law does not tell.
+    #[must_use]
+    pub fn of(sampler: &'a dyn Sampler) -> Option<Self> {
+        let kind = match sampler.law() {
+            Law::Independent => Kind::White,
+            Law::Fixed => Kind::Fixed,
+            Law::OneOf(sets) => Kind::Sets(sets),
+            Law::Stratified(strata) => Kind::Stratified(Partition::of(strata, sampler.n_points())?),
+            _ => return None,
+        };
+        Some(Self { sampler, kind })
     }
-}
 
-/// The power of a pattern that is not random. Rotations would not change it.
-fn power_of_one_set(points: &[DVec3], lmax: usize) -> Result<Vec<f64>, Error> {
-    let transform = Transform::new(Method::Auto, lmax, points.len(), EPSILON)?;
-    let mut alm = [Alm::zeros(lmax)?];
-    transform.adjoint_batch_into(&[(points, None)], &mut TransformWorkspace::default(), &mut alm);
-    let factor = 4.0 * PI / points.len() as f64;
-    Ok(alm[0].power_per_degree().into_iter().map(|p| factor * p).collect())
-}
+    /// Returns the power to degree `lmax`; [`Self::work`] is ticked in pieces. The bits do not depend on the number of
+    /// threads.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Transform`] if `lmax` is out of range, [`Error::Sampler`] if the one set cannot be made or `progress` ends
+    /// the work.
+    pub fn to(&self, lmax: usize, progress: &dyn Progress) -> Result<Spectrum, Error> {
+        // The one check of the degree for all ways.
+        LmIndex::new(lmax)?;
+        let (domain, n_points) = (self.sampler.domain(), self.sampler.n_points());
+        let power = match &self.kind {
+            Kind::White => vec![1.0; lmax + 1],
+            Kind::Stratified(partition) => strata::power(partition, lmax, progress)?,
+            Kind::Fixed => {
+                let one =
+                    Realizations::unrotated(self.sampler, Streams::new(0, Purpose::Pattern, 0));
+                let mut set = PointSet::default();
+                one.realize_into(0, &mut set, progress)?;
+                return self.of_sets(&[set], lmax, progress);
+            }
+            Kind::Sets(sets) => return self.of_sets(sets, lmax, progress),
+        };
+        // Random points coincide with probability 0.
+        Ok(Spectrum::exact(domain, n_points, power).with_tail(ByParity::both(1.0)))
+    }
 
-fn fixed_cost(n_points: usize, lmax: usize) -> f64 {
-    Method::Auto.seconds(n_points, lmax)
+    /// Returns the nominal work of [`Self::to`].
+    #[must_use]
+    pub fn work(&self, lmax: usize) -> f64 {
+        let transform = |n_points| Method::Auto.nominal_work(n_points, lmax);
+        match &self.kind {
+            Kind::White => 0.0,
+            Kind::Fixed => self.sampler.nominal_work() + transform(self.sampler.n_points()),
+            Kind::Sets(sets) => sets.len() as f64 * transform(self.sampler.n_points()),
+            Kind::Stratified(partition) => strata::work(partition, lmax),
+        }
+    }
+
+    /// Returns the bytes that [`Self::to`] takes on `threads` threads: an estimate from below that misses no
+    /// large part.
+    #[must_use]
+    pub fn bytes(&self, lmax: usize, threads: usize) -> f64 {
+        let spectrum = 16.0 * (lmax as f64 + 1.0);
+        let transform = Method::Auto.bytes(self.sampler.n_points(), lmax, 1);
+        spectrum
+            + match &self.kind {
+                Kind::White => 0.0,
+                Kind::Fixed => transform,
+                Kind::Sets(sets) => transform * threads.clamp(1, sets.len().max(1)) as f64,
+                Kind::Stratified(partition) => strata::bytes(partition, lmax, threads),
+            }
+    }
+
+    /// The mean power of sets, each normalised by its own number of points. Rotations would not change it.
+    fn of_sets(
+        &self,
+        sets: &[PointSet],
+        lmax: usize,
+        progress: &dyn Progress,
+    ) -> Result<Spectrum, Error> {
+        let n_points = self.sampler.n_points();
+        let resolution = Resolution { epsilon: EPSILON, ..Resolution::new(lmax, n_points) };
+        let empty = SpectrumAccumulator::new(self.sampler.domain(), n_points, lmax);
+        let all = 0..sets.len() as u64;
+        let mean = accumulate(&sets, resolution, all, &empty, progress)?.finish()?;
+        let n_effective = mean.n_effective();
+        let spectrum = Spectrum::exact(self.sampler.domain(), n_points, mean.power().to_vec());
+        Ok(spectrum.with_tail(mean.tail()).with_n_effective(n_effective))
+    }
 }

@@ -6,7 +6,7 @@
 //!
 //! let white = Pattern::WhiteNoise.build(64, Domain::Sphere)?;
 //! let ensemble = Realizations::rotated(&*white, Streams::new(0, Purpose::Pattern, 64));
-//! let spectrum = estimate(&ensemble, 16, 200, &|| ())?;
+//! let spectrum = estimate(&ensemble, 16, 200, &())?;
 //! // White noise has P(l) = 1 for every l >= 1; P(0) = N for every set.
 //! let (power, stderr) = (spectrum.power()[4], spectrum.stderr()[4]);
 //! assert!((power - 1.0).abs() < 5.0 * stderr);
@@ -14,7 +14,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! The data's way: point sets ([`PointSets`], such as the realizations of a sampler) go through
+//! The data's way: point sets (an [`Ensemble`], such as the realizations of a sampler) go through
 //! the transform of `sphvar-sht` into an [`Accumulator`], which keeps what is wanted of the
 //! coefficients: their power per degree ([`SpectrumAccumulator`]), per degree and order
 //! ([`OrderAccumulator`]), or single coefficients ([`CoefficientSamples`]). Whether an ensemble is
@@ -22,7 +22,8 @@
 //! ([`HomogeneityAccumulator`], [`HomogeneityAudit`]). Accumulators sum exactly ([`ExactSum`]), so any split over threads, or over machines of one kind, merges to the
 //! same bits.
 //!
-//! Some patterns need no ensemble: [`exact_spectrum`] evaluates the mean itself.
+//! Some patterns need no ensemble: [`ExactSpectrum`] evaluates the mean itself. Spectra and their sums are written for
+//! [`Bands`](sphvar_sh::Bands), of which the degrees of the sphere are one set.
 
 mod accumulate;
 mod anisotropy;
@@ -36,18 +37,19 @@ mod moments;
 mod orders;
 mod spectrum;
 
-pub use accumulate::{Accumulator, PointSets, Realization, Resolution, accumulate, estimate};
+pub use accumulate::{Accumulator, Realization, Resolution, accumulate, estimate};
 pub use anisotropy::Anisotropy;
 pub use coefficients::CoefficientSamples;
 pub use coincidence::tail_power;
 pub use error::Error;
-pub use exact::{exact_spectrum, exact_spectrum_bytes, exact_spectrum_cost, has_exact_spectrum};
+pub use exact::ExactSpectrum;
 pub use exact_sum::ExactSum;
 pub use homogeneity::{
     AuditFamily, AuditSettings, AuditVerdict, Finding, HomogeneityAccumulator, HomogeneityAudit,
-    MeanBias, OrderRatio, RotationLaw, TurnedSets,
+    MeanBias, OrderRatio,
 };
 pub use moments::Moments;
 pub use orders::{OrderAccumulator, OrderPower};
 pub use spectrum::{Spectrum, SpectrumAccumulator};
+pub use sphvar_samplers::Ensemble;
 pub use sphvar_sht::Method;

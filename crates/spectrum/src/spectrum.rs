@@ -1,17 +1,19 @@
-use sphvar_samplers::Domain;
-use sphvar_sh::ByParity;
+use sphvar_sh::{Bands, ByParity, Domain};
 
 use crate::{Accumulator, Error, Moments, Realization};
 
-/// The mean angular power per degree of an ensemble, with the standard error of that mean.
+/// The mean power per band of an ensemble, with the standard error of that mean: on the sphere the bands are the degrees.
 ///
 /// `P(l) = (4 pi / N) 1/(2l+1) sum_m |sum_k conj Y_lm(s_k)|^2`, so that white noise has P(l) = 1
 /// for l >= 1 and every set has P(0) = N (`docs/conventions.md`). On the hemisphere only even
 /// degrees exist; the entries of odd degrees are 0 and mean nothing.
+///
+/// N is the effective number `(sum w)^2/sum w^2` of weighted points.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Spectrum {
-    domain: Domain,
+pub struct Spectrum<B = Domain> {
+    bands: B,
     n_points: usize,
+    n_effective: f64,
     realizations: u64,
     power: Vec<f64>,
     stderr: Vec<f64>,
@@ -19,29 +21,30 @@ pub struct Spectrum {
     tail_stderr: ByParity,
 }
 
-impl Spectrum {
-    /// A mean power per degree that is known without sampling: no realizations, standard errors of 0.
+impl<B: Bands> Spectrum<B> {
+    /// A mean power per band that is known without sampling: no realizations, standard errors of 0.
     ///
-    /// `power` is indexed by l from 0; its first entry is replaced by N, which every set has, and odd
-    /// degrees of the hemisphere by 0. The [`tail`](Self::tail) is that of points in general position, 1.
+    /// `power` is indexed by band from 0; its first entry is replaced by N, which every set has, and those of bands
+    /// that do not exist by 0. The [`tail`](Self::tail) is that of points in general position, 1.
     ///
     /// # Panics
     ///
     /// If `power` is empty.
     #[must_use]
-    pub fn exact(domain: Domain, n_points: usize, mut power: Vec<f64>) -> Self {
-        assert!(!power.is_empty(), "the power of degree 0 is always there");
+    pub fn exact(bands: B, n_points: usize, mut power: Vec<f64>) -> Self {
+        assert!(!power.is_empty(), "the power of band 0 is always there");
         power[0] = n_points as f64;
-        for (l, p) in power.iter_mut().enumerate() {
-            if !domain.has_degree(l) {
+        for (band, p) in power.iter_mut().enumerate() {
+            if !bands.has_band(band) {
                 *p = 0.0;
             }
         }
         let stderr = vec![0.0; power.len()];
         let tail_stderr = ByParity::both(0.0);
         let spectrum = Self {
-            domain,
+            bands,
             n_points,
+            n_effective: n_points as f64,
             realizations: 0,
             power,
             stderr,
@@ -54,7 +57,7 @@ impl Spectrum {
     /// The same spectrum with another mean power beyond its degrees, known without error.
     #[must_use]
     pub fn with_tail(mut self, tail: ByParity) -> Self {
-        self.tail = existing(self.domain, tail);
+        self.tail = existing(&self.bands, tail);
         self.tail_stderr = ByParity::both(0.0);
         self
     }
@@ -80,10 +83,18 @@ impl Spectrum {
         self.stderr.iter().all(|&e| e == 0.0)
     }
 
-    /// Where the points live.
+    /// The same spectrum of weighted points, whose effective number is the power of band 0.
     #[must_use]
-    pub fn domain(&self) -> Domain {
-        self.domain
+    pub fn with_n_effective(mut self, n_effective: f64) -> Self {
+        self.n_effective = n_effective;
+        self.power[0] = n_effective;
+        self
+    }
+
+    /// The bands that it has powers of, from band 0 on.
+    #[must_use]
+    pub fn bands(&self) -> &B {
+        &self.bands
     }
 
     /// The number of points of a realization.
@@ -92,13 +103,19 @@ impl Spectrum {
         self.n_points
     }
 
+    /// The mean effective number of points, `(sum w)^2/sum w^2`; the mean number of equally weighted ones.
+    #[must_use]
+    pub fn n_effective(&self) -> f64 {
+        self.n_effective
+    }
+
     /// How many realizations the mean is taken over; 0 of a spectrum that is known without sampling.
     #[must_use]
     pub fn realizations(&self) -> u64 {
         self.realizations
     }
 
-    /// The largest degree, inclusive.
+    /// The last band, inclusive: the largest degree.
     #[must_use]
     pub fn lmax(&self) -> usize {
         self.power.len() - 1
@@ -126,48 +143,58 @@ impl Spectrum {
         self
     }
 
-    /// The degrees that exist, from 0 on, each with its mean power and standard error.
+    /// The bands that exist, from 0 on, each with its mean power and standard error.
     pub fn rows(&self) -> impl Iterator<Item = (usize, f64, f64)> {
         let rows = self.power.iter().zip(&self.stderr).enumerate();
-        rows.map(|(l, (&p, &e))| (l, p, e)).filter(|row| self.domain.has_degree(row.0))
+        rows.map(|(band, (&p, &e))| (band, p, e)).filter(|row| self.bands.has_band(row.0))
     }
 }
 
-/// The values of parities whose degrees exist, and 0.
-fn existing(domain: Domain, value: ByParity) -> ByParity {
-    ByParity {
-        even: if domain.has_degree(0) { value.even } else { 0.0 },
-        odd: if domain.has_degree(1) { value.odd } else { 0.0 },
-    }
-}
-
-/// Accumulates the power per degree; the [`Spectrum`] in the making.
-#[derive(Clone, Debug)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct SpectrumAccumulator {
-    domain: Domain,
-    n_points: usize,
-    degrees: Vec<Moments>,
-    tail: ByParity<Moments>,
-}
-
-impl SpectrumAccumulator {
-    /// An empty accumulator for degrees up to `lmax` of sets of `n_points`.
-    ///
-    /// # Panics
-    ///
-    /// If `lmax + 1` moments do not fit in memory; degrees beyond [`MAX_DEGREE`](sphvar_sh::MAX_DEGREE) have no
-    /// transforms.
-    #[must_use]
-    pub fn new(domain: Domain, n_points: usize, lmax: usize) -> Self {
-        let degrees = vec![Moments::default(); lmax.saturating_add(1)];
-        Self { domain, n_points, degrees, tail: ByParity::default() }
-    }
-
+impl Spectrum {
     /// Where the points live.
     #[must_use]
     pub fn domain(&self) -> Domain {
-        self.domain
+        self.bands
+    }
+}
+
+/// The values of parities whose bands exist, and 0.
+fn existing(bands: &impl Bands, value: ByParity) -> ByParity {
+    ByParity {
+        even: if bands.has_parity(true) { value.even } else { 0.0 },
+        odd: if bands.has_parity(false) { value.odd } else { 0.0 },
+    }
+}
+
+/// Accumulates the power per band; the [`Spectrum`] in the making.
+#[derive(Clone, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct SpectrumAccumulator<B = Domain> {
+    bands: B,
+    n_points: usize,
+    n_effective: Moments,
+    powers: Vec<Moments>,
+    tail: ByParity<Moments>,
+}
+
+impl<B: Bands> SpectrumAccumulator<B> {
+    /// An empty accumulator for the bands up to number `last`, the largest degree, of sets of `n_points`.
+    ///
+    /// # Panics
+    ///
+    /// If `last + 1` moments do not fit in memory; degrees beyond [`MAX_DEGREE`](sphvar_sh::MAX_DEGREE) have no
+    /// transforms.
+    #[must_use]
+    pub fn new(bands: B, n_points: usize, last: usize) -> Self {
+        let powers = vec![Moments::default(); last.saturating_add(1)];
+        let n_effective = Moments::default();
+        Self { bands, n_points, n_effective, powers, tail: ByParity::default() }
+    }
+
+    /// The bands that powers are accumulated of, from band 0 on.
+    #[must_use]
+    pub fn bands(&self) -> &B {
+        &self.bands
     }
 
     /// The number of points of a realization.
@@ -176,18 +203,18 @@ impl SpectrumAccumulator {
         self.n_points
     }
 
-    /// The largest degree, inclusive; `None` if there are no degrees, as only sums from elsewhere can be.
+    /// The last band, inclusive: the largest degree; `None` if there are no bands, as only sums from elsewhere can be.
     #[must_use]
     pub fn lmax(&self) -> Option<usize> {
-        self.degrees.len().checked_sub(1)
+        self.powers.len().checked_sub(1)
     }
 
-    /// How many realizations have been taken in; `None` if degrees disagree, which only sums from elsewhere do.
+    /// How many realizations have been taken in; `None` if bands disagree, which only sums from elsewhere do.
     #[must_use]
     pub fn realizations(&self) -> Option<u64> {
-        let count = self.degrees.first()?.count();
-        let tails = [&self.tail.even, &self.tail.odd];
-        let mut all = self.degrees.iter().chain(tails);
+        let count = self.powers.first()?.count();
+        let others = [&self.n_effective, &self.tail.even, &self.tail.odd];
+        let mut all = self.powers.iter().chain(others);
         all.all(|moments| moments.count() == count).then_some(count)
     }
 
@@ -195,23 +222,23 @@ impl SpectrumAccumulator {
     ///
     /// # Errors
     ///
-    /// [`Error::Mismatch`] if the two differ in the number of points or degrees.
+    /// [`Error::Mismatch`] if the two differ in the number of points or in bands.
     pub fn try_merge(&mut self, other: &Self) -> Result<(), Error> {
         let pairs = [
             ("numbers of points", self.n_points, other.n_points),
-            ("numbers of degrees", self.degrees.len(), other.degrees.len()),
-            (
-                "domains",
-                usize::from(self.domain == Domain::Sphere),
-                usize::from(other.domain == Domain::Sphere),
-            ),
+            ("numbers of degrees", self.powers.len(), other.powers.len()),
         ];
         for (what, left, right) in pairs {
             if left != right {
+                let (left, right) = (left.to_string(), right.to_string());
                 return Err(Error::Mismatch { what, left, right });
             }
         }
-        self.merge(other);
+        if self.bands != other.bands {
+            let (left, right) = (format!("{:?}", self.bands), format!("{:?}", other.bands));
+            return Err(Error::Mismatch { what: "domains", left, right });
+        }
+        self.merge_powers(other);
         Ok(())
     }
 
@@ -221,42 +248,66 @@ impl SpectrumAccumulator {
     /// # Errors
     ///
     /// [`Error::NoRealizations`] if nothing was accumulated.
-    pub fn finish(&self) -> Result<Spectrum, Error> {
-        let realizations = self.degrees.first().map_or(0, Moments::count);
+    pub fn finish(&self) -> Result<Spectrum<B>, Error> {
+        let realizations = self.powers.first().map_or(0, Moments::count);
         if realizations == 0 {
             return Err(Error::NoRealizations);
         }
-        let exists = |l: usize, x: f64| if self.domain.has_degree(l) { x } else { 0.0 };
-        let by_degree = |f: &dyn Fn(&Moments) -> f64| -> Vec<f64> {
-            self.degrees.iter().enumerate().map(|(l, m)| exists(l, f(m))).collect()
+        let exists = |band: usize, x: f64| if self.bands.has_band(band) { x } else { 0.0 };
+        let by_band = |f: &dyn Fn(&Moments) -> f64| -> Vec<f64> {
+            self.powers.iter().enumerate().map(|(band, m)| exists(band, f(m))).collect()
         };
         Ok(Spectrum {
-            domain: self.domain,
+            bands: self.bands.clone(),
             n_points: self.n_points,
+            n_effective: self.n_effective.mean(),
             realizations,
-            power: by_degree(&Moments::mean),
-            stderr: by_degree(&Moments::standard_error),
-            tail: existing(self.domain, self.tail.as_ref().map(Moments::mean)),
-            tail_stderr: existing(self.domain, self.tail.as_ref().map(Moments::standard_error)),
+            power: by_band(&Moments::mean),
+            stderr: by_band(&Moments::standard_error),
+            tail: existing(&self.bands, self.tail.as_ref().map(Moments::mean)),
+            tail_stderr: existing(&self.bands, self.tail.as_ref().map(Moments::standard_error)),
         })
+    }
+
+    /// Takes one realization in: its effective number of points, the power of every band from 0, and the mean power beyond.
+    pub fn push_powers(
+        &mut self,
+        n_effective: f64,
+        powers: impl IntoIterator<Item = f64>,
+        tail: ByParity,
+    ) {
+        for (moments, power) in self.powers.iter_mut().zip(powers) {
+            moments.push(power);
+        }
+        self.n_effective.push(n_effective);
+        self.tail.even.push(tail.even);
+        self.tail.odd.push(tail.odd);
+    }
+
+    fn merge_powers(&mut self, other: &Self) {
+        for (mine, theirs) in self.powers.iter_mut().zip(&other.powers) {
+            mine.merge(theirs);
+        }
+        self.n_effective.merge(&other.n_effective);
+        self.tail.even.merge(&other.tail.even);
+        self.tail.odd.merge(&other.tail.odd);
+    }
+}
+
+impl SpectrumAccumulator {
+    /// Where the points live.
+    #[must_use]
+    pub fn domain(&self) -> Domain {
+        self.bands
     }
 }
 
 impl Accumulator for SpectrumAccumulator {
     fn push(&mut self, realization: &Realization<'_>) {
-        for (moments, power) in self.degrees.iter_mut().zip(realization.power()) {
-            moments.push(power);
-        }
-        let tail = realization.tail();
-        self.tail.even.push(tail.even);
-        self.tail.odd.push(tail.odd);
+        self.push_powers(realization.n_effective(), realization.power(), realization.tail());
     }
 
     fn merge(&mut self, other: &Self) {
-        for (mine, theirs) in self.degrees.iter_mut().zip(&other.degrees) {
-            mine.merge(theirs);
-        }
-        self.tail.even.merge(&other.tail.even);
-        self.tail.odd.merge(&other.tail.odd);
+        self.merge_powers(other);
     }
 }

@@ -1,6 +1,7 @@
 use std::f64::consts::PI;
 
 use rayon::prelude::{IntoParallelIterator, ParallelIterator};
+use sphvar_samplers::Progress;
 use sphvar_sh::Alm;
 use sphvar_sht::{Method, Transform, TransformWorkspace};
 
@@ -20,7 +21,7 @@ pub(super) fn power(
     partition: &Partition,
     degree: usize,
     lmax: usize,
-    done: &(dyn Fn(f64) + Sync),
+    progress: &dyn Progress,
 ) -> Result<Vec<f64>, Error> {
     let transform = Transform::new(Method::Auto, lmax, partition.most_nodes(degree), EPSILON)?;
     let none = || vec![ExactSum::default(); lmax + 1];
@@ -37,7 +38,7 @@ pub(super) fn power(
         .fold(begin, |worker: Result<Worker, Error>, class| {
             let mut worker = worker?;
             let nodes = worker.take(&transform, &class, degree)?;
-            done(class_cost(nodes, lmax));
+            progress.tick(class_work(nodes, lmax)).map_err(sphvar_samplers::Error::from)?;
             Ok(worker)
         })
         .map(|worker| Ok(worker?.sums))
@@ -79,9 +80,9 @@ impl Worker {
     }
 }
 
-/// The seconds for all classes, as [`power`] reports them.
-pub(super) fn cost(partition: &Partition, lmax: usize) -> f64 {
-    partition.nodes(lmax).into_iter().map(|(classes, n)| classes * class_cost(n, lmax)).sum()
+/// The nominal work of all classes, as [`power`] ticks it.
+pub(super) fn work(partition: &Partition, lmax: usize) -> f64 {
+    partition.nodes(lmax).into_iter().map(|(classes, n)| classes * class_work(n, lmax)).sum()
 }
 
 /// The bytes that a thread takes.
@@ -90,6 +91,6 @@ pub(super) fn bytes(partition: &Partition, lmax: usize) -> f64 {
     Method::Auto.bytes(nodes, lmax, 1) + 32.0 * nodes as f64 + 150.0 * lmax as f64
 }
 
-fn class_cost(n_nodes: usize, lmax: usize) -> f64 {
-    Method::Auto.seconds(n_nodes, lmax)
+fn class_work(n_nodes: usize, lmax: usize) -> f64 {
+    Method::Auto.nominal_work(n_nodes, lmax)
 }

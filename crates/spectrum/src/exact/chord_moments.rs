@@ -1,6 +1,7 @@
 use std::f64::consts::PI;
 
 use rayon::prelude::{IntoParallelIterator, ParallelIterator};
+use sphvar_samplers::Progress;
 
 use super::partition::Partition;
 use super::quadrature::Quadrature;
@@ -9,8 +10,8 @@ use crate::{Error, ExactSum};
 /// Pairs of nodes that go through the recurrence together.
 const LANES: usize = 8;
 
-/// The seconds that one pair of nodes takes for one moment.
-const PAIR_SECONDS: f64 = 1e-9;
+/// The nominal work of one pair of nodes for one moment.
+const PAIR_WORK: f64 = 1.0 / 60.0;
 
 /// The law of the squared chord of two independent uniform points of one stratum, averaged over strata, by
 /// its Chebyshev moments
@@ -35,7 +36,7 @@ impl ChordMoments {
         partition: &Partition,
         degree: usize,
         count: usize,
-        done: &(dyn Fn(f64) + Sync),
+        progress: &dyn Progress,
     ) -> Result<Self, Error> {
         let longest_squared = partition.longest_chord_squared();
         let none = || Ok(vec![ExactSum::default(); count]);
@@ -48,7 +49,9 @@ impl ChordMoments {
                 for (sum, c) in sums.iter_mut().zip(moments_of(&nodes, longest_squared, count)) {
                     sum.add(class.share * c);
                 }
-                done(class_cost(nodes.points.len(), count));
+                progress
+                    .tick(class_work(nodes.points.len(), count))
+                    .map_err(sphvar_samplers::Error::from)?;
                 Ok(sums)
             })
             .reduce(none, |a, b| {
@@ -206,10 +209,10 @@ pub(super) fn n_moments(lmax: usize, longest_squared: f64) -> usize {
     lmax + 1
 }
 
-/// The seconds for all classes, as [`ChordMoments::new`] reports them.
-pub(super) fn cost(partition: &Partition, lmax: usize) -> f64 {
+/// The nominal work of all classes, as [`ChordMoments::new`] ticks it.
+pub(super) fn work(partition: &Partition, lmax: usize) -> f64 {
     let count = n_moments(lmax, partition.longest_chord_squared());
-    partition.nodes(lmax).into_iter().map(|(classes, n)| classes * class_cost(n, count)).sum()
+    partition.nodes(lmax).into_iter().map(|(classes, n)| classes * class_work(n, count)).sum()
 }
 
 /// The bytes that a thread takes: nodes twice over, and moments.
@@ -218,6 +221,6 @@ pub(super) fn bytes(partition: &Partition, lmax: usize) -> f64 {
     64.0 * partition.most_nodes(lmax) as f64 + 250.0 * count as f64
 }
 
-fn class_cost(n_nodes: usize, count: usize) -> f64 {
-    0.5 * (n_nodes as f64).powi(2) * (count as f64 + 4.0) * PAIR_SECONDS
+fn class_work(n_nodes: usize, count: usize) -> f64 {
+    0.5 * (n_nodes as f64).powi(2) * (count as f64 + 4.0) * PAIR_WORK
 }

@@ -1,5 +1,5 @@
 use sphvar_healpix::{Cell, Nside};
-use sphvar_samplers::{Domain, EqualArea, Pattern, Placement, Region};
+use sphvar_samplers::{Region, Strata};
 
 use super::quadrature::{Quadrature, gauss_nodes, is_full_turn, turn_nodes};
 use crate::Error;
@@ -40,25 +40,16 @@ const HALF_EDGE: f64 = 0.77;
 const LONGEST_CHORD: f64 = 2.2;
 
 impl Partition {
-    /// The strata of a pattern of one point each; `None` if it is none. `n_points` is a legal number.
-    pub(super) fn of(
-        pattern: &Pattern,
-        n_points: usize,
-        domain: Domain,
-    ) -> Result<Option<Self>, Error> {
-        Ok(match pattern {
-            Pattern::Jittered => {
-                // On the hemisphere there is one point to a pair of antipodal cells.
-                let n_cells = n_points.saturating_mul(domain.degree_step());
-                let nside = Nside::nearest(n_cells as u64);
-                Some(Self::Healpix(nside))
-            }
-            Pattern::EqualArea { placement: Placement::Jittered } => {
-                let regions = EqualArea::new(n_points, domain, Placement::Jittered)?;
+    /// The classes of a cut, of `n_points` strata.
+    pub(super) fn of(strata: Strata<'_>, n_points: usize) -> Option<Self> {
+        match strata {
+            Strata::Healpix(nside) => Some(Self::Healpix(nside)),
+            Strata::EqualArea(regions) => {
                 Some(Self::Zonal(regions.congruent_regions().collect(), n_points))
             }
+            // Cuts that are added to the list have no classes until they are written down here.
             _ => None,
-        })
+        }
     }
 
     /// The number of rows, the unit of parallel work.

@@ -1,4 +1,6 @@
-//! The spectrum of one uniform point in each stratum, by the way that is expected to take less time.
+//! The spectrum of one uniform point in each stratum, by the way of less nominal work.
+
+use sphvar_samplers::Progress;
 
 use super::cell_means;
 use super::chord_moments::{self, ChordMoments};
@@ -9,24 +11,24 @@ use crate::Error;
 pub(super) fn power(
     partition: &Partition,
     lmax: usize,
-    done: &(dyn Fn(f64) + Sync),
+    progress: &dyn Progress,
 ) -> Result<Vec<f64>, Error> {
     let by_chords = degrees_by_chords(partition, lmax);
     let count = chord_moments::n_moments(by_chords, partition.longest_chord_squared());
-    let low = ChordMoments::new(partition, by_chords, count, done)?.power(by_chords);
+    let low = ChordMoments::new(partition, by_chords, count, progress)?.power(by_chords);
     if by_chords == lmax {
         return Ok(low);
     }
-    let mut power = cell_means::power(partition, lmax, lmax, done)?;
+    let mut power = cell_means::power(partition, lmax, lmax, progress)?;
     power[..=by_chords].copy_from_slice(&low);
     Ok(power)
 }
 
-/// The seconds that [`power`] reports.
-pub(super) fn cost(partition: &Partition, lmax: usize) -> f64 {
+/// The nominal work that [`power`] ticks.
+pub(super) fn work(partition: &Partition, lmax: usize) -> f64 {
     let by_chords = degrees_by_chords(partition, lmax);
-    let rest = if by_chords == lmax { 0.0 } else { cell_means::cost(partition, lmax) };
-    chord_moments::cost(partition, by_chords) + rest
+    let rest = if by_chords == lmax { 0.0 } else { cell_means::work(partition, lmax) };
+    chord_moments::work(partition, by_chords) + rest
 }
 
 /// The bytes that [`power`] takes on `threads` threads.
@@ -43,7 +45,7 @@ pub(super) fn bytes(partition: &Partition, lmax: usize, threads: usize) -> f64 {
 /// The largest degree that goes by chords: all, or where means of cells cost less, those to about sqrt(N).
 /// Beyond, the power is no longer small, and a difference from 1 serves as well.
 fn degrees_by_chords(partition: &Partition, lmax: usize) -> usize {
-    if chord_moments::cost(partition, lmax) <= cell_means::cost(partition, lmax) {
+    if chord_moments::work(partition, lmax) <= cell_means::work(partition, lmax) {
         return lmax;
     }
     // The chord of a stratum is some 2 spacings long.

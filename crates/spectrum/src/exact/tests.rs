@@ -3,12 +3,12 @@
 use std::sync::Mutex;
 
 use sphvar_healpix::{Cell, Nside};
-use sphvar_samplers::{Domain, EqualArea, Pattern, Placement};
+use sphvar_samplers::{Domain, EqualArea, Pattern, Placement, SECONDS_PER_WORK, Strata};
 
 use super::chord_moments::{self, ChordMoments};
 use super::partition::Partition;
 use super::quadrature::Quadrature;
-use super::{cell_means, exact_spectrum, exact_spectrum_cost, has_exact_spectrum, strata};
+use super::{ExactSpectrum, cell_means, strata};
 use crate::Error;
 
 const EQUAL_AREA: Pattern = Pattern::EqualArea { placement: Placement::Jittered };
@@ -18,7 +18,8 @@ fn healpix(nside: u32) -> Partition {
 }
 
 fn zonal(n: usize, domain: Domain) -> Partition {
-    Partition::of(&EQUAL_AREA, n, domain).unwrap().unwrap()
+    let regions = EqualArea::new(n, domain, Placement::Jittered).unwrap();
+    Partition::of(Strata::EqualArea(&regions), n).unwrap()
 }
 
 /// Partitions with every kind of stratum: poles, caps, cells cut at |z| = 2/3, belts, odd and even, collars of few
@@ -34,11 +35,11 @@ fn partitions() -> Vec<(String, Partition)> {
 
 fn by_chords(partition: &Partition, degree: usize, lmax: usize) -> Vec<f64> {
     let count = chord_moments::n_moments(lmax, partition.longest_chord_squared());
-    ChordMoments::new(partition, degree, count, &|_| ()).unwrap().power(lmax)
+    ChordMoments::new(partition, degree, count, &()).unwrap().power(lmax)
 }
 
 fn by_means(partition: &Partition, degree: usize, lmax: usize) -> Vec<f64> {
-    cell_means::power(partition, degree, lmax, &|_| ()).unwrap()
+    cell_means::power(partition, degree, lmax, &()).unwrap()
 }
 
 fn assert_near(got: &[f64], expected: &[f64], tolerance: impl Fn(f64) -> f64, what: &str) {
@@ -89,8 +90,7 @@ fn the_series_has_converged() {
     for (nside, lmax) in [(1, 3), (4, 20), (8, 100), (64, 8)] {
         let partition = healpix(nside);
         let count = chord_moments::n_moments(lmax, partition.longest_chord_squared());
-        let power =
-            |count| ChordMoments::new(&partition, lmax, count, &|_| ()).unwrap().power(lmax);
+        let power = |count| ChordMoments::new(&partition, lmax, count, &()).unwrap().power(lmax);
         assert_near(&power(count), &power(2 * count), |p| RELATIVE * p, &format!("nside {nside}"));
     }
 }
@@ -182,7 +182,7 @@ fn no_chord_is_longer_than_the_bound() {
 
 /// The count in advance is that of the classes as they come.
 #[test]
-fn costs_add_up_to_what_is_reported() {
+fn ticks_add_up_to_the_work() {
     for (pattern, n, domain, lmax) in [
         (Pattern::Jittered, 12, Domain::Sphere, 5),
         (Pattern::Jittered, 12, Domain::Sphere, 60),
@@ -192,11 +192,11 @@ fn costs_add_up_to_what_is_reported() {
         (Pattern::WhiteNoise, 100, Domain::Sphere, 20),
     ] {
         let reported = Mutex::new(0.0);
-        let done = |seconds: f64| *reported.lock().unwrap() += seconds;
-        exact_spectrum(&pattern, n, domain, lmax, &done).unwrap();
-        let (reported, cost) =
-            (reported.into_inner().unwrap(), exact_spectrum_cost(&pattern, n, domain, lmax));
-        assert!((reported - cost).abs() <= 1e-12 * cost, "{pattern}: {reported}, {cost}");
+        let sampler = pattern.build(n, domain).unwrap();
+        let exact = ExactSpectrum::of(&*sampler).unwrap();
+        exact.to(lmax, &|work| *reported.lock().unwrap() += work).unwrap();
+        let (reported, work) = (reported.into_inner().unwrap(), exact.work(lmax));
+        assert!((reported - work).abs() <= 1e-12 * work, "{pattern}: {reported}, {work}");
     }
 }
 
@@ -207,10 +207,10 @@ fn the_ways_are_joined_without_a_seam() {
         [("nside 1", healpix(1), 60), ("20 regions", zonal(20, Domain::Hemisphere), 80)]
     {
         assert!(
-            cell_means::cost(&partition, lmax) < chord_moments::cost(&partition, lmax),
+            cell_means::work(&partition, lmax) < chord_moments::work(&partition, lmax),
             "{name}"
         );
-        let got = strata::power(&partition, lmax, &|_| ()).unwrap();
+        let got = strata::power(&partition, lmax, &()).unwrap();
         assert_near(&got, &by_chords(&partition, lmax, lmax), |_| 4.0 * ABSOLUTE, name);
         assert_near(&got[..4], &by_chords(&partition, 3, 3), |p| RELATIVE * p, name);
     }
@@ -222,29 +222,23 @@ fn patterns_have_an_exact_spectrum_if_they_are_not_random_or_have_strata() {
     for pattern in Pattern::ALL.into_iter().chain([centred]) {
         let stratified =
             matches!(pattern, Pattern::WhiteNoise | Pattern::Jittered | Pattern::EqualArea { .. });
-        let is_random = pattern.build(12, Domain::Sphere).unwrap().is_random();
-        assert_eq!(has_exact_spectrum(&pattern), stratified || !is_random, "{pattern}");
-        let result = exact_spectrum(&pattern, 12, Domain::Sphere, 4, &|_| ());
-        match result {
-            Ok(spectrum) => {
-                assert!(spectrum.is_exact() && spectrum.lmax() == 4, "{spectrum:?}");
-                assert_eq!((spectrum.realizations(), spectrum.power()[0]), (0, 12.0));
-            }
-            Err(error) => {
-                assert!(!has_exact_spectrum(&pattern), "{pattern}: {error}");
-                assert!(matches!(error, Error::NoExactSpectrum { .. }), "{error}");
-                let message = error.to_string();
-                assert!(message.contains("white-noise, jittered, healpix"), "{message}");
-                assert!(exact_spectrum_cost(&pattern, 12, Domain::Sphere, 4) <= 0.0);
-            }
+        let sampler = pattern.build(12, Domain::Sphere).unwrap();
+        let exact = ExactSpectrum::of(&*sampler);
+        assert_eq!(exact.is_some(), stratified || !sampler.is_random(), "{pattern}");
+        if let Some(exact) = exact {
+            let spectrum = exact.to(4, &()).unwrap();
+            assert!(spectrum.is_exact() && spectrum.lmax() == 4, "{spectrum:?}");
+            assert_eq!((spectrum.realizations(), spectrum.power()[0]), (0, 12.0));
         }
     }
 }
 
 #[test]
 fn extremes_are_answered_or_refused() {
-    let run = |pattern: &Pattern, n, lmax| {
-        exact_spectrum(pattern, n, Domain::Sphere, lmax, &|_| ()).map(|s| s.power().to_vec())
+    let run = |pattern: &Pattern, n, lmax| -> Result<Vec<f64>, Error> {
+        let sampler = pattern.build(n, Domain::Sphere)?;
+        let exact = ExactSpectrum::of(&*sampler).expect("strata or one set");
+        Ok(exact.to(lmax, &())?.power().to_vec())
     };
     assert!(matches!(run(&Pattern::Jittered, 13, 4), Err(Error::Sampler(_))));
     assert!(matches!(run(&EQUAL_AREA, 0, 4), Err(Error::Sampler(_))));
@@ -258,7 +252,10 @@ fn extremes_are_answered_or_refused() {
         assert!((p - 1.0).abs() < RELATIVE, "{p}");
     }
     // The estimate of the work is there at once for whatever exists.
-    let most = 12 << 58;
-    assert!(exact_spectrum_cost(&Pattern::Jittered, most, Domain::Sphere, 100) > 1e6);
-    assert!(exact_spectrum_cost(&EQUAL_AREA, u32::MAX as usize, Domain::Sphere, 100) > 0.0);
+    let work = |pattern: &Pattern, n| {
+        let sampler = pattern.build(n, Domain::Sphere).unwrap();
+        ExactSpectrum::of(&*sampler).unwrap().work(100)
+    };
+    assert!(SECONDS_PER_WORK * work(&Pattern::Jittered, 12 << 58) > 1e6);
+    assert!(work(&EQUAL_AREA, u32::MAX as usize) > 0.0);
 }

@@ -1,10 +1,10 @@
 use std::f64::consts::SQRT_2;
 
 use glam::DMat3;
-use sphvar_samplers::Domain;
+use sphvar_samplers::{Domain, Progress};
 
 use super::audit::{AuditSettings, HomogeneityAudit};
-use super::judge::judge;
+use super::judge::{copy_work, judge};
 use crate::{Accumulator, Anisotropy, Error, Realization};
 
 /// Keeps the low coefficients of every realization; the [`HomogeneityAudit`] in the making.
@@ -38,14 +38,14 @@ impl HomogeneityAccumulator {
 
     /// Judges the realizations.
     ///
-    /// `rotations` are those that turned them, if they are known; `done` is called after each of
+    /// `rotations` are those that turned them, if they are known; [`Self::audit_work`] is ticked in pieces, one for each of
     /// [`AuditSettings::replicates`] turned copies of the ensemble. The result depends on nothing
     /// but the realizations, the settings and the rotations.
     ///
     /// # Errors
     ///
     /// [`Error::NoRealizations`] if nothing was accumulated, [`Error::Setting`] if a setting is out
-    /// of its range.
+    /// of its range, [`Error::Sampler`] if `progress` ends the work.
     ///
     /// # Performance
     ///
@@ -54,7 +54,7 @@ impl HomogeneityAccumulator {
         &self,
         settings: &AuditSettings,
         rotations: Option<&[DMat3]>,
-        done: &(dyn Fn() + Sync),
+        progress: &dyn Progress,
     ) -> Result<HomogeneityAudit, Error> {
         settings.check()?;
         if self.rows.is_empty() {
@@ -63,7 +63,15 @@ impl HomogeneityAccumulator {
         let mut rows: Vec<&(u64, Vec<f64>)> = self.rows.iter().collect();
         rows.sort_by_key(|row| row.0);
         let rows: Vec<Vec<f64>> = rows.into_iter().map(|row| row.1.clone()).collect();
-        Ok(judge(self.domain, self.lmax, &rows, &self.anisotropy, settings, rotations, done))
+        let (domain, lmax) = (self.domain, self.lmax);
+        judge(domain, lmax, &rows, &self.anisotropy, settings, rotations, progress)
+            .map_err(|stopped| Error::Sampler(stopped.into()))
+    }
+
+    /// Returns the nominal work of [`Self::audit`] for an ensemble of `count` realizations.
+    #[must_use]
+    pub fn audit_work(settings: &AuditSettings, count: u64, lmax: usize) -> f64 {
+        settings.replicates() as f64 * copy_work(count, lmax)
     }
 }
 

@@ -1,6 +1,6 @@
 use glam::DMat3;
 use rayon::prelude::{IntoParallelIterator, ParallelIterator};
-use sphvar_samplers::{Domain, Purpose, Streams, uniform_rotation};
+use sphvar_samplers::{Domain, Progress, Purpose, Stopped, Streams, uniform_rotation};
 
 use super::audit::{
     AuditFamily, AuditSettings, AuditVerdict, Finding, HomogeneityAudit, MeanBias, OrderRatio,
@@ -22,15 +22,16 @@ pub(super) fn judge(
     anisotropy: &Anisotropy,
     settings: &AuditSettings,
     rotations: Option<&[DMat3]>,
-    done: &(dyn Fn() + Sync),
-) -> HomogeneityAudit {
+    progress: &dyn Progress,
+) -> Result<HomogeneityAudit, Stopped> {
     let layout = Layout::new(domain, lmax, rows);
     let mut observed = layout.zero();
     for row in rows {
         layout.add(row, &mut observed);
     }
     let used = rotations.filter(|r| !r.is_empty());
-    let copies = turned_copies(&layout, lmax, rows, settings, used.map_or(0, <[_]>::len), done);
+    let copies =
+        turned_copies(&layout, lmax, rows, settings, used.map_or(0, <[_]>::len), progress)?;
     let count = rows.len() as f64;
     let sums = || std::iter::once(&observed).chain(copies.iter().map(|copy| &copy.0));
 
@@ -64,7 +65,7 @@ pub(super) fn judge(
     } else {
         AuditVerdict::Undecided
     };
-    HomogeneityAudit {
+    Ok(HomogeneityAudit {
         domain,
         lmax,
         realizations: rows.len(),
@@ -74,7 +75,7 @@ pub(super) fn judge(
         ratios,
         detectable,
         verdict,
-    }
+    })
 }
 
 /// The sums of the ensemble with every realization turned anew, and the sum of as many rotations.
@@ -84,8 +85,8 @@ fn turned_copies(
     rows: &[Vec<f64>],
     settings: &AuditSettings,
     n_rotations: usize,
-    done: &(dyn Fn() + Sync),
-) -> Vec<(Sums, DMat3)> {
+    progress: &dyn Progress,
+) -> Result<Vec<(Sums, DMat3)>, Stopped> {
     let turner = Turner::new(lmax);
     let streams = Streams::new(settings.seed, Purpose::Resample, rows.len());
     let copy = |b: u64| {
@@ -97,10 +98,15 @@ fn turned_copies(
             layout.add(&turned, &mut sums);
         }
         let rotation = (0..n_rotations).map(|_| uniform_rotation(&mut rng)).sum();
-        done();
-        (sums, rotation)
+        progress.tick(copy_work(rows.len() as u64, lmax))?;
+        Ok((sums, rotation))
     };
     (0..settings.replicates()).into_par_iter().map(copy).collect()
+}
+
+/// The nominal work of turning an ensemble of `count` realizations anew: 2 microseconds and 0.6 ns lmax^3 for each.
+pub(super) fn copy_work(count: u64, lmax: usize) -> f64 {
+    count as f64 * (33.0 + 0.01 * (lmax as f64).powi(3))
 }
 
 /// Sums in units of their root mean square over the ensemble and its copies: a scale that does not

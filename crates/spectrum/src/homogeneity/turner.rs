@@ -194,7 +194,7 @@ mod tests {
             let axes = DVec3::AXES.map(|axis| direction(&turned(&[axis])));
             let rotation = DMat3::from_cols(axes[0], axes[1], axes[2]);
             assert!((rotation.determinant() - 1.0).abs() < 1e-13, "{rotation}");
-            let points = sampler.sample(&mut streams.realization(1)).unwrap();
+            let points = sampler.sample(&mut streams.realization(1)).unwrap().points;
             let expected: Vec<DVec3> = points.iter().map(|&p| rotation * p).collect();
             // Sums of 7 values of size sqrt((2l+1)/(4 pi)) <= 1.5, which angles off by a few EPSILON
             // move by l times that.
