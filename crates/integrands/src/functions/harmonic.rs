@@ -1,0 +1,115 @@
+use std::f64::consts::{FRAC_1_SQRT_2, PI};
+
+use glam::DVec3;
+use num_complex::Complex;
+use sphvar_sh::Domain;
+use sphvar_sh::{Alm, ByParity, LmIndex, real_ylm_at};
+
+use crate::{Coefficients, Energy, Error, Integrand, Shape, quadrature};
+
+/// A real orthonormal spherical harmonic, the band-limited test integrand: all its energy, 1, is
+/// in one degree.
+///
+/// For m = 0 it is `Y_l0`; for m > 0 the cosine and for m < 0 the sine one, each with unit norm.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Harmonic {
+    l: usize,
+    m: i64,
+}
+
+impl Harmonic {
+    /// The harmonic of degree `l` and order `m`.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Order`] unless |m| <= l; [`Error::Harmonics`] beyond the degrees that can be evaluated.
+    pub fn new(l: usize, m: i64) -> Result<Self, Error> {
+        if m.unsigned_abs() > l as u64 {
+            return Err(Error::Order { l, m });
+        }
+        LmIndex::new(l)?;
+        Ok(Self { l, m })
+    }
+
+    /// Refuses odd degrees on the hemisphere.
+    fn check(&self, domain: Domain) -> Result<(), Error> {
+        if domain.has_degree(self.l) {
+            return Ok(());
+        }
+        Err(Error::NoEnergy {
+            reason: "a harmonic of odd degree is no function on the projective plane; take an even l",
+        })
+    }
+}
+
+impl Integrand for Harmonic {
+    fn eval(&self, dir: DVec3) -> f64 {
+        real_ylm_at(self.l, self.m, dir).unwrap_or(f64::NAN)
+    }
+
+    fn shape(&self) -> Result<Shape, Error> {
+        // The recurrence takes l steps.
+        let shape = Shape::smooth(self.l).with_cost(1.0 + self.l as f64 / 8.0);
+        let shape = if self.m == 0 { shape.zonal(DVec3::Z) } else { shape };
+        Ok(if self.l.is_multiple_of(2) { shape.even() } else { shape })
+    }
+
+    /// On the hemisphere known for even degrees only.
+    fn exact(&self, domain: Domain) -> Option<f64> {
+        let mean = if self.l == 0 { 1.0 / (4.0 * PI).sqrt() } else { 0.0 };
+        domain.has_degree(self.l).then_some(mean * domain.area())
+    }
+
+    /// One coefficient for m = 0, two of size `1/sqrt 2` else. On the hemisphere as the energy.
+    fn coefficients(&self, domain: Domain, lmax: usize) -> Result<Coefficients, Error> {
+        self.check(domain)?;
+        if self.m == 0 {
+            let mut per_degree = vec![0.0; lmax + 1];
+            if let Some(c) = per_degree.get_mut(self.l) {
+                *c = 1.0;
+            }
+            return Coefficients::zonal(DVec3::Z, per_degree);
+        }
+        let mut alm = Alm::zeros(lmax)?;
+        let order = usize::try_from(self.m.unsigned_abs()).unwrap_or(usize::MAX);
+        if self.l <= lmax {
+            // sqrt(2) times the real or the imaginary part of Y_l|m|.
+            alm[(self.l, order)] = match self.m {
+                1.. => Complex::new(FRAC_1_SQRT_2, 0.0),
+                _ => Complex::new(0.0, -FRAC_1_SQRT_2),
+            };
+        }
+        Ok(Coefficients::general(alm))
+    }
+
+    fn centred_square(&self, domain: Domain) -> Result<ByParity, Error> {
+        self.check(domain)?;
+        let mut centred = ByParity::both(0.0);
+        if self.l > 0 {
+            *centred.of_mut(self.l) = 1.0;
+        }
+        Ok(centred)
+    }
+
+    /// On the hemisphere known for even degrees: the even extension of an odd harmonic has a kink
+    /// on the equator and energy in every even degree.
+    fn energy(&self, domain: Domain, lmax: usize) -> Result<Energy, Error> {
+        self.check(domain)?;
+        let mut per_degree = vec![0.0; lmax + 1];
+        if let Some(e) = per_degree.get_mut(self.l) {
+            *e = 1.0;
+        }
+        Ok(Energy::new(domain, per_degree, self.centred_square(domain)?))
+    }
+
+    /// Known up to degree 128, beyond which a value is a long recurrence.
+    fn kurtosis(&self, domain: Domain) -> Option<f64> {
+        const MAX_DEGREE: usize = 128;
+        let shape = self.shape().ok().filter(|_| self.l <= MAX_DEGREE)?;
+        quadrature::kurtosis(&shape, domain, &|dir| self.eval(dir))
+    }
+
+    fn band_limit(&self) -> Option<usize> {
+        Some(self.l)
+    }
+}

@@ -1,0 +1,71 @@
+use glam::DVec3;
+use sphvar_sh::Domain;
+
+use super::inner_product::inner_product;
+use crate::{Error, Integrand, Shape, quadrature};
+
+/// The product of two integrands, such as light and the lobe that reflects it.
+///
+/// Its integral is an inner product of coefficients where one factor has no edges; all else is quadrature over
+/// rings that are split at the edges of both, wherever they cross. Factors that do not
+/// know their shape (closures, HEALPix maps) give the values and at most the integral.
+///
+/// # Examples
+///
+/// ```
+/// use glam::DQuat;
+/// use sphvar_integrands::{Cap, ClampedCosine, Domain, Integrand, Product, Rotated};
+///
+/// // A cap of 30 degrees about an axis 40 degrees from the surface's normal, seen by the surface: as long as
+/// // it lies above the horizon its irradiance is pi sin^2(30) cos(40).
+/// let light = Rotated::new(Cap::from_degrees(30.0)?, DQuat::from_rotation_x(40f64.to_radians()))?;
+/// let product = Product::new(light, ClampedCosine);
+/// let exact = 0.25 * std::f64::consts::PI * 40f64.to_radians().cos();
+/// assert!((product.exact(Domain::Sphere).unwrap() / exact - 1.0).abs() < 1e-13);
+/// # Ok::<(), sphvar_integrands::Error>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct Product<A, B> {
+    first: A,
+    second: B,
+}
+
+impl<A: Integrand, B: Integrand> Product<A, B> {
+    /// The product of `first` and `second`.
+    #[must_use]
+    pub fn new(first: A, second: B) -> Self {
+        Self { first, second }
+    }
+}
+
+impl<A: Integrand, B: Integrand> Integrand for Product<A, B> {
+    fn eval(&self, dir: DVec3) -> f64 {
+        self.first.eval(dir) * self.second.eval(dir)
+    }
+
+    fn eval_into(&self, dirs: &[DVec3], values: &mut [f64]) -> Result<(), Error> {
+        self.first.eval_into(dirs, values)?;
+        let mut second = vec![0.0; values.len()];
+        self.second.eval_into(dirs, &mut second)?;
+        values.iter_mut().zip(&second).for_each(|(value, second)| *value *= second);
+        Ok(())
+    }
+
+    fn shape(&self) -> Result<Shape, Error> {
+        Ok(self.first.shape()?.product(&self.second.shape()?))
+    }
+
+    fn exact(&self, domain: Domain) -> Option<f64> {
+        // The even extension has the hemisphere twice.
+        let copies = if domain == Domain::Sphere { 1.0 } else { 0.5 };
+        Some(copies * inner_product(&self.first, &self.second, domain).ok()?)
+    }
+
+    fn kurtosis(&self, domain: Domain) -> Option<f64> {
+        quadrature::kurtosis_of_values(self.shape().ok().as_ref(), domain, &|dir| self.eval(dir))
+    }
+
+    fn band_limit(&self) -> Option<usize> {
+        Some(self.first.band_limit()? + self.second.band_limit()?)
+    }
+}

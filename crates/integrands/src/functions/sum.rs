@@ -1,0 +1,130 @@
+use std::fmt;
+
+use glam::DVec3;
+use sphvar_sh::ByParity;
+use sphvar_sh::Domain;
+
+use super::sum_square::{self, sum_of_coefficients};
+use crate::{Coefficients, Error, Integrand, Shape, quadrature};
+
+/// A weighted sum of integrands, `sum_i w_i f_i`.
+///
+/// Integral and coefficients are sums. The square comes from the coefficients of all terms without edges, from
+/// quadratures of all terms about one axis, and from inner products of what is left; the time is
+/// proportional to the number of terms unless these have edges about as many axes.
+///
+/// # Examples
+///
+/// ```
+/// use sphvar_integrands::{Cap, ClampedCosine, Domain, Integrand, Sum};
+///
+/// let sum = Sum::default().plus(1.0, ClampedCosine)?.plus(-0.5, Cap::half_space(0.0)?)?;
+/// assert!(sum.exact(Domain::Hemisphere).unwrap().abs() < 1e-15);
+/// // 2 int_0^1 (z - 1/2)^2 2 pi dz
+/// let square = sum.square(Domain::Hemisphere)?;
+/// assert!((square - std::f64::consts::PI / 3.0).abs() < 1e-14);
+/// # Ok::<(), sphvar_integrands::Error>(())
+/// ```
+#[derive(Default)]
+pub struct Sum {
+    terms: Vec<(f64, Box<dyn Integrand>)>,
+}
+
+impl Sum {
+    /// The smallest magnitude of a weight that is not 0.
+    pub const MIN_WEIGHT: f64 = 1e-150;
+    /// The largest magnitude of a weight.
+    pub const MAX_WEIGHT: f64 = 1e150;
+
+    /// This sum with a further term.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Weight`] unless the weight is 0 or [`MIN_WEIGHT`](Self::MIN_WEIGHT) to
+    /// [`MAX_WEIGHT`](Self::MAX_WEIGHT) in magnitude, so that squares of integrals are in the range of numbers.
+    pub fn plus(mut self, weight: f64, term: impl Integrand + 'static) -> Result<Self, Error> {
+        if weight != 0.0 && !(Self::MIN_WEIGHT..=Self::MAX_WEIGHT).contains(&weight.abs()) {
+            return Err(Error::Weight { got: weight });
+        }
+        self.terms.push((weight, Box::new(term)));
+        Ok(self)
+    }
+
+    fn terms(&self) -> impl Iterator<Item = (f64, &dyn Integrand)> {
+        self.terms.iter().map(|(w, f)| (*w, &**f))
+    }
+
+    /// The largest of a number that all terms have.
+    fn largest(&self, of: impl Fn(&dyn Integrand) -> Option<usize>) -> Option<usize> {
+        let each: Option<Vec<usize>> = self.terms.iter().map(|(_, f)| of(&**f)).collect();
+        each?.into_iter().max()
+    }
+}
+
+impl fmt::Debug for Sum {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_list().entries(self.terms.iter().map(|(weight, _)| weight)).finish()
+    }
+}
+
+impl Integrand for Sum {
+    fn eval(&self, dir: DVec3) -> f64 {
+        self.terms.iter().map(|(w, f)| w * f.eval(dir)).sum()
+    }
+
+    fn eval_into(&self, dirs: &[DVec3], values: &mut [f64]) -> Result<(), Error> {
+        // As a sum of numbers begins.
+        values.fill(-0.0);
+        let mut of_term = vec![0.0; values.len()];
+        for (weight, term) in &self.terms {
+            term.eval_into(dirs, &mut of_term)?;
+            values.iter_mut().zip(&of_term).for_each(|(sum, value)| *sum += weight * value);
+        }
+        Ok(())
+    }
+
+    fn shape(&self) -> Result<Shape, Error> {
+        let mut shapes = self.terms.iter().map(|(_, f)| f.shape());
+        let first = shapes.next().unwrap_or_else(|| Ok(Shape::smooth(0)))?;
+        shapes.try_fold(first, |sum, shape| Ok(sum.sum(&shape?)))
+    }
+
+    fn exact(&self, domain: Domain) -> Option<f64> {
+        self.terms.iter().map(|(w, f)| Some(w * f.exact(domain)?)).sum()
+    }
+
+    fn coefficients(&self, domain: Domain, lmax: usize) -> Result<Coefficients, Error> {
+        sum_of_coefficients(self.terms(), domain, lmax)
+    }
+
+    fn centred_square(&self, domain: Domain) -> Result<ByParity, Error> {
+        sum_square::centred_square(self.terms(), domain)
+    }
+
+    /// That of the term where there is one, else by the values.
+    fn kurtosis(&self, domain: Domain) -> Option<f64> {
+        // A value of a longer sum takes too long.
+        const MAX_TERMS: usize = 16;
+        match &self.terms[..] {
+            [(weight, only)] => only.kurtosis(domain).filter(|_| *weight != 0.0),
+            terms if terms.len() <= MAX_TERMS => {
+                quadrature::kurtosis_of_values(self.shape().ok().as_ref(), domain, &|dir| {
+                    self.eval(dir)
+                })
+            }
+            _ => None,
+        }
+    }
+
+    fn energy_seconds(&self, domain: Domain, lmax: usize) -> f64 {
+        self.terms.iter().map(|(_, f)| f.energy_seconds(domain, lmax)).sum()
+    }
+
+    fn band_limit(&self) -> Option<usize> {
+        self.largest(|f| f.band_limit())
+    }
+
+    fn resolved_degree(&self) -> Option<usize> {
+        self.largest(|f| f.resolved_degree().or(f.band_limit()))
+    }
+}

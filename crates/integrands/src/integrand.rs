@@ -1,0 +1,181 @@
+use glam::DVec3;
+use sphvar_sh::ByParity;
+use sphvar_sh::Domain;
+
+use crate::{Coefficients, Energy, Error, Shape, quadrature};
+
+/// A real function of direction that is to be integrated over the sphere or the hemisphere.
+///
+/// Only [`eval`](Self::eval) is required, and closures `Fn(DVec3) -> f64` are integrands; what
+/// else an integrand knows about itself turns a measurement into a test (the exact integral) or
+/// makes a prediction possible (the energy). An integrand that knows its [`shape`](Self::shape) has
+/// everything else by quadrature, to rounding; one that has closed forms replaces what it can.
+///
+/// On the hemisphere F is the even extension of f from z >= 0 to the sphere.
+pub trait Integrand: Sync {
+    /// The value at a unit vector; on the hemisphere only vectors with z >= 0 are asked for.
+    fn eval(&self, dir: DVec3) -> f64;
+
+    /// Writes the values at many unit vectors to `values`, equal to those of [`eval`](Self::eval);
+    /// to be implemented by integrands that are evaluated faster in batches, or whose evaluation
+    /// can fail.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Evaluation`] if values are unavailable.
+    ///
+    /// # Panics
+    ///
+    /// May panic if `values` and `dirs` differ in length.
+    fn eval_into(&self, dirs: &[DVec3], values: &mut [f64]) -> Result<(), Error> {
+        for (value, &dir) in values.iter_mut().zip(dirs) {
+            *value = self.eval(dir);
+        }
+        Ok(())
+    }
+
+    /// Where the function is not smooth, and how fine it is elsewhere.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::NoEnergy`] if that is not known.
+    fn shape(&self) -> Result<Shape, Error> {
+        Err(Error::NoEnergy {
+            reason: "only its values are known; wrap it in `SampledFunction` or implement `Integrand::shape`",
+        })
+    }
+
+    /// The exact integral of f over the domain, if it is known.
+    fn exact(&self, domain: Domain) -> Option<f64> {
+        quadrature::integral(&self.shape().ok()?, domain, &|dir| self.eval(dir)).ok()
+    }
+
+    /// The coefficients `F_lm` for l = 0 ..= `lmax`.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::NoEnergy`] if they are not known, [`Error::Harmonics`] if `lmax` is out of range or
+    /// memory.
+    fn coefficients(&self, domain: Domain, lmax: usize) -> Result<Coefficients, Error> {
+        quadrature::coefficients(&self.shape()?, domain, lmax, &|dir| self.eval(dir))
+    }
+
+    /// `int (F - mean F)^2` over the sphere of the even part `(F(x) + F(-x))/2` and of the odd part
+    /// `(F(x) - F(-x))/2` of F: the energy of all even degrees from 2 on, and of all odd degrees.
+    ///
+    /// Implementations must not subtract the square of the mean from `int F^2`, which leaves no digits of functions that
+    /// are nearly constant, nor one parity from the whole, which leaves rounding where a function has one parity only.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::NoEnergy`] if it is not known.
+    fn centred_square(&self, domain: Domain) -> Result<ByParity, Error> {
+        quadrature::centred_square(&self.shape()?, domain, &|dir| self.eval(dir))
+    }
+
+    /// `int F^2` over the sphere; on the hemisphere twice the integral of f^2.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::NoEnergy`] if it is not known.
+    fn square(&self, domain: Domain) -> Result<f64, Error> {
+        let centred = self.centred_square(domain)?.sum();
+        let unknown = Error::NoEnergy { reason: "its integral is not known" };
+        let integral = self.exact(domain).ok_or(unknown)?;
+        // The even extension has the hemisphere's integral twice.
+        let copies = if domain == Domain::Sphere { 1.0 } else { 2.0 };
+        Ok(copies * integral * integral / domain.area() + centred)
+    }
+
+    /// The kurtosis of the value at a uniformly distributed direction of the domain, to some percent, where it is
+    /// known at moderate cost: `E (f - E f)^4/(E (f - E f)^2)^2`.
+    ///
+    /// Its inverse is about the share of the domain that carries the variance, which tells whether a number of
+    /// trials can see it at all. It does not depend on the function's scale.
+    fn kurtosis(&self, domain: Domain) -> Option<f64> {
+        quadrature::kurtosis(&self.shape().ok()?, domain, &|dir| self.eval(dir))
+    }
+
+    /// The energy of F per degree up to `lmax`, and the total.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`coefficients`](Self::coefficients) and [`centred_square`](Self::centred_square).
+    fn energy(&self, domain: Domain, lmax: usize) -> Result<Energy, Error> {
+        let per_degree = self.coefficients(domain, lmax)?.energy_per_degree()?;
+        Ok(Energy::new(domain, per_degree, self.centred_square(domain)?))
+    }
+
+    /// The seconds that [`energy`](Self::energy) takes on one core, roughly: for progress only, and 0 where it is
+    /// inexpensive or not known.
+    fn energy_seconds(&self, _domain: Domain, _lmax: usize) -> f64 {
+        0.0
+    }
+
+    /// The degree beyond which the integrand has no energy at all, if there is one.
+    fn band_limit(&self) -> Option<usize> {
+        None
+    }
+
+    /// A degree beyond which energies fall so fast (as l^-3 or faster) that a variance need not be
+    /// summed much further, if there is one.
+    fn resolved_degree(&self) -> Option<usize> {
+        None
+    }
+}
+
+impl<F: Fn(DVec3) -> f64 + Sync> Integrand for F {
+    fn eval(&self, dir: DVec3) -> f64 {
+        self(dir)
+    }
+}
+
+impl Integrand for Box<dyn Integrand> {
+    fn eval(&self, dir: DVec3) -> f64 {
+        (**self).eval(dir)
+    }
+
+    fn eval_into(&self, dirs: &[DVec3], values: &mut [f64]) -> Result<(), Error> {
+        (**self).eval_into(dirs, values)
+    }
+
+    fn shape(&self) -> Result<Shape, Error> {
+        (**self).shape()
+    }
+
+    fn exact(&self, domain: Domain) -> Option<f64> {
+        (**self).exact(domain)
+    }
+
+    fn coefficients(&self, domain: Domain, lmax: usize) -> Result<Coefficients, Error> {
+        (**self).coefficients(domain, lmax)
+    }
+
+    fn centred_square(&self, domain: Domain) -> Result<ByParity, Error> {
+        (**self).centred_square(domain)
+    }
+
+    fn square(&self, domain: Domain) -> Result<f64, Error> {
+        (**self).square(domain)
+    }
+
+    fn kurtosis(&self, domain: Domain) -> Option<f64> {
+        (**self).kurtosis(domain)
+    }
+
+    fn energy(&self, domain: Domain, lmax: usize) -> Result<Energy, Error> {
+        (**self).energy(domain, lmax)
+    }
+
+    fn energy_seconds(&self, domain: Domain, lmax: usize) -> f64 {
+        (**self).energy_seconds(domain, lmax)
+    }
+
+    fn band_limit(&self) -> Option<usize> {
+        (**self).band_limit()
+    }
+
+    fn resolved_degree(&self) -> Option<usize> {
+        (**self).resolved_degree()
+    }
+}

@@ -1,0 +1,39 @@
+//! Integrands on the sphere and the hemisphere: values, exact integrals, harmonic coefficients and energy per degree.
+//!
+//! ```
+//! use sphvar_integrands::{Cap, Domain, Integrand};
+//!
+//! // The indicator of the cap of 60 degrees around the north pole.
+//! let cap = Cap::from_degrees(60.0)?;
+//! assert!((cap.exact(Domain::Sphere).unwrap() - std::f64::consts::PI).abs() < 1e-15);
+//! let energy = cap.energy(Domain::Sphere, 100)?;
+//! // Energies of functions with jumps fall as l^-2; what lies beyond degree 100 is known.
+//! assert!(energy.beyond(100) < 0.01 * energy.total());
+//! # Ok::<(), sphvar_integrands::Error>(())
+//! ```
+//!
+//! An [`Integrand`] is a function of direction with, where known, its exact integral and its
+//! [`Energy`] per degree. Closures are integrands that can be measured but not predicted;
+//! [`SampledFunction`] or a [`Shape`] adds integral and energies by quadrature. Closed forms
+//! replace quadrature where they are available.
+
+mod coefficients;
+mod cut_integrand;
+mod energy;
+mod error;
+mod functions;
+mod integrand;
+mod quadrature;
+mod shape;
+
+pub use coefficients::Coefficients;
+pub use cut_integrand::{CutEstimator, CutIntegrand};
+pub use energy::Energy;
+pub use error::Error;
+pub use functions::{
+    AbsCosine, Cap, ClampedCosine, DoubleCap, EnvironmentMap, Harmonic, HealpixMap, PhongLobe,
+    PictureLayout, Product, Projection, Rotated, SampledFunction, Sum, VonMisesFisher,
+};
+pub use integrand::Integrand;
+pub use shape::{Circle, Shape};
+pub use sphvar_sh::Domain;

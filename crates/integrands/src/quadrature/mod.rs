@@ -1,0 +1,272 @@
+//! Integrals over the sphere or the hemisphere of functions whose shape is known.
+
+mod panel_rule;
+mod rings;
+
+use std::f64::consts::PI;
+
+use glam::DVec3;
+use sphvar_sh::Domain;
+use sphvar_sh::{Alm, ByParity, Colatitude, LegendrePlan};
+use sphvar_sht::{Method, Transform, TransformWorkspace};
+
+use crate::shape::{Fold, Shape};
+use crate::{Coefficients, Error};
+pub(crate) use panel_rule::node_count;
+use rings::Rings;
+
+/// Nodes that are transformed at a time, at least; as many as fill the memory of the transform if that is more.
+const BATCH: usize = 1 << 20;
+/// The accuracy of transforms, relative to the coefficients of the absolute values.
+const EPSILON: f64 = 1e-13;
+
+/// `int f` over the domain.
+pub(crate) fn integral(
+    shape: &Shape,
+    domain: Domain,
+    eval: &dyn Fn(DVec3) -> f64,
+) -> Result<f64, Error> {
+    // The integral over the hemisphere of an even function is half of that over the sphere.
+    let (domain, factor) = match shape.fold(domain) {
+        Fold::Even => (Domain::Sphere, 0.5),
+        Fold::Above => (Domain::Sphere, 1.0),
+        Fold::Whole | Fold::Cut => (domain, 1.0),
+    };
+    let mut sum = Sum::default();
+    Rings::new(shape, domain, shape.degree())?.for_each(|dir, w| sum.add(w * eval(dir)))?;
+    Ok(factor * sum.value())
+}
+
+/// `int (F - mean)^2` over the sphere of the even and the odd part of F, which is the even extension on the
+/// hemisphere.
+///
+/// Means are taken out and parts formed value by value, so that what vanishes leaves the square of rounding.
+pub(crate) fn centred_square(
+    shape: &Shape,
+    domain: Domain,
+    eval: &dyn Fn(DVec3) -> f64,
+) -> Result<ByParity, Error> {
+    let even = |even: f64| ByParity { even, odd: 0.0 };
+    let hemisphere = Domain::Hemisphere.area();
+    Ok(match shape.fold(domain) {
+        Fold::Even => even(variation(shape, Domain::Sphere, 4.0 * PI, eval)?),
+        Fold::Whole if shape.is_even() => even(variation(shape, domain, 4.0 * PI, eval)?),
+        Fold::Above => even(2.0 * variation(shape, Domain::Sphere, hemisphere, eval)?),
+        Fold::Cut => even(2.0 * variation(shape, domain, hemisphere, eval)?),
+        Fold::Whole if shape.is_apart_from(&shape.mirrored()) => {
+            // Both parts have half the values here and half of them, up to the sign, at the antipodes.
+            let odd =
+                Rings::new(shape, domain, 2 * shape.degree())?.sum(|x| 0.5 * eval(x).powi(2))?;
+            let half = |x: DVec3| 0.5 * eval(x);
+            ByParity { even: 2.0 * variation(shape, domain, 2.0 * PI, &half)?, odd }
+        }
+        Fold::Whole => {
+            let mean = integral(shape, domain, eval)? / (4.0 * PI);
+            let rings = Rings::new(&shape.symmetrized(), domain, 2 * shape.degree())?;
+            let mut sums = [Sum::default(); 2];
+            rings.for_each(|x, w| {
+                let (here, there) = (eval(x) - mean, eval(-x) - mean);
+                sums[0].add(w * (0.5 * (here + there)).powi(2));
+                sums[1].add(w * (0.5 * (here - there)).powi(2));
+            })?;
+            ByParity { even: sums[0].value(), odd: sums[1].value() }
+        }
+    })
+}
+
+/// `int (f - mean)^2` over a region of the given area that holds all places where f is more than nothing.
+fn variation(
+    shape: &Shape,
+    domain: Domain,
+    area: f64,
+    eval: &dyn Fn(DVec3) -> f64,
+) -> Result<f64, Error> {
+    /// The share of the area by which rounding makes rings that fill it miss it.
+    const ROUNDING: f64 = 1e-13;
+    let rings = Rings::new(shape, domain, 2 * shape.degree())?;
+    let (mut integral, mut covered) = (Sum::default(), Sum::default());
+    rings.for_each(|x, w| {
+        integral.add(w * eval(x));
+        covered.add(w);
+    })?;
+    let mean = integral.value() / area;
+    let beyond = 1.0 - covered.value() / area;
+    // Rings about another axis than that of the support may cover more than the region.
+    let beyond = if beyond.abs() > ROUNDING { beyond * area } else { 0.0 };
+    Ok(rings.sum(|x| (eval(x) - mean).powi(2))? + mean * mean * beyond)
+}
+
+/// Nodes that a kurtosis may take, some hundredths of a second.
+const KURTOSIS_NODES: f64 = 1e6;
+
+/// The kurtosis of the value of a function at a uniformly distributed direction of the domain; `None` of a constant,
+/// and if it would take more than a million values.
+pub(crate) fn kurtosis(shape: &Shape, domain: Domain, eval: &dyn Fn(DVec3) -> f64) -> Option<f64> {
+    let rings = Rings::new(shape, domain, 4 * shape.degree()).ok()?;
+    if rings.cost() > KURTOSIS_NODES {
+        return None;
+    }
+    let mut values = Vec::new();
+    let mut add = |dir, w| values.push((w, eval(dir)));
+    if rings.is_zonal() {
+        rings.for_each_colatitude(|theta, w| add(rings.direction(theta, 0.0), w)).ok()?;
+    } else {
+        rings.for_each(add).ok()?;
+    }
+    // The function is 0 beyond its support, which the nodes leave out; their weights round.
+    let beyond = domain.area() - values.iter().map(|v| v.0).sum::<f64>();
+    if beyond > 1e-12 * domain.area() {
+        values.push((beyond, 0.0));
+    }
+    weighted_kurtosis(|| values.iter().copied())
+}
+
+/// [`kurtosis`] of a function whose shape is unknown or too complicated, from its values on a grid of half a
+/// million places: what is smaller than a third of a degree may be missed.
+pub(crate) fn kurtosis_of_values(
+    shape: Option<&Shape>,
+    domain: Domain,
+    eval: &dyn Fn(DVec3) -> f64,
+) -> Option<f64> {
+    const ROWS: usize = 512;
+    if let Some(kurtosis) = shape.and_then(|shape| kurtosis(shape, domain, eval)) {
+        return Some(kurtosis);
+    }
+    let rows = if domain == Domain::Sphere { ROWS } else { ROWS / 2 };
+    let angle = |k: usize| PI * (k as f64 + 0.5) / ROWS as f64;
+    let longitudes: Vec<(f64, f64)> = (0..2 * ROWS).map(|j| angle(j).sin_cos()).collect();
+    let mut values = Vec::with_capacity(rows * longitudes.len());
+    for (st, ct) in (0..rows).map(|i| angle(i).sin_cos()) {
+        let row = longitudes.iter().map(|(sp, cp)| DVec3::new(st * cp, st * sp, ct));
+        values.extend(row.map(|dir| (st, eval(dir))));
+    }
+    weighted_kurtosis(|| values.iter().copied())
+}
+
+/// The kurtosis of values with weights, `None` if they are all the same or not finite.
+pub(crate) fn weighted_kurtosis<I: Iterator<Item = (f64, f64)>>(
+    values: impl Fn() -> I,
+) -> Option<f64> {
+    let (total, first) = values().fold((0.0, 0.0), |(t, s), (w, x)| (t + w, s + w * x));
+    let mean = first / total;
+    let largest = values().fold(0.0, |most: f64, (_, x)| most.max((x - mean).abs()));
+    let square = |x: f64| ((x - mean) / largest).powi(2);
+    let (second, fourth) = values()
+        .fold((0.0, 0.0), |(s, f), (w, x)| (s + w * square(x), f + w * square(x) * square(x)));
+    let is_constant = largest <= 16.0 * f64::EPSILON * mean.abs();
+    Some(total * fourth / (second * second)).filter(|k| k.is_finite() && !is_constant)
+}
+
+/// The coefficients of F to degree `lmax`.
+pub(crate) fn coefficients(
+    shape: &Shape,
+    domain: Domain,
+    lmax: usize,
+    eval: &dyn Fn(DVec3) -> f64,
+) -> Result<Coefficients, Error> {
+    let fold = shape.fold(domain);
+    let domain = if fold == Fold::Cut { domain } else { Domain::Sphere };
+    let rings = Rings::new(shape, domain, shape.degree() + lmax)?;
+    let part = if rings.is_zonal() {
+        let plan = LegendrePlan::new(lmax)?;
+        let mut column = vec![0.0; lmax + 1];
+        let mut sums = vec![0.0; lmax + 1];
+        rings.for_each_colatitude(|theta, w| {
+            let value = w * eval(rings.direction(theta, 0.0));
+            if let Ok(colatitude) = Colatitude::from_theta(theta)
+                && value != 0.0
+            {
+                plan.column_into(0, colatitude, &mut column);
+                sums.iter_mut().zip(&column).for_each(|(s, lambda)| *s += value * lambda);
+            }
+        })?;
+        Coefficients::zonal(rings.axis(), sums)?
+    } else {
+        let mut batches = Batches::new(lmax)?;
+        let mut failure = Ok(());
+        rings.for_each(|dir, w| {
+            if failure.is_ok() {
+                failure = batches.push(dir, w * eval(dir));
+            }
+        })?;
+        failure?;
+        Coefficients::general(batches.finish()?)
+    };
+    Ok(match fold {
+        Fold::Whole => part,
+        Fold::Even => part.even_part(),
+        Fold::Above | Fold::Cut => part.even_extension(),
+    })
+}
+
+/// Sums of coefficients of weighted points.
+struct Batches {
+    points: Vec<DVec3>,
+    weights: Vec<f64>,
+    workspace: TransformWorkspace,
+    batch: Alm,
+    sum: Alm,
+}
+
+impl Batches {
+    fn new(lmax: usize) -> Result<Self, Error> {
+        Ok(Self {
+            points: vec![],
+            weights: vec![],
+            workspace: TransformWorkspace::default(),
+            batch: Alm::zeros(lmax)?,
+            sum: Alm::zeros(lmax)?,
+        })
+    }
+
+    fn push(&mut self, dir: DVec3, weight: f64) -> Result<(), Error> {
+        if weight != 0.0 {
+            self.points.push(dir);
+            self.weights.push(weight);
+        }
+        let degrees = self.sum.lmax() + 1;
+        if self.points.len() >= BATCH.max(2 * degrees * degrees) { self.flush() } else { Ok(()) }
+    }
+
+    fn flush(&mut self) -> Result<(), Error> {
+        let transform = Transform::new(Method::Auto, self.sum.lmax(), self.points.len(), EPSILON)?;
+        transform.adjoint_batch_into(
+            &[(&self.points, Some(&self.weights))],
+            &mut self.workspace,
+            std::slice::from_mut(&mut self.batch),
+        );
+        for (s, a) in self.sum.values_mut().iter_mut().zip(self.batch.values()) {
+            *s += a;
+        }
+        self.points.clear();
+        self.weights.clear();
+        Ok(())
+    }
+
+    fn finish(mut self) -> Result<Alm, Error> {
+        if !self.points.is_empty() {
+            self.flush()?;
+        }
+        Ok(self.sum)
+    }
+}
+
+/// A sum with the rounding of its terms carried along (Neumaier 1974): millions of nodes are added.
+#[derive(Clone, Copy, Debug, Default)]
+struct Sum {
+    sum: f64,
+    rest: f64,
+}
+
+impl Sum {
+    fn add(&mut self, x: f64) {
+        let sum = self.sum + x;
+        self.rest +=
+            if self.sum.abs() >= x.abs() { (self.sum - sum) + x } else { (x - sum) + self.sum };
+        self.sum = sum;
+    }
+
+    fn value(self) -> f64 {
+        self.sum + self.rest
+    }
+}

@@ -1,0 +1,344 @@
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
+
+use glam::{DMat3, DVec3};
+use sphvar_sh::Domain;
+
+use super::Sum;
+use super::panel_rule::{Ends, PanelRules};
+use crate::Error;
+use crate::shape::{Circle, Shape, coaxial};
+
+/// Nodes of a quadrature beyond which it is refused, some minutes of work.
+const MAX_NODES: f64 = 2e8;
+
+/// Evaluations of a simple function whose time a quadrature may take, some ten seconds.
+const MAX_WORK: f64 = 5e8;
+
+/// A quadrature for functions of a given shape over a domain: rings about an axis of the shape,
+/// split where they meet its edges.
+///
+/// Between two heights at which nothing happens - no edge begins, ends or meets another - the integral
+/// over a ring is a smooth function of the height, but for square roots where a ring touches an edge. So
+/// every panel in colatitude and every piece of a ring has a Gauss-Legendre rule, graded at the ends
+/// where roots are, and a ring that no edge meets has equidistant nodes.
+pub(super) struct Rings {
+    /// From the frame of the rings to that of the function.
+    frame: DMat3,
+    /// Limits of panels in colatitude.
+    breaks: Vec<f64>,
+    /// Ends of the panels.
+    ends: Ends,
+    /// Edges that meet rings, in the frame of the rings.
+    cuts: Vec<Cut>,
+    domain: Domain,
+    degree: usize,
+    zonal: bool,
+    /// Whether the function has powers at its edges that are no integers.
+    fractional: bool,
+}
+
+/// A circle about another axis than that of the rings.
+#[derive(Clone, Copy, Debug)]
+struct Cut {
+    /// The angle between the axes.
+    tilt: f64,
+    /// The longitude of the circle's axis.
+    longitude: f64,
+    angle: f64,
+}
+
+impl Cut {
+    /// A great circle through both poles, which meets every ring at the same longitudes.
+    fn is_meridian(self) -> bool {
+        let right = |angle: f64| (angle - FRAC_PI_2).abs() < 1e-15;
+        right(self.tilt) && right(self.angle)
+    }
+
+    /// Where the circle meets the ring at `theta`, if it does: half the difference of the two
+    /// longitudes, which lie to both sides of that of the axis.
+    ///
+    /// The angle at the pole of the spherical triangle between pole, axis and point, by half angles,
+    /// which lose no digits.
+    fn half_width(self, theta: f64) -> Option<f64> {
+        let half_sin = |x: f64| (0.5 * x).sin();
+        let (g, t) = (self.tilt, self.angle);
+        let below = half_sin(t + theta - g) * half_sin(t - theta + g);
+        let above = half_sin(theta + g + t) * half_sin(theta + g - t);
+        (below > 0.0 && above > 0.0).then(|| 2.0 * below.sqrt().atan2(above.sqrt()))
+    }
+}
+
+impl Rings {
+    /// The quadrature for functions of `shape`, as fine as for polynomials of degree `degree`.
+    pub(super) fn new(shape: &Shape, domain: Domain, degree: usize) -> Result<Self, Error> {
+        let axis = ring_axis(shape);
+        let frame = frame_about(axis);
+        let mut rings = Self {
+            frame,
+            breaks: vec![0.0, PI],
+            ends: if shape.is_fractional() { Ends::Rough } else { Ends::Smooth },
+            cuts: vec![],
+            domain,
+            degree,
+            zonal: shape.axis().is_some_and(|a| coaxial(a, axis).is_some()),
+            fractional: shape.is_fractional(),
+        };
+        for &edge in shape.edges() {
+            rings.add_edge(edge);
+        }
+        let (mut from, mut to) = rings.support(shape.support());
+        if domain == Domain::Hemisphere {
+            match coaxial(axis, DVec3::Z) {
+                Some(sign) if sign > 0.0 => to = f64::min(to, FRAC_PI_2),
+                Some(_) => from = f64::max(from, FRAC_PI_2),
+                None => {
+                    rings.zonal = false;
+                    rings.add_edge(Circle::EQUATOR);
+                }
+            }
+        }
+        rings.add_crossings();
+        rings.breaks.iter_mut().for_each(|b| *b = b.clamp(from, to.max(from)));
+        rings.breaks.sort_by(f64::total_cmp);
+        rings.breaks.dedup_by(|b, a| *b - *a <= 2.0 * f64::EPSILON * *b);
+        if rings.cuts.iter().any(|c| !c.is_meridian()) {
+            rings.ends = Ends::Rough;
+        }
+        rings.check_cost(shape.cost())?;
+        Ok(rings)
+    }
+
+    /// Calls `f` with direction and weight of every node; weights add up to the area of the domain
+    /// as far as the function's support goes.
+    pub(super) fn for_each(&self, mut f: impl FnMut(DVec3, f64)) -> Result<(), Error> {
+        let mut rules = PanelRules::default();
+        let mut pieces = PanelRules::default();
+        let mut meetings = Vec::new();
+        for panel in self.breaks.windows(2) {
+            let (from, width) = (panel[0], panel[1] - panel[0]);
+            for &(x, w) in rules.rule(self.ends, self.phase(width))? {
+                // From the nearer end, so that a break keeps its side.
+                let theta = from + width * x;
+                let weight = w * width * theta.sin();
+                self.for_each_on_ring(theta, weight, &mut meetings, &mut pieces, &mut f)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// The integral of a function of the shape.
+    pub(super) fn sum(&self, eval: impl Fn(DVec3) -> f64) -> Result<f64, Error> {
+        let mut sum = Sum::default();
+        self.for_each(|dir, w| sum.add(w * eval(dir)))?;
+        Ok(sum.value())
+    }
+
+    /// The colatitudes of the nodes of a zonal function, with weights that include `2 pi sin theta`.
+    pub(super) fn for_each_colatitude(&self, mut f: impl FnMut(f64, f64)) -> Result<(), Error> {
+        let mut rules = PanelRules::default();
+        for panel in self.breaks.windows(2) {
+            let (from, width) = (panel[0], panel[1] - panel[0]);
+            for &(x, w) in rules.rule(self.ends, self.phase(width))? {
+                let theta = from + width * x;
+                f(theta, TAU * w * width * theta.sin());
+            }
+        }
+        Ok(())
+    }
+
+    /// The phase of the fastest oscillation over a panel; `sin theta` of the area adds to that of the function.
+    fn phase(&self, width: f64) -> f64 {
+        (self.degree + 2) as f64 * width
+    }
+
+    /// The direction at a place in the frame of the rings.
+    pub(super) fn direction(&self, theta: f64, phi: f64) -> DVec3 {
+        let ((st, ct), (sp, cp)) = (theta.sin_cos(), phi.sin_cos());
+        self.frame * DVec3::new(st * cp, st * sp, ct)
+    }
+
+    /// The axis of the rings.
+    pub(super) fn axis(&self) -> DVec3 {
+        self.frame.z_axis
+    }
+
+    /// Whether the function is constant on every ring.
+    pub(super) fn is_zonal(&self) -> bool {
+        self.zonal
+    }
+
+    fn for_each_on_ring(
+        &self,
+        theta: f64,
+        weight: f64,
+        meetings: &mut Vec<f64>,
+        rules: &mut PanelRules,
+        f: &mut impl FnMut(DVec3, f64),
+    ) -> Result<(), Error> {
+        meetings.clear();
+        for cut in &self.cuts {
+            if let Some(half) = cut.half_width(theta) {
+                meetings.push((cut.longitude + half).rem_euclid(TAU));
+                meetings.push((cut.longitude - half).rem_euclid(TAU));
+            }
+        }
+        let outside = |dir: DVec3| self.domain == Domain::Hemisphere && dir.z < 0.0;
+        let orders = if self.zonal { 0.0 } else { self.orders(theta) };
+        if meetings.is_empty() {
+            #[expect(
+                clippy::cast_possible_truncation,
+                clippy::cast_sign_loss,
+                reason = "not negative, and at most the degree"
+            )]
+            let n = (orders + 1.0) as usize;
+            if outside(self.direction(theta, 0.0)) {
+                return Ok(());
+            }
+            for j in 0..n {
+                let phi = TAU * (j as f64 + 0.5) / n as f64;
+                f(self.direction(theta, phi), weight * TAU / n as f64);
+            }
+            return Ok(());
+        }
+        meetings.sort_by(f64::total_cmp);
+        meetings.push(meetings[0] + TAU);
+        let ends = if self.fractional { Ends::Rough } else { Ends::Smooth };
+        for piece in meetings.windows(2) {
+            let (from, width) = (piece[0], piece[1] - piece[0]);
+            if width <= 0.0 || outside(self.direction(theta, from + 0.5 * width)) {
+                continue;
+            }
+            for &(x, w) in rules.rule(ends, orders * width)? {
+                f(self.direction(theta, from + width * x), weight * w * width);
+            }
+        }
+        Ok(())
+    }
+
+    /// The orders that functions of the degree have on a ring: beyond `degree sin(theta)` they fall as
+    /// Airy functions do, on the scale of the cube root of the degree.
+    fn orders(&self, theta: f64) -> f64 {
+        let degree = self.degree as f64;
+        degree.min((degree * theta.sin() + 9.0 * degree.cbrt() + 16.0).ceil())
+    }
+
+    fn add_edge(&mut self, edge: Circle) {
+        let axis = self.frame.transpose() * edge.axis;
+        match coaxial(axis, DVec3::Z) {
+            Some(sign) if sign > 0.0 => self.breaks.push(edge.angle),
+            Some(_) => self.breaks.push(PI - edge.angle),
+            None => {
+                let tilt = axis.x.hypot(axis.y).atan2(axis.z);
+                let cut = Cut { tilt, longitude: axis.y.atan2(axis.x), angle: edge.angle };
+                if !cut.is_meridian() {
+                    // Where the circle touches rings.
+                    let fold = |x: f64| if x > PI { TAU - x } else { x.abs() };
+                    self.breaks.extend([fold(tilt - edge.angle), fold(tilt + edge.angle)]);
+                }
+                self.cuts.push(cut);
+            }
+        }
+    }
+
+    /// Adds the colatitudes at which edges meet each other.
+    fn add_crossings(&mut self) {
+        for (i, a) in self.cuts.iter().enumerate() {
+            for b in &self.cuts[..i] {
+                // Meridians meet at the poles.
+                if !(a.is_meridian() && b.is_meridian()) {
+                    self.breaks.extend(crossings(*a, *b));
+                }
+            }
+        }
+    }
+
+    /// The colatitudes between which a support lies.
+    fn support(&self, support: Option<Circle>) -> (f64, f64) {
+        let Some(support) = support else {
+            return (0.0, PI);
+        };
+        let axis = self.frame.transpose() * support.axis;
+        let tilt = axis.x.hypot(axis.y).atan2(axis.z);
+        match coaxial(axis, DVec3::Z) {
+            Some(sign) if sign > 0.0 => (0.0, support.angle),
+            Some(_) => (PI - support.angle, PI),
+            None => ((tilt - support.angle).max(0.0), (tilt + support.angle).min(PI)),
+        }
+    }
+
+    /// The number of nodes, roughly; of rings for a zonal function.
+    pub(super) fn cost(&self) -> f64 {
+        let panels = self.breaks.len() as f64;
+        let (first, last) = (self.breaks[0], self.breaks[self.breaks.len() - 1]);
+        let rings = 0.5 * self.degree as f64 * (last - first) + 30.0 * panels;
+        let orders = [first, last, 0.5 * (first + last)].map(|t| self.orders(t));
+        let pieces = orders.into_iter().fold(0.0, f64::max) + 20.0 * self.cuts.len() as f64;
+        if self.zonal { rings } else { rings * pieces }
+    }
+
+    /// `cost` is that of a value in those of a simple function.
+    fn check_cost(&self, cost: f64) -> Result<(), Error> {
+        let nodes = self.cost();
+        if nodes > MAX_NODES {
+            return Err(Error::NoEnergy {
+                reason: "its values would have to be taken at more than 2e8 places; \
+                         take wider lobes, lower degrees or fewer factors",
+            });
+        }
+        if cost > 1.0 && nodes * cost > MAX_WORK {
+            return Err(Error::NoEnergy {
+                reason: "a quadrature over its values would take minutes; take lower degrees of \
+                         harmonics or fewer terms",
+            });
+        }
+        Ok(())
+    }
+}
+
+/// The axis for the rings: that of most edges if they are many, else that of the support, which may be
+/// narrow, else that of an edge.
+fn ring_axis(shape: &Shape) -> DVec3 {
+    /// More edges than closed forms have.
+    const MANY: usize = 4;
+    let about =
+        |axis: DVec3| shape.edges().iter().filter(|e| coaxial(e.axis, axis).is_some()).count();
+    // Few axes are tried: the many edges about one come one after another.
+    let most = shape.edges().iter().step_by(MANY).max_by_key(|e| about(e.axis)).map(|e| e.axis);
+    let narrowest = shape.edges().iter().min_by(|a, b| a.angle.sin().total_cmp(&b.angle.sin()));
+    shape
+        .axis()
+        .or(most.filter(|&axis| about(axis) >= MANY))
+        .or(shape.support().map(|s| s.axis))
+        .or(narrowest.map(|e| e.axis))
+        .unwrap_or(DVec3::Z)
+}
+
+/// A rotation that carries +z to `axis`.
+fn frame_about(axis: DVec3) -> DMat3 {
+    if coaxial(axis, DVec3::Z).is_some_and(|sign| sign > 0.0) {
+        return DMat3::IDENTITY;
+    }
+    let axis = axis.normalize();
+    let (x, y) = axis.any_orthonormal_pair();
+    DMat3::from_cols(x, y, axis)
+}
+
+/// The colatitudes of the points that two circles have in common.
+fn crossings(a: Cut, b: Cut) -> impl Iterator<Item = f64> {
+    let axis = |c: Cut| {
+        let ((sin, cos), (s, k)) = (c.tilt.sin_cos(), c.longitude.sin_cos());
+        DVec3::new(sin * k, sin * s, cos)
+    };
+    let (u, v) = (axis(a), axis(b));
+    let (p, q, k) = (a.angle.cos(), b.angle.cos(), u.dot(v));
+    let normal = u.cross(v);
+    let square = normal.length_squared();
+    // x = alpha u + beta v + gamma u x v.
+    let middle = u * ((p - k * q) / square) + v * ((q - k * p) / square);
+    let rest = (1.0 - middle.length_squared()) / square;
+    // A little below 0 the circles touch, to rounding.
+    let gamma = rest.max(0.0).sqrt();
+    let points = [middle + normal * gamma, middle - normal * gamma];
+    let real = square > f64::EPSILON && rest > -1e-9;
+    points.into_iter().filter(move |_| real).map(|x| x.x.hypot(x.y).atan2(x.z))
+}
