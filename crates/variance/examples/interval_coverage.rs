@@ -7,10 +7,13 @@
 use std::error::Error;
 use std::io::Write;
 
+use sphvar_integrands::{
+    AbsCosine, Cap, ClampedCosine, DoubleCap, Harmonic, Integrand, PhongLobe, VonMisesFisher,
+};
 use sphvar_samplers::{Domain, Pattern, Sampler};
+use sphvar_spectrum::ExactSpectrum;
 use sphvar_variance::{
-    AbsCosine, Cap, ClampedCosine, Comparison, DoubleCap, Effort, Harmonic, Integrand, Method,
-    PhongLobe, PredictedPoint, Prediction, VonMisesFisher, compare, predict, prediction_degree,
+    Comparison, PredictedPoint, PredictionBudget, Predictor, Trials, predict, prediction_degree,
 };
 
 struct Tally {
@@ -32,15 +35,16 @@ fn seeing(comparison: &Comparison) -> usize {
 
 /// The truth by a spectrum that is known without trials.
 fn truth(
-    pattern: &Pattern,
     sampler: &dyn Sampler,
     integrand: &dyn Integrand,
-) -> Result<(usize, Prediction), Box<dyn Error>> {
+) -> Result<PredictedPoint, Box<dyn Error>> {
     let lmax = prediction_degree(sampler, integrand).min(20_000);
-    let n = sampler.n_points();
     let energy = integrand.energy(Domain::Sphere, lmax)?;
-    let spectrum = sphvar_spectrum::exact_spectrum(pattern, n, Domain::Sphere, lmax, &|_| ())?;
-    Ok((lmax, predict(&spectrum, &energy)))
+    let exact = ExactSpectrum::of(sampler).ok_or("no spectrum without trials")?;
+    let spectrum = exact.to(lmax, &())?;
+    let prediction = predict(&spectrum, &energy);
+    // Of the spectrum nothing is shown.
+    Ok(PredictedPoint { spectrum: exact.to(4, &())?, prediction })
 }
 
 fn tally(
@@ -51,25 +55,13 @@ fn tally(
     seeds: u64,
 ) -> Result<(Tally, f64), Box<dyn Error>> {
     let sampler = pattern.build(n, Domain::Sphere)?;
-    let (lmax, truth) = truth(pattern, &*sampler, integrand)?;
-    let energy = integrand.energy(Domain::Sphere, lmax)?;
-    let energy = energy.with_kurtosis(integrand.kurtosis(Domain::Sphere));
-    let spectrum = sphvar_spectrum::exact_spectrum(pattern, n, Domain::Sphere, 4, &|_| ())?;
+    let known = truth(&*sampler, integrand)?;
+    let truth = known.prediction;
     let mut tally = Tally { present: 0, missed: 0, outside: 0, seen: 0, seen_present: 0 };
     for seed in 0..seeds {
-        let effort = Effort {
-            seed,
-            group: pattern.stream_group(n),
-            lmax: 4,
-            method: Method::Auto,
-            epsilon: 1e-12,
-            realizations: 0,
-            trials,
-            until: None,
-            seconds_per_set: 0.0,
-        };
-        let known = Some(PredictedPoint { spectrum: spectrum.clone(), prediction: truth });
-        let got = compare(&*sampler, integrand, &energy, effort, known, &|_| ())?;
+        let mut predictor =
+            Predictor::new(integrand, Domain::Sphere, seed, PredictionBudget::USUAL)?;
+        let got = predictor.measure(known.clone(), &*sampler, Trials::new(trials), &())?;
         let interval = got.measured_interval(0.95);
         let seen = seeing(&got) >= 50;
         tally.seen += u64::from(seen);

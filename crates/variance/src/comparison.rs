@@ -1,20 +1,12 @@
-use sphvar_samplers::{Purpose, Realizations, Sampler, Streams};
-use sphvar_spectrum::{Resolution, Spectrum, SpectrumAccumulator, accumulate};
-
 use crate::known_moments::KnownMoments;
-use crate::{
-    BiasTest, Effort, Energy, Error, Integrand, Measurement, PredictedPoint, Prediction,
-    PredictionAccumulator, RelativeError, VariancePoint, measure, measure_until,
-};
+use crate::{BiasTest, Measurement, PredictedPoint, Prediction, RelativeError, VariancePoint};
 
-/// A pattern's spectrum, the variance that it predicts for an integrand, and the variance measured
-/// on independent realizations.
+/// The variance that a pattern's spectrum predicts for an integrand, and the variance measured
+/// on independent realizations: what [`Predictor::compare`](crate::Predictor::compare) returns.
 #[derive(Clone, Debug)]
 pub struct Comparison {
-    /// The mean spectrum of the pattern.
-    pub spectrum: Spectrum,
-    /// The variance predicted from it.
-    pub prediction: Prediction,
+    /// The spectrum and the variance predicted from it.
+    pub predicted: PredictedPoint,
     /// The estimates of the trials.
     pub measurement: Measurement,
     /// The exact integral, if it is known.
@@ -22,8 +14,8 @@ pub struct Comparison {
     /// The variance that the rounding of an estimate alone can make.
     pub rounding: f64,
     /// The variance that the rounding of the prediction alone can make.
-    prediction_rounding: f64,
-    known: KnownMoments,
+    pub(crate) prediction_rounding: f64,
+    pub(crate) known: KnownMoments,
 }
 
 impl Comparison {
@@ -42,7 +34,7 @@ impl Comparison {
 
     /// Whether there is a variance beyond the rounding of estimates.
     fn is_visible(&self) -> bool {
-        self.measurement.variance().max(self.prediction.variance) > self.rounding
+        self.measurement.variance().max(self.predicted.prediction.variance) > self.rounding
     }
 
     /// Whether all trials gave the same estimate, to rounding.
@@ -60,7 +52,8 @@ impl Comparison {
         if !self.is_constant() {
             return self.error().interval(self.measurement.variance(), confidence);
         }
-        let predicted = self.prediction.variance + self.prediction.total_stderr();
+        let predicted =
+            self.predicted.prediction.variance + self.predicted.prediction.total_stderr();
         if predicted <= self.rounding {
             return Some((0.0, predicted.max(self.measurement.variance())));
         }
@@ -76,11 +69,11 @@ impl Comparison {
         if self.sees_too_little() || !self.is_visible() {
             return (f64::NAN, f64::NAN);
         }
-        let ratio = self.measurement.variance() / self.prediction.variance;
+        let ratio = self.measurement.variance() / self.predicted.prediction.variance;
         let relative = self
             .error()
             .relative()
-            .hypot(self.prediction.total_stderr() / self.prediction.variance);
+            .hypot(self.predicted.prediction.total_stderr() / self.predicted.prediction.variance);
         (ratio, ratio * relative)
     }
 
@@ -102,10 +95,11 @@ impl Comparison {
         if self.sees_too_little() {
             return f64::NAN;
         }
-        let (measured, expected) = (self.measurement.variance(), self.prediction.variance);
+        let (measured, expected) =
+            (self.measurement.variance(), self.predicted.prediction.variance);
         // Of nothing but rounding the relative error may be any.
         let sampling = if self.is_constant() { 0.0 } else { expected * self.expected_error() };
-        let stderr = sampling.hypot(self.prediction.total_stderr()).hypot(self.rounding);
+        let stderr = sampling.hypot(self.predicted.prediction.total_stderr()).hypot(self.rounding);
         (measured - expected) / stderr
     }
 
@@ -125,9 +119,10 @@ impl Comparison {
     #[must_use]
     pub fn measured_point(&self) -> VariancePoint {
         let variance = self.measurement.variance();
-        let is_hidden = !self.is_visible() && self.prediction.variance > self.prediction_rounding;
+        let is_hidden =
+            !self.is_visible() && self.predicted.prediction.variance > self.prediction_rounding;
         if self.sees_too_little() || is_hidden {
-            let n_points = self.spectrum.n_points() as f64;
+            let n_points = self.predicted.spectrum.n_points() as f64;
             return VariancePoint { n_points, variance, stderr: f64::INFINITY };
         }
         self.point(variance, variance * self.expected_error(), self.rounding)
@@ -135,7 +130,7 @@ impl Comparison {
 
     /// The relative standard error of the measured variance if the prediction is right; if that is 0, by the trials alone.
     fn expected_error(&self) -> f64 {
-        let ratio = self.prediction.variance / self.measurement.variance();
+        let ratio = self.predicted.prediction.variance / self.measurement.variance();
         let by_trials = || self.error().at(if ratio > 0.0 { ratio } else { 1.0 });
         self.known.exact_error(self.measurement.estimates().len()).unwrap_or_else(by_trials)
     }
@@ -143,8 +138,8 @@ impl Comparison {
     /// The predicted variance at its number of points, likewise.
     #[must_use]
     pub fn predicted_point(&self) -> VariancePoint {
-        let Prediction { variance, .. } = self.prediction;
-        self.point(variance, self.prediction.total_stderr(), self.prediction_rounding)
+        let Prediction { variance, .. } = self.predicted.prediction;
+        self.point(variance, self.predicted.prediction.total_stderr(), self.prediction_rounding)
     }
 
     /// Whether the prediction has the smaller relative error of the two, which it has where there is nothing to
@@ -155,7 +150,7 @@ impl Comparison {
             |p: VariancePoint| if p.variance > 0.0 { p.stderr / p.variance } else { 0.0 };
         let (predicted, measured) = (self.predicted_point(), self.measured_point());
         // An unknown error is no small one.
-        let is_known = !self.prediction.total_stderr().is_nan();
+        let is_known = !self.predicted.prediction.total_stderr().is_nan();
         is_known && (relative(predicted) <= relative(measured) || relative(measured).is_nan())
     }
 
@@ -171,108 +166,11 @@ impl Comparison {
     }
 
     fn point(&self, variance: f64, stderr: f64, rounding: f64) -> VariancePoint {
-        let n_points = self.spectrum.n_points() as f64;
+        let n_points = self.predicted.spectrum.n_points() as f64;
         if variance > rounding {
             VariancePoint { n_points, variance, stderr }
         } else {
             VariancePoint { n_points, variance: 0.0, stderr: 0.0 }
         }
     }
-}
-
-/// What [`compare`] reports of its progress, in seconds, roughly.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Work {
-    /// A piece of work is done.
-    Done(f64),
-    /// More is to be done than [`Effort::seconds`] said: trials that a precision needs.
-    Added(f64),
-}
-
-/// Predicts and measures the variance of integrating `integrand`, whose energies are `energy`, with
-/// uniformly rotated realizations of `sampler`.
-///
-/// If the prediction is `known`, as from a [`Predictor`](crate::Predictor), it is taken as it is, and the effort's
-/// lmax and realizations mean nothing.
-///
-/// # Errors
-///
-/// [`Error::Spectrum`] if the spectrum cannot be computed.
-pub fn compare(
-    sampler: &dyn Sampler,
-    integrand: &dyn Integrand,
-    energy: &Energy,
-    effort: Effort,
-    known: Option<PredictedPoint>,
-    report: &(dyn Fn(Work) + Sync),
-) -> Result<Comparison, Error> {
-    let n_points = sampler.n_points();
-    let (spectrum, prediction) = if let Some(PredictedPoint { spectrum, prediction }) = known {
-        (spectrum, prediction)
-    } else {
-        estimate(sampler, energy, effort, report)?
-    };
-    let streams = Streams::new(effort.seed, Purpose::Trial, effort.group);
-    let trials = Realizations::rotated(sampler, streams);
-    let cost = effort.trial_seconds(n_points);
-    let done = || report(Work::Done(cost));
-    // An estimate of int F is a sum of numbers of the size of F, whose roundings partly cancel.
-    let size = sampler.domain().area() * energy.total();
-    let rounding = size * (4.0 * f64::EPSILON).powi(2);
-    let known = KnownMoments {
-        n_points: n_points as f64,
-        one_point_variance: sampler.domain().variance_factor(1) * energy.beyond(0),
-        kurtosis: energy.kurtosis().or_else(|| integrand.kurtosis(sampler.domain())),
-        is_independent: sampler.is_independent(),
-    };
-    // No number of trials makes the variance of roundings precise.
-    let until = effort.until.filter(|_| prediction.variance > rounding);
-    let measurement = match until {
-        None => measure(&trials, integrand, effort.trials, &done)?,
-        Some(target) => {
-            let expected = std::cell::Cell::new(effort.trials);
-            let expect = |total: u64| {
-                let more = total.saturating_sub(expected.replace(total)) as f64;
-                report(Work::Added(cost * more));
-            };
-            let start = effort.trials.max(known.trials_for(target.relative));
-            measure_until(&trials, integrand, start, target, &expect, &done)?
-        }
-    };
-    Ok(Comparison {
-        spectrum,
-        prediction,
-        measurement,
-        exact: integrand.exact(sampler.domain()),
-        rounding,
-        prediction_rounding: energy.prediction_rounding(sampler.domain()),
-        known,
-    })
-}
-
-/// The spectrum from realizations, and the prediction with the covariance of its degrees.
-fn estimate(
-    sampler: &dyn Sampler,
-    energy: &Energy,
-    effort: Effort,
-    report: &(dyn Fn(Work) + Sync),
-) -> Result<(Spectrum, Prediction), Error> {
-    let n_points = sampler.n_points();
-    let Effort { seed, group, lmax, method, epsilon, .. } = effort;
-    let empty = (
-        SpectrumAccumulator::new(sampler.domain(), n_points, lmax),
-        PredictionAccumulator::new(energy, n_points, lmax),
-    );
-    let resolution = Resolution { lmax, n_points, method, epsilon };
-    let cost = effort.realization_seconds(n_points);
-    let sets = Realizations::rotated(sampler, Streams::new(seed, Purpose::Pattern, group));
-    let realizations = effort.distinct_realizations(sampler);
-    let (spectrum, prediction) =
-        accumulate(&sets, resolution, 0..realizations, &empty, &|| report(Work::Done(cost)))?;
-    let (mut spectrum, mut prediction) = (spectrum.finish()?, prediction.finish());
-    if !sampler.is_random() {
-        spectrum = spectrum.into_exact();
-        prediction = Prediction { stderr: 0.0, dof: f64::INFINITY, ..prediction };
-    }
-    Ok((spectrum, prediction))
 }

@@ -1,10 +1,13 @@
 use std::f64::consts::PI;
 
-use glam::DVec3;
 use rayon::prelude::{IntoParallelIterator, ParallelIterator};
-use sphvar_samplers::{Domain, Realizations, Streams, rotate, uniform_rotation};
+use sphvar_samplers::{
+    Domain, PointSet, Progress, Realizations, Streams, rotate, uniform_rotation,
+};
 
-use crate::{Error, Integrand, Measurement};
+use crate::measurement::evaluation_work;
+use crate::{Error, Measurement};
+use sphvar_integrands::Integrand;
 
 /// How the cut lies to the integrand.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -33,11 +36,11 @@ pub struct CutMeasurement {
 }
 
 /// Integrates `integrand` over the hemisphere by `trials` realizations of an ensemble on the sphere, cut
-/// in half; `done` is called after each.
+/// in half; [`trial_work`](crate::trial_work) is ticked for each.
 ///
 /// # Errors
 ///
-/// [`Error::Spectrum`] with the sampler's error if a realization cannot be made.
+/// Those of [`measure`](crate::measure).
 ///
 /// # Panics
 ///
@@ -47,28 +50,49 @@ pub fn measure_cut_sphere(
     integrand: &dyn Integrand,
     axis: CutAxis,
     trials: u64,
-    done: &(dyn Fn() + Sync),
+    progress: &dyn Progress,
 ) -> Result<CutMeasurement, Error> {
     assert_eq!(ensemble.sampler().domain(), Domain::Sphere, "a sphere set is to be cut");
-    let trial = |points: &mut Vec<DVec3>, index| {
-        ensemble.realize_into(index, points).map_err(sphvar_spectrum::Error::from)?;
-        let m = points.len() as f64;
-        points.retain(|p| p.z > 0.0);
+    let trial = |set: &mut PointSet, index| {
+        ensemble.realize_into(index, set, progress).map_err(sphvar_spectrum::Error::from)?;
+        set.normalize_weights();
+        let whole = weight_sum(set);
+        keep_upper_half(set);
         if let CutAxis::Random(streams) = axis {
             let rotation = uniform_rotation(&mut streams.realization(index));
-            rotate(rotation, Domain::Hemisphere, points);
+            rotate(rotation, Domain::Hemisphere, &mut set.points);
         }
-        let n = points.len() as f64;
-        let sum: f64 = points.iter().map(|&p| integrand.eval(p)).sum();
-        done();
-        Ok([4.0 * PI / m * sum, if n > 0.0 { 2.0 * PI / n * sum } else { 0.0 }, n])
+        let kept = weight_sum(set);
+        let mut values = vec![0.0; set.len()];
+        integrand.eval_into(&set.points, &mut values)?;
+        let sum: f64 = if set.weights.is_empty() {
+            values.iter().sum()
+        } else {
+            set.weights.iter().zip(&values).map(|(w, v)| w * v).sum()
+        };
+        let stopped = |stopped| Error::from(sphvar_samplers::Error::from(stopped));
+        progress.tick(evaluation_work(set.len())).map_err(stopped)?;
+        let ratio = if set.is_empty() { 0.0 } else { 2.0 * PI / kept * sum };
+        Ok([4.0 * PI / whole * sum, ratio, set.len() as f64])
     };
     // Collected in the order of the trials: what follows does not depend on threads.
     let rows: Result<Vec<[f64; 3]>, Error> =
-        (0..trials).into_par_iter().map_init(Vec::new, trial).collect();
+        (0..trials).into_par_iter().map_init(PointSet::default, trial).collect();
     let rows = rows?;
     let column = |i: usize| Measurement::new(rows.iter().map(|row| row[i]).collect());
     Ok(CutMeasurement { unbiased: column(0), ratio: column(1), kept: column(2) })
+}
+
+/// The sum of the weights of a set, 1 each of equal ones.
+fn weight_sum(set: &PointSet) -> f64 {
+    if set.weights.is_empty() { set.len() as f64 } else { set.weights.iter().sum() }
+}
+
+/// Drops the points at z <= 0 with their weights.
+fn keep_upper_half(set: &mut PointSet) {
+    let mut above = set.points.iter().map(|p| p.z > 0.0);
+    set.weights.retain(|_| above.next().unwrap_or(false));
+    set.points.retain(|p| p.z > 0.0);
 }
 
 #[cfg(test)]
@@ -85,7 +109,7 @@ mod tests {
         let sampler = Pattern::WhiteNoise.build(1, Domain::Sphere).unwrap();
         let sets = Realizations::rotated(&*sampler, Streams::new(0, Purpose::Trial, 1));
         for axis in [CutAxis::Equator, CutAxis::Random(Streams::new(1, Purpose::Trial, 1))] {
-            let got = measure_cut_sphere(&sets, &|_| 1.0, axis, 200, &|| ()).unwrap();
+            let got = measure_cut_sphere(&sets, &|_| 1.0, axis, 200, &()).unwrap();
             for i in 0..200 {
                 let [a, b, n] = [&got.unbiased, &got.ratio, &got.kept].map(|m| m.estimates()[i]);
                 assert!((a - 4.0 * PI * n).abs() < 1e-14 && (b - 2.0 * PI * n).abs() < 1e-14);

@@ -1,18 +1,20 @@
-use sphvar_samplers::{Domain, Sampler};
+use sphvar_samplers::{Domain, Law, Sampler};
 use sphvar_spectrum::Resolution;
 
-use crate::{Energy, Error, Integrand};
+use crate::Error;
+use sphvar_integrands::{Energy, Integrand};
 
 /// The degree to which a spectrum is needed for predicting the variance of an integrand, if the
 /// caller has no wish of his own.
 ///
 /// A random pattern's power is 1 beyond some 2 sqrt(N), so 4 sqrt(N) leave a tail that is known. A
-/// lattice has peaks at all degrees whose mean only is 1: 40 sqrt(N), unless the integrand's energies
+/// lattice, and a given set, has peaks at all degrees whose mean only is 1: 40 sqrt(N), unless the integrand's energies
 /// fall fast before that. Degrees that the integrand does not have are not needed.
 #[must_use]
 pub fn prediction_degree(sampler: &dyn Sampler, integrand: &dyn Integrand) -> usize {
     let law = Resolution::natural_degree(sampler.n_points());
-    let degree = if sampler.is_random() { law } else { law.saturating_mul(10) };
+    let is_lattice = matches!(sampler.law(), Law::Fixed | Law::OneOf(_));
+    let degree = if is_lattice { law.saturating_mul(10) } else { law };
     let resolved = integrand.resolved_degree().map_or(degree, |most| degree.min(most.max(law)));
     let band = integrand.band_limit().filter(|&most| is_limited(integrand, sampler.domain(), most));
     band.map_or(resolved, |most| resolved.min(most))
@@ -81,7 +83,8 @@ mod tests {
     use sphvar_samplers::{Domain, Pattern};
 
     use super::{check_degree, settled_degree};
-    use crate::{Cap, Error, Harmonic, Integrand, VonMisesFisher};
+    use crate::Error;
+    use sphvar_integrands::{Cap, Harmonic, Integrand, VonMisesFisher};
 
     #[test]
     fn a_degree_that_fakes_a_rate_is_refused() {

@@ -31,7 +31,8 @@ pub fn best_design(
     n_points: usize,
     to_beat: f64,
 ) -> Result<Option<(Pattern, PredictedPoint)>, Error> {
-    let budget = PredictionBudget::USUAL;
+    let usual = PredictionBudget::USUAL;
+    let budget = PredictionBudget { work: MAX_WORK * usual.work, ..usual };
     let mut best: Option<(Pattern, PredictedPoint)> = None;
     let (mut limit, mut below, mut failures) = (to_beat, usize::MAX, 0);
     for (last, design) in designs(pattern, n_points, predictor.domain()).into_iter().rev() {
@@ -41,14 +42,13 @@ pub fn best_design(
         if REMAINING_POWER * predictor.broad_variance(last, n_points)?.sum() >= limit {
             break;
         }
-        let Ok((work, realizations)) = predictor.work(&design, n_points) else {
+        let Ok(sampler) = design.build(n_points, predictor.domain()) else {
             continue;
         };
-        let least = work / realizations as f64 * PredictionBudget::MIN_REALIZATIONS as f64;
-        if least > MAX_WORK * budget.work {
+        if !predictor.is_affordable_within(budget, &*sampler).unwrap_or(false) {
             continue;
         }
-        match predictor.predict(&design, n_points, &|| ()) {
+        match predictor.predict(&*sampler, &()) {
             Ok(point) if point.prediction.variance < limit => {
                 limit = point.prediction.variance;
                 best = Some((design, point));

@@ -1,4 +1,4 @@
-/// Why an integrand cannot be built or its energy not be given.
+/// Why a variance cannot be predicted or measured.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
@@ -12,99 +12,16 @@ pub enum Error {
         /// The value given.
         got: f64,
     },
-    /// The order of a harmonic exceeds its degree.
-    #[error("the order must satisfy |m| <= l, got l = {l}, m = {m}")]
-    Order {
-        /// The degree.
-        l: usize,
-        /// The order.
-        m: i64,
-    },
-    /// The integrand does not know its energy per degree.
-    #[error("the energy per degree of this integrand is not known: {reason}")]
-    NoEnergy {
-        /// Why.
-        reason: &'static str,
-    },
-    /// The values of an integrand are too large or too small for variances, which have the size of their squares.
-    #[error(
-        "the integrand's root mean square is {got:e}; variances need one between 1e-151 and 1e151 \
-         (values of about 1e-150 to 1e150)"
-    )]
-    Magnitude {
-        /// The root mean square.
-        got: f64,
-    },
-    /// A rotation is no rotation.
-    #[error(
-        "a rotation needs finite angles or a quaternion of positive length, got length {length}"
-    )]
-    Rotation {
-        /// Length of the quaternion.
-        length: f64,
-    },
-    /// The weight of a term is infinite, NaN or out of the usable range.
-    #[error("a weight must be 0 or between 1e-150 and 1e150 in magnitude, got {got:e}")]
-    Weight {
-        /// The weight.
-        got: f64,
-    },
-    /// A HEALPix map has another number of values than its nside says.
-    #[error("a HEALPix map of nside {nside} has {expected} pixels, got {got} values")]
-    PixelCount {
-        /// Pixels along the edge of a base pixel.
-        nside: u32,
-        /// `12 nside^2`.
-        expected: u64,
-        /// Values given.
-        got: usize,
-    },
-    /// Pixels of a HEALPix map have no value.
-    #[error(
-        "{count} of the map's pixels have no value (NaN, infinite or UNSEEN = -1.6375e30), the first is \
-         {first} in its order; fill them, for an integral needs all"
-    )]
-    Pixels {
-        /// How many.
-        count: usize,
-        /// The first, 0-based in the order of the values.
-        first: usize,
-    },
-    /// An environment map is not twice as wide as high.
-    #[error("an environment map must be 2:1 (width = 2 height), got {width} x {height}")]
-    Shape {
-        /// Texels in a row.
-        width: usize,
-        /// Rows.
-        height: usize,
-    },
-    /// An octahedral map is not square.
-    #[error("an octahedral map must be square (width = height), got {width} x {height}")]
-    Square {
-        /// Texels in a row.
-        width: usize,
-        /// Rows.
-        height: usize,
-    },
-    /// An environment map has another number of texels than its size says.
-    #[error("a map of {width} x {height} has {} texels, got {got}", width.saturating_mul(*height))]
-    TexelCount {
-        /// Texels in a row.
-        width: usize,
-        /// Rows.
-        height: usize,
-        /// Texels given.
-        got: usize,
-    },
-    /// A texel of an environment map is infinite or NaN.
-    #[error("texel (row {row}, column {column}) is {value}; every texel must be finite")]
-    Texel {
-        /// Row from the top, 0-based.
-        row: usize,
-        /// Column from the left, 0-based.
-        column: usize,
-        /// Its value.
-        value: f64,
+    /// The integrand does not know its energies, or it cannot be evaluated.
+    #[error(transparent)]
+    Integrand(#[from] sphvar_integrands::Error),
+    /// The domain of a sampler differs from that of the integral.
+    #[error("the points are on the {got}, but the integral is over the {expected}")]
+    OtherDomain {
+        /// The domain of the integral.
+        expected: sphvar_sh::Domain,
+        /// The domain of the points.
+        got: sphvar_sh::Domain,
     },
     /// A prediction would be made of energy beyond the spectrum instead of the pattern.
     #[error(
@@ -124,7 +41,10 @@ pub enum Error {
     /// The spectrum of a pattern cannot be computed.
     #[error(transparent)]
     Spectrum(#[from] sphvar_spectrum::Error),
-    /// A harmonic evaluation or transform refused its input.
-    #[error(transparent)]
-    Harmonics(#[from] sphvar_sh::Error),
+}
+
+impl From<sphvar_samplers::Error> for Error {
+    fn from(error: sphvar_samplers::Error) -> Self {
+        Self::Spectrum(error.into())
+    }
 }

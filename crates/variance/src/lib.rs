@@ -1,74 +1,57 @@
-//! Integrands on the sphere, their energy per degree, and the variance of Monte Carlo integration
-//! over a pattern of directions: predicted from spectra and measured.
+//! The variance of Monte Carlo integration over a pattern of directions: predicted from spectra and measured.
 //!
 //! ```
 //! use sphvar_samplers::{Domain, Pattern, Purpose, Realizations, Streams};
-//! use sphvar_variance::{Harmonic, Integrand, measure, predict};
+//! use sphvar_integrands::{Harmonic, Integrand};
+//! use sphvar_variance::{measure, predict};
 //!
 //! let jittered = Pattern::Jittered.build(192, Domain::Sphere)?;
 //! let integrand = Harmonic::new(4, 0)?;
 //!
 //! // Predicted: the product of two spectra.
 //! let sets = Realizations::rotated(&*jittered, Streams::new(0, Purpose::Pattern, 192));
-//! let spectrum = sphvar_spectrum::estimate(&sets, 8, 400, &|| ())?;
+//! let spectrum = sphvar_spectrum::estimate(&sets, 8, 400, &())?;
 //! let predicted = predict(&spectrum, &integrand.energy(Domain::Sphere, 8)?);
 //!
 //! // Measured, on independent realizations.
 //! let trials = Realizations::rotated(&*jittered, Streams::new(0, Purpose::Trial, 192));
-//! let measured = measure(&trials, &integrand, 400, &|| ())?;
+//! let measured = measure(&trials, &integrand, 400, &())?;
 //! assert!((measured.variance() / predicted.variance - 1.0).abs() < 0.3);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
 //! `Var(I_N) = (4 pi / N) sum_{l >= 1} (2l+1) <P_S(l)> P_F(l)`, Singh 2015 as corrected in
 //! `docs/theory.md`; the part of the integrand's energy beyond the largest degree is accounted
-//! for. An [`Integrand`] is a function with, where known, its exact integral and its [`Energy`]
-//! per degree; closures are integrands too.
+//! for. A [`Predictor`] makes the predictions for any sampler, [`Candidate`] and [`rank`] compare patterns.
 
-mod coefficients;
+mod candidate;
 mod comparison;
 mod crossover;
-mod cut_integrand;
 mod cut_sphere;
 mod degree;
 mod designs;
-mod effort;
-mod energy;
 mod error;
-mod integrand;
-mod integrands;
 mod known_moments;
-mod known_spectrum;
 mod measurement;
 mod predicted_curve;
 mod predicted_point;
 mod prediction;
 mod prediction_budget;
 mod predictor;
-mod quadrature;
 mod rate;
 mod relative_error;
 mod required_points;
-mod shape;
 mod stopping;
+mod trials;
 
-pub use coefficients::Coefficients;
-pub use comparison::{Comparison, Work, compare};
+pub use candidate::{Candidate, Wish, rank};
+pub use comparison::Comparison;
 pub use crossover::{Crossover, crossover, crossovers};
-pub use cut_integrand::{CutEstimator, CutIntegrand};
 pub use cut_sphere::{CutAxis, CutMeasurement, measure_cut_sphere};
 pub use degree::{check_degree, prediction_degree, settled_degree, settled_degree_of};
 pub use designs::best_design;
-pub use effort::Effort;
-pub use energy::Energy;
 pub use error::Error;
-pub use integrand::Integrand;
-pub use integrands::{
-    AbsCosine, Cap, ClampedCosine, DoubleCap, EnvironmentMap, Harmonic, HealpixMap, PhongLobe,
-    PictureLayout, Product, Projection, Rotated, SampledFunction, Sum, VonMisesFisher,
-};
-pub use known_spectrum::is_spectrum_known;
-pub use measurement::{BiasTest, Measurement, measure};
+pub use measurement::{BiasTest, Measurement, measure, trial_work};
 pub use predicted_curve::PredictedCurve;
 pub use predicted_point::PredictedPoint;
 pub use prediction::{Prediction, PredictionAccumulator, predict};
@@ -77,7 +60,8 @@ pub use predictor::Predictor;
 pub use rate::{RateFit, VariancePoint, fit_exact_rate, fit_rate, fit_rate_of_few};
 pub use relative_error::{RelativeError, rarest_seen};
 pub use required_points::{RequiredPoints, legal_between, required_points};
-pub use shape::{Circle, Shape};
-pub use sphvar_samplers::Domain;
+pub use sphvar_integrands::{Energy, Integrand};
+pub use sphvar_sh::Domain;
 pub use sphvar_spectrum::{Method, Spectrum};
 pub use stopping::{Precision, measure_until};
+pub use trials::Trials;

@@ -1,11 +1,11 @@
 use std::ops::Range;
 
-use glam::DVec3;
 use rayon::prelude::{IntoParallelIterator, ParallelIterator};
-use sphvar_samplers::Realizations;
+use sphvar_samplers::{PointSet, Progress, Realizations, Sampler};
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
-use crate::{Error, Integrand, RelativeError};
+use crate::{Error, RelativeError};
+use sphvar_integrands::Integrand;
 
 /// The estimates that trials of a pattern gave of one integral.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -188,19 +188,31 @@ pub struct BiasTest {
     pub p_value: f64,
 }
 
-/// Integrates `integrand` by `trials` realizations of an ensemble, `area/N sum_k f(s_k)` each, in
-/// parallel; `done` is called after each.
+/// Integrates `integrand` by `trials` realizations of an ensemble, `area sum_k w_k f(s_k)/sum_k w_k` each, in
+/// parallel; [`trial_work`] is ticked for each.
 ///
 /// # Errors
 ///
-/// [`Error::Spectrum`] with the sampler's error if a realization cannot be made.
+/// [`Error::Spectrum`] with the sampler's error if a realization cannot be made or `progress` ends the work, and errors
+/// of [`Integrand::eval_into`].
 pub fn measure(
     ensemble: &Realizations<'_>,
     integrand: &dyn Integrand,
     trials: u64,
-    done: &(dyn Fn() + Sync),
+    progress: &dyn Progress,
 ) -> Result<Measurement, Error> {
-    Ok(Measurement::new(estimates(ensemble, integrand, 0..trials, done)?))
+    Ok(Measurement::new(estimates(ensemble, integrand, 0..trials, progress)?))
+}
+
+/// Returns the nominal work of one trial: making a set and evaluating the integrand at its points.
+#[must_use]
+pub fn trial_work(sampler: &dyn Sampler) -> f64 {
+    sampler.nominal_work() + evaluation_work(sampler.n_points())
+}
+
+/// The nominal work of evaluating an integrand, 40 ns a value.
+pub(crate) fn evaluation_work(n_points: usize) -> f64 {
+    n_points as f64 * 2.0 / 3.0
 }
 
 /// The estimates of the given trials, in their order: what follows does not depend on threads.
@@ -208,16 +220,19 @@ pub(crate) fn estimates(
     ensemble: &Realizations<'_>,
     integrand: &dyn Integrand,
     trials: Range<u64>,
-    done: &(dyn Fn() + Sync),
+    progress: &dyn Progress,
 ) -> Result<Vec<f64>, Error> {
     let area = ensemble.sampler().domain().area();
-    let trial = |points: &mut Vec<DVec3>, index| {
-        ensemble.realize_into(index, points).map_err(sphvar_spectrum::Error::from)?;
-        let mean = points.iter().map(|&p| integrand.eval(p)).sum::<f64>() / points.len() as f64;
-        done();
-        Ok(area * mean)
+    let trial = |(set, values): &mut (PointSet, Vec<f64>), index| {
+        ensemble.realize_into(index, set, progress).map_err(sphvar_spectrum::Error::from)?;
+        values.clear();
+        values.resize(set.len(), 0.0);
+        integrand.eval_into(&set.points, values)?;
+        let stopped = |stopped| Error::from(sphvar_samplers::Error::from(stopped));
+        progress.tick(evaluation_work(set.len())).map_err(stopped)?;
+        Ok(area * set.mean(values))
     };
-    trials.into_par_iter().map_init(Vec::new, trial).collect()
+    trials.into_par_iter().map_init(Default::default, trial).collect()
 }
 
 #[cfg(test)]

@@ -1,25 +1,25 @@
-use sphvar_samplers::Pattern;
+use sphvar_samplers::{Domain, Pattern, Progress, Sampler, SamplerFamily};
 
 use crate::{Error, PredictedPoint, Predictor, RateFit, VariancePoint, fit_exact_rate};
 
 /// The predicted variance of one pattern against its number of points.
 #[derive(Clone, Debug, PartialEq)]
-pub struct PredictedCurve {
-    pattern: Pattern,
+pub struct PredictedCurve<F = Pattern> {
+    pattern: F,
     /// By number of points, all different.
     points: Vec<PredictedPoint>,
 }
 
-impl PredictedCurve {
+impl<F: SamplerFamily> PredictedCurve<F> {
     /// A curve without points.
     #[must_use]
-    pub fn new(pattern: Pattern) -> Self {
+    pub fn new(pattern: F) -> Self {
         Self { pattern, points: Vec::new() }
     }
 
     /// The pattern.
     #[must_use]
-    pub fn pattern(&self) -> &Pattern {
+    pub fn pattern(&self) -> &F {
         &self.pattern
     }
 
@@ -36,28 +36,39 @@ impl PredictedCurve {
         found.ok().map(|i| &self.points[i])
     }
 
-    /// The point at a number of points, predicted now if it is not there yet. `done` is called after
-    /// each realization.
+    /// The point at a number of points, predicted now if it is not there yet; work is ticked as in [`Predictor::predict`].
     ///
     /// # Errors
     ///
-    /// Those of [`Predictor::predict`].
+    /// Those of [`Predictor::predict`], and if the pattern does not have that many points.
     pub fn predict(
         &mut self,
         predictor: &mut Predictor<'_>,
         n_points: usize,
-        done: &(dyn Fn() + Sync),
+        progress: &dyn Progress,
     ) -> Result<&PredictedPoint, Error> {
         let found = self.points.binary_search_by_key(&n_points, PredictedPoint::n_points);
         let at = match found {
             Ok(at) => at,
             Err(at) => {
-                let point = predictor.predict(&self.pattern, n_points, done)?;
+                let sampler = self.build(n_points, predictor.domain())?;
+                let point = predictor.predict(&*sampler, progress)?;
                 self.points.insert(at, point);
                 at
             }
         };
         Ok(&self.points[at])
+    }
+
+    /// Returns the pattern's sampler of `n_points` points; a family that builds another count is an error.
+    pub(crate) fn build(&self, n_points: usize, domain: Domain) -> Result<Box<dyn Sampler>, Error> {
+        let sampler = self.pattern.build(n_points, domain)?;
+        let got = sampler.n_points();
+        if got != n_points {
+            let reason = format!("{} was built with {got} points, not {n_points}", self.pattern);
+            return Err(sphvar_samplers::Error::Given { reason }.into());
+        }
+        Ok(sampler)
     }
 
     /// Adds a point that was predicted before, in place of one at its number of points.

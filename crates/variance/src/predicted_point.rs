@@ -1,6 +1,7 @@
 use sphvar_spectrum::Spectrum;
 
-use crate::{Energy, Prediction, VariancePoint};
+use crate::{Prediction, VariancePoint};
+use sphvar_integrands::Energy;
 
 /// The variance that is predicted for a pattern at one number of points, and the spectrum behind it.
 #[derive(Clone, Debug, PartialEq)]
@@ -28,7 +29,7 @@ impl PredictedPoint {
     /// noise has 1. NaN where the integrand has no energy.
     #[must_use]
     pub fn power_to(&self, energy: &Energy, last: usize) -> f64 {
-        let terms = energy.per_degree().iter().zip(self.spectrum.power()).take(last + 1).skip(1);
+        let terms = energy.per_band().iter().zip(self.spectrum.power()).take(last + 1).skip(1);
         let (seen, all) = terms.fold((0.0, 0.0), |(s, a), (e, p)| (s + e * p, a + e));
         seen / all
     }

@@ -1,8 +1,8 @@
-use sphvar_sh::ByParity;
+use sphvar_sh::{Bands, ByParity};
 use sphvar_spectrum::{Accumulator, Moments, Realization, Spectrum};
 use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
 
-use crate::Energy;
+use sphvar_integrands::Energy;
 
 /// A variance computed from spectra, `k sum_{l >= 1} E(l) <P(l)>`, with what is not known of it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -54,7 +54,7 @@ impl Prediction {
 }
 
 /// The variance `k sum_{l >= 1} E(l) <P(l)>` of integrating a function of energies E with a pattern
-/// of spectrum P; k is [`Domain::variance_factor`](sphvar_samplers::Domain::variance_factor).
+/// of spectrum P; k is [`Bands::factor`] of the effective number of points. On other spaces the sum is over their bands.
 ///
 /// Degrees beyond the smaller of the two lmax, L, enter with the mean power that the pattern tends to, apart for even and
 /// for odd degrees: `T = `[`Spectrum::tail`], which is 1 unless points coincide or are antipodes. How far
@@ -78,10 +78,11 @@ impl Prediction {
 ///
 /// If spectrum and energy belong to different domains.
 #[must_use]
-pub fn predict(spectrum: &Spectrum, energy: &Energy) -> Prediction {
-    assert_eq!(spectrum.domain(), energy.domain(), "spectra of different domains");
+pub fn predict<B: Bands>(spectrum: &Spectrum<B>, energy: &Energy<B>) -> Prediction {
+    assert_eq!(spectrum.bands(), energy.bands(), "spectra of different domains");
     let weights = Weights::new(energy, spectrum.n_points(), spectrum.lmax());
-    let errors = weights.per_degree.iter().zip(spectrum.stderr()).map(|(w, e)| w * e);
+    let scale = weights.scale * (weights.n_points / spectrum.n_effective());
+    let errors = weights.per_band.iter().zip(spectrum.stderr()).map(|(w, e)| w * e);
     let tail_errors = weights.tail.zip(spectrum.tail_stderr()).map(|(w, e)| w * e);
     let errors = errors.chain([tail_errors.even, tail_errors.odd]);
     let windows = weights
@@ -89,10 +90,10 @@ pub fn predict(spectrum: &Spectrum, energy: &Energy) -> Prediction {
         .as_ref()
         .map(|windows| windows.iter().map(|w| w.mean(spectrum.power())).collect::<Vec<f64>>());
     Prediction {
-        variance: weights.scale * weights.apply(spectrum.power(), spectrum.tail()),
-        stderr: weights.scale * errors.map(|e| e * e).sum::<f64>().sqrt(),
-        tail: weights.scale * weights.tail.dot(spectrum.tail()),
-        tail_error: weights.tail_error(&windows, spectrum.tail()),
+        variance: scale * weights.apply(spectrum.power(), spectrum.tail()),
+        stderr: scale * errors.map(|e| e * e).sum::<f64>().sqrt(),
+        tail: scale * weights.tail.dot(spectrum.tail()),
+        tail_error: scale * weights.tail_error(&windows, spectrum.tail()),
         dof: if spectrum.is_exact() {
             f64::INFINITY
         } else {
@@ -101,18 +102,20 @@ pub fn predict(spectrum: &Spectrum, energy: &Energy) -> Prediction {
     }
 }
 
-/// What one integrand makes of a pattern's power: `scale (sum_l per_degree[l] P(l) + sum_parities tail T)`.
+/// What one integrand makes of a pattern's power: `scale (sum_bands per_band P + sum_parities tail T)`.
 #[derive(Clone, Debug)]
 struct Weights {
     /// The variance with white noise. The weights are shares of it, so that squares of products of weights and powers
     /// stay in the range of numbers for integrands of any size.
     scale: f64,
-    per_degree: Vec<f64>,
+    /// The number of points that `scale` is for.
+    n_points: f64,
+    per_band: Vec<f64>,
     tail: ByParity,
     windows: ByParity<Vec<Window>>,
 }
 
-/// Consecutive degrees from `first` on, with weights whose sum is 1; those of the other parity have none.
+/// Consecutive bands from `first` on, with weights whose sum is 1; those of the other parity have none.
 #[derive(Clone, Debug)]
 struct Window {
     first: usize,
@@ -126,28 +129,27 @@ impl Window {
 }
 
 impl Weights {
-    fn new(energy: &Energy, n_points: usize, lmax: usize) -> Self {
-        let lmax = lmax.min(energy.lmax());
+    fn new<B: Bands>(energy: &Energy<B>, n_points: usize, last: usize) -> Self {
+        let last = last.min(energy.lmax());
         let whole = energy.centred().sum();
         let share = |e: f64| if whole > 0.0 { e / whole } else { 0.0 };
-        let mut per_degree: Vec<f64> =
-            energy.per_degree()[..=lmax].iter().map(|&e| share(e)).collect();
+        let mut per_band: Vec<f64> = energy.per_band()[..=last].iter().map(|&e| share(e)).collect();
         // The number of points is fixed, so the mean has no variance.
-        per_degree[0] = 0.0;
-        let tail = energy.beyond_by_parity(lmax).map(share);
+        per_band[0] = 0.0;
+        let tail = energy.beyond_by_parity(last).map(share);
         // Without a tail nobody asks for its error.
         let windows =
-            if tail.sum() > 0.0 { windows(energy, n_points, lmax) } else { ByParity::default() };
-        let scale = energy.domain().variance_factor(n_points) * whole;
-        Self { scale, per_degree, tail, windows }
+            if tail.sum() > 0.0 { windows(energy, n_points, last) } else { ByParity::default() };
+        let scale = energy.bands().factor(n_points) * whole;
+        Self { scale, n_points: n_points as f64, per_band, tail, windows }
     }
 
     fn apply(&self, power: &[f64], tail: ByParity) -> f64 {
-        let known: f64 = self.per_degree.iter().zip(power).map(|(w, p)| w * p).sum();
+        let known: f64 = self.per_band.iter().zip(power).map(|(w, p)| w * p).sum();
         known + self.tail.dot(tail)
     }
 
-    /// The error of the tail from the mean powers in windows and those expected beyond.
+    /// The error of the tail, over `scale`, from the mean powers in windows and those expected beyond.
     fn tail_error(&self, means: &ByParity<Vec<f64>>, expected: ByParity) -> f64 {
         let departure = |means: &[f64], windows: &[Window], expected: f64| {
             let departures = means.iter().zip(windows).map(|(p, w)| {
@@ -162,36 +164,59 @@ impl Weights {
         let odd = departure(&means.odd, &self.windows.odd, expected.odd);
         let departures =
             ByParity { even: even.or(odd), odd: odd.or(even) }.map(|d| d.unwrap_or(1.0));
-        self.scale * self.tail.dot(departures)
+        self.tail.dot(departures)
     }
 }
 
-/// The windows of the upper octave, `lmax/2 < l <= lmax`, for either parity with the integrand's energies as weights;
-/// those without energy are left out.
-fn windows(energy: &Energy, n_points: usize, lmax: usize) -> ByParity<Vec<Window>> {
-    let degrees = lmax / 2 + 1..lmax + 1;
+/// The windows of the upper octave, radii from half the largest one on, for either parity with the integrand's energies
+/// as weights; those without energy are left out.
+fn windows<B: Bands>(energy: &Energy<B>, n_points: usize, last: usize) -> ByParity<Vec<Window>> {
+    let bands = energy.bands();
+    let largest = shell(bands, last);
+    let shells = largest / 2 + 1..largest + 1;
     #[expect(
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,
         reason = "the root of a number of points"
     )]
-    let width = energy.domain().count_on_sphere(n_points).sqrt().ceil() as usize;
+    let width = bands.spacing_radius(n_points).ceil() as usize;
     // Of nearly equal width, so that no window is a scrap.
-    let count = (degrees.len() / width.max(1)).max(1);
-    let cut = |i: usize| degrees.start + i * degrees.len() / count;
-    let windows = |parity: usize| {
+    let count = (shells.len() / width.max(1)).max(1);
+    let cut = |i: usize| first_of_shell(bands, shells.start + i * shells.len() / count, last);
+    let windows = |even: bool| {
         let window = |i: usize| {
-            let energies = energy.per_degree().get(cut(i)..cut(i + 1))?;
+            let first = cut(i);
+            let energies = energy.per_band().get(first..cut(i + 1))?;
             let of_parity =
-                |(k, e): (usize, &f64)| if (cut(i) + k) % 2 == parity { *e } else { 0.0 };
+                |(k, e): (usize, &f64)| if bands.is_even(first + k) == even { *e } else { 0.0 };
             let energies: Vec<f64> = energies.iter().enumerate().map(of_parity).collect();
             let total: f64 = energies.iter().sum();
             let weights = energies.iter().map(|e| e / total).collect();
-            (total > 0.0).then(|| Window { first: cut(i), weights })
+            (total > 0.0).then_some(Window { first, weights })
         };
         (0..count).filter_map(window).collect()
     };
-    ByParity { even: windows(0), odd: windows(1) }
+    ByParity { even: windows(true), odd: windows(false) }
+}
+
+/// The whole number from which a band's radius is rounded up: a degree is its own shell.
+#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a length")]
+fn shell(bands: &impl Bands, band: usize) -> usize {
+    bands.radius(band).ceil() as usize
+}
+
+/// The first band of a shell or beyond it, at most the one after `last`.
+fn first_of_shell(bands: &impl Bands, asked: usize, last: usize) -> usize {
+    let (mut low, mut high) = (0, last + 1);
+    while low < high {
+        let middle = low + (high - low) / 2;
+        if shell(bands, middle) < asked {
+            low = middle + 1;
+        } else {
+            high = middle;
+        }
+    }
+    low
 }
 
 /// Accumulates the predicted variance realization by realization, so that its standard error knows
@@ -208,10 +233,10 @@ pub struct PredictionAccumulator {
 
 impl PredictionAccumulator {
     /// An empty accumulator for an integrand of `energy` and patterns of `n_points` whose spectrum is
-    /// computed to `lmax`.
+    /// computed to band number `last`, the largest degree.
     #[must_use]
-    pub fn new(energy: &Energy, n_points: usize, lmax: usize) -> Self {
-        let weights = Weights::new(energy, n_points, lmax);
+    pub fn new<B: Bands>(energy: &Energy<B>, n_points: usize, last: usize) -> Self {
+        let weights = Weights::new(energy, n_points, last);
         let windows = weights.windows.as_ref().map(|w| vec![Moments::default(); w.len()]);
         Self { weights, moments: Moments::default(), tail: ByParity::default(), windows }
     }
@@ -226,19 +251,23 @@ impl PredictionAccumulator {
             variance: scale * self.moments.mean(),
             stderr: scale * self.moments.standard_error(),
             tail: scale * self.weights.tail.dot(tail),
-            tail_error: self.weights.tail_error(&windows, tail),
+            tail_error: scale * self.weights.tail_error(&windows, tail),
             dof: self.moments.count().saturating_sub(1) as f64,
         }
     }
-}
 
-impl Accumulator for PredictionAccumulator {
-    fn push(&mut self, realization: &Realization<'_>) {
-        let power: Vec<f64> = realization.power().collect();
-        // Coincidences of points matter only if there is energy beyond the spectrum.
+    /// Takes one realization in: its effective number of points, the power of every band from 0, and the mean power beyond,
+    /// which is asked for only if there is energy beyond.
+    pub fn push_powers(
+        &mut self,
+        n_effective: f64,
+        powers: &[f64],
+        tail: impl FnOnce() -> ByParity,
+    ) {
         let has_tail = self.weights.tail.sum() > 0.0;
-        let tail = if has_tail { realization.tail() } else { ByParity::default() };
-        self.moments.push(self.weights.apply(&power, tail));
+        let tail = if has_tail { tail() } else { ByParity::default() };
+        let relative = self.weights.n_points / n_effective;
+        self.moments.push(relative * self.weights.apply(powers, tail));
         self.tail.even.push(tail.even);
         self.tail.odd.push(tail.odd);
         let mine = [&mut self.windows.even, &mut self.windows.odd];
@@ -246,9 +275,16 @@ impl Accumulator for PredictionAccumulator {
             mine.into_iter().zip([&self.weights.windows.even, &self.weights.windows.odd])
         {
             for (moments, window) in all.iter_mut().zip(windows) {
-                moments.push(window.mean(&power));
+                moments.push(window.mean(powers));
             }
         }
+    }
+}
+
+impl Accumulator for PredictionAccumulator {
+    fn push(&mut self, realization: &Realization<'_>) {
+        let power: Vec<f64> = realization.power().collect();
+        self.push_powers(realization.n_effective(), &power, || realization.tail());
     }
 
     fn merge(&mut self, other: &Self) {

@@ -1,4 +1,4 @@
-use sphvar_samplers::Pattern;
+use sphvar_samplers::Sampler;
 use sphvar_spectrum::{Method, Resolution};
 
 use crate::Error;
@@ -12,7 +12,7 @@ pub struct PredictionBudget {
     /// The relative standard error of a variance at which a prediction is precise enough.
     pub relative: f64,
     /// The nominal work of all realizations of a prediction, in the unit of
-    /// [`Pattern::nominal_work`].
+    /// [`Sampler::nominal_work`].
     pub work: f64,
 }
 
@@ -45,16 +45,16 @@ impl PredictionBudget {
         Ok(self)
     }
 
-    /// Returns the largest number of realizations of `n_points` that a spectrum to degree `lmax` is
-    /// estimated from: as many as the work allows, 4 to 16384.
+    /// Returns the maximum number of realizations from which a spectrum to degree `lmax` is
+    /// estimated: as many as the work allows, 4 to 16384.
     #[must_use]
     #[expect(
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,
         reason = "a positive number, and the cast saturates"
     )]
-    pub fn realizations(&self, pattern: &Pattern, n_points: usize, lmax: usize) -> u64 {
-        let affordable = (self.work / realization_work(pattern, n_points, lmax)) as u64;
+    pub fn realizations(&self, sampler: &dyn Sampler, lmax: usize) -> u64 {
+        let affordable = (self.work / realization_work(sampler, lmax)) as u64;
         affordable.clamp(Self::MIN_REALIZATIONS, Self::MAX_REALIZATIONS)
     }
 
@@ -94,8 +94,8 @@ impl SpectrumOptions {
 }
 
 /// The nominal work of making one set and transforming it to degree `lmax`.
-pub(crate) fn realization_work(pattern: &Pattern, n_points: usize, lmax: usize) -> f64 {
-    pattern.nominal_work(n_points) + transform_work(n_points, lmax)
+pub(crate) fn realization_work(sampler: &dyn Sampler, lmax: usize) -> f64 {
+    sampler.nominal_work().max(0.0) + transform_work(sampler.n_points(), lmax)
 }
 
 /// The nominal work of a transform: a unit for each point, half a unit for each pair of degree and
@@ -106,20 +106,23 @@ fn transform_work(n_points: usize, lmax: usize) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use sphvar_samplers::Pattern;
+    use sphvar_samplers::{Domain, Pattern};
 
     use super::PredictionBudget;
 
     #[test]
     fn realizations_follow_from_the_work() {
         let budget = PredictionBudget::USUAL;
-        let disks = Pattern::from_name("poisson-disk").unwrap();
+        let count = |name: &str, n, lmax| {
+            let sampler = Pattern::from_name(name).unwrap().build(n, Domain::Sphere).unwrap();
+            (budget.realizations(&*sampler, lmax), sampler)
+        };
         // 40 + 1 units a point, half of 57^2 for the degrees, 300: 8e6/9796.5.
-        assert_eq!(budget.realizations(&disks, 192, 56), 816);
-        assert_eq!(budget.realizations(&Pattern::WhiteNoise, 12, 32), 9211);
-        let riesz = Pattern::from_name("riesz").unwrap();
-        assert_eq!(budget.realizations(&riesz, usize::MAX, 1 << 40), 4);
+        assert_eq!(count("poisson-disk", 192, 56).0, 816);
+        assert_eq!(count("white-noise", 12, 32).0, 9211);
+        let (few, riesz) = count("riesz", 1 << 20, 1 << 40);
+        assert_eq!(few, 4);
         let rich = PredictionBudget { work: 1e300, ..budget };
-        assert_eq!(rich.realizations(&riesz, 12, 4), 1 << 14);
+        assert_eq!(rich.realizations(&*riesz, 4), 1 << 14);
     }
 }

@@ -1,17 +1,18 @@
+use std::cell::OnceCell;
 use std::collections::BTreeMap;
 
-use sphvar_samplers::{Domain, Pattern, Purpose, Realizations, Sampler, Streams};
-use sphvar_sh::ByParity;
+use sphvar_samplers::{Domain, Law, PointSet, Progress, Purpose, Realizations, Sampler, Streams};
+use sphvar_sh::{ByParity, LmIndex, MAX_DEGREE};
 use sphvar_spectrum::{
-    Accumulator, Resolution, Spectrum, SpectrumAccumulator, accumulate, exact_spectrum,
-    has_exact_spectrum,
+    Accumulator, ExactSpectrum, Resolution, Spectrum, SpectrumAccumulator, accumulate,
 };
 
 use crate::prediction_budget::realization_work;
 use crate::{
-    Energy, Error, Integrand, PredictedPoint, Prediction, PredictionAccumulator, PredictionBudget,
-    SpectrumOptions, predict, prediction_degree,
+    Error, PredictedPoint, Prediction, PredictionAccumulator, PredictionBudget, SpectrumOptions,
+    predict, prediction_degree,
 };
+use sphvar_integrands::{Energy, Integrand};
 
 /// Realizations that an estimate begins with, if the budget allows as many.
 const FIRST: u64 = 8;
@@ -23,11 +24,12 @@ const MIN_EFFECTIVE: f64 = 8.0;
 /// mean only, relative to the square of the budget's precision: 1 % where that is 2 %.
 const NEGLIGIBLE: f64 = 25.0;
 
-/// Predicts the variance of integrating one function, for any pattern and number of points.
+/// Predicts the variance of integrating one function with any sampler; all predictions are made by
+/// it.
 ///
 /// It keeps the integrand's energies and computes those of higher degrees when a number of points
-/// needs them; white noise needs none. A prediction is a function of the seed, the pattern, the number
-/// of points, the [`PredictionBudget`] and the [`SpectrumOptions`]; what was predicted before, and by
+/// needs them; white noise needs none. A prediction is a function of the seed, the sampler, the
+/// [`PredictionBudget`] and the [`SpectrumOptions`]; what was predicted before, and by
 /// which command, does not matter.
 pub struct Predictor<'a> {
     integrand: &'a dyn Integrand,
@@ -39,6 +41,7 @@ pub struct Predictor<'a> {
     outline: Energy,
     /// By level, see [`degrees_of`].
     energies: BTreeMap<usize, Energy>,
+    kurtosis: OnceCell<Option<f64>>,
     on_energies: &'a dyn Fn(usize),
 }
 
@@ -76,6 +79,7 @@ impl<'a> Predictor<'a> {
             options: SpectrumOptions::default(),
             outline,
             energies: BTreeMap::new(),
+            kurtosis: OnceCell::new(),
             on_energies: &|_| (),
         })
     }
@@ -91,6 +95,19 @@ impl<'a> Predictor<'a> {
     #[must_use]
     pub fn on_energies(self, on_energies: &'a dyn Fn(usize)) -> Self {
         Self { on_energies, ..self }
+    }
+
+    pub(crate) fn integrand(&self) -> &'a dyn Integrand {
+        self.integrand
+    }
+
+    pub(crate) fn seed(&self) -> u64 {
+        self.seed
+    }
+
+    /// [`Integrand::kurtosis`], asked for once.
+    pub(crate) fn kurtosis(&self) -> Option<f64> {
+        *self.kurtosis.get_or_init(|| self.integrand.kurtosis(self.domain))
     }
 
     /// Where the integrand lives.
@@ -120,7 +137,7 @@ impl<'a> Predictor<'a> {
     /// The variance that the rounding of a prediction alone can make, in which the integrand's mean has no part.
     #[must_use]
     pub fn rounding(&self) -> f64 {
-        self.outline.prediction_rounding(self.domain)
+        self.outline.prediction_rounding()
     }
 
     /// Returns white noise's variance of the degrees beyond `degree` that are known to be many, by
@@ -140,7 +157,7 @@ impl<'a> Predictor<'a> {
         let energy = self.energy_to(degree + Resolution::natural_degree(n_points))?;
         let total = energy.centred().sum();
         let (mut sums, mut squares) = (ByParity::both(0.0), 0.0);
-        for (l, e) in energy.per_degree().iter().enumerate().skip(degree + 1) {
+        for (l, e) in energy.per_band().iter().enumerate().skip(degree + 1) {
             *sums.of_mut(l) += e;
             // Relative to the total, so that no square leaves the range of numbers.
             squares += (e / total).powi(2);
@@ -160,23 +177,23 @@ impl<'a> Predictor<'a> {
         Ok(self.energy_to(degree)?.beyond(degree) / all)
     }
 
-    /// Predicts the variance for a pattern of `n_points`. `done` is called after each realization.
+    /// Predicts the variance for a sampler, uniformly rotated. At most [`Self::work`] is ticked.
     ///
-    /// Spectra in closed form are taken where there are any; else realizations are added until the
-    /// relative standard error, as it is estimated from them, is at most that of the
+    /// Spectra that are known without sampling are taken where there are any ([`ExactSpectrum`]); else realizations are
+    /// added until the relative standard error, as it is estimated from them, is at most that of the
     /// [`PredictionBudget`], but no more than its work allows. A pattern that is not random takes one.
     /// A variance that is no more than [`rounding`](Self::rounding) is 0.
     ///
     /// # Errors
     ///
-    /// [`Error::Spectrum`] with the sampler's error if the pattern cannot have that many points.
+    /// [`Error::OtherDomain`] for a sampler of another domain, [`Error::Spectrum`] with the sampler's error if a
+    /// realization cannot be made or `progress` ends the work, and those of [`Integrand::energy`].
     pub fn predict(
         &mut self,
-        pattern: &Pattern,
-        n_points: usize,
-        done: &(dyn Fn() + Sync),
+        sampler: &dyn Sampler,
+        progress: &dyn Progress,
     ) -> Result<PredictedPoint, Error> {
-        self.predict_within(self.budget, pattern, n_points, done)
+        self.predict_within(self.budget, sampler, progress)
     }
 
     /// [`Self::predict`] with another budget.
@@ -187,22 +204,30 @@ impl<'a> Predictor<'a> {
     pub fn predict_within(
         &mut self,
         budget: PredictionBudget,
-        pattern: &Pattern,
-        n_points: usize,
-        done: &(dyn Fn() + Sync),
+        sampler: &dyn Sampler,
+        progress: &dyn Progress,
     ) -> Result<PredictedPoint, Error> {
-        let sampler = pattern.build(n_points, self.domain).map_err(sphvar_spectrum::Error::from)?;
-        let lmax = self.degree(budget, pattern, &*sampler)?;
-        let mut point = if self.is_flat(pattern) {
-            let power = vec![1.0; lmax + 1];
-            let spectrum = Spectrum::exact(self.domain, n_points, power);
-            PredictedPoint { spectrum, prediction: self.flat_prediction(n_points) }
-        } else if self.is_known(pattern, &*sampler, lmax) {
-            let spectrum = exact_spectrum(pattern, n_points, self.domain, lmax, &|_| done())?;
-            let prediction = predict(&spectrum, self.energy_to(lmax)?);
-            PredictedPoint { spectrum, prediction }
-        } else {
-            self.estimate(budget, pattern, &*sampler, lmax, done)?
+        let lmax = self.degree(budget, sampler)?;
+        let n_points = sampler.n_points();
+        let mut point = match self.route(budget, sampler, lmax) {
+            Route::Flat => {
+                let power = vec![1.0; lmax.min(MAX_DEGREE) + 1];
+                let spectrum = Spectrum::exact(self.domain, n_points, power);
+                PredictedPoint { spectrum, prediction: self.flat_prediction(n_points) }
+            }
+            Route::Exact(exact) => {
+                let spectrum = exact.to(lmax, progress)?;
+                let prediction = predict(&spectrum, self.energy_to(lmax)?);
+                PredictedPoint { spectrum, prediction }
+            }
+            Route::All(sets) => {
+                let all = 0..sets.len() as u64;
+                let empty = self.accumulators(sampler, lmax)?;
+                let resolution = self.resolution(lmax, n_points);
+                let sums = accumulate(&sets, resolution, all, &empty, progress)?;
+                exactly(sums)?
+            }
+            Route::Sampled => self.estimate(budget, sampler, lmax, progress)?,
         };
         if point.prediction.variance <= self.rounding() {
             let Prediction { variance, stderr, .. } = &mut point.prediction;
@@ -218,52 +243,66 @@ impl<'a> Predictor<'a> {
     /// Those of [`Self::predict`].
     pub fn spectrum_to(
         &self,
-        pattern: &Pattern,
+        sampler: &dyn Sampler,
         point: &PredictedPoint,
         lmax: usize,
     ) -> Result<Spectrum, Error> {
-        let n_points = point.n_points();
-        let sampler = pattern.build(n_points, self.domain).map_err(sphvar_spectrum::Error::from)?;
-        if self.is_known(pattern, &*sampler, lmax) {
-            return Ok(exact_spectrum(pattern, n_points, self.domain, lmax, &|_| ())?);
-        }
-        let streams = Streams::new(self.seed, Purpose::Pattern, pattern.stream_group(n_points));
-        let sets = Realizations::rotated(&*sampler, streams);
+        let n_points = sampler.n_points();
         let empty = SpectrumAccumulator::new(self.domain, n_points, lmax);
-        let count = 0..point.spectrum.realizations().max(1);
         let resolution = self.resolution(lmax, n_points);
-        let spectrum = accumulate(&sets, resolution, count, &empty, &|| ())?.finish()?;
-        Ok(if sampler.is_random() { spectrum } else { spectrum.into_exact() })
-    }
-
-    /// The nominal work of a prediction at most, and the realizations that share it.
-    ///
-    /// # Errors
-    ///
-    /// Those of [`Self::predict`] that show without a realization.
-    pub fn work(&mut self, pattern: &Pattern, n_points: usize) -> Result<(f64, u64), Error> {
-        let sampler = pattern.build(n_points, self.domain).map_err(sphvar_spectrum::Error::from)?;
-        if self.is_flat(pattern) {
-            return Ok((0.0, 1));
-        }
-        let lmax = self.degree(self.budget, pattern, &*sampler)?;
-        let count = match self.options.realizations {
-            _ if !sampler.is_random() => 1,
-            Some(count) => count,
-            // Closed forms of strata take no longer than realizations would.
-            None => self.budget.realizations(pattern, n_points, lmax),
+        let (sums, is_exact) = match self.route(self.budget, sampler, lmax) {
+            Route::Flat => {
+                return Ok(Spectrum::exact(
+                    self.domain,
+                    n_points,
+                    vec![1.0; lmax.min(MAX_DEGREE) + 1],
+                ));
+            }
+            Route::Exact(exact) => return Ok(exact.to(lmax, &())?),
+            Route::All(sets) => {
+                let all = 0..sets.len() as u64;
+                (accumulate(&sets, resolution, all, &empty, &())?, true)
+            }
+            Route::Sampled => {
+                let count = 0..point.spectrum.realizations().max(1);
+                let sets = self.realizations(sampler);
+                (accumulate(&sets, resolution, count, &empty, &())?, !sampler.is_random())
+            }
         };
-        Ok((count as f64 * realization_work(pattern, n_points, lmax), count))
+        let spectrum = sums.finish()?;
+        Ok(if is_exact { spectrum.into_exact() } else { spectrum })
     }
 
-    /// Whether a prediction for a pattern of `n_points` takes no more than the work of the
-    /// [`PredictionBudget`], precise enough or not.
+    /// Returns the maximum nominal work of a prediction.
     ///
     /// # Errors
     ///
     /// Those of [`Self::predict`] that show without a realization.
-    pub fn is_affordable(&mut self, pattern: &Pattern, n_points: usize) -> Result<bool, Error> {
-        self.is_affordable_within(self.budget, pattern, n_points)
+    pub fn work(&mut self, sampler: &dyn Sampler) -> Result<f64, Error> {
+        let lmax = self.degree(self.budget, sampler)?;
+        let each =
+            sampler.nominal_work() + self.options.method.nominal_work(sampler.n_points(), lmax);
+        Ok(match self.route(self.budget, sampler, lmax) {
+            Route::Flat => 0.0,
+            Route::Exact(exact) => exact.work(lmax),
+            Route::All(sets) => {
+                let method = self.options.method;
+                method.nominal_work(sampler.n_points(), lmax) * sets.len() as f64
+            }
+            Route::Sampled if sampler.is_random() => {
+                each * self.most_realizations(self.budget, sampler, lmax) as f64
+            }
+            Route::Sampled => each,
+        })
+    }
+
+    /// Whether a prediction takes no more than the work of the [`PredictionBudget`], precise enough or not.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`Self::predict`] that show without a realization.
+    pub fn is_affordable(&mut self, sampler: &dyn Sampler) -> Result<bool, Error> {
+        self.is_affordable_within(self.budget, sampler)
     }
 
     /// [`Self::is_affordable`] with another budget.
@@ -274,36 +313,48 @@ impl<'a> Predictor<'a> {
     pub fn is_affordable_within(
         &mut self,
         budget: PredictionBudget,
-        pattern: &Pattern,
-        n_points: usize,
+        sampler: &dyn Sampler,
     ) -> Result<bool, Error> {
-        let sampler = pattern.build(n_points, self.domain).map_err(sphvar_spectrum::Error::from)?;
-        let lmax = self.degree(budget, pattern, &*sampler)?;
-        let is_known = sampler.is_random() && self.is_known(pattern, &*sampler, lmax);
-        if self.is_flat(pattern) || is_known {
-            return Ok(true);
-        }
-        let sets = if sampler.is_random() { PredictionBudget::MIN_REALIZATIONS } else { 1 };
-        Ok(sets as f64 * realization_work(pattern, n_points, lmax) <= budget.work)
+        let lmax = self.degree(budget, sampler)?;
+        let sets = match self.route(budget, sampler, lmax) {
+            Route::Flat => return Ok(true),
+            // Closed forms of strata take no longer than realizations would.
+            Route::Exact(_) if sampler.is_random() => return Ok(true),
+            Route::All(sets) => sets.len() as u64,
+            Route::Sampled if sampler.is_random() => PredictionBudget::MIN_REALIZATIONS,
+            Route::Exact(_) | Route::Sampled => 1,
+        };
+        Ok(sets as f64 * realization_work(sampler, lmax) <= budget.work)
     }
 
-    /// Whether the pattern has the power 1 in every degree: the total and the mean of the integrand
-    /// are all that its variance needs.
-    fn is_flat(&self, pattern: &Pattern) -> bool {
-        *pattern == Pattern::WhiteNoise && self.options.realizations.is_none()
-    }
-
-    /// Whether the spectrum is computed without sampling.
-    fn is_known(&self, pattern: &Pattern, sampler: &dyn Sampler, lmax: usize) -> bool {
-        has_exact_spectrum(pattern)
-            && if sampler.is_random() {
-                self.options.realizations.is_none()
-                    && PredictionBudget::is_exact(sampler.n_points(), lmax)
-            } else {
-                self.options.is_default_transform()
+    /// Chooses how the spectrum of a sampler is computed.
+    fn route<'s>(
+        &self,
+        budget: PredictionBudget,
+        sampler: &'s dyn Sampler,
+        lmax: usize,
+    ) -> Route<'s> {
+        let is_left_open = self.options.realizations.is_none();
+        match sampler.law() {
+            Law::Independent if is_left_open => Route::Flat,
+            Law::OneOf(sets) if sets.len() > 1 => {
+                let most = budget.realizations(sampler, lmax);
+                let are_few = is_left_open && sets.len() as u64 <= most;
+                if are_few { Route::All(sets) } else { Route::Sampled }
             }
+            law => {
+                let is_chosen = if law.is_random() {
+                    is_left_open && PredictionBudget::is_exact(sampler.n_points(), lmax)
+                } else {
+                    self.options.is_default_transform()
+                };
+                let exact = ExactSpectrum::of(sampler).filter(|_| is_chosen);
+                exact.map_or(Route::Sampled, Route::Exact)
+            }
+        }
     }
 
+    /// The power per degree is 1: the variance follows from the integrand's mean and mean square.
     fn flat_prediction(&self, n_points: usize) -> Prediction {
         Prediction {
             variance: self.white_variance(n_points),
@@ -318,34 +369,22 @@ impl<'a> Predictor<'a> {
     fn estimate(
         &mut self,
         budget: PredictionBudget,
-        pattern: &Pattern,
         sampler: &dyn Sampler,
         lmax: usize,
-        done: &(dyn Fn() + Sync),
+        progress: &dyn Progress,
     ) -> Result<PredictedPoint, Error> {
-        let n_points = sampler.n_points();
         let (relative, rounding) = (budget.relative, self.rounding());
-        let most = match self.options.realizations {
-            Some(count) => count,
-            None => budget.realizations(pattern, n_points, lmax),
-        };
+        let most = self.most_realizations(budget, sampler, lmax);
         let first = self.options.realizations.unwrap_or(FIRST.min(most));
-        let streams = Streams::new(self.seed, Purpose::Pattern, pattern.stream_group(n_points));
-        let sets = Realizations::rotated(sampler, streams);
-        let resolution = self.resolution(lmax, n_points);
-        let energy = self.energy_to(lmax)?;
-        let empty = (
-            SpectrumAccumulator::new(sampler.domain(), n_points, lmax),
-            PredictionAccumulator::new(energy, n_points, lmax),
-        );
+        let resolution = self.resolution(lmax, sampler.n_points());
+        let empty = self.accumulators(sampler, lmax)?;
+        let sets = self.realizations(sampler);
         if !sampler.is_random() {
-            let (spectrum, prediction) = accumulate(&sets, resolution, 0..1, &empty, done)?;
-            let prediction = Prediction { stderr: 0.0, dof: f64::INFINITY, ..prediction.finish() };
-            return Ok(PredictedPoint { spectrum: spectrum.finish()?.into_exact(), prediction });
+            return exactly(accumulate(&sets, resolution, 0..1, &empty, progress)?);
         }
         let (mut sum, mut count, mut next) = (empty.clone(), 0, first);
         loop {
-            sum.merge(&accumulate(&sets, resolution, count..next, &empty, done)?);
+            sum.merge(&accumulate(&sets, resolution, count..next, &empty, progress)?);
             count = next;
             let prediction = sum.1.finish();
             // A pattern without power where the integrand has energy leaves rounding, of 100 % error.
@@ -358,6 +397,32 @@ impl<'a> Predictor<'a> {
         }
     }
 
+    fn most_realizations(
+        &self,
+        budget: PredictionBudget,
+        sampler: &dyn Sampler,
+        lmax: usize,
+    ) -> u64 {
+        self.options.realizations.unwrap_or_else(|| budget.realizations(sampler, lmax))
+    }
+
+    fn realizations<'s>(&self, sampler: &'s dyn Sampler) -> Realizations<'s> {
+        let streams = Streams::new(self.seed, Purpose::Pattern, sampler.stream_group());
+        Realizations::rotated(sampler, streams)
+    }
+
+    fn accumulators(
+        &mut self,
+        sampler: &dyn Sampler,
+        lmax: usize,
+    ) -> Result<(SpectrumAccumulator, PredictionAccumulator), Error> {
+        let n_points = sampler.n_points();
+        // Degrees that have no transforms need no memory either.
+        LmIndex::new(lmax).map_err(sphvar_spectrum::Error::from)?;
+        let spectrum = SpectrumAccumulator::new(self.domain, n_points, lmax);
+        Ok((spectrum, PredictionAccumulator::new(self.energy_to(lmax)?, n_points, lmax)))
+    }
+
     fn resolution(&self, lmax: usize, n_points: usize) -> Resolution {
         let SpectrumOptions { method, epsilon, .. } = self.options;
         Resolution { lmax, n_points, method, epsilon }
@@ -365,21 +430,36 @@ impl<'a> Predictor<'a> {
 
     /// The degree to which a spectrum is computed: [`prediction_degree`], and for a lattice less where
     /// the integrand has next to no energy beyond.
-    fn degree(
-        &mut self,
-        budget: PredictionBudget,
-        pattern: &Pattern,
-        sampler: &dyn Sampler,
-    ) -> Result<usize, Error> {
+    fn degree(&mut self, budget: PredictionBudget, sampler: &dyn Sampler) -> Result<usize, Error> {
+        if sampler.domain() != self.domain {
+            let (expected, got) = (self.domain, sampler.domain());
+            return Err(Error::OtherDomain { expected, got });
+        }
+        if sampler.n_points() == 0 {
+            let reason = "a sampler has no points".to_owned();
+            return Err(sphvar_samplers::Error::Given { reason }.into());
+        }
+        if let Law::OneOf(sets) = sampler.law()
+            && let Some(i) = sets.iter().position(|set| set.n_effective() <= 0.0)
+        {
+            let reason = format!("set {i} has weights whose sum is 0, which estimate no integral");
+            return Err(sphvar_samplers::Error::Given { reason }.into());
+        }
         let negligible = (NEGLIGIBLE * budget.relative.powi(2)).min(0.1);
         if let Some(lmax) = self.options.lmax {
             return Ok(lmax);
         }
         let most = prediction_degree(sampler, self.integrand);
-        if sampler.is_random() || self.is_flat(pattern) {
-            return Ok(most);
+        let natural = Resolution::natural_degree(sampler.n_points());
+        match sampler.law() {
+            // Each of few given sets may be a lattice.
+            Law::OneOf(sets) if sets.len() as u64 > budget.realizations(sampler, most) => {
+                return Ok(most.min(natural));
+            }
+            Law::OneOf(_) | Law::Fixed => {}
+            _ => return Ok(most),
         }
-        let least = Resolution::natural_degree(sampler.n_points()).min(most);
+        let least = natural.min(most);
         let mut asked = least;
         loop {
             let energy = self.energy_to(asked)?;
@@ -390,9 +470,9 @@ impl<'a> Predictor<'a> {
                 if beyond <= negligible * whole {
                     return Ok(l);
                 }
-                beyond -= energy.per_degree().get(l + 1).copied().unwrap_or(0.0);
+                beyond -= energy.per_band().get(l + 1).copied().unwrap_or(0.0);
             }
-            if energy.lmax() >= most {
+            if energy.lmax() >= most.min(MAX_DEGREE) {
                 return Ok(most);
             }
             // Energy beyond a degree that falls as its square, which is fast, is negligible here.
@@ -418,6 +498,26 @@ impl<'a> Predictor<'a> {
     }
 }
 
+/// How a spectrum is computed.
+enum Route<'a> {
+    /// It is 1 in every degree.
+    Flat,
+    /// Without sampling.
+    Exact(ExactSpectrum<'a>),
+    /// From all given sets.
+    All(&'a [PointSet]),
+    /// From realizations.
+    Sampled,
+}
+
+/// The prediction from sums over all sets, which is exact.
+fn exactly(
+    (spectrum, prediction): (SpectrumAccumulator, PredictionAccumulator),
+) -> Result<PredictedPoint, Error> {
+    let prediction = Prediction { stderr: 0.0, dof: f64::INFINITY, ..prediction.finish() };
+    Ok(PredictedPoint { spectrum: spectrum.finish()?.into_exact(), prediction })
+}
+
 /// The degree `factor` times `lmax`, at least the next one.
 #[expect(
     clippy::cast_possible_truncation,
@@ -431,10 +531,10 @@ fn ahead(lmax: usize, factor: f64) -> usize {
 /// The largest degree of the energies number `level`: 256, 384, 512, 768, 1024, ...
 fn degrees_of(level: usize) -> usize {
     let power = 256_usize << (level / 2);
-    (power + level % 2 * power / 2).min(sphvar_sh::MAX_DEGREE)
+    (power + level % 2 * power / 2).min(MAX_DEGREE)
 }
 
 /// The number of the energies that reach `lmax`; of those to the largest degree there is, beyond.
 fn level(lmax: usize) -> usize {
-    (0..).find(|&k| degrees_of(k) >= lmax.min(sphvar_sh::MAX_DEGREE)).unwrap_or(0)
+    (0..).find(|&k| degrees_of(k) >= lmax.min(MAX_DEGREE)).unwrap_or(0)
 }

@@ -1,6 +1,6 @@
 use std::collections::BTreeSet;
 
-use sphvar_samplers::{Domain, Pattern};
+use sphvar_samplers::{Domain, Law, Progress, SamplerFamily};
 use sphvar_spectrum::Resolution;
 
 use crate::{Error, PredictedCurve, PredictedPoint, Prediction, Predictor, RateFit};
@@ -47,8 +47,8 @@ impl RequiredPoints {
 const RESOLUTION: f64 = 1.02;
 
 /// The smallest number of points, at most `max_points`, with which `curve`'s pattern is predicted to
-/// have at most `variance`; what is predicted on the way is added to the curve. `done` is called after
-/// each realization.
+/// have at most `variance`; what is predicted on the way is added to the curve. Work is ticked
+/// as in [`Predictor::predict`].
 ///
 /// The legal numbers next to 1, 2, 4, 8, ... are tried until one suffices and the one that follows it
 /// too (two that follow for a pattern that is not random, whose variance may rise again), as far as
@@ -64,30 +64,31 @@ const RESOLUTION: f64 = 1.02;
 /// [`Predictor::predict`] if the pattern cannot be made with any number of points that was tried.
 ///
 /// ```
+/// use sphvar_integrands::ClampedCosine;
 /// use sphvar_samplers::{Domain, Pattern};
-/// use sphvar_variance::{ClampedCosine, PredictionBudget, PredictedCurve, Predictor, required_points};
+/// use sphvar_variance::{PredictionBudget, PredictedCurve, Predictor, required_points};
 ///
 /// // White noise on the hemisphere has the variance (2 pi int f^2 - (int f)^2)/N = pi^2/(3 N).
 /// let mut predictor =
 ///     Predictor::new(&ClampedCosine, Domain::Hemisphere, 0, PredictionBudget::USUAL)?;
 /// let mut curve = PredictedCurve::new(Pattern::WhiteNoise);
 /// let variance = (0.01 * std::f64::consts::PI).powi(2);
-/// let needed = required_points(&mut predictor, &mut curve, variance, 100_000, &|| ())?;
+/// let needed = required_points(&mut predictor, &mut curve, variance, 100_000, &())?;
 /// assert_eq!(needed.n_points(), Some(3334));
 /// # Ok::<(), sphvar_variance::Error>(())
 /// ```
-pub fn required_points(
+pub fn required_points<F: SamplerFamily + Clone>(
     predictor: &mut Predictor<'_>,
-    curve: &mut PredictedCurve,
+    curve: &mut PredictedCurve<F>,
     variance: f64,
     max_points: usize,
-    done: &(dyn Fn() + Sync),
+    progress: &dyn Progress,
 ) -> Result<RequiredPoints, Error> {
     if !(variance > 0.0 && variance.is_finite()) {
         let (name, range) = ("the variance asked for", "positive and finite");
         return Err(Error::Parameter { name, range, got: variance });
     }
-    let mut search = Search { predictor, curve, variance, done, rough: BTreeSet::new() };
+    let mut search = Search { predictor, curve, variance, progress, rough: BTreeSet::new() };
     let climb = search.climb(max_points)?;
     match climb.enough {
         Some(enough) => search.predicted(climb.too_few, enough),
@@ -106,11 +107,11 @@ const LATTICE_SHARE: f64 = 0.01;
 /// it is an estimate, and by this number of standard errors.
 const CLEAR: (f64, f64) = (1.5, 4.0);
 
-struct Search<'a, 'b> {
+struct Search<'a, 'b, F> {
     predictor: &'a mut Predictor<'b>,
-    curve: &'a mut PredictedCurve,
+    curve: &'a mut PredictedCurve<F>,
     variance: f64,
-    done: &'a (dyn Fn() + Sync),
+    progress: &'a dyn Progress,
     /// Numbers of points with a rough prediction on the curve.
     rough: BTreeSet<usize>,
 }
@@ -125,7 +126,7 @@ struct Climb {
     is_cut_short: bool,
 }
 
-impl Search<'_, '_> {
+impl<F: SamplerFamily + Clone> Search<'_, '_, F> {
     fn climb(&mut self, max_points: usize) -> Result<Climb, Error> {
         let domain = self.predictor.domain();
         let pattern = self.curve.pattern().clone();
@@ -139,19 +140,21 @@ impl Search<'_, '_> {
             return Ok(climb);
         }
         for n in rungs {
-            let is_random = pattern.build(n, domain).is_ok_and(|sampler| sampler.is_random());
+            let sampler = pattern.build(n, domain);
+            let is_random = sampler.as_ref().is_ok_and(|sampler| sampler.is_random());
             if self.is_hopeless(&pattern, n)? {
                 climb.too_few = Some(n);
                 continue;
             }
-            match self.predictor.is_affordable(&pattern, n) {
-                Ok(true) => {}
-                Ok(false) => {
+            let is_affordable = sampler.map(|sampler| self.predictor.is_affordable(&*sampler));
+            match is_affordable {
+                Ok(Ok(true)) => {}
+                Ok(Ok(false)) => {
                     climb.is_cut_short = true;
                     break;
                 }
                 // It will be refused when it is made, too.
-                Err(_) => {}
+                Ok(Err(_)) | Err(_) => {}
             }
             match self.suffices(n) {
                 Ok(true) => {
@@ -182,13 +185,14 @@ impl Search<'_, '_> {
 
     /// Whether no prediction is needed to know that a number does not suffice. White noise needs next to
     /// none.
-    fn is_hopeless(&mut self, pattern: &Pattern, n_points: usize) -> Result<bool, Error> {
+    fn is_hopeless(&mut self, pattern: &F, n_points: usize) -> Result<bool, Error> {
         let white = self.predictor.white_variance(n_points);
-        if *pattern == Pattern::WhiteNoise || white <= self.variance {
+        let sampler = pattern.build(n_points, self.predictor.domain());
+        let law = sampler.as_ref().map_or(Law::Fixed, |sampler| sampler.law());
+        if matches!(law, Law::Independent) || white <= self.variance {
             return Ok(false);
         }
-        let domain = self.predictor.domain();
-        let is_random = pattern.build(n_points, domain).is_ok_and(|sampler| sampler.is_random());
+        let is_random = law.is_random();
         let settled = Resolution::natural_degree(n_points);
         let broad = self.predictor.broad_variance(settled, n_points)?;
         let floor = if is_random { RANDOM_SHARE * broad.sum() } else { LATTICE_SHARE * broad.even };
@@ -267,8 +271,8 @@ impl Search<'_, '_> {
     fn suffices(&mut self, n_points: usize) -> Result<bool, Error> {
         let budget = self.predictor.budget().rough();
         if self.curve.at(n_points).is_none() {
-            let pattern = self.curve.pattern();
-            let point = self.predictor.predict_within(budget, pattern, n_points, self.done)?;
+            let sampler = self.curve.build(n_points, self.predictor.domain())?;
+            let point = self.predictor.predict_within(budget, &*sampler, self.progress)?;
             self.rough.insert(n_points);
             self.curve.insert(point);
         }
@@ -293,7 +297,8 @@ impl Search<'_, '_> {
     /// Puts a prediction of the whole budget in the place of a rough one.
     fn predict_precisely(&mut self, n_points: usize) -> Result<(), Error> {
         if self.rough.remove(&n_points) {
-            let point = self.predictor.predict(self.curve.pattern(), n_points, self.done)?;
+            let sampler = self.curve.build(n_points, self.predictor.domain())?;
+            let point = self.predictor.predict(&*sampler, self.progress)?;
             self.curve.insert(point);
         }
         Ok(())
@@ -312,7 +317,11 @@ impl Search<'_, '_> {
         const TRIES: usize = 4;
         let pattern = self.curve.pattern().clone();
         // Numbers that were ruled out without a prediction have none on the curve, which a rate needs.
-        if let Some(last) = too_few {
+        if let Some(mut last) = too_few {
+            // The work allowed may be less than that of numbers which are ruled out.
+            while last > 1 && !self.is_affordable_next_to(last) {
+                last /= 2;
+            }
             for n in [last, last / 2, last / 4] {
                 let n = pattern.nearest_count(n, self.predictor.domain());
                 if let Err(error) = self.suffices(n) {
@@ -323,7 +332,7 @@ impl Search<'_, '_> {
         for _ in 0..TRIES {
             let led = self.by_rate(max_points);
             match led.n_points() {
-                Some(n) if self.predictor.is_affordable(&pattern, n)? => {
+                Some(n) if self.is_affordable(n)? => {
                     if self.suffices(n)? {
                         return self.predicted(too_few, n);
                     }
@@ -333,6 +342,17 @@ impl Search<'_, '_> {
             }
         }
         Ok(self.by_rate(max_points))
+    }
+
+    fn is_affordable(&mut self, n_points: usize) -> Result<bool, Error> {
+        let sampler = self.curve.build(n_points, self.predictor.domain())?;
+        self.predictor.is_affordable(&*sampler)
+    }
+
+    /// Whether the valid number next to one can be predicted within the budget.
+    fn is_affordable_next_to(&mut self, n_points: usize) -> bool {
+        let next = self.curve.pattern().nearest_count(n_points, self.predictor.domain());
+        self.is_affordable(next).unwrap_or(false)
     }
 
     /// By the power law through the last points, over a factor of 8 in N.
@@ -361,16 +381,20 @@ impl Search<'_, '_> {
     }
 }
 
-/// Passes on an error that is not a pattern's refusal of a number of points.
-fn refused(error: &Error) -> Result<(), Error> {
+/// Passes on an error that says more than that a pattern does not have a number of points.
+pub(crate) fn refused(error: &Error) -> Result<(), Error> {
+    use sphvar_samplers::Error::{Given, Stopped};
     match error {
+        Error::Spectrum(sphvar_spectrum::Error::Sampler(Given { .. } | Stopped(_))) => {
+            Err(error.clone())
+        }
         Error::Spectrum(sphvar_spectrum::Error::Sampler(_)) => Ok(()),
         other => Err(other.clone()),
     }
 }
 
 /// The legal numbers next to 1, 2, 4, ..., and the largest legal one, none beyond `max_points`.
-fn rungs(pattern: &Pattern, domain: Domain, max_points: usize) -> Vec<usize> {
+fn rungs(pattern: &dyn SamplerFamily, domain: Domain, max_points: usize) -> Vec<usize> {
     let powers = (0..usize::BITS).map(|k| 1_usize << k).take_while(|&n| n < max_points);
     let mut rungs: Vec<usize> = powers.map(|n| pattern.nearest_count(n, domain)).collect();
     let beyond = max_points.saturating_add(1);
@@ -384,7 +408,7 @@ fn rungs(pattern: &Pattern, domain: Domain, max_points: usize) -> Vec<usize> {
 /// there is one.
 #[must_use]
 pub fn legal_between(
-    pattern: &Pattern,
+    pattern: &dyn SamplerFamily,
     domain: Domain,
     low: usize,
     high: usize,
@@ -427,7 +451,9 @@ pub fn legal_between(
 
 #[cfg(test)]
 mod tests {
-    use super::{Domain, Pattern, legal_between, rungs};
+    use sphvar_samplers::{Domain, Pattern};
+
+    use super::{legal_between, rungs};
 
     #[test]
     fn legal_numbers_in_an_interval_are_found_if_there_are_any() {

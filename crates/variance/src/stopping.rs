@@ -1,6 +1,7 @@
-use sphvar_samplers::Realizations;
+use sphvar_samplers::{Progress, Realizations};
 
-use crate::{Error, Integrand, Measurement, measurement::estimates};
+use crate::{Error, Measurement, measurement::estimates, trial_work};
+use sphvar_integrands::Integrand;
 
 /// How precisely a variance is to be measured.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -38,29 +39,27 @@ impl Precision {
 /// `target.most`.
 ///
 /// Trials are those of [`measure`](crate::measure), so a run that stops at n trials is `measure` with n. Looking only
-/// where the number of trials has doubled keeps it from stopping at the first lucky moment. `done` is
-/// called after each trial, `expect` with the number of trials in all by which it will probably be
-/// over, before the first one and after every doubling.
+/// where the number of trials has doubled keeps it from stopping at the first lucky moment. `progress` expects the
+/// work of `start` trials, and is told after every doubling how much more it will probably be.
 ///
 /// # Errors
 ///
 /// [`Error::Parameter`] unless the precision is positive and finite, `start` at least 4 and
-/// `target.most` at least `start`; [`Error::Spectrum`] with the sampler's error if a realization cannot be made.
+/// `target.most` at least `start`; those of [`measure`](crate::measure).
 pub fn measure_until(
     ensemble: &Realizations<'_>,
     integrand: &dyn Integrand,
     start: u64,
     target: Precision,
-    expect: &dyn Fn(u64),
-    done: &(dyn Fn() + Sync),
+    progress: &dyn Progress,
 ) -> Result<Measurement, Error> {
     target.check(start)?;
     let (mut total, most) = (start, target.most);
     let mut from = 0;
     let mut measurement = Measurement::default();
-    expect(total);
+    let (work, mut expected) = (trial_work(ensemble.sampler()), start);
     loop {
-        measurement.extend(estimates(ensemble, integrand, from..total, done)?);
+        measurement.extend(estimates(ensemble, integrand, from..total, progress)?);
         // Equal estimates have no error, but may be those of an integrand that no trial saw.
         let precise = measurement.variance() > 0.0
             && measurement.relative_error().relative() <= target.relative;
@@ -69,7 +68,9 @@ pub fn measure_until(
         }
         from = total;
         total = total.saturating_mul(2).min(most);
-        expect(stages(total, measurement.trials_for(target.relative), most));
+        let probable = stages(total, measurement.trials_for(target.relative), most);
+        progress.expect(work * (probable as f64 - expected as f64));
+        expected = probable;
     }
 }
 
@@ -83,30 +84,45 @@ fn stages(mut total: u64, needed: u64, most: u64) -> u64 {
 
 #[cfg(test)]
 mod tests {
-    use std::cell::RefCell;
+    use std::sync::Mutex;
 
-    use sphvar_samplers::{Domain, Pattern, Purpose, Realizations, Streams};
+    use sphvar_samplers::{Domain, Pattern, Progress, Purpose, Realizations, Stopped, Streams};
 
     use super::{Precision, measure_until, stages};
-    use crate::{ClampedCosine, measure};
+    use crate::{measure, trial_work};
+    use sphvar_integrands::ClampedCosine;
+
+    /// The trials that were announced.
+    struct Announced(Mutex<f64>);
+
+    impl Progress for Announced {
+        fn tick(&self, _: f64) -> Result<(), Stopped> {
+            Ok(())
+        }
+
+        fn expect(&self, work: f64) {
+            let sampler = Pattern::WhiteNoise.build(4, Domain::Sphere).unwrap();
+            *self.0.lock().unwrap() += work / trial_work(&*sampler);
+        }
+    }
 
     #[test]
     fn a_precision_is_reached_by_doubling() {
         let sampler = Pattern::WhiteNoise.build(4, Domain::Sphere).unwrap();
         let sets = Realizations::rotated(&*sampler, Streams::new(0, Purpose::Trial, 0));
-        let expected = RefCell::new(Vec::new());
+        // In units of a trial, of which 100 are announced.
+        let announced = Announced(Mutex::new(100.0));
         let until = |relative, most| {
             let target = Precision { relative, most };
-            let expect = |n| expected.borrow_mut().push(n);
-            measure_until(&sets, &ClampedCosine, 100, target, &expect, &|| ()).unwrap()
+            measure_until(&sets, &ClampedCosine, 100, target, &announced).unwrap()
         };
         let got = until(0.05, 100_000);
         let trials = got.estimates().len();
         assert!(got.relative_stderr() <= 0.05, "{}", got.relative_stderr());
         // Near-normal estimates: 2/0.05^2 = 800 trials, and no doubling before was enough.
         assert!([400, 800, 1600].contains(&trials), "{trials}");
-        assert_eq!(expected.borrow().last(), Some(&(trials as u64)));
-        assert_eq!(got, measure(&sets, &ClampedCosine, trials as u64, &|| ()).unwrap());
+        assert!((*announced.0.lock().unwrap() - trials as f64).abs() < 1e-9);
+        assert_eq!(got, measure(&sets, &ClampedCosine, trials as u64, &()).unwrap());
         // The cap holds.
         assert_eq!(until(0.001, 250).estimates().len(), 250);
     }
@@ -118,7 +134,7 @@ mod tests {
         let sets = Realizations::rotated(&*sampler, Streams::new(0, Purpose::Trial, 0));
         let until = |relative, start, most| {
             let target = Precision { relative, most };
-            measure_until(&sets, &ClampedCosine, start, target, &|_| (), &|| ())
+            measure_until(&sets, &ClampedCosine, start, target, &())
         };
         for relative in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 0.0, -0.1] {
             let error = until(relative, 100, 200).unwrap_err().to_string();

@@ -6,9 +6,10 @@
 
 use std::f64::consts::PI;
 
+use sphvar_integrands::{AbsCosine, Cap, DoubleCap, Integrand, PhongLobe, VonMisesFisher};
 use sphvar_samplers::Domain;
 use sphvar_spectrum::Spectrum;
-use sphvar_variance::{AbsCosine, Cap, DoubleCap, Integrand, PhongLobe, VonMisesFisher, predict};
+use sphvar_variance::predict;
 
 /// On the sphere the integral, the centred squares of even and of odd degrees and E(1), E(2), E(3); on the hemisphere the
 /// integral, the centred square, E(2) and E(4).
@@ -50,7 +51,7 @@ fn closed_forms_keep_their_digits_at_both_ends_of_every_parameter() {
         let square = integral * integral / (4.0 * PI) + even + odd;
         check(&name("square"), f.square(on).unwrap(), square);
         for (l, e) in [e1, e2, e3].into_iter().enumerate() {
-            check_energy(&name(&format!("E({})", l + 1)), energy.per_degree()[l + 1], e, size);
+            check_energy(&name(&format!("E({})", l + 1)), energy.per_band()[l + 1], e, size);
         }
         // White noise of three points: (4 pi int F^2 - (int F)^2)/3.
         let white = predict(&Spectrum::exact(on, 3, vec![1.0; 4]), &energy);
@@ -64,8 +65,8 @@ fn closed_forms_keep_their_digits_at_both_ends_of_every_parameter() {
         check(&name("odd above"), energy.centred().odd, 0.0);
         let square = integral * integral / PI + even;
         check(&name("square above"), f.square(on).unwrap(), square);
-        check_energy(&name("E(2) above"), energy.per_degree()[2], e2, even);
-        check_energy(&name("E(4) above"), energy.per_degree()[4], e4, even);
+        check_energy(&name("E(2) above"), energy.per_band()[2], e2, even);
+        check_energy(&name("E(4) above"), energy.per_band()[4], e4, even);
     }
 }
 

@@ -6,10 +6,11 @@ use glam::DVec3;
 use proptest::prelude::{Just, any, prop_assert, prop_oneof, proptest};
 use rand::{Rng, RngExt};
 use rand_distr::{Distribution, Exp1, StandardNormal, StudentT};
+use sphvar_integrands::{Cap, Circle, Integrand, SampledFunction, Shape};
 use sphvar_samplers::{Pattern, Purpose, Streams};
 use sphvar_variance::{
-    Cap, Circle, Comparison, Domain, Effort, Integrand, Measurement, Method, PredictedPoint,
-    RateFit, SampledFunction, Shape, Spectrum, VariancePoint, compare, fit_rate, predict,
+    Comparison, Domain, Measurement, PredictedPoint, PredictionBudget, Predictor, RateFit,
+    Spectrum, Trials, VariancePoint, fit_rate, predict,
 };
 
 const SEED: u64 = 3;
@@ -226,19 +227,10 @@ fn comparison(
     let energy = integrand.energy(Domain::Sphere, 8).unwrap();
     let spectrum = Spectrum::exact(Domain::Sphere, n, vec![1.0; 9]);
     let prediction = predict(&spectrum, &energy);
-    let known = Some(PredictedPoint { spectrum, prediction });
-    let effort = Effort {
-        seed,
-        group: 0,
-        lmax: 8,
-        method: Method::Auto,
-        epsilon: 1e-12,
-        realizations: 0,
-        trials,
-        until: None,
-        seconds_per_set: 0.0,
-    };
-    compare(&*sampler, integrand, &energy, effort, known, &|_| ()).unwrap()
+    let known = PredictedPoint { spectrum, prediction };
+    let mut predictor =
+        Predictor::new(integrand, Domain::Sphere, seed, PredictionBudget::USUAL).unwrap();
+    predictor.measure(known, &*sampler, Trials::new(trials), &()).unwrap()
 }
 
 /// Power laws with errors of 2 %, known or taken from the scatter, are significantly bent as often as the level

@@ -1,9 +1,10 @@
 //! Predictions and what they say of their own errors.
 
+use sphvar_integrands::{Cap, Energy, Integrand};
 use sphvar_samplers::{Domain, Pattern, Purpose, Realizations, Streams};
 use sphvar_sh::ByParity;
 use sphvar_spectrum::{Resolution, Spectrum, accumulate, estimate};
-use sphvar_variance::{Cap, Energy, Integrand, PredictionAccumulator, predict};
+use sphvar_variance::{PredictionAccumulator, predict};
 
 const SEED: u64 = 11;
 
@@ -85,10 +86,10 @@ fn both_ways_predict_the_same() {
     let sampler = Pattern::Jittered.build(192, Domain::Sphere).unwrap();
     let sets = Realizations::rotated(&*sampler, Streams::new(SEED, Purpose::Pattern, 0));
     let energy = cap60(60);
-    let spectrum = estimate(&sets, 60, 200, &|| ()).unwrap();
+    let spectrum = estimate(&sets, 60, 200, &()).unwrap();
     let a = predict(&spectrum, &energy);
     let empty = PredictionAccumulator::new(&energy, 192, 60);
-    let b = accumulate(&sets, Resolution::new(60, 192), 0..200, &empty, &|| ()).unwrap().finish();
+    let b = accumulate(&sets, Resolution::new(60, 192), 0..200, &empty, &()).unwrap().finish();
     for (name, x, y) in [
         ("variance", a.variance, b.variance),
         ("tail", a.tail, b.tail),
@@ -112,7 +113,7 @@ fn intervals_of_predictions_cover_what_they_say() {
     let predict_from = |range| {
         let empty = PredictionAccumulator::new(&energy, 48, 28);
         let resolution = Resolution::new(28, 48);
-        accumulate(&sets, resolution, range, &empty, &|| ()).unwrap().finish()
+        accumulate(&sets, resolution, range, &empty, &()).unwrap().finish()
     };
     let truth = predict_from(0..4000).variance;
     let held = (0..REPS).filter(|&i| {

@@ -1,0 +1,167 @@
+use sphvar_samplers::{Pattern, Progress, SamplerFamily};
+
+use crate::required_points::refused;
+use crate::{
+    Error, PredictedCurve, PredictedPoint, Predictor, RequiredPoints, legal_between,
+    required_points,
+};
+
+/// The goal by which patterns are ranked.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Wish {
+    /// The least variance with at most this number of points, or with the smallest valid count of a
+    /// pattern that has none below.
+    Points(usize),
+    /// The fewest points with at most this variance.
+    Variance {
+        /// The largest variance of the integral's estimate that suffices, positive.
+        variance: f64,
+        /// The maximum number of points.
+        max_points: usize,
+    },
+}
+
+/// A pattern with its predictions and its result for a [`Wish`]; [`rank`] sorts candidates, best
+/// first.
+///
+/// # Examples
+///
+/// ```
+/// use sphvar_samplers::{Domain, Pattern, SamplerFamily};
+/// use sphvar_integrands::Harmonic;
+/// use sphvar_variance::{Candidate, PredictionBudget, Predictor, Wish, rank};
+///
+/// let integrand = Harmonic::new(4, 0)?;
+/// let mut predictor =
+///     Predictor::new(&integrand, Domain::Sphere, 0, PredictionBudget::USUAL)?;
+/// let wish = Wish::Points(192);
+/// // Your own types that implement `SamplerFamily` can stand beside built-in patterns.
+/// let families: [&dyn SamplerFamily; 2] = [&Pattern::WhiteNoise, &Pattern::Jittered];
+/// let mut candidates = Vec::new();
+/// for family in families {
+///     candidates.push(Candidate::new(family, wish, &mut predictor, &())?);
+/// }
+/// rank(&mut candidates, wish);
+/// assert_eq!(candidates[0].curve.pattern().to_string(), "jittered");
+/// # Ok::<(), sphvar_variance::Error>(())
+/// ```
+#[derive(Clone, Debug, PartialEq)]
+pub struct Candidate<F = Pattern> {
+    /// The predictions at the numbers of points that were tried.
+    pub curve: PredictedCurve<F>,
+    /// The number of points needed, for [`Wish::Variance`].
+    pub required: Option<RequiredPoints>,
+    /// The number of points needed, or the valid count used for [`Wish::Points`]; `None` if out of
+    /// reach.
+    pub n_points: Option<usize>,
+    /// The variance at `n_points` and its standard error including that of the tail: predicted, or
+    /// extrapolated with an unknown error (NaN).
+    pub variance: Option<(f64, f64)>,
+}
+
+impl<F: SamplerFamily + Clone> Candidate<F> {
+    /// Evaluates a pattern. Work is ticked as in [`Predictor::predict`].
+    ///
+    /// # Errors
+    ///
+    /// Those of [`required_points`] and [`Predictor::predict`].
+    pub fn new(
+        family: F,
+        wish: Wish,
+        predictor: &mut Predictor<'_>,
+        progress: &dyn Progress,
+    ) -> Result<Self, Error> {
+        Self::with_curve(PredictedCurve::new(family), wish, predictor, progress)
+    }
+
+    /// Evaluates a pattern of which some predictions are known.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`Self::new`].
+    pub fn with_curve(
+        mut curve: PredictedCurve<F>,
+        wish: Wish,
+        predictor: &mut Predictor<'_>,
+        progress: &dyn Progress,
+    ) -> Result<Self, Error> {
+        let (required, n_points) = match wish {
+            Wish::Variance { variance, max_points } => {
+                let required =
+                    required_points(predictor, &mut curve, variance, max_points, progress)?;
+                (Some(required), required.n_points())
+            }
+            Wish::Points(n) => (None, Some(around(&mut curve, predictor, n, progress)?)),
+        };
+        let predicted = n_points.and_then(|n| curve.at(n)).map(PredictedPoint::variance_point);
+        let variance = match (predicted, required) {
+            (Some(p), _) => Some((p.variance, p.stderr)),
+            (None, Some(RequiredPoints::Extrapolated { n_points, fit })) => {
+                let ln = (n_points as f64).ln();
+                Some(((fit.intercept + fit.slope * ln).exp(), f64::NAN))
+            }
+            _ => None,
+        };
+        Ok(Self { curve, required, n_points, variance })
+    }
+}
+
+impl<F> Candidate<F> {
+    /// Returns whether the variance is 0, to rounding.
+    #[must_use]
+    pub fn is_exact(&self) -> bool {
+        self.variance.is_some_and(|(variance, _)| variance <= 0.0)
+    }
+
+    /// Returns the value by which candidates are ranked, smallest first: the number of points
+    /// needed, or the variance; infinite if there is none.
+    #[must_use]
+    pub fn merit(&self, wish: Wish) -> f64 {
+        let merit = match wish {
+            Wish::Variance { .. } => self.n_points.map(|n| n as f64),
+            Wish::Points(_) => self.variance.map(|v| v.0),
+        };
+        merit.unwrap_or(f64::INFINITY)
+    }
+}
+
+/// Sorts candidates, best first: by [`Candidate::merit`], ties by variance, remaining ties in the
+/// given order.
+pub fn rank<F>(candidates: &mut [Candidate<F>], wish: Wish) {
+    let variance = |c: &Candidate<F>| c.variance.map_or(f64::INFINITY, |v| v.0);
+    candidates.sort_by(|a, b| {
+        let order = a.merit(wish).total_cmp(&b.merit(wish));
+        order.then(variance(a).total_cmp(&variance(b)))
+    });
+}
+
+/// Predicts at the valid count next to `n` and, roughly and as far as that is affordable, at those next to a
+/// half and a quarter of it, for the rate; returns the first.
+fn around<F: SamplerFamily + Clone>(
+    curve: &mut PredictedCurve<F>,
+    predictor: &mut Predictor<'_>,
+    n: usize,
+    progress: &dyn Progress,
+) -> Result<usize, Error> {
+    let family = curve.pattern().clone();
+    let domain = predictor.domain();
+    let legal = |n: usize| family.nearest_count(n, domain);
+    // More points than are at hand only where the pattern has no fewer.
+    let fewer = legal_between(&family, domain, 0, n.saturating_add(1), n);
+    let at = fewer.unwrap_or_else(|| legal(n));
+    curve.predict(predictor, at, progress)?;
+    for n in [n / 4, n / 2].map(legal) {
+        let rough = predictor.budget().rough();
+        // A number that the pattern refuses is a point less on the curve.
+        if curve.at(n).is_none()
+            && let Ok(sampler) = family.build(n, domain)
+            && predictor.is_affordable_within(rough, &*sampler).unwrap_or(false)
+        {
+            match predictor.predict_within(rough, &*sampler, progress) {
+                Ok(point) => curve.insert(point),
+                Err(error) => refused(&error)?,
+            }
+        }
+    }
+    Ok(at)
+}

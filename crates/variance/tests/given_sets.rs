@@ -1,0 +1,198 @@
+//! Given point sets, with weights and of several sizes, in predictions and measurements.
+
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use glam::DVec3;
+use sphvar_integrands::{Cap, Harmonic, Integrand};
+use sphvar_samplers::{
+    Domain, Error as SamplerError, Pattern, PointSet, PointSets, Progress, Purpose, Sampler,
+    SamplerFamily, Stopped, Streams,
+};
+use sphvar_spectrum::Error as SpectrumError;
+use sphvar_variance::{Candidate, Error, PredictionBudget, Predictor, Trials, Wish};
+
+fn predictor(integrand: &dyn Integrand) -> Predictor<'_> {
+    Predictor::new(integrand, Domain::Sphere, 5, PredictionBudget::USUAL).unwrap()
+}
+
+/// The six vertices of an octahedron with weight 1/15 each and the eight of a cube with 3/40 each, Lebedev's rule of 14 points,
+/// which is exact to degree 5.
+fn rule(scale: f64) -> PointSet {
+    let axes = [DVec3::X, DVec3::Y, DVec3::Z].into_iter().flat_map(|p| [p, -p]);
+    let signs = (0..8).map(|k| [1, 2, 4].map(|bit| if k & bit == 0 { 1.0 } else { -1.0 }));
+    let corners = signs.map(|[x, y, z]| DVec3::new(x, y, z).normalize());
+    let weights = (0..14).map(|k| if k < 6 { scale / 15.0 } else { scale * 3.0 / 40.0 });
+    PointSet { points: axes.chain(corners).collect(), weights: weights.collect() }
+}
+
+/// `4 pi sum_jk w_j w_k P_l(x_j . x_k)/((2l+1) (sum w)^2) E_l` for a harmonic of energy 1.
+fn by_pairs(set: &PointSet, l: usize) -> f64 {
+    let weight = |k: usize| set.weights.get(k).copied().unwrap_or(1.0);
+    let (mut sum, mut total) = (0.0, 0.0);
+    for (j, a) in set.points.iter().enumerate() {
+        total += weight(j);
+        for (k, b) in set.points.iter().enumerate() {
+            let cos = a.dot(*b).clamp(-1.0, 1.0);
+            sum += weight(j) * weight(k) * sphvar_sh::legendre_p(l, cos).unwrap();
+        }
+    }
+    4.0 * std::f64::consts::PI * sum / (total * total)
+}
+
+#[test]
+fn weighted_rules_have_the_variance_of_their_pairs() {
+    for scale in [1.0, 7.0, 1e200, 1e-310] {
+        let sets = PointSets::new(vec![rule(scale)], Domain::Sphere).unwrap();
+        for (l, m) in [(1, 0), (4, 2), (5, -3), (6, 1), (9, 9)] {
+            let harmonic = Harmonic::new(l, m).unwrap();
+            let got = predictor(&harmonic).compare(&sets, Trials::new(500), &()).unwrap();
+            let expected = by_pairs(&rule(1.0), l);
+            // 1e-310 has 14 digits less.
+            let tolerance = if scale < 1e-300 { 1e-9 } else { 1e-12 };
+            let predicted = got.predicted.prediction;
+            let off = (predicted.variance - expected).abs();
+            assert!(off <= tolerance, "Y_{l},{m} {scale:e}: {predicted:?}, {expected}");
+            assert!(predicted.stderr <= 0.0);
+            if l <= 5 {
+                assert!(expected.abs() < 1e-14, "degree {l} is exact");
+            } else {
+                // 10 scores, beyond 4.5 by chance in 7e-5 of seeds.
+                assert!(got.z_score().abs() < 4.5, "Y_{l},{m} {scale:e}: {}", got.z_score());
+            }
+        }
+    }
+}
+
+/// One of several sets, each as likely, has the mean of their variances, whatever their sizes.
+#[test]
+fn several_sets_have_the_mean_variance() {
+    let cap = Cap::from_degrees(60.0).unwrap();
+    let of = |pattern: Pattern, n: usize| {
+        let sampler = pattern.build(n, Domain::Sphere).unwrap();
+        sampler.sample(&mut Streams::new(1, Purpose::Pattern, n).realization(0)).unwrap()
+    };
+    let all = vec![rule(1.0), of(Pattern::WhiteNoise, 40), of(Pattern::Fibonacci, 25)];
+    let single = |set: &PointSet| {
+        let sets = PointSets::new(vec![set.clone()], Domain::Sphere).unwrap();
+        // To the same degree as the three together, whose number of points is the mean.
+        let options = sphvar_variance::SpectrumOptions { lmax: Some(300), ..Default::default() };
+        predictor(&cap).with_options(options).predict(&sets, &()).unwrap().prediction.variance
+    };
+    let expected = all.iter().map(single).sum::<f64>() / 3.0;
+    let sets = PointSets::new(all, Domain::Sphere).unwrap();
+    assert!(sets.is_random() && sets.n_points() == 26);
+    let options = sphvar_variance::SpectrumOptions { lmax: Some(300), ..Default::default() };
+    let mut predictor = predictor(&cap).with_options(options);
+    let got = predictor.compare(&sets, Trials::new(4000), &()).unwrap();
+    let predicted = got.predicted.prediction;
+    assert!((predicted.variance / expected - 1.0).abs() < 1e-12, "{predicted:?}, {expected}");
+    assert!(predicted.stderr <= 0.0);
+    assert!(got.z_score().abs() < 4.5, "{}", got.z_score());
+}
+
+#[test]
+fn what_cannot_be_predicted_says_why() {
+    let cap = Cap::from_degrees(60.0).unwrap();
+    let nothing = PointSet { points: vec![DVec3::X, DVec3::Y], weights: vec![1.0, -1.0] };
+    let nothing = PointSets::new(vec![rule(1.0), nothing], Domain::Sphere).unwrap();
+    let message = predictor(&cap).predict(&nothing, &()).unwrap_err().to_string();
+    assert!(message.contains("set 1") && message.contains("sum is 0"), "{message}");
+    let above = Pattern::Fibonacci.build(10, Domain::Hemisphere).unwrap();
+    let elsewhere = predictor(&cap).predict(&*above, &()).unwrap_err();
+    assert!(matches!(elsewhere, Error::OtherDomain { .. }), "{elsewhere}");
+}
+
+/// Whoever ends the work gets that error from every stage.
+#[test]
+fn work_can_be_stopped() {
+    struct Never;
+    impl Progress for Never {
+        fn tick(&self, _: f64) -> Result<(), Stopped> {
+            Err(Stopped)
+        }
+    }
+    let cap = Cap::from_degrees(60.0).unwrap();
+    let stopped = Err(Error::Spectrum(SpectrumError::Sampler(SamplerError::Stopped(Stopped))));
+    for name in ["poisson-disk", "jittered", "fibonacci", "step"] {
+        let pattern = Pattern::from_name(name).unwrap();
+        let sampler = pattern.build(48, Domain::Sphere).unwrap();
+        assert_eq!(predictor(&cap).predict(&*sampler, &Never).map(|_| ()), stopped, "{name}");
+        let mut predictor = predictor(&cap);
+        let known = predictor.predict(&*sampler, &()).unwrap();
+        let measured = predictor.measure(known, &*sampler, Trials::new(10), &Never);
+        assert_eq!(measured.map(|_| ()), stopped, "{name}");
+    }
+}
+
+/// An integrand whose values fail says so instead of giving numbers.
+#[test]
+fn values_that_fail_are_errors() {
+    struct Failing(Cap);
+    impl Integrand for Failing {
+        fn eval(&self, dir: DVec3) -> f64 {
+            self.0.eval(dir)
+        }
+        fn eval_into(&self, _: &[DVec3], _: &mut [f64]) -> Result<(), sphvar_integrands::Error> {
+            Err(sphvar_integrands::Error::Evaluation { reason: "the file ended".to_owned() })
+        }
+        fn shape(&self) -> Result<sphvar_integrands::Shape, sphvar_integrands::Error> {
+            self.0.shape()
+        }
+    }
+    let failing = Failing(Cap::from_degrees(60.0).unwrap());
+    let sum = sphvar_integrands::Sum::default().plus(2.0, failing).unwrap();
+    let sampler = Pattern::Jittered.build(48, Domain::Sphere).unwrap();
+    let message = predictor(&sum).compare(&*sampler, Trials::new(10), &()).unwrap_err().to_string();
+    assert!(message.contains("the file ended"), "{message}");
+}
+
+/// A family of one's own that builds other numbers of points than requested would be ranked at wrong numbers.
+#[test]
+fn families_build_the_requested_count() {
+    #[derive(Clone, Debug)]
+    struct OneMore;
+    impl std::fmt::Display for OneMore {
+        fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+            f.write_str("one-more")
+        }
+    }
+    impl SamplerFamily for OneMore {
+        fn build(&self, n: usize, domain: Domain) -> Result<Box<dyn Sampler>, SamplerError> {
+            Pattern::Fibonacci.build(n + 1, domain)
+        }
+    }
+    let cap = Cap::from_degrees(60.0).unwrap();
+    for wish in [Wish::Points(10), Wish::Variance { variance: 0.1, max_points: 100 }] {
+        let message =
+            Candidate::new(OneMore, wish, &mut predictor(&cap), &()).unwrap_err().to_string();
+        assert!(message.contains("one-more") && message.contains("was built with"), "{message}");
+    }
+}
+
+/// A search that is stopped somewhere is an error; what it knew so far would be taken for its answer.
+#[test]
+fn searches_can_be_stopped_anywhere() {
+    struct After(AtomicU64, u64);
+    impl Progress for After {
+        fn tick(&self, _: f64) -> Result<(), Stopped> {
+            if self.0.fetch_add(1, Ordering::Relaxed) < self.1 { Ok(()) } else { Err(Stopped) }
+        }
+    }
+    let cap = Cap::from_degrees(60.0).unwrap();
+    let stopped = Error::Spectrum(SpectrumError::Sampler(SamplerError::Stopped(Stopped)));
+    let pattern = Pattern::from_name("spiral").unwrap();
+    for wish in [Wish::Points(100), Wish::Variance { variance: 0.02, max_points: 1000 }] {
+        let mut ends = [0, 0];
+        for allowed in 0..1000 {
+            let progress = After(AtomicU64::new(0), allowed);
+            let got = Candidate::new(pattern.clone(), wish, &mut predictor(&cap), &progress);
+            let is_stopped = progress.0.into_inner() > allowed;
+            assert_eq!(got.err(), is_stopped.then(|| stopped.clone()), "{wish:?} {allowed}");
+            ends[usize::from(!is_stopped)] += 1;
+            if !is_stopped {
+                break;
+            }
+        }
+        assert!(ends[0] > 2 && ends[1] == 1, "{wish:?} {ends:?}");
+    }
+}

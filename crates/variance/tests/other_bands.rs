@@ -1,0 +1,145 @@
+//! Spectra, sums and predictions over bands that are not the degrees of the sphere: the frequencies of the circle.
+
+use std::f64::consts::TAU;
+
+use rand::RngExt;
+use serde::{Deserialize, Serialize};
+use sphvar_integrands::Energy;
+use sphvar_samplers::{Purpose, Streams};
+use sphvar_sh::{Bands, ByParity};
+use sphvar_spectrum::{Spectrum, SpectrumAccumulator};
+use sphvar_variance::{Measurement, PredictionAccumulator, predict};
+
+/// The frequencies k = 0, 1, ... of the circle of length 1, each with a cosine and a sine.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+struct Circle;
+
+impl Bands for Circle {
+    fn label(&self) -> &'static str {
+        "k"
+    }
+
+    fn has_band(&self, _: usize) -> bool {
+        true
+    }
+
+    fn multiplicity(&self, band: usize) -> f64 {
+        if band == 0 { 1.0 } else { 2.0 }
+    }
+
+    fn radius(&self, band: usize) -> f64 {
+        band as f64
+    }
+
+    /// Under a shift by half a turn.
+    fn is_even(&self, band: usize) -> bool {
+        band.is_multiple_of(2)
+    }
+
+    fn factor(&self, n_points: usize) -> f64 {
+        1.0 / n_points as f64
+    }
+
+    fn spacing_radius(&self, n_points: usize) -> f64 {
+        n_points as f64
+    }
+}
+
+const N: usize = 8;
+const LAST: usize = 24;
+const SETS: u64 = 4000;
+/// The length of the arc whose indicator is integrated.
+const ARC: f64 = 0.3;
+
+/// Jittered points: one in each of N equal arcs, the whole turned uniformly.
+fn jittered(index: u64) -> Vec<f64> {
+    let streams = Streams::new(2, Purpose::Pattern, N);
+    let rng = &mut streams.realization(index);
+    let turn: f64 = streams.randomization(index).random();
+    let x = |k: usize, u: f64| ((k as f64 + u) / N as f64 + turn).fract();
+    (0..N).map(|k| x(k, rng.random())).collect()
+}
+
+/// `P(k) = |sum_j e^(2 pi i k x_j)|^2/N`, 1 for white noise.
+fn powers(points: &[f64]) -> Vec<f64> {
+    let power = |k: usize| {
+        let waves = points.iter().map(|x| (TAU * k as f64 * x).sin_cos());
+        let (s, c) = waves.fold((0.0, 0.0), |sum, wave| (sum.0 + wave.0, sum.1 + wave.1));
+        (s * s + c * c) / points.len() as f64
+    };
+    (0..=LAST).map(power).collect()
+}
+
+/// `1 - sinc^2(k/N)` for jitter and k >= 1.
+fn exact() -> Spectrum<Circle> {
+    let power = (0..=LAST).map(|k| {
+        let x = std::f64::consts::PI * k as f64 / N as f64;
+        if k == 0 { N as f64 } else { 1.0 - (x.sin() / x).powi(2) }
+    });
+    Spectrum::exact(Circle, N, power.collect())
+}
+
+/// An arc of length a has `|f_k|^2 = (sin(pi k a)/(pi k))^2`, twice for the wave and its conjugate, and the variance
+/// `a - a^2` in all; that of even frequencies is that of the mean over opposite points.
+fn arc() -> Energy<Circle> {
+    let energy = |k: usize| {
+        let x = std::f64::consts::PI * k as f64;
+        if k == 0 { ARC * ARC } else { 2.0 * ((ARC * x).sin() / x).powi(2) }
+    };
+    // The arc and its opposite do not meet: the even part is 1/2 on a set of measure 2 a.
+    let even = 0.5 * ARC - ARC * ARC;
+    let centred = ByParity { even, odd: ARC - ARC * ARC - even };
+    Energy::new(Circle, (0..=LAST).map(energy).collect(), centred)
+}
+
+#[test]
+fn the_loop_closes_on_the_circle() {
+    let energy = arc();
+    let mut spectrum = SpectrumAccumulator::new(Circle, N, LAST);
+    let mut other = SpectrumAccumulator::new(Circle, N, LAST);
+    let mut prediction = PredictionAccumulator::new(&energy, N, LAST);
+    let mut estimates = Vec::new();
+    for index in 0..SETS {
+        let points = jittered(index);
+        let powers = powers(&points);
+        let half = if index % 2 == 0 { &mut spectrum } else { &mut other };
+        half.push_powers(N as f64, powers.iter().copied(), ByParity::both(1.0));
+        prediction.push_powers(N as f64, &powers, || ByParity::both(1.0));
+        let inside = jittered(SETS + index).iter().filter(|x| **x < ARC).count();
+        estimates.push(inside as f64 / N as f64);
+    }
+    // As shards of the work are put together: through a file.
+    let saved = serde_json::to_string(&other).unwrap();
+    spectrum.try_merge(&serde_json::from_str(&saved).unwrap()).unwrap();
+    let sampled = spectrum.finish().unwrap();
+    let exact = exact();
+    // 24 means: beyond 5 standard errors by chance in 1.4e-5 of seeds.
+    for ((k, p, e), (_, expected, _)) in sampled.rows().zip(exact.rows()).skip(1) {
+        assert!((p - expected).abs() <= 5.0 * e, "P({k}) = {p} +- {e}, expected {expected}");
+    }
+    let [by_realizations, by_mean, truth] =
+        [prediction.finish(), predict(&sampled, &energy), predict(&exact, &energy)];
+    assert!((by_realizations.variance / by_mean.variance - 1.0).abs() < 1e-12);
+    // The covariance of frequencies counts in one error and not in the other.
+    assert!(by_realizations.stderr > 0.5 * by_mean.stderr, "{by_realizations:?}, {by_mean:?}");
+    let sigma = by_realizations.stderr;
+    assert!((by_realizations.variance - truth.variance).abs() < 5.0 * sigma, "{truth:?}");
+    // Either end of the arc lies in one stratum, uniformly: the share u of it that is inside gives the count the variance
+    // u (1 - u), 1/6 in the mean.
+    let of_ends = 2.0 / 6.0 / (N * N) as f64;
+    assert!((truth.variance - of_ends).abs() <= truth.tail_error, "{truth:?}, {of_ends}");
+    assert!(truth.tail_error < 0.05 * of_ends, "{truth:?}");
+    let measured = Measurement::new(estimates);
+    let z = (measured.variance() - of_ends) / measured.variance_stderr();
+    assert!(z.abs() < 4.5, "{z}");
+}
+
+/// Half the effective number of points has twice the variance.
+#[test]
+fn weights_change_the_effective_number() {
+    let energy = arc();
+    let exact = exact();
+    let half = exact.clone().with_n_effective(0.5 * N as f64);
+    let [whole, half] = [predict(&exact, &energy), predict(&half, &energy)];
+    assert!((half.variance / whole.variance - 2.0).abs() < 1e-14);
+}
