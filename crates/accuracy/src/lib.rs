@@ -21,7 +21,7 @@
 //!
 //! Where a method promises an accuracy, that is its bound; elsewhere it is `k EPSILON growth` with the reason beside it. References are
 //! independent of what is measured and better than it: a table of 25 digits, twice the working precision
-//! (`sphvar-reference`), integers, or a closed form.
+//! ([`reference`]), integers, or a closed form.
 
 mod area;
 mod errors;
@@ -29,6 +29,7 @@ mod hard_case;
 mod harmonics;
 mod indexing;
 mod predictions;
+pub mod reference;
 mod spectra;
 mod transforms;
 mod trial;

@@ -5,10 +5,10 @@ mod hard;
 mod lobe_pairs;
 mod subjects;
 
+use sphvar_integrands::{Cap, VonMisesFisher};
 use sphvar_samplers::Pattern;
 use sphvar_sht::{Method, Transform};
 use sphvar_spectrum::Resolution;
-use sphvar_variance::{Cap, VonMisesFisher};
 
 pub(crate) use hard::hard_cases;
 

@@ -51,7 +51,7 @@ pub struct Bound {
 
 /// The outcome of checking a [`Bound`] against a measured spectrum.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Verdict {
+pub struct BoundVerdict {
     /// The degree that speaks most against the bound: the largest excess in standard errors.
     pub worst_degree: usize,
     /// Measured power over bound at that degree; 1 if both are 0.
@@ -130,9 +130,9 @@ impl Bound {
         &self,
         spectrum: &MeasuredSpectrum<'_>,
         confidence: f64,
-    ) -> Result<Verdict, Error> {
+    ) -> Result<BoundVerdict, Error> {
         let critical_z = spectrum.critical_z(confidence)?;
-        let mut verdict = Verdict {
+        let mut verdict = BoundVerdict {
             worst_degree: 0,
             worst_ratio: f64::NAN,
             z: f64::NEG_INFINITY,

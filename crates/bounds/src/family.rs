@@ -1,6 +1,6 @@
 use std::fmt;
 
-use crate::{Profile, Shape};
+use crate::{Profile, ProfileShape};
 
 /// A family of profiles of which a fit takes the tightest member.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -49,11 +49,13 @@ impl Family {
         }
     }
 
-    pub(crate) const fn shape(self, exponent: f64) -> Shape {
+    pub(crate) const fn shape(self, exponent: f64) -> ProfileShape {
         match self {
-            Self::Constant => Shape::Constant,
-            Self::Step => Shape::Step,
-            Self::Linear | Self::Quadratic | Self::Polynomial => Shape::Polynomial { exponent },
+            Self::Constant => ProfileShape::Constant,
+            Self::Step => ProfileShape::Step,
+            Self::Linear | Self::Quadratic | Self::Polynomial => {
+                ProfileShape::Polynomial { exponent }
+            }
         }
     }
 
@@ -61,11 +63,11 @@ impl Family {
     #[must_use]
     pub fn of(profile: &Profile) -> Self {
         match profile.shape() {
-            Shape::Constant => Self::Constant,
-            Shape::Step => Self::Step,
-            Shape::Polynomial { exponent: 1.0 } => Self::Linear,
-            Shape::Polynomial { exponent: 2.0 } => Self::Quadratic,
-            Shape::Polynomial { .. } => Self::Polynomial,
+            ProfileShape::Constant => Self::Constant,
+            ProfileShape::Step => Self::Step,
+            ProfileShape::Polynomial { exponent: 1.0 } => Self::Linear,
+            ProfileShape::Polynomial { exponent: 2.0 } => Self::Quadratic,
+            ProfileShape::Polynomial { .. } => Self::Polynomial,
         }
     }
 }

@@ -1,4 +1,4 @@
-use crate::{Bound, Error, MeasuredSpectrum, Shape, Side};
+use crate::{Bound, Error, MeasuredSpectrum, ProfileShape, Side};
 
 impl Bound {
     /// Returns the tightest bound of this family: same side, shape, `alpha` and offset, with `gamma` fitted.
@@ -117,7 +117,7 @@ impl Bound {
             Constraint::None
         } else if impossible || b == 0.0 || never_low_enough {
             Constraint::Impossible
-        } else if self.profile.shape() == Shape::Step {
+        } else if self.profile.shape() == ProfileShape::Step {
             let half = match self.side {
                 Side::Upper => -0.5,
                 Side::Lower => 0.5,

@@ -34,7 +34,6 @@
 
 mod bound;
 mod branch_and_bound;
-mod compensated_sum;
 mod degree_run;
 mod envelope;
 mod error;
@@ -50,14 +49,15 @@ mod tightest;
 mod variance_range;
 mod zeta;
 
-pub use bound::{Bound, Side, Verdict};
+pub use bound::{Bound, BoundVerdict, Side};
 pub use error::Error;
 pub use family::Family;
 pub use integrand_class::{Asymptotic, IntegrandClass};
 pub use measured_spectrum::MeasuredSpectrum;
-pub use profile::{Profile, Shape};
+pub use profile::{Profile, ProfileShape};
 pub use rate::Rate;
-pub use sphvar_variance::{Domain, Spectrum};
+pub use sphvar_sh::Domain;
+pub use sphvar_spectrum::Spectrum;
 pub use thesis_bounds::{ThesisBound, thesis_bounds};
 pub use tightest::{Criterion, Offset, Tightest};
 pub use variance_range::{VarianceRange, variance_bound};

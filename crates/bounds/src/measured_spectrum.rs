@@ -1,6 +1,6 @@
 use crate::error::per_degree;
 use crate::{Domain, Error, Side};
-use sphvar_variance::Spectrum;
+use sphvar_spectrum::Spectrum;
 use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
 
 /// A measured mean spectrum with its standard errors, borrowed and checked.

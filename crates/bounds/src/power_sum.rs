@@ -1,6 +1,6 @@
 //! Sums of real powers of consecutive integers, by a few direct terms and the Euler-Maclaurin formula.
 
-use crate::compensated_sum::CompensatedSum;
+use sphvar_sh::CompensatedSum;
 
 /// `B_2j / (2j)!` for `j = 1, 2, ...`, `B` the Bernoulli numbers.
 const EULER_MACLAURIN: [f64; 10] = [

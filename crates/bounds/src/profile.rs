@@ -1,10 +1,10 @@
 use crate::error::{not_negative, positive};
 use crate::{Domain, Error};
-use sphvar_variance::Spectrum;
+use sphvar_spectrum::Spectrum;
 
 /// How a [`Profile`] rises to its plateau.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Shape {
+pub enum ProfileShape {
     /// The plateau from the first degree on; `alpha` is only the unit of the axis.
     Constant,
     /// Zero below the break, the plateau from the break on.
@@ -44,7 +44,7 @@ pub enum Shape {
 /// G. Singh 2015, equations 6.3, 6.5 (with the square root of N, not its b-th root).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Profile {
-    shape: Shape,
+    shape: ProfileShape,
     alpha: f64,
     gamma: f64,
     offset: f64,
@@ -57,8 +57,8 @@ impl Profile {
     ///
     /// [`Error::Parameter`] unless `alpha` is finite and above 0, and `gamma` and a polynomial's exponent are finite and
     /// at least 0.
-    pub fn new(shape: Shape, alpha: f64, gamma: f64) -> Result<Self, Error> {
-        if let Shape::Polynomial { exponent } = shape {
+    pub fn new(shape: ProfileShape, alpha: f64, gamma: f64) -> Result<Self, Error> {
+        if let ProfileShape::Polynomial { exponent } = shape {
             not_negative("exponent", exponent)?;
         }
         Ok(Self {
@@ -70,7 +70,7 @@ impl Profile {
     }
 
     /// Returns the profile of constants that are known to be valid.
-    pub(crate) const fn trusted(shape: Shape, alpha: f64, gamma: f64) -> Self {
+    pub(crate) const fn trusted(shape: ProfileShape, alpha: f64, gamma: f64) -> Self {
         Self { shape, alpha, gamma, offset: 0.0 }
     }
 
@@ -80,7 +80,7 @@ impl Profile {
     ///
     /// [`Error::Parameter`] unless `gamma` is finite and at least 0.
     pub fn constant(gamma: f64) -> Result<Self, Error> {
-        Self::new(Shape::Constant, 1.0, gamma)
+        Self::new(ProfileShape::Constant, 1.0, gamma)
     }
 
     /// Returns the step profile: 0 for `l < alpha sqrt N`, `gamma` from there on.
@@ -89,7 +89,7 @@ impl Profile {
     ///
     /// As [`Profile::new`].
     pub fn step(alpha: f64, gamma: f64) -> Result<Self, Error> {
-        Self::new(Shape::Step, alpha, gamma)
+        Self::new(ProfileShape::Step, alpha, gamma)
     }
 
     /// Returns the profile that rises linearly, `b = 1`.
@@ -116,7 +116,7 @@ impl Profile {
     ///
     /// As [`Profile::new`].
     pub fn polynomial(exponent: f64, alpha: f64, gamma: f64) -> Result<Self, Error> {
-        Self::new(Shape::Polynomial { exponent }, alpha, gamma)
+        Self::new(ProfileShape::Polynomial { exponent }, alpha, gamma)
     }
 
     /// Returns this profile lifted by `offset` in place of its former offset.
@@ -150,7 +150,7 @@ impl Profile {
 
     /// Returns the shape.
     #[must_use]
-    pub const fn shape(&self) -> Shape {
+    pub const fn shape(&self) -> ProfileShape {
         self.shape
     }
 
@@ -176,9 +176,9 @@ impl Profile {
     #[must_use]
     pub const fn exponent(&self) -> f64 {
         match self.shape {
-            Shape::Constant => 0.0,
-            Shape::Step => f64::INFINITY,
-            Shape::Polynomial { exponent } => exponent,
+            ProfileShape::Constant => 0.0,
+            ProfileShape::Step => f64::INFINITY,
+            ProfileShape::Polynomial { exponent } => exponent,
         }
     }
 
@@ -228,10 +228,12 @@ impl Profile {
     pub(crate) fn rise(&self, l: usize, n_points: usize) -> f64 {
         let (l, break_degree) = (l as f64, self.break_degree(n_points));
         match self.shape {
-            Shape::Constant => 1.0,
-            Shape::Step if l < break_degree => 0.0,
-            Shape::Polynomial { exponent } if l < break_degree => (l / break_degree).powf(exponent),
-            Shape::Step | Shape::Polynomial { .. } => 1.0,
+            ProfileShape::Constant => 1.0,
+            ProfileShape::Step if l < break_degree => 0.0,
+            ProfileShape::Polynomial { exponent } if l < break_degree => {
+                (l / break_degree).powf(exponent)
+            }
+            ProfileShape::Step | ProfileShape::Polynomial { .. } => 1.0,
         }
     }
 }

@@ -1,4 +1,4 @@
-use crate::{Profile, Shape};
+use crate::{Profile, ProfileShape};
 
 /// The bounds that the thesis draws around the spectrum of one sampler.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -45,11 +45,11 @@ pub fn thesis_bounds() -> [ThesisBound; 4] {
         lower: Profile::trusted(shape, alpha_low, gamma_low),
         upper: Profile::trusted(shape, alpha_high, gamma_high),
     };
-    let quadratic = Shape::Polynomial { exponent: 2.0 };
+    let quadratic = ProfileShape::Polynomial { exponent: 2.0 };
     let disk_axis = 2.75_f64.sqrt();
     [
-        pair("white-noise", Shape::Constant, (1.0, 0.7), (1.0, 1.3)),
-        pair("poisson-disk", Shape::Constant, (disk_axis, 0.055), (disk_axis, 1.8)),
+        pair("white-noise", ProfileShape::Constant, (1.0, 0.7), (1.0, 1.3)),
+        pair("poisson-disk", ProfileShape::Constant, (disk_axis, 0.055), (disk_axis, 1.8)),
         pair("jittered", quadratic, (0.6_f64.sqrt(), 0.4), (0.2, 1.0)),
         pair("ccvt", quadratic, (2.85_f64.sqrt(), 0.05), (0.05_f64.sqrt(), 2.0)),
     ]

@@ -1,6 +1,6 @@
-use crate::compensated_sum::CompensatedSum;
 use crate::error::{not_negative, per_degree};
 use crate::{Domain, Error, Profile};
+use sphvar_sh::CompensatedSum;
 
 /// The two ends between which the variance of a given integrand under a profile lies.
 ///

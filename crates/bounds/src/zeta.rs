@@ -3,8 +3,8 @@
 //! Kept crates do not cover these: statrs 0.19 sums the harmonic number term by term (`O(n)`) and has no zeta function,
 //! special 0.14 has a trigamma only.
 
-use crate::compensated_sum::CompensatedSum;
 use crate::power_sum::{asymptotic_from, end_correction, power_sum};
+use sphvar_sh::CompensatedSum;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 /// Returns the generalised harmonic number of order `s`, any real `s`, zero for `n = 0`.

@@ -2,8 +2,8 @@
 
 use proptest::prelude::{Just, Strategy, prop_assert, prop_oneof, proptest};
 use sphvar_bounds::{
-    Domain, Error, IntegrandClass, Profile, Shape, generalized_harmonic, hurwitz_zeta, trigamma,
-    variance_bound,
+    Domain, Error, IntegrandClass, Profile, ProfileShape, generalized_harmonic, hurwitz_zeta,
+    trigamma, variance_bound,
 };
 
 /// sqrt N = 64 exactly, so `alpha = L / 64` puts the break where it is wanted, whole numbers included.
@@ -17,9 +17,9 @@ const DOMAINS: [Domain; 2] = [Domain::Sphere, Domain::Hemisphere];
 /// Closed form and slow sum each keep about 1e-14; the break enters with b = 7 at most.
 const TOLERANCE: f64 = 1e-12;
 
-fn shapes() -> Vec<Shape> {
-    let mut shapes = vec![Shape::Constant, Shape::Step];
-    shapes.extend(EXPONENTS.map(|exponent| Shape::Polynomial { exponent }));
+fn shapes() -> Vec<ProfileShape> {
+    let mut shapes = vec![ProfileShape::Constant, ProfileShape::Step];
+    shapes.extend(EXPONENTS.map(|exponent| ProfileShape::Polynomial { exponent }));
     shapes
 }
 
@@ -244,8 +244,9 @@ fn hostile_parameters_give_finite_sums_or_errors() -> Result<(), Error> {
     ];
     let mut profiles = Vec::new();
     for alpha in [1e-300, 1e-3, 1e3, 1e300] {
-        for shape in [Shape::Constant, Shape::Step].into_iter().chain(
-            [0.0, 1e-300, 1.0, 1e3, 1e9, 1e300].map(|exponent| Shape::Polynomial { exponent }),
+        for shape in [ProfileShape::Constant, ProfileShape::Step].into_iter().chain(
+            [0.0, 1e-300, 1.0, 1e3, 1e9, 1e300]
+                .map(|exponent| ProfileShape::Polynomial { exponent }),
         ) {
             profiles.push(Profile::new(shape, alpha, 1.0)?);
             profiles.push(Profile::new(shape, alpha, 0.0)?.with_offset(1.0)?);
@@ -323,9 +324,9 @@ fn given_integrand_is_bounded_by_its_class() -> Result<(), Error> {
 
 fn any_profile() -> impl Strategy<Value = Profile> {
     let shape = prop_oneof![
-        Just(Shape::Constant),
-        Just(Shape::Step),
-        (0.0..8.0_f64).prop_map(|exponent| Shape::Polynomial { exponent }),
+        Just(ProfileShape::Constant),
+        Just(ProfileShape::Step),
+        (0.0..8.0_f64).prop_map(|exponent| ProfileShape::Polynomial { exponent }),
     ];
     (shape, -3.0..3.0_f64, 0.0..4.0_f64).prop_filter_map("valid", |(shape, log_alpha, gamma)| {
         Profile::new(shape, log_alpha.exp(), gamma).ok()

@@ -9,8 +9,8 @@ const TABLE_DIRECTIONS: usize = 1 << 18;
 const MOST_SETS: usize = 1024;
 /// Sets of a table, at least.
 const FEWEST_SETS: usize = 4;
-/// What a table with more sets than the fewest may take to make on one core, seconds.
-const TABLE_SECONDS: f64 = 0.1;
+/// The nominal work that a table of sets may take.
+const TABLE_WORK: f64 = 1.6e6;
 
 /// Which directions the hit points of renders have.
 ///
@@ -86,7 +86,7 @@ impl DirectionPlan {
     }
 
     /// How many sets a table has unless another number is wished: as many as have 262144 directions
-    /// together, or take a tenth of a second to make on one core by [`Pattern::seconds`] if that is fewer, but from 4
+    /// together, or take a tenth of a second to make on one core by [`Pattern::nominal_work`] if that is fewer, but from 4
     /// to 1024.
     ///
     /// Sets that are turned uniformly give every pixel the right mean and pixels that do not depend on
@@ -98,7 +98,7 @@ impl DirectionPlan {
             clippy::cast_sign_loss,
             reason = "a positive number, and too large ones become the largest"
         )]
-        let in_time = (TABLE_SECONDS / pattern.seconds(n_points)) as usize;
+        let in_time = (TABLE_WORK / pattern.nominal_work(n_points)) as usize;
         (TABLE_DIRECTIONS / n_points.max(1)).min(in_time).clamp(FEWEST_SETS, MOST_SETS)
     }
 
@@ -163,9 +163,9 @@ impl DirectionPlan {
             Streams::new(self.seed, Purpose::Pattern, self.group),
         );
         let n_sets = self.n_sets() as u64;
-        let sets: Result<Vec<_>, _> = (0..n_sets)
+        let sets: Result<Vec<_>, Error> = (0..n_sets)
             .into_par_iter()
-            .map(|k| ensemble.realize(render * n_sets + k).map(Vec::into_boxed_slice))
+            .map(|k| Ok(ensemble.realize(render * n_sets + k)?.points.into_boxed_slice()))
             .collect();
         let sets = sets?;
         let streams = Streams::new(self.seed, Purpose::Trial, self.group);

@@ -2,7 +2,7 @@ use std::f64::consts::TAU;
 
 use glam::{DMat3, DVec3};
 use rand::{Rng, RngExt};
-use sphvar_samplers::{Realizations, Sampler, Streams, uniform_rotation};
+use sphvar_samplers::{PointSet, Realizations, Sampler, Streams, uniform_rotation};
 
 use crate::frame::frame;
 use crate::{DirectionMode, Error};
@@ -88,14 +88,25 @@ impl DirectionSets {
                 dirs.extend(set.iter().map(|&d| above(normal, turn * d)));
             }
             DirectionMode::Fresh => {
-                Realizations::rotated(&*self.sampler, self.streams)
-                    .realize_into(self.first_stream + index, dirs)?;
+                let sets = Realizations::rotated(&*self.sampler, self.streams);
+                // The memory of the directions serves for the set.
+                let mut set = PointSet::new(std::mem::take(dirs));
+                sets.realize_into(self.first_stream + index, &mut set, &())?;
+                *dirs = set.points;
                 for dir in dirs {
                     *dir = above(normal, *dir);
                 }
             }
         }
         Ok(())
+    }
+
+    /// The nominal work of the set that each pixel makes for itself, if it does.
+    pub(crate) fn own_work(&self) -> f64 {
+        match self.mode {
+            DirectionMode::Fresh => self.sampler.nominal_work(),
+            _ => 0.0,
+        }
     }
 
     fn choose(&self, rng: &mut dyn Rng) -> &[DVec3] {

@@ -2,7 +2,7 @@ use std::borrow::Cow;
 
 use thiserror::Error as ThisError;
 
-use crate::Region;
+use crate::CropWindow;
 
 /// What can be wrong with the input of this crate.
 #[derive(Debug, Clone, PartialEq, ThisError)]
@@ -133,9 +133,9 @@ pub enum Error {
         "the part of {} by {} pixels at ({}, {}) is not within an image of {width} by {height}",
         region.width, region.height, region.x, region.y
     )]
-    Region {
+    CropWindow {
         /// The part.
-        region: Region,
+        region: CropWindow,
         /// Columns of the image.
         width: usize,
         /// Rows of the image.

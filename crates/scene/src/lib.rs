@@ -18,7 +18,6 @@
 //! [`render`] makes the picture of an [`Integral`] over the hemisphere of each point, with the directions of a
 //! [`DirectionPlan`]; [`RenderErrors`] says how far repeated renders are from a reference image, and how.
 
-mod bias_test;
 mod bounds;
 mod bundle;
 mod camera;
@@ -42,6 +41,7 @@ mod obj_lines;
 mod obj_remarks;
 mod order;
 mod partition;
+mod picture_bias;
 mod quad;
 mod quads;
 mod ray;
@@ -52,7 +52,6 @@ mod stream;
 mod triangulation;
 mod view;
 
-pub use bias_test::BiasTest;
 pub use bounds::Bounds;
 pub use camera::Camera;
 pub use cornell::CornellBox;
@@ -67,11 +66,12 @@ pub use image::Image;
 pub use integral::Integral;
 pub use mesh::Mesh;
 pub use obj_remarks::ObjRemarks;
+pub use picture_bias::PictureBias;
 pub use quad::Quad;
-pub use render::render;
+pub use render::{pixel_work, render};
 pub use render_errors::{ErrorReport, RenderErrors};
 pub use scene::Scene;
-pub use view::{Region, View};
+pub use view::{CropWindow, View};
 
 /// The largest coordinate of a vertex: products of three differences stay finite.
 const MAX_COORDINATE: f64 = 1e100;

@@ -1,4 +1,5 @@
 use rayon::prelude::{IntoParallelIterator, ParallelIterator};
+use sphvar_samplers::Progress;
 
 use crate::integral::Workspace;
 use crate::{DirectionSets, Error, Estimator, Image, Integral, View};
@@ -15,7 +16,8 @@ struct Pixel {
     rays: u64,
 }
 
-/// Renders a view, in parallel over tiles; `done` is called with the number of pixels of each.
+/// Renders a view, in parallel over tiles; for each pixel [`pixel_work`] is ticked, and in
+/// mode [`Fresh`](crate::DirectionMode::Fresh) the nominal work of its set.
 ///
 /// A pixel's value depends on the view's scene, camera and size, the integral, the directions and its place in the
 /// image, and on nothing else.
@@ -30,7 +32,7 @@ struct Pixel {
 /// let view = View::new(&cornell.scene, &cornell.camera, [32, 32])?;
 /// let ambient = Integral::AmbientOcclusion { max_distance: f64::INFINITY, cosine: false };
 /// let plan = DirectionPlan::new(Pattern::Jittered, 24, DirectionMode::Projective, 0)?;
-/// let image = render(&view, &ambient, Estimator::Ratio, &plan.prepare(0)?, &|_| ())?;
+/// let image = render(&view, &ambient, Estimator::Ratio, &plan.prepare(0)?, &())?;
 /// // The box is open in front only.
 /// assert!(image.mean() > 0.0 && image.mean() < 0.5);
 /// # Ok::<(), sphvar_scene::Error>(())
@@ -38,13 +40,13 @@ struct Pixel {
 ///
 /// # Errors
 /// [`Error::Setting`] as [`Integral::check`], [`Error::Sampler`] if a set of
-/// [`DirectionMode::Fresh`](crate::DirectionMode::Fresh) cannot be completed.
+/// [`DirectionMode::Fresh`](crate::DirectionMode::Fresh) cannot be completed or `progress` ends the work.
 pub fn render(
     view: &View<'_>,
     integral: &Integral<'_>,
     estimator: Estimator,
     directions: &DirectionSets,
-    done: &(dyn Fn(usize) + Sync),
+    progress: &dyn Progress,
 ) -> Result<Image, Error> {
     integral.check()?;
     let region = view.region();
@@ -64,7 +66,9 @@ pub fn render(
                     pixels.push(pixel(view, integral, estimator, directions, at, workspace)?);
                 }
             }
-            done(pixels.len());
+            let work = pixel_work(directions.n_points()) + directions.own_work();
+            let work = pixels.len() as f64 * work;
+            progress.tick(work).map_err(sphvar_samplers::Error::from)?;
             Ok(pixels)
         })
         .collect();
@@ -90,6 +94,12 @@ pub fn render(
         }
     }
     Ok(image)
+}
+
+/// Returns the nominal work of a pixel with `n_points` directions: 100 ns a ray and a microsecond.
+#[must_use]
+pub fn pixel_work(n_points: usize) -> f64 {
+    1.6 * n_points as f64 + 16.0
 }
 
 fn pixel(

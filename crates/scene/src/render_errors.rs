@@ -1,4 +1,4 @@
-use crate::{BiasTest, Error, Estimate, Image};
+use crate::{Error, Estimate, Image, PictureBias};
 
 /// Side of the squares whose mean errors tell structure.
 const BLOCK: usize = 8;
@@ -58,7 +58,7 @@ pub struct ErrorReport {
     /// there are none or no errors.
     pub autocorrelation: Estimate,
     /// Whether some pixel has a bias; `None` from a single render.
-    pub bias: Option<BiasTest>,
+    pub bias: Option<PictureBias>,
 }
 
 impl<'a> RenderErrors<'a> {
@@ -153,7 +153,9 @@ impl<'a> RenderErrors<'a> {
             bias_squared: self.bias_squared(mse.value, variance.value, &moments),
             structure: self.jackknife(|sums| [area * sums.of_blocks, sums.in_blocks]),
             autocorrelation: self.jackknife(|sums| [sums.products, sums.squares]),
-            bias: BiasTest::new(self.reference, &self.pixels, count, self.n_points, |k| moments[k]),
+            bias: PictureBias::new(self.reference, &self.pixels, count, self.n_points, |k| {
+                moments[k]
+            }),
         }
     }
 

@@ -2,7 +2,7 @@ use crate::{Camera, DirectionSets, Error, Scene};
 
 /// A rectangle of pixels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub struct Region {
+pub struct CropWindow {
     /// Column of its left edge.
     pub x: usize,
     /// Row of its upper edge.
@@ -19,7 +19,7 @@ pub struct View<'a> {
     scene: &'a Scene,
     camera: &'a Camera,
     size: [usize; 2],
-    region: Region,
+    region: CropWindow,
     rays_per_side: usize,
 }
 
@@ -43,21 +43,21 @@ impl<'a> View<'a> {
         if !size.iter().all(|side| (1..=Self::MAX_SIDE).contains(side)) {
             return Err(Error::ImageSize { width, height, max: Self::MAX_SIDE });
         }
-        let region = Region { x: 0, y: 0, width, height };
+        let region = CropWindow { x: 0, y: 0, width, height };
         Ok(Self { scene, camera, size, region, rays_per_side: 1 })
     }
 
     /// The part `region` of the image: the same values as in the whole.
     ///
     /// # Errors
-    /// [`Error::Region`] if it is empty or not within the image.
-    pub fn with_region(self, region: Region) -> Result<Self, Error> {
+    /// [`Error::CropWindow`] if it is empty or not within the image.
+    pub fn with_region(self, region: CropWindow) -> Result<Self, Error> {
         let [width, height] = self.size;
         let fits = |from: usize, length: usize, whole: usize| {
             length > 0 && from < whole && length <= whole - from
         };
         if !(fits(region.x, region.width, width) && fits(region.y, region.height, height)) {
-            return Err(Error::Region { region, width, height });
+            return Err(Error::CropWindow { region, width, height });
         }
         Ok(Self { region, ..self })
     }
@@ -94,7 +94,7 @@ impl<'a> View<'a> {
 
     /// The part that is rendered.
     #[must_use]
-    pub fn region(&self) -> Region {
+    pub fn region(&self) -> CropWindow {
         self.region
     }
 

@@ -1,5 +1,7 @@
-use sphvar_samplers::{Domain, Pattern, Purpose, Realizations, Sampler, Streams};
-use sphvar_spectrum::{Method, PointSets};
+use sphvar_samplers::{
+    Domain, Ensemble, Pattern, PointSet, Purpose, Realizations, Sampler, Streams,
+};
+use sphvar_spectrum::Method;
 
 use crate::Error;
 use crate::kept_half::KeptHalf;
@@ -18,7 +20,7 @@ pub enum Points {
 
 /// The point sets of a pattern.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Ensemble {
+pub struct ThesisEnsemble {
     /// The pattern.
     pub pattern: Pattern,
     /// The number of points of a set; of [`Points::KeptHalf`] the number on the whole sphere, twice that of a half.
@@ -29,7 +31,7 @@ pub struct Ensemble {
     pub turned: bool,
 }
 
-impl Ensemble {
+impl ThesisEnsemble {
     /// Turned sets on the sphere, of the number of points that the pattern has next to `n_points`.
     #[must_use]
     pub fn sphere(pattern: Pattern, n_points: usize) -> Self {
@@ -81,11 +83,11 @@ impl Ensemble {
     ///
     /// [`Error::Sampler`] if it cannot be made.
     pub fn set(&self, seed: u64, index: u64) -> Result<Vec<glam::DVec3>, Error> {
-        let (mut points, mut weights) = (Vec::new(), Vec::new());
+        let mut set = PointSet::default();
         self.with_sets(seed, Purpose::Pattern, |sets| {
-            Ok(sets.realize_into(index, &mut points, &mut weights)?)
+            Ok(sets.realize_into(index, &mut set, &())?)
         })?;
-        Ok(points)
+        Ok(set.points)
     }
 
     /// Hands the sets for a purpose to `work`.
@@ -93,7 +95,7 @@ impl Ensemble {
         &self,
         seed: u64,
         purpose: Purpose,
-        work: impl FnOnce(&dyn PointSets) -> Result<T, Error>,
+        work: impl FnOnce(&dyn Ensemble) -> Result<T, Error>,
     ) -> Result<T, Error> {
         let sampler = self.sampler()?;
         let sets = self.realizations(&*sampler, seed, purpose);
@@ -121,9 +123,9 @@ impl Ensemble {
         }
     }
 
-    /// Seconds on one core for a set and its transform to degree `lmax`, about.
-    pub(crate) fn seconds(&self, lmax: usize) -> f64 {
-        self.pattern.seconds(self.n_points) + Method::Auto.seconds(self.n_points, lmax)
+    /// The nominal work of a set and its transform to degree `lmax`.
+    pub(crate) fn work(&self, lmax: usize) -> f64 {
+        self.pattern.nominal_work(self.n_points) + Method::Auto.nominal_work(self.n_points, lmax)
     }
 
     /// Words that tell it from every other.

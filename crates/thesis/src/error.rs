@@ -16,6 +16,9 @@ pub enum Error {
     /// A spectrum cannot be computed.
     #[error(transparent)]
     Spectrum(#[from] sphvar_spectrum::Error),
+    /// An integrand cannot be evaluated.
+    #[error(transparent)]
+    Integrand(#[from] sphvar_integrands::Error),
     /// A variance cannot be computed.
     #[error(transparent)]
     Variance(#[from] sphvar_variance::Error),

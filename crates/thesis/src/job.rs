@@ -1,8 +1,7 @@
 use std::ops::Range;
 
-use glam::DVec3;
 use rayon::prelude::{IntoParallelIterator, ParallelIterator};
-use sphvar_samplers::{Domain, Purpose};
+use sphvar_samplers::{Domain, PointSet, Purpose};
 use sphvar_spectrum::{
     Accumulator, CoefficientSamples, OrderAccumulator, Resolution, SpectrumAccumulator, accumulate,
 };
@@ -10,7 +9,7 @@ use sphvar_variance::Measurement;
 
 use crate::piece::Piece;
 use crate::results::Outcome;
-use crate::{Ensemble, Error, Pictures, TestIntegrand};
+use crate::{Error, Pictures, TestIntegrand, ThesisEnsemble};
 
 /// An ensemble and what is kept of it.
 #[derive(Clone, Debug, PartialEq)]
@@ -19,7 +18,7 @@ pub enum Job {
     /// The mean power per degree.
     Spectrum {
         /// Of these sets.
-        ensemble: Ensemble,
+        ensemble: ThesisEnsemble,
         /// Read as sets of this domain: hemisphere sets may be read as sets of the sphere.
         domain: Domain,
         /// To this degree, inclusive.
@@ -30,7 +29,7 @@ pub enum Job {
     /// The mean power of every order, of sets read as sets of the sphere.
     Orders {
         /// Of these sets.
-        ensemble: Ensemble,
+        ensemble: ThesisEnsemble,
         /// To this degree, inclusive.
         lmax: usize,
         /// Over so many sets.
@@ -39,7 +38,7 @@ pub enum Job {
     /// One coefficient `S_lm = sum_k conj Y_lm(s_k)` of every set.
     Coefficient {
         /// Of these sets.
-        ensemble: Ensemble,
+        ensemble: ThesisEnsemble,
         /// Its degree.
         l: usize,
         /// Its order, from 0 to l.
@@ -50,7 +49,7 @@ pub enum Job {
     /// Estimates of the integrals of both test functions, with the same sets, which are others than those of spectra.
     Trials {
         /// With these sets.
-        ensemble: Ensemble,
+        ensemble: ThesisEnsemble,
         /// As many.
         sets: u64,
     },
@@ -58,13 +57,13 @@ pub enum Job {
     Pictures(Pictures),
 }
 
-/// Seconds of one core that a piece should take: what is lost at most when a run is interrupted.
-const PIECE_SECONDS: f64 = 4.0;
-/// Seconds that a point takes in a transform to a low degree, about: finding its ring, which the model of transforms leaves
+/// The nominal work of a piece, some four seconds of one core: what is lost at most when a run is interrupted.
+const PIECE_WORK: f64 = 7e7;
+/// The nominal work of a point in a transform to a low degree, about: finding its ring, which the model of transforms leaves
 /// out.
-const POINT_SECONDS: f64 = 110e-9;
-/// Seconds that a point takes in both test functions, about.
-const TRIAL_SECONDS: f64 = 30e-9;
+const POINT_WORK: f64 = 2.0;
+/// The nominal work of a point in both test functions.
+const TRIAL_WORK: f64 = 0.5;
 
 impl Job {
     /// Words that tell the job from every other, and from itself with another number of sets.
@@ -102,20 +101,20 @@ impl Job {
         }
     }
 
-    /// Seconds of one core for each set, about.
-    pub(crate) fn seconds_of_set(&self) -> f64 {
+    /// The nominal work of each set.
+    pub(crate) fn work_of_set(&self) -> f64 {
         match self {
             Self::Spectrum { ensemble, lmax, .. } | Self::Orders { ensemble, lmax, .. } => {
-                ensemble.seconds(*lmax)
+                ensemble.work(*lmax)
             }
             Self::Coefficient { ensemble, l, .. } => {
-                ensemble.seconds(*l) + POINT_SECONDS * ensemble.n_points as f64
+                ensemble.work(*l) + POINT_WORK * ensemble.n_points as f64
             }
             Self::Trials { ensemble, .. } => {
-                ensemble.pattern.seconds(ensemble.n_points)
-                    + TRIAL_SECONDS * ensemble.n_points as f64
+                ensemble.pattern.nominal_work(ensemble.n_points)
+                    + TRIAL_WORK * ensemble.n_points as f64
             }
-            Self::Pictures(pictures) => pictures.seconds(),
+            Self::Pictures(pictures) => pictures.work(),
         }
     }
 
@@ -127,7 +126,7 @@ impl Job {
             clippy::cast_sign_loss,
             reason = "a positive number, and too large ones become the largest"
         )]
-        let length = ((PIECE_SECONDS / self.seconds_of_set()) as u64).max(1);
+        let length = ((PIECE_WORK / self.work_of_set()) as u64).max(1);
         let sets = self.sets();
         (0..sets.div_ceil(length)).map(move |i| i * length..((i + 1) * length).min(sets))
     }
@@ -137,7 +136,7 @@ impl Job {
         Ok(match self {
             Self::Spectrum { ensemble, domain, lmax, .. } => {
                 let empty = SpectrumAccumulator::new(*domain, ensemble.used_points(), *lmax);
-                Piece::Spectrum(accumulated(ensemble, seed, *lmax, sets, &empty)?)
+                Piece::Spectrum(Box::new(accumulated(ensemble, seed, *lmax, sets, &empty)?))
             }
             Self::Orders { ensemble, lmax, .. } => {
                 let empty = OrderAccumulator::new(*lmax)?;
@@ -186,31 +185,35 @@ impl Job {
 }
 
 fn accumulated<A: Accumulator>(
-    ensemble: &Ensemble,
+    ensemble: &ThesisEnsemble,
     seed: u64,
     lmax: usize,
     sets: Range<u64>,
     empty: &A,
 ) -> Result<A, Error> {
     let resolution = Resolution::new(lmax, ensemble.used_points());
-    ensemble.with_sets(seed, Purpose::Pattern, |all| {
-        Ok(accumulate(all, resolution, sets, empty, &|| ())?)
-    })
+    ensemble
+        .with_sets(seed, Purpose::Pattern, |all| Ok(accumulate(all, resolution, sets, empty, &())?))
 }
 
 /// `area/N sum_k f(s_k)` of each set, for both test functions.
-fn estimates(ensemble: &Ensemble, seed: u64, sets: Range<u64>) -> Result<[Vec<f64>; 2], Error> {
+fn estimates(
+    ensemble: &ThesisEnsemble,
+    seed: u64,
+    sets: Range<u64>,
+) -> Result<[Vec<f64>; 2], Error> {
     let [harmonic, cap] = TestIntegrand::ALL.map(TestIntegrand::function);
     let functions = [harmonic?, cap?];
     let area = ensemble.domain().area();
     let pairs: Result<Vec<[f64; 2]>, Error> = ensemble.with_sets(seed, Purpose::Trial, |all| {
-        let estimate = |(points, weights): &mut (Vec<DVec3>, Vec<f64>), index| {
-            all.realize_into(index, points, weights)?;
-            let n = points.len() as f64;
-            Ok([0, 1]
-                .map(|i| area * (points.iter().map(|&p| functions[i].eval(p)).sum::<f64>() / n)))
+        let estimate = |set: &mut PointSet, index| {
+            all.realize_into(index, set, &())?;
+            Ok([0, 1].map(|i| {
+                let values: Vec<f64> = set.points.iter().map(|&p| functions[i].eval(p)).collect();
+                area * set.mean(&values)
+            }))
         };
-        sets.into_par_iter().map_init(<(Vec<DVec3>, Vec<f64>)>::default, estimate).collect()
+        sets.into_par_iter().map_init(PointSet::default, estimate).collect()
     });
     let pairs = pairs?;
     Ok([0, 1].map(|i| pairs.iter().map(|pair| pair[i]).collect()))
@@ -220,14 +223,14 @@ fn estimates(ensemble: &Ensemble, seed: u64, sets: Range<u64>) -> Result<[Vec<f6
 mod tests {
     use sphvar_samplers::Pattern;
 
-    use super::{Domain, Ensemble, Job};
+    use super::{Domain, Job, ThesisEnsemble};
     use crate::{Results, Scale, Setting};
 
     /// Exact sums and lists know nothing of where they were cut.
     #[test]
     fn pieces_of_any_length_give_the_same_bits() {
-        let white = Ensemble::sphere(Pattern::WhiteNoise, 40);
-        let half = Ensemble::kept_half(Pattern::Jittered, 24);
+        let white = ThesisEnsemble::sphere(Pattern::WhiteNoise, 40);
+        let half = ThesisEnsemble::kept_half(Pattern::Jittered, 24);
         let jobs = [
             Job::Spectrum { ensemble: half, domain: Domain::Hemisphere, lmax: 6, sets: 9 },
             Job::Orders { ensemble: white.clone(), lmax: 5, sets: 9 },

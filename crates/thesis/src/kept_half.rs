@@ -1,20 +1,17 @@
-use glam::DVec3;
-use sphvar_samplers::Realizations;
-use sphvar_spectrum::{Error, PointSets};
+use sphvar_samplers::{Ensemble, Error, PointSet, Progress, Realizations};
 
 /// The points at z >= 0 of each set.
 pub(crate) struct KeptHalf<'a>(pub(crate) Realizations<'a>);
 
-impl PointSets for KeptHalf<'_> {
+impl Ensemble for KeptHalf<'_> {
     fn realize_into(
         &self,
         index: u64,
-        points: &mut Vec<DVec3>,
-        weights: &mut Vec<f64>,
+        set: &mut PointSet,
+        progress: &dyn Progress,
     ) -> Result<(), Error> {
-        weights.clear();
-        self.0.realize_into(index, points)?;
-        points.retain(|p| p.z >= 0.0);
+        self.0.realize_into(index, set, progress)?;
+        set.points.retain(|p| p.z >= 0.0);
         Ok(())
     }
 }

@@ -14,7 +14,7 @@
 //! let id: FigureId = "C.1".parse()?;
 //! let setting = Setting { scale: Scale::Quick, seed: 0 };
 //! let mut results = Results::new(setting);
-//! run(&id.jobs(setting), &Nothing, &mut results, &|_| ())?;
+//! run(&id.jobs(setting), &Nothing, &mut results, &())?;
 //! let figure = id.compose(&results)?;
 //! assert!(!figure.panels.is_empty() && !figure.claims.is_empty());
 //! # Ok::<(), sphvar_thesis::Error>(())
@@ -39,14 +39,14 @@ mod test_integrand;
 
 pub use claim::{Claim, Quantity, Stated, Verdict};
 pub use content::{Axis, Content, Curve, Curves, Directions, Field, Mark, Palette, Picture};
-pub use ensemble::{Ensemble, Points};
+pub use ensemble::{Points, ThesisEnsemble};
 pub use error::Error;
 pub use figure::{Figure, Panel};
 pub use figure_id::FigureId;
 pub use job::Job;
 pub use pictures::Pictures;
 pub use results::Results;
-pub use run::{run, seconds};
+pub use run::{run, work};
 pub use setting::{Scale, Setting};
 pub use store::{Nothing, Store};
 pub use test_integrand::TestIntegrand;

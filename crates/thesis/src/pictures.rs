@@ -2,7 +2,7 @@ use std::ops::Range;
 
 use sphvar_samplers::Pattern;
 use sphvar_scene::{
-    CornellBox, DirectionMode, DirectionPlan, Estimator, Image, Integral, View, render,
+    CornellBox, DirectionMode, DirectionPlan, Estimator, Image, Integral, View, pixel_work, render,
 };
 
 use crate::Error;
@@ -41,16 +41,14 @@ impl Pictures {
         format!("pictures occlusion {what} n={} side={}", self.legal_points(), self.side)
     }
 
-    /// Seconds of one core for a render, about.
-    pub(crate) fn seconds(&self) -> f64 {
-        let n = self.legal_points() as f64;
-        // 10^7 rays a second, and what a pixel costs besides.
-        let pixels = (1e-7 * n + 1e-6) * (self.side * self.side) as f64;
-        pixels + self.pattern.as_ref().map_or(0.0, |pattern| self.seconds_of_sets(pattern))
+    /// The nominal work of a render.
+    pub(crate) fn work(&self) -> f64 {
+        let pixels = pixel_work(self.legal_points()) * (self.side * self.side) as f64;
+        pixels + self.pattern.as_ref().map_or(0.0, |pattern| self.work_of_sets(pattern))
     }
 
-    /// Seconds of one core for the sets of a render, about.
-    fn seconds_of_sets(&self, pattern: &Pattern) -> f64 {
+    /// That of its sets.
+    fn work_of_sets(&self, pattern: &Pattern) -> f64 {
         let n = self.legal_points();
         let sets = match self.mode {
             DirectionMode::Rotated | DirectionMode::Projective => {
@@ -59,7 +57,7 @@ impl Pictures {
             DirectionMode::Shared | DirectionMode::Spun => 1,
             DirectionMode::Fresh => self.side * self.side,
         };
-        sets as f64 * pattern.seconds(self.mode.set_points(n))
+        sets as f64 * pattern.nominal_work(self.mode.set_points(n))
     }
 
     pub(crate) fn render(&self, seed: u64, renders: Range<u64>) -> Result<Vec<Image>, Error> {
@@ -74,7 +72,7 @@ impl Pictures {
         let integral = Integral::AmbientOcclusion { max_distance: f64::INFINITY, cosine: false };
         let picture = |number| {
             let sets = plan.prepare(number)?;
-            Ok(render(&view, &integral, Estimator::Ratio, &sets, &|_| ())?)
+            Ok(render(&view, &integral, Estimator::Ratio, &sets, &())?)
         };
         renders.map(picture).collect()
     }

@@ -8,7 +8,7 @@ use crate::Job;
 /// What a piece of a job gives.
 #[derive(Serialize, Deserialize)]
 pub(crate) enum Piece {
-    Spectrum(SpectrumAccumulator),
+    Spectrum(Box<SpectrumAccumulator>),
     Orders(OrderAccumulator),
     Coefficients(Vec<Complex<f64>>),
     Trials([Vec<f64>; 2]),
@@ -53,13 +53,13 @@ mod tests {
     use sphvar_scene::DirectionMode;
 
     use super::{OrderAccumulator, Piece, SpectrumAccumulator};
-    use crate::{Ensemble, Job, Pictures};
+    use crate::{Job, Pictures, ThesisEnsemble};
 
     const SETS: u64 = 3;
 
     fn jobs() -> Vec<Job> {
-        let white = Ensemble::sphere(Pattern::WhiteNoise, 40);
-        let half = Ensemble::kept_half(Pattern::Jittered, 24);
+        let white = ThesisEnsemble::sphere(Pattern::WhiteNoise, 40);
+        let half = ThesisEnsemble::kept_half(Pattern::Jittered, 24);
         vec![
             Job::Spectrum { ensemble: half, domain: Domain::Hemisphere, lmax: 6, sets: SETS },
             Job::Orders { ensemble: white.clone(), lmax: 5, sets: SETS },
@@ -90,7 +90,8 @@ mod tests {
     fn pieces_of_other_sizes_do_not_fit() {
         let jobs = jobs();
         // A kept half of 48 points has 24.
-        let spectrum = |domain, n, lmax| Piece::Spectrum(SpectrumAccumulator::new(domain, n, lmax));
+        let spectrum =
+            |domain, n, lmax| Piece::Spectrum(Box::new(SpectrumAccumulator::new(domain, n, lmax)));
         assert!(spectrum(Domain::Hemisphere, 24, 6).fits(&jobs[0], 0), "without sets");
         assert!(!spectrum(Domain::Hemisphere, 24, 6).fits(&jobs[0], SETS), "empty");
         assert!(!spectrum(Domain::Sphere, 24, 6).fits(&jobs[0], 0), "domain");

@@ -1,29 +1,30 @@
 use std::collections::HashSet;
 
+use sphvar_samplers::Progress;
+
 use crate::piece::Piece;
 use crate::{Error, Job, Results, Setting, Store};
 
-/// Seconds of one core that the jobs take, about; jobs that are there twice count once.
+/// Returns the nominal work of the jobs; jobs that are there twice count once.
 #[must_use]
-pub fn seconds(jobs: &[Job]) -> f64 {
+pub fn work(jobs: &[Job]) -> f64 {
     let mut seen = HashSet::new();
     let distinct = jobs.iter().filter(|job| seen.insert(job.key()));
     // An empty sum would be -0.
-    distinct.map(|job| job.seconds_of_set() * job.sets() as f64).fold(0.0, |a, b| a + b)
+    distinct.map(|job| job.work_of_set() * job.sets() as f64).fold(0.0, |a, b| a + b)
 }
 
 /// Does the jobs that `results` lack, in their setting, piece by piece, and keeps each piece in `store`; pieces that are
-/// there are not done again, unless they do not fit their job. `done` is called after each piece with its share of
-/// [`seconds`].
+/// there are not done again, unless they do not fit their job. After each piece its share of [`work`] is ticked.
 ///
 /// # Errors
 ///
-/// [`Error::Store`] if a piece cannot be kept; those of what is computed.
+/// [`Error::Store`] if a piece cannot be kept, [`Error::Sampler`] if `progress` ends the work; those of what is computed.
 pub fn run(
     jobs: &[Job],
     store: &dyn Store,
     results: &mut Results,
-    done: &dyn Fn(f64),
+    progress: &dyn Progress,
 ) -> Result<(), Error> {
     let setting = results.setting();
     for job in jobs {
@@ -42,7 +43,8 @@ pub fn run(
                     piece
                 }
             });
-            done(job.seconds_of_set() * length as f64);
+            let work = job.work_of_set() * length as f64;
+            progress.tick(work).map_err(sphvar_samplers::Error::from)?;
         }
         results.insert(job, job.finish(pieces)?);
     }

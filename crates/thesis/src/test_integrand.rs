@@ -1,4 +1,4 @@
-use sphvar_variance::{Cap, Harmonic, Integrand};
+use sphvar_integrands::{Cap, Harmonic, Integrand};
 
 use crate::Error;
 

@@ -1,13 +1,12 @@
 //! Work in pieces gives the bits of work in one go, and what is kept is not done again.
 
-use std::cell::Cell;
 use std::collections::BTreeMap;
 use std::sync::Mutex;
 
 use sphvar_samplers::{Domain, Pattern};
 use sphvar_scene::DirectionMode;
 use sphvar_thesis::{
-    Ensemble, Error, Job, Nothing, Pictures, Results, Scale, Setting, Store, run, seconds,
+    Error, Job, Nothing, Pictures, Results, Scale, Setting, Store, ThesisEnsemble, run, work,
 };
 
 const SETTING: Setting = Setting { scale: Scale::Quick, seed: 5 };
@@ -39,7 +38,7 @@ impl Store for Memory {
 
 fn done(jobs: &[Job], store: &dyn Store) -> Result<Results, Error> {
     let mut results = Results::new(SETTING);
-    run(jobs, store, &mut results, &|_| ())?;
+    run(jobs, store, &mut results, &())?;
     Ok(results)
 }
 
@@ -55,8 +54,8 @@ fn costly(renders: u64) -> Job {
 }
 
 fn jobs() -> Vec<Job> {
-    let white = Ensemble::sphere(Pattern::WhiteNoise, 40);
-    let half = Ensemble::kept_half(Pattern::Jittered, 24);
+    let white = ThesisEnsemble::sphere(Pattern::WhiteNoise, 40);
+    let half = ThesisEnsemble::kept_half(Pattern::Jittered, 24);
     vec![
         Job::Spectrum { ensemble: half, domain: Domain::Hemisphere, lmax: 6, sets: 9 },
         Job::Orders { ensemble: white.clone(), lmax: 5, sets: 7 },
@@ -110,14 +109,15 @@ fn an_interrupted_run_goes_on_where_it_stopped() {
     let failed = done(&[costly(3)], &store);
     assert!(matches!(failed, Err(Error::Store { .. })), "{failed:?}");
     let store = Memory { room: None, ..store };
-    let advanced = Cell::new(0.0);
+    let advanced = Mutex::new(0.0);
     let mut results = Results::new(SETTING);
     let jobs = [costly(3), costly(3)];
-    run(&jobs, &store, &mut results, &|x| advanced.set(advanced.get() + x)).unwrap();
+    run(&jobs, &store, &mut results, &|x| *advanced.lock().unwrap() += x).unwrap();
     let pieces = *store.saved.lock().unwrap();
     assert!(pieces > 1, "the job must fall into several pieces");
     // A sum of some products.
-    assert!((advanced.get() / seconds(&jobs) - 1.0).abs() < 16.0 * f64::EPSILON);
+    let advanced = advanced.into_inner().unwrap();
+    assert!((advanced / work(&jobs) - 1.0).abs() < 16.0 * f64::EPSILON);
     let undisturbed = done(&jobs[..1], &Nothing).unwrap();
     assert_eq!(results.pictures(&jobs[0]).unwrap(), undisturbed.pictures(&jobs[0]).unwrap());
 

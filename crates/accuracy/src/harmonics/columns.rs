@@ -1,4 +1,4 @@
-use sphvar_reference::{AcuteAngle, LegendreColumn};
+use crate::reference::{AcuteAngle, LegendreColumn};
 use sphvar_sh::{Colatitude, LegendrePlan, Recurrence};
 
 use super::{COLATITUDES, TWICE, orders, promise, trial};

@@ -1,7 +1,7 @@
 use std::f64::consts::PI;
 
+use crate::reference::{AcuteAngle, DoubleDouble, LegendreColumn, lambda as exact_lambda};
 use glam::DVec3;
-use sphvar_reference::{AcuteAngle, DoubleDouble, LegendreColumn, lambda as exact_lambda};
 use sphvar_sh::{Colatitude, LegendrePlan, Scaled, lambda, lambda_scaled};
 
 use crate::{Errors, HardCase};

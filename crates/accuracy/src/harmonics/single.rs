@@ -1,8 +1,8 @@
-use glam::DVec3;
-use num_complex::Complex;
-use sphvar_reference::{
+use crate::reference::{
     AcuteAngle, DoubleDouble, LegendreRow, LegendreTable, LegendreValue, lambda as exact_lambda,
 };
+use glam::DVec3;
+use num_complex::Complex;
 use sphvar_sh::{Colatitude, Error, lambda, ylm, ylm_at};
 
 use super::{COLATITUDES, TWICE, orders, promise, trial};

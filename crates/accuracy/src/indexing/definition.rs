@@ -1,6 +1,6 @@
+use crate::reference::DoubleDouble;
 use glam::DVec3;
 use sphvar_healpix::Cell;
-use sphvar_reference::DoubleDouble;
 
 /// HEALPix as it is defined: integers in 128 bits, and the plane of the projection in twice the precision.
 ///

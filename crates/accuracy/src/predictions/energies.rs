@@ -1,4 +1,4 @@
-use sphvar_reference::DoubleDouble;
+use crate::reference::DoubleDouble;
 
 use crate::spectra::legendre;
 
@@ -113,7 +113,7 @@ pub(super) fn exp(x: DoubleDouble) -> DoubleDouble {
 
 #[cfg(test)]
 mod tests {
-    use sphvar_reference::DoubleDouble;
+    use crate::reference::DoubleDouble;
 
     use super::{by_series, exp, of_cap, of_lobe, of_small_cap, upwards};
 

@@ -1,10 +1,11 @@
 use std::f64::consts::PI;
 
-use sphvar_reference::DoubleDouble;
+use crate::reference::DoubleDouble;
+use sphvar_integrands::{Cap, Energy, Integrand, VonMisesFisher};
 use sphvar_samplers::Domain;
 use sphvar_sh::ByParity;
 use sphvar_spectrum::Spectrum;
-use sphvar_variance::{Cap, Energy, Integrand, VonMisesFisher, predict};
+use sphvar_variance::predict;
 
 use super::energies;
 use super::subjects::errors_of;
@@ -82,13 +83,13 @@ fn whole_sphere() -> Errors {
     for (name, got) in [
         ("the integral", cap.exact(Domain::Sphere).unwrap_or(f64::NAN)),
         ("the square", energy.total()),
-        ("the energy of degree 0", energy.per_degree()[0]),
+        ("the energy of degree 0", energy.per_band()[0]),
     ] {
         errors.push(got / four_pi - 1.0, || name.to_owned());
     }
     // Nothing but 0 will do, not what is small either.
     let zero = |x: f64| if x == 0.0 { 0.0 } else { f64::INFINITY };
-    for (l, &e) in energy.per_degree().iter().enumerate().skip(1) {
+    for (l, &e) in energy.per_band().iter().enumerate().skip(1) {
         errors.push(zero(e), || format!("the energy of l = {l}"));
     }
     let white = Spectrum::exact(Domain::Sphere, 1, vec![1.0; 1001]);

@@ -1,5 +1,5 @@
+use crate::reference::DoubleDouble;
 use glam::DVec3;
-use sphvar_reference::DoubleDouble;
 
 use super::energies::exp;
 use crate::spectra::{dot, unit};

@@ -1,10 +1,8 @@
-use sphvar_reference::DoubleDouble;
+use crate::reference::DoubleDouble;
+use sphvar_integrands::{Cap, Energy, Harmonic, Integrand, VonMisesFisher};
 use sphvar_samplers::{Domain, Pattern, Purpose, Realizations, Sampler, Streams};
 use sphvar_spectrum::{Resolution, Spectrum, accumulate};
-use sphvar_variance::{
-    Cap, Energy, Harmonic, Integrand, PredictionAccumulator, PredictionBudget, Predictor,
-    VonMisesFisher, predict,
-};
+use sphvar_variance::{PredictionAccumulator, PredictionBudget, Predictor, predict};
 
 use super::energies;
 use super::lobe_pairs::variance;
@@ -79,8 +77,8 @@ pub(super) fn errors_of(
     scale: impl Fn(usize) -> f64,
 ) -> Errors {
     let mut errors = Errors::default();
-    errors.push_length(energy.per_degree().len(), exact.len());
-    for (l, (got, exact)) in energy.per_degree().iter().zip(exact).enumerate() {
+    errors.push_length(energy.per_band().len(), exact.len());
+    for (l, (got, exact)) in energy.per_band().iter().zip(exact).enumerate() {
         let error = (DoubleDouble::from(*got) - *exact).value();
         errors.push(error / (scale(l) * (l as f64 + 1.0)), || format!("l = {l}"));
     }
@@ -142,7 +140,8 @@ impl Subject for OfHarmonic {
         let harmonic = Harmonic::new(DEGREE, 0).expect("an order in range");
         let budget = PredictionBudget::USUAL;
         let predictor = Predictor::new(&harmonic, Domain::Sphere, SEED, budget);
-        let point = predictor.and_then(|mut p| p.predict(&self.pattern, self.n, &|| ()));
+        let sampler = self.pattern.build(self.n, Domain::Sphere).expect("a feasible pattern");
+        let point = predictor.and_then(|mut p| p.predict(&*sampler, &()));
         self.variance = point.map_or(f64::NAN, |point| point.prediction.variance);
     }
 
@@ -155,7 +154,7 @@ impl Subject for OfHarmonic {
             DoubleDouble::ONE
         } else {
             let mut rng = Streams::new(SEED, Purpose::Pattern, self.n).realization(0);
-            let points = sampler.sample(&mut rng).expect("a lattice is feasible");
+            let points = sampler.sample(&mut rng).expect("a lattice is feasible").points;
             legendre_sums(&points, DEGREE)[DEGREE]
         };
         let exact = white * power;
@@ -206,7 +205,7 @@ impl Subject for OfLobe {
         let sum = self.lobe.energy(Domain::Sphere, lmax).ok().and_then(|energy| {
             let empty = PredictionAccumulator::new(&energy, n, lmax);
             let resolution = Resolution::new(lmax, n);
-            accumulate(&self.realizations(), resolution, 0..self.count(), &empty, &|| ()).ok()
+            accumulate(&self.realizations(), resolution, 0..self.count(), &empty, &()).ok()
         });
         self.variance = sum.map_or(f64::NAN, |sum| sum.finish().variance);
     }
@@ -214,7 +213,7 @@ impl Subject for OfLobe {
     fn errors(&mut self) -> Errors {
         let mut exact = DoubleDouble::ZERO;
         for index in 0..self.count() {
-            let points = self.realizations().realize(index).expect("a feasible pattern");
+            let points = self.realizations().realize(index).expect("a feasible pattern").points;
             exact += variance(&points, self.kappa) / DoubleDouble::from(self.count());
         }
         // 4 pi int f^2 = kappa coth(kappa).

@@ -1,7 +1,7 @@
 use std::f64::consts::PI;
 
+use crate::reference::DoubleDouble;
 use glam::DVec3;
-use sphvar_reference::DoubleDouble;
 use sphvar_samplers::{Domain, Pattern, Purpose, SpectralControl, Streams};
 use sphvar_sh::Alm;
 use sphvar_sht::{Method, Transform, TransformWorkspace};
@@ -72,10 +72,11 @@ fn nearly_a_design() -> Vec<DVec3> {
     let design =
         SpectralControl::step(N, Domain::Sphere, None, None).expect("a step of 100 points");
     let mut rng = Streams::new(0, Purpose::Pattern, N).realization(0);
-    let points = sphvar_samplers::Sampler::sample(&design, &mut rng).expect("the descent arrives");
+    let points =
+        sphvar_samplers::Sampler::sample(&design, &mut rng).expect("the descent arrives").points;
     let mut rng = Streams::new(0, Purpose::Trial, N).realization(0);
     let noise = Pattern::WhiteNoise.build(N, Domain::Sphere).expect("any number of points");
-    let moves = noise.sample(&mut rng).expect("white noise is feasible");
+    let moves = noise.sample(&mut rng).expect("white noise is feasible").points;
     points.iter().zip(moves).map(|(p, v)| (p + MOVE * v).normalize()).collect()
 }
 

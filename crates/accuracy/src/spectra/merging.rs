@@ -1,5 +1,5 @@
+use crate::reference::DoubleDouble;
 use rand::Rng;
-use sphvar_reference::DoubleDouble;
 use sphvar_samplers::{Domain, Pattern, Purpose, Realizations, Streams};
 use sphvar_spectrum::{Moments, Resolution, SpectrumAccumulator, accumulate};
 
@@ -84,7 +84,7 @@ fn push_spectra(errors: &mut Errors, rng: &mut impl Rng) {
     let sets = Realizations::rotated(&*sampler, Streams::new(SEED, Purpose::Pattern, N));
     let empty = SpectrumAccumulator::new(Domain::Sphere, N, LMAX);
     let resolution = Resolution::new(LMAX, N);
-    let range = |range| accumulate(&sets, resolution, range, &empty, &|| ());
+    let range = |range| accumulate(&sets, resolution, range, &empty, &());
     let shards: Result<Vec<_>, _> =
         (0..COUNT / SHARD).map(|i| range(i * SHARD..(i + 1) * SHARD)).collect();
     let tree = shards.ok().and_then(|shards| {

@@ -1,5 +1,5 @@
+use crate::reference::DoubleDouble;
 use glam::DVec3;
-use sphvar_reference::DoubleDouble;
 
 /// A direction brought to length 1 in twice the working precision.
 pub(crate) fn unit(p: DVec3) -> [DoubleDouble; 3] {
@@ -47,8 +47,8 @@ pub(crate) fn legendre_sums(points: &[DVec3], lmax: usize) -> Vec<DoubleDouble> 
 
 #[cfg(test)]
 mod tests {
+    use crate::reference::DoubleDouble;
     use glam::DVec3;
-    use sphvar_reference::DoubleDouble;
     use sphvar_sh::legendre_p;
 
     use super::{legendre, legendre_sums};

@@ -1,10 +1,10 @@
 use std::sync::{Arc, OnceLock};
 
+use crate::reference::DoubleDouble;
 use glam::DVec3;
-use sphvar_reference::DoubleDouble;
 use sphvar_samplers::{Domain, Pattern, Purpose, Realizations, Sampler, Streams};
 use sphvar_spectrum::{
-    Method, Resolution, Spectrum, SpectrumAccumulator, accumulate, exact_spectrum,
+    ExactSpectrum, Method, Resolution, Spectrum, SpectrumAccumulator, accumulate,
 };
 
 use super::{legendre_sums, zones};
@@ -58,7 +58,7 @@ impl Sets {
         self.power.get_or_init(|| {
             let mut mean = vec![DoubleDouble::ZERO; self.lmax + 1];
             for index in 0..self.count {
-                let points = self.realizations().realize(index).expect("a feasible pattern");
+                let points = self.realizations().realize(index).expect("a feasible pattern").points;
                 for (mean, power) in mean.iter_mut().zip(legendre_sums(&points, self.lmax)) {
                     *mean += power / DoubleDouble::from(self.count);
                 }
@@ -94,7 +94,7 @@ impl Subject for OfSets {
         };
         let empty = SpectrumAccumulator::new(Domain::Sphere, n_points, *lmax);
         let sets = self.sets.realizations();
-        let sum = accumulate(&sets, resolution, 0..*count, &empty, &|| ());
+        let sum = accumulate(&sets, resolution, 0..*count, &empty, &());
         self.spectrum = sum.and_then(|sum| sum.finish()).ok();
     }
 
@@ -161,7 +161,8 @@ impl Known {
         let power = if self.is_lattice() {
             let sampler = self.pattern.build(self.n, Domain::Sphere).expect("the lattice exists");
             let mut rng = Streams::new(0, Purpose::Pattern, 0).realization(0);
-            let points: Vec<DVec3> = sampler.sample(&mut rng).expect("a lattice is feasible");
+            let points: Vec<DVec3> =
+                sampler.sample(&mut rng).expect("a lattice is feasible").points;
             legendre_sums(&points, self.lmax)
         } else {
             zones::power(self.n, self.lmax)
@@ -173,7 +174,9 @@ impl Known {
 impl Subject for Known {
     fn run(&mut self) {
         let Self { pattern, n, lmax, .. } = self;
-        self.spectrum = exact_spectrum(pattern, *n, Domain::Sphere, *lmax, &|_| ()).ok();
+        let sampler = pattern.build(*n, Domain::Sphere).ok();
+        let exact = sampler.as_deref().and_then(ExactSpectrum::of);
+        self.spectrum = exact.and_then(|exact| exact.to(*lmax, &()).ok());
     }
 
     fn errors(&mut self) -> Errors {

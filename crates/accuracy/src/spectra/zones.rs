@@ -1,4 +1,4 @@
-use sphvar_reference::DoubleDouble;
+use crate::reference::DoubleDouble;
 use sphvar_samplers::{Domain, EqualArea, Placement};
 
 use super::pair_sums::legendre;
@@ -84,7 +84,7 @@ impl Zone {
 
 #[cfg(test)]
 mod tests {
-    use sphvar_reference::DoubleDouble;
+    use crate::reference::DoubleDouble;
 
     use super::{Zone, power};
 

@@ -1,7 +1,7 @@
 use std::ops::Mul;
 
+use crate::reference::{AcuteAngle, DoubleDouble, LegendreColumn, power};
 use glam::DVec3;
-use sphvar_reference::{AcuteAngle, DoubleDouble, LegendreColumn, power};
 use sphvar_sh::Alm;
 
 /// A complex number of twice the working precision.

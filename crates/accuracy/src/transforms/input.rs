@@ -1,9 +1,9 @@
 use std::f64::consts::PI;
 use std::sync::OnceLock;
 
+use crate::reference::DoubleDouble;
 use glam::DVec3;
 use num_complex::Complex as Rounded;
-use sphvar_reference::DoubleDouble;
 use sphvar_sh::Alm;
 
 use super::definition::{Complex, Definition, value_at};

@@ -13,7 +13,7 @@ pub(crate) fn white_noise(n: usize) -> Vec<DVec3> {
 pub(crate) fn realization(pattern: &Pattern, n: usize, index: u64) -> Vec<DVec3> {
     let sampler = pattern.build(n, Domain::Sphere).expect("the pattern has sets of so many points");
     let mut rng = Streams::new(SEED, Purpose::Pattern, n).realization(index);
-    sampler.sample(&mut rng).expect("the set is a feasible one")
+    sampler.sample(&mut rng).expect("the set is a feasible one").points
 }
 
 /// Independent directions, each with the 15 that differ by the signs of coordinates or by x and y changing places: they

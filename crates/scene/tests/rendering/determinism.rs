@@ -3,14 +3,20 @@
 use rayon::ThreadPoolBuilder;
 use sphvar_samplers::Pattern;
 use sphvar_scene::{
-    CornellBox, DirectionMode, DirectionPlan, Estimator, Image, Integral, Region, View, render,
+    CornellBox, CropWindow, DirectionMode, DirectionPlan, Estimator, Image, Integral, View, render,
 };
 
 const AMBIENT: Integral<'static> =
     Integral::AmbientOcclusion { max_distance: f64::INFINITY, cosine: false };
 const SIZE: [usize; 2] = [37, 29];
 
-fn picture(mode: DirectionMode, seed: u64, number: u64, region: Option<Region>, k: usize) -> Image {
+fn picture(
+    mode: DirectionMode,
+    seed: u64,
+    number: u64,
+    region: Option<CropWindow>,
+    k: usize,
+) -> Image {
     let cornell = CornellBox::new();
     let mut view = View::new(&cornell.scene, &cornell.camera, SIZE).unwrap();
     view = view.with_rays_per_side(k).unwrap();
@@ -19,7 +25,7 @@ fn picture(mode: DirectionMode, seed: u64, number: u64, region: Option<Region>, 
     }
     let plan = DirectionPlan::new(Pattern::Jittered, 24, mode, seed).unwrap().with_sets(5).unwrap();
     let sets = plan.prepare(number).unwrap();
-    render(&view, &AMBIENT, Estimator::Ratio, &sets, &|_| ()).unwrap()
+    render(&view, &AMBIENT, Estimator::Ratio, &sets, &()).unwrap()
 }
 
 #[test]
@@ -37,7 +43,7 @@ fn threads_do_not_show() {
 
 #[test]
 fn a_part_is_the_part_of_the_whole() {
-    let region = Region { x: 5, y: 9, width: 23, height: 18 };
+    let region = CropWindow { x: 5, y: 9, width: 23, height: 18 };
     for mode in DirectionMode::ALL {
         let whole = picture(mode, 7, 1, None, 2);
         let part = picture(mode, 7, 1, Some(region), 2);
@@ -86,11 +92,11 @@ fn parts_and_sizes_out_of_range_are_refused() {
         [1, 0, 8, 6],
         [usize::MAX, 0, 2, 2],
     ] {
-        let region = Region { x, y, width, height };
+        let region = CropWindow { x, y, width, height };
         let message = view.with_region(region).unwrap_err().to_string();
         assert!(message.contains("8 by 6"), "{message}");
     }
-    view.with_region(Region { x: 7, y: 5, width: 1, height: 1 }).unwrap();
+    view.with_region(CropWindow { x: 7, y: 5, width: 1, height: 1 }).unwrap();
     for k in [0, View::MAX_RAYS_PER_SIDE + 1] {
         view.with_rays_per_side(k).unwrap_err();
     }

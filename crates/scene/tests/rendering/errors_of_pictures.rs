@@ -16,7 +16,7 @@ const AMBIENT: Integral<'static> =
 fn picture(plan: &DirectionPlan, number: u64) -> Image {
     let cornell = CornellBox::new();
     let view = View::new(&cornell.scene, &cornell.camera, SIZE).unwrap();
-    render(&view, &AMBIENT, Estimator::Ratio, &plan.prepare(number).unwrap(), &|_| ()).unwrap()
+    render(&view, &AMBIENT, Estimator::Ratio, &plan.prepare(number).unwrap(), &()).unwrap()
 }
 
 fn reference() -> &'static Image {

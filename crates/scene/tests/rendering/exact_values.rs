@@ -138,7 +138,7 @@ fn pixels_count_as_they_are_covered() {
     let camera = Camera::look_at(5.0 * DVec3::Z, DVec3::ZERO, DVec3::Y, 0.6).unwrap();
     let plan = DirectionPlan::new(Pattern::Jittered, 96, DirectionMode::Projective, SEED).unwrap();
     let view = View::new(&scene, &camera, [4, 4]).unwrap().with_rays_per_side(16).unwrap();
-    let image = render(&view, &OPEN, Estimator::Ratio, &plan.prepare(0).unwrap(), &|_| ()).unwrap();
+    let image = render(&view, &OPEN, Estimator::Ratio, &plan.prepare(0).unwrap(), &()).unwrap();
     assert_eq!((image.n_hits(), image.mean()), (16, 1.0));
     assert_eq!(image.values, [1.0; 16]);
     // The side of the square is 1 of the 5 tan(0.3) of half the picture; primary rays are 1/32 of a pixel off at most.

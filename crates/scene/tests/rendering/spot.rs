@@ -33,7 +33,7 @@ impl Spot {
         side: usize,
     ) -> Image {
         let view = View::new(&self.scene, &self.camera, [side, side]).unwrap();
-        render(&view, integral, estimator, directions, &|_| ()).unwrap()
+        render(&view, integral, estimator, directions, &()).unwrap()
     }
 }
 

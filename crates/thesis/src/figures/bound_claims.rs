@@ -1,9 +1,8 @@
 use sphvar_bounds::{Bound, MeasuredSpectrum, Side, ThesisBound};
-use sphvar_samplers::{Domain, Pattern};
-use sphvar_spectrum::{Spectrum, exact_spectrum};
+use sphvar_spectrum::Spectrum;
 
 use super::patterns::ThesisPattern;
-use super::spectra::mean_power;
+use super::spectra::{exact_jitter, mean_power};
 use crate::{Claim, Error, Figure, Quantity, Stated, Verdict};
 
 /// The confidence of all degrees together at which a bound is refuted or proved.
@@ -29,7 +28,7 @@ pub(crate) fn claim_bounds(
     // The upper bound of jitter is touched from below at high degrees: only the exact spectrum tells on which side.
     let exact = if pattern == ThesisPattern::Jittered {
         let (n, lmax) = (sampled.n_points(), sampled.lmax());
-        Some(exact_spectrum(&Pattern::Jittered, n, Domain::Sphere, lmax, &|_| ())?)
+        Some(exact_jitter(n, lmax)?)
     } else {
         None
     };

@@ -1,5 +1,6 @@
 use sphvar_bounds::{Profile, ThesisBound};
-use sphvar_variance::{Energy, VariancePoint, fit_rate};
+use sphvar_integrands::Energy;
+use sphvar_variance::{VariancePoint, fit_rate};
 
 use super::patterns::{BOUND_COLOUR, ThesisPattern};
 use super::significance;

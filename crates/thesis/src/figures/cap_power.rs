@@ -34,7 +34,7 @@ impl Recipe for CapPower {
 
     fn compose(&self, _: Setting, _: &Results, figure: &mut Figure) -> Result<(), Error> {
         let energy = TestIntegrand::Cap.function()?.energy(Domain::Sphere, LMAX)?;
-        let energy = energy.per_degree();
+        let energy = energy.per_band();
         linear_panels(energy, figure);
         logarithmic_panel(energy, figure);
         claim_bounds(energy, figure);

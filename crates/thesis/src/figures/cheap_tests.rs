@@ -4,10 +4,12 @@
 use std::collections::HashSet;
 use std::sync::LazyLock;
 
+use sphvar_samplers::SECONDS_PER_WORK;
+
 use super::tests::check_curves;
 use crate::{
     Content, Directions, Field, Figure, FigureId, Nothing, Results, Scale, Setting, Stated,
-    Verdict, run, seconds,
+    Verdict, run, work,
 };
 
 const QUICK: Setting = Setting { scale: Scale::Quick, seed: 0 };
@@ -23,7 +25,7 @@ static FIGURES: LazyLock<Vec<Figure>> = LazyLock::new(|| {
     let ids: Vec<FigureId> = CHEAP.iter().map(|number| number.parse().unwrap()).collect();
     let jobs: Vec<_> = ids.iter().flat_map(|id| id.jobs(QUICK)).collect();
     let mut results = Results::new(QUICK);
-    run(&jobs, &Nothing, &mut results, &|_| ()).unwrap();
+    run(&jobs, &Nothing, &mut results, &()).unwrap();
     ids.iter().map(|id| id.compose(&results).unwrap()).collect()
 });
 
@@ -161,7 +163,7 @@ fn jobs_keep_to_the_budget() {
         let ids = CHEAP.iter().chain(&DEAR).map(|number| number.parse::<FigureId>().unwrap());
         ids.flat_map(|id| id.jobs(setting)).collect()
     };
-    let (quick, full) = (seconds(&all(QUICK)), seconds(&all(FULL)));
+    let [quick, full] = [QUICK, FULL].map(|setting| SECONDS_PER_WORK * work(&all(setting)));
     assert!(quick < 150.0, "{quick} s");
     assert!(full < 1500.0, "{full} s");
 }

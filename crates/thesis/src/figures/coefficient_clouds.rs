@@ -4,7 +4,8 @@ use super::Recipe;
 use super::patterns::ThesisPattern;
 use super::significance::{kuiper, mean_is_zero, verdict};
 use crate::{
-    Axis, Claim, Ensemble, Error, Field, Figure, Job, Palette, Quantity, Results, Setting, Verdict,
+    Axis, Claim, Error, Field, Figure, Job, Palette, Quantity, Results, Setting, ThesisEnsemble,
+    Verdict,
 };
 
 /// Figure 4.17: the distribution of one coefficient over rotated sets.
@@ -28,7 +29,7 @@ const REACH: f64 = 3.0;
 const COMPARISONS: f64 = 9.0;
 
 fn job(pattern: ThesisPattern, m: usize) -> Job {
-    let ensemble = Ensemble::sphere(pattern.pattern(), N_POINTS);
+    let ensemble = ThesisEnsemble::sphere(pattern.pattern(), N_POINTS);
     Job::Coefficient { ensemble, l: DEGREE, m, sets: SETS }
 }
 

@@ -4,7 +4,7 @@ use sphvar_samplers::PoissonDisk;
 use super::Recipe;
 use super::patterns::ThesisPattern;
 use super::point_panel::sphere_points;
-use crate::{Claim, Ensemble, Error, Figure, Job, Quantity, Results, Setting, Verdict};
+use crate::{Claim, Error, Figure, Job, Quantity, Results, Setting, ThesisEnsemble, Verdict};
 
 /// Figure 7.2: Poisson disk points.
 pub(crate) struct DiskPoints;
@@ -23,7 +23,7 @@ impl Recipe for DiskPoints {
 
     fn compose(&self, setting: Setting, _: &Results, figure: &mut Figure) -> Result<(), Error> {
         let set = |pattern: ThesisPattern| {
-            Ensemble::sphere(pattern.pattern(), N_POINTS).unturned().set(setting.seed, 0)
+            ThesisEnsemble::sphere(pattern.pattern(), N_POINTS).unturned().set(setting.seed, 0)
         };
         let points = set(ThesisPattern::PoissonDisk)?;
         let root = (N_POINTS as f64).sqrt();

@@ -54,7 +54,7 @@ impl Recipe for IntegrandClasses {
                     Curve::line(
                         "cap of 60 degrees",
                         OTHER_COLOUR + 1,
-                        over_omega(|l| cap.per_degree()[l] / (2 * l + 1) as f64),
+                        over_omega(|l| cap.per_band()[l] / (2 * l + 1) as f64),
                     ),
                     Curve::line("energy c l^-2", OTHER_COLOUR, over_omega(power(worst))),
                 ],

@@ -5,8 +5,8 @@ use super::patterns::ThesisPattern;
 use super::point_panel::sphere_points;
 use super::spectra::{mean_spectrum, omega_axis, spectrum_curve};
 use crate::{
-    Axis, Claim, Curve, Curves, Ensemble, Error, Figure, Job, Mark, Quantity, Results, Setting,
-    Stated, Verdict,
+    Axis, Claim, Curve, Curves, Error, Figure, Job, Mark, Quantity, Results, Setting, Stated,
+    ThesisEnsemble, Verdict,
 };
 
 /// Figure 4.10: HEALPix centres and the Fibonacci lattice with their spectra.
@@ -39,7 +39,7 @@ impl Recipe for LatticeSpectra {
         for lattice in LATTICES {
             let spectrum = results.spectrum(&mean_spectrum(lattice, setting))?;
             let n = spectrum.n_points();
-            let shown = Ensemble::sphere(lattice.pattern(), N_SHOWN).unturned();
+            let shown = ThesisEnsemble::sphere(lattice.pattern(), N_SHOWN).unturned();
             figure.panel(
                 &format!("{}-points", lattice.name()),
                 format!("{}, N = {}", lattice.label(), shown.n_points),

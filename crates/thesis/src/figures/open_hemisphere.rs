@@ -8,8 +8,8 @@ use super::patterns::{OTHER_COLOUR, ThesisPattern};
 use super::point_panel::hemisphere_points;
 use super::spectra::{omega_axis, spectrum_curve};
 use crate::{
-    Axis, Claim, Curve, Curves, Ensemble, Error, Figure, Job, Mark, Palette, Quantity, Results,
-    Setting, Verdict,
+    Axis, Claim, Curve, Curves, Error, Figure, Job, Mark, Palette, Quantity, Results, Setting,
+    ThesisEnsemble, Verdict,
 };
 
 /// Figure 4.15: hemisphere sets read as sets of the sphere.
@@ -27,10 +27,10 @@ const LMAX: usize = 128;
 const PEAK: f64 = 10.0;
 
 /// As the thesis makes them, without rotation.
-fn ensemble(pattern: ThesisPattern) -> Ensemble {
+fn ensemble(pattern: ThesisPattern) -> ThesisEnsemble {
     match pattern {
-        ThesisPattern::Jittered => Ensemble::kept_half(pattern.pattern(), N_POINTS),
-        _ => Ensemble::hemisphere(pattern.pattern(), N_POINTS),
+        ThesisPattern::Jittered => ThesisEnsemble::kept_half(pattern.pattern(), N_POINTS),
+        _ => ThesisEnsemble::hemisphere(pattern.pattern(), N_POINTS),
     }
     .unturned()
 }

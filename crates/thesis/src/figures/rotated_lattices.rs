@@ -5,7 +5,9 @@ use super::Recipe;
 use super::order_grid::{OrderGrid, Style};
 use super::patterns::ThesisPattern;
 use super::significance::{at_most, largest_of_normal, verdict};
-use crate::{Claim, Ensemble, Error, Figure, Job, Palette, Quantity, Results, Setting, Stated};
+use crate::{
+    Claim, Error, Figure, Job, Palette, Quantity, Results, Setting, Stated, ThesisEnsemble,
+};
 
 /// Figures 4.11, 4.12 and 4.16: how rotations spread the power of a lattice over the orders.
 pub(crate) struct RotatedLattice {
@@ -55,11 +57,11 @@ impl RotatedLattice {
         }
     }
 
-    fn ensemble(&self) -> Ensemble {
+    fn ensemble(&self) -> ThesisEnsemble {
         let pattern = self.lattice.pattern();
         match self.domain {
-            Domain::Sphere => Ensemble::sphere(pattern, N_POINTS),
-            Domain::Hemisphere => Ensemble::hemisphere(pattern, N_POINTS),
+            Domain::Sphere => ThesisEnsemble::sphere(pattern, N_POINTS),
+            Domain::Hemisphere => ThesisEnsemble::hemisphere(pattern, N_POINTS),
         }
     }
 

@@ -9,8 +9,8 @@ use super::spectra::{
     LMAX, N_POINTS, mean_power, mean_spectrum, omega_axis, realizations, spectrum_curve,
 };
 use crate::{
-    Axis, Claim, Curve, Curves, Ensemble, Error, Figure, Job, Mark, Quantity, Results, Setting,
-    Stated, Verdict,
+    Axis, Claim, Curve, Curves, Error, Figure, Job, Mark, Quantity, Results, Setting, Stated,
+    ThesisEnsemble, Verdict,
 };
 
 /// Figure 4.14: the mean spectra of the random patterns on the sphere and on the hemisphere.
@@ -48,8 +48,8 @@ fn hemisphere_spectrum(pattern: ThesisPattern, half: Half, setting: Setting) -> 
         (
             Half::Kept,
             ThesisPattern::Jittered | ThesisPattern::PoissonDisk | ThesisPattern::Ccvt,
-        ) => Ensemble::kept_half(pattern.pattern(), N_HALF),
-        _ => Ensemble::hemisphere(pattern.pattern(), N_HALF),
+        ) => ThesisEnsemble::kept_half(pattern.pattern(), N_HALF),
+        _ => ThesisEnsemble::hemisphere(pattern.pattern(), N_HALF),
     };
     Job::Spectrum {
         ensemble,
@@ -62,7 +62,7 @@ fn hemisphere_spectrum(pattern: ThesisPattern, half: Half, setting: Setting) -> 
 /// Sphere sets of few points to a high omega.
 fn far_spectrum(pattern: ThesisPattern, setting: Setting) -> Job {
     Job::Spectrum {
-        ensemble: Ensemble::sphere(pattern.pattern(), N_FAR),
+        ensemble: ThesisEnsemble::sphere(pattern.pattern(), N_FAR),
         domain: Domain::Sphere,
         lmax: LMAX,
         sets: setting.scale.pick(100, 400),
@@ -72,7 +72,7 @@ fn far_spectrum(pattern: ThesisPattern, setting: Setting) -> Job {
 /// Degree 2 of kept halves of jittered sets.
 fn seam(n_points: usize, setting: Setting) -> Job {
     Job::Spectrum {
-        ensemble: Ensemble::kept_half(Pattern::Jittered, n_points),
+        ensemble: ThesisEnsemble::kept_half(Pattern::Jittered, n_points),
         domain: Domain::Hemisphere,
         lmax: 2,
         sets: setting.scale.pick(1000, 4000),
@@ -174,15 +174,15 @@ fn spectra_panel<'a>(
 /// A set of each pattern, with fewer points than the spectra have.
 fn insets(setting: Setting, figure: &mut Figure) -> Result<(), Error> {
     for pattern in PATTERNS {
-        let sphere = Ensemble::sphere(pattern.pattern(), N_SHOWN);
+        let sphere = ThesisEnsemble::sphere(pattern.pattern(), N_SHOWN);
         figure.panel(
             &format!("{}-sphere", pattern.name()),
             format!("{}, N = {}", pattern.label(), sphere.n_points),
             sphere_points(sphere.set(setting.seed, 0)?),
         );
         let half = match pattern {
-            ThesisPattern::WhiteNoise => Ensemble::hemisphere(pattern.pattern(), N_SHOWN / 2),
-            _ => Ensemble::kept_half(pattern.pattern(), N_SHOWN / 2),
+            ThesisPattern::WhiteNoise => ThesisEnsemble::hemisphere(pattern.pattern(), N_SHOWN / 2),
+            _ => ThesisEnsemble::kept_half(pattern.pattern(), N_SHOWN / 2),
         };
         let points = half.set(setting.seed, 0)?;
         figure.panel(

@@ -1,8 +1,8 @@
-use sphvar_samplers::Domain;
-use sphvar_spectrum::Spectrum;
+use sphvar_samplers::{Domain, Pattern};
+use sphvar_spectrum::{ExactSpectrum, Spectrum};
 
 use super::patterns::ThesisPattern;
-use crate::{Axis, Curve, Ensemble, Job, Mark, Setting};
+use crate::{Axis, Curve, Error, Job, Mark, Setting, ThesisEnsemble};
 
 /// The number of points of the thesis's mean spectra.
 pub(crate) const N_POINTS: usize = 4096;
@@ -12,7 +12,7 @@ pub(crate) const LMAX: usize = 256;
 /// The mean spectrum of turned sphere sets of about [`N_POINTS`] points, which several figures show.
 pub(crate) fn mean_spectrum(pattern: ThesisPattern, setting: Setting) -> Job {
     Job::Spectrum {
-        ensemble: Ensemble::sphere(pattern.pattern(), N_POINTS),
+        ensemble: ThesisEnsemble::sphere(pattern.pattern(), N_POINTS),
         domain: Domain::Sphere,
         lmax: LMAX,
         sets: realizations(pattern, setting),
@@ -55,4 +55,12 @@ pub(crate) fn mean_power(spectrum: &Spectrum, degrees: impl Fn(usize) -> bool) -
         count += orders;
     }
     (sum / count, variance.sqrt() / count)
+}
+
+/// The exact spectrum of HEALPix jitter to degree `lmax`.
+pub(super) fn exact_jitter(n_points: usize, lmax: usize) -> Result<Spectrum, Error> {
+    let sampler = Pattern::Jittered.build(n_points, Domain::Sphere)?;
+    let exact = ExactSpectrum::of(&*sampler)
+        .ok_or_else(|| Error::Missing { key: "the exact spectrum of jitter".to_owned() })?;
+    Ok(exact.to(lmax, &())?)
 }

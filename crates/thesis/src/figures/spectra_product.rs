@@ -1,9 +1,11 @@
-use sphvar_samplers::{Domain, Pattern};
-use sphvar_spectrum::{Spectrum, exact_spectrum};
-use sphvar_variance::{Integrand, VonMisesFisher, predict};
+use sphvar_integrands::{Integrand, VonMisesFisher};
+use sphvar_samplers::Domain;
+use sphvar_spectrum::Spectrum;
+use sphvar_variance::predict;
 
 use super::Recipe;
 use super::patterns::{OTHER_COLOUR, ThesisPattern};
+use super::spectra::exact_jitter;
 use crate::{
     Axis, Claim, Curve, Curves, Error, Figure, Job, Quantity, Results, Setting, Stated, Verdict,
 };
@@ -31,7 +33,7 @@ impl Recipe for SpectraProduct {
         let spectra = [spectrum(N_POINTS[0])?, spectrum(N_POINTS[1])?];
         let energy = VonMisesFisher::new(KAPPA)?.energy(Domain::Sphere, LMAX)?;
         let integrand: Vec<f64> =
-            energy.per_degree().iter().zip(0..).map(|(e, l)| e / f64::from(2 * l + 1)).collect();
+            energy.per_band().iter().zip(0..).map(|(e, l)| e / f64::from(2 * l + 1)).collect();
         // The height is no matter here; on a common axis the integrand begins at the sampler's plateau.
         let scaled: Vec<f64> = integrand.iter().map(|p| p / integrand[1]).collect();
         for (name, count) in [("a", 1), ("b", 2)] {
@@ -85,7 +87,7 @@ impl Recipe for SpectraProduct {
 }
 
 fn spectrum(n_points: usize) -> Result<Spectrum, Error> {
-    Ok(exact_spectrum(&Pattern::Jittered, n_points, Domain::Sphere, LMAX, &|_| ())?)
+    exact_jitter(n_points, LMAX)
 }
 
 /// "The sampler's spectrum scales along the frequency": its curves for N and 4N are one over l/sqrt(N).

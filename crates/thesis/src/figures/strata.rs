@@ -4,7 +4,9 @@ use sphvar_healpix::{Cell, Nside, PixelOrder, Ring};
 use super::Recipe;
 use super::patterns::ThesisPattern;
 use super::point_panel::VIEWPOINT;
-use crate::{Claim, Directions, Ensemble, Error, Figure, Job, Quantity, Results, Setting, Stated};
+use crate::{
+    Claim, Directions, Error, Figure, Job, Quantity, Results, Setting, Stated, ThesisEnsemble,
+};
 
 /// Figure 7.1: white noise, HEALPix centres and jittered points, with the HEALPix cells.
 pub(crate) struct Strata;
@@ -28,7 +30,8 @@ impl Recipe for Strata {
         let n = 12 * (NSIDE * NSIDE) as usize;
         let mut single = Vec::new();
         for pattern in PATTERNS {
-            let points = Ensemble::sphere(pattern.pattern(), n).unturned().set(setting.seed, 0)?;
+            let points =
+                ThesisEnsemble::sphere(pattern.pattern(), n).unturned().set(setting.seed, 0)?;
             single.push(share_with_one(&order, &points));
             let lines = match pattern {
                 ThesisPattern::WhiteNoise => Vec::new(),

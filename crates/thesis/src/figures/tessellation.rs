@@ -4,7 +4,7 @@ use sphvar_samplers::{Ccvt, Domain, Pattern, Purpose, Streams};
 use super::Recipe;
 use super::patterns::{CAPACITY, MASS_POINTS, ThesisPattern};
 use super::point_panel::sphere_points;
-use crate::{Claim, Ensemble, Error, Figure, Job, Quantity, Results, Setting, Verdict};
+use crate::{Claim, Error, Figure, Job, Quantity, Results, Setting, ThesisEnsemble, Verdict};
 
 /// Figure 7.3: the sites of a capacity-constrained tessellation.
 pub(crate) struct TessellationSites;
@@ -31,8 +31,8 @@ impl Recipe for TessellationSites {
         let ccvt = Ccvt::new(N_POINTS, Domain::Sphere, CAPACITY, MASS_POINTS)?;
         let tessellation = ccvt.tessellate(&mut streams.realization(0))?;
         let sites = tessellation.sites();
-        let white =
-            Ensemble::sphere(ThesisPattern::WhiteNoise.pattern(), N_POINTS).set(setting.seed, 0)?;
+        let white = ThesisEnsemble::sphere(ThesisPattern::WhiteNoise.pattern(), N_POINTS)
+            .set(setting.seed, 0)?;
         let (spread, of_white) = (spread_of_areas(&sites)?, spread_of_areas(&white)?);
         figure.panel("points", format!("CCVT, N = {N_POINTS}"), sphere_points(sites));
         // What m random mass points leave open of an area.
@@ -65,7 +65,7 @@ impl Recipe for TessellationSites {
 
 /// The standard deviation of the areas of the Voronoi cells over their mean, by the nearest sites of a lattice.
 fn spread_of_areas(sites: &[DVec3]) -> Result<f64, Error> {
-    let probes = Ensemble::sphere(Pattern::Fibonacci, PROBES * sites.len()).unturned();
+    let probes = ThesisEnsemble::sphere(Pattern::Fibonacci, PROBES * sites.len()).unturned();
     let mut areas = vec![0_u32; sites.len()];
     for probe in probes.set(0, 0)? {
         let mut nearest = (f64::NEG_INFINITY, 0);

@@ -3,9 +3,11 @@
 
 use std::collections::HashSet;
 
+use sphvar_samplers::SECONDS_PER_WORK;
+
 use crate::{
     Content, Curves, Error, Figure, FigureId, Job, Nothing, Picture, Pictures, Results, Scale,
-    Setting, Stated, Verdict, run, seconds,
+    Setting, Stated, Verdict, run, work,
 };
 
 const QUICK: Setting = Setting { scale: Scale::Quick, seed: 0 };
@@ -40,7 +42,7 @@ fn cut(job: &Job) -> Job {
 pub(super) fn results_of(jobs: &[Job], cut: fn(&Job) -> Job) -> Result<Results, Error> {
     let cut: Vec<Job> = jobs.iter().map(cut).collect();
     let mut few = Results::new(QUICK);
-    run(&cut, &Nothing, &mut few, &|_| ())?;
+    run(&cut, &Nothing, &mut few, &())?;
     let mut results = Results::new(QUICK);
     for (job, cut) in jobs.iter().zip(&cut) {
         results.take_over(job, &few, cut);
@@ -150,7 +152,7 @@ fn the_work_is_affordable() -> Result<(), Error> {
     for (setting, most) in [(QUICK, 300.0), (FULL, 1500.0)] {
         let ids: Result<Vec<FigureId>, Error> = FIGURES.iter().map(|name| name.parse()).collect();
         let jobs: Vec<Job> = ids?.iter().flat_map(|id| id.jobs(setting)).collect();
-        let took = seconds(&jobs);
+        let took = SECONDS_PER_WORK * work(&jobs);
         assert!(took > 0.3 * most && took < most, "{:?}: {took} seconds", setting.scale);
     }
     Ok(())

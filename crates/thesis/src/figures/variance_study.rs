@@ -1,10 +1,11 @@
 use sphvar_bounds::{Profile, variance_bound};
+use sphvar_integrands::Energy;
 use sphvar_samplers::Domain;
 use sphvar_spectrum::{Resolution, Spectrum};
-use sphvar_variance::{Energy, VariancePoint, predict};
+use sphvar_variance::{VariancePoint, predict};
 
 use super::patterns::ThesisPattern;
-use crate::{Ensemble, Error, Job, Results, Setting, TestIntegrand};
+use crate::{Error, Job, Results, Setting, TestIntegrand, ThesisEnsemble};
 
 /// The variance of both test integrands over the number of points, for one pattern: measured, predicted, bounded.
 #[derive(Clone, Copy)]
@@ -102,13 +103,13 @@ impl VarianceStudy {
         self.trial(n_points).sets()
     }
 
-    fn ensemble(self, n_points: usize) -> Ensemble {
-        Ensemble::sphere(self.pattern.pattern(), n_points)
+    fn ensemble(self, n_points: usize) -> ThesisEnsemble {
+        ThesisEnsemble::sphere(self.pattern.pattern(), n_points)
     }
 
     fn trial(self, n_points: usize) -> Job {
         let of = |sets| Job::Trials { ensemble: self.ensemble(n_points), sets };
-        of(affordable(&of(1), self.setting.scale.pick(1.5, 20.0), TRIALS))
+        of(affordable(&of(1), self.setting.scale.pick(2.5e7, 3.3e8), TRIALS))
     }
 
     fn spectrum(self, n_points: usize) -> Job {
@@ -118,18 +119,18 @@ impl VarianceStudy {
             lmax: Resolution::natural_degree(n_points),
             sets,
         };
-        of(affordable(&of(1), self.setting.scale.pick(0.75, 10.0), REALIZATIONS))
+        of(affordable(&of(1), self.setting.scale.pick(1.25e7, 1.7e8), REALIZATIONS))
     }
 }
 
-/// How many sets of a job are made in about so many seconds of one core, within limits.
+/// How many sets of a job are of about so much nominal work, within limits.
 #[expect(
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,
     reason = "a positive number, and too large ones become the largest"
 )]
-fn affordable(job: &Job, seconds: f64, (least, most): (u64, u64)) -> u64 {
-    ((seconds / job.seconds_of_set()) as u64).clamp(least, most)
+fn affordable(job: &Job, work: f64, (least, most): (u64, u64)) -> u64 {
+    ((work / job.work_of_set()) as u64).clamp(least, most)
 }
 
 /// The energies of a test integrand.
@@ -140,5 +141,5 @@ pub(crate) fn energy(integrand: TestIntegrand) -> Result<Energy, Error> {
 /// The variance that a profile allows, at its larger end.
 pub(crate) fn bound(profile: &Profile, n_points: usize, energy: &Energy) -> Result<f64, Error> {
     let tail = energy.beyond(energy.lmax());
-    Ok(variance_bound(profile, n_points, Domain::Sphere, energy.per_degree(), tail)?.upper)
+    Ok(variance_bound(profile, n_points, Domain::Sphere, energy.per_band(), tail)?.upper)
 }

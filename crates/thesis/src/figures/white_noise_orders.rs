@@ -3,7 +3,7 @@ use sphvar_samplers::Pattern;
 use super::Recipe;
 use super::order_grid::{OrderGrid, Style};
 use crate::{
-    Claim, Ensemble, Error, Figure, Job, Palette, Quantity, Results, Setting, Stated, Verdict,
+    Claim, Error, Figure, Job, Palette, Quantity, Results, Setting, Stated, ThesisEnsemble, Verdict,
 };
 
 /// Figure 4.9: the power of every order of white noise, as a triangle and as a square.
@@ -15,7 +15,11 @@ const N_POINTS: usize = 1024;
 const LMAX: usize = 64;
 
 fn job(sets: u64) -> Job {
-    Job::Orders { ensemble: Ensemble::sphere(Pattern::WhiteNoise, N_POINTS), lmax: LMAX, sets }
+    Job::Orders {
+        ensemble: ThesisEnsemble::sphere(Pattern::WhiteNoise, N_POINTS),
+        lmax: LMAX,
+        sets,
+    }
 }
 
 fn realizations(setting: Setting) -> u64 {

@@ -1,4 +1,4 @@
-use crate::DoubleDouble;
+use super::DoubleDouble;
 
 /// What the sum of the first two parts of pi lacks.
 const PI_THIRD: f64 = -2.994769809718339666e-33;

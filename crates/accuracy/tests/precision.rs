@@ -2,7 +2,7 @@
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
-use sphvar_reference::{AcuteAngle, DoubleDouble, LegendreTable, lambda};
+use sphvar_accuracy::reference::{AcuteAngle, DoubleDouble, LegendreTable, lambda};
 
 fn dd(x: f64) -> DoubleDouble {
     DoubleDouble::from(x)

@@ -1,6 +1,6 @@
 use std::f64::consts::FRAC_PI_2;
 
-use crate::DoubleDouble;
+use super::DoubleDouble;
 
 /// The angle to the nearer pole in twice the working precision, and which pole that is.
 #[derive(Clone, Copy, Debug)]

@@ -5,7 +5,7 @@ use std::ops::Mul;
 /// By squaring: `O(log n)` products, and none that the result does not need, so that nothing overflows on the way.
 ///
 /// ```
-/// assert_eq!(sphvar_reference::power(1, 3, 5), 243);
+/// assert_eq!(sphvar_accuracy::reference::power(1, 3, 5), 243);
 /// ```
 #[must_use]
 pub fn power<T: Copy + Mul<Output = T>>(one: T, base: T, n: u64) -> T {

@@ -1,6 +1,6 @@
-use crate::DoubleDouble;
+use super::DoubleDouble;
 
-const TABLE: &str = include_str!("../data/associated_legendre.csv");
+const TABLE: &str = include_str!("../../data/associated_legendre.csv");
 
 /// A value of the table.
 #[derive(Clone, Copy, Debug)]

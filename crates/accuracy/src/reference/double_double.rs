@@ -1,7 +1,7 @@
 use std::cmp::Ordering;
 use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub};
 
-use crate::power;
+use super::power;
 
 /// A number of about 32 digits, an unevaluated sum of two `f64` with an exponent of its own.
 ///
@@ -16,7 +16,7 @@ use crate::power;
 /// # Examples
 ///
 /// ```
-/// use sphvar_reference::DoubleDouble;
+/// use sphvar_accuracy::reference::DoubleDouble;
 ///
 /// let third = DoubleDouble::ONE / DoubleDouble::from(3.0);
 /// let rest = third * DoubleDouble::from(3.0) - DoubleDouble::ONE;

@@ -4,7 +4,7 @@
 //! Nothing here is fast, and nothing depends on the crates whose values it judges.
 //!
 //! ```
-//! use sphvar_reference::{DoubleDouble, LegendreTable};
+//! use sphvar_accuracy::reference::{DoubleDouble, LegendreTable};
 //!
 //! let (sin, cos) = DoubleDouble::from(2.5).sin_cos();
 //! let rest = sin * sin + cos * cos - DoubleDouble::ONE;

@@ -4,7 +4,7 @@ use crate::Image;
 
 /// A test of all pixels for a bias, together.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct BiasTest {
+pub struct PictureBias {
     /// The largest |t| of a pixel: its mean error in standard errors.
     pub largest: f64,
     /// What |t| stays below in all pixels with probability 99 % if there is no bias: Student's t with one degree of
@@ -15,7 +15,7 @@ pub struct BiasTest {
     pub beyond: usize,
 }
 
-impl BiasTest {
+impl PictureBias {
     /// The probability of finding a bias where there is none, as far as errors are normal.
     pub const ALPHA: f64 = 0.01;
 

@@ -1,4 +1,4 @@
-use crate::{AcuteAngle, DoubleDouble};
+use super::{AcuteAngle, DoubleDouble};
 
 /// An associated Legendre function and what its errors are relative to.
 #[derive(Clone, Copy, Debug)]
@@ -50,7 +50,7 @@ fn relative(difference: DoubleDouble, scale: DoubleDouble) -> f64 {
 /// # Examples
 ///
 /// ```
-/// use sphvar_reference::{AcuteAngle, LegendreColumn};
+/// use sphvar_accuracy::reference::{AcuteAngle, LegendreColumn};
 ///
 /// let column = LegendreColumn::new(0, AcuteAngle::from_theta(0.5));
 /// let values: Vec<f64> = column.take(2).map(|next| next.value.value()).collect();
