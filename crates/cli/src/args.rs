@@ -3,21 +3,35 @@
 use clap::{Parser, Subcommand};
 
 use crate::commands::{
-    accuracy, audit, bounds, choose, compare, eval, healpix, merge, render, reproduce, sample,
-    spectrum, variance,
+    accuracy, audit, bounds, choose, compare, completions, eval, healpix, merge, render, reproduce,
+    sample, spectrum, variance,
 };
 use crate::global::Global;
 
 /// Which pattern of N directions on the sphere or hemisphere gives the least integration error, and
 /// why.
 #[derive(Debug, Parser)]
-#[command(name = "sphvar", version, propagate_version = true, max_term_width = 100)]
+#[command(
+    name = "sphvar",
+    version,
+    propagate_version = true,
+    max_term_width = 100,
+    after_help = QUESTIONS
+)]
 pub(crate) struct Cli {
     #[command(subcommand)]
     pub(crate) command: Command,
     #[command(flatten)]
     pub(crate) global: Global,
 }
+
+const QUESTIONS: &str = "Three questions:
+  Which pattern of 500 directions has the least error for my integrand?
+    sphvar choose --integrand vmf:kappa=50 -n 500
+  How many directions does an error of 1 % need?
+    sphvar choose --integrand cap:degrees=60 --error 1%
+  Do predicted and measured variance agree, and how fast do they fall?
+    sphvar compare --integrand cap:degrees=60 -n 48,192,768 -o results";
 
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
@@ -60,4 +74,7 @@ pub(crate) enum Command {
     /// Measure accuracy and speed against high-precision references, including extreme inputs
     #[command(after_help = accuracy::EXAMPLES)]
     Accuracy(accuracy::AccuracyArgs),
+    /// Print the completions of a shell
+    #[command(after_help = completions::EXAMPLES)]
+    Completions(completions::CompletionsArgs),
 }

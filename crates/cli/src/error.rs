@@ -83,7 +83,14 @@ impl From<sphvar_variance::Error> for CliError {
     fn from(error: sphvar_variance::Error) -> Self {
         match error {
             sphvar_variance::Error::Spectrum(error) => error.into(),
+            sphvar_variance::Error::Integrand(error) => error.into(),
             _ => Self::failed(error),
         }
+    }
+}
+
+impl From<sphvar_integrands::Error> for CliError {
+    fn from(error: sphvar_integrands::Error) -> Self {
+        Self::failed(error)
     }
 }

@@ -5,8 +5,8 @@ mod expression;
 mod healpix_map;
 mod term;
 
+use sphvar_integrands::Integrand;
 use sphvar_samplers::Domain;
-use sphvar_variance::Integrand;
 
 use crate::error::CliError;
 use crate::report::say;

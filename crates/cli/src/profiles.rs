@@ -1,6 +1,6 @@
 //! Profiles as they are named on the command line.
 
-use sphvar_bounds::{Profile, Shape};
+use sphvar_bounds::{Profile, ProfileShape};
 
 use crate::error::CliError;
 use crate::spec::{Spec, unknown_name};
@@ -16,11 +16,11 @@ pub(crate) struct ParsedProfile {
 pub(crate) fn parse_profile(text: &str) -> Result<ParsedProfile, CliError> {
     let mut spec = Spec::parse(text)?;
     let shape = match spec.name.as_str() {
-        "constant" => Shape::Constant,
-        "step" => Shape::Step,
-        "linear" => Shape::Polynomial { exponent: 1.0 },
-        "quadratic" => Shape::Polynomial { exponent: 2.0 },
-        "poly" => Shape::Polynomial { exponent: spec.require_number("b")? },
+        "constant" => ProfileShape::Constant,
+        "step" => ProfileShape::Step,
+        "linear" => ProfileShape::Polynomial { exponent: 1.0 },
+        "quadratic" => ProfileShape::Polynomial { exponent: 2.0 },
+        "poly" => ProfileShape::Polynomial { exponent: spec.require_number("b")? },
         name => {
             let known = ["constant", "step", "linear", "quadratic", "poly"];
             return Err(unknown_name("profile", name, &known));
@@ -35,6 +35,6 @@ pub(crate) fn parse_profile(text: &str) -> Result<ParsedProfile, CliError> {
         .and_then(|p| p.with_offset(offset))
         .map_err(wrong)?;
     // A constant has no place where it levels off.
-    let has_alpha = alpha.is_some() || shape == Shape::Constant;
+    let has_alpha = alpha.is_some() || shape == ProfileShape::Constant;
     Ok(ParsedProfile { profile, has_alpha, has_gamma: gamma.is_some() })
 }

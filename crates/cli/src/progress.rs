@@ -6,10 +6,11 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Duration;
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
+use sphvar_samplers::Stopped;
 
 use crate::message;
 
-/// A progress bar over an estimated number of seconds of work; silent where standard error is no
+/// A progress bar over nominal work; silent where standard error is no
 /// terminal.
 pub(crate) struct Progress {
     bar: ProgressBar,
@@ -17,15 +18,15 @@ pub(crate) struct Progress {
     longest: Arc<AtomicU64>,
 }
 
-/// Ticks to an estimated second: the bar counts whole numbers.
-const TICKS: f64 = 1e6;
+/// Ticks to a unit of work: the bar counts whole numbers.
+const TICKS: f64 = 16.0;
 
 impl Progress {
-    /// A bar for `cost` units of work, of any size.
-    pub(crate) fn new(cost: f64, quiet: bool) -> Self {
+    /// A bar for `work` units.
+    pub(crate) fn new(work: f64, quiet: bool) -> Self {
         let longest = Arc::new(AtomicU64::new(u64::MAX));
         let bar = ProgressBar::with_draw_target(
-            Some(ticks(cost)),
+            Some(ticks(work)),
             if quiet { ProgressDrawTarget::hidden() } else { ProgressDrawTarget::stderr() },
         );
         let style =
@@ -46,20 +47,9 @@ impl Progress {
         self.bar.set_message(message::escape(what).into_owned());
     }
 
-    /// Adds `cost` units to what is to be done.
-    pub(crate) fn lengthen(&self, cost: f64) {
-        self.bar.inc_length(ticks(cost));
-        self.longest.store(u64::MAX, Ordering::Relaxed);
-    }
-
-    /// Counts `cost` units as done.
-    pub(crate) fn advance(&self, cost: f64) {
-        self.bar.inc(ticks(cost));
-    }
-
-    /// A share of `cost` units of the work.
-    pub(crate) fn share(&self, cost: f64) -> Share<'_> {
-        Share { progress: self, ticks: ticks(cost), done: AtomicU64::new(0) }
+    /// Counts `work` units as done.
+    pub(crate) fn advance(&self, work: f64) {
+        self.bar.inc(ticks(work));
     }
 
     /// Writes a line above the bar, if there is one to be seen.
@@ -68,24 +58,18 @@ impl Progress {
     }
 }
 
-/// A part of the work that may turn out to be less than was expected.
-pub(crate) struct Share<'a> {
-    progress: &'a Progress,
-    ticks: u64,
-    done: AtomicU64,
-}
-
-impl Share<'_> {
-    /// Counts `cost` units as done, never more than the whole share.
-    pub(crate) fn advance(&self, cost: f64) {
-        let step = ticks(cost);
-        let before = self.done.fetch_add(step, Ordering::Relaxed);
-        self.progress.bar.inc(step.min(self.ticks.saturating_sub(before)));
+impl sphvar_samplers::Progress for Progress {
+    /// Never stops the work: an interrupt ends the process.
+    fn tick(&self, work: f64) -> Result<(), Stopped> {
+        self.advance(work);
+        Ok(())
     }
 
-    /// Counts what is left as done.
-    pub(crate) fn finish(self) {
-        self.progress.bar.inc(self.ticks.saturating_sub(self.done.into_inner()));
+    fn expect(&self, work: f64) {
+        if work > 0.0 {
+            self.bar.inc_length(ticks(work));
+            self.longest.store(u64::MAX, Ordering::Relaxed);
+        }
     }
 }
 
@@ -113,6 +97,6 @@ fn left(state: &ProgressState, longest: &AtomicU64) -> String {
     clippy::cast_sign_loss,
     reason = "the cast saturates, and a bar may"
 )]
-fn ticks(cost: f64) -> u64 {
-    (cost * TICKS).round() as u64
+fn ticks(work: f64) -> u64 {
+    (work * TICKS).round() as u64
 }

@@ -11,6 +11,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use sphvar_accuracy::{Area, Effort, hard_cases, trials};
+use sphvar_samplers::Progress as _;
 
 use self::charts::{area_chart, chart_name};
 use self::machine::{Machine, today};
@@ -130,14 +131,14 @@ fn plot_paths(plot: Option<&Path>, areas: &[Area]) -> Result<Vec<(Area, PathBuf)
 /// Runs every trial and hard case.
 fn measure(areas: &[Area], quick: bool, quiet: bool) -> (Vec<TrialRecord>, Vec<HardCaseRecord>) {
     let effort = if quick { Effort::Quick } else { Effort::Full };
-    // What a trial takes is not known before: each counts as one, in seconds that are a guess.
+    // What a trial takes is not known before: each counts as one.
     let progress = Progress::new(0.0, quiet);
     let (mut records, mut case_records) = (Vec::new(), Vec::new());
     for &area in areas {
         // One area after the other: inputs of all would fill the memory.
         let trials = trials(area, effort);
         let cases = hard_cases(area);
-        progress.lengthen((trials.len() + cases.len()) as f64);
+        progress.expect((trials.len() + cases.len()) as f64);
         for mut trial in trials {
             progress.stage(&format!("{}: {}", trial.method, trial.case));
             let seconds = median_seconds(&mut *trial.subject, effort);

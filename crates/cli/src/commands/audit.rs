@@ -6,9 +6,9 @@ use std::path::PathBuf;
 
 use clap::Args;
 use glam::DMat3;
-use sphvar_samplers::{Domain, Purpose, Realizations, Sampler, Streams, uniform_rotation};
+use sphvar_samplers::{Domain, Purpose, Realizations, Sampler, Streams};
 use sphvar_spectrum::{
-    AuditSettings, HomogeneityAccumulator, HomogeneityAudit, PointSets, Resolution, TurnedSets,
+    AuditSettings, Ensemble as PointEnsemble, HomogeneityAccumulator, HomogeneityAudit, Resolution,
     accumulate,
 };
 
@@ -194,21 +194,25 @@ impl Plan {
             Source::Sampler { .. } if !unrotated => 2.0,
             _ => 1.0,
         };
-        let progress = Progress::new(rounds * self.seconds(), quiet);
-        let audit = |ensemble: Ensemble, sets: &dyn PointSets, used: &dyn Fn() -> Vec<DMat3>| {
+        let making = match source {
+            Source::Sampler { sampler, .. } => sampler.nominal_work(),
+            Source::Files(_) => 0.0,
+        };
+        let progress = Progress::new(rounds * self.work(making), quiet);
+        let audit = |ensemble: Ensemble, sets: &dyn PointEnsemble, used: Option<&[DMat3]>| {
             progress.stage(&format!("{name} {}", ensemble.name()));
             self.audit(sets, used, &progress).map(|audit| (ensemble, audit))
         };
         match source {
-            Source::Files(sets) => Ok(vec![audit(Ensemble::FromFiles, sets, &Vec::new)?]),
+            Source::Files(sets) => Ok(vec![audit(Ensemble::FromFiles, sets.sets(), None)?]),
             Source::Sampler { sampler, streams, .. } => {
                 let drawn = Ensemble::AsDrawn { random: sampler.is_random() };
                 let sets = Realizations::unrotated(&**sampler, *streams);
-                let mut audits = vec![audit(drawn, &sets, &Vec::new)?];
+                let mut audits = vec![audit(drawn, &sets, None)?];
                 if !unrotated {
-                    let count = usize::try_from(self.count).map_err(CliError::failed)?;
-                    let sets = TurnedSets::new(&**sampler, *streams, count, uniform_rotation);
-                    audits.push(audit(Ensemble::Rotated, &sets, &|| sets.rotations())?);
+                    let sets = Realizations::rotated(&**sampler, *streams);
+                    let used: Vec<DMat3> = (0..self.count).map(|i| sets.rotation(i)).collect();
+                    audits.push(audit(Ensemble::Rotated, &sets, Some(&used))?);
                 }
                 Ok(audits)
             }
@@ -218,33 +222,20 @@ impl Plan {
     /// One audit; `used` are the rotations that turned the sets, none if they are not known.
     fn audit(
         &self,
-        sets: &dyn PointSets,
-        used: &dyn Fn() -> Vec<DMat3>,
+        sets: &dyn PointEnsemble,
+        used: Option<&[DMat3]>,
         progress: &Progress,
     ) -> Result<HomogeneityAudit, CliError> {
         let empty = HomogeneityAccumulator::new(self.domain, self.resolution.lmax)?;
-        let done = || progress.advance(self.seconds_of_set());
-        let coefficients = accumulate(sets, self.resolution, 0..self.count, &empty, &done)?;
-        let done = || progress.advance(self.seconds_of_copy());
-        let used = used();
-        let rotations = (!used.is_empty()).then_some(&*used);
-        Ok(coefficients.audit(&self.settings, rotations, &done)?)
+        let coefficients = accumulate(sets, self.resolution, 0..self.count, &empty, progress)?;
+        Ok(coefficients.audit(&self.settings, used, progress)?)
     }
 
-    fn seconds(&self) -> f64 {
-        self.count as f64 * self.seconds_of_set()
-            + self.settings.replicates() as f64 * self.seconds_of_copy()
-    }
-
-    /// About what drawing and transforming a set takes: 50 ns a point and 1 ns a coefficient of it.
-    fn seconds_of_set(&self) -> f64 {
-        let coefficients = ((self.resolution.lmax + 1) as f64).powi(2);
-        self.resolution.n_points as f64 * (5e-8 + 1e-9 * coefficients)
-    }
-
-    /// About what a turned copy takes: 2 microseconds and 5 ns lmax^3/8 for each realization.
-    fn seconds_of_copy(&self) -> f64 {
-        self.count as f64 * (2e-6 + 6e-10 * (self.resolution.lmax as f64).powi(3))
+    /// The nominal work of an audit of sets that take `making` each.
+    fn work(&self, making: f64) -> f64 {
+        let Resolution { lmax, n_points, method, .. } = self.resolution;
+        self.count as f64 * (making + method.nominal_work(n_points, lmax))
+            + HomogeneityAccumulator::audit_work(&self.settings, self.count, lmax)
     }
 }
 

@@ -14,7 +14,7 @@ use clap::Args;
 use sphvar_samplers::{Pattern, Placement, Riesz};
 use sphvar_variance::{Domain, PredictionBudget, Predictor};
 
-use self::candidate::Candidate;
+use self::candidate::TimedCandidate;
 use self::presentation::{Answer, LeftOut};
 use self::question::Question;
 use crate::counts::parse_count;
@@ -112,10 +112,10 @@ pub(crate) fn run(args: &ChooseArgs, global: &Global) -> Result<(), CliError> {
     patterns.dedup();
     let shares: Vec<f64> = patterns.iter().map(|p| share(p, typical, domain)).collect();
     let progress = Progress::new(shares.iter().sum(), global.quiet);
-    let (mut candidates, mut left_out) = (Vec::<Candidate>::new(), Vec::new());
+    let (mut candidates, mut left_out) = (Vec::<TimedCandidate>::new(), Vec::new());
     let (mut best, mut fewest) = (f64::INFINITY, None);
     for (pattern, share) in patterns.into_iter().zip(shares) {
-        if candidates.iter().any(|c| *c.curve.pattern() == pattern) {
+        if candidates.iter().any(|c| *c.answer.curve.pattern() == pattern) {
             continue;
         }
         progress.stage(&pattern.to_string());
@@ -132,7 +132,7 @@ pub(crate) fn run(args: &ChooseArgs, global: &Global) -> Result<(), CliError> {
             let is_named = args.samplers.is_some();
             let limit = fewest.filter(|_| !is_named && args.cost_per_sample.is_none());
             let candidate =
-                Candidate::new(pattern.clone(), limit, &question, &mut predictor, global.seed)
+                TimedCandidate::new(pattern.clone(), limit, &question, &mut predictor, global.seed)
                     .and_then(|c| {
                         if is_named {
                             Ok(c)
@@ -142,9 +142,9 @@ pub(crate) fn run(args: &ChooseArgs, global: &Global) -> Result<(), CliError> {
                     });
             match candidate {
                 Ok(candidate) => {
-                    best = best.min(candidate.variance.map_or(f64::INFINITY, |v| v.0));
+                    best = best.min(candidate.answer.variance.map_or(f64::INFINITY, |v| v.0));
                     if candidate.basis() == "predicted" {
-                        fewest = candidate.n_points.into_iter().chain(fewest).min();
+                        fewest = candidate.answer.n_points.into_iter().chain(fewest).min();
                     }
                     progress.line(&presentation::line(&candidate, &question, &predictor));
                     candidates.push(candidate);

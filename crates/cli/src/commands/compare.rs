@@ -6,8 +6,9 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use serde::Serialize;
+use sphvar_integrands::Energy;
 use sphvar_samplers::Pattern;
-use sphvar_variance::{Comparison, Energy, RateFit, VariancePoint, fit_exact_rate, fit_rate};
+use sphvar_variance::{Comparison, RateFit, VariancePoint, fit_exact_rate, fit_rate};
 
 use self::result_folder::{RECORD, ResultFolder};
 use super::crossovers::{CrossoverRecord, crossovers};
@@ -163,7 +164,7 @@ pub(super) struct Curve<'a> {
 impl<'a> Curve<'a> {
     pub(super) fn new(pattern: &'a Pattern, rows: &'a [Row]) -> Self {
         let mut rows: Vec<&Row> = rows.iter().filter(|r| r.pattern == *pattern).collect();
-        rows.sort_by_key(|r| r.comparison.spectrum.n_points());
+        rows.sort_by_key(|r| r.comparison.predicted.spectrum.n_points());
         Self { pattern, rows }
     }
 
@@ -183,7 +184,7 @@ impl<'a> Curve<'a> {
 
     fn summary(&self, energy: &Energy) -> Option<Summary> {
         let last = self.rows.last()?;
-        let n = last.comparison.spectrum.n_points();
+        let n = last.comparison.predicted.spectrum.n_points();
         let white = energy.domain().variance_factor(n) * energy.beyond(0);
         let by_prediction = |c: &Comparison| c.is_prediction_more_precise();
         let n_predicted = self.rows.iter().filter(|r| by_prediction(&r.comparison)).count();
@@ -338,7 +339,7 @@ fn write_files(
 fn spectrum_records(rows: &[Row]) -> Vec<Vec<String>> {
     let mut records = Vec::new();
     for row in rows {
-        let spectrum = &row.comparison.spectrum;
+        let spectrum = &row.comparison.predicted.spectrum;
         let n = spectrum.n_points();
         for (l, power, stderr) in spectrum.rows() {
             let omega = l as f64 / (n as f64).sqrt();
@@ -358,7 +359,7 @@ fn spectrum_records(rows: &[Row]) -> Vec<Vec<String>> {
 /// The spectra at the largest number of points.
 fn spectra_chart(curves: &[Curve<'_>]) -> Chart {
     let series = curves.iter().enumerate().filter_map(|(i, curve)| {
-        let spectrum = &curve.rows.last()?.comparison.spectrum;
+        let spectrum = &curve.rows.last()?.comparison.predicted.spectrum;
         let label = format!("{}, N = {}", curve.pattern, spectrum.n_points());
         // Beyond 4 sqrt(N) only lattices are computed, and they only wobble.
         Some(power_series(&label, spectrum, 4.0, i))
@@ -399,7 +400,7 @@ pub(super) fn variance_chart(curves: &[Curve<'_>], plan: &Plan<'_>) -> Chart {
 
 fn integrand_chart(energy: &Energy, plan: &Plan<'_>) -> Chart {
     let total = energy.total();
-    let degrees = energy.per_degree().iter().enumerate().skip(1);
+    let degrees = energy.per_band().iter().enumerate().skip(1);
     Chart {
         title: format!("Energy per degree of {}", plan.integrand.name),
         x_label: "degree l".to_owned(),

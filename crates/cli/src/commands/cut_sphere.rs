@@ -2,11 +2,12 @@
 
 use clap::ValueEnum;
 use serde::Serialize;
+use sphvar_integrands::{CutEstimator, CutIntegrand};
 use sphvar_samplers::{Domain, Purpose, Realizations, Sampler, Streams};
 use sphvar_spectrum::Resolution;
 use sphvar_variance::{
-    BiasTest, CutAxis, CutEstimator, CutIntegrand, CutMeasurement, Measurement, Prediction,
-    measure_cut_sphere, prediction_degree,
+    BiasTest, CutAxis, CutMeasurement, Measurement, Prediction, measure_cut_sphere,
+    prediction_degree, trial_work,
 };
 
 use super::rows::{Case, Plan, Row};
@@ -66,15 +67,13 @@ pub(super) fn run(
         .map(|c| patterns::build(&c.pattern, c.n_points().saturating_mul(2), Domain::Sphere, true))
         .collect::<Result<_, _>>()?;
     let trials = |row: &Row| row.comparison.measurement.estimates().len();
-    let seconds = |case: &Case, m: usize| case.pattern.seconds(m) + 80e-9 * m as f64;
-    let cost = sphere.iter().zip(cases).zip(rows);
-    let cost = cost.map(|((s, c), r)| trials(r) as f64 * seconds(c, s.n_points())).sum();
-    let progress = Progress::new(cost, plan.quiet);
+    let work = sphere.iter().zip(rows).map(|(s, r)| trials(r) as f64 * trial_work(&**s)).sum();
+    let progress = Progress::new(work, plan.quiet);
     let mut records = Vec::new();
     for ((sampler, case), row) in sphere.iter().zip(cases).zip(rows) {
         let m = sampler.n_points();
         progress.stage(&format!("{} M = {m}, cut", case.pattern));
-        let group = case.pattern.stream_group(m);
+        let group = sampler.stream_group();
         let streams = Streams::new(plan.seed, Purpose::Trial, group);
         let axis = match cut {
             Cut::Equator => CutAxis::Equator,
@@ -82,15 +81,15 @@ pub(super) fn run(
         };
         let ensemble = Realizations::rotated(&**sampler, streams);
         let function = &*plan.integrand.function;
-        let done = || progress.advance(seconds(case, m));
-        let measured = measure_cut_sphere(&ensemble, function, axis, trials(row) as u64, &done)?;
+        let count = trials(row) as u64;
+        let measured = measure_cut_sphere(&ensemble, function, axis, count, &progress)?;
         for (name, estimates, estimator) in [
             ("(4 pi/M) sum f", &measured.unbiased, CutEstimator::Unbiased),
             ("(2 pi/n) sum f", &measured.ratio, CutEstimator::Ratio),
         ] {
             // An integrand whose cut has unknown energies is measured only.
             let predicted = match cut {
-                Cut::Equator => predicted(plan, case, m, estimator).ok(),
+                Cut::Equator => predicted(plan, &**sampler, estimator).ok(),
                 Cut::Random => None,
             };
             records.push(CutRecord::new(name, estimates, predicted, cut, m, &measured, row));
@@ -102,17 +101,15 @@ pub(super) fn run(
 /// The variance of an estimate with the cut at the equator, by the formula of the sphere.
 fn predicted(
     plan: &Plan<'_>,
-    case: &Case,
-    n_points: usize,
+    sampler: &dyn Sampler,
     estimator: CutEstimator,
 ) -> Result<Prediction, CliError> {
-    let pattern = &case.pattern;
     let cut = CutIntegrand::new(&*plan.integrand.function, estimator)?;
     let mut predictor = plan.predictor_of(&cut, Domain::Sphere)?;
-    let lmax = prediction_degree(&*patterns::build(pattern, n_points, Domain::Sphere, true)?, &cut);
-    let realizations = plan.spectrum_realizations(pattern, n_points, lmax);
-    check_transform(Resolution::new(lmax, n_points), realizations)?;
-    Ok(predictor.predict(pattern, n_points, &|| ())?.prediction)
+    let lmax = prediction_degree(sampler, &cut);
+    let realizations = plan.spectrum_realizations(sampler, lmax);
+    check_transform(Resolution::new(lmax, sampler.n_points()), realizations)?;
+    Ok(predictor.predict(sampler, &())?.prediction)
 }
 
 impl CutRecord {

@@ -2,9 +2,9 @@
 
 use clap::{Args, Subcommand};
 use serde::Serialize;
+use sphvar_integrands::{Cap, Integrand};
 use sphvar_samplers::Domain;
 use sphvar_sh::{Colatitude, lambda_scaled, ylm};
-use sphvar_variance::{Cap, Integrand};
 
 use crate::counts::parse_count;
 use crate::error::CliError;
@@ -115,7 +115,7 @@ pub(crate) fn run(args: &EvalArgs, global: &Global) -> Result<(), CliError> {
             check_size("--lmax", lmax)?;
             let cap = Cap::from_degrees(degrees).map_err(CliError::usage)?;
             let energy = cap.energy(Domain::Sphere, lmax)?;
-            let values = energy.per_degree().to_vec();
+            let values = energy.per_band().to_vec();
             let text = listing("l,energy", &values);
             let l = (0..=lmax).collect();
             output(global, &Energies { l, energy: values, total: energy.total() }, &text)

@@ -5,6 +5,7 @@ pub(crate) mod audit;
 pub(crate) mod bounds;
 pub(crate) mod choose;
 pub(crate) mod compare;
+pub(crate) mod completions;
 pub(crate) mod eval;
 pub(crate) mod healpix;
 pub(crate) mod merge;

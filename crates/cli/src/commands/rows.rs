@@ -2,12 +2,12 @@
 
 use clap::Args;
 use serde::Serialize;
-use sphvar_samplers::{Domain, Pattern, Sampler};
+use sphvar_integrands::{Energy, Integrand};
+use sphvar_samplers::{Domain, Pattern, Sampler, Share};
 use sphvar_spectrum::Resolution;
 use sphvar_variance::{
-    Comparison, Effort, Energy, Integrand, Method, Precision, PredictedPoint, PredictionBudget,
-    Predictor, SpectrumOptions, Work, check_degree as check_settled, compare, prediction_degree,
-    settled_degree,
+    Comparison, Method, Precision, PredictedPoint, PredictionBudget, Predictor, SpectrumOptions,
+    Trials, check_degree as check_settled, prediction_degree, settled_degree,
 };
 
 use crate::error::CliError;
@@ -60,10 +60,12 @@ impl EffortArgs {
             integrand,
             domain: super::domain(self.hemisphere),
             seed: global.seed,
-            trials: self.realizations,
-            until: self
-                .until_rel
-                .map(|relative| Precision { relative, most: self.max_realizations }),
+            trials: Trials {
+                count: self.realizations,
+                until: self
+                    .until_rel
+                    .map(|relative| Precision { relative, most: self.max_realizations }),
+            },
             realizations: self.spectrum_realizations,
             lmax: self.lmax,
             method,
@@ -79,9 +81,7 @@ pub(super) struct Plan<'a> {
     pub(super) integrand: &'a NamedIntegrand,
     pub(super) domain: Domain,
     pub(super) seed: u64,
-    pub(super) trials: u64,
-    /// How precise each variance is to be, if not by a number of trials.
-    pub(super) until: Option<Precision>,
+    pub(super) trials: Trials,
     /// The number of realizations of a spectrum, if the user has a wish.
     pub(super) realizations: Option<u64>,
     /// The largest degree of a spectrum, if the user has a wish.
@@ -129,32 +129,22 @@ pub(super) struct Row {
 /// Runs all cases, with one progress bar, and returns the rows in the order of the cases with the
 /// integrand's energies.
 pub(super) fn run(plan: &Plan<'_>, cases: &[Case]) -> Result<(Vec<Row>, Energy), CliError> {
-    let efforts = check(plan, cases)?;
+    check(plan, cases)?;
     let on_energies = |lmax: usize| plan.integrand.announce_energies(plan.domain, lmax, plan.quiet);
     let mut predictor =
         plan.predictor_of(&*plan.integrand.function, plan.domain)?.on_energies(&on_energies);
-    let mut cost = 0.0;
-    for (case, effort) in cases.iter().zip(&efforts) {
-        cost += predictor.work(&case.pattern, case.n_points())?.0 * UNIT_SECONDS
-            + effort.seconds(&*case.sampler);
+    let mut work = 0.0;
+    for case in cases {
+        work += predictor.work(&*case.sampler)? + plan.trials.work(&*case.sampler);
     }
-    let progress = Progress::new(cost, plan.quiet);
-    progress.stage("integrand");
-    let kurtosis = plan.integrand.function.kurtosis(plan.domain);
+    let progress = Progress::new(work, plan.quiet);
     let rows = cases
         .iter()
-        .zip(efforts)
-        .map(|(case, effort)| {
+        .map(|case| {
             progress.stage(&format!("{} N = {}", case.pattern, case.n_points()));
-            let report = |work| match work {
-                Work::Done(seconds) => progress.advance(seconds),
-                Work::Added(seconds) => progress.lengthen(seconds),
-            };
-            let function = &*plan.integrand.function;
-            let known = plan.predict(&mut predictor, case, &progress)?;
-            let energy = predictor.energy().clone().with_kurtosis(kurtosis);
+            let predicted = plan.predict(&mut predictor, case, &progress)?;
             let comparison =
-                compare(&*case.sampler, function, &energy, effort, Some(known), &report)?;
+                predictor.measure(predicted, &*case.sampler, plan.trials, &progress)?;
             Ok(Row { pattern: case.pattern.clone(), asked: case.asked, comparison })
         })
         .collect::<Result<Vec<Row>, CliError>>()?;
@@ -165,17 +155,14 @@ pub(super) fn run(plan: &Plan<'_>, cases: &[Case]) -> Result<(Vec<Row>, Energy),
     Ok((rows, predictor.energy().clone()))
 }
 
-/// The seconds of a unit of nominal work on one core, for progress only.
-pub(super) const UNIT_SECONDS: f64 = 60e-9;
-
-/// Rejects what cannot be run; returns the effort for each case.
-pub(super) fn check(plan: &Plan<'_>, cases: &[Case]) -> Result<Vec<Effort>, CliError> {
+/// Rejects what cannot be run.
+pub(super) fn check(plan: &Plan<'_>, cases: &[Case]) -> Result<(), CliError> {
     check_domain(plan.integrand, plan.domain)?;
-    if plan.trials < Precision::MIN_TRIALS {
+    if plan.trials.count < Precision::MIN_TRIALS {
         return Err(CliError::Usage(format!(
             "the error of a measured variance needs at least {} trials (-m), got {}",
             Precision::MIN_TRIALS,
-            plan.trials
+            plan.trials.count
         )));
     }
     if plan.realizations == Some(1) {
@@ -190,24 +177,24 @@ pub(super) fn check(plan: &Plan<'_>, cases: &[Case]) -> Result<Vec<Effort>, CliE
         check_degree("the spectra (--lmax)", lmax)?;
         let Plan { method, epsilon, .. } = *plan;
         let resolution = Resolution { lmax, n_points, method, epsilon };
-        check_transform(resolution, plan.spectrum_realizations(&case.pattern, n_points, lmax))?;
+        check_transform(resolution, plan.spectrum_realizations(&*case.sampler, lmax))?;
     }
     check_trials(plan)?;
-    check_cut_sum(plan, cases)?;
-    Ok(cases.iter().map(|case| plan.effort(case)).collect())
+    check_cut_sum(plan, cases)
 }
 
 /// Refuses numbers of trials whose estimates do not fit into memory.
 fn check_trials(plan: &Plan<'_>) -> Result<(), CliError> {
-    let (what, most) = match plan.until {
-        Some(Precision { most, .. }) if most < plan.trials => {
+    let trials = plan.trials;
+    let (what, most) = match trials.until {
+        Some(Precision { most, .. }) if most < trials.count => {
             return Err(CliError::Usage(format!(
                 "--max-realizations must be at least the {} trials of -m, got {most}",
-                plan.trials
+                trials.count
             )));
         }
         Some(Precision { most, .. }) => ("--max-realizations", most),
-        None => ("-m", plan.trials),
+        None => ("-m", trials.count),
     };
     check_memory(&format!("{what} {most}"), 8.0 * most as f64)
 }
@@ -247,14 +234,9 @@ impl Plan<'_> {
     }
 
     /// From how many realizations at most the spectrum of a pattern is estimated.
-    pub(super) fn spectrum_realizations(
-        &self,
-        pattern: &Pattern,
-        n_points: usize,
-        lmax: usize,
-    ) -> u64 {
+    pub(super) fn spectrum_realizations(&self, sampler: &dyn Sampler, lmax: usize) -> u64 {
         let budget = PredictionBudget::USUAL;
-        self.realizations.unwrap_or_else(|| budget.realizations(pattern, n_points, lmax))
+        self.realizations.unwrap_or_else(|| budget.realizations(sampler, lmax))
     }
 
     /// The prediction for a case, with a spectrum as far as it is shown.
@@ -264,15 +246,12 @@ impl Plan<'_> {
         case: &Case,
         progress: &Progress,
     ) -> Result<PredictedPoint, CliError> {
-        let (pattern, n_points) = (&case.pattern, case.n_points());
-        let (work, count) = predictor.work(pattern, n_points)?;
-        let (all, each) = (work * UNIT_SECONDS, work * UNIT_SECONDS / count as f64);
-        let share = progress.share(all);
-        let mut point = predictor.predict(pattern, n_points, &|| share.advance(each))?;
-        share.finish();
-        let natural = Resolution::natural_degree(n_points);
+        let share = Share::new(progress, predictor.work(&*case.sampler)?);
+        let mut point = predictor.predict(&*case.sampler, &share)?;
+        share.finish().map_err(CliError::failed)?;
+        let natural = Resolution::natural_degree(case.n_points());
         if self.whole_spectra && self.lmax.is_none() && point.spectrum.lmax() < natural {
-            point.spectrum = predictor.spectrum_to(pattern, &point, natural)?;
+            point.spectrum = predictor.spectrum_to(&*case.sampler, &point, natural)?;
         }
         Ok(point)
     }
@@ -283,21 +262,6 @@ impl Plan<'_> {
         let shown =
             if self.whole_spectra { Resolution::natural_degree(case.n_points()) } else { 0 };
         needed.max(shown)
-    }
-
-    /// The effort of the trials; predictions are known before.
-    fn effort(&self, case: &Case) -> Effort {
-        Effort {
-            seed: self.seed,
-            group: case.pattern.stream_group(case.n_points()),
-            lmax: 0,
-            method: self.method,
-            epsilon: self.epsilon,
-            realizations: 0,
-            trials: self.trials,
-            until: self.until,
-            seconds_per_set: case.pattern.seconds(case.n_points()),
-        }
     }
 }
 
@@ -344,7 +308,8 @@ const CONFIDENCE: f64 = 0.95;
 
 impl RowRecord {
     pub(super) fn new(row: &Row, plan: &Plan<'_>) -> Self {
-        let Comparison { spectrum, prediction, measurement, .. } = &row.comparison;
+        let Comparison { predicted, measurement, .. } = &row.comparison;
+        let PredictedPoint { spectrum, prediction } = predicted;
         let (ratio, ratio_stderr) = row.comparison.ratio();
         let (predicted_low, predicted_high) = prediction.interval(CONFIDENCE);
         let measured = row.comparison.measured_interval(CONFIDENCE);

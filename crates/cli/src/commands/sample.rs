@@ -6,7 +6,7 @@ use clap::Args;
 use glam::DVec3;
 use rayon::prelude::{IntoParallelIterator, ParallelIterator};
 use serde::Serialize;
-use sphvar_samplers::{Domain, Pattern, PatternFacts, Purpose, Realizations, Streams};
+use sphvar_samplers::{Domain, Pattern, PatternFacts, PointSet, Purpose, Realizations, Streams};
 
 use crate::counts::parse_count;
 use crate::error::CliError;
@@ -108,18 +108,19 @@ pub(crate) fn run(args: &SampleArgs, global: &Global) -> Result<(), CliError> {
     if let Some(empty) = &empty {
         say(global.quiet, &format!("{pattern}, N = {n_points}: {empty}"));
     }
-    let streams = Streams::new(global.seed, Purpose::Pattern, pattern.stream_group(n_points));
+    let streams = Streams::new(global.seed, Purpose::Pattern, sampler.stream_group());
     let ensemble = if args.rotate {
         Realizations::rotated(&*sampler, streams)
     } else {
         Realizations::unrotated(&*sampler, streams)
     };
-    let progress = Progress::new(args.realizations as f64, global.quiet);
+    let work = args.realizations as f64 * sampler.nominal_work();
+    let progress = Progress::new(work, global.quiet);
     progress.stage(&pattern.to_string());
     let realize = |i| {
-        let set = ensemble.realize(i).map_err(CliError::failed)?;
-        progress.advance(1.0);
-        Ok(set)
+        let mut set = PointSet::default();
+        ensemble.realize_into(i, &mut set, &progress).map_err(CliError::failed)?;
+        Ok(set.points)
     };
     let sets = (0..args.realizations as u64)
         .into_par_iter()

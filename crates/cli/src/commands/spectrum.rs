@@ -8,8 +8,8 @@ use std::time::Instant;
 use clap::Args;
 use sphvar_samplers::{Domain, Pattern, Purpose, Realizations, Sampler, Streams};
 use sphvar_spectrum::{
-    CoefficientSamples, OrderAccumulator, PointSets, Resolution, SpectrumAccumulator, accumulate,
-    exact_spectrum, exact_spectrum_bytes, exact_spectrum_cost, has_exact_spectrum,
+    CoefficientSamples, Ensemble, ExactSpectrum, OrderAccumulator, Resolution, SpectrumAccumulator,
+    accumulate,
 };
 
 pub(crate) use self::report::{Remarks, emit};
@@ -123,11 +123,10 @@ pub(crate) fn run(args: &SpectrumArgs, global: &Global) -> Result<(), CliError> 
         SpectrumAccumulator::new(domain, n_points, lmax),
         (orders, coefficient.as_ref().map(|c| CoefficientSamples::new(c.l, c.m))),
     );
-    let (sets, count): (&dyn PointSets, u64) = match &source {
-        Source::Files { sets } => (sets, count),
-        Source::Sampler { sampler, pattern } => {
-            let group = pattern.stream_group(n_points);
-            let streams = Streams::new(global.seed, Purpose::Pattern, group);
+    let (sets, count): (&dyn Ensemble, u64) = match &source {
+        Source::Files { sets } => (sets.sets(), count),
+        Source::Sampler { sampler, .. } => {
+            let streams = Streams::new(global.seed, Purpose::Pattern, sampler.stream_group());
             // One set of a pattern that is not random holds its whole spectrum, but not the
             // distribution of what rotations change.
             let distributions = args.per_order.is_some() || args.coefficient.is_some();
@@ -147,10 +146,14 @@ pub(crate) fn run(args: &SpectrumArgs, global: &Global) -> Result<(), CliError> 
             "--shard: none of {count} realizations is in it; {why}"
         )));
     }
-    let progress = Progress::new((part.end - part.start) as f64, global.quiet);
+    let making = match &source {
+        Source::Sampler { sampler, .. } => sampler.nominal_work(),
+        Source::Files { .. } => 0.0,
+    };
+    let work = making + method.nominal_work(n_points, lmax);
+    let progress = Progress::new((part.end - part.start) as f64 * work, global.quiet);
     progress.stage(&name);
-    let (sums, (orders, samples)) =
-        accumulate(sets, resolution, part.clone(), &empty, &|| progress.advance(1.0))?;
+    let (sums, (orders, samples)) = accumulate(sets, resolution, part.clone(), &empty, &progress)?;
     drop(progress);
     let spectrum = sums.finish()?;
     let exact = match &source {
@@ -203,18 +206,16 @@ fn run_exact(
     pattern: &Pattern,
     sampler: &dyn Sampler,
 ) -> Result<(), CliError> {
-    let (n_points, domain) = (sampler.n_points(), sampler.domain());
-    let lmax = args.lmax.unwrap_or_else(|| Resolution::natural_degree(n_points));
+    let lmax = args.lmax.unwrap_or_else(|| Resolution::natural_degree(sampler.n_points()));
     check_degree("--lmax", lmax)?;
-    let bytes = exact_spectrum_bytes(pattern, n_points, domain, lmax, rayon::current_num_threads());
+    let exact = ExactSpectrum::of(sampler).ok_or_else(|| sampled_only(pattern))?;
+    let bytes = exact.bytes(lmax, rayon::current_num_threads());
     check_memory(&format!("a spectrum to degree {lmax} (--lmax)"), bytes)?;
     let started = Instant::now();
     let name = pattern.to_string();
-    let progress =
-        Progress::new(exact_spectrum_cost(pattern, n_points, domain, lmax), global.quiet);
+    let progress = Progress::new(exact.work(lmax), global.quiet);
     progress.stage(&name);
-    let spectrum =
-        exact_spectrum(pattern, n_points, domain, lmax, &|seconds| progress.advance(seconds))?;
+    let spectrum = exact.to(lmax, &progress)?;
     drop(progress);
     let seconds = started.elapsed().as_secs_f64();
     let (remarks, provenance) = (Remarks::default(), Provenance::new(global.seed));
@@ -254,15 +255,29 @@ fn source(args: &SpectrumArgs, domain: Domain, global: &Global) -> Result<Source
         return Ok(Source::Files { sets });
     };
     let pattern = patterns::parse_pattern(name)?;
-    if args.exact && !has_exact_spectrum(&pattern) {
-        return Err(CliError::usage(sphvar_spectrum::Error::NoExactSpectrum { pattern }));
-    }
     let sampler = patterns::build(&pattern, n, domain, args.sets.nearest)?;
+    if args.exact && ExactSpectrum::of(&*sampler).is_none() {
+        return Err(sampled_only(&pattern));
+    }
     if sampler.n_points() != n {
         let got = sampler.n_points();
         say(global.quiet, &format!("{pattern}: {got} points, the nearest to the {n} asked for"));
     }
     Ok(Source::Sampler { pattern, sampler })
+}
+
+/// The error of `--exact` for a pattern without an exact spectrum.
+fn sampled_only(pattern: &Pattern) -> CliError {
+    let is_exact = |pattern: &&Pattern| {
+        let n = pattern.nearest_count(12, Domain::Sphere);
+        let sampler = pattern.build(n, Domain::Sphere);
+        sampler.is_ok_and(|sampler| ExactSpectrum::of(&*sampler).is_some())
+    };
+    let exact: Vec<&str> = Pattern::ALL.iter().filter(is_exact).map(Pattern::name).collect();
+    CliError::Usage(format!(
+        "the spectrum of {pattern} is known by sampling only; exact ones have {}",
+        exact.join(", ")
+    ))
 }
 
 /// The wish for the samples of one coefficient.

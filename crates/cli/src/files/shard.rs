@@ -51,7 +51,7 @@ pub(crate) struct SavedEnsemble {
 /// How the files begin, in every version of their form.
 const NAME: &[u8] = b"sphvar shard ";
 /// The rest of their first line in this version; after it a CRC-32 of the rest, little-endian.
-const FORM: &[u8] = b"3\n";
+const FORM: &[u8] = b"4\n";
 
 impl Part {
     /// The whole.

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use glam::{DQuat, DVec3};
-use sphvar_variance::{EnvironmentMap, Integrand, PictureLayout, Projection, Rotated};
+use sphvar_integrands::{EnvironmentMap, Integrand, PictureLayout, Projection, Rotated};
 
 use crate::error::CliError;
 use crate::files::{ChannelChoice, decode_image, read_image};

@@ -3,7 +3,7 @@
 //! `+` and `-` bind least, then `*`, then `@`; each has blanks around it, so that neither numbers nor names
 //! of files are torn apart. Quoted names of files may contain operators.
 
-use sphvar_variance::{Cap, Integrand, Product, Rotated, Sum};
+use sphvar_integrands::{Cap, Integrand, Product, Rotated, Sum};
 
 use super::term;
 use crate::error::CliError;
@@ -129,8 +129,8 @@ fn angles(text: &str) -> Option<[f64; 3]> {
 
 #[cfg(test)]
 mod tests {
+    use sphvar_integrands::Integrand;
     use sphvar_samplers::Domain;
-    use sphvar_variance::Integrand;
 
     use crate::error::CliError;
 

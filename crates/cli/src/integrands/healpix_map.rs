@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use sphvar_healpix::{Nested, Nside};
-use sphvar_variance::HealpixMap;
+use sphvar_integrands::HealpixMap;
 
 use crate::error::CliError;
 use crate::files::{FitsField, FitsMap, HduChoice, read_fits_map};

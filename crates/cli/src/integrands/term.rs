@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use sphvar_variance::{
+use sphvar_integrands::{
     AbsCosine, Cap, ClampedCosine, DoubleCap, Harmonic, Integrand, PhongLobe, VonMisesFisher,
 };
 
@@ -29,7 +29,7 @@ const NAMES: [&str; 10] = [
 /// The integrand of one specification; what a user should know of its file goes to `remarks`.
 pub(super) fn parse(text: &str, remarks: &mut Vec<String>) -> Result<Box<dyn Integrand>, CliError> {
     let mut spec = Spec::parse(text)?;
-    let wrong = |error: sphvar_variance::Error| CliError::Usage(format!("{text}: {error}"));
+    let wrong = |error: sphvar_integrands::Error| CliError::Usage(format!("{text}: {error}"));
     let (function, keys): (Box<dyn Integrand>, Vec<&str>) = match spec.name.as_str() {
         "ylm" => {
             let l = spec.require_number("l")?;

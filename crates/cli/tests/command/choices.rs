@@ -207,6 +207,12 @@ fn every_command_predicts_the_same() {
         let chosen = place.run(&format!("choose --samplers {question}")).json();
         assert_eq!(rows(&few).len(), 5);
         for row in rows(&few) {
+            let sampler = row["sampler"].as_str().unwrap();
+            let bounds = format!("bounds {sampler} -n 48 --integrand {integrand} --json");
+            let bounds = place.run(&bounds).json();
+            for key in ["predicted", "predicted_stderr", "predicted_tail_error"] {
+                assert_eq!(bounds[key], row[key], "{integrand}: {row}, {bounds}");
+            }
             let same_sampler = |r: &&Value| r["sampler"] == row["sampler"];
             for (other, variance, stderr) in [
                 (&many, "predicted", "predicted_stderr"),

@@ -2,7 +2,7 @@
 
 use crate::workplace::Workplace;
 
-const SUBCOMMANDS: [&str; 13] = [
+const SUBCOMMANDS: [&str; 14] = [
     "compare",
     "choose",
     "sample",
@@ -16,6 +16,7 @@ const SUBCOMMANDS: [&str; 13] = [
     "healpix",
     "eval",
     "accuracy",
+    "completions",
 ];
 
 #[test]
@@ -28,6 +29,13 @@ fn every_subcommand_shows_an_example() {
         assert!(help.contains("Example"), "{help}");
         assert!(help.contains(&format!("sphvar {name}")), "{help}");
         assert!(help.contains("--seed") && help.contains("--json"), "{help}");
+    }
+    // The command alone and its help begin with what it is for.
+    let alone = place.command("").output().unwrap();
+    let alone = String::from_utf8(alone.stderr).unwrap();
+    assert!(alone.contains("Three questions"), "{alone}");
+    for question in alone.lines().filter_map(|l| l.trim().strip_prefix("sphvar ")) {
+        assert!(SUBCOMMANDS.iter().any(|name| question.starts_with(name)), "{question}");
     }
     for name in ["legendre", "ylm", "cap-power", "profile"] {
         let help = place.run(&format!("eval {name} --help")).ok().stdout;
@@ -63,7 +71,9 @@ fn examples_work() {
         let help = place.run(&format!("{name} --help")).ok().stdout;
         let examples = help.lines().filter_map(|l| l.trim().strip_prefix("sphvar "));
         // A remark behind an example stands in brackets.
+        // What the shell would redirect goes to standard output here.
         let examples = examples.map(|l| l.split("   ").next().unwrap());
+        let examples = examples.map(|l| l.split(" > ").next().unwrap());
         let mut run = 0;
         for example in examples.filter(|e| {
             // `compare` and `reproduce` are large, and so are `choose` of all samplers, `accuracy` of large inputs and

@@ -8,7 +8,7 @@ use crate::workplace::{Workplace, data};
 /// Rows of the 25-digit table: an oscillating value, a tiny one near the pole, one below f64's range.
 #[test]
 fn legendre_functions() {
-    let table = include_str!("../../../reference/data/associated_legendre.csv");
+    let table = include_str!("../../../accuracy/data/associated_legendre.csv");
     let rows: Vec<Vec<&str>> = table
         .lines()
         .skip_while(|line| !line.starts_with("l,m"))

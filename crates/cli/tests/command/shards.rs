@@ -85,7 +85,7 @@ fn shards_of_other_machines_and_versions_are_errors() {
     let other = "9".repeat(version.len());
     place.write("2.shard", changed(version.as_bytes(), other.as_bytes()));
     place.run("merge 1.shard 2.shard").fails(1, &["versions of sphvar", version, &other]);
-    place.write("2.shard", changed(b"sphvar shard 3", b"sphvar shard 1"));
+    place.write("2.shard", changed(b"sphvar shard 4", b"sphvar shard 1"));
     place.run("merge 1.shard 2.shard").fails(1, &["2.shard", "another version", "make it again"]);
     place.run("merge 1.shard 1.shard").fails(1, &["realization 0 is in 1.shard and in 1.shard"]);
 }

@@ -1,6 +1,6 @@
 //! The chart of a spectrum between its profiles.
 
-use sphvar_bounds::{Profile, Shape};
+use sphvar_bounds::{Profile, ProfileShape};
 
 use super::record::BoundRecord;
 use super::source::Measured;
@@ -70,9 +70,9 @@ fn outline(profile: &Profile, low: f64, high: f64) -> Vec<(f64, f64)> {
     let at = |omega: f64| {
         let part = omega / profile.alpha();
         let rise = match profile.shape() {
-            Shape::Constant => 1.0,
-            Shape::Step => f64::from(u8::from(part >= 1.0)),
-            Shape::Polynomial { exponent } => part.min(1.0).powf(exponent),
+            ProfileShape::Constant => 1.0,
+            ProfileShape::Step => f64::from(u8::from(part >= 1.0)),
+            ProfileShape::Polynomial { exponent } => part.min(1.0).powf(exponent),
         };
         (omega, profile.offset() + profile.gamma() * rise)
     };
@@ -80,7 +80,7 @@ fn outline(profile: &Profile, low: f64, high: f64) -> Vec<(f64, f64)> {
     let mut points: Vec<_> =
         (0..=STEPS).map(|i| at(low * (ratio * f64::from(i) / f64::from(STEPS)).exp())).collect();
     let alpha = profile.alpha();
-    if (low..high).contains(&alpha) && profile.shape() != Shape::Constant {
+    if (low..high).contains(&alpha) && profile.shape() != ProfileShape::Constant {
         let place = points.partition_point(|p| p.0 < alpha);
         points.insert(place, at(alpha));
     }

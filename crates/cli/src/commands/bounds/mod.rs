@@ -12,11 +12,11 @@ use self::thesis::ThesisRecord;
 use crate::counts::parse_count;
 use crate::error::CliError;
 use crate::global::Global;
-use crate::integrands::FORMS;
+use crate::integrands::{FORMS, parse_integrand};
 use crate::plots::{Chart, ImageFormat};
 use crate::profiles::{ParsedProfile, parse_profile};
 use crate::report::{
-    Provenance, check_result, csv, is_stdout, print, print_json, table, write_result,
+    Provenance, check_result, csv, is_stdout, print, print_json, short, table, write_result,
 };
 use crate::spec::argument;
 
@@ -101,6 +101,13 @@ struct Document<'a> {
     domain: &'static str,
     confidence: f64,
     lmax: Option<usize>,
+    /// The variance that the spectrum predicts for the integrand, if a sampler and an integrand were given.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    predicted: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    predicted_stderr: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    predicted_tail_error: Option<f64>,
     bounds: &'a [BoundRecord],
     none: &'a [Missing],
     thesis: &'a [ThesisRecord],
@@ -125,7 +132,13 @@ pub(crate) fn run(args: &BoundsArgs, global: &Global) -> Result<(), CliError> {
     }
     let measured = Measured::of_args(args, domain, global)?;
     let n_points = measured.as_ref().map_or(args.points.unwrap_or(0), |m| m.n_points);
-    let consequences = Consequences::new(args, domain, n_points, global.quiet)?;
+    let integrand = args.integrand.as_deref().map(|text| parse_integrand(text, global.quiet));
+    let integrand = integrand.transpose()?;
+    let consequences = Consequences::new(args, integrand.as_ref(), domain, n_points)?;
+    let predicted = match &integrand {
+        Some(integrand) => source::predicted(args, integrand, domain, global)?,
+        None => None,
+    };
     let (mut records, mut none, mut thesis) = (Vec::new(), Vec::new(), Vec::new());
     match (&measured, &parsed) {
         (Some(measured), Some(parsed)) => {
@@ -152,6 +165,9 @@ pub(crate) fn run(args: &BoundsArgs, global: &Global) -> Result<(), CliError> {
         domain: domain.name(),
         confidence: args.confidence,
         lmax: measured.as_ref().map(Measured::lmax),
+        predicted: predicted.map(|p| p.variance),
+        predicted_stderr: predicted.map(|p| p.stderr),
+        predicted_tail_error: predicted.map(|p| p.tail_error),
         bounds: &records,
         none: &none,
         thesis: &thesis,
@@ -199,6 +215,13 @@ fn text(args: &BoundsArgs, document: &Document<'_>, fitted: bool) -> String {
             "Confidence {} for all degrees up to {lmax} together; beyond it nothing was measured.\n",
             args.confidence
         );
+    }
+    if let (Some(variance), Some(stderr), Some(tail_error)) =
+        (document.predicted, document.predicted_stderr, document.predicted_tail_error)
+    {
+        let error = stderr.hypot(tail_error);
+        text +=
+            &format!("Predicted variance of the integrand: {} +- {error:.1e}.\n", short(variance));
     }
     if let Some(first) = document.thesis.first() {
         let rows = document.thesis.iter().map(ThesisRecord::row).collect();

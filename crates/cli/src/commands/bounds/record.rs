@@ -1,13 +1,13 @@
 //! A bound and what it implies, for tables, CSV and JSON.
 
 use serde::Serialize;
-use sphvar_bounds::{Bound, Family, IntegrandClass, Profile, Rate, Verdict, variance_bound};
+use sphvar_bounds::{Bound, BoundVerdict, Family, IntegrandClass, Profile, Rate, variance_bound};
 use sphvar_samplers::Domain;
 use sphvar_sh::MAX_DEGREE;
 
 use super::BoundsArgs;
 use crate::error::CliError;
-use crate::integrands::{check_domain, parse_integrand};
+use crate::integrands::{NamedIntegrand, check_domain};
 use crate::report::full;
 
 /// A bound and what it implies, as scripts see it.
@@ -54,22 +54,21 @@ pub(super) struct Consequences {
 impl Consequences {
     pub(super) fn new(
         args: &BoundsArgs,
+        integrand: Option<&NamedIntegrand>,
         domain: Domain,
         n_points: usize,
-        quiet: bool,
     ) -> Result<Self, CliError> {
-        let energy = match &args.integrand {
+        let energy = match integrand {
             None => None,
-            Some(text) => {
-                let integrand = parse_integrand(text, quiet)?;
-                check_domain(&integrand, domain)?;
+            Some(integrand) => {
+                check_domain(integrand, domain)?;
                 let lmax = integrand
                     .function
                     .band_limit()
                     .or(integrand.function.resolved_degree())
                     .unwrap_or_else(|| (40 * n_points.isqrt()).clamp(64, MAX_DEGREE));
                 let energy = integrand.function.energy(domain, lmax)?;
-                Some((energy.per_degree().to_vec(), energy.beyond(lmax)))
+                Some((energy.per_band().to_vec(), energy.beyond(lmax)))
             }
         };
         Ok(Self {
@@ -124,7 +123,7 @@ impl Consequences {
         &self,
         bound: &Bound,
         origin: &'static str,
-        verdict: &Verdict,
+        verdict: &BoundVerdict,
     ) -> Result<BoundRecord, CliError> {
         Ok(BoundRecord {
             holds: Some(verdict.holds),

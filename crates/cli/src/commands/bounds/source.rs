@@ -4,21 +4,20 @@ use std::path::Path;
 
 use sphvar_bounds::MeasuredSpectrum;
 use sphvar_samplers::{Domain, Pattern, Purpose, Realizations, Sampler, Streams};
-use sphvar_spectrum::{
-    Resolution, Spectrum, estimate, exact_spectrum, exact_spectrum_bytes, exact_spectrum_cost,
-};
-use sphvar_variance::is_spectrum_known;
+use sphvar_spectrum::{ExactSpectrum, Method, Resolution, Spectrum, estimate};
+use sphvar_variance::{Prediction, PredictionBudget, Predictor, SpectrumOptions};
 
 use super::BoundsArgs;
 use crate::error::CliError;
 use crate::files::read_spectrum;
 use crate::global::Global;
+use crate::integrands::NamedIntegrand;
 use crate::memory::{check_degree, check_memory, check_transform};
 use crate::patterns;
 use crate::progress::Progress;
 
-/// The seconds of one core that a spectrum without sampling may take; beyond that it is sampled.
-const MOST_UNSAMPLED: f64 = 20.0;
+/// The nominal work that a spectrum without sampling may take; beyond that it is sampled.
+const MOST_UNSAMPLED: f64 = 3.3e8;
 /// Realizations of a pattern whose spectrum has to be sampled.
 const REALIZATIONS: u64 = 300;
 
@@ -67,16 +66,14 @@ impl Measured {
         let natural = if sampler.is_random() { natural } else { natural.saturating_mul(10) };
         let lmax = args.lmax.unwrap_or(natural);
         check_degree("--lmax", lmax)?;
-        let known = args.realizations.is_none()
-            && is_spectrum_known(&pattern, n_points, domain, lmax, MOST_UNSAMPLED);
-        let spectrum = if known {
-            let threads = rayon::current_num_threads();
-            let bytes = exact_spectrum_bytes(&pattern, n_points, domain, lmax, threads);
+        let exact = ExactSpectrum::of(&*sampler)
+            .filter(|exact| args.realizations.is_none() && exact.work(lmax) <= MOST_UNSAMPLED);
+        let spectrum = if let Some(exact) = exact {
+            let bytes = exact.bytes(lmax, rayon::current_num_threads());
             check_memory(&format!("a spectrum to degree {lmax} (--lmax)"), bytes)?;
-            let cost = exact_spectrum_cost(&pattern, n_points, domain, lmax);
-            let progress = Progress::new(cost, global.quiet);
+            let progress = Progress::new(exact.work(lmax), global.quiet);
             progress.stage(&pattern.to_string());
-            exact_spectrum(&pattern, n_points, domain, lmax, &|seconds| progress.advance(seconds))?
+            exact.to(lmax, &progress)?
         } else {
             let count = args.realizations.unwrap_or(REALIZATIONS);
             sampled(&pattern, &*sampler, lmax, count, global)?
@@ -154,11 +151,30 @@ fn sampled(
         let message = "-m must be at least 2 for an error of the spectrum, got 1";
         return Err(CliError::Usage(message.to_owned()));
     }
-    let streams = Streams::new(global.seed, Purpose::Pattern, pattern.stream_group(n_points));
-    let progress = Progress::new(count as f64, global.quiet);
+    let streams = Streams::new(global.seed, Purpose::Pattern, sampler.stream_group());
+    let work = sampler.nominal_work() + Method::Auto.nominal_work(n_points, lmax);
+    let progress = Progress::new(count as f64 * work, global.quiet);
     progress.stage(&pattern.to_string());
     let ensemble = Realizations::rotated(sampler, streams);
-    Ok(estimate(&ensemble, lmax, realizations, &|| progress.advance(1.0))?)
+    Ok(estimate(&ensemble, lmax, realizations, &progress)?)
+}
+
+/// The variance that the sampler's spectrum predicts for an integrand, as every command predicts it; none for a spectrum from
+/// a file.
+pub(super) fn predicted(
+    args: &BoundsArgs,
+    integrand: &NamedIntegrand,
+    domain: Domain,
+    global: &Global,
+) -> Result<Option<Prediction>, CliError> {
+    let (None, Some(name), Some(n)) = (&args.spectrum, &args.sampler, args.points) else {
+        return Ok(None);
+    };
+    let sampler = patterns::build(&patterns::parse_pattern(name)?, n, domain, args.nearest)?;
+    let options = SpectrumOptions { lmax: args.lmax, ..SpectrumOptions::default() };
+    let budget = PredictionBudget::USUAL;
+    let predictor = Predictor::new(&*integrand.function, domain, global.seed, budget)?;
+    Ok(Some(predictor.with_options(options).predict(&*sampler, &())?.prediction))
 }
 
 /// The nearest whole number from 1 on; a random number of points has a broken mean.

@@ -1,7 +1,7 @@
 //! The bounds that the thesis draws for a sampler, against its spectrum.
 
 use serde::Serialize;
-use sphvar_bounds::{Bound, Family, MeasuredSpectrum, Verdict, thesis_bounds};
+use sphvar_bounds::{Bound, BoundVerdict, Family, MeasuredSpectrum, thesis_bounds};
 
 use super::record::readable;
 use crate::error::CliError;
@@ -48,7 +48,7 @@ impl ThesisRecord {
             .collect()
     }
 
-    fn new(bound: &Bound, verdict: &Verdict, n_points: usize) -> Self {
+    fn new(bound: &Bound, verdict: &BoundVerdict, n_points: usize) -> Self {
         let omega = |l: usize| l as f64 / (n_points as f64).sqrt();
         Self {
             side: bound.side.name(),

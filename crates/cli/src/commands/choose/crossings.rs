@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::candidate::Candidate;
+use super::candidate::TimedCandidate;
 use crate::commands::crossovers::{CrossoverRecord, crossovers};
 
 /// Candidates among which crossovers are looked for, the best first.
@@ -29,19 +29,19 @@ impl CrossingRecord {
 }
 
 /// The significant crossings of the best candidates' curves in the range that both cover.
-pub(super) fn between(ranked: &[Candidate], seed: u64) -> Vec<CrossingRecord> {
+pub(super) fn between(ranked: &[TimedCandidate], seed: u64) -> Vec<CrossingRecord> {
     let best = &ranked[..ranked.len().min(BEST)];
-    let name = |c: &Candidate| c.curve.pattern().to_string();
-    let curves: Vec<_> = best.iter().map(|c| (name(c), c.curve.variance_points())).collect();
+    let name = |c: &TimedCandidate| c.answer.curve.pattern().to_string();
+    let curves: Vec<_> = best.iter().map(|c| (name(c), c.answer.curve.variance_points())).collect();
     let judged = |crossover: CrossoverRecord| {
         let of = |wanted: &str| best.iter().find(|c| name(c) == wanted);
         let (above, below) = of(&crossover.better_above).zip(of(&crossover.better_below))?;
-        let is_near = [above, below].into_iter().filter_map(|c| c.n_points).any(|n| {
+        let is_near = [above, below].into_iter().filter_map(|c| c.answer.n_points).any(|n| {
             let ratio = n as f64 / crossover.n;
             (1.0 / NEAR..=NEAR).contains(&ratio)
         });
         let gap = |n: f64| {
-            let ratio = above.curve.interpolate(n).zip(below.curve.interpolate(n));
+            let ratio = above.answer.curve.interpolate(n).zip(below.answer.curve.interpolate(n));
             ratio.map_or(0.0, |(above, below)| below / above)
         };
         let (before, after) = (gap(0.5 * crossover.n), gap(2.0 * crossover.n));

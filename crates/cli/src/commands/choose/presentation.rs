@@ -4,9 +4,9 @@ use serde::Serialize;
 use sphvar_variance::{PredictedPoint, Predictor, RequiredPoints};
 
 use super::ChooseArgs;
-use super::candidate::{Candidate, MAX_FACTOR, recommended};
+use super::candidate::{MAX_FACTOR, TimedCandidate, recommended};
 use super::crossings::{self, CrossingRecord};
-use super::question::{Question, Wish};
+use super::question::{Asked, Question};
 use super::reason::Reason;
 use super::recommendation::recommendation;
 use crate::error::CliError;
@@ -92,7 +92,7 @@ struct Document<'a> {
 /// The whole answer.
 pub(super) struct Answer<'a> {
     question: &'a Question,
-    candidates: &'a [Candidate],
+    candidates: &'a [TimedCandidate],
     rows: Vec<Row>,
     left_out: Vec<LeftOut>,
     crossovers: Vec<CrossingRecord>,
@@ -105,11 +105,11 @@ impl<'a> Answer<'a> {
     pub(super) fn new(
         question: &'a Question,
         predictor: &mut Predictor<'_>,
-        candidates: &'a [Candidate],
+        candidates: &'a [TimedCandidate],
         left_out: Vec<LeftOut>,
         seed: u64,
     ) -> Result<Self, CliError> {
-        let row = |(i, c): (usize, &Candidate)| row(i + 1, c, question, predictor);
+        let row = |(i, c): (usize, &TimedCandidate)| row(i + 1, c, question, predictor);
         let rows = candidates.iter().enumerate().map(row).collect();
         let best = recommended(candidates, question);
         let (reason, recommendation) = recommendation(best, question, predictor)?;
@@ -130,11 +130,11 @@ impl<'a> Answer<'a> {
     /// Writes and prints the answer in the form asked for.
     pub(super) fn emit(&self, args: &ChooseArgs, global: &Global) -> Result<(), CliError> {
         let provenance = Provenance::new(global.seed);
-        let (error_asked, points_asked, max_points) = match self.question.wish {
-            Wish::Error { standard_error, max_points, .. } => {
+        let (error_asked, points_asked, max_points) = match self.question.asked {
+            Asked::Error { standard_error, max_points, .. } => {
                 (Some(standard_error), None, Some(max_points))
             }
-            Wish::Points(n) => (None, Some(n), None),
+            Asked::Points(n) => (None, Some(n), None),
         };
         let document = Document {
             integrand: &self.question.integrand,
@@ -174,8 +174,8 @@ impl<'a> Answer<'a> {
 
     fn text(&self) -> String {
         let question = self.question;
-        let mut text = match &question.wish {
-            Wish::Error { text, standard_error, .. } => {
+        let mut text = match &question.asked {
+            Asked::Error { text, standard_error, .. } => {
                 let asked = match question.integral {
                     Some(integral) if question.relative(*standard_error).is_some() => {
                         format!(
@@ -188,7 +188,7 @@ impl<'a> Answer<'a> {
                 };
                 format!("Points for a standard error of {asked}: {}\n\n", question.integrand)
             }
-            Wish::Points(n) => {
+            Asked::Points(n) => {
                 format!("Standard errors with about {n} points: {}\n\n", question.integrand)
             }
         };
@@ -207,7 +207,8 @@ impl<'a> Answer<'a> {
             text += "; +-: what is not known of it. gain: how many times less\nvariance than white noise \
                      with as many points. rate: exponent of the variance against N near this N.\n\n";
         }
-        if let (Wish::Error { max_points, .. }, false) = (&question.wish, out_of_reach.is_empty()) {
+        if let (Asked::Error { max_points, .. }, false) = (&question.asked, out_of_reach.is_empty())
+        {
             let is_behind = |row: &&Row| row.basis == "behind";
             let (behind, beyond): (Vec<&Row>, Vec<&Row>) =
                 out_of_reach.into_iter().partition(is_behind);
@@ -251,16 +252,16 @@ impl<'a> Answer<'a> {
         for (i, candidate) in self.candidates.iter().enumerate() {
             // Every eighth colour is black, which is left to the error asked for.
             let colour = i + (i + 3) / 7;
-            let points = candidate.curve.variance_points();
+            let points = candidate.answer.curve.variance_points();
             let points: Vec<(f64, f64)> =
                 points.iter().map(|p| (p.n_points, scale * p.variance.sqrt())).collect();
-            let label = candidate.curve.pattern().to_string();
+            let label = candidate.answer.curve.pattern().to_string();
             let line =
                 |label, style| Series { label, points: points.clone(), error: None, style, colour };
             series.push(line(String::new(), Style::Line));
             series.push(line(label, Style::Markers));
         }
-        if let Wish::Error { text, standard_error, .. } = &question.wish {
+        if let Asked::Error { text, standard_error, .. } = &question.asked {
             let all = series.iter().flat_map(|s| s.points.iter().map(|p| p.0));
             let most = all.fold(1.0, f64::max);
             let asked = scale * standard_error;
@@ -285,15 +286,20 @@ impl<'a> Answer<'a> {
     }
 }
 
-fn row(rank: usize, candidate: &Candidate, question: &Question, predictor: &Predictor<'_>) -> Row {
-    let curve = &candidate.curve;
-    let point = candidate.n_points.and_then(|n| curve.at(n));
-    let rate = match candidate.required {
+fn row(
+    rank: usize,
+    candidate: &TimedCandidate,
+    question: &Question,
+    predictor: &Predictor<'_>,
+) -> Row {
+    let curve = &candidate.answer.curve;
+    let point = candidate.answer.n_points.and_then(|n| curve.at(n));
+    let rate = match candidate.answer.required {
         Some(RequiredPoints::Extrapolated { fit, .. }) => Some(fit),
-        _ => candidate.n_points.and_then(|n| curve.rate_near(n)),
+        _ => candidate.answer.n_points.and_then(|n| curve.rate_near(n)),
     };
-    let variance = candidate.variance.map(|v| v.0);
-    let white = candidate.n_points.map(|n| predictor.white_variance(n));
+    let variance = candidate.answer.variance.map(|v| v.0);
+    let white = candidate.answer.n_points.map(|n| predictor.white_variance(n));
     let finite = |x: &f64| x.is_finite();
     let curve_point = |p: &PredictedPoint| CurvePoint {
         n: p.n_points(),
@@ -306,14 +312,14 @@ fn row(rank: usize, candidate: &Candidate, question: &Question, predictor: &Pred
     Row {
         rank,
         sampler: curve.pattern().to_string(),
-        n: candidate.n_points,
+        n: candidate.answer.n_points,
         basis: candidate.basis(),
-        too_few: match candidate.required {
+        too_few: match candidate.answer.required {
             Some(RequiredPoints::Predicted { too_few, .. }) => too_few,
             _ => None,
         },
         variance,
-        variance_stderr: candidate.variance.map(|v| v.1).filter(finite),
+        variance_stderr: candidate.answer.variance.map(|v| v.1).filter(finite),
         error: variance.map(f64::sqrt),
         relative_error: variance.and_then(|v| question.relative(v.sqrt())),
         gain: white.zip(variance).map(|(white, v)| white / v).filter(finite),
@@ -325,6 +331,7 @@ fn row(rank: usize, candidate: &Candidate, question: &Question, predictor: &Pred
         lmax: point.map(|p| p.spectrum.lmax()),
         realizations: point.map(|p| p.spectrum.realizations()),
         last_empty_degree: candidate
+            .answer
             .n_points
             .and_then(|n| curve.pattern().last_empty_degree(n, question.domain)),
         curve: curve.points().iter().map(curve_point).collect(),
@@ -401,7 +408,7 @@ impl Row {
 
 /// A candidate in a line, before all are known.
 pub(super) fn line(
-    candidate: &Candidate,
+    candidate: &TimedCandidate,
     question: &Question,
     predictor: &Predictor<'_>,
 ) -> String {

@@ -1,6 +1,7 @@
 //! What is asked for: an error or a number of points.
 
-use sphvar_variance::{Domain, Energy, Predictor};
+use sphvar_integrands::Energy;
+use sphvar_variance::{Domain, Predictor, Wish};
 
 use super::ChooseArgs;
 use crate::error::CliError;
@@ -14,13 +15,13 @@ pub(super) struct Question {
     pub(super) domain: Domain,
     /// The exact integral, where it is known and not 0.
     pub(super) integral: Option<f64>,
-    pub(super) wish: Wish,
+    pub(super) asked: Asked,
     /// Seconds for a value of the integrand.
     pub(super) cost_per_sample: Option<f64>,
 }
 
 /// What the user has or wants.
-pub(super) enum Wish {
+pub(super) enum Asked {
     /// At most this standard error of the integral, with at most so many points.
     Error {
         /// As it was written.
@@ -43,35 +44,53 @@ impl Question {
         // By the Cauchy-Schwarz inequality no integral exceeds this; one that rounds to 0 beside it is 0.
         let largest = (domain.area() * energy.total()).sqrt();
         let integral = exact.filter(|i| i.abs() > 1e-12 * largest);
-        let wish = match (&args.error, args.points) {
+        let asked = match (&args.error, args.points) {
             (Some(text), _) => {
                 if args.max_points == 0 {
                     let message = "--max-points must be at least 1, got 0".to_owned();
                     return Err(CliError::Usage(message));
                 }
                 let standard_error = standard_error(text, args.absolute, integral, exact)?;
-                Wish::Error { text: text.clone(), standard_error, max_points: args.max_points }
+                Asked::Error { text: text.clone(), standard_error, max_points: args.max_points }
             }
             (None, Some(0)) => {
                 return Err(CliError::Usage("-n must be at least 1, got 0".to_owned()));
             }
-            (None, Some(n)) => Wish::Points(n),
+            (None, Some(n)) => Asked::Points(n),
             (None, None) => {
                 return Err(CliError::Usage("--error E or -n N is missing".to_owned()));
             }
         };
         let cost_per_sample = args.cost_per_sample;
-        Ok(Self { integrand: integrand.name.clone(), domain, integral, wish, cost_per_sample })
+        Ok(Self { integrand: integrand.name.clone(), domain, integral, asked, cost_per_sample })
+    }
+
+    /// The question for the library, with at most so many points.
+    pub(super) fn wish(&self, max_points: usize) -> Wish {
+        match self.asked {
+            Asked::Error { standard_error, .. } => {
+                Wish::Variance { variance: standard_error * standard_error, max_points }
+            }
+            Asked::Points(n) => Wish::Points(n),
+        }
+    }
+
+    /// The most points allowed.
+    pub(super) fn max_points(&self) -> usize {
+        match self.asked {
+            Asked::Error { max_points, .. } => max_points,
+            Asked::Points(_) => usize::MAX,
+        }
     }
 
     /// The number of points that white noise needs for the error asked for, exactly.
     pub(super) fn white_noise_points(&self, predictor: &Predictor<'_>) -> Option<f64> {
-        match self.wish {
-            Wish::Error { standard_error, .. } => {
+        match self.asked {
+            Asked::Error { standard_error, .. } => {
                 let needed = predictor.white_variance(1) / (standard_error * standard_error);
                 Some(needed.ceil().max(1.0)).filter(|n| n.is_finite())
             }
-            Wish::Points(_) => None,
+            Asked::Points(_) => None,
         }
     }
 

@@ -1,9 +1,10 @@
 //! Why a pattern suits an integrand.
 
 use serde::Serialize;
-use sphvar_variance::{Energy, Predictor};
+use sphvar_integrands::Energy;
+use sphvar_variance::Predictor;
 
-use super::candidate::Candidate;
+use super::candidate::TimedCandidate;
 
 /// Which degrees carry the integrand's variance, and what power the pattern has there.
 #[derive(Debug, Serialize)]
@@ -22,16 +23,16 @@ pub(super) struct Reason {
 impl Reason {
     /// For a pattern with a prediction at its number of points, or at the largest one tried; nothing if
     /// half of the energy lies beyond the degrees that were needed.
-    pub(super) fn new(candidate: &Candidate, predictor: &Predictor<'_>) -> Option<Self> {
-        let at = candidate.n_points.and_then(|n| candidate.curve.at(n));
-        let point = at.or(candidate.curve.points().last())?;
+    pub(super) fn new(candidate: &TimedCandidate, predictor: &Predictor<'_>) -> Option<Self> {
+        let at = candidate.answer.n_points.and_then(|n| candidate.answer.curve.at(n));
+        let point = at.or(candidate.answer.curve.points().last())?;
         let energy = predictor.energy();
         let last = half_degree(energy)?;
         let power = point.power_to(energy, last);
-        let low: f64 = energy.per_degree()[1..=last].iter().sum();
+        let low: f64 = energy.per_band()[1..=last].iter().sum();
         let factor = energy.domain().variance_factor(point.n_points());
         (last <= point.spectrum.lmax() && power.is_finite()).then(|| Self {
-            sampler: candidate.curve.pattern().to_string(),
+            sampler: candidate.answer.curve.pattern().to_string(),
             n: point.n_points(),
             half_degree: last,
             power_of_half: power,
@@ -60,7 +61,7 @@ impl Reason {
 fn half_degree(energy: &Energy) -> Option<usize> {
     let half = 0.5 * energy.beyond(0);
     let mut sum = 0.0;
-    let mut degrees = energy.per_degree().iter().enumerate().skip(1);
+    let mut degrees = energy.per_band().iter().enumerate().skip(1);
     degrees
         .find(|(_, e)| {
             sum += **e;

@@ -3,14 +3,14 @@
 use sphvar_samplers::Pattern;
 use sphvar_variance::{Predictor, settled_degree_of};
 
-use super::candidate::Candidate;
-use super::question::{Question, Wish};
+use super::candidate::TimedCandidate;
+use super::question::{Asked, Question};
 use super::reason::Reason;
 use crate::error::CliError;
 
 /// What to take and why, in a sentence.
 pub(super) fn recommendation(
-    best: Option<&Candidate>,
+    best: Option<&TimedCandidate>,
     question: &Question,
     predictor: &mut Predictor<'_>,
 ) -> Result<(Option<Reason>, String), CliError> {
@@ -20,9 +20,9 @@ pub(super) fn recommendation(
             "Any sampler will do: the integrand is constant, and its integral has no variance.";
         return Ok((None, text.to_owned()));
     }
-    let (Some(best), Some(n)) = (best, best.and_then(|b| b.n_points)) else {
+    let (Some(best), Some(n)) = (best, best.and_then(|b| b.answer.n_points)) else {
         let (mut text, mut most) = ("No sampler reaches this error".to_owned(), 1);
-        if let Wish::Error { max_points, .. } = question.wish {
+        if let Asked::Error { max_points, .. } = question.asked {
             most = max_points;
             text += &format!(
                 " with {most} points (--max-points): all considered are out of reach, and white noise \
@@ -37,16 +37,16 @@ pub(super) fn recommendation(
     }
     let reason = Reason::new(best, predictor);
     let extrapolated = if best.basis() == "extrapolated" { ", by extrapolation" } else { "" };
-    let choice = match question.wish {
+    let choice = match question.asked {
         _ if question.cost_per_sample.is_some() => "the least time for set and values",
-        Wish::Error { .. } => {
+        Asked::Error { .. } => {
             "of those that need the fewest points, within 10 %, the cheapest to make"
         }
-        Wish::Points(_) => "of those of the least variance, within 10 %, the cheapest to make",
+        Asked::Points(_) => "of those of the least variance, within 10 %, the cheapest to make",
     };
-    let name = best.curve.pattern();
+    let name = best.answer.curve.pattern();
     let why = match &reason {
-        _ if best.is_exact() => ": it integrates this function exactly".to_owned(),
+        _ if best.answer.is_exact() => ": it integrates this function exactly".to_owned(),
         Some(reason) => format!(": {}", reason.sentence(name.name())),
         None => String::new(),
     };
@@ -57,15 +57,15 @@ pub(super) fn recommendation(
 /// Why not even the best is worth a recommendation: its error exceeds the integral, or its variance is
 /// no less than white noise's as far as that is known.
 fn no_recommendation(
-    best: &Candidate,
+    best: &TimedCandidate,
     n: usize,
     question: &Question,
     predictor: &mut Predictor<'_>,
 ) -> Result<Option<String>, CliError> {
-    let Some((variance, stderr)) = best.variance else {
+    let Some((variance, stderr)) = best.answer.variance else {
         return Ok(None);
     };
-    let name = best.curve.pattern();
+    let name = best.answer.curve.pattern();
     let relative = question.relative(variance.sqrt());
     if let Some(error) = relative.filter(|error| *error > 1.0) {
         let text = format!(
@@ -77,7 +77,7 @@ fn no_recommendation(
     let unknown = if stderr.is_finite() { 2.0 * stderr } else { 0.0 };
     let is_white = predictor.white_variance(n) <= variance + unknown;
     let is_white_noise = *name == Pattern::WhiteNoise;
-    if is_white && !is_white_noise || is_white_noise && matches!(question.wish, Wish::Points(_)) {
+    if is_white && !is_white_noise || is_white_noise && matches!(question.asked, Asked::Points(_)) {
         let text = format!(
             "No pattern considered helps: none has less variance with {n} points than white noise, as far \
              as that is known."

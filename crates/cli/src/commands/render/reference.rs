@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use sphvar_scene::{DirectionPlan, Estimator, Image, render};
+use sphvar_scene::{DirectionPlan, Estimator, Image, pixel_work, render};
 
 use super::RenderArgs;
 use super::reference_file::{ReferenceFile, Stored};
@@ -85,12 +85,12 @@ impl Reference {
     fn make(&self, stage: &Stage) -> Result<Image, CliError> {
         let view = stage.view()?;
         let n_pixels = view.region().width * view.region().height;
-        let progress = Progress::new(n_pixels as f64, self.quiet);
+        let work = n_pixels as f64 * pixel_work(self.plan.n_points());
+        let progress = Progress::new(work, self.quiet);
         progress.stage("reference image");
         let sets = self.plan.prepare(0).map_err(CliError::failed)?;
-        let done = |pixels: usize| progress.advance(pixels as f64);
         stage
-            .with_integral(|integral| render(&view, integral, Estimator::Ratio, &sets, &done))
+            .with_integral(|integral| render(&view, integral, Estimator::Ratio, &sets, &progress))
             .map_err(CliError::failed)
     }
 }

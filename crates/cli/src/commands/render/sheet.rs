@@ -84,7 +84,7 @@ pub(super) fn run(args: &RenderArgs, panels: &str, global: &Global) -> Result<()
     let white = white(args, &stage, &reference, global.quiet);
     let mut cost = 0.0;
     for trials in patterns(&wishes) {
-        cost += trials.cost(&stage)?;
+        cost += trials.work(&stage)?;
     }
     let progress = Progress::new(cost, global.quiet);
     let (mut pictures, mut records) = (Vec::new(), Vec::new());

@@ -122,7 +122,7 @@ pub(super) fn run(args: &RenderArgs, global: &Global) -> Result<(), CliError> {
     } else {
         None
     };
-    let progress = Progress::new(trials.cost(&stage)?, global.quiet);
+    let progress = Progress::new(trials.work(&stage)?, global.quiet);
     let outcome = trials.run(&stage, reference.as_ref(), &progress)?;
     drop(progress);
     let provenance = Provenance::new(global.seed);

@@ -4,8 +4,8 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use glam::{DQuat, DVec3};
-use sphvar_scene::{Camera, CornellBox, Integral, Mesh, Quad, Region, Scene, View};
-use sphvar_variance::{EnvironmentMap, Integrand};
+use sphvar_integrands::{EnvironmentMap, Integrand};
+use sphvar_scene::{Camera, CornellBox, CropWindow, Integral, Mesh, Quad, Scene, View};
 
 use super::reference_file::fingerprint;
 use crate::error::CliError;
@@ -92,7 +92,7 @@ pub(super) struct Stage {
     scene: Scene,
     camera: Camera,
     size: [usize; 2],
-    region: Option<Region>,
+    region: Option<CropWindow>,
     pixel_rays: usize,
     integral: Wanted,
     /// Everything that a reference image depends on but its directions, in words and hashes.
@@ -127,7 +127,7 @@ impl StageArgs {
         let size = self.size.map_or([usual_size; 2], |size| size.0);
         let region = self.crop.map(|crop| {
             let [x, y, width, height] = crop.0;
-            Region { x, y, width, height }
+            CropWindow { x, y, width, height }
         });
         let own_light = match &self.lamp {
             Some(lamp) => {

@@ -112,7 +112,7 @@ pub(super) fn run(args: &RenderArgs, global: &Global) -> Result<(), CliError> {
     let reference = Reference::new(args, &stage, global)?;
     reference.remark(cases.iter().map(|case| case.plan.n_points()).max().unwrap_or(0));
     let reference = reference.image(&stage)?;
-    let costs: Result<Vec<f64>, CliError> = cases.iter().map(|c| c.cost(&stage)).collect();
+    let costs: Result<Vec<f64>, CliError> = cases.iter().map(|c| c.work(&stage)).collect();
     let progress = Progress::new(costs?.iter().sum(), global.quiet);
     let (mut rows, mut rays, mut seconds) = (Vec::new(), 0, 0.0);
     for case in &cases {

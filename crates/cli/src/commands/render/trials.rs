@@ -4,7 +4,7 @@ use std::time::Instant;
 
 use sphvar_samplers::Pattern;
 use sphvar_scene::{
-    DirectionMode, DirectionPlan, ErrorReport, Estimator, Image, RenderErrors, render,
+    DirectionMode, DirectionPlan, ErrorReport, Estimator, Image, RenderErrors, pixel_work, render,
 };
 
 use super::RenderArgs;
@@ -94,26 +94,21 @@ impl Trials {
     }
 
     /// What a progress bar counts.
-    pub(super) fn cost(&self, stage: &Stage) -> Result<f64, CliError> {
+    pub(super) fn work(&self, stage: &Stage) -> Result<f64, CliError> {
         let region = stage.view()?.region();
-        let pixels = (region.width * region.height) as f64 * self.cost_of_pixel();
-        Ok((self.cost_of_table() + pixels) * self.renders as f64)
-    }
-
-    /// Seconds on one core, about: rays, what a pixel costs besides, and its own set if it has one.
-    fn cost_of_pixel(&self) -> f64 {
-        let n = self.plan.n_points();
         let own = match self.plan.mode() {
-            DirectionMode::Fresh => self.plan.pattern().seconds(n),
+            DirectionMode::Fresh => self.plan.pattern().nominal_work(self.plan.n_points()),
             _ => 0.0,
         };
-        1e-7 * n as f64 + 1e-6 + own
+        let pixels =
+            (region.width * region.height) as f64 * (pixel_work(self.plan.n_points()) + own);
+        Ok((self.work_of_table() + pixels) * self.renders as f64)
     }
 
-    /// Seconds on one core for the sets of a render, about.
-    fn cost_of_table(&self) -> f64 {
+    /// The nominal work of the sets of a render.
+    fn work_of_table(&self) -> f64 {
         let points = self.plan.mode().set_points(self.plan.n_points());
-        self.plan.n_sets() as f64 * self.plan.pattern().seconds(points)
+        self.plan.n_sets() as f64 * self.plan.pattern().nominal_work(points)
     }
 
     /// Renders and compares.
@@ -129,11 +124,10 @@ impl Trials {
         let (mut picture, mut rays, mut seconds) = (None, 0, 0.0);
         for number in 0..self.renders {
             let sets = self.plan.prepare(number).map_err(CliError::failed)?;
-            progress.advance(self.cost_of_table());
+            progress.advance(self.work_of_table());
             let start = Instant::now();
-            let done = |pixels: usize| progress.advance(pixels as f64 * self.cost_of_pixel());
             let image = stage
-                .with_integral(|integral| render(&view, integral, self.estimator, &sets, &done))
+                .with_integral(|integral| render(&view, integral, self.estimator, &sets, progress))
                 .map_err(CliError::failed)?;
             seconds += start.elapsed().as_secs_f64();
             rays += image.rays;

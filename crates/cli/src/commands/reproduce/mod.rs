@@ -10,7 +10,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 use serde::Serialize;
-use sphvar_thesis::{Figure, FigureId, Job, Results, Scale, Setting, run as run_jobs, seconds};
+use sphvar_thesis::{Figure, FigureId, Job, Results, Scale, Setting, run as run_jobs, work};
 
 use self::folder::{OutFolder, TABLES};
 use self::verdicts::{VerdictRecord, markdown, plain_table, records, verdict_rows};
@@ -109,12 +109,11 @@ pub(crate) fn run(args: &ReproduceArgs, global: &Global) -> Result<(), CliError>
     let store = folder.pieces()?;
 
     let jobs: Vec<Vec<Job>> = ids.iter().map(|id| id.jobs(setting)).collect();
-    let progress = Progress::new(seconds(&jobs.concat()), global.quiet);
+    let progress = Progress::new(work(&jobs.concat()), global.quiet);
     let (mut results, mut drawn) = (Results::new(setting), Vec::new());
     for (&id, jobs) in ids.iter().zip(&jobs) {
         progress.stage(&format!("figure {id}"));
-        run_jobs(jobs, &store, &mut results, &|seconds| progress.advance(seconds))
-            .map_err(CliError::failed)?;
+        run_jobs(jobs, &store, &mut results, &progress).map_err(CliError::failed)?;
         let figure = id.compose(&results).map_err(CliError::failed)?;
         let files = folder.write_panels(&figure, &provenance)?;
         drawn.push(Drawn { figure, files });
