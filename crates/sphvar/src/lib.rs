@@ -1,0 +1,60 @@
+//! Which pattern of N directions gives the least error for an integrand, and why.
+//!
+//! ```
+//! use sphvar::prelude::*;
+//!
+//! // The indicator of a cap of 60 degrees, integrated over the sphere with 192 directions.
+//! let cap = Cap::from_degrees(60.0)?;
+//! let mut predictor = Predictor::new(&cap, Domain::Sphere, 0, PredictionBudget::USUAL)?;
+//! let wish = Wish::Points(192);
+//! let mut candidates = Vec::new();
+//! for pattern in [Pattern::WhiteNoise, Pattern::Jittered, Pattern::Fibonacci] {
+//!     candidates.push(Candidate::new(pattern, wish, &mut predictor, &())?);
+//! }
+//! rank(&mut candidates, wish);
+//! assert_eq!(candidates[0].curve.pattern().to_string(), "fibonacci");
+//! # Ok::<(), sphvar::variance::Error>(())
+//! ```
+//!
+//! This crate is the whole of sphvar under one name; its parts can be used one by one:
+//!
+//! - [`samplers`]: patterns, given point sets, random streams. [`warps`]: maps from the square.
+//! - [`spectrum`]: angular power spectra with errors. [`sht`]: transforms of scattered points.
+//! - [`integrands`]: functions with their energies. [`variance`]: predicted and measured variance, rates, ranks.
+//! - [`bounds`]: closed-form bounds and rates. [`scene`]: ambient occlusion and direct light.
+//! - [`sh`]: spherical harmonics. [`healpix`]: the HEALPix grid. [`nufft`]: nonuniform Fourier transforms on the torus.
+//!
+//! The example `own_pattern` ranks a user-defined pattern beside built-in ones, for a user-defined
+//! integrand.
+
+pub use glam;
+pub use rand;
+pub use sphvar_bounds as bounds;
+pub use sphvar_healpix as healpix;
+pub use sphvar_integrands as integrands;
+pub use sphvar_nufft as nufft;
+pub use sphvar_samplers as samplers;
+pub use sphvar_scene as scene;
+pub use sphvar_sh as sh;
+pub use sphvar_sht as sht;
+pub use sphvar_spectrum as spectrum;
+pub use sphvar_variance as variance;
+pub use sphvar_warps as warps;
+
+/// The items that most programs use.
+pub mod prelude {
+    pub use glam::DVec3;
+    pub use sphvar_integrands::{
+        Cap, Energy, EnvironmentMap, Harmonic, Integrand, PhongLobe, Product, Rotated,
+        SampledFunction, Sum, VonMisesFisher,
+    };
+    pub use sphvar_samplers::{
+        Domain, Pattern, PointSet, PointSets, Progress, Purpose, Realizations, Sampler,
+        SamplerFamily, Streams,
+    };
+    pub use sphvar_spectrum::{ExactSpectrum, Spectrum, estimate};
+    pub use sphvar_variance::{
+        Candidate, Comparison, PredictedPoint, Prediction, PredictionBudget, Predictor, Trials,
+        Wish, fit_rate, rank, required_points,
+    };
+}
