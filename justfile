@@ -14,11 +14,11 @@ test:
 
 # Mutated inputs for every reader and grammar, 10^6 of text and 10^5 of binary forms; `just fuzz --seconds 60`.
 fuzz *ARGS:
-    cargo run --profile test -p sphvar --example fuzz -- {{ARGS}}
+    cargo run --profile test -p sphvar-cli --example fuzz -- {{ARGS}}
 
 # A hundred interrupts at random times over all commands that write files.
 interrupts COUNT="100":
-    SPHVAR_INTERRUPTS={{COUNT}} cargo test -p sphvar --test command -- interrupts
+    SPHVAR_INTERRUPTS={{COUNT}} cargo test -p sphvar-cli --test command -- interrupts
 
 # Benchmarks of every crate that has them.
 bench *ARGS:

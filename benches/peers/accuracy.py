@@ -11,7 +11,7 @@ that more than 1 says that sphvar is faster. Errors of the same calls are beside
               of which it finds the angles within its time. The project asks for 1.5 times the speed of the fastest.
               cdshealpix has no lists; sphvar is also timed one by one. Then the same pixels: how many are equal, and
               whether the others lie so near an edge that rounding explains them.
-  harmonics   scipy.special and ducc0, with errors against the 25-digit table of crates/reference/data. ducc0 has no
+  harmonics   scipy.special and ducc0, with errors against the 25-digit table of crates/accuracy/data. ducc0 has no
               function for a single value; its alm2leg with one coefficient is the same for one order at many
               colatitudes. Arguments of all are made before the clock starts.
   transforms  ducc0, by the code of transforms.py beside this script, on a short list of its cases, both leading in turn.

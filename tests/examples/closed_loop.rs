@@ -7,12 +7,15 @@
 
 use std::io::Write;
 
-use sphvar_samplers::{DiskMode, Domain, Pattern, Purpose, Realizations, SpectralControl, Streams};
-use sphvar_spectrum::{Method, Resolution, Spectrum, estimate};
+use sphvar_integrands::{Cap, ClampedCosine, Harmonic, Integrand};
+use sphvar_samplers::{
+    DiskMode, Domain, Pattern, Purpose, Realizations, SECONDS_PER_WORK, SpectralControl, Streams,
+};
+use sphvar_spectrum::{Method, Spectrum, estimate};
 use sphvar_tests::{ks_distance, ks_p_value};
 use sphvar_variance::{
-    Cap, ClampedCosine, Comparison, Crossover, Effort, Harmonic, Integrand, PredictedPoint,
-    VariancePoint, compare, crossover, fit_rate, measure, predict,
+    Comparison, Crossover, PredictedPoint, PredictionBudget, Predictor, Trials, VariancePoint,
+    crossover, fit_rate, measure, predict,
 };
 use statrs::distribution::{ContinuousCDF, Normal};
 
@@ -85,12 +88,12 @@ fn study(
     seconds: f64,
 ) -> Outcome<Result<Vec<Cell>, String>> {
     let n = pattern.nearest_count(asked, domain);
-    let set = pattern.seconds(n);
+    let set = SECONDS_PER_WORK * pattern.nominal_work(n);
     let trials = count(seconds / (set + 80e-9 * n as f64), 20_000).max(FEWEST_TRIALS);
     let sampler = pattern.build(n, domain)?;
     // Lattices have peaks at all degrees.
     let lmax = roots(domain.count_on_sphere(n), if sampler.is_random() { 8 } else { 40 });
-    let realization = set + Method::Auto.seconds(n, lmax);
+    let realization = set + SECONDS_PER_WORK * Method::Auto.nominal_work(n, lmax);
     let sets = count(4.0 * seconds / realization, 4000).max(FEWEST_SETS);
     let sets = if sampler.is_random() { sets } else { 1 };
     let needed = 2.0 * FEWEST_TRIALS as f64 * set + sets.min(FEWEST_SETS) as f64 * realization;
@@ -98,7 +101,7 @@ fn study(
         return Ok(Err(format!("a set takes {set:.1e} s")));
     }
     let streams = Streams::new(SEED, Purpose::Pattern, pattern.stream_group(n));
-    let spectrum = estimate(&Realizations::rotated(&*sampler, streams), lmax, sets, &|| ())?;
+    let spectrum = estimate(&Realizations::rotated(&*sampler, streams), lmax, sets, &())?;
     let mut cells = Vec::new();
     for (i, (name, integrand)) in integrands.into_iter().enumerate() {
         let comparison = run(pattern, n, domain, integrand, spectrum.clone(), trials, i as u64)?;
@@ -129,21 +132,12 @@ fn run(
     seed: u64,
 ) -> Outcome<Comparison> {
     let sampler = pattern.build(n, domain)?;
-    let effort = Effort {
-        seed: SEED + 1 + seed,
-        group: pattern.stream_group(n),
-        lmax: spectrum.lmax(),
-        method: Method::Auto,
-        epsilon: Resolution::EPSILON,
-        realizations: 0,
-        trials,
-        until: None,
-        seconds_per_set: pattern.seconds(n),
-    };
     let energy = integrand.energy(domain, spectrum.lmax())?;
     let prediction = predict(&spectrum, &energy);
-    let known = Some(PredictedPoint { spectrum, prediction });
-    Ok(compare(&*sampler, integrand, &energy, effort, known, &|_| ())?)
+    let known = PredictedPoint { spectrum, prediction };
+    let mut predictor =
+        Predictor::new(integrand, domain, SEED + 1 + seed, PredictionBudget::USUAL)?;
+    Ok(predictor.measure(known, &*sampler, Trials::new(trials), &())?)
 }
 
 fn write_row(out: &mut impl Write, cell: &Cell) -> Outcome<()> {
@@ -154,10 +148,10 @@ fn write_row(out: &mut impl Write, cell: &Cell) -> Outcome<()> {
         out,
         "| {} | {} | {} | {} | {:.3e} | {ratio:.3} +- {error:.3} | {:+.1} | {bias:+.1} |",
         cell.pattern,
-        c.spectrum.n_points(),
+        c.predicted.spectrum.n_points(),
         cell.integrand,
         c.measurement.estimates().len(),
-        c.prediction.variance,
+        c.predicted.prediction.variance,
         c.z_score(),
     )?;
     Ok(())
@@ -167,7 +161,7 @@ fn write_row(out: &mut impl Write, cell: &Cell) -> Outcome<()> {
 fn judge(out: &mut impl Write, cells: &[Cell]) -> Outcome<()> {
     let normal = Normal::standard();
     let (some, none): (Vec<&Cell>, Vec<&Cell>) =
-        cells.iter().partition(|c| c.comparison.prediction.variance > NOTHING);
+        cells.iter().partition(|c| c.comparison.predicted.prediction.variance > NOTHING);
     let resolved = none.iter().filter(|c| c.comparison.measurement.variance() < NOTHING).count();
     writeln!(
         out,
@@ -194,7 +188,9 @@ fn judge(out: &mut impl Write, cells: &[Cell]) -> Outcome<()> {
             let (ratio, error) = c.comparison.ratio();
             (ratio - 1.0).abs() > 0.01 + 3.0 * error
         })
-        .map(|c| format!("{} {} {}", c.pattern, c.comparison.spectrum.n_points(), c.integrand))
+        .map(|c| {
+            format!("{} {} {}", c.pattern, c.comparison.predicted.spectrum.n_points(), c.integrand)
+        })
         .collect();
     writeln!(out, "beyond 1 % +- 3 sigma: {} of {}: {beyond:?}", beyond.len(), some.len())?;
     Ok(())
@@ -213,7 +209,7 @@ fn rates(out: &mut impl Write, cells: &[Cell]) -> Outcome<()> {
                         c.domain == Domain::Sphere
                             && c.pattern == pattern
                             && c.integrand == integrand
-                            && c.comparison.spectrum.n_points() >= 768
+                            && c.comparison.predicted.spectrum.n_points() >= 768
                     })
                     .map(|c| f(&c.comparison))
                     .collect()
@@ -246,7 +242,7 @@ fn steps(out: &mut impl Write, harmonic: &Harmonic) -> Outcome<()> {
         let sampler = step.build(n, Domain::Sphere)?;
         let streams = Streams::new(SEED, Purpose::Trial, step.stream_group(n));
         let sets = Realizations::rotated(&*sampler, streams);
-        let variance = measure(&sets, harmonic, TRIALS, &|| ())?.variance();
+        let variance = measure(&sets, harmonic, TRIALS, &())?.variance();
         let verdict = if variance < NOTHING { "below" } else { "NOT below" };
         writeln!(
             out,
@@ -270,11 +266,11 @@ fn overtaking(
             let sampler = pattern.build(n, Domain::Sphere)?;
             let band = integrand.band_limit();
             let lmax = band.unwrap_or_else(|| roots(n as f64, 8));
-            let realization = pattern.seconds(n) + Method::Auto.seconds(n, lmax);
+            let work = pattern.nominal_work(n) + Method::Auto.nominal_work(n, lmax);
+            let realization = SECONDS_PER_WORK * work;
             let sets = count(5.0 * seconds / realization, 40_000).max(FEWEST_SETS);
             let streams = Streams::new(SEED + 9, Purpose::Pattern, pattern.stream_group(n));
-            let spectrum =
-                estimate(&Realizations::rotated(&*sampler, streams), lmax, sets, &|| ())?;
+            let spectrum = estimate(&Realizations::rotated(&*sampler, streams), lmax, sets, &())?;
             let energy = integrand.energy(Domain::Sphere, lmax)?;
             let prediction = predict(&spectrum, &energy);
             points.push(VariancePoint {

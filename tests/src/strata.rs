@@ -6,7 +6,7 @@ use sphvar_healpix::{Cell, Nside};
 use sphvar_samplers::{Domain, Pattern};
 use sphvar_sh::{Alm, GaussLegendre};
 use sphvar_sht::ExactTransform;
-use sphvar_spectrum::exact_spectrum;
+use sphvar_spectrum::ExactSpectrum;
 
 /// A HEALPix cell as nodes and weights of a quadrature for the uniform law on it.
 #[derive(Clone, Debug)]
@@ -108,8 +108,9 @@ fn jitter_orders(nside: u32, lmax: usize, nodes: usize) -> Alm {
 #[must_use]
 pub fn exact_jitter_spectrum(nside: u32, lmax: usize) -> Vec<f64> {
     let n_points = 12 * (nside * nside) as usize;
-    let spectrum = exact_spectrum(&Pattern::Jittered, n_points, Domain::Sphere, lmax, &|_| ());
-    spectrum.expect("a legal number of points").power().to_vec()
+    let sampler = Pattern::Jittered.build(n_points, Domain::Sphere).expect("a legal number");
+    let exact = ExactSpectrum::of(&*sampler).expect("strata have one");
+    exact.to(lmax, &()).expect("a degree in range").power().to_vec()
 }
 
 #[cfg(test)]

@@ -1,14 +1,15 @@
 //! The bounds of the thesis on spectra that are known exactly or recorded with their errors.
 
 use sphvar_bounds::{
-    Bound, Criterion, Domain, Family, IntegrandClass, MeasuredSpectrum, Profile, Side, Spectrum,
-    Verdict, thesis_bounds, trigamma,
+    Bound, BoundVerdict, Criterion, Domain, Family, IntegrandClass, MeasuredSpectrum, Profile,
+    Side, Spectrum, thesis_bounds, trigamma,
 };
+use sphvar_integrands::Energy;
 use sphvar_samplers::{MassPoints, Pattern, Purpose, Realizations, Streams};
 use sphvar_sh::ByParity;
 use sphvar_spectrum::{Resolution, estimate};
 use sphvar_tests::{ReferenceSpectrum, exact_jitter_spectrum};
-use sphvar_variance::{Energy, predict};
+use sphvar_variance::predict;
 
 const SEED: u64 = 5;
 
@@ -83,14 +84,14 @@ fn sampled(pattern: &Pattern, n: usize, lmax: Option<usize>, realizations: u64) 
     let group = pattern.stream_group(n);
     let sets = Realizations::rotated(&*sampler, Streams::new(SEED, Purpose::Pattern, group));
     let lmax = lmax.unwrap_or_else(|| Resolution::natural_degree(n));
-    estimate(&sets, lmax, realizations, &|| ()).unwrap()
+    estimate(&sets, lmax, realizations, &()).unwrap()
 }
 
 fn ccvt(capacity: usize, mass: MassPoints, n: usize, lmax: Option<usize>, sets: u64) -> Spectrum {
     sampled(&Pattern::Ccvt { capacity, mass }, n, lmax, sets)
 }
 
-fn verdict(spectrum: &Spectrum, bound: Bound) -> Verdict {
+fn verdict(spectrum: &Spectrum, bound: Bound) -> BoundVerdict {
     let spectrum = MeasuredSpectrum::from_spectrum(spectrum).unwrap();
     bound.check(&spectrum, 1.0 - ALPHA).unwrap()
 }

@@ -4,11 +4,11 @@
 use std::f64::consts::PI;
 
 use glam::DVec3;
+use sphvar_integrands::{Cap, ClampedCosine, EnvironmentMap, Harmonic, Integrand, VonMisesFisher};
 use sphvar_samplers::{Domain, Pattern, Purpose, Realizations, Streams};
 use sphvar_tests::{Family, exact_jitter_spectrum};
 use sphvar_variance::{
-    Cap, ClampedCosine, EnvironmentMap, Error, Harmonic, Integrand, PredictedCurve,
-    PredictionBudget, Predictor, RequiredPoints, VonMisesFisher, measure, required_points,
+    Error, PredictedCurve, PredictionBudget, Predictor, RequiredPoints, measure, required_points,
 };
 
 const SEED: u64 = 11;
@@ -26,7 +26,7 @@ fn required(
     most: usize,
 ) -> RequiredPoints {
     let mut curve = PredictedCurve::new(pattern.clone());
-    required_points(&mut predictor(integrand, domain), &mut curve, variance, most, &|| ()).unwrap()
+    required_points(&mut predictor(integrand, domain), &mut curve, variance, most, &()).unwrap()
 }
 
 fn cap60() -> Cap {
@@ -91,7 +91,7 @@ fn jitter_needs_what_its_exact_spectrum_says() {
         let n = 12 * (nside * nside) as usize;
         let energy = cap.energy(Domain::Sphere, 4 * n.isqrt()).unwrap();
         let power = exact_jitter_spectrum(nside, energy.lmax());
-        let known: f64 = energy.per_degree().iter().zip(&power).skip(1).map(|(e, p)| e * p).sum();
+        let known: f64 = energy.per_band().iter().zip(&power).skip(1).map(|(e, p)| e * p).sum();
         Domain::Sphere.variance_factor(n) * (known + energy.beyond(energy.lmax()))
     };
     for nside in [4, 8] {
@@ -127,7 +127,7 @@ fn the_numbers_found_have_the_error_asked_for() {
         for pattern in &patterns {
             let mut predictor = predictor(integrand, Domain::Sphere);
             let mut curve = PredictedCurve::new(pattern.clone());
-            let got = required_points(&mut predictor, &mut curve, asked, MOST, &|| ()).unwrap();
+            let got = required_points(&mut predictor, &mut curve, asked, MOST, &()).unwrap();
             let RequiredPoints::Predicted { n_points, too_few } = got else {
                 panic!("{name}, {pattern}: {got:?}");
             };
@@ -140,7 +140,7 @@ fn the_numbers_found_have_the_error_asked_for() {
             let sampler = pattern.build(n_points, Domain::Sphere).unwrap();
             let streams = Streams::new(SEED, Purpose::Trial, pattern.stream_group(n_points));
             let trials = Realizations::rotated(&*sampler, streams);
-            let measured = measure(&trials, integrand, TRIALS, &|| ()).unwrap();
+            let measured = measure(&trials, integrand, TRIALS, &()).unwrap();
             let prediction = curve.at(n_points).unwrap().prediction;
             // What a lattice's spectrum leaves out is at most 1 % of its variance.
             let left_out = 0.01 * prediction.variance;
@@ -208,7 +208,7 @@ fn what_costs_too_much_is_extrapolated() {
         let precision = PredictionBudget { relative: 0.03, work };
         let mut poor = Predictor::new(&cap, Domain::Sphere, SEED, precision).unwrap();
         let mut curve = PredictedCurve::new(pattern.clone());
-        let got = required_points(&mut poor, &mut curve, variance, MOST, &|| ()).unwrap();
+        let got = required_points(&mut poor, &mut curve, variance, MOST, &()).unwrap();
         let RequiredPoints::Extrapolated { n_points, fit } = got else {
             panic!("{pattern}: {got:?}, {:?}", curve.variance_points());
         };
@@ -216,10 +216,11 @@ fn what_costs_too_much_is_extrapolated() {
         let known = required(&cap, Domain::Sphere, &pattern, variance, MOST).n_points().unwrap();
         let ratio = n_points as f64 / known as f64;
         assert!((0.6..1.6).contains(&ratio), "{pattern}: {n_points} by rate, {known} by spectra");
-        assert!(!poor.is_affordable(&pattern, n_points).unwrap(), "{pattern}: {n_points}");
+        let sampler = pattern.build(n_points, Domain::Sphere).unwrap();
+        assert!(!poor.is_affordable(&*sampler).unwrap(), "{pattern}: {n_points}");
         let most = n_points - 1;
         let mut again = PredictedCurve::new(pattern.clone());
-        let got = required_points(&mut poor, &mut again, variance, most, &|| ()).unwrap();
+        let got = required_points(&mut poor, &mut again, variance, most, &()).unwrap();
         assert_eq!(got, RequiredPoints::OutOfReach, "{pattern}");
     }
 }
@@ -232,21 +233,25 @@ fn refused_numbers_are_passed_over() {
     let got = required(&harmonic, Domain::Sphere, &profile, 0.05, MOST);
     assert!(got.n_points().is_some_and(|n| n > 2), "{got:?}");
     let mut predictor = predictor(&harmonic, Domain::Sphere);
-    assert!(predictor.predict(&profile, 2, &|| ()).is_err(), "profile exists with 2 points");
+    let mut curve = PredictedCurve::new(profile);
+    assert!(curve.predict(&mut predictor, 2, &()).is_err(), "profile exists with 2 points");
 }
 
 #[test]
 fn predictions_do_not_depend_on_what_went_before() {
     let map = map();
-    let fresh =
-        |n: usize| predictor(&map, Domain::Sphere).predict(&Pattern::Fibonacci, n, &|| ()).unwrap();
+    let at = |predictor: &mut Predictor<'_>, n: usize| {
+        let sampler = Pattern::Fibonacci.build(n, Domain::Sphere).unwrap();
+        predictor.predict(&*sampler, &()).unwrap()
+    };
+    let fresh = |n: usize| at(&mut predictor(&map, Domain::Sphere), n);
     let mut used = predictor(&map, Domain::Sphere);
-    used.predict(&Pattern::Fibonacci, 2000, &|| ()).unwrap();
+    at(&mut used, 2000);
     assert!(used.energy().lmax() > 256, "{:?}", used.energy().lmax());
-    assert_eq!(used.predict(&Pattern::Fibonacci, 48, &|| ()).unwrap(), fresh(48));
+    assert_eq!(at(&mut used, 48), fresh(48));
     let mut curve = PredictedCurve::new(Pattern::Fibonacci);
     for n in [200, 50, 200, 800] {
-        curve.predict(&mut used, n, &|| ()).unwrap();
+        curve.predict(&mut used, n, &()).unwrap();
     }
     let numbers: Vec<usize> = curve.points().iter().map(|p| p.n_points()).collect();
     assert_eq!(numbers, [50, 200, 800]);
@@ -263,7 +268,7 @@ fn what_cannot_be_asked_is_refused() {
     for variance in [0.0, -1.0, f64::NAN, f64::INFINITY] {
         let mut curve = PredictedCurve::new(Pattern::WhiteNoise);
         let mut predictor = predictor(&cap, Domain::Sphere);
-        let got = required_points(&mut predictor, &mut curve, variance, MOST, &|| ());
+        let got = required_points(&mut predictor, &mut curve, variance, MOST, &());
         assert!(matches!(got, Err(Error::Parameter { .. })), "{variance}: {got:?}");
     }
     for (relative, work) in [(0.0, 1.0), (f64::NAN, 1.0), (0.1, -1.0), (0.1, f64::INFINITY)] {
@@ -273,7 +278,7 @@ fn what_cannot_be_asked_is_refused() {
     }
     let closure = |dir: DVec3| dir.z;
     let got = Predictor::new(&closure, Domain::Sphere, SEED, PredictionBudget::USUAL);
-    assert!(matches!(got, Err(Error::NoEnergy { .. })));
+    assert!(matches!(got, Err(Error::Integrand(sphvar_integrands::Error::NoEnergy { .. }))));
 }
 
 /// A pattern may have a gap at any one degree: energy in a few degrees rules out nothing, however high

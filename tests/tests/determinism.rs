@@ -1,11 +1,10 @@
 //! The same numbers to the last bit, whatever the number of threads and however a run is split.
 
 use rayon::ThreadPoolBuilder;
+use sphvar_integrands::{Cap, Integrand};
 use sphvar_samplers::{Domain, Pattern, Purpose, Realizations, Streams};
 use sphvar_spectrum::{Resolution, SpectrumAccumulator, accumulate, estimate};
-use sphvar_variance::{
-    Cap, Integrand, PredictionAccumulator, VariancePoint, crossover, measure, predict,
-};
+use sphvar_variance::{PredictionAccumulator, VariancePoint, crossover, measure, predict};
 
 const SEED: u64 = 5;
 const N: usize = 108;
@@ -30,17 +29,17 @@ fn experiment() -> Vec<u64> {
         let n = pattern.nearest_count(N, Domain::Sphere);
         let sampler = pattern.build(n, Domain::Sphere).unwrap();
         let ensemble = Realizations::rotated(&*sampler, streams());
-        let spectrum = estimate(&ensemble, LMAX, REALIZATIONS, &|| ()).unwrap();
+        let spectrum = estimate(&ensemble, LMAX, REALIZATIONS, &()).unwrap();
         out.extend(bits(spectrum.power()));
         out.extend(bits(spectrum.stderr()));
         let predicted = predict(&spectrum, &energy);
         out.extend(bits(&[predicted.variance, predicted.stderr, predicted.tail]));
         let empty = PredictionAccumulator::new(&energy, n, LMAX);
-        let own = accumulate(&ensemble, Resolution::new(LMAX, n), 0..REALIZATIONS, &empty, &|| ())
+        let own = accumulate(&ensemble, Resolution::new(LMAX, n), 0..REALIZATIONS, &empty, &())
             .unwrap()
             .finish();
         out.extend(bits(&[own.variance, own.stderr, own.tail]));
-        let measured = measure(&ensemble, &cap, REALIZATIONS, &|| ()).unwrap();
+        let measured = measure(&ensemble, &cap, REALIZATIONS, &()).unwrap();
         out.extend(bits(measured.estimates()));
         out.extend(bits(&[measured.mean(), measured.variance(), measured.variance_stderr()]));
         points.push(VariancePoint {
@@ -83,8 +82,7 @@ fn shards_merge_to_the_unsplit_run() {
     let sampler = Pattern::Jittered.build(N, Domain::Sphere).unwrap();
     let ensemble = Realizations::rotated(&*sampler, streams());
     let empty = SpectrumAccumulator::new(Domain::Sphere, N, LMAX);
-    let run =
-        |range| accumulate(&ensemble, Resolution::new(LMAX, N), range, &empty, &|| ()).unwrap();
+    let run = |range| accumulate(&ensemble, Resolution::new(LMAX, N), range, &empty, &()).unwrap();
     let whole = run(0..REALIZATIONS).finish().unwrap();
     for cuts in [vec![30], vec![1, 2, 3], vec![7, 20, 21, 59], vec![10, 20, 30, 40, 50]] {
         let mut limits = vec![0];

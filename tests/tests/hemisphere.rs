@@ -4,13 +4,11 @@
 use std::f64::consts::PI;
 
 use glam::DVec3;
+use sphvar_integrands::{Cap, ClampedCosine, CutEstimator, CutIntegrand, Integrand};
 use sphvar_samplers::{Domain, Pattern, Purpose, Realizations, Streams, uniform_rotation};
 use sphvar_spectrum::{Moments, Resolution, Spectrum, SpectrumAccumulator, accumulate, estimate};
 use sphvar_tests::{Family, PointList, ReferenceSpectrum, chi2_interval, exact_jitter_spectrum};
-use sphvar_variance::{
-    Cap, ClampedCosine, CutAxis, CutEstimator, CutIntegrand, Integrand, Measurement, measure,
-    measure_cut_sphere, predict,
-};
+use sphvar_variance::{CutAxis, Measurement, measure, measure_cut_sphere, predict};
 
 const SEED: u64 = 6;
 /// The probability that a family of comparisons fails by chance (nominal).
@@ -19,7 +17,7 @@ const ALPHA: f64 = 1e-4;
 fn hemisphere_spectrum(pattern: Pattern, n: usize, lmax: usize, realizations: u64) -> Spectrum {
     let sampler = pattern.build(n, Domain::Hemisphere).unwrap();
     let ensemble = Realizations::rotated(&*sampler, Streams::new(SEED, Purpose::Pattern, n));
-    estimate(&ensemble, lmax, realizations, &|| ()).unwrap()
+    estimate(&ensemble, lmax, realizations, &()).unwrap()
 }
 
 /// The largest z, and chi-square within the interval that is left with probability ALPHA.
@@ -72,13 +70,13 @@ fn the_double_cap_with_white_noise() {
     assert!((with_power_1 / expected - 1.0).abs() < 1e-14, "{with_power_1}, expected {expected}");
     // Energies are four times those of the cap, even degrees only.
     let sphere = cap.energy(Domain::Sphere, 500).unwrap();
-    for (l, (h, s)) in energy.per_degree().iter().zip(sphere.per_degree()).enumerate() {
+    for (l, (h, s)) in energy.per_band().iter().zip(sphere.per_band()).enumerate() {
         let copies = if l % 2 == 0 { 4.0 } else { 0.0 };
         assert!((h - copies * s).abs() <= 1e-15, "l = {l}: {h}, {copies} times {s}");
     }
     let sampler = Pattern::WhiteNoise.build(N, Domain::Hemisphere).unwrap();
     let streams = Streams::new(SEED, Purpose::Trial, N);
-    let got = measure(&Realizations::rotated(&*sampler, streams), &cap, TRIALS, &|| ()).unwrap();
+    let got = measure(&Realizations::rotated(&*sampler, streams), &cap, TRIALS, &()).unwrap();
     // False alarm: ALPHA.
     let mut family = Family::new("double cap, white noise");
     family.compare(got.variance(), expected, got.variance_stderr(), || "variance".into());
@@ -100,9 +98,9 @@ fn measured_variances_are_the_predicted_ones() {
             let n = pattern.nearest_count(asked, Domain::Hemisphere);
             let sampler = pattern.build(n, Domain::Hemisphere).unwrap();
             let sets = Realizations::rotated(&*sampler, Streams::new(SEED, Purpose::Pattern, n));
-            let predicted = predict(&estimate(&sets, LMAX, SETS, &|| ()).unwrap(), &energy);
+            let predicted = predict(&estimate(&sets, LMAX, SETS, &()).unwrap(), &energy);
             let trials = Realizations::rotated(&*sampler, Streams::new(SEED, Purpose::Trial, n));
-            let got = measure(&trials, &cap, TRIALS, &|| ()).unwrap();
+            let got = measure(&trials, &cap, TRIALS, &()).unwrap();
             let stderr = got.variance_stderr().hypot(predicted.stderr);
             family.compare(got.variance(), predicted.variance, stderr, || format!("{pattern} {n}"));
         }
@@ -114,7 +112,7 @@ fn measured_variances_are_the_predicted_ones() {
 fn kept_half(m: usize, index: u64) -> Vec<DVec3> {
     let sampler = Pattern::Jittered.build(m, Domain::Sphere).unwrap();
     let streams = Streams::new(SEED, Purpose::Resample, m);
-    let mut points = Realizations::rotated(&*sampler, streams).realize(index).unwrap();
+    let mut points = Realizations::rotated(&*sampler, streams).realize(index).unwrap().points;
     points.retain(|p| p.z > 0.0);
     points
 }
@@ -129,8 +127,7 @@ fn half_a_sphere_set_has_a_random_number_of_points() {
         let lmax = 16 * nside as usize;
         let energy = Cap::from_degrees(90.0).unwrap().energy(Domain::Sphere, lmax).unwrap();
         let spectrum = exact_jitter_spectrum(nside, lmax);
-        let known: f64 =
-            energy.per_degree().iter().zip(&spectrum).skip(1).map(|(e, p)| e * p).sum();
+        let known: f64 = energy.per_band().iter().zip(&spectrum).skip(1).map(|(e, p)| e * p).sum();
         let expected = m as f64 / (4.0 * PI) * (known + energy.beyond(lmax));
         let mut count = Moments::default();
         for i in 0..REALIZATIONS {
@@ -156,7 +153,7 @@ fn half_a_sphere_set_is_not_stratified() {
         let m = 12 * (nside * nside) as usize;
         let empty = SpectrumAccumulator::new(Domain::Hemisphere, m / 2, 2);
         let sets = PointList(|i| kept_half(m, i));
-        let got = accumulate(&sets, Resolution::new(2, 100), 0..REALIZATIONS, &empty, &|| ())
+        let got = accumulate(&sets, Resolution::new(2, 100), 0..REALIZATIONS, &empty, &())
             .unwrap()
             .finish()
             .unwrap();
@@ -188,7 +185,7 @@ fn estimators_from_half_a_sphere_set() {
         let points = kept_half(m, i);
         estimates[0].push(4.0 * PI / m as f64 * sum(&points));
         estimates[1].push(2.0 * PI / points.len() as f64 * sum(&points));
-        estimates[2].push(4.0 * PI / m as f64 * sum(&best.realize(i).unwrap()));
+        estimates[2].push(4.0 * PI / m as f64 * sum(&best.realize(i).unwrap().points));
     }
     let [fixed, ratio, best] = estimates.map(Measurement::new);
     // False alarm: ALPHA.
@@ -214,9 +211,9 @@ fn cut_sphere_sets_are_measured_and_predicted() {
     let sets = Realizations::rotated(&*sphere, Streams::new(SEED + 2, Purpose::Trial, M));
     let lines = Pattern::Jittered.build(M / 2, Domain::Hemisphere).unwrap();
     let lines = Realizations::rotated(&*lines, Streams::new(SEED + 3, Purpose::Trial, M));
-    let best = measure(&lines, &cap, TRIALS, &|| ()).unwrap();
+    let best = measure(&lines, &cap, TRIALS, &()).unwrap();
     let axis = CutAxis::Random(Streams::new(SEED + 2, Purpose::Resample, M));
-    let got = measure_cut_sphere(&sets, &cap, axis, TRIALS, &|| ()).unwrap();
+    let got = measure_cut_sphere(&sets, &cap, axis, TRIALS, &()).unwrap();
     let ratio = |m: &Measurement| m.variance() / best.variance();
     let (a, b) = (ratio(&got.unbiased), ratio(&got.ratio));
     // As in the test above: six standard errors of 2.6 %.
@@ -228,7 +225,7 @@ fn cut_sphere_sets_are_measured_and_predicted() {
     let mut family = Family::new("cut at the equator");
     let integrands: [(&str, &dyn Integrand); 2] = [("cap", &cap), ("cosine", &ClampedCosine)];
     for (name, integrand) in integrands {
-        let got = measure_cut_sphere(&sets, integrand, CutAxis::Equator, TRIALS, &|| ()).unwrap();
+        let got = measure_cut_sphere(&sets, integrand, CutAxis::Equator, TRIALS, &()).unwrap();
         for (estimator, got) in
             [(CutEstimator::Unbiased, &got.unbiased), (CutEstimator::Ratio, &got.ratio)]
         {

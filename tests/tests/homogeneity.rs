@@ -3,10 +3,11 @@
 
 use std::f64::consts::PI;
 
+use sphvar_integrands::{Harmonic, Integrand};
 use sphvar_samplers::{Domain, Pattern, Purpose, Realizations, Streams};
 use sphvar_spectrum::{Anisotropy, Moments, OrderAccumulator, Resolution, accumulate};
 use sphvar_tests::{Family, exact_jitter_orders, ks_distance, ks_p_value, strata};
-use sphvar_variance::{Harmonic, Integrand, measure};
+use sphvar_variance::measure;
 
 const SEED: u64 = 4;
 const LMAX: usize = 8;
@@ -36,7 +37,7 @@ fn add_to(family: &mut Family, ensemble: &Realizations<'_>, realizations: u64, l
         Resolution::new(LMAX, ensemble.sampler().n_points()),
         0..realizations,
         &Anisotropy::new(LMAX, &PAIRS).unwrap(),
-        &|| (),
+        &(),
     )
     .unwrap();
     let mut add = |moments: &Moments, what: String| {
@@ -108,7 +109,7 @@ fn unrotated_jitter_prefers_directions() {
         Resolution::new(4, 768),
         0..REALIZATIONS,
         &OrderAccumulator::new(4).unwrap(),
-        &|| (),
+        &(),
     );
     // False alarm: ALPHA over five orders.
     let mut family = Family::new("P(4, m) of unrotated jitter");
@@ -137,9 +138,8 @@ fn unrotated_jitter_does_not_have_the_predicted_variance() {
     let y40 = Harmonic::new(4, 0).unwrap();
     let mut family = Family::new("variance of Y_40");
     let unrotated =
-        measure(&Realizations::unrotated(&*sampler, streams), &y40, TRIALS, &|| ()).unwrap();
-    let rotated =
-        measure(&Realizations::rotated(&*sampler, streams), &y40, TRIALS, &|| ()).unwrap();
+        measure(&Realizations::unrotated(&*sampler, streams), &y40, TRIALS, &()).unwrap();
+    let rotated = measure(&Realizations::rotated(&*sampler, streams), &y40, TRIALS, &()).unwrap();
     family.compare(unrotated.variance(), along_the_axis, unrotated.variance_stderr(), || {
         "unrotated".into()
     });
@@ -174,7 +174,7 @@ fn unrotated_jitter_needs_the_cross_terms() {
     let sampler = Pattern::Jittered.build(12, Domain::Sphere).unwrap();
     let streams = Streams::new(SEED, Purpose::Trial, 12);
     let measured =
-        measure(&Realizations::unrotated(&*sampler, streams), &both, TRIALS, &|| ()).unwrap();
+        measure(&Realizations::unrotated(&*sampler, streams), &both, TRIALS, &()).unwrap();
     // False alarm: ALPHA.
     let mut family = Family::new("variance with cross terms");
     family.compare(measured.variance(), full, measured.variance_stderr(), || "unrotated".into());
@@ -199,7 +199,7 @@ fn phases_are_uniform_except_for_order_0() {
                 Resolution::new(4, n),
                 0..REALIZATIONS,
                 &CoefficientSamples::new(4, m),
-                &|| (),
+                &(),
             )
             .unwrap()
             .finish();

@@ -3,24 +3,27 @@
 
 use glam::{DMat3, DQuat, DVec3};
 use rand::Rng;
-use sphvar_samplers::{Domain, Pattern, Purpose, Realizations, Sampler, Streams, uniform_rotation};
+use sphvar_samplers::{
+    Domain, Ensemble, Error, Pattern, PointSet, Progress, Purpose, Realizations, Sampler, Streams,
+    rotate, uniform_rotation,
+};
 use sphvar_spectrum::{
-    Accumulator, AuditFamily, AuditSettings, AuditVerdict, Error, HomogeneityAccumulator,
-    HomogeneityAudit, PointSets, Resolution, RotationLaw, TurnedSets, accumulate,
+    Accumulator, AuditFamily, AuditSettings, AuditVerdict, HomogeneityAccumulator,
+    HomogeneityAudit, Resolution, accumulate,
 };
 use sphvar_tests::exact_jitter_orders;
 
 const SEED: u64 = 11;
 
 fn coefficients(
-    sets: &dyn PointSets,
+    sets: &dyn Ensemble,
     sampler: &dyn Sampler,
     lmax: usize,
     count: u64,
 ) -> HomogeneityAccumulator {
     let empty = HomogeneityAccumulator::new(sampler.domain(), lmax).unwrap();
     let resolution = Resolution::new(lmax, sampler.n_points());
-    accumulate(sets, resolution, 0..count, &empty, &|| ()).unwrap()
+    accumulate(sets, resolution, 0..count, &empty, &()).unwrap()
 }
 
 /// The audit of a sampler as it draws.
@@ -32,7 +35,36 @@ fn drawn(
 ) -> HomogeneityAudit {
     let streams = Streams::new(settings.seed, Purpose::Pattern, sampler.n_points());
     let sets = Realizations::unrotated(sampler, streams);
-    coefficients(&sets, sampler, lmax, count).audit(settings, None, &|| ()).unwrap()
+    coefficients(&sets, sampler, lmax, count).audit(settings, None, &()).unwrap()
+}
+
+/// How a rotation is drawn.
+type RotationLaw = fn(&mut dyn Rng) -> DMat3;
+
+/// The ensemble of a sampler, turned by rotations of any law; with `uniform_rotation` that of `Realizations::rotated`.
+struct Turned<'a> {
+    sampler: &'a dyn Sampler,
+    streams: Streams,
+    law: RotationLaw,
+}
+
+impl Turned<'_> {
+    fn rotation(&self, index: u64) -> DMat3 {
+        (self.law)(&mut self.streams.randomization(index))
+    }
+}
+
+impl Ensemble for Turned<'_> {
+    fn realize_into(
+        &self,
+        index: u64,
+        set: &mut PointSet,
+        progress: &dyn Progress,
+    ) -> Result<(), Error> {
+        Realizations::unrotated(self.sampler, self.streams).realize_into(index, set, progress)?;
+        rotate(self.rotation(index), self.sampler.domain(), &mut set.points);
+        Ok(())
+    }
 }
 
 /// The audit of a sampler whose sets are turned by such rotations.
@@ -44,11 +76,10 @@ fn turned(
     law: RotationLaw,
 ) -> HomogeneityAudit {
     let streams = Streams::new(settings.seed, Purpose::Pattern, sampler.n_points());
-    let sets = TurnedSets::new(sampler, streams, usize::try_from(count).unwrap(), law);
+    let sets = Turned { sampler, streams, law };
     let coefficients = coefficients(&sets, sampler, lmax, count);
-    let rotations = sets.rotations();
-    assert_eq!(rotations.len() as u64, count);
-    coefficients.audit(settings, Some(&rotations), &|| ()).unwrap()
+    let rotations: Vec<DMat3> = (0..count).map(|i| sets.rotation(i)).collect();
+    coefficients.audit(settings, Some(&rotations), &()).unwrap()
 }
 
 /// A random direction turned to another by the shortest way, which is not uniform: its mean is I/3.
@@ -199,7 +230,7 @@ fn a_few_realizations_tell_nothing() {
     let one = turned(&*sampler, 3, 1, &settings, uniform_rotation);
     assert!(one.finding(AuditFamily::Rotations).unwrap().p_value >= 1.0, "{one:#?}");
     let empty = HomogeneityAccumulator::new(Domain::Sphere, 3).unwrap();
-    assert_eq!(empty.audit(&settings, None, &|| ()), Err(Error::NoRealizations));
+    assert_eq!(empty.audit(&settings, None, &()), Err(sphvar_spectrum::Error::NoRealizations));
 }
 
 #[test]
@@ -212,12 +243,18 @@ fn settings_out_of_range_are_refused() {
         [(0.0, 0.2), (f64::NAN, 0.2), (0.6, 0.2), (0.01, 0.0), (0.01, f64::INFINITY)]
     {
         let settings = AuditSettings { alpha, tolerance, seed: 0 };
-        let got = coefficients.audit(&settings, None, &|| ());
-        assert!(matches!(got, Err(Error::Setting { .. })), "{settings:?}: {got:?}");
+        let got = coefficients.audit(&settings, None, &());
+        assert!(
+            matches!(got, Err(sphvar_spectrum::Error::Setting { .. })),
+            "{settings:?}: {got:?}"
+        );
     }
     for (domain, lmax) in [(Domain::Sphere, 0), (Domain::Hemisphere, 1)] {
         let got = HomogeneityAccumulator::new(domain, lmax);
-        assert!(matches!(got, Err(Error::Setting { .. })), "{domain} to {lmax}: {got:?}");
+        assert!(
+            matches!(got, Err(sphvar_spectrum::Error::Setting { .. })),
+            "{domain} to {lmax}: {got:?}"
+        );
     }
 }
 
@@ -231,17 +268,18 @@ fn an_audit_depends_on_the_sets_alone() {
     let sets = Realizations::rotated(&*sampler, streams);
     let part = |range: std::ops::Range<u64>| {
         let empty = HomogeneityAccumulator::new(Domain::Sphere, 4).unwrap();
-        accumulate(&sets, Resolution::new(4, 12), range, &empty, &|| ()).unwrap()
+        accumulate(&sets, Resolution::new(4, 12), range, &empty, &()).unwrap()
     };
-    let whole = part(0..20).audit(&settings, None, &|| ()).unwrap();
+    let whole = part(0..20).audit(&settings, None, &()).unwrap();
     let mut parts = part(13..20);
     parts.merge(&part(0..13));
-    assert_eq!(parts.audit(&settings, None, &|| ()).unwrap(), whole);
-    let same_sets = TurnedSets::new(&*sampler, streams, 20, uniform_rotation);
-    let (mut a, mut b, mut weights) = (Vec::new(), Vec::new(), Vec::new());
+    assert_eq!(parts.audit(&settings, None, &()).unwrap(), whole);
+    let same_sets = Turned { sampler: &*sampler, streams, law: uniform_rotation };
+    let (mut a, mut b) = (PointSet::default(), PointSet::default());
     for index in 0..20 {
-        sets.realize_into(index, &mut a).unwrap();
-        same_sets.realize_into(index, &mut b, &mut weights).unwrap();
-        assert!(a == b && weights.is_empty(), "set {index}");
+        sets.realize_into(index, &mut a, &()).unwrap();
+        same_sets.realize_into(index, &mut b, &()).unwrap();
+        assert!(a == b && a.weights.is_empty(), "set {index}");
+        assert_eq!(sets.rotation(index), same_sets.rotation(index));
     }
 }

@@ -22,7 +22,7 @@ fn point_sets(asked: usize) -> Vec<(String, Vec<DVec3>)> {
             let streams = Streams::new(SEED, Purpose::Pattern, n);
             (
                 format!("{pattern}, N = {n}"),
-                Realizations::rotated(&*sampler, streams).realize(0).unwrap(),
+                Realizations::rotated(&*sampler, streams).realize(0).unwrap().points,
             )
         })
         .collect();
@@ -185,8 +185,8 @@ fn separated_points_obey_the_sum_rule() {
     for pattern in [Pattern::Fibonacci, Pattern::Healpix] {
         let n = pattern.nearest_count(192, Domain::Sphere);
         let sampler = pattern.build(n, Domain::Sphere).unwrap();
-        let points =
-            sampler.sample(&mut Streams::new(SEED, Purpose::Pattern, n).realization(0)).unwrap();
+        let rng = &mut Streams::new(SEED, Purpose::Pattern, n).realization(0);
+        let points = sampler.sample(rng).unwrap().points;
         let nearest = points
             .iter()
             .enumerate()

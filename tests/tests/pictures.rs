@@ -3,13 +3,14 @@
 use std::f64::consts::PI;
 
 use glam::DVec3;
+use sphvar_integrands::{ClampedCosine, Integrand};
 use sphvar_samplers::{Domain, Pattern, Purpose, Realizations, Streams};
 use sphvar_scene::{
     Camera, DirectionMode, DirectionPlan, Estimator, Image, Integral, Quad, Scene, View, render,
 };
 use sphvar_spectrum::estimate;
 use sphvar_tests::Family;
-use sphvar_variance::{ClampedCosine, Integrand, Measurement, predict};
+use sphvar_variance::{Measurement, predict};
 
 const SEED: u64 = 10;
 /// The probability that a family of comparisons fails by chance (nominal).
@@ -27,7 +28,7 @@ fn picture(plan: &DirectionPlan, estimator: Estimator) -> Image {
     let scene = Scene::from_quads(vec![floor]).unwrap();
     let camera = Camera::look_at(DVec3::Z, DVec3::ZERO, DVec3::Y, 1e-6).unwrap();
     let view = View::new(&scene, &camera, [SIDE, SIDE]).unwrap();
-    render(&view, &COSINE, estimator, &plan.prepare(0).unwrap(), &|_| ()).unwrap()
+    render(&view, &COSINE, estimator, &plan.prepare(0).unwrap(), &()).unwrap()
 }
 
 fn plan(pattern: &Pattern, asked: usize, mode: DirectionMode) -> DirectionPlan {
@@ -47,7 +48,7 @@ fn the_variance_of_a_pixel_is_the_predicted_one() {
             let sampler = pattern.build(plan.n_points(), Domain::Hemisphere).unwrap();
             let streams = Streams::new(SEED, Purpose::Pattern, plan.n_points());
             let sets = Realizations::rotated(&*sampler, streams);
-            let predicted = predict(&estimate(&sets, LMAX, 300, &|| ()).unwrap(), &energy);
+            let predicted = predict(&estimate(&sets, LMAX, 300, &()).unwrap(), &energy);
             // The value of a pixel is the integral over pi.
             let got = Measurement::new(picture(&plan, Estimator::Ratio).values);
             let (expected, error) = (predicted.variance / (PI * PI), predicted.stderr / (PI * PI));

@@ -18,7 +18,7 @@ fn spectrum(pattern: &Pattern, n: usize, lmax: usize, realizations: u64) -> Spec
     let sampler = pattern.build(n, Domain::Sphere).unwrap();
     let streams = Streams::new(SEED, Purpose::Pattern, n);
     let ensemble = Realizations::rotated(&*sampler, streams);
-    estimate(&ensemble, lmax, realizations, &|| ()).unwrap()
+    estimate(&ensemble, lmax, realizations, &()).unwrap()
 }
 
 /// `x^2 = l(l+1)/N`.

@@ -5,7 +5,9 @@ use std::sync::LazyLock;
 use glam::DVec3;
 use rayon::prelude::{IntoParallelIterator, ParallelIterator};
 use rayon::{ThreadPool, ThreadPoolBuilder};
-use sphvar_samplers::{DiskMode, Domain, Error, Pattern, Purpose, Realizations, Sampler, Streams};
+use sphvar_samplers::{
+    DiskMode, Domain, Error, Pattern, PointSet, Purpose, Realizations, Sampler, Streams,
+};
 
 const SEED: u64 = 2;
 const DOMAINS: [Domain; 2] = [Domain::Sphere, Domain::Hemisphere];
@@ -107,9 +109,9 @@ fn outcomes(
     fill: impl Fn() -> Vec<DVec3> + Sync,
 ) -> Vec<Outcome> {
     let realize = |index| {
-        let mut points = fill();
-        ensemble.realize_into(index, &mut points)?;
-        Ok(bits(&points))
+        let mut set = PointSet::new(fill());
+        ensemble.realize_into(index, &mut set, &())?;
+        Ok(bits(&set.points))
     };
     pool.install(|| (0..REALIZATIONS).into_par_iter().map(realize).collect())
 }

@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 use sphvar_samplers::{Domain, Pattern, Placement, Purpose, Realizations, Streams};
-use sphvar_spectrum::{Spectrum, estimate, exact_spectrum};
+use sphvar_spectrum::{ExactSpectrum, Spectrum, estimate};
 use sphvar_tests::{
     Family, ReferenceSpectrum, chi2_false_alarm, chi2_interval, exact_jitter_spectrum,
 };
@@ -18,7 +18,7 @@ const CHI2_WINDOW: (f64, f64) = (0.8, 1.2);
 fn spectrum(pattern: &Pattern, n: usize, lmax: usize, realizations: u64) -> Spectrum {
     let sampler = pattern.build(n, Domain::Sphere).unwrap();
     let ensemble = Realizations::rotated(&*sampler, Streams::new(SEED, Purpose::Pattern, n));
-    estimate(&ensemble, lmax, realizations, &|| ()).unwrap()
+    estimate(&ensemble, lmax, realizations, &()).unwrap()
 }
 
 /// Chi-square per degree of freedom over the degrees 1 to lmax, and the family of z-scores.
@@ -166,8 +166,8 @@ fn exact_spectra_are_what_sampling_finds() {
     ] {
         let sampler = pattern.build(n, domain).unwrap();
         let ensemble = Realizations::rotated(&*sampler, Streams::new(SEED, Purpose::Trial, n));
-        let got = estimate(&ensemble, lmax, MANY, &|| ()).unwrap();
-        let exact = exact_spectrum(&pattern, n, domain, lmax, &|_| ()).unwrap();
+        let got = estimate(&ensemble, lmax, MANY, &()).unwrap();
+        let exact = ExactSpectrum::of(&*sampler).unwrap().to(lmax, &()).unwrap();
         assert!(exact.is_exact() && exact.realizations() == 0);
         let (chi2, family) = compare(&got, exact.power(), "an exact spectrum");
         family.assert_null(ALPHA);
@@ -186,8 +186,8 @@ fn exact_spectra_of_fixed_patterns_are_those_of_a_rotated_set() {
         let n = pattern.nearest_count(N, domain);
         let sampler = pattern.build(n, domain).unwrap();
         let ensemble = Realizations::rotated(&*sampler, Streams::new(SEED, Purpose::Pattern, n));
-        let rotated = estimate(&ensemble, 150, 1, &|| ()).unwrap();
-        let exact = exact_spectrum(&pattern, n, domain, 150, &|_| ()).unwrap();
+        let rotated = estimate(&ensemble, 150, 1, &()).unwrap();
+        let exact = ExactSpectrum::of(&*sampler).unwrap().to(150, &()).unwrap();
         for (l, p, _) in rotated.rows() {
             // Coefficients of size sqrt(N P/(4 pi)) are good to some 1e-12 N/(4 pi).
             let expected = exact.power()[l];

@@ -5,13 +5,14 @@ use std::f64::consts::PI;
 
 use glam::DVec3;
 use rayon::prelude::{IntoParallelIterator, ParallelIterator};
+use sphvar_integrands::{Cap, Harmonic, Integrand};
 use sphvar_samplers::{
     Domain, Error, Pattern, PowerProfile, Purpose, Realizations, SpectralControl, Streams,
 };
 use sphvar_sht::ExactTransform;
 use sphvar_spectrum::{Resolution, accumulate};
 use sphvar_tests::{PointList, chi2_interval, exact_jitter_spectrum, sidak_z};
-use sphvar_variance::{Cap, Harmonic, Integrand, Measurement, PredictionAccumulator, measure};
+use sphvar_variance::{Measurement, PredictionAccumulator, measure};
 
 const SEED: u64 = 23;
 /// The probability that a comparison fails by chance (nominal).
@@ -31,7 +32,7 @@ const BLUE: Pattern = Pattern::Blue { alpha: None, core: SpectralControl::BLUE_C
 fn realizations(pattern: &Pattern, domain: Domain) -> Vec<Vec<DVec3>> {
     let sampler = pattern.build(N, domain).unwrap();
     let ensemble = Realizations::rotated(&*sampler, Streams::new(SEED, Purpose::Pattern, N));
-    (0..REALIZATIONS).map(|i| ensemble.realize(i).unwrap()).collect()
+    (0..REALIZATIONS).map(|i| ensemble.realize(i).unwrap().points).collect()
 }
 
 /// The density of points on the sphere: those of the hemisphere stand for twice as many.
@@ -115,7 +116,7 @@ fn steps_keep_their_promise_at_every_degree() {
                 Pattern::Step { alpha: Some(alpha), flat: None, core: SpectralControl::STEP_CORE };
             let sampler = step.build(n, Domain::Sphere).unwrap();
             let streams = Streams::new(SEED, Purpose::Pattern, n);
-            let points = sampler.sample(&mut streams.realization(0)).unwrap();
+            let points = sampler.sample(&mut streams.realization(0)).unwrap().points;
             let power = power(&points, 2 * n.isqrt());
             let last = (0..).take_while(|&l| f64::from(l) <= alpha * (n as f64).sqrt()).count() - 1;
             for (l, p) in power.iter().enumerate().take(last + 1).skip(1) {
@@ -178,7 +179,7 @@ fn steps_integrate_low_harmonics_exactly() {
     let sampler = STEP.build(N, Domain::Sphere).unwrap();
     let ensemble = Realizations::rotated(&*sampler, Streams::new(SEED, Purpose::Trial, N));
     let y40 = Harmonic::new(4, 0).unwrap();
-    let measured = measure(&ensemble, &y40, TRIALS, &|| ()).unwrap();
+    let measured = measure(&ensemble, &y40, TRIALS, &()).unwrap();
     assert!(measured.variance() <= 1e-20, "variance {:e}", measured.variance());
     assert!(measured.mean().abs() <= 1e-10, "mean {:e}", measured.mean());
 }
@@ -195,17 +196,16 @@ fn steps_have_less_variance_than_jitter_for_a_cap() {
     let cap = Cap::from_degrees(60.0).unwrap();
     let energy = cap.energy(Domain::Sphere, LMAX).unwrap();
     let jitter_power = exact_jitter_spectrum(NSIDE, LMAX);
-    let known: f64 =
-        energy.per_degree().iter().zip(&jitter_power).skip(1).map(|(e, p)| e * p).sum();
+    let known: f64 = energy.per_band().iter().zip(&jitter_power).skip(1).map(|(e, p)| e * p).sum();
     let jitter = Domain::Sphere.variance_factor(POINTS) * (known + energy.beyond(LMAX));
     let sampler = STEP.build(POINTS, Domain::Sphere).unwrap();
     let ensemble = Realizations::rotated(&*sampler, Streams::new(SEED, Purpose::Pattern, POINTS));
     let sets: Vec<Vec<DVec3>> =
-        (0..SETS).into_par_iter().map(|i| ensemble.realize(i).unwrap()).collect();
+        (0..SETS).into_par_iter().map(|i| ensemble.realize(i).unwrap().points).collect();
     let at = |i: u64| sets[usize::try_from(i).unwrap()].clone();
     let resolution = Resolution::new(LMAX, POINTS);
     let empty = PredictionAccumulator::new(&energy, POINTS, LMAX);
-    let step = accumulate(&PointList(at), resolution, 0..SETS, &empty, &|| ()).unwrap().finish();
+    let step = accumulate(&PointList(at), resolution, 0..SETS, &empty, &()).unwrap().finish();
     let estimate = |points: &Vec<DVec3>| {
         4.0 * PI / POINTS as f64 * points.iter().map(|&p| cap.eval(p)).sum::<f64>()
     };

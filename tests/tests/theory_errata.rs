@@ -4,11 +4,12 @@
 use std::f64::consts::PI;
 
 use glam::DVec3;
-use sphvar_bounds::{IntegrandClass, Profile, Shape, variance_bound};
+use sphvar_bounds::{IntegrandClass, Profile, ProfileShape, variance_bound};
+use sphvar_integrands::{Cap, ClampedCosine, Harmonic, Integrand};
 use sphvar_samplers::{Domain, Pattern, Purpose, Realizations, Streams};
 use sphvar_sh::{Colatitude, GaussLegendre, LegendrePlan, legendre_p_into, ylm, ylm_at};
 use sphvar_tests::Family;
-use sphvar_variance::{Cap, ClampedCosine, Harmonic, Integrand, Measurement, measure};
+use sphvar_variance::{Measurement, measure};
 
 const SEED: u64 = 8;
 /// The probability that a family of comparisons fails by chance (nominal).
@@ -56,7 +57,7 @@ fn the_power_of_the_cap_as_printed_is_4_pi_too_large() {
             // The difference of two Legendre values cancels: EPSILON (l+1) absolute each, E of
             // order (d^2)/l.
             let tolerance = 1e-12 * (1.0 + d.abs());
-            assert!((energy.per_degree()[l] - e).abs() < tolerance, "{degrees}, l = {l}: {e}");
+            assert!((energy.per_band()[l] - e).abs() < tolerance, "{degrees}, l = {l}: {e}");
             corrected += e;
             printed += orders * 4.0 * PI * PI * d * d / (orders * orders);
         }
@@ -96,7 +97,7 @@ fn an_even_extension_that_jumps_has_the_energy_of_a_jump() {
     assert!((mean / 4.0 - 1.0).abs() < 5e-3, "mean of l^2 E(l) = {mean}, expected 4");
     // |z| is continuous with a kink: l^2 E(l) goes to 0 as l^-2.
     let kink = ClampedCosine.energy(Domain::Hemisphere, LMAX).unwrap();
-    let at = |l: usize| (l * l) as f64 * kink.per_degree()[l];
+    let at = |l: usize| (l * l) as f64 * kink.per_band()[l];
     assert!((at(1000) / at(2000) / 4.0 - 1.0).abs() < 0.01, "{} and {}", at(1000), at(2000));
 }
 
@@ -121,12 +122,12 @@ fn the_sum_from_degree_0_is_the_second_moment() {
     let energy = cap.energy(Domain::Sphere, 10).unwrap();
     let factor = Domain::Sphere.variance_factor(N);
     let from_1 = factor * energy.beyond(0);
-    let from_0 = from_1 + factor * energy.per_degree()[0] * N as f64;
+    let from_0 = from_1 + factor * energy.per_band()[0] * N as f64;
     let integral = cap.exact(Domain::Sphere).unwrap();
     assert!((from_0 - from_1 - integral * integral).abs() < 1e-12, "{from_0}, {from_1}");
     let sampler = Pattern::WhiteNoise.build(N, Domain::Sphere).unwrap();
     let streams = Streams::new(SEED, Purpose::Trial, N);
-    let got = measure(&Realizations::rotated(&*sampler, streams), &cap, TRIALS, &|| ()).unwrap();
+    let got = measure(&Realizations::rotated(&*sampler, streams), &cap, TRIALS, &()).unwrap();
     let squares = Measurement::new(got.estimates().iter().map(|x| x * x).collect());
     // False alarm: ALPHA.
     let mut family = Family::new("moments of the estimate");
@@ -198,7 +199,7 @@ fn the_bound_of_the_cap_holds_with_16() {
     for degrees in CAP_ANGLES {
         let sin = degrees.to_radians().sin();
         let energy = Cap::from_degrees(degrees).unwrap().energy(Domain::Sphere, LMAX).unwrap();
-        let e = energy.per_degree();
+        let e = energy.per_band();
         let bound = |l: usize| 16.0 / (sin * (2 * l + 1) as f64 * (2 * l - 1) as f64);
         let largest = (1..=LMAX).map(|l| e[l] / bound(l)).fold(0.0, f64::max);
         assert!(largest < 1.0, "{degrees}: E(l) over the bound reaches {largest}");
@@ -223,7 +224,7 @@ fn the_bound_of_the_cap_fails_at_degree_0() {
     for degrees in CAP_ANGLES {
         let angle = degrees.to_radians();
         let energy = Cap::from_degrees(degrees).unwrap().energy(Domain::Sphere, 0).unwrap();
-        let e0 = energy.per_degree()[0];
+        let e0 = energy.per_band()[0];
         let exact = PI * (1.0 - angle.cos()).powi(2);
         assert!((e0 / exact - 1.0).abs() < 1e-13, "{degrees}: {e0}, {exact}");
         assert!(e0 < 64.0 * PI / angle.sin(), "{degrees}: {e0}");
@@ -246,8 +247,8 @@ fn the_bound_of_the_cap_fails_at_degree_0() {
 /// Row 41: alpha is no parameter of a constant profile.
 #[test]
 fn alpha_does_nothing_to_a_constant_profile() {
-    let a = Profile::new(Shape::Constant, 2.75_f64.sqrt(), 1.8).unwrap();
-    let b = Profile::new(Shape::Constant, 1.0, 1.8).unwrap();
+    let a = Profile::new(ProfileShape::Constant, 2.75_f64.sqrt(), 1.8).unwrap();
+    let b = Profile::new(ProfileShape::Constant, 1.0, 1.8).unwrap();
     for (l, n) in [(1, 12), (10, 100), (300, 4096)] {
         assert!((a.power(l, n) - b.power(l, n)).abs() < 1e-300 && a.power(l, n) > 1.7, "{l}, {n}");
     }
@@ -265,7 +266,7 @@ fn a_random_number_of_points_needs_its_own_weights() {
         .map(|i| {
             let sampler = &samplers[usize::from(i % 2 == 1)];
             let streams = Streams::new(SEED, Purpose::Trial, 0);
-            let points = Realizations::rotated(&**sampler, streams).realize(i).unwrap();
+            let points = Realizations::rotated(&**sampler, streams).realize(i).unwrap().points;
             let sum: f64 = points.iter().map(|&p| y40.eval(p)).sum();
             4.0 * PI / points.len() as f64 * sum
         })
@@ -287,7 +288,7 @@ fn a_random_number_of_points_needs_its_own_weights() {
 fn a_harmonic_has_power_in_its_own_degree() {
     for (l, m) in [(4_usize, 0_i64), (4, 3), (7, -7)] {
         let energy = Harmonic::new(l, m).unwrap().energy(Domain::Sphere, 12).unwrap();
-        for (k, e) in energy.per_degree().iter().enumerate() {
+        for (k, e) in energy.per_band().iter().enumerate() {
             let expected = if k == l { 1.0 } else { 0.0 };
             assert!((e - expected).abs() < 1e-15, "Y_{l},{m}, degree {k}: {e}");
         }
@@ -300,7 +301,7 @@ fn a_harmonic_has_power_in_its_own_degree() {
 /// Energies of the 60 degree cap from l = 0, and what lies beyond them.
 fn cap_energies(lmax: usize) -> (Vec<f64>, f64) {
     let energy = Cap::from_degrees(60.0).unwrap().energy(Domain::Sphere, lmax).unwrap();
-    (energy.per_degree().to_vec(), energy.beyond(lmax))
+    (energy.per_band().to_vec(), energy.beyond(lmax))
 }
 
 fn slope(variance: impl Fn(usize) -> f64, from: usize, to: usize) -> f64 {
@@ -363,8 +364,8 @@ fn the_harmonic_of_norm_4_pi_has_4_pi_times_the_variance() {
     let scaled = |dir: DVec3| (4.0 * PI).sqrt() * y40.eval(dir);
     let sampler = Pattern::Jittered.build(N, Domain::Sphere).unwrap();
     let ensemble = Realizations::rotated(&*sampler, Streams::new(SEED, Purpose::Trial, N));
-    let one = measure(&ensemble, &y40, TRIALS, &|| ()).unwrap();
-    let other = measure(&ensemble, &scaled, TRIALS, &|| ()).unwrap();
+    let one = measure(&ensemble, &y40, TRIALS, &()).unwrap();
+    let other = measure(&ensemble, &scaled, TRIALS, &()).unwrap();
     let ratio = other.variance() / one.variance();
     assert!((ratio / (4.0 * PI) - 1.0).abs() < 1e-12, "{ratio}");
 }

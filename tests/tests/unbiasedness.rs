@@ -79,7 +79,7 @@ fn add_to(
         Resolution::new(lmax, sampler.n_points()),
         0..realizations,
         &(empty, samples),
-        &|| (),
+        &(),
     )
     .unwrap();
     assert_eq!(last.finish().len() as u64, realizations, "{label}");

@@ -2,13 +2,13 @@
 
 use std::f64::consts::PI;
 
-use sphvar_samplers::{Domain, Pattern, Purpose, Realizations, Streams};
-use sphvar_spectrum::{Method, Resolution, Spectrum, estimate};
-use sphvar_tests::{Family, exact_jitter_spectrum, ks_distance, ks_p_value, sidak_z};
-use sphvar_variance::{
-    Cap, ClampedCosine, Effort, Energy, EnvironmentMap, Harmonic, Integrand, VonMisesFisher,
-    compare, measure, predict, prediction_degree,
+use sphvar_integrands::{
+    Cap, ClampedCosine, Energy, EnvironmentMap, Harmonic, Integrand, VonMisesFisher,
 };
+use sphvar_samplers::{Domain, Pattern, Purpose, Realizations, Streams};
+use sphvar_spectrum::{Spectrum, estimate};
+use sphvar_tests::{Family, exact_jitter_spectrum, ks_distance, ks_p_value, sidak_z};
+use sphvar_variance::{PredictionBudget, Predictor, SpectrumOptions, Trials, measure, predict};
 use statrs::distribution::{ContinuousCDF, Normal};
 
 const SEED: u64 = 7;
@@ -19,7 +19,7 @@ const COUNTS: [usize; 3] = [192, 768, 3072];
 fn spectrum(pattern: &Pattern, n: usize, lmax: usize, realizations: u64) -> Spectrum {
     let sampler = pattern.build(n, Domain::Sphere).unwrap();
     let ensemble = Realizations::rotated(&*sampler, Streams::new(SEED, Purpose::Pattern, n));
-    estimate(&ensemble, lmax, realizations, &|| ()).unwrap()
+    estimate(&ensemble, lmax, realizations, &()).unwrap()
 }
 
 fn y40() -> Harmonic {
@@ -44,7 +44,7 @@ fn lmax_of(pattern: &Pattern, n: usize) -> usize {
 fn exact_jitter_variance(nside: u32, energy: &Energy) -> f64 {
     let n = 12 * (nside * nside) as usize;
     let power = exact_jitter_spectrum(nside, energy.lmax());
-    let known: f64 = energy.per_degree().iter().zip(&power).skip(1).map(|(e, p)| e * p).sum();
+    let known: f64 = energy.per_band().iter().zip(&power).skip(1).map(|(e, p)| e * p).sum();
     Domain::Sphere.variance_factor(n) * (known + energy.beyond(energy.lmax()))
 }
 
@@ -174,7 +174,7 @@ fn measured_variances_are_the_predicted_ones() {
     let mut variance = Family::new("measured/predicted variance");
     let mut bias = Family::new("mean of the estimates");
     let mut cell = 0;
-    let cheap = Pattern::ALL.into_iter().filter(|p| p.seconds(1000) < 1e-3);
+    let cheap = Pattern::ALL.into_iter().filter(|p| p.nominal_work(1000) < 17_000.0);
     for pattern in cheap {
         // The other patterns have fewer cells.
         let counts = if Pattern::ELEMENTARY.contains(&pattern) { &ASKED[..] } else { &ASKED[1..4] };
@@ -190,14 +190,14 @@ fn measured_variances_are_the_predicted_ones() {
             };
             // A spectrum for all integrands of the cell; its error is small beside that of the trials.
             let sets = Realizations::rotated(&*sampler, Streams::new(SEED, Purpose::Pattern, n));
-            let got = estimate(&sets, lmax.max(30), SETS, &|| ()).unwrap();
+            let got = estimate(&sets, lmax.max(30), SETS, &()).unwrap();
             for (name, integrand) in integrands {
                 cell += 1;
                 let trials =
                     Realizations::rotated(&*sampler, Streams::new(cell, Purpose::Trial, n));
                 let predicted =
                     predict(&got, &integrand.energy(Domain::Sphere, lmax.max(30)).unwrap());
-                let measured = measure(&trials, integrand, TRIALS, &|| ()).unwrap();
+                let measured = measure(&trials, integrand, TRIALS, &()).unwrap();
                 let label = || format!("{name}, {pattern}, N = {n}");
                 let exact = integrand.exact(Domain::Sphere).unwrap();
                 if predicted.variance < 1e-25 {
@@ -252,7 +252,7 @@ fn measured_variances_are_the_recorded_ones() {
             {
                 let streams = Streams::new(100 + k as u64, Purpose::Trial, n);
                 let got =
-                    measure(&Realizations::rotated(&*sampler, streams), integrand, TRIALS, &|| ())
+                    measure(&Realizations::rotated(&*sampler, streams), integrand, TRIALS, &())
                         .unwrap();
                 // Three printed digits: 0.25 % at most.
                 let stderr = got.variance_stderr().hypot(0.0025 * recorded);
@@ -273,22 +273,14 @@ fn coarse_maps_are_predicted_too() {
     let mut family = Family::new("coarse map");
     for pattern in Pattern::ELEMENTARY {
         let sampler = pattern.build(768, Domain::Sphere).unwrap();
-        let effort = Effort {
-            seed: SEED,
-            group: pattern.stream_group(768),
-            lmax: prediction_degree(&*sampler, &map),
-            method: Method::Auto,
-            epsilon: Resolution::EPSILON,
-            realizations: 400,
-            trials: 1000,
-            until: None,
-            seconds_per_set: pattern.seconds(768),
-        };
-        let energy = map.energy(Domain::Sphere, effort.lmax).unwrap();
-        let got = compare(&*sampler, &map, &energy, effort, None, &|_| ()).unwrap();
-        let stderr = got.measurement.variance_stderr().hypot(got.prediction.stderr);
+        let options = SpectrumOptions { realizations: Some(400), ..SpectrumOptions::default() };
+        let mut predictor =
+            Predictor::new(&map, Domain::Sphere, SEED, PredictionBudget::USUAL).unwrap();
+        predictor = predictor.with_options(options);
+        let got = predictor.compare(&*sampler, Trials::new(1000), &()).unwrap();
+        let stderr = got.measurement.variance_stderr().hypot(got.predicted.prediction.stderr);
         let measured = got.measurement.variance();
-        family.compare(measured, got.prediction.variance, stderr, || pattern.to_string());
+        family.compare(measured, got.predicted.prediction.variance, stderr, || pattern.to_string());
     }
     family.assert_null(ALPHA);
 }
