@@ -21,7 +21,7 @@
 //!
 //! Where a method promises an accuracy, that is its bound; elsewhere it is `k EPSILON growth` with the reason beside it. References are
 //! independent of what is measured and better than it: a table of 25 digits, twice the working precision
-//! ([`reference`]), integers, or a closed form.
+//! ([`mod@reference`]), integers, or a closed form.
 
 mod area;
 mod errors;

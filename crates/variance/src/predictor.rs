@@ -61,7 +61,7 @@ impl<'a> Predictor<'a> {
     ///
     /// # Errors
     ///
-    /// [`Error::NoEnergy`] if the integrand does not know its energies, [`Error::Parameter`] for a
+    /// [`Error::Integrand`] if the integrand does not know its energies, [`Error::Parameter`] for a
     /// precision that is not positive.
     pub fn new(
         integrand: &'a dyn Integrand,
