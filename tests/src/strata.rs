@@ -108,7 +108,8 @@ fn jitter_orders(nside: u32, lmax: usize, nodes: usize) -> Alm {
 #[must_use]
 pub fn exact_jitter_spectrum(nside: u32, lmax: usize) -> Vec<f64> {
     let n_points = 12 * (nside * nside) as usize;
-    let sampler = Pattern::Jittered.build(n_points, Domain::Sphere).expect("a legal number");
+    let sampler =
+        Pattern::Jittered.build(n_points, Domain::Sphere).expect("a valid number of points");
     let exact = ExactSpectrum::of(&*sampler).expect("strata have one");
     exact.to(lmax, &()).expect("a degree in range").power().to_vec()
 }

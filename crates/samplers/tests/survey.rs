@@ -1,14 +1,12 @@
 //! The contract of every sampler of the survey, and what each of them claims.
 
 use std::collections::HashSet;
-use std::sync::Mutex;
 
 use glam::DVec3;
 use sphvar_samplers::{
     BestCandidate, CosineHemisphere, Domain, EqualArea, Error, GeneralizedSpiral, Halton,
-    Hammersley, JitteredSquare, Lloyd, OnSphere, Pattern, Placement, PointSet, Progress, Purpose,
-    Realizations, Riesz, Sampler, Sobol, SquarePattern, Stopped, Streams, WhiteSquare,
-    quantization_energy, riesz_energy,
+    Hammersley, JitteredSquare, Lloyd, OnSphere, Placement, PointSet, Purpose, Riesz, Sampler,
+    Sobol, SquarePattern, Streams, WhiteSquare, quantization_energy, riesz_energy,
 };
 
 const DOMAINS: [Domain; 2] = [Domain::Sphere, Domain::Hemisphere];
@@ -73,89 +71,6 @@ fn every_sampler_keeps_the_contract() {
                 let other = sampler.sample(&mut rng(2)).expect("no reason to fail");
                 assert_eq!(set != other, sampler.is_random(), "{name} N = {n} {domain}");
             }
-        }
-    }
-}
-
-/// Adds up the work that is ticked, and stops at a tick.
-struct Ticks {
-    /// Their number and sum.
-    seen: Mutex<(usize, f64)>,
-    stop_at: usize,
-}
-
-impl Ticks {
-    fn new(stop_at: usize) -> Self {
-        Self { seen: Mutex::new((0, 0.0)), stop_at }
-    }
-
-    fn seen(&self) -> (usize, f64) {
-        *self.seen.lock().unwrap()
-    }
-}
-
-impl Progress for Ticks {
-    fn tick(&self, work: f64) -> Result<(), Stopped> {
-        assert!(work >= 0.0, "{work} units");
-        let mut seen = self.seen.lock().unwrap();
-        seen.0 += 1;
-        seen.1 += work;
-        if seen.0 == self.stop_at { Err(Stopped) } else { Ok(()) }
-    }
-}
-
-/// The patterns whose realizations are made in steps.
-const ITERATIVE: [&str; 7] =
-    ["ccvt", "step", "blue", "lloyd", "riesz", "best-candidate", "poisson-disk"];
-
-/// Returns the sampler of the valid count nearest to 500.
-fn near_500(pattern: &Pattern, domain: Domain) -> Box<dyn Sampler> {
-    pattern.build(pattern.nearest_count(500, domain), domain).unwrap()
-}
-
-#[test]
-fn progress_does_not_change_the_points_and_adds_up_to_the_work() {
-    for pattern in Pattern::ALL {
-        for domain in DOMAINS {
-            let case = format!("{pattern}, {domain}");
-            let sampler = near_500(&pattern, domain);
-            let expected = sampler.sample(&mut rng(1)).unwrap();
-            let mut set = PointSet { points: vec![DVec3::NAN; 7], weights: vec![2.0; 7] };
-            let ticks = Ticks::new(usize::MAX);
-            sampler.sample_watched(&mut rng(1), &mut set, &ticks).unwrap();
-            assert_eq!(set, expected, "{case}");
-            assert!(ticks.seen().0 > 0, "{case}: nobody is asked whether to go on");
-
-            let streams = Streams::new(5, Purpose::Pattern, 1);
-            let work = sampler.nominal_work();
-            for ensemble in [
-                Realizations::rotated(&*sampler, streams),
-                Realizations::unrotated(&*sampler, streams),
-            ] {
-                let ticks = Ticks::new(usize::MAX);
-                ensemble.realize_into(1, &mut set, &ticks).unwrap();
-                assert_eq!(set, ensemble.realize(1).unwrap(), "{case}");
-                let (_, ticked) = ticks.seen();
-                assert!((ticked - work).abs() <= 1e-9 * work, "{case}: {ticked} of {work} units");
-            }
-        }
-    }
-}
-
-#[test]
-fn iterative_patterns_stop_when_they_are_told_to() {
-    for name in ITERATIVE {
-        let pattern = Pattern::from_name(name).unwrap();
-        for domain in DOMAINS {
-            let sampler = near_500(&pattern, domain);
-            let mut set = PointSet::default();
-            let ticks = Ticks::new(3);
-            let stopped = sampler.sample_watched(&mut rng(1), &mut set, &ticks);
-            assert_eq!(stopped, Err(Error::Stopped(Stopped)), "{pattern}, {domain}");
-            assert_eq!(ticks.seen().0, 3, "{pattern}, {domain}: more work after the end");
-            let ensemble = Realizations::rotated(&*sampler, Streams::new(5, Purpose::Pattern, 1));
-            let stopped = ensemble.realize_into(1, &mut set, &Ticks::new(3));
-            assert_eq!(stopped, Err(Error::Stopped(Stopped)), "{pattern}, {domain}");
         }
     }
 }

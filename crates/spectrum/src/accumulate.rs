@@ -180,13 +180,13 @@ pub fn accumulate<A: Accumulator>(
     // What follows a stop is not even begun.
     let is_stopped = AtomicBool::new(false);
     let stop = |error: &Error| {
-        let stopped = Error::Sampler(Stopped.into());
+        let stopped = Error::from(Stopped);
         is_stopped.fetch_or(*error == stopped, Ordering::Relaxed);
     };
     let step = |worker: Result<Worker<A>, Error>, batch: u64| {
         let mut worker = worker?;
         if is_stopped.load(Ordering::Relaxed) {
-            return Err(Error::Sampler(Stopped.into()));
+            return Err(Stopped.into());
         }
         let first = indices.start + batch * BATCH;
         let batch = first..first.saturating_add(BATCH).min(indices.end);
@@ -243,7 +243,7 @@ impl<A: Accumulator> Worker<A> {
         let work = resolution.method.nominal_work(resolution.n_points, resolution.lmax);
         for ((index, set), alm) in batch.zip(sets).zip(alms) {
             self.accumulator.push(&Realization::new(index, set, alm));
-            progress.tick(work).map_err(sphvar_samplers::Error::from)?;
+            progress.tick(work)?;
         }
         Ok(())
     }

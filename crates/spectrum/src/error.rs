@@ -32,3 +32,9 @@ pub enum Error {
         got: f64,
     },
 }
+
+impl From<sphvar_samplers::Stopped> for Error {
+    fn from(stopped: sphvar_samplers::Stopped) -> Self {
+        Self::Sampler(stopped.into())
+    }
+}

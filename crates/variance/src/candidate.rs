@@ -152,7 +152,7 @@ fn around<F: SamplerFamily + Clone>(
     curve.predict(predictor, at, progress)?;
     for n in [n / 4, n / 2].map(legal) {
         let rough = predictor.budget().rough();
-        // A number that the pattern refuses is a point less on the curve.
+        // A number of points that the pattern rejects is left out of the curve.
         if curve.at(n).is_none()
             && let Ok(sampler) = family.build(n, domain)
             && predictor.is_affordable_within(rough, &*sampler).unwrap_or(false)

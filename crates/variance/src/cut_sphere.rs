@@ -70,8 +70,7 @@ pub fn measure_cut_sphere(
         } else {
             set.weights.iter().zip(&values).map(|(w, v)| w * v).sum()
         };
-        let stopped = |stopped| Error::from(sphvar_samplers::Error::from(stopped));
-        progress.tick(evaluation_work(set.len())).map_err(stopped)?;
+        progress.tick(evaluation_work(set.len()))?;
         let ratio = if set.is_empty() { 0.0 } else { 2.0 * PI / kept * sum };
         Ok([4.0 * PI / whole * sum, ratio, set.len() as f64])
     };

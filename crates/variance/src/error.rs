@@ -48,3 +48,9 @@ impl From<sphvar_samplers::Error> for Error {
         Self::Spectrum(error.into())
     }
 }
+
+impl From<sphvar_samplers::Stopped> for Error {
+    fn from(stopped: sphvar_samplers::Stopped) -> Self {
+        Self::Spectrum(stopped.into())
+    }
+}

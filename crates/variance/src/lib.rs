@@ -30,6 +30,7 @@ mod crossover;
 mod cut_sphere;
 mod degree;
 mod designs;
+mod energy_levels;
 mod error;
 mod known_moments;
 mod measurement;
@@ -41,6 +42,7 @@ mod predictor;
 mod rate;
 mod relative_error;
 mod required_points;
+mod route;
 mod stopping;
 mod trials;
 

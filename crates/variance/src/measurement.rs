@@ -228,8 +228,7 @@ pub(crate) fn estimates(
         values.clear();
         values.resize(set.len(), 0.0);
         integrand.eval_into(&set.points, values)?;
-        let stopped = |stopped| Error::from(sphvar_samplers::Error::from(stopped));
-        progress.tick(evaluation_work(set.len())).map_err(stopped)?;
+        progress.tick(evaluation_work(set.len()))?;
         Ok(area * set.mean(values))
     };
     trials.into_par_iter().map_init(Default::default, trial).collect()

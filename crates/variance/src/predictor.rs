@@ -1,13 +1,13 @@
 use std::cell::OnceCell;
 use std::collections::BTreeMap;
 
-use sphvar_samplers::{Domain, Law, PointSet, Progress, Purpose, Realizations, Sampler, Streams};
+use sphvar_samplers::{Domain, Law, Progress, Purpose, Realizations, Sampler, Streams};
 use sphvar_sh::{ByParity, LmIndex, MAX_DEGREE};
-use sphvar_spectrum::{
-    Accumulator, ExactSpectrum, Resolution, Spectrum, SpectrumAccumulator, accumulate,
-};
+use sphvar_spectrum::{Accumulator, Resolution, Spectrum, SpectrumAccumulator, accumulate};
 
+use crate::energy_levels::{degrees_of, level};
 use crate::prediction_budget::realization_work;
+use crate::route::Route;
 use crate::{
     Error, PredictedPoint, Prediction, PredictionAccumulator, PredictionBudget, SpectrumOptions,
     predict, prediction_degree,
@@ -209,7 +209,7 @@ impl<'a> Predictor<'a> {
     ) -> Result<PredictedPoint, Error> {
         let lmax = self.degree(budget, sampler)?;
         let n_points = sampler.n_points();
-        let mut point = match self.route(budget, sampler, lmax) {
+        let mut point = match Route::of(&self.options, budget, sampler, lmax) {
             Route::Flat => {
                 let power = vec![1.0; lmax.min(MAX_DEGREE) + 1];
                 let spectrum = Spectrum::exact(self.domain, n_points, power);
@@ -250,7 +250,7 @@ impl<'a> Predictor<'a> {
         let n_points = sampler.n_points();
         let empty = SpectrumAccumulator::new(self.domain, n_points, lmax);
         let resolution = self.resolution(lmax, n_points);
-        let (sums, is_exact) = match self.route(self.budget, sampler, lmax) {
+        let (sums, is_exact) = match Route::of(&self.options, self.budget, sampler, lmax) {
             Route::Flat => {
                 return Ok(Spectrum::exact(
                     self.domain,
@@ -282,7 +282,7 @@ impl<'a> Predictor<'a> {
         let lmax = self.degree(self.budget, sampler)?;
         let each =
             sampler.nominal_work() + self.options.method.nominal_work(sampler.n_points(), lmax);
-        Ok(match self.route(self.budget, sampler, lmax) {
+        Ok(match Route::of(&self.options, self.budget, sampler, lmax) {
             Route::Flat => 0.0,
             Route::Exact(exact) => exact.work(lmax),
             Route::All(sets) => {
@@ -316,7 +316,7 @@ impl<'a> Predictor<'a> {
         sampler: &dyn Sampler,
     ) -> Result<bool, Error> {
         let lmax = self.degree(budget, sampler)?;
-        let sets = match self.route(budget, sampler, lmax) {
+        let sets = match Route::of(&self.options, budget, sampler, lmax) {
             Route::Flat => return Ok(true),
             // Closed forms of strata take no longer than realizations would.
             Route::Exact(_) if sampler.is_random() => return Ok(true),
@@ -325,33 +325,6 @@ impl<'a> Predictor<'a> {
             Route::Exact(_) | Route::Sampled => 1,
         };
         Ok(sets as f64 * realization_work(sampler, lmax) <= budget.work)
-    }
-
-    /// Chooses how the spectrum of a sampler is computed.
-    fn route<'s>(
-        &self,
-        budget: PredictionBudget,
-        sampler: &'s dyn Sampler,
-        lmax: usize,
-    ) -> Route<'s> {
-        let is_left_open = self.options.realizations.is_none();
-        match sampler.law() {
-            Law::Independent if is_left_open => Route::Flat,
-            Law::OneOf(sets) if sets.len() > 1 => {
-                let most = budget.realizations(sampler, lmax);
-                let are_few = is_left_open && sets.len() as u64 <= most;
-                if are_few { Route::All(sets) } else { Route::Sampled }
-            }
-            law => {
-                let is_chosen = if law.is_random() {
-                    is_left_open && PredictionBudget::is_exact(sampler.n_points(), lmax)
-                } else {
-                    self.options.is_default_transform()
-                };
-                let exact = ExactSpectrum::of(sampler).filter(|_| is_chosen);
-                exact.map_or(Route::Sampled, Route::Exact)
-            }
-        }
     }
 
     /// The power per degree is 1: the variance follows from the integrand's mean and mean square.
@@ -498,18 +471,6 @@ impl<'a> Predictor<'a> {
     }
 }
 
-/// How a spectrum is computed.
-enum Route<'a> {
-    /// It is 1 in every degree.
-    Flat,
-    /// Without sampling.
-    Exact(ExactSpectrum<'a>),
-    /// From all given sets.
-    All(&'a [PointSet]),
-    /// From realizations.
-    Sampled,
-}
-
 /// The prediction from sums over all sets, which is exact.
 fn exactly(
     (spectrum, prediction): (SpectrumAccumulator, PredictionAccumulator),
@@ -526,15 +487,4 @@ fn exactly(
 )]
 fn ahead(lmax: usize, factor: f64) -> usize {
     ((lmax as f64 * factor) as usize).max(lmax + 1)
-}
-
-/// The largest degree of the energies number `level`: 256, 384, 512, 768, 1024, ...
-fn degrees_of(level: usize) -> usize {
-    let power = 256_usize << (level / 2);
-    (power + level % 2 * power / 2).min(MAX_DEGREE)
-}
-
-/// The number of the energies that reach `lmax`; of those to the largest degree there is, beyond.
-fn level(lmax: usize) -> usize {
-    (0..).find(|&k| degrees_of(k) >= lmax.min(MAX_DEGREE)).unwrap_or(0)
 }

@@ -102,7 +102,7 @@ fn what_cannot_be_predicted_says_why() {
     assert!(matches!(elsewhere, Error::OtherDomain { .. }), "{elsewhere}");
 }
 
-/// Whoever ends the work gets that error from every stage.
+/// Every stage returns the error of work that is stopped.
 #[test]
 fn work_can_be_stopped() {
     struct Never;

@@ -38,7 +38,7 @@ pub(super) fn power(
         .fold(begin, |worker: Result<Worker, Error>, class| {
             let mut worker = worker?;
             let nodes = worker.take(&transform, &class, degree)?;
-            progress.tick(class_work(nodes, lmax)).map_err(sphvar_samplers::Error::from)?;
+            progress.tick(class_work(nodes, lmax))?;
             Ok(worker)
         })
         .map(|worker| Ok(worker?.sums))

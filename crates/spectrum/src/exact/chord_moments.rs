@@ -49,9 +49,7 @@ impl ChordMoments {
                 for (sum, c) in sums.iter_mut().zip(moments_of(&nodes, longest_squared, count)) {
                     sum.add(class.share * c);
                 }
-                progress
-                    .tick(class_work(nodes.points.len(), count))
-                    .map_err(sphvar_samplers::Error::from)?;
+                progress.tick(class_work(nodes.points.len(), count))?;
                 Ok(sums)
             })
             .reduce(none, |a, b| {

@@ -65,7 +65,7 @@ impl HomogeneityAccumulator {
         let rows: Vec<Vec<f64>> = rows.into_iter().map(|row| row.1.clone()).collect();
         let (domain, lmax) = (self.domain, self.lmax);
         judge(domain, lmax, &rows, &self.anisotropy, settings, rotations, progress)
-            .map_err(|stopped| Error::Sampler(stopped.into()))
+            .map_err(Error::from)
     }
 
     /// Returns the nominal work of [`Self::audit`] for an ensemble of `count` realizations.

@@ -65,7 +65,7 @@ impl Question {
         Ok(Self { integrand: integrand.name.clone(), domain, integral, asked, cost_per_sample })
     }
 
-    /// The question for the library, with at most so many points.
+    /// The question for the library, with at most `max_points` points.
     pub(super) fn wish(&self, max_points: usize) -> Wish {
         match self.asked {
             Asked::Error { standard_error, .. } => {

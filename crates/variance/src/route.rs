@@ -1,0 +1,45 @@
+use sphvar_samplers::{Law, PointSet, Sampler};
+use sphvar_spectrum::ExactSpectrum;
+
+use crate::{PredictionBudget, SpectrumOptions};
+
+/// How a spectrum is computed.
+pub(crate) enum Route<'a> {
+    /// It is 1 in every degree.
+    Flat,
+    /// Without sampling.
+    Exact(ExactSpectrum<'a>),
+    /// From all given sets.
+    All(&'a [PointSet]),
+    /// From realizations.
+    Sampled,
+}
+
+impl<'a> Route<'a> {
+    /// Chooses how the spectrum of a sampler is computed.
+    pub(crate) fn of(
+        options: &SpectrumOptions,
+        budget: PredictionBudget,
+        sampler: &'a dyn Sampler,
+        lmax: usize,
+    ) -> Self {
+        let is_left_open = options.realizations.is_none();
+        match sampler.law() {
+            Law::Independent if is_left_open => Self::Flat,
+            Law::OneOf(sets) if sets.len() > 1 => {
+                let most = budget.realizations(sampler, lmax);
+                let are_few = is_left_open && sets.len() as u64 <= most;
+                if are_few { Self::All(sets) } else { Self::Sampled }
+            }
+            law => {
+                let is_chosen = if law.is_random() {
+                    is_left_open && PredictionBudget::is_exact(sampler.n_points(), lmax)
+                } else {
+                    options.is_default_transform()
+                };
+                let exact = ExactSpectrum::of(sampler).filter(|_| is_chosen);
+                exact.map_or(Self::Sampled, Self::Exact)
+            }
+        }
+    }
+}
