@@ -179,9 +179,10 @@ impl<'a> Predictor<'a> {
 
     /// Predicts the variance for a sampler, uniformly rotated. At most [`Self::work`] is ticked.
     ///
-    /// Spectra that are known without sampling are taken where there are any ([`ExactSpectrum`]); else realizations are
-    /// added until the relative standard error, as it is estimated from them, is at most that of the
-    /// [`PredictionBudget`], but no more than its work allows. A pattern that is not random takes one.
+    /// Spectra that are known without sampling are taken where there are any
+    /// ([`ExactSpectrum`](sphvar_spectrum::ExactSpectrum)); else realizations are added until the relative
+    /// standard error, as it is estimated from them, is at most that of the [`PredictionBudget`], but no
+    /// more than its work allows. A pattern that is not random takes one.
     /// A variance that is no more than [`rounding`](Self::rounding) is 0.
     ///
     /// # Errors
