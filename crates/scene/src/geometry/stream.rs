@@ -3,13 +3,13 @@ use std::ops::Range;
 
 use glam::{DVec3, Vec3};
 use pulp::{Simd, WithSimd};
-use robust::{Coord3D, orient3d};
 
-use crate::bundle::Bundle;
-use crate::cone::{CLOSE, Cone, NEAR};
-use crate::hierarchy::{Child, Node, SLACK, WIDTH};
-use crate::hit::Front;
-use crate::mesh::Triangles;
+use crate::geometry::bundle::Bundle;
+use crate::geometry::cone::{CLOSE, Cone, NEAR};
+use crate::geometry::height::{HEIGHT_ROUNDING, exact_height};
+use crate::geometry::hierarchy::{Child, Node, SLACK, WIDTH};
+use crate::geometry::hit::Front;
+use crate::geometry::triangles::Triangles;
 
 /// Rays that go through the hierarchy together, so that a node or triangle is fetched once for all of them, and those
 /// of them that share a bit.
@@ -289,15 +289,4 @@ fn slab<S: Simd>(simd: S, inverse: S::f32s, min: f32, max: f32) -> [S::f32s; 2] 
     let a = simd.mul_f32s(inverse, simd.splat_f32s(min));
     let b = simd.mul_f32s(inverse, simd.splat_f32s(max));
     [simd.min_f32s(a, b), simd.max_f32s(a, b)]
-}
-
-/// Roundings of the product of a normal and a vector, for components up to 1 of the sides that the normal is of and of
-/// the vector: 48 halves of an EPSILON.
-pub(crate) const HEIGHT_ROUNDING: f64 = 24.0 * f64::EPSILON;
-
-/// The dot product of `(b - a) x (c - a)` and `a - origin`, of the right sign.
-#[cold]
-pub(crate) fn exact_height(corners: [DVec3; 3], origin: DVec3) -> f64 {
-    let [a, b, c] = corners.map(|p| Coord3D { x: p.x, y: p.y, z: p.z });
-    orient3d(a, b, c, Coord3D { x: origin.x, y: origin.y, z: origin.z })
 }

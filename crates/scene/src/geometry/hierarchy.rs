@@ -1,8 +1,8 @@
 use glam::DVec3;
 use obvhs::cwbvh::bvh2_to_cwbvh::bvh2_to_cwbvh;
 
-use crate::bounds::Bounds;
-use crate::partition::binary_tree;
+use crate::geometry::bounds::Bounds;
+use crate::geometry::partition::binary_tree;
 
 /// Children of a node.
 pub(crate) const WIDTH: usize = 8;
@@ -98,7 +98,7 @@ impl Hierarchy {
     /// Calls `visit` with ranges of triangles whose boxes a ray may meet, the nearer ones first as far as that is
     /// known; what is farther than what `visit` answers, in lengths of `dir`, may be left out from then on.
     ///
-    /// Boxes are enlarged by what rounding may do to corners as a [`WatertightRay`](crate::ray::WatertightRay) sees
+    /// Boxes are enlarged by what rounding may do to corners as a [`WatertightRay`](crate::geometry::ray::WatertightRay) sees
     /// them.
     pub(crate) fn visit_along(
         &self,

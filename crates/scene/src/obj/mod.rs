@@ -1,10 +1,16 @@
+//! Meshes of texts in Wavefront's OBJ format.
+
+mod lines;
+pub(crate) mod remarks;
+mod triangulation;
+
 use std::borrow::Cow;
 use std::io::Read;
 
 use glam::DVec3;
 
-use crate::obj_lines::lines;
-use crate::triangulation::triangulate;
+use crate::obj::lines::lines;
+use crate::obj::triangulation::triangulate;
 use crate::{Error, MAX_COORDINATE, Mesh, ObjRemarks};
 
 impl Mesh {

@@ -1,9 +1,9 @@
 use glam::DVec3;
 use pulp::{Arch, Simd, WithSimd};
 
-use crate::bounds::Bounds;
-use crate::bundle::Bundle;
-use crate::cone::{CLOSE, Cone, NEAR};
+use crate::geometry::bounds::Bounds;
+use crate::geometry::bundle::Bundle;
+use crate::geometry::cone::{CLOSE, Cone, NEAR};
 use crate::{Error, Hit, Quad, Reach};
 
 /// A handful of quadrilaterals, every one of them tested for every ray.

@@ -1,13 +1,14 @@
 use glam::DVec3;
 use pulp::Arch;
 
-use crate::bounds::Bounds;
-use crate::duplicates::remove_duplicates;
-use crate::hierarchy::Hierarchy;
-use crate::order::coherent_order;
-use crate::quad::normal_between;
-use crate::ray::{Meeting, WatertightRay};
-use crate::stream::Stream;
+use crate::geometry::bounds::Bounds;
+use crate::geometry::duplicates::remove_duplicates;
+use crate::geometry::hierarchy::Hierarchy;
+use crate::geometry::order::coherent_order;
+use crate::geometry::quad::normal_between;
+use crate::geometry::ray::{Meeting, WatertightRay};
+use crate::geometry::stream::Stream;
+use crate::geometry::triangles::Triangles;
 use crate::{Error, Hit, MAX_COORDINATE, Reach};
 
 /// Triangles with a hierarchy over them.
@@ -23,15 +24,6 @@ pub struct Mesh {
     arch: Arch,
 }
 
-/// Triangles in the order of the hierarchy.
-#[derive(Clone, Debug)]
-pub(crate) struct Triangles {
-    /// Copies of shared corners cost memory, but numbers of vertices would cost a ray two waits for memory.
-    corners: Box<[[DVec3; 3]]>,
-    /// The hierarchy's coordinates are those of vertices times this power of two, which brings the size to about 2^16.
-    pub(crate) scale: f64,
-}
-
 const MAX_TRIANGLES: usize = 1 << 28;
 
 /// Size of the mesh in the hierarchy's coordinates, at most: products of lengths are numbers in f32.
@@ -39,12 +31,6 @@ const SIZE: f64 = (1u32 << 16) as f64;
 
 /// Steps of f64 along the size of a mesh, at least: what is farther from 0 has no shape left.
 const MIN_STEPS: f64 = (1u32 << 12) as f64;
-
-impl Triangles {
-    pub(crate) fn corners(&self, place: usize) -> [DVec3; 3] {
-        self.corners[place]
-    }
-}
 
 impl Mesh {
     /// The mesh of triangles given by the numbers of their vertices, from 0.

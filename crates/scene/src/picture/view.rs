@@ -1,17 +1,4 @@
-use crate::{Camera, DirectionSets, Error, Scene};
-
-/// A rectangle of pixels.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub struct CropWindow {
-    /// Column of its left edge.
-    pub x: usize,
-    /// Row of its upper edge.
-    pub y: usize,
-    /// Number of columns.
-    pub width: usize,
-    /// Number of rows.
-    pub height: usize,
-}
+use crate::{Camera, CropWindow, DirectionSets, Error, Scene};
 
 /// A scene as a camera sees it: an image or a part of one.
 #[derive(Clone, Copy, Debug)]

@@ -3,7 +3,7 @@ use obvhs::aabb::Aabb;
 use obvhs::bvh2::Bvh2;
 use obvhs::bvh2::node::Bvh2Node;
 
-use crate::bounds::Bounds;
+use crate::geometry::bounds::Bounds;
 
 /// Intervals of centres that are told apart when a range is split.
 const BINS: usize = 16;

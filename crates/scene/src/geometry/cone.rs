@@ -1,11 +1,11 @@
 use glam::{DVec3, Vec3};
 use pulp::Simd;
 
-use crate::bundle::{Rays, dot};
+use crate::geometry::bundle::{Rays, dot};
 
 /// A convex polygon as rays from one point see it, in single precision: which of many directions meet it.
 ///
-/// The planes through the point and the edges are computed in double precision, see [`meet`](crate::quad::meet). Rounding
+/// The planes through the point and the edges are computed in double precision, see [`meet`](crate::geometry::quad::meet). Rounding
 /// of normals, directions and dot products then is at most [`ROUNDING`] times the sum of a normal's components. Edges
 /// are moved out by as much, so that no ray that meets a surface of several polygons is lost between them: it could
 /// be at a corner, where the signs for three or more planes need not agree with any direction.

@@ -1,14 +1,14 @@
 use glam::DVec3;
 
-use crate::bounds::Bounds;
-use crate::mesh::Mesh;
-use crate::quads::Quads;
+use crate::geometry::bounds::Bounds;
+use crate::geometry::mesh::Mesh;
+use crate::geometry::quads::Quads;
 use crate::{Error, Hit, Quad, Reach};
 
 /// Rays for occlusion start this far above the surface, in units of the point's largest coordinate and of the largest
 /// distance of a corner of what it lies on. The point is off by a few roundings of the former, its height above the
-/// plane of the corners by some of both ([`NEAR`](crate::cone::NEAR)). From that far above an edge the plane of an edge is
-/// off by less than a tenth of a radian ([`Cone`](crate::cone::Cone)).
+/// plane of the corners by some of both ([`NEAR`](crate::geometry::cone::NEAR)). From that far above an edge the plane of an edge is
+/// off by less than a tenth of a radian ([`Cone`](crate::geometry::cone::Cone)).
 const OF_COORDINATE: f64 = 64.0 * f64::EPSILON;
 const OF_SIZE: f64 = 512.0 * f64::EPSILON;
 

@@ -4,7 +4,7 @@ use glam::{DMat3, DVec3};
 use rand::{Rng, RngExt};
 use sphvar_samplers::{PointSet, Realizations, Sampler, Streams, uniform_rotation};
 
-use crate::frame::frame;
+use crate::directions::frame::frame;
 use crate::{DirectionMode, Error};
 
 /// The sets of one render, and which of them, how turned, a hit point gets.

@@ -1,7 +1,7 @@
 use rayon::prelude::{IntoParallelIterator, ParallelIterator};
 use sphvar_samplers::Progress;
 
-use crate::integral::Workspace;
+use crate::picture::integral::Workspace;
 use crate::{DirectionSets, Error, Estimator, Image, Integral, View};
 
 /// Side of the squares that are worked on at a time.

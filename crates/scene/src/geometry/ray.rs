@@ -2,7 +2,7 @@ use std::cmp::Ordering;
 
 use glam::DVec3;
 
-use crate::stream::{HEIGHT_ROUNDING, exact_height};
+use crate::geometry::height::{HEIGHT_ROUNDING, exact_height};
 
 /// A ray that meets every closed surface that it passes through: none is lost between triangles that share a side or a
 /// corner (Woop, Benthin and Wald 2013).
