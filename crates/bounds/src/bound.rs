@@ -1,41 +1,4 @@
-use crate::{Error, MeasuredSpectrum, Profile};
-use std::fmt;
-
-/// On which side of the spectrum a profile is meant to lie.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum Side {
-    /// The spectrum lies on or below the profile.
-    Upper,
-    /// The spectrum lies on or above the profile.
-    Lower,
-}
-
-impl Side {
-    /// Returns the name, `upper` or `lower`.
-    #[must_use]
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Upper => "upper",
-            Self::Lower => "lower",
-        }
-    }
-}
-
-impl Side {
-    /// Returns the other side.
-    pub(crate) const fn opposite(self) -> Self {
-        match self {
-            Self::Upper => Self::Lower,
-            Self::Lower => Self::Upper,
-        }
-    }
-}
-
-impl fmt::Display for Side {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(self.name())
-    }
-}
+use crate::{Error, MeasuredSpectrum, Profile, Side};
 
 /// A profile together with the claim that it bounds a spectrum from above or from below.
 ///

@@ -1,6 +1,6 @@
 use std::fmt;
 
-use crate::{Profile, ProfileShape};
+use crate::ProfileShape;
 
 /// A family of profiles of which a fit takes the tightest member.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -56,18 +56,6 @@ impl Family {
             Self::Linear | Self::Quadratic | Self::Polynomial => {
                 ProfileShape::Polynomial { exponent }
             }
-        }
-    }
-
-    /// Returns the narrowest family that a profile belongs to.
-    #[must_use]
-    pub fn of(profile: &Profile) -> Self {
-        match profile.shape() {
-            ProfileShape::Constant => Self::Constant,
-            ProfileShape::Step => Self::Step,
-            ProfileShape::Polynomial { exponent: 1.0 } => Self::Linear,
-            ProfileShape::Polynomial { exponent: 2.0 } => Self::Quadratic,
-            ProfileShape::Polynomial { .. } => Self::Polynomial,
         }
     }
 }

@@ -1,20 +1,6 @@
 use crate::error::{not_negative, positive};
-use crate::{Domain, Error};
+use crate::{Domain, Error, Family, ProfileShape};
 use sphvar_spectrum::Spectrum;
-
-/// How a [`Profile`] rises to its plateau.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum ProfileShape {
-    /// The plateau from the first degree on; `alpha` is only the unit of the axis.
-    Constant,
-    /// Zero below the break, the plateau from the break on.
-    Step,
-    /// The power `exponent >= 0` of `l / (alpha sqrt N)` below the break.
-    Polynomial {
-        /// The power `b`; 1 is the linear profile, 2 the quadratic one, 0 the constant one.
-        exponent: f64,
-    },
-}
 
 /// A simple law for the power spectrum of a pattern of N points, used as an upper or a lower bound of it.
 ///
@@ -146,6 +132,18 @@ impl Profile {
     /// [`Error::Parameter`] unless `alpha` is finite and above 0.
     pub fn with_alpha(self, alpha: f64) -> Result<Self, Error> {
         Ok(Self { alpha: positive("alpha", alpha)?, ..self })
+    }
+
+    /// Returns the narrowest family that the profile belongs to.
+    #[must_use]
+    pub const fn family(&self) -> Family {
+        match self.shape {
+            ProfileShape::Constant => Family::Constant,
+            ProfileShape::Step => Family::Step,
+            ProfileShape::Polynomial { exponent: 1.0 } => Family::Linear,
+            ProfileShape::Polynomial { exponent: 2.0 } => Family::Quadratic,
+            ProfileShape::Polynomial { .. } => Family::Polynomial,
+        }
     }
 
     /// Returns the shape.

@@ -6,6 +6,7 @@ use crate::cell_map::{belt_cell, face_in_row};
 use crate::lanes::{LOW, LaneCell, LaneOrder};
 use crate::lists;
 use crate::order::{assert_pixel, assert_resolution};
+use crate::ring_geometry::cap_start;
 use crate::{Cell, Error, Nside, PixelOrder, RingGeometry};
 
 /// Ring order: pixels numbered from the north pole southwards along rings of equal colatitude, eastwards in each.
@@ -165,12 +166,6 @@ impl LaneOrder for Ring {
         let pixel = if north | (ring > 3 * n) { in_cap } else { in_belt };
         pixel.cast_unsigned()
     }
-}
-
-/// The number of pixels north of ring `ring` of the northern cap, `2 ring (ring - 1)`.
-#[inline]
-pub(crate) const fn cap_start(ring: u32) -> u64 {
-    2 * ring as u64 * (ring as u64 - 1)
 }
 
 /// The ring of a pixel of the northern cap, and its place in the ring.

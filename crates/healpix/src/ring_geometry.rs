@@ -1,7 +1,6 @@
 use std::f64::consts::FRAC_PI_4;
 use std::ops::Range;
 
-use crate::ring::cap_start;
 use crate::zone::Zone;
 use crate::{Error, Nside};
 
@@ -108,6 +107,12 @@ impl RingGeometry {
         let half_pixels = 2.0 * f64::from(place) + f64::from(u8::from(self.shifted));
         FRAC_PI_4 * (4.0 * half_pixels / f64::from(self.n_pixels))
     }
+}
+
+/// The number of pixels north of ring `ring` of the northern cap, `2 ring (ring - 1)`.
+#[inline]
+pub(crate) const fn cap_start(ring: u32) -> u64 {
+    2 * ring as u64 * (ring as u64 - 1)
 }
 
 #[cfg(test)]

@@ -1,6 +1,8 @@
 use core::f64::consts::{E, PI};
 
-use crate::{Colatitude, Error, LmIndex, Scaled, Step, lambda::sectoral, recurrence::climb_column};
+use crate::{
+    Colatitude, Error, LmIndex, Scaled, Step, recurrence::climb_column, sectoral::sectoral,
+};
 
 /// Evaluates all `lambda_lm`, `0 <= m <= l <= lmax`, at one colatitude after another.
 ///

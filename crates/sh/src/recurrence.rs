@@ -1,4 +1,4 @@
-use crate::{Colatitude, Scaled, lambda::sectoral_function};
+use crate::{Colatitude, Scaled, sectoral::sectoral_function};
 
 /// The coefficients of the step from `l` to `l + 1` at fixed order; see [`Recurrence`].
 #[derive(Debug, Clone, Copy, PartialEq)]

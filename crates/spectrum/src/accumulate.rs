@@ -1,110 +1,13 @@
-use std::cell::OnceCell;
-use std::f64::consts::PI;
 use std::ops::Range;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use glam::DVec3;
 use rayon::prelude::{IntoParallelIterator, ParallelIterator};
-use sphvar_samplers::{Ensemble, PointSet, Progress, Realizations, Stopped};
-use sphvar_sh::{Alm, ByParity};
+use sphvar_samplers::{Ensemble, PointSet, Progress, Stopped};
+use sphvar_sh::Alm;
 use sphvar_sht::{FastTransform, Method, Transform, TransformWorkspace};
 
-use crate::{Error, ExactSum, Spectrum, SpectrumAccumulator, tail_power};
-
-/// The coefficients of one realization, as accumulators see them.
-#[derive(Debug)]
-pub struct Realization<'a> {
-    index: u64,
-    set: &'a PointSet,
-    alm: &'a Alm,
-    normalization: f64,
-    tail: OnceCell<ByParity>,
-}
-
-impl<'a> Realization<'a> {
-    /// From coefficients that were made with the weights of `set`.
-    fn new(index: u64, set: &'a PointSet, alm: &'a Alm) -> Self {
-        let squares =
-            if set.weights.is_empty() { set.len() as f64 } else { sum_of_squares(&set.weights) };
-        let normalization = if squares > 0.0 { 4.0 * PI / squares } else { 0.0 };
-        Self { index, set, alm, normalization, tail: OnceCell::new() }
-    }
-
-    /// Its number in the ensemble.
-    #[must_use]
-    pub fn index(&self) -> u64 {
-        self.index
-    }
-
-    /// `S_lm = sum_k w_k conj Y_lm(s_k)`, the weights scaled by a power of two so that the largest is in [1/2, 1);
-    /// equal weights are 1.
-    #[must_use]
-    pub fn alm(&self) -> &Alm {
-        self.alm
-    }
-
-    /// Returns [`PointSet::n_effective`] of the points: N of equal weights.
-    #[must_use]
-    pub fn n_effective(&self) -> f64 {
-        self.set.n_effective()
-    }
-
-    /// The factor that makes the power of white noise 1: `4 pi / sum_k w_k^2`, which is 4 pi/N
-    /// for unit weights; 0 for a set without weight.
-    #[must_use]
-    pub fn normalization(&self) -> f64 {
-        self.normalization
-    }
-
-    /// The mean power of even and of odd degrees at high degrees, [`tail_power`] of the points.
-    #[must_use]
-    pub fn tail(&self) -> ByParity {
-        *self.tail.get_or_init(|| tail_power(&self.set.points, &self.set.weights))
-    }
-
-    /// P(l) for every degree from 0.
-    pub fn power(&self) -> impl Iterator<Item = f64> {
-        let normalization = self.normalization;
-        self.alm.power_per_degree().into_iter().map(move |p| normalization * p)
-    }
-}
-
-/// What is kept of the coefficients of an ensemble.
-///
-/// `merge` must give the same bits as pushing the other's realizations would, whatever the order:
-/// that is what makes results independent of threads.
-pub trait Accumulator: Clone + Send + Sync {
-    /// Takes one realization in.
-    fn push(&mut self, realization: &Realization<'_>);
-    /// Takes in everything that `other`, a copy of the same empty accumulator, has seen.
-    fn merge(&mut self, other: &Self);
-}
-
-impl<A: Accumulator, B: Accumulator> Accumulator for (A, B) {
-    fn push(&mut self, realization: &Realization<'_>) {
-        self.0.push(realization);
-        self.1.push(realization);
-    }
-
-    fn merge(&mut self, other: &Self) {
-        self.0.merge(&other.0);
-        self.1.merge(&other.1);
-    }
-}
-
-impl<A: Accumulator> Accumulator for Option<A> {
-    fn push(&mut self, realization: &Realization<'_>) {
-        if let Some(inner) = self {
-            inner.push(realization);
-        }
-    }
-
-    fn merge(&mut self, other: &Self) {
-        if let (Some(mine), Some(theirs)) = (self, other) {
-            mine.merge(theirs);
-        }
-    }
-}
+use crate::{Accumulator, Error, Realization};
 
 /// To which degree and how spectra are computed.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -246,54 +149,5 @@ impl<A: Accumulator> Worker<A> {
             progress.tick(work)?;
         }
         Ok(())
-    }
-}
-
-/// The squares of equal weights, added up plainly, would all be rounded to one side.
-fn sum_of_squares(weights: &[f64]) -> f64 {
-    let mut sum = ExactSum::default();
-    for w in weights {
-        sum.add(w * w);
-    }
-    sum.value()
-}
-
-/// The mean spectrum of a sampler to degree `lmax`, over `realizations` sets; the nominal work of making and
-/// transforming them is ticked.
-///
-/// A pattern that is not random has the same spectrum in every rotation, so one set is
-/// transformed and the standard error is 0.
-///
-/// # Errors
-///
-/// [`Error::NoRealizations`] for none, [`Error::Transform`] if `lmax` is out of range, [`Error::Sampler`] if a set cannot
-/// be made or `progress` ends the work.
-pub fn estimate(
-    ensemble: &Realizations<'_>,
-    lmax: usize,
-    realizations: u64,
-    progress: &dyn Progress,
-) -> Result<Spectrum, Error> {
-    let sampler = ensemble.sampler();
-    let count = if sampler.is_random() { realizations } else { realizations.min(1) };
-    let empty = SpectrumAccumulator::new(sampler.domain(), sampler.n_points(), lmax);
-    let resolution = Resolution::new(lmax, sampler.n_points());
-    let spectrum = accumulate(ensemble, resolution, 0..count, &empty, progress)?.finish()?;
-    Ok(if sampler.is_random() { spectrum } else { spectrum.into_exact() })
-}
-
-#[cfg(test)]
-mod tests {
-    use super::sum_of_squares;
-
-    /// A plain sum is off by 1.7e-11 of it.
-    #[test]
-    fn many_equal_weights_do_not_drift() {
-        const N: usize = 1_000_000;
-        let got = sum_of_squares(&[0.1; N]);
-        let exact = N as f64 * (0.1 * 0.1);
-        assert!((got / exact - 1.0).abs() <= 2.0 * f64::EPSILON, "{got}, not {exact}");
-        let plain: f64 = [0.1; N].iter().map(|w| w * w).sum();
-        assert!((plain / exact - 1.0).abs() > 1e-13, "a plain sum would do: {plain}");
     }
 }

@@ -26,22 +26,27 @@
 //! [`Bands`](sphvar_sh::Bands), of which the degrees of the sphere are one set.
 
 mod accumulate;
+mod accumulator;
 mod anisotropy;
 mod coefficients;
 mod coincidence;
 mod error;
+mod estimate;
 mod exact;
 mod exact_sum;
 mod homogeneity;
 mod moments;
 mod orders;
+mod realization;
 mod spectrum;
 
-pub use accumulate::{Accumulator, Realization, Resolution, accumulate, estimate};
+pub use accumulate::{Resolution, accumulate};
+pub use accumulator::Accumulator;
 pub use anisotropy::Anisotropy;
 pub use coefficients::CoefficientSamples;
 pub use coincidence::tail_power;
 pub use error::Error;
+pub use estimate::estimate;
 pub use exact::ExactSpectrum;
 pub use exact_sum::ExactSum;
 pub use homogeneity::{
@@ -50,6 +55,7 @@ pub use homogeneity::{
 };
 pub use moments::Moments;
 pub use orders::{OrderAccumulator, OrderPower};
+pub use realization::Realization;
 pub use spectrum::{Spectrum, SpectrumAccumulator};
 pub use sphvar_samplers::Ensemble;
 pub use sphvar_sht::Method;

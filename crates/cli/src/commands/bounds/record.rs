@@ -99,7 +99,7 @@ impl Consequences {
         Ok(BoundRecord {
             side,
             origin,
-            family: Family::of(profile).name(),
+            family: profile.family().name(),
             exponent,
             alpha: profile.alpha(),
             gamma: profile.gamma(),

@@ -1,7 +1,7 @@
 //! The bounds that the thesis draws for a sampler, against its spectrum.
 
 use serde::Serialize;
-use sphvar_bounds::{Bound, BoundVerdict, Family, MeasuredSpectrum, thesis_bounds};
+use sphvar_bounds::{Bound, BoundVerdict, MeasuredSpectrum, thesis_bounds};
 
 use super::record::readable;
 use crate::error::CliError;
@@ -52,7 +52,7 @@ impl ThesisRecord {
         let omega = |l: usize| l as f64 / (n_points as f64).sqrt();
         Self {
             side: bound.side.name(),
-            family: Family::of(&bound.profile).name(),
+            family: bound.profile.family().name(),
             alpha: bound.profile.alpha(),
             gamma: bound.profile.gamma(),
             verdict: match (verdict.proved, verdict.holds) {

@@ -1,0 +1,90 @@
+use std::cell::OnceCell;
+use std::f64::consts::PI;
+
+use sphvar_samplers::PointSet;
+use sphvar_sh::{Alm, ByParity};
+
+use crate::{ExactSum, tail_power};
+
+/// The coefficients of one realization, as accumulators see them.
+#[derive(Debug)]
+pub struct Realization<'a> {
+    index: u64,
+    set: &'a PointSet,
+    alm: &'a Alm,
+    normalization: f64,
+    tail: OnceCell<ByParity>,
+}
+
+impl<'a> Realization<'a> {
+    /// From coefficients that were made with the weights of `set`.
+    pub(crate) fn new(index: u64, set: &'a PointSet, alm: &'a Alm) -> Self {
+        let squares =
+            if set.weights.is_empty() { set.len() as f64 } else { sum_of_squares(&set.weights) };
+        let normalization = if squares > 0.0 { 4.0 * PI / squares } else { 0.0 };
+        Self { index, set, alm, normalization, tail: OnceCell::new() }
+    }
+
+    /// Its number in the ensemble.
+    #[must_use]
+    pub fn index(&self) -> u64 {
+        self.index
+    }
+
+    /// `S_lm = sum_k w_k conj Y_lm(s_k)`, the weights scaled by a power of two so that the largest is in [1/2, 1);
+    /// equal weights are 1.
+    #[must_use]
+    pub fn alm(&self) -> &Alm {
+        self.alm
+    }
+
+    /// Returns [`PointSet::n_effective`] of the points: N of equal weights.
+    #[must_use]
+    pub fn n_effective(&self) -> f64 {
+        self.set.n_effective()
+    }
+
+    /// The factor that makes the power of white noise 1: `4 pi / sum_k w_k^2`, which is 4 pi/N
+    /// for unit weights; 0 for a set without weight.
+    #[must_use]
+    pub fn normalization(&self) -> f64 {
+        self.normalization
+    }
+
+    /// The mean power of even and of odd degrees at high degrees, [`tail_power`] of the points.
+    #[must_use]
+    pub fn tail(&self) -> ByParity {
+        *self.tail.get_or_init(|| tail_power(&self.set.points, &self.set.weights))
+    }
+
+    /// P(l) for every degree from 0.
+    pub fn power(&self) -> impl Iterator<Item = f64> {
+        let normalization = self.normalization;
+        self.alm.power_per_degree().into_iter().map(move |p| normalization * p)
+    }
+}
+
+/// The squares of equal weights, added up plainly, would all be rounded to one side.
+fn sum_of_squares(weights: &[f64]) -> f64 {
+    let mut sum = ExactSum::default();
+    for w in weights {
+        sum.add(w * w);
+    }
+    sum.value()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::sum_of_squares;
+
+    /// A plain sum is off by 1.7e-11 of it.
+    #[test]
+    fn many_equal_weights_do_not_drift() {
+        const N: usize = 1_000_000;
+        let got = sum_of_squares(&[0.1; N]);
+        let exact = N as f64 * (0.1 * 0.1);
+        assert!((got / exact - 1.0).abs() <= 2.0 * f64::EPSILON, "{got}, not {exact}");
+        let plain: f64 = [0.1; N].iter().map(|w| w * w).sum();
+        assert!((plain / exact - 1.0).abs() > 1e-13, "a plain sum would do: {plain}");
+    }
+}
