@@ -1,11 +1,11 @@
 //! Point sets that users bring in files.
 
 use serde::Serialize;
-use sphvar_samplers::{Domain, PointSet as Set, PointSets, Sampler};
+use sphvar_samplers::{Domain, PointSet, PointSets, Sampler};
 
 use crate::commands::PointFileArgs;
 use crate::error::CliError;
-use crate::files::{PointSet, read_points};
+use crate::files::read_points;
 use crate::report::say;
 
 /// The point sets of files.
@@ -47,12 +47,7 @@ impl FileSets {
                 sets.extend(file.sets);
             }
         }
-        let set = |set: PointSet| Set {
-            points: set.directions,
-            weights: set.weights.unwrap_or_default(),
-        };
-        let sets = PointSets::new(sets.into_iter().map(set).collect(), domain)
-            .map_err(CliError::failed)?;
+        let sets = PointSets::new(sets, domain).map_err(CliError::failed)?;
         let names: Vec<String> = args.files.iter().map(|p| p.display().to_string()).collect();
         let read = Self { name: names.join(" "), sets };
         if read.count() > 1 {
@@ -63,7 +58,7 @@ impl FileSets {
 
     /// Returns how many sets there are and of what size, for people.
     fn summary(&self, several_files: bool) -> String {
-        let sizes = || self.sets.sets().iter().map(Set::len);
+        let sizes = || self.sets.sets().iter().map(PointSet::len);
         let (least, most) = (sizes().min().unwrap_or(0), sizes().max().unwrap_or(0));
         let points = if least == most {
             format!("{least} points each")
@@ -119,21 +114,21 @@ fn join(joined: &mut Vec<PointSet>, sets: Vec<PointSet>, path: &str) -> Result<(
             joined.push(set);
             continue;
         };
-        match (&mut one.weights, set.weights) {
-            (Some(weights), Some(more)) => weights.extend(more),
-            (None, None) => {}
-            (Some(_), None) => {
+        match (one.weights.is_empty(), set.weights.is_empty()) {
+            (false, true) => {
                 return Err(CliError::Failed(format!(
-                    "--join: {path} has no weights, the points before it have"
+                    "--join: {path} has no weights, but the files before it have"
                 )));
             }
-            (None, Some(_)) => {
+            (true, false) => {
                 return Err(CliError::Failed(format!(
-                    "--join: {path} has weights, the points before it have none"
+                    "--join: {path} has weights, but the files before it have none"
                 )));
             }
+            _ => {}
         }
-        one.directions.extend(set.directions);
+        one.weights.extend(set.weights);
+        one.points.extend(set.points);
     }
     Ok(())
 }

@@ -4,12 +4,13 @@ use std::borrow::Cow;
 use std::collections::HashMap;
 
 use glam::DVec3;
+use sphvar_samplers::PointSet;
 
 use super::angles::{direction_of_degrees, direction_of_radians};
 use super::columns::{Layout, listed};
 use super::lengths::Lengths;
 use super::roles::Coordinates;
-use super::{PointFile, PointSet, ReadOptions};
+use super::{PointFile, ReadOptions};
 use crate::files::file_error::{FileError, Place};
 use crate::files::memory_guard::MemoryGuard;
 use crate::files::text_rows::shortened;
@@ -78,7 +79,7 @@ impl<'a> PointCollector<'a> {
 
     /// Starts the next set, unless the present one is still empty.
     pub(super) fn next_set(&mut self) {
-        if !self.sets[self.current].directions.is_empty() {
+        if !self.sets[self.current].points.is_empty() {
             self.sets.push(PointSet::default());
             self.current = self.sets.len() - 1;
         }
@@ -86,7 +87,7 @@ impl<'a> PointCollector<'a> {
 
     /// Returns the number of points of the present set.
     pub(super) fn len(&self) -> usize {
-        self.sets[self.current].directions.len()
+        self.sets[self.current].points.len()
     }
 
     /// Adds the point of a row; `cell` gives the content of each of the layout's slots.
@@ -104,9 +105,9 @@ impl<'a> PointCollector<'a> {
                     self.select(cell(set));
                 }
                 let set = &mut self.sets[self.current];
-                set.directions.push(direction);
+                set.points.push(direction);
                 if let Some(weight) = weight {
-                    set.weights.get_or_insert_default().push(weight);
+                    set.weights.push(weight);
                 }
                 self.points += 1;
                 if self.points.is_multiple_of(STEP) {
@@ -140,7 +141,7 @@ impl<'a> PointCollector<'a> {
 
     /// Returns the sets, or an error when there is not a single point or most are no directions.
     pub(super) fn finish(mut self) -> Result<PointFile, FileError> {
-        self.sets.retain(|set| !set.directions.is_empty());
+        self.sets.retain(|set| !set.points.is_empty());
         if self.skipped > 0 {
             let places: Vec<String> =
                 self.skipped_places.iter().map(|place| format!("{}{place}", self.path)).collect();

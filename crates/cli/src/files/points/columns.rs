@@ -1,5 +1,6 @@
 //! Which column of a file means what, whatever the format of the file.
 
+use super::column::Column;
 use super::roles::{CELESTIAL, ColumnChoice, Coordinates, SYSTEMS, SYSTEMS_TEXT, role_of};
 use super::suggestion::{suggested, suggestions};
 use crate::files::file_error::{FileError, Place};
@@ -7,24 +8,6 @@ use crate::files::text_rows::shortened;
 
 /// How many names a message lists.
 const LISTED: usize = 12;
-
-/// A column as its file describes it.
-#[derive(Debug, Clone, Default, PartialEq, Eq)]
-pub(super) struct Column {
-    /// Empty if it has no name.
-    pub(super) name: String,
-    /// How many numbers stand in a row; 0 if they cannot be read as numbers.
-    pub(super) items: usize,
-    /// The unit where the file states it, empty otherwise.
-    pub(super) unit: String,
-}
-
-impl Column {
-    /// Returns a column of one number in a row.
-    pub(super) fn single(name: impl Into<String>) -> Self {
-        Self { name: name.into(), items: 1, unit: String::new() }
-    }
-}
 
 /// Where a number of a point stands.
 #[derive(Debug, Clone, PartialEq, Eq)]

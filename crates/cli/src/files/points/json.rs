@@ -5,7 +5,8 @@ use std::io::BufRead;
 use serde::Deserialize;
 
 use super::collector::{Cell, PointCollector};
-use super::columns::{Column, Table};
+use super::column::Column;
+use super::columns::Table;
 use super::{PointFile, ReadOptions};
 use crate::files::file_error::{FileError, Place};
 use crate::files::input::read_rest;

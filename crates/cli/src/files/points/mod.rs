@@ -2,6 +2,7 @@
 
 mod angles;
 mod collector;
+mod column;
 mod columns;
 mod fits;
 mod format;
@@ -22,7 +23,7 @@ use std::fs::{self, File};
 use std::io::{BufRead, BufReader, Cursor};
 use std::path::Path;
 
-use glam::DVec3;
+use sphvar_samplers::PointSet;
 
 use super::file_error::{FileError, Place, input_name, is_dash};
 use super::fits::HduChoice;
@@ -32,19 +33,11 @@ pub(crate) use format::PointFormat;
 pub(crate) use roles::ColumnChoice;
 pub(crate) use write::write_points;
 
-/// One set of directions, with what the file said about each of them.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub(crate) struct PointSet {
-    /// Unit vectors, in the order of the file.
-    pub(crate) directions: Vec<DVec3>,
-    /// The column `w` or `weight`, where the file has one; finite, of any sign.
-    pub(crate) weights: Option<Vec<f64>>,
-}
-
 /// What a file holds: at least one set, each with at least one direction.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct PointFile {
-    /// The sets in the order of their first appearance.
+    /// The sets in the order of their first appearance: unit vectors in the order of the file, and finite weights of
+    /// any sign where the file has a column `w` or `weight`.
     pub(crate) sets: Vec<PointSet>,
     /// Lines for the user about what was accepted but looks odd.
     pub(crate) warnings: Vec<String>,

@@ -6,7 +6,8 @@ use zip::ZipArchive;
 use zip::result::ZipError;
 
 use super::collector::{Cell, PointCollector};
-use super::columns::{Column, Layout, Table};
+use super::column::Column;
+use super::columns::{Layout, Table};
 use super::npy::ArrayTable;
 use super::roles::{ColumnChoice, SYSTEMS, role_of};
 use super::{PointFile, ReadOptions};

@@ -13,7 +13,8 @@ use ply_rs_bw::ply::{
 };
 
 use super::collector::{Cell, PointCollector};
-use super::columns::{Column, Layout, Table};
+use super::column::Column;
+use super::columns::{Layout, Table};
 use super::{PointFile, ReadOptions};
 use crate::files::file_error::{FileError, Place};
 use crate::files::text_rows::shortened;

@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use super::columns::Column;
+use super::column::Column;
 use super::roles::{SYSTEMS, role_of};
 
 /// How many ways a message lists.

@@ -100,8 +100,8 @@ fn every_format_keeps_every_bit() {
                 assert!(back.warnings.is_empty(), "{extension}: {:?}", back.warnings);
                 assert_eq!(back.sets.len(), sets.len(), "{extension}");
                 for (set, expected) in back.sets.iter().zip(sets) {
-                    assert_eq!(bits(&set.directions), bits(expected), "{extension}");
-                    assert_eq!(set.weights, None, "{extension}");
+                    assert_eq!(bits(&set.points), bits(expected), "{extension}");
+                    assert!(set.weights.is_empty(), "{extension}");
                 }
             }
         }
@@ -123,7 +123,7 @@ fn random_unit_vectors_keep_their_bits_as_text() {
     let path = folder.path().join("p.csv");
     write_points(&path, None, std::slice::from_ref(&points), None).unwrap();
     let back = read_points(&path, &ReadOptions::default()).unwrap();
-    assert_eq!(bits(&back.sets[0].directions), bits(&points));
+    assert_eq!(bits(&back.sets[0].points), bits(&points));
 }
 
 #[test]
@@ -169,7 +169,7 @@ fn text_in_every_dialect() {
         for name in ["p.csv", "p.00003", "p.txt"] {
             let back = read(name, content);
             assert_eq!(back.sets.len(), 1, "{dialect}");
-            assert_eq!(back.sets[0].directions, expected, "{dialect}");
+            assert_eq!(back.sets[0].points, expected, "{dialect}");
             assert!(back.warnings.is_empty(), "{dialect}: {:?}", back.warnings);
         }
     }
@@ -180,7 +180,7 @@ fn radians_are_colatitudes() {
     let back =
         read("p.csv", "phi,theta\n0,0\n1.5707963267948966,1.5707963267948966\n0,3.1415927\n");
     let expected = [DVec3::Z, DVec3::Y, DVec3::NEG_Z];
-    for (got, expected) in back.sets[0].directions.iter().zip(expected) {
+    for (got, expected) in back.sets[0].points.iter().zip(expected) {
         // The double nearest to pi is off by half its last digit, 2^-52.
         assert!(got.distance(expected) <= 2.0 * f64::EPSILON, "{got} against {expected}");
     }
@@ -189,30 +189,30 @@ fn radians_are_colatitudes() {
 #[test]
 fn columns_name_the_fields_of_bare_files() {
     let back = read_as("p.txt", "0 90 5\n0 -90 6\n", "lon,lat,value").unwrap();
-    assert_eq!(back.sets[0].directions, [DVec3::Z, DVec3::NEG_Z]);
+    assert_eq!(back.sets[0].points, [DVec3::Z, DVec3::NEG_Z]);
     assert_eq!(back.remarks, ["p.txt: column not used: value"]);
 
     let back = read_as("p.txt", "9 0 0 1 0.5\n9 1 0 0 0.25\n", "_,x,y,z,weight").unwrap();
-    assert_eq!(back.sets[0].directions, [DVec3::Z, DVec3::X]);
-    assert_eq!(back.sets[0].weights, Some(vec![0.5, 0.25]));
+    assert_eq!(back.sets[0].points, [DVec3::Z, DVec3::X]);
+    assert_eq!(back.sets[0].weights, [0.5, 0.25]);
 
     // With a header the option chooses, and with foreign words it names.
     let both = "x,y,z,ra,dec\n1,0,0,90,0\n";
-    assert_eq!(read_as("p.csv", both, "ra,dec").unwrap().sets[0].directions, [DVec3::Y]);
+    assert_eq!(read_as("p.csv", both, "ra,dec").unwrap().sets[0].points, [DVec3::Y]);
     let foreign = "azimuth,elevation\n90,0\n";
-    assert_eq!(read_as("p.csv", foreign, "lon,lat").unwrap().sets[0].directions, [DVec3::Y]);
+    assert_eq!(read_as("p.csv", foreign, "lon,lat").unwrap().sets[0].points, [DVec3::Y]);
 }
 
 #[test]
 fn sets_by_column_by_hash_and_by_array() {
     let by_column = read("p.csv", "set,x,y,z,w\n7,1,0,0,1\n3,0,1,0,2\n7,0,0,1,3\n");
     assert_eq!(by_column.sets.len(), 2);
-    assert_eq!(by_column.sets[0].directions, [DVec3::X, DVec3::Z]);
-    assert_eq!(by_column.sets[0].weights, Some(vec![1.0, 3.0]));
-    assert_eq!(by_column.sets[1].directions, [DVec3::Y]);
+    assert_eq!(by_column.sets[0].points, [DVec3::X, DVec3::Z]);
+    assert_eq!(by_column.sets[0].weights, [1.0, 3.0]);
+    assert_eq!(by_column.sets[1].points, [DVec3::Y]);
 
     let by_hash = read("p.txt", "#\n1 0 0\n0 1 0\n#\n#\n0 0 1\n#\n");
-    let counts: Vec<usize> = by_hash.sets.iter().map(|set| set.directions.len()).collect();
+    let counts: Vec<usize> = by_hash.sets.iter().map(|set| set.points.len()).collect();
     assert_eq!(counts, [2, 1]);
     assert!(by_hash.warnings.is_empty());
 
@@ -223,25 +223,25 @@ fn sets_by_column_by_hash_and_by_array() {
     let dictionary = "{'descr': '<f8', 'fortran_order': False, 'shape': (2, 1, 3), }";
     let array = read("p.npy", npy(dictionary, &doubles(&[1.0, 0.0, 0.0, 0.0, 1.0, 0.0])));
     assert_eq!(array.sets.len(), 2);
-    assert_eq!(array.sets[1].directions, [DVec3::Y]);
+    assert_eq!(array.sets[1].points, [DVec3::Y]);
 }
 
 #[test]
 fn arrays_of_other_layouts() {
     let fortran = "{'descr': '<f8', 'fortran_order': True, 'shape': (2, 3), }";
     let back = read("p.npy", npy(fortran, &doubles(&[1.0, 0.0, 0.0, 1.0, 0.0, 0.0])));
-    assert_eq!(back.sets[0].directions, [DVec3::X, DVec3::Y]);
+    assert_eq!(back.sets[0].points, [DVec3::X, DVec3::Y]);
 
     let single = "{'descr': '<f4', 'fortran_order': False, 'shape': (1, 3), }";
     let floats: Vec<u8> = [0.6_f32, 0.8, 0.0].iter().flat_map(|x| x.to_le_bytes()).collect();
     let back = read("p.npy", npy(single, &floats));
     assert!(back.warnings.is_empty(), "{:?}", back.warnings);
-    let length = back.sets[0].directions[0].length();
+    let length = back.sets[0].points[0].length();
     assert!((length - 1.0).abs() <= 2.0 * f64::EPSILON, "{length}");
 
     let big = "{'descr': '>f8', 'fortran_order': False, 'shape': (1, 3), }";
     let numbers: Vec<u8> = [0.0_f64, 0.0, -1.0].iter().flat_map(|x| x.to_be_bytes()).collect();
-    assert_eq!(read("p.npy", npy(big, &numbers)).sets[0].directions, [DVec3::NEG_Z]);
+    assert_eq!(read("p.npy", npy(big, &numbers)).sets[0].points, [DVec3::NEG_Z]);
 
     let plain = "{'descr': '<f8', 'fortran_order': False, 'shape': (1, 3), }";
     let back = read("p.npy", npy(plain, &doubles(&[1.0, 0.0, 0.0, 9.0])));
@@ -256,7 +256,7 @@ fn meshes_of_other_programs() {
                 property list uchar int vertex_indices\nend_header\n\
                 0.5\n255 1 0 0 4\n0 0 0 -1 5\n3 0 1 0\n";
     let back = read("p.ply", text);
-    assert_eq!(back.sets[0].directions, [DVec3::X, DVec3::NEG_Z]);
+    assert_eq!(back.sets[0].points, [DVec3::X, DVec3::NEG_Z]);
     assert_eq!(back.remarks, ["p.ply: columns not used: red,value"]);
 
     let mut binary = b"ply\nformat binary_big_endian 1.0\nelement vertex 1\nproperty list uchar \
@@ -268,7 +268,7 @@ fn meshes_of_other_programs() {
     binary.extend((-3_i32).to_be_bytes());
     let options = ReadOptions { normalize: true, ..ReadOptions::default() };
     let back = read_with("scan.bin", binary, &options).unwrap();
-    assert_eq!(back.sets[0].directions, [DVec3::NEG_Z]);
+    assert_eq!(back.sets[0].points, [DVec3::NEG_Z]);
     assert!(back.warnings.is_empty(), "{:?}", back.warnings);
 }
 
@@ -279,7 +279,7 @@ fn lengths_are_mended_and_counted() {
         "0,1,0\n".repeat(4)
     );
     let back = read("p.csv", content);
-    for direction in &back.sets[0].directions {
+    for direction in &back.sets[0].points {
         assert!((direction.length() - 1.0).abs() <= 2.0 * f64::EPSILON, "{direction}");
     }
     assert_eq!(back.warnings.len(), 1);

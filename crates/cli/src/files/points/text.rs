@@ -4,7 +4,8 @@ use std::borrow::Cow;
 use std::io::BufRead;
 
 use super::collector::{Cell, PointCollector};
-use super::columns::{Column, Table};
+use super::column::Column;
+use super::columns::Table;
 use super::{PointFile, ReadOptions};
 use crate::files::file_error::{FileError, Place};
 use crate::files::text_rows::{HeldLine, TextLine, TextRows};

@@ -54,7 +54,7 @@ fn advice_can_be_typed() {
         // The first flag is one that works, for the directions of these columns.
         let flag = flags.split(" or ").next().unwrap();
         let got = read_as("p.csv", content, flag).unwrap_or_else(|e| panic!("{flag}: {e}"));
-        assert_eq!(got.sets[0].directions.len(), 1, "{flag}");
+        assert_eq!(got.sets[0].points.len(), 1, "{flag}");
     }
     // However many columns there are.
     let wide: Vec<String> = (0..50_000).map(|i| format!("ra_{i}")).collect();

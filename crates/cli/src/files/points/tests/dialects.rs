@@ -32,15 +32,15 @@ fn headers_of_catalogues() {
     ];
     for content in cases {
         let back = read("p.csv", content);
-        assert_eq!(back.sets[0].directions, expected, "{content}");
+        assert_eq!(back.sets[0].points, expected, "{content}");
         assert!(back.warnings.is_empty(), "{content}: {:?}", back.warnings);
     }
     // Comments in Latin-1 are read over.
     let latin = b"# \xb0 and \xe9\nra,dec\n90,0\n#\xff\n";
     let back = read_with("p.csv", latin, &ReadOptions::default()).unwrap();
-    assert_eq!(back.sets[0].directions, [DVec3::Y]);
+    assert_eq!(back.sets[0].points, [DVec3::Y]);
     // Three fields under a comment that names something else stay x y z.
-    assert_eq!(read("p.txt", "# made by a program\n0 0 1\n").sets[0].directions, [DVec3::Z]);
+    assert_eq!(read("p.txt", "# made by a program\n0 0 1\n").sets[0].points, [DVec3::Z]);
 }
 
 /// The tables of `VizieR` have names, units and dashes.
@@ -56,7 +56,7 @@ fn units_and_dashes_below_a_header() {
     ];
     for content in cases {
         let back = read("p.tsv", format!("{top}{content}"));
-        assert_eq!(back.sets[0].directions, [DVec3::X, DVec3::NEG_Y], "{content}");
+        assert_eq!(back.sets[0].points, [DVec3::X, DVec3::NEG_Y], "{content}");
         assert!(back.warnings.is_empty(), "{content}: {:?}", back.warnings);
     }
     // What is not followed by dashes is a row, and dashes elsewhere are one too.
@@ -118,11 +118,11 @@ fn headers_that_leave_a_choice_or_none() {
     // The choice by name takes either.
     let both = "ra,dec,RAJ2000,DEJ2000\n0,0,90,0\n";
     let back = read_as("p.csv", both, "ra=RAJ2000,dec=DEJ2000").unwrap();
-    assert_eq!(back.sets[0].directions, [DVec3::Y]);
+    assert_eq!(back.sets[0].points, [DVec3::Y]);
     // A redshift is no coordinate, and positions may pass over it.
     let catalogue = "RA,DEC,Z,WT\n90,0,0.5,2\n";
     let back = read_as("p.csv", catalogue, "ra,dec,_,w").unwrap();
-    assert_eq!(back.sets[0].weights, Some(vec![2.0]));
+    assert_eq!(back.sets[0].weights, [2.0]);
     assert_eq!(back.remarks, ["p.csv: column not used: Z"]);
     let message = read_as("p.csv", "0 0\n", "ra=RA,dec=DEC").unwrap_err();
     assert!(message.contains("expected a header"), "{message}");
@@ -136,7 +136,7 @@ fn wide_headers_are_listed_in_part() {
     let zeros = vec!["0"; 100_000].join(",");
     let content = format!("{},ra,dec\n{zeros},90,0\n", names.join(","));
     let back = read("p.csv", &content);
-    assert_eq!(back.sets[0].directions, [DVec3::Y]);
+    assert_eq!(back.sets[0].points, [DVec3::Y]);
     assert!(back.remarks[0].len() < 300, "{:?}", back.remarks);
     assert!(back.remarks[0].ends_with("c11,... (99988 more)"), "{:?}", back.remarks);
     let message = read_as("p.csv", &content, "ra=RA2000,dec=dec").unwrap_err();
@@ -148,8 +148,8 @@ fn invalid_rows_are_skipped_and_counted() {
     let content = "ra,dec,w\n0,0,1\n,,\n10,NaN,1\n1,91,1\n0,0\n90,0,inf\n90,0,2\nx,0,1\n-1,0,0,9\n";
     let options = ReadOptions { skip_invalid: true, ..ReadOptions::default() };
     let back = read_with("p.csv", content, &options).unwrap();
-    assert_eq!(back.sets[0].directions, [DVec3::X, DVec3::Y]);
-    assert_eq!(back.sets[0].weights, Some(vec![1.0, 2.0]));
+    assert_eq!(back.sets[0].points, [DVec3::X, DVec3::Y]);
+    assert_eq!(back.sets[0].weights, [1.0, 2.0]);
     assert_eq!(
         back.warnings,
         ["p.csv: 7 of 9 rows skipped as invalid: p.csv:3, p.csv:4, p.csv:5, p.csv:6, p.csv:7, ..."]
@@ -163,7 +163,7 @@ fn invalid_rows_are_skipped_and_counted() {
     let dictionary = "{'descr': '<f8', 'fortran_order': False, 'shape': (3, 3), }";
     let rows = [0.0, 0.0, 1.0, f64::NAN, 0.0, 1.0, 0.0, 0.0, 0.0];
     let back = read_with("p.npy", npy(dictionary, &doubles(&rows)), &options).unwrap();
-    assert_eq!(back.sets[0].directions, [DVec3::Z]);
+    assert_eq!(back.sets[0].points, [DVec3::Z]);
     assert_eq!(back.warnings, ["p.npy: 2 of 3 rows skipped as invalid: p.npy[1], p.npy[2]"]);
 }
 
@@ -181,7 +181,7 @@ fn vectors_far_from_unit_length_in_bulk() {
         assert!(message.contains(part), "{message}\n{part}");
         let options = ReadOptions { normalize: true, ..ReadOptions::default() };
         let back = read_with("p.txt", content, &options).unwrap();
-        let lengths = back.sets[0].directions.iter().map(|p| (p.length() - 1.0).abs());
+        let lengths = back.sets[0].points.iter().map(|p| (p.length() - 1.0).abs());
         assert!(lengths.fold(0.0, f64::max) < 1e-15 && back.warnings.is_empty(), "{content}");
     }
     // Three digits are no other length, and one stray vector is no bulk.
@@ -194,6 +194,6 @@ fn vectors_far_from_unit_length_in_bulk() {
 #[test]
 fn one_row_and_no_final_newline() {
     for content in ["0 0 1", "x,y,z\n0,0,1", "x,y,z\r\n0,0,1\r\n\r\n", "0,0,1,"] {
-        assert_eq!(read("p.csv", content).sets[0].directions, [DVec3::Z], "{content:?}");
+        assert_eq!(read("p.csv", content).sets[0].points, [DVec3::Z], "{content:?}");
     }
 }

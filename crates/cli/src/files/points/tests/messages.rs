@@ -182,7 +182,7 @@ fn outputs_that_cannot_be() {
     let path = folder.path().join("p.list");
     write_points(&path, Some(PointFormat::Csv), &sets, None).unwrap();
     let back = read_points(&path, &ReadOptions::default()).unwrap();
-    assert_eq!(back.sets[1].directions, [DVec3::Y, DVec3::Z]);
+    assert_eq!(back.sets[1].points, [DVec3::Y, DVec3::Z]);
 }
 
 #[test]

@@ -42,8 +42,8 @@ const ROWS: [[f64; 3]; 3] = [[0.0, 0.0, 1.0], [77.0, 90.0, 2.0], [-90.0, 0.0, -0
 
 fn assert_rows(file: &PointFile, name: &str) {
     assert_eq!(file.sets.len(), 1, "{name}");
-    assert_eq!(file.sets[0].directions, [DVec3::X, DVec3::Z, DVec3::NEG_Y], "{name}");
-    assert_eq!(file.sets[0].weights.as_deref(), Some(&[1.0, 2.0, -0.5][..]), "{name}");
+    assert_eq!(file.sets[0].points, [DVec3::X, DVec3::Z, DVec3::NEG_Y], "{name}");
+    assert_eq!(file.sets[0].weights, [1.0, 2.0, -0.5], "{name}");
 }
 
 #[test]
@@ -112,8 +112,8 @@ fn archives_of_points_and_weights() {
         npz(&arrays, stored)
     };
     let back = read("p.npz", with(array("'<f4'", "(2,)", &[0, 0, 0, 64, 0, 0, 128, 63])));
-    assert_eq!(back.sets[0].directions, [DVec3::X, DVec3::Z]);
-    assert_eq!(back.sets[0].weights, Some(vec![2.0, 1.0]));
+    assert_eq!(back.sets[0].points, [DVec3::X, DVec3::Z]);
+    assert_eq!(back.sets[0].weights, [2.0, 1.0]);
     assert_eq!(back.remarks, ["p.npz: points: column not used: seed"]);
 
     let several = [
@@ -122,7 +122,7 @@ fn archives_of_points_and_weights() {
     ];
     let back = read("p.npz", npz(&several, stored));
     assert_eq!(back.sets.len(), 2);
-    assert_eq!(back.sets[1].weights, Some(vec![4.0]));
+    assert_eq!(back.sets[1].weights, [4.0]);
 
     let wrong = with(array("'<f8'", "(3,)", &doubles(&[1.0, 2.0, 3.0])));
     let message = read_with("p.npz", wrong, &ReadOptions::default()).unwrap_err();
@@ -134,10 +134,10 @@ fn archives_of_points_and_weights() {
         ("z", array("'|i1'", "(1,)", &[0])),
     ];
     let back = read("p.npz", npz(&columns, stored));
-    assert_eq!(back.sets[0].directions, [DVec3::Y]);
+    assert_eq!(back.sets[0].points, [DVec3::Y]);
     let named =
         read_as("p.npz", with(seed.clone()), "x=points[0],y=points[1],z=points[2]").unwrap();
-    assert_eq!(named.sets[0].directions, [DVec3::X, DVec3::Z]);
+    assert_eq!(named.sets[0].points, [DVec3::X, DVec3::Z]);
     let message = read_as("p.npz", with(seed.clone()), "ra=A,dec=B").unwrap_err();
     assert!(
         message.contains("expected the column A of --columns, got the columns points,weights,seed"),
@@ -154,11 +154,11 @@ fn archives_of_records_and_of_columns_beside_other_arrays() {
     let file = npz(&[("table", table), ("weights", weights)], stored);
     for columns in ["ra,dec,_", "ra=ra,dec=dec"] {
         let back = read_as("p.npz", &file, columns).unwrap();
-        assert_eq!(back.sets[0].directions, [DVec3::Y, DVec3::Z]);
-        assert_eq!(back.sets[0].weights, Some(vec![3.0, 4.0]), "{columns}");
+        assert_eq!(back.sets[0].points, [DVec3::Y, DVec3::Z]);
+        assert_eq!(back.sets[0].weights, [3.0, 4.0], "{columns}");
     }
     let back = read_as("p.npz", &file, "ra=ra,dec=dec,w=q").unwrap();
-    assert_eq!(back.sets[0].weights, Some(vec![5.0, 7.0]));
+    assert_eq!(back.sets[0].weights, [5.0, 7.0]);
     // Columns with the names of a direction, and a picture that is none.
     let arrays = [
         ("RAJ2000", array("'<f8'", "(2,)", &doubles(&[90.0, 0.0]))),
@@ -166,7 +166,7 @@ fn archives_of_records_and_of_columns_beside_other_arrays() {
         ("picture", array("'<f8'", "(2, 3)", &doubles(&[0.0; 6]))),
     ];
     let back = read("p.npz", npz(&arrays, stored));
-    assert_eq!(back.sets[0].directions, [DVec3::Y, DVec3::Z]);
+    assert_eq!(back.sets[0].points, [DVec3::Y, DVec3::Z]);
     assert_eq!(back.remarks, ["p.npz: column not used: picture"]);
     // If no array can be read, the reason is told.
     let message =
@@ -181,7 +181,7 @@ fn padding_is_no_column() {
     let records = "[('x', '|i1'), ('y', '|i1'), ('', '|V6'), ('z', '<f8')]";
     let rows = [&[0_u8; 8][..], &1f64.to_le_bytes()].concat();
     let back = read("p.npy", array(records, "(1,)", &rows));
-    assert_eq!(back.sets[0].directions, [DVec3::Z]);
+    assert_eq!(back.sets[0].points, [DVec3::Z]);
     assert!(back.remarks.is_empty(), "{:?}", back.remarks);
 }
 
@@ -211,7 +211,7 @@ fn wrong_rows_of_ply_texts() {
 fn a_catalogue_is_the_same_in_every_format() {
     let names = "ra=RAJ2000,dec=DEJ2000,w=WEIGHT";
     let text = read_as("c.csv", CATALOGUE_CSV, names).unwrap();
-    assert_eq!(text.sets[0].directions.len(), 120);
+    assert_eq!(text.sets[0].points.len(), 120);
     assert_eq!(text.remarks, ["c.csv: column not used: Z"]);
     for (name, content) in [("c.fits", CATALOGUE), ("c.fits.gz", CATALOGUE_GZ)] {
         assert_eq!(read_as(name, content, names).unwrap().sets, text.sets, "{name}");
@@ -219,8 +219,8 @@ fn a_catalogue_is_the_same_in_every_format() {
         assert_eq!(read(name, content).sets, text.sets, "{name}");
         assert_eq!(read_as(name, content, "ra,dec,w").unwrap().sets, text.sets, "{name}");
         let unweighted = read_as(name, content, "ra,dec,_,_").unwrap();
-        assert_eq!(unweighted.sets[0].directions, text.sets[0].directions);
-        assert_eq!(unweighted.sets[0].weights, None);
+        assert_eq!(unweighted.sets[0].points, text.sets[0].points);
+        assert!(unweighted.sets[0].weights.is_empty());
     }
     let message = read_as("c.fits", CATALOGUE, "ra=RA,dec=DEC").unwrap_err();
     assert!(
@@ -250,16 +250,15 @@ fn columns_of_fits_tables() {
     ] {
         let back = kinds(columns, hdu).unwrap();
         // Stored in 16 bits, 180 + 0.01 times an integer is an angle to two roundings.
-        for (got, expected) in back.sets[0].directions.iter().zip(expected) {
+        for (got, expected) in back.sets[0].points.iter().zip(expected) {
             assert!(got.distance(expected) < 1e-15, "{hdu} {columns}: {got}");
         }
-        let weights = back.sets[0].weights.as_deref();
-        assert_eq!(weights, Some(&[1.0, 2.0, 65535.0][..]), "{hdu} {columns}");
+        assert_eq!(back.sets[0].weights, [1.0, 2.0, 65535.0], "{hdu} {columns}");
     }
     let bits = kinds("x=FLAGS[0],y=FLAGS[1],z=FLAGS[2],w=OK,set=NAME", "2").unwrap();
-    assert_eq!(bits.sets[0].directions, [DVec3::X, DVec3::ONE.normalize()]);
-    assert_eq!(bits.sets[0].weights, Some(vec![1.0, 1.0]));
-    assert_eq!(bits.sets[1].directions, [DVec3::Y]);
+    assert_eq!(bits.sets[0].points, [DVec3::X, DVec3::ONE.normalize()]);
+    assert_eq!(bits.sets[0].weights, [1.0, 1.0]);
+    assert_eq!(bits.sets[1].points, [DVec3::Y]);
 
     for (hdu, columns, part) in [
         ("0", "ra,dec", "expected a table in HDU 0, got [0] image"),
@@ -293,7 +292,7 @@ fn the_hdu_may_stand_behind_the_name() {
             ..ReadOptions::default()
         };
         let back = super::super::read_points(&path, &options).unwrap();
-        assert_eq!(back.sets[0].directions.len(), 3, "{name}");
+        assert_eq!(back.sets[0].points.len(), 3, "{name}");
     }
     let path = folder.path().join("p.csv");
     std::fs::write(&path, "x,y,z\n0,0,1\n").unwrap();
@@ -304,7 +303,7 @@ fn the_hdu_may_stand_behind_the_name() {
     let path = folder.path().join("k.fits.gz[2]");
     std::fs::write(&path, "x,y,z\n0,0,1\n").unwrap();
     let back = super::super::read_points(&path, &ReadOptions::default()).unwrap();
-    assert_eq!(back.sets[0].directions, [DVec3::Z]);
+    assert_eq!(back.sets[0].points, [DVec3::Z]);
 }
 
 #[test]
@@ -316,7 +315,7 @@ fn every_cut_of_a_table_is_an_error() {
             read_with("c.fits", &CATALOGUE[..length], &ReadOptions::default()).unwrap_err();
         assert!(message.contains("expected"), "{length}: {message}");
     }
-    assert_eq!(read("c.fits", &CATALOGUE[..end]).sets[0].directions.len(), 120);
+    assert_eq!(read("c.fits", &CATALOGUE[..end]).sets[0].points.len(), 120);
 }
 
 #[test]
