@@ -44,6 +44,7 @@ mod relative_error;
 mod required_points;
 mod route;
 mod stopping;
+mod student;
 mod trials;
 
 pub use candidate::{Candidate, Wish, rank};

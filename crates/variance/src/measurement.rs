@@ -2,9 +2,8 @@ use std::ops::Range;
 
 use rayon::prelude::{IntoParallelIterator, ParallelIterator};
 use sphvar_samplers::{PointSet, Progress, Realizations, Sampler};
-use statrs::distribution::{ContinuousCDF, StudentsT};
 
-use crate::{Error, RelativeError};
+use crate::{Error, RelativeError, student};
 use sphvar_integrands::Integrand;
 
 /// The estimates that trials of a pattern gave of one integral.
@@ -146,9 +145,7 @@ impl Measurement {
         if z.is_nan() {
             return BiasTest { z, p_value: f64::NAN };
         }
-        let p_value = StudentsT::new(0.0, 1.0, self.count() - 1.0)
-            .map_or(f64::NAN, |t| (2.0 * t.sf(z.abs())).min(1.0));
-        BiasTest { z, p_value }
+        BiasTest { z, p_value: student::two_sided(z, self.count() - 1.0) }
     }
 
     /// How many trials it takes until the relative standard error of the variance is `relative`, by

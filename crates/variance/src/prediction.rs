@@ -1,7 +1,7 @@
 use sphvar_sh::{Bands, ByParity};
 use sphvar_spectrum::{Accumulator, Moments, Realization, Spectrum};
-use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
 
+use crate::student;
 use sphvar_integrands::Energy;
 
 /// A variance computed from spectra, `k sum_{l >= 1} E(l) <P(l)>`, with what is not known of it.
@@ -43,13 +43,7 @@ impl Prediction {
     }
 
     fn quantile(&self, p: f64) -> f64 {
-        if !(p > 0.5 && p < 1.0) {
-            f64::NAN
-        } else if self.dof.is_finite() {
-            StudentsT::new(0.0, 1.0, self.dof).map_or(f64::NAN, |t| t.inverse_cdf(p))
-        } else {
-            Normal::standard().inverse_cdf(p)
-        }
+        if p > 0.5 && p < 1.0 { student::quantile(p, self.dof) } else { f64::NAN }
     }
 }
 

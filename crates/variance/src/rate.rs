@@ -1,4 +1,4 @@
-use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
+use crate::student;
 
 /// A variance at a number of points, measured or predicted.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -131,11 +131,8 @@ pub fn fit_rate_of_few(points: &[VariancePoint], dof: f64) -> Option<RateFit> {
     };
     // Errors from the scatter have few degrees of freedom.
     let dof = if scale > 1.0 || !weighted { dof } else { known_dof };
-    let quantile = match StudentsT::new(0.0, 1.0, dof) {
-        Ok(t) if dof.is_finite() => t.inverse_cdf(0.975),
-        _ => 1.959_963_984_540_054,
-    };
-    let half = quantile * (scale * variance_of_slope).sqrt();
+    let error = (scale * variance_of_slope).sqrt();
+    let half = if error.is_finite() { student::quantile(0.975, dof) * error } else { error };
     let (slope_change, slope_change_p) = bend(&rows, weighted.then_some(known_dof));
     Some(RateFit {
         slope,
@@ -224,13 +221,9 @@ fn bend(rows: &[(f64, f64, f64)], known_dof: Option<f64>) -> (f64, f64) {
     if bend.c == 0.0 {
         return (change, 1.0);
     }
-    let student = |t: f64, dof: f64| match StudentsT::new(0.0, 1.0, dof) {
-        Ok(law) if dof.is_finite() => 2.0 * law.sf(t),
-        _ => 2.0 * Normal::standard().sf(t),
-    };
     let p = match known_dof {
-        Some(dof) => student(bend.c.abs() * bend.norm.sqrt(), dof),
-        None => student(change.abs() / bend.stderr_by_scatter(), bend.dof),
+        Some(dof) => student::two_sided(bend.c * bend.norm.sqrt(), dof),
+        None => student::two_sided(change / bend.stderr_by_scatter(), bend.dof),
     };
     (change, p)
 }
