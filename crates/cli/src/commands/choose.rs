@@ -2,6 +2,7 @@
 //! the points that there are.
 
 mod candidate;
+mod chart;
 mod crossings;
 mod presentation;
 mod question;

@@ -1,5 +1,6 @@
 //! `sphvar compare`, the main job: which pattern integrates this best, and why.
 
+mod charts;
 mod result_folder;
 
 use std::path::{Path, PathBuf};
@@ -10,16 +11,16 @@ use sphvar_integrands::Energy;
 use sphvar_samplers::Pattern;
 use sphvar_variance::{Comparison, RateFit, VariancePoint, fit_exact_rate, fit_rate};
 
+pub(super) use self::charts::variance_chart;
+use self::charts::{integrand_chart, spectra_chart};
 use self::result_folder::{RECORD, ResultFolder};
 use super::crossovers::{CrossoverRecord, crossovers};
-use super::power_chart::{power_chart, power_series};
 use super::rows::{self, Case, EffortArgs, Plan, Row, RowRecord};
 use crate::counts::Counts;
 use crate::error::CliError;
 use crate::global::Global;
 use crate::integrands::{self, FORMS, parse_integrand};
 use crate::patterns::parse_patterns;
-use crate::plots::{Chart, Scale, Series, Style};
 use crate::report::{
     Provenance, csv, full, is_stdout, print, print_json, say, short, table, write_text,
 };
@@ -328,7 +329,7 @@ fn write_files(
         ("integrand", integrand_chart(energy, plan)),
     ];
     for (name, chart) in charts {
-        let chart = Chart { notes: vec![provenance.line()], ..chart };
+        let chart = chart.with_note(provenance.line());
         chart.render(&folder.join(format!("{name}.svg")))?;
         chart.render(&folder.join(format!("{name}.png")))?;
     }
@@ -354,66 +355,4 @@ fn spectrum_records(rows: &[Row]) -> Vec<Vec<String>> {
         }
     }
     records
-}
-
-/// The spectra at the largest number of points.
-fn spectra_chart(curves: &[Curve<'_>]) -> Chart {
-    let series = curves.iter().enumerate().filter_map(|(i, curve)| {
-        let spectrum = &curve.rows.last()?.comparison.predicted.spectrum;
-        let label = format!("{}, N = {}", curve.pattern, spectrum.n_points());
-        // Beyond 4 sqrt(N) only lattices are computed, and they only wobble.
-        Some(power_series(&label, spectrum, 4.0, i))
-    });
-    Chart { title: "Angular power spectra".to_owned(), ..power_chart(series.collect()) }
-}
-
-pub(super) fn variance_chart(curves: &[Curve<'_>], plan: &Plan<'_>) -> Chart {
-    let points = |p: &[VariancePoint]| p.iter().map(|p| (p.n_points, p.variance)).collect();
-    let mut series = Vec::new();
-    for (colour, curve) in curves.iter().enumerate() {
-        series.push(Series {
-            label: format!("{}, predicted", curve.pattern),
-            points: points(&curve.predicted()),
-            error: None,
-            style: Style::Line,
-            colour,
-        });
-        let measured = curve.measured();
-        series.push(Series {
-            label: format!("{}, measured", curve.pattern),
-            points: points(&measured),
-            error: Some(measured.iter().map(|p| p.stderr).collect()),
-            style: Style::Markers,
-            colour,
-        });
-    }
-    Chart {
-        title: format!("Variance of integrating {}", plan.integrand.name),
-        x_label: "number of points N".to_owned(),
-        y_label: "variance".to_owned(),
-        x_scale: Scale::Log,
-        y_scale: Scale::Log,
-        series,
-        notes: Vec::new(),
-    }
-}
-
-fn integrand_chart(energy: &Energy, plan: &Plan<'_>) -> Chart {
-    let total = energy.total();
-    let degrees = energy.per_band().iter().enumerate().skip(1);
-    Chart {
-        title: format!("Energy per degree of {}", plan.integrand.name),
-        x_label: "degree l".to_owned(),
-        y_label: format!("E(l) / total, total = {}", short(total)),
-        x_scale: Scale::Log,
-        y_scale: Scale::Log,
-        series: vec![Series {
-            label: plan.integrand.name.clone(),
-            points: degrees.map(|(l, e)| (l as f64, e / total)).collect(),
-            error: None,
-            style: Style::Line,
-            colour: 0,
-        }],
-        notes: Vec::new(),
-    }
 }

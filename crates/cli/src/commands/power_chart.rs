@@ -1,36 +1,75 @@
-//! Charts of angular power, for `spectrum` and `compare`.
+//! Charts of angular power, for `spectrum`, `compare` and `bounds`.
 
 use sphvar_spectrum::Spectrum;
 
-use crate::plots::{Chart, Scale, Series, Style};
+use crate::plots::{Binned, Chart, Ink, Panel, Scale, Series, Spread, Style};
 
 /// Power below this is 0 to rounding and has no place on a logarithmic axis.
 const ROUNDING: f64 = 1e-20;
+/// Of more curves than this, bands would cover each other.
+const MAX_BANDS: usize = 3;
 
-/// The power of l >= 1 against l/sqrt(N) up to `most`, as a line with its error as a band. Degrees
-/// whose power is 0 to rounding are passed over.
-pub(super) fn power_series(label: &str, spectrum: &Spectrum, most: f64, colour: usize) -> Series {
-    let scale = (spectrum.n_points() as f64).sqrt();
-    let shown = |r: &(usize, f64, f64)| r.1 > ROUNDING && r.0 as f64 <= most * scale;
-    let rows: Vec<(usize, f64, f64)> = spectrum.rows().skip(1).filter(shown).collect();
-    Series {
-        label: label.to_owned(),
-        points: rows.iter().map(|r| (r.0 as f64 / scale, r.1)).collect(),
-        error: Some(rows.iter().map(|r| r.2).collect()),
-        style: Style::Line,
-        colour,
+/// One spectrum of a chart.
+#[derive(Debug)]
+pub(super) struct PowerCurve {
+    /// Its name; may be empty.
+    pub(super) label: String,
+    pub(super) n_points: usize,
+    /// Degree, power and its standard error.
+    pub(super) rows: Vec<(usize, f64, f64)>,
+    pub(super) ink: Ink,
+}
+
+impl PowerCurve {
+    /// Returns the curve of the degrees l >= 1 up to `most` sqrt(N).
+    pub(super) fn new(label: impl Into<String>, spectrum: &Spectrum, most: f64, ink: Ink) -> Self {
+        let n_points = spectrum.n_points();
+        let last = most * (n_points as f64).sqrt();
+        let rows = spectrum.rows().skip(1).filter(|row| row.0 as f64 <= last).collect();
+        Self { label: label.into(), n_points, rows, ink }
     }
 }
 
-/// A chart of spectra; title and notes are left to be filled in.
-pub(super) fn power_chart(series: Vec<Series>) -> Chart {
+/// Returns the chart of spectra against l/sqrt(N) beneath other series over the same axes, with notes on what is
+/// drawn; the title is left to be filled in. Degrees whose power is 0 to rounding are passed over.
+pub(super) fn power_chart(curves: &[PowerCurve], over: Vec<Series>) -> Chart {
+    let has_bands = curves.len() <= MAX_BANDS;
+    let (mut is_binned, mut has_errors) = (false, false);
+    let mut series = Vec::new();
+    for curve in curves {
+        let scale = (curve.n_points as f64).sqrt();
+        let points: Vec<_> = curve.rows.iter().map(|row| (row.0 as f64, row.1)).collect();
+        let Binned { points, ranges } = Binned::new(&points, ROUNDING);
+        is_binned |= ranges.is_some();
+        let spread = match ranges {
+            _ if !has_bands => Spread::None,
+            Some(ranges) => Spread::Ranges(ranges),
+            None => {
+                let shown = curve.rows.iter().filter(|row| row.1 > ROUNDING);
+                let errors: Vec<f64> = shown.map(|row| row.2).collect();
+                has_errors |= errors.iter().any(|&error| error > 0.0);
+                Spread::Errors(errors)
+            }
+        };
+        series.push(Series {
+            label: curve.label.clone(),
+            points: points.into_iter().map(|(l, power)| (l / scale, power)).collect(),
+            spread,
+            style: Style::Line,
+            ink: curve.ink,
+        });
+    }
+    series.extend(over);
+    let notes = [
+        (is_binned && has_bands).then_some(Binned::NOTE),
+        (is_binned && !has_bands).then_some(Binned::NOTE_OF_MEANS),
+        has_errors.then_some("Bands: one standard error to either side."),
+    ];
     Chart {
         title: String::new(),
         x_label: "frequency l / \u{221a}N".to_owned(),
-        y_label: "power P(l), white noise = 1".to_owned(),
         x_scale: Scale::Log,
-        y_scale: Scale::Log,
-        series,
-        notes: Vec::new(),
+        panels: vec![Panel::log("power P(l), white noise = 1", series)],
+        notes: notes.into_iter().flatten().map(str::to_owned).collect(),
     }
 }

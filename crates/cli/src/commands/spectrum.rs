@@ -1,5 +1,6 @@
 //! `sphvar spectrum`: the angular power spectrum of a pattern or of points in files.
 
+mod chart;
 mod report;
 
 use std::path::{Path, PathBuf};

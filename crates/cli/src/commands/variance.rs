@@ -14,7 +14,7 @@ use crate::error::CliError;
 use crate::global::Global;
 use crate::integrands::{FORMS, parse_integrand};
 use crate::patterns::parse_patterns;
-use crate::plots::{Chart, ImageFormat};
+use crate::plots::ImageFormat;
 use crate::report::{
     Provenance, check_result, csv, is_stdout, print, print_json, table, write_result,
 };
@@ -104,7 +104,7 @@ pub(crate) fn run(args: &VarianceArgs, global: &Global) -> Result<(), CliError> 
             }
             let curves: Vec<_> = patterns.iter().map(|p| Curve::new(p, &rows)).collect();
             let chart = variance_chart(&curves, &plan);
-            Chart { notes: vec![provenance.line()], ..chart }.render(path)?;
+            chart.with_note(provenance.line()).render(path)?;
         } else {
             let cells: Vec<_> = records.iter().map(RowRecord::record).collect();
             write_result(path, &document, &|| csv(&provenance, RowRecord::COLUMNS, &cells))?;

@@ -13,6 +13,8 @@ pub(crate) enum Scale {
 const MARGIN: f64 = 0.04;
 /// Larger sizes are left out, so that ranges and their margins stay finite.
 const LARGEST: f64 = 1e300;
+/// Axes of more decades have ticks at powers of ten only.
+const MAX_DECADES_WITH_DIGITS: i32 = 9;
 /// Smaller sizes are zero for a linear axis, so that its power of ten stays a normal number.
 const SMALLEST: f64 = 1e-290;
 
@@ -46,8 +48,8 @@ pub(super) struct Axis {
     high: f64,
     /// Labelled ticks.
     pub(super) ticks: Vec<Tick>,
-    /// Places of grid lines without labels, from 0 to 1.
-    pub(super) fine: Vec<f64>,
+    /// Places of ticks without labels, from 0 to 1.
+    pub(super) minor: Vec<f64>,
     /// The power of ten that all labels have in common and that belongs to the axis label.
     pub(super) power: Option<i32>,
 }
@@ -99,7 +101,7 @@ impl Axis {
             low,
             high,
             ticks: Vec::new(),
-            fine: Vec::new(),
+            minor: Vec::new(),
             power: None,
         };
         let size = low.abs().max(high.abs());
@@ -113,6 +115,7 @@ impl Axis {
             let label = format!("{value:.decimals$}").replace('-', "\u{2212}");
             axis.ticks.push(Tick { at: axis.fraction(value * unit), label });
         }
+        axis.minor_multiples(low / unit, high / unit, step, unit);
         axis
     }
 
@@ -121,58 +124,42 @@ impl Axis {
         // One value, or several that are one to the eye, get half a decade to either side.
         let margin = if high - low < 1e-6 { 0.5 } else { MARGIN * (high - low) };
         (low, high) = (low - margin, high + margin);
-        let mut axis =
-            Self { scale: Scale::Log, low, high, ticks: Vec::new(), fine: Vec::new(), power: None };
+        let mut axis = Self {
+            scale: Scale::Log,
+            low,
+            high,
+            ticks: Vec::new(),
+            minor: Vec::new(),
+            power: None,
+        };
         let (first, last) = (floor_i32(low), floor_i32(high));
-        let decades = last - first;
-        if decades >= 3 {
-            // The spacing of labels: every decade, or every second, third, fifth, tenth, ...
-            let wanted = (decades + i32::try_from(most).unwrap_or(i32::MAX) - 1)
-                / i32::try_from(most).unwrap_or(i32::MAX).max(1);
-            let step = [1, 2, 3, 5, 10, 20, 50, 100]
-                .into_iter()
-                .find(|&step| step >= wanted)
-                .unwrap_or(200);
-            for decade in first..=last {
-                let at = axis.fraction(f64::from(decade));
-                if (0.0..=1.0).contains(&at) {
-                    if decade.rem_euclid(step) == 0 {
-                        axis.ticks.push(Tick { at, label: power_of_ten(decade) });
-                    } else {
-                        axis.fine.push(at);
-                    }
+        let most = i32::try_from(most).unwrap_or(i32::MAX).max(1);
+        let decades = floor_i32(high) - ceil_i32(low) + 1;
+        let digits: &[u8] = match decades {
+            2.. => &[1],
+            1 => &[1, 2, 5],
+            _ => &[1, 2, 3, 4, 5, 6, 7, 8, 9],
+        };
+        // The spacing of labels: every decade, or every second, third, fifth, tenth, ...
+        let steps = [1, 2, 3, 5, 10, 20, 50, 100];
+        let step = steps.into_iter().find(|&step| decades <= step * most).unwrap_or(200);
+        for decade in first..=last {
+            for digit in 1..=9 {
+                let at = axis.fraction(f64::from(decade) + f64::from(digit).log10());
+                if !(0.0..=1.0).contains(&at) {
+                    continue;
                 }
-                if decades <= 8 {
-                    axis.fine_digits(decade, &[2, 3, 4, 5, 6, 7, 8, 9]);
+                if digits.contains(&digit) && decade.rem_euclid(step) == 0 {
+                    axis.ticks.push(Tick { at, label: digit_and_power(digit, decade) });
+                } else if digit == 1 || decades <= MAX_DECADES_WITH_DIGITS {
+                    axis.minor.push(at);
                 }
             }
-        } else {
-            let sparse: &[u8] =
-                if high - low > 1.0 { &[1, 2, 5] } else { &[1, 2, 3, 4, 5, 6, 7, 8, 9] };
-            for decade in first..=last {
-                for &digit in sparse {
-                    let at = axis.fraction(f64::from(decade) + f64::from(digit).log10());
-                    if (0.0..=1.0).contains(&at) {
-                        axis.ticks.push(Tick { at, label: digit_and_power(digit, decade) });
-                    }
-                }
-                axis.fine_digits(decade, &[2, 3, 4, 5, 6, 7, 8, 9]);
-            }
-            if axis.ticks.len() < 2 {
-                axis.linear_ticks(most);
-            }
+        }
+        if axis.ticks.len() < 2 {
+            axis.linear_ticks(most.unsigned_abs());
         }
         axis
-    }
-
-    /// Adds grid lines at these multiples of a power of ten.
-    fn fine_digits(&mut self, decade: i32, digits: &[u8]) {
-        for &digit in digits {
-            let at = self.fraction(f64::from(decade) + f64::from(digit).log10());
-            if (0.0..=1.0).contains(&at) {
-                self.fine.push(at);
-            }
-        }
     }
 
     /// Labels a logarithmic axis of a small part of a decade as a linear one.
@@ -184,32 +171,39 @@ impl Axis {
         let decimals = floor_i32(step.log10() + 1e-9).min(0).unsigned_abs() as usize;
         self.power = (exponent != 0).then_some(exponent);
         self.ticks.clear();
-        self.fine.clear();
+        self.minor.clear();
         for value in multiples(low, high, step) {
             if let Some(at) = self.position(value * unit) {
                 self.ticks.push(Tick { at, label: format!("{value:.decimals$}") });
             }
         }
+        self.minor_multiples(low, high, step, unit);
+    }
+
+    /// Adds ticks without labels between multiples of `step` from `low` to `high`, all in `unit`.
+    fn minor_multiples(&mut self, low: f64, high: f64, step: f64, unit: f64) {
+        // Quarters of 2 times a power of ten, fifths of 1 and 5 times one, are round.
+        let leading = step / 10f64.powi(floor_i32(step.log10() + 1e-9));
+        let part = if (1.5..3.0).contains(&leading) { 4.0 } else { 5.0 };
+        let minor = multiples(low, high, step / part);
+        let is_labelled = |value: f64| (value / step - (value / step).round()).abs() < 1e-6;
+        let places: Vec<f64> = minor
+            .filter(|&value| !is_labelled(value))
+            .filter_map(|value| self.position(value * unit))
+            .collect();
+        self.minor.extend(places);
     }
 }
 
-/// Returns the power of ten in the form of print: 1, 10, then 10 with a raised exponent.
+/// Returns the power of ten as logarithmic axes have it, all exponents raised: 10⁰ beside 10² is read faster than 1.
 pub(super) fn power_of_ten(exponent: i32) -> String {
-    match exponent {
-        0 => "1".to_owned(),
-        1 => "10".to_owned(),
-        _ => format!("10{}", raised(exponent)),
-    }
+    format!("10{}", raised(exponent))
 }
 
 fn digit_and_power(digit: u8, exponent: i32) -> String {
-    match (digit, exponent) {
-        (_, -3..=-1) => {
-            format!("{}{digit}", ["0.00", "0.0", "0."][(exponent + 3).unsigned_abs() as usize])
-        }
-        (_, 0..=5) => format!("{digit}{}", "0".repeat(exponent.unsigned_abs() as usize)),
-        (1, _) => power_of_ten(exponent),
-        _ => format!("{digit}\u{d7}10{}", raised(exponent)),
+    match digit {
+        1 => power_of_ten(exponent),
+        _ => format!("{digit}\u{d7}{}", power_of_ten(exponent)),
     }
 }
 
@@ -247,7 +241,7 @@ fn nice_step(least: f64) -> f64 {
 /// Returns the multiples of `step` in [low, high], with half a millionth of a step of slack.
 fn multiples(low: f64, high: f64, step: f64) -> impl Iterator<Item = f64> {
     let first = (low / step - 5e-7).ceil();
-    (0..64)
+    (0..400)
         .map(move |k| (first + f64::from(k)) * step)
         .take_while(move |&value| value <= high + 5e-7 * step)
 }
@@ -258,6 +252,10 @@ fn multiples(low: f64, high: f64, step: f64) -> impl Iterator<Item = f64> {
 )]
 fn floor_i32(value: f64) -> i32 {
     value.floor() as i32
+}
+
+fn ceil_i32(value: f64) -> i32 {
+    -floor_i32(-value)
 }
 
 #[cfg(test)]
@@ -273,14 +271,27 @@ mod tests {
     fn decades_are_powers() {
         assert_eq!(
             labels(Scale::Log, &[0.5e-3, 200.0]),
-            ["10⁻³", "10⁻²", "10⁻¹", "1", "10", "10²"]
+            ["10⁻³", "10⁻²", "10⁻¹", "10⁰", "10¹", "10²"]
         );
-        assert_eq!(labels(Scale::Log, &[1e-9, 30.0]), ["10⁻⁸", "10⁻⁶", "10⁻⁴", "10⁻²", "1"]);
-        assert_eq!(labels(Scale::Log, &[16.0, 700.0]), ["20", "50", "100", "200", "500"]);
+        assert_eq!(labels(Scale::Log, &[1e-9, 30.0]), ["10⁻⁸", "10⁻⁶", "10⁻⁴", "10⁻²", "10⁰"]);
+        assert_eq!(labels(Scale::Log, &[8.0, 1100.0]), ["10¹", "10²", "10³"]);
+        assert_eq!(labels(Scale::Log, &[16.0, 700.0]), ["2×10¹", "5×10¹", "10²", "2×10²", "5×10²"]);
         assert_eq!(
             labels(Scale::Log, &[2.1e-8, 8e-8]),
             ["2×10⁻⁸", "3×10⁻⁸", "4×10⁻⁸", "5×10⁻⁸", "6×10⁻⁸", "7×10⁻⁸", "8×10⁻⁸"]
         );
+    }
+
+    #[test]
+    fn minor_ticks_are_round() {
+        // 1 to 100 on a logarithmic axis: 2 to 9 and 20 to 90, and what the margins hold.
+        let axis = Axis::fit(Scale::Log, [1.0, 100.0].into_iter(), 8);
+        assert!((16..=20).contains(&axis.minor.len()), "{}", axis.minor.len());
+        // 0 to 10 by 2: halves of 1 between.
+        let axis = Axis::fit(Scale::Linear, [0.0, 10.0].into_iter(), 6);
+        assert_eq!((axis.ticks.len(), axis.minor.len()), (6, 15));
+        let near = |at: f64| axis.minor.iter().any(|minor| (minor - at).abs() < 1e-9);
+        assert!(near(axis.position(0.5).unwrap()) && !near(axis.position(4.0).unwrap()));
     }
 
     #[test]

@@ -13,8 +13,9 @@ use plotters::style::{FontStyle, register_font};
 use super::palette::Marker;
 use super::plot_error::PlotError;
 
-/// The generic family: a viewer of the SVG takes its own, the PNG gets the embedded font.
-const FAMILY: &str = "sans-serif";
+/// The families that a viewer of the SVG takes the first of; the first two have letters of the same widths, which
+/// are those of the font in PNG files.
+const FAMILY: &str = "DejaVu Sans, Verdana, sans-serif";
 /// What the drawing library divides a font's size by to get the height of its em.
 const SIZE_PER_EM: f64 = 1.24;
 

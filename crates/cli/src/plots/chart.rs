@@ -1,34 +1,108 @@
-//! A chart of one or more series over a common axis.
+//! A chart of series over a common axis, in one or more panels.
 
 use std::path::Path;
 
 use super::axis::Scale;
-use super::figure::{self, Figure};
+use super::chart_layout::Layout;
+use super::figure;
+use super::palette::Ink;
 use super::plot_error::PlotError;
 
 /// How a series is drawn.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Style {
-    /// A line; errors as a band.
+    /// A line, with gaps where it runs over another one; its spread as a band.
     Line,
-    /// Markers; errors as bars.
+    /// A line without gaps; its spread as a band.
+    Solid,
+    /// A dashed line; its spread as a band.
+    Dashed,
+    /// A line with a marker at every point; its spread as bars.
+    Joined,
+    /// Markers; their spread as bars.
     Markers,
 }
 
-/// One named series.
+impl Style {
+    /// Returns whether points are joined.
+    pub(super) fn has_line(self) -> bool {
+        self != Self::Markers
+    }
+
+    /// Returns whether points have markers.
+    pub(super) fn has_markers(self) -> bool {
+        matches!(self, Self::Joined | Self::Markers)
+    }
+}
+
+/// What is known about the values besides themselves.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) enum Spread {
+    /// Nothing.
+    None,
+    /// One standard error for each point; NaN where it is unknown.
+    Errors(Vec<f64>),
+    /// The least and the largest value for each point.
+    Ranges(Vec<(f64, f64)>),
+}
+
+impl Spread {
+    /// Returns both ends at a point with this value, or `None` where there are none.
+    pub(super) fn ends(&self, index: usize, value: f64) -> Option<(f64, f64)> {
+        let (low, high) = match self {
+            Self::None => return None,
+            Self::Errors(errors) => {
+                let error = *errors.get(index)?;
+                (value - error, value + error)
+            }
+            Self::Ranges(ranges) => *ranges.get(index)?,
+        };
+        (low < high && high.is_finite()).then_some((low, high))
+    }
+}
+
+/// One series.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Series {
-    /// The entry in the legend; an empty one has no entry.
+    /// Its name, at its end or in the legend; none if empty.
     pub(crate) label: String,
     /// The points in the order in which a line joins them. A point that cannot be drawn (not finite,
     /// or not positive on a logarithmic axis) is left out and breaks the line.
     pub(crate) points: Vec<(f64, f64)>,
-    /// One standard error of y for each point; missing or unusable ones are left out.
-    pub(crate) error: Option<Vec<f64>>,
+    /// Errors or ranges of y.
+    pub(crate) spread: Spread,
     /// How it is drawn.
     pub(crate) style: Style,
-    /// Which colour and marker it has: a line and its markers share an index.
-    pub(crate) colour: usize,
+    /// Its colour and marker; what belongs together shares it.
+    pub(crate) ink: Ink,
+}
+
+/// A frame with series.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Panel {
+    /// The quantity (and unit) along y.
+    pub(crate) y_label: String,
+    /// The scale of y.
+    pub(crate) y_scale: Scale,
+    /// What is drawn, the later over the earlier.
+    pub(crate) series: Vec<Series>,
+    /// A value with a line across, which is always within the axis.
+    pub(crate) reference: Option<f64>,
+    /// Whether markers at the same x stand side by side.
+    pub(crate) side_by_side: bool,
+}
+
+impl Panel {
+    /// Returns a panel of series with a logarithmic axis and no reference.
+    pub(crate) fn log(y_label: impl Into<String>, series: Vec<Series>) -> Self {
+        Self {
+            y_label: y_label.into(),
+            y_scale: Scale::Log,
+            series,
+            reference: None,
+            side_by_side: false,
+        }
+    }
 }
 
 /// A chart. Every field may be empty.
@@ -38,40 +112,34 @@ pub(crate) struct Chart {
     pub(crate) title: String,
     /// The quantity (and unit) along x.
     pub(crate) x_label: String,
-    /// The quantity (and unit) along y.
-    pub(crate) y_label: String,
     /// The scale of x.
     pub(crate) x_scale: Scale,
-    /// The scale of y.
-    pub(crate) y_scale: Scale,
-    /// What is drawn, the later over the earlier.
-    pub(crate) series: Vec<Series>,
+    /// One above the other with the same x; the first is the largest and has the labels.
+    pub(crate) panels: Vec<Panel>,
     /// Small lines at the foot, for conventions and provenance.
     pub(crate) notes: Vec<String>,
 }
 
 impl Chart {
-    /// Width and height in pixels.
-    pub(crate) const SIZE: (u32, u32) = (1200, 800);
+    /// Width in units; the height follows from what is shown.
+    pub(crate) const WIDTH: f64 = 960.0;
+
+    /// Returns the chart with one more line at the foot.
+    pub(crate) fn with_note(mut self, note: impl Into<String>) -> Self {
+        self.notes.push(note.into());
+        self
+    }
 
     /// Writes the chart; `.svg` and `.png` are known, `-` is SVG on standard output.
     ///
     /// # Errors
     /// When the extension is another one or the file cannot be written.
     pub(crate) fn render(&self, path: &Path) -> Result<(), PlotError> {
-        figure::write(self, path)
-    }
-}
-
-impl Figure for Chart {
-    fn size(&self) -> (u32, u32) {
-        Self::SIZE
+        figure::write(&self.layout(Self::WIDTH)?, path)
     }
 
-    fn draw<DB: plotters::prelude::DrawingBackend>(
-        &self,
-        canvas: &super::canvas::Canvas<DB>,
-    ) -> Result<(), PlotError> {
-        super::chart_layout::draw(self, canvas)
+    /// Returns where everything is in a figure of this width.
+    pub(super) fn layout(&self, width: f64) -> Result<Layout<'_>, PlotError> {
+        figure::measured(|canvas| Layout::new(self, width, canvas))
     }
 }

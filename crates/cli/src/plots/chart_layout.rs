@@ -1,238 +1,249 @@
-//! Lays a chart out: title above, legend to the right, labels and notes below, data in what is left.
+//! Lays a chart out: title above, panels with the names of curves to the right, labels, legend and notes below. The
+//! height follows from what there is to show.
 
 use plotters::prelude::DrawingBackend;
 use plotters::style::text_anchor::HPos;
 
-use super::axis::{Axis, Scale, power_of_ten};
-use super::canvas::{Canvas, Pen};
-use super::chart::{Chart, Series};
+use super::axis::{Axis, power_of_ten};
+use super::canvas::Canvas;
+use super::chart::{Chart, Panel, Series};
+use super::dashes::patterns;
+use super::end_labels::{EndLabels, Leader, PlacedLabels};
 use super::legend::Legend;
-use super::palette::{FINE_GRID, GREY, GRID, INK};
+use super::palette::{GREY, INK};
+use super::plane::{Frame, Plane, drawable_x, drawable_y};
 use super::plot_error::PlotError;
-use super::series_drawing::draw_series;
+use super::series_drawing::{Look, Sample};
+use super::text_box::TextBox;
 
-pub(super) const EDGE: f64 = 22.0;
-pub(super) const TITLE: f64 = 24.0;
-pub(super) const LABEL: f64 = 20.0;
-pub(super) const TICK: f64 = 17.0;
-pub(super) const NOTE: f64 = 13.0;
+pub(super) const EDGE: f64 = 18.0;
+pub(super) const TITLE: f64 = 19.0;
+pub(super) const LABEL: f64 = 16.5;
+pub(super) const TICK: f64 = 14.5;
+pub(super) const NOTE: f64 = 11.5;
 /// From one line of text to the next, in ems.
 pub(super) const LEADING: f64 = 1.35;
 /// Between the frame and the labels of its ticks.
-pub(super) const TICK_GAP: f64 = 9.0;
-/// An error bar may stretch the axis below the lowest point by this factor and no further: on a
-/// logarithmic scale a bar that nearly reaches zero would squeeze everything else.
-const BAR_REACH: f64 = 10.0;
+pub(super) const TICK_GAP: f64 = 8.0;
 
-/// The rectangle of the data, in figure units with y pointing down.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Frame {
-    pub(super) left: f64,
-    pub(super) right: f64,
-    pub(super) top: f64,
-    pub(super) bottom: f64,
+/// Heights of a single panel, of the first of several and of the others, units.
+const SINGLE: f64 = 450.0;
+const FIRST: f64 = 410.0;
+const LOWER: f64 = 150.0;
+/// Between panels: the labels of one do not touch those of the next.
+const PANEL_GAP: f64 = 18.0;
+/// The room of a tick label, along x and along y, units.
+const TICK_ROOM: (f64, f64) = (84.0, 34.0);
+/// The largest distance of markers that stand side by side, and the part of the way to the next x that they take.
+const SIDE_BY_SIDE: (f64, f64) = (8.0, 0.7);
+/// Between them and the frame.
+const MARGIN: f64 = 6.0;
+
+/// Everything of a chart at its place.
+pub(super) struct Layout<'a> {
+    /// Width and height, units.
+    pub(super) size: (f64, f64),
+    pub(super) panels: Vec<PlacedPanel<'a>>,
+    pub(super) leaders: Vec<Leader>,
+    pub(super) samples: Vec<Sample<'a>>,
+    pub(super) texts: Vec<TextBox>,
 }
 
-impl Frame {
-    fn x(&self, at: f64) -> f64 {
-        self.left + at * (self.right - self.left)
-    }
-
-    fn y(&self, at: f64) -> f64 {
-        self.bottom - at * (self.bottom - self.top)
-    }
-}
-
-/// The frame with both axes: from values to places on the canvas.
+/// A panel at its place.
 #[derive(Debug)]
-pub(super) struct Plane {
-    frame: Frame,
-    x: Axis,
-    y: Axis,
+pub(super) struct PlacedPanel<'a> {
+    pub(super) panel: &'a Panel,
+    pub(super) plane: Plane,
+    /// The series in the order in which they are drawn: grey ones do not cover others.
+    pub(super) looks: Vec<Look<'a>>,
 }
 
-impl Plane {
-    /// Returns the place of a point, or `None` when it cannot be drawn.
-    pub(super) fn place(&self, (x, y): (f64, f64)) -> Option<(f64, f64)> {
-        Some((self.frame.x(self.x.position(x)?), self.frame.y(self.y.position(y)?)))
-    }
-
-    /// Returns the heights of both ends of an error bar, cut at the frame.
-    pub(super) fn bar(&self, y: f64, error: f64) -> Option<(f64, f64)> {
-        if !(error.is_finite() && error > 0.0) {
-            return None;
+impl<'a> Layout<'a> {
+    pub(super) fn new<DB: DrawingBackend>(
+        chart: &'a Chart,
+        width: f64,
+        canvas: &Canvas<DB>,
+    ) -> Result<Self, PlotError> {
+        let mut texts = Vec::new();
+        let middle_of_figure = 0.5 * width;
+        let mut top = EDGE;
+        for line in canvas.wrap(&chart.title, TITLE, width - 2.0 * EDGE)? {
+            let at = (middle_of_figure, top + 0.5 * TITLE);
+            texts.push(TextBox::new(&line, at, TITLE, (INK, HPos::Center), canvas)?);
+            top += LEADING * TITLE;
         }
-        let place = |value: f64, otherwise: f64| {
-            let at = self.y.position(value).unwrap_or(otherwise).clamp(0.0, 1.0);
-            self.frame.y(at)
+        top += if texts.is_empty() { 0.0 } else { 6.0 };
+
+        let all_x = chart.panels.iter().flat_map(|panel| drawable_x(panel, chart.x_scale));
+        let x_axis = Axis::fit(chart.x_scale, all_x, ticks(0.7 * width, TICK_ROOM.0));
+        let heights = heights(chart.panels.len());
+        let y_axes: Vec<Axis> = (chart.panels.iter().zip(&heights))
+            .map(|(panel, &height)| {
+                let values = drawable_y(panel, chart.x_scale).into_iter();
+                Axis::fit(panel.y_scale, values, ticks(height, TICK_ROOM.1))
+            })
+            .collect();
+        let mut tick_width: f64 = 0.0;
+        for tick in y_axes.iter().flat_map(|axis| &axis.ticks) {
+            tick_width = tick_width.max(canvas.text_width(&tick.label, TICK)?);
+        }
+        let gaps = PANEL_GAP * heights.len().saturating_sub(1) as f64;
+        let height = heights.iter().sum::<f64>() + gaps;
+        let labels = match chart.panels.first() {
+            Some(panel) => EndLabels::of(panel, (width, height), canvas)?,
+            None => None,
         };
-        self.y.position(y)?;
-        // The lower end may be zero or negative on a logarithmic axis: that is below the frame.
-        Some((place(y - error, 0.0), place(y + error, 1.0)))
-    }
-}
+        let names_width = labels.as_ref().map_or(0.0, EndLabels::width);
+        let left = EDGE + LABEL * LEADING + tick_width + TICK_GAP;
+        // Half of the last label of x stands to the right of the frame.
+        let right = (width - EDGE - names_width.max(18.0)).max(left + 1.0);
 
-/// Draws a whole chart.
-pub(super) fn draw<DB: DrawingBackend>(
-    chart: &Chart,
-    canvas: &Canvas<DB>,
-) -> Result<(), PlotError> {
-    let (width, height) = (f64::from(Chart::SIZE.0), f64::from(Chart::SIZE.1));
-    let x_axis = Axis::fit(chart.x_scale, chart.series.iter().flat_map(drawable_x(chart)), 9);
-    let y_axis = Axis::fit(chart.y_scale, chart.series.iter().flat_map(drawable_y(chart)), 8);
-
-    let title = canvas.wrap(&chart.title, TITLE, width - 2.0 * EDGE)?;
-    let mut notes = Vec::new();
-    for note in &chart.notes {
-        notes.extend(canvas.wrap(note, NOTE, width - 2.0 * EDGE)?);
-    }
-    let legend = Legend::of(&chart.series, canvas)?;
-    let x_label = with_power(&chart.x_label, x_axis.power);
-    let y_label = with_power(&chart.y_label, y_axis.power);
-
-    let mut tick_width: f64 = 0.0;
-    for tick in &y_axis.ticks {
-        tick_width = tick_width.max(canvas.text_width(&tick.label, TICK)?);
-    }
-    let y_label_room = if y_label.is_empty() { 0.0 } else { LABEL * LEADING + 4.0 };
-    let x_label_room = if x_label.is_empty() { 0.0 } else { LABEL * LEADING + 4.0 };
-    let notes_room = if notes.is_empty() { 0.0 } else { 10.0 + rows(&notes) * NOTE * LEADING };
-    let title_room = if title.is_empty() { 0.0 } else { rows(&title) * TITLE * LEADING + 6.0 };
-    // Half of the last label of x stands to the right of the frame.
-    let right_room = legend.as_ref().map_or(26.0, |legend| legend.width() + 24.0);
-    let frame = Frame {
-        left: EDGE + y_label_room + tick_width + TICK_GAP,
-        right: width - EDGE - right_room,
-        top: EDGE + title_room,
-        bottom: height - EDGE - notes_room - x_label_room - TICK_GAP - TICK * LEADING,
-    };
-    let plane = Plane { frame, x: x_axis, y: y_axis };
-
-    draw_grid(&plane, canvas)?;
-    for series in &chart.series {
-        draw_series(series, &plane, canvas)?;
-    }
-    draw_frame(&plane, canvas)?;
-
-    let middle = f64::midpoint(frame.left, frame.right);
-    let mut half_title: f64 = 0.0;
-    for line in &title {
-        half_title = half_title.max(0.5 * canvas.text_width(line, TITLE)?);
-    }
-    // Over the data where that leaves it whole.
-    let half_title = half_title.min(0.5 * width - EDGE);
-    let title_x = middle.clamp(EDGE + half_title, width - EDGE - half_title);
-    for (row, line) in (0_u8..).zip(&title) {
-        let y = EDGE + TITLE * (0.5 + LEADING * f64::from(row));
-        canvas.text(line, (title_x, y), TITLE, INK, HPos::Center)?;
-    }
-    let y = frame.bottom + TICK_GAP + TICK * LEADING + LABEL * 0.5 + 4.0;
-    canvas.text(&x_label, (middle, y), LABEL, INK, HPos::Center)?;
-    let at = (EDGE + 0.5 * LABEL, f64::midpoint(frame.top, frame.bottom));
-    canvas.text_upwards(&y_label, at, LABEL, INK)?;
-    for (row, line) in (0_u8..).zip(notes.iter().rev()) {
-        let y = height - EDGE - NOTE * (0.5 + LEADING * f64::from(row));
-        canvas.text(line, (EDGE, y), NOTE, GREY, HPos::Left)?;
-    }
-    if let Some(legend) = legend {
-        legend.draw((frame.right + 24.0, frame.top), frame.bottom - frame.top, canvas)?;
-    }
-    Ok(())
-}
-
-fn draw_grid<DB: DrawingBackend>(plane: &Plane, canvas: &Canvas<DB>) -> Result<(), PlotError> {
-    let frame = &plane.frame;
-    let upright =
-        |at: f64, pen| canvas.line(&[(frame.x(at), frame.top), (frame.x(at), frame.bottom)], pen);
-    let level =
-        |at: f64, pen| canvas.line(&[(frame.left, frame.y(at)), (frame.right, frame.y(at))], pen);
-    let fine = Pen::new(FINE_GRID, 1.0);
-    for &at in &plane.x.fine {
-        upright(at, fine)?;
-    }
-    for &at in &plane.y.fine {
-        level(at, fine)?;
-    }
-    let strong = Pen::new(GRID, 1.0);
-    for tick in &plane.x.ticks {
-        upright(tick.at, strong)?;
-    }
-    for tick in &plane.y.ticks {
-        level(tick.at, strong)?;
-    }
-    Ok(())
-}
-
-fn draw_frame<DB: DrawingBackend>(plane: &Plane, canvas: &Canvas<DB>) -> Result<(), PlotError> {
-    const LENGTH: f64 = 5.0;
-    let Frame { left, right, top, bottom } = plane.frame;
-    let pen = Pen::new(INK, 1.3);
-    let corners = [(left, top), (right, top), (right, bottom), (left, bottom), (left, top)];
-    for side in corners.windows(2) {
-        canvas.line(side, pen)?;
-    }
-    // Labels that would run into the one before are left out.
-    let mut free_from = f64::NEG_INFINITY;
-    for tick in &plane.x.ticks {
-        let x = plane.frame.x(tick.at);
-        canvas.line(&[(x, bottom), (x, bottom - LENGTH)], pen)?;
-        let half = 0.5 * canvas.text_width(&tick.label, TICK)?;
-        if x - half >= free_from {
-            let at = (x, bottom + TICK_GAP + 0.5 * TICK);
-            canvas.text(&tick.label, at, TICK, INK, HPos::Center)?;
-            free_from = x + half + 0.5 * TICK;
+        let mut panels: Vec<PlacedPanel<'_>> = Vec::new();
+        let mut y = top;
+        for ((panel, height), y_axis) in chart.panels.iter().zip(heights).zip(y_axes) {
+            let frame = Frame { left, right, top: y, bottom: y + height };
+            y += height + PANEL_GAP;
+            let plane = Plane { frame, x: x_axis.clone(), y: y_axis };
+            let looks = looks(panel, &plane);
+            panels.push(PlacedPanel { panel, plane, looks });
         }
-    }
-    let mut free_above = f64::INFINITY;
-    for tick in &plane.y.ticks {
-        let y = plane.frame.y(tick.at);
-        canvas.line(&[(left, y), (left + LENGTH, y)], pen)?;
-        if y <= free_above {
-            canvas.text(&tick.label, (left - TICK_GAP, y), TICK, INK, HPos::Right)?;
-            free_above = y - 1.1 * TICK;
+        let mut bottom = top + height;
+        for placed in &panels {
+            y_texts(placed, &mut texts, canvas)?;
         }
-    }
-    Ok(())
-}
-
-/// The x of the points that can be drawn.
-fn drawable_x(chart: &Chart) -> impl Fn(&Series) -> Vec<f64> {
-    let (x_scale, y_scale) = (chart.x_scale, chart.y_scale);
-    move |series| drawable(series, x_scale, y_scale).map(|(_, (x, _))| x).collect()
-}
-
-/// The y of the points that can be drawn, with the ends of their errors as far as they are shown.
-fn drawable_y(chart: &Chart) -> impl Fn(&Series) -> Vec<f64> {
-    let (x_scale, y_scale) = (chart.x_scale, chart.y_scale);
-    let points = |series| drawable(series, x_scale, y_scale);
-    let lowest =
-        chart.series.iter().flat_map(points).map(|(_, (_, y))| y).fold(f64::INFINITY, f64::min);
-    let floor = if y_scale == Scale::Log { lowest / BAR_REACH } else { f64::NEG_INFINITY };
-    move |series| {
-        let mut values = Vec::new();
-        for (index, (_, y)) in drawable(series, x_scale, y_scale) {
-            values.push(y);
-            let error = series.error.as_ref().and_then(|errors| errors.get(index));
-            if let Some(error) = error.filter(|error| error.is_finite() && **error > 0.0) {
-                values.push(y + error);
-                values.push((y - error).max(floor));
+        if let Some(last) = panels.last() {
+            x_tick_texts(&last.plane, &mut texts, canvas)?;
+            bottom += TICK_GAP + TICK * LEADING;
+        }
+        let label = with_power(&chart.x_label, x_axis.power);
+        if !label.is_empty() {
+            let at = (f64::midpoint(left, right), bottom + 0.5 * LABEL + 3.0);
+            let most = 2.0 * (at.0 - EDGE).min(width - EDGE - at.0);
+            texts.push(TextBox::within(&label, at, (LABEL, most), INK, canvas)?);
+            bottom += LABEL * LEADING + 3.0;
+        }
+        let mut names = PlacedLabels::default();
+        match (&labels, panels.first()) {
+            (Some(labels), Some(first)) => {
+                let span = (top, top + height);
+                names = labels.place(&first.plane, &first.looks, span, canvas)?;
+            }
+            (None, Some(first)) => {
+                let span = (left, width - EDGE);
+                let legend = Legend::new(&first.looks, span, bottom + 8.0, canvas)?;
+                bottom += 8.0 + legend.height;
+                names.texts = legend.texts;
+                names.samples = legend.samples;
+            }
+            (_, None) => {}
+        }
+        let PlacedLabels { texts: name_texts, leaders, samples } = names;
+        texts.extend(name_texts);
+        bottom += if chart.notes.is_empty() { 0.0 } else { 10.0 };
+        for note in &chart.notes {
+            for line in canvas.wrap(note, NOTE, width - 2.0 * EDGE)? {
+                let at = (EDGE, bottom + 0.5 * NOTE);
+                texts.push(TextBox::new(&line, at, NOTE, (GREY, HPos::Left), canvas)?);
+                bottom += LEADING * NOTE;
             }
         }
-        values
+        let size = (width, (bottom + EDGE).ceil());
+        Ok(Self { size, panels, leaders, samples, texts })
     }
 }
 
-fn drawable(
-    series: &Series,
-    x_scale: Scale,
-    y_scale: Scale,
-) -> impl Iterator<Item = (usize, (f64, f64))> {
-    series
-        .points
-        .iter()
-        .copied()
-        .enumerate()
-        .filter(move |&(_, (x, y))| x_scale.place(x).is_some() && y_scale.place(y).is_some())
+/// Returns the heights of this number of panels.
+fn heights(n_panels: usize) -> Vec<f64> {
+    match n_panels {
+        0 => Vec::new(),
+        1 => vec![SINGLE],
+        n => std::iter::once(FIRST).chain(std::iter::repeat_n(LOWER, n - 1)).collect(),
+    }
+}
+
+#[expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "the quotient of lengths is small and positive, and the cast saturates"
+)]
+fn ticks(length: f64, room: f64) -> u32 {
+    (length / room).max(2.0) as u32
+}
+
+/// Returns the series of a panel in the order in which they are drawn.
+fn looks<'a>(panel: &'a Panel, plane: &Plane) -> Vec<Look<'a>> {
+    let mut series: Vec<&Series> = panel.series.iter().collect();
+    series.sort_by_key(|series| !series.ink.is_hollow());
+    let patterns = patterns(&series, plane);
+    let shifts = if panel.side_by_side { shifts(&series, plane) } else { vec![0.0; series.len()] };
+    let looks = series.into_iter().zip(patterns).zip(shifts);
+    looks.map(|((series, pattern), shift)| Look { series, pattern, shift }).collect()
+}
+
+/// Returns how far each series is moved to the right, so that markers at the same x stand side by side.
+fn shifts(series: &[&Series], plane: &Plane) -> Vec<f64> {
+    let count = series.iter().filter(|series| series.style.has_markers()).count();
+    let points = series.iter().flat_map(|series| &series.points);
+    let mut places: Vec<f64> = points.filter_map(|&p| plane.place(p)).map(|at| at.0).collect();
+    places.sort_by(f64::total_cmp);
+    // Nearer places than this are those of one number that every pattern takes as well as it can.
+    let gaps = places.windows(2).map(|pair| pair[1] - pair[0]).filter(|&gap| gap > 20.0);
+    let room = SIDE_BY_SIDE.1 * gaps.fold(120.0, f64::min);
+    let margins = places.first().map(|x| x - plane.frame.left).into_iter();
+    let margins = margins.chain(places.last().map(|x| plane.frame.right - x));
+    let room = margins.map(|margin| 2.0 * (margin - MARGIN)).fold(room, f64::min).max(0.0);
+    let step = SIDE_BY_SIDE.0.min(room / count.max(1) as f64);
+    let first = -0.5 * step * (count.max(1) - 1) as f64;
+    let mut before = 0;
+    let shift = |series: &&Series| {
+        let has = series.style.has_markers();
+        let shift = first + step * f64::from(before);
+        before += u32::from(has);
+        if has { shift } else { 0.0 }
+    };
+    series.iter().map(shift).collect()
+}
+
+/// Adds the label of y and those of its ticks; one that would touch the one below is left out.
+fn y_texts<DB: DrawingBackend>(
+    placed: &PlacedPanel<'_>,
+    texts: &mut Vec<TextBox>,
+    canvas: &Canvas<DB>,
+) -> Result<(), PlotError> {
+    let Plane { frame, y: axis, .. } = &placed.plane;
+    let mut free_above = f64::INFINITY;
+    for tick in &axis.ticks {
+        let at = (frame.left - TICK_GAP, frame.y(tick.at));
+        if at.1 <= free_above {
+            texts.push(TextBox::new(&tick.label, at, TICK, (INK, HPos::Right), canvas)?);
+            free_above = at.1 - 1.1 * TICK;
+        }
+    }
+    let label = with_power(&placed.panel.y_label, axis.power);
+    if !label.is_empty() {
+        let at = (EDGE + 0.5 * LABEL, f64::midpoint(frame.top, frame.bottom));
+        let length = frame.bottom - frame.top;
+        texts.push(TextBox::within(&label, at, (LABEL, length), INK, canvas)?.upward());
+    }
+    Ok(())
+}
+
+/// Adds the labels of the ticks of x; one that would touch the one before is left out.
+fn x_tick_texts<DB: DrawingBackend>(
+    plane: &Plane,
+    texts: &mut Vec<TextBox>,
+    canvas: &Canvas<DB>,
+) -> Result<(), PlotError> {
+    let mut free_from = f64::NEG_INFINITY;
+    for tick in &plane.x.ticks {
+        let at = (plane.frame.x(tick.at), plane.frame.bottom + TICK_GAP + 0.5 * TICK);
+        let text = TextBox::new(&tick.label, at, TICK, (INK, HPos::Center), canvas)?;
+        if text.bounds().left >= free_from {
+            free_from = text.bounds().right + 0.5 * TICK;
+            texts.push(text);
+        }
+    }
+    Ok(())
 }
 
 pub(super) fn with_power(label: &str, power: Option<i32>) -> String {
@@ -241,8 +252,4 @@ pub(super) fn with_power(label: &str, power: Option<i32>) -> String {
         Some(power) if label.is_empty() => format!("\u{d7} {}", power_of_ten(power)),
         Some(power) => format!("{label}  (\u{d7} {})", power_of_ten(power)),
     }
-}
-
-pub(super) fn rows(lines: &[String]) -> f64 {
-    f64::from(u32::try_from(lines.len()).unwrap_or(u32::MAX))
 }

@@ -24,7 +24,7 @@ const USUAL_LINES: f64 = 4.0;
 
 /// One picture.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Panel {
+pub(crate) struct SheetPanel {
     /// Width and height.
     pub(crate) size: [usize; 2],
     /// Three bytes a pixel, row by row from the top.
@@ -36,7 +36,7 @@ pub(crate) struct Panel {
 /// Pictures of the same size, row by row.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct ContactSheet {
-    pub(crate) panels: Vec<Panel>,
+    pub(crate) panels: Vec<SheetPanel>,
     pub(crate) columns: usize,
 }
 
@@ -92,7 +92,7 @@ impl ContactSheet {
         let width = panel[0].max(MIN_WIDTH);
         let captions = figure::measured(|canvas| {
             let lines = |text: &String| canvas.wrap(text, LETTERS, f64::from(width));
-            let caption = |panel: &Panel| {
+            let caption = |panel: &SheetPanel| {
                 let parts: Result<Vec<_>, _> = panel.caption.iter().map(lines).collect();
                 Ok(parts?.concat())
             };

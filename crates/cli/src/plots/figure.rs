@@ -12,7 +12,7 @@ use crate::files::{AtomicFile, is_stream};
 
 /// SVG coordinates are whole numbers of a tenth of a unit.
 const SVG_ZOOM: u32 = 10;
-/// PNG is drawn this many times larger and averaged down, which smooths every edge.
+/// PNG is drawn with this many times more pixels and averaged down, which smooths every edge.
 const PNG_ZOOM: u32 = 3;
 /// See [`Canvas::new`]: SVG centres small letters, whose middle is a tenth of an em below that of
 /// figures.
@@ -43,6 +43,9 @@ impl ImageFormat {
 
 /// Something that can be drawn.
 pub(super) trait Figure {
+    /// Pixels of a PNG file along a unit.
+    const DETAIL: u32 = 1;
+
     /// Returns width and height in units.
     fn size(&self) -> (u32, u32);
 
@@ -94,12 +97,13 @@ pub(super) fn encoded(picture: &RgbImage) -> Result<Vec<u8>, PlotError> {
 }
 
 /// Returns the pixels of a figure.
-pub(super) fn raster(figure: &impl Figure) -> Result<RgbImage, PlotError> {
+pub(super) fn raster<F: Figure>(figure: &F) -> Result<RgbImage, PlotError> {
     let (width, height) = figure.size();
+    let (width, height) = (width * F::DETAIL, height * F::DETAIL);
     let (inner_width, inner_height) = (width * PNG_ZOOM, height * PNG_ZOOM);
     let mut image = RgbImage::new(inner_width, inner_height);
     let backend = BitMapBackend::with_buffer(&mut image, (inner_width, inner_height));
-    draw(figure, backend, PNG_ZOOM, PNG_TEXT_DROP)?;
+    draw(figure, backend, PNG_ZOOM * F::DETAIL, PNG_TEXT_DROP)?;
     Ok(imageops::thumbnail(&image, width, height))
 }
 

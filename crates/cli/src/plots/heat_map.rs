@@ -8,11 +8,10 @@ use plotters::style::text_anchor::HPos;
 
 use super::axis::Axis;
 use super::canvas::{Canvas, Pen};
-use super::chart_layout::{
-    EDGE, Frame, LABEL, LEADING, NOTE, TICK, TICK_GAP, TITLE, rows, with_power,
-};
+use super::chart_layout::{EDGE, LABEL, LEADING, NOTE, TICK, TICK_GAP, TITLE, with_power};
 use super::figure::{self, Figure};
 use super::palette::{GREY, INK};
+use super::plane::Frame;
 use super::plot_error::PlotError;
 use crate::files::AtomicFile;
 
@@ -195,7 +194,7 @@ impl Figure for Scaffold<'_> {
         for note in &self.map.notes {
             notes.extend(canvas.wrap(note, NOTE, width - 2.0 * EDGE)?);
         }
-        let first = height - EDGE - NOTE * LEADING * (rows(&notes) - 0.5);
+        let first = height - EDGE - NOTE * LEADING * (notes.len() as f64 - 0.5);
         for (row, line) in (0_u8..).zip(&notes) {
             let y = first + NOTE * LEADING * f64::from(row);
             canvas.text(line, (EDGE, y), NOTE, GREY, HPos::Left)?;

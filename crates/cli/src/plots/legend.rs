@@ -1,102 +1,73 @@
-//! The legend, which stands beside the data and so never covers any.
+//! The legend below the data, where names do not fit beside it.
 
 use plotters::prelude::DrawingBackend;
 use plotters::style::text_anchor::HPos;
 
-use super::canvas::{Canvas, Pen};
-use super::chart::{Series, Style};
-use super::palette::{INK, colour, marker};
+use super::canvas::Canvas;
+use super::names::fitted;
+use super::palette::INK;
 use super::plot_error::PlotError;
-use super::series_drawing::{BAND_OPACITY, LINE, MARKER, THIN_LINE};
+use super::series_drawing::{Look, Sample};
+use super::text_box::TextBox;
 
-const TEXT: f64 = 17.0;
-const LEADING: f64 = 1.3;
-/// Between entries, in ems.
-const PAUSE: f64 = 0.45;
-const SAMPLE: f64 = 38.0;
-const SAMPLE_GAP: f64 = 10.0;
-/// Longer labels are broken into lines.
-const WIDEST_LABEL: f64 = 260.0;
+const TEXT: f64 = 13.0;
+/// From one entry to the next, units.
+const STEP: f64 = 18.0;
+const SAMPLE: f64 = 34.0;
+const SAMPLE_GAP: f64 = 8.0;
+const COLUMN_GAP: f64 = 22.0;
+/// Longer names are shortened.
+const WIDEST_LABEL: f64 = 250.0;
 
-/// The entries of a legend, measured.
-#[derive(Debug)]
+/// The entries of a legend at their places.
 pub(super) struct Legend<'a> {
-    entries: Vec<(&'a Series, Vec<String>)>,
-    label_width: f64,
+    pub(super) samples: Vec<Sample<'a>>,
+    pub(super) texts: Vec<TextBox>,
+    /// The height of all entries, units.
+    pub(super) height: f64,
 }
 
 impl<'a> Legend<'a> {
-    /// Returns the legend of the series that have a label; `None` when there is none.
-    pub(super) fn of<DB: DrawingBackend>(
-        series: &'a [Series],
+    /// Returns the legend of the series that have a name, in columns between `left` and `right` below `top`.
+    pub(super) fn new<DB: DrawingBackend>(
+        looks: &[Look<'a>],
+        (left, right): (f64, f64),
+        top: f64,
         canvas: &Canvas<DB>,
-    ) -> Result<Option<Self>, PlotError> {
-        let mut legend = Self { entries: Vec::new(), label_width: 0.0 };
-        for series in series {
-            let lines = canvas.wrap(&series.label, TEXT, WIDEST_LABEL)?;
-            for line in &lines {
-                legend.label_width = legend.label_width.max(canvas.text_width(line, TEXT)?);
-            }
-            if !lines.is_empty() {
-                legend.entries.push((series, lines));
-            }
+    ) -> Result<Self, PlotError> {
+        let most = WIDEST_LABEL.min(right - left - SAMPLE - SAMPLE_GAP);
+        let mut named = Vec::new();
+        let mut width: f64 = 0.0;
+        for look in by_importance(looks) {
+            let label = fitted(&look.series.label, TEXT, most, 1, canvas)?.concat();
+            width = width.max(canvas.text_width(&label, TEXT)?);
+            named.push((look, label));
         }
-        Ok((!legend.entries.is_empty()).then_some(legend))
-    }
-
-    /// Returns the width in units.
-    pub(super) fn width(&self) -> f64 {
-        SAMPLE + SAMPLE_GAP + self.label_width
-    }
-
-    /// Draws the entries from `corner` (left, top) downwards, smaller when they would not fit.
-    pub(super) fn draw<DB: DrawingBackend>(
-        &self,
-        corner: (f64, f64),
-        height: f64,
-        canvas: &Canvas<DB>,
-    ) -> Result<(), PlotError> {
-        let ems: f64 = self.entries.iter().map(|(_, lines)| entry_ems(lines)).sum();
-        let size = TEXT.min(height / ems);
-        let mut top = corner.1;
-        for (series, lines) in &self.entries {
-            let mut y = top + 0.5 * LEADING * size;
-            draw_sample(series, (corner.0, y), size / TEXT, canvas)?;
-            for line in lines {
-                let at = (corner.0 + SAMPLE + SAMPLE_GAP, y);
-                canvas.text(line, at, size, INK, HPos::Left)?;
-                y += LEADING * size;
-            }
-            top += entry_ems(lines) * size;
+        let step = SAMPLE + SAMPLE_GAP + width + COLUMN_GAP;
+        let mut columns: usize = 1;
+        while left + step * (columns + 1) as f64 - COLUMN_GAP <= right {
+            columns += 1;
         }
-        Ok(())
+        let rows = named.len().div_ceil(columns);
+        let height = STEP * rows as f64;
+        let mut legend = Self { samples: Vec::new(), texts: Vec::new(), height };
+        for (place, (look, label)) in named.into_iter().enumerate() {
+            let (column, row) = (place / rows, place % rows);
+            let x = left + step * column as f64;
+            let y = top + STEP * (row as f64 + 0.5);
+            legend.samples.push(Sample::new(look, looks, (x, y), SAMPLE));
+            let at = (x + SAMPLE + SAMPLE_GAP, y);
+            legend.texts.push(TextBox::new(&label, at, TEXT, (INK, HPos::Left), canvas)?);
+        }
+        Ok(legend)
     }
 }
 
-fn entry_ems(lines: &[String]) -> f64 {
-    f64::from(u32::try_from(lines.len()).unwrap_or(u32::MAX)) * LEADING + PAUSE
-}
-
-fn draw_sample<DB: DrawingBackend>(
-    series: &Series,
-    (x, y): (f64, f64),
-    shrink: f64,
-    canvas: &Canvas<DB>,
-) -> Result<(), PlotError> {
-    let ink = colour(series.colour);
-    let ends = [(x, y), (x + SAMPLE, y)];
-    let half = 8.0 * shrink;
-    if series.error.is_some() && series.style == Style::Line {
-        let band = [(x, y - half), (x + SAMPLE, y - half), (x + SAMPLE, y + half), (x, y + half)];
-        canvas.polygon(&band, Pen { colour: ink, opacity: BAND_OPACITY, width: 1.0 })?;
-    }
-    if series.style == Style::Line {
-        return canvas.line(&ends, Pen::new(ink, LINE));
-    }
-    let centre = (x + 0.5 * SAMPLE, y);
-    if series.error.is_some() {
-        let bar = [(centre.0, y - 1.3 * half), (centre.0, y + 1.3 * half)];
-        canvas.line(&bar, Pen::new(ink, THIN_LINE))?;
-    }
-    canvas.marker(centre, MARKER * shrink, marker(series.colour), Pen::new(ink, 1.0))
+/// Returns the series that have a name, those with colours before the grey ones.
+pub(super) fn by_importance<'a>(looks: &[Look<'a>]) -> Vec<Look<'a>> {
+    let named = looks.iter().copied().filter(|look| !look.series.label.is_empty());
+    let (grey, mut coloured): (Vec<Look<'_>>, Vec<Look<'_>>) =
+        named.partition(|look| look.series.ink.is_hollow());
+    coloured.extend(grey);
+    coloured
 }

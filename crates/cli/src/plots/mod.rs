@@ -1,25 +1,37 @@
 //! Figures: charts of series and views of point sets, as SVG or PNG.
 
 mod axis;
+mod binning;
 mod canvas;
 mod chart;
+mod chart_drawing;
 mod chart_layout;
 mod contact_sheet;
+mod dashes;
+mod end_labels;
 mod figure;
 mod heat_map;
 mod legend;
+mod names;
 mod orthographic_view;
 mod palette;
+mod plane;
 mod plot_error;
 mod series_drawing;
+mod spreading;
+mod text_box;
 
+#[cfg(test)]
+mod structure_tests;
 #[cfg(test)]
 mod tests;
 
 pub(crate) use axis::Scale;
-pub(crate) use chart::{Chart, Series, Style};
-pub(crate) use contact_sheet::{ContactSheet, Panel};
+pub(crate) use binning::Binned;
+pub(crate) use chart::{Chart, Panel, Series, Spread, Style};
+pub(crate) use contact_sheet::{ContactSheet, SheetPanel};
 pub(crate) use figure::ImageFormat;
 pub(crate) use heat_map::{Colours, Edges, HeatMap};
 pub(crate) use orthographic_view::OrthographicView;
+pub(crate) use palette::{Ink, MAX_COLOURS, ranks};
 pub(crate) use plot_error::PlotError;

@@ -8,7 +8,7 @@ use plotters::style::text_anchor::HPos;
 
 use super::canvas::{Canvas, Pen};
 use super::figure::{self, Figure};
-use super::palette::{GREY, GRID, INK, colour};
+use super::palette::{GREY, GRID, INK, Ink};
 use super::plot_error::PlotError;
 
 /// How a set of directions is shown: the half of the sphere that faces the viewer, as dots.
@@ -114,7 +114,7 @@ impl Figure for Sight<'_> {
         let dot = (DOT * spacing * radius).clamp(0.8, 8.0);
         for &direction in self.directions {
             if let Some(at) = globe.front(direction) {
-                canvas.disc(at, dot, Pen::new(colour(0), 1.0))?;
+                canvas.disc(at, dot, Pen::new(Ink::Rank(0).colour(), 1.0))?;
             }
         }
         Ok(())

@@ -1,28 +1,83 @@
-//! Colours and marker shapes that stay apart for every kind of colour vision and in grey.
+//! Colours and marker shapes that stay apart for every kind of colour vision and on white paper.
 
 use plotters::style::RGBColor;
 
-/// The colours of Okabe and Ito, "Color Universal Design" (2008), the darkest first; yellow comes
-/// last because a thin yellow line is hard to see on white.
-const COLOURS: [RGBColor; 8] = [
+/// Colours with a contrast to white of at least 3, so that thin lines and letters are legible. The first three
+/// are of Okabe and Ito, "Color Universal Design" (2008); the others were searched for the largest distance
+/// between any two, as seen with normal, protan and deutan colour vision.
+pub(super) const COLOURS: [RGBColor; 7] = [
     RGBColor(0x00, 0x72, 0xb2),
     RGBColor(0xd5, 0x5e, 0x00),
     RGBColor(0x00, 0x9e, 0x73),
-    RGBColor(0xcc, 0x79, 0xa7),
-    RGBColor(0x00, 0x00, 0x00),
-    RGBColor(0x56, 0xb4, 0xe9),
-    RGBColor(0xe6, 0x9f, 0x00),
-    RGBColor(0xf0, 0xe4, 0x42),
+    RGBColor(0xd6, 0x5c, 0xe8),
+    RGBColor(0x72, 0x4f, 0x00),
+    RGBColor(0xa2, 0x00, 0x6e),
+    RGBColor(0x4a, 0x12, 0xd0),
 ];
+
+/// Curves of a chart that have a colour each.
+pub(crate) const MAX_COLOURS: usize = COLOURS.len();
 
 /// Text and frame.
 pub(super) const INK: RGBColor = RGBColor(0x22, 0x22, 0x22);
 /// Notes and outlines.
 pub(super) const GREY: RGBColor = RGBColor(0x66, 0x66, 0x66);
+/// Curves beyond those that have colours.
+pub(super) const OTHERS: RGBColor = RGBColor(0x84, 0x84, 0x84);
 /// Grid lines at labelled ticks.
-pub(super) const GRID: RGBColor = RGBColor(0xd9, 0xd9, 0xd9);
-/// Grid lines between labelled ticks.
-pub(super) const FINE_GRID: RGBColor = RGBColor(0xef, 0xef, 0xef);
+pub(super) const GRID: RGBColor = RGBColor(0xe2, 0xe2, 0xe2);
+
+/// The colour and marker of a series.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Ink {
+    /// By importance from 0: the first seven have a colour each, the others are grey with hollow markers.
+    Rank(usize),
+    /// Black, for what is no member of a family of curves.
+    Black,
+}
+
+impl Ink {
+    /// Returns the colour.
+    pub(super) fn colour(self) -> RGBColor {
+        match self {
+            Self::Rank(rank) => COLOURS.get(rank).copied().unwrap_or(OTHERS),
+            Self::Black => INK,
+        }
+    }
+
+    /// Returns the shape of markers.
+    pub(super) fn marker(self) -> Marker {
+        match self {
+            Self::Rank(rank) => MARKERS[rank % MARKERS.len()],
+            Self::Black => Marker::Disc,
+        }
+    }
+
+    /// Returns whether markers are outlines.
+    pub(super) fn is_hollow(self) -> bool {
+        matches!(self, Self::Rank(rank) if rank >= COLOURS.len())
+    }
+}
+
+/// Returns a rank for each value, for [`Ink::Rank`]: the place in the list, unless there are more values than
+/// colours; then the least values have the first ranks. NaN is greater than all numbers.
+pub(crate) fn ranks(values: &[f64]) -> Vec<usize> {
+    let mut by_value: Vec<usize> = (0..values.len()).collect();
+    // The sign of a NaN says nothing.
+    let key = |i: usize| if values[i].is_nan() { f64::INFINITY } else { values[i] };
+    by_value.sort_by(|&a, &b| key(a).total_cmp(&key(b)));
+    let mut has_colour = vec![false; values.len()];
+    for &place in by_value.iter().take(COLOURS.len()) {
+        has_colour[place] = true;
+    }
+    let (mut next, mut next_grey) = (0, COLOURS.len());
+    let rank = |has_colour| {
+        let counter = if has_colour { &mut next } else { &mut next_grey };
+        *counter += 1;
+        *counter - 1
+    };
+    has_colour.into_iter().map(rank).collect()
+}
 
 /// The outline of a marker around the origin, with half a side of about 1.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -69,12 +124,89 @@ const MARKERS: [Marker; 8] = [
     ]),
 ];
 
-/// Returns the colour of an index; after eight they repeat.
-pub(super) fn colour(index: usize) -> RGBColor {
-    COLOURS[index % COLOURS.len()]
-}
+#[cfg(test)]
+mod tests {
+    use super::*;
 
-/// Returns the marker of an index; the second eight colours meet other markers than the first.
-pub(super) fn marker(index: usize) -> Marker {
-    MARKERS[(index + index / COLOURS.len()) % MARKERS.len()]
+    /// Linear red, green and blue.
+    fn linear(colour: RGBColor) -> [f64; 3] {
+        [colour.0, colour.1, colour.2].map(|c| {
+            let c = f64::from(c) / 255.0;
+            if c <= 0.04045 { c / 12.92 } else { ((c + 0.055) / 1.055).powf(2.4) }
+        })
+    }
+
+    fn times(matrix: [[f64; 3]; 3], v: [f64; 3]) -> [f64; 3] {
+        matrix.map(|row| row.iter().zip(v).map(|(a, b)| a * b).sum())
+    }
+
+    /// The distance in Oklab, where 0.02 is about what is just noticed.
+    fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
+        let lab = |rgb| {
+            let lms = times(
+                [
+                    [0.4122214708, 0.5363325363, 0.0514459929],
+                    [0.2119034982, 0.6806995451, 0.1073969566],
+                    [0.0883024619, 0.2817188376, 0.6299787005],
+                ],
+                rgb,
+            );
+            times(
+                [
+                    [0.2104542553, 0.7936177850, -0.0040720468],
+                    [1.9779984951, -2.4285922050, 0.4505937099],
+                    [0.0259040371, 0.7827717662, -0.8086757660],
+                ],
+                lms.map(|x: f64| x.max(0.0).cbrt()),
+            )
+        };
+        let (a, b) = (lab(a), lab(b));
+        a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt()
+    }
+
+    #[test]
+    fn curves_contrast_with_paper() {
+        for colour in COLOURS.into_iter().chain([OTHERS, INK, GREY]) {
+            let [r, g, b] = linear(colour);
+            let contrast = 1.05 / (0.2126 * r + 0.7152 * g + 0.0722 * b + 0.05);
+            assert!(contrast >= 3.0, "{colour:?}: {contrast}");
+        }
+    }
+
+    #[test]
+    fn colours_differ_for_every_kind_of_vision() {
+        // Machado, Oliveira and Fernandes (2009), severity 1: none, protanopia, deuteranopia.
+        let visions = [
+            [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
+            [
+                [0.152286, 1.052583, -0.204868],
+                [0.114503, 0.786281, 0.099216],
+                [-0.003882, -0.048116, 1.051998],
+            ],
+            [
+                [0.367322, 0.860646, -0.227968],
+                [0.280085, 0.672501, 0.047413],
+                [-0.011820, 0.042940, 0.968881],
+            ],
+        ];
+        for vision in visions {
+            let seen = COLOURS.map(|c| times(vision, linear(c)).map(|x| x.clamp(0.0, 1.0)));
+            for (i, &a) in seen.iter().enumerate() {
+                for &b in &seen[..i] {
+                    assert!(distance(a, b) > 0.08, "{a:?} and {b:?}: {}", distance(a, b));
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn least_values_have_colours() {
+        assert_eq!(ranks(&[3.0, f64::NAN, 1.0]), [0, 1, 2]);
+        let values = [9.0, 1.0, f64::NAN, 2.0, 8.0, 3.0, 4.0, 5.0, 6.0];
+        assert_eq!(ranks(&values), [7, 0, 8, 1, 2, 3, 4, 5, 6]);
+        for rank in ranks(&values) {
+            let is_grey = Ink::Rank(rank).colour() == OTHERS;
+            assert_eq!(is_grey, Ink::Rank(rank).is_hollow());
+        }
+    }
 }

@@ -6,33 +6,41 @@ use glam::DVec3;
 
 use super::figure::svg;
 use super::orthographic_view::Sight;
-use super::{Chart, ImageFormat, OrthographicView, Scale, Series, Style};
+use super::{Chart, ImageFormat, Ink, OrthographicView, Panel, Scale, Series, Spread, Style};
 
-const STYLES: [Style; 2] = [Style::Line, Style::Markers];
+const STYLES: [Style; 4] = [Style::Line, Style::Markers, Style::Joined, Style::Dashed];
 /// The first four colours, as SVG writes them.
-const COLOURS: [&str; 4] = ["#0072B2", "#D55E00", "#009E73", "#CC79A7"];
+const COLOURS: [&str; 4] = ["#0072B2", "#D55E00", "#009E73", "#D65CE8"];
 
 fn chart(series: Vec<Series>, scale: Scale) -> Chart {
     Chart {
         title: "power <P> & \"error\"".to_owned(),
         x_label: "omega".to_owned(),
-        y_label: "P'".to_owned(),
         x_scale: scale,
-        y_scale: scale,
-        series,
+        panels: vec![Panel { y_scale: scale, ..Panel::log("P'", series) }],
         notes: vec!["seed 0\u{1}".to_owned()],
     }
 }
 
 fn series(index: usize, points: Vec<(f64, f64)>) -> Series {
-    let error = Some(points.iter().map(|&(_, y)| 0.3 * y.abs()).collect());
+    let spread = Spread::Errors(points.iter().map(|&(_, y)| 0.3 * y.abs()).collect());
     Series {
         label: format!("series-{index}"),
         points,
-        error,
+        spread,
         style: STYLES[index % STYLES.len()],
-        colour: index,
+        ink: Ink::Rank(index),
     }
+}
+
+/// The chart as SVG.
+fn drawn(chart: &Chart) -> String {
+    svg(&chart.layout(Chart::WIDTH).unwrap()).unwrap()
+}
+
+/// The lines of a document that are polylines of a colour.
+fn polylines(document: &str, colour: &str) -> usize {
+    document.lines().filter(|l| l.starts_with("<polyline") && l.contains(colour)).count()
 }
 
 /// Checks the subset of XML that these documents use; returns the name of every element.
@@ -74,28 +82,24 @@ fn elements(document: &str) -> Vec<String> {
 fn svg_is_well_formed_and_complete() {
     let data =
         |k: usize| (1..20).map(|i| (f64::from(i), f64::from(i).powi(2) + k as f64)).collect();
-    let document = svg(&chart((0..4).map(|k| series(k, data(k))).collect(), Scale::Log)).unwrap();
+    let document = drawn(&chart((0..4).map(|k| series(k, data(k))).collect(), Scale::Log));
     let names = elements(&document);
     assert_eq!(names[0], "svg");
-    assert!(document.starts_with("<svg width=\"1200\" height=\"800\" viewBox=\"0 0 12000 8000\""));
+    assert!(document.starts_with("<svg width=\"960\" height=\""), "{}", &document[..80]);
+    assert!(document.contains("viewBox=\"0 0 9600 "));
     for text in ["power &lt;P&gt; &amp; &quot;error&quot;", "omega", "P&apos;", "seed 0", "10²"] {
         assert!(document.contains(text), "{text} is missing");
     }
-    assert!(document.contains("font-family=\"sans-serif\""));
+    assert!(document.contains(", sans-serif\""), "no generic family");
     for (k, colour) in COLOURS.iter().enumerate() {
         assert!(
             document.contains(&format!("\nseries-{k}\n")),
             "the label of series {k} is missing"
         );
         let drawn = document.lines().filter(|line| line.contains(colour)).count();
-        // One element for the series, one in the legend.
+        // The series and its name.
         assert!(drawn >= 2, "series {k} in {colour}: {drawn} elements");
     }
-    let lines_of_first = document
-        .lines()
-        .filter(|line| line.starts_with("<polyline") && line.contains(COLOURS[0]))
-        .count();
-    assert_eq!(lines_of_first, 2, "a line is one element in the chart and one in the legend");
 }
 
 #[test]
@@ -105,7 +109,7 @@ fn png_has_the_size_and_the_colours() {
     let points = vec![(1.0, 1.0), (2.0, 4.0), (3.0, 9.0)];
     chart(vec![series(0, points)], Scale::Linear).render(&path).unwrap();
     let image = image::load_from_memory(&fs::read(&path).unwrap()).unwrap().into_rgb8();
-    assert_eq!(image.dimensions(), Chart::SIZE);
+    assert_eq!(image.width(), 1920, "two pixels to a unit");
     assert_eq!(image.get_pixel(0, 0).0, [255; 3]);
     assert!(image.pixels().any(|pixel| pixel.0 == [0x00, 0x72, 0xb2]), "the line is missing");
     let dark = image.pixels().filter(|pixel| pixel.0.iter().all(|&c| c < 0x60)).count();
@@ -123,18 +127,14 @@ fn log_axis_skips_what_has_no_logarithm() {
     bad.push((f64::NAN, 1.0));
     bad.push((70.0, f64::INFINITY));
     let document = |points| {
-        let one = Series { error: None, ..series(0, points) };
-        svg(&chart(vec![one], Scale::Log)).unwrap()
+        let one = Series { spread: Spread::None, label: String::new(), ..series(0, points) };
+        drawn(&chart(vec![one], Scale::Log))
     };
     assert_eq!(document(good), document(bad), "points without a logarithm changed the drawing");
 
     // In the middle such a point divides the line: drawing over the gap would invent data.
     let broken = document(vec![(1.0, 1.0), (2.0, 2.0), (3.0, 0.0), (4.0, 2.0), (5.0, 1.0)]);
-    let lines = broken
-        .lines()
-        .filter(|line| line.starts_with("<polyline") && line.contains(COLOURS[0]))
-        .count();
-    assert_eq!(lines, 3, "two parts and the legend");
+    assert_eq!(polylines(&broken, COLOURS[0]), 2, "two parts");
 }
 
 #[test]
@@ -151,23 +151,26 @@ fn odd_data_draw_without_panic() {
         (0..4).map(|k| series(k, wild.clone())).collect(),
         (0..40).map(|k| series(k, vec![(1.0, 1.0), (2.0, k as f64)])).collect(),
         vec![Series { label: long, ..series(1, vec![(1.0, 2.0)]) }],
-        vec![Series { error: Some(vec![f64::NAN, -1.0]), ..series(2, vec![(1.0, 1.0); 3]) }],
+        vec![Series {
+            spread: Spread::Errors(vec![f64::NAN, -1.0]),
+            ..series(2, vec![(1.0, 1.0); 3])
+        }],
         vec![Series { label: String::new(), ..series(3, vec![(1.0, 1.0), (2.0, 5.0)]) }],
     ];
     for (index, case) in cases.into_iter().enumerate() {
         for scale in [Scale::Linear, Scale::Log] {
-            let names = elements(&svg(&chart(case.clone(), scale)).unwrap());
+            let names = elements(&drawn(&chart(case.clone(), scale)));
             assert!(names.len() > 10, "case {index} drew only {names:?}");
         }
     }
     let bare = Chart {
         title: String::new(),
         x_label: String::new(),
-        y_label: String::new(),
         notes: vec![],
+        panels: vec![],
         ..chart(vec![], Scale::Linear)
     };
-    elements(&svg(&bare).unwrap());
+    elements(&drawn(&bare));
 }
 
 #[test]

@@ -143,7 +143,7 @@ fn files_have_the_answer() {
     let document: Value = serde_json::from_str(&place.text("a.json")).unwrap();
     assert_eq!(rows(&document).len(), 2);
     let svg = place.text("a.svg");
-    for part in ["healpix", "white-noise", "asked for", "number of points N"] {
+    for part in ["healpix", "white-noise", "requested: 5%", "number of points N"] {
         assert!(svg.contains(part), "{part} is missing");
     }
     let piped = place.run(&format!("{arguments} -")).ok().stdout;

@@ -4,7 +4,7 @@ use sphvar_accuracy::Area;
 
 use super::figures::singular;
 use super::record::{Document, TrialRecord};
-use crate::plots::{Chart, Scale, Series, Style};
+use crate::plots::{Chart, Ink, Panel, Scale, Series, Spread, Style};
 
 /// The name of an area's chart in a folder of charts.
 pub(super) fn chart_name(area: Area) -> String {
@@ -33,19 +33,15 @@ pub(super) fn area_chart(area: Area, document: &Document<'_>) -> Chart {
     }
     exact.retain(|method| !methods.contains(method));
     let mut series = Vec::new();
-    for (colour, method) in methods.iter().enumerate() {
+    for (rank, method) in methods.iter().enumerate() {
         let own = trials.iter().filter(|trial| trial.method == *method);
-        let points: Vec<_> =
-            own.map(|trial| (trial.seconds_per_unit, trial.outcome.error)).collect();
-        let of = |label: &str, style| Series {
-            label: label.to_owned(),
-            points: points.clone(),
-            error: None,
-            style,
-            colour,
-        };
-        // The line is named by its markers.
-        series.extend([of("", Style::Line), of(method, Style::Markers)]);
+        series.push(Series {
+            label: (*method).to_owned(),
+            points: own.map(|trial| (trial.seconds_per_unit, trial.outcome.error)).collect(),
+            spread: Spread::None,
+            style: Style::Joined,
+            ink: Ink::Rank(rank),
+        });
     }
     let mut notes = lines("Errors are relative to", &scales);
     if cases.len() <= MOST_CASES {
@@ -59,10 +55,8 @@ pub(super) fn area_chart(area: Area, document: &Document<'_>) -> Chart {
     Chart {
         title: format!("Accuracy of {}: speed against error", area.name()),
         x_label: format!("seconds per {}", units.join(" or ")),
-        y_label: "largest error".to_owned(),
         x_scale: Scale::Log,
-        y_scale: Scale::Log,
-        series,
+        panels: vec![Panel::log("largest error", series)],
         notes,
     }
 }

@@ -4,68 +4,74 @@ use sphvar_bounds::{Profile, ProfileShape};
 
 use super::record::BoundRecord;
 use super::source::Measured;
-use crate::commands::power_chart::power_chart;
+use crate::commands::power_chart::{PowerCurve, power_chart};
 use crate::error::CliError;
-use crate::plots::{Chart, Series, Style};
+use crate::plots::{Chart, Ink, Series, Spread, Style};
 
 /// Values of a profile between two degrees of omega.
 const STEPS: u32 = 200;
+/// Where no spectrum says how far profiles are shown, they end at this frequency.
+const LAST_FREQUENCY: f64 = 4.0;
 
-/// The spectrum with its errors and every profile over `l / sqrt N`; upper and lower profiles of a family share colour
-/// and entry in the legend.
+/// Returns the chart of the spectrum with its errors and every profile over `l / sqrt N`: upper profiles as lines,
+/// lower ones dashed, those of a family in one colour.
 pub(super) fn chart(
     records: &[BoundRecord],
     measured: Option<&Measured>,
     n_points: usize,
 ) -> Result<Chart, CliError> {
     let scale = (n_points as f64).sqrt();
-    let (mut low, mut high) = (1.0 / scale, 4.0);
-    let mut series = Vec::new();
+    let (mut low, mut high) = (1.0 / scale, LAST_FREQUENCY);
+    let mut curves = Vec::new();
     if let Some(measured) = measured {
         let spectrum = measured.spectrum()?;
-        let shown: Vec<(usize, f64)> = spectrum
+        let rows: Vec<(usize, f64, f64)> = spectrum
             .degrees()
-            .map(|l| (l, measured.power(l)))
+            .map(|l| (l, measured.power(l), measured.stderr(l)))
             // Power that is rounding has no place on a logarithmic axis.
-            .filter(|&(_, power)| power > sphvar_bounds::MeasuredSpectrum::NO_POWER)
+            .filter(|row| row.1 > sphvar_bounds::MeasuredSpectrum::NO_POWER)
             .collect();
-        (low, high) =
-            (shown.first().map_or(low, |s| s.0 as f64 / scale), measured.lmax() as f64 / scale);
-        series.push(Series {
-            label: measured.label.clone(),
-            points: shown.iter().map(|&(l, power)| (l as f64 / scale, power)).collect(),
-            error: Some(shown.iter().map(|&(l, _)| measured.stderr(l)).collect()),
-            style: Style::Markers,
-            // Black, which no profile has.
-            colour: 4,
-        });
+        low = rows.first().map_or(low, |row| row.0 as f64 / scale);
+        high = measured.lmax() as f64 / scale;
+        curves.push(PowerCurve { label: measured.label.clone(), n_points, rows, ink: Ink::Black });
     }
-    let mut named: Vec<&str> = Vec::new();
-    for record in records {
+    let profiles = || records.iter().map(|record| outline(&record.profile, low, high));
+    let values = profiles().flatten().map(|point| point.1);
+    let floor = (curves.iter().flat_map(|curve| &curve.rows).map(|row| row.1))
+        .chain(values)
+        .filter(|&power| power > 0.0)
+        .fold(f64::INFINITY, f64::min);
+    // A step alone has nothing below its plateau that says how far down it is shown.
+    let floor = if curves.is_empty() { 0.1 * floor } else { floor };
+    let mut families: Vec<&str> = Vec::new();
+    let mut series = Vec::new();
+    for (record, mut points) in records.iter().zip(profiles()) {
         let family = record.family();
-        let colour = match named.iter().position(|&f| f == family) {
-            Some(place) => place,
-            None => {
-                named.push(family);
-                named.len() - 1
-            }
-        };
+        let rank = families.iter().position(|&f| f == family).unwrap_or_else(|| {
+            families.push(family);
+            families.len() - 1
+        });
+        // Where a step rises from 0 it rises from below the axis.
+        for point in &mut points {
+            point.1 = if point.0 >= record.profile.alpha() { point.1.max(floor) } else { point.1 };
+        }
         let label = match record.side() {
             "given" => record.profile_name(),
             side => format!("{side} {}", record.profile_name()),
         };
-        series.push(Series {
-            label,
-            points: outline(&record.profile, low, high),
-            error: None,
-            style: Style::Line,
-            colour: if colour < 4 { colour } else { colour + 1 },
-        });
+        let style = if record.side() == "lower" { Style::Dashed } else { Style::Solid };
+        series.push(Series { label, points, spread: Spread::None, style, ink: Ink::Rank(rank) });
     }
-    Ok(power_chart(series))
+    let has_sides = records.iter().any(|record| record.side() != "given");
+    let chart = power_chart(&curves, series);
+    Ok(if has_sides {
+        chart.with_note("Solid colours: upper profiles. Dashed colours: lower profiles.")
+    } else {
+        chart
+    })
 }
 
-/// A profile at evenly spaced logarithms of omega, with its break.
+/// Returns a profile at evenly spaced logarithms of omega, with both values at its break.
 fn outline(profile: &Profile, low: f64, high: f64) -> Vec<(f64, f64)> {
     let at = |omega: f64| {
         let part = omega / profile.alpha();
@@ -83,6 +89,9 @@ fn outline(profile: &Profile, low: f64, high: f64) -> Vec<(f64, f64)> {
     if (low..high).contains(&alpha) && profile.shape() != ProfileShape::Constant {
         let place = points.partition_point(|p| p.0 < alpha);
         points.insert(place, at(alpha));
+        if profile.shape() == ProfileShape::Step {
+            points.insert(place, (alpha, profile.offset()));
+        }
     }
     points
 }

@@ -13,7 +13,7 @@ use crate::counts::parse_count;
 use crate::error::CliError;
 use crate::global::Global;
 use crate::integrands::{FORMS, parse_integrand};
-use crate::plots::{Chart, ImageFormat};
+use crate::plots::ImageFormat;
 use crate::profiles::{ParsedProfile, parse_profile};
 use crate::report::{
     Provenance, check_result, csv, is_stdout, print, print_json, short, table, write_result,
@@ -178,12 +178,9 @@ pub(crate) fn run(args: &BoundsArgs, global: &Global) -> Result<(), CliError> {
     {
         if ImageFormat::of_path(path).is_some() {
             let label = measured.as_ref().map_or("a profile", |m| &m.label);
-            let chart = Chart {
-                title: format!("Bounds of {label}, N = {n_points}"),
-                notes: vec![provenance.line()],
-                ..chart::chart(&records, measured.as_ref(), n_points)?
-            };
-            chart.render(path)?;
+            let mut chart = chart::chart(&records, measured.as_ref(), n_points)?;
+            chart.title = format!("Bounds of {label}, N = {n_points}");
+            chart.with_note(provenance.line()).render(path)?;
         } else {
             let cells: Vec<_> = records.iter().map(BoundRecord::cells).collect();
             write_result(path, &document, &|| csv(&provenance, BoundRecord::COLUMNS, &cells))?;

@@ -5,13 +5,14 @@ use sphvar_variance::{PredictedPoint, Predictor, RequiredPoints};
 
 use super::ChooseArgs;
 use super::candidate::{MAX_FACTOR, TimedCandidate, recommended};
+use super::chart::chart;
 use super::crossings::{self, CrossingRecord};
 use super::question::{Asked, Question};
 use super::reason::Reason;
 use super::recommendation::recommendation;
 use crate::error::CliError;
 use crate::global::Global;
-use crate::plots::{Chart, ImageFormat, Scale, Series, Style};
+use crate::plots::ImageFormat;
 use crate::report::{
     Provenance, csv, full, is_stdout, print, print_json, short, table, write_result,
 };
@@ -99,6 +100,8 @@ pub(super) struct Answer<'a> {
     reason: Option<Reason>,
     recommendation: String,
     white_noise_points: Option<f64>,
+    /// Of one point.
+    white_variance: f64,
 }
 
 impl<'a> Answer<'a> {
@@ -124,6 +127,7 @@ impl<'a> Answer<'a> {
             reason,
             recommendation,
             white_noise_points,
+            white_variance: predictor.white_variance(1),
         })
     }
 
@@ -157,7 +161,8 @@ impl<'a> Answer<'a> {
             && !(global.json && is_stdout(path))
         {
             if ImageFormat::of_path(path).is_some() {
-                Chart { notes: vec![provenance.line()], ..self.chart() }.render(path)?;
+                let chart = chart(self.question, self.candidates, self.white_variance);
+                chart.with_note(provenance.line()).render(path)?;
             } else {
                 let cells: Vec<_> = self.rows.iter().map(Row::record).collect();
                 write_result(path, &document, &|| csv(&provenance, Row::COLUMNS, &cells))?;
@@ -242,47 +247,6 @@ impl<'a> Answer<'a> {
             text += &crossing.crossover.line();
         }
         text + &self.recommendation + "\n"
-    }
-
-    /// Standard errors against N, with the error asked for as a line across.
-    fn chart(&self) -> Chart {
-        let question = self.question;
-        let scale = question.integral.map_or(1.0, |i| 100.0 / i.abs());
-        let mut series = Vec::new();
-        for (i, candidate) in self.candidates.iter().enumerate() {
-            // Every eighth colour is black, which is left to the error asked for.
-            let colour = i + (i + 3) / 7;
-            let points = candidate.answer.curve.variance_points();
-            let points: Vec<(f64, f64)> =
-                points.iter().map(|p| (p.n_points, scale * p.variance.sqrt())).collect();
-            let label = candidate.answer.curve.pattern().to_string();
-            let line =
-                |label, style| Series { label, points: points.clone(), error: None, style, colour };
-            series.push(line(String::new(), Style::Line));
-            series.push(line(label, Style::Markers));
-        }
-        if let Asked::Error { text, standard_error, .. } = &question.asked {
-            let all = series.iter().flat_map(|s| s.points.iter().map(|p| p.0));
-            let most = all.fold(1.0, f64::max);
-            let asked = scale * standard_error;
-            series.push(Series {
-                label: format!("{text} asked for"),
-                points: vec![(1.0, asked), (most, asked)],
-                error: None,
-                style: Style::Line,
-                colour: 4,
-            });
-        }
-        let unit = if question.integral.is_some() { ", % of the integral" } else { "" };
-        Chart {
-            title: format!("Predicted standard error of integrating {}", question.integrand),
-            x_label: "number of points N".to_owned(),
-            y_label: format!("standard error{unit}"),
-            x_scale: Scale::Log,
-            y_scale: Scale::Log,
-            series,
-            notes: Vec::new(),
-        }
     }
 }
 

@@ -14,7 +14,7 @@ use crate::files::{AtomicFile, PictureFormat, write_png};
 use crate::global::Global;
 use crate::memory::check_memory;
 use crate::patterns::parse_pattern;
-use crate::plots::{ContactSheet, Panel};
+use crate::plots::{ContactSheet, SheetPanel};
 use crate::progress::Progress;
 use crate::report::{Provenance, is_stdout, print, print_json, short, table};
 use crate::spec::Spec;
@@ -152,11 +152,11 @@ fn patterns(wishes: &[Wish]) -> impl Iterator<Item = &Trials> {
     })
 }
 
-fn panel(image: &Image, white: f64, caption: Vec<String>) -> Panel {
+fn panel(image: &Image, white: f64, caption: Vec<String>) -> SheetPanel {
     let colour = grey(white);
     let pixels = image.values.iter().zip(&image.coverage);
     let colours = pixels.flat_map(|(&x, coverage)| colour(x * coverage)).collect();
-    Panel { size: [image.width, image.height], colours, caption }
+    SheetPanel { size: [image.width, image.height], colours, caption }
 }
 
 fn rendered(
@@ -165,7 +165,7 @@ fn rendered(
     reference: &Image,
     white: f64,
     progress: &Progress,
-) -> Result<(Panel, Option<PanelRecord>), CliError> {
+) -> Result<(SheetPanel, Option<PanelRecord>), CliError> {
     let Outcome { picture, errors, .. } = trials.run(stage, Some(reference), progress)?;
     let plan = &trials.plan;
     let mut caption = vec![format!("{}, {}, N = {}", plan.pattern(), plan.mode(), plan.n_points())];

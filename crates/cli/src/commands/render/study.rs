@@ -1,5 +1,7 @@
 //! Mean squared errors over the number of directions, their rates and crossovers.
 
+mod chart;
+
 use serde::Serialize;
 use sphvar_samplers::Pattern;
 use sphvar_variance::{RateFit, VariancePoint, fit_rate_of_few};
@@ -13,7 +15,7 @@ use crate::counts::Counts;
 use crate::error::CliError;
 use crate::global::Global;
 use crate::patterns::parse_patterns;
-use crate::plots::{Chart, ImageFormat, Scale, Series, Style};
+use crate::plots::ImageFormat;
 use crate::progress::Progress;
 use crate::report::{
     Provenance, check_result, csv, full, is_stdout, print, print_json, short, table, write_result,
@@ -149,7 +151,7 @@ pub(super) fn run(args: &RenderArgs, global: &Global) -> Result<(), CliError> {
         && !(global.json && is_stdout(path))
     {
         if ImageFormat::of_path(path).is_some() {
-            chart(&curves, &document).render(path)?;
+            chart::chart(&curves, &document).render(path)?;
         } else {
             let cells: Vec<_> = rows.iter().map(Row::record).collect();
             write_result(path, &document, &|| csv(&provenance, Row::COLUMNS, &cells))?;
@@ -290,41 +292,4 @@ fn text(document: &Document<'_>) -> String {
     }
     text.extend(document.crossovers.iter().map(CrossoverRecord::line));
     text
-}
-
-fn chart(curves: &[Curve<'_>], document: &Document<'_>) -> Chart {
-    let mut series = Vec::new();
-    for (colour, curve) in curves.iter().enumerate() {
-        let points = curve.points();
-        let places: Vec<(f64, f64)> = points.iter().map(|p| (p.n_points, p.variance)).collect();
-        series.push(Series {
-            label: curve.pattern.clone(),
-            points: places.clone(),
-            error: None,
-            style: Style::Line,
-            colour,
-        });
-        series.push(Series {
-            label: String::new(),
-            points: places,
-            error: Some(points.iter().map(|p| p.stderr).collect()),
-            style: Style::Markers,
-            colour,
-        });
-    }
-    Chart {
-        title: "Mean squared error of the picture".to_owned(),
-        x_label: "directions on the visible hemisphere N".to_owned(),
-        y_label: "mean squared error".to_owned(),
-        x_scale: Scale::Log,
-        y_scale: Scale::Log,
-        series,
-        notes: vec![
-            format!(
-                "{} pixels, reference image of {} jittered directions each",
-                document.pixels, document.reference_n
-            ),
-            document.provenance.line(),
-        ],
-    }
 }

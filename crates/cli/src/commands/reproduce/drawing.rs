@@ -6,7 +6,10 @@ use sphvar_thesis::{Axis, Content, Curves, Field, Figure, Mark, Palette, Panel, 
 
 use crate::error::CliError;
 use crate::files::{self, srgb};
-use crate::plots::{Chart, Colours, Edges, HeatMap, OrthographicView, Scale, Series, Style};
+use crate::plots::{
+    Chart, Colours, Edges, HeatMap, Ink, OrthographicView, Panel as ChartPanel, Scale, Series,
+    Spread, Style,
+};
 use crate::report::Provenance;
 
 /// The extension of a panel's picture: drawings are SVG, colours of many cells PNG.
@@ -61,21 +64,26 @@ fn chart(title: String, notes: Vec<String>, curves: &Curves) -> Chart {
         Series {
             label: curve.label.clone(),
             points: points.iter().map(|point| (point[0], point[1])).collect(),
-            error: has_errors.then(|| points.iter().map(|point| point[2]).collect()),
+            spread: if has_errors {
+                Spread::Errors(points.iter().map(|point| point[2]).collect())
+            } else {
+                Spread::None
+            },
             style: match curve.mark {
                 Mark::Line => Style::Line,
                 Mark::Markers => Style::Markers,
             },
-            colour: curve.colour,
+            ink: Ink::Rank(curve.colour),
         }
     });
     Chart {
         title,
         x_label: curves.x.label.clone(),
-        y_label: curves.y.label.clone(),
         x_scale: scale(&curves.x),
-        y_scale: scale(&curves.y),
-        series: series.collect(),
+        panels: vec![ChartPanel {
+            y_scale: scale(&curves.y),
+            ..ChartPanel::log(curves.y.label.clone(), series.collect())
+        }],
         notes,
     }
 }

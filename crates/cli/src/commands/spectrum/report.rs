@@ -5,10 +5,10 @@ use std::path::Path;
 use serde::Serialize;
 use sphvar_spectrum::Spectrum;
 
-use crate::commands::power_chart::{power_chart, power_series};
+use super::chart::chart;
 use crate::error::CliError;
 use crate::global::Global;
-use crate::plots::{Chart, ImageFormat};
+use crate::plots::ImageFormat;
 use crate::point_sets::WeightSums;
 use crate::report::{
     Provenance, csv, full, is_stdout, print, print_json, say, short, table, write_result,
@@ -79,12 +79,7 @@ pub(crate) fn emit(
         && !(global.json && is_stdout(path))
     {
         if ImageFormat::of_path(path).is_some() {
-            let chart = Chart {
-                title: format!("Angular power spectrum of {name}, N = {}", spectrum.n_points()),
-                notes: vec![provenance.line()],
-                ..power_chart(vec![power_series(name, spectrum, f64::INFINITY, 0)])
-            };
-            chart.render(path)?;
+            chart(name, spectrum).with_note(provenance.line()).render(path)?;
         } else {
             let cells: Vec<_> = rows
                 .iter()

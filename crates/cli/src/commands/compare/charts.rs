@@ -1,0 +1,136 @@
+//! The charts of `compare`, of which `variance` has one.
+
+use sphvar_integrands::Energy;
+use sphvar_variance::VariancePoint;
+
+use super::Curve;
+use crate::commands::power_chart::{PowerCurve, power_chart};
+use crate::commands::rows::Plan;
+use crate::plots::{Binned, Chart, Ink, MAX_COLOURS, Panel, Scale, Series, Spread, Style, ranks};
+use crate::report::short;
+
+/// Energies below this part of the whole are 0 to rounding.
+const ROUNDING: f64 = 1e-30;
+/// Ratios within this factor of 1 have a linear axis.
+const LINEAR_RATIO: f64 = 5.0;
+/// Beyond this frequency only lattices are computed, and their power only wobbles.
+const LAST_FREQUENCY: f64 = 4.0;
+
+/// Returns the colours of curves: of many, those with the least variance for their number of points have one.
+fn inks(curves: &[Curve<'_>]) -> Vec<Ink> {
+    let value = |curve: &Curve<'_>| {
+        let last = curve.predicted().last().copied();
+        last.map_or(f64::NAN, |point: VariancePoint| point.variance * point.n_points)
+    };
+    let values: Vec<f64> = curves.iter().map(value).collect();
+    ranks(&values).into_iter().map(Ink::Rank).collect()
+}
+
+/// Returns what is said of colours where there are more curves.
+fn note_of_colours(curves: &[Curve<'_>]) -> Option<String> {
+    let note = || format!("In colour: the {MAX_COLOURS} with the least variance times N.");
+    (curves.len() > MAX_COLOURS).then(note)
+}
+
+/// Returns the spectra at the largest number of points.
+pub(super) fn spectra_chart(curves: &[Curve<'_>]) -> Chart {
+    let shown: Vec<_> = (curves.iter().zip(inks(curves)))
+        .filter_map(|(curve, ink)| {
+            Some((curve.pattern, &curve.rows.last()?.comparison.predicted.spectrum, ink))
+        })
+        .collect();
+    let first = shown.first().map(|curve| curve.1.n_points());
+    let common = first.filter(|&n| shown.iter().all(|curve| curve.1.n_points() == n));
+    let spectra: Vec<PowerCurve> = shown
+        .into_iter()
+        .map(|(pattern, spectrum, ink)| {
+            let label = match common {
+                Some(_) => pattern.to_string(),
+                None => format!("{pattern}, N = {}", spectrum.n_points()),
+            };
+            PowerCurve::new(label, spectrum, LAST_FREQUENCY, ink)
+        })
+        .collect();
+    let n_points = common.map_or(String::new(), |n| format!(", N = {n}"));
+    let title = format!("Angular power spectra{n_points}");
+    let chart = Chart { title, ..power_chart(&spectra, Vec::new()) };
+    note_of_colours(curves).into_iter().fold(chart, Chart::with_note)
+}
+
+/// Returns predicted and measured variances against N, with their ratio below.
+pub(in crate::commands) fn variance_chart(curves: &[Curve<'_>], plan: &Plan<'_>) -> Chart {
+    let points = |p: &[VariancePoint]| p.iter().map(|p| (p.n_points, p.variance)).collect();
+    let (mut series, mut ratios) = (Vec::new(), Vec::new());
+    for (curve, ink) in curves.iter().zip(inks(curves)) {
+        series.push(Series {
+            label: curve.pattern.to_string(),
+            points: points(&curve.predicted()),
+            spread: Spread::None,
+            style: Style::Line,
+            ink,
+        });
+        let measured = curve.measured();
+        series.push(Series {
+            label: String::new(),
+            points: points(&measured),
+            spread: Spread::Errors(measured.iter().map(|p| p.stderr).collect()),
+            style: Style::Markers,
+            ink,
+        });
+        let ratio: Vec<(f64, f64)> = curve.rows.iter().map(|r| r.comparison.ratio()).collect();
+        ratios.push(Series {
+            label: String::new(),
+            points: measured.iter().zip(&ratio).map(|(p, r)| (p.n_points, r.0)).collect(),
+            spread: Spread::Errors(ratio.iter().map(|r| r.1).collect()),
+            style: Style::Markers,
+            ink,
+        });
+    }
+    let shown = ratios.iter().flat_map(|s| &s.points).map(|p| p.1).filter(|r| r.is_finite());
+    let is_wide = shown.into_iter().any(|r| !(1.0 / LINEAR_RATIO..=LINEAR_RATIO).contains(&r));
+    let ratio = Panel {
+        reference: Some(1.0),
+        side_by_side: true,
+        y_scale: if is_wide { Scale::Log } else { Scale::Linear },
+        ..Panel::log("measured / predicted", ratios)
+    };
+    Chart {
+        title: format!("Variance of integrating {}", plan.integrand.name),
+        x_label: "number of points N".to_owned(),
+        x_scale: Scale::Log,
+        panels: vec![Panel::log("variance", series), ratio],
+        notes: std::iter::once(
+            "Lines: predicted. Markers: measured, with one standard error; those of the lower panel are moved apart \
+             to the sides."
+                .to_owned(),
+        )
+        .chain(note_of_colours(curves))
+        .collect(),
+    }
+}
+
+/// Returns the energies of the integrand against the degree.
+pub(super) fn integrand_chart(energy: &Energy, plan: &Plan<'_>) -> Chart {
+    let total = energy.total();
+    let degrees = energy.per_band().iter().enumerate().skip(1);
+    let points: Vec<_> = degrees.map(|(l, e)| (l as f64, e / total)).collect();
+    let Binned { points, ranges } = Binned::new(&points, ROUNDING);
+    let notes = ranges.iter().map(|_| Binned::NOTE.to_owned()).collect();
+    let series = Series {
+        label: String::new(),
+        points,
+        spread: ranges.map_or(Spread::None, Spread::Ranges),
+        style: Style::Line,
+        ink: Ink::Rank(0),
+    };
+    Chart {
+        title: format!("Energy per degree of {}", plan.integrand.name),
+        x_label: "degree l".to_owned(),
+        x_scale: Scale::Log,
+        panels: vec![Panel::log(
+            format!("energy E(l) / total, total = {}", short(total)),
+            vec![series],
+        )],
+        notes,
+    }
+}

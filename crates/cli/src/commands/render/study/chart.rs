@@ -1,0 +1,36 @@
+//! Mean squared errors against the number of directions.
+
+use super::{Curve, Document};
+use crate::plots::{Chart, Ink, Panel, Scale, Series, Spread, Style, ranks};
+
+/// Returns the chart of a study.
+pub(super) fn chart(curves: &[Curve<'_>], document: &Document<'_>) -> Chart {
+    let last = |curve: &Curve<'_>| {
+        curve.points().last().map_or(f64::NAN, |point| point.variance * point.n_points)
+    };
+    let inks = ranks(&curves.iter().map(last).collect::<Vec<f64>>()).into_iter().map(Ink::Rank);
+    let series = curves.iter().zip(inks).map(|(curve, ink)| {
+        let points = curve.points();
+        Series {
+            label: curve.pattern.clone(),
+            points: points.iter().map(|p| (p.n_points, p.variance)).collect(),
+            spread: Spread::Errors(points.iter().map(|p| p.stderr).collect()),
+            style: Style::Joined,
+            ink,
+        }
+    });
+    Chart {
+        title: "Mean squared error of the picture".to_owned(),
+        x_label: "directions on the visible hemisphere N".to_owned(),
+        x_scale: Scale::Log,
+        panels: vec![Panel::log("mean squared error", series.collect())],
+        notes: vec![
+            "Bars: one standard error.".to_owned(),
+            format!(
+                "{} pixels, reference image of {} jittered directions each",
+                document.pixels, document.reference_n
+            ),
+            document.provenance.line(),
+        ],
+    }
+}
