@@ -1,5 +1,6 @@
 //! `sphvar audit`: whether an ensemble is rotation-invariant, as the variance formula assumes.
 
+mod chart;
 mod report;
 
 use std::path::PathBuf;
@@ -18,6 +19,7 @@ use crate::error::CliError;
 use crate::global::Global;
 use crate::memory::{check_degree, check_memory, check_transform};
 use crate::patterns;
+use crate::plots::ImageFormat;
 use crate::point_sets::FileSets;
 use crate::progress::Progress;
 use crate::report::{
@@ -68,7 +70,8 @@ pub(crate) struct AuditArgs {
     /// Audit the sampler only as it draws, not as turned by uniform rotations
     #[arg(long, conflicts_with = "points_from")]
     pub(crate) unrotated: bool,
-    /// Write the findings to a file, .csv or .json
+    /// Write the findings to a file, .csv or .json, or a plot of the error of every spherical
+    /// harmonic as .svg or .png
     #[arg(short, long, value_name = "FILE")]
     pub(crate) out: Option<PathBuf>,
 }
@@ -81,7 +84,7 @@ enum Source {
 
 pub(crate) fn run(args: &AuditArgs, global: &Global) -> Result<(), CliError> {
     if let Some(path) = &args.out {
-        check_result(path, false)?;
+        check_result(path, true)?;
     }
     let domain = super::domain(args.sets.hemisphere);
     let settings =
@@ -111,6 +114,11 @@ pub(crate) fn run(args: &AuditArgs, global: &Global) -> Result<(), CliError> {
         audits: records.collect(),
         provenance: &provenance,
     };
+    let image = args.out.as_deref().filter(|path| ImageFormat::of_path(path).is_some());
+    if let Some(path) = image {
+        let chart = chart::chart(name, n_points, args.alpha, &audits);
+        chart.with_note(provenance.line()).render(path)?;
+    }
     emit(args, global, &document)
 }
 
@@ -241,6 +249,7 @@ impl Plan {
 
 fn emit(args: &AuditArgs, global: &Global, document: &Document<'_>) -> Result<(), CliError> {
     if let Some(path) = &args.out
+        && ImageFormat::of_path(path).is_none()
         && !(global.json && is_stdout(path))
     {
         let text = || csv(document.provenance, Document::COLUMNS, &document.rows());

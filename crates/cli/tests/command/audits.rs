@@ -114,3 +114,16 @@ fn what_cannot_be_meant() {
     }
     assert!(place.names().is_empty());
 }
+
+/// The ratios of every ensemble, with what they are compared to.
+#[test]
+fn a_chart_of_ratios() {
+    let place = Workplace::new();
+    let text = place.run("audit fibonacci -n 40 -m 60 --lmax 4 -o a.svg").ok().stdout;
+    assert!(text.contains("as drawn"), "{text}");
+    let chart = place.text("a.svg");
+    for part in ["as drawn", "rotated", "variance formula", "degree l", "fibonacci, N = 40"] {
+        assert!(chart.contains(part), "{part} is missing");
+    }
+    assert_eq!(place.names(), ["a.svg"]);
+}
