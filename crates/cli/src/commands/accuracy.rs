@@ -46,7 +46,7 @@ pub(crate) struct AccuracyArgs {
     /// Smaller inputs: some seconds for each area
     #[arg(long)]
     quick: bool,
-    /// Write the findings to a file, .md, .json or .csv
+    /// Write the findings to a file, .md, .json or .csv, or the chart of one area as .svg or .png
     #[arg(short, long, value_name = "FILE")]
     out: Option<PathBuf>,
     /// Draw error against time: a chart of one area as .svg or .png, or a folder for a chart of each
@@ -59,9 +59,15 @@ pub(crate) fn run(args: &AccuracyArgs, global: &Global) -> Result<(), CliError> 
         .into_iter()
         .filter(|area| args.areas.is_empty() || args.areas.contains(area))
         .collect();
-    let plots = plot_paths(args.plot.as_deref(), &areas)?;
+    let mut plots = plot_paths(args.plot.as_deref(), &areas)?;
     if let Some(path) = &args.out {
-        if is_markdown(path) { AtomicFile::check(path)? } else { check_out(path)? }
+        if is_image(path) {
+            plots.extend(plot_paths(Some(path), &areas)?);
+        } else if is_markdown(path) {
+            AtomicFile::check(path)?;
+        } else {
+            check_out(path)?;
+        }
     }
     if cfg!(debug_assertions) {
         say(
@@ -99,10 +105,14 @@ fn is_markdown(path: &Path) -> bool {
     path.extension().is_some_and(|e| e == "md")
 }
 
+fn is_image(path: &Path) -> bool {
+    ImageFormat::of_path(path).is_some()
+}
+
 fn check_out(path: &Path) -> Result<(), CliError> {
     check_result(path, false).map_err(|error| match error {
         CliError::Usage(_) => CliError::Usage(format!(
-            "{}: results are written as .md, .json or .csv",
+            "{}: results are written as .md, .json or .csv, a chart of one area as .svg or .png",
             path.display()
         )),
         other => other,
@@ -116,7 +126,7 @@ fn plot_paths(plot: Option<&Path>, areas: &[Area]) -> Result<Vec<(Area, PathBuf)
         (Some(_), [area]) => vec![(*area, plot.to_path_buf())],
         (Some(_), _) => {
             return Err(CliError::Usage(format!(
-                "--plot {}: a file has the chart of one area; name one, or give a folder",
+                "{}: a file has the chart of one area; name one, or give --plot a folder",
                 plot.display()
             )));
         }
@@ -162,6 +172,7 @@ fn emit(
     plots: &[(Area, PathBuf)],
 ) -> Result<(), CliError> {
     if let Some(path) = &args.out
+        && !is_image(path)
         && !(global.json && is_stdout(path))
     {
         if is_markdown(path) {

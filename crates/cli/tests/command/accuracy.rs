@@ -100,14 +100,17 @@ fn tables_and_files() {
     assert_eq!(rows.iter().filter(|row| &row[0] == "hard case").count(), HARD_CASES.len());
     assert!(rows.iter().any(|row| &row[0] == "trial" && &row[2] == "ring, pixel"), "{csv}");
     assert_eq!(place.names(), ["a.csv", "a.svg"]);
+    place.run("accuracy indexing --quick -o b.png").ok();
+    assert!(place.names().contains(&"b.png".to_owned()));
 }
 
 #[test]
 fn what_cannot_be_meant() {
     let place = Workplace::new();
-    let cases: [(&str, i32, &[&str]); 5] = [
+    let cases: [(&str, i32, &[&str]); 6] = [
         ("accuracy poles", 2, &["poles", "harmonics, indexing, transforms, spectra, predictions"]),
         ("accuracy --quick --plot a.svg", 2, &["a.svg", "one area", "folder"]),
+        ("accuracy --quick -o a.svg", 2, &["a.svg", "one area", "--plot"]),
         ("accuracy --quick -o a.txt", 2, &["a.txt", ".md, .json or .csv"]),
         ("accuracy indexing --plot none", 1, &["none"]),
         ("accuracy indexing -o none/a.md", 1, &["none"]),
