@@ -1,5 +1,6 @@
 //! Point sets that users bring in files.
 
+use schemars::JsonSchema;
 use serde::Serialize;
 use sphvar_samplers::{Domain, PointSet, PointSets, Sampler};
 
@@ -15,11 +16,13 @@ pub(crate) struct FileSets {
 }
 
 /// The sums of the weights of sets, each a mean over the sets.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, JsonSchema)]
 pub(crate) struct WeightSums {
     /// `(sum w)^2 / sum w^2`, the number of equal points with the same white noise.
     pub(crate) n_effective: f64,
+    /// The sum of the weights.
     pub(crate) sum_w: f64,
+    /// The sum of the squares of the weights.
     pub(crate) sum_w2: f64,
 }
 

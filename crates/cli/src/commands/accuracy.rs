@@ -1,10 +1,9 @@
 //! `sphvar accuracy`: measured errors beside speed, and the bounds that hard inputs keep.
 
 mod charts;
-mod figures;
-mod machine;
+pub(crate) mod machine;
 mod markdown;
-mod record;
+pub(crate) mod record;
 mod timing;
 
 use std::path::{Path, PathBuf};
@@ -15,16 +14,14 @@ use sphvar_samplers::Progress as _;
 
 use self::charts::{area_chart, chart_name};
 use self::machine::{Machine, today};
-use self::record::{Document, HardCaseRecord, TrialRecord};
+use self::record::{AccuracyBody, HardCaseRecord, TrialRecord};
 use self::timing::median_seconds;
 use crate::error::CliError;
 use crate::files::AtomicFile;
 use crate::global::Global;
 use crate::plots::ImageFormat;
 use crate::progress::Progress;
-use crate::report::{
-    Provenance, check_result, csv, is_stdout, print, print_json, say, write_result, write_text,
-};
+use crate::report::{Forms, Provenance, check_result, emit, say, write_text};
 
 pub(crate) const EXAMPLES: &str = "Examples:
   sphvar accuracy harmonics indexing --quick
@@ -77,21 +74,26 @@ pub(crate) fn run(args: &AccuracyArgs, global: &Global) -> Result<(), CliError> 
     }
     let (trials, hard_cases) = measure(&areas, args.quick, global.quiet);
     let provenance = Provenance::new(global.seed);
-    let document = Document {
+    let body = AccuracyBody {
         held: trials.iter().all(|t| t.outcome.held) && hard_cases.iter().all(|c| c.outcome.held),
         quick: args.quick,
         date: today(),
         version: provenance.version.clone(),
         machine: Machine::of_this_run(),
-        trials: &trials,
-        hard_cases: &hard_cases,
-        provenance: &provenance,
+        trials,
+        hard_cases,
     };
     for (area, path) in &plots {
-        area_chart(*area, &document).render(path)?;
+        area_chart(*area, &body, &provenance).render(path)?;
     }
-    emit(args, global, &document, &plots)?;
-    document.verdict()
+    let markdown = args.out.as_deref().filter(|path| is_markdown(path));
+    if let Some(path) = markdown {
+        write_text(path, &body.markdown(&links(path, &plots), &provenance))?;
+    }
+    let out = args.out.as_deref().filter(|path| markdown.is_none() && !is_image(path));
+    let forms = Forms { csv: &|| body.csv(&provenance), chart: None, text: &|| body.text() };
+    emit(out, global, &provenance, &body, &forms)?;
+    body.verdict()
 }
 
 fn parse_area(text: &str) -> Result<Area, String> {
@@ -163,32 +165,6 @@ fn measure(areas: &[Area], quick: bool, quiet: bool) -> (Vec<TrialRecord>, Vec<H
         }
     }
     (records, case_records)
-}
-
-fn emit(
-    args: &AccuracyArgs,
-    global: &Global,
-    document: &Document<'_>,
-    plots: &[(Area, PathBuf)],
-) -> Result<(), CliError> {
-    if let Some(path) = &args.out
-        && !is_image(path)
-        && !(global.json && is_stdout(path))
-    {
-        if is_markdown(path) {
-            write_text(path, &document.markdown(&links(path, plots)))?;
-        } else {
-            let text = || csv(document.provenance, Document::COLUMNS, &document.rows());
-            write_result(path, document, &text)?;
-        }
-    }
-    if global.json {
-        return print_json(document);
-    }
-    if args.out.as_ref().is_some_and(|path| is_stdout(path)) {
-        return Ok(());
-    }
-    print(&document.text())
 }
 
 /// The charts as a document beside or above them names them.

@@ -1,7 +1,7 @@
 //! `sphvar audit`: whether an ensemble is rotation-invariant, as the variance formula assumes.
 
 mod chart;
-mod report;
+pub(crate) mod report;
 
 use std::path::PathBuf;
 
@@ -13,18 +13,15 @@ use sphvar_spectrum::{
     accumulate,
 };
 
-use self::report::{AuditRecord, Document, Ensemble};
+use self::report::{AuditBody, AuditRecord, Ensemble};
 use super::sets_args::SetsArgs;
 use crate::error::CliError;
 use crate::global::Global;
 use crate::memory::{check_degree, check_memory, check_transform};
 use crate::patterns;
-use crate::plots::ImageFormat;
 use crate::point_sets::FileSets;
 use crate::progress::Progress;
-use crate::report::{
-    Provenance, check_result, csv, is_stdout, print, print_json, say, write_result,
-};
+use crate::report::{Forms, Provenance, check_result, emit, say};
 
 pub(crate) const EXAMPLES: &str = "Examples:
   sphvar audit jittered -n 768 -m 2000
@@ -70,8 +67,8 @@ pub(crate) struct AuditArgs {
     /// Audit the sampler only as it draws, not as turned by uniform rotations
     #[arg(long, conflicts_with = "points_from")]
     pub(crate) unrotated: bool,
-    /// Write the findings to a file, .csv or .json, or a plot of the error of every spherical
-    /// harmonic as .svg or .png
+    /// Write the findings to a file, .csv or .json, or a plot of the error of every spherical harmonic as
+    /// .svg or .png
     #[arg(short, long, value_name = "FILE")]
     pub(crate) out: Option<PathBuf>,
 }
@@ -102,8 +99,8 @@ pub(crate) fn run(args: &AuditArgs, global: &Global) -> Result<(), CliError> {
     let provenance = Provenance::new(global.seed);
     let records =
         audits.iter().map(|(ensemble, audit)| AuditRecord::new(*ensemble, audit, &settings));
-    let document = Document {
-        sampler: name,
+    let body = AuditBody {
+        sampler: name.to_owned(),
         domain: domain.name(),
         n: n_points,
         realizations: count,
@@ -112,14 +109,11 @@ pub(crate) fn run(args: &AuditArgs, global: &Global) -> Result<(), CliError> {
         tolerance: args.tolerance,
         copies: settings.replicates(),
         audits: records.collect(),
-        provenance: &provenance,
     };
-    let image = args.out.as_deref().filter(|path| ImageFormat::of_path(path).is_some());
-    if let Some(path) = image {
-        let chart = chart::chart(name, n_points, args.alpha, &audits);
-        chart.with_note(provenance.line()).render(path)?;
-    }
-    emit(args, global, &document)
+    let chart = || Ok(chart::chart(name, n_points, args.alpha, &audits));
+    let forms =
+        Forms { csv: &|| body.csv(&provenance), chart: Some(&chart), text: &|| body.text() };
+    emit(args.out.as_deref(), global, &provenance, &body, &forms)
 }
 
 /// Refuses what the library would refuse after the work.
@@ -245,21 +239,4 @@ impl Plan {
         self.count as f64 * (making + method.nominal_work(n_points, lmax))
             + HomogeneityAccumulator::audit_work(&self.settings, self.count, lmax)
     }
-}
-
-fn emit(args: &AuditArgs, global: &Global, document: &Document<'_>) -> Result<(), CliError> {
-    if let Some(path) = &args.out
-        && ImageFormat::of_path(path).is_none()
-        && !(global.json && is_stdout(path))
-    {
-        let text = || csv(document.provenance, Document::COLUMNS, &document.rows());
-        write_result(path, document, &text)?;
-    }
-    if global.json {
-        return print_json(document);
-    }
-    if args.out.as_ref().is_some_and(|path| is_stdout(path)) {
-        return Ok(());
-    }
-    print(&document.text())
 }

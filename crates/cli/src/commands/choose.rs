@@ -8,6 +8,7 @@ mod presentation;
 mod question;
 mod reason;
 mod recommendation;
+pub(crate) mod record;
 
 use std::path::PathBuf;
 
@@ -16,8 +17,9 @@ use sphvar_samplers::{Pattern, Placement, Riesz};
 use sphvar_variance::{Domain, PredictionBudget, Predictor};
 
 use self::candidate::TimedCandidate;
-use self::presentation::{Answer, LeftOut};
+use self::presentation::Answer;
 use self::question::Question;
+use self::record::LeftOut;
 use crate::counts::parse_count;
 use crate::error::CliError;
 use crate::global::Global;
@@ -25,7 +27,7 @@ use crate::integrands::{FORMS, check_domain, parse_integrand};
 use crate::memory::check_memory;
 use crate::patterns::parse_patterns;
 use crate::progress::Progress;
-use crate::report::check_result;
+use crate::report::{check_result, number};
 use crate::spec::argument;
 
 pub(crate) const EXAMPLES: &str = "Examples:
@@ -125,7 +127,8 @@ pub(crate) fn run(args: &ChooseArgs, global: &Global) -> Result<(), CliError> {
             left_out.push(LeftOut {
                 sampler: pattern.to_string(),
                 reason: format!(
-                    "a prediction takes {budgets:.0} times the work of others; --samplers takes it"
+                    "a prediction takes {} times the work of others; --samplers takes it",
+                    number::count(budgets)
                 ),
             });
         } else {

@@ -1,29 +1,31 @@
 //! `sphvar compare`, the main job: which pattern integrates this best, and why.
 
 mod charts;
+pub(crate) mod record;
 mod result_folder;
+mod text;
 
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use serde::Serialize;
 use sphvar_integrands::Energy;
 use sphvar_samplers::Pattern;
 use sphvar_variance::{Comparison, RateFit, VariancePoint, fit_exact_rate, fit_rate};
 
 pub(super) use self::charts::variance_chart;
 use self::charts::{integrand_chart, spectra_chart};
+use self::record::{ComparisonBody, DegreeRecord, SamplerRecord};
 use self::result_folder::{RECORD, ResultFolder};
-use super::crossovers::{CrossoverRecord, crossovers};
-use super::rows::{self, Case, EffortArgs, Plan, Row, RowRecord};
+use self::text::text;
+use super::crossovers::crossovers;
+use super::row_record::RowRecord;
+use super::rows::{self, Case, EffortArgs, Plan, Row};
 use crate::counts::Counts;
 use crate::error::CliError;
 use crate::global::Global;
 use crate::integrands::{self, FORMS, parse_integrand};
 use crate::patterns::parse_patterns;
-use crate::report::{
-    Provenance, csv, full, is_stdout, print, print_json, say, short, table, write_text,
-};
+use crate::report::{Document, Provenance, csv_of, is_stdout, print, say, write_text};
 use crate::spec::argument;
 
 pub(crate) const EXAMPLES: &str = "Examples:
@@ -59,46 +61,6 @@ pub(crate) struct CompareArgs {
     /// Overwrite the results of another run in the folder
     #[arg(long)]
     pub(crate) force: bool,
-}
-
-/// What is said about one sampler over all its numbers of points.
-#[derive(Debug, Serialize)]
-struct Summary {
-    sampler: String,
-    /// Where rate and gain come from, the more precise one at every N: `predicted`, `measured` or `both`.
-    basis: &'static str,
-    /// Exponent of the variance and its 95 % interval.
-    rate: Option<f64>,
-    rate_interval: Option<(f64, f64)>,
-    /// By how much the exponent changes from the smallest to the largest number of points, and the
-    /// probability of as much where the law is a power, if that is measured.
-    rate_change: Option<f64>,
-    rate_change_p: Option<f64>,
-    /// Whether that is significant: the exponent is not the asymptotic one yet.
-    pre_asymptotic: bool,
-    /// Exponents of the predicted and of the measured variance, the latter with its 95 % interval.
-    predicted_rate: Option<f64>,
-    measured_rate: Option<f64>,
-    measured_rate_interval: Option<(f64, f64)>,
-    /// At the largest number of points: white noise's exact variance over this one.
-    n: usize,
-    /// Nothing where the variance is no more than rounding.
-    gain: Option<f64>,
-    gain_stderr: Option<f64>,
-    /// The same by the measured variance, where enough trials see the integrand.
-    measured_gain: Option<f64>,
-    measured_gain_stderr: Option<f64>,
-    /// The pattern's power as the integrand weighs it: predicted over white noise's variance.
-    power_seen: f64,
-}
-
-/// The document of `--json` and of comparison.json.
-#[derive(Debug, Serialize)]
-struct Document<'a> {
-    rows: &'a [RowRecord],
-    samplers: &'a [Summary],
-    crossovers: &'a [CrossoverRecord],
-    provenance: &'a Provenance,
 }
 
 pub(crate) fn run(args: &CompareArgs, global: &Global) -> Result<(), CliError> {
@@ -137,21 +99,18 @@ pub(crate) fn run(args: &CompareArgs, global: &Global) -> Result<(), CliError> {
     let (rows, energy) = rows::run(&plan, &cases)?;
 
     let curves: Vec<Curve<'_>> = patterns.iter().map(|p| Curve::new(p, &rows)).collect();
-    let summaries: Vec<Summary> = curves.iter().filter_map(|c| c.summary(&energy)).collect();
+    let samplers: Vec<SamplerRecord> = curves.iter().filter_map(|c| c.summary(&energy)).collect();
     let best: Vec<_> = curves.iter().map(|c| (c.pattern.to_string(), c.best())).collect();
     let crossovers = crossovers(&best, global.seed);
     let records: Vec<RowRecord> = rows.iter().map(|row| RowRecord::new(row, &plan)).collect();
-    let document = Document {
-        rows: &records,
-        samplers: &summaries,
-        crossovers: &crossovers,
-        provenance: &provenance,
-    };
-    folder.write(|folder| write_files(folder, &document, &rows, &curves, &energy, &plan))?;
+    let body = ComparisonBody { rows: records, samplers, crossovers };
+    let written =
+        Written { body: &body, rows: &rows, curves: &curves, energy: &energy, plan: &plan };
+    folder.write(|folder| written.to(folder, &provenance))?;
     if global.json {
-        return print_json(&document);
+        return Document::new(&body, &provenance).print();
     }
-    print(&text(&document, &plan))?;
+    print(&text(&body, &plan))?;
     say(global.quiet, &format!("Tables and plots are in {}", args.out.display()));
     Ok(())
 }
@@ -183,7 +142,7 @@ impl<'a> Curve<'a> {
         points.filter(|p| p.stderr.is_finite()).collect()
     }
 
-    fn summary(&self, energy: &Energy) -> Option<Summary> {
+    fn summary(&self, energy: &Energy) -> Option<SamplerRecord> {
         let last = self.rows.last()?;
         let n = last.comparison.predicted.spectrum.n_points();
         let white = energy.domain().variance_factor(n) * energy.beyond(0);
@@ -204,7 +163,7 @@ impl<'a> Curve<'a> {
         let measured_gain = gain(last.comparison.measured_point());
         let known = |x: Option<f64>| x.filter(|x| x.is_finite());
         let finite = |i: Option<(f64, f64)>| i.filter(|i| i.0.is_finite() && i.1.is_finite());
-        Some(Summary {
+        Some(SamplerRecord {
             sampler: self.pattern.to_string(),
             basis,
             rate: fit.map(|f| f.slope),
@@ -225,134 +184,45 @@ impl<'a> Curve<'a> {
     }
 }
 
-/// A measured rate is shown with its interval: of few trials it can be anything.
-fn rate_with_interval(rate: Option<f64>, interval: Option<(f64, f64)>) -> String {
-    match (rate, interval) {
-        (Some(rate), Some((low, high))) => format!("{rate:.2} ({low:.2} to {high:.2})"),
-        _ => "-".to_owned(),
-    }
+/// What goes to the folder of results.
+struct Written<'a> {
+    body: &'a ComparisonBody,
+    rows: &'a [Row],
+    curves: &'a [Curve<'a>],
+    energy: &'a Energy,
+    plan: &'a Plan<'a>,
 }
 
-fn text(document: &Document<'_>, plan: &Plan<'_>) -> String {
-    let mut text = format!("Variance of integrating {}\n\n", plan.integrand.name);
-    text += &table(&RowRecord::HEADING, document.rows.iter().map(RowRecord::cells).collect(), 1);
-    text += &RowRecord::remarks(document.rows);
-    // Without a score there is no verdict.
-    let scores: Vec<f64> =
-        document.rows.iter().map(RowRecord::z).filter(|z| z.is_finite()).collect();
-    let agreeing = scores.iter().filter(|z| z.abs() <= 3.0).count();
-    let n_rows = scores.len();
-    let without = document.rows.len() - n_rows;
-    let agreement = format!(
-        "Predicted and measured agree within 3 standard errors in {agreeing} of {n_rows} rows"
-    );
-    text += &match (n_rows, without) {
-        (0, _) => "\nNo row has a verdict: too few trials see the integrand.\n\n".to_owned(),
-        (_, 0) => format!("\n{agreement}.\n\n"),
-        _ => format!("\n{agreement}; {without} have no verdict.\n\n"),
-    };
-    let optional = |x: Option<f64>| x.map_or("-".to_owned(), |x| format!("{x:.2}"));
-    let cells = |s: &Summary| {
-        let interval = s.rate_interval.map_or("-".to_owned(), |(a, b)| format!("{a:.2} to {b:.2}"));
-        vec![
-            s.sampler.to_owned(),
-            optional(s.rate) + if s.pre_asymptotic { " *" } else { "" },
-            interval,
-            rate_with_interval(s.measured_rate, s.measured_rate_interval),
-            s.n.to_string(),
-            short(s.power_seen),
-            s.gain.zip(s.gain_stderr).map_or("-".to_owned(), |(g, e)| format!("{g:.2} +- {e:.2}")),
-        ]
-    };
-    let heading = [
-        "sampler",
-        "rate",
-        "95 %",
-        "measured (95 %)",
-        "at N",
-        "effective power",
-        "gain over white noise",
-    ];
-    text += &table(&heading, document.samplers.iter().map(cells).collect(), 1);
-    text += "\nrate: exponent b of variance ~ N^b; it and the gain are from predicted or measured variances, \
-             whichever are\nthe more precise. effective power: the pattern's power averaged over the \
-             degrees with the integrand's energies;\nwhite noise has 1. gain: how many times the \
-             variance is smaller.\n";
-    if document.samplers.iter().any(|s| s.pre_asymptotic) {
-        text +=
-            "*: the rate changes over these numbers of points, it is not the asymptotic one yet.\n";
-    }
-    text += "\n";
-    text.extend(document.crossovers.iter().map(CrossoverRecord::line));
-    text + &verdict(document.samplers)
-}
-
-/// Which sampler gains most at its largest number of points. Predictions decide: they are more precise
-/// than measurements.
-fn verdict(samplers: &[Summary]) -> String {
-    let with_variance = samplers.iter().filter(|s| s.power_seen.is_finite());
-    let Some(best) = with_variance.min_by(|a, b| a.power_seen.total_cmp(&b.power_seen)) else {
-        return "The integrand has no variance with any pattern: it is constant.\n".to_owned();
-    };
-    if best.gain.is_none() || best.power_seen <= 0.0 {
-        let exact: Vec<&str> =
-            samplers.iter().filter(|s| s.gain.is_none()).map(|s| s.sampler.as_str()).collect();
-        return format!("Exact to rounding: {}.\n", exact.join(", "));
-    }
-    let measured = best.measured_gain.zip(best.measured_gain_stderr);
-    let measured =
-        measured.map_or(String::new(), |(g, e)| format!(", {g:.1} +- {e:.1} as measured"));
-    format!(
-        "Largest gain: {} with N = {}, {:.1} times less variance than white noise as predicted{measured}.\n",
-        best.sampler,
-        best.n,
-        1.0 / best.power_seen,
-    )
-}
-
-fn write_files(
-    folder: &Path,
-    document: &Document<'_>,
-    rows: &[Row],
-    curves: &[Curve<'_>],
-    energy: &Energy,
-    plan: &Plan<'_>,
-) -> Result<(), CliError> {
-    let provenance = document.provenance;
-    let cells: Vec<_> = document.rows.iter().map(RowRecord::record).collect();
-    write_text(&folder.join("comparison.csv"), &csv(provenance, RowRecord::COLUMNS, &cells))?;
-    let spectra = csv(provenance, "sampler,n,l,omega,power,stderr", &spectrum_records(rows));
-    write_text(&folder.join("spectra.csv"), &spectra)?;
-    let charts = [
-        ("spectra", spectra_chart(curves)),
-        ("variance", variance_chart(curves, plan)),
-        ("integrand", integrand_chart(energy, plan)),
-    ];
-    for (name, chart) in charts {
-        let chart = chart.with_note(provenance.line());
-        chart.render(&folder.join(format!("{name}.svg")))?;
-        chart.render(&folder.join(format!("{name}.png")))?;
-    }
-    let json = serde_json::to_string_pretty(document).map_err(CliError::failed)?;
-    write_text(&folder.join(RECORD), &(json + "\n"))
-}
-
-fn spectrum_records(rows: &[Row]) -> Vec<Vec<String>> {
-    let mut records = Vec::new();
-    for row in rows {
-        let spectrum = &row.comparison.predicted.spectrum;
-        let n = spectrum.n_points();
-        for (l, power, stderr) in spectrum.rows() {
-            let omega = l as f64 / (n as f64).sqrt();
-            records.push(vec![
-                row.pattern.to_string(),
-                n.to_string(),
-                l.to_string(),
-                full(omega),
-                full(power),
-                full(stderr),
-            ]);
+impl Written<'_> {
+    fn to(&self, folder: &Path, provenance: &Provenance) -> Result<(), CliError> {
+        write_text(&folder.join("comparison.csv"), &csv_of(provenance, &self.body.rows)?)?;
+        write_text(&folder.join("spectra.csv"), &csv_of(provenance, &degrees(self.rows))?)?;
+        let charts = [
+            ("spectra", spectra_chart(self.curves)),
+            ("variance", variance_chart(self.curves, self.plan)),
+            ("integrand", integrand_chart(self.energy, self.plan)),
+        ];
+        for (name, chart) in charts {
+            let chart = chart.with_note(provenance.line());
+            chart.render(&folder.join(format!("{name}.svg")))?;
+            chart.render(&folder.join(format!("{name}.png")))?;
         }
+        let document = Document::new(self.body, provenance);
+        let json = serde_json::to_string_pretty(&document).map_err(CliError::failed)?;
+        write_text(&folder.join(RECORD), &(json + "\n"))
     }
-    records
+}
+
+/// All degrees of all spectra.
+fn degrees(rows: &[Row]) -> Vec<DegreeRecord> {
+    let degrees = |row: &Row| {
+        let spectrum = &row.comparison.predicted.spectrum;
+        let (sampler, n) = (row.pattern.to_string(), spectrum.n_points());
+        let record = move |(l, power, stderr)| {
+            let omega = l as f64 / (n as f64).sqrt();
+            DegreeRecord { sampler: sampler.clone(), n, l, omega, power, stderr }
+        };
+        spectrum.rows().map(record).collect::<Vec<_>>()
+    };
+    rows.iter().flat_map(degrees).collect()
 }

@@ -1,26 +1,36 @@
 //! Where the variance curves of samplers cross, as tables and files show it.
 
+use schemars::JsonSchema;
 use serde::Serialize;
 use sphvar_samplers::{Purpose, Streams};
 use sphvar_variance::{Crossover, VariancePoint};
 
-/// Where two samplers' curves cross.
-#[derive(Clone, Debug, Serialize)]
-pub(super) struct CrossoverRecord {
+use crate::report::number;
+
+/// Where the variance curves of two samplers cross.
+#[derive(Clone, Debug, Serialize, JsonSchema)]
+pub(crate) struct CrossoverRecord {
+    /// The sampler of less variance at fewer points.
     pub(super) better_below: String,
+    /// The sampler of less variance at more points.
     pub(super) better_above: String,
+    /// The number of points at which the curves cross; it need not be whole.
     pub(super) n: f64,
-    /// The 95 % interval, with the numbers of points that were tried next to the crossing.
+    /// The 95 % interval of `n`, extended to the numbers of points that were tried next to the crossing.
     pub(super) interval: (f64, f64),
-    /// The share of resampled curves that cross.
+    /// The share of resampled curves that cross, from 0 to 1.
     pub(super) confidence: f64,
 }
 
 impl CrossoverRecord {
     /// The crossover in a line of text.
     pub(super) fn line(&self) -> String {
-        let Self { better_above, better_below, n, interval: (from, to), .. } = self;
-        format!("{better_above} overtakes {better_below} at N = {n:.0} ({from:.0} to {to:.0})\n")
+        let Self { better_above, better_below, n, interval, .. } = self;
+        let interval = number::interval(Some(*interval), number::count);
+        format!(
+            "{better_above} overtakes {better_below} at N = {} ({interval})\n",
+            number::count(*n)
+        )
     }
 }
 

@@ -1,6 +1,7 @@
 //! Sphere sets cut in half beside patterns of the hemisphere, as `variance --cut-sphere` shows them.
 
 use clap::ValueEnum;
+use schemars::JsonSchema;
 use serde::Serialize;
 use sphvar_integrands::{CutEstimator, CutIntegrand};
 use sphvar_samplers::{Domain, Purpose, Realizations, Sampler, Streams};
@@ -15,7 +16,7 @@ use crate::error::CliError;
 use crate::memory::check_transform;
 use crate::patterns;
 use crate::progress::Progress;
-use crate::report::short;
+use crate::report::{Column, number};
 
 /// Where sphere sets are cut.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -26,30 +27,53 @@ pub(crate) enum Cut {
     Equator,
 }
 
-/// One pattern of the sphere, cut, under one estimator.
-#[derive(Debug, Serialize)]
-pub(super) struct CutRecord {
+/// A pattern of the sphere, cut in half, with one estimator. A number that cannot be given is null.
+#[derive(Debug, Serialize, JsonSchema)]
+pub(crate) struct CutRecord {
+    /// The sampler with its parameters.
     sampler: String,
     /// The number of points on the whole sphere.
     m: usize,
+    /// The estimate of the integral over the hemisphere, as a formula.
     estimator: &'static str,
+    /// Where sets are cut: `random` or `equator`.
     axis: &'static str,
+    /// Trials from which the variance was measured.
     trials: usize,
+    /// The predicted variance of the estimate, for cuts at the equator where the energies of the integrand are known.
     predicted: Option<f64>,
+    /// The standard error of `predicted`.
     predicted_stderr: Option<f64>,
+    /// The measured variance of the estimate.
+    #[schemars(with = "Option<f64>")]
     measured: f64,
+    /// The standard error of `measured`.
+    #[schemars(with = "Option<f64>")]
     measured_stderr: f64,
+    /// The lower end of the 95 % interval of the measured variance.
+    #[schemars(with = "Option<f64>")]
     measured_low: f64,
+    /// The upper end of the 95 % interval of the measured variance.
+    #[schemars(with = "Option<f64>")]
     measured_high: f64,
-    /// Measured over measured variance of the same pattern on the hemisphere itself.
+    /// Measured variance over the measured variance of the same pattern on the hemisphere itself.
+    #[schemars(with = "Option<f64>")]
     over_hemisphere: f64,
+    /// The standard error of `over_hemisphere`.
+    #[schemars(with = "Option<f64>")]
     over_hemisphere_stderr: f64,
+    /// The mean estimate of the integral over the trials.
+    #[schemars(with = "Option<f64>")]
     mean: f64,
+    /// The exact integral over the hemisphere.
     exact: Option<f64>,
+    /// Mean minus exact integral, in standard errors.
     bias_z: Option<f64>,
+    /// The probability of a `bias_z` of this size without a bias.
     bias_p: Option<f64>,
-    /// Mean and variance of the number of points kept.
+    /// The mean number of points in the half that is kept.
     kept: f64,
+    /// The variance of the number of points in the half that is kept.
     kept_variance: f64,
     /// Trials in which no point was kept, whose ratio estimates are 0.
     empty: usize,
@@ -161,25 +185,22 @@ impl CutRecord {
         }
     }
 
-    /// The heading of [`Self::cells`].
-    pub(super) const HEADING: [&'static str; 8] =
-        ["cut sampler", "M", "n", "estimate", "predicted", "measured", "cut/hemisphere", "bias z"];
-
-    /// The row of a table for people.
-    pub(super) fn cells(&self) -> Vec<String> {
+    /// The columns of a table.
+    pub(super) fn columns() -> Vec<Column<'static, Self>> {
         vec![
-            self.sampler.clone(),
-            self.m.to_string(),
-            format!("{:.0} +- {:.1}", self.kept, self.kept_variance.sqrt()),
-            self.estimator.to_owned(),
-            self.predicted.map_or("-".to_owned(), short),
-            short(self.measured),
-            if self.over_hemisphere.is_finite() {
-                format!("{:.3} +- {:.3}", self.over_hemisphere, self.over_hemisphere_stderr)
-            } else {
-                "-".to_owned()
-            },
-            self.bias_z.map_or("-".to_owned(), |z| format!("{z:+.1}")),
+            Column::text("cut sampler", |r: &Self| r.sampler.clone()),
+            Column::number("M", |r: &Self| r.m.to_string()),
+            Column::number("n", |r: &Self| {
+                let spread = number::uncertainty(r.kept_variance.sqrt());
+                format!("{} +- {spread}", number::count(r.kept))
+            }),
+            Column::text("estimate", |r: &Self| r.estimator.to_owned()),
+            Column::number("predicted", |r: &Self| number::optional(r.predicted, number::value)),
+            Column::number("measured", |r: &Self| number::value(r.measured)),
+            Column::number("cut/hemisphere", |r: &Self| {
+                number::with_uncertainty(r.over_hemisphere, r.over_hemisphere_stderr)
+            }),
+            Column::number("bias z", |r: &Self| number::optional(r.bias_z, number::score)),
         ]
     }
 }

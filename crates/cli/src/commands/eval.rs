@@ -1,6 +1,7 @@
 //! `sphvar eval`: single values of the functions that everything is made of.
 
 use clap::{Args, Subcommand};
+use schemars::JsonSchema;
 use serde::Serialize;
 use sphvar_integrands::{Cap, Integrand};
 use sphvar_samplers::Domain;
@@ -11,7 +12,7 @@ use crate::error::CliError;
 use crate::global::Global;
 use crate::memory::{check_degree, check_memory};
 use crate::profiles::parse_profile;
-use crate::report::{print, print_json};
+use crate::report::{Document, Provenance, csv_rows, full, print};
 
 pub(crate) const EXAMPLES: &str = "Examples:
   sphvar eval legendre --l 20000 --m 100 --theta 1e-3
@@ -77,30 +78,56 @@ enum Function {
     },
 }
 
-#[derive(Debug, Serialize)]
-struct Value {
+/// A value of the orthonormal associated Legendre function: `eval legendre --json`.
+#[derive(Debug, Serialize, JsonSchema)]
+pub(crate) struct LegendreBody {
+    /// The value; 0 where it is below the range of f64.
     value: f64,
-    /// `log10 |value|`, which tells more where the value is below the range of f64.
+    /// `log10 |value|`, which also tells the size of values below the range of f64; null where the function is 0.
     log10_abs: Option<f64>,
 }
 
-#[derive(Debug, Serialize)]
-struct ComplexValue {
+/// A value of the complex orthonormal spherical harmonic: `eval ylm --json`.
+#[derive(Debug, Serialize, JsonSchema)]
+pub(crate) struct HarmonicBody {
+    /// The real part.
     re: f64,
+    /// The imaginary part.
     im: f64,
 }
 
-#[derive(Debug, Serialize)]
-struct Energies {
+/// The energy per degree of a spherical cap: `eval cap-power --json`.
+#[derive(Debug, Serialize, JsonSchema)]
+pub(crate) struct CapBody {
+    /// The degrees from 0.
     l: Vec<usize>,
+    /// The energy of each degree.
     energy: Vec<f64>,
+    /// The energy of all degrees, also of those that are not listed: the area of the cap.
     total: f64,
 }
 
-#[derive(Debug, Serialize)]
-struct Powers {
+/// The power per degree of a profile: `eval profile --json`.
+#[derive(Debug, Serialize, JsonSchema)]
+pub(crate) struct ProfileBody {
+    /// The degrees from 0.
     l: Vec<usize>,
+    /// The power of each degree; white noise has 1.
     power: Vec<f64>,
+}
+
+/// The energy of one degree.
+#[derive(Serialize, JsonSchema)]
+struct DegreeEnergy {
+    l: usize,
+    energy: f64,
+}
+
+/// The power of one degree.
+#[derive(Serialize, JsonSchema)]
+struct DegreePower {
+    l: usize,
+    power: f64,
 }
 
 pub(crate) fn run(args: &EvalArgs, global: &Global) -> Result<(), CliError> {
@@ -108,17 +135,18 @@ pub(crate) fn run(args: &EvalArgs, global: &Global) -> Result<(), CliError> {
         &Function::Legendre { l, m, theta } => legendre(l, m, theta, global),
         &Function::Ylm { l, m, theta, phi } => {
             let y = ylm(l, m, theta, phi).map_err(CliError::usage)?;
-            let text = format!("{:e} {:e}\n", y.re, y.im);
-            output(global, &ComplexValue { re: y.re, im: y.im }, &text)
+            let text = format!("{} {}\n", full(y.re), full(y.im));
+            output(global, &HarmonicBody { re: y.re, im: y.im }, text)
         }
         &Function::CapPower { degrees, lmax } => {
             check_size("--lmax", lmax)?;
             let cap = Cap::from_degrees(degrees).map_err(CliError::usage)?;
             let energy = cap.energy(Domain::Sphere, lmax)?;
             let values = energy.per_band().to_vec();
-            let text = listing("l,energy", &values);
+            let rows = values.iter().enumerate().map(|(l, &energy)| DegreeEnergy { l, energy });
+            let text = csv_rows(&rows.collect::<Vec<_>>())?;
             let l = (0..=lmax).collect();
-            output(global, &Energies { l, energy: values, total: energy.total() }, &text)
+            output(global, &CapBody { l, energy: values, total: energy.total() }, text)
         }
         Function::Profile { profile, points, lmax } => {
             check_size("--lmax", *lmax)?;
@@ -127,8 +155,9 @@ pub(crate) fn run(args: &EvalArgs, global: &Global) -> Result<(), CliError> {
                 return Err(CliError::Usage("-n must be at least 1, got 0".to_owned()));
             }
             let power: Vec<f64> = (0..=*lmax).map(|l| profile.power(l, *points)).collect();
-            let text = listing("l,power", &power);
-            output(global, &Powers { l: (0..=*lmax).collect(), power }, &text)
+            let rows = power.iter().enumerate().map(|(l, &power)| DegreePower { l, power });
+            let text = csv_rows(&rows.collect::<Vec<_>>())?;
+            output(global, &ProfileBody { l: (0..=*lmax).collect(), power }, text)
         }
     }
 }
@@ -145,8 +174,8 @@ fn legendre(l: usize, m: i64, theta: f64, global: &Global) -> Result<(), CliErro
     let sign = if m < 0 && order % 2 == 1 { -1.0 } else { 1.0 };
     let value = sign * scaled.value();
     let log10 = scaled.log10_abs();
-    let document = Value { value, log10_abs: log10.is_finite().then_some(log10) };
-    output(global, &document, &format!("{value:e}\n"))
+    let body = LegendreBody { value, log10_abs: log10.is_finite().then_some(log10) };
+    output(global, &body, full(value) + "\n")
 }
 
 fn check_size(what: &str, l: usize) -> Result<(), CliError> {
@@ -154,13 +183,10 @@ fn check_size(what: &str, l: usize) -> Result<(), CliError> {
     check_memory(&format!("{what} {l}"), 16.0 * l as f64)
 }
 
-fn listing(heading: &str, values: &[f64]) -> String {
-    values
-        .iter()
-        .enumerate()
-        .fold(format!("{heading}\n"), |text, (l, x)| text + &format!("{l},{x:e}\n"))
-}
-
-fn output(global: &Global, document: &impl Serialize, text: &str) -> Result<(), CliError> {
-    if global.json { print_json(document) } else { print(text) }
+fn output(global: &Global, body: &impl Serialize, text: String) -> Result<(), CliError> {
+    if global.json {
+        Document::new(body, &Provenance::new(global.seed)).print()
+    } else {
+        print(&text)
+    }
 }

@@ -1,18 +1,21 @@
 //! `sphvar healpix`: directions, angles and pixels converted into each other, list by list.
 
+use std::borrow::Cow;
 use std::f64::consts::PI;
 use std::io;
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 use glam::DVec3;
-use serde::ser::{Serialize, SerializeMap, Serializer};
+use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
+use serde::{Serialize, Serializer};
+use serde_json::json;
 use sphvar_healpix::{Nested, Nside, PixelOrder, Ring, unit_direction};
 
 use crate::error::CliError;
 use crate::files::{Columns, Fault, FileError, ListWriter, Number, Written, read_list};
 use crate::global::Global;
-use crate::report::{Provenance, is_stdout, print_json};
+use crate::report::{Document, Provenance, is_stdout};
 
 #[cfg(test)]
 mod tests;
@@ -211,8 +214,8 @@ impl Job<'_> {
             writer.write(&to.names, &rows).map_err(output_error)?;
         }
         if global.json {
-            let provenance = Provenance::new(global.seed);
-            print_json(&Document { args, order, names: &to.names, rows: &rows, provenance })?;
+            let body = HealpixBody::new(args, order, &to.names, &rows);
+            return Document::new(&body, &Provenance::new(global.seed)).print();
         }
         Ok(())
     }
@@ -228,26 +231,68 @@ fn output_error(error: FileError) -> CliError {
     }
 }
 
-/// The document of `--json`: an array for each column.
-struct Document<'a, T, const N: usize> {
-    args: &'a HealpixArgs,
+/// Converted directions or pixels, an array for each column: `healpix --json`.
+#[derive(Serialize, JsonSchema)]
+pub(crate) struct HealpixBody<'a, T: Serialize, const N: usize> {
+    /// What is converted into what, such as `vec2pix`.
+    conversion: &'static str,
+    /// The resolution: the sphere has 12 nside^2 pixels.
+    nside: u32,
+    /// How pixels are numbered: `ring` or `nested`.
     order: &'static str,
-    names: &'a [&'static str; N],
-    rows: &'a [[T; N]],
-    provenance: Provenance,
+    #[serde(flatten)]
+    lists: Lists<'a, T, N>,
 }
 
-impl<T: Serialize, const N: usize> Serialize for Document<'_, T, N> {
+impl<'a, T: Serialize, const N: usize> HealpixBody<'a, T, N> {
+    fn new(
+        args: &HealpixArgs,
+        order: &'static str,
+        names: &'a [&'static str; N],
+        rows: &'a [[T; N]],
+    ) -> Self {
+        let lists = Lists { names, rows };
+        Self { conversion: args.conversion.name(), nside: args.nside.value(), order, lists }
+    }
+}
+
+/// The columns of what came out.
+struct Lists<'a, T, const N: usize> {
+    names: &'a [&'static str; N],
+    rows: &'a [[T; N]],
+}
+
+impl<T: Serialize, const N: usize> Serialize for Lists<'_, T, N> {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let mut map = serializer.serialize_map(Some(N + 4))?;
-        map.serialize_entry("conversion", self.args.conversion.name())?;
-        map.serialize_entry("nside", &self.args.nside.value())?;
-        map.serialize_entry("order", self.order)?;
-        for (column, name) in self.names.iter().enumerate() {
-            map.serialize_entry(name, &Column { rows: self.rows, column })?;
+        let column = |column| Column { rows: self.rows, column };
+        serializer.collect_map(self.names.iter().zip((0..N).map(column)))
+    }
+}
+
+impl<T, const N: usize> JsonSchema for Lists<'_, T, N> {
+    fn schema_name() -> Cow<'static, str> {
+        "Lists".into()
+    }
+
+    fn json_schema(_: &mut SchemaGenerator) -> Schema {
+        let all = [
+            (&VECTOR.names[..], VECTOR.remark),
+            (&RADIANS.names, "colatitude and longitude in radians"),
+            (&DEGREES.names, DEGREES.remark),
+        ];
+        let mut properties = serde_json::Map::new();
+        for (names, remark) in all {
+            let list =
+                json!({ "description": remark, "type": "array", "items": { "type": "number" } });
+            properties.extend(names.iter().map(|&name| (name.to_owned(), list.clone())));
         }
-        map.serialize_entry("provenance", &self.provenance)?;
-        map.end()
+        let pixels = json!({
+            "description": "numbers of pixels, from 0",
+            "type": "array",
+            "items": { "type": "integer" },
+        });
+        properties.extend(PIXEL.names.map(|name| (name.to_owned(), pixels.clone())));
+        json_schema!({ "type": "object", "properties": properties })
     }
 }
 

@@ -18,6 +18,7 @@ pub(crate) mod variance;
 pub(crate) mod crossovers;
 mod cut_sphere;
 mod power_chart;
+mod row_record;
 mod rows;
 mod sets_args;
 

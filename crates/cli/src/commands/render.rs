@@ -3,10 +3,10 @@
 mod colours;
 mod reference;
 mod reference_file;
-mod sheet;
-mod single;
+pub(crate) mod sheet;
+pub(crate) mod single;
 mod stage;
-mod study;
+pub(crate) mod study;
 mod trials;
 
 use std::path::PathBuf;

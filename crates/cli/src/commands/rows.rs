@@ -1,7 +1,6 @@
 //! Rows of predicted and measured variance, as `variance` and `compare` show them.
 
 use clap::Args;
-use serde::Serialize;
 use sphvar_integrands::{Energy, Integrand};
 use sphvar_samplers::{Domain, Pattern, Sampler, Share};
 use sphvar_spectrum::Resolution;
@@ -16,7 +15,6 @@ use crate::integrands::{NamedIntegrand, check_domain};
 use crate::memory::{check_degree, check_memory, check_transform};
 use crate::patterns;
 use crate::progress::Progress;
-use crate::report::{full, short};
 use crate::share::parse_share;
 use crate::transforms::TransformArgs;
 
@@ -227,7 +225,7 @@ impl Plan<'_> {
         &self,
         integrand: &'a dyn Integrand,
         domain: Domain,
-    ) -> Result<Predictor<'a>, CliError> {
+    ) -> Result<Predictor<'a>, sphvar_variance::Error> {
         let predictor = Predictor::new(integrand, domain, self.seed, PredictionBudget::USUAL)?;
         let Self { lmax, realizations, method, epsilon, .. } = *self;
         Ok(predictor.with_options(SpectrumOptions { lmax, realizations, method, epsilon }))
@@ -262,177 +260,5 @@ impl Plan<'_> {
         let shown =
             if self.whole_spectra { Resolution::natural_degree(case.n_points()) } else { 0 };
         needed.max(shown)
-    }
-}
-
-/// A row as scripts see it.
-#[derive(Debug, Serialize)]
-pub(super) struct RowRecord {
-    sampler: String,
-    integrand: String,
-    domain: &'static str,
-    asked: usize,
-    n: usize,
-    lmax: usize,
-    realizations: u64,
-    trials: usize,
-    predicted: f64,
-    predicted_stderr: f64,
-    predicted_tail: f64,
-    measured: f64,
-    measured_stderr: f64,
-    ratio: f64,
-    ratio_stderr: f64,
-    z: f64,
-    mean: f64,
-    mean_stderr: f64,
-    exact: Option<f64>,
-    predicted_tail_error: f64,
-    /// 95 % intervals.
-    predicted_low: f64,
-    predicted_high: f64,
-    measured_low: f64,
-    measured_high: f64,
-    /// Mean minus exact in standard errors, and its probability without a bias.
-    bias_z: Option<f64>,
-    bias_p: Option<f64>,
-    /// Why numbers are missing.
-    remark: Option<&'static str>,
-}
-
-/// The remark of a row whose measured variance has no error.
-const TOO_FEW: &str = "too few trials see the integrand";
-
-/// The confidence of the intervals in files.
-const CONFIDENCE: f64 = 0.95;
-
-impl RowRecord {
-    pub(super) fn new(row: &Row, plan: &Plan<'_>) -> Self {
-        let Comparison { predicted, measurement, .. } = &row.comparison;
-        let PredictedPoint { spectrum, prediction } = predicted;
-        let (ratio, ratio_stderr) = row.comparison.ratio();
-        let (predicted_low, predicted_high) = prediction.interval(CONFIDENCE);
-        let measured = row.comparison.measured_interval(CONFIDENCE);
-        let (measured_low, measured_high) = measured.unwrap_or((f64::NAN, f64::NAN));
-        let bias = row.comparison.bias();
-        let remark = row.comparison.sees_too_little().then_some(TOO_FEW);
-        // What the trials have not seen is no error of theirs.
-        let known = |x: f64| if remark.is_some() { f64::NAN } else { x };
-        Self {
-            sampler: row.pattern.to_string(),
-            integrand: plan.integrand.name.clone(),
-            domain: plan.domain.name(),
-            asked: row.asked,
-            n: spectrum.n_points(),
-            lmax: spectrum.lmax(),
-            realizations: spectrum.realizations(),
-            trials: measurement.estimates().len(),
-            predicted: prediction.variance,
-            predicted_stderr: prediction.stderr,
-            predicted_tail: prediction.tail,
-            measured: measurement.variance(),
-            measured_stderr: known(measurement.variance() * row.comparison.error().relative()),
-            ratio,
-            ratio_stderr,
-            z: row.comparison.z_score(),
-            mean: measurement.mean(),
-            mean_stderr: known(measurement.mean_stderr()),
-            exact: row.comparison.exact,
-            predicted_tail_error: prediction.tail_error,
-            predicted_low,
-            predicted_high,
-            measured_low,
-            measured_high,
-            bias_z: bias.map(|b| b.z),
-            bias_p: bias.map(|b| b.p_value),
-            remark,
-        }
-    }
-
-    /// Measured minus predicted variance in standard errors; NaN without a verdict.
-    pub(super) fn z(&self) -> f64 {
-        self.z
-    }
-
-    /// A line for every row whose measured variance has no error.
-    pub(super) fn remarks(records: &[Self]) -> String {
-        let line = |r: &Self| {
-            Some(format!("{}, N = {}: {} (-m {}).\n", r.sampler, r.n, r.remark?, r.trials))
-        };
-        records.iter().filter_map(line).collect()
-    }
-
-    /// The heading of [`Self::cells`].
-    pub(super) const HEADING: [&'static str; 10] =
-        ["sampler", "N asked", "N", "predicted", "+-", "measured", "+-", "ratio", "z", "bias z"];
-
-    /// The row of a table for people.
-    pub(super) fn cells(&self) -> Vec<String> {
-        // Where a variance is 0 there is no ratio.
-        let ratio = if self.ratio.is_finite() && self.ratio_stderr.is_finite() {
-            format!("{:.3} +- {:.3}", self.ratio, self.ratio_stderr)
-        } else {
-            "-".to_owned()
-        };
-        let score = |z: f64| match z.abs() {
-            small if small < 1e4 => format!("{z:+.1}"),
-            large if large.is_nan() => "-".to_owned(),
-            _ => short(z),
-        };
-        let error = |x: f64| if x.is_finite() { format!("{x:.1e}") } else { "-".to_owned() };
-        vec![
-            self.sampler.to_owned(),
-            self.asked.to_string(),
-            self.n.to_string(),
-            short(self.predicted),
-            error(self.predicted_stderr.hypot(self.predicted_tail_error)),
-            short(self.measured),
-            error(self.measured_stderr),
-            ratio,
-            score(self.z),
-            self.bias_z.map_or("-".to_owned(), score),
-        ]
-    }
-
-    /// The heading of [`Self::record`].
-    pub(super) const COLUMNS: &'static str = "sampler,integrand,domain,asked,n,lmax,realizations,\
-         trials,predicted,predicted_stderr,predicted_tail,measured,measured_stderr,ratio,\
-         ratio_stderr,z,mean,mean_stderr,exact,predicted_tail_error,predicted_low,predicted_high,\
-         measured_low,measured_high,bias_z,bias_p";
-
-    /// The row of a CSV file.
-    pub(super) fn record(&self) -> Vec<String> {
-        let mut cells = vec![
-            self.sampler.to_owned(),
-            self.integrand.clone(),
-            self.domain.to_owned(),
-            self.asked.to_string(),
-            self.n.to_string(),
-            self.lmax.to_string(),
-            self.realizations.to_string(),
-            self.trials.to_string(),
-        ];
-        let numbers = [
-            self.predicted,
-            self.predicted_stderr,
-            self.predicted_tail,
-            self.measured,
-            self.measured_stderr,
-            self.ratio,
-            self.ratio_stderr,
-            self.z,
-            self.mean,
-            self.mean_stderr,
-            self.exact.unwrap_or(f64::NAN),
-            self.predicted_tail_error,
-            self.predicted_low,
-            self.predicted_high,
-            self.measured_low,
-            self.measured_high,
-            self.bias_z.unwrap_or(f64::NAN),
-            self.bias_p.unwrap_or(f64::NAN),
-        ];
-        cells.extend(numbers.map(full));
-        cells
     }
 }

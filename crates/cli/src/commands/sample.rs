@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use glam::DVec3;
 use rayon::prelude::{IntoParallelIterator, ParallelIterator};
+use schemars::JsonSchema;
 use serde::Serialize;
 use sphvar_samplers::{Domain, Pattern, PatternFacts, PointSet, Purpose, Realizations, Streams};
 
@@ -16,7 +17,7 @@ use crate::memory::check_memory;
 use crate::patterns;
 use crate::plots::{ImageFormat, OrthographicView};
 use crate::progress::Progress;
-use crate::report::{Provenance, is_stdout, print, print_json, say};
+use crate::report::{Document, Provenance, is_stdout, print, print_json, say};
 
 pub(crate) const EXAMPLES: &str = "Examples:
   sphvar sample jittered -n 972 -o points.csv
@@ -60,11 +61,14 @@ pub(crate) struct SampleArgs {
     pub(crate) out: PathBuf,
 }
 
-/// The document of `--json`.
-#[derive(Debug, Serialize)]
-struct Document {
+/// Realizations of a pattern: `sample --json`.
+#[derive(Debug, Serialize, JsonSchema)]
+pub(crate) struct SampleBody {
+    /// The sampler with its parameters.
     sampler: String,
+    /// The number of points; the mean where it is random.
     n: usize,
+    /// The number of sets.
     realizations: usize,
     /// No set has power at any degree from 1 to this, for patterns that are made so.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -72,9 +76,9 @@ struct Document {
     /// The number of points of each set, where the pattern does not fix it.
     #[serde(skip_serializing_if = "Option::is_none")]
     counts: Option<Vec<usize>>,
+    /// The unit vectors x, y, z of each set, unless they are written to a file.
     #[serde(skip_serializing_if = "Option::is_none")]
     points: Option<Vec<Vec<[f64; 3]>>>,
-    provenance: Provenance,
 }
 
 pub(crate) fn run(args: &SampleArgs, global: &Global) -> Result<(), CliError> {
@@ -147,15 +151,15 @@ pub(crate) fn run(args: &SampleArgs, global: &Global) -> Result<(), CliError> {
         let realizations = args.realizations;
         let counts: Vec<usize> = sets.iter().map(Vec::len).collect();
         let counts = Some(counts).filter(|counts| counts.iter().any(|&count| count != n_points));
-        return print_json(&Document {
+        let body = SampleBody {
             sampler: pattern.to_string(),
             n: n_points,
             realizations,
             last_empty_degree,
             counts,
             points,
-            provenance,
-        });
+        };
+        return Document::new(&body, &provenance).print();
     }
     Ok(())
 }

@@ -1,16 +1,18 @@
 //! `sphvar spectrum`: the angular power spectrum of a pattern or of points in files.
 
 mod chart;
-mod report;
+pub(crate) mod report;
 
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use clap::Args;
+use schemars::JsonSchema;
+use serde::Serialize;
 use sphvar_samplers::{Domain, Pattern, Purpose, Realizations, Sampler, Streams};
 use sphvar_spectrum::{
-    CoefficientSamples, Ensemble, ExactSpectrum, OrderAccumulator, Resolution, SpectrumAccumulator,
-    accumulate,
+    CoefficientSamples, Ensemble, ExactSpectrum, OrderAccumulator, OrderPower, Resolution,
+    SpectrumAccumulator, accumulate,
 };
 
 pub(crate) use self::report::{Remarks, emit};
@@ -23,7 +25,7 @@ use crate::memory::{check_degree, check_memory, check_transform};
 use crate::patterns;
 use crate::point_sets::FileSets;
 use crate::progress::Progress;
-use crate::report::{Provenance, check_result, csv, full, is_stdout, say, write_text};
+use crate::report::{Provenance, check_result, csv_of, is_stdout, say, write_text};
 use crate::transforms::TransformArgs;
 
 pub(crate) const EXAMPLES: &str = "Examples:
@@ -79,6 +81,29 @@ pub(crate) struct SpectrumArgs {
     /// Write the samples of one coefficient `S_lm` over the realizations to a CSV file
     #[arg(long, num_args = 3, value_names = ["L", "M", "FILE"])]
     pub(crate) coefficient: Option<Vec<String>>,
+}
+
+/// The mean power of one degree and order, a row of `--per-order`.
+#[derive(Debug, Serialize, JsonSchema)]
+struct OrderRecord {
+    l: usize,
+    m: usize,
+    power: f64,
+    stderr: f64,
+}
+
+impl From<OrderPower> for OrderRecord {
+    fn from(order: OrderPower) -> Self {
+        let OrderPower { l, m, power, stderr, .. } = order;
+        Self { l, m, power, stderr }
+    }
+}
+
+/// The coefficient of one realization, a row of `--coefficient`.
+#[derive(Debug, Serialize, JsonSchema)]
+struct CoefficientRecord {
+    re: f64,
+    im: f64,
 }
 
 /// Where the point sets come from.
@@ -181,16 +206,14 @@ pub(crate) fn run(args: &SpectrumArgs, global: &Global) -> Result<(), CliError> 
         Shard { ensemble, parts: vec![share], sums }.write(path)?;
     }
     if let (Some(path), Some(orders)) = (&args.per_order, orders) {
-        let row = |o: sphvar_spectrum::OrderPower| {
-            vec![o.l.to_string(), o.m.to_string(), full(o.power), full(o.stderr)]
-        };
-        let rows: Vec<_> =
-            orders.finish().into_iter().filter(|o| domain.has_degree(o.l)).map(row).collect();
-        write_text(path, &csv(&provenance, "l,m,power,stderr", &rows))?;
+        let orders = orders.finish().into_iter().filter(|o| domain.has_degree(o.l));
+        let rows: Vec<OrderRecord> = orders.map(OrderRecord::from).collect();
+        write_text(path, &csv_of(&provenance, &rows)?)?;
     }
     if let (Some(coefficient), Some(samples)) = (&coefficient, samples) {
-        let rows: Vec<_> = samples.finish().iter().map(|a| vec![full(a.re), full(a.im)]).collect();
-        write_text(&coefficient.path, &csv(&provenance, "re,im", &rows))?;
+        let samples = samples.finish();
+        let rows = samples.iter().map(|a| CoefficientRecord { re: a.re, im: a.im });
+        write_text(&coefficient.path, &csv_of(&provenance, &rows.collect::<Vec<_>>())?)?;
     }
     let remarks = match &source {
         Source::Sampler { .. } => Remarks::default(),

@@ -3,21 +3,20 @@
 use std::path::PathBuf;
 
 use clap::Args;
+use schemars::JsonSchema;
 use serde::Serialize;
 use sphvar_samplers::Pattern;
 
 use super::compare::{Curve, variance_chart};
 use super::cut_sphere::{self, Cut, CutRecord};
-use super::rows::{self, Case, EffortArgs, RowRecord};
+use super::row_record::RowRecord;
+use super::rows::{self, Case, EffortArgs};
 use crate::counts::Counts;
 use crate::error::CliError;
 use crate::global::Global;
 use crate::integrands::{FORMS, parse_integrand};
 use crate::patterns::parse_patterns;
-use crate::plots::ImageFormat;
-use crate::report::{
-    Provenance, check_result, csv, is_stdout, print, print_json, table, write_result,
-};
+use crate::report::{Forms, Provenance, check_result, csv_of, emit, is_stdout, table_of};
 use crate::spec::argument;
 
 pub(crate) const EXAMPLES: &str = "Examples:
@@ -55,14 +54,14 @@ pub(crate) struct VarianceArgs {
     pub(crate) out: Option<PathBuf>,
 }
 
-/// The document of `--json`.
-#[derive(Debug, Serialize)]
-struct Document<'a> {
-    rows: &'a [RowRecord],
-    /// With `--cut-sphere` only.
+/// Predicted and measured variances: `variance --json`.
+#[derive(Debug, Serialize, JsonSchema)]
+pub(crate) struct VarianceBody {
+    /// Every sampler at every number of points.
+    rows: Vec<RowRecord>,
+    /// Sphere sets cut in half, with `--cut-sphere` only.
     #[serde(skip_serializing_if = "Option::is_none")]
-    cut_sphere: Option<&'a [CutRecord]>,
-    provenance: &'a Provenance,
+    cut_sphere: Option<Vec<CutRecord>>,
 }
 
 pub(crate) fn run(args: &VarianceArgs, global: &Global) -> Result<(), CliError> {
@@ -91,37 +90,31 @@ pub(crate) fn run(args: &VarianceArgs, global: &Global) -> Result<(), CliError> 
         Some(cut) => Some(cut_sphere::run(&plan, cut, &cases, &rows)?),
         None => None,
     };
-    let document = Document { rows: &records, cut_sphere: cut.as_deref(), provenance: &provenance };
-    if let Some(path) = &args.out
-        && !(global.json && is_stdout(path))
-    {
-        if ImageFormat::of_path(path).is_some() {
-            let mut patterns: Vec<&Pattern> = Vec::new();
-            for row in &rows {
-                if !patterns.contains(&&row.pattern) {
-                    patterns.push(&row.pattern);
-                }
+    let body = VarianceBody { rows: records, cut_sphere: cut };
+    let chart = || {
+        let mut patterns: Vec<&Pattern> = Vec::new();
+        for row in &rows {
+            if !patterns.contains(&&row.pattern) {
+                patterns.push(&row.pattern);
             }
-            let curves: Vec<_> = patterns.iter().map(|p| Curve::new(p, &rows)).collect();
-            let chart = variance_chart(&curves, &plan);
-            chart.with_note(provenance.line()).render(path)?;
-        } else {
-            let cells: Vec<_> = records.iter().map(RowRecord::record).collect();
-            write_result(path, &document, &|| csv(&provenance, RowRecord::COLUMNS, &cells))?;
         }
+        let curves: Vec<_> = patterns.iter().map(|p| Curve::new(p, &rows)).collect();
+        Ok(variance_chart(&curves, &plan))
+    };
+    let forms = Forms {
+        csv: &|| csv_of(&provenance, &body.rows),
+        chart: Some(&chart),
+        text: &|| text(&body),
+    };
+    emit(args.out.as_deref(), global, &provenance, &body, &forms)
+}
+
+fn text(body: &VarianceBody) -> String {
+    let mut text = table_of(&RowRecord::columns(), &body.rows);
+    text += &RowRecord::remarks(&body.rows);
+    if let Some(cut) = &body.cut_sphere {
+        text.push('\n');
+        text += &table_of(&CutRecord::columns(), cut);
     }
-    if global.json {
-        print_json(&document)
-    } else if args.out.as_ref().is_some_and(|path| is_stdout(path)) {
-        Ok(())
-    } else {
-        let cells = records.iter().map(RowRecord::cells).collect();
-        let mut text = table(&RowRecord::HEADING, cells, 1);
-        text += &RowRecord::remarks(&records);
-        if let Some(cut) = &cut {
-            text.push('\n');
-            text += &table(&CutRecord::HEADING, cut.iter().map(CutRecord::cells).collect(), 1);
-        }
-        print(&text)
-    }
+    text
 }

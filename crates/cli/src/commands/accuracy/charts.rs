@@ -2,9 +2,9 @@
 
 use sphvar_accuracy::Area;
 
-use super::figures::singular;
-use super::record::{Document, TrialRecord};
+use super::record::{AccuracyBody, TrialRecord, singular};
 use crate::plots::{Chart, Ink, Panel, Scale, Series, Spread, Style};
+use crate::report::Provenance;
 
 /// The name of an area's chart in a folder of charts.
 pub(super) fn chart_name(area: Area) -> String {
@@ -17,10 +17,10 @@ const LINE: usize = 150;
 const MOST_CASES: usize = 12;
 
 /// Largest error against time per unit, a curve for each method through its cases.
-pub(super) fn area_chart(area: Area, document: &Document<'_>) -> Chart {
+pub(super) fn area_chart(area: Area, body: &AccuracyBody, provenance: &Provenance) -> Chart {
     let (mut methods, mut units, mut scales, mut cases, mut exact) =
         (Vec::new(), Vec::new(), Vec::new(), Vec::new(), Vec::new());
-    let trials: Vec<&TrialRecord> = document.trials_of(area).collect();
+    let trials: Vec<&TrialRecord> = body.trials_of(area).collect();
     for trial in &trials {
         add(&mut units, singular(trial.unit));
         add(&mut scales, trial.relative_to);
@@ -50,8 +50,8 @@ pub(super) fn area_chart(area: Area, document: &Document<'_>) -> Chart {
     if !exact.is_empty() {
         notes.extend(lines("Without any error, and so not shown:", &exact));
     }
-    notes.push(format!("{}, {}", document.machine.phrase(), document.date));
-    notes.push(document.provenance.line());
+    notes.push(format!("{}, {}", body.machine.phrase(), body.date));
+    notes.push(provenance.line());
     Chart {
         title: format!("Accuracy of {}: speed against error", area.name()),
         x_label: format!("seconds per {}", units.join(" or ")),

@@ -2,17 +2,18 @@
 
 use std::time::{SystemTime, UNIX_EPOCH};
 
+use schemars::JsonSchema;
 use serde::Serialize;
 use sysinfo::{CpuRefreshKind, RefreshKind, System};
 
 /// What the times were measured on.
-#[derive(Clone, Debug, Serialize)]
-pub(super) struct Machine {
+#[derive(Clone, Debug, Serialize, JsonSchema)]
+pub(crate) struct Machine {
     /// The processor's name, or the architecture where it does not tell.
     pub(super) cpu: String,
-    /// Logical processors.
+    /// The number of logical processors.
     pub(super) cores: usize,
-    /// Threads that this run was given.
+    /// The number of threads of this run.
     pub(super) threads: usize,
 }
 

@@ -2,12 +2,12 @@
 
 use sphvar_accuracy::Area;
 
-use super::figures::{figure, verdict};
-use super::record::{Document, TrialRecord};
+use super::record::{AccuracyBody, HardCaseRecord, TrialRecord};
+use crate::report::{Column, Provenance};
 
-impl Document<'_> {
+impl AccuracyBody {
     /// The findings as a document; `charts` are links to the charts of areas.
-    pub(super) fn markdown(&self, charts: &[(Area, String)]) -> String {
+    pub(super) fn markdown(&self, charts: &[(Area, String)], provenance: &Provenance) -> String {
         let effort = if self.quick { " with smaller inputs than usual" } else { "" };
         let mut text = format!(
             "# Accuracy\n\nMeasured on {} ({}) by sphvar {}{effort}; this file was written by\n\n\
@@ -15,7 +15,7 @@ impl Document<'_> {
             self.date,
             self.machine.phrase(),
             self.version,
-            self.provenance.command,
+            provenance.command,
         );
         for area in self.areas() {
             text += &self.area(area, charts);
@@ -39,11 +39,9 @@ impl Document<'_> {
         for group in groups {
             let TrialRecord { relative_to, reference, .. } = group[0];
             text += &format!("\nErrors relative to {relative_to}; reference: {reference}.\n\n");
-            let heading = [&TrialRecord::HEADING[..], &["worst case"]].concat();
-            let rows = group
-                .iter()
-                .map(|t| t.cells().into_iter().chain([t.outcome.worst.clone()]).collect());
-            text += &pipe_table(&heading, rows, 2..6);
+            let mut columns = TrialRecord::columns();
+            columns.push(Column::text("worst case", |t: &TrialRecord| t.outcome.worst.clone()));
+            text += &pipe_table(&columns, group);
         }
         text
     }
@@ -52,18 +50,11 @@ impl Document<'_> {
         if self.hard_cases.is_empty() {
             return String::new();
         }
-        let rows = self.hard_cases.iter().map(|c| {
-            vec![
-                format!("`{}`", c.name),
-                figure(c.outcome.error),
-                figure(c.outcome.bound),
-                verdict(c.outcome.held).to_owned(),
-                c.outcome.worst.clone(),
-            ]
-        });
-        let heading = ["name", "largest error", "bound", "held", "worst case"];
+        let mut columns = HardCaseRecord::columns();
+        columns[0] = Column::text("name", |c: &HardCaseRecord| format!("`{}`", c.name));
+        columns.push(Column::text("worst case", |c: &HardCaseRecord| c.outcome.worst.clone()));
         let mut text = format!("\n## Hard cases\n\n{HARD_CASES}\n");
-        text += &pipe_table(&heading, rows, 1..3);
+        text += &pipe_table(&columns, &self.hard_cases);
         text += "\nWhat is measured, and why the bound is what it is:\n\n";
         // Neighbours that say the same say it once.
         for group in self.hard_cases.chunk_by(|a, b| (a.what, a.reason) == (b.what, b.reason)) {
@@ -95,20 +86,17 @@ fn capital(word: &str) -> String {
     letters.next().map_or(String::new(), |first| first.to_uppercase().chain(letters).collect())
 }
 
-/// A table in pipes; the `right` columns are numbers.
-fn pipe_table(
-    heading: &[&str],
-    rows: impl Iterator<Item = Vec<String>>,
-    right: std::ops::Range<usize>,
+/// Returns a table in pipes with a row for each record.
+fn pipe_table<'r, R: 'r>(
+    columns: &[Column<'_, R>],
+    records: impl IntoIterator<Item = &'r R>,
 ) -> String {
-    let line = |cells: &[String]| format!("| {} |\n", cells.join(" | "));
-    let names: Vec<String> = heading.iter().map(|&name| name.to_owned()).collect();
-    let rules: Vec<String> = (0..heading.len())
-        .map(|i| if right.contains(&i) { "--:" } else { "---" }.to_owned())
-        .collect();
-    let rows = rows.map(|row| {
-        let cells: Vec<String> = row.iter().map(|cell| cell.replace('|', "\\|")).collect();
-        line(&cells)
-    });
-    line(&names) + &line(&rules) + &rows.collect::<String>()
+    let line = |cells: Vec<String>| format!("| {} |\n", cells.join(" | "));
+    let names = columns.iter().map(|column| column.heading().to_owned()).collect();
+    let rule = |column: &Column<'_, R>| if column.is_number() { "--:" } else { "---" }.to_owned();
+    let mut text = line(names) + &line(columns.iter().map(rule).collect());
+    for record in records {
+        text += &line(columns.iter().map(|c| c.cell(record).replace('|', "\\|")).collect());
+    }
+    text
 }

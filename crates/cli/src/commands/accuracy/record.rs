@@ -1,72 +1,143 @@
 //! What was measured, for people and for scripts.
 
+use schemars::JsonSchema;
 use serde::Serialize;
 use sphvar_accuracy::{Area, Errors, HardCase, Trial};
 use std::borrow::Cow;
 
-use super::figures::{figure, time, verdict};
 use super::machine::Machine;
 use crate::error::CliError;
-use crate::report::{Provenance, full, table};
+use crate::report::{Column, Provenance, csv_of, number, table_of};
 
-/// The document of `--json`.
-#[derive(Debug, Serialize)]
-pub(super) struct Document<'a> {
+/// Measured errors and times: `accuracy --json`.
+#[derive(Debug, Serialize, JsonSchema)]
+pub(crate) struct AccuracyBody {
     /// Whether every largest error is within its bound.
     pub(super) held: bool,
+    /// Whether inputs are smaller than usual, by `--quick`.
     pub(super) quick: bool,
-    /// UTC, YYYY-MM-DD.
+    /// The date in UTC, as YYYY-MM-DD.
     pub(super) date: String,
+    /// The version of sphvar.
     pub(super) version: Cow<'static, str>,
+    /// What the times were measured on.
     pub(super) machine: Machine,
-    pub(super) trials: &'a [TrialRecord],
-    pub(super) hard_cases: &'a [HardCaseRecord],
-    pub(super) provenance: &'a Provenance,
+    /// Methods with their errors and times.
+    pub(super) trials: Vec<TrialRecord>,
+    /// Extreme inputs with their errors.
+    pub(super) hard_cases: Vec<HardCaseRecord>,
 }
 
-/// A trial as scripts see it.
-#[derive(Debug, Serialize)]
-pub(super) struct TrialRecord {
+/// One method on one input.
+#[derive(Debug, Serialize, JsonSchema)]
+pub(crate) struct TrialRecord {
+    /// What is measured: `harmonics`, `indexing`, `transforms`, `spectra` or `predictions`.
     pub(super) area: &'static str,
+    /// The method.
     pub(super) method: String,
+    /// The input.
     pub(super) case: String,
+    /// What a run computes, in the plural.
     pub(super) unit: &'static str,
-    /// How many units a run computes.
+    /// The number of units that a run computes.
     pub(super) count: f64,
-    /// The median of the runs, divided by the count.
+    /// The median time of the runs divided by the count, in seconds.
     pub(super) seconds_per_unit: f64,
     #[serde(flatten)]
     pub(super) outcome: Outcome,
+    /// What errors are relative to.
     pub(super) relative_to: &'static str,
+    /// What values are compared with.
     pub(super) reference: &'static str,
 }
 
-/// A hard case as scripts see it.
-#[derive(Debug, Serialize)]
-pub(super) struct HardCaseRecord {
+/// An extreme input.
+#[derive(Debug, Serialize, JsonSchema)]
+pub(crate) struct HardCaseRecord {
+    /// What is measured, as for trials.
     pub(super) area: &'static str,
+    /// The name, also that of a test.
     pub(super) name: &'static str,
+    /// What is measured, in words.
     pub(super) what: &'static str,
     #[serde(flatten)]
     pub(super) outcome: Outcome,
+    /// Why the bound is what it is.
     pub(super) reason: &'static str,
 }
 
 /// Errors beside their bound.
-#[derive(Debug, Serialize)]
-pub(super) struct Outcome {
-    /// The largest; null in JSON if it is infinite, as is that of what is not a number.
+#[derive(Debug, Serialize, JsonSchema)]
+pub(crate) struct Outcome {
+    /// The largest; null if it is infinite, as is that of what is not a number.
+    #[schemars(with = "Option<f64>")]
     pub(super) error: f64,
+    /// The root mean square.
+    #[schemars(with = "Option<f64>")]
     pub(super) rms: f64,
+    /// The number of errors.
+    pub(super) compared: u64,
+    /// What the largest error must not exceed.
+    pub(super) bound: f64,
+    /// Whether the largest error is within the bound.
+    pub(super) held: bool,
     /// Where the largest error is.
     pub(super) worst: String,
-    /// How many errors were looked at.
-    pub(super) compared: u64,
-    pub(super) bound: f64,
-    pub(super) held: bool,
+}
+
+/// A trial or a hard case, a row of CSV; hard cases have neither case nor time.
+#[derive(Serialize, JsonSchema)]
+struct OutcomeRow<'a> {
+    kind: &'static str,
+    area: &'static str,
+    name: &'a str,
+    case: Option<&'a str>,
+    seconds_per_unit: Option<f64>,
+    unit: Option<&'static str>,
+    #[serde(flatten)]
+    outcome: &'a Outcome,
+    relative_to: &'static str,
+    reference: &'static str,
+}
+
+impl<'a> From<&'a TrialRecord> for OutcomeRow<'a> {
+    fn from(trial: &'a TrialRecord) -> Self {
+        Self {
+            kind: "trial",
+            area: trial.area,
+            name: &trial.method,
+            case: Some(&trial.case),
+            seconds_per_unit: Some(trial.seconds_per_unit),
+            unit: Some(trial.unit),
+            outcome: &trial.outcome,
+            relative_to: trial.relative_to,
+            reference: trial.reference,
+        }
+    }
+}
+
+impl<'a> From<&'a HardCaseRecord> for OutcomeRow<'a> {
+    fn from(case: &'a HardCaseRecord) -> Self {
+        Self {
+            kind: "hard case",
+            area: case.area,
+            name: case.name,
+            case: None,
+            seconds_per_unit: None,
+            unit: None,
+            outcome: &case.outcome,
+            relative_to: case.what,
+            reference: case.reason,
+        }
+    }
 }
 
 impl Outcome {
+    /// Whether the bound is held, in a word.
+    pub(super) fn word(&self) -> &'static str {
+        if self.held { "yes" } else { "NO" }
+    }
+
     /// A comparison of nothing holds no bound; of errors that are all 0 none is the worst.
     fn new(errors: &Errors, bound: f64) -> Self {
         let (error, compared) = (errors.max(), errors.count());
@@ -99,25 +170,33 @@ impl TrialRecord {
 }
 
 impl TrialRecord {
-    /// The heading of [`Self::cells`].
-    pub(super) const HEADING: [&str; 7] =
-        ["method", "case", "time", "largest error", "rms", "bound", "held"];
-
-    /// A row of a table for people.
-    pub(super) fn cells(&self) -> [String; 7] {
-        [
-            self.method.clone(),
-            self.case.clone(),
-            time(self.seconds_per_unit, self.unit),
-            figure(self.outcome.error),
-            figure(self.outcome.rms),
-            figure(self.outcome.bound),
-            verdict(self.outcome.held).to_owned(),
+    /// The columns of a table.
+    pub(super) fn columns() -> Vec<Column<'static, Self>> {
+        vec![
+            Column::text("method", |t: &Self| t.method.clone()),
+            Column::text("case", |t: &Self| t.case.clone()),
+            Column::number("time", |t: &Self| {
+                format!("{}/{}", number::seconds(t.seconds_per_unit), singular(t.unit))
+            }),
+            Column::number("largest error", |t: &Self| number::ratio(t.outcome.error)),
+            Column::number("rms", |t: &Self| number::ratio(t.outcome.rms)),
+            Column::number("bound", |t: &Self| number::ratio(t.outcome.bound)),
+            Column::text("held", |t: &Self| t.outcome.word().to_owned()),
         ]
     }
 }
 
 impl HardCaseRecord {
+    /// The columns of a table.
+    pub(super) fn columns() -> Vec<Column<'static, Self>> {
+        vec![
+            Column::text("hard case", |c: &Self| c.name.replace('_', " ")),
+            Column::number("largest error", |c: &Self| number::ratio(c.outcome.error)),
+            Column::number("bound", |c: &Self| number::ratio(c.outcome.bound)),
+            Column::text("held", |c: &Self| c.outcome.word().to_owned()),
+        ]
+    }
+
     pub(super) fn new(area: Area, case: &HardCase, errors: &Errors) -> Self {
         Self {
             area: area.name(),
@@ -129,35 +208,12 @@ impl HardCaseRecord {
     }
 }
 
-impl Document<'_> {
-    /// The heading of [`Self::rows`].
-    pub(super) const COLUMNS: &'static str = "kind,area,name,case,seconds_per_unit,unit,error,rms,compared,bound,held,relative_to,reference,worst";
-
-    /// The rows of a CSV file: the trials and the hard cases.
-    pub(super) fn rows(&self) -> Vec<Vec<String>> {
-        let trials = self.trials.iter().map(|t| {
-            let words = ["trial", t.area, &t.method, &t.case].map(str::to_owned);
-            let numbers = [
-                full(t.seconds_per_unit),
-                t.unit.to_owned(),
-                full(t.outcome.error),
-                full(t.outcome.rms),
-            ];
-            let bound =
-                [t.outcome.compared.to_string(), full(t.outcome.bound), t.outcome.held.to_string()];
-            let rest = [t.relative_to, t.reference, &t.outcome.worst].map(str::to_owned);
-            [&words[..], &numbers, &bound, &rest].concat()
-        });
-        let cases = self.hard_cases.iter().map(|c| {
-            let words = ["hard case", c.area, c.name, ""].map(str::to_owned);
-            let numbers =
-                [String::new(), String::new(), full(c.outcome.error), full(c.outcome.rms)];
-            let bound =
-                [c.outcome.compared.to_string(), full(c.outcome.bound), c.outcome.held.to_string()];
-            let rest = [c.what, c.reason, &c.outcome.worst].map(str::to_owned);
-            [&words[..], &numbers, &bound, &rest].concat()
-        });
-        trials.chain(cases).collect()
+impl AccuracyBody {
+    /// CSV with a row for each trial and hard case.
+    pub(super) fn csv(&self, provenance: &Provenance) -> Result<String, CliError> {
+        let trials = self.trials.iter().map(OutcomeRow::from);
+        let cases = self.hard_cases.iter().map(OutcomeRow::from);
+        csv_of(provenance, &trials.chain(cases).collect::<Vec<_>>())
     }
 
     pub(super) fn trials_of(&self, area: Area) -> impl Iterator<Item = &TrialRecord> {
@@ -195,26 +251,11 @@ impl Document<'_> {
                     "{}: errors relative to {relative_to}; reference: {reference}\n",
                     area.name()
                 );
-                let rows = group.iter().map(|trial| trial.cells().to_vec()).collect();
-                text += &format!("{}\n", table(&TrialRecord::HEADING, rows, 2));
+                text += &format!("{}\n", table_of(&TrialRecord::columns(), group));
             }
         }
-        let rows: Vec<_> = self
-            .hard_cases
-            .iter()
-            .map(|c| {
-                let name = c.name.replace('_', " ");
-                vec![
-                    name,
-                    figure(c.outcome.error),
-                    figure(c.outcome.bound),
-                    verdict(c.outcome.held).to_owned(),
-                ]
-            })
-            .collect();
-        if !rows.is_empty() {
-            let heading = ["hard case", "largest error", "bound", "held"];
-            text += &format!("{}\n", table(&heading, rows, 1));
+        if !self.hard_cases.is_empty() {
+            text += &format!("{}\n", table_of(&HardCaseRecord::columns(), &self.hard_cases));
         }
         text + &format!("{}, {}\n", self.machine.phrase(), self.date)
     }
@@ -237,6 +278,11 @@ impl Document<'_> {
             broken.join("; ")
         )))
     }
+}
+
+/// One of the units, whose names are plurals.
+pub(super) fn singular(unit: &str) -> &str {
+    unit.strip_suffix('s').unwrap_or(unit)
 }
 
 #[cfg(test)]
@@ -264,7 +310,6 @@ mod tests {
 
     #[test]
     fn bounds_that_are_not_held_are_named() {
-        let provenance = Provenance { command: String::new(), version: "0".into(), seed: 0 };
         for (measured, holds) in [
             (&[0.5, -0.25][..], true),
             (&[0.25, -0.6], false),
@@ -272,17 +317,16 @@ mod tests {
             (&[f64::INFINITY], false),
             (&[], false),
         ] {
-            let cases = [case(&[0.0]), case(measured)];
+            let cases = vec![case(&[0.0]), case(measured)];
             assert_eq!(cases[1].outcome.held, holds, "{measured:?}");
-            let document = Document {
+            let document = AccuracyBody {
                 held: holds,
                 quick: true,
                 date: String::new(),
                 version: "0".into(),
                 machine: Machine { cpu: String::new(), cores: 1, threads: 1 },
-                trials: &[],
-                hard_cases: &cases,
-                provenance: &provenance,
+                trials: Vec::new(),
+                hard_cases: cases,
             };
             match document.verdict() {
                 Ok(()) => assert!(holds, "{measured:?}"),

@@ -1,65 +1,123 @@
 //! What an audit found, for people and for scripts.
 
+use schemars::JsonSchema;
 use serde::Serialize;
 use sphvar_spectrum::{AuditFamily, AuditSettings, AuditVerdict, Finding, HomogeneityAudit};
 
-use crate::report::{Provenance, full, short, table};
+use crate::error::CliError;
+use crate::report::{Column, Provenance, csv_of, number, table_of};
 
-/// The document of `--json`.
-#[derive(Debug, Serialize)]
-pub(super) struct Document<'a> {
-    pub(super) sampler: &'a str,
+/// Whether ensembles are rotation-invariant, the assumption of the variance formula: `audit --json`.
+#[derive(Debug, Serialize, JsonSchema)]
+pub(crate) struct AuditBody {
+    /// The sampler with its parameters, or the files.
+    pub(super) sampler: String,
+    /// `sphere` or `hemisphere`.
     pub(super) domain: &'static str,
+    /// The number of points; of files the mean.
     pub(super) n: usize,
+    /// The number of realizations.
     pub(super) realizations: u64,
+    /// The largest degree, inclusive.
     pub(super) lmax: usize,
+    /// The probability that a rotation-invariant ensemble is rejected.
     pub(super) alpha: f64,
+    /// The relative error of a variance that must be detectable for the verdict `yes`.
     pub(super) tolerance: f64,
+    /// The number of randomly rotated copies that tests compare with.
     pub(super) copies: u64,
+    /// The audits: as drawn, rotated, or from files.
     pub(super) audits: Vec<AuditRecord>,
-    pub(super) provenance: &'a Provenance,
 }
 
-/// One audit as scripts see it.
-#[derive(Debug, Serialize)]
-pub(super) struct AuditRecord {
+/// One audit.
+#[derive(Debug, Serialize, JsonSchema)]
+pub(crate) struct AuditRecord {
+    /// `as drawn`, `rotated` or `from files`.
     ensemble: &'static str,
+    /// Whether the variance formula is valid: `yes`, `no` or `undecided`.
     verdict: &'static str,
+    /// What the findings mean, in sentences.
     conclusion: String,
-    /// Infinite where nothing can be seen, which is null in JSON.
+    /// The relative error of a variance that 9 of 10 audits would detect; null where none would.
+    #[schemars(with = "Option<f64>")]
     detectable: f64,
+    /// Degrees without power, which are left out.
     vanishing: Vec<usize>,
+    /// The tests.
     tests: Vec<TestRecord>,
+    /// Mean squared errors of the integrals of single harmonics, over the formula's.
     ratios: Vec<RatioRecord>,
+    /// The largest bias, if there is one.
     bias: Option<BiasRecord>,
 }
 
-#[derive(Debug, Serialize)]
+/// One test of an audit.
+#[derive(Debug, Serialize, JsonSchema)]
 struct TestRecord {
+    /// The name of the test.
     test: &'static str,
+    /// The number of comparisons.
     compared: usize,
+    /// The largest score of a comparison.
+    #[schemars(with = "Option<f64>")]
     statistic: f64,
+    /// The probability of a score of this size in a rotation-invariant ensemble.
+    #[schemars(with = "Option<f64>")]
     p_value: f64,
+    /// `p_value`, adjusted for the number of tests.
+    #[schemars(with = "Option<f64>")]
     adjusted: f64,
+    /// Whether the test rejects rotation invariance.
     rejected: bool,
+    /// Where the largest score is.
     worst: String,
+    /// The quantity there that is tested.
+    #[schemars(with = "Option<f64>")]
     value: f64,
 }
 
-#[derive(Debug, Serialize)]
+/// A test with its audit, a row of CSV.
+#[derive(Serialize, JsonSchema)]
+struct TestRow<'a> {
+    /// `as drawn`, `rotated` or `from files`.
+    ensemble: &'static str,
+    #[serde(flatten)]
+    test: &'a TestRecord,
+    /// The verdict of the audit.
+    verdict: &'static str,
+}
+
+/// The mean squared error of the integral of one harmonic, over that of the variance formula.
+#[derive(Debug, Serialize, JsonSchema)]
 struct RatioRecord {
+    /// The degree.
     l: usize,
+    /// The order.
     m: usize,
+    /// The mean squared error over the formula's.
+    #[schemars(with = "Option<f64>")]
     ratio: f64,
+    /// The standard error of `ratio`.
+    #[schemars(with = "Option<f64>")]
     stderr: f64,
+    /// The lower end of the interval, for all orders together at 1 - alpha.
+    #[schemars(with = "Option<f64>")]
     low: f64,
+    /// The upper end of the interval.
+    #[schemars(with = "Option<f64>")]
     high: f64,
 }
 
-#[derive(Debug, Serialize)]
+/// The bias of the integral of one harmonic.
+#[derive(Debug, Serialize, JsonSchema)]
 struct BiasRecord {
+    /// The degree.
     l: usize,
+    /// The order.
     m: usize,
+    /// The squared bias over the formula's variance.
+    #[schemars(with = "Option<f64>")]
     share: f64,
 }
 
@@ -81,28 +139,11 @@ impl Ensemble {
     }
 }
 
-impl Document<'_> {
-    /// The heading of [`Self::rows`].
-    pub(super) const COLUMNS: &'static str =
-        "ensemble,test,compared,statistic,p_value,adjusted,rejected,worst,value,verdict";
-
-    /// The rows of a CSV file, one for each test.
-    pub(super) fn rows(&self) -> Vec<Vec<String>> {
-        let row = |audit: &AuditRecord, t: &TestRecord| {
-            vec![
-                audit.ensemble.to_owned(),
-                t.test.to_owned(),
-                t.compared.to_string(),
-                full(t.statistic),
-                full(t.p_value),
-                full(t.adjusted),
-                t.rejected.to_string(),
-                t.worst.clone(),
-                full(t.value),
-                audit.verdict.to_owned(),
-            ]
-        };
-        self.audits.iter().flat_map(|a| a.tests.iter().map(move |t| row(a, t))).collect()
+impl AuditBody {
+    /// CSV with a row for each test.
+    pub(super) fn csv(&self, provenance: &Provenance) -> Result<String, CliError> {
+        let rows: Vec<TestRow<'_>> = self.audits.iter().flat_map(AuditRecord::rows).collect();
+        csv_of(provenance, &rows)
     }
 
     /// The report for people.
@@ -113,6 +154,12 @@ impl Document<'_> {
 }
 
 impl AuditRecord {
+    /// The rows of CSV.
+    fn rows(&self) -> impl Iterator<Item = TestRow<'_>> {
+        let (ensemble, verdict) = (self.ensemble, self.verdict);
+        self.tests.iter().map(move |test| TestRow { ensemble, test, verdict })
+    }
+
     /// The record of one audit.
     pub(super) fn new(
         ensemble: Ensemble,
@@ -154,11 +201,35 @@ impl AuditRecord {
     }
 }
 
+impl TestRecord {
+    /// The columns of a table.
+    fn columns() -> [Column<'static, Self>; 7] {
+        [
+            Column::text("test", |t: &Self| t.test.to_owned()),
+            Column::number("compared", |t: &Self| t.compared.to_string()),
+            Column::number("largest score", |t: &Self| {
+                number::optional((t.compared > 0).then_some(t.statistic), number::ratio)
+            }),
+            Column::number("p", |t: &Self| number::ratio(t.p_value)),
+            Column::text("where", |t: &Self| t.worst.clone()),
+            Column::number("value", |t: &Self| number::value(t.value)),
+            Column::text("verdict", |t: &Self| {
+                match (t.compared, t.rejected) {
+                    (0, _) => "nothing to test",
+                    (_, true) => "objects",
+                    (_, false) => "no objection",
+                }
+                .to_owned()
+            }),
+        ]
+    }
+}
+
 /// What the findings mean, in a sentence or three.
 fn conclusion(ensemble: Ensemble, audit: &HomogeneityAudit, settings: &AuditSettings) -> String {
     let seen = format!(
         "an error of {} of the variance of any Y_lm, l <= {}, would have been seen in 9 of 10 audits",
-        percent(audit.detectable),
+        number::percent(audit.detectable),
         audit.lmax
     );
     match audit.verdict {
@@ -171,7 +242,7 @@ fn conclusion(ensemble: Ensemble, audit: &HomogeneityAudit, settings: &AuditSett
             let needed = (factor * audit.realizations as f64 / 100.0).ceil() * 100.0;
             format!(
                 "Not enough realizations to tell: only {seen}; for {} take about {needed} of them.",
-                percent(settings.tolerance)
+                number::percent(settings.tolerance)
             )
         }
         AuditVerdict::Inhomogeneous => objection(ensemble, audit),
@@ -197,16 +268,20 @@ fn objection(ensemble: Ensemble, audit: &HomogeneityAudit) -> String {
     if let Some(w) = audit.worst_ratio() {
         let (l, m) = (w.l, w.m);
         text += &format!(
-            " Worst factor of the mean squared error: {:.3} for Y_{l},{m} ({:.3} to {:.3}, all orders \
-             together at 1 - alpha).",
-            w.ratio, w.low, w.high
+            " Worst factor of the mean squared error: {} for Y_{l},{m} ({}, all orders together at \
+             1 - alpha).",
+            number::ratio(w.ratio),
+            number::interval(Some((w.low, w.high)), number::ratio)
         );
     }
     if rejected(AuditFamily::Means)
         && let Some(b) = audit.bias
     {
         let (l, m) = (b.l, b.m);
-        text += &format!(" Bias: {} of the formula's variance for Y_{l},{m}.", percent(b.share));
+        text += &format!(
+            " Bias: {} of the formula's variance for Y_{l},{m}.",
+            number::percent(b.share)
+        );
     }
     if rejected(AuditFamily::Covariances) {
         text += " Integrands of several coefficients have cross terms besides.";
@@ -214,37 +289,14 @@ fn objection(ensemble: Ensemble, audit: &HomogeneityAudit) -> String {
     text
 }
 
-/// A share in percent, to two digits.
-fn percent(x: f64) -> String {
-    let percent = 100.0 * x;
-    if percent >= 10.0 { format!("{percent:.0} %") } else { format!("{percent:.1} %") }
-}
-
 /// The report on one ensemble for people.
-fn text(document: &Document<'_>, audit: &AuditRecord) -> String {
-    let Document { sampler, n, realizations, lmax, copies, .. } = document;
+fn text(body: &AuditBody, audit: &AuditRecord) -> String {
+    let AuditBody { sampler, n, realizations, lmax, copies, .. } = body;
     let mut text = format!(
         "{sampler}, N = {n}, {}: {realizations} realizations, degrees to {lmax}, {copies} turned copies\n",
         audit.ensemble
     );
-    let cells = audit.tests.iter().map(|t| {
-        let verdict = match (t.compared, t.rejected) {
-            (0, _) => "nothing to test",
-            (_, true) => "objects",
-            (_, false) => "no objection",
-        };
-        vec![
-            t.test.to_owned(),
-            t.compared.to_string(),
-            if t.compared > 0 { format!("{:.2}", t.statistic) } else { "-".to_owned() },
-            short(t.p_value),
-            t.worst.clone(),
-            if t.value.is_finite() { format!("{:.4}", t.value) } else { "-".to_owned() },
-            verdict.to_owned(),
-        ]
-    });
-    let heading = ["test", "compared", "largest score", "p", "where", "value", "verdict"];
-    text += &table(&heading, cells.collect(), 1);
+    text += &table_of(&TestRecord::columns(), &audit.tests);
     if !audit.tests.iter().any(|t| t.test == AuditFamily::Rotations.name()) {
         text += match audit.ensemble {
             "from files" => "rotations: not known of points from files\n",

@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use clap::Args;
+use schemars::JsonSchema;
 use serde::Serialize;
 use sphvar_bounds::{Bound, Criterion, Error, Family, Offset, Side};
 
@@ -13,11 +14,9 @@ use crate::counts::parse_count;
 use crate::error::CliError;
 use crate::global::Global;
 use crate::integrands::{FORMS, parse_integrand};
-use crate::plots::ImageFormat;
+use crate::plots::Chart;
 use crate::profiles::{ParsedProfile, parse_profile};
-use crate::report::{
-    Provenance, check_result, csv, is_stdout, print, print_json, short, table, write_result,
-};
+use crate::report::{Forms, Provenance, check_result, csv_of, emit, number, table_of};
 use crate::spec::argument;
 
 mod chart;
@@ -87,31 +86,42 @@ pub(crate) struct BoundsArgs {
 }
 
 /// A family without a profile that bounds the spectrum.
-#[derive(Debug, Serialize)]
+#[derive(Debug, Serialize, JsonSchema)]
 struct Missing {
+    /// `upper` or `lower`.
     side: &'static str,
+    /// The family of profiles.
     family: &'static str,
+    /// Why there is none.
     reason: String,
 }
 
-/// The document of `--json`.
-#[derive(Debug, Serialize)]
-struct Document<'a> {
+/// Variance bounds and convergence rates from spectral profiles: `bounds --json`.
+#[derive(Debug, Serialize, JsonSchema)]
+pub(crate) struct BoundsBody {
+    /// The number of points.
     n: usize,
+    /// `sphere` or `hemisphere`.
     domain: &'static str,
+    /// The confidence of fits and checks, over all degrees together.
     confidence: f64,
+    /// The largest degree of the spectrum.
     lmax: Option<usize>,
-    /// The variance that the spectrum predicts for the integrand, if a sampler and an integrand were given.
+    /// The variance that the spectrum predicts for the integrand, if a sampler and an integrand are given.
     #[serde(skip_serializing_if = "Option::is_none")]
     predicted: Option<f64>,
+    /// The standard error of `predicted` that the spectrum has.
     #[serde(skip_serializing_if = "Option::is_none")]
     predicted_stderr: Option<f64>,
+    /// The error of `predicted` due to degrees beyond the spectrum.
     #[serde(skip_serializing_if = "Option::is_none")]
     predicted_tail_error: Option<f64>,
-    bounds: &'a [BoundRecord],
-    none: &'a [Missing],
-    thesis: &'a [ThesisRecord],
-    provenance: &'a Provenance,
+    /// The bounds.
+    bounds: Vec<BoundRecord>,
+    /// Families without a bound.
+    none: Vec<Missing>,
+    /// The bounds that the thesis gives for the sampler, checked.
+    thesis: Vec<ThesisRecord>,
 }
 
 pub(crate) fn run(args: &BoundsArgs, global: &Global) -> Result<(), CliError> {
@@ -160,7 +170,7 @@ pub(crate) fn run(args: &BoundsArgs, global: &Global) -> Result<(), CliError> {
         (None, None) => {}
     }
     let provenance = Provenance::new(global.seed);
-    let document = Document {
+    let body = BoundsBody {
         n: n_points,
         domain: domain.name(),
         confidence: args.confidence,
@@ -168,62 +178,52 @@ pub(crate) fn run(args: &BoundsArgs, global: &Global) -> Result<(), CliError> {
         predicted: predicted.map(|p| p.variance),
         predicted_stderr: predicted.map(|p| p.stderr),
         predicted_tail_error: predicted.map(|p| p.tail_error),
-        bounds: &records,
-        none: &none,
-        thesis: &thesis,
-        provenance: &provenance,
+        bounds: records,
+        none,
+        thesis,
     };
-    if let Some(path) = &args.out
-        && !(global.json && is_stdout(path))
-    {
-        if ImageFormat::of_path(path).is_some() {
-            let label = measured.as_ref().map_or("a profile", |m| &m.label);
-            let mut chart = chart::chart(&records, measured.as_ref(), n_points)?;
-            chart.title = format!("Bounds of {label}, N = {n_points}");
-            chart.with_note(provenance.line()).render(path)?;
-        } else {
-            let cells: Vec<_> = records.iter().map(BoundRecord::cells).collect();
-            write_result(path, &document, &|| csv(&provenance, BoundRecord::COLUMNS, &cells))?;
-        }
-    }
-    if global.json {
-        return print_json(&document);
-    }
-    if args.out.is_some() {
-        return Ok(());
-    }
-    print(&text(args, &document, parsed.is_none()))
+    let chart = || {
+        let label = measured.as_ref().map_or("a profile", |m| &m.label);
+        Ok(Chart {
+            title: format!("Bounds of {label}, N = {n_points}"),
+            ..chart::chart(&body.bounds, measured.as_ref(), n_points)?
+        })
+    };
+    let forms = Forms {
+        csv: &|| csv_of(&provenance, &body.bounds),
+        chart: Some(&chart),
+        text: &|| text(args, &body, parsed.is_none()),
+    };
+    emit(args.out.as_deref(), global, &provenance, &body, &forms)
 }
 
 /// The tables for people, with what they rest on.
-fn text(args: &BoundsArgs, document: &Document<'_>, fitted: bool) -> String {
-    let heading = BoundRecord::heading(fitted, args.integrand.is_some());
-    let rows = document.bounds.iter().map(|r| r.row(fitted)).collect();
-    let mut text = table(&heading, rows, 2);
-    for missing in document.none {
+fn text(args: &BoundsArgs, body: &BoundsBody, fitted: bool) -> String {
+    let columns = BoundRecord::columns(fitted, args.integrand.is_some());
+    let mut text = table_of(&columns, &body.bounds);
+    for missing in &body.none {
         text += &format!("no {} {}: {}\n", missing.side, missing.family, missing.reason);
     }
     text += &format!(
         "\nN = {}. best: band limit {}, power 1. worst: energy l^-{}.\n",
-        document.n, args.band, args.decay
+        body.n, args.band, args.decay
     );
-    if let Some(lmax) = document.lmax {
+    if let Some(lmax) = body.lmax {
         text += &format!(
             "Confidence {} for all degrees up to {lmax} together; beyond it nothing was measured.\n",
             args.confidence
         );
     }
     if let (Some(variance), Some(stderr), Some(tail_error)) =
-        (document.predicted, document.predicted_stderr, document.predicted_tail_error)
+        (body.predicted, body.predicted_stderr, body.predicted_tail_error)
     {
-        let error = stderr.hypot(tail_error);
-        text +=
-            &format!("Predicted variance of the integrand: {} +- {error:.1e}.\n", short(variance));
+        let variance = number::with_uncertainty(variance, stderr.hypot(tail_error));
+        text += &format!("Predicted variance of the integrand: {variance}.\n");
     }
-    if let Some(first) = document.thesis.first() {
-        let rows = document.thesis.iter().map(ThesisRecord::row).collect();
-        text += &format!("\n{}", table(&ThesisRecord::HEADING, rows, 2));
-        text += &format!("A bound is broken where z is above {:.2}.\n", first.critical_z());
+    if let Some(first) = body.thesis.first() {
+        text += &format!("\n{}", table_of(&ThesisRecord::columns(), &body.thesis));
+        let critical = number::ratio(first.critical_z());
+        text += &format!("A bound is broken where z is above {critical}.\n");
     }
     text
 }

@@ -1,5 +1,6 @@
 //! A bound and what it implies, for tables, CSV and JSON.
 
+use schemars::JsonSchema;
 use serde::Serialize;
 use sphvar_bounds::{Bound, BoundVerdict, Family, IntegrandClass, Profile, Rate, variance_bound};
 use sphvar_samplers::Domain;
@@ -8,36 +9,49 @@ use sphvar_sh::MAX_DEGREE;
 use super::BoundsArgs;
 use crate::error::CliError;
 use crate::integrands::{NamedIntegrand, check_domain};
-use crate::report::full;
+use crate::report::{Column, number};
 
-/// A bound and what it implies, as scripts see it.
-#[derive(Debug, Serialize)]
-pub(super) struct BoundRecord {
+/// A profile that bounds the mean spectrum, and what follows from it. A number that cannot be given is null.
+#[derive(Debug, Serialize, JsonSchema)]
+pub(crate) struct BoundRecord {
     /// `upper`, `lower`, or `given` without a spectrum.
     side: &'static str,
     /// How it came about: `given`, `checked`, `fitted gamma`, `fitted alpha`, `fitted`.
     origin: &'static str,
+    /// The family: `constant`, `step`, `linear`, `quadratic` or `poly`.
     family: &'static str,
     /// The exponent b; null for a step.
     exponent: Option<f64>,
+    /// Where the profile levels off, as degree over `sqrt(N)`.
     alpha: f64,
+    /// The power at which it levels off.
     gamma: f64,
+    /// The power that is added at all degrees.
     offset: f64,
     /// Whether the spectrum is within the bound; null without a spectrum.
     holds: Option<bool>,
+    /// The degree that speaks most against the bound.
     worst_degree: Option<usize>,
+    /// Power over bound at `worst_degree`.
     worst_ratio: Option<f64>,
-    /// Where the profile meets the confidence limits, if all of it was fitted.
+    /// The degrees at which the profile meets the confidence limits, if all of it was fitted.
     touching: Vec<usize>,
-    /// How much better the best of the family can be at most, if all of it was fitted.
+    /// The share by which the best profile of the family can be better at most, if all of it was fitted.
     gap: Option<f64>,
+    /// The convergence rate for the best case, a band-limited integrand, as a power of N.
     best_rate: String,
-    worst_rate: String,
+    /// The variance for the best case.
+    #[schemars(with = "Option<f64>")]
     best_variance: f64,
+    /// The convergence rate for the worst case, energies that fall as l^-p, as a power of N.
+    worst_rate: String,
+    /// The variance for the worst case.
+    #[schemars(with = "Option<f64>")]
     worst_variance: f64,
-    /// The variance of the integrand asked for lies on the bound's side of this range.
+    /// The range of the variance of the integrand under the profile, whose end on the bound's side is the bound.
     integrand_variance: Option<(f64, f64)>,
     #[serde(skip)]
+    #[schemars(skip)]
     pub(super) profile: Profile,
 }
 
@@ -139,81 +153,51 @@ impl BoundRecord {
         Self { family: family.name(), touching, gap: Some(gap), ..self }
     }
 
-    /// The heading of [`Self::cells`].
-    pub(super) const COLUMNS: &'static str = "side,origin,family,exponent,alpha,gamma,offset,holds,\
-         worst_degree,worst_ratio,touching,gap,best_rate,best_variance,worst_rate,worst_variance,\
-         integrand_variance";
-
-    /// The row of a CSV file.
-    pub(super) fn cells(&self) -> Vec<String> {
-        let optional = |x: Option<String>| x.unwrap_or_default();
-        vec![
-            self.side.to_owned(),
-            self.origin.to_owned(),
-            self.family.to_owned(),
-            optional(self.exponent.map(full)),
-            full(self.alpha),
-            full(self.gamma),
-            full(self.offset),
-            optional(self.holds.map(|h| yes(h).to_owned())),
-            optional(self.worst_degree.map(|l| l.to_string())),
-            optional(self.worst_ratio.map(full)),
-            degrees(&self.touching),
-            optional(self.gap.map(full)),
-            self.best_rate.clone(),
-            full(self.best_variance),
-            self.worst_rate.clone(),
-            full(self.worst_variance),
-            optional(self.on_side().map(full)),
-        ]
-    }
-
-    /// The heading of [`Self::row`]: fits hold by construction, so that these columns say where they touch.
-    pub(super) fn heading(fitted: bool, integrand: bool) -> Vec<&'static str> {
-        let mut heading = vec!["side"];
+    /// The columns of a table: fits hold by construction, so that they show where they touch.
+    pub(super) fn columns(fitted: bool, integrand: bool) -> Vec<Column<'static, Self>> {
+        let mut columns = vec![Column::text("side", |r: &Self| r.side.to_owned())];
         if !fitted {
-            heading.push("origin");
+            columns.push(Column::text("origin", |r: &Self| r.origin.to_owned()));
         }
-        heading.extend(["profile", "alpha", "gamma", "offset"]);
-        heading.extend(if fitted { &["touches l"][..] } else { &["holds", "worst l", "ratio"] });
-        heading.extend(["best rate", "variance", "worst rate", "variance"]);
-        if integrand {
-            heading.push("integrand's");
-        }
-        heading
-    }
-
-    /// The row of a table for people.
-    pub(super) fn row(&self, fitted: bool) -> Vec<String> {
-        let optional = |x: Option<String>| x.unwrap_or_else(|| "-".to_owned());
-        let mut row = vec![self.side.to_owned()];
-        if !fitted {
-            row.push(self.origin.to_owned());
-        }
-        let break_at =
-            if self.family == "constant" { "-".to_owned() } else { readable(self.alpha) };
-        row.extend([self.profile_name(), break_at, readable(self.gamma), readable(self.offset)]);
-        if fitted {
-            row.push(first_degrees(&self.touching));
-        } else {
-            row.push(optional(self.holds.map(|h| yes(h).to_owned())));
-            row.push(optional(self.worst_degree.map(|l| l.to_string())));
-            row.push(optional(self.worst_ratio.map(readable)));
-        }
-        row.extend([
-            self.best_rate.clone(),
-            readable(self.best_variance),
-            self.worst_rate.clone(),
-            readable(self.worst_variance),
+        columns.extend([
+            Column::text("profile", Self::profile_name),
+            Column::number("alpha", |r: &Self| {
+                number::optional(break_at(r.family, r.alpha), number::value)
+            }),
+            Column::number("gamma", |r: &Self| number::value(r.gamma)),
+            Column::number("offset", |r: &Self| number::value(r.offset)),
         ]);
-        row.extend(self.on_side().map(readable));
-        row
+        if fitted {
+            columns.push(Column::text("touches l", |r: &Self| first_degrees(&r.touching)));
+        } else {
+            columns.extend([
+                Column::text("holds", |r: &Self| {
+                    number::optional(r.holds, |holds| if holds { "yes" } else { "no" }.to_owned())
+                }),
+                Column::number("worst l", |r: &Self| {
+                    number::optional(r.worst_degree, |l| l.to_string())
+                }),
+                Column::number("ratio", |r: &Self| number::optional(r.worst_ratio, number::ratio)),
+            ]);
+        }
+        columns.extend([
+            Column::text("best rate", |r: &Self| r.best_rate.clone()),
+            Column::number("variance", |r: &Self| number::value(r.best_variance)),
+            Column::text("worst rate", |r: &Self| r.worst_rate.clone()),
+            Column::number("variance", |r: &Self| number::value(r.worst_variance)),
+        ]);
+        if integrand {
+            columns.push(Column::number("integrand's", |r: &Self| {
+                number::optional(r.on_side(), number::value)
+            }));
+        }
+        columns
     }
 
     /// The name of the profile, with the exponent where the name does not say it.
     pub(super) fn profile_name(&self) -> String {
         match self.exponent {
-            Some(b) if self.family == "poly" => format!("poly b={}", readable(b)),
+            Some(b) if self.family == "poly" => format!("poly b={}", number::value(b)),
             _ => self.family.to_owned(),
         }
     }
@@ -232,11 +216,12 @@ impl BoundRecord {
     }
 }
 
-fn yes(holds: bool) -> &'static str {
-    if holds { "yes" } else { "no" }
+/// Where a profile levels off; a constant does not.
+pub(super) fn break_at(family: &str, alpha: f64) -> Option<f64> {
+    (family != "constant").then_some(alpha)
 }
 
-/// Degrees divided by blanks, which CSV need not quote.
+/// Degrees divided by blanks.
 fn degrees(list: &[usize]) -> String {
     list.iter().map(usize::to_string).collect::<Vec<_>>().join(" ")
 }
@@ -258,20 +243,5 @@ fn rate_text(rate: Rate) -> String {
         }
         // A whole number lies beyond this one exactly if it lies beyond its whole part.
         Rate::Zero { beyond } => Rate::Zero { beyond: beyond.floor() }.to_string(),
-    }
-}
-
-/// A number with four digits, without a power of ten where it can be read without one.
-pub(super) fn readable(x: f64) -> String {
-    if x == 0.0 {
-        return "0".to_owned();
-    }
-    if !x.is_finite() {
-        return "-".to_owned();
-    }
-    match x.abs() {
-        size if (1e-3..1.0).contains(&size) => format!("{x:.4}"),
-        size if (1.0..1e4).contains(&size) => format!("{x:.3}"),
-        _ => format!("{x:.3e}"),
     }
 }

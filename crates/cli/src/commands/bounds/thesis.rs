@@ -1,31 +1,45 @@
 //! The bounds that the thesis draws for a sampler, against its spectrum.
 
+use schemars::JsonSchema;
 use serde::Serialize;
 use sphvar_bounds::{Bound, BoundVerdict, MeasuredSpectrum, thesis_bounds};
 
-use super::record::readable;
+use super::record::break_at;
 use crate::error::CliError;
+use crate::report::{Column, number};
 
-/// A bound of the thesis and whether it holds, as scripts see it.
-#[derive(Debug, Serialize)]
-pub(super) struct ThesisRecord {
+/// A bound of the thesis and whether it holds.
+#[derive(Debug, Serialize, JsonSchema)]
+pub(crate) struct ThesisRecord {
+    /// `upper` or `lower`.
     side: &'static str,
+    /// The family of the profile.
     family: &'static str,
+    /// Where the profile levels off, as degree over `sqrt(N)`.
     alpha: f64,
+    /// The power at which it levels off.
     gamma: f64,
     /// `holds` if the data prove it, `not refuted` if they allow it, or `broken`.
     verdict: &'static str,
-    /// The degree that speaks most against it in standard errors, with power over bound there.
+    /// The degree that speaks most against the bound, in standard errors.
     worst_degree: usize,
+    /// `worst_degree / sqrt(N)`.
     worst_omega: f64,
+    /// Power over bound at `worst_degree`.
+    #[schemars(with = "Option<f64>")]
     worst_ratio: f64,
-    /// Excess there in standard errors; null where the spectrum is exact.
+    /// The excess at `worst_degree` in standard errors; null where the spectrum is exact.
+    #[schemars(with = "Option<f64>")]
     z: f64,
-    /// What `z` may reach at the confidence asked for.
+    /// What `z` may reach at the confidence requested.
+    #[schemars(with = "Option<f64>")]
     critical_z: f64,
-    /// The degree that comes closest or lies farthest beyond, with power over bound there.
+    /// The degree that comes closest to the bound or lies farthest beyond it.
     extreme_degree: usize,
+    /// `extreme_degree / sqrt(N)`.
     extreme_omega: f64,
+    /// Power over bound at `extreme_degree`.
+    #[schemars(with = "Option<f64>")]
     extreme_ratio: f64,
 }
 
@@ -71,39 +85,25 @@ impl ThesisRecord {
         }
     }
 
-    /// The heading of [`Self::row`].
-    pub(super) const HEADING: [&'static str; 12] = [
-        "thesis",
-        "profile",
-        "alpha",
-        "gamma",
-        "verdict",
-        "worst l",
-        "omega",
-        "ratio",
-        "z",
-        "extreme l",
-        "omega",
-        "ratio",
-    ];
-
-    /// The row of a table for people.
-    pub(super) fn row(&self) -> Vec<String> {
-        let break_at =
-            if self.family == "constant" { "-".to_owned() } else { readable(self.alpha) };
+    /// The columns of a table.
+    pub(super) fn columns() -> Vec<Column<'static, Self>> {
         vec![
-            self.side.to_owned(),
-            self.family.to_owned(),
-            break_at,
-            readable(self.gamma),
-            self.verdict.to_owned(),
-            self.worst_degree.to_string(),
-            readable(self.worst_omega),
-            readable(self.worst_ratio),
-            if self.z.is_finite() { format!("{:+.1}", self.z) } else { "exact".to_owned() },
-            self.extreme_degree.to_string(),
-            readable(self.extreme_omega),
-            readable(self.extreme_ratio),
+            Column::text("thesis", |r: &Self| r.side.to_owned()),
+            Column::text("profile", |r: &Self| r.family.to_owned()),
+            Column::number("alpha", |r: &Self| {
+                number::optional(break_at(r.family, r.alpha), number::value)
+            }),
+            Column::number("gamma", |r: &Self| number::value(r.gamma)),
+            Column::text("verdict", |r: &Self| r.verdict.to_owned()),
+            Column::number("worst l", |r: &Self| r.worst_degree.to_string()),
+            Column::number("omega", |r: &Self| number::value(r.worst_omega)),
+            Column::number("ratio", |r: &Self| number::ratio(r.worst_ratio)),
+            Column::number("z", |r: &Self| {
+                if r.z.is_finite() { number::score(r.z) } else { "exact".to_owned() }
+            }),
+            Column::number("extreme l", |r: &Self| r.extreme_degree.to_string()),
+            Column::number("omega", |r: &Self| number::value(r.extreme_omega)),
+            Column::number("ratio", |r: &Self| number::ratio(r.extreme_ratio)),
         ]
     }
 

@@ -1,5 +1,6 @@
 //! Which crossings of the best samplers' curves matter for the answer.
 
+use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::candidate::TimedCandidate;
@@ -11,8 +12,8 @@ const BEST: usize = 8;
 const NEAR: f64 = 4.0;
 
 /// Where two samplers' predicted variances cross, and what that means for the answer.
-#[derive(Debug, Serialize)]
-pub(super) struct CrossingRecord {
+#[derive(Debug, Serialize, JsonSchema)]
+pub(crate) struct CrossingRecord {
     #[serde(flatten)]
     pub(super) crossover: CrossoverRecord,
     /// Whether one of the two needs a number of points within a factor of 4.

@@ -1,15 +1,19 @@
 //! Why a pattern suits an integrand.
 
+use schemars::JsonSchema;
 use serde::Serialize;
 use sphvar_integrands::Energy;
 use sphvar_variance::Predictor;
 
 use super::candidate::TimedCandidate;
+use crate::report::number;
 
 /// Which degrees carry the integrand's variance, and what power the pattern has there.
-#[derive(Debug, Serialize)]
-pub(super) struct Reason {
+#[derive(Debug, Serialize, JsonSchema)]
+pub(crate) struct Reason {
+    /// The sampler with its parameters.
     sampler: String,
+    /// The number of points.
     n: usize,
     /// The smallest degree up to which half of white noise's variance lies.
     half_degree: usize,
@@ -47,7 +51,7 @@ impl Reason {
         };
         let power = match self.power_of_half {
             p if p < 1e-20 => "no power".to_owned(),
-            p => format!("power {p:.2e}"),
+            p => format!("power {}", number::ratio(p)),
         };
         let n = self.n;
         format!(

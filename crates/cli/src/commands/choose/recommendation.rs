@@ -7,6 +7,7 @@ use super::candidate::TimedCandidate;
 use super::question::{Asked, Question};
 use super::reason::Reason;
 use crate::error::CliError;
+use crate::report::number;
 
 /// What to take and why, in a sentence.
 pub(super) fn recommendation(
@@ -27,7 +28,7 @@ pub(super) fn recommendation(
             text += &format!(
                 " with {most} points (--max-points): all considered are out of reach, and white noise \
                  needs {} points.",
-                count(question.white_noise_points(predictor))
+                number::optional(question.white_noise_points(predictor), number::count)
             );
         }
         return Ok((None, text + &beyond_help(most, predictor)?));
@@ -69,8 +70,8 @@ fn no_recommendation(
     let relative = question.relative(variance.sqrt());
     if let Some(error) = relative.filter(|error| *error > 1.0) {
         let text = format!(
-            "No recommendation: the least error with {n} points, of {name}, is {:.0} % of the integral.",
-            100.0 * error
+            "No recommendation: the least error with {n} points, of {name}, is {} of the integral.",
+            number::percent(error)
         );
         return Ok(Some(text + &beyond_help(n, predictor)?));
     }
@@ -93,20 +94,11 @@ fn beyond_help(n_points: usize, predictor: &mut Predictor<'_>) -> Result<String,
     let share = predictor.share_beyond(settled)?;
     Ok(if share > 0.5 {
         format!(
-            " No pattern helps: {:.0} % of the variance lies beyond degree {settled}, where every pattern of \
+            " No pattern helps: {} of the variance lies beyond degree {settled}, where every pattern of \
              {n_points} points has white noise's power in the mean.",
-            100.0 * share
+            number::percent(share)
         )
     } else {
         String::new()
     })
-}
-
-/// A number of points, to two digits where it is large.
-fn count(points: Option<f64>) -> String {
-    match points {
-        Some(n) if n < 1e7 => format!("{n:.0}"),
-        Some(n) => format!("{n:.2e}"),
-        None => "-".to_owned(),
-    }
 }

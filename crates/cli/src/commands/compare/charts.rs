@@ -7,7 +7,7 @@ use super::Curve;
 use crate::commands::power_chart::{PowerCurve, power_chart};
 use crate::commands::rows::Plan;
 use crate::plots::{Binned, Chart, Ink, MAX_COLOURS, Panel, Scale, Series, Spread, Style, ranks};
-use crate::report::short;
+use crate::report::number;
 
 /// Energies below this part of the whole are 0 to rounding.
 const ROUNDING: f64 = 1e-30;
@@ -128,7 +128,7 @@ pub(super) fn integrand_chart(energy: &Energy, plan: &Plan<'_>) -> Chart {
         x_label: "degree l".to_owned(),
         x_scale: Scale::Log,
         panels: vec![Panel::log(
-            format!("energy E(l) / total, total = {}", short(total)),
+            format!("energy E(l) / total, total = {}", number::value(total)),
             vec![series],
         )],
         notes,

@@ -6,11 +6,11 @@ use clap::Parser;
 use sphvar_healpix::{Cell, Nested, Nside, PixelOrder, Ring};
 use tempfile::TempDir;
 
-use super::{Column, Document, PIXEL, RADIANS, VECTOR, run};
+use super::{Column, HealpixBody, PIXEL, RADIANS, VECTOR, run};
 use crate::args::{Cli, Command};
 use crate::error::CliError;
 use crate::files::{Columns, Number, read_list};
-use crate::report::Provenance;
+use crate::report::{Document, Provenance};
 
 /// Runs `sphvar healpix` with these words.
 fn healpix(words: &str) -> Result<(), CliError> {
@@ -328,8 +328,8 @@ fn document_has_a_key_for_each_column() {
     let provenance = Provenance::new(0);
     let rows = [[1.5, 0.25], [2.5, 3e-300]];
     let order = "nested";
-    let document = Document { args: &args, order, names: &RADIANS.names, rows: &rows, provenance };
-    let text = serde_json::to_string(&document).unwrap();
+    let body = HealpixBody::new(&args, order, &RADIANS.names, &rows);
+    let text = serde_json::to_string(&Document::new(&body, &provenance)).unwrap();
     let start = "{\"conversion\":\"pix2ang\",\"nside\":536870912,\"order\":\"nested\",\
                  \"theta\":[1.5,2.5],\"phi\":[0.25,3e-300],\"provenance\":{";
     assert!(text.starts_with(start), "{text}");

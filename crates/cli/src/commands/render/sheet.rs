@@ -1,11 +1,12 @@
 //! Pictures side by side, with their errors below.
 
+use schemars::JsonSchema;
 use serde::Serialize;
 use sphvar_scene::{DirectionMode, Image};
 
 use super::colours::grey;
 use super::reference::Reference;
-use super::single::{ErrorRecord, plain, white};
+use super::single::{ErrorRecord, white};
 use super::stage::Stage;
 use super::trials::{Outcome, Trials};
 use super::{RenderArgs, parse_mode};
@@ -16,7 +17,7 @@ use crate::memory::check_memory;
 use crate::patterns::parse_pattern;
 use crate::plots::{ContactSheet, SheetPanel};
 use crate::progress::Progress;
-use crate::report::{Provenance, is_stdout, print, print_json, short, table};
+use crate::report::{Column, Document, Provenance, is_stdout, number, print, table_of};
 use crate::spec::Spec;
 
 /// Pixels on a side of a panel, unless others are wished.
@@ -32,21 +33,41 @@ enum Wish {
     Pattern(Box<Trials>),
 }
 
-/// The document of `--json`.
-#[derive(Debug, Serialize)]
-struct Document<'a> {
-    panels: &'a [PanelRecord],
+/// Pictures side by side with their errors: `render --sheet --json`.
+#[derive(Debug, Serialize, JsonSchema)]
+pub(crate) struct SheetBody {
+    /// The pictures, without the reference image.
+    panels: Vec<PanelRecord>,
+    /// Directions of each pixel of the reference image.
     reference_n: usize,
-    provenance: &'a Provenance,
 }
 
-#[derive(Debug, Serialize)]
+/// One picture of a sheet.
+#[derive(Debug, Serialize, JsonSchema)]
 struct PanelRecord {
+    /// The sampler with its parameters.
     sampler: String,
+    /// How point sets are mapped to directions at each shading point.
     mode: &'static str,
+    /// The number of directions on the visible hemisphere of each point.
     n: usize,
     #[serde(flatten)]
     errors: ErrorRecord,
+}
+
+impl PanelRecord {
+    /// The columns of a table.
+    fn columns() -> [Column<'static, Self>; 7] {
+        [
+            Column::text("sampler", |r: &Self| r.sampler.clone()),
+            Column::text("mode", |r: &Self| r.mode.to_owned()),
+            Column::number("N", |r: &Self| r.n.to_string()),
+            Column::number("mse", |r: &Self| number::value(r.errors.mse)),
+            Column::number("+-", |r: &Self| number::uncertainty(r.errors.mse_stderr)),
+            Column::number("structured error", |r: &Self| number::ratio(r.errors.structured_error)),
+            Column::number("correlation", |r: &Self| number::ratio(r.errors.autocorrelation)),
+        ]
+    }
 }
 
 pub(super) fn run(args: &RenderArgs, panels: &str, global: &Global) -> Result<(), CliError> {
@@ -108,26 +129,13 @@ pub(super) fn run(args: &RenderArgs, panels: &str, global: &Global) -> Result<()
     let (size, colours) = sheet.pixels()?;
     write_png(path, size, &colours, &provenance.line())?;
     if global.json {
-        let document =
-            Document { panels: &records, reference_n: reference.n_points, provenance: &provenance };
-        return print_json(&document);
+        let body = SheetBody { panels: records, reference_n: reference.n_points };
+        return Document::new(&body, &provenance).print();
     }
     if is_stdout(path) {
         return Ok(());
     }
-    let cells = |r: &PanelRecord| {
-        vec![
-            r.sampler.clone(),
-            r.mode.to_owned(),
-            r.n.to_string(),
-            short(r.errors.mse),
-            short(r.errors.mse_stderr),
-            plain(r.errors.structured_error, 2),
-            plain(r.errors.autocorrelation, 3),
-        ]
-    };
-    let heading = ["sampler", "mode", "N", "mse", "+-", "structured error", "correlation"];
-    print(&table(&heading, records.iter().map(cells).collect(), 2))
+    print(&table_of(&PanelRecord::columns(), &records))
 }
 
 /// `SAMPLER@MODE`, `SAMPLER` in the mode of `--mode`, or `reference`.
@@ -177,7 +185,7 @@ fn rendered(
     });
     caption.extend(record.as_ref().map(|record| {
         let ErrorRecord { mse, structured_error, .. } = record.errors;
-        format!("MSE {mse:.2e}, structure {}", plain(structured_error, 1))
+        format!("MSE {}, structure {}", number::ratio(mse), number::ratio(structured_error))
     }));
     Ok((panel(&picture, white, caption), record))
 }

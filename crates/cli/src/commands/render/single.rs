@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use schemars::JsonSchema;
 use serde::Serialize;
 use sphvar_scene::Image;
 
@@ -15,54 +16,92 @@ use crate::files::{AtomicFile, Picture, PictureFormat};
 use crate::global::Global;
 use crate::patterns::parse_pattern;
 use crate::progress::Progress;
-use crate::report::{Provenance, is_stdout, print, print_json, say, short};
+use crate::report::{Document, Provenance, is_stdout, number, print, say};
 
 /// Pixels on a side, unless others are wished.
 const USUAL_SIZE: usize = 512;
 /// Directions, unless others are wished.
 const USUAL_COUNT: usize = 256;
 
-/// The document of `--json`.
-#[derive(Debug, Serialize)]
-struct Document<'a> {
+/// One picture with its errors: `render --json`.
+#[derive(Debug, Serialize, JsonSchema)]
+pub(crate) struct RenderBody {
+    /// The sampler with its parameters.
     sampler: String,
+    /// How point sets are mapped to directions at each shading point.
     mode: &'static str,
+    /// The estimator for the visible half of a sphere set.
     estimator: &'static str,
+    /// The number of directions requested.
     asked: usize,
+    /// The number of directions on the visible hemisphere of each point.
     n: usize,
+    /// The number of sets in the table of a render.
     sets: usize,
+    /// The width of the picture in pixels.
     width: usize,
+    /// The height of the picture in pixels.
     height: usize,
-    /// Pixels in which a surface is seen, the share of the picture that surfaces cover, and the mean value over that.
+    /// The number of pixels in which a surface is visible.
     pixels: usize,
+    /// The share of the picture that surfaces cover, from 0 to 1.
     coverage: f64,
+    /// The mean value over the covered part.
+    #[schemars(with = "Option<f64>")]
     mean: f64,
+    /// The number of renders from which errors are estimated.
     renders: u64,
     #[serde(flatten)]
     errors: ErrorRecord,
+    /// Directions of each pixel of the reference image.
     reference_n: usize,
+    /// Occlusion rays of all renders.
     rays: u64,
+    /// The time of the rays, in seconds.
     seconds: f64,
-    provenance: &'a Provenance,
 }
 
-/// Errors as scripts see them.
-#[derive(Debug, Serialize)]
-pub(super) struct ErrorRecord {
+/// Errors of renders against the reference image, in squared units of the values. A number that cannot be given is null.
+#[derive(Debug, Serialize, JsonSchema)]
+pub(crate) struct ErrorRecord {
+    /// The mean squared error over the pixels.
+    #[schemars(with = "Option<f64>")]
     pub(super) mse: f64,
+    /// The standard error of `mse`.
+    #[schemars(with = "Option<f64>")]
     pub(super) mse_stderr: f64,
+    /// The variance of a pixel over the renders, in the mean over the pixels.
+    #[schemars(with = "Option<f64>")]
     pub(super) variance: f64,
+    /// The standard error of `variance`.
+    #[schemars(with = "Option<f64>")]
     pub(super) variance_stderr: f64,
+    /// The squared bias of a pixel, in the mean over the pixels.
+    #[schemars(with = "Option<f64>")]
     pub(super) bias_squared: f64,
+    /// The standard error of `bias_squared`.
+    #[schemars(with = "Option<f64>")]
     pub(super) bias_squared_stderr: f64,
+    /// The exact mean squared error of the same number of independent directions.
+    #[schemars(with = "Option<f64>")]
     pub(super) white_noise: f64,
-    /// White noise's exact mean squared error over this one.
+    /// `white_noise` over `mse`.
+    #[schemars(with = "Option<f64>")]
     pub(super) gain: f64,
+    /// 64 times the error of means over 8 by 8 pixels over that of pixels: 1 for independent pixels.
+    #[schemars(with = "Option<f64>")]
     pub(super) structured_error: f64,
+    /// The standard error of `structured_error`.
+    #[schemars(with = "Option<f64>")]
     pub(super) structured_error_stderr: f64,
+    /// The correlation of the errors of neighbouring pixels.
+    #[schemars(with = "Option<f64>")]
     pub(super) autocorrelation: f64,
+    /// The largest |t| of a pixel: its bias over its standard error.
     pub(super) bias_t: Option<f64>,
+    /// The limit that `bias_t` exceeds by chance in 1 % of pictures.
     pub(super) bias_limit: Option<f64>,
+    /// The number of pixels beyond the limit.
     pub(super) biased_pixels: Option<usize>,
 }
 
@@ -128,7 +167,8 @@ pub(super) fn run(args: &RenderArgs, global: &Global) -> Result<(), CliError> {
     let provenance = Provenance::new(global.seed);
     write_pictures(args, &stage, &outcome, reference.as_ref(), &provenance, global)?;
     if let (true, Some(reference), Some(errors)) = (global.json, &reference, &outcome.errors) {
-        return print_json(&document(&trials, &outcome, errors, reference, &provenance));
+        let body = body(&trials, &outcome, errors, reference);
+        return Document::new(&body, &provenance).print();
     }
     if args.out.as_deref().is_some_and(is_stdout) {
         return Ok(());
@@ -163,15 +203,9 @@ fn check_outputs(args: &RenderArgs, global: &Global) -> Result<(), CliError> {
     Ok(())
 }
 
-fn document<'a>(
-    trials: &Trials,
-    outcome: &Outcome,
-    errors: &Errors,
-    reference: &Image,
-    provenance: &'a Provenance,
-) -> Document<'a> {
+fn body(trials: &Trials, outcome: &Outcome, errors: &Errors, reference: &Image) -> RenderBody {
     let Outcome { picture, rays, seconds, .. } = outcome;
-    Document {
+    RenderBody {
         sampler: trials.plan.pattern().to_string(),
         mode: trials.plan.mode().name(),
         estimator: trials.estimator.name(),
@@ -188,56 +222,49 @@ fn document<'a>(
         reference_n: reference.n_points,
         rays: *rays,
         seconds: *seconds,
-        provenance,
     }
 }
 
 fn text(trials: &Trials, outcome: &Outcome) -> String {
     let Outcome { picture, errors, rays, seconds } = outcome;
     let plan = &trials.plan;
+    let rays = *rays as f64;
     let mut text = format!(
-        "{}, {}, N = {}: mean value {:.4} over {} pixels\n{:.3e} rays in {:.1} s, {:.2e} a second\n",
+        "{}, {}, N = {}: mean value {} over {} pixels\n{} rays in {}, {} a second\n",
         plan.pattern(),
         plan.mode(),
         plan.n_points(),
-        picture.mean(),
+        number::value(picture.mean()),
         picture.n_hits(),
-        *rays as f64,
-        seconds,
-        *rays as f64 / seconds,
+        number::count(rays),
+        number::seconds(*seconds),
+        number::count(rays / seconds),
     );
     if let Some(errors) = errors {
         let record = ErrorRecord::new(errors);
         text += &format!(
-            "mean squared error {} +- {} (renders: {}), {} times less than white noise's {}\n\
-             variance {} +- {}, squared bias {} +- {}\n\
-             structured error {} +- {} (1: independent pixels), neighbours' correlation {}\n",
-            short(record.mse),
-            short(record.mse_stderr),
+            "mean squared error {} (renders: {}), {} times less than white noise's {}\n\
+             variance {}, squared bias {}\n\
+             structured error {} (1: independent pixels), neighbours' correlation {}\n",
+            number::with_uncertainty(record.mse, record.mse_stderr),
             trials.renders,
-            plain(record.gain, 2),
-            short(record.white_noise),
-            short(record.variance),
-            short(record.variance_stderr),
-            short(record.bias_squared),
-            short(record.bias_squared_stderr),
-            plain(record.structured_error, 2),
-            plain(record.structured_error_stderr, 2),
-            plain(record.autocorrelation, 3),
+            number::ratio(record.gain),
+            number::value(record.white_noise),
+            number::with_uncertainty(record.variance, record.variance_stderr),
+            number::with_uncertainty(record.bias_squared, record.bias_squared_stderr),
+            number::with_uncertainty(record.structured_error, record.structured_error_stderr),
+            number::ratio(record.autocorrelation),
         );
         if let Some(bias) = errors.report.bias {
             text += &format!(
-                "bias: {} of {} pixels beyond |t| = {:.1}, which chance passes in 1 % of pictures\n",
-                bias.beyond, errors.report.pixels, bias.limit
+                "bias: {} of {} pixels beyond |t| = {}, which chance passes in 1 % of pictures\n",
+                bias.beyond,
+                errors.report.pixels,
+                number::ratio(bias.limit)
             );
         }
     }
     text
-}
-
-/// A number for people with so many digits after the point, or a dash if there is none.
-pub(super) fn plain(x: f64, digits: usize) -> String {
-    if x.is_finite() { format!("{x:.digits$}") } else { "-".to_owned() }
 }
 
 fn write_pictures(
@@ -297,10 +324,10 @@ pub(super) fn white(args: &RenderArgs, stage: &Stage, picture: &Image, quiet: bo
         let least = seen().fold(f64::INFINITY, f64::min);
         let text = format!(
             "values are from {} to {}, half of them below {}; {} is white (--white sets it)",
-            short(least),
-            short(brightest),
-            short(median),
-            short(white),
+            number::value(least),
+            number::value(brightest),
+            number::value(median),
+            number::value(white),
         );
         say(quiet, &text);
     }

@@ -2,61 +2,73 @@
 
 mod chart;
 
+use schemars::JsonSchema;
 use serde::Serialize;
 use sphvar_samplers::Pattern;
 use sphvar_variance::{RateFit, VariancePoint, fit_rate_of_few};
 
 use super::RenderArgs;
 use super::reference::Reference;
-use super::single::{ErrorRecord, plain};
+use super::single::ErrorRecord;
 use super::trials::{Trials, USUAL_RENDERS};
 use crate::commands::crossovers::{CrossoverRecord, crossovers};
 use crate::counts::Counts;
 use crate::error::CliError;
 use crate::global::Global;
 use crate::patterns::parse_patterns;
-use crate::plots::ImageFormat;
 use crate::progress::Progress;
-use crate::report::{
-    Provenance, check_result, csv, full, is_stdout, print, print_json, short, table, write_result,
-};
+use crate::report::{Column, Forms, Provenance, check_result, csv_of, emit, number, table_of};
 
 /// Pixels on a side, unless others are wished.
 const USUAL_SIZE: usize = 128;
 /// Directions, unless others are wished.
 const USUAL_RANGE: (usize, usize) = (16, 1024);
 
-/// The document of `--json`.
-#[derive(Debug, Serialize)]
-struct Document<'a> {
-    rows: &'a [Row],
-    samplers: &'a [Summary],
-    crossovers: &'a [CrossoverRecord],
+/// Mean squared errors over the number of directions: `render --study --json`.
+#[derive(Debug, Serialize, JsonSchema)]
+pub(crate) struct StudyBody {
+    /// Every sampler at every number of directions.
+    rows: Vec<StudyRecord>,
+    /// Every sampler over all its numbers of directions.
+    samplers: Vec<StudyRates>,
+    /// Where curves of the mean squared error cross significantly.
+    crossovers: Vec<CrossoverRecord>,
+    /// Directions of each pixel of the reference image.
     reference_n: usize,
+    /// The number of pixels in which a surface is visible.
     pixels: usize,
+    /// Occlusion rays of all renders.
     rays: u64,
+    /// The time of the rays, in seconds.
     seconds: f64,
-    provenance: &'a Provenance,
 }
 
-/// One pattern at one number of directions.
-#[derive(Debug, Serialize)]
-struct Row {
+/// A pattern at one number of directions.
+#[derive(Debug, Serialize, JsonSchema)]
+struct StudyRecord {
+    /// The sampler with its parameters.
     sampler: String,
+    /// How point sets are mapped to directions at each shading point.
     mode: &'static str,
+    /// The number of directions requested.
     asked: usize,
+    /// The number of directions on the visible hemisphere of each point.
     n: usize,
     /// Different sets in all renders together: 1 of lattices, 0 if every pixel has its own.
     sets: u64,
+    /// The number of renders from which errors are estimated.
     renders: u64,
     #[serde(flatten)]
     errors: ErrorRecord,
 }
 
-/// A fitted exponent with its 95 % interval.
-#[derive(Debug, Serialize)]
+/// A fitted exponent b of the error as N^b.
+#[derive(Debug, Serialize, JsonSchema)]
 struct Rate {
+    /// The exponent.
     rate: f64,
+    /// Its 95 % interval.
+    #[schemars(with = "(Option<f64>, Option<f64>)")]
     interval: (f64, f64),
 }
 
@@ -66,13 +78,14 @@ impl From<RateFit> for Rate {
     }
 }
 
-/// What is said about one sampler over all its numbers.
-#[derive(Debug, Serialize)]
-struct Summary {
+/// A sampler over all its numbers of directions.
+#[derive(Debug, Serialize, JsonSchema)]
+struct StudyRates {
+    /// The sampler with its parameters.
     sampler: String,
-    /// Over all numbers.
+    /// The rate over all numbers; null if there are too few.
     all: Option<Rate>,
-    /// Over the numbers from the geometric mean of the least and the largest on.
+    /// The rate over the numbers from the geometric mean of the least and the largest on.
     tail: Option<Rate>,
 }
 
@@ -121,7 +134,7 @@ pub(super) fn run(args: &RenderArgs, global: &Global) -> Result<(), CliError> {
         let outcome = case.run(&stage, Some(&reference), &progress)?;
         rays += outcome.rays;
         seconds += outcome.seconds;
-        rows.extend(outcome.errors.as_ref().map(|errors| Row {
+        rows.extend(outcome.errors.as_ref().map(|errors| StudyRecord {
             sampler: case.plan.pattern().to_string(),
             mode: mode.name(),
             asked: case.asked,
@@ -133,85 +146,54 @@ pub(super) fn run(args: &RenderArgs, global: &Global) -> Result<(), CliError> {
     }
     drop(progress);
     let curves: Vec<Curve<'_>> = patterns.iter().map(|p| Curve::new(p, &rows)).collect();
-    let summaries: Vec<Summary> = curves.iter().map(Curve::summary).collect();
+    let samplers: Vec<StudyRates> = curves.iter().map(Curve::rates).collect();
     let errors: Vec<_> = curves.iter().map(|c| (c.pattern.clone(), c.points())).collect();
     let crossovers = crossovers(&errors, global.seed);
     let provenance = Provenance::new(global.seed);
-    let document = Document {
-        rows: &rows,
-        samplers: &summaries,
-        crossovers: &crossovers,
-        reference_n: reference.n_points,
-        pixels: reference.n_hits(),
-        rays,
-        seconds,
-        provenance: &provenance,
+    let [reference_n, pixels] = [reference.n_points, reference.n_hits()];
+    let body = StudyBody { rows, samplers, crossovers, reference_n, pixels, rays, seconds };
+    let chart = || {
+        let curves: Vec<Curve<'_>> = patterns.iter().map(|p| Curve::new(p, &body.rows)).collect();
+        Ok(chart::chart(&curves, &body))
     };
-    if let Some(path) = &args.out
-        && !(global.json && is_stdout(path))
-    {
-        if ImageFormat::of_path(path).is_some() {
-            chart::chart(&curves, &document).render(path)?;
-        } else {
-            let cells: Vec<_> = rows.iter().map(Row::record).collect();
-            write_result(path, &document, &|| csv(&provenance, Row::COLUMNS, &cells))?;
-        }
-    }
-    if global.json {
-        print_json(&document)
-    } else if args.out.as_deref().is_some_and(is_stdout) {
-        Ok(())
-    } else {
-        print(&text(&document))
+    let forms = Forms {
+        csv: &|| csv_of(&provenance, &body.rows),
+        chart: Some(&chart),
+        text: &|| text(&body),
+    };
+    emit(args.out.as_deref(), global, &provenance, &body, &forms)
+}
+
+impl StudyRecord {
+    /// The columns of a table.
+    fn columns() -> [Column<'static, Self>; 9] {
+        let score = |t: Option<f64>| number::optional(t, number::ratio);
+        [
+            Column::text("sampler", |r: &Self| r.sampler.clone()),
+            Column::number("N asked", |r: &Self| r.asked.to_string()),
+            Column::number("N", |r: &Self| r.n.to_string()),
+            Column::number("mse", |r: &Self| number::value(r.errors.mse)),
+            Column::number("+-", |r: &Self| number::uncertainty(r.errors.mse_stderr)),
+            Column::number("gain", |r: &Self| number::ratio(r.errors.gain)),
+            Column::number("structured error", |r: &Self| number::ratio(r.errors.structured_error)),
+            Column::number("largest |t|", move |r: &Self| score(r.errors.bias_t)),
+            Column::number("99 % limit", move |r: &Self| score(r.errors.bias_limit)),
+        ]
     }
 }
 
-impl Row {
-    /// The heading of [`Self::record`].
-    const COLUMNS: &'static str = "sampler,mode,asked,n,sets,renders,mse,mse_stderr,variance,\
-         variance_stderr,bias_squared,bias_squared_stderr,white_noise,gain,structured_error,\
-         structured_error_stderr,autocorrelation,bias_t,bias_limit,biased_pixels";
-
-    /// The row of a CSV file.
-    fn record(&self) -> Vec<String> {
-        let e = &self.errors;
-        let mut cells = vec![self.sampler.clone(), self.mode.to_owned()];
-        cells.extend(
-            [self.asked as u64, self.n as u64, self.sets, self.renders].map(|n| n.to_string()),
-        );
-        let numbers = [
-            e.mse,
-            e.mse_stderr,
-            e.variance,
-            e.variance_stderr,
-            e.bias_squared,
-            e.bias_squared_stderr,
-            e.white_noise,
-            e.gain,
-            e.structured_error,
-            e.structured_error_stderr,
-            e.autocorrelation,
-            e.bias_t.unwrap_or(f64::NAN),
-            e.bias_limit.unwrap_or(f64::NAN),
-        ];
-        cells.extend(numbers.map(full));
-        cells.push(e.biased_pixels.map_or_else(String::new, |n| n.to_string()));
-        cells
-    }
-
-    /// The row of a table for people.
-    fn cells(&self) -> Vec<String> {
-        let e = &self.errors;
-        vec![
-            self.sampler.clone(),
-            self.asked.to_string(),
-            self.n.to_string(),
-            short(e.mse),
-            short(e.mse_stderr),
-            plain(e.gain, 3),
-            plain(e.structured_error, 2),
-            e.bias_t.map_or("-".to_owned(), |t| format!("{t:.1}")),
-            e.bias_limit.map_or("-".to_owned(), |t| format!("{t:.1}")),
+impl StudyRates {
+    /// The columns of a table.
+    fn columns() -> [Column<'static, Self>; 5] {
+        let rate = |rate: &Option<Rate>| number::optional(rate.as_ref(), |r| number::rate(r.rate));
+        let interval =
+            |rate: &Option<Rate>| number::interval(rate.as_ref().map(|r| r.interval), number::rate);
+        [
+            Column::text("sampler", |s: &Self| s.sampler.clone()),
+            Column::number("rate", move |s: &Self| rate(&s.all)),
+            Column::number("95 %", move |s: &Self| interval(&s.all)),
+            Column::number("upper half", move |s: &Self| rate(&s.tail)),
+            Column::number("95 %", move |s: &Self| interval(&s.tail)),
         ]
     }
 }
@@ -219,19 +201,20 @@ impl Row {
 /// The rows of one pattern, by number of directions.
 struct Curve<'a> {
     pattern: String,
-    rows: Vec<&'a Row>,
+    rows: Vec<&'a StudyRecord>,
 }
 
 impl<'a> Curve<'a> {
-    fn new(pattern: &Pattern, rows: &'a [Row]) -> Self {
+    fn new(pattern: &Pattern, rows: &'a [StudyRecord]) -> Self {
         let pattern = pattern.to_string();
-        let mut rows: Vec<&Row> = rows.iter().filter(|row| row.sampler == pattern).collect();
+        let mut rows: Vec<&StudyRecord> =
+            rows.iter().filter(|row| row.sampler == pattern).collect();
         rows.sort_by_key(|row| row.n);
         Self { pattern, rows }
     }
 
     fn points(&self) -> Vec<VariancePoint> {
-        let point = |row: &&Row| VariancePoint {
+        let point = |row: &&StudyRecord| VariancePoint {
             n_points: row.n as f64,
             variance: row.errors.mse,
             stderr: row.errors.mse_stderr,
@@ -239,7 +222,7 @@ impl<'a> Curve<'a> {
         self.rows.iter().map(point).collect()
     }
 
-    fn summary(&self) -> Summary {
+    fn rates(&self) -> StudyRates {
         let points = self.points();
         let middle = match (points.first(), points.last()) {
             (Some(first), Some(last)) => (first.n_points * last.n_points).sqrt(),
@@ -250,7 +233,7 @@ impl<'a> Curve<'a> {
         // Errors come from the renders of each number of points.
         let renders = self.rows.iter().map(|row| row.renders).min().unwrap_or(0);
         let dof = renders.saturating_sub(1) as f64;
-        Summary {
+        StudyRates {
             sampler: self.pattern.clone(),
             all: fit_rate_of_few(&points, dof).map(Rate::from),
             tail: fit_rate_of_few(&tail, dof).map(Rate::from),
@@ -258,38 +241,16 @@ impl<'a> Curve<'a> {
     }
 }
 
-fn text(document: &Document<'_>) -> String {
-    let heading = [
-        "sampler",
-        "N asked",
-        "N",
-        "mse",
-        "+-",
-        "gain",
-        "structured error",
-        "largest |t|",
-        "99 % limit",
-    ];
-    let mut text = table(&heading, document.rows.iter().map(Row::cells).collect(), 1);
+fn text(body: &StudyBody) -> String {
+    let mut text = table_of(&StudyRecord::columns(), &body.rows);
     text += "\ngain: white noise's exact mean squared error over this one. structured error: 1 for \
              independent\npixels, 64 for errors that are the same over 8 by 8. |t|: the bias of a pixel over its standard error;\nthe \
              largest of a picture exceeds the limit by chance in 1 % of pictures.\n\n";
-    let rate = |rate: &Option<Rate>| match rate {
-        Some(Rate { rate, interval: (from, to) }) => {
-            [format!("{rate:.2}"), format!("{from:.2} to {to:.2}")]
-        }
-        None => ["-".to_owned(), "-".to_owned()],
-    };
-    let cells = |s: &Summary| {
-        let [all, tail] = [rate(&s.all), rate(&s.tail)];
-        [vec![s.sampler.clone()], all.to_vec(), tail.to_vec()].concat()
-    };
-    let heading = ["sampler", "rate", "95 %", "upper half", "95 %"];
-    text += &table(&heading, document.samplers.iter().map(cells).collect(), 1);
+    text += &table_of(&StudyRates::columns(), &body.samplers);
     text.push('\n');
-    if !document.crossovers.is_empty() {
+    if !body.crossovers.is_empty() {
         text += "last crossing of each pair within the range:\n";
     }
-    text.extend(document.crossovers.iter().map(CrossoverRecord::line));
+    text.extend(body.crossovers.iter().map(CrossoverRecord::line));
     text
 }

@@ -2,38 +2,61 @@
 
 use std::path::Path;
 
+use schemars::JsonSchema;
 use serde::Serialize;
 use sphvar_spectrum::Spectrum;
 
 use super::chart::chart;
 use crate::error::CliError;
 use crate::global::Global;
-use crate::plots::ImageFormat;
 use crate::point_sets::WeightSums;
-use crate::report::{
-    Provenance, csv, full, is_stdout, print, print_json, say, short, table, write_result,
-};
+use crate::report::{self, Column, Forms, Provenance, csv_of, number, say, table_of};
 
-/// The document of `--json`.
-#[derive(Debug, Serialize)]
-struct Document<'a> {
-    sampler: &'a str,
+/// The mean angular power spectrum of a pattern or of points in files: `spectrum --json`, `merge --json`.
+#[derive(Debug, Serialize, JsonSchema)]
+pub(crate) struct SpectrumBody {
+    /// The sampler with its parameters, or the files.
+    sampler: String,
+    /// `sphere` or `hemisphere`.
     domain: &'static str,
+    /// The number of points.
     n: usize,
+    /// The largest degree, inclusive.
     lmax: usize,
+    /// Realizations of which this is the mean; 0 for a closed form.
     realizations: u64,
     #[serde(flatten)]
     weights: Option<WeightSums>,
+    /// The degrees from 0; on the hemisphere the even ones.
     l: Vec<usize>,
+    /// The mean power of each degree; white noise has 1, and degree 0 has N.
     power: Vec<f64>,
-    /// NaN, which becomes null, where there is no error.
+    /// The standard error of each power; 0 where it is exact, null where there is none.
+    #[schemars(with = "Vec<Option<f64>>")]
     stderr: Vec<f64>,
-    /// The mean power of even and of odd degrees beyond `lmax`; odd ones do not exist on the hemisphere.
+    /// The mean power of even degrees beyond `lmax`.
     tail_even: f64,
+    /// The mean power of odd degrees beyond `lmax`, which the hemisphere does not have.
     #[serde(skip_serializing_if = "Option::is_none")]
     tail_odd: Option<f64>,
+    /// The time that the spectrum took, in seconds.
     seconds: f64,
-    provenance: &'a Provenance,
+}
+
+/// The spectrum at one degree.
+#[derive(Debug, Serialize, JsonSchema)]
+struct PowerRecord {
+    /// The degree.
+    l: usize,
+    /// `l / sqrt(N)`.
+    omega: f64,
+    /// The mean power.
+    power: f64,
+    /// The standard error of `power`.
+    #[schemars(with = "Option<f64>")]
+    stderr: f64,
+    /// Realizations of which this is the mean.
+    realizations: u64,
 }
 
 /// What is said of a spectrum besides its numbers.
@@ -45,7 +68,7 @@ pub(crate) struct Remarks {
     pub(crate) weights: Option<WeightSums>,
 }
 
-/// Writes the spectrum of `name` to `out`, prints it as JSON, or shows a table if neither is asked for.
+/// Writes the spectrum of `name` to `out`, and prints it as JSON or as a table.
 pub(crate) fn emit(
     out: Option<&Path>,
     global: &Global,
@@ -55,75 +78,62 @@ pub(crate) fn emit(
     seconds: f64,
     provenance: &Provenance,
 ) -> Result<(), CliError> {
-    let mut rows: Vec<(usize, f64, f64)> = spectrum.rows().collect();
-    if remarks.has_no_error {
-        rows.iter_mut().for_each(|row| row.2 = f64::NAN);
-    }
-    let document = Document {
-        sampler: name,
+    let (n, realizations) = (spectrum.n_points(), spectrum.realizations());
+    let record = |(l, power, stderr)| PowerRecord {
+        l,
+        omega: l as f64 / (n as f64).sqrt(),
+        power,
+        stderr: if remarks.has_no_error { f64::NAN } else { stderr },
+        realizations,
+    };
+    let rows: Vec<PowerRecord> = spectrum.rows().map(record).collect();
+    let body = SpectrumBody {
+        sampler: name.to_owned(),
         domain: spectrum.domain().name(),
-        n: spectrum.n_points(),
+        n,
         lmax: spectrum.lmax(),
-        realizations: spectrum.realizations(),
+        realizations,
         weights: remarks.weights,
-        l: rows.iter().map(|r| r.0).collect(),
-        power: rows.iter().map(|r| r.1).collect(),
-        stderr: rows.iter().map(|r| r.2).collect(),
+        l: rows.iter().map(|r| r.l).collect(),
+        power: rows.iter().map(|r| r.power).collect(),
+        stderr: rows.iter().map(|r| r.stderr).collect(),
         tail_even: spectrum.tail().even,
         tail_odd: spectrum.domain().has_degree(1).then_some(spectrum.tail().odd),
         seconds,
-        provenance,
     };
-    let scale = (spectrum.n_points() as f64).sqrt();
-    if let Some(path) = out
-        && !(global.json && is_stdout(path))
-    {
-        if ImageFormat::of_path(path).is_some() {
-            chart(name, spectrum).with_note(provenance.line()).render(path)?;
-        } else {
-            let cells: Vec<_> = rows
-                .iter()
-                .map(|&(l, p, e)| {
-                    vec![
-                        l.to_string(),
-                        full(l as f64 / scale),
-                        full(p),
-                        full(e),
-                        spectrum.realizations().to_string(),
-                    ]
-                })
-                .collect();
-            write_result(path, &document, &|| {
-                csv(provenance, "l,omega,power,stderr,realizations", &cells)
-            })?;
-        }
-    }
-    if global.json {
-        return print_json(&document);
-    }
-    if out.is_some() {
-        return Ok(());
-    }
-    let shown = thinned(&rows);
-    let cells = shown
-        .iter()
-        .map(|&&(l, p, e)| {
-            vec![l.to_string(), format!("{:.4}", l as f64 / scale), short(p), short(e)]
-        })
-        .collect();
-    print(&table(&["l", "l/sqrt(N)", "power", "+-"], cells, 0))?;
-    if let Some(WeightSums { n_effective, sum_w, sum_w2 }) = remarks.weights {
-        print(&format!("N_eff = {n_effective:.6} (sum w = {sum_w:e}, sum w^2 = {sum_w2:e})\n"))?;
-    }
-    if shown.len() < rows.len() {
-        let remark = format!("{} of {} degrees; all of them: -o FILE.csv", shown.len(), rows.len());
+    let chart = || Ok(chart(name, spectrum));
+    let forms = Forms {
+        csv: &|| csv_of(provenance, &rows),
+        chart: Some(&chart),
+        text: &|| text(&rows, remarks),
+    };
+    report::emit(out, global, provenance, &body, &forms)?;
+    let shown = thinned(&rows).len();
+    if shown < rows.len() && out.is_none() && !global.json {
+        let remark = format!("{shown} of {} degrees; all of them: -o FILE.csv", rows.len());
         say(global.quiet, &remark);
     }
     Ok(())
 }
 
+/// The table for people.
+fn text(rows: &[PowerRecord], remarks: Remarks) -> String {
+    let columns = [
+        Column::number("l", |r: &PowerRecord| r.l.to_string()),
+        Column::number("l/sqrt(N)", |r: &PowerRecord| number::value(r.omega)),
+        Column::number("power", |r: &PowerRecord| number::value(r.power)),
+        Column::number("+-", |r: &PowerRecord| number::uncertainty(r.stderr)),
+    ];
+    let mut text = table_of(&columns, thinned(rows));
+    if let Some(WeightSums { n_effective, sum_w, sum_w2 }) = remarks.weights {
+        let [n, sum, squares] = [n_effective, sum_w, sum_w2].map(number::value);
+        text += &format!("N_eff = {n} (sum w = {sum}, sum w^2 = {squares})\n");
+    }
+    text
+}
+
 /// All of a short list, or some 40 rows of a long one, ever farther apart.
-fn thinned(rows: &[(usize, f64, f64)]) -> Vec<&(usize, f64, f64)> {
+fn thinned(rows: &[PowerRecord]) -> Vec<&PowerRecord> {
     const FEW: usize = 40;
     let mut next = 0;
     rows.iter()

@@ -1,10 +1,10 @@
 //! Mean squared errors against the number of directions.
 
-use super::{Curve, Document};
+use super::{Curve, StudyBody};
 use crate::plots::{Chart, Ink, Panel, Scale, Series, Spread, Style, ranks};
 
 /// Returns the chart of a study.
-pub(super) fn chart(curves: &[Curve<'_>], document: &Document<'_>) -> Chart {
+pub(super) fn chart(curves: &[Curve<'_>], body: &StudyBody) -> Chart {
     let last = |curve: &Curve<'_>| {
         curve.points().last().map_or(f64::NAN, |point| point.variance * point.n_points)
     };
@@ -28,9 +28,8 @@ pub(super) fn chart(curves: &[Curve<'_>], document: &Document<'_>) -> Chart {
             "Bars: one standard error.".to_owned(),
             format!(
                 "{} pixels, reference image of {} jittered directions each",
-                document.pixels, document.reference_n
+                body.pixels, body.reference_n
             ),
-            document.provenance.line(),
         ],
     }
 }

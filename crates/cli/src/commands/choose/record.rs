@@ -1,0 +1,205 @@
+//! What `choose` finds, as files and tables show it.
+
+use schemars::JsonSchema;
+use serde::Serialize;
+use sphvar_variance::{PredictedPoint, Predictor, RequiredPoints};
+
+use super::candidate::TimedCandidate;
+use super::crossings::CrossingRecord;
+use super::question::Question;
+use super::reason::Reason;
+use crate::report::{Column, number};
+
+/// A sampler that was not considered.
+#[derive(Debug, Serialize, JsonSchema)]
+pub(super) struct LeftOut {
+    /// The sampler with its parameters.
+    pub(super) sampler: String,
+    /// Why.
+    pub(super) reason: String,
+}
+
+/// A sampler with what it needs or achieves. A number that cannot be given is null.
+#[derive(Debug, Serialize, JsonSchema)]
+pub(super) struct CandidateRecord {
+    /// The place, from 1 for the best.
+    pub(super) rank: usize,
+    /// The sampler with its parameters, as every command accepts it.
+    pub(super) sampler: String,
+    /// The number of points needed, or the largest valid count within the sample budget.
+    pub(super) n: Option<usize>,
+    /// `predicted`, `extrapolated`, `out of reach`, or `behind`: more than 4 times the points of the best.
+    pub(super) basis: &'static str,
+    /// The largest number of points tried that does not suffice.
+    pub(super) too_few: Option<usize>,
+    /// The predicted variance of the integral, in squared units of the integral.
+    pub(super) variance: Option<f64>,
+    /// The standard error of `variance`, which extrapolations do not have.
+    pub(super) variance_stderr: Option<f64>,
+    /// The standard error of the integral, `sqrt(variance)`.
+    pub(super) error: Option<f64>,
+    /// `error` over the integral.
+    pub(super) relative_error: Option<f64>,
+    /// White noise's variance with the same number of points over this one.
+    pub(super) gain: Option<f64>,
+    /// The exponent b of the variance as N^b near this number of points.
+    pub(super) rate: Option<f64>,
+    /// The 95 % interval of `rate`.
+    pub(super) rate_interval: Option<(f64, f64)>,
+    /// The time to make a set, in seconds on one core.
+    pub(super) seconds_per_set: Option<f64>,
+    /// Whether `seconds_per_set` is scaled from a smaller set.
+    pub(super) seconds_are_scaled: bool,
+    /// The time to make a set and to evaluate the integrand at all points, in seconds, with `--cost-per-sample`.
+    pub(super) seconds_in_all: Option<f64>,
+    /// The largest degree of the spectrum at `n`.
+    pub(super) lmax: Option<usize>,
+    /// Realizations from which the spectrum at `n` was estimated; 0 for a closed form.
+    pub(super) realizations: Option<u64>,
+    /// The degree up to which the pattern has no power at `n`, if it is made so.
+    pub(super) last_empty_degree: Option<usize>,
+    /// Every prediction that was made.
+    pub(super) curve: Vec<CurveRecord>,
+}
+
+/// The prediction at one number of points.
+#[derive(Debug, Serialize, JsonSchema)]
+pub(super) struct CurveRecord {
+    /// The number of points.
+    pub(super) n: usize,
+    /// The predicted variance of the integral.
+    pub(super) variance: f64,
+    /// The standard error of `variance`.
+    #[schemars(with = "Option<f64>")]
+    pub(super) variance_stderr: f64,
+}
+
+/// Which sampler needs the fewest points for an error, or has the least error with given points: `choose --json`.
+#[derive(Debug, Serialize, JsonSchema)]
+pub(crate) struct ChoiceBody {
+    /// The integrand, as it was given.
+    pub(super) integrand: String,
+    /// `sphere` or `hemisphere`.
+    pub(super) domain: &'static str,
+    /// The exact integral; null if it is unknown or 0.
+    pub(super) integral: Option<f64>,
+    /// The standard error requested, in units of the integral.
+    pub(super) error_asked: Option<f64>,
+    /// The sample budget of `-n`.
+    pub(super) points_asked: Option<usize>,
+    /// The largest number of points considered.
+    pub(super) max_points: Option<usize>,
+    /// The time to evaluate the integrand once, in seconds, with `--cost-per-sample`.
+    pub(super) cost_per_sample: Option<f64>,
+    /// The exact number of points that white noise needs for the error requested, also beyond `max_points`.
+    pub(super) white_noise_points: Option<f64>,
+    /// The samplers, the best first.
+    pub(super) rows: Vec<CandidateRecord>,
+    /// Samplers that were not considered.
+    pub(super) left_out: Vec<LeftOut>,
+    /// Where predicted variance curves of the best samplers cross.
+    pub(super) crossovers: Vec<CrossingRecord>,
+    /// Why the recommended sampler suits the integrand.
+    pub(super) reason: Option<Reason>,
+    /// What to take and why, in a sentence.
+    pub(super) recommendation: String,
+}
+
+impl CandidateRecord {
+    pub(super) fn new(
+        rank: usize,
+        candidate: &TimedCandidate,
+        question: &Question,
+        predictor: &Predictor<'_>,
+    ) -> Self {
+        let curve = &candidate.answer.curve;
+        let point = candidate.answer.n_points.and_then(|n| curve.at(n));
+        let rate = match candidate.answer.required {
+            Some(RequiredPoints::Extrapolated { fit, .. }) => Some(fit),
+            _ => candidate.answer.n_points.and_then(|n| curve.rate_near(n)),
+        };
+        let variance = candidate.answer.variance.map(|v| v.0);
+        let white = candidate.answer.n_points.map(|n| predictor.white_variance(n));
+        let finite = |x: &f64| x.is_finite();
+        let curve_point = |p: &PredictedPoint| CurveRecord {
+            n: p.n_points(),
+            variance: p.prediction.variance,
+            variance_stderr: p.prediction.total_stderr(),
+        };
+        // A constant has rounding for variance, whose gains and rates mean nothing.
+        let varies = predictor.white_variance(1) > 0.0;
+        let (rate, white) = (rate.filter(|_| varies), white.filter(|_| varies));
+        Self {
+            rank,
+            sampler: curve.pattern().to_string(),
+            n: candidate.answer.n_points,
+            basis: candidate.basis(),
+            too_few: match candidate.answer.required {
+                Some(RequiredPoints::Predicted { too_few, .. }) => too_few,
+                _ => None,
+            },
+            variance,
+            variance_stderr: candidate.answer.variance.map(|v| v.1).filter(finite),
+            error: variance.map(f64::sqrt),
+            relative_error: variance.and_then(|v| question.relative(v.sqrt())),
+            gain: white.zip(variance).map(|(white, v)| white / v).filter(finite),
+            rate: rate.map(|fit| fit.slope),
+            rate_interval: rate.map(|fit| fit.interval).filter(|i| (i.1 - i.0).is_finite()),
+            seconds_per_set: candidate.making.map(|m| m.seconds),
+            seconds_are_scaled: candidate.making.is_some_and(|m| m.is_scaled),
+            seconds_in_all: candidate.seconds_in_all,
+            lmax: point.map(|p| p.spectrum.lmax()),
+            realizations: point.map(|p| p.spectrum.realizations()),
+            last_empty_degree: candidate
+                .answer
+                .n_points
+                .and_then(|n| curve.pattern().last_empty_degree(n, question.domain)),
+            curve: curve.points().iter().map(curve_point).collect(),
+        }
+    }
+
+    /// The columns of a table.
+    pub(super) fn columns(question: &Question) -> Vec<Column<'static, Self>> {
+        let mut columns = vec![
+            Column::text("sampler", |r: &Self| r.sampler.clone()),
+            Column::number("N", Self::count),
+            Column::number("error", |r: &Self| r.error_text(r.relative_error.or(r.error))),
+            Column::number("+-", |r: &Self| r.error_text(r.unknown_error())),
+            Column::number("gain", |r: &Self| number::optional(r.gain, number::ratio)),
+            Column::number("rate", |r: &Self| match r.variance {
+                Some(v) if v <= 0.0 => "exact".to_owned(),
+                _ => number::optional(r.rate, number::rate),
+            }),
+            Column::number("time/set", |r: &Self| {
+                let scaled = if r.seconds_are_scaled { "~" } else { "" };
+                number::optional(r.seconds_per_set, |s| scaled.to_owned() + &number::seconds(s))
+            }),
+        ];
+        if question.cost_per_sample.is_some() {
+            columns.push(Column::number("time in all", |r: &Self| {
+                number::optional(r.seconds_in_all, number::seconds)
+            }));
+        }
+        columns.push(Column::text("basis", |r: &Self| r.basis.to_owned()));
+        columns
+    }
+
+    /// The number of points, with a sign where it is extrapolated.
+    pub(super) fn count(&self) -> String {
+        let approximate = if self.basis == "extrapolated" { "~" } else { "" };
+        number::optional(self.n, |n| format!("{approximate}{n}"))
+    }
+
+    /// An error of the integral, in percent where the integral is known.
+    pub(super) fn error_text(&self, error: Option<f64>) -> String {
+        let format = if self.relative_error.is_some() { number::percent } else { number::value };
+        number::optional(error, format)
+    }
+
+    /// What is not known of the error: half the relative error of the variance is that of its root.
+    fn unknown_error(&self) -> Option<f64> {
+        let half = self.variance_stderr.zip(self.variance).map(|(e, v)| 0.5 * e / v.max(e));
+        let error = self.relative_error.or(self.error);
+        error.zip(half).map(|(error, half)| error * half).filter(|e| e.is_finite())
+    }
+}

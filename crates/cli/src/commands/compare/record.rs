@@ -1,0 +1,103 @@
+//! What `compare` finds, as files and tables show it.
+
+use schemars::JsonSchema;
+use serde::Serialize;
+
+use crate::commands::crossovers::CrossoverRecord;
+use crate::commands::row_record::RowRecord;
+use crate::report::{Column, number};
+
+/// The spectrum of a pattern at one degree.
+#[derive(Debug, Serialize, JsonSchema)]
+pub(super) struct DegreeRecord {
+    /// The sampler with its parameters.
+    pub(super) sampler: String,
+    /// The number of points.
+    pub(super) n: usize,
+    /// The degree.
+    pub(super) l: usize,
+    /// `l / sqrt(N)`.
+    pub(super) omega: f64,
+    /// The mean power; white noise has 1.
+    pub(super) power: f64,
+    /// The standard error of `power`; 0 for a closed form.
+    #[schemars(with = "Option<f64>")]
+    pub(super) stderr: f64,
+}
+
+/// A sampler over all its numbers of points.
+#[derive(Debug, Serialize, JsonSchema)]
+pub(super) struct SamplerRecord {
+    /// The sampler with its parameters.
+    pub(super) sampler: String,
+    /// Where rate and gain come from, the more precise one at every N: `predicted`, `measured` or `both`.
+    pub(super) basis: &'static str,
+    /// The exponent b of the variance as N^b.
+    pub(super) rate: Option<f64>,
+    /// The 95 % interval of `rate`.
+    pub(super) rate_interval: Option<(f64, f64)>,
+    /// By how much the exponent changes from the smallest to the largest number of points.
+    pub(super) rate_change: Option<f64>,
+    /// The probability of such a change where the variance is a power of N, if that is measured.
+    pub(super) rate_change_p: Option<f64>,
+    /// Whether the change is significant: the exponent is not the asymptotic one yet.
+    pub(super) pre_asymptotic: bool,
+    /// The exponent of the predicted variance.
+    pub(super) predicted_rate: Option<f64>,
+    /// The exponent of the measured variance.
+    pub(super) measured_rate: Option<f64>,
+    /// The 95 % interval of `measured_rate`.
+    pub(super) measured_rate_interval: Option<(f64, f64)>,
+    /// The largest number of points, to which the fields below belong.
+    pub(super) n: usize,
+    /// White noise's exact variance over this one; null where the variance is no more than rounding.
+    pub(super) gain: Option<f64>,
+    /// The standard error of `gain`.
+    pub(super) gain_stderr: Option<f64>,
+    /// The gain of the measured variance, where enough trials see the integrand.
+    pub(super) measured_gain: Option<f64>,
+    /// The standard error of `measured_gain`.
+    pub(super) measured_gain_stderr: Option<f64>,
+    /// The effective power, that is the pattern's power weighted by the integrand's energies: predicted over white
+    /// noise's variance.
+    #[schemars(with = "Option<f64>")]
+    pub(super) power_seen: f64,
+}
+
+/// Predicted and measured variances of patterns, their rates and crossovers: `compare --json` and comparison.json.
+#[derive(Debug, Serialize, JsonSchema)]
+pub(crate) struct ComparisonBody {
+    /// Every sampler at every number of points.
+    pub(super) rows: Vec<RowRecord>,
+    /// Every sampler over all its numbers of points.
+    pub(super) samplers: Vec<SamplerRecord>,
+    /// Where variance curves cross significantly.
+    pub(super) crossovers: Vec<CrossoverRecord>,
+}
+
+impl SamplerRecord {
+    /// The columns of a table.
+    pub(super) fn columns() -> Vec<Column<'static, Self>> {
+        let interval = |interval| number::interval(interval, number::rate);
+        vec![
+            Column::text("sampler", |s: &Self| s.sampler.clone()),
+            Column::number("rate", |s: &Self| {
+                number::optional(s.rate, number::rate) + if s.pre_asymptotic { " *" } else { "" }
+            }),
+            Column::number("95 %", move |s: &Self| interval(s.rate_interval)),
+            // A measured rate is shown with its interval: of few trials it can be anything.
+            Column::number("measured (95 %)", move |s: &Self| {
+                let both = s.measured_rate.zip(s.measured_rate_interval);
+                number::optional(both, |(rate, ends)| {
+                    format!("{} ({})", number::rate(rate), interval(Some(ends)))
+                })
+            }),
+            Column::number("at N", |s: &Self| s.n.to_string()),
+            Column::number("effective power", |s: &Self| number::value(s.power_seen)),
+            Column::number("gain over white noise", |s: &Self| {
+                let both = s.gain.zip(s.gain_stderr);
+                number::optional(both, |(gain, e)| number::with_uncertainty(gain, e))
+            }),
+        ]
+    }
+}

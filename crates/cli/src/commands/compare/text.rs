@@ -1,0 +1,63 @@
+//! What `compare` says to people.
+
+use super::record::{ComparisonBody, SamplerRecord};
+use crate::commands::crossovers::CrossoverRecord;
+use crate::commands::row_record::RowRecord;
+use crate::commands::rows::Plan;
+use crate::report::{number, table_of};
+
+/// The tables with what they rest on, and which sampler gains most.
+pub(super) fn text(body: &ComparisonBody, plan: &Plan<'_>) -> String {
+    let mut text = format!("Variance of integrating {}\n\n", plan.integrand.name);
+    text += &table_of(&RowRecord::columns(), &body.rows);
+    text += &RowRecord::remarks(&body.rows);
+    // Without a score there is no verdict.
+    let scores: Vec<f64> = body.rows.iter().map(RowRecord::z).filter(|z| z.is_finite()).collect();
+    let agreeing = scores.iter().filter(|z| z.abs() <= 3.0).count();
+    let n_rows = scores.len();
+    let without = body.rows.len() - n_rows;
+    let agreement = format!(
+        "Predicted and measured agree within 3 standard errors in {agreeing} of {n_rows} rows"
+    );
+    text += &match (n_rows, without) {
+        (0, _) => "\nNo row has a verdict: too few trials see the integrand.\n\n".to_owned(),
+        (_, 0) => format!("\n{agreement}.\n\n"),
+        _ => format!("\n{agreement}; {without} have no verdict.\n\n"),
+    };
+    text += &table_of(&SamplerRecord::columns(), &body.samplers);
+    text += "\nrate: exponent b of variance ~ N^b; it and the gain are from predicted or measured variances, \
+             whichever are\nthe more precise. effective power: the pattern's power averaged over the \
+             degrees with the integrand's energies;\nwhite noise has 1. gain: how many times the \
+             variance is smaller.\n";
+    if body.samplers.iter().any(|s| s.pre_asymptotic) {
+        text +=
+            "*: the rate changes over these numbers of points, it is not the asymptotic one yet.\n";
+    }
+    text += "\n";
+    text.extend(body.crossovers.iter().map(CrossoverRecord::line));
+    text + &verdict(&body.samplers)
+}
+
+/// Which sampler gains most at its largest number of points. Predictions decide: they are more precise
+/// than measurements.
+fn verdict(samplers: &[SamplerRecord]) -> String {
+    let with_variance = samplers.iter().filter(|s| s.power_seen.is_finite());
+    let Some(best) = with_variance.min_by(|a, b| a.power_seen.total_cmp(&b.power_seen)) else {
+        return "The integrand has no variance with any pattern: it is constant.\n".to_owned();
+    };
+    if best.gain.is_none() || best.power_seen <= 0.0 {
+        let exact: Vec<&str> =
+            samplers.iter().filter(|s| s.gain.is_none()).map(|s| s.sampler.as_str()).collect();
+        return format!("Exact to rounding: {}.\n", exact.join(", "));
+    }
+    let measured = best.measured_gain.zip(best.measured_gain_stderr);
+    let measured = measured.map_or(String::new(), |(g, e)| {
+        format!(", {} as measured", number::with_uncertainty(g, e))
+    });
+    format!(
+        "Largest gain: {} with N = {}, {} times less variance than white noise as predicted{measured}.\n",
+        best.sampler,
+        best.n,
+        number::ratio(1.0 / best.power_seen),
+    )
+}

@@ -1,0 +1,162 @@
+//! A pattern at one number of points, as files and tables show it.
+
+use schemars::JsonSchema;
+use serde::Serialize;
+use sphvar_variance::{Comparison, PredictedPoint};
+
+use super::rows::{Plan, Row};
+use crate::report::{Column, number};
+
+/// A pattern at one number of points, with its predicted and measured variance. A number that cannot be given is null.
+#[derive(Debug, Serialize, JsonSchema)]
+pub(crate) struct RowRecord {
+    /// The sampler with its parameters, as every command accepts it.
+    sampler: String,
+    /// The integrand, as it was given.
+    integrand: String,
+    /// `sphere` or `hemisphere`.
+    domain: &'static str,
+    /// The number of points requested.
+    asked: usize,
+    /// The number of points.
+    n: usize,
+    /// The largest degree of the spectrum.
+    lmax: usize,
+    /// Realizations from which the spectrum was estimated; 0 for a closed form.
+    realizations: u64,
+    /// Trials from which the variance was measured.
+    trials: usize,
+    /// The predicted variance of the integral, in squared units of the integral.
+    predicted: f64,
+    /// The standard error of `predicted` that the spectrum has.
+    #[schemars(with = "Option<f64>")]
+    predicted_stderr: f64,
+    /// The part of `predicted` beyond the largest degree of the spectrum.
+    predicted_tail: f64,
+    /// The measured variance of the integral.
+    #[schemars(with = "Option<f64>")]
+    measured: f64,
+    /// The standard error of `measured`.
+    #[schemars(with = "Option<f64>")]
+    measured_stderr: f64,
+    /// Measured over predicted variance.
+    #[schemars(with = "Option<f64>")]
+    ratio: f64,
+    /// The standard error of `ratio`.
+    #[schemars(with = "Option<f64>")]
+    ratio_stderr: f64,
+    /// Measured minus predicted variance, in standard errors.
+    #[schemars(with = "Option<f64>")]
+    z: f64,
+    /// The mean estimate of the integral over the trials.
+    #[schemars(with = "Option<f64>")]
+    mean: f64,
+    /// The standard error of `mean`.
+    #[schemars(with = "Option<f64>")]
+    mean_stderr: f64,
+    /// The exact integral.
+    exact: Option<f64>,
+    /// The error of `predicted` due to degrees beyond the spectrum.
+    #[schemars(with = "Option<f64>")]
+    predicted_tail_error: f64,
+    /// The lower end of the 95 % interval of the predicted variance.
+    #[schemars(with = "Option<f64>")]
+    predicted_low: f64,
+    /// The upper end of the 95 % interval of the predicted variance.
+    #[schemars(with = "Option<f64>")]
+    predicted_high: f64,
+    /// The lower end of the 95 % interval of the measured variance.
+    #[schemars(with = "Option<f64>")]
+    measured_low: f64,
+    /// The upper end of the 95 % interval of the measured variance.
+    #[schemars(with = "Option<f64>")]
+    measured_high: f64,
+    /// Mean minus exact integral, in standard errors.
+    bias_z: Option<f64>,
+    /// The probability of a `bias_z` of this size without a bias.
+    bias_p: Option<f64>,
+    /// Why numbers are missing.
+    remark: Option<&'static str>,
+}
+
+/// The remark of a row whose measured variance has no error.
+const TOO_FEW: &str = "too few trials see the integrand";
+
+/// The confidence of the intervals in files.
+const CONFIDENCE: f64 = 0.95;
+
+impl RowRecord {
+    pub(super) fn new(row: &Row, plan: &Plan<'_>) -> Self {
+        let Comparison { predicted, measurement, .. } = &row.comparison;
+        let PredictedPoint { spectrum, prediction } = predicted;
+        let (ratio, ratio_stderr) = row.comparison.ratio();
+        let (predicted_low, predicted_high) = prediction.interval(CONFIDENCE);
+        let measured = row.comparison.measured_interval(CONFIDENCE);
+        let (measured_low, measured_high) = measured.unwrap_or((f64::NAN, f64::NAN));
+        let bias = row.comparison.bias();
+        let remark = row.comparison.sees_too_little().then_some(TOO_FEW);
+        // What the trials have not seen is no error of theirs.
+        let known = |x: f64| if remark.is_some() { f64::NAN } else { x };
+        Self {
+            sampler: row.pattern.to_string(),
+            integrand: plan.integrand.name.clone(),
+            domain: plan.domain.name(),
+            asked: row.asked,
+            n: spectrum.n_points(),
+            lmax: spectrum.lmax(),
+            realizations: spectrum.realizations(),
+            trials: measurement.estimates().len(),
+            predicted: prediction.variance,
+            predicted_stderr: prediction.stderr,
+            predicted_tail: prediction.tail,
+            measured: measurement.variance(),
+            measured_stderr: known(measurement.variance() * row.comparison.error().relative()),
+            ratio,
+            ratio_stderr,
+            z: row.comparison.z_score(),
+            mean: measurement.mean(),
+            mean_stderr: known(measurement.mean_stderr()),
+            exact: row.comparison.exact,
+            predicted_tail_error: prediction.tail_error,
+            predicted_low,
+            predicted_high,
+            measured_low,
+            measured_high,
+            bias_z: bias.map(|b| b.z),
+            bias_p: bias.map(|b| b.p_value),
+            remark,
+        }
+    }
+
+    /// Measured minus predicted variance in standard errors; NaN without a verdict.
+    pub(super) fn z(&self) -> f64 {
+        self.z
+    }
+
+    /// A line for every row whose measured variance has no error.
+    pub(super) fn remarks(records: &[Self]) -> String {
+        let line = |r: &Self| {
+            Some(format!("{}, N = {}: {} (-m {}).\n", r.sampler, r.n, r.remark?, r.trials))
+        };
+        records.iter().filter_map(line).collect()
+    }
+
+    /// The columns of a table.
+    pub(super) fn columns() -> Vec<Column<'static, Self>> {
+        vec![
+            Column::text("sampler", |r: &Self| r.sampler.clone()),
+            Column::number("N asked", |r: &Self| r.asked.to_string()),
+            Column::number("N", |r: &Self| r.n.to_string()),
+            Column::number("predicted", |r: &Self| number::value(r.predicted)),
+            Column::number("+-", |r: &Self| {
+                number::uncertainty(r.predicted_stderr.hypot(r.predicted_tail_error))
+            }),
+            Column::number("measured", |r: &Self| number::value(r.measured)),
+            Column::number("+-", |r: &Self| number::uncertainty(r.measured_stderr)),
+            // Where a variance is 0 there is no ratio.
+            Column::number("ratio", |r: &Self| number::with_uncertainty(r.ratio, r.ratio_stderr)),
+            Column::number("z", |r: &Self| number::score(r.z)),
+            Column::number("bias z", |r: &Self| number::optional(r.bias_z, number::score)),
+        ]
+    }
+}

@@ -1,0 +1,93 @@
+//! The one way of a result out of the command: to standard output, or to a file by its extension.
+
+use std::path::Path;
+
+use schemars::JsonSchema;
+use serde::Serialize;
+
+use super::{Provenance, is_stdout, print, print_json, write_text};
+use crate::error::CliError;
+use crate::files::is_stream;
+use crate::global::Global;
+use crate::plots::{Chart, ImageFormat};
+
+/// A result with what makes it reproducible: the document of `--json`.
+#[derive(Debug, Serialize, JsonSchema)]
+pub(crate) struct Document<'a, T> {
+    #[serde(flatten)]
+    body: &'a T,
+    /// What makes the result reproducible.
+    provenance: &'a Provenance,
+}
+
+impl<'a, T: Serialize> Document<'a, T> {
+    pub(crate) fn new(body: &'a T, provenance: &'a Provenance) -> Self {
+        Self { body, provenance }
+    }
+
+    /// Prints the document to standard output.
+    pub(crate) fn print(&self) -> Result<(), CliError> {
+        print_json(self)
+    }
+}
+
+/// The forms of a result beside JSON, each made when it is needed.
+pub(crate) struct Forms<'a> {
+    pub(crate) csv: &'a dyn Fn() -> Result<String, CliError>,
+    /// The plot, if the result has one; the provenance is added to its notes.
+    pub(crate) chart: Option<&'a dyn Fn() -> Result<Chart, CliError>>,
+    /// What people read.
+    pub(crate) text: &'a dyn Fn() -> String,
+}
+
+/// Writes a result to `out` by its extension, if there is one, and prints it: with `--json` as a document, else as
+/// text, unless standard output has taken the file.
+pub(crate) fn emit<T: Serialize>(
+    out: Option<&Path>,
+    global: &Global,
+    provenance: &Provenance,
+    body: &T,
+    forms: &Forms<'_>,
+) -> Result<(), CliError> {
+    let document = Document::new(body, provenance);
+    let to_stdout = out.is_some_and(is_stdout);
+    if let Some(path) = out
+        && !(global.json && to_stdout)
+    {
+        match (forms.chart, ImageFormat::of_path(path)) {
+            (Some(chart), Some(_)) => {
+                let mut chart = chart()?;
+                chart.notes.push(provenance.line());
+                chart.render(path)?;
+            }
+            _ => write_result(path, &document, forms.csv)?,
+        }
+    }
+    if global.json {
+        document.print()
+    } else if to_stdout {
+        Ok(())
+    } else {
+        print(&(forms.text)())
+    }
+}
+
+/// Writes a result to `path` by its extension, `.json` or `.csv`.
+fn write_result(
+    path: &Path,
+    document: &impl Serialize,
+    csv: &dyn Fn() -> Result<String, CliError>,
+) -> Result<(), CliError> {
+    match path.extension().and_then(|e| e.to_str()) {
+        Some("json") => {
+            let json = serde_json::to_string(document).map_err(CliError::failed)?;
+            write_text(path, &(json + "\n"))
+        }
+        Some("csv") => write_text(path, &csv()?),
+        None if is_stream(path) => write_text(path, &csv()?),
+        _ => Err(CliError::Usage(format!(
+            "{}: results are written as .csv or .json",
+            path.display()
+        ))),
+    }
+}

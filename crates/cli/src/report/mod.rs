@@ -1,0 +1,63 @@
+//! Results on their way out: tables, CSV and JSON, each with its provenance.
+
+use std::io::Write;
+use std::path::Path;
+
+use serde::Serialize;
+
+pub(crate) use self::document::{Document, Forms, emit};
+pub(crate) use self::number::full;
+pub(crate) use self::provenance::Provenance;
+pub(crate) use self::rows::{csv, csv_of, csv_rows};
+pub(crate) use self::table::{Column, table, table_of};
+use crate::error::CliError;
+pub(crate) use crate::files::is_stdout;
+use crate::files::{AtomicFile, is_stream};
+use crate::message;
+use crate::plots::ImageFormat;
+
+mod document;
+pub(crate) mod number;
+mod provenance;
+mod rows;
+mod table;
+
+/// Prints text to standard output.
+pub(crate) fn print(text: &str) -> Result<(), CliError> {
+    let mut out = std::io::stdout().lock();
+    out.write_all(text.as_bytes()).and_then(|()| out.flush()).map_err(|e| CliError::stdout(&e))
+}
+
+/// Says something to the person at the terminal, unless that is unwanted.
+pub(crate) fn say(quiet: bool, text: &str) {
+    if !quiet {
+        message::write(text);
+    }
+}
+
+/// Prints the one JSON document of `--json`.
+pub(crate) fn print_json(document: &impl Serialize) -> Result<(), CliError> {
+    print(&(serde_json::to_string(document).map_err(CliError::failed)? + "\n"))
+}
+
+/// Writes a text file whole, or not at all; `-` is standard output.
+pub(crate) fn write_text(path: &Path, text: &str) -> Result<(), CliError> {
+    Ok(AtomicFile::write_whole(path, text.as_bytes())?)
+}
+
+/// Returns an error for a result file that [`emit`] could not write, `plots` included if there are any: better before
+/// the work than after it.
+pub(crate) fn check_result(path: &Path, plots: bool) -> Result<(), CliError> {
+    let extension = path.extension().and_then(|e| e.to_str());
+    let result =
+        matches!(extension, Some("json" | "csv")) || extension.is_none() && is_stream(path);
+    let plot = plots && ImageFormat::of_path(path).is_some();
+    if !(result || plot) {
+        let plots = if plots { ", plots as .svg or .png" } else { "" };
+        return Err(CliError::Usage(format!(
+            "{}: results are written as .csv or .json{plots}",
+            path.display()
+        )));
+    }
+    Ok(AtomicFile::check(path)?)
+}

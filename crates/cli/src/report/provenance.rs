@@ -1,0 +1,72 @@
+//! What makes a result reproducible.
+
+use std::borrow::Cow;
+use std::ffi::OsString;
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use crate::message;
+
+/// What makes a result reproducible.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+pub(crate) struct Provenance {
+    /// The command line without the number of threads, on which results do not depend.
+    pub(crate) command: String,
+    /// The version of sphvar.
+    pub(crate) version: Cow<'static, str>,
+    /// The seed of all random streams.
+    pub(crate) seed: u64,
+}
+
+impl Provenance {
+    /// Of this run.
+    pub(crate) fn new(seed: u64) -> Self {
+        // A line break would end the comment that this becomes.
+        let word = |word: OsString| message::escape(&word.to_string_lossy()).into_owned();
+        let words = std::env::args_os().skip(1).map(word);
+        Self::of(format!("sphvar {}", without_threads(words).join(" ")), seed)
+    }
+
+    /// Of a command that stands for this run.
+    pub(crate) fn of(command: String, seed: u64) -> Self {
+        Self { command, version: env!("CARGO_PKG_VERSION").into(), seed }
+    }
+
+    /// Of a JSON document that has one under `provenance`.
+    pub(crate) fn of_document(json: &[u8]) -> Option<Self> {
+        #[derive(Deserialize)]
+        struct Document {
+            provenance: Provenance,
+        }
+        serde_json::from_slice::<Document>(json).ok().map(|document| document.provenance)
+    }
+
+    /// Whether both runs write the same bytes to files: their commands differ at most in what is shown
+    /// meanwhile.
+    pub(crate) fn is_same_run(&self, other: &Self) -> bool {
+        let words = |run: &Self| -> Vec<String> {
+            let is_shown = |word: &&str| !["--json", "--quiet", "--force"].contains(word);
+            run.command.split(' ').filter(is_shown).map(str::to_owned).collect()
+        };
+        (&self.version, self.seed) == (&other.version, other.seed) && words(self) == words(other)
+    }
+
+    /// One line for the heads of files and the feet of figures.
+    pub(crate) fn line(&self) -> String {
+        format!("{} (sphvar {}, seed {})", self.command, self.version, self.seed)
+    }
+}
+
+/// The words of a command line without `-j` and `--threads` and their number.
+fn without_threads(mut words: impl Iterator<Item = String>) -> Vec<String> {
+    let mut kept = Vec::new();
+    while let Some(word) = words.next() {
+        if word == "-j" || word == "--threads" {
+            words.next();
+        } else if !word.starts_with("-j") && !word.starts_with("--threads=") {
+            kept.push(word);
+        }
+    }
+    kept
+}
