@@ -7,7 +7,7 @@ use sphvar_integrands::{CutEstimator, CutIntegrand};
 use sphvar_samplers::{Domain, Purpose, Realizations, Sampler, Streams};
 use sphvar_spectrum::Resolution;
 use sphvar_variance::{
-    BiasTest, CutAxis, CutMeasurement, Measurement, Prediction, measure_cut_sphere,
+    BiasTest, CutAxis, CutMeasurement, Error, Measurement, Prediction, measure_cut_sphere,
     prediction_degree, trial_work,
 };
 
@@ -42,7 +42,7 @@ pub(crate) struct CutRecord {
     trials: usize,
     /// The predicted variance of the estimate, for cuts at the equator where the energies of the integrand are known.
     predicted: Option<f64>,
-    /// The standard error of `predicted`.
+    /// The standard error of `predicted` that the spectrum has.
     predicted_stderr: Option<f64>,
     /// The measured variance of the estimate.
     #[schemars(with = "Option<f64>")]
@@ -77,6 +77,10 @@ pub(crate) struct CutRecord {
     kept_variance: f64,
     /// Trials in which no point was kept, whose ratio estimates are 0.
     empty: usize,
+    /// The part of `predicted` beyond the largest degree of the spectrum.
+    predicted_tail: Option<f64>,
+    /// The error of `predicted` due to degrees beyond the spectrum.
+    predicted_tail_error: Option<f64>,
 }
 
 /// Both estimators for every case, whose rows on the hemisphere are `rows`.
@@ -111,9 +115,8 @@ pub(super) fn run(
             ("(4 pi/M) sum f", &measured.unbiased, CutEstimator::Unbiased),
             ("(2 pi/n) sum f", &measured.ratio, CutEstimator::Ratio),
         ] {
-            // An integrand whose cut has unknown energies is measured only.
             let predicted = match cut {
-                Cut::Equator => predicted(plan, &**sampler, estimator).ok(),
+                Cut::Equator => predicted(plan, &**sampler, estimator)?,
                 Cut::Random => None,
             };
             records.push(CutRecord::new(name, estimates, predicted, cut, m, &measured, row));
@@ -122,18 +125,31 @@ pub(super) fn run(
     Ok(records)
 }
 
-/// The variance of an estimate with the cut at the equator, by the formula of the sphere.
+/// The variance of an estimate with the cut at the equator, by the formula of the sphere; nothing for an integrand
+/// whose cut has unknown energies, which is measured only.
 fn predicted(
     plan: &Plan<'_>,
     sampler: &dyn Sampler,
     estimator: CutEstimator,
-) -> Result<Prediction, CliError> {
-    let cut = CutIntegrand::new(&*plan.integrand.function, estimator)?;
-    let mut predictor = plan.predictor_of(&cut, Domain::Sphere)?;
+) -> Result<Option<Prediction>, CliError> {
+    let cut = CutIntegrand::new(&*plan.integrand.function, estimator);
+    let Some(cut) = if_known(cut.map_err(Error::from))? else {
+        return Ok(None);
+    };
     let lmax = prediction_degree(sampler, &cut);
     let realizations = plan.spectrum_realizations(sampler, lmax);
     check_transform(Resolution::new(lmax, sampler.n_points()), realizations)?;
-    Ok(predictor.predict(sampler, &())?.prediction)
+    let predictor = plan.predictor_of(&cut, Domain::Sphere);
+    let point = if_known(predictor.and_then(|mut predictor| predictor.predict(sampler, &())))?;
+    Ok(point.map(|point| point.prediction))
+}
+
+/// Returns what was computed, or nothing where the energies of the integrand are unknown; every other error stays one.
+fn if_known<T>(computed: Result<T, Error>) -> Result<Option<T>, CliError> {
+    match computed {
+        Err(Error::Integrand(sphvar_integrands::Error::NoEnergy { .. })) => Ok(None),
+        computed => Ok(Some(computed?)),
+    }
 }
 
 impl CutRecord {
@@ -168,7 +184,7 @@ impl CutRecord {
             axis: if cut == Cut::Equator { "equator" } else { "random" },
             trials: estimates.estimates().len(),
             predicted: predicted.map(|p| p.variance),
-            predicted_stderr: predicted.map(|p| p.total_stderr()),
+            predicted_stderr: predicted.map(|p| p.stderr).filter(|e| e.is_finite()),
             measured: estimates.variance(),
             measured_stderr: known(estimates.variance() * error.relative()),
             measured_low,
@@ -182,6 +198,8 @@ impl CutRecord {
             kept: all.kept.mean(),
             kept_variance: all.kept.variance(),
             empty: all.kept.estimates().iter().filter(|n| **n < 0.5).count(),
+            predicted_tail: predicted.map(|p| p.tail),
+            predicted_tail_error: predicted.map(|p| p.tail_error).filter(|e| e.is_finite()),
         }
     }
 
@@ -202,5 +220,22 @@ impl CutRecord {
             }),
             Column::number("bias z", |r: &Self| number::optional(r.bias_z, number::score)),
         ]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Error, if_known};
+
+    #[test]
+    fn only_unknown_energies_are_no_error() {
+        let unknown = sphvar_integrands::Error::NoEnergy { reason: "it is a closure" };
+        assert!(if_known::<f64>(Err(unknown.into())).unwrap().is_none());
+        let magnitude = sphvar_integrands::Error::Magnitude { got: 1e200 };
+        for error in [magnitude.into(), Error::from(sphvar_samplers::Stopped)] {
+            let message = error.to_string();
+            assert_eq!(if_known::<f64>(Err(error)).unwrap_err().to_string(), message);
+        }
+        assert_eq!(if_known(Ok(2.0)).unwrap(), Some(2.0));
     }
 }

@@ -73,3 +73,25 @@ fn cut_spheres_stand_beside_the_hemisphere() {
     assert!(text.contains("cut/hemisphere"), "{text}");
     assert!(place.run(&format!("{command} --json")).json().get("cut_sphere").is_none());
 }
+
+/// Predictions for cuts at the equator are there, with the error of their tail apart, or null where the integrand's
+/// energies are unknown.
+#[test]
+fn predictions_of_cut_spheres_state_their_tail() {
+    let place = Workplace::new();
+    let command = "variance jittered -n 24 -m 20 --hemisphere --cut-sphere=equator --json";
+    let rows = |integrand: &str| {
+        let document = place.run(&format!("{command} --integrand {integrand}")).json();
+        document["cut_sphere"].as_array().unwrap().clone()
+    };
+    for row in rows("cosine") {
+        // The mean spectrum of jitter is exact; what lies beyond it is not.
+        assert_eq!(row["predicted_stderr"], 0.0, "{row}");
+        let number = |key: &str| row[key].as_f64().unwrap();
+        assert!(number("predicted_tail_error") > 0.0, "{row}");
+        assert!((0.0..number("predicted")).contains(&number("predicted_tail")), "{row}");
+    }
+    // Where a map of pixels is cut its energies are unknown.
+    let map = format!("map:{}/tests/data/ring.fits", env!("CARGO_MANIFEST_DIR"));
+    assert!(rows(&map).iter().all(|row| row["predicted"].is_null() && row["measured"].is_f64()));
+}
