@@ -12,6 +12,10 @@ check:
 test:
     cargo test --workspace
 
+# Write docs/schema.json, the JSON schema of all documents of `--json`, from their types.
+schema:
+    SPHVAR_WRITE_SCHEMA=1 cargo test -p sphvar-cli --lib schema
+
 # Mutated inputs for every reader and grammar, 10^6 of text and 10^5 of binary forms; `just fuzz --seconds 60`.
 fuzz *ARGS:
     cargo run --profile test -p sphvar-cli --example fuzz -- {{ARGS}}

@@ -22,6 +22,8 @@ mod point_sets;
 mod profiles;
 mod progress;
 mod report;
+#[cfg(test)]
+mod schema;
 mod share;
 mod spec;
 mod transforms;

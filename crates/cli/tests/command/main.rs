@@ -24,6 +24,7 @@ mod precision;
 mod render;
 mod reproduction;
 mod sampler_arguments;
+mod schemas;
 mod shards;
 mod targets;
 mod workplace;
