@@ -1,0 +1,318 @@
+use std::path::PathBuf;
+
+use crate::{Choice, DefaultValue, Error, Parameter, ParameterKind, Range, Spec, Value};
+
+/// A type whose parameters are read, written and listed by one declaration.
+pub trait Parametric {
+    /// Declares every parameter, in the order in which texts show them.
+    ///
+    /// Which parameters are declared may depend on those before, as where a file takes the place of
+    /// numbers. By default there are none.
+    fn declare(&mut self, _declaration: &mut Declaration<'_>) {}
+}
+
+/// What is done with parameters while they are declared: they are read from a text, or described.
+#[derive(Debug)]
+pub struct Declaration<'a> {
+    /// Where values are taken from; `None` to describe.
+    spec: Option<&'a mut Spec>,
+    declared: Vec<Declared>,
+    /// The first error of reading.
+    error: Option<Error>,
+}
+
+/// A parameter with the value that it has.
+#[derive(Debug)]
+pub(crate) struct Declared {
+    pub(crate) name: &'static str,
+    pub(crate) kind: ParameterKind,
+    pub(crate) summary: &'static str,
+    /// What a missing value means; `None` if it must be given.
+    default: Option<&'static str>,
+    pub(crate) value: Option<Value>,
+}
+
+impl Declared {
+    pub(crate) fn is_required(&self) -> bool {
+        self.default.is_none()
+    }
+
+    pub(crate) fn parameter(self) -> Parameter {
+        let default = match (self.default, self.value) {
+            (None, _) => DefaultValue::Required,
+            (_, Some(value)) => DefaultValue::Value(value),
+            (Some(words), None) => DefaultValue::Depends(words),
+        };
+        Parameter { name: self.name, kind: self.kind, default, summary: self.summary }
+    }
+}
+
+impl<'a> Declaration<'a> {
+    /// Sets the parameters that `spec` gives, and returns all.
+    pub(crate) fn read(
+        parametric: &mut dyn Parametric,
+        spec: &'a mut Spec,
+    ) -> Result<Vec<Declared>, Error> {
+        let mut declaration = Self { spec: Some(spec), declared: Vec::new(), error: None };
+        parametric.declare(&mut declaration);
+        match declaration.error {
+            Some(error) => Err(error),
+            None => Ok(declaration.declared),
+        }
+    }
+
+    /// Returns all parameters.
+    pub(crate) fn describe(parametric: &mut dyn Parametric) -> Vec<Declared> {
+        let mut declaration = Self { spec: None, declared: Vec::new(), error: None };
+        parametric.declare(&mut declaration);
+        declaration.declared
+    }
+
+    /// Declares a number that has a default.
+    pub fn number(
+        &mut self,
+        name: &'static str,
+        range: Range,
+        summary: &'static str,
+        value: &mut f64,
+    ) {
+        self.read_number(name, range, |given| *value = given);
+        self.declare_number(name, range, summary, Some(""), Some(*value));
+    }
+
+    /// Declares a number whose default follows from something else; `default` says from what, such
+    /// as "by N".
+    pub fn optional_number(
+        &mut self,
+        name: &'static str,
+        range: Range,
+        summary: &'static str,
+        default: &'static str,
+        value: &mut Option<f64>,
+    ) {
+        self.read_number(name, range, |given| *value = Some(given));
+        self.declare_number(name, range, summary, Some(default), *value);
+    }
+
+    /// Declares a number that must be given; the value beforehand is an example.
+    pub fn required_number(
+        &mut self,
+        name: &'static str,
+        range: Range,
+        summary: &'static str,
+        value: &mut f64,
+    ) {
+        if !self.read_number(name, range, |given| *value = given) {
+            self.require(name);
+        }
+        self.declare_number(name, range, summary, None, Some(*value));
+    }
+
+    /// Declares a whole number that has a default, valid from `min` to `max`.
+    pub fn integer<T: Copy + TryFrom<i64> + TryInto<i64>>(
+        &mut self,
+        name: &'static str,
+        [min, max]: [i64; 2],
+        summary: &'static str,
+        value: &mut T,
+    ) {
+        self.read_integer(name, [min, max], value);
+        self.declare_integer(name, [min, max], summary, Some(""), *value);
+    }
+
+    /// Declares a whole number that must be given; the value beforehand is an example.
+    pub fn required_integer<T: Copy + TryFrom<i64> + TryInto<i64>>(
+        &mut self,
+        name: &'static str,
+        [min, max]: [i64; 2],
+        summary: &'static str,
+        value: &mut T,
+    ) {
+        if !self.read_integer(name, [min, max], value) {
+            self.require(name);
+        }
+        self.declare_integer(name, [min, max], summary, None, *value);
+    }
+
+    /// Declares one of some names.
+    pub fn choice<T: Choice>(&mut self, name: &'static str, summary: &'static str, value: &mut T) {
+        if let Some(spec) = &mut self.spec
+            && let Err(error) = spec.replace_choice(name, T::CHOICES, value)
+        {
+            self.error.get_or_insert(error);
+        }
+        self.declare_choice(name, summary, "", Some(*value));
+    }
+
+    /// Declares one of some names; `default` says what is meant without one.
+    pub fn optional_choice<T: Choice>(
+        &mut self,
+        name: &'static str,
+        summary: &'static str,
+        default: &'static str,
+        value: &mut Option<T>,
+    ) {
+        if let Some(spec) = &mut self.spec {
+            let mut given = None;
+            let choices: Vec<_> =
+                T::CHOICES.iter().map(|&(name, choice)| (name, Some(choice))).collect();
+            match spec.replace_choice(name, &choices, &mut given) {
+                Ok(()) => *value = given.or(*value),
+                Err(error) => _ = self.error.get_or_insert(error),
+            }
+        }
+        self.declare_choice(name, summary, default, *value);
+    }
+
+    /// Declares any text; `default` says what is meant without one.
+    pub fn word(
+        &mut self,
+        name: &'static str,
+        summary: &'static str,
+        default: &'static str,
+        value: &mut Option<String>,
+    ) {
+        if let Some(given) = self.spec.as_mut().and_then(|spec| spec.take(name)) {
+            *value = Some(given);
+        }
+        let value = value.clone().map(Value::Word);
+        self.push(name, ParameterKind::Word, summary, Some(default), value);
+    }
+
+    /// Declares a file, by the bare value in first place or by its key; `default` says what is meant
+    /// without one.
+    pub fn file(
+        &mut self,
+        name: &'static str,
+        summary: &'static str,
+        default: &'static str,
+        value: &mut Option<PathBuf>,
+    ) {
+        if let Some(given) = self.read_file(name) {
+            *value = Some(given);
+        }
+        let value = value.clone().map(Value::File);
+        self.push(name, ParameterKind::File, summary, Some(default), value);
+    }
+
+    /// Declares a file that must be given.
+    pub fn required_file(
+        &mut self,
+        name: &'static str,
+        summary: &'static str,
+        value: &mut PathBuf,
+    ) {
+        match (self.read_file(name), &self.spec) {
+            (Some(given), _) => *value = given,
+            (None, Some(spec)) => {
+                let (text, name) = (spec.text.clone(), spec.name.clone());
+                self.error.get_or_insert(Error::NoFile { text, name });
+            }
+            (None, None) => (),
+        }
+        let value = Some(Value::File(value.clone()));
+        self.push(name, ParameterKind::File, summary, None, value);
+    }
+
+    fn read_file(&mut self, name: &str) -> Option<PathBuf> {
+        let spec = self.spec.as_mut()?;
+        spec.take_path("").or_else(|| spec.take_path(name))
+    }
+
+    /// Sets a number that is given, and returns whether one is.
+    fn read_number(&mut self, name: &'static str, range: Range, set: impl FnOnce(f64)) -> bool {
+        let Some(spec) = &mut self.spec else { return true };
+        match spec.take_number(name) {
+            Ok(None) => return false,
+            Ok(Some(given)) if range.contains(given) => set(given),
+            Ok(Some(given)) => {
+                let (text, got) = (spec.text.clone(), given.to_string());
+                let kind = ParameterKind::Number(range);
+                self.error.get_or_insert(Error::OutOfRange { text, key: name, kind, got });
+            }
+            Err(error) => {
+                self.error.get_or_insert(error);
+            }
+        }
+        true
+    }
+
+    /// Sets a whole number that is given, and returns whether one is.
+    fn read_integer<T: TryFrom<i64>>(
+        &mut self,
+        name: &'static str,
+        [min, max]: [i64; 2],
+        value: &mut T,
+    ) -> bool {
+        let Some(spec) = &mut self.spec else { return true };
+        let Some(given) = spec.take(name) else { return false };
+        let valid = given.parse().ok().filter(|given| (min..=max).contains(given));
+        match valid.and_then(|given| T::try_from(given).ok()) {
+            Some(given) => *value = given,
+            None if given.parse::<f64>().is_err() => {
+                let error = spec.not_a_number(name, given);
+                self.error.get_or_insert(error);
+            }
+            None => {
+                let (text, kind) = (spec.text.clone(), ParameterKind::Integer { min, max });
+                self.error.get_or_insert(Error::OutOfRange { text, key: name, kind, got: given });
+            }
+        }
+        true
+    }
+
+    fn require(&mut self, name: &str) {
+        if let Some(spec) = &self.spec {
+            let (text, key) = (spec.text.clone(), name.to_owned());
+            self.error.get_or_insert(Error::Missing { text, key });
+        }
+    }
+
+    fn declare_choice<T: Choice>(
+        &mut self,
+        name: &'static str,
+        summary: &'static str,
+        default: &'static str,
+        value: Option<T>,
+    ) {
+        let kind = ParameterKind::Choice(T::CHOICES.iter().map(|(name, _)| *name).collect());
+        let named = T::CHOICES.iter().find(|(_, choice)| Some(*choice) == value);
+        let value = named.map(|(name, _)| Value::Choice(name));
+        self.push(name, kind, summary, Some(default), value);
+    }
+
+    fn declare_number(
+        &mut self,
+        name: &'static str,
+        range: Range,
+        summary: &'static str,
+        default: Option<&'static str>,
+        value: Option<f64>,
+    ) {
+        let kind = ParameterKind::Number(range);
+        self.push(name, kind, summary, default, value.map(Value::Number));
+    }
+
+    fn declare_integer<T: TryInto<i64>>(
+        &mut self,
+        name: &'static str,
+        [min, max]: [i64; 2],
+        summary: &'static str,
+        default: Option<&'static str>,
+        value: T,
+    ) {
+        let kind = ParameterKind::Integer { min, max };
+        self.push(name, kind, summary, default, value.try_into().ok().map(Value::Integer));
+    }
+
+    fn push(
+        &mut self,
+        name: &'static str,
+        kind: ParameterKind,
+        summary: &'static str,
+        default: Option<&'static str>,
+        value: Option<Value>,
+    ) {
+        self.declared.push(Declared { name, kind, summary, default, value });
+    }
+}

@@ -1,0 +1,115 @@
+use std::fmt;
+use std::path::PathBuf;
+
+use crate::Range;
+use crate::quoted::{path_text, quote};
+
+/// A parameter of a sampler or integrand, as users see it.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct Parameter {
+    /// Its key.
+    pub name: &'static str,
+    /// Its valid values.
+    pub kind: ParameterKind,
+    /// Its value where none is given.
+    pub default: DefaultValue,
+    /// What it means, without a full stop.
+    pub summary: &'static str,
+}
+
+/// The valid values of a parameter; the `Display` text follows "must be".
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum ParameterKind {
+    /// Whole numbers.
+    Integer {
+        /// The smallest.
+        min: i64,
+        /// The largest.
+        max: i64,
+    },
+    /// Numbers.
+    Number(Range),
+    /// One of these names.
+    Choice(Vec<&'static str>),
+    /// Any text, such as the name of a channel.
+    Word,
+    /// The name of a file, which may also be the bare value in first place.
+    File,
+}
+
+/// The value of a parameter where none is given.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum DefaultValue {
+    /// This value.
+    Value(Value),
+    /// None; what follows from that, in words.
+    Depends(&'static str),
+    /// The parameter must be given.
+    Required,
+}
+
+/// The value of a parameter; the `Display` text is what the grammar reads.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum Value {
+    /// A whole number.
+    Integer(i64),
+    /// A number.
+    Number(f64),
+    /// One of some names.
+    Choice(&'static str),
+    /// Any text.
+    Word(String),
+    /// The name of a file.
+    File(PathBuf),
+}
+
+/// Values that have names.
+pub trait Choice: Copy + PartialEq + 'static {
+    /// Every name with its value, in the order in which they are listed.
+    const CHOICES: &'static [(&'static str, Self)];
+}
+
+impl Choice for bool {
+    const CHOICES: &'static [(&'static str, Self)] = &[("no", false), ("yes", true)];
+}
+
+impl Parameter {
+    /// Returns the key, with the names that are valid in parentheses where it is a choice.
+    #[must_use]
+    pub fn with_values(&self) -> String {
+        match &self.kind {
+            ParameterKind::Choice(names) => format!("{} ({})", self.name, names.join(", ")),
+            _ => self.name.to_owned(),
+        }
+    }
+}
+
+impl fmt::Display for ParameterKind {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Integer { min: i64::MIN, max: i64::MAX } => f.write_str("a whole number"),
+            Self::Integer { min, max: i64::MAX } => write!(f, "a whole number from {min}"),
+            Self::Integer { min, max } => write!(f, "a whole number from {min} to {max}"),
+            Self::Number(range) => range.fmt(f),
+            Self::Choice(names) => write!(f, "one of {}", names.join(", ")),
+            Self::Word => f.write_str("a name"),
+            Self::File => f.write_str("the name of a file"),
+        }
+    }
+}
+
+impl fmt::Display for Value {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Integer(value) => value.fmt(f),
+            Self::Number(value) => value.fmt(f),
+            Self::Choice(name) => f.write_str(name),
+            Self::Word(word) => f.write_str(&quote(word)),
+            Self::File(path) => f.write_str(&path_text(path)),
+        }
+    }
+}
