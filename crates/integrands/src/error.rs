@@ -7,7 +7,7 @@ pub enum Error {
     Parameter {
         /// The parameter.
         name: &'static str,
-        /// Its legal values in words.
+        /// Its valid values in words.
         range: &'static str,
         /// The value given.
         got: f64,
@@ -112,7 +112,39 @@ pub enum Error {
         /// Its value.
         value: f64,
     },
-    /// A harmonic evaluation or transform refused its input.
+    /// A text that names no integrand, or gives a parameter that does not exist or is out of range.
+    #[error(transparent)]
+    Grammar(#[from] sphvar_grammar::Error),
+    /// A file that the text of an integrand names cannot be read.
+    #[error(transparent)]
+    File(#[from] sphvar_grammar::ResolveError),
+    /// A part of an expression cannot be built.
+    #[error("{text}: {reason}")]
+    OfTerm {
+        /// The part.
+        text: String,
+        /// Why.
+        reason: Box<Self>,
+    },
+    /// An operator of an expression has nothing on one side.
+    #[error("\"{text}\": there is no integrand on one side of an operator")]
+    NoOperand {
+        /// The expression.
+        text: String,
+    },
+    /// The rotation of an expression is malformed.
+    #[error("@ wants THETA/PHI or THETA/PHI/PSI in degrees, THETA in [0, 180], got \"{text}\"")]
+    Angles {
+        /// The angles.
+        text: String,
+    },
+    /// A product of an expression has too many factors.
+    #[error(
+        "a product has at most {} integrands; this one has more",
+        crate::Expression::MAX_FACTORS
+    )]
+    TooManyFactors,
+    /// A harmonic evaluation or transform rejected its input.
     #[error(transparent)]
     Harmonics(#[from] sphvar_sh::Error),
 }

@@ -13,7 +13,7 @@ use crate::{Coefficients, Energy, Error, Shape, quadrature};
 ///
 /// On the hemisphere F is the even extension of f from z >= 0 to the sphere.
 pub trait Integrand: Sync {
-    /// The value at a unit vector; on the hemisphere only vectors with z >= 0 are asked for.
+    /// The value at a unit vector; on the hemisphere only vectors with z >= 0 are evaluated.
     fn eval(&self, dir: DVec3) -> f64;
 
     /// Writes the values at many unit vectors to `values`, equal to those of [`eval`](Self::eval);

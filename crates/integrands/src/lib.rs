@@ -19,21 +19,24 @@
 
 mod coefficients;
 mod cut_integrand;
+mod definition;
 mod energy;
 mod error;
+mod expression;
 mod functions;
 mod integrand;
 mod quadrature;
 mod shape;
+mod term;
 
 pub use coefficients::Coefficients;
 pub use cut_integrand::{CutEstimator, CutIntegrand};
+pub use definition::{IntegrandResolver, NoFiles};
 pub use energy::Energy;
 pub use error::Error;
-pub use functions::{
-    AbsCosine, Cap, ClampedCosine, DoubleCap, EnvironmentMap, Harmonic, HealpixMap, PhongLobe,
-    PictureLayout, Product, Projection, Rotated, SampledFunction, Sum, VonMisesFisher,
-};
+pub use expression::{Expression, Factor, Summand};
+pub use functions::*;
 pub use integrand::Integrand;
 pub use shape::{Circle, Shape};
+pub use sphvar_grammar as grammar;
 pub use sphvar_sh::Domain;

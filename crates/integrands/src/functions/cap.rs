@@ -1,12 +1,14 @@
 use std::f64::consts::{FRAC_PI_2, PI};
 
 use glam::DVec3;
+use sphvar_grammar::{Declaration, Parametric, Range};
 use sphvar_sh::Domain;
 use sphvar_sh::{ByParity, Colatitude, LegendrePlan};
 
 use super::closed_form::{self, ClosedForm};
 use super::drop_from_pole;
-use crate::{Circle, Coefficients, Error, Integrand, Shape};
+use crate::definition::Definition;
+use crate::{Circle, Coefficients, Error, Integrand, IntegrandResolver, Shape};
 
 /// The indicator of the spherical cap within an angle of +z: the discontinuous test integrand.
 ///
@@ -192,5 +194,32 @@ impl Integrand for Cap {
     fn kurtosis(&self, domain: Domain) -> Option<f64> {
         let (inside, outside) = self.shares(domain);
         two_valued_kurtosis(inside, outside)
+    }
+}
+
+/// Parameters of a [`Cap`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CapParameters {
+    /// The angle from +z, see [`Cap::from_degrees`].
+    pub degrees: f64,
+}
+
+/// An example.
+impl Default for CapParameters {
+    fn default() -> Self {
+        Self { degrees: 60.0 }
+    }
+}
+
+impl Parametric for CapParameters {
+    fn declare(&mut self, d: &mut Declaration<'_>) {
+        let range = Range::left_open(0.0, 180.0);
+        d.required_number("degrees", range, "angle from +z", &mut self.degrees);
+    }
+}
+
+impl Definition for CapParameters {
+    fn build(&self, _: &dyn IntegrandResolver) -> Result<Box<dyn Integrand>, Error> {
+        Ok(Box::new(Cap::from_degrees(self.degrees)?))
     }
 }

@@ -1,12 +1,14 @@
 use std::f64::consts::FRAC_PI_2;
 
 use glam::DVec3;
+use sphvar_grammar::{Declaration, Parametric, Range};
 use sphvar_sh::ByParity;
 use sphvar_sh::Domain;
 
 use super::Cap;
 use super::closed_form::{ClosedForm, from_closed_form};
-use crate::{Circle, Coefficients, Error, Integrand, Shape};
+use crate::definition::Definition;
+use crate::{Circle, Coefficients, Error, Integrand, IntegrandResolver, Shape};
 
 /// The indicator of the two caps within an angle of +z and of -z, `|z| >= cos(angle)`: the cap of the
 /// projective plane, an even function about any axis.
@@ -77,5 +79,32 @@ impl Integrand for DoubleCap {
     /// The two caps have the share of the sphere that one has of the hemisphere.
     fn kurtosis(&self, _domain: Domain) -> Option<f64> {
         self.cap.kurtosis(Domain::Hemisphere)
+    }
+}
+
+/// Parameters of a [`DoubleCap`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DoubleCapParameters {
+    /// The angle from +z and from -z, see [`DoubleCap::from_degrees`].
+    pub degrees: f64,
+}
+
+/// An example.
+impl Default for DoubleCapParameters {
+    fn default() -> Self {
+        Self { degrees: 60.0 }
+    }
+}
+
+impl Parametric for DoubleCapParameters {
+    fn declare(&mut self, d: &mut Declaration<'_>) {
+        let range = Range::left_open(0.0, 90.0);
+        d.required_number("degrees", range, "angle from +z and -z", &mut self.degrees);
+    }
+}
+
+impl Definition for DoubleCapParameters {
+    fn build(&self, _: &dyn IntegrandResolver) -> Result<Box<dyn Integrand>, Error> {
+        Ok(Box::new(DoubleCap::from_degrees(self.degrees)?))
     }
 }

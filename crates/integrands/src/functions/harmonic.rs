@@ -2,10 +2,12 @@ use std::f64::consts::{FRAC_1_SQRT_2, PI};
 
 use glam::DVec3;
 use num_complex::Complex;
+use sphvar_grammar::{Declaration, Parametric};
 use sphvar_sh::Domain;
 use sphvar_sh::{Alm, ByParity, LmIndex, real_ylm_at};
 
-use crate::{Coefficients, Energy, Error, Integrand, Shape, quadrature};
+use crate::definition::Definition;
+use crate::{Coefficients, Energy, Error, Integrand, IntegrandResolver, Shape, quadrature};
 
 /// A real orthonormal spherical harmonic, the band-limited test integrand: all its energy, 1, is
 /// in one degree.
@@ -111,5 +113,34 @@ impl Integrand for Harmonic {
 
     fn band_limit(&self) -> Option<usize> {
         Some(self.l)
+    }
+}
+
+/// Parameters of a [`Harmonic`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct HarmonicParameters {
+    /// The degree.
+    pub l: usize,
+    /// The order, from -l to l.
+    pub m: i64,
+}
+
+/// An example.
+impl Default for HarmonicParameters {
+    fn default() -> Self {
+        Self { l: 4, m: 0 }
+    }
+}
+
+impl Parametric for HarmonicParameters {
+    fn declare(&mut self, d: &mut Declaration<'_>) {
+        d.required_integer("l", [0, i64::MAX], "degree", &mut self.l);
+        d.integer("m", [i64::MIN, i64::MAX], "order, from -l to l", &mut self.m);
+    }
+}
+
+impl Definition for HarmonicParameters {
+    fn build(&self, _: &dyn IntegrandResolver) -> Result<Box<dyn Integrand>, Error> {
+        Ok(Box::new(Harmonic::new(self.l, self.m)?))
     }
 }

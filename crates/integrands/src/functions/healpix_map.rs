@@ -46,7 +46,7 @@ const UNSEEN: f64 = -1.6375e30;
 /// How near a value counts as it.
 const UNSEEN_TOLERANCE: f64 = 1e-5;
 /// Nodes of a panel at least, for the poles of `1/s` behind its end.
-const LEAST_NODES: usize = 12;
+const MIN_NODES: usize = 12;
 
 /// A ring of the quadrature.
 struct Node {
@@ -179,7 +179,7 @@ impl HealpixMap {
         let mut nodes = Vec::new();
         // Edges of pixels move by a quarter turn over nside, or less, where orders count.
         let phase = |angle: f64| lmax as f64 * (angle + FRAC_PI_2 / side);
-        let rule = |angle: f64| GaussLegendre::new(node_count(0.5 * phase(angle)).max(LEAST_NODES));
+        let rule = |angle: f64| GaussLegendre::new(node_count(0.5 * phase(angle)).max(MIN_NODES));
         // Panels between the centres of rings i and i + 1; ring 0 is the pole.
         for i in 0..end {
             let from_pole = i.min(4 * n - 1 - i);
@@ -364,7 +364,7 @@ impl Integrand for HealpixMap {
 
     fn energy_seconds(&self, _domain: Domain, lmax: usize) -> f64 {
         let (side, degrees) = (self.n() as f64, lmax as f64);
-        let rings = 4.0 * side * (LEAST_NODES as f64).max(4.0 + degrees / side);
+        let rings = 4.0 * side * (MIN_NODES as f64).max(4.0 + degrees / side);
         // The recurrence, and the Fourier integrals near the poles, a third of the rings.
         rings * (0.3e-9 * degrees * degrees + 0.7e-9 * degrees * side)
     }

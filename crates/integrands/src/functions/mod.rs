@@ -1,34 +1,111 @@
-//! The integrands that there are, and what is made of several.
+//! The list of integrands with a file for each, and what is made of several.
+//!
+//! A new integrand is a file here that implements `Definition`, and a line of the list. The list declares
+//! the modules, so `cargo fmt` does not find these files; `.ci/run` formats them by name.
 
-mod cap;
 mod closed_form;
-mod double_cap;
 mod environment;
-mod harmonic;
 mod healpix_map;
 mod inner_product;
 mod lens;
-mod phong;
 mod picture;
 mod product;
 mod rotated;
 mod sampled;
 mod sum;
 mod sum_square;
-mod von_mises_fisher;
 
-pub use cap::Cap;
-pub use double_cap::DoubleCap;
 pub use environment::EnvironmentMap;
-pub use harmonic::Harmonic;
 pub use healpix_map::HealpixMap;
-pub use phong::{AbsCosine, ClampedCosine, PhongLobe};
 pub use picture::{PictureLayout, Projection};
 pub use product::Product;
 pub use rotated::Rotated;
 pub use sampled::SampledFunction;
 pub use sum::Sum;
-pub use von_mises_fisher::VonMisesFisher;
+
+use crate::definition::Definition;
+
+/// Declares the module, the variant and the texts of every integrand. A variant with parameters names
+/// their type; the definition of one without is the type `Parameters` of its module.
+macro_rules! integrands {
+    ($($name:literal = $module:ident::$Variant:ident $(($parameters:ident: $Parameters:ident))?: $summary:literal;)*) => {
+        $(
+            pub(crate) mod $module;
+            pub use $module::*;
+        )*
+
+        /// An integrand that has a name, with its parameters.
+        ///
+        /// `FromStr` reads what `Display` writes, such as `cap:degrees=60`.
+        #[derive(Clone, Debug, PartialEq)]
+        #[non_exhaustive]
+        pub enum Term {
+            $(
+                #[doc = concat!("`", $name, "`: ", $summary, ".")]
+                $Variant $(($Parameters))?,
+            )*
+        }
+
+        impl Term {
+            /// Returns every named integrand with its default parameters and examples of those that
+            /// must be given, in the order of lists.
+            #[must_use]
+            pub fn all() -> Vec<Self> {
+                vec![$(Self::$Variant $(($Parameters::default()))?),*]
+            }
+
+            /// Returns the name.
+            #[must_use]
+            pub const fn name(&self) -> &'static str {
+                match self {
+                    $(Self::$Variant { .. } => $name,)*
+                }
+            }
+
+            /// Returns what the integrand is, in a line.
+            #[must_use]
+            pub const fn summary(&self) -> &'static str {
+                match self {
+                    $(Self::$Variant { .. } => $summary,)*
+                }
+            }
+
+            /// Does something with the definition of the integrand.
+            pub(crate) fn with_definition<T>(
+                &mut self,
+                action: impl FnOnce(&mut dyn Definition) -> T,
+            ) -> T {
+                match self {
+                    $(Self::$Variant $(($parameters))? => {
+                        action(definition!($module $($parameters)?))
+                    })*
+                }
+            }
+        }
+    };
+}
+
+macro_rules! definition {
+    ($module:ident) => {
+        &mut $module::Parameters
+    };
+    ($module:ident $parameters:ident) => {
+        $parameters
+    };
+}
+
+integrands! {
+    "ylm" = harmonic::Harmonic(p: HarmonicParameters): "real spherical harmonic";
+    "cap" = cap::Cap(p: CapParameters): "indicator of a spherical cap around +z";
+    "double-cap" = double_cap::DoubleCap(p: DoubleCapParameters): "indicator of the caps around +z and -z";
+    "half-space" = half_space::HalfSpace(p: HalfSpaceParameters): "indicator of z >= height";
+    "vmf" = von_mises_fisher::VonMisesFisher(p: VonMisesFisherParameters): "von Mises-Fisher density around +z";
+    "phong" = phong::Phong(p: PhongParameters): "Phong lobe max(0, z)^n";
+    "cosine" = cosine::Cosine: "clamped cosine max(0, z)";
+    "abs-cosine" = abs_cosine::AbsCosine: "absolute cosine |z|";
+    "env" = env::Environment(p: EnvironmentParameters): "environment map in a picture, EXR or HDR";
+    "map" = map::HealpixMap(p: HealpixMapParameters): "HEALPix map in a FITS file";
+}
 
 use glam::DVec3;
 

@@ -1,11 +1,13 @@
 use std::f64::consts::{FRAC_PI_2, PI};
 
 use glam::DVec3;
+use sphvar_grammar::{Declaration, Parametric, Range};
 use sphvar_sh::ByParity;
 
 use super::closed_form::{ClosedForm, from_closed_form};
 use super::{exponential_degree, exponential_support};
-use crate::{Circle, Coefficients, Error, Integrand, Shape};
+use crate::definition::Definition;
+use crate::{Circle, Coefficients, Error, Integrand, IntegrandResolver, Shape};
 
 /// The Phong lobe `max(0, z)^n` for a real exponent n >= 0, with peak 1, not normalised: its integral is
 /// `2 pi/(n + 1)`.
@@ -20,7 +22,7 @@ use crate::{Circle, Coefficients, Error, Integrand, Shape};
 /// (DLMF 18.17.36), products without cancellation. On the hemisphere the even extension is `|z|^n`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PhongLobe {
-    exponent: f64,
+    pub(super) exponent: f64,
 }
 
 /// From this exponent on, the start of the lobe at the equator is as good as smooth.
@@ -53,7 +55,7 @@ impl PhongLobe {
     }
 
     /// The shape of `|t|^n`, without the kind of symmetry.
-    fn edges(self) -> Shape {
+    pub(super) fn edges(self) -> Shape {
         let shape = Shape::smooth(self.degree()).zonal(DVec3::Z);
         let whole = self.exponent.fract() == 0.0;
         let shape = shape.with_edge(Circle::EQUATOR);
@@ -107,69 +109,29 @@ impl Integrand for PhongLobe {
     from_closed_form!();
 }
 
-/// The clamped cosine max(0, z): the irradiance kernel of a surface facing +z, continuous with a
-/// kink; the [`PhongLobe`] of exponent 1.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct ClampedCosine;
-
-impl ClampedCosine {
-    const LOBE: PhongLobe = PhongLobe { exponent: 1.0 };
+/// Parameters of a [`PhongLobe`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PhongParameters {
+    /// The exponent.
+    pub n: f64,
 }
 
-impl ClosedForm for ClampedCosine {
-    fn sphere_integral(&self) -> Option<f64> {
-        Some(PI)
-    }
-
-    fn sphere_centred_square(&self) -> Result<ByParity, Error> {
-        Self::LOBE.sphere_centred_square()
-    }
-
-    fn sphere_coefficients(&self, lmax: usize) -> Result<Coefficients, Error> {
-        Self::LOBE.sphere_coefficients(lmax)
+/// An example.
+impl Default for PhongParameters {
+    fn default() -> Self {
+        Self { n: 20.0 }
     }
 }
 
-impl Integrand for ClampedCosine {
-    fn eval(&self, dir: DVec3) -> f64 {
-        dir.z.max(0.0)
-    }
-
-    fn shape(&self) -> Result<Shape, Error> {
-        Self::LOBE.shape()
-    }
-
-    from_closed_form!();
-}
-
-/// |z|, the even extension of the cosine: about another axis, `|x . d|`.
-///
-/// An even function, twice the clamped cosine in even degrees.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct AbsCosine;
-
-impl ClosedForm for AbsCosine {
-    fn sphere_integral(&self) -> Option<f64> {
-        Some(2.0 * PI)
-    }
-
-    fn sphere_centred_square(&self) -> Result<ByParity, Error> {
-        Ok(ByParity { even: 4.0 * ClampedCosine::LOBE.sphere_centred_square()?.even, odd: 0.0 })
-    }
-
-    fn sphere_coefficients(&self, lmax: usize) -> Result<Coefficients, Error> {
-        Ok(ClampedCosine::LOBE.sphere_coefficients(lmax)?.even_extension())
+impl Parametric for PhongParameters {
+    fn declare(&mut self, d: &mut Declaration<'_>) {
+        let range = Range::closed(0.0, PhongLobe::MAX_EXPONENT);
+        d.required_number("n", range, "exponent", &mut self.n);
     }
 }
 
-impl Integrand for AbsCosine {
-    fn eval(&self, dir: DVec3) -> f64 {
-        dir.z.abs()
+impl Definition for PhongParameters {
+    fn build(&self, _: &dyn IntegrandResolver) -> Result<Box<dyn Integrand>, Error> {
+        Ok(Box::new(PhongLobe::new(self.n)?))
     }
-
-    fn shape(&self) -> Result<Shape, Error> {
-        Ok(ClampedCosine::LOBE.edges().even())
-    }
-
-    from_closed_form!();
 }

@@ -18,8 +18,8 @@ use crate::{Coefficients, Energy, Error, Integrand, Shape, quadrature};
 /// use sphvar_integrands::{Cap, Domain, Integrand, Rotated};
 ///
 /// let cap = Cap::from_degrees(30.0)?;
-/// let turned = Rotated::new(cap, DQuat::from_rotation_x(0.7))?;
-/// assert_eq!(turned.exact(Domain::Sphere), cap.exact(Domain::Sphere));
+/// let rotated = Rotated::new(cap, DQuat::from_rotation_x(0.7))?;
+/// assert_eq!(rotated.exact(Domain::Sphere), cap.exact(Domain::Sphere));
 /// # Ok::<(), sphvar_integrands::Error>(())
 /// ```
 #[derive(Clone, Debug)]
@@ -45,7 +45,7 @@ impl<I: Integrand> Rotated<I> {
         Ok(Self { function, turn, rotation: DMat3::from_quat(turn) })
     }
 
-    /// `function` turned by `psi` about +z and then carried with +z to colatitude `theta` and longitude
+    /// `function` rotated by `psi` about +z and then carried with +z to colatitude `theta` and longitude
     /// `phi`, all in radians.
     ///
     /// # Errors
@@ -102,8 +102,8 @@ impl<I: Integrand> Integrand for Rotated<I> {
 
     fn eval_into(&self, dirs: &[DVec3], values: &mut [f64]) -> Result<(), Error> {
         let back = |dir: &DVec3| (self.rotation.transpose() * *dir).normalize();
-        let turned: Vec<DVec3> = dirs.iter().map(back).collect();
-        self.function.eval_into(&turned, values)
+        let rotated: Vec<DVec3> = dirs.iter().map(back).collect();
+        self.function.eval_into(&rotated, values)
     }
 
     fn shape(&self) -> Result<Shape, Error> {

@@ -1,12 +1,14 @@
 use std::f64::consts::PI;
 
 use glam::DVec3;
+use sphvar_grammar::{Declaration, Parametric, Range};
 use sphvar_sh::ByParity;
 use sphvar_sh::Domain;
 
 use super::closed_form::{self, ClosedForm};
 use super::{drop_from_pole, exponential_degree, exponential_support};
-use crate::{Circle, Coefficients, Error, Integrand, Shape, quadrature};
+use crate::definition::Definition;
+use crate::{Circle, Coefficients, Error, Integrand, IntegrandResolver, Shape, quadrature};
 
 /// The von Mises-Fisher density about +z, `kappa/(2 pi (1 - e^{-2 kappa})) e^{kappa (z - 1)}`: a
 /// smooth lobe with integral 1 over the sphere.
@@ -153,5 +155,32 @@ impl Integrand for VonMisesFisher {
             x * (1.0 + q) / (1.0 - q) - 1.0
         };
         Ok(ByParity { even: excess / (PI * (1.0 + q).powi(2)), odd: 0.0 })
+    }
+}
+
+/// Parameters of a [`VonMisesFisher`] lobe.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct VonMisesFisherParameters {
+    /// The concentration.
+    pub kappa: f64,
+}
+
+/// An example.
+impl Default for VonMisesFisherParameters {
+    fn default() -> Self {
+        Self { kappa: 10.0 }
+    }
+}
+
+impl Parametric for VonMisesFisherParameters {
+    fn declare(&mut self, d: &mut Declaration<'_>) {
+        let range = Range::closed(0.0, VonMisesFisher::MAX_KAPPA);
+        d.required_number("kappa", range, "concentration", &mut self.kappa);
+    }
+}
+
+impl Definition for VonMisesFisherParameters {
+    fn build(&self, _: &dyn IntegrandResolver) -> Result<Box<dyn Integrand>, Error> {
+        Ok(Box::new(VonMisesFisher::new(self.kappa)?))
     }
 }

@@ -8,7 +8,7 @@ use super::panel_rule::{Ends, PanelRules};
 use crate::Error;
 use crate::shape::{Circle, Shape, coaxial};
 
-/// Nodes of a quadrature beyond which it is refused, some minutes of work.
+/// Nodes of a quadrature beyond which it is rejected, some minutes of work.
 const MAX_NODES: f64 = 2e8;
 
 /// Evaluations of a simple function whose time a quadrature may take, some ten seconds.

@@ -1,0 +1,220 @@
+use std::fmt;
+use std::str::FromStr;
+
+use sphvar_grammar::{find_outside, split_outside};
+
+use crate::{Cap, Error, Integrand, IntegrandResolver, Product, Rotated, Sum, Term};
+
+/// A sum of products of named integrands with rotations, as users write it:
+/// `cap:degrees=30 @ 40/10 + 0.5 * vmf:kappa=10`.
+///
+/// `+` and `-` bind least, then `*`, then `@`; each has blanks around it, so that neither numbers nor
+/// names of files are torn apart. Quoted names of files may contain operators. `f @ THETA/PHI/PSI`
+/// turns f by PSI about +z and carries +z to colatitude THETA and longitude PHI, in degrees.
+///
+/// # Examples
+///
+/// ```
+/// use sphvar_integrands::{Domain, Expression, NoFiles};
+///
+/// let expression: Expression = "2 * cosine - cap:degrees=60 @ 90/0".parse()?;
+/// assert_eq!(expression.to_string(), "2 * cosine - cap:degrees=60 @ 90/0");
+/// let integrand = expression.build(&NoFiles)?;
+/// assert!((integrand.exact(Domain::Sphere).unwrap() - std::f64::consts::PI).abs() < 1e-14);
+/// # Ok::<(), sphvar_integrands::Error>(())
+/// ```
+#[derive(Clone, Debug, PartialEq)]
+pub struct Expression {
+    /// The terms of the sum, at least one.
+    pub summands: Vec<Summand>,
+}
+
+/// A product of a number and functions.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Summand {
+    /// The number.
+    pub weight: f64,
+    /// The functions; none for a constant.
+    pub factors: Vec<Factor>,
+}
+
+/// A named integrand after some rotations.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Factor {
+    /// The integrand.
+    pub term: Term,
+    /// Colatitude, longitude and turn of each rotation, in degrees.
+    pub rotations: Vec<[f64; 3]>,
+}
+
+impl Expression {
+    /// The largest number of functions in a product: each is an object within the next, and
+    /// quadratures over more factors have no end.
+    pub const MAX_FACTORS: usize = 64;
+
+    /// Returns the function; files that it names are read by `files`.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::OfTerm`] with the text of the term and the reason, [`Error::Weight`] for weights out of
+    /// range, [`Error::File`] if `files` cannot read a file.
+    pub fn build(&self, files: &dyn IntegrandResolver) -> Result<Box<dyn Integrand>, Error> {
+        // A single integrand without a weight stays itself.
+        if let [single] = &*self.summands
+            && single.weight.to_bits() == 1f64.to_bits()
+        {
+            return single.function(files);
+        }
+        let mut sum = Sum::default();
+        for summand in &self.summands {
+            let function = summand.function(files)?;
+            sum = sum.plus(summand.weight, function).map_err(|error| Error::OfTerm {
+                text: self.to_string(),
+                reason: Box::new(error),
+            })?;
+        }
+        Ok(Box::new(sum))
+    }
+
+    /// Returns all named integrands.
+    pub fn terms(&self) -> impl Iterator<Item = &Term> {
+        self.summands.iter().flat_map(|summand| &summand.factors).map(|factor| &factor.term)
+    }
+}
+
+impl From<Term> for Expression {
+    fn from(term: Term) -> Self {
+        let factors = vec![Factor { term, rotations: Vec::new() }];
+        Self { summands: vec![Summand { weight: 1.0, factors }] }
+    }
+}
+
+impl Summand {
+    /// Reads a product; `whole` is the expression, for messages.
+    fn parse(sign: f64, text: &str, whole: &str) -> Result<Self, Error> {
+        let mut summand = Self { weight: sign, factors: Vec::new() };
+        for factor in split_outside(text, " * ").into_iter().map(str::trim) {
+            if factor.is_empty() {
+                return Err(Error::NoOperand { text: whole.to_owned() });
+            }
+            if let Ok(number) = factor.parse::<f64>() {
+                summand.weight *= number;
+            } else if summand.factors.len() == Expression::MAX_FACTORS {
+                return Err(Error::TooManyFactors);
+            } else {
+                summand.factors.push(factor.parse()?);
+            }
+        }
+        Ok(summand)
+    }
+
+    /// Returns the product of the functions, without the weight.
+    fn function(&self, files: &dyn IntegrandResolver) -> Result<Box<dyn Integrand>, Error> {
+        let mut product: Option<Box<dyn Integrand>> = None;
+        for factor in &self.factors {
+            let function = factor.function(files)?;
+            product = Some(match product {
+                Some(before) => Box::new(Product::new(before, function)),
+                None => function,
+            });
+        }
+        match product {
+            Some(product) => Ok(product),
+            // Numbers alone are a constant function, the cap that is the whole sphere.
+            None => Ok(Box::new(Cap::from_degrees(180.0)?)),
+        }
+    }
+}
+
+impl Factor {
+    fn function(&self, files: &dyn IntegrandResolver) -> Result<Box<dyn Integrand>, Error> {
+        let function = self.term.build(files)?;
+        let mut rotations = self.rotations.iter().map(|angles| angles.map(f64::to_radians));
+        let Some([theta, phi, psi]) = rotations.next() else {
+            return Ok(function);
+        };
+        // Chained rotations are one.
+        let mut rotated = Rotated::to_angles(function, theta, phi, psi);
+        for [theta, phi, psi] in rotations {
+            rotated = rotated.and_then(|rotated| rotated.then_to_angles(theta, phi, psi));
+        }
+        let of_term = |reason| Error::OfTerm { text: self.to_string(), reason: Box::new(reason) };
+        Ok(Box::new(rotated.map_err(of_term)?))
+    }
+}
+
+impl FromStr for Expression {
+    type Err = Error;
+
+    fn from_str(text: &str) -> Result<Self, Error> {
+        let mut summands = Vec::new();
+        let (mut sign, mut rest) = (1.0, text);
+        while let Some((at, operator)) = find_outside(rest, &[" + ", " - "]) {
+            summands.push(Summand::parse(sign, &rest[..at], text)?);
+            sign = if operator == " + " { 1.0 } else { -1.0 };
+            rest = &rest[at + operator.len()..];
+        }
+        summands.push(Summand::parse(sign, rest, text)?);
+        Ok(Self { summands })
+    }
+}
+
+impl FromStr for Factor {
+    type Err = Error;
+
+    fn from_str(text: &str) -> Result<Self, Error> {
+        let mut pieces = split_outside(text, " @ ").into_iter().map(str::trim);
+        let term = pieces.next().unwrap_or_default().parse()?;
+        let rotations = pieces
+            .map(|piece| angles(piece).ok_or_else(|| Error::Angles { text: piece.to_owned() }));
+        Ok(Self { term, rotations: rotations.collect::<Result<_, _>>()? })
+    }
+}
+
+/// Returns colatitude, longitude and turn in degrees.
+fn angles(text: &str) -> Option<[f64; 3]> {
+    let degrees: Option<Vec<f64>> = text.split('/').map(|a| a.trim().parse().ok()).collect();
+    let degrees = degrees?;
+    let known = degrees.iter().all(|a| a.is_finite()) && (0.0..=180.0).contains(degrees.first()?);
+    match *degrees.as_slice() {
+        _ if !known => None,
+        [theta, phi] => Some([theta, phi, 0.0]),
+        [theta, phi, psi] => Some([theta, phi, psi]),
+        _ => None,
+    }
+}
+
+impl fmt::Display for Expression {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for (i, summand) in self.summands.iter().enumerate() {
+            let (mut weight, factors) = (summand.weight, &summand.factors);
+            if i > 0 {
+                f.write_str(if weight.is_sign_negative() { " - " } else { " + " })?;
+                weight = weight.abs();
+            }
+            let mut separator = "";
+            if weight.to_bits() != 1f64.to_bits() || factors.is_empty() {
+                write!(f, "{weight}")?;
+                separator = " * ";
+            }
+            for factor in factors {
+                write!(f, "{separator}{factor}")?;
+                separator = " * ";
+            }
+        }
+        Ok(())
+    }
+}
+
+impl fmt::Display for Factor {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.term.fmt(f)?;
+        for [theta, phi, psi] in &self.rotations {
+            write!(f, " @ {theta}/{phi}")?;
+            if *psi != 0.0 {
+                write!(f, "/{psi}")?;
+            }
+        }
+        Ok(())
+    }
+}
