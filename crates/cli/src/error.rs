@@ -1,10 +1,12 @@
 use std::io;
 
+use sphvar_grammar::ResolveError;
+
 use crate::files::FileError;
 use crate::plots::PlotError;
 
 /// Why the command ends without having done its work.
-#[derive(Debug, thiserror::Error)]
+#[derive(Clone, Debug, thiserror::Error)]
 pub(crate) enum CliError {
     /// What was asked for cannot be meant: exit status 2.
     #[error("{0}")]
@@ -37,12 +39,23 @@ impl CliError {
         Self::Failed(error.to_string())
     }
 
+    /// The error of a file that a text names, as the command's own reader returned it.
+    pub(crate) fn of_resolver(error: &ResolveError) -> Self {
+        error.downcast_ref::<Self>().cloned().unwrap_or_else(|| Self::usage(error))
+    }
+
     /// A failure of writing to standard output.
     pub(crate) fn stdout(error: &io::Error) -> Self {
         match error.kind() {
             io::ErrorKind::BrokenPipe => Self::ClosedPipe,
             _ => Self::Failed(format!("cannot write to standard output: {error}")),
         }
+    }
+}
+
+impl From<sphvar_grammar::Error> for CliError {
+    fn from(error: sphvar_grammar::Error) -> Self {
+        Self::usage(error)
     }
 }
 

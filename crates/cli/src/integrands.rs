@@ -1,26 +1,42 @@
 //! Integrands as they are named on the command line.
 
 pub(crate) mod environment;
-mod expression;
 mod healpix_map;
-mod term;
 
-use sphvar_integrands::Integrand;
+use std::cell::RefCell;
+use std::fmt;
+
+use sphvar_grammar::{ResolveError, Spec};
+use sphvar_integrands::{
+    EnvironmentMap, EnvironmentParameters, Error, Expression, HealpixMap, HealpixMapParameters,
+    Integrand, IntegrandResolver, Term,
+};
 use sphvar_samplers::Domain;
 
+use self::environment::Environment;
 use crate::error::CliError;
+use crate::memory::check_degree;
 use crate::report::say;
 
 /// The names and their parameters, for help texts.
-pub(crate) const FORMS: &str = "ylm:l=4,m=0 | cap:degrees=60 | double-cap:degrees=60 | \
-     half-space[:height=0] | vmf:kappa=10 | phong:n=20 | cosine | abs-cosine | \
-     env:FILE[,channel=luminance|r|g|b|NAME][,layer=NAME][,projection=latlong|octahedral]\
-     [,up=z|y|x|-z|-y|-x][,mirror=no|yes][,turn=DEGREES] (EXR or HDR) | \
-     map:FILE[,field=0|NAME][,hdu=1|NAME][,missing=0|mean] (HEALPix map in FITS); names of files with commas or \
-     operators in quotes, file=\"a,b.exr\"; \
-     combined with blanks around by \" + \", \" - \", \" * \" and numbers, and turned by \" @ THETA/PHI\" or \
-     \" @ THETA/PHI/PSI\" in degrees, which carries +z there after a turn by PSI: \
-     \"cap:degrees=30 @ 40/10 + 0.5 * vmf:kappa=10\"";
+pub(crate) const FORMS: Forms = Forms;
+
+/// The `Display` text of [`FORMS`].
+pub(crate) struct Forms;
+
+impl fmt::Display for Forms {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let forms: Vec<String> = Term::all().iter().map(Term::form).collect();
+        write!(
+            f,
+            "{}; quote names of files with commas or operators, file=\"a,b.exr\"; combine by \" + \", \" - \", \
+             \" * \" and numbers, with blanks around, and rotate by \" @ THETA/PHI\" or \" @ THETA/PHI/PSI\" in \
+             degrees, which carries +z there after a turn by PSI: \
+             \"cap:degrees=30 @ 40/10 + 0.5 * vmf:kappa=10\"",
+            forms.join(" | ")
+        )
+    }
+}
 
 /// The integrand of the examples: where there is no such file, the copy that is built in.
 pub(crate) const CITY: &str = "env:data/city.exr";
@@ -52,10 +68,54 @@ impl NamedIntegrand {
 /// The integrand of one expression; reads the files that it names and says what is remarkable of them, unless
 /// `quiet`.
 pub(crate) fn parse_integrand(text: &str, quiet: bool) -> Result<NamedIntegrand, CliError> {
-    let mut remarks = Vec::new();
-    let function = expression::parse(text, &mut remarks)?;
-    remarks.iter().for_each(|remark| say(quiet, remark));
+    let expression = if names_a_file(text) {
+        text.parse::<Term>().map(Expression::from)
+    } else {
+        text.parse::<Expression>()
+    };
+    let expression = expression.map_err(CliError::usage)?;
+    for term in expression.terms() {
+        if let Term::Harmonic(harmonic) = term {
+            check_degree(&term.to_string(), harmonic.l)?;
+        }
+    }
+    let files = IntegrandFiles::default();
+    let function = expression.build(&files).map_err(|error| match error {
+        Error::File(source) => CliError::of_resolver(&source),
+        other => CliError::usage(other),
+    })?;
+    files.remarks.take().iter().for_each(|remark| say(quiet, remark));
     Ok(NamedIntegrand { name: text.to_owned(), function })
+}
+
+/// Whether the text is a single term with a file whose name looks like an expression.
+///
+/// Operators in the other parameters belong to an expression, as in `env:a.exr,up=y * cosine`.
+fn names_a_file(text: &str) -> bool {
+    let Ok(mut spec) = Spec::parse(text) else { return false };
+    if !matches!(spec.name.as_str(), "env" | "map") {
+        return false;
+    }
+    let file = spec.take_path("").or_else(|| spec.take_path("file"));
+    file.is_some_and(|file| file.is_file()) && !spec.has_operator_left()
+}
+
+/// Reads the files of integrands, and keeps what a user should know of them.
+#[derive(Default)]
+struct IntegrandFiles {
+    remarks: RefCell<Vec<String>>,
+}
+
+impl IntegrandResolver for IntegrandFiles {
+    fn environment(&self, wanted: &EnvironmentParameters) -> Result<EnvironmentMap, ResolveError> {
+        let read = Environment::read(&wanted.file, &wanted.picture).map_err(ResolveError::new)?;
+        self.remarks.borrow_mut().extend(read.remarks);
+        Ok(read.map)
+    }
+
+    fn healpix_map(&self, wanted: &HealpixMapParameters) -> Result<HealpixMap, ResolveError> {
+        healpix_map::read(wanted, &mut self.remarks.borrow_mut()).map_err(ResolveError::new)
+    }
 }
 
 /// Refuses an integrand whose energy is not known on the domain.
@@ -63,4 +123,30 @@ pub(crate) fn check_domain(integrand: &NamedIntegrand, domain: Domain) -> Result
     let wrong = |what: String| CliError::Usage(format!("{}: {what}", integrand.name));
     let energy = integrand.function.energy(domain, 0).map_err(|e| wrong(e.to_string()))?;
     energy.check_magnitude().map_err(|e| wrong(e.to_string()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{CliError, Domain, Integrand, parse_integrand};
+
+    fn parsed(text: &str) -> Result<Box<dyn Integrand>, CliError> {
+        parse_integrand(text, true).map(|integrand| integrand.function)
+    }
+
+    #[test]
+    fn long_expressions_take_neither_stack_nor_much_time() {
+        let chain = format!("cap:degrees=30{}", " @ 40/10/5".repeat(12_000));
+        let turned = parsed(&chain).unwrap();
+        let exact = parsed("cap:degrees=30").unwrap().exact(Domain::Sphere).unwrap();
+        assert!((turned.exact(Domain::Sphere).unwrap() / exact - 1.0).abs() < 1e-15);
+        let square = |f: &dyn Integrand| f.square(Domain::Sphere).unwrap();
+        for term in ["cosine", "vmf:kappa=5 @ 30/20", "ylm:l=4,m=2", "cap:degrees=60"] {
+            let sum = parsed(&vec![term; 1000].join(" + ")).unwrap();
+            let ratio = square(&*sum) / square(&*parsed(term).unwrap());
+            assert!((ratio / 1e6 - 1.0).abs() < 1e-11, "{term}: {ratio}");
+        }
+        let product = vec!["cosine"; 100_000].join(" * ");
+        assert!(parsed(&product).is_err_and(|e| e.to_string().contains("at most 64")));
+        assert!(parsed("1e-200 * cosine").is_err_and(|e| e.to_string().contains("1e-150")));
+    }
 }

@@ -3,48 +3,29 @@
 use std::path::Path;
 
 use sphvar_healpix::{Nested, Nside};
-use sphvar_integrands::HealpixMap;
+use sphvar_integrands::{HealpixMap, HealpixMapParameters, MissingPixels};
 
 use crate::error::CliError;
 use crate::files::{FitsField, FitsMap, HduChoice, read_fits_map};
-use crate::spec::Spec;
 
-/// The parameters of a map besides its file.
-pub(crate) const KEYS: [&str; 3] = ["field", "hdu", "missing"];
-
-/// What becomes of pixels without a value.
-#[derive(Clone, Copy)]
-enum Missing {
-    Error,
-    Zero,
-    /// The mean of the others.
-    Mean,
-}
-
-/// Reads the map of a file with the parameters [`KEYS`] of a specification.
-pub(super) fn take(
-    spec: &mut Spec,
-    file: &Path,
+/// Reads the map of a file.
+pub(super) fn read(
+    wanted: &HealpixMapParameters,
     remarks: &mut Vec<String>,
 ) -> Result<HealpixMap, CliError> {
-    let field = match spec.take("field") {
-        None => FitsField::Number(0),
-        Some(text) => FitsField::Name(text),
-    };
-    let (path, mut hdu) = HduChoice::of_path(file);
-    if let Some(text) = spec.take("hdu") {
-        hdu = text.parse().map_err(|e| CliError::Usage(format!("{}: hdu: {e}", spec.text)))?;
+    let field = wanted.field.clone().map_or(FitsField::Number(0), FitsField::Name);
+    let (path, mut hdu) = HduChoice::of_path(&wanted.file);
+    if let Some(text) = &wanted.hdu {
+        hdu = text.parse().map_err(|e| CliError::Usage(format!("hdu={text}: {e}")))?;
     }
-    let mut missing = Missing::Error;
-    spec.replace_choice("missing", &[("0", Missing::Zero), ("mean", Missing::Mean)], &mut missing)?;
-    map(&path, read_fits_map(&path, &hdu, &field)?, missing, remarks)
+    map(&path, read_fits_map(&path, &hdu, &field)?, wanted.missing, remarks)
 }
 
 /// Returns the map, brought to ring order if it says that it is nested.
 fn map(
     path: &Path,
     mut map: FitsMap,
-    missing: Missing,
+    missing: MissingPixels,
     remarks: &mut Vec<String>,
 ) -> Result<HealpixMap, CliError> {
     let system = map.coordinates.map_or(String::new(), |c| format!(" (COORDSYS {c})"));
@@ -53,7 +34,7 @@ fn map(
     let count = map.values.iter().filter(|value| !HealpixMap::is_value(**value)).count();
     if count > 0 {
         let (filling, words) = match missing {
-            Missing::Error => {
+            MissingPixels::Error => {
                 let first = map.values.iter().position(|value| !HealpixMap::is_value(*value));
                 return Err(failed(&format!(
                     "{count} of the map's pixels have no value (NaN, infinite, UNSEEN or absent), the first \
@@ -62,8 +43,8 @@ fn map(
                     map.values.len(),
                 )));
             }
-            Missing::Zero => (0.0, "0".to_owned()),
-            Missing::Mean => {
+            MissingPixels::Zero => (0.0, "0".to_owned()),
+            MissingPixels::Mean => {
                 let values = map.values.iter().filter(|value| HealpixMap::is_value(**value));
                 let mean = values.sum::<f64>() / (map.values.len() - count) as f64;
                 (mean, format!("the mean {mean} of the others"))

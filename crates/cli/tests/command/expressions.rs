@@ -169,7 +169,7 @@ fn environment_maps_have_options() {
     assert!((bright_below + upper("env:sky.exr") - sum).abs() < 1e-6 * sum);
     assert!(bright_below > upper("env:sky.exr"));
     for (options, parts) in [
-        ("up=w", &["unknown up axis \"w\"", "z, y, x, -z, -y, -x"][..]),
+        ("up=w", &["unknown up of env \"w\"", "z, y, x, -z, -y, -x"][..]),
         ("mirror=maybe", &["mirror of env", "no, yes"]),
         ("turn=inf", &["turn must be a finite number"]),
         ("projection=cube", &["projection of env", "latlong, octahedral"]),

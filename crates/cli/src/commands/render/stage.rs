@@ -4,13 +4,13 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use glam::{DQuat, DVec3};
-use sphvar_integrands::{EnvironmentMap, Integrand};
+use sphvar_integrands::{EnvironmentMap, Integrand, PictureParameters, UpAxis};
 use sphvar_scene::{Camera, CornellBox, CropWindow, Integral, Mesh, Quad, Scene, View};
 
 use super::reference_file::fingerprint;
 use crate::error::CliError;
 use crate::files::read_whole;
-use crate::integrands::environment::{self, Environment, to_map};
+use crate::integrands::environment::{Environment, to_map};
 use crate::report::say;
 use crate::spec::{Spec, argument, unknown_name};
 
@@ -255,9 +255,12 @@ impl StageArgs {
                     Some(inner) if !file.exists() => PathBuf::from(inner),
                     _ => file,
                 };
-                let Environment { map, pole, words, remarks } =
-                    Environment::take(&mut spec, &file)?;
-                spec.finish(&[&["env", "albedo"], &environment::KEYS[..]].concat())?;
+                let mut picture = PictureParameters::default();
+                let keys = sphvar_grammar::take(&mut picture, &mut spec)?;
+                let known = ["env", "albedo"].into_iter().chain(keys.iter().map(String::as_str));
+                spec.finish(&known.collect::<Vec<_>>())?;
+                let Environment { map, words, remarks } = Environment::read(&file, &picture)?;
+                let pole = picture.up.map(UpAxis::direction);
                 remarks.iter().for_each(|remark| say(quiet, remark));
                 let up = pole.or(up.try_normalize()).unwrap_or(DVec3::Y);
                 let to_map = to_map(up);
