@@ -9,7 +9,8 @@ use std::io::Write;
 
 use sphvar_integrands::{Cap, ClampedCosine, Harmonic, Integrand};
 use sphvar_samplers::{
-    DiskMode, Domain, Pattern, Purpose, Realizations, SECONDS_PER_WORK, SpectralControl, Streams,
+    DiskMode, Domain, Pattern, PoissonDiskParameters, Purpose, Realizations, SECONDS_PER_WORK,
+    SpectralControl, StepParameters, Streams,
 };
 use sphvar_spectrum::{Method, Spectrum, estimate};
 use sphvar_tests::{ks_distance, ks_p_value};
@@ -237,7 +238,8 @@ fn rates(out: &mut impl Write, cells: &[Cell]) -> Outcome<()> {
 /// The variance of the harmonic with sets that have no power in its degree: a few trials tell.
 fn steps(out: &mut impl Write, harmonic: &Harmonic) -> Outcome<()> {
     const TRIALS: u64 = 20;
-    let step = Pattern::Step { alpha: None, flat: None, core: SpectralControl::STEP_CORE };
+    let step =
+        Pattern::Step(StepParameters { alpha: None, flat: None, core: SpectralControl::STEP_CORE });
     for n in [48, 192, 768] {
         let sampler = step.build(n, Domain::Sphere)?;
         let streams = Streams::new(SEED, Purpose::Trial, step.stream_group(n));
@@ -259,7 +261,7 @@ fn overtaking(
     name: &str,
     seconds: f64,
 ) -> Outcome<()> {
-    let disks = Pattern::PoissonDisk { mode: DiskMode::Exact, radius: None };
+    let disks = Pattern::PoissonDisk(PoissonDiskParameters { mode: DiskMode::Exact, radius: None });
     let curve = |pattern: &Pattern, counts: &[usize]| -> Outcome<Vec<VariancePoint>> {
         let mut points = Vec::new();
         for &n in counts {

@@ -5,7 +5,7 @@ use sphvar_bounds::{
     Side, Spectrum, thesis_bounds, trigamma,
 };
 use sphvar_integrands::Energy;
-use sphvar_samplers::{MassPoints, Pattern, Purpose, Realizations, Streams};
+use sphvar_samplers::{CcvtParameters, MassPoints, Pattern, Purpose, Realizations, Streams};
 use sphvar_sh::ByParity;
 use sphvar_spectrum::{Resolution, estimate};
 use sphvar_tests::{ReferenceSpectrum, exact_jitter_spectrum};
@@ -88,7 +88,7 @@ fn sampled(pattern: &Pattern, n: usize, lmax: Option<usize>, realizations: u64) 
 }
 
 fn ccvt(capacity: usize, mass: MassPoints, n: usize, lmax: Option<usize>, sets: u64) -> Spectrum {
-    sampled(&Pattern::Ccvt { capacity, mass }, n, lmax, sets)
+    sampled(&Pattern::Ccvt(CcvtParameters { capacity, mass }), n, lmax, sets)
 }
 
 fn verdict(spectrum: &Spectrum, bound: Bound) -> BoundVerdict {

@@ -114,7 +114,7 @@ fn jitter_needs_what_its_exact_spectrum_says() {
 fn the_numbers_found_have_the_error_asked_for() {
     const TRIALS: u64 = 3000;
     const ALPHA: f64 = 1e-4;
-    let disks = Pattern::from_name("poisson-disk").unwrap();
+    let disks = "poisson-disk".parse::<Pattern>().unwrap();
     let patterns =
         [Pattern::WhiteNoise, Pattern::Jittered, Pattern::Fibonacci, Pattern::Hammersley, disks];
     let map = map();
@@ -157,7 +157,7 @@ fn the_numbers_found_have_the_error_asked_for() {
 fn smaller_errors_need_more_points() {
     let cap = cap60();
     for name in ["white-noise", "jittered", "healpix", "spiral", "equal-area", "sobol"] {
-        let pattern = Pattern::from_name(name).unwrap();
+        let pattern = name.parse::<Pattern>().unwrap();
         let needed = |relative: f64| {
             let error = relative * PI;
             let got = required(&cap, Domain::Sphere, &pattern, error * error, MOST);
@@ -202,7 +202,7 @@ fn too_many_points_are_out_of_reach() {
 #[test]
 fn what_costs_too_much_is_extrapolated() {
     let cap = cap60();
-    let ccvt = Pattern::from_name("ccvt").unwrap();
+    let ccvt = "ccvt".parse::<Pattern>().unwrap();
     // Variances of about 1000 and 100 points; predictions of this work reach 256 and 16.
     for (pattern, variance, work) in [(Pattern::Halton, 1.3e-3, 1.5e4), (ccvt, 0.018, 1e5)] {
         let precision = PredictionBudget { relative: 0.03, work };
@@ -228,7 +228,7 @@ fn what_costs_too_much_is_extrapolated() {
 /// A pattern that does not exist with few points is found at more; one that never exists says why.
 #[test]
 fn refused_numbers_are_passed_over() {
-    let profile = Pattern::from_name("profile").unwrap();
+    let profile = "profile".parse::<Pattern>().unwrap();
     let harmonic = Harmonic::new(2, 0).unwrap();
     let got = required(&harmonic, Domain::Sphere, &profile, 0.05, MOST);
     assert!(got.n_points().is_some_and(|n| n > 2), "{got:?}");

@@ -5,7 +5,8 @@ use std::f64::consts::PI;
 use std::ops::RangeInclusive;
 
 use sphvar_samplers::{
-    DiskMode, Domain, EqualArea, MassPoints, Pattern, Placement, Purpose, Realizations, Streams,
+    CcvtParameters, DiskMode, Domain, EqualArea, EqualAreaParameters, MassPoints, Pattern,
+    Placement, PoissonDiskParameters, Purpose, Realizations, Streams,
 };
 use sphvar_spectrum::{Spectrum, estimate};
 use sphvar_tests::{Family, chi2_interval, sidak_z};
@@ -91,7 +92,12 @@ fn compare(family: &mut Family, got: (f64, f64), recorded: (f64, f64), label: &s
 fn check_disks(mode: DiskMode, constant: (f64, f64), slope: (f64, f64), peak: (f64, f64)) {
     const N: usize = 4096;
     const REALIZATIONS: u64 = 300;
-    let got = spectrum(&Pattern::PoissonDisk { mode, radius: None }, N, 129, REALIZATIONS);
+    let got = spectrum(
+        &Pattern::PoissonDisk(PoissonDiskParameters { mode, radius: None }),
+        N,
+        129,
+        REALIZATIONS,
+    );
     let line = fit_low_degrees(&got);
     let mut family = Family::new("laws of Poisson disks");
     compare(&mut family, line.intercept, constant, "P0");
@@ -119,7 +125,7 @@ fn saturated_poisson_disks_obey_their_laws() {
 #[test]
 fn poisson_disks_peak_at_twice_the_root_of_n() {
     const N: usize = 1024;
-    let disks = Pattern::PoissonDisk { mode: DiskMode::Exact, radius: None };
+    let disks = Pattern::PoissonDisk(PoissonDiskParameters { mode: DiskMode::Exact, radius: None });
     let got = spectrum(&disks, N, 81, 500);
     let means = (48..=80).map(|l| (l, pooled(&got, l - 1..=l + 1, |_| 1.0)));
     let (l, peak) = means.max_by(|a, b| a.1.0.total_cmp(&b.1.0)).unwrap();
@@ -135,7 +141,7 @@ fn poisson_disks_peak_at_twice_the_root_of_n() {
 fn tessellations_of_white_mass_keep_its_noise() {
     const N: usize = 1024;
     const CAPACITY: usize = 64;
-    let ccvt = Pattern::Ccvt { capacity: CAPACITY, mass: MassPoints::White };
+    let ccvt = Pattern::Ccvt(CcvtParameters { capacity: CAPACITY, mass: MassPoints::White });
     let got = spectrum(&ccvt, N, 6, 60);
     // The quartic part 0.031 x^4 that theory.md fits is 0.3 % of 1/64 at degree 6.
     let law = |l: usize| 1.0 / CAPACITY as f64 + 0.031 * x_squared(l, N).powi(2);
@@ -154,7 +160,7 @@ fn tessellations_of_white_mass_keep_its_noise() {
 fn tessellations_of_lattice_mass_are_quartic() {
     const N: usize = 1024;
     const ALLOWANCE: f64 = 0.02;
-    let ccvt = Pattern::Ccvt { capacity: 64, mass: MassPoints::Fibonacci };
+    let ccvt = Pattern::Ccvt(CcvtParameters { capacity: 64, mass: MassPoints::Fibonacci });
     let got = spectrum(&ccvt, N, 6, 80);
     let law = |l: usize| {
         let (l, n) = (l as f64, N as f64);
@@ -190,7 +196,7 @@ fn power_at_degree_1(n: usize) -> f64 {
 fn equal_area_strata_obey_their_law_of_low_degrees() {
     const N: usize = 1024;
     const REALIZATIONS: u64 = 500;
-    let equal_area = Pattern::EqualArea { placement: Placement::Jittered };
+    let equal_area = Pattern::EqualArea(EqualAreaParameters { placement: Placement::Jittered });
     let got = spectrum(&equal_area, N, 128, REALIZATIONS);
     let exact = power_at_degree_1(N) / x_squared(1, N);
     let mut family = Family::new("P(1) of equal-area strata");

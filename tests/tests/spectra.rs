@@ -2,7 +2,9 @@
 
 use std::f64::consts::PI;
 
-use sphvar_samplers::{Domain, Pattern, Placement, Purpose, Realizations, Streams};
+use sphvar_samplers::{
+    Domain, EqualAreaParameters, Pattern, Placement, Purpose, Realizations, Streams,
+};
 use sphvar_spectrum::{ExactSpectrum, Spectrum, estimate};
 use sphvar_tests::{
     Family, ReferenceSpectrum, chi2_false_alarm, chi2_interval, exact_jitter_spectrum,
@@ -157,7 +159,7 @@ fn jitter_obeys_its_law_of_low_degrees() {
 #[test]
 fn exact_spectra_are_what_sampling_finds() {
     const MANY: u64 = 1500;
-    let equal_area = Pattern::EqualArea { placement: Placement::Jittered };
+    let equal_area = Pattern::EqualArea(EqualAreaParameters { placement: Placement::Jittered });
     for (pattern, n, domain, lmax) in [
         (Pattern::Jittered, 768, Domain::Sphere, 110),
         (Pattern::Jittered, 150, Domain::Hemisphere, 100),

@@ -7,7 +7,8 @@ use glam::DVec3;
 use rayon::prelude::{IntoParallelIterator, ParallelIterator};
 use sphvar_integrands::{Cap, Harmonic, Integrand};
 use sphvar_samplers::{
-    Domain, Error, Pattern, PowerProfile, Purpose, Realizations, SpectralControl, Streams,
+    BlueParameters, Domain, Error, Pattern, PowerProfile, ProfileParameters, Purpose, Realizations,
+    SpectralControl, StepParameters, Streams,
 };
 use sphvar_sht::ExactTransform;
 use sphvar_spectrum::{Resolution, accumulate};
@@ -26,8 +27,10 @@ const NEAR: f64 = 1e-6;
 /// The largest part of a core's chord that two points may overlap by.
 const OVERLAP: f64 = 1e-9;
 
-const STEP: Pattern = Pattern::Step { alpha: None, flat: None, core: SpectralControl::STEP_CORE };
-const BLUE: Pattern = Pattern::Blue { alpha: None, core: SpectralControl::BLUE_CORE };
+const STEP: Pattern =
+    Pattern::Step(StepParameters { alpha: None, flat: None, core: SpectralControl::STEP_CORE });
+const BLUE: Pattern =
+    Pattern::Blue(BlueParameters { alpha: None, core: SpectralControl::BLUE_CORE });
 
 fn realizations(pattern: &Pattern, domain: Domain) -> Vec<Vec<DVec3>> {
     let sampler = pattern.build(N, domain).unwrap();
@@ -112,8 +115,11 @@ fn steps_keep_their_promise_at_every_degree() {
     let cases = [100, 150, 500, 777, 2114, 4096].map(|n| (1.0, n));
     cases.into_iter().chain([(1.25, 2000)]).collect::<Vec<_>>().into_par_iter().for_each(
         |(alpha, n)| {
-            let step =
-                Pattern::Step { alpha: Some(alpha), flat: None, core: SpectralControl::STEP_CORE };
+            let step = Pattern::Step(StepParameters {
+                alpha: Some(alpha),
+                flat: None,
+                core: SpectralControl::STEP_CORE,
+            });
             let sampler = step.build(n, Domain::Sphere).unwrap();
             let streams = Streams::new(SEED, Purpose::Pattern, n);
             let points = sampler.sample(&mut streams.realization(0)).unwrap().points;
@@ -136,7 +142,7 @@ fn profiles_are_met_in_every_realization() {
     for (profile, expected) in
         [(PowerProfile::QUADRATIC, (|x2: f64| x2.min(1.0)) as fn(f64) -> f64), (constant, |_| 0.3)]
     {
-        let pattern = Pattern::Profile { profile, core: 0.0 };
+        let pattern = Pattern::Profile(ProfileParameters { profile, core: 0.0 });
         for (i, points) in realizations(&pattern, Domain::Sphere).iter().enumerate() {
             let power = power(points, 32);
             for (l, &p) in power.iter().enumerate().skip(1) {
@@ -154,14 +160,17 @@ fn profiles_are_met_in_every_realization() {
 fn impossible_spectra_are_refused_with_the_reason() {
     let empty =
         PowerProfile::Polynomial { exponent: 0.0, alpha: 1.0, gamma: 0.0, offset: 0.0, to: 2.0 };
-    let too_empty = Pattern::Profile { profile: empty, core: 0.0 };
+    let too_empty = Pattern::Profile(ProfileParameters { profile: empty, core: 0.0 });
     let Err(Error::Infeasible { reason, .. }) = too_empty.build(N, Domain::Sphere).map(|_| ())
     else {
         panic!("{too_empty} was not refused");
     };
     assert!(reason.contains("1088") && reason.contains("509 degrees of freedom"), "{reason}");
-    let steep =
-        Pattern::Step { alpha: Some(1.35), flat: Some(2.0), core: SpectralControl::STEP_CORE };
+    let steep = Pattern::Step(StepParameters {
+        alpha: Some(1.35),
+        flat: Some(2.0),
+        core: SpectralControl::STEP_CORE,
+    });
     // Fewer points, for the time that it takes to find out.
     let sampler = steep.build(64, Domain::Sphere).unwrap();
     let ensemble = Realizations::rotated(&*sampler, Streams::new(SEED, Purpose::Pattern, 64));

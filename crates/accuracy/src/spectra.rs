@@ -8,7 +8,7 @@ mod zones;
 
 use std::sync::Arc;
 
-use sphvar_samplers::{Pattern, Placement};
+use sphvar_samplers::{EqualAreaParameters, Pattern, Placement};
 
 pub(crate) use hard::hard_cases;
 pub(crate) use pair_sums::{dot, legendre, legendre_sums, unit};
@@ -37,10 +37,10 @@ pub(crate) fn trials(effort: Effort) -> Vec<Trial> {
     for (pattern, n, lmax) in [
         (Pattern::Fibonacci, 400, 80),
         (Pattern::Healpix, 192, 64),
-        (Pattern::EqualArea { placement: Placement::Jittered }, 2, 60),
-        (Pattern::EqualArea { placement: Placement::Jittered }, 3, 60),
-        (Pattern::EqualArea { placement: Placement::Jittered }, 150, 2),
-        (Pattern::EqualArea { placement: Placement::Jittered }, 1000, 2),
+        (Pattern::EqualArea(EqualAreaParameters { placement: Placement::Jittered }), 2, 60),
+        (Pattern::EqualArea(EqualAreaParameters { placement: Placement::Jittered }), 3, 60),
+        (Pattern::EqualArea(EqualAreaParameters { placement: Placement::Jittered }), 150, 2),
+        (Pattern::EqualArea(EqualAreaParameters { placement: Placement::Jittered }), 1000, 2),
     ] {
         trials.push(known(pattern, n, lmax));
     }

@@ -1,7 +1,7 @@
 //! Time for one set of every pattern, on one thread, with warm buffers; points per second.
 //!
-//! An id is group/pattern with all its parameters/number of points, so that
-//! `cargo bench -p sphvar-samplers -- 'ccvt/.*capacity=64.*/4096'` runs some; jittered sets and HEALPix have
+//! An id is group/pattern/number of points, so that
+//! `cargo bench -p sphvar-samplers -- 'ccvt/.*capacity=256.*/1024'` runs some; jittered sets and HEALPix have
 //! the nearest number of points that there is. `cargo run --release -p sphvar-samplers --example pattern_growth`
 //! tells how times grow with the number of points.
 
@@ -10,8 +10,8 @@ use std::time::Duration;
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use sphvar_samplers::{
-    DiskMode, Domain, JitteredSquare, MassPoints, OnSphere, Pattern, PointSet, Purpose, Sampler,
-    SpectralControl, Streams,
+    CcvtParameters, DiskMode, Domain, JitteredSquare, MassPoints, OnSphere, Pattern, PointSet,
+    PoissonDiskParameters, Purpose, Sampler, SpectralControl, StepParameters, Streams,
 };
 
 const LEGAL: &str = "a legal number of points and parameters";
@@ -20,14 +20,8 @@ const LEGAL: &str = "a legal number of points and parameters";
 type Named = (String, Box<dyn Sampler>);
 
 fn named(pattern: &Pattern, n_points: usize) -> Named {
-    let parameters = pattern.all_parameters();
-    let name = if parameters.is_empty() {
-        pattern.name().to_owned()
-    } else {
-        format!("{}:{}", pattern.name(), parameters.join(","))
-    };
     let n_points = pattern.nearest_count(n_points, Domain::Sphere);
-    (name, pattern.build(n_points, Domain::Sphere).expect(LEGAL))
+    (pattern.to_string(), pattern.build(n_points, Domain::Sphere).expect(LEGAL))
 }
 
 /// Realizations differ from one iteration to the next, as those of an ensemble do.
@@ -65,7 +59,7 @@ fn poisson_disk(c: &mut Criterion) {
     let samplers = [DiskMode::Exact, DiskMode::Saturated]
         .into_iter()
         .flat_map(|mode| {
-            let pattern = Pattern::PoissonDisk { mode, radius: None };
+            let pattern = Pattern::PoissonDisk(PoissonDiskParameters { mode, radius: None });
             [1024, 4096, 32_768, 262_144, 1_000_000].map(|n| named(&pattern, n))
         })
         .collect();
@@ -78,7 +72,7 @@ fn ccvt(c: &mut Criterion) {
         .into_iter()
         .flat_map(|(n, capacity)| {
             [MassPoints::White, MassPoints::Fibonacci]
-                .map(|mass| named(&Pattern::Ccvt { capacity, mass }, n))
+                .map(|mass| named(&Pattern::Ccvt(CcvtParameters { capacity, mass }), n))
         })
         .collect();
     bench(c, "ccvt", samplers);
@@ -86,8 +80,9 @@ fn ccvt(c: &mut Criterion) {
 
 /// From white noise to a spectrum without power at low degrees, with and without more asked for.
 fn spectral_control(c: &mut Criterion) {
-    let bare = Pattern::Step { alpha: None, flat: Some(0.0), core: 0.0 };
-    let usual = Pattern::Step { alpha: None, flat: None, core: SpectralControl::STEP_CORE };
+    let bare = Pattern::Step(StepParameters { alpha: None, flat: Some(0.0), core: 0.0 });
+    let usual =
+        Pattern::Step(StepParameters { alpha: None, flat: None, core: SpectralControl::STEP_CORE });
     let samplers = [bare, usual]
         .iter()
         .flat_map(|pattern| [256, 1024, 4096].map(|n| named(pattern, n)))
@@ -99,7 +94,7 @@ fn survey(c: &mut Criterion) {
     const LINEAR: [&str; 6] = ["equal-area", "spiral", "sobol", "halton", "hammersley", "lloyd"];
     // Seconds a set of 4096.
     const QUADRATIC: [&str; 2] = ["riesz", "best-candidate"];
-    let usual = |name| Pattern::from_name(name).expect("the name of a pattern");
+    let usual = |name: &str| name.parse::<Pattern>().expect("the name of a pattern");
     let mut samplers = Vec::new();
     for name in LINEAR {
         samplers.extend([1024, 4096].map(|n| named(&usual(name), n)));

@@ -4,18 +4,14 @@
 //! cargo run --release -p sphvar-samplers --example pattern_growth -- [PATTERN | N]...
 //! ```
 //!
-//! Patterns are those of `Pattern::ALL` unless some are named, by name or as in `step:flat=0,core=0`
-//! (those of [`others`]); numbers take the place of the ladder, and then nothing is left out for the time it
+//! Patterns are those of `Pattern::ALL` unless some are named, as in `step:flat=0,core=0`; numbers take the place of the ladder, and then nothing is left out for the time it
 //! takes. One thread, warm buffers, on the sphere. The last column is the slope of the logarithm of the time
 //! by that of N, by least squares over the last four rows of the pattern.
 
 use std::io::{self, Write};
 use std::time::Instant;
 
-use sphvar_samplers::{
-    DiskMode, Domain, Error, MassPoints, Pattern, PointSet, PowerProfile, Purpose, SpectralControl,
-    Streams,
-};
+use sphvar_samplers::{Domain, Error, Pattern, PointSet, Purpose, Streams};
 
 /// Factors of 4 from 256 points to a million.
 const LADDER: [usize; 7] = [256, 1024, 4096, 16_384, 65_536, 262_144, 1_048_576];
@@ -30,30 +26,6 @@ const SECONDS_PER_ROW: f64 = 0.3;
 /// Overheads rule the times of few points, so the exponent is that of the last rows.
 const MOST_FITTED: usize = 4;
 
-/// Patterns with other than their usual parameters that can be asked for.
-fn others() -> Vec<Pattern> {
-    let step = |alpha, flat, core| Pattern::Step { alpha, flat, core };
-    let ccvt = |capacity, mass| Pattern::Ccvt { capacity, mass };
-    vec![
-        Pattern::PoissonDisk { mode: DiskMode::Saturated, radius: None },
-        ccvt(256, MassPoints::Fibonacci),
-        ccvt(64, MassPoints::White),
-        step(None, Some(0.0), 0.0),
-        step(None, Some(0.0), SpectralControl::STEP_CORE),
-        step(Some(0.5), None, SpectralControl::STEP_CORE),
-        Pattern::Profile {
-            profile: PowerProfile::Polynomial {
-                exponent: 0.0,
-                alpha: 1.0,
-                gamma: 0.0,
-                offset: 1.0,
-                to: 2.0,
-            },
-            core: 0.0,
-        },
-    ]
-}
-
 /// One row of the table.
 struct Row {
     n_points: usize,
@@ -67,15 +39,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             counts.push(n);
             continue;
         }
-        let mut known = Pattern::ALL.into_iter().chain(others());
-        match known.find(|pattern| pattern.to_string() == argument) {
-            Some(pattern) => patterns.push(pattern),
-            None => {
-                let known: Vec<_> =
-                    Pattern::ALL.iter().chain(&others()).map(Pattern::to_string).collect();
-                return Err(format!("no pattern {argument}; there are {}", known.join(" ")).into());
-            }
-        }
+        patterns.push(argument.parse()?);
     }
     if patterns.is_empty() {
         patterns = Pattern::ALL.into();

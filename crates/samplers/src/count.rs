@@ -2,7 +2,7 @@
 
 use crate::Error;
 
-/// `n_points` as the index type of the patterns, refused outside 1 to `u32::MAX`: beyond, an
+/// `n_points` as the index type of the patterns, rejected outside 1 to `u32::MAX`: beyond, an
 /// integer times a height would no longer be exact in `f64`, and the points alone fill 96 GiB.
 pub(crate) fn checked(n_points: usize) -> Result<u32, Error> {
     match u32::try_from(n_points) {

@@ -1,4 +1,4 @@
-use crate::{Domain, Pattern, Stopped};
+use crate::{Domain, Stopped, ValidCounts};
 
 /// Why a sampler cannot be built.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -7,46 +7,46 @@ pub enum Error {
     /// A pattern of no points integrates nothing.
     #[error("{pattern} needs at least 1 point, got 0")]
     NoPoints {
-        /// The pattern asked for.
-        pattern: Pattern,
+        /// The requested pattern.
+        pattern: String,
     },
     /// The pattern does not exist with this number of points.
     #[error(
-        "{pattern} has no pattern of {asked} points on the {domain}: N must be {rule}; the nearest is {nearest}"
+        "{pattern} has no pattern of {asked} points on the {domain}: N must be {rule}; the nearest valid count is {nearest}"
     )]
-    IllegalCount {
-        /// The pattern asked for.
-        pattern: Pattern,
+    InvalidCount {
+        /// The requested pattern.
+        pattern: String,
         /// Where it was to live.
         domain: Domain,
-        /// The number of points asked for.
+        /// The requested number of points.
         asked: usize,
-        /// The legal number of points nearest to `asked`.
+        /// The valid number of points nearest to `asked`.
         nearest: usize,
-        /// The rule that legal numbers obey.
-        rule: &'static str,
+        /// The numbers that exist.
+        rule: ValidCounts,
     },
     /// More points than the pattern's indices can count.
-    #[error("{pattern} cannot have {asked} points: the most is {most}")]
+    #[error("{pattern} cannot have {asked} points; the maximum is {max}")]
     TooManyPoints {
         /// The pattern's name.
         pattern: &'static str,
-        /// The number of points asked for.
+        /// The requested number of points.
         asked: usize,
-        /// The largest legal number.
-        most: usize,
+        /// The largest valid number.
+        max: usize,
     },
-    /// No pattern is as asked for, or no realization could be completed.
+    /// There is no such pattern, or no realization could be completed.
     #[error("{pattern} of {n_points} points is infeasible: {reason}")]
     Infeasible {
         /// The pattern's name.
         pattern: &'static str,
-        /// The number of points asked for.
+        /// The requested number of points.
         n_points: usize,
         /// What stands in the way, and what would be possible.
         reason: String,
     },
-    /// A spectrum of so many degrees cannot be computed.
+    /// A spectrum of this many degrees cannot be computed.
     #[error("a target to degree {last} cannot be computed: {reason}")]
     Degree {
         /// The last degree of the target.
@@ -60,6 +60,12 @@ pub enum Error {
         /// What is wrong.
         reason: String,
     },
+    /// A text that names no pattern, or gives a parameter that does not exist or is out of range.
+    #[error(transparent)]
+    Grammar(#[from] sphvar_grammar::Error),
+    /// A file that the text of a pattern names cannot be read.
+    #[error(transparent)]
+    File(#[from] sphvar_grammar::ResolveError),
     /// The work was ended from outside.
     #[error(transparent)]
     Stopped(#[from] Stopped),
@@ -68,7 +74,7 @@ pub enum Error {
     Parameter {
         /// What the parameter is.
         name: &'static str,
-        /// The legal values, in words.
+        /// The valid values, in words.
         range: &'static str,
         /// The value given.
         got: f64,

@@ -1,6 +1,6 @@
 use rand::Rng;
 
-use crate::{Domain, Error, Law, Pattern, PointSet, Progress, Sampler};
+use crate::{Domain, Error, Law, PointSet, Progress, Sampler};
 
 /// A sampler that was built from a pattern, whose text names its random streams.
 #[derive(Debug)]
@@ -10,8 +10,7 @@ pub(crate) struct OfPattern {
 }
 
 impl OfPattern {
-    pub(crate) fn new(sampler: Box<dyn Sampler>, pattern: &Pattern) -> Self {
-        let group = pattern.stream_group(sampler.n_points());
+    pub(crate) fn new(sampler: Box<dyn Sampler>, group: usize) -> Self {
         Self { sampler, group }
     }
 }

@@ -81,7 +81,7 @@ fn progress_does_not_change_the_points_and_adds_up_to_the_work() {
 #[test]
 fn iterative_patterns_stop_when_they_are_told_to() {
     for name in ITERATIVE {
-        let pattern = Pattern::from_name(name).unwrap();
+        let pattern = name.parse::<Pattern>().unwrap();
         for domain in DOMAINS {
             let sampler = near_500(&pattern, domain);
             let mut set = PointSet::default();

@@ -292,7 +292,7 @@ fn alphas_beyond_the_freedom_name_the_largest() {
     for domain in DOMAINS {
         for n in [5, 9, 53, 100, 227, 5252] {
             let largest = SpectralControl::max_alpha(n, domain).expect("a number of points");
-            if largest < SpectralControl::MOST_ALPHA {
+            if largest < SpectralControl::MAX_ALPHA {
                 let asked = Some(largest + 1e-5);
                 for result in [
                     SpectralControl::step(n, domain, asked, None),

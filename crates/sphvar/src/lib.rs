@@ -22,6 +22,7 @@
 //! - [`spectrum`]: angular power spectra with errors. [`sht`]: transforms of scattered points.
 //! - [`integrands`]: functions with their energies. [`variance`]: predicted and measured variance, rates, ranks.
 //! - [`bounds`]: closed-form bounds and rates. [`scene`]: ambient occlusion and direct light.
+//! - [`grammar`]: texts of patterns and integrands.
 //! - [`sh`]: spherical harmonics. [`healpix`]: the HEALPix grid. [`nufft`]: nonuniform Fourier transforms on the torus.
 //!
 //! The example `own_pattern` ranks a user-defined pattern beside built-in ones, for a user-defined
@@ -30,6 +31,7 @@
 pub use glam;
 pub use rand;
 pub use sphvar_bounds as bounds;
+pub use sphvar_grammar as grammar;
 pub use sphvar_healpix as healpix;
 pub use sphvar_integrands as integrands;
 pub use sphvar_nufft as nufft;

@@ -79,7 +79,7 @@ fn tally(
 fn main() -> Result<(), Box<dyn Error>> {
     let seeds: u64 = std::env::args().nth(1).map_or(Ok(200), |s| s.parse())?;
     let patterns = ["fibonacci", "white-noise", "jittered"];
-    let patterns: Vec<Pattern> = patterns.iter().filter_map(|p| Pattern::from_name(p)).collect();
+    let patterns: Vec<Pattern> = patterns.iter().filter_map(|p| p.parse().ok()).collect();
     let mut out = std::io::stdout().lock();
     let row = |out: &mut dyn Write,
                pattern: &Pattern,

@@ -1,4 +1,4 @@
-use sphvar_samplers::{Domain, Pattern, SpectralControl};
+use sphvar_samplers::{BlueParameters, Domain, Pattern, SpectralControl, StepParameters};
 
 use crate::{Error, PredictedPoint, PredictionBudget, Predictor};
 
@@ -87,8 +87,12 @@ fn design(pattern: &Pattern, last: usize, n_points: usize, domain: Domain) -> Op
 fn with_alpha(pattern: &Pattern, alpha: f64) -> Option<Pattern> {
     let alpha = Some(alpha);
     match *pattern {
-        Pattern::Step { flat, core, .. } => Some(Pattern::Step { alpha, flat, core }),
-        Pattern::Blue { core, .. } => Some(Pattern::Blue { alpha, core }),
+        Pattern::Step(StepParameters { flat, core, .. }) => {
+            Some(Pattern::Step(StepParameters { alpha, flat, core }))
+        }
+        Pattern::Blue(BlueParameters { core, .. }) => {
+            Some(Pattern::Blue(BlueParameters { alpha, core }))
+        }
         _ => None,
     }
 }
@@ -106,7 +110,7 @@ mod tests {
 
     #[test]
     fn every_last_empty_degree_has_one_alpha() {
-        let step = Pattern::from_name("step").unwrap();
+        let step = "step".parse::<Pattern>().unwrap();
         for n in [12, 100, 500, 2000, 20_000] {
             let designs = designs(&step, n, Domain::Sphere);
             let degrees: Vec<usize> = designs.iter().map(|d| d.0).collect();

@@ -114,7 +114,7 @@ mod tests {
     fn realizations_follow_from_the_work() {
         let budget = PredictionBudget::USUAL;
         let count = |name: &str, n, lmax| {
-            let sampler = Pattern::from_name(name).unwrap().build(n, Domain::Sphere).unwrap();
+            let sampler = name.parse::<Pattern>().unwrap().build(n, Domain::Sphere).unwrap();
             (budget.realizations(&*sampler, lmax), sampler)
         };
         // 40 + 1 units a point, half of 57^2 for the degrees, 300: 8e6/9796.5.

@@ -114,7 +114,7 @@ fn work_can_be_stopped() {
     let cap = Cap::from_degrees(60.0).unwrap();
     let stopped = Err(Error::Spectrum(SpectrumError::Sampler(SamplerError::Stopped(Stopped))));
     for name in ["poisson-disk", "jittered", "fibonacci", "step"] {
-        let pattern = Pattern::from_name(name).unwrap();
+        let pattern = name.parse::<Pattern>().unwrap();
         let sampler = pattern.build(48, Domain::Sphere).unwrap();
         assert_eq!(predictor(&cap).predict(&*sampler, &Never).map(|_| ()), stopped, "{name}");
         let mut predictor = predictor(&cap);
@@ -180,7 +180,7 @@ fn searches_can_be_stopped_anywhere() {
     }
     let cap = Cap::from_degrees(60.0).unwrap();
     let stopped = Error::Spectrum(SpectrumError::Sampler(SamplerError::Stopped(Stopped)));
-    let pattern = Pattern::from_name("spiral").unwrap();
+    let pattern = "spiral".parse::<Pattern>().unwrap();
     for wish in [Wish::Points(100), Wish::Variance { variance: 0.02, max_points: 1000 }] {
         let mut ends = [0, 0];
         for allowed in 0..1000 {

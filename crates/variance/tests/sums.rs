@@ -99,7 +99,7 @@ fn constants_and_terms_that_cancel_leave_no_trace() {
 fn constants_take_no_part_in_predictions() {
     let n = 12;
     for pattern in ["white-noise", "fibonacci"] {
-        let pattern = Pattern::from_name(pattern).unwrap();
+        let pattern = pattern.parse::<Pattern>().unwrap();
         let sampler = pattern.build(n, Domain::Sphere).unwrap();
         let power = ExactSpectrum::of(&*sampler).unwrap().to(4, &()).unwrap().power()[4];
         let expected = 4.0 * std::f64::consts::PI / n as f64 * power;

@@ -13,7 +13,7 @@ pub(crate) mod record;
 use std::path::PathBuf;
 
 use clap::Args;
-use sphvar_samplers::{Pattern, Placement, Riesz};
+use sphvar_samplers::{EqualAreaParameters, Pattern, Placement, Riesz, RieszParameters};
 use sphvar_variance::{Domain, PredictionBudget, Predictor};
 
 use self::candidate::TimedCandidate;
@@ -173,8 +173,9 @@ pub(crate) fn run(args: &ChooseArgs, global: &Global) -> Result<(), CliError> {
 /// equal-area points for caps, the logarithmic energy for lobes.
 fn considered() -> Vec<Pattern> {
     let mut patterns = Pattern::ALL.to_vec();
-    patterns.push(Pattern::EqualArea { placement: Placement::Centred });
-    patterns.push(Pattern::Riesz { s: 0.0, iterations: Riesz::DEFAULT_ITERATIONS });
+    patterns.push(Pattern::EqualArea(EqualAreaParameters { placement: Placement::Centred }));
+    patterns
+        .push(Pattern::Riesz(RieszParameters { s: 0.0, iterations: Riesz::DEFAULT_ITERATIONS }));
     patterns
 }
 

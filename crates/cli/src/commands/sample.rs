@@ -7,7 +7,7 @@ use glam::DVec3;
 use rayon::prelude::{IntoParallelIterator, ParallelIterator};
 use schemars::JsonSchema;
 use serde::Serialize;
-use sphvar_samplers::{Domain, Pattern, PatternFacts, PointSet, Purpose, Realizations, Streams};
+use sphvar_samplers::{Domain, Pattern, PointSet, Purpose, Realizations, Streams};
 
 use crate::counts::parse_count;
 use crate::error::CliError;
@@ -17,7 +17,7 @@ use crate::memory::check_memory;
 use crate::patterns;
 use crate::plots::{ImageFormat, OrthographicView};
 use crate::progress::Progress;
-use crate::report::{Document, Provenance, is_stdout, print, print_json, say};
+use crate::report::{Document, Provenance, is_stdout, print_json, say};
 
 pub(crate) const EXAMPLES: &str = "Examples:
   sphvar sample jittered -n 972 -o points.csv
@@ -26,18 +26,15 @@ pub(crate) const EXAMPLES: &str = "Examples:
   sphvar sample poisson-disk:mode=saturated -n 512 -m 3 -o disks-{i}.npy   (a file for each set: disks-000000.npy, ...)
   sphvar sample poisson-disk:mode=saturated -n 4096 -o disks.ply
   sphvar sample step:alpha=1 -n 4096 -o step.npy    (no power up to degree 64)
-  sphvar sample profile:b=2,alpha=1,to=2 -n 1000 -o quadratic.csv
-  sphvar sample --list";
+  sphvar sample profile:b=2,alpha=1,to=2 -n 1000 -o quadratic.csv";
 
 #[derive(Debug, Args)]
 pub(crate) struct SampleArgs {
     /// The sampler, with parameters as name:key=value,key=value
     #[arg(required_unless_present = "list")]
     pub(crate) sampler: Option<String>,
-    /// List the samplers with their parameters, the numbers of points that they have, what a set costs,
-    /// their power at low degrees, their rates and who described them; with -n also the last degree
-    /// that has no power
-    #[arg(long)]
+    /// What `sphvar list` does
+    #[arg(long, hide = true)]
     pub(crate) list: bool,
     /// Number of points
     #[arg(short = 'n', long = "points", value_name = "N", value_parser = parse_count,
@@ -83,7 +80,8 @@ pub(crate) struct SampleBody {
 
 pub(crate) fn run(args: &SampleArgs, global: &Global) -> Result<(), CliError> {
     let (Some(sampler), Some(n), false) = (&args.sampler, args.points, args.list) else {
-        return list(args, global);
+        let advice = "--list is a command of its own: sphvar list samplers";
+        return Err(CliError::Usage(advice.to_owned()));
     };
     let pattern = patterns::parse_pattern(sampler)?;
     if args.realizations == 0 {
@@ -189,98 +187,4 @@ fn no_power(last: usize, domain: Domain) -> String {
         (_, Domain::Sphere) => format!("no power at degrees 1 to {last}"),
         (_, Domain::Hemisphere) => format!("no power at even degrees 2 to {last}"),
     }
-}
-
-/// A pattern as `--list` shows it.
-#[derive(Debug, Serialize)]
-struct Entry {
-    sampler: &'static str,
-    parameters: String,
-    sphere: &'static str,
-    hemisphere: &'static str,
-    cost: &'static str,
-    law: &'static str,
-    best_rate: &'static str,
-    worst_rate: &'static str,
-    source: &'static str,
-    /// Every parameter: its name, its default where that is fixed, its values where they have names.
-    keys: Vec<String>,
-    /// With the number of points given, for patterns that are made without power at low degrees.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    last_empty_degree: Option<usize>,
-}
-
-impl Entry {
-    fn new(pattern: &Pattern, n: Option<usize>, domain: Domain) -> Result<Self, CliError> {
-        let PatternFacts { cost, law, best_rate, worst_rate, source, .. } = pattern.facts();
-        let defaults = pattern.all_parameters();
-        let key = |text: &&str| {
-            let (key, values) = text.split_once(' ').unwrap_or((text, ""));
-            match defaults.iter().find(|d| d.starts_with(&format!("{key}="))) {
-                Some(default) => format!("{default} {values}").trim_end().to_owned(),
-                None if values.is_empty() => format!("{key} (default by N)"),
-                None => (*text).to_owned(),
-            }
-        };
-        let keys = patterns::parameter_keys(pattern)?.iter().map(key).collect();
-        Ok(Self {
-            sampler: pattern.name(),
-            parameters: defaults.join(","),
-            keys,
-            last_empty_degree: n.and_then(|n| pattern.last_empty_degree(n, domain)),
-            sphere: pattern.legal_counts(Domain::Sphere),
-            hemisphere: pattern.legal_counts(Domain::Hemisphere),
-            cost,
-            law,
-            best_rate,
-            worst_rate,
-            source,
-        })
-    }
-}
-
-/// Numbers of points for which `--list` shows last empty degrees if none is given.
-const LISTED: [usize; 3] = [100, 1000, 10_000];
-
-fn list(args: &SampleArgs, global: &Global) -> Result<(), CliError> {
-    let domain = super::domain(args.hemisphere);
-    let entries = Pattern::ALL
-        .iter()
-        .map(|pattern| Entry::new(pattern, args.points, domain))
-        .collect::<Result<Vec<_>, _>>()?;
-    if global.json {
-        return print_json(&entries);
-    }
-    let numbers = args.points.map_or(LISTED.to_vec(), |n| vec![n]);
-    let mut text = String::new();
-    for (e, pattern) in entries.iter().zip(&Pattern::ALL) {
-        // A pattern takes a paragraph: in one table the columns would not fit a terminal.
-        let counts = if e.sphere == e.hemisphere {
-            e.sphere.to_owned()
-        } else {
-            format!("{}; on the hemisphere {}", e.sphere, e.hemisphere)
-        };
-        let rates = pattern.facts().rates();
-        let last =
-            |&n: &usize| Some(format!("{} of N = {n}", pattern.last_empty_degree(n, domain)?));
-        // The default profile is empty nowhere.
-        let is_made_empty = matches!(pattern, Pattern::Step { .. } | Pattern::Blue { .. });
-        let last = numbers.iter().filter(|_| is_made_empty).filter_map(last);
-        text += e.sampler;
-        text.push('\n');
-        for (what, value) in [
-            ("parameters", e.keys.join(", ").as_str()),
-            ("N", counts.as_str()),
-            ("cost", e.cost),
-            ("P(l) as l -> 0", e.law),
-            ("last empty l", last.collect::<Vec<_>>().join(", ").as_str()),
-            ("variance", rates.as_str()),
-            ("source", e.source),
-        ] {
-            if !value.is_empty() {
-                text += &format!("    {what:<15} {value}\n");
-            }
-        }
-    }
-    print(&text)
 }

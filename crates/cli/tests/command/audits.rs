@@ -106,7 +106,7 @@ fn what_cannot_be_meant() {
         ("audit jittered -n 12 --alpha 0", &["--alpha", "[1e-4, 0.5]", "got 0"]),
         ("audit jittered -n 12 --alpha nan", &["--alpha", "NaN"]),
         ("audit jittered -n 12 --tolerance=-1", &["--tolerance", "got -1"]),
-        ("audit jittered -n 13", &["nearest is 12", "--nearest"]),
+        ("audit jittered -n 13", &["nearest valid count is 12", "--nearest"]),
         ("audit --points p.csv --unrotated", &["--unrotated"]),
     ];
     for (arguments, parts) in cases {

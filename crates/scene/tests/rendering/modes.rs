@@ -79,8 +79,8 @@ fn turned_sets_are_unbiased() {
         Pattern::Jittered,
         Pattern::Healpix,
         Pattern::Fibonacci,
-        Pattern::from_name("poisson-disk").unwrap(),
-        Pattern::from_name("step").unwrap(),
+        "poisson-disk".parse::<Pattern>().unwrap(),
+        "step".parse::<Pattern>().unwrap(),
     ];
     for pattern in &patterns {
         for mode in [DirectionMode::Rotated, DirectionMode::Projective] {
@@ -167,7 +167,7 @@ fn white_noise_has_its_variances() {
 /// Sets that are quickly made fill a table, slow ones are few, and lattices have one.
 #[test]
 fn numbers_of_sets() {
-    let usual = |name: &str, n| DirectionPlan::usual_sets(&Pattern::from_name(name).unwrap(), n);
+    let usual = |name: &str, n| DirectionPlan::usual_sets(&name.parse::<Pattern>().unwrap(), n);
     assert_eq!(["jittered", "white-noise", "poisson-disk"].map(|name| usual(name, 16)), [1024; 3]);
     assert_eq!((usual("jittered", 4096), usual("jittered", 1 << 20)), (64, 4));
     assert_eq!((usual("riesz", 4096), usual("ccvt", usize::MAX), usual("sobol", 0)), (4, 4, 1024));

@@ -3,7 +3,9 @@
 use std::sync::Mutex;
 
 use sphvar_healpix::{Cell, Nside};
-use sphvar_samplers::{Domain, EqualArea, Pattern, Placement, SECONDS_PER_WORK, Strata};
+use sphvar_samplers::{
+    Domain, EqualArea, EqualAreaParameters, Pattern, Placement, SECONDS_PER_WORK, Strata,
+};
 
 use super::chord_moments::{self, ChordMoments};
 use super::partition::Partition;
@@ -11,7 +13,8 @@ use super::quadrature::Quadrature;
 use super::{ExactSpectrum, cell_means, strata};
 use crate::Error;
 
-const EQUAL_AREA: Pattern = Pattern::EqualArea { placement: Placement::Jittered };
+const EQUAL_AREA: Pattern =
+    Pattern::EqualArea(EqualAreaParameters { placement: Placement::Jittered });
 
 fn healpix(nside: u32) -> Partition {
     Partition::Healpix(Nside::new(nside).unwrap())
@@ -218,7 +221,7 @@ fn the_ways_are_joined_without_a_seam() {
 
 #[test]
 fn patterns_have_an_exact_spectrum_if_they_are_not_random_or_have_strata() {
-    let centred = Pattern::EqualArea { placement: Placement::Centred };
+    let centred = Pattern::EqualArea(EqualAreaParameters { placement: Placement::Centred });
     for pattern in Pattern::ALL.into_iter().chain([centred]) {
         let stratified =
             matches!(pattern, Pattern::WhiteNoise | Pattern::Jittered | Pattern::EqualArea { .. });

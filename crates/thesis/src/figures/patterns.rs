@@ -1,4 +1,4 @@
-use sphvar_samplers::{DiskMode, MassPoints, Pattern};
+use sphvar_samplers::{CcvtParameters, DiskMode, MassPoints, Pattern, PoissonDiskParameters};
 
 /// A pattern of the thesis. It has the same colour and the same words in every figure.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -32,8 +32,10 @@ impl ThesisPattern {
         match self {
             Self::WhiteNoise => Pattern::WhiteNoise,
             Self::Jittered => Pattern::Jittered,
-            Self::PoissonDisk => Pattern::PoissonDisk { mode: DiskMode::Exact, radius: None },
-            Self::Ccvt => Pattern::Ccvt { capacity: CAPACITY, mass: MASS_POINTS },
+            Self::PoissonDisk => {
+                Pattern::PoissonDisk(PoissonDiskParameters { mode: DiskMode::Exact, radius: None })
+            }
+            Self::Ccvt => Pattern::Ccvt(CcvtParameters { capacity: CAPACITY, mass: MASS_POINTS }),
             Self::Healpix => Pattern::Healpix,
             Self::Fibonacci => Pattern::Fibonacci,
         }

@@ -1,0 +1,48 @@
+use std::path::Path;
+
+use sphvar_grammar::{Parametric, ResolveError};
+
+use crate::{Domain, Error, PatternFacts, Sampler, ValidCounts};
+
+/// What a pattern's file states of it, besides name and summary in the list of `patterns`.
+///
+/// [`Parametric`] declares the parameters, with ranges and defaults.
+pub(crate) trait Definition: Parametric {
+    /// Returns what is known of the pattern with these parameters.
+    fn facts(&self) -> PatternFacts;
+
+    /// Returns the numbers of points that exist.
+    fn valid_counts(&self, _domain: Domain) -> ValidCounts {
+        ValidCounts::Any
+    }
+
+    /// Returns the sampler of `n_points` points, a valid number.
+    fn build(&self, n_points: usize, domain: Domain) -> Result<Box<dyn Sampler>, Error>;
+
+    /// Reads the files that the parameters name.
+    fn resolve(&mut self, _files: &dyn ProfileResolver) -> Result<(), Error> {
+        Ok(())
+    }
+}
+
+/// Supplies the contents of files that texts of patterns name, as in `profile:FILE`.
+pub trait ProfileResolver {
+    /// Returns the powers of a file by degree from 0, which does not count.
+    ///
+    /// # Errors
+    ///
+    /// [`ResolveError`] with the reason if the file cannot be read.
+    fn powers(&self, file: &Path) -> Result<Vec<f64>, ResolveError>;
+}
+
+/// Rejects every file.
+pub(crate) struct WithoutFiles;
+
+impl ProfileResolver for WithoutFiles {
+    fn powers(&self, file: &Path) -> Result<Vec<f64>, ResolveError> {
+        Err(ResolveError::new(format!(
+            "cannot read {}: a pattern from a file needs a resolver; use Pattern::parse",
+            file.display()
+        )))
+    }
+}

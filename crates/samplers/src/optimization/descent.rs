@@ -1,0 +1,245 @@
+//! Minimisation over unit vectors.
+
+use std::collections::VecDeque;
+
+use glam::DVec3;
+
+use crate::Stopped;
+
+/// Steps of which the method remembers the change of the gradient.
+const MEMORY: usize = 6;
+
+/// The share of the slope's promise that a step must keep (Armijo 1966).
+const SUFFICIENT: f64 = 1e-4;
+
+/// Shortenings of one step before the method gives up on a direction.
+const MAX_TRIALS: u32 = 30;
+
+/// What is to be made small.
+pub(crate) trait Objective {
+    /// The energy of the points; no number where there is none.
+    fn energy(&mut self, points: &[DVec3]) -> f64;
+
+    /// Replaces the content of `gradient` by the gradient in space at the points of the last call of
+    /// [`Self::energy`].
+    fn gradient(&mut self, points: &[DVec3], gradient: &mut Vec<DVec3>);
+
+    /// Whether the points of the last calls are good enough, or there is no hope; asked once for each
+    /// step that is kept.
+    fn is_final(&mut self, _energy: f64, _squared_slope: f64) -> bool {
+        false
+    }
+}
+
+/// How unit vectors are moved downhill: by steps of the limited-memory BFGS method (Liu and Nocedal
+/// 1989) on the product of spheres.
+///
+/// Gradients and steps live in the tangent planes; a step ends by normalisation. No step increases
+/// the energy, moves a point by more than `reach`, or ends where the energy is no number. Memory is used
+/// in the next point's planes as it is: transporting it changes nothing that was measured.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Descent {
+    /// The most steps.
+    pub(crate) iterations: u32,
+    /// The first step, and any after a failure, is this many times the gradient.
+    pub(crate) scale: f64,
+    /// Whether what is known of the curvature replaces `scale` in later steps.
+    pub(crate) is_adaptive: bool,
+    pub(crate) reach: f64,
+}
+
+impl Descent {
+    /// Moves the points until the objective is final or no shorter step goes down any more, and
+    /// returns the energy reached. The objective has last been asked for these points. Before each step `tick` tells
+    /// whether to go on.
+    pub(crate) fn run(
+        self,
+        points: &mut Vec<DVec3>,
+        objective: &mut impl Objective,
+        tick: &dyn Fn() -> Result<(), Stopped>,
+    ) -> Result<f64, Stopped> {
+        let mut gradient = Vec::new();
+        let mut here = objective.energy(points);
+        objective.gradient(points, &mut gradient);
+        project(points, &mut gradient);
+        let mut memory = Memory::default();
+        let (mut step, mut trial, mut trial_gradient) = (Vec::new(), Vec::new(), Vec::new());
+        for _ in 0..self.iterations {
+            tick()?;
+            if objective.is_final(here, dot(&gradient, &gradient)) {
+                break;
+            }
+            memory.direction_into(&gradient, self, &mut step);
+            project(points, &mut step);
+            limit(&mut step, self.reach);
+            let mut slope = dot(&gradient, &step);
+            if slope >= 0.0 {
+                // Memory that points uphill is worth nothing; the gradient itself never does.
+                memory.clear();
+                memory.direction_into(&gradient, self, &mut step);
+                limit(&mut step, self.reach);
+                slope = dot(&gradient, &step);
+            }
+            let mut t = 1.0;
+            let mut trials = 0;
+            let there = loop {
+                trial.clear();
+                trial.extend(points.iter().zip(&step).map(|(&p, &d)| (p + t * d).normalize_or(p)));
+                let there = objective.energy(&trial);
+                if there <= here + SUFFICIENT * t * slope {
+                    break Some(there);
+                }
+                trials += 1;
+                if trials == MAX_TRIALS {
+                    break None;
+                }
+                t *= shortening(here, there, t * slope);
+            };
+            let Some(there) = there.filter(|_| slope < 0.0) else {
+                here = objective.energy(points);
+                objective.gradient(points, &mut gradient);
+                project(points, &mut gradient);
+                if memory.clear() {
+                    continue;
+                }
+                break;
+            };
+            objective.gradient(&trial, &mut trial_gradient);
+            project(&trial, &mut trial_gradient);
+            memory.remember(points, &trial, &gradient, &trial_gradient);
+            std::mem::swap(points, &mut trial);
+            std::mem::swap(&mut gradient, &mut trial_gradient);
+            here = there;
+        }
+        Ok(here)
+    }
+}
+
+/// Where the parabola through both energies and the slope has its minimum, in units of the step,
+/// kept between 1/10 and 1/2.
+fn shortening(here: f64, there: f64, slope: f64) -> f64 {
+    let minimum = -slope / (2.0 * (there - here - slope));
+    // An energy that is infinite or no number has no such parabola.
+    if minimum > 0.1 { minimum.min(0.5) } else { 0.1 }
+}
+
+/// Removes the parts of vectors that are normal to the sphere.
+fn project(points: &[DVec3], vectors: &mut [DVec3]) {
+    for (v, p) in vectors.iter_mut().zip(points) {
+        *v -= v.dot(*p) * *p;
+    }
+}
+
+/// Shortens vectors longer than `reach`.
+fn limit(vectors: &mut [DVec3], reach: f64) {
+    for v in vectors {
+        *v = v.clamp_length_max(reach);
+    }
+}
+
+fn dot(a: &[DVec3], b: &[DVec3]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a.dot(*b)).sum()
+}
+
+/// The latest steps s and changes of the gradient y with s.y > 0, oldest first.
+#[derive(Default)]
+struct Memory {
+    pairs: VecDeque<(Vec<DVec3>, Vec<DVec3>, f64)>,
+}
+
+impl Memory {
+    /// Forgets all; whether there was anything.
+    fn clear(&mut self) -> bool {
+        let had_any = !self.pairs.is_empty();
+        self.pairs.clear();
+        had_any
+    }
+
+    fn remember(&mut self, from: &[DVec3], to: &[DVec3], before: &[DVec3], after: &[DVec3]) {
+        let (mut step, mut change, _) =
+            if self.pairs.len() == MEMORY { self.pairs.pop_front() } else { None }
+                .unwrap_or_default();
+        step.clear();
+        change.clear();
+        let tangent = |v: DVec3, at: DVec3| v - v.dot(at) * at;
+        step.extend(from.iter().zip(to).map(|(&a, &b)| tangent(b - a, b)));
+        let gradients = before.iter().zip(after);
+        change.extend(gradients.zip(to).map(|((&a, &b), &at)| b - tangent(a, at)));
+        let curvature = dot(&step, &change);
+        if curvature > f64::EPSILON * dot(&change, &change).sqrt() * dot(&step, &step).sqrt() {
+            self.pairs.push_back((step, change, curvature));
+        }
+    }
+
+    /// Minus the inverse Hessian, as far as it is known, times the gradient: the two loops of
+    /// Nocedal 1980.
+    fn direction_into(&self, gradient: &[DVec3], descent: Descent, direction: &mut Vec<DVec3>) {
+        direction.clear();
+        direction.extend(gradient.iter().map(|g| -*g));
+        let add = |to: &mut [DVec3], c: f64, v: &[DVec3]| {
+            to.iter_mut().zip(v).for_each(|(d, v)| *d += c * *v);
+        };
+        let mut parts = [0.0; MEMORY];
+        for ((step, change, curvature), part) in self.pairs.iter().zip(&mut parts).rev() {
+            *part = dot(step, direction) / curvature;
+            add(direction, -*part, change);
+        }
+        let known = self.pairs.back().filter(|_| descent.is_adaptive);
+        let scale = known.map_or(descent.scale, |(_, y, curvature)| curvature / dot(y, y));
+        if scale.to_bits() != f64::to_bits(1.0) {
+            direction.iter_mut().for_each(|d| *d *= scale);
+        }
+        for ((step, change, curvature), part) in self.pairs.iter().zip(parts) {
+            let corrected = part - dot(change, direction) / curvature;
+            add(direction, corrected, step);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{DVec3, Descent, Objective};
+
+    /// A quadratic form with these axes on every sphere.
+    struct Form(DVec3);
+
+    impl Objective for Form {
+        fn energy(&mut self, points: &[DVec3]) -> f64 {
+            points.iter().map(|p| (self.0 * *p).dot(*p)).sum()
+        }
+
+        fn gradient(&mut self, points: &[DVec3], gradient: &mut Vec<DVec3>) {
+            gradient.clear();
+            gradient.extend(points.iter().map(|p| 2.0 * self.0 * *p));
+        }
+    }
+
+    fn descent(is_adaptive: bool) -> Descent {
+        Descent { iterations: 60, scale: 0.1, is_adaptive, reach: 0.3 }
+    }
+
+    #[test]
+    fn quadratic_forms_end_at_their_least_axis() {
+        for is_adaptive in [true, false] {
+            let mut points: Vec<DVec3> = [(1.0, 2.0, 0.1), (-0.3, 0.2, -0.9), (0.5, 0.5, 0.5)]
+                .map(|(x, y, z)| DVec3::new(x, y, z).normalize())
+                .into();
+            let mut form = Form(DVec3::new(3.0, 1.0, 0.25));
+            let least = descent(is_adaptive).run(&mut points, &mut form, &|| Ok(())).unwrap();
+            assert!((least - 0.75).abs() < 16.0 * f64::EPSILON, "{least} at {points:?}");
+            // The angle left over shows in the energy squared.
+            assert!(points.iter().all(|p| p.z.abs() > 1.0 - 1e-14), "{points:?}");
+        }
+    }
+
+    /// Energies that are no numbers leave points where they are.
+    #[test]
+    fn no_energy_no_step() {
+        let start = vec![DVec3::X, DVec3::Y];
+        let mut points = start.clone();
+        assert!(
+            descent(true).run(&mut points, &mut Form(DVec3::NAN), &|| Ok(())).unwrap().is_nan()
+        );
+        assert_eq!(points, start);
+    }
+}

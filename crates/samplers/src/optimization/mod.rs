@@ -1,0 +1,11 @@
+//! Moving points downhill: the descent, the energies that it lowers, and exact Voronoi cells.
+
+mod descent;
+mod riesz_energy;
+mod spectral_control;
+pub(crate) mod voronoi;
+
+pub(crate) use descent::{Descent, Objective};
+pub(crate) use riesz_energy::RieszEnergy;
+pub use riesz_energy::riesz_energy;
+pub use spectral_control::{PowerProfile, SpectralControl, SpectralTarget};

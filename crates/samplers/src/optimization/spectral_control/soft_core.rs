@@ -1,0 +1,134 @@
+use glam::DVec3;
+use sphvar_healpix::Cell;
+
+use crate::Domain;
+use crate::search::Grid;
+
+/// A repulsion that ends at a chord `sigma`: `(kappa/2) sum_{pairs, r < sigma} (sigma - r)^2`.
+///
+/// With kappa 1/2 one step down the gradient takes a pair that touches nothing else just apart.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct SoftCore {
+    pub(crate) domain: Domain,
+    /// The chord, or 0 for no repulsion.
+    pub(crate) sigma: f64,
+}
+
+const KAPPA: f64 = 0.5;
+
+impl SoftCore {
+    /// The energy, whose gradient is added to `gradient`.
+    ///
+    /// Points at the same place overlap like others but have no direction in which to part, and exert no force.
+    pub(crate) fn add(&self, points: &[DVec3], gradient: &mut [DVec3]) -> f64 {
+        if self.sigma <= 0.0 {
+            return 0.0;
+        }
+        let mut grid = Grid::new(self.domain, self.sigma, points.len() as f64);
+        let nside = grid.nside();
+        let places: Vec<u32> =
+            points.iter().map(|&p| grid.place(Cell::containing(nside, p))).collect();
+        for (&place, &point) in places.iter().zip(points) {
+            grid.insert(place, point);
+        }
+        let mut energy = 0.0;
+        for ((&place, &point), gradient) in places.iter().zip(points).zip(gradient) {
+            let mut met_itself = false;
+            for other in grid.near(place) {
+                let apart = point - other;
+                let r = apart.length();
+                if r == 0.0 && !met_itself {
+                    met_itself = true;
+                } else if r < self.sigma {
+                    let overlap = self.sigma - r;
+                    // Every pair is met from both its ends.
+                    energy += 0.25 * KAPPA * overlap * overlap;
+                    if r > 0.0 {
+                        *gradient -= KAPPA * overlap / r * apart;
+                    }
+                }
+            }
+        }
+        energy
+    }
+
+    /// The energy relative to that of as many pairs at one place as there are points.
+    pub(crate) fn relative(&self, energy: f64, n_points: usize) -> f64 {
+        if self.sigma > 0.0 {
+            energy / (0.5 * KAPPA * self.sigma.powi(2) * n_points as f64)
+        } else {
+            0.0
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{DVec3, Domain, SoftCore};
+
+    fn energy(core: SoftCore, points: &[DVec3]) -> (f64, Vec<DVec3>) {
+        let mut gradient = vec![DVec3::ZERO; points.len()];
+        (core.add(points, &mut gradient), gradient)
+    }
+
+    /// All pairs, by the definition.
+    fn definition(core: SoftCore, points: &[DVec3]) -> f64 {
+        let mut sum = 0.0;
+        for (i, p) in points.iter().enumerate() {
+            for q in &points[..i] {
+                let mut chords = vec![p.distance(*q)];
+                if core.domain == Domain::Hemisphere {
+                    chords.push(p.distance(-*q));
+                }
+                let overlaps = chords.iter().map(|r| core.sigma - r);
+                sum +=
+                    overlaps.filter(|o| *o > 0.0).map(|o| 0.5 * super::KAPPA * o * o).sum::<f64>();
+            }
+        }
+        sum
+    }
+
+    #[test]
+    fn it_is_the_sum_over_pairs_and_its_derivative() {
+        let mut points: Vec<DVec3> = (0..40)
+            .map(|k| {
+                let t = f64::from(k);
+                DVec3::new((2.1 * t).sin(), (3.3 * t).cos(), (1.7 * t).sin()).normalize()
+            })
+            .collect();
+        points.extend([DVec3::Z, -DVec3::Z, DVec3::X]);
+        for domain in [Domain::Sphere, Domain::Hemisphere] {
+            for sigma in [0.0, 0.1, 0.5, 1.2] {
+                let core = SoftCore { domain, sigma };
+                let (got, gradient) = energy(core, &points);
+                let expected = definition(core, &points);
+                assert!(
+                    (got - expected).abs() <= 1e-13 * expected,
+                    "{domain}, {sigma}: {got}, {expected}"
+                );
+                for k in 0..points.len() {
+                    for axis in DVec3::AXES {
+                        let h = 1e-6;
+                        let at = |step: f64| {
+                            let mut moved = points.clone();
+                            moved[k] += step * axis;
+                            definition(core, &moved)
+                        };
+                        let slope = (at(h) - at(-h)) / (2.0 * h);
+                        let off = (slope - gradient[k].dot(axis)).abs();
+                        // The second derivative jumps where a pair comes into touch.
+                        assert!(off < 1e-5, "{domain}, {sigma}, point {k}: {slope}, {gradient:?}");
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn coincident_points_do_not_break_it() {
+        let core = SoftCore { domain: Domain::Sphere, sigma: 0.3 };
+        let (got, gradient) = energy(core, &[DVec3::Z, DVec3::Z]);
+        assert!((got - 0.5 * super::KAPPA * 0.09).abs() < 1e-15, "{got}");
+        assert!(gradient.iter().all(|g| *g == DVec3::ZERO), "{gradient:?}");
+    }
+}

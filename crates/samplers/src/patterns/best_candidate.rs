@@ -1,0 +1,156 @@
+use glam::DVec3;
+use rand::Rng;
+use sphvar_grammar::{Declaration, Parametric};
+
+use super::white_noise;
+use crate::definition::Definition;
+use crate::search::CubeGrid;
+use crate::{CostOrder, Domain, Error, PatternFacts, PointSet, Progress, Rate, Sampler, count};
+
+/// Best-candidate sampling (Mitchell 1991): each new point is that of several uniform candidates
+/// which lies farthest from all points so far.
+///
+/// The n-th point is chosen among `factor (n - 1)` candidates, so that their density relative to
+/// the points stays the same. On the hemisphere distances are between lines: the smaller of those
+/// to a point and to its antipode. The law is invariant under rotations, so every single point is
+/// uniform; sets of any N exist and the first n points are the pattern of n points.
+///
+/// The cost is `factor N^2/2` candidates, each of which meets a few cells of a grid.
+///
+/// ```
+/// use sphvar_samplers::{BestCandidate, Domain, Purpose, Sampler, Streams};
+/// let sampler = BestCandidate::new(100, Domain::Sphere, BestCandidate::DEFAULT_FACTOR)?;
+/// let points = sampler.sample(&mut Streams::new(0, Purpose::Pattern, 100).realization(0))?;
+/// assert_eq!(points.len(), 100);
+/// # Ok::<(), sphvar_samplers::Error>(())
+/// ```
+#[derive(Clone, Copy, Debug)]
+pub struct BestCandidate {
+    n: u32,
+    domain: Domain,
+    factor: u32,
+}
+
+impl BestCandidate {
+    /// Candidates per point so far.
+    pub const DEFAULT_FACTOR: u32 = 1;
+
+    /// The pattern of `n_points` points with `factor` candidates per point so far.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Parameter`] unless both are from 1 to `u32::MAX`.
+    pub fn new(n_points: usize, domain: Domain, factor: u32) -> Result<Self, Error> {
+        if factor == 0 {
+            let (name, range) = ("the candidates per point", "a whole number from 1");
+            return Err(Error::Parameter { name, range, got: 0.0 });
+        }
+        Ok(Self { n: count::checked(n_points)?, domain, factor })
+    }
+}
+
+impl Sampler for BestCandidate {
+    fn n_points(&self) -> usize {
+        self.n as usize
+    }
+
+    fn domain(&self) -> Domain {
+        self.domain
+    }
+
+    fn nominal_work(&self) -> f64 {
+        let n = f64::from(self.n);
+        0.8 * n * f64::from(self.factor) / f64::from(Self::DEFAULT_FACTOR) * n
+    }
+
+    fn sample_into(&self, rng: &mut dyn Rng, set: &mut PointSet) -> Result<(), Error> {
+        self.sample_watched(rng, set, &())
+    }
+
+    fn sample_watched(
+        &self,
+        rng: &mut dyn Rng,
+        set: &mut PointSet,
+        progress: &dyn Progress,
+    ) -> Result<(), Error> {
+        let points = set.start();
+        points.push(white_noise::uniform_direction(self.domain, rng));
+        let mut grid = CubeGrid::for_points(1);
+        let mut crowded_at = 1;
+        let share = 2.0 * self.nominal_work() / f64::from(self.n).powi(2);
+        for n in 1..self.n {
+            progress.tick(share * f64::from(n))?;
+            if points.len() >= crowded_at {
+                crowded_at = 2 * points.len();
+                grid = CubeGrid::for_points(crowded_at);
+                points.iter().for_each(|&p| grid.insert(p));
+            }
+            let mut best = DVec3::ZERO;
+            // Below every squared distance, so that the first candidate stands.
+            let mut clearance = -1.0;
+            for _ in 0..u64::from(self.factor) * u64::from(n) {
+                let candidate = white_noise::uniform_direction(self.domain, rng);
+                if let Some(farther) = self.clearance(&grid, points, candidate, clearance) {
+                    (best, clearance) = (candidate, farther);
+                }
+            }
+            points.push(best);
+            grid.insert(best);
+        }
+        Ok(())
+    }
+}
+
+impl BestCandidate {
+    /// The squared distance of `p` from the nearest point, or `None` if that is no larger
+    /// than `bound`.
+    fn clearance(&self, grid: &CubeGrid, points: &[DVec3], p: DVec3, bound: f64) -> Option<f64> {
+        let above = grid.clearance(points, p, bound)?;
+        match self.domain {
+            Domain::Sphere => Some(above),
+            Domain::Hemisphere => Some(above.min(grid.clearance(points, -p, bound)?)),
+        }
+    }
+}
+
+/// Parameters of the pattern [`BestCandidate`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BestCandidateParameters {
+    /// Candidates for each point that there is already.
+    pub factor: u32,
+}
+
+impl BestCandidateParameters {
+    /// The default parameters.
+    pub const DEFAULT: Self = Self { factor: BestCandidate::DEFAULT_FACTOR };
+}
+
+impl Default for BestCandidateParameters {
+    fn default() -> Self {
+        Self::DEFAULT
+    }
+}
+
+impl Parametric for BestCandidateParameters {
+    fn declare(&mut self, d: &mut Declaration<'_>) {
+        let summary = "candidates for each point so far";
+        d.integer("factor", [1, i64::from(u32::MAX)], summary, &mut self.factor);
+    }
+}
+
+impl Definition for BestCandidateParameters {
+    fn facts(&self) -> PatternFacts {
+        PatternFacts {
+            cost: CostOrder::QUADRATIC,
+            low_degrees: "0.075",
+            smooth_rate: Rate::power(-1.0),
+            jump_rate: Rate::power(-1.0),
+            is_extensible: true,
+            source: "Mitchell 1991",
+        }
+    }
+
+    fn build(&self, n_points: usize, domain: Domain) -> Result<Box<dyn Sampler>, Error> {
+        Ok(Box::new(BestCandidate::new(n_points, domain, self.factor)?))
+    }
+}

@@ -1,0 +1,232 @@
+mod block;
+mod distance;
+mod encounters;
+mod mass_points;
+mod relaxation;
+mod start;
+mod tessellation;
+
+use rand::Rng;
+use sphvar_grammar::{Declaration, Parametric};
+
+pub use self::mass_points::MassPoints;
+pub use self::tessellation::Tessellation;
+
+use self::relaxation::{Outcome, Relaxation};
+use crate::definition::Definition;
+use crate::{CostOrder, Domain, Error, PatternFacts, PointSet, Progress, Rate, Sampler};
+
+/// The sites of capacity-constrained Voronoi tessellations (Balzer, Schloemer and Deussen 2009)
+/// with geodesic distances.
+///
+/// The domain's mass is a number of points, and each of the N sites owns `capacity` of them,
+/// exactly. The tessellation is a local minimum of the sum of the squared geodesic distances from
+/// the mass points to their sites: each site is at the intrinsic (Karcher) mean of its points, and
+/// no exchange of points between two sites lowers the sum. On the hemisphere the distance is that
+/// of lines, the smaller one of those to a direction and its antipode.
+///
+/// Cells that all have the same mass and sites at their means leave little at low degrees. With
+/// mass points of negligible noise the spectrum is quartic; white mass points add their own:
+///
+/// ```text
+/// P(l) = a (l-1) l (l+1) (l+2)/N^2 + d (l (l+1))^2/N^2     a = 0.0145, d = 0.00126 at capacity 64
+/// P(l) = 1/capacity as l -> 0                              white mass points
+/// ```
+///
+/// The normalized energy [`Tessellation::energy`] is 2.170 at capacity 64 with white mass points
+/// (2.198 on the Fibonacci lattice), 2.148 (2.153) at 256 and 2.117 at 1024, means over
+/// realizations whose standard deviation is 0.2/sqrt(N); regular hexagons have 2.015. A larger
+/// capacity anneals further before its points are settled, and costs that time.
+///
+/// The distribution is invariant under rotations: so is that of the mass points, the regions that the
+/// sites start from are halves of halves of the mass points in random directions, and all else
+/// follows from distances. Starting from regions rather than from sites at random takes a tenth of the
+/// time and leaves energies 0.3 % lower (2.176 from random sites, capacity 64).
+///
+/// # Performance
+///
+/// Exchanges go from pair to pair until none is left: 20 to 40 passes at capacity 64, most of them
+/// over few pairs, 80 at 256, 250 at 1024; about 35 microseconds a point at capacity 64 and 200 at
+/// 256. Memory: 56 bytes for each mass point, and some hundred for each site.
+///
+/// ```
+/// use sphvar_samplers::{Ccvt, Domain, MassPoints, Purpose, Sampler, Streams};
+/// let ccvt = Ccvt::new(100, Domain::Sphere, 64, MassPoints::Fibonacci)?;
+/// let mut rng = Streams::new(0, Purpose::Pattern, 100).realization(0);
+/// let tessellation = ccvt.tessellate(&mut rng)?;
+/// assert!(tessellation.is_settled());
+/// assert!((tessellation.energy() - 2.19).abs() < 0.1);
+/// // Sites share the sphere evenly: their sum is far shorter than sqrt N.
+/// let sum: glam::DVec3 = ccvt.sample(&mut rng)?.points.iter().sum();
+/// assert!(sum.length() < 0.1);
+/// # Ok::<(), sphvar_samplers::Error>(())
+/// ```
+#[derive(Clone, Copy, Debug)]
+pub struct Ccvt {
+    n_points: usize,
+    domain: Domain,
+    capacity: usize,
+    mass_points: MassPoints,
+}
+
+impl Ccvt {
+    /// The number of passes after which a tessellation is left as it is, with exchanges still to
+    /// make: far more than the hundreds that the largest capacities tried have taken.
+    pub const MAX_PASSES: usize = 10_000;
+
+    /// Tessellations with `n_points` sites of `capacity` mass points each.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Parameter`] if `n_points` or `capacity` is 0, if their product is above
+    /// `u32::MAX`, or if there is no such number of mass points of this kind.
+    pub fn new(
+        n_points: usize,
+        domain: Domain,
+        capacity: usize,
+        mass_points: MassPoints,
+    ) -> Result<Self, Error> {
+        let rejected = |name, range, got: f64| Err(Error::Parameter { name, range, got });
+        if n_points == 0 {
+            return rejected("number of points of a CCVT", "at least 1", 0.0);
+        }
+        if capacity == 0 {
+            return rejected("capacity of a CCVT", "at least 1", 0.0);
+        }
+        match n_points.checked_mul(capacity) {
+            Some(count) if u32::try_from(count).is_ok() => mass_points.check(count, domain)?,
+            _ => {
+                let name = "number of mass points of a CCVT (capacity times points)";
+                return rejected(name, "at most 4294967295", n_points as f64 * capacity as f64);
+            }
+        }
+        Ok(Self { n_points, domain, capacity, mass_points })
+    }
+
+    /// The number of mass points of each site.
+    #[must_use]
+    pub fn capacity(&self) -> usize {
+        self.capacity
+    }
+
+    /// The kind of mass points.
+    #[must_use]
+    pub fn mass_points(&self) -> MassPoints {
+        self.mass_points
+    }
+
+    /// One tessellation, of which [`Sampler::sample_into`] keeps the sites.
+    ///
+    /// A single site, to which the mass of the whole domain gives no mean, is a uniform direction.
+    ///
+    /// # Errors
+    ///
+    /// None for what [`Self::new`] accepts.
+    pub fn tessellate(&self, rng: &mut dyn Rng) -> Result<Tessellation, Error> {
+        self.tessellate_watched(rng, &())
+    }
+
+    fn tessellate_watched(
+        &self,
+        rng: &mut dyn Rng,
+        progress: &dyn Progress,
+    ) -> Result<Tessellation, Error> {
+        let mut mass = PointSet::default();
+        self.mass_points.draw_into(self.n_points * self.capacity, self.domain, rng, &mut mass)?;
+        let mut points = mass.points;
+        let lines = self.domain == Domain::Hemisphere;
+        start::divide(&mut points, self.capacity, lines, rng);
+        let mut relaxation = Relaxation::new(&points, self.capacity, lines);
+        drop(points);
+        let outcome = if self.n_points == 1 && self.capacity > 1 {
+            relaxation.place(0, start::random_direction(rng));
+            Outcome { passes: 0, is_settled: true }
+        } else {
+            let expected = 6.0 * (self.n_points as f64).sqrt();
+            let pass = self.nominal_work() / expected;
+            relaxation.run(Self::MAX_PASSES, &|| progress.tick(pass))?
+        };
+        let Outcome { passes, is_settled } = outcome;
+        Ok(Tessellation { relaxation, domain: self.domain, passes, is_settled })
+    }
+}
+
+impl Sampler for Ccvt {
+    fn n_points(&self) -> usize {
+        self.n_points
+    }
+
+    fn domain(&self) -> Domain {
+        self.domain
+    }
+
+    fn nominal_work(&self) -> f64 {
+        let mass = self.capacity.max(2) as f64;
+        1.2 * mass * mass.log2() * self.n_points as f64
+    }
+
+    fn sample_into(&self, rng: &mut dyn Rng, set: &mut PointSet) -> Result<(), Error> {
+        self.sample_watched(rng, set, &())
+    }
+
+    fn sample_watched(
+        &self,
+        rng: &mut dyn Rng,
+        set: &mut PointSet,
+        progress: &dyn Progress,
+    ) -> Result<(), Error> {
+        let points = set.start();
+        self.tessellate_watched(rng, progress)?.sites_into(points);
+        Ok(())
+    }
+}
+
+/// Parameters of the pattern [`Ccvt`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CcvtParameters {
+    /// Mass points of each site.
+    pub capacity: usize,
+    /// What the mass is.
+    pub mass: MassPoints,
+}
+
+impl CcvtParameters {
+    /// The default parameters.
+    pub const DEFAULT: Self = Self { capacity: 64, mass: MassPoints::Fibonacci };
+}
+
+impl Default for CcvtParameters {
+    fn default() -> Self {
+        Self::DEFAULT
+    }
+}
+
+impl Parametric for CcvtParameters {
+    fn declare(&mut self, d: &mut Declaration<'_>) {
+        // Capacity times points is at most 2^32 - 1.
+        let range = [1, i64::from(u32::MAX)];
+        d.integer("capacity", range, "mass points of each site", &mut self.capacity);
+        d.choice("mass", "what the mass points are", &mut self.mass);
+    }
+}
+
+impl Definition for CcvtParameters {
+    fn facts(&self) -> PatternFacts {
+        let (low_degrees, smooth, jump) = match self.mass {
+            MassPoints::White => ("1/capacity", -1.0, -1.0),
+            _ => ("0.0145 (l-1)l(l+1)(l+2)/N^2", -3.0, -1.5),
+        };
+        PatternFacts {
+            cost: CostOrder::LINEAR.times("m log m, m = capacity"),
+            low_degrees,
+            smooth_rate: Rate::power(smooth),
+            jump_rate: Rate::power(jump),
+            is_extensible: false,
+            source: "Balzer, Schloemer and Deussen 2009",
+        }
+    }
+
+    fn build(&self, n_points: usize, domain: Domain) -> Result<Box<dyn Sampler>, Error> {
+        Ok(Box::new(Ccvt::new(n_points, domain, self.capacity, self.mass)?))
+    }
+}

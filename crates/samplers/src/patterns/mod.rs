@@ -1,0 +1,92 @@
+//! The list of patterns, and a file for each: what it is, its parameters and what is known of it.
+//!
+//! A new pattern is a file here that implements `Definition`, and a line of the list. The list declares
+//! the modules, so `cargo fmt` does not find these files; `.ci/run` formats them by name.
+
+use crate::definition::Definition;
+
+/// Declares the module, the variant and the texts of every pattern. A variant with parameters names
+/// their type; the definition of one without is the type `Parameters` of its module.
+macro_rules! patterns {
+    ($($name:literal = $module:ident::$Variant:ident $(($parameters:ident: $Parameters:ident))?: $summary:literal;)*) => {
+        $(
+            pub(crate) mod $module;
+            pub use $module::*;
+        )*
+
+        /// The patterns this crate makes, by name, with their parameters.
+        ///
+        /// `FromStr` reads what `Display` writes, such as `poisson-disk:radius=2`.
+        #[derive(Clone, Debug, PartialEq)]
+        #[non_exhaustive]
+        pub enum Pattern {
+            $(
+                #[doc = concat!("`", $name, "`: ", $summary, ".")]
+                $Variant $(($Parameters))?,
+            )*
+        }
+
+        impl Pattern {
+            /// Every pattern with its default parameters, in the order in which tables show them.
+            pub const ALL: [Self; [$($name),*].len()] =
+                [$(Self::$Variant $(($Parameters::DEFAULT))?),*];
+
+            /// Returns the name by which commands and files know the pattern.
+            #[must_use]
+            pub const fn name(&self) -> &'static str {
+                match self {
+                    $(Self::$Variant { .. } => $name,)*
+                }
+            }
+
+            /// Returns what the pattern is, in a line.
+            #[must_use]
+            pub const fn summary(&self) -> &'static str {
+                match self {
+                    $(Self::$Variant { .. } => $summary,)*
+                }
+            }
+
+            /// Does something with the definition of the pattern.
+            pub(crate) fn with_definition<T>(
+                &mut self,
+                action: impl FnOnce(&mut dyn Definition) -> T,
+            ) -> T {
+                match self {
+                    $(Self::$Variant $(($parameters))? => {
+                        action(definition!($module $($parameters)?))
+                    })*
+                }
+            }
+        }
+    };
+}
+
+macro_rules! definition {
+    ($module:ident) => {
+        &mut $module::Parameters
+    };
+    ($module:ident $parameters:ident) => {
+        $parameters
+    };
+}
+
+patterns! {
+    "white-noise" = white_noise::WhiteNoise: "independent uniform directions";
+    "jittered" = jittered::Jittered: "one uniform direction in every HEALPix pixel";
+    "healpix" = healpix::Healpix: "the centres of the HEALPix pixels";
+    "fibonacci" = fibonacci::Fibonacci: "the spherical Fibonacci lattice";
+    "poisson-disk" = poisson_disk::PoissonDisk(p: PoissonDiskParameters): "random points that keep a minimum distance";
+    "ccvt" = ccvt::Ccvt(p: CcvtParameters): "sites of a capacity-constrained Voronoi tessellation";
+    "step" = step::Step(p: StepParameters): "no power up to degree alpha sqrt(N), white noise's beyond";
+    "blue" = blue::Blue(p: BlueParameters): "no power up to degree alpha sqrt(N), points well apart";
+    "profile" = profile::Profile(p: ProfileParameters): "a prescribed power at every degree in every set";
+    "equal-area" = equal_area::EqualArea(p: EqualAreaParameters): "one point in each of N zonal regions of equal area";
+    "spiral" = spiral::Spiral: "the generalized spiral from pole to pole";
+    "best-candidate" = best_candidate::BestCandidate(p: BestCandidateParameters): "each point the farthest of several uniform candidates";
+    "lloyd" = lloyd::Lloyd(p: LloydParameters): "white noise after some steps of Lloyd's relaxation";
+    "riesz" = riesz::Riesz(p: RieszParameters): "white noise after some steps down a Riesz energy";
+    "sobol" = sobol::Sobol: "Owen-scrambled Sobol points by the equal-area map";
+    "halton" = halton::Halton: "randomly shifted Halton points by the equal-area map";
+    "hammersley" = hammersley::Hammersley: "randomly shifted Hammersley points by the equal-area map";
+}

@@ -1,0 +1,169 @@
+use glam::DVec3;
+use rand::Rng;
+use sphvar_grammar::{Declaration, Parametric, Range};
+
+use super::white_noise;
+use crate::definition::Definition;
+use crate::optimization::{Descent, Objective, RieszEnergy};
+use crate::{CostOrder, Domain, Error, PatternFacts, PointSet, Progress, Rate, Sampler, count};
+
+/// White noise after some steps down the Riesz energy of exponent s, or the logarithmic energy
+/// for s = 0 (Hardin and Saff 2004); see [`riesz_energy`](crate::riesz_energy).
+///
+/// s = 1 is Thomson's problem. Steps are those of a limited-memory BFGS method, none of which
+/// increases the energy. The default number takes tens of points to a local minimum and
+/// a thousand to within 1e-5 of its energy for s = 1, 2e-3 for s = 4; minima are many, so realizations differ by more than a rotation from about N = 16.
+///
+/// The distribution is invariant under rotations, so every single point is uniform. The cost of a step is
+/// N^2 pairs, twice that on the hemisphere, and sometimes a multiple where a step is shortened:
+/// for thousands of points, not for millions. Exponents that are not whole cost several times as
+/// much. Results for whole s are the same on every machine; others and s = 0 rest on the
+/// platform's `pow` and `log`.
+///
+/// ```
+/// use sphvar_samplers::{Domain, Purpose, Riesz, Sampler, Streams, riesz_energy};
+/// let thomson = Riesz::new(12, Domain::Sphere, Riesz::DEFAULT_S, Riesz::DEFAULT_ITERATIONS)?;
+/// let set = thomson.sample(&mut Streams::new(0, Purpose::Pattern, 12).realization(0))?;
+/// // The icosahedron.
+/// assert!((riesz_energy(&set.points, Domain::Sphere, 1.0) - 49.165253058).abs() < 1e-8);
+/// # Ok::<(), sphvar_samplers::Error>(())
+/// ```
+#[derive(Clone, Copy, Debug)]
+pub struct Riesz {
+    n: u32,
+    domain: Domain,
+    s: f64,
+    iterations: u32,
+}
+
+impl Riesz {
+    /// Coulomb's law.
+    pub const DEFAULT_S: f64 = 1.0;
+
+    /// Steps downhill.
+    pub const DEFAULT_ITERATIONS: u32 = 100;
+
+    /// The pattern of `n_points` points for the exponent `s` after `iterations` steps, 0 of which
+    /// leave white noise.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Parameter`] unless `n_points` is from 1 to `u32::MAX` and `s` in [0, 4].
+    pub fn new(n_points: usize, domain: Domain, s: f64, iterations: u32) -> Result<Self, Error> {
+        if !(0.0..=4.0).contains(&s) {
+            return Err(Error::Parameter {
+                name: "the Riesz exponent s",
+                range: "in [0, 4]",
+                got: s,
+            });
+        }
+        Ok(Self { n: count::checked(n_points)?, domain, s, iterations })
+    }
+}
+
+/// Energy and gradient come from the same pairs, so they are computed together.
+struct Downhill {
+    energy: RieszEnergy,
+    gradient: Vec<DVec3>,
+}
+
+impl Objective for Downhill {
+    fn energy(&mut self, points: &[DVec3]) -> f64 {
+        self.energy.evaluate(points, &mut self.gradient)
+    }
+
+    fn gradient(&mut self, _: &[DVec3], gradient: &mut Vec<DVec3>) {
+        std::mem::swap(gradient, &mut self.gradient);
+    }
+}
+
+impl Sampler for Riesz {
+    fn n_points(&self) -> usize {
+        self.n as usize
+    }
+
+    fn domain(&self) -> Domain {
+        self.domain
+    }
+
+    fn nominal_work(&self) -> f64 {
+        let n = f64::from(self.n);
+        6.5 * n * f64::from(self.iterations) / f64::from(Self::DEFAULT_ITERATIONS) * n
+    }
+
+    fn sample_into(&self, rng: &mut dyn Rng, set: &mut PointSet) -> Result<(), Error> {
+        self.sample_watched(rng, set, &())
+    }
+
+    fn sample_watched(
+        &self,
+        rng: &mut dyn Rng,
+        set: &mut PointSet,
+        progress: &dyn Progress,
+    ) -> Result<(), Error> {
+        let points = set.start();
+        points.extend((0..self.n).map(|_| white_noise::uniform_direction(self.domain, rng)));
+        let spacing = (self.domain.area() / f64::from(self.n)).sqrt();
+        // The curvature of one neighbour's energy at that spacing, s(s+1)/spacing^(s+2), six times.
+        let curvature = 6.0 * (self.s * (self.s + 1.0)).max(1.0) * spacing.powf(-self.s - 2.0);
+        let energy = RieszEnergy::new(self.domain, self.s);
+        let descent = Descent {
+            iterations: self.iterations,
+            scale: 1.0 / curvature,
+            is_adaptive: true,
+            reach: spacing / 3.0,
+        };
+        let step = self.nominal_work() / f64::from(self.iterations.max(1));
+        let mut downhill = Downhill { energy, gradient: Vec::new() };
+        descent.run(points, &mut downhill, &|| progress.tick(step))?;
+        for p in points {
+            *p = self.domain.representative(*p);
+        }
+        Ok(())
+    }
+}
+
+/// Parameters of the pattern [`Riesz`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RieszParameters {
+    /// The exponent.
+    pub s: f64,
+    /// Steps downhill.
+    pub iterations: u32,
+}
+
+impl RieszParameters {
+    /// The default parameters.
+    pub const DEFAULT: Self = Self { s: Riesz::DEFAULT_S, iterations: Riesz::DEFAULT_ITERATIONS };
+}
+
+impl Default for RieszParameters {
+    fn default() -> Self {
+        Self::DEFAULT
+    }
+}
+
+impl Parametric for RieszParameters {
+    fn declare(&mut self, d: &mut Declaration<'_>) {
+        d.number("s", Range::closed(0.0, 4.0), "exponent; 0: the logarithmic energy", &mut self.s);
+        let range = [0, i64::from(u32::MAX)];
+        d.integer("iterations", range, "steps downhill", &mut self.iterations);
+    }
+}
+
+impl Definition for RieszParameters {
+    fn facts(&self) -> PatternFacts {
+        PatternFacts {
+            cost: CostOrder::QUADRATIC.times("per step"),
+            low_degrees: "1e-5 l at N = 1024, where the steps reach",
+            smooth_rate: Rate::power(-2.0),
+            jump_rate: Rate::power(-1.5),
+            is_extensible: false,
+            source: "Hardin and Saff 2004",
+        }
+    }
+
+    fn build(&self, n_points: usize, domain: Domain) -> Result<Box<dyn Sampler>, Error> {
+        Ok(Box::new(Riesz::new(n_points, domain, self.s, self.iterations)?))
+    }
+}

@@ -1,0 +1,354 @@
+//! The list of patterns: texts, ranges and facts, against what samplers do.
+
+use std::path::Path;
+
+use proptest::prelude::*;
+use proptest::sample::select;
+use sphvar_samplers::grammar::{DefaultValue, Parameter, ParameterKind, ResolveError, Value};
+use sphvar_samplers::{
+    BestCandidateParameters, BlueParameters, CcvtParameters, DiskMode, Domain, Error, MassPoints,
+    Pattern, PointSet, PoissonDiskParameters, PowerProfile, ProfileParameters, ProfileResolver,
+    Purpose, Rate, RieszParameters, SpectralControl, StepParameters, Streams,
+};
+
+#[test]
+fn a_pattern_shows_the_parameters_that_are_not_defaults() {
+    for pattern in Pattern::ALL {
+        assert_eq!(pattern.to_string(), pattern.name());
+        assert_eq!(pattern.name().parse(), Ok(pattern));
+    }
+    let disks = PoissonDiskParameters { mode: DiskMode::Saturated, radius: Some(2.5) };
+    let disks = Pattern::PoissonDisk(disks);
+    assert_eq!(disks.to_string(), "poisson-disk:mode=saturated,radius=2.5");
+    let step = StepParameters { alpha: Some(0.5), flat: Some(0.0), ..StepParameters::DEFAULT };
+    assert_eq!(Pattern::Step(step).to_string(), "step:alpha=0.5,flat=0");
+    // Streams follow from the text.
+    assert_eq!(Pattern::Fibonacci.stream_group(0), 0xcf67_9803);
+}
+
+#[test]
+fn mistakes_say_what_would_be_right() {
+    for (text, message) in [
+        ("bluish", "unknown sampler \"bluish\" (did you mean \"blue\"?); valid: white-noise, "),
+        ("riesz:s=5", "riesz:s=5: s must be in [0, 4], got 5"),
+        ("lloyd:iterations=-1", "iterations must be a whole number from 0 to 4294967295, got -1"),
+        ("lloyd:iterations=1.5", "iterations must be a whole number from 0 to 4294967295, got 1.5"),
+        ("lloyd:iterations=x", "iterations must be a number, got \"x\""),
+        ("poisson-disk:radius=nan", "radius must be finite and above 0, got NaN"),
+        ("poisson-disk:rad=2", "unknown parameter \"rad\""),
+        ("poisson-disk:rad=2", "valid: mode (exact, saturated), radius"),
+        ("poisson-disk:radus=2", "(did you mean \"radius\"?)"),
+        ("ccvt:mass=whit", "unknown mass of ccvt \"whit\" (did you mean \"white\"?)"),
+        ("spiral:2", "unexpected value \"2\"; valid parameters: none"),
+        ("profile:table.csv", "cannot read table.csv: a pattern from a file needs a resolver"),
+        ("profile:table.csv,b=2", "unknown parameter \"b\"; valid: file, core"),
+        ("profile:to=9", "to must be in (0, 8], got 9"),
+    ] {
+        let error = text.parse::<Pattern>().unwrap_err().to_string();
+        assert!(error.contains(message), "{text}: {error}");
+    }
+}
+
+/// A table of two powers, whatever the file.
+struct Table;
+
+impl ProfileResolver for Table {
+    fn powers(&self, file: &Path) -> Result<Vec<f64>, ResolveError> {
+        if file == Path::new("none") {
+            Err(ResolveError::new("no file"))
+        } else {
+            Ok(vec![0.0, 0.5])
+        }
+    }
+}
+
+#[test]
+fn files_are_read_by_the_resolver() {
+    for (text, shown) in [
+        ("profile:a.csv", "profile:a.csv"),
+        ("profile:core=0.5,file=a.csv", "profile:a.csv,core=0.5"),
+        ("profile:\"a,b=c + d.csv\"", "profile:\"a,b=c + d.csv\""),
+    ] {
+        let pattern = Pattern::parse(text, &Table).unwrap();
+        let Pattern::Profile(ProfileParameters {
+            profile: PowerProfile::Table { power, .. }, ..
+        }) = &pattern
+        else {
+            panic!("{pattern:?}");
+        };
+        assert_eq!(**power, [0.0, 0.5]);
+        assert_eq!(pattern.to_string(), shown);
+        assert_eq!(Pattern::parse(shown, &Table), Ok(pattern));
+    }
+    let error = Pattern::parse("profile:none", &Table).unwrap_err();
+    assert_eq!(error, Error::File(ResolveError::new("no file")));
+}
+
+/// A value of a parameter as text, among them the ends of its range.
+fn value(parameter: Parameter) -> BoxedStrategy<String> {
+    match parameter.kind {
+        ParameterKind::Integer { min, max } => {
+            prop_oneof![Just(min), Just(max), min..=max].prop_map(|n| n.to_string()).boxed()
+        }
+        ParameterKind::Number(range) => {
+            let extremes = [0.0, -0.0, 5e-324, 1e-300, 0.1, 1.0, 1e22, f64::MAX, range.high()];
+            let width = range.high().min(1e3) - range.low();
+            prop_oneof![
+                select(extremes.to_vec()),
+                any::<f64>(),
+                (0.0..1.0).prop_map(move |share| range.low() + share * width)
+            ]
+            .prop_filter("outside", move |x| range.contains(*x))
+            .prop_map(|x| x.to_string())
+            .boxed()
+        }
+        ParameterKind::Choice(names) => select(names).prop_map(str::to_owned).boxed(),
+        other => panic!("{other}"),
+    }
+}
+
+fn any_text() -> impl Strategy<Value = String> {
+    let texts = |pattern: Pattern| {
+        let mut parameters = pattern.parameters();
+        parameters.retain(|parameter| parameter.kind != ParameterKind::File);
+        let items: Vec<_> = parameters
+            .into_iter()
+            .map(|parameter| {
+                let name = parameter.name;
+                proptest::option::of(value(parameter).prop_map(move |v| format!("{name}={v}")))
+            })
+            .collect();
+        let name = pattern.name();
+        items.prop_shuffle().prop_map(move |items| {
+            let items: Vec<String> = items.into_iter().flatten().collect();
+            format!("{name}:{}", items.join(","))
+        })
+    };
+    select(Pattern::ALL.to_vec()).prop_flat_map(texts)
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(2000))]
+
+    #[test]
+    fn patterns_are_read_as_they_are_written(text in any_text()) {
+        let pattern: Pattern = text.parse().unwrap();
+        let shown = pattern.to_string();
+        prop_assert_eq!(shown.parse::<Pattern>(), Ok(pattern.clone()));
+        prop_assert_eq!(shown.parse::<Pattern>().unwrap().to_string(), shown.clone());
+        // What differs from the default is shown, bit by bit, and nothing else.
+        for parameter in pattern.parameters() {
+            let given = text.split([':', ',']).find_map(|item| {
+                item.strip_prefix(parameter.name)?.strip_prefix('=')
+            });
+            let default = match &parameter.default {
+                DefaultValue::Value(value) => Some(value.to_string()),
+                _ => None,
+            };
+            let expected = given.filter(|given| default.as_deref() != Some(given));
+            let item = expected.map(|value| format!("{}={value}", parameter.name));
+            let is_shown = shown.split([':', ',']).any(|shown| Some(shown) == item.as_deref());
+            prop_assert_eq!(is_shown, item.is_some(), "{} of {}", parameter.name, shown);
+        }
+    }
+}
+
+/// Constructors reject what the list says is out of range, and take its ends.
+#[test]
+fn ranges_are_those_of_the_constructors() {
+    let ccvt = |capacity| Pattern::Ccvt(CcvtParameters { capacity, mass: MassPoints::White });
+    let step = |alpha, flat, core| {
+        Pattern::Step(StepParameters { alpha: Some(alpha), flat: Some(flat), core })
+    };
+    let blue = |core| Pattern::Blue(BlueParameters { core, ..BlueParameters::DEFAULT });
+    let riesz = |s| Pattern::Riesz(RieszParameters { s, iterations: 1 });
+    let candidates = |factor| Pattern::BestCandidate(BestCandidateParameters { factor });
+    let radius = |radius| {
+        let radius = Some(radius);
+        Pattern::PoissonDisk(PoissonDiskParameters { radius, mode: DiskMode::Exact })
+    };
+    let profile = |exponent, alpha, gamma, offset, to| {
+        let profile = PowerProfile::Polynomial { exponent, alpha, gamma, offset, to };
+        Pattern::Profile(ProfileParameters { profile, core: 0.0 })
+    };
+    let core = SpectralControl::STEP_CORE;
+    let cases = [
+        ccvt(0),
+        ccvt(1),
+        step(0.0, 0.0, core),
+        step(1.38, 8.0, core),
+        step(-1e-9, 0.0, core),
+        step(1.381, 0.0, core),
+        step(0.5, -1e-9, core),
+        step(0.5, 8.1, core),
+        step(0.5, 1.0, 0.95),
+        step(0.5, 1.0, 0.951),
+        blue(0.0),
+        blue(0.95),
+        blue(-1e-9),
+        blue(f64::NAN),
+        riesz(0.0),
+        riesz(4.0),
+        riesz(4.1),
+        riesz(-1e-300),
+        candidates(0),
+        candidates(1),
+        radius(0.0),
+        radius(-1.0),
+        radius(f64::INFINITY),
+        radius(5e-324),
+        profile(0.0, 1.0, 0.0, 0.0, 8.0),
+        profile(-1e-9, 1.0, 1.0, 0.0, 2.0),
+        profile(f64::INFINITY, 1.0, 1.0, 0.0, 2.0),
+        profile(2.0, 0.0, 1.0, 0.0, 2.0),
+        profile(2.0, 1e-9, 1.0, 0.0, 2.0),
+        profile(2.0, 1.0, -1e-9, 0.0, 2.0),
+        profile(2.0, 1.0, 1.0, -1e-9, 2.0),
+        profile(2.0, 1.0, 1.0, 0.0, 0.0),
+        profile(2.0, 1.0, 1.0, 0.0, 8.1),
+    ];
+    let mut rejected = 0;
+    for pattern in cases {
+        // A million points leave freedom for every alpha in the range.
+        let built = pattern.build(1_000_000, Domain::Sphere);
+        let out_of_range = matches!(
+            &built,
+            Err(Error::Parameter { .. }) | Err(Error::Infeasible { pattern: "poisson-disk", .. })
+        );
+        let read = pattern.to_string().parse::<Pattern>();
+        assert_eq!(read.is_err(), out_of_range, "{pattern}: {read:?} and {built:?}");
+        rejected += usize::from(read.is_err());
+    }
+    assert_eq!(rejected, 21);
+}
+
+#[test]
+fn counts_that_do_not_exist_are_rejected() {
+    for pattern in Pattern::ALL {
+        let rejected = pattern.build(0, Domain::Sphere).unwrap_err();
+        assert_eq!(rejected, Error::NoPoints { pattern: pattern.to_string() });
+        // No overflow, no allocation: the largest counts are answered too.
+        for n in [usize::MAX, usize::MAX / 12, 1 << 62] {
+            let _ = pattern.build(n, Domain::Sphere);
+        }
+    }
+    let rejected = Pattern::Healpix.build(13, Domain::Hemisphere).unwrap_err();
+    let message = rejected.to_string();
+    assert!(
+        message.contains("the nearest valid count is 6") && message.contains("6 nside^2"),
+        "{message}"
+    );
+}
+
+/// Every pattern as it is by default, and those whose facts depend on a parameter.
+fn patterns_with_facts() -> Vec<Pattern> {
+    let others = ["poisson-disk:mode=saturated", "ccvt:mass=white", "equal-area:placement=centred"];
+    let others = others.map(|text| text.parse().unwrap());
+    Pattern::ALL.into_iter().chain(others).collect()
+}
+
+fn set(pattern: &Pattern, asked: usize, realization: u64) -> PointSet {
+    let n = pattern.nearest_count(asked, Domain::Sphere);
+    let sampler = pattern.build(n, Domain::Sphere).unwrap();
+    let mut rng = Streams::new(0, Purpose::Pattern, 0).realization(realization);
+    sampler.sample(&mut rng).unwrap()
+}
+
+#[test]
+fn deterministic_patterns_have_one_set() {
+    let mut deterministic = Vec::new();
+    for pattern in patterns_with_facts() {
+        let is_one = set(&pattern, 48, 0).points == set(&pattern, 48, 1).points;
+        assert_eq!(pattern.is_deterministic(), is_one, "{pattern}");
+        deterministic.extend(is_one.then(|| pattern.to_string()));
+    }
+    assert_eq!(deterministic, ["healpix", "fibonacci", "spiral", "equal-area:placement=centred"]);
+}
+
+#[test]
+fn extensible_patterns_begin_with_their_smaller_sets() {
+    for pattern in patterns_with_facts() {
+        let (small, large) = (set(&pattern, 48, 0), set(&pattern, 192, 0));
+        let begins = large.points.starts_with(&small.points);
+        // Scrambling draws as many flips as a set needs, so that a prefix is another realization.
+        let is_scrambled = pattern == Pattern::Sobol;
+        assert_eq!(pattern.facts().is_extensible, begins || is_scrambled, "{pattern}");
+        if is_scrambled {
+            // The first 16 points have one in each cell of a 4 x 4 grid of equal areas.
+            let cell = |p: &glam::DVec3| {
+                let turn = p.y.atan2(p.x).rem_euclid(std::f64::consts::TAU);
+                [2.0 * (1.0 - p.z), turn * 4.0 / std::f64::consts::TAU]
+                    .map(|x| x.floor().to_string())
+            };
+            let mut cells: Vec<_> = large.points[..16].iter().map(cell).collect();
+            cells.sort_unstable();
+            cells.dedup();
+            assert_eq!(cells.len(), 16);
+        }
+    }
+}
+
+/// Nominal work leaves out logarithms, which change the exponent by less than a tenth here.
+#[test]
+fn costs_grow_as_the_nominal_work() {
+    for pattern in patterns_with_facts() {
+        let [few, many] = [1000, 1_000_000].map(|n| pattern.nominal_work(n));
+        let exponent = (many / few).log10() / 3.0;
+        let stated = pattern.facts().cost.exponent;
+        assert!((exponent - stated).abs() < 0.01, "{pattern}: {exponent}, not {stated}");
+    }
+}
+
+#[test]
+fn rates_are_said_in_words() {
+    for (text, rates) in [
+        ("white-noise", "N^-1 for every integrand"),
+        ("step", "exact for smooth integrands, N^-1.5 for those with jumps"),
+        ("ccvt", "N^-3 for smooth integrands, N^-1.5 for those with jumps"),
+        ("ccvt:mass=white", "N^-1 for every integrand"),
+        ("profile", "as requested"),
+        ("equal-area:placement=centred", "no known law"),
+    ] {
+        assert_eq!(text.parse::<Pattern>().unwrap().facts().rates(), rates);
+    }
+    for pattern in patterns_with_facts() {
+        let facts = pattern.facts();
+        // Jumps are never the easier ones, and no pattern is worse than white noise.
+        if let (Rate::Power { exponent: smooth, .. }, Rate::Power { exponent: jump, .. }) =
+            (facts.smooth_rate, facts.jump_rate)
+        {
+            assert!(smooth <= jump && jump <= -1.0, "{pattern}");
+        }
+        assert!(!facts.source.is_empty() && !facts.low_degrees.is_empty(), "{pattern}");
+    }
+}
+
+/// The milliseconds of `docs/performance.md` at 1024 points, within a factor of 2.
+#[test]
+fn works_are_those_that_were_measured() {
+    const UNIT_MILLISECONDS: f64 = 60e-6;
+    let measured = [
+        0.033, 0.022, 0.011, 0.017, 2.29, 27.1, 46.3, 25.6, 8.36, 0.030, 0.024, 49.5, 9.30, 420.0,
+        0.066, 0.020, 0.016,
+    ];
+    for (pattern, milliseconds) in Pattern::ALL.into_iter().zip(measured) {
+        let ratio = UNIT_MILLISECONDS * pattern.nominal_work(1024) / milliseconds;
+        // A unit a point is the least.
+        let most = if milliseconds < 0.1 { 6.0 } else { 2.0 };
+        assert!((0.5..most).contains(&ratio), "{pattern}: {ratio}");
+    }
+    for pattern in Pattern::ALL {
+        assert!(pattern.nominal_work(1 << 20).is_finite() && pattern.nominal_work(0) >= 0.0);
+    }
+}
+
+#[test]
+fn parameters_are_listed_with_their_defaults() {
+    let listed = Pattern::Step(StepParameters { alpha: Some(1.0), ..StepParameters::DEFAULT });
+    let listed = listed.parameters();
+    let names: Vec<_> = listed.iter().map(|parameter| parameter.name).collect();
+    assert_eq!(names, ["alpha", "flat", "core"]);
+    assert_eq!(listed[0].default, DefaultValue::Depends("by N"));
+    assert_eq!(listed[2].default, DefaultValue::Value(Value::Number(0.3)));
+    assert!(Pattern::Spiral.parameters().is_empty());
+}
