@@ -3,8 +3,8 @@
 use clap::{Parser, Subcommand};
 
 use crate::commands::{
-    accuracy, audit, bounds, choose, compare, completions, eval, healpix, merge, render, reproduce,
-    sample, spectrum, variance,
+    accuracy, audit, bounds, choose, compare, completions, eval, healpix, list, merge, render,
+    reproduce, sample, spectrum, variance,
 };
 use crate::global::Global;
 
@@ -74,6 +74,9 @@ pub(crate) enum Command {
     /// Measure accuracy and speed against high-precision references, including extreme inputs
     #[command(after_help = accuracy::EXAMPLES)]
     Accuracy(accuracy::AccuracyArgs),
+    /// List samplers, integrands and file formats, with parameters, valid counts, costs and rates
+    #[command(after_help = list::EXAMPLES)]
+    List(list::ListArgs),
     /// Print the completions of a shell
     #[command(after_help = completions::EXAMPLES)]
     Completions(completions::CompletionsArgs),

@@ -106,6 +106,7 @@ fn dispatch(cli: Cli) -> Result<(), CliError> {
         Command::Reproduce(args) => commands::reproduce::run(&args, &cli.global),
         Command::Healpix(args) => commands::healpix::run(&args, &cli.global),
         Command::Accuracy(args) => commands::accuracy::run(&args, &cli.global),
+        Command::List(args) => commands::list::run(&args, &cli.global),
         Command::Completions(args) => commands::completions::run(&args),
         Command::Eval(args) => commands::eval::run(&args, &cli.global),
     }

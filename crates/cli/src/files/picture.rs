@@ -24,18 +24,29 @@ pub(crate) enum PictureFormat {
 }
 
 impl PictureFormat {
+    /// Every format.
+    pub(crate) const ALL: [Self; 3] = [Self::Png, Self::Exr, Self::Pfm];
+
+    /// Returns the extensions of its files, in lower case.
+    pub(crate) const fn extensions(self) -> &'static [&'static str] {
+        match self {
+            Self::Png => &["png"],
+            Self::Exr => &["exr"],
+            Self::Pfm => &["pfm"],
+        }
+    }
+
     /// The format that the extension names, whatever its case; `-`, standard output, is PNG.
     ///
     /// # Errors
     /// [`FileError::UnknownExtension`].
     pub(crate) fn of_path(path: &Path) -> Result<Self, FileError> {
         let extension = path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase);
+        let of =
+            |extension: &str| Self::ALL.into_iter().find(|f| f.extensions().contains(&extension));
         match extension.as_deref() {
-            Some("png") => Ok(Self::Png),
-            Some("exr") => Ok(Self::Exr),
-            Some("pfm") => Ok(Self::Pfm),
             None if is_stream(path) => Ok(Self::Png),
-            _ => Err(FileError::UnknownExtension {
+            extension => extension.and_then(of).ok_or_else(|| FileError::UnknownExtension {
                 path: path.display().to_string(),
                 known: PICTURES,
             }),

@@ -303,7 +303,7 @@ fn json_is_alone_on_standard_output() {
         "variance fibonacci -n 5 --integrand ylm:l=2 -m 4 -o -",
         "bounds --profile step -n 5 -o -",
         "compare fibonacci -n 5 --integrand ylm:l=2 -m 4 -o out",
-        "sample --list",
+        "list samplers",
     ] {
         let document = place.run(&format!("{arguments} --json")).json();
         assert!(document.is_object() || document.is_array(), "{arguments}: {document}");

@@ -5,13 +5,17 @@ use crate::workplace::{Workplace, small_exr};
 #[test]
 fn every_sampler_of_the_list_works() {
     let place = Workplace::new();
-    let list = place.run("sample --list --json").json();
-    let names: Vec<&str> =
-        list.as_array().unwrap().iter().map(|e| e["sampler"].as_str().unwrap()).collect();
+    let list = place.run("list samplers --json").json();
+    let names: Vec<&str> = list["samplers"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|entry| entry["name"].as_str().unwrap())
+        .collect();
     for name in ["white-noise", "jittered", "healpix", "fibonacci"] {
         assert!(names.contains(&name), "{names:?}");
     }
-    let table = place.run("sample --list").ok().stdout;
+    let table = place.run("list").ok().stdout;
     for name in &names {
         assert!(table.contains(name), "{table}");
         place.run(&format!("sample {name} -n 12")).ok();

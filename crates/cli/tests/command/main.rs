@@ -16,6 +16,7 @@ mod forms_of_results;
 mod grammar;
 mod help;
 mod interrupts;
+mod lists;
 mod messages;
 mod numbers;
 mod outcome;

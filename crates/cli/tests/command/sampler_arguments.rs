@@ -37,7 +37,8 @@ fn numbers_of_points_are_lists_ranges_and_powers() {
 #[test]
 fn all_stands_for_every_sampler() {
     let place = Workplace::new();
-    let all = place.run("sample --list --json").json().as_array().unwrap().len();
+    let list = place.run("list samplers --json").json();
+    let all = list["samplers"].as_array().unwrap().len();
     let variance = place.run("variance all -n 12 --integrand ylm:l=2 -m 4 --json").json();
     assert_eq!(variance["rows"].as_array().unwrap().len(), all);
     let compare = place.run("compare all -n 12 --integrand ylm:l=2 -m 4 --json -o out").json();
@@ -101,26 +102,6 @@ fn variances_are_drawn() {
     }
     place.run(&format!("{arguments} -o v.png")).ok();
     assert_eq!(place.bytes("v.png")[1..4], *b"PNG");
-}
-
-#[test]
-fn the_list_says_rates_in_words_and_shows_every_parameter() {
-    let place = Workplace::new();
-    let text = place.run("sample --list").ok().stdout;
-    for part in [
-        "exact for smooth integrands, N^-1.5 for those with jumps",
-        "radius (default by N)",
-        "mode=exact (exact, saturated)",
-        "mass=fibonacci (white, fibonacci, healpix)",
-        "placement=jittered (jittered, centred)",
-        "alpha (default by N), flat (default by N), core=0.3",
-        "10 of N = 100, 31 of N = 1000, 100 of N = 10000",
-    ] {
-        assert!(text.contains(part), "no {part:?} in:\n{text}");
-    }
-    assert!(!text.contains("N^exact") && !text.contains("N^as"), "{text}");
-    let text = place.run("sample --list -n 9").ok().stdout;
-    assert!(text.contains("2 of N = 9"), "{text}");
 }
 
 /// The last degree without power, stated wherever a step is made or chosen; where there is no set for

@@ -91,6 +91,27 @@ const fn other(magic: &'static [u8], name: &'static str, advice: &'static str) -
 }
 
 impl PointFormat {
+    /// Every format.
+    pub(crate) const ALL: [Self; 6] =
+        [Self::Csv, Self::Npy, Self::Npz, Self::Ply, Self::Fits, Self::Json];
+
+    /// Returns the extensions of its files, in lower case; outputs have the first.
+    pub(crate) const fn extensions(self) -> &'static [&'static str] {
+        match self {
+            Self::Csv => &["csv", "txt", "dat", "tsv", "xyz"],
+            Self::Npy => &["npy"],
+            Self::Npz => &["npz"],
+            Self::Ply => &["ply"],
+            Self::Fits => &["fits", "fit", "fts"],
+            Self::Json => &["json"],
+        }
+    }
+
+    /// Returns whether points can be written in it.
+    pub(crate) const fn is_writable(self) -> bool {
+        matches!(self, Self::Csv | Self::Npy | Self::Ply)
+    }
+
     /// The extensions of outputs of points, for messages: [`write_points`](super::write_points) knows the first ones,
     /// pictures of points are plots.
     pub(super) const WRITABLE: &'static str = ".csv, .npy, .ply (points), .svg, .png (a picture)";
@@ -98,15 +119,8 @@ impl PointFormat {
     /// Returns the format that the extension names, whatever its case.
     pub(crate) fn of_path(path: &Path) -> Option<Self> {
         let extension = path.extension()?.to_str()?.to_ascii_lowercase();
-        match extension.as_str() {
-            "csv" | "txt" | "dat" | "tsv" | "xyz" => Some(Self::Csv),
-            "npy" => Some(Self::Npy),
-            "npz" => Some(Self::Npz),
-            "ply" => Some(Self::Ply),
-            "json" => Some(Self::Json),
-            "fits" | "fit" | "fts" => Some(Self::Fits),
-            _ => None,
-        }
+        let is_of = |format: &Self| format.extensions().contains(&extension.as_str());
+        Self::ALL.into_iter().find(is_of)
     }
 
     /// Returns the format that the extension of an input names; that of a compressed file is before

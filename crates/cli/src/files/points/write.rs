@@ -34,7 +34,7 @@ pub(crate) fn write_points(
 ) -> Result<(), FileError> {
     let name = output_name(path);
     let format = match format.or_else(|| PointFormat::of_path(path)) {
-        Some(format @ (PointFormat::Csv | PointFormat::Npy | PointFormat::Ply)) => format,
+        Some(format) if format.is_writable() => format,
         None if is_stream(path) => PointFormat::Csv,
         _ => {
             return Err(FileError::UnknownExtension { path: name, known: PointFormat::WRITABLE });

@@ -1,0 +1,261 @@
+//! What is listed of a sampler, an integrand and a format.
+
+use serde::Serialize;
+use sphvar_grammar::{DefaultValue, Parameter, ParameterKind, Value};
+use sphvar_integrands::Term;
+use sphvar_samplers::{CostOrder, Domain, Law, Pattern, Rate};
+
+use super::page::{Page, UNBREAKABLE};
+use crate::files::FileFormat;
+
+/// A sampler.
+#[derive(Debug, Serialize)]
+pub(super) struct SamplerEntry {
+    pub(super) name: &'static str,
+    pub(super) summary: &'static str,
+    parameters: Vec<ParameterEntry>,
+    /// The rules that numbers of points obey.
+    counts: Counts,
+    cost: CostEntry,
+    /// The power as the degree goes to 0.
+    low_degrees: &'static str,
+    smooth_rate: RateEntry,
+    jump_rate: RateEntry,
+    #[serde(skip)]
+    rates: String,
+    /// What is known of the distribution.
+    distribution: &'static str,
+    deterministic: bool,
+    extensible: bool,
+    /// No set has power at any degree from 1 to `l`, for patterns that are made so.
+    last_empty_degrees: Vec<LastEmptyDegree>,
+    source: &'static str,
+}
+
+#[derive(Debug, Serialize)]
+struct Counts {
+    sphere: String,
+    hemisphere: String,
+}
+
+#[derive(Debug, Serialize)]
+struct CostEntry {
+    text: String,
+    exponent: f64,
+    logarithm: f64,
+    factor: &'static str,
+}
+
+/// A rate in words, and its exponents if it is a power.
+#[derive(Debug, Serialize)]
+struct RateEntry {
+    text: String,
+    exponent: Option<f64>,
+    logarithm: Option<f64>,
+}
+
+#[derive(Debug, Serialize)]
+struct LastEmptyDegree {
+    n: usize,
+    l: usize,
+}
+
+/// A parameter of a sampler or integrand.
+#[derive(Debug, Serialize)]
+pub(super) struct ParameterEntry {
+    name: &'static str,
+    summary: &'static str,
+    /// The valid values in words.
+    range: String,
+    /// The names of the valid values, where they have names.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    values: Vec<&'static str>,
+    /// A number or a text; null where the parameter must be given or follows from something else.
+    default: serde_json::Value,
+    required: bool,
+    /// `=DEFAULT` as the grammar writes it.
+    #[serde(skip)]
+    shown_default: String,
+    /// Whether any text is valid, or any name of a file.
+    #[serde(skip)]
+    is_text: bool,
+    /// What the default follows from, in words.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    default_depends: Option<&'static str>,
+}
+
+/// An integrand.
+#[derive(Debug, Serialize)]
+pub(super) struct IntegrandEntry {
+    pub(super) name: &'static str,
+    pub(super) summary: &'static str,
+    /// An example, or the form where the integrand needs a file.
+    example: String,
+    parameters: Vec<ParameterEntry>,
+}
+
+/// A format.
+#[derive(Debug, Serialize)]
+#[serde(transparent)]
+pub(super) struct FormatEntry(pub(super) FileFormat);
+
+impl SamplerEntry {
+    pub(super) fn new(pattern: &Pattern, counts: &[usize], domain: Domain) -> Self {
+        let facts = pattern.facts();
+        let CostOrder { exponent, logarithm, factor, .. } = facts.cost;
+        let last = |&n: &usize| {
+            let n = pattern.nearest_count(n, domain);
+            Some(LastEmptyDegree { n, l: pattern.last_empty_degree(n, domain)? })
+        };
+        let mut last_empty_degrees: Vec<_> = counts.iter().filter_map(last).collect();
+        // Some can be made so, but are not with their default parameters.
+        if last_empty_degrees.iter().all(|last| last.l == 0) {
+            last_empty_degrees.clear();
+        }
+        Self {
+            name: pattern.name(),
+            summary: pattern.summary(),
+            parameters: pattern.parameters().into_iter().map(ParameterEntry::new).collect(),
+            counts: Counts {
+                sphere: pattern.valid_counts(Domain::Sphere).to_string(),
+                hemisphere: pattern.valid_counts(Domain::Hemisphere).to_string(),
+            },
+            cost: CostEntry { text: facts.cost.to_string(), exponent, logarithm, factor },
+            low_degrees: facts.low_degrees,
+            smooth_rate: RateEntry::new(facts.smooth_rate),
+            jump_rate: RateEntry::new(facts.jump_rate),
+            rates: facts.rates(),
+            distribution: distribution(pattern),
+            deterministic: pattern.is_deterministic(),
+            extensible: facts.is_extensible,
+            last_empty_degrees,
+            source: facts.source,
+        }
+    }
+
+    pub(super) fn show(&self, page: &mut Page) {
+        let Counts { sphere, hemisphere } = &self.counts;
+        let counts = if sphere == hemisphere {
+            sphere.clone()
+        } else {
+            format!("{sphere}; on the hemisphere {hemisphere}")
+        };
+        let extensible = if self.extensible { "; the first points of a set are a set" } else { "" };
+        let last = |last: &LastEmptyDegree| format!("{} for N = {}", last.l, last.n);
+        let last: Vec<String> = self.last_empty_degrees.iter().map(last).collect();
+        page.heading(&format!("{}: {}", self.name, self.summary));
+        self.parameters.iter().for_each(|parameter| parameter.show(page));
+        page.detail("N", &counts);
+        page.detail("cost", &self.cost.text);
+        page.detail("P(l) as l -> 0", self.low_degrees);
+        page.detail("last empty degree", &last.join(", "));
+        page.detail("variance", &self.rates);
+        page.detail("sets", &format!("{}{extensible}", self.distribution));
+        page.detail("source", self.source);
+    }
+}
+
+/// Returns what is known of the distribution of a pattern, in words.
+fn distribution(pattern: &Pattern) -> &'static str {
+    let n = pattern.nearest_count(12, Domain::Sphere);
+    let Ok(sampler) = pattern.build(n, Domain::Sphere) else { return "random" };
+    match sampler.law() {
+        Law::Independent => "independent uniform points",
+        Law::Stratified(_) => "one uniform point in each of N cells of equal area",
+        Law::Fixed => "always the same, up to rotation",
+        _ => "random",
+    }
+}
+
+impl RateEntry {
+    fn new(rate: Rate) -> Self {
+        let (exponent, logarithm) = match rate {
+            Rate::Power { exponent, logarithm } => (Some(exponent), Some(logarithm)),
+            _ => (None, None),
+        };
+        Self { text: rate.to_string(), exponent, logarithm }
+    }
+}
+
+impl ParameterEntry {
+    fn new(parameter: Parameter) -> Self {
+        let (default, default_depends) = match &parameter.default {
+            DefaultValue::Value(Value::Integer(value)) => ((*value).into(), None),
+            DefaultValue::Value(Value::Number(value)) => ((*value).into(), None),
+            DefaultValue::Value(value) => (value.to_string().into(), None),
+            DefaultValue::Depends(words) => (serde_json::Value::Null, Some(*words)),
+            _ => (serde_json::Value::Null, None),
+        };
+        let values = match &parameter.kind {
+            ParameterKind::Choice(names) => names.clone(),
+            _ => Vec::new(),
+        };
+        Self {
+            name: parameter.name,
+            summary: parameter.summary,
+            shown_default: match &parameter.default {
+                DefaultValue::Value(value) => format!("={value}"),
+                _ => String::new(),
+            },
+            is_text: matches!(parameter.kind, ParameterKind::Word | ParameterKind::File),
+            range: parameter.kind.to_string(),
+            values,
+            required: parameter.default == DefaultValue::Required,
+            default,
+            default_depends,
+        }
+    }
+
+    fn show(&self, page: &mut Page) {
+        let absent = match self.default_depends {
+            Some(words) => format!("; default {words}"),
+            None if self.required => "; required".to_owned(),
+            None => String::new(),
+        };
+        let range = if self.values.is_empty() {
+            self.range.replace(' ', UNBREAKABLE)
+        } else {
+            self.values.join(", ")
+        };
+        let range = if self.is_text { String::new() } else { format!(": {range}") };
+        let detail = format!("{}{range}{absent}", self.summary);
+        page.detail(&format!("{}{}", self.name, self.shown_default), &detail);
+    }
+}
+
+impl IntegrandEntry {
+    pub(super) fn all() -> Vec<Self> {
+        let entry = |term: &Term| Self {
+            name: term.name(),
+            summary: term.summary(),
+            example: term.to_string(),
+            parameters: term.parameters().into_iter().map(ParameterEntry::new).collect(),
+        };
+        Term::all().iter().map(entry).collect()
+    }
+
+    pub(super) fn show(&self, page: &mut Page) {
+        page.heading(&format!("{}: {}", self.name, self.summary));
+        page.detail("example", &self.example);
+        self.parameters.iter().for_each(|parameter| parameter.show(page));
+    }
+}
+
+impl FormatEntry {
+    /// Returns content and extensions in a line.
+    pub(super) fn line(&self) -> String {
+        let extensions: Vec<String> = self.0.extensions.iter().map(|e| format!(".{e}")).collect();
+        format!("{}, {}", self.0.content, extensions.join(" "))
+    }
+
+    pub(super) fn show(&self, page: &mut Page) {
+        let FileFormat { name, summary, is_read, is_written, .. } = &self.0;
+        let use_of = match (is_read, is_written) {
+            (true, true) => "read and written",
+            (true, false) => "read",
+            _ => "written",
+        };
+        page.heading(&format!("{name}: {}", self.line()));
+        page.detail(use_of, summary);
+    }
+}

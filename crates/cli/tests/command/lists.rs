@@ -1,0 +1,131 @@
+//! `sphvar list`: what the registries say, for people and for scripts.
+
+use std::collections::BTreeSet;
+
+use serde_json::Value;
+
+use crate::workplace::Workplace;
+
+fn entries<'d>(document: &'d Value, kind: &str) -> &'d Vec<Value> {
+    document[kind].as_array().unwrap()
+}
+
+fn named<'d>(document: &'d Value, kind: &str, name: &str) -> &'d Value {
+    entries(document, kind).iter().find(|entry| entry["name"] == name).unwrap()
+}
+
+#[test]
+fn samplers_show_rates_and_every_parameter() {
+    let place = Workplace::new();
+    let text = place.run("list samplers").ok().stdout;
+    let words: String = text.split_whitespace().collect::<Vec<_>>().join(" ");
+    for part in [
+        "variance exact for smooth integrands, N^-1.5 for those with jumps",
+        "radius minimum chord times sqrt(N), on the hemisphere times sqrt(2N): finite and above 0; default by N",
+        "mode=exact exactly N points, or as many as there is room for: exact, saturated",
+        "mass=fibonacci what the mass points are: white, fibonacci, healpix",
+        "core=0.3 minimum distance in units of a hexagonal lattice's: in [0, 0.95]",
+        "last empty degree 10 for N = 100, 31 for N = 1000, 100 for N = 10000",
+        "N 12 nside^2 (12, 48, 108, ...); on the hemisphere 6 nside^2 (6, 24, 54, ...)",
+        "cost N^2 per step",
+        "sets always the same, up to rotation",
+        "sets independent uniform points; the first points of a set are a set",
+    ] {
+        assert!(words.contains(part), "no {part:?} in:\n{text}");
+    }
+    assert!(!text.contains("N^exact") && !text.contains("N^as"), "{text}");
+    let text = place.run("list samplers step -n 9").ok().stdout;
+    assert!(text.contains("2 for N = 9") && !text.contains("spiral"), "{text}");
+}
+
+#[test]
+fn every_list_fits_a_terminal() {
+    let place = Workplace::new();
+    for arguments in ["list", "list samplers", "list integrands", "list formats"] {
+        let text = place.run(arguments).ok().stdout;
+        let longest = text.lines().max_by_key(|line| line.chars().count()).unwrap();
+        assert!(longest.chars().count() <= 80, "{arguments}: {longest}");
+        assert!(text.lines().count() > 10, "{arguments}: {text}");
+    }
+}
+
+/// Parameters that are listed are taken, with their defaults, and those that are required are missed.
+#[test]
+fn listed_parameters_are_taken() {
+    let place = Workplace::new();
+    let document = place.run("list --json").json();
+    for entry in entries(&document, "samplers") {
+        let name = entry["name"].as_str().unwrap();
+        for parameter in entries(entry, "parameters") {
+            let key = parameter["name"].as_str().unwrap();
+            for value in entries_or_default(parameter) {
+                place.run(&format!("sample {name}:{key}={value} -n 12")).ok();
+            }
+        }
+    }
+    for entry in entries(&document, "integrands") {
+        let name = entry["name"].as_str().unwrap();
+        let example = entry["example"].as_str().unwrap();
+        if example.contains("FILE") {
+            continue;
+        }
+        let run = |integrand: &str| {
+            place.run(&format!("variance fibonacci -n 4 -m 4 --integrand {integrand}"))
+        };
+        run(example).ok();
+        for parameter in entries(entry, "parameters") {
+            if parameter["required"] == true {
+                let key = parameter["name"].as_str().unwrap();
+                run(name).fails(2, &[&format!("the parameter {key} is missing")]);
+            }
+        }
+    }
+}
+
+/// The named values of a parameter, or its default if it has one.
+fn entries_or_default(parameter: &Value) -> Vec<String> {
+    match (&parameter["values"], &parameter["default"]) {
+        // Masses of HEALPix need a fitting number of points.
+        (Value::Array(values), _) => values
+            .iter()
+            .map(|value| value.as_str().unwrap().to_owned())
+            .filter(|value| value != "healpix")
+            .collect(),
+        (_, Value::Number(number)) => vec![number.to_string()],
+        _ => Vec::new(),
+    }
+}
+
+#[test]
+fn documents_have_facts_as_numbers() {
+    let place = Workplace::new();
+    let document = place.run("list --json").json();
+    let riesz = named(&document, "samplers", "riesz");
+    assert_eq!(riesz["cost"]["exponent"], 2.0);
+    assert_eq!(riesz["cost"]["text"], "N^2 per step");
+    assert_eq!(riesz["smooth_rate"]["exponent"], -2.0);
+    assert_eq!(riesz["parameters"][0]["default"], 1.0);
+    assert_eq!(riesz["counts"]["sphere"], "any number from 1");
+    assert_eq!(named(&document, "samplers", "step")["smooth_rate"]["exponent"], Value::Null);
+    assert_eq!(named(&document, "samplers", "fibonacci")["deterministic"], true);
+    assert_eq!(named(&document, "samplers", "halton")["extensible"], true);
+    let extensions: BTreeSet<&str> = entries(&document, "formats")
+        .iter()
+        .flat_map(|format| entries(format, "extensions"))
+        .map(|extension| extension.as_str().unwrap())
+        .collect();
+    for extension in ["csv", "npy", "npz", "ply", "fits", "json", "exr", "hdr", "svg", "png"] {
+        assert!(extensions.contains(extension), "no {extension} in {extensions:?}");
+    }
+    let one = place.run("list integrands cap --json").json();
+    assert_eq!(entries(&one, "integrands").len(), 1);
+    assert!(one.get("samplers").is_none());
+}
+
+#[test]
+fn mistakes_name_what_there_is() {
+    let place = Workplace::new();
+    place.run("list samplers sobel").fails(2, &["unknown sampler \"sobel\"", "\"sobol\""]);
+    place.run("list sampler").fails(2, &["samplers"]);
+    place.run("sample --list").fails(2, &["sphvar list samplers"]);
+}
