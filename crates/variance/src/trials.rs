@@ -22,6 +22,28 @@ impl Trials {
         Self { count, until: None }
     }
 
+    /// The default number of trials of a sampler whose sets are inexpensive to make: the standard error of a
+    /// measured variance is then about 4.5 % of it.
+    pub const DEFAULT: u64 = 1000;
+    /// The default number of trials at least, however expensive the sets are: an error of about 20 %.
+    pub const MIN_DEFAULT: u64 = 50;
+    /// The nominal work of the default trials of one variance, about two and a half seconds of one core, unless
+    /// [`Self::MIN_DEFAULT`] trials take more.
+    const DEFAULT_WORK: f64 = 4e7;
+
+    /// Returns the default number of trials for a sampler: 1000, for samplers whose sets are expensive to make as
+    /// many as a fixed nominal work allows, but at least 50. It is the same on every machine.
+    #[must_use]
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "a positive number, and the cast saturates"
+    )]
+    pub fn default_for(sampler: &dyn Sampler) -> Self {
+        let affordable = (Self::DEFAULT_WORK / trial_work(sampler)) as u64;
+        Self::new(affordable.clamp(Self::MIN_DEFAULT, Self::DEFAULT))
+    }
+
     /// Returns the nominal work of `count` trials.
     #[must_use]
     pub fn work(&self, sampler: &dyn Sampler) -> f64 {
@@ -102,5 +124,27 @@ impl Predictor<'_> {
         };
         let exact = integrand.exact(domain);
         Ok(Comparison { predicted, measurement, exact, rounding, prediction_rounding, known })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use sphvar_samplers::{Domain, Pattern};
+
+    use super::Trials;
+    use crate::trial_work;
+
+    #[test]
+    fn default_trials_follow_from_the_work_of_a_set() {
+        let count = |name: &str, n: usize| {
+            let sampler = Pattern::from_name(name).unwrap().build(n, Domain::Sphere).unwrap();
+            (Trials::default_for(&*sampler).count, trial_work(&*sampler))
+        };
+        assert_eq!(count("white-noise", 3072).0, Trials::DEFAULT);
+        assert_eq!(count("riesz", 1 << 20).0, Trials::MIN_DEFAULT);
+        let (few, work) = count("step", 432);
+        assert!((Trials::MIN_DEFAULT..Trials::DEFAULT).contains(&few), "{few}");
+        let budget = Trials::DEFAULT_WORK;
+        assert!(few as f64 * work <= budget && (few + 1) as f64 * work > budget, "{few}");
     }
 }
