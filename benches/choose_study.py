@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """The error of `choose`'s best pattern over that of the best of a grid of every pattern's parameters.
 
-    choose_study.py [--binary PATH] [--points 200,500,2000] [--integrand SPEC]...
+    choose_study.py [--binary PATH] [--count 200,500,2000] [--integrand SPEC]...
 
 The ratio should be at most 1.2, for `vmf:kappa=50` at N = 500 at most 1.05. Alpha has one value per last
 empty degree from 0.7 sqrt(N) on.
@@ -61,12 +61,12 @@ def choose(arguments, spec, n, samplers=()):
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--binary", default="target/release/sphvar")
-    parser.add_argument("--points", default="200,500,2000")
+    parser.add_argument("--count", default="200,500,2000")
     parser.add_argument("--integrand", action="append")
     parser.add_argument("--grid-only", action="store_true", help="not choose's own answer")
     arguments = parser.parse_args()
     print(f"{'integrand':<32} {'N':>5}  {'chosen':<22} {'error':>9}  {'best of grid':<28} {'error':>9}  ratio")
-    for n in map(int, arguments.points.split(",")):
+    for n in map(int, arguments.count.split(",")):
         for spec in arguments.integrand or INTEGRANDS:
             one_by_one = (choose(arguments, spec, n, [s]) for s in [*PLAIN, *PARAMETERS, *alphas(n)])
             name, least = min((row for row in one_by_one if row), key=lambda row: row[1])

@@ -8,8 +8,7 @@ use crate::commands::{
 };
 use crate::global::Global;
 
-/// Which pattern of N directions on the sphere or hemisphere gives the least integration error, and
-/// why.
+/// Which pattern of N directions on the sphere or hemisphere gives the least integration error, and why
 #[derive(Debug, Parser)]
 #[command(
     name = "sphvar",
@@ -41,19 +40,19 @@ pub(crate) enum Command {
     /// Rank patterns for an integrand: the points that an error needs, or the error with N points
     #[command(after_help = choose::EXAMPLES)]
     Choose(choose::ChooseArgs),
-    /// Make realizations of a pattern: points as CSV, NPY or PLY, or a picture as SVG or PNG
+    /// Generate realizations of a pattern: points as CSV, NPY or PLY, or a picture as SVG or PNG
     #[command(after_help = sample::EXAMPLES)]
     Sample(sample::SampleArgs),
-    /// Angular power spectrum of a pattern, or of points in files
+    /// Compute the angular power spectrum of a pattern, or of points in files
     #[command(after_help = spectrum::EXAMPLES)]
     Spectrum(spectrum::SpectrumArgs),
     /// Merge spectrum shards; the result is bit-identical to a single run
     #[command(after_help = merge::EXAMPLES)]
     Merge(merge::MergeArgs),
-    /// Predicted and measured variance of patterns on one integrand
+    /// Predict and measure the variance of patterns on one integrand
     #[command(after_help = variance::EXAMPLES)]
     Variance(variance::VarianceArgs),
-    /// Variance bounds and convergence rates from spectral profiles
+    /// Bound the variance and its convergence rate by spectral profiles
     #[command(after_help = bounds::EXAMPLES)]
     Bounds(bounds::BoundsArgs),
     /// Test a sampler or point files for rotation invariance, which the variance formula assumes
@@ -65,7 +64,7 @@ pub(crate) enum Command {
     /// Recompute the figures of Singh's thesis and check its numbers
     #[command(after_help = reproduce::EXAMPLES)]
     Reproduce(reproduce::ReproduceArgs),
-    /// Convert lists of directions, angles and HEALPix pixels into each other
+    /// Convert lists of directions and angles to HEALPix pixels and back
     #[command(after_help = healpix::EXAMPLES)]
     Healpix(healpix::HealpixArgs),
     /// Evaluate a Legendre function, a harmonic, the spectrum of a cap, or a profile
@@ -77,7 +76,7 @@ pub(crate) enum Command {
     /// List samplers, integrands and file formats, with parameters, valid counts, costs and rates
     #[command(after_help = list::EXAMPLES)]
     List(list::ListArgs),
-    /// Print the completions of a shell
+    /// Print completions for a shell, or write manual pages
     #[command(after_help = completions::EXAMPLES)]
     Completions(completions::CompletionsArgs),
 }

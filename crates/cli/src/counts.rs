@@ -1,4 +1,4 @@
-//! Numbers of points as people write them: `1000`, `1e4`, `10k`, `16,64,256`, `16..1024`.
+//! Numbers as people write them: `1000`, `1e4`, `10k`, `16,64,256`, `16..1024`.
 
 use std::str::FromStr;
 
@@ -51,7 +51,30 @@ impl FromStr for Counts {
     }
 }
 
-/// One number of points: digits, `1e4`, or thousands and millions as `10k` and `2.5M`.
+/// One number of points, where a list makes no sense.
+pub(crate) fn parse_one_count(text: &str) -> Result<usize, String> {
+    if text.contains(',') || text.contains("..") {
+        return Err(format!("expected one number, got \"{text}\""));
+    }
+    parse_count(text)
+}
+
+/// A whole number that may be negative.
+pub(crate) fn parse_integer(text: &str) -> Result<i64, String> {
+    text.parse().map_err(|_| format!("expected a whole number such as 3 or -3, got \"{text}\""))
+}
+
+/// A number of realizations.
+pub(crate) fn parse_realizations(text: &str) -> Result<u64, String> {
+    parse_count(text).map(|count| count as u64)
+}
+
+/// A number with a fraction.
+pub(crate) fn parse_number(text: &str) -> Result<f64, String> {
+    text.parse().map_err(|_| format!("expected a number such as 0.5 or 1e-3, got \"{text}\""))
+}
+
+/// A whole number: digits, `1e4`, or thousands and millions as `10k` and `2.5M`.
 pub(crate) fn parse_count(text: &str) -> Result<usize, String> {
     let text = text.trim();
     if let Ok(n) = text.parse() {

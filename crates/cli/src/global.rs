@@ -11,7 +11,7 @@ pub(crate) struct Global {
     /// Print exactly one JSON document to standard output
     #[arg(long, global = true, help_heading = HEADING)]
     pub(crate) json: bool,
-    /// Show no progress and no remarks
+    /// Print no progress and no remarks
     #[arg(long, global = true, help_heading = HEADING)]
     pub(crate) quiet: bool,
     /// Seed of all random numbers; the same seed gives the same bytes

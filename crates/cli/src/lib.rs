@@ -8,6 +8,7 @@ mod commands;
 mod counts;
 mod error;
 mod files;
+mod flags;
 #[doc(hidden)]
 pub mod fuzzing;
 mod global;
@@ -31,7 +32,7 @@ mod transforms;
 use std::io::Write;
 use std::process::ExitCode;
 
-use clap::Parser;
+use clap::{CommandFactory, Parser};
 
 use crate::args::{Cli, Command};
 use crate::error::CliError;
@@ -42,7 +43,7 @@ use crate::error::CliError;
 pub fn run() -> ExitCode {
     let cli = match Cli::try_parse() {
         Ok(cli) => cli,
-        Err(error) => return usage(&error),
+        Err(error) => return usage(error),
     };
     let watched = interrupts::watch()
         .map_err(|error| CliError::Failed(format!("cannot watch for signals: {error}")));
@@ -58,7 +59,10 @@ pub fn run() -> ExitCode {
 }
 
 /// Prints what clap has to say, which is help or an error of usage, and returns the exit status: 0 or 2.
-fn usage(error: &clap::Error) -> ExitCode {
+fn usage(mut error: clap::Error) -> ExitCode {
+    let words: Vec<String> =
+        std::env::args_os().skip(1).map(|word| word.to_string_lossy().into_owned()).collect();
+    flags::retired::explain(&mut error, &Cli::command(), &words);
     let text = error.to_string();
     let lines: Vec<String> = arguments_escaped(&text).lines().map(message::clean).collect();
     let printed = if error.use_stderr() && lines.join("\n") != text.trim_end() {

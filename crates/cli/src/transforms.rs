@@ -3,17 +3,24 @@
 use clap::{Args, ValueEnum};
 use sphvar_spectrum::{Method, Resolution};
 
+use crate::counts::parse_number;
 use crate::error::CliError;
 
 /// How coefficients of point sets are computed.
 #[derive(Clone, Copy, Debug, Args)]
 pub(crate) struct TransformArgs {
-    /// How point sets are transformed: by the definition, fast to an accuracy, or whichever is
-    /// expected to take less time
-    #[arg(long, value_enum, default_value_t = MethodArg::Auto)]
+    /// Transform of point sets: exact (by the definition), fast (to --epsilon), or auto, the one with less work
+    #[arg(long, value_enum, hide_possible_values = true, default_value_t = MethodArg::Auto)]
     method: MethodArg,
-    /// Relative accuracy of the coefficients by the fast method, 1e-13 to 1e-1 [default: 1e-12]
-    #[arg(long, default_value_t = Resolution::EPSILON, hide_default_value = true)]
+    #[arg(
+        long,
+        value_name = "E",
+        value_parser = parse_number,
+        default_value = format!("{:e}", Resolution::EPSILON),
+        help = format!(
+            "Relative accuracy of the fast transform, from {:e} to {}", Resolution::MIN_EPSILON, Resolution::MAX_EPSILON
+        )
+    )]
     epsilon: f64,
 }
 
@@ -30,7 +37,7 @@ impl TransformArgs {
         let (min, max) = (Resolution::MIN_EPSILON, Resolution::MAX_EPSILON);
         if !(min..=max).contains(&self.epsilon) {
             let got = self.epsilon;
-            let message = format!("--epsilon must be in [{min:e}, {max:e}], got {got}");
+            let message = format!("--epsilon must be in [{min:e}, {max}], got {got:?}");
             return Err(CliError::Usage(message));
         }
         let method = match self.method {

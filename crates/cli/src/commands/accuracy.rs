@@ -29,24 +29,24 @@ pub(crate) const EXAMPLES: &str = "Examples:
   sphvar accuracy -o docs/accuracy.md --plot docs/images   (everything; minutes)
 
 Areas are harmonics (associated Legendre functions, spherical harmonics), indexing (HEALPix), transforms \
-(exact and fast), spectra and predictions. Every method is timed, the median of 5 runs at least (3 with \
---quick) that take 0.1 s together, and compared with a reference that is better than it: values with 25 \
-digits, twice the working precision, or a closed form. Hard cases are extreme inputs. Every largest \
-error has a bound, and the exit status is 1 if one is exceeded. The seeds of all inputs are fixed: \
---seed changes nothing.";
+(exact and fast), spectra and predictions. Every method is timed (the median of at least 5 runs, 3 with \
+--quick, of at least 0.1 s in all) and compared with a more accurate reference: values with 25 \
+digits, twice the working precision, or a closed form. Hard cases are extreme inputs. Every maximum \
+error has a bound, and the exit status is 1 if one is exceeded. The seeds of all inputs are fixed, so \
+--seed has no effect.";
 
 #[derive(Debug, Args)]
 pub(crate) struct AccuracyArgs {
-    /// What to measure: harmonics, indexing, transforms, spectra, predictions [default: all]
+    /// Areas to measure: harmonics, indexing, transforms, spectra, predictions [default: all]
     #[arg(value_name = "AREAS", value_parser = parse_area)]
     areas: Vec<Area>,
-    /// Smaller inputs: some seconds for each area
+    /// Use smaller inputs: some seconds per area
     #[arg(long)]
     quick: bool,
-    /// Write the findings to a file, .md, .json or .csv, or the chart of one area as .svg or .png
+    /// Write the results to a file: .md, .json or .csv, or the chart of one area as .svg or .png
     #[arg(short, long, value_name = "FILE")]
     out: Option<PathBuf>,
-    /// Draw error against time: a chart of one area as .svg or .png, or a folder for a chart of each
+    /// Plot error against time: one area to a file, .svg or .png, or every area to a folder
     #[arg(long, value_name = "FILE|FOLDER")]
     plot: Option<PathBuf>,
 }
@@ -99,7 +99,7 @@ pub(crate) fn run(args: &AccuracyArgs, global: &Global) -> Result<(), CliError> 
 fn parse_area(text: &str) -> Result<Area, String> {
     Area::ALL.into_iter().find(|area| area.name() == text).ok_or_else(|| {
         let names = Area::ALL.map(Area::name);
-        format!("no such area; there are {}", names.join(", "))
+        format!("unknown area; valid: {}", names.join(", "))
     })
 }
 

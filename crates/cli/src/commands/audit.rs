@@ -15,6 +15,7 @@ use sphvar_spectrum::{
 
 use self::report::{AuditBody, AuditRecord, Ensemble};
 use super::sets_args::SetsArgs;
+use crate::counts::{parse_number, parse_one_count, parse_realizations};
 use crate::error::CliError;
 use crate::global::Global;
 use crate::memory::{check_degree, check_memory, check_transform};
@@ -27,17 +28,17 @@ pub(crate) const EXAMPLES: &str = "Examples:
   sphvar audit jittered -n 768 -m 2000
   sphvar audit --points sets.npy --lmax 6
 
-The variance formula holds for ensembles whose distribution is invariant under rotations. Tested on \
-the coefficients of degrees 1 to --lmax (on the hemisphere the even ones):
+The variance formula holds for ensembles whose distribution is invariant under rotations. The audit \
+tests the coefficients of degrees 1 to --lmax (on the hemisphere the even ones):
   means        E S_lm = 0: no bias (value: the mean in units of sqrt(P(l)))
   phases       arg S_lm and its double uniform for m >= 1; S_l0 is real (mean resultant length)
   orders       the same power for all orders of a degree (P(l,m)/P(l))
   covariances  different coefficients uncorrelated, degrees up to 4 (correlation)
-  rotations    the mean of the rotations that were used is 0 (entry of the mean)
+  rotations    the mean of the random rotations is 0 (entry of the mean)
 Degrees without power, such as odd ones of antipodal sets, are left out. Each p-value comes from \
-copies of the ensemble in which every set is rotated by another uniform rotation; all tests together \
+copies of the ensemble in which every set is randomly rotated once more; all tests together \
 reject a homogeneous ensemble with probability --alpha at most. A sampler is audited both as drawn \
-and after uniform random rotations. The exit status is 0 whatever the verdict.";
+and after uniform random rotations. The exit status is 0 whatever the outcome.";
 
 /// Fewer realizations say too little to be judged.
 const LEAST: u64 = 30;
@@ -46,29 +47,38 @@ const LEAST: u64 = 30;
 pub(crate) struct AuditArgs {
     #[command(flatten)]
     pub(crate) sets: SetsArgs,
-    /// Number of realizations, at least 30
     #[arg(
+        help = format!("Number of realizations, at least {LEAST}"),
         short = 'm',
         long,
-        default_value_t = 2000,
+        default_value = "2000",
         value_name = "M",
+        value_parser = parse_realizations,
         conflicts_with = "points_from"
     )]
     pub(crate) realizations: u64,
-    /// Largest degree that is looked at, inclusive
-    #[arg(long, default_value_t = 8)]
+    /// Maximum degree, inclusive
+    #[arg(long, value_name = "L", default_value = "8", value_parser = parse_one_count)]
     pub(crate) lmax: usize,
-    /// Probability that a homogeneous ensemble is objected to, [1e-4, 0.5]
-    #[arg(long, default_value_t = 0.01)]
+    #[arg(
+        long,
+        value_name = "P",
+        default_value_t = 0.01,
+        value_parser = parse_number,
+        help = format!(
+            "Probability of rejecting a homogeneous ensemble, from {:e} to {}",
+            AuditSettings::MIN_ALPHA,
+            AuditSettings::MAX_ALPHA
+        )
+    )]
     pub(crate) alpha: f64,
-    /// Relative error of a variance that must be within sight for the answer yes
-    #[arg(long, default_value_t = 0.2)]
+    /// Relative error of the variance that the audit must be able to detect before it answers yes
+    #[arg(long, value_name = "E", default_value_t = 0.2, value_parser = parse_number)]
     pub(crate) tolerance: f64,
-    /// Audit the sampler only as it draws, not as turned by uniform rotations
+    /// Audit the sampler as drawn only, not after uniform random rotations
     #[arg(long, conflicts_with = "points_from")]
     pub(crate) unrotated: bool,
-    /// Write the findings to a file, .csv or .json, or a plot of the error of every spherical harmonic as
-    /// .svg or .png
+    /// Write the results to a file: .csv or .json, or a plot of the error of every spherical harmonic as .svg or .png
     #[arg(short, long, value_name = "FILE")]
     pub(crate) out: Option<PathBuf>,
 }
@@ -83,7 +93,7 @@ pub(crate) fn run(args: &AuditArgs, global: &Global) -> Result<(), CliError> {
     if let Some(path) = &args.out {
         check_result(path, true)?;
     }
-    let domain = super::domain(args.sets.hemisphere);
+    let domain = args.sets.domain.domain();
     let settings =
         AuditSettings { alpha: args.alpha, tolerance: args.tolerance, seed: global.seed };
     check_settings(args, domain)?;
@@ -144,7 +154,7 @@ fn check_settings(args: &AuditArgs, domain: Domain) -> Result<(), CliError> {
 }
 
 fn source(args: &AuditArgs, domain: Domain, global: &Global) -> Result<Source, CliError> {
-    let (Some(name), Some(n)) = (&args.sets.sampler, args.sets.n) else {
+    let (Some(name), Some(n)) = (&args.sets.sampler.sampler, args.sets.count.count) else {
         let sets = FileSets::read(&args.sets.files, domain, global.quiet)?;
         if sets.count() < LEAST {
             return Err(CliError::Failed(format!(
@@ -156,7 +166,7 @@ fn source(args: &AuditArgs, domain: Domain, global: &Global) -> Result<Source, C
         return Ok(Source::Files(sets));
     };
     let pattern = patterns::parse_pattern(name)?;
-    let sampler = patterns::build(&pattern, n, domain, args.sets.nearest)?;
+    let sampler = patterns::build(&pattern, n, domain, args.sets.nearest.nearest)?;
     if sampler.n_points() != n {
         let got = sampler.n_points();
         say(global.quiet, &format!("{pattern}: {got} points, the nearest to the {n} asked for"));

@@ -10,9 +10,7 @@ mod reason;
 mod recommendation;
 pub(crate) mod record;
 
-use std::path::PathBuf;
-
-use clap::Args;
+use clap::{ArgGroup, Args};
 use sphvar_samplers::{EqualAreaParameters, Pattern, Placement, Riesz, RieszParameters};
 use sphvar_variance::{Domain, PredictionBudget, Predictor};
 
@@ -20,20 +18,20 @@ use self::candidate::TimedCandidate;
 use self::presentation::Answer;
 use self::question::Question;
 use self::record::LeftOut;
-use crate::counts::parse_count;
+use crate::counts::{parse_number, parse_one_count};
 use crate::error::CliError;
+use crate::flags::{CountArgs, DomainArgs, IntegrandArgs, OutArgs, SamplersArgs};
 use crate::global::Global;
-use crate::integrands::{FORMS, check_domain, parse_integrand};
+use crate::integrands::{check_domain, parse_integrand};
 use crate::memory::check_memory;
 use crate::patterns::parse_patterns;
 use crate::progress::Progress;
 use crate::report::{check_result, number};
-use crate::spec::argument;
 
 pub(crate) const EXAMPLES: &str = "Examples:
   sphvar choose --integrand env:data/city.exr --error 1%
   sphvar choose --integrand cap:degrees=60 -n 1000 -o errors.png
-  sphvar choose --integrand ylm:l=4 --absolute --error 0.01 --samplers jittered,fibonacci
+  sphvar choose jittered,fibonacci --integrand ylm:l=4 --absolute --error 0.01
 
 The error is one standard error of the integral, the root of the predicted variance, over uniform \
 rotations of the pattern. Predictions come from spectra, in closed form or estimated until the variance is \
@@ -44,34 +42,40 @@ For step and blue the best alpha is chosen. \
 The seconds per set are measured on one core, the median of up to five.";
 
 #[derive(Debug, Args)]
+#[command(
+    group(ArgGroup::new("question").args(["error", "count"]).required(true)),
+    mut_arg("integrand", |integrand| integrand.required(true)),
+    mut_arg("positional_samplers", |samplers| {
+        samplers.help(format!("{} [default: those for which predictions are inexpensive]", SamplersArgs::HELP))
+    }),
+    mut_arg("count", |count| {
+        count.help("Number of points N: 1000, 1e4 or 10k; each sampler uses its largest valid count not exceeding N")
+    })
+)]
 pub(crate) struct ChooseArgs {
-    #[arg(long, allow_hyphen_values = true, value_parser = argument(), help = format!("Integrand: {FORMS}"))]
-    pub(crate) integrand: String,
-    /// The standard error wanted, relative to the integral: 1% or 0.01; above 50 % with a % sign
-    #[arg(long, value_name = "E", required_unless_present = "points", conflicts_with = "points")]
+    #[command(flatten)]
+    pub(crate) samplers: SamplersArgs,
+    #[command(flatten)]
+    pub(crate) integrand: IntegrandArgs,
+    /// Requested standard error, relative to the integral: 1% or 0.01; above 50 % with a % sign
+    #[arg(long, value_name = "E")]
     pub(crate) error: Option<String>,
-    /// Sample budget; each sampler uses its largest valid count not exceeding N
-    #[arg(short = 'n', long, value_name = "N", value_parser = parse_count)]
-    pub(crate) points: Option<usize>,
-    /// --error is in units of the integral itself
+    #[command(flatten)]
+    pub(crate) count: CountArgs,
+    /// Take --error in units of the integral instead
     #[arg(long, requires = "error")]
     pub(crate) absolute: bool,
-    /// Samplers, separated by commas, or all [default: all that cost little enough]
-    #[arg(long, value_name = "LIST")]
-    pub(crate) samplers: Option<String>,
-    /// Integrate over the hemisphere z >= 0
-    #[arg(long)]
-    pub(crate) hemisphere: bool,
-    /// Largest number of points considered for --error
-    #[arg(long, default_value_t = 100_000, value_name = "N", value_parser = parse_count,
-        conflicts_with = "points")]
-    pub(crate) max_points: usize,
+    #[command(flatten)]
+    pub(crate) domain: DomainArgs,
+    /// Maximum number of points considered for --error
+    #[arg(long, default_value = "100000", value_name = "N", value_parser = parse_one_count,
+        conflicts_with = "count")]
+    pub(crate) max_count: usize,
     /// Seconds that a value of the integrand costs: rank by the time for the set and all values
-    #[arg(long, value_name = "SECONDS", requires = "error")]
+    #[arg(long, value_name = "SECONDS", requires = "error", value_parser = parse_number)]
     pub(crate) cost_per_sample: Option<f64>,
-    /// Write the answer to a file: .csv, .json, or a plot of errors against N as .svg or .png
-    #[arg(short, long, value_name = "FILE")]
-    pub(crate) out: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) out: OutArgs,
 }
 
 /// A default sampler is left out where a prediction alone takes more work than this number of budgets.
@@ -82,11 +86,11 @@ const TYPICAL_POINTS: usize = 1024;
 const BYTES_PER_POINT: f64 = 24.0;
 
 pub(crate) fn run(args: &ChooseArgs, global: &Global) -> Result<(), CliError> {
-    if let Some(path) = &args.out {
+    if let Some(path) = &args.out.out {
         check_result(path, true)?;
     }
-    let integrand = parse_integrand(&args.integrand, global.quiet)?;
-    let domain = super::domain(args.hemisphere);
+    let integrand = parse_integrand(args.integrand.required()?, global.quiet)?;
+    let domain = args.domain.domain();
     check_domain(&integrand, domain)?;
     if let Some(cost) = args.cost_per_sample
         && !(cost >= 0.0 && cost.is_finite())
@@ -94,7 +98,8 @@ pub(crate) fn run(args: &ChooseArgs, global: &Global) -> Result<(), CliError> {
         let message = format!("--cost-per-sample must be finite and at least 0, got {cost}");
         return Err(CliError::Usage(message));
     }
-    let patterns = match &args.samplers {
+    let named = args.samplers.list();
+    let patterns = match &named {
         Some(list) => parse_patterns(list)?,
         None => considered(),
     };
@@ -104,11 +109,11 @@ pub(crate) fn run(args: &ChooseArgs, global: &Global) -> Result<(), CliError> {
         .map_err(CliError::usage)?
         .on_energies(&announce);
     let question = Question::new(args, &integrand, predictor.energy())?;
-    if let Some(n) = args.points {
+    if let Some(n) = args.count.count {
         check_memory(&format!("-n {n}"), BYTES_PER_POINT * n as f64)?;
     }
 
-    let typical = args.points.unwrap_or(TYPICAL_POINTS);
+    let typical = args.count.count.unwrap_or(TYPICAL_POINTS);
     let mut patterns = patterns;
     // Inexpensive ones first; the order is no matter of time, and so the same everywhere.
     patterns.sort_by(|a, b| a.nominal_work(typical).total_cmp(&b.nominal_work(typical)));
@@ -122,18 +127,18 @@ pub(crate) fn run(args: &ChooseArgs, global: &Global) -> Result<(), CliError> {
             continue;
         }
         progress.stage(&pattern.to_string());
-        let budgets = args.points.map_or(0.0, |n| budgets(&pattern, n));
-        if args.samplers.is_none() && budgets > MAX_BUDGETS {
+        let budgets = args.count.count.map_or(0.0, |n| budgets(&pattern, n));
+        if named.is_none() && budgets > MAX_BUDGETS {
             left_out.push(LeftOut {
                 sampler: pattern.to_string(),
                 reason: format!(
-                    "a prediction takes {} times the work of others; --samplers takes it",
+                    "a prediction takes {} times the work of others; name it to take it",
                     number::count(budgets)
                 ),
             });
         } else {
             // A pattern that was named is taken as it was, however far behind.
-            let is_named = args.samplers.is_some();
+            let is_named = named.is_some();
             let limit = fewest.filter(|_| !is_named && args.cost_per_sample.is_none());
             let candidate =
                 TimedCandidate::new(pattern.clone(), limit, &question, &mut predictor, global.seed)

@@ -18,41 +18,45 @@ use self::record::{ComparisonBody, DegreeRecord, SamplerRecord};
 use self::result_folder::{RECORD, ResultFolder};
 use self::text::text;
 use super::crossovers::crossovers;
+use super::effort::EffortArgs;
 use super::row_record::RowRecord;
-use super::rows::{self, Case, EffortArgs, Plan, Row};
-use crate::counts::Counts;
+use super::rows::{self, Case, Plan, Row};
 use crate::error::CliError;
+use crate::flags::{CountsArgs, IntegrandArgs, SamplersArgs};
 use crate::global::Global;
-use crate::integrands::{self, FORMS, parse_integrand};
+use crate::integrands::{self, parse_integrand};
 use crate::patterns::parse_patterns;
 use crate::report::{Document, Provenance, csv_of, is_stdout, print, say, write_text};
-use crate::spec::argument;
 
 pub(crate) const EXAMPLES: &str = "Examples:
   sphvar compare
   sphvar compare jittered,fibonacci -n 100,1000 --integrand cap:degrees=60 -o cap
   sphvar compare --hemisphere --integrand cosine -o cosine
 
-Every sampler takes the number of points nearest to the one asked for. Into the output folder go \
+Without arguments it compares the patterns of Singh's thesis on a photographed light probe, which is built in, within a minute \
+on two cores. Every sampler takes its valid number of points nearest to N. The output folder receives \
 comparison.csv and .json, spectra.csv, and the plots spectra, variance and integrand as .svg and .png. \
 The same command run again replaces its own files, since it gives the same results; the results of another \
 command are overwritten only with --force. Two runs cannot write to one folder at the same time.";
 
+/// The patterns that the thesis compares.
+const SAMPLERS: &str = "white-noise,jittered,poisson-disk,ccvt,healpix,fibonacci,step";
+/// Numbers of points that HEALPix has, with which the comparison takes less than a minute of two cores.
+const COUNTS: &str = "48,108,192,432,768,1728";
+
 #[derive(Debug, Args)]
+#[command(
+    mut_arg("positional_samplers", |samplers| samplers.default_value(SAMPLERS)),
+    mut_arg("counts", |counts| counts.default_value(COUNTS)),
+    mut_arg("integrand", |integrand| integrand.default_value(integrands::CITY))
+)]
 pub(crate) struct CompareArgs {
-    /// Samplers, separated by commas, or all [default: white-noise, jittered, healpix, fibonacci]
-    pub(crate) samplers: Option<String>,
-    /// Numbers of points: 48,108 or 16..1024 for doubling [default: 48 to 3072, seven of them]
-    #[arg(
-        short = 'n',
-        long = "points",
-        default_value = "48,108,192,432,768,1728,3072",
-        hide_default_value = true,
-        value_name = "N"
-    )]
-    pub(crate) points: Counts,
-    #[arg(long, allow_hyphen_values = true, value_parser = argument(), default_value = integrands::CITY, help = format!("Integrand: {FORMS}"))]
-    pub(crate) integrand: String,
+    #[command(flatten)]
+    pub(crate) samplers: SamplersArgs,
+    #[command(flatten)]
+    pub(crate) counts: CountsArgs,
+    #[command(flatten)]
+    pub(crate) integrand: IntegrandArgs,
     #[command(flatten)]
     pub(crate) effort: EffortArgs,
     /// Folder for tables and plots
@@ -70,21 +74,17 @@ pub(crate) fn run(args: &CompareArgs, global: &Global) -> Result<(), CliError> {
                 .to_owned(),
         ));
     }
-    let integrand = parse_integrand(&args.integrand, global.quiet)?;
-    let domain = super::domain(args.effort.hemisphere);
-    let listed = match &args.samplers {
-        Some(list) => parse_patterns(list)?,
-        None => Pattern::ELEMENTARY.to_vec(),
-    };
+    let integrand = parse_integrand(args.integrand.required()?, global.quiet)?;
+    let domain = args.effort.domain.domain();
     let mut patterns: Vec<Pattern> = Vec::new();
-    for pattern in listed {
+    for pattern in parse_patterns(&args.samplers.required()?)? {
         if !patterns.contains(&pattern) {
             patterns.push(pattern);
         }
     }
     let mut cases: Vec<Case> = Vec::new();
     for pattern in &patterns {
-        for &n in args.points.all() {
+        for &n in args.counts.required()? {
             let case = Case::new(pattern.clone(), n, domain, true)?;
             let same = |c: &Case| c.pattern == *pattern && c.n_points() == case.n_points();
             if !cases.iter().any(same) {

@@ -18,12 +18,11 @@ use crate::patterns;
 use crate::progress::Progress;
 use crate::report::{Column, number};
 
-/// Where sphere sets are cut.
+/// Where sphere sets are cut: at the equator, or at random after a rotation against the integrand, which is taken as a
+/// function of lines.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(crate) enum Cut {
-    /// Turned at random against the integrand, which is taken as a function of lines
     Random,
-    /// At the equator
     Equator,
 }
 

@@ -7,8 +7,9 @@ use sphvar_integrands::{Cap, Integrand};
 use sphvar_samplers::Domain;
 use sphvar_sh::{Colatitude, lambda_scaled, ylm};
 
-use crate::counts::parse_count;
+use crate::counts::{parse_integer, parse_number, parse_one_count};
 use crate::error::CliError;
+use crate::flags::CountArgs;
 use crate::global::Global;
 use crate::memory::{check_degree, check_memory};
 use crate::profiles::parse_profile;
@@ -28,52 +29,52 @@ pub(crate) struct EvalArgs {
 
 #[derive(Debug, Subcommand)]
 enum Function {
-    /// The orthonormal associated Legendre function `lambda_lm(theta)`, Condon-Shortley phase
+    /// Evaluate the orthonormal associated Legendre function `lambda_lm(theta)`, Condon-Shortley phase
     Legendre {
         /// Degree
-        #[arg(long)]
+        #[arg(long, value_parser = parse_one_count)]
         l: usize,
         /// Order, -l to l
-        #[arg(long, allow_negative_numbers = true)]
+        #[arg(long, allow_negative_numbers = true, value_parser = parse_integer)]
         m: i64,
         /// Colatitude in radians, 0 to pi
-        #[arg(long, allow_negative_numbers = true)]
+        #[arg(long, allow_negative_numbers = true, value_parser = parse_number)]
         theta: f64,
     },
-    /// The complex orthonormal spherical harmonic `Y_lm(theta, phi)`
+    /// Evaluate the complex orthonormal spherical harmonic `Y_lm(theta, phi)`
     Ylm {
         /// Degree
-        #[arg(long)]
+        #[arg(long, value_parser = parse_one_count)]
         l: usize,
         /// Order, -l to l
-        #[arg(long, allow_negative_numbers = true)]
+        #[arg(long, allow_negative_numbers = true, value_parser = parse_integer)]
         m: i64,
         /// Colatitude in radians, 0 to pi
-        #[arg(long, allow_negative_numbers = true)]
+        #[arg(long, allow_negative_numbers = true, value_parser = parse_number)]
         theta: f64,
         /// Longitude in radians
-        #[arg(long, allow_negative_numbers = true)]
+        #[arg(long, allow_negative_numbers = true, value_parser = parse_number)]
         phi: f64,
     },
-    /// The energy per degree of a spherical cap
+    /// Evaluate the energy per degree of a spherical cap
     CapPower {
         /// Angle from the axis to the rim, in (0, 180]
-        #[arg(long)]
+        #[arg(long, value_parser = parse_number)]
         degrees: f64,
-        /// Largest degree
-        #[arg(long)]
+        /// Maximum degree, inclusive
+        #[arg(long, value_name = "L", value_parser = parse_one_count)]
         lmax: usize,
     },
-    /// The power per degree of a profile
+    /// Evaluate the power per degree of a profile
+    #[command(mut_arg("count", |count| count.required(true)))]
     Profile {
-        /// constant | step | linear | quadratic | poly:b=B, each with alpha=, gamma=
+        /// Profile: constant, step, linear, quadratic or poly:b=B, each with alpha=, gamma= and offset=
         #[arg(long)]
         profile: String,
-        /// Number of points
-        #[arg(short = 'n', long = "points", value_name = "N", value_parser = parse_count)]
-        points: usize,
-        /// Largest degree
-        #[arg(long)]
+        #[command(flatten)]
+        count: CountArgs,
+        /// Maximum degree, inclusive
+        #[arg(long, value_name = "L", value_parser = parse_one_count)]
         lmax: usize,
     },
 }
@@ -148,13 +149,14 @@ pub(crate) fn run(args: &EvalArgs, global: &Global) -> Result<(), CliError> {
             let l = (0..=lmax).collect();
             output(global, &CapBody { l, energy: values, total: energy.total() }, text)
         }
-        Function::Profile { profile, points, lmax } => {
+        Function::Profile { profile, count, lmax } => {
             check_size("--lmax", *lmax)?;
             let profile = parse_profile(profile)?.profile;
-            if *points == 0 {
+            let n = count.required()?;
+            if n == 0 {
                 return Err(CliError::Usage("-n must be at least 1, got 0".to_owned()));
             }
-            let power: Vec<f64> = (0..=*lmax).map(|l| profile.power(l, *points)).collect();
+            let power: Vec<f64> = (0..=*lmax).map(|l| profile.power(l, n)).collect();
             let rows = power.iter().enumerate().map(|(l, &power)| DegreePower { l, power });
             let text = csv_rows(&rows.collect::<Vec<_>>())?;
             output(global, &ProfileBody { l: (0..=*lmax).collect(), power }, text)

@@ -82,23 +82,23 @@ impl Conversion {
 
 #[derive(Debug, Args)]
 pub(crate) struct HealpixArgs {
-    /// What to convert into what
+    /// Conversion of each row
     #[arg(value_enum, value_name = "CONVERSION")]
     pub(crate) conversion: Conversion,
-    /// Resolution: the sphere has 12 K^2 pixels; K is from 1 to 2^29, in nested order a power of two
+    /// Resolution: the sphere has 12 K^2 pixels; K is from 1 to 2^29, and a power of two in nested order
     #[arg(long, value_name = "K", value_parser = parse_nside, allow_negative_numbers = true)]
     pub(crate) nside: Nside,
-    /// Number pixels in nested order and not in ring order (ring2nest and nest2ring know by themselves)
+    /// Number pixels in nested order instead of ring order; ring2nest and nest2ring need no flag
     #[arg(long)]
     pub(crate) nested: bool,
-    /// Angles are longitude and latitude in degrees, columns lon,lat
+    /// Take angles as longitude and latitude in degrees, columns lon,lat
     #[arg(long)]
     pub(crate) degrees: bool,
-    /// The list to convert, CSV or NPY; - is standard input
-    #[arg(value_name = "IN")]
+    /// List to convert, CSV or NPY; - is standard input
+    #[arg(value_name = "FILE")]
     pub(crate) input: PathBuf,
-    /// File for the results (.csv, .npy); - is CSV on standard output
-    #[arg(short, long, default_value = "-", value_name = "OUT")]
+    /// Write the results to a file: .csv or .npy; - is CSV on standard output
+    #[arg(short, long, default_value = "-", value_name = "FILE")]
     pub(crate) out: PathBuf,
 }
 
@@ -112,7 +112,7 @@ pub(crate) fn run(args: &HealpixArgs, global: &Global) -> Result<(), CliError> {
     let conversion = args.conversion;
     if args.degrees && !matches!(conversion, Conversion::AngToPix | Conversion::PixToAng) {
         return Err(CliError::Usage(format!(
-            "--degrees is for ang2pix and pix2ang, there are no angles in {}",
+            "--degrees is for ang2pix and pix2ang; {} has no angles",
             conversion.name()
         )));
     }

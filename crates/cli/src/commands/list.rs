@@ -9,9 +9,9 @@ use sphvar_samplers::Pattern;
 
 use self::entry::{FormatEntry, IntegrandEntry, SamplerEntry};
 use self::page::Page;
-use crate::counts::parse_count;
 use crate::error::CliError;
 use crate::files::formats;
+use crate::flags::{CountArgs, DomainArgs};
 use crate::global::Global;
 use crate::report::{Provenance, print, print_json};
 use crate::spec::unknown_name;
@@ -29,12 +29,10 @@ pub(crate) struct ListArgs {
     /// Names; all if omitted
     #[arg(value_name = "NAME")]
     pub(crate) names: Vec<String>,
-    /// State the last degree without power of sets of N points
-    #[arg(short = 'n', long = "count", value_name = "N", value_parser = parse_count)]
-    pub(crate) count: Option<usize>,
-    /// State last degrees without power on the hemisphere
-    #[arg(long)]
-    pub(crate) hemisphere: bool,
+    #[command(flatten)]
+    pub(crate) count: CountArgs,
+    #[command(flatten)]
+    pub(crate) domain: DomainArgs,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -63,8 +61,8 @@ struct Document {
 const LISTED_COUNTS: [usize; 3] = [100, 1000, 10_000];
 
 pub(crate) fn run(args: &ListArgs, global: &Global) -> Result<(), CliError> {
-    let domain = super::domain(args.hemisphere);
-    let counts = args.count.map_or(LISTED_COUNTS.to_vec(), |n| vec![n]);
+    let domain = args.domain.domain();
+    let counts = args.count.count.map_or(LISTED_COUNTS.to_vec(), |n| vec![n]);
     let is_listed = |kind| args.kind.is_none_or(|listed| listed == kind);
     let samplers = is_listed(Kind::Samplers)
         .then(|| Pattern::ALL.iter().map(|p| SamplerEntry::new(p, &counts, domain)).collect())

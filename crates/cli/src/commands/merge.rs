@@ -9,6 +9,7 @@ use clap::Args;
 use super::spectrum::{Remarks, check_save, emit};
 use crate::error::CliError;
 use crate::files::{Part, Shard};
+use crate::flags::OutArgs;
 use crate::global::Global;
 use crate::report::{Provenance, check_result, say};
 
@@ -24,22 +25,21 @@ or instruction-set classes are an error, and so are a realization that is in two
 
 #[derive(Debug, Args)]
 pub(crate) struct MergeArgs {
-    /// Files of `spectrum --save`
+    /// Shards, the files of `sphvar spectrum --save`
     #[arg(required = true, value_name = "FILE")]
     files: Vec<PathBuf>,
-    /// Write the spectrum to a file: .csv, .json, or a plot as .svg or .png
-    #[arg(short, long, value_name = "FILE")]
-    out: Option<PathBuf>,
-    /// Merge the parts that are there although others are missing
+    #[command(flatten)]
+    out: OutArgs,
+    /// Merge the shards given although others are missing
     #[arg(long)]
     partial: bool,
-    /// Save the sums of all parts as one
+    /// Save the exact sums of all shards as one
     #[arg(long, value_name = "FILE")]
     save: Option<PathBuf>,
 }
 
 pub(crate) fn run(args: &MergeArgs, global: &Global) -> Result<(), CliError> {
-    if let Some(path) = &args.out {
+    if let Some(path) = &args.out.out {
         check_result(path, true)?;
     }
     if let Some(path) = &args.save {
@@ -89,7 +89,7 @@ pub(crate) fn run(args: &MergeArgs, global: &Global) -> Result<(), CliError> {
     let seconds = started.elapsed().as_secs_f64();
     let provenance = Provenance::new(whole.ensemble.seed);
     emit(
-        args.out.as_deref(),
+        args.out.out.as_deref(),
         global,
         &whole.ensemble.sampler,
         &spectrum,

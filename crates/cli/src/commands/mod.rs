@@ -18,16 +18,10 @@ pub(crate) mod variance;
 
 pub(crate) mod crossovers;
 mod cut_sphere;
+mod effort;
 mod power_chart;
 mod row_record;
 mod rows;
 mod sets_args;
 
-use sphvar_samplers::Domain;
-
 pub(crate) use self::sets_args::PointFileArgs;
-
-/// The domain that `--hemisphere` chooses.
-fn domain(hemisphere: bool) -> Domain {
-    if hemisphere { Domain::Hemisphere } else { Domain::Sphere }
-}

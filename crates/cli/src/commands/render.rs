@@ -15,8 +15,9 @@ use clap::Args;
 use sphvar_scene::{DirectionMode, DirectionSets, Estimator};
 
 use self::stage::StageArgs;
-use crate::counts::Counts;
+use crate::counts::{parse_count, parse_number, parse_one_count, parse_realizations};
 use crate::error::CliError;
+use crate::flags::{CountsArgs, one_sampler};
 use crate::global::Global;
 use crate::spec::unknown_name;
 
@@ -29,68 +30,83 @@ pub(crate) const EXAMPLES: &str = "Examples:
 
 Modes: shared, one unrotated sphere set for all pixels; spun, one hemisphere set rotated about each \
 normal; rotated, sphere sets rotated uniformly at each point; projective, hemisphere sets rotated as \
-antipodal pairs; fresh, the same with a new realization for each pixel. Of sphere sets of 2N points the \
-visible half is kept. Every sampler takes the N nearest to the one asked for.
+antipodal pairs; fresh, the same with a new realization for each pixel. Sphere sets have 2N points, of which the \
+visible half is used. Every sampler takes its valid number of points nearest to N.
 
-Errors are against a reference image of 32768 jittered directions for each pixel. It is made when \
+Errors are relative to a reference image (--reference-count). It is rendered when \
 --mse, --json, --difference, --error, --study or --sheet need it, which takes minutes for large \
 pictures, and kept in --cache for the next run.";
 
 #[derive(Debug, Args)]
+#[command(mut_arg("counts", |counts| counts.help(counts_help())))]
 pub(crate) struct RenderArgs {
     #[command(flatten)]
     pub(super) stage: StageArgs,
-    /// Sampler of the directions at each point
-    #[arg(long, conflicts_with_all = ["samplers", "sheet"])]
+    /// Sampler of the directions at each shading point: name or name:key=value,key=value
+    #[arg(long, value_parser = one_sampler, conflicts_with_all = ["samplers", "sheet"])]
     pub(super) sampler: Option<String>,
-    /// Directions on the visible hemisphere of each point; several for a study: 16,64,256 or 16..1024 for doubling
-    /// [default: 256, of a study 16..1024]
-    #[arg(short = 'n', long = "points", value_name = "N")]
-    pub(super) points: Option<Counts>,
-    /// How point sets are mapped to directions at each shading point: shared, spun, rotated,
-    /// projective or fresh
-    #[arg(long, default_value = "projective")]
+    #[command(flatten)]
+    pub(super) counts: CountsArgs,
+    #[arg(long, default_value = DirectionMode::Projective.name(), help = format!(
+        "How point sets are mapped to directions at each shading point: {}", in_words(&DirectionMode::ALL.map(DirectionMode::name))
+    ))]
     pub(super) mode: String,
-    /// Estimator for the visible half of a sphere set: ratio (mean of visible samples) or unbiased
-    /// (sum divided by N)
-    #[arg(long, default_value = "ratio")]
+    /// Estimator for the visible half of a sphere set: ratio (mean of visible samples) or unbiased (sum divided by N)
+    #[arg(long, default_value = Estimator::Ratio.name())]
     pub(super) estimator: String,
-    /// Sets in the table of a render [default: 262144/N, from 4 to 1024; fewer where they take long to make]
-    #[arg(long, value_name = "K")]
+    /// Sets in the table from which each pixel takes one [default: 262144/N, from 4 to 1024; fewer where they are expensive to make]
+    #[arg(long, value_name = "K", value_parser = parse_count)]
     pub(super) sets: Option<usize>,
-    /// Renders from which errors are estimated; the first one is the picture [default: 8, or 1 without errors]
-    #[arg(short = 'm', long, value_name = "M")]
+    #[arg(short = 'm', long, value_name = "M", value_parser = parse_realizations, help = format!(
+        "Renders from which errors are estimated; the first one is the picture [default: {}; of a sheet {}; 1 without errors]",
+        trials::USUAL_RENDERS, sheet::USUAL_RENDERS
+    ))]
     pub(super) realizations: Option<u64>,
     /// Compare with the reference image: mean squared error, bias, structure
     #[arg(long)]
     pub(super) mse: bool,
-    /// Directions of each pixel of the reference image, at least; jittered, so 6 nside^2
-    #[arg(long, default_value_t = 32768, value_name = "N")]
-    pub(super) reference_n: usize,
-    /// Folder where reference images are kept, `none` for nowhere [default: the cache folder of the user]
+    /// Minimum number of directions at each pixel of the reference image; they are jittered, so 6 nside^2
+    #[arg(long, default_value = "32768", value_name = "N", value_parser = parse_one_count)]
+    pub(super) reference_count: usize,
+    /// Folder where reference images are kept; none keeps none [default: the cache folder of the user]
     #[arg(long, value_name = "FOLDER")]
     pub(super) cache: Option<PathBuf>,
-    /// The picture, .png, .exr or .pfm, with the coverage of pixels as alpha if surfaces do not fill it; of a study the results, .csv or .json, or a plot, .svg or .png
+    /// Write the picture to a file: .png, .exr or .pfm, with the coverage of pixels as alpha where surfaces do not fill it; of a study the results, .csv or .json, or a plot, .svg or .png
     #[arg(short, long, value_name = "FILE")]
     pub(super) out: Option<PathBuf>,
-    /// What is white in a .png [default: 1; for irradiance and light the brightest pixel, or what 99 % of the pixels stay below if that is less than a tenth of it]
-    #[arg(long, value_name = "VALUE")]
+    /// Value shown as white in a .png [default: 1; for irradiance and light the brightest pixel, or the 99th percentile of the pixels if that is less than a tenth of it]
+    #[arg(long, value_name = "VALUE", value_parser = parse_number)]
     pub(super) white: Option<f64>,
     /// Write picture minus reference image; in a .png red is too bright and blue too dark
     #[arg(long, value_name = "FILE")]
     pub(super) difference: Option<PathBuf>,
-    /// Write the squared error of each pixel in the mean over the renders
+    /// Write the squared error of each pixel, averaged over the renders
     #[arg(long, value_name = "FILE")]
     pub(super) error: Option<PathBuf>,
-    /// Mean squared errors over N of --samplers, with rates and crossovers
+    /// Mean squared errors against N of --samplers, with rates and crossovers
     #[arg(long, conflicts_with_all = ["difference", "error", "sheet", "white"])]
     pub(super) study: bool,
-    /// Samplers of a study, separated by commas
+    /// Samplers of a study, separated by commas; all is every sampler
     #[arg(long, requires = "study")]
     pub(super) samplers: Option<String>,
     /// Pictures side by side with their errors: SAMPLER@MODE or reference, separated by commas; one row for each N
     #[arg(long, value_name = "PANELS", conflicts_with_all = ["difference", "error"])]
     pub(super) sheet: Option<String>,
+}
+
+fn counts_help() -> String {
+    let (first, last) = study::USUAL_RANGE;
+    format!(
+        "Numbers of points N on the visible hemisphere of each shading point: one, or for --study and --sheet a list such \
+         as 16,64,256 or a range such as 16..1024, which doubles [default: {}; of a study {first}..{last}]",
+        single::USUAL_COUNT
+    )
+}
+
+/// Names for help texts: `a, b or c`.
+fn in_words(names: &[&str]) -> String {
+    let (last, others) = names.split_last().unwrap_or((&"", &[]));
+    format!("{} or {last}", others.join(", "))
 }
 
 pub(crate) fn run(args: &RenderArgs, global: &Global) -> Result<(), CliError> {

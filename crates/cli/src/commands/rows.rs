@@ -1,6 +1,5 @@
 //! Rows of predicted and measured variance, as `variance` and `compare` show them.
 
-use clap::Args;
 use sphvar_integrands::{Energy, Integrand};
 use sphvar_samplers::{Domain, Pattern, Sampler, Share};
 use sphvar_spectrum::Resolution;
@@ -10,76 +9,20 @@ use sphvar_variance::{
 };
 
 use crate::error::CliError;
-use crate::global::Global;
 use crate::integrands::{NamedIntegrand, check_domain};
 use crate::memory::{check_degree, check_memory, check_transform};
 use crate::patterns;
 use crate::progress::Progress;
-use crate::share::parse_share;
-use crate::transforms::TransformArgs;
-
-/// Flags that say how variances are predicted and measured.
-#[derive(Debug, Args)]
-pub(crate) struct EffortArgs {
-    /// Trials from which each variance is measured; with --until-rel, those to begin with
-    #[arg(short = 'm', long, default_value_t = 1000, value_name = "M")]
-    pub(crate) realizations: u64,
-    /// Double the trials until the relative standard error of each variance is at most this, such as
-    /// 2% or 0.02
-    #[arg(long, value_name = "E", value_parser = parse_share, allow_negative_numbers = true)]
-    pub(crate) until_rel: Option<f64>,
-    /// Trials at which --until-rel gives up
-    #[arg(long, default_value_t = 1_000_000, value_name = "M", requires = "until_rel")]
-    pub(crate) max_realizations: u64,
-    /// Realizations per estimated spectrum [default: none where a closed form is available; otherwise
-    /// until the prediction is known to 2 %, within a fixed budget]
-    #[arg(long, value_name = "R")]
-    pub(crate) spectrum_realizations: Option<u64>,
-    /// Largest degree of the spectra [default: 4 sqrt(N), for lattices 40 sqrt(N)]
-    #[arg(long)]
-    pub(crate) lmax: Option<usize>,
-    #[command(flatten)]
-    pub(crate) transform: TransformArgs,
-    /// Integrate over the hemisphere z >= 0
-    #[arg(long)]
-    pub(crate) hemisphere: bool,
-}
-
-impl EffortArgs {
-    /// The plan for an integrand; `whole_spectra` are wanted if they are shown.
-    pub(super) fn plan<'a>(
-        &self,
-        integrand: &'a NamedIntegrand,
-        global: &Global,
-        whole_spectra: bool,
-    ) -> Result<Plan<'a>, CliError> {
-        let (method, epsilon) = self.transform.checked()?;
-        Ok(Plan {
-            integrand,
-            domain: super::domain(self.hemisphere),
-            seed: global.seed,
-            trials: Trials {
-                count: self.realizations,
-                until: self
-                    .until_rel
-                    .map(|relative| Precision { relative, most: self.max_realizations }),
-            },
-            realizations: self.spectrum_realizations,
-            lmax: self.lmax,
-            method,
-            epsilon,
-            whole_spectra,
-            quiet: global.quiet,
-        })
-    }
-}
 
 /// What is to be run for every pattern and number of points.
 pub(super) struct Plan<'a> {
     pub(super) integrand: &'a NamedIntegrand,
     pub(super) domain: Domain,
     pub(super) seed: u64,
-    pub(super) trials: Trials,
+    /// The number of trials, or the initial one, if the user gave one.
+    pub(super) trials: Option<u64>,
+    /// The requested precision of measured variances.
+    pub(super) until: Option<Precision>,
     /// The number of realizations of a spectrum, if the user has a wish.
     pub(super) realizations: Option<u64>,
     /// The largest degree of a spectrum, if the user has a wish.
@@ -133,7 +76,8 @@ pub(super) fn run(plan: &Plan<'_>, cases: &[Case]) -> Result<(Vec<Row>, Energy),
         plan.predictor_of(&*plan.integrand.function, plan.domain)?.on_energies(&on_energies);
     let mut work = 0.0;
     for case in cases {
-        work += predictor.work(&*case.sampler)? + plan.trials.work(&*case.sampler);
+        work +=
+            predictor.work(&*case.sampler)? + plan.trials_of(&*case.sampler).work(&*case.sampler);
     }
     let progress = Progress::new(work, plan.quiet);
     let rows = cases
@@ -141,8 +85,8 @@ pub(super) fn run(plan: &Plan<'_>, cases: &[Case]) -> Result<(Vec<Row>, Energy),
         .map(|case| {
             progress.stage(&format!("{} N = {}", case.pattern, case.n_points()));
             let predicted = plan.predict(&mut predictor, case, &progress)?;
-            let comparison =
-                predictor.measure(predicted, &*case.sampler, plan.trials, &progress)?;
+            let trials = plan.trials_of(&*case.sampler);
+            let comparison = predictor.measure(predicted, &*case.sampler, trials, &progress)?;
             Ok(Row { pattern: case.pattern.clone(), asked: case.asked, comparison })
         })
         .collect::<Result<Vec<Row>, CliError>>()?;
@@ -156,13 +100,6 @@ pub(super) fn run(plan: &Plan<'_>, cases: &[Case]) -> Result<(Vec<Row>, Energy),
 /// Rejects what cannot be run.
 pub(super) fn check(plan: &Plan<'_>, cases: &[Case]) -> Result<(), CliError> {
     check_domain(plan.integrand, plan.domain)?;
-    if plan.trials.count < Precision::MIN_TRIALS {
-        return Err(CliError::Usage(format!(
-            "the error of a measured variance needs at least {} trials (-m), got {}",
-            Precision::MIN_TRIALS,
-            plan.trials.count
-        )));
-    }
     if plan.realizations == Some(1) {
         return Err(CliError::Usage(
             "--spectrum-realizations must be at least 2 for an error of the prediction, got 1"
@@ -183,16 +120,15 @@ pub(super) fn check(plan: &Plan<'_>, cases: &[Case]) -> Result<(), CliError> {
 
 /// Refuses numbers of trials whose estimates do not fit into memory.
 fn check_trials(plan: &Plan<'_>) -> Result<(), CliError> {
-    let trials = plan.trials;
-    let (what, most) = match trials.until {
-        Some(Precision { most, .. }) if most < trials.count => {
+    let least = plan.trials.unwrap_or(Precision::MIN_TRIALS);
+    let (what, most) = match plan.until {
+        Some(Precision { most, .. }) if most < least => {
             return Err(CliError::Usage(format!(
-                "--max-realizations must be at least the {} trials of -m, got {most}",
-                trials.count
+                "--max-realizations must be at least {least}, the initial number of trials, got {most}"
             )));
         }
         Some(Precision { most, .. }) => ("--max-realizations", most),
-        None => ("-m", trials.count),
+        None => ("-m", plan.trials.unwrap_or(Trials::DEFAULT)),
     };
     check_memory(&format!("{what} {most}"), 8.0 * most as f64)
 }
@@ -229,6 +165,13 @@ impl Plan<'_> {
         let predictor = Predictor::new(integrand, domain, self.seed, PredictionBudget::USUAL)?;
         let Self { lmax, realizations, method, epsilon, .. } = *self;
         Ok(predictor.with_options(SpectrumOptions { lmax, realizations, method, epsilon }))
+    }
+
+    /// The trials of a sampler: those that the user gave, or its default.
+    fn trials_of(&self, sampler: &dyn Sampler) -> Trials {
+        let count = self.trials.unwrap_or_else(|| Trials::default_for(sampler).count);
+        let most = self.until.map_or(u64::MAX, |precision| precision.most);
+        Trials { count: count.min(most), until: self.until }
     }
 
     /// From how many realizations at most the spectrum of a pattern is estimated.

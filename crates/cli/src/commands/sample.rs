@@ -12,48 +12,47 @@ use sphvar_samplers::{Domain, Pattern, PointSet, Purpose, Realizations, Streams}
 use crate::counts::parse_count;
 use crate::error::CliError;
 use crate::files::{AtomicFile, NumberedPath, write_points};
+use crate::flags::{CountArgs, DomainArgs, NearestArgs, SamplerArgs};
 use crate::global::Global;
 use crate::memory::check_memory;
 use crate::patterns;
 use crate::plots::{ImageFormat, OrthographicView};
 use crate::progress::Progress;
-use crate::report::{Document, Provenance, is_stdout, print_json, say};
+use crate::report::{Document, Provenance, is_stdout, say};
 
 pub(crate) const EXAMPLES: &str = "Examples:
   sphvar sample jittered -n 972 -o points.csv
   sphvar sample fibonacci -n 1000 -o points.svg     (a picture)
   sphvar sample white-noise -n 4096 -m 100 --rotate -o sets.npy
-  sphvar sample poisson-disk:mode=saturated -n 512 -m 3 -o disks-{i}.npy   (a file for each set: disks-000000.npy, ...)
+  sphvar sample poisson-disk:mode=saturated -n 512 -m 3 -o disks-{i}.npy     (one file per set: disks-000000.npy, ...)
   sphvar sample poisson-disk:mode=saturated -n 4096 -o disks.ply
   sphvar sample step:alpha=1 -n 4096 -o step.npy    (no power up to degree 64)
   sphvar sample profile:b=2,alpha=1,to=2 -n 1000 -o quadratic.csv";
 
 #[derive(Debug, Args)]
+#[command(
+    mut_arg("sampler", |sampler| sampler.required_unless_present("list")),
+    mut_arg("count", |count| count.required_unless_present("list"))
+)]
 pub(crate) struct SampleArgs {
-    /// The sampler, with parameters as name:key=value,key=value
-    #[arg(required_unless_present = "list")]
-    pub(crate) sampler: Option<String>,
+    #[command(flatten)]
+    pub(crate) sampler: SamplerArgs,
     /// What `sphvar list` does
     #[arg(long, hide = true)]
     pub(crate) list: bool,
-    /// Number of points
-    #[arg(short = 'n', long = "points", value_name = "N", value_parser = parse_count,
-        required_unless_present = "list")]
-    pub(crate) points: Option<usize>,
+    #[command(flatten)]
+    pub(crate) count: CountArgs,
+    #[command(flatten)]
+    pub(crate) nearest: NearestArgs,
     /// Number of realizations
-    #[arg(short = 'm', long, default_value_t = 1, value_name = "M")]
+    #[arg(short = 'm', long, default_value = "1", value_name = "M", value_parser = parse_count)]
     pub(crate) realizations: usize,
-    /// Points on the hemisphere z >= 0
-    #[arg(long)]
-    pub(crate) hemisphere: bool,
-    /// Turn every realization by a uniform random rotation of its own
+    #[command(flatten)]
+    pub(crate) domain: DomainArgs,
+    /// Rotate every realization by a uniform random rotation of its own
     #[arg(long)]
     pub(crate) rotate: bool,
-    /// Take the nearest number of points that the pattern has
-    #[arg(long)]
-    pub(crate) nearest: bool,
-    /// File for the points (.csv, .npy, .ply) or a picture of them (.svg, .png); - is CSV on
-    /// standard output. With {i} in the name every set gets a file of its own: {i} becomes 000000, 000001, ...
+    /// Write the points to a file: .csv, .npy or .ply, or a picture as .svg or .png; - is CSV on standard output. {i} in the name is the number of the set, 000000, 000001, ..., one file per set
     #[arg(short, long, default_value = "-", value_name = "FILE")]
     pub(crate) out: PathBuf,
 }
@@ -79,7 +78,8 @@ pub(crate) struct SampleBody {
 }
 
 pub(crate) fn run(args: &SampleArgs, global: &Global) -> Result<(), CliError> {
-    let (Some(sampler), Some(n), false) = (&args.sampler, args.points, args.list) else {
+    let (Some(sampler), Some(n), false) = (&args.sampler.sampler, args.count.count, args.list)
+    else {
         let advice = "--list is a command of its own: sphvar list samplers";
         return Err(CliError::Usage(advice.to_owned()));
     };
@@ -94,7 +94,7 @@ pub(crate) fn run(args: &SampleArgs, global: &Global) -> Result<(), CliError> {
     for path in first_and_last {
         AtomicFile::check(&path)?;
     }
-    let sampler = patterns::build(&pattern, n, super::domain(args.hemisphere), args.nearest)?;
+    let sampler = patterns::build(&pattern, n, args.domain.domain(), args.nearest.nearest)?;
     let n_points = sampler.n_points();
     let total = 24.0 * n_points as f64 * args.realizations as f64;
     check_memory(&format!("{} sets of {n_points} points", args.realizations), total)?;

@@ -17,8 +17,10 @@ use sphvar_spectrum::{
 
 pub(crate) use self::report::{Remarks, emit};
 use super::sets_args::SetsArgs;
+use crate::counts::parse_realizations;
 use crate::error::CliError;
 use crate::files::{AtomicFile, Part, SavedEnsemble, Shard};
+use crate::flags::{LmaxArgs, OutArgs, lmax_help, natural_degree_in_words};
 use crate::global::Global;
 use crate::instruction_set::instruction_set;
 use crate::memory::{check_degree, check_memory, check_transform};
@@ -37,17 +39,17 @@ pub(crate) const EXAMPLES: &str = "Examples:
   sphvar spectrum jittered -n 3888 -m 300 --shard 2/3 --save second.shard
 
 White noise has power 1 for l >= 1; P(0) = N. The error is the standard error of the mean over the \
-realizations, each turned by a uniform rotation of its own. A pattern that is not random has \
-exactly this spectrum: its error is 0. A single set of points from a file has none (- or null); of \
-weighted points N is (sum w)^2 / sum w^2. --exact evaluates the mean itself, which can be done for \
-white noise, for one point in each of N equal-area cells (jittered, equal-area) and for patterns \
-that are not random.";
+realizations, each rotated by a uniform random rotation of its own. It is 0 for deterministic patterns, whose spectrum is \
+exact, and absent (- or null) for a single set from a file. N of weighted points is (sum w)^2 / sum w^2. \
+--exact evaluates the mean spectrum in closed form, which is available for white noise, for one point in each of N \
+equal-area cells (jittered, equal-area) and for deterministic patterns.";
 
 #[derive(Debug, Args)]
+#[command(mut_arg("lmax", |lmax| lmax.help(lmax_help(&natural_degree_in_words()))))]
 pub(crate) struct SpectrumArgs {
     #[command(flatten)]
     pub(crate) sets: SetsArgs,
-    /// Evaluate the mean spectrum without sampling: 0 realizations, no error
+    /// Evaluate the mean spectrum in closed form: no realizations, no error
     #[arg(long, conflicts_with_all = [
         "points_from", "realizations", "per_order", "coefficient", "method", "epsilon",
     ])]
@@ -56,23 +58,22 @@ pub(crate) struct SpectrumArgs {
     #[arg(
         short = 'm',
         long,
-        default_value_t = 100,
+        default_value = "100",
         value_name = "M",
+        value_parser = parse_realizations,
         conflicts_with = "points_from"
     )]
     pub(crate) realizations: u64,
-    /// Largest degree, inclusive [default: 4 sqrt(N)]
-    #[arg(long)]
-    pub(crate) lmax: Option<usize>,
+    #[command(flatten)]
+    pub(crate) lmax: LmaxArgs,
     #[command(flatten)]
     pub(crate) transform: TransformArgs,
-    /// Write the spectrum to a file: .csv, .json, or a plot as .svg or .png
-    #[arg(short, long, value_name = "FILE")]
-    pub(crate) out: Option<PathBuf>,
-    /// Make only part I of K equal parts of the realizations; `merge` puts them together
+    #[command(flatten)]
+    pub(crate) out: OutArgs,
+    /// Make only part I of K equal parts of the realizations, for `sphvar merge`
     #[arg(long, value_name = "I/K", requires = "save", conflicts_with_all = ["per_order", "coefficient"])]
     pub(crate) shard: Option<Part>,
-    /// Save the sums, exactly, for `merge`
+    /// Save the exact sums, for `sphvar merge`
     #[arg(long, value_name = "FILE", conflicts_with_all = ["points_from", "exact"])]
     pub(crate) save: Option<PathBuf>,
     /// Write the mean power of every degree and order, `(4 pi/N) |S_lm|^2`, to a CSV file
@@ -113,7 +114,7 @@ enum Source {
 }
 
 pub(crate) fn run(args: &SpectrumArgs, global: &Global) -> Result<(), CliError> {
-    let domain = super::domain(args.sets.hemisphere);
+    let domain = args.sets.domain.domain();
     check_outputs(args, global)?;
     let source = source(args, domain, global)?;
     if let Source::Sampler { pattern, sampler } = &source
@@ -130,7 +131,7 @@ pub(crate) fn run(args: &SpectrumArgs, global: &Global) -> Result<(), CliError> 
     if count == 0 {
         return Err(CliError::Usage("-m must be at least 1, got 0".to_owned()));
     }
-    let lmax = args.lmax.unwrap_or_else(|| Resolution::natural_degree(n_points));
+    let lmax = args.lmax.lmax.unwrap_or_else(|| Resolution::natural_degree(n_points));
     check_degree("--lmax", lmax)?;
     let coefficient =
         args.coefficient.as_deref().map(|c| parse_coefficient(c, lmax, domain)).transpose()?;
@@ -220,7 +221,7 @@ pub(crate) fn run(args: &SpectrumArgs, global: &Global) -> Result<(), CliError> 
         // One catalogue is no sample of anything: it has no error.
         Source::Files { sets } => Remarks { has_no_error: count == 1, weights: sets.weight_sums() },
     };
-    emit(args.out.as_deref(), global, &name, &spectrum, remarks, seconds, &provenance)
+    emit(args.out.out.as_deref(), global, &name, &spectrum, remarks, seconds, &provenance)
 }
 
 /// The spectrum without realizations.
@@ -230,7 +231,7 @@ fn run_exact(
     pattern: &Pattern,
     sampler: &dyn Sampler,
 ) -> Result<(), CliError> {
-    let lmax = args.lmax.unwrap_or_else(|| Resolution::natural_degree(sampler.n_points()));
+    let lmax = args.lmax.lmax.unwrap_or_else(|| Resolution::natural_degree(sampler.n_points()));
     check_degree("--lmax", lmax)?;
     let exact = ExactSpectrum::of(sampler).ok_or_else(|| sampled_only(pattern))?;
     let bytes = exact.bytes(lmax, rayon::current_num_threads());
@@ -243,12 +244,12 @@ fn run_exact(
     drop(progress);
     let seconds = started.elapsed().as_secs_f64();
     let (remarks, provenance) = (Remarks::default(), Provenance::new(global.seed));
-    emit(args.out.as_deref(), global, &name, &spectrum, remarks, seconds, &provenance)
+    emit(args.out.out.as_deref(), global, &name, &spectrum, remarks, seconds, &provenance)
 }
 
 /// Refuses what could not be written in the end.
 fn check_outputs(args: &SpectrumArgs, global: &Global) -> Result<(), CliError> {
-    if let Some(path) = &args.out {
+    if let Some(path) = &args.out.out {
         check_result(path, true)?;
     }
     let coefficient = args.coefficient.as_ref().and_then(|c| c.last()).map(Path::new);
@@ -274,12 +275,12 @@ pub(crate) fn check_save(path: &Path) -> Result<(), CliError> {
 }
 
 fn source(args: &SpectrumArgs, domain: Domain, global: &Global) -> Result<Source, CliError> {
-    let (Some(name), Some(n)) = (&args.sets.sampler, args.sets.n) else {
+    let (Some(name), Some(n)) = (&args.sets.sampler.sampler, args.sets.count.count) else {
         let sets = FileSets::read(&args.sets.files, domain, global.quiet)?;
         return Ok(Source::Files { sets });
     };
     let pattern = patterns::parse_pattern(name)?;
-    let sampler = patterns::build(&pattern, n, domain, args.sets.nearest)?;
+    let sampler = patterns::build(&pattern, n, domain, args.sets.nearest.nearest)?;
     if args.exact && ExactSpectrum::of(&*sampler).is_none() {
         return Err(sampled_only(&pattern));
     }

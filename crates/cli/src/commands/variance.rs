@@ -1,7 +1,5 @@
 //! `sphvar variance`: predicted and measured variance of patterns on one integrand.
 
-use std::path::PathBuf;
-
 use clap::Args;
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -9,18 +7,19 @@ use sphvar_samplers::Pattern;
 
 use super::compare::{Curve, variance_chart};
 use super::cut_sphere::{self, Cut, CutRecord};
+use super::effort::EffortArgs;
 use super::row_record::RowRecord;
-use super::rows::{self, Case, EffortArgs};
-use crate::counts::Counts;
+use super::rows::{self, Case};
 use crate::error::CliError;
+use crate::flags::{CountsArgs, IntegrandArgs, NearestArgs, OutArgs, SamplersArgs};
 use crate::global::Global;
-use crate::integrands::{FORMS, parse_integrand};
+use crate::integrands::parse_integrand;
 use crate::patterns::parse_patterns;
 use crate::report::{Forms, Provenance, check_result, csv_of, emit, is_stdout, table_of};
-use crate::spec::argument;
 
 pub(crate) const EXAMPLES: &str = "Examples:
   sphvar variance jittered,white-noise -n 192,768 --integrand cap:degrees=60 -m 2000
+  sphvar variance --samplers all -n 1k --nearest --integrand vmf:kappa=20 -m 100
   sphvar variance jittered -n 192 --integrand cap:degrees=60 -m 100 --until-rel 10%
   sphvar variance jittered,fibonacci -n 48..768 --nearest --integrand cap:degrees=60 -o v.svg
 
@@ -28,30 +27,32 @@ Columns: the variance that the spectra predict and the one measured on independe
 rotated realizations, each with its standard error (that of the prediction with the error of the \
 degrees beyond the spectrum); ratio is measured/predicted, z their difference in standard errors, \
 bias z that of the mean estimate and the exact integral. 95 % intervals are in files and --json. \
-Where too few trials see the integrand there is no error, ratio or z of the measured variance, and where \
-all trials agree an upper limit only.";
+Where too few trials see the integrand the measured variance has no error, ratio or z, and where \
+all trials agree only an upper limit.";
 
 #[derive(Debug, Args)]
+#[command(
+    mut_group("SamplersArgs", |samplers| samplers.required(true)),
+    mut_arg("counts", |counts| counts.required(true)),
+    mut_arg("integrand", |integrand| integrand.required(true))
+)]
 pub(crate) struct VarianceArgs {
-    /// Samplers, separated by commas, or all
-    pub(crate) samplers: String,
-    /// Numbers of points: 192,768 or 16..1024 for doubling
-    #[arg(short = 'n', long = "points", required = true, value_name = "N")]
-    pub(crate) points: Counts,
-    #[arg(long, allow_hyphen_values = true, value_parser = argument(), help = format!("Integrand: {FORMS}"))]
-    pub(crate) integrand: String,
+    #[command(flatten)]
+    pub(crate) samplers: SamplersArgs,
+    #[command(flatten)]
+    pub(crate) counts: CountsArgs,
+    #[command(flatten)]
+    pub(crate) nearest: NearestArgs,
+    #[command(flatten)]
+    pub(crate) integrand: IntegrandArgs,
     #[command(flatten)]
     pub(crate) effort: EffortArgs,
-    /// Take the nearest number of points that a pattern has
-    #[arg(long)]
-    pub(crate) nearest: bool,
-    /// Cut sphere sets of twice the points in half as well, with both estimators that are in use
+    /// Measure halves of sphere sets of 2N points too, with both estimators: rotated at random and cut, with the integrand as a function of lines (random, the value if none is given), or cut at the equator (equator)
     #[arg(long, value_name = "AXIS", num_args = 0..=1, require_equals = true,
-        default_missing_value = "random", requires = "hemisphere")]
+        default_missing_value = "random", hide_possible_values = true, requires = "hemisphere")]
     pub(crate) cut_sphere: Option<Cut>,
-    /// Write the rows to a file, .csv or .json, or a plot of the variances against N as .svg or .png
-    #[arg(short, long, value_name = "FILE")]
-    pub(crate) out: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) out: OutArgs,
 }
 
 /// Predicted and measured variances: `variance --json`.
@@ -65,7 +66,7 @@ pub(crate) struct VarianceBody {
 }
 
 pub(crate) fn run(args: &VarianceArgs, global: &Global) -> Result<(), CliError> {
-    if let Some(path) = &args.out {
+    if let Some(path) = &args.out.out {
         check_result(path, true)?;
         let is_json = path.extension().is_some_and(|e| e == "json");
         if args.cut_sphere.is_some() && !is_json && !(global.json && is_stdout(path)) {
@@ -74,12 +75,12 @@ pub(crate) fn run(args: &VarianceArgs, global: &Global) -> Result<(), CliError> 
             return Err(CliError::Usage(message.to_owned()));
         }
     }
-    let integrand = parse_integrand(&args.integrand, global.quiet)?;
-    let domain = super::domain(args.effort.hemisphere);
+    let integrand = parse_integrand(args.integrand.required()?, global.quiet)?;
+    let domain = args.effort.domain.domain();
     let mut cases = Vec::new();
-    for pattern in parse_patterns(&args.samplers)? {
-        for &n in args.points.all() {
-            cases.push(Case::new(pattern.clone(), n, domain, args.nearest)?);
+    for pattern in parse_patterns(&args.samplers.required()?)? {
+        for &n in args.counts.required()? {
+            cases.push(Case::new(pattern.clone(), n, domain, args.nearest.nearest)?);
         }
     }
     let plan = args.effort.plan(&integrand, global, false)?;
@@ -106,7 +107,7 @@ pub(crate) fn run(args: &VarianceArgs, global: &Global) -> Result<(), CliError> 
         chart: Some(&chart),
         text: &|| text(&body),
     };
-    emit(args.out.as_deref(), global, &provenance, &body, &forms)
+    emit(args.out.out.as_deref(), global, &provenance, &body, &forms)
 }
 
 fn text(body: &VarianceBody) -> String {

@@ -122,7 +122,7 @@ fn columns_are_checked_before_files_are_read() {
         place.run(&format!("spectrum jittered -n 12 {flag}")).fails(2, &parts);
     }
     for (flag, name) in
-        [("-n 12", "--n-points"), ("-m 50", "--realizations"), ("--nearest", "--nearest")]
+        [("-n 12", "--count"), ("-m 50", "--realizations"), ("--nearest", "--nearest")]
     {
         let parts = [name, "cannot be used with", "--points"];
         for command in ["spectrum", "audit"] {

@@ -87,7 +87,7 @@ fn white_noise_is_exact_in_every_unit() {
     assert_eq!(n("--error 3%"), Some(3334));
     assert_eq!(n("--error 0.03"), Some(3334));
     assert_eq!(n("--error 0.3 --absolute"), Some(329));
-    assert_eq!(n("--error 3% --max-points 3000"), None);
+    assert_eq!(n("--error 3% --max-count 3000"), None);
     assert_eq!(n("--error 1000%"), Some(1));
     assert_eq!(n("-n 77"), Some(77));
     // The double cap of the hemisphere: pi^2/N.
@@ -160,10 +160,10 @@ fn samplers_that_cannot_are_named() {
         .run("choose --integrand cap:degrees=60 -n 2 --samplers profile")
         .fails(1, &["profile", "infeasible"]);
     let text = place
-        .run("choose --integrand cap:degrees=60 --error 1% --max-points 50 --samplers jittered")
+        .run("choose --integrand cap:degrees=60 --error 1% --max-count 50 --samplers jittered")
         .ok()
         .stdout;
-    assert!(text.contains("out of reach") && text.contains("--max-points"), "{text}");
+    assert!(text.contains("out of reach") && text.contains("--max-count"), "{text}");
 }
 
 #[test]
@@ -180,7 +180,7 @@ fn what_cannot_be_meant_is_refused() {
         ("--integrand cap:degrees=60 --error 1e400", &["positive number"]),
         ("--integrand cap:degrees=60 --error 1% --absolute", &["--absolute", "relative"]),
         ("--integrand ylm:l=4 --error 1%", &["integral is 0", "--absolute"]),
-        ("--integrand cap:degrees=60 --error 1% --max-points 0", &["--max-points", "got 0"]),
+        ("--integrand cap:degrees=60 --error 1% --max-count 0", &["--max-count", "got 0"]),
         (
             "--integrand cap:degrees=60 --error 1% --cost-per-sample nan",
             &["--cost-per-sample", "NaN"],
@@ -249,7 +249,7 @@ fn an_exact_pattern_needs_its_smallest_set() {
 fn half_a_sphere_takes_twelve_points() {
     let place = Workplace::new();
     let arguments = "choose --integrand half-space --error 0.1% --json";
-    let named = format!("{arguments} --samplers white-noise,fibonacci,healpix --max-points 1000");
+    let named = format!("{arguments} --samplers white-noise,fibonacci,healpix --max-count 1000");
     let document = place.run(&named).json();
     let best = &rows(&document)[0];
     assert_eq!((&best["sampler"], &best["n"]), (&"healpix".into(), &12.into()), "{document}");

@@ -36,15 +36,72 @@ fn numbers_of_points() {
         ("bounds jittered -n 13 --profile step", &["13", "nearest valid count is 12", "--nearest"]),
         ("spectrum jittered -n 18446744073709551615 --nearest", &["jittered", "the maximum is"]),
         ("sample white-noise -n -3", &["-3"]),
-        ("sample white-noise -n ten", &["ten", "--points"]),
+        ("sample white-noise -n ten", &["ten", "--count"]),
         ("sample white-noise -n 1e-3", &["1e-3"]),
-        ("sample white-noise", &["--points"]),
-        ("spectrum", &["--n-points", "SAMPLER"]),
+        ("sample white-noise", &["--count"]),
+        ("spectrum", &["--count", "SAMPLER"]),
     ]);
     let place = Workplace::new();
     let outcome = place.run("sample jittered -n 100 --nearest -o p.csv").ok();
     assert!(outcome.stderr.contains("108 points, the nearest to the 100"), "{}", outcome.stderr);
     assert_eq!(place.text("p.csv").lines().count(), 1 + 108);
+}
+
+/// Every spelling of earlier versions, and what it is now.
+#[test]
+fn old_spellings_name_the_new_ones() {
+    let count: &[&str] = &["'-n' or '--count'", "instead of"];
+    let files: &[&str] = &["--points is for files", "'-n' or '--count'"];
+    assert_usage(&[
+        ("sample jittered --points 12", count),
+        ("sample jittered --points=12", count),
+        ("variance jittered --points 12 --integrand cosine", count),
+        ("compare jittered --points 12", count),
+        ("choose --integrand cosine --points 12", count),
+        ("bounds jittered --points 12", count),
+        ("eval profile --profile step --points 12 --lmax 3", count),
+        ("render cornell --sampler jittered --points 12", count),
+        ("--quiet sample jittered --points 12", count),
+        ("spectrum jittered --n-points 12", count),
+        ("audit jittered --n-points 12", count),
+        ("spectrum jittered --points 12", files),
+        ("audit --points 10k", files),
+        (
+            "choose --integrand cosine --error 1% --max-points 12",
+            &["'--max-count' instead of '--max-points'"],
+        ),
+        ("render cornell --reference-n 12", &["'--reference-count' instead of '--reference-n'"]),
+        (
+            "choose --integrand cosine -n 12 --sampler step",
+            &["'--samplers' instead of '--sampler'"],
+        ),
+        ("spectrum --sampler step -n 12", &["[SAMPLER] without '--sampler'"]),
+    ]);
+    let place = Workplace::new();
+    // A file may be named as a number.
+    place.write("12", "x,y,z\n0,0,1\n");
+    place.run("spectrum --points 12 --lmax 2").ok();
+}
+
+#[test]
+fn one_sampler_and_one_number_where_a_list_makes_no_sense() {
+    let several: &[&str] =
+        &["expected one sampler, got 2", "compare, variance and choose take several"];
+    assert_usage(&[
+        ("sample jittered,fibonacci -n 12", several),
+        ("spectrum poisson-disk:mode=exact,radius=0.1,jittered -n 12", several),
+        ("audit jittered,fibonacci -n 12", several),
+        ("bounds jittered,fibonacci -n 12", several),
+        ("render cornell --sampler jittered,fibonacci", several),
+        ("sample all -n 12", &["expected one sampler, got all"]),
+        ("sample jittered -n 12,48", &["expected one number", "12,48"]),
+        ("choose --integrand cosine -n 12..48", &["expected one number", "12..48"]),
+        ("spectrum jittered -n 12 --lmax 4.5", &["whole number", "4.5"]),
+        ("spectrum jittered -n 12 --epsilon tiny", &["number", "tiny"]),
+        ("spectrum jittered -n 12 -m 1.5", &["whole number", "1.5"]),
+        ("bounds", &["SAMPLER", "--spectrum", "--profile"]),
+        ("choose --integrand cosine", &["--error", "--count"]),
+    ]);
 }
 
 #[test]

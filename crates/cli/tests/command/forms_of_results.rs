@@ -273,7 +273,7 @@ fn bounds_without_a_profile() {
     place.run("bounds --spectrum s.csv --offset -1").fails(2, &["--offset"]);
     place.run("bounds --spectrum s.csv --offset x").fails(2, &["--offset", "fit", "\"x\""]);
     place.run("bounds -n 12").fails(2, &["--profile"]);
-    place.run("bounds jittered").fails(2, &["--points"]);
+    place.run("bounds jittered").fails(2, &["--count"]);
 }
 
 #[test]

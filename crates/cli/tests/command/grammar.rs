@@ -75,7 +75,7 @@ fn every_profile_works() {
 #[test]
 fn flags_stand_before_or_behind_the_subcommand() {
     let place = Workplace::new();
-    let first = place.run("--seed 9 --json sample white-noise --points 3").ok().stdout;
+    let first = place.run("--seed 9 --json sample white-noise --count 3").ok().stdout;
     let last = place.run("sample white-noise -n 3 -s 9 --json").ok().stdout;
     let points =
         |text: &str| serde_json::from_str::<serde_json::Value>(text).unwrap()["points"].clone();

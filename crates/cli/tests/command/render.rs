@@ -6,7 +6,7 @@ use crate::outcome::{assert_keys, numbers, same};
 use crate::workplace::{Workplace, data, small_exr};
 
 /// Small pictures with a small reference image in a folder of their own.
-const SMALL: &str = "--size 24 --reference-n 600 --cache cache";
+const SMALL: &str = "--size 24 --reference-count 600 --cache cache";
 
 const PYRAMID: &str = "v -1 0 -1\nv 1 0 -1\nv 1 0 1\nv -1 0 1\nv 0 1.5 0\nf 1 2 5\nf 2 3 5\nf 3 4 5\nf -2 -5 -1\nf 1 2 3 4\n";
 
@@ -207,7 +207,7 @@ fn the_sky_lies_as_in_other_renderers() {
         let arguments = format!(
             "render cube.obj --eye={eye} --look-at 0,0,0 --sampler fibonacci -n 4096 {integral}"
         );
-        let more = "-m 2 --json --size 4 --reference-n 600 --cache none";
+        let more = "-m 2 --json --size 4 --reference-count 600 --cache none";
         number(&place.run(&format!("{arguments} {more}")).json(), "mean")
     };
     for (options, bright, dark) in [
@@ -288,7 +288,7 @@ fn partly_covered_pixels_count_as_such() {
         "\u{feff}v -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nvn 0 0 1\nfo 1//1 2//1 3//1 4//1\n";
     place.write("square.obj", square);
     let view = "render square.obj --sampler jittered -n 96 --size 4 --pixel-rays 16 --eye 0,0,5 \
-                --look-at 0,0,0 --fov 30 --reference-n 96 --cache none -m 2";
+                --look-at 0,0,0 --fov 30 --reference-count 96 --cache none -m 2";
     let document = place.run(&format!("{view} --json -o s.exr")).json();
     assert_eq!((number(&document, "mean"), number(&document, "mse")), (1.0, 0.0));
     // The picture's height is 10 tan(15 degrees); primary rays are off by 1/32 of a pixel at most.
@@ -309,14 +309,14 @@ fn wrong_usage_is_told() {
     place.write("broken.obj", "v 0 0 0\nv 1 0 0\nv 0 1 nan\nf 1 2 3\n");
     place.write("empty.obj", "");
     let run = |arguments: &str| place.run(&format!("render {arguments}"));
-    run("cornell -n 24").fails(2, &["--sampler is missing"]);
+    run("cornell -n 24").fails(2, &["missing", "--sampler"]);
     run("teapot --sampler jittered").fails(2, &["unknown scene \"teapot\"", "cornell", ".obj"]);
     run("no.obj --sampler jittered").fails(1, &["cannot open no.obj"]);
     run("broken.obj --sampler jittered").fails(1, &["broken.obj", "line 3"]);
     run("empty.obj --sampler jittered").fails(1, &["empty.obj"]);
     for (arguments, parts) in [
         ("-n 0", &["numbers of points must be at least 1"][..]),
-        ("-n 24,48", &["one picture has one number"]),
+        ("-n 24,48", &["-n must be one number"]),
         ("--mode spin", &["unknown mode", "did you mean \"spun\""]),
         ("--estimator best", &["unknown estimator", "ratio, unbiased"]),
         ("--integral gi", &["unknown integral", "ao, irradiance, light"]),
@@ -341,11 +341,11 @@ fn wrong_usage_is_told() {
         ("--json -o -", &["standard output takes one document"]),
         ("--difference -", &["standard output takes one document"]),
         ("-m 0", &["-m must be at least 1"]),
-        ("--reference-n 0 --json", &["--reference-n"]),
+        ("--reference-count 0 --json", &["--reference-count"]),
         ("--sets 0", &["--sets must be at least 1"]),
         ("--sets 9 --mode shared", &["--sets is for random samplers"]),
         ("--sets 9 --mode fresh", &["--sets is for random samplers"]),
-        ("-m 8 -o p.png", &["-m 8 is for errors", "--mse"]),
+        ("-m 8 -o p.png", &["-m 8 needs errors", "--mse"]),
         ("--lamp 0,0,0,1,0,0,1,1,0,0,1,0", &["--lamp is for light, not for ao"]),
         ("-o p.png --difference p.png", &["files of their own", "p.png twice"]),
         ("--difference p.exr --error p.exr", &["files of their own", "p.exr twice"]),
@@ -374,9 +374,9 @@ fn wrong_usage_is_told() {
     let panels = vec!["reference"; 4000].join(",");
     run(&format!("cornell --sheet {panels} -o s.png --size 32768"))
         .fails(1, &["the sheet needs", "memory"]);
-    run("cornell --study -n 6").fails(2, &["--samplers is missing"]);
+    run("cornell --study -n 6").fails(2, &["missing", "--samplers"]);
     run("cornell --study --samplers jittered -m 1").fails(2, &["-m from 2 on"]);
-    run("cornell --sheet jittered@upside").fails(2, &["-o is missing"]);
+    run("cornell --sheet jittered@upside").fails(2, &["missing", "-o"]);
     run("cornell --sheet jittered@upside -o s.png").fails(2, &["unknown mode \"upside\""]);
     run("cornell --sheet jittered -o s.exr").fails(2, &["sheets are written as .png"]);
     assert_eq!(place.names(), ["broken.obj", "empty.obj", "pyramid.obj", "sky.png"]);

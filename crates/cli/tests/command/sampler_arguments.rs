@@ -43,7 +43,7 @@ fn all_stands_for_every_sampler() {
     assert_eq!(variance["rows"].as_array().unwrap().len(), all);
     let compare = place.run("compare all -n 12 --integrand ylm:l=2 -m 4 --json -o out").json();
     assert_eq!(compare["rows"].as_array().unwrap().len(), all);
-    place.run("sample all -n 12").fails(2, &["unknown sampler \"all\""]);
+    place.run("sample all -n 12").fails(2, &["expected one sampler, got all"]);
 }
 
 /// The folder of a test is no clone of the repository.
@@ -63,7 +63,7 @@ fn help_states_the_default_samplers_of_a_comparison() {
     let place = Workplace::new();
     let help = place.run("compare --help").ok().stdout;
     let words: Vec<&str> = help.split_whitespace().collect();
-    let stated = "[default: white-noise, jittered, healpix, fibonacci]";
+    let stated = "[default: white-noise,jittered,poisson-disk,ccvt,healpix,fibonacci,step]";
     assert!(words.join(" ").contains(stated), "{help}");
     let rows = place.run("compare -n 12 --integrand ylm:l=1 -m 4 --json -o out").json();
     let names: Vec<&str> = rows["samplers"]
@@ -72,7 +72,54 @@ fn help_states_the_default_samplers_of_a_comparison() {
         .iter()
         .map(|s| s["sampler"].as_str().unwrap())
         .collect();
-    assert_eq!(format!("[default: {}]", names.join(", ")), stated);
+    assert_eq!(format!("[default: {}]", names.join(",")), stated);
+}
+
+/// Samplers are arguments or the value of a flag, divided by commas or blanks; all these have one answer.
+#[test]
+fn samplers_are_arguments_or_a_flag() {
+    let place = Workplace::new();
+    for (command, more) in [
+        ("variance", "-n 12 --integrand ylm:l=1 -m 4 --json"),
+        ("compare", "-n 12 --integrand ylm:l=1 -m 4 --json --force"),
+        ("choose", "-n 12 --integrand ylm:l=1 --json"),
+    ] {
+        let rows = |samplers: &str| {
+            let document = place.run(&format!("{command} {samplers} {more}")).json();
+            let rows = document["rows"].as_array().unwrap().clone();
+            let number = if command == "choose" { "variance" } else { "predicted" };
+            rows.iter().map(|r| (r["sampler"].clone(), r[number].clone())).collect::<Vec<_>>()
+        };
+        let first = rows("jittered,fibonacci");
+        assert_eq!(first.len(), 2);
+        for other in
+            ["jittered fibonacci", "--samplers jittered,fibonacci", "--samplers=jittered,fibonacci"]
+        {
+            assert_eq!(rows(other), first, "{command} {other}");
+        }
+        place
+            .run(&format!("{command} jittered --samplers fibonacci {more}"))
+            .fails(2, &["--samplers", "cannot be used with"]);
+    }
+    let named = "variance poisson-disk:radius=0.2,mode=exact jittered -n 12 --integrand ylm:l=1 -m 4 --json";
+    assert_eq!(place.run(named).json()["rows"].as_array().unwrap().len(), 2);
+}
+
+/// Without -m, expensive samplers have fewer trials than inexpensive ones; predictions do not depend on it.
+#[test]
+fn default_trials_follow_from_the_cost_of_a_set() {
+    let place = Workplace::new();
+    let arguments = "variance white-noise,step -n 300 --integrand ylm:l=1 --json";
+    let document = place.run(arguments).json();
+    let trials = numbers(&document, "trials");
+    assert_eq!(trials[0], 1000);
+    assert!((50..1000).contains(&trials[1]), "{trials:?}");
+    let explicit = place.run(&format!("{arguments} -m {}", trials[1])).json();
+    let row = |document: &Value| document["rows"][1].clone();
+    assert_eq!(row(&explicit)["measured"], row(&document)["measured"]);
+    assert_eq!(row(&explicit)["predicted"], row(&document)["predicted"]);
+    let until = place.run(&format!("{arguments} --until-rel 50% --max-realizations 8")).json();
+    assert!(numbers(&until, "trials").iter().all(|&trials| trials <= 8), "{until}");
 }
 
 /// An error of 1 is 100 %, which nobody asks for.

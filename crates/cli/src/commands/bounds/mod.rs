@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use clap::Args;
+use clap::{ArgGroup, Args};
 use schemars::JsonSchema;
 use serde::Serialize;
 use sphvar_bounds::{Bound, Criterion, Error, Family, Offset, Side};
@@ -10,14 +10,17 @@ use sphvar_bounds::{Bound, Criterion, Error, Family, Offset, Side};
 use self::record::{BoundRecord, Consequences};
 use self::source::Measured;
 use self::thesis::ThesisRecord;
-use crate::counts::parse_count;
+use crate::counts::{parse_number, parse_one_count, parse_realizations};
 use crate::error::CliError;
+use crate::flags::{
+    CountArgs, DomainArgs, IntegrandArgs, LmaxArgs, NearestArgs, OutArgs, SamplerArgs,
+    spectra_lmax_help,
+};
 use crate::global::Global;
-use crate::integrands::{FORMS, parse_integrand};
+use crate::integrands::parse_integrand;
 use crate::plots::Chart;
 use crate::profiles::{ParsedProfile, parse_profile};
 use crate::report::{Forms, Provenance, check_result, csv_of, emit, number, table_of};
-use crate::spec::argument;
 
 mod chart;
 mod record;
@@ -33,56 +36,56 @@ pub(crate) const EXAMPLES: &str = "Examples:
 
 A profile bounds the mean spectrum from above or below: constant, step, linear, quadratic or poly:b=B, \
 each with alpha (where it levels off, in units of sqrt(N)) and gamma (its level). Without --profile the \
-tightest of each family is fitted: of all profiles that clear the confidence limits of every degree \
-together, the upper one with the least, the lower one with the greatest variance in the worst case. \
-Beyond the largest degree its plateau is a claim. Bounds that the thesis gives for the sampler are checked. \
-With --profile, what is left out of alpha and gamma is fitted, and what is given in full is checked.";
+tightest profile of each family is fitted: of those outside the joint confidence limits of all degrees, the upper one with the \
+least and the lower one with the greatest worst-case variance. Beyond the maximum degree the level is assumed to continue. \
+Bounds that the thesis gives for the sampler are checked. With --profile, alpha and gamma are fitted where they are left out; \
+a profile with both is checked. With --integrand, its variance is bounded too.";
 
 #[derive(Debug, Args)]
+#[command(
+    group(ArgGroup::new("bounded").args(["sampler", "spectrum", "profile"]).required(true).multiple(true)),
+    mut_arg("sampler", |sampler| sampler.conflicts_with("spectrum")),
+    mut_arg("count", |count| count.required_unless_present("spectrum")),
+    mut_arg("lmax", |lmax| lmax.help(spectra_lmax_help()))
+)]
 pub(crate) struct BoundsArgs {
-    /// The sampler whose spectrum is to be bounded
-    #[arg(conflicts_with = "spectrum")]
-    pub(crate) sampler: Option<String>,
-    /// A spectrum file (CSV: l,power and, if it is known, stderr) to be bounded; - is standard input
+    #[command(flatten)]
+    pub(crate) sampler: SamplerArgs,
+    /// Spectrum file to bound instead of a sampler (CSV: l,power and, if known, stderr), whose power of degree 0 is N unless -n is given; - is standard input
     #[arg(long, value_name = "FILE")]
     pub(crate) spectrum: Option<PathBuf>,
-    /// The profile; without it one of each family is fitted
-    #[arg(long, required_unless_present_any = ["sampler", "spectrum"])]
-    pub(crate) profile: Option<String>,
-    /// Number of points; a spectrum file may say it, as the power of degree 0
-    #[arg(short = 'n', long = "points", value_name = "N", value_parser = parse_count,
-        required_unless_present = "spectrum")]
-    pub(crate) points: Option<usize>,
-    /// Estimate the spectrum of the sampler from M realizations [default: 300, and none where it is
-    /// known without sampling]
-    #[arg(short = 'm', long, value_name = "M")]
-    pub(crate) realizations: Option<u64>,
-    /// Largest degree of the spectrum [default: 4 sqrt(N), for lattices 40 sqrt(N)]
+    /// Profile: constant, step, linear, quadratic or poly:b=B, each with alpha=, gamma= and offset=; without it one of each family is fitted
     #[arg(long)]
-    pub(crate) lmax: Option<usize>,
+    pub(crate) profile: Option<String>,
+    #[command(flatten)]
+    pub(crate) count: CountArgs,
+    #[command(flatten)]
+    pub(crate) nearest: NearestArgs,
+    #[arg(short = 'm', long, value_name = "M", value_parser = parse_realizations, help = format!(
+        "Number of realizations from which the spectrum is estimated [default: {}, none where a closed form is available]",
+        source::REALIZATIONS
+    ))]
+    pub(crate) realizations: Option<u64>,
+    #[command(flatten)]
+    pub(crate) lmax: LmaxArgs,
     /// Confidence of fits and checks, over all degrees together
-    #[arg(long, default_value_t = 0.99)]
+    #[arg(long, value_name = "C", default_value_t = 0.99, value_parser = parse_number)]
     pub(crate) confidence: f64,
-    /// Floor under the fitted profiles: a power, or `fit`
+    /// Floor under the fitted profiles: a power, or fit [default: 0]
     #[arg(long, value_name = "G0|fit", conflicts_with = "profile", allow_hyphen_values = true)]
     pub(crate) offset: Option<String>,
     /// Band limit of the best case, a flat spectrum up to this degree
-    #[arg(long, default_value_t = 10, value_name = "L0")]
+    #[arg(long, default_value = "10", value_name = "L0", value_parser = parse_one_count)]
     pub(crate) band: usize,
     /// Decay p of the worst case, energy l^-p; 2 for integrands with a jump
-    #[arg(long, default_value_t = 2.0, value_name = "P")]
+    #[arg(long, default_value_t = 2.0, value_name = "P", value_parser = parse_number)]
     pub(crate) decay: f64,
-    #[arg(long, allow_hyphen_values = true, value_parser = argument(), help = format!("Bound the variance of this integrand too: {FORMS}"))]
-    pub(crate) integrand: Option<String>,
-    /// The hemisphere z >= 0
-    #[arg(long)]
-    pub(crate) hemisphere: bool,
-    /// Take the nearest number of points that the pattern has
-    #[arg(long)]
-    pub(crate) nearest: bool,
-    /// Write the bounds to a file, .csv or .json, or a plot of them as .svg or .png
-    #[arg(short, long, value_name = "FILE")]
-    pub(crate) out: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) integrand: IntegrandArgs,
+    #[command(flatten)]
+    pub(crate) domain: DomainArgs,
+    #[command(flatten)]
+    pub(crate) out: OutArgs,
 }
 
 /// A family without a profile that bounds the spectrum.
@@ -125,10 +128,10 @@ pub(crate) struct BoundsBody {
 }
 
 pub(crate) fn run(args: &BoundsArgs, global: &Global) -> Result<(), CliError> {
-    let domain = super::domain(args.hemisphere);
+    let domain = args.domain.domain();
     let parsed = args.profile.as_deref().map(parse_profile).transpose()?;
     let offset = parse_offset(args.offset.as_deref())?;
-    if args.points == Some(0) {
+    if args.count.count == Some(0) {
         return Err(CliError::Usage("-n must be at least 1, got 0".to_owned()));
     }
     if !(args.confidence > 0.0 && args.confidence < 1.0) {
@@ -137,12 +140,13 @@ pub(crate) fn run(args: &BoundsArgs, global: &Global) -> Result<(), CliError> {
             args.confidence
         )));
     }
-    if let Some(path) = &args.out {
+    if let Some(path) = &args.out.out {
         check_result(path, true)?;
     }
     let measured = Measured::of_args(args, domain, global)?;
-    let n_points = measured.as_ref().map_or(args.points.unwrap_or(0), |m| m.n_points);
-    let integrand = args.integrand.as_deref().map(|text| parse_integrand(text, global.quiet));
+    let n_points = measured.as_ref().map_or(args.count.count.unwrap_or(0), |m| m.n_points);
+    let integrand =
+        args.integrand.integrand.as_deref().map(|text| parse_integrand(text, global.quiet));
     let integrand = integrand.transpose()?;
     let consequences = Consequences::new(args, integrand.as_ref(), domain, n_points)?;
     let predicted = match &integrand {
@@ -194,12 +198,12 @@ pub(crate) fn run(args: &BoundsArgs, global: &Global) -> Result<(), CliError> {
         chart: Some(&chart),
         text: &|| text(args, &body, parsed.is_none()),
     };
-    emit(args.out.as_deref(), global, &provenance, &body, &forms)
+    emit(args.out.out.as_deref(), global, &provenance, &body, &forms)
 }
 
 /// The tables for people, with what they rest on.
 fn text(args: &BoundsArgs, body: &BoundsBody, fitted: bool) -> String {
-    let columns = BoundRecord::columns(fitted, args.integrand.is_some());
+    let columns = BoundRecord::columns(fitted, args.integrand.integrand.is_some());
     let mut text = table_of(&columns, &body.bounds);
     for missing in &body.none {
         text += &format!("no {} {}: {}\n", missing.side, missing.family, missing.reason);

@@ -10,6 +10,7 @@ use sphvar_variance::{Prediction, PredictionBudget, Predictor, SpectrumOptions};
 use super::BoundsArgs;
 use crate::error::CliError;
 use crate::files::read_spectrum;
+use crate::flags::LATTICE_FACTOR;
 use crate::global::Global;
 use crate::integrands::NamedIntegrand;
 use crate::memory::{check_degree, check_memory, check_transform};
@@ -19,7 +20,7 @@ use crate::progress::Progress;
 /// The nominal work that a spectrum without sampling may take; beyond that it is sampled.
 const MOST_UNSAMPLED: f64 = 3.3e8;
 /// Realizations of a pattern whose spectrum has to be sampled.
-const REALIZATIONS: u64 = 300;
+pub(super) const REALIZATIONS: u64 = 300;
 
 /// A mean spectrum, index l.
 pub(super) struct Measured {
@@ -42,8 +43,8 @@ impl Measured {
         domain: Domain,
         global: &Global,
     ) -> Result<Option<Self>, CliError> {
-        match (&args.spectrum, &args.sampler, args.points) {
-            (Some(path), ..) => Self::from_file(path, args.points, domain).map(Some),
+        match (&args.spectrum, &args.sampler.sampler, args.count.count) {
+            (Some(path), ..) => Self::from_file(path, args.count.count, domain).map(Some),
             (None, Some(name), Some(n)) => {
                 Self::from_sampler(name, n, args, domain, global).map(Some)
             }
@@ -59,12 +60,12 @@ impl Measured {
         global: &Global,
     ) -> Result<Self, CliError> {
         let pattern = patterns::parse_pattern(name)?;
-        let sampler = patterns::build(&pattern, points, domain, args.nearest)?;
+        let sampler = patterns::build(&pattern, points, domain, args.nearest.nearest)?;
         let n_points = sampler.n_points();
-        // Lattices have peaks at all degrees, which an upper bound must know.
         let natural = Resolution::natural_degree(n_points);
-        let natural = if sampler.is_random() { natural } else { natural.saturating_mul(10) };
-        let lmax = args.lmax.unwrap_or(natural);
+        let natural =
+            if sampler.is_random() { natural } else { natural.saturating_mul(LATTICE_FACTOR) };
+        let lmax = args.lmax.lmax.unwrap_or(natural);
         check_degree("--lmax", lmax)?;
         let exact = ExactSpectrum::of(&*sampler)
             .filter(|exact| args.realizations.is_none() && exact.work(lmax) <= MOST_UNSAMPLED);
@@ -167,11 +168,13 @@ pub(super) fn predicted(
     domain: Domain,
     global: &Global,
 ) -> Result<Option<Prediction>, CliError> {
-    let (None, Some(name), Some(n)) = (&args.spectrum, &args.sampler, args.points) else {
+    let (None, Some(name), Some(n)) = (&args.spectrum, &args.sampler.sampler, args.count.count)
+    else {
         return Ok(None);
     };
-    let sampler = patterns::build(&patterns::parse_pattern(name)?, n, domain, args.nearest)?;
-    let options = SpectrumOptions { lmax: args.lmax, ..SpectrumOptions::default() };
+    let sampler =
+        patterns::build(&patterns::parse_pattern(name)?, n, domain, args.nearest.nearest)?;
+    let options = SpectrumOptions { lmax: args.lmax.lmax, ..SpectrumOptions::default() };
     let budget = PredictionBudget::USUAL;
     let predictor = Predictor::new(&*integrand.function, domain, global.seed, budget)?;
     Ok(Some(predictor.with_options(options).predict(&*sampler, &())?.prediction))

@@ -67,7 +67,7 @@ impl<'a> Answer<'a> {
             chart: Some(&|| Ok(chart(self.question, self.candidates, self.white_variance))),
             text: &|| self.text(),
         };
-        emit(args.out.as_deref(), global, &provenance, &self.body, &forms)
+        emit(args.out.out.as_deref(), global, &provenance, &self.body, &forms)
     }
 
     fn text(&self) -> String {
@@ -116,7 +116,7 @@ impl<'a> Answer<'a> {
             }
             if !beyond.is_empty() {
                 text += &format!(
-                    "Out of reach with {max_points} points (--max-points): {}\n",
+                    "Out of reach with {max_points} points (--max-count): {}\n",
                     names(&beyond)
                 );
             }

@@ -44,14 +44,14 @@ impl Question {
         // By the Cauchy-Schwarz inequality no integral exceeds this; one that rounds to 0 beside it is 0.
         let largest = (domain.area() * energy.total()).sqrt();
         let integral = exact.filter(|i| i.abs() > 1e-12 * largest);
-        let asked = match (&args.error, args.points) {
+        let asked = match (&args.error, args.count.count) {
             (Some(text), _) => {
-                if args.max_points == 0 {
-                    let message = "--max-points must be at least 1, got 0".to_owned();
+                if args.max_count == 0 {
+                    let message = "--max-count must be at least 1, got 0".to_owned();
                     return Err(CliError::Usage(message));
                 }
                 let standard_error = standard_error(text, args.absolute, integral, exact)?;
-                Asked::Error { text: text.clone(), standard_error, max_points: args.max_points }
+                Asked::Error { text: text.clone(), standard_error, max_points: args.max_count }
             }
             (None, Some(0)) => {
                 return Err(CliError::Usage("-n must be at least 1, got 0".to_owned()));

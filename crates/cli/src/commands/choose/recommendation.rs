@@ -26,7 +26,7 @@ pub(super) fn recommendation(
         if let Asked::Error { max_points, .. } = question.asked {
             most = max_points;
             text += &format!(
-                " with {most} points (--max-points): all considered are out of reach, and white noise \
+                " with {most} points (--max-count): all considered are out of reach, and white noise \
                  needs {} points.",
                 number::optional(question.white_noise_points(predictor), number::count)
             );

@@ -27,11 +27,11 @@ pub(super) struct Reference {
 impl Reference {
     /// Checks what was asked for.
     pub(super) fn new(args: &RenderArgs, stage: &Stage, global: &Global) -> Result<Self, CliError> {
-        let plan = DirectionPlan::reference(args.reference_n, global.seed)
-            .map_err(|e| CliError::Usage(format!("--reference-n: {e}")))?;
+        let plan = DirectionPlan::reference(args.reference_count, global.seed)
+            .map_err(|e| CliError::Usage(format!("--reference-count: {e}")))?;
         let directions = size_of::<glam::DVec3>() as f64 * plan.n_points() as f64;
         let at_once = plan.n_sets() as f64 + rayon::current_num_threads() as f64;
-        check_memory("--reference-n", directions * at_once)?;
+        check_memory("--reference-count", directions * at_once)?;
         let description = format!(
             "program {}\nseed {} directions {}\n{}",
             env!("CARGO_PKG_VERSION"),
@@ -75,7 +75,7 @@ impl Reference {
         if n_points.saturating_mul(FEWER) > self.plan.n_points() {
             let text = format!(
                 "the error of the reference image, of {} directions, shows beside that of {n_points}; \
-                 --reference-n takes more",
+                 --reference-count can be increased",
                 self.plan.n_points()
             );
             say(self.quiet, &text);

@@ -21,11 +21,11 @@ use crate::report::{Column, Document, Provenance, is_stdout, number, print, tabl
 use crate::spec::Spec;
 
 /// Pixels on a side of a panel, unless others are wished.
-const USUAL_SIZE: usize = 256;
+pub(super) const USUAL_SIZE: usize = 256;
 /// Directions, unless others are wished.
-const USUAL_COUNT: usize = 256;
+pub(super) const USUAL_COUNT: usize = 256;
 /// Renders of a panel, unless another number is wished: the picture itself has a fair part in its error.
-const USUAL_RENDERS: u64 = 2;
+pub(super) const USUAL_RENDERS: u64 = 2;
 
 /// What a panel shows.
 enum Wish {
@@ -72,7 +72,9 @@ impl PanelRecord {
 
 pub(super) fn run(args: &RenderArgs, panels: &str, global: &Global) -> Result<(), CliError> {
     let Some(path) = &args.out else {
-        return Err(CliError::Usage("-o is missing: where does the sheet go?".to_owned()));
+        return Err(CliError::Usage(
+            "missing required option -o, the .png of the sheet".to_owned(),
+        ));
     };
     if PictureFormat::of_path(path)? != PictureFormat::Png {
         return Err(CliError::Usage(format!("{}: sheets are written as .png", path.display())));
@@ -83,7 +85,7 @@ pub(super) fn run(args: &RenderArgs, panels: &str, global: &Global) -> Result<()
         ));
     }
     AtomicFile::check(path)?;
-    let counts = args.points.as_ref().map_or(&[USUAL_COUNT][..], |counts| counts.all());
+    let counts = args.counts.counts.as_ref().map_or(&[USUAL_COUNT][..], |counts| counts.all());
     let mut wishes = Vec::new();
     for &n in counts {
         for spec in Spec::parse_list(panels)? {

@@ -19,9 +19,9 @@ use crate::progress::Progress;
 use crate::report::{Document, Provenance, is_stdout, number, print, say};
 
 /// Pixels on a side, unless others are wished.
-const USUAL_SIZE: usize = 512;
+pub(super) const USUAL_SIZE: usize = 512;
 /// Directions, unless others are wished.
-const USUAL_COUNT: usize = 256;
+pub(super) const USUAL_COUNT: usize = 256;
 
 /// One picture with its errors: `render --json`.
 #[derive(Debug, Serialize, JsonSchema)]
@@ -129,15 +129,15 @@ impl ErrorRecord {
 
 pub(super) fn run(args: &RenderArgs, global: &Global) -> Result<(), CliError> {
     let Some(sampler) = &args.sampler else {
-        return Err(CliError::Usage("--sampler is missing: which directions?".to_owned()));
+        return Err(CliError::Usage("missing required option --sampler".to_owned()));
     };
     check_outputs(args, global)?;
-    let count = match args.points.as_ref().map(|counts| counts.all()) {
+    let count = match args.counts.counts.as_ref().map(|counts| counts.all()) {
         None => USUAL_COUNT,
         Some(&[n]) => n,
         Some(several) => {
             return Err(CliError::Usage(format!(
-                "one picture has one number of directions, got {}; several are for --study and --sheet",
+                "-n must be one number for a single picture, got {}; --study and --sheet take several",
                 several.len()
             )));
         }
@@ -146,7 +146,7 @@ pub(super) fn run(args: &RenderArgs, global: &Global) -> Result<(), CliError> {
     let renders = args.realizations.unwrap_or(if compare { USUAL_RENDERS } else { 1 });
     if renders > 1 && !compare {
         return Err(CliError::Usage(format!(
-            "-m {renders} is for errors: ask for them with --mse, --json, --difference or --error"
+            "-m {renders} needs errors: request them with --mse, --json, --difference or --error"
         )));
     }
     let pattern = parse_pattern(sampler)?;

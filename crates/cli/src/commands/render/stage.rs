@@ -8,6 +8,8 @@ use sphvar_integrands::{EnvironmentMap, Integrand, PictureParameters, UpAxis};
 use sphvar_scene::{Camera, CornellBox, CropWindow, Integral, Mesh, Quad, Scene, View};
 
 use super::reference_file::fingerprint;
+use super::{sheet, single, study};
+use crate::counts::parse_number;
 use crate::error::CliError;
 use crate::files::read_whole;
 use crate::integrands::environment::{Environment, to_map};
@@ -24,35 +26,39 @@ const USUAL_FOV: f64 = 40.0;
 /// Flags about the scene.
 #[derive(Debug, Args)]
 pub(crate) struct StageArgs {
-    /// `cornell`, or a mesh in Wavefront form (.obj, .obj.gz)
+    /// Scene: cornell, or a mesh in Wavefront form (.obj, .obj.gz)
     pub(super) scene: String,
-    #[arg(long, value_parser = argument(), default_value = "ao", help = format!("Integral over the hemisphere of each point: {INTEGRALS}"))]
+    #[arg(long, value_parser = argument(), default_value = "ao", help = format!("Integral over the hemisphere of each shading point: {INTEGRALS}"))]
     integral: String,
-    /// Occluders farther away than this do not count for ao
-    #[arg(long, value_name = "LENGTH", allow_negative_numbers = true)]
+    /// Ignore occluders farther away than this, for ao [default: none are ignored]
+    #[arg(long, value_name = "LENGTH", allow_negative_numbers = true, value_parser = parse_number)]
     max_distance: Option<f64>,
-    /// Width and height in pixels, or the side of a square [default: 512, of a study 128, of a panel 256]
-    #[arg(long, value_name = "W[xH]")]
+    #[arg(long, value_name = "W[xH]", help = format!(
+        "Width and height in pixels, or the side of a square [default: {}; of a study {}; of a panel {}]",
+        single::USUAL_SIZE, study::USUAL_SIZE, sheet::USUAL_SIZE
+    ))]
     size: Option<Size>,
     /// Render this part of the picture only
     #[arg(long, value_name = "X,Y,W,H")]
     crop: Option<Numbers<4, usize>>,
-    /// Primary rays of a pixel, K by K, each with its own directions: a box filter over what they see of surfaces
+    /// Primary rays of a pixel, K by K, each with its own directions, averaged over those that hit surfaces (a box filter)
     #[arg(long, value_name = "K", default_value_t = 1)]
     pixel_rays: usize,
-    /// Place of the camera [default: the box's own; of a mesh where it fills the picture]
+    /// Position of the camera [default: that of the Cornell box; for a mesh where it fills the picture]
     #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true)]
     eye: Option<Numbers<3, f64>>,
-    /// What is in the middle of the picture [default: the middle of the scene]
+    /// Point in the middle of the picture [default: the middle of the scene]
     #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true)]
     look_at: Option<Numbers<3, f64>>,
     /// Upward direction, of the camera and of the environment map [default: 0,1,0]
     #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true)]
     up: Option<Numbers<3, f64>>,
-    /// Vertical field of view, degrees [default: the box's own, 39.3; of a mesh 40]
-    #[arg(long, value_name = "DEGREES", allow_negative_numbers = true)]
+    #[arg(long, value_name = "DEGREES", allow_negative_numbers = true, value_parser = parse_number, help = format!(
+        "Vertical field of view in degrees [default: that of the Cornell box, {:.1}; for a mesh {USUAL_FOV}]",
+        CornellBox::new().camera.field_of_view().to_degrees()
+    ))]
     fov: Option<f64>,
-    /// Corners of the lamp of `light`, in turn, counterclockwise as seen from where it shines [default: the box's own]
+    /// Corners of the lamp for light, counterclockwise as seen from where it shines [default: that of the Cornell box]
     #[arg(long, value_name = "X,Y,Z,...", allow_hyphen_values = true)]
     lamp: Option<Numbers<12, f64>>,
 }

@@ -20,9 +20,9 @@ use crate::progress::Progress;
 use crate::report::{Column, Forms, Provenance, check_result, csv_of, emit, number, table_of};
 
 /// Pixels on a side, unless others are wished.
-const USUAL_SIZE: usize = 128;
+pub(super) const USUAL_SIZE: usize = 128;
 /// Directions, unless others are wished.
-const USUAL_RANGE: (usize, usize) = (16, 1024);
+pub(super) const USUAL_RANGE: (usize, usize) = (16, 1024);
 
 /// Mean squared errors over the number of directions: `render --study --json`.
 #[derive(Debug, Serialize, JsonSchema)]
@@ -100,9 +100,10 @@ pub(super) fn run(args: &RenderArgs, global: &Global) -> Result<(), CliError> {
         )));
     }
     let list = args.samplers.as_ref().ok_or_else(|| {
-        CliError::Usage("--samplers is missing: which ones are studied?".to_owned())
+        CliError::Usage("missing required option --samplers, the samplers of the study".to_owned())
     })?;
-    let counts = args.points.clone().unwrap_or(Counts::doubling(USUAL_RANGE.0, USUAL_RANGE.1));
+    let counts =
+        args.counts.counts.clone().unwrap_or(Counts::doubling(USUAL_RANGE.0, USUAL_RANGE.1));
     let mode = args.mode()?;
     let mut patterns: Vec<Pattern> = Vec::new();
     let mut cases: Vec<Trials> = Vec::new();

@@ -23,23 +23,23 @@ pub(crate) const EXAMPLES: &str = "Examples:
   sphvar reproduce all --quick -o out
   sphvar reproduce 4.14 7.4 --full -o out
 
-In the folder: index.html, one page with every figure and the table of stated and measured numbers; \
-claims.csv and claims.md, the table alone; figures/, every panel as SVG or PNG with its numbers as CSV; pieces/, \
-finished pieces of the work. An interrupted run resumes where it stopped when started again, with the same \
-result. Full figures take over what quick ones have, and figures share their ensembles.";
+The folder receives index.html, one page with every figure and the table of stated and measured numbers; \
+claims.csv and claims.md, the table alone; figures/, every panel as SVG or PNG with its numbers as CSV; and pieces/, \
+finished parts of the work. An interrupted run resumes where it stopped when started again, with the same \
+result. Full figures reuse the parts of quick ones, and figures share their ensembles.";
 
 #[derive(Debug, Args)]
 pub(crate) struct ReproduceArgs {
-    /// Figures of the thesis: 3.1 4.9 ... C.1, or `all`
+    /// Figures of the thesis: 3.1 4.9 ... C.1, or all
     #[arg(value_name = "FIGURE", default_value = "all")]
     figures: Vec<String>,
-    /// Folder of the results; it is made if it is missing
+    /// Folder for the results, which is made if it is missing
     #[arg(short, long, value_name = "FOLDER")]
     out: PathBuf,
-    /// All figures within ten minutes on two cores: fewer points and realizations (default)
+    /// Use fewer points and realizations: all figures within ten minutes on two cores (the default)
     #[arg(long)]
     quick: bool,
-    /// The thesis's numbers of points and realizations
+    /// Use the numbers of points and realizations of the thesis
     #[arg(long, conflicts_with = "quick")]
     full: bool,
 }

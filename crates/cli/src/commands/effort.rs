@@ -1,0 +1,93 @@
+//! The flags that say how variances are predicted and measured, as `variance` and `compare` have them.
+
+use clap::Args;
+use sphvar_variance::{Precision, PredictionBudget, Trials};
+
+use super::rows::Plan;
+use crate::counts::parse_realizations;
+use crate::error::CliError;
+use crate::flags::{DomainArgs, LmaxArgs, spectra_lmax_help};
+use crate::global::Global;
+use crate::integrands::NamedIntegrand;
+use crate::share::parse_share;
+use crate::transforms::TransformArgs;
+
+/// Flags that say how variances are predicted and measured.
+#[derive(Debug, Args)]
+#[command(mut_arg("lmax", |lmax| lmax.help(spectra_lmax_help())))]
+pub(crate) struct EffortArgs {
+    #[arg(short = 'm', long, value_name = "M", value_parser = parse_trials, help = trials_help())]
+    pub(crate) realizations: Option<u64>,
+    /// Double the trials until the relative standard error of each variance is at most this, such as
+    /// 2% or 0.02
+    #[arg(long, value_name = "E", value_parser = parse_share, allow_negative_numbers = true)]
+    pub(crate) until_rel: Option<f64>,
+    /// Trials at which --until-rel gives up
+    #[arg(long, default_value = "1000000", value_name = "M", value_parser = parse_realizations,
+        requires = "until_rel")]
+    pub(crate) max_realizations: u64,
+    #[arg(long, value_name = "R", value_parser = parse_realizations, help = spectrum_realizations_help())]
+    pub(crate) spectrum_realizations: Option<u64>,
+    #[command(flatten)]
+    pub(crate) lmax: LmaxArgs,
+    #[command(flatten)]
+    pub(crate) transform: TransformArgs,
+    #[command(flatten)]
+    pub(crate) domain: DomainArgs,
+}
+
+/// Reads a number of trials, from which a variance must have an error.
+fn parse_trials(text: &str) -> Result<u64, String> {
+    let trials = parse_realizations(text)?;
+    let least = Precision::MIN_TRIALS;
+    if trials < least {
+        return Err(format!(
+            "-m must be at least {least} for the error of a measured variance, got {trials}"
+        ));
+    }
+    Ok(trials)
+}
+
+fn trials_help() -> String {
+    format!(
+        "Trials per measured variance; with --until-rel, the initial number [default: {}; for samplers whose sets are \
+         expensive to make as many as a fixed amount of work allows, at least {}]",
+        Trials::DEFAULT,
+        Trials::MIN_DEFAULT
+    )
+}
+
+fn spectrum_realizations_help() -> String {
+    format!(
+        "Realizations per estimated spectrum [default: none where a closed form is available; otherwise until the \
+         prediction is known to {} %, within a fixed amount of work]",
+        100.0 * PredictionBudget::USUAL.relative
+    )
+}
+
+impl EffortArgs {
+    /// The plan for an integrand; `whole_spectra` are wanted if they are shown.
+    pub(super) fn plan<'a>(
+        &self,
+        integrand: &'a NamedIntegrand,
+        global: &Global,
+        whole_spectra: bool,
+    ) -> Result<Plan<'a>, CliError> {
+        let (method, epsilon) = self.transform.checked()?;
+        Ok(Plan {
+            integrand,
+            domain: self.domain.domain(),
+            seed: global.seed,
+            trials: self.realizations,
+            until: self
+                .until_rel
+                .map(|relative| Precision { relative, most: self.max_realizations }),
+            realizations: self.spectrum_realizations,
+            lmax: self.lmax.lmax,
+            method,
+            epsilon,
+            whole_spectra,
+            quiet: global.quiet,
+        })
+    }
+}

@@ -1,0 +1,175 @@
+//! Flags that several subcommands share: one name, one meaning, one sentence of help.
+
+pub(crate) mod retired;
+#[cfg(test)]
+mod tests;
+
+use std::path::PathBuf;
+
+use clap::Args;
+use sphvar_samplers::Domain;
+use sphvar_spectrum::Resolution;
+
+use crate::counts::{Counts, parse_one_count};
+use crate::error::CliError;
+use crate::integrands::FORMS;
+use crate::spec::{Spec, argument};
+
+/// One number of points.
+#[derive(Debug, Args)]
+pub(crate) struct CountArgs {
+    /// Number of points N: 1000, 1e4 or 10k
+    #[arg(short = 'n', long, value_name = "N", value_parser = parse_one_count)]
+    pub(crate) count: Option<usize>,
+}
+
+/// Several numbers of points.
+#[derive(Debug, Args)]
+pub(crate) struct CountsArgs {
+    /// Numbers of points N: a list such as 100,400 or 1e3,10k, or a range such as 16..1024, which doubles
+    #[arg(short = 'n', long = "count", value_name = "N")]
+    pub(crate) counts: Option<Counts>,
+}
+
+impl CountArgs {
+    /// Returns the number of points, which the subcommand requires.
+    pub(crate) fn required(&self) -> Result<usize, CliError> {
+        self.count.ok_or_else(missing_count)
+    }
+}
+
+impl CountsArgs {
+    /// Returns the numbers of points, which the subcommand requires or has a default for.
+    pub(crate) fn required(&self) -> Result<&[usize], CliError> {
+        self.counts.as_ref().map(Counts::all).ok_or_else(missing_count)
+    }
+}
+
+fn missing_count() -> CliError {
+    CliError::Usage("missing required option -n/--count".to_owned())
+}
+
+/// The sampler where one makes sense.
+#[derive(Debug, Args)]
+pub(crate) struct SamplerArgs {
+    /// Sampler: name or name:key=value,key=value
+    #[arg(value_parser = one_sampler)]
+    pub(crate) sampler: Option<String>,
+}
+
+/// Samplers where several make sense, as arguments or as the value of a flag.
+#[derive(Debug, Args)]
+#[group(multiple = false)]
+pub(crate) struct SamplersArgs {
+    #[arg(value_name = "SAMPLERS", id = "positional_samplers", help = Self::HELP)]
+    positional: Vec<String>,
+    /// Samplers, as a flag instead of arguments
+    #[arg(long, value_name = "SAMPLERS")]
+    samplers: Option<String>,
+}
+
+impl SamplersArgs {
+    /// The help of the arguments, to which a subcommand adds its default.
+    pub(crate) const HELP: &str = "Samplers, separated by commas or blanks: name or name:key=value,key=value; all is every sampler";
+
+    /// Returns the list of samplers, if there is one.
+    pub(crate) fn list(&self) -> Option<String> {
+        let positional = || (!self.positional.is_empty()).then(|| self.positional.join(","));
+        self.samplers.clone().or_else(positional)
+    }
+
+    /// Returns the list of samplers, which the subcommand requires or has a default for.
+    pub(crate) fn required(&self) -> Result<String, CliError> {
+        self.list().ok_or_else(|| CliError::Usage("missing samplers, such as jittered".to_owned()))
+    }
+}
+
+/// Reads the argument of a subcommand that takes one sampler.
+pub(crate) fn one_sampler(text: &str) -> Result<String, String> {
+    let several = if text == "all" {
+        "all".to_owned()
+    } else {
+        match Spec::parse_list(text) {
+            Ok(list) if list.len() > 1 => list.len().to_string(),
+            // What is no list is an error of the sampler, and stated where it is built.
+            _ => return Ok(text.to_owned()),
+        }
+    };
+    Err(format!("expected one sampler, got {several}; compare, variance and choose take several"))
+}
+
+/// The function that is integrated.
+#[derive(Debug, Args)]
+pub(crate) struct IntegrandArgs {
+    #[arg(long, allow_hyphen_values = true, value_parser = argument(), help = format!("Integrand: {FORMS}"))]
+    pub(crate) integrand: Option<String>,
+}
+
+impl IntegrandArgs {
+    /// Returns the integrand, which the subcommand requires or has a default for.
+    pub(crate) fn required(&self) -> Result<&str, CliError> {
+        let missing = || CliError::Usage("missing required option --integrand".to_owned());
+        self.integrand.as_deref().ok_or_else(missing)
+    }
+}
+
+/// Sphere or hemisphere.
+#[derive(Clone, Copy, Debug, Args)]
+pub(crate) struct DomainArgs {
+    /// Use the hemisphere z >= 0 instead of the sphere; only even degrees exist there
+    #[arg(long)]
+    pub(crate) hemisphere: bool,
+}
+
+impl DomainArgs {
+    /// Returns the domain.
+    pub(crate) fn domain(self) -> Domain {
+        if self.hemisphere { Domain::Hemisphere } else { Domain::Sphere }
+    }
+}
+
+/// What happens to a number of points that a pattern does not have.
+#[derive(Clone, Copy, Debug, Args)]
+pub(crate) struct NearestArgs {
+    /// Use the valid number of points nearest to N
+    #[arg(long)]
+    pub(crate) nearest: bool,
+}
+
+/// The largest degree of spectra.
+#[derive(Clone, Copy, Debug, Args)]
+pub(crate) struct LmaxArgs {
+    /// Maximum degree, inclusive
+    #[arg(long, value_name = "L", value_parser = parse_one_count)]
+    pub(crate) lmax: Option<usize>,
+}
+
+/// Returns the help of --lmax with its default in words.
+pub(crate) fn lmax_help(default: &str) -> String {
+    format!("Maximum degree, inclusive [default: {default}]")
+}
+
+/// The spectra of lattices go to this many times the degree by which those of random patterns have settled: they
+/// have peaks at all degrees.
+pub(crate) const LATTICE_FACTOR: usize = 10;
+
+/// The default of --lmax in words, for spectra that predict or bound variances.
+pub(crate) fn spectra_lmax_help() -> String {
+    lmax_help(&format!("{}; for lattices {LATTICE_FACTOR} times that", natural_degree_in_words()))
+}
+
+/// The default of --lmax in words: the degree by which spectra of random patterns have settled.
+pub(crate) fn natural_degree_in_words() -> String {
+    let at_least = Resolution::natural_degree(1);
+    // The factor is that of a number of points with a whole root.
+    let factor = Resolution::natural_degree(1_000_000) / 1000;
+    format!("{factor} sqrt(N), at least {at_least}")
+}
+
+/// The file of results with its plot.
+#[derive(Debug, Args)]
+pub(crate) struct OutArgs {
+    /// Write the results to a file: .csv, .json, or a plot as .svg or .png
+    #[arg(short, long, value_name = "FILE")]
+    pub(crate) out: Option<PathBuf>,
+}
