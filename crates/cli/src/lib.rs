@@ -111,7 +111,7 @@ fn dispatch(cli: Cli) -> Result<(), CliError> {
         Command::Healpix(args) => commands::healpix::run(&args, &cli.global),
         Command::Accuracy(args) => commands::accuracy::run(&args, &cli.global),
         Command::List(args) => commands::list::run(&args, &cli.global),
-        Command::Completions(args) => commands::completions::run(&args),
+        Command::Completions(args) => commands::completions::run(&args, &cli.global),
         Command::Eval(args) => commands::eval::run(&args, &cli.global),
     }
 }

@@ -155,3 +155,36 @@ fn version() {
     let expected = format!("sphvar {}\n", env!("CARGO_PKG_VERSION"));
     assert_eq!(place.run("--version").ok().stdout, expected);
 }
+
+/// A manual page for the command and for each subcommand, with every flag of its help.
+#[test]
+fn manual_pages_describe_every_subcommand() {
+    let place = Workplace::new();
+    place.run("completions --man share/man1").ok();
+    let names = place.names_in("share/man1");
+    let evals = ["cap-power", "legendre", "profile", "ylm"].map(|name| format!("eval {name}"));
+    let commands = SUBCOMMANDS.iter().map(|&name| name.to_owned()).chain(evals);
+    let mut count = 1;
+    assert!(names.contains(&"sphvar.1".to_owned()), "{names:?}");
+    for command in commands {
+        let name = format!("sphvar-{}.1", command.replace(' ', "-"));
+        assert!(names.contains(&name), "{name}: {names:?}");
+        // Dashes are escaped, so that they are not broken.
+        let page = place.text(&format!("share/man1/{name}")).replace("\\-", "-");
+        assert!(page.contains("SYNOPSIS"), "{page}");
+        let help = place.run(&format!("{command} --help")).ok().stdout;
+        let words = help.split(|c: char| !c.is_alphanumeric() && c != '-');
+        for flag in words.filter(|word| word.starts_with("--") && word.len() > 2) {
+            assert!(page.contains(flag), "{name} lacks {flag}\n{page}");
+        }
+        count += 1;
+    }
+    assert_eq!(names.len(), count, "{names:?}");
+    // Nothing else stays, and a second run replaces them.
+    place.run("completions --man share/man1 --quiet").ok();
+    assert_eq!(place.names_in("share/man1"), names);
+    place.run("completions").fails(2, &["SHELL", "--man"]);
+    place.run("completions bash --man man").fails(2, &["cannot be used with"]);
+    place.write("file", "");
+    place.run("completions --man file").fails(1, &["file", "folder"]);
+}
