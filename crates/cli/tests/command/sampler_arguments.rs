@@ -73,6 +73,11 @@ fn help_states_the_default_samplers_of_a_comparison() {
         .map(|s| s["sampler"].as_str().unwrap())
         .collect();
     assert_eq!(format!("[default: {}]", names.join(",")), stated);
+    // It is read in a terminal.
+    let text =
+        place.run("compare -n 12,48 --integrand cap:degrees=60 -m 50 -o out --force").ok().stdout;
+    let longest = text.lines().max_by_key(|line| line.chars().count()).unwrap();
+    assert!(longest.chars().count() <= 100, "{longest}");
 }
 
 /// Samplers are arguments or the value of a flag, divided by commas or blanks; all these have one answer.

@@ -94,7 +94,7 @@ impl SamplerRecord {
             }),
             Column::number("at N", |s: &Self| s.n.to_string()),
             Column::number("effective power", |s: &Self| number::value(s.power_seen)),
-            Column::number("gain over white noise", |s: &Self| {
+            Column::number("reduction", |s: &Self| {
                 let both = s.gain.zip(s.gain_stderr);
                 number::optional(both, |(gain, e)| number::with_uncertainty(gain, e))
             }),

@@ -1,4 +1,4 @@
-//! What `compare` says to people.
+//! The tables and conclusions of `compare`.
 
 use super::record::{ComparisonBody, SamplerRecord};
 use crate::commands::crossovers::CrossoverRecord;
@@ -6,7 +6,7 @@ use crate::commands::row_record::RowRecord;
 use crate::commands::rows::Plan;
 use crate::report::{number, table_of};
 
-/// The tables with what they rest on, and which sampler gains most.
+/// Returns the tables, their explanation, and the sampler with the largest variance reduction.
 pub(super) fn text(body: &ComparisonBody, plan: &Plan<'_>) -> String {
     let mut text = format!("Variance of integrating {}\n\n", plan.integrand.name);
     text += &table_of(&RowRecord::columns(), &body.rows);
@@ -25,10 +25,9 @@ pub(super) fn text(body: &ComparisonBody, plan: &Plan<'_>) -> String {
         _ => format!("\n{agreement}; {without} have no verdict.\n\n"),
     };
     text += &table_of(&SamplerRecord::columns(), &body.samplers);
-    text += "\nrate: exponent b of variance ~ N^b; it and the gain are from predicted or measured variances, \
-             whichever are\nthe more precise. effective power: the pattern's power averaged over the \
-             degrees with the integrand's energies;\nwhite noise has 1. gain: how many times the \
-             variance is smaller.\n";
+    text += "\nrate: exponent b of variance ~ N^b; rate and reduction come from predicted or measured variances,\n\
+             whichever are the more precise. effective power: the pattern's power averaged over the degrees\n\
+             with the integrand's energies; white noise has 1. reduction: white noise's variance over this one.\n";
     if body.samplers.iter().any(|s| s.pre_asymptotic) {
         text +=
             "*: the rate changes over these numbers of points, it is not the asymptotic one yet.\n";
@@ -38,8 +37,8 @@ pub(super) fn text(body: &ComparisonBody, plan: &Plan<'_>) -> String {
     text + &verdict(&body.samplers)
 }
 
-/// Which sampler gains most at its largest number of points. Predictions decide: they are more precise
-/// than measurements.
+/// Returns the sampler with the largest variance reduction at its largest number of points, by predictions, which
+/// are more precise than measurements.
 fn verdict(samplers: &[SamplerRecord]) -> String {
     let with_variance = samplers.iter().filter(|s| s.power_seen.is_finite());
     let Some(best) = with_variance.min_by(|a, b| a.power_seen.total_cmp(&b.power_seen)) else {
@@ -52,10 +51,10 @@ fn verdict(samplers: &[SamplerRecord]) -> String {
     }
     let measured = best.measured_gain.zip(best.measured_gain_stderr);
     let measured = measured.map_or(String::new(), |(g, e)| {
-        format!(", {} as measured", number::with_uncertainty(g, e))
+        format!(",\n{} as measured", number::with_uncertainty(g, e))
     });
     format!(
-        "Largest gain: {} with N = {}, {} times less variance than white noise as predicted{measured}.\n",
+        "Largest variance reduction: {} with N = {}, {} times less variance than white noise as predicted{measured}.\n",
         best.sampler,
         best.n,
         number::ratio(1.0 / best.power_seen),
