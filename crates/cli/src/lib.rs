@@ -52,7 +52,7 @@ pub fn run() -> ExitCode {
         // The reader of a pipe has what it wanted.
         Err(CliError::ClosedPipe) => ExitCode::SUCCESS,
         Err(error) => {
-            message::write(&format!("sphvar: {error}"));
+            message::write(&format!("error: {error}"));
             ExitCode::from(error.status())
         }
     }
