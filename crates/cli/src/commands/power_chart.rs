@@ -21,10 +21,15 @@ pub(super) struct PowerCurve {
 }
 
 impl PowerCurve {
-    /// Returns the curve of the degrees l >= 1 up to `most` sqrt(N).
-    pub(super) fn new(label: impl Into<String>, spectrum: &Spectrum, most: f64, ink: Ink) -> Self {
+    /// Returns the curve of the degrees l >= 1 up to `max_frequency` sqrt(N).
+    pub(super) fn new(
+        label: impl Into<String>,
+        spectrum: &Spectrum,
+        max_frequency: f64,
+        ink: Ink,
+    ) -> Self {
         let n_points = spectrum.n_points();
-        let last = most * (n_points as f64).sqrt();
+        let last = max_frequency * (n_points as f64).sqrt();
         let rows = spectrum.rows().skip(1).filter(|row| row.0 as f64 <= last).collect();
         Self { label: label.into(), n_points, rows, ink }
     }

@@ -10,14 +10,14 @@ const BINS: f64 = 30.0;
 pub(crate) struct Binned {
     /// The points, or the means of bins.
     pub(crate) points: Vec<(f64, f64)>,
-    /// The least and the largest value of each bin; none if every point is shown.
+    /// The smallest and the largest value of each bin; none if every point is shown.
     pub(crate) ranges: Option<Vec<(f64, f64)>>,
 }
 
 impl Binned {
     /// What notes say of a chart with bins.
-    pub(crate) const NOTE: &str = "Where degrees are many, lines are means over bins of log l and bands span the \
-        least to the largest value of a bin; degrees with 0 (to rounding) are left out.";
+    pub(crate) const NOTE: &str = "Where degrees are many, lines are means over bins of log l and bands their ranges; \
+        degrees with 0 (to rounding) are left out.";
     /// The same of a chart without ranges.
     pub(crate) const NOTE_OF_MEANS: &str = "Where degrees are many, lines are means over bins of log l; degrees with \
         0 (to rounding) are left out.";

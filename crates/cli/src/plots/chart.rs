@@ -42,7 +42,7 @@ pub(crate) enum Spread {
     None,
     /// One standard error for each point; NaN where it is unknown.
     Errors(Vec<f64>),
-    /// The least and the largest value for each point.
+    /// The smallest and the largest value for each point.
     Ranges(Vec<(f64, f64)>),
 }
 

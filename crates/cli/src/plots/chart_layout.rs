@@ -118,8 +118,8 @@ impl<'a> Layout<'a> {
         let label = with_power(&chart.x_label, x_axis.power);
         if !label.is_empty() {
             let at = (f64::midpoint(left, right), bottom + 0.5 * LABEL + 3.0);
-            let most = 2.0 * (at.0 - EDGE).min(width - EDGE - at.0);
-            texts.push(TextBox::within(&label, at, (LABEL, most), INK, canvas)?);
+            let max_length = 2.0 * (at.0 - EDGE).min(width - EDGE - at.0);
+            texts.push(TextBox::within(&label, at, (LABEL, max_length), INK, canvas)?);
             bottom += LABEL * LEADING + 3.0;
         }
         let mut names = PlacedLabels::default();

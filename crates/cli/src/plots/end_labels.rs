@@ -65,8 +65,8 @@ impl<'a> EndLabels<'a> {
         for size in SIZES {
             let mut labels = Self { labels: Vec::new(), size, width: 0.0 };
             for one in panel.series.iter().filter(|one| !one.label.is_empty()) {
-                let most = MAX_WIDTH * figure_width;
-                let lines = fitted(&name(one, panel.y_scale), size, most, MAX_LINES, canvas)?;
+                let max_width = MAX_WIDTH * figure_width;
+                let lines = fitted(&name(one, panel.y_scale), size, max_width, MAX_LINES, canvas)?;
                 for line in &lines {
                     labels.width = labels.width.max(canvas.text_width(line, size)?);
                 }

@@ -17,7 +17,7 @@ const SAMPLE: f64 = 34.0;
 const SAMPLE_GAP: f64 = 8.0;
 const COLUMN_GAP: f64 = 22.0;
 /// Longer names are shortened.
-const WIDEST_LABEL: f64 = 250.0;
+const MAX_LABEL: f64 = 250.0;
 
 /// The entries of a legend at their places.
 pub(super) struct Legend<'a> {
@@ -35,11 +35,11 @@ impl<'a> Legend<'a> {
         top: f64,
         canvas: &Canvas<DB>,
     ) -> Result<Self, PlotError> {
-        let most = WIDEST_LABEL.min(right - left - SAMPLE - SAMPLE_GAP);
+        let max_width = MAX_LABEL.min(right - left - SAMPLE - SAMPLE_GAP);
         let mut named = Vec::new();
         let mut width: f64 = 0.0;
         for look in by_importance(looks) {
-            let label = fitted(&look.series.label, TEXT, most, 1, canvas)?.concat();
+            let label = fitted(&look.series.label, TEXT, max_width, 1, canvas)?.concat();
             width = width.max(canvas.text_width(&label, TEXT)?);
             named.push((look, label));
         }

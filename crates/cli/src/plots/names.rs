@@ -7,14 +7,16 @@ use super::plot_error::PlotError;
 
 /// Between parts of a name, with which a part ends: `name:key=value,key=value`, paths, words.
 const SEPARATORS: [char; 5] = [':', ',', '=', '/', ' '];
-/// Those of them at which lines end rather than at others.
+/// Those of them at which lines of whole names end.
 const BREAKS: [char; 3] = [':', ',', ' '];
 const ELLIPSIS: char = '\u{2026}';
 /// Parts are not shortened further than to this number of characters.
 const MIN_PART: usize = 4;
+/// Nor are keys as long as others have more than this number.
+const SHORT_PART: usize = 10;
 
 /// Returns a name in at most `max_lines` lines no wider than `width`. Where it does not fit, its longest parts are
-/// shortened in the middle, so that every parameter is still there.
+/// shortened in the middle, keys of parameters after all others, so that every parameter is still there.
 pub(super) fn fitted<DB: DrawingBackend>(
     name: &str,
     size: f64,
@@ -24,17 +26,23 @@ pub(super) fn fitted<DB: DrawingBackend>(
 ) -> Result<Vec<String>, PlotError> {
     let mut parts: Vec<Vec<char>> =
         name.split_inclusive(SEPARATORS).map(|part| part.chars().collect()).collect();
+    let mut lines = broken(&parts, &BREAKS, size, width, canvas)?;
     loop {
-        let lines = broken(&parts, size, width, canvas)?;
         if lines.len() <= max_lines && all_within(&lines, size, width, canvas)? {
             return Ok(lines);
         }
-        let longest = parts.iter_mut().max_by_key(|part| part.len());
+        let is_key = |part: &[char]| part.last() == Some(&'=');
+        let length = |part: &[char]| match part.len() {
+            length if !is_key(part) && length > SHORT_PART => length + name.len(),
+            length => length,
+        };
+        let longest = parts.iter_mut().max_by_key(|part| length(part));
         match longest.filter(|part| part.len() > MIN_PART) {
             Some(part) => shorten(part),
             // Names of hundreds of parts.
             None => return cut(lines, size, width, max_lines, canvas),
         }
+        lines = broken(&parts, &SEPARATORS, size, width, canvas)?;
     }
 }
 
@@ -54,22 +62,24 @@ fn shorten(part: &mut Vec<char>) {
     }
 }
 
-/// Joins parts to lines that are as long as they fit, with breaks between parameters unless one is too long itself.
+/// Joins parts to lines that are as long as they fit, broken after `breaks`, or after any part where what is between
+/// two of them does not fit in a line.
 fn broken<DB: DrawingBackend>(
     parts: &[Vec<char>],
+    breaks: &[char],
     size: f64,
     width: f64,
     canvas: &Canvas<DB>,
 ) -> Result<Vec<String>, PlotError> {
-    let ends_parameter = |part: &[char]| part.last().is_some_and(|end| BREAKS.contains(end));
+    let ends = |part: &[char]| part.last().is_some_and(|end| breaks.contains(end));
     let fits = |text: &str| Ok::<_, PlotError>(canvas.text_width(text.trim_end(), size)? <= width);
     let mut lines = vec![String::new()];
-    for parameter in parts.chunk_by(|a, _| !ends_parameter(a)) {
-        let whole: String = parameter.iter().flatten().collect();
+    for joined in parts.chunk_by(|a, _| !ends(a)) {
+        let whole: String = joined.iter().flatten().collect();
         let pieces = if fits(&whole)? {
             vec![whole]
         } else {
-            parameter.iter().map(|part| part.iter().collect()).collect()
+            joined.iter().map(|part| part.iter().collect()).collect()
         };
         for piece in pieces {
             match lines.last_mut() {
@@ -133,15 +143,20 @@ mod tests {
     #[test]
     fn parameters_are_kept() {
         assert_eq!(names("jittered", 200.0, 2), ["jittered"]);
-        let lines = names("ccvt:capacity=64,mass=white", 130.0, 2);
+        let lines = names("ccvt:capacity=64,mass=white", 170.0, 2);
         assert_eq!(lines, ["ccvt:capacity=64,", "mass=white"]);
         let long = "file:/home/somebody/measurements/of/last/winter/points-of-the-first-kind.npy";
         let joined = names(long, 200.0, 2).concat();
-        assert!(joined.starts_with("file:/") && joined.ends_with(".npy"), "{joined}");
+        assert!(joined.starts_with("file:/") && joined.ends_with("npy"), "{joined}");
         assert!(joined.contains(ELLIPSIS), "{joined}");
         let long = format!("blue:alpha=0.123,{}=7,iterations=100", "x".repeat(200));
         let joined = names(&long, 150.0, 3).concat();
         for part in ["alpha=", "0.123,", "=7,", "iterations=100"] {
+            assert!(joined.contains(part), "{part} of {joined}");
+        }
+        let long = format!("file:/{}set.npy,iterations=100000", "folder-of-folders/".repeat(3));
+        let joined = names(&long, 200.0, 3).concat();
+        for part in ["file:/", "set.npy,", "iterations=", "100000"] {
             assert!(joined.contains(part), "{part} of {joined}");
         }
     }

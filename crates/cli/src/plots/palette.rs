@@ -60,7 +60,7 @@ impl Ink {
 }
 
 /// Returns a rank for each value, for [`Ink::Rank`]: the place in the list, unless there are more values than
-/// colours; then the least values have the first ranks. NaN is greater than all numbers.
+/// colours; then the smallest values have the first ranks. NaN is greater than all numbers.
 pub(crate) fn ranks(values: &[f64]) -> Vec<usize> {
     let mut by_value: Vec<usize> = (0..values.len()).collect();
     // The sign of a NaN says nothing.

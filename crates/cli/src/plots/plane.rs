@@ -3,7 +3,7 @@
 use super::axis::{Axis, Scale};
 use super::chart::{Panel, Series, Spread};
 
-/// Error bars may stretch a logarithmic axis below the least point by this factor and no further: a bar that
+/// Error bars may stretch a logarithmic axis below the lowest point by this factor and no further: a bar that
 /// nearly reaches zero would squeeze everything else.
 const BAR_REACH: f64 = 10.0;
 /// The same for bands of ranges.

@@ -1,7 +1,7 @@
 //! Moves labels apart, as little as possible.
 
 /// Returns the middles of labels of these heights between `low` and `high`, so that none overlap and the squares of
-/// the distances from the wanted middles are least, apart from the limits; `None` when they do not fit. The order
+/// the distances from the wanted middles are smallest, apart from the limits; `None` when they do not fit. The order
 /// of wanted middles is kept.
 pub(super) fn spread(wanted: &[f64], heights: &[f64], low: f64, high: f64) -> Option<Vec<f64>> {
     if heights.iter().sum::<f64>() > high - low {

@@ -16,7 +16,7 @@ const LINEAR_RATIO: f64 = 5.0;
 /// Beyond this frequency only lattices are computed, and their power only wobbles.
 const LAST_FREQUENCY: f64 = 4.0;
 
-/// Returns the colours of curves: of many, those with the least variance for their number of points have one.
+/// Returns the colours of curves: of many, those with the smallest N x variance have one.
 fn inks(curves: &[Curve<'_>]) -> Vec<Ink> {
     let value = |curve: &Curve<'_>| {
         let last = curve.predicted().last().copied();
@@ -28,7 +28,7 @@ fn inks(curves: &[Curve<'_>]) -> Vec<Ink> {
 
 /// Returns what is said of colours where there are more curves.
 fn note_of_colours(curves: &[Curve<'_>]) -> Option<String> {
-    let note = || format!("In colour: the {MAX_COLOURS} with the least variance times N.");
+    let note = || format!("In colour: the {MAX_COLOURS} with the smallest N \u{d7} variance.");
     (curves.len() > MAX_COLOURS).then(note)
 }
 
