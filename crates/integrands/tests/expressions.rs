@@ -78,7 +78,7 @@ fn mistakes_say_what_would_be_right() {
         ("ylm:l=2.5", "l must be a whole number from 0, got 2.5"),
         ("ylm:l=2,n=1", "unknown parameter \"n\"; valid: l, m"),
         ("cosin", "unknown integrand \"cosin\" (did you mean \"cosine\"?); valid: ylm, cap, "),
-        ("env:up=w", "unknown up of env \"w\"; valid: z, y, x, -z, -y, -x"),
+        ("env:a.exr,up=w", "unknown up of env \"w\"; valid: z, y, x, -z, -y, -x"),
         ("env", "env: the file is missing: env:FILE"),
         ("cosine +  + cosine", "there is no integrand on one side of an operator"),
         ("cosine @ 181/0", "THETA in [0, 180], got \"181/0\""),
@@ -155,9 +155,12 @@ fn any_term() -> impl Strategy<Value = Term> {
             .map(|parameter| {
                 let (name, is_required) =
                     (parameter.name, parameter.default == DefaultValue::Required);
-                let share = if is_required { 1.0 } else { 0.5 };
                 let given = value(parameter).prop_map(move |v| format!("{name}={v}"));
-                proptest::option::weighted(share, given)
+                if is_required {
+                    given.prop_map(Some).boxed()
+                } else {
+                    proptest::option::of(given).boxed()
+                }
             })
             .collect();
         items.prop_map(move |items| {
