@@ -9,22 +9,23 @@ use sphvar_sht::{FastTransform, Method, Transform, TransformWorkspace};
 
 use crate::{Accumulator, Error, Realization};
 
-/// To which degree and how spectra are computed.
+/// Maximum degree and method of a spectrum estimate.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Resolution {
-    /// The largest degree, inclusive.
+    /// The maximum degree, inclusive.
     pub lmax: usize,
-    /// The number of points of a set, or about that: the choice of [`Method::Auto`] goes by it.
+    /// The number of points of a set, exact or approximate; determines the choice of
+    /// [`Method::Auto`].
     pub n_points: usize,
-    /// The way of transforming.
+    /// The transform method.
     pub method: Method,
-    /// The relative accuracy of coefficients by the fast method, in [1e-13, 1e-1].
+    /// The relative accuracy of coefficients computed by the fast method, in [1e-13, 1e-1].
     pub epsilon: f64,
 }
 
 impl Resolution {
-    /// The accuracy unless another is asked for: power comes out to its square, 1e-24, where the
-    /// pattern has none.
+    /// The default accuracy. The absolute error of the power, where the pattern has none, is the
+    /// square of it: 1e-24.
     pub const EPSILON: f64 = 1e-12;
 
     /// The smallest [`Self::epsilon`].
@@ -33,14 +34,15 @@ impl Resolution {
     /// The largest [`Self::epsilon`].
     pub const MAX_EPSILON: f64 = FastTransform::MAX_EPSILON;
 
-    /// The degree by which the spectrum of a random pattern has settled, 4 sqrt(N), at least 32.
+    /// Returns the degree at which the spectrum of a random pattern has converged to its limit:
+    /// 4 sqrt(N), at least 32.
     #[must_use]
     pub fn natural_degree(n_points: usize) -> usize {
         (4 * n_points.isqrt()).max(32)
     }
 
-    /// The bytes that [`accumulate`] takes for `sets` sets on `threads` threads, without what the
-    /// accumulators keep.
+    /// Returns the memory in bytes that [`accumulate`] needs for `sets` sets on `threads` threads,
+    /// excluding the accumulators.
     #[must_use]
     pub fn bytes(&self, sets: u64, threads: usize) -> f64 {
         let together = sets.clamp(1, BATCH);
@@ -48,22 +50,24 @@ impl Resolution {
         busy as f64 * self.method.bytes(self.n_points, self.lmax, together)
     }
 
-    /// Degree `lmax` for sets of `n_points`, by the cheaper method.
+    /// Returns the resolution for degree `lmax` and sets of `n_points`, with the less expensive
+    /// method and the default accuracy.
     #[must_use]
     pub fn new(lmax: usize, n_points: usize) -> Self {
         Self { lmax, n_points, method: Method::Auto, epsilon: Self::EPSILON }
     }
 }
 
-/// Sets that one thread transforms together: the recurrence is shared among as many.
+/// Number of sets that a thread transforms together; they share one Legendre recurrence.
 const BATCH: u64 = 4;
 
-/// Transforms the sets of the given numbers and accumulates them into a copy of `empty`, in
-/// parallel over the sets; the nominal work of making and transforming them is ticked.
+/// Transforms the sets with the given indices and accumulates them into a copy of `empty`, in
+/// parallel over the sets. Ticks `progress` with the nominal work of sampling and transforming.
 ///
 /// # Errors
 ///
-/// [`Error::Sampler`] if a set cannot be made or `progress` ends the work, [`Error::Transform`] if the degree is beyond what the transform can hold, or the accuracy outside its
+/// [`Error::Sampler`] if a set cannot be generated or `progress` stops the work;
+/// [`Error::Transform`] if the degree exceeds the limit of the transform or the accuracy is out of
 /// range.
 pub fn accumulate<A: Accumulator>(
     sets: &dyn Ensemble,
@@ -80,7 +84,7 @@ pub fn accumulate<A: Accumulator>(
         alms: Vec::new(),
         accumulator: empty.clone(),
     };
-    // What follows a stop is not even begun.
+    // After a stop, no further batch is started.
     let is_stopped = AtomicBool::new(false);
     let stop = |error: &Error| {
         let stopped = Error::from(Stopped);
@@ -93,7 +97,7 @@ pub fn accumulate<A: Accumulator>(
         }
         let first = indices.start + batch * BATCH;
         let batch = first..first.saturating_add(BATCH).min(indices.end);
-        worker.take(sets, &transform, resolution, batch, progress).inspect_err(stop)?;
+        worker.process(sets, &transform, resolution, batch, progress).inspect_err(stop)?;
         Ok(worker)
     };
     let n_batches = indices.end.saturating_sub(indices.start).div_ceil(BATCH);
@@ -111,7 +115,7 @@ pub fn accumulate<A: Accumulator>(
     )
 }
 
-/// The buffers of one thread's share of the sets.
+/// The buffers of one thread.
 struct Worker<A> {
     sets: Vec<PointSet>,
     workspace: TransformWorkspace,
@@ -120,7 +124,7 @@ struct Worker<A> {
 }
 
 impl<A: Accumulator> Worker<A> {
-    fn take(
+    fn process(
         &mut self,
         ensemble: &dyn Ensemble,
         transform: &Transform,

@@ -1,13 +1,14 @@
 use crate::Realization;
 
-/// Accumulates statistics of the coefficients of an ensemble.
+/// Accumulates statistics of spherical-harmonic coefficients over an ensemble.
 ///
-/// `merge` must give the same bits as pushing the other's realizations would, whatever the order:
-/// that is what makes results independent of threads.
+/// `merge` must give a result bit-identical to pushing the realizations of `other`, in any order.
+/// Results are then independent of the number of threads.
 pub trait Accumulator: Clone + Send + Sync {
-    /// Takes one realization in.
+    /// Adds one realization.
     fn push(&mut self, realization: &Realization<'_>);
-    /// Takes in everything that `other`, a copy of the same empty accumulator, has seen.
+    /// Adds the realizations of `other`, which must start from a copy of the same empty
+    /// accumulator.
     fn merge(&mut self, other: &Self);
 }
 

@@ -3,12 +3,12 @@ use sphvar_sh::LmIndex;
 
 use crate::{Accumulator, Error, Moments, Realization};
 
-/// Accumulates what a homogeneous ensemble has none of: differences between the orders of a degree,
-/// and products of different coefficients.
+/// Accumulates differences between the orders of a degree and products of different coefficients,
+/// both of mean zero for a homogeneous ensemble.
 ///
-/// For every (l, m) the power of the order less the power of its degree, realization by realization:
-/// the mean is 0 for a homogeneous ensemble, and its standard error knows how the orders of one
-/// realization vary together.
+/// For every (l, m) the accumulated number is the power of the order minus the power of its degree
+/// in the same realization. Its standard error therefore accounts for the correlation between the
+/// orders of one realization.
 #[derive(Clone, Debug)]
 pub struct Anisotropy {
     index: LmIndex,
@@ -18,19 +18,22 @@ pub struct Anisotropy {
 }
 
 impl Anisotropy {
-    /// An empty accumulator for degrees up to `lmax` and the products of these pairs of (l, m),
-    /// m >= 0: some 300 bytes for an order and 1200 for a pair.
+    /// Returns an empty accumulator for degrees up to `lmax` and for products of the given pairs of
+    /// (l, m), m >= 0. It uses about 300 bytes per order and 1200 per pair.
     ///
     /// # Errors
     ///
-    /// [`Error::Transform`] if `lmax` is beyond what the index can hold.
+    /// [`Error::Transform`] if `lmax` exceeds the limit of the index.
     ///
     /// # Panics
     ///
-    /// If a pair has a degree above `lmax` or an order above its degree.
+    /// Panics if a pair has a degree above `lmax` or an order above its degree.
     pub fn new(lmax: usize, pairs: &[[(usize, usize); 2]]) -> Result<Self, Error> {
         for (l, m) in pairs.iter().flatten() {
-            assert!(m <= l && *l <= lmax, "({l}, {m}) is not among the degrees up to {lmax}");
+            assert!(
+                m <= l && *l <= lmax,
+                "({l}, {m}) is not a valid (degree, order) for lmax {lmax}"
+            );
         }
         let index = LmIndex::new(lmax)?;
         Ok(Self {
@@ -41,23 +44,23 @@ impl Anisotropy {
         })
     }
 
-    /// `(4 pi/N) |S_lm|^2 - P(l)` of every (l, m), in the order of the index.
+    /// Returns the moments of `(4 pi/N) |S_lm|^2 - P(l)` for every (l, m), in index order.
     pub fn orders(&self) -> impl Iterator<Item = ((usize, usize), &Moments)> {
         self.index.iter().zip(&self.orders)
     }
 
-    /// The same of one (l, m).
+    /// Returns the moments of `(4 pi/N) |S_lm|^2 - P(l)` for one (l, m).
     ///
     /// # Panics
     ///
-    /// If `m > l` or `l` is above the largest degree.
+    /// Panics if `m > l` or `l` is above the maximum degree.
     #[must_use]
     pub fn order(&self, l: usize, m: usize) -> &Moments {
         &self.orders[self.index.at(l, m)]
     }
 
-    /// For every pair the real and imaginary part of `(4 pi/N) S_lm conj S_l'm'`, then those of
-    /// `(4 pi/N) S_lm S_l'm'`.
+    /// Returns, for every pair, the moments of the real and imaginary part of
+    /// `(4 pi/N) S_lm conj S_l'm'`, followed by those of `(4 pi/N) S_lm S_l'm'`.
     pub fn products(&self) -> impl Iterator<Item = ([(usize, usize); 2], &[Moments; 4])> {
         self.pairs.iter().copied().zip(&self.products)
     }

@@ -2,7 +2,7 @@ use num_complex::Complex;
 
 use crate::{Accumulator, Realization};
 
-/// Collects one coefficient `S_lm` of every realization, for looking at its distribution.
+/// Collects one coefficient `S_lm` of every realization, for example to study its distribution.
 #[derive(Clone, Debug)]
 pub struct CoefficientSamples {
     l: usize,
@@ -11,13 +11,13 @@ pub struct CoefficientSamples {
 }
 
 impl CoefficientSamples {
-    /// An empty collection for degree `l` and order `m`, 0 <= m <= l.
+    /// Returns an empty collection for degree `l` and order `m`, 0 <= m <= l.
     #[must_use]
     pub fn new(l: usize, m: usize) -> Self {
         Self { l, m, samples: Vec::new() }
     }
 
-    /// The coefficients in the order of the realizations.
+    /// Returns the coefficients in the order of the realizations.
     #[must_use]
     pub fn finish(mut self) -> Vec<Complex<f64>> {
         self.samples.sort_by_key(|s| s.0);

@@ -3,41 +3,50 @@ use sphvar_sh::ByParity;
 
 use crate::ExactSum;
 
-/// The distance up to which two unit vectors are one direction, 1.9e-6: the rounding of coordinates in single
-/// precision or in six digits, and what an iteration leaves of the symmetry that it converges to.
+/// Maximum distance, 1.9e-6, at which two unit vectors count as the same direction. It covers the
+/// rounding of coordinates to single precision or to six digits, and the residual asymmetry of
+/// iterative optimization.
 ///
-/// Points this close add coherently up to degrees near `1/SAME_DIRECTION` = 500,000, beyond which an integrand with
-/// jumps has a share of `lmax/500,000` of its energy beyond lmax. Of N independent points a share of `N 1e-12`
-/// comes this close by chance.
+/// Points this close add coherently up to degrees near `1/SAME_DIRECTION` = 500,000. An integrand
+/// with jumps has a fraction `lmax/500,000` of its energy beyond lmax above that degree. A fraction
+/// `N 1e-12` of N independent points is this close by chance.
 const SAME_DIRECTION: f64 = 16.0 * (f32::EPSILON as f64);
 
-/// Three directions in general position. Points with nearly equal `|axis . x|` for all three lie on at most
-/// four lines through the origin.
+/// Three directions in general position. Points with nearly equal `|axis . x|` for all three lie on
+/// at most four lines through the origin.
 const AXES: [DVec3; 3] = [
     DVec3::new(0.531_287_412_913, 0.270_936_517_241, 0.802_701_348_077),
     DVec3::new(-0.718_530_931_347, 0.636_414_871_093, 0.280_611_236_719),
     DVec3::new(0.362_947_150_531, 0.839_226_517_853, -0.405_070_911_337),
 ];
 
-/// Takes the points of a line, each with whether it lies opposite to the first one.
+/// Callback for the points of a line, each with whether it is opposite to the first one.
 type Visitor<'a> = dyn FnMut(&[(usize, bool)]) + 'a;
 
-/// Returns the mean power of a point set at high degrees, for even and for odd degrees; an empty slice of
-/// `weights` stands for unit weights.
+/// Returns the mean power of a point set at high degrees, for even and for odd degrees. Empty
+/// `weights` mean unit weights.
 ///
-/// Two points contribute `2 w_j w_k P_l(x_j . x_k)/sum w^2` to the power of degree l, which vanishes in the mean over
-/// degrees unless the points coincide (`P_l = 1`) or are antipodes (`P_l = (-1)^l`). With `W+` and `W-` the sums of
-/// weights on the two ends of a line through the origin,
+/// Two points contribute `2 w_j w_k P_l(x_j . x_k)/sum w^2` to the power of degree l. The average
+/// of this over degrees vanishes unless the points coincide (`P_l = 1`) or are antipodal
+/// (`P_l = (-1)^l`). With the sums `W+` and `W-` of weights on the two ends of a line through the
+/// origin,
 ///
 /// ```text
 /// even: sum_lines (W+ + W-)^2 / sum w^2,    odd: sum_lines (W+ - W-)^2 / sum w^2
 /// ```
 ///
-/// which is exactly 1 for both if no two points share a line, and exactly 2 and 0 for an antipodal set of equal
-/// weights. Points count as coinciding up to a distance of 1.9e-6, so that sets in single precision keep their symmetry. On the hemisphere the even value holds,
-/// and odd degrees do not exist.
+/// Both are exactly 1 if no two points share a line, and exactly 2 and 0 for an antipodal set with
+/// equal weights. Points at a distance of at most 1.9e-6 count as coincident, so that sets in
+/// single precision keep their symmetry. On the hemisphere the even value applies; odd degrees do
+/// not exist.
 ///
-/// Cost: a sort, O(N log N).
+/// # Panics
+///
+/// Panics if `weights` is neither empty nor of the same length as `points`.
+///
+/// # Performance
+///
+/// O(N log N), for a sort.
 ///
 /// # Examples
 ///
@@ -48,15 +57,12 @@ type Visitor<'a> = dyn FnMut(&[(usize, bool)]) + 'a;
 /// let poles = tail_power(&[DVec3::Z, DVec3::NEG_Z], &[]);
 /// assert_eq!((poles.even, poles.odd), (2.0, 0.0));
 /// ```
-///
-/// # Panics
-///
-/// If there are weights, but not one for each point.
+/// ```
 #[must_use]
 pub fn tail_power(points: &[DVec3], weights: &[f64]) -> ByParity {
-    assert!(weights.is_empty() || weights.len() == points.len(), "one weight for each point");
+    assert!(weights.is_empty() || weights.len() == points.len(), "one weight per point");
     let weight = |k: usize| weights.get(k).copied().unwrap_or(1.0);
-    // Exact sums, so that a set of distinct points has exactly 1.
+    // Exact sums, so that the result is exactly 1 for distinct points.
     let mut squares = ExactSum::default();
     let mut sums = ByParity::<ExactSum>::default();
     for_each_line(points, (0..points.len()).collect(), &AXES, &mut |line| {
@@ -91,7 +97,7 @@ fn for_each_line(points: &[DVec3], members: Vec<usize>, axes: &[DVec3], f: &mut 
     }
 }
 
-/// Gathers the lines of a run of points, sorted by key, by comparing points.
+/// Groups the points of a run, sorted by key, into lines by pairwise comparison.
 fn gather(points: &[DVec3], run: &[(f64, usize)], f: &mut Visitor<'_>) {
     let mut is_taken = vec![false; run.len()];
     let mut line = Vec::new();
@@ -123,7 +129,7 @@ mod tests {
 
     use super::{SAME_DIRECTION, tail_power};
 
-    /// The definition, over all pairs.
+    /// Returns the tail power by the definition, summed over all pairs.
     fn by_pairs(points: &[DVec3], weights: &[f64]) -> ByParity {
         let w = |k: usize| weights.get(k).copied().unwrap_or(1.0);
         let mut sum = ByParity::both(0.0);
@@ -150,17 +156,17 @@ mod tests {
     }
 
     #[test]
-    fn lines_are_those_of_all_pairs() {
+    fn lines_match_the_sum_over_all_pairs() {
         let rotation = DQuat::from_rotation_x(0.7) * DQuat::from_rotation_z(1.1);
         let base = spiral(40);
-        let turned = |p: &DVec3| (rotation * *p).normalize();
-        let back = |p: &DVec3| (rotation.inverse() * turned(p)).normalize();
-        // Repeated up to rounding, their antipodes, and points of the equator and the poles.
+        let rotated = |p: &DVec3| (rotation * *p).normalize();
+        let back = |p: &DVec3| (rotation.inverse() * rotated(p)).normalize();
+        // Points repeated up to rounding, antipodes, and points of the equator and the poles.
         let mut hostile = base.clone();
         hostile.extend(base.iter().step_by(3).map(back));
         hostile.extend(base.iter().step_by(4).map(|p| -back(p)));
         hostile.extend([DVec3::X, DVec3::NEG_X, DVec3::Y, DVec3::Z, DVec3::NEG_Z, DVec3::Z]);
-        // Nearly the same point, but not quite.
+        // Close but distinct points.
         hostile.extend((1..6).map(|k| DVec3::new(1e-5 * f64::from(k), 1.0, 0.0).normalize()));
         let weights: Vec<f64> = (0..hostile.len()).map(|k| ((k * 7 % 11) as f64) - 3.0).collect();
         let sets: [(&str, &[DVec3], &[f64]); 5] = [
@@ -182,7 +188,7 @@ mod tests {
         assert_eq!(tail_power(&[], &[]), ByParity::both(0.0));
     }
 
-    /// An octahedron and its antipodes in the six digits and the single precision of files: the pairs of the exact set.
+    /// An octahedron with its coordinates rounded to six digits and to single precision.
     #[test]
     fn rounded_sets_keep_their_symmetry() {
         let rotation = DQuat::from_rotation_x(0.7) * DQuat::from_rotation_z(1.1);
@@ -198,7 +204,7 @@ mod tests {
     }
 
     #[test]
-    fn many_points_at_one_place_take_no_time() {
+    fn many_coincident_points_are_handled_efficiently() {
         let mut points = vec![DVec3::X; 300_000];
         points.extend(vec![DVec3::NEG_X; 100_000]);
         let got = tail_power(&points, &[]);

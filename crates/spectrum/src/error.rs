@@ -1,34 +1,34 @@
-/// Why a spectrum cannot be computed or merged.
+/// Error of computing or merging a spectrum.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
-    /// The transform cannot be built.
+    /// The transform cannot be constructed.
     #[error(transparent)]
     Transform(#[from] sphvar_sht::Error),
-    /// A realization of the pattern cannot be made.
+    /// The sampler cannot generate a realization, or the work was stopped.
     #[error(transparent)]
     Sampler(#[from] sphvar_samplers::Error),
-    /// Two accumulators do not belong to the same ensemble.
+    /// The accumulators have different parameters.
     #[error("cannot merge spectra of different {what}: {left} and {right}")]
     Mismatch {
-        /// What differs.
+        /// The parameter that differs.
         what: &'static str,
         /// Its value on the left.
         left: String,
         /// Its value on the right.
         right: String,
     },
-    /// An ensemble of no realizations has no mean.
+    /// The ensemble has no realizations.
     #[error("a spectrum needs at least 1 realization, got 0")]
     NoRealizations,
-    /// A setting is out of its range.
+    /// A setting is out of range.
     #[error("{what} must be {expected}, got {got}")]
     Setting {
-        /// Which one.
+        /// The setting.
         what: &'static str,
-        /// What it can be.
+        /// The valid range.
         expected: &'static str,
-        /// What it was.
+        /// The value given.
         got: f64,
     },
 }

@@ -2,16 +2,16 @@ use sphvar_samplers::{Progress, Realizations};
 
 use crate::{Error, Resolution, Spectrum, SpectrumAccumulator, accumulate};
 
-/// The mean spectrum of a sampler to degree `lmax`, over `realizations` sets; the nominal work of making and
-/// transforming them is ticked.
+/// Returns the mean spectrum of a sampler to degree `lmax`, over `realizations` sets. Ticks
+/// `progress` with the nominal work of sampling and transforming.
 ///
-/// A pattern that is not random has the same spectrum in every rotation, so one set is
-/// transformed and the standard error is 0.
+/// A deterministic pattern has the same spectrum in every rotation: one set is transformed, and the
+/// standard error is 0.
 ///
 /// # Errors
 ///
-/// [`Error::NoRealizations`] for none, [`Error::Transform`] if `lmax` is out of range, [`Error::Sampler`] if a set cannot
-/// be made or `progress` ends the work.
+/// [`Error::NoRealizations`] if `realizations` is 0; [`Error::Transform`] if `lmax` is out of
+/// range; [`Error::Sampler`] if a set cannot be generated or `progress` stops the work.
 pub fn estimate(
     ensemble: &Realizations<'_>,
     lmax: usize,

@@ -1,4 +1,4 @@
-//! Spectra that are known without sampling.
+//! Spectra in closed form.
 
 mod cell_means;
 mod chord_moments;
@@ -15,27 +15,27 @@ use sphvar_sht::Method;
 use crate::{Error, Resolution, Spectrum, SpectrumAccumulator, accumulate};
 use partition::Partition;
 
-/// The accuracy of coefficients by the fast transform, its best.
+/// The best accuracy of coefficients of the fast transform.
 const EPSILON: f64 = 1e-13;
 
-/// The mean power per degree of a sampler, from what is known of its law, without sampling: no realizations, standard
-/// errors of 0.
+/// Mean power per degree of a sampler in closed form: no realizations, standard errors of 0.
 ///
-/// - Independent uniform points have 1 for every `l >= 1`.
-/// - A pattern that is not random has the power of its one set, transformed to `1e-13 N`; one of several given sets the
-///   mean of theirs.
+/// - Independent uniform points have power 1 for every `l >= 1`.
+/// - A deterministic pattern has the power of its one set, transformed to `1e-13 N`; a choice
+///   between several given sets has their mean power.
 /// - One uniform point in each of N strata `W_k` of equal area, independent of the others, has
 ///
 /// ```text
 /// P(l) = 1 - (1/N) sum_k E P_l(x.y),   x and y independent and uniform in W_k,   l >= 1
 /// ```
 ///
-/// on the hemisphere, for even l, with the N strata of the hemisphere. The mean is taken by
-/// Gauss-Legendre quadrature in equal-area coordinates, over one of all congruent strata. While strata are
-/// small against `1/l` it goes by the distances of pairs of nodes, otherwise by the transforms of the
-/// nodes, whichever is of less nominal work; degrees to sqrt(N), where the power is small, always go
-/// by distances, which keep relative accuracy: about 1e-12, as far as tested (1e-12 absolute
-/// beyond sqrt(N)).
+/// For the hemisphere the formula holds for even l, with the N strata of the hemisphere. The
+/// expectation is computed by Gauss-Legendre quadrature in equal-area coordinates, for one stratum
+/// of each class of congruent strata. The quadrature uses either the distances between pairs of
+/// nodes, which is efficient for strata small against `1/l`, or the transforms of the nodes,
+/// whichever has less nominal work. Degrees up to sqrt(N), where the power is small, always use
+/// distances, which preserve relative accuracy. The measured relative accuracy is about 1e-12
+/// (1e-12 absolute beyond sqrt(N)).
 ///
 /// # Examples
 ///
@@ -44,11 +44,12 @@ const EPSILON: f64 = 1e-13;
 /// use sphvar_spectrum::ExactSpectrum;
 ///
 /// let jittered = Pattern::Jittered.build(3072, Domain::Sphere)?;
-/// let spectrum = ExactSpectrum::of(&*jittered).expect("of strata").to(8, &())?;
+/// let spectrum = ExactSpectrum::of(&*jittered).expect("has strata").to(8, &())?;
 /// assert!(spectrum.is_exact() && spectrum.realizations() == 0);
 /// // c_N l(l+1)/N with c_N = 1.1168.
 /// assert!((spectrum.power()[1] * 3072.0 / 2.0 - 1.1168).abs() < 1e-4);
 /// # Ok::<(), sphvar_spectrum::Error>(())
+///
 /// ```
 #[derive(Debug)]
 pub struct ExactSpectrum<'a> {
@@ -56,7 +57,7 @@ pub struct ExactSpectrum<'a> {
     kind: Kind<'a>,
 }
 
-/// Why there is a spectrum without sampling.
+/// The kind of distribution, which determines the closed form.
 #[derive(Debug)]
 enum Kind<'a> {
     White,
@@ -66,7 +67,7 @@ enum Kind<'a> {
 }
 
 impl<'a> ExactSpectrum<'a> {
-    /// Returns the spectrum of a sampler; `None` if its law does not tell.
+    /// Returns the spectrum of a sampler; `None` if its distribution has no closed form here.
     #[must_use]
     pub fn of(sampler: &'a dyn Sampler) -> Option<Self> {
         let kind = match sampler.law() {
@@ -79,15 +80,15 @@ impl<'a> ExactSpectrum<'a> {
         Some(Self { sampler, kind })
     }
 
-    /// Returns the power to degree `lmax`; [`Self::work`] is ticked in pieces. The bits do not depend on the number of
-    /// threads.
+    /// Returns the power up to degree `lmax`. Ticks `progress` with [`Self::work`] in total. The
+    /// result is bit-identical for any number of threads.
     ///
     /// # Errors
     ///
-    /// [`Error::Transform`] if `lmax` is out of range, [`Error::Sampler`] if the one set cannot be made or `progress` ends
-    /// the work.
+    /// [`Error::Transform`] if `lmax` is out of range; [`Error::Sampler`] if the set cannot be
+    /// generated or `progress` stops the work.
     pub fn to(&self, lmax: usize, progress: &dyn Progress) -> Result<Spectrum, Error> {
-        // The one check of the degree for all ways.
+        // The degree is validated here for all kinds.
         LmIndex::new(lmax)?;
         let (domain, n_points) = (self.sampler.domain(), self.sampler.n_points());
         let power = match &self.kind {
@@ -118,8 +119,8 @@ impl<'a> ExactSpectrum<'a> {
         }
     }
 
-    /// Returns the bytes that [`Self::to`] takes on `threads` threads: an estimate from below that misses no
-    /// large part.
+    /// Returns the memory in bytes that [`Self::to`] needs on `threads` threads: a lower bound that
+    /// includes all large allocations.
     #[must_use]
     pub fn bytes(&self, lmax: usize, threads: usize) -> f64 {
         let spectrum = 16.0 * (lmax as f64 + 1.0);
@@ -133,7 +134,8 @@ impl<'a> ExactSpectrum<'a> {
             }
     }
 
-    /// The mean power of sets, each normalised by its own number of points. Rotations would not change it.
+    /// Returns the mean power of sets, each normalized by its own number of points. It is invariant
+    /// under rotations.
     fn of_sets(
         &self,
         sets: &[PointSet],

@@ -1,15 +1,17 @@
 /// Bits per digit.
 const DIGIT: u32 = 32;
-/// The power of two of the lowest digit's lowest bit: that of the least subnormal f64.
+/// Binary exponent of the lowest bit of the lowest digit, that of the smallest subnormal f64.
 const LOWEST: i32 = -1074;
-/// Additions move a digit by less than 2^32, so this many fit an i64 before carries must be
-/// propagated.
-const MOST_PENDING: u32 = 1 << 29;
+/// Number of additions after which carries are propagated. An addition changes a digit by less than
+/// 2^32, so an i64 does not overflow.
+const MAX_PENDING: u32 = 1 << 29;
 
-/// A sum of f64 numbers without any rounding, so that neither order nor grouping can change it.
+/// A sum of f64 numbers without rounding, independent of order and grouping.
 ///
-/// A fixed-point number wide enough for every f64 (Kulisch 1971), of which only the digits in use
-/// are stored: numbers of similar size take some 100 bytes. Adding costs a few nanoseconds.
+/// The sum is a fixed-point number wide enough for every f64 (Kulisch 1971). Only the digits in use
+/// are stored: numbers of similar size take about 100 bytes. An addition costs a few nanoseconds.
+///
+/// # Examples
 ///
 /// ```
 /// use sphvar_spectrum::ExactSum;
@@ -31,11 +33,11 @@ pub struct ExactSum {
     digits: Vec<i64>,
     first: usize,
     pending: u32,
-    /// The plain sum of what is not finite, 0 while everything is.
+    /// The floating-point sum of the infinite and NaN terms; 0 if there are none.
     non_finite: f64,
 }
 
-/// What is loaded, before it is known to be a sum.
+/// Deserialized fields of an [`ExactSum`] before validation.
 #[cfg(feature = "serde")]
 #[derive(serde::Deserialize)]
 struct Digits {
@@ -45,9 +47,9 @@ struct Digits {
     non_finite: f64,
 }
 
-/// More digits than any f64 reaches, with room for carries.
+/// Maximum number of digits, above that of any f64 and its carries.
 #[cfg(feature = "serde")]
-const MOST_DIGITS: usize = 72;
+const MAX_DIGITS: usize = 72;
 
 #[cfg(feature = "serde")]
 impl TryFrom<Digits> for ExactSum {
@@ -55,19 +57,19 @@ impl TryFrom<Digits> for ExactSum {
 
     fn try_from(loaded: Digits) -> Result<Self, Self::Error> {
         let Digits { digits, first, pending, non_finite } = loaded;
-        let in_range = first <= MOST_DIGITS && digits.len() <= MOST_DIGITS - first;
-        // What 2^29 additions of less than 2^32 can reach.
+        let in_range = first <= MAX_DIGITS && digits.len() <= MAX_DIGITS - first;
+        // The largest digit after 2^29 additions of less than 2^32.
         let small = digits.iter().all(|d| d.unsigned_abs() <= 1 << 61);
-        if in_range && small && pending <= MOST_PENDING {
+        if in_range && small && pending <= MAX_PENDING {
             Ok(Self { digits, first, pending, non_finite })
         } else {
-            Err("digits that no sum has")
+            Err("invalid digits of an exact sum")
         }
     }
 }
 
 impl ExactSum {
-    /// Adds a number. Infinities and NaN make the value infinite or NaN as plain addition would.
+    /// Adds a number. Infinities and NaN make the value infinite or NaN as in a floating-point sum.
     pub fn add(&mut self, x: f64) {
         if !x.is_finite() {
             self.non_finite += x;
@@ -76,7 +78,7 @@ impl ExactSum {
         let bits = x.to_bits();
         let biased = (bits >> 52) & 0x7ff;
         let fraction = bits & ((1 << 52) - 1);
-        // Subnormals have the exponent of the least normal number and no hidden bit.
+        // Subnormals have the exponent of the smallest normal number and no hidden bit.
         let (significand, shift) =
             if biased == 0 { (fraction, 0) } else { (fraction | 1 << 52, biased - 1) };
         if significand == 0 {
@@ -84,21 +86,21 @@ impl ExactSum {
         }
         #[expect(clippy::cast_possible_truncation, reason = "the shift is below 2048")]
         let (digit, offset) = (shift as usize / DIGIT as usize, shift as u32 % DIGIT);
-        self.make_room(digit, digit + 3);
+        self.extend_to(digit, digit + 3);
         let wide = u128::from(significand) << offset;
         let at = digit - self.first;
         for (i, slot) in self.digits[at..at + 3].iter_mut().enumerate() {
-            #[expect(clippy::cast_possible_truncation, reason = "one digit is cut out")]
+            #[expect(clippy::cast_possible_truncation, reason = "extracts one digit")]
             let part = i64::from((wide >> (DIGIT as usize * i)) as u32);
             *slot += if x.is_sign_negative() { -part } else { part };
         }
         self.pending += 1;
-        if self.pending == MOST_PENDING {
+        if self.pending == MAX_PENDING {
             self.propagate();
         }
     }
 
-    /// Adds another sum; the result is that of adding its numbers one by one.
+    /// Adds another sum, with the same result as adding its numbers one by one.
     pub fn merge(&mut self, other: &Self) {
         self.non_finite += other.non_finite;
         let mut other = other.clone();
@@ -107,24 +109,25 @@ impl ExactSum {
         if other.digits.is_empty() {
             return;
         }
-        self.make_room(other.first, other.first + other.digits.len());
+        self.extend_to(other.first, other.first + other.digits.len());
         let at = other.first - self.first;
         for (slot, digit) in self.digits[at..].iter_mut().zip(&other.digits) {
             *slot += digit;
         }
-        // The sum of two propagated numbers is as good as two additions.
+        // A sum of two propagated numbers has digits as large as those after two additions.
         self.pending = 2;
     }
 
-    /// The sum as f64, within one unit in the last place.
+    /// Returns the sum as an f64, within one unit in the last place.
     #[must_use]
     pub fn value(&self) -> f64 {
         self.value_and_rest().0
     }
 
-    /// The sum as an f64 and the f64 of what that leaves: some 106 bits together.
+    /// Returns the sum as an f64, and the remainder of the exact sum as another f64: about 106 bits
+    /// together.
     ///
-    /// Both are functions of the exact sum alone. An infinite or NaN sum has a rest of 0.
+    /// Both depend only on the exact sum. The remainder of an infinite or NaN sum is 0.
     #[must_use]
     pub fn value_and_rest(&self) -> (f64, f64) {
         if self.non_finite != 0.0 {
@@ -139,10 +142,10 @@ impl ExactSum {
         (value, exact.round())
     }
 
-    /// The value of the digits, added from the smallest on; propagates.
+    /// Returns the value of the digits, added from the lowest to the highest. Propagates carries.
     fn round(&mut self) -> f64 {
         self.propagate();
-        // Work on the magnitude, so that the digits above the leading one are zero.
+        // Use the magnitude, so that the digits above the leading one are zero.
         let negative = self.digits.last().is_some_and(|&d| d < 0);
         if negative {
             for d in &mut self.digits {
@@ -175,8 +178,8 @@ impl ExactSum {
         }
     }
 
-    /// Makes digits `from..until` exist.
-    fn make_room(&mut self, from: usize, until: usize) {
+    /// Extends the stored digits to cover `from..until`.
+    fn extend_to(&mut self, from: usize, until: usize) {
         if self.digits.is_empty() {
             self.first = from;
         }
@@ -190,7 +193,8 @@ impl ExactSum {
         }
     }
 
-    /// Brings every digit but the leading one into [0, 2^32), the sign into the leading one.
+    /// Normalizes every digit except the leading one to [0, 2^32); the leading one carries the
+    /// sign.
     fn propagate(&mut self) {
         let mut carry = 0;
         for d in &mut self.digits {
@@ -199,7 +203,8 @@ impl ExactSum {
             *d = total - (carry << DIGIT);
         }
         if let Some(leading) = self.digits.last_mut().filter(|_| carry == -1) {
-            // The leading digit of a negative number stays negative: no digit is added each time.
+            // Keep the leading digit of a negative number negative, so that no digit is added per
+            // call.
             *leading -= 1 << DIGIT;
         } else if carry != 0 {
             self.digits.push(carry);
@@ -211,7 +216,8 @@ impl ExactSum {
     }
 }
 
-/// `x 2^exponent` for |exponent| up to 2100, in two steps so that the power itself stays in range.
+/// Returns `x 2^exponent` for |exponent| up to 2100, in two steps so that the power of two does not
+/// overflow.
 fn times_power_of_two(x: f64, exponent: i32) -> f64 {
     let half = exponent / 2;
     x * 2f64.powi(half) * 2f64.powi(exponent - half)
@@ -232,7 +238,7 @@ mod tests {
     }
 
     #[test]
-    fn extremes_are_held_exactly() {
+    fn extreme_numbers_are_summed_exactly() {
         let tiny = f64::from_bits(1);
         let cases: [(&[f64], f64); 8] = [
             (&[], 0.0),
@@ -261,7 +267,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_not_finite_stays_visible() {
+    fn infinities_and_nan_propagate() {
         assert!(sum(&[1.0, f64::INFINITY]).value() > f64::MAX);
         assert!(sum(&[f64::NEG_INFINITY, f64::INFINITY]).value().is_nan());
         assert!(sum(&[f64::NAN]).value().is_nan());
@@ -271,9 +277,9 @@ mod tests {
     proptest! {
         #![proptest_config(ProptestConfig::with_cases(500))]
 
-        /// The oracle is integer arithmetic: multiples of 2^-20 below 2^60 are exact in i128.
+        /// Reference: integer arithmetic. Multiples of 2^-20 below 2^60 are exact in i128.
         #[test]
-        fn the_sum_is_that_of_integers(numbers in prop::collection::vec(any::<i64>(), 0..40)) {
+        fn the_sum_equals_an_integer_sum(numbers in prop::collection::vec(any::<i64>(), 0..40)) {
             let scaled: Vec<f64> =
                 numbers.iter().map(|&k| (k >> 11) as f64 * 2f64.powi(-20)).collect();
             let exact: i128 = numbers.iter().map(|&k| i128::from(k >> 11)).sum();

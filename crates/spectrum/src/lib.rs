@@ -12,18 +12,24 @@
 //! assert!((power - 1.0).abs() < 5.0 * stderr);
 //! assert!((spectrum.power()[0] - 64.0).abs() < 1e-10);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
+//!
 //! ```
 //!
-//! The data's way: point sets (an [`Ensemble`], such as the realizations of a sampler) go through
-//! the transform of `sphvar-sht` into an [`Accumulator`], which keeps what is wanted of the
-//! coefficients: their power per degree ([`SpectrumAccumulator`]), per degree and order
-//! ([`OrderAccumulator`]), or single coefficients ([`CoefficientSamples`]). Whether an ensemble is
-//! homogeneous, so that variances follow from its spectrum, is judged from its low coefficients
-//! ([`HomogeneityAccumulator`], [`HomogeneityAudit`]). Accumulators sum exactly ([`ExactSum`]), so any split over threads, or over machines of one kind, merges to the
-//! same bits.
+//! # Overview
 //!
-//! Some patterns need no ensemble: [`ExactSpectrum`] evaluates the mean itself. Spectra and their sums are written for
-//! [`Bands`](sphvar_sh::Bands), of which the degrees of the sphere are one set.
+//! The transform of `sphvar-sht` turns the point sets of an [`Ensemble`], such as the realizations
+//! of a sampler, into spherical-harmonic coefficients. An [`Accumulator`] collects statistics of
+//! the coefficients: the power per degree ([`SpectrumAccumulator`]), the power per degree and order
+//! ([`OrderAccumulator`]), or single coefficients ([`CoefficientSamples`]).
+//! [`HomogeneityAccumulator`] and [`HomogeneityAudit`] test the low coefficients for homogeneity,
+//! the assumption under which variances follow from the spectrum.
+//!
+//! Accumulators sum exactly ([`ExactSum`]). Any split of the realizations over threads, or over
+//! machines of one instruction-set class, merges to a bit-identical result.
+//!
+//! [`ExactSpectrum`] evaluates the mean spectrum of some patterns in closed form, without an
+//! ensemble. Spectra and their sums are generic over [`Bands`](sphvar_sh::Bands); the degrees of
+//! the sphere are one kind of bands.
 
 mod accumulate;
 mod accumulator;

@@ -1,10 +1,12 @@
 use crate::ExactSum;
 
-/// Mean and variance of a stream of numbers, independent of order and grouping to the last bit.
+/// Mean and variance of a stream of numbers, bit-identical for any order and grouping.
 ///
-/// Sums of the numbers and of their squares are kept exactly, so the variance suffers no
-/// cancellation even where the numbers are nearly equal: its relative error is that of one
-/// rounding as long as the spread is above 1e-13 of the mean.
+/// The sums of the numbers and of their squares are exact, so the variance does not suffer from
+/// cancellation even if the numbers are nearly equal: its relative error is that of one rounding as
+/// long as the standard deviation is above 1e-13 of the mean.
+///
+/// # Examples
 ///
 /// ```
 /// use sphvar_spectrum::Moments;
@@ -35,34 +37,34 @@ impl Moments {
         }
     }
 
-    /// Adds everything that `other` has seen.
+    /// Adds the numbers of `other`.
     pub fn merge(&mut self, other: &Self) {
         self.count += other.count;
         self.sum.merge(&other.sum);
         self.squares.merge(&other.squares);
     }
 
-    /// How many numbers have been seen.
+    /// Returns the number of numbers added.
     #[must_use]
     pub fn count(&self) -> u64 {
         self.count
     }
 
-    /// The mean; NaN of no numbers.
+    /// Returns the mean; NaN if no number was added.
     #[must_use]
     pub fn mean(&self) -> f64 {
         self.sum.value() / self.count as f64
     }
 
-    /// The unbiased variance, divisor count - 1; NaN of fewer than two numbers.
+    /// Returns the unbiased variance, with divisor count - 1; NaN for fewer than two numbers.
     #[must_use]
     pub fn variance(&self) -> f64 {
         if self.count < 2 {
             return f64::NAN;
         }
         let n = self.count as f64;
-        // n sum x^2 - (sum x)^2 in twice the working precision: leading parts first, whose
-        // difference is exact where it matters, then the parts that the roundings left.
+        // n sum x^2 - (sum x)^2 in twice the working precision: first the leading parts, whose
+        // difference is exact where it matters, then the rounding errors.
         let (square, square_rest) = self.squares.value_and_rest();
         let (sum, sum_rest) = self.sum.value_and_rest();
         let (a, b) = (n * square, sum * sum);
@@ -71,7 +73,7 @@ impl Moments {
         ((a - b) + rest).max(0.0) / (n * (n - 1.0))
     }
 
-    /// The standard error of the mean; NaN of fewer than two numbers.
+    /// Returns the standard error of the mean; NaN for fewer than two numbers.
     #[must_use]
     pub fn standard_error(&self) -> f64 {
         (self.variance() / self.count as f64).sqrt()
@@ -83,7 +85,7 @@ mod tests {
     use super::Moments;
 
     #[test]
-    fn nearly_equal_numbers_keep_their_variance() {
+    fn nearly_equal_numbers_have_an_accurate_variance() {
         let mut moments = Moments::default();
         let spread = 2f64.powi(-40);
         for k in 0..1000 {
@@ -95,7 +97,7 @@ mod tests {
     }
 
     #[test]
-    fn few_numbers_have_no_variance() {
+    fn fewer_than_two_numbers_have_no_variance() {
         let mut moments = Moments::default();
         assert!(moments.mean().is_nan());
         moments.push(3.0);

@@ -4,8 +4,8 @@ use crate::{Accumulator, Error, Moments, Realization};
 
 /// Accumulates the power of every order: `(4 pi / N) |S_lm|^2` for each (l, m), m >= 0.
 ///
-/// Its mean over a homogeneous ensemble is P(l) for every m; differences between orders show
-/// that an ensemble prefers directions.
+/// For a homogeneous ensemble the mean is P(l) for every m; differences between orders reveal
+/// anisotropy.
 #[derive(Clone, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct OrderAccumulator {
@@ -27,32 +27,32 @@ pub struct OrderPower {
 }
 
 impl OrderAccumulator {
-    /// An empty accumulator for degrees up to `lmax`: some 300 bytes for each of the
-    /// (lmax+1)(lmax+2)/2 orders.
+    /// Returns an empty accumulator for degrees up to `lmax`. It uses about 300 bytes for each of
+    /// the (lmax+1)(lmax+2)/2 orders.
     ///
     /// # Errors
     ///
-    /// [`Error::Transform`] if `lmax` is beyond what the index can hold.
+    /// [`Error::Transform`] if `lmax` exceeds the limit of the index.
     pub fn new(lmax: usize) -> Result<Self, Error> {
         let index = LmIndex::new(lmax)?;
         Ok(Self { index, orders: vec![Moments::default(); index.len()] })
     }
 
-    /// The last degree.
+    /// Returns the maximum degree.
     #[must_use]
     pub fn lmax(&self) -> usize {
         self.index.lmax()
     }
 
-    /// The number of realizations that every order has seen; 0 if there are not as many orders as the degrees have, as only
-    /// in one that was read can be.
+    /// Returns the number of realizations common to all orders; 0 if the number of orders does not
+    /// match `lmax`, which is possible only for deserialized accumulators.
     #[must_use]
     pub fn realizations(&self) -> u64 {
         let counts = self.orders.iter().map(Moments::count);
         if self.orders.len() == self.index.len() { counts.min().unwrap_or(0) } else { 0 }
     }
 
-    /// The mean power of every (l, m), by degree and then by order.
+    /// Returns the mean power of every (l, m), sorted by degree and then by order.
     #[must_use]
     pub fn finish(&self) -> Vec<OrderPower> {
         let lm = (0..=self.index.lmax()).flat_map(|l| (0..=l).map(move |m| (l, m)));

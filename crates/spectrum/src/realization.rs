@@ -6,7 +6,7 @@ use sphvar_sh::{Alm, ByParity};
 
 use crate::{ExactSum, tail_power};
 
-/// The coefficients of one realization, as accumulators see them.
+/// One realization of an ensemble and its coefficients, the input of accumulators.
 #[derive(Debug)]
 pub struct Realization<'a> {
     index: u64,
@@ -17,7 +17,7 @@ pub struct Realization<'a> {
 }
 
 impl<'a> Realization<'a> {
-    /// From coefficients that were made with the weights of `set`.
+    /// Returns the realization for coefficients computed with the weights of `set`.
     pub(crate) fn new(index: u64, set: &'a PointSet, alm: &'a Alm) -> Self {
         let squares =
             if set.weights.is_empty() { set.len() as f64 } else { sum_of_squares(&set.weights) };
@@ -25,46 +25,48 @@ impl<'a> Realization<'a> {
         Self { index, set, alm, normalization, tail: OnceCell::new() }
     }
 
-    /// Its number in the ensemble.
+    /// Returns the index in the ensemble.
     #[must_use]
     pub fn index(&self) -> u64 {
         self.index
     }
 
-    /// `S_lm = sum_k w_k conj Y_lm(s_k)`, the weights scaled by a power of two so that the largest is in [1/2, 1);
-    /// equal weights are 1.
+    /// Returns `S_lm = sum_k w_k conj Y_lm(s_k)`. The weights are scaled by a power of two such
+    /// that the largest is in [1/2, 1); equal weights are 1.
     #[must_use]
     pub fn alm(&self) -> &Alm {
         self.alm
     }
 
-    /// Returns [`PointSet::n_effective`] of the points: N of equal weights.
+    /// Returns [`PointSet::n_effective`] of the points: N for equal weights.
     #[must_use]
     pub fn n_effective(&self) -> f64 {
         self.set.n_effective()
     }
 
-    /// The factor that makes the power of white noise 1: `4 pi / sum_k w_k^2`, which is 4 pi/N
-    /// for unit weights; 0 for a set without weight.
+    /// Returns the factor that normalizes the power of white noise to 1: `4 pi / sum_k w_k^2`,
+    /// which is 4 pi/N for unit weights; 0 if all weights are 0.
     #[must_use]
     pub fn normalization(&self) -> f64 {
         self.normalization
     }
 
-    /// The mean power of even and of odd degrees at high degrees, [`tail_power`] of the points.
+    /// Returns the mean power of even and of odd degrees at high degrees, [`tail_power`] of the
+    /// points.
     #[must_use]
     pub fn tail(&self) -> ByParity {
         *self.tail.get_or_init(|| tail_power(&self.set.points, &self.set.weights))
     }
 
-    /// P(l) for every degree from 0.
+    /// Returns P(l) for every degree from 0.
     pub fn power(&self) -> impl Iterator<Item = f64> {
         let normalization = self.normalization;
         self.alm.power_per_degree().into_iter().map(move |p| normalization * p)
     }
 }
 
-/// The squares of equal weights, added up plainly, would all be rounded to one side.
+/// Returns the exact sum of squares. In a plain sum of equal numbers, all rounding errors can have
+/// the same sign.
 fn sum_of_squares(weights: &[f64]) -> f64 {
     let mut sum = ExactSum::default();
     for w in weights {
@@ -77,14 +79,14 @@ fn sum_of_squares(weights: &[f64]) -> f64 {
 mod tests {
     use super::sum_of_squares;
 
-    /// A plain sum is off by 1.7e-11 of it.
+    /// A plain sum has a relative error of 1.7e-11.
     #[test]
-    fn many_equal_weights_do_not_drift() {
+    fn the_sum_of_many_equal_weights_is_accurate() {
         const N: usize = 1_000_000;
         let got = sum_of_squares(&[0.1; N]);
         let exact = N as f64 * (0.1 * 0.1);
         assert!((got / exact - 1.0).abs() <= 2.0 * f64::EPSILON, "{got}, not {exact}");
         let plain: f64 = [0.1; N].iter().map(|w| w * w).sum();
-        assert!((plain / exact - 1.0).abs() > 1e-13, "a plain sum would do: {plain}");
+        assert!((plain / exact - 1.0).abs() > 1e-13, "a plain sum is accurate enough: {plain}");
     }
 }

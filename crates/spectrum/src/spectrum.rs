@@ -2,13 +2,14 @@ use sphvar_sh::{Bands, ByParity, Domain};
 
 use crate::{Accumulator, Error, Moments, Realization};
 
-/// The mean power per band of an ensemble, with the standard error of that mean: on the sphere the bands are the degrees.
+/// Mean power per band of an ensemble, with its standard error. The bands of the sphere are the
+/// degrees.
 ///
-/// `P(l) = (4 pi / N) 1/(2l+1) sum_m |sum_k conj Y_lm(s_k)|^2`, so that white noise has P(l) = 1
-/// for l >= 1 and every set has P(0) = N (`docs/conventions.md`). On the hemisphere only even
-/// degrees exist; the entries of odd degrees are 0 and mean nothing.
+/// `P(l) = (4 pi / N) 1/(2l+1) sum_m |sum_k conj Y_lm(s_k)|^2`: white noise has P(l) = 1 for
+/// l >= 1, and every set has P(0) = N (`docs/conventions.md`). On the hemisphere only even degrees
+/// exist; entries of odd degrees are 0 and have no meaning.
 ///
-/// N is the effective number `(sum w)^2/sum w^2` of weighted points.
+/// For weighted points, N is the effective number `(sum w)^2/sum w^2`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Spectrum<B = Domain> {
     bands: B,
@@ -22,17 +23,18 @@ pub struct Spectrum<B = Domain> {
 }
 
 impl<B: Bands> Spectrum<B> {
-    /// A mean power per band that is known without sampling: no realizations, standard errors of 0.
+    /// Returns a spectrum known in closed form: no realizations, standard errors of 0.
     ///
-    /// `power` is indexed by band from 0; its first entry is replaced by N, which every set has, and those of bands
-    /// that do not exist by 0. The [`tail`](Self::tail) is that of points in general position, 1.
+    /// `power` is indexed by band, starting at 0. The first entry is replaced by N, the power of
+    /// band 0 of every set, and entries of bands that do not exist by 0. The [`tail`](Self::tail)
+    /// is that of points in general position, 1.
     ///
     /// # Panics
     ///
-    /// If `power` is empty.
+    /// Panics if `power` is empty.
     #[must_use]
     pub fn exact(bands: B, n_points: usize, mut power: Vec<f64>) -> Self {
-        assert!(!power.is_empty(), "the power of band 0 is always there");
+        assert!(!power.is_empty(), "power must have at least one entry, that of band 0");
         power[0] = n_points as f64;
         for (band, p) in power.iter_mut().enumerate() {
             if !bands.has_band(band) {
@@ -54,7 +56,7 @@ impl<B: Bands> Spectrum<B> {
         spectrum.with_tail(ByParity::both(1.0))
     }
 
-    /// The same spectrum with another mean power beyond its degrees, known without error.
+    /// Returns the same spectrum with another mean power beyond its last band, known without error.
     #[must_use]
     pub fn with_tail(mut self, tail: ByParity) -> Self {
         self.tail = existing(&self.bands, tail);
@@ -62,28 +64,30 @@ impl<B: Bands> Spectrum<B> {
         self
     }
 
-    /// The mean power of even and of odd degrees beyond those of the spectrum, to which any pattern tends in the mean
-    /// over degrees: 1 unless points coincide or are antipodes, see [`tail_power`](crate::tail_power).
+    /// Returns the mean power of even and of odd degrees beyond those of the spectrum: the limit of
+    /// the average over degrees. It is 1 unless points coincide or are antipodal, see
+    /// [`tail_power`](crate::tail_power).
     ///
-    /// On the hemisphere that of odd degrees is 0 and has no meaning.
+    /// On the hemisphere the value of odd degrees is 0 and has no meaning.
     #[must_use]
     pub fn tail(&self) -> ByParity {
         self.tail
     }
 
-    /// The standard error of the [`tail`](Self::tail).
+    /// Returns the standard error of the [`tail`](Self::tail).
     #[must_use]
     pub fn tail_stderr(&self) -> ByParity {
         self.tail_stderr
     }
 
-    /// Whether the power of every degree is known without error.
+    /// Returns whether the power of every band is known without error.
     #[must_use]
     pub fn is_exact(&self) -> bool {
         self.stderr.iter().all(|&e| e == 0.0)
     }
 
-    /// The same spectrum of weighted points, whose effective number is the power of band 0.
+    /// Returns the same spectrum for weighted points with this effective number, which also becomes
+    /// the power of band 0.
     #[must_use]
     pub fn with_n_effective(mut self, n_effective: f64) -> Self {
         self.n_effective = n_effective;
@@ -91,51 +95,54 @@ impl<B: Bands> Spectrum<B> {
         self
     }
 
-    /// The bands that it has powers of, from band 0 on.
+    /// Returns the bands of the spectrum, starting at band 0.
     #[must_use]
     pub fn bands(&self) -> &B {
         &self.bands
     }
 
-    /// The number of points of a realization.
+    /// Returns the number of points of a realization.
     #[must_use]
     pub fn n_points(&self) -> usize {
         self.n_points
     }
 
-    /// The mean effective number of points, `(sum w)^2/sum w^2`; the mean number of equally weighted ones.
+    /// Returns the mean effective number of points, `(sum w)^2/sum w^2`; for equal weights, the
+    /// mean number of points.
     #[must_use]
     pub fn n_effective(&self) -> f64 {
         self.n_effective
     }
 
-    /// How many realizations the mean is taken over; 0 of a spectrum that is known without sampling.
+    /// Returns the number of realizations averaged; 0 for a spectrum in closed form.
     #[must_use]
     pub fn realizations(&self) -> u64 {
         self.realizations
     }
 
-    /// The last band, inclusive: the largest degree.
+    /// Returns the last band, inclusive; on the sphere, the maximum degree.
     #[must_use]
     pub fn lmax(&self) -> usize {
         self.power.len() - 1
     }
 
-    /// The mean power, index l from 0.
+    /// Returns the mean power, indexed by band from 0.
     #[must_use]
     pub fn power(&self) -> &[f64] {
         &self.power
     }
 
-    /// The standard error of the mean power, index l from 0: 0 where the power is known exactly, NaN
-    /// where one realization tells nothing of it.
+    /// Returns the standard error of the mean power, indexed by band from 0: 0 where the power is
+    /// known exactly, NaN where a single realization does not determine it.
     #[must_use]
     pub fn stderr(&self) -> &[f64] {
         &self.stderr
     }
 
-    /// The same power as an exact one, with standard errors of 0: a pattern that is not random has
-    /// the power of any of its realizations, and so has a set of points that is of interest itself.
+    /// Returns the same spectrum with standard errors of 0.
+    ///
+    /// Use it for a deterministic pattern, of which every realization has the same power, and for a
+    /// point set that is studied for its own sake.
     #[must_use]
     pub fn into_exact(mut self) -> Self {
         self.stderr.fill(0.0);
@@ -143,7 +150,7 @@ impl<B: Bands> Spectrum<B> {
         self
     }
 
-    /// The bands that exist, from 0 on, each with its mean power and standard error.
+    /// Returns the existing bands, starting at 0, each with its mean power and standard error.
     pub fn rows(&self) -> impl Iterator<Item = (usize, f64, f64)> {
         let rows = self.power.iter().zip(&self.stderr).enumerate();
         rows.map(|(band, (&p, &e))| (band, p, e)).filter(|row| self.bands.has_band(row.0))
@@ -151,14 +158,14 @@ impl<B: Bands> Spectrum<B> {
 }
 
 impl Spectrum {
-    /// Where the points live.
+    /// Returns the domain of the points.
     #[must_use]
     pub fn domain(&self) -> Domain {
         self.bands
     }
 }
 
-/// The values of parities whose bands exist, and 0.
+/// Returns the values with those of parities without bands replaced by 0.
 fn existing(bands: &impl Bands, value: ByParity) -> ByParity {
     ByParity {
         even: if bands.has_parity(true) { value.even } else { 0.0 },
@@ -166,7 +173,7 @@ fn existing(bands: &impl Bands, value: ByParity) -> ByParity {
     }
 }
 
-/// Accumulates the power per band; the [`Spectrum`] in the making.
+/// Accumulates the power per band; [`finish`](Self::finish) returns the [`Spectrum`].
 #[derive(Clone, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct SpectrumAccumulator<B = Domain> {
@@ -178,12 +185,12 @@ pub struct SpectrumAccumulator<B = Domain> {
 }
 
 impl<B: Bands> SpectrumAccumulator<B> {
-    /// An empty accumulator for the bands up to number `last`, the largest degree, of sets of `n_points`.
+    /// Returns an empty accumulator for bands up to `last`, inclusive, of sets of `n_points`.
     ///
     /// # Panics
     ///
-    /// If `last + 1` moments do not fit in memory; degrees beyond [`MAX_DEGREE`](sphvar_sh::MAX_DEGREE) have no
-    /// transforms.
+    /// Panics if allocation of `last + 1` moments fails. There are no transforms for degrees beyond
+    /// [`MAX_DEGREE`](sphvar_sh::MAX_DEGREE).
     #[must_use]
     pub fn new(bands: B, n_points: usize, last: usize) -> Self {
         let powers = vec![Moments::default(); last.saturating_add(1)];
@@ -191,25 +198,27 @@ impl<B: Bands> SpectrumAccumulator<B> {
         Self { bands, n_points, n_effective, powers, tail: ByParity::default() }
     }
 
-    /// The bands that powers are accumulated of, from band 0 on.
+    /// Returns the bands of the accumulated powers, starting at band 0.
     #[must_use]
     pub fn bands(&self) -> &B {
         &self.bands
     }
 
-    /// The number of points of a realization.
+    /// Returns the number of points of a realization.
     #[must_use]
     pub fn n_points(&self) -> usize {
         self.n_points
     }
 
-    /// The last band, inclusive: the largest degree; `None` if there are no bands, as only sums from elsewhere can be.
+    /// Returns the last band, inclusive (on the sphere, the maximum degree); `None` without bands,
+    /// which is possible only for deserialized accumulators.
     #[must_use]
     pub fn lmax(&self) -> Option<usize> {
         self.powers.len().checked_sub(1)
     }
 
-    /// How many realizations have been taken in; `None` if bands disagree, which only sums from elsewhere do.
+    /// Returns the number of realizations added; `None` if the counts of the bands differ, which is
+    /// possible only for deserialized accumulators.
     #[must_use]
     pub fn realizations(&self) -> Option<u64> {
         let count = self.powers.first()?.count();
@@ -218,11 +227,11 @@ impl<B: Bands> SpectrumAccumulator<B> {
         all.all(|moments| moments.count() == count).then_some(count)
     }
 
-    /// Adds the realizations of another accumulator, exactly.
+    /// Adds the realizations of another accumulator exactly.
     ///
     /// # Errors
     ///
-    /// [`Error::Mismatch`] if the two differ in the number of points or in bands.
+    /// [`Error::Mismatch`] if the accumulators differ in the number of points or in the bands.
     pub fn try_merge(&mut self, other: &Self) -> Result<(), Error> {
         let pairs = [
             ("numbers of points", self.n_points, other.n_points),
@@ -242,8 +251,8 @@ impl<B: Bands> SpectrumAccumulator<B> {
         Ok(())
     }
 
-    /// The mean and its standard error, which is NaN for a single realization; see
-    /// [`Spectrum::into_exact`] for a realization that is the whole ensemble.
+    /// Returns the mean power and its standard error, which is NaN for a single realization. For a
+    /// single realization that is the whole ensemble, see [`Spectrum::into_exact`].
     ///
     /// # Errors
     ///
@@ -269,7 +278,8 @@ impl<B: Bands> SpectrumAccumulator<B> {
         })
     }
 
-    /// Takes one realization in: its effective number of points, the power of every band from 0, and the mean power beyond.
+    /// Adds one realization: its effective number of points, the power of every band starting at 0,
+    /// and the mean power beyond the last band.
     pub fn push_powers(
         &mut self,
         n_effective: f64,
@@ -295,7 +305,7 @@ impl<B: Bands> SpectrumAccumulator<B> {
 }
 
 impl SpectrumAccumulator {
-    /// Where the points live.
+    /// Returns the domain of the points.
     #[must_use]
     pub fn domain(&self) -> Domain {
         self.bands

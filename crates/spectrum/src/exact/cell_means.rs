@@ -9,27 +9,27 @@ use super::EPSILON;
 use super::partition::{CongruentStrata, Partition};
 use crate::{Error, ExactSum};
 
-/// `1 - (1/N) sum_k E P_l(x.y)` for l from 0 to `lmax`, by the addition theorem from the means of the
-/// harmonics over the strata:
+/// Returns `1 - (1/N) sum_k E P_l(x.y)` for l from 0 to `lmax`. The addition theorem expresses it
+/// by the means of the harmonics over the strata:
 ///
 /// ```text
 /// (1/N) sum_k E P_l(x.y) = (4 pi/N) sum_k 1/(2l+1) sum_m |E_k Y_lm|^2
 /// ```
 ///
-/// with quadrature good to degree `degree`.
+/// The quadrature is accurate up to degree `degree`.
 pub(super) fn power(
     partition: &Partition,
     degree: usize,
     lmax: usize,
     progress: &dyn Progress,
 ) -> Result<Vec<f64>, Error> {
-    let transform = Transform::new(Method::Auto, lmax, partition.most_nodes(degree), EPSILON)?;
-    let none = || vec![ExactSum::default(); lmax + 1];
+    let transform = Transform::new(Method::Auto, lmax, partition.max_nodes(degree), EPSILON)?;
+    let zeros = || vec![ExactSum::default(); lmax + 1];
     let begin = || {
         Ok(Worker {
             alm: [Alm::zeros(lmax)?],
             workspace: TransformWorkspace::default(),
-            sums: none(),
+            sums: zeros(),
         })
     };
     let sums = (0..partition.n_rows())
@@ -37,13 +37,13 @@ pub(super) fn power(
         .flat_map_iter(|row| partition.row(row))
         .fold(begin, |worker: Result<Worker, Error>, class| {
             let mut worker = worker?;
-            let nodes = worker.take(&transform, &class, degree)?;
+            let nodes = worker.add(&transform, &class, degree)?;
             progress.tick(class_work(nodes, lmax))?;
             Ok(worker)
         })
         .map(|worker| Ok(worker?.sums))
         .reduce(
-            || Ok(none()),
+            || Ok(zeros()),
             |a: Result<Vec<ExactSum>, Error>, b| {
                 let mut a = a?;
                 for (mine, theirs) in a.iter_mut().zip(&b?) {
@@ -55,7 +55,7 @@ pub(super) fn power(
     Ok(sums.iter().map(|sum| 1.0 - 4.0 * PI * sum.value()).collect())
 }
 
-/// The buffers of one thread's share of the classes.
+/// The buffers of one thread.
 struct Worker {
     alm: [Alm; 1],
     workspace: TransformWorkspace,
@@ -64,7 +64,7 @@ struct Worker {
 
 impl Worker {
     /// Adds a class and returns the number of its nodes.
-    fn take(
+    fn add(
         &mut self,
         transform: &Transform,
         class: &CongruentStrata,
@@ -80,14 +80,14 @@ impl Worker {
     }
 }
 
-/// The nominal work of all classes, as [`power`] ticks it.
+/// Returns the nominal work of all classes, as ticked by [`power`].
 pub(super) fn work(partition: &Partition, lmax: usize) -> f64 {
     partition.nodes(lmax).into_iter().map(|(classes, n)| classes * class_work(n, lmax)).sum()
 }
 
-/// The bytes that a thread takes.
+/// Returns the memory in bytes per thread.
 pub(super) fn bytes(partition: &Partition, lmax: usize) -> f64 {
-    let nodes = partition.most_nodes(lmax);
+    let nodes = partition.max_nodes(lmax);
     Method::Auto.bytes(nodes, lmax, 1) + 32.0 * nodes as f64 + 150.0 * lmax as f64
 }
 

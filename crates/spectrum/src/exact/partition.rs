@@ -1,22 +1,22 @@
 use sphvar_healpix::{Cell, Nside};
 use sphvar_samplers::{Region, Strata};
 
-use super::quadrature::{Quadrature, gauss_nodes, is_full_turn, turn_nodes};
+use super::quadrature::{Quadrature, circle_nodes, gauss_nodes, is_full_circle};
 use crate::Error;
 
-/// A cut of the sphere, or of the hemisphere, into strata of equal area, known by one stratum of each
-/// class of congruent ones.
+/// A partition of the sphere or hemisphere into strata of equal area, represented by one stratum of
+/// each class of congruent strata.
 ///
-/// Degrees are even on the hemisphere, and a cell and its antipode are alike to them: half of the HEALPix cells
-/// have the classes of all.
+/// Degrees are even on the hemisphere, so a cell and its antipode are equivalent: the classes of
+/// half of the HEALPix cells are those of all cells.
 #[derive(Clone, Debug)]
 pub(super) enum Partition {
     Healpix(Nside),
-    /// One region of each class with the size of the class, and the number of regions.
+    /// One region of each class with the size of the class, and the total number of regions.
     Zonal(Vec<(Region, u32)>, usize),
 }
 
-/// A stratum and the share of all strata that are congruent to it.
+/// A stratum and the fraction of all strata that are congruent to it.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct CongruentStrata {
     pub(super) share: f64,
@@ -26,33 +26,33 @@ pub(super) struct CongruentStrata {
 #[derive(Clone, Copy, Debug)]
 enum Shape {
     Cell(Cell),
-    /// A cell that must be cut along u + v = 1.
+    /// A cell that must be split along u + v = 1.
     CutCell(Cell),
     Region(Region),
 }
 
-/// Half the longest edge of a HEALPix cell times nside: where a meridian bounds a polar face, an edge is
-/// sheared to `sqrt(2/3 + (pi/2)^2 2/3) = 1.52`.
+/// Half the longest edge of a HEALPix cell times nside. At meridians that bound a polar face an
+/// edge is sheared to `sqrt(2/3 + (pi/2)^2 2/3) = 1.52`.
 const HALF_EDGE: f64 = 0.77;
 
-/// The longest chord in a HEALPix cell times nside, with a margin of 3 %: 2.14 at the ends of the ring
-/// |z| = 2/3.
+/// The longest chord in a HEALPix cell times nside, with a margin of 3 %. The maximum is 2.14, at
+/// the ends of the ring |z| = 2/3.
 const LONGEST_CHORD: f64 = 2.2;
 
 impl Partition {
-    /// The classes of a cut, of `n_points` strata.
+    /// Returns the classes of a partition into `n_points` strata; `None` for unknown kinds.
     pub(super) fn of(strata: Strata<'_>, n_points: usize) -> Option<Self> {
         match strata {
             Strata::Healpix(nside) => Some(Self::Healpix(nside)),
             Strata::EqualArea(regions) => {
                 Some(Self::Zonal(regions.congruent_regions().collect(), n_points))
             }
-            // Cuts that are added to the list have no classes until they are written down here.
+            // Kinds of strata added later need their classes here.
             _ => None,
         }
     }
 
-    /// The number of rows, the unit of parallel work.
+    /// Returns the number of rows, the unit of parallel work.
     pub(super) fn n_rows(&self) -> usize {
         match self {
             Self::Healpix(nside) => 2 * nside.value() as usize,
@@ -60,8 +60,8 @@ impl Partition {
         }
     }
 
-    /// The classes of a row, from 0: of HEALPix a ring from the pole to the equator, of a zonal partition a
-    /// zone.
+    /// Returns the classes of a row, 0-based: for HEALPix a ring, counted from the pole to the
+    /// equator; for a zonal partition one class of regions.
     pub(super) fn row(&self, row: usize) -> Vec<CongruentStrata> {
         match self {
             Self::Healpix(nside) => ring_classes(*nside, row),
@@ -73,8 +73,8 @@ impl Partition {
         }
     }
 
-    /// The numbers of nodes that quadrature takes to degree `lmax`, each with the number of classes that
-    /// take as many.
+    /// Returns the numbers of quadrature nodes for degree `lmax`, each with the number of classes
+    /// that use it.
     pub(super) fn nodes(&self, lmax: usize) -> Vec<(f64, usize)> {
         match self {
             Self::Healpix(nside) => {
@@ -97,12 +97,12 @@ impl Partition {
         }
     }
 
-    /// The largest of the numbers of nodes.
-    pub(super) fn most_nodes(&self, lmax: usize) -> usize {
+    /// Returns the largest number of nodes.
+    pub(super) fn max_nodes(&self, lmax: usize) -> usize {
         self.nodes(lmax).into_iter().map(|(_, nodes)| nodes).max().unwrap_or(1)
     }
 
-    /// A bound of the squared distance of two points of one stratum, at most 4.
+    /// Returns an upper bound of the squared distance between two points of one stratum, at most 4.
     pub(super) fn longest_chord_squared(&self) -> f64 {
         match self {
             Self::Healpix(nside) => (LONGEST_CHORD / f64::from(nside.value())).powi(2).min(4.0),
@@ -110,8 +110,9 @@ impl Partition {
                 let squares = regions.iter().map(|(region, _)| {
                     let [[top, bottom], [west, east]] = [region.theta(), region.phi()];
                     let along = (0.5 * (bottom - top)).sin();
-                    let half_turn = std::f64::consts::FRAC_PI_2;
-                    let across = (0.5 * (east - west)).min(half_turn).sin() * largest_sine(region);
+                    let quarter_circle = std::f64::consts::FRAC_PI_2;
+                    let across =
+                        (0.5 * (east - west)).min(quarter_circle).sin() * largest_sine(region);
                     4.0 * (along * along + across * across)
                 });
                 squares.fold(0.0, f64::max).min(4.0)
@@ -121,7 +122,7 @@ impl Partition {
 }
 
 impl CongruentStrata {
-    /// The rule for functions to degree `lmax` on the stratum.
+    /// Returns the quadrature rule on the stratum for functions up to degree `lmax`.
     pub(super) fn quadrature(&self, lmax: usize) -> Result<Quadrature, Error> {
         Ok(match self.shape {
             Shape::Cell(cell) => Quadrature::of_cell(cell, cell_nodes(cell.nside(), lmax))?,
@@ -134,11 +135,12 @@ impl CongruentStrata {
     }
 }
 
-/// The classes of ring `row + 1`, from the north pole to the equator.
+/// Returns the classes of ring `row + 1`, counted from the north pole to the equator.
 ///
-/// The symmetries of the grid are quarter turns about z, the mirror at the equator and that of the two halves
-/// of a quadrant. In the cap, and in ring nside which reaches into it, they leave `ceil(i/2)` classes in ring
-/// i; in the belt below the cells are alike up to rotations about z.
+/// The symmetries of the grid are rotations by pi/2 about z, the reflection at the equator, and the
+/// reflection that exchanges the two halves of a quadrant. In the cap, and in ring nside, which
+/// extends into it, they leave `ceil(i/2)` classes in ring i. In the belt below, the cells of a
+/// ring are congruent by rotations about z.
 fn ring_classes(nside: Nside, row: usize) -> Vec<CongruentStrata> {
     let n = nside.value();
     let n_cells = nside.n_pixels() as f64;
@@ -168,31 +170,32 @@ fn ring_classes(nside: Nside, row: usize) -> Vec<CongruentStrata> {
         .collect()
 }
 
-/// Nodes along an edge of a HEALPix cell.
+/// Returns the number of nodes along an edge of a HEALPix cell.
 ///
-/// Where the map is nearest to its singularities, in the second ring and in cells collapsed to the pole, these lie
-/// one edge beyond the cell, at 3 in units of half an edge from its middle; at nside 1 the belt ends half
-/// an edge from the pole, at 2. The ellipse has `rho = x + sqrt(x^2 - 1)`, and stays clear of them.
+/// The map is nearest to its singularities in the second ring and in cells collapsed to the pole.
+/// There they lie one edge beyond the cell, at 3 in units of half an edge from its centre. At
+/// nside 1 the belt ends half an edge from the pole, at 2. The Bernstein ellipse has
+/// `rho = x + sqrt(x^2 - 1)`, and a margin is left to these values.
 fn cell_nodes(nside: Nside, lmax: usize) -> usize {
     let farthest = if nside.value() == 1 { 3.5 } else { 5.6 };
     gauss_nodes(lmax as f64, HALF_EDGE / f64::from(nside.value()), farthest)
 }
 
-/// Nodes in colatitude and longitude of a region, where the map is entire.
+/// Returns the numbers of nodes in colatitude and longitude of a region, where the map is entire.
 fn region_nodes(region: &Region, lmax: usize) -> [usize; 2] {
     const FARTHEST: f64 = 20.0;
     let [[top, bottom], [west, east]] = [region.theta(), region.phi()];
     let sine = largest_sine(region);
     let degree = (lmax as f64).max(1.0);
-    let across = if is_full_turn(region) {
-        turn_nodes(lmax, sine)
+    let across = if is_full_circle(region) {
+        circle_nodes(lmax, sine)
     } else {
         gauss_nodes(degree * sine, 0.5 * (east - west), FARTHEST)
     };
     [gauss_nodes(degree, 0.5 * (bottom - top), FARTHEST), across]
 }
 
-/// The largest sin(theta) in the region.
+/// Returns the maximum of sin(theta) in the region.
 fn largest_sine(region: &Region) -> f64 {
     let [top, bottom] = region.theta();
     if top <= std::f64::consts::FRAC_PI_2 && bottom >= std::f64::consts::FRAC_PI_2 {

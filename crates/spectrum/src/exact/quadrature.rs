@@ -5,16 +5,16 @@ use sphvar_healpix::Cell;
 use sphvar_samplers::Region;
 use sphvar_sh::{Error, GaussLegendre};
 
-/// Nodes and weights for the uniform law on a stratum.
+/// Nodes and weights for the uniform distribution on a stratum.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Quadrature {
     pub(super) points: Vec<DVec3>,
-    /// Of sum 1.
+    /// The weights, with sum 1.
     pub(super) weights: Vec<f64>,
 }
 
 impl Quadrature {
-    /// The rule of `n * n` nodes on a HEALPix cell in whose inside the map is smooth.
+    /// Returns the rule of `n * n` nodes on a HEALPix cell in whose interior the map is smooth.
     pub(super) fn of_cell(cell: Cell, n: usize) -> Result<Self, Error> {
         let unit = unit_rule(n)?;
         let mut rule = Self::default();
@@ -26,9 +26,9 @@ impl Quadrature {
         Ok(rule)
     }
 
-    /// The rule of `2 n n` nodes on a HEALPix cell that is cut along u + v = 1, where the map changes
-    /// its form in the cells that touch |z| = 2/3; each triangle is collapsed to its far corner, which may be
-    /// a pole, so that the integrand is smooth there too.
+    /// Returns the rule of `2 n n` nodes on a HEALPix cell split along u + v = 1, where the map
+    /// changes form in cells that touch |z| = 2/3. Each triangle is collapsed to its far corner,
+    /// which may be a pole, so that the integrand is smooth there too.
     pub(super) fn of_cut_cell(cell: Cell, n: usize) -> Result<Self, Error> {
         let unit = unit_rule(n)?;
         let mut rule = Self::default();
@@ -42,13 +42,13 @@ impl Quadrature {
         Ok(rule)
     }
 
-    /// The rule of `n_theta * n_phi` nodes on a zonal rectangle: Gauss-Legendre in the colatitude, which is
-    /// smooth at the poles where the height is not, and in the longitude; equal steps where that is a
-    /// full turn.
+    /// Returns the rule of `n_theta * n_phi` nodes on a zonal rectangle: Gauss-Legendre in the
+    /// colatitude, which unlike z is smooth at the poles, and in the longitude; equidistant nodes
+    /// if the longitudes span the full circle.
     pub(super) fn of_region(region: &Region, n_theta: usize, n_phi: usize) -> Result<Self, Error> {
         let [top, bottom] = region.theta();
         let [west, east] = region.phi();
-        let longitudes: Vec<(f64, f64)> = if is_full_turn(region) {
+        let longitudes: Vec<(f64, f64)> = if is_full_circle(region) {
             (0..n_phi).map(|j| (TAU * j as f64 / n_phi as f64, 1.0 / n_phi as f64)).collect()
         } else {
             unit_rule(n_phi)?.iter().map(|(x, w)| (west + (east - west) * x, *w)).collect()
@@ -75,33 +75,33 @@ impl Quadrature {
     }
 }
 
-/// Whether the longitudes of a region make a full turn.
-pub(super) fn is_full_turn(region: &Region) -> bool {
+/// Returns whether the longitudes of a region span the full circle.
+pub(super) fn is_full_circle(region: &Region) -> bool {
     let [west, east] = region.phi();
     east - west >= TAU
 }
 
-/// Gauss-Legendre nodes and weights of the interval [0, 1].
+/// Returns Gauss-Legendre nodes and weights on the interval [0, 1].
 fn unit_rule(n: usize) -> Result<Vec<(f64, f64)>, Error> {
     let rule = GaussLegendre::new(n)?;
     Ok(rule.nodes().iter().zip(rule.weights()).map(|(x, w)| (0.5 + 0.5 * x, 0.5 * w)).collect())
 }
 
-/// -ln of the error that a rule may leave, 2e-16.
+/// -ln of the target error of a rule, 2e-16.
 const DIGITS: f64 = 36.0;
 
-/// The number of Gauss-Legendre nodes across a width of `2 * half_width` (radians) for functions of
-/// degree `degree` under a map that is analytic in the ellipse `rho <= farthest`.
+/// Returns the number of Gauss-Legendre nodes on a width of `2 * half_width` (radians) for
+/// functions of degree `degree` under a map that is analytic in the ellipse `rho <= farthest`.
 ///
-/// A rule of n nodes is off by at most about `M rho^-2n`, M the largest modulus in the Bernstein
-/// ellipse of rho (Trefethen 2008, theorem 4.5). At a distance y from the real sphere a function of degree l
-/// grows by `cosh(l y) <= e^(l y)`, and so
+/// The error of a rule of n nodes is at most about `M rho^-2n`, with M the maximum modulus in the
+/// Bernstein ellipse of rho (Trefethen 2008, theorem 4.5). At a distance y from the real sphere a
+/// function of degree l grows by `cosh(l y) <= e^(l y)`, and so
 ///
 /// ```text
 /// n = min over rho of (36 + l sinh(h (rho - 1/rho)/2))/(2 ln rho)
 /// ```
 ///
-/// where the sinh leaves room for maps that are themselves trigonometric.
+/// where the sinh allows for maps that are themselves trigonometric.
 #[expect(
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,
@@ -111,7 +111,7 @@ pub(super) fn gauss_nodes(degree: f64, half_width: f64, farthest: f64) -> usize 
     const STEPS: u32 = 64;
     const NEAREST: f64 = 1e-3;
     let ratio = ((farthest - 1.0) / NEAREST).powf(1.0 / f64::from(STEPS));
-    let least = (0..=STEPS)
+    let min = (0..=STEPS)
         .map(|k| {
             let beyond = NEAREST * ratio.powi(k.cast_signed());
             let rho = 1.0 + beyond;
@@ -119,18 +119,19 @@ pub(super) fn gauss_nodes(degree: f64, half_width: f64, farthest: f64) -> usize 
             (DIGITS + growth) / (2.0 * beyond.ln_1p())
         })
         .fold(f64::INFINITY, f64::min);
-    (least.ceil() as usize).min(GaussLegendre::MAX_NODES)
+    (min.ceil() as usize).min(GaussLegendre::MAX_NODES)
 }
 
-/// The number of equal steps of a full turn at which a function of degree `lmax` at `sin(theta) <=
-/// sin_theta` has no alias: its order m is at most `(l sin(theta)/2)^m/m!`, and none is above lmax.
-pub(super) fn turn_nodes(lmax: usize, sin_theta: f64) -> usize {
+/// Returns the number of equidistant longitudes at which a function of degree `lmax` at
+/// `sin(theta) <= sin_theta` is not aliased: its component of order m is at most
+/// `(l sin(theta)/2)^m/m!`, and no order is above lmax.
+pub(super) fn circle_nodes(lmax: usize, sin_theta: f64) -> usize {
     let log_half = (0.5 * lmax as f64 * sin_theta).ln();
     let mut log_order = 0.0;
     let mut m = 1;
     while m <= lmax {
         log_order += log_half - (m as f64).ln();
-        // Past the maximum of the sequence, and below the digits.
+        // Past the maximum of the sequence, and below the target error.
         if log_order < -DIGITS && log_half < (m as f64).ln() {
             break;
         }

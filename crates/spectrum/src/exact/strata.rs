@@ -1,4 +1,4 @@
-//! The spectrum of one uniform point in each stratum, by the way of less nominal work.
+//! The spectrum of one uniform point per stratum, by the method with less nominal work.
 
 use sphvar_samplers::Progress;
 
@@ -7,7 +7,7 @@ use super::chord_moments::{self, ChordMoments};
 use super::partition::Partition;
 use crate::Error;
 
-/// The power of degrees 0 to `lmax`; degree 0 is not N but 0.
+/// Returns the power of degrees 0 to `lmax`; the entry of degree 0 is 0 instead of N.
 pub(super) fn power(
     partition: &Partition,
     lmax: usize,
@@ -24,14 +24,14 @@ pub(super) fn power(
     Ok(power)
 }
 
-/// The nominal work that [`power`] ticks.
+/// Returns the nominal work that [`power`] ticks.
 pub(super) fn work(partition: &Partition, lmax: usize) -> f64 {
     let by_chords = degrees_by_chords(partition, lmax);
     let rest = if by_chords == lmax { 0.0 } else { cell_means::work(partition, lmax) };
     chord_moments::work(partition, by_chords) + rest
 }
 
-/// The bytes that [`power`] takes on `threads` threads.
+/// Returns the memory in bytes that [`power`] needs on `threads` threads.
 pub(super) fn bytes(partition: &Partition, lmax: usize, threads: usize) -> f64 {
     let by_chords = degrees_by_chords(partition, lmax);
     let each = if by_chords == lmax {
@@ -42,13 +42,14 @@ pub(super) fn bytes(partition: &Partition, lmax: usize, threads: usize) -> f64 {
     partition.n_rows().min(threads.max(1)) as f64 * each
 }
 
-/// The largest degree that goes by chords: all, or where means of cells cost less, those to about sqrt(N).
-/// Beyond, the power is no longer small, and a difference from 1 serves as well.
+/// Returns the maximum degree computed by chords: `lmax`, or about sqrt(N) where cell means are
+/// less expensive. Beyond sqrt(N) the power is not small, so a difference from 1 is accurate
+/// enough.
 fn degrees_by_chords(partition: &Partition, lmax: usize) -> usize {
     if chord_moments::work(partition, lmax) <= cell_means::work(partition, lmax) {
         return lmax;
     }
-    // The chord of a stratum is some 2 spacings long.
+    // The chord of a stratum is about 2 spacings long.
     #[expect(
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,

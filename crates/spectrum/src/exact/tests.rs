@@ -1,4 +1,4 @@
-//! The two ways against each other, against sums over all strata and against finer quadrature.
+//! Compares the two methods with each other, with sums over all strata and with finer quadrature.
 
 use std::sync::Mutex;
 
@@ -25,8 +25,8 @@ fn zonal(n: usize, domain: Domain) -> Partition {
     Partition::of(Strata::EqualArea(&regions), n).unwrap()
 }
 
-/// Partitions with every kind of stratum: poles, caps, cells cut at |z| = 2/3, belts, odd and even, collars of few
-/// and of many regions, mirrored and not.
+/// Returns partitions with every kind of stratum: poles, caps, cells split at |z| = 2/3, belts, odd
+/// and even counts, collars of few and of many regions, with and without reflection.
 fn partitions() -> Vec<(String, Partition)> {
     let cells = [1, 2, 3, 4, 5, 8].map(|n| (format!("nside {n}"), healpix(n)));
     let regions = [1, 2, 3, 4, 5, 7, 12, 33, 150].into_iter().flat_map(|n| {
@@ -52,19 +52,19 @@ fn assert_near(got: &[f64], expected: &[f64], tolerance: impl Fn(f64) -> f64, wh
     }
 }
 
-/// Of the rounding of a sum of a few hundred weights, of which some 10 to 50 terms of like size remain.
+/// Rounding of a sum of a few hundred weights, of which 10 to 50 terms of similar size remain.
 const RELATIVE: f64 = 100.0 * f64::EPSILON;
 
-/// The means come from a transform that is good to 1e-13 of the sum of the weights, twice in a square.
+/// Cell means come from a transform with an error of 1e-13 of the sum of the weights, squared.
 const ABSOLUTE: f64 = 2.0 * super::EPSILON;
 
 #[test]
-fn both_ways_agree() {
+fn both_methods_agree() {
     for (name, partition) in partitions() {
         let (chords, means) = (by_chords(&partition, 24, 24), by_means(&partition, 24, 24));
         assert_near(&chords, &means, |_| ABSOLUTE, &name);
     }
-    // Strata of many waves, by the fast transform.
+    // Strata many wavelengths wide, by the fast transform.
     for (name, partition, lmax) in
         [("nside 2", healpix(2), 90), ("60 regions", zonal(60, Domain::Sphere), 100)]
     {
@@ -73,7 +73,7 @@ fn both_ways_agree() {
     }
 }
 
-/// With more nodes, up to twice as many along an edge, nothing changes but the rounding.
+/// More nodes, up to twice the number along an edge, change the result only by rounding.
 #[test]
 fn the_quadrature_has_converged() {
     const LMAX: usize = 24;
@@ -87,7 +87,7 @@ fn the_quadrature_has_converged() {
     }
 }
 
-/// Twice the moments change nothing either.
+/// Doubling the number of moments changes the result only by rounding.
 #[test]
 fn the_series_has_converged() {
     for (nside, lmax) in [(1, 3), (4, 20), (8, 100), (64, 8)] {
@@ -98,10 +98,10 @@ fn the_series_has_converged() {
     }
 }
 
-/// The classes with their sizes against all cells, each cut along u + v = 1 whether it need be or not, by the
-/// definition: Legendre polynomials of the angles of pairs of nodes.
+/// Compares the classes and their sizes with all cells, each split along u + v = 1 even where this
+/// is unnecessary, by the definition: Legendre polynomials of the angles between pairs of nodes.
 #[test]
-fn classes_stand_for_all_cells() {
+fn classes_represent_all_cells() {
     for nside in 1..=7 {
         let partition = healpix(nside);
         let shares: f64 =
@@ -109,7 +109,7 @@ fn classes_stand_for_all_cells() {
         assert!((shares - 1.0).abs() < 64.0 * f64::EPSILON, "nside {nside}: {shares}");
         let resolution = Nside::new(nside).unwrap();
         let side = 0..nside;
-        // An edge has a phase of 1.5/nside * 4: this many nodes leave less than 1e-12.
+        // An edge spans a phase of 1.5/nside * 4: the error of this number of nodes is below 1e-12.
         let nodes = if nside == 1 { 14 } else { 10 };
         let mut means = [0.0; 5];
         let mut n_cells = 0.0;
@@ -127,9 +127,9 @@ fn classes_stand_for_all_cells() {
     }
 }
 
-/// The same for zones, whose classes are counted from a list of all regions.
+/// The same for zones, whose classes are counted in a list of all regions.
 #[test]
-fn classes_stand_for_all_regions() {
+fn classes_represent_all_regions() {
     for (n, domain) in [1, 2, 3, 5, 9, 34, 35]
         .into_iter()
         .flat_map(|n| [(n, Domain::Sphere), (n, Domain::Hemisphere)])
@@ -137,7 +137,7 @@ fn classes_stand_for_all_regions() {
         let regions = EqualArea::new(n, domain, Placement::Jittered).unwrap();
         let mut means = [0.0; 5];
         for region in regions.regions() {
-            // Enough for a full turn and for a half.
+            // Enough nodes for the full circle and for half of it.
             let rule = Quadrature::of_region(&region, 12, 22).unwrap();
             add_legendre_means(&rule, &mut means);
         }
@@ -147,7 +147,7 @@ fn classes_stand_for_all_regions() {
     }
 }
 
-/// Adds `E P_l(x.y)` for l from 0, by the addition theorem written out in moments of the coordinates:
+/// Adds `E P_l(x.y)` for l from 0, by the addition theorem expressed in moments of the coordinates:
 /// `P_l` is a polynomial in `x.y`, and `E (x.y)^p` the squared norm of the mean tensor `x^p`.
 fn add_legendre_means(rule: &Quadrature, means: &mut [f64; 5]) {
     let tensor = |p: u32| -> f64 {
@@ -169,7 +169,7 @@ fn add_legendre_means(rule: &Quadrature, means: &mut [f64; 5]) {
     means[4] += (35.0 * p4 - 30.0 * p2 + 3.0 * p0) / 8.0;
 }
 
-/// The moments live on [-1, 1] only if the bound of the chord is one.
+/// The Chebyshev moments are defined on [-1, 1] only if the chord bound holds.
 #[test]
 fn no_chord_is_longer_than_the_bound() {
     for (name, partition) in partitions().into_iter().chain([("large".into(), healpix(40))]) {
@@ -183,7 +183,7 @@ fn no_chord_is_longer_than_the_bound() {
     }
 }
 
-/// The count in advance is that of the classes as they come.
+/// The work computed in advance equals the work ticked by the classes.
 #[test]
 fn ticks_add_up_to_the_work() {
     for (pattern, n, domain, lmax) in [
@@ -203,9 +203,9 @@ fn ticks_add_up_to_the_work() {
     }
 }
 
-/// Where the ways meet there is no seam: all degrees by chords, at whatever cost.
+/// Compares the combination of both methods with chords for all degrees, at any cost.
 #[test]
-fn the_ways_are_joined_without_a_seam() {
+fn the_combination_of_methods_is_consistent() {
     for (name, partition, lmax) in
         [("nside 1", healpix(1), 60), ("20 regions", zonal(20, Domain::Hemisphere), 80)]
     {
@@ -220,7 +220,7 @@ fn the_ways_are_joined_without_a_seam() {
 }
 
 #[test]
-fn patterns_have_an_exact_spectrum_if_they_are_not_random_or_have_strata() {
+fn deterministic_and_stratified_patterns_have_an_exact_spectrum() {
     let centred = Pattern::EqualArea(EqualAreaParameters { placement: Placement::Centred });
     for pattern in Pattern::ALL.into_iter().chain([centred]) {
         let stratified =
@@ -237,24 +237,24 @@ fn patterns_have_an_exact_spectrum_if_they_are_not_random_or_have_strata() {
 }
 
 #[test]
-fn extremes_are_answered_or_refused() {
+fn extreme_inputs_succeed_or_return_an_error() {
     let run = |pattern: &Pattern, n, lmax| -> Result<Vec<f64>, Error> {
         let sampler = pattern.build(n, Domain::Sphere)?;
-        let exact = ExactSpectrum::of(&*sampler).expect("strata or one set");
+        let exact = ExactSpectrum::of(&*sampler).expect("strata or a single set");
         Ok(exact.to(lmax, &())?.power().to_vec())
     };
     assert!(matches!(run(&Pattern::Jittered, 13, 4), Err(Error::Sampler(_))));
     assert!(matches!(run(&EQUAL_AREA, 0, 4), Err(Error::Sampler(_))));
     for pattern in [Pattern::Jittered, Pattern::WhiteNoise, Pattern::Healpix] {
-        let refused = run(&pattern, 12, usize::MAX).unwrap_err();
-        assert!(matches!(refused, Error::Transform(_)), "{refused}");
+        let error = run(&pattern, 12, usize::MAX).unwrap_err();
+        assert!(matches!(error, Error::Transform(_)), "{error}");
         assert_eq!(run(&pattern, 12, 0), Ok(vec![12.0]), "{pattern}");
     }
-    // One point anywhere on the sphere is white noise.
+    // One uniform point on the sphere is white noise.
     for p in &run(&EQUAL_AREA, 1, 30).unwrap()[1..] {
         assert!((p - 1.0).abs() < RELATIVE, "{p}");
     }
-    // The estimate of the work is there at once for whatever exists.
+    // The work is estimated immediately even for very large patterns.
     let work = |pattern: &Pattern, n| {
         let sampler = pattern.build(n, Domain::Sphere).unwrap();
         ExactSpectrum::of(&*sampler).unwrap().work(100)

@@ -7,9 +7,10 @@ use super::audit::{AuditSettings, HomogeneityAudit};
 use super::judge::{copy_work, judge};
 use crate::{Accumulator, Anisotropy, Error, Realization};
 
-/// Keeps the low coefficients of every realization; the [`HomogeneityAudit`] in the making.
+/// Stores the low coefficients of every realization; [`audit`](Self::audit) returns the
+/// [`HomogeneityAudit`].
 ///
-/// `8 (lmax+1)^2` bytes a realization.
+/// Uses `8 (lmax+1)^2` bytes per realization.
 #[derive(Clone, Debug)]
 pub struct HomogeneityAccumulator {
     domain: Domain,
@@ -19,12 +20,12 @@ pub struct HomogeneityAccumulator {
 }
 
 impl HomogeneityAccumulator {
-    /// An empty accumulator for degrees 1 to `lmax`, on the hemisphere the even ones.
+    /// Returns an empty accumulator for degrees 1 to `lmax`; on the hemisphere, the even ones.
     ///
     /// # Errors
     ///
-    /// [`Error::Setting`] if no degree of the domain is among them, [`Error::Transform`] if `lmax` is
-    /// beyond what the index can hold.
+    /// [`Error::Setting`] if the domain has no degree in this range; [`Error::Transform`] if `lmax`
+    /// exceeds the limit of the index.
     pub fn new(domain: Domain, lmax: usize) -> Result<Self, Error> {
         if lmax < domain.degree_step() {
             return Err(Error::Setting {
@@ -36,20 +37,21 @@ impl HomogeneityAccumulator {
         Ok(Self { domain, lmax, rows: Vec::new(), anisotropy: Anisotropy::new(lmax, &[])? })
     }
 
-    /// Judges the realizations.
+    /// Returns the audit of the accumulated realizations.
     ///
-    /// `rotations` are those that turned them, if they are known; [`Self::audit_work`] is ticked in pieces, one for each of
-    /// [`AuditSettings::replicates`] turned copies of the ensemble. The result depends on nothing
-    /// but the realizations, the settings and the rotations.
+    /// `rotations` are the random rotations of the realizations, if known. `progress` is ticked
+    /// with [`Self::audit_work`] in total, once per randomly rotated copy of the ensemble
+    /// ([`AuditSettings::replicates`] copies). The result depends only on the realizations, the
+    /// settings and the rotations.
     ///
     /// # Errors
     ///
-    /// [`Error::NoRealizations`] if nothing was accumulated, [`Error::Setting`] if a setting is out
-    /// of its range, [`Error::Sampler`] if `progress` ends the work.
+    /// [`Error::NoRealizations`] if nothing was accumulated; [`Error::Setting`] if a setting is out
+    /// of range; [`Error::Sampler`] if `progress` stops the work.
     ///
     /// # Performance
     ///
-    /// Some `8/3 lmax^3` operations for each realization of each copy: 3 microseconds for lmax = 8.
+    /// About `8/3 lmax^3` operations per realization and copy: 3 microseconds for lmax = 8.
     pub fn audit(
         &self,
         settings: &AuditSettings,

@@ -5,14 +5,14 @@ use sphvar_samplers::{Domain, Progress, Purpose, Stopped, Streams, uniform_rotat
 use super::audit::{
     AuditFamily, AuditSettings, AuditVerdict, Finding, HomogeneityAudit, MeanBias, OrderRatio,
 };
+use super::rotator::Rotator;
 use super::statistics::{Layout, Sums};
-use super::turner::Turner;
 use crate::Anisotropy;
 
-/// The quantile of the normal law below which 90 % lie: the margin for seeing an error in 9 of 10.
+/// The 90 % quantile of the standard normal distribution: the margin for a power of 0.9.
 const POWER_MARGIN: f64 = 1.2815515655446004;
 
-/// The scores of the ensemble, first, and of its turned copies, for one family.
+/// The scores of one family: first those of the ensemble, then those of its rotated copies.
 type Scores = Vec<Vec<f64>>;
 
 pub(super) fn judge(
@@ -31,7 +31,7 @@ pub(super) fn judge(
     }
     let used = rotations.filter(|r| !r.is_empty());
     let copies =
-        turned_copies(&layout, lmax, rows, settings, used.map_or(0, <[_]>::len), progress)?;
+        rotated_copies(&layout, lmax, rows, settings, used.map_or(0, <[_]>::len), progress)?;
     let count = rows.len() as f64;
     let sums = || std::iter::once(&observed).chain(copies.iter().map(|copy| &copy.0));
 
@@ -78,8 +78,9 @@ pub(super) fn judge(
     })
 }
 
-/// The sums of the ensemble with every realization turned anew, and the sum of as many rotations.
-fn turned_copies(
+/// Returns, for each copy of the ensemble, the sums over independently rotated realizations and the
+/// sum of `n_rotations` uniform rotations.
+fn rotated_copies(
     layout: &Layout,
     lmax: usize,
     rows: &[Vec<f64>],
@@ -87,15 +88,15 @@ fn turned_copies(
     n_rotations: usize,
     progress: &dyn Progress,
 ) -> Result<Vec<(Sums, DMat3)>, Stopped> {
-    let turner = Turner::new(lmax);
+    let rotator = Rotator::new(lmax);
     let streams = Streams::new(settings.seed, Purpose::Resample, rows.len());
     let copy = |b: u64| {
         let mut rng = streams.realization(b);
-        let (mut sums, mut turned, mut spare) = (layout.zero(), Vec::new(), Vec::new());
+        let (mut sums, mut rotated, mut spare) = (layout.zero(), Vec::new(), Vec::new());
         for row in rows {
-            turned.clone_from(row);
-            turner.turn(&mut rng, &mut turned, &mut spare);
-            layout.add(&turned, &mut sums);
+            rotated.clone_from(row);
+            rotator.rotate(&mut rng, &mut rotated, &mut spare);
+            layout.add(&rotated, &mut sums);
         }
         let rotation = (0..n_rotations).map(|_| uniform_rotation(&mut rng)).sum();
         progress.tick(copy_work(rows.len() as u64, lmax))?;
@@ -104,13 +105,14 @@ fn turned_copies(
     (0..settings.replicates()).into_par_iter().map(copy).collect()
 }
 
-/// The nominal work of turning an ensemble of `count` realizations anew: 2 microseconds and 0.6 ns lmax^3 for each.
+/// Returns the nominal work of rotating `count` realizations: 2 microseconds and 0.6 ns lmax^3
+/// each.
 pub(super) fn copy_work(count: u64, lmax: usize) -> f64 {
     count as f64 * (33.0 + 0.01 * (lmax as f64).powi(3))
 }
 
-/// Sums in units of their root mean square over the ensemble and its copies: a scale that does not
-/// know which of them is the ensemble. All have mean 0 under invariance.
+/// Returns sums in units of their root mean square over the ensemble and its copies, a scale that
+/// is symmetric in them. All sums have mean 0 under invariance.
 fn standardised(mut sums: Scores) -> Scores {
     let count = sums.len() as f64;
     for i in 0..sums[0].len() {
@@ -122,18 +124,19 @@ fn standardised(mut sums: Scores) -> Scores {
     sums
 }
 
-/// `2 |sum of unit vectors|^2/R` for every phase and doubled phase: chi-square of 2 for large R.
+/// Returns `2 |sum of unit vectors|^2/R` for every phase and doubled phase; its distribution tends
+/// to chi-square with 2 degrees of freedom for large R.
 fn rayleigh(sums: &Sums, count: f64) -> Vec<f64> {
     sums.phases.chunks_exact(2).map(|s| 2.0 * (s[0] * s[0] + s[1] * s[1]) / count).collect()
 }
 
-/// The largest of a list and where it is; 0 of none.
+/// Returns the position and value of the maximum score; 0 for an empty list.
 fn largest(scores: &[f64]) -> (usize, f64) {
     let by_score = |a: &(usize, f64), b: &(usize, f64)| a.1.total_cmp(&b.1);
     scores.iter().copied().enumerate().max_by(by_score).unwrap_or((0, 0.0))
 }
 
-/// `(1 + #{T_b >= T})/(1 + copies)`; what rounding alone tells apart is a tie.
+/// Returns `(1 + #{T_b >= T})/(1 + copies)`; differences within rounding error count as ties.
 fn p_value(statistic: f64, null: impl ExactSizeIterator<Item = f64>) -> f64 {
     const TIE: f64 = 1.0 - 1e-9;
     let copies = null.len() as f64;
@@ -168,8 +171,8 @@ fn finding(
     }
 }
 
-/// `3 |sum of R|^2/count`: chi-square of 9 for many uniform rotations, whose entries have variance 1/3
-/// and no covariance.
+/// Returns `3 |sum of R|^2/count`; for many uniform rotations, whose entries have variance 1/3 and
+/// are uncorrelated, chi-square with 9 degrees of freedom.
 fn rotation_statistic(sum: DMat3, count: usize) -> f64 {
     3.0 * sum.to_cols_array().iter().map(|x| x * x).sum::<f64>() / count as f64
 }
@@ -196,21 +199,22 @@ fn rotation_finding(used: &[DMat3], null: Vec<f64>) -> Finding {
     }
 }
 
-/// Holm's adjusted p-values.
+/// Sets Holm's adjusted p-values and the rejections.
 fn adjust(findings: &mut [Finding], alpha: f64) {
     let mut order: Vec<usize> = (0..findings.len()).collect();
     order.sort_by(|&a, &b| findings[a].p_value.total_cmp(&findings[b].p_value));
-    let mut least: f64 = 0.0;
+    let mut adjusted: f64 = 0.0;
     for (rank, &i) in order.iter().enumerate() {
         let left = (order.len() - rank) as f64;
-        least = least.max((left * findings[i].p_value).min(1.0));
-        findings[i].adjusted = least;
-        findings[i].rejected = least <= alpha;
+        adjusted = adjusted.max((left * findings[i].p_value).min(1.0));
+        findings[i].adjusted = adjusted;
+        findings[i].rejected = adjusted <= alpha;
     }
 }
 
-/// The ratios with their simultaneous intervals, and the error that would have been seen: the critical
-/// score and the margin for 9 of 10, in units of the scatter of the copies.
+/// Returns the ratios with simultaneous confidence intervals, and the detectable error: the
+/// critical score plus the margin for a power of 0.9, in units of the standard deviation over the
+/// copies.
 fn order_ratios(
     layout: &Layout,
     anisotropy: &Anisotropy,
@@ -257,7 +261,7 @@ fn largest_bias(layout: &Layout, observed: &Sums, count: f64) -> Option<MeanBias
     for &l in &layout.degrees {
         for m in 0..=l {
             let re = observed.means[first + m] / count;
-            // Two real components of m >= 1 are sqrt(2) times the parts of one coefficient.
+            // For m >= 1 the two real components are sqrt(2) times the parts of one coefficient.
             let square = match m {
                 0 => re * re,
                 m => 0.5 * (re * re + (observed.means[first + l + m] / count).powi(2)),

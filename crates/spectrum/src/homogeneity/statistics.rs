@@ -2,29 +2,29 @@ use sphvar_samplers::Domain;
 
 use super::AuditFamily;
 
-/// Products of coefficients are taken between degrees up to this one.
+/// Maximum degree of the coefficients whose products are tested.
 pub(super) const PAIR_DEGREE: usize = 4;
 
-/// What rounding leaves of power, relative to that of degree 0: the transform is good to 1e-12 of its
-/// root.
+/// Power below this fraction of that of degree 0 is rounding error: the transform has a relative
+/// accuracy of 1e-12, and power is quadratic in coefficients.
 const ROUNDING: f64 = 1e-22;
 
-/// What is summed over the realizations of an ensemble: which components, and by which name.
+/// Layout of the sums over the realizations of an ensemble: the components and their names.
 ///
-/// Components are those of [`Turner`](super::turner::Turner).
+/// The components are those of [`Rotator`](super::rotator::Rotator).
 #[derive(Debug)]
 pub(super) struct Layout {
-    /// The degrees that are tested.
+    /// The tested degrees.
     pub(super) degrees: Vec<usize>,
-    /// Those that exist and have no power in any realization.
+    /// Degrees of the domain without power in any realization.
     pub(super) vanishing: Vec<usize>,
-    /// The mean power of every degree from 0 on.
+    /// The mean power per degree, starting at 0.
     pub(super) power: Vec<f64>,
     paired: Vec<usize>,
 }
 
-/// The sums of one ensemble, in the order of [`Layout`]: components, phases and doubled phases,
-/// orders less their degree, products.
+/// The sums over one ensemble, in the order of [`Layout`]: components, phases and doubled phases,
+/// powers of orders minus those of their degree, products.
 #[derive(Clone, Debug)]
 pub(super) struct Sums {
     pub(super) means: Vec<f64>,
@@ -34,7 +34,7 @@ pub(super) struct Sums {
 }
 
 impl Layout {
-    /// The layout for realizations whose degrees above 0 have this power, up to `lmax`.
+    /// Returns the layout for these realizations and degrees up to `lmax`.
     pub(super) fn new(domain: Domain, lmax: usize, rows: &[Vec<f64>]) -> Self {
         let mean =
             |l: usize| rows.iter().map(|row| degree_power(row, l)).sum::<f64>() / rows.len() as f64;
@@ -47,7 +47,7 @@ impl Layout {
         Self { degrees, vanishing, power, paired }
     }
 
-    /// (l, m) with l tested and `m` from `first` on.
+    /// Returns the (l, m) with a tested l and `m >= first`.
     pub(super) fn orders(&self, first: usize) -> impl Iterator<Item = (usize, usize)> {
         self.degrees.iter().flat_map(move |&l| (first..=l).map(move |m| (l, m)))
     }
@@ -56,7 +56,7 @@ impl Layout {
         self.degrees.iter().flat_map(|&l| l * l..(l + 1) * (l + 1))
     }
 
-    /// How many numbers a family compares.
+    /// Returns the number of comparisons of a family.
     pub(super) fn comparisons(&self, family: AuditFamily) -> usize {
         let paired = self.paired.len();
         match family {
@@ -70,12 +70,12 @@ impl Layout {
         }
     }
 
-    /// (l, m), m >= 1, of which `Re S_lm^2` is looked at.
+    /// Returns the (l, m), m >= 1, of which `Re S_lm^2` is tested.
     fn squares(&self) -> impl Iterator<Item = (usize, usize)> {
         self.orders(1).filter(|lm| lm.0 <= PAIR_DEGREE)
     }
 
-    /// The sums before any realization.
+    /// Returns sums of zero.
     pub(super) fn zero(&self) -> Sums {
         let zeros = |family| vec![0.0; self.comparisons(family)];
         Sums {
@@ -94,7 +94,8 @@ impl Layout {
         for (sum, (l, m)) in sums.phases.chunks_exact_mut(4).zip(self.orders(1)) {
             let (x, y) = (row[l * l + m], row[l * l + l + m]);
             let square = x * x + y * y;
-            // What vanishes by symmetry, such as S_41 of a lattice with a fourfold axis, has no phase.
+            // Coefficients that vanish by symmetry, such as S_41 of a lattice with a fourfold axis,
+            // have no phase.
             if square > ROUNDING * row[0] * row[0] {
                 let size = square.sqrt();
                 let (c, s) = (x / size, y / size);
@@ -123,7 +124,8 @@ impl Layout {
         }
     }
 
-    /// The name of comparison `i` of a family, and its value for the sums over `count` realizations.
+    /// Returns the name of comparison `i` of a family and its value for sums over `count`
+    /// realizations.
     pub(super) fn describe(
         &self,
         family: AuditFamily,
@@ -160,7 +162,7 @@ impl Layout {
         }
     }
 
-    /// The components of product `i`; the same twice for the real part of a square.
+    /// Returns the components of product `i`; for the real part of a square, the same one twice.
     fn pair(&self, i: usize) -> (usize, usize) {
         let mut first = 0;
         for (at, &a) in self.paired.iter().enumerate() {
@@ -175,18 +177,18 @@ impl Layout {
     }
 }
 
-/// The power of a degree in one realization.
+/// Returns the power of a degree in one realization.
 pub(super) fn degree_power(row: &[f64], l: usize) -> f64 {
     row[l * l..(l + 1) * (l + 1)].iter().map(|x| x * x).sum::<f64>() / (2 * l + 1) as f64
 }
 
-/// The power of one order, `m >= 0`.
+/// Returns the power of one order, `m >= 0`.
 pub(super) fn order_power(row: &[f64], l: usize, m: usize) -> f64 {
     let x = row[l * l + m];
     if m == 0 { x * x } else { 0.5 * (x * x + row[l * l + l + m].powi(2)) }
 }
 
-/// A component as people write it.
+/// Returns the human-readable name of a component.
 fn name(component: usize) -> String {
     let l = component.isqrt();
     match component - l * l {
