@@ -1,6 +1,6 @@
-//! Transforms between random points and coefficients, on one thread with warm workspaces.
+//! Times transforms between random points and coefficients, on one thread with warm workspaces.
 //!
-//! Parameters are points / degree, and the accuracy asked of the fast transform.
+//! The benchmark parameters are points / degree, and the requested accuracy of the fast transform.
 
 use std::f64::consts::TAU;
 use std::hint::black_box;
@@ -15,10 +15,10 @@ use num_complex::Complex;
 use sphvar_sh::Alm;
 use sphvar_sht::{ExactTransform, ExactWorkspace, FastTransform, FastWorkspace};
 
-/// One with a grid of f32, one of f64.
+/// Accuracies, one for a grid in f32 and one for f64.
 const EPSILONS: [f64; 2] = [1e-5, 1e-12];
 
-/// Directions without order: successive additive recurrences of two irrational steps.
+/// Returns unordered directions: an additive recurrence with two irrational steps.
 fn points(n: usize) -> Vec<DVec3> {
     let fraction = |k: usize, step: f64| (k as f64 * step).fract();
     (0..n)
@@ -35,7 +35,7 @@ fn zeros(lmax: usize) -> Alm {
     Alm::zeros(lmax).expect("a small degree")
 }
 
-/// Coefficients all alike, real for m = 0.
+/// Returns equal coefficients, real for m = 0.
 fn flat(lmax: usize) -> Alm {
     let mut alm = zeros(lmax);
     alm.values_mut().fill(Complex::new(0.6, 0.8));
@@ -88,7 +88,7 @@ fn fast_adjoint(c: &mut Criterion) {
     group.finish();
 }
 
-/// Sets a second, of four that share the recurrence.
+/// Measures sets per second in a batch of four that share the recurrence.
 fn batch(c: &mut Criterion) {
     const SETS: usize = 4;
     let mut group = group(c, "fast adjoint, batch of 4");

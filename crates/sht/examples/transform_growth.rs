@@ -1,12 +1,14 @@
-//! Prints how the time of the fast adjoint grows with the number of points and with the degree, and what part of
-//! it spreading, Fourier transforms and the Legendre stage take.
+//! Prints the time of the fast adjoint as a function of the number of points and the degree, and
+//! the fractions spent in spreading, Fourier transforms and the Legendre stage.
 //!
-//! `cargo run --release -p sphvar-sht --example transform_growth [EPSILON]`; one thread, medians, about a minute.
+//! `cargo run --release -p sphvar-sht --example transform_growth [EPSILON]`; uses one thread,
+//! prints medians, and takes about a minute.
 //!
-//! The parts are differences: a set of no points takes what the grid takes, and the Legendre stage by itself is
-//! timed on as many rings, where it counts values down to 1e-20 whatever epsilon, which takes up to a tenth longer.
+//! The fractions are differences: an empty set has the cost of the grid, and the Legendre stage is
+//! timed separately on the same number of rings. There it includes values down to 1e-20 for any
+//! epsilon, which takes up to a tenth longer.
 
-#![allow(clippy::print_stdout, reason = "the table is what the example is for")]
+#![allow(clippy::print_stdout, reason = "the example prints a table")]
 
 use std::f64::consts::{PI, TAU};
 use std::time::Instant;
@@ -40,8 +42,8 @@ fn row(n_points: usize, lmax: usize, epsilon: f64) -> Result<(), Error> {
     let total = median(|| plan.adjoint_into(&points, None, &mut workspace, &mut alm));
     let empty = median(|| plan.adjoint_into(&[], None, &mut workspace, &mut alm));
     let legendre = legendre(lmax, &mut alm)?;
-    // Of two degrees at one ring, three multiply-adds for the recurrence and four for the sums; a
-    // ring and its mirror image share the recurrence.
+    // Two degrees on one ring take three multiply-adds for the recurrence and four for the sums; a
+    // ring and its reflection share the recurrence.
     let rings = (lmax + 2) as f64 / 2.0;
     let flops = 2.0 * 7.0 * rings * ((lmax + 1) as f64).powi(2) / 4.0;
     println!(
@@ -56,13 +58,13 @@ fn row(n_points: usize, lmax: usize, epsilon: f64) -> Result<(), Error> {
     Ok(())
 }
 
-/// The seconds of the Legendre stage on the rings of a grid for this degree.
+/// Returns the seconds of the Legendre stage on the rings of the grid for this degree.
 fn legendre(lmax: usize, alm: &mut Alm) -> Result<f64, Error> {
     let transform = RingTransform::new(lmax)?;
     let last = lmax + 1;
     let colatitudes: Vec<Colatitude> = (0..=last)
         .map(|r| {
-            // Mirror images to the bit, as those of the grid are: they share the recurrence.
+            // Bit-identical reflections, as in the grid, so that they share the recurrence.
             let (sin, cos) = (PI * r.min(last - r) as f64 / last as f64).sin_cos();
             let z = if 2 * r > last { -cos } else { cos };
             Colatitude::from_direction(DVec3::new(sin, 0.0, z))
@@ -75,7 +77,7 @@ fn legendre(lmax: usize, alm: &mut Alm) -> Result<f64, Error> {
     }))
 }
 
-/// The median time of some calls, the first of which does not count.
+/// Returns the median time of several calls after a warm-up call.
 fn median(mut call: impl FnMut()) -> f64 {
     call();
     let start = Instant::now();
@@ -89,7 +91,7 @@ fn median(mut call: impl FnMut()) -> f64 {
     times[times.len() / 2]
 }
 
-/// Points all over the sphere, in no order of place.
+/// Returns points over the whole sphere, in an order without spatial locality.
 fn spiral(n_points: usize) -> Vec<DVec3> {
     (0..n_points)
         .map(|k| {

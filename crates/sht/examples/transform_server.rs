@@ -1,20 +1,21 @@
-//! A process that transforms points on request: what `benches/peers/transforms.py` times beside ducc0.
+//! A process that transforms points on request, timed by `benches/peers/transforms.py` together
+//! with ducc0.
 //!
-//! Reads one command a line from standard input and answers each with one line; a command that it
-//! cannot carry out ends it with a message. Points are unit vectors, three little-endian f64 each.
+//! Reads one command per line from standard input and answers each with one line. A command that
+//! fails ends the process with a message. Points are unit vectors, three little-endian f64 each.
 //!
 //! ```text
-//! load PATH N                                 the points of a file, exactly N          -> ok
-//! weigh N                                     only the first N count; a load ends it   -> ok
-//! plan LMAX EPSILON                           a fast transform; transforms them once   -> ok
-//! run                                         transforms them again                    -> seconds
-//! exact LMAX                                  those that count, from the definition    -> seconds
-//! ensemble SETS POINTS LMAX EPSILON THREADS   as SETS sets of POINTS; keeps the first  -> seconds
-//! write PATH                                  the last coefficients in `LmIndex` order -> ok
+//! load PATH N                                 loads a file of exactly N points        -> ok
+//! weigh N                                     uses only the first N until the next load -> ok
+//! plan LMAX EPSILON                           plans a fast transform and runs it once -> ok
+//! run                                         runs it again                           -> seconds
+//! exact LMAX                                  transforms the points by the definition -> seconds
+//! ensemble SETS POINTS LMAX EPSILON THREADS   transforms SETS sets, keeps the first   -> seconds
+//! write PATH                                  writes coefficients in `LmIndex` order  -> ok
 //! ```
 //!
-//! `run` finds its plan made and its memory allocated, and reads nothing but the vectors: finding
-//! the angles is part of its time. `ensemble` makes its plan, threads and memory within its time.
+//! The time of `run` excludes planning and allocation and includes the computation of angles from
+//! the vectors. The time of `ensemble` includes planning, threads and allocation.
 
 use std::error::Error;
 use std::fs::{self, File};
@@ -29,7 +30,7 @@ use sphvar_sht::{ExactTransform, ExactWorkspace, FastTransform, FastWorkspace};
 
 type Result<T> = std::result::Result<T, Box<dyn Error>>;
 
-/// Sets that a thread of an ensemble transforms at a time: as many as share a recurrence.
+/// Number of sets that a thread of an ensemble transforms together; they share a recurrence.
 const BATCH: usize = 4;
 
 fn main() -> Result<()> {
@@ -51,7 +52,7 @@ fn main() -> Result<()> {
 #[derive(Default)]
 struct Server {
     points: Vec<DVec3>,
-    /// 1 for the points that count, 0 for others; `None` if all do.
+    /// 1 for points in use, 0 for others; `None` if all are in use.
     weights: Option<Vec<f64>>,
     plan: Option<FastTransform>,
     workspace: FastWorkspace,
@@ -59,7 +60,7 @@ struct Server {
 }
 
 impl Server {
-    /// Carries out a command; the seconds if it is one that is timed.
+    /// Executes a command. Returns the seconds if the command is timed.
     fn answer(&mut self, words: &[&str]) -> Result<Option<f64>> {
         match *words {
             ["load", path, n] => {
@@ -69,7 +70,7 @@ impl Server {
             ["weigh", n] => {
                 let mut weights = vec![1.0; n.parse()?];
                 if weights.len() > self.points.len() {
-                    return Err(format!("{} points are loaded", self.points.len()).into());
+                    return Err(format!("only {} points are loaded", self.points.len()).into());
                 }
                 weights.resize(self.points.len(), 0.0);
                 self.weights = Some(weights);
@@ -92,7 +93,7 @@ impl Server {
                 let start = Instant::now();
                 transform.adjoint_into(&self.points[..n], None, &mut workspace, &mut alm);
                 let seconds = start.elapsed().as_secs_f64();
-                // `run` would write to coefficients of another degree.
+                // `run` must not write to coefficients of a different degree.
                 self.plan = None;
                 self.result = Some(alm);
                 return Ok(Some(seconds));
@@ -100,7 +101,7 @@ impl Server {
             ["ensemble", sets, n_points, lmax, epsilon, threads] => {
                 let (sets, n_points): (usize, usize) = (sets.parse()?, n_points.parse()?);
                 if n_points == 0 || sets.checked_mul(n_points) != Some(self.points.len()) {
-                    return Err(format!("{} points are loaded", self.points.len()).into());
+                    return Err(format!("only {} points are loaded", self.points.len()).into());
                 }
                 let (lmax, epsilon) = (lmax.parse()?, epsilon.parse()?);
                 let start = Instant::now();
@@ -110,15 +111,17 @@ impl Server {
                 self.result = Some(first);
                 return Ok(Some(seconds));
             }
-            ["write", path] => write(path, self.result.as_ref().ok_or("nothing is computed")?)?,
-            _ => return Err("not a command, or not its number of arguments".into()),
+            ["write", path] => {
+                write(path, self.result.as_ref().ok_or("no coefficients computed")?)?
+            }
+            _ => return Err("unknown command or wrong number of arguments".into()),
         }
         Ok(None)
     }
 
     fn run(&mut self) -> Result<f64> {
         let (Some(plan), Some(alm)) = (&self.plan, &mut self.result) else {
-            return Err("no plan".into());
+            return Err("no plan; use `plan` first".into());
         };
         let start = Instant::now();
         plan.adjoint_into(&self.points, self.weights.as_deref(), &mut self.workspace, alm);
@@ -126,7 +129,8 @@ impl Server {
     }
 }
 
-/// Transforms all sets, each thread the next batch when it is done with one; the coefficients of the first set.
+/// Transforms all sets; each thread takes the next batch when it is idle. Returns the coefficients
+/// of the first set.
 fn ensemble(
     points: &[DVec3],
     n_points: usize,
@@ -151,7 +155,10 @@ fn ensemble(
                     sets.extend(batch.chunks(n_points).map(|set| (set, None)));
                     plan.adjoint_batch_into(&sets, &mut workspace, &mut outs[..sets.len()]);
                     if i == 0 {
-                        first.lock().expect("no thread panics with it").clone_from(&outs[0]);
+                        first
+                            .lock()
+                            .expect("no thread panics while holding the lock")
+                            .clone_from(&outs[0]);
                     }
                 }
             });
@@ -171,7 +178,7 @@ fn load(path: &str, n: usize) -> Result<Vec<DVec3>> {
     Ok(points.iter().map(|&xyz| DVec3::from_array(xyz)).collect())
 }
 
-/// Real and imaginary parts in turn, little-endian f64.
+/// Writes real and imaginary parts alternately, as little-endian f64.
 fn write(path: &str, alm: &Alm) -> Result<()> {
     let mut file = BufWriter::new(File::create(path)?);
     for a in alm.values() {

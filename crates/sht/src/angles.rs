@@ -5,10 +5,11 @@ use sphvar_nufft::parts::{LANES, Places, Real, Turns, interpolate};
 
 const DEGREE: usize = 12;
 
-/// Angles of plane vectors by arithmetic that the compiler can vectorise.
+/// Angles of plane vectors by a polynomial that the compiler can vectorize.
 #[derive(Clone, Debug)]
 pub(crate) struct Angles {
-    /// Of `atan(u)/u` in turns, as a polynomial in t with `u^2 = (t + 1)/2 tan^2(pi/8)`.
+    /// Coefficients of `atan(u)/u` in turns, as a polynomial in t with
+    /// `u^2 = (t + 1)/2 tan^2(pi/8)`.
     coefficients: [f64; DEGREE + 1],
 }
 
@@ -49,12 +50,12 @@ impl Angles {
             // (atan(u)/u - 1)/u^2 = -1/3 + u^2/5 - ..., without the cancellation of the left side.
             -(0..40).rev().fold(0.0, |sum, k| 1.0 / f64::from(2 * k + 3) - u * u * sum) / TAU
         };
-        // atan is analytic up to u^2 = -1: the coefficients fall by 25 from degree to degree.
+        // atan is analytic up to u^2 = -1: the coefficients decrease by a factor of 25 per degree.
         let fitted = interpolate(ratio, DEGREE);
         Self { coefficients: std::array::from_fn(|i| fitted[i]) }
     }
 
-    /// The angles of the vectors (x, y), from 0 to a full turn, both included; 0 for the zero vector.
+    /// Returns the angles of the vectors (x, y), in [0, 1] turns; 0 for the zero vector.
     #[inline(always)]
     pub(crate) fn of<const FUSED: bool>(&self, x: &[f64; LANES], y: &[f64; LANES]) -> Turns {
         let limit = FRAC_PI_8.tan();
@@ -63,7 +64,8 @@ impl Angles {
         for i in 0..LANES {
             let (ax, ay) = (x[i].abs(), y[i].abs());
             let (low, high) = if ay > ax { (ax, ay) } else { (ay, ax) };
-            // Beyond pi/8 the angle is counted from pi/4, by atan u - pi/4 = atan((u - 1)/(u + 1)).
+            // Beyond pi/8 the angle is computed relative to pi/4: atan u - pi/4 = atan((u - 1)/(u +
+            // 1)).
             let beyond = low > limit * high;
             let (over, under) = if beyond { (low - high, low + high) } else { (low, high) };
             let u = over / if under > 0.0 { under } else { 1.0 };
@@ -93,7 +95,7 @@ mod tests {
     use super::Angles;
 
     #[test]
-    fn they_are_those_of_atan2() {
+    fn angles_match_atan2() {
         let angles = Angles::new();
         let special = [0.0, -0.0, 1e-300, -1e-300, 1e-9, 0.5, -0.5, 1.0, -1.0, 0.4142, 0.4143];
         let round = (0..2000).map(|k| (f64::from(k) * 0.01234).sin_cos());

@@ -8,7 +8,7 @@ use crate::angles::{Angles, Directions};
 use crate::torus::{Layout, ORDERS, Stage, Torus, TorusScratch};
 use crate::{RingTransform, RingWorkspace};
 
-/// The fast transform with grids of numbers `T`.
+/// The fast transform with grids of type `T`.
 #[derive(Clone)]
 pub(crate) struct Engine<T> {
     arch: Arch,
@@ -17,18 +17,18 @@ pub(crate) struct Engine<T> {
     torus: Torus<T>,
 }
 
-/// Scratch memory of [`Engine`].
+/// Workspace of [`Engine`].
 #[derive(Debug, Default)]
 pub(crate) struct Scratch<T> {
     cells: Cells<T>,
-    /// The grid of one set, or of each function.
+    /// The grid of one set, or the grids of all functions.
     grid: Vec<T>,
-    /// By set or function.
+    /// Indexed by set or function.
     spectra: Vec<Complex<T>>,
-    /// For `ORDERS` orders: by set or function, order and ring.
+    /// For `ORDERS` orders, indexed by set or function, order, and ring.
     ring_values: Vec<Complex<T>>,
     torus: TorusScratch<T>,
-    /// By function: what its coefficients were divided by.
+    /// The divisors that scale the coefficients, one per function.
     sizes: Vec<f64>,
     values: Vec<f64>,
 }
@@ -37,12 +37,12 @@ impl<T: Real> Engine<T> {
     pub(crate) fn new(lmax: usize, design: Design, arch: Arch) -> Self {
         let torus = Torus::new(lmax, design);
         let cells = [torus.n_theta(), torus.n_phi()];
-        // The half grid, from pole to pole.
+        // The half grid, from the north to the south pole.
         let spreading = Spreading::new(cells, torus.n_rows(), design.window, design.epsilon);
         Self { arch, angles: Angles::new(), spreading, torus }
     }
 
-    /// Grid cells to a turn.
+    /// Returns the number of grid cells per turn of phi.
     pub(crate) fn n_phi(&self) -> usize {
         self.torus.n_phi()
     }
@@ -103,8 +103,8 @@ impl<T: Real> Engine<T> {
         }
     }
 
-    /// See [`FastTransform::synthesis_batch_into`](crate::FastTransform::synthesis_batch_into);
-    /// leaves the values of all functions at each point in turn in `scratch`.
+    /// See [`FastTransform::synthesis_batch_into`](crate::FastTransform::synthesis_batch_into).
+    /// Leaves the values of all functions at each point, point by point, in `scratch`.
     pub(crate) fn synthesis(
         &self,
         rings: &RingTransform,
@@ -161,7 +161,7 @@ impl<T: Real> Engine<T> {
 }
 
 impl<T> Scratch<T> {
-    /// By point and function: what the last synthesis gave.
+    /// Returns the values of the last synthesis, indexed by point and function.
     pub(crate) fn values(&self) -> &[f64] {
         &self.values
     }

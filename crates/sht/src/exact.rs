@@ -6,59 +6,63 @@ use sphvar_sh::{Alm, Colatitude, Error};
 use crate::generators::{RotationDerivatives, tangent_gradients};
 use crate::{RingTransform, RingWorkspace};
 
-/// The exact transforms between scattered points and coefficients: the adjoint
-/// `a_lm = sum_k w_k conj Y_lm(x_k)`, the synthesis `f(x_k) = sum_lm a_lm Y_lm(x_k)`, and the gradient.
+/// Exact transforms between scattered points and coefficients: the adjoint
+/// `a_lm = sum_k w_k conj Y_lm(x_k)`, the synthesis `f(x_k) = sum_lm a_lm Y_lm(x_k)`, and the
+/// gradient.
 ///
-/// They evaluate the definition by recurrences in difference form, which keep their
-/// accuracy at the poles and at the equator, several points to a vector register; the instruction set is chosen
-/// at run time. Points at the poles, repeated points and N = 0 are ordinary inputs: sums over points are made of
-/// short ones, which keep their accuracy for any number of points at one place (tested to 10^6). They are the oracle
-/// for faster transforms.
+/// The definition is evaluated by recurrences in difference form, which are accurate at the poles
+/// and at the equator, for several points per vector register; the instruction set is selected at
+/// run time. Points at the poles, repeated points and N = 0 are valid. Sums over points are split
+/// into short partial sums, which are accurate for any number of points at one place (tested to
+/// 10^6). The exact transforms are the reference for faster ones.
 ///
-/// Cost: about `N (lmax + 1)^2 / 4` steps of seven vector operations; memory: the coefficients
-/// and some 150 bytes per point in the workspace.
+/// # Performance
+///
+/// About `N (lmax + 1)^2 / 4` steps of seven vector operations. The memory is that of the
+/// coefficients and about 150 bytes per point in the workspace.
 #[derive(Clone, Debug)]
 pub struct ExactTransform {
     rings: RingTransform,
 }
 
-/// Scratch memory of [`ExactTransform`]; grows to the largest set it has seen.
+/// Workspace of [`ExactTransform`]; grows to the largest set so far.
 #[derive(Clone, Debug, Default)]
 pub struct ExactWorkspace {
     rings: RingWorkspace,
-    /// `e^{-i phi}` and `w e^{-i m phi}` of each point.
-    turn: Vec<Complex<f64>>,
+    /// `e^{-i phi}` of each point.
+    phases: Vec<Complex<f64>>,
+    /// `w e^{-i m phi}` of each point.
     terms: Vec<Complex<f64>>,
-    /// By point and function.
+    /// Indexed by point and function.
     values: Vec<f64>,
     derivatives: Option<RotationDerivatives>,
 }
 
 impl ExactTransform {
-    /// The transform to degree `lmax`, inclusive. Builds no tables.
+    /// Returns the transform to degree `lmax`, inclusive. Builds no tables.
     ///
     /// # Errors
     ///
-    /// [`Error::DegreeTooLarge`] if `lmax` is beyond what coefficients can be indexed for.
+    /// [`Error::DegreeTooLarge`] if `lmax` exceeds the limit of the coefficient index.
     pub fn new(lmax: usize) -> Result<Self, Error> {
         Ok(Self { rings: RingTransform::new(lmax)? })
     }
 
-    /// The largest degree, inclusive.
+    /// Returns the maximum degree, inclusive.
     #[must_use]
     pub fn lmax(&self) -> usize {
         self.rings.lmax()
     }
 
-    /// The coefficients of the points, with unit weights if `weights` is `None`.
+    /// Returns the coefficients of the points; `weights` of `None` means unit weights.
     ///
     /// # Errors
     ///
-    /// [`Error::OutOfMemory`] if the coefficients do not fit.
+    /// [`Error::OutOfMemory`] if allocation of the coefficients fails.
     ///
     /// # Panics
     ///
-    /// As [`Self::adjoint_into`].
+    /// Panics under the conditions of [`Self::adjoint_into`].
     pub fn adjoint(&self, points: &[DVec3], weights: Option<&[f64]>) -> Result<Alm, Error> {
         let mut alm = Alm::zeros(self.lmax())?;
         self.adjoint_into(points, weights, &mut ExactWorkspace::default(), &mut alm);
@@ -67,12 +71,14 @@ impl ExactTransform {
 
     /// Replaces `out` by the coefficients of the points.
     ///
-    /// The points are unit vectors: their norms enter as rounding errors would. With a workspace
-    /// that has seen as many points before, nothing is allocated.
+    /// The points must be unit vectors; the relative error of a norm has the effect of a rounding
+    /// error of that size. Nothing is allocated if the workspace has been used with at least as
+    /// many points.
     ///
     /// # Panics
     ///
-    /// If `weights` and `points` differ in length, or `out` is not of this transform's lmax.
+    /// Panics if `weights` and `points` differ in length, or the lmax of `out` differs from that of
+    /// the transform.
     pub fn adjoint_into(
         &self,
         points: &[DVec3],
@@ -83,20 +89,20 @@ impl ExactTransform {
         if let Some(weights) = weights {
             assert_eq!(weights.len(), points.len(), "one weight per point");
         }
-        let ExactWorkspace { rings, turn, terms, .. } = workspace;
-        load_turns(points, turn);
+        let ExactWorkspace { rings, phases, terms, .. } = workspace;
+        load_phases(points, phases);
         terms.clear();
         let size = weights.map_or(1.0, |w| magnitude(w.iter().copied()));
         let weight = |k: usize| weights.map_or(1.0, |w| w[k] / size);
         terms.extend((0..points.len()).map(|k| Complex::new(weight(k), 0.0)));
-        // Every point is a ring of its own, with one Dirac on it.
+        // Every point is a ring of its own with a single Dirac delta.
         let colatitudes = points.iter().map(|&p| Colatitude::from_direction(p));
         self.rings.adjoint_into(
             colatitudes,
             |m, fourier| {
                 if m > 0 {
-                    for (term, turn) in terms.iter_mut().zip(&*turn) {
-                        *term *= turn;
+                    for (term, phase) in terms.iter_mut().zip(&*phases) {
+                        *term *= phase;
                     }
                 }
                 fourier.copy_from_slice(terms);
@@ -116,7 +122,8 @@ impl ExactTransform {
     ///
     /// # Panics
     ///
-    /// If `out` and `points` differ in length, or `alm` is not of this transform's lmax.
+    /// Panics if `out` and `points` differ in length, or the lmax of `alm` differs from that of the
+    /// transform.
     pub fn synthesis_into(
         &self,
         alm: &Alm,
@@ -129,13 +136,13 @@ impl ExactTransform {
         out.copy_from_slice(&workspace.values);
     }
 
-    /// Writes values and tangent gradients of the function with coefficients `alm` at the points, as
-    /// [`FastTransform::gradient_into`](crate::FastTransform::gradient_into).
+    /// Writes values and tangent gradients of the function with coefficients `alm` at the points,
+    /// as [`FastTransform::gradient_into`](crate::FastTransform::gradient_into) does.
     ///
     /// # Panics
     ///
-    /// If `values` or `gradients` differ from `points` in length, or `alm` is not of this transform's
-    /// lmax.
+    /// Panics if `values` or `gradients` differ from `points` in length, or the lmax of `alm`
+    /// differs from that of the transform.
     pub fn gradient_into(
         &self,
         alm: &Alm,
@@ -150,10 +157,10 @@ impl ExactTransform {
         workspace.derivatives = Some(derivatives);
     }
 
-    /// Leaves the values of every function at each point in turn in the workspace.
+    /// Leaves the values of all functions at each point, point by point, in the workspace.
     fn values_by_point(&self, alms: &[&Alm], points: &[DVec3], workspace: &mut ExactWorkspace) {
-        let ExactWorkspace { rings, turn, terms, values, .. } = workspace;
-        load_turns(points, turn);
+        let ExactWorkspace { rings, phases, terms, values, .. } = workspace;
+        load_phases(points, phases);
         terms.clear();
         terms.resize(points.len(), Complex::ONE);
         values.clear();
@@ -161,8 +168,8 @@ impl ExactTransform {
         let colatitudes = points.iter().map(|&p| Colatitude::from_direction(p));
         let emit = |m: usize, fourier: &[Complex<f64>]| {
             if m > 0 {
-                for (term, turn) in terms.iter_mut().zip(&*turn) {
-                    *term *= turn;
+                for (term, phase) in terms.iter_mut().zip(&*phases) {
+                    *term *= phase;
                 }
             }
             // Orders m and -m are complex conjugates.
@@ -177,10 +184,10 @@ impl ExactTransform {
     }
 }
 
-/// `e^{-i phi}` of each point; 1 at a pole, where only m = 0 counts, whatever the longitude.
-fn load_turns(points: &[DVec3], turn: &mut Vec<Complex<f64>>) {
-    turn.clear();
-    turn.extend(points.iter().map(|p| {
+/// Computes `e^{-i phi}` of each point; 1 at a pole, where only m = 0 contributes.
+fn load_phases(points: &[DVec3], phases: &mut Vec<Complex<f64>>) {
+    phases.clear();
+    phases.extend(points.iter().map(|p| {
         let sin_theta = p.x.hypot(p.y);
         if sin_theta > 0.0 { Complex::new(p.x / sin_theta, -p.y / sin_theta) } else { Complex::ONE }
     }));
@@ -191,15 +198,15 @@ mod tests {
     use super::*;
     use sphvar_sh::lambda;
 
-    /// The definition, point by point.
+    /// Returns the coefficients by the definition, point by point.
     fn definition(points: &[DVec3], weights: &[f64], lmax: usize) -> Alm {
         let mut alm = Alm::zeros(lmax).unwrap();
         for (p, w) in points.iter().zip(weights) {
             let phi = p.y.atan2(p.x);
             for m in 0..=lmax {
-                let turn = Complex::cis(-(m as f64) * phi) * w;
+                let phase = Complex::cis(-(m as f64) * phi) * w;
                 for (l, a) in (m..).zip(alm.column_mut(m)) {
-                    *a += turn * lambda(l, m, Colatitude::from_direction(*p));
+                    *a += phase * lambda(l, m, Colatitude::from_direction(*p));
                 }
             }
         }
@@ -211,7 +218,7 @@ mod tests {
     }
 
     #[test]
-    fn it_is_the_definition_on_hostile_points() {
+    fn it_matches_the_definition_on_hostile_points() {
         let tiny = 1e-160;
         let sets: Vec<(&str, Vec<DVec3>)> = vec![
             ("none", vec![]),
@@ -237,8 +244,8 @@ mod tests {
                     ExactTransform::new(lmax).unwrap().adjoint(&points, Some(&weights)).unwrap();
                 let slow = definition(&points, &weights, lmax);
                 let size: f64 = weights.iter().map(|w| w.abs()).sum();
-                // lambda is good to 4 EPSILON (l+1), e^{i m phi} to about EPSILON m, |lambda| up
-                // to sqrt((2l+1)/4 pi).
+                // The error of lambda is 4 EPSILON (l+1), that of e^{i m phi} about EPSILON m, and
+                // |lambda| is up to sqrt((2l+1)/4 pi).
                 let lmax_f = lmax as f64;
                 let tolerance = 8.0 * f64::EPSILON * (lmax_f + 1.0) * (lmax_f + 1.0).sqrt() * size;
                 for ((l, m), (a, b)) in
@@ -251,7 +258,7 @@ mod tests {
     }
 
     #[test]
-    fn values_below_the_range_of_f64_come_back() {
+    fn values_below_the_range_of_f64_are_recovered() {
         // lambda_mm of these points is below 1e-308 for most m, while lambda_lm is not for large l.
         let points: Vec<DVec3> = [0.01, 0.05, 0.1, 0.3, 3.1]
             .iter()

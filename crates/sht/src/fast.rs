@@ -10,19 +10,23 @@ use crate::generators::{RotationDerivatives, tangent_gradients};
 use crate::legendre::ValueRange;
 use crate::{RingTransform, RingWorkspace};
 
-/// The fast transforms between scattered points and coefficients to a requested accuracy: the adjoint
-/// `a_lm = sum_k w_k conj Y_lm(x_k)`, the synthesis `f(x_k) = sum_lm a_lm Y_lm(x_k)`, and the gradient.
+/// Fast transforms between scattered points and coefficients to a requested accuracy: the adjoint
+/// `a_lm = sum_k w_k conj Y_lm(x_k)`, the synthesis `f(x_k) = sum_lm a_lm Y_lm(x_k)`, and the
+/// gradient.
 ///
-/// The sphere is laid twice on the torus, theta in [0, 2 pi), where a function of degree L is a
-/// trigonometric polynomial. Points are spread onto a regular grid by a window; Fourier transforms,
-/// divided by that of the window, take the grid to L + 2 rings of constant theta (Clenshaw-Curtis
-/// nodes); from there a Legendre transform that is exact for degree L leads to the coefficients.
-/// Synthesis is the transpose, step by step.
+/// The sphere covers the torus twice, theta in [0, 2 pi), where a function of degree L is a
+/// trigonometric polynomial. The adjoint spreads the points onto a regular grid with a window. A
+/// Fourier transform, divided by that of the window, yields Fourier coefficients on L + 2 rings of
+/// constant theta (Clenshaw-Curtis nodes). A Legendre transform that is exact for degree L yields
+/// the coefficients. Synthesis is the transpose, step by step.
 ///
-/// For an accuracy down to 5e-7 the grids are of f32; the Legendre stage is always of f64.
+/// For `epsilon >= 5e-7` the grids are in f32; the Legendre stage is always in f64.
 ///
-/// Cost O(N log^2(1/epsilon) + L^3) against O(N L^2) of [`ExactTransform`](crate::ExactTransform).
-/// Calls allocate nothing once the workspace has seen as much.
+/// # Performance
+///
+/// The cost is O(N log^2(1/epsilon) + L^3), compared with O(N L^2) of
+/// [`ExactTransform`](crate::ExactTransform). Calls do not allocate once the workspace has been
+/// used for inputs of the same size.
 #[derive(Clone)]
 pub struct FastTransform {
     rings: RingTransform,
@@ -50,7 +54,7 @@ impl fmt::Debug for FastTransform {
     }
 }
 
-/// Scratch memory of [`FastTransform`]; grows to the largest input it has seen.
+/// Workspace of [`FastTransform`]; grows to the largest input so far.
 #[derive(Debug, Default)]
 pub struct FastWorkspace {
     rings: RingWorkspace,
@@ -60,28 +64,30 @@ pub struct FastWorkspace {
 }
 
 impl FastTransform {
-    /// The smallest epsilon: rounding leaves no better accuracy.
+    /// The minimum epsilon, limited by rounding.
     pub const MIN_EPSILON: f64 = sphvar_nufft::MIN_EPSILON;
 
-    /// The largest epsilon.
+    /// The maximum epsilon.
     pub const MAX_EPSILON: f64 = sphvar_nufft::MAX_EPSILON;
 
-    /// The plan for degree `lmax`, inclusive, and relative accuracy `epsilon` in [1e-13, 1e-1]: for
-    /// weights of one sign the error `||a - a_exact||` is at most `epsilon ||a_exact||`. With weights
-    /// that cancel, the norm is that of their absolute values.
+    /// Returns the plan for degree `lmax`, inclusive, and relative accuracy `epsilon` in
+    /// [1e-13, 1e-1].
+    ///
+    /// For weights of one sign the error `||a - a_exact||` is at most `epsilon ||a_exact||`. For
+    /// weights of mixed sign, it is relative to the norm for their absolute values.
     ///
     /// # Errors
     ///
-    /// [`Error::Accuracy`] if `epsilon` is NaN or outside its range, [`Error::DegreeTooLarge`] if `lmax`
-    /// is beyond what coefficients can be indexed for.
+    /// [`Error::Accuracy`] if `epsilon` is NaN or out of range; [`Error::DegreeTooLarge`] if `lmax`
+    /// exceeds the limit of the coefficient index.
     pub fn new(lmax: usize, epsilon: f64) -> Result<Self, Error> {
         Self::with_arch(lmax, epsilon, Arch::new())
     }
 
     pub(crate) fn with_arch(lmax: usize, epsilon: f64, arch: Arch) -> Result<Self, Error> {
         let design = Self::design(epsilon)?;
-        // Legendre functions of a thousandth of the accuracy do not show.
-        let range = ValueRange::counting_from(0.001 * epsilon);
+        // Legendre functions below a thousandth of the accuracy are negligible.
+        let range = ValueRange::starting_at(0.001 * epsilon);
         let rings = RingTransform::with_arch(lmax, arch, range)?;
         let engine = if design.single {
             Precision::Single(Engine::new(lmax, design, arch))
@@ -91,11 +97,11 @@ impl FastTransform {
         Ok(Self { rings, design, engine })
     }
 
-    /// Accepts an `epsilon` from [`Self::MIN_EPSILON`] to [`Self::MAX_EPSILON`].
+    /// Checks that `epsilon` is between [`Self::MIN_EPSILON`] and [`Self::MAX_EPSILON`].
     ///
     /// # Errors
     ///
-    /// [`Error::Accuracy`] if it is NaN or outside that range.
+    /// [`Error::Accuracy`] if it is NaN or out of range.
     pub fn check_epsilon(epsilon: f64) -> Result<(), Error> {
         Self::design(epsilon).map(|_| ())
     }
@@ -105,32 +111,33 @@ impl FastTransform {
         Design::in_norm(epsilon).map_err(|_| Error::Accuracy { epsilon, min, max })
     }
 
-    /// The largest degree, inclusive.
+    /// Returns the maximum degree, inclusive.
     #[must_use]
     pub fn lmax(&self) -> usize {
         self.rings.lmax()
     }
 
-    /// The coefficients of the points, with unit weights if `weights` is `None`.
+    /// Returns the coefficients of the points; `weights` of `None` means unit weights.
     ///
     /// # Errors
     ///
-    /// [`Error::OutOfMemory`] if the coefficients do not fit.
+    /// [`Error::OutOfMemory`] if allocation of the coefficients fails.
     ///
     /// # Panics
     ///
-    /// If `weights` and `points` differ in length.
+    /// Panics if `weights` and `points` differ in length.
     pub fn adjoint(&self, points: &[DVec3], weights: Option<&[f64]>) -> Result<Alm, Error> {
         let mut alm = Alm::zeros(self.lmax())?;
         self.adjoint_into(points, weights, &mut FastWorkspace::default(), &mut alm);
         Ok(alm)
     }
 
-    /// Replaces `out` by the coefficients of the points, with unit weights if `weights` is `None`.
+    /// Replaces `out` by the coefficients of the points; `weights` of `None` means unit weights.
     ///
     /// # Panics
     ///
-    /// If `weights` and `points` differ in length, or `out` is not of this plan's lmax.
+    /// Panics if `weights` and `points` differ in length, or the lmax of `out` differs from that of
+    /// the plan.
     pub fn adjoint_into(
         &self,
         points: &[DVec3],
@@ -143,19 +150,24 @@ impl FastTransform {
 
     /// Replaces each of `outs` by the coefficients of one weighted set of points.
     ///
-    /// The result for a set does not depend on its company, to the last bit, but the Legendre
-    /// recurrence is shared: sets cost least in multiples of four.
+    /// Results are bit-identical whether sets are transformed singly or in a batch.
     ///
     /// # Panics
     ///
-    /// If there are not as many `outs` as `sets`, or as [`Self::adjoint_into`].
+    /// Panics if `outs` and `sets` differ in length, or under the conditions of
+    /// [`Self::adjoint_into`].
+    ///
+    /// # Performance
+    ///
+    /// Up to four sets share a pass of the Legendre recurrence, so batches are most efficient in
+    /// multiples of four.
     pub fn adjoint_batch_into(
         &self,
         sets: &[(&[DVec3], Option<&[f64]>)],
         workspace: &mut FastWorkspace,
         outs: &mut [Alm],
     ) {
-        assert_eq!(sets.len(), outs.len(), "one place for coefficients per set");
+        assert_eq!(sets.len(), outs.len(), "one output per set");
         for (points, weights) in sets {
             let n_weights = weights.map_or(points.len(), <[f64]>::len);
             assert_eq!(n_weights, points.len(), "one weight per point");
@@ -169,12 +181,13 @@ impl FastTransform {
 
     /// Writes the values of the real function with coefficients `alm` at the points.
     ///
-    /// The error at a point is at most `epsilon ||a|| (lmax + 1)/sqrt(4 pi)`, the largest value that a
-    /// function with these coefficients could have, times epsilon; `||a||` counts m and -m.
+    /// The error at a point is at most `epsilon ||a|| (lmax + 1)/sqrt(4 pi)`, epsilon times the
+    /// maximum value of any function with this norm; `||a||` counts both m and -m.
     ///
     /// # Panics
     ///
-    /// If `out` and `points` differ in length, or `alm` is not of this plan's lmax.
+    /// Panics if `out` and `points` differ in length, or the lmax of `alm` differs from that of the
+    /// plan.
     pub fn synthesis_into(
         &self,
         alm: &Alm,
@@ -188,12 +201,14 @@ impl FastTransform {
     /// Writes the values of several functions at the same points: function b at point k to
     /// `out[b * points.len() + k]`.
     ///
-    /// Functions share the recurrence in groups of four, and the windows of the points.
-    ///
     /// # Panics
     ///
-    /// If `out` is not of length `alms.len() * points.len()`, or one of `alms` is not of this plan's
-    /// lmax.
+    /// Panics if the length of `out` is not `alms.len() * points.len()`, or the lmax of one of
+    /// `alms` differs from that of the plan.
+    ///
+    /// # Performance
+    ///
+    /// Functions share the recurrence in groups of four, and the window values of the points.
     pub fn synthesis_batch_into(
         &self,
         alms: &[&Alm],
@@ -201,7 +216,7 @@ impl FastTransform {
         workspace: &mut FastWorkspace,
         out: &mut [f64],
     ) {
-        assert_eq!(out.len(), alms.len() * points.len(), "one place per function and point");
+        assert_eq!(out.len(), alms.len() * points.len(), "one value per function and point");
         if out.is_empty() {
             return;
         }
@@ -213,16 +228,22 @@ impl FastTransform {
         }
     }
 
-    /// Writes the values and the tangent gradients, `grad f(x) - x (x . grad f(x))` of any
-    /// continuation off the sphere, of the function with coefficients `alm` at the points.
+    /// Writes the values and tangent gradients of the function with coefficients `alm` at the
+    /// points. The tangent gradient is `grad f(x) - x (x . grad f(x))` of any extension of f off
+    /// the sphere.
     ///
-    /// The gradient comes from the derivatives for rotations about the three axes, which are functions
-    /// of the same degree with known coefficients, so that poles are points as any other. Cost: a
-    /// synthesis of four functions.
+    /// It is computed from the derivatives with respect to rotations about the three axes, which
+    /// are functions of the same degree with known coefficients. The poles therefore need no
+    /// special treatment.
     ///
     /// # Panics
     ///
-    /// If `values` or `gradients` differ from `points` in length, or `alm` is not of this plan's lmax.
+    /// Panics if `values` or `gradients` differ from `points` in length, or the lmax of `alm`
+    /// differs from that of the plan.
+    ///
+    /// # Performance
+    ///
+    /// The cost is that of a synthesis of four functions.
     pub fn gradient_into(
         &self,
         alm: &Alm,
@@ -290,7 +311,7 @@ mod tests {
     }
 
     #[test]
-    fn a_set_does_not_feel_its_company() {
+    fn batched_and_single_transforms_are_bit_identical() {
         let plan = FastTransform::new(40, 1e-9).unwrap();
         let sets = sets();
         let weights: Vec<f64> = (0..300).map(|k| 1.0 + 0.1 * f64::from(k % 7)).collect();
@@ -315,7 +336,7 @@ mod tests {
     }
 
     #[test]
-    fn the_accuracy_asked_for_is_met() {
+    fn the_requested_accuracy_is_met() {
         let mut workspace = FastWorkspace::default();
         for (name, points) in sets() {
             for lmax in [0, 1, 2, 15, 200] {
@@ -343,7 +364,7 @@ mod tests {
     }
 
     #[test]
-    fn the_portable_code_meets_the_accuracy_too() {
+    fn the_portable_code_meets_the_requested_accuracy() {
         let mut workspace = FastWorkspace::default();
         for (name, points) in sets() {
             let weights: Vec<f64> = (0..points.len()).map(|k| 1.0 - 0.1 * (k % 7) as f64).collect();
@@ -353,7 +374,7 @@ mod tests {
             for epsilon in [1e-4, 1e-6, 1e-9, 1e-13] {
                 let plan = FastTransform::with_arch(70, epsilon, Arch::Scalar).unwrap();
                 let mut alms = [Alm::zeros(70).unwrap(), Alm::zeros(70).unwrap()];
-                // One by itself, and one in a group of four.
+                // Once alone, and once in a group of four.
                 plan.adjoint_into(&points, Some(&weights), &mut workspace, &mut alms[0]);
                 let mut group = vec![Alm::zeros(70).unwrap(); 4];
                 let set = (points.as_slice(), Some(weights.as_slice()));
@@ -364,7 +385,8 @@ mod tests {
                     let error = differences.map(|(a, b)| (a - b).norm_sqr()).sum::<f64>().sqrt();
                     assert!(error <= epsilon * size, "{name}, {epsilon:e}: {:e}", error / size);
                 }
-                // Synthesis is the transpose: <A x, y> = <x, A* y> with the other instructions too.
+                // Synthesis is the transpose: <A x, y> = <x, A* y> for this instruction set as
+                // well.
                 let mut values = vec![0.0; points.len()];
                 plan.synthesis_into(&exact, &points, &mut workspace, &mut values);
                 let by_points: f64 = values.iter().zip(&weights).map(|(v, w)| v * w).sum();

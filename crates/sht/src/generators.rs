@@ -2,13 +2,15 @@ use glam::DVec3;
 use num_complex::Complex;
 use sphvar_sh::Alm;
 
-/// The coefficients of the three components of `x cross grad f`, the derivatives of f for rotations of
-/// the points about the axes x, y and z: functions of the degree of f, with no axis singled out.
+/// The coefficients of the three components of `x cross grad f`, the derivatives of f with respect
+/// to rotations of the points about the x, y and z axes. They are functions of the same degree as
+/// f, and no axis is singled out.
 #[derive(Clone, Debug)]
 pub(crate) struct RotationDerivatives([Alm; 3]);
 
 impl RotationDerivatives {
-    /// Those of the function with coefficients `alm`, in the memory of earlier ones.
+    /// Returns the derivatives of the function with coefficients `alm`, reusing the memory of
+    /// earlier ones.
     ///
     /// With the angular momentum operators `x cross grad = i L`, `L_z Y_lm = m Y_lm` and
     /// `L_+- Y_lm = sqrt((l -+ m)(l +- m + 1)) Y_l,m+-1` (Edmonds 1957, eq. 2.3.1).
@@ -37,19 +39,19 @@ impl RotationDerivatives {
         derivatives
     }
 
-    /// The function itself and its three derivatives.
+    /// Returns the function itself followed by its three derivatives.
     pub(crate) fn functions<'a>(&'a self, alm: &'a Alm) -> [&'a Alm; 4] {
         let [x, y, z] = &self.0;
         [alm, x, y, z]
     }
 }
 
-/// Values and tangent gradients at points from the values there, point by point, of a function and its
-/// rotation derivatives.
+/// Computes values and tangent gradients from the values of a function and its rotation
+/// derivatives, given point by point.
 ///
 /// # Panics
 ///
-/// If `values` or `gradients` differ from `points` in length.
+/// Panics if `values` or `gradients` differ from `points` in length.
 pub(crate) fn tangent_gradients(
     functions: &[f64],
     points: &[DVec3],

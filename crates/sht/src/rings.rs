@@ -4,15 +4,17 @@ use sphvar_sh::{Alm, Colatitude, Error, LmIndex};
 
 use crate::legendre::{Adjoint, Columns, FUNCTIONS, Lanes, Order, Synthesis, ValueRange};
 
-/// The Legendre part of a transform, between coefficients and Fourier coefficients `f_m` on rings
-/// r of constant colatitude: the adjoint `a_lm = sum_r lambda_lm(theta_r) f_m(r)`, and the synthesis
-/// `f_m(r) = sum_l a_lm lambda_lm(theta_r)`.
+/// Legendre stage of a transform, between coefficients and Fourier coefficients `f_m` on rings r of
+/// constant colatitude.
 ///
-/// For a quadrature over rings, `f_m(r)` is the ring's weight times its Fourier coefficient
-/// `int f e^{-i m phi} dphi`.
+/// The adjoint is `a_lm = sum_r lambda_lm(theta_r) f_m(r)`, the synthesis
+/// `f_m(r) = sum_l a_lm lambda_lm(theta_r)`. For a quadrature over rings, `f_m(r)` is the weight of
+/// the ring times its Fourier coefficient `int f e^{-i m phi} dphi`.
 ///
-/// Cost: about `R (lmax + 1)^2 / 4` steps of seven vector operations for R rings, at any
-/// colatitudes, rings that mirror each other in the equator counting once; no tables.
+/// # Performance
+///
+/// About `R (lmax + 1)^2 / 4` steps of seven vector operations for R rings at any colatitudes.
+/// Rings that are reflections of each other at the equator count once. There are no tables.
 #[derive(Clone, Debug)]
 pub struct RingTransform {
     arch: Arch,
@@ -20,7 +22,7 @@ pub struct RingTransform {
     range: ValueRange,
 }
 
-/// Scratch memory of [`RingTransform`]; grows to the largest input it has seen.
+/// Workspace of [`RingTransform`]; grows to the largest input so far.
 #[derive(Clone, Debug, Default)]
 pub struct RingWorkspace {
     lanes: Lanes,
@@ -30,32 +32,32 @@ pub struct RingWorkspace {
 }
 
 impl RingTransform {
-    /// The transform to degree `lmax`, inclusive. Builds no tables.
+    /// Returns the transform to degree `lmax`, inclusive. Builds no tables.
     ///
     /// # Errors
     ///
-    /// [`Error::DegreeTooLarge`] if `lmax` is beyond what coefficients can be indexed for.
+    /// [`Error::DegreeTooLarge`] if `lmax` exceeds the limit of the coefficient index.
     pub fn new(lmax: usize) -> Result<Self, Error> {
         Self::with_arch(lmax, Arch::new(), ValueRange::default())
     }
 
-    /// On a given instruction set, and with functions that count from a given size on.
+    /// Returns the transform for a given instruction set and a given range of significant values.
     pub(crate) fn with_arch(lmax: usize, arch: Arch, range: ValueRange) -> Result<Self, Error> {
         Ok(Self { arch, index: LmIndex::new(lmax)?, range })
     }
 
-    /// The largest degree, inclusive.
+    /// Returns the maximum degree, inclusive.
     #[must_use]
     pub fn lmax(&self) -> usize {
         self.index.lmax()
     }
 
     /// Replaces `out` by the coefficients of the rings at `colatitudes`. `fourier` is called once
-    /// for each m from 0 to lmax, in this order, and writes `f_m` of every ring.
+    /// for each m from 0 to lmax, in this order, and writes `f_m` for every ring.
     ///
     /// # Panics
     ///
-    /// If `out` is not of this transform's lmax.
+    /// Panics if the lmax of `out` differs from that of the transform.
     pub fn adjoint_into(
         &self,
         colatitudes: impl Iterator<Item = Colatitude>,
@@ -69,12 +71,16 @@ impl RingTransform {
     /// Replaces each of `outs` by the coefficients of one function on the same rings. `fourier`
     /// writes `f_m` of function b on ring r at `b * n_rings + r`.
     ///
-    /// The recurrence is run once for up to four functions, so that four of them cost little more
-    /// than half of what they cost one by one; the bits of one do not depend on the others.
+    /// Results are bit-identical whether functions are transformed singly or in a batch.
     ///
     /// # Panics
     ///
-    /// If one of `outs` is not of this transform's lmax.
+    /// Panics if the lmax of one of `outs` differs from that of the transform.
+    ///
+    /// # Performance
+    ///
+    /// Up to four functions share one pass of the recurrence: four cost little more than half of
+    /// four single transforms.
     pub fn adjoint_batch_into(
         &self,
         colatitudes: impl Iterator<Item = Colatitude>,
@@ -83,7 +89,7 @@ impl RingTransform {
         outs: &mut [Alm],
     ) {
         for out in &*outs {
-            assert_eq!(out.lmax(), self.lmax(), "coefficients of another lmax");
+            assert_eq!(out.lmax(), self.lmax(), "coefficients with a different lmax");
         }
         let RingWorkspace { lanes, order, columns: scratch, fourier: values } = workspace;
         lanes.load(colatitudes, self.lmax(), self.range);
@@ -107,7 +113,7 @@ impl RingTransform {
     ///
     /// # Panics
     ///
-    /// If one of `alms` is not of this transform's lmax.
+    /// Panics if the lmax of one of `alms` differs from that of the transform.
     pub fn synthesis_batch_into(
         &self,
         colatitudes: impl Iterator<Item = Colatitude>,
@@ -116,7 +122,7 @@ impl RingTransform {
         workspace: &mut RingWorkspace,
     ) {
         for alm in alms {
-            assert_eq!(alm.lmax(), self.lmax(), "coefficients of another lmax");
+            assert_eq!(alm.lmax(), self.lmax(), "coefficients with a different lmax");
         }
         let RingWorkspace { lanes, order, columns: scratch, fourier: values } = workspace;
         lanes.load(colatitudes, self.lmax(), self.range);

@@ -9,26 +9,27 @@ use rustfft::{Fft, FftPlanner};
 use sphvar_nufft::parts::{Design, Real, good_size};
 use sphvar_sh::Colatitude;
 
-/// Orders whose columns are transformed at a time: a stretch of memory that one access brings in.
+/// Number of orders whose columns are transformed together, so that they share cache lines.
 pub(crate) const ORDERS: usize = 8;
 
-/// The Fourier transforms between a grid and the rings of the Legendre stage, both ways.
+/// Fourier transforms between a grid and the rings of the Legendre stage, in both directions.
 ///
-/// The sphere is laid twice on the torus, theta in [0, 2 pi), where a function of degree L is a
+/// The sphere covers the torus twice, theta in [0, 2 pi), where a function of degree L is a
 /// trigonometric polynomial: its column of order m is even about the poles for even m and odd for
-/// odd m. Two rows of the grid, and two columns of unlike parity, share one complex transform.
+/// odd m. Two rows of the grid, and two columns of different parity, share one complex transform.
 ///
-/// The grid's values stand for those of the function by the window given; *spectra* are the Fourier
-/// coefficients in phi of every row from pole to pole: by block of `ORDERS` orders, row, and order.
+/// The grid holds the function convolved with the window. *Spectra* are the Fourier coefficients in
+/// phi of every row from pole to pole, indexed by block of `ORDERS` orders, row, and order.
 #[derive(Clone)]
 pub(crate) struct Torus<T> {
     lmax: usize,
     n_theta: usize,
     n_phi: usize,
-    /// Rings on the whole torus, an even number 2R > 2 lmax: ring r is at `theta = pi r/R`.
+    /// The number of rings on the whole torus, an even number 2R > 2 lmax; ring r is at
+    /// `theta = pi r/R`.
     n_rings: usize,
-    /// One over the window's transform at each m, filled up to a multiple of `ORDERS` with zeros, and at
-    /// each k from 0 (it is even in k).
+    /// The reciprocal of the window's transform at each m, padded with zeros to a multiple of
+    /// `ORDERS`, and at each k >= 0 (it is even in k).
     phi_correction: Box<[T]>,
     theta_correction: Box<[T]>,
     phi_forward: Arc<dyn Fft<T>>,
@@ -39,7 +40,7 @@ pub(crate) struct Torus<T> {
     rings_inverse: Arc<dyn Fft<T>>,
 }
 
-/// Scratch memory of [`Torus`].
+/// Workspace of [`Torus`].
 #[derive(Debug, Default)]
 pub(crate) struct TorusScratch<T> {
     pair: Vec<Complex<T>>,
@@ -48,8 +49,8 @@ pub(crate) struct TorusScratch<T> {
     fft: Vec<Complex<T>>,
 }
 
-/// Where the numbers of a grid are: rows from the one `margin` beyond the north pole on, columns from
-/// `margin` before phi = 0 on.
+/// Memory layout of a grid: rows start at `margin` rows beyond the north pole, columns at `margin`
+/// columns before phi = 0.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Layout {
     pub(crate) stride: usize,
@@ -59,7 +60,7 @@ pub(crate) struct Layout {
 impl<T: Real> Torus<T> {
     pub(crate) fn new(lmax: usize, design: Design) -> Self {
         let n = design.cells(lmax);
-        // Each ring costs in the Legendre stage as well.
+        // Each ring also has a cost in the Legendre stage.
         let n_rings = good_size((2 * lmax + 2) as f64, 1.03);
         let mut correction: Vec<T> =
             design.window.transform(n, lmax).into_iter().map(|t| T::of(1.0 / t)).collect();
@@ -90,7 +91,7 @@ impl<T: Real> Torus<T> {
         self.n_phi
     }
 
-    /// Rings from pole to pole, both included.
+    /// Returns the number of rings from pole to pole, both included.
     pub(crate) fn n_ring_rows(&self) -> usize {
         self.n_rings / 2 + 1
     }
@@ -100,17 +101,17 @@ impl<T: Real> Torus<T> {
         (0..=half).map(move |r| ring_colatitude(r, half))
     }
 
-    /// Rows of the grid from pole to pole, both included.
+    /// Returns the number of grid rows from pole to pole, both included.
     pub(crate) fn n_rows(&self) -> usize {
         self.n_theta / 2 + 1
     }
 
-    /// The numbers that the spectra of one set or function take.
+    /// Returns the length of the spectra of one set or function.
     pub(crate) fn spectra_len(&self) -> usize {
         self.n_rows() * self.phi_correction.len()
     }
 
-    /// The block of the spectra with the orders from `first`.
+    /// Returns the block of the spectra with the orders from `first`.
     fn block(&self, first: usize) -> Range<usize> {
         let start = first * self.n_rows();
         start..start + ORDERS * self.n_rows()
@@ -131,7 +132,7 @@ impl<T: Real> Torus<T> {
         scratch.rings.resize(self.n_rings * ORDERS / 2, Complex::default());
     }
 
-    /// The spectra of a grid that points were spread on; uses the grid up.
+    /// Computes the spectra of a grid that points were spread on. Overwrites the grid.
     #[inline(always)]
     fn analyse_rows(
         &self,
@@ -149,14 +150,14 @@ impl<T: Real> Torus<T> {
         let rows = grid[layout.margin * layout.stride..].chunks(2 * layout.stride);
         for (first, rows) in (0..self.n_rows()).step_by(2).zip(rows) {
             let (one, other) = rows.split_at(layout.stride);
-            // Beyond the last row of an odd number is one that was folded onto another.
+            // For an odd number of rows, the row after the last was already folded onto another.
             let values = one[layout.margin..].iter().zip(&other[layout.margin..]);
             for (z, (&re, &im)) in pair[..n].iter_mut().zip(values) {
                 *z = Complex { re, im };
             }
             self.phi_forward.process_with_scratch(&mut pair[..n], fft);
             pair[n] = pair[0];
-            // The transform of a + i b at m and n - m tells those of the real a and b apart.
+            // The transform of a + i b at m and n - m separates into those of the real a and b.
             let last = first + 1 == self.n_rows();
             for (block, corrections) in corrections.iter().enumerate() {
                 let m = block * ORDERS;
@@ -167,9 +168,9 @@ impl<T: Real> Torus<T> {
                 for i in 0..ORDERS {
                     let (here, there) = (here[i], there[ORDERS - 1 - i].conj());
                     let factor = corrections[i] * half;
-                    let turned = here - there;
+                    let difference = here - there;
                     a[i] = (here + there) * factor;
-                    b[i] = Complex { re: turned.im, im: -turned.re } * factor;
+                    b[i] = Complex { re: difference.im, im: -difference.re } * factor;
                 }
                 let place = &mut spectra[block * block_len + first * ORDERS..];
                 place[..ORDERS].copy_from_slice(&a);
@@ -180,8 +181,8 @@ impl<T: Real> Torus<T> {
         }
     }
 
-    /// Adds what lies beyond the ends of a row to its other end, and rows beyond a pole to those that
-    /// stand for the same theta, half a turn further.
+    /// Adds values beyond the ends of a row to its opposite end, and rows beyond a pole to the rows
+    /// of the same theta, shifted by half a turn.
     #[inline(always)]
     fn fold(&self, grid: &mut [T], layout: Layout) {
         let (n, Layout { stride, margin }) = (self.n_phi, layout);
@@ -201,7 +202,7 @@ impl<T: Real> Torus<T> {
         });
     }
 
-    /// Calls back with each row of the grid beyond a pole, and the row at the same theta.
+    /// Calls `call` with each row of the grid beyond a pole and the row at the same theta.
     #[inline(always)]
     fn for_mirrored_rows(&self, layout: Layout, mut call: impl FnMut(usize, usize)) {
         let (north, south) = (layout.margin, layout.margin + self.n_theta / 2);
@@ -211,7 +212,7 @@ impl<T: Real> Torus<T> {
         }
     }
 
-    /// The way back of [`Self::analyse_rows`]: its transpose, filling the whole grid.
+    /// Fills the whole grid: the transpose of [`Self::analyse_rows`].
     #[inline(always)]
     fn synthesise_rows(
         &self,
@@ -239,7 +240,7 @@ impl<T: Real> Torus<T> {
                     pair[n - m] = a.conj() + Complex { re: b.im, im: b.re };
                     pair[m] = a + Complex { re: -b.im, im: b.re };
                     if m == 0 {
-                        // Only the real part is part of a real function.
+                        // A real function has a real component of order 0.
                         pair[0] = Complex { re: a.re, im: b.re };
                     }
                 }
@@ -258,7 +259,7 @@ impl<T: Real> Torus<T> {
         self.unfold(grid, layout);
     }
 
-    /// The way back of [`Self::fold`]: repeats rows beyond their ends and beyond the poles.
+    /// Extends rows periodically and across the poles: the transpose of [`Self::fold`].
     #[inline(always)]
     fn unfold(&self, grid: &mut [T], layout: Layout) {
         let (n, Layout { stride, margin }) = (self.n_phi, layout);
@@ -273,8 +274,8 @@ impl<T: Real> Torus<T> {
         }
     }
 
-    /// From spectra to ring terms for the orders from `first`, a multiple of `ORDERS`: order `first + i`
-    /// on ring r at `i * n_ring_rows + r`.
+    /// Computes ring terms from spectra for the orders from `first`, a multiple of `ORDERS`: order
+    /// `first + i` on ring r at `i * n_ring_rows + r`.
     #[inline(always)]
     fn analyse_columns(
         &self,
@@ -295,12 +296,12 @@ impl<T: Real> Torus<T> {
                 *here = even + odd;
                 *mirrored = even - odd;
             }
-            // An odd column vanishes at the poles, an even one is its own mirror image.
+            // An odd column vanishes at the poles; an even one is its own reflection.
             ahead[0] = block[0][2 * p] + block[0][2 * p];
             back[0] = block[pole][2 * p] + block[pole][2 * p];
         }
         self.theta_forward.process_with_scratch(columns, fft);
-        // One 1/2 because the symmetrised column counts everything twice, one over the rings.
+        // A factor 1/2 since the symmetrized column contains everything twice, and 1/n_rings.
         let scale = T::of(0.5 / self.n_rings as f64);
         for (ring, column) in rings.chunks_exact_mut(self.n_rings).zip(columns.chunks_exact(n)) {
             self.transfer(column, ring, scale);
@@ -314,7 +315,7 @@ impl<T: Real> Torus<T> {
             let values = ring[inner.clone()].iter().zip(ring[rows..].iter().rev());
             let terms = even[inner.clone()].iter_mut().zip(&mut odd[inner]);
             for ((even, odd), (here, mirrored)) in terms.zip(values) {
-                // Rings between the poles stand for their mirror image on the torus too.
+                // Rings between the poles also represent their reflection on the torus.
                 *even = here + mirrored;
                 *odd = here - mirrored;
             }
@@ -323,7 +324,8 @@ impl<T: Real> Torus<T> {
         }
     }
 
-    /// Frequencies up to lmax in either direction, corrected for the window, from one length to another.
+    /// Copies frequencies up to lmax of both signs, corrected for the window, between transforms of
+    /// different lengths.
     #[inline(always)]
     fn transfer(&self, from: &[Complex<T>], to: &mut [Complex<T>], scale: T) {
         let last = self.lmax;
@@ -341,7 +343,7 @@ impl<T: Real> Torus<T> {
         }
     }
 
-    /// The way back of [`Self::analyse_columns`]: its transpose, from ring values.
+    /// Computes spectra from ring values: the transpose of [`Self::analyse_columns`].
     #[inline(always)]
     fn synthesise_columns(
         &self,
@@ -390,7 +392,7 @@ impl<T: Real> Torus<T> {
     }
 }
 
-/// One of the four stages with its arguments, to be compiled for the instruction set at hand.
+/// One of the four stages with its arguments, compiled for the selected instruction set.
 pub(crate) enum Stage<'a, T> {
     AnalyseRows { grid: &'a mut [T], layout: Layout, spectra: &'a mut [Complex<T>] },
     AnalyseColumns { first: usize, spectra: &'a [Complex<T>], terms: &'a mut [Complex<T>] },
@@ -434,10 +436,10 @@ fn add<T: AddAssign + Copy>(to: &mut [T], from: &[T]) {
     }
 }
 
-/// `theta = pi r/R`, exact at the poles and on the equator's two sides alike.
+/// Returns `theta = pi r/R`, exact at the poles and symmetric about the equator.
 fn ring_colatitude(r: usize, half: usize) -> Colatitude {
     let near = r.min(half - r);
-    // From the nearer of pole and equator: the rounding of the angle is relative to it.
+    // The angle is measured from the nearer of pole and equator, so that its rounding is relative.
     let (sin, cos) = if 4 * near <= half {
         (PI * near as f64 / half as f64).sin_cos()
     } else {

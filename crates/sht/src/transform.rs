@@ -3,28 +3,29 @@ use sphvar_sh::{Alm, Error};
 
 use crate::{ExactTransform, ExactWorkspace, FastTransform, FastWorkspace};
 
-/// How coefficients are to be computed.
+/// Method of computing coefficients.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Method {
-    /// Whichever is of less [nominal work](Method::nominal_work).
+    /// The method with less [nominal work](Method::nominal_work).
     #[default]
     Auto,
-    /// From the definition, to rounding: [`ExactTransform`].
+    /// Evaluates the definition, to rounding: [`ExactTransform`].
     Exact,
-    /// To the accuracy asked for: [`FastTransform`].
+    /// Computes to the requested accuracy: [`FastTransform`].
     Fast,
 }
 
 impl Method {
-    /// Returns the nominal work of transforming one set of `n_points` to degree `lmax`, in units of what the fast
-    /// transform does for one point, some 60 ns of one core.
+    /// Returns the nominal work of transforming one set of `n_points` to degree `lmax`, in units of
+    /// the cost of one point in the fast transform, about 60 ns on one core.
     ///
-    /// [`Method::Auto`] takes the method of less work, and numbers of realizations follow from it: it is a policy with
-    /// constants that were fitted once, not a measurement.
+    /// [`Method::Auto`] takes the method with less work, and default numbers of realizations are
+    /// derived from it. The constants were fitted once; they define a policy and are not measured
+    /// at run time.
     ///
     /// ```text
-    /// exact   (L + 1)^2 (max(N, 32)/480 + 1/20)            a step for each point and coefficient, and the recurrence
-    /// fast    N + (L + 1)^2 (11/20 + (L + 1)/1500) + 333   spreading, the grid, and the recurrence on its rings
+    /// exact   (L + 1)^2 (max(N, 32)/480 + 1/20)           points x coefficients; recurrence
+    /// fast    N + (L + 1)^2 (11/20 + (L + 1)/1500) + 333  spreading; grid; recurrence on rings
     /// ```
     #[must_use]
     pub fn nominal_work(self, n_points: usize, lmax: usize) -> f64 {
@@ -41,7 +42,7 @@ impl Method {
 }
 
 impl Method {
-    /// The method that [`Method::Auto`] stands for; another stands for itself.
+    /// Returns the method that [`Method::Auto`] resolves to; other methods are returned unchanged.
     fn chosen(self, n_points: usize, lmax: usize) -> Self {
         match self {
             Self::Exact | Self::Fast => self,
@@ -53,8 +54,8 @@ impl Method {
         }
     }
 
-    /// The bytes that the transform of `sets` sets at a time takes, points and coefficients included;
-    /// an estimate from below that misses no large part.
+    /// Returns the memory in bytes of transforming `sets` sets in a batch, including points and
+    /// coefficients: a lower bound that includes all large allocations.
     #[must_use]
     pub fn bytes(self, n_points: usize, lmax: usize, sets: u64) -> f64 {
         let (n, degrees) = (n_points as f64, lmax as f64 + 1.0);
@@ -63,7 +64,7 @@ impl Method {
         match self {
             Self::Auto => self.chosen(n_points, lmax).bytes(n_points, lmax, sets),
             Self::Exact => coefficients + (24.0 * copies + 150.0) * n,
-            // The grid is twice oversampled in either direction, its columns are kept for each set.
+            // The grid is oversampled by 2 in both directions; its columns are stored for each set.
             Self::Fast => {
                 let grid = (64.0 + 32.0 * copies) * degrees * degrees;
                 coefficients + grid + (24.0 * copies + 80.0) * n
@@ -72,7 +73,7 @@ impl Method {
     }
 }
 
-/// The transforms by either method.
+/// A transform by either method.
 #[derive(Clone, Debug)]
 pub struct Transform(Kind);
 
@@ -82,7 +83,7 @@ enum Kind {
     Fast(Box<FastTransform>),
 }
 
-/// Scratch memory of [`Transform`].
+/// Workspace of [`Transform`].
 #[derive(Debug, Default)]
 pub struct TransformWorkspace {
     exact: ExactWorkspace,
@@ -90,12 +91,13 @@ pub struct TransformWorkspace {
 }
 
 impl Transform {
-    /// The transform to degree `lmax` for sets of about `n_points`; `epsilon` is the relative
-    /// accuracy of the fast method, checked whichever is used.
+    /// Returns the transform to degree `lmax` for sets of about `n_points`. `epsilon` is the
+    /// relative accuracy of the fast method; it is validated for every method.
     ///
     /// # Errors
     ///
-    /// [`Error::Accuracy`] as [`FastTransform::new`], [`Error::DegreeTooLarge`] if `lmax` is beyond what coefficients can be indexed for.
+    /// [`Error::Accuracy`] as for [`FastTransform::new`]; [`Error::DegreeTooLarge`] if `lmax`
+    /// exceeds the limit of the coefficient index.
     pub fn new(method: Method, lmax: usize, n_points: usize, epsilon: f64) -> Result<Self, Error> {
         FastTransform::check_epsilon(epsilon)?;
         Ok(Self(if method.chosen(n_points, lmax) == Method::Fast {
@@ -105,19 +107,19 @@ impl Transform {
         }))
     }
 
-    /// Whether the fast method is used.
+    /// Returns whether the fast method is used.
     #[must_use]
     pub fn is_fast(&self) -> bool {
         matches!(self.0, Kind::Fast(_))
     }
 
-    /// Replaces each of `outs` by the coefficients of one weighted set of points, whatever the
-    /// company to the same bits.
+    /// Replaces each of `outs` by the coefficients of one weighted set of points. Results are
+    /// bit-identical whether sets are transformed singly or in a batch.
     ///
     /// # Panics
     ///
-    /// If there are not as many `outs` as `sets`, a set has not as many weights as points, or one of
-    /// `outs` is of another lmax.
+    /// Panics if `outs` and `sets` differ in length, the weights of a set and its points differ in
+    /// length, or one of `outs` has a different lmax.
     pub fn adjoint_batch_into(
         &self,
         sets: &[(&[DVec3], Option<&[f64]>)],
@@ -127,7 +129,7 @@ impl Transform {
         match &self.0 {
             Kind::Fast(plan) => plan.adjoint_batch_into(sets, &mut workspace.fast, outs),
             Kind::Exact(transform) => {
-                assert_eq!(sets.len(), outs.len(), "one place for coefficients per set");
+                assert_eq!(sets.len(), outs.len(), "one output per set");
                 for ((points, weights), out) in sets.iter().zip(outs) {
                     transform.adjoint_into(points, *weights, &mut workspace.exact, out);
                 }
@@ -136,11 +138,12 @@ impl Transform {
     }
 
     /// Writes values and tangent gradients of a function at the points, as
-    /// [`FastTransform::gradient_into`].
+    /// [`FastTransform::gradient_into`] does.
     ///
     /// # Panics
     ///
-    /// If `values` or `gradients` differ from `points` in length, or `alm` is of another lmax.
+    /// Panics if `values` or `gradients` differ from `points` in length, or `alm` has a different
+    /// lmax.
     pub fn gradient_into(
         &self,
         alm: &Alm,
@@ -165,7 +168,7 @@ mod tests {
     use super::{Method, Transform};
 
     #[test]
-    fn auto_is_fast_for_many_points_and_exact_for_few() {
+    fn auto_selects_fast_for_many_points_and_exact_for_few() {
         let is_fast = |n, lmax| Transform::new(Method::Auto, lmax, n, 1e-12).unwrap().is_fast();
         assert!(is_fast(4096, 256) && is_fast(100_000, 512));
         assert!(!is_fast(12, 128) && !is_fast(4096, 4) && !is_fast(0, 0));

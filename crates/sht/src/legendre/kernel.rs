@@ -9,16 +9,16 @@ use super::lanes::{Group, ValueRange};
 use super::order::{Factors, SPAN, Segment, Step};
 use super::{Anchor, FUNCTIONS, Lanes, Order, PARTS, RINGS};
 
-/// Values of the recurrence: by n within a segment, and ring.
+/// Values of the recurrence, indexed by n within a segment and by ring.
 type Tile = [[f64; RINGS]; SPAN];
 
-/// Values of n that sums over rings take at a time.
+/// Number of n that sums over rings process together.
 pub(crate) const ROWS: usize = 8;
 
-/// Vectors that go through the recurrence together, to hide its latency.
+/// Number of vectors that pass through the recurrence together, to hide its latency.
 const TOGETHER: usize = 4;
 
-/// The adjoint at one order: from ring values of one to `FUNCTIONS` functions to their coefficients.
+/// Adjoint at one order: ring values of up to `FUNCTIONS` functions to their coefficients.
 pub(crate) struct Adjoint<'a> {
     pub(crate) lanes: &'a Lanes,
     pub(crate) order: &'a Order,
@@ -29,7 +29,7 @@ pub(crate) struct Adjoint<'a> {
     pub(crate) outs: &'a mut [Alm],
 }
 
-/// The synthesis at one order: from coefficients to ring values.
+/// Synthesis at one order: coefficients to ring values.
 pub(crate) struct Synthesis<'a> {
     pub(crate) lanes: &'a Lanes,
     pub(crate) order: &'a Order,
@@ -39,8 +39,8 @@ pub(crate) struct Synthesis<'a> {
     pub(crate) values: &'a mut [Complex<f64>],
 }
 
-/// Scratch memory: what is multiplied, and the product, by anchor. A row has `PARTS` columns for each
-/// of one or `FUNCTIONS` functions.
+/// Workspace: the factors and the product, indexed by anchor. A row has `PARTS` columns for each of
+/// the functions; there are storage columns for 1 or for `FUNCTIONS` functions.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Columns {
     by_lane: [Vec<f64>; 2],
@@ -48,7 +48,7 @@ pub(crate) struct Columns {
     long: LongSums,
 }
 
-/// The sums over rings where these are more than a short sum takes.
+/// Sums over rings that are too long for a single partial sum.
 #[derive(Clone, Debug, Default)]
 struct LongSums {
     sums: Vec<f64>,
@@ -63,9 +63,10 @@ impl LongSums {
         }
     }
 
-    /// Takes in short sums and leaves zeros: in a long sum every rounding may fall to the same side.
+    /// Adds partial sums and sets them to zero. In one long sum all rounding errors can have the
+    /// same sign.
     #[inline(always)]
-    fn take(&mut self, short: &mut [f64]) {
+    fn flush(&mut self, short: &mut [f64]) {
         add_with_rests(&mut self.sums, &mut self.rests, short);
         short.fill(0.0);
     }
@@ -89,12 +90,12 @@ impl Synthesis<'_> {
     }
 }
 
-/// The columns for a group of functions.
+/// Returns the number of columns for a group of functions.
 fn n_columns(n_functions: usize) -> usize {
     if n_functions == 1 { PARTS } else { FUNCTIONS * PARTS }
 }
 
-/// Runs on the widest vectors that divide the columns.
+/// Dispatches to the widest vectors whose length divides the number of columns.
 fn dispatch(arch: Arch, n_functions: usize, op: impl WithSimd<Output = ()>) {
     debug_assert!(n_functions <= FUNCTIONS, "one group of functions");
     #[cfg(target_arch = "x86_64")]
@@ -137,7 +138,7 @@ impl WithSimd for Adjoint<'_> {
                     _ => product.adjoint::<S, 16, 1>(simd, lanes, terms, sums),
                 }
                 if n_parts > 1 {
-                    long.take(sums);
+                    long.flush(sums);
                 }
             }
             if n_parts > 1 {
@@ -184,8 +185,8 @@ impl WithSimd for Synthesis<'_> {
     }
 }
 
-/// The matrix of the recurrence's values `v_n(r)`, lanes r of one anchor, in products with columns c:
-/// `V` vectors of them.
+/// Products of the matrix of recurrence values `v_n(r)`, for lanes r of one anchor, with columns c
+/// stored as `V` vectors.
 #[derive(Clone, Copy)]
 struct Product<'a> {
     group: &'a Group,
@@ -195,8 +196,8 @@ struct Product<'a> {
 }
 
 impl Product<'_> {
-    /// Adds `sum_r v_n(r) terms[r][c]` over some of the lanes, from a multiple of `RINGS` on, to `sums[n][c]`, for `N`
-    /// degrees at a time.
+    /// Adds `sum_r v_n(r) terms[r][c]` over a range of lanes, which starts at a multiple of
+    /// `RINGS`, to `sums[n][c]`, for `N` degrees at a time.
     #[inline(always)]
     fn adjoint<S: Simd, const V: usize, const N: usize>(
         self,
@@ -236,7 +237,7 @@ impl Product<'_> {
         let mut tile: Tile = [[0.0; RINGS]; SPAN];
         for first in (0..active).step_by(RINGS) {
             let count = RINGS.min(active - first);
-            // Lanes are padded to whole blocks, so that whole groups of N are there.
+            // Lanes are padded to whole blocks, so there are whole groups of N.
             let padded = count.next_multiple_of(N);
             let values = values[first * V..(first + padded) * V].as_chunks_mut::<V>().0;
             self.walk(simd, first..first + count, &mut tile, &mut |simd, n, tile| {
@@ -248,9 +249,9 @@ impl Product<'_> {
         }
     }
 
-    /// Takes up to `RINGS` lanes of a group through all degrees, and hands the values of each segment in
-    /// which any of them counts to `consume`, with the range of n. Rows of the tile beyond the range, up
-    /// to a multiple of `ROWS`, are zero.
+    /// Computes all degrees for up to `RINGS` lanes of a group. Calls `consume` with the values and
+    /// the range of n of each segment in which any lane is significant. Rows of the tile beyond the
+    /// range, up to a multiple of `ROWS`, are zero.
     #[inline(always)]
     fn walk<S: Simd>(
         self,
@@ -263,7 +264,7 @@ impl Product<'_> {
         let count = lanes.len();
         let block = lanes.start..lanes.start + RINGS;
         let mut lane = Block {
-            // The lanes that pad the last group of synthesis are written, with zeros.
+            // The lanes that pad the last group of synthesis are also written, with zeros.
             n_vectors: count.next_multiple_of(ROWS).div_ceil(S::F64_LANES),
             argument: [0.0; RINGS],
             value: [0.0; RINGS],
@@ -273,40 +274,40 @@ impl Product<'_> {
         lane.argument.copy_from_slice(&group.argument[block.clone()]);
         lane.value.copy_from_slice(&group.start[block.clone()]);
         lane.scale.copy_from_slice(&group.scale[block]);
-        // Lanes that were not asked for decide nothing: how many of them are carried along depends on the width of vectors,
-        // which depends on the number of functions.
+        // Padding lanes must not affect decisions: their number depends on the width of vectors and
+        // thereby on the number of functions.
         lane.value[count..].fill(0.0);
         lane.scale[count..].fill(0.0);
-        let mut begun = 0;
-        let mut climbing = lane.scale.iter().any(|&scale| scale < 0.0);
+        let mut start = 0;
+        let mut has_scaled = lane.scale.iter().any(|&scale| scale < 0.0);
         let sequence = order.sequence(anchor);
         for (&Segment { end, growth }, factors) in order.segments().iter().zip(&sequence.factors) {
-            let steps = &sequence.steps[begun..end];
-            if climbing && lane.all_dark(growth, group.range) {
+            let steps = &sequence.steps[start..end];
+            if has_scaled && lane.is_negligible(growth, group.range) {
                 lane.run::<S, false>(simd, steps, tile);
             } else {
                 lane.run::<S, true>(simd, steps, tile);
                 let padded = steps.len().next_multiple_of(ROWS);
                 tile[steps.len()..padded].fill([0.0; RINGS]);
-                if climbing {
-                    lane.scale_down(simd, &mut tile[..steps.len()], group.range);
+                if has_scaled {
+                    lane.unscale(simd, &mut tile[..steps.len()], group.range);
                 }
-                consume(simd, begun..end, tile);
+                consume(simd, start..end, tile);
             }
             lane.rescale(factors);
-            if climbing {
-                lane.climb(group.range);
-                climbing = lane.scale.iter().any(|&scale| scale < 0.0);
+            if has_scaled {
+                lane.raise_scales(group.range);
+                has_scaled = lane.scale.iter().any(|&scale| scale < 0.0);
             }
-            begun = end;
+            start = end;
         }
     }
 }
 
-/// Rings that are added without asking whether there is a next one.
-const STRETCH: usize = 8;
+/// Number of rings added per iteration without a bounds check.
+const UNROLLED: usize = 8;
 
-/// `sums[i] += sum_r rows[i][r] terms[r]`.
+/// Computes `sums[i] += sum_r rows[i][r] terms[r]`.
 #[inline(always)]
 fn over_rings<S: Simd, const V: usize, const N: usize>(
     simd: S,
@@ -315,14 +316,14 @@ fn over_rings<S: Simd, const V: usize, const N: usize>(
     sums: &mut [[S::f64s; V]; N],
 ) {
     let mut local = [[simd.splat_f64s(0.0); V]; N];
-    // Towards the equator, where the largest terms are if they are of unlike sizes.
-    let (stretches, rest) = terms.as_chunks::<STRETCH>();
-    for (r, term) in (stretches.len() * STRETCH..RINGS).zip(rest).rev() {
+    // Towards the equator, where terms are largest if their sizes differ.
+    let (chunks, rest) = terms.as_chunks::<UNROLLED>();
+    for (r, term) in (chunks.len() * UNROLLED..RINGS).zip(rest).rev() {
         add_ring(simd, rows, r, term, &mut local);
     }
-    for (first, stretch) in (0..RINGS).step_by(STRETCH).zip(stretches).rev() {
-        for r in (0..STRETCH).rev() {
-            add_ring(simd, rows, first + r, &stretch[r], &mut local);
+    for (first, chunk) in (0..RINGS).step_by(UNROLLED).zip(chunks).rev() {
+        for r in (0..UNROLLED).rev() {
+            add_ring(simd, rows, first + r, &chunk[r], &mut local);
         }
     }
     for i in 0..N {
@@ -332,7 +333,7 @@ fn over_rings<S: Simd, const V: usize, const N: usize>(
     }
 }
 
-/// `sums[i] += rows[i][r] term`.
+/// Computes `sums[i] += rows[i][r] term`.
 #[inline(always)]
 fn add_ring<S: Simd, const V: usize, const N: usize>(
     simd: S,
@@ -349,7 +350,7 @@ fn add_ring<S: Simd, const V: usize, const N: usize>(
     }
 }
 
-/// `values[i] += sum_n tile[n][first + i] terms[n]`, over as many n as there are terms.
+/// Computes `values[i] += sum_n tile[n][first + i] terms[n]` over all terms.
 #[inline(always)]
 fn over_degrees<S: Simd, const V: usize, const N: usize>(
     simd: S,
@@ -371,7 +372,7 @@ fn over_degrees<S: Simd, const V: usize, const N: usize>(
     *values = local;
 }
 
-/// Lanes that go through the recurrence together.
+/// Lanes that pass through the recurrence together.
 struct Block {
     n_vectors: usize,
     argument: [f64; RINGS],
@@ -381,17 +382,17 @@ struct Block {
 }
 
 impl Block {
-    /// Whether no lane comes into the range that counts while it grows by `growth`.
+    /// Returns whether no lane becomes significant while values grow by `growth`.
     #[inline(always)]
-    fn all_dark(&self, growth: f64, range: ValueRange) -> bool {
+    fn is_negligible(&self, growth: f64, range: ValueRange) -> bool {
         let lanes = self.value.iter().zip(&self.scale);
         // Lanes without a ring have the value 0.
-        lanes.fold(true, |dark, (value, &scale)| {
-            dark & ((scale < 0.0) & (value.abs() * growth < range.limit) | (*value == 0.0))
+        lanes.fold(true, |negligible, (value, &scale)| {
+            negligible & ((scale < 0.0) & (value.abs() * growth < range.limit) | (*value == 0.0))
         })
     }
 
-    /// The steps of a segment, `STORE` saying whether values are wanted.
+    /// Runs the steps of a segment; `STORE` selects whether values are stored.
     #[inline(always)]
     fn run<S: Simd, const STORE: bool>(&mut self, simd: S, steps: &[Step], tile: &mut Tile) {
         let mut vector = 0;
@@ -431,7 +432,7 @@ impl Block {
         store::<S, K>(&mut self.difference, first, difference);
     }
 
-    /// The factors at the end of a segment.
+    /// Applies the factors at the end of a segment.
     #[inline(always)]
     fn rescale(&mut self, factors: &Factors) {
         for (value, difference) in self.value.iter_mut().zip(&mut self.difference) {
@@ -440,9 +441,9 @@ impl Block {
         }
     }
 
-    /// Lanes whose values have grown enough go to the next scale.
+    /// Moves lanes whose values have grown enough to the next scale.
     #[inline(always)]
-    fn climb(&mut self, range: ValueRange) {
+    fn raise_scales(&mut self, range: ValueRange) {
         let lanes = self.value.iter_mut().zip(&mut self.difference).zip(&mut self.scale);
         for ((value, difference), scale) in lanes {
             if *scale < 0.0 && value.abs().max(difference.abs()) > range.limit {
@@ -453,9 +454,9 @@ impl Block {
         }
     }
 
-    /// Brings the values of lanes that are below the scale of 1 to it.
+    /// Converts the values of lanes with a scale below 1 to the scale 1.
     #[inline(always)]
-    fn scale_down<S: Simd>(&self, simd: S, tile: &mut [[f64; RINGS]], range: ValueRange) {
+    fn unscale<S: Simd>(&self, simd: S, tile: &mut [[f64; RINGS]], range: ValueRange) {
         let mut factors = [0.0; RINGS];
         for (factor, &scale) in factors.iter_mut().zip(&self.scale) {
             let below = if scale < -1.0 { 0.0 } else { range.down };

@@ -6,8 +6,8 @@ use sphvar_sh::Colatitude;
 
 use super::{Anchor, PARTS, RINGS};
 
-/// From which size on values count, and how smaller ones are carried: as `x up^k`, k <= 0, while they
-/// are below `1/limit`.
+/// Range of significant values. Smaller values are stored as `x up^k`, k <= 0, while they are below
+/// `1/limit`.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ValueRange {
     pub(super) limit: f64,
@@ -17,8 +17,9 @@ pub(crate) struct ValueRange {
 }
 
 impl ValueRange {
-    /// Values count from the power of two at or above `smallest` on, which is at least 1e-60.
-    pub(crate) fn counting_from(smallest: f64) -> Self {
+    /// Returns the range of values from the power of two at or above `smallest`, which must be at
+    /// min 1e-60.
+    pub(crate) fn starting_at(smallest: f64) -> Self {
         let limit = f64::from_bits((1.0 / smallest).to_bits() & f64::INFINITY.to_bits());
         Self { limit, up: limit * limit, down: 1.0 / (limit * limit) }
     }
@@ -26,15 +27,15 @@ impl ValueRange {
 
 impl Default for ValueRange {
     fn default() -> Self {
-        // Far below the rounding errors of what does count.
-        Self::counting_from(1e-20)
+        // Far below the rounding errors of significant values.
+        Self::starting_at(1e-20)
     }
 }
 
-/// Rings at one order m at a time, as lanes of the northern hemisphere.
+/// Rings at one order m at a time, stored as lanes of the northern hemisphere.
 ///
-/// A ring of the south is kept as its mirror image in the equator, where `lambda_lm` only changes
-/// sign with the parity of l + m; two rings that mirror each other share a lane.
+/// A southern ring is stored as its reflection at the equator, where `lambda_lm` only changes sign
+/// with the parity of l + m. Two rings that are reflections of each other share a lane.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Lanes {
     n_rings: usize,
@@ -42,27 +43,27 @@ pub(crate) struct Lanes {
     groups: [Group; 2],
 }
 
-/// The lanes whose recurrence starts from one anchor, from the equator to the pole.
+/// Lanes whose recurrence starts at one anchor, sorted from the equator to the pole.
 ///
-/// Structure of arrays; all but `rings` are filled up to a multiple of `RINGS` with lanes that carry
-/// nothing.
+/// Stored as a structure of arrays. All fields except `rings` are padded to a multiple of `RINGS`
+/// with empty lanes.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Group {
     pub(super) range: ValueRange,
     rings: Vec<Members>,
     sin_theta: Vec<f64>,
-    /// The order up to which a lane can carry anything.
+    /// The maximum order at which a lane is significant.
     last_order: Vec<f64>,
     /// The argument of the recurrence.
     pub(super) argument: Vec<f64>,
-    /// `lambda_mm = sectoral up^scale`, and `|sectoral|` is at least `1/limit`, or zero.
+    /// `lambda_mm = sectoral up^scale`, where `|sectoral|` is zero or at min `1/limit`.
     sectoral: Vec<f64>,
     pub(super) scale: Vec<f64>,
     /// `mu_0` in the same scale.
     pub(super) start: Vec<f64>,
 }
 
-/// The caller's rings behind a lane, at least one.
+/// The caller's rings that share a lane, at min one.
 #[derive(Clone, Copy, Debug)]
 struct Members {
     north: Option<usize>,
@@ -71,7 +72,7 @@ struct Members {
 }
 
 impl Lanes {
-    /// Takes the caller's rings in, for degrees up to `lmax`.
+    /// Loads the caller's rings, for degrees up to `lmax`.
     pub(crate) fn load(
         &mut self,
         colatitudes: impl Iterator<Item = Colatitude>,
@@ -85,9 +86,10 @@ impl Lanes {
         }));
         self.n_rings = self.unsorted.len();
         share_lanes(&mut self.unsorted);
-        // Neighbours in colatitude come into the range of f64 at about the same degree, which lets
-        // whole blocks skip what is below it; and the lanes of a high order are the first ones.
-        // Rings whose place is no number come first and stay active: they spoil what is theirs and nothing else.
+        // Rings of similar colatitude enter the range of f64 at about the same degree, so whole
+        // blocks can skip smaller values; the active lanes of a high order are the first ones.
+        // Rings with a NaN colatitude come first and stay active; they affect only their own
+        // values.
         let sine = |ring: &Members| ring.colatitude.sin().abs();
         self.unsorted.sort_unstable_by(|a, b| sine(b).total_cmp(&sine(a)));
         for group in &mut self.groups {
@@ -100,12 +102,12 @@ impl Lanes {
         self.groups[Anchor::Pole as usize].load(pole, Anchor::Pole, lmax);
     }
 
-    /// The number of the caller's rings.
+    /// Returns the number of the caller's rings.
     pub(crate) fn n_rings(&self) -> usize {
         self.n_rings
     }
 
-    /// Goes to order `m`, which follows m - 1 or is 0.
+    /// Advances to order `m`, which must be 0 or follow m - 1.
     pub(crate) fn start_order(&mut self, arch: Arch, m: usize) {
         for group in &mut self.groups {
             group.start_order(arch, m);
@@ -116,8 +118,8 @@ impl Lanes {
         &self.groups[anchor as usize]
     }
 
-    /// Writes what multiplies `mu_n` in sums over rings to `terms`, by anchor: `n_columns` numbers
-    /// for each lane, `PARTS` of them for a function. The caller's ring r of function b has the
+    /// Writes the factors of `mu_n` in sums over rings to `terms`, indexed by anchor: `n_columns`
+    /// numbers per lane, of which a function has `PARTS`. The caller's ring r of function b has the
     /// value `values[b * n_rings + r]`.
     #[inline(always)]
     pub(super) fn gather(
@@ -142,7 +144,7 @@ impl Lanes {
         }
     }
 
-    /// The way back: from sums over degrees, laid out as by [`Self::gather`], to ring values.
+    /// Computes ring values from sums over degrees: the transpose of [`Self::gather`].
     #[inline(always)]
     pub(super) fn scatter(
         &self,
@@ -169,7 +171,7 @@ impl Lanes {
     }
 }
 
-/// Joins ring i and ring n - 1 - i where each is the mirror image of the other to the last bit.
+/// Joins ring i and ring n - 1 - i if all such pairs are bit-identical reflections.
 fn share_lanes(rings: &mut Vec<Members>) {
     let n = rings.len();
     let mirrored = |a: &Members, b: &Members| {
@@ -209,7 +211,7 @@ impl Group {
         }
     }
 
-    /// The number of lanes, those that carry nothing included.
+    /// Returns the number of lanes, including empty ones.
     pub(super) fn capacity(&self) -> usize {
         self.argument.len()
     }
@@ -230,18 +232,19 @@ impl Group {
         }
     }
 
-    /// The number of lanes, from the first, that carry anything at order `m`.
+    /// Returns the number of leading lanes that are significant at order `m`.
     pub(super) fn active(&self, m: usize) -> usize {
         self.last_order[..self.rings.len()].partition_point(|&last| last >= m as f64)
     }
 }
 
-/// The order from which on every `|lambda_lm|`, l <= lmax, is below the range at a colatitude.
+/// Returns the order beyond which every `|lambda_lm|`, l <= lmax, is below the range at a
+/// colatitude.
 ///
-/// Beyond its turning point `m_0 = l sin theta` a harmonic falls off as
-/// `exp(-(2 sqrt 2/3) (m - m_0)^(3/2) / (sqrt(m_0) cos theta))`, the WKB exponent to leading order in
-/// `m - m_0`, and faster further on; the constant is for the neighbourhood of the poles, where it is as
-/// `(m_0/2)^m/m!`.
+/// Beyond its turning point `m_0 = l sin theta` a harmonic decays as
+/// `exp(-(2 sqrt 2/3) (m - m_0)^(3/2) / (sqrt(m_0) cos theta))`, the WKB exponent to leading order
+/// in `m - m_0`, and faster for larger m. The added constant covers the neighbourhood of the poles,
+/// where it is about `(m_0/2)^m/m!`.
 fn last_order_at(sin_theta: f64, cos_theta: f64, lmax: f64, range: ValueRange) -> f64 {
     let turning = (lmax + 0.5) * sin_theta;
     let exponent = range.limit.ln() + 2.0;
@@ -250,7 +253,7 @@ fn last_order_at(sin_theta: f64, cos_theta: f64, lmax: f64, range: ValueRange) -
     if last.is_nan() { f64::INFINITY } else { last }
 }
 
-/// `lambda_mm` from `lambda_{m-1,m-1}`, vectorised by the compiler.
+/// Computes `lambda_mm` from `lambda_{m-1,m-1}`, vectorized by the compiler.
 struct Advance<'a> {
     ratio: f64,
     range: ValueRange,
@@ -265,12 +268,13 @@ impl NullaryFnOnce for Advance<'_> {
     #[inline(always)]
     fn call(self) {
         let Self { ratio, range, sin_theta, sectoral, scale } = self;
-        let least = 1.0 / range.limit;
+        let min = 1.0 / range.limit;
         for ((sectoral, scale), sin) in sectoral.iter_mut().zip(scale).zip(sin_theta) {
-            // So near a pole that only m = 0 counts, and one change of scale would not do.
-            let sin = if *sin < least { 0.0 } else { *sin };
+            // So close to a pole only m = 0 is significant, and one change of scale would not
+            // suffice.
+            let sin = if *sin < min { 0.0 } else { *sin };
             let next = *sectoral * (ratio * sin);
-            let low = next.abs() < least;
+            let low = next.abs() < min;
             *sectoral = if low { next * range.up } else { next };
             let lower = if low { *scale - 1.0 } else { *scale };
             *scale = if next == 0.0 { 0.0 } else { lower };
@@ -286,8 +290,8 @@ mod tests {
     use super::{ValueRange, last_order_at};
 
     #[test]
-    fn what_is_skipped_does_not_count() {
-        for range in [1e-4, 1e-8, 1e-16, 1e-20].map(ValueRange::counting_from) {
+    fn skipped_orders_are_negligible() {
+        for range in [1e-4, 1e-8, 1e-16, 1e-20].map(ValueRange::starting_at) {
             for lmax in [1, 2, 7, 40, 300, 1500_u32] {
                 for k in 0..60 {
                     // From the equator to within 1e-9 of the pole.
@@ -296,15 +300,18 @@ mod tests {
                         Colatitude::from_direction(DVec3::new(theta.sin(), 0.0, theta.cos()));
                     let (sin, cos) = (colatitude.sin(), colatitude.cos());
                     let last = last_order_at(sin, cos, f64::from(lmax), range);
-                    assert!(last <= f64::from(lmax) * sin * 1.5 + 200.0, "skips little: {last}");
-                    // They fall with the order: the first that is skipped is the largest.
+                    assert!(
+                        last <= f64::from(lmax) * sin * 1.5 + 200.0,
+                        "skips too little: {last}"
+                    );
+                    // Functions decrease with the order: the first skipped one is the largest.
                     let Some(m) = (0..=lmax as usize).find(|&m| m as f64 > last) else { continue };
                     let mut column = vec![0.0; lmax as usize + 1 - m];
                     Recurrence::new(m, lmax as usize).column_into(colatitude, &mut column);
                     let largest = column.iter().fold(0.0, |size: f64, x| size.max(x.abs()));
                     assert!(
                         largest < 1.0 / range.limit,
-                        "lmax {lmax}, theta {theta:e}, m {m}: {largest:e}, counted from {:e}",
+                        "lmax {lmax}, theta {theta:e}, m {m}: {largest:e}, significant from {:e}",
                         1.0 / range.limit
                     );
                 }

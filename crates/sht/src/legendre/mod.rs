@@ -1,6 +1,6 @@
-//! The Legendre stage: one order m at a time, between values on rings and coefficients by degree.
+//! Legendre stage: between values on rings and coefficients by degree, one order m at a time.
 //!
-//! [`Lanes`] holds the rings, [`Order`] the coefficients of the recurrence, [`Adjoint`] and
+//! [`Lanes`] holds the rings and [`Order`] the coefficients of the recurrence. [`Adjoint`] and
 //! [`Synthesis`] are the two directions of the product with the matrix of Legendre functions.
 
 mod kernel;
@@ -12,11 +12,11 @@ pub(crate) use lanes::{Lanes, ValueRange};
 use order::Anchor;
 pub(crate) use order::Order;
 
-/// Rings that are taken through the recurrence together.
+/// Number of rings that pass through the recurrence together.
 const RINGS: usize = 32;
 
-/// Functions that share one pass of the recurrence.
+/// Number of functions that share one pass of the recurrence.
 pub(crate) const FUNCTIONS: usize = 4;
 
-/// Numbers of one function on one ring: real and imaginary part for even l + m, then for odd.
+/// Numbers per function and ring: real and imaginary part for even l + m, then for odd l + m.
 const PARTS: usize = 4;

@@ -3,28 +3,31 @@ use pulp::{Arch, NullaryFnOnce};
 
 use super::PARTS;
 
-/// Longest stretch of the recurrence between two looks at the range of its values.
+/// Maximum number of steps between two checks of the range of the values.
 pub(super) const SPAN: usize = 16;
 
-/// Growth of the functions over a stretch at which it ends early.
-const MOST_GROWTH: f64 = (1u64 << 60) as f64;
+/// Growth of the functions that ends a segment early.
+const MAX_GROWTH: f64 = (1u64 << 60) as f64;
 
-/// Numbers computed side by side.
+/// Number of coefficients computed side by side.
 const WIDTH: usize = 8;
 
-/// The coefficients of the recurrence over the degree at one order m, two degrees at a step.
+/// Coefficients of the recurrence over the degree at one order m, two degrees per step.
 ///
-/// All functions of one order are made of one sequence `mu_n`, polynomials in `sin^2 theta` times
-/// `sin^m theta`:
+/// All functions of one order are derived from one sequence `mu_n`, polynomials in `sin^2 theta`
+/// times `sin^m theta`:
 ///
 /// ```text
 /// lambda_{m+2n+1} = cos theta mu_n,    lambda_{m+2n} = A_n mu_n + B_n mu_{n-1}
 /// ```
 ///
-/// because `mu_n` is proportional to the Jacobi polynomial `P_n^(m,1/2)(cos 2 theta)` and the even
-/// functions to `P_n^(m,-1/2)` (DLMF 18.7.15, 18.7.16, 18.9.5). That two parities can share a
-/// recurrence is Ishioka 2018, doi:10.2151/jmsj.2018-019. The recurrence itself is in
+/// `mu_n` is proportional to the Jacobi polynomial `P_n^(m,1/2)(cos 2 theta)` and the even
+/// functions to `P_n^(m,-1/2)` (DLMF 18.7.15, 18.7.16, 18.9.5). The recurrence is described at
 /// [`Sequence`].
+///
+/// # References
+///
+/// Ishioka 2018, doi:10.2151/jmsj.2018-019: one recurrence for both parities.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Order {
     len: usize,
@@ -33,16 +36,16 @@ pub(crate) struct Order {
     sequences: [Sequence; 2],
 }
 
-/// A stretch of the recurrence between two looks at the range of its values.
+/// A section of the recurrence between two checks of the range of its values.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Segment {
-    /// One past its last step.
+    /// The index after its last step.
     pub(super) end: usize,
-    /// The most by which a value grows in it.
+    /// The maximum growth of a value within the segment.
     pub(super) growth: f64,
 }
 
-/// The end of the interval in which a recurrence is at its best.
+/// The end of the interval at which a recurrence is most accurate.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Anchor {
     Equator = 0,
@@ -55,8 +58,8 @@ impl Anchor {
 
 /// The recurrence of the Jacobi polynomials in difference form.
 ///
-/// With j the polynomial normalised to 1 at the anchor and y the squared distance from it,
-/// `y = sin^2 theta` from the pole or `y = cos^2 theta` from the equator,
+/// Let j be the polynomial normalized to 1 at the anchor and y the squared distance from it,
+/// `y = sin^2 theta` from the pole or `y = cos^2 theta` from the equator. Then
 ///
 /// ```text
 /// d' = r d - c y j,    j' = j + d'
@@ -64,17 +67,17 @@ impl Anchor {
 /// r = n(n+b)(2n+m+5/2) / ((n+1+a)(n+m+3/2)(2n+m+1/2))
 /// ```
 ///
-/// with (a, b) = (m, 1/2) at the pole and (1/2, m) at the equator. It is the three-term recurrence
-/// written for differences, so that nothing is lost where y is small; at the other end a factor of
-/// about the degree would be. Factors are moved between d and j to make it three operations,
-/// `d -= (forcing y) j; j += follow d`, and moved back at the end of a segment before they leave
-/// the range of f64.
+/// with (a, b) = (m, 1/2) at the pole and (1/2, m) at the equator. This is the three-term
+/// recurrence written for differences. It loses no accuracy where y is small; at the other end it
+/// would lose a factor of about the degree. Moving factors between d and j reduces a step to three
+/// operations, `d -= (forcing y) j; j += follow d`. At the end of a segment, before they exceed the
+/// range of f64, the factors are moved back.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Sequence {
     pub(super) steps: Vec<Step>,
-    /// By segment.
+    /// Indexed by segment.
     pub(super) factors: Vec<Factors>,
-    /// What the value is to be multiplied with to be `mu_n`.
+    /// The factors that convert values to `mu_n`.
     norm: Vec<f64>,
 }
 
@@ -85,7 +88,7 @@ pub(super) struct Step {
     pub(super) follow: f64,
 }
 
-/// The factors that value and difference take at the end of a segment.
+/// Factors applied to value and difference at the end of a segment.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Factors {
     pub(super) value: f64,
@@ -93,20 +96,22 @@ pub(super) struct Factors {
 }
 
 impl Order {
-    /// Replaces the coefficients by those of order `m` for degrees `m..=lmax`; m <= lmax.
+    /// Replaces the coefficients by those of order `m` for degrees `m..=lmax`; requires m <= lmax.
     ///
-    /// Cost: some 40 operations a step, a quarter of them divisions or roots of vectors.
+    /// # Performance
+    ///
+    /// About 40 operations per step, a quarter of them vector divisions or square roots.
     pub(crate) fn fill(&mut self, arch: Arch, m: usize, lmax: usize) {
         self.len = (lmax - m) / 2 + 1;
         self.rows.resize(self.len.div_ceil(WIDTH), Row::default());
         arch.dispatch(Fill { m: m as f64, rows: &mut self.rows });
-        self.cut();
+        self.split_segments();
         for anchor in Anchor::BOTH {
             self.scale(anchor);
         }
     }
 
-    /// The number of functions `mu_n`: as many as even l - m up to lmax.
+    /// Returns the number of functions `mu_n`, that of even l - m up to lmax.
     pub(super) fn len(&self) -> usize {
         self.len
     }
@@ -123,21 +128,21 @@ impl Order {
         (&self.rows[n / WIDTH], n % WIDTH)
     }
 
-    /// Cuts the steps into segments.
-    fn cut(&mut self) {
+    /// Splits the steps into segments.
+    fn split_segments(&mut self) {
         self.segments.clear();
-        let (mut begun, mut growth) = (0, 1.0);
+        let (mut start, mut growth) = (0, 1.0);
         for n in 0..self.len {
             let (row, i) = self.at(n);
             growth *= row.growth[i];
-            if n + 1 - begun == SPAN || growth > MOST_GROWTH || n + 1 == self.len {
+            if n + 1 - start == SPAN || growth > MAX_GROWTH || n + 1 == self.len {
                 self.segments.push(Segment { end: n + 1, growth });
-                (begun, growth) = (n + 1, 1.0);
+                (start, growth) = (n + 1, 1.0);
             }
         }
     }
 
-    /// Moves the factors of one recurrence.
+    /// Moves the factors of one recurrence from values to coefficients.
     fn scale(&mut self, anchor: Anchor) {
         let mut sequence = std::mem::take(&mut self.sequences[anchor as usize]);
         let Sequence { steps, factors, norm } = &mut sequence;
@@ -157,7 +162,7 @@ impl Order {
                     Anchor::Pole => (row.damping[i], row.forcing[i], row.growth[i]),
                 };
                 norm.push(size);
-                // The first difference is zero, whatever it is multiplied with.
+                // The first difference is zero, so its factor is arbitrary.
                 shrink *= if n == 0 { 1.0 } else { damping };
                 size *= growth;
                 steps.push(Step { forcing: forcing / shrink, follow: shrink });
@@ -168,8 +173,9 @@ impl Order {
         self.sequences[anchor as usize] = sequence;
     }
 
-    /// Writes the coefficients of one function to `column`, degrees from m on, from the sums of
-    /// values of either recurrence, by anchor: `PARTS` of `n_columns` numbers for each n.
+    /// Writes the coefficients of one function to `column`, for degrees from m on. `sums` are the
+    /// sums of values of each recurrence, indexed by anchor: for each n, `n_columns` numbers of
+    /// which a function has `PARTS`.
     #[inline(always)]
     pub(super) fn collect(
         &self,
@@ -201,7 +207,7 @@ impl Order {
         }
     }
 
-    /// The transpose of [`Self::collect`]: what multiplies the values of either recurrence.
+    /// Computes the factors of the values of each recurrence: the transpose of [`Self::collect`].
     #[inline(always)]
     pub(super) fn distribute(
         &self,
@@ -229,7 +235,7 @@ impl Order {
     }
 }
 
-/// Coefficients for `WIDTH` successive n.
+/// Coefficients for `WIDTH` consecutive n.
 #[derive(Clone, Copy, Debug, Default)]
 struct Row {
     /// r, c, and the growth of `mu_n` at the pole from n to n + 1.
@@ -245,7 +251,7 @@ struct Row {
     far: [f64; WIDTH],
 }
 
-/// The coefficients for every n, vectorised by the compiler.
+/// Computes the coefficients for every n, vectorized by the compiler.
 struct Fill<'a> {
     m: f64,
     rows: &'a mut [Row],
@@ -270,8 +276,8 @@ impl NullaryFnOnce for Fill<'_> {
                 row.equator_damping[i] = n * (n + m) * common * half * at_equator;
                 row.forcing[i] = (k + 1.5) * common * at_pole;
                 row.equator_forcing[i] = (k + 1.5) * common * at_equator;
-                // Norms relative to the value at the pole, sqrt((2l+1) (l+m)!/(l-m)!): from l to l+2
-                // for l = k + 1, and from the odd degrees k + 1 and k - 1 to l = k.
+                // Norms relative to the value at the pole, sqrt((2l+1) (l+m)!/(l-m)!): from l to
+                // l+2 for l = k + 1, and from the odd degrees k + 1 and k - 1 to l = k.
                 let (above, below) = (k + m, k - m);
                 let growth = ((2.0 * k + 7.0) * (above + 2.0) * (above + 3.0)
                     / ((2.0 * k + 3.0) * (below + 2.0) * (below + 3.0)))
@@ -282,7 +288,8 @@ impl NullaryFnOnce for Fill<'_> {
                 row.near[i] = (n + m + 0.5)
                     * half
                     * ((2.0 * k + 1.0) * (below + 1.0) / ((2.0 * k + 3.0) * (above + 1.0))).sqrt();
-                // n sqrt(1/(k - m)) with k - m = 2n; 2k - 1 is negative only where n = 0 makes it 0.
+                // n sqrt(1/(k - m)) with k - m = 2n; 2k - 1 is negative only for n = 0, where the
+                // result is 0.
                 row.far[i] =
                     half * ((2.0 * k + 1.0) * above * (0.5 * n) / (2.0 * k - 1.0).abs()).sqrt();
             }

@@ -1,4 +1,4 @@
-//! The adjoint transforms are as close to the definition as they say.
+//! The adjoint transforms meet their stated accuracy.
 
 use sphvar_sh::Alm;
 use sphvar_sht::{ExactTransform, FastTransform, FastWorkspace};
@@ -7,23 +7,23 @@ use crate::coefficients::{distance, norm, rounding};
 use crate::definition::Definition;
 use crate::points::{Set, distinct};
 
-/// Every power of ten, and what f32 grids may be asked for at the least.
+/// Every power of ten, and the minimum accuracies of f32 grids.
 const ALL: [f64; 13] =
     [1e-3, 1e-4, 1e-5, 2e-6, 1e-6, 5e-7, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12, 1e-13];
-/// The ends of the ranges that one kind of grid serves, and where the window is narrowest.
+/// The ends of the accuracy ranges of each kind of grid, and those with the narrowest windows.
 const SOME: [f64; 7] = [1e-3, 1e-5, 5e-7, 1e-8, 1e-9, 1e-12, 1e-13];
 
-/// Compares with the definition; tells every miss.
+/// Compares with the definition and reports all failures.
 fn check(lmax: usize, sets: &[Set], epsilons: &[f64]) {
     let expected: Vec<Alm> =
         sets.iter().map(|set| Definition::new(&set.points).adjoint(None, lmax)).collect();
-    let mut misses = Vec::new();
+    let mut failures = Vec::new();
     let mut compare = |method: String, got: &[Alm], epsilon: f64| {
         for ((set, expected), got) in sets.iter().zip(&expected).zip(got) {
             let error = distance(got, expected) / norm(expected);
             if error.is_nan() || error > epsilon {
-                misses.push(format!(
-                    "{method}, lmax {lmax}, {}: error {error:.2e}, {:.3} of what is allowed",
+                failures.push(format!(
+                    "{method}, lmax {lmax}, {}: error {error:.2e}, {:.3} of the tolerance",
                     set.name,
                     error / epsilon,
                 ));
@@ -42,7 +42,7 @@ fn check(lmax: usize, sets: &[Set], epsilons: &[f64]) {
         plan.adjoint_batch_into(&batch, &mut workspace, &mut got);
         compare(format!("fast {epsilon:e}"), &got, epsilon);
     }
-    assert!(misses.is_empty(), "{} misses:\n{}", misses.len(), misses.join("\n"));
+    assert!(failures.is_empty(), "{} failures:\n{}", failures.len(), failures.join("\n"));
 }
 
 #[test]
@@ -70,7 +70,7 @@ fn degree_513() {
 #[test]
 fn degree_2048() {
     let mut sets = distinct(40);
-    // One lattice is enough at what this takes.
+    // One lattice is enough at this cost.
     sets.retain(|set| set.name != "Fibonacci lattice");
     check(2048, &sets, &SOME);
 }

@@ -6,10 +6,11 @@ use sphvar_sht::{ExactTransform, ExactWorkspace, FastTransform, FastWorkspace};
 use crate::coefficients::{norm, product, random};
 use crate::points::{Lcg, Set, all};
 
-/// The defect in units of rounding; those of sums mostly cancel, 3 is what was seen.
+/// Maximum defect in units of EPSILON. Rounding errors of sums mostly cancel: the measured maximum
+/// is 3.
 const ROUNDINGS: f64 = 12.0;
 
-/// Weights, coefficients, and what the two transforms make of them.
+/// Weights and coefficients, and their transforms.
 struct Pair {
     weights: Vec<f64>,
     of_weights: Alm,
@@ -27,8 +28,8 @@ impl Pair {
         }
     }
 
-    /// `|<A w, b> - <w, A* b>|` over the larger of `||A w|| ||b||` and `||w|| ||A* b||`: rounding is relative to
-    /// the terms of either product, which may cancel.
+    /// Returns `|<A w, b> - <w, A* b>|` over the larger of `||A w|| ||b||` and `||w|| ||A* b||`:
+    /// rounding is relative to the terms of either product, which may cancel.
     fn defect(&self) -> f64 {
         let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
         let (weights, values) = (&self.weights, &self.of_alm);
@@ -63,7 +64,7 @@ fn exact() {
 
 #[test]
 fn fast() {
-    // The steps are each other's transpose, whatever epsilon: only rounding is left, that of the grid's numbers.
+    // The steps are exact transposes for any epsilon: only the rounding of grid numbers remains.
     let (single, double) = (f64::from(f32::EPSILON), f64::EPSILON);
     for (epsilon, rounding) in [
         (1e-3, single),

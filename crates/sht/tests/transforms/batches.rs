@@ -1,4 +1,4 @@
-//! What is computed together is what is computed alone, to the last bit.
+//! Batched and single transforms are bit-identical.
 
 use glam::DVec3;
 use sphvar_sh::Alm;
@@ -11,7 +11,8 @@ const EPSILONS: [f64; 5] = [1e-3, 1e-5, 1e-6, 1e-9, 1e-13];
 
 type Weighted = (Vec<DVec3>, Option<Vec<f64>>);
 
-/// Nine sets of all sizes and places, with weights and without, of different magnitudes.
+/// Returns nine sets of various sizes and positions, with and without weights, of different
+/// magnitudes.
 fn mixed() -> Vec<Weighted> {
     let mut rng = Lcg::new(51);
     let sets = all(130).into_iter().filter(|set| set.name != "clustered").enumerate();
@@ -43,19 +44,19 @@ fn adjoints() {
             });
             let alone: Vec<Alm> = alone.collect();
             for n in 1..=9 {
-                // A workspace of another history, and places that hold something.
+                // A workspace with another history, and outputs with old values.
                 let mut together = vec![random(lmax, &mut Lcg::new(52)); n];
                 plan.adjoint_batch_into(&borrowed(&sets[..n]), &mut workspace, &mut together);
                 assert_eq!(together, alone[..n], "{n} sets, lmax {lmax}, epsilon {epsilon:e}");
-                // The last of them first.
-                let mut turned = sets[..n].to_vec();
-                turned.rotate_right(1);
-                plan.adjoint_batch_into(&borrowed(&turned), &mut workspace, &mut together);
+                // The last set first.
+                let mut rotated = sets[..n].to_vec();
+                rotated.rotate_right(1);
+                plan.adjoint_batch_into(&borrowed(&rotated), &mut workspace, &mut together);
                 together.rotate_left(1);
                 assert_eq!(
                     together,
                     alone[..n],
-                    "{n} sets, lmax {lmax}, epsilon {epsilon:e}, turned"
+                    "{n} sets, lmax {lmax}, epsilon {epsilon:e}, rotated"
                 );
             }
         }
@@ -91,8 +92,8 @@ fn syntheses() {
     }
 }
 
-/// At high degrees and orders many lanes of the recurrence are too small to count: which ones are asked must not depend on
-/// the width of vectors, which depends on the company.
+/// At high degrees and orders many lanes of the recurrence are negligible. Which ones are skipped
+/// must not depend on the width of vectors, which depends on the other sets in the batch.
 #[test]
 fn high_degrees() {
     let mut rng = Lcg::new(54);

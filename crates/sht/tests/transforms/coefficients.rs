@@ -1,20 +1,21 @@
-//! Norms, products and samples of coefficients.
+//! Norms, products and random samples of coefficients.
 
 use num_complex::Complex;
 use sphvar_sh::Alm;
 
 use crate::points::Lcg;
 
-/// The relative accuracy of the exact transforms.
+/// Returns the relative accuracy of the exact transforms.
 ///
-/// `e^{-i phi}` from a root and a quotient is right to 2/3 EPSILON (as random directions show), its power m to
-/// m times that and the roundings of the products, which mostly cancel; so is the Legendre function of degree
-/// l to a part of l EPSILON. Sums and constants add the rest.
+/// `e^{-i phi}`, computed by a square root and a quotient, has an error of 2/3 EPSILON (measured
+/// for random directions). Its power m has m times that error and the rounding errors of the
+/// products, which mostly cancel. The Legendre function of degree l has an error of a fraction of l
+/// EPSILON. Sums and constants contribute the rest.
 pub(crate) fn rounding(lmax: usize) -> f64 {
     f64::EPSILON * (lmax as f64 + 32.0)
 }
 
-/// Coefficients of a real function, independent and of mean square 1/3 in either part.
+/// Returns coefficients of a real function, independent and with mean square 1/3 in each part.
 pub(crate) fn random(lmax: usize, rng: &mut Lcg) -> Alm {
     let mut alm = Alm::zeros(lmax).unwrap();
     for m in 0..=lmax {
@@ -25,25 +26,25 @@ pub(crate) fn random(lmax: usize, rng: &mut Lcg) -> Alm {
     alm
 }
 
-/// The coefficients times a number.
+/// Returns the coefficients multiplied by a number.
 pub(crate) fn scaled(alm: &Alm, factor: f64) -> Alm {
     let values = alm.values().iter().map(|a| a * factor).collect();
     Alm::from_values(alm.lmax(), values).unwrap()
 }
 
-/// The norm over orders of both signs.
+/// Returns the norm over orders of both signs.
 pub(crate) fn norm(alm: &Alm) -> f64 {
     alm.energy_per_degree().iter().sum::<f64>().sqrt()
 }
 
-/// `||a - b||`.
+/// Returns `||a - b||`.
 pub(crate) fn distance(a: &Alm, b: &Alm) -> f64 {
-    assert_eq!(a.lmax(), b.lmax(), "coefficients of one lmax");
+    assert_eq!(a.lmax(), b.lmax(), "coefficients with the same lmax");
     let differences = a.values().iter().zip(b.values()).map(|(a, b)| a - b).collect();
     norm(&Alm::from_values(a.lmax(), differences).unwrap())
 }
 
-/// `integral f g` of the real functions: `sum conj(a_lm) b_lm` over orders of both signs.
+/// Returns `integral f g` of real functions: `sum conj(a_lm) b_lm` over orders of both signs.
 pub(crate) fn product(a: &Alm, b: &Alm) -> f64 {
     let orders = (0..=a.lmax()).map(|m| {
         let copies = if m == 0 { 1.0 } else { 2.0 };
@@ -53,7 +54,7 @@ pub(crate) fn product(a: &Alm, b: &Alm) -> f64 {
     orders.sum()
 }
 
-/// Whether none of the values is NaN or infinite.
+/// Returns whether all values are finite.
 pub(crate) fn is_finite(alm: &Alm) -> bool {
     alm.values().iter().all(|a| a.is_finite())
 }

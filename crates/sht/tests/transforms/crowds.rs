@@ -1,4 +1,4 @@
-//! Many points to a cell of the grid: sums of many terms are as close to the definition as those of few.
+//! Many points per grid cell: long sums are as accurate as short ones.
 
 use glam::DVec3;
 use sphvar_sh::Alm;
@@ -12,10 +12,10 @@ const LMAX: usize = 60;
 const POINTS: usize = 20000;
 const EPSILONS: [f64; 8] = [1e-3, 1e-4, 1e-5, 1e-6, 5e-7, 1e-9, 1e-12, 1e-13];
 
-/// Tells every miss.
-fn misses(name: &str, points: &[DVec3], expected: &Alm) -> Vec<String> {
+/// Returns all failures.
+fn failures(name: &str, points: &[DVec3], expected: &Alm) -> Vec<String> {
     let exact = ExactTransform::new(LMAX).unwrap().adjoint(points, None).unwrap();
-    // Roundings of a long sum that go either way, two to a term.
+    // Rounding errors of a long sum with random signs, two per term.
     let mut results =
         vec![("exact", rounding(LMAX) + 2.0 * (POINTS as f64).sqrt() * f64::EPSILON, exact)];
     let mut workspace = FastWorkspace::default();
@@ -30,41 +30,41 @@ fn misses(name: &str, points: &[DVec3], expected: &Alm) -> Vec<String> {
         .map(|(method, epsilon, alm)| (method, epsilon, distance(&alm, expected) / norm(expected)));
     let errors = errors.filter(|(_, epsilon, error)| error.is_nan() || error > epsilon);
     let message = |(method, epsilon, error): (&str, f64, f64)| {
-        format!("{name}, {method} {epsilon:.1e}: {:.3} of what is allowed", error / epsilon)
+        format!("{name}, {method} {epsilon:.1e}: {:.3} of the tolerance", error / epsilon)
     };
     errors.map(message).collect()
 }
 
 #[test]
-fn a_crowd_at_one_place() {
+fn many_points_at_one_place() {
     let directions = Lcg::new(81).directions(2).into_iter();
     let places = directions.chain([DVec3::new(-0.6, 0.0, 0.8), DVec3::Z, DVec3::Y]);
-    let misses: Vec<String> = places
+    let failures: Vec<String> = places
         .flat_map(|place| {
             let expected = scaled(&Definition::new(&[place]).adjoint(None, LMAX), POINTS as f64);
-            misses(&place.to_string(), &[place; POINTS], &expected)
+            failures(&place.to_string(), &[place; POINTS], &expected)
         })
         .collect();
-    assert!(misses.is_empty(), "{} misses:\n{}", misses.len(), misses.join("\n"));
+    assert!(failures.is_empty(), "{} failures:\n{}", failures.len(), failures.join("\n"));
 }
 
 #[test]
-fn crowds_of_distinct_points() {
+fn many_distinct_points() {
     let mut sets = distinct(POINTS);
     sets.retain(|set| ["random", "clustered", "equatorial"].contains(&set.name));
-    let misses: Vec<String> = sets
+    let failures: Vec<String> = sets
         .iter()
         .flat_map(|set| {
             let expected = Definition::new(&set.points).adjoint(None, LMAX);
-            misses(set.name, &set.points, &expected)
+            failures(set.name, &set.points, &expected)
         })
         .collect();
-    assert!(misses.is_empty(), "{} misses:\n{}", misses.len(), misses.join("\n"));
+    assert!(failures.is_empty(), "{} failures:\n{}", failures.len(), failures.join("\n"));
 }
 
 #[test]
 fn a_million_points_at_one_place() {
-    // All roundings of a plain sum fall to one side here, 1e-19 of it for each point.
+    // All rounding errors of a plain sum have the same sign here, 1e-19 of the sum per point.
     const MILLION: usize = 1_000_000;
     const DEGREE: usize = 16;
     for place in [DVec3::new(-0.6, 0.0, 0.8), DVec3::new(0.36, -0.48, 0.8)] {

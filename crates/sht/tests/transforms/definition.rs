@@ -9,11 +9,11 @@ use sphvar_sh::{Alm, Colatitude, lambda};
 use crate::legendre::{Group, LANES, Lanes, Order, orders};
 use crate::points::Lcg;
 
-/// A set of points, as the definition sees it.
+/// Reference transforms of a set of points by the definition.
 ///
-/// At degree 2048 the Legendre functions of `sphvar_sh` are good to 1e-13, which is what the transforms
-/// promise; so here they come from arithmetic with twice the digits, and so do the powers of `e^{-i phi}`
-/// and the sums over points. The transforms under test and this have no code in common.
+/// At degree 2048 the Legendre functions of `sphvar_sh` have an accuracy of 1e-13, that of the
+/// transforms. Here, Legendre functions, powers of `e^{-i phi}` and sums over points use
+/// double-double arithmetic. The transforms under test share no code with this reference.
 pub(crate) struct Definition {
     groups: Vec<Group>,
     n_points: usize,
@@ -24,7 +24,7 @@ impl Definition {
         Self { groups: points.chunks(LANES).map(Group::new).collect(), n_points: points.len() }
     }
 
-    /// `sum_k w_k conj Y_lm(x_k)`.
+    /// Returns `sum_k w_k conj Y_lm(x_k)`.
     pub(crate) fn adjoint(&self, weights: Option<&[f64]>, lmax: usize) -> Alm {
         let mut alm = Alm::zeros(lmax).unwrap();
         let mut groups = self.groups.clone();
@@ -43,7 +43,7 @@ impl Definition {
         alm
     }
 
-    /// `sum_lm a_lm Y_lm(x_k)` over orders of both signs, for each point.
+    /// Returns `sum_lm a_lm Y_lm(x_k)` over orders of both signs, for each point.
     pub(crate) fn synthesis(&self, alm: &Alm) -> Vec<f64> {
         let mut groups: Vec<_> =
             self.groups.iter().map(|g| (g.clone(), Lanes::default())).collect();
@@ -59,7 +59,7 @@ impl Definition {
     }
 }
 
-/// Adds points to the sums over them at one order, by degree.
+/// Adds points to the sums over points at one order, by degree.
 struct AddColumn<'a> {
     group: &'a Group,
     weights: &'a [f64],
@@ -79,7 +79,7 @@ impl NullaryFnOnce for AddColumn<'_> {
                 *factor = group.power[part].lane(i).hi * weight;
             }
         }
-        group.climb(order, |n, lambdas| {
+        group.for_each_degree(order, |n, lambdas| {
             for (sum, factors) in sums[n].iter_mut().zip(&factors) {
                 let mut terms = [0.0; LANES];
                 for i in 0..LANES {
@@ -108,13 +108,13 @@ impl NullaryFnOnce for SumColumn<'_> {
         let Self { group, order, alm, m, values } = self;
         let copies = if m == 0 { 1.0 } else { 2.0 };
         let column = alm.column(m);
-        group.climb(order, |n, lambdas| {
+        group.for_each_degree(order, |n, lambdas| {
             let a = column[n] * copies;
             let mut terms = [0.0; LANES];
             for i in 0..LANES {
-                // Re(a e^{i m phi}), the power being e^{-i m phi}.
-                let turned = a.re * group.power[0].lane(i).hi + a.im * group.power[1].lane(i).hi;
-                terms[i] = lambdas[i] * turned;
+                // Re(a e^{i m phi}); the stored power is e^{-i m phi}.
+                let rotated = a.re * group.power[0].lane(i).hi + a.im * group.power[1].lane(i).hi;
+                terms[i] = lambdas[i] * rotated;
             }
             values.add(&terms);
         });
@@ -122,7 +122,7 @@ impl NullaryFnOnce for SumColumn<'_> {
 }
 
 #[test]
-fn it_is_made_of_the_functions_of_sphvar_sh() {
+fn it_matches_the_functions_of_sphvar_sh() {
     let lmax = 2048;
     for p in [DVec3::new(0.6, 0.0, 0.8), DVec3::new(-0.028, 0.096, -0.995)] {
         let p = p.normalize();
@@ -133,7 +133,8 @@ fn it_is_made_of_the_functions_of_sphvar_sh() {
             for l in (m..=lmax).step_by(41) {
                 let value = lambda(l, m, colatitude);
                 let expected = num_complex::Complex::cis(-(m as f64) * phi) * value;
-                // The promise of lambda, for values up to sqrt(l) as a rule, and the rounding of m phi.
+                // The stated accuracy of lambda, for values up to about sqrt(l), and the rounding
+                // of m phi.
                 let tolerance = 4.0 * f64::EPSILON * (l as f64 + 1.0) * (l as f64 + 1.0).sqrt();
                 let got = alm[(l, m)];
                 assert!((got - expected).norm() <= tolerance, "{p}, ({l}, {m}): {got} {expected}");
@@ -143,13 +144,13 @@ fn it_is_made_of_the_functions_of_sphvar_sh() {
 }
 
 #[test]
-fn it_obeys_the_addition_theorem_to_rounding() {
+fn it_satisfies_the_addition_theorem_to_rounding() {
     // sum_m |Y_lm|^2 = (2l + 1)/(4 pi)
     for p in Lcg::new(5).directions(2).into_iter().chain([DVec3::new(1e-9, 0.0, -1.0), DVec3::Y]) {
         let energies = Definition::new(&[p]).adjoint(None, 2048).energy_per_degree();
         for (l, energy) in energies.into_iter().enumerate() {
             let expected = (2 * l + 1) as f64 / (4.0 * PI);
-            // Roundings of the terms and of the sum by `energy_per_degree`, which do not conspire.
+            // Independent rounding errors of the terms and of the sum by `energy_per_degree`.
             let tolerance = 4.0 * f64::EPSILON * (l as f64 + 1.0).sqrt() * expected;
             assert!((energy - expected).abs() <= tolerance, "{p}, l = {l}: {energy} {expected}");
         }

@@ -1,4 +1,4 @@
-//! Arithmetic with twice the digits of `f64`.
+//! Double-double arithmetic.
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
@@ -11,10 +11,10 @@ pub(crate) struct Double {
 
 impl Double {
     pub(crate) const ONE: Self = Self { hi: 1.0, lo: 0.0 };
-    /// pi; the second part is what the `f64` nearest to pi lacks.
+    /// pi; the second part is the remainder of the `f64` nearest to pi.
     pub(crate) const PI: Self = Self { hi: std::f64::consts::PI, lo: 1.224646799147353177e-16 };
 
-    /// `a + b` without error (Knuth's two-sum).
+    /// Returns `a + b` without error (Knuth's two-sum).
     #[inline(always)]
     pub(crate) fn sum(a: f64, b: f64) -> Self {
         let hi = a + b;
@@ -22,27 +22,27 @@ impl Double {
         Self { hi, lo: (a - (hi - part)) + (b - part) }
     }
 
-    /// `a + b` without error if `|b|` is not above `|a|`.
+    /// Returns `a + b` without error if `|b|` does not exceed `|a|`.
     #[inline(always)]
     fn ordered_sum(a: f64, b: f64) -> Self {
         let hi = a + b;
         Self { hi, lo: b - (hi - a) }
     }
 
-    /// `a b` without error, as long as nothing underflows.
+    /// Returns `a b` without error, unless a part underflows.
     #[inline(always)]
     pub(crate) fn product(a: f64, b: f64) -> Self {
         let hi = a * b;
         Self { hi, lo: a.mul_add(b, -hi) }
     }
 
-    /// Times a power of two.
+    /// Returns the product with a power of two.
     #[inline(always)]
     pub(crate) fn scaled(self, factor: f64) -> Self {
         Self { hi: self.hi * factor, lo: self.lo * factor }
     }
 
-    /// The square root, by Newton's correction of that of `hi`.
+    /// Returns the square root, by a Newton correction of that of `hi`.
     pub(crate) fn sqrt(self) -> Self {
         if self.hi == 0.0 {
             return self;
@@ -103,7 +103,7 @@ impl Mul for Double {
 impl Div for Double {
     type Output = Self;
 
-    /// By two corrections of the quotient of the leading parts.
+    /// Divides, by two corrections of the quotient of the leading parts.
     fn div(self, by: Self) -> Self {
         let first = self.hi / by.hi;
         let rest = self - by * Self::from(first);
@@ -123,7 +123,7 @@ fn it_has_thirty_digits() {
         ("quotients of pi", Double::PI / Double::PI - Double::ONE),
         ("cancelling sum", (third + Double::from(1e16)) - Double::from(1e16) - third),
     ] {
-        // A few units of 2^-105; 1e16 leaves as many digits less.
+        // A few units of 2^-105; the term 1e16 costs 16 digits.
         let tolerance = if name == "cancelling sum" { 1e-15 } else { 1e-31 };
         assert!(zero.hi.abs() <= tolerance, "{name}: {zero:?}");
     }

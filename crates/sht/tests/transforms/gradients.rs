@@ -12,7 +12,7 @@ use crate::points::{Lcg, all};
 
 const EPSILONS: [f64; 5] = [1e-3, 1e-6, 1e-7, 1e-10, 1e-13];
 
-/// Values and gradients by every method, with the accuracy it promises.
+/// Returns values and gradients by every method, with its stated accuracy.
 fn by_all_methods(alm: &Alm, points: &[DVec3]) -> Vec<(f64, Vec<f64>, Vec<DVec3>)> {
     let lmax = alm.lmax();
     let mut values = vec![f64::NAN; points.len()];
@@ -31,13 +31,13 @@ fn by_all_methods(alm: &Alm, points: &[DVec3]) -> Vec<(f64, Vec<f64>, Vec<DVec3>
     results
 }
 
-/// What a function with these coefficients can reach: its largest value, by Cauchy and Schwarz.
+/// Returns the maximum value of any function with this norm (Cauchy-Schwarz).
 fn largest_value(alm: &Alm) -> f64 {
     norm(alm) * (alm.lmax() as f64 + 1.0) / (4.0 * PI).sqrt()
 }
 
 #[test]
-fn gradients_are_tangent_and_values_those_of_synthesis() {
+fn gradients_are_tangent_and_values_match_synthesis() {
     for lmax in [0, 1, 2, 40] {
         let alm = random(lmax, &mut Lcg::new(61));
         let (value, slope) = (largest_value(&alm), lmax as f64 * largest_value(&alm));
@@ -51,7 +51,7 @@ fn gradients_are_tangent_and_values_those_of_synthesis() {
                         "lmax {lmax}, {}, {p:?}, {epsilon:e}: value off by {error:e}",
                         set.name
                     );
-                    // By construction, whatever epsilon: the product of three roundings.
+                    // By construction, for any epsilon: the product of three rounding errors.
                     let normal = gradients[i].dot(*p).abs();
                     assert!(
                         normal <= 4.0 * f64::EPSILON * slope,
@@ -65,7 +65,7 @@ fn gradients_are_tangent_and_values_those_of_synthesis() {
 }
 
 #[test]
-fn gradients_are_differences_of_values() {
+fn gradients_match_differences_of_values() {
     let lmax = 24;
     let alm = random(lmax, &mut Lcg::new(62));
     let exact = ExactTransform::new(lmax).unwrap();
@@ -87,9 +87,10 @@ fn gradients_are_differences_of_values() {
                 exact.synthesis_into(&alm, &places, &mut workspace, &mut f);
                 let difference = (8.0 * (f[0] - f[1]) - (f[2] - f[3])) / (12.0 * step);
                 for (epsilon, _, gradients) in &methods {
-                    // Along a great circle f is a trigonometric polynomial of degree L, whose derivatives
-                    // gain a factor L each (Bernstein): step^4 L^5 max|f|/30 for the difference, 3/2 of
-                    // the error of f over the step for rounding, epsilon L max|f| for the gradient.
+                    // Along a great circle f is a trigonometric polynomial of degree L; each
+                    // derivative adds a factor L (Bernstein): step^4 L^5 max|f|/30 for the
+                    // difference, 3/2 of the error of f over the step for rounding, epsilon L
+                    // max|f| for the gradient.
                     let truncated = (step * degree).powi(4) / 30.0;
                     let rounded = 1.5 * rounding(lmax) / (step * degree);
                     let tolerance = (truncated + rounded + epsilon) * degree * value;
@@ -106,7 +107,7 @@ fn gradients_are_differences_of_values() {
 }
 
 #[test]
-fn gradients_of_zonal_functions() {
+fn gradients_of_zonal_functions_match_closed_form() {
     let lmax = 30;
     // f(x) = sum_l c_l (2l + 1)/(4 pi) P_l(s . x)
     let factor = |l: usize| (1.3 * l as f64).cos() / (1.0 + 0.1 * l as f64);
@@ -138,7 +139,7 @@ fn gradients_of_zonal_functions() {
                     (before, own) = (own, next);
                     sum += factor(l) * (2 * l + 1) as f64 / (4.0 * PI) * own;
                 }
-                // (x cross s) cross x = s - (s . x) x, without the cancellation.
+                // (x cross s) cross x = s - (s . x) x, without cancellation.
                 let expected = x.cross(s).cross(x) * sum;
                 for (epsilon, _, gradients) in &methods {
                     let error = (gradients[i] - expected).length();

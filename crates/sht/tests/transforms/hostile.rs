@@ -1,4 +1,4 @@
-//! Inputs at the edge of the domain give numbers, inputs beyond it no panic.
+//! Extreme valid inputs give finite results; invalid inputs do not panic.
 
 use glam::DVec3;
 use sphvar_sh::Alm;
@@ -12,9 +12,9 @@ const DEGREES: [usize; 4] = [0, 1, 2, 64];
 const EPSILONS: [f64; 5] = [1e-3, 1e-6, 1e-7, 1e-10, 1e-13];
 
 #[test]
-fn every_set_gives_numbers_and_the_right_ones() {
+fn every_set_gives_finite_and_accurate_results() {
     let mut sets = all(70);
-    // Each set's first point alone.
+    // The first point of each set alone.
     let single = sets.iter().filter(|set| !set.points.is_empty());
     let single: Vec<_> =
         single.map(|set| Set { name: set.name, points: vec![set.points[0]] }).collect();
@@ -72,8 +72,8 @@ fn every_set_gives_numbers_and_the_right_ones() {
     }
 }
 
-/// Vectors that are no directions.
-fn no_directions() -> Vec<DVec3> {
+/// Returns vectors that are not directions.
+fn invalid_directions() -> Vec<DVec3> {
     let bad = [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 1e300, -1e300, f64::MAX];
     let mut vectors = vec![DVec3::ZERO, DVec3::NAN, DVec3::INFINITY, DVec3::NEG_INFINITY];
     for x in bad {
@@ -85,7 +85,7 @@ fn no_directions() -> Vec<DVec3> {
 }
 
 #[test]
-fn what_is_no_direction_does_no_harm_to_other_sets() {
+fn invalid_directions_do_not_affect_other_sets() {
     let good = Lcg::new(72).directions(30);
     let weights = Lcg::new(73).signed_numbers(30);
     let not_finite = [f64::NAN, f64::INFINITY, -f64::INFINITY].repeat(10);
@@ -95,7 +95,7 @@ fn what_is_no_direction_does_no_harm_to_other_sets() {
             let mut workspace = FastWorkspace::default();
             let mut alone = Alm::zeros(lmax).unwrap();
             plan.adjoint_into(&good, Some(&weights), &mut workspace, &mut alone);
-            for vector in no_directions() {
+            for vector in invalid_directions() {
                 let with_it = [good.as_slice(), &[vector]].concat();
                 let mut outs = vec![Alm::zeros(lmax).unwrap(); 4];
                 let sets = [
@@ -105,8 +105,8 @@ fn what_is_no_direction_does_no_harm_to_other_sets() {
                     (good.as_slice(), Some(not_finite.as_slice())),
                 ];
                 plan.adjoint_batch_into(&sets, &mut workspace, &mut outs);
-                assert_eq!(outs[1], alone, "company of {vector}, lmax {lmax}, {epsilon:e}");
-                // Nor to what is computed in the same memory later.
+                assert_eq!(outs[1], alone, "in a batch with {vector}, lmax {lmax}, {epsilon:e}");
+                // Nor the results of later calls with the same workspace.
                 plan.adjoint_into(&good, Some(&weights), &mut workspace, &mut outs[0]);
                 assert_eq!(outs[0], alone, "after {vector}, lmax {lmax}, {epsilon:e}");
             }
@@ -115,7 +115,7 @@ fn what_is_no_direction_does_no_harm_to_other_sets() {
 }
 
 #[test]
-fn what_is_no_direction_does_no_harm_to_other_points() {
+fn invalid_directions_do_not_affect_other_points() {
     let good = Lcg::new(74).directions(30);
     for lmax in DEGREES {
         let alm = random(lmax, &mut Lcg::new(75));
@@ -137,10 +137,10 @@ fn what_is_no_direction_does_no_harm_to_other_points() {
             results
         };
         let alone = run(&alm, &good);
-        for vector in no_directions() {
+        for vector in invalid_directions() {
             let with_it = [good.as_slice(), &[vector]].concat();
             let together = run(&alm, &with_it);
-            // Coefficients that are no numbers, in the same memory.
+            // NaN coefficients, with the same workspace.
             run(&broken, &good);
             let later = run(&alm, &good);
             for ((alone, together), later) in alone.iter().zip(&together).zip(&later) {
@@ -153,8 +153,7 @@ fn what_is_no_direction_does_no_harm_to_other_points() {
     }
 }
 
-/// Accuracies that cannot be kept, or need not be, are errors, whichever method is chosen; both ends of
-/// the range are kept.
+/// Accuracies out of range are errors for every method; both ends of the range are supported.
 #[test]
 fn accuracies_outside_their_range_are_rejected() {
     let (min, max) = (FastTransform::MIN_EPSILON, FastTransform::MAX_EPSILON);

@@ -1,13 +1,13 @@
-//! Legendre functions and longitudes of several points side by side, to twice the digits of `f64`.
+//! Legendre functions and longitudes of several points side by side, in double-double arithmetic.
 
 use glam::DVec3;
 
 use crate::double::Double;
 
-/// Points side by side.
+/// Number of points side by side.
 pub(crate) const LANES: usize = 8;
 
-/// What values below the range of `f64` are scaled by, so many times as `blocks` says.
+/// Scale of values below the range of `f64`, applied `blocks` times.
 const BLOCK: f64 = f64::from_bits((1023 + 512) << 52);
 const PER_BLOCK: f64 = f64::from_bits((1023 - 512) << 52);
 
@@ -43,7 +43,7 @@ impl Lanes {
     }
 }
 
-/// The step of the recurrence from `l` to `l + 1` at one order; that of `sphvar_sh::Recurrence`.
+/// The step of the recurrence from `l` to `l + 1` at one order, as in `sphvar_sh::Recurrence`.
 #[derive(Clone, Copy)]
 struct Step {
     growth: Double,
@@ -51,13 +51,13 @@ struct Step {
     forcing: Double,
 }
 
-/// The recurrence at one order, and the constant that it starts from.
+/// The recurrence at one order and its initial constant.
 pub(crate) struct Order {
     sectoral: Double,
     steps: Vec<Step>,
 }
 
-/// The orders from 0 to `lmax`.
+/// Returns the orders from 0 to `lmax`.
 pub(crate) fn orders(lmax: usize) -> impl Iterator<Item = Order> {
     let number = |n: usize| Double::from(n as f64);
     // sectoral(m)^2 = 1/(4 pi) prod_{k=1}^m (2k + 1)/(2k)
@@ -76,27 +76,28 @@ pub(crate) fn orders(lmax: usize) -> impl Iterator<Item = Order> {
     })
 }
 
-/// Points as they climb through the orders.
+/// Points at one order, advanced order by order.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Group {
     sin: Lanes,
     versine: Lanes,
-    /// -1 in the south.
+    /// -1 in the southern hemisphere.
     parity: [f64; LANES],
     /// `e^{-i phi}`.
     turn: [Lanes; 2],
-    /// At the present order m: `sin^m theta BLOCK^blocks`, and `e^{-i m phi}`.
+    /// At the current order m: `sin^m theta BLOCK^blocks`, and `e^{-i m phi}`.
     sectoral: Lanes,
     blocks: [f64; LANES],
     pub(crate) power: [Lanes; 2],
 }
 
 impl Group {
-    /// At most `LANES` directions, at order 0; vectors are brought to length 1 here, to all digits.
+    /// Returns a group of at most `LANES` directions at order 0. Vectors are normalized in
+    /// double-double arithmetic.
     pub(crate) fn new(points: &[DVec3]) -> Self {
         let mut group = Self::default();
         for (i, p) in points.iter().enumerate() {
-            // Squares of very small numbers are out of range.
+            // Squares of very small numbers underflow.
             let lift = if p.x.abs().max(p.y.abs()) < 1e-100 { 2f64.powi(800) } else { 1.0 };
             let (x, y) = (p.x * lift, p.y * lift);
             let rho = (Double::product(x, x) + Double::product(y, y)).sqrt();
@@ -119,7 +120,11 @@ impl Group {
 
     /// Calls `visit` with `lambda_lm` of each point for l = m, m + 1, ...
     #[inline(always)]
-    pub(crate) fn climb(&self, order: &Order, mut visit: impl FnMut(usize, &[f64; LANES])) {
+    pub(crate) fn for_each_degree(
+        &self,
+        order: &Order,
+        mut visit: impl FnMut(usize, &[f64; LANES]),
+    ) {
         let (mut values, mut differences) = (Lanes::default(), Lanes::default());
         let (mut blocks, mut signs) = (self.blocks, [1.0; LANES]);
         for i in 0..LANES {
@@ -128,7 +133,7 @@ impl Group {
         for (n, step) in order.steps.iter().enumerate() {
             let mut lambdas = [0.0; LANES];
             for i in 0..LANES {
-                // Two blocks are beyond what any sum can see.
+                // Values two blocks down are negligible in any sum.
                 let inside = if blocks[i] > 0.0 { PER_BLOCK } else { 1.0 };
                 let scale = if blocks[i] > 1.0 { 0.0 } else { inside };
                 lambdas[i] = values.hi[i] * (scale * signs[i]);
@@ -148,7 +153,7 @@ impl Group {
         }
     }
 
-    /// Moves to the next order.
+    /// Advances to the next order.
     pub(crate) fn advance(&mut self) {
         for i in 0..LANES {
             let sectoral = self.sectoral.lane(i) * self.sin.lane(i);

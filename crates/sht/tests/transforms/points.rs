@@ -1,4 +1,4 @@
-//! Sets of directions: easy ones, and those that break transforms.
+//! Sets of directions: typical ones, and difficult ones.
 
 use std::f64::consts::{PI, TAU};
 
@@ -12,13 +12,13 @@ impl Lcg {
         Self(seed)
     }
 
-    /// In [0, 1).
+    /// Returns a number in [0, 1).
     pub(crate) fn uniform(&mut self) -> f64 {
         self.0 = self.0.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
         (self.0 >> 11) as f64 * 2f64.powi(-53)
     }
 
-    /// In [-1, 1).
+    /// Returns a number in [-1, 1).
     pub(crate) fn signed(&mut self) -> f64 {
         2.0 * self.uniform() - 1.0
     }
@@ -36,7 +36,7 @@ impl Lcg {
         (0..n).map(|_| self.direction()).collect()
     }
 
-    /// A rotation, uniform by rejection from the cube around the unit quaternions.
+    /// Returns a uniform rotation, by rejection from the cube around the unit quaternions.
     pub(crate) fn rotation(&mut self) -> DQuat {
         loop {
             let q = DQuat::from_xyzw(self.signed(), self.signed(), self.signed(), self.signed());
@@ -52,18 +52,18 @@ fn on_parallel(z: f64, phi: f64) -> DVec3 {
     DVec3::new(s * phi.cos(), s * phi.sin(), z)
 }
 
-/// Directions with a name for messages.
+/// A named set of directions.
 pub(crate) struct Set {
     pub(crate) name: &'static str,
     pub(crate) points: Vec<DVec3>,
 }
 
-/// Sets of about `n` points of which no two are equal.
+/// Returns sets of about `n` distinct points.
 pub(crate) fn distinct(n: usize) -> Vec<Set> {
     let mut rng = Lcg::new(7);
     let mut offset = || DVec3::new(rng.signed(), rng.signed(), rng.signed());
     let centre = DVec3::new(0.36, -0.48, 0.8);
-    // Within 1e-3, where degrees up to 2000 and more vary little, and on the equator itself.
+    // Within 1e-3, where functions of degrees up to 2000 vary little, and on the equator itself.
     let equatorial = (0..n)
         .map(|k| {
             let v = offset();
@@ -88,8 +88,8 @@ pub(crate) fn distinct(n: usize) -> Vec<Set> {
     ]
 }
 
-/// Small sets at places where something can go wrong.
-pub(crate) fn awkward() -> Vec<Set> {
+/// Returns small sets at numerically difficult positions.
+pub(crate) fn difficult() -> Vec<Set> {
     let place = DVec3::new(-0.6, 0.0, 0.8);
     let set = |name, points| Set { name, points };
     vec![
@@ -105,14 +105,14 @@ pub(crate) fn awkward() -> Vec<Set> {
     ]
 }
 
-/// Every kind of set, the large ones of about `n` points.
+/// Returns every kind of set, the large ones with about `n` points.
 pub(crate) fn all(n: usize) -> Vec<Set> {
     let mut sets = distinct(n);
-    sets.extend(awkward());
+    sets.extend(difficult());
     sets
 }
 
-/// `z = 1 - (2k + 1)/n` at successive golden angles.
+/// Returns the Fibonacci lattice: `z = 1 - (2k + 1)/n` at successive golden angles.
 fn fibonacci(n: usize) -> Vec<DVec3> {
     let golden_angle = PI * (3.0 - 5f64.sqrt());
     (0..n)
@@ -125,7 +125,8 @@ fn fibonacci(n: usize) -> Vec<DVec3> {
         .collect()
 }
 
-/// A grid of longitudes and latitudes, poles excepted, on meridians that grids like as well.
+/// Returns a grid of longitudes and latitudes without the poles, on meridians that also occur in
+/// transform grids.
 fn parallels(n: usize) -> Vec<DVec3> {
     let rows = ((n as f64 / 2.0).sqrt().floor()).max(1.0);
     let columns = 2.0 * rows;
@@ -139,7 +140,7 @@ fn parallels(n: usize) -> Vec<DVec3> {
         .collect()
 }
 
-/// Both sides of the meridians phi = 0 and phi = pi, and of the equator.
+/// Returns points on both sides of the meridians phi = 0 and phi = pi, and of the equator.
 fn seam() -> Vec<DVec3> {
     let mut points = Vec::new();
     for y in [0.0, -0.0, 1e-300, -1e-300, 1e-17, -1e-17, 1e-9, -1e-9] {
@@ -153,7 +154,7 @@ fn seam() -> Vec<DVec3> {
     points
 }
 
-/// At distances of 1e-160, of the smallest number and of rounding from either pole.
+/// Returns points at distances of 1e-160, of the smallest number and of rounding from either pole.
 fn beside_poles() -> Vec<DVec3> {
     let mut points = Vec::new();
     for distance in [1e-160, 5e-324, 1e-308, 1e-17, 1.2e-16] {

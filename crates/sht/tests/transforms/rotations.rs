@@ -1,4 +1,4 @@
-//! The power per degree of a set of points does not change when the set is turned.
+//! The power per degree of a set of points is invariant under rotations.
 
 use glam::DVec3;
 use sphvar_sh::Alm;
@@ -29,11 +29,11 @@ fn power_is_invariant_under_rotations() {
         let before = by_all_methods(&set.points, &mut workspace);
         for _ in 0..4 {
             let rotation = rng.rotation();
-            let turned: Vec<DVec3> = set.points.iter().map(|&p| rotation * p).collect();
-            let after = by_all_methods(&turned, &mut workspace);
+            let rotated: Vec<DVec3> = set.points.iter().map(|&p| rotation * p).collect();
+            let after = by_all_methods(&rotated, &mut workspace);
             for ((epsilon, before), (_, after)) in before.iter().zip(&after) {
-                // ||a_l|| is off by the error of a at most, on either side. The rotated points are off by
-                // 4 EPSILON or so, which turns degree l by l times as much.
+                // The error of ||a_l|| is at most that of a, for both sets. The rotated points have
+                // an error of about 4 EPSILON, which is multiplied by l for degree l.
                 let tolerance = (2.0 * epsilon + 4.0 * f64::EPSILON * LMAX as f64) * norm(before);
                 let energies =
                     before.energy_per_degree().into_iter().zip(after.energy_per_degree());
@@ -41,7 +41,7 @@ fn power_is_invariant_under_rotations() {
                     let change = (after.sqrt() - before.sqrt()).abs();
                     assert!(
                         change <= tolerance,
-                        "{}, {epsilon:e}, {rotation}, l = {l}: E = {before} became {after}",
+                        "{}, {epsilon:e}, {rotation}, l = {l}: E = {before}, rotated {after}",
                         set.name
                     );
                 }

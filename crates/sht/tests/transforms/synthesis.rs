@@ -11,7 +11,7 @@ use crate::points::{Lcg, Set, all, distinct};
 
 const EPSILONS: [f64; 6] = [1e-3, 1e-5, 1e-6, 1e-8, 1e-10, 1e-13];
 
-/// The values by every method, with the accuracy it promises.
+/// Returns the values by every method, with its stated accuracy.
 fn by_all_methods(alm: &Alm, set: &Set) -> Vec<(f64, Vec<f64>)> {
     let lmax = alm.lmax();
     // A value that must be overwritten.
@@ -29,18 +29,18 @@ fn by_all_methods(alm: &Alm, set: &Set) -> Vec<(f64, Vec<f64>)> {
     results
 }
 
-/// The largest difference and the root mean square of all.
+/// Returns the maximum and the root mean square difference.
 fn differences(a: &[f64], b: &[f64]) -> (f64, f64) {
     let squares: Vec<f64> = a.iter().zip(b).map(|(a, b)| (a - b) * (a - b)).collect();
-    // `max` would pass NaN over.
+    // `max` would ignore NaN.
     let largest = squares.iter().fold(0.0, |max: f64, s| if *s <= max { max } else { *s });
     let mean = squares.iter().sum::<f64>() / squares.len().max(1) as f64;
     (largest.sqrt(), mean.sqrt())
 }
 
-/// An adjoint that is right to `epsilon` has a transpose that is, for coefficients without order, right to
-/// `epsilon ||a|| / sqrt(4 pi)` in the mean; several times that at single points, and never beyond
-/// `epsilon ||a|| (lmax + 1) / sqrt(4 pi)`.
+/// If the adjoint has accuracy `epsilon`, the transpose has, for random coefficients, an error of
+/// `epsilon ||a|| / sqrt(4 pi)` on average, several times that at single points, and never more
+/// than `epsilon ||a|| (lmax + 1) / sqrt(4 pi)`.
 fn check_random(lmax: usize, n_points: usize) {
     let alm = random(lmax, &mut Lcg::new(21));
     let size = norm(&alm);
@@ -84,7 +84,7 @@ fn a_function_that_is_large_at_one_point() {
             let (largest, _) = differences(&got, &expected);
             assert!(
                 largest <= epsilon * at_most,
-                "{}, {epsilon:e}: {:.3} of what is allowed",
+                "{}, {epsilon:e}: {:.3} of the tolerance",
                 set.name,
                 largest / (epsilon * at_most)
             );
@@ -96,7 +96,7 @@ fn a_function_that_is_large_at_one_point() {
 fn coefficients_of_any_size() {
     let lmax = 40;
     let alm = random(lmax, &mut Lcg::new(22));
-    let mut misses = Vec::new();
+    let mut failures = Vec::new();
     for set in distinct(60) {
         let expected = Definition::new(&set.points).synthesis(&alm);
         for size in [1e30, 1e-30, 1e150, 1e-150] {
@@ -105,12 +105,12 @@ fn coefficients_of_any_size() {
                 let (largest, _) = differences(&got, &expected);
                 let allowed = epsilon * norm(&alm) * (lmax as f64 + 1.0).sqrt();
                 if largest.is_nan() || largest > allowed {
-                    misses.push(format!("{}, size {size:e}, {epsilon:e}: {largest:e}", set.name));
+                    failures.push(format!("{}, size {size:e}, {epsilon:e}: {largest:e}", set.name));
                 }
             }
         }
     }
-    assert!(misses.is_empty(), "{} misses:\n{}", misses.len(), misses.join("\n"));
+    assert!(failures.is_empty(), "{} failures:\n{}", failures.len(), failures.join("\n"));
 }
 
 #[test]
@@ -129,7 +129,8 @@ fn exact_values_are_sums_of_harmonics() {
                         expected += (alm.coefficient(l as usize, m) * y).re;
                     }
                 }
-                // 100 terms of size sqrt((2l + 1)/(4 pi)), either side right to a few (l + 1) EPSILON.
+                // 100 terms of size sqrt((2l + 1)/(4 pi)), each side with an error of a few (l + 1)
+                // EPSILON.
                 let tolerance = 8.0 * f64::EPSILON * f64::from(lmax + 1).powi(2);
                 assert!(
                     (got - expected).abs() <= tolerance,

@@ -10,7 +10,7 @@ use crate::points::{Lcg, Set, all};
 const LMAX: usize = 60;
 const EPSILONS: [f64; 4] = [1e-3, 1e-6, 1e-9, 1e-13];
 
-/// The coefficients by every method, with the accuracy it promises.
+/// Returns the coefficients by every method, with its stated accuracy.
 fn by_all_methods(set: &Set, weights: Option<&[f64]>) -> Vec<(f64, Alm)> {
     let exact = ExactTransform::new(LMAX).unwrap().adjoint(&set.points, weights).unwrap();
     let mut results = vec![(rounding(LMAX), exact)];
@@ -24,7 +24,7 @@ fn by_all_methods(set: &Set, weights: Option<&[f64]>) -> Vec<(f64, Alm)> {
 }
 
 #[test]
-fn errors_are_relative_to_the_weights_without_their_signs() {
+fn errors_are_relative_to_the_absolute_weights() {
     let mut rng = Lcg::new(11);
     for set in all(120) {
         let definition = Definition::new(&set.points);
@@ -48,14 +48,14 @@ fn errors_are_relative_to_the_weights_without_their_signs() {
 }
 
 #[test]
-fn one_large_weight_does_not_take_the_others_out_of_range() {
+fn a_single_large_weight_keeps_results_accurate() {
     for set in all(120) {
         let mut weights = vec![1.0; set.points.len()];
         if let Some(first) = weights.first_mut() {
             *first = 1e200;
         }
         let expected = Definition::new(&set.points).adjoint(Some(&weights), LMAX);
-        // The squares of the norm are out of range.
+        // The squares of the norm overflow.
         let lowered = scaled(&expected, 1e-200);
         for (epsilon, got) in by_all_methods(&set, Some(&weights)) {
             let error = distance(&scaled(&got, 1e-200), &lowered);
@@ -66,7 +66,7 @@ fn one_large_weight_does_not_take_the_others_out_of_range() {
 
 #[test]
 fn weights_below_the_normal_numbers() {
-    // The numbers below 2^-1022 are multiples of 2^-1074.
+    // Numbers below 2^-1022 are multiples of 2^-1074.
     let (lift, unit) = (2f64.powi(1000), 2f64.powi(-74));
     let mut rng = Lcg::new(12);
     for set in all(120) {
@@ -81,7 +81,8 @@ fn weights_below_the_normal_numbers() {
             // A power of two above the range of f64, in two steps.
             let got = scaled(&got, lift);
             let error = distance(&got, &expected);
-            // Every point's term is rounded to a multiple of the unit at each order, and the result once.
+            // The term of every point is rounded to a multiple of the unit at each order, and the
+            // result once more.
             let degrees = (LMAX + 1) as f64;
             let rounded = unit * degrees * (1.0 + set.points.len() as f64 * degrees.sqrt());
             assert!(
@@ -96,7 +97,7 @@ fn weights_below_the_normal_numbers() {
 }
 
 #[test]
-fn no_weight_gives_nothing() {
+fn zero_weights_give_zero() {
     for set in all(120) {
         for zero in [0.0, -0.0] {
             let weights = vec![zero; set.points.len()];
@@ -109,7 +110,7 @@ fn no_weight_gives_nothing() {
 }
 
 #[test]
-fn unit_weights_are_no_weights() {
+fn unit_weights_equal_no_weights() {
     for set in all(120) {
         let ones = vec![1.0; set.points.len()];
         assert_eq!(by_all_methods(&set, Some(&ones)), by_all_methods(&set, None), "{}", set.name);
