@@ -4,64 +4,65 @@ use crate::error::Error;
 use crate::memory::resize;
 use crate::real::Real;
 
-/// Rows and columns of the grid that points are gathered by, so that those treated in succession
-/// share the memory nearest to the processor.
+/// Rows and columns of a tile. Points are sorted by tile, so that consecutive points share cache
+/// lines.
 pub(crate) const TILE_ROWS: usize = 16;
 pub(crate) const TILE_COLUMNS: usize = 64;
 
-/// Points that are located side by side.
+/// Number of points located side by side.
 pub const LANES: usize = 8;
 
-/// Angles as `eighths/8 + rest` turns, with |rest| <= 1/16: in two parts because a sum would round
-/// away what a grid of thousands of cells to a turn can see.
+/// Angles as `eighths/8 + rest` turns, with |rest| <= 1/16. A single number would lose digits that
+/// matter on a grid of thousands of cells per turn.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Turns {
-    /// From 0 to 8.
+    /// The eighths, from 0 to 8.
     pub eighths: [f64; LANES],
-    /// From -1/16 to 1/16; the sum of both parts is in `[0, 1]`.
+    /// The rest, from -1/16 to 1/16; the sum of both parts is in `[0, 1]`.
     pub rest: [f64; LANES],
 }
 
-/// Points with two coordinates in turns, the row's and the column's.
+/// Points with two coordinates in turns, for the row and the column.
 pub trait Places {
     /// Returns the number of points.
     fn count(&self) -> usize;
 
-    /// Returns both coordinates of the points from number `first` on; what is beyond the last is
-    /// not used.
+    /// Returns both coordinates of up to `LANES` points starting at index `first`. Entries beyond
+    /// the last point are unused.
     ///
-    /// Compiled for the instruction set at hand if it is `#[inline(always)]`, with fused
-    /// multiply-adds if `FUSED`.
+    /// An implementation marked `#[inline(always)]` is compiled for the selected instruction set,
+    /// with fused multiply-adds if `FUSED`.
     fn turns<const FUSED: bool>(&self, first: usize) -> [Turns; 2];
 }
 
-/// How points find their place on the grid.
+/// Computes grid positions of points.
 #[derive(Clone, Debug)]
 pub(crate) struct Locator {
-    /// Grid cells to a full turn, by row and by column.
+    /// Grid cells per full turn, for rows and for columns.
     pub(crate) cells: [usize; 2],
-    /// Rows that the grid has between its margins.
+    /// The number of grid rows between the margins.
     pub(crate) rows: usize,
-    /// The width of the window, and the rows and columns that it can reach beyond the first.
+    /// The width of the window, and the number of rows and columns that it can extend before the
+    /// first one.
     pub(crate) width: usize,
     pub(crate) margin: usize,
 }
 
-/// A point as the window sees it.
+/// The position of a point relative to the grid.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Cell<T> {
-    /// The first row and column that its window touches, counted from the first of the margin.
+    /// The first row and column that its window touches, counted from the first row of the margin.
     pub(crate) row: u32,
     pub(crate) column: u32,
-    /// Its place in the window, see
+    /// Its position in the window, see
     /// [`WindowTable::evaluate`](crate::window::WindowTable::evaluate).
     pub(crate) t: [T; 2],
     pub(crate) weight: T,
-    /// Its number in the caller's order.
+    /// Its index in the caller's order.
     pub(crate) index: u32,
 }
 
-/// The points of a set by tile of the grid; scratch memory.
+/// The points of a set sorted by tile of the grid; workspace.
 #[derive(Debug, Default)]
 pub struct Cells<T> {
     sorted: Vec<Cell<T>>,
@@ -70,7 +71,7 @@ pub struct Cells<T> {
 }
 
 impl<T> Cells<T> {
-    /// Makes room for a number of points, or returns an error if the memory is unavailable.
+    /// Reserves memory for a number of points, or returns an error if allocation fails.
     pub(crate) fn reserve(&mut self, n_points: usize) -> Result<(), Error>
     where
         T: Real,
@@ -79,12 +80,12 @@ impl<T> Cells<T> {
         resize(&mut self.unsorted, n_points)
     }
 
-    /// The points, those of a tile after one another.
+    /// Returns the points, grouped by tile.
     pub(crate) fn sorted(&self) -> &[Cell<T>] {
         &self.sorted
     }
 
-    /// The points of each tile in turn.
+    /// Returns the points of each tile.
     pub(crate) fn tiles(&self) -> impl Iterator<Item = &[Cell<T>]> {
         let mut start = 0;
         self.tile_ends.iter().map(move |&end| {
@@ -100,12 +101,12 @@ impl Locator {
         Self { cells, rows, width, margin: width / 2 + 1 }
     }
 
-    /// Rows of the grid, the margins included.
+    /// Returns the number of grid rows, including the margins.
     pub(crate) fn n_rows(&self) -> usize {
         self.rows + 2 * self.margin
     }
 
-    /// Replaces `cells` by the points, weights multiplied by `scale`.
+    /// Replaces `cells` by the points, with weights multiplied by `scale`.
     pub(crate) fn locate<T: Real>(
         &self,
         arch: Arch,
@@ -133,7 +134,7 @@ impl Locator {
         }
         sorted.resize(unsorted.len(), Cell::default());
         for cell in &*unsorted {
-            // Starts become ends while the tiles fill up.
+            // Starts become ends as the tiles are filled.
             let place = &mut tile_ends[tile(cell)];
             sorted[*place as usize] = *cell;
             *place += 1;
@@ -183,26 +184,27 @@ impl<T: Real, P: Places> Locate<'_, T, P> {
 }
 
 impl Locator {
-    /// The first places that windows touch, and the points in them, along an axis of `n` cells.
+    /// Returns the first grid points that windows touch, and the positions of the points in their
+    /// windows, along an axis of `n` cells.
     #[inline(always)]
     #[expect(
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,
-        reason = "places on the grid are small numbers from 0 on; NaN becomes 0"
+        reason = "grid positions are small nonnegative numbers; NaN becomes 0"
     )]
     fn windows<const FUSED: bool>(&self, turns: &Turns, n: usize) -> ([u32; LANES], [f64; LANES]) {
         let (n, half, margin) = (n as f64, 0.5 * self.width as f64, self.margin as f64);
         let (mut first, mut t) = ([0; LANES], [0.0; LANES]);
         for i in 0..LANES {
             let (base, rest) = (turns.eighths[i] * 0.125 * n, turns.rest[i] * n);
-            // Rounding up by rounding down, which has an instruction on every machine: the sum is
+            // Rounds up by rounding down, which has an instruction on every machine; the sum is
             // positive.
             let below = (base + rest - half + margin) as u32;
             let short = f64::from(below) - margin < base + rest - half;
             let place = if short { below + 1 } else { below };
             let start = f64::from(place) - margin;
             first[i] = place;
-            // The product is not rounded before the difference, which is small.
+            // The product is not rounded before the subtraction, whose result is small.
             let offset = turns.rest[i].times_plus::<FUSED>(n, base - start - half);
             t[i] = 2.0 * offset + 1.0;
         }

@@ -6,7 +6,7 @@ use crate::memory::resize;
 
 /// The Fourier coefficients `c(k1, k2)` of a real measure on the torus, for |k1|, |k2| <= kmax.
 ///
-/// Half of them are stored, because `c(-k1, -k2)` is the complex conjugate of `c(k1, k2)`.
+/// Only half of them are stored, since `c(-k1, -k2)` is the complex conjugate of `c(k1, k2)`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TorusCoefficients {
     kmax: usize,
@@ -18,8 +18,8 @@ impl TorusCoefficients {
     ///
     /// # Errors
     ///
-    /// [`Error::FrequencyTooLarge`] if `kmax` exceeds [`MAX_KMAX`], [`Error::OutOfMemory`] if the
-    /// coefficients do not fit.
+    /// [`Error::FrequencyTooLarge`] if `kmax` exceeds [`MAX_KMAX`]; [`Error::OutOfMemory`] if
+    /// allocation of the coefficients fails.
     pub fn zeros(kmax: usize) -> Result<Self, Error> {
         if kmax > MAX_KMAX {
             return Err(Error::FrequencyTooLarge { kmax });
@@ -29,7 +29,7 @@ impl TorusCoefficients {
         Ok(Self { kmax, values })
     }
 
-    /// Returns the largest frequency, inclusive.
+    /// Returns the maximum frequency, inclusive.
     #[must_use]
     pub fn kmax(&self) -> usize {
         self.kmax
@@ -48,7 +48,7 @@ impl TorusCoefficients {
         Some(if k2 < 0 { value.conj() } else { value })
     }
 
-    /// Returns those with k2 >= 0: `c(k1, k2)` at `(k1 + kmax) (kmax + 1) + k2`.
+    /// Returns the coefficients with k2 >= 0: `c(k1, k2)` at `(k1 + kmax) (kmax + 1) + k2`.
     #[must_use]
     pub fn values(&self) -> &[Complex<f64>] {
         &self.values

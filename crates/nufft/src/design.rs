@@ -3,14 +3,14 @@ use crate::limits::{MAX_EPSILON, MIN_EPSILON};
 use crate::sizes::good_size;
 use crate::window::Window;
 
-/// What reaches an accuracy at least cost: the numbers of the grid, how fine it is, and the window.
+/// The least expensive parameters for an accuracy: number type, oversampling, and window.
 ///
-/// A coarser grid is less expensive to transform but needs a wider window, and amplifies rounding
-/// at its high frequencies: it pays for low accuracies only. Numbers of f32 round at 6e-8 before
-/// that.
+/// A coarser grid has a less expensive Fourier transform, but it needs a wider window and amplifies
+/// rounding errors at high frequencies: it is efficient only for low accuracies. The rounding error
+/// of f32, 6e-8, is a further limit.
 #[derive(Clone, Copy, Debug)]
 pub struct Design {
-    /// Whether the numbers of the grid are f32.
+    /// Whether the grid is stored in f32.
     pub single: bool,
     /// The window between points and grid.
     pub window: Window,
@@ -21,14 +21,14 @@ pub struct Design {
 
 impl Design {
     /// Returns the design for accuracy `epsilon` in the Euclidean norm, where frequencies that are
-    /// high in both directions count little, as they do on the sphere.
+    /// high in both directions have little weight, as on the sphere.
     ///
     /// # Errors
     ///
     /// [`Error::Accuracy`] if it is NaN or outside \[[`MIN_EPSILON`], [`MAX_EPSILON`]\].
     pub fn in_norm(epsilon: f64) -> Result<Self, Error> {
-        // The first ones lie a little below 5/4, 3/2 and 7/4, which keeps grids for degrees 2^k at
-        // sizes 5 2^k, 3 2^k and 7 2^k.
+        // The first factors are slightly below 5/4, 3/2 and 7/4, so that the grids for degrees 2^k
+        // have sizes 5 2^k, 3 2^k and 7 2^k.
         let (single, oversampling) = match epsilon {
             e if e >= 2e-6 => (true, 1.245),
             e if e >= 5e-7 => (true, 1.49),
@@ -40,12 +40,12 @@ impl Design {
         Self::new(epsilon, Window::new(epsilon, oversampling), single, oversampling)
     }
 
-    /// Returns the design for accuracy `epsilon` at every frequency, the highest in both directions
-    /// included.
+    /// Returns the design for accuracy `epsilon` at every frequency, including the highest in both
+    /// directions.
     ///
-    /// There, the window must be better by a factor that was measured as 13 at most, and rounding
-    /// is amplified twice. With these limits the largest error measured was 0.6 epsilon, for kmax
-    /// up to 1500.
+    /// Compared with [`Self::in_norm`], the window must be more accurate by a measured factor of at
+    /// most 13, and rounding is amplified in both directions. With these limits the maximum
+    /// measured error was 0.6 epsilon, for kmax up to 1500.
     ///
     /// # Errors
     ///
@@ -73,10 +73,10 @@ impl Design {
         }
     }
 
-    /// Returns the grid cells to a turn for frequencies up to `kmax`, a multiple of 4.
+    /// Returns the number of grid cells per turn for frequencies up to `kmax`, a multiple of 4.
     #[must_use]
     pub fn cells(&self, kmax: usize) -> usize {
-        // Not so small that the window would meet its own other end.
+        // The minimum keeps the window from overlapping itself around the torus.
         good_size((self.oversampling * (2 * kmax + 2) as f64).max(48.0), 1.12)
     }
 }

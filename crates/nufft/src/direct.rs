@@ -8,15 +8,19 @@ use crate::input;
 use crate::long_sum::add_with_rests;
 use crate::magnitude::magnitude;
 
-/// Returns the coefficients that [`TorusTransform::adjoint`](crate::TorusTransform::adjoint)
-/// approximates, by their definition, to rounding.
+/// Returns the coefficients of [`TorusTransform::adjoint`](crate::TorusTransform::adjoint) by the
+/// definition, to rounding.
 ///
-/// Cost O(N kmax^2): for few points, and to check the fast transform.
+/// Use it for few points, and to verify the fast transform.
 ///
 /// # Errors
 ///
-/// [`Error::FrequencyTooLarge`] and [`Error::OutOfMemory`] as [`TorusCoefficients::zeros`]; for
-/// points and weights as [`TorusTransform::adjoint`](crate::TorusTransform::adjoint).
+/// [`Error::FrequencyTooLarge`] and [`Error::OutOfMemory`] as for [`TorusCoefficients::zeros`]; for
+/// points and weights as for [`TorusTransform::adjoint`](crate::TorusTransform::adjoint).
+///
+/// # Performance
+///
+/// The cost is O(N kmax^2).
 ///
 /// # Examples
 ///
@@ -26,6 +30,7 @@ use crate::magnitude::magnitude;
 /// assert_eq!(c.get(0, 2).map(|c| c.re), Some(2.0));
 /// assert!(c.get(1, 0).is_some_and(|c| c.norm() < 1e-15));
 /// # Ok::<(), sphvar_nufft::Error>(())
+///
 /// ```
 pub fn direct_adjoint(
     kmax: usize,
@@ -37,7 +42,7 @@ pub fn direct_adjoint(
     let size = weights.map_or(1.0, |w| magnitude(w.iter().copied()));
     let scale = 1.0 / size;
     let row_len = 2 * (kmax + 1);
-    // Real and imaginary parts in turn.
+    // Real and imaginary parts alternate.
     let mut sums = vec![0.0; out.values().len() * 2];
     let mut rests = vec![0.0; sums.len()];
     let mut terms = vec![0.0; row_len];
@@ -61,7 +66,7 @@ pub fn direct_adjoint(
     Ok(out)
 }
 
-/// `e^{-2 pi i k x}`; the angle is rounded once, after whole turns are taken off.
+/// Returns `e^{-2 pi i k x}`; the angle is rounded once, after reduction by whole turns.
 fn wave(k: f64, x: f64) -> Complex<f64> {
     let turns = k * x;
     let rest = k.mul_add(x, -turns);

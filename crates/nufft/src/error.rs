@@ -2,17 +2,17 @@ use thiserror::Error as ThisError;
 
 use crate::limits::{MAX_EPSILON, MAX_KMAX, MIN_EPSILON};
 
-/// What can be wrong with the input of this crate.
+/// Error of a transform on the torus.
 #[derive(Debug, Clone, Copy, PartialEq, ThisError)]
 #[non_exhaustive]
 pub enum Error {
-    /// The requested accuracy is NaN or outside its range.
+    /// The requested accuracy is NaN or out of range.
     #[error("epsilon must be in [{MIN_EPSILON:e}, {MAX_EPSILON:e}], got {epsilon}")]
     Accuracy {
         /// The value given.
         epsilon: f64,
     },
-    /// The largest frequency exceeds what the crate supports.
+    /// The maximum frequency exceeds the supported limit.
     #[error("kmax = {kmax} is too large: the largest supported frequency is {MAX_KMAX}")]
     FrequencyTooLarge {
         /// The value given.
@@ -26,18 +26,18 @@ pub enum Error {
         /// The number of points.
         points: usize,
     },
-    /// There are more points than can be numbered.
+    /// The number of points exceeds the supported limit.
     #[error("{points} points are too many for one transform: at most {max} are supported")]
     TooManyPoints {
         /// The number of points.
         points: usize,
-        /// The largest number supported.
+        /// The maximum supported number.
         max: u32,
     },
     /// A coordinate is NaN or outside `[0, 1)`.
     #[error("point {index} (0-based) is ({u}, {v}): both coordinates must be in [0, 1), in turns")]
     Point {
-        /// The number of the point, from 0.
+        /// The index of the point, 0-based.
         index: usize,
         /// The first coordinate.
         u: f64,
@@ -47,23 +47,23 @@ pub enum Error {
     /// A weight is not finite.
     #[error("weight {index} (0-based) is {weight}: weights must be finite")]
     Weight {
-        /// The number of the point, from 0.
+        /// The index of the point, 0-based.
         index: usize,
         /// The weight.
         weight: f64,
     },
-    /// A sum of weights exceeds the range of f64.
+    /// The sum of the absolute weights overflows f64.
     #[error("the sum of the absolute weights exceeds the largest number: scale the weights down")]
     Overflow,
-    /// Coefficients of another largest frequency were passed as output.
+    /// The output has a different maximum frequency.
     #[error("the output holds frequencies up to {got}, the transform is for {expected}")]
     OutputSize {
-        /// The largest frequency of the transform.
+        /// The maximum frequency of the transform.
         expected: usize,
-        /// That of the output.
+        /// The maximum frequency of the output.
         got: usize,
     },
-    /// Memory for grids or coefficients is unavailable.
+    /// Allocation of grids or coefficients failed.
     #[error(
         "no memory for {len} values of {bytes_each} bytes each: choose a smaller kmax or fewer points"
     )]

@@ -9,26 +9,26 @@ use crate::real::Real;
 use crate::spreading::Spreading;
 use crate::window::Window;
 
-/// Columns that are transformed at a time: a stretch of memory that one access brings in.
+/// Number of columns transformed together, so that they share cache lines.
 const COLUMNS: usize = 8;
 
-/// The Fourier transforms from a real grid on the torus to coefficients, corrected for the window.
+/// Fourier transforms from a real grid on the torus to coefficients, corrected for the window.
 #[derive(Clone)]
 pub(crate) struct Fourier<T> {
     kmax: usize,
-    /// Grid cells to a turn, in both directions.
+    /// Grid cells per turn, in both directions.
     cells: usize,
-    /// One over the window's transform at each k from 0, filled up to a multiple of `COLUMNS` with
-    /// zeros.
+    /// The reciprocal of the window's transform at each k >= 0, padded with zeros to a multiple of
+    /// `COLUMNS`.
     correction: Box<[T]>,
     fft: Arc<dyn Fft<T>>,
 }
 
-/// Scratch memory of [`Fourier`].
+/// Workspace of [`Fourier`].
 #[derive(Debug, Default)]
 pub(crate) struct FourierScratch<T> {
     pair: Vec<Complex<T>>,
-    /// By block of `COLUMNS` columns, row, and column.
+    /// Indexed by block of `COLUMNS` columns, row, and column.
     spectra: Vec<Complex<T>>,
     columns: Vec<Complex<T>>,
     fft: Vec<Complex<T>>,
@@ -43,14 +43,14 @@ impl<T: Real> Fourier<T> {
         Self { kmax, cells, correction: correction.into(), fft }
     }
 
-    /// The numbers that the spectra of all rows take.
+    /// Returns the length of the spectra of all rows.
     pub(crate) fn spectra_len(&self) -> usize {
         self.cells * self.correction.len()
     }
 
     /// Replaces `out` by `scale` times the coefficients of a grid that points were spread on, in
-    /// the order of [`TorusCoefficients::values`](crate::TorusCoefficients::values); uses the grid
-    /// up.
+    /// the order of [`TorusCoefficients::values`](crate::TorusCoefficients::values). Overwrites the
+    /// grid.
     pub(crate) fn run(
         &self,
         arch: Arch,
@@ -63,7 +63,7 @@ impl<T: Real> Fourier<T> {
         arch.dispatch(Run { fourier: self, grid, spreading, scale, scratch, out });
     }
 
-    /// Adds what lies beyond the ends of rows and columns to their other ends.
+    /// Adds values beyond the ends of rows and columns to their opposite ends.
     #[inline(always)]
     fn fold(&self, grid: &mut [T], stride: usize, margin: usize) {
         let n = self.cells;
@@ -92,7 +92,7 @@ impl<T: Real> Fourier<T> {
             }
             self.fft.process_with_scratch(&mut pair[..n], fft);
             pair[n] = pair[0];
-            // The transform of a + i b at k and n - k tells those of the real a and b apart.
+            // The transform of a + i b at k and n - k separates into those of the real a and b.
             for (block, corrections) in corrections.iter().enumerate() {
                 let k = block * COLUMNS;
                 let here = &pair[k..k + COLUMNS];
@@ -102,9 +102,9 @@ impl<T: Real> Fourier<T> {
                 for i in 0..COLUMNS {
                     let (here, there) = (here[i], there[COLUMNS - 1 - i].conj());
                     let factor = corrections[i] * half;
-                    let rotated = here - there;
+                    let difference = here - there;
                     a[i] = (here + there) * factor;
-                    b[i] = Complex { re: rotated.im, im: -rotated.re } * factor;
+                    b[i] = Complex { re: difference.im, im: -difference.re } * factor;
                 }
             }
         }
@@ -128,8 +128,8 @@ impl<T: Real> Fourier<T> {
             }
             self.fft.process_with_scratch(columns, fft);
             for (line, out) in out.chunks_exact_mut(kmax + 1).enumerate() {
-                // Line kmax is that of frequency 0, negative frequencies come from the column's
-                // end.
+                // Line kmax is that of frequency 0; negative frequencies are at the end of the
+                // column.
                 let (row, size) = if line < kmax {
                     (n - (kmax - line), kmax - line)
                 } else {
@@ -172,7 +172,7 @@ impl<T: Real> NullaryFnOnce for Run<'_, T> {
 }
 
 impl<T> FourierScratch<T> {
-    /// The memory that grows with the square of kmax.
+    /// Returns the spectra, whose length grows with the square of kmax.
     pub(crate) fn spectra(&mut self) -> &mut Vec<Complex<T>> {
         &mut self.spectra
     }

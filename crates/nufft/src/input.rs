@@ -1,6 +1,6 @@
 use crate::error::Error;
 
-/// Accepts points and weights that have a meaning, and coefficients that f64 can hold.
+/// Checks that points and weights are valid and that the coefficients do not overflow.
 pub(crate) fn check(points: &[[f64; 2]], weights: Option<&[f64]>) -> Result<(), Error> {
     if u32::try_from(points.len()).is_err() {
         return Err(Error::TooManyPoints { points: points.len(), max: u32::MAX });
@@ -17,7 +17,7 @@ pub(crate) fn check(points: &[[f64; 2]], weights: Option<&[f64]>) -> Result<(), 
     if let Some(index) = weights.iter().position(|w| !w.is_finite()) {
         return Err(Error::Weight { index, weight: weights[index] });
     }
-    // No coefficient is larger than this sum.
+    // No coefficient exceeds this sum.
     let sum: f64 = weights.iter().map(|w| w.abs()).sum();
     if sum.is_finite() { Ok(()) } else { Err(Error::Overflow) }
 }

@@ -1,6 +1,8 @@
 //! Nonuniform Fourier transform of scattered points on the torus, in two dimensions and to a
 //! requested accuracy.
 //!
+//! # Examples
+//!
 //! ```
 //! use sphvar_nufft::TorusTransform;
 //!
@@ -11,15 +13,18 @@
 //! let at_one = c.get(0, 1).unwrap();
 //! assert!(at_one.re.abs() < 1e-9 && (at_one.im + 2.0).abs() < 1e-9);
 //! # Ok::<(), sphvar_nufft::Error>(())
+//!
 //! ```
 //!
-//! [`TorusTransform`] takes weighted points to Fourier coefficients in O(N log^2(1/epsilon) +
-//! kmax^2 log kmax); [`direct_adjoint`] is its definition. Points are spread onto a regular grid by
-//! a window, the grid is Fourier transformed, and the coefficients are divided by the transform of
-//! the window.
+//! # Overview
 //!
-//! [`parts`] has the stages up to the grid, for transforms that continue differently; that of the
-//! sphere does.
+//! [`TorusTransform`] computes the Fourier coefficients of weighted points in O(N log^2(1/epsilon)
+//! + kmax^2 log kmax) operations; [`direct_adjoint`] evaluates the definition. The transform
+//! spreads the points onto a regular grid with a window, applies a Fourier transform, and divides
+//! the coefficients by the transform of the window.
+//!
+//! [`parts`] exports the stages up to the grid, for use in other transforms such as that of the
+//! sphere.
 
 mod cells;
 mod coefficients;
@@ -45,7 +50,7 @@ pub use error::Error;
 pub use limits::{MAX_EPSILON, MAX_KMAX, MIN_EPSILON};
 pub use transform::{TorusTransform, TorusWorkspace};
 
-/// The stages between points and grid, and the arithmetic that they share with what follows.
+/// The stages between points and grid, and the arithmetic shared with later stages.
 pub mod parts {
     pub use crate::cells::{Cells, LANES, Places, Turns};
     pub use crate::design::Design;

@@ -1,8 +1,8 @@
-/// Sums that are added up plainly before they count as one term of a longer sum: their roundings,
-/// should all fall to the same side, are half of this many.
+/// Number of sums that are added without compensation before the total enters a longer sum. If all
+/// rounding errors have the same sign, they amount to half this number.
 pub const SHORT: usize = 64;
 
-/// Adds `terms` to `sums`, element by element, and what the roundings leave to `rests` (Knuth's
+/// Adds `terms` to `sums`, element by element, and the rounding errors to `rests` (Knuth's
 /// two-sum).
 #[inline(always)]
 pub fn add_with_rests(sums: &mut [f64], rests: &mut [f64], terms: &[f64]) {
@@ -19,7 +19,7 @@ mod tests {
     use super::add_with_rests;
 
     #[test]
-    fn what_is_too_small_for_the_sum_is_kept_in_the_rest() {
+    fn the_rest_accumulates_rounding_errors() {
         let (mut sums, mut rests) = ([1.0, 0.0], [0.0; 2]);
         for _ in 0..1000 {
             add_with_rests(&mut sums, &mut rests, &[2f64.powi(-60), 0.5]);

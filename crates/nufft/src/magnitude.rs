@@ -1,6 +1,7 @@
-/// The power of two below the largest absolute value; 1 if there is none or it is not finite.
+/// Returns the largest power of two that does not exceed the maximum absolute value; 1 if there is
+/// none or it is not finite.
 ///
-/// Dividing by it keeps numbers in range, that of f32 included, and changes no other bit.
+/// Division by it keeps numbers in range, even of f32, and is exact.
 pub fn magnitude(numbers: impl IntoIterator<Item = f64>) -> f64 {
     let largest = numbers.into_iter().fold(0.0, |size: f64, x| size.max(x.abs()));
     let exponent = f64::from_bits(largest.to_bits() & f64::INFINITY.to_bits());
@@ -12,7 +13,7 @@ mod tests {
     use super::magnitude;
 
     #[test]
-    fn it_is_a_power_of_two_from_half_the_largest_on() {
+    fn it_is_the_largest_power_of_two_up_to_the_maximum() {
         for (numbers, expected) in [
             (vec![], 1.0),
             (vec![0.0, -0.0], 1.0),

@@ -1,6 +1,6 @@
 use crate::error::Error;
 
-/// Resizes `values`, or returns an error if the memory is unavailable.
+/// Resizes `values`, or returns an error if allocation fails.
 pub(crate) fn resize<T: Clone + Default>(values: &mut Vec<T>, len: usize) -> Result<(), Error> {
     let missing = len.saturating_sub(values.len());
     values
@@ -16,7 +16,7 @@ mod tests {
     use crate::error::Error;
 
     #[test]
-    fn what_does_not_fit_is_an_error() {
+    fn a_failed_allocation_is_an_error() {
         let mut values = vec![1_u16; 3];
         resize(&mut values, 5).unwrap();
         assert_eq!(values, [1, 1, 1, 0, 0]);

@@ -1,7 +1,7 @@
 use std::f64::consts::PI;
 
-/// The coefficients, highest power first, of the polynomial in t that interpolates `f` at the
-/// Chebyshev points of [-1, 1].
+/// Returns the coefficients, highest power first, of the polynomial in t that interpolates `f` at
+/// the Chebyshev points of [-1, 1].
 pub fn interpolate(f: impl Fn(f64) -> f64, degree: usize) -> Vec<f64> {
     let n = degree + 1;
     let angle = |k: usize| PI * (k as f64 + 0.5) / n as f64;
@@ -18,7 +18,7 @@ pub fn interpolate(f: impl Fn(f64) -> f64, degree: usize) -> Vec<f64> {
     coefficients
 }
 
-/// The coefficients of 1, t, t^2, ... of a Chebyshev series.
+/// Returns the coefficients of 1, t, t^2, ... of a Chebyshev series.
 fn monomials(chebyshev: &[f64]) -> Vec<f64> {
     let n = chebyshev.len();
     let (mut before, mut current) = (vec![0.0; n], vec![0.0; n]);
@@ -45,7 +45,8 @@ mod tests {
 
     #[test]
     fn a_polynomial_is_its_own_interpolant() {
-        // Rounding of the sums of eight numbers below 5, times coefficients of T_7, below 120.
+        // Rounding of sums of eight numbers below 5, times coefficients of T_7, which are below
+        // 120.
         let coefficients = interpolate(|t| 3.0 * t.powi(5) - t.powi(2) + 0.25, 7);
         for (got, expected) in coefficients.iter().zip([0.0, 0.0, 3.0, 0.0, 0.0, -1.0, 0.0, 0.25]) {
             assert!((got - expected).abs() < 8.0 * 5.0 * 120.0 * f64::EPSILON, "{coefficients:?}");

@@ -2,16 +2,16 @@ use std::ops::AddAssign;
 
 use rustfft::FftNum;
 
-/// The numbers of a grid: f32 where the requested accuracy allows it, f64 elsewhere.
+/// Number type of a grid: f32 if the requested accuracy permits, otherwise f64.
 pub trait Real: FftNum + Default + AddAssign {
-    /// The distance from 1 to the next number.
+    /// The distance from 1 to the next larger number.
     const EPSILON: f64;
 
-    /// The nearest number.
+    /// Returns the nearest number of this type.
     fn of(x: f64) -> Self;
-    /// The same number in f64.
+    /// Returns the same number in f64.
     fn to_f64(self) -> f64;
-    /// `self * a + b`, rounded once if `FUSED`; without the instruction that would be slow.
+    /// Returns `self * a + b`, rounded once if `FUSED`, which is slow without hardware support.
     fn times_plus<const FUSED: bool>(self, a: Self, b: Self) -> Self;
 }
 
@@ -19,7 +19,7 @@ impl Real for f32 {
     const EPSILON: f64 = Self::EPSILON as f64;
 
     #[inline(always)]
-    #[expect(clippy::cast_possible_truncation, reason = "rounding is what is asked for")]
+    #[expect(clippy::cast_possible_truncation, reason = "rounding is intended")]
     fn of(x: f64) -> Self {
         x as Self
     }

@@ -5,39 +5,40 @@ use crate::long_sum::{SHORT, add_with_rests};
 use crate::real::Real;
 use crate::window::{MAX_WIDTH, Window, WindowTable};
 
-/// The grid around the points: the window takes points to it and values on it back to points.
+/// Spreads points onto a grid with the window, and interpolates grid values at points.
 ///
-/// A grid has rows of [`Self::stride`] numbers. On either side of the columns of a full turn there
-/// is a margin for what belongs to the row's other end; [`Self::margin`] rows come before the first
-/// row and after the last one, for what the caller folds.
+/// A grid has rows of [`Self::stride`] numbers. The columns of a full turn have a margin on either
+/// side for values that belong to the other end of the row. [`Self::margin`] further rows precede
+/// the first row and follow the last one; the caller folds them.
 #[derive(Clone, Debug)]
 pub struct Spreading<T> {
     locator: Locator,
     table: WindowTable<T>,
-    /// How many points at one place may be added up before it shows.
+    /// The number of points at one place that can be added with negligible rounding error.
     run: usize,
 }
 
-/// The numbers that the windows of a tile's points touch, row by row of `TILE_STRIDE`.
+/// The grid values that the windows of a tile's points touch, row by row of `TILE_STRIDE`.
 const TILE_STRIDE: usize = TILE_COLUMNS + MAX_WIDTH;
 type Patch<T> = [T; TILE_STRIDE * (TILE_ROWS + MAX_WIDTH)];
 
 impl<T: Real> Spreading<T> {
-    /// Returns the one for a grid with `cells` to a turn, by row and by column, and `rows` between
-    /// its margins, to accuracy `epsilon`.
+    /// Returns the stages for a grid with `cells` cells per turn, for rows and columns, and `rows`
+    /// rows between its margins, for accuracy `epsilon`.
     pub fn new(cells: [usize; 2], rows: usize, window: Window, epsilon: f64) -> Self {
-        // Roundings that all fall to the same side: half of this many, each of the whole sum.
+        // If all rounding errors have the same sign, they amount to half this number times EPSILON.
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "16 to 64")]
         let run = (epsilon / T::EPSILON).clamp(16.0, 64.0) as usize;
         Self { locator: Locator::new(cells, rows, window.width()), table: window.table(), run }
     }
 
-    /// Returns the distance from a number of the grid to that below it.
+    /// Returns the distance between vertically adjacent numbers in memory.
     pub fn stride(&self) -> usize {
         self.locator.cells[1] + self.locator.margin + MAX_WIDTH
     }
 
-    /// Returns the rows and columns before the first of the turn, and the rows after the last.
+    /// Returns the number of margin rows and columns before the first cell, and of rows after the
+    /// last.
     pub fn margin(&self) -> usize {
         self.locator.margin
     }
@@ -52,7 +53,7 @@ impl<T: Real> Spreading<T> {
     ///
     /// # Panics
     ///
-    /// If there are fewer weights than points.
+    /// Panics if there are fewer weights than points.
     pub fn locate(
         &self,
         arch: Arch,
@@ -69,12 +70,13 @@ impl<T: Real> Spreading<T> {
         arch.dispatch(Spread { spreading: self, cells, grid });
     }
 
-    /// Writes the values of the functions with the given grids, one after the other, times `sizes`,
-    /// at the points: function b at point i to `out[i * n_functions + b]` in the caller's order.
+    /// Writes the values of several functions at the points. `grids` holds their grids one after
+    /// the other, and `sizes` the factors of their values. Function b at point i is written to
+    /// `out[i * n_functions + b]`, in the caller's order of points.
     ///
     /// # Panics
     ///
-    /// If `out` is shorter than that.
+    /// Panics if `out` is too short.
     pub fn interpolate(
         &self,
         arch: Arch,
@@ -87,8 +89,8 @@ impl<T: Real> Spreading<T> {
     }
 }
 
-/// Work that is compiled for every padded width P of the window, with fused multiply-adds or
-/// without.
+/// Work that is compiled for every padded width P of the window, with and without fused
+/// multiply-adds.
 trait ByWidth {
     fn run<const P: usize, const FUSED: bool>(self);
 }
@@ -135,8 +137,8 @@ impl<T: Real> ByWidth for Spread<'_, T> {
                 spreading.add::<P, FUSED>(tile, [0, 0], stride, grid);
                 continue;
             }
-            // In a long sum every rounding may fall to the same side: short ones first, and short
-            // sums of those.
+            // In one long sum all rounding errors can have the same sign: add in short partial sums
+            // and sum these in the same way.
             let [row, column] = [tile[0].row as usize, tile[0].column as usize];
             let origin = [row / TILE_ROWS * TILE_ROWS, column / TILE_COLUMNS * TILE_COLUMNS];
             let n_rows = TILE_ROWS + spreading.table.width();
@@ -165,8 +167,8 @@ impl<T: Real> ByWidth for Spread<'_, T> {
 }
 
 impl<T: Real> Spreading<T> {
-    /// Adds points to the patch of the grid that begins at `origin`, as many at a time as does not
-    /// show.
+    /// Adds points to the patch of the grid that begins at `origin`, in runs with negligible
+    /// rounding error.
     #[inline(always)]
     fn add_in_runs<const P: usize, const FUSED: bool>(
         &self,

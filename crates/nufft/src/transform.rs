@@ -15,27 +15,27 @@ use crate::memory::resize;
 use crate::real::Real;
 use crate::spreading::Spreading;
 
-/// The nonuniform Fourier transform from scattered points on the torus to coefficients (type 1),
-/// the adjoint of a Fourier series' evaluation:
+/// Nonuniform Fourier transform of type 1, from scattered points on the torus to coefficients: the
+/// adjoint of the evaluation of a Fourier series.
 ///
 /// ```text
 /// c(k1, k2) = sum_j w_j exp(-2 pi i (k1 u_j + k2 v_j))     for |k1|, |k2| <= kmax
 /// ```
 ///
-/// Coordinates are turns, `(u, v)` in `[0, 1)^2`; weights are real, 1 where none are given.
+/// Coordinates `(u, v)` in `[0, 1)^2` are in turns. Weights are real and default to 1.
 ///
 /// # Accuracy
 ///
-/// The error of every coefficient is at most epsilon times the sum of the absolute weights. With
-/// weights of one sign the error in the Euclidean norm, over all coefficients, is also at most
-/// epsilon times the norm of the exact ones.
+/// The error of every coefficient is at most epsilon times the sum of the absolute weights. For
+/// weights of one sign, the Euclidean norm of the error over all coefficients is also at most
+/// epsilon times the norm of the exact coefficients.
 ///
 /// # Performance
 ///
-/// Cost O(N log^2(1/epsilon) + kmax^2 log kmax) against O(N kmax^2) of
-/// [`direct_adjoint`](crate::direct_adjoint). Memory: the grid has (2.5 to 5.6)^2 kmax^2 numbers,
-/// of f32 for an epsilon from 5e-6 on, and its spectra twice as many for half of the frequencies.
-/// One thread; the same input gives the same bits, whatever was transformed before.
+/// The cost is O(N log^2(1/epsilon) + kmax^2 log kmax), compared with O(N kmax^2) of
+/// [`direct_adjoint`](crate::direct_adjoint). The grid has (2.5 to 5.6)^2 kmax^2 numbers, in f32 if
+/// `epsilon >= 5e-6`; its spectra have twice as many for half of the frequencies. The transform
+/// uses one thread. Results are bit-identical for the same input, independent of earlier calls.
 ///
 /// # Examples
 ///
@@ -50,18 +50,19 @@ use crate::spreading::Spreading;
 /// assert!(c.get(10, -5).is_some_and(|c| (c - 25.0).norm() <= 25.0 * 1e-9));
 /// assert!(c.get(3, 0).is_some_and(|c| c.norm() <= 25.0 * 1e-9));
 ///
-/// // The definition agrees.
+/// // The same by the definition.
 /// let exact = direct_adjoint(12, &points, None)?;
 /// for (fast, exact) in c.values().iter().zip(exact.values()) {
 ///     assert!((fast - exact).norm() <= 25.0 * 1e-9);
 /// }
 /// # Ok::<(), sphvar_nufft::Error>(())
+///
 /// ```
 ///
 /// # References
 ///
-/// Greengard and Lee 2004, doi:10.1137/S003614450343200X, for the method; Barnett, Magland and af
-/// Klinteberg 2019, doi:10.1137/18M120885X, for the window.
+/// - Greengard and Lee 2004, doi:10.1137/S003614450343200X: the method.
+/// - Barnett, Magland and af Klinteberg 2019, doi:10.1137/18M120885X: the window.
 #[derive(Clone)]
 pub struct TorusTransform {
     kmax: usize,
@@ -82,7 +83,7 @@ struct Engine<T> {
     fourier: Fourier<T>,
 }
 
-/// Scratch memory of [`TorusTransform`]; grows to the largest input it has seen.
+/// Workspace of [`TorusTransform`]; grows to the largest input so far.
 #[derive(Debug, Default)]
 pub struct TorusWorkspace {
     single: Scratch<f32>,
@@ -111,8 +112,8 @@ impl TorusTransform {
     ///
     /// # Errors
     ///
-    /// [`Error::Accuracy`] if `epsilon` is NaN or outside its range, [`Error::FrequencyTooLarge`]
-    /// if `kmax` exceeds [`MAX_KMAX`].
+    /// [`Error::Accuracy`] if `epsilon` is NaN or out of range; [`Error::FrequencyTooLarge`] if
+    /// `kmax` exceeds [`MAX_KMAX`].
     pub fn new(kmax: usize, epsilon: f64) -> Result<Self, Error> {
         Self::with_arch(kmax, epsilon, Arch::new())
     }
@@ -130,21 +131,22 @@ impl TorusTransform {
         Ok(Self { kmax, epsilon, engine })
     }
 
-    /// Returns the largest frequency, inclusive.
+    /// Returns the maximum frequency, inclusive.
     #[must_use]
     pub fn kmax(&self) -> usize {
         self.kmax
     }
 
-    /// Returns the coefficients of the points, with unit weights if `weights` is `None`.
+    /// Returns the coefficients of the points; `weights` of `None` means unit weights.
     ///
     /// # Errors
     ///
-    /// [`Error::Point`] if a coordinate is NaN or outside `[0, 1)`, [`Error::WeightCount`] if
-    /// weights and points differ in number, [`Error::Weight`] if a weight is not finite,
-    /// [`Error::Overflow`] if the sum of the absolute weights is not finite,
-    /// [`Error::TooManyPoints`] from 2^32 points on, [`Error::OutOfMemory`] if grids or
-    /// coefficients do not fit.
+    /// - [`Error::Point`] if a coordinate is NaN or outside `[0, 1)`,
+    /// - [`Error::WeightCount`] if weights and points differ in number,
+    /// - [`Error::Weight`] if a weight is not finite,
+    /// - [`Error::Overflow`] if the sum of the absolute weights is not finite,
+    /// - [`Error::TooManyPoints`] for 2^32 or more points,
+    /// - [`Error::OutOfMemory`] if allocation of grids or coefficients fails.
     pub fn adjoint(
         &self,
         points: &[[f64; 2]],
@@ -155,14 +157,14 @@ impl TorusTransform {
         Ok(out)
     }
 
-    /// Replaces `out` by the coefficients of the points, with unit weights if `weights` is `None`;
-    /// leaves it as it is in case of an error.
+    /// Replaces `out` by the coefficients of the points; `weights` of `None` means unit weights. On
+    /// error `out` is unchanged.
     ///
-    /// Allocates nothing once the workspace has been used for an input of that size.
+    /// Does not allocate if the workspace has been used for inputs of this size.
     ///
     /// # Errors
     ///
-    /// As [`Self::adjoint`], and [`Error::OutputSize`] if `out` is of another kmax.
+    /// As for [`Self::adjoint`], and [`Error::OutputSize`] if `out` has a different kmax.
     pub fn adjoint_into(
         &self,
         points: &[[f64; 2]],
@@ -233,7 +235,7 @@ impl Places for Points<'_> {
             for (turns, &x) in turns.iter_mut().zip(point) {
                 let eighths = f64::from((8.0 * x + 0.5) as u32);
                 turns.eighths[i] = eighths;
-                // Without rounding: a multiple of the last digit of x, and smaller than x or 1/16.
+                // Exact: a multiple of the last digit of x, and smaller than x or 1/16.
                 turns.rest[i] = x - eighths * 0.125;
             }
         }
@@ -249,7 +251,7 @@ mod tests {
     use crate::direct::direct_adjoint;
 
     #[test]
-    fn the_portable_code_meets_the_accuracy_too() {
+    fn the_portable_code_meets_the_requested_accuracy() {
         let points: Vec<[f64; 2]> = (0..200)
             .map(|j| [0.754877 * f64::from(j), 0.569840 * f64::from(j)].map(f64::fract))
             .collect();

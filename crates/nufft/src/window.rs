@@ -7,34 +7,36 @@ use gauss_quad::GaussLegendre;
 use crate::polynomial;
 use crate::real::Real;
 
-/// The widest window in grid cells.
+/// The maximum width of a window in grid cells.
 pub(crate) const MAX_WIDTH: usize = 20;
 
-/// The exponential-of-semicircle window, `psi(x) = exp(beta (sqrt(1 - (2x/w)^2) - 1))` for |x| <=
-/// w/2 grid cells, by which scattered points meet a regular grid (Barnett, Magland and af
-/// Klinteberg 2019, doi:10.1137/18M120885X).
+/// The exponential-of-semicircle window that connects scattered points and a regular grid:
+/// `psi(x) = exp(beta (sqrt(1 - (2x/w)^2) - 1))` for |x| <= w/2 grid cells.
+///
+/// # References
+///
+/// Barnett, Magland and af Klinteberg 2019, doi:10.1137/18M120885X.
 #[derive(Clone, Copy, Debug)]
 pub struct Window {
     width: usize,
     beta: f64,
-    /// The error of its polynomials that does not show.
+    /// The negligible error of its piecewise polynomials.
     tolerance: f64,
 }
 
 impl Window {
-    /// Returns the narrowest window that reaches `epsilon` on a grid finer than needed by
-    /// `oversampling`.
+    /// Returns the narrowest window that achieves `epsilon` on a grid with this oversampling.
     #[expect(
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,
         reason = "a small positive number of cells"
     )]
     pub fn new(epsilon: f64, oversampling: f64) -> Self {
-        // Aliasing falls as exp(-pi w sqrt(1 - 1/sigma)), with a constant that was measured as 3.
+        // Aliasing decreases as exp(-pi w sqrt(1 - 1/sigma)) times a measured constant of 3.
         let decay = PI * (1.0 - 1.0 / oversampling).sqrt();
         let width = ((4.0 / epsilon).ln() / decay).ceil() as usize;
         let width = width.clamp(4, MAX_WIDTH);
-        // The largest beta whose transform has decayed at the first alias, with a little room.
+        // The largest beta whose transform has decayed at the first alias, with a small margin.
         let beta = 0.98 * PI * width as f64 * (1.0 - 0.5 / oversampling);
         Self { width, beta, tolerance: 0.01 * epsilon }
     }
@@ -55,28 +57,27 @@ impl Window {
     /// `last`.
     #[must_use]
     pub fn transform(self, n: usize, last: usize) -> Vec<f64> {
-        // The substitution x = w/2 sin(t) takes the root away; the rule then converges faster than
-        // exponentially.
+        // The substitution x = w/2 sin(t) removes the square root; the rule then converges faster
+        // than exponentially.
         let half = 0.5 * self.width as f64;
         let nodes = NonZeroUsize::MIN.saturating_add(2 * self.width + 23);
         let rule = GaussLegendre::new(nodes);
-        let quarter_turn = 0.5 * PI;
+        let half_pi = 0.5 * PI;
         let of_order = |m: usize| {
             let frequency = 2.0 * PI * m as f64 / n as f64 * half;
             let integrand = |t: f64| {
                 let (s, c) = t.sin_cos();
                 (self.beta * (c - 1.0)).exp() * (frequency * s).cos() * half * c
             };
-            let terms = rule.iter().map(|(x, w)| w * integrand(quarter_turn * x));
-            quarter_turn * terms.sum::<f64>()
+            let terms = rule.iter().map(|(x, w)| w * integrand(half_pi * x));
+            half_pi * terms.sum::<f64>()
         };
         (0..=last).map(of_order).collect()
     }
 
-    /// Returns its values as piecewise polynomials.
+    /// Returns the window as piecewise polynomials.
     pub(crate) fn table<T: Real>(self) -> WindowTable<T> {
-        // Grid point i lies at distance x - first - i, which runs over cell i as t goes from -1 to
-        // 1.
+        // Grid point i is at distance x - first - i, which covers cell i as t goes from -1 to 1.
         let piece =
             |cell: usize, t: f64| self.value(0.5 * (self.width as f64 - 1.0 + t) - cell as f64);
         let fit = |degree: usize| -> Vec<Vec<f64>> {
@@ -85,8 +86,8 @@ impl Window {
                 .collect()
         };
         let mut pieces = fit(2);
-        let most = self.width + 8;
-        for degree in 3..=most {
+        let max_degree = self.width + 8;
+        for degree in 3..=max_degree {
             pieces = fit(degree);
             let error = pieces.iter().enumerate().flat_map(|(cell, piece_fit)| {
                 (0..=40).map(move |i| {
@@ -108,11 +109,11 @@ impl Window {
     }
 }
 
-/// The window as one polynomial for each of its w grid cells; they are evaluated together.
+/// The window as one polynomial for each of its w grid cells, evaluated together.
 #[derive(Clone, Debug)]
 pub(crate) struct WindowTable<T> {
     width: usize,
-    /// The width brought to a multiple of 4, for whole vectors.
+    /// The width padded to a multiple of 4, for whole vectors.
     padded: usize,
     /// Coefficient of degree d for cell i at `d * padded + i`, highest degree first.
     coefficients: Box<[T]>,
@@ -127,7 +128,7 @@ impl<T: Real> WindowTable<T> {
         self.padded
     }
 
-    /// The window at the w grid points nearest to two places, each given by `t` in [-1, 1],
+    /// Returns the window at the w grid points nearest to two places, each given by `t` in [-1, 1],
     /// `t = 2 (x - first - w/2) + 1` for the first of the points. `P` is [`Self::padded`].
     #[inline(always)]
     pub(crate) fn evaluate<const P: usize, const FUSED: bool>(&self, t: [T; 2]) -> [[T; P]; 2] {
@@ -148,7 +149,7 @@ mod tests {
     use super::Window;
 
     #[test]
-    fn polynomials_are_the_window() {
+    fn polynomials_approximate_the_window() {
         for (epsilon, oversampling) in [(1e-3, 1.25), (1e-5, 1.5), (1e-9, 2.0), (1e-13, 2.0)] {
             let window = Window::new(epsilon, oversampling);
             let table = window.table::<f64>();

@@ -1,4 +1,4 @@
-//! The fast transform beside its definition, on inputs at the edges, and both beside closed forms.
+//! Compares the fast transform with the definition on difficult inputs, and both with closed forms.
 
 use std::f64::consts::TAU;
 
@@ -11,7 +11,7 @@ const EPSILONS: [f64; 12] =
     [1e-1, 1e-2, 1e-3, 3e-5, 1e-5, 5e-6, 1e-7, 1e-9, 1e-10, 1e-11, 5e-13, 1e-13];
 const JUST_BELOW_1: f64 = 1.0 - f64::EPSILON / 2.0;
 
-/// Numbers from [0, 1) by a linear congruential generator.
+/// Returns a generator of numbers in [0, 1), by linear congruence.
 fn uniform(seed: u64) -> impl FnMut() -> f64 {
     let mut state = seed;
     move || {
@@ -48,7 +48,7 @@ fn inputs() -> Vec<Input> {
     ]
 }
 
-/// Asserts the accuracy of every coefficient, and of the norm for weights of one sign.
+/// Asserts the accuracy of every coefficient, and that of the norm for weights of one sign.
 fn assert_near(
     name: &str,
     epsilon: f64,
@@ -64,7 +64,7 @@ fn assert_near(
     for (fast, exact) in fast.values().iter().zip(exact.values()) {
         let (fast, exact) = (fast / unit, exact / unit);
         let error = (fast - exact).norm();
-        // What is subnormal has been rounded to multiples of 5e-324.
+        // Subnormal values are rounded to multiples of 5e-324.
         let rounding = 5e-324 / unit;
         assert!(
             error <= epsilon * sum + rounding,
@@ -111,7 +111,7 @@ fn the_requested_accuracy_is_met_for_many_frequencies() {
     }
 }
 
-/// 20000 equal terms, whose roundings fall to the same side in a plain sum.
+/// 20000 equal terms, whose rounding errors have the same sign in a plain sum.
 #[test]
 fn repeated_points_lose_no_accuracy() {
     for place in [[0.1, 0.2], [0.0, 0.0], [JUST_BELOW_1, 0.5]] {
@@ -119,10 +119,10 @@ fn repeated_points_lose_no_accuracy() {
     }
 }
 
-/// A single point has the coefficients exp(-2 pi i (k1 u + k2 v)); those of dyadic coordinates are
-/// computed here from integers, without rounding of the angle before the last step.
+/// A single point has the coefficients exp(-2 pi i (k1 u + k2 v)). For dyadic coordinates they are
+/// computed here from integers, so that the angle is rounded only in the last step.
 #[test]
-fn the_definition_is_the_closed_form_of_a_point() {
+fn the_definition_matches_the_closed_form_of_a_point() {
     let (kmax, a, b, turn) = (50, 12345_i32, 54321, 65536);
     let point = [f64::from(a) / f64::from(turn), f64::from(b) / f64::from(turn)];
     let c = direct_adjoint(50, &[point], Some(&[3.0])).unwrap();
@@ -137,7 +137,7 @@ fn the_definition_is_the_closed_form_of_a_point() {
     }
 }
 
-/// A lattice of p x q points has p q at multiples of (p, q), and zero elsewhere.
+/// A lattice of p x q points has the coefficient p q at multiples of (p, q), and zero elsewhere.
 #[test]
 fn a_lattice_has_the_coefficients_of_its_dual() {
     let (p, q) = (7, 12);
@@ -159,13 +159,13 @@ fn a_lattice_has_the_coefficients_of_its_dual() {
 }
 
 #[test]
-fn the_same_input_gives_the_same_bits() {
+fn the_same_input_gives_bit_identical_results() {
     let (_, points, weights) = inputs().swap_remove(7);
     let mut workspace = TorusWorkspace::default();
     for epsilon in [1e-4, 1e-10] {
         let plan = TorusTransform::new(20, epsilon).unwrap();
         let alone = plan.adjoint(&points, weights.as_deref()).unwrap();
-        // A larger transform before it, of other points.
+        // A larger transform of other points before.
         let larger = TorusTransform::new(60, epsilon).unwrap();
         let mut other = TorusCoefficients::zeros(60).unwrap();
         larger.adjoint_into(&[[0.5, 0.1]; 700], None, &mut workspace, &mut other).unwrap();
@@ -176,7 +176,7 @@ fn the_same_input_gives_the_same_bits() {
 }
 
 #[test]
-fn wrong_input_is_an_error() {
+fn invalid_input_is_an_error() {
     for epsilon in [0.0, -1e-3, 0.99e-13, 0.1001, 1.0, f64::INFINITY, f64::NAN] {
         let error = TorusTransform::new(4, epsilon).unwrap_err();
         assert!(matches!(error, Error::Accuracy { .. }), "{epsilon}: {error}");
