@@ -1,8 +1,9 @@
-//! How often the 95 % intervals of measured variances hold the truth, and how often there is none.
+//! Measures how often the 95 % intervals of measured variances contain the true variance, and how
+//! often there is no interval.
 //!
-//! `cargo run --release -p sphvar-variance --example interval_coverage -- SEEDS`: the first table has integrands that few
-//! trials see, the second twenty ordinary ones. "seen" counts the seeds in which 50 trials or more differ from the
-//! others by a tenth of the largest difference.
+//! `cargo run --release -p sphvar-variance --example interval_coverage -- SEEDS`: the first table
+//! has integrands that few trials hit, the second has twenty ordinary ones. "seen" counts the seeds
+//! for which 50 trials or more differ from the others by a tenth of the largest difference.
 
 use std::error::Error;
 use std::io::Write;
@@ -24,7 +25,7 @@ struct Tally {
     seen_present: u64,
 }
 
-/// The number of trials that see the integrand.
+/// Returns the number of trials that hit the integrand.
 fn seeing(comparison: &Comparison) -> usize {
     let mean = comparison.measurement.mean();
     let off = |x: &f64| (x - mean).abs();
@@ -33,7 +34,7 @@ fn seeing(comparison: &Comparison) -> usize {
     estimates.iter().filter(|x| off(x) > 0.1 * largest).count()
 }
 
-/// The truth by a spectrum that is known without trials.
+/// Returns the true variance from a spectrum computed without sampling.
 fn truth(
     sampler: &dyn Sampler,
     integrand: &dyn Integrand,
@@ -43,7 +44,7 @@ fn truth(
     let exact = ExactSpectrum::of(sampler).ok_or("no spectrum without trials")?;
     let spectrum = exact.to(lmax, &())?;
     let prediction = predict(&spectrum, &energy);
-    // Of the spectrum nothing is shown.
+    // The spectrum itself is not printed.
     Ok(PredictedPoint { spectrum: exact.to(4, &())?, prediction })
 }
 

@@ -1,6 +1,6 @@
 use sphvar_samplers::{Pattern, Progress, SamplerFamily};
 
-use crate::required_points::refused;
+use crate::required_points::ignore_unsupported_count;
 use crate::{
     Error, PredictedCurve, PredictedPoint, Predictor, RequiredPoints, legal_between,
     required_points,
@@ -10,7 +10,7 @@ use crate::{
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Wish {
     /// The least variance with at most this number of points, or with the smallest valid count of a
-    /// pattern that has none below.
+    /// pattern whose valid counts all exceed it.
     Points(usize),
     /// The fewest points with at most this variance.
     Variance {
@@ -64,7 +64,7 @@ impl<F: SamplerFamily + Clone> Candidate<F> {
     ///
     /// # Errors
     ///
-    /// Those of [`required_points`] and [`Predictor::predict`].
+    /// Returns the errors of [`required_points`] and [`Predictor::predict`].
     pub fn new(
         family: F,
         wish: Wish,
@@ -78,7 +78,7 @@ impl<F: SamplerFamily + Clone> Candidate<F> {
     ///
     /// # Errors
     ///
-    /// Those of [`Self::new`].
+    /// Returns the errors of [`Self::new`].
     pub fn with_curve(
         mut curve: PredictedCurve<F>,
         wish: Wish,
@@ -135,8 +135,8 @@ pub fn rank<F>(candidates: &mut [Candidate<F>], wish: Wish) {
     });
 }
 
-/// Predicts at the valid count next to `n` and, roughly and as far as that is affordable, at those next to a
-/// half and a quarter of it, for the rate; returns the first.
+/// Predicts the variance at the valid count nearest to `n`, and returns that count. For the rate,
+/// also predicts roughly, where affordable, at the valid counts nearest to n/2 and n/4.
 fn around<F: SamplerFamily + Clone>(
     curve: &mut PredictedCurve<F>,
     predictor: &mut Predictor<'_>,
@@ -145,21 +145,21 @@ fn around<F: SamplerFamily + Clone>(
 ) -> Result<usize, Error> {
     let family = curve.pattern().clone();
     let domain = predictor.domain();
-    let legal = |n: usize| family.nearest_count(n, domain);
-    // More points than are at hand only where the pattern has no fewer.
+    let valid = |n: usize| family.nearest_count(n, domain);
+    // A count above the budget is used only if the pattern has none below.
     let fewer = legal_between(&family, domain, 0, n.saturating_add(1), n);
-    let at = fewer.unwrap_or_else(|| legal(n));
+    let at = fewer.unwrap_or_else(|| valid(n));
     curve.predict(predictor, at, progress)?;
-    for n in [n / 4, n / 2].map(legal) {
+    for n in [n / 4, n / 2].map(valid) {
         let rough = predictor.budget().rough();
-        // A number of points that the pattern rejects is left out of the curve.
+        // A count that the pattern rejects is left out of the curve.
         if curve.at(n).is_none()
             && let Ok(sampler) = family.build(n, domain)
             && predictor.is_affordable_within(rough, &*sampler).unwrap_or(false)
         {
             match predictor.predict_within(rough, &*sampler, progress) {
                 Ok(point) => curve.insert(point),
-                Err(error) => refused(&error)?,
+                Err(error) => ignore_unsupported_count(&error)?,
             }
         }
     }

@@ -1,8 +1,8 @@
 use crate::known_moments::KnownMoments;
 use crate::{BiasTest, Measurement, PredictedPoint, Prediction, RelativeError, VariancePoint};
 
-/// The variance that a pattern's spectrum predicts for an integrand, and the variance measured
-/// on independent realizations: what [`Predictor::compare`](crate::Predictor::compare) returns.
+/// The variance predicted from a pattern's spectrum and the variance measured on independent
+/// realizations, as returned by [`Predictor::compare`](crate::Predictor::compare).
 #[derive(Clone, Debug)]
 pub struct Comparison {
     /// The spectrum and the variance predicted from it.
@@ -11,42 +11,45 @@ pub struct Comparison {
     pub measurement: Measurement,
     /// The exact integral, if it is known.
     pub exact: Option<f64>,
-    /// The variance that the rounding of an estimate alone can make.
+    /// The variance that rounding of an estimate alone can produce.
     pub rounding: f64,
-    /// The variance that the rounding of the prediction alone can make.
+    /// The variance that rounding of the prediction alone can produce.
     pub(crate) prediction_rounding: f64,
     pub(crate) known: KnownMoments,
 }
 
 impl Comparison {
-    /// The relative error of the measured variance, as far as the trials and what is known of the integrand show it.
+    /// Returns the relative error of the measured variance, from the trials and the known moments
+    /// of the integrand.
     #[must_use]
     pub fn error(&self) -> RelativeError {
         self.known.error(&self.measurement)
     }
 
-    /// Whether too few trials see the integrand's variation for an interval, a score, a ratio or a verdict
-    /// ([`RelativeError::is_known`]), although there is a variance to be seen.
+    /// Returns whether too few trials hit the integrand's variation for an interval, a score, a
+    /// ratio or a verdict ([`RelativeError::is_known`]), although there is a variance to measure.
     #[must_use]
     pub fn sees_too_little(&self) -> bool {
         self.is_visible() && (self.is_constant() || !self.error().is_known())
     }
 
-    /// Whether there is a variance beyond the rounding of estimates.
+    /// Returns whether the variance exceeds the rounding of estimates.
     fn is_visible(&self) -> bool {
         self.measurement.variance().max(self.predicted.prediction.variance) > self.rounding
     }
 
-    /// Whether all trials gave the same estimate, to rounding.
+    /// Returns whether all trials gave the same estimate, up to rounding.
     fn is_constant(&self) -> bool {
         self.measurement.variance() <= self.rounding
     }
 
-    /// The end points of the measured variance's confidence interval, which holds the measured value.
+    /// Returns the end points of the measured variance's confidence interval, which contains the
+    /// measured value.
     ///
-    /// Where all trials agree, it goes from 0 to an upper limit (97.5 %), from the moments of the integrand: equal
-    /// estimates tell only that others are rare. It is (0, 0) only if there is no variance by an exact
-    /// prediction. `None` if [too few trials see the integrand](Self::sees_too_little).
+    /// If all trials agree, the interval extends from 0 to an upper limit (97.5 %) from the moments
+    /// of the integrand: equal estimates show only that others are rare. It is (0, 0) only if an
+    /// exact prediction has no variance. Returns `None` if [too few trials hit the
+    /// integrand](Self::sees_too_little).
     #[must_use]
     pub fn measured_interval(&self, confidence: f64) -> Option<(f64, f64)> {
         if !self.is_constant() {
@@ -62,8 +65,9 @@ impl Comparison {
         Some((0.0, limit.max(self.measurement.variance())))
     }
 
-    /// Measured over predicted variance and the standard error of this ratio; NaN if too few trials see the
-    /// integrand, and where both are no more than the rounding of estimates.
+    /// Returns the ratio of measured to predicted variance and the standard error of the ratio; NaN
+    /// if too few trials hit the integrand, or if both variances are at most the rounding of
+    /// estimates.
     #[must_use]
     pub fn ratio(&self) -> (f64, f64) {
         if self.sees_too_little() || !self.is_visible() {
@@ -77,19 +81,20 @@ impl Comparison {
         (ratio, ratio * relative)
     }
 
-    /// The difference of measured and predicted variance in units of the standard error that it has if the
-    /// prediction is right, to which the rounding of the estimates is added; close to standard normal
-    /// where the theory holds and trials are many.
+    /// Returns the difference of measured and predicted variance in units of its standard error
+    /// under the hypothesis that the prediction is right; the rounding of the estimates is added to
+    /// that error. It is close to standard normal if the theory holds and the number of trials is
+    /// large.
     ///
     /// ```text
     /// z = (s^2 - V)/sqrt((V r)^2 + e^2 + rounding^2)
     /// ```
     ///
-    /// V and e are the prediction and its [`total_stderr`](Prediction::total_stderr), r is the relative standard error
-    /// of the measured s^2 if V is right: exactly for independent points and an integrand of known kurtosis, else
-    /// [`RelativeError::at`]. With `s^2 r` instead of `V r` the score would lean to the negative side, as
-    /// measured errors are small where measured variances are.
-    /// NaN if too few trials see the integrand.
+    /// V and e are the prediction and its [`total_stderr`](Prediction::total_stderr). r is the
+    /// relative standard error of the measured s^2 if V is right: the exact one for independent
+    /// points and an integrand of known kurtosis, otherwise [`RelativeError::at`]. With `s^2 r`
+    /// instead of `V r` the score would be biased to negative values, as small measured variances
+    /// have small measured errors. NaN if too few trials hit the integrand.
     #[must_use]
     pub fn z_score(&self) -> f64 {
         if self.sees_too_little() {
@@ -97,25 +102,26 @@ impl Comparison {
         }
         let (measured, expected) =
             (self.measurement.variance(), self.predicted.prediction.variance);
-        // Of nothing but rounding the relative error may be any.
+        // The relative error of mere rounding can have any value.
         let sampling = if self.is_constant() { 0.0 } else { expected * self.expected_error() };
         let stderr = sampling.hypot(self.predicted.prediction.total_stderr()).hypot(self.rounding);
         (measured - expected) / stderr
     }
 
-    /// Whether the mean of the trials is the exact integral, if that is known and enough trials see the integrand.
+    /// Tests the mean of the trials against the exact integral, if that is known and enough trials
+    /// hit the integrand.
     #[must_use]
     pub fn bias(&self) -> Option<BiasTest> {
         let exact = self.exact.filter(|_| !self.sees_too_little())?;
         Some(self.measurement.bias(exact, self.rounding))
     }
 
-    /// The measured variance at its number of points, for rates and crossovers; 0 where it is no more
-    /// than rounding. Its error is infinite if too few trials see the integrand, or if there is a variance that rounding
-    /// hides.
+    /// Returns the measured variance at its number of points, for rates and crossovers. The
+    /// variance is 0 where it is at most rounding. Its error is infinite if too few trials hit the
+    /// integrand, or if rounding hides an existing variance.
     ///
-    /// The error is what it is if the prediction is right, so that weights by errors do not favour the variances that
-    /// came out small.
+    /// The error is the one expected if the prediction is right, so that weighting by errors does
+    /// not favour variances that happen to be small.
     #[must_use]
     pub fn measured_point(&self) -> VariancePoint {
         let variance = self.measurement.variance();
@@ -128,33 +134,34 @@ impl Comparison {
         self.point(variance, variance * self.expected_error(), self.rounding)
     }
 
-    /// The relative standard error of the measured variance if the prediction is right; if that is 0, by the trials alone.
+    /// Returns the relative standard error of the measured variance if the prediction is right; if
+    /// the prediction is 0, the error from the trials alone.
     fn expected_error(&self) -> f64 {
         let ratio = self.predicted.prediction.variance / self.measurement.variance();
         let by_trials = || self.error().at(if ratio > 0.0 { ratio } else { 1.0 });
         self.known.exact_error(self.measurement.estimates().len()).unwrap_or_else(by_trials)
     }
 
-    /// The predicted variance at its number of points, likewise.
+    /// Returns the predicted variance at its number of points, with the same conventions.
     #[must_use]
     pub fn predicted_point(&self) -> VariancePoint {
         let Prediction { variance, .. } = self.predicted.prediction;
         self.point(variance, self.predicted.prediction.total_stderr(), self.prediction_rounding)
     }
 
-    /// Whether the prediction has the smaller relative error of the two, which it has where there is nothing to
-    /// measure.
+    /// Returns whether the prediction has the smaller relative error of the two. This holds where
+    /// there is nothing to measure.
     #[must_use]
     pub fn is_prediction_more_precise(&self) -> bool {
         let relative =
             |p: VariancePoint| if p.variance > 0.0 { p.stderr / p.variance } else { 0.0 };
         let (predicted, measured) = (self.predicted_point(), self.measured_point());
-        // An unknown error is no small one.
+        // An unknown error does not count as small.
         let is_known = !self.predicted.prediction.total_stderr().is_nan();
         is_known && (relative(predicted) <= relative(measured) || relative(measured).is_nan())
     }
 
-    /// The more precise one of [`predicted_point`](Self::predicted_point) and
+    /// Returns the more precise of [`predicted_point`](Self::predicted_point) and
     /// [`measured_point`](Self::measured_point).
     #[must_use]
     pub fn best_point(&self) -> VariancePoint {

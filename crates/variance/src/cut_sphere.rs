@@ -9,42 +9,42 @@ use crate::measurement::evaluation_work;
 use crate::{Error, Measurement};
 use sphvar_integrands::Integrand;
 
-/// How the cut lies to the integrand.
+/// The orientation of the cut relative to the integrand.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum CutAxis {
-    /// At the equator, as where a renderer keeps the visible half.
+    /// At the equator, as in a renderer that keeps the visible half.
     Equator,
-    /// Turned at random, by rotations from these streams: the integrand is a function of lines, and any half of the
-    /// sphere represents them all. This is what compares with a pattern of lines, which has no
-    /// preferred half.
+    /// Rotated randomly, by rotations from these streams. The integrand is then a function of lines
+    /// through the origin, and any half of the sphere represents all of them. This is comparable
+    /// with an antipodal (projective) pattern, which has no preferred half.
     Random(Streams),
 }
 
-/// Estimates of an integral over the hemisphere from sphere sets of which one half is kept.
+/// Estimates of an integral over the hemisphere from the visible half of sphere sets.
 ///
-/// A set has M points on the sphere, n of them in the half that is kept. n is random, and the cut is a
-/// seam that the pattern knows nothing of (`docs/theory.md`, section on the hemisphere).
+/// A set has M points on the sphere, n of them in the visible half. n is random, and the pattern is
+/// not adapted to the cut (`docs/theory.md`, section on the hemisphere).
 #[derive(Clone, Debug, PartialEq)]
 pub struct CutMeasurement {
-    /// `(4 pi/M) sum f`: unbiased, with the variance of f cut off at the seam.
+    /// `(4 pi/M) sum f`: unbiased, with the variance of f set to 0 beyond the cut.
     pub unbiased: Measurement,
-    /// `(2 pi/n) sum f`: a ratio estimate, whose bias is of the order 1/M. 0, as the sum is, for n = 0; that happens
-    /// where M is a handful.
+    /// `(2 pi/n) sum f`: a ratio estimate with a bias of order 1/M. It is 0 for n = 0, which occurs
+    /// for small M.
     pub ratio: Measurement,
     /// The numbers n.
     pub kept: Measurement,
 }
 
-/// Integrates `integrand` over the hemisphere by `trials` realizations of an ensemble on the sphere, cut
-/// in half; [`trial_work`](crate::trial_work) is ticked for each.
+/// Integrates `integrand` over the hemisphere by the visible half of `trials` realizations of an
+/// ensemble on the sphere. Ticks [`trial_work`](crate::trial_work) for each trial.
 ///
 /// # Errors
 ///
-/// Those of [`measure`](crate::measure).
+/// Returns the errors of [`measure`](crate::measure).
 ///
 /// # Panics
 ///
-/// If the ensemble is not one on the sphere.
+/// Panics if the ensemble is not on the sphere.
 pub fn measure_cut_sphere(
     ensemble: &Realizations<'_>,
     integrand: &dyn Integrand,
@@ -52,7 +52,7 @@ pub fn measure_cut_sphere(
     trials: u64,
     progress: &dyn Progress,
 ) -> Result<CutMeasurement, Error> {
-    assert_eq!(ensemble.sampler().domain(), Domain::Sphere, "a sphere set is to be cut");
+    assert_eq!(ensemble.sampler().domain(), Domain::Sphere, "the ensemble must be on the sphere");
     let trial = |set: &mut PointSet, index| {
         ensemble.realize_into(index, set, progress).map_err(sphvar_spectrum::Error::from)?;
         set.normalize_weights();
@@ -74,7 +74,7 @@ pub fn measure_cut_sphere(
         let ratio = if set.is_empty() { 0.0 } else { 2.0 * PI / kept * sum };
         Ok([4.0 * PI / whole * sum, ratio, set.len() as f64])
     };
-    // Collected in the order of the trials: what follows does not depend on threads.
+    // Collected in the order of the trials, so the result does not depend on threads.
     let rows: Result<Vec<[f64; 3]>, Error> =
         (0..trials).into_par_iter().map_init(PointSet::default, trial).collect();
     let rows = rows?;
@@ -82,12 +82,12 @@ pub fn measure_cut_sphere(
     Ok(CutMeasurement { unbiased: column(0), ratio: column(1), kept: column(2) })
 }
 
-/// The sum of the weights of a set, 1 each of equal ones.
+/// Returns the sum of the weights of a set, which are 1 each if the set has none.
 fn weight_sum(set: &PointSet) -> f64 {
     if set.weights.is_empty() { set.len() as f64 } else { set.weights.iter().sum() }
 }
 
-/// Drops the points at z <= 0 with their weights.
+/// Removes the points at z <= 0 with their weights.
 fn keep_upper_half(set: &mut PointSet) {
     let mut above = set.points.iter().map(|p| p.z > 0.0);
     set.weights.retain(|_| above.next().unwrap_or(false));
@@ -102,7 +102,8 @@ mod tests {
 
     use super::{CutAxis, measure_cut_sphere};
 
-    /// Of one point half the sets are empty; the constant 1 then has the estimates 0, and 4 pi or 2 pi.
+    /// Half of the sets of one point are empty: the constant 1 then has the estimate 0, otherwise 4
+    /// pi or 2 pi.
     #[test]
     fn an_empty_half_gives_0() {
         let sampler = Pattern::WhiteNoise.build(1, Domain::Sphere).unwrap();

@@ -4,35 +4,40 @@ use sphvar_spectrum::Resolution;
 use crate::Error;
 use sphvar_integrands::{Energy, Integrand};
 
-/// The degree to which a spectrum is needed for predicting the variance of an integrand, if the
-/// caller has no wish of his own.
+/// Returns the default degree to which a spectrum is computed for predicting the variance of an
+/// integrand.
 ///
-/// A random pattern's power is 1 beyond some 2 sqrt(N), so 4 sqrt(N) leave a tail that is known. A
-/// lattice, and a given set, has peaks at all degrees whose mean only is 1: 40 sqrt(N), unless the integrand's energies
-/// fall fast before that. Degrees that the integrand does not have are not needed.
+/// The power of a random pattern is 1 beyond about 2 sqrt(N), so its tail is known from degree 4
+/// sqrt(N) on. A lattice or a given set has peaks at all degrees, and only their mean is 1: the
+/// degree is 40 sqrt(N), unless the integrand's energies fall off fast before that. The degree does
+/// not exceed the integrand's band limit.
 #[must_use]
 pub fn prediction_degree(sampler: &dyn Sampler, integrand: &dyn Integrand) -> usize {
-    let law = Resolution::natural_degree(sampler.n_points());
+    let natural = Resolution::natural_degree(sampler.n_points());
     let is_lattice = matches!(sampler.law(), Law::Fixed | Law::OneOf(_));
-    let degree = if is_lattice { law.saturating_mul(10) } else { law };
-    let resolved = integrand.resolved_degree().map_or(degree, |most| degree.min(most.max(law)));
-    let band = integrand.band_limit().filter(|&most| is_limited(integrand, sampler.domain(), most));
-    band.map_or(resolved, |most| resolved.min(most))
+    let degree = if is_lattice { natural.saturating_mul(10) } else { natural };
+    let resolved =
+        integrand.resolved_degree().map_or(degree, |limit| degree.min(limit.max(natural)));
+    let band =
+        integrand.band_limit().filter(|&limit| is_limited(integrand, sampler.domain(), limit));
+    band.map_or(resolved, |limit| resolved.min(limit))
 }
 
-/// Whether a function of a band limit keeps it on the domain: the even extension of what the equator cuts may not.
-fn is_limited(integrand: &dyn Integrand, domain: Domain, most: usize) -> bool {
-    domain == Domain::Sphere || integrand.energy(domain, most).is_ok_and(|e| e.beyond(most) == 0.0)
+/// Returns whether a band-limited function stays band-limited on the domain. The even extension of
+/// a function that the equator cuts may not be.
+fn is_limited(integrand: &dyn Integrand, domain: Domain, limit: usize) -> bool {
+    domain == Domain::Sphere
+        || integrand.energy(domain, limit).is_ok_and(|e| e.beyond(limit) == 0.0)
 }
 
-/// The degree from which on the mean power of any pattern is about 1: 2 sqrt(N), with the N of the
-/// same density on the whole sphere.
+/// Returns the degree from which the mean power of any pattern is about 1: 2 sqrt(N), with the N of
+/// the same density on the whole sphere.
 #[must_use]
 pub fn settled_degree(sampler: &dyn Sampler) -> usize {
     settled_degree_of(sampler.n_points(), sampler.domain())
 }
 
-/// [`settled_degree`] of any pattern of `n_points`.
+/// Returns [`settled_degree`] for any pattern of `n_points`.
 #[must_use]
 #[expect(
     clippy::cast_possible_truncation,
@@ -43,20 +48,21 @@ pub fn settled_degree_of(n_points: usize, domain: Domain) -> usize {
     (2.0 * domain.count_on_sphere(n_points).sqrt()).ceil() as usize
 }
 
-/// Refuses a largest degree that would fake a rate.
+/// Checks that a largest degree is high enough to predict a meaningful rate.
 ///
-/// Beyond `lmax` a prediction takes the mean power that the pattern tends to. Below [`settled_degree`] it can be anything
-/// from 0 on; if the integrand has energy between the two, then what is predicted is that energy and not the
-/// pattern, with a rate of -1 (or, were the rest dropped, with one that is too fast). Let
-/// `B = sum_{lmax < l <= settled} E(l)`. It has to be at most a tenth of the energy beyond the settled
-/// degree, whose share is right, plus a millionth of all energy but that of the mean.
+/// Beyond `lmax` a prediction uses the limit of the pattern's mean power. Below [`settled_degree`]
+/// the true power can be any number from 0 up. If the integrand has energy between the two degrees,
+/// the prediction reflects that energy and not the pattern, with a rate of -1; if the tail were
+/// dropped, the rate would be too fast. Let `B = sum_{lmax < l <= settled} E(l)`. `B` must be at
+/// most a tenth of the energy beyond the settled degree, whose contribution is correct, plus a
+/// millionth of the total energy without that of the mean.
 ///
-/// White noise is settled from degree 1 on and needs no such care.
+/// White noise is settled from degree 1 and needs no check.
 ///
 /// # Errors
 ///
-/// [`Error::Unsettled`] with the least degree that would do. `energy` must reach to the settled degree, else the
-/// answer is as if the integrand had all of its remaining energy beyond.
+/// Returns [`Error::Unsettled`] with the least sufficient degree. `energy` must reach the settled
+/// degree; otherwise all of its remaining energy is treated as lying beyond it.
 pub fn check_degree(sampler: &dyn Sampler, energy: &Energy, lmax: usize) -> Result<(), Error> {
     let settled = settled_degree(sampler);
     let beyond = energy.beyond(settled);
@@ -65,7 +71,7 @@ pub fn check_degree(sampler: &dyn Sampler, energy: &Energy, lmax: usize) -> Resu
     if settles(lmax) {
         return Ok(());
     }
-    // The energy beyond a degree falls with it: bisection.
+    // The energy beyond a degree decreases with the degree, so bisection applies.
     let (mut low, mut least) = (lmax, settled);
     while least - low > 1 {
         let middle = low + (least - low) / 2;
@@ -87,20 +93,21 @@ mod tests {
     use sphvar_integrands::{Cap, Harmonic, Integrand, VonMisesFisher};
 
     #[test]
-    fn a_degree_that_fakes_a_rate_is_refused() {
+    fn a_degree_too_low_for_a_rate_is_rejected() {
         let sampler = Pattern::Jittered.build(12 * 64 * 64, Domain::Sphere).unwrap();
         assert_eq!(settled_degree(&*sampler), 444);
-        // 256 degrees were the thesis's own, for up to 120 000 points.
+        // The thesis uses 256 degrees for up to 120 000 points.
         let cap = Cap::from_degrees(60.0).unwrap().energy(Domain::Sphere, 444).unwrap();
-        let refused = check_degree(&*sampler, &cap, 255).unwrap_err();
-        let Error::Unsettled { lmax: 255, least, settled: 444, n_points: 49152 } = refused else {
-            panic!("{refused}");
+        let error = check_degree(&*sampler, &cap, 255).unwrap_err();
+        let Error::Unsettled { lmax: 255, least, settled: 444, n_points: 49152 } = error else {
+            panic!("{error}");
         };
-        // Energy as l^-2: a tenth more of it is beyond 444/1.1 = 403.6, give or take its oscillation.
+        // The energy falls as l^-2: a tenth more of it lies beyond 444/1.1 = 403.6, up to its
+        // oscillation.
         assert!((400..410).contains(&least), "{least}");
         assert!(check_degree(&*sampler, &cap, least).is_ok());
         assert!(check_degree(&*sampler, &cap, least - 1).is_err());
-        let message = refused.to_string();
+        let message = error.to_string();
         assert!(message.contains("255") && message.contains(&least.to_string()), "{message}");
     }
 
@@ -109,12 +116,12 @@ mod tests {
         let sampler = Pattern::Jittered.build(12 * 64 * 64, Domain::Sphere).unwrap();
         let harmonic = Harmonic::new(4, 0).unwrap().energy(Domain::Sphere, 444).unwrap();
         assert!(check_degree(&*sampler, &harmonic, 4).is_ok());
-        let refused = check_degree(&*sampler, &harmonic, 3).unwrap_err();
-        assert!(matches!(refused, Error::Unsettled { least: 4, .. }), "{refused}");
+        let error = check_degree(&*sampler, &harmonic, 3).unwrap_err();
+        assert!(matches!(error, Error::Unsettled { least: 4, .. }), "{error}");
         let smooth = VonMisesFisher::new(10.0).unwrap().energy(Domain::Sphere, 444).unwrap();
-        let refused = check_degree(&*sampler, &smooth, 3).unwrap_err();
-        assert!(matches!(refused, Error::Unsettled { least: 5..30, .. }), "{refused}");
-        // A handful of points is settled at once.
+        let error = check_degree(&*sampler, &smooth, 3).unwrap_err();
+        assert!(matches!(error, Error::Unsettled { least: 5..30, .. }), "{error}");
+        // The power of a single point is settled immediately.
         let few = Pattern::WhiteNoise.build(1, Domain::Hemisphere).unwrap();
         assert!(check_degree(&*few, &smooth, 3).is_ok());
     }

@@ -2,29 +2,31 @@ use sphvar_samplers::{BlueParameters, Domain, Pattern, SpectralControl, StepPara
 
 use crate::{Error, PredictedPoint, PredictionBudget, Predictor};
 
-/// The share of white noise's power that a pattern has at least beyond its empty degrees, averaged
-/// with the energies of an integrand over many degrees: power that is missing at low degrees comes back beyond
-/// (`sum (2l+1) (1 - P(l)) = N`), the more the more is missing.
+/// The minimum share of white noise's power beyond a pattern's empty degrees, averaged over many
+/// degrees with an integrand's energies as weights. Power that is missing at low degrees appears
+/// beyond them (`sum (2l+1) (1 - P(l)) = N`).
 const REMAINING_POWER: f64 = 0.7;
-/// From one last empty degree to the next that is tried, where less emptiness may be better.
+/// The factor from one last empty degree to the next one tried, in case fewer empty degrees are
+/// better.
 const STEP_DOWN: f64 = 0.9;
-/// Patterns that cannot be made, after which the search ends.
+/// The number of patterns that cannot be generated after which the search ends.
 const MAX_FAILURES: usize = 3;
-/// The nominal work of a prediction that is tried, in units of the budget.
+/// The maximum nominal work of one prediction in the search, in units of the budget.
 const MAX_WORK: f64 = 25.0;
 
 /// Returns the parameters of a designed pattern with the least variance at `n_points`, with their
-/// prediction; `None` if none is better than `to_beat`, or the pattern has no such parameters.
+/// prediction. Returns `None` if none has a variance below `to_beat`, or if the pattern has no such
+/// parameters.
 ///
-/// A `step` or `blue` set has no power up to a degree t. For each t there is one value of alpha, the
+/// A `step` or `blue` set has no power up to a degree t. Each t has one value of alpha, the
 /// shortest decimal number. The largest t is best for smooth integrands: it is tried first, then
-/// smaller ones as long as they improve. What lies beyond t is a bound where it is spread over many degrees
-/// ([`Predictor::broad_variance`]): where 0.7 times white noise's variance there exceeds the best variance
-/// known, no t is tried from there on.
+/// smaller ones while they improve. The energy beyond t gives a lower bound if it is spread over
+/// many degrees ([`Predictor::broad_variance`]): once 0.7 times white noise's variance there
+/// exceeds the best known variance, no smaller t is tried.
 ///
 /// # Errors
 ///
-/// Those of [`Predictor::predict`] but for sets that cannot be made.
+/// Returns the errors of [`Predictor::predict`], except those of sets that cannot be generated.
 pub fn best_design(
     predictor: &mut Predictor<'_>,
     pattern: &Pattern,
@@ -66,14 +68,14 @@ pub fn best_design(
     Ok(best)
 }
 
-/// Returns the designs of a pattern, one for each last empty degree, which rises.
+/// Returns the designs of a pattern, one for each last empty degree, in increasing order.
 fn designs(pattern: &Pattern, n_points: usize, domain: Domain) -> Vec<(usize, Pattern)> {
     let largest = SpectralControl::max_empty_degree(n_points, domain).unwrap_or(0);
     let degrees = (1..=largest).filter(|&last| domain.has_degree(last));
     degrees.filter_map(|last| Some((last, design(pattern, last, n_points, domain)?))).collect()
 }
 
-/// Returns the design whose last empty degree is `last`, with the shortest decimal alpha there is.
+/// Returns the design whose last empty degree is `last`, with the shortest decimal alpha.
 fn design(pattern: &Pattern, last: usize, n_points: usize, domain: Domain) -> Option<Pattern> {
     let least = last as f64 / domain.count_on_sphere(n_points).sqrt();
     (1..=6).find_map(|digits| {
@@ -83,7 +85,7 @@ fn design(pattern: &Pattern, last: usize, n_points: usize, domain: Domain) -> Op
     })
 }
 
-/// The pattern with another alpha, if it has one.
+/// Returns the pattern with another alpha, if it has that parameter.
 fn with_alpha(pattern: &Pattern, alpha: f64) -> Option<Pattern> {
     let alpha = Some(alpha);
     match *pattern {
@@ -97,7 +99,11 @@ fn with_alpha(pattern: &Pattern, alpha: f64) -> Option<Pattern> {
     }
 }
 
-#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a share of a degree")]
+#[expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "a fraction of a degree"
+)]
 fn fraction(degree: usize) -> usize {
     (STEP_DOWN * degree as f64) as usize + 1
 }
@@ -115,8 +121,8 @@ mod tests {
             let designs = designs(&step, n, Domain::Sphere);
             let degrees: Vec<usize> = designs.iter().map(|d| d.0).collect();
             assert!(degrees.windows(2).all(|pair| pair[1] == pair[0] + 1), "{n}: {degrees:?}");
-            let most = SpectralControl::max_empty_degree(n, Domain::Sphere).unwrap();
-            assert_eq!(degrees.last(), Some(&most), "{n}");
+            let largest = SpectralControl::max_empty_degree(n, Domain::Sphere).unwrap();
+            assert_eq!(degrees.last(), Some(&largest), "{n}");
         }
         let names: Vec<String> =
             designs(&step, 500, Domain::Sphere).iter().map(|d| d.1.to_string()).collect();

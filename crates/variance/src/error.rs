@@ -1,4 +1,4 @@
-/// Why a variance cannot be predicted or measured.
+/// The reason why a variance cannot be predicted or measured.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
@@ -7,12 +7,12 @@ pub enum Error {
     Parameter {
         /// The parameter.
         name: &'static str,
-        /// Its legal values in words.
+        /// The valid range in words.
         range: &'static str,
         /// The value given.
         got: f64,
     },
-    /// The integrand does not know its energies, or it cannot be evaluated.
+    /// The integrand's energies are unknown, or it cannot be evaluated.
     #[error(transparent)]
     Integrand(#[from] sphvar_integrands::Error),
     /// The domain of a sampler differs from that of the integral.
@@ -23,15 +23,15 @@ pub enum Error {
         /// The domain of the points.
         got: sphvar_sh::Domain,
     },
-    /// A prediction would be made of energy beyond the spectrum instead of the pattern.
+    /// The prediction would reflect the energy beyond the spectrum instead of the pattern.
     #[error(
-        "a spectrum to degree {lmax} says nothing of {n_points} points: their power settles at degree {settled}, \
-         and the integrand has energy in between; the least degree that will do is {least}"
+        "a spectrum to degree {lmax} cannot predict the variance of {n_points} points: their power settles at degree \
+         {settled}, and the integrand has energy in between; the least degree that will do is {least}"
     )]
     Unsettled {
-        /// The degree asked for.
+        /// The requested degree.
         lmax: usize,
-        /// The least degree that will do.
+        /// The least sufficient degree.
         least: usize,
         /// The degree at which the pattern's power is about 1.
         settled: usize,

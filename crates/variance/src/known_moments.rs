@@ -1,33 +1,36 @@
 use crate::{Measurement, RelativeError, rarest_seen};
 
-/// What is known of the distribution of estimates without any trial.
+/// Properties of the distribution of estimates that are known without any trial.
 ///
-/// Every point of a homogeneous pattern is uniformly distributed, so the mean over N points spreads at most as
-/// much as a single value does, in every even moment (Jensen). And an integrand that few of N points see is seen by as
-/// few points of any pattern whose points keep apart as of white noise.
+/// Every point of a homogeneous pattern is uniformly distributed, so every even moment of the mean
+/// over N points is at most that of a single value (Jensen). An integrand that few of N points hit
+/// is hit by equally few points of any pattern with well separated points as by those of white
+/// noise.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct KnownMoments {
     /// The number of points N.
     pub(crate) n_points: f64,
-    /// The variance of the estimate by a single point.
+    /// The variance of the estimate from a single point.
     pub(crate) one_point_variance: f64,
-    /// The kurtosis of the integrand's values, and so of the estimate by a single point.
+    /// The kurtosis of the integrand's values, and so of the estimate from a single point.
     pub(crate) kurtosis: Option<f64>,
     /// Whether the points are independent.
     pub(crate) is_independent: bool,
 }
 
 impl KnownMoments {
-    /// The relative standard error of the variance of n estimates with independent points, exactly:
-    /// `r^2 = 2/(n - 1) + (k - 3)/(n N)` for the kurtosis k of values. `None` where it is not known.
+    /// Returns the exact relative standard error of the variance of n estimates with independent
+    /// points: `r^2 = 2/(n - 1) + (k - 3)/(n N)` for the kurtosis k of values. Returns `None` where
+    /// it is unknown.
     pub(crate) fn exact_error(&self, trials: usize) -> Option<f64> {
         let n = trials as f64;
         let excess = (self.kurtosis.filter(|_| self.is_independent)? - 3.0) / self.n_points;
         Some((2.0 / (n - 1.0) + excess / n).sqrt()).filter(|r| r.is_finite())
     }
 
-    /// The error that trials show, but at least what is known: that of [`exact_error`](Self::exact_error), else
-    /// `(k/N - 3)/n`, the kurtosis of a sum over N points of which hardly two see the integrand.
+    /// Returns the error measured from trials, but at least the known one: that of
+    /// [`exact_error`](Self::exact_error), otherwise `(k/N - 3)/n` from the kurtosis of a sum over
+    /// N points of which at most about one hits the integrand.
     pub(crate) fn error(&self, measurement: &Measurement) -> RelativeError {
         let trials = measurement.estimates().len();
         let rare = |k: f64| ((k / self.n_points - 3.0).max(0.0) / trials as f64).sqrt();
@@ -35,7 +38,7 @@ impl KnownMoments {
         measurement.relative_error().at_least(known)
     }
 
-    /// The number of trials that it takes until the error that is known is `relative`.
+    /// Returns the number of trials at which the known error is `relative`.
     #[expect(
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,
@@ -46,16 +49,19 @@ impl KnownMoments {
         (excess / (relative * relative)) as u64
     }
 
-    /// The 97.5 % upper limit of the variance where all trials gave the same estimate, which differs by `offset` from
-    /// the integral if that is known.
+    /// Returns the 97.5 % upper limit of the variance where all trials gave the same estimate,
+    /// which differs by `offset` from the integral if that is known.
     ///
-    /// Other estimates have a probability of at most q = [`rarest_seen`], so that by Cauchy and Schwarz
+    /// Other estimates have a probability of at most q = [`rarest_seen`], so by the Cauchy-Schwarz
+    /// inequality Other estimates have a probability of at most q = [`rarest_seen`], so that by
+    /// Cauchy and Schwarz
     ///
     /// ```text
     /// Var <= E[(x - x_0)^2; x != x_0] <= sqrt(q E (x - x_0)^4),   E (x - x_0)^4 <= (k^(1/4) s_1 + |offset|)^4
     /// ```
     ///
-    /// with the variance `s_1^2` and the kurtosis k of a single point, and it is never above `s_1^2`.
+    /// with the variance `s_1^2` and the kurtosis k of a single point. The limit never exceeds
+    /// `s_1^2`.
     pub(crate) fn limit_unseen(&self, trials: usize, offset: Option<f64>) -> f64 {
         let by_trials = self.kurtosis.zip(offset).map(|(kurtosis, offset)| {
             let norm = kurtosis.sqrt().sqrt() * self.one_point_variance.sqrt() + offset.abs();
@@ -69,8 +75,8 @@ impl KnownMoments {
 mod tests {
     use super::KnownMoments;
 
-    /// Of one value that is 1 on the share p and 0 elsewhere, all n trials give 0: then p is below 3.7/n, and so is the
-    /// variance p (1 - p) for the p that are possible at 97.5 %.
+    /// For a value that is 1 with probability p and 0 otherwise, all n trials give 0 only if p is
+    /// below 3.7/n (at 97.5 %); the variance p (1 - p) has the corresponding limit.
     #[test]
     fn the_limit_holds_for_every_cap_that_may_be_unseen() {
         for n in [10, 1000, 100_000] {
@@ -89,7 +95,8 @@ mod tests {
         }
     }
 
-    /// Binomial counts: Var s^2 of a single point is that of p (1 - p) by moments, `(mu_4 - s^4 (n-3)/(n-1))/n`.
+    /// Binomial counts: Var s^2 of a single point follows from the moments for p (1 - p),
+    /// `(mu_4 - s^4 (n-3)/(n-1))/n`.
     #[test]
     fn the_exact_error_is_that_of_the_fourth_moment() {
         let (p, n) = (0.2f64, 50);

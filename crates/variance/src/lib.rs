@@ -1,4 +1,4 @@
-//! The variance of Monte Carlo integration over a pattern of directions: predicted from spectra and measured.
+//! Predicts the variance of Monte Carlo integration over patterns of directions, and measures it.
 //!
 //! ```
 //! use sphvar_samplers::{Domain, Pattern, Purpose, Realizations, Streams};
@@ -20,9 +20,10 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! `Var(I_N) = (4 pi / N) sum_{l >= 1} (2l+1) <P_S(l)> P_F(l)`, Singh 2015 as corrected in
-//! `docs/theory.md`; the part of the integrand's energy beyond the largest degree is accounted
-//! for. A [`Predictor`] makes the predictions for any sampler, [`Candidate`] and [`rank`] compare patterns.
+//! The variance is `Var(I_N) = (4 pi / N) sum_{l >= 1} (2l+1) <P_S(l)> P_F(l)` (Singh 2015, as
+//! corrected in `docs/theory.md`). The part of the integrand's energy beyond the largest degree of
+//! the spectrum is included. A [`Predictor`] predicts the variance for any sampler; [`Candidate`]
+//! and [`rank`] compare patterns.
 
 mod candidate;
 mod comparison;

@@ -6,57 +6,59 @@ use sphvar_samplers::{PointSet, Progress, Realizations, Sampler};
 use crate::{Error, RelativeError, student};
 use sphvar_integrands::Integrand;
 
-/// The estimates that trials of a pattern gave of one integral.
+/// Estimates of one integral from independent trials of a pattern.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Measurement {
     estimates: Vec<f64>,
 }
 
 impl Measurement {
-    /// From the estimates of independent trials.
+    /// Wraps the estimates of independent trials.
     #[must_use]
     pub fn new(estimates: Vec<f64>) -> Self {
         Self { estimates }
     }
 
-    /// The estimates in the order of the trials.
+    /// Returns the estimates in the order of the trials.
     #[must_use]
     pub fn estimates(&self) -> &[f64] {
         &self.estimates
     }
 
-    /// The mean estimate; NaN of no trials.
+    /// Returns the mean estimate; NaN without trials.
     #[must_use]
     pub fn mean(&self) -> f64 {
-        // The second pass takes out the rounding of the first.
+        // The second pass removes the rounding error of the first.
         let rough = self.estimates.iter().sum::<f64>() / self.count();
         rough + self.estimates.iter().map(|x| x - rough).sum::<f64>() / self.count()
     }
 
-    /// The standard error of the mean; NaN of fewer than two trials.
+    /// Returns the standard error of the mean; NaN for fewer than two trials.
     #[must_use]
     pub fn mean_stderr(&self) -> f64 {
         (self.variance() / self.count()).sqrt()
     }
 
-    /// The unbiased variance of the estimates, divisor count - 1; NaN of fewer than two trials.
+    /// Returns the unbiased variance of the estimates, with divisor count - 1; NaN for fewer than
+    /// two trials.
     #[must_use]
     pub fn variance(&self) -> f64 {
         if self.estimates.len() < 2 { f64::NAN } else { self.squares() / (self.count() - 1.0) }
     }
 
-    /// The standard error of the variance, from the fourth moment of the estimates:
-    /// `Var s^2 = (mu_4 - sigma^4 (n-3)/(n-1))/n`. NaN of fewer than four trials.
+    /// Returns the standard error of the variance, from the fourth moment of the estimates:
+    /// `Var s^2 = (mu_4 - sigma^4 (n-3)/(n-1))/n`. NaN for fewer than four trials.
     ///
-    /// No law has less than a fair coin, `mu_4 = sigma^4` and so `2 sigma^4/(n (n-1))`, which is what
-    /// is returned where the moments of the trials are below it.
+    /// No distribution has a smaller fourth moment than a fair coin, for which `mu_4 = sigma^4`.
+    /// Where the moments of the trials are below it, the corresponding value `2 sigma^4/(n (n-1))`
+    /// is used.
     #[must_use]
     pub fn variance_stderr(&self) -> f64 {
         self.variance() * self.relative_stderr()
     }
 
-    /// The standard error of the variance relative to it; 0 of estimates that are all the same, NaN
-    /// of fewer than four trials.
+    /// Returns the standard error of the variance relative to the variance; 0 if all estimates are
+    /// equal, NaN for fewer than four trials.
     #[must_use]
     pub fn relative_stderr(&self) -> f64 {
         let n = self.count();
@@ -72,28 +74,30 @@ impl Measurement {
         ((fourth - (n - 3.0) / (n - 1.0)).max(2.0 / (n - 1.0)) / n).sqrt()
     }
 
-    /// The kurtosis of the estimates, `n sum d^4/(sum d^2)^2` of their deviations d: 3 of normal ones, n/k where
-    /// k of n deviate alike and the others hardly. NaN of estimates that are all the same.
+    /// Returns the kurtosis of the estimates, `n sum d^4/(sum d^2)^2` for their deviations d: 3 for
+    /// normal estimates, n/k where k of n deviate equally and the others hardly at all. NaN if all
+    /// estimates are equal.
     #[must_use]
     pub fn kurtosis(&self) -> f64 {
         let mean = self.mean();
-        let largest = self.estimates.iter().fold(0.0, |most: f64, x| most.max((x - mean).abs()));
-        // Relative to the largest, so that no power leaves the range of f64.
+        let largest = self.estimates.iter().fold(0.0, |max: f64, x| max.max((x - mean).abs()));
+        // Relative to the largest deviation, so that no power overflows or underflows.
         let squares = || self.estimates.iter().map(|x| ((x - mean) / largest).powi(2));
         let (second, fourth) = (squares().sum::<f64>(), squares().map(|q| q * q).sum::<f64>());
         self.count() * fourth / (second * second)
     }
 
-    /// The relative standard error of the variance by leaving out one trial after the other (the
-    /// jackknife of `ln s^2`; Miller 1968), with
+    /// Returns the relative standard error of the variance from the leave-one-out jackknife of
+    /// `ln s^2` (Miller 1968), with
     ///
     /// ```text
     /// s^2_(i) = ((n-1) s^2 - d_i^2 n/(n-1))/(n-2),   d_i the deviation of trial i
     /// Var ln s^2 = (n-1)/n sum_i (ln s^2_(i) - mean)^2
     /// ```
     ///
-    /// It needs no fourth moment and is the larger one where few trials carry the variance. Infinite
-    /// if a single trial carries all of it, NaN of fewer than four trials.
+    /// It needs no fourth moment, and it is the larger estimate where few trials carry the
+    /// variance. It is infinite if a single trial carries all of it, and NaN for fewer than four
+    /// trials.
     #[must_use]
     pub fn jackknife_relative_stderr(&self) -> f64 {
         let n = self.count();
@@ -116,29 +120,31 @@ impl Measurement {
         ((n - 1.0) / n * logs.iter().map(|x| (x - centre).powi(2)).sum::<f64>()).sqrt()
     }
 
-    /// The relative error of the variance as far as the trials show it: the larger one of the jackknife's,
-    /// which covers better where the distribution has heavy tails, and that of the fourth moment.
+    /// Returns the relative error of the variance, as estimated from the trials: the larger of the
+    /// jackknife estimate, which has better coverage for heavy-tailed distributions, and the
+    /// estimate from the fourth moment.
     #[must_use]
     pub fn relative_error(&self) -> RelativeError {
         let relative = self.jackknife_relative_stderr().max(self.relative_stderr());
         RelativeError::new(self.estimates.len(), relative)
     }
 
-    /// The end points of a confidence interval of the variance, which always holds the measured one;
-    /// see [`RelativeError::interval`].
+    /// Returns the end points of a confidence interval for the variance, which always contains the
+    /// measured value; see [`RelativeError::interval`].
     ///
-    /// `None` if too few trials carry the variance to tell ([`RelativeError::is_known`]), if all estimates are
-    /// the same (which says only that others are rare: [`rarest_seen`](crate::rarest_seen)), and unless
-    /// `confidence` is within (0, 1).
+    /// Returns `None` if too few trials carry the variance ([`RelativeError::is_known`]), if all
+    /// estimates are equal (which shows only that other values are rare:
+    /// [`rarest_seen`](crate::rarest_seen)), or if `confidence` is not within (0, 1).
     #[must_use]
     pub fn variance_interval(&self, confidence: f64) -> Option<(f64, f64)> {
         self.relative_error().interval(self.variance(), confidence)
     }
 
-    /// The test of the estimates' mean against the integral.
+    /// Tests the mean of the estimates against the exact integral.
     ///
-    /// `rounding` is the variance that the rounding of one estimate can make; it is added to the standard
-    /// error without the square root of the number of trials, as roundings need not be independent.
+    /// `rounding` is the variance that rounding can produce in one estimate. It is added to the
+    /// standard error without division by the square root of the number of trials, as rounding
+    /// errors need not be independent.
     #[must_use]
     pub fn bias(&self, exact: f64, rounding: f64) -> BiasTest {
         let z = (self.mean() - exact) / self.mean_stderr().hypot(rounding.sqrt());
@@ -148,8 +154,8 @@ impl Measurement {
         BiasTest { z, p_value: student::two_sided(z, self.count() - 1.0) }
     }
 
-    /// How many trials it takes until the relative standard error of the variance is `relative`, by
-    /// what these trials say of the estimates' kurtosis: `n (r/relative)^2`.
+    /// Returns the number of trials at which the relative standard error of the variance is
+    /// `relative`, given the kurtosis of the present estimates: `n (r/relative)^2`.
     #[must_use]
     #[expect(
         clippy::cast_possible_truncation,
@@ -165,7 +171,7 @@ impl Measurement {
         self.estimates.extend(estimates);
     }
 
-    /// The sum of the deviations' squares.
+    /// Returns the sum of squared deviations.
     fn squares(&self) -> f64 {
         let mean = self.mean();
         self.estimates.iter().map(|x| (x - mean).powi(2)).sum()
@@ -176,22 +182,22 @@ impl Measurement {
     }
 }
 
-/// Whether the mean of estimates is the integral.
+/// The outcome of testing the mean of estimates against the integral.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BiasTest {
-    /// Mean minus integral in standard errors; NaN of fewer than two trials.
+    /// Mean minus integral in standard errors; NaN for fewer than two trials.
     pub z: f64,
-    /// The probability of a |z| at least as large if there is no bias (Student's t).
+    /// The probability of a |z| at least as large without bias (Student's t).
     pub p_value: f64,
 }
 
-/// Integrates `integrand` by `trials` realizations of an ensemble, `area sum_k w_k f(s_k)/sum_k w_k` each, in
-/// parallel; [`trial_work`] is ticked for each.
+/// Integrates `integrand` over `trials` realizations of an ensemble in parallel. Each trial gives
+/// the estimate `area sum_k w_k f(s_k)/sum_k w_k`. Ticks [`trial_work`] for each.
 ///
 /// # Errors
 ///
-/// [`Error::Spectrum`] with the sampler's error if a realization cannot be made or `progress` ends the work, and errors
-/// of [`Integrand::eval_into`].
+/// Returns [`Error::Spectrum`] with the sampler's error if a realization cannot be generated or
+/// `progress` stops the work, and the errors of [`Integrand::eval_into`].
 pub fn measure(
     ensemble: &Realizations<'_>,
     integrand: &dyn Integrand,
@@ -201,18 +207,20 @@ pub fn measure(
     Ok(Measurement::new(estimates(ensemble, integrand, 0..trials, progress)?))
 }
 
-/// Returns the nominal work of one trial: making a set and evaluating the integrand at its points.
+/// Returns the nominal work of one trial: generating a set and evaluating the integrand at its
+/// points.
 #[must_use]
 pub fn trial_work(sampler: &dyn Sampler) -> f64 {
     sampler.nominal_work() + evaluation_work(sampler.n_points())
 }
 
-/// The nominal work of evaluating an integrand, 40 ns a value.
+/// Returns the nominal work of evaluating an integrand, 40 ns per value.
 pub(crate) fn evaluation_work(n_points: usize) -> f64 {
     n_points as f64 * 2.0 / 3.0
 }
 
-/// The estimates of the given trials, in their order: what follows does not depend on threads.
+/// Returns the estimates of the given trials, in their order, so that results do not depend on
+/// threads.
 pub(crate) fn estimates(
     ensemble: &Realizations<'_>,
     integrand: &dyn Integrand,
@@ -236,7 +244,7 @@ mod tests {
     use super::Measurement;
 
     #[test]
-    fn estimates_without_variance_test_nothing() {
+    fn equal_estimates_have_no_bias_test() {
         for estimates in [vec![], vec![0.0], vec![0.0; 10]] {
             let got = Measurement::new(estimates).bias(0.0, 0.0);
             assert!(got.z.is_nan() && got.p_value.is_nan(), "{got:?}");
@@ -255,7 +263,7 @@ mod tests {
     }
 
     #[test]
-    fn the_jackknife_leaves_out_one_after_the_other() {
+    fn the_jackknife_equals_its_definition() {
         let values = [1.0, 2.0, 4.0, 9.0, -3.0];
         let n = values.len() as f64;
         let logs: Vec<f64> = (0..values.len())
@@ -267,7 +275,7 @@ mod tests {
         let centre = logs.iter().sum::<f64>() / n;
         let square = (n - 1.0) / n * logs.iter().map(|x| (x - centre).powi(2)).sum::<f64>();
         let got = Measurement::new(values.to_vec()).jackknife_relative_stderr();
-        // Some ten roundings of numbers of order 1.
+        // About ten roundings of numbers of order 1.
         assert!((got / square.sqrt() - 1.0).abs() < 20.0 * f64::EPSILON, "{got}, {square}");
     }
 
@@ -279,7 +287,7 @@ mod tests {
         let few = Measurement::new(vec![1.0, 2.0, 3.0]);
         assert!(few.relative_stderr().is_nan() && few.variance_interval(0.95).is_none());
         let coin = Measurement::new((0..100).map(|k| f64::from(k % 2)).collect());
-        // The least that there can be, 2/(n (n-1)).
+        // The smallest possible value, 2/(n (n-1)).
         let least = (2.0 / (100.0 * 99.0_f64)).sqrt();
         assert!((coin.relative_stderr() / least - 1.0).abs() < 1e-12, "{}", coin.relative_stderr());
         for confidence in [0.0, 1.0, -1.0, 2.0, f64::NAN, f64::INFINITY] {
@@ -298,14 +306,14 @@ mod tests {
             (test.z - 3.182_446_3).abs() < 1e-9 && (test.p_value - 0.05).abs() < 1e-7,
             "{test:?}"
         );
-        // Nothing but rounding: no bias either.
+        // Rounding alone is not a bias.
         let m = Measurement::new(vec![1.0; 5]);
         let test = m.bias(1.0 + f64::EPSILON, f64::EPSILON * f64::EPSILON);
         assert!(test.z.abs() <= 1.0 && test.p_value > 0.3, "{test:?}");
     }
 
     #[test]
-    fn a_common_offset_does_not_hurt() {
+    fn a_common_offset_does_not_change_the_variance() {
         let offset = 1e8;
         let m = Measurement::new((0..100).map(|k| offset + 1e-6 * f64::from(k % 2)).collect());
         // Deviations round to offset EPSILON = 2e-8, one part in 50.

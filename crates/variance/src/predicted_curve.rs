@@ -2,45 +2,47 @@ use sphvar_samplers::{Domain, Pattern, Progress, Sampler, SamplerFamily};
 
 use crate::{Error, PredictedPoint, Predictor, RateFit, VariancePoint, fit_exact_rate};
 
-/// The predicted variance of one pattern against its number of points.
+/// The predicted variance of one pattern as a function of its number of points.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PredictedCurve<F = Pattern> {
     pattern: F,
-    /// By number of points, all different.
+    /// Sorted by number of points, which are distinct.
     points: Vec<PredictedPoint>,
 }
 
 impl<F: SamplerFamily> PredictedCurve<F> {
-    /// A curve without points.
+    /// Returns a curve without points.
     #[must_use]
     pub fn new(pattern: F) -> Self {
         Self { pattern, points: Vec::new() }
     }
 
-    /// The pattern.
+    /// Returns the pattern.
     #[must_use]
     pub fn pattern(&self) -> &F {
         &self.pattern
     }
 
-    /// The points by number of points, each number once.
+    /// Returns the points, sorted by their distinct numbers of points.
     #[must_use]
     pub fn points(&self) -> &[PredictedPoint] {
         &self.points
     }
 
-    /// The point at a number of points, if it is there.
+    /// Returns the point at a number of points, if present.
     #[must_use]
     pub fn at(&self, n_points: usize) -> Option<&PredictedPoint> {
         let found = self.points.binary_search_by_key(&n_points, PredictedPoint::n_points);
         found.ok().map(|i| &self.points[i])
     }
 
-    /// The point at a number of points, predicted now if it is not there yet; work is ticked as in [`Predictor::predict`].
+    /// Returns the point at a number of points, and predicts it if it is not present. Work is
+    /// ticked as in [`Predictor::predict`].
     ///
     /// # Errors
     ///
-    /// Those of [`Predictor::predict`], and if the pattern does not have that many points.
+    /// Returns the errors of [`Predictor::predict`], and an error if the pattern does not support
+    /// that number of points.
     pub fn predict(
         &mut self,
         predictor: &mut Predictor<'_>,
@@ -60,7 +62,8 @@ impl<F: SamplerFamily> PredictedCurve<F> {
         Ok(&self.points[at])
     }
 
-    /// Returns the pattern's sampler of `n_points` points; a family that builds another count is an error.
+    /// Returns the pattern's sampler of `n_points` points. A family that builds another number of
+    /// points causes an error.
     pub(crate) fn build(&self, n_points: usize, domain: Domain) -> Result<Box<dyn Sampler>, Error> {
         let sampler = self.pattern.build(n_points, domain)?;
         let got = sampler.n_points();
@@ -71,7 +74,7 @@ impl<F: SamplerFamily> PredictedCurve<F> {
         Ok(sampler)
     }
 
-    /// Adds a point that was predicted before, in place of one at its number of points.
+    /// Inserts a point that was predicted before, replacing any at its number of points.
     pub fn insert(&mut self, point: PredictedPoint) {
         match self.points.binary_search_by_key(&point.n_points(), PredictedPoint::n_points) {
             Ok(at) => self.points[at] = point,
@@ -79,15 +82,15 @@ impl<F: SamplerFamily> PredictedCurve<F> {
         }
     }
 
-    /// The points with a variance above 0, for fits and crossovers.
+    /// Returns the points with a variance above 0, for fits and crossovers.
     #[must_use]
     pub fn variance_points(&self) -> Vec<VariancePoint> {
         let all = self.points.iter().map(PredictedPoint::variance_point);
         all.filter(|p| p.variance > 0.0).collect()
     }
 
-    /// The power law through the points from a quarter to four times `n_points`, the rate at this
-    /// number of points; `None` of fewer than two, and where the variance is 0.
+    /// Returns the power law through the points from a quarter to four times `n_points`, the rate
+    /// at this number of points; `None` for fewer than two points or if the variance is 0.
     #[must_use]
     pub fn rate_near(&self, n_points: usize) -> Option<RateFit> {
         if self.at(n_points).is_some_and(|p| p.prediction.variance <= 0.0) {
@@ -96,16 +99,16 @@ impl<F: SamplerFamily> PredictedCurve<F> {
         self.rate_within(0.25 * n_points as f64, 4.0 * n_points as f64)
     }
 
-    /// The power law through the points from `low` to `high`, all of the same weight: next to a law
-    /// that is not quite a power, their own errors are small.
+    /// Returns the power law through the points from `low` to `high` with equal weights, since the
+    /// points' own errors are small relative to the deviation of the curve from a power law.
     pub(crate) fn rate_within(&self, low: f64, high: f64) -> Option<RateFit> {
         let within = |p: &VariancePoint| (low..=high).contains(&p.n_points);
         let points = self.variance_points().into_iter().filter(within);
         fit_exact_rate(&points.collect::<Vec<_>>())
     }
 
-    /// The variance at a number of points within the curve, by a line in log N and log Var between the
-    /// points next to it.
+    /// Returns the variance at a number of points within the curve, by linear interpolation in log
+    /// N and log Var.
     #[must_use]
     pub fn interpolate(&self, n_points: f64) -> Option<f64> {
         let points = self.variance_points();

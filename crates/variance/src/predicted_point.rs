@@ -3,7 +3,8 @@ use sphvar_spectrum::Spectrum;
 use crate::{Prediction, VariancePoint};
 use sphvar_integrands::Energy;
 
-/// The variance that is predicted for a pattern at one number of points, and the spectrum behind it.
+/// The predicted variance of a pattern at one number of points, with the spectrum that it follows
+/// from.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PredictedPoint {
     /// The mean spectrum of the pattern.
@@ -13,20 +14,20 @@ pub struct PredictedPoint {
 }
 
 impl PredictedPoint {
-    /// The number of points N.
+    /// Returns the number of points N.
     #[must_use]
     pub fn n_points(&self) -> usize {
         self.spectrum.n_points()
     }
 
-    /// The predicted standard error of the integral, `sqrt(Var)`.
+    /// Returns the predicted standard error of the integral, `sqrt(Var)`.
     #[must_use]
     pub fn standard_error(&self) -> f64 {
         self.prediction.variance.sqrt()
     }
 
-    /// The pattern's mean power over the degrees 1 to `last`, each weighted with its energy; white
-    /// noise has 1. NaN where the integrand has no energy.
+    /// Returns the pattern's mean power over the degrees 1 to `last`, weighted by the integrand's
+    /// energy; it is 1 for white noise and NaN where the integrand has no energy.
     #[must_use]
     pub fn power_to(&self, energy: &Energy, last: usize) -> f64 {
         let terms = energy.per_band().iter().zip(self.spectrum.power()).take(last + 1).skip(1);
@@ -34,7 +35,7 @@ impl PredictedPoint {
         seen / all
     }
 
-    /// The point of a variance curve.
+    /// Returns the predicted variance as a point of a variance curve.
     #[must_use]
     pub fn variance_point(&self) -> VariancePoint {
         let Prediction { variance, .. } = self.prediction;

@@ -4,27 +4,31 @@ use sphvar_spectrum::{Accumulator, Moments, Realization, Spectrum};
 use crate::student;
 use sphvar_integrands::Energy;
 
-/// A variance computed from spectra, `k sum_{l >= 1} E(l) <P(l)>`, with what is not known of it.
+/// A variance predicted from spectra, `k sum_{l >= 1} E(l) <P(l)>`, with its uncertainty.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Prediction {
     /// The predicted variance of the estimate of the integral.
     pub variance: f64,
-    /// Its standard error, from that of the pattern's spectrum; 0 if that is exact, NaN if it comes from a
-    /// single realization of a random pattern.
+    /// Its standard error, from that of the pattern's spectrum; 0 if that is exact, NaN if it comes
+    /// from a single realization of a random pattern.
     pub stderr: f64,
-    /// The part of `variance` that belongs to degrees beyond the spectrum, where the pattern has the mean power of its
-    /// parity, [`Spectrum::tail`]: `k (sum_{even l > lmax} E(l) P_even + sum_{odd l > lmax} E(l) P_odd)`.
+    /// The contribution to `variance` of the degrees beyond the spectrum, where the pattern is
+    /// assigned the mean power of the degree's parity, [`Spectrum::tail`]: `k (sum_{even l > lmax}
+    /// E(l) P_even + sum_{odd l > lmax} E(l) P_odd)`.
     pub tail: f64,
-    /// By how much the tail may be wrong: the energies beyond times the largest departure from the mean power of
-    /// their parity in the upper octave of the spectrum; see [`predict`].
+    /// The estimated error of the tail: the energies beyond the spectrum times the largest
+    /// deviation from the mean power of their parity in the upper octave of the spectrum; see
+    /// [`predict`].
     pub tail_error: f64,
-    /// Realizations less one, the degrees of freedom of `stderr`; infinite for an exact spectrum.
+    /// The degrees of freedom of `stderr`, one less than the number of realizations; infinite for
+    /// an exact spectrum.
     pub dof: f64,
 }
 
 impl Prediction {
-    /// The end points of an interval for the variance: Student's at `confidence`, within (0, 1), for the error of the
-    /// spectrum, widened on both sides by the whole error of the tail, and never below 0.
+    /// Returns the end points of an interval for the variance: Student's interval at `confidence`,
+    /// within (0, 1), for the error of the spectrum, widened on both sides by the whole error of
+    /// the tail, and never below 0.
     ///
     /// NaN for a confidence out of range or an unknown error.
     #[must_use]
@@ -36,7 +40,8 @@ impl Prediction {
         ((self.variance - half).max(0.0), self.variance + half)
     }
 
-    /// The standard error of the variance with that of the tail, taken for one standard deviation.
+    /// Returns the standard error of the variance, combined with the tail error as one standard
+    /// deviation.
     #[must_use]
     pub fn total_stderr(&self) -> f64 {
         self.stderr.hypot(self.tail_error)
@@ -47,30 +52,32 @@ impl Prediction {
     }
 }
 
-/// The variance `k sum_{l >= 1} E(l) <P(l)>` of integrating a function of energies E with a pattern
-/// of spectrum P; k is [`Bands::factor`] of the effective number of points. On other spaces the sum is over their bands.
+/// Returns the variance `k sum_{l >= 1} E(l) <P(l)>` of integrating a function with energies E by a
+/// pattern with spectrum P; k is [`Bands::factor`] of the effective number of points. On other
+/// spaces the sum is over their bands.
 ///
-/// Degrees beyond the smaller of the two lmax, L, enter with the mean power that the pattern tends to, apart for even and
-/// for odd degrees: `T = `[`Spectrum::tail`], which is 1 unless points coincide or are antipodes. How far
-/// that may be off is judged by the octave below: it is cut into windows of about
-/// `sqrt(N)` degrees, over which the peaks of lattices and the oscillations of random patterns level
-/// out,
+/// Let L be the smaller of the two lmax. Degrees beyond L enter with the limit of the pattern's
+/// mean power, separately for even and for odd degrees: `T = `[`Spectrum::tail`], which is 1 unless
+/// points coincide or are antipodes. The error of this assumption is estimated from the octave
+/// below L. It is divided into windows of about `sqrt(N)` degrees, over which the peaks of lattices
+/// and the oscillations of random patterns average out:
 ///
 /// ```text
 /// tail error = k sum_parities E_beyond max_windows |<P>_E - T|,   <P>_E = sum_window E(l) P(l) / sum_window E(l)
 /// ```
 ///
-/// with sums over degrees of the parity. Where the integrand has no energy of a parity in that octave, but has some
-/// beyond, the windows of the other parity stand for it, and where there are none the whole tail is its error. Where
-/// the power is settled the mean of the tail is closer to T than that of the worst window; where L is far below
-/// `sqrt(N)` the error is nearly the tail itself.
+/// The sums run over the degrees of one parity. If the integrand has no energy of a parity in that
+/// octave but some beyond, the windows of the other parity are used; if there are none, the tail
+/// error equals the tail. Where the power is settled, the mean over the tail is closer to T than
+/// the mean of the worst window; where L is far below `sqrt(N)`, the error is nearly the tail
+/// itself.
 ///
-/// The standard error treats the errors of different degrees as independent, since a [`Spectrum`] has one
-/// error per degree only; [`PredictionAccumulator`] does without that assumption.
+/// The standard error treats the errors of different degrees as independent, since a [`Spectrum`]
+/// has only one error per degree. [`PredictionAccumulator`] does not need that assumption.
 ///
 /// # Panics
 ///
-/// If spectrum and energy belong to different domains.
+/// Panics if spectrum and energy belong to different domains.
 #[must_use]
 pub fn predict<B: Bands>(spectrum: &Spectrum<B>, energy: &Energy<B>) -> Prediction {
     assert_eq!(spectrum.bands(), energy.bands(), "spectra of different domains");
@@ -96,20 +103,22 @@ pub fn predict<B: Bands>(spectrum: &Spectrum<B>, energy: &Energy<B>) -> Predicti
     }
 }
 
-/// What one integrand makes of a pattern's power: `scale (sum_bands per_band P + sum_parities tail T)`.
+/// The weights with which an integrand sums a pattern's power:
+/// `scale (sum_bands per_band P + sum_parities tail T)`.
 #[derive(Clone, Debug)]
 struct Weights {
-    /// The variance with white noise. The weights are shares of it, so that squares of products of weights and powers
-    /// stay in the range of numbers for integrands of any size.
+    /// The variance with white noise. The weights are relative to it, so that squared products of
+    /// weights and powers neither overflow nor underflow for integrands of any size.
     scale: f64,
-    /// The number of points that `scale` is for.
+    /// The number of points that `scale` refers to.
     n_points: f64,
     per_band: Vec<f64>,
     tail: ByParity,
     windows: ByParity<Vec<Window>>,
 }
 
-/// Consecutive bands from `first` on, with weights whose sum is 1; those of the other parity have none.
+/// Consecutive bands from `first` on, with weights that sum to 1; bands of the other parity have
+/// weight 0.
 #[derive(Clone, Debug)]
 struct Window {
     first: usize,
@@ -131,7 +140,7 @@ impl Weights {
         // The number of points is fixed, so the mean has no variance.
         per_band[0] = 0.0;
         let tail = energy.beyond_by_parity(last).map(share);
-        // Without a tail nobody asks for its error.
+        // Without a tail its error is not needed.
         let windows =
             if tail.sum() > 0.0 { windows(energy, n_points, last) } else { ByParity::default() };
         let scale = energy.bands().factor(n_points) * whole;
@@ -143,11 +152,12 @@ impl Weights {
         known + self.tail.dot(tail)
     }
 
-    /// The error of the tail, over `scale`, from the mean powers in windows and those expected beyond.
+    /// Returns the error of the tail, relative to `scale`, from the mean powers in windows and
+    /// those expected beyond.
     fn tail_error(&self, means: &ByParity<Vec<f64>>, expected: ByParity) -> f64 {
         let departure = |means: &[f64], windows: &[Window], expected: f64| {
             let departures = means.iter().zip(windows).map(|(p, w)| {
-                // The weights of a window add up to 1 with a rounding for each degree.
+                // The weights of a window sum to 1 up to one rounding per degree.
                 let rounding = f64::EPSILON * w.weights.len() as f64 * expected.max(1.0);
                 let departure = (p - expected).abs();
                 if departure <= rounding { 0.0 } else { departure }
@@ -162,8 +172,8 @@ impl Weights {
     }
 }
 
-/// The windows of the upper octave, radii from half the largest one on, for either parity with the integrand's energies
-/// as weights; those without energy are left out.
+/// Returns the windows of the upper octave, with radii from half the largest one on, for each
+/// parity with the integrand's energies as weights. Windows without energy are left out.
 fn windows<B: Bands>(energy: &Energy<B>, n_points: usize, last: usize) -> ByParity<Vec<Window>> {
     let bands = energy.bands();
     let largest = shell(bands, last);
@@ -174,7 +184,7 @@ fn windows<B: Bands>(energy: &Energy<B>, n_points: usize, last: usize) -> ByPari
         reason = "the root of a number of points"
     )]
     let width = bands.spacing_radius(n_points).ceil() as usize;
-    // Of nearly equal width, so that no window is a scrap.
+    // Windows of nearly equal width, so that none is much narrower than the others.
     let count = (shells.len() / width.max(1)).max(1);
     let cut = |i: usize| first_of_shell(bands, shells.start + i * shells.len() / count, last);
     let windows = |even: bool| {
@@ -193,18 +203,18 @@ fn windows<B: Bands>(energy: &Energy<B>, n_points: usize, last: usize) -> ByPari
     ByParity { even: windows(true), odd: windows(false) }
 }
 
-/// The whole number from which a band's radius is rounded up: a degree is its own shell.
+/// Returns a band's radius rounded up to an integer: each degree is its own shell.
 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a length")]
 fn shell(bands: &impl Bands, band: usize) -> usize {
     bands.radius(band).ceil() as usize
 }
 
-/// The first band of a shell or beyond it, at most the one after `last`.
-fn first_of_shell(bands: &impl Bands, asked: usize, last: usize) -> usize {
+/// Returns the first band of a shell or beyond it, at most the one after `last`.
+fn first_of_shell(bands: &impl Bands, wanted: usize, last: usize) -> usize {
     let (mut low, mut high) = (0, last + 1);
     while low < high {
         let middle = low + (high - low) / 2;
-        if shell(bands, middle) < asked {
+        if shell(bands, middle) < wanted {
             low = middle + 1;
         } else {
             high = middle;
@@ -213,21 +223,21 @@ fn first_of_shell(bands: &impl Bands, asked: usize, last: usize) -> usize {
     low
 }
 
-/// Accumulates the predicted variance realization by realization, so that its standard error knows
-/// how the powers of different degrees vary together.
+/// Accumulates the predicted variance realization by realization, so that its standard error
+/// includes the covariance of the powers of different degrees.
 #[derive(Clone, Debug)]
 pub struct PredictionAccumulator {
     weights: Weights,
-    /// Of the variance over that of white noise.
+    /// Moments of the variance relative to that of white noise.
     moments: Moments,
-    /// Of the power beyond the spectrum.
+    /// Moments of the power beyond the spectrum.
     tail: ByParity<Moments>,
     windows: ByParity<Vec<Moments>>,
 }
 
 impl PredictionAccumulator {
-    /// An empty accumulator for an integrand of `energy` and patterns of `n_points` whose spectrum is
-    /// computed to band number `last`, the largest degree.
+    /// Returns an empty accumulator for an integrand of `energy` and patterns of `n_points` whose
+    /// spectrum is computed to band number `last`, the largest degree.
     #[must_use]
     pub fn new<B: Bands>(energy: &Energy<B>, n_points: usize, last: usize) -> Self {
         let weights = Weights::new(energy, n_points, last);
@@ -235,7 +245,7 @@ impl PredictionAccumulator {
         Self { weights, moments: Moments::default(), tail: ByParity::default(), windows }
     }
 
-    /// The prediction; its standard error is NaN for a single realization.
+    /// Returns the prediction; its standard error is NaN for a single realization.
     #[must_use]
     pub fn finish(&self) -> Prediction {
         let scale = self.weights.scale;
@@ -250,8 +260,8 @@ impl PredictionAccumulator {
         }
     }
 
-    /// Takes one realization in: its effective number of points, the power of every band from 0, and the mean power beyond,
-    /// which is asked for only if there is energy beyond.
+    /// Adds one realization: its effective number of points, the power of every band from 0, and
+    /// the mean power beyond, which is called only if there is energy beyond.
     pub fn push_powers(
         &mut self,
         n_effective: f64,

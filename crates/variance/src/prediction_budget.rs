@@ -3,10 +3,10 @@ use sphvar_spectrum::{Method, Resolution};
 
 use crate::Error;
 
-/// How precise predictions are to be, and how much work each may take.
+/// The precision of predictions and the work allowed for each.
 ///
-/// Whatever decides a result is a count here, never a time: the same question has the same answer on
-/// every machine, from every command.
+/// Every criterion that affects a result is a count, never a time, so results are identical on
+/// every machine and in every command.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PredictionBudget {
     /// The relative standard error of a variance at which a prediction is precise enough.
@@ -17,19 +17,19 @@ pub struct PredictionBudget {
 }
 
 impl PredictionBudget {
-    /// 2 % of the variance, eight million units: about half a second of one core.
+    /// The default: 2 % of the variance and eight million units, about half a second of one core.
     pub const USUAL: Self = Self { relative: 0.02, work: 8e6 };
 
-    /// Realizations of an estimate at least, however expensive they are: fewer say nothing of their
-    /// error.
+    /// The minimum number of realizations of an estimate, however expensive they are: with fewer
+    /// the error is unknown.
     pub const MIN_REALIZATIONS: u64 = 4;
-    /// Realizations after which an estimate ends, however inexpensive they are.
+    /// The maximum number of realizations of an estimate, however inexpensive they are.
     const MAX_REALIZATIONS: u64 = 1 << 14;
     /// The largest number of strata whose spectrum is computed without sampling.
     const MAX_EXACT_STRATA: usize = 4096;
 
-    /// Returns a budget of an eighth of the work and a third of the precision, for the points of a curve
-    /// that no answer depends on.
+    /// Returns a budget with an eighth of the work and a third of the precision, for points of a
+    /// curve that do not affect the answer.
     #[must_use]
     pub fn rough(self) -> Self {
         Self { relative: 3.0 * self.relative, work: self.work / 8.0 }
@@ -46,7 +46,7 @@ impl PredictionBudget {
     }
 
     /// Returns the maximum number of realizations from which a spectrum to degree `lmax` is
-    /// estimated: as many as the work allows, 4 to 16384.
+    /// estimated: the number that the work allows, between 4 and 16384.
     #[must_use]
     #[expect(
         clippy::cast_possible_truncation,
@@ -58,24 +58,25 @@ impl PredictionBudget {
         affordable.clamp(Self::MIN_REALIZATIONS, Self::MAX_REALIZATIONS)
     }
 
-    /// Whether the spectrum of a random pattern that has one in closed form is computed from it, and
-    /// not from realizations.
+    /// Returns whether the spectrum of a random pattern with a closed form is computed from it
+    /// rather than from realizations.
     pub(crate) fn is_exact(n_points: usize, lmax: usize) -> bool {
         n_points <= Self::MAX_EXACT_STRATA && lmax <= 2 * Resolution::natural_degree(n_points)
     }
 }
 
-/// What a user fixes of the spectra behind predictions. By default everything is left to the
-/// [`PredictionBudget`].
+/// User settings for the spectra behind predictions. By default the [`PredictionBudget`] determines
+/// all of them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SpectrumOptions {
     /// The largest degree.
     pub lmax: Option<usize>,
-    /// The number of realizations; with it no spectrum of a random pattern is taken from a closed form.
+    /// The number of realizations. If it is set, no spectrum of a random pattern is computed in
+    /// closed form.
     pub realizations: Option<u64>,
-    /// How point sets are transformed.
+    /// The method of transforming point sets.
     pub method: Method,
-    /// The relative accuracy of coefficients by the fast method.
+    /// The relative accuracy of coefficients from the fast method.
     pub epsilon: f64,
 }
 
@@ -86,20 +87,20 @@ impl Default for SpectrumOptions {
 }
 
 impl SpectrumOptions {
-    /// Whether the way of transforming is left open.
+    /// Returns whether the method and accuracy of the transform are the defaults.
     pub(crate) fn is_default_transform(&self) -> bool {
         let Self { method, epsilon, .. } = Self::default();
         self.method == method && self.epsilon.to_bits() == epsilon.to_bits()
     }
 }
 
-/// The nominal work of making one set and transforming it to degree `lmax`.
+/// Returns the nominal work of generating one set and transforming it to degree `lmax`.
 pub(crate) fn realization_work(sampler: &dyn Sampler, lmax: usize) -> f64 {
     sampler.nominal_work().max(0.0) + transform_work(sampler.n_points(), lmax)
 }
 
-/// The nominal work of a transform: a unit for each point, half a unit for each pair of degree and
-/// order, and what a transform of nothing takes.
+/// Returns the nominal work of a transform: one unit per point, half a unit per pair of degree and
+/// order, and a constant overhead.
 fn transform_work(n_points: usize, lmax: usize) -> f64 {
     n_points as f64 + 0.5 * (lmax as f64 + 1.0).powi(2) + 300.0
 }
@@ -117,7 +118,7 @@ mod tests {
             let sampler = name.parse::<Pattern>().unwrap().build(n, Domain::Sphere).unwrap();
             (budget.realizations(&*sampler, lmax), sampler)
         };
-        // 40 + 1 units a point, half of 57^2 for the degrees, 300: 8e6/9796.5.
+        // 40 + 1 units per point, half of 57^2 for the degrees, and 300: 8e6/9796.5.
         assert_eq!(count("poisson-disk", 192, 56).0, 816);
         assert_eq!(count("white-noise", 12, 32).0, 9211);
         let (few, riesz) = count("riesz", 1 << 20, 1 << 40);

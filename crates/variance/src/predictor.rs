@@ -14,23 +14,23 @@ use crate::{
 };
 use sphvar_integrands::{Energy, Integrand};
 
-/// Realizations that an estimate begins with, if the budget allows as many.
+/// The initial number of realizations of an estimate, if the budget allows it.
 const FIRST: u64 = 8;
-/// The effective number of degrees over sqrt(N) from which on a pattern's mean power there is known.
+/// The effective number of degrees, divided by sqrt(N), from which a pattern's mean power is known.
 const MIN_BREADTH: f64 = 1.2;
-/// The effective number of degrees at least, however few the points.
+/// The minimum effective number of degrees for few points.
 const MIN_EFFECTIVE: f64 = 8.0;
-/// The share of a lattice's variance that may lie beyond its spectrum, where the power is known in the
-/// mean only, relative to the square of the budget's precision: 1 % where that is 2 %.
+/// The share of a lattice's variance that may lie beyond its spectrum, where only the mean power is
+/// known, relative to the square of the budget's precision: 1 % for a precision of 2 %.
 const NEGLIGIBLE: f64 = 25.0;
 
-/// Predicts the variance of integrating one function with any sampler; all predictions are made by
-/// it.
+/// Predicts the variance of integrating one function with any sampler. All predictions are made by
+/// this type.
 ///
-/// It keeps the integrand's energies and computes those of higher degrees when a number of points
-/// needs them; white noise needs none. A prediction is a function of the seed, the sampler, the
-/// [`PredictionBudget`] and the [`SpectrumOptions`]; what was predicted before, and by
-/// which command, does not matter.
+/// It stores the integrand's energies and computes those of higher degrees when a number of points
+/// requires them; white noise requires none. A prediction depends only on the seed, the sampler,
+/// the [`PredictionBudget`] and the [`SpectrumOptions`], not on earlier predictions or on the
+/// command.
 pub struct Predictor<'a> {
     integrand: &'a dyn Integrand,
     domain: Domain,
@@ -57,12 +57,12 @@ impl std::fmt::Debug for Predictor<'_> {
 }
 
 impl<'a> Predictor<'a> {
-    /// For an integrand on a domain, with the seed of all realizations.
+    /// Returns a predictor for an integrand on a domain; all realizations use the seed.
     ///
     /// # Errors
     ///
-    /// [`Error::Integrand`] if the integrand does not know its energies, [`Error::Parameter`] for a
-    /// precision that is not positive.
+    /// Returns [`Error::Integrand`] if the integrand's energies are unknown, and
+    /// [`Error::Parameter`] for a precision that is not positive.
     pub fn new(
         integrand: &'a dyn Integrand,
         domain: Domain,
@@ -84,14 +84,14 @@ impl<'a> Predictor<'a> {
         })
     }
 
-    /// The same with spectra as the user fixes them.
+    /// Returns the predictor with the user's settings for spectra.
     #[must_use]
     pub fn with_options(self, options: SpectrumOptions) -> Self {
         Self { options, ..self }
     }
 
-    /// The same, with a function that is called with the degree before energies are computed, which
-    /// may take long.
+    /// Returns the predictor with a function that is called with the degree before energies are
+    /// computed, which may take long.
     #[must_use]
     pub fn on_energies(self, on_energies: &'a dyn Fn(usize)) -> Self {
         Self { on_energies, ..self }
@@ -105,52 +105,54 @@ impl<'a> Predictor<'a> {
         self.seed
     }
 
-    /// [`Integrand::kurtosis`], asked for once.
+    /// Returns [`Integrand::kurtosis`], computed once.
     pub(crate) fn kurtosis(&self) -> Option<f64> {
         *self.kurtosis.get_or_init(|| self.integrand.kurtosis(self.domain))
     }
 
-    /// Where the integrand lives.
+    /// Returns the domain of the integral.
     #[must_use]
     pub fn domain(&self) -> Domain {
         self.domain
     }
 
-    /// The precision and work of its predictions.
+    /// Returns the precision and the work of the predictions.
     #[must_use]
     pub fn budget(&self) -> PredictionBudget {
         self.budget
     }
 
-    /// The integrand's energies to the highest degree that was needed so far, which is 0 at first.
+    /// Returns the integrand's energies to the highest degree needed so far, initially 0.
     #[must_use]
     pub fn energy(&self) -> &Energy {
         self.energies.last_key_value().map_or(&self.outline, |(_, energy)| energy)
     }
 
-    /// The variance with white noise of `n_points`: `k sum_{l >= 1} E(l)`, exactly.
+    /// Returns the exact variance with white noise of `n_points`: `k sum_{l >= 1} E(l)`.
     #[must_use]
     pub fn white_variance(&self, n_points: usize) -> f64 {
         self.domain.variance_factor(n_points) * self.outline.beyond(0)
     }
 
-    /// The variance that the rounding of a prediction alone can make, in which the integrand's mean has no part.
+    /// Returns the variance that rounding of a prediction alone can produce. The integrand's mean
+    /// does not contribute to it.
     #[must_use]
     pub fn rounding(&self) -> f64 {
         self.outline.prediction_rounding()
     }
 
-    /// Returns white noise's variance of the degrees beyond `degree` that are known to be many, by
-    /// parity; 0 where the energy may be concentrated in a few degrees.
+    /// Returns white noise's variance from the degrees beyond `degree`, by parity, or 0 if the
+    /// energy there may be concentrated in few degrees.
     ///
-    /// A single degree says nothing of a pattern: any may have a gap in its power there. The degrees
-    /// beyond `degree`, `max(4 sqrt(N), 32)` of them at least, count only where their effective number,
-    /// `(sum E)^2 / sum E^2`, is at least 1.2 sqrt(N) and 8: the gaps of crystalline patterns are about
-    /// sqrt(N) wide. Energy of higher degrees does not count, since its degrees are not known.
+    /// The power of a pattern at a single degree is unknown, since any pattern may have a gap
+    /// there. The energy beyond `degree`, in at least `max(4 sqrt(N), 32)` degrees, therefore
+    /// counts only if the effective number of degrees, `(sum E)^2 / sum E^2`, is at least 1.2
+    /// sqrt(N) and 8: the gaps of crystalline patterns are about sqrt(N) wide. The energy of still
+    /// higher degrees does not count, since its distribution over degrees is unknown.
     ///
     /// # Errors
     ///
-    /// Those of [`Integrand::energy`].
+    /// Returns the errors of [`Integrand::energy`].
     pub fn broad_variance(&mut self, degree: usize, n_points: usize) -> Result<ByParity, Error> {
         let factor = self.domain.variance_factor(n_points);
         let wide = MIN_BREADTH * self.domain.count_on_sphere(n_points).sqrt();
@@ -159,7 +161,7 @@ impl<'a> Predictor<'a> {
         let (mut sums, mut squares) = (ByParity::both(0.0), 0.0);
         for (l, e) in energy.per_band().iter().enumerate().skip(degree + 1) {
             *sums.of_mut(l) += e;
-            // Relative to the total, so that no square leaves the range of numbers.
+            // Relative to the total, so that no square overflows or underflows.
             squares += (e / total).powi(2);
         }
         let effective = (sums.sum() / total).powi(2) / squares;
@@ -167,28 +169,29 @@ impl<'a> Predictor<'a> {
         Ok(if is_broad { sums.map(|sum| factor * sum) } else { ByParity::both(0.0) })
     }
 
-    /// The share of white noise's variance that lies beyond a degree.
+    /// Returns the fraction of white noise's variance that lies beyond a degree.
     ///
     /// # Errors
     ///
-    /// Those of [`Integrand::energy`].
+    /// Returns the errors of [`Integrand::energy`].
     pub fn share_beyond(&mut self, degree: usize) -> Result<f64, Error> {
         let all = self.outline.beyond(0);
         Ok(self.energy_to(degree)?.beyond(degree) / all)
     }
 
-    /// Predicts the variance for a sampler, uniformly rotated. At most [`Self::work`] is ticked.
+    /// Predicts the variance for a uniformly rotated sampler. Ticks at most [`Self::work`].
     ///
-    /// Spectra that are known without sampling are taken where there are any
-    /// ([`ExactSpectrum`](sphvar_spectrum::ExactSpectrum)); else realizations are added until the relative
-    /// standard error, as it is estimated from them, is at most that of the [`PredictionBudget`], but no
-    /// more than its work allows. A pattern that is not random takes one.
-    /// A variance that is no more than [`rounding`](Self::rounding) is 0.
+    /// Spectra in closed form are used where available
+    /// ([`ExactSpectrum`](sphvar_spectrum::ExactSpectrum)). Otherwise realizations are added until
+    /// the estimated relative standard error is at most that of the [`PredictionBudget`], within
+    /// its work. A pattern that is not random needs one realization. A variance of at most
+    /// [`rounding`](Self::rounding) is set to 0.
     ///
     /// # Errors
     ///
-    /// [`Error::OtherDomain`] for a sampler of another domain, [`Error::Spectrum`] with the sampler's error if a
-    /// realization cannot be made or `progress` ends the work, and those of [`Integrand::energy`].
+    /// Returns [`Error::OtherDomain`] for a sampler of another domain, [`Error::Spectrum`] with the
+    /// sampler's error if a realization cannot be generated or `progress` stops the work, and the
+    /// errors of [`Integrand::energy`].
     pub fn predict(
         &mut self,
         sampler: &dyn Sampler,
@@ -197,11 +200,11 @@ impl<'a> Predictor<'a> {
         self.predict_within(self.budget, sampler, progress)
     }
 
-    /// [`Self::predict`] with another budget.
+    /// Predicts the variance as [`Self::predict`] with another budget.
     ///
     /// # Errors
     ///
-    /// Those of [`Self::predict`].
+    /// Returns the errors of [`Self::predict`].
     pub fn predict_within(
         &mut self,
         budget: PredictionBudget,
@@ -237,11 +240,11 @@ impl<'a> Predictor<'a> {
         Ok(point)
     }
 
-    /// The spectrum to `lmax` of the very sets that `point` was predicted from.
+    /// Returns the spectrum to `lmax` of the same sets from which `point` was predicted.
     ///
     /// # Errors
     ///
-    /// Those of [`Self::predict`].
+    /// Returns the errors of [`Self::predict`].
     pub fn spectrum_to(
         &self,
         sampler: &dyn Sampler,
@@ -278,7 +281,7 @@ impl<'a> Predictor<'a> {
     ///
     /// # Errors
     ///
-    /// Those of [`Self::predict`] that show without a realization.
+    /// Returns the errors of [`Self::predict`] that occur without a realization.
     pub fn work(&mut self, sampler: &dyn Sampler) -> Result<f64, Error> {
         let lmax = self.degree(self.budget, sampler)?;
         let each =
@@ -291,26 +294,27 @@ impl<'a> Predictor<'a> {
                 method.nominal_work(sampler.n_points(), lmax) * sets.len() as f64
             }
             Route::Sampled if sampler.is_random() => {
-                each * self.most_realizations(self.budget, sampler, lmax) as f64
+                each * self.max_realizations(self.budget, sampler, lmax) as f64
             }
             Route::Sampled => each,
         })
     }
 
-    /// Whether a prediction takes no more than the work of the [`PredictionBudget`], precise enough or not.
+    /// Returns whether a prediction is within the work of the [`PredictionBudget`], whatever its
+    /// precision.
     ///
     /// # Errors
     ///
-    /// Those of [`Self::predict`] that show without a realization.
+    /// Returns the errors of [`Self::predict`] that occur without a realization.
     pub fn is_affordable(&mut self, sampler: &dyn Sampler) -> Result<bool, Error> {
         self.is_affordable_within(self.budget, sampler)
     }
 
-    /// [`Self::is_affordable`] with another budget.
+    /// Returns [`Self::is_affordable`] for another budget.
     ///
     /// # Errors
     ///
-    /// Those of [`Self::is_affordable`].
+    /// Returns the errors of [`Self::is_affordable`].
     pub fn is_affordable_within(
         &mut self,
         budget: PredictionBudget,
@@ -319,7 +323,7 @@ impl<'a> Predictor<'a> {
         let lmax = self.degree(budget, sampler)?;
         let sets = match Route::of(&self.options, budget, sampler, lmax) {
             Route::Flat => return Ok(true),
-            // Closed forms of strata take no longer than realizations would.
+            // Closed forms of strata take no longer than realizations.
             Route::Exact(_) if sampler.is_random() => return Ok(true),
             Route::All(sets) => sets.len() as u64,
             Route::Sampled if sampler.is_random() => PredictionBudget::MIN_REALIZATIONS,
@@ -328,7 +332,8 @@ impl<'a> Predictor<'a> {
         Ok(sets as f64 * realization_work(sampler, lmax) <= budget.work)
     }
 
-    /// The power per degree is 1: the variance follows from the integrand's mean and mean square.
+    /// Returns the prediction for power 1 in every degree, from the integrand's mean and mean
+    /// square.
     fn flat_prediction(&self, n_points: usize) -> Prediction {
         Prediction {
             variance: self.white_variance(n_points),
@@ -339,7 +344,7 @@ impl<'a> Predictor<'a> {
         }
     }
 
-    /// The spectrum and the variance that it predicts, from realizations.
+    /// Estimates the spectrum and the variance that it predicts from realizations.
     fn estimate(
         &mut self,
         budget: PredictionBudget,
@@ -348,8 +353,8 @@ impl<'a> Predictor<'a> {
         progress: &dyn Progress,
     ) -> Result<PredictedPoint, Error> {
         let (relative, rounding) = (budget.relative, self.rounding());
-        let most = self.most_realizations(budget, sampler, lmax);
-        let first = self.options.realizations.unwrap_or(FIRST.min(most));
+        let max = self.max_realizations(budget, sampler, lmax);
+        let first = self.options.realizations.unwrap_or(FIRST.min(max));
         let resolution = self.resolution(lmax, sampler.n_points());
         let empty = self.accumulators(sampler, lmax)?;
         let sets = self.realizations(sampler);
@@ -361,17 +366,18 @@ impl<'a> Predictor<'a> {
             sum.merge(&accumulate(&sets, resolution, count..next, &empty, progress)?);
             count = next;
             let prediction = sum.1.finish();
-            // A pattern without power where the integrand has energy leaves rounding, of 100 % error.
+            // A pattern without power where the integrand has energy leaves only rounding, with an
+            // error of 100 %.
             let enough = prediction.stderr <= relative * prediction.variance
                 || prediction.variance <= rounding;
-            if enough || count >= most {
+            if enough || count >= max {
                 return Ok(PredictedPoint { spectrum: sum.0.finish()?, prediction });
             }
-            next = (2 * count).min(most);
+            next = (2 * count).min(max);
         }
     }
 
-    fn most_realizations(
+    fn max_realizations(
         &self,
         budget: PredictionBudget,
         sampler: &dyn Sampler,
@@ -391,7 +397,7 @@ impl<'a> Predictor<'a> {
         lmax: usize,
     ) -> Result<(SpectrumAccumulator, PredictionAccumulator), Error> {
         let n_points = sampler.n_points();
-        // Degrees that have no transforms need no memory either.
+        // Degrees for which no transform exists need no memory either.
         LmIndex::new(lmax).map_err(sphvar_spectrum::Error::from)?;
         let spectrum = SpectrumAccumulator::new(self.domain, n_points, lmax);
         Ok((spectrum, PredictionAccumulator::new(self.energy_to(lmax)?, n_points, lmax)))
@@ -402,8 +408,8 @@ impl<'a> Predictor<'a> {
         Resolution { lmax, n_points, method, epsilon }
     }
 
-    /// The degree to which a spectrum is computed: [`prediction_degree`], and for a lattice less where
-    /// the integrand has next to no energy beyond.
+    /// Returns the degree to which a spectrum is computed: [`prediction_degree`], or for a lattice
+    /// a lower one beyond which the integrand has negligible energy.
     fn degree(&mut self, budget: PredictionBudget, sampler: &dyn Sampler) -> Result<usize, Error> {
         if sampler.domain() != self.domain {
             let (expected, got) = (self.domain, sampler.domain());
@@ -423,35 +429,37 @@ impl<'a> Predictor<'a> {
         if let Some(lmax) = self.options.lmax {
             return Ok(lmax);
         }
-        let most = prediction_degree(sampler, self.integrand);
+        let max = prediction_degree(sampler, self.integrand);
         let natural = Resolution::natural_degree(sampler.n_points());
         match sampler.law() {
-            // Each of few given sets may be a lattice.
-            Law::OneOf(sets) if sets.len() as u64 > budget.realizations(sampler, most) => {
-                return Ok(most.min(natural));
+            // If there are few given sets, each may be a lattice.
+            Law::OneOf(sets) if sets.len() as u64 > budget.realizations(sampler, max) => {
+                return Ok(max.min(natural));
             }
             Law::OneOf(_) | Law::Fixed => {}
-            _ => return Ok(most),
+            _ => return Ok(max),
         }
-        let least = natural.min(most);
-        let mut asked = least;
+        let least = natural.min(max);
+        let mut requested = least;
         loop {
-            let energy = self.energy_to(asked)?;
-            // A lattice has the mean power 1 from some 2 sqrt(N) on: its variance is about this.
+            let energy = self.energy_to(requested)?;
+            // The mean power of a lattice is 1 from about 2 sqrt(N) on, so this approximates its
+            // variance.
             let whole = energy.beyond(least / 2);
             let mut beyond = energy.beyond(least);
-            for l in least..=most.min(energy.lmax()) {
+            for l in least..=max.min(energy.lmax()) {
                 if beyond <= negligible * whole {
                     return Ok(l);
                 }
                 beyond -= energy.per_band().get(l + 1).copied().unwrap_or(0.0);
             }
-            if energy.lmax() >= most.min(MAX_DEGREE) {
-                return Ok(most);
+            if energy.lmax() >= max.min(MAX_DEGREE) {
+                return Ok(max);
             }
-            // Energy beyond a degree that falls as its square, which is fast, is negligible here.
+            // If the energy beyond a degree falls as its inverse square, which is fast, it is
+            // negligible here.
             let factor = (beyond / (negligible * whole)).sqrt();
-            asked = ahead(energy.lmax(), factor).min(most);
+            requested = ahead(energy.lmax(), factor).min(max);
         }
     }
 
@@ -459,9 +467,10 @@ impl<'a> Predictor<'a> {
     ///
     /// # Errors
     ///
-    /// Those of [`Integrand::energy`].
+    /// Returns the errors of [`Integrand::energy`].
     pub fn energy_to(&mut self, lmax: usize) -> Result<&Energy, Error> {
-        // The same steps for everyone: the bits of an environment map's energies depend on lmax.
+        // The steps are fixed because the rounding of an environment map's energies depends on
+        // lmax.
         let level = level(lmax);
         if !self.energies.contains_key(&level) {
             let degrees = degrees_of(level);
@@ -472,7 +481,7 @@ impl<'a> Predictor<'a> {
     }
 }
 
-/// The prediction from sums over all sets, which is exact.
+/// Returns the exact prediction from sums over all sets.
 fn exactly(
     (spectrum, prediction): (SpectrumAccumulator, PredictionAccumulator),
 ) -> Result<PredictedPoint, Error> {
@@ -480,7 +489,7 @@ fn exactly(
     Ok(PredictedPoint { spectrum: spectrum.finish()?.into_exact(), prediction })
 }
 
-/// The degree `factor` times `lmax`, at least the next one.
+/// Returns the degree `factor` times `lmax`, at least the next one.
 #[expect(
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,

@@ -5,32 +5,32 @@ use sphvar_spectrum::Resolution;
 
 use crate::{Error, PredictedCurve, PredictedPoint, Prediction, Predictor, RateFit};
 
-/// How many points a pattern needs for a variance.
+/// The number of points that a pattern needs for a variance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum RequiredPoints {
-    /// The predicted variance is at most the one asked for with `n_points`, and with every larger
-    /// number that was tried.
+    /// The predicted variance is at most the requested one at `n_points` and at every larger number
+    /// tried.
     Predicted {
         /// The number of points.
         n_points: usize,
-        /// The largest number tried that does not suffice; `None` if the smallest legal number does.
+        /// The largest number tried that does not suffice; `None` if the smallest valid count does.
         too_few: Option<usize>,
     },
-    /// Predictions of so many points cost too much: the power law through the last ones that do not
-    /// leads to this number.
+    /// Predictions for that number of points are too expensive: it is extrapolated from the power
+    /// law through the last insufficient numbers.
     Extrapolated {
         /// The number of points.
         n_points: usize,
         /// The power law.
         fit: RateFit,
     },
-    /// No more than the most points allowed suffice.
+    /// No number of points up to the maximum suffices.
     OutOfReach,
 }
 
 impl RequiredPoints {
-    /// The number of points, if there is one.
+    /// Returns the number of points, if any suffices.
     #[must_use]
     pub fn n_points(&self) -> Option<usize> {
         match *self {
@@ -42,26 +42,27 @@ impl RequiredPoints {
     }
 }
 
-/// Numbers of points closer than this are not told apart where variances are estimates: 3 % of
-/// variance are 1.5 to 3 % of points.
+/// The resolution of the search in N where variances are estimates: 3 % of variance corresponds to
+/// 1.5 to 3 % of points.
 const RESOLUTION: f64 = 1.02;
 
-/// The smallest number of points, at most `max_points`, with which `curve`'s pattern is predicted to
-/// have at most `variance`; what is predicted on the way is added to the curve. Work is ticked
-/// as in [`Predictor::predict`].
+/// Returns the smallest number of points, at most `max_points`, with which `curve`'s pattern has a
+/// predicted variance of at most `variance`. Predictions made on the way are added to the curve.
+/// Work is ticked as in [`Predictor::predict`].
 ///
-/// The legal numbers next to 1, 2, 4, 8, ... are tried until one suffices and the one that follows it
-/// too (two that follow for a pattern that is not random, whose variance may rise again), as far as
-/// they are affordable and not ruled out by energy that is spread over many degrees beyond 4 sqrt(N), where
-/// random patterns have at least half of white noise's power ([`Predictor::broad_variance`]). Between the last one that does not suffice and the next, numbers by
-/// interpolation in log N and log Var are tried: to the very number where the predictions of a random
-/// pattern are exact, else to 2 %. What is between numbers that were not tried is not known: a lattice may have a bad
-/// number there.
+/// The valid counts nearest to 1, 2, 4, 8, ... are tried until one suffices and the next one does
+/// too. A pattern that is not random needs two more that suffice, since its variance may rise
+/// again. Numbers are tried only while they are affordable, and only if they are not ruled out by
+/// energy that is spread over many degrees beyond 4 sqrt(N), where random patterns have at least
+/// half of white noise's power ([`Predictor::broad_variance`]). The interval between the last
+/// insufficient number and the next one is refined by interpolation in log N and log Var: to the
+/// exact number where the predictions of a random pattern are exact, otherwise to 2 %. Counts that
+/// were not tried are unknown; a lattice may have a larger variance at one of them.
 ///
 /// # Errors
 ///
-/// [`Error::Parameter`] for a variance that is not positive and finite; those of
-/// [`Predictor::predict`] if the pattern cannot be made with any number of points that was tried.
+/// Returns [`Error::Parameter`] for a variance that is not positive and finite, and the errors of
+/// [`Predictor::predict`] if the pattern cannot be built with any of the numbers tried.
 ///
 /// ```
 /// use sphvar_integrands::ClampedCosine;
@@ -85,7 +86,7 @@ pub fn required_points<F: SamplerFamily + Clone>(
     progress: &dyn Progress,
 ) -> Result<RequiredPoints, Error> {
     if !(variance > 0.0 && variance.is_finite()) {
-        let (name, range) = ("the variance asked for", "positive and finite");
+        let (name, range) = ("the requested variance", "positive and finite");
         return Err(Error::Parameter { name, range, got: variance });
     }
     let mut search = Search { predictor, curve, variance, progress, rough: BTreeSet::new() };
@@ -97,14 +98,14 @@ pub fn required_points<F: SamplerFamily + Clone>(
     }
 }
 
-/// The least share of white noise's power that random patterns have beyond 4 sqrt(N), averaged over
-/// many degrees.
+/// The minimum share of white noise's power that random patterns have beyond 4 sqrt(N), averaged
+/// over many degrees.
 const RANDOM_SHARE: f64 = 0.5;
-/// The same of lattices, at even degrees: there are gaps between their peaks, and antipodal ones have no
-/// power at odd degrees.
+/// The same share for lattices, at even degrees: there are gaps between their peaks, and antipodal
+/// lattices have no power at odd degrees.
 const LATTICE_SHARE: f64 = 0.01;
-/// A rough prediction decides where its variance is farther from the one asked for than by this factor, if
-/// it is an estimate, and by this number of standard errors.
+/// A rough prediction decides only if its variance differs from the requested one by more than this
+/// factor (where it is an estimate) and by more than this number of standard errors.
 const CLEAR: (f64, f64) = (1.5, 4.0);
 
 struct Search<'a, 'b, F> {
@@ -112,17 +113,17 @@ struct Search<'a, 'b, F> {
     curve: &'a mut PredictedCurve<F>,
     variance: f64,
     progress: &'a dyn Progress,
-    /// Numbers of points with a rough prediction on the curve.
+    /// Counts whose prediction on the curve is rough.
     rough: BTreeSet<usize>,
 }
 
-/// What is known after trying ever larger numbers.
+/// The state of the search after trying increasing numbers.
 struct Climb {
-    /// The largest that does not suffice.
+    /// The largest number that does not suffice.
     too_few: Option<usize>,
-    /// The next larger one, if there is one.
+    /// The next larger number, if there is one.
     enough: Option<usize>,
-    /// Whether larger ones are allowed but not affordable.
+    /// Whether larger numbers are allowed but not affordable.
     is_cut_short: bool,
 }
 
@@ -131,18 +132,18 @@ impl<F: SamplerFamily + Clone> Search<'_, '_, F> {
         let domain = self.predictor.domain();
         let pattern = self.curve.pattern().clone();
         let mut climb = Climb { too_few: None, enough: None, is_cut_short: false };
-        let mut refusal = None;
-        let rungs = rungs(&pattern, domain, max_points);
-        // The floor falls with N: where it rules out the largest number, it rules out all.
-        if let Some(&most) = rungs.last()
-            && self.is_hopeless(&pattern, most)?
+        let mut rejection = None;
+        let candidate_counts = candidate_counts(&pattern, domain, max_points);
+        // The lower bound falls with N: if it rules out the largest number, it rules out all.
+        if let Some(&max) = candidate_counts.last()
+            && self.is_ruled_out(&pattern, max)?
         {
             return Ok(climb);
         }
-        for n in rungs {
+        for n in candidate_counts {
             let sampler = pattern.build(n, domain);
             let is_random = sampler.as_ref().is_ok_and(|sampler| sampler.is_random());
-            if self.is_hopeless(&pattern, n)? {
+            if self.is_ruled_out(&pattern, n)? {
                 climb.too_few = Some(n);
                 continue;
             }
@@ -153,7 +154,7 @@ impl<F: SamplerFamily + Clone> Search<'_, '_, F> {
                     climb.is_cut_short = true;
                     break;
                 }
-                // It will be refused when it is made, too.
+                // The prediction itself returns this error.
                 Ok(Err(_)) | Err(_) => {}
             }
             match self.suffices(n) {
@@ -162,12 +163,13 @@ impl<F: SamplerFamily + Clone> Search<'_, '_, F> {
                 }
                 Ok(false) => climb = Climb { too_few: Some(n), enough: None, ..climb },
                 Err(error) => {
-                    refused(&error)?;
-                    // Nothing is known there; a smaller number that suffices still does.
+                    ignore_unsupported_count(&error)?;
+                    // The variance at this number is unknown; a smaller number that suffices still
+                    // does.
                     if climb.enough.is_none() {
                         climb.too_few = Some(n);
                     }
-                    refusal = Some(error);
+                    rejection = Some(error);
                 }
             }
             let further = climb.enough.map_or(0, |least| {
@@ -177,29 +179,29 @@ impl<F: SamplerFamily + Clone> Search<'_, '_, F> {
                 break;
             }
         }
-        match refusal {
+        match rejection {
             Some(error) if self.curve.points().is_empty() => Err(error),
             _ => Ok(climb),
         }
     }
 
-    /// Whether no prediction is needed to know that a number does not suffice. White noise needs next to
-    /// none.
-    fn is_hopeless(&mut self, pattern: &F, n_points: usize) -> Result<bool, Error> {
+    /// Returns whether a number is known to be insufficient without a prediction. White noise is
+    /// left out, since its predictions are nearly free.
+    fn is_ruled_out(&mut self, pattern: &F, n_points: usize) -> Result<bool, Error> {
         let white = self.predictor.white_variance(n_points);
         let sampler = pattern.build(n_points, self.predictor.domain());
-        let law = sampler.as_ref().map_or(Law::Fixed, |sampler| sampler.law());
-        if matches!(law, Law::Independent) || white <= self.variance {
+        let kind = sampler.as_ref().map_or(Law::Fixed, |sampler| sampler.law());
+        if matches!(kind, Law::Independent) || white <= self.variance {
             return Ok(false);
         }
-        let is_random = law.is_random();
+        let is_random = kind.is_random();
         let settled = Resolution::natural_degree(n_points);
         let broad = self.predictor.broad_variance(settled, n_points)?;
         let floor = if is_random { RANDOM_SHARE * broad.sum() } else { LATTICE_SHARE * broad.even };
         Ok(floor > self.variance)
     }
 
-    /// The answer from a number that suffices and the largest one that does not.
+    /// Returns the answer from a number that suffices and the largest one that does not.
     fn predicted(
         &mut self,
         too_few: Option<usize>,
@@ -215,14 +217,14 @@ impl<F: SamplerFamily + Clone> Search<'_, '_, F> {
         Ok(RequiredPoints::Predicted { n_points, too_few })
     }
 
-    /// The smallest number that is found to suffice between one that does not and one that does.
+    /// Returns the smallest number found to suffice between one that does not and one that does.
     fn refine(&mut self, mut too_few: usize, mut enough: usize) -> Result<usize, Error> {
         let domain = self.predictor.domain();
         let pattern = self.curve.pattern().clone();
         let is_lattice = pattern.build(enough, domain).is_ok_and(|sampler| !sampler.is_random());
         let mut halve = false;
         loop {
-            // Lattices of neighbouring numbers differ by more than that.
+            // Lattices with neighbouring counts differ by more than this.
             let is_exact = !is_lattice
                 && [too_few, enough]
                     .iter()
@@ -239,16 +241,16 @@ impl<F: SamplerFamily + Clone> Search<'_, '_, F> {
                 Ok(true) => enough = n,
                 Ok(false) => too_few = n,
                 Err(error) => {
-                    refused(&error)?;
+                    ignore_unsupported_count(&error)?;
                     too_few = n;
                 }
             }
-            // Interpolation that does not gain much is followed by a halving.
+            // Bisect after an interpolation that hardly narrows the interval.
             halve = (enough as f64 / too_few as f64).ln() > 0.5 * before.ln();
         }
     }
 
-    /// Where between two numbers the one that just suffices is expected.
+    /// Returns where, between two numbers, the smallest sufficient one is expected.
     #[expect(
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,
@@ -262,12 +264,13 @@ impl<F: SamplerFamily + Clone> Search<'_, '_, F> {
         let (from, to) = (excess(too_few), excess(enough));
         let share = from / (from - to);
         let share = if share.is_finite() && !halve { share.clamp(0.0, 1.0) } else { 0.5 };
-        // A hair less, so that a law's own number is not rounded past by the logarithms.
+        // Slightly less, so that rounding in the logarithms does not skip the exact number of a
+        // power law.
         let n = (at(too_few) + share * (at(enough) - at(too_few))).exp() * (1.0 - 1e-12);
         n.ceil() as usize
     }
 
-    /// Whether a number suffices, by a rough prediction where that is clear.
+    /// Returns whether a number suffices, from a rough prediction if that is decisive.
     fn suffices(&mut self, n_points: usize) -> Result<bool, Error> {
         let budget = self.predictor.budget().rough();
         if self.curve.at(n_points).is_none() {
@@ -287,14 +290,14 @@ impl<F: SamplerFamily + Clone> Search<'_, '_, F> {
         self.curve.at(n_points).is_some_and(|point| {
             let Prediction { variance, stderr, .. } = point.prediction;
             let ratio = variance / self.variance;
-            // A standard error that is estimated from few realizations may be too small.
+            // A standard error estimated from few realizations may be too small.
             let is_far = stderr == 0.0 || !(1.0 / factor..=factor).contains(&ratio);
             let distance = (variance - self.variance).abs();
             is_far && distance > errors * point.prediction.total_stderr()
         })
     }
 
-    /// Puts a prediction of the whole budget in the place of a rough one.
+    /// Replaces a rough prediction by one with the full budget.
     fn predict_precisely(&mut self, n_points: usize) -> Result<(), Error> {
         if self.rough.remove(&n_points) {
             let sampler = self.curve.build(n_points, self.predictor.domain())?;
@@ -308,7 +311,8 @@ impl<F: SamplerFamily + Clone> Search<'_, '_, F> {
         self.curve.at(n_points).is_some_and(|p| p.prediction.variance <= self.variance)
     }
 
-    /// By the rate of the last points; where that leads to a number that is affordable, it is tried.
+    /// Extrapolates from the rate of the last points; if the resulting number is affordable, it is
+    /// tried.
     fn extrapolate(
         &mut self,
         mut too_few: Option<usize>,
@@ -316,16 +320,16 @@ impl<F: SamplerFamily + Clone> Search<'_, '_, F> {
     ) -> Result<RequiredPoints, Error> {
         const TRIES: usize = 4;
         let pattern = self.curve.pattern().clone();
-        // Numbers that were ruled out without a prediction have none on the curve, which a rate needs.
+        // The rate needs predictions, and numbers that were ruled out have none on the curve.
         if let Some(mut last) = too_few {
-            // The work allowed may be less than that of numbers which are ruled out.
+            // Numbers that were ruled out may exceed the allowed work.
             while last > 1 && !self.is_affordable_next_to(last) {
                 last /= 2;
             }
             for n in [last, last / 2, last / 4] {
                 let n = pattern.nearest_count(n, self.predictor.domain());
                 if let Err(error) = self.suffices(n) {
-                    refused(&error)?;
+                    ignore_unsupported_count(&error)?;
                 }
             }
         }
@@ -349,13 +353,13 @@ impl<F: SamplerFamily + Clone> Search<'_, '_, F> {
         self.predictor.is_affordable(&*sampler)
     }
 
-    /// Whether the valid number next to one can be predicted within the budget.
+    /// Returns whether the valid count nearest to `n_points` can be predicted within the budget.
     fn is_affordable_next_to(&mut self, n_points: usize) -> bool {
         let next = self.curve.pattern().nearest_count(n_points, self.predictor.domain());
         self.is_affordable(next).unwrap_or(false)
     }
 
-    /// By the power law through the last points, over a factor of 8 in N.
+    /// Extrapolates the power law through the last points, over a factor of 8 in N.
     fn by_rate(&self, max_points: usize) -> RequiredPoints {
         let Some(last) = self.curve.points().last().map(|p| p.n_points() as f64) else {
             return RequiredPoints::OutOfReach;
@@ -364,12 +368,12 @@ impl<F: SamplerFamily + Clone> Search<'_, '_, F> {
         let Some(fit) = fit.filter(|fit| fit.slope < 0.0) else {
             return RequiredPoints::OutOfReach;
         };
-        // All numbers that were tried, the last one among them, were too few.
+        // All numbers tried, including the last one, were insufficient.
         let n = ((self.variance.ln() - fit.intercept) / fit.slope).exp().max(last + 1.0);
         #[expect(
             clippy::cast_possible_truncation,
             clippy::cast_sign_loss,
-            reason = "a positive number, at most that of all points allowed"
+            reason = "positive and at most max_points"
         )]
         let n = if n <= max_points as f64 { n.ceil() as usize } else { usize::MAX };
         let (pattern, domain) = (self.curve.pattern(), self.predictor.domain());
@@ -381,8 +385,8 @@ impl<F: SamplerFamily + Clone> Search<'_, '_, F> {
     }
 }
 
-/// Passes on an error that says more than that a pattern does not have a number of points.
-pub(crate) fn refused(error: &Error) -> Result<(), Error> {
+/// Ignores errors for counts that the pattern does not support, and returns any other error.
+pub(crate) fn ignore_unsupported_count(error: &Error) -> Result<(), Error> {
     use sphvar_samplers::Error::{Given, Stopped};
     match error {
         Error::Spectrum(sphvar_spectrum::Error::Sampler(Given { .. } | Stopped(_))) => {
@@ -393,19 +397,21 @@ pub(crate) fn refused(error: &Error) -> Result<(), Error> {
     }
 }
 
-/// The legal numbers next to 1, 2, 4, ..., and the largest legal one, none beyond `max_points`.
-fn rungs(pattern: &dyn SamplerFamily, domain: Domain, max_points: usize) -> Vec<usize> {
+/// Returns the valid counts nearest to 1, 2, 4, ..., and the largest valid count, none beyond
+/// `max_points`.
+fn candidate_counts(pattern: &dyn SamplerFamily, domain: Domain, max_points: usize) -> Vec<usize> {
     let powers = (0..usize::BITS).map(|k| 1_usize << k).take_while(|&n| n < max_points);
-    let mut rungs: Vec<usize> = powers.map(|n| pattern.nearest_count(n, domain)).collect();
+    let mut candidate_counts: Vec<usize> =
+        powers.map(|n| pattern.nearest_count(n, domain)).collect();
     let beyond = max_points.saturating_add(1);
-    rungs.extend(legal_between(pattern, domain, 0, beyond, max_points));
-    rungs.retain(|&n| n <= max_points);
-    rungs.dedup();
-    rungs
+    candidate_counts.extend(legal_between(pattern, domain, 0, beyond, max_points));
+    candidate_counts.retain(|&n| n <= max_points);
+    candidate_counts.dedup();
+    candidate_counts
 }
 
-/// The legal number of points of a pattern nearest to `wanted` among those above `low` and below `high`, if
-/// there is one.
+/// Returns the valid count of a pattern nearest to `wanted` among those above `low` and below
+/// `high`, or `None` if there is none.
 #[must_use]
 pub fn legal_between(
     pattern: &dyn SamplerFamily,
@@ -417,32 +423,32 @@ pub fn legal_between(
     if high <= low.saturating_add(1) {
         return None;
     }
-    // The legal number next to n never falls as n grows.
-    let legal = |n: usize| pattern.nearest_count(n, domain);
+    // The valid count nearest to n never decreases as n grows.
+    let valid = |n: usize| pattern.nearest_count(n, domain);
     let wanted = wanted.clamp(low + 1, high - 1);
     let (mut from, mut to) = (low + 1, high - 1);
-    let near = legal(wanted);
+    let near = valid(wanted);
     let found = if near >= high {
-        // The largest n whose legal number is below.
+        // The largest n whose valid count is below `high`.
         while from < to {
             let middle = to - (to - from) / 2;
-            if legal(middle) < high {
+            if valid(middle) < high {
                 from = middle;
             } else {
                 to = middle - 1;
             }
         }
-        legal(from)
+        valid(from)
     } else if near <= low {
         while from < to {
             let middle = from + (to - from) / 2;
-            if legal(middle) > low {
+            if valid(middle) > low {
                 to = middle;
             } else {
                 from = middle + 1;
             }
         }
-        legal(from)
+        valid(from)
     } else {
         near
     };
@@ -453,20 +459,20 @@ pub fn legal_between(
 mod tests {
     use sphvar_samplers::{Domain, Pattern};
 
-    use super::{legal_between, rungs};
+    use super::{candidate_counts, legal_between};
 
     #[test]
-    fn legal_numbers_in_an_interval_are_found_if_there_are_any() {
+    fn valid_counts_in_an_interval_are_found() {
         for domain in [Domain::Sphere, Domain::Hemisphere] {
-            let legal: Vec<usize> =
+            let valid: Vec<usize> =
                 (1..400).filter(|&n| Pattern::Healpix.nearest_count(n, domain) == n).collect();
             for low in 0..200 {
                 for high in low..low + 90 {
-                    let inside = legal.iter().filter(|&&n| low < n && n < high);
+                    let inside = valid.iter().filter(|&&n| low < n && n < high);
                     for wanted in [low, (low + high) / 2, high] {
                         let got = legal_between(&Pattern::Healpix, domain, low, high, wanted);
                         assert_eq!(got.is_some(), inside.clone().count() > 0, "{low} {high}");
-                        assert!(got.is_none_or(|n| legal.contains(&n) && low < n && n < high));
+                        assert!(got.is_none_or(|n| valid.contains(&n) && low < n && n < high));
                     }
                 }
             }
@@ -476,14 +482,14 @@ mod tests {
     }
 
     #[test]
-    fn rungs_are_legal_and_end_with_the_largest() {
+    fn candidate_counts_are_valid_and_end_with_the_maximum() {
         let sphere = Domain::Sphere;
-        assert_eq!(rungs(&Pattern::Jittered, sphere, 11), []);
-        assert_eq!(rungs(&Pattern::Jittered, sphere, 12), [12]);
-        assert_eq!(rungs(&Pattern::Jittered, sphere, 200), [12, 48, 108, 192]);
-        assert_eq!(rungs(&Pattern::WhiteNoise, sphere, 0), []);
-        assert_eq!(rungs(&Pattern::WhiteNoise, sphere, 9), [1, 2, 4, 8, 9]);
-        let all = rungs(&Pattern::Healpix, sphere, usize::MAX);
+        assert_eq!(candidate_counts(&Pattern::Jittered, sphere, 11), []);
+        assert_eq!(candidate_counts(&Pattern::Jittered, sphere, 12), [12]);
+        assert_eq!(candidate_counts(&Pattern::Jittered, sphere, 200), [12, 48, 108, 192]);
+        assert_eq!(candidate_counts(&Pattern::WhiteNoise, sphere, 0), []);
+        assert_eq!(candidate_counts(&Pattern::WhiteNoise, sphere, 9), [1, 2, 4, 8, 9]);
+        let all = candidate_counts(&Pattern::Healpix, sphere, usize::MAX);
         assert!(all.windows(2).all(|pair| pair[0] < pair[1]), "{all:?}");
     }
 }

@@ -3,13 +3,13 @@ use sphvar_spectrum::ExactSpectrum;
 
 use crate::{PredictionBudget, SpectrumOptions};
 
-/// How a spectrum is computed.
+/// The method by which a spectrum is computed.
 pub(crate) enum Route<'a> {
-    /// It is 1 in every degree.
+    /// The power is 1 in every degree.
     Flat,
-    /// Without sampling.
+    /// In closed form or from the fixed points, without sampling.
     Exact(ExactSpectrum<'a>),
-    /// From all given sets.
+    /// From all the given sets.
     All(&'a [PointSet]),
     /// From realizations.
     Sampled,
@@ -27,12 +27,12 @@ impl<'a> Route<'a> {
         match sampler.law() {
             Law::Independent if is_left_open => Self::Flat,
             Law::OneOf(sets) if sets.len() > 1 => {
-                let most = budget.realizations(sampler, lmax);
-                let are_few = is_left_open && sets.len() as u64 <= most;
+                let max = budget.realizations(sampler, lmax);
+                let are_few = is_left_open && sets.len() as u64 <= max;
                 if are_few { Self::All(sets) } else { Self::Sampled }
             }
-            law => {
-                let is_chosen = if law.is_random() {
+            kind => {
+                let is_chosen = if kind.is_random() {
                     is_left_open && PredictionBudget::is_exact(sampler.n_points(), lmax)
                 } else {
                     options.is_default_transform()

@@ -3,20 +3,20 @@ use sphvar_samplers::{Progress, Realizations};
 use crate::{Error, Measurement, measurement::estimates, trial_work};
 use sphvar_integrands::Integrand;
 
-/// How precisely a variance is to be measured.
+/// The precision to which a variance is measured.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Precision {
-    /// The relative standard error of the variance that is small enough.
+    /// The requested relative standard error of the variance.
     pub relative: f64,
-    /// The number of trials at which measuring stops however large the error is.
+    /// The maximum number of trials, whatever the error.
     pub most: u64,
 }
 
 impl Precision {
-    /// The fewest trials with an error of their variance to stop at.
+    /// The minimum number of trials: the error of the variance needs at least four.
     pub const MIN_TRIALS: u64 = 4;
 
-    /// Accepts a positive, finite precision and at least [`Self::MIN_TRIALS`] trials, `start` and most.
+    /// Checks that the precision is positive and finite, and that `start` and `most` are valid.
     fn check(self, start: u64) -> Result<(), Error> {
         let relative = self.relative;
         if !(relative > 0.0 && relative.is_finite()) {
@@ -34,18 +34,21 @@ impl Precision {
     }
 }
 
-/// Measures a variance until it is precise: `start` trials (at least 4), then twice as many in all and twice
-/// again, until the relative error ([`Measurement::relative_error`]) is at most `target.relative` or the trials are
+/// Measures a variance to a requested precision.
+///
+/// Runs `start` trials (at least 4) and doubles the total number until the relative error
+/// ([`Measurement::relative_error`]) is at most `target.relative` or the number of trials is
 /// `target.most`.
 ///
-/// Trials are those of [`measure`](crate::measure), so a run that stops at n trials is `measure` with n. Looking only
-/// where the number of trials has doubled keeps it from stopping at the first lucky moment. `progress` expects the
-/// work of `start` trials, and is told after every doubling how much more it will probably be.
+/// The trials are those of [`measure`](crate::measure), so a run that stops after n trials equals
+/// `measure` with n. Checking the error only after each doubling keeps the run from stopping at a
+/// lucky fluctuation. `progress` expects the work of `start` trials; after every doubling it is
+/// told the probable additional work.
 ///
 /// # Errors
 ///
-/// [`Error::Parameter`] unless the precision is positive and finite, `start` at least 4 and
-/// `target.most` at least `start`; those of [`measure`](crate::measure).
+/// Returns [`Error::Parameter`] unless the precision is positive and finite, `start` is at least 4
+/// and `target.most` is at least `start`, and the errors of [`measure`](crate::measure).
 pub fn measure_until(
     ensemble: &Realizations<'_>,
     integrand: &dyn Integrand,
@@ -60,7 +63,7 @@ pub fn measure_until(
     let (work, mut expected) = (trial_work(ensemble.sampler()), start);
     loop {
         measurement.extend(estimates(ensemble, integrand, from..total, progress)?);
-        // Equal estimates have no error, but may be those of an integrand that no trial saw.
+        // Equal estimates have a measured error of 0, but no trial may have hit the integrand.
         let precise = measurement.variance() > 0.0
             && measurement.relative_error().relative() <= target.relative;
         if precise || total >= most {
@@ -68,14 +71,14 @@ pub fn measure_until(
         }
         from = total;
         total = total.saturating_mul(2).min(most);
-        let probable = stages(total, measurement.trials_for(target.relative), most);
+        let probable = doubled_total(total, measurement.trials_for(target.relative), most);
         progress.expect(work * (probable as f64 - expected as f64));
         expected = probable;
     }
 }
 
-/// The number of trials, of `total` doubled again and again, that is at least `needed`.
-fn stages(mut total: u64, needed: u64, most: u64) -> u64 {
+/// Returns the first number of trials, on doubling `total`, that is at least `needed`.
+fn doubled_total(mut total: u64, needed: u64, most: u64) -> u64 {
     while total < needed.min(most) {
         total = total.saturating_mul(2).min(most);
     }
@@ -88,11 +91,11 @@ mod tests {
 
     use sphvar_samplers::{Domain, Pattern, Progress, Purpose, Realizations, Stopped, Streams};
 
-    use super::{Precision, measure_until, stages};
+    use super::{Precision, doubled_total, measure_until};
     use crate::{measure, trial_work};
     use sphvar_integrands::ClampedCosine;
 
-    /// The trials that were announced.
+    /// The number of trials announced to the progress.
     struct Announced(Mutex<f64>);
 
     impl Progress for Announced {
@@ -110,7 +113,7 @@ mod tests {
     fn a_precision_is_reached_by_doubling() {
         let sampler = Pattern::WhiteNoise.build(4, Domain::Sphere).unwrap();
         let sets = Realizations::rotated(&*sampler, Streams::new(0, Purpose::Trial, 0));
-        // In units of a trial, of which 100 are announced.
+        // In units of a trial; 100 are announced at the start.
         let announced = Announced(Mutex::new(100.0));
         let until = |relative, most| {
             let target = Precision { relative, most };
@@ -119,15 +122,15 @@ mod tests {
         let got = until(0.05, 100_000);
         let trials = got.estimates().len();
         assert!(got.relative_stderr() <= 0.05, "{}", got.relative_stderr());
-        // Near-normal estimates: 2/0.05^2 = 800 trials, and no doubling before was enough.
+        // Near-normal estimates need 2/0.05^2 = 800 trials; no earlier doubling suffices.
         assert!([400, 800, 1600].contains(&trials), "{trials}");
         assert!((*announced.0.lock().unwrap() - trials as f64).abs() < 1e-9);
         assert_eq!(got, measure(&sets, &ClampedCosine, trials as u64, &()).unwrap());
-        // The cap holds.
+        // The maximum number of trials holds.
         assert_eq!(until(0.001, 250).estimates().len(), 250);
     }
 
-    /// Nothing is put in the place of what cannot be meant; both ends of the ranges are taken.
+    /// Invalid values are rejected rather than replaced; both ends of the ranges are accepted.
     #[test]
     fn precisions_and_trials_outside_their_range_are_rejected() {
         let sampler = Pattern::WhiteNoise.build(4, Domain::Sphere).unwrap();
@@ -151,9 +154,9 @@ mod tests {
     }
 
     #[test]
-    fn stages_do_not_overflow() {
-        assert_eq!(stages(1000, 3500, 1_000_000), 4000);
-        assert_eq!(stages(1000, 3500, 3000), 3000);
-        assert_eq!(stages(1 << 63, u64::MAX, u64::MAX), u64::MAX);
+    fn doubling_does_not_overflow() {
+        assert_eq!(doubled_total(1000, 3500, 1_000_000), 4000);
+        assert_eq!(doubled_total(1000, 3500, 3000), 3000);
+        assert_eq!(doubled_total(1 << 63, u64::MAX, u64::MAX), u64::MAX);
     }
 }

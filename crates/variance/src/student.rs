@@ -1,9 +1,10 @@
-//! Student's distribution, which is the normal one where a standard error is known exactly.
+//! Student's distribution, which is the normal distribution where a standard error is known
+//! exactly.
 
 use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
 
-/// Returns the quantile of probability `p` for `dof` degrees of freedom, possibly infinite; NaN unless `dof` is
-/// positive.
+/// Returns the quantile of probability `p` for `dof` degrees of freedom, possibly infinite; NaN
+/// unless `dof` is positive.
 pub(crate) fn quantile(p: f64, dof: f64) -> f64 {
     if dof == f64::INFINITY {
         return Normal::standard().inverse_cdf(p);
@@ -11,12 +12,14 @@ pub(crate) fn quantile(p: f64, dof: f64) -> f64 {
     StudentsT::new(0.0, 1.0, dof).map_or(f64::NAN, |t| t.inverse_cdf(p))
 }
 
-/// Returns the probability of a value at least as far from 0 as `t` on either side; NaN unless `dof` is positive.
+/// Returns the probability of a value at least as far from 0 as `t` on either side; NaN unless
+/// `dof` is positive.
 pub(crate) fn two_sided(t: f64, dof: f64) -> f64 {
     if dof == f64::INFINITY {
         return (2.0 * Normal::standard().sf(t.abs())).min(1.0);
     }
-    StudentsT::new(0.0, 1.0, dof).map_or(f64::NAN, |law| (2.0 * law.sf(t.abs())).min(1.0))
+    StudentsT::new(0.0, 1.0, dof)
+        .map_or(f64::NAN, |distribution| (2.0 * distribution.sf(t.abs())).min(1.0))
 }
 
 #[cfg(test)]
@@ -33,7 +36,7 @@ mod tests {
     }
 
     #[test]
-    fn without_degrees_of_freedom_nothing_is_known() {
+    fn quantiles_without_degrees_of_freedom_are_nan() {
         for dof in [0.0, -1.0, f64::NAN, f64::NEG_INFINITY] {
             assert!(quantile(0.975, dof).is_nan() && two_sided(1.0, dof).is_nan(), "{dof}");
         }

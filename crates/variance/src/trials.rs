@@ -52,8 +52,8 @@ impl Trials {
 }
 
 impl Predictor<'_> {
-    /// Predicts and measures the variance for a sampler, each of whose realizations is uniformly
-    /// rotated: [`Self::predict`] and [`Self::measure`].
+    /// Predicts and measures the variance for a sampler with uniformly rotated realizations, by
+    /// [`Self::predict`] and [`Self::measure`].
     ///
     /// # Examples
     ///
@@ -72,7 +72,7 @@ impl Predictor<'_> {
     ///
     /// # Errors
     ///
-    /// Those of [`Self::predict`] and [`Self::measure`].
+    /// Returns the errors of [`Self::predict`] and [`Self::measure`].
     pub fn compare(
         &mut self,
         sampler: &dyn Sampler,
@@ -83,13 +83,13 @@ impl Predictor<'_> {
         self.measure(predicted, sampler, trials, progress)
     }
 
-    /// Measures the variance that was predicted, from the same seed but on realizations independent
-    /// of those of the prediction. [`Trials::work`] is ticked; if the precision needs more, that is
+    /// Measures the predicted variance from the same seed, but on realizations independent of those
+    /// of the prediction. Ticks [`Trials::work`]; additional work that the precision needs is
     /// announced first.
     ///
     /// # Errors
     ///
-    /// Those of [`measure`] and [`measure_until`].
+    /// Returns the errors of [`measure`] and [`measure_until`].
     pub fn measure(
         &mut self,
         predicted: PredictedPoint,
@@ -112,7 +112,7 @@ impl Predictor<'_> {
         };
         let streams = Streams::new(self.seed(), Purpose::Trial, sampler.stream_group());
         let sets = Realizations::rotated(sampler, streams);
-        // No number of trials makes the variance of roundings precise.
+        // No number of trials makes a variance due to rounding precise.
         let until = trials.until.filter(|_| predicted.prediction.variance > rounding);
         let measurement = match until {
             None => measure(&sets, integrand, trials.count, progress)?,

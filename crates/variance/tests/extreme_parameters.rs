@@ -1,8 +1,9 @@
-//! Every integrand at both ends of its parameters, against values of 20 digits.
+//! Every integrand at both ends of its parameter range, against values with 20 digits.
 //!
-//! They were computed with mpmath (120 digits) from the definitions: `int f P_l` over the pieces on which f is elementary,
-//! by antiderivatives; `int F^2 - (int F)^2/(4 pi)`, whose cancellation 120 digits bear; `I_{l+1/2}/I_{1/2}` for the
-//! lobes of von Mises and Fisher. Angles are the f64 in degrees times pi/180, not rounded to radians.
+//! The values were computed with mpmath (120 digits) from the definitions: `int f P_l` by
+//! antiderivatives over the intervals on which f is elementary; `int F^2 - (int F)^2/(4 pi)`, for
+//! whose cancellation 120 digits suffice; `I_{l+1/2}/I_{1/2}` for von Mises-Fisher lobes. Angles
+//! are the f64 values in degrees times pi/180, not rounded to radians.
 
 use std::f64::consts::PI;
 
@@ -11,15 +12,15 @@ use sphvar_samplers::Domain;
 use sphvar_spectrum::Spectrum;
 use sphvar_variance::predict;
 
-/// On the sphere the integral, the centred squares of even and of odd degrees and E(1), E(2), E(3); on the hemisphere the
-/// integral, the centred square, E(2) and E(4).
+/// On the sphere the integral, the centred squares of even and of odd degrees and E(1), E(2), E(3);
+/// on the hemisphere the integral, the centred square, E(2) and E(4).
 type Row = (Box<dyn Integrand>, [f64; 6], [f64; 4]);
 
 fn row(function: impl Integrand + 'static, sphere: [f64; 6], hemisphere: [f64; 4]) -> Row {
     (Box::new(function), sphere, hemisphere)
 }
 
-/// Some hundred roundings, most of them of quadratures.
+/// Some hundred roundings, most of them in quadratures.
 const TOLERANCE: f64 = 1e-12;
 
 #[track_caller]
@@ -28,8 +29,8 @@ fn check(what: &str, got: f64, expected: f64) {
     assert!(off <= TOLERANCE * expected.abs(), "{what}: {got:e}, not {expected:e}");
 }
 
-/// Near 90 degrees energies of even degrees are squares of values near the equator that nearly vanish: rounding of the
-/// energy of all degrees.
+/// Near 90 degrees the energies of even degrees are squares of small values near the equator, so
+/// the tolerance includes rounding of the total energy.
 #[track_caller]
 fn check_energy(what: &str, got: f64, expected: f64, total: f64) {
     let off = (got - expected).abs();

@@ -1,4 +1,5 @@
-//! Given point sets, with weights and of several sizes, in predictions and measurements.
+//! Predictions and measurements for given point sets, with weights and with different numbers of
+//! points.
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -15,8 +16,8 @@ fn predictor(integrand: &dyn Integrand) -> Predictor<'_> {
     Predictor::new(integrand, Domain::Sphere, 5, PredictionBudget::USUAL).unwrap()
 }
 
-/// The six vertices of an octahedron with weight 1/15 each and the eight of a cube with 3/40 each, Lebedev's rule of 14 points,
-/// which is exact to degree 5.
+/// Returns the six vertices of an octahedron with weight 1/15 each and the eight of a cube with
+/// 3/40 each, Lebedev's rule of 14 points, which is exact to degree 5.
 fn rule(scale: f64) -> PointSet {
     let axes = [DVec3::X, DVec3::Y, DVec3::Z].into_iter().flat_map(|p| [p, -p]);
     let signs = (0..8).map(|k| [1, 2, 4].map(|bit| if k & bit == 0 { 1.0 } else { -1.0 }));
@@ -47,7 +48,7 @@ fn weighted_rules_have_the_variance_of_their_pairs() {
             let harmonic = Harmonic::new(l, m).unwrap();
             let got = predictor(&harmonic).compare(&sets, Trials::new(500), &()).unwrap();
             let expected = by_pairs(&rule(1.0), l);
-            // 1e-310 has 14 digits less.
+            // 1e-310 has 14 fewer digits.
             let tolerance = if scale < 1e-300 { 1e-9 } else { 1e-12 };
             let predicted = got.predicted.prediction;
             let off = (predicted.variance - expected).abs();
@@ -56,14 +57,14 @@ fn weighted_rules_have_the_variance_of_their_pairs() {
             if l <= 5 {
                 assert!(expected.abs() < 1e-14, "degree {l} is exact");
             } else {
-                // 10 scores, beyond 4.5 by chance in 7e-5 of seeds.
+                // 10 scores; one exceeds 4.5 by chance for 7e-5 of seeds.
                 assert!(got.z_score().abs() < 4.5, "Y_{l},{m} {scale:e}: {}", got.z_score());
             }
         }
     }
 }
 
-/// One of several sets, each as likely, has the mean of their variances, whatever their sizes.
+/// An ensemble of equally likely sets has the mean of their variances, whatever their sizes.
 #[test]
 fn several_sets_have_the_mean_variance() {
     let cap = Cap::from_degrees(60.0).unwrap();
@@ -91,7 +92,7 @@ fn several_sets_have_the_mean_variance() {
 }
 
 #[test]
-fn what_cannot_be_predicted_says_why() {
+fn unpredictable_sets_return_an_explaining_error() {
     let cap = Cap::from_degrees(60.0).unwrap();
     let nothing = PointSet { points: vec![DVec3::X, DVec3::Y], weights: vec![1.0, -1.0] };
     let nothing = PointSets::new(vec![rule(1.0), nothing], Domain::Sphere).unwrap();
@@ -102,7 +103,7 @@ fn what_cannot_be_predicted_says_why() {
     assert!(matches!(elsewhere, Error::OtherDomain { .. }), "{elsewhere}");
 }
 
-/// Every stage returns the error of work that is stopped.
+/// Every stage returns an error if the progress stops the work.
 #[test]
 fn work_can_be_stopped() {
     struct Never;
@@ -124,7 +125,7 @@ fn work_can_be_stopped() {
     }
 }
 
-/// An integrand whose values fail says so instead of giving numbers.
+/// An integrand whose evaluation fails causes an error instead of a result.
 #[test]
 fn values_that_fail_are_errors() {
     struct Failing(Cap);
@@ -146,7 +147,8 @@ fn values_that_fail_are_errors() {
     assert!(message.contains("the file ended"), "{message}");
 }
 
-/// A family of one's own that builds other numbers of points than requested would be ranked at wrong numbers.
+/// A user's family that builds a number of points other than the requested one would be ranked at
+/// the wrong N.
 #[test]
 fn families_build_the_requested_count() {
     #[derive(Clone, Debug)]
@@ -169,7 +171,8 @@ fn families_build_the_requested_count() {
     }
 }
 
-/// A search that is stopped somewhere is an error; what it knew so far would be taken for its answer.
+/// A search that is stopped at any point returns an error, since a partial result would be mistaken
+/// for the answer.
 #[test]
 fn searches_can_be_stopped_anywhere() {
     struct After(AtomicU64, u64);

@@ -1,4 +1,4 @@
-//! Samplers whose statements about themselves or whose sets are wrong.
+//! Samplers with wrong metadata or invalid sets.
 
 use std::f64::consts::PI;
 
@@ -10,15 +10,15 @@ use sphvar_variance::{
     PredictedCurve, PredictedPoint, PredictionBudget, Predictor, required_points,
 };
 
-/// A sampler that says of itself what it is told to.
+/// A sampler whose metadata and set are given.
 #[derive(Debug)]
-struct Liar {
+struct FakeSampler {
     n_points: usize,
     is_fixed: bool,
     set: PointSet,
 }
 
-impl Sampler for Liar {
+impl Sampler for FakeSampler {
     fn n_points(&self) -> usize {
         self.n_points
     }
@@ -41,7 +41,7 @@ impl Sampler for Liar {
     }
 }
 
-/// The one set of a fixed pattern is checked as every realization is.
+/// The single set of a fixed pattern is validated like every realization.
 #[test]
 fn invalid_fixed_sets_are_errors() {
     let points = || vec![DVec3::X, DVec3::Y];
@@ -53,18 +53,20 @@ fn invalid_fixed_sets_are_errors() {
         (vec![DVec3::X, 2.0 * DVec3::Y], vec![], "not of length 1"),
     ];
     for (points, weights, expected) in sets {
-        let sampler = Liar { n_points: 2, is_fixed: true, set: PointSet { points, weights } };
+        let sampler =
+            FakeSampler { n_points: 2, is_fixed: true, set: PointSet { points, weights } };
         let error = predict(&sampler).unwrap_err().to_string();
         assert!(error.contains(expected), "{error}");
     }
 }
 
-/// Degrees beyond the largest one are an error at once, whatever number of points is claimed.
+/// Degrees beyond the maximum are an immediate error, whatever number of points the sampler
+/// reports.
 #[test]
 fn more_points_than_any_spectrum_can_resolve_are_errors() {
     for n_points in [1_000_000_000_000, 1 << 60, usize::MAX] {
         for is_fixed in [false, true] {
-            let sampler = Liar { n_points, is_fixed, set: PointSet::new(vec![DVec3::X]) };
+            let sampler = FakeSampler { n_points, is_fixed, set: PointSet::new(vec![DVec3::X]) };
             let error = predict(&sampler).unwrap_err().to_string();
             assert!(error.contains("largest supported degree"), "{error}");
         }
@@ -81,8 +83,8 @@ fn predict(sampler: &dyn Sampler) -> Result<PredictedPoint, sphvar_variance::Err
     Predictor::new(&cap, Domain::Sphere, 0, PredictionBudget::USUAL)?.predict(sampler, &())
 }
 
-/// Where numbers too large for a prediction are ruled out without one, the rate comes from affordable ones: this took
-/// 17 GB.
+/// If counts too large for a prediction are ruled out without one, the rate is computed from
+/// affordable counts; predictions at the large counts once took 17 GB.
 #[test]
 fn rates_come_from_affordable_numbers() {
     let cap = Cap::from_degrees(60.0).unwrap();
@@ -90,7 +92,7 @@ fn rates_come_from_affordable_numbers() {
     let mut predictor = Predictor::new(&cap, Domain::Sphere, 0, budget).unwrap();
     let mut curve = PredictedCurve::new(Pattern::Fibonacci);
     required_points(&mut predictor, &mut curve, 1e-11, 1_000_000_000_000, &()).unwrap();
-    let most = curve.points().last().unwrap().n_points();
-    let sampler = Pattern::Fibonacci.build(most, Domain::Sphere).unwrap();
-    assert!(predictor.is_affordable(&*sampler).unwrap(), "{most}");
+    let largest = curve.points().last().unwrap().n_points();
+    let sampler = Pattern::Fibonacci.build(largest, Domain::Sphere).unwrap();
+    assert!(predictor.is_affordable(&*sampler).unwrap(), "{largest}");
 }

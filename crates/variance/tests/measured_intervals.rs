@@ -1,4 +1,4 @@
-//! Coverage of intervals and false alarms of warnings, by simulated estimates and variances.
+//! Coverage of intervals and false-alarm rates of warnings, from simulated estimates and variances.
 
 use std::f64::consts::PI;
 
@@ -14,16 +14,16 @@ use sphvar_variance::{
 };
 
 const SEED: u64 = 3;
-/// Standard errors of a share that a check allows: passed by chance in 6e-7 of seeds.
+/// The tolerance of a measured share in standard errors: exceeded by chance for 6e-7 of seeds.
 const SIGMAS: f64 = 5.0;
 
-/// How often the 95 % interval of the variance holds the true one, of `reps` measurements of `trials`
-/// estimates.
-fn coverage(trials: usize, reps: u64, variance: f64, law: impl Fn(&mut dyn Rng) -> f64) -> f64 {
+/// Returns the fraction of `reps` measurements with `trials` estimates each whose 95 % interval
+/// contains the true variance.
+fn coverage(trials: usize, reps: u64, variance: f64, draw: impl Fn(&mut dyn Rng) -> f64) -> f64 {
     let streams = Streams::new(SEED, Purpose::Resample, trials);
     let held = (0..reps).filter(|&i| {
         let mut rng = streams.realization(i);
-        let measured = Measurement::new((0..trials).map(|_| law(&mut rng)).collect());
+        let measured = Measurement::new((0..trials).map(|_| draw(&mut rng)).collect());
         measured
             .variance_interval(0.95)
             .is_some_and(|(low, high)| low <= variance && variance <= high)
@@ -35,13 +35,14 @@ fn normal(rng: &mut dyn Rng) -> f64 {
     StandardNormal.sample(rng)
 }
 
-/// Of normal estimates 95 %, of a coin that falls on one side in one of six likewise, of a fair one more: its
-/// variance is nearly the largest that two values can have, so it is never far off. Heavy tails cost coverage
-/// where trials are few, because the trials have not seen the tail: exponential estimates and
-/// Student's with 5 degrees of freedom have 91 to 92 % at 100 trials (with the fourth moment instead of the jackknife
-/// 88 to 90 %) and 94 % at 1000.
+/// The coverage is 95 % for normal estimates and for a biased coin of probability one in six, and
+/// higher for a fair coin: its variance is nearly the largest possible for two values, so it is
+/// never far off. With few trials the coverage is lower for heavy tails, because the trials have
+/// not sampled the tail: for exponential estimates and Student's with 5 degrees of freedom it is 91
+/// to 92 % at 100 trials (88 to 90 % with the fourth moment instead of the jackknife) and 94 % at
+/// 1000.
 #[test]
-fn intervals_of_variances_cover_what_they_say() {
+fn variance_intervals_have_the_stated_coverage() {
     const REPS: u64 = 1000;
     let margin = |share: f64| SIGMAS * (share * (1.0 - share) / REPS as f64).sqrt();
     let t5 = StudentT::new(5.0).unwrap();
@@ -61,29 +62,30 @@ fn intervals_of_variances_cover_what_they_say() {
     }
 }
 
-/// The sample of a hostile distribution.
-fn hostile(kind: u8, rng: &mut dyn Rng) -> f64 {
+/// Draws from a difficult distribution.
+fn difficult(kind: u8, rng: &mut dyn Rng) -> f64 {
     let x = normal(rng);
     match kind {
-        // Two values, one in a hundred, few values with ties.
+        // Two values with probabilities about one half and one in a hundred, and few values with
+        // ties.
         0 => f64::from(u8::from(x > 0.0)),
         1 => f64::from(u8::from(x > 2.326)),
         2 => x.round(),
-        // Tails: no variance, no mean, lobes of which most is far below the peak.
+        // Heavy tails: no variance, no mean, and lobes that are mostly far below their peak.
         3 => 1.0 / x,
         4 => (5.0 * x).exp(),
         5 => (-50.0 * x.abs()).exp(),
-        // A spike on an offset, and what is nearly constant.
+        // A spike on an offset, and nearly constant values.
         6 => 1e8 + f64::from(u8::from(x > 3.0)),
         _ => 1.0 + 1e-15 * x,
     }
 }
 
 proptest! {
-    /// Whatever the estimates are, an interval is finite and holds the measured variance; a scale of the estimates
-    /// that keeps it in range does not matter.
+    /// For any estimates, an interval is finite and contains the measured variance. Scaling the
+    /// estimates within range does not change this.
     #[test]
-    fn intervals_hold_their_value(
+    fn intervals_contain_the_measured_value(
         kind in 0_u8..8,
         log_trials in 1.4_f64..9.2,
         exponent in prop_oneof![Just(0), Just(-140), Just(140)],
@@ -95,7 +97,7 @@ proptest! {
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "4 to 10^4")]
         let trials = log_trials.exp() as usize;
         let scale = 10f64.powi(exponent);
-        let mut estimates: Vec<f64> = (0..trials).map(|_| scale * hostile(kind, &mut rng)).collect();
+        let mut estimates: Vec<f64> = (0..trials).map(|_| scale * difficult(kind, &mut rng)).collect();
         if outlier {
             estimates[0] = 1e6 * scale;
         }
@@ -109,11 +111,12 @@ proptest! {
     }
 }
 
-/// Of lobes of which only the peak counts, with any share of trials that see it, at most 7 % of intervals miss the truth
-/// over all trials, also of those with no interval, and of 50 peaks or more there is one in 95 %. The lobe is `e^-u` for u uniform
-/// on (0, range): variance `1/(2 range) - 1/range^2`, and `1000/range` trials of 1000 within `u < 1`.
+/// For lobes of which only the peak counts, and any share of trials that hit it, at most 7 % of
+/// intervals miss the true variance, relative to all trials including those without an interval;
+/// with 50 or more peaks, 95 % of the trials have an interval. The lobe is `e^-u` for u uniform on
+/// (0, range): variance `1/(2 range) - 1/range^2`, and `1000/range` trials of 1000 within `u < 1`.
 #[test]
-fn intervals_of_rare_peaks_hold_the_truth_or_are_absent() {
+fn intervals_of_rare_peaks_cover_or_are_absent() {
     const REPS: u64 = 400;
     for (case, peaks) in [0.05, 0.3, 1.0, 3.0, 10.0, 60.0].into_iter().enumerate() {
         let range: f64 = 1000.0 / peaks;
@@ -135,11 +138,11 @@ fn intervals_of_rare_peaks_hold_the_truth_or_are_absent() {
     }
 }
 
-/// A cap of the sun's size by white noise and by lattices: too few trials see it for an interval, a score or a verdict, however
-/// wide the gap to the prediction is; of the complement, a cap of 179 degrees, likewise. Where all trials agree there
-/// is an upper limit, never (0, 0).
+/// A cap of the size of the sun with white noise and with lattices: too few trials hit it for an
+/// interval, a score or a verdict, whatever the difference from the prediction. The same holds for
+/// the complement, a cap of 179 degrees. If all trials agree there is an upper limit, never (0, 0).
 #[test]
-fn unseen_caps_have_a_limit_and_no_verdict() {
+fn caps_missed_by_all_trials_have_a_limit_and_no_verdict() {
     for (degrees, n, trials) in [(0.27, 100, 1000), (179.0, 2, 2000), (179.9, 10, 100)] {
         for pattern in [Pattern::WhiteNoise, Pattern::Fibonacci] {
             let cap = Cap::from_degrees(degrees).unwrap();
@@ -147,7 +150,8 @@ fn unseen_caps_have_a_limit_and_no_verdict() {
                 0.5 * (1.0 - degrees.to_radians().cos()),
                 (0.5 * degrees.to_radians()).cos().powi(2),
             );
-            // Below half a point the points keep apart and the counts are nearly Poisson.
+            // Below half a point the points are well separated and the counts are nearly Poisson
+            // distributed.
             let truth = (4.0 * PI).powi(2) * p * q / n as f64;
             let (mut missed, mut agreed) = (0, 0);
             for seed in 0..40 {
@@ -168,17 +172,17 @@ fn unseen_caps_have_a_limit_and_no_verdict() {
                     assert!(got.ratio().0.is_nan() && got.measured_point().stderr.is_infinite());
                 }
             }
-            // 5 % of 40 are 2; 8 are beyond four standard errors.
+            // 5 % of 40 are 2; 8 exceed four standard errors.
             assert!(missed <= 8, "{degrees} {pattern}: {missed}");
             assert!(agreed > 5, "{degrees} {pattern}: {agreed} agree");
         }
     }
 }
 
-/// White noise in a probe whose variance is in one texel in 1e5: the sample looks well behaved, the moments of the
-/// integrand say that it is not.
+/// White noise on a probe whose variance comes from one texel in 1e5: the sample appears well
+/// behaved, but the moments of the integrand show that it is not.
 #[test]
-fn moments_tell_of_what_no_trial_sees() {
+fn moments_reveal_variance_that_no_trial_hits() {
     let spike = |d: DVec3| 2.0 + d.z + if d.z > 1.0 - 2e-5 { 1e5 } else { 0.0 };
     let edge = Circle { axis: DVec3::Z, angle: (1.0f64 - 2e-5).acos() };
     let probe =
@@ -190,7 +194,7 @@ fn moments_tell_of_what_no_trial_sees() {
         let got = comparison(&pattern, 48, &probe, 20, 1);
         assert!(got.sees_too_little() && got.z_score().is_nan() && got.bias().is_none());
         assert!(got.measured_interval(0.95).is_none() && got.is_prediction_more_precise());
-        // The sample alone shows nothing of it.
+        // The sample alone does not show the rare texel.
         assert!(got.measurement.variance_interval(0.95).is_some(), "{pattern}");
     }
 }
@@ -233,10 +237,10 @@ fn comparison(
     predictor.measure(known, &*sampler, Trials::new(trials), &()).unwrap()
 }
 
-/// Power laws with errors of 2 %, known or taken from the scatter, are significantly bent as often as the level
-/// says, here 1 % where there is something to count.
+/// The curvature of power laws with errors of 2 %, known or estimated from the scatter, is
+/// significant as often as the level states, here 1 % to obtain a sufficient count.
 #[test]
-fn power_laws_are_rarely_called_bent() {
+fn power_laws_are_rarely_reported_as_curved() {
     const REPS: u64 = 10_000;
     for known in [true, false] {
         let streams = Streams::new(SEED, Purpose::Resample, usize::from(known));
@@ -267,10 +271,11 @@ fn power_laws_are_rarely_called_bent() {
     }
 }
 
-/// Recorded variances of the cap of 60 degrees with errors of 1 %: Poisson disks are on their way from
-/// N^-1.2 to N^-1 and read -1.08 to -1.14, jitter has its N^-1.5 from the start.
+/// Recorded variances of the cap of 60 degrees with errors of 1 %: Poisson disk patterns change
+/// from N^-1.2 to N^-1 and have measured exponents of -1.08 to -1.14; jittered sampling has N^-1.5
+/// from the start.
 #[test]
-fn poisson_disks_are_not_there_yet() {
+fn poisson_disk_rates_are_pre_asymptotic() {
     let fit = |variances: [f64; 4]| {
         let points: Vec<VariancePoint> = [192.0, 768.0, 3072.0, 12288.0]
             .into_iter()

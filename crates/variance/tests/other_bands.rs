@@ -1,4 +1,5 @@
-//! Spectra, sums and predictions over bands that are not the degrees of the sphere: the frequencies of the circle.
+//! Spectra, sums and predictions over bands that are not the degrees of the sphere: the frequencies
+//! of the circle.
 
 use std::f64::consts::TAU;
 
@@ -51,7 +52,7 @@ const SETS: u64 = 4000;
 /// The length of the arc whose indicator is integrated.
 const ARC: f64 = 0.3;
 
-/// Jittered points: one in each of N equal arcs, the whole turned uniformly.
+/// Jittered points: one in each of N equal arcs, with a uniform random rotation.
 fn jittered(index: u64) -> Vec<f64> {
     let streams = Streams::new(2, Purpose::Pattern, N);
     let rng = &mut streams.realization(index);
@@ -70,7 +71,7 @@ fn powers(points: &[f64]) -> Vec<f64> {
     (0..=LAST).map(power).collect()
 }
 
-/// `1 - sinc^2(k/N)` for jitter and k >= 1.
+/// `1 - sinc^2(k/N)` for jittered points and k >= 1.
 fn exact() -> Spectrum<Circle> {
     let power = (0..=LAST).map(|k| {
         let x = std::f64::consts::PI * k as f64 / N as f64;
@@ -79,8 +80,9 @@ fn exact() -> Spectrum<Circle> {
     Spectrum::exact(Circle, N, power.collect())
 }
 
-/// An arc of length a has `|f_k|^2 = (sin(pi k a)/(pi k))^2`, twice for the wave and its conjugate, and the variance
-/// `a - a^2` in all; that of even frequencies is that of the mean over opposite points.
+/// Returns an arc of length a has `|f_k|^2 = (sin(pi k a)/(pi k))^2`, twice for the wave and its
+/// conjugate, and the variance `a - a^2` in all; that of even frequencies is that of the mean over
+/// opposite points.
 fn arc() -> Energy<Circle> {
     let energy = |k: usize| {
         let x = std::f64::consts::PI * k as f64;
@@ -93,7 +95,7 @@ fn arc() -> Energy<Circle> {
 }
 
 #[test]
-fn the_loop_closes_on_the_circle() {
+fn prediction_and_measurement_agree_on_the_circle() {
     let energy = arc();
     let mut spectrum = SpectrumAccumulator::new(Circle, N, LAST);
     let mut other = SpectrumAccumulator::new(Circle, N, LAST);
@@ -108,24 +110,24 @@ fn the_loop_closes_on_the_circle() {
         let inside = jittered(SETS + index).iter().filter(|x| **x < ARC).count();
         estimates.push(inside as f64 / N as f64);
     }
-    // As shards of the work are put together: through a file.
+    // Merged through a file, as shards are.
     let saved = serde_json::to_string(&other).unwrap();
     spectrum.try_merge(&serde_json::from_str(&saved).unwrap()).unwrap();
     let sampled = spectrum.finish().unwrap();
     let exact = exact();
-    // 24 means: beyond 5 standard errors by chance in 1.4e-5 of seeds.
+    // 24 means, each beyond 5 standard errors by chance for 1.4e-5 of seeds in total.
     for ((k, p, e), (_, expected, _)) in sampled.rows().zip(exact.rows()).skip(1) {
         assert!((p - expected).abs() <= 5.0 * e, "P({k}) = {p} +- {e}, expected {expected}");
     }
     let [by_realizations, by_mean, truth] =
         [prediction.finish(), predict(&sampled, &energy), predict(&exact, &energy)];
     assert!((by_realizations.variance / by_mean.variance - 1.0).abs() < 1e-12);
-    // The covariance of frequencies counts in one error and not in the other.
+    // One error includes the covariance of frequencies, the other does not.
     assert!(by_realizations.stderr > 0.5 * by_mean.stderr, "{by_realizations:?}, {by_mean:?}");
     let sigma = by_realizations.stderr;
     assert!((by_realizations.variance - truth.variance).abs() < 5.0 * sigma, "{truth:?}");
-    // Either end of the arc lies in one stratum, uniformly: the share u of it that is inside gives the count the variance
-    // u (1 - u), 1/6 in the mean.
+    // Either end of the arc lies in one stratum, uniformly: the share u of it that is inside gives
+    // the count the variance u (1 - u), 1/6 in the mean.
     let of_ends = 2.0 / 6.0 / (N * N) as f64;
     assert!((truth.variance - of_ends).abs() <= truth.tail_error, "{truth:?}, {of_ends}");
     assert!(truth.tail_error < 0.05 * of_ends, "{truth:?}");

@@ -1,4 +1,4 @@
-//! Predictions and what they say of their own errors.
+//! Predictions and their stated errors.
 
 use sphvar_integrands::{Cap, Energy, Integrand};
 use sphvar_samplers::{Domain, Pattern, Purpose, Realizations, Streams};
@@ -12,10 +12,10 @@ fn cap60(lmax: usize) -> Energy {
     Cap::from_degrees(60.0).unwrap().energy(Domain::Sphere, lmax).unwrap()
 }
 
-/// A spectrum by a law of omega = l/sqrt(N).
-fn exact(n: usize, lmax: usize, law: impl Fn(f64) -> f64) -> Spectrum {
+/// Returns a spectrum that is a function of omega = l/sqrt(N).
+fn exact(n: usize, lmax: usize, power: impl Fn(f64) -> f64) -> Spectrum {
     let root = (n as f64).sqrt();
-    Spectrum::exact(Domain::Sphere, n, (0..=lmax).map(|l| law(l as f64 / root)).collect())
+    Spectrum::exact(Domain::Sphere, n, (0..=lmax).map(|l| power(l as f64 / root)).collect())
 }
 
 /// White noise's power is 1 and so is that of its tail, wherever the sum is cut.
@@ -33,10 +33,11 @@ fn white_noise_has_no_tail_error() {
     }
 }
 
-/// A step at omega = 1: cut at 256 where sqrt(N) is larger, nothing of the pattern is seen, the tail is all there is and
-/// its error says so. Cut well above, the interval is narrow and holds the truth.
+/// A step at omega = 1. If the sum is cut at 256 and sqrt(N) is larger, the spectrum contains
+/// nothing of the pattern: the variance is all tail, and its error shows this. If it is cut well
+/// above, the interval is narrow and contains the true variance.
 #[test]
-fn a_sum_that_is_cut_too_early_knows_it() {
+fn a_truncated_sum_has_a_large_tail_error() {
     const WHOLE: usize = 20_000;
     let step = |omega: f64| f64::from(u8::from(omega > 1.0));
     for n in [100_000, 400_000] {
@@ -52,24 +53,25 @@ fn a_sum_that_is_cut_too_early_knows_it() {
     }
 }
 
-/// Power that still swings by a tenth at the end of the spectrum: the truth is within the error of the tail.
+/// If the power still oscillates by a tenth at the end of the spectrum, the true variance is within
+/// the error of the tail.
 #[test]
-fn swings_beyond_the_spectrum_are_within_the_error() {
-    let law = |omega: f64| 1.0 + (-omega / 3.0).exp() * (3.0 * omega).sin();
+fn oscillations_beyond_the_spectrum_are_within_the_error() {
+    let power = |omega: f64| 1.0 + (-omega / 3.0).exp() * (3.0 * omega).sin();
     let n = 2000;
-    let truth = predict(&exact(n, 20_000, law), &cap60(20_000));
+    let truth = predict(&exact(n, 20_000, power), &cap60(20_000));
     for multiple in [2, 3, 4, 6, 8] {
         let lmax = multiple * n.isqrt();
-        let got = predict(&exact(n, lmax, law), &cap60(lmax));
+        let got = predict(&exact(n, lmax, power), &cap60(lmax));
         let off = (got.variance - truth.variance).abs();
         assert!(off <= got.tail_error + truth.tail_error, "{multiple} sqrt N: {got:?}, {truth:?}");
         assert!(got.tail_error < 0.5 * got.tail, "{multiple} sqrt N: {got:?}");
     }
 }
 
-/// No energy in the upper octave, all of it beyond: nothing is known.
+/// Without energy in the upper octave but with all of it beyond, the error is the whole tail.
 #[test]
-fn an_unseen_tail_is_its_own_error() {
+fn an_unresolved_tail_is_its_own_error() {
     let mut energies = vec![0.0; 33];
     energies[3] = 1.0;
     let got = predict(
@@ -79,10 +81,10 @@ fn an_unseen_tail_is_its_own_error() {
     assert!(got.tail > 0.0 && (got.tail_error / got.tail - 1.0).abs() < 1e-15, "{got:?}");
 }
 
-/// Realization by realization or from the mean spectrum: the same prediction, up to the order of sums, and an error that
-/// knows the covariance of degrees.
+/// The predictions from realizations and from the mean spectrum agree up to the order of sums, and
+/// the error of the first includes the covariance of degrees.
 #[test]
-fn both_ways_predict_the_same() {
+fn predictions_from_realizations_and_mean_spectrum_agree() {
     let sampler = Pattern::Jittered.build(192, Domain::Sphere).unwrap();
     let sets = Realizations::rotated(&*sampler, Streams::new(SEED, Purpose::Pattern, 0));
     let energy = cap60(60);
@@ -102,10 +104,10 @@ fn both_ways_predict_the_same() {
     assert!((0.5..2.0).contains(&(a.stderr / b.stderr)), "{a:?}, {b:?}");
 }
 
-/// The 95 % interval from 8 sets, Student's with 7 degrees of freedom, holds the variance that 4000 sets give in 95 % of
-/// cases; with the normal quantile it would be 91 %.
+/// The 95 % interval from 8 sets, Student's with 7 degrees of freedom, contains the variance from
+/// 4000 sets in 95 % of cases; with the normal quantile the coverage would be 91 %.
 #[test]
-fn intervals_of_predictions_cover_what_they_say() {
+fn prediction_intervals_have_the_stated_coverage() {
     const REPS: usize = 500;
     let sampler = Pattern::Jittered.build(48, Domain::Sphere).unwrap();
     let energy = cap60(28);
@@ -118,13 +120,13 @@ fn intervals_of_predictions_cover_what_they_say() {
     let truth = predict_from(0..4000).variance;
     let held = (0..REPS).filter(|&i| {
         let first = 4000 + 8 * i as u64;
-        // The truth has the same tail: its error is not what is tested.
+        // The reference has the same tail; its error is not tested.
         let got = predict_from(first..first + 8);
         let (low, high) = sphvar_variance::Prediction { tail_error: 0.0, ..got }.interval(0.95);
         low <= truth && truth <= high
     });
     let share = held.count() as f64 / REPS as f64;
-    // Binomial, five standard errors of 1 %: passed by chance in 6e-7 of seeds.
+    // Binomial, five standard errors of 1 %: exceeded by chance for 6e-7 of seeds.
     assert!((share - 0.95).abs() < 0.05, "{share}");
     for confidence in [0.0, 1.0, f64::NAN, -3.0] {
         assert!(predict_from(0..8).interval(confidence).0.is_nan(), "{confidence}");

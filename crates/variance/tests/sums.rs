@@ -10,8 +10,8 @@ use sphvar_sh::ByParity;
 use sphvar_spectrum::{ExactSpectrum, Resolution, accumulate};
 use sphvar_variance::{PredictionAccumulator, PredictionBudget, Predictor, Trials};
 
-/// Some rotation for every k.
-fn turn(k: usize) -> DQuat {
+/// Returns a different rotation for every k.
+fn rotation(k: usize) -> DQuat {
     DQuat::from_rotation_z(2.4 * k as f64) * DQuat::from_rotation_y(0.7 * (k % 5) as f64)
 }
 
@@ -20,7 +20,7 @@ fn whole() -> Cap {
 }
 
 fn tilted(k: usize, f: impl Integrand + 'static) -> Rotated<impl Integrand> {
-    Rotated::new(f, turn(k)).unwrap()
+    Rotated::new(f, rotation(k)).unwrap()
 }
 
 fn sum_of(terms: Vec<(f64, Box<dyn Integrand>)>) -> Sum {
@@ -28,11 +28,12 @@ fn sum_of(terms: Vec<(f64, Box<dyn Integrand>)>) -> Sum {
 }
 
 #[track_caller]
-fn same(what: &str, got: f64, expected: f64, size: f64) {
+fn assert_close(what: &str, got: f64, expected: f64, size: f64) {
     assert!((got - expected).abs() <= 1e-12 * size, "{what}: {got:e}, not {expected:e}");
 }
 
-/// The groups of a sum against one quadrature of the whole, which a product with 1 is.
+/// The square of a sum, computed by groups, against one quadrature of the product of the sum with
+/// 1.
 #[test]
 fn squares_of_sums_are_those_of_one_quadrature() {
     let cap = |degrees: f64| Cap::from_degrees(degrees).unwrap();
@@ -50,8 +51,8 @@ fn squares_of_sums_are_those_of_one_quadrature() {
     for domain in [Domain::Sphere, Domain::Hemisphere] {
         let got = sum().centred_square(domain).unwrap();
         let expected = Product::new(sum(), whole()).centred_square(domain).unwrap();
-        same("even", got.even, expected.even, expected.sum());
-        same("odd", got.odd, expected.odd, expected.sum());
+        assert_close("even", got.even, expected.even, expected.sum());
+        assert_close("odd", got.odd, expected.odd, expected.sum());
     }
 }
 
@@ -69,12 +70,12 @@ fn many_smooth_terms_have_the_sum_of_their_energies() {
         *sums.of_mut(l) += e;
     }
     let size = energy.centred().sum();
-    same("even", sums.even, energy.centred().even, size);
-    same("odd", sums.odd, energy.centred().odd, size);
+    assert_close("even", sums.even, energy.centred().even, size);
+    assert_close("odd", sums.odd, energy.centred().odd, size);
     assert!(energy.beyond(80) == 0.0, "{energy:?}");
 }
 
-/// A constant of any size and terms that cancel leave nothing behind.
+/// Constants of any size, and terms that cancel, do not contribute.
 #[test]
 fn constants_and_terms_that_cancel_leave_no_trace() {
     let half = Cap::half_space(0.0).unwrap();
@@ -82,19 +83,19 @@ fn constants_and_terms_that_cancel_leave_no_trace() {
         let harmonic = Harmonic::new(4, 0).unwrap();
         let sum = Sum::default().plus(1e15, whole()).unwrap().plus(1.0, harmonic).unwrap();
         let energy = sum.energy(domain, 8).unwrap();
-        same("Y_40", energy.beyond(0), 1.0, 1.0);
+        assert_close("Y_40", energy.beyond(0), 1.0, 1.0);
         assert!(energy.beyond(4) == 0.0, "{energy:?}");
         let nothing = Sum::default().plus(3.0, half).unwrap().plus(-3.0, half).unwrap();
         assert!(nothing.centred_square(domain).unwrap().sum() == 0.0);
     }
-    // Two half spaces are odd but for their mean; what rounding makes even counts as nothing.
+    // Two half spaces are odd except for their mean; an even part due to rounding counts as 0.
     let sum = Sum::default().plus(1.0, half).unwrap().plus(1.0, tilted(3, half)).unwrap();
     let energy = sum.energy(Domain::Sphere, 64).unwrap();
     assert!(energy.beyond_by_parity(64).even == 0.0, "{:?}", energy.centred());
 }
 
-/// The variance of `Y_40` is `4 pi/N P(4)` whatever constant is added, also where the estimates of trials are nothing but
-/// rounding; then these say nothing against it.
+/// The variance of `Y_40` is `4 pi/N P(4)` whatever constant is added, even if the estimates of
+/// trials are nothing but rounding; these do not contradict the prediction.
 #[test]
 fn constants_take_no_part_in_predictions() {
     let n = 12;
@@ -110,9 +111,9 @@ fn constants_take_no_part_in_predictions() {
                 Predictor::new(&sum, Domain::Sphere, 0, PredictionBudget::USUAL).unwrap();
             let point = predictor.predict(&*sampler, &()).unwrap();
             let what = format!("{pattern} + {constant:e}");
-            same(&what, point.prediction.variance, expected, expected);
+            assert_close(&what, point.prediction.variance, expected, expected);
             let got = predictor.measure(point, &*sampler, Trials::new(100), &()).unwrap();
-            same(&what, got.best_point().variance, expected, expected);
+            assert_close(&what, got.best_point().variance, expected, expected);
             assert!(got.z_score().abs() < 4.0, "{what}: {}", got.z_score());
             let (low, high) = got.measured_interval(0.9999).unwrap();
             assert!(low <= expected && expected <= high, "{what}: {low:e} to {high:e}");
@@ -157,12 +158,12 @@ fn predictions_scale_with_the_integrand() {
 }
 
 #[test]
-fn chained_rotations_are_one() {
-    let mut chained = Rotated::new(Harmonic::new(3, 2).unwrap(), turn(0)).unwrap();
-    let mut product = turn(0);
+fn chained_rotations_equal_their_product() {
+    let mut chained = Rotated::new(Harmonic::new(3, 2).unwrap(), rotation(0)).unwrap();
+    let mut product = rotation(0);
     for k in 1..12_000 {
-        chained = chained.then(turn(k)).unwrap();
-        product = turn(k) * product;
+        chained = chained.then(rotation(k)).unwrap();
+        product = rotation(k) * product;
     }
     let once = Rotated::new(Harmonic::new(3, 2).unwrap(), product).unwrap();
     let dir = DVec3::new(0.48, -0.6, 0.64);

@@ -1,4 +1,4 @@
-//! Variances of fixed point sets under random rotations, by sums over pairs without any tail.
+//! Variances of fixed point sets under random rotations, from sums over pairs, which have no tail.
 
 use std::f64::consts::PI;
 
@@ -9,20 +9,23 @@ use sphvar_sh::ByParity;
 use sphvar_spectrum::{ExactSpectrum, Resolution, Spectrum, SpectrumAccumulator, accumulate};
 use sphvar_variance::{Prediction, PredictionAccumulator, predict};
 
-/// The area of the intersection of two caps of angle `theta`, at most 90 degrees, whose axes are `gamma` apart.
+/// Returns the area of the intersection of two caps of angle `theta`, at most 90 degrees, whose
+/// axes are `gamma` apart.
 fn lens(theta: f64, gamma: f64) -> f64 {
     if gamma >= 2.0 * theta {
         return 0.0;
     }
     let (s, c) = theta.sin_cos();
-    // The isosceles triangle of the two axes and a corner of the lens: its angles at the corner and at an axis.
+    // The isosceles triangle formed by the two axes and a corner of the lens; its angles at the
+    // corner and at an axis.
     let corner = 2.0 * ((0.5 * gamma).sin() / s).min(1.0).asin();
     let half = (c * (0.5 * gamma).tan() / s).clamp(-1.0, 1.0).acos();
     2.0 * PI - 2.0 * corner - 4.0 * c * half
 }
 
-/// `Var(Q) = 4 pi sum w_j w_k lens(angle)/(sum w)^2 - A^2`: the probability that a random cap has two points is that a random
-/// point lies in both of their caps. A cap beyond 90 degrees has the variance of its complement.
+/// `Var(Q) = 4 pi sum w_j w_k lens(angle)/(sum w)^2 - A^2`: a random cap contains two points if and
+/// only if its axis lies in the caps about both. A cap beyond 90 degrees has the variance of its
+/// complement.
 fn variance_by_pairs(points: &[DVec3], weights: &[f64], degrees: f64) -> f64 {
     let theta = degrees.min(180.0 - degrees).to_radians();
     let weight = |k: usize| weights.get(k).copied().unwrap_or(1.0);
@@ -55,9 +58,9 @@ fn pattern(pattern: &Pattern, n: usize) -> Vec<DVec3> {
 fn icosahedron() -> Vec<DVec3> {
     let golden = 0.5 * (1.0 + 5f64.sqrt());
     let corners = [(1.0, golden), (1.0, -golden), (-1.0, golden), (-1.0, -golden)];
-    let turn =
+    let cyclic =
         |(a, b): (f64, f64)| [DVec3::new(0.0, a, b), DVec3::new(a, b, 0.0), DVec3::new(b, 0.0, a)];
-    corners.into_iter().flat_map(turn).map(DVec3::normalize).collect()
+    corners.into_iter().flat_map(cyclic).map(DVec3::normalize).collect()
 }
 
 fn sets() -> Vec<(&'static str, Vec<DVec3>, Vec<f64>)> {
@@ -79,7 +82,8 @@ fn sets() -> Vec<(&'static str, Vec<DVec3>, Vec<f64>)> {
     ]
 }
 
-/// The spectrum and the prediction with it, realization by realization and from the spectrum.
+/// Returns the spectrum and the predictions from it: realization by realization and from the mean
+/// spectrum.
 fn predictions(
     points: &[DVec3],
     weights: &[f64],
@@ -99,7 +103,8 @@ fn predictions(
     (spectrum, [sums.1.finish(), direct])
 }
 
-/// Half spaces overlap in lunes, a cap with itself is itself, and caps that touch share nothing.
+/// Half spaces intersect in lunes, a cap intersects itself in itself, and caps that touch have an
+/// empty intersection.
 #[test]
 fn lenses_have_the_known_areas() {
     for gamma in [1e-9, 0.3, 1.0, 3.0] {
@@ -112,8 +117,8 @@ fn lenses_have_the_known_areas() {
     }
 }
 
-/// Caps of any angle: what a prediction says of its tail holds, and the tail by parity leaves little to be said. `T = 1` for
-/// all degrees is wrong by the whole tail of half spaces.
+/// For caps of any angle the stated tail error holds, and with the tail by parity the remaining
+/// error is small. `T = 1` for all degrees would be wrong by the whole tail for half spaces.
 #[test]
 fn predictions_with_tails_by_parity_are_the_sums_over_pairs() {
     const LMAX: usize = 1200;
@@ -123,7 +128,7 @@ fn predictions_with_tails_by_parity_are_the_sums_over_pairs() {
             for got in predictions(&points, &weights, degrees, LMAX).1 {
                 let variance = got.variance;
                 let off = (variance - truth).abs();
-                // The sum over pairs has roundings of A^2.
+                // The sum over pairs has roundings of the size of A^2.
                 let allowed = got.tail_error + 1e-12;
                 assert!(
                     off <= allowed,
@@ -135,7 +140,7 @@ fn predictions_with_tails_by_parity_are_the_sums_over_pairs() {
     }
 }
 
-/// A half space minus its mean is odd: no error with antipodal sets of any size.
+/// A half space minus its mean is odd, so antipodal sets of any size integrate it exactly.
 #[test]
 fn antipodal_sets_integrate_half_spaces_exactly() {
     for (name, points, weights) in sets().into_iter().take(4) {
@@ -156,8 +161,8 @@ fn antipodal_sets_integrate_half_spaces_exactly() {
     }
 }
 
-/// P does not depend on the magnitude of weights, whatever f64 holds: two points at right angles with weights 1 and 2 have
-/// `P(l) = 1 + 2 (1 x 2) P_l(0)/5`, so 1.8, 1, 0.6.
+/// P does not depend on the magnitude of the weights over the range of f64: two points at right
+/// angles with weights 1 and 2 have `P(l) = 1 + 2 (1 x 2) P_l(0)/5`, so 1.8, 1, 0.6.
 #[test]
 fn power_does_not_depend_on_the_magnitude_of_weights() {
     let points = [DVec3::X, DVec3::Y];
