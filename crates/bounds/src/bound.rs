@@ -1,9 +1,10 @@
 use crate::{Error, MeasuredSpectrum, Profile, Side};
 
-/// A profile together with the claim that it bounds a spectrum from above or from below.
+/// The claim that a profile bounds a spectrum from above or from below.
 ///
-/// [`Bound::check`] tests the claim; [`Bound::fit_gamma`] and [`Bound::fit_alpha`] move the profile until the
-/// claim is safe, and [`Bound::tightest`] finds the profile of a family that says most.
+/// [`Bound::check`] tests the claim. [`Bound::fit_gamma`] and [`Bound::fit_alpha`] adjust the
+/// profile until the claim holds at a given confidence, and [`Bound::tightest`] finds the tightest
+/// profile of a family.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Bound {
     /// The side on which the profile lies.
@@ -15,28 +16,32 @@ pub struct Bound {
 /// The outcome of checking a [`Bound`] against a measured spectrum.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BoundVerdict {
-    /// The degree that speaks most against the bound: the largest excess in standard errors.
+    /// The degree with the strongest evidence against the bound: the largest excess in standard
+    /// errors.
     pub worst_degree: usize,
-    /// Measured power over bound at that degree; 1 if both are 0.
+    /// The measured power divided by the bound at that degree; 1 if both are 0.
     pub worst_ratio: f64,
-    /// Excess beyond the bound in standard errors at that degree; infinite for exact spectra.
+    /// The excess beyond the bound at that degree, in standard errors; infinite for exact spectra.
     pub z: f64,
-    /// What `z` may reach: the one-sided normal quantile for all degrees together.
+    /// The critical value of `z`: the one-sided normal quantile for all degrees together.
     pub critical_z: f64,
-    /// How many degrees were tested.
+    /// The number of degrees tested.
     pub n_degrees: usize,
-    /// Whether the bound stands: no degree refutes it.
+    /// Whether the bound holds: no degree refutes it.
     pub holds: bool,
-    /// Whether the data prove the bound at the same confidence: every degree's limit clears it.
+    /// Whether the data prove the bound at the same confidence: every degree's confidence limit is
+    /// within it.
     pub proved: bool,
-    /// The degree that comes closest to the bound, or lies farthest beyond it, in proportion, whatever its error.
+    /// The degree with the largest ratio of power to bound (smallest for a lower bound), whatever
+    /// its error.
     pub extreme_degree: usize,
-    /// Measured power over bound at that degree.
+    /// The measured power divided by the bound at that degree.
     pub extreme_ratio: f64,
 }
 
-/// Relative rounding allowed to a value that should lie exactly on the profile: a fitted profile takes a handful of
-/// operations back to the limit that it was fitted to, and `powf` magnifies the error of `l / L` by `b`.
+/// The relative rounding allowed for a value that should lie exactly on the profile. A fitted
+/// profile reproduces the limit that it was fitted to only up to a few operations, and `powf`
+/// magnifies the error of `l / L` by `b`.
 const ROUNDING: f64 = 1e-12;
 
 impl Bound {
@@ -52,28 +57,30 @@ impl Bound {
         Self { side: Side::Lower, profile }
     }
 
-    /// Tests the claim against a measured mean spectrum, all degrees together.
+    /// Tests the claim against a measured mean spectrum, simultaneously at all degrees.
     ///
     /// ```text
     /// z_l = +-(power_l - P(l)) / stderr_l        + for an upper, - for a lower bound
     /// the claim is refuted if z_l > critical_z = Phi^-1(confidence^(1/K)) for any of the K degrees
     /// ```
     ///
-    /// False alarms: if the claim is true, the errors are normal and independent between degrees and the standard
-    /// errors are right, then the claim is refuted with probability at most `1 - confidence`; exactly that if the
-    /// spectrum lies on the profile at every degree. Positive correlation between degrees only lowers it (Slepian).
-    /// Standard errors estimated from few realizations make the tails heavier than normal and raise it, unless the
-    /// spectrum knows its number of realizations ([`MeasuredSpectrum::with_realizations`]), of which limits and z then
-    /// take account. `holds` says that the data do not refute the bound; `proved`, which a fitted bound always has, says that
-    /// the true spectrum is within it with probability at least `confidence`. For exact spectra the two are the same.
-    /// Nothing is said about degrees beyond the spectrum.
+    /// False alarms: if the claim is true, the errors are normal and independent between degrees
+    /// and the standard errors are correct, the claim is refuted with probability at most
+    /// `1 - confidence`, with equality if the spectrum lies on the profile at every degree.
+    /// Positive correlation between degrees only lowers this probability (Slepian). Standard errors
+    /// estimated from few realizations have heavier tails than normal and raise it, unless the
+    /// spectrum has a known number of realizations ([`MeasuredSpectrum::with_realizations`]), for
+    /// which limits and z then account. `holds` states that the data do not refute the bound.
+    /// `proved`, which is true for every fitted bound, states that the true spectrum is within it
+    /// with probability at least `confidence`. For exact spectra the two are equal. No statement is
+    /// made about degrees beyond the spectrum.
     ///
-    /// An exact value (standard error 0) refutes the claim if it lies beyond the bound by more than 1e-12 of it and
-    /// [`MeasuredSpectrum::NO_POWER`].
+    /// An exact value (standard error 0) refutes the claim if it lies beyond the bound by more than
+    /// 1e-12 of it and [`MeasuredSpectrum::NO_POWER`].
     ///
     /// # Errors
     ///
-    /// [`Error::Parameter`] unless `0 < confidence < 1`.
+    /// Returns [`Error::Parameter`] unless `0 < confidence < 1`.
     ///
     /// # Examples
     ///
@@ -88,7 +95,8 @@ impl Bound {
     ///
     /// # References
     ///
-    /// Z. Sidak, J. Amer. Statist. Assoc. 62 (1967) 626; D. Slepian, Bell Syst. Tech. J. 41 (1962) 463.
+    /// Z. Sidak, J. Amer. Statist. Assoc. 62 (1967) 626; D. Slepian, Bell Syst. Tech. J. 41 (1962)
+    /// 463.
     pub fn check(
         &self,
         spectrum: &MeasuredSpectrum<'_>,
@@ -121,13 +129,13 @@ impl Bound {
             };
             let ratio = if excess == 0.0 { 1.0 } else { power / bound };
             let first = verdict.n_degrees == 0;
-            // Exact spectra have infinite z throughout; among equals the ratio decides.
+            // Exact spectra have infinite z throughout; the ratio breaks ties.
             let worse = z > verdict.z
                 || (z >= verdict.z && self.outwards(ratio) > self.outwards(verdict.worst_ratio));
             if first || worse {
                 (verdict.worst_degree, verdict.worst_ratio, verdict.z) = (l, ratio, z);
             }
-            // 0 below a step says nothing, so it comes close to nothing.
+            // A bound of 0 below a step makes no claim, so no degree there is close to it.
             let extreme = self.outwards(ratio) > self.outwards(verdict.extreme_ratio);
             if bound > 0.0 && (verdict.extreme_ratio.is_nan() || extreme) {
                 (verdict.extreme_degree, verdict.extreme_ratio) = (l, ratio);
@@ -140,7 +148,7 @@ impl Bound {
         Ok(verdict)
     }
 
-    /// Returns the difference counted positive where it speaks against the claim.
+    /// Returns the difference with the sign that is positive if it contradicts the claim.
     pub(crate) fn outwards(&self, difference: f64) -> f64 {
         match self.side {
             Side::Upper => difference,

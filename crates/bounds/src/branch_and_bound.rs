@@ -1,4 +1,4 @@
-//! The search over exponent and offset, with a proof of how far from the best its answer can be.
+//! Branch-and-bound search over exponent and offset, with a proven optimality gap.
 
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
@@ -6,7 +6,7 @@ use std::collections::BinaryHeap;
 use crate::Side;
 use crate::envelope::{Candidate, Envelope};
 
-/// The best profile found, and how much better the best there is can be at most, relative to it.
+/// The best profile found, and the relative gap to the best possible one.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Found {
     pub(crate) best: Candidate,
@@ -15,25 +15,27 @@ pub(crate) struct Found {
 
 /// The relative gap at which the search ends.
 pub(crate) const GAP: f64 = 1e-4;
-/// The number of profiles after which it ends with the gap that it has: seconds for the longest spectra.
+/// The maximum number of profiles evaluated, after which the search returns its current gap: a few
+/// seconds for the longest spectra.
 const EVALUATIONS: usize = 20_000;
 
-/// Exponents and offsets, with the profile of one corner and what no profile of the box can be better than.
+/// Ranges of exponent and offset, with the profile of one corner and a bound on the value of all
+/// profiles in the cell.
 #[derive(Debug, Clone, Copy)]
 struct Cell {
     exponent: (f64, f64),
     offset: (f64, f64),
     corner: Candidate,
     bound: f64,
-    /// The sign of "promising": 1 if large bounds are, -1 if small ones are.
+    /// The sign of the priority: 1 if large bounds come first, -1 if small ones do.
     sign: f64,
 }
 
-/// Returns the best of all profiles whose exponent and offset lie in these closed ranges; `None` if none clears the
-/// limits.
+/// Returns the best of all profiles whose exponent and offset lie in these closed ranges; `None` if
+/// none satisfies the limits.
 ///
-/// Of every cell [`Envelope::relaxed`] bounds what its profiles can be; cells that cannot be better than what is
-/// known are left, the most promising one is halved.
+/// For every cell [`Envelope::relaxed`] bounds the value of its profiles. Cells that cannot improve
+/// on the best known profile are discarded; the most promising of the others is halved.
 pub(crate) fn search(
     envelope: &Envelope,
     exponent: (f64, f64),
@@ -47,7 +49,7 @@ pub(crate) fn search(
         }
         best
     };
-    // The named families lie within the free one, which must not be worse than they are.
+    // The free family contains the named ones and must not be worse than they are.
     for b in [exponent.0, 1.0, 2.0, exponent.1] {
         for g in [offset.0, offset.1] {
             if (exponent.0..=exponent.1).contains(&b) {
@@ -75,7 +77,7 @@ pub(crate) fn search(
             }
         }
     }
-    // An upper step: where the corner with the largest offset fails, the whole range does.
+    // An upper step: if the corner with the largest offset fails, the whole range does.
     None
 }
 
@@ -86,7 +88,7 @@ impl Cell {
         offset: (f64, f64),
         sign: f64,
     ) -> Option<Self> {
-        // The corner that clears the limits the most easily, so that it fails only where all of the cell does.
+        // The corner that satisfies the limits most easily: if it fails, all of the cell does.
         let corner = match envelope.side() {
             Side::Upper => envelope.best(exponent.0, offset.1)?,
             Side::Lower => envelope.best(exponent.1, offset.0)?,
@@ -103,7 +105,7 @@ impl Cell {
     fn halves(&self, envelope: &Envelope) -> Vec<((f64, f64), (f64, f64))> {
         let (exponent, offset) = (middle(self.exponent), middle(self.offset));
         let across_offset = (self.offset.1 - self.offset.0) * envelope.white();
-        // What is not owed to the offset is owed to the exponent.
+        // The uncertainty that is not due to the offset is due to the exponent.
         let whole = (self.corner.value - self.bound).abs();
         match (exponent, offset) {
             (Some(b), _) if offset.is_none() || across_offset < 0.5 * whole => {
@@ -117,7 +119,7 @@ impl Cell {
     }
 }
 
-/// Returns the middle of a range unless it is an end.
+/// Returns the middle of a range, or `None` if it coincides with an end.
 fn middle(range: (f64, f64)) -> Option<f64> {
     let middle = 0.5 * (range.0 + range.1);
     (range.0 < middle && middle < range.1).then_some(middle)

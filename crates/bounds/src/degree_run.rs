@@ -1,4 +1,5 @@
-//! The one closed form behind the tables of Chapter 6: a power of `l` against a profile, over a run of degrees.
+//! The common closed form of the tables of Chapter 6: a power of `l` summed against a profile over
+//! a run of degrees.
 
 use crate::power_sum::power_sum;
 use crate::zeta::{hurwitz_zeta, riemann_zeta, riemann_zeta_regular};
@@ -7,9 +8,11 @@ use crate::{Domain, Profile};
 /// Below this argument the zeta term of the large-N form is left out.
 const ZETA_NEGLIGIBLE: f64 = -150.0;
 
-/// The energy `coefficient * l^-decay` on the degrees `first..=last`; `last` may be infinite if `decay > 1`.
+/// The energy `coefficient * l^-decay` on the degrees `first..=last`; `last` may be infinite if
+/// `decay > 1`.
 ///
-/// Degrees are whole numbers held as `f64`, so that a break beyond the range of the integers needs no special case.
+/// Degrees are integers stored as `f64`, so that a break beyond the range of the integers needs no
+/// special case.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct DegreeRun {
     pub(crate) coefficient: f64,
@@ -19,9 +22,11 @@ pub(crate) struct DegreeRun {
 }
 
 impl DegreeRun {
-    /// Returns the run in the index `j` of `l = j * step`, the degrees that exist in the domain.
+    /// Returns the run in the index `j` of `l = j * step`, over the degrees that exist in the
+    /// domain.
     ///
-    /// With `l = 2j` the rise `(l/L)^b` is `(j/(L/2))^b`, so the hemisphere is the sphere's sum with half the break.
+    /// With `l = 2j` the rise `(l/L)^b` is `(j/(L/2))^b`, so the hemisphere's sum is the sphere's
+    /// with half the break.
     fn in_domain(self, domain: Domain) -> Self {
         let step = domain.degree_step() as f64;
         Self {
@@ -37,7 +42,7 @@ impl DegreeRun {
         let run = self.in_domain(domain);
         let break_index = profile.break_degree(n_points) / domain.degree_step() as f64;
         let flat = run.flat_sum(run.first, run.last);
-        // Zero times an infinite sum must stay zero, so absent parts are left out.
+        // Zero times an infinite sum must be zero, so absent parts are left out.
         let mut total = 0.0;
         if profile.offset() > 0.0 {
             total += profile.offset() * flat;
@@ -65,7 +70,8 @@ impl DegreeRun {
         if b == 0.0 {
             return self.flat_sum(self.first, self.last);
         }
-        // The last degree with l < L. At l = L both branches give 1; it is counted once, in the plateau.
+        // The last degree with l < L. At l = L both branches give 1; it is counted once, in the
+        // plateau.
         let split = break_index.ceil() - 1.0;
         let plateau = self.flat_sum(self.first.max(split + 1.0), self.last);
         self.head_sum(b, break_index, self.last.min(split)) + plateau
@@ -80,8 +86,8 @@ impl DegreeRun {
         sum.reference.powf(-self.decay) * (sum.reference / break_index).powf(b) * sum.scaled
     }
 
-    /// Returns the large-N form of [`DegreeRun::sum`] and the size of its first neglected term; `None` where the
-    /// form does not hold yet.
+    /// Returns the large-N form of [`DegreeRun::sum`] and the size of its first neglected term;
+    /// `None` where the form is not yet valid.
     pub(crate) fn asymptotic(
         self,
         profile: &Profile,
@@ -114,11 +120,13 @@ impl DegreeRun {
         let p = self.decay;
         let log = break_index.ln();
         if b.is_infinite() {
-            // Euler-Maclaurin at ceil(L): the neglected term is -B_1(ceil(L) - L) L^-p, at most half of L^-p.
+            // Euler-Maclaurin at ceil(L): the neglected term is -B_1(ceil(L) - L) L^-p, at most
+            // half of L^-p.
             let value = break_index.powf(1.0 - p) / (p - 1.0);
             return (break_index >= self.first.max(p)).then(|| (value, 0.5 * break_index.powf(-p)));
         }
-        // b / 12 L^{-p-1} bounds the kink's term b B_2 / 2 L^{-p-1}; the next one is smaller by about 0.1 |2p+1-b| / L.
+        // b / 12 L^{-p-1} bounds the kink's term b B_2 / 2 L^{-p-1}; the next one is smaller by
+        // about 0.1 |2p+1-b| / L.
         if break_index < self.first.max(p + b) {
             return None;
         }

@@ -1,4 +1,5 @@
-//! The tightest break and plateau over the confidence limits of a spectrum, for a given exponent and offset.
+//! The tightest break and plateau for the confidence limits of a spectrum, at a given exponent and
+//! offset.
 
 use crate::zeta::hurwitz_zeta;
 use crate::{MeasuredSpectrum, Side};
@@ -9,15 +10,15 @@ pub(crate) struct Envelope {
     side: Side,
     degrees: Vec<f64>,
     limits: Vec<f64>,
-    /// The strictest of the limits from a degree on: what a plateau that begins there must clear.
+    /// The strictest limit from a degree on, which a plateau that begins there must satisfy.
     strictest: Vec<f64>,
     /// `l^-p`.
     weights: Vec<f64>,
-    /// The sum of the weights from a degree on, those beyond the spectrum included.
+    /// The sum of the weights from a degree on, including those beyond the spectrum.
     tails: Vec<f64>,
 }
 
-/// A break `L` and a plateau, with the value `sum_l l^-p P(l)` of the profile that they make.
+/// A break `L` and a plateau, with the value `sum_l l^-p P(l)` of their profile.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Candidate {
     pub(crate) value: f64,
@@ -28,7 +29,8 @@ pub(crate) struct Candidate {
 }
 
 impl Envelope {
-    /// Returns the envelope of limits, one for each degree of the spectrum, for weights `l^-decay`.
+    /// Returns the envelope of limits, one for each degree of the spectrum, with weights
+    /// `l^-decay`.
     pub(crate) fn new(
         side: Side,
         spectrum: &MeasuredSpectrum<'_>,
@@ -41,7 +43,7 @@ impl Envelope {
         let step = degrees[0];
         let next = degrees[degrees.len() - 1] / step + 1.0;
         let mut tail = step.powf(-decay) * hurwitz_zeta(decay, next);
-        // From the smallest terms to the largest, so that little is lost.
+        // From the smallest terms to the largest, to limit rounding.
         let mut tails: Vec<f64> =
             weights.iter().rev().map(|w| running(&mut tail, |t| t + w)).collect();
         tails.reverse();
@@ -57,14 +59,16 @@ impl Envelope {
         self.tails[0]
     }
 
-    /// Returns the limit that every offset must clear: what no offset of a best bound is above.
+    /// Returns the limit that every offset must satisfy; the offset of a best bound does not exceed
+    /// it.
     pub(crate) fn largest_offset(&self) -> f64 {
         self.strictest[0]
     }
 
-    /// Returns the best break and plateau, or `None` if none clears the limits.
+    /// Returns the best break and plateau, or `None` if none satisfies the limits.
     ///
-    /// The break lies within the spectrum: what a plateau would be that no degree has seen is unknown.
+    /// The break is restricted to the spectrum, since a plateau beyond it would be determined by no
+    /// degree.
     pub(crate) fn best(&self, exponent: f64, offset: f64) -> Option<Candidate> {
         if self.side == Side::Lower && offset > self.strictest[0] {
             return None;
@@ -76,12 +80,13 @@ impl Envelope {
         }
     }
 
-    /// Returns a value that no profile is better than whose exponent and offset lie in these ranges: the exact best
-    /// where they are points.
+    /// Returns a bound on the value of all profiles whose exponent and offset lie in these ranges;
+    /// it is the exact optimum if the ranges are points.
     ///
-    /// Upper bounds: a smaller exponent asks for less of the plateau and a larger one sums to less, so that the best
-    /// break with the plateau of the one end and the sum of the other is not worse than any profile of the range.
-    /// The offset likewise. Lower bounds with both exchanged.
+    /// For upper bounds a smaller exponent requires a lower plateau and a larger exponent gives a
+    /// smaller sum. The best break with the plateau of the one end and the sum of the other is
+    /// therefore at least as good as any profile of the range. The same applies to the offset. For
+    /// lower bounds the two ends are exchanged.
     pub(crate) fn relaxed(&self, exponent: (f64, f64), offset: (f64, f64)) -> Option<f64> {
         let (plateau, sum, high, low) = match self.side {
             Side::Upper => (exponent.0, exponent.1, offset.1, offset.0),
@@ -95,14 +100,16 @@ impl Envelope {
         Some(found.value + (low - high) * self.white())
     }
 
-    /// Returns the best break if the plateau follows from the exponent b and the sum is taken with the exponent s;
-    /// with `b = s` the best profile.
+    /// Returns the best break if the plateau follows from the exponent b and the sum is computed
+    /// with the exponent s; with `b = s` this is the best profile.
     ///
-    /// Between two neighbouring degrees the plateau must clear `A` and the head `C L^b`, with fixed A and C. Where A
-    /// decides, the value of an upper bound falls with L; where C does it is `C (H L^(b-s) + T L^b)`, which for `b =
-    /// s` rises. So the best break is where both decide, `L^b = A/C`, or beyond it at the minimum of the second
-    /// form, `L^s = H (s-b)/(T b)`, or the nearest end. Lower bounds, with `s <= b`, likewise with rising and
-    /// falling exchanged. So the optimum needs no search: one candidate between two degrees, `O(lmax)` in all.
+    /// Between two neighbouring degrees the plateau must satisfy `A` and the head `C L^b`, with A
+    /// and C fixed. Where A decides, the value of an upper bound falls with L. Where C decides, the
+    /// value is `C (H L^(b-s) + T L^b)`, which rises for `b = s`. The best break is therefore at
+    /// the crossing, `L^b = A/C`, or beyond it at the minimum of the second form,
+    /// `L^s = H (s-b)/(T b)`, or at the nearest end. For lower bounds, with `s <= b`, rising and
+    /// falling are exchanged. No search is needed: there is one candidate between two degrees,
+    /// `O(lmax)` in all.
     fn sweep(&self, b: f64, s: f64, offset: f64) -> Candidate {
         let over = |limit: f64| (limit - offset).max(0.0);
         let candidate = |sum: f64, gamma: f64, break_degree: f64| Candidate {
@@ -117,7 +124,8 @@ impl Envelope {
             return best;
         }
         let one_exponent = b.to_bits() == s.to_bits();
-        // l^b and l^s of the last degree below the break; what the head asks for; the sum of l^(s-p).
+        // l^b and l^s of the last degree below the break; the requirement of the head; the sum of
+        // l^(s-p).
         let powers = |l: f64| (l.powf(b), if one_exponent { l.powf(b) } else { l.powf(s) });
         let mut before = powers(self.degrees[0]);
         let mut head = over(self.limits[0]) / before.0;
@@ -125,7 +133,7 @@ impl Envelope {
         for k in 1..self.degrees.len() {
             let here = powers(self.degrees[k]);
             let (plateau, tail) = (over(self.strictest[k]), self.tails[k]);
-            // Where the head asks for nothing, the farther break is the better one.
+            // If the head requires nothing, the larger break is better.
             let crossing = if head > 0.0 { plateau / head } else { here.0 };
             let mut at = if crossing <= before.0 {
                 before
@@ -173,7 +181,7 @@ impl Envelope {
         best
     }
 
-    /// Whether the first value makes a tighter bound than the second.
+    /// Returns whether the first value makes a tighter bound than the second.
     pub(crate) fn better(&self, value: f64, than: f64) -> bool {
         match self.side {
             Side::Upper => value < than,
@@ -186,7 +194,7 @@ impl Envelope {
     }
 }
 
-/// Returns what a bound must clear to clear both limits.
+/// Returns the stricter of two limits, which a bound must satisfy to satisfy both.
 fn stricter(side: Side, a: f64, b: f64) -> f64 {
     match side {
         Side::Upper => a.max(b),

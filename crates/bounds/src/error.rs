@@ -1,12 +1,12 @@
 use crate::{Family, Side};
 
-/// What was wrong with a profile, an integrand class, a spectrum or a fit.
+/// An invalid profile, integrand class or spectrum, or a failed fit.
 #[non_exhaustive]
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum Error {
-    /// So few realizations say nothing of how large the mean power can be.
+    /// The number of realizations is too small to limit the mean power.
     #[error(
-        "too few realizations for a limit of the power of degree {degree} at this confidence; take more, some 30"
+        "too few realizations for a limit of the power of degree {degree} at this confidence; use about 30 or more"
     )]
     TooFewRealizations {
         /// The first degree without a limit.
@@ -59,9 +59,9 @@ pub enum Error {
          and the family reaches from {lowest} to {highest}; give another offset, gamma or shape"
     )]
     NoFit {
-        /// Which side was asked for.
+        /// The requested side.
         side: Side,
-        /// The first degree that stands against it.
+        /// The first degree at which the family fails.
         degree: usize,
         /// Simultaneous confidence limit of the power at this degree.
         limit: f64,
@@ -70,7 +70,7 @@ pub enum Error {
         /// Largest value that the family takes at this degree.
         highest: f64,
     },
-    /// An upper step was asked for, but the first degree has power.
+    /// An upper step was requested, but the first degree has power.
     #[error(
         "a step has no power below its break, but that of degree {degree} may be {limit:e}; give an offset that covers it"
     )]
@@ -86,20 +86,20 @@ pub enum Error {
          more realizations may raise it"
     )]
     OnlyZero {
-        /// The family that was asked for.
+        /// The requested family.
         family: Family,
-        /// A degree that stands against every larger profile.
+        /// A degree that excludes every larger profile.
         degree: usize,
         /// Simultaneous confidence limit of the power at this degree.
         limit: f64,
     },
-    /// The break `alpha` was to be fitted, but no value of it is better than another.
+    /// The break `alpha` cannot be fitted, since no value of it is better than another.
     #[error(
         "alpha cannot be fitted: every alpha gives a {side} bound of this spectrum; fit gamma, or give a step or a \
          polynomial of exponent above 0 whose gamma matters"
     )]
     AlphaUndetermined {
-        /// Which side was asked for.
+        /// The requested side.
         side: Side,
     },
 }

@@ -2,12 +2,12 @@ use std::fmt;
 
 use crate::ProfileShape;
 
-/// A family of profiles of which a fit takes the tightest member.
+/// A family of profiles, from which a fit selects the tightest member.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Family {
     /// The plateau from the first degree on.
     Constant,
-    /// Nothing below a break, with at least one degree there, and the plateau from it on.
+    /// Zero below a break, with at least one degree there, and the plateau from the break on.
     Step,
     /// The exponent 1.
     Linear,
@@ -18,12 +18,12 @@ pub enum Family {
 }
 
 impl Family {
-    /// Every family, in the order in which they are shown.
+    /// Every family, in display order.
     pub const ALL: [Self; 5] =
         [Self::Constant, Self::Step, Self::Linear, Self::Quadratic, Self::Polynomial];
 
-    /// The largest exponent that is fitted. Between degrees 1 and 2 it is a step by five orders of magnitude; what is
-    /// steeper is a [`Family::Step`] to the eye.
+    /// The largest exponent of a fit. Between degrees 1 and 2 it is a step of five orders of
+    /// magnitude; a steeper rise is indistinguishable from a [`Family::Step`] in a plot.
     pub const STEEPEST: f64 = 16.0;
 
     /// Returns the name: `constant`, `step`, `linear`, `quadratic`, `poly`.

@@ -1,23 +1,27 @@
 use crate::{Bound, Error, MeasuredSpectrum, ProfileShape, Side};
 
 impl Bound {
-    /// Returns the tightest bound of this family: same side, shape, `alpha` and offset, with `gamma` fitted.
+    /// Returns the tightest bound of this family: same side, shape, `alpha` and offset, with
+    /// `gamma` fitted.
     ///
-    /// The smallest `gamma` of an upper (the largest of a lower) bound for which the profile clears the simultaneous
-    /// one-sided confidence limits at every degree of the spectrum,
+    /// The result has the smallest `gamma` of an upper (the largest of a lower) bound for which the
+    /// profile satisfies the simultaneous one-sided confidence limits at every degree of the
+    /// spectrum,
     ///
     /// ```text
     /// power_l +- critical_z stderr_l          critical_z = Phi^-1(confidence^(1/K))
     /// ```
     ///
-    /// so that the true mean spectrum lies on the right side of it at all K degrees with probability at least
-    /// `confidence` (errors normal and independent between degrees, standard errors right). In general the probability
-    /// is larger, since only one degree touches. A fitted bound always passes [`Bound::check`] on the same data.
+    /// so that the true mean spectrum lies on the correct side of it at all K degrees with
+    /// probability at least `confidence`, if the errors are normal and independent between degrees
+    /// and the standard errors are correct. In general the probability is larger, since only one
+    /// degree touches. A fitted bound always passes [`Bound::check`] on the same data.
     ///
     /// # Errors
     ///
-    /// [`Error::Parameter`] unless `0 < confidence < 1`; [`Error::NoFit`] if no `gamma` will do, as for an upper step
-    /// profile with power below its break, or a lower bound whose offset lies above a limit.
+    /// Returns [`Error::Parameter`] unless `0 < confidence < 1`; [`Error::NoFit`] if no `gamma` is
+    /// sufficient, as for an upper step profile with power below its break, or a lower bound whose
+    /// offset lies above a limit.
     ///
     /// # Examples
     ///
@@ -57,23 +61,25 @@ impl Bound {
                 });
             }
         }
-        // No degree on the profile's rise (a step beyond the spectrum): nothing is known about gamma, so nothing is claimed
-        // from below; from above any gamma does.
+        // If no degree lies on the profile's rise (a step beyond the spectrum), gamma is
+        // undetermined: the lower bound is 0, and for an upper bound any gamma is valid.
         let gamma = gamma.unwrap_or(0.0);
         Ok(Self { profile: profile.with_gamma(gamma)?, ..*self })
     }
 
-    /// Returns the tightest bound of this family: same side, shape, `gamma` and offset, with the break `alpha` fitted.
+    /// Returns the tightest bound of this family: same side, shape, `gamma` and offset, with the
+    /// break `alpha` fitted.
     ///
-    /// The largest `alpha` of an upper (the smallest of a lower) bound for which the profile clears the same limits as in
-    /// [`Bound::fit_gamma`], with the same meaning. A step profile is constant while its break moves between two
-    /// degrees; the middle is returned.
+    /// The result has the largest `alpha` of an upper (the smallest of a lower) bound for which the
+    /// profile satisfies the same limits as in [`Bound::fit_gamma`], with the same meaning. A step
+    /// profile is constant while its break moves between two degrees; the middle is returned.
     ///
     /// # Errors
     ///
-    /// [`Error::Parameter`] unless `0 < confidence < 1`; [`Error::NoFit`] if a limit lies above the plateau of an upper
-    /// bound, or not above the offset of a lower one; [`Error::AlphaUndetermined`] if no degree constrains `alpha`,
-    /// as for a constant profile that clears them all.
+    /// Returns [`Error::Parameter`] unless `0 < confidence < 1`; [`Error::NoFit`] if a limit lies
+    /// above the plateau of an upper bound, or not above the offset of a lower one;
+    /// [`Error::AlphaUndetermined`] if no degree constrains `alpha`, as for a constant profile that
+    /// satisfies them all.
     pub fn fit_alpha(
         &self,
         spectrum: &MeasuredSpectrum<'_>,
@@ -101,7 +107,8 @@ impl Bound {
         Ok(Self { profile: profile.with_alpha(alpha)?, ..*self })
     }
 
-    /// Returns what one degree demands of `alpha`: at most the limit for an upper bound, at least for a lower one.
+    /// Returns the constraint of one degree on `alpha`: an upper limit for an upper bound, a lower
+    /// limit for a lower one.
     fn alpha_at(&self, l: usize, n_points: usize, limit: f64) -> Constraint {
         let (offset, gamma, b) =
             (self.profile.offset(), self.profile.gamma(), self.profile.exponent());
@@ -110,7 +117,7 @@ impl Bound {
             Side::Upper => (limit <= low, limit > high),
             Side::Lower => (limit >= high, limit < low),
         };
-        // A rising polynomial never falls to its offset.
+        // A rising polynomial never decreases to its offset.
         let never_low_enough = self.side == Side::Lower && limit <= low && b.is_finite();
         let root_n = (n_points as f64).sqrt();
         if free {
@@ -134,7 +141,7 @@ impl Bound {
     }
 }
 
-/// What one degree demands of the break.
+/// The constraint of one degree on the break.
 enum Constraint {
     None,
     Impossible,

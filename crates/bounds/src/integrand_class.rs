@@ -2,16 +2,17 @@ use crate::degree_run::DegreeRun;
 use crate::error::{not_negative, positive};
 use crate::{Domain, Error, Profile, Rate};
 
-/// A class of integrands, given by the energy `E(l) = (2l+1) P_F(l)` of its representative, with closed-form variances.
+/// A class of integrands, given by the energy `E(l) = (2l+1) P_F(l)` of its representative, with
+/// closed-form variances.
 ///
 /// | constructor | energy for `l >= 1` | |
 /// |---|---|---|
 /// | [`band_limited`](Self::band_limited) | `(2l+1) a_F` for `l <= l0`, else 0 | best case |
 /// | [`power_law`](Self::power_law) | `c l^-p` | worst case, thesis `p = 2` |
-/// | [`cubic_power`](Self::cubic_power) | `c' (2l+1) l^-3` | `P_F = c' l^-3` to the letter |
+/// | [`cubic_power`](Self::cubic_power) | `c' (2l+1) l^-3` | exactly `P_F = c' l^-3` |
 /// | [`flat_then_power_law`](Self::flat_then_power_law) | `(2l+1) a_F` for `l <= l0`, `c l^-p` beyond | both |
 ///
-/// On the hemisphere the same energies stand for the even extension, even degrees only.
+/// On the hemisphere the same energies describe the even extension, at even degrees only.
 ///
 /// # Examples
 ///
@@ -32,7 +33,8 @@ use crate::{Domain, Error, Profile, Rate};
 ///
 /// # References
 ///
-/// G. Singh 2015, chapter 6, equations 6.1 to 6.8, with the corrected weights `2l+1` and the prefactor `4 pi / N`.
+/// G. Singh 2015, chapter 6, equations 6.1 to 6.8, with the corrected weights `2l+1` and the
+/// prefactor `4 pi / N`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct IntegrandClass(Kind);
 
@@ -49,7 +51,7 @@ impl IntegrandClass {
     ///
     /// # Errors
     ///
-    /// [`Error::Parameter`] unless `power` is finite and at least 0.
+    /// Returns [`Error::Parameter`] unless `power` is finite and at least 0.
     pub fn band_limited(power: f64, last: usize) -> Result<Self, Error> {
         Ok(Self(Kind::BandLimited { power: not_negative("power", power)?, last }))
     }
@@ -58,16 +60,18 @@ impl IntegrandClass {
     ///
     /// # Errors
     ///
-    /// [`Error::Parameter`] unless `scale` is finite and at least 0, and `decay` finite and above 1 (a finite energy).
+    /// Returns [`Error::Parameter`] unless `scale` is finite and at least 0, and `decay` finite and
+    /// above 1 (a finite energy).
     pub fn power_law(scale: f64, decay: f64) -> Result<Self, Error> {
         Ok(Self(Kind::PowerLaw { scale: not_negative("scale", scale)?, decay: summable(decay)? }))
     }
 
-    /// Returns the model with power `P_F(l) = scale * l^-3`, hence energy `scale * (2 l^-2 + l^-3)`.
+    /// Returns the model with power `P_F(l) = scale * l^-3`, hence energy
+    /// `scale * (2 l^-2 + l^-3)`.
     ///
     /// # Errors
     ///
-    /// [`Error::Parameter`] unless `scale` is finite and at least 0.
+    /// Returns [`Error::Parameter`] unless `scale` is finite and at least 0.
     pub fn cubic_power(scale: f64) -> Result<Self, Error> {
         Ok(Self(Kind::CubicPower { scale: not_negative("scale", scale)? }))
     }
@@ -76,7 +80,7 @@ impl IntegrandClass {
     ///
     /// # Errors
     ///
-    /// As [`IntegrandClass::band_limited`] and [`IntegrandClass::power_law`].
+    /// Returns the errors of [`IntegrandClass::band_limited`] and [`IntegrandClass::power_law`].
     pub fn flat_then_power_law(
         power: f64,
         last: usize,
@@ -110,15 +114,16 @@ impl IntegrandClass {
         }
     }
 
-    /// Returns the variance of this class under a profile: the variance formula with the profile as the pattern's power.
+    /// Returns the variance of this class under a profile: the variance formula with the profile as
+    /// the pattern's power.
     ///
     /// ```text
     /// Var = prefactor * sum_l E(l) P(l)      all degrees, no truncation
     /// ```
     ///
-    /// With an upper (lower) bound of the spectrum as profile it is an upper (lower) bound of the variance of every
-    /// integrand whose energies are at most (at least) these. With `L = alpha sqrt N`, `n = floor(L)`, `gamma = 1`, the
-    /// sums on the sphere are
+    /// With an upper (lower) bound of the spectrum as profile it is an upper (lower) bound of the
+    /// variance of every integrand whose energies are at most (at least) these. With
+    /// `L = alpha sqrt N`, `n = floor(L)`, `gamma = 1`, the sums on the sphere are
     ///
     /// ```text
     /// band-limited, l0 <= L   a_F [2 H(l0,-b-1) + H(l0,-b)] / L^b
@@ -129,7 +134,8 @@ impl IntegrandClass {
     ///
     /// and on the hemisphere the same with `l = 2j`. Infinite for `n_points = 0`.
     ///
-    /// The relative error is below 1e-13 for moderate exponents, apart from that of `L` itself, which counts `b` times.
+    /// The relative error is below 1e-13 for moderate exponents, apart from that of `L` itself,
+    /// which is magnified `b` times.
     ///
     /// # Performance
     ///
@@ -154,7 +160,7 @@ impl IntegrandClass {
         domain.variance_factor(n_points) * sum
     }
 
-    /// Returns the large-N form of the variance, `None` where it does not hold yet.
+    /// Returns the large-N form of the variance, or `None` where it is not yet valid.
     ///
     /// With `L = alpha sqrt N` and `gamma = 1`, `g0 = 0` on the sphere, the power law `c l^-p` has
     ///
@@ -164,9 +170,10 @@ impl IntegrandClass {
     /// step       c L^{1-p} / (p-1)                                         remainder c/2 L^{-p}
     /// ```
     ///
-    /// and is evaluated without cancellation between the two terms. A band-limited class is exact (remainder 0).
-    /// The form holds once `L >= p + b` (step: `L >= p`) and the whole flat band lies below the break; a constant
-    /// profile is exact for every N. On the hemisphere `L / 2` stands for `L`.
+    /// and is evaluated without cancellation between the two terms. A band-limited class is exact
+    /// (remainder 0). The form holds once `L >= p + b` (step: `L >= p`) and the whole flat band
+    /// lies below the break; a constant profile is exact for every N. On the hemisphere `L` is
+    /// replaced by `L / 2`.
     #[must_use]
     pub fn asymptotic_variance(
         &self,
@@ -196,8 +203,8 @@ impl IntegrandClass {
     /// step                       0 eventually      N^(-1-(p-1)/2)
     /// ```
     ///
-    /// A flat head before a power law does not change the rate of the power law. A class without energy, or a profile
-    /// that is zero, has variance 0 for every N.
+    /// A flat head before a power law does not change the rate of the power law. A class without
+    /// energy, or a profile that is zero, has variance 0 for every N.
     #[must_use]
     pub fn rate(&self, profile: &Profile, domain: Domain) -> Rate {
         let step = domain.degree_step();
@@ -221,7 +228,7 @@ impl IntegrandClass {
         }
         match decay {
             Some(p) => {
-                // p - 1 is rounded, so that b = p - 1 can only be meant to within a few units in the last place.
+                // p - 1 is rounded, so b = p - 1 is tested to within a few units in the last place.
                 let log = (b - (p - 1.0)).abs() <= 4.0 * f64::EPSILON * p;
                 Rate::Algebraic { exponent: -1.0 - 0.5 * b.min(p - 1.0), log }
             }
@@ -261,7 +268,7 @@ impl IntegrandClass {
     }
 }
 
-/// The large-N form of a variance, with the size of what it leaves out.
+/// The large-N form of a variance, with the size of the neglected terms.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Asymptotic {
     /// The two leading terms.

@@ -1,22 +1,25 @@
 //! Spectral profiles of sampling patterns: closed-form variance bounds and convergence rates.
 //!
-//! The power spectrum of a pattern of N points often lies between two simple laws, its [`Profile`]s. Put in place of the
-//! spectrum, a profile turns the variance of Monte Carlo integration,
+//! The power spectrum of a pattern of N points often lies between two simple functions, its
+//! [`Profile`]s. Substituted for the spectrum, a profile turns the variance of Monte Carlo
+//! integration,
 //!
 //! ```text
 //! Var = (4 pi / N) sum_{l >= 1} (2l+1) P_S(l) P_F(l),
 //! ```
 //!
-//! into a closed form for whole classes of integrands ([`IntegrandClass`]), with its rate in N, and into a bound for a
-//! given integrand ([`variance_bound`]). The other way round, a measured spectrum tells whether a profile bounds it and
-//! which profile does so most tightly ([`Bound`]). Everything here is a pure function: no randomness, no input or output.
+//! into a closed form for whole classes of integrands ([`IntegrandClass`]), with its rate in N, and
+//! into a bound for a given integrand ([`variance_bound`]). Conversely, a measured spectrum shows
+//! whether a profile bounds it and which profile is the tightest bound ([`Bound`]). All functions
+//! are pure: they use no randomness and no input or output.
 //!
-//! Conventions: orthonormal harmonics, white noise has power 1, the frequency axis is `omega = l / sqrt N`, the energy of
-//! an integrand is `E(l) = (2l+1) P_F(l)`; the hemisphere is the projective plane with even degrees only ([`Domain`]).
+//! Conventions: orthonormal harmonics, white noise has power 1, the frequency axis is
+//! `omega = l / sqrt N`, the energy of an integrand is `E(l) = (2l+1) P_F(l)`; the hemisphere is
+//! the projective plane with even degrees only ([`Domain`]).
 //!
 //! # Examples
 //!
-//! How much does a jittered pattern gain over white noise for an integrand with a jump?
+//! The variance reduction of a jittered pattern over white noise for an integrand with a jump:
 //!
 //! ```
 //! use sphvar_bounds::{Domain, IntegrandClass, Profile, Rate, thesis_bounds};
@@ -27,8 +30,8 @@
 //!
 //! assert_eq!(jump.rate(&jittered, Domain::Sphere).to_string(), "N^-1.5");
 //! assert_eq!(jump.rate(&white, Domain::Sphere), Rate::Algebraic { exponent: -1.0, log: false });
-//! let gain = jump.variance(&white, 10_000, Domain::Sphere) / jump.variance(&jittered, 10_000, Domain::Sphere);
-//! assert!(gain > 15.0 && gain < 17.0); // (pi^2 / 6) / (2 / L) with L = 20, nearly
+//! let reduction = jump.variance(&white, 10_000, Domain::Sphere) / jump.variance(&jittered, 10_000, Domain::Sphere);
+//! assert!(reduction > 15.0 && reduction < 17.0); // (pi^2 / 6) / (2 / L) with L = 20, nearly
 //! # Ok::<(), sphvar_bounds::Error>(())
 //! ```
 

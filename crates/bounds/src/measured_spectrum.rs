@@ -3,13 +3,13 @@ use crate::{Domain, Error, Side};
 use sphvar_spectrum::Spectrum;
 use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
 
-/// A measured mean spectrum with its standard errors, borrowed and checked.
+/// A validated view of a measured mean spectrum with its standard errors.
 ///
-/// Both slices are indexed by the degree from 0; degree 0 is not used, nor are odd degrees on the hemisphere. A
-/// standard error of 0 marks an exact value.
+/// Both slices are indexed by the degree from 0. Degree 0 is not used, and on the hemisphere
+/// neither are odd degrees. A standard error of 0 marks an exact value.
 ///
-/// Confidence limits treat the errors as normal and the standard errors as right, unless the number of
-/// realizations is known ([`Self::with_realizations`]): then they allow for both being estimates.
+/// Confidence limits treat the errors as normal and the standard errors as exact, unless the number
+/// of realizations is known ([`Self::with_realizations`]): then both are treated as estimates.
 ///
 /// ```
 /// use sphvar_bounds::{Domain, MeasuredSpectrum};
@@ -23,7 +23,7 @@ pub struct MeasuredSpectrum<'a> {
     domain: Domain,
     power: &'a [f64],
     stderr: &'a [f64],
-    /// From how many realizations the values come, where that is known and they are not exact.
+    /// The number of realizations, if it is known and the values are not exact.
     realizations: Option<u64>,
 }
 
@@ -32,8 +32,9 @@ impl<'a> MeasuredSpectrum<'a> {
     ///
     /// # Errors
     ///
-    /// [`Error::LengthMismatch`], [`Error::NoPoints`], [`Error::NoDegrees`] if no degree enters the variance, and
-    /// [`Error::DegreeValue`] for a value that is negative, infinite or NaN.
+    /// Returns [`Error::LengthMismatch`], [`Error::NoPoints`], [`Error::NoDegrees`] if no degree
+    /// enters the variance, and [`Error::DegreeValue`] for a value that is negative, infinite or
+    /// NaN.
     pub fn new(
         n_points: usize,
         domain: Domain,
@@ -54,28 +55,30 @@ impl<'a> MeasuredSpectrum<'a> {
         Ok(Self { n_points, domain, power, stderr, realizations: None })
     }
 
-    /// Returns the same spectrum as a mean over `realizations` (from 2 on), of which the standard errors are
-    /// estimates too.
+    /// Returns the same spectrum as a mean over `realizations` (at least 2), whose standard errors
+    /// are estimates too.
     ///
-    /// The mean power of few realizations is skewed as a chi-square is, and its standard error is not known well. In place
-    /// of `power +- z stderr` the limits are those of a chi-square law with the relative error r of the
-    /// measured one, by the cube root of Wilson and Hilferty, with Student's quantile q of R - 1 degrees of freedom:
+    /// The mean power of few realizations is skewed like a chi-square variable, and its standard
+    /// error is uncertain. Instead of `power +- z stderr` the limits are those of a chi-square
+    /// distribution with the measured relative error r, in the cube-root approximation of Wilson
+    /// and Hilferty, with Student's quantile q for R - 1 degrees of freedom:
     ///
     /// ```text
     /// power/(1 - w -+ q sqrt(w))^3,   w = r^2/9,   r = stderr/power
     /// ```
     ///
-    /// The power of a realization is close to chi-square with 2l+1 degrees of freedom over their number, so r is taken for
-    /// at least `sqrt(2/((2l+1) R))`: among many degrees there are some whose error has come out far too small.
+    /// The power of a realization is close to chi-square with 2l+1 degrees of freedom over their
+    /// number, so r is at least `sqrt(2/((2l+1) R))`: among many degrees the estimated error of
+    /// some is far too small.
     #[must_use]
     pub fn with_realizations(self, realizations: u64) -> Self {
         Self { realizations: (realizations >= 2).then_some(realizations), ..self }
     }
 
-    /// Returns the same spectrum as a mean over as many realizations as its errors tell, where nobody has said: the median
-    /// over degrees of `2 (power/stderr)^2/(2l+1)`, at least 2.
+    /// Returns the same spectrum as a mean over a number of realizations inferred from its errors:
+    /// the median over degrees of `2 (power/stderr)^2/(2l+1)`, at least 2.
     ///
-    /// As it is where the values are exact.
+    /// A spectrum with exact values is returned unchanged.
     #[must_use]
     #[expect(
         clippy::cast_possible_truncation,
@@ -92,11 +95,12 @@ impl<'a> MeasuredSpectrum<'a> {
         }
     }
 
-    /// Returns the measured spectrum of an estimated or exact one, of which it borrows the values.
+    /// Returns a measured spectrum that borrows the values of an estimated or exact one.
     ///
     /// # Errors
     ///
-    /// As [`MeasuredSpectrum::new`]: a single realization of a random pattern has no standard errors (NaN).
+    /// Returns the errors of [`MeasuredSpectrum::new`]: a single realization of a random pattern
+    /// has no standard errors (NaN).
     ///
     /// # Examples
     ///
@@ -111,9 +115,9 @@ impl<'a> MeasuredSpectrum<'a> {
             .map(|measured| measured.with_realizations(spectrum.realizations()))
     }
 
-    /// Power up to this counts as none, where white noise has 1: below it, transforms of points return the rounding
-    /// of their coefficients (about 1e-24 at an accuracy of 1e-12), and a pattern that was moved until its power was
-    /// 0 what its iteration has left (1e-20).
+    /// Power up to this counts as zero; white noise has 1. Transforms of points return rounding
+    /// errors of coefficients (about 1e-24 at an accuracy of 1e-12), and patterns optimized to zero
+    /// power have a residual of about 1e-20.
     pub const NO_POWER: f64 = 1e-18;
 
     /// Returns the number of points of the patterns.
@@ -122,7 +126,7 @@ impl<'a> MeasuredSpectrum<'a> {
         self.n_points
     }
 
-    /// Returns where the points live.
+    /// Returns the domain of the points.
     #[must_use]
     pub const fn domain(&self) -> Domain {
         self.domain
@@ -149,7 +153,8 @@ impl<'a> MeasuredSpectrum<'a> {
     }
 
     /// Returns the simultaneous confidence limit of a degree on one side, for the quantile of
-    /// [`Self::critical_z`]; infinite from above where few realizations tell nothing.
+    /// [`Self::critical_z`]. The upper limit is infinite if the realizations are too few to
+    /// determine it.
     pub(crate) fn limit(&self, side: Side, l: usize, critical_z: f64) -> f64 {
         let (power, sign) = match side {
             Side::Upper => (self.power(l), 1.0),
@@ -157,7 +162,7 @@ impl<'a> MeasuredSpectrum<'a> {
         };
         match self.relative_cube_error(l) {
             None => {
-                // Power is never negative, so neither is what can be claimed from below.
+                // Power is never negative, so the lower limit is at least 0.
                 (power + sign * critical_z * self.stderr(l)).max(0.0)
             }
             Some(error) => {
@@ -167,7 +172,8 @@ impl<'a> MeasuredSpectrum<'a> {
         }
     }
 
-    /// Returns how many standard errors the power of a degree lies above `bound`, in the scale of the limits.
+    /// Returns the number of standard errors by which the power of a degree exceeds `bound`, in the
+    /// scale of the limits.
     pub(crate) fn score(&self, l: usize, bound: f64) -> f64 {
         let power = self.power(l);
         match self.relative_cube_error(l) {
@@ -176,8 +182,8 @@ impl<'a> MeasuredSpectrum<'a> {
         }
     }
 
-    /// Returns `sqrt(w) = stderr/(3 power)`, the standard error of the cube root of power over its mean, where
-    /// limits allow for estimated errors.
+    /// Returns `sqrt(w) = stderr/(3 power)`, the relative standard error of the cube root of the
+    /// power, if the limits account for estimated errors.
     fn relative_cube_error(&self, l: usize) -> Option<f64> {
         let error = self.stderr(l) / (3.0 * self.power(l));
         let realizations = self.realizations.filter(|_| error > 0.0 && error.is_finite())?;
@@ -197,14 +203,14 @@ impl<'a> MeasuredSpectrum<'a> {
     ///
     /// # Errors
     ///
-    /// Those of [`Self::critical_z`].
+    /// Returns the errors of [`Self::critical_z`].
     pub fn limits(&self, side: Side, confidence: f64) -> Result<Vec<(usize, f64)>, Error> {
         let critical_z = self.critical_z(confidence)?;
         Ok(self.degrees().map(|l| (l, self.limit(side, l, critical_z))).collect())
     }
 
-    /// Returns the one-sided quantile that keeps all degrees together at `confidence` (Sidak): normal, or Student's
-    /// where the number of realizations is known.
+    /// Returns the one-sided quantile for which all degrees together have the confidence
+    /// `confidence` (Sidak): normal, or Student's if the number of realizations is known.
     ///
     /// ```text
     /// z = Phi^-1(confidence^(1/K))     K degrees
@@ -212,8 +218,8 @@ impl<'a> MeasuredSpectrum<'a> {
     ///
     /// # Errors
     ///
-    /// [`Error::Parameter`] unless `0 < confidence < 1`, [`Error::TooFewRealizations`] if they leave a degree without a
-    /// limit from above.
+    /// Returns [`Error::Parameter`] unless `0 < confidence < 1`, and [`Error::TooFewRealizations`]
+    /// if a degree has no upper limit.
     pub fn critical_z(&self, confidence: f64) -> Result<f64, Error> {
         if !(confidence > 0.0 && confidence < 1.0) {
             return Err(Error::Parameter {
@@ -222,9 +228,9 @@ impl<'a> MeasuredSpectrum<'a> {
                 expected: "above 0 and below 1",
             });
         }
-        // The upper tail 1 - confidence^(1/K) without the rounding of a number near 1.
+        // The upper tail 1 - confidence^(1/K), computed without the rounding of a number near 1.
         let tail = -(confidence.ln() / self.degrees().count() as f64).exp_m1();
-        // As many degrees of freedom are as good as normal, and quick.
+        // For that many degrees of freedom the normal quantile is accurate, and fast.
         let dof = self.realizations.map(|r| r as f64 - 1.0).filter(|&dof| dof < 1e5);
         let student = dof.and_then(|dof| StudentsT::new(0.0, 1.0, dof).ok());
         let critical_z =

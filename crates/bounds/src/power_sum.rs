@@ -1,4 +1,5 @@
-//! Sums of real powers of consecutive integers, by a few direct terms and the Euler-Maclaurin formula.
+//! Sums of real powers of consecutive integers, by some direct terms and the Euler-Maclaurin
+//! formula.
 
 use sphvar_sh::CompensatedSum;
 
@@ -16,18 +17,20 @@ const EULER_MACLAURIN: [f64; 10] = [
     -174611.0 / 802857662698291200000.0,
 ];
 
-/// Terms below this fraction of the sum are left out; what follows them is at most ten times as large.
+/// Terms below this fraction of the sum are left out; the sum of the remaining ones is at most ten
+/// times as large.
 const NEGLIGIBLE: f64 = f64::EPSILON / 1024.0;
 
 /// Returns where the Euler-Maclaurin formula may start for `x^-s`.
 ///
-/// Its terms are about `(s + 2j)^(2j-1) / (2 pi x)^(2j-1)`; from `max(16, 2|s|)` on, ten of them leave less than
-/// 1e-16 of the sum.
+/// Its terms are about `(s + 2j)^(2j-1) / (2 pi x)^(2j-1)`; from `max(16, 2|s|)` on, ten of them
+/// leave less than 1e-16 of the sum.
 pub(crate) fn asymptotic_from(s: f64) -> f64 {
     (2.0 * s.abs()).ceil().max(16.0)
 }
 
-/// Returns `sum_j B_2j/(2j)! (s)_{2j-1} x^{1-2j}`, the corrections at the end `x` divided by `x^-s`.
+/// Returns `sum_j B_2j/(2j)! (s)_{2j-1} x^{1-2j}`, the corrections at the end `x` divided by
+/// `x^-s`.
 pub(crate) fn end_correction(x: f64, s: f64) -> f64 {
     let mut rising = s / x;
     let mut sum = 0.0;
@@ -38,7 +41,7 @@ pub(crate) fn end_correction(x: f64, s: f64) -> f64 {
             break;
         }
         let next = s + (2 * j + 1) as f64;
-        // One quotient at a time: the squares of large x and s would overflow.
+        // One quotient at a time, because the squares of large x and s would overflow.
         rising *= (next / x) * ((next + 1.0) / x);
     }
     sum
@@ -58,7 +61,8 @@ fn ratio_power(x: f64, reference: f64, exponent: f64) -> f64 {
 
 /// Returns the integral of `(x / reference)^-s` from `a` to `b`, given the integrand at both ends.
 ///
-/// Near `s = 1` the difference of the two powers would cancel, so there it is written with `exp(t) - 1`.
+/// Near `s = 1` the difference of the two powers would cancel, so there it is written with `exp(t)
+/// - 1`.
 fn integral(a: f64, b: f64, s: f64, at_a: f64, at_b: f64) -> f64 {
     let log_ratio = ((b - a) / a).ln_1p();
     let t = (1.0 - s) * log_ratio;
@@ -71,7 +75,8 @@ fn integral(a: f64, b: f64, s: f64, at_a: f64, at_b: f64) -> f64 {
     }
 }
 
-/// A sum of powers as `reference^-s * scaled`, so that neither factor overflows before the product does.
+/// A sum of powers as `reference^-s * scaled`, so that neither factor overflows before the product
+/// does.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct PowerSum {
     /// The end of the range with the larger term.
@@ -80,10 +85,12 @@ pub(crate) struct PowerSum {
     pub(crate) scaled: f64,
 }
 
-/// Returns `sum_{k=first}^{last} k^-s` for integers `1 <= first <= last` held as `f64`, and finite `s`.
+/// Returns `sum_{k=first}^{last} k^-s` for integers `1 <= first <= last` held as `f64`, and finite
+/// `s`.
 ///
-/// All terms are positive and none is obtained by a difference, so the relative error is a few `f64::EPSILON` for
-/// every `s`; about `16 + 2|s|` direct terms at most, and fewer than a hundred for large `|s|`.
+/// All terms are positive and none is obtained by a difference, so the relative error is a few
+/// `f64::EPSILON` for every `s`; about `16 + 2|s|` direct terms at most, and fewer than a hundred
+/// for large `|s|`.
 pub(crate) fn power_sum(first: f64, last: f64, s: f64) -> PowerSum {
     let reference = if s < 0.0 { last } else { first };
     let start = asymptotic_from(s).max(first);
@@ -95,8 +102,9 @@ pub(crate) fn power_sum(first: f64, last: f64, s: f64) -> PowerSum {
         sum.add(at_start * (0.5 + end_correction(start, s)));
         sum.add(at_last * (0.5 - end_correction(last, s)));
     }
-    // The terms before `start`, the largest first, so that the loop may stop early. For large `s` they are taken from their
-    // distance to the largest, which still counts where 1 is below the spacing of the numbers.
+    // The terms before `start`, the largest first, so that the loop may stop early. For large `s`
+    // they are taken from their distance to the largest, which still counts where 1 is below the
+    // spacing of the numbers.
     let direct_last = last.min(start - 1.0);
     let (from, direction) = if s < 0.0 { (direct_last, -1.0) } else { (first, 1.0) };
     let largest = ratio_power(from, reference, -s);

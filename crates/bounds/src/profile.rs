@@ -2,7 +2,7 @@ use crate::error::{not_negative, positive};
 use crate::{Domain, Error, Family, ProfileShape};
 use sphvar_spectrum::Spectrum;
 
-/// A simple law for the power spectrum of a pattern of N points, used as an upper or a lower bound of it.
+/// A simple model of the power spectrum of a pattern of N points, used as its upper or lower bound.
 ///
 /// ```text
 /// P(l) = g0 + gamma min(1, (l / (alpha sqrt N))^b)     polynomial, b >= 0
@@ -10,9 +10,9 @@ use sphvar_spectrum::Spectrum;
 /// P(l) = g0 + gamma                                    constant, the case b = 0
 /// ```
 ///
-/// `alpha > 0` is the break on the axis `omega = l / sqrt N`, `gamma >= 0` the height of the plateau over the offset
-/// `g0 >= 0` (0 unless [`Profile::with_offset`] is used). Every profile is non-decreasing in `l`, and non-increasing in
-/// `N`. Power is in the unit where white noise has 1.
+/// `alpha > 0` is the break on the axis `omega = l / sqrt N`, `gamma >= 0` the height of the
+/// plateau over the offset `g0 >= 0` (0 unless [`Profile::with_offset`] is used). Every profile is
+/// non-decreasing in `l`, and non-increasing in `N`. Power is in the unit where white noise has 1.
 ///
 /// # Examples
 ///
@@ -37,12 +37,13 @@ pub struct Profile {
 }
 
 impl Profile {
-    /// Returns the profile of a shape with its break `alpha` and its plateau `gamma`, without offset.
+    /// Returns the profile of a shape with its break `alpha` and its plateau `gamma`, without
+    /// offset.
     ///
     /// # Errors
     ///
-    /// [`Error::Parameter`] unless `alpha` is finite and above 0, and `gamma` and a polynomial's exponent are finite and
-    /// at least 0.
+    /// Returns [`Error::Parameter`] unless `alpha` is finite and above 0, and `gamma` and a
+    /// polynomial's exponent are finite and at least 0.
     pub fn new(shape: ProfileShape, alpha: f64, gamma: f64) -> Result<Self, Error> {
         if let ProfileShape::Polynomial { exponent } = shape {
             not_negative("exponent", exponent)?;
@@ -64,7 +65,7 @@ impl Profile {
     ///
     /// # Errors
     ///
-    /// [`Error::Parameter`] unless `gamma` is finite and at least 0.
+    /// Returns [`Error::Parameter`] unless `gamma` is finite and at least 0.
     pub fn constant(gamma: f64) -> Result<Self, Error> {
         Self::new(ProfileShape::Constant, 1.0, gamma)
     }
@@ -73,7 +74,7 @@ impl Profile {
     ///
     /// # Errors
     ///
-    /// As [`Profile::new`].
+    /// Returns the errors of [`Profile::new`].
     pub fn step(alpha: f64, gamma: f64) -> Result<Self, Error> {
         Self::new(ProfileShape::Step, alpha, gamma)
     }
@@ -82,7 +83,7 @@ impl Profile {
     ///
     /// # Errors
     ///
-    /// As [`Profile::new`].
+    /// Returns the errors of [`Profile::new`].
     pub fn linear(alpha: f64, gamma: f64) -> Result<Self, Error> {
         Self::polynomial(1.0, alpha, gamma)
     }
@@ -91,7 +92,7 @@ impl Profile {
     ///
     /// # Errors
     ///
-    /// As [`Profile::new`].
+    /// Returns the errors of [`Profile::new`].
     pub fn quadratic(alpha: f64, gamma: f64) -> Result<Self, Error> {
         Self::polynomial(2.0, alpha, gamma)
     }
@@ -100,18 +101,18 @@ impl Profile {
     ///
     /// # Errors
     ///
-    /// As [`Profile::new`].
+    /// Returns the errors of [`Profile::new`].
     pub fn polynomial(exponent: f64, alpha: f64, gamma: f64) -> Result<Self, Error> {
         Self::new(ProfileShape::Polynomial { exponent }, alpha, gamma)
     }
 
-    /// Returns this profile lifted by `offset` in place of its former offset.
+    /// Returns this profile with the offset replaced by `offset`.
     ///
-    /// Poisson disk patterns and CCVT with random mass points keep such a floor at low degrees.
+    /// Poisson disk patterns and CCVT with random mass points have such a floor at low degrees.
     ///
     /// # Errors
     ///
-    /// [`Error::Parameter`] unless `offset` is finite and at least 0.
+    /// Returns [`Error::Parameter`] unless `offset` is finite and at least 0.
     pub fn with_offset(self, offset: f64) -> Result<Self, Error> {
         Ok(Self { offset: not_negative("offset", offset)?, ..self })
     }
@@ -120,7 +121,7 @@ impl Profile {
     ///
     /// # Errors
     ///
-    /// [`Error::Parameter`] unless `gamma` is finite and at least 0.
+    /// Returns [`Error::Parameter`] unless `gamma` is finite and at least 0.
     pub fn with_gamma(self, gamma: f64) -> Result<Self, Error> {
         Ok(Self { gamma: not_negative("gamma", gamma)?, ..self })
     }
@@ -129,7 +130,7 @@ impl Profile {
     ///
     /// # Errors
     ///
-    /// [`Error::Parameter`] unless `alpha` is finite and above 0.
+    /// Returns [`Error::Parameter`] unless `alpha` is finite and above 0.
     pub fn with_alpha(self, alpha: f64) -> Result<Self, Error> {
         Ok(Self { alpha: positive("alpha", alpha)?, ..self })
     }
@@ -195,17 +196,17 @@ impl Profile {
     /// Returns the power at degree `l` of a pattern of `n_points` points.
     ///
     /// Degree 0 follows the formula too, but it never enters a variance: a pattern has `P(0) = N`.
-    /// Whether a degree lies on a step's break is decided by `l as f64 < alpha * sqrt(N)` in floating point, here and
-    /// in every closed form of this crate.
+    /// Whether a degree lies on a step's break is decided by `l as f64 < alpha * sqrt(N)` in
+    /// floating point, here and in every closed form of this crate.
     #[must_use]
     pub fn power(&self, l: usize, n_points: usize) -> f64 {
         self.offset + self.gamma * self.rise(l, n_points)
     }
 
-    /// Returns the profile as a spectrum of patterns of `n_points`, known without sampling.
+    /// Returns the profile as an exact spectrum of patterns of `n_points`.
     ///
-    /// It stands wherever an estimated spectrum can. Like any spectrum it ends at `lmax`, beyond which predictions take
-    /// the power to be 1, so `lmax` should be large where the plateau is not 1.
+    /// It can be used wherever an estimated spectrum can. Like any spectrum it ends at `lmax`,
+    /// beyond which predictions assume power 1, so `lmax` should be large if the plateau is not 1.
     ///
     /// # Examples
     ///
@@ -241,7 +242,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn bad_parameters_are_refused_by_name() {
+    fn invalid_parameters_are_rejected_by_name() {
         let bad = [f64::NAN, f64::INFINITY, -1.0];
         for value in bad {
             for (name, result) in [
@@ -267,7 +268,7 @@ mod tests {
     #[test]
     fn values_on_both_sides_of_the_break() -> Result<(), Error> {
         let step = Profile::step(0.5, 3.0)?;
-        // sqrt(64) = 8, so the break is at l = 4 exactly and belongs to the plateau.
+        // sqrt(64) = 8, so the break is exactly at l = 4, which belongs to the plateau.
         let values = [3, 4, 5].map(|l| step.power(l, 64).to_bits());
         assert_eq!(values, [0.0, 3.0, 3.0].map(f64::to_bits), "step");
         let lifted = Profile::linear(0.5, 3.0)?.with_offset(0.25)?;
@@ -278,7 +279,7 @@ mod tests {
             2.0_f64.to_bits(),
             "b = 0 is constant"
         );
-        // No points: the break is at 0 and everything is plateau.
+        // Without points the break is at 0 and every degree is on the plateau.
         assert_eq!(step.power(1, 0).to_bits(), 3.0_f64.to_bits());
         Ok(())
     }

@@ -1,4 +1,4 @@
-/// How a [`Profile`](crate::Profile) rises to its plateau.
+/// The shape of the rise of a [`Profile`](crate::Profile) to its plateau.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum ProfileShape {
     /// The plateau from the first degree on; `alpha` is only the unit of the axis.

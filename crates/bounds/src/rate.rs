@@ -1,6 +1,6 @@
 use std::fmt;
 
-/// How the variance falls with the number of points N.
+/// The rate at which the variance falls with the number of points N.
 ///
 /// ```
 /// use sphvar_bounds::Rate;
@@ -12,12 +12,13 @@ pub enum Rate {
     Algebraic {
         /// The power of N, negative.
         exponent: f64,
-        /// Whether a factor `ln N` goes with it.
+        /// Whether there is a factor `ln N`.
         log: bool,
     },
     /// The variance is exactly zero for every `N > beyond`.
     Zero {
-        /// `(l0 / alpha)^2` with `l0` the last degree of the band; 0 if the variance is zero for every N.
+        /// `(l0 / alpha)^2` with `l0` the last degree of the band; 0 if the variance is zero for
+        /// every N.
         beyond: f64,
     },
 }

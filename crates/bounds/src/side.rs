@@ -1,6 +1,6 @@
 use std::fmt;
 
-/// On which side of the spectrum a profile is meant to lie.
+/// The side of the spectrum on which a profile lies.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Side {
     /// The spectrum lies on or below the profile.

@@ -1,9 +1,9 @@
 use crate::{Profile, ProfileShape};
 
-/// The bounds that the thesis draws around the spectrum of one sampler.
+/// The bounds that the thesis draws for the spectrum of one sampler.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ThesisBound {
-    /// The name by which the command knows the sampler.
+    /// The name of the sampler in the command.
     pub sampler: &'static str,
     /// The profile below the spectrum.
     pub lower: Profile,
@@ -20,9 +20,10 @@ pub struct ThesisBound {
 /// | `jittered` | quadratic, alpha = sqrt 0.6, gamma = 0.4 | quadratic, alpha = 0.2, gamma = 1 |
 /// | `ccvt` | quadratic, alpha = sqrt 2.85, gamma = 0.05 | quadratic, alpha = sqrt 0.05, gamma = 2 |
 ///
-/// Those of `white-noise`, `poisson-disk` and `jittered` hold for the mean spectrum. Those of `ccvt` hold only for a band of
-/// capacities m: with random mass points the floor 1/m breaks the upper one at the lowest degrees once `N > 40 m`, and
-/// for m >= 1024 both are broken, the lower one also by ideal mass points.
+/// Those of `white-noise`, `poisson-disk` and `jittered` hold for the mean spectrum. Those of
+/// `ccvt` hold only for a range of capacities m: with random mass points the floor 1/m breaks the
+/// upper one at the lowest degrees once `N > 40 m`, and for m >= 1024 both are broken, the lower
+/// one also by ideal mass points.
 ///
 /// # Examples
 ///
@@ -34,7 +35,8 @@ pub struct ThesisBound {
 ///
 /// # References
 ///
-/// G. Singh 2015, figure 7.4. The constants of `alpha` in constant profiles are only units of the axis.
+/// G. Singh 2015, figure 7.4. The constants of `alpha` in constant profiles are only units of the
+/// axis.
 #[must_use]
 pub fn thesis_bounds() -> [ThesisBound; 4] {
     let pair = |sampler,
@@ -59,7 +61,8 @@ pub fn thesis_bounds() -> [ThesisBound; 4] {
 mod tests {
     use super::*;
 
-    /// Mean power of jittered patterns, N = 3888, by quadrature, at omega = l / sqrt N (three degrees averaged).
+    /// Mean power of jittered patterns, N = 3888, by quadrature, at omega = l / sqrt N (three
+    /// degrees averaged).
     const JITTERED: [(f64, f64); 11] = [
         (0.125, 0.0196),
         (0.25, 0.0719),
@@ -107,7 +110,7 @@ mod tests {
         for (which, n_points, spectrum) in [(1, 4096, POISSON_DISK), (2, 4096, JITTERED)] {
             let bound = thesis_bounds()[which];
             for (omega, power) in spectrum {
-                // With 4096 points sqrt N = 64, and each of these omega is a whole degree.
+                // With 4096 points sqrt N = 64, and each of these omega is an integer degree.
                 let l = (0..256).find(|&l| l as f64 >= omega * 64.0).unwrap_or(0);
                 let (low, high) = (bound.lower.power(l, n_points), bound.upper.power(l, n_points));
                 assert!(

@@ -3,23 +3,24 @@ use crate::envelope::Envelope;
 use crate::error::not_negative;
 use crate::{Bound, Error, Family, IntegrandClass, MeasuredSpectrum, Profile, Side};
 
-/// What is asked of the tightest profile of a family.
+/// The criterion for the tightest profile of a family.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Criterion {
-    /// The probability, over all degrees together, with which the true spectrum is to lie on the right side.
+    /// The probability, for all degrees together, that the true spectrum lies on the correct side.
     pub confidence: f64,
-    /// The decay p of the worst case, energy `l^-p`, whose variance decides between profiles; 2 for a jump.
+    /// The decay p of the worst case, energy `l^-p`, by whose variance profiles are compared; 2 for
+    /// a jump.
     pub decay: f64,
-    /// The floor under the profile.
+    /// The offset of the profile.
     pub offset: Offset,
 }
 
-/// The floor `g0` of a profile that is fitted.
+/// The offset `g0` of a fitted profile.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Offset {
     /// This value; 0 for none.
     Given(f64),
-    /// The value with the tightest profile.
+    /// The value that gives the tightest profile.
     Fitted,
 }
 
@@ -30,10 +31,11 @@ pub struct Tightest {
     pub family: Family,
     /// The profile and its side.
     pub bound: Bound,
-    /// How much better than this one the best profile can be at most, relative to its variance: 0 where the fit is
-    /// exact, else some 1e-4.
+    /// The largest possible improvement by another profile, relative to the variance of this one: 0
+    /// if the fit is exact, otherwise about 1e-4.
     pub gap: f64,
-    /// The degrees where the profile meets the confidence limits: one below and one above the break, in general.
+    /// The degrees at which the profile touches the confidence limits: in general one below and one
+    /// above the break.
     pub touching: Vec<usize>,
 }
 
@@ -45,44 +47,45 @@ impl Default for Criterion {
 }
 
 impl Bound {
-    /// Returns the smallest upper or the largest lower profile of a family over a measured mean spectrum.
+    /// Returns the smallest upper or the largest lower profile of a family over a measured mean
+    /// spectrum.
     ///
-    /// Profiles of a family cross each other, so "smallest" needs a measure. It is the variance in the worst case,
+    /// Profiles of a family cross each other, so "smallest" needs a measure. It is the variance in
+    /// the worst case,
     ///
     /// ```text
     /// sum_{l >= 1} l^-p P(l)      over all degrees, p = criterion.decay
     /// ```
     ///
-    /// at this number of points: among all profiles that clear the simultaneous confidence limits of
-    /// [`MeasuredSpectrum::limits`] at every degree, an upper bound is the one with the least such variance and a
-    /// lower bound that with the greatest. The break, the plateau, for [`Family::Polynomial`] the exponent, and the
-    /// offset if that is to be fitted, are all free, but the break lies within the spectrum, so that the plateau has
-    /// been seen.
+    /// at this number of points: among all profiles that satisfy the simultaneous confidence limits
+    /// of [`MeasuredSpectrum::limits`] at every degree, an upper bound is the one with the least
+    /// such variance and a lower bound that with the greatest. The free parameters are the break,
+    /// the plateau, for [`Family::Polynomial`] the exponent, and the offset if it is fitted. The
+    /// break lies within the spectrum, so that the plateau is measured.
     ///
-    /// With probability at least `confidence` the true mean spectrum lies on the right side at all degrees of the
-    /// spectrum (errors normal and independent between degrees, or positively correlated, standard errors right).
-    /// The profiles of all families hold together at that level, since they clear the same limits; upper and lower
-    /// ones together at `2 confidence - 1`. Beyond the spectrum nothing has been measured: there the profile claims
-    /// its plateau. A rate read from the profile supposes that the spectrum is a function of `l / sqrt N`, which one
-    /// number of points cannot tell.
+    /// With probability at least `confidence` the true mean spectrum lies on the correct side at
+    /// all degrees of the spectrum, if the errors are normal and independent between degrees, or
+    /// positively correlated, and the standard errors are correct. The profiles of all families
+    /// hold simultaneously at that level, since they satisfy the same limits; upper and lower ones
+    /// together hold at `2 confidence - 1`. Beyond the spectrum there are no measurements, and the
+    /// profile extrapolates its plateau. A rate derived from the profile assumes that the spectrum
+    /// is a function of `l / sqrt N`, which a single number of points cannot confirm.
     ///
-    /// The fit is exact for a given exponent and offset. Where one of them is free it is found by branch and bound,
-    /// to within
-    /// [`Tightest::gap`] of the best there is.
+    /// The fit is exact for a given exponent and offset. If one of them is free, it is found by
+    /// branch and bound, to within [`Tightest::gap`] of the optimum.
     ///
     /// # Errors
     ///
-    /// [`Error::Parameter`] unless `0 < confidence < 1`, `decay > 1` and the given offset is at least 0, all finite;
-    /// [`Error::NoDegrees`] for a step over a single degree;
-    /// [`Error::PowerBelowStep`] for an upper step over a spectrum that has power at its first degree (beyond the
-    /// offset);
-    /// [`Error::NoFit`] for a lower bound with a given offset above a limit; [`Error::OnlyZero`] if the largest lower
-    /// bound is zero.
+    /// Returns [`Error::Parameter`] unless `0 < confidence < 1`, `decay > 1` and the given offset
+    /// is at least 0, all finite; [`Error::NoDegrees`] for a step over a single degree;
+    /// [`Error::PowerBelowStep`] for an upper step over a spectrum that has power at its first
+    /// degree (beyond the offset); [`Error::NoFit`] for a lower bound with a given offset above a
+    /// limit; [`Error::OnlyZero`] if the largest lower bound is zero.
     ///
     /// # Performance
     ///
-    /// `O(lmax)` powers for a given exponent and offset; some hundred to some ten thousand times that where one is
-    /// free.
+    /// `O(lmax)` powers for a given exponent and offset; about a hundred to ten thousand times that
+    /// if one is free.
     ///
     /// # Examples
     ///
@@ -103,7 +106,7 @@ impl Bound {
         criterion: Criterion,
     ) -> Result<Tightest, Error> {
         let Criterion { confidence, decay, offset } = criterion;
-        // The class checks the decay.
+        // `IntegrandClass` validates the decay.
         IntegrandClass::power_law(1.0, decay)?;
         let limits = spectrum.limits(side, confidence)?;
         if family == Family::Step && limits.len() < 2 {
@@ -130,7 +133,7 @@ impl Bound {
                 }
                 (g, g)
             }
-            // A constant has no use for another one.
+            // An offset of a constant is redundant.
             Offset::Fitted if family == Family::Constant => (0.0, 0.0),
             Offset::Fitted => (0.0, envelope.largest_offset()),
         };
@@ -146,7 +149,8 @@ impl Bound {
         let shape = family.shape(best.exponent);
         let alpha = if family == Family::Constant { 1.0 } else { alpha };
         let profile = Profile::new(shape, alpha, best.gamma)?.with_offset(best.offset)?;
-        // Once more by the profile's own arithmetic, so that rounding cannot put it on the wrong side.
+        // Recomputed with the profile's own arithmetic, so that rounding cannot put it on the wrong
+        // side.
         let bound = Self { side, profile };
         let bound =
             if family == Family::Step { bound } else { bound.fit_gamma(spectrum, confidence)? };
@@ -162,5 +166,6 @@ impl Bound {
     }
 }
 
-/// Relative distance at which a profile meets a limit: the rounding of `(l/L)^b` with b up to 16 and to spare.
+/// The relative distance at which a profile touches a limit: the rounding of `(l/L)^b` for b up to
+/// 16, with a margin.
 const TOUCHING: f64 = 1e-10;

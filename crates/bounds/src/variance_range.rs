@@ -2,9 +2,9 @@ use crate::error::{not_negative, per_degree};
 use crate::{Domain, Error, Profile};
 use sphvar_sh::CompensatedSum;
 
-/// The two ends between which the variance of a given integrand under a profile lies.
+/// The range of the variance of a given integrand under a profile.
 ///
-/// They differ only by what is known of the integrand's tail.
+/// The ends differ only because of the integrand's tail, of which only the total energy is known.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct VarianceRange {
     /// The variance with the smallest value of the profile on the tail.
@@ -13,20 +13,22 @@ pub struct VarianceRange {
     pub upper: f64,
 }
 
-/// Returns the variance of a given integrand if the pattern's power were this profile.
+/// Returns the variance of a given integrand for a pattern whose power is this profile.
 ///
 /// ```text
 /// prefactor * [ sum_{l <= lmax} E(l) P(l) + P_tail * tail_energy ]
 /// ```
 ///
-/// `energy_per_degree[l]` is `E(l) = (2l+1) P_F(l)` from `l = 0` to `lmax`; degree 0 is not used, nor are odd degrees on
-/// the hemisphere. `tail_energy` is `sum E(l)` over the degrees beyond `lmax`, where `P_tail` lies between the profile at
-/// the first such degree and its plateau. If the profile is an upper bound of the spectrum then `upper` bounds the
-/// variance from above; if it is a lower bound then `lower` bounds it from below.
+/// `energy_per_degree[l]` is `E(l) = (2l+1) P_F(l)` from `l = 0` to `lmax`; degree 0 is not used,
+/// nor are odd degrees on the hemisphere. `tail_energy` is `sum E(l)` over the degrees beyond
+/// `lmax`, where `P_tail` lies between the profile at the first such degree and its plateau. If the
+/// profile is an upper bound of the spectrum then `upper` bounds the variance from above; if it is
+/// a lower bound then `lower` bounds it from below.
 ///
 /// # Errors
 ///
-/// [`Error::NoPoints`]; [`Error::DegreeValue`] or [`Error::Parameter`] for an energy that is negative, infinite or NaN.
+/// Returns [`Error::NoPoints`]; [`Error::DegreeValue`] or [`Error::Parameter`] for an energy that
+/// is negative, infinite or NaN.
 ///
 /// # Examples
 ///
@@ -51,7 +53,7 @@ pub fn variance_bound(
     if n_points == 0 {
         return Err(Error::NoPoints);
     }
-    // The first degree that enters is as far from 0 as degrees are from each other.
+    // The first degree that enters equals the spacing of the degrees.
     let step = domain.degree_step();
     let sum: CompensatedSum = energy_per_degree
         .iter()
@@ -60,7 +62,7 @@ pub fn variance_bound(
         .step_by(step)
         .map(|(l, energy)| energy * profile.power(l, n_points))
         .collect();
-    // Profiles do not fall, so the smallest value beyond lmax is at the first degree there.
+    // Profiles are non-decreasing, so the smallest value beyond lmax is at the first degree there.
     let tail_start = energy_per_degree.len().next_multiple_of(step).max(step);
     let with_tail = |power: f64| {
         let mut total = sum;

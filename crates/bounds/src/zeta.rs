@@ -1,7 +1,7 @@
 //! Zeta functions and harmonic numbers of real order.
 //!
-//! Kept crates do not cover these: statrs 0.19 sums the harmonic number term by term (`O(n)`) and has no zeta function,
-//! special 0.14 has a trigamma only.
+//! Available crates do not cover these: statrs 0.19 sums the harmonic number term by term (`O(n)`)
+//! and has no zeta function; special 0.14 has only a trigamma function.
 
 use crate::power_sum::{asymptotic_from, end_correction, power_sum};
 use sphvar_sh::CompensatedSum;
@@ -13,12 +13,12 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 /// H(n, s) = sum_{k=1}^{n} k^-s
 /// ```
 ///
-/// Negative `s` gives sums of powers. The relative error is below 1e-14 for `|s| <= 16`; beyond that it grows as
-/// `|s| * f64::EPSILON`. Overflows to infinity where the sum does; NaN for NaN.
+/// Negative `s` gives sums of powers. The relative error is below 1e-14 for `|s| <= 16`; beyond
+/// that it grows as `|s| * f64::EPSILON`. Overflows to infinity where the sum does; NaN for NaN.
 ///
 /// # Performance
 ///
-/// About `16 + 2|s|` powers, never more than some hundred, whatever `n`.
+/// About `16 + 2|s|` powers, and never more than about a hundred, for any `n`.
 ///
 /// # Examples
 ///
@@ -56,7 +56,7 @@ pub fn generalized_harmonic(n: u64, s: f64) -> f64 {
 ///
 /// # Performance
 ///
-/// At most `16 + 2s` powers, never more than some hundred.
+/// At most `16 + 2s` powers, and never more than about a hundred.
 ///
 /// # Examples
 ///
@@ -84,7 +84,7 @@ pub fn hurwitz_zeta(s: f64, q: f64) -> f64 {
     while x < start {
         let term = x.powf(-s);
         sum.add(term);
-        // From here on the terms fall at least as fast as 2^-k, or nothing is left of them.
+        // From here on the terms fall at least as fast as 2^-k, or the remainder is negligible.
         if term <= f64::EPSILON / 1024.0 * sum.value() {
             return sum.value();
         }
@@ -108,15 +108,16 @@ pub fn trigamma(x: f64) -> f64 {
     hurwitz_zeta(2.0, x)
 }
 
-/// Returns the Riemann zeta function of a real argument, continued to `s < 1`; infinite at the pole `s = 1`.
+/// Returns the Riemann zeta function of a real argument, continued to `s < 1`; infinite at the pole
+/// `s = 1`.
 ///
 /// ```text
 /// zeta(s) = sum_{k>=1} k^-s                                            s > 1
 /// zeta(s) = (2 pi)^s / pi * sin(pi s / 2) * Gamma(1 - s) * zeta(1 - s)   s < 0
 /// ```
 ///
-/// The relative error is below 1e-14 for `0 <= s <= 16` and below 2e-14 for `-16 <= s < 0`, also beside the zeros at
-/// the negative even numbers.
+/// The relative error is below 1e-14 for `0 <= s <= 16` and below 2e-14 for `-16 <= s < 0`, also
+/// beside the zeros at the negative even numbers.
 ///
 /// # Examples
 ///
@@ -140,8 +141,8 @@ pub fn riemann_zeta(s: f64) -> f64 {
     }
 }
 
-/// Below this the direct form loses digits by cancellation and the functional equation takes over; above it, the
-/// functional equation would meet the pole at `1 - s = 1`.
+/// Below this argument the direct form loses digits by cancellation and the functional equation is
+/// used; above it, the functional equation would be evaluated near the pole at `1 - s = 1`.
 const REFLECT_BELOW: f64 = -0.0625;
 
 /// Returns `zeta(s) - 1/(s - 1)`, which has no pole (Euler's constant at `s = 1`).
@@ -174,13 +175,14 @@ pub(crate) fn riemann_zeta_regular(s: f64) -> f64 {
     sum.value()
 }
 
-/// The functional equation, with Gamma split by the duplication formula so that it overflows only with the result.
+/// Returns the functional equation, with Gamma split by the duplication formula so that it
+/// overflows only with the result.
 fn reflected(s: f64) -> f64 {
     let x = 1.0 - s;
     // sin(pi s / 2) from the distance to the nearest even number, which is exact.
-    let half_turns = (0.5 * s).round();
-    let remainder = s - 2.0 * half_turns;
-    let sign = if half_turns.rem_euclid(2.0) < 0.5 { 1.0 } else { -1.0 };
+    let half_periods = (0.5 * s).round();
+    let remainder = s - 2.0 * half_periods;
+    let sign = if half_periods.rem_euclid(2.0) < 0.5 { 1.0 } else { -1.0 };
     let sine = sign * (FRAC_PI_2 * remainder).sin();
     if sine == 0.0 {
         return 0.0;
@@ -190,7 +192,8 @@ fn reflected(s: f64) -> f64 {
     sine * gammas * hurwitz_zeta(x, 1.0) / (PI * PI.sqrt())
 }
 
-/// Returns Gamma(x) for `x > 0` from Stirling's series at `x + k >= 16`; the terms left out are below 1e-16.
+/// Returns Gamma(x) for `x > 0` from Stirling's series at `x + k >= 16`; the terms left out are
+/// below 1e-16.
 ///
 /// The approximation of statrs 0.19 is off by up to 1e-13 between `x = 10` and `x = 50`.
 fn gamma(x: f64) -> f64 {
@@ -205,7 +208,7 @@ fn gamma(x: f64) -> f64 {
         [1.0 / 12.0, -1.0 / 360.0, 1.0 / 1260.0, -1.0 / 1680.0, 1.0 / 1188.0, -691.0 / 360360.0];
     let u = (y * y).recip();
     let exponent = series.iter().rev().fold(0.0, |sum, c| sum * u + c) / y;
-    // Half of the power at a time, since the whole overflows before Gamma does.
+    // The power is multiplied in two halves, since the whole overflows before Gamma does.
     let half = y.powf(0.5 * (y - 0.5));
     TAU.sqrt() * half * (-y).exp() * half * exponent.exp() / product
 }

@@ -1,4 +1,4 @@
-//! Bounds against measured spectra: false alarms, coverage and the edges of the fits.
+//! Bounds checked against measured spectra: false alarms, coverage and the edge cases of the fits.
 
 use proptest::prelude::{Just, prop_assert, prop_oneof, proptest};
 use rand::SeedableRng;
@@ -16,7 +16,7 @@ fn jittered() -> Result<Profile, Error> {
     Profile::quadratic(0.9, 1.0)
 }
 
-/// A spectrum with normal errors around `truth`: (power, stderr).
+/// Returns a spectrum with normal errors around `truth`: (power, stderr).
 fn noisy(truth: &Profile, rng: &mut ChaCha8Rng) -> (Vec<f64>, Vec<f64>) {
     (0..=LMAX)
         .map(|l| {
@@ -29,7 +29,7 @@ fn noisy(truth: &Profile, rng: &mut ChaCha8Rng) -> (Vec<f64>, Vec<f64>) {
         .unzip()
 }
 
-/// Counts in how many of the trials something happens.
+/// Counts the trials in which an event occurs.
 fn count(
     truth: &Profile,
     mut happens: impl FnMut(&MeasuredSpectrum<'_>) -> Result<bool, Error>,
@@ -44,15 +44,16 @@ fn count(
     Ok(total)
 }
 
-/// Four standard deviations of a binomial count with the probability `1 - CONFIDENCE`: a right rate fails one run in 16000;
-/// the seed is fixed, so it fails never or always.
+/// Four standard deviations of a binomial count with the probability `1 - CONFIDENCE`: a correct
+/// rate fails for one seed in 16000, and the seed is fixed.
 fn four_sigma() -> f64 {
     4.0 * (f64::from(TRIALS) * CONFIDENCE * (1.0 - CONFIDENCE)).sqrt()
 }
 
 #[test]
-fn false_alarms_come_at_the_stated_rate() -> Result<(), Error> {
-    // The spectrum lies on the profile everywhere: the least favourable truth, where the rate is met exactly.
+fn false_alarms_have_the_stated_rate() -> Result<(), Error> {
+    // The spectrum lies on the profile everywhere: the least favourable case, in which the rate is
+    // attained exactly.
     let profile = jittered()?;
     for side in [Side::Upper, Side::Lower] {
         let bound = Bound { side, profile };
@@ -65,7 +66,7 @@ fn false_alarms_come_at_the_stated_rate() -> Result<(), Error> {
 }
 
 #[test]
-fn wrong_bounds_are_found() -> Result<(), Error> {
+fn wrong_bounds_are_refuted() -> Result<(), Error> {
     // 10 % below the truth where the error is 1 % to 3 %: 4 sigma and more in several degrees.
     let profile = jittered()?;
     let wrong = [Bound::upper(profile.with_gamma(0.9)?), Bound::lower(profile.with_gamma(1.1)?)];
@@ -77,9 +78,10 @@ fn wrong_bounds_are_found() -> Result<(), Error> {
 }
 
 #[test]
-fn fits_cover_the_truth_and_no_more_than_stated() -> Result<(), Error> {
-    // A truth that touches the family's best member at one degree only (a peak on a low plateau): then the fit fails to
-    // cover exactly when that one degree lies beyond its limit, with probability 1 - confidence^(1/K).
+fn fits_have_exactly_the_stated_coverage() -> Result<(), Error> {
+    // A true spectrum that touches the family's best member at one degree only (a peak on a low
+    // plateau): the fit fails to cover it exactly when that degree lies beyond its limit, with
+    // probability 1 - confidence^(1/K).
     let base = Profile::constant(1.0)?;
     let mut rng = ChaCha8Rng::seed_from_u64(SEED);
     let (mut missed_upper, mut missed_lower) = (0_u32, 0_u32);
@@ -112,9 +114,9 @@ fn fits_cover_the_truth_and_no_more_than_stated() -> Result<(), Error> {
 }
 
 #[test]
-fn fitted_alpha_covers_the_truth() -> Result<(), Error> {
+fn fitted_alpha_has_the_stated_coverage() -> Result<(), Error> {
     let profile = jittered()?.with_offset(0.02)?;
-    // gamma with room over the noise of the plateau, else no alpha can do.
+    // gamma with a margin above the noise of the plateau; otherwise no alpha is valid.
     let upper = Bound::upper(profile.with_gamma(1.3)?);
     let lower = Bound::lower(profile.with_gamma(0.7)?.with_offset(0.0)?);
     let uncovered = count(&profile, |spectrum| {
@@ -141,7 +143,8 @@ fn sidak_quantiles() -> Result<(), Error> {
     let critical = |count: usize, domain, confidence| {
         MeasuredSpectrum::new(4, domain, &power[..=count], &power[..=count])?.critical_z(confidence)
     };
-    // Phi^-1(0.95), Phi^-1(0.99^(1/1000)), Phi^-1(0.5) and half the degrees on the hemisphere, from mpmath.
+    // Phi^-1(0.95), Phi^-1(0.99^(1/1000)), Phi^-1(0.5) and half the degrees on the hemisphere, from
+    // mpmath.
     for (count, domain, confidence, expected) in [
         (1, Domain::Sphere, 0.95, 1.6448536269514729),
         (1000, Domain::Sphere, 0.99, 4.2637707149081054),
@@ -149,7 +152,7 @@ fn sidak_quantiles() -> Result<(), Error> {
         (3, Domain::Hemisphere, 0.95, 1.6448536269514729),
     ] {
         let z = critical(count, domain, confidence)?;
-        // statrs' erfc_inv is good to some 1e-13.
+        // statrs' erfc_inv is accurate to about 1e-13.
         assert!(
             (z - expected).abs() < 1e-11,
             "{count} degrees, {domain:?}, {confidence}: {z} {expected}"
@@ -162,7 +165,7 @@ fn sidak_quantiles() -> Result<(), Error> {
 }
 
 #[test]
-fn bad_spectra_are_refused() {
+fn invalid_spectra_are_rejected() {
     let sphere = |power: &[f64], stderr: &[f64]| {
         MeasuredSpectrum::new(4, Domain::Sphere, power, stderr).err()
     };
@@ -186,7 +189,7 @@ fn bad_spectra_are_refused() {
 }
 
 #[test]
-fn exact_spectra_are_judged_by_the_value_alone() -> Result<(), Error> {
+fn exact_spectra_are_checked_by_value_only() -> Result<(), Error> {
     let power = [16.0, 0.25, 1.0, 1.5, 1.25];
     let spectrum = MeasuredSpectrum::new(16, Domain::Sphere, &power, &[0.0; 5])?;
     let verdict = Bound::upper(Profile::constant(1.5)?).check(&spectrum, 0.99)?;
@@ -198,9 +201,9 @@ fn exact_spectra_are_judged_by_the_value_alone() -> Result<(), Error> {
     assert!(verdict.holds && verdict.worst_degree == 3 && verdict.worst_ratio < 1.0, "{verdict:?}");
     let verdict = Bound::lower(Profile::constant(0.3)?).check(&spectrum, 0.99)?;
     assert!(!verdict.holds && verdict.worst_degree == 1 && verdict.n_degrees == 4, "{verdict:?}");
-    // A lower bound of 0 below a step's break is no statement.
+    // A lower bound of 0 below a step's break makes no claim.
     assert!(Bound::lower(Profile::step(0.5, 1.0)?).check(&spectrum, 0.99)?.holds);
-    // Odd degrees do not exist on the hemisphere, whatever stands there.
+    // Odd degrees do not exist on the hemisphere, so their values are ignored.
     let even = MeasuredSpectrum::new(16, Domain::Hemisphere, &power, &[0.0; 5])?;
     let verdict = Bound::upper(Profile::constant(1.3)?).check(&even, 0.99)?;
     assert!(verdict.holds && verdict.worst_degree == 4 && verdict.n_degrees == 2, "{verdict:?}");
@@ -208,7 +211,7 @@ fn exact_spectra_are_judged_by_the_value_alone() -> Result<(), Error> {
 }
 
 #[test]
-fn fits_without_an_answer_say_so() -> Result<(), Error> {
+fn fits_without_a_solution_return_errors() -> Result<(), Error> {
     let power = [16.0, 0.25, 1.0, 1.5];
     let spectrum = MeasuredSpectrum::new(16, Domain::Sphere, &power, &[0.0; 4])?;
     let gamma = |bound: Bound| bound.fit_gamma(&spectrum, 0.9);
@@ -220,7 +223,7 @@ fn fits_without_an_answer_say_so() -> Result<(), Error> {
     ));
     let lifted = Profile::linear(1.0, 1.0)?.with_offset(0.5)?;
     assert!(matches!(gamma(Bound::lower(lifted)), Err(Error::NoFit { degree: 1, .. })));
-    // A plateau below the peak; a constant has no break; every alpha clears a high offset.
+    // A plateau below the peak; a constant has no break; every alpha satisfies a high offset.
     assert!(matches!(
         alpha(Bound::upper(Profile::linear(1.0, 1.0)?)),
         Err(Error::NoFit { degree: 3, .. })
@@ -231,12 +234,12 @@ fn fits_without_an_answer_say_so() -> Result<(), Error> {
     ));
     let high = Profile::linear(1.0, 1.0)?.with_offset(2.0)?;
     assert_eq!(alpha(Bound::upper(high)), Err(Error::AlphaUndetermined { side: Side::Upper }));
-    // Steps: breaks between two degrees, clear of rounding.
+    // Steps: breaks between two degrees, with a margin for rounding.
     let below = alpha(Bound::upper(Profile::step(1.0, 2.0)?.with_offset(0.3)?))?;
     assert_eq!(below.profile.alpha().to_bits(), (1.5_f64 / 4.0).to_bits(), "break between 1 and 2");
     let above = alpha(Bound::lower(Profile::step(1.0, 1.2)?))?;
     assert_eq!(above.profile.alpha().to_bits(), (2.5_f64 / 4.0).to_bits(), "break between 2 and 3");
-    // The message names what was asked for.
+    // The message names the requested side.
     let message = gamma(Bound::lower(lifted)).err().map(|e| e.to_string()).unwrap_or_default();
     assert!(message.starts_with("no lower profile") && message.contains("degree 1"), "{message}");
     Ok(())
@@ -260,7 +263,8 @@ proptest! {
         let bound = if upper { Bound::upper(profile) } else { Bound::lower(profile) };
         let fits = [bound.fit_gamma(&spectrum, 0.95), bound.fit_alpha(&spectrum, 0.95)];
         for (name, fit) in ["gamma", "alpha"].into_iter().zip(fits) {
-            // Only the break of a lower bound may fail: where the limit is zero, or where no degree constrains it.
+            // Only the break of a lower bound may fail: where the limit is zero, or where no degree
+            // constrains it.
             let fit = match fit {
                 Ok(fit) => fit,
                 Err(error) => {
@@ -285,11 +289,12 @@ proptest! {
     }
 }
 
-/// Means of few realizations whose power is chi-square with 2l+1 degrees of freedom: a bound that the spectrum lies on in
-/// all 100 degrees is refuted in at most 1 % at 99 %, from either side, whether the number of realizations is stated or
-/// inferred from the errors. With normal limits it was 35 % from below for 10 realizations and 5 % for 50.
+/// Means of few realizations whose power is chi-square with 2l+1 degrees of freedom: a bound that
+/// equals the spectrum in all 100 degrees is refuted in at most 1 % of cases at 99 %, from either
+/// side, whether the number of realizations is given or inferred from the errors. With normal
+/// limits the rate was 35 % from below for 10 realizations and 5 % for 50.
 #[test]
-fn few_realizations_refute_no_true_bound() -> Result<(), Error> {
+fn few_realizations_do_not_refute_true_bounds() -> Result<(), Error> {
     const DEGREES: usize = 100;
     for (realizations, reps) in [(10_u32, 600_u32), (50, 400), (300, 100)] {
         let mut rng = ChaCha8Rng::seed_from_u64(SEED + u64::from(realizations));
@@ -298,10 +303,10 @@ fn few_realizations_refute_no_true_bound() -> Result<(), Error> {
             let (mut power, mut stderr) = (vec![N_POINTS as f64], vec![0.0]);
             for l in 1..=DEGREES {
                 let dof = (2 * l + 1) as f64;
-                let law = ChiSquared::new(dof).map_err(|_| Error::NoPoints)?;
+                let chi_square = ChiSquared::new(dof).map_err(|_| Error::NoPoints)?;
                 let r = f64::from(realizations);
                 let values: Vec<f64> =
-                    (0..realizations).map(|_| law.sample(&mut rng) / dof).collect();
+                    (0..realizations).map(|_| chi_square.sample(&mut rng) / dof).collect();
                 let mean = values.iter().sum::<f64>() / r;
                 let square = values.iter().map(|x| (x - mean).powi(2)).sum::<f64>();
                 power.push(mean);
@@ -314,7 +319,7 @@ fn few_realizations_refute_no_true_bound() -> Result<(), Error> {
             {
                 for (side, alarms) in [Side::Upper, Side::Lower].into_iter().zip(alarms) {
                     let bound = Bound { side, profile: Profile::constant(1.0)? };
-                    // Of 10 realizations now and then there is no limit from above, and so no verdict.
+                    // With 10 realizations there is occasionally no upper limit, and so no verdict.
                     match bound.check(spectrum, 0.99) {
                         Err(Error::TooFewRealizations { .. }) if realizations == 10 => {}
                         verdict => *alarms += u32::from(!verdict?.holds),
@@ -322,10 +327,10 @@ fn few_realizations_refute_no_true_bound() -> Result<(), Error> {
                 }
             }
         }
-        // Five standard errors of 1 % beyond it.
-        let most = 0.01 * f64::from(reps) + 5.0 * (0.01 * f64::from(reps)).sqrt();
+        // Five standard errors above 1 %.
+        let max_alarms = 0.01 * f64::from(reps) + 5.0 * (0.01 * f64::from(reps)).sqrt();
         for alarms in alarms.as_flattened() {
-            assert!(f64::from(*alarms) <= most, "{realizations}: {alarms:?} of {reps}");
+            assert!(f64::from(*alarms) <= max_alarms, "{realizations}: {alarms:?} of {reps}");
         }
     }
     Ok(())

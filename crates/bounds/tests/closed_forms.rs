@@ -6,7 +6,7 @@ use sphvar_bounds::{
     trigamma, variance_bound,
 };
 
-/// sqrt N = 64 exactly, so `alpha = L / 64` puts the break where it is wanted, whole numbers included.
+/// sqrt N = 64 exactly, so `alpha = L / 64` puts the break at any chosen L, including integers.
 const N_POINTS: usize = 4096;
 const BREAKS: [f64; 15] =
     [0.4, 0.5, 1.0, 1.5, 2.0, 2.75, 3.0, 7.0, 16.0, 33.25, 64.0, 100.5, 1000.0, 9999.5, 1e4];
@@ -14,7 +14,8 @@ const EXPONENTS: [f64; 9] = [0.0, 0.5, 1.0, 1.5, 2.0, 2.5, 3.0, 4.0, 7.0];
 const DECAYS: [f64; 3] = [2.0, 2.5, 3.0];
 const DOMAINS: [Domain; 2] = [Domain::Sphere, Domain::Hemisphere];
 
-/// Closed form and slow sum each keep about 1e-14; the break enters with b = 7 at most.
+/// The closed form and the slow sum are each accurate to about 1e-14; the break enters with b = 7
+/// at most.
 const TOLERANCE: f64 = 1e-12;
 
 fn shapes() -> Vec<ProfileShape> {
@@ -27,7 +28,7 @@ fn close(value: f64, expected: f64) -> bool {
     (value - expected).abs() <= TOLERANCE * expected.abs()
 }
 
-/// Kahan's sum, so that the oracle does not lose what is tested.
+/// Kahan summation, so that the reference is more accurate than the tested value.
 fn kahan(terms: impl Iterator<Item = f64>) -> f64 {
     let (mut sum, mut lost) = (0.0_f64, 0.0_f64);
     for term in terms {
@@ -39,10 +40,11 @@ fn kahan(terms: impl Iterator<Item = f64>) -> f64 {
     sum
 }
 
-/// The definition: every degree up to `last`, then the plateau against the tail energy of `c l^-p`.
+/// Returns the definition: every degree up to `last`, then the plateau times the tail energy of
+/// `c l^-p`.
 ///
-/// The tail is the midpoint rule for the integral of x^-p with its first correction; 3e4 degrees on, the next one is
-/// below 1e-17 of it.
+/// The tail is the midpoint rule for the integral of x^-p with its first correction; from degree
+/// 3e4 on, the next correction is below 1e-17 of it.
 fn slow_variance(
     class: &IntegrandClass,
     decays: &[(f64, f64)],
@@ -76,7 +78,7 @@ fn slow_variance_of(
 }
 
 #[test]
-fn band_limited_closed_forms_are_the_sums() -> Result<(), Error> {
+fn band_limited_closed_forms_equal_the_sums() -> Result<(), Error> {
     for shape in shapes() {
         for break_degree in BREAKS {
             let profile = Profile::new(shape, break_degree / 64.0, 1.25)?;
@@ -98,7 +100,7 @@ fn band_limited_closed_forms_are_the_sums() -> Result<(), Error> {
 }
 
 #[test]
-fn tailed_closed_forms_are_the_sums() -> Result<(), Error> {
+fn closed_forms_with_tails_equal_the_sums() -> Result<(), Error> {
     const LAST: usize = 30_000;
     for shape in shapes() {
         for break_degree in BREAKS {
@@ -129,9 +131,9 @@ fn tailed_closed_forms_are_the_sums() -> Result<(), Error> {
     Ok(())
 }
 
-/// The formulas as they stand in the table, one by one, on the sphere.
+/// The formulas of the table, one by one, on the sphere.
 #[test]
-fn closed_forms_are_those_of_the_table() -> Result<(), Error> {
+fn closed_forms_match_the_table() -> Result<(), Error> {
     let scale = Domain::Sphere.variance_factor(N_POINTS);
     for break_degree in BREAKS {
         let (alpha, n) = (break_degree / 64.0, break_degree.floor());
@@ -200,7 +202,7 @@ fn closed_forms_are_those_of_the_table() -> Result<(), Error> {
 
 /// The hemisphere's best case: J = floor(min(l0, L) / 2), K = floor(l0 / 2).
 #[test]
-fn hemisphere_best_case_is_that_of_the_table() -> Result<(), Error> {
+fn hemisphere_best_case_matches_the_table() -> Result<(), Error> {
     for break_degree in [1.0_f64, 3.0, 16.0, 33.25, 64.0] {
         for l0 in [2_u64, 3, 15, 16, 40, 101] {
             for b in EXPONENTS {
@@ -225,7 +227,7 @@ fn hemisphere_best_case_is_that_of_the_table() -> Result<(), Error> {
 }
 
 #[test]
-fn hostile_parameters_give_finite_sums_or_errors() -> Result<(), Error> {
+fn extreme_parameters_give_finite_sums_or_errors() -> Result<(), Error> {
     for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, -1.0] {
         assert!(IntegrandClass::band_limited(bad, 3).is_err(), "power {bad}");
         assert!(IntegrandClass::power_law(bad, 2.0).is_err(), "scale {bad}");
@@ -280,7 +282,7 @@ fn hostile_parameters_give_finite_sums_or_errors() -> Result<(), Error> {
 
 #[test]
 fn given_integrand_is_bounded_by_its_class() -> Result<(), Error> {
-    // The energies of the class with their exact tail: the range must hold the closed form.
+    // The energies of the class with their exact tail: the range must contain the closed form.
     let class = IntegrandClass::power_law(2.0, 2.0)?;
     for (domain, tail) in
         [(Domain::Sphere, 2.0 * trigamma(101.0)), (Domain::Hemisphere, 0.5 * trigamma(51.0))]
@@ -294,7 +296,7 @@ fn given_integrand_is_bounded_by_its_class() -> Result<(), Error> {
                 let context = format!("{shape:?} L {break_degree} {domain:?}: {range:?} {exact:e}");
                 assert!(range.lower <= exact * (1.0 + TOLERANCE), "{context}");
                 assert!(range.upper >= exact * (1.0 - TOLERANCE), "{context}");
-                // The plateau begins within the listed degrees: nothing is left open.
+                // If the plateau begins within the listed degrees, the range is a point.
                 if break_degree <= 100.5 {
                     assert!(close(range.lower, exact) && close(range.upper, exact), "{context}");
                 }
@@ -311,12 +313,13 @@ fn given_integrand_is_bounded_by_its_class() -> Result<(), Error> {
         );
     }
     assert_eq!(variance_bound(&profile, 0, Domain::Sphere, &[], 0.0), Err(Error::NoPoints));
-    // Everything in the tail: from the first degree, 1/2 on the sphere and 2/2 on the hemisphere, to the plateau.
+    // All energy in the tail: from the first degree, 1/2 on the sphere and 2/2 on the hemisphere,
+    // to the plateau.
     let sphere = variance_bound(&profile, 4, Domain::Sphere, &[], 1.0)?;
     assert!(close(sphere.upper, 2.0 * sphere.lower), "{sphere:?}");
     let hemisphere = variance_bound(&profile, 4, Domain::Hemisphere, &[1.0, 1.0], 1.0)?;
     assert!(close(hemisphere.upper, hemisphere.lower), "{hemisphere:?}");
-    // Behind lmax = 2 the next degree that exists is 4, half way to the break at 8.
+    // Beyond lmax = 2 the next existing degree is 4, half way to the break at 8.
     let next = variance_bound(&profile, 64, Domain::Hemisphere, &[0.0; 3], 1.0)?;
     assert!(close(next.upper, 2.0 * next.lower), "{next:?}");
     Ok(())
@@ -350,12 +353,12 @@ fn any_domain() -> impl Strategy<Value = Domain> {
 
 proptest! {
     #[test]
-    fn every_closed_form_is_its_sum(
+    fn every_closed_form_equals_its_sum(
         profile in any_profile(), g0 in prop_oneof![Just(0.0), 0.0..1.0_f64], domain in any_domain(),
         n in 1_usize..20_000, l0 in 0_usize..3000, p in 1.1..4.0_f64, a in 0.01..3.0_f64, c in 0.01..3.0_f64
     ) {
-        // Breaks go up to e^3 sqrt(20000) = 2841, and from 5000 on the first term of the tail that is left out is
-        // below 1e-15.
+        // Breaks reach e^3 sqrt(20000) = 2841, and from 5000 on the first neglected term of the
+        // tail is below 1e-15.
         const LAST: usize = 5000;
         let Ok(profile) = profile.with_offset(g0) else { unreachable!("valid") };
         for (class, decays) in [
@@ -408,11 +411,12 @@ proptest! {
 
     #[test]
     fn hemisphere_is_the_sphere_at_half_the_break(profile in any_profile(), p in 1.1..4.0_f64, n in 1_usize..250_000) {
-        // W_p^H(L) = 2^-p W_p(L/2): a quarter of the points halves L, and the prefactors are pi/4n and 4 pi/n.
+        // W_p^H(L) = 2^-p W_p(L/2): a quarter of the points halves L, and the prefactors are pi/4n
+        // and 4 pi/n.
         let Ok(class) = IntegrandClass::power_law(1.0, p) else { unreachable!("valid") };
         let hemisphere = class.variance(&profile, 4 * n, Domain::Hemisphere);
         let sphere = class.variance(&profile, n, Domain::Sphere);
-        // 4n and n share the break to the last bit, since sqrt(4n) = 2 sqrt(n) exactly.
+        // 4n and n have the same break, since sqrt(4n) = 2 sqrt(n) exactly.
         prop_assert!(close(hemisphere, sphere * (-p).exp2() / 16.0), "{hemisphere:e} {sphere:e}");
     }
 }

@@ -10,7 +10,7 @@ fn slope(class: &IntegrandClass, profile: &Profile, domain: Domain, from: usize,
 }
 
 #[test]
-fn rates_are_those_of_the_table() -> Result<(), Error> {
+fn rates_match_the_table() -> Result<(), Error> {
     let plain = |exponent| Rate::Algebraic { exponent, log: false };
     let best = IntegrandClass::band_limited(1.0, 5)?;
     let worst = IntegrandClass::power_law(1.0, 2.0)?;
@@ -61,7 +61,7 @@ fn rates_are_those_of_the_table() -> Result<(), Error> {
             never,
             "no energy"
         );
-        // Energy that is absent must not decide the rate.
+        // Absent energy must not determine the rate.
         let headless = IntegrandClass::flat_then_power_law(1.0, 5, 0.0, 2.0)?;
         assert_eq!(
             headless.rate(&Profile::step(2.0, 1.0)?, domain),
@@ -96,7 +96,7 @@ fn a_step_is_zero_exactly_beyond_its_rate() -> Result<(), Error> {
 }
 
 #[test]
-fn local_slopes_are_those_recorded() -> Result<(), Error> {
+fn local_slopes_match_recorded_values() -> Result<(), Error> {
     // Slopes from 1e6 to 1e8 points of the worst case, alpha = 1, to three digits.
     let class = IntegrandClass::power_law(1.0, 2.0)?;
     for (b, expected) in [(0.5, -1.248), (1.0, -1.448), (1.5, -1.498), (2.0, -1.5), (4.0, -1.5)] {
@@ -114,7 +114,7 @@ fn slopes_approach_the_rate() -> Result<(), Error> {
         IntegrandClass::power_law(1.0, 2.0)?,
         IntegrandClass::power_law(1.0, 3.0)?,
         IntegrandClass::cubic_power(1.0)?,
-        // A head small enough not to hide the logarithm of the tail at these N.
+        // A head small enough for the logarithm of the tail to be visible at these N.
         IntegrandClass::flat_then_power_law(1e-4, 20, 1.0, 2.0)?,
     ];
     let (from, to) = (10_000_000_000_000, 1_000_000_000_000_000);
@@ -125,7 +125,7 @@ fn slopes_approach_the_rate() -> Result<(), Error> {
                 let Rate::Algebraic { exponent, log } = class.rate(&profile, domain) else {
                     panic!("{class:?} b {b} {domain:?}: a polynomial never gives zero");
                 };
-                // N^e ln N has the slope e + 1 / ln N between these two N, nearly.
+                // The slope of N^e ln N between these two N is approximately e + 1 / ln N.
                 let expected = exponent + if log { 1.0 / (1e14_f64).ln() } else { 0.0 };
                 let found = slope(&class, &profile, domain, from, to);
                 assert!(
@@ -139,7 +139,7 @@ fn slopes_approach_the_rate() -> Result<(), Error> {
 }
 
 #[test]
-fn large_n_forms_err_by_less_than_twice_the_remainder() -> Result<(), Error> {
+fn large_n_forms_are_within_twice_the_remainder() -> Result<(), Error> {
     let mut tested = 0;
     for p in [1.25, 2.0, 2.5, 3.0] {
         let classes = [
@@ -165,7 +165,8 @@ fn large_n_forms_err_by_less_than_twice_the_remainder() -> Result<(), Error> {
                             continue;
                         };
                         let exact = class.variance(&profile, n_points, domain);
-                        // Rounding: the sums are good to about 1e-14, the terms of the form may be ten times the value.
+                        // Rounding: the sums are accurate to about 1e-14, and the terms of the form
+                        // may be ten times the value.
                         let allowed = 2.0 * form.remainder + 1e-13 * exact;
                         let error = (form.variance - exact).abs();
                         assert!(
@@ -183,7 +184,7 @@ fn large_n_forms_err_by_less_than_twice_the_remainder() -> Result<(), Error> {
 }
 
 #[test]
-fn large_n_forms_are_those_of_the_table() -> Result<(), Error> {
+fn large_n_forms_match_the_table() -> Result<(), Error> {
     let class = IntegrandClass::power_law(1.0, 2.0)?;
     let l = 64.0_f64;
     let value = |profile: Profile| {

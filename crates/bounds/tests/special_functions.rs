@@ -1,18 +1,18 @@
 //! Zeta functions and harmonic numbers against recorded values, closed forms and slow sums.
 //!
-//! The tables hold 21 digits from mpmath 1.4 at 60 digits of working precision:
-//! `fsum(k**-s)` for n <= 2000, digamma(n+1) + euler for s = 1, Euler-Maclaurin from 400 with 19 terms for larger n and
+//! The tables hold 21 digits from mpmath 1.4 at 60 digits of working precision: `fsum(k**-s)` for n
+//! <= 2000, digamma(n+1) + euler for s = 1, Euler-Maclaurin from 400 with 19 terms for larger n and
 //! for zeta(s, q) (mpmath's own `zeta(s, q)` keeps absolute digits only); `zeta(s)`.
 
 use proptest::prelude::{prop_assert, proptest};
 use sphvar_bounds::{generalized_harmonic, hurwitz_zeta, riemann_zeta, trigamma};
 use std::f64::consts::PI;
 
-/// The promise of the documentation, for orders of at most 16 in size.
+/// The documented accuracy for orders of at most 16 in absolute value.
 const PROMISED: f64 = 1e-14;
 
 fn relative_error(value: f64, expected: f64) -> f64 {
-    // Zero and infinity have no relative error but none.
+    // Zero and infinity must be exact.
     if value.to_bits() == expected.to_bits() {
         0.0
     } else {
@@ -21,7 +21,7 @@ fn relative_error(value: f64, expected: f64) -> f64 {
 }
 
 fn promised(s: f64) -> f64 {
-    // Beyond the promised range the rounding of the terms counts |s| times.
+    // Beyond the documented range the rounding of the terms is magnified |s| times.
     if s.abs() <= 16.0 { PROMISED } else { s.abs() * 4.0 * f64::EPSILON }
 }
 
@@ -293,7 +293,7 @@ fn known_closed_forms() {
 }
 
 #[test]
-fn sums_of_powers_are_those_of_faulhaber() {
+fn sums_of_powers_match_faulhaber() {
     for n in [1_u64, 2, 15, 16, 17, 31, 32, 33, 1000, 1_000_000, 1_000_000_000_000] {
         let x = n as f64;
         for (s, expected) in [
@@ -348,7 +348,8 @@ fn large_orders_neither_stall_nor_overflow_early() {
 proptest! {
     #[test]
     fn harmonic_number_is_the_slow_sum(n in 1_u64..3000, s in -8.0..8.0_f64) {
-        // Smallest terms first, so the slow sum itself loses at most about sqrt(n) half units, bounded here by n / 8.
+        // Smallest terms first, so the slow sum itself loses at most about sqrt(n) half units,
+        // bounded here by n / 8.
         let slow: f64 = if s > 0.0 {
             (1..=n).rev().map(|k| (k as f64).powf(-s)).sum()
         } else {
@@ -360,7 +361,7 @@ proptest! {
     }
 
     #[test]
-    fn harmonic_number_has_no_seam_at_order_one(n in 1_u64..1_000_000_000, offset in -1e-9..1e-9_f64) {
+    fn harmonic_number_is_continuous_at_order_one(n in 1_u64..1_000_000_000, offset in -1e-9..1e-9_f64) {
         // |dH/ds| <= H ln n.
         let (near, at) = (generalized_harmonic(n, 1.0 + offset), generalized_harmonic(n, 1.0));
         let slack = offset.abs() * (n as f64).ln() + PROMISED;

@@ -1,4 +1,4 @@
-//! Automatic fits against searches over grids, and what they promise.
+//! Automatic fits against grid searches, and their documented guarantees.
 
 use proptest::prelude::{Just, prop_assert, prop_oneof, proptest};
 use rand::SeedableRng;
@@ -13,7 +13,7 @@ const N_POINTS: usize = 64;
 const LMAX: usize = 32;
 const SIDES: [Side; 2] = [Side::Upper, Side::Lower];
 
-/// What a family's exponents are in the slow search; steeper than 16 is not offered.
+/// Returns the exponents of a family in the slow search; exponents above 16 are not supported.
 fn exponents(family: Family) -> Vec<f64> {
     match family {
         Family::Constant => vec![0.0],
@@ -24,13 +24,13 @@ fn exponents(family: Family) -> Vec<f64> {
     }
 }
 
-/// Shapes of spectra as patterns have them, `omega = l/8` up to 4.
+/// Spectra with shapes typical of patterns, `omega = l/8` up to 4.
 fn spectra() -> Vec<(&'static str, Vec<f64>)> {
     let table =
         |f: &dyn Fn(f64) -> f64| -> Vec<f64> { (0..=LMAX).map(|l| f(l as f64 / 8.0)).collect() };
     vec![
         ("white noise", table(&|_| 1.0)),
-        // x^2 that bends over to 1.
+        // x^2 that saturates at 1.
         ("jittered", table(&|w| 1.0 - (-1.12 * w * w).exp())),
         // A floor, a steep rise, a peak and ripples.
         (
@@ -47,7 +47,7 @@ fn spectra() -> Vec<(&'static str, Vec<f64>)> {
     ]
 }
 
-/// Relative standard errors as of 300 realizations.
+/// Relative standard errors for 300 realizations.
 fn errors(power: &[f64]) -> Vec<f64> {
     power.iter().enumerate().map(|(l, p)| p * (2.0 / (2 * l + 1) as f64 / 300.0).sqrt()).collect()
 }
@@ -59,7 +59,8 @@ fn value(profile: &Profile, decay: f64, domain: Domain) -> f64 {
     }
 }
 
-/// The slow definition: every break of a grid, each with the plateau that clears the limits, and the best of them.
+/// Returns the slow definition: the best of all breaks of a grid, each with the plateau that
+/// satisfies the limits.
 fn by_grid(
     side: Side,
     family: Family,
@@ -72,7 +73,7 @@ fn by_grid(
     for b in exponents(family) {
         for i in 1..=20 * LMAX {
             let break_degree = i as f64 / 20.0;
-            // The break stands within the spectrum, and a step is no constant.
+            // The break lies within the spectrum, and a step is not a constant.
             if break_degree > last || (b.is_infinite() && break_degree <= limits[0].0 as f64) {
                 continue;
             }
@@ -82,18 +83,18 @@ fn by_grid(
                 Profile::polynomial(b, break_degree / 8.0, 1.0)
             };
             let unit = unit.unwrap_or_else(|e| panic!("b {b}, break {break_degree}: {e}"));
-            let asked = limits.iter().map(|&(l, limit)| {
+            let required = limits.iter().map(|&(l, limit)| {
                 let (rise, over) = (unit.power(l, N_POINTS), limit - offset);
                 match side {
                     Side::Upper if over <= 0.0 => 0.0,
-                    // A step with power below its break: no plateau clears it.
+                    // A step with power below its break: no plateau satisfies the limits.
                     _ if rise == 0.0 => f64::INFINITY,
                     _ => over / rise,
                 }
             });
             let gamma = match side {
-                Side::Upper => asked.fold(0.0, f64::max),
-                Side::Lower => asked.fold(f64::INFINITY, f64::min),
+                Side::Upper => required.fold(0.0, f64::max),
+                Side::Lower => required.fold(f64::INFINITY, f64::min),
             };
             let Ok(profile) = unit.with_gamma(gamma).and_then(|p| p.with_offset(offset)) else {
                 continue;
@@ -109,10 +110,10 @@ fn by_grid(
     best
 }
 
-/// The grid has breaks 1/20 apart and exponents 1/4 apart and misses the best by up to 12 %; what the fit may miss
-/// it by is its gap.
+/// The grid has breaks 1/20 apart and exponents 1/4 apart and misses the optimum by up to 12 %; the
+/// fit may miss it by its gap.
 #[test]
-fn no_profile_of_a_grid_does_better() -> Result<(), Error> {
+fn no_profile_of_a_grid_is_better() -> Result<(), Error> {
     let mut compared = 0;
     for (name, power) in spectra() {
         let stderr = errors(&power);
@@ -143,14 +144,17 @@ fn no_profile_of_a_grid_does_better() -> Result<(), Error> {
                     };
                     let grid = grid.unwrap_or_else(|| panic!("{context}: only the fit found one"));
                     let found = value(&fit.bound.profile, decay, domain);
-                    // Positive where the fit is the better one.
-                    let gain = match side {
+                    // Positive if the fit is better.
+                    let improvement = match side {
                         Side::Upper => 1.0 - found / grid,
                         Side::Lower => found / grid - 1.0,
                     };
-                    assert!(gain > -1e-4 - 1e-12, "{context}: {found:e}, grid {grid:e}, {fit:?}");
-                    // The fit is the best, not another thing altogether.
-                    assert!(gain < 0.15, "{context}: {found:e}, grid {grid:e}, {fit:?}");
+                    assert!(
+                        improvement > -1e-4 - 1e-12,
+                        "{context}: {found:e}, grid {grid:e}, {fit:?}"
+                    );
+                    // The fit is close to the grid optimum.
+                    assert!(improvement < 0.15, "{context}: {found:e}, grid {grid:e}, {fit:?}");
                     assert!(fit.gap <= 1e-4, "{context}: {fit:?}");
                     let verdict = fit.bound.check(&spectrum, 0.99)?;
                     assert!(verdict.holds && verdict.proved, "{context}: {fit:?} {verdict:?}");
@@ -186,7 +190,7 @@ fn the_free_exponent_is_never_worse() -> Result<(), Error> {
             let free = at(Family::Polynomial)?;
             for family in [Family::Constant, Family::Linear, Family::Quadratic] {
                 let fixed = at(family)?;
-                // The plateau is worked out twice, which rounds.
+                // The plateau is computed twice, with rounding.
                 let worse = match side {
                     Side::Upper => free > fixed * (1.0 + 1e-13),
                     Side::Lower => free < fixed * (1.0 - 1e-13),
@@ -198,7 +202,7 @@ fn the_free_exponent_is_never_worse() -> Result<(), Error> {
     Ok(())
 }
 
-/// The laws that a spectrum follows to the letter come back, the offset with them.
+/// Spectra that are exact profiles are recovered, including the offset.
 #[test]
 fn profiles_are_their_own_tightest_bounds() -> Result<(), Error> {
     for (b, alpha, gamma, offset) in [
@@ -212,8 +216,8 @@ fn profiles_are_their_own_tightest_bounds() -> Result<(), Error> {
         let spectrum = truth.spectrum(N_POINTS, Domain::Sphere, LMAX);
         let measured = MeasuredSpectrum::from_spectrum(&spectrum)?;
         for side in SIDES {
-            let wish = if offset > 0.0 { Offset::Fitted } else { Offset::Given(0.0) };
-            let fit = fit(&measured, side, Family::Polynomial, wish)?;
+            let requested = if offset > 0.0 { Offset::Fitted } else { Offset::Given(0.0) };
+            let fit = fit(&measured, side, Family::Polynomial, requested)?;
             let (found, best) = (
                 value(&fit.bound.profile, 2.0, Domain::Sphere),
                 value(&truth, 2.0, Domain::Sphere),
@@ -257,8 +261,8 @@ fn fitted_offsets_beat_every_given_one() -> Result<(), Error> {
 }
 
 #[test]
-fn steps_need_an_empty_start() -> Result<(), Error> {
-    // Power 0 to rounding up to l = 9, at most 1.1 beyond.
+fn steps_require_zero_power_at_low_degrees() -> Result<(), Error> {
+    // Power 0 up to rounding for l <= 9, at most 1.1 beyond.
     let mut power = vec![1e-20; 10];
     power.extend((10..=LMAX).map(|l| 1.0 + 0.1 * (l as f64).sin()));
     power[12] = 1.1;
@@ -269,7 +273,7 @@ fn steps_need_an_empty_start() -> Result<(), Error> {
     assert_eq!(profile.alpha().to_bits(), (9.5_f64 / 8.0).to_bits(), "{upper:?}");
     assert!((profile.gamma() - 1.1).abs() < 1e-15 && upper.touching == [12], "{upper:?}");
     assert!(upper.bound.check(&spectrum, 0.99)?.proved, "{upper:?}");
-    // One degree with power forbids it, unless the offset covers that.
+    // One degree with power excludes a step, unless the offset covers that power.
     power[1] = 0.25;
     let spectrum = MeasuredSpectrum::new(N_POINTS, Domain::Sphere, &power, &stderr)?;
     let none = fit(&spectrum, Side::Upper, Family::Step, Offset::Given(0.0));
@@ -283,7 +287,7 @@ fn steps_need_an_empty_start() -> Result<(), Error> {
 }
 
 #[test]
-fn fits_without_an_answer_say_so() -> Result<(), Error> {
+fn fits_without_a_solution_return_errors() -> Result<(), Error> {
     let power = [16.0, 0.25, 0.0, 1.5, 1.0];
     let spectrum = MeasuredSpectrum::new(16, Domain::Sphere, &power, &[0.0; 5])?;
     let lower = |family, offset| fit(&spectrum, Side::Lower, family, Offset::Given(offset));
@@ -294,7 +298,7 @@ fn fits_without_an_answer_say_so() -> Result<(), Error> {
             "{family}"
         );
     }
-    // The step may leave the hole below its break.
+    // The step may have the hole below its break.
     let step = lower(Family::Step, 0.0)?;
     assert_eq!(step.bound.profile.gamma().to_bits(), 1.0_f64.to_bits(), "{step:?}");
     assert!(matches!(lower(Family::Linear, 0.1), Err(Error::NoFit { degree: 2, .. })));
@@ -316,16 +320,17 @@ fn fits_without_an_answer_say_so() -> Result<(), Error> {
     let step = fit(&one, Side::Upper, Family::Step, Offset::Given(0.0));
     assert_eq!(step, Err(Error::NoDegrees { got: 2, needed: 3 }));
     for family in [Family::Constant, Family::Linear, Family::Polynomial] {
-        // A single degree: every profile is the constant one.
+        // With a single degree every profile equals the constant one.
         let fit = fit(&one, Side::Upper, family, Offset::Given(0.0))?;
         assert!((fit.bound.profile.power(1, 16) - 0.25).abs() < 1e-15, "{fit:?}");
     }
     Ok(())
 }
 
-/// All families of one side hang on the same limits, so all of them together miss the truth with probability at most
-/// `1 - confidence`. 500 spectra, seed in place, expected at most 50 misses; five standard deviations are 33, so a
-/// right program fails with probability below 1e-6, if the seed were drawn.
+/// All families of one side satisfy the same limits, so all of them together miss the true spectrum
+/// with probability at most `1 - confidence`. With 500 spectra at most 50 misses are expected and
+/// five standard deviations are 33, so a correct program fails for less than 1e-6 of seeds; the
+/// seed is fixed.
 #[test]
 fn all_families_cover_together() -> Result<(), Error> {
     const TRIALS: usize = 500;
@@ -359,16 +364,17 @@ fn all_families_cover_together() -> Result<(), Error> {
         }
     }
     assert!(missed.iter().all(|&m| m <= 83), "{missed:?} of {TRIALS}");
-    // The limits are not idle either: a quadratic truth is missed now and then.
+    // The limits are not too wide either: a quadratic true spectrum is missed occasionally.
     assert!(missed.iter().all(|&m| m > 0), "{missed:?} of {TRIALS}");
     Ok(())
 }
 
-/// Means of few chi-squares with estimated errors: the stated confidence holds on both sides where the number of
-/// realizations is known. 400 spectra of 32 degrees each, expected 40 misses at most; five standard deviations are 30.
-/// With normal limits and 10 realizations some 150 would be missed from above.
+/// Means of few chi-square variables with estimated errors: the stated confidence holds on both
+/// sides if the number of realizations is known. With 400 spectra of 32 degrees each at most 40
+/// misses are expected; five standard deviations are 30. With normal limits and 10 realizations
+/// about 150 would be missed from above.
 #[test]
-fn estimated_errors_are_allowed_for() -> Result<(), Error> {
+fn limits_account_for_estimated_errors() -> Result<(), Error> {
     const TRIALS: usize = 400;
     let confidence = 0.9;
     let mut rng = ChaCha8Rng::seed_from_u64(0x51d3);
@@ -379,9 +385,9 @@ fn estimated_errors_are_allowed_for() -> Result<(), Error> {
             let (mut power, mut stderr) = (vec![64.0], vec![0.0]);
             for l in 1..=32_u32 {
                 let dof = f64::from(2 * l + 1);
-                let Ok(law) = ChiSquared::new(dof) else { unreachable!("positive") };
+                let Ok(chi_square) = ChiSquared::new(dof) else { unreachable!("positive") };
                 let draw: Vec<f64> =
-                    (0..realizations).map(|_| law.sample(&mut rng) / dof).collect();
+                    (0..realizations).map(|_| chi_square.sample(&mut rng) / dof).collect();
                 let count = f64::from(realizations);
                 let mean = draw.iter().sum::<f64>() / count;
                 let square = draw.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / (count - 1.0);
@@ -396,7 +402,7 @@ fn estimated_errors_are_allowed_for() -> Result<(), Error> {
                     Side::Upper => limit < 1.0,
                     Side::Lower => limit > 1.0,
                 }));
-                // The check of a true claim errs as often, from the other side.
+                // The check of a true claim has the same error rate, on the other side.
                 let verdict = Bound { side, profile: one }.check(&spectrum, confidence)?;
                 let refuted =
                     spectrum.limits(if which == 0 { SIDES[1] } else { SIDES[0] }, confidence)?;
@@ -416,7 +422,7 @@ fn estimated_errors_are_allowed_for() -> Result<(), Error> {
 
 proptest! {
     #[test]
-    fn fits_of_any_spectrum_stand_and_touch(
+    fn fits_of_any_spectrum_hold_and_touch(
         powers in proptest::collection::vec((prop_oneof![Just(0.0), 0.0..3.0_f64, 1e-12..1e-6_f64], 0.0..0.2_f64), 4..30),
         family in prop_oneof![
             Just(Family::Constant), Just(Family::Step), Just(Family::Linear), Just(Family::Quadratic), Just(Family::Polynomial)
