@@ -1,10 +1,12 @@
-//! Time for the occlusion rays of hit points, on one thread; rays per second.
+//! Throughput of the occlusion rays of hit points on one thread, in rays per second.
 //!
-//! An id is scene/what/number of directions at a hit point, which are random over the visible hemisphere and other ones at
-//! every point, in random order. `endless` rays have no end, `near` ones a reach of a tenth of the scene. Hit points are
-//! those seen through random pixels, so that little of what one needs is left in the cache by the one before; in
-//! `field-rows` they are those of neighbouring pixels, as in a picture. `hierarchy` is what the crate that makes the
-//! hierarchy of the field gives on the same endless rays if each is traced by itself.
+//! An id is scene/kind/number of directions at a hit point. The directions are random over the
+//! visible hemisphere, different at every point, and in random order. `endless` rays have no limit;
+//! `near` rays have a reach of a tenth of the scene. Hit points are those seen through random
+//! pixels, so that hardly any data of a point is in the cache from the previous one; in
+//! `field-rows` they are those of neighbouring pixels, as in a picture. `hierarchy` is the result
+//! of the crate that builds the hierarchy of the field for the same endless rays, each traced
+//! separately.
 
 use std::hint::black_box;
 use std::time::Duration;
@@ -19,22 +21,23 @@ use obvhs::rt_triangle::RtTriangle;
 use obvhs::triangle::Triangle;
 use sphvar_scene::{Camera, CornellBox, Hit, Mesh, Reach, Scene};
 
-/// Numbers of directions at a hit point.
+/// The numbers of directions at a hit point.
 const N_DIRECTIONS: [usize; 3] = [16, 256, 4096];
-/// Rays in one iteration.
+/// The number of rays in one iteration.
 const N_RAYS: usize = 1 << 16;
 
-/// How far above surfaces the peer's rays start, in units of the size: vertices are rounded to f32.
+/// The height above surfaces at which the peer's rays start, in units of the size: vertices are
+/// rounded to f32.
 const CLEARANCE: f64 = 1.0 / (1u64 << 21) as f64;
 
-/// Squares of the height field along each side: a million triangles.
+/// The number of squares of the height field along each side: a million triangles.
 const FIELD: u32 = 708;
 
-/// A Weyl sequence, mixed: numbers that are random enough for rays (Steele et al. 2014, `SplitMix64`).
+/// A mixed Weyl sequence, sufficiently random for rays (Steele et al. 2014, `SplitMix64`).
 struct Numbers(u64);
 
 impl Numbers {
-    /// The next number in [0, 1).
+    /// Returns the next number in [0, 1).
     fn unit(&mut self) -> f64 {
         self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
         let z = (self.0 ^ self.0 >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);
@@ -42,7 +45,7 @@ impl Numbers {
         ((z ^ z >> 31) >> 11) as f64 / (1u64 << 53) as f64
     }
 
-    /// A direction uniform over the hemisphere around `normal`.
+    /// Returns a direction uniform over the hemisphere around `normal`.
     fn above(&mut self, normal: DVec3) -> DVec3 {
         let (z, phi) = (2.0 * self.unit() - 1.0, std::f64::consts::TAU * self.unit());
         let dir = ((1.0 - z * z).sqrt() * DVec3::new(phi.cos(), phi.sin(), 0.0)).with_z(z);
@@ -73,14 +76,15 @@ fn field() -> (Vec<DVec3>, Vec<[u32; 3]>) {
 /// Hit points seen through pixels, each with directions.
 type Work = Vec<(Hit, Vec<DVec3>)>;
 
-/// Which pixels.
+/// The choice of pixels.
 #[derive(Clone, Copy)]
 enum Pixels {
     Random,
     Rows,
 }
 
-/// Pixels of the picture of which neighbours are taken, and of the part that they fill, from its middle downwards.
+/// The size of the picture from which neighbouring pixels are taken, and of the part that they
+/// fill, from its centre downwards.
 const SIZE: [usize; 2] = [512, 512];
 const ROW: usize = 64;
 
@@ -138,7 +142,7 @@ fn bench_scene(
     group.finish();
 }
 
-/// Rays one by one through the hierarchy as the crate that makes it proposes.
+/// Rays traced one by one through the hierarchy, as its crate recommends.
 struct Hierarchy {
     hierarchy: CwBvh,
     triangles: Vec<RtTriangle>,

@@ -4,17 +4,17 @@ use thiserror::Error as ThisError;
 
 use crate::CropWindow;
 
-/// What can be wrong with the input of this crate.
+/// An error in the input of this crate.
 #[derive(Debug, Clone, PartialEq, ThisError)]
 #[non_exhaustive]
 pub enum Error {
     /// A text could not be read to its end.
     #[error("the text cannot be read: {reason}")]
     Unreadable {
-        /// What the reader said.
+        /// The reader's error message.
         reason: String,
     },
-    /// An OBJ text has characters of two or four bytes.
+    /// An OBJ text is encoded in characters of two or four bytes.
     #[error(
         "the text is in {encoding}: expected ASCII, UTF-8 or Latin-1; `iconv -f {encoding} -t UTF-8` converts it"
     )]
@@ -22,26 +22,26 @@ pub enum Error {
         /// UTF-16 or UTF-32.
         encoding: &'static str,
     },
-    /// A line of an OBJ text is not what it should be.
+    /// A line of an OBJ text is invalid.
     #[error("line {line}: `{text}`: expected {expected}")]
     ObjLine {
-        /// Its number, counted from 1.
+        /// The 1-based line number.
         line: usize,
-        /// Its beginning.
+        /// The beginning of the line.
         text: String,
-        /// What would be right.
+        /// A description of valid input.
         expected: Cow<'static, str>,
     },
-    /// There is nothing that a ray could meet.
+    /// The mesh has no surface.
     #[error(
-        "no triangle with an area among {n_faces} faces: at least one face of three vertices that are \
-         not on a line is needed"
+        "no triangle with positive area among {n_faces} faces: at least one face with three vertices that \
+         are not collinear is required"
     )]
     NoTriangles {
         /// Number of faces given.
         n_faces: usize,
     },
-    /// There are more triangles than indices for them.
+    /// The number of triangles exceeds the range of their indices.
     #[error("{n_triangles} triangles given: the largest supported number is {max}")]
     TooManyTriangles {
         /// Number of triangles given.
@@ -49,10 +49,10 @@ pub enum Error {
         /// The largest number supported.
         max: usize,
     },
-    /// A vertex of a triangle is not usable.
+    /// A vertex of a triangle is invalid.
     #[error("vertex {vertex} is at ({x}, {y}, {z}): expected finite coordinates within 1e100")]
     Vertex {
-        /// Its number, counted from 0.
+        /// The 0-based vertex number.
         vertex: u32,
         /// Its first coordinate.
         x: f64,
@@ -61,95 +61,95 @@ pub enum Error {
         /// Its third coordinate.
         z: f64,
     },
-    /// A mesh is so far from 0 that rounding of its coordinates leaves little of its shape.
+    /// A mesh is so far from the origin that rounding of its coordinates destroys its shape.
     #[error(
-        "the mesh is of size {size:e} at coordinates up to {magnitude:e}, which leaves it fewer than \
-         4096 steps of double precision: move it nearer to 0"
+        "the mesh is of size {size:e} at coordinates up to {magnitude:e}, so its size is fewer than 4096 \
+         steps of double precision: move it closer to the origin"
     )]
     TooFar {
-        /// The longest side of its bounds.
+        /// The longest side of the bounds.
         size: f64,
-        /// Its largest coordinate.
+        /// The largest absolute coordinate.
         magnitude: f64,
     },
-    /// A triangle has a vertex that there is not.
+    /// A triangle references a vertex that does not exist.
     #[error(
         "triangle {face} references vertex {vertex}, but the mesh has {n_vertices} vertices (0-based)"
     )]
     FaceIndex {
-        /// The triangle's number, counted from 0.
+        /// The 0-based triangle number.
         face: usize,
-        /// The vertex's number.
+        /// The vertex number.
         vertex: u32,
         /// Number of vertices given.
         n_vertices: usize,
     },
-    /// Four corners are not those of a plane convex quadrilateral.
-    #[error("a quadrilateral is needed that is {expected}")]
+    /// Four corners do not form a plane convex quadrilateral.
+    #[error("a quadrilateral must have {expected}")]
     Quad {
-        /// What is missing.
+        /// The violated requirement.
         expected: &'static str,
     },
-    /// A scene of quadrilaterals has none.
+    /// A scene of quadrilaterals is empty.
     #[error("a scene needs at least one quadrilateral")]
     NoQuads,
-    /// A camera's parameters do not make a view.
-    #[error("a camera needs {expected}")]
+    /// The parameters of a camera do not define a view.
+    #[error("a camera must have {expected}")]
     Camera {
-        /// What is missing.
+        /// The violated requirement.
         expected: &'static str,
     },
     /// A setting outside its range.
     #[error("{name} must be {range}, got {got}")]
     Setting {
-        /// What is set.
+        /// The setting.
         name: &'static str,
-        /// The values that there are, in words.
+        /// The valid range in words.
         range: &'static str,
         /// The value given.
         got: f64,
     },
-    /// A set of directions cannot be made.
+    /// A set of directions cannot be generated.
     #[error(transparent)]
     Sampler(#[from] sphvar_samplers::Error),
-    /// More renders of one seed than there are random streams for.
-    #[error("renders of one seed are counted from 0 and below {max}")]
+    /// The render number exceeds the number of random streams of one seed.
+    #[error("the renders of one seed are numbered from 0 to {}", max - 1)]
     TooManyRenders {
-        /// One more than the last render.
+        /// The number of renders.
         max: u64,
     },
-    /// An image without pixels or too large.
+    /// An image is empty or too large.
     #[error("an image of {width} by {height} pixels: sides must be from 1 to {max}")]
     ImageSize {
-        /// Columns asked for.
+        /// The requested number of columns.
         width: usize,
-        /// Rows asked for.
+        /// The requested number of rows.
         height: usize,
-        /// The longest side.
+        /// The maximum length of a side.
         max: usize,
     },
-    /// A part of an image that is empty or sticks out.
+    /// A crop window is empty or not within the image.
     #[error(
         "the part of {} by {} pixels at ({}, {}) is not within an image of {width} by {height}",
         region.width, region.height, region.x, region.y
     )]
     CropWindow {
-        /// The part.
+        /// The crop window.
         region: CropWindow,
         /// Columns of the image.
         width: usize,
         /// Rows of the image.
         height: usize,
     },
-    /// Too many or too few primary rays.
+    /// The number of primary rays is out of range.
     #[error("a pixel has {got} by {got} primary rays: the number must be from 1 to {max}")]
     RaysPerSide {
-        /// The number per side asked for.
+        /// The requested number per side.
         got: usize,
-        /// The largest.
+        /// The maximum number per side.
         max: usize,
     },
-    /// Images that are to be compared show different things.
-    #[error("the image shows other surfaces than the reference image")]
+    /// Two images to be compared show different surfaces.
+    #[error("the image shows different surfaces from the reference image")]
     OtherView,
 }

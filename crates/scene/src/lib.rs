@@ -1,4 +1,5 @@
-//! Geometry and visibility for pictures lit from all around: walls or meshes, and a pinhole camera.
+//! Geometry and visibility for ambient occlusion and direct light: walls or meshes, and a pinhole
+//! camera.
 //!
 //! ```
 //! use glam::DVec3;
@@ -12,11 +13,12 @@
 //! assert_eq!(occluded, [true, false]);
 //! ```
 //!
-//! [`Scene::closest_hit`] finds where primary rays meet a surface, in double precision;
-//! [`Scene::occlusion_into`] which of many directions at such a point are blocked.
+//! [`Scene::closest_hit`] computes the intersections of primary rays in double precision;
+//! [`Scene::occlusion_into`] determines which of many directions at such a point are occluded.
 //!
-//! [`render`] makes the picture of an [`Integral`] over the hemisphere of each point, with the directions of a
-//! [`DirectionPlan`]; [`RenderErrors`] says how far repeated renders are from a reference image, and how.
+//! [`render`] computes the picture of an [`Integral`] over the hemisphere of each point, with the
+//! directions of a [`DirectionPlan`]; [`RenderErrors`] reports the errors of repeated renders
+//! relative to a reference image and their structure.
 
 mod directions;
 mod error;
@@ -46,5 +48,5 @@ pub use picture::render::{pixel_work, render};
 pub use picture::render_errors::{ErrorReport, RenderErrors};
 pub use picture::view::View;
 
-/// The largest coordinate of a vertex: products of three differences stay finite.
+/// The largest coordinate of a vertex, chosen such that products of three differences stay finite.
 const MAX_COORDINATE: f64 = 1e100;

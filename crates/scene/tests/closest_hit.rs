@@ -1,4 +1,4 @@
-//! Primary rays beside the slow definition.
+//! Primary rays compared with the slow definition.
 
 mod reference;
 
@@ -6,7 +6,8 @@ use glam::DVec3;
 use reference::{Numbers, Reference};
 use sphvar_scene::{CornellBox, Hit, Mesh, Quad, Reach, Scene};
 
-/// Hits agree to `tolerance`, except where a ray passes so near an edge that either may be right.
+/// Hits agree to `tolerance`, except where a ray passes so close to an edge that both results are
+/// acceptable.
 fn agree(scene: &Scene, reference: &Reference, origin: DVec3, dir: DVec3, tolerance: f64) -> bool {
     let got = scene.closest_hit(origin, dir);
     let case = || {
@@ -26,7 +27,7 @@ fn agree(scene: &Scene, reference: &Reference, origin: DVec3, dir: DVec3, tolera
             true
         }
         _ => {
-            // An edge within a few roundings of the coordinates, seen from the origin.
+            // An edge within a few roundings of the coordinates, as seen from the origin.
             let at = Hit { position: origin, normal: dir, distance: 0.0, primitive: 0 };
             let margin = reference.margin(&at, origin, dir, f64::INFINITY);
             assert!(margin <= 64.0 * f64::EPSILON, "{}, {margin:e} from an edge", case());
@@ -35,7 +36,7 @@ fn agree(scene: &Scene, reference: &Reference, origin: DVec3, dir: DVec3, tolera
     }
 }
 
-/// Rays from everywhere: random ones, along the axes, and through points on edges and corners.
+/// Rays from many origins: random ones, along the axes, and through points on edges and corners.
 fn survey(scene: &Scene, reference: &Reference) {
     let mut numbers = Numbers(11);
     let bounds = scene.bounds();
@@ -51,7 +52,8 @@ fn survey(scene: &Scene, reference: &Reference) {
             2 => (reference.near_edges(&mut numbers) - origin).normalize(),
             _ => [DVec3::X, DVec3::NEG_Y, DVec3::Z][numbers.below(3)],
         };
-        // Distances are sums and quotients of coordinates, of which rays at a slant enlarge roundings.
+        // Distances are sums and quotients of coordinates; for oblique rays their roundings are
+        // magnified.
         let tolerance = 1e-9 * size;
         n_doubtful += usize::from(!agree(scene, reference, origin, dir, tolerance));
     }
@@ -64,7 +66,7 @@ fn box_agrees() {
     survey(&scene, &Reference::of_quads(scene.quads()));
 }
 
-/// Triangles in a heap, some of them without area, some very thin.
+/// Many overlapping triangles, some of them without area, some very thin.
 #[test]
 fn heap_of_triangles_agrees() {
     let mut numbers = Numbers(5);
@@ -102,7 +104,7 @@ fn one_triangle_at_any_scale() {
     }
 }
 
-/// Sizes from one to 1e-60: boxes within boxes, as deep as a hierarchy can be.
+/// Sizes from 1 to 1e-60: nested boxes, as deep as a hierarchy can be.
 #[test]
 fn triangles_of_all_sizes_are_all_met() {
     let (mut vertices, mut faces) = (Vec::new(), Vec::new());
@@ -116,7 +118,8 @@ fn triangles_of_all_sizes_are_all_met() {
     }
     let scene = Scene::from_mesh(Mesh::new(vertices, faces).expect("a mesh"));
     let dir = DVec3::new(1.0, 0.25, 0.25).normalize();
-    // From the origin all of them are in line; the small ones are below the accuracy of the large.
+    // From the origin all of them are in line; the small ones are below the accuracy of the large
+    // ones.
     for i in 0..20 {
         let from = 0.75 * 0.5f64.powi(i);
         let hit = scene.closest_hit(dir * from, dir).expect("a triangle");

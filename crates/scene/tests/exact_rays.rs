@@ -1,7 +1,9 @@
-//! Primary rays beside exact integer arithmetic: through corners, along sides, in planes of faces, from far away.
+//! Primary rays compared with exact integer arithmetic: through corners, along sides, in planes of
+//! faces, from far away.
 //!
-//! Corners and origins are small whole numbers, and directions are taken as they are in f64, as whole multiples of a power
-//! of two: the signs that say which triangles a ray meets fit into 128 bits.
+//! Corners and origins are small integers. Directions are used exactly as stored in f64, as integer
+//! multiples of a power of two. The signs that determine which triangles a ray meets then fit into
+//! 128 bits.
 
 #[path = "reference/numbers.rs"]
 mod numbers;
@@ -16,7 +18,7 @@ fn vector(p: Whole) -> DVec3 {
     DVec3::from_array(p.map(|x| x as f64))
 }
 
-/// Numbers of units of 2^-70 in a component of a unit vector, if it is a multiple of them.
+/// Returns a component of a unit vector in units of 2^-70, if it is an integer multiple of them.
 fn units(x: f64) -> Option<i128> {
     let scaled = x * 70f64.exp2();
     #[expect(clippy::cast_possible_truncation, reason = "at most 2^70")]
@@ -38,17 +40,17 @@ fn dot(a: [i128; 3], b: [i128; 3]) -> i128 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
-/// What exact arithmetic says of a ray and a triangle.
+/// The exact result for a ray and a triangle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Exact {
-    /// Clear of the sides, at this distance.
+    /// Hit at this distance, clear of the sides.
     Met(f64),
     Missed,
-    /// Within some roundings of a side or of the plane: either answer is right.
+    /// Within a few roundings of a side or of the plane: both results are acceptable.
     Doubtful,
 }
 
-/// Roundings of a ray as seen from its origin.
+/// The rounding of a ray's direction as seen from its origin.
 const DOUBT: f64 = 1e-14;
 
 fn exact(origin: Whole, dir: [i128; 3], corners: [Whole; 3]) -> Exact {
@@ -63,7 +65,7 @@ fn exact(origin: Whole, dir: [i128; 3], corners: [Whole; 3]) -> Exact {
     let normal = cross(difference(corners[1], corners[0]), difference(corners[2], corners[0]));
     let (height, approach) = (dot(a, normal), dot(dir, normal));
     if height == 0 {
-        // Surfaces through the origin are not met.
+        // Surfaces that contain the origin are not intersected.
         return Exact::Missed;
     }
     let distance = height as f64 / approach as f64 * 70f64.exp2();
@@ -75,8 +77,8 @@ fn exact(origin: Whole, dir: [i128; 3], corners: [Whole; 3]) -> Exact {
     if beyond(1.0) && beyond(-1.0) { Exact::Missed } else { Exact::Doubtful }
 }
 
-/// A direction that normalizing leaves as it is.
-fn settled(dir: DVec3) -> Option<DVec3> {
+/// Returns a direction that normalization leaves unchanged.
+fn exact_direction(dir: DVec3) -> Option<DVec3> {
     let mut dir = dir.normalize();
     for _ in 0..10 {
         let again = dir.normalize();
@@ -88,7 +90,7 @@ fn settled(dir: DVec3) -> Option<DVec3> {
     None
 }
 
-/// Closed surfaces of whole coordinates, seen as lists of triangles.
+/// Returns closed surfaces with integer coordinates as lists of triangles.
 fn shapes() -> Vec<(&'static str, bool, Vec<[Whole; 3]>)> {
     let octahedron = |r: i64| {
         let at = |i: usize, s: i64| std::array::from_fn(|k| if k == i { s * r } else { 0 });
@@ -97,7 +99,7 @@ fn shapes() -> Vec<(&'static str, bool, Vec<[Whole; 3]>)> {
             |octant| [at(0, sign(octant, 0)), at(1, sign(octant, 1)), at(2, sign(octant, 2))];
         (0..8).map(face).collect::<Vec<[Whole; 3]>>()
     };
-    // Squares of a grid over each side of a box.
+    // A grid of squares on each side of a box.
     let boxed = |n: i64, step: i64| {
         let half = n * step / 2;
         let mut triangles = Vec::new();
@@ -119,7 +121,7 @@ fn shapes() -> Vec<(&'static str, bool, Vec<[Whole; 3]>)> {
     let mut nested = boxed(2, 200);
     nested.extend(octahedron(100));
     nested.extend(boxed(4, 10));
-    // A tetrahedron as thin as a needle.
+    // A needle-shaped tetrahedron.
     let [a, b, c, d] = [[-500, 0, 0], [500, 1, 0], [500, 0, 1], [500, -1, -1]];
     let needle = vec![[a, b, c], [a, c, d], [a, d, b], [b, d, c]];
     // Two octahedra that touch in a corner.
@@ -136,12 +138,12 @@ fn shapes() -> Vec<(&'static str, bool, Vec<[Whole; 3]>)> {
 }
 
 #[test]
-fn rays_agree_with_whole_numbers() {
+fn rays_agree_with_integer_arithmetic() {
     let mut numbers = Numbers(5);
     let axes = [DVec3::X, DVec3::Y, DVec3::Z];
     let (mut n_rays, mut n_certain) = (0, 0);
     for (name, around_0, triangles) in shapes() {
-        // No corner is shared by its number.
+        // No two triangles share a vertex index.
         let vertices = triangles.as_flattened().iter().map(|&p| vector(p)).collect();
         let faces = (0..).take(triangles.len()).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
         let scene = Scene::from_mesh(Mesh::new(vertices, faces).expect("a mesh"));
@@ -167,7 +169,9 @@ fn rays_agree_with_whole_numbers() {
                 4 => (a + b + c) / 3.0 - from,
                 _ => a.lerp(b, numbers.unit()).lerp(c, 1e-9 * numbers.unit()) - from,
             };
-            let Some(dir) = settled(towards).filter(|dir| dir.is_finite()) else { continue };
+            let Some(dir) = exact_direction(towards).filter(|dir| dir.is_finite()) else {
+                continue;
+            };
             let Some(wide) = dir.to_array().into_iter().map(units).collect::<Option<Vec<_>>>()
             else {
                 continue;
@@ -192,7 +196,8 @@ fn rays_agree_with_whole_numbers() {
                     assert!(doubtful || (hit.distance - nearest).abs() <= tolerance, "{case}");
                 }
             }
-            // Strictly inside the outermost surface something is met, doubtful or not.
+            // Strictly inside the outermost surface every ray meets something, whether or not it is
+            // doubtful.
             let inside = around_0 && from.abs().element_sum() < 60.0;
             assert!(!inside || hit.is_some(), "{case}");
             n_rays += 1;

@@ -1,4 +1,4 @@
-//! Texts in Wavefront's format, right and wrong.
+//! Valid and invalid texts in the Wavefront OBJ format.
 
 use glam::DVec3;
 use sphvar_scene::{Error, Mesh, Scene};
@@ -7,7 +7,7 @@ fn read(text: &str) -> Result<Mesh, Error> {
     Mesh::from_obj(text.as_bytes())
 }
 
-/// A unit square and a pentagon above it, with everything that the format has beside.
+/// A unit square and a pentagon above it, with all other elements of the format.
 const GOOD: &str = "\
 # a comment
 mtllib none.mtl
@@ -48,7 +48,7 @@ fn polygons_negative_indices_and_no_normals() {
 }
 
 #[test]
-fn what_is_wrong_is_told_with_its_line() {
+fn errors_name_the_line() {
     let square = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
     for (rest, wrong) in [
         ("f 1 2 5\n", 5),
@@ -84,10 +84,11 @@ fn what_is_wrong_is_told_with_its_line() {
 }
 
 #[test]
-fn messages_say_what_would_be_right() {
+fn messages_describe_valid_input() {
     let error = read("v 0 0 0\nf 1 2 3\n").expect_err("no such vertices").to_string();
     assert_eq!(error, "line 2: `f 1 2 3`: expected indices up to 1, the number of vertices");
-    // Vertices may follow, so that those of the whole text count; not for an index that counts back.
+    // Positive indices may refer to later vertices, so those of the whole text count; negative ones
+    // may not.
     let vertices = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
     let error =
         read(&format!("{vertices}f 3/9/9 2 5 1\nv 1 1 0\n")).expect_err("no fifth").to_string();
@@ -99,7 +100,8 @@ fn messages_say_what_would_be_right() {
     assert_eq!(error, expected);
 }
 
-/// What editors call Unicode: characters of two or four bytes, in either order, with and without a mark.
+/// UTF-16 and UTF-32, which editors call Unicode, in either byte order, with and without a byte
+/// order mark.
 #[test]
 fn wide_encodings_are_named() {
     let units: Vec<u16> = "# a\nv 0 0 0\nf 1 1 1\n".encode_utf16().collect();
@@ -135,7 +137,7 @@ fn a_mesh_needs_its_vertices() {
     assert!(matches!(Mesh::new(vec![], vec![]), Err(Error::NoTriangles { n_faces: 0 })));
 }
 
-/// What the format allows and programs write: every text is the unit square.
+/// Variants that the format allows and programs write: every text is the unit square.
 #[test]
 fn spellings_of_a_square() {
     let square = read("v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n").expect("a mesh");
@@ -159,7 +161,7 @@ fn spellings_of_a_square() {
 }
 
 #[test]
-fn what_is_not_used_is_remarked() {
+fn unused_statements_are_reported() {
     let text = "v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 0 1\nvn 0 0 1\nvt 0 0\nV 0 0 0\nfoo\nfoo\nl 1 2\n\
                 f 1 2 3\nf 3 1 2\nf 1 2\nf 1 2 2\n";
     let (mesh, remarks) = Mesh::from_obj_with_remarks(text.as_bytes()).expect("a mesh");
@@ -176,7 +178,7 @@ fn what_is_not_used_is_remarked() {
     assert!(matches!(Mesh::from_obj(wrong), Err(Error::ObjLine { line: 1, .. })));
 }
 
-/// Areas add up to that of the polygon, and all triangles face as it does.
+/// Areas add up to that of the polygon, and all triangles have its orientation.
 fn check_triangles(polygon: &[DVec3], order: &[usize]) {
     let mut text = String::new();
     for p in polygon {
@@ -201,8 +203,9 @@ fn check_triangles(polygon: &[DVec3], order: &[usize]) {
 
 #[test]
 fn concave_polygons_keep_their_area() {
-    // A dart, from each corner on and in both senses; a comb; a spiral; a star that is not quite plane.
-    let dart = [(0.0, 0.0), (1.0, -1.0), (0.0, 1.0), (-1.0, -1.0)];
+    // An arrowhead, from each corner and in both orientations; a comb; a spiral; a star that is not
+    // quite plane.
+    let arrowhead = [(0.0, 0.0), (1.0, -1.0), (0.0, 1.0), (-1.0, -1.0)];
     let comb = (0..40u8).map(|i| (f64::from(i), [0.0, 9.0][usize::from(i % 2)]));
     let comb = comb.chain([(39.0, 10.0), (0.0, 10.0)]).collect::<Vec<_>>();
     let turn = |i: i32, r: f64| {
@@ -216,7 +219,7 @@ fn concave_polygons_keep_their_area() {
         (r * t.cos(), r * t.sin())
     });
     let star = star.collect::<Vec<_>>();
-    for flat in [&dart[..], &comb, &spiral, &star] {
+    for flat in [&arrowhead[..], &comb, &spiral, &star] {
         for axis in 0..3 {
             let place = |(i, &(x, y)): (usize, &(f64, f64))| {
                 let bend = if flat.len() == 20 { 1e-3 * (i % 3) as f64 } else { 0.0 };
@@ -239,9 +242,9 @@ fn concave_polygons_keep_their_area() {
     assert_eq!((mesh.n_triangles(), remarks.crossed_faces), (2, 1));
 }
 
-/// Corners on a straight side stay, so that a neighbour that has them too leaves no gap.
+/// Corners on a straight side are retained, so that a neighbour that has them too leaves no gap.
 #[test]
-fn corners_on_a_side_stay() {
+fn corners_on_a_side_are_retained() {
     let text = "v 0 0 0\nv 1 0 0\nv 2 0 0\nv 3 0 0\nv 3 3 0\nv 0 3 0\nf 1 2 3 4 5 6\n";
     let mesh = read(text).expect("a mesh");
     assert_eq!(mesh.n_triangles(), 4);

@@ -1,4 +1,5 @@
-//! Rays for occlusion, many at a time in single precision, beside the slow definition in double precision.
+//! Occlusion rays, many at a time in single precision, compared with the slow definition in double
+//! precision.
 
 mod reference;
 
@@ -6,13 +7,14 @@ use glam::DVec3;
 use reference::{Numbers, Reference};
 use sphvar_scene::{CornellBox, Hit, Mesh, Reach, Scene};
 
-/// Whether a ray from above the surface is blocked within its reach, by itself or by another surface.
+/// Returns whether a ray from above the surface is blocked within its reach, by the surface itself
+/// or by another one.
 fn is_occluded(reference: &Reference, at: &Hit, origin: DVec3, dir: DVec3, reach: f64) -> bool {
     dir.dot(at.normal) < 0.0 || reference.closest(origin, dir).is_some_and(|(t, _)| t <= reach)
 }
 
-/// How many rays were judged otherwise than by the definition, and by how much at most the worst of them would have
-/// to turn for the same answer.
+/// The number of rays with a result other than the definition's, and the maximum angle by which
+/// such a ray would have to be rotated for the same result.
 #[derive(Debug)]
 struct Differences {
     n_rays: usize,
@@ -20,8 +22,8 @@ struct Differences {
     worst: f64,
 }
 
-/// Sets of directions at points all over a scene; half of the directions pass within 1e-5 to 1e-9 radians of an
-/// edge.
+/// Compares sets of directions at points all over a scene; half of the directions pass within 1e-5
+/// to 1e-9 radians of an edge.
 fn differences(scene: &Scene, reference: &Reference, n_points: usize, reach: f64) -> Differences {
     let mut numbers = Numbers(7);
     let bounds = scene.bounds();
@@ -30,7 +32,7 @@ fn differences(scene: &Scene, reference: &Reference, n_points: usize, reach: f64
         let origin = numbers.inside(bounds.min, bounds.max);
         let Some(hit) = scene.closest_hit(origin, numbers.direction()) else { continue };
         let start = scene.ray_origin(&hit);
-        // Sets of every length, also those that fill no vector.
+        // Sets of every length, including those that do not fill a SIMD vector.
         let dirs = (0..40 + point % 300).map(|i| match i % 2 {
             0 => numbers.direction(),
             _ => {
@@ -52,7 +54,7 @@ fn differences(scene: &Scene, reference: &Reference, n_points: usize, reach: f64
     Differences { n_rays, n_differ, worst }
 }
 
-/// The bound of the documentation.
+/// The bound stated in the documentation.
 const MARGIN: f64 = 9.0 * f32::EPSILON as f64;
 
 fn reference_of(mesh: &Mesh) -> Reference {
@@ -66,12 +68,12 @@ fn box_differs_only_at_edges() {
     for reach in [f64::INFINITY, 300.0, 40.0] {
         let found = differences(&cornell.scene, &reference, 400, reach);
         assert!(found.n_rays > 40_000 && found.worst < MARGIN, "{reach}: {found:?}");
-        // Those within MARGIN of an edge are about one in ten of those that come near.
+        // About one in ten of the rays close to an edge is within MARGIN of it.
         assert!(found.n_differ * 20 < found.n_rays, "{reach}: {found:?}");
     }
 }
 
-/// A wavy height field of `2 n^2` triangles over the unit square.
+/// Returns a wavy height field of `2 n^2` triangles over the unit square.
 fn field(n: u32) -> (Vec<DVec3>, Vec<[u32; 3]>) {
     let place = |i: u32| f64::from(i) / f64::from(n);
     let height = |x: f64, y: f64| 0.1 * (17.0 * x).sin() * (11.0 * y + x).cos();
@@ -82,7 +84,7 @@ fn field(n: u32) -> (Vec<DVec3>, Vec<[u32; 3]>) {
     (vertices, faces.collect())
 }
 
-/// Vertices are rounded to 2^-25 of the size; seen from most points that is less than the bound.
+/// Vertices are rounded to 2^-25 of the size; as seen from most points that is less than the bound.
 #[test]
 fn meshes_of_any_scale_and_place_differ_only_at_edges() {
     let places = [
@@ -107,7 +109,7 @@ fn meshes_of_any_scale_and_place_differ_only_at_edges() {
     }
 }
 
-/// A sphere of rings of triangles around the z axis, closed.
+/// Returns a sphere of rings of triangles around the z axis, closed.
 fn sphere(n_rings: u32, n_around: u32) -> (Vec<DVec3>, Vec<[u32; 3]>) {
     let mut vertices = vec![DVec3::Z];
     for ring in 1..n_rings {
@@ -146,7 +148,7 @@ fn no_ray_leaves_a_closed_mesh() {
         let inside = 0.9 * numbers.unit() * numbers.direction();
         let hit = scene.closest_hit(inside, numbers.direction()).expect("the sphere");
         let start = scene.ray_origin(&hit);
-        // Through vertices, along and across edges.
+        // Through vertices, and along and across edges.
         let mut dirs = vertices.iter().map(|v| (v - start).normalize()).collect::<Vec<_>>();
         for [a, b, _] in &corners {
             dirs.extend([0.5, numbers.unit()].map(|t| (a.lerp(*b, t) - start).normalize()));
@@ -159,7 +161,7 @@ fn no_ray_leaves_a_closed_mesh() {
 }
 
 #[test]
-fn rays_that_are_no_rays_are_answered() {
+fn degenerate_rays_have_a_result() {
     let hit = |scene: &Scene| {
         let center = scene.bounds().center();
         scene.closest_hit(center - 2.0 * scene.bounds().size() * DVec3::Z, DVec3::Z)
@@ -173,7 +175,7 @@ fn rays_that_are_no_rays_are_answered() {
         let reaches = [1.0, f64::NAN, -1.0, f64::INFINITY, 0.0];
         let mut occluded = [false; 5];
         scene.occlusion_into(&hit, &dirs, Reach::Each(&reaches), &mut occluded);
-        // A reach of nothing, less or NaN meets nothing.
+        // A reach that is 0, negative or NaN includes nothing.
         let dirs = [hit.normal; 3];
         let mut occluded = [true; 3];
         scene.occlusion_into(&hit, &dirs, Reach::Each(&[0.0, -1.0, f64::NAN]), &mut occluded);

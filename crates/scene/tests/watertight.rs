@@ -1,4 +1,5 @@
-//! Closed surfaces have no holes: not at sides, not at corners, at any size and place, along axes and in planes of faces.
+//! Closed surfaces have no holes: neither at sides nor at corners, at any size and position, for
+//! rays along axes and in planes of faces.
 
 #[path = "reference/numbers.rs"]
 mod numbers;
@@ -9,7 +10,7 @@ use sphvar_scene::{Camera, Hit, Mesh, Reach, Scene};
 
 type Shape = (Vec<DVec3>, Vec<[u32; 3]>);
 
-/// Closed surfaces around 0 that are stars about it.
+/// Returns closed surfaces that are star-shaped about 0.
 fn shapes() -> Vec<(&'static str, Shape)> {
     vec![
         ("octahedron", octahedron()),
@@ -37,7 +38,7 @@ fn cube() -> Shape {
     ((0..8).map(corner).collect(), faces.collect())
 }
 
-/// Rings of triangles about the z axis; many corners share a coordinate or nearly do.
+/// Rings of triangles about the z axis; many corners have equal or nearly equal coordinates.
 fn globe(n_rings: u32, n_around: u32) -> Shape {
     let mut vertices = vec![DVec3::Z];
     for ring in 1..n_rings {
@@ -62,7 +63,7 @@ fn globe(n_rings: u32, n_around: u32) -> Shape {
     (vertices, faces)
 }
 
-/// The octahedron, each face split into four, some times over, on the sphere.
+/// Returns the octahedron on the sphere, with each face repeatedly split into four.
 fn icosphere(levels: u32) -> Shape {
     let (mut vertices, mut faces) = octahedron();
     for _ in 0..levels + 1 {
@@ -95,7 +96,8 @@ fn scene_of((vertices, faces): &Shape, place: impl Fn(DVec3) -> DVec3) -> (Scene
     (Scene::from_mesh(mesh), triangles)
 }
 
-/// Sizes, places and rotations, with a bound on where in the shape rays start from.
+/// Returns sizes, positions and rotations, with a bound on the distance of ray origins from the
+/// centre of the shape.
 fn places() -> Vec<(f64, DVec3, DMat3)> {
     let turned = DMat3::from_rotation_x(0.3) * DMat3::from_rotation_z(0.7);
     vec![
@@ -107,7 +109,7 @@ fn places() -> Vec<(f64, DVec3, DMat3)> {
     ]
 }
 
-/// Points at corners, on sides and somewhere in triangles.
+/// Returns points at corners, on sides and inside triangles.
 fn targets(triangles: &[[DVec3; 3]], numbers: &mut Numbers) -> Vec<DVec3> {
     triangles
         .iter()
@@ -123,7 +125,7 @@ fn from_inside_every_ray_meets_the_surface() {
         for (size, offset, rotation) in places() {
             let (scene, triangles) = scene_of(&shape, |v| offset + size * (rotation * v));
             for start in 0..6 {
-                // The middle, points on axes, and others.
+                // The centre, points on axes, and others.
                 let away = match start {
                     0 => DVec3::ZERO,
                     1..=3 => 0.25 * axes[start - 1],
@@ -155,7 +157,7 @@ fn from_outside_rays_at_sides_and_corners_meet_the_surface() {
                     _ => 5.0 * numbers.direction(),
                 };
                 let origin = offset + size * (rotation * away);
-                // Rounding of directions must not carry them over the outline.
+                // Rounding of directions must not move them across the outline.
                 let faces_it = |t: &[DVec3; 3]| {
                     let [a, b, c] = *t;
                     let normal = (b - a).cross(c - a).normalize();
@@ -174,7 +176,7 @@ fn from_outside_rays_at_sides_and_corners_meet_the_surface() {
                     .iter()
                     .filter(|t| faces_it(t))
                     .flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]].map(|[p, q]| p.lerp(q, 0.5)));
-                // Sides of one facing triangle only may be outlines.
+                // Only sides of a single front-facing triangle can belong to the outline.
                 let seen_twice = |p: &DVec3| {
                     let with = triangles.iter().filter(|t| {
                         let [a, b, c] = **t;
@@ -194,10 +196,10 @@ fn from_outside_rays_at_sides_and_corners_meet_the_surface() {
     }
 }
 
-/// The octahedron with the corners of its square out of its plane by nothing or next to it, as cos(pi/2) is, is seen in
-/// the pixels whose centres are within its outline, a square.
+/// An octahedron whose corners are out of the plane of its square by zero or very little, as
+/// cos(pi/2) is, is visible in the pixels whose centres are within its square outline.
 #[test]
-fn an_octahedron_is_seen_whole() {
+fn an_octahedron_is_completely_visible() {
     for off in [0.0, 1e-12, -1e-12, 6.123233995736766e-17] {
         let (mut vertices, faces) = octahedron();
         for vertex in &mut vertices[..4] {
@@ -227,7 +229,7 @@ fn open_share(scene: &Scene, hit: &Hit, numbers: &mut Numbers) -> f64 {
     occluded.iter().filter(|o| !**o).count() as f64 / dirs.len() as f64
 }
 
-/// From inside nothing is open, from outside everything, on faces, sides and in corners alike.
+/// From inside nothing is open and from outside everything is, on faces, sides and corners alike.
 #[test]
 fn edges_and_corners_of_a_closed_box_are_dark_inside() {
     let mut numbers = Numbers(3);
@@ -251,7 +253,8 @@ fn edges_and_corners_of_a_closed_box_are_dark_inside() {
                 assert!(open <= 0.0, "{size:e} {offset} {position}: {open}");
                 hit.normal = outwards;
                 let open = open_share(&scene, &hit, &mut numbers);
-                // At sides and in corners rays within some 1e-3 of the planes of others may be lost.
+                // At sides and corners rays within about 1e-3 of the planes of other faces may be
+                // lost.
                 assert!(open >= 0.997, "outside: {size:e} {offset} {position}: {open}");
             }
         }
@@ -264,7 +267,7 @@ fn tetrahedron() -> Shape {
     (vertices.to_vec(), vec![[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]])
 }
 
-/// A tube about the z axis, of which the middle is the unit circle.
+/// Returns a tube about the z axis whose centre line is the unit circle.
 fn torus(n_along: u32, n_around: u32) -> Shape {
     let angle = |i: u32, n: u32| std::f64::consts::TAU * f64::from(i % n) / f64::from(n);
     let place = |i: u32, j: u32| {
@@ -282,7 +285,8 @@ fn torus(n_along: u32, n_around: u32) -> Shape {
     (vertices, faces.collect())
 }
 
-/// A roof of three sides that meet in a sharp ridge, closed at both ends: angles of 3 degrees and up.
+/// Returns a roof with three sides that meet in a sharp ridge, closed at both ends: angles of 3
+/// degrees and up.
 fn wedge() -> Shape {
     let at = |x: f64, y: f64, z: f64| DVec3::new(x, y, z);
     let w = 0.05;
@@ -307,7 +311,8 @@ fn wedge() -> Shape {
     (vertices, faces)
 }
 
-/// Interior angles below 90 degrees: a point raised along one face's normal alone would be behind the other face.
+/// For interior angles below 90 degrees, a point raised along the normal of one face would lie
+/// behind the other face.
 #[test]
 fn sharp_edges_and_corners_are_dark_inside_and_open_outside() {
     let mut numbers = Numbers(21);
@@ -345,7 +350,7 @@ fn sharp_edges_and_corners_are_dark_inside_and_open_outside() {
                     assert!(open <= 0.0, "{name}: {size:e} {offset} {position}: {open}");
                     hit.normal = outwards;
                     let open = open_share(&scene, &hit, &mut numbers);
-                    // Next to a side rays within some 1e-3 of the horizon may be lost.
+                    // Close to a side, rays within about 1e-3 of the horizon may be lost.
                     assert!(
                         !convex || open >= 0.997,
                         "{name} outside: {size:e} {offset} {position}: {open}"
@@ -356,7 +361,8 @@ fn sharp_edges_and_corners_are_dark_inside_and_open_outside() {
     }
 }
 
-/// A block on a square of ground: more ground only darkens it, wherever on the ground it stands.
+/// A block on a square of ground: a larger ground only increases the occlusion, wherever the block
+/// is.
 #[test]
 fn more_ground_only_darkens() {
     for place in [DVec3::ZERO, DVec3::new(0.31, -0.27, 0.0)] {
@@ -386,7 +392,8 @@ fn more_ground_only_darkens() {
                 }
             }
             let mean = sum / count;
-            // Coordinates of the block are rounded to those of its place, which moves a few rays.
+            // Coordinates of the block are rounded to those of its position, which changes a few
+            // rays.
             assert!(mean <= before + 3e-4, "{place} {half_side:e}: {mean}, before {before}");
             let first = *first.get_or_insert(mean);
             assert!((first - mean).abs() < 0.01, "{place} {half_side:e}: {mean}, first {first}");
@@ -395,9 +402,10 @@ fn more_ground_only_darkens() {
     }
 }
 
-/// Repeated triangles, triangles about one centre, and triangles in a common corner, 30,000 of each.
+/// Repeated triangles, triangles about a common centre, and triangles with a common corner, 30,000
+/// of each.
 #[test]
-fn coinciding_triangles_take_little_time() {
+fn coinciding_triangles_are_fast() {
     let n = 30_000;
     let shape = |size: &dyn Fn(u32) -> f64, shift: &dyn Fn(u32) -> DVec3| {
         let corners = [DVec3::X, DVec3::new(-0.5, 0.75, 0.0), DVec3::new(-0.5, -0.75, 0.25)];
@@ -418,12 +426,12 @@ fn coinciding_triangles_take_little_time() {
             scene.closest_hit(origin, scene.bounds().center() - origin);
         }
     }
-    // 180,000 triangles take a second or so; of order n^2 it would be minutes.
+    // 180,000 triangles take about a second; an algorithm of order n^2 would take minutes.
     assert!(start.elapsed().as_secs() < 60, "{:?}", start.elapsed());
 }
 
 #[test]
-fn a_mesh_out_of_reach_of_rounding_is_an_error() {
+fn a_mesh_too_far_from_the_origin_is_an_error() {
     let moved = |by: f64| {
         let (vertices, faces) = cube();
         Mesh::new(vertices.into_iter().map(|v| v + by).collect(), faces)
@@ -432,8 +440,8 @@ fn a_mesh_out_of_reach_of_rounding_is_an_error() {
     assert!(moved(1e14).is_err());
 }
 
-/// A million rays at corners and sides of surfaces of 8 to 131,072 triangles, from inside and at what faces them from
-/// outside.
+/// A million rays at corners and sides of surfaces with 8 to 131,072 triangles, from inside, and
+/// from outside at front-facing triangles.
 #[test]
 fn a_million_rays_all_meet_the_surface() {
     let mut numbers = Numbers(8);
@@ -458,7 +466,8 @@ fn a_million_rays_all_meet_the_surface() {
                 let target = if numbers.unit() < 0.5 { a } else { a.lerp(b, numbers.unit()) };
                 n_missed += u32::from(scene.closest_hit(inside, target - inside).is_none());
                 n_rays += 1;
-                // A ball of half the size is inside all of them: what is in front of it cannot be on the outline.
+                // A ball of half the size is inside all of them: points in front of it cannot be on
+                // the outline.
                 let across = (target - outside).reject_from(outside).length();
                 if across < 0.5 {
                     n_missed += u32::from(scene.closest_hit(outside, target - outside).is_none());

@@ -1,9 +1,9 @@
 use glam::{DMat3, DVec3};
 
-/// The rotation that brings +z to the unit vector `normal`.
+/// Returns the rotation that maps +z to the unit vector `normal`.
 ///
-/// Without a branch at a pole: continuous but at z = 0, where it jumps (Duff et al., Building an Orthonormal Basis,
-/// Revisited, JCGT 6(1), 2017).
+/// It has no branch at a pole and is continuous except at z = 0, where it jumps (Duff et al.,
+/// Building an Orthonormal Basis, Revisited, JCGT 6(1), 2017).
 pub(crate) fn frame(normal: DVec3) -> DMat3 {
     let sign = 1f64.copysign(normal.z);
     let a = -1.0 / (sign + normal.z);
@@ -25,7 +25,7 @@ mod tests {
         for n in [DVec3::Z, -DVec3::Z, DVec3::X, -DVec3::Y, DVec3::ONE.normalize(), tiny] {
             let f = frame(n);
             assert_eq!(f * DVec3::Z, n);
-            // Entries are sums of two products of numbers up to 1.
+            // Each entry is a sum of two products of numbers up to 1.
             let off = f * f.transpose() - DMat3::IDENTITY;
             assert!(off.to_cols_array().iter().all(|x| x.abs() < 8.0 * f64::EPSILON), "{n}: {off}");
             assert!(f.determinant() > 0.0, "{n}");

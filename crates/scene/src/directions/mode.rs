@@ -2,32 +2,33 @@ use std::fmt;
 
 use sphvar_samplers::Domain;
 
-/// How the sets of a pattern become the directions of a hit point.
+/// How point sets are mapped to directions at each shading point.
 ///
-/// Sphere sets have M = 2N points, of which the half is kept that the surface sees, about N; hemisphere sets
-/// have N points, all of which are kept.
+/// Sphere sets have M = 2N points, of which the visible half, about N, is used. Hemisphere sets
+/// have N points, all of which are used.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum DirectionMode {
-    /// One sphere set as the pattern makes it, the same directions in the world at every hit point. Errors of
-    /// neighbouring pixels are alike, which is seen as bands and contours.
+    /// One sphere set as the pattern generates it, with the same world directions at every hit
+    /// point. The errors of neighbouring pixels are similar, which is visible as bands and
+    /// contours.
     Shared,
-    /// One hemisphere set about the normal, turned about it by a random angle at every hit point.
+    /// One hemisphere set about the normal, rotated about it by a random angle at every hit point.
     Spun,
-    /// Sphere sets, turned at every hit point by a uniform rotation.
+    /// Sphere sets, with a uniform random rotation at every hit point.
     Rotated,
-    /// Hemisphere sets as sets of lines (the projective plane), turned at every hit point by a uniform rotation;
-    /// of each line the end above the surface is taken.
+    /// Hemisphere sets as antipodal (projective) sets, with a uniform random rotation at every hit
+    /// point. Of each pair of antipodal directions the one above the surface is used.
     Projective,
-    /// As [`Self::Projective`], with a realization of its own at every hit point.
+    /// Like [`Self::Projective`], with a separate realization at every hit point.
     Fresh,
 }
 
 impl DirectionMode {
-    /// All of them.
+    /// All modes.
     pub const ALL: [Self; 5] =
         [Self::Shared, Self::Spun, Self::Rotated, Self::Projective, Self::Fresh];
 
-    /// The name: `shared`, `spun`, `rotated`, `projective` or `fresh`.
+    /// Returns the name: `shared`, `spun`, `rotated`, `projective` or `fresh`.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -39,7 +40,7 @@ impl DirectionMode {
         }
     }
 
-    /// Where the sets live.
+    /// Returns the domain of the point sets.
     #[must_use]
     pub const fn domain(self) -> Domain {
         match self {
@@ -48,7 +49,8 @@ impl DirectionMode {
         }
     }
 
-    /// The number of points of a set for `n_points` directions on the visible hemisphere: 2N of sphere sets.
+    /// Returns the number of points of a set for `n_points` directions on the visible hemisphere:
+    /// 2N for sphere sets.
     #[must_use]
     pub const fn set_points(self, n_points: usize) -> usize {
         match self.domain() {

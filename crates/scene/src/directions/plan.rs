@@ -3,36 +3,39 @@ use sphvar_samplers::{Domain, Pattern, Purpose, Realizations, Streams};
 
 use crate::{DirectionMode, DirectionSets, Error};
 
-/// Directions of a table if it has more sets than the fewest, at most: 24 bytes each.
+/// The maximum number of directions in a table with more than the minimum number of sets; 24 bytes
+/// each.
 const TABLE_DIRECTIONS: usize = 1 << 18;
-/// Sets of a table, at most.
-const MOST_SETS: usize = 1024;
-/// Sets of a table, at least.
-const FEWEST_SETS: usize = 4;
-/// The nominal work that a table of sets may take.
+/// The maximum number of sets in a table.
+const MAX_SETS: usize = 1024;
+/// The minimum number of sets in a table.
+const MIN_SETS: usize = 4;
+/// The maximum nominal work for generating a table of sets.
 const TABLE_WORK: f64 = 1.6e6;
 
-/// Which directions the hit points of renders have.
+/// The assignment of directions to the hit points of renders.
 ///
-/// Values are functions of (seed, render, pixel): neither threads nor the part of the image that is rendered
-/// show in them. Different renders have independent directions, as far as the mode has randomness.
+/// Values are functions of (seed, render, pixel): they do not depend on threads or on the rendered
+/// part of the image. Different renders have independent directions, as far as the mode is random.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DirectionPlan {
     pattern: Pattern,
     n_points: usize,
     mode: DirectionMode,
-    /// Of a table; `None` if all sets of the pattern are the same.
+    /// The number of sets in a table; `None` if all sets of the pattern are equal.
     n_sets: Option<usize>,
     seed: u64,
     group: usize,
 }
 
 impl DirectionPlan {
-    /// The plan for `n_points` directions on the visible hemisphere, with a table of
+    /// Returns the plan for `n_points` directions on the visible hemisphere, with a table of
     /// [`Self::usual_sets`] sets.
     ///
     /// # Errors
-    /// [`Error::Sampler`] if the pattern does not exist with that many points, see [`Self::nearest_count`].
+    ///
+    /// Returns [`Error::Sampler`] if the pattern does not support that number of points, see
+    /// [`Self::nearest_count`].
     pub fn new(
         pattern: Pattern,
         n_points: usize,
@@ -45,18 +48,19 @@ impl DirectionPlan {
         Ok(Self { pattern, n_points, mode, n_sets, seed, group })
     }
 
-    /// The plan for a reference image: jittered lines, of the nearest number above `n_points` that they have,
-    /// independent of every plan for the same seed.
+    /// Returns the plan for a reference image: jittered antipodal sets with the nearest valid count
+    /// above `n_points`, independent of every plan with the same seed.
     ///
     /// # Errors
-    /// [`Error::Sampler`] for 0 or more points than indices can count.
+    ///
+    /// Returns [`Error::Sampler`] if `n_points` is 0 or exceeds the range of indices.
     pub fn reference(n_points: usize, seed: u64) -> Result<Self, Error> {
         let mode = DirectionMode::Projective;
         let nearest = Pattern::Jittered.nearest_count(n_points, Domain::Hemisphere);
-        // No directions at all are refused below.
+        // Zero directions are rejected below.
         let mut n = if n_points == 0 { 0 } else { nearest };
         if n < n_points {
-            // Numbers are 6 nside^2.
+            // Valid counts are 6 nside^2.
             let nside = (n / 6).isqrt() + 1;
             n = nside.saturating_mul(nside).saturating_mul(6);
         }
@@ -64,11 +68,12 @@ impl DirectionPlan {
         Ok(Self { group: !plan.group, ..plan })
     }
 
-    /// The same with tables of `n_sets` sets, at least 1. It matters for [`DirectionMode::Rotated`] and
-    /// [`DirectionMode::Projective`] only, and for patterns that are random.
+    /// Returns the plan with tables of `n_sets` sets, at least 1. The number matters only for
+    /// [`DirectionMode::Rotated`] and [`DirectionMode::Projective`], and only for random patterns.
     ///
     /// # Errors
-    /// [`Error::Setting`] for tables without sets.
+    ///
+    /// Returns [`Error::Setting`] for tables without sets.
     pub fn with_sets(self, n_sets: usize) -> Result<Self, Error> {
         if n_sets == 0 {
             let name = "the number of sets of a table";
@@ -77,51 +82,53 @@ impl DirectionPlan {
         Ok(Self { n_sets: self.n_sets.map(|_| n_sets), ..self })
     }
 
-    /// The number of directions nearest to `asked` with which the pattern exists.
+    /// Returns the valid number of directions of the pattern nearest to `requested`.
     ///
-    /// The numbers are the same for all modes: those of the hemisphere, the halves of those of the sphere.
+    /// Valid numbers are the same in all modes: the valid counts on the hemisphere, which are half
+    /// of those on the sphere.
     #[must_use]
-    pub fn nearest_count(pattern: &Pattern, asked: usize) -> usize {
-        pattern.nearest_count(asked, Domain::Hemisphere)
+    pub fn nearest_count(pattern: &Pattern, requested: usize) -> usize {
+        pattern.nearest_count(requested, Domain::Hemisphere)
     }
 
-    /// How many sets a table has unless another number is wished: as many as have 262144 directions
-    /// together, or take a tenth of a second to make on one core by [`Pattern::nominal_work`] if that is fewer, but from 4
-    /// to 1024.
+    /// Returns the default number of sets in a table: as many as have 262144 directions together,
+    /// or as can be generated in a tenth of a second on one core by [`Pattern::nominal_work`] if
+    /// that is fewer, but between 4 and 1024.
     ///
-    /// Sets that are turned uniformly give every pixel the right mean and pixels that do not depend on
-    /// each other, however few they are; but a few sets may be better or worse than most.
+    /// Sets with uniform random rotations give every pixel an unbiased mean and independent pixels,
+    /// whatever their number. A small number of sets may be better or worse than the average set.
     #[must_use]
     pub fn usual_sets(pattern: &Pattern, n_points: usize) -> usize {
         #[expect(
             clippy::cast_possible_truncation,
             clippy::cast_sign_loss,
-            reason = "a positive number, and too large ones become the largest"
+            reason = "positive, and the cast saturates"
         )]
         let in_time = (TABLE_WORK / pattern.nominal_work(n_points)) as usize;
-        (TABLE_DIRECTIONS / n_points.max(1)).min(in_time).clamp(FEWEST_SETS, MOST_SETS)
+        (TABLE_DIRECTIONS / n_points.max(1)).min(in_time).clamp(MIN_SETS, MAX_SETS)
     }
 
-    /// The pattern.
+    /// Returns the pattern.
     #[must_use]
     pub fn pattern(&self) -> &Pattern {
         &self.pattern
     }
 
-    /// The number of directions on the visible hemisphere; of halves of sphere sets the expected one.
+    /// Returns the number of directions on the visible hemisphere; for halves of sphere sets, the
+    /// expected number.
     #[must_use]
     pub fn n_points(&self) -> usize {
         self.n_points
     }
 
-    /// The mode.
+    /// Returns the mode.
     #[must_use]
     pub fn mode(&self) -> DirectionMode {
         self.mode
     }
 
-    /// The number of sets that one render draws on: 1 if the mode or the pattern has no more, 0 if every pixel has
-    /// its own.
+    /// Returns the number of sets that one render uses: 1 if the mode or the pattern has only one,
+    /// 0 if every pixel has a separate set.
     #[must_use]
     pub fn n_sets(&self) -> usize {
         match self.mode {
@@ -131,15 +138,16 @@ impl DirectionPlan {
         }
     }
 
-    /// Whether a render draws on a table of several sets, so that [`Self::with_sets`] matters.
+    /// Returns whether a render uses a table of several sets, so that [`Self::with_sets`] has an
+    /// effect.
     #[must_use]
     pub fn has_table(&self) -> bool {
         let from_table = matches!(self.mode, DirectionMode::Rotated | DirectionMode::Projective);
         from_table && self.n_sets.is_some()
     }
 
-    /// The number of different sets in so many renders together: 1 if all sets of the pattern are the same, 0 if every
-    /// pixel has its own.
+    /// Returns the number of distinct sets in `renders` renders: 1 if all sets of the pattern are
+    /// equal, 0 if every pixel has a separate set.
     #[must_use]
     pub fn distinct_sets(&self, renders: u64) -> u64 {
         match self.n_sets {
@@ -148,10 +156,12 @@ impl DirectionPlan {
         }
     }
 
-    /// Makes the sets of one render, in parallel.
+    /// Generates the sets of one render in parallel.
     ///
     /// # Errors
-    /// [`Error::Sampler`] if a set cannot be completed, [`Error::TooManyRenders`] from 2^24 on.
+    ///
+    /// Returns [`Error::Sampler`] if a set cannot be generated, and [`Error::TooManyRenders`] from
+    /// render 2^24 on.
     pub fn prepare(&self, render: u64) -> Result<DirectionSets, Error> {
         if render >= DirectionSets::MAX_RENDERS {
             return Err(Error::TooManyRenders { max: DirectionSets::MAX_RENDERS });

@@ -1,17 +1,18 @@
 use glam::{DVec3, Vec3};
 use pulp::Simd;
 
-/// Up to `N` rays with a common origin, component by component; `N` is a multiple of the lanes of every instruction set.
+/// Up to `N` rays with a common origin, stored by component; `N` is a multiple of the SIMD lanes of
+/// every instruction set.
 pub(crate) struct Bundle<const N: usize> {
     dirs: [[f32; N]; 3],
     reaches: [f32; N],
 }
 
-/// As many rays of a bundle as the processor treats at once.
+/// One SIMD vector of rays of a bundle.
 #[derive(Clone, Copy)]
 pub(crate) struct Rays<S: Simd> {
     pub(crate) dirs: [S::f32s; 3],
-    /// How far they reach; negative for those that need no answer.
+    /// The reach of each ray; negative for rays that are already decided.
     pub(crate) reaches: S::f32s,
 }
 
@@ -20,7 +21,7 @@ impl<const N: usize> Bundle<N> {
         Self { dirs: [[0.0; N]; 3], reaches: [0.0; N] }
     }
 
-    /// Replaces the rays, by at most `N` directions with their reach.
+    /// Replaces the rays by at most `N` directions with their reach.
     #[inline(always)]
     #[expect(clippy::cast_possible_truncation, reason = "f32 is accurate enough")]
     pub(crate) fn fill(&mut self, rays: impl ExactSizeIterator<Item = (DVec3, f64)>) {
@@ -35,9 +36,9 @@ impl<const N: usize> Bundle<N> {
         self.reaches[len..].fill(-1.0);
     }
 
-    /// Marks the rays below the horizon of `normal` as answered.
+    /// Marks the rays below the horizon of `normal` as decided.
     #[inline(always)]
-    pub(crate) fn answer_below<S: Simd>(&mut self, simd: S, normal: Vec3) {
+    pub(crate) fn decide_below<S: Simd>(&mut self, simd: S, normal: Vec3) {
         for v in 0..N / S::F32_LANES {
             let rays = self.rays::<S>(v);
             let below =
@@ -46,20 +47,20 @@ impl<const N: usize> Bundle<N> {
         }
     }
 
-    /// The rays of vector `v`.
+    /// Returns the rays of vector `v`.
     #[inline(always)]
     pub(crate) fn rays<S: Simd>(&self, v: usize) -> Rays<S> {
         let dirs = self.dirs.each_ref().map(|lane| S::as_simd_f32s(lane).0[v]);
         Rays { dirs, reaches: S::as_simd_f32s(&self.reaches).0[v] }
     }
 
-    /// Puts back which of the rays of vector `v` have been answered.
+    /// Stores which of the rays of vector `v` are decided.
     #[inline(always)]
     pub(crate) fn set<S: Simd>(&mut self, v: usize, rays: Rays<S>) {
         S::as_mut_simd_f32s(&mut self.reaches).0[v] = rays.reaches;
     }
 
-    /// Sets `occluded[i]` if ray i has been answered.
+    /// Sets `occluded[i]` if ray i is decided.
     #[inline(always)]
     pub(crate) fn report(&self, occluded: &mut [bool]) {
         for (occluded, &reach) in occluded.iter_mut().zip(&self.reaches) {
@@ -69,7 +70,7 @@ impl<const N: usize> Bundle<N> {
 }
 
 impl<S: Simd> Rays<S> {
-    /// These rays, those of the mask marked as answered.
+    /// Returns the rays, with those in the mask marked as decided.
     #[inline(always)]
     pub(crate) fn without(self, simd: S, mask: S::m32s) -> Self {
         let reaches = simd.select_f32s(mask, simd.splat_f32s(-1.0), self.reaches);
@@ -77,13 +78,13 @@ impl<S: Simd> Rays<S> {
     }
 
     #[inline(always)]
-    pub(crate) fn all_answered(&self, simd: S) -> bool {
+    pub(crate) fn all_decided(&self, simd: S) -> bool {
         let open = simd.greater_than_or_equal_f32s(self.reaches, simd.splat_f32s(0.0));
         simd.first_true_m32s(open) == S::F32_LANES
     }
 }
 
-/// The dot product of each direction with `v`, and `offset` more.
+/// Returns the dot product of each direction with `v`, plus `offset`.
 #[inline(always)]
 pub(crate) fn dot<S: Simd>(simd: S, dirs: &[S::f32s; 3], v: Vec3, offset: f32) -> S::f32s {
     let xs = simd.mul_add_e_f32s(dirs[0], simd.splat_f32s(v.x), simd.splat_f32s(offset));

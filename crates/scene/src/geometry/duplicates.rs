@@ -2,10 +2,10 @@ use std::collections::HashMap;
 
 use glam::DVec3;
 
-/// Takes out the triangles whose three corners are at the places of those of one before, in any order.
+/// Removes triangles whose three corners coincide with those of an earlier triangle, in any order.
 pub(crate) fn remove_duplicates(vertices: &[DVec3], faces: &mut Vec<[u32; 3]>) {
     let key = |face: &[u32; 3]| {
-        // The two zeros are one place.
+        // The two zeros are the same coordinate.
         let mut places = face.map(|v| vertices[v as usize].to_array().map(|x| (x + 0.0).to_bits()));
         places.sort_unstable();
         places

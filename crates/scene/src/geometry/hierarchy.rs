@@ -4,19 +4,20 @@ use obvhs::cwbvh::bvh2_to_cwbvh::bvh2_to_cwbvh;
 use crate::geometry::bounds::Bounds;
 use crate::geometry::partition::binary_tree;
 
-/// Children of a node.
+/// The number of children of a node.
 pub(crate) const WIDTH: usize = 8;
-/// Triangles of a leaf: a node has room for three.
+/// The maximum number of triangles in a leaf, limited by the two bits that a node stores.
 const MAX_LEAF: u32 = 3;
 
-/// A hierarchy of boxes over triangles, each node with up to eight children (Ylitie, Karras and Laine 2017).
+/// A bounding-volume hierarchy over triangles, with up to eight children per node (Ylitie, Karras
+/// and Laine 2017).
 ///
-/// The boxes of children are stored as whole multiples of powers of two from the node's corner. The corner is in f64, so
-/// that small things are resolved on large ground.
+/// The boxes of children are stored as integer multiples of powers of two from the node's corner.
+/// The corner is in f64, so that small objects on a large ground are resolved.
 #[derive(Clone, Debug)]
 pub(crate) struct Hierarchy {
     pub(crate) nodes: Box<[Node]>,
-    /// For each place of a triangle in the hierarchy, its number in the list that it was made from.
+    /// For each place of a triangle in the hierarchy, its index in the input list.
     pub(crate) order: Box<[u32]>,
 }
 
@@ -24,46 +25,46 @@ pub(crate) struct Hierarchy {
 #[derive(Clone, Copy, Debug)]
 #[repr(align(32))]
 pub(crate) struct Node {
-    /// The corner of smallest coordinates.
+    /// The corner with the smallest coordinates.
     pub(crate) base: DVec3,
-    /// What a unit of the children's bounds is along each axis.
+    /// The length of a unit of the children's bounds along each axis.
     pub(crate) extent: [f32; 3],
     first_node: u32,
     first_triangle: u32,
     /// Bounds of the children along each axis, rounded outwards.
     pub(crate) min: [[u8; WIDTH]; 3],
     pub(crate) max: [[u8; WIDTH]; 3],
-    /// Two bits for each child: how many triangles it has, 0 if it is a node or is not there.
+    /// Two bits per child: its number of triangles, or 0 if it is a node or absent.
     sizes: u16,
-    /// A bit for each child that is a node.
+    /// One bit per child: set if it is a node.
     inner: u8,
 }
 
-/// What a child is.
+/// The kind of a child.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Child {
     Node(u32),
     Triangles { first: usize, count: usize },
 }
 
-/// The largest bound of a child.
+/// The largest value of a child's bound.
 const FULL: f64 = 255.0;
 
-/// Units are no smaller, so that boxes enlarged by a part of a unit hold what the roundings of directions along their
-/// planes amount to.
+/// The minimum length of a unit. Boxes enlarged by a part of a unit then cover the rounding of
+/// directions along their planes.
 const MIN_EXTENT: f64 = 1.0 / (1u64 << 35) as f64;
 
 impl Hierarchy {
-    /// The hierarchy over boxes, in coordinates in which the whole is of size 2^16 or so.
+    /// Builds the hierarchy over boxes, in coordinates in which the whole has a size of about 2^16.
     ///
-    /// The kept crate makes a wide tree of the binary one and sorts children by octants; its boxes, in f32 of the whole,
-    /// are replaced.
+    /// The bvh crate builds the wide tree from the binary one and sorts children by octants; its
+    /// boxes, in f32 relative to the whole, are replaced.
     pub(crate) fn new(boxes: &[Bounds]) -> Self {
         let wide = bvh2_to_cwbvh(&binary_tree(boxes), MAX_LEAF, true, false);
         let order = wide.primitive_indices;
         let mut nodes = vec![Node::EMPTY; wide.nodes.len()];
         let mut bounds = vec![Bounds::NONE; wide.nodes.len()];
-        // Children come after their parents.
+        // Children have larger indices than their parents.
         for (index, wide) in wide.nodes.iter().enumerate().rev() {
             let mut children = [Bounds::NONE; WIDTH];
             let mut sizes = 0;
@@ -95,18 +96,19 @@ impl Hierarchy {
 }
 
 impl Hierarchy {
-    /// Calls `visit` with ranges of triangles whose boxes a ray may meet, the nearer ones first as far as that is
-    /// known; what is farther than what `visit` answers, in lengths of `dir`, may be left out from then on.
+    /// Calls `visit` with ranges of triangles whose boxes a ray may intersect, approximately from
+    /// near to far. `visit` returns a distance in lengths of `dir`; boxes beyond it may be skipped
+    /// from then on.
     ///
-    /// Boxes are enlarged by what rounding may do to corners as a [`WatertightRay`](crate::geometry::ray::WatertightRay) sees
-    /// them.
+    /// Boxes are enlarged to cover the rounding of corners in
+    /// [`WatertightRay`](crate::geometry::ray::WatertightRay).
     pub(crate) fn visit_along(
         &self,
         origin: DVec3,
         dir: DVec3,
         mut visit: impl FnMut(usize, usize) -> f64,
     ) {
-        // Not infinite, so that the product with 0 is a number.
+        // Finite, so that the product with 0 is not NaN.
         let inverse = DVec3::from_array(
             dir.to_array().map(|d| 1.0 / if d.abs() < MIN_COMPONENT { MIN_COMPONENT } else { d }),
         );
@@ -137,7 +139,7 @@ impl Hierarchy {
                 let a = (bound(&node.min) - slack) * inverse;
                 let b = (bound(&node.max) + slack) * inverse;
                 let enter = a.min(b).max_element().max(0.0);
-                // What roundings of products may add.
+                // Covers the rounding of products.
                 let enter = enter * (1.0 - 4.0 * f64::EPSILON);
                 if enter <= a.max(b).min_element() && enter <= farthest {
                     stack.push((enter, child));
@@ -148,13 +150,14 @@ impl Hierarchy {
     }
 }
 
-/// What boxes are enlarged by on every side, in units of their node: far more than rounding them to units is off.
+/// The enlargement of boxes on every side, in units of their node: much more than their rounding to
+/// units.
 pub(crate) const SLACK: f32 = 1.0 / 32.0;
 
-/// Roundings by which a corner may be off across a ray, in units of its distance from the origin.
+/// The rounding of a corner's position across a ray, in units of its distance from the origin.
 const ROUNDINGS: f64 = 8.0;
 
-/// Smaller components of directions are taken for this.
+/// The minimum absolute value of a direction's component; smaller ones are replaced by it.
 const MIN_COMPONENT: f64 = 1e-100;
 
 impl Node {
@@ -169,7 +172,7 @@ impl Node {
         inner: 0,
     };
 
-    /// A node with the boxes of its children; those of no points are not there.
+    /// Returns a node with the boxes of its children; empty boxes are absent children.
     #[expect(
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,
@@ -186,7 +189,8 @@ impl Node {
             }
             node.extent[axis] = extent as f32;
             for (i, child) in children.iter().enumerate().filter(|(_, child)| !child.is_empty()) {
-                // The differences are off by a rounding, which is nothing beside what boxes are enlarged by.
+                // The rounding of the differences is negligible compared with the enlargement of
+                // boxes.
                 let place = |x: f64| (x - whole.min[axis]) / extent;
                 node.min[axis][i] = place(child.min[axis]).floor().clamp(0.0, FULL) as u8;
                 node.max[axis][i] = place(child.max[axis]).ceil().clamp(0.0, FULL) as u8;
@@ -195,7 +199,7 @@ impl Node {
         node
     }
 
-    /// What is at a place, if anything.
+    /// Returns the child at a place, if present.
     #[inline(always)]
     pub(crate) fn child(&self, place: usize) -> Option<Child> {
         let before = (1u32 << place) - 1;
@@ -213,7 +217,7 @@ impl Node {
         Some(Child::Triangles { first, count })
     }
 
-    /// Whether there is anything at a place.
+    /// Returns whether there is a child at a place.
     #[inline(always)]
     pub(crate) fn has_child(&self, place: usize) -> bool {
         self.inner & 1 << place != 0 || self.sizes >> (2 * place) & 3 != 0

@@ -2,23 +2,24 @@ use glam::DVec3;
 
 use crate::Quad;
 
-/// Where a ray meets a surface.
+/// An intersection of a ray with a surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hit {
     /// The point on the surface.
     pub position: DVec3,
     /// The surface's unit normal, on the side that the ray came from: `normal . dir <= 0`.
     ///
-    /// It is the normal of the plane of the quadrilateral or triangle; normals of a file are not used.
+    /// It is the normal of the plane of the quadrilateral or triangle; normals in a file are
+    /// ignored.
     pub normal: DVec3,
-    /// Distance from the ray's origin.
+    /// The distance from the ray's origin.
     pub distance: f64,
-    /// The number of the quadrilateral or triangle in the order they were given, from 0.
+    /// The 0-based number of the quadrilateral or triangle in input order.
     pub primitive: usize,
 }
 
 impl Hit {
-    /// The hit on a plane with this unit normal, on either side of it.
+    /// Returns the hit on a plane with this unit normal, on either side of it.
     pub(crate) fn new(
         position: DVec3,
         dir: DVec3,
@@ -31,25 +32,26 @@ impl Hit {
     }
 }
 
-/// How far rays from a point reach; what is at that distance or nearer is met.
+/// The reach of rays from a point. Surfaces at that distance or closer are intersected.
 #[derive(Clone, Copy, Debug)]
 pub enum Reach<'a> {
-    /// All rays this far; `f64::INFINITY` means without end. Nothing is within 0, a negative distance or NaN.
+    /// All rays have this reach; `f64::INFINITY` means no limit. A reach of 0, a negative reach and
+    /// NaN include nothing.
     Within(f64),
-    /// Each ray to its own distance, in the order of the directions.
+    /// A separate reach for each ray, in the order of the directions.
     Each(&'a [f64]),
-    /// Each ray to its own distance, but what is in the plane of a lamp or behind it is not met: rays to a lamp, which may
-    /// reach a little beyond it for rounding's sake.
+    /// A separate reach for each ray to a lamp. Surfaces in the plane of the lamp or behind it are
+    /// not intersected, so the reach may extend slightly beyond the lamp to cover rounding.
     ToLamp {
-        /// The lamp, which shines along its normal.
+        /// The lamp, which emits along its normal.
         lamp: &'a Quad,
-        /// A distance for each ray, in the order of the directions.
+        /// The distance for each ray, in the order of the directions.
         distances: &'a [f64],
     },
 }
 
 impl Reach<'_> {
-    /// The distance of a ray, given by its number.
+    /// Returns the distance of a ray with this number.
     pub(crate) fn of(&self, ray: usize) -> f64 {
         match *self {
             Self::Within(distance) => distance,
@@ -57,7 +59,7 @@ impl Reach<'_> {
         }
     }
 
-    /// What is not in front of this is not met.
+    /// Returns the half space outside which nothing is intersected.
     pub(crate) fn front(&self) -> Option<Front> {
         match self {
             Self::ToLamp { lamp, .. } => {
@@ -75,11 +77,13 @@ pub(crate) struct Front {
     normal: DVec3,
 }
 
-/// Roundings of the coordinates of corners in a plane, in units of the largest: some for each of three.
+/// The rounding of the coordinates of corners in a plane, in units of the largest coordinate, for
+/// all three components.
 const IN_PLANE: f64 = 16.0 * f64::EPSILON;
 
 impl Front {
-    /// Whether a polygon reaches into it, by more than roundings of its corners.
+    /// Returns whether a polygon extends into the half space by more than the rounding of its
+    /// corners.
     pub(crate) fn holds_part_of(&self, corners: &[DVec3]) -> bool {
         corners.iter().any(|&corner| {
             let size = corner.abs().max(self.point.abs()).max_element();

@@ -11,13 +11,13 @@ use crate::geometry::stream::Stream;
 use crate::geometry::triangles::Triangles;
 use crate::{Error, Hit, MAX_COORDINATE, Reach};
 
-/// Triangles with a hierarchy over them.
+/// Triangles with a bounding-volume hierarchy.
 ///
 /// Normals are those of the triangles' planes.
 #[derive(Clone, Debug)]
 pub struct Mesh {
     pub(crate) triangles: Triangles,
-    /// For each triangle in the order given its place in the hierarchy's order.
+    /// The place in the hierarchy's order of each triangle in input order.
     places: Box<[u32]>,
     bounds: Bounds,
     pub(crate) hierarchy: Hierarchy,
@@ -26,28 +26,33 @@ pub struct Mesh {
 
 const MAX_TRIANGLES: usize = 1 << 28;
 
-/// Size of the mesh in the hierarchy's coordinates, at most: products of lengths are numbers in f32.
+/// The maximum size of the mesh in the hierarchy's coordinates, chosen such that products of
+/// lengths do not overflow in f32.
 const SIZE: f64 = (1u32 << 16) as f64;
 
-/// Steps of f64 along the size of a mesh, at least: what is farther from 0 has no shape left.
+/// The minimum number of f64 steps along the size of a mesh; meshes farther from the origin have
+/// lost their shape to rounding.
 const MIN_STEPS: f64 = (1u32 << 12) as f64;
 
 impl Mesh {
-    /// The mesh of triangles given by the numbers of their vertices, from 0.
+    /// Builds the mesh of triangles given by 0-based vertex indices.
     ///
-    /// Triangles without area are left out, as are those with no coordinates that differ by 1e-100 or more, and those
-    /// whose corners are at the same places as those of one before; [`Hit::primitive`] counts the others in their
-    /// order.
+    /// Triangles without area are left out. So are triangles in which no two coordinates differ by
+    /// at least 1e-100, and triangles whose corners coincide with those of an earlier one.
+    /// [`Hit::primitive`] counts the remaining triangles in input order.
     ///
     /// # Errors
-    /// [`Error::Vertex`] if a coordinate that is used is not finite or beyond 1e100, [`Error::FaceIndex`] if there is no
-    /// vertex of a given number, [`Error::NoTriangles`] if no triangle has an area, [`Error::TooFar`] if
-    /// the mesh is so far from 0 that coordinates have fewer than 4096 steps along it,
-    /// [`Error::TooManyTriangles`] for more than 2^28.
+    ///
+    /// Returns [`Error::Vertex`] if a coordinate that is used is not finite or beyond 1e100,
+    /// [`Error::FaceIndex`] if a vertex index is out of range, [`Error::NoTriangles`] if no
+    /// triangle has an area, [`Error::TooFar`] if the mesh is so far from the origin that its size
+    /// is fewer than 4096 steps of its coordinates, and [`Error::TooManyTriangles`] for more than
+    /// 2^28 triangles.
     ///
     /// # Performance
-    /// Makes the hierarchy: some microseconds a triangle, of which about 90 bytes stay for each. The time is of order
-    /// n log n for any shape.
+    ///
+    /// Building the hierarchy takes several microseconds per triangle and about 90 bytes of memory.
+    /// The time is of order n log n for any shape.
     pub fn new(vertices: Vec<DVec3>, faces: Vec<[u32; 3]>) -> Result<Self, Error> {
         let n_faces = faces.len();
         if n_faces > MAX_TRIANGLES {
@@ -59,7 +64,7 @@ impl Mesh {
             let Some(p) = vertices.get(vertex as usize) else {
                 return Err(Error::FaceIndex { face, vertex, n_vertices: vertices.len() });
             };
-            // Not NaN either, of which the maximum would know nothing.
+            // This rejects NaN too, which a maximum would ignore.
             if !p.to_array().iter().all(|x| x.abs() <= MAX_COORDINATE) {
                 return Err(Error::Vertex { vertex, x: p.x, y: p.y, z: p.z });
             }
@@ -88,20 +93,21 @@ impl Mesh {
         Ok(Self { triangles, places: places.into(), bounds, hierarchy, arch: Arch::new() })
     }
 
-    /// Number of different triangles that have an area.
+    /// Returns the number of distinct triangles that have an area.
     pub fn n_triangles(&self) -> usize {
         self.places.len()
     }
 
-    /// The smallest box around the triangles.
+    /// Returns the smallest box around the triangles.
     pub fn bounds(&self) -> Bounds {
         self.bounds
     }
 
-    /// The corners of a triangle.
+    /// Returns the corners of a triangle.
     ///
     /// # Panics
-    /// If `index` is not below [`Self::n_triangles`].
+    ///
+    /// Panics if `index` is not below [`Self::n_triangles`].
     pub fn triangle(&self, index: usize) -> [DVec3; 3] {
         self.triangles.corners(self.places[index] as usize)
     }
@@ -115,7 +121,7 @@ impl Mesh {
             for place in first..first + count {
                 let Some(meeting) = ray.meet(self.triangles.corners(place)) else { continue };
                 let number = self.hierarchy.order[place] as usize;
-                // Of triangles at one distance the first in the list.
+                // Of several triangles at the same distance, the first in the list is returned.
                 let is_nearer =
                     best.is_none_or(|(b, n)| (meeting.distance, number) < (b.distance, n));
                 if is_nearer {
@@ -127,12 +133,13 @@ impl Mesh {
         let (Meeting { distance, weights: [v, w] }, primitive) = best?;
         let [a, b, c] = self.triangle(primitive);
         let normal = normal_of([a, b, c])?;
-        // On the triangle to a rounding of its coordinates, however far away the origin is.
+        // On the triangle up to the rounding of its coordinates, however far away the origin is.
         let position = a + v * (b - a) + w * (c - a);
         Some(Hit::new(position, dir, distance, normal, primitive))
     }
 
-    /// See [`Scene::occlusion_into`](crate::Scene::occlusion_into); `origin` is clear of the surface.
+    /// See [`Scene::occlusion_into`](crate::Scene::occlusion_into); `origin` is clear of the
+    /// surface.
     pub(crate) fn occlusion_into(
         &self,
         origin: DVec3,
@@ -145,7 +152,7 @@ impl Mesh {
         let scale = self.triangles.scale;
         let rays = order.iter().map(|&i| (dirs[i as usize], reach.of(i as usize) * scale));
         let rays = rays.collect::<Vec<_>>();
-        let mut answers = vec![false; dirs.len()];
+        let mut results = vec![false; dirs.len()];
         self.arch.dispatch(Stream {
             nodes: &self.hierarchy.nodes,
             triangles: &self.triangles,
@@ -153,15 +160,16 @@ impl Mesh {
             normal,
             front: reach.front(),
             rays: &rays,
-            occluded: &mut answers,
+            occluded: &mut results,
         });
-        for (&i, &answer) in order.iter().zip(&answers) {
-            occluded[i as usize] = answer;
+        for (&i, &result) in order.iter().zip(&results) {
+            occluded[i as usize] = result;
         }
     }
 }
 
-/// The unit normal of a triangle, on the side from which the corners are counterclockwise, if it has an area.
+/// Returns the unit normal of a triangle, on the side from which the corners are counterclockwise,
+/// or `None` if it has no area.
 fn normal_of([a, b, c]: [DVec3; 3]) -> Option<DVec3> {
     normal_between(b - a, c - a)
 }

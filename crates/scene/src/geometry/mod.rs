@@ -1,4 +1,4 @@
-//! Walls, meshes and what rays meet of them.
+//! Walls, meshes and ray intersections.
 
 pub(crate) mod bounds;
 pub(crate) mod bundle;

@@ -1,17 +1,18 @@
 use glam::DVec3;
 
-/// Cells of an octant along each of its two coordinates.
+/// The number of cells of an octant along each of its two coordinates.
 const CELLS: f64 = 256.0;
-/// Above the interleaved bits of two numbers up to `CELLS`.
+/// The position above the interleaved bits of two numbers up to `CELLS`.
 const OCTANT_BIT: u32 = 20;
 
-/// The numbers of the directions in an order in which those in succession are near each other: octant by octant, and
-/// within an octant along Morton's curve in the plane `|x| + |y| + |z| = 1`.
+/// Returns the indices of the directions in a coherent order, in which successive directions are
+/// close to each other: octant by octant, and within an octant along Morton's curve in the plane
+/// `|x| + |y| + |z| = 1`.
 pub(crate) fn coherent_order(dirs: &[DVec3]) -> Vec<u32> {
     let mut keys = Vec::with_capacity(dirs.len());
     #[expect(
         clippy::cast_possible_truncation,
-        reason = "memory for so many directions cannot be had"
+        reason = "there is not enough memory for that many directions"
     )]
     keys.extend(dirs.iter().enumerate().map(|(i, &dir)| key(dir) << 32 | u64::from(i as u32)));
     keys.sort_unstable();
@@ -34,7 +35,7 @@ fn key(dir: DVec3) -> u64 {
         | interleave((y * per_cell) as u32)
 }
 
-/// The bits of a number of 16 bits, with a 0 before each.
+/// Returns the bits of a 16-bit number with a 0 inserted before each.
 fn interleave(x: u32) -> u64 {
     let x = (x | x << 8) & 0x00ff_00ff;
     let x = (x | x << 4) & 0x0f0f_0f0f;

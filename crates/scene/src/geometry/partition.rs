@@ -5,17 +5,17 @@ use obvhs::bvh2::node::Bvh2Node;
 
 use crate::geometry::bounds::Bounds;
 
-/// Intervals of centres that are told apart when a range is split.
+/// The number of intervals of centres that are distinguished when a range is split.
 const BINS: usize = 16;
-/// Depth from which on ranges are split into halves: no order of sizes makes the tree deep, and the time for it is
-/// n log n.
+/// The depth from which ranges are split into halves by count. No distribution of sizes then makes
+/// the tree deep, and the time is n log n.
 const MAX_DEPTH: usize = 64;
 
-/// The binary tree over boxes, each leaf a single one.
+/// Returns the binary tree over boxes; each leaf is a single box.
 pub(crate) fn binary_tree(boxes: &[Bounds]) -> Bvh2 {
     let mut partition = Partition::new(boxes);
     let whole = partition.part(0, boxes.len());
-    // In f32, for areas only; the middle keeps them accurate.
+    // In f32, for areas only; the coordinates relative to the centre keep them accurate.
     let center = whole.bounds.center();
     let node = |part: &Part, first_child: usize| {
         let [min, max] = [part.bounds.min, part.bounds.max].map(|p| (p - center).as_vec3a());
@@ -47,7 +47,7 @@ fn index_of(length: usize) -> u32 {
     length as u32
 }
 
-/// Boxes that are sorted into ranges.
+/// Boxes to be sorted into ranges.
 #[derive(Debug)]
 struct Partition<'a> {
     boxes: &'a [Bounds],
@@ -78,8 +78,8 @@ impl<'a> Partition<'a> {
         Part { start, end, bounds: boxes.fold(Bounds::NONE, Bounds::and) }
     }
 
-    /// Splits a range where the areas of the two boxes times their members are least, or by count if centres coincide
-    /// or `by_area` is not set.
+    /// Splits a range where the sum over the two parts of area times number of members is smallest,
+    /// or by count if the centres coincide or `by_area` is not set.
     fn halves(&mut self, part: Part, by_area: bool) -> [Part; 2] {
         let members = &mut self.order[part.start..part.end];
         let centers = members.iter().map(|&i| self.boxes[i as usize].center());
@@ -89,7 +89,7 @@ impl<'a> Partition<'a> {
         let middle = match best {
             Some((axis, plane)) => {
                 let bin = |i: u32| bin_of(&boxes[i as usize], &around, axis);
-                // Stable, so that the order is that of the list.
+                // A stable partition, so that the order is that of the list.
                 let (mut left, right): (Vec<u32>, Vec<u32>) =
                     members.iter().partition(|&&i| bin(i) < plane);
                 let middle = left.len();
@@ -114,7 +114,8 @@ impl<'a> Partition<'a> {
     }
 }
 
-/// The axis and the first bin on the upper side of the best plane; `None` if all centres coincide.
+/// Returns the axis and the first bin on the upper side of the best plane; `None` if all centres
+/// coincide.
 fn best_plane(boxes: &[Bounds], members: &[u32], around: &Bounds) -> Option<(usize, usize)> {
     let mut best: Option<(f64, usize, usize)> = None;
     for axis in 0..3 {

@@ -2,13 +2,13 @@ use glam::DVec3;
 
 use crate::{Error, MAX_COORDINATE};
 
-/// Corners may be this far from their plane, in lengths of the longer diagonal: what remains of data
-/// with six digits.
+/// The maximum distance of corners from their plane, in lengths of the longer diagonal: the
+/// rounding of data with six digits.
 const FLATNESS: f64 = 1e-6;
-/// Products of three coordinates stay above the smallest number.
+/// The minimum length, above which products of three coordinates do not underflow.
 const MIN_SIZE: f64 = 1e-100;
 
-/// A plane convex quadrilateral: a wall, the side of a block, or a light.
+/// A plane convex quadrilateral: a wall, a side of a block, or a light.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Quad {
     corners: [DVec3; 4],
@@ -16,76 +16,82 @@ pub struct Quad {
 }
 
 impl Quad {
-    /// The quadrilateral with these corners, in turn around it.
+    /// Creates the quadrilateral with these corners, in order around it.
     ///
     /// # Errors
-    /// [`Error::Quad`] if the corners are not finite or beyond 1e100, not in a plane (to 1e-6 of the diagonal), or
-    /// not in turn around a convex shape with an area. Three corners may lie on a line.
+    ///
+    /// Returns [`Error::Quad`] if the corners are not finite or beyond 1e100, not in a plane (to
+    /// 1e-6 of the diagonal), or not in order around a convex shape with an area. Three corners may
+    /// be collinear.
     pub fn new(corners: [DVec3; 4]) -> Result<Self, Error> {
-        let refuse = |expected| Err(Error::Quad { expected });
+        let reject = |expected| Err(Error::Quad { expected });
         if !corners.iter().flat_map(|c| c.to_array()).all(|x| x.abs() <= MAX_COORDINATE) {
-            return refuse("of finite coordinates within 1e100");
+            return reject("finite coordinates within 1e100");
         }
         let [a, b, c, d] = corners;
         let Some(normal) = normal_between(c - a, d - b) else {
-            return refuse("of some area");
+            return reject("a positive area");
         };
         let size = (c - a).length().max((d - b).length());
         if (b - a).dot(normal).abs() > FLATNESS * size {
-            return refuse("plane");
+            return reject("four corners in a plane");
         }
         let turns = [a, b, c, d].into_iter().zip([b, c, d, a]).zip([c, d, a, b]);
         for ((before, corner), after) in turns {
             if (corner - before).cross(after - corner).dot(normal) < -f64::EPSILON * size * size {
-                return refuse("convex, its corners in turn around it");
+                return reject("a convex shape with its corners in order");
             }
         }
         Ok(Self { corners, normal })
     }
 
-    /// The corners in turn.
+    /// Returns the corners in order.
     pub fn corners(&self) -> [DVec3; 4] {
         self.corners
     }
 
-    /// The unit normal, on the side from which the corners are counterclockwise.
+    /// Returns the unit normal, on the side from which the corners are counterclockwise.
     pub fn normal(&self) -> DVec3 {
         self.normal
     }
 
-    /// The area.
+    /// Returns the area.
     pub fn area(&self) -> f64 {
         let [a, b, c, d] = self.corners;
         0.5 * (c - a).cross(d - b).length()
     }
 
-    /// The point at `(u, v)` of the unit square: corners 0 and 1 at `(0, 0)` and `(1, 0)`, 2 and 3 at `(1, 1)`
-    /// and `(0, 1)`, bilinear between them. Of a parallelogram equal areas have equal areas.
+    /// Returns the point at `(u, v)` of the unit square by bilinear interpolation: corners 0 and 1
+    /// are at `(0, 0)` and `(1, 0)`, corners 2 and 3 at `(1, 1)` and `(0, 1)`. For a parallelogram
+    /// the map preserves ratios of areas.
     pub fn point(&self, u: f64, v: f64) -> DVec3 {
         let [a, b, c, d] = self.corners;
         a.lerp(b, u).lerp(d.lerp(c, u), v)
     }
 
-    /// The distance, in lengths of `dir`, at which a ray meets the quadrilateral from either side, edges included.
+    /// Returns the distance, in lengths of `dir`, at which a ray meets the quadrilateral from
+    /// either side, edges included.
     ///
-    /// `None` for rays in its plane and for those that start there.
+    /// Returns `None` for rays in its plane and for rays that start there.
     pub fn intersect(&self, origin: DVec3, dir: DVec3) -> Option<f64> {
         meet(self.corners.map(|c| c - origin), self.normal, dir)
     }
 }
 
-/// The unit normal of the plane of two vectors; `None` if they are parallel or shorter than 1e-100.
+/// Returns the unit normal of the plane of two vectors; `None` if they are parallel or shorter than
+/// 1e-100.
 pub(crate) fn normal_between(u: DVec3, v: DVec3) -> Option<DVec3> {
     let size = u.abs().max(v.abs()).max_element();
-    // Lengths of order 1 have squares that are numbers.
+    // The squares of lengths of order 1 neither overflow nor underflow.
     (size >= MIN_SIZE).then(|| (u / size).cross(v / size).try_normalize())?
 }
 
-/// The distance at which a ray from 0 meets the convex polygon with these corners.
+/// Returns the distance at which a ray from 0 meets the convex polygon with these corners.
 ///
-/// A direction d meets it if it lies in the cone over the polygon, on the same side of all planes through 0 and an
-/// edge: `d . (a x b) >= 0`. The plane is computed as `(a + b) x (b - a)`, which is `2 a x b` with less cancellation
-/// and exactly opposite in the neighbour that has the edge the other way around: no ray passes between.
+/// A direction d meets it if it lies in the cone over the polygon, on the same side of all planes
+/// through 0 and an edge: `d . (a x b) >= 0`. The plane is computed as `(a + b) x (b - a)`, which
+/// equals `2 a x b` with less cancellation and is exactly opposite for the neighbour that has the
+/// edge in the other direction: no ray passes between them.
 pub(crate) fn meet<const N: usize>(corners: [DVec3; N], normal: DVec3, dir: DVec3) -> Option<f64> {
     let height = normal.dot(corners[0]);
     let side = height.signum();
@@ -102,7 +108,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn shapes_that_are_not_plane_and_convex_are_refused() {
+    fn shapes_that_are_not_plane_and_convex_are_rejected() {
         let [o, x, y, z] = [DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z];
         assert!(Quad::new([o, x, x + y, y]).is_ok());
         assert!(Quad::new([o, x, 2.0 * x, y]).is_ok(), "a triangle with a corner on its side");

@@ -6,16 +6,16 @@ use crate::geometry::bundle::Bundle;
 use crate::geometry::cone::{CLOSE, Cone, NEAR};
 use crate::{Error, Hit, Quad, Reach};
 
-/// A handful of quadrilaterals, every one of them tested for every ray.
+/// A small number of quadrilaterals, each tested for every ray.
 #[derive(Clone, Debug)]
 pub(crate) struct Quads {
     quads: Box<[Quad]>,
-    /// What lengths are multiplied by so that they are of order 1.
+    /// The factor that scales lengths to order 1.
     scale: f64,
     arch: Arch,
 }
 
-/// Polygons and rays that are on the stack at a time.
+/// The number of polygons and rays that are on the stack at a time.
 const ROUND: usize = 32;
 const BUNDLE: usize = 64;
 
@@ -42,12 +42,13 @@ impl Quads {
         let (primitive, distance) = meetings.min_by(|a, b| a.1.total_cmp(&b.1))?;
         let quad = &self.quads[primitive];
         let position = origin + distance * dir;
-        // In the plane to a rounding of coordinates, however far away the origin is.
+        // In the plane up to the rounding of coordinates, however far away the origin is.
         let height = (position - quad.corners()[0]).dot(quad.normal());
         Some(Hit::new(position - height * quad.normal(), dir, distance, quad.normal(), primitive))
     }
 
-    /// See [`Scene::occlusion_into`](crate::Scene::occlusion_into); `origin` is clear of the surface.
+    /// See [`Scene::occlusion_into`](crate::Scene::occlusion_into); `origin` is clear of the
+    /// surface.
     pub(crate) fn occlusion_into(
         &self,
         origin: DVec3,
@@ -84,7 +85,7 @@ impl WithSimd for Occlusion<'_> {
         let mut bundle = Bundle::<BUNDLE>::new();
         let mut cones = [Cone::<4>::UNSET; ROUND];
         let near = NEAR * (origin.abs().max_element() * scene.scale + 1.0);
-        // A quadrilateral through the point has two cones.
+        // A quadrilateral that contains the point has two cones.
         for quads in scene.quads.chunks(ROUND / 2) {
             let mut n_cones = 0;
             for quad in quads {
@@ -122,12 +123,12 @@ impl WithSimd for Occlusion<'_> {
                         bundle.fill(rays.map(|(&dir, distance)| (dir, distance * scene.scale)));
                     }
                 }
-                bundle.answer_below(simd, normal.as_vec3());
+                bundle.decide_below(simd, normal.as_vec3());
                 for v in 0..occluded.len().div_ceil(S::F32_LANES) {
                     let mut rays = bundle.rays(v);
                     for cone in &cones[..n_cones] {
                         rays = rays.without(simd, cone.meet(simd, &rays));
-                        if rays.all_answered(simd) {
+                        if rays.all_decided(simd) {
                             break;
                         }
                     }

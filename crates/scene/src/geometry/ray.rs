@@ -4,32 +4,32 @@ use glam::DVec3;
 
 use crate::geometry::height::{HEIGHT_ROUNDING, exact_height};
 
-/// A ray that meets every closed surface that it passes through: none is lost between triangles that share a side or a
-/// corner (Woop, Benthin and Wald 2013).
+/// A ray that intersects every closed surface that it passes through: none is lost between
+/// triangles that share a side or a corner (Woop, Benthin and Wald 2013).
 ///
-/// Corners are sheared so that the ray runs along an axis. What a corner becomes does not depend on the triangle that it
-/// belongs to, and the signs of areas in the plane are exact, so that triangles that share corners there leave
-/// no point between them uncovered.
+/// Corners are sheared so that the ray runs along an axis. The transformed corner does not depend
+/// on the triangle that it belongs to, and the signs of areas in the plane are exact. Triangles
+/// that share corners therefore leave no point between them uncovered.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct WatertightRay {
     origin: DVec3,
-    /// The axis along which the direction is longest, and the two others.
+    /// The axis of the largest component of the direction, and the two others.
     axes: [usize; 3],
     shear: [f64; 2],
     along: f64,
 }
 
-/// Where a ray meets a triangle.
+/// The intersection of a ray with a triangle.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Meeting {
-    /// In lengths of the direction.
+    /// The distance in lengths of the direction.
     pub(crate) distance: f64,
-    /// The shares of the second and third corner in the point.
+    /// The barycentric coordinates of the point for the second and third corner.
     pub(crate) weights: [f64; 2],
 }
 
 impl WatertightRay {
-    /// `dir` is of a length that can be computed.
+    /// Returns the length of `dir` must be neither zero nor out of range.
     pub(crate) fn new(origin: DVec3, dir: DVec3) -> Self {
         let z = dir.abs().max_position();
         let [x, y] = [(z + 1) % 3, (z + 2) % 3];
@@ -37,27 +37,29 @@ impl WatertightRay {
         Self { origin, axes: [z, x, y], shear: [dir[x] / along, dir[y] / along], along }
     }
 
-    /// The corner relative to the ray: across it, and along the axis.
+    /// Returns the corner relative to the ray: across it, and along the axis.
     fn place(&self, corner: DVec3) -> ([f64; 2], f64) {
         let [z, x, y] = self.axes.map(|axis| corner[axis] - self.origin[axis]);
         ([x - self.shear[0] * z, y - self.shear[1] * z], z)
     }
 
-    /// Where the ray meets the triangle, its sides included, ahead of the origin.
+    /// Returns the intersection of the ray with the triangle, its sides included, ahead of the
+    /// origin.
     ///
-    /// `None` for triangles that are edge on, and for those whose plane the origin is in.
+    /// Returns `None` for triangles seen edge-on, and for triangles whose plane contains the
+    /// origin.
     pub(crate) fn meet(&self, corners: [DVec3; 3]) -> Option<Meeting> {
         let [(a, za), (b, zb), (c, zc)] = corners.map(|corner| self.place(corner));
-        // Twice the areas of the triangles that the ray makes with the sides.
+        // Twice the areas of the triangles that the ray forms with the sides.
         let [u, v, w] = [area(b, c), area(c, a), area(a, b)];
         let sides = [u, v, w];
         if sides.iter().any(|&x| x < 0.0) && sides.iter().any(|&x| x > 0.0) {
             return None;
         }
         let sum = u + v + w;
-        // Of numbers of one sign: the depth is among those of the corners.
+        // A weighted mean with weights of one sign, so the depth lies between those of the corners.
         let distance = (u * za + v * zb + w * zc) / sum / self.along;
-        // The height over the plane is the distance times this.
+        // The height above the plane is the distance times this factor.
         let is_ahead = height(corners, self.origin) * (sum * self.along).signum() > 0.0;
         let distance = distance.max(f64::MIN_POSITIVE);
         let meeting = Meeting { distance, weights: [v / sum, w / sum] };
@@ -65,7 +67,7 @@ impl WatertightRay {
     }
 }
 
-/// The dot product of `(b - a) x (c - a)` and `a - origin`, of the right sign.
+/// Returns the dot product of `(b - a) x (c - a)` and `a - origin`, with the correct sign.
 fn height(corners: [DVec3; 3], origin: DVec3) -> f64 {
     let [a, b, c] = corners;
     let (u, v, w) = (b - a, c - a, a - origin);
@@ -75,12 +77,12 @@ fn height(corners: [DVec3; 3], origin: DVec3) -> f64 {
     if height.abs() <= rounding { exact_height(corners, origin) } else { height }
 }
 
-/// Twice the area of the triangle of 0 and two points, of the right sign.
+/// Returns twice the signed area of the triangle of 0 and two points, with the correct sign.
 fn area(p: [f64; 2], q: [f64; 2]) -> f64 {
     let (left, right) = (p[0] * q[1], p[1] * q[0]);
     match left.partial_cmp(&right) {
-        // Rounding keeps the order, so that different products have the right difference but for its last digits; of
-        // equal ones what rounding took tells.
+        // Rounding is monotonic, so the difference of two different products is correct except for
+        // its last digits; if the rounded products are equal, their rounding errors decide.
         Some(Ordering::Equal) => p[0].mul_add(q[1], -left) - p[1].mul_add(q[0], -right),
         _ => left - right,
     }

@@ -5,21 +5,23 @@ use crate::geometry::mesh::Mesh;
 use crate::geometry::quads::Quads;
 use crate::{Error, Hit, Quad, Reach};
 
-/// Rays for occlusion start this far above the surface, in units of the point's largest coordinate and of the largest
-/// distance of a corner of what it lies on. The point is off by a few roundings of the former, its height above the
-/// plane of the corners by some of both ([`NEAR`](crate::geometry::cone::NEAR)). From that far above an edge the plane of an edge is
-/// off by less than a tenth of a radian ([`Cone`](crate::geometry::cone::Cone)).
+/// Rays for occlusion start this far above the surface, in units of the point's largest coordinate
+/// and of the largest distance of a corner of its polygon. The error of the point is several
+/// roundings of the former, and that of its height above the plane of the corners several roundings
+/// of both ([`NEAR`](crate::geometry::cone::NEAR)). From that height above an edge, the error of
+/// the plane of an edge is less than a tenth of a radian ([`Cone`](crate::geometry::cone::Cone)).
 const OF_COORDINATE: f64 = 64.0 * f64::EPSILON;
 const OF_SIZE: f64 = 512.0 * f64::EPSILON;
 
-/// They start this many times as far from the sides of the surface: one that rises from a side at an angle whose cotangent
-/// is less is in front of them.
+/// They start this many times as far from the sides of the surface. A surface that rises from a
+/// side at an angle with a smaller cotangent is then in front of them.
 const FROM_SIDES: f64 = 64.0;
 
-/// The part of the way to the middle of the surface that they start away from a side, at most: thin triangles have no room.
+/// The maximum distance of the start from a side, as a fraction of the distance to the centre of
+/// the surface: thin triangles have little space.
 const MAX_SHARE: f64 = 1.0 / 64.0;
 
-/// Surfaces, and how rays meet them.
+/// Surfaces, with their ray intersections.
 ///
 /// ```
 /// use glam::DVec3;
@@ -48,31 +50,33 @@ enum Geometry {
 }
 
 impl Scene {
-    /// A scene of a few plane walls, seen from both sides.
+    /// Creates a scene of several plane walls, visible from both sides.
     ///
     /// # Errors
-    /// [`Error::NoQuads`] if there are none.
+    ///
+    /// Returns [`Error::NoQuads`] if there are none.
     ///
     /// # Performance
-    /// There is no hierarchy: every ray is tested with every wall, many rays at a time.
+    ///
+    /// There is no hierarchy: every ray is tested against every wall, many rays at a time.
     pub fn from_quads(quads: Vec<Quad>) -> Result<Self, Error> {
         let quads = Quads::new(quads)?;
         let bounds = quads.bounds();
         Ok(Self { geometry: Geometry::Quads(quads), bounds })
     }
 
-    /// A scene of a mesh, seen from both sides.
+    /// Creates a scene of a mesh, visible from both sides.
     pub fn from_mesh(mesh: Mesh) -> Self {
         let bounds = mesh.bounds();
         Self { geometry: Geometry::Mesh(Box::new(mesh)), bounds }
     }
 
-    /// The smallest box around everything.
+    /// Returns the smallest box around the scene.
     pub fn bounds(&self) -> Bounds {
         self.bounds
     }
 
-    /// Number of quadrilaterals or triangles.
+    /// Returns the number of quadrilaterals or triangles.
     pub fn n_primitives(&self) -> usize {
         match &self.geometry {
             Geometry::Quads(quads) => quads.as_slice().len(),
@@ -80,7 +84,7 @@ impl Scene {
         }
     }
 
-    /// The walls of a scene that has no mesh.
+    /// Returns the walls of a scene without a mesh.
     pub fn quads(&self) -> &[Quad] {
         match &self.geometry {
             Geometry::Quads(quads) => quads.as_slice(),
@@ -88,10 +92,11 @@ impl Scene {
         }
     }
 
-    /// The nearest surface that a ray meets, in double precision.
+    /// Returns the nearest surface that a ray meets, in double precision.
     ///
-    /// `dir` need not be of unit length. Surfaces through the origin itself and those that are edge on are not met. `None`
-    /// for origins that are not finite and directions that have no length that can be computed.
+    /// `dir` need not be of unit length. Surfaces that contain the origin and surfaces seen edge-on
+    /// are not intersected. Returns `None` for origins that are not finite and for directions whose
+    /// length is zero or out of range.
     pub fn closest_hit(&self, origin: DVec3, dir: DVec3) -> Option<Hit> {
         let dir = dir.try_normalize().filter(|_| origin.is_finite())?;
         match &self.geometry {
@@ -100,25 +105,28 @@ impl Scene {
         }
     }
 
-    /// Replaces `occluded[i]` by whether a ray from the hit point in the unit direction `dirs[i]` meets a surface
-    /// within its reach.
+    /// Replaces `occluded[i]` by whether a ray from the hit point in the unit direction `dirs[i]`
+    /// meets a surface within its reach.
     ///
-    /// Directions below the surface, `normal . dir < 0`, are occluded by the surface itself, whatever their reach.
-    /// Rays start a little above the point, see [`Self::ray_origin`], so that they do not meet the surface that they
-    /// come from; other surfaces nearer than that are not seen. A surface that goes through the point where rays
-    /// start, as far as rounding can tell, is met by rays to either side: from an edge or a corner of a closed room
-    /// nothing outside is seen.
+    /// Directions below the surface, `normal . dir < 0`, are occluded by the surface itself,
+    /// whatever their reach. Rays start slightly above the point, see [`Self::ray_origin`], so that
+    /// they do not meet the surface that they start from; other surfaces closer than that are not
+    /// detected. A surface that contains the start of the rays, up to rounding, is intersected by
+    /// rays to either side: from an edge or a corner of a closed room nothing outside is visible.
     ///
-    /// Directions are judged in single precision: wrongly only if they pass an edge, the horizon or, at the end of
-    /// their reach, a surface within 9 `f32::EPSILON` (1.1e-6) radians as seen from the point. No ray passes between
-    /// faces that share edges or corners.
+    /// Directions are tested in single precision. A result can be wrong only if the ray passes an
+    /// edge, the horizon or, at the end of its reach, a surface within 9 `f32::EPSILON` (1.1e-6)
+    /// radians as seen from the point. No ray passes between faces that share edges or corners.
     ///
     /// # Panics
-    /// If the lengths of the lists differ.
+    ///
+    /// Panics if the lengths of the slices differ.
     ///
     /// # Performance
-    /// Many directions at once are faster than few: what the point sees is prepared or fetched once for all of
-    /// them, for walls up to any number, for meshes up to 256. Their order does not matter.
+    ///
+    /// Large numbers of directions are faster per direction than small ones: the data of the point
+    /// are prepared or fetched once for all of them, for walls up to any number, for meshes up to
+    /// 256. Their order does not matter.
     pub fn occlusion_into(
         &self,
         at: &Hit,
@@ -126,9 +134,9 @@ impl Scene {
         reach: Reach<'_>,
         occluded: &mut [bool],
     ) {
-        assert_eq!(dirs.len(), occluded.len(), "one answer for each direction");
+        assert_eq!(dirs.len(), occluded.len(), "one result per direction");
         if let Reach::Each(distances) | Reach::ToLamp { distances, .. } = reach {
-            assert_eq!(dirs.len(), distances.len(), "one distance for each direction");
+            assert_eq!(dirs.len(), distances.len(), "one distance per direction");
         }
         let origin = self.ray_origin(at);
         match &self.geometry {
@@ -139,12 +147,13 @@ impl Scene {
         }
     }
 
-    /// Where the rays of [`Self::occlusion_into`] start.
+    /// Returns the origin of the rays of [`Self::occlusion_into`].
     ///
-    /// That is above the surface by what rounding may do to the point: 64 EPSILON of its largest coordinate and 512
-    /// EPSILON of the largest distance of a corner of the quadrilateral or triangle `primitive`, if there is one of
-    /// that number. A point within 64 times that of a side is moved away from it within the surface, so that it stays
-    /// in front of surfaces that rise from there at 1 degree or more.
+    /// It lies above the surface by the possible rounding of the point: 64 EPSILON of its largest
+    /// coordinate and 512 EPSILON of the largest distance of a corner of the quadrilateral or
+    /// triangle `primitive`, if that number is valid. A point within 64 times that of a side is
+    /// moved away from the side within the surface, so that it stays in front of surfaces that rise
+    /// from there at 1 degree or more.
     pub fn ray_origin(&self, at: &Hit) -> DVec3 {
         match &self.geometry {
             Geometry::Quads(quads) => match quads.as_slice().get(at.primitive) {
@@ -169,7 +178,7 @@ fn clear_of<const N: usize>(at: &Hit, corners: [DVec3; N]) -> DVec3 {
     let mut share = 0.0;
     for i in 0..N {
         let (a, b) = (corners[i], corners[(i + 1) % N]);
-        // Distances from the side are products with this over its length.
+        // Distances from the side are products with this vector divided by its length.
         let inwards = at.normal.cross(b - a);
         let [point, middle] = [at.position, center].map(|p| inwards.dot(p - a));
         let (point, middle) = if middle < 0.0 { (-point, -middle) } else { (point, middle) };

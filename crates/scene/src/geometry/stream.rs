@@ -11,28 +11,28 @@ use crate::geometry::hierarchy::{Child, Node, SLACK, WIDTH};
 use crate::geometry::hit::Front;
 use crate::geometry::triangles::Triangles;
 
-/// Rays that go through the hierarchy together, so that a node or triangle is fetched once for all of them, and those
-/// of them that share a bit.
+/// The number of rays that traverse the hierarchy together, so that a node or triangle is fetched
+/// once for all of them. Groups of them share a bit.
 const STREAM: usize = 256;
 const GROUP: usize = 16;
-/// A bit for each group of a stream.
+/// One bit per group of a stream.
 type Groups = u16;
 
-/// What boxes are enlarged by in units of their distance from the origin: eight roundings, for those of the boxes
-/// relative to it, of directions and of distances.
+/// The enlargement of boxes in units of their distance from the origin: eight roundings, which
+/// cover the boxes relative to the origin, the directions and the distances.
 const ROUNDING: f32 = 4.0 * f32::EPSILON;
 
-/// Which directions from one point meet triangles.
+/// An occlusion query for many directions from one point.
 pub(crate) struct Stream<'a> {
     pub(crate) nodes: &'a [Node],
     pub(crate) triangles: &'a Triangles,
     pub(crate) origin: DVec3,
     pub(crate) normal: DVec3,
-    /// Triangles that are not in front of this are not met.
+    /// Only triangles in front of this plane are intersected.
     pub(crate) front: Option<Front>,
-    /// Directions and how far they reach. Those in succession should be near each other.
+    /// Directions and their reach. Successive directions should be close to each other.
     pub(crate) rays: &'a [(DVec3, f64)],
-    /// Set where a ray meets a triangle.
+    /// Set to true where a ray meets a triangle.
     pub(crate) occluded: &'a mut [bool],
 }
 
@@ -72,14 +72,14 @@ struct Tracer<'a, S> {
     origin: DVec3,
     scaled_origin: DVec3,
     front: Option<Front>,
-    /// What roundings of the origin amount to.
+    /// The effect of rounding of the origin.
     near: f64,
     bundle: Bundle<STREAM>,
-    /// One over the components of the directions.
+    /// The reciprocals of the components of the directions.
     inverses: [[f32; STREAM]; 3],
-    /// Groups that have rays without an answer.
+    /// The groups that have undecided rays.
     open: Groups,
-    /// Nodes to visit, and ranges of triangles to test, with the groups that they are for.
+    /// Nodes to visit and ranges of triangles to test, with their groups.
     nodes: Vec<(u32, Groups)>,
     leaves: Vec<(Range<usize>, Groups)>,
 }
@@ -88,7 +88,7 @@ impl<S: Simd> Tracer<'_, S> {
     #[inline(always)]
     fn start(&mut self, rays: &[(DVec3, f64)], normal: Vec3) {
         self.bundle.fill(rays.iter().copied());
-        self.bundle.answer_below(self.simd, normal);
+        self.bundle.decide_below(self.simd, normal);
         self.open = 0;
         for group in 0..rays.len().div_ceil(GROUP) {
             self.open |= 1 << group;
@@ -101,9 +101,9 @@ impl<S: Simd> Tracer<'_, S> {
         }
     }
 
-    /// Visits nodes depth first. Much of the time is spent waiting for memory, so nodes are read when they are found, long
-    /// before their visit, and the triangles of all leaves of a node before the first of them is tested: the processor
-    /// waits for several places at once.
+    /// Visits nodes depth first. Much of the time is spent waiting for memory. Nodes are therefore
+    /// prefetched when they are found, long before their visit, and the triangles of all leaves of
+    /// a node before the first of them is tested, so that several memory accesses overlap.
     #[inline(always)]
     fn trace(&mut self, octant: usize) {
         self.nodes.clear();
@@ -129,7 +129,7 @@ impl<S: Simd> Tracer<'_, S> {
         }
     }
 
-    /// Takes note of the children of a node that any of the groups' rays meets.
+    /// Records the children of a node that any ray of the groups intersects.
     #[inline(always)]
     fn visit(&mut self, index: u32, groups: Groups, octant: usize) {
         let node = &self.hierarchy[index as usize];
@@ -153,7 +153,7 @@ impl<S: Simd> Tracer<'_, S> {
         }
     }
 
-    /// Answers rays that meet the triangle.
+    /// Marks the rays that intersect the triangle.
     #[inline(always)]
     fn meet(&mut self, place: usize, groups: Groups) {
         if groups == 0 {
@@ -173,7 +173,8 @@ impl<S: Simd> Tracer<'_, S> {
         let near = self.near + NEAR * (distance + size);
         let is_close = height.abs() <= (CLOSE * (distance + size) + 3.0 * near) * size * size;
         let mut goes_through = false;
-        // What roundings may make of the height, and of the point: its distance from the plane times the normal.
+        // The possible rounding of the height, and of the point: its distance from the plane times
+        // the normal.
         if is_close && height.abs() <= (HEIGHT_ROUNDING * distance + 3.0 * near) * size * size {
             height = exact_height(corners.map(|c| c * scale), self.scaled_origin);
             goes_through = height.abs() <= near * normal.length();
@@ -182,30 +183,30 @@ impl<S: Simd> Tracer<'_, S> {
         if is_close {
             cone.widen(relative, if goes_through { near } else { 0.0 });
         }
-        self.answer(&cone, groups);
+        self.decide(&cone, groups);
         if goes_through {
-            self.answer(&cone.other_side(), groups);
+            self.decide(&cone.other_side(), groups);
         }
     }
 
-    /// Answers rays that are in the cone.
+    /// Marks the rays that are in the cone.
     #[inline(always)]
-    fn answer(&mut self, cone: &Cone<3>, mut groups: Groups) {
+    fn decide(&mut self, cone: &Cone<3>, mut groups: Groups) {
         while let Some(group) = take_first(&mut groups) {
-            let mut answered = true;
+            let mut decided = true;
             for v in vectors_of::<S>(group) {
                 let rays = self.bundle.rays::<S>(v);
                 let rays = rays.without(self.simd, cone.meet(self.simd, &rays));
                 self.bundle.set(v, rays);
-                answered &= rays.all_answered(self.simd);
+                decided &= rays.all_decided(self.simd);
             }
-            if answered {
+            if decided {
                 self.open &= !(1 << group);
             }
         }
     }
 
-    /// For each child the groups that have a ray that meets it.
+    /// Returns, for each child, the groups with a ray that intersects it.
     #[inline(always)]
     fn children_met(&self, node: &Node, mut groups: Groups) -> [Groups; WIDTH] {
         let simd = self.simd;
@@ -239,14 +240,14 @@ impl<S: Simd> Tracer<'_, S> {
     }
 }
 
-/// The vectors that make up a group.
+/// Returns the vectors that make up a group.
 #[inline(always)]
 fn vectors_of<S: Simd>(group: usize) -> Range<usize> {
     let n = GROUP / S::F32_LANES;
     group * n..(group + 1) * n
 }
 
-/// The lowest group, which is taken out of the set.
+/// Removes the lowest group from the set and returns it.
 #[inline(always)]
 fn take_first(groups: &mut Groups) -> Option<usize> {
     if *groups == 0 {
@@ -257,13 +258,14 @@ fn take_first(groups: &mut Groups) -> Option<usize> {
     Some(group)
 }
 
-/// What exchanges a node's children so that those that a direction meets last come first.
+/// Returns the permutation of a node's children that puts those that a direction meets last first.
 #[inline(always)]
 fn octant_of(dir: DVec3) -> usize {
     usize::from(dir.x >= 0.0) << 2 | usize::from(dir.y >= 0.0) << 1 | usize::from(dir.z >= 0.0)
 }
 
-/// One over a component of directions; not infinite, so that its product with 0 is a number.
+/// Returns the reciprocal of a component of directions; it is finite, so that its product with 0 is
+/// not NaN.
 #[inline(always)]
 fn inverse<S: Simd>(simd: S, component: S::f32s) -> S::f32s {
     let least = simd.splat_f32s(1e-20);
@@ -271,7 +273,7 @@ fn inverse<S: Simd>(simd: S, component: S::f32s) -> S::f32s {
     simd.div_f32s(simd.splat_f32s(1.0), simd.select_f32s(tiny, least, component))
 }
 
-/// The lower and upper planes of the children of a node.
+/// Returns the lower and upper planes of the children of a node.
 #[inline(always)]
 fn planes(min: &[u8; WIDTH], max: &[u8; WIDTH], base: f32, extent: f32) -> [[f32; WIDTH]; 2] {
     let mut planes = [[0.0; WIDTH]; 2];
@@ -283,7 +285,7 @@ fn planes(min: &[u8; WIDTH], max: &[u8; WIDTH], base: f32, extent: f32) -> [[f32
     planes
 }
 
-/// The distances at which rays are between two planes.
+/// Returns the distances at which rays are between two planes.
 #[inline(always)]
 fn slab<S: Simd>(simd: S, inverse: S::f32s, min: f32, max: f32) -> [S::f32s; 2] {
     let a = simd.mul_f32s(inverse, simd.splat_f32s(min));

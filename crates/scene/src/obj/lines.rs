@@ -3,9 +3,11 @@ use std::borrow::Cow;
 /// The UTF-8 byte order mark.
 const MARK: &[u8] = b"\xef\xbb\xbf";
 
-/// The statements of an OBJ text without comments, each with the number of its first line, from 1.
+/// Returns the statements of an OBJ text without comments, each with the 1-based number of its
+/// first line.
 ///
-/// Lines end in LF, CR LF or CR. A line without a comment that ends in `\` goes on in the next one.
+/// Lines end in LF, CR LF or CR. A line without a comment that ends in `\` continues in the next
+/// one.
 pub(crate) fn lines(text: &[u8]) -> impl Iterator<Item = (usize, Cow<'_, [u8]>)> {
     let mut rest = Some(text.strip_prefix(MARK).unwrap_or(text));
     let mut number = 0;
@@ -40,7 +42,7 @@ pub(crate) fn lines(text: &[u8]) -> impl Iterator<Item = (usize, Cow<'_, [u8]>)>
     })
 }
 
-/// The first line without its end, and what follows; `None` if nothing does.
+/// Returns the first line without its end, and the remaining text; `None` if there is none.
 fn split_line(text: &[u8]) -> (&[u8], Option<&[u8]>) {
     match text.iter().position(|&b| b == b'\n' || b == b'\r') {
         None => (text, None),

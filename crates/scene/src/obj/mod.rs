@@ -1,4 +1,4 @@
-//! Meshes of texts in Wavefront's OBJ format.
+//! Meshes from texts in the Wavefront OBJ format.
 
 mod lines;
 pub(crate) mod remarks;
@@ -14,12 +14,14 @@ use crate::obj::triangulation::triangulate;
 use crate::{Error, MAX_COORDINATE, Mesh, ObjRemarks};
 
 impl Mesh {
-    /// The mesh of a text in Wavefront's OBJ format, see [`Self::from_obj_with_remarks`].
+    /// Reads the mesh of a text in the Wavefront OBJ format, see [`Self::from_obj_with_remarks`].
     ///
     /// # Errors
-    /// As [`Self::from_obj_with_remarks`].
+    ///
+    /// Returns the errors of [`Self::from_obj_with_remarks`].
     ///
     /// # Examples
+    ///
     /// ```
     /// use sphvar_scene::{Error, Mesh};
     ///
@@ -33,23 +35,28 @@ impl Mesh {
         Ok(Self::from_obj_with_remarks(reader)?.0)
     }
 
-    /// The mesh of a text in Wavefront's OBJ format, and what else the text contains.
+    /// Reads the mesh of a text in the Wavefront OBJ format, with remarks on the other contents of
+    /// the text.
     ///
-    /// Faces (`f`, and `fo` as it was once spelled) of more than three corners are triangulated: convex ones become fans
-    /// around their first corner, others are cut into triangles in the projection along the largest component of their
-    /// area vector. If a face has crossing sides there, the fan that is left over when no more ears can be cut off is
-    /// used, and counted in the remarks. Negative indices count from the last vertex so far, positive ones may be those of
-    /// vertices that follow. Objects and groups are put together.
+    /// Faces (`f`, and the old spelling `fo`) with more than three corners are triangulated. Convex
+    /// faces become fans around their first corner. Others are triangulated in the projection along
+    /// the largest component of their area vector; if the sides of a face cross there, the part
+    /// from which no more ears can be cut becomes a fan, and the face is counted in the remarks.
+    /// Negative indices count back from the last vertex so far; positive ones may refer to later
+    /// vertices. Objects and groups are merged.
     ///
-    /// A vertex has three numbers; four, of which the last divides the others; or three and a colour of three or four
-    /// numbers, which is ignored. Lines end in LF, CR LF or CR, and are continued after `\` at their end unless they
-    /// have a comment. A UTF-8 byte order mark is skipped; names and comments may have any bytes.
+    /// A vertex has three numbers; or four, the last of which divides the others; or three and a
+    /// colour of three or four numbers, which is ignored. Lines end in LF, CR LF or CR, and are
+    /// continued after `\` at their end unless they have a comment. A UTF-8 byte order mark is
+    /// skipped; names and comments may contain any bytes.
     ///
     /// # Errors
-    /// [`Error::Unreadable`] if the reader fails; [`Error::ObjEncoding`] for a text in UTF-16 or UTF-32;
-    /// [`Error::ObjLine`] with the number of the line for a vertex that is not as above or not finite, a face with an
-    /// index that is no number or has no vertex, a keyword that is not printable ASCII, and a text without faces; else
-    /// as [`Mesh::new`].
+    ///
+    /// Returns [`Error::Unreadable`] if the reader fails, and [`Error::ObjEncoding`] for a text in
+    /// UTF-16 or UTF-32. Returns [`Error::ObjLine`] with the line number for a vertex that is not
+    /// as above or not finite, a face with an index that is not a number or has no vertex, a
+    /// keyword that is not printable ASCII, and a text without faces. Also returns the errors of
+    /// [`Mesh::new`].
     pub fn from_obj_with_remarks(mut reader: impl Read) -> Result<(Self, ObjRemarks), Error> {
         let mut bytes = Vec::new();
         if let Err(error) = reader.read_to_end(&mut bytes) {
@@ -74,8 +81,8 @@ impl Mesh {
     }
 }
 
-/// The encoding of a text whose characters have two or four bytes, told by its byte order mark or by the zero byte
-/// beside its first character.
+/// Returns the encoding of a text whose characters have two or four bytes, detected by its byte
+/// order mark or by the zero byte beside its first character.
 fn wide_encoding(text: &[u8]) -> Option<&'static str> {
     match *text {
         [0xff, 0xfe, 0, 0, ..]
@@ -87,22 +94,22 @@ fn wide_encoding(text: &[u8]) -> Option<&'static str> {
     }
 }
 
-/// Bytes of a wrong line that a message has.
+/// The maximum number of bytes of an invalid line in a message.
 const QUOTED: usize = 60;
 
-/// The beginning of a line with everything escaped that is not printable.
+/// Returns the beginning of a line, with nonprintable characters escaped.
 fn quoted(text: &[u8]) -> String {
     let end = text.len().min(QUOTED);
     let shown = String::from_utf8_lossy(&text[..end]);
     shown.trim().chars().map(|c| if c.is_control() { '\u{fffd}' } else { c }).collect()
 }
 
-/// What has been read.
+/// The parsed content.
 #[derive(Debug, Default)]
 struct Content {
     vertices: Vec<DVec3>,
     faces: Vec<Face>,
-    /// Indices of the corners of all faces, from 0.
+    /// The 0-based indices of the corners of all faces.
     corners: Vec<u64>,
     remarks: ObjRemarks,
 }
@@ -115,7 +122,7 @@ struct Face {
 }
 
 impl Content {
-    /// Takes in a line; if it is wrong, what would be right.
+    /// Parses a line; the error describes valid input.
     fn read(&mut self, line: usize, text: &[u8]) -> Result<(), Cow<'static, str>> {
         let mut words = text.split(u8::is_ascii_whitespace).filter(|word| !word.is_empty());
         match words.next() {
@@ -155,7 +162,7 @@ impl Content {
         Ok(())
     }
 
-    /// The mesh of the content of `text`.
+    /// Returns the mesh of the content of `text`.
     fn mesh(self, text: &[u8]) -> Result<(Mesh, ObjRemarks), Error> {
         let Self { vertices, faces, corners, mut remarks } = self;
         let ends = faces.iter().skip(1).map(|f| f.first_corner).chain([corners.len()]);
@@ -192,7 +199,7 @@ impl Content {
     }
 }
 
-/// The place of a vertex, from the numbers after `v`.
+/// Returns the position of a vertex from the numbers after `v`.
 fn vertex<'a>(words: impl Iterator<Item = &'a [u8]>) -> Result<DVec3, &'static str> {
     let mut numbers = [f64::NAN; 7];
     let mut n = 0;
@@ -210,7 +217,7 @@ fn vertex<'a>(words: impl Iterator<Item = &'a [u8]>) -> Result<DVec3, &'static s
         _ => return Err(VERTEX),
     };
     let place = DVec3::from_slice(&numbers) / w;
-    // Not NaN either.
+    // This rejects NaN too.
     let is_usable = place.to_array().iter().all(|x| x.abs() <= MAX_COORDINATE);
     is_usable.then_some(place).ok_or(VERTEX)
 }
@@ -218,7 +225,8 @@ fn vertex<'a>(words: impl Iterator<Item = &'a [u8]>) -> Result<DVec3, &'static s
 const VERTEX: &str = "`v` and three finite numbers within 1e100 (or four, the last a divisor that is not 0; or a \
      colour of three or four numbers more)";
 
-/// The index of a vertex, from 0, in a corner `v`, `v/vt`, `v//vn` or `v/vt/vn`; `so_far` vertices have been read.
+/// Returns the 0-based index of a vertex in a corner `v`, `v/vt`, `v//vn` or `v/vt/vn`; `so_far`
+/// vertices have been read.
 fn corner(word: &[u8], so_far: u64) -> Result<u64, Cow<'static, str>> {
     let index = word.split(|&b| b == b'/').next().unwrap_or_default();
     let index = std::str::from_utf8(index).ok().and_then(|text| text.parse::<i64>().ok());

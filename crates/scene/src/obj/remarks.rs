@@ -1,25 +1,27 @@
 use std::collections::BTreeMap;
 use std::fmt;
 
-/// What an OBJ text contains besides the triangles that were taken from it.
+/// The contents of an OBJ text other than the triangles of the mesh.
 ///
-/// As text it is a line for each kind, and nothing if there is nothing to remark.
+/// It is displayed with one line per kind; without remarks the text is empty.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct ObjRemarks {
-    /// Faces whose sides cross, as seen along the largest component of their area vector: their triangles overlap.
+    /// The number of faces whose sides cross in the projection along the largest component of their
+    /// area vector; their triangles overlap.
     pub crossed_faces: usize,
-    /// Faces of one or two corners, which are left out.
+    /// The number of faces with one or two corners, which are left out.
     pub small_faces: usize,
-    /// Triangles without area and repeated ones, which are left out.
+    /// The number of triangles without area and repeated triangles, which are left out.
     pub left_out_triangles: usize,
-    /// How often each keyword occurs of which nothing is used, without those of structure (`o`, `g`, `s`).
+    /// The number of occurrences of each ignored keyword, except those of structure (`o`, `g`,
+    /// `s`).
     pub ignored: BTreeMap<String, usize>,
 }
 
 /// Keywords that only structure a text.
 const STRUCTURE: [&str; 4] = ["o", "g", "s", "mg"];
 
-/// Keywords that are ignored, and what they are.
+/// Ignored keywords and their meaning.
 const KNOWN: [(&str, &[&str]); 5] = [
     ("vertex normals", &["vn"]),
     ("texture coordinates", &["vt"]),
@@ -34,12 +36,12 @@ const KNOWN: [(&str, &[&str]); 5] = [
     ),
 ];
 
-/// Unknown keywords that a remark names, and their length.
+/// The maximum number of unknown keywords in a remark, and their maximum length.
 const MAX_NAMED: usize = 5;
 const MAX_KEYWORD: usize = 20;
 
 impl ObjRemarks {
-    /// Counts a keyword of which nothing is used.
+    /// Counts an ignored keyword.
     pub(crate) fn count(&mut self, keyword: &str) {
         if STRUCTURE.contains(&keyword) {
             return;
@@ -52,7 +54,7 @@ impl ObjRemarks {
         }
     }
 
-    /// How many statements of unknown keywords there are.
+    /// Returns the number of statements with unknown keywords.
     #[must_use]
     pub fn unknown(&self) -> usize {
         self.unknown_keywords().map(|(_, count)| count).sum()

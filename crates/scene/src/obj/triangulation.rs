@@ -1,18 +1,20 @@
 use glam::{DVec2, DVec3};
 use robust::{Coord, orient2d};
 
-/// Splits a polygon into triangles, given as indices into `corners`; says whether it is simple as seen along the normal
-/// of its best plane.
+/// Splits a polygon into triangles, given as indices into `corners`. Also returns whether the
+/// polygon is simple in the projection along the normal of its best plane.
 ///
-/// The polygon is projected along the largest component of its area vector (Newell), and ears are clipped there, from
-/// the first corner on, so that convex polygons become fans around it. Signs of areas are exact. All corners are kept,
-/// those on a straight side too, so that neighbours share whole sides.
+/// The polygon is projected along the largest component of its area vector (Newell), and ears are
+/// clipped there, starting at the first corner, so that convex polygons become fans around it.
+/// Signs of areas are exact. All corners are retained, including those on a straight side, so that
+/// neighbours share whole sides.
 ///
-/// A polygon that is not simple there, because sides cross or its projection has no area, has no ears at some point;
-/// what is left is then split into a fan.
+/// A polygon that is not simple there, because sides cross or its projection has no area, has no
+/// ear at some point; the remaining part is split into a fan.
 ///
 /// # Performance
-/// An ear is compared with the reflex corners within its range of x only.
+///
+/// An ear is compared only with the reflex corners within its range of x.
 pub(crate) fn triangulate(corners: &[DVec3]) -> (Vec<[usize; 3]>, bool) {
     let n = corners.len();
     if n <= 3 {
@@ -20,7 +22,7 @@ pub(crate) fn triangulate(corners: &[DVec3]) -> (Vec<[usize; 3]>, bool) {
     }
     let mut clipper = Clipper::new(projected(corners));
     let mut triangles = Vec::with_capacity(n - 2);
-    // Since the last ear; after a whole turn there is none.
+    // The number of corners visited since the last ear; after a full cycle there is none.
     let (mut left, mut without, mut is_simple) = (n, 0, true);
     let mut corner = 1;
     while left > 3 && without <= left {
@@ -41,11 +43,11 @@ pub(crate) fn triangulate(corners: &[DVec3]) -> (Vec<[usize; 3]>, bool) {
     let mut last = clipper.after[first];
     while clipper.after[last] != first {
         let next = clipper.after[last];
-        is_simple &= clipper.turn(first, last, next) >= 0.0;
+        is_simple &= clipper.signed_area(first, last, next) >= 0.0;
         triangles.push([first, last, next]);
         last = next;
     }
-    // Clipping goes around, so that the first corner of a triangle need not be the first in the polygon.
+    // Clipping is cyclic, so the first corner of a triangle need not be its first in the polygon.
     for triangle in &mut triangles {
         let first = (0..3).min_by_key(|&i| triangle[i]).unwrap_or(0);
         triangle.rotate_left(first);
@@ -53,7 +55,8 @@ pub(crate) fn triangulate(corners: &[DVec3]) -> (Vec<[usize; 3]>, bool) {
     (triangles, is_simple)
 }
 
-/// The corners without the coordinate along which the area vector is largest, counterclockwise.
+/// Returns the corners without the coordinate along which the area vector is largest,
+/// counterclockwise.
 fn projected(corners: &[DVec3]) -> Vec<DVec2> {
     let origin = corners[0];
     let size = corners.iter().map(|c| (c - origin).abs().max_element()).fold(0.0, f64::max);
@@ -69,14 +72,14 @@ fn projected(corners: &[DVec3]) -> Vec<DVec2> {
     corners.iter().map(place).collect()
 }
 
-/// What is left of a polygon in a plane.
+/// The remaining part of a polygon in a plane.
 struct Clipper {
     places: Vec<DVec2>,
     before: Vec<usize>,
     after: Vec<usize>,
     is_reflex: Vec<bool>,
-    /// Corners that were reflex in the beginning, by x; those that are left are the only ones in which an ear can hold
-    /// a corner.
+    /// The corners that were initially reflex, sorted by x; only those that are still reflex can
+    /// lie in an ear.
     reflex: Vec<usize>,
 }
 
@@ -86,21 +89,21 @@ impl Clipper {
         let before = (0..n).map(|i| (i + n - 1) % n).collect();
         let after = (0..n).map(|i| (i + 1) % n).collect();
         let mut clipper = Self { places, before, after, is_reflex: vec![], reflex: vec![] };
-        clipper.is_reflex = (0..n).map(|i| clipper.turn_at(i) <= 0.0).collect();
+        clipper.is_reflex = (0..n).map(|i| clipper.signed_area_at(i) <= 0.0).collect();
         clipper.reflex = (0..n).filter(|&i| clipper.is_reflex[i]).collect();
         let places = &clipper.places;
         clipper.reflex.sort_by(|&i, &j| places[i].x.total_cmp(&places[j].x));
         clipper
     }
 
-    /// Twice the signed area of a triangle, of the right sign.
-    fn turn(&self, a: usize, b: usize, c: usize) -> f64 {
+    /// Returns twice the signed area of a triangle, with the correct sign.
+    fn signed_area(&self, a: usize, b: usize, c: usize) -> f64 {
         let at = |i: usize| Coord { x: self.places[i].x, y: self.places[i].y };
         orient2d(at(a), at(b), at(c))
     }
 
-    fn turn_at(&self, corner: usize) -> f64 {
-        self.turn(self.before[corner], corner, self.after[corner])
+    fn signed_area_at(&self, corner: usize) -> f64 {
+        self.signed_area(self.before[corner], corner, self.after[corner])
     }
 
     fn is_ear(&self, corner: usize) -> bool {
@@ -114,10 +117,11 @@ impl Clipper {
         let from = self.reflex.partition_point(|&i| self.places[i].x < low);
         let within = self.reflex[from..].iter().take_while(|&&i| self.places[i].x <= high);
         within.copied().filter(|&i| self.is_reflex[i] && !ear.contains(&i)).all(|i| {
-            // Corners at the same place as one of the ear's are where a polygon touches itself.
+            // Corners at the position of an ear's corner are points where a polygon touches itself.
             let is_corner = ear.iter().any(|&j| self.places[i] == self.places[j]);
             let [a, b, c] = ear;
-            is_corner || [(a, b), (b, c), (c, a)].iter().any(|&(p, q)| self.turn(p, q, i) < 0.0)
+            is_corner
+                || [(a, b), (b, c), (c, a)].iter().any(|&(p, q)| self.signed_area(p, q, i) < 0.0)
         })
     }
 
@@ -126,9 +130,9 @@ impl Clipper {
         self.after[before] = after;
         self.before[after] = before;
         self.is_reflex[corner] = false;
-        // Corners become convex only.
+        // A corner can only change from reflex to convex.
         for i in [before, after] {
-            self.is_reflex[i] = self.is_reflex[i] && self.turn_at(i) <= 0.0;
+            self.is_reflex[i] = self.is_reflex[i] && self.signed_area_at(i) <= 0.0;
         }
     }
 }

@@ -2,29 +2,31 @@ use glam::DVec3;
 
 use crate::{Camera, Quad, Scene};
 
-/// The room: width (x), height (y) and depth (z).
+/// The size of the room: width (x), height (y) and depth (z).
 const ROOM: DVec3 = DVec3::new(556.0, 548.8, 559.2);
 
-/// Corners (x, z) of the blocks' tops in turn, and their heights.
+/// The corners (x, z) of the blocks' tops in order, and their heights.
 const SHORT_BLOCK: ([[f64; 2]; 4], f64) =
     ([[130.0, 65.0], [82.0, 225.0], [240.0, 272.0], [290.0, 114.0]], 165.0);
 const TALL_BLOCK: ([[f64; 2]; 4], f64) =
     ([[423.0, 247.0], [265.0, 296.0], [314.0, 456.0], [472.0, 406.0]], 330.0);
 
-/// Corners (x, z) of the light in the ceiling.
+/// The corners (x, z) of the light in the ceiling.
 const LIGHT: [[f64; 2]; 4] = [[343.0, 227.0], [343.0, 332.0], [213.0, 332.0], [213.0, 227.0]];
 
-/// Half the film's side and its distance from the pinhole, metres.
+/// Half the side of the film, and its distance from the pinhole, in metres.
 const HALF_FILM: f64 = 0.0125;
 const FOCAL_LENGTH: f64 = 0.035;
 
-/// The Cornell box: five walls, two blocks, open in front, y upwards, lengths in millimetres.
+/// The Cornell box: five walls and two blocks, open in front, y upwards, lengths in millimetres.
 ///
-/// Blocks, light and camera are those measured at Cornell; the walls, which are out of square by up to 6.4 mm there,
-/// are rectangles here. The undersides of the blocks are left out. Blocks come first, of 5 faces each, then floor,
-/// ceiling, back wall, and the walls at x = 0 (right in the picture) and x = 556.
+/// Blocks, light and camera are those measured at Cornell. The measured walls are out of square by
+/// up to 6.4 mm; here they are rectangles. The undersides of the blocks are left out. The blocks
+/// come first, with 5 faces each, then floor, ceiling, back wall, and the walls at x = 0 (right in
+/// the picture) and x = 556.
 ///
 /// # References
+///
 /// Cornell University Program of Computer Graphics, The Cornell Box, physical model data (1998).
 #[derive(Clone, Debug)]
 pub struct CornellBox {
@@ -32,7 +34,7 @@ pub struct CornellBox {
     pub scene: Scene,
     /// The measured view, for square pictures: from (278, 273, -800) along z, 39.3 degrees high.
     pub camera: Camera,
-    /// The light's surface; it shines downwards, along its normal, and is not part of the scene.
+    /// The light's surface; it emits downwards, along its normal, and is not part of the scene.
     pub light: Quad,
 }
 

@@ -1,12 +1,12 @@
 /// A rectangle of pixels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct CropWindow {
-    /// Column of its left edge.
+    /// The column of the left edge.
     pub x: usize,
-    /// Row of its upper edge.
+    /// The row of the upper edge.
     pub y: usize,
-    /// Number of columns.
+    /// The number of columns.
     pub width: usize,
-    /// Number of rows.
+    /// The number of rows.
     pub height: usize,
 }

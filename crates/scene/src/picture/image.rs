@@ -2,38 +2,41 @@
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Image {
-    /// Number of columns.
+    /// The number of columns.
     pub width: usize,
-    /// Number of rows.
+    /// The number of rows.
     pub height: usize,
-    /// The estimates, means over the primary rays of a pixel that meet a surface; 0 where none does.
+    /// The estimates, averaged over the primary rays of a pixel that meet a surface; 0 if none
+    /// does.
     pub values: Vec<f64>,
-    /// N times the variance that N independent uniform directions would have: the variance of the integrand over
-    /// the hemisphere, as these directions estimate it; for several primary rays that meet a surface, over the square of
-    /// their number. Of ambient occlusion `p (1 - p)`.
+    /// N times the variance for N independent uniform directions: the variance of the integrand
+    /// over the hemisphere, estimated from these directions. If several primary rays meet a
+    /// surface, it is divided by the square of their number. For ambient occlusion it is
+    /// `p (1 - p)`.
     pub spreads: Vec<f64>,
-    /// The share of a pixel's primary rays that meet a surface.
+    /// The fraction of a pixel's primary rays that meet a surface.
     pub coverage: Vec<f64>,
-    /// Directions of a hit point; of halves of sphere sets the expected number.
+    /// The number of directions at a hit point; for halves of sphere sets, the expected number.
     pub n_points: usize,
-    /// Occlusion rays that were traced.
+    /// The number of occlusion rays traced.
     pub rays: u64,
 }
 
 impl Image {
-    /// Number of pixels in which a surface is seen.
+    /// Returns the number of pixels that show a surface.
     #[must_use]
     pub fn n_hits(&self) -> usize {
         self.coverage.iter().filter(|&&c| c > 0.0).count()
     }
 
-    /// The area in which a surface is seen, in pixels: the sum of [`Self::coverage`].
+    /// Returns the area that shows a surface, in pixels: the sum of [`Self::coverage`].
     #[must_use]
     pub fn covered_area(&self) -> f64 {
         self.coverage.iter().sum()
     }
 
-    /// The mean over the area in which a surface is seen: pixels count as they are covered. NaN if there is none.
+    /// Returns the mean over the area that shows a surface; pixels are weighted by their coverage.
+    /// NaN if there is none.
     #[must_use]
     pub fn mean(&self) -> f64 {
         self.weighted_mean(&self.values)
@@ -44,8 +47,9 @@ impl Image {
         products.sum::<f64>() / self.covered_area()
     }
 
-    /// The exact mean squared error of `n_points` independent uniform directions, as far as this image is exact:
-    /// `1/N` times the mean of [`Self::spreads`] over the area in which a surface is seen; NaN if there is none.
+    /// Returns the mean squared error of `n_points` independent uniform directions, exact if this
+    /// image is exact: `1/N` times the mean of [`Self::spreads`] over the area that shows a
+    /// surface; NaN if there is none.
     #[must_use]
     pub fn white_noise_variance(&self, n_points: usize) -> f64 {
         self.weighted_mean(&self.spreads) / n_points as f64

@@ -4,48 +4,51 @@ use glam::DVec3;
 
 use crate::{Error, Hit, Quad, Reach, Scene};
 
-/// What is integrated over the hemisphere above a hit point.
+/// The integral over the hemisphere above a hit point.
 ///
-/// All are means over the hemisphere, `(1/2 pi) int f`, of the function in the brackets; V is 1 where the ray
-/// meets nothing, else 0.
+/// All are means over the hemisphere, `(1/2 pi) int f`, of the function in brackets. V is 1 if the
+/// ray meets nothing, otherwise 0.
 #[derive(Clone, Copy)]
 #[non_exhaustive]
 pub enum Integral<'a> {
-    /// Ambient occlusion, the open share of the hemisphere: `[V]`, or weighted with the cosine `[2 V cos]`.
-    /// Both are 1 where nothing is met.
+    /// Ambient occlusion, the open fraction of the hemisphere: `[V]`, or weighted by the cosine
+    /// `[2 V cos]`. Both are 1 without occluders.
     AmbientOcclusion {
-        /// What is farther away than this does not occlude; infinity for no limit.
+        /// The maximum distance of occluders; infinity for no limit.
         max_distance: f64,
-        /// Whether directions count with the cosine of their angle to the normal.
+        /// Whether directions are weighted by the cosine of their angle to the normal.
         cosine: bool,
     },
-    /// The light that leaves a diffuse surface under an environment: `[2 albedo V L cos]`, which is `albedo/pi` times
-    /// the irradiance. Under a constant radiance L without occluders it is `albedo L`.
+    /// The radiance of a diffuse surface under an environment: `[2 albedo V L cos]`, which is
+    /// `albedo/pi` times the irradiance. For a constant radiance L without occluders it is
+    /// `albedo L`.
     Irradiance {
-        /// The radiance that comes from each unit direction, not negative and finite.
+        /// The radiance from each unit direction, finite and not negative.
         radiance: &'a (dyn Fn(DVec3) -> f64 + Sync),
-        /// The share of the light that the surface sends back.
+        /// The reflected fraction of the light.
         albedo: f64,
     },
-    /// The light of a quadrilateral of radiance 1 that leaves a diffuse surface: `[2 albedo V cos]` for directions
-    /// that meet it, V as far as it. It shines along its normal and is no part of the scene.
+    /// The radiance of a diffuse surface under a quadrilateral light of radiance 1:
+    /// `[2 albedo V cos]` for directions that meet the light, with V up to its distance. The light
+    /// emits along its normal and is not part of the scene.
     Light {
         /// The lamp.
         light: &'a Quad,
-        /// The share of the light that the surface sends back.
+        /// The reflected fraction of the light.
         albedo: f64,
     },
 }
 
 impl Integral<'_> {
-    /// Accepts a distance above 0 and an albedo in [0, 1].
+    /// Checks that the distance is above 0 and the albedo is in [0, 1].
     ///
     /// # Errors
-    /// [`Error::Setting`] for other ones and NaN.
+    ///
+    /// Returns [`Error::Setting`] for other values and NaN.
     pub fn check(&self) -> Result<(), Error> {
         let (name, range, got, is_right) = match *self {
             Self::AmbientOcclusion { max_distance: d, .. } => {
-                ("the largest distance of occluders", "above 0", d, d > 0.0)
+                ("the maximum distance of occluders", "above 0", d, d > 0.0)
             }
             Self::Irradiance { albedo, .. } | Self::Light { albedo, .. } => {
                 ("the albedo", "in [0, 1]", albedo, (0.0..=1.0).contains(&albedo))
@@ -55,23 +58,23 @@ impl Integral<'_> {
     }
 }
 
-/// Rays to a light reach this much beyond it, in their own length over the cosine at the lamp, so that what covers it
-/// however closely is met. Single precision is off by 2.5 EPSILON for each component of a plane's normal, and 1 for
-/// the distance.
+/// Rays to a light extend beyond it by this amount, in units of their length over the cosine at the
+/// lamp, so that any surface directly in front of it is intersected. The error in single precision
+/// is 2.5 EPSILON for each component of a plane's normal, and 1 for the distance.
 const BEYOND_LIGHT: f64 = 8.0 * f32::EPSILON as f64;
 
 /// Sums over the directions of one hit point.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Sums {
-    /// Of f.
+    /// The sum of f.
     pub(crate) values: f64,
-    /// Of f squared.
+    /// The sum of f squared.
     pub(crate) squares: f64,
-    /// Rays that were traced.
+    /// The number of rays traced.
     pub(crate) rays: u64,
 }
 
-/// Buffers that are used again from hit point to hit point.
+/// Buffers that are reused for all hit points.
 #[derive(Debug, Default)]
 pub(crate) struct Workspace {
     pub(crate) dirs: Vec<DVec3>,
@@ -80,7 +83,7 @@ pub(crate) struct Workspace {
 }
 
 impl Integral<'_> {
-    /// The sums over the directions in `workspace.dirs`, which may change.
+    /// Returns the sums over the directions in `workspace.dirs`, which may change.
     pub(crate) fn sums(&self, scene: &Scene, hit: &Hit, workspace: &mut Workspace) -> Sums {
         let Workspace { dirs, occluded, reaches } = workspace;
         let mut reach = Reach::Within(f64::INFINITY);

@@ -2,25 +2,27 @@ use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
 
 use crate::Image;
 
-/// A test of all pixels for a bias, together.
+/// The outcome of testing all pixels together for a bias.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PictureBias {
-    /// The largest |t| of a pixel: its mean error in standard errors.
+    /// The largest |t| of a pixel, which is its mean error in standard errors.
     pub largest: f64,
-    /// What |t| stays below in all pixels with probability 99 % if there is no bias: Student's t with one degree of
-    /// freedom less than there are renders, or where all renders are the same, so that only the reference is random, a
-    /// normal number; with Sidak's correction for the number of pixels.
+    /// The limit that |t| does not exceed in any pixel with probability 99 % without bias: the
+    /// quantile of Student's t with one degree of freedom less than there are renders, or of a
+    /// normal distribution if all renders are equal and only the reference is random; with Sidak's
+    /// correction for the number of pixels.
     pub limit: f64,
-    /// Number of pixels beyond the limit.
+    /// The number of pixels beyond the limit.
     pub beyond: usize,
 }
 
 impl PictureBias {
-    /// The probability of finding a bias where there is none, as far as errors are normal.
+    /// The probability of a false alarm without bias, for normal errors.
     pub const ALPHA: f64 = 0.01;
 
-    /// Tests the pixels with these numbers; `moments(k)` are mean and variance of the errors of pixel k of them
-    /// over `renders` renders with `n_points` directions. `None` without pixels or with fewer than two renders.
+    /// Tests the pixels with these numbers. `moments(k)` returns the mean and variance of the
+    /// errors of the k-th pixel over `renders` renders with `n_points` directions. Returns `None`
+    /// without pixels or with fewer than two renders.
     pub(crate) fn new(
         reference: &Image,
         pixels: &[usize],
@@ -41,10 +43,10 @@ impl PictureBias {
         let limit = -quantile(0.5 * single);
         let scores = pixels.iter().enumerate().map(|(k, &i)| {
             let (mean, variance) = moments(k);
-            // The reference is jittered, and so no worse than independent directions.
+            // The reference is jittered, so its variance is at most that of independent directions.
             let of_reference = reference.spreads[i] / reference.n_points as f64;
-            // Where all renders agree by chance, their scatter says nothing; but the share of a single direction,
-            // of the size that those have which count, cannot be resolved.
+            // If all renders agree by chance, their scatter is not informative. The share of a
+            // single direction, of the size of those that contribute, cannot be resolved.
             let value = reference.values[i];
             let resolution = if is_random && value > 0.0 {
                 (value + reference.spreads[i] / value) / (count * n_points as f64)
@@ -62,7 +64,7 @@ impl PictureBias {
         Some(test)
     }
 
-    /// Whether there is a pixel with a bias.
+    /// Returns whether any pixel has a bias.
     #[must_use]
     pub fn is_biased(&self) -> bool {
         self.beyond > 0

@@ -4,7 +4,7 @@ use sphvar_samplers::Progress;
 use crate::picture::integral::Workspace;
 use crate::{DirectionSets, Error, Estimator, Image, Integral, View};
 
-/// Side of the squares that are worked on at a time.
+/// The side of the square tiles, which are rendered one at a time.
 const TILE: usize = 16;
 
 /// One pixel.
@@ -16,11 +16,11 @@ struct Pixel {
     rays: u64,
 }
 
-/// Renders a view, in parallel over tiles; for each pixel [`pixel_work`] is ticked, and in
-/// mode [`Fresh`](crate::DirectionMode::Fresh) the nominal work of its set.
+/// Renders a view, in parallel over tiles. Ticks [`pixel_work`] for each pixel and, in mode
+/// [`Fresh`](crate::DirectionMode::Fresh), the nominal work of its set.
 ///
-/// A pixel's value depends on the view's scene, camera and size, the integral, the directions and its place in the
-/// image, and on nothing else.
+/// A pixel's value depends only on the view's scene, camera and size, the integral, the directions
+/// and its position in the image.
 ///
 /// ```
 /// use sphvar_samplers::Pattern;
@@ -39,8 +39,10 @@ struct Pixel {
 /// ```
 ///
 /// # Errors
-/// [`Error::Setting`] as [`Integral::check`], [`Error::Sampler`] if a set of
-/// [`DirectionMode::Fresh`](crate::DirectionMode::Fresh) cannot be completed or `progress` ends the work.
+///
+/// Returns the errors of [`Integral::check`], and [`Error::Sampler`] if a set of
+/// [`DirectionMode::Fresh`](crate::DirectionMode::Fresh) cannot be generated or `progress` stops
+/// the work.
 pub fn render(
     view: &View<'_>,
     integral: &Integral<'_>,
@@ -96,7 +98,8 @@ pub fn render(
     Ok(image)
 }
 
-/// Returns the nominal work of a pixel with `n_points` directions: 100 ns a ray and a microsecond.
+/// Returns the nominal work of a pixel with `n_points` directions: 100 ns per ray and a
+/// microsecond.
 #[must_use]
 pub fn pixel_work(n_points: usize) -> f64 {
     1.6 * n_points as f64 + 16.0
@@ -122,12 +125,12 @@ fn pixel(
         };
         let index = (y * width + x) * per_side * per_side + j * per_side + i;
         directions.directions_into(hit.normal, index as u64, &mut workspace.dirs)?;
-        let kept = workspace.dirs.len();
+        let visible = workspace.dirs.len();
         let sums = integral.sums(view.scene(), &hit, workspace);
-        pixel.value += estimator.weight(kept, directions.n_points()) * sums.values;
-        let mean = sums.values / kept.max(1) as f64;
-        // Rounding may leave a little less than 0 of a constant.
-        let spread = (sums.squares / kept.max(1) as f64 - mean * mean).max(0.0);
+        pixel.value += estimator.weight(visible, directions.n_points()) * sums.values;
+        let mean = sums.values / visible.max(1) as f64;
+        // For a constant, rounding may leave slightly less than 0.
+        let spread = (sums.squares / visible.max(1) as f64 - mean * mean).max(0.0);
         pixel.spread += spread;
         hits += 1;
         pixel.rays += sums.rays;

@@ -1,13 +1,13 @@
 use crate::{Error, Estimate, Image, PictureBias};
 
-/// Side of the squares whose mean errors tell structure.
+/// The side of the squares whose mean errors measure structure.
 const BLOCK: usize = 8;
 
-/// Errors of repeated renders of one view against a reference image.
+/// Errors of repeated renders of one view relative to a reference image.
 ///
-/// The unit of replication is the render: its pixels may share directions. Renders must be independent, as those
-/// of one [`DirectionPlan`](crate::DirectionPlan) are. Pixels count as surfaces cover them in means over pixels; those
-/// in which no surface is seen do not count.
+/// The unit of replication is the render, whose pixels may share directions. Renders must be
+/// independent, as those of one [`DirectionPlan`](crate::DirectionPlan) are. Means over pixels are
+/// weighted by coverage; pixels without a surface do not count.
 ///
 /// Memory: 8 bytes for each pixel of each render.
 #[derive(Clone, Debug)]
@@ -15,10 +15,10 @@ pub struct RenderErrors<'a> {
     reference: &'a Image,
     /// The pixels that count.
     pixels: Vec<usize>,
-    /// The upper left pixels of squares that count whole.
+    /// The upper left pixels of the squares in which all pixels count.
     blocks: Vec<usize>,
     n_points: usize,
-    /// The errors of the pixels that count.
+    /// The errors of the pixels that count, one slice per render.
     errors: Vec<Box<[f64]>>,
     sums: Vec<Sums>,
 }
@@ -26,43 +26,44 @@ pub struct RenderErrors<'a> {
 /// Sums over the errors of one render.
 #[derive(Clone, Copy, Debug, Default)]
 struct Sums {
-    /// Mean square over all pixels that count.
+    /// The mean square over all pixels that count.
     mean_square: f64,
-    /// Squares of the means over blocks, and the mean squares in the same blocks.
+    /// The squares of the means over blocks, and the mean squares in the same blocks.
     of_blocks: f64,
     in_blocks: f64,
-    /// Products of the errors of neighbours, and the means of their squares.
+    /// The products of the errors of neighbours, and the means of their squares.
     products: f64,
     squares: f64,
 }
 
-/// What repeated renders say about the errors of a view.
+/// Error statistics of repeated renders of a view.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ErrorReport {
-    /// Number of renders.
+    /// The number of renders.
     pub renders: usize,
-    /// Number of pixels that count.
+    /// The number of pixels that count.
     pub pixels: usize,
-    /// Mean squared error against the reference image; that image's own error is in it.
+    /// The mean squared error relative to the reference image; it includes the error of that image.
     pub mse: Estimate,
-    /// The variance of a pixel between renders, in the mean; NaN from a single render.
+    /// The mean variance of a pixel between renders; NaN for a single render.
     pub variance: Estimate,
-    /// The squared bias of a pixel, in the mean, `mse - variance`; chance can make it negative. The squared error of
-    /// the reference image is in it. Without a standard error from two renders, NaN from one.
+    /// The mean squared bias of a pixel, `mse - variance`, which may be negative by chance. It
+    /// includes the squared error of the reference image. It has no standard error for two renders
+    /// and is NaN for one.
     pub bias_squared: Estimate,
-    /// How much larger the variance of mean errors over 8 by 8 pixels is than it would be if pixels were
-    /// independent: 1 if they are, 64 if all errors in such a square are the same. NaN if no square is seen whole or
-    /// there are no errors.
+    /// The variance of mean errors over 8 by 8 pixels, relative to its value for independent
+    /// pixels: 1 for independent pixels, 64 if all errors in a square are equal. NaN if no square
+    /// is completely visible or there are no errors.
     pub structure: Estimate,
-    /// The correlation of the errors of pixels side by side or one above the other: 0 if they are independent. NaN if
-    /// there are none or no errors.
+    /// The correlation of the errors of horizontally or vertically adjacent pixels: 0 for
+    /// independent pixels. NaN without such pixels or without errors.
     pub autocorrelation: Estimate,
-    /// Whether some pixel has a bias; `None` from a single render.
+    /// The test for a bias of any pixel; `None` for a single render.
     pub bias: Option<PictureBias>,
 }
 
 impl<'a> RenderErrors<'a> {
-    /// Without any render yet.
+    /// Returns the errors without any render.
     #[must_use]
     pub fn new(reference: &'a Image) -> Self {
         let is_seen = |i: usize| reference.coverage[i] > 0.0;
@@ -78,7 +79,9 @@ impl<'a> RenderErrors<'a> {
     /// Adds a render.
     ///
     /// # Errors
-    /// [`Error::OtherView`] if it does not show the same surfaces in the same pixels as the reference image.
+    ///
+    /// Returns [`Error::OtherView`] if it does not show the same surfaces in the same pixels as the
+    /// reference image.
     pub fn push(&mut self, image: &Image) -> Result<(), Error> {
         let reference = self.reference;
         if image.width != reference.width || image.coverage != reference.coverage {
@@ -92,7 +95,8 @@ impl<'a> RenderErrors<'a> {
         Ok(())
     }
 
-    /// `errors` are those of all pixels, 0 where nothing is seen.
+    /// Returns the sums for one render; `errors` are those of all pixels, 0 for pixels without a
+    /// surface.
     fn sums_of(&self, errors: &[f64]) -> Sums {
         let width = self.reference.width;
         let squared = |i: usize| errors[i] * errors[i];
@@ -116,14 +120,15 @@ impl<'a> RenderErrors<'a> {
         sums
     }
 
-    /// The mean of what the pixels that count have, by how they are covered.
+    /// Returns the mean over the pixels that count, weighted by coverage.
     fn mean(&self, of_pixels: impl Iterator<Item = f64>) -> f64 {
         let weights = self.pixels.iter().map(|&i| self.reference.coverage[i]);
         let products = of_pixels.zip(weights.clone()).map(|(x, weight)| weight * x);
         products.sum::<f64>() / weights.sum::<f64>()
     }
 
-    /// The squared error of each pixel of the image in the mean over the renders; 0 where no surface is seen.
+    /// Returns the squared error of each pixel of the image, averaged over the renders; 0 for
+    /// pixels without a surface.
     #[must_use]
     pub fn squared_errors(&self) -> Vec<f64> {
         let mut result = vec![0.0; self.reference.values.len()];
@@ -136,7 +141,7 @@ impl<'a> RenderErrors<'a> {
         result
     }
 
-    /// What the renders say.
+    /// Returns the statistics of the renders.
     #[must_use]
     pub fn report(&self) -> ErrorReport {
         let count = self.errors.len();
@@ -159,22 +164,23 @@ impl<'a> RenderErrors<'a> {
         }
     }
 
-    /// The mean of the pixels' variances.
+    /// Returns the mean of the pixels' variances.
     fn variance(&self, moments: &[(f64, f64)]) -> Estimate {
         let value = self.mean(moments.iter().map(|m| m.1));
         Estimate::jackknife(value, self.errors.len(), |r| self.variance_without(r, value, moments))
     }
 
-    /// The mean of the pixels' variances over all renders but one; `variance` is that over all.
+    /// Returns the mean of the pixels' variances over all renders except one; `variance` is that
+    /// over all.
     fn variance_without(&self, render: usize, variance: f64, moments: &[(f64, f64)]) -> f64 {
         let count = self.errors.len() as f64;
         let deviations = self.errors[render].iter().zip(moments).map(|(e, m)| (e - m.0).powi(2));
         let squares = self.mean(deviations);
-        // What leaving a number out does to the sum of squared deviations.
+        // The change of the sum of squared deviations when one number is left out.
         ((count - 1.0) * variance - squares * count / (count - 1.0)) / (count - 2.0)
     }
 
-    /// The difference of mean squared error and variance.
+    /// Returns the difference of mean squared error and variance.
     fn bias_squared(&self, mse: f64, variance: f64, moments: &[(f64, f64)]) -> Estimate {
         let count = self.errors.len() as f64;
         Estimate::jackknife(mse - variance, self.errors.len(), |r| {
@@ -183,7 +189,7 @@ impl<'a> RenderErrors<'a> {
         })
     }
 
-    /// The ratio of the sums over renders of two numbers that each render has.
+    /// Returns the ratio of the sums over renders of two numbers per render.
     fn jackknife(&self, pair: impl Fn(&Sums) -> [f64; 2]) -> Estimate {
         let pairs: Vec<[f64; 2]> = self.sums.iter().map(pair).collect();
         let total = |left_out: Option<usize>| {
@@ -195,12 +201,12 @@ impl<'a> RenderErrors<'a> {
     }
 }
 
-/// The pixels of the square with this upper left one.
+/// Returns the pixels of the square with this upper left pixel.
 fn square(corner: usize, width: usize) -> impl Iterator<Item = usize> {
     (0..BLOCK * BLOCK).map(move |k| corner + k / BLOCK * width + k % BLOCK)
 }
 
-/// Mean and unbiased variance; exact where all values are the same.
+/// Returns mean and unbiased variance; exact if all values are equal.
 fn moments(values: impl Iterator<Item = f64> + Clone) -> (f64, f64) {
     let first = values.clone().next().unwrap_or(0.0);
     let (sum, count) = values.clone().fold((0.0, 0.0), |(sum, n), x| (sum + (x - first), n + 1.0));
@@ -226,14 +232,14 @@ mod tests {
     }
 
     #[test]
-    fn constant_errors_are_all_structure() {
+    fn constant_errors_have_maximal_structure() {
         let reference = image(16, 9, |_, _| 0.5);
         let mut errors = RenderErrors::new(&reference);
         for sign in [1.0, -1.0] {
             errors.push(&image(16, 9, |_, _| 0.5 + 0.25 * sign)).unwrap();
         }
         let report = errors.report();
-        // Quarters are exact.
+        // Quarters are exact in binary.
         assert_eq!((report.mse.value, report.mse.stderr), (0.0625, 0.0));
         assert_eq!((report.structure.value, report.autocorrelation.value), (64.0, 1.0));
         assert_eq!((report.variance.value, report.bias_squared.value), (0.125, -0.0625));
@@ -252,7 +258,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_not_seen_does_not_count() {
+    fn pixels_without_a_surface_do_not_count() {
         let mut reference = image(8, 8, |_, _| 0.5);
         reference.coverage[0] = 0.0;
         let mut errors = RenderErrors::new(&reference);

@@ -1,6 +1,6 @@
 use crate::{Camera, CropWindow, DirectionSets, Error, Scene};
 
-/// A scene as a camera sees it: an image or a part of one.
+/// A view of a scene by a camera: an image or a part of one.
 #[derive(Clone, Copy, Debug)]
 pub struct View<'a> {
     scene: &'a Scene,
@@ -11,15 +11,17 @@ pub struct View<'a> {
 }
 
 impl<'a> View<'a> {
-    /// The longest side of an image.
+    /// The maximum side of an image.
     pub const MAX_SIDE: usize = 1 << 15;
-    /// The most primary rays of a pixel per side.
+    /// The maximum number of primary rays of a pixel per side.
     pub const MAX_RAYS_PER_SIDE: usize = 16;
 
-    /// A whole image of `[width, height]` pixels, with one primary ray through the centre of each.
+    /// Returns a view of the whole image of `[width, height]` pixels, with one primary ray through
+    /// the centre of each.
     ///
     /// # Errors
-    /// [`Error::ImageSize`] for a side of 0 or beyond [`Self::MAX_SIDE`].
+    ///
+    /// Returns [`Error::ImageSize`] for a side of 0 or beyond [`Self::MAX_SIDE`].
     pub fn new(scene: &'a Scene, camera: &'a Camera, size: [usize; 2]) -> Result<Self, Error> {
         const {
             assert!(
@@ -34,10 +36,11 @@ impl<'a> View<'a> {
         Ok(Self { scene, camera, size, region, rays_per_side: 1 })
     }
 
-    /// The part `region` of the image: the same values as in the whole.
+    /// Returns the part `region` of the view: the values are the same as in the whole image.
     ///
     /// # Errors
-    /// [`Error::CropWindow`] if it is empty or not within the image.
+    ///
+    /// Returns [`Error::CropWindow`] if it is empty or not within the image.
     pub fn with_region(self, region: CropWindow) -> Result<Self, Error> {
         let [width, height] = self.size;
         let fits = |from: usize, length: usize, whole: usize| {
@@ -49,11 +52,12 @@ impl<'a> View<'a> {
         Ok(Self { region, ..self })
     }
 
-    /// A box filter: the mean over `per_side` by `per_side` primary rays on a regular grid in each pixel, each with its
-    /// own directions.
+    /// Returns the view with a box filter: the mean over `per_side` by `per_side` primary rays on a
+    /// regular grid in each pixel, each with separate directions.
     ///
     /// # Errors
-    /// [`Error::RaysPerSide`] for 0 or beyond [`Self::MAX_RAYS_PER_SIDE`].
+    ///
+    /// Returns [`Error::RaysPerSide`] for 0 or beyond [`Self::MAX_RAYS_PER_SIDE`].
     pub fn with_rays_per_side(self, per_side: usize) -> Result<Self, Error> {
         if !(1..=Self::MAX_RAYS_PER_SIDE).contains(&per_side) {
             return Err(Error::RaysPerSide { got: per_side, max: Self::MAX_RAYS_PER_SIDE });
@@ -61,31 +65,31 @@ impl<'a> View<'a> {
         Ok(Self { rays_per_side: per_side, ..self })
     }
 
-    /// The scene.
+    /// Returns the scene.
     #[must_use]
     pub fn scene(&self) -> &'a Scene {
         self.scene
     }
 
-    /// The camera.
+    /// Returns the camera.
     #[must_use]
     pub fn camera(&self) -> &'a Camera {
         self.camera
     }
 
-    /// Width and height of the whole image.
+    /// Returns the width and height of the whole image.
     #[must_use]
     pub fn size(&self) -> [usize; 2] {
         self.size
     }
 
-    /// The part that is rendered.
+    /// Returns the rendered part.
     #[must_use]
     pub fn region(&self) -> CropWindow {
         self.region
     }
 
-    /// Primary rays of a pixel, per side.
+    /// Returns the number of primary rays of a pixel per side.
     #[must_use]
     pub fn rays_per_side(&self) -> usize {
         self.rays_per_side

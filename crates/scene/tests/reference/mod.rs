@@ -1,5 +1,5 @@
-//! The slow definition: every triangle tested for every ray in double precision, by Cramer's rule (Moeller and Trumbore
-//! 1997), and how near a ray is to where the answer changes.
+//! The slow definition: every triangle is tested for every ray in double precision, by Cramer's
+//! rule (Moeller and Trumbore 1997), with the distance of a ray from where the result changes.
 
 mod numbers;
 
@@ -7,10 +7,10 @@ use glam::DVec3;
 pub(crate) use numbers::Numbers;
 use sphvar_scene::{Hit, Quad};
 
-/// Triangles and what they belong to.
+/// Triangles and the primitives that they belong to.
 pub(crate) struct Reference {
     triangles: Vec<([DVec3; 3], usize)>,
-    /// Outlines only: the diagonal of a quadrilateral is no edge.
+    /// Outlines only: the diagonal of a quadrilateral is not an edge.
     edges: Vec<[DVec3; 2]>,
 }
 
@@ -31,14 +31,14 @@ impl Reference {
         Self { edges: edges.collect(), triangles }
     }
 
-    /// The nearest hit's distance and the number of what is hit.
+    /// Returns the distance of the nearest hit and the number of the primitive.
     pub(crate) fn closest(&self, origin: DVec3, dir: DVec3) -> Option<(f64, usize)> {
         let hits = self.triangles.iter().filter_map(|&(t, i)| Some((distance(t, origin, dir)?, i)));
         hits.min_by(|a, b| a.0.total_cmp(&b.0))
     }
 
-    /// A bound on the angle by which the direction must turn for another answer: to the next edge, to the horizon, or to
-    /// where a surface is just within reach.
+    /// Returns a bound on the angle by which the direction must be rotated for another result: to
+    /// the next edge, to the horizon, or to where a surface is just within reach.
     pub(crate) fn margin(&self, at: &Hit, origin: DVec3, dir: DVec3, reach: f64) -> f64 {
         let to_edges = self.edges.iter().map(|e| angle_to_edge(e.map(|p| p - origin), dir));
         let to_ends = self.triangles.iter().filter(|_| reach.is_finite()).map(|&([a, b, c], _)| {
@@ -48,7 +48,7 @@ impl Reference {
         to_edges.chain(to_ends).fold(dir.dot(at.normal).abs(), f64::min)
     }
 
-    /// Points on edges, for rays that pass close by.
+    /// Returns points on edges, for rays that pass close to them.
     pub(crate) fn near_edges(&self, numbers: &mut Numbers) -> DVec3 {
         let [a, b] = self.edges[numbers.below(self.edges.len())];
         a.lerp(b, numbers.unit())
@@ -73,7 +73,7 @@ fn angle_to_edge([a, b]: [DVec3; 2], dir: DVec3) -> f64 {
     if between { dir.dot(normal).abs().asin() } else { angle(a).min(angle(b)) }
 }
 
-/// The vector at a length of which products are numbers.
+/// Scales the vector to a length whose products neither overflow nor underflow.
 fn of_order_1(v: DVec3) -> DVec3 {
     v / v.abs().max_element()
 }

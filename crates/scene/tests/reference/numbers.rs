@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-/// A Weyl sequence, mixed (Steele et al. 2014, `SplitMix64`).
+/// A mixed Weyl sequence (Steele et al. 2014, `SplitMix64`).
 pub(crate) struct Numbers(pub(crate) u64);
 
 impl Numbers {

@@ -29,7 +29,7 @@ fn picture(
 }
 
 #[test]
-fn threads_do_not_show() {
+fn results_do_not_depend_on_threads() {
     for mode in DirectionMode::ALL {
         let with = |threads| {
             let pool = ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
@@ -42,7 +42,7 @@ fn threads_do_not_show() {
 }
 
 #[test]
-fn a_part_is_the_part_of_the_whole() {
+fn a_crop_window_equals_the_part_of_the_whole() {
     let region = CropWindow { x: 5, y: 9, width: 23, height: 18 };
     for mode in DirectionMode::ALL {
         let whole = picture(mode, 7, 1, None, 2);
@@ -69,7 +69,7 @@ fn a_part_is_the_part_of_the_whole() {
 }
 
 #[test]
-fn seeds_and_renders_are_different_pictures() {
+fn seeds_and_renders_give_different_pictures() {
     for mode in DirectionMode::ALL {
         let one = picture(mode, 7, 0, None, 1);
         assert_ne!(one.values, picture(mode, 8, 0, None, 1).values, "{mode}");
@@ -78,7 +78,7 @@ fn seeds_and_renders_are_different_pictures() {
 }
 
 #[test]
-fn parts_and_sizes_out_of_range_are_refused() {
+fn crop_windows_and_sizes_out_of_range_are_rejected() {
     let cornell = CornellBox::new();
     for size in [[0, 4], [4, 0], [View::MAX_SIDE + 1, 4], [usize::MAX, 1]] {
         View::new(&cornell.scene, &cornell.camera, size).unwrap_err();

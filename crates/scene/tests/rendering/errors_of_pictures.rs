@@ -1,4 +1,5 @@
-//! Errors of pictures of the box: white noise's is known, shared sets have structure and a bias, turned ones do not.
+//! Errors of pictures of the box: white noise has a known error, shared sets have structure and a
+//! bias, rotated sets do not.
 
 use std::sync::OnceLock;
 
@@ -33,7 +34,7 @@ fn report(pattern: Pattern, n: usize, mode: DirectionMode, renders: u64) -> Erro
     errors.report()
 }
 
-/// To 3 %: 8 renders of 3844 pixels have a standard error of 1 %, with sets of a table up to 2 %.
+/// To 3 %: the standard error of 8 renders of 3844 pixels is 1 %, with sets from a table up to 2 %.
 #[test]
 fn white_noise_has_the_binomial_variance() {
     let n = 16;
@@ -52,30 +53,30 @@ fn white_noise_has_the_binomial_variance() {
 }
 
 #[test]
-fn shared_sets_have_structure_and_turned_ones_do_not() {
+fn shared_sets_have_structure_and_rotated_ones_do_not() {
     let of = |mode| report(Pattern::Fibonacci, 64, mode, 2);
     let (shared, rotated) = (of(DirectionMode::Shared), of(DirectionMode::Rotated));
     let projective = of(DirectionMode::Projective);
-    for turned in [&rotated, &projective] {
-        // 8 x 8 blocks, some 50 of them in each of two renders: 1 +- 0.14.
-        assert!((turned.structure.value - 1.0).abs() < 0.6, "{turned:?}");
-        assert!(turned.autocorrelation.value.abs() < 0.06, "{turned:?}");
+    for independent in [&rotated, &projective] {
+        // 8 x 8 blocks, about 50 of them in each of two renders: 1 +- 0.14.
+        assert!((independent.structure.value - 1.0).abs() < 0.6, "{independent:?}");
+        assert!(independent.autocorrelation.value.abs() < 0.06, "{independent:?}");
     }
     let ratio = shared.structure.value / rotated.structure.value;
     assert!(ratio > 10.0, "structure {ratio} times as large: {shared:?} {rotated:?}");
     assert!(shared.autocorrelation.value > 0.5, "{shared:?}");
-    // The same picture twice.
+    // Both renders are the same picture.
     assert_eq!((shared.variance.value, shared.mse.stderr), (0.0, 0.0));
 }
 
 #[test]
-fn a_bias_is_found_where_there_is_one() {
+fn an_existing_bias_is_detected() {
     let shared = report(Pattern::Fibonacci, 24, DirectionMode::Shared, 7).bias.unwrap();
     assert!(shared.is_biased() && shared.beyond > 100, "{shared:?}");
     let of = |mode| report(Pattern::Fibonacci, 64, mode, 8);
     for mode in [DirectionMode::Projective, DirectionMode::Rotated, DirectionMode::Fresh] {
-        let turned = of(mode).bias.unwrap();
-        assert!(!turned.is_biased(), "{mode}: {turned:?}");
+        let independent = of(mode).bias.unwrap();
+        assert!(!independent.is_biased(), "{mode}: {independent:?}");
     }
     assert!(report(Pattern::Fibonacci, 64, DirectionMode::Rotated, 1).bias.is_none());
 }

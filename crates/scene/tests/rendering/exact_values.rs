@@ -1,4 +1,4 @@
-//! Integrals at points where they are known.
+//! Integrals at points where their values are known.
 
 use glam::DVec3;
 use sphvar_samplers::Pattern;
@@ -10,7 +10,7 @@ use crate::spot::{FAR, Spot, covered_share, form_factor, horizontal, mean_and_er
 
 const SEED: u64 = 1;
 const SIDE: usize = 32;
-/// |z| that chance passes once in 1.7 million comparisons; there are some 15 here.
+/// The limit of |z|, exceeded by chance once in 1.7 million comparisons; there are about 15 here.
 const Z: f64 = 5.0;
 
 const OPEN: Integral<'static> =
@@ -18,7 +18,7 @@ const OPEN: Integral<'static> =
 const OPEN_COSINE: Integral<'static> =
     Integral::AmbientOcclusion { max_distance: f64::INFINITY, cosine: true };
 
-/// Mean and standard error of 1024 points with 96 jittered directions each.
+/// Returns mean and standard error of 1024 points with 96 jittered directions each.
 fn measured(spot: &Spot, integral: &Integral<'_>) -> (f64, f64) {
     let mode = DirectionMode::Projective;
     let plan = DirectionPlan::new(Pattern::Jittered, 96, mode, SEED).unwrap();
@@ -29,7 +29,7 @@ fn measured(spot: &Spot, integral: &Integral<'_>) -> (f64, f64) {
 
 fn assert_value(spot: &Spot, integral: &Integral<'_>, exact: f64, label: &str) {
     let (mean, error) = measured(spot, integral);
-    // Pixels are up to 1e-7 apart, and far planes end.
+    // Pixels are up to 1e-7 apart, and the planes that represent infinite ones are finite.
     assert!((mean - exact).abs() < Z * error + 4e-6, "{label}: {mean} +- {error}, exact {exact}");
 }
 
@@ -50,12 +50,13 @@ fn in_a_closed_box_everything_is() {
     let spot = Spot::with(walls);
     assert_eq!(measured(&spot, &OPEN), (0.0, 0.0));
     assert_eq!(measured(&spot, &OPEN_COSINE), (0.0, 0.0));
-    // Within half a unit there is nothing.
+    // Within half a unit there is no surface.
     let near = Integral::AmbientOcclusion { max_distance: 0.5, cosine: false };
     assert_eq!(measured(&spot, &near), (1.0, 0.0));
 }
 
-/// Beside a wall without end half of the sky is left, however far it is; its ends are 1e-6 off.
+/// Beside an infinite wall half of the sky is visible, at any distance; the ends of the finite wall
+/// change it by 1e-6.
 #[test]
 fn beside_a_wall_half_of_the_sky_is_left() {
     for distance in [1e-3, 1.0, 20.0] {
@@ -74,7 +75,7 @@ fn a_ceiling_covers_its_solid_angle() {
     let spot = Spot::with(vec![ceiling]);
     assert_value(&spot, &OPEN, 1.0 - covered_share(x, y, z), "uniform");
     assert_value(&spot, &OPEN_COSINE, 1.0 - form_factor(&ceiling.corners()), "cosine");
-    // Rays of length 1 reach the part within a circle about the foot: all of a small one.
+    // Rays of length 1 reach the part within a circle about the foot: all of a small ceiling.
     let small = ([-0.1, 0.2], [-0.15, 0.1], 0.7);
     let spot = Spot::with(vec![horizontal(small.0, small.1, small.2)]);
     let near = |max_distance| Integral::AmbientOcclusion { max_distance, cosine: false };
@@ -93,33 +94,34 @@ fn a_lamp_gives_its_form_factor() {
     let open = Spot::with(Vec::new());
     assert_value(&open, &light(&lamp), 0.7 * form_factor(&corners), "open");
     assert_eq!(measured(&open, &light(&upwards)), (0.0, 0.0), "it shines to the other side");
-    // On a ceiling it still shines.
+    // A lamp in the plane of a ceiling still illuminates the point.
     let ceiling = horizontal([-3.0, 3.0], [-3.0, 3.0], z);
     assert_value(&Spot::with(vec![ceiling]), &light(&lamp), 0.7 * form_factor(&corners), "ceiling");
-    // A screen half way up hides the part x < 0.8 of it.
+    // A screen half way up hides the part x < 0.8 of the lamp.
     let screen = horizontal([-1.0, 0.4], [-1.0, 1.0], 0.5 * z);
     let rest = horizontal([0.8, x[1]], y, z);
     let expected = 0.7 * form_factor(&rest.corners());
     assert_value(&Spot::with(vec![screen]), &light(&lamp), expected, "screen");
-    // However near the lamp it is, a screen hides it.
+    // A screen hides the lamp at any distance in front of it.
     for below in [0.1, 1e-3, 7.5e-4, 1e-5, 1e-6, 1e-9, 1e-12] {
         let height = z - below * z;
         let cover = horizontal([-3.0, 3.0], [-3.0, 3.0], height);
         assert_eq!(measured(&Spot::with(vec![cover]), &light(&lamp)), (0.0, 0.0), "{below:e}");
-        // One that covers what is beyond y = 0, straight below the lamp.
+        // A screen that covers the part beyond y = 0, directly in front of the lamp.
         let part = horizontal([-3.0, 3.0], [0.0, 3.0], height);
         let rest = form_factor(&horizontal(x, [y[0], 0.0], z).corners());
         assert_value(&Spot::with(vec![part]), &light(&lamp), 0.7 * rest, "part");
     }
-    // One as closely behind the lamp hides nothing.
+    // A surface equally close behind the lamp hides nothing.
     let behind = horizontal([-3.0, 3.0], [-3.0, 3.0], z + 1e-12 * z);
     assert_value(&Spot::with(vec![behind]), &light(&lamp), 0.7 * form_factor(&corners), "behind");
-    // One beyond the lamp hides nothing.
+    // A surface beyond the lamp hides nothing.
     let beyond = horizontal([-9.0, 9.0], [-9.0, 9.0], 1.1 * z);
     assert_value(&Spot::with(vec![beyond]), &light(&lamp), 0.7 * form_factor(&corners), "beyond");
 }
 
-/// A constant sky gives albedo times it; a sky `1 + d.z`, of which `int (1 + cos) cos/pi = 1 + 2/3`.
+/// A constant sky gives the albedo times its radiance; a sky `1 + d.z` has
+/// `int (1 + cos) cos/pi = 1 + 2/3`.
 #[test]
 fn irradiance_of_simple_skies() {
     let open = Spot::with(Vec::new());
@@ -141,12 +143,13 @@ fn pixels_count_as_they_are_covered() {
     let image = render(&view, &OPEN, Estimator::Ratio, &plan.prepare(0).unwrap(), &()).unwrap();
     assert_eq!((image.n_hits(), image.mean()), (16, 1.0));
     assert_eq!(image.values, [1.0; 16]);
-    // The side of the square is 1 of the 5 tan(0.3) of half the picture; primary rays are 1/32 of a pixel off at most.
+    // The side of the square is 1 of the 5 tan(0.3) of half the picture; primary rays are at most
+    // 1/32 of a pixel off.
     let side = 4.0 / (5.0 * 0.3f64.tan());
     assert!((image.covered_area() / (side * side) - 1.0).abs() < 4.0 / 32.0 / side);
 }
 
-/// Spreads are the integrand's variance over the hemisphere, which has a mean over directions.
+/// Spreads equal the integrand's variance over the hemisphere.
 #[test]
 fn spreads_are_those_of_the_integrand() {
     let (x, y, z) = ([-0.3, 1.7], [0.2, 0.9], 0.8);
@@ -156,7 +159,7 @@ fn spreads_are_those_of_the_integrand() {
     let image = spot.render(&OPEN, Estimator::Ratio, &plan.prepare(0).unwrap(), SIDE);
     let (mean, error) = mean_and_error(&image.spreads);
     let p = covered_share(x, y, z);
-    // A sample's variance is low by 1/n.
+    // The variance of a sample is too small by 1/n.
     let expected = p * (1.0 - p) * (1.0 - 1.0 / n as f64);
     assert!((mean - expected).abs() < Z * error, "{mean} +- {error}, expected {expected}");
     let predicted = image.white_noise_variance(n);

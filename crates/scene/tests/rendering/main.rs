@@ -1,5 +1,5 @@
-//! Pictures: integrals at points where they are known in closed form, the modes of directions, determinism and
-//! the errors of pictures.
+//! Pictures: integrals at points where they are known in closed form, the direction modes,
+//! determinism and the errors of pictures.
 
 mod determinism;
 mod errors_of_pictures;

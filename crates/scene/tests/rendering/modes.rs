@@ -1,4 +1,5 @@
-//! What the modes promise: directions above the surface, no bias, and the variance of white noise.
+//! Guarantees of the direction modes: directions above the surface, no bias, and the variance of
+//! white noise.
 
 use glam::DVec3;
 use sphvar_samplers::{Domain, Pattern};
@@ -7,19 +8,19 @@ use sphvar_scene::{DirectionMode, DirectionPlan, Error, Estimator, Integral};
 use crate::spot::{Spot, covered_share, horizontal, mean_and_error};
 
 const SEED: u64 = 2;
-/// Twenty-odd comparisons at |z| < 4.5 fail by chance in 1.5e-4 of seeds.
+/// More than twenty comparisons at |z| < 4.5; one fails by chance for 1.5e-4 of seeds.
 const Z: f64 = 4.5;
 const AMBIENT: Integral<'static> =
     Integral::AmbientOcclusion { max_distance: f64::INFINITY, cosine: false };
 
-/// A ceiling to one side, and the open share beneath it.
+/// Returns a ceiling to one side, and the open fraction of the hemisphere beneath it.
 fn sheltered() -> (Spot, f64) {
     let (x, y, z) = ([-0.3, 2.2], [0.1, 1.9], 0.8);
     (Spot::with(vec![horizontal(x, y, z)]), 1.0 - covered_share(x, y, z))
 }
 
-fn plan(pattern: &Pattern, asked: usize, mode: DirectionMode) -> DirectionPlan {
-    let n = DirectionPlan::nearest_count(pattern, asked);
+fn plan(pattern: &Pattern, requested: usize, mode: DirectionMode) -> DirectionPlan {
+    let n = DirectionPlan::nearest_count(pattern, requested);
     DirectionPlan::new(pattern.clone(), n, mode, SEED).unwrap()
 }
 
@@ -29,12 +30,13 @@ fn directions_are_unit_vectors_above_the_surface() {
     let mut dirs = Vec::new();
     for pattern in [Pattern::WhiteNoise, Pattern::Jittered, Pattern::Healpix, Pattern::Fibonacci] {
         for mode in DirectionMode::ALL {
-            for asked in [1, 50] {
-                let plan = plan(&pattern, asked, mode);
+            for requested in [1, 50] {
+                let plan = plan(&pattern, requested, mode);
                 let sets = plan.prepare(3).unwrap();
                 for (index, &normal) in normals.iter().enumerate() {
                     sets.directions_into(normal, index as u64, &mut dirs).unwrap();
-                    // A rotation's entries and the sum of three products round by a few EPSILON.
+                    // The entries of a rotation and the sum of three products round by a few
+                    // EPSILON.
                     let unit = |d: &DVec3| (d.length() - 1.0).abs() < 8.0 * f64::EPSILON;
                     let above = |d: &DVec3| normal.dot(*d) > -8.0 * f64::EPSILON;
                     assert!(dirs.iter().all(|d| unit(d) && above(d)), "{pattern} {mode} {normal}");
@@ -49,10 +51,11 @@ fn directions_are_unit_vectors_above_the_surface() {
     }
 }
 
-/// Of a set that is turned alike, the kept halves above a surface and below it are the whole set: directions in its plane
-/// are in one of them. Pixels of HEALPix lie on the equator.
+/// For a set with the same rotation, the visible halves above a surface and below it add up to the
+/// whole set: each direction in its plane is in one of them. HEALPix has pixel centres on the
+/// equator.
 #[test]
-fn halves_of_a_sphere_set_make_it_whole() {
+fn halves_of_a_sphere_set_add_up_to_it() {
     let (mut above, mut below) = (Vec::new(), Vec::new());
     let mut n_in_plane = 0;
     for (pattern, n) in [(Pattern::Fibonacci, 100), (Pattern::Healpix, 96)] {
@@ -72,7 +75,7 @@ fn halves_of_a_sphere_set_make_it_whole() {
 }
 
 #[test]
-fn turned_sets_are_unbiased() {
+fn rotated_sets_are_unbiased() {
     let (spot, exact) = sheltered();
     let patterns = [
         Pattern::WhiteNoise,
@@ -104,10 +107,10 @@ fn turned_sets_are_unbiased() {
     }
 }
 
-/// With one set for all pixels the render is the replication, and the set must be random. Spun sets are unbiased
-/// because their patterns are.
+/// With one set for all pixels the unit of replication is the render, and the set must be random.
+/// Spun sets are unbiased because their patterns are.
 #[test]
-fn sets_that_are_not_turned_are_unbiased_over_renders() {
+fn unrotated_sets_are_unbiased_over_renders() {
     let (spot, exact) = sheltered();
     for pattern in [Pattern::WhiteNoise, Pattern::Jittered] {
         for mode in [DirectionMode::Shared, DirectionMode::Spun] {
@@ -126,11 +129,12 @@ fn sets_that_are_not_turned_are_unbiased_over_renders() {
     }
 }
 
-/// N directions of the hemisphere, the sum over half of 2N of the sphere, and their mean: `p(1-p)/N`,
-/// `p(1-p/2)/N`, and with binomial n, of which `q = 2^-2N` is the chance of 0, where the value is 0,
-/// `p(1-p) E(1/n; n > 0) + p^2 q(1-q)`. Of three directions the first and the last are 20 % apart.
+/// The variances for N directions of the hemisphere, for the sum over half of 2N directions of the
+/// sphere, and for their mean: `p(1-p)/N`, `p(1-p/2)/N`, and for binomial n, which is 0 with
+/// probability `q = 2^-2N` and then gives 0, `p(1-p) E(1/n; n > 0) + p^2 q(1-q)`. For three
+/// directions the first and the last differ by 20 %.
 #[test]
-fn white_noise_has_its_variances() {
+fn white_noise_has_the_exact_variances() {
     let (spot, p) = sheltered();
     let n = 3;
     let chance = |k: u64| {
@@ -154,8 +158,8 @@ fn white_noise_has_its_variances() {
         assert!((mean - p).abs() < Z * error, "{mode} {estimator:?}: {mean} +- {error}, exact {p}");
         let count = (SIDE * SIDE) as f64;
         let variance = error * error * count;
-        // sqrt(2/65536) = 0.6 % as for normal numbers, and as much again for sets of a table that are used more than
-        // once: 5 % in all.
+        // sqrt(2/65536) = 0.6 % as for normal numbers, and as much again for sets of a table that
+        // are used more than once: 5 % in all.
         let tolerance = Z * expected * 2.0 * (2.0 / count).sqrt();
         assert!(
             (variance - expected).abs() < tolerance,
@@ -164,7 +168,7 @@ fn white_noise_has_its_variances() {
     }
 }
 
-/// Sets that are quickly made fill a table, slow ones are few, and lattices have one.
+/// Sets that are generated quickly fill a table, slow ones are few, and lattices have one.
 #[test]
 fn numbers_of_sets() {
     let usual = |name: &str, n| DirectionPlan::usual_sets(&name.parse::<Pattern>().unwrap(), n);
@@ -201,7 +205,7 @@ fn numbers_of_directions() {
         assert!(matches!(refused, Err(Error::Sampler(_))), "{n}: {refused:?}");
     }
     for mode in DirectionMode::ALL {
-        // Whatever exists in one mode exists in all.
+        // A number of directions that is valid in one mode is valid in all.
         for pattern in Pattern::ALL {
             let n = DirectionPlan::nearest_count(&pattern, 100);
             let plan = DirectionPlan::new(pattern.clone(), n, mode, 0);

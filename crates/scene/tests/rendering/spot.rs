@@ -3,19 +3,21 @@ use std::f64::consts::PI;
 use glam::DVec3;
 use sphvar_scene::{Camera, DirectionSets, Estimator, Image, Integral, Quad, Scene, View, render};
 
-/// All pixels of a picture see the same point of a floor to this times its height above the floor.
+/// All pixels of a picture see the same point of a floor, up to this times the height above the
+/// floor.
 const FIELD_OF_VIEW: f64 = 1e-6;
-/// Half the side of what stands for an infinite plane.
+/// Half the side of a plane that represents an infinite one.
 pub(crate) const FAR: f64 = 1e6;
 
-/// A point on a floor at z = 0 with other surfaces about it, as a picture in which every pixel is a replication.
+/// A point on a floor at z = 0 with other surfaces about it, as a picture in which every pixel is a
+/// replication.
 pub(crate) struct Spot {
     scene: Scene,
     camera: Camera,
 }
 
 impl Spot {
-    /// The point (0, 0, 0) with these surfaces and the floor.
+    /// Returns the point (0, 0, 0) with these surfaces and the floor.
     pub(crate) fn with(mut surfaces: Vec<Quad>) -> Self {
         surfaces.push(horizontal([-FAR, FAR], [-FAR, FAR], 0.0));
         let scene = Scene::from_quads(surfaces).unwrap();
@@ -24,7 +26,7 @@ impl Spot {
         Self { scene, camera }
     }
 
-    /// A picture of `side` by `side` replications.
+    /// Renders a picture of `side` by `side` replications.
     pub(crate) fn render(
         &self,
         integral: &Integral<'_>,
@@ -37,13 +39,13 @@ impl Spot {
     }
 }
 
-/// A rectangle at height z whose corners are counterclockwise as seen from above.
+/// Returns a rectangle at height z whose corners are counterclockwise as seen from above.
 pub(crate) fn horizontal([x0, x1]: [f64; 2], [y0, y1]: [f64; 2], z: f64) -> Quad {
     let corner = |x, y| DVec3::new(x, y, z);
     Quad::new([corner(x0, y0), corner(x1, y0), corner(x1, y1), corner(x0, y1)]).unwrap()
 }
 
-/// The share of the hemisphere that a rectangle at height `z` covers.
+/// Returns the fraction of the hemisphere that a rectangle at height `z` covers.
 pub(crate) fn covered_share([x0, x1]: [f64; 2], [y0, y1]: [f64; 2], z: f64) -> f64 {
     let corner = |x: f64, y: f64| {
         let slant = (x * x + y * y + z * z).sqrt();
@@ -52,8 +54,9 @@ pub(crate) fn covered_share([x0, x1]: [f64; 2], [y0, y1]: [f64; 2], z: f64) -> f
     (corner(x1, y1) - corner(x0, y1) - corner(x1, y0) + corner(x0, y0)) / (2.0 * PI)
 }
 
-/// The form factor of a polygon above the horizon, seen from the point, by Lambert's formula (1760): half the mean
-/// over its edges of the angle that an edge spans times the cosine between the floor's normal and the edge's plane.
+/// Returns the form factor of a polygon above the horizon, seen from the point, by Lambert's
+/// formula (1760): half the mean over its edges of the angle that an edge spans times the cosine
+/// between the floor's normal and the edge's plane.
 pub(crate) fn form_factor(corners: &[DVec3]) -> f64 {
     let edges = (0..corners.len()).map(|i| (corners[i], corners[(i + 1) % corners.len()]));
     let sum: f64 = edges
