@@ -1,23 +1,26 @@
-//! A process that converts directions and pixels on request: what `benches/peers/accuracy.py` times beside healpy.
+//! A process that converts directions and pixels on request, timed by `benches/peers/accuracy.py`
+//! together with healpy.
 //!
-//! Reads one command a line from standard input and answers each with one line; a command that it cannot carry out ends
-//! it with a message. Files are little-endian numbers of 64 bits: three to a vector, two to a pair of angles (colatitude and
-//! longitude for sphvar, longitude and latitude for cdshealpix), one to a pixel.
+//! Reads one command per line from standard input and answers each with one line. A command that
+//! fails ends the process with a message. Files are little-endian 64-bit numbers: three per vector,
+//! two per pair of angles (colatitude and longitude for sphvar, longitude and latitude for
+//! cdshealpix), one per pixel.
 //!
 //! ```text
-//! nside K                   the resolution, a power of two from 1 to 2^29             -> ok
-//! vectors PATH              unit vectors                                              -> ok
-//! angles PATH               colatitudes and longitudes                                -> ok
-//! lonlat PATH               longitudes and latitudes                                  -> ok
-//! pixels PATH               pixels                                                    -> ok
+//! nside K                   sets the resolution, a power of two from 1 to 2^29        -> ok
+//! vectors PATH              loads unit vectors                                        -> ok
+//! angles PATH               loads colatitudes and longitudes                          -> ok
+//! lonlat PATH               loads longitudes and latitudes                            -> ok
+//! pixels PATH               loads pixels                                              -> ok
 //! run CODE WHAT ORDER       converts; ORDER is ring or nested                         -> seconds
-//! write PATH                the pixels or vectors of the last run                     -> ok
-//! edges PATH                how far each vector is from an edge of its pixel, in pixels  -> ok
+//! write PATH                writes the pixels or vectors of the last run              -> ok
+//! edges PATH                writes the distance of each vector from an edge, in pixels -> ok
 //! ```
 //!
-//! `run sphvar`: `vec2pix` and `ang2pix`, the list at once; `vec2pix-one` and `ang2pix-one`, one by one; `pix2vec`.
-//! `run cdshealpix`: `lonlat2pix`, which is what it takes; `vec2pix`, angles found within the time; `pix2vec`, vectors found
-//! from angles within the time. Memory is there before the clock starts.
+//! `run sphvar`: `vec2pix` and `ang2pix` convert the whole list; `vec2pix-one` and `ang2pix-one`
+//! convert one by one; `pix2vec`. `run cdshealpix`: `lonlat2pix`, with its native input; `vec2pix`,
+//! including the computation of angles; `pix2vec`, including the computation of vectors from
+//! angles. The times exclude allocation.
 
 use std::error::Error;
 use std::fs;
@@ -39,7 +42,7 @@ fn main() -> Result<()> {
         pixels: Vec::new(),
         pixels_out: Vec::new(),
         vectors_out: Vec::new(),
-        last: Last::Nothing,
+        last: Last::None,
     };
     let mut out = std::io::stdout().lock();
     for line in std::io::stdin().lock().lines() {
@@ -55,9 +58,9 @@ fn main() -> Result<()> {
     Ok(())
 }
 
-/// What the last run has written.
+/// The output of the last run.
 enum Last {
-    Nothing,
+    None,
     Pixels,
     Vectors,
 }
@@ -74,7 +77,7 @@ struct Server {
 }
 
 impl Server {
-    /// Carries out a command; the seconds if it is one that is timed.
+    /// Executes a command. Returns the seconds if the command is timed.
     fn answer(&mut self, words: &[&str]) -> Result<Option<f64>> {
         match *words {
             ["nside", k] => self.nside = Nside::new(k.parse()?)?,
@@ -92,7 +95,7 @@ impl Server {
                         |lon, lat| cdshealpix::ring::hash(nside, lon, lat),
                         |pixel| cdshealpix::ring::center(nside, pixel),
                     ),
-                    _ => Err("no such code".into()),
+                    _ => Err("unknown code".into()),
                 };
             }
             ["run", code, what, "nested"] => {
@@ -103,11 +106,11 @@ impl Server {
                     "cdshealpix" => {
                         self.theirs(what, |lon, lat| layer.hash(lon, lat), |p| layer.center(p))
                     }
-                    _ => Err("no such code".into()),
+                    _ => Err("unknown code".into()),
                 };
             }
             ["write", path] => match self.last {
-                Last::Nothing => return Err("nothing has run".into()),
+                Last::None => return Err("no run to write".into()),
                 Last::Pixels => store(path, self.pixels_out.iter().map(|p| p.to_le_bytes()))?,
                 Last::Vectors => {
                     let components = self.vectors_out.iter().flat_map(|v| v.to_array());
@@ -122,7 +125,7 @@ impl Server {
                 });
                 store(path, distances.map(f64::to_le_bytes))?;
             }
-            _ => return Err("not a command, or not its number of arguments".into()),
+            _ => return Err("unknown command or wrong number of arguments".into()),
         }
         Ok(None)
     }
@@ -143,17 +146,17 @@ impl Server {
                 Ok(done.map(|()| Some(seconds))?)
             }
             "ang2pix-one" => {
-                let mut refused = Ok(());
+                let mut result = Ok(());
                 let seconds = self.time_pixels(self.angles.len(), |server| {
                     each(&server.angles, &mut server.pixels_out, |angles| {
                         let [theta, phi] = *black_box(angles);
                         order.pixel_of_angles(theta, phi).unwrap_or_else(|error| {
-                            refused = Err(error);
+                            result = Err(error);
                             0
                         })
                     });
                 });
-                Ok(refused.map(|()| Some(seconds))?)
+                Ok(result.map(|()| Some(seconds))?)
             }
             "pix2vec" => {
                 for &pixel in &self.pixels {
@@ -161,7 +164,7 @@ impl Server {
                 }
                 Ok(Some(self.time_vectors(|pixel| order.centre(pixel))))
             }
-            _ => Err("no such conversion".into()),
+            _ => Err("unknown conversion".into()),
         }
     }
 
@@ -185,11 +188,11 @@ impl Server {
                 let ((sin_lon, cos_lon), (sin_lat, cos_lat)) = (lon.sin_cos(), lat.sin_cos());
                 DVec3::new(cos_lat * cos_lon, cos_lat * sin_lon, sin_lat)
             }))),
-            _ => Err("no such conversion".into()),
+            _ => Err("unknown conversion".into()),
         }
     }
 
-    /// The seconds that a conversion to `n` pixels takes.
+    /// Returns the seconds of a conversion to `n` pixels.
     fn time_pixels(&mut self, n: usize, convert: impl FnOnce(&mut Self)) -> f64 {
         self.pixels_out.resize(n, 0);
         self.last = Last::Pixels;
@@ -198,7 +201,7 @@ impl Server {
         start.elapsed().as_secs_f64()
     }
 
-    /// The seconds that a conversion of the pixels takes.
+    /// Returns the seconds of a conversion of the pixels.
     fn time_vectors(&mut self, convert: impl Fn(u64) -> DVec3) -> f64 {
         self.vectors_out.resize(self.pixels.len(), DVec3::ZERO);
         self.last = Last::Vectors;

@@ -1,9 +1,9 @@
 use std::f64::consts::{FRAC_2_PI, FRAC_PI_4};
 
-/// A longitude split into its quarter turn and the place in it.
+/// A longitude as quadrant and position within the quadrant.
 ///
-/// Both distances to the ends of the quarter are kept, because a polar cap needs each of them to full relative
-/// precision and `1 - since` would lose it.
+/// The distances to both ends of the quadrant are stored, because a polar cap needs both with full
+/// relative precision, which `1 - since` would lose.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Azimuth {
     /// Number of whole quarter turns, 0..4.
@@ -15,13 +15,14 @@ pub(crate) struct Azimuth {
 }
 
 impl Azimuth {
-    /// The longitude of `(x, y)`; `(0, 0)` has longitude 0, and so have all signed zeros of `y` with `x > 0`.
+    /// Returns the longitude of `(x, y)`; `(0, 0)` has longitude 0, as has every signed zero of `y`
+    /// with `x > 0`.
     ///
-    /// Branch-free: random directions would mispredict every second comparison. Always inlined, so that a loop over many
-    /// becomes one in wide registers.
+    /// Branch-free: random directions would mispredict every second comparison. Always inlined, so
+    /// that loops can be vectorized.
     #[inline(always)]
     pub(crate) fn of_xy(x: f64, y: f64) -> Self {
-        // Adding zero turns -0 into 0, so that the sign bits tell the half planes.
+        // Adding zero maps -0 to 0, so that the sign bits determine the half planes.
         let (x, y) = (x + 0.0, y + 0.0);
         let odd = x.is_sign_negative() ^ y.is_sign_negative();
         let quadrant = 2 * u32::from(y.is_sign_negative()) + u32::from(odd);
@@ -31,7 +32,8 @@ impl Azimuth {
         let short = if steep { abs_x } else { abs_y };
         let long = if steep { abs_y } else { abs_x };
         let near = quarter_turns_of_ratio(short, long);
-        // One of the two is `near`, the other `1 - near`; subtracting from 0 or 1 spares a branch and is exact for 0.
+        // One of the two is `near`, the other `1 - near`; subtracting from 0 or 1 avoids a branch
+        // and is exact for 0.
         let from_end = f64::from(u8::from(odd != steep));
         let since = (from_end - near).abs();
         let until = ((1.0 - from_end) - near).abs();
@@ -44,22 +46,20 @@ impl Azimuth {
         }
     }
 
-    /// The longitude `phi`, any finite number of radians.
+    /// Returns the longitude `phi`, any finite number of radians.
     #[inline(always)]
     pub(crate) fn of_phi(phi: f64) -> Self {
         let turns = quarter_turns(phi);
-        Self::of_quarter_turns(
-            phi < 0.0,
-            if turns < NO_FRACTION { turns } else { within_four(turns) },
-        )
+        Self::of_quarter_turns(phi < 0.0, if turns < NO_FRACTION { turns } else { reduce(turns) })
     }
 
-    /// The longitude of `turns` quarter turns, at least 0 and below [`NO_FRACTION`], westwards if `negative`.
+    /// Returns the longitude of `turns` quarter turns, at least 0 and below [`NO_FRACTION`],
+    /// westwards if `negative`.
     #[inline(always)]
     pub(crate) fn of_quarter_turns(negative: bool, turns: f64) -> Self {
         let (whole, bits) = floor(turns);
         let part = turns - whole;
-        // Exactly on an axis, the next quadrant owns the place.
+        // A point exactly on an axis belongs to the next quadrant.
         let back = negative & (part > 0.0);
         let quadrant = (bits & 3) as u32;
         let mirrored = 4 - u32::from(back) - quadrant;
@@ -72,31 +72,32 @@ impl Azimuth {
     }
 }
 
-/// Out of the way of longitudes that are not 10^15 turns.
+/// Reduces longitudes of 10^15 turns; not inlined because they are rare.
 #[cold]
 #[inline(never)]
-fn within_four(turns: f64) -> f64 {
+fn reduce(turns: f64) -> f64 {
     turns % 4.0
 }
 
-/// Returns the quarter turns of `phi` radians, without its sign.
+/// Returns the absolute value of `phi` radians in quarter turns.
 #[inline(always)]
 pub(crate) fn quarter_turns(phi: f64) -> f64 {
     phi.abs() * FRAC_2_PI
 }
 
-/// The number from which on no `f64` has a fraction, 2^52.
+/// The smallest number beyond which no `f64` has a fraction, 2^52.
 pub(crate) const NO_FRACTION: f64 = (1_u64 << 52) as f64;
 
-/// Returns the whole part of `number`, from 0 to below [`NO_FRACTION`], and bits that end with those of the whole part.
+/// Returns the integer part of `number`, which is in `[0, NO_FRACTION)`, and bits whose low end is
+/// that of the integer part.
 ///
-/// By the place that a sum with 2^52 leaves for a fraction, which is none: the instructions that round or convert are others in
-/// each instruction set, or calls.
+/// A sum with 2^52 has no bits for a fraction. Instructions that round or convert differ between
+/// instruction sets, or are calls.
 #[inline(always)]
 pub(crate) fn floor(number: f64) -> (f64, u64) {
     let nearest = number + NO_FRACTION;
     let whole = nearest - NO_FRACTION;
-    // Rounded upwards as often as downwards, so not a branch.
+    // Rounded upwards as often as downwards, so branch-free.
     let upwards = whole > number;
     (whole - if upwards { 1.0 } else { 0.0 }, nearest.to_bits() - u64::from(upwards))
 }
@@ -104,9 +105,10 @@ pub(crate) fn floor(number: f64) -> (f64, u64) {
 /// tan(pi/8), where `t` and `(1 - t)/(1 + t)` are equal.
 const TAN_PI_8: f64 = std::f64::consts::SQRT_2 - 1.0;
 
-/// Interpolant of `(2/pi) atan(sqrt(s))/sqrt(s)` in `s` at the 12 Chebyshev nodes of `[0, tan(pi/8)^2]`, computed with
-/// 60 digits. The nearest singularity, `s = -1`, makes the error shrink by 25 a term; measured with these rounded
-/// coefficients the relative error is below 6.7e-17 on the interval.
+/// Interpolant of `(2/pi) atan(sqrt(s))/sqrt(s)` in `s` at the 12 Chebyshev nodes of
+/// `[0, tan(pi/8)^2]`, computed with 60 digits. Due to the nearest singularity, `s = -1`, the error
+/// decreases by a factor of 25 per term; the measured relative error with these rounded
+/// coefficients is below 6.7e-17 on the interval.
 const ATAN: [f64; 12] = [
     FRAC_2_PI,
     -0.21220659078919243,
@@ -125,20 +127,21 @@ const ATAN: [f64; 12] = [
 /// Returns `(2/pi) atan(short/long)` for `0 <= short <= long`, and 0 for two zeros.
 #[inline(always)]
 fn quarter_turns_of_ratio(short: f64, long: f64) -> f64 {
-    // Beyond pi/8, atan(a/b) = pi/4 + atan((a - b)/(b + a)). Written with a factor 0 or 1, which is exact, because both
-    // cases are equally frequent and a branch would be mispredicted every other time.
+    // Beyond pi/8, atan(a/b) = pi/4 + atan((a - b)/(b + a)). A factor of 0 or 1, which is exact,
+    // replaces a branch: both cases are equally frequent, so it would be mispredicted every second
+    // time.
     let fold = if short > TAN_PI_8 * long { 1.0 } else { 0.0 };
     let num = short - fold * long;
     let den = long + fold * short;
     let start = 0.5 * fold;
-    // The floor only changes 0/0: with one component that small the pole is reached to all digits.
+    // The floor only affects 0/0: for components this small the pole is exact to all digits.
     let floor = f64::MIN_POSITIVE;
     let t = num / if den > floor { den } else { floor };
     start + t * atan_series(t * t)
 }
 
-/// The polynomial of [`ATAN`], summed in a tree: Horner's chain of 11 dependent steps would be the latency of a
-/// whole pixel look-up.
+/// Evaluates the polynomial [`ATAN`] in a tree: the latency of Horner's chain of 11 dependent steps
+/// would be that of a whole pixel lookup.
 #[inline(always)]
 fn atan_series(s: f64) -> f64 {
     let c = &ATAN;
@@ -150,9 +153,10 @@ fn atan_series(s: f64) -> f64 {
     low + (mid + high * s4) * s4
 }
 
-/// Returns the sine of `x` radians for `|x| <= pi/4` within a unit in the last place, and up to pi/2 within 5e-14.
+/// Returns the sine of `x` radians within one unit in the last place for `|x| <= pi/4`, and within
+/// 5e-14 up to pi/2.
 ///
-/// Taylor series to x^17: the first term left out is at most (pi/4)^19/19! = 8e-20.
+/// Taylor series to x^17: the first omitted term is at most (pi/4)^19/19! = 8e-20.
 #[inline(always)]
 pub(crate) fn sin_series(x: f64) -> f64 {
     let s = x * x;
@@ -165,11 +169,11 @@ pub(crate) fn sin_series(x: f64) -> f64 {
     x - x * s * (sin_low + sin_high * s4)
 }
 
-/// Returns `(sin, cos)` of `eighth` eighths of a turn, that is of `eighth * pi/4`, for `|eighth| <= 1`.
+/// Returns `(sin, cos)` of `eighth * pi/4` for `|eighth| <= 1`.
 ///
-/// By [`sin_series`] and the Taylor series of the cosine to x^16: the first term left out is at most
-/// (pi/4)^18/18! = 2e-18, so only rounding remains, below one unit in the last place. Standard `sin_cos` costs
-/// more because it has to reduce its argument.
+/// Uses [`sin_series`] and the Taylor series of the cosine to x^16. The first omitted term is at
+/// most (pi/4)^18/18! = 2e-18, so only rounding remains, below one unit in the last place. The
+/// standard `sin_cos` is more expensive because it reduces its argument.
 #[inline]
 pub(crate) fn sin_cos_eighths(eighth: f64) -> (f64, f64) {
     let x = eighth * FRAC_PI_4;
@@ -206,15 +210,15 @@ mod tests {
 
     const SAMPLES: u32 = 20_000;
 
-    /// The whole part of `turns` in `[0, 4)`.
+    /// Returns the integer part of `turns` in `[0, 4)`.
     fn quadrant_of(turns: f64) -> u32 {
         [1.0, 2.0, 3.0].map(|start| u32::from(turns >= start)).iter().sum()
     }
 
     #[test]
     fn azimuth_agrees_with_atan2() {
-        // Two roundings of the argument, the quotient, the series and the last subtraction, each eps/2 relative,
-        // and as much again for atan2 and its scaling.
+        // Two roundings of the argument, the quotient, the series and the last subtraction, each
+        // eps/2 relative, and the same for atan2 and its scaling.
         let tolerance = 6.0 * f64::EPSILON;
         for k in 0..SAMPLES {
             let phi = TAU * (f64::from(k) + 0.5) / f64::from(SAMPLES);
@@ -241,7 +245,7 @@ mod tests {
     fn small_distances_from_an_axis_keep_their_digits() {
         for small in [1e-3, 1e-10, 1e-100, 1e-300] {
             let expected = small * FRAC_2_PI;
-            // atan(t) = t (1 - t^2/3): below 1e-8 the first term is the value.
+            // atan(t) = t (1 - t^2/3): below 1e-8 the first term suffices.
             let tolerance = (small * small + 4.0 * f64::EPSILON) * expected;
             for (x, y, starts) in [
                 (1.0, small, true),
@@ -292,7 +296,7 @@ mod tests {
             let (quadrant, part) = (quadrant_of(turns), turns - turns.floor());
             let expected = Azimuth { quadrant, since: part, until: 1.0 - part };
             assert_eq!(Azimuth::of_phi(phi), expected, "{phi}");
-            // Westwards the quarters are passed through from their ends.
+            // Westwards, quadrants are traversed from their ends.
             let expected = if part > 0.0 {
                 Azimuth { quadrant: 3 - quadrant, since: 1.0 - part, until: part }
             } else {
@@ -317,7 +321,7 @@ mod tests {
             let eighth = 2.0 * f64::from(k) / f64::from(SAMPLES) - 1.0;
             let (sin, cos) = sin_cos_eighths(eighth);
             let (lib_sin, lib_cos) = (eighth * FRAC_PI_4).sin_cos();
-            // One rounding of each side and at most one more inside the series.
+            // One rounding of each side and at most one more in the series.
             assert!(
                 (sin - lib_sin).abs() <= 1.5 * f64::EPSILON * lib_sin.abs(),
                 "{eighth}: {sin} against {lib_sin}"

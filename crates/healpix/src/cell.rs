@@ -1,16 +1,17 @@
 use crate::{Error, Nside};
 
-/// The number of faces, the equal-area base pixels of resolution 1.
+/// Number of faces, the equal-area base pixels of resolution 1.
 pub(crate) const N_FACES: u8 = 12;
 
-/// A pixel without a number: its face and its place in the grid of that face.
+/// A pixel given by its face and its position in the grid of that face, independent of a numbering.
 ///
-/// Faces 0..4 touch the north pole, 4..8 lie on the equator, 8..12 touch the south pole; in each row they are numbered
-/// eastwards. In a face, `ix` counts from 0 towards north-east and `iy` towards north-west, so that `(0, 0)` is the
-/// southern corner and `(nside - 1, nside - 1)` the northern one. Both pixel orders are numberings of cells, and all
-/// geometry is that of cells.
+/// Faces 0..4 touch the north pole, 4..8 lie on the equator, 8..12 touch the south pole; each row
+/// is numbered eastwards. Within a face, `ix` counts from 0 towards north-east and `iy` towards
+/// north-west, so `(0, 0)` is the southern corner and `(nside - 1, nside - 1)` the northern one.
+/// Both pixel orders are numberings of cells, and cells implement all geometry.
 ///
 /// # Examples
+///
 /// ```
 /// use sphvar_healpix::{Cell, Nside};
 ///
@@ -31,6 +32,7 @@ impl Cell {
     /// Returns the cell at `(ix, iy)` of `face`.
     ///
     /// # Errors
+    ///
     /// [`Error::CellOutOfRange`] unless `face < 12` and `ix, iy < nside`.
     pub const fn new(nside: Nside, face: u8, ix: u32, iy: u32) -> Result<Self, Error> {
         if face < N_FACES && ix < nside.value() && iy < nside.value() {
@@ -40,7 +42,7 @@ impl Cell {
         }
     }
 
-    /// The cell of coordinates that the caller has computed to be in range.
+    /// Returns the cell with coordinates that the caller guarantees to be in range.
     #[inline]
     pub(crate) fn in_range(nside: Nside, face: u8, ix: u32, iy: u32) -> Self {
         debug_assert!(
@@ -74,23 +76,26 @@ impl Cell {
         self.iy
     }
 
-    /// Returns the ring of the cell's centre, from 1 beside the north pole to `4 nside - 1` beside the south pole.
+    /// Returns the ring of the centre of the cell, from 1 at the north pole to `4 nside - 1` at the
+    /// south pole.
     ///
     /// ```text
     /// ring = (2 + face / 4) nside - ix - iy - 1
     /// ```
     #[inline]
     pub const fn ring(self) -> u32 {
-        // Ordered so that no step is negative: ix + iy + 1 <= 2 nside - 1. The product is at most 2^31.
+        // Ordered so that no intermediate result is negative: ix + iy + 1 <= 2 nside - 1. The
+        // product is at most 2^31.
         (2 + self.face as u32 / 4) * self.nside.value() - (self.ix + self.iy + 1)
     }
 
-    /// Returns the cell opposite through the centre of the sphere; no cell is its own antipode.
+    /// Returns the antipodal cell; no cell is its own antipode.
     ///
-    /// The centre of the antipode is minus the centre of the cell, and so are all of its points: `(u, v)` goes to
-    /// `(1 - v, 1 - u)`.
+    /// The centre of the antipode is the negative of the centre of the cell. The same holds for all
+    /// points: `(u, v)` maps to `(1 - v, 1 - u)`.
     ///
     /// # Examples
+    ///
     /// ```
     /// use sphvar_healpix::{Cell, Nside};
     ///
@@ -101,12 +106,12 @@ impl Cell {
     /// ```
     #[inline]
     pub const fn antipode(self) -> Self {
-        let half_turn = (self.face % 4 + 2) % 4;
+        let opposite_column = (self.face % 4 + 2) % 4;
         let last = self.nside.value() - 1;
         Self {
             nside: self.nside,
-            // Row 0 and row 2 change places.
-            face: (8 - self.face / 4 * 4) + half_turn,
+            // Rows 0 and 2 are exchanged.
+            face: (8 - self.face / 4 * 4) + opposite_column,
             ix: last - self.iy,
             iy: last - self.ix,
         }

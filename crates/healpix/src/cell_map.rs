@@ -6,21 +6,22 @@ use crate::azimuth::{Azimuth, sin_cos_eighths};
 use crate::zone::Zone;
 use crate::{Cell, Error, Nside};
 
-/// The largest `f64` below 1, so that cell coordinates stay in `[0, 1)` where a point lies on an upper edge.
+/// The largest `f64` below 1, which keeps cell coordinates in `[0, 1)` for points on an upper edge.
 const BELOW_ONE: f64 = 1.0 - f64::EPSILON / 2.0;
 
-/// How far the squared length of a direction may be from 1 before a debug build objects. Products of many rotations
-/// pass; vectors read in single precision do not and have to be normalised first.
+/// Maximum deviation from 1 of the squared length of a direction in debug builds. Products of many
+/// rotations pass; vectors read in single precision must be normalized first.
 const UNIT_TOLERANCE: f64 = 1e-9;
 
 /// Equal-area geometry.
 impl Cell {
-    /// Returns the direction at `(u, v)` in the cell, by a map that preserves area.
+    /// Returns the direction at `(u, v)` in the cell, by an area-preserving map.
     ///
-    /// `u` runs towards north-east and `v` towards north-west, as `ix` and `iy` do: `(0, 0)` is the southern corner,
-    /// `(1, 0)` the eastern, `(0, 1)` the western, `(1, 1)` the northern, and `(1/2, 1/2)` the centre of the pixel.
-    /// With `u` and `v` uniform and independent the direction is uniform in the pixel. With
-    /// `x = (ix + u)/nside`, `y = (iy + v)/nside` in a northern face of longitude index `c = face % 4`:
+    /// `u` increases towards north-east and `v` towards north-west, as `ix` and `iy` do: `(0, 0)`
+    /// is the southern corner, `(1, 0)` the eastern, `(0, 1)` the western, `(1, 1)` the northern,
+    /// and `(1/2, 1/2)` the centre of the pixel. For independent uniform `u` and `v` the direction
+    /// is uniform in the pixel. With `x = (ix + u)/nside`, `y = (iy + v)/nside` in a northern face
+    /// of longitude index `c = face % 4`:
     ///
     /// ```text
     /// d = 2 - x - y
@@ -28,17 +29,22 @@ impl Cell {
     /// d >= 1:  z = (2 - d) 2/3,  phi = pi/4 (2c + 1 + x - y)
     /// ```
     ///
-    /// and alike in the other rows. Domain: `u, v` in `[0, 1]`. The length of the result is 1 within
-    /// `4 * f64::EPSILON`, and near the poles x and y keep their relative precision.
+    /// The other rows are analogous. Domain: `u, v` in `[0, 1]`. The length of the result is 1
+    /// within `4 * f64::EPSILON`, and near the poles x and y have full relative precision.
     ///
     /// # Panics
-    /// In debug builds, if `u` or `v` is outside `[0, 1]`. In release builds the result is then meaningless.
+    ///
+    /// Panics in debug builds if `u` or `v` is outside `[0, 1]`. In release builds the result is
+    /// then meaningless.
     ///
     /// # Performance
-    /// Some 12 ns on a server core: two divisions, a square root and two polynomials, no call into the mathematical
-    /// library. Inlined always: a call would pass the cell through memory, which costs more than half as much again.
+    ///
+    /// About 12 ns on a server core: two divisions, a square root and two polynomials, without
+    /// calls to the mathematical library. Always inlined: a call would pass the cell through
+    /// memory, which takes more than 50 % longer.
     ///
     /// # Examples
+    ///
     /// ```
     /// use sphvar_healpix::{Cell, Nside};
     ///
@@ -49,36 +55,43 @@ impl Cell {
     /// ```
     ///
     /// # References
-    /// Gorski et al. 2005, ApJ 622, 759, section 4; Calabretta and Roukema 2007, MNRAS 381, 865, for the projection.
+    ///
+    /// - Gorski et al. 2005, ApJ 622, 759, section 4.
+    /// - Calabretta and Roukema 2007, MNRAS 381, 865: the projection.
     #[inline(always)]
     pub fn uniform_point(self, u: f64, v: f64) -> DVec3 {
         let (zone, longitude) = self.place(u, v);
         let (sin_theta, z) = zone.sin_cos();
         let (sin, cos) = sin_cos_eighths(longitude.offset);
-        let (cos, sin) = turn_by_quarters(cos, sin, longitude.quarter);
+        let (cos, sin) = rotate_by_quarters(cos, sin, longitude.quarter);
         DVec3::new(sin_theta * cos, sin_theta * sin, z)
     }
 
-    /// Returns the density of [`uniform_point`](Self::uniform_point) for uniform `u, v`, per steradian: one over the
-    /// pixel's area, wherever in the cell.
+    /// Returns the density of [`uniform_point`](Self::uniform_point) for uniform `u, v`, per
+    /// steradian: the reciprocal of the area of the pixel, everywhere in the cell.
     #[inline]
     pub fn uniform_point_pdf(self) -> f64 {
         1.0 / self.nside().pixel_area()
     }
 
-    /// Returns the cell that contains `dir` and the coordinates `(u, v)` in `[0, 1)` of `dir` in it.
+    /// Returns the cell that contains `dir` and the coordinates `(u, v)` in `[0, 1)` of `dir`
+    /// within it.
     ///
-    /// The inverse of [`uniform_point`](Self::uniform_point) up to rounding, which at resolution `nside` moves `u` and
-    /// `v` by about `nside * f64::EPSILON`; so a point within that distance of an edge may be found in the neighbour.
-    /// A point on an edge belongs to the cell east of it in the belt, to the one on the equator's side in a cap, and to
-    /// the eastern one on a meridian between two faces (so does the reference implementation). Where that edge is the
+    /// This is the inverse of [`uniform_point`](Self::uniform_point) up to rounding, which at
+    /// resolution `nside` changes `u` and `v` by about `nside * f64::EPSILON`; a point within that
+    /// distance of an edge may be located in the neighbour. A point on an edge belongs to the cell
+    /// east of it in the belt, to the cell nearer to the equator in a cap, and to the eastern cell
+    /// on a meridian between two faces, as in the reference implementation. Where that edge is the
     /// upper end of `u` or `v`, the largest number below 1 is returned.
     ///
     /// # Panics
-    /// In debug builds, if `dir` is not a unit vector (see [`unit_direction`](crate::unit_direction)). In release
-    /// builds the cell is then some valid cell.
+    ///
+    /// Panics in debug builds if `dir` is not a unit vector (see
+    /// [`unit_direction`](crate::unit_direction)). In release builds the result is then an
+    /// arbitrary valid cell.
     ///
     /// # Examples
+    ///
     /// ```
     /// use sphvar_healpix::{Cell, Nside};
     ///
@@ -96,33 +109,39 @@ impl Cell {
 
     /// Returns the cell that contains the unit vector `dir`.
     ///
-    /// Edges and preconditions are those of [`invert_uniform_point`](Self::invert_uniform_point).
+    /// Edges and preconditions are as for [`invert_uniform_point`](Self::invert_uniform_point).
     ///
     /// # Panics
-    /// In debug builds, if `dir` is not a unit vector.
+    ///
+    /// Panics in debug builds if `dir` is not a unit vector.
     ///
     /// # Performance
-    /// Some 12 ns on a server core: a division, a polynomial, and in the caps a second division and a square root. Directions
-    /// in random order take half as much again, because the choice between cap and belt is then mispredicted.
+    ///
+    /// About 12 ns on a server core: a division, a polynomial, and in the caps a second division
+    /// and a square root. Directions in random order take 50 % longer, because the branch between
+    /// cap and belt is then mispredicted.
     #[inline(always)]
     pub fn containing(nside: Nside, dir: DVec3) -> Self {
         assert_unit(dir);
         Self::of_any_vector(nside, dir)
     }
 
-    /// [`containing`](Self::containing) without its check: some valid cell for vectors of other lengths and for NaN.
+    /// Implements [`containing`](Self::containing) without its check; vectors of other lengths and
+    /// NaN give an arbitrary valid cell.
     #[inline(always)]
     pub(crate) fn of_any_vector(nside: Nside, v: DVec3) -> Self {
         locate_dir(nside, v).0
     }
 
-    /// Returns the cell that contains colatitude `theta` in `[0, pi]` and longitude `phi`, any finite angle, in
-    /// radians.
+    /// Returns the cell that contains colatitude `theta` in `[0, pi]` and longitude `phi`, any
+    /// finite angle, in radians.
     ///
     /// # Errors
+    ///
     /// [`Error::ThetaOutOfRange`] and [`Error::PhiNotFinite`].
     ///
     /// # Examples
+    ///
     /// ```
     /// use sphvar_healpix::{Cell, Nside};
     ///
@@ -148,7 +167,8 @@ impl Cell {
         self.uniform_point(0.5, 0.5)
     }
 
-    /// Returns the colatitude and the longitude of the centre in radians, `theta` in `(0, pi)`, `phi` in `[0, 2 pi)`.
+    /// Returns the colatitude and the longitude of the centre in radians, `theta` in `(0, pi)`,
+    /// `phi` in `[0, 2 pi)`.
     #[inline]
     pub fn centre_angles(self) -> (f64, f64) {
         let (zone, longitude) = self.place(0.5, 0.5);
@@ -158,6 +178,7 @@ impl Cell {
     /// Returns the directions of the northern, western, southern and eastern corner.
     ///
     /// # Examples
+    ///
     /// ```
     /// use glam::DVec3;
     /// use sphvar_healpix::{Cell, Nside};
@@ -188,8 +209,8 @@ impl Cell {
             let longitude = Longitude { quarter: column, offset: (x - y) / n };
             return (Zone::Belt((x + y - n) * belt_scale), longitude);
         }
-        // Distances from the pole's corner along the face's eastern and western edge; taken from whole numbers, so
-        // that they keep their digits at the pole.
+        // Distances from the corner at the pole along the eastern and western edge of the face.
+        // They start from integers, so that they keep their digits at the pole.
         let (west, east) = if row == 0 {
             (f64::from(last - self.iy()) + (1.0 - v), f64::from(last - self.ix()) + (1.0 - u))
         } else {
@@ -203,21 +224,21 @@ impl Cell {
             (false, _) => Zone::Belt((distance - 2.0 * n) * belt_scale),
         };
         let width = distance.min(n);
-        // The middle of the face is half-way between two quarters; count from the nearer one.
+        // The middle of the face is midway between two quarters; count from the nearer one.
         let from_middle = west - east;
         let longitude = Longitude {
             quarter: column + u32::from(west >= east),
-            // The floor only changes 0/0, at the pole, where the longitude is without meaning.
+            // The floor only affects 0/0, at the pole, where the longitude is arbitrary.
             offset: (from_middle - width.copysign(from_middle)) / width.max(f64::MIN_POSITIVE),
         };
         (zone, longitude)
     }
 }
 
-/// Turns the vector `(x, y)` by `quarters` quarter turns, exactly; by moving bits, as the four cases would be
-/// mispredicted.
+/// Rotates the vector `(x, y)` exactly, by `quarters` times pi/2. Uses bit operations, since a
+/// branch between the four cases would be mispredicted.
 #[inline]
-fn turn_by_quarters(x: f64, y: f64, quarters: u32) -> (f64, f64) {
+fn rotate_by_quarters(x: f64, y: f64, quarters: u32) -> (f64, f64) {
     const SIGN_BIT: u32 = 63;
     let (x, y) = (x.to_bits(), y.to_bits());
     let swap = (x ^ y) & u64::from(quarters & 1).wrapping_neg();
@@ -226,7 +247,7 @@ fn turn_by_quarters(x: f64, y: f64, quarters: u32) -> (f64, f64) {
     (f64::from_bits(x ^ swap ^ x_sign), f64::from_bits(y ^ swap ^ y_sign))
 }
 
-/// Objects in debug builds to what is not a unit vector.
+/// Panics in debug builds unless `dir` is a unit vector.
 #[inline]
 pub(crate) fn assert_unit(dir: DVec3) {
     debug_assert!(
@@ -235,7 +256,8 @@ pub(crate) fn assert_unit(dir: DVec3) {
     );
 }
 
-/// A longitude as the quarter turn nearest to it, 0..=4, and the offset from that in eighths of a turn, `[-1, 1]`.
+/// A longitude as the nearest multiple of pi/2, 0..=4, and the offset from it in units of pi/4, in
+/// `[-1, 1]`.
 #[derive(Debug, Clone, Copy)]
 struct Longitude {
     quarter: u32,
@@ -243,7 +265,7 @@ struct Longitude {
 }
 
 impl Longitude {
-    /// In radians, `[0, 2 pi)`.
+    /// Returns the longitude in radians, in `[0, 2 pi)`.
     #[inline]
     fn phi(self) -> f64 {
         let mut eighths = f64::from(2 * self.quarter) + self.offset;
@@ -258,13 +280,15 @@ impl Longitude {
     }
 }
 
-/// The cell and the coordinates in it of any vector; total, so that one that is not finite still gets a cell.
+/// Returns the cell and the coordinates within it for any vector; vectors that are not finite also
+/// get a cell.
 ///
-/// Always inlined, as is [`locate`], so that a caller who wants the cell alone does not pay for the coordinates.
+/// Always inlined, as is [`locate`], so that callers that need only the cell do not compute the
+/// coordinates.
 #[inline(always)]
 fn locate_dir(nside: Nside, dir: DVec3) -> (Cell, f64, f64) {
     let azimuth = Azimuth::of_xy(dir.x, dir.y);
-    // Last, so that the choice of the zone and the use of it become one branch.
+    // Last, so that the computation and the use of the zone become one branch.
     let zone = Zone::of_xyz(dir.x, dir.y, dir.z);
     locate(nside, zone, azimuth)
 }
@@ -275,21 +299,22 @@ fn locate(nside: Nside, zone: Zone, azimuth: Azimuth) -> (Cell, f64, f64) {
     let last = nside.value() - 1;
     let (distance, southern) = match zone {
         Zone::Belt(z) => {
-            // In the belt the cells are squares standing on a corner. Their two diagonal coordinates, counted from the
-            // start of the quadrant, cut it in four triangles: of the northern, the southern and two equatorial faces.
+            // In the belt the cells are squares rotated by pi/4. Their two diagonal coordinates,
+            // counted from the start of the quadrant, split it into four triangles: of the northern
+            // face, the southern face and two equatorial faces.
             let (north_east, u) =
-                whole_and_part(n * ((0.5 + 0.75 * z) + azimuth.since), 2 * last + 1);
+                split_integer(n * ((0.5 + 0.75 * z) + azimuth.since), 2 * last + 1);
             let (south_east, down) =
-                whole_and_part(n * ((0.5 - 0.75 * z) + azimuth.since), 2 * last + 1);
+                split_integer(n * ((0.5 - 0.75 * z) + azimuth.since), 2 * last + 1);
             let cell = belt_cell(nside, azimuth.quadrant, north_east, south_east);
             return (cell, u.min(BELOW_ONE), (1.0 - down).min(BELOW_ONE));
         }
         Zone::North(distance) => (distance, false),
         Zone::South(distance) => (distance, true),
     };
-    // Distances from the pole along the face's western and eastern edge.
-    let (west, west_part) = whole_and_part(azimuth.since * distance * n, last);
-    let (east, east_part) = whole_and_part(azimuth.until * distance * n, last);
+    // Distances from the pole along the western and eastern edge of the face.
+    let (west, west_part) = split_integer(azimuth.since * distance * n, last);
+    let (east, east_part) = split_integer(azimuth.until * distance * n, last);
     let (row, ix, iy) = if southern { (2, west, east) } else { (0, last - east, last - west) };
     let (u, v) = if southern { (west_part, east_part) } else { (1.0 - east_part, 1.0 - west_part) };
     (
@@ -299,15 +324,16 @@ fn locate(nside: Nside, zone: Zone, azimuth: Azimuth) -> (Cell, f64, f64) {
     )
 }
 
-/// The cell of the belt at the diagonal coordinates `north_east` and `south_east`, both in `0..2 nside`, counted from
-/// the start of `quadrant`.
+/// Returns the cell of the belt at the diagonal coordinates `north_east` and `south_east`, both in
+/// `0..2 nside`, counted from the start of `quadrant`.
 #[inline]
 pub(crate) fn belt_cell(nside: Nside, quadrant: u32, north_east: u32, south_east: u32) -> Cell {
     let n = nside.value();
     let (ne_far, se_far) = (north_east >= n, south_east >= n);
     let ix = if ne_far { north_east - n } else { north_east };
     let from_top = if se_far { south_east - n } else { south_east };
-    // Beyond the first face on one diagonal only: the row on that side; on both: the next face of the equator.
+    // Beyond the first face on one diagonal only: the row on that side; on both: the next face of
+    // the equator.
     let row = 1 + u8::from(se_far) - u8::from(ne_far);
     let column = quadrant + u32::from(ne_far & se_far);
     Cell::in_range(nside, face_in_row(row, column), ix, n - 1 - from_top)
@@ -318,14 +344,14 @@ pub(crate) fn face_in_row(row: u8, column: u32) -> u8 {
     4 * row + (column & 3) as u8
 }
 
-/// The whole part, at most `last`, and what is left, in `[0, 1]`.
+/// Returns the integer part, at most `last`, and the rest, in `[0, 1]`.
 #[expect(
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,
-    reason = "coordinates are from 0 to 2^30 within rounding; the cast saturates and takes NaN to 0"
+    reason = "coordinates are 0 to 2^30 within rounding; the cast saturates and maps NaN to 0"
 )]
 #[inline]
-fn whole_and_part(coordinate: f64, last: u32) -> (u32, f64) {
+fn split_integer(coordinate: f64, last: u32) -> (u32, f64) {
     let whole = (coordinate as u32).min(last);
     (whole, (coordinate - f64::from(whole)).clamp(0.0, 1.0))
 }
@@ -335,7 +361,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn any_bits_have_a_cell() {
+    fn arbitrary_vectors_have_a_cell() {
         let hostile =
             [0.0, -0.0, 1.0, -1.0, 5e-324, 1e308, f64::INFINITY, f64::NEG_INFINITY, f64::NAN];
         for n in [1, 3, Nside::MAX] {
@@ -355,17 +381,17 @@ mod tests {
     }
 
     #[test]
-    fn turns_are_exact() {
+    fn rotations_are_exact() {
         let (x, y) = (0.6, -0.8);
-        for (quarters, turned) in
+        for (quarters, rotated) in
             [(0, (x, y)), (1, (-y, x)), (2, (-x, -y)), (3, (y, -x)), (4, (x, y))]
         {
-            assert_eq!(turn_by_quarters(x, y, quarters), turned, "{quarters}");
+            assert_eq!(rotate_by_quarters(x, y, quarters), rotated, "{quarters}");
         }
     }
 
     #[test]
-    fn a_point_on_the_cut_has_longitude_zero() {
+    fn a_point_on_the_prime_meridian_has_longitude_zero() {
         for (quarter, offset) in [(4, 0.0), (0, 0.0), (0, -1e-17)] {
             let phi = Longitude { quarter, offset }.phi();
             assert!((0.0..2.0 * PI).contains(&phi), "{quarter} {offset}: {phi}");

@@ -2,14 +2,17 @@ use glam::DVec3;
 
 use crate::Error;
 
-/// Returns the unit vector along `v`: the one check that foreign vectors need before the infallible look-ups.
+/// Returns the unit vector along `v`. Infallible lookups require only this check of untrusted
+/// vectors.
 ///
-/// Scaled first, so that neither the squares of 1e300 overflow nor those of 1e-300 underflow.
+/// The vector is scaled first, so that squares neither overflow for 1e300 nor underflow for 1e-300.
 ///
 /// # Errors
-/// [`Error::NoDirection`] if `v` is zero or has a component that is infinite or not a number.
+///
+/// [`Error::NoDirection`] if `v` is zero or has an infinite or NaN component.
 ///
 /// # Examples
+///
 /// ```
 /// use glam::DVec3;
 /// use sphvar_healpix::unit_direction;
@@ -20,7 +23,7 @@ use crate::Error;
 /// ```
 pub fn unit_direction(v: DVec3) -> Result<DVec3, Error> {
     let scale = v.abs().max_element();
-    // NaN may be lost by `max_element`, so finiteness is asked of the vector.
+    // `max_element` may ignore NaN, so the vector itself is checked.
     if !v.is_finite() || scale == 0.0 {
         return Err(Error::NoDirection { x: v.x, y: v.y, z: v.z });
     }
@@ -37,13 +40,13 @@ mod tests {
         for length in [5e-324, 1e-310, 1e-200, 1.0, 1e200, f64::MAX] {
             let dir = unit_direction(DVec3::new(length, 0.0, -length)).unwrap();
             let expected = DVec3::new(0.5_f64.sqrt(), 0.0, -0.5_f64.sqrt());
-            // Quotient, square root and quotient round once each.
+            // The quotient, the square root and the second quotient round once each.
             assert!(dir.distance(expected) <= 2.0 * f64::EPSILON, "{length}: {dir}");
         }
     }
 
     #[test]
-    fn vectors_without_direction_are_refused() {
+    fn vectors_without_direction_are_rejected() {
         for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
             for v in
                 [DVec3::new(bad, 0.0, 1.0), DVec3::new(0.0, bad, 1.0), DVec3::new(1.0, 0.0, bad)]

@@ -1,6 +1,6 @@
 use thiserror::Error;
 
-/// What can be wrong with an input of this crate.
+/// Error for an invalid argument.
 #[derive(Debug, Clone, PartialEq, Error)]
 #[non_exhaustive]
 pub enum Error {
@@ -9,11 +9,11 @@ pub enum Error {
     NsideOutOfRange {
         /// The value given.
         nside: u32,
-        /// The largest legal value.
+        /// The maximum value.
         max: u32,
     },
 
-    /// Nested order was asked for a resolution that is not a power of two.
+    /// Nested order was requested for a resolution that is not a power of two.
     #[error(
         "nested order needs nside to be a power of two, got {nside}; \
          {below} and {above} are the nearest, and ring order takes any nside"
@@ -27,14 +27,14 @@ pub enum Error {
         above: u32,
     },
 
-    /// The count is not `12 nside^2` for any legal nside.
+    /// The count is not `12 nside^2` for any valid nside.
     #[error(
         "{n_pixels} is not a HEALPix pixel count 12 nside^2; the nearest is {nearest} (nside {nside})"
     )]
     NotPixelCount {
         /// The count given.
         n_pixels: u64,
-        /// The nearest legal count.
+        /// The nearest valid count.
         nearest: u64,
         /// The nside of that count.
         nside: u32,
@@ -58,7 +58,7 @@ pub enum Error {
         n_rings: u32,
     },
 
-    /// Face or in-face coordinates do not exist at this resolution.
+    /// The face or the coordinates within the face do not exist at this resolution.
     #[error(
         "cell (face {face}, ix {ix}, iy {iy}) does not exist: face must be below 12, ix and iy below nside {nside}"
     )]
@@ -73,21 +73,21 @@ pub enum Error {
         nside: u32,
     },
 
-    /// The colatitude is outside `[0, pi]` or not a number.
+    /// The colatitude is outside `[0, pi]` or NaN.
     #[error("colatitude theta = {theta} is out of range: it must be from 0 to pi radians")]
     ThetaOutOfRange {
         /// The value given.
         theta: f64,
     },
 
-    /// The longitude is infinite or not a number.
+    /// The longitude is infinite or NaN.
     #[error("longitude phi = {phi} is not finite: any finite angle in radians is accepted")]
     PhiNotFinite {
         /// The value given.
         phi: f64,
     },
 
-    /// The vector has no direction: it is zero, infinite or not a number.
+    /// The vector has no direction: it is zero, infinite or NaN.
     #[error("({x}, {y}, {z}) has no direction: a finite vector other than zero is needed")]
     NoDirection {
         /// Its first component.

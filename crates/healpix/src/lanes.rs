@@ -2,43 +2,44 @@ use crate::azimuth::{Azimuth, floor};
 use crate::zone::{Z_BORDER, cap_distance, cap_distance_of_theta, z_of_theta};
 use crate::{Nside, PixelOrder};
 
-/// The low 31 bits, which hold every number that they are cut out of: coordinates and numbers of rings, below `4 nside`,
-/// at most 2^31. A product of two such numbers, or of one up to `2 nside` and `4 nside`, is one instruction on lanes of
-/// 64 bits, and leaves a bit of an `i64` for what is added to it.
+/// Mask of the low 31 bits. All masked numbers fit: coordinates, and numbers of rings below
+/// `4 nside <= 2^31`. A product of two such numbers, or of factors up to `2 nside` and `4 nside`,
+/// is one instruction on 64-bit lanes, and leaves one bit of an `i64` for an addition.
 pub(crate) const LOW: i64 = 0x7FFF_FFFF;
 
-/// A cell in numbers as wide as an `f64`, so that a lane of a register keeps its width from direction to pixel.
+/// A cell in 64-bit integers, so that lanes keep the width of an `f64` from direction to pixel.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct LaneCell {
     /// The face, 0..12.
     pub(crate) face: i64,
     /// The coordinate towards north-east, 0..nside.
     pub(crate) ix: i64,
-    /// Cells from the north-western edge, `nside - 1 - iy`.
+    /// The number of cells from the north-western edge, `nside - 1 - iy`.
     pub(crate) from_top: i64,
     /// The ring, from 1 to `4 nside - 1`.
     pub(crate) ring: i64,
 }
 
 impl LaneCell {
-    /// The cell of any vector, the one that [`Cell::containing`](crate::Cell::containing) finds: the same operations, but
-    /// those of cap and belt are both carried out and one result is chosen. For a single direction that takes longer than
-    /// the branches do.
+    /// Returns the cell of any vector, as [`Cell::containing`](crate::Cell::containing) does. The
+    /// operations are the same, but both cap and belt are computed and one result is selected. For
+    /// a single direction this takes longer than branches.
     #[inline(always)]
     pub(crate) fn of_any_vector(nside: Nside, x: f64, y: f64, z: f64) -> Self {
         Self::at(nside, Azimuth::of_xy(x, y), z, cap_distance(x, y, z.abs()))
     }
 
-    /// The cell that contains colatitude `theta` in `[0, pi]` and a longitude, the one that
-    /// [`Cell::containing_angles`](crate::Cell::containing_angles) finds.
+    /// Returns the cell that contains colatitude `theta` in `[0, pi]` and a longitude, as
+    /// [`Cell::containing_angles`](crate::Cell::containing_angles) does.
     #[inline(always)]
     pub(crate) fn of_angles(nside: Nside, theta: f64, azimuth: Azimuth) -> Self {
         let z = z_of_theta(theta);
         Self::at(nside, azimuth, z, cap_distance_of_theta(theta))
     }
 
-    /// The cell at a longitude and a colatitude with cosine `z`, which counts in the belt, and cap distance `distance`, which
-    /// counts in the caps. What is not chosen may be out of its range, so differences are signed.
+    /// Returns the cell at a longitude and a colatitude, which is given by its cosine `z` (used in
+    /// the belt) and its cap distance `distance` (used in the caps). The result that is not
+    /// selected may be out of range, so differences are signed.
     #[inline(always)]
     fn at(nside: Nside, azimuth: Azimuth, z: f64, distance: f64) -> Self {
         let Azimuth { quadrant, since, until } = azimuth;
@@ -48,7 +49,7 @@ impl LaneCell {
         let first = if belt { size * ((0.5 + 0.75 * z) + since) } else { since * distance * size };
         let second = if belt { size * ((0.5 - 0.75 * z) + since) } else { until * distance * size };
         let last = if belt { 2.0 * size - 1.0 } else { size - 1.0 };
-        let (first, second) = (whole_part(first, last), whole_part(second, last));
+        let (first, second) = (integer_part(first, last), integer_part(second, last));
 
         // In the belt these are north_east and south_east, see `belt_cell`.
         let (ne_far, se_far) = (i64::from(first >= n), i64::from(second >= n));
@@ -70,16 +71,16 @@ impl LaneCell {
     }
 }
 
-/// A numbering of cells without branches. A trait and not a closure, which would not always be compiled into the loop for
-/// wide registers, and then take four times as long.
+/// A branch-free numbering of cells. It is a trait because a closure would not always be inlined
+/// into the vectorized loop, which would then take four times as long.
 pub(crate) trait LaneOrder: PixelOrder {
-    /// The number of `cell`; to be inlined always.
+    /// Returns the number of `cell`; implementations must be `#[inline(always)]`.
     fn pixel_of_lane(&self, cell: LaneCell) -> u64;
 }
 
-/// The whole part of `coordinate` within 0 and `last < 2^31`, 0 for NaN.
+/// Returns the integer part of `coordinate`, clamped to 0 and `last < 2^31`; 0 for NaN.
 #[inline(always)]
-fn whole_part(coordinate: f64, last: f64) -> i64 {
+fn integer_part(coordinate: f64, last: f64) -> i64 {
     let from_zero = if coordinate > 0.0 { coordinate } else { 0.0 };
     let within = if from_zero < last { from_zero } else { last };
     floor(within).1.cast_signed() & LOW
@@ -92,7 +93,8 @@ pub(crate) mod tests {
     use super::*;
     use crate::Cell;
 
-    /// Signed zeros, the smallest and largest numbers, neighbours of the borders between the zones, and what is no number.
+    /// Signed zeros, the smallest and largest numbers, neighbours of the borders between the zones,
+    /// infinities and NaN.
     const HOSTILE: [f64; 20] = [
         0.0,
         -0.0,
@@ -116,7 +118,7 @@ pub(crate) mod tests {
         f64::NAN,
     ];
 
-    /// Any three of them, whatever the length; more than a block and no multiple of one.
+    /// Returns all triples of these, more than a block and not a multiple of one.
     pub(crate) fn hostile_vectors() -> Vec<DVec3> {
         let mut vectors = Vec::new();
         for x in HOSTILE {
@@ -129,7 +131,7 @@ pub(crate) mod tests {
     }
 
     #[test]
-    fn any_bits_have_the_cell_of_the_look_up_with_branches() {
+    fn lanes_match_the_scalar_lookup_for_arbitrary_vectors() {
         for n in [1, 2, 3, 1024, 12345, Nside::MAX - 1, Nside::MAX] {
             let nside = Nside::new(n).unwrap();
             for v in hostile_vectors() {
@@ -151,7 +153,7 @@ pub(crate) mod tests {
     }
 
     #[test]
-    fn whole_parts_are_those_of_a_cast() {
+    fn integer_parts_match_a_cast() {
         for last in [0_u32, 1, 5, (1 << 30) - 1, u32::MAX / 2] {
             for coordinate in HOSTILE.into_iter().chain([
                 1.5,
@@ -167,11 +169,11 @@ pub(crate) mod tests {
                 #[expect(
                     clippy::cast_possible_truncation,
                     clippy::cast_sign_loss,
-                    reason = "the cast that saturates is the definition"
+                    reason = "the saturating cast is the definition"
                 )]
                 let expected = (coordinate as u32).min(last);
                 assert_eq!(
-                    whole_part(coordinate, f64::from(last)),
+                    integer_part(coordinate, f64::from(last)),
                     i64::from(expected),
                     "{coordinate}, at most {last}"
                 );

@@ -8,13 +8,15 @@ use crate::cell_map::assert_unit;
 use crate::lanes::{LaneCell, LaneOrder};
 use crate::{Cell, Error};
 
-/// Places that are treated together: enough for the widest registers twice over, few enough that short lists gain.
+/// Number of points processed together: enough for two of the widest registers, and few enough to
+/// speed up short lists.
 const WIDTH: usize = 16;
 
 /// Writes the pixel of `dirs[i]` to `pixels[i]`.
 ///
 /// # Panics
-/// If the slices differ in length; in debug builds also if a direction is not a unit vector.
+///
+/// Panics if the slices differ in length; in debug builds also if a direction is not a unit vector.
 pub(crate) fn pixels_into(order: &impl LaneOrder, dirs: &[DVec3], pixels: &mut [u64]) {
     assert_lengths("directions", dirs.len(), pixels.len());
     dirs.iter().for_each(|dir| assert_unit(*dir));
@@ -24,10 +26,12 @@ pub(crate) fn pixels_into(order: &impl LaneOrder, dirs: &[DVec3], pixels: &mut [
 /// Writes the pixel of colatitude and longitude `angles[i]` to `pixels[i]`.
 ///
 /// # Errors
-/// Those of the first pair of angles that is out of range; the pixels are then of no meaning.
+///
+/// That of the first pair of angles that is out of range; `pixels` is then unspecified.
 ///
 /// # Panics
-/// If the slices differ in length.
+///
+/// Panics if the slices differ in length.
 pub(crate) fn pixels_of_angles_into(
     order: &impl LaneOrder,
     angles: &[[f64; 2]],
@@ -44,10 +48,10 @@ pub(crate) fn pixels_of_angles_into(
 }
 
 fn assert_lengths(what: &str, n: usize, n_pixels: usize) {
-    assert!(n == n_pixels, "{n} {what} have {n} pixels, not {n_pixels}");
+    assert!(n == n_pixels, "the output has {n_pixels} pixels for {n} {what}");
 }
 
-/// [`pixels_into`] without its checks; of different lengths the shorter one counts.
+/// Implements [`pixels_into`] without its checks; extra elements of the longer slice are ignored.
 fn fill(order: &impl LaneOrder, dirs: &[DVec3], pixels: &mut [u64]) {
     let (blocks, rest) = dirs.as_chunks();
     let (block_pixels, rest_pixels) = pixels.as_chunks_mut();
@@ -66,8 +70,8 @@ struct Blocks<'a, O> {
 impl<O: LaneOrder> WithSimd for Blocks<'_, O> {
     type Output = ();
 
-    /// Plain loops: the compiler turns them into the registers of the instruction set that it is called for. No product is
-    /// fused with a sum, so all sets give the same bits.
+    /// Uses plain loops, which the compiler vectorizes for the instruction set of the call. No
+    /// product is fused with a sum, so results are bit-identical for all instruction sets.
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) {
         for (dirs, pixels) in self.dirs.iter().zip(self.pixels) {
@@ -113,7 +117,7 @@ impl<O: LaneOrder> WithSimd for AngleBlocks<'_, O> {
                     pixels[i] = self.order.pixel_of_lane(cell);
                 }
             } else {
-                // A longitude of 10^15 turns, or what is out of range.
+                // Longitudes of 10^15 turns, or angles out of range.
                 for (&[theta, phi], pixel) in angles.iter().zip(pixels) {
                     *pixel = self.order.pixel_of_angles(theta, phi)?;
                 }
@@ -133,7 +137,7 @@ mod tests {
 
     const NSIDES: [u32; 4] = [1, 3, 1 << 10, Nside::MAX];
 
-    /// The pixels of whole blocks by an instruction set.
+    /// Returns the pixels of whole blocks, computed with the given instruction set.
     fn of_vectors(simd: impl Simd, order: &impl LaneOrder, dirs: &[DVec3]) -> Vec<u64> {
         let (dirs, _) = dirs.as_chunks();
         let mut pixels = vec![[u64::MAX; WIDTH]; dirs.len()];
@@ -141,7 +145,7 @@ mod tests {
         pixels.concat()
     }
 
-    /// [`of_vectors`] for angles in range.
+    /// Returns the pixels of angles in range, as [`of_vectors`].
     fn of_angles(simd: impl Simd, order: &impl LaneOrder, angles: &[[f64; 2]]) -> Vec<u64> {
         let (angles, _) = angles.as_chunks();
         let mut pixels = vec![[u64::MAX; WIDTH]; angles.len()];
@@ -149,7 +153,7 @@ mod tests {
         pixels.concat()
     }
 
-    /// Checks the list, and its blocks by other instruction sets than the best that there is.
+    /// Checks the list, and its blocks with other instruction sets than the default.
     fn assert_vectors(order: &impl LaneOrder, vectors: &[DVec3], expected: &[u64], name: &str) {
         let mut pixels = vec![u64::MAX; vectors.len()];
         fill(order, vectors, &mut pixels);
@@ -164,7 +168,7 @@ mod tests {
     }
 
     #[test]
-    fn any_bits_have_the_pixel_of_the_look_up_with_branches() {
+    fn lists_match_the_scalar_lookup_for_arbitrary_vectors() {
         let vectors = hostile_vectors();
         assert!(vectors.len() > WIDTH && !vectors.len().is_multiple_of(WIDTH));
         for n in NSIDES {
@@ -183,12 +187,12 @@ mod tests {
     }
 
     #[test]
-    fn angles_have_the_pixel_of_the_look_up_of_one() {
+    fn lists_match_the_scalar_lookup_for_angles() {
         const THETAS: [f64; 11] =
             [0.0, 5e-324, 1e-160, 1e-9, 0.5, 0.841, 1.57, PI / 2.0, 2.3, 3.1, PI];
         const PHIS: [f64; 11] = [0.0, -0.0, 5e-324, -1e-9, 0.7, PI / 4.0, PI, -PI, 6.2, 1e3, -1e15];
         let pairs = || THETAS.into_iter().flat_map(|theta| PHIS.map(|phi| [theta, phi]));
-        // A longitude without a fraction takes its block out of the lanes, so it is in one of them alone.
+        // A block with a longitude without a fraction is not vectorized, so only one block has one.
         let angles: Vec<[f64; 2]> = pairs().chain([[1.0, 1e300]]).chain(pairs()).collect();
         assert!(!angles.len().is_multiple_of(WIDTH));
         for n in NSIDES {

@@ -1,20 +1,23 @@
 use crate::Cell;
 use crate::cell_map::face_in_row;
 
-/// Steps `(east-north, west-north)` towards SW, W, NW, N, NE, E, SE, S.
+/// Steps `(north-east, north-west)` towards SW, W, NW, N, NE, E, SE, S.
 const STEPS: [(i64, i64); 8] =
     [(-1, 0), (-1, 1), (0, 1), (1, 1), (1, 0), (1, -1), (0, -1), (-1, -1)];
 
 /// Adjacency.
 impl Cell {
-    /// Returns the cells that share an edge or a corner with this one, towards SW, W, NW, N, NE, E, SE, S.
+    /// Returns the cells that share an edge or a corner with this one, towards SW, W, NW, N, NE, E,
+    /// SE, S.
     ///
-    /// An entry is `None` where three faces instead of four meet in a corner, which happens at the eight points with
-    /// `|z| = 2/3` and `phi` a multiple of pi/2. The order is that of healpy's `get_all_neighbours`. In the caps "north"
-    /// is the direction in the face, not on the sphere: beyond the pole, the northern neighbour faces the cell.
-    /// At resolution 1 and 2 cells may touch in more than one place and still be listed once for each direction.
+    /// An entry is `None` where three faces instead of four meet at a corner, which happens at the
+    /// eight points with `|z| = 2/3` and `phi` a multiple of pi/2. The order is that of healpy's
+    /// `get_all_neighbours`. In the caps "north" is a direction in the face, not on the sphere: the
+    /// northern neighbour of a cell at the pole lies on the other side of the pole. At nside 1 and
+    /// 2 two cells may touch at several places and are then listed once per direction.
     ///
     /// # Examples
+    ///
     /// ```
     /// use sphvar_healpix::{Cell, Nside};
     ///
@@ -36,8 +39,8 @@ impl Cell {
         let (here, west, opposite) = (east - 1, east + 2, east + 1);
         let last = n - 1;
 
-        // Where the step leaves the face, and the same place in the coordinates of the face beyond. Rows 0 and 2 meet
-        // their own row across the edges at the pole, turned by a quarter; elsewhere the axes continue.
+        // The face that the step leads to, and the position in its coordinates. Across the edges at
+        // the poles, rows 0 and 2 meet their own row, rotated by pi/2; elsewhere the axes continue.
         let (row, column, x, y) = match (self.face() / 4, side(x, n), side(y, n)) {
             (row, Side::Inside, Side::Inside) => (row, here, x, y),
 
@@ -69,7 +72,7 @@ impl Cell {
     }
 }
 
-/// Where a coordinate is relative to the face.
+/// Position of a coordinate relative to the face.
 #[derive(Debug, Clone, Copy)]
 enum Side {
     Below,
@@ -92,7 +95,7 @@ mod tests {
     use super::*;
     use crate::{Nside, PixelOrder, Ring};
 
-    /// The definition: cells touch if they have a corner in common.
+    /// Returns whether the cells have a corner in common.
     fn touch(a: Cell, b: Cell) -> bool {
         // Corners of a nside 8 grid are at least 0.1 apart.
         a.corners().iter().any(|p| b.corners().iter().any(|q| p.distance(*q) < 1e-3))

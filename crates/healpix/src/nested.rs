@@ -7,17 +7,19 @@ use crate::{Cell, Error, Nside, PixelOrder, Ring};
 
 /// Nested order: pixels numbered face by face along a Z-order curve, for powers of two.
 ///
-/// Pixel `p` of resolution `nside` consists of the pixels `4p .. 4p + 4` of resolution `2 nside`, so pixels near in
-/// number are near on the sphere.
+/// Pixel `p` of resolution `nside` consists of the pixels `4p .. 4p + 4` of resolution `2 nside`,
+/// so pixels with similar numbers are close on the sphere.
 ///
 /// ```text
 /// pixel = face nside^2 + interleave(ix, iy)      (ix in the even bits)
 /// ```
 ///
 /// # Performance
-/// An index map is some twenty integer operations.
+///
+/// An index map takes about twenty integer operations.
 ///
 /// # Examples
+///
 /// ```
 /// use sphvar_healpix::{Nested, Nside, PixelOrder};
 ///
@@ -28,11 +30,12 @@ use crate::{Cell, Error, Nside, PixelOrder, Ring};
 /// ```
 ///
 /// # References
+///
 /// Gorski et al. 2005, ApJ 622, 759, section 4.2.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct Nested {
     nside: Nside,
-    /// `2 log2(nside)`, the number of bits of a pixel's number in its face.
+    /// `2 log2(nside)`, the number of bits of a pixel number within its face.
     face_bits: u32,
 }
 
@@ -40,6 +43,7 @@ impl Nested {
     /// Returns the nested order of resolution `nside`.
     ///
     /// # Errors
+    ///
     /// [`Error::NotPowerOfTwo`].
     pub const fn new(nside: Nside) -> Result<Self, Error> {
         let n = nside.value();
@@ -50,12 +54,14 @@ impl Nested {
         Ok(Self { nside, face_bits: 2 * n.ilog2() })
     }
 
-    /// Returns the number in ring order of the pixel with nested number `pixel`.
+    /// Returns the ring-order number of the pixel with nested number `pixel`.
     ///
     /// # Panics
-    /// If `pixel >= self.n_pixels()`.
+    ///
+    /// Panics if `pixel >= self.n_pixels()`.
     ///
     /// # Examples
+    ///
     /// ```
     /// use sphvar_healpix::{Nested, Nside};
     ///
@@ -69,10 +75,11 @@ impl Nested {
         Ring::new(self.nside).pixel_of_cell(self.cell(pixel))
     }
 
-    /// Returns the nested number of the pixel with number `ring_pixel` in ring order.
+    /// Returns the nested number of the pixel with ring-order number `ring_pixel`.
     ///
     /// # Panics
-    /// If `ring_pixel >= self.n_pixels()`.
+    ///
+    /// Panics if `ring_pixel >= self.n_pixels()`.
     #[inline]
     pub fn from_ring(&self, ring_pixel: u64) -> u64 {
         self.pixel_of_cell(Ring::new(self.nside).cell(ring_pixel))
@@ -118,7 +125,7 @@ impl PixelOrder for Nested {
 }
 
 impl LaneOrder for Nested {
-    /// What [`pixel_of_cell`](PixelOrder::pixel_of_cell) returns.
+    /// Implements [`pixel_of_cell`](PixelOrder::pixel_of_cell) without branches.
     #[inline(always)]
     fn pixel_of_lane(&self, cell: LaneCell) -> u64 {
         let iy = i64::from(self.nside.value()) - 1 - cell.from_top;
@@ -135,7 +142,8 @@ fn face_number(face: u64) -> u8 {
     face as u8
 }
 
-/// Masks of the bits in use when runs of 16, 8, 4, 2 and 1 bits alternate with gaps as long.
+/// Masks of the bits in use when runs of 16, 8, 4, 2 and 1 bits alternate with gaps of the same
+/// length.
 const RUNS: [u64; 5] = [
     0x0000_FFFF_0000_FFFF,
     0x00FF_00FF_00FF_00FF,
@@ -144,7 +152,8 @@ const RUNS: [u64; 5] = [
     0x5555_5555_5555_5555,
 ];
 
-/// Moves bit k to bit 2k, halving the runs of neighbouring bits five times; `value` has at most 32 bits.
+/// Moves bit k to bit 2k by splitting runs of adjacent bits in half five times; `value` has at most
+/// 32 bits.
 #[inline(always)]
 fn spread(value: u64) -> u64 {
     let mut bits = value;
@@ -159,7 +168,7 @@ fn spread(value: u64) -> u64 {
 /// Gathers the even bits, the inverse of [`spread`].
 #[expect(
     clippy::cast_possible_truncation,
-    reason = "the last step keeps the low 32 bits by design"
+    reason = "the last step intentionally keeps the low 32 bits"
 )]
 #[inline]
 fn even_bits(value: u64) -> u32 {
@@ -181,10 +190,10 @@ mod tests {
     }
 
     #[test]
-    fn bits_move_as_by_definition() {
+    fn bits_move_according_to_the_definition() {
         let mut value = 1_u32;
         for _ in 0..10_000 {
-            // A full-period linear congruence (Numerical Recipes' constants): only variety is needed.
+            // A full-period linear congruential generator (constants of Numerical Recipes).
             value = value.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
             let spread = spread(u64::from(value));
             assert_eq!(spread, spread_bit_by_bit(value), "{value:#x}");
@@ -204,13 +213,13 @@ mod tests {
 
     #[test]
     #[should_panic(expected = "pixel 12 is out of range")]
-    fn a_pixel_out_of_range_is_refused() {
+    fn a_pixel_out_of_range_panics() {
         Nested::new(Nside::new(1).unwrap()).unwrap().cell(12);
     }
 
     #[test]
-    #[should_panic(expected = "a cell of nside 2 has no number at nside 1")]
-    fn a_cell_of_another_resolution_is_refused() {
+    #[should_panic(expected = "a cell of nside 2 was passed to an order of nside 1")]
+    fn a_cell_of_another_resolution_panics() {
         let cell = Cell::new(Nside::new(2).unwrap(), 0, 1, 1).unwrap();
         Nested::new(Nside::new(1).unwrap()).unwrap().pixel_of_cell(cell);
     }

@@ -3,11 +3,12 @@ use std::fmt;
 
 use crate::Error;
 
-/// The resolution of a grid: each of the 12 faces is cut into `nside x nside` pixels.
+/// The resolution of a grid: each of the 12 faces consists of `nside x nside` pixels.
 ///
-/// Checked once by [`Nside::new`]; whatever is built from it needs no further check of the resolution.
+/// [`Nside::new`] validates the value once; types built from it need no further check.
 ///
 /// # Examples
+///
 /// ```
 /// use sphvar_healpix::Nside;
 ///
@@ -18,18 +19,20 @@ use crate::Error;
 /// ```
 ///
 /// # References
+///
 /// Gorski et al. 2005, ApJ 622, 759, doi:10.1086/427976.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Nside(u32);
 
 impl Nside {
-    /// The largest legal value, 2^29: the pixel count `12 nside^2 = 3.5e18` still fits 63 bits, and a pixel is
+    /// The maximum value, 2^29: the pixel count `12 nside^2 = 3.5e18` fits 63 bits, and a pixel is
     /// 1.9e-9 rad wide, seven digits above the resolution of `f64` directions.
     pub const MAX: u32 = 1 << 29;
 
     /// Returns the resolution `nside`, any integer in `[1, 2^29]`.
     ///
     /// # Errors
+    ///
     /// [`Error::NsideOutOfRange`] for 0 and above 2^29.
     pub const fn new(nside: u32) -> Result<Self, Error> {
         if nside == 0 || nside > Self::MAX {
@@ -41,9 +44,11 @@ impl Nside {
     /// Returns the resolution whose grid has exactly `n_pixels = 12 nside^2` pixels.
     ///
     /// # Errors
-    /// [`Error::NotPixelCount`], naming the nearest legal count, if there is none.
+    ///
+    /// [`Error::NotPixelCount`], with the nearest valid count, if there is none.
     ///
     /// # Examples
+    ///
     /// ```
     /// use sphvar_healpix::Nside;
     ///
@@ -63,9 +68,11 @@ impl Nside {
 
     /// Returns the resolution whose pixel count is nearest to `n_points`, for ring order.
     ///
-    /// A count midway between two legal ones (`12 nside^2 + 6 (2 nside + 1)`) gets the lower resolution.
+    /// For a count midway between two valid ones (`12 nside^2 + 6 (2 nside + 1)`), the lower
+    /// resolution is returned.
     ///
     /// # Examples
+    ///
     /// ```
     /// use sphvar_healpix::Nside;
     ///
@@ -80,10 +87,11 @@ impl Nside {
         Self::nearer(n_points, below, above)
     }
 
-    /// Returns the power of two whose pixel count is nearest to `n_points`, for nested order; of two equally near,
-    /// the lower.
+    /// Returns the power of two whose pixel count is nearest to `n_points`, for nested order; in
+    /// case of a tie, the lower one.
     ///
     /// # Examples
+    ///
     /// ```
     /// use sphvar_healpix::Nside;
     ///
@@ -107,7 +115,7 @@ impl Nside {
         }
     }
 
-    /// Returns the integer itself.
+    /// Returns nside as an integer.
     #[inline]
     pub const fn value(self) -> u32 {
         self.0
@@ -137,9 +145,10 @@ impl Nside {
         self.0.is_power_of_two()
     }
 
-    /// Returns `pixel` itself if the grid has such a pixel (ring and nested order have the same range).
+    /// Returns `pixel` if it is a valid pixel number, for ring and nested order alike.
     ///
     /// # Errors
+    ///
     /// [`Error::PixelOutOfRange`] if `pixel >= 12 nside^2`.
     #[inline]
     pub const fn check_pixel(self, pixel: u64) -> Result<u64, Error> {
@@ -155,13 +164,14 @@ impl Nside {
         f64::from(self.0)
     }
 
-    /// The number of pixels of one face, `nside^2`.
+    /// Returns the number of pixels of one face, `nside^2`.
     #[inline]
     pub(crate) const fn n_face_pixels(self) -> u64 {
         self.0 as u64 * self.0 as u64
     }
 
-    /// The number of pixels of one polar cap, the rings strictly north of `z = 2/3`: `2 nside (nside - 1)`.
+    /// Returns the number of pixels of one polar cap, the rings strictly north of `z = 2/3`:
+    /// `2 nside (nside - 1)`.
     #[inline]
     pub(crate) const fn n_cap_pixels(self) -> u64 {
         2 * self.0 as u64 * (self.0 as u64 - 1)
@@ -219,7 +229,7 @@ mod tests {
     }
 
     #[test]
-    fn pixel_counts_are_inverted_up_to_the_largest() {
+    fn pixel_counts_are_inverted_up_to_the_maximum() {
         for nside in [1, 2, 3, 1000, 65_535, 65_536, Nside::MAX - 1, Nside::MAX] {
             let nside = Nside::new(nside).unwrap();
             assert_eq!(Nside::from_n_pixels(nside.n_pixels()), Ok(nside));

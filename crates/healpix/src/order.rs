@@ -6,14 +6,16 @@ use crate::{Cell, Error, Nside};
 
 /// A numbering of the pixels of one resolution: [`Ring`](crate::Ring) or [`Nested`](crate::Nested).
 ///
-/// An order supplies two index maps, pixel to [`Cell`] and back; all geometry is that of the cell and is written once.
-/// The trait can be used as `dyn PixelOrder`.
+/// An order implements two index maps, pixel to [`Cell`] and back; all geometry is implemented by
+/// the cell. The trait is dyn-compatible.
 ///
-/// Wherever a pixel is an argument it must be below [`n_pixels`](Self::n_pixels); check foreign numbers once with
-/// [`Nside::check_pixel`]. Wherever a direction is an argument it must be a unit vector; check foreign vectors once with
-/// [`unit_direction`](crate::unit_direction). Otherwise nothing here can fail.
+/// A pixel argument must be below [`n_pixels`](Self::n_pixels); validate untrusted numbers once
+/// with [`Nside::check_pixel`]. A direction argument must be a unit vector; normalize untrusted
+/// vectors once with [`unit_direction`](crate::unit_direction). With valid arguments no method
+/// fails.
 ///
 /// # Examples
+///
 /// ```
 /// use sphvar_healpix::{Nested, Nside, PixelOrder, Ring};
 ///
@@ -30,16 +32,18 @@ pub trait PixelOrder: Debug + Send + Sync {
     /// Returns the resolution.
     fn nside(&self) -> Nside;
 
-    /// Returns the cell that bears the number `pixel`.
+    /// Returns the cell with the number `pixel`.
     ///
     /// # Panics
-    /// If `pixel >= self.n_pixels()`.
+    ///
+    /// Panics if `pixel >= self.n_pixels()`.
     fn cell(&self, pixel: u64) -> Cell;
 
     /// Returns the number of `cell`.
     ///
     /// # Panics
-    /// If `cell` belongs to another resolution.
+    ///
+    /// Panics if `cell` has a different resolution.
     fn pixel_of_cell(&self, cell: Cell) -> u64;
 
     /// Returns the number of pixels, `12 nside^2`.
@@ -48,27 +52,34 @@ pub trait PixelOrder: Debug + Send + Sync {
         self.nside().n_pixels()
     }
 
-    /// Returns the pixel that contains the unit vector `dir`; points on an edge go as in
+    /// Returns the pixel that contains the unit vector `dir`; points on an edge are assigned as by
     /// [`Cell::invert_uniform_point`].
     ///
     /// # Panics
-    /// In debug builds, if `dir` is not a unit vector. In release builds the result is then some valid pixel.
+    ///
+    /// Panics in debug builds if `dir` is not a unit vector. In release builds the result is then
+    /// an arbitrary valid pixel.
     #[inline]
     fn pixel(&self, dir: DVec3) -> u64 {
         self.pixel_of_cell(Cell::containing(self.nside(), dir))
     }
 
-    /// Writes to `pixels[i]` the pixel that contains the unit vector `dirs[i]`: what [`pixel`](Self::pixel) returns, bit by
-    /// bit and on every machine.
+    /// Writes the pixel that contains the unit vector `dirs[i]` to `pixels[i]`. Results equal those
+    /// of [`pixel`](Self::pixel) on every machine.
     ///
     /// # Panics
-    /// If the slices differ in length; in debug builds also if a direction is not a unit vector.
+    ///
+    /// Panics if the slices differ in length; in debug builds also if a direction is not a unit
+    /// vector.
     ///
     /// # Performance
-    /// Sixteen directions at a time in the registers of the processor, the rest one by one: a quarter of the time of
-    /// [`pixel`](Self::pixel) where registers have 512 bits, 40 % with 256.
+    ///
+    /// Directions are processed sixteen at a time in vector registers and the rest one by one. This
+    /// takes a quarter of the time of [`pixel`](Self::pixel) with registers of 512 bits, and 40 %
+    /// of it with 256 bits.
     ///
     /// # Examples
+    ///
     /// ```
     /// use glam::DVec3;
     /// use sphvar_healpix::{Nside, PixelOrder, Ring};
@@ -81,31 +92,36 @@ pub trait PixelOrder: Debug + Send + Sync {
     /// ```
     fn pixels_into(&self, dirs: &[DVec3], pixels: &mut [u64]);
 
-    /// Returns the pixel that contains colatitude `theta` in `[0, pi]` and longitude `phi`, any finite angle, in
-    /// radians.
+    /// Returns the pixel that contains colatitude `theta` in `[0, pi]` and longitude `phi`, any
+    /// finite angle, in radians.
     ///
     /// # Errors
+    ///
     /// [`Error::ThetaOutOfRange`] and [`Error::PhiNotFinite`].
     #[inline]
     fn pixel_of_angles(&self, theta: f64, phi: f64) -> Result<u64, Error> {
         Cell::containing_angles(self.nside(), theta, phi).map(|cell| self.pixel_of_cell(cell))
     }
 
-    /// Writes to `pixels[i]` the pixel that contains colatitude and longitude `angles[i]`: what
-    /// [`pixel_of_angles`](Self::pixel_of_angles) returns, bit by bit and on every machine.
+    /// Writes the pixel that contains colatitude and longitude `angles[i]` to `pixels[i]`. Results
+    /// equal those of [`pixel_of_angles`](Self::pixel_of_angles) on every machine.
     ///
     /// # Errors
-    /// Those of the first pair that [`pixel_of_angles`](Self::pixel_of_angles) refuses; what `pixels` then holds has no
-    /// meaning.
+    ///
+    /// That of [`pixel_of_angles`](Self::pixel_of_angles) for the first invalid pair; `pixels` is
+    /// then unspecified.
     ///
     /// # Panics
-    /// If the slices differ in length.
+    ///
+    /// Panics if the slices differ in length.
     ///
     /// # Performance
-    /// As [`pixels_into`](Self::pixels_into): a quarter of the time of [`pixel_of_angles`](Self::pixel_of_angles) where registers
-    /// have 512 bits.
+    ///
+    /// As for [`pixels_into`](Self::pixels_into): a quarter of the time of
+    /// [`pixel_of_angles`](Self::pixel_of_angles) with registers of 512 bits.
     ///
     /// # Examples
+    ///
     /// ```
     /// use sphvar_healpix::{Nside, PixelOrder, Ring};
     ///
@@ -121,7 +137,8 @@ pub trait PixelOrder: Debug + Send + Sync {
     /// Returns the direction of the pixel's centre.
     ///
     /// # Panics
-    /// If `pixel >= self.n_pixels()`.
+    ///
+    /// Panics if `pixel >= self.n_pixels()`.
     #[inline]
     fn centre(&self, pixel: u64) -> DVec3 {
         self.cell(pixel).centre()
@@ -130,32 +147,38 @@ pub trait PixelOrder: Debug + Send + Sync {
     /// Returns the colatitude and the longitude of the pixel's centre in radians.
     ///
     /// # Panics
-    /// If `pixel >= self.n_pixels()`.
+    ///
+    /// Panics if `pixel >= self.n_pixels()`.
     #[inline]
     fn centre_angles(&self, pixel: u64) -> (f64, f64) {
         self.cell(pixel).centre_angles()
     }
 
-    /// Returns the direction at `(u, v)` in the pixel, by the area-preserving map of [`Cell::uniform_point`].
+    /// Returns the direction at `(u, v)` in the pixel, by the area-preserving map of
+    /// [`Cell::uniform_point`].
     ///
     /// # Panics
-    /// If `pixel >= self.n_pixels()`; in debug builds also if `u` or `v` is outside `[0, 1]`.
+    ///
+    /// Panics if `pixel >= self.n_pixels()`; in debug builds also if `u` or `v` is outside
+    /// `[0, 1]`.
     #[inline]
     fn uniform_point(&self, pixel: u64, u: f64, v: f64) -> DVec3 {
         self.cell(pixel).uniform_point(u, v)
     }
 
-    /// Returns the density of [`uniform_point`](Self::uniform_point) per steradian, one over the area of a pixel.
+    /// Returns the density of [`uniform_point`](Self::uniform_point) per steradian, the reciprocal
+    /// of the area of a pixel.
     #[inline]
     fn uniform_point_pdf(&self) -> f64 {
         1.0 / self.nside().pixel_area()
     }
 
-    /// Returns the pixel that contains `dir` and the coordinates `(u, v)` in `[0, 1)` of `dir` in it, by
-    /// [`Cell::invert_uniform_point`].
+    /// Returns the pixel that contains `dir` and the coordinates `(u, v)` in `[0, 1)` of `dir`
+    /// within it, by [`Cell::invert_uniform_point`].
     ///
     /// # Panics
-    /// In debug builds, if `dir` is not a unit vector.
+    ///
+    /// Panics in debug builds if `dir` is not a unit vector.
     #[inline]
     fn invert_uniform_point(&self, dir: DVec3) -> (u64, f64, f64) {
         let (cell, u, v) = Cell::invert_uniform_point(self.nside(), dir);
@@ -165,31 +188,34 @@ pub trait PixelOrder: Debug + Send + Sync {
     /// Returns the directions of the northern, western, southern and eastern corner of the pixel.
     ///
     /// # Panics
-    /// If `pixel >= self.n_pixels()`.
+    ///
+    /// Panics if `pixel >= self.n_pixels()`.
     fn corners(&self, pixel: u64) -> [DVec3; 4] {
         self.cell(pixel).corners()
     }
 
-    /// Returns the neighbours of the pixel towards SW, W, NW, N, NE, E, SE, S, with `None` as in
-    /// [`Cell::neighbours`].
+    /// Returns the neighbours of the pixel towards SW, W, NW, N, NE, E, SE, S; entries are `None`
+    /// as in [`Cell::neighbours`].
     ///
     /// # Panics
-    /// If `pixel >= self.n_pixels()`.
+    ///
+    /// Panics if `pixel >= self.n_pixels()`.
     fn neighbours(&self, pixel: u64) -> [Option<u64>; 8] {
         self.cell(pixel).neighbours().map(|cell| cell.map(|cell| self.pixel_of_cell(cell)))
     }
 
-    /// Returns the pixel opposite through the centre of the sphere, which is never the pixel itself.
+    /// Returns the antipodal pixel, which is never the pixel itself.
     ///
     /// # Panics
-    /// If `pixel >= self.n_pixels()`.
+    ///
+    /// Panics if `pixel >= self.n_pixels()`.
     #[inline]
     fn antipode(&self, pixel: u64) -> u64 {
         self.pixel_of_cell(self.cell(pixel).antipode())
     }
 }
 
-/// Panics unless the grid has the pixel: the one check of the index maps, in the manner of slice indexing.
+/// Panics unless the grid has the pixel; the only check of the index maps, as in slice indexing.
 #[inline]
 pub(crate) fn assert_pixel(nside: Nside, pixel: u64) {
     assert!(
@@ -204,7 +230,7 @@ pub(crate) fn assert_pixel(nside: Nside, pixel: u64) {
 pub(crate) fn assert_resolution(nside: Nside, cell: Cell) {
     assert!(
         cell.nside() == nside,
-        "a cell of nside {} has no number at nside {nside}",
+        "a cell of nside {} was passed to an order of nside {nside}",
         cell.nside()
     );
 }

@@ -9,15 +9,19 @@ use crate::order::{assert_pixel, assert_resolution};
 use crate::ring_geometry::cap_start;
 use crate::{Cell, Error, Nside, PixelOrder, RingGeometry};
 
-/// Ring order: pixels numbered from the north pole southwards along rings of equal colatitude, eastwards in each.
+/// Ring order: pixels numbered from the north pole southwards along rings of equal colatitude, and
+/// eastwards within each ring.
 ///
-/// Exists for every resolution. Ring `i` counts from 1; the `nside - 1` rings next to each pole have `4 i` pixels, the
-/// `2 nside + 1` rings of the belt `4 nside`.
+/// Ring order exists for every resolution. Ring `i` counts from 1; the `nside - 1` rings nearest to
+/// each pole have `4 i` pixels, the `2 nside + 1` rings of the belt have `4 nside`.
 ///
 /// # Performance
-/// Pixel to cell takes two integer divisions, in the caps also a square root; cell to pixel takes neither.
+///
+/// Pixel to cell takes two integer divisions, in the caps also a square root; cell to pixel takes
+/// neither.
 ///
 /// # Examples
+///
 /// ```
 /// use sphvar_healpix::{Nside, PixelOrder, Ring};
 ///
@@ -29,6 +33,7 @@ use crate::{Cell, Error, Nside, PixelOrder, RingGeometry};
 /// ```
 ///
 /// # References
+///
 /// Gorski et al. 2005, ApJ 622, 759, section 4.1.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct Ring {
@@ -45,17 +50,19 @@ impl Ring {
     /// Returns position, size and offset of ring `ring`, from 1 (north) to `4 nside - 1` (south).
     ///
     /// # Errors
+    ///
     /// [`Error::RingOutOfRange`].
     pub fn ring(&self, ring: u32) -> Result<RingGeometry, Error> {
         RingGeometry::new(self.nside, ring)
     }
 
-    /// Returns the pixels `0 .. 6 nside^2`, which are one of every pair of antipodal pixels.
+    /// Returns the pixels `0 .. 6 nside^2`, which contain one of every pair of antipodal pixels.
     ///
-    /// They are the rings north of the equator and the half of the equatorial ring with `phi` in `[0, pi)`, and so
-    /// the strata of the hemisphere, or of the projective plane.
+    /// They are the rings north of the equator and the half of the equatorial ring with `phi` in
+    /// `[0, pi)`, and so the strata of the hemisphere and of antipodal (projective) sets.
     ///
     /// # Examples
+    ///
     /// ```
     /// use sphvar_healpix::{Nside, PixelOrder, Ring};
     ///
@@ -97,7 +104,8 @@ impl PixelOrder for Ring {
             let south_east = step + row / 2;
             belt_cell(self.nside, quadrant, north_east, south_east)
         } else {
-            // Counted from the other end, the southern cap has the rings of the northern one, run through westwards.
+            // Counted from the end, the southern cap has the rings of the northern one, traversed
+            // westwards.
             let (ring, from_end) = ring_and_place(n_pixels - 1 - pixel);
             let place = 4 * ring - 1 - from_end;
             let (column, step) = (place / ring, place % ring);
@@ -118,8 +126,9 @@ impl PixelOrder for Ring {
         } else if ring <= 3 * n {
             let row = ring - n;
             let start = self.nside.n_cap_pixels() + u64::from(row) * 4 * u64::from(n);
-            // Twice the place of the centre, in pixels from longitude 0: the middle of the face and the offset from it.
-            // Odd rows of the belt start at longitude 0, even ones half a pixel east of it.
+            // Twice the position of the centre, in pixels from longitude 0: the middle of the face
+            // plus the offset from it. Odd rows of the belt start at longitude 0, even ones half a
+            // pixel east of it.
             let face_middle = if cell.face() / 4 == 1 { 2 * column } else { 2 * column + 1 };
             let twice =
                 i64::from(face_middle) * i64::from(n) + i64::from(cell.ix()) - i64::from(cell.iy());
@@ -142,8 +151,8 @@ impl PixelOrder for Ring {
 }
 
 impl LaneOrder for Ring {
-    /// What [`pixel_of_cell`](PixelOrder::pixel_of_cell) computes, of which this is the branch-free form: the numbers in
-    /// all three regions, of which one is chosen.
+    /// Implements [`pixel_of_cell`](PixelOrder::pixel_of_cell) without branches: computes the
+    /// numbers for all three regions and selects one.
     #[inline(always)]
     fn pixel_of_lane(&self, cell: LaneCell) -> u64 {
         let LaneCell { face, ix, from_top, ring } = cell;
@@ -168,24 +177,24 @@ impl LaneOrder for Ring {
     }
 }
 
-/// The ring of a pixel of the northern cap, and its place in the ring.
+/// Returns the ring of a pixel of the northern cap, and its position in the ring.
 #[inline]
 fn ring_and_place(pixel: u64) -> (u32, u32) {
     let ring = cap_ring(pixel);
     (ring, narrow(pixel - cap_start(ring)))
 }
 
-/// The largest `i` with `2 i (i - 1) <= pixel`.
+/// Returns the largest `i` with `2 i (i - 1) <= pixel`.
 #[expect(
     clippy::cast_precision_loss,
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,
-    reason = "the root is positive and below 2^29.1; its rounding is undone by the comparison"
+    reason = "the root is positive and below 2^29.1; the comparison corrects its rounding"
 )]
 #[inline]
 fn cap_ring(pixel: u64) -> u32 {
-    // The root of 2 i (i - 1) = pixel. For pixels below 2^59 it is below 2^29 and off by less than 2^-20, so the whole
-    // part is wrong by one at most.
+    // The root of 2 i (i - 1) = pixel. For pixels below 2^59 it is below 2^29 with an error below
+    // 2^-20, so the integer part is wrong by one at most.
     let guess = (0.5 + (0.25 + 0.5 * pixel as f64).sqrt()) as u32;
     if cap_start(guess) > pixel {
         guess - 1
@@ -196,7 +205,8 @@ fn cap_ring(pixel: u64) -> u32 {
     }
 }
 
-/// The place in a ring or the number of a row, which fit 32 bits: both are at most `4 nside <= 2^31`.
+/// Converts the position in a ring or the number of a row to 32 bits: both are at most
+/// `4 nside <= 2^31`.
 #[expect(clippy::cast_possible_truncation, reason = "at most 2^31 by contract")]
 #[inline]
 fn narrow(place: u64) -> u32 {
@@ -234,7 +244,7 @@ mod tests {
     }
 
     #[test]
-    fn half_of_the_pixels_has_one_of_each_pair() {
+    fn antipodal_half_has_one_of_each_pair() {
         for n in 1..=12 {
             let order = Ring::new(Nside::new(n).unwrap());
             let half = order.antipodal_half();
@@ -251,7 +261,7 @@ mod tests {
 
     #[test]
     #[should_panic(expected = "pixel 108 is out of range")]
-    fn a_pixel_out_of_range_is_refused() {
+    fn a_pixel_out_of_range_panics() {
         Ring::new(Nside::new(3).unwrap()).cell(108);
     }
 }

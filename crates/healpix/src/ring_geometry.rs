@@ -4,9 +4,10 @@ use std::ops::Range;
 use crate::zone::Zone;
 use crate::{Error, Nside};
 
-/// One ring of pixels of equal colatitude: which pixels, and where they are.
+/// The pixels and the position of one ring of equal colatitude.
 ///
 /// # Examples
+///
 /// ```
 /// use sphvar_healpix::{Nside, Ring};
 ///
@@ -79,37 +80,39 @@ impl RingGeometry {
         self.first_pixel..self.first_pixel + self.n_pixels as u64
     }
 
-    /// Returns the cosine of the colatitude of the ring's centres.
+    /// Returns the cosine of the colatitude of the pixel centres.
     pub fn z(&self) -> f64 {
         self.zone.sin_cos().1
     }
 
-    /// Returns the sine of the colatitude of the ring's centres, with full relative precision at the poles.
+    /// Returns the sine of the colatitude of the pixel centres, with full relative precision at the
+    /// poles.
     pub fn sin_theta(&self) -> f64 {
         self.zone.sin_cos().0
     }
 
-    /// Returns the colatitude of the ring's centres in radians, with full relative precision at the north pole.
+    /// Returns the colatitude of the pixel centres in radians, with full relative precision at the
+    /// north pole.
     pub fn theta(&self) -> f64 {
         self.zone.theta()
     }
 
-    /// Returns whether the first centre lies half a pixel east of longitude 0, rather than on it.
+    /// Returns whether the first centre is half a pixel east of longitude 0 instead of on it.
     pub const fn is_shifted(&self) -> bool {
         self.shifted
     }
 
-    /// Returns the longitude in radians of the centre of the ring's pixel number `place`, counted from 0.
+    /// Returns the longitude in radians of the centre of pixel `place` of the ring, counted from 0.
     ///
-    /// A `place` beyond the ring's length continues with longitudes beyond 2 pi.
+    /// For `place` beyond the length of the ring, longitudes continue beyond 2 pi.
     pub fn phi(&self, place: u32) -> f64 {
-        // In half pixels, of which an eighth of a turn has n_pixels/4: exact up to the division.
+        // In half pixels, of which pi/4 has n_pixels/4: exact up to the division.
         let half_pixels = 2.0 * f64::from(place) + f64::from(u8::from(self.shifted));
         FRAC_PI_4 * (4.0 * half_pixels / f64::from(self.n_pixels))
     }
 }
 
-/// The number of pixels north of ring `ring` of the northern cap, `2 ring (ring - 1)`.
+/// Returns the number of pixels north of ring `ring` of the northern cap, `2 ring (ring - 1)`.
 #[inline]
 pub(crate) const fn cap_start(ring: u32) -> u64 {
     2 * ring as u64 * (ring as u64 - 1)
@@ -146,7 +149,7 @@ mod tests {
     }
 
     #[test]
-    fn rings_out_of_range_are_refused() {
+    fn rings_out_of_range_are_rejected() {
         let order = Ring::new(Nside::new(2).unwrap());
         for ring in [0, 8, u32::MAX] {
             assert_eq!(order.ring(ring), Err(Error::RingOutOfRange { ring, n_rings: 7 }));

@@ -2,18 +2,20 @@ use std::f64::consts::{FRAC_PI_2, PI};
 
 use crate::azimuth::sin_series;
 
-/// The |z| that parts the caps, where meridians of the projection converge, from the belt, where they are parallel.
+/// The |z| of the border between the caps, where meridians of the projection converge, and the
+/// belt, where they are parallel.
 pub(crate) const Z_BORDER: f64 = 2.0 / 3.0;
 
 const SQRT_6: f64 = 2.449489742783178;
 
-/// What pi exceeds its `f64` by, so that angles from the equator and the south pole keep their digits.
+/// pi minus its `f64`, which preserves the digits of angles from the equator and the south pole.
 const PI_REST: f64 = 1.2246467991473532e-16;
 
-/// A colatitude, held in the quantity that the projection needs and that keeps its digits in that zone.
+/// A colatitude, represented by the quantity that the projection needs and that keeps its digits in
+/// the zone.
 ///
-/// The cap distance `sqrt(3 (1 - |z|))` grows from 0 at the pole to 1 at the border of the belt. It is never computed
-/// from `1 - |z|`, which loses half of the digits at 1e-8 from the pole.
+/// The cap distance `sqrt(3 (1 - |z|))` increases from 0 at the pole to 1 at the border of the
+/// belt. It is never computed from `1 - |z|`, which loses half of the digits at 1e-8 from the pole.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Zone {
     /// `z > 2/3`: the distance to the north pole.
@@ -25,7 +27,7 @@ pub(crate) enum Zone {
 }
 
 impl Zone {
-    /// The zone of the unit vector `(x, y, z)`, with `1 - |z| = (x^2 + y^2)/(1 + |z|)`.
+    /// Returns the zone of the unit vector `(x, y, z)`, using `1 - |z| = (x^2 + y^2)/(1 + |z|)`.
     #[inline]
     pub(crate) fn of_xyz(x: f64, y: f64, z: f64) -> Self {
         let abs_z = z.abs();
@@ -36,7 +38,7 @@ impl Zone {
         if z > 0.0 { Self::North(distance) } else { Self::South(distance) }
     }
 
-    /// The zone of `theta` in `[0, pi]`, with `1 - cos(theta) = 2 sin(theta/2)^2`.
+    /// Returns the zone of `theta` in `[0, pi]`, using `1 - cos(theta) = 2 sin(theta/2)^2`.
     #[inline]
     pub(crate) fn of_theta(theta: f64) -> Self {
         let z = z_of_theta(theta);
@@ -49,7 +51,7 @@ impl Zone {
         }
     }
 
-    /// `(sin(theta), cos(theta))`.
+    /// Returns `(sin(theta), cos(theta))`.
     #[inline]
     pub(crate) fn sin_cos(self) -> (f64, f64) {
         match self {
@@ -62,7 +64,7 @@ impl Zone {
         }
     }
 
-    /// The colatitude in radians, `[0, pi]`.
+    /// Returns the colatitude in radians, in `[0, pi]`.
     #[inline]
     pub(crate) fn theta(self) -> f64 {
         match self {
@@ -73,26 +75,28 @@ impl Zone {
     }
 }
 
-/// The cap distance of the unit vector `(x, y, z)`.
+/// Returns the cap distance of the unit vector `(x, y, z)`.
 #[inline(always)]
 pub(crate) fn cap_distance(x: f64, y: f64, abs_z: f64) -> f64 {
     (3.0 * (x * x + y * y) / (1.0 + abs_z)).sqrt()
 }
 
-/// The cosine of `theta` in `[0, pi]`, with full relative precision in the belt and within 5e-14 in the caps.
+/// Returns the cosine of `theta` in `[0, pi]`, with full relative precision in the belt and within
+/// 5e-14 in the caps.
 #[inline(always)]
 pub(crate) fn z_of_theta(theta: f64) -> f64 {
     sin_series((FRAC_PI_2 - theta) + 0.5 * PI_REST)
 }
 
-/// The cap distance of `theta` in `[0, pi]`, from the nearer pole.
+/// Returns the cap distance of `theta` in `[0, pi]`, from the nearer pole.
 #[inline(always)]
 pub(crate) fn cap_distance_of_theta(theta: f64) -> f64 {
     let from_south = (PI - theta) + PI_REST;
     SQRT_6 * sin_series(0.5 * if theta < from_south { theta } else { from_south })
 }
 
-/// `(sin, cos)` of the angle from the pole: `sin^2 = (1 - |z|)(1 + |z|)` with `1 - |z| = d^2/3`.
+/// Returns `(sin, cos)` of the angle from the pole: `sin^2 = (1 - |z|)(1 + |z|)` with
+/// `1 - |z| = d^2/3`.
 #[inline]
 fn cap_sin_cos(distance: f64) -> (f64, f64) {
     let below_pole = distance * distance / 3.0;
@@ -108,7 +112,7 @@ fn cap_angle(distance: f64) -> f64 {
 mod tests {
     use super::*;
 
-    /// Angles from the pole up to the border, dense in both.
+    /// Returns angles from the pole up to the border, dense near the pole.
     fn cap_angles() -> impl Iterator<Item = f64> {
         (0..=300).map(|k| Z_BORDER.acos() * 10.0_f64.powf(-f64::from(k)))
     }
@@ -122,7 +126,8 @@ mod tests {
             else {
                 panic!("{angle} from the pole is not in the north cap");
             };
-            // Below 1e-154 the square of the vector's component underflows: the pole, to all digits of a direction.
+            // Below 1e-154 the square of the component underflows: the pole, to all digits of a
+            // direction.
             let floor = 1e-150;
             assert!((a - b).abs() <= 4.0 * f64::EPSILON * a + floor, "{angle}: {a} against {b}");
         }
@@ -149,7 +154,8 @@ mod tests {
             [FRAC_PI_2 - offset, FRAC_PI_2 + offset, PI - offset]
         });
         for theta in even.chain(near).chain([FRAC_PI_2]) {
-            // The sine series, its argument, the factor and the library round once each, by half an eps.
+            // The sine series, its argument, the factor and the library round once each, by half an
+            // eps.
             let tolerance = 3.0 * f64::EPSILON;
             let (got, expected) = match Zone::of_theta(theta) {
                 Zone::Belt(z) => (z, theta.cos()),

@@ -1,4 +1,5 @@
-//! The crate `cdshealpix` as an independent oracle. It takes longitude and latitude, and its ring order takes any nside.
+//! Comparison with the independent crate `cdshealpix`. It takes longitude and latitude, and its
+//! ring order supports any nside.
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
@@ -16,7 +17,8 @@ fn vector(lon: f64, lat: f64) -> DVec3 {
     DVec3::new(cos_lat * cos_lon, cos_lat * sin_lon, sin_lat)
 }
 
-/// Places on the whole sphere, and as often close to the poles, the border of the caps and the seams between faces.
+/// Points on the whole sphere, and with equal frequency close to the poles, the border of the caps
+/// and the seams between faces.
 fn lon_lat() -> impl Strategy<Value = (f64, f64)> {
     let border = (2.0_f64 / 3.0).asin();
     let lat = prop_oneof![
@@ -47,13 +49,13 @@ fn any_nside() -> impl Strategy<Value = u32> {
     prop_oneof![1..=40_u32, 1..=Nside::MAX, Just(Nside::MAX)]
 }
 
-/// How far, in pixels, rounded angles may put a place: the angles (up to 2 pi) are rounded to 2 eps, each library adds
-/// as much, and a radian has up to 1.3 nside pixels.
+/// Returns the effect of rounded angles in pixels: angles (up to 2 pi) are rounded to 2 eps, each
+/// library adds the same, and a radian has up to 1.3 nside pixels.
 fn slack(nside: u32) -> f64 {
     8.0 * f64::EPSILON * f64::from(nside)
 }
 
-/// Whether `(u, v)` is so near an edge that the two libraries may disagree.
+/// Returns whether `(u, v)` is so close to an edge that the two libraries may differ.
 fn on_edge(u: f64, v: f64, nside: u32) -> bool {
     let slack = slack(nside);
     [u, v, 1.0 - u, 1.0 - v].iter().any(|&d| d <= slack)
@@ -90,7 +92,7 @@ proptest! {
 
     #[test]
     fn centre_and_corners(fraction in 0.0..1.0_f64, n in any_nside(), depth in 0..=29_u8) {
-        // Angles of up to 2 pi rounded on both sides.
+        // Angles of up to 2 pi are rounded on both sides.
         let tolerance = 8.0 * f64::EPSILON;
         let ring = Ring::new(Nside::new(n).unwrap());
         let pixel = fraction_of(fraction, ring.n_pixels());
@@ -150,7 +152,7 @@ fn every_neighbour_on_small_grids() {
 fn poles() {
     for depth in [0, 1, 10, 29] {
         let nested = Nested::new(Nside::new(1 << depth).unwrap()).unwrap();
-        // In the middle of each quarter, where the longitude leaves no doubt.
+        // In the middle of each quadrant, where the longitude is unambiguous.
         for quarter in 0..4 {
             let lon = PI / 4.0 + f64::from(quarter) * FRAC_PI_2;
             for lat in [FRAC_PI_2 - 1e-12, 1e-12 - FRAC_PI_2] {

@@ -1,4 +1,4 @@
-//! Values recorded from healpy by `benches/peers/healpix_values.py`.
+//! Comparison with values recorded from healpy by `benches/peers/healpix_values.py`.
 
 use glam::DVec3;
 use sphvar_healpix::{Nested, Nside, PixelOrder, Ring};
@@ -51,7 +51,7 @@ impl Row {
     }
 }
 
-/// The rows of one operation; at least `at_least` of them, so that a test cannot pass on an empty table.
+/// Returns the rows of one operation; at least `at_least` rows, so that an empty table fails.
 fn rows(operation: &str, at_least: usize) -> Vec<Row> {
     let rows: Vec<Row> =
         VALUES.lines().skip(2).map(Row::parse).filter(|row| row.operation == operation).collect();
@@ -59,8 +59,9 @@ fn rows(operation: &str, at_least: usize) -> Vec<Row> {
     rows
 }
 
-/// healpy computes `phi`, up to 2 pi, in about three roundings of 2 eps each before it takes sine and cosine: 6.5 eps
-/// off was seen where ours is exact (checked with 30 digits). Our own error is 2 eps.
+/// healpy computes `phi`, up to 2 pi, with about three roundings of 2 eps each before it takes sine
+/// and cosine. Its maximum measured error was 6.5 eps where this crate is exact (verified with 30
+/// digits). The error of this crate is 2 eps.
 const DIRECTION_TOLERANCE: f64 = 9.0 * f64::EPSILON;
 
 #[test]
@@ -78,8 +79,8 @@ fn centre_angles() {
     for row in rows("pix2ang", 60) {
         let expected = row.output_numbers();
         let (theta, phi) = row.order.centre_angles(row.input_pixel());
-        // Up to |z| = 0.99 healpy takes acos(z), which magnifies the rounding of z by 1/sin(theta) = 7.1; a longitude up
-        // to 2 pi is rounded by 2 eps on each side.
+        // Up to |z| = 0.99 healpy uses acos(z), which amplifies the rounding of z by
+        // 1/sin(theta), 7.1 at most; a longitude up to 2 pi is rounded by 2 eps on each side.
         let (theta_tolerance, phi_tolerance) = (9.0 * f64::EPSILON, 4.0 * f64::EPSILON);
         assert!(
             (theta - expected[0]).abs() <= theta_tolerance

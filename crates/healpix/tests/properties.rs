@@ -1,4 +1,5 @@
-//! Properties of the maps, with generators that favour the poles, the seams between faces and the border of the caps.
+//! Properties of the maps, with generators that emphasize the poles, the seams between faces and
+//! the border of the caps.
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
@@ -8,7 +9,7 @@ use sphvar_healpix::{Cell, Error, Nested, Nside, PixelOrder, Ring, unit_directio
 
 const CASES: u32 = 4000;
 
-/// Rounding of a unit vector's components: each of two or three products rounds by half an eps.
+/// Rounding of the components of a unit vector: two or three products round by half an eps each.
 const DIRECTION_TOLERANCE: f64 = 4.0 * f64::EPSILON;
 
 fn any_nside() -> impl Strategy<Value = Nside> {
@@ -22,7 +23,7 @@ fn any_nside() -> impl Strategy<Value = Nside> {
     .prop_map(|n| Nside::new(n).unwrap())
 }
 
-/// A coordinate in a face: anything, or within three of an end.
+/// A coordinate in a face: arbitrary, or within three of an end.
 fn coordinate(n: u32) -> impl Strategy<Value = u32> {
     prop_oneof![
         0..n,
@@ -31,7 +32,7 @@ fn coordinate(n: u32) -> impl Strategy<Value = u32> {
     ]
 }
 
-/// A cell anywhere, at a seam, or in the rings nside - 1, nside and nside + 1 from a pole.
+/// A cell: arbitrary, at a seam, or in the rings nside - 1, nside and nside + 1 from a pole.
 fn any_cell() -> impl Strategy<Value = Cell> {
     cell_of(any_nside())
 }
@@ -58,7 +59,7 @@ fn unit_interval() -> impl Strategy<Value = f64> {
     ]
 }
 
-/// The lower or the upper end of a coordinate, or its middle, where cells of twice the resolution meet.
+/// The lower or upper end of a coordinate, or its middle, where cells of twice the resolution meet.
 fn edge() -> impl Strategy<Value = f64> {
     prop_oneof![Just(0.0), Just(1.0), Just(0.5)]
 }
@@ -85,7 +86,8 @@ fn any_direction() -> impl Strategy<Value = DVec3> {
     prop_oneof![anywhere, hostile, exact, border, seam].prop_map(|v| unit_direction(v).unwrap())
 }
 
-/// Colatitudes anywhere, at every distance from the poles, the equator and the borders of the caps, and these themselves.
+/// Colatitudes: arbitrary, at every distance from the poles, the equator and the borders of the
+/// caps, and exactly there.
 fn any_theta() -> impl Strategy<Value = f64> {
     let border = (2.0_f64 / 3.0).acos();
     let ends = [0.0, border, FRAC_PI_2, PI - border, PI];
@@ -97,7 +99,7 @@ fn any_theta() -> impl Strategy<Value = f64> {
     prop_oneof![0.0..=PI, near, (0..5_usize).prop_map(move |end| ends[end])]
 }
 
-/// Longitudes of either sign: near axes, of many turns, and beyond where a number has a fraction.
+/// Longitudes of either sign: near axes, of many turns, and so large that they have no fraction.
 fn any_phi() -> impl Strategy<Value = f64> {
     let near_axis =
         (-8..=8_i32, -320.0..0.0_f64, any::<bool>()).prop_map(|(quarter, digits, below)| {
@@ -117,7 +119,7 @@ fn at(z: f64, phi: f64) -> DVec3 {
     DVec3::new(radius * phi.cos(), radius * phi.sin(), z)
 }
 
-/// Both orders of the resolution, or the one that exists.
+/// Returns both orders of the resolution, or the only one that exists.
 fn orders(nside: Nside) -> Vec<Box<dyn PixelOrder>> {
     let mut orders: Vec<Box<dyn PixelOrder>> = vec![Box::new(Ring::new(nside))];
     if let Ok(nested) = Nested::new(nside) {
@@ -177,17 +179,18 @@ proptest! {
         prop_assert!((0.0..1.0).contains(&u) && (0.0..1.0).contains(&v), "{}: {} {}", dir, u, v);
         prop_assert_eq!(Cell::containing(nside, dir), cell);
         let back = cell.uniform_point(u, v);
-        // In-cell coordinates and the map round once or twice each, in units of at most 2 rad.
+        // Cell coordinates and the map round once or twice each, in units of at most 2 rad.
         prop_assert!(back.distance(dir) <= 2.0 * DIRECTION_TOLERANCE, "{} came back as {}", dir, back);
     }
 
     #[test]
-    fn a_list_has_the_pixels_of_its_directions(
+    fn a_list_matches_single_lookups_of_directions(
         anywhere in prop::collection::vec(any_direction(), 0..40),
         on_edges in prop::collection::vec((any_cell(), edge(), unit_interval(), any::<[bool; 3]>()), 0..40),
         nside in any_nside(),
     ) {
-        // Points on the edges of cells of this resolution, and a unit in the last place of a component beside them.
+        // Points on the edges of cells of this resolution, and neighbours one unit in the last
+        // place away in one component.
         let on_edges = on_edges.into_iter().map(|(cell, edge, along, nudge)| {
             let n = nside.value();
             let cell = Cell::new(nside, cell.face(), cell.ix() % n, cell.iy() % n).unwrap();
@@ -211,7 +214,7 @@ proptest! {
     }
 
     #[test]
-    fn a_list_has_the_pixels_of_its_angles(
+    fn a_list_matches_single_lookups_of_angles(
         angles in prop::collection::vec((any_theta(), any_phi()), 0..70),
         nside in any_nside(),
     ) {
@@ -226,12 +229,13 @@ proptest! {
     }
 
     #[test]
-    fn angles_and_their_direction_are_in_one_pixel_or_beside_it(theta in any_theta(), phi in -10.0..10.0_f64, nside in any_nside()) {
+    fn angles_and_their_direction_are_in_the_same_pixel_or_adjacent(theta in any_theta(), phi in -10.0..10.0_f64, nside in any_nside()) {
         let (sin, cos) = theta.sin_cos();
         let dir = DVec3::new(sin * phi.cos(), sin * phi.sin(), cos);
         let (cell, u, v) = Cell::invert_uniform_point(nside, dir);
         let found = Cell::containing_angles(nside, theta, phi).unwrap();
-        // A longitude up to 10 is off by 4 eps in its own reduction and that of the library; a radian has 1.3 nside pixels.
+        // The reduction of a longitude up to 10 has an error of 4 eps here and in the library; a
+        // radian has 1.3 nside pixels.
         let slack = 16.0 * f64::EPSILON * f64::from(nside.value());
         let inside = |w: f64| slack < w && w < 1.0 - slack;
         if inside(u) && inside(v) {
@@ -243,11 +247,11 @@ proptest! {
     }
 
     #[test]
-    fn the_inverse_of_the_map_is_the_identity(cell in any_cell(), u in unit_interval(), v in unit_interval()) {
+    fn the_inverse_recovers_cell_and_coordinates(cell in any_cell(), u in unit_interval(), v in unit_interval()) {
         let dir = cell.uniform_point(u, v);
         prop_assert!((dir.length() - 1.0).abs() <= DIRECTION_TOLERANCE, "{:?} {} {}: {}", cell, u, v, dir);
         let (found, found_u, found_v) = Cell::invert_uniform_point(cell.nside(), dir);
-        // Directions are rounded to 1 eps or so and a radian has up to 1.3 nside pixels.
+        // Directions are rounded to about 1 eps, and a radian has up to 1.3 nside pixels.
         let slack = 8.0 * f64::EPSILON * f64::from(cell.nside().value());
         let inside = |w: f64| slack < w && w < 1.0 - slack;
         if inside(u) && inside(v) {
@@ -255,7 +259,7 @@ proptest! {
             prop_assert!((found_u - u).abs() <= slack && (found_v - v).abs() <= slack,
                 "{:?}: ({}, {}) came back as ({}, {})", cell, u, v, found_u, found_v);
         } else {
-            // On an edge: it may be a neighbour's, but no further away.
+            // Points on an edge may be located in a neighbour, but not further away.
             prop_assert!(found == cell || cell.neighbours().contains(&Some(found)),
                 "{:?} {} {}: found in {:?}", cell, u, v, found);
         }
@@ -263,11 +267,11 @@ proptest! {
 
     #[test]
     fn area_is_preserved(cell in cell_of((1..=1000_u32).prop_map(|n| Nside::new(n).unwrap())), u in 0.05..0.95_f64, v in 0.05..0.95_f64) {
-        // Central differences of step h, in units of the pixel: truncation h^2 times a third derivative that is at
-        // most 1/0.05^2 at the pole, rounding eps/h times nside.
+        // Central differences of step h, in units of the pixel: truncation h^2 times a third
+        // derivative of at most 1/0.05^2 at the pole, rounding eps/h times nside.
         const H: f64 = 1e-5;
         let tolerance = 400.0 * H * H + 4.0 * f64::EPSILON / H * f64::from(cell.nside().value());
-        // The map has a kink where a cap meets the belt.
+        // The derivative of the map is discontinuous where a cap meets the belt.
         let kink = 2.0 / 3.0 - cell.uniform_point(u, v).z.abs();
         prop_assume!(kink.abs() * f64::from(cell.nside().value()) > 4.0 * H);
         let du = (cell.uniform_point(u + H, v) - cell.uniform_point(u - H, v)) / (2.0 * H);
@@ -286,7 +290,7 @@ proptest! {
             prop_assert!(Cell::new(cell.nside(), neighbour.face(), neighbour.ix(), neighbour.iy()).is_ok());
             for corner in shared {
                 let found = neighbour.corners().iter().any(|c| c.distance(*corner) <= 2.0 * DIRECTION_TOLERANCE);
-                prop_assert!(found, "{:?} of {:?} lacks {}", neighbour, cell, corner);
+                prop_assert!(found, "{:?} of {:?} has no corner {}", neighbour, cell, corner);
             }
         }
     }
@@ -319,7 +323,7 @@ fn every_centre_of_small_grids_is_in_its_pixel() {
 }
 
 #[test]
-fn every_corner_and_centre_of_small_grids_is_found_in_lists_too() {
+fn lists_match_single_lookups_on_small_grids() {
     for n in [1, 2, 3, 4, 9, 16] {
         for order in orders(Nside::new(n).unwrap()) {
             let dirs: Vec<DVec3> = (0..order.n_pixels())
@@ -334,8 +338,8 @@ fn every_corner_and_centre_of_small_grids_is_found_in_lists_too() {
 }
 
 #[test]
-#[should_panic(expected = "17 directions have 17 pixels, not 16")]
-fn a_list_of_another_length_is_refused() {
+#[should_panic(expected = "the output has 16 pixels for 17 directions")]
+fn a_list_of_another_length_panics() {
     let order = Ring::new(Nside::new(2).unwrap());
     order.pixels_into(&[DVec3::X; 17], &mut [0; 16]);
 }
@@ -345,7 +349,8 @@ fn centres_next_to_the_poles_keep_their_relative_precision() {
     let n = Nside::MAX;
     let order = Ring::new(Nside::new(n).unwrap());
     for ring in [1_u32, 2, 3, 1000] {
-        // 1 - z = ring^2/(3 nside^2) exactly, and sin(theta) = sqrt((1 - z)(1 + z)); here 1 + z is 2 less 1e-12 at most.
+        // 1 - z = ring^2/(3 nside^2) exactly, and sin(theta) = sqrt((1 - z)(1 + z)); here 1 + z is
+        // 2 minus at most 1e-12.
         let distance = f64::from(ring) / f64::from(n);
         let one_minus_z = distance * distance / 3.0;
         let expected = (one_minus_z * (2.0 - one_minus_z)).sqrt();
@@ -376,7 +381,7 @@ fn poles_are_corners_of_four_pixels() {
 }
 
 #[test]
-fn angles_out_of_range_are_refused() {
+fn angles_out_of_range_are_rejected() {
     let order = Ring::new(Nside::new(3).unwrap());
     for theta in [-1e-300, 3.2, f64::NAN, f64::INFINITY] {
         assert!(order.pixel_of_angles(theta, 0.0).is_err(), "theta {theta}");
@@ -390,7 +395,7 @@ fn angles_out_of_range_are_refused() {
 }
 
 #[test]
-fn the_first_pair_of_angles_out_of_range_is_named() {
+fn the_error_is_that_of_the_first_invalid_pair() {
     let order = Ring::new(Nside::new(3).unwrap());
     for length in [1, 16, 17, 50] {
         for bad in [0, length / 2, length - 1] {
@@ -407,8 +412,8 @@ fn the_first_pair_of_angles_out_of_range_is_named() {
 }
 
 #[test]
-#[should_panic(expected = "2 pairs of angles have 2 pixels, not 3")]
-fn a_list_of_angles_of_another_length_is_refused() {
+#[should_panic(expected = "the output has 3 pixels for 2 pairs of angles")]
+fn a_list_of_angles_of_another_length_panics() {
     let order = Ring::new(Nside::new(2).unwrap());
     let _ = order.pixels_of_angles_into(&[[0.0; 2]; 2], &mut [0; 3]);
 }
