@@ -1,21 +1,21 @@
-//! A process that evaluates associated Legendre functions on request: what `benches/peers/accuracy.py` times beside scipy
-//! and ducc0.
+//! A process that evaluates associated Legendre functions on request, timed by
+//! `benches/peers/accuracy.py` together with scipy and ducc0.
 //!
-//! Reads one command a line from standard input and answers each with one line; a command that it cannot carry out ends
-//! it with a message. Files are little-endian f64.
+//! Reads one command per line from standard input and answers each with one line. A command that
+//! fails ends the process with a message. Files are little-endian f64.
 //!
 //! ```text
-//! places PATH    triples: degree, order, colatitude                                        -> ok
-//! one            the function of each place, one by one                                    -> seconds
-//! below          the same of one degree less, 0 where there is none                        -> seconds
-//! order          all degrees of one order, that of the first place, up to its degree,
-//!                at every place's colatitude; keeps the last degree                        -> seconds
-//! all            all degrees and orders up to the degree of the first place,
-//!                at every place's colatitude; keeps the value of each place                -> seconds
-//! write PATH     one value to a place                                                      -> ok
+//! places PATH    loads triples of degree, order, colatitude                      -> ok
+//! one            evaluates the function of each place separately                 -> seconds
+//! below          the same for the degree below; 0 where it does not exist        -> seconds
+//! order          evaluates all degrees, up to that of the first place, for its
+//!                order at every colatitude; keeps the last degree                -> seconds
+//! all            evaluates all degrees and orders up to the degree of the first
+//!                place at every colatitude; keeps the value of each place        -> seconds
+//! write PATH     writes one value per place                                      -> ok
 //! ```
 //!
-//! Plans and coefficients are made within the time.
+//! The times include the computation of plans and coefficients.
 
 use std::error::Error;
 use std::fs;

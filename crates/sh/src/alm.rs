@@ -4,14 +4,14 @@ use num_complex::Complex;
 
 use crate::{Error, LmIndex};
 
-/// The harmonic coefficients `a_lm` of a real function or measure, `m >= 0` stored.
+/// Harmonic coefficients `a_lm` of a real function or measure, stored for `m >= 0`.
 ///
 /// ```text
 /// a_lm = integral over the sphere of f(s) conj Y_lm(s) ds,      a_{l,-m} = (-1)^m conj a_lm
 /// ```
 ///
-/// `Y_lm` is orthonormal with the Condon-Shortley phase; the layout is that of [`LmIndex`]. Nothing forces the
-/// imaginary part of `a_l0` to zero: whoever writes the values keeps it so.
+/// `Y_lm` is orthonormal with the Condon-Shortley phase; the layout is that of [`LmIndex`]. The
+/// type does not force the imaginary part of `a_l0` to zero; callers that write values must do so.
 ///
 /// # Examples
 ///
@@ -36,11 +36,13 @@ pub struct Alm {
 impl Alm {
     /// Returns coefficients for degrees `0..=lmax`, all zero.
     ///
-    /// Memory: `8 (lmax + 1)(lmax + 2)` bytes, 3.2 GB for `lmax = 20000`.
-    ///
     /// # Errors
     ///
-    /// [`Error::DegreeTooLarge`] from [`LmIndex::new`], [`Error::OutOfMemory`] if the allocator refuses.
+    /// [`Error::DegreeTooLarge`] from [`LmIndex::new`]; [`Error::OutOfMemory`] if allocation fails.
+    ///
+    /// # Performance
+    ///
+    /// Uses `8 (lmax + 1)(lmax + 2)` bytes, 3.2 GB for `lmax = 20000`.
     pub fn zeros(lmax: usize) -> Result<Self, Error> {
         let index = LmIndex::new(lmax)?;
         let len = index.len();
@@ -52,12 +54,12 @@ impl Alm {
         Ok(Self { index, values })
     }
 
-    /// Returns coefficients for degrees `0..=lmax` from a list in [`LmIndex`] order.
+    /// Returns coefficients for degrees `0..=lmax` from a vector in [`LmIndex`] order.
     ///
     /// # Errors
     ///
-    /// [`Error::DegreeTooLarge`] from [`LmIndex::new`], [`Error::CoefficientCount`] if the list has not the
-    /// length `(lmax + 1)(lmax + 2) / 2`.
+    /// [`Error::DegreeTooLarge`] from [`LmIndex::new`]; [`Error::CoefficientCount`] if the length
+    /// of the vector is not `(lmax + 1)(lmax + 2) / 2`.
     pub fn from_values(lmax: usize, values: Vec<Complex<f64>>) -> Result<Self, Error> {
         let index = LmIndex::new(lmax)?;
         let (expected, got) = (index.len(), values.len());
@@ -74,7 +76,7 @@ impl Alm {
         self.index
     }
 
-    /// Returns the largest degree, inclusive.
+    /// Returns the maximum degree, inclusive.
     #[must_use]
     pub const fn lmax(&self) -> usize {
         self.index.lmax()
@@ -86,13 +88,13 @@ impl Alm {
         &self.values
     }
 
-    /// Returns all stored coefficients in [`LmIndex`] order, writable.
+    /// Returns all stored coefficients in [`LmIndex`] order, mutably.
     #[must_use]
     pub fn values_mut(&mut self) -> &mut [Complex<f64>] {
         &mut self.values
     }
 
-    /// Returns the stored coefficients in [`LmIndex`] order and drops the layout.
+    /// Returns the stored coefficients in [`LmIndex`] order and discards the layout.
     #[must_use]
     pub fn into_values(self) -> Vec<Complex<f64>> {
         self.values
@@ -102,17 +104,17 @@ impl Alm {
     ///
     /// # Panics
     ///
-    /// If `m > lmax`.
+    /// Panics if `m > lmax`.
     #[must_use]
     pub fn column(&self, m: usize) -> &[Complex<f64>] {
         &self.values[self.index.column(m)]
     }
 
-    /// Returns the coefficients of `l = m..=lmax` at fixed `m`, writable.
+    /// Returns the coefficients of `l = m..=lmax` at fixed `m`, mutably.
     ///
     /// # Panics
     ///
-    /// If `m > lmax`.
+    /// Panics if `m > lmax`.
     #[must_use]
     pub fn column_mut(&mut self, m: usize) -> &mut [Complex<f64>] {
         &mut self.values[self.index.column(m)]
@@ -122,10 +124,11 @@ impl Alm {
     ///
     /// # Panics
     ///
-    /// If `|m| <= l <= lmax` does not hold.
+    /// Panics unless `|m| <= l <= lmax`.
     #[must_use]
     pub fn coefficient(&self, l: usize, m: i64) -> Complex<f64> {
-        // An order beyond usize (32-bit targets) cannot belong to any degree; usize::MAX makes `at` say so.
+        // An order beyond usize (32-bit targets) is invalid for every degree; usize::MAX makes `at`
+        // panic.
         let order = usize::try_from(m.unsigned_abs()).unwrap_or(usize::MAX);
         let stored = self[(l, order)];
         match (m < 0, order % 2 == 0) {
@@ -137,8 +140,8 @@ impl Alm {
 
     /// Returns the energy of every degree, `E_l = sum_{m=-l}^{l} |a_lm|^2`, for `l = 0..=lmax`.
     ///
-    /// Orders `m > 0` count twice. One pass over the memory; all terms are positive, so each `E_l` is right to
-    /// `(l + 4) EPSILON` relative.
+    /// Orders `m > 0` count twice. All terms are positive, so the relative error of each `E_l` is
+    /// at most `(l + 4) EPSILON`.
     #[must_use]
     pub fn energy_per_degree(&self) -> Vec<f64> {
         let mut energy = vec![0.0; self.lmax() + 1];
@@ -164,7 +167,7 @@ impl Alm {
     }
 }
 
-/// `alm[(l, m)]` for `0 <= m <= l <= lmax`; panics outside.
+/// `alm[(l, m)]` for `0 <= m <= l <= lmax`; panics for other indices.
 impl Index<(usize, usize)> for Alm {
     type Output = Complex<f64>;
 
@@ -184,7 +187,7 @@ impl IndexMut<(usize, usize)> for Alm {
 mod tests {
     use super::*;
 
-    /// A value that names its own (l, m), so a wrong position shows.
+    /// Returns coefficients with values that identify their (l, m), to detect wrong positions.
     fn tagged(lmax: usize) -> Alm {
         let mut alm = Alm::zeros(lmax).unwrap();
         for (l, m) in alm.index().iter() {

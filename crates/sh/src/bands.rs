@@ -2,19 +2,19 @@ use std::fmt::Debug;
 
 use crate::Domain;
 
-/// The bands in which the spectrum of a homogeneous ensemble is one number each.
+/// Bands in which the spectrum of a homogeneous ensemble is constant.
 ///
 /// An ensemble whose distribution is invariant under the motions of its space (rotations of the
-/// sphere, shifts of the torus) has one mean power per band: a degree of the sphere, a pair of
-/// frequencies k and -k of the torus. Spectra, predictions, sums and tables are written for this
-/// trait and so serve all spaces:
+/// sphere, shifts of the torus) has one mean power per band: a degree of the sphere, or a pair of
+/// frequencies k and -k of the torus. Spectra, predictions, sums and tables are generic over this
+/// trait:
 ///
 /// ```text
 /// Var = factor(N) sum_{bands b >= 1} multiplicity(b) <P(b)> P_F(b)
 /// ```
 ///
-/// Bands are numbered from 0, the band of the constant, by radius. [`Domain`] is the set of degrees of the sphere, or of
-/// the even ones for the hemisphere.
+/// Bands are numbered by radius from 0, the band of the constant. [`Domain`] implements the degrees
+/// of the sphere and the even degrees of the hemisphere.
 ///
 /// # Examples
 ///
@@ -25,22 +25,22 @@ use crate::Domain;
 /// assert!(!Domain::Hemisphere.has_band(3));
 /// ```
 pub trait Bands: Clone + Debug + PartialEq + Send + Sync {
-    /// Returns the heading of the band's column in tables: `l` for degrees.
+    /// Returns the column heading of the band in tables: `l` for degrees.
     fn label(&self) -> &'static str;
 
-    /// Returns whether functions of the space can have power in the band. Bands without power keep
-    /// the numbering simple, such as odd degrees of the hemisphere.
+    /// Returns whether functions of the space can have power in the band. Bands without power, such
+    /// as odd degrees of the hemisphere, keep the numbering simple.
     fn has_band(&self, band: usize) -> bool;
 
     /// Returns the number of coefficients of the band: 2l+1 for degree l.
     fn multiplicity(&self, band: usize) -> f64;
 
-    /// Returns the length of the band's frequency, l for degree l; nondecreasing in `band`, and 0
-    /// for band 0 only.
+    /// Returns the length of the frequency of the band, l for degree l; nondecreasing in `band`,
+    /// and 0 only for band 0.
     fn radius(&self, band: usize) -> f64;
 
     /// Returns whether functions of the band are even under the inversion of the space (x to -x on
-    /// the sphere), which negates those of odd bands. Coinciding and opposite points change the
+    /// the sphere); functions of other bands are odd. Coincident and antipodal points change the
     /// mean power of even and odd bands at large radii.
     fn is_even(&self, band: usize) -> bool;
 
@@ -51,7 +51,7 @@ pub trait Bands: Clone + Debug + PartialEq + Send + Sync {
     /// patterns of N points average out: sqrt(N) on the sphere.
     fn spacing_radius(&self, n_points: usize) -> f64;
 
-    /// Returns whether bands of a parity exist. Default: read from bands 1 and 2.
+    /// Returns whether bands of a parity exist. The default implementation checks bands 1 and 2.
     fn has_parity(&self, even: bool) -> bool {
         let is_of_parity = |&band: &usize| self.has_band(band) && self.is_even(band) == even;
         (1..=2).any(|band| is_of_parity(&band))

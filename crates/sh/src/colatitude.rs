@@ -4,18 +4,19 @@ use glam::DVec3;
 
 use crate::Error;
 
-/// `pi - PI`: what the `f64` nearest to pi lacks.
+/// `pi - PI`: the remainder of the `f64` nearest to pi.
 const PI_TAIL: f64 = 1.224646799147353177e-16;
 
-/// A colatitude in the form that keeps its digits at both poles.
+/// A colatitude in a representation that keeps its digits at both poles.
 ///
 /// ```text
 /// theta' = min(theta, pi - theta),   versine = 1 - cos theta' = 2 sin^2(theta'/2)
 /// ```
 ///
-/// The associated Legendre functions are evaluated at `theta'` from the versine; the southern hemisphere
-/// follows by parity, `lambda_lm(pi - theta) = (-1)^(l + m) lambda_lm(theta)`. The obvious variable,
-/// `cos theta`, cannot tell apart colatitudes below `1e-8` and loses a factor `1/sin theta` of accuracy.
+/// The associated Legendre functions are evaluated at `theta'` from the versine; the southern
+/// hemisphere follows by parity, `lambda_lm(pi - theta) = (-1)^(l + m) lambda_lm(theta)`. The
+/// variable `cos theta` would not distinguish colatitudes below `1e-8` and would lose a factor
+/// `1/sin theta` of accuracy.
 ///
 /// # Examples
 ///
@@ -39,10 +40,11 @@ pub struct Colatitude {
 }
 
 impl Colatitude {
-    /// Returns the colatitude `theta`, radians, in the closed interval `[0, PI]`.
+    /// Returns the colatitude `theta`, in radians, in the closed interval `[0, PI]`.
     ///
-    /// `sin` and `versine` carry a relative error of about one `EPSILON`. In the south `pi - theta` is formed
-    /// as `(PI - theta) + tail`: the difference is exact and the tail of pi enters to first order.
+    /// `sin` and `versine` have a relative error of about one `EPSILON`. In the south `pi - theta`
+    /// is computed as `(PI - theta) + tail`: the difference is exact, and the tail of pi is
+    /// included to first order.
     ///
     /// # Errors
     ///
@@ -65,9 +67,9 @@ impl Colatitude {
     /// sin theta = hypot(x, y),   versine = sin^2 theta / (1 + |z|)
     /// ```
     ///
-    /// The vector must be unit to rounding: a length of `1 + d` acts like an error of about `l d` in a function
-    /// of degree `l`. A NaN component is not refused here, this being called once per point of a transform; it
-    /// comes out as NaN.
+    /// The vector must be normalized to rounding: a length of `1 + d` has the effect of an error of
+    /// about `l d` in a function of degree `l`. A NaN component is not rejected, since this
+    /// function is called once per point of a transform; the result is NaN.
     #[must_use]
     #[inline]
     pub fn from_direction(dir: DVec3) -> Self {
@@ -90,14 +92,14 @@ impl Colatitude {
         self.sin
     }
 
-    /// Returns `cos theta`, negative in the south.
+    /// Returns `cos theta`, negative in the southern hemisphere.
     #[must_use]
     #[inline]
     pub const fn cos(self) -> f64 {
         if self.south { -self.cos } else { self.cos }
     }
 
-    /// Returns whether `theta > pi/2`, the side where odd `l + m` change sign.
+    /// Returns whether `theta > pi/2`, where functions of odd `l + m` change sign.
     #[must_use]
     #[inline]
     pub const fn is_south(self) -> bool {
@@ -114,7 +116,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn bad_angles_are_errors() {
+    fn invalid_angles_are_errors() {
         for theta in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, -5e-324, PI.next_up(), 4.0] {
             let result = Colatitude::from_theta(theta);
             assert!(matches!(result, Err(Error::Colatitude { .. })), "theta = {theta}: {result:?}");
@@ -143,7 +145,7 @@ mod tests {
         assert_eq!(Colatitude::from_theta(FRAC_PI_2).unwrap().cos(), 0.5 * PI_TAIL);
         let past = Colatitude::from_theta(FRAC_PI_2.next_up()).unwrap();
         let exact = 0.5 * PI_TAIL - f64::EPSILON;
-        // The tail is subtracted from a number of its own size, already rounded.
+        // The tail is subtracted from a rounded number of similar size.
         assert!((past.cos() / exact - 1.0).abs() < 2.0 * f64::EPSILON, "{past:?}");
     }
 
@@ -156,7 +158,8 @@ mod tests {
             let a = Colatitude::from_theta(theta).unwrap();
             let (s, c) = (a.sin(), a.cos());
             let b = Colatitude::from_direction(DVec3::new(s * phi.cos(), s * phi.sin(), c));
-            // x and y carry two roundings each, hypot one; the versine doubles the error of the sine.
+            // x and y have two roundings each, hypot one; the versine doubles the error of the
+            // sine.
             let relative = 8.0 * f64::EPSILON;
             prop_assert!((a.sin() - b.sin()).abs() <= relative * a.sin(), "theta = {theta:e}: {a:?} {b:?}");
             prop_assert!(

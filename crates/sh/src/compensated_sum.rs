@@ -1,6 +1,9 @@
-/// A running sum that keeps the rounding error of every addition (Neumaier 1974).
+/// A running sum with compensation of the rounding error of every addition (Neumaier 1974).
 ///
-/// The result has a relative error of a few `f64::EPSILON` for terms of one sign, whatever their number or order.
+/// For terms of one sign the result has a relative error of a few `f64::EPSILON`, for any number
+/// and order of terms.
+///
+/// # Examples
 ///
 /// ```
 /// use sphvar_sh::CompensatedSum;
@@ -29,7 +32,7 @@ impl CompensatedSum {
     /// Returns the sum.
     #[must_use]
     pub fn value(self) -> f64 {
-        // After an overflow the correction is NaN; the plain sum still says infinity.
+        // After an overflow the correction is NaN, but the plain sum is infinite.
         if self.sum.is_finite() { self.sum + self.correction } else { self.sum }
     }
 }
@@ -47,7 +50,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn keeps_terms_that_a_plain_sum_loses() {
+    fn terms_that_a_plain_sum_loses_are_kept() {
         let sum: CompensatedSum = [1.0, 1e100, 1.0, -1e100].into_iter().collect();
         assert_eq!(sum.value().to_bits(), 2.0_f64.to_bits());
         let infinite: CompensatedSum = [f64::MAX, f64::MAX].into_iter().collect();

@@ -3,20 +3,20 @@ use std::fmt;
 
 use glam::DVec3;
 
-/// Where the directions of a pattern live.
+/// The domain of the directions of a pattern.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Domain {
     /// The unit sphere, area 4 pi; every degree exists.
     Sphere,
-    /// The hemisphere z >= 0, area 2 pi, as the projective plane: a direction and its antipode
-    /// are one point, represented by the one with z >= 0, so that only even degrees exist
+    /// The hemisphere z >= 0, area 2 pi, with antipodal (projective) symmetry: a direction and its
+    /// antipode are one point, represented by the one with z >= 0, so only even degrees exist
     /// (`docs/theory.md`, section on the hemisphere).
     Hemisphere,
 }
 
 impl Domain {
-    /// The domain's name: `sphere` or `hemisphere`.
+    /// Returns the name of the domain: `sphere` or `hemisphere`.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -25,7 +25,7 @@ impl Domain {
         }
     }
 
-    /// The area of the domain in steradian: 4 pi or 2 pi.
+    /// Returns the area of the domain in steradians: 4 pi or 2 pi.
     #[must_use]
     pub fn area(self) -> f64 {
         match self {
@@ -34,16 +34,16 @@ impl Domain {
         }
     }
 
-    /// Whether functions on the domain have coefficients of degree `l`: all on the sphere, the
-    /// even ones on the hemisphere.
+    /// Returns whether functions on the domain have coefficients of degree `l`: all degrees on the
+    /// sphere, the even ones on the hemisphere.
     #[must_use]
     #[inline]
     pub fn has_degree(self, l: usize) -> bool {
         l.is_multiple_of(self.degree_step())
     }
 
-    /// The distance between two degrees that exist, which is also the first degree that enters a
-    /// variance: 1 on the sphere, 2 on the hemisphere.
+    /// Returns the distance between two existing degrees, which is also the first degree that
+    /// contributes to a variance: 1 on the sphere, 2 on the hemisphere.
     #[must_use]
     pub const fn degree_step(self) -> usize {
         match self {
@@ -52,8 +52,8 @@ impl Domain {
         }
     }
 
-    /// The factor k of `Var = k sum_{l >= 1} (2l+1) <P(l)> P_F(l)` for `n_points` samples:
-    /// 4 pi/N on the sphere, pi/N on the hemisphere, where `P_F` belongs to the even extension.
+    /// Returns the factor k of `Var = k sum_{l >= 1} (2l+1) <P(l)> P_F(l)` for `n_points` samples:
+    /// 4 pi/N on the sphere, pi/N on the hemisphere, where `P_F` is that of the even extension.
     #[must_use]
     pub fn variance_factor(self, n_points: usize) -> f64 {
         let pi = match self {
@@ -63,8 +63,8 @@ impl Domain {
         pi / n_points as f64
     }
 
-    /// The number of points of the same density on the whole sphere, by whose root spacings and
-    /// frequencies are measured: N, or 2N on the hemisphere.
+    /// Returns the number of points of the same density on the whole sphere, N or 2N on the
+    /// hemisphere. Its square root is the unit of spacings and frequencies.
     #[must_use]
     pub fn count_on_sphere(self, n_points: usize) -> f64 {
         match self {
@@ -73,14 +73,14 @@ impl Domain {
         }
     }
 
-    /// The representative of a direction: itself on the sphere, the one of `dir` and `-dir` with
-    /// z >= 0 on the hemisphere.
+    /// Returns the representative of a direction: itself on the sphere; on the hemisphere, the one
+    /// of `dir` and `-dir` with z >= 0.
     #[must_use]
     #[inline]
     pub fn representative(self, dir: DVec3) -> DVec3 {
         match self {
             Self::Hemisphere if dir.z < 0.0 => -dir,
-            // -0.0 would pass a test of z >= 0 but print a sign.
+            // -0.0 satisfies z >= 0 but prints a sign.
             Self::Hemisphere => DVec3::new(dir.x, dir.y, dir.z.abs()),
             Self::Sphere => dir,
         }
@@ -98,7 +98,7 @@ mod tests {
     use super::{DVec3, Domain};
 
     #[test]
-    fn the_representative_is_one_of_the_two_and_lies_above() {
+    fn the_representative_is_one_of_the_pair_with_positive_z() {
         for dir in [
             DVec3::new(0.6, 0.0, -0.8),
             DVec3::new(0.6, 0.0, 0.8),

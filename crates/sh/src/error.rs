@@ -1,68 +1,68 @@
 use thiserror::Error as ThisError;
 
-/// What can be wrong with the input of this crate.
+/// Error for an invalid argument or a failed allocation.
 #[derive(Debug, Clone, Copy, PartialEq, ThisError)]
 #[non_exhaustive]
 pub enum Error {
-    /// The largest degree asked for exceeds what the crate supports.
+    /// The maximum degree exceeds the supported limit.
     #[error("degree {lmax} is too large: the largest supported degree is {max}")]
     DegreeTooLarge {
-        /// The degree asked for.
+        /// The requested degree.
         lmax: usize,
-        /// The largest degree supported.
+        /// The maximum supported degree.
         max: usize,
     },
-    /// The accuracy requested of a transform is NaN or outside its range.
+    /// The requested accuracy of a transform is NaN or out of range.
     #[error("epsilon must be in [{min:e}, {max:e}], got {epsilon}")]
     Accuracy {
         /// The value given.
         epsilon: f64,
-        /// The least accuracy that can be kept.
+        /// The minimum epsilon.
         min: f64,
-        /// The largest.
+        /// The maximum epsilon.
         max: f64,
     },
-    /// The memory for a table could not be had.
+    /// Allocation of a table failed.
     #[error("no memory for {len} values of {bytes_each} bytes each: choose a smaller lmax")]
     OutOfMemory {
-        /// Number of values asked for.
+        /// The number of values.
         len: usize,
-        /// Size of one value in bytes.
+        /// The size of one value in bytes.
         bytes_each: usize,
     },
-    /// A list of coefficients does not have the length its degree calls for.
-    #[error("{got} coefficients given, lmax = {lmax} needs {expected}")]
+    /// The number of coefficients does not match the maximum degree.
+    #[error("{got} coefficients given, but lmax = {lmax} requires {expected}")]
     CoefficientCount {
-        /// The largest degree.
+        /// The maximum degree.
         lmax: usize,
-        /// Length that belongs to `lmax`.
+        /// The required number.
         expected: usize,
-        /// Length given.
+        /// The number given.
         got: usize,
     },
     /// The colatitude is NaN or outside `[0, pi]`.
     #[error("colatitude {theta} is not in [0, pi] (radians)")]
     Colatitude {
-        /// The value given, radians.
+        /// The value given, in radians.
         theta: f64,
     },
-    /// The longitude is not finite, or its multiple by the order is not.
+    /// The longitude or its product with the order is not finite.
     #[error("longitude {phi} is not usable: m * phi must be finite (radians)")]
     Longitude {
-        /// The value given, radians.
+        /// The value given, in radians.
         phi: f64,
     },
-    /// The direction has a component that is not finite, or is not a unit vector.
+    /// The direction has a non-finite component or is not a unit vector.
     #[error("direction ({x}, {y}, {z}) is not a unit vector")]
     Direction {
-        /// First component.
+        /// The first component.
         x: f64,
-        /// Second component.
+        /// The second component.
         y: f64,
-        /// Third component.
+        /// The third component.
         z: f64,
     },
-    /// The order does not belong to the degree.
+    /// The order is invalid for the degree.
     #[error("order m = {m} does not belong to degree l = {l}: -l <= m <= l is required")]
     Order {
         /// The degree.
@@ -77,11 +77,11 @@ pub enum Error {
         x: f64,
     },
     /// The number of quadrature nodes is zero or too large.
-    #[error("{n} quadrature nodes asked for: 1 to {max} are possible")]
+    #[error("{n} quadrature nodes requested: 1 to {max} are supported")]
     NodeCount {
-        /// The number asked for.
+        /// The requested number.
         n: usize,
-        /// The largest number supported.
+        /// The maximum supported number.
         max: usize,
     },
 }

@@ -8,8 +8,9 @@ use crate::Error;
 /// integral_{-1}^{1} f(x) dx = sum_k w_k f(x_k)   for polynomials f of degree <= 2n - 1
 /// ```
 ///
-/// The nodes ascend. Computed by the crate `gauss-quad`; nodes and weights agree with 25-digit values to `1e-15`, the
-/// weights also to 8 `EPSILON` relative, for the eight sizes from 1 to 1000 that the tests hold.
+/// The nodes are in ascending order, computed by the crate `gauss-quad`. For the eight tested sizes
+/// from 1 to 1000, nodes and weights agree with 25-digit values to `1e-15`, and the weights also to
+/// 8 `EPSILON` relative.
 ///
 /// # Examples
 ///
@@ -32,10 +33,10 @@ pub struct GaussLegendre {
 }
 
 impl GaussLegendre {
-    /// The largest number of nodes, ten million.
+    /// The maximum number of nodes, ten million.
     pub const MAX_NODES: usize = 10_000_000;
 
-    /// Returns the rule with `n` nodes. Cost `O(n)`.
+    /// Returns the rule with `n` nodes. The cost is `O(n)`.
     ///
     /// # Errors
     ///
@@ -49,13 +50,13 @@ impl GaussLegendre {
         Ok(Self { nodes: nodes.into(), weights: weights.into() })
     }
 
-    /// Returns the nodes, ascending, all inside `(-1, 1)`.
+    /// Returns the nodes, in ascending order, all in `(-1, 1)`.
     #[must_use]
     pub fn nodes(&self) -> &[f64] {
         &self.nodes
     }
 
-    /// Returns the weights, all positive, of sum 2.
+    /// Returns the weights, all positive, with sum 2.
     #[must_use]
     pub fn weights(&self) -> &[f64] {
         &self.weights

@@ -2,21 +2,21 @@ use core::ops::Range;
 
 use crate::Error;
 
-/// The largest degree supported, one million.
+/// The maximum supported degree, one million.
 ///
-/// Up to it every integer that enters a recurrence coefficient, such as `(2l + 3)(l + 1 + m)`, is an exact
-/// `f64` (below `2^53`) and every binary exponent fits in an `i64` with room to spare.
+/// Up to this degree every integer in a recurrence coefficient, such as `(2l + 3)(l + 1 + m)`, is
+/// exact in `f64` (below `2^53`), and every binary exponent fits in an `i64` with a large margin.
 pub const MAX_DEGREE: usize = 1_000_000;
 
-/// The position of the coefficient `(l, m)`, `0 <= m <= l <= lmax`, in a flat array.
+/// Position of the coefficient `(l, m)`, `0 <= m <= l <= lmax`, in a flat array.
 ///
 /// ```text
 /// i(l, m) = m (2 lmax + 1 - m) / 2 + l
 /// ```
 ///
-/// The order is that of healpy: all degrees of `m = 0` first, then `l = 1..=lmax` of `m = 1`, and so on, so a
-/// column of fixed `m` is contiguous. `lmax` is inclusive. Every array of this workspace that is indexed by
-/// `(l, m)` goes through this type.
+/// The order is that of healpy: all degrees of `m = 0` first, then `l = 1..=lmax` of `m = 1`, and
+/// so on. A column of fixed `m` is therefore contiguous. `lmax` is inclusive. All arrays of this
+/// workspace indexed by `(l, m)` use this type.
 ///
 /// # Examples
 ///
@@ -33,7 +33,7 @@ pub const MAX_DEGREE: usize = 1_000_000;
 ///
 /// # References
 ///
-/// Górski et al. 2005, doi:10.1086/427976; the layout is that of the `a_lm` files of their package.
+/// Górski et al. 2005, doi:10.1086/427976; the layout is that of the `a_lm` files of HEALPix.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct LmIndex {
@@ -45,13 +45,14 @@ impl LmIndex {
     ///
     /// # Errors
     ///
-    /// [`Error::DegreeTooLarge`] if `lmax` exceeds [`MAX_DEGREE`] or the length does not fit in a `usize`.
+    /// [`Error::DegreeTooLarge`] if `lmax` exceeds [`MAX_DEGREE`] or the length does not fit in a
+    /// `usize`.
     pub fn new(lmax: usize) -> Result<Self, Error> {
         let fits = lmax <= MAX_DEGREE && (lmax + 1).checked_mul(lmax + 2).is_some();
         if fits { Ok(Self { lmax }) } else { Err(Error::DegreeTooLarge { lmax, max: MAX_DEGREE }) }
     }
 
-    /// Returns the largest degree, inclusive.
+    /// Returns the maximum degree, inclusive.
     #[must_use]
     pub const fn lmax(self) -> usize {
         self.lmax
@@ -59,7 +60,7 @@ impl LmIndex {
 
     /// Returns the number of pairs, `(lmax + 1)(lmax + 2) / 2`.
     #[must_use]
-    #[expect(clippy::len_without_is_empty, reason = "never empty: (0, 0) always belongs to it")]
+    #[expect(clippy::len_without_is_empty, reason = "never empty: contains (0, 0)")]
     pub const fn len(self) -> usize {
         (self.lmax + 1) * (self.lmax + 2) / 2
     }
@@ -68,7 +69,7 @@ impl LmIndex {
     ///
     /// # Panics
     ///
-    /// If `m <= l <= lmax` does not hold; another pair's position would come out.
+    /// Panics unless `m <= l <= lmax`; the formula would return the position of another pair.
     #[must_use]
     #[inline]
     pub fn at(self, l: usize, m: usize) -> usize {
@@ -84,7 +85,7 @@ impl LmIndex {
     ///
     /// # Panics
     ///
-    /// If `m > lmax`.
+    /// Panics if `m > lmax`.
     #[must_use]
     #[inline]
     pub fn column(self, m: usize) -> Range<usize> {
@@ -98,7 +99,7 @@ impl LmIndex {
         (0..=self.lmax).flat_map(move |m| (m..=self.lmax).map(move |l| (l, m)))
     }
 
-    /// Returns `i(l, m) - l`; the product is even because one of its factors is.
+    /// Returns `i(l, m) - l`; one factor of the product is even.
     const fn column_base(self, m: usize) -> usize {
         m * (2 * self.lmax + 1 - m) / 2
     }
@@ -124,7 +125,7 @@ mod tests {
     }
 
     #[test]
-    fn too_large_degrees_are_refused() {
+    fn degrees_out_of_range_are_rejected() {
         for lmax in [MAX_DEGREE + 1, usize::MAX - 1, usize::MAX] {
             assert_eq!(LmIndex::new(lmax), Err(Error::DegreeTooLarge { lmax, max: MAX_DEGREE }));
         }

@@ -1,24 +1,31 @@
 use crate::{
     Colatitude, Scaled,
-    recurrence::{Ladder, Step},
+    recurrence::{State, Step},
     sectoral::sectoral_function,
 };
 
-/// Returns the orthonormal associated Legendre function `lambda_lm(theta)`, Condon-Shortley phase included.
+/// Returns the orthonormal associated Legendre function `lambda_lm(theta)`, Condon-Shortley phase
+/// included.
 ///
 /// ```text
 /// Y_lm(theta, phi) = lambda_lm(theta) e^(i m phi),   integral |Y_lm|^2 = 1
-/// lambda_lm = (-1)^m sqrt((2l + 1)/(4 pi) (l - m)!/(l + m)!) sin^m(theta) d^m P_l(x)/dx^m,   x = cos theta
+/// lambda_lm = (-1)^m sqrt((2l + 1)/(4 pi) (l - m)!/(l + m)!) sin^m(theta) d^m P_l(x)/dx^m,
+/// x = cos theta
 /// ```
 ///
-/// Domain: `0 <= m`, `l <=` [`MAX_DEGREE`](crate::MAX_DEGREE), any colatitude; 0 for `m > l`. Values below the
-/// range of `f64` are 0: [`lambda_scaled`] keeps them. Error at most `4 EPSILON (l + 1)` times the local
-/// amplitude, the largest of `|lambda_lm|`, `|lambda_{l-1,m}|` and `|d lambda_lm/d theta|/(l + 1/2)`, checked for
-/// `l <= 20000`; in the evanescent region, `sin theta < m / (l + 1/2)`, that is relative to the value.
+/// Domain: `0 <= m`, `l <=` [`MAX_DEGREE`](crate::MAX_DEGREE), any colatitude; 0 for `m > l`.
+/// Values below the range of `f64` are 0; [`lambda_scaled`] preserves them.
+///
+/// # Accuracy
+///
+/// The error is at most `4 EPSILON (l + 1)` times the local amplitude, the largest of
+/// `|lambda_lm|`, `|lambda_{l-1,m}|` and `|d lambda_lm/d theta|/(l + 1/2)`, verified for
+/// `l <= 20000`. In the evanescent region, `sin theta < m / (l + 1/2)`, the error is relative to
+/// the value.
 ///
 /// # Performance
 ///
-/// `O(l - m + log m)`, no allocation. All degrees of an order together cost the same:
+/// `O(l - m + log m)`, no allocation. All degrees of an order together have the same cost:
 /// [`LegendrePlan::column_into`](crate::LegendrePlan::column_into).
 ///
 /// # Examples
@@ -35,13 +42,14 @@ use crate::{
 ///
 /// # References
 ///
-/// See [`Recurrence`](crate::Recurrence) for the recurrence and [`sectoral`](crate::sectoral) for its start.
+/// See [`Recurrence`](crate::Recurrence) for the recurrence and [`sectoral`](crate::sectoral) for
+/// its initial value.
 #[must_use]
 pub fn lambda(l: usize, m: usize, colatitude: Colatitude) -> f64 {
     lambda_scaled(l, m, colatitude).value()
 }
 
-/// Returns [`lambda`] with an exponent of its own, for values below the range of `f64`.
+/// Returns [`lambda`] with an extended exponent, for values below the range of `f64`.
 ///
 /// Domain, accuracy and cost are those of [`lambda`].
 ///
@@ -62,11 +70,11 @@ pub fn lambda_scaled(l: usize, m: usize, colatitude: Colatitude) -> Scaled {
     if m > l {
         return Scaled::ZERO;
     }
-    let mut ladder = Ladder::start(sectoral_function(m, colatitude));
+    let mut state = State::start(sectoral_function(m, colatitude));
     for k in m..l {
-        ladder.climb(Step::new(k, m), colatitude.versine());
+        state.advance(Step::new(k, m), colatitude.versine());
     }
-    let acute = ladder.scaled();
+    let acute = state.scaled();
     if colatitude.is_south() && !(l - m).is_multiple_of(2) { -acute } else { acute }
 }
 

@@ -1,20 +1,24 @@
 //! Spherical harmonics on the unit sphere: associated Legendre functions, coefficients, quadrature.
 //!
-//! Conventions: `theta` is the colatitude in `[0, pi]`, `phi` the longitude, both in radians; directions are unit
-//! `glam::DVec3`. Harmonics are orthonormal, `integral |Y_lm|^2 = 1`, with the Condon-Shortley phase,
-//! `Y_lm = lambda_lm(theta) e^(i m phi)`. Coefficients of real functions are stored for `m >= 0` in the layout of
-//! [`LmIndex`], `lmax` inclusive.
+//! Conventions: `theta` is the colatitude in `[0, pi]`, `phi` the longitude, both in radians;
+//! directions are unit `glam::DVec3`. Harmonics are orthonormal, `integral |Y_lm|^2 = 1`, with the
+//! Condon-Shortley phase, `Y_lm = lambda_lm(theta) e^(i m phi)`. Coefficients of real functions are
+//! stored for `m >= 0` in the layout of [`LmIndex`], `lmax` inclusive.
 //!
-//! - [`lambda`](lambda()), [`LegendrePlan`], [`Recurrence`]: associated Legendre functions, one value, all values
-//!   at a colatitude, one order at many colatitudes. Accurate at every colatitude, tested for degrees up to 20000.
+//! - [`lambda`](lambda()), [`LegendrePlan`], [`Recurrence`]: associated Legendre functions, for one
+//!   value, for all values at a colatitude, and for one order at many colatitudes. They are
+//!   accurate at every colatitude, tested for degrees up to 20000.
 //! - [`ylm`], [`real_ylm`] and their `_at` forms for directions: single harmonics.
-//! - [`Alm`]: coefficients, energy and power per degree. [`ByParity`]: a value for even and one for odd degrees.
-//! - [`Domain`]: the sphere and the hemisphere. [`Bands`]: what a spectrum has one number for, such as their degrees.
-//! - [`legendre_p`]: Legendre polynomials. [`GaussLegendre`]: quadrature on an interval. [`CompensatedSum`]: sums of many terms.
+//! - [`Alm`]: coefficients, energy and power per degree. [`ByParity`]: a value for even and one for
+//!   odd degrees.
+//! - [`Domain`]: the sphere and the hemisphere. [`Bands`]: the bands of a spectrum, such as their
+//!   degrees.
+//! - [`legendre_p`]: Legendre polynomials. [`GaussLegendre`]: quadrature on an interval.
+//!   [`CompensatedSum`]: sums of many terms.
 //!
 //! # Examples
 //!
-//! The coefficient of a sum of point masses, and the addition theorem on the way:
+//! The coefficients of a sum of point masses, verified by the addition theorem:
 //!
 //! ```
 //! use glam::DVec3;

@@ -1,5 +1,5 @@
-/// A value for the even and one for the odd degrees, the two classes of degrees that a point set and a function may
-/// treat differently however high the degree: `Y_lm(-x) = (-1)^l Y_lm(x)`.
+/// A value for even and one for odd degrees, the two classes that a point set or function can
+/// distinguish at any degree: `Y_lm(-x) = (-1)^l Y_lm(x)`.
 ///
 /// # Examples
 ///
@@ -20,19 +20,19 @@ pub struct ByParity<T = f64> {
 }
 
 impl<T> ByParity<T> {
-    /// Returns the value that belongs to degree `l`.
+    /// Returns the value for degree `l`.
     #[must_use]
     pub fn of(&self, l: usize) -> &T {
         if l.is_multiple_of(2) { &self.even } else { &self.odd }
     }
 
-    /// Returns the value that belongs to degree `l`, for changing it.
+    /// Returns the value for degree `l`, mutably.
     #[must_use]
     pub fn of_mut(&mut self, l: usize) -> &mut T {
         if l.is_multiple_of(2) { &mut self.even } else { &mut self.odd }
     }
 
-    /// Returns the even or the odd value, for changing it.
+    /// Returns the even or the odd value, mutably.
     #[must_use]
     pub fn at_mut(&mut self, even: bool) -> &mut T {
         if even { &mut self.even } else { &mut self.odd }
@@ -58,7 +58,7 @@ impl<T> ByParity<T> {
 }
 
 impl ByParity {
-    /// The same value for both parities.
+    /// Returns the same value for both parities.
     #[must_use]
     pub const fn both(value: f64) -> Self {
         Self { even: value, odd: value }

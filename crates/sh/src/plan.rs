@@ -1,20 +1,21 @@
 use core::f64::consts::{E, PI};
 
 use crate::{
-    Colatitude, Error, LmIndex, Scaled, Step, recurrence::climb_column, sectoral::sectoral,
+    Colatitude, Error, LmIndex, Scaled, Step, recurrence::fill_column, sectoral::sectoral,
 };
 
-/// Evaluates all `lambda_lm`, `0 <= m <= l <= lmax`, at one colatitude after another.
+/// Evaluates all `lambda_lm`, `0 <= m <= l <= lmax`, at a sequence of colatitudes.
 ///
-/// The values are those of [`lambda`](crate::lambda), bit for bit.
+/// The values are bit-identical to those of [`lambda`](crate::lambda).
 ///
 /// # Performance
 ///
-/// The recurrence coefficients are computed on the fly. They do not depend on the values, so most of that work
-/// overlaps with the recurrence: columns take about a third more time than with coefficients at hand, as
-/// [`Recurrence`](crate::Recurrence) keeps them for one order. A table for all orders would take `12 lmax^2` bytes,
-/// 4.8 GB for `lmax = 20000`. Kept are the constants of the sectoral functions: build cost `O(lmax)`, memory
-/// `8 (lmax + 1)` bytes. Measured on a shared machine: 6 ns a value.
+/// The recurrence coefficients are computed on the fly. They do not depend on the values, so most
+/// of this work overlaps with the recurrence: columns take about a third longer than with stored
+/// coefficients, which [`Recurrence`](crate::Recurrence) keeps for one order. A table for all
+/// orders would take `12 lmax^2` bytes, 4.8 GB for `lmax = 20000`. The plan stores only the
+/// constants of the sectoral functions: `O(lmax)` time to build, `8 (lmax + 1)` bytes. The measured
+/// time on a shared machine is 6 ns per value.
 ///
 /// # Examples
 ///
@@ -50,7 +51,7 @@ impl LegendrePlan {
         self.index
     }
 
-    /// Returns the largest degree, inclusive.
+    /// Returns the maximum degree, inclusive.
     #[must_use]
     pub const fn lmax(&self) -> usize {
         self.index.lmax()
@@ -58,12 +59,12 @@ impl LegendrePlan {
 
     /// Writes all `lambda_lm` to `out` in [`LmIndex`] order.
     ///
-    /// Cost `O(lmax^2)`. Near the poles the columns of high order are below the range of `f64` as a whole; they
-    /// become zeros without being computed.
+    /// The cost is `O(lmax^2)`. Near the poles, columns of high order that are entirely below the
+    /// range of `f64` are set to zero without computation.
     ///
     /// # Panics
     ///
-    /// If `out` does not have `index().len()` entries.
+    /// Panics if `out` does not have `index().len()` entries.
     pub fn eval_into(&self, colatitude: Colatitude, out: &mut [f64]) {
         assert_eq!(out.len(), self.index.len(), "lmax = {}", self.lmax());
         for m in 0..=self.lmax() {
@@ -79,7 +80,7 @@ impl LegendrePlan {
     ///
     /// # Panics
     ///
-    /// If the memory cannot be had: `4 (lmax + 1)(lmax + 2)` bytes.
+    /// Panics if allocation of `4 (lmax + 1)(lmax + 2)` bytes fails.
     #[must_use]
     pub fn eval(&self, colatitude: Colatitude) -> Vec<f64> {
         let mut out = vec![0.0; self.index.len()];
@@ -89,19 +90,19 @@ impl LegendrePlan {
 
     /// Writes `lambda_lm` for `l = m..=lmax` at one order to `out`.
     ///
-    /// Cost `O(lmax - m + log m)`.
+    /// The cost is `O(lmax - m + log m)`.
     ///
     /// # Panics
     ///
-    /// If `m > lmax` or `out` does not have `lmax - m + 1` entries.
+    /// Panics if `m > lmax` or `out` does not have `lmax - m + 1` entries.
     pub fn column_into(&self, m: usize, colatitude: Colatitude, out: &mut [f64]) {
         assert_eq!(out.len(), self.index.column(m).len(), "m = {m}, lmax = {}", self.lmax());
         let start = Scaled::new(colatitude.sin(), 0).power(m) * self.sectoral[m];
-        climb_column(start, (m..).map(|l| Step::new(l, m)), colatitude, out);
+        fill_column(start, (m..).map(|l| Step::new(l, m)), colatitude, out);
     }
 }
 
-/// Returns whether every `|lambda_{l m'}|` with `l <= lmax`, `m' >= m` is sure to round to zero.
+/// Returns whether every `|lambda_{l m'}|` with `l <= lmax`, `m' >= m` rounds to zero.
 ///
 /// The Gegenbauer polynomial is at most its value at `x = 1`, hence
 ///
@@ -110,10 +111,10 @@ impl LegendrePlan {
 ///             <= sqrt((2l + 1)/(4 pi)) (e (l + 1/2) sin / (2m))^m
 /// ```
 ///
-/// by `(l + k)(l + 1 - k) <= (l + 1/2)^2` and `m! >= (m/e)^m`. Where the bracket is below 1 the bound falls as `m`
-/// grows, which makes one test decide for all higher orders.
+/// by `(l + k)(l + 1 - k) <= (l + 1/2)^2` and `m! >= (m/e)^m`. Where the bracket is below 1 the
+/// bound decreases with `m`, so one test is sufficient for all higher orders.
 fn vanishes(m: usize, lmax: usize, sin: f64) -> bool {
-    /// Half the smallest `f64` is `2^-1075`; the rest is room for the rounding of this estimate.
+    /// Half the smallest `f64` is `2^-1075`; the margin covers the rounding of this estimate.
     const LOG2_LIMIT: f64 = -1100.0;
     let half_integer = lmax as f64 + 0.5;
     let amplitude = 0.5 * (half_integer / (2.0 * PI)).log2();
@@ -127,7 +128,7 @@ mod tests {
     use crate::lambda_scaled;
 
     #[test]
-    fn skipped_columns_are_really_zero() {
+    fn skipped_columns_round_to_zero() {
         let lmax = 2000;
         for theta in [0.0, 5e-324, 1e-300, 1e-6, 0.01, 0.1, 0.5, 3.0] {
             let c = Colatitude::from_theta(theta).unwrap();

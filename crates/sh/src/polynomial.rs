@@ -2,21 +2,21 @@ use crate::Error;
 
 /// Returns the Legendre polynomial `P_l(x)`, `P_l(1) = 1`.
 ///
-/// Evaluated for `|x|` by the recurrence in difference form,
+/// It is evaluated at `|x|` by the recurrence in difference form,
 ///
 /// ```text
 /// D_{l+1} = r D_l - (1 + r) (1 - |x|) P_l,   P_{l+1} = P_l + D_{l+1},   r = l/(l + 1)
 /// ```
 ///
-/// with `P_l(-x) = (-1)^l P_l(x)`. Domain: the closed interval `[-1, 1]`. Error at most `4 EPSILON (l + 1)`
-/// times the larger of `|P_l|` and `|P_{l-1}|`. Cost `O(l)`.
+/// with `P_l(-x) = (-1)^l P_l(x)`. Domain: the closed interval `[-1, 1]`. The error is at most
+/// `4 EPSILON (l + 1)` times the larger of `|P_l|` and `|P_{l-1}|`. The cost is `O(l)`.
 ///
-/// Near `x = 1` the argument itself limits what the value can mean: for directions a small angle apart use
-/// `sqrt(4 pi / (2l + 1))` [`lambda`](crate::lambda())`(l, 0, ..)`, which takes the angle.
+/// Near `x = 1` the rounding of the argument limits the accuracy. For directions at a small angle
+/// use `sqrt(4 pi / (2l + 1))` [`lambda`](crate::lambda())`(l, 0, ..)`, which takes the angle.
 ///
 /// # Errors
 ///
-/// [`Error::Argument`] if `x` is NaN or outside `[-1, 1]`; a dot product of unit vectors may need a clamp.
+/// [`Error::Argument`] if `x` is NaN or outside `[-1, 1]`; clamp dot products of unit vectors.
 ///
 /// # Examples
 ///
@@ -33,20 +33,20 @@ use crate::Error;
 ///
 /// DLMF 18.9.1, table 18.9.1; see [`Recurrence`](crate::Recurrence) for the difference form.
 pub fn legendre_p(l: usize, x: f64) -> Result<f64, Error> {
-    let mut ladder = Ladder::new(x)?;
+    let mut state = State::new(x)?;
     for degree in 0..l {
-        ladder.climb(degree);
+        state.advance(degree);
     }
-    Ok(if x < 0.0 && l % 2 == 1 { -ladder.value } else { ladder.value })
+    Ok(if x < 0.0 && l % 2 == 1 { -state.value } else { state.value })
 }
 
-/// Writes `P_0(x), P_1(x), ..` to `out`, all degrees below its length.
+/// Writes `P_0(x), P_1(x), ..` to `out`, for all degrees below its length.
 ///
-/// The values are those of [`legendre_p`], bit for bit; the cost is `O(out.len())`.
+/// The values are bit-identical to those of [`legendre_p`]; the cost is `O(out.len())`.
 ///
 /// # Errors
 ///
-/// Those of [`legendre_p`]; `out` is then left as it was.
+/// Those of [`legendre_p`]; `out` is then unchanged.
 ///
 /// # Examples
 ///
@@ -57,22 +57,22 @@ pub fn legendre_p(l: usize, x: f64) -> Result<f64, Error> {
 /// # Ok::<(), sphvar_sh::Error>(())
 /// ```
 pub fn legendre_p_into(x: f64, out: &mut [f64]) -> Result<(), Error> {
-    let mut ladder = Ladder::new(x)?;
+    let mut state = State::new(x)?;
     for (degree, slot) in out.iter_mut().enumerate() {
-        *slot = if x < 0.0 && degree % 2 == 1 { -ladder.value } else { ladder.value };
-        ladder.climb(degree);
+        *slot = if x < 0.0 && degree % 2 == 1 { -state.value } else { state.value };
+        state.advance(degree);
     }
     Ok(())
 }
 
 /// The state of the recurrence at `|x|`.
-struct Ladder {
+struct State {
     versine: f64,
     value: f64,
     difference: f64,
 }
 
-impl Ladder {
+impl State {
     fn new(x: f64) -> Result<Self, Error> {
         if (-1.0..=1.0).contains(&x) {
             Ok(Self { versine: 1.0 - x.abs(), value: 1.0, difference: 0.0 })
@@ -82,7 +82,7 @@ impl Ladder {
     }
 
     #[inline]
-    fn climb(&mut self, l: usize) {
+    fn advance(&mut self, l: usize) {
         let r = l as f64 / (l as f64 + 1.0);
         self.difference = r * self.difference - (1.0 + r) * (self.versine * self.value);
         self.value += self.difference;

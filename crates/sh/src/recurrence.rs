@@ -1,6 +1,6 @@
 use crate::{Colatitude, Scaled, sectoral::sectoral_function};
 
-/// The coefficients of the step from `l` to `l + 1` at fixed order; see [`Recurrence`].
+/// Coefficients of the step from `l` to `l + 1` at fixed order; see [`Recurrence`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Step {
     /// `g`, the factor of `L`.
@@ -14,22 +14,22 @@ pub struct Step {
 impl Step {
     /// Returns the step from `l` to `l + 1` at order `m`.
     ///
-    /// Precondition: `m <= l`, both at most [`MAX_DEGREE`](crate::MAX_DEGREE) for full accuracy. Cost: two
-    /// divisions and a square root.
+    /// Precondition: `m <= l`, both at most [`MAX_DEGREE`](crate::MAX_DEGREE) for full accuracy.
+    /// The cost is two divisions and a square root.
     #[must_use]
     #[inline]
     pub fn new(l: usize, m: usize) -> Self {
         let (l, m) = (l as f64, m as f64);
         let n = l - m;
-        // Both products are exact integers, so g carries one rounding of the quotient, halved by the root, and
-        // one of the root.
+        // Both products are exact integers, so g has one rounding of the quotient, halved by the
+        // root, and one of the root.
         let growth = (((2.0 * l + 3.0) * (l + m + 1.0)) / ((2.0 * l + 1.0) * (n + 1.0))).sqrt();
         let r = n / (l + m + 1.0);
         Self { growth, damping: growth * r, forcing: growth * (1.0 + r) }
     }
 }
 
-/// The recurrence coefficients of one order `m` for evaluation at many colatitudes.
+/// Recurrence coefficients of one order `m` for evaluation at many colatitudes.
 ///
 /// With `x = cos theta`, `n = l - m`:
 ///
@@ -39,17 +39,18 @@ impl Step {
 /// L_{l+1} = g L_l + D_{l+1},                     L_m = lambda_mm
 /// ```
 ///
-/// and `L_l = lambda_lm`. It is the three-term recurrence of the Gegenbauer polynomials normalised to 1 at
-/// `x = 1`, `(n + 2m + 1) q_{n+1} = (2n + 2m + 1) x q_n - n q_{n-1}`, written for the differences
-/// `q_{n+1} - q_n`. The polynomial enters through `1 - x`, which a [`Colatitude`] knows to full relative
-/// accuracy; the form with `x` loses a factor `1/sin theta` at the poles. Errors grow in proportion to the
-/// number of steps, at every colatitude.
+/// and `L_l = lambda_lm`. This is the three-term recurrence of the Gegenbauer polynomials
+/// normalized to 1 at `x = 1`, `(n + 2m + 1) q_{n+1} = (2n + 2m + 1) x q_n - n q_{n-1}`, written
+/// for the differences `q_{n+1} - q_n`. The recurrence depends on `1 - x`, which a [`Colatitude`]
+/// represents with full relative accuracy; the form with `x` loses a factor `1/sin theta` at the
+/// poles. Errors grow in proportion to the number of steps, at every colatitude.
 ///
-/// A loop over many points with one `(L, D)` pair per point has to carry a scale for the points whose
-/// [`sectoral_function`] is below the range of `f64`: `L` and `D` scale together, and `|L|` grows with `l` until
-/// it is of order one.
+/// A loop over many points with one `(L, D)` pair per point must store a scale for points whose
+/// [`sectoral_function`] is below the range of `f64`: `L` and `D` scale together, and `|L|` grows
+/// with `l` until it is of order one.
 ///
-/// Memory: 24 bytes a degree. An empty `Recurrence` (`default()`) is ready for [`fill`](Self::fill).
+/// A recurrence uses 24 bytes per degree. An empty one (`default()`) can be filled with
+/// [`fill`](Self::fill).
 ///
 /// # Examples
 ///
@@ -69,8 +70,8 @@ impl Step {
 ///
 /// # References
 ///
-/// Carrying differences is Reinsch's modification of Clenshaw's algorithm, here in the forward direction; see
-/// Gentleman 1969, doi:10.1093/comjnl/12.2.160. Gegenbauer polynomials: DLMF 18.9.1.
+/// Gentleman 1969, doi:10.1093/comjnl/12.2.160: Reinsch's modification of Clenshaw's algorithm,
+/// which uses differences, here in the forward direction. DLMF 18.9.1: Gegenbauer polynomials.
 #[derive(Debug, Clone, Default)]
 pub struct Recurrence {
     m: usize,
@@ -84,7 +85,7 @@ impl Recurrence {
     ///
     /// # Panics
     ///
-    /// If the memory cannot be had.
+    /// Panics if allocation fails.
     #[must_use]
     pub fn new(m: usize, lmax: usize) -> Self {
         let mut recurrence = Self::default();
@@ -92,11 +93,11 @@ impl Recurrence {
         recurrence
     }
 
-    /// Replaces the coefficients by those of another order, keeping the memory.
+    /// Replaces the coefficients by those of another order, reusing the memory.
     ///
     /// # Panics
     ///
-    /// If the memory cannot be had.
+    /// Panics if allocation fails.
     pub fn fill(&mut self, m: usize, lmax: usize) {
         self.m = m;
         self.steps.clear();
@@ -109,48 +110,49 @@ impl Recurrence {
         self.m
     }
 
-    /// Returns one step for each degree `l = m..=lmax`; entry `l - m` leads from `l` to `l + 1`.
+    /// Returns one step for each degree `l = m..=lmax`; entry `l - m` advances from `l` to `l + 1`.
     ///
-    /// The last one leads beyond `lmax`: a loop that reads the value of a degree and then steps needs no special
-    /// case for it.
+    /// The last step goes beyond `lmax`, so that a loop that reads the value of a degree and then
+    /// steps needs no special case for it.
     #[must_use]
     pub fn steps(&self) -> &[Step] {
         &self.steps
     }
 
-    /// Writes `lambda_lm` for `l = m..=lmax` to `out`; the bits of [`lambda`](crate::lambda).
+    /// Writes `lambda_lm` for `l = m..=lmax` to `out`, bit-identical to [`lambda`](crate::lambda).
     ///
-    /// Cost `O(lmax - m)`, without the divisions and roots of
+    /// The cost is `O(lmax - m)`, without the divisions and roots of
     /// [`LegendrePlan::column_into`](crate::LegendrePlan::column_into).
     ///
     /// # Panics
     ///
-    /// If `out` does not have one entry per degree.
+    /// Panics if `out` does not have one entry per degree.
     pub fn column_into(&self, colatitude: Colatitude, out: &mut [f64]) {
         assert_eq!(out.len(), self.steps.len(), "a column has one entry per degree");
         let start = sectoral_function(self.m, colatitude);
-        climb_column(start, self.steps.iter().copied(), colatitude, out);
+        fill_column(start, self.steps.iter().copied(), colatitude, out);
     }
 }
 
-/// Binary digits by which the value of a [`Ladder`] is scaled at a time.
+/// Binary digits of one scaling of a [`State`].
 const BLOCK: i64 = 512;
 /// `2^-BLOCK`.
 const BLOCK_FACTOR: f64 = f64::from_bits((1023 - BLOCK.cast_unsigned()) << 52);
 
-/// The state of the recurrence: `lambda_lm = value * 2^(-BLOCK blocks)`, and the difference in the same scale.
+/// The state of the recurrence: `lambda_lm = value * 2^(-BLOCK blocks)`, and the difference in the
+/// same scale.
 ///
-/// `blocks` only falls. While it is positive the value is kept below 1 by moving factors of `2^BLOCK` out of it;
-/// these are exact. A value of at least about `2^-BLOCK` leaves room for the difference, which is negligible
-/// where it underflows.
+/// `blocks` only decreases. While it is positive the value is kept below 1 by extracting factors of
+/// `2^BLOCK`, which is exact. A value of at least about `2^-BLOCK` leaves enough range for the
+/// difference, which is negligible where it underflows.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Ladder {
+pub(crate) struct State {
     value: f64,
     difference: f64,
     blocks: i64,
 }
 
-impl Ladder {
+impl State {
     /// Returns the state at `l = m` for `lambda_mm = start`.
     #[inline]
     pub(crate) fn start(start: Scaled) -> Self {
@@ -159,9 +161,9 @@ impl Ladder {
         Self { value, difference: 0.0, blocks }
     }
 
-    /// Moves from `l` to `l + 1`.
+    /// Advances from `l` to `l + 1`.
     #[inline]
-    pub(crate) fn climb(&mut self, step: Step, versine: f64) {
+    pub(crate) fn advance(&mut self, step: Step, versine: f64) {
         self.difference = step.damping * self.difference - step.forcing * (versine * self.value);
         self.value = step.growth * self.value + self.difference;
         if self.blocks > 0 && self.value.abs() > 1.0 {
@@ -177,22 +179,22 @@ impl Ladder {
         Scaled::new(self.value, -BLOCK * self.blocks)
     }
 
-    /// Returns the current `lambda_lm`, the number `scaled().value()`.
+    /// Returns the current `lambda_lm`, equal to `scaled().value()`.
     #[inline]
     pub(crate) fn value(self) -> f64 {
         match self.blocks {
             0 => self.value,
             1 => self.value * BLOCK_FACTOR,
-            // The first product is exact unless the second vanishes.
+            // The first product is exact unless the second one underflows to zero.
             2 => self.value * BLOCK_FACTOR * BLOCK_FACTOR,
             _ => 0.0,
         }
     }
 }
 
-/// Writes one column, `out[0]` being `start = lambda_mm` and each entry one step further.
+/// Writes one column: `out[0]` is `start = lambda_mm`, and each entry is one step further.
 #[inline]
-pub(crate) fn climb_column(
+pub(crate) fn fill_column(
     start: Scaled,
     steps: impl Iterator<Item = Step>,
     colatitude: Colatitude,
@@ -201,11 +203,11 @@ pub(crate) fn climb_column(
     let Some((first, rest)) = out.split_first_mut() else {
         return;
     };
-    let mut ladder = Ladder::start(start);
-    *first = ladder.value();
+    let mut state = State::start(start);
+    *first = state.value();
     for (slot, step) in rest.iter_mut().zip(steps) {
-        ladder.climb(step, colatitude.versine());
-        *slot = ladder.value();
+        state.advance(step, colatitude.versine());
+        *slot = state.value();
     }
     if colatitude.is_south() {
         // Entry n has l + m = n + 2m.

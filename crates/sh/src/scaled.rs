@@ -1,11 +1,11 @@
 use core::ops::{Mul, Neg};
 
-/// A real number `mantissa * 2^exponent` whose exponent is not limited to that of `f64`.
+/// A real number `mantissa * 2^exponent` with an exponent beyond the range of `f64`.
 ///
-/// Sectoral functions reach `sin(1e-300)^20000`, about `2^-2e7`; a recurrence that starts there needs the
-/// digits although the number itself is far below the smallest `f64`. Every function of this crate returns the
-/// normal form: `1 <= |mantissa| < 2`, or mantissa 0 with exponent 0. A mantissa that is NaN or infinite is
-/// kept as it is.
+/// Sectoral functions reach `sin(1e-300)^20000`, about `2^-2e7`; a recurrence that starts there
+/// needs the digits of a number far below the smallest `f64`. Every function of this crate returns
+/// the normal form: `1 <= |mantissa| < 2`, or mantissa 0 with exponent 0. A NaN or infinite
+/// mantissa is unchanged.
 ///
 /// # Examples
 ///
@@ -19,13 +19,13 @@ use core::ops::{Mul, Neg};
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Scaled {
-    /// The digits, `1 <= |mantissa| < 2` or 0 in normal form.
+    /// The mantissa, `1 <= |mantissa| < 2` or 0 in normal form.
     pub mantissa: f64,
     /// The power of two.
     pub exponent: i64,
 }
 
-/// Bits of the fraction field of an `f64`.
+/// Number of bits of the fraction field of an `f64`.
 const FRACTION_BITS: u32 = 52;
 /// The exponent field of 1.0.
 const BIAS: i64 = 1023;
@@ -47,7 +47,7 @@ impl Scaled {
             if mantissa == 0.0 {
                 return Self::ZERO;
             }
-            // Subnormal: 2^54 makes it normal, exactly.
+            // Subnormal: multiplication by 2^54 normalizes it exactly.
             return Self::new(mantissa * power_of_two(54), exponent.saturating_sub(54));
         }
         if field == EXPONENT_MASK.cast_signed() {
@@ -60,7 +60,7 @@ impl Scaled {
 
     /// Returns the nearest `f64`: 0 below the range of `f64`, infinite above it.
     ///
-    /// Correctly rounded, in the subnormal range too.
+    /// The result is correctly rounded, also in the subnormal range.
     #[must_use]
     #[inline]
     pub fn value(self) -> f64 {
@@ -68,7 +68,7 @@ impl Scaled {
         match exponent {
             1024.. => mantissa * f64::INFINITY,
             -1022..1024 => mantissa * power_of_two(exponent),
-            // The first product is exact, so the number is rounded once.
+            // The first product is exact, so the number is rounded only once.
             -1080..-1022 => mantissa * power_of_two(exponent + 100) * power_of_two(-100),
             _ => 0.0,
         }
@@ -76,8 +76,8 @@ impl Scaled {
 
     /// Returns the `n`-th power; `0^0 = 1`.
     ///
-    /// Relative error at most `(n - 1) EPSILON / 2` over that of `self`, first order: squaring only shares
-    /// factors of the plain product of `n` terms. Cost `O(log n)`.
+    /// Adds a relative error of at most `(n - 1) EPSILON / 2` to that of `self`, to first order:
+    /// squaring only shares factors of the plain product of `n` terms. The cost is `O(log n)`.
     #[must_use]
     pub fn power(self, n: usize) -> Self {
         let (mut result, mut square, mut rest) = (Self::ONE, self, n);
@@ -168,10 +168,10 @@ mod tests {
     }
 
     #[test]
-    fn rounding_once_below_the_normal_range() {
-        // 1.5 * 2^-1074 lies halfway between 2^-1074 and 2^-1073: ties to even gives the latter.
+    fn values_below_the_normal_range_are_rounded_once() {
+        // 1.5 * 2^-1074 is halfway between 2^-1074 and 2^-1073: ties to even gives the latter.
         assert_eq!(Scaled::new(1.5, -1074).value(), 1e-323);
-        // 2^-1075 is a tie with 0, anything above it is not.
+        // 2^-1075 is a tie with 0; larger numbers are not.
         assert_eq!(Scaled::new(1.0, -1075).value(), 0.0);
         assert_eq!(Scaled::new(1.0 + f64::EPSILON, -1075).value(), 5e-324);
     }

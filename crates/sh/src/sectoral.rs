@@ -9,9 +9,10 @@ use crate::{Colatitude, Scaled};
 ///             = (-1)^m sqrt(R(m) / (2 pi^(3/2))),   R(m) = Gamma(m + 3/2) / Gamma(m + 1)
 /// ```
 ///
-/// The sign is that of Condon and Shortley. The constant grows like `m^(1/4)`, so an `f64` always holds it.
-/// The relative error is a few `EPSILON` for every `m` and does not grow: from `m = 16` on `R` comes from its
-/// series in `1/(m + 3/4)^2`, truncated at `1.4e-17`, instead of a product of `m` rounded factors.
+/// The sign is the Condon-Shortley phase. The constant grows like `m^(1/4)`, so it is in the range
+/// of `f64`. The relative error is a few `EPSILON` for every `m` and does not grow: from `m = 16`
+/// on, `R` is computed by its series in `1/(m + 3/4)^2`, truncated at `1.4e-17`, instead of a
+/// product of `m` rounded factors.
 ///
 /// # Examples
 ///
@@ -22,7 +23,7 @@ use crate::{Colatitude, Scaled};
 ///
 /// # References
 ///
-/// Tricomi and Erdélyi 1951, doi:10.2140/pjm.1951.1.133; DLMF 5.11.14 for the series.
+/// Tricomi and Erdélyi 1951, doi:10.2140/pjm.1951.1.133; DLMF 5.11.14: the series.
 #[must_use]
 pub fn sectoral(m: usize) -> f64 {
     /// Coefficients of `w^(-2k)` in `R / sqrt(w)`, `w = m + 3/4`: `binom(1/2, 2k) B_2k^(3/2)(3/4)`.
@@ -49,12 +50,17 @@ pub fn sectoral(m: usize) -> f64 {
     if m.is_multiple_of(2) { magnitude } else { -magnitude }
 }
 
-/// Returns `lambda_mm(theta) = sectoral(m) sin^m(theta)`, where the recurrence in `l` starts.
+/// Returns `lambda_mm(theta) = sectoral(m) sin^m(theta)`, the initial value of the recurrence in
+/// `l`.
 ///
-/// Same value on both hemispheres. Cost `O(log m)`. Relative error: the sine is good to one `EPSILON` (as a
-/// rule to half of that), which the power multiplies by `m`; the power adds `(m - 1) EPSILON / 2` at most and the
-/// constant a few `EPSILON`. That is below `1.5 m EPSILON + 4 EPSILON`, against the `4 (m + 1) EPSILON` that
-/// [`lambda`](crate::lambda) promises, so plain `f64` products do.
+/// The value is the same on both hemispheres. The cost is `O(log m)`.
+///
+/// # Accuracy
+///
+/// The sine has a relative error of one `EPSILON` (typically half of that), which the power
+/// multiplies by `m`. The power adds at most `(m - 1) EPSILON / 2`, and the constant a few
+/// `EPSILON`. The total is below `1.5 m EPSILON + 4 EPSILON`. The stated error of
+/// [`lambda`](crate::lambda) is `4 (m + 1) EPSILON`, so plain `f64` products suffice.
 ///
 /// # Examples
 ///
@@ -75,7 +81,8 @@ pub fn sectoral_function(m: usize, colatitude: Colatitude) -> Scaled {
 mod tests {
     use super::*;
 
-    /// `R(m) = Gamma(m + 3/2)/Gamma(m + 1)` with 20 digits, from the gamma function in 60-digit arithmetic.
+    /// Reference: `R(m) = Gamma(m + 3/2)/Gamma(m + 1)` with 20 digits, from the gamma function in
+    /// 60-digit arithmetic.
     #[test]
     fn sectoral_constant_against_gamma_functions() {
         let table = include_str!("../tests/data/sectoral.csv");
@@ -84,7 +91,7 @@ mod tests {
             let (m, exact) = line.split_once(',').unwrap();
             let (m, exact): (usize, f64) = (m.parse().unwrap(), exact.parse().unwrap());
             let got = sectoral(m);
-            // Product: 2 roundings a factor, 15 factors, halved by the root; series: a handful.
+            // Product: 2 roundings per factor, 15 factors, halved by the root; series: a few.
             let bound = if m < 16 { (m as f64 + 2.0) * f64::EPSILON } else { 3.0 * f64::EPSILON };
             assert!((got / exact - 1.0).abs() <= bound, "m = {m}: {got} against {exact}");
             rows += 1;

@@ -5,7 +5,7 @@ use num_complex::Complex;
 
 use crate::{Colatitude, Error, MAX_DEGREE, lambda};
 
-/// How far the squared length of a direction may be from 1.
+/// Maximum deviation of the squared length of a direction from 1.
 const UNIT_TOLERANCE: f64 = 1e-6;
 
 /// Returns the spherical harmonic `Y_lm(theta, phi)`, orthonormal, with the Condon-Shortley phase.
@@ -14,9 +14,9 @@ const UNIT_TOLERANCE: f64 = 1e-6;
 /// Y_lm = lambda_lm(theta) e^(i m phi),   Y_{l,-m} = (-1)^m conj Y_lm,   integral |Y_lm|^2 = 1
 /// ```
 ///
-/// Domain: `l <=` [`MAX_DEGREE`], `-l <= m <= l`, `theta` in `[0, PI]`, `phi` finite; radians. Finite at the
-/// poles; every `m != 0` is 0 at `theta = 0`. The product `m phi` is formed without error, so
-/// the accuracy is that of [`lambda`](crate::lambda()) plus a few `EPSILON`.
+/// Domain: `l <=` [`MAX_DEGREE`], `-l <= m <= l`, `theta` in `[0, PI]`, `phi` finite; radians.
+/// The result is finite at the poles; it is 0 at `theta = 0` for `m != 0`. The product `m phi` is
+/// exact, so the accuracy is that of [`lambda`](crate::lambda()) plus a few `EPSILON`.
 ///
 /// # Errors
 ///
@@ -53,13 +53,13 @@ pub fn ylm(l: usize, m: i64, theta: f64, phi: f64) -> Result<Complex<f64>, Error
 
 /// Returns [`ylm`] at a unit vector.
 ///
-/// The longitude is `atan2(y, x)`; its rounding error, at most about 2 `EPSILON`, counts `m` times. At the poles
-/// every `m != 0` gives 0.
+/// The longitude is `atan2(y, x)`; its rounding error, at most about 2 `EPSILON`, is multiplied by
+/// `m`. At the poles the result is 0 for `m != 0`.
 ///
 /// # Errors
 ///
-/// [`Error::DegreeTooLarge`], [`Error::Order`], [`Error::Direction`] if the squared length differs from 1 by more
-/// than `1e-6` or is not finite.
+/// [`Error::DegreeTooLarge`]; [`Error::Order`]; [`Error::Direction`] if the squared length differs
+/// from 1 by more than `1e-6` or is not finite.
 ///
 /// # Examples
 ///
@@ -88,10 +88,11 @@ pub fn ylm_at(l: usize, m: i64, dir: DVec3) -> Result<Complex<f64>, Error> {
 /// m < 0:  sqrt(2) lambda_l|m| sin(|m| phi)   = sqrt(2) Im Y_l|m|
 /// ```
 ///
-/// The Condon-Shortley phase is included, as it is in `lambda`: for odd `|m|` the sign is opposite to that of
-/// the convention common in graphics. Degree 1 is `sqrt(3/(4 pi)) (-y, z, -x)` for `m = -1, 0, 1`.
+/// The Condon-Shortley phase is included, as it is in `lambda`: for odd `|m|` the sign is opposite
+/// to the convention common in graphics. Degree 1 is `sqrt(3/(4 pi)) (-y, z, -x)` for
+/// m = -1, 0, 1.
 ///
-/// Domain, errors, accuracy and cost are those of [`ylm`].
+/// Domain, accuracy and cost are those of [`ylm`].
 ///
 /// # Errors
 ///
@@ -114,7 +115,7 @@ pub fn real_ylm(l: usize, m: i64, theta: f64, phi: f64) -> Result<f64, Error> {
     Ok(real_part(m, amplitude, cos, sin))
 }
 
-/// Returns [`real_ylm`] at a unit vector; accuracy of the longitude as in [`ylm_at`].
+/// Returns [`real_ylm`] at a unit vector; the accuracy of the longitude is that of [`ylm_at`].
 ///
 /// # Errors
 ///
@@ -137,7 +138,7 @@ pub fn real_ylm_at(l: usize, m: i64, dir: DVec3) -> Result<f64, Error> {
     Ok(real_part(m, lambda(l, order, colatitude), cos, sin))
 }
 
-/// Returns `|m|` if `(l, m)` is a harmonic.
+/// Returns `|m|` if `(l, m)` is valid.
 fn checked_order(l: usize, m: i64) -> Result<usize, Error> {
     if l > MAX_DEGREE {
         return Err(Error::DegreeTooLarge { lmax: l, max: MAX_DEGREE });
@@ -147,7 +148,7 @@ fn checked_order(l: usize, m: i64) -> Result<usize, Error> {
 
 /// Returns colatitude and longitude of a unit vector.
 fn checked_direction(dir: DVec3) -> Result<(Colatitude, f64), Error> {
-    // Written so that NaN fails.
+    // This form rejects NaN.
     if (dir.length_squared() - 1.0).abs() <= UNIT_TOLERANCE {
         Ok((Colatitude::from_direction(dir), dir.y.atan2(dir.x)))
     } else {
@@ -157,7 +158,7 @@ fn checked_direction(dir: DVec3) -> Result<(Colatitude, f64), Error> {
 
 /// Returns `cos(m phi)` and `sin(m phi)`.
 ///
-/// The product is split into its rounded value and the rest, which `mul_add` gives exactly.
+/// The product is split into its rounded value and the exact rest, computed by `mul_add`.
 fn cos_sin_multiple(m: usize, phi: f64) -> Result<(f64, f64), Error> {
     let m = m as f64;
     let product = m * phi;

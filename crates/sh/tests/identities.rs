@@ -1,4 +1,4 @@
-//! Identities of the harmonics, agreement of the ways to evaluate them, and hostile input.
+//! Identities of the harmonics, consistency of the evaluation methods, and extreme inputs.
 
 use core::f64::consts::{FRAC_PI_2, PI, TAU};
 
@@ -10,8 +10,8 @@ use sphvar_sh::{
     legendre_p, real_ylm, real_ylm_at, sectoral, ylm, ylm_at,
 };
 
-/// The error that the crate promises for a value of order one.
-fn promise(l: usize) -> f64 {
+/// Returns the stated error of a value of order one.
+fn stated_error(l: usize) -> f64 {
     4.0 * f64::EPSILON * (l as f64 + 1.0)
 }
 
@@ -43,7 +43,8 @@ fn orthonormal_in_colatitude_by_exact_quadrature() {
     const LMAX: usize = 64;
     let plan = LegendrePlan::new(LMAX).unwrap();
     let index = plan.index();
-    // Products of two functions of equal m are polynomials of degree <= 128 in x: 65 nodes are exact.
+    // Products of two functions of equal m are polynomials of degree <= 128 in x: 65 nodes are
+    // exact.
     let rule = GaussLegendre::new(LMAX + 1).unwrap();
     let columns: Vec<_> = rule
         .nodes()
@@ -63,7 +64,8 @@ fn orthonormal_in_colatitude_by_exact_quadrature() {
                 let sum: f64 =
                     columns.iter().zip(rule.weights()).map(|(v, w)| w * v[a] * v[b]).sum();
                 let expected = if l == k { 1.0 } else { 0.0 };
-                // 65 values of order one, each within promise(64) = 6e-14 at worst, as a rule a tenth of it.
+                // 65 values of order one, each with an error of at most stated_error(64) = 6e-14,
+                // typically a tenth of it.
                 assert!(
                     (TAU * sum - expected).abs() < 1e-13,
                     "l = {l}, k = {k}, m = {m}: {}",
@@ -97,8 +99,8 @@ fn complex_and_real_harmonics_are_orthonormal_on_the_sphere() {
                 }
             }
             let expected = if i == j { 1.0 } else { 0.0 };
-            // 72 terms of total size 1, each within a few promise(5).
-            let bound = 4.0 * promise(LMAX);
+            // 72 terms of total size 1, each with an error of a few stated_error(5).
+            let bound = 4.0 * stated_error(LMAX);
             assert!(
                 (complex - expected).norm() < bound,
                 "l = {l}, m = {m}, k = {k}, n = {n}: {complex}"
@@ -125,7 +127,10 @@ fn closed_forms_fix_the_signs() {
     ];
     for (l, m, exact) in complex {
         for got in [ylm(l, m, theta, phi).unwrap(), ylm_at(l, m, dir).unwrap()] {
-            assert!((got - exact).norm() < promise(l), "l = {l}, m = {m}: {got} against {exact}");
+            assert!(
+                (got - exact).norm() < stated_error(l),
+                "l = {l}, m = {m}: {got} against {exact}"
+            );
         }
     }
     let real = [
@@ -138,7 +143,10 @@ fn closed_forms_fix_the_signs() {
     ];
     for (l, m, exact) in real {
         for got in [real_ylm(l, m, theta, phi).unwrap(), real_ylm_at(l, m, dir).unwrap()] {
-            assert!((got - exact).abs() < promise(l), "l = {l}, m = {m}: {got} against {exact}");
+            assert!(
+                (got - exact).abs() < stated_error(l),
+                "l = {l}, m = {m}: {got} against {exact}"
+            );
         }
     }
 }
@@ -151,16 +159,16 @@ fn addition_theorem_at_high_degree() {
             let sum: f64 =
                 (0..=l).map(|m| if m == 0 { 1.0 } else { 2.0 } * lambda(l, m, c).powi(2)).sum();
             let expected = (2.0 * l as f64 + 1.0) / (4.0 * PI);
-            // Errors of the terms add up in relation to the sum; a square doubles them.
+            // Errors of the terms add up relative to the sum; a square doubles them.
             assert!(
-                (sum / expected - 1.0).abs() < 2.0 * promise(l),
+                (sum / expected - 1.0).abs() < 2.0 * stated_error(l),
                 "l = {l}, theta = {theta}: {sum}"
             );
         }
     }
 }
 
-/// Every value finite and, up to rounding, within the bound that the addition theorem gives.
+/// Every value is finite and, up to rounding, within the bound of the addition theorem.
 #[test]
 #[expect(clippy::float_cmp, reason = "exact values")]
 fn hostile_colatitudes() {
@@ -191,7 +199,7 @@ fn hostile_colatitudes() {
         let c = Colatitude::from_theta(theta).unwrap();
         for (l, m) in pairs.into_iter().chain([(20000, 20000)]) {
             let value = lambda(l, m, c);
-            let limit = ((2.0 * l as f64 + 1.0) / (4.0 * PI)).sqrt() * (1.0 + promise(l));
+            let limit = ((2.0 * l as f64 + 1.0) / (4.0 * PI)).sqrt() * (1.0 + stated_error(l));
             assert!(value.abs() <= limit, "l = {l}, m = {m}, theta = {theta:e}: {value}");
             let exponent = lambda_scaled(l, m, c);
             assert!(
@@ -205,7 +213,7 @@ fn hostile_colatitudes() {
                 let sign = if theta > 1.0 && l % 2 == 1 { -1.0 } else { 1.0 };
                 let exact = sign * ((2.0 * l as f64 + 1.0) / (4.0 * PI)).sqrt();
                 assert!(
-                    (value - exact).abs() <= promise(l) * limit,
+                    (value - exact).abs() <= stated_error(l) * limit,
                     "l = {l}, theta = {theta:e}: {value}"
                 );
             }
@@ -216,7 +224,7 @@ fn hostile_colatitudes() {
 }
 
 #[test]
-fn poles_have_no_longitude_and_no_nan() {
+fn longitude_is_irrelevant_at_the_poles() {
     for z in [
         DVec3::Z,
         DVec3::NEG_Z,
@@ -231,14 +239,14 @@ fn poles_have_no_longitude_and_no_nan() {
             } else {
                 0.0
             };
-            assert!((y - exact).norm() <= promise(l), "l = {l}, m = {m}, {z}: {y}");
-            assert!((r - exact).abs() <= promise(l), "l = {l}, m = {m}, {z}: {r}");
+            assert!((y - exact).norm() <= stated_error(l), "l = {l}, m = {m}, {z}: {y}");
+            assert!((r - exact).abs() <= stated_error(l), "l = {l}, m = {m}, {z}: {r}");
         }
     }
 }
 
 #[test]
-fn bad_input_is_an_error() {
+fn invalid_input_is_an_error() {
     let nan = f64::NAN;
     assert!(matches!(ylm(3, 1, nan, 0.0), Err(Error::Colatitude { .. })));
     assert!(matches!(ylm(3, 1, -0.1, 0.0), Err(Error::Colatitude { .. })));
@@ -260,7 +268,7 @@ fn bad_input_is_an_error() {
         assert!(matches!(real_ylm_at(2, 1, dir), Err(Error::Direction { .. })), "{dir}");
     }
     assert!(matches!(LegendrePlan::new(usize::MAX), Err(Error::DegreeTooLarge { .. })));
-    // A large finite longitude is an angle like any other.
+    // A large finite longitude is a valid angle.
     let y = ylm(7, 5, 1.0, 1e300).unwrap();
     let amplitude = lambda(7, 5, Colatitude::from_theta(1.0).unwrap()).abs();
     assert!((y.norm() / amplitude - 1.0).abs() < 8.0 * f64::EPSILON, "{y}");
@@ -274,9 +282,9 @@ proptest! {
         let cos = a.dot(b).clamp(-1.0, 1.0);
         let scale = (2.0 * l as f64 + 1.0) / (4.0 * PI);
         let expected = scale * legendre_p(l, cos).unwrap();
-        // Each side of a product errs by the promise and by 2 EPSILON m of the longitude; the dot product's few
-        // roundings are multiplied by the slope of P_l, at most l(l + 1)/2.
-        let bound = scale * (6.0 * promise(l) + 2.0 * f64::EPSILON * (l * (l + 1)) as f64);
+        // The factors of a product have the stated error plus 2 EPSILON m of the longitude; the few
+        // roundings of the dot product are multiplied by the slope of P_l, at most l(l + 1)/2.
+        let bound = scale * (6.0 * stated_error(l) + 2.0 * f64::EPSILON * (l * (l + 1)) as f64);
         prop_assert!((sum - expected).norm() <= bound, "l = {l}, a = {a}, b = {b}: {sum} against {expected}");
         let real: f64 = orders(l).map(|m| real_ylm_at(l, m, a).unwrap() * real_ylm_at(l, m, b).unwrap()).sum();
         prop_assert!((real - expected).abs() <= bound, "l = {l}, a = {a}, b = {b}: {real} against {expected}");
@@ -287,7 +295,7 @@ proptest! {
         let c = Colatitude::from_direction(a);
         let sum: f64 = (0..=l).map(|m| if m == 0 { 1.0 } else { 2.0 } * lambda(l, m, c).powi(2)).sum();
         let expected = (2.0 * l as f64 + 1.0) / (4.0 * PI);
-        prop_assert!((sum / expected - 1.0).abs() <= 2.0 * promise(l), "l = {l}, a = {a}: {sum}");
+        prop_assert!((sum / expected - 1.0).abs() <= 2.0 * stated_error(l), "l = {l}, a = {a}: {sum}");
     }
 
     #[test]
@@ -299,14 +307,14 @@ proptest! {
         let sign = if (l + m).is_multiple_of(2) { 1.0 } else { -1.0 };
         let (up, down) = (Colatitude::from_direction(a), Colatitude::from_direction(mirrored));
         if a.z != 0.0 {
-            // The same operations but for the sign.
+            // The same operations except for the sign.
             prop_assert_eq!(lambda(l, m, up), sign * lambda(l, m, down));
         }
         let point_sign = if l.is_multiple_of(2) { 1.0 } else { -1.0 };
         let m = i64::try_from(m).unwrap();
         let (here, there) = (ylm_at(l, m, a).unwrap(), ylm_at(l, m, -a).unwrap());
         let scale = ((2.0 * l as f64 + 1.0) / (4.0 * PI)).sqrt();
-        prop_assert!((here - point_sign * there).norm() <= 2.0 * promise(l) * scale, "l = {l}, m = {m}, a = {a}");
+        prop_assert!((here - point_sign * there).norm() <= 2.0 * stated_error(l) * scale, "l = {l}, m = {m}, a = {a}");
         prop_assert_eq!(ylm_at(l, -m, a).unwrap(), here.conj() * if m % 2 == 0 { 1.0 } else { -1.0 });
     }
 
@@ -328,11 +336,11 @@ proptest! {
 
     #[test]
     #[expect(clippy::float_cmp, reason = "the same operations")]
-    fn plan_column_recurrence_and_single_value_have_the_same_bits(theta in colatitude(), lmax in 0..90_usize) {
+    fn plan_column_recurrence_and_single_value_are_bit_identical(theta in colatitude(), lmax in 0..90_usize) {
         let c = Colatitude::from_theta(theta).unwrap();
         let plan = LegendrePlan::new(lmax).unwrap();
         let index = plan.index();
-        // Dirty buffers: every entry must be written.
+        // Filled with NaN to verify that every entry is written.
         let mut all = vec![f64::NAN; index.len()];
         plan.eval_into(c, &mut all);
         let mut recurrence = Recurrence::default();

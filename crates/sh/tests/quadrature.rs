@@ -1,9 +1,9 @@
-//! Legendre polynomials and Gauss-Legendre rules against values with 25 digits.
+//! Compares Legendre polynomials and Gauss-Legendre rules with 25-digit values.
 
 use proptest::prelude::*;
 use sphvar_sh::{Error, GaussLegendre, legendre_p, legendre_p_into};
 
-/// Rows of numbers of a table in `tests/data`.
+/// Returns the rows of numbers of a table in `tests/data`.
 fn rows(table: &str) -> impl Iterator<Item = [&str; 3]> {
     table.lines().filter(|line| line.starts_with(|c: char| c.is_ascii_digit() || c == '-')).map(
         |line| {
@@ -33,7 +33,7 @@ fn polynomials_against_the_table() {
 
 #[test]
 #[expect(clippy::float_cmp, reason = "an untouched buffer")]
-fn arguments_outside_are_errors() {
+fn arguments_out_of_range_are_errors() {
     for x in [f64::NAN, 1.0_f64.next_up(), (-1.0_f64).next_down(), f64::INFINITY, f64::NEG_INFINITY]
     {
         assert!(matches!(legendre_p(3, x), Err(Error::Argument { .. })), "x = {x}");
@@ -55,13 +55,13 @@ fn rules_against_the_table() {
             rule = GaussLegendre::new(n).unwrap();
             from_top = 0;
         }
-        // The table descends from the largest node to the one in the middle.
+        // The table is in descending order, from the largest node to the middle one.
         let (upper, lower) = (n - 1 - from_top, from_top);
         for (k, sign) in [(upper, 1.0), (lower, -1.0)] {
             let (x, w) = (rule.nodes()[k], rule.weights()[k]);
             assert!((x - sign * node).abs() <= 1e-15, "n = {n}, k = {k}: node {x} against {node}");
             assert!((w - weight).abs() <= 1e-15, "n = {n}, k = {k}: weight {w} against {weight}");
-            // A weight of order 1/n is known relative to itself, too.
+            // A weight of order 1/n is also accurate relative to itself.
             assert!(
                 (w / weight - 1.0).abs() <= 8.0 * f64::EPSILON,
                 "n = {n}, k = {k}: weight {w} against {weight}"
@@ -74,7 +74,7 @@ fn rules_against_the_table() {
 }
 
 #[test]
-fn impossible_rules_are_errors() {
+fn invalid_rules_are_errors() {
     for n in [0, GaussLegendre::MAX_NODES + 1, usize::MAX] {
         assert_eq!(
             GaussLegendre::new(n),
@@ -86,7 +86,7 @@ fn impossible_rules_are_errors() {
 proptest! {
     #[test]
     #[expect(clippy::float_cmp, reason = "the same operations")]
-    fn all_degrees_at_once_have_the_same_bits(x in -1.0..=1.0_f64, n in 0..300_usize) {
+    fn all_degrees_at_once_are_bit_identical(x in -1.0..=1.0_f64, n in 0..300_usize) {
         let mut out = vec![f64::NAN; n];
         legendre_p_into(x, &mut out).unwrap();
         for (l, value) in out.into_iter().enumerate() {
@@ -98,7 +98,7 @@ proptest! {
     fn rules_are_exact_for_polynomials(n in 1..200_usize, a in -3.0..3.0_f64, length in 0.0..5.0_f64) {
         let rule = GaussLegendre::new(n).unwrap();
         prop_assert!(rule.nodes().is_sorted() && rule.weights().iter().all(|&w| w > 0.0), "n = {n}");
-        // P_k integrates to 0 for 1 <= k <= 2n - 1, and P_n^2 to 2/(2n + 1) takes one node more.
+        // P_k integrates to 0 for 1 <= k <= 2n - 1, and P_n^2 to 2/(2n + 1) takes one more node.
         for k in [0, 1, n, 2 * n - 1] {
             let integral = rule.integrate(-1.0, 1.0, |x| legendre_p(k, x).unwrap());
             let exact = if k == 0 { 2.0 } else { 0.0 };
