@@ -1,11 +1,12 @@
 use glam::DVec3;
 
-/// Returns the direction at height z = 1 - `drop` and longitude `phi` (radians), for `drop` in [0, 2]: the map of Archimedes
-/// from the cylinder around the sphere, which keeps areas.
+/// Returns the direction at height z = 1 - `drop` and longitude `phi` (radians), for `drop` in
+/// [0, 2]: Archimedes' area-preserving map from the enclosing cylinder to the sphere.
 ///
-/// Taking the distance to the north pole's plane instead of z keeps full relative precision of
-/// sin(theta) at the pole where patterns begin; at the south pole sin(theta) is as good as
-/// 2 - `drop` is.
+/// The distance from the tangent plane at the north pole, instead of z, gives sin(theta) full
+/// relative precision at the north pole; at the south pole sin(theta) is as accurate as 2 - `drop`.
+///
+/// # Examples
 ///
 /// ```
 /// use sphvar_warps::archimedes;

@@ -1,8 +1,12 @@
-//! Maps from the unit square to the disk, the sphere and the hemisphere that keep areas or have a known density.
+//! Maps from the unit square to the disk, the sphere and the hemisphere that preserve areas or have
+//! a known density.
 //!
-//! - [`concentric_disk`]: the square onto the disk, areas times pi (Shirley and Chiu 1997).
-//! - [`cosine_hemisphere`] with [`cosine_hemisphere_pdf`]: directions of density cos(theta)/pi (Malley).
-//! - [`archimedes`]: height and longitude to a direction, area to area.
+//! - [`concentric_disk`]: the square to the disk, areas multiplied by pi (Shirley and Chiu 1997).
+//! - [`cosine_hemisphere`] with [`cosine_hemisphere_pdf`]: directions of density cos(theta)/pi
+//!   (Malley).
+//! - [`archimedes`]: height and longitude to a direction, area-preserving.
+//!
+//! # Examples
 //!
 //! ```
 //! use sphvar_warps::{cosine_hemisphere, cosine_hemisphere_pdf};
