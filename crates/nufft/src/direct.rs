@@ -30,7 +30,6 @@ use crate::magnitude::magnitude;
 /// assert_eq!(c.get(0, 2).map(|c| c.re), Some(2.0));
 /// assert!(c.get(1, 0).is_some_and(|c| c.norm() < 1e-15));
 /// # Ok::<(), sphvar_nufft::Error>(())
-///
 /// ```
 pub fn direct_adjoint(
     kmax: usize,

@@ -1,6 +1,14 @@
 //! Nonuniform Fourier transform of scattered points on the torus, in two dimensions and to a
 //! requested accuracy.
 //!
+//! [`TorusTransform`] computes the Fourier coefficients of weighted points with
+//! O(N log^2(1/epsilon) + kmax^2 log kmax) operations; [`direct_adjoint`] evaluates the definition.
+//! The transform spreads the points onto a regular grid with a window, applies a Fourier transform,
+//! and divides the coefficients by the transform of the window.
+//!
+//! [`parts`] exports the stages up to the grid, for use in other transforms such as that of the
+//! sphere.
+//!
 //! # Examples
 //!
 //! ```
@@ -13,18 +21,7 @@
 //! let at_one = c.get(0, 1).unwrap();
 //! assert!(at_one.re.abs() < 1e-9 && (at_one.im + 2.0).abs() < 1e-9);
 //! # Ok::<(), sphvar_nufft::Error>(())
-//!
 //! ```
-//!
-//! # Overview
-//!
-//! [`TorusTransform`] computes the Fourier coefficients of weighted points in O(N log^2(1/epsilon)
-//! + kmax^2 log kmax) operations; [`direct_adjoint`] evaluates the definition. The transform
-//! spreads the points onto a regular grid with a window, applies a Fourier transform, and divides
-//! the coefficients by the transform of the window.
-//!
-//! [`parts`] exports the stages up to the grid, for use in other transforms such as that of the
-//! sphere.
 
 mod cells;
 mod coefficients;

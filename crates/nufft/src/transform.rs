@@ -56,7 +56,6 @@ use crate::spreading::Spreading;
 ///     assert!((fast - exact).norm() <= 25.0 * 1e-9);
 /// }
 /// # Ok::<(), sphvar_nufft::Error>(())
-///
 /// ```
 ///
 /// # References

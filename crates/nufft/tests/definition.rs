@@ -123,12 +123,13 @@ fn repeated_points_lose_no_accuracy() {
 /// computed here from integers, so that the angle is rounded only in the last step.
 #[test]
 fn the_definition_matches_the_closed_form_of_a_point() {
-    let (kmax, a, b, turn) = (50, 12345_i32, 54321, 65536);
-    let point = [f64::from(a) / f64::from(turn), f64::from(b) / f64::from(turn)];
+    let (kmax, a, b, denominator) = (50, 12345_i32, 54321, 65536);
+    let point = [f64::from(a) / f64::from(denominator), f64::from(b) / f64::from(denominator)];
     let c = direct_adjoint(50, &[point], Some(&[3.0])).unwrap();
     for k1 in -kmax..=kmax {
         for k2 in -kmax..=kmax {
-            let angle = TAU * f64::from((k1 * a + k2 * b).rem_euclid(turn)) / f64::from(turn);
+            let angle =
+                TAU * f64::from((k1 * a + k2 * b).rem_euclid(denominator)) / f64::from(denominator);
             let expected = Complex::from_polar(3.0, -angle);
             let got = c.get(k1, k2).unwrap();
             // Sine and cosine of an angle below 2 pi, rounded by 2^-52, and three products.

@@ -1,5 +1,15 @@
 //! Transforms between scattered points on the sphere and spherical harmonic coefficients.
 //!
+//! The *adjoint* computes coefficients of weighted points, `a_lm = sum_k w_k conj Y_lm(x_k)`; it is
+//! the adjoint of synthesis, not its inverse. [`ExactTransform`] evaluates the definition in
+//! O(N lmax^2), to rounding, for any points. [`FastTransform`] computes it to a requested accuracy
+//! in O(N log^2(1/epsilon) + lmax^3). [`Transform`] selects one of them. Their Legendre stage is
+//! available separately as [`RingTransform`], for functions whose Fourier coefficients are known on
+//! rings of constant colatitude.
+//!
+//! *Synthesis* evaluates a function with given coefficients at scattered points. *Gradient* also
+//! evaluates its tangent gradient, without a singularity at the poles.
+//!
 //! # Examples
 //!
 //! ```
@@ -13,18 +23,9 @@
 //! assert!(power[1] == 0.0 && power[3] == 0.0);
 //! assert!((power[2] - 1.0 / std::f64::consts::PI).abs() < 1e-14);
 //! # Ok::<(), sphvar_sht::Error>(())
-//!
 //! ```
 //!
-//! The *adjoint* computes coefficients of weighted points, `a_lm = sum_k w_k conj Y_lm(x_k)`; it is
-//! the adjoint of synthesis, not its inverse. [`ExactTransform`] evaluates the definition in
-//! O(N lmax^2), to rounding, for any points. [`FastTransform`] computes it to a requested accuracy
-//! in O(N log^2(1/epsilon) + lmax^3). [`Transform`] selects one of them. Their Legendre stage is
-//! available separately as [`RingTransform`], for functions whose Fourier coefficients are known on
-//! rings of constant colatitude.
-//!
-//! *Synthesis* evaluates a function with given coefficients at scattered points. *Gradient* also
-//! evaluates its tangent gradient, without a singularity at the poles:
+//! Synthesis and gradient:
 //!
 //! ```
 //! use glam::DVec3;
@@ -41,7 +42,6 @@
 //! assert!(values[0].abs() < 1e-11 && (values[1] - 1.0).abs() < 1e-11);
 //! assert!((gradients[0] - DVec3::Z).length() < 1e-11 && gradients[1].length() < 1e-11);
 //! # Ok::<(), sphvar_sht::Error>(())
-//!
 //! ```
 
 mod angles;

@@ -28,10 +28,10 @@ impl Resolution {
     /// square of it: 1e-24.
     pub const EPSILON: f64 = 1e-12;
 
-    /// The smallest [`Self::epsilon`].
+    /// The minimum of [`Self::epsilon`].
     pub const MIN_EPSILON: f64 = FastTransform::MIN_EPSILON;
 
-    /// The largest [`Self::epsilon`].
+    /// The maximum of [`Self::epsilon`].
     pub const MAX_EPSILON: f64 = FastTransform::MAX_EPSILON;
 
     /// Returns the degree at which the spectrum of a random pattern has converged to its limit:

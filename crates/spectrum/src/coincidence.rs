@@ -57,7 +57,6 @@ type Visitor<'a> = dyn FnMut(&[(usize, bool)]) + 'a;
 /// let poles = tail_power(&[DVec3::Z, DVec3::NEG_Z], &[]);
 /// assert_eq!((poles.even, poles.odd), (2.0, 0.0));
 /// ```
-/// ```
 #[must_use]
 pub fn tail_power(points: &[DVec3], weights: &[f64]) -> ByParity {
     assert!(weights.is_empty() || weights.len() == points.len(), "one weight per point");

@@ -49,7 +49,6 @@ const EPSILON: f64 = 1e-13;
 /// // c_N l(l+1)/N with c_N = 1.1168.
 /// assert!((spectrum.power()[1] * 3072.0 / 2.0 - 1.1168).abs() < 1e-4);
 /// # Ok::<(), sphvar_spectrum::Error>(())
-///
 /// ```
 #[derive(Debug)]
 pub struct ExactSpectrum<'a> {

@@ -1,5 +1,21 @@
 //! Angular power spectra of ensembles of sampling patterns, with error bars that merge exactly.
 //!
+//! The transform of `sphvar-sht` converts the point sets of an [`Ensemble`], such as the
+//! realizations of a sampler, into spherical-harmonic coefficients. An [`Accumulator`] collects
+//! statistics of the coefficients: the power per degree ([`SpectrumAccumulator`]), the power per
+//! degree and order ([`OrderAccumulator`]), or single coefficients ([`CoefficientSamples`]).
+//! [`HomogeneityAccumulator`] and [`HomogeneityAudit`] test the low coefficients for homogeneity,
+//! the assumption under which variances follow from the spectrum.
+//!
+//! Accumulators sum exactly ([`ExactSum`]). Any split of the realizations over threads, or over
+//! machines of one instruction-set class, merges to a bit-identical result.
+//!
+//! [`ExactSpectrum`] evaluates the mean spectrum of some patterns in closed form, without an
+//! ensemble. Spectra and their sums are generic over [`Bands`](sphvar_sh::Bands); the degrees of
+//! the sphere are one kind of bands.
+//!
+//! # Examples
+//!
 //! ```
 //! use sphvar_samplers::{Domain, Pattern, Purpose, Realizations, Streams};
 //! use sphvar_spectrum::estimate;
@@ -12,24 +28,7 @@
 //! assert!((power - 1.0).abs() < 5.0 * stderr);
 //! assert!((spectrum.power()[0] - 64.0).abs() < 1e-10);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
-//!
 //! ```
-//!
-//! # Overview
-//!
-//! The transform of `sphvar-sht` turns the point sets of an [`Ensemble`], such as the realizations
-//! of a sampler, into spherical-harmonic coefficients. An [`Accumulator`] collects statistics of
-//! the coefficients: the power per degree ([`SpectrumAccumulator`]), the power per degree and order
-//! ([`OrderAccumulator`]), or single coefficients ([`CoefficientSamples`]).
-//! [`HomogeneityAccumulator`] and [`HomogeneityAudit`] test the low coefficients for homogeneity,
-//! the assumption under which variances follow from the spectrum.
-//!
-//! Accumulators sum exactly ([`ExactSum`]). Any split of the realizations over threads, or over
-//! machines of one instruction-set class, merges to a bit-identical result.
-//!
-//! [`ExactSpectrum`] evaluates the mean spectrum of some patterns in closed form, without an
-//! ensemble. Spectra and their sums are generic over [`Bands`](sphvar_sh::Bands); the degrees of
-//! the sphere are one kind of bands.
 
 mod accumulate;
 mod accumulator;

@@ -39,8 +39,8 @@ pub(crate) struct Synthesis<'a> {
     pub(crate) values: &'a mut [Complex<f64>],
 }
 
-/// Workspace: the factors and the product, indexed by anchor. A row has `PARTS` columns for each of
-/// the functions; there are storage columns for 1 or for `FUNCTIONS` functions.
+/// Workspace: the factors and the product, indexed by anchor. A row has `PARTS` columns per
+/// function, for 1 or for `FUNCTIONS` functions.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Columns {
     by_lane: [Vec<f64>; 2],

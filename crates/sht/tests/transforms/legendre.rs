@@ -84,7 +84,7 @@ pub(crate) struct Group {
     /// -1 in the southern hemisphere.
     parity: [f64; LANES],
     /// `e^{-i phi}`.
-    turn: [Lanes; 2],
+    phase: [Lanes; 2],
     /// At the current order m: `sin^m theta BLOCK^blocks`, and `e^{-i m phi}`.
     sectoral: Lanes,
     blocks: [f64; LANES],
@@ -109,8 +109,8 @@ impl Group {
             group.versine.set(i, sin * sin / (Double::ONE + cos));
             group.parity[i] = if p.z < 0.0 { -1.0 } else { 1.0 };
             if rho.hi > 0.0 {
-                group.turn[0].set(i, Double::from(x) / rho);
-                group.turn[1].set(i, Double::from(-y) / rho);
+                group.phase[0].set(i, Double::from(x) / rho);
+                group.phase[1].set(i, Double::from(-y) / rho);
             }
             group.sectoral.set(i, Double::ONE);
             group.power[0].set(i, Double::ONE);
@@ -162,7 +162,7 @@ impl Group {
             self.sectoral.set(i, sectoral.scaled(factor));
             self.blocks[i] += more;
             let [re, im] = [0, 1].map(|part: usize| self.power[part].lane(i));
-            let [c, s] = [0, 1].map(|part: usize| self.turn[part].lane(i));
+            let [c, s] = [0, 1].map(|part: usize| self.phase[part].lane(i));
             self.power[0].set(i, re * c - im * s);
             self.power[1].set(i, re * s + im * c);
         }

@@ -1,4 +1,4 @@
-//! The transforms against their definition, and the identities that tie them together.
+//! Comparison of the transforms with their definition, and identities between them.
 
 mod accuracy;
 mod adjointness;

@@ -101,7 +101,7 @@ pub(crate) fn difficult() -> Vec<Set> {
         set("all at the north pole", vec![DVec3::Z; 33]),
         set("all at the south pole", vec![-DVec3::Z; 34]),
         set("seam", seam()),
-        set("beside the poles", beside_poles()),
+        set("near the poles", near_poles()),
     ]
 }
 
@@ -155,7 +155,7 @@ fn seam() -> Vec<DVec3> {
 }
 
 /// Returns points at distances of 1e-160, of the smallest number and of rounding from either pole.
-fn beside_poles() -> Vec<DVec3> {
+fn near_poles() -> Vec<DVec3> {
     let mut points = Vec::new();
     for distance in [1e-160, 5e-324, 1e-308, 1e-17, 1.2e-16] {
         for (x, y) in [(1.0, 0.0), (-1.0, -0.0), (0.0, 1.0), (1.0, -1.0), (-1.0, -1.0)] {

@@ -193,7 +193,7 @@ impl Block {
 /// `P_l(1 - s/2)` is a polynomial of degree l in s, whose coefficients are no larger than those of
 /// `J_0((l + 1/2) sqrt(s))` and have the same signs. Its Chebyshev coefficients are therefore no
 /// larger than those of `I_0`, which are `2 I_j(a)^2` with `a = (l + 1/2) sqrt(s_max)/2`, and
-/// `I_j(a) <= (a/2)^j e^(a^2/(4j + 4))/j!`. The first omitted one must be below 1e-17 of the
+/// `I_j(a) <= (a/2)^j e^(a^2/(4j + 4))/j!`. The omitted coefficients must be below 1e-17 of the
 /// maximum of `1 - P_l`, about `min(1, a^2)`.
 pub(super) fn n_moments(lmax: usize, longest_squared: f64) -> usize {
     let a = 0.5 * (lmax as f64 + 0.5) * longest_squared.sqrt();

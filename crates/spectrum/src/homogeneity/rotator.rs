@@ -121,7 +121,8 @@ fn multiply(matrix: &[f64], transposed: bool, from: &[f64], to: &mut [f64]) {
 /// m is `column` or its negative.
 ///
 /// ```text
-/// d^{l+1} = -((2l+1) m' m/l d^l + (l+1)/l q_l d^{l-1})/q_{l+1},   q_l = sqrt((l^2 - m^2)(l^2 - m'^2))
+/// d^{l+1} = -((2l+1) m' m/l d^l + (l+1)/l q_l d^{l-1})/q_{l+1},
+/// q_l = sqrt((l^2 - m^2)(l^2 - m'^2))
 /// ```
 ///
 /// The recurrence (Kostelec and Rockmore 2008, section 3.3, at beta = pi/2) is stable upwards from
