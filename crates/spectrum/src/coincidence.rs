@@ -155,7 +155,7 @@ mod tests {
     }
 
     #[test]
-    fn lines_match_the_sum_over_all_pairs() {
+    fn lines_are_those_of_all_pairs() {
         let rotation = DQuat::from_rotation_x(0.7) * DQuat::from_rotation_z(1.1);
         let base = spiral(40);
         let rotated = |p: &DVec3| (rotation * *p).normalize();

@@ -59,7 +59,7 @@ const RELATIVE: f64 = 100.0 * f64::EPSILON;
 const ABSOLUTE: f64 = 2.0 * super::EPSILON;
 
 #[test]
-fn both_methods_agree() {
+fn both_ways_agree() {
     for (name, partition) in partitions() {
         let (chords, means) = (by_chords(&partition, 24, 24), by_means(&partition, 24, 24));
         assert_near(&chords, &means, |_| ABSOLUTE, &name);
@@ -101,7 +101,7 @@ fn the_series_has_converged() {
 /// Compares the classes and their sizes with all cells, each split along u + v = 1 even where this
 /// is unnecessary, by the definition: Legendre polynomials of the angles between pairs of nodes.
 #[test]
-fn classes_represent_all_cells() {
+fn classes_stand_for_all_cells() {
     for nside in 1..=7 {
         let partition = healpix(nside);
         let shares: f64 =
@@ -129,7 +129,7 @@ fn classes_represent_all_cells() {
 
 /// The same for zones, whose classes are counted in a list of all regions.
 #[test]
-fn classes_represent_all_regions() {
+fn classes_stand_for_all_regions() {
     for (n, domain) in [1, 2, 3, 5, 9, 34, 35]
         .into_iter()
         .flat_map(|n| [(n, Domain::Sphere), (n, Domain::Hemisphere)])
@@ -205,7 +205,7 @@ fn ticks_add_up_to_the_work() {
 
 /// Compares the combination of both methods with chords for all degrees, at any cost.
 #[test]
-fn the_combination_of_methods_is_consistent() {
+fn the_ways_are_joined_without_a_seam() {
     for (name, partition, lmax) in
         [("nside 1", healpix(1), 60), ("20 regions", zonal(20, Domain::Hemisphere), 80)]
     {
