@@ -1,4 +1,4 @@
-/// What a trial is about, in the order in which reports show it.
+/// The subject of a trial, in report order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Area {
     /// Associated Legendre functions and spherical harmonics of single arguments.
@@ -18,7 +18,7 @@ impl Area {
     pub const ALL: [Self; 5] =
         [Self::Harmonics, Self::Indexing, Self::Transforms, Self::Spectra, Self::Predictions];
 
-    /// The name by which commands and files know the area.
+    /// Returns the name of the area in commands and files.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {

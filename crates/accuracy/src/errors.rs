@@ -1,4 +1,4 @@
-/// Errors of many values: the largest, where it is, and the root of the mean square.
+/// Statistics of the errors of many values: the maximum, its location, and the root mean square.
 ///
 /// ```
 /// use sphvar_accuracy::Errors;
@@ -18,8 +18,8 @@ pub struct Errors {
 }
 
 impl Errors {
-    /// Takes in the error of one value; `name` says which one, and is asked only if no other was as large. A NaN
-    /// counts as an infinite error: a bound must not pass over it.
+    /// Adds the error of one value. `name` identifies the value and is called only if the error is
+    /// the largest so far. A NaN counts as an infinite error, so that it exceeds any bound.
     pub fn push(&mut self, error: f64, name: impl FnOnce() -> String) {
         let size = if error.is_nan() { f64::INFINITY } else { error.abs() };
         if self.count == 0 || size > self.max {
@@ -30,33 +30,33 @@ impl Errors {
         self.count += 1;
     }
 
-    /// Takes in an infinite error if `got` values came where `expected` ones should: a bound must not pass over those
-    /// that are missing.
+    /// Adds an infinite error unless the number of values `got` equals `expected`, so that missing
+    /// values exceed any bound.
     pub(crate) fn push_length(&mut self, got: usize, expected: usize) {
         if got != expected {
             self.push(f64::NAN, || format!("{got} values, not {expected}"));
         }
     }
 
-    /// The largest magnitude; 0 of no values.
+    /// Returns the largest magnitude; 0 without values.
     #[must_use]
     pub fn max(&self) -> f64 {
         self.max
     }
 
-    /// The name of the value with the largest error.
+    /// Returns the name of the value with the largest error.
     #[must_use]
     pub fn worst(&self) -> &str {
         &self.worst
     }
 
-    /// The root of the mean square; 0 of no values.
+    /// Returns the root mean square; 0 without values.
     #[must_use]
     pub fn rms(&self) -> f64 {
         if self.count == 0 { 0.0 } else { (self.squares / self.count as f64).sqrt() }
     }
 
-    /// The number of values.
+    /// Returns the number of values.
     #[must_use]
     pub fn count(&self) -> u64 {
         self.count

@@ -1,21 +1,21 @@
 use crate::{Area, Errors, harmonics, indexing, predictions, spectra, transforms};
 
-/// An input at the edge of what numbers can hold, and the bound that the error keeps there.
+/// An extreme input at the limits of floating-point numbers, with the bound of its error.
 #[derive(Clone, Copy, Debug)]
 pub struct HardCase {
-    /// The name, which is that of its test: `colatitudes_down_to_1e_minus_300`.
+    /// The name, which is also that of its test: `colatitudes_down_to_1e_minus_300`.
     pub name: &'static str,
-    /// What is computed, and what errors are relative to.
+    /// The computed quantity, and the scale of relative errors.
     pub what: &'static str,
-    /// What the largest error must not exceed.
+    /// The bound of the largest error.
     pub bound: f64,
-    /// Why the bound is what it is.
+    /// The derivation of the bound.
     pub reason: &'static str,
-    /// Computes it and compares it with its reference.
+    /// Computes the quantity and compares it with its reference.
     pub measure: fn() -> Errors,
 }
 
-/// The hard cases of an area.
+/// Returns the hard cases of an area.
 #[must_use]
 pub fn hard_cases(area: Area) -> Vec<HardCase> {
     match area {

@@ -1,8 +1,9 @@
 //! Associated Legendre functions and spherical harmonics of single arguments.
 //!
 //! Errors are relative to the local amplitude: the largest of `|lambda_lm|`, `|lambda_{l-1,m}|` and
-//! `|d lambda_lm/d theta|/(l + 1/2)` where the function oscillates, `|lambda_lm|` where it is evanescent. What `f64` has to hold is compared with at least `2^-1022`,
-//! below which `f64` has fewer digits.
+//! `|d lambda_lm/d theta|/(l + 1/2)` where the function oscillates, `|lambda_lm|` where it is
+//! evanescent. For values stored in `f64` the scale is at least `2^-1022`, below which `f64` has
+//! fewer digits.
 
 mod columns;
 mod extremes;
@@ -14,7 +15,7 @@ use crate::{Area, Effort, Subject, Trial};
 
 pub(crate) use extremes::hard_cases;
 
-/// Colatitudes, radians: the poles, the equator and both sides of them, and ordinary ones.
+/// Colatitudes in radians: the poles and the equator with both sides of each, and generic ones.
 const COLATITUDES: [f64; 14] = [
     1e-300,
     1e-30,
@@ -32,12 +33,12 @@ const COLATITUDES: [f64; 14] = [
     PI,
 ];
 
-/// What errors are relative to.
+/// The scale of relative errors.
 const AMPLITUDE: &str = "the local amplitude";
-/// The name of the reference of computed values.
+/// The name of the computed reference.
 const TWICE: &str = "twice the precision";
 
-/// The trials of this area.
+/// Returns the trials of this area.
 pub(crate) fn trials(effort: Effort) -> Vec<Trial> {
     let degrees: &[usize] = match effort {
         Effort::Quick => &[20, 200, 2000],
@@ -51,20 +52,21 @@ pub(crate) fn trials(effort: Effort) -> Vec<Trial> {
     trials
 }
 
-/// What `sphvar-sh` promises for degree `l`, `4 EPSILON (l + 1)` of the amplitude.
+/// Returns the documented error bound of `sphvar-sh` at degree `l`, `4 EPSILON (l + 1)` of the
+/// amplitude.
 ///
-/// One EPSILON a step of the recurrence would be (l + 1) EPSILON, and m of them come from the power of the sine; the factor
-/// is for what rounds more than once in a step.
-fn promise(l: usize) -> f64 {
+/// One EPSILON per step of the recurrence gives (l + 1) EPSILON, m of which come from the power of
+/// the sine; the factor covers several roundings per step.
+fn documented_bound(l: usize) -> f64 {
     4.0 * f64::EPSILON * (l as f64 + 1.0)
 }
 
-/// Orders of degree `l` near 0, `l/2` and `l`.
+/// Returns orders of degree `l` near 0, `l/2` and `l`.
 fn orders(l: usize) -> [usize; 6] {
     [0, 1, l / 2, l / 2 + 1, l - 1, l]
 }
 
-/// A trial of Legendre functions.
+/// Returns a trial of Legendre functions.
 fn trial(
     method: &str,
     case: String,

@@ -1,8 +1,9 @@
-//! Directions to HEALPix pixels and back.
+//! Conversion of directions to HEALPix pixels and back.
 //!
-//! A direction is right if the pixel that it is given contains it, judged in twice the precision by the definition of
-//! the projection; the error is how far outside of it the direction is, in parts of the pixel's side. A direction's own rounding,
-//! EPSILON, is `EPSILON nside` of these.
+//! A result is correct if the returned pixel contains the direction, tested in twice the working
+//! precision by the definition of the projection. The error is the distance of the direction from
+//! the pixel, in units of the pixel's side. The rounding of the direction itself, EPSILON, is
+//! `EPSILON nside` in these units.
 
 mod definition;
 mod extremes;
@@ -22,7 +23,7 @@ pub(crate) use extremes::hard_cases;
 /// The seed of the directions and pixels.
 const SEED: u64 = 1;
 
-/// The trials of this area.
+/// Returns the trials of this area.
 pub(crate) fn trials(effort: Effort) -> Vec<Trial> {
     let (resolutions, count): (&[u32], usize) = match effort {
         Effort::Quick => (&[1, 64, 1 << 20, 1 << 29], 4000),
@@ -32,7 +33,7 @@ pub(crate) fn trials(effort: Effort) -> Vec<Trial> {
     resolutions.flat_map(|nside| at_resolution(nside, count)).collect()
 }
 
-/// The trials at one resolution, in ring order and, where it exists, in nested order.
+/// Returns the trials at one resolution, in ring order and, where it exists, in nested order.
 fn at_resolution(nside: Nside, count: usize) -> Vec<Trial> {
     let ring = Ring::new(nside);
     let (case, side) = (format!("nside = {nside}"), f64::from(nside.value()));
@@ -54,7 +55,7 @@ fn at_resolution(nside: Nside, count: usize) -> Vec<Trial> {
     let (integers, itself) = ("definition, integers", "the pixel whose centre it is");
     let (to_pixel, to_centre) = (bound_of_pixel(side), bound_of_centre(side));
     let pixels = random_pixels(nside, count);
-    // Half of them anywhere and half where rounding decides.
+    // Half of them are random and half lie where rounding decides.
     let mut directions = random_directions(count);
     for (i, (dir, &pixel)) in directions.iter_mut().zip(&pixels).enumerate().step_by(2) {
         *dir = on_edges(&ring, pixel)[i / 2 % 4];
@@ -92,13 +93,15 @@ fn at_resolution(nside: Nside, count: usize) -> Vec<Trial> {
     trials
 }
 
-/// How far outside of its pixel a direction may be, in parts of the pixel's side: the coordinates in a face, sums of a
-/// longitude and a height up to 2, are right to EPSILON, and so is the direction.
+/// Returns the bound on the distance of a direction from its pixel, in units of the pixel's side:
+/// the coordinates in a face, sums of a longitude and a height up to 2, are accurate to EPSILON,
+/// and so is the direction.
 fn bound_of_pixel(nside: f64) -> f64 {
     2.0 * f64::EPSILON * nside
 }
 
-/// How far from its place a centre may be, in parts of the pixel's side: three components, each right to EPSILON.
+/// Returns the bound on the error of a centre's position, in units of the pixel's side: three
+/// components, each accurate to EPSILON.
 fn bound_of_centre(nside: f64) -> f64 {
     2.0 * f64::EPSILON * nside
 }
@@ -113,7 +116,7 @@ fn random_directions(count: usize) -> Vec<DVec3> {
     (0..count).map(|_| direction()).collect()
 }
 
-/// A direction on each edge of a pixel, SW, SE, NE and NW.
+/// Returns a direction on each edge of a pixel, SW, SE, NE and NW.
 fn on_edges(order: &dyn PixelOrder, pixel: u64) -> [DVec3; 4] {
     [(0.0, 0.3), (0.6, 0.0), (1.0, 0.8), (0.1, 1.0)].map(|(u, v)| order.uniform_point(pixel, u, v))
 }

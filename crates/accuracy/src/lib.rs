@@ -1,8 +1,9 @@
-//! How large the errors of sphvar's numbers are, against references that are better than what is measured.
+//! Measures the errors of sphvar's results against more accurate references.
 //!
-//! A [`Trial`] is one method on one input: whoever holds a clock times [`Subject::run`], and [`Subject::errors`]
-//! compares what the last run gave with a 25-digit table, twice the working precision or a closed form. A [`HardCase`] is an
-//! input at the edge of what numbers can hold, with the bound that its error keeps.
+//! A [`Trial`] is one method on one input. Callers that measure speed time [`Subject::run`];
+//! [`Subject::errors`] compares the results of the last run with a 25-digit table, twice the
+//! working precision or a closed form. A [`HardCase`] is an extreme input at the limits of
+//! floating-point numbers, with the bound of its error.
 //!
 //! ```
 //! use sphvar_accuracy::{Area, Effort, hard_cases, trials};
@@ -19,9 +20,10 @@
 //!
 //! # Bounds
 //!
-//! Where a method promises an accuracy, that is its bound; elsewhere it is `k EPSILON growth` with the reason beside it. References are
-//! independent of what is measured and better than it: a table of 25 digits, twice the working precision
-//! ([`mod@reference`]), integers, or a closed form.
+//! The bound is the documented accuracy of a method if there is one; otherwise it is
+//! `k EPSILON growth`, with its derivation in the code. References are independent of the tested
+//! code and more accurate: a table of 25 digits, twice the working precision ([`mod@reference`]),
+//! integers, or a closed form.
 
 mod area;
 mod errors;

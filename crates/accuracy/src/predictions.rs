@@ -15,15 +15,16 @@ pub(crate) use hard::hard_cases;
 use crate::{Area, Effort, Subject, Trial};
 use subjects::{CapEnergies, LobeEnergies, OfHarmonic, OfLobe, White};
 
-/// The trials of this area.
+/// Returns the trials of this area.
 ///
-/// - Energies are squares of coefficients that are right to `4 EPSILON (l + 1)` of the local amplitude for a cap, and
-///   of products of l ratios, each right to a rounding or two, for a lobe.
-/// - The variance of white noise is a sum of lmax terms, whose roundings go either way, and a rest that make the
-///   closed form together.
-/// - The variance of a harmonic or a lobe is a mean of squares of coefficients. Where these are wrong by a part of
-///   what white noise has, it is wrong by twice that part of the geometric mean of itself and white noise's variance:
-///   see [`of_amplitudes`].
+/// - Energies are squares of coefficients. Those of a cap are accurate to `4 EPSILON (l + 1)` of
+///   the local amplitude; those of a lobe are products of l ratios, each accurate to one or two
+///   roundings.
+/// - The variance of white noise is a sum of lmax terms, whose rounding errors partly cancel, and a
+///   remainder; together they are the closed form.
+/// - The variance of a harmonic or a lobe is a mean of squares of coefficients. If these have
+///   errors relative to those of white noise, the error of the variance is twice that fraction of
+///   the geometric mean of the variance and white noise's variance; see [`of_amplitudes`].
 pub(crate) fn trials(effort: Effort) -> Vec<Trial> {
     let (lmax, n) = match effort {
         Effort::Quick => (1000, 192),
@@ -42,7 +43,7 @@ pub(crate) fn trials(effort: Effort) -> Vec<Trial> {
             ..trial("energies", case, 8.0 * f64::EPSILON, RECURRENCE, subject)
         });
     }
-    // To where energies are 1e-16 of the largest, or nearly.
+    // Up to the degree where energies are about 1e-16 of the largest.
     for (kappa, lmax) in [(1.0, 20_u32), (100.0, 80), (1e4, 500)] {
         let case = format!("von Mises-Fisher lobe, kappa = {kappa:e}, lmax = {lmax}");
         let subject = Box::new(LobeEnergies::new(lobe(kappa), kappa, lmax as usize));
@@ -87,8 +88,9 @@ pub(crate) fn trials(effort: Effort) -> Vec<Trial> {
     trials
 }
 
-/// Twice what low coefficients are wrong by: 24 EPSILON by the exact transform, where the points of a parallel have
-/// roundings in common, and 64 EPSILON by the fast one, the roundings of windows and grid.
+/// Returns twice the error of low coefficients: 24 EPSILON for the exact transform, where the
+/// points of a parallel have common roundings, and 64 EPSILON for the fast one, from the roundings
+/// of windows and grid.
 fn of_amplitudes(n: usize, lmax: usize) -> f64 {
     let transform = Transform::new(Method::Auto, lmax, n, Resolution::EPSILON);
     let amplitude = if transform.is_ok_and(|t| t.is_fast()) { 64.0 } else { 24.0 };

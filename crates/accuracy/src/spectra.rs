@@ -1,4 +1,4 @@
-//! Angular power spectra, of sets and without sampling.
+//! Angular power spectra: of sets, and in closed form.
 
 mod hard;
 mod merging;
@@ -16,16 +16,17 @@ pub(crate) use pair_sums::{dot, legendre, legendre_sums, unit};
 use crate::{Area, Effort, Trial};
 use subjects::{Known, OfSets, Sets};
 
-/// What fast transforms are asked for.
+/// The requested accuracies of fast transforms.
 const EPSILONS: [f64; 6] = [1e-3, 1e-5, 1e-7, 1e-9, 1e-11, 1e-13];
 
-/// The trials of this area.
+/// Returns the trials of this area.
 ///
-/// An error of epsilon times the norm of all coefficients that is spread evenly over them moves one by epsilon of its
-/// mean size, a little more where the N of degree 0 counts. Power moves by twice that, less the root of the number of
-/// coefficients in a degree of all sets, which go either way; see [`Sets::bound`]. The power of strata is a sum of
-/// positive weights and terms, some roundings each; that of a lattice has twice the error of its amplitudes, where it
-/// is largest.
+/// An error of epsilon times the norm of all coefficients, spread evenly over them, changes each by
+/// epsilon of its mean size, or slightly more where the N of degree 0 contributes. The relative
+/// change of the power is twice that, divided by the root of the number of coefficients of a degree
+/// in all sets, as their errors partly cancel; see [`Sets::bound`]. The power of strata is a sum of
+/// positive weights and terms with a few roundings each. The power of a lattice has twice the
+/// relative error of its amplitudes, where it is largest.
 pub(crate) fn trials(effort: Effort) -> Vec<Trial> {
     let (n, lmax, count) = match effort {
         Effort::Quick => (192, 64, 4),

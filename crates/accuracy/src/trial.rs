@@ -2,43 +2,44 @@ use std::fmt;
 
 use crate::{Area, Errors, harmonics, indexing, predictions, spectra, transforms};
 
-/// How much work a suite may be.
+/// The amount of work of a suite.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Effort {
-    /// Some seconds in all.
+    /// Several seconds in total.
     Quick,
-    /// Some minutes.
+    /// Several minutes.
     Full,
 }
 
-/// Something that can be run again and again, and compared with its reference.
+/// A computation that can be run repeatedly and compared with its reference.
 pub trait Subject: Send {
-    /// The work that is timed. Inputs are made before, and so are plans and memory where a caller would keep them, or by
-    /// the first run. Spectra and predictions are timed as a whole, as a user asks for them: with the sampling of sets and
-    /// the plan of their transform.
+    /// Runs the work that is timed. Inputs are prepared beforehand; so are plans and memory if a
+    /// caller would keep them, otherwise by the first run. Spectra and predictions are timed as a
+    /// whole, as a user calls them: with the sampling of sets and the plan of their transform.
     fn run(&mut self);
 
-    /// The errors of what the last run gave. May be far dearer than the run.
+    /// Returns the errors of the last run. This may be far more expensive than the run.
     fn errors(&mut self) -> Errors;
 }
 
 /// One method on one input.
 pub struct Trial {
-    /// What it is about.
+    /// The area.
     pub area: Area,
-    /// The method, which is the curve that the trial is a point of: `fast, f64`.
+    /// The method, which identifies the curve that the trial is a point of: `fast, f64`.
     pub method: String,
     /// The input: `N = 10000, lmax = 255, epsilon = 1e-6`.
     pub case: String,
-    /// How many `unit`s one run computes.
+    /// The number of `unit`s that one run computes.
     pub count: f64,
-    /// What is counted: `values`, `points`, `directions`.
+    /// The unit: `values`, `points`, `directions`.
     pub unit: &'static str,
-    /// What errors are relative to: `the local amplitude`.
+    /// The scale of relative errors: `the local amplitude`.
     pub relative_to: &'static str,
-    /// What the largest error must not exceed, with its reason in the documentation of whatever makes the trial.
+    /// The bound of the largest error; it is derived in the documentation of the function that
+    /// creates the trial.
     pub bound: f64,
-    /// What the errors are measured against: `25-digit table`.
+    /// The reference: `25-digit table`.
     pub reference: &'static str,
     /// The work and its check.
     pub subject: Box<dyn Subject>,
@@ -54,7 +55,7 @@ impl fmt::Debug for Trial {
     }
 }
 
-/// The trials of an area.
+/// Returns the trials of an area.
 #[must_use]
 pub fn trials(area: Area, effort: Effort) -> Vec<Trial> {
     match area {

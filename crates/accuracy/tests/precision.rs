@@ -1,4 +1,4 @@
-//! The digits of the arithmetic, by identities and by the table.
+//! The accuracy of the double-double arithmetic, by identities and against the table.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -18,7 +18,7 @@ fn assert_near(got: DoubleDouble, exact: DoubleDouble, relative: f64, name: &str
 #[test]
 fn identities_of_the_arithmetic() {
     let (s, c) = dd(2.5).sin_cos();
-    // A handful of operations of 16 UNIT^2 = 2e-31 each.
+    // Several operations of 16 UNIT^2 = 2e-31 each.
     let eight = 1.6e-30;
     assert_near(s * s + c * c, DoubleDouble::ONE, eight, "sine and cosine");
     assert_near((s * c) / (s * c), DoubleDouble::ONE, eight, "quotient");
@@ -26,10 +26,10 @@ fn identities_of_the_arithmetic() {
     assert_near(s.power(10) / s.power(7), s * s * s, 2.0 * eight, "power");
     let product = DoubleDouble::parse("1.5e-4000").unwrap()
         * DoubleDouble::parse("6666666666666666666666666666.66e3972").unwrap();
-    // The second factor is cut off after 30 digits; the powers of ten take 4000 factors.
+    // The second factor is truncated after 30 digits; the powers of ten take 4000 factors.
     assert_near(product, DoubleDouble::ONE, 4000.0 * 2e-31, "decimal");
     let cancelled = (dd(1.0) + dd(1e-20)) - dd(1.0);
-    // 1e-20 is held by 1 to 106 bits of 1: 1e-32.
+    // 1 + 1e-20 holds 1e-20 to 106 bits of 1: 1e-32.
     assert_near(cancelled, dd(1e-20), 1.3e-12, "difference");
 }
 
@@ -77,10 +77,10 @@ fn angles() {
         } else {
             dd(angle)
         };
-        // A reduction by 2 pi leaves 106 bits of 2 pi.
+        // A reduction by 2 pi preserves 106 bits of 2 pi.
         assert_near(DoubleDouble::atan2(s, c), expected, 4e-31, &format!("angle {angle:e}"));
     }
-    // Addition theorem with a reduced angle; 1e-32 times the angle is lost in the reduction.
+    // Addition theorem with a reduced angle; the reduction loses 1e-32 times the angle.
     let (s, c) = dd(1000.0).sin_cos();
     let (s2, _) = dd(2000.0).sin_cos();
     assert_near(dd(2.0) * s * c, s2, 1e-28, "doubled angle");
@@ -91,12 +91,14 @@ fn angles() {
         let difference = (north - own).value().abs();
         assert!(difference < 1e-30, "theta = {theta}: {difference:e}");
     }
-    // The first 20 digits of sin(PI), which are those of pi that PI lacks, from Abramowitz and Stegun, table 1.1.
+    // The first 20 digits of sin(PI), which are those of pi - PI, from Abramowitz and Stegun, table
+    // 1.1.
     let lack = DoubleDouble::parse("1.2246467991473531772e-16").unwrap();
     assert_near(DoubleDouble::supplement(PI), lack, 1e-19, "pi");
 }
 
-/// Rows agree to what the table has, 25 digits, of the value itself; in the oscillating region of the amplitude.
+/// Rows agree to the 25 digits of the table, relative to the value itself; in the oscillating
+/// region, relative to the amplitude.
 #[test]
 fn recurrence_against_the_table() {
     let mut rows = 0;
@@ -109,9 +111,10 @@ fn recurrence_against_the_table() {
     assert_eq!(rows, 263, "the table is complete");
 }
 
-/// Where `lambda_31 = -sqrt(21/(64 pi)) sin (5 cos^2 - 1)` is 0 its slope is `10 sqrt(21/(64 pi)) cos sin^2`.
+/// At the zero of `lambda_31 = -sqrt(21/(64 pi)) sin (5 cos^2 - 1)` the slope is
+/// `10 sqrt(21/(64 pi)) cos sin^2`.
 #[test]
-fn the_amplitude_at_a_zero_is_that_of_the_slope() {
+fn the_amplitude_at_a_zero_follows_from_the_slope() {
     let (sin, cos) = (0.8_f64.sqrt(), 0.2_f64.sqrt());
     let at_zero = lambda(3, 1, AcuteAngle::from_direction([sin, 0.0, cos]));
     let slope = 10.0 * (21.0 / (64.0 * PI)).sqrt() * cos * sin * sin;
@@ -128,7 +131,7 @@ fn the_amplitude_at_a_zero_is_that_of_the_slope() {
 fn both_angles_of_a_direction_agree() {
     for theta in [1e-300, 1e-20, 1e-3, 0.7, 1.5, 2.0, 3.1] {
         let a = AcuteAngle::from_theta(theta);
-        // Not a unit vector: only the ratio counts.
+        // Not a unit vector: only the ratio matters.
         let b = AcuteAngle::from_direction([0.6 * theta.sin(), -0.8 * theta.sin(), theta.cos()]);
         // Sine and cosine are rounded to f64, the sine also multiplied.
         let bound = 4.0 * f64::EPSILON / theta.cos().abs();

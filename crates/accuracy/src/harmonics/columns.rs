@@ -1,12 +1,13 @@
 use crate::reference::{AcuteAngle, LegendreColumn};
 use sphvar_sh::{Colatitude, LegendrePlan, Recurrence};
 
-use super::{COLATITUDES, TWICE, orders, promise, trial};
+use super::{COLATITUDES, TWICE, documented_bound, orders, trial};
 use crate::{Errors, Subject, Trial};
 
-/// All degrees of an order at once, with the coefficients made on the way and with those at hand.
+/// Returns trials of all degrees of an order at once, with coefficients computed on the fly and
+/// precomputed.
 pub(super) fn trials(lmax: usize) -> Vec<Trial> {
-    // A column of order lmax has one value: the orders in between say more.
+    // A column of order lmax has only one value, so orders in between are more informative.
     let [zero, one, half, ..] = orders(lmax);
     let orders = [zero, one, half, lmax - lmax / 4];
     let places: Vec<_> = COLATITUDES
@@ -21,7 +22,7 @@ pub(super) fn trials(lmax: usize) -> Vec<Trial> {
         let subject = Filled { columns: Columns { out: vec![0.0; count], ..columns }, fill };
         trials.push(Trial {
             relative_to: "(l + 1)/(lmax + 1) of the local amplitude",
-            ..trial(method, format!("l to {lmax}"), count, promise(lmax), TWICE, subject)
+            ..trial(method, format!("l to {lmax}"), count, documented_bound(lmax), TWICE, subject)
         });
     };
     let plan = LegendrePlan::new(lmax).expect("a degree in range");
@@ -36,7 +37,7 @@ struct Columns {
     lmax: usize,
     orders: Vec<usize>,
     places: Vec<(f64, Colatitude)>,
-    /// Order after order, in each colatitude after colatitude, in each degree after degree.
+    /// By order, then colatitude, then degree.
     out: Vec<f64>,
 }
 
@@ -48,7 +49,7 @@ impl Columns {
 
 enum Fill {
     Plan(LegendrePlan),
-    /// One for each order.
+    /// One per order.
     Recurrences(Vec<Recurrence>),
 }
 
@@ -81,7 +82,7 @@ impl Subject for Filled {
             for &(theta, _) in places {
                 let exact = LegendreColumn::new(m as u64, AcuteAngle::from_theta(theta));
                 for ((l, exact), &got) in (m..=*lmax).zip(exact).zip(values.by_ref()) {
-                    // Low degrees are promised more digits.
+                    // Lower degrees have a stricter documented bound.
                     let weight = (*lmax as f64 + 1.0) / (l as f64 + 1.0);
                     let error = exact.error_in_f64(got) * weight;
                     errors.push(error, || format!("l = {l}, m = {m}, theta = {theta:?}"));

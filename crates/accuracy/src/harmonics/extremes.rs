@@ -6,11 +6,11 @@ use sphvar_sh::{Colatitude, LegendrePlan, Scaled, lambda, lambda_scaled};
 
 use crate::{Errors, HardCase};
 
-/// Distances from a pole, radians.
+/// Distances from a pole in radians.
 const SMALL: [f64; 7] = [1e-300, 1e-200, 1e-100, 1e-30, 1e-16, 1e-8, 1e-3];
-/// Degrees at the distances from a pole.
+/// Degrees tested at the distances from a pole.
 const DEGREES: [usize; 6] = [1, 2, 10, 200, 2000, 20000];
-/// Ordinary colatitudes for high degrees, radians.
+/// Generic colatitudes for high degrees, in radians.
 const ORDINARY: [f64; 7] = [0.03, 0.3, 0.9, 1.5, PI / 2.0, 2.2, 3.0];
 /// High degrees.
 const HIGH: [usize; 3] = [5000, 12345, 20000];
@@ -18,15 +18,19 @@ const HIGH: [usize; 3] = [5000, 12345, 20000];
 /// The largest degree.
 const LMAX: usize = 20000;
 
-const LEGENDRE: &str =
-    "lambda_lm with an exponent of its own, in EPSILON (l + 1) of the local amplitude";
+const LEGENDRE: &str = "lambda_lm with a separate exponent; error relative to the local amplitude, in units of EPSILON (l + 1)";
 
-const ONE_A_STEP: &str = "the sine, right to half an EPSILON, counts m times, its power rounds m times and the recurrence in each of l - m steps, all by half an EPSILON or so: one EPSILON for each of l + 1, if all went to one side";
+const ONE_PER_STEP: &str = "the sine, accurate to half an EPSILON, enters m times, its power rounds m times and the recurrence in each of l - m steps, all by about half an EPSILON: l + 1 times EPSILON if all have the same sign";
 
-/// The hard cases of this area.
+/// Returns the hard cases of this area.
 pub(crate) fn hard_cases() -> Vec<HardCase> {
-    let legendre =
-        |name, measure| HardCase { name, what: LEGENDRE, bound: 1.0, reason: ONE_A_STEP, measure };
+    let legendre = |name, measure| HardCase {
+        name,
+        what: LEGENDRE,
+        bound: 1.0,
+        reason: ONE_PER_STEP,
+        measure,
+    };
     vec![
         legendre("colatitudes_down_to_1e_minus_300", near_the_north_pole),
         legendre("colatitudes_up_to_pi_minus_1e_minus_300", near_the_south_pole),
@@ -40,14 +44,14 @@ pub(crate) fn hard_cases() -> Vec<HardCase> {
         legendre("degrees_to_20000_at_zeros_near_a_pole", zeros_near_a_pole),
         HardCase {
             name: "values_under_the_f64_range",
-            what: "lambda_lm as f64, in EPSILON (l + 1) of the local amplitude or of 2^-1022",
+            what: "lambda_lm as f64; error relative to the local amplitude or to 2^-1022, in units of EPSILON (l + 1)",
             bound: 1.0,
-            reason: ONE_A_STEP,
+            reason: ONE_PER_STEP,
             measure: under_the_range,
         },
         HardCase {
             name: "numbers_over_and_under_the_f64_range",
-            what: "powers with an exponent of their own, in EPSILON n of the value",
+            what: "powers with a separate exponent; relative error in units of EPSILON n",
             bound: 0.5,
             reason: "n - 1 products round by half an EPSILON each",
             measure: scaled_powers,
@@ -55,19 +59,19 @@ pub(crate) fn hard_cases() -> Vec<HardCase> {
     ]
 }
 
-/// The error of a value in units of EPSILON (l + 1) of its amplitude.
+/// Adds the error of a value in units of EPSILON (l + 1) of its amplitude.
 fn push(errors: &mut Errors, l: usize, error: f64, name: impl FnOnce() -> String) {
     errors.push(error / (f64::EPSILON * (l as f64 + 1.0)), name);
 }
 
-/// Takes in `lambda_lm` of a place that both sides know by its own means.
+/// Adds the error of `lambda_lm` at a point given in the representations of both implementations.
 fn compare(errors: &mut Errors, l: usize, m: usize, place: (Colatitude, AcuteAngle), name: &str) {
     let got = lambda_scaled(l, m, place.0);
     let exact = exact_lambda(l as u64, m as u64, place.1);
     push(errors, l, exact.error(number(got)), || format!("l = {l}, m = {m}, {name}"));
 }
 
-/// A colatitude in `[0, PI]` as either side takes it.
+/// Returns a colatitude in `[0, PI]` in the representations of both implementations.
 fn at(theta: f64) -> (Colatitude, AcuteAngle) {
     (Colatitude::from_theta(theta).expect("a colatitude"), AcuteAngle::from_theta(theta))
 }
@@ -76,7 +80,7 @@ fn number(x: Scaled) -> DoubleDouble {
     DoubleDouble::scaled(x.mantissa, x.exponent)
 }
 
-/// Orders for which `lambda_lm` is compared near a pole.
+/// Returns the orders for which `lambda_lm` is compared near a pole.
 fn few_orders(l: usize) -> Vec<usize> {
     let mut orders = vec![0, 1, 2, l / 2, l];
     orders.retain(|&m| m <= l);
@@ -97,7 +101,8 @@ fn near_the_north_pole() -> Errors {
     errors
 }
 
-/// The `f64` nearest to `pi - 1e-300` is `PI`, which is 1.2e-16 from the pole; a direction carries what is nearer.
+/// Returns the `f64` nearest to `pi - 1e-300` is `PI`, which is 1.2e-16 from the pole; smaller
+/// distances require a direction.
 fn near_the_south_pole() -> Errors {
     let mut errors = Errors::default();
     for small in SMALL {
@@ -114,7 +119,7 @@ fn near_the_south_pole() -> Errors {
     errors
 }
 
-/// High degrees at ordinary colatitudes and at the turning point, where oscillation begins.
+/// High degrees at generic colatitudes and at the turning point, where oscillation begins.
 fn high_degrees(orders: fn(usize) -> Vec<usize>) -> Errors {
     let mut errors = Errors::default();
     for l in HIGH {
@@ -128,10 +133,11 @@ fn high_degrees(orders: fn(usize) -> Vec<usize>) -> Errors {
     errors
 }
 
-/// Near a pole neighbouring degrees have their zeros at nearly the same place, so that only
-/// the slope tells the height of the waves.
+/// Near a pole neighbouring degrees have nearly the same zeros, so the amplitude follows from the
+/// slope only.
 ///
-/// `lambda_lm` is nearly in proportion to the Bessel function `J_m((l + 1/2) theta)` there; whole columns pass its zeros.
+/// There `lambda_lm` is nearly proportional to the Bessel function `J_m((l + 1/2) theta)`; whole
+/// columns cross its zeros.
 fn zeros_near_a_pole() -> Errors {
     /// The first two zeros of `J_0`, `J_1` and `J_2`, Abramowitz and Stegun, table 9.5.
     const ZEROS: [(usize, [f64; 2]); 3] = [
@@ -159,7 +165,8 @@ fn zeros_near_a_pole() -> Errors {
     errors
 }
 
-/// Columns that start far below the range of `f64` and climb into it, and single values at its lower end.
+/// Columns that start far below the range of `f64` and rise into it, and single values at its lower
+/// end.
 fn under_the_range() -> Errors {
     let mut errors = Errors::default();
     let plan = LegendrePlan::new(LMAX).expect("a degree in range");
@@ -176,7 +183,7 @@ fn under_the_range() -> Errors {
             });
         }
     }
-    // The sine whose 20000th power is 1e-309.
+    // The angle whose sine has the 20000th power 1e-309.
     let high = 10.0_f64.powf(-309.0 / 20000.0).asin();
     for (l, m, theta) in [(1, 1, 1e-310), (2, 2, 1e-155), (5, 2, 3e-157), (20000, 20000, high)] {
         let (colatitude, angle) = at(theta);
@@ -190,7 +197,8 @@ fn under_the_range() -> Errors {
 
 fn scaled_powers() -> Errors {
     let mut errors = Errors::default();
-    // Squares at both ends of the range: 2^-1074, the smallest number, and 2^-1076; 2^1023.8 and 2^1024.
+    // Squares at both ends of the range: 2^-1074, the smallest number, and 2^-1076; 2^1023.8 and
+    // 2^1024.
     let at_the_ends = [-537.0, -538.0, 511.9, 512.0].map(f64::exp2);
     for n in [1_usize, 2, 3, 100, 20000] {
         let ordinary = [1e300, 1e-300, 5e-324, f64::MAX, 1.0 + 1e-3, 0.999];
@@ -199,7 +207,7 @@ fn scaled_powers() -> Errors {
             let exact = DoubleDouble::from(x).power(n as u64);
             let error = ((number(power) - exact) / exact).value();
             errors.push(error / (f64::EPSILON * n as f64), || format!("{x:e}^{n}"));
-            // What f64 cannot hold becomes an infinity or 0, and nothing else does.
+            // Values outside the range of f64, and only those, become infinite or 0.
             let (value, expected) = (power.value(), exact.value());
             let same = value.total_cmp(&expected).is_eq()
                 || ((value - expected) / expected).abs() <= n as f64 * f64::EPSILON;

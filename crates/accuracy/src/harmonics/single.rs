@@ -5,13 +5,13 @@ use glam::DVec3;
 use num_complex::Complex;
 use sphvar_sh::{Colatitude, Error, lambda, ylm, ylm_at};
 
-use super::{COLATITUDES, TWICE, orders, promise, trial};
+use super::{COLATITUDES, TWICE, documented_bound, orders, trial};
 use crate::{Errors, Subject, Trial};
 
-/// A longitude that is no simple part of a turn.
+/// A longitude that is not a simple fraction of 2 pi.
 const PHI: f64 = 2.345678901234;
 
-/// `lambda` of every row of the 25-digit table, degree by degree.
+/// Returns trials of `lambda` for every row of the 25-digit table, degree by degree.
 pub(super) fn tables() -> Vec<Trial> {
     let mut rows: Vec<_> = LegendreTable::rows().collect();
     rows.sort_by_key(|row| row.l);
@@ -25,12 +25,12 @@ pub(super) fn tables() -> Vec<Trial> {
             out: vec![Complex::ZERO; count],
         };
         let case = format!("l = {l}, {count} rows");
-        trial("lambda, table", case, count, promise(l), "25-digit table", single)
+        trial("lambda, table", case, count, documented_bound(l), "25-digit table", single)
     };
     rows.chunk_by(|a, b| a.l == b.l).map(of_degree).collect()
 }
 
-/// `lambda`, `ylm` and `ylm_at` at degree `l`.
+/// Returns trials of `lambda`, `ylm` and `ylm_at` at degree `l`.
 pub(super) fn trials(l: usize) -> Vec<Trial> {
     let arguments =
         || orders(l).into_iter().flat_map(move |m| COLATITUDES.map(|theta| (l, m, theta)));
@@ -45,9 +45,9 @@ pub(super) fn trials(l: usize) -> Vec<Trial> {
     let (count, case) = (of_theta.len(), format!("l = {l}"));
     let out = vec![Complex::ZERO; count];
 
-    // cos and sin of m phi and their product with the value: two EPSILON for each of the parts.
-    let harmonic = promise(l) + 4.0 * f64::EPSILON;
-    // The error of the longitude, about one EPSILON, counts m times.
+    // cos and sin of m phi and their product with the value: two EPSILON for each part.
+    let harmonic = documented_bound(l) + 4.0 * f64::EPSILON;
+    // The error of the longitude, about one EPSILON, is multiplied by m.
     let at_direction = harmonic + f64::EPSILON * l as f64;
     let lambdas = Single {
         arguments: of_colatitude,
@@ -78,13 +78,13 @@ pub(super) fn trials(l: usize) -> Vec<Trial> {
         out,
     };
     vec![
-        trial("lambda", case.clone(), count, promise(l), TWICE, lambdas),
+        trial("lambda", case.clone(), count, documented_bound(l), TWICE, lambdas),
         trial("ylm", case.clone(), count, harmonic, TWICE, harmonics),
         trial("ylm_at", case, count, at_direction, TWICE, at_directions),
     ]
 }
 
-/// The part of a number that is not there.
+/// The imaginary part of a real number.
 const ZERO: LegendreValue =
     LegendreValue { value: DoubleDouble::ZERO, amplitude: DoubleDouble::ONE };
 
@@ -92,7 +92,7 @@ fn theta_name(theta: f64) -> String {
     format!("theta = {theta:?}")
 }
 
-/// Orders here are far below the largest, which would be refused.
+/// Returns the orders here are far below the maximum, beyond which they would be rejected.
 fn signed(m: usize) -> i64 {
     i64::try_from(m).unwrap_or(i64::MAX)
 }
@@ -107,7 +107,7 @@ fn exact_ylm(l: usize, m: usize, angle: AcuteAngle, phi: DoubleDouble) -> [Legen
     [cos, sin].map(|factor| LegendreValue { value: value * factor, amplitude })
 }
 
-/// A colatitude in both forms.
+/// A colatitude in the representations of both implementations.
 #[derive(Clone, Copy, Debug)]
 struct Given {
     theta: f64,
@@ -132,7 +132,7 @@ impl Tabulated {
     }
 }
 
-/// A function of degree, order and place, called once for each argument.
+/// A function of degree, order and position, evaluated once per argument.
 struct Single<A> {
     arguments: Vec<(usize, usize, A)>,
     evaluate: fn(usize, usize, A) -> Result<Complex<f64>, Error>,
@@ -145,7 +145,7 @@ struct Single<A> {
 impl<A: Copy + Send> Subject for Single<A> {
     fn run(&mut self) {
         for (slot, &(l, m, place)) in self.out.iter_mut().zip(&self.arguments) {
-            // What should be valid and is not must show in the errors.
+            // An unexpected error of a valid call must appear in the errors.
             *slot = (self.evaluate)(l, m, place).unwrap_or(Complex::new(f64::NAN, f64::NAN));
         }
     }

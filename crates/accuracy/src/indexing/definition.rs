@@ -2,15 +2,18 @@ use crate::reference::DoubleDouble;
 use glam::DVec3;
 use sphvar_healpix::Cell;
 
-/// HEALPix as it is defined: integers in 128 bits, and the plane of the projection in twice the precision.
+/// HEALPix by its definition: integers in 128 bits, and the plane of the projection in twice the
+/// working precision.
 ///
-/// The plane is measured in quarter turns of longitude: `x = phi/(pi/2)`, and `y = (3/4) z` in the belt `|z| <= 2/3`,
-/// `y = 1 - d/2` in the caps, where longitudes shrink by `d = sqrt(3 (1 - |z|))` towards the middle of their quarter. A
-/// face is the square standing on a corner with half diagonal 1/2 around its centre; pixels cut it in `nside` by `nside`.
+/// The plane is measured in quarter turns of longitude: `x = phi/(pi/2)`, and `y = (3/4) z` in the
+/// belt `|z| <= 2/3`, `y = 1 - d/2` in the caps, where longitudes shrink by `d = sqrt(3 (1 - |z|))`
+/// towards the middle of their quarter. A face is the square with half diagonal 1/2 around its
+/// centre, oriented with a corner at the bottom; pixels divide it into `nside` by `nside`.
 ///
 /// # References
 ///
-/// Gorski et al. 2005, ApJ 622, 759, section 4 and equations 2 to 9; Calabretta and Roukema 2007, MNRAS 381, 865, for the plane.
+/// Gorski et al. 2005, ApJ 622, 759, section 4 and equations 2 to 9; Calabretta and Roukema 2007,
+/// MNRAS 381, 865, for the plane.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Definition {
     n: i128,
@@ -31,12 +34,13 @@ impl Definition {
         }
     }
 
-    /// The ring from 1, counted from the north pole.
+    /// Returns the ring number, counted from 1 at the north pole.
     fn ring(self) -> i128 {
         (self.row + 2) * self.n - self.ix - self.iy - 1
     }
 
-    /// The longitude of the centre as a fraction of integers, in quarter turns from -1/2 to 4.
+    /// Returns the longitude of the centre as a fraction of integers, in quarter turns from -1/2 to
+    /// 4.
     fn longitude(self) -> (i128, i128) {
         let Self { n, row, column, ix, iy } = self;
         let ring = self.ring();
@@ -47,12 +51,13 @@ impl Definition {
         } else {
             n
         };
-        // The middle of the face, and half a pixel of the ring for each step to the east of it.
+        // The middle of the face, and half a pixel of the ring for each step to the east.
         let middle = if row == 1 { 2 * column } else { 2 * column + 1 };
         (middle * across + ix - iy, 2 * across)
     }
 
-    /// The number in ring order: pixels of the rings further north and of those further west in the ring.
+    /// Returns the number in ring order: the count of pixels in rings further north and of those
+    /// further west in the ring.
     pub(super) fn ring_number(self) -> i128 {
         let (n, ring) = (self.n, self.ring());
         let (before, length) = if ring < n {
@@ -68,14 +73,15 @@ impl Definition {
         before + (quarters * length).div_euclid(4 * unit).rem_euclid(length)
     }
 
-    /// The number in nested order, bit by bit.
+    /// Returns the number in nested order, computed bit by bit.
     pub(super) fn nested_number(self) -> i128 {
         let face = 4 * self.row + self.column;
         let bits = |k: u32| ((self.ix >> k & 1) << (2 * k)) | ((self.iy >> k & 1) << (2 * k + 1));
         face * self.n * self.n + (0..32).map(bits).sum::<i128>()
     }
 
-    /// The distance of a direction from the pixel's centre in units of the side of a square of the pixel's area.
+    /// Returns the distance of a direction from the pixel's centre, in units of the side of a
+    /// square with the pixel's area.
     pub(super) fn distance_from_centre(self, dir: DVec3) -> f64 {
         let centre = self.centre();
         let squares = dir.to_array().into_iter().zip(centre).map(|(got, exact)| {
@@ -89,7 +95,7 @@ impl Definition {
     fn centre(self) -> [DoubleDouble; 3] {
         let (n, ring) = (self.n, self.ring());
         let n_squared = number(3 * n * n);
-        // One less |z| in the caps, z in the belt.
+        // 1 - |z| in the caps, z in the belt.
         let (sin, cos) = if (n..=3 * n).contains(&ring) {
             let z = number(4 * n - 2 * ring) / number(3 * n);
             (((DoubleDouble::ONE - z) * (DoubleDouble::ONE + z)).sqrt(), z)
@@ -106,7 +112,8 @@ impl Definition {
         [sin * cos_phi, sin * sin_phi, cos]
     }
 
-    /// How far a direction is outside of the pixel, in parts of the pixel's side in the plane; 0 inside and on the edge.
+    /// Returns the distance of a direction from the pixel, in units of the pixel's side in the
+    /// plane; 0 inside and on the edge.
     pub(super) fn excess(self, dir: DVec3) -> f64 {
         let [x, y, z] = dir.to_array().map(DoubleDouble::from);
         let across = x * x + y * y;
@@ -132,19 +139,19 @@ impl Definition {
             let (below, above) = (number(start) - w, w - number(start + 1));
             below.value().max(above.value())
         };
-        // `max` would pass over a NaN.
+        // `max` would ignore a NaN.
         let (in_u, in_v) = (outside(u, self.ix), outside(v, self.iy));
         if in_u.is_nan() || in_v.is_nan() { f64::NAN } else { in_u.max(in_v).max(0.0) }
     }
 }
 
-/// The same longitude between -2 and 2 quarter turns.
+/// Returns the equivalent longitude between -2 and 2 quarter turns.
 fn wrapped(quarters: DoubleDouble) -> DoubleDouble {
     let turns = (quarters.value() / 4.0).round();
     quarters - DoubleDouble::from(4.0 * turns)
 }
 
-/// Exact: at most 106 bits here.
+/// Exact, since there are at most 106 bits here.
 fn number(n: i128) -> DoubleDouble {
     let size = DoubleDouble::from(u64::try_from(n.unsigned_abs()).unwrap_or(u64::MAX));
     if n < 0 { -size } else { size }
@@ -166,7 +173,7 @@ mod tests {
     }
 
     #[test]
-    fn numbers_are_those_from_0_each_once() {
+    fn numbers_are_a_permutation_from_0() {
         for n in [1, 2, 3, 4, 5, 8] {
             let all: BTreeSet<i128> = (0..12 * i128::from(n * n)).collect();
             let ring: BTreeSet<_> = cells(n).map(|c| Definition::of(c).ring_number()).collect();
@@ -179,13 +186,14 @@ mod tests {
     }
 
     #[test]
-    fn a_centre_is_in_its_pixel_and_in_no_other() {
+    fn a_centre_is_only_in_its_own_pixel() {
         for n in [1, 2, 5] {
             for cell in cells(n) {
                 let centre = Definition::of(cell).centre().map(DoubleDouble::value);
                 for other in cells(n) {
                     let excess = Definition::of(other).excess(DVec3::from_array(centre));
-                    // Half a side from every edge; no longitude is lost in the rounding of the centre.
+                    // Half a side from every edge; the rounding of the centre does not move its
+                    // longitude across an edge.
                     let right = if other == cell { excess <= 0.0 } else { excess > 0.49 };
                     assert!(right, "{centre:?} of {cell:?} in {other:?}: {excess}");
                 }

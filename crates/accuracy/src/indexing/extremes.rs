@@ -9,22 +9,22 @@ use crate::{Errors, HardCase};
 
 /// The largest resolution.
 const NSIDE: f64 = Nside::MAX as f64;
-/// Rings around a pole on whose edges directions are tried.
+/// The number of rings around a pole on whose edges directions are tested.
 const RINGS: f64 = 1000.0;
 
 const OUTSIDE: &str =
-    "how far a direction is outside of the pixel that it is given, in parts of the pixel's side";
+    "distance of a direction from the pixel returned for it, in units of the pixel's side";
 
-const OF_PIXEL: &str = "face coordinates are sums of a longitude and a height up to 2, right to EPSILON, and the direction itself is right to EPSILON, both times nside";
+const OF_PIXEL: &str = "face coordinates are sums of a longitude and a height up to 2, accurate to EPSILON, and the direction itself is accurate to EPSILON, both multiplied by nside";
 
-/// The hard cases of this area.
+/// Returns the hard cases of this area.
 pub(crate) fn hard_cases() -> Vec<HardCase> {
     vec![
         HardCase {
             name: "directions_at_the_poles_at_the_largest_nside",
             what: OUTSIDE,
             bound: 4.0 * f64::EPSILON * RINGS,
-            reason: "coordinates count from the pole with a relative error of 4 EPSILON, for at most 1000 pixels",
+            reason: "coordinates relative to the pole have a relative error of 4 EPSILON, for at most 1000 pixels",
             measure: || directions(&at_the_poles()),
         },
         HardCase {
@@ -43,14 +43,14 @@ pub(crate) fn hard_cases() -> Vec<HardCase> {
         },
         HardCase {
             name: "centres_at_the_largest_nside",
-            what: "distance of a centre from its place, in sides of a pixel; infinite if it is not found in its pixel",
+            what: "distance of a centre from its exact position, in units of the pixel's side; infinite if its pixel is not the original one",
             bound: bound_of_centre(NSIDE),
-            reason: "three components, each right to EPSILON, of a vector whose pixel is 1/nside wide",
+            reason: "three components, each accurate to EPSILON, of a vector whose pixel is 1/nside wide",
             measure: || in_both_orders(centres, centres),
         },
         HardCase {
             name: "numbers_of_both_orders_at_the_largest_nside",
-            what: "0 if the number of a pixel is that of the definition in integers and comes back from the other order, else infinite",
+            what: "0 if the number of a pixel equals that of the definition in integers and survives conversion to the other order and back, otherwise infinite",
             bound: 0.0,
             reason: "integers are exact",
             measure: numbers,
@@ -58,13 +58,13 @@ pub(crate) fn hard_cases() -> Vec<HardCase> {
     ]
 }
 
-/// Ring and nested order at the largest resolution.
+/// Returns ring and nested order at the largest resolution.
 fn orders() -> (Ring, Nested) {
     let nside = Nside::new(Nside::MAX).expect("the largest resolution");
     (Ring::new(nside), Nested::new(nside).expect("a power of 2"))
 }
 
-/// Errors in ring and in nested order.
+/// Returns the errors in ring and in nested order.
 fn in_both_orders(ring: fn(Ring, &mut Errors), nested: fn(Nested, &mut Errors)) -> Errors {
     let mut errors = Errors::default();
     let (in_rings, in_faces) = orders();
@@ -73,7 +73,7 @@ fn in_both_orders(ring: fn(Ring, &mut Errors), nested: fn(Nested, &mut Errors)) 
     errors
 }
 
-/// How far directions are outside of their pixels, in both orders.
+/// Returns the distances of directions from their pixels, in both orders.
 fn directions(list: &[DVec3]) -> Errors {
     fn outside<O: Numbering>(order: O, list: &[DVec3], errors: &mut Errors) {
         for &dir in list {
@@ -89,24 +89,26 @@ fn directions(list: &[DVec3]) -> Errors {
     errors
 }
 
-/// Directions of nearly this form.
+/// Returns unit directions close to the given vectors.
 fn unit(list: impl Iterator<Item = [f64; 3]>) -> Vec<DVec3> {
     list.map(|v| unit_direction(DVec3::from_array(v)).expect("no component is that small"))
         .collect()
 }
 
-/// The direction at a height and a longitude. Not made unit again, which would move z.
+/// Returns the direction at a height and a longitude. It is not normalized again, which would
+/// change z.
 fn at(z: f64, phi: f64) -> DVec3 {
     let sin = ((1.0 - z) * (1.0 + z)).sqrt();
     DVec3::new(sin * phi.cos(), sin * phi.sin(), z)
 }
 
-/// The number, its two neighbours and those of the other sign.
+/// Returns the number, its two neighbours, and their negatives.
 fn around(x: f64) -> [f64; 6] {
     [x, x.next_up(), x.next_down(), -x, -x.next_up(), -x.next_down()]
 }
 
-/// Both poles and what is near: nothing, less than a pixel, some pixels, and the edges of pixels of some rings.
+/// Returns directions at both poles and close to them: at distances of 0, less than a pixel and
+/// several pixels, and on the edges of pixels of some rings.
 fn at_the_poles() -> Vec<DVec3> {
     let distances = [0.0, 5e-324, 1e-300, 1e-100, 1e-20, 1e-12, 1.0 / NSIDE, 2.5 / NSIDE, 1e-6];
     let sides = distances.into_iter().flat_map(around);
@@ -115,7 +117,7 @@ fn at_the_poles() -> Vec<DVec3> {
         others.flat_map(move |y| [[x, y, 1.0], [x, y, -1.0]])
     }));
     let (ring, _) = orders();
-    // 2 ring (ring - 1) pixels are north of a ring; a prime step reaches all longitudes.
+    // 2 ring (ring - 1) pixels are north of a ring; a prime step covers all longitudes.
     let near_the_pole = (0..2_u64 * 1000 * 999).step_by(997);
     for pixel in near_the_pole {
         for pixel in [pixel, ring.antipode(pixel)] {
@@ -125,7 +127,8 @@ fn at_the_poles() -> Vec<DVec3> {
     list
 }
 
-/// Longitudes at the edges and in the middle of faces, approached from both sides, from pole to pole.
+/// Returns longitudes at the edges and in the middle of faces, approached from both sides, from
+/// pole to pole.
 fn at_the_meridians() -> Vec<DVec3> {
     let heights = (-40..=40).map(|k| f64::from(k) / 40.0);
     unit(heights.flat_map(|z| {
@@ -140,8 +143,8 @@ fn at_the_meridians() -> Vec<DVec3> {
     }))
 }
 
-/// The seams between the faces of the equator and those of the poles, approached from north and south:
-/// `|z| = (2/3)(1 - |t|)` at longitude `(q + t/2) pi/2`.
+/// Returns directions on the seams between equatorial and polar faces, approached from north and
+/// south: `|z| = (2/3)(1 - |t|)` at longitude `(q + t/2) pi/2`.
 fn at_the_slanted_seams() -> Vec<DVec3> {
     let places = (0..4_i32).flat_map(|q| (-40..=40_i32).map(move |k| (q, f64::from(k) / 40.0)));
     let near = |(q, t): (i32, f64)| {
@@ -151,7 +154,8 @@ fn at_the_slanted_seams() -> Vec<DVec3> {
     places.flat_map(near).collect()
 }
 
-/// The border between belt and caps at many longitudes, approached from both sides.
+/// Returns directions on the border between belt and caps at many longitudes, approached from both
+/// sides.
 fn at_the_borders() -> Vec<DVec3> {
     const LONGITUDES: u32 = 400;
     let longitudes = (0..LONGITUDES).map(|k| TAU * f64::from(k) / f64::from(LONGITUDES));
@@ -162,7 +166,7 @@ fn at_the_borders() -> Vec<DVec3> {
     list
 }
 
-/// Pixels at the ends of the numbering, of caps, rings and faces, and at random.
+/// Returns pixels at the ends of the numbering, of caps, rings and faces, and random ones.
 fn pixels(nside: Nside) -> Vec<u64> {
     let n = u64::from(nside.value());
     let (cap, all, face) = (2 * n * (n - 1), nside.n_pixels(), n * n);

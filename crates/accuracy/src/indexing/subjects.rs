@@ -4,12 +4,12 @@ use sphvar_healpix::{Nested, PixelOrder, Ring};
 use super::definition::Definition;
 use crate::{Errors, Subject};
 
-/// A numbering whose numbers the definition knows too.
+/// A pixel numbering that the definition implements too.
 pub(super) trait Numbering: PixelOrder + Copy + 'static {
-    /// What the order is called.
+    /// The name of the order.
     const NAME: &'static str;
 
-    /// The number of a pixel by definition.
+    /// Returns the number of a pixel by definition.
     fn defined(definition: Definition) -> i128;
 }
 
@@ -29,20 +29,20 @@ impl Numbering for Nested {
     }
 }
 
-/// The pixel with this number, which must be its number by definition too.
+/// Returns the pixel with this number, or `None` if the definition gives it another number.
 ///
-/// The numbers of the definition are different for different cells, so one number is enough to know the cell.
+/// The definition assigns different numbers to different cells, so one number identifies the cell.
 pub(super) fn definition_of<O: Numbering>(order: O, pixel: u64) -> Option<Definition> {
     let definition = Definition::of(order.cell(pixel));
     (O::defined(definition) == i128::from(pixel)).then_some(definition)
 }
 
-/// 0 for what is right, infinite for what is wrong.
+/// Returns 0 for a correct result and infinity for a wrong one.
 pub(super) fn exact(right: bool) -> f64 {
     if right { 0.0 } else { f64::INFINITY }
 }
 
-/// The pixels of directions.
+/// Computes the pixels of directions.
 pub(super) fn pixel<O: Numbering>(order: O, directions: Vec<DVec3>) -> Box<dyn Subject> {
     Box::new(Calls {
         inputs: directions,
@@ -55,7 +55,7 @@ pub(super) fn pixel<O: Numbering>(order: O, directions: Vec<DVec3>) -> Box<dyn S
     })
 }
 
-/// The pixels of directions, all by one call.
+/// Computes the pixels of directions in one call.
 pub(super) fn pixels<O: Numbering>(order: O, directions: Vec<DVec3>) -> Box<dyn Subject> {
     Box::new(Calls {
         inputs: directions,
@@ -71,7 +71,7 @@ pub(super) fn pixels<O: Numbering>(order: O, directions: Vec<DVec3>) -> Box<dyn 
     })
 }
 
-/// The centres of pixels.
+/// Computes the centres of pixels.
 pub(super) fn centre<O: Numbering>(order: O, pixels: Vec<u64>) -> Box<dyn Subject> {
     Box::new(Calls {
         inputs: pixels,
@@ -84,7 +84,7 @@ pub(super) fn centre<O: Numbering>(order: O, pixels: Vec<u64>) -> Box<dyn Subjec
     })
 }
 
-/// The pixels of centres, which must be those that they are the centres of.
+/// Computes the pixels of centres, which must be the pixels of which they are the centres.
 pub(super) fn return_trip<O: Numbering>(order: O, pixels: Vec<u64>) -> Box<dyn Subject> {
     Box::new(Calls {
         inputs: pixels.into_iter().map(|pixel| (pixel, order.centre(pixel))).collect(),
@@ -95,7 +95,7 @@ pub(super) fn return_trip<O: Numbering>(order: O, pixels: Vec<u64>) -> Box<dyn S
     })
 }
 
-/// The ring numbers of nested ones.
+/// Computes the ring numbers of nested ones.
 pub(super) fn renumbering(nested: Nested, pixels: Vec<u64>) -> Box<dyn Subject> {
     Box::new(Calls {
         inputs: pixels,
@@ -109,7 +109,7 @@ pub(super) fn renumbering(nested: Nested, pixels: Vec<u64>) -> Box<dyn Subject> 
     })
 }
 
-/// Calls a function once for each input.
+/// Returns a function that calls another one for each input.
 fn each<I: Copy, T>(call: impl Fn(I) -> T + Send) -> impl Fn(&[I], &mut Vec<T>) + Send {
     move |inputs, out| {
         out.clear();
@@ -117,7 +117,7 @@ fn each<I: Copy, T>(call: impl Fn(I) -> T + Send) -> impl Fn(&[I], &mut Vec<T>) 
     }
 }
 
-/// A map of many inputs, and the error of each output.
+/// A map of many inputs with the error of each output.
 struct Calls<I, T, F, E> {
     inputs: Vec<I>,
     name: fn(I) -> String,

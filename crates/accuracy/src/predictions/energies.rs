@@ -6,10 +6,10 @@ fn number(n: usize) -> DoubleDouble {
     DoubleDouble::from(n as f64)
 }
 
-/// The energies `E(l) = pi (P_{l-1}(c) - P_{l+1}(c))^2/(2l+1)`, l = 0 ..= lmax, of the cap of `angle`, taken as the
-/// exact number that it is; `P_{-1}` is 1.
+/// Returns the energies `E(l) = pi (P_{l-1}(c) - P_{l+1}(c))^2/(2l+1)`, l = 0 ..= lmax, of the cap
+/// of `angle`, taken as an exact number; `P_{-1}` is 1.
 ///
-/// For an angle of 1 degree and more, below which the difference cancels.
+/// Valid for angles of 1 degree or more; below that the difference cancels.
 pub(super) fn of_cap(angle: f64, lmax: usize) -> Vec<DoubleDouble> {
     let (_, cos) = DoubleDouble::from(angle).sin_cos();
     let values: Vec<_> =
@@ -21,7 +21,8 @@ pub(super) fn of_cap(angle: f64, lmax: usize) -> Vec<DoubleDouble> {
     (0..=lmax).map(energy).collect()
 }
 
-/// The energies of a cap for `lmax * angle` of a few units at most, by the series of `int_c^1 P_l` about the pole:
+/// Returns the energies of a cap for small `lmax * angle`, by the series of `int_c^1 P_l` about the
+/// pole:
 ///
 /// ```text
 /// E(l) = pi (2l+1) (2 s sum_k t_k/(k+1))^2,   s = sin^2(angle/2)
@@ -44,15 +45,16 @@ pub(super) fn of_small_cap(angle: f64, lmax: usize) -> Vec<DoubleDouble> {
     (0..=lmax).map(energy).collect()
 }
 
-/// The energies `(2l+1)/(4 pi) A_l^2` of the von Mises-Fisher lobe, l = 0 ..= lmax.
+/// Returns the energies `(2l+1)/(4 pi) A_l^2` of the von Mises-Fisher lobe, l = 0 ..= lmax.
 ///
 /// ```text
 /// A_l = i_l/i_0,   i_l = kappa^l/(2l+1)!! (1 + sum_{k >= 1} (kappa^2/2)^k/(k! (2l+3) (2l+5) ... (2l+2k+1)))
 /// A_0 = 1,   A_1 = coth(kappa) - 1/kappa,   A_{l+1} = A_{l-1} - (2l+1)/kappa A_l
 /// ```
 ///
-/// The series, all of whose terms are positive, for kappa to 200; the recurrence upwards for more: it magnifies
-/// errors by about `e^{l^2/kappa}`, so of 31 digits 15 are left at l^2 = 36 kappa.
+/// For kappa up to 200 the series is used, all of whose terms are positive. For larger kappa the
+/// upward recurrence is used: it magnifies errors by about `e^{l^2/kappa}`, so of 31 digits 15
+/// remain at l^2 = 36 kappa.
 pub(super) fn of_lobe(kappa: f64, lmax: usize) -> Vec<DoubleDouble> {
     let ratios = if kappa <= 200.0 { by_series(kappa, lmax) } else { upwards(kappa, lmax) };
     let four_pi = DoubleDouble::from(4.0) * DoubleDouble::pi();
@@ -93,7 +95,8 @@ fn upwards(kappa: f64, lmax: usize) -> Vec<DoubleDouble> {
     (0..=lmax).map(ratio).collect()
 }
 
-/// `e^x` by the Taylor series of a 1024th of `|x|` and ten squarings of `e^x - 1`; about 28 digits to |x| = 1000.
+/// Returns `e^x` by the Taylor series at a 1024th of `|x|` and ten squarings of `e^x - 1`; about 28
+/// digits to |x| = 1000.
 pub(super) fn exp(x: DoubleDouble) -> DoubleDouble {
     const SQUARINGS: u64 = 10;
     if x < DoubleDouble::ZERO {
@@ -128,7 +131,7 @@ mod tests {
         }
     }
 
-    /// Two formulas that have nothing in common where both hold, and the hemisphere by hand.
+    /// Two independent formulas where both are valid, and the hemisphere by hand.
     #[test]
     fn caps_by_both_formulas() {
         let (a, b) = (of_cap(0.5, 20), of_small_cap(0.5, 20));
@@ -144,13 +147,13 @@ mod tests {
 
     #[test]
     fn lobes_by_both_formulas() {
-        // Upwards, e^(900/200) of 31 digits are lost.
+        // The upward recurrence loses a factor of e^(900/200) of its 31 digits.
         for (l, (a, b)) in by_series(200.0, 30).into_iter().zip(upwards(200.0, 30)).enumerate() {
             assert!(((a - b) / a).value().abs() < 1e-24, "l = {l}");
         }
     }
 
-    /// `A_2 = 1 - 3 A_1/kappa`, and a lobe that is nearly a point has `A_l = e^{-l(l+1)/(2 kappa)}`.
+    /// `A_2 = 1 - 3 A_1/kappa`, and a very narrow lobe has `A_l = e^{-l(l+1)/(2 kappa)}`.
     #[test]
     fn lobes_at_both_ends() {
         let one = of_lobe(1.0, 2);

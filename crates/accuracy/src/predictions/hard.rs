@@ -11,31 +11,31 @@ use super::energies;
 use super::subjects::errors_of;
 use crate::{Errors, HardCase};
 
-/// The hard cases of this area.
+/// Returns the hard cases of this area.
 pub(crate) fn hard_cases() -> Vec<HardCase> {
     vec![
         HardCase {
             name: "a_cap_of_a_millionth_of_a_degree",
-            what: "energies to degree 100000, relative to (l + 1) times the energy; its area, its variance",
+            what: "energies to degree 100000, with errors relative to (l + 1) times the energy; its area, its variance",
             bound: 4.0 * f64::EPSILON,
-            reason: "the coefficient of degree l has a few roundings and those of l steps of a recurrence, \
-                     which cancels nothing",
+            reason: "the coefficient of degree l has a few roundings and those of l steps of a recurrence \
+                     without cancellation",
             measure: tiny_cap,
         },
         HardCase {
             name: "a_cap_of_180_degrees",
-            what: "the area, the square and the energy of degree 0 of the whole sphere, relative; infinite if the energy \
+            what: "relative errors of the area, the square and the energy of degree 0 of the whole sphere; infinite if the energy \
                    of another degree to 1000, or the variance, is not 0",
             bound: 2.0 * f64::EPSILON,
-            reason: "products of pi and roots of it, a few roundings; a constant has no other energy and does not vary",
+            reason: "products of pi and of roots of it, with a few roundings; a constant has no other energy and no variance",
             measure: whole_sphere,
         },
         HardCase {
             name: "von_mises_fisher_of_kappa_1e6",
-            what: "energies to degree 6000, where they are 3e-15 of the largest, relative to (l + 1) times the energy; \
+            what: "energies to degree 6000, where they are 3e-15 of the largest, with errors relative to (l + 1) times the energy; \
                    their sum, relative to the total",
             bound: 4.0 * f64::EPSILON,
-            reason: "a product of l ratios, each right to a rounding or two, squared",
+            reason: "the square of a product of l ratios, each accurate to one or two roundings",
             measure: narrow_lobe,
         },
     ]
@@ -45,7 +45,7 @@ fn relative(got: f64, exact: DoubleDouble) -> f64 {
     ((DoubleDouble::from(got) - exact) / exact).value()
 }
 
-/// Takes in errors under their worst name.
+/// Adds the largest error of `more` under its name.
 fn push_worst(errors: &mut Errors, more: &Errors) {
     errors.push(more.max(), || more.worst().to_owned());
 }
@@ -55,10 +55,10 @@ fn tiny_cap() -> Errors {
     const N: usize = 1000;
     let cap = Cap::from_degrees(1e-6).expect("an angle in range");
     let exact = energies::of_small_cap(cap.angle(), LMAX);
-    let energy = cap.energy(Domain::Sphere, LMAX).unwrap_or_else(|_| nothing());
+    let energy = cap.energy(Domain::Sphere, LMAX).unwrap_or_else(|_| unavailable());
     let mut errors = Errors::default();
     push_worst(&mut errors, &errors_of(&energy, &exact, |l| exact[l].value()));
-    // 4 pi E(0) = A^2, and the variance of white noise (4 pi A - A^2)/N.
+    // 4 pi E(0) = A^2, and the variance of white noise is (4 pi A - A^2)/N.
     let four_pi = DoubleDouble::from(4.0) * DoubleDouble::pi();
     let area = (four_pi * exact[0]).sqrt();
     let got = cap.exact(Domain::Sphere).unwrap_or(f64::NAN);
@@ -70,14 +70,14 @@ fn tiny_cap() -> Errors {
     errors
 }
 
-/// What stands for energies that could not be had: no bound holds for it.
-fn nothing() -> Energy {
+/// Returns a replacement for energies that are unavailable, which violates every bound.
+fn unavailable() -> Energy {
     Energy::new(Domain::Sphere, vec![f64::NAN], ByParity::both(f64::NAN))
 }
 
 fn whole_sphere() -> Errors {
     let cap = Cap::from_degrees(180.0).expect("an angle in range");
-    let energy = cap.energy(Domain::Sphere, 1000).unwrap_or_else(|_| nothing());
+    let energy = cap.energy(Domain::Sphere, 1000).unwrap_or_else(|_| unavailable());
     let mut errors = Errors::default();
     let four_pi = 4.0 * PI;
     for (name, got) in [
@@ -87,7 +87,7 @@ fn whole_sphere() -> Errors {
     ] {
         errors.push(got / four_pi - 1.0, || name.to_owned());
     }
-    // Nothing but 0 will do, not what is small either.
+    // Only exactly 0 is accepted, not a small number.
     let zero = |x: f64| if x == 0.0 { 0.0 } else { f64::INFINITY };
     for (l, &e) in energy.per_band().iter().enumerate().skip(1) {
         errors.push(zero(e), || format!("the energy of l = {l}"));
@@ -103,10 +103,10 @@ fn narrow_lobe() -> Errors {
     let kappa = VonMisesFisher::MAX_KAPPA;
     let lobe = VonMisesFisher::new(kappa).expect("the largest concentration");
     let exact = energies::of_lobe(kappa, LMAX);
-    let energy = lobe.energy(Domain::Sphere, LMAX).unwrap_or_else(|_| nothing());
+    let energy = lobe.energy(Domain::Sphere, LMAX).unwrap_or_else(|_| unavailable());
     let mut errors = Errors::default();
     push_worst(&mut errors, &errors_of(&energy, &exact, |l| exact[l].value()));
-    // int f^2 = kappa/(4 pi) coth(kappa), and e^{-2 kappa} is nothing.
+    // int f^2 = kappa/(4 pi) coth(kappa), and e^{-2 kappa} is negligible.
     let four_pi = DoubleDouble::from(4.0) * DoubleDouble::pi();
     let total = DoubleDouble::from(kappa) / four_pi;
     errors.push(relative(energy.total(), total), || "the total".to_owned());

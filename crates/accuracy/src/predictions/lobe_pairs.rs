@@ -4,16 +4,16 @@ use glam::DVec3;
 use super::energies::exp;
 use crate::spectra::{dot, unit};
 
-/// The variance of integrating a von Mises-Fisher lobe with one set of points in all rotations, by a closed form for
-/// pairs of points: no spectra, no degrees.
+/// Returns the variance of integrating a von Mises-Fisher lobe with one set of points under all
+/// rotations, by a closed form for pairs of points, without spectra.
 ///
 /// ```text
 /// Var = ((4 pi/N)^2 sum_{k,j} G(s_k, s_j)) - 1,   G(x, y) = mean over rotations R of f(R x) f(R y)
 ///     = C^2 sinh(r)/r,   C = kappa/(4 pi sinh kappa),   r = kappa |x + y|
 /// ```
 ///
-/// (The product of two lobes is a lobe about the sum of their axes.) In twice the working precision, for the 1 takes
-/// up to ten digits.
+/// (The product of two lobes is a lobe about the sum of their axes.) It is computed in twice the
+/// working precision, since the subtraction of 1 loses up to ten digits.
 pub(super) fn variance(points: &[DVec3], kappa: f64) -> DoubleDouble {
     let units: Vec<_> = points.iter().map(|p| unit(*p)).collect();
     let two = DoubleDouble::from(2.0);
@@ -26,14 +26,14 @@ pub(super) fn variance(points: &[DVec3], kappa: f64) -> DoubleDouble {
         }
         sum += scaled_mean(two * kappa, kappa);
     }
-    // kappa^2/sinh^2 kappa, without e^{-2 kappa}, which is in the means.
+    // kappa^2/sinh^2 kappa, without the factor e^{-2 kappa}, which is included in the means.
     let shrunk = exp(-(two * kappa));
     let factor = two * kappa / (DoubleDouble::ONE - shrunk);
     let n = DoubleDouble::from(points.len() as f64);
     factor * factor * sum / (n * n) - DoubleDouble::ONE
 }
 
-/// `e^{-2 kappa} sinh(r)/r`.
+/// Returns `e^{-2 kappa} sinh(r)/r`.
 fn scaled_mean(r: DoubleDouble, kappa: DoubleDouble) -> DoubleDouble {
     let two = DoubleDouble::from(2.0);
     if r.value() < 1.0 {
@@ -57,7 +57,7 @@ mod tests {
     use super::super::energies::of_lobe;
     use super::variance;
 
-    /// One point: `4 pi int f^2 - 1`, and `4 pi sum_{l >= 1} E(l)`, by the addition theorem.
+    /// One point: `4 pi int f^2 - 1` equals `4 pi sum_{l >= 1} E(l)`, by the addition theorem.
     #[test]
     fn one_point_and_antipodes() {
         let kappa = 1.5;

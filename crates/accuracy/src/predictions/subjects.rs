@@ -10,9 +10,9 @@ use crate::spectra::legendre_sums;
 use crate::{Errors, Subject};
 
 const SEED: u64 = 7;
-/// That of the harmonic.
+/// The degree of the harmonic.
 const DEGREE: usize = 4;
-/// Realizations of a random pattern.
+/// The number of realizations of a random pattern.
 const COUNT: u64 = 2;
 
 /// The energies of a cap by degree.
@@ -70,7 +70,7 @@ impl Subject for LobeEnergies {
     }
 }
 
-/// The errors of energies relative to `(l + 1) scale(l)`.
+/// Returns the errors of energies relative to `(l + 1) scale(l)`.
 pub(super) fn errors_of(
     energy: &Energy,
     exact: &[DoubleDouble],
@@ -107,7 +107,7 @@ impl Subject for White {
         self.variance = energy.map_or(f64::NAN, |energy| predict(&spectrum, &energy).variance);
     }
 
-    /// `(4 pi A - A^2)/N` with the area `A = 2 pi (1 - cos)`.
+    /// Returns the reference is `(4 pi A - A^2)/N` with the area `A = 2 pi (1 - cos)`.
     fn errors(&mut self) -> Errors {
         let number = DoubleDouble::from;
         let half = number(0.5 * self.cap.angle()).sin_cos().0;
@@ -121,7 +121,7 @@ impl Subject for White {
     }
 }
 
-/// The harmonic `Y_40`, and a pattern whose spectrum is known without sampling.
+/// The harmonic `Y_40` with a pattern whose spectrum has a closed form.
 #[derive(Debug)]
 pub(super) struct OfHarmonic {
     pattern: Pattern,
@@ -145,11 +145,12 @@ impl Subject for OfHarmonic {
         self.variance = point.map_or(f64::NAN, |point| point.prediction.variance);
     }
 
-    /// `4 pi/N P(4)`, and the power of white noise is 1.
+    /// Returns the reference is `4 pi/N P(4)`; the power of white noise is 1.
     fn errors(&mut self) -> Errors {
         let number = DoubleDouble::from;
         let white = number(4.0) * DoubleDouble::pi() / number(self.n as f64);
-        let sampler = self.pattern.build(self.n, Domain::Sphere).expect("so many points exist");
+        let sampler =
+            self.pattern.build(self.n, Domain::Sphere).expect("the number of points is valid");
         let power = if sampler.is_random() {
             DoubleDouble::ONE
         } else {
@@ -167,7 +168,7 @@ impl Subject for OfHarmonic {
     }
 }
 
-/// A smooth lobe, and sets of a pattern.
+/// A smooth lobe with sets of a pattern.
 #[derive(Debug)]
 pub(super) struct OfLobe {
     sampler: Box<dyn Sampler>,
@@ -178,12 +179,12 @@ pub(super) struct OfLobe {
 
 impl OfLobe {
     pub(super) fn new(pattern: &Pattern, n: usize, kappa: f64) -> Self {
-        let sampler = pattern.build(n, Domain::Sphere).expect("sets of so many points exist");
+        let sampler = pattern.build(n, Domain::Sphere).expect("the number of points is valid");
         let lobe = VonMisesFisher::new(kappa).expect("a concentration in range");
         Self { sampler, lobe, kappa, variance: f64::NAN }
     }
 
-    /// A degree beyond which the lobe has no energy that counts.
+    /// Returns a degree beyond which the lobe has negligible energy.
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a hundred or so")]
     pub(super) fn degree(&self) -> usize {
         (8.6 * self.kappa.sqrt()) as usize + 24

@@ -7,14 +7,15 @@ use super::DoubleDouble;
 pub struct AcuteAngle {
     /// The sine.
     pub sin: DoubleDouble,
-    /// One less the cosine.
+    /// One minus the cosine.
     pub versine: DoubleDouble,
     /// Whether the nearer pole is the southern one.
     pub south: bool,
 }
 
 impl AcuteAngle {
-    /// Returns the angle of a colatitude in `[0, PI]`, radians, taken as the exact number that the `f64` is.
+    /// Returns the angle of a colatitude in `[0, PI]`, radians, taken as the exact number that the
+    /// `f64` is.
     #[must_use]
     pub fn from_theta(theta: f64) -> Self {
         let south = theta > FRAC_PI_2;
@@ -27,7 +28,8 @@ impl AcuteAngle {
         }
     }
 
-    /// Returns the angle of a direction `(x, y, z)`, of any length but zero, taken as the exact numbers that the `f64` are.
+    /// Returns the angle of a direction `(x, y, z)`, of any length but zero, taken as the exact
+    /// numbers that the `f64` are.
     #[must_use]
     pub fn from_direction([x, y, z]: [f64; 3]) -> Self {
         let south = z < 0.0;

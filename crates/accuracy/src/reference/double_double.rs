@@ -3,15 +3,15 @@ use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub};
 
 use super::power;
 
-/// A number of about 32 digits, an unevaluated sum of two `f64` with an exponent of its own.
+/// A number of about 32 digits: an unevaluated sum of two `f64` with a separate exponent.
 ///
 /// ```text
-/// (hi + lo) 2^exponent,   1 <= |hi| < 2,   |lo| <= ulp(hi)/2,   or everything 0
+/// (hi + lo) 2^exponent,   1 <= |hi| < 2,   |lo| <= ulp(hi)/2,   or all fields 0
 /// ```
 ///
-/// Relative error of a sum, difference, product, quotient or root: at most 16 `UNIT^2` of the exact result,
-/// `UNIT = EPSILON/2 = 2^-53`, so at most `2e-31`. The exponent has 64 bits, so nothing underflows that a computation on the sphere
-/// meets. NaN and infinities are carried along as NaN or infinities.
+/// The relative error of a sum, difference, product, quotient or root is at most 16 `UNIT^2` of the
+/// exact result, with `UNIT = EPSILON/2 = 2^-53`, so at most `2e-31`. The exponent has 64 bits, so
+/// no computation on the sphere underflows. NaN and infinities propagate as NaN or infinities.
 ///
 /// # Examples
 ///
@@ -25,8 +25,8 @@ use super::power;
 ///
 /// # References
 ///
-/// Joldes, Muller and Popescu 2017, "Tight and rigorous error bounds for basic building blocks of double-word
-/// arithmetic", doi:10.1145/3121432, algorithms 6 (sum) and 11 (product).
+/// Joldes, Muller and Popescu 2017, "Tight and rigorous error bounds for basic building blocks of
+/// double-word arithmetic", doi:10.1145/3121432, algorithms 6 (sum) and 11 (product).
 #[derive(Clone, Copy, Debug)]
 pub struct DoubleDouble {
     hi: f64,
@@ -40,7 +40,8 @@ const FRACTION_BITS: u32 = 52;
 const BIAS: i64 = 1023;
 /// The exponent field as a mask, before shifting.
 const EXPONENT_MASK: u64 = 0x7ff;
-/// A difference of exponents beyond which the smaller summand is below the last digit of the larger.
+/// The difference of exponents beyond which the smaller summand is below the last digit of the
+/// larger one.
 const NEGLIGIBLE: i64 = 220;
 
 impl DoubleDouble {
@@ -64,14 +65,14 @@ impl DoubleDouble {
             if sum == 0.0 {
                 return Self::ZERO;
             }
-            // Subnormal: 2^54 makes it normal, exactly; the rest is 0.
+            // Subnormal: multiplication by 2^54 makes it normal exactly; the other part is 0.
             return Self::normal(sum * power_of_two(54), 0.0, exponent.saturating_sub(54));
         }
         if field == EXPONENT_MASK.cast_signed() {
             return Self { hi: sum, lo: 0.0, exponent: 0 };
         }
         let shift = field - BIAS;
-        // Two factors: the power itself may be out of range.
+        // Two factors, because the power itself may be out of range.
         let (half, other) = (power_of_two(-(shift / 2)), power_of_two(shift / 2 - shift));
         Self {
             hi: sum * half * other,
@@ -80,7 +81,7 @@ impl DoubleDouble {
         }
     }
 
-    /// Returns the nearest `f64`; below its range 0, above it an infinity.
+    /// Returns the nearest `f64`; 0 below its range, infinity above it.
     #[must_use]
     pub fn value(self) -> f64 {
         match self.exponent {
@@ -92,7 +93,8 @@ impl DoubleDouble {
         }
     }
 
-    /// Returns the leading digits, a mantissa in `[1, 2)` up to its sign or 0, and their power of two.
+    /// Returns the leading digits, a mantissa in `[1, 2)` up to its sign or 0, and their power of
+    /// two.
     #[must_use]
     pub const fn leading(self) -> (f64, i64) {
         (self.hi, self.exponent)
@@ -122,7 +124,7 @@ impl DoubleDouble {
             None => (text, 0),
         };
         let (whole, fraction) = digits.split_once('.').unwrap_or((digits, ""));
-        // A second point or a sign in the fraction is no digit.
+        // A second point, or a sign in the fraction, is invalid.
         if !fraction.bytes().all(|b| b.is_ascii_digit()) {
             return None;
         }
@@ -151,7 +153,8 @@ impl DoubleDouble {
         power(Self::ONE, self, n)
     }
 
-    /// Returns the square root, NaN of a negative number: the `f64` root with one correction of Newton.
+    /// Returns the square root, NaN of a negative number: the `f64` root with one correction of
+    /// Newton.
     #[must_use]
     pub fn sqrt(self) -> Self {
         if self.hi == 0.0 {
@@ -165,7 +168,7 @@ impl DoubleDouble {
     }
 }
 
-/// The sum, rounded, and its rounding error.
+/// Returns the rounded sum and its rounding error.
 fn two_sum(a: f64, b: f64) -> (f64, f64) {
     let sum = a + b;
     let part = sum - a;
@@ -255,7 +258,7 @@ impl Mul for DoubleDouble {
 impl Div for DoubleDouble {
     type Output = Self;
 
-    /// The `f64` quotient with one correction of Newton.
+    /// Computes the `f64` quotient with one Newton correction.
     fn div(self, other: Self) -> Self {
         let exponent = self.exponent.saturating_sub(other.exponent);
         let quotient = Self::normal(self.hi / other.hi, 0.0, exponent);

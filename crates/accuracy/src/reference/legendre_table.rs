@@ -2,7 +2,7 @@ use super::DoubleDouble;
 
 const TABLE: &str = include_str!("../../data/associated_legendre.csv");
 
-/// A value of the table.
+/// A row of the table.
 #[derive(Clone, Copy, Debug)]
 pub struct LegendreRow {
     /// The degree.
@@ -15,9 +15,10 @@ pub struct LegendreRow {
     pub value: DoubleDouble,
 }
 
-/// 263 values of associated Legendre functions with 25 digits, from arithmetic of many more.
+/// A table of 263 values of associated Legendre functions with 25 digits, computed with many more.
 ///
-/// Degrees to 20000, colatitudes from 1e-300 to 5.4e-8 from the south pole, values down to about `1e-306477`.
+/// Degrees up to 20000, colatitudes from 1e-300 to 5.4e-8 from the south pole, values down to about
+/// `1e-306477`.
 #[derive(Clone, Copy, Debug)]
 pub struct LegendreTable;
 

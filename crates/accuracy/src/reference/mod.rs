@@ -1,7 +1,7 @@
-//! What measured values are compared with: arithmetic of twice the working precision, associated Legendre functions in
-//! it, and a table of them with 25 digits.
+//! References for tested values: arithmetic in twice the working precision, associated Legendre
+//! functions computed in it, and a table of them with 25 digits.
 //!
-//! Nothing here is fast, and nothing depends on the crates whose values it judges.
+//! The references are slow, and they do not depend on the tested crates.
 //!
 //! ```
 //! use sphvar_accuracy::reference::{DoubleDouble, LegendreTable};

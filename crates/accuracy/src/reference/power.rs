@@ -1,8 +1,9 @@
 use std::ops::Mul;
 
-/// Returns the `n`-th power of whatever can be multiplied, `one` for `n = 0`.
+/// Returns the `n`-th power of any type with multiplication; `one` for `n = 0`.
 ///
-/// By squaring: `O(log n)` products, and none that the result does not need, so that nothing overflows on the way.
+/// Computed by repeated squaring with `O(log n)` products, all of which the result needs, so that
+/// no intermediate product overflows.
 ///
 /// ```
 /// assert_eq!(sphvar_accuracy::reference::power(1, 3, 5), 243);

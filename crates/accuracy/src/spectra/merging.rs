@@ -6,18 +6,18 @@ use sphvar_spectrum::{Moments, Resolution, SpectrumAccumulator, accumulate};
 use crate::Errors;
 
 const SEED: u64 = 7;
-/// Realizations in all.
+/// The total number of realizations.
 const COUNT: u64 = 100_000;
-/// Of which so many are accumulated together.
+/// The number of realizations accumulated together.
 const SHARD: u64 = 100;
 
-/// A number below `n`; the bias of the remainder does not matter for choosing an order.
+/// Returns a number below `n`; the bias of the remainder does not matter for a random order.
 fn below(n: usize, rng: &mut impl Rng) -> usize {
     let n = n as u64;
     usize::try_from(rng.next_u64() % n).unwrap_or(0)
 }
 
-/// One accumulator from many by merging pairs that are drawn at random: a random tree in a random order.
+/// Merges accumulators in random pairs: a random tree in a random order.
 fn merged<A>(mut parts: Vec<A>, rng: &mut impl Rng, merge: impl Fn(&mut A, &A)) -> Option<A> {
     while parts.len() > 1 {
         let other = parts.swap_remove(below(parts.len(), rng));
@@ -27,15 +27,16 @@ fn merged<A>(mut parts: Vec<A>, rng: &mut impl Rng, merge: impl Fn(&mut A, &A)) 
     parts.pop()
 }
 
-/// The differences of the bits of two results: infinite if there are any.
+/// Compares the bits of two results; the error is infinite if any differ.
 fn push_bits(errors: &mut Errors, name: &str, got: &[f64], expected: &[f64]) {
     let same = got.len() == expected.len()
         && got.iter().zip(expected).all(|(a, b)| a.to_bits() == b.to_bits());
     errors.push(if same { 0.0 } else { f64::INFINITY }, || format!("the bits of {name}"));
 }
 
-/// The mean and the variance of numbers, in order and merged one by one in a random tree, against twice the precision;
-/// and the spectrum of as many realizations, in shards that are merged in a random tree, against all of them at once.
+/// Compares the mean and the variance of numbers, accumulated in order and merged one by one in a
+/// random tree, with twice the working precision; and the spectrum of the same number of
+/// realizations, in shards merged in a random tree, with that of all of them at once.
 pub(super) fn errors() -> Errors {
     let mut errors = Errors::default();
     let mut rng = Streams::new(SEED, Purpose::Resample, 0).realization(0);
@@ -70,7 +71,8 @@ pub(super) fn errors() -> Errors {
     errors
 }
 
-/// A number like the power of one realization: positive, of any size between 2^-20 and 2^20, with all of its digits.
+/// Returns a number like the power of one realization: positive, of any size between 2^-20 and
+/// 2^20, with all digits.
 fn power_of_one(rng: &mut impl Rng) -> f64 {
     let (digits, size) = (rng.next_u64() >> 11, below(41, rng));
     let mantissa = 1.0 + digits as f64 * f64::EPSILON * 0.5;
@@ -88,7 +90,7 @@ fn push_spectra(errors: &mut Errors, rng: &mut impl Rng) {
     let shards: Result<Vec<_>, _> =
         (0..COUNT / SHARD).map(|i| range(i * SHARD..(i + 1) * SHARD)).collect();
     let tree = shards.ok().and_then(|shards| {
-        // A mismatch would leave realizations out, and the bits would tell.
+        // A failed merge would leave realizations out, which changes the bits.
         merged(shards, rng, |into, other| _ = into.try_merge(other))
     });
     let spectra = [tree, range(0..COUNT).ok()].map(|sum| sum.and_then(|sum| sum.finish().ok()));

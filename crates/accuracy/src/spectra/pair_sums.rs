@@ -1,7 +1,7 @@
 use crate::reference::DoubleDouble;
 use glam::DVec3;
 
-/// A direction brought to length 1 in twice the working precision.
+/// Normalizes a direction in twice the working precision.
 pub(crate) fn unit(p: DVec3) -> [DoubleDouble; 3] {
     let p = p.to_array().map(DoubleDouble::from);
     let length = dot(p, p).sqrt();
@@ -12,10 +12,10 @@ pub(crate) fn dot(a: [DoubleDouble; 3], b: [DoubleDouble; 3]) -> DoubleDouble {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
-/// The Legendre polynomials `P_0(x), P_1(x), ...`, without end.
+/// Returns an infinite iterator over the Legendre polynomials `P_0(x), P_1(x), ...`.
 ///
-/// `(l + 1) P_{l+1} = (2l + 1) x P_l - l P_{l-1}`; near x = 1 and -1 it loses a factor of about l^2, which leaves 25
-/// digits at degrees of some hundreds.
+/// It uses `(l + 1) P_{l+1} = (2l + 1) x P_l - l P_{l-1}`; near x = 1 and -1 this loses a factor of
+/// about l^2, which leaves 25 digits at degrees of some hundreds.
 pub(crate) fn legendre(x: DoubleDouble) -> impl Iterator<Item = DoubleDouble> {
     let (mut below, mut value) = (DoubleDouble::ZERO, DoubleDouble::ONE);
     (0_u64..).map(move |l| {
@@ -27,9 +27,10 @@ pub(crate) fn legendre(x: DoubleDouble) -> impl Iterator<Item = DoubleDouble> {
     })
 }
 
-/// `(1/N) sum_{k,j} P_l(s_k.s_j)` for l = 0 ..= lmax: the power per degree of one set, by the addition theorem.
+/// Returns `(1/N) sum_{k,j} P_l(s_k.s_j)` for l = 0 ..= lmax: the power per degree of one set, by
+/// the addition theorem.
 ///
-/// The norms of points do not enter. Cost `O(N^2 lmax)`.
+/// The norms of the points have no effect. Cost `O(N^2 lmax)`.
 pub(crate) fn legendre_sums(points: &[DVec3], lmax: usize) -> Vec<DoubleDouble> {
     let units: Vec<_> = points.iter().map(|p| unit(*p)).collect();
     let mut sums = vec![DoubleDouble::ZERO; lmax + 1];
@@ -41,7 +42,7 @@ pub(crate) fn legendre_sums(points: &[DVec3], lmax: usize) -> Vec<DoubleDouble> 
         }
     }
     let n = DoubleDouble::from(points.len() as f64);
-    // Each pair counts twice, and each point with itself.
+    // Each pair counts twice, and each point once with itself.
     sums.into_iter().map(|sum| DoubleDouble::ONE + DoubleDouble::from(2.0) * sum / n).collect()
 }
 

@@ -13,7 +13,7 @@ use crate::{Errors, Subject};
 /// The seed of every set.
 const SEED: u64 = 7;
 
-/// Some realizations of a pattern, and the mean of their power in twice the working precision.
+/// Several realizations of a pattern, with their mean power in twice the working precision.
 #[derive(Debug)]
 pub(super) struct Sets {
     pattern: Pattern,
@@ -25,7 +25,7 @@ pub(super) struct Sets {
 
 impl Sets {
     pub(super) fn new(pattern: Pattern, n: usize, lmax: usize, count: u64) -> Self {
-        let sampler = pattern.build(n, Domain::Sphere).expect("sets of so many points exist");
+        let sampler = pattern.build(n, Domain::Sphere).expect("the number of points is valid");
         Self { pattern, sampler, lmax, count, power: OnceLock::new() }
     }
 
@@ -38,9 +38,10 @@ impl Sets {
         self.count * self.sampler.n_points() as u64
     }
 
-    /// `12 epsilon sqrt(1 + N/(lmax + 1)^2)/sqrt(lmax n_sets)`, six times what errors that are spread evenly have in
-    /// the middle degree, for those of windows are largest at the last; and the roundings of sums over orders. The
-    /// exact transform's epsilon is `EPSILON (lmax + 32)`.
+    /// Returns the error bound `12 epsilon sqrt(1 + N/(lmax + 1)^2)/sqrt(lmax n_sets)`, plus the
+    /// roundings of sums over orders. It is six times the error in the middle degree for evenly
+    /// spread errors, since those of windows are largest at the last degree. The exact transform's
+    /// epsilon is `EPSILON (lmax + 32)`.
     pub(super) fn bound(&self, epsilon: Option<f64>) -> f64 {
         let degrees = self.lmax as f64 + 1.0;
         let epsilon = epsilon.unwrap_or(f64::EPSILON * (degrees + 31.0));
@@ -68,7 +69,7 @@ impl Sets {
     }
 }
 
-/// The mean spectrum of sets by one method.
+/// The mean spectrum of sets, computed by one method.
 #[derive(Debug)]
 pub(super) struct OfSets {
     sets: Arc<Sets>,
@@ -104,7 +105,7 @@ impl Subject for OfSets {
     }
 }
 
-/// The errors of a spectrum's degrees from 1 on.
+/// Returns the errors of a spectrum's degrees from 1 on.
 fn errors_from(got: &[f64], exact: &[f64], scale: impl Fn(f64) -> f64) -> Errors {
     let mut errors = Errors::default();
     errors.push_length(got.len(), exact.len());
@@ -114,7 +115,7 @@ fn errors_from(got: &[f64], exact: &[f64], scale: impl Fn(f64) -> f64) -> Errors
     errors
 }
 
-/// A spectrum without sampling.
+/// A spectrum computed without sampling.
 #[derive(Debug)]
 pub(super) struct Known {
     pattern: Pattern,

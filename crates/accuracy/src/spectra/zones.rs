@@ -3,15 +3,15 @@ use sphvar_samplers::{Domain, EqualArea, Placement};
 
 use super::pair_sums::legendre;
 
-/// A zone of the sphere that meridians cut into equal regions.
+/// A zone of the sphere that meridians divide into equal regions.
 struct Zone {
     /// The heights of the upper and the lower parallel.
     z: [DoubleDouble; 2],
     regions: DoubleDouble,
 }
 
-/// The power of one uniform point in each of n zonal regions of equal area, by closed forms in twice the working
-/// precision: degrees 0 ..= lmax, degree 0 as 0.
+/// Returns the power of one uniform point in each of n zonal regions of equal area, by closed forms
+/// in twice the working precision, for degrees 0 ..= lmax; the value of degree 0 is 0.
 ///
 /// ```text
 /// P(l) = 1 - (1/n) sum_k E P_l(x.y),   x and y independent and uniform in region k
@@ -32,7 +32,7 @@ pub(super) fn power(n: usize, lmax: usize) -> Vec<DoubleDouble> {
         let z = [height(above), height(above + regions)];
         above += regions;
         let zone = Zone { z, regions: number(regions) };
-        let means = if regions == 1 { zone.of_turn(lmax) } else { zone.of_region() };
+        let means = if regions == 1 { zone.of_full_turn(lmax) } else { zone.of_region() };
         for (sum, mean) in sums.iter_mut().zip(means) {
             *sum += zone.regions * mean;
         }
@@ -41,8 +41,8 @@ pub(super) fn power(n: usize, lmax: usize) -> Vec<DoubleDouble> {
 }
 
 impl Zone {
-    /// `E P_l(x.y)` of the whole zone.
-    fn of_turn(&self, lmax: usize) -> Vec<DoubleDouble> {
+    /// Returns `E P_l(x.y)` of the whole zone.
+    fn of_full_turn(&self, lmax: usize) -> Vec<DoubleDouble> {
         let [high, low] = self.z;
         let values = self.z.map(|z| legendre(z).take(lmax + 2).collect::<Vec<_>>());
         let mean = |l: usize| {
@@ -54,7 +54,7 @@ impl Zone {
         std::iter::once(DoubleDouble::ONE).chain((1..=lmax).map(mean)).collect()
     }
 
-    /// `E P_l(x.y)` of one region for l = 0, 1, 2, from the moments of its coordinates.
+    /// Returns `E P_l(x.y)` of one region for l = 0, 1, 2, from the moments of its coordinates.
     fn of_region(&self) -> Vec<DoubleDouble> {
         let number = |x: f64| DoubleDouble::from(x);
         let one = DoubleDouble::ONE;
@@ -102,7 +102,7 @@ mod tests {
     fn moments_are_those_of_full_turns() {
         for z in [[1.0, 0.25], [0.5, -0.125], [-0.75, -1.0]] {
             let zone = Zone { z: z.map(DoubleDouble::from), regions: DoubleDouble::ONE };
-            for (l, (a, b)) in zone.of_turn(2).into_iter().zip(zone.of_region()).enumerate() {
+            for (l, (a, b)) in zone.of_full_turn(2).into_iter().zip(zone.of_region()).enumerate() {
                 assert!((a - b).value().abs() < 1e-29, "{z:?}, l = {l}: {}", (a - b).value());
             }
         }

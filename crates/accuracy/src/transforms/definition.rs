@@ -32,16 +32,16 @@ impl Mul for Complex {
     }
 }
 
-/// A weighted set of points by the colatitudes that they have in common.
+/// A weighted set of points grouped by common colatitudes.
 ///
-/// The definition of the transforms, `a_lm = sum_k w_k conj Y_lm(x_k)`, term by term in twice the working precision.
-/// Points are directions: vectors are brought to length 1 in that precision.
+/// It evaluates the definition of the transforms, `a_lm = sum_k w_k conj Y_lm(x_k)`, term by term
+/// in twice the working precision. Points are directions: vectors are normalized in that precision.
 #[derive(Debug)]
 pub(crate) struct Definition {
     rings: Vec<Ring>,
 }
 
-/// Points of one colatitude or its mirror image in the equator.
+/// Points of one colatitude or of its mirror image in the equator.
 #[derive(Debug)]
 struct Ring {
     angle: AcuteAngle,
@@ -51,20 +51,20 @@ struct Ring {
 #[derive(Debug)]
 struct Place {
     /// `e^{-i phi}`.
-    turn: Complex,
+    phase: Complex,
     weight: DoubleDouble,
     south: bool,
 }
 
 impl Definition {
-    /// Points that follow each other and differ by the signs of coordinates, or by x and y changing places, share a
-    /// ring. `weights` are 1 if there are none.
+    /// Groups the points. Successive points that differ by the signs of coordinates, or by an
+    /// exchange of x and y, share a ring. `weights` are 1 if there are none.
     pub(crate) fn new(points: &[DVec3], weights: Option<&[f64]>) -> Self {
         let mut rings: Vec<Ring> = Vec::new();
         let mut last = None;
         for (k, p) in points.iter().enumerate() {
             let weight = DoubleDouble::from(weights.map_or(1.0, |w| w[k]));
-            let place = Place { turn: turn(*p), weight, south: p.z < 0.0 };
+            let place = Place { phase: phase(*p), weight, south: p.z < 0.0 };
             let a = p.abs();
             let shape = Some((a.x.min(a.y).to_bits(), a.x.max(a.y).to_bits(), a.z.to_bits()));
             match rings.last_mut() {
@@ -79,16 +79,17 @@ impl Definition {
         Self { rings }
     }
 
-    /// `a_lm` for l = m ..= lmax. Cost `O((lmax + m) R + N log m)` with R rings.
+    /// Returns `a_lm` for l = m ..= lmax. Cost `O((lmax + m) R + N log m)` with R rings.
     pub(crate) fn column(&self, m: usize, lmax: usize) -> Vec<Complex> {
         let mut sums = vec![Complex::ZERO; lmax + 1 - m];
         for ring in &self.rings {
-            // By the parity of l - m, under which the functions of the south are those of the north.
+            // By the parity of l - m, which relates the functions of the southern to those of the
+            // northern hemisphere.
             let mut terms = [Complex::ZERO; 2];
             for place in &ring.places {
-                let turn = power(Complex::ONE, place.turn, m as u64);
-                terms[0].add_product(turn, place.weight);
-                terms[1].add_product(turn, if place.south { -place.weight } else { place.weight });
+                let phase = power(Complex::ONE, place.phase, m as u64);
+                terms[0].add_product(phase, place.weight);
+                terms[1].add_product(phase, if place.south { -place.weight } else { place.weight });
             }
             let lambdas = LegendreColumn::new(m as u64, ring.angle);
             for ((sum, lambda), term) in sums.iter_mut().zip(lambdas).zip(terms.iter().cycle()) {
@@ -99,10 +100,10 @@ impl Definition {
     }
 }
 
-/// The value `sum_lm a_lm Y_lm(p)` of a real function. Cost `O(lmax^2)`.
+/// Returns the value `sum_lm a_lm Y_lm(p)` of a real function. Cost `O(lmax^2)`.
 pub(super) fn value_at(p: DVec3, alm: &Alm) -> DoubleDouble {
     let angle = AcuteAngle::from_direction(p.to_array());
-    let turn = turn(p);
+    let phase = phase(p);
     let mut sum = DoubleDouble::ZERO;
     for m in 0..=alm.lmax() {
         let mut of_order = Complex::ZERO;
@@ -110,16 +111,16 @@ pub(super) fn value_at(p: DVec3, alm: &Alm) -> DoubleDouble {
             let a = Complex { re: DoubleDouble::from(a.re), im: DoubleDouble::from(a.im) };
             of_order.add_product(a, lambda.value);
         }
-        // Orders m and -m are complex conjugates; the turn is that of the conjugate harmonic.
-        let turn = power(Complex::ONE, turn, m as u64);
-        let real = of_order.re * turn.re + of_order.im * turn.im;
+        // Orders m and -m are complex conjugates; the phase is that of the conjugate harmonic.
+        let phase = power(Complex::ONE, phase, m as u64);
+        let real = of_order.re * phase.re + of_order.im * phase.im;
         sum += if m == 0 { real } else { real + real };
     }
     sum
 }
 
-/// `e^{-i phi}`; 1 at a pole.
-fn turn(p: DVec3) -> Complex {
+/// Returns `e^{-i phi}`; 1 at a pole.
+fn phase(p: DVec3) -> Complex {
     let [x, y] = [p.x, p.y].map(DoubleDouble::from);
     let length = (x * x + y * y).sqrt();
     if length == DoubleDouble::ZERO {
@@ -136,9 +137,9 @@ mod tests {
 
     use super::{Definition, value_at};
 
-    /// The functions of the harmonics' own crate, to their accuracy.
+    /// Comparison with the functions of the `sphvar-sh` crate, to their accuracy.
     #[test]
-    fn it_is_made_of_spherical_harmonics() {
+    fn coefficients_of_single_points_are_spherical_harmonics() {
         let p = DVec3::new(0.36, -0.48, 0.8);
         let points = [p, p * DVec3::new(1.0, -1.0, -1.0), p * -1.0, DVec3::NEG_Z, DVec3::X];
         let weights = [1.0, 0.5, -0.25, 2.0, 3.0];
@@ -154,7 +155,7 @@ mod tests {
                     terms.map(|(p, w)| ylm_at(l, order, *p).unwrap().conj() * w).sum();
                 let got = Rounded::new(got.re.value(), got.im.value());
                 alm[(l, m)] = got;
-                // Five terms of size 1, each good to 4 (l + 1) EPSILON.
+                // Five terms of size 1, each accurate to 4 (l + 1) EPSILON.
                 assert!((got - expected).norm() < 1e-13, "l = {l}, m = {m}: {got} {expected}");
             }
         }

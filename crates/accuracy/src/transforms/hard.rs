@@ -8,40 +8,40 @@ use super::plan::Accuracy;
 use super::points;
 use crate::{Errors, HardCase};
 
-/// The hard cases of this area.
+/// Returns the hard cases of this area.
 pub(crate) fn hard_cases() -> Vec<HardCase> {
     vec![
         HardCase {
             name: "points_within_1e_minus_16_and_repeated",
             what: "coefficients to degree 64 by every method, of points that are equal or differ in the last place; \
-                   errors over what is promised",
+                   errors relative to the documented bounds",
             bound: 1.0,
-            reason: "epsilon times the norm; the exact transform EPSILON (lmax + 32), since errors at one place \
+            reason: "epsilon times the norm; EPSILON (lmax + 32) for the exact transform, since errors at one place \
                      do not cancel",
             measure: crowded,
         },
         HardCase {
             name: "all_points_at_a_pole",
-            what: "coefficients to degree 100 by every method, of 1000 points at one pole and at both; errors over \
-                   what is promised",
+            what: "coefficients to degree 100 by every method, of 1000 points at one pole and at both; errors relative to \
+                   the documented bounds",
             bound: 1.0,
-            reason: "epsilon times the norm; the exact transform EPSILON (lmax + 32)",
+            reason: "epsilon times the norm; EPSILON (lmax + 32) for the exact transform",
             measure: at_poles,
         },
         HardCase {
             name: "ten_million_points_in_one_set",
             what: "coefficients to degree 16 of 10^7 points at seven places by the fast transform, on grids of f64 and \
-                   f32, and not by the exact one, whose workspace would be 1.5 GB; errors over what is promised, \
+                   f32; the exact one is left out, as its workspace would be 1.5 GB; errors relative to the documented bounds, \
                    1e-13 and 5e-7 of the norm",
             bound: 1.0,
-            reason: "epsilon times the norm for any number of points: sums of many terms are made of short ones, \
-                     where plain ones would round to one side, by EPSILON for each term",
+            reason: "epsilon times the norm for any number of points: long sums are split into short ones, \
+                     since plain sums would have roundings of the same sign, EPSILON for each term",
             measure: ten_million,
         },
     ]
 }
 
-/// The error of one method's coefficients, over what it promises, as one of several.
+/// Adds the error of one method's coefficients, relative to its documented bound.
 fn push(errors: &mut Errors, input: &Input, accuracy: Accuracy, points: &[DVec3]) {
     let mut alm = Alm::zeros(input.lmax()).expect("a low degree");
     accuracy.plan(input.lmax()).adjoint(points, None, &mut alm);
@@ -61,14 +61,15 @@ fn crowded() -> Errors {
     sets.push(("six places", all));
     for (name, points) in sets {
         let input = Input::new(name, points, None, LMAX, LMAX);
-        for accuracy in Accuracy::ladder() {
+        for accuracy in Accuracy::all() {
             push(&mut errors, &input, accuracy, input.points());
         }
     }
     errors
 }
 
-/// At a pole `lambda_lm` is 0 but for order 0, `sqrt((2l+1)/(4 pi))` with the sign of the parity of l in the south.
+/// At a pole `lambda_lm` is 0 except for order 0: `sqrt((2l+1)/(4 pi))`, in the south with the sign
+/// of the parity of l.
 fn at_poles() -> Errors {
     const LMAX: usize = 100;
     let mut errors = Errors::default();
@@ -80,7 +81,7 @@ fn at_poles() -> Errors {
             let sum = north as f64 + sign * south as f64;
             a.re = sum * ((2 * l + 1) as f64 / (4.0 * PI)).sqrt();
         }
-        for accuracy in Accuracy::ladder() {
+        for accuracy in Accuracy::all() {
             let mut alm = Alm::zeros(LMAX).expect("a low degree");
             accuracy.plan(LMAX).adjoint(&points, None, &mut alm);
             for (got, exact) in alm.values_mut().iter_mut().zip(exact.values()) {

@@ -10,21 +10,22 @@ use super::definition::{Complex, Definition, value_at};
 use super::points;
 use crate::Errors;
 
-/// A weighted set of points, the degree it is transformed to, and the reference for some of its coefficients.
+/// A weighted set of points, the degree of its transform, and the reference for some of its
+/// coefficients.
 #[derive(Debug)]
 pub(super) struct Input {
     name: &'static str,
     points: Vec<DVec3>,
     weights: Option<Vec<f64>>,
     lmax: usize,
-    /// The number of parts that the orders are cut into, each represented by one of them.
+    /// The number of parts into which the orders are divided; one order represents each.
     parts: usize,
     columns: OnceLock<Vec<Column>>,
     function: OnceLock<Alm>,
     values: OnceLock<Vec<f64>>,
 }
 
-/// The coefficients of one order, and how many orders it stands for.
+/// The coefficients of one order, and the number of orders that it represents.
 #[derive(Debug)]
 struct Column {
     m: usize,
@@ -33,33 +34,35 @@ struct Column {
 }
 
 impl Column {
-    /// By how much the sum over the orders that this one stands for exceeds that over its own coefficients; orders m
-    /// and -m are one column.
+    /// Returns the ratio of the sum over the represented orders to that over this order's
+    /// coefficients; orders m and -m are one column.
     fn copies(&self) -> f64 {
         self.stands_for * if self.m == 0 { 1.0 } else { 2.0 }
     }
 }
 
-/// Points at which values are compared.
+/// The number of points at which values are compared.
 const COMPARED: usize = 40;
-/// By how much the norm of all coefficients may exceed what the compared orders tell. The sets of trials are within
-/// 3 percent of it, the mirrored ones too; sets that have most of their energy in few orders would be further off.
+/// The maximum ratio of the norm of all coefficients to the norm estimated from the compared
+/// orders. For the sets of the trials, including the mirrored ones, the two agree to 3 percent;
+/// sets with most of their energy in few orders would differ more.
 const NORM_FACTOR: f64 = 4.0;
 
 impl Input {
-    /// Independent uniform directions without weights.
+    /// Returns independent uniform directions without weights.
     pub(super) fn white_noise(n: usize, lmax: usize, parts: usize) -> Self {
         Self::new("white noise", points::white_noise(n), None, lmax, parts)
     }
 
-    /// Mirrored directions with weights between 1/2 and 3/2, without which most coefficients would vanish.
+    /// Returns mirrored directions with weights between 1/2 and 3/2; without weights most
+    /// coefficients would vanish.
     pub(super) fn mirrored(n: usize, lmax: usize, parts: usize) -> Self {
         let points = points::mirrored(n);
         let weights = points::white_noise(points.len()).iter().map(|p| 1.0 + 0.5 * p.z).collect();
         Self::new("weighted white noise, mirrored", points, Some(weights), lmax, parts)
     }
 
-    /// Any set; `parts` of `lmax + 1` and more compares all coefficients.
+    /// Returns any set; with `parts` of at least `lmax + 1` all coefficients are compared.
     pub(super) fn new(
         name: &'static str,
         points: Vec<DVec3>,
@@ -87,13 +90,14 @@ impl Input {
         self.lmax
     }
 
-    /// The numbers of points and degrees in words.
+    /// Returns the numbers of points and degrees in words.
     pub(super) fn size(&self) -> String {
         format!("N = {}, lmax = {}", self.points.len(), self.lmax)
     }
 
-    /// The error `||a - b||/||a||` of all coefficients, as those of some orders tell it: each stands for its part. NaN if
-    /// `||a||` is far above what these orders tell, for what is wrong in another one must not make the error small.
+    /// Returns the error `||a - b||/||a||` of all coefficients, estimated from some orders, each of
+    /// which represents a part. NaN if `||a||` is far above the estimate from these orders, so that
+    /// an error in another order cannot make the result small.
     pub(super) fn error_of(&self, got: &Alm) -> Errors {
         let (mut squares, mut energy, mut worst) = (0.0, 0.0, (0.0, 0, 0));
         for column in self.columns.get_or_init(|| self.columns()) {
@@ -107,7 +111,7 @@ impl Input {
                 }
             }
         }
-        // The norm itself need not be known to more than a few digits.
+        // The norm is needed to a few digits only.
         let norm = got.energy_per_degree().iter().sum::<f64>().sqrt();
         let mut errors = Errors::default();
         let (_, l, m) = worst;
@@ -119,11 +123,11 @@ impl Input {
         errors
     }
 
-    /// One order of each part, the first and the last order by themselves.
+    /// Returns one order of each part; the first and the last order are parts by themselves.
     fn columns(&self) -> Vec<Column> {
         let definition = Definition::new(&self.points, self.weights());
         let column = |first: usize, last: usize| {
-            // The middle has as many coefficients as the mean.
+            // The middle order has the mean number of coefficients.
             let m = first + (last - first) / 2;
             let stands_for = (last + 1 - first) as f64;
             Column { m, stands_for, values: definition.column(m, self.lmax) }
@@ -139,7 +143,7 @@ impl Input {
         columns
     }
 
-    /// The coefficients of a function without order whose root mean square over the sphere is 1.
+    /// Returns random coefficients of a function whose root mean square over the sphere is 1.
     pub(super) fn coefficients(&self) -> &Alm {
         self.function.get_or_init(|| {
             let mut alm = Alm::zeros(self.lmax).expect("a degree of some thousands");
@@ -158,7 +162,7 @@ impl Input {
         })
     }
 
-    /// The errors of the function's values at the first points.
+    /// Returns the errors of the function's values at the first points.
     pub(super) fn errors_of_values(&self, got: &[f64]) -> Errors {
         let mut errors = Errors::default();
         let exact = self.values.get_or_init(|| {
@@ -179,7 +183,7 @@ mod tests {
     use crate::transforms::plan::Accuracy;
 
     #[test]
-    fn the_norm_does_not_hide_what_is_not_compared() {
+    fn the_norm_does_not_hide_errors_of_other_orders() {
         const LMAX: usize = 20;
         for input in [Input::white_noise(300, LMAX, 3), Input::mirrored(320, LMAX, 3)] {
             let mut alm = sphvar_sh::Alm::zeros(LMAX).unwrap();
@@ -188,7 +192,10 @@ mod tests {
             assert!(right.max() < 1e-14, "{right:?}");
             let compared = input.columns.get().unwrap();
             let orders: f64 = compared.iter().map(|c| c.stands_for).sum();
-            assert!((orders - (LMAX as f64 + 1.0)).abs() < 1e-12, "{orders} orders are stood for");
+            assert!(
+                (orders - (LMAX as f64 + 1.0)).abs() < 1e-12,
+                "{orders} orders are represented"
+            );
             assert!(compared.last().is_some_and(|c| c.m == LMAX));
             let other = (0..=LMAX).find(|m| compared.iter().all(|c| c.m != *m)).unwrap();
             alm[(LMAX, other)].re += 1e6;

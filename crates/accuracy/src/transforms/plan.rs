@@ -4,28 +4,28 @@ use glam::DVec3;
 use sphvar_sh::Alm;
 use sphvar_sht::{ExactTransform, ExactWorkspace, FastTransform, FastWorkspace};
 
-/// What f32 grids are asked for.
+/// The requested accuracies for f32 grids.
 pub(crate) const SINGLE: [f64; 5] = [1e-3, 1e-4, 1e-5, 1e-6, 5e-7];
-/// What f64 grids are asked for.
+/// The requested accuracies for f64 grids.
 pub(crate) const DOUBLE: [f64; 7] = [1e-7, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12, 1e-13];
 
-/// How accurately a transform is asked to compute.
+/// The requested accuracy of a transform.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Accuracy {
     /// To rounding.
     Exact,
-    /// To this epsilon, by the fast transform.
+    /// To this epsilon, with the fast transform.
     Epsilon(f64),
 }
 
 impl Accuracy {
-    /// Every accuracy that is tried.
-    pub(super) fn ladder() -> impl Iterator<Item = Self> {
+    /// Returns every accuracy tested.
+    pub(super) fn all() -> impl Iterator<Item = Self> {
         let fast = SINGLE.into_iter().chain(DOUBLE).map(Self::Epsilon);
         std::iter::once(Self::Exact).chain(fast)
     }
 
-    /// The transform that computes so: grids are of f32 down to 5e-7.
+    /// Returns the transform for this accuracy: grids are of f32 down to 5e-7.
     pub(super) fn kind(self) -> &'static str {
         match self {
             Self::Exact => "exact",
@@ -34,7 +34,7 @@ impl Accuracy {
         }
     }
 
-    /// The end of a case's name.
+    /// Returns the end of a case's name.
     pub(super) fn words(self) -> String {
         match self {
             Self::Exact => String::new(),
@@ -42,11 +42,12 @@ impl Accuracy {
         }
     }
 
-    /// What the error of coefficients, relative to the norm of all, must not exceed.
+    /// Returns the error bound of coefficients, relative to the norm of all.
     ///
-    /// Exact coefficients of points at one place have an error from `e^{-i phi}`, which is right to some 2/3 EPSILON,
-    /// and its power m to m times that; from the Legendre function of degree l, to a part of l EPSILON; and from sums
-    /// and constants. Those of points all over the sphere go either way.
+    /// The error of exact coefficients for points at one place has several sources: `e^{-i phi}`,
+    /// accurate to about 2/3 EPSILON, whose power m multiplies the error by m; the Legendre
+    /// function of degree l, with a fraction of l EPSILON; sums and constants. For points all over
+    /// the sphere these errors partly cancel.
     pub(super) fn bound(self, lmax: usize) -> f64 {
         match self {
             Self::Exact => f64::EPSILON * (lmax as f64 + 32.0),
@@ -54,12 +55,12 @@ impl Accuracy {
         }
     }
 
-    /// [`Self::bound`] for points all over the sphere.
+    /// Returns [`Self::bound`] for points all over the sphere.
     pub(super) fn bound_all_over(self, lmax: usize) -> f64 {
         if self == Self::Exact { 0.5 * self.bound(lmax) } else { self.bound(lmax) }
     }
 
-    /// The transform and its memory.
+    /// Returns the transform with its memory.
     pub(super) fn plan(self, lmax: usize) -> Plan {
         const DEGREE: &str = "a degree of some thousands";
         match self {
@@ -72,7 +73,7 @@ impl Accuracy {
     }
 }
 
-/// A transform with the memory that it works in.
+/// A transform with its workspace.
 pub(super) enum Plan {
     Exact(ExactTransform, Box<ExactWorkspace>),
     Fast(Box<FastTransform>, Box<FastWorkspace>),

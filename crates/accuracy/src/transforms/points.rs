@@ -4,20 +4,21 @@ use sphvar_samplers::{Domain, Pattern, Purpose, Streams};
 /// The seed of every set.
 const SEED: u64 = 7;
 
-/// Independent uniform directions.
+/// Returns independent uniform directions.
 pub(crate) fn white_noise(n: usize) -> Vec<DVec3> {
     realization(&Pattern::WhiteNoise, n, 0)
 }
 
-/// Realization `index` of a pattern on the sphere, not turned.
+/// Returns realization `index` of a pattern on the sphere, without rotation.
 pub(crate) fn realization(pattern: &Pattern, n: usize, index: u64) -> Vec<DVec3> {
-    let sampler = pattern.build(n, Domain::Sphere).expect("the pattern has sets of so many points");
+    let sampler = pattern.build(n, Domain::Sphere).expect("the number of points is valid");
     let mut rng = Streams::new(SEED, Purpose::Pattern, n).realization(index);
-    sampler.sample(&mut rng).expect("the set is a feasible one").points
+    sampler.sample(&mut rng).expect("the set is feasible").points
 }
 
-/// Independent directions, each with the 15 that differ by the signs of coordinates or by x and y changing places: they
-/// share a Legendre function. `n` is rounded down to a multiple of 16.
+/// Returns independent directions, each with the 15 others that differ by the signs of coordinates
+/// or by an exchange of x and y: they share a Legendre function. `n` is rounded down to a multiple
+/// of 16.
 pub(super) fn mirrored(n: usize) -> Vec<DVec3> {
     let images = |p: DVec3| {
         (0..16).map(move |k: u32| {
@@ -29,8 +30,8 @@ pub(super) fn mirrored(n: usize) -> Vec<DVec3> {
     white_noise(n / 16).into_iter().flat_map(images).collect()
 }
 
-/// Points a unit in the last place of a coordinate apart, or twice that, and repeated ones: in general position, at a
-/// pole, on the equator and at the meridian where longitudes jump.
+/// Returns points one or two units in the last place of a coordinate apart, and repeated ones: in
+/// general position, at a pole, on the equator and at the meridian where longitudes jump.
 pub(super) fn crowded() -> Vec<DVec3> {
     let places = [
         DVec3::new(0.36, -0.48, 0.8),

@@ -6,7 +6,8 @@ use super::input::Input;
 use super::plan::{Accuracy, Plan};
 use crate::{Errors, Subject};
 
-/// From points to coefficients. Plan and memory are made by the first run, so that trials can be listed at no cost.
+/// A transform from points to coefficients. The first run creates plan and memory, so that listing
+/// trials costs nothing.
 #[derive(Debug)]
 pub(super) struct ToCoefficients {
     input: Arc<Input>,
@@ -35,7 +36,7 @@ impl Subject for ToCoefficients {
     }
 }
 
-/// From coefficients to values at points.
+/// A transform from coefficients to values at points.
 #[derive(Debug)]
 pub(super) struct ToValues {
     input: Arc<Input>,

@@ -1,8 +1,8 @@
-//! Every hard case as a test of its name.
+//! A test for each hard case, with the same name.
 
 use sphvar_accuracy::{Area, HardCase, hard_cases};
 
-/// Makes a test of each name, and the list of the names.
+/// Defines a test for each name, and the list of names.
 macro_rules! hard_cases {
     ($($name:ident),* $(,)?) => {
         pub(crate) const NAMES: &[&str] = &[$(stringify!($name)),*];
@@ -28,7 +28,7 @@ fn all() -> impl Iterator<Item = HardCase> {
 /// Measures a hard case and compares it with its bound.
 fn assert_held(name: &str) {
     let case = all().find(|case| case.name == name);
-    let case = case.unwrap_or_else(|| panic!("no hard case is called {name}"));
+    let case = case.unwrap_or_else(|| panic!("there is no hard case {name}"));
     let errors = (case.measure)();
     assert!(errors.count() > 0, "{name}: nothing was compared");
     let (max, bound, worst) = (errors.max(), case.bound, errors.worst());

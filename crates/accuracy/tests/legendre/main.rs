@@ -14,6 +14,6 @@ fn every_row_of_the_reference_table() {
     }
     for row in rows {
         // Written so that NaN fails.
-        assert!(row.of_promise <= 1.0, "{row}");
+        assert!(row.of_bound <= 1.0, "{row}");
     }
 }

@@ -1,4 +1,5 @@
-//! A slow second way: the three-term recurrence with `cos theta`, in double-double arithmetic.
+//! An independent slow reference: the three-term recurrence with `cos theta`, in double-double
+//! arithmetic.
 
 use core::f64::consts::PI;
 
@@ -12,7 +13,7 @@ fn number(x: usize) -> DoubleDouble {
     DoubleDouble::from(x as f64)
 }
 
-/// `lambda_lm(theta)`; loses a factor of about `l / sin theta` of its 31 digits.
+/// Returns `lambda_lm(theta)`; loses a factor of about `l / sin theta` of its 31 digits.
 fn lambda_three_term(l: usize, m: usize, theta: f64) -> DoubleDouble {
     let (sin, x) = DoubleDouble::from(theta).sin_cos();
     let mut squared = DoubleDouble::ONE / (DoubleDouble::from(4.0) * DoubleDouble::pi());
@@ -32,7 +33,7 @@ fn lambda_three_term(l: usize, m: usize, theta: f64) -> DoubleDouble {
 }
 
 #[test]
-fn the_oracle_itself_on_closed_forms() {
+fn the_oracle_matches_closed_forms() {
     // lambda_53 = -sqrt(385/(1024 pi)) sin^3 (9 cos^2 - 1), in f64 from the same angle.
     for theta in [0.1_f64, 1.0, 2.0, 3.0] {
         let (s, x) = theta.sin_cos();
@@ -46,7 +47,7 @@ fn the_oracle_itself_on_closed_forms() {
 }
 
 fn colatitude() -> impl Strategy<Value = f64> {
-    // Below 1e-4 from a pole the oracle runs out of digits; the table covers that.
+    // Within 1e-4 of a pole this reference has too few digits; the table covers that range.
     let near_pole = (-4.0..-1.0_f64).prop_map(|e| 10_f64.powf(e));
     prop_oneof![
         0.1..PI - 0.1,
@@ -70,6 +71,6 @@ proptest! {
     #[test]
     fn random_values_against_the_oracle((l, m) in degree_and_order(), theta in colatitude()) {
         let row = compare(l, m, theta, lambda_three_term(l, m, theta));
-        prop_assert!(row.of_promise <= 1.0, "{row}");
+        prop_assert!(row.of_bound <= 1.0, "{row}");
     }
 }

@@ -1,17 +1,18 @@
-//! Comparison of associated Legendre functions with the table of 25-digit values and other exact ones.
+//! Comparison of associated Legendre functions with the table of 25-digit values and other exact
+//! ones.
 
 use core::fmt;
 
 use sphvar_accuracy::reference::{AcuteAngle, DoubleDouble, LegendreTable, LegendreValue, lambda};
 use sphvar_sh::{Colatitude, lambda_scaled};
 
-/// The promise of the crate, in units of `EPSILON (l + 1)` times the amplitude.
-const PROMISE: f64 = 4.0;
+/// The documented bound of the crate, in units of `EPSILON (l + 1)` times the amplitude.
+const BOUND: f64 = 4.0;
 
-/// Where on the sphere a row lies.
+/// The region of the sphere in which a row lies.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Region {
-    /// `sin theta < m / (l + 1/2)`: the function decays; errors count relative to the value.
+    /// `sin theta < m / (l + 1/2)`: the function decays; errors are relative to the value.
     Evanescent,
     /// Oscillating, `sin theta < 0.01`.
     Polar,
@@ -45,22 +46,22 @@ pub(crate) struct Comparison {
     m: usize,
     theta: f64,
     pub(crate) region: Region,
-    /// Error divided by what the crate promises: at most 1.
-    pub(crate) of_promise: f64,
+    /// The error divided by the documented bound: at most 1.
+    pub(crate) of_bound: f64,
 }
 
 impl fmt::Display for Comparison {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { l, m, theta, region, of_promise } = self;
+        let Self { l, m, theta, region, of_bound } = self;
         let region = format!("{region:?}").to_lowercase();
-        write!(f, "l = {l}, m = {m}, theta = {theta:?} ({region}): {of_promise:.4} of the bound")
+        write!(f, "l = {l}, m = {m}, theta = {theta:?} ({region}): {of_bound:.4} of the bound")
     }
 }
 
 /// Compares one value with an exact one.
 ///
-/// The error counts relative to the amplitude of the reference, which near the poles is more than that of the degree
-/// below: both have their zeros at nearly the same place.
+/// The error is relative to the amplitude of the reference. Near the poles this is more than the
+/// value of the degree below, since both have nearly the same zeros.
 pub(crate) fn compare(l: usize, m: usize, theta: f64, exact: DoubleDouble) -> Comparison {
     let c = Colatitude::from_theta(theta).unwrap();
     let got = lambda_scaled(l, m, c);
@@ -74,7 +75,7 @@ pub(crate) fn compare(l: usize, m: usize, theta: f64, exact: DoubleDouble) -> Co
         m,
         theta,
         region: Region::of(l, m, c),
-        of_promise: error / (PROMISE * f64::EPSILON * (l as f64 + 1.0)),
+        of_bound: error / (BOUND * f64::EPSILON * (l as f64 + 1.0)),
     }
 }
 
