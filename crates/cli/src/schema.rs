@@ -13,6 +13,7 @@ use crate::commands::choose::record::ChoiceBody;
 use crate::commands::compare::record::ComparisonBody;
 use crate::commands::eval::{CapBody, HarmonicBody, LegendreBody, ProfileBody};
 use crate::commands::healpix::HealpixBody;
+use crate::commands::list::ListBody;
 use crate::commands::render::sheet::SheetBody;
 use crate::commands::render::single::RenderBody;
 use crate::commands::render::study::StudyBody;
@@ -46,6 +47,7 @@ fn documents(generator: &mut SchemaGenerator) -> Vec<(&'static str, Schema)> {
         ("eval profile", document::<ProfileBody>(generator)),
         ("eval ylm", document::<HarmonicBody>(generator)),
         ("healpix", document::<HealpixBody<'static, f64, 1>>(generator)),
+        ("list", document::<ListBody>(generator)),
         ("merge", document::<SpectrumBody>(generator)),
         ("render", document::<RenderBody>(generator)),
         ("render --sheet", document::<SheetBody>(generator)),

@@ -4,6 +4,7 @@ mod entry;
 mod page;
 
 use clap::{Args, ValueEnum};
+use schemars::JsonSchema;
 use serde::Serialize;
 use sphvar_samplers::Pattern;
 
@@ -13,7 +14,7 @@ use crate::error::CliError;
 use crate::files::formats;
 use crate::flags::{CountArgs, DomainArgs};
 use crate::global::Global;
-use crate::report::{Provenance, print, print_json};
+use crate::report::{Document, Provenance, print};
 use crate::spec::unknown_name;
 
 pub(crate) const EXAMPLES: &str = "Examples:
@@ -45,16 +46,18 @@ pub(crate) enum Kind {
     Formats,
 }
 
-/// The document of `--json`.
-#[derive(Debug, Serialize)]
-struct Document {
+/// Samplers, integrands and file formats: `list --json`.
+#[derive(Debug, Serialize, JsonSchema)]
+pub(crate) struct ListBody {
+    /// Patterns of directions.
     #[serde(skip_serializing_if = "Option::is_none")]
     samplers: Option<Vec<SamplerEntry>>,
+    /// Functions of direction.
     #[serde(skip_serializing_if = "Option::is_none")]
     integrands: Option<Vec<IntegrandEntry>>,
+    /// Formats of files.
     #[serde(skip_serializing_if = "Option::is_none")]
     formats: Option<Vec<FormatEntry>>,
-    provenance: Provenance,
 }
 
 /// Numbers of points for which last empty degrees are listed if none is given.
@@ -77,8 +80,8 @@ pub(crate) fn run(args: &ListArgs, global: &Global) -> Result<(), CliError> {
         .map(|all| chosen(all, "format", &args.names, |entry: &FormatEntry| entry.0.name))
         .transpose()?;
     if global.json {
-        let provenance = Provenance::new(global.seed);
-        return print_json(&Document { samplers, integrands, formats, provenance });
+        let body = ListBody { samplers, integrands, formats };
+        return Document::new(&body, &Provenance::new(global.seed)).print();
     }
     let mut page = Page::default();
     if args.kind.is_none() {

@@ -1,19 +1,25 @@
 //! The formats of files, for `sphvar list formats`.
 
+use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::picture::PictureFormat;
 use super::points::PointFormat;
 
 /// A format of files that the command reads or writes.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub(crate) struct FileFormat {
+    /// The name.
     pub(crate) name: &'static str,
-    /// What its files hold.
+    /// The content of its files.
     pub(crate) content: &'static str,
+    /// Extensions without the dot.
     pub(crate) extensions: &'static [&'static str],
+    /// Whether commands read it.
     pub(crate) is_read: bool,
+    /// Whether commands write it.
     pub(crate) is_written: bool,
+    /// One phrase.
     pub(crate) summary: &'static str,
 }
 

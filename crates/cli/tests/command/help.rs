@@ -4,7 +4,7 @@ use std::path::Path;
 
 use crate::workplace::{Workplace, data, small_exr};
 
-const SUBCOMMANDS: [&str; 14] = [
+const SUBCOMMANDS: [&str; 15] = [
     "compare",
     "choose",
     "sample",
@@ -18,6 +18,7 @@ const SUBCOMMANDS: [&str; 14] = [
     "healpix",
     "eval",
     "accuracy",
+    "list",
     "completions",
 ];
 

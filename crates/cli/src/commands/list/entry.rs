@@ -1,5 +1,6 @@
 //! What is listed of a sampler, an integrand and a format.
 
+use schemars::JsonSchema;
 use serde::Serialize;
 use sphvar_grammar::{DefaultValue, Parameter, ParameterKind, Value};
 use sphvar_integrands::Term;
@@ -9,61 +10,86 @@ use super::page::{Page, UNBREAKABLE};
 use crate::files::FileFormat;
 
 /// A sampler.
-#[derive(Debug, Serialize)]
-pub(super) struct SamplerEntry {
+#[derive(Debug, Serialize, JsonSchema)]
+pub(crate) struct SamplerEntry {
+    /// The name, as every command accepts it.
     pub(super) name: &'static str,
+    /// One sentence.
     pub(super) summary: &'static str,
+    /// The parameters, in the order in which they are printed.
     parameters: Vec<ParameterEntry>,
     /// The rules that numbers of points obey.
     counts: Counts,
+    /// How the time for a set grows with its number of points N.
     cost: CostEntry,
     /// The power as the degree goes to 0.
     low_degrees: &'static str,
+    /// How the variance falls with N for smooth integrands.
     smooth_rate: RateEntry,
+    /// How the variance falls with N for integrands with jumps.
     jump_rate: RateEntry,
     #[serde(skip)]
     rates: String,
     /// What is known of the distribution.
     distribution: &'static str,
+    /// Whether all sets are the same up to rotations.
     deterministic: bool,
+    /// Whether the first points of a larger set are a set.
     extensible: bool,
     /// No set has power at any degree from 1 to `l`, for patterns that are made so.
     last_empty_degrees: Vec<LastEmptyDegree>,
+    /// Authors and years.
     source: &'static str,
 }
 
-#[derive(Debug, Serialize)]
+/// Valid numbers of points, in words.
+#[derive(Debug, Serialize, JsonSchema)]
 struct Counts {
+    /// On the sphere.
     sphere: String,
+    /// On the hemisphere.
     hemisphere: String,
 }
 
-#[derive(Debug, Serialize)]
+/// The order of the time for a set: N^exponent (log N)^logarithm, times a factor.
+#[derive(Debug, Serialize, JsonSchema)]
 struct CostEntry {
+    /// The order as a formula.
     text: String,
+    /// The exponent of N.
     exponent: f64,
+    /// The exponent of log N.
     logarithm: f64,
+    /// What the time is proportional to besides; may be empty.
     factor: &'static str,
 }
 
 /// A rate in words, and its exponents if it is a power.
-#[derive(Debug, Serialize)]
+#[derive(Debug, Serialize, JsonSchema)]
 struct RateEntry {
+    /// The rate in words.
     text: String,
+    /// The exponent of N; null unless the rate is a power.
     exponent: Option<f64>,
+    /// The exponent of log N; null unless the rate is a power.
     logarithm: Option<f64>,
 }
 
-#[derive(Debug, Serialize)]
+/// The last degree without power of sets of n points.
+#[derive(Debug, Serialize, JsonSchema)]
 struct LastEmptyDegree {
+    /// The number of points.
     n: usize,
+    /// The last degree without power.
     l: usize,
 }
 
 /// A parameter of a sampler or integrand.
-#[derive(Debug, Serialize)]
-pub(super) struct ParameterEntry {
+#[derive(Debug, Serialize, JsonSchema)]
+pub(crate) struct ParameterEntry {
+    /// The key.
     name: &'static str,
+    /// One sentence.
     summary: &'static str,
     /// The valid values in words.
     range: String,
@@ -72,6 +98,7 @@ pub(super) struct ParameterEntry {
     values: Vec<&'static str>,
     /// A number or a text; null where the parameter must be given or follows from something else.
     default: serde_json::Value,
+    /// Whether the parameter must be given.
     required: bool,
     /// `=DEFAULT` as the grammar writes it.
     #[serde(skip)]
@@ -85,19 +112,22 @@ pub(super) struct ParameterEntry {
 }
 
 /// An integrand.
-#[derive(Debug, Serialize)]
-pub(super) struct IntegrandEntry {
+#[derive(Debug, Serialize, JsonSchema)]
+pub(crate) struct IntegrandEntry {
+    /// The name, as every command accepts it.
     pub(super) name: &'static str,
+    /// One sentence.
     pub(super) summary: &'static str,
     /// An example, or the form where the integrand needs a file.
     example: String,
+    /// The parameters, in the order in which they are printed.
     parameters: Vec<ParameterEntry>,
 }
 
 /// A format.
-#[derive(Debug, Serialize)]
+#[derive(Debug, Serialize, JsonSchema)]
 #[serde(transparent)]
-pub(super) struct FormatEntry(pub(super) FileFormat);
+pub(crate) struct FormatEntry(pub(super) FileFormat);
 
 impl SamplerEntry {
     pub(super) fn new(pattern: &Pattern, counts: &[usize], domain: Domain) -> Self {
