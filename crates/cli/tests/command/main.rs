@@ -22,6 +22,7 @@ mod numbers;
 mod outcome;
 mod pipes;
 mod precision;
+mod records;
 mod render;
 mod reproduction;
 mod sampler_arguments;
