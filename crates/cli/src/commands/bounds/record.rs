@@ -2,7 +2,9 @@
 
 use schemars::JsonSchema;
 use serde::Serialize;
-use sphvar_bounds::{Bound, BoundVerdict, Family, IntegrandClass, Profile, Rate, variance_bound};
+use sphvar_bounds::{
+    Bound, BoundVerdict, Family, IntegrandClass, Profile, Rate, Side, variance_bound,
+};
 use sphvar_samplers::Domain;
 use sphvar_sh::MAX_DEGREE;
 
@@ -48,8 +50,11 @@ pub(crate) struct BoundRecord {
     /// The variance for the worst case.
     #[schemars(with = "Option<f64>")]
     worst_variance: f64,
-    /// The range of the variance of the integrand under the profile, whose end on the bound's side is the bound.
+    /// The range of the variance of the integrand under the profile, from the least to the greatest; the end on the
+    /// bound's side is the bound.
     integrand_variance: Option<(f64, f64)>,
+    /// That end: the variance of the integrand is at most (upper bounds) or at least (lower bounds) this.
+    integrand_bound: Option<f64>,
     #[serde(skip)]
     #[schemars(skip)]
     pub(super) profile: Profile,
@@ -128,6 +133,8 @@ impl Consequences {
             best_variance: self.best.variance(profile, n, domain),
             worst_variance: self.worst.variance(profile, n, domain),
             integrand_variance,
+            integrand_bound: integrand_variance
+                .map(|(least, most)| if side == Side::Lower.name() { least } else { most }),
             profile: *profile,
         })
     }
@@ -188,7 +195,7 @@ impl BoundRecord {
         ]);
         if integrand {
             columns.push(Column::number("integrand's", |r: &Self| {
-                number::optional(r.on_side(), number::value)
+                number::optional(r.integrand_bound, number::value)
             }));
         }
         columns
@@ -208,11 +215,6 @@ impl BoundRecord {
 
     pub(super) fn family(&self) -> &'static str {
         self.family
-    }
-
-    /// The end of the integrand's range that the bound vouches for.
-    fn on_side(&self) -> Option<f64> {
-        self.integrand_variance.map(|(least, most)| if self.side == "lower" { least } else { most })
     }
 }
 
