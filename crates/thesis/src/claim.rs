@@ -1,20 +1,42 @@
-use statrs::distribution::{ContinuousCDF, StudentsT};
+use crate::{Quantity, Verdict};
 
-/// Something that the thesis says, beside what is found.
+/// A statement of the thesis beside what was measured.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Claim {
     /// What it is about: `crossover of jittered and Poisson disk, cap`.
     pub what: String,
     /// What the thesis says.
     pub stated: Stated,
-    /// What is found, if it is a number.
-    pub found: Option<Quantity>,
-    /// What follows.
+    /// What was measured, if it is one number.
+    pub measured: Option<Quantity>,
+    /// The outcome.
     pub verdict: Verdict,
+    /// The choice that the thesis leaves open, and the outcome with each option, where these differ.
+    pub choice: Option<Choice>,
     /// The number of the erratum in `docs/theory.md` if the thesis is wrong or unclear here.
     pub erratum: Option<u8>,
     /// Why, in a sentence; may be empty.
     pub remark: String,
+}
+
+/// A choice that the thesis does not state, on which a quantity depends.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Choice {
+    /// What is to be chosen: `kind of CCVT's mass points`.
+    pub of: &'static str,
+    /// Every option that was tried.
+    pub options: Vec<ChoiceOption>,
+}
+
+/// The outcome of a claim with one option of a [`Choice`].
+#[derive(Clone, Debug, PartialEq)]
+pub struct ChoiceOption {
+    /// The option: `random`.
+    pub name: &'static str,
+    /// What was measured, if it is a number.
+    pub measured: Option<Quantity>,
+    /// The outcome.
+    pub verdict: Verdict,
 }
 
 /// What the thesis says about a quantity.
@@ -36,117 +58,124 @@ pub enum Stated {
     Words(&'static str),
 }
 
-/// A number with its 95 % interval, which is the number itself if it is exact, and NaN if nothing is known of its error.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Quantity {
-    /// The value.
-    pub value: f64,
-    /// The end points.
-    pub interval: (f64, f64),
-}
-
-/// The standard normal quantile of 97.5 %.
-const Z95: f64 = 1.959_963_984_540_054;
-
-impl Quantity {
-    /// A value that is exact.
-    #[must_use]
-    pub fn exact(value: f64) -> Self {
-        Self { value, interval: (value, value) }
-    }
-
-    /// A random value of which there is one only, without an interval.
-    #[must_use]
-    pub fn single(value: f64) -> Self {
-        Self { value, interval: (f64::NAN, f64::NAN) }
-    }
-
-    /// A value with a standard error.
-    #[must_use]
-    pub fn with_stderr(value: f64, stderr: f64) -> Self {
-        Self::within(value, Z95 * stderr)
-    }
-
-    /// A value with a standard error that was estimated from data with so many degrees of freedom: the interval of
-    /// Student's t, NaN without degrees of freedom.
-    #[must_use]
-    pub fn with_student(value: f64, stderr: f64, dof: f64) -> Self {
-        let quantile = StudentsT::new(0.0, 1.0, dof).map_or(f64::NAN, |t| t.inverse_cdf(0.975));
-        Self::within(value, quantile * stderr)
-    }
-
-    fn within(value: f64, half: f64) -> Self {
-        Self { value, interval: (value - half, value + half) }
-    }
-}
-
-/// What is to be thought of a claim.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Verdict {
-    /// The data agree with it.
-    Holds,
-    /// The data contradict it.
-    Wrong,
-    /// The data do not decide it.
-    Undecided,
-}
-
-impl Verdict {
-    /// The word for tables.
-    #[must_use]
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Holds => "holds",
-            Self::Wrong => "wrong",
-            Self::Undecided => "undecided",
-        }
-    }
-}
-
 impl Claim {
-    /// A claim about a number; the verdict follows from the interval. "At most" and "at least" are undecided while the
-    /// interval reaches over the limit; a value that is within the interval and its tolerance is undecided if the
-    /// interval is wider than a tenth of the value and than twice the tolerance: it would agree with other values as
-    /// well. Without an interval everything is undecided.
+    /// Returns a claim about a number; the verdict follows from the interval. "At most" and "at least" are undecided
+    /// while the interval includes the limit; a value that is within the interval and its tolerance is undecided if
+    /// the interval is wider than a tenth of the value and than twice the tolerance: it would agree with other values
+    /// as well. Without an interval everything is undecided.
     #[must_use]
-    pub fn number(what: impl Into<String>, stated: Stated, found: Quantity) -> Self {
-        let verdict = stated.judge(found);
+    pub fn number(what: impl Into<String>, stated: Stated, measured: Quantity) -> Self {
+        let verdict = stated.judge(measured);
         Self {
             what: what.into(),
             stated,
-            found: Some(found),
+            measured: Some(measured),
             verdict,
+            choice: None,
             erratum: None,
             remark: String::new(),
         }
     }
 
-    /// A claim in words, judged by whoever makes it.
+    /// Returns a claim in words. The caller judges it by a rule of its own, which is one of the tested functions
+    /// beside the figures.
     #[must_use]
     pub fn words(what: impl Into<String>, stated: &'static str, verdict: Verdict) -> Self {
         Self {
             what: what.into(),
             stated: Stated::Words(stated),
-            found: None,
+            measured: None,
             verdict,
+            choice: None,
             erratum: None,
             remark: String::new(),
         }
     }
 
-    /// The same claim with a number that was found.
+    /// Returns a claim about a quantity without a stated measure: [`Verdict::NotReproduced`], whatever number
+    /// `measured` is. The remark has to name the measure that was chosen.
     #[must_use]
-    pub fn found(self, found: Quantity) -> Self {
-        Self { found: Some(found), ..self }
+    pub fn without_measure(
+        what: impl Into<String>,
+        stated: &'static str,
+        measured: Quantity,
+    ) -> Self {
+        Self::words(what, stated, Verdict::NotReproduced).measured(measured)
     }
 
-    /// The same claim with the number of an erratum.
+    /// Returns the claim that was checked with each option of a choice that the thesis does not state.
+    ///
+    /// The verdict is the common one if all options agree, [`Verdict::Depends`] if the claim holds with one and is
+    /// wrong with another, else [`Verdict::Undecided`]. The options must be claims of the same statement; name,
+    /// statement and erratum are those of the first.
+    ///
+    /// # Panics
+    ///
+    /// Without options.
+    #[must_use]
+    pub fn over_choice(of: &'static str, options: Vec<(&'static str, Self)>) -> Self {
+        let verdicts: Vec<Verdict> = options.iter().map(|option| option.1.verdict).collect();
+        let first = options[0].1.clone();
+        let same = options.iter().all(|(_, claim)| claim.remark == first.remark);
+        let remark = if same {
+            first.remark
+        } else {
+            let named = |(name, claim): &(&str, Self)| format!("{name}: {}", claim.remark);
+            options.iter().map(named).collect::<Vec<_>>().join("; ")
+        };
+        let option = |(name, claim): (&'static str, Self)| ChoiceOption {
+            name,
+            measured: claim.measured,
+            verdict: claim.verdict,
+        };
+        let verdict = Verdict::over_options(&verdicts);
+        let choice = Choice { of, options: options.into_iter().map(option).collect() };
+        Self { measured: None, verdict, choice: Some(choice), remark, ..first }
+    }
+
+    /// Returns the same claim with a number that was measured.
+    #[must_use]
+    pub fn measured(self, measured: Quantity) -> Self {
+        Self { measured: Some(measured), ..self }
+    }
+
+    /// Returns the same claim, marked as true by construction if it holds. One that does not hold keeps its verdict:
+    /// something is wrong with the program.
+    #[must_use]
+    pub fn by_construction(self) -> Self {
+        match self.verdict {
+            Verdict::Holds => Self { verdict: Verdict::ByConstruction, ..self },
+            _ => self,
+        }
+    }
+
+    /// Returns the same claim for point sets that stand in for those of the thesis, which are unknown or not made
+    /// here. What contradicts it may come from the sets: wrong becomes undecided, and `remark` is added. Other verdicts
+    /// stay.
+    #[must_use]
+    pub fn on_substitute(self, remark: &str) -> Self {
+        match self.verdict {
+            Verdict::Wrong => {
+                let remark = format!("{}; {remark}", self.remark);
+                Self { verdict: Verdict::Undecided, remark, ..self }
+            }
+            _ => self,
+        }
+    }
+
+    /// Returns the same claim with the number of an erratum.
     #[must_use]
     pub fn erratum(self, number: u8) -> Self {
         Self { erratum: Some(number), ..self }
     }
 
-    /// The same claim with a remark.
+    /// Returns the same claim with the number of an erratum if it has this verdict.
+    #[must_use]
+    pub fn erratum_if(self, verdict: Verdict, number: u8) -> Self {
+        if self.verdict == verdict { self.erratum(number) } else { self }
+    }
+
+    /// Returns the same claim with a remark.
     #[must_use]
     pub fn because(self, remark: impl Into<String>) -> Self {
         Self { remark: remark.into(), ..self }
@@ -154,8 +183,8 @@ impl Claim {
 }
 
 impl Stated {
-    fn judge(&self, found: Quantity) -> Verdict {
-        let (low, high) = found.interval;
+    fn judge(&self, measured: Quantity) -> Verdict {
+        let (low, high) = measured.interval;
         if low.is_nan() || high.is_nan() {
             return Verdict::Undecided;
         }
@@ -187,7 +216,7 @@ mod tests {
         let about = |value, tolerance| Stated::About { value, tolerance };
         let around = |value, half| Quantity { value, interval: (value - half, value + half) };
         let sharp = Quantity { value: 2.0, interval: (1.9, 2.1) };
-        for (stated, found, verdict) in [
+        for (stated, measured, verdict) in [
             (about(2.05, 0.0), sharp, Verdict::Holds),
             (about(2.2, 0.0), sharp, Verdict::Wrong),
             (about(2.2, 0.15), sharp, Verdict::Holds),
@@ -209,20 +238,59 @@ mod tests {
             (Stated::AtLeast(2.2), sharp, Verdict::Wrong),
             (about(1.0, 9.0), Quantity::exact(f64::NAN), Verdict::Undecided),
         ] {
-            let got = Claim::number("", stated.clone(), found).verdict;
-            assert_eq!(got, verdict, "{stated:?}, {found:?}");
+            let got = Claim::number("", stated.clone(), measured).verdict;
+            assert_eq!(got, verdict, "{stated:?}, {measured:?}");
         }
     }
 
-    /// Two-sided 5 % of Student's t: 12.706 with one degree of freedom, 2.571 with five (any table).
+    /// A value for a statement "at most 1".
+    fn at_most_1(value: f64) -> Claim {
+        Claim::number("power", Stated::AtMost(1.0), Quantity::exact(value)).because("N = 4")
+    }
+
     #[test]
-    fn few_renders_have_wide_intervals() {
-        for (dof, quantile) in [(1.0, 12.706), (5.0, 2.571)] {
-            let got = Quantity::with_student(3.0, 2.0, dof);
-            // Half a unit of the tables' last digit.
-            assert!((got.interval.1 - 3.0 - 2.0 * quantile).abs() < 1e-3, "{dof}: {got:?}");
-            assert!((got.interval.0 + got.interval.1 - 6.0).abs() < 1e-12, "{dof}: {got:?}");
+    fn what_depends_shows_both_outcomes() {
+        let got = Claim::over_choice(
+            "kind",
+            vec![("a", at_most_1(0.5)), ("b", at_most_1(2.0).because("N = 9"))],
+        );
+        assert_eq!((got.verdict, got.measured), (Verdict::Depends, None));
+        let choice = got.choice.unwrap();
+        assert_eq!(choice.of, "kind");
+        let outcomes: Vec<_> =
+            choice.options.iter().map(|o| (o.name, o.measured.unwrap().value, o.verdict)).collect();
+        assert_eq!(outcomes, [("a", 0.5, Verdict::Holds), ("b", 2.0, Verdict::Wrong)]);
+        assert_eq!(got.remark, "a: N = 4; b: N = 9");
+        let both = Claim::over_choice("kind", vec![("a", at_most_1(0.5)), ("b", at_most_1(0.1))]);
+        assert_eq!((both.verdict, both.remark.as_str()), (Verdict::Holds, "N = 4"));
+    }
+
+    #[test]
+    fn without_a_measure_no_number_decides() {
+        for value in [0.0, 1.0, f64::NAN] {
+            let got = Claim::without_measure("artifacts", "are visible", Quantity::exact(value));
+            assert_eq!(got.verdict, Verdict::NotReproduced, "{value}");
         }
-        assert!(Quantity::with_student(3.0, 2.0, 0.0).interval.0.is_nan());
+    }
+
+    #[test]
+    fn only_what_holds_is_so_by_construction() {
+        assert_eq!(at_most_1(0.5).by_construction().verdict, Verdict::ByConstruction);
+        assert_eq!(at_most_1(2.0).by_construction().verdict, Verdict::Wrong);
+        assert_eq!(at_most_1(f64::NAN).by_construction().verdict, Verdict::Undecided);
+    }
+
+    #[test]
+    fn substitutes_contradict_nothing() {
+        let got = at_most_1(2.0).on_substitute("other sets");
+        assert_eq!((got.verdict, got.remark.as_str()), (Verdict::Undecided, "N = 4; other sets"));
+        let got = at_most_1(0.5).on_substitute("other sets");
+        assert_eq!((got.verdict, got.remark.as_str()), (Verdict::Holds, "N = 4"));
+    }
+
+    #[test]
+    fn errata_belong_to_their_verdict() {
+        assert_eq!(at_most_1(2.0).erratum_if(Verdict::Wrong, 9).erratum, Some(9));
+        assert_eq!(at_most_1(0.5).erratum_if(Verdict::Wrong, 9).erratum, None);
     }
 }

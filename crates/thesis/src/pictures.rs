@@ -7,12 +7,32 @@ use sphvar_scene::{
 
 use crate::Error;
 
-/// Renders of the Cornell box with ambient occlusion, each with sets of its own.
+/// What lights the Cornell box.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Lighting {
+    /// Light from all around: ambient occlusion, the open share of the hemisphere.
+    Ambient,
+    /// The lamp in the ceiling, of radiance 1, on white diffuse surfaces: direct light.
+    Lamp,
+}
+
+impl Lighting {
+    const fn name(self) -> &'static str {
+        match self {
+            Self::Ambient => "occlusion",
+            Self::Lamp => "lamp",
+        }
+    }
+}
+
+/// Renders of the Cornell box, each with sets of its own.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Pictures {
     /// The pattern of directions; `None` for the reference: jittered, with about `n_points` directions, kept halves of
     /// none.
     pub pattern: Option<Pattern>,
+    /// What lights the box.
+    pub lighting: Lighting,
     /// The number of directions of a hit point, or the one that the pattern has next to it.
     pub n_points: usize,
     /// How sets become directions; the reference has its own way.
@@ -38,7 +58,8 @@ impl Pictures {
             Some(pattern) => format!("{pattern} {}", self.mode.name()),
             None => "reference".to_owned(),
         };
-        format!("pictures occlusion {what} n={} side={}", self.legal_points(), self.side)
+        let lighting = self.lighting.name();
+        format!("pictures {lighting} {what} n={} side={}", self.legal_points(), self.side)
     }
 
     /// The nominal work of a render.
@@ -67,9 +88,14 @@ impl Pictures {
             }
             None => DirectionPlan::reference(self.n_points, seed)?,
         };
-        let CornellBox { scene, camera, .. } = CornellBox::new();
+        let CornellBox { scene, camera, light } = CornellBox::new();
         let view = View::new(&scene, &camera, [self.side; 2])?;
-        let integral = Integral::AmbientOcclusion { max_distance: f64::INFINITY, cosine: false };
+        let integral = match self.lighting {
+            Lighting::Ambient => {
+                Integral::AmbientOcclusion { max_distance: f64::INFINITY, cosine: false }
+            }
+            Lighting::Lamp => Integral::Light { light: &light, albedo: 1.0 },
+        };
         let picture = |number| {
             let sets = plan.prepare(number)?;
             Ok(render(&view, &integral, Estimator::Ratio, &sets, &())?)

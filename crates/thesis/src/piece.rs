@@ -53,7 +53,7 @@ mod tests {
     use sphvar_scene::DirectionMode;
 
     use super::{OrderAccumulator, Piece, SpectrumAccumulator};
-    use crate::{Job, Pictures, ThesisEnsemble};
+    use crate::{Job, Lighting, Pictures, ThesisEnsemble};
 
     const SETS: u64 = 3;
 
@@ -67,6 +67,7 @@ mod tests {
             Job::Trials { ensemble: white, sets: SETS },
             Job::Pictures(Pictures {
                 pattern: Some(Pattern::Fibonacci),
+                lighting: Lighting::Ambient,
                 n_points: 8,
                 mode: DirectionMode::Rotated,
                 side: 12,

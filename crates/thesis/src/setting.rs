@@ -17,6 +17,15 @@ impl Scale {
         }
     }
 
+    /// Returns how the numbers of points and realizations compare with those of the thesis, for a page's header.
+    #[must_use]
+    pub const fn description(self) -> &'static str {
+        match self {
+            Self::Quick => "Quick settings: fewer points and realizations than in the thesis.",
+            Self::Full => "Full settings: the thesis's numbers of points and realizations.",
+        }
+    }
+
     /// One of two things.
     pub(crate) fn pick<T>(self, quick: T, full: T) -> T {
         match self {

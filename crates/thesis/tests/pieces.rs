@@ -6,7 +6,8 @@ use std::sync::Mutex;
 use sphvar_samplers::{Domain, Pattern};
 use sphvar_scene::DirectionMode;
 use sphvar_thesis::{
-    Error, Job, Nothing, Pictures, Results, Scale, Setting, Store, ThesisEnsemble, run, work,
+    Error, Job, Lighting, Nothing, Pictures, Results, Scale, Setting, Store, ThesisEnsemble, run,
+    work,
 };
 
 const SETTING: Setting = Setting { scale: Scale::Quick, seed: 5 };
@@ -46,6 +47,7 @@ fn done(jobs: &[Job], store: &dyn Store) -> Result<Results, Error> {
 fn costly(renders: u64) -> Job {
     Job::Pictures(Pictures {
         pattern: Some(Pattern::Fibonacci),
+        lighting: Lighting::Ambient,
         n_points: 9600,
         mode: DirectionMode::Shared,
         side: 44,
@@ -63,6 +65,7 @@ fn jobs() -> Vec<Job> {
         Job::Trials { ensemble: white, sets: 10 },
         Job::Pictures(Pictures {
             pattern: Some(Pattern::Fibonacci),
+            lighting: Lighting::Ambient,
             n_points: 8,
             mode: DirectionMode::Rotated,
             side: 12,

@@ -7,6 +7,8 @@ use std::process::{Command, Stdio};
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
+use serde_json::Value;
+
 use crate::workplace::Workplace;
 
 /// A figure of closed forms, and one whose ensembles fall into several pieces.
@@ -89,12 +91,47 @@ fn every_panel_has_its_numbers_and_every_claim_its_row() {
     let table = place.text("out/claims.csv");
     let page = place.text("out/index.html");
     let report = place.text("out/claims.md");
-    assert_eq!(table.lines().count(), 2 + claims.len(), "{table}");
+    let options = |claim: &Value| claim["choice"]["options"].as_array().map_or(0, Vec::len);
+    let rows: usize = claims.iter().map(|claim| 1 + options(claim)).sum();
+    assert_eq!(table.lines().count(), 2 + rows, "{table}");
     for claim in claims {
         let what = claim["what"].as_str().unwrap();
         for text in [&table, &page, &report] {
             assert!(text.contains(what), "{what} is missing");
         }
+    }
+}
+
+/// What follows from closed forms: 3.1 has rows that are true by construction, two rows of one erratum stand in 3.1 and
+/// C.1, and verdicts are counted by row but errata by number.
+#[test]
+fn rows_are_counted_by_verdict_and_errata_once() {
+    let place = Workplace::new();
+    let document = place.run("reproduce 3.1 C.1 -o out --json").json();
+    let claims = document["claims"].as_array().unwrap();
+    let with = |verdict: &str| claims.iter().filter(|claim| claim["verdict"] == verdict).count();
+    for (verdict, count) in document["verdicts"].as_object().unwrap() {
+        assert_eq!(count, with(verdict), "{verdict}");
+    }
+    assert!(with("by construction") == 2 && with("wrong") == 4, "{document}");
+    assert_eq!(document["wrong_errata"], serde_json::json!([1, 33, 37]));
+    for name in ["out/claims.md", "out/index.html"] {
+        let text = place.text(name);
+        let place_of = |part: &str| text.find(part).unwrap_or_else(|| panic!("{name}: no {part}"));
+        let parts = [
+            "2 more are true by construction",
+            "The thesis does not state a choice",
+            "What is wrong, and why",
+            "7.1, 7.2, C.5-C.12, C.20",
+            "Figure 3.1: Real parts",
+            "Figure C.1: Energy of the cap",
+        ];
+        assert!(parts.map(place_of).is_sorted(), "{name}");
+        let apart = text.rfind("True by construction").unwrap();
+        assert!(apart > place_of("Figure C.1: Energy of the cap"), "{name}");
+        // A row that could not fail stands there and nowhere else.
+        let row = "largest inner product of two different harmonics";
+        assert!(text.matches(row).count() == 1 && place_of(row) > apart, "{name}");
     }
 }
 

@@ -5,7 +5,9 @@ use sphvar_sh::{GaussLegendre, ylm, ylm_at};
 
 use super::Recipe;
 use super::point_panel::{VIEWPOINT, view_axes};
-use crate::{Axis, Claim, Error, Field, Figure, Job, Palette, Quantity, Results, Setting, Stated};
+use crate::{
+    Axis, Claim, Error, Field, Figure, Job, Palette, Quantity, Results, Setting, Stated, Verdict,
+};
 
 /// Figure 3.1: the real parts of the first harmonics, each on a sphere seen from outside.
 pub(crate) struct BasisFunctions;
@@ -40,7 +42,8 @@ impl Recipe for BasisFunctions {
                 Stated::About { value: 1.0, tolerance: ROUNDING },
                 Quantity::exact(farther_from_1(zonal, other)),
             )
-            .because("\"orthonormal basis functions\"; 25 functions by quadrature"),
+            .because("\"orthonormal basis functions\"; 25 functions by quadrature")
+            .by_construction(),
         );
         figure.claims.push(
             Claim::number(
@@ -48,7 +51,7 @@ impl Recipe for BasisFunctions {
                 Stated::About { value: 1.0, tolerance: ROUNDING },
                 Quantity::exact(2.0 * other),
             )
-            .erratum(1)
+            .erratum_if(Verdict::Wrong, 1)
             .because("the factor (2 - delta_0m) belongs to real harmonics, cos and sin for m > 0"),
         );
         figure.claims.push(
@@ -57,8 +60,10 @@ impl Recipe for BasisFunctions {
                 Stated::About { value: 4.0 * PI, tolerance: ROUNDING },
                 Quantity::exact(zonal),
             )
-            .erratum(2)
-            .because("3.10 has norm 1 for m = 0, with which 7.1 and 7.2 are 4 pi too large"),
+            .erratum_if(Verdict::Wrong, 33)
+            .because(
+                "3.10 has norm 1 for m = 0, with which 7.1 and 7.2 are 4 pi too large (erratum 2 lists the three norms)",
+            ),
         );
         let overlap = largest_overlap()?;
         figure.claims.push(
@@ -67,7 +72,8 @@ impl Recipe for BasisFunctions {
                 Stated::About { value: 0.0, tolerance: ROUNDING },
                 Quantity::exact(overlap),
             )
-            .because("\"orthonormal basis functions\""),
+            .because("\"orthonormal basis functions\"; by quadrature")
+            .by_construction(),
         );
         figure.note(
             "Each sphere is seen from the same place, with +z up; the other half is not shown.",

@@ -6,8 +6,8 @@ use super::patterns::{BOUND_COLOUR, ThesisPattern};
 use super::significance;
 use super::variance_study::{VarianceStudy, bound, energy};
 use crate::{
-    Axis, Claim, Curve, Curves, Error, Figure, Mark, Quantity, Results, Setting, Stated,
-    TestIntegrand, Verdict,
+    Axis, Claim, Curve, Curves, Error, Mark, Quantity, Results, Setting, Stated, TestIntegrand,
+    Verdict,
 };
 
 /// Rates are fitted from this N on.
@@ -91,26 +91,25 @@ impl BoundedColumn {
         })
     }
 
-    /// Adds what the thesis says of the variance.
-    pub(crate) fn claim(&self, figure: &mut Figure) -> Result<(), Error> {
-        figure.claims.push(self.rate());
-        figure.claims.push(self.agreement());
-        figure.claims.push(self.bounded()?);
+    /// Returns what the thesis says about the variance of every pattern, of its lower bound only for some: every pattern
+    /// and integrand has the same claims in the same order, but for the last.
+    pub(crate) fn claims(&self) -> Result<Vec<Claim>, Error> {
+        let mut claims = vec![self.rate(), self.agreement(), self.bounded()?];
         let quadratic_or_disk =
             matches!(self.pattern, ThesisPattern::Jittered | ThesisPattern::PoissonDisk);
         if quadratic_or_disk && self.integrand == TestIntegrand::Harmonic {
-            figure.claims.push(self.tighter()?);
+            claims.push(self.tighter()?);
         }
-        Ok(())
+        Ok(claims)
     }
 
     fn named(&self, what: &str) -> String {
-        format!("{}, {}: {what}", self.pattern.label(), self.integrand.name())
+        format!("{}, {}: {what}", self.pattern.subject(), self.integrand.name())
     }
 
     /// The exponent of the measured variance against that of the profile which the thesis bounds the spectrum with.
     fn rate(&self) -> Claim {
-        let quadratic = matches!(self.pattern, ThesisPattern::Jittered | ThesisPattern::Ccvt);
+        let quadratic = self.pattern == ThesisPattern::Jittered || self.pattern.is_ccvt();
         let value = match (quadratic, self.integrand) {
             (false, _) => -1.0,
             (true, TestIntegrand::Harmonic) => -2.0,
@@ -128,17 +127,10 @@ impl BoundedColumn {
             Quantity { value: slope, interval },
         );
         let bends = fit.is_some_and(|fit| fit.is_pre_asymptotic());
-        let fitted = format!(
+        claim.because(format!(
             "fitted from N = {from} on{}",
             if bends { ", where the curve still bends significantly" } else { "" }
-        );
-        match self.pattern {
-            ThesisPattern::Ccvt => claim.erratum(40).because(format!(
-                "{fitted}; the thesis has the rate of its quadratic profile, but mass points of capacity 64 leave a floor \
-                 of 1/64, which ends in N^-1"
-            )),
-            _ => claim.because(fitted),
-        }
+        ))
     }
 
     /// The mean of measured over predicted variance, weighted by its errors.
@@ -187,19 +179,21 @@ impl BoundedColumn {
         } else {
             1.0
         };
-        let claim = Claim::words(
+        let chance = if worst.0 > 1.0 {
+            format!("; {}", significance::at_most(p_value))
+        } else {
+            String::new()
+        };
+        Ok(Claim::words(
             self.named("bounds of the variance"),
             "the variance is correctly bounded",
             within_bounds(worst.0, p_value),
         )
-        .found(Quantity::single(worst.0))
+        .measured(Quantity::single(worst.0))
         .because(format!(
-            "found: the largest factor by which a measured variance is beyond a bound (below 1: within), at N = {}; {}",
-            worst.1,
-            significance::at_most(p_value)
-        ));
-        // The bounds are those of a spectrum that the thesis does not tell how to make.
-        Ok(if self.pattern == ThesisPattern::Ccvt { claim.erratum(39) } else { claim })
+            "the largest factor by which a measured variance is beyond a bound (below 1: within), at N = {}{chance}",
+            worst.1
+        )))
     }
 
     /// Whether the lower bound is nearer than the upper one: `upper lower/measured^2` at the largest N.
@@ -228,7 +222,7 @@ impl BoundedColumn {
 /// The number of points from which on the variances of a pattern are fitted by a power law that is to be the asymptotic one.
 pub(crate) fn asymptotic(pattern: ThesisPattern, setting: Setting) -> f64 {
     match pattern {
-        ThesisPattern::Ccvt => ASYMPTOTIC_CCVT,
+        ThesisPattern::CcvtRandom | ThesisPattern::CcvtFibonacci => ASYMPTOTIC_CCVT,
         ThesisPattern::PoissonDisk => setting.scale.pick(ASYMPTOTIC, ASYMPTOTIC_DISKS),
         _ => ASYMPTOTIC,
     }

@@ -2,33 +2,37 @@ use sphvar_bounds::{Profile, ThesisBound, thesis_bounds};
 use sphvar_spectrum::Spectrum;
 
 use super::Recipe;
-use super::bound_claims::{claim_bounds, no_power};
+use super::bound_claims::within_bounds;
 use super::bounded_column::BoundedColumn;
+use super::dart_throwing::with_dart_throwing;
+use super::mass_points::{NOTE, with_both_kinds};
 use super::patterns::{BOUND_COLOUR, ThesisPattern};
 use super::spectra::{LMAX, N_POINTS, mean_spectrum, omega_axis, spectrum_curve};
 use super::variance_study::VarianceStudy;
 use crate::{
     Axis, Claim, Curve, Curves, Error, Figure, Job, Quantity, Results, Setting, Stated,
-    TestIntegrand,
+    TestIntegrand, Verdict,
 };
 
 /// Figure 7.4: mean spectra and variances of four samplers, within the thesis's bounds.
 pub(crate) struct BoundedVariance;
 
-/// The rows of the figure, in the order of [`thesis_bounds`] as well.
-const ROWS: [ThesisPattern; 4] = [
-    ThesisPattern::WhiteNoise,
-    ThesisPattern::PoissonDisk,
-    ThesisPattern::Jittered,
-    ThesisPattern::Ccvt,
+/// The rows of the figure, each with the index of its bounds in [`thesis_bounds`].
+const ROWS: [(ThesisPattern, usize); 5] = [
+    (ThesisPattern::WhiteNoise, 0),
+    (ThesisPattern::PoissonDisk, 1),
+    (ThesisPattern::Jittered, 2),
+    (ThesisPattern::CcvtRandom, 3),
+    (ThesisPattern::CcvtFibonacci, 3),
 ];
+
 impl Recipe for BoundedVariance {
     fn title(&self) -> &'static str {
         "Bounds on mean spectra and on the variance of two integrands"
     }
 
     fn jobs(&self, setting: Setting) -> Vec<Job> {
-        let row = |pattern| {
+        let row = |(pattern, _)| {
             let study = VarianceStudy { pattern, setting };
             let spectrum = std::iter::once(mean_spectrum(pattern, setting));
             spectrum.chain(study.trials()).chain(study.spectra())
@@ -42,32 +46,35 @@ impl Recipe for BoundedVariance {
         results: &Results,
         figure: &mut Figure,
     ) -> Result<(), Error> {
-        let mut columns = Vec::new();
-        for (pattern, bounds) in ROWS.into_iter().zip(thesis_bounds()) {
-            let job = mean_spectrum(pattern, setting);
-            let spectrum = results.spectrum(&job)?;
-            spectrum_panel(pattern, &bounds, spectrum, job.sets(), figure);
-            claim_bounds(pattern, &bounds, spectrum, figure)?;
+        let bounds = thesis_bounds();
+        let (mut claims, mut of_kinds) = (Vec::new(), Vec::new());
+        for (pattern, index) in ROWS {
+            let row = Row { pattern, bounds: bounds[index], setting, results };
+            row.panels(figure)?;
             match pattern {
-                ThesisPattern::Ccvt => figure.claims.push(no_power(spectrum)),
-                ThesisPattern::Jittered => claim_count(spectrum.n_points(), figure),
-                _ => {}
+                ThesisPattern::CcvtRandom | ThesisPattern::CcvtFibonacci => {
+                    of_kinds.push((pattern, row.claims()?));
+                }
+                ThesisPattern::PoissonDisk => {
+                    claims.extend(row.claims()?.into_iter().map(with_dart_throwing));
+                }
+                _ => claims.extend(row.claims()?),
             }
-            for integrand in TestIntegrand::ALL {
-                let column = BoundedColumn::new(pattern, bounds, integrand, setting, results)?;
-                figure.panel(
-                    &format!("{}-{}", pattern.name(), short(integrand)),
-                    format!("{}: variance of the {}", pattern.label(), integrand.name()),
-                    column.curves()?,
-                );
-                columns.push(column);
+            if pattern == ThesisPattern::Jittered {
+                claims.push(count(results.spectrum(&mean_spectrum(pattern, setting))?.n_points()));
             }
         }
-        for column in columns {
-            column.claim(figure)?;
+        figure.claims = claims;
+        for i in 0..of_kinds.iter().map(|(_, claims)| claims.len()).min().unwrap_or(0) {
+            let claim = |kind| {
+                let of = of_kinds.iter().find(|(pattern, _)| *pattern == kind);
+                of.map(|(_, claims)| claims[i].clone())
+                    .ok_or_else(|| Error::Missing { key: "a kind of CCVT".to_owned() })
+            };
+            figure.claims.push(with_both_kinds(Some(40), claim)?);
         }
         let most = |pattern| VarianceStudy { pattern, setting }.counts().last().copied();
-        for pattern in ROWS {
+        for (pattern, _) in ROWS {
             let Some(n) = most(pattern) else { continue };
             let trials = VarianceStudy { pattern, setting }.n_trials(n);
             figure
@@ -81,25 +88,60 @@ impl Recipe for BoundedVariance {
             "Bounds are those of the thesis; omega is l/sqrt(N) in all rows, its alpha being part of a profile and of no \
              effect on constant ones (errata 8 and 41).",
         );
-        figure.note(
-            "CCVT has capacity 64 and random mass points; the thesis gives neither (erratum 39). Jittered sets have \
-             12 nside^2 points: 3888 in the spectrum (erratum 38).",
-        );
+        figure.note(NOTE);
+        figure.note("Jittered sets have 12 nside^2 points: 3888 in the spectrum (erratum 38).");
         Ok(())
     }
 }
 
+/// A pattern of the figure with its bounds.
+struct Row<'a> {
+    pattern: ThesisPattern,
+    bounds: ThesisBound,
+    setting: Setting,
+    results: &'a Results,
+}
+
+impl Row<'_> {
+    fn column(&self, integrand: TestIntegrand) -> Result<BoundedColumn, Error> {
+        BoundedColumn::new(self.pattern, self.bounds, integrand, self.setting, self.results)
+    }
+
+    /// Adds the spectrum and both variances.
+    fn panels(&self, figure: &mut Figure) -> Result<(), Error> {
+        let job = mean_spectrum(self.pattern, self.setting);
+        let spectrum = self.results.spectrum(&job)?;
+        spectrum_panel(self.pattern, &self.bounds, spectrum, job.sets(), figure);
+        for integrand in TestIntegrand::ALL {
+            figure.panel(
+                &format!("{}-{}", self.pattern.name(), short(integrand)),
+                format!("{}: variance of the {}", self.pattern.label(), integrand.name()),
+                self.column(integrand)?.curves()?,
+            );
+        }
+        Ok(())
+    }
+
+    /// Returns the claims about the spectrum, then those about the variances.
+    fn claims(&self) -> Result<Vec<Claim>, Error> {
+        let spectrum = self.results.spectrum(&mean_spectrum(self.pattern, self.setting))?;
+        let mut claims = within_bounds(self.pattern, &self.bounds, spectrum)?.to_vec();
+        for integrand in TestIntegrand::ALL {
+            claims.extend(self.column(integrand)?.claims()?);
+        }
+        Ok(claims)
+    }
+}
+
 /// "We plot power spectra for N = 4096", of which there are no strata.
-fn claim_count(n_points: usize, figure: &mut Figure) {
-    figure.claims.push(
-        Claim::number(
-            "jittered: number of points of the spectrum",
-            Stated::About { value: N_POINTS as f64, tolerance: 0.0 },
-            Quantity::exact(n_points as f64),
-        )
-        .erratum(38)
-        .because("there are 12 nside^2 HEALPix cells; found is the nearest such number"),
-    );
+fn count(n_points: usize) -> Claim {
+    Claim::number(
+        "jittered: number of points of the spectrum",
+        Stated::About { value: N_POINTS as f64, tolerance: 0.0 },
+        Quantity::exact(n_points as f64),
+    )
+    .erratum_if(Verdict::Wrong, 38)
+    .because("there are 12 nside^2 HEALPix cells; this is the nearest such number")
 }
 
 fn spectrum_panel(

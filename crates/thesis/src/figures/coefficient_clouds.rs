@@ -2,7 +2,7 @@ use num_complex::Complex;
 
 use super::Recipe;
 use super::patterns::ThesisPattern;
-use super::significance::{kuiper, mean_is_zero, verdict};
+use super::significance::{Kuiper, equal_to, kuiper, mean_is_zero, verdict};
 use crate::{
     Axis, Claim, Error, Field, Figure, Job, Palette, Quantity, Results, Setting, ThesisEnsemble,
     Verdict,
@@ -60,14 +60,13 @@ impl Recipe for CoefficientClouds {
                     "zero",
                     mean_is_zero(&pairs),
                 )
-                .found(Quantity::single(mean.norm() / root_mean_square(&samples)))
+                .measured(Quantity::single(mean.norm() / root_mean_square(&samples)))
                 .because(format!(
-                    "found is its size in units of the root mean square, {:.3e}; chance gives {:.4} in the mean, \
-                     p = {:.2}",
+                    "its size in units of the root mean square, {:.3e}; chance gives {:.4} in the mean, {}",
                     root_mean_square(&samples),
                     // A sum of R unit vectors of random phase has the mean length sqrt(pi R)/2.
                     (0.25 * std::f64::consts::PI / SETS as f64).sqrt(),
-                    mean_is_zero(&pairs)
+                    equal_to(mean_is_zero(&pairs))
                 )),
             );
             figure.claims.push(phases(pattern, ORDER, &samples));
@@ -79,9 +78,9 @@ impl Recipe for CoefficientClouds {
             "jittered, order 0: the coefficient is real",
             density(&zonal, "sqrt(4 pi/N) S(4,0)"),
         );
-        figure.claims.push(phases(pattern, 0, &zonal).erratum(10));
+        figure.claims.push(phases(pattern, 0, &zonal).erratum_if(Verdict::Wrong, 10));
         figure.note(format!(
-            "Claims are judged by p-values, times {COMPARISONS} because so many are: wrong below 1e-4, undecided below 1e-2."
+            "The {COMPARISONS} claims are judged together by their p-values times {COMPARISONS}: wrong below 1e-4, undecided below 1e-2."
         ));
         Ok(())
     }
@@ -107,11 +106,12 @@ fn judged(what: String, stated: &'static str, p_value: f64) -> Claim {
 /// "The phase of coefficients is uniformly distributed over [0, 2 pi]."
 fn phases(pattern: ThesisPattern, m: usize, samples: &[Complex<f64>]) -> Claim {
     let phases: Vec<f64> = samples.iter().map(|s| s.arg()).collect();
-    let p = kuiper(&phases);
+    let Kuiper { statistic, p_value } = kuiper(&phases);
     let why = if m == 0 { "S_l0 is real, its phase 0 or pi; " } else { "" };
-    judged(format!("{}: phase of S({DEGREE},{m})", pattern.label()), "uniform on [0, 2 pi]", p)
-        .found(Quantity::single(p))
-        .because(format!("{why}found is the p-value of Kuiper's test"))
+    let what = format!("{}: phase of S({DEGREE},{m})", pattern.label());
+    judged(what, "uniform on [0, 2 pi]", p_value).measured(Quantity::single(statistic)).because(
+        format!("{why}Kuiper's statistic, whose 5 % point is 1.747; {}", equal_to(p_value)),
+    )
 }
 
 /// How many samples lie in each bin of the complex plane.

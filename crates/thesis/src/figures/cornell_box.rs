@@ -1,14 +1,16 @@
 use sphvar_scene::DirectionMode;
 
 use super::Recipe;
-use super::occlusion::{Occlusion, mse_ratio, picture};
+use super::box_study::{BoxStudy, mse_ratio};
+use super::dart_throwing::with_dart_throwing;
+use super::mass_points::{NOTE, with_both_kinds};
 use super::patterns::ThesisPattern;
 use crate::{Claim, Error, Figure, Job, Results, Setting, Stated};
 
 /// Figures 7.5 and 7.6: the Cornell box with three samplers, each with three numbers of directions.
 pub(crate) struct CornellBoxes {
     title: &'static str,
-    patterns: [ThesisPattern; 3],
+    patterns: &'static [ThesisPattern],
     comparisons: &'static [Comparison],
 }
 
@@ -27,7 +29,7 @@ impl CornellBoxes {
     /// Figure 7.5.
     pub(crate) const RANDOM: Self = Self {
         title: "Cornell box with white noise, jittered and Poisson disk directions",
-        patterns: [ThesisPattern::WhiteNoise, ThesisPattern::Jittered, ThesisPattern::PoissonDisk],
+        patterns: &[ThesisPattern::WhiteNoise, ThesisPattern::Jittered, ThesisPattern::PoissonDisk],
         comparisons: &[
             Comparison {
                 patterns: [ThesisPattern::Jittered, ThesisPattern::PoissonDisk],
@@ -46,7 +48,12 @@ impl CornellBoxes {
     /// Figure 7.6.
     pub(crate) const EVEN: Self = Self {
         title: "Cornell box with white noise, CCVT and HEALPix directions",
-        patterns: [ThesisPattern::WhiteNoise, ThesisPattern::Ccvt, ThesisPattern::Healpix],
+        patterns: &[
+            ThesisPattern::WhiteNoise,
+            ThesisPattern::CcvtRandom,
+            ThesisPattern::CcvtFibonacci,
+            ThesisPattern::Healpix,
+        ],
         comparisons: &[
             Comparison {
                 patterns: [ThesisPattern::Healpix, ThesisPattern::WhiteNoise],
@@ -55,7 +62,7 @@ impl CornellBoxes {
                 remark: "homogenized regular directions are said to give good results",
             },
             Comparison {
-                patterns: [ThesisPattern::Ccvt, ThesisPattern::WhiteNoise],
+                patterns: [ThesisPattern::CcvtRandom, ThesisPattern::WhiteNoise],
                 n_points: N_POINTS[2],
                 stated: Stated::AtMost(1.0),
                 remark: "the asymptotic behaviour of CCVT is said to be better",
@@ -65,7 +72,7 @@ impl CornellBoxes {
 
     fn job(pattern: ThesisPattern, n_points: usize, setting: Setting) -> Job {
         let renders = setting.scale.pick(3, 6);
-        Occlusion::shown(setting).renders(pattern, n_points, DirectionMode::Rotated, renders)
+        BoxStudy::shown(setting).renders(pattern, n_points, DirectionMode::Rotated, renders)
     }
 }
 
@@ -75,9 +82,9 @@ impl Recipe for CornellBoxes {
     }
 
     fn jobs(&self, setting: Setting) -> Vec<Job> {
-        let mut jobs = vec![Occlusion::shown(setting).reference()];
+        let mut jobs = vec![BoxStudy::shown(setting).reference()];
         for n in N_POINTS {
-            jobs.extend(self.patterns.map(|pattern| Self::job(pattern, n, setting)));
+            jobs.extend(self.patterns.iter().map(|&pattern| Self::job(pattern, n, setting)));
         }
         jobs
     }
@@ -88,9 +95,9 @@ impl Recipe for CornellBoxes {
         results: &Results,
         figure: &mut Figure,
     ) -> Result<(), Error> {
-        let scene = Occlusion::shown(setting);
+        let scene = BoxStudy::shown(setting);
         for n in N_POINTS {
-            for pattern in self.patterns {
+            for &pattern in self.patterns {
                 let job = Self::job(pattern, n, setting);
                 let name = format!("{}-{n}", pattern.name());
                 let title = format!("{}, {n} directions", pattern.label());
@@ -98,28 +105,49 @@ impl Recipe for CornellBoxes {
             }
         }
         for comparison in self.comparisons {
-            let [a, b] = comparison.patterns;
-            let n = comparison.n_points;
-            let errors = |pattern| scene.errors(results, &Self::job(pattern, n, setting));
-            figure.claims.push(
-                Claim::number(
-                    format!("mean squared error of {} over {}, N = {n}", a.label(), b.label()),
-                    comparison.stated.clone(),
-                    mse_ratio(&errors(a)?, &errors(b)?),
-                )
-                .because(comparison.remark),
-            );
+            figure.claims.push(comparison.claim(setting, results)?);
         }
         figure.note(format!(
-            "Sphere sets of 2 N points, turned at each hit point, of which the visible half is kept (erratum 13); each mean \
+            "Sphere sets of 2 N points, rotated at each hit point, of which the visible half is kept (erratum 13); each mean \
              squared error is that of {} renders.",
             setting.scale.pick(3, 6)
         ));
         figure.note(
             "The thesis prints its numbers of directions and errors inside the pictures only, so those here cannot be \
-             compared one by one. CCVT has capacity 64 and random mass points (erratum 39).",
+             compared one by one.",
         );
+        if self.patterns.iter().any(|pattern| pattern.is_ccvt()) {
+            figure.note(NOTE);
+        }
         Ok(())
+    }
+}
+
+impl Comparison {
+    fn claim(&self, setting: Setting, results: &Results) -> Result<Claim, Error> {
+        let [a, b] = self.patterns;
+        let claim = |a: ThesisPattern| {
+            let errors = |pattern| {
+                let job = CornellBoxes::job(pattern, self.n_points, setting);
+                BoxStudy::shown(setting).errors(results, &job)
+            };
+            Ok(Claim::number(
+                format!(
+                    "mean squared error of {} over {}, N = {}",
+                    a.subject(),
+                    b.label(),
+                    self.n_points
+                ),
+                self.stated.clone(),
+                mse_ratio(&errors(a)?, &errors(b)?),
+            )
+            .because(self.remark))
+        };
+        match (a, b) {
+            (ThesisPattern::CcvtRandom, _) => with_both_kinds(None, claim),
+            (_, ThesisPattern::PoissonDisk) => claim(a).map(with_dart_throwing),
+            _ => claim(a),
+        }
     }
 }
 
@@ -132,7 +160,7 @@ impl Recipe for ReferenceImage {
     }
 
     fn jobs(&self, setting: Setting) -> Vec<Job> {
-        vec![Occlusion::shown(setting).reference()]
+        vec![BoxStudy::shown(setting).reference()]
     }
 
     fn compose(
@@ -141,16 +169,17 @@ impl Recipe for ReferenceImage {
         results: &Results,
         figure: &mut Figure,
     ) -> Result<(), Error> {
-        let image = Occlusion::shown(setting).reference_image(results)?;
+        let study = BoxStudy::shown(setting);
+        let image = study.reference_image(results)?;
         let n = image.n_points;
         figure.panel(
             "reference",
             "Ambient occlusion, jittered directions",
-            picture(image, format!("N = {n}")),
+            study.picture(results, image, format!("N = {n}"))?,
         );
         figure.note(format!(
             "One ray through the centre of each pixel and {n} jittered directions (the thesis: 32k) at each hit point, as \
-             lines turned uniformly. With {n} independent directions the mean squared error would be {:.1e}; jitter's is \
+             lines rotated uniformly. With {n} independent directions the mean squared error would be {:.1e}; jitter's is \
              smaller by about sqrt(N)/2.",
             image.white_noise_variance(n)
         ));

@@ -35,7 +35,15 @@ impl CrossoverClaim {
                 self.value + self.tolerance
             );
             let verdict = self.order(first, second);
-            return Claim { what: self.what, stated, found: None, verdict, erratum: None, remark };
+            return Claim {
+                what: self.what,
+                stated,
+                measured: None,
+                verdict,
+                choice: None,
+                erratum: None,
+                remark,
+            };
         };
         let interval = Quantity { value: found.n_points, interval: found.interval };
         let claim = Claim::number(self.what, stated, interval);
@@ -112,7 +120,7 @@ mod tests {
         ] {
             let claim = judged(c, 1e-3, false);
             assert_eq!(claim.verdict, expected, "{c}: {claim:?}");
-            let found = claim.found.unwrap().value;
+            let found = claim.measured.unwrap().value;
             // Lines in logarithms: some roundings of ln N.
             assert!((found / c - 1.0).abs() < 1e-13, "{c}: {claim:?}");
         }
@@ -132,7 +140,7 @@ mod tests {
         ] {
             let claim = judged(c, relative, swapped);
             assert_eq!(claim.verdict, expected, "{c}, {relative}: {claim:?}");
-            assert!(claim.found.is_none());
+            assert!(claim.measured.is_none());
         }
     }
 
@@ -141,6 +149,6 @@ mod tests {
     fn a_crossing_that_may_be_noise_decides_nothing() {
         let claim = judged(1150.0, 0.3, false);
         assert_eq!(claim.verdict, Verdict::Undecided, "{claim:?}");
-        assert!(claim.found.is_some() && claim.remark.contains("only"), "{claim:?}");
+        assert!(claim.measured.is_some() && claim.remark.contains("only"), "{claim:?}");
     }
 }

@@ -38,17 +38,19 @@ impl Recipe for DiskPoints {
                 "samples that are too close are rejected",
                 verdict,
             )
-            .found(Quantity::single(shortest))
+            .measured(Quantity::single(shortest))
             .because(format!(
-                "it holds from {radius} on; the thesis prints no radius, this one is of the author's published program. Of \
-                 white noise the chord is {white:.3}"
-            )),
+                "the sampler enforces {radius}; the thesis prints no radius, this one is of the author's published program. \
+                 Of white noise the chord is {white:.3}"
+            ))
+            .by_construction(),
         );
         let fill = PoissonDisk::EXACT_RADIUS.powi(2) / 16.0;
         figure.note(format!(
-            "Made by true dart throwing with exactly N points, which disks of half the chord cover to {fill:.3} of the sphere \
-             (saturated sets: 0.547). The thesis rejects from a dense set instead and calls the result close to boundary \
-             sampling, which is not made here."
+            "Sets come from dart throwing with exactly N points; their disks of half the chord cover {fill:.3} of the sphere \
+             (saturated sets: 0.547). The thesis rejects samples from a dense set and calls the result close to boundary \
+             sampling (Dunbar and Humphreys). No sampler here has that mode, so what contradicts the thesis's claims about \
+             Poisson disk is undecided."
         ));
         Ok(())
     }

@@ -1,6 +1,7 @@
 use sphvar_spectrum::Spectrum;
 
 use super::Recipe;
+use super::bound_claims::no_power;
 use super::patterns::ThesisPattern;
 use super::point_panel::sphere_points;
 use super::spectra::{mean_spectrum, omega_axis, spectrum_curve};
@@ -96,25 +97,29 @@ fn claims(lattice: ThesisPattern, spectrum: &Spectrum, figure: &mut Figure) {
             Quantity::exact(low),
         )
         .because(format!(
-            "\"a zero-value low-frequency region\", in a plot; found at omega = {at:.3}"
+            "4.2.1 describes the plot: \"a zero-value low-frequency region\"; the largest is at omega = {at:.3}"
         )),
     );
     if lattice == ThesisPattern::Healpix {
+        figure.claims.push(no_power(lattice, spectrum));
         figure.claims.push(
             Claim::number(
                 format!("{name}: N P(2), 0 for a step profile"),
                 Stated::About { value: 0.0, tolerance: f64::EPSILON * n },
                 Quantity::exact(n * spectrum.power()[2]),
             )
-            .erratum(12)
-            .because("odd degrees vanish, even ones fall as 1/N: no step, and no spherical design"),
+            .erratum_if(Verdict::Wrong, 12)
+            .because(
+                "6.2.2: \"a low-frequency region with no energy\", read as exactly none, as a step profile has it; odd degrees \
+                 vanish, even ones fall as 1/N",
+            ),
         );
     }
     let (at, peak) = highest(1.0, f64::INFINITY);
     let verdict = if peak > PEAK { Verdict::Holds } else { Verdict::Wrong };
     figure.claims.push(
         Claim::words(format!("{name}: the region is followed by"), "high energy peaks", verdict)
-            .found(Quantity::exact(peak))
+            .measured(Quantity::exact(peak))
             .because(format!(
                 "the highest lies at omega = {at:.3}; random patterns of the thesis stay below {PEAK}"
             )),
@@ -129,7 +134,7 @@ fn claims(lattice: ThesisPattern, spectrum: &Spectrum, figure: &mut Figure) {
             Stated::About { value: 1.0, tolerance: 0.1 },
             Quantity::exact(late),
         )
-        .erratum(9)
+        .erratum_if(Verdict::Wrong, 9)
         .because(format!(
             "peaks persist (this one at omega = {at:.3}); the mean over all degrees to {}, weighted by 2l+1, is {mean:.3}",
             spectrum.lmax()

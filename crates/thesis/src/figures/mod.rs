@@ -4,24 +4,27 @@ mod basis_functions;
 mod bound_claims;
 mod bounded_column;
 mod bounded_variance;
+mod box_study;
 mod cap_power;
 #[cfg(test)]
 mod cheap_tests;
 mod coefficient_clouds;
 mod cornell_box;
 mod crossover_claim;
+mod dart_throwing;
 mod disk_points;
 mod integrand_classes;
 mod lattice_artifacts;
 mod lattice_spectra;
 mod low_frequencies;
-mod occlusion;
+mod mass_points;
 mod open_hemisphere;
 mod order_grid;
 #[cfg(test)]
 mod pattern_tests;
 mod patterns;
 mod point_panel;
+mod profile_rates;
 mod rotated_lattices;
 mod sampler_spectra;
 mod significance;

@@ -96,7 +96,7 @@ impl Recipe for OpenHemisphere {
         }
         figure.note(format!(
             "N = {N_POINTS} points of the hemisphere, of jitter the upper half of 2028; the thesis states no numbers. Sets are not \
-             turned. Degree 0 is left out of the squares, which show square roots so that more than the peaks is seen."
+             rotated. Degree 0 is left out of the squares, which show square roots so that more than the peaks is seen."
         ));
         figure.note(
             "A uniform density on the upper half alone has P(l) = N (int_0^1 P_l dz)^2 in odd degrees and nothing in even \
@@ -141,7 +141,7 @@ fn peaks(pattern: ThesisPattern, spectrum: &Spectrum) -> Result<Claim, Error> {
         "high energy peaks near l = 0",
         verdict,
     )
-    .found(found)
+    .measured(found)
     .because(format!(
         "white noise has 1 + (N-1)/4 = {closed:.2}, and 1 in every even degree; here P(2) = {:.3}, P(3) = {:.2}",
         spectrum.power()[2],

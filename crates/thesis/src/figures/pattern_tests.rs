@@ -11,6 +11,7 @@ fn cut(job: &Job) -> Job {
         Job::Spectrum { ensemble, domain, lmax, sets } => {
             Job::Spectrum { ensemble, domain, lmax, sets: sets.min(2) }
         }
+        Job::Orders { ensemble, lmax, sets } => Job::Orders { ensemble, lmax, sets: sets.min(2) },
         Job::Coefficient { ensemble, l, m, sets } => {
             Job::Coefficient { ensemble, l, m, sets: sets.min(1000) }
         }
@@ -37,9 +38,10 @@ fn spectra_of_random_patterns_can_be_composed() -> Result<(), Error> {
         }
     }
     assert_eq!(counts, [5, 8]);
-    // Random mass points leave 1/64 at low degrees, whatever the number of sets.
-    let claim = figure.claims.iter().find(|c| c.erratum == Some(40));
-    assert_eq!(claim.map(|c| c.verdict), Some(Verdict::Wrong), "{claim:?}");
+    // Random mass points leave 1/64 at low degrees, those of a lattice 1e-4, whatever the number of sets.
+    let claim = figure.claims.iter().find(|c| c.what == "CCVT: mean power for omega below 0.25");
+    let outcome = claim.map(|c| (c.verdict, c.erratum));
+    assert_eq!(outcome, Some((Verdict::Depends, Some(39))), "{claim:?}");
     Ok(())
 }
 

@@ -9,18 +9,18 @@ pub(crate) enum ThesisPattern {
     Jittered,
     /// Exactly N directions, none nearer to another than the chord of the thesis's program.
     PoissonDisk,
-    /// Capacity-constrained Voronoi tessellations with random mass points, whose capacity the thesis does not state.
-    Ccvt,
+    /// Capacity-constrained Voronoi tessellations with random mass points.
+    CcvtRandom,
+    /// Capacity-constrained Voronoi tessellations of the mass points of a Fibonacci lattice.
+    CcvtFibonacci,
     /// HEALPix centres.
     Healpix,
     /// The spherical Fibonacci lattice.
     Fibonacci,
 }
 
-/// The mass points of a site of CCVT, which the thesis does not state.
+/// The number of mass points of a site of CCVT, which the thesis does not state.
 pub(crate) const CAPACITY: usize = 64;
-/// Their kind, which it does not state either.
-pub(crate) const MASS_POINTS: MassPoints = MassPoints::White;
 /// The colour of bounds.
 pub(crate) const BOUND_COLOUR: usize = 6;
 /// The colour of what is neither a pattern nor a bound: that of HEALPix, with which it is in no figure.
@@ -35,10 +35,25 @@ impl ThesisPattern {
             Self::PoissonDisk => {
                 Pattern::PoissonDisk(PoissonDiskParameters { mode: DiskMode::Exact, radius: None })
             }
-            Self::Ccvt => Pattern::Ccvt(CcvtParameters { capacity: CAPACITY, mass: MASS_POINTS }),
+            Self::CcvtRandom => Self::ccvt(MassPoints::White),
+            Self::CcvtFibonacci => Self::ccvt(MassPoints::Fibonacci),
             Self::Healpix => Pattern::Healpix,
             Self::Fibonacci => Pattern::Fibonacci,
         }
+    }
+
+    fn ccvt(mass: MassPoints) -> Pattern {
+        Pattern::Ccvt(CcvtParameters { capacity: CAPACITY, mass })
+    }
+
+    /// Whether it is one of the kinds of CCVT.
+    pub(crate) const fn is_ccvt(self) -> bool {
+        matches!(self, Self::CcvtRandom | Self::CcvtFibonacci)
+    }
+
+    /// Its name in claims: one for both kinds of CCVT, because the thesis knows only one.
+    pub(crate) const fn subject(self) -> &'static str {
+        if self.is_ccvt() { "CCVT" } else { self.label() }
     }
 
     /// The number of its colour.
@@ -47,9 +62,10 @@ impl ThesisPattern {
             Self::WhiteNoise => 0,
             Self::Jittered => 1,
             Self::PoissonDisk => 2,
-            Self::Ccvt => 3,
+            Self::CcvtRandom => 3,
             Self::Healpix => 4,
-            Self::Fibonacci => 5,
+            // They are in no figure together.
+            Self::Fibonacci | Self::CcvtFibonacci => 5,
         }
     }
 
@@ -59,7 +75,8 @@ impl ThesisPattern {
             Self::WhiteNoise => "white noise",
             Self::Jittered => "jittered",
             Self::PoissonDisk => "Poisson disk",
-            Self::Ccvt => "CCVT",
+            Self::CcvtRandom => "CCVT, random mass",
+            Self::CcvtFibonacci => "CCVT, Fibonacci mass",
             Self::Healpix => "HEALPix regular",
             Self::Fibonacci => "Fibonacci",
         }
@@ -71,7 +88,8 @@ impl ThesisPattern {
             Self::WhiteNoise => "white-noise",
             Self::Jittered => "jittered",
             Self::PoissonDisk => "poisson-disk",
-            Self::Ccvt => "ccvt",
+            Self::CcvtRandom => "ccvt-random",
+            Self::CcvtFibonacci => "ccvt-fibonacci",
             Self::Healpix => "healpix",
             Self::Fibonacci => "fibonacci",
         }

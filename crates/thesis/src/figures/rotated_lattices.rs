@@ -140,7 +140,10 @@ impl RotatedLattice {
                 Stated::About { value: 0.0, tolerance: 1e-6 },
                 Quantity::exact(change),
             )
-            .because("\"the mean angular power spectrum do not change\""),
+            .because(
+                "\"the mean angular power spectrum do not change\": an identity, since rotations are unitary within a degree",
+            )
+            .by_construction(),
         );
 
         let peak =
@@ -167,9 +170,9 @@ impl RotatedLattice {
                 "becomes equal",
                 verdict(p),
             )
-            .found(Quantity::single(spread(&after)))
+            .measured(Quantity::single(spread(&after)))
             .because(format!(
-                "found is the spread over m at the peak l = {peak} in parts of its power {power:.2}; errors of sampling \
+                "the spread over m at the peak l = {peak} in parts of its power {power:.2}; errors of sampling \
                  alone give {:.3}. It is {:.2} before and {:.2} after 10 rotations. The largest of {comparisons} \
                  differences has z = {z:.1}, {}",
                 rms(&after, &|o| o.stderr),

@@ -28,14 +28,47 @@ pub(crate) fn largest_of_normal(z: f64, comparisons: usize) -> f64 {
     (comparisons as f64 * 2.0 * density / z).min(1.0)
 }
 
-/// A bound of a probability from above, in words: `p <= 0.23`, `p <= 5e-12`.
+/// Above this probability a p-value says no more than that the data are within chance.
+const WITHIN_CHANCE: f64 = 0.5;
+
+/// Smaller p-values are rounding errors of the tail.
+const SMALLEST: f64 = 1e-16;
+
+/// Returns an upper bound of a p-value in words: `p <= 0.23`, `p <= 5e-12`, `within chance`.
 pub(crate) fn at_most(p_value: f64) -> String {
-    if p_value < DOUBT { format!("p <= {p_value:.0e}") } else { format!("p <= {p_value:.2}") }
+    in_words("<=", p_value)
 }
 
-/// The probability that uniform phases, in radians, lie as unevenly as these, by Kuiper's statistic
-/// `V = D+ + D-` (Stephens 1970, Journal of the Royal Statistical Society B 32, 115: good for n >= 8).
-pub(crate) fn kuiper(phases: &[f64]) -> f64 {
+/// Returns a p-value in words: `p = 0.23`, `p = 5e-12`, `within chance`.
+pub(crate) fn equal_to(p_value: f64) -> String {
+    in_words("=", p_value)
+}
+
+fn in_words(relation: &str, p_value: f64) -> String {
+    if p_value > WITHIN_CHANCE {
+        "within chance".to_owned()
+    } else if p_value < SMALLEST {
+        format!("p < {SMALLEST:e}")
+    } else if p_value < DOUBT {
+        format!("p {relation} {p_value:.0e}")
+    } else {
+        format!("p {relation} {p_value:.2}")
+    }
+}
+
+/// Kuiper's test of uniform phases.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Kuiper {
+    /// The statistic `V = D+ + D-`, scaled so that its distribution does not depend on the number of phases; 1.747 is the
+    /// 5 % point.
+    pub(crate) statistic: f64,
+    /// The probability that uniform phases lie as unevenly as these.
+    pub(crate) p_value: f64,
+}
+
+/// Returns Kuiper's test of phases in radians (Stephens 1970, Journal of the Royal Statistical Society B 32, 115: good for
+/// n >= 8).
+pub(crate) fn kuiper(phases: &[f64]) -> Kuiper {
     let mut turns: Vec<f64> = phases.iter().map(|p| p.rem_euclid(TAU) / TAU).collect();
     turns.sort_by(f64::total_cmp);
     let n = turns.len() as f64;
@@ -44,16 +77,16 @@ pub(crate) fn kuiper(phases: &[f64]) -> f64 {
         above = above.max((i as f64 + 1.0) / n - turn);
         below = below.max(turn - i as f64 / n);
     }
-    let lambda = (n.sqrt() + 0.155 + 0.24 / n.sqrt()) * (above + below);
+    let statistic = (n.sqrt() + 0.155 + 0.24 / n.sqrt()) * (above + below);
     // The series is that of the far tail; near 0 it needs more terms than are of use.
-    if lambda < 0.4 {
-        return 1.0;
+    if statistic < 0.4 {
+        return Kuiper { statistic, p_value: 1.0 };
     }
     let term = |j: u32| {
-        let x = 2.0 * (f64::from(j) * lambda).powi(2);
+        let x = 2.0 * (f64::from(j) * statistic).powi(2);
         (2.0 * x - 1.0) * (-x).exp()
     };
-    (2.0 * (1..=100).map(term).sum::<f64>()).clamp(0.0, 1.0)
+    Kuiper { statistic, p_value: (2.0 * (1..=100).map(term).sum::<f64>()).clamp(0.0, 1.0) }
 }
 
 /// The probability that independent pairs of mean 0 have means as far from 0 as these: `exp(-T/2)` with
@@ -81,18 +114,19 @@ mod tests {
     fn kuiper_knows_even_and_uneven_phases() {
         // Golden-angle phases are more even than random ones.
         let even: Vec<f64> = (0..500).map(|k| 2.399_963 * f64::from(k)).collect();
-        assert!(kuiper(&even) > 0.99, "{}", kuiper(&even));
+        assert!(kuiper(&even).p_value > 0.99, "{:?}", kuiper(&even));
         let half: Vec<f64> = even.iter().map(|p| p.rem_euclid(TAU) / 2.0).collect();
-        assert!(kuiper(&half) < 1e-30, "{}", kuiper(&half));
+        assert!(kuiper(&half).p_value < 1e-30, "{:?}", kuiper(&half));
         let two: Vec<f64> = (0..500).map(|k| if k % 2 == 0 { 0.0 } else { PI }).collect();
-        assert!(kuiper(&two) < 1e-30, "{}", kuiper(&two));
+        assert!(kuiper(&two).p_value < 1e-30, "{:?}", kuiper(&two));
         // Critical value of 5 % for large n: lambda = 1.747 (Stephens 1970, table 1), by a shift that makes V so.
         let n = 100_000_u32;
         let shift = 1.747 / f64::from(n).sqrt();
         let moved: Vec<f64> =
             (0..n).map(|k| TAU * ((f64::from(k) + 0.5) / f64::from(n) * (1.0 - shift))).collect();
-        let p = kuiper(&moved);
-        assert!((p - 0.05).abs() < 2e-3, "{p}");
+        let got = kuiper(&moved);
+        assert!((got.p_value - 0.05).abs() < 2e-3, "{got:?}");
+        assert!((got.statistic - 1.747).abs() < 5e-3, "{got:?}");
     }
 
     #[test]
@@ -114,7 +148,9 @@ mod tests {
         // Two-sided 1.96 is 5 %.
         assert!((0.05..0.07).contains(&largest_of_normal(1.96, 1)));
         assert!(verdict(0.5) == Verdict::Holds && verdict(1e-9) == Verdict::Wrong);
-        assert_eq!([at_most(1.0), at_most(2.4e-7)], ["p <= 1.00", "p <= 2e-7"]);
+        assert_eq!([at_most(1.0), at_most(2.4e-7)], ["within chance", "p <= 2e-7"]);
+        assert_eq!([equal_to(0.51), equal_to(0.5)], ["within chance", "p = 0.50"]);
+        assert_eq!([at_most(0.0), equal_to(1e-20)], ["p < 1e-16", "p < 1e-16"]);
         assert!(verdict(1e-3) == Verdict::Undecided && verdict(f64::NAN) == Verdict::Undecided);
     }
 }

@@ -24,7 +24,7 @@ pub(crate) fn realizations(pattern: ThesisPattern, setting: Setting) -> u64 {
     match pattern {
         // Not random: one set is the ensemble.
         ThesisPattern::Healpix | ThesisPattern::Fibonacci => 1,
-        ThesisPattern::Ccvt => setting.scale.pick(100, 1000),
+        ThesisPattern::CcvtRandom | ThesisPattern::CcvtFibonacci => setting.scale.pick(100, 1000),
         _ => setting.scale.pick(300, 1000),
     }
 }

@@ -103,9 +103,9 @@ fn claim_scaling(few: &Spectrum, many: &Spectrum, figure: &mut Figure) {
             "the sampler's spectrum scales along the frequency axis",
             verdict,
         )
-        .found(Quantity::exact(difference))
+        .measured(Quantity::exact(difference))
         .because(format!(
-            "found: largest |P_4N(2l) - P_N(l)| for l to {}; it holds if that is at most {VISIBLE}",
+            "largest |P_4N(2l) - P_N(l)| for l to {}; it holds if that is at most {VISIBLE}",
             LMAX / 2
         )),
     );

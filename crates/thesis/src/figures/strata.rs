@@ -50,8 +50,9 @@ impl Recipe for Strata {
                 Quantity::exact(ratio_of_areas(&order)),
             )
             .because(
-                "\"an equal area quadrangulation\"; polygons of 512 sides, good to about 1e-5",
-            ),
+                "\"an equal area quadrangulation\", as HEALPix is defined; polygons of 512 sides, good to about 1e-5",
+            )
+            .by_construction(),
         );
         figure.claims.push(
             Claim::number(
@@ -59,9 +60,13 @@ impl Recipe for Strata {
                 Stated::About { value: 1.0, tolerance: 0.0 },
                 Quantity::exact(single[2]),
             )
-            .because(format!("of white noise it is {:.3}", single[0])),
+            .because(format!(
+                "the sampler puts one point into each; of white noise it is {:.3}",
+                single[0]
+            ))
+            .by_construction(),
         );
-        figure.note("The thesis states no numbers of points here. Sets are not turned.");
+        figure.note("The thesis states no numbers of points here. Sets are not rotated.");
         Ok(())
     }
 }

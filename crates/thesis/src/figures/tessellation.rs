@@ -1,8 +1,9 @@
 use glam::DVec3;
-use sphvar_samplers::{Ccvt, Domain, Pattern, Purpose, Streams};
+use sphvar_samplers::{Ccvt, Domain, MassPoints, Pattern, Purpose, Streams};
 
 use super::Recipe;
-use super::patterns::{CAPACITY, MASS_POINTS, ThesisPattern};
+use super::mass_points::{NOTE, with_both_kinds};
+use super::patterns::{CAPACITY, ThesisPattern};
 use super::point_panel::sphere_points;
 use crate::{Claim, Error, Figure, Job, Quantity, Results, Setting, ThesisEnsemble, Verdict};
 
@@ -26,39 +27,47 @@ impl Recipe for TessellationSites {
     }
 
     fn compose(&self, setting: Setting, _: &Results, figure: &mut Figure) -> Result<(), Error> {
-        let pattern = ThesisPattern::Ccvt.pattern();
-        let streams = Streams::new(setting.seed, Purpose::Pattern, pattern.stream_group(N_POINTS));
-        let ccvt = Ccvt::new(N_POINTS, Domain::Sphere, CAPACITY, MASS_POINTS)?;
-        let tessellation = ccvt.tessellate(&mut streams.realization(0))?;
-        let sites = tessellation.sites();
         let white = ThesisEnsemble::sphere(ThesisPattern::WhiteNoise.pattern(), N_POINTS)
             .set(setting.seed, 0)?;
-        let (spread, of_white) = (spread_of_areas(&sites)?, spread_of_areas(&white)?);
-        figure.panel("points", format!("CCVT, N = {N_POINTS}"), sphere_points(sites));
+        let of_white = spread_of_areas(&white)?;
+        let tessellation = |kind: ThesisPattern, mass| -> Result<_, Error> {
+            let group = kind.pattern().stream_group(N_POINTS);
+            let streams = Streams::new(setting.seed, Purpose::Pattern, group);
+            let ccvt = Ccvt::new(N_POINTS, Domain::Sphere, CAPACITY, mass)?;
+            Ok(ccvt.tessellate(&mut streams.realization(0))?)
+        };
+        let random = tessellation(ThesisPattern::CcvtRandom, MassPoints::White)?;
+        let lattice = tessellation(ThesisPattern::CcvtFibonacci, MassPoints::Fibonacci)?;
+        let of = |kind| if kind == ThesisPattern::CcvtRandom { &random } else { &lattice };
+        for kind in [ThesisPattern::CcvtRandom, ThesisPattern::CcvtFibonacci] {
+            let title = format!("{}, N = {N_POINTS}", kind.label());
+            figure.panel(kind.name(), title, sphere_points(of(kind).sites()));
+        }
         // What m random mass points leave open of an area.
         let noise = 1.0 / (CAPACITY as f64).sqrt();
-        let verdict = if spread < noise { Verdict::Holds } else { Verdict::Wrong };
-        figure.claims.push(
-            Claim::words("areas of the cells", "equal capacities", verdict)
-                .found(Quantity::single(spread))
+        let areas = |kind| {
+            let spread = spread_of_areas(&of(kind).sites())?;
+            let verdict = if spread < noise { Verdict::Holds } else { Verdict::Wrong };
+            Ok(Claim::words("areas of the cells", "equal capacities", verdict)
+                .measured(Quantity::single(spread))
                 .because(format!(
-                    "found is the spread of the areas of the sites' Voronoi cells in parts of the mean, beside {of_white:.2} of \
-                     white noise; the number {CAPACITY} of random mass points leaves {noise:.3} open"
-                )),
-        );
-        let verdict = if tessellation.is_settled() { Verdict::Holds } else { Verdict::Wrong };
-        figure.claims.push(
-            Claim::words("no exchange of mass points lowers the energy", "geodesic CCVT", verdict)
-                .found(Quantity::single(tessellation.energy()))
+                    "the spread of the areas of the sites' Voronoi cells in parts of the mean, {of_white:.2} for white noise; \
+                     the capacity of {CAPACITY} random mass points leaves {noise:.3} open"
+                )))
+        };
+        figure.claims.push(with_both_kinds(None, areas)?);
+        let settled = |kind| {
+            let verdict = if of(kind).is_settled() { Verdict::Holds } else { Verdict::Wrong };
+            let what = "no exchange of mass points lowers the energy";
+            Ok(Claim::words(what, "geodesic CCVT", verdict)
+                .measured(Quantity::single(of(kind).energy()))
                 .because(format!(
-                    "found is N times the mean squared geodesic distance to the site; no pattern is below regular \
-                     hexagons, {HEXAGONS:.3}"
-                )),
-        );
-        figure.note(format!(
-            "{CAPACITY} random mass points to a site. The thesis states neither their number nor their kind, which decide the power \
-             of the lowest degrees (erratum 39)."
-        ));
+                    "where the algorithm ends; N times the mean squared geodesic distance to the site, at least that of \
+                     regular hexagons, {HEXAGONS:.3}"
+                )))
+        };
+        figure.claims.push(with_both_kinds(None, settled)?.by_construction());
+        figure.note(NOTE);
         Ok(())
     }
 }

@@ -4,8 +4,10 @@ use sphvar_variance::{RateFit, VariancePoint, fit_rate};
 
 use super::Recipe;
 use super::bounded_column::asymptotic;
+use super::box_study::BoxStudy;
 use super::crossover_claim::CrossoverClaim;
-use super::occlusion::Occlusion;
+use super::dart_throwing::with_dart_throwing;
+use super::mass_points::{NOTE, with_both_kinds};
 use super::patterns::ThesisPattern;
 use super::variance_study::VarianceStudy;
 use crate::{
@@ -13,19 +15,17 @@ use crate::{
     TestIntegrand, Verdict,
 };
 
-/// Figure 7.9: the variances of five samplers side by side, of both test integrands and of a scene.
+/// Figure 7.9: the variances of five samplers, of CCVT with both kinds of mass points, side by side, of both test integrands and of a scene.
 pub(crate) struct VarianceComparison;
 
-const PATTERNS: [ThesisPattern; 5] = [
+const PATTERNS: [ThesisPattern; 6] = [
     ThesisPattern::WhiteNoise,
     ThesisPattern::PoissonDisk,
     ThesisPattern::Jittered,
-    ThesisPattern::Ccvt,
+    ThesisPattern::CcvtRandom,
+    ThesisPattern::CcvtFibonacci,
     ThesisPattern::Healpix,
 ];
-/// Those of which the thesis says that they fall faster than Poisson disk and white noise.
-const FASTER: [ThesisPattern; 3] =
-    [ThesisPattern::Ccvt, ThesisPattern::Healpix, ThesisPattern::Jittered];
 /// What "the same rate" allows a difference of exponents beyond its interval.
 const SAME_RATE: f64 = 0.05;
 /// Directions of a hit point that all patterns can have, 6 nside^2; 294 is among them.
@@ -40,7 +40,7 @@ struct Panel {
     /// A tenth of that number: what can be read off a curve.
     tolerance: f64,
     remark: &'static str,
-    /// The erratum about that number, for data that contradict it.
+    /// The erratum about that number.
     erratum: Option<u8>,
     /// Rates are compared from this number of points on.
     from: f64,
@@ -88,7 +88,7 @@ impl Recipe for VarianceComparison {
     fn jobs(&self, setting: Setting) -> Vec<Job> {
         let trials =
             PATTERNS.into_iter().flat_map(|p| VarianceStudy { pattern: p, setting }.trials());
-        let reference = Occlusion::measured(setting).reference();
+        let reference = BoxStudy::measured(setting).reference();
         let renders = PATTERNS.into_iter().flat_map(|p| DIRECTIONS.map(|n| renders(p, n, setting)));
         trials.chain([reference]).chain(renders).collect()
     }
@@ -113,17 +113,17 @@ impl Recipe for VarianceComparison {
             // The rate of Poisson disks is an asymptotic one; the scene has no more points than it has.
             let late =
                 integrand.map_or(panel.from, |_| asymptotic(ThesisPattern::PoissonDisk, setting));
-            curves.claim_rates(panel, late, figure);
+            curves.claim_rates(panel, late, figure)?;
         }
-        let reference = Occlusion::measured(setting).reference_image(results)?.n_points;
+        let reference = BoxStudy::measured(setting).reference_image(results)?.n_points;
         figure.note(format!(
-            "c: halves of sphere sets turned at each hit point; {} renders each, against a reference of {reference} jittered \
+            "c: halves of sphere sets, rotated at each hit point; {} renders each, against a reference of {reference} jittered \
              directions whose own error is in every value.",
             scene_renders(setting)
         ));
+        figure.note(NOTE);
         figure.note(
-            "CCVT has capacity 64 and random mass points (erratum 39). N is 12 nside^2 on the sphere, 6 nside^2 for \
-             directions of a hit point (erratum 38).",
+            "N is 12 nside^2 on the sphere, 6 nside^2 for directions of a hit point (erratum 38).",
         );
         Ok(())
     }
@@ -135,7 +135,7 @@ fn scene_renders(setting: Setting) -> u64 {
 
 fn renders(pattern: ThesisPattern, n_points: usize, setting: Setting) -> Job {
     let renders = scene_renders(setting);
-    Occlusion::measured(setting).renders(pattern, n_points, DirectionMode::Rotated, renders)
+    BoxStudy::measured(setting).renders(pattern, n_points, DirectionMode::Rotated, renders)
 }
 
 /// The mean squared error of the scene over the number of directions.
@@ -144,7 +144,7 @@ fn scene_errors(
     setting: Setting,
     results: &Results,
 ) -> Result<Vec<VariancePoint>, Error> {
-    let scene = Occlusion::measured(setting);
+    let scene = BoxStudy::measured(setting);
     let point = |&n: &usize| {
         let mse = scene.errors(results, &renders(pattern, n, setting))?.mse;
         Ok(VariancePoint { n_points: n as f64, variance: mse.value, stderr: mse.stderr })
@@ -183,93 +183,103 @@ impl VarianceCurves {
             remark: panel.remark,
         }
         .judge(jittered, disk, streams);
-        figure.claims.push(match panel.erratum {
-            Some(number) if claim.verdict == Verdict::Wrong => claim.erratum(number),
-            _ => claim,
-        });
+        figure.claims.push(Claim { erratum: panel.erratum, ..with_dart_throwing(claim) });
     }
 
-    fn claim_rates(&self, panel: &Panel, late: f64, figure: &mut Figure) {
-        let rate_from = |pattern, from: f64| {
-            let tail: Vec<VariancePoint> =
-                self.of(pattern).iter().copied().filter(|p| p.n_points >= from).collect();
-            fit_rate(&tail)
-        };
-        let rate = |pattern| rate_from(pattern, panel.from);
-        let [disk, white] = [ThesisPattern::PoissonDisk, ThesisPattern::WhiteNoise];
-        for (pattern, slower) in
-            FASTER.into_iter().flat_map(|faster| [(faster, disk), (faster, white)])
-        {
-            let claim = Claim::number(
-                format!(
-                    "exponent of {} less that of {}, {}",
-                    pattern.label(),
-                    slower.label(),
-                    panel.title
-                ),
-                Stated::AtMost(0.0),
-                difference(rate(pattern).as_ref(), rate(slower).as_ref()),
-            );
-            let fitted = format!("fitted from N = {} on", panel.from);
-            // Mass points of a fixed capacity are an offset, too.
-            figure.claims.push(match pattern {
-                ThesisPattern::Ccvt => claim.erratum(40).because(format!(
-                    "{fitted}; with random mass points of a fixed capacity both end in N^-1"
-                )),
-                _ => claim.because(fitted),
-            });
+    /// Adds the claims about rates, which are fitted from the panel's number of points on, that of Poisson disk from `late`.
+    fn claim_rates(&self, panel: &Panel, late: f64, figure: &mut Figure) -> Result<(), Error> {
+        let fitted = format!("fitted from N = {} on", panel.from);
+        for slower in [ThesisPattern::PoissonDisk, ThesisPattern::WhiteNoise] {
+            let faster = |pattern: ThesisPattern| {
+                let claim = Claim::number(
+                    format!(
+                        "exponent of {} less that of {}, {}",
+                        pattern.subject(),
+                        slower.label(),
+                        panel.title
+                    ),
+                    Stated::AtMost(0.0),
+                    self.difference([pattern, slower], panel.from),
+                )
+                .because(&fitted);
+                match slower {
+                    ThesisPattern::PoissonDisk => with_dart_throwing(claim),
+                    _ => claim,
+                }
+            };
+            figure.claims.extend([
+                with_both_kinds(Some(40), |kind| Ok(faster(kind)))?,
+                faster(ThesisPattern::Healpix),
+                faster(ThesisPattern::Jittered),
+            ]);
         }
-        let (of_disk, of_white) = (rate_from(disk, late), rate_from(white, late));
+        figure.claims.push(with_dart_throwing(self.disks_like_white_noise(panel, late)));
+        let same_rate = |kind: ThesisPattern| {
+            Claim::number(
+                format!("exponent of jittered less that of {}, {}", kind.subject(), panel.title),
+                Stated::About { value: 0.0, tolerance: SAME_RATE },
+                self.difference([ThesisPattern::Jittered, kind], panel.from),
+            )
+            .because(format!("jitter is said to be as good as CCVT in its rate; {fitted}"))
+        };
+        figure.claims.push(with_both_kinds(Some(40), |kind| Ok(same_rate(kind)))?);
+        figure.claims.push(with_both_kinds(Some(40), |kind| self.higher_variance(panel, kind))?);
+        Ok(())
+    }
+
+    fn rate(&self, pattern: ThesisPattern, from: f64) -> Option<RateFit> {
+        let tail: Vec<VariancePoint> =
+            self.of(pattern).iter().copied().filter(|p| p.n_points >= from).collect();
+        fit_rate(&tail)
+    }
+
+    /// The difference of the exponents of two patterns from a number of points on.
+    fn difference(&self, patterns: [ThesisPattern; 2], from: f64) -> Quantity {
+        let [a, b] = patterns.map(|pattern| self.rate(pattern, from));
+        difference(a.as_ref(), b.as_ref())
+    }
+
+    /// "The convergence rate of Poisson Disk sampling patterns is no better than white noise."
+    fn disks_like_white_noise(&self, panel: &Panel, late: f64) -> Claim {
+        let [disk, white] = [ThesisPattern::PoissonDisk, ThesisPattern::WhiteNoise];
         let claim = Claim::number(
             format!("exponent of Poisson disk less that of white noise, {}", panel.title),
             Stated::About { value: 0.0, tolerance: SAME_RATE },
-            difference(of_disk.as_ref(), of_white.as_ref()),
+            self.difference([disk, white], late),
         );
         let said = format!(
             "its rate is said to be no better than that of white noise; fitted from N = {late} on"
         );
-        // Of an asymptotic rate, a curve that bends still says nothing against.
-        let bends = of_disk.is_some_and(|fit| fit.is_pre_asymptotic());
-        figure.claims.push(if bends && claim.verdict == Verdict::Wrong {
+        // A curve that still bends does not contradict an asymptotic rate.
+        let bends = self.rate(disk, late).is_some_and(|fit| fit.is_pre_asymptotic());
+        if bends && claim.verdict == Verdict::Wrong {
             Claim { verdict: Verdict::Undecided, ..claim }.because(format!(
                 "{said}, where the curve of Poisson disk still bends significantly: undecided, though the exponents differ"
             ))
         } else {
             claim.because(said)
-        });
-        figure.claims.push(
-            Claim::number(
-                format!("exponent of jittered less that of CCVT, {}", panel.title),
-                Stated::About { value: 0.0, tolerance: SAME_RATE },
-                difference(
-                    rate(ThesisPattern::Jittered).as_ref(),
-                    rate(ThesisPattern::Ccvt).as_ref(),
-                ),
-            )
-            .erratum(40)
-            .because("jitter is said to be as good as CCVT in its rate"),
-        );
-        let [jittered, ccvt] = [ThesisPattern::Jittered, ThesisPattern::Ccvt].map(|p| self.of(p));
+        }
+    }
+
+    /// "Though the variance is higher": that of jittered over that of a kind of CCVT at the largest number of points that
+    /// both have.
+    fn higher_variance(&self, panel: &Panel, kind: ThesisPattern) -> Result<Claim, Error> {
+        let [jittered, ccvt] = [ThesisPattern::Jittered, kind].map(|pattern| self.of(pattern));
         let pairs = jittered.iter().rev().find_map(|j| {
             let same = |c: &&VariancePoint| c.n_points.to_bits() == j.n_points.to_bits();
             ccvt.iter().find(same).map(|c| (j, c))
         });
-        let Some((jittered, ccvt)) = pairs else { return };
+        let missing =
+            || Error::Missing { key: "a number of points of jittered and CCVT".to_owned() };
+        let (jittered, ccvt) = pairs.ok_or_else(missing)?;
         let ratio = jittered.variance / ccvt.variance;
         let relative = (jittered.stderr / jittered.variance).hypot(ccvt.stderr / ccvt.variance);
-        figure.claims.push(
-            Claim::number(
-                format!("variance of jittered over that of CCVT, {}", panel.title),
-                Stated::AtLeast(1.0),
-                Quantity::with_stderr(ratio, ratio * relative),
-            )
-            .erratum(40)
-            .because(format!(
-                "its variance is said to be the higher one; N = {}; mass points of capacity 64 leave CCVT a floor, which \
-                 jitter is below at degree 4 from some 1400 points on",
-                ccvt.n_points
-            )),
-        );
+        Ok(Claim::number(
+            format!("variance of jittered over that of {}, {}", kind.subject(), panel.title),
+            Stated::AtLeast(1.0),
+            Quantity::with_stderr(ratio, ratio * relative),
+        )
+        .because(format!("its variance is said to be the higher one; N = {}", ccvt.n_points)))
     }
 }
 

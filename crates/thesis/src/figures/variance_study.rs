@@ -30,7 +30,9 @@ impl VarianceStudy {
     /// Every number of points.
     pub(crate) fn counts(self) -> Vec<usize> {
         let most = match self.pattern {
-            ThesisPattern::Ccvt => self.setting.scale.pick(1452, 6348),
+            ThesisPattern::CcvtRandom | ThesisPattern::CcvtFibonacci => {
+                self.setting.scale.pick(1452, 6348)
+            }
             ThesisPattern::PoissonDisk => self.setting.scale.pick(12_288, 76_800),
             _ => self.setting.scale.pick(12_288, 120_000),
         };

@@ -62,10 +62,11 @@ impl Recipe for WhiteNoiseOrders {
         let verdict = if centre > highest { Verdict::Holds } else { Verdict::Wrong };
         figure.claims.push(
             Claim::words("peak at l = 0, m = 0", "the DC peak", verdict)
-                .found(Quantity::exact(centre))
+                .measured(Quantity::exact(centre))
                 .because(format!(
-                    "it is N = {N_POINTS} in every set, and not random; the largest of the others is {highest:.2}"
-                )),
+                    "it is N = {N_POINTS} in every set by definition; the largest of the others is {highest:.2}"
+                ))
+                .by_construction(),
         );
         figure.claims.push(
             Claim::number(

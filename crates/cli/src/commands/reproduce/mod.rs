@@ -3,17 +3,27 @@
 mod data;
 mod drawing;
 mod folder;
+mod markdown;
+mod numbers;
 mod page;
-mod verdicts;
+mod record;
+mod summary;
+mod tables;
 
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use clap::Args;
 use serde::Serialize;
-use sphvar_thesis::{Figure, FigureId, Job, Results, Scale, Setting, run as run_jobs, work};
+use sphvar_thesis::{
+    Figure, FigureId, Job, Results, Scale, Setting, Verdict, run as run_jobs, work,
+};
 
 use self::folder::{OutFolder, TABLES};
-use self::verdicts::{VerdictRecord, markdown, plain_table, records, verdict_rows};
+use self::markdown::markdown;
+use self::record::{VerdictRecord, records};
+use self::summary::Summary;
+use self::tables::{CSV_HEADING, csv_rows, plain_table};
 use crate::error::CliError;
 use crate::global::Global;
 use crate::progress::Progress;
@@ -23,9 +33,9 @@ pub(crate) const EXAMPLES: &str = "Examples:
   sphvar reproduce all --quick -o out
   sphvar reproduce 4.14 7.4 --full -o out
 
-The folder receives index.html, one page with every figure and the table of stated and measured numbers; \
-claims.csv and claims.md, the table alone; figures/, every panel as SVG or PNG with its numbers as CSV; and pieces/, \
-finished parts of the work. An interrupted run resumes where it stopped when started again, with the same \
+The folder receives index.html, one page with the summary, the errata, and every figure with its stated and measured \
+numbers; claims.csv and claims.md, the table alone; figures/, every panel as SVG or PNG with its numbers as CSV; and \
+pieces/, finished parts of the work. An interrupted run resumes where it stopped when started again, with the same \
 result. Full figures reuse the parts of quick ones, and figures share their ensembles.";
 
 #[derive(Debug, Args)]
@@ -80,6 +90,10 @@ impl ReproduceArgs {
 struct Document<'a> {
     figures: Vec<FigureRecord>,
     claims: &'a [VerdictRecord],
+    /// The number of rows with each verdict.
+    verdicts: BTreeMap<&'static str, usize>,
+    /// The errata that wrong rows belong to, each once.
+    wrong_errata: Vec<u8>,
     scale: &'static str,
     provenance: &'a Provenance,
 }
@@ -122,14 +136,22 @@ pub(crate) fn run(args: &ReproduceArgs, global: &Global) -> Result<(), CliError>
 
     let claims = records(&drawn);
     let [table, report, whole] = TABLES;
-    folder.write(table, &csv(&provenance, VerdictRecord::HEADING, &verdict_rows(&claims)))?;
-    folder.write(report, &markdown(&claims, &drawn, &provenance))?;
-    folder.write(whole, &page::page(&drawn, &claims, &folder, &provenance)?)?;
+    folder.write(table, &csv(&provenance, CSV_HEADING, &csv_rows(&claims)))?;
+    folder.write(report, &markdown(&claims, &drawn, setting.scale, &provenance))?;
+    folder.write(whole, &page::page(&drawn, &claims, &folder, setting.scale, &provenance)?)?;
     say(global.quiet, &format!("wrote {}", args.out.join("index.html").display()));
     if global.json {
         let figures = drawn.iter().map(FigureRecord::new).collect();
-        let scale = setting.scale.name();
-        print_json(&Document { figures, claims: &claims, scale, provenance: &provenance })
+        let summary = Summary::new(&claims);
+        let wrong_errata = summary.errata().into_iter().filter(|e| e.is_wrong());
+        print_json(&Document {
+            figures,
+            claims: &claims,
+            verdicts: Verdict::ALL.map(|v| (v.name(), summary.count(v))).into(),
+            wrong_errata: wrong_errata.map(|erratum| erratum.number).collect(),
+            scale: setting.scale.name(),
+            provenance: &provenance,
+        })
     } else {
         print(&plain_table(&claims))
     }

@@ -3,11 +3,12 @@
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use maud::{DOCTYPE, Markup, PreEscaped, html};
-use sphvar_thesis::{Content, Panel};
+use sphvar_thesis::{Content, Panel, Scale, Verdict};
 
 use super::Drawn;
 use super::folder::OutFolder;
-use super::verdicts::{VerdictRecord, tally};
+use super::record::VerdictRecord;
+use super::summary::{ErratumRows, Summary};
 use crate::error::CliError;
 use crate::report::Provenance;
 
@@ -29,7 +30,7 @@ table { border-collapse: collapse; font-size: .9rem; }
 th, td { text-align: left; vertical-align: top; padding: .3rem .7rem .3rem 0; border-bottom: 1px solid var(--line); }
 td.number { white-space: nowrap; font-variant-numeric: tabular-nums; }
 .holds { color: var(--good); font-weight: 600; } .wrong { color: var(--bad); font-weight: 600; }
-.undecided { color: var(--faint); font-weight: 600; }
+.depends, .undecided, .not-reproduced, .by-construction { color: var(--faint); font-weight: 600; }
 .panels { display: grid; grid-template-columns: repeat(auto-fill, minmax(min(32rem, 100%), 1fr)); gap: 1.2rem; margin: 1rem 0;
   align-items: start; }
 figure { margin: 0; background: var(--soft); border-radius: .4rem; padding: .6rem; }
@@ -45,11 +46,13 @@ pub(super) fn page(
     drawn: &[Drawn],
     claims: &[VerdictRecord],
     folder: &OutFolder,
+    scale: Scale,
     provenance: &Provenance,
 ) -> Result<String, CliError> {
+    let summary = Summary::new(claims);
     let mut sections = Vec::new();
     for figure in drawn {
-        sections.push(section(figure, claims, folder)?);
+        sections.push(section(figure, &summary, folder)?);
     }
     let markup = html! {
         (DOCTYPE)
@@ -66,26 +69,25 @@ pub(super) fn page(
                     p {
                         "The figures and numbers of G. Singh, "
                         cite { "Sampling and Variance Analysis for Monte Carlo Integration in Spherical Domain" }
-                        " (2015), computed again. Of " (claims.len()) " claims "
-                        @for (i, (name, n)) in tally(claims).into_iter().enumerate() {
-                            @if i > 0 { ", " }
-                            span class=(name) { (n) " " @match name { "holds" => "hold", "wrong" => "are wrong", _ => "are undecided" } }
-                        }
-                        ". Intervals are of 95 %. Errata are numbered as in the project's docs/theory.md."
+                        " (2015), computed again. " (summary.sentence())
+                        " " (scale.description()) " Intervals are of 95 %. Errata have the numbers of the project's docs/theory.md."
                     }
                     p { code { (provenance.command) } " (sphvar " (provenance.version) ", seed " (provenance.seed) ")" }
                     nav aria-label="Figures" {
-                        a href="#claims" { "All claims" }
+                        a href="#errata" { "What is wrong" }
                         @for Drawn { figure, .. } in drawn {
                             a href={ "#figure-" (figure.id) } title=(figure.id.title()) { (figure.id) }
                         }
+                        a href="#by-construction" { "By construction" }
                     }
                 }
                 main {
+                    (verdict_table(&summary))
+                    (errata(&summary))
                     @for section in sections { (section) }
-                    section id="claims" {
-                        h2 { "All claims" }
-                        (claim_table(&claims.iter().collect::<Vec<_>>(), true))
+                    section id="by-construction" {
+                        h2 { "True by construction" }
+                        (claim_table(&summary.by_construction(), true))
                     }
                 }
             }
@@ -96,7 +98,7 @@ pub(super) fn page(
 
 fn section(
     Drawn { figure, files }: &Drawn,
-    claims: &[VerdictRecord],
+    summary: &Summary<'_>,
     folder: &OutFolder,
 ) -> Result<Markup, CliError> {
     let mut panels = Vec::new();
@@ -104,7 +106,7 @@ fn section(
         panels.push(panel_markup(panel, files, folder)?);
     }
     let number = figure.id.number();
-    let own: Vec<_> = claims.iter().filter(|claim| claim.figure == number).collect();
+    let own = summary.of_figure(number);
     Ok(html! {
         section id={ "figure-" (number) } {
             h2 { "Figure " (number) ": " (figure.id.title()) }
@@ -137,6 +139,76 @@ fn panel_markup(
     })
 }
 
+/// Every verdict with its number of rows and its rule.
+fn verdict_table(summary: &Summary<'_>) -> Markup {
+    html! {
+        div class="scroll" {
+            table {
+                thead { tr { th { "Verdict" } th { "Rows" } th { "Rule" } } }
+                tbody {
+                    @for verdict in Verdict::ALL {
+                        tr {
+                            td class=(class_of(verdict.name())) { (verdict.name()) }
+                            td class="number" { (summary.count(verdict)) }
+                            td { (verdict.rule()) }
+                        }
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// What is wrong by erratum, then the errata that no row contradicts.
+fn errata(summary: &Summary<'_>) -> Markup {
+    let (wrong, other): (Vec<_>, Vec<_>) =
+        summary.errata().into_iter().partition(ErratumRows::is_wrong);
+    html! {
+        section id="errata" {
+            h2 { "What is wrong, and why" }
+            (erratum_table(&wrong, |row| row.is(Verdict::Wrong)))
+            @let unexplained = summary.unexplained();
+            @if !unexplained.is_empty() {
+                p { "Wrong, and not in the list of errata:" }
+                (claim_table(&unexplained, true))
+            }
+            @if !other.is_empty() {
+                p { "Other errata that rows refer to, none of which is contradicted by one:" }
+                (erratum_table(&other, |_| true))
+            }
+        }
+    }
+}
+
+fn erratum_table(errata: &[ErratumRows<'_>], shown: impl Fn(&VerdictRecord) -> bool) -> Markup {
+    html! {
+        div class="scroll" {
+            table {
+                thead { tr { th { "Erratum" } th { "Where and what" } th { "Rows" } } }
+                tbody {
+                    @for erratum in errata {
+                        tr {
+                            td class="number" { (erratum.number) }
+                            td { (erratum.title().replace('`', "")) }
+                            td {
+                                @for row in erratum.rows.iter().filter(|row| shown(row)) {
+                                    a href={ "#figure-" (row.figure) } { (row.figure) } ": " (row.what) ", stated "
+                                    (row.stated) ", measured " (row.measured_text()) br;
+                                }
+                            }
+                        }
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// The class of a verdict in the style sheet.
+fn class_of(verdict: &str) -> String {
+    verdict.replace(' ', "-")
+}
+
 fn claim_table(claims: &[&VerdictRecord], with_figure: bool) -> Markup {
     html! {
         div class="scroll" {
@@ -144,7 +216,7 @@ fn claim_table(claims: &[&VerdictRecord], with_figure: bool) -> Markup {
                 thead {
                     tr {
                         @if with_figure { th { "Figure" } }
-                        th { "What" } th { "The thesis says" } th { "We find" } th { "95 %" } th { "Verdict" }
+                        th { "What" } th { "Stated" } th { "Measured" } th { "95 %" } th { "Verdict" }
                         th { "Erratum" } th { "Remark" }
                     }
                 }
@@ -154,9 +226,9 @@ fn claim_table(claims: &[&VerdictRecord], with_figure: bool) -> Markup {
                             @if with_figure { td { a href={ "#figure-" (claim.figure) } { (claim.figure) } } }
                             td { (claim.what) }
                             td { (claim.stated) }
-                            td class="number" { (claim.found_text()) }
-                            td class="number" { (claim.interval_text()) }
-                            td class=(claim.verdict) { (claim.verdict) }
+                            td class=(number_class(claim)) { (claim.measured_text()) }
+                            td class=(number_class(claim)) { (claim.interval_text()) }
+                            td class=(class_of(claim.outcome.verdict)) { (claim.verdict_text()) }
                             td { (claim.erratum_text()) }
                             td { (claim.remark) }
                         }
@@ -165,4 +237,9 @@ fn claim_table(claims: &[&VerdictRecord], with_figure: bool) -> Markup {
             }
         }
     }
+}
+
+/// A single number does not wrap; those of several options do.
+fn number_class(claim: &VerdictRecord) -> &'static str {
+    if claim.choice.is_none() { "number" } else { "" }
 }
