@@ -18,7 +18,7 @@ const FULL: Setting = Setting { scale: Scale::Full, seed: 0 };
 const CHEAP: [&str; 10] =
     ["3.1", "4.9", "4.10", "4.11", "4.12", "4.15", "4.16", "7.1", "7.2", "7.3"];
 /// Those that are composed from fewer sets beside their code.
-const EXPENSIVE: [&str; 2] = ["4.14", "4.17"];
+const EXPENSIVE: [&str; 3] = ["2.2", "4.14", "4.17"];
 
 /// The cheap figures, each made once.
 static FIGURES: LazyLock<Vec<Figure>> = LazyLock::new(|| {

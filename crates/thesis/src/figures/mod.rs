@@ -12,6 +12,7 @@ mod coefficient_clouds;
 mod cornell_box;
 mod crossover_claim;
 mod dart_throwing;
+mod direct_light;
 mod disk_points;
 mod integrand_classes;
 mod lattice_artifacts;
@@ -25,6 +26,8 @@ mod pattern_tests;
 mod patterns;
 mod point_panel;
 mod profile_rates;
+mod profiles;
+mod radial_average;
 mod rotated_lattices;
 mod sampler_spectra;
 mod significance;
@@ -40,6 +43,7 @@ mod white_noise_orders;
 
 use crate::{Error, Figure, Job, Results, Setting};
 use cornell_box::{CornellBoxes, ReferenceImage};
+use profiles::ProfileShapes;
 use rotated_lattices::RotatedLattice;
 
 /// How a figure is made: what must be computed for it, and what is then shown and decided.
@@ -60,18 +64,22 @@ pub(crate) trait Recipe: Sync {
 }
 
 /// Every figure by its number, in the thesis's order.
-pub(crate) const ALL: [(&str, &dyn Recipe); 22] = [
+pub(crate) const ALL: [(&str, &dyn Recipe); 26] = [
+    ("2.2", &radial_average::RadialAverage),
     ("3.1", &basis_functions::BasisFunctions),
     ("4.9", &white_noise_orders::WhiteNoiseOrders),
     ("4.10", &lattice_spectra::LatticeSpectra),
     ("4.11", &RotatedLattice::HEALPIX),
     ("4.12", &RotatedLattice::FIBONACCI),
+    ("4.13", &direct_light::DirectLight),
     ("4.14", &sampler_spectra::SamplerSpectra),
     ("4.15", &open_hemisphere::OpenHemisphere),
     ("4.16", &RotatedLattice::HEMISPHERICAL_FIBONACCI),
     ("4.17", &coefficient_clouds::CoefficientClouds),
     ("5.1", &spectra_product::SpectraProduct),
     ("6.1", &integrand_classes::IntegrandClasses),
+    ("6.2", &ProfileShapes::Step),
+    ("6.3", &ProfileShapes::Quadratic),
     ("7.1", &strata::Strata),
     ("7.2", &disk_points::DiskPoints),
     ("7.3", &tessellation::TessellationSites),

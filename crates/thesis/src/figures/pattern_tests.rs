@@ -45,6 +45,25 @@ fn spectra_of_random_patterns_can_be_composed() -> Result<(), Error> {
     Ok(())
 }
 
+/// The average over orders is the mean angular power, and Poisson disk and CCVT have their peak at the principal frequency,
+/// by far more than two sets leave open.
+#[test]
+fn a_radial_average_can_be_composed() -> Result<(), Error> {
+    let id: FigureId = "2.2".parse()?;
+    let figure = id.compose(&results_of(&id.jobs(QUICK), cut)?)?;
+    let [Content::Field(field), Content::Curves(curves)] =
+        [&figure.panels[0].content, &figure.panels[1].content]
+    else {
+        panic!("{figure:?}")
+    };
+    assert_eq!(field.values.len(), field.size[0] * field.size[1]);
+    check_curves(curves, "2.2");
+    let verdicts: Vec<_> = figure.claims[..3].iter().map(|claim| claim.verdict).collect();
+    let expected = [Verdict::ByConstruction, Verdict::Holds, Verdict::Holds];
+    assert_eq!(verdicts, expected, "{:?}", figure.claims);
+    Ok(())
+}
+
 /// Means and phases of coefficients: nothing is wrong but for order 0, which has no phase. Judged by p-values over all nine
 /// claims with a false alarm of 1e-4, at a fixed seed.
 #[test]

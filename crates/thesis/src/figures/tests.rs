@@ -13,7 +13,8 @@ use crate::{
 const QUICK: Setting = Setting { scale: Scale::Quick, seed: 0 };
 const FULL: Setting = Setting { scale: Scale::Full, seed: 0 };
 /// Figures of chapters 5 and 6, of variances and scenes, and of the appendix.
-const FIGURES: [&str; 10] = ["5.1", "6.1", "7.4", "7.5", "7.6", "7.7", "7.8", "7.9", "7.10", "C.1"];
+const FIGURES: [&str; 13] =
+    ["4.13", "5.1", "6.1", "6.2", "6.3", "7.4", "7.5", "7.6", "7.7", "7.8", "7.9", "7.10", "C.1"];
 
 /// The job with so few sets that it takes no time, and still gives errors of everything: bounds of a spectrum
 /// need more of them than variances do.
