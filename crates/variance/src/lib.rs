@@ -68,4 +68,5 @@ pub use sphvar_integrands::{Energy, Integrand};
 pub use sphvar_sh::Domain;
 pub use sphvar_spectrum::{Method, Spectrum};
 pub use stopping::{Precision, measure_until};
+pub use student::student_quantile;
 pub use trials::Trials;

@@ -1,7 +1,7 @@
 use sphvar_sh::{Bands, ByParity};
 use sphvar_spectrum::{Accumulator, Moments, Realization, Spectrum};
 
-use crate::student;
+use crate::student_quantile;
 use sphvar_integrands::Energy;
 
 /// A variance predicted from spectra, `k sum_{l >= 1} E(l) <P(l)>`, with its uncertainty.
@@ -48,7 +48,7 @@ impl Prediction {
     }
 
     fn quantile(&self, p: f64) -> f64 {
-        if p > 0.5 && p < 1.0 { student::quantile(p, self.dof) } else { f64::NAN }
+        if p > 0.5 && p < 1.0 { student_quantile(p, self.dof) } else { f64::NAN }
     }
 }
 

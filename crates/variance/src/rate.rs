@@ -1,4 +1,4 @@
-use crate::student;
+use crate::student::{self, student_quantile};
 
 /// A variance at a number of points, measured or predicted.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -136,7 +136,7 @@ pub fn fit_rate_of_few(points: &[VariancePoint], dof: f64) -> Option<RateFit> {
     // Errors estimated from the scatter have few degrees of freedom.
     let dof = if scale > 1.0 || !weighted { dof } else { known_dof };
     let error = (scale * variance_of_slope).sqrt();
-    let half = if error.is_finite() { student::quantile(0.975, dof) * error } else { error };
+    let half = if error.is_finite() { student_quantile(0.975, dof) * error } else { error };
     let (slope_change, slope_change_p) = bend(&rows, weighted.then_some(known_dof));
     Some(RateFit {
         slope,
