@@ -17,6 +17,7 @@ use crate::commands::list::ListBody;
 use crate::commands::render::sheet::SheetBody;
 use crate::commands::render::single::RenderBody;
 use crate::commands::render::study::StudyBody;
+use crate::commands::reproduce::ReproductionBody;
 use crate::commands::sample::SampleBody;
 use crate::commands::spectrum::report::SpectrumBody;
 use crate::commands::variance::VarianceBody;
@@ -52,6 +53,7 @@ fn documents(generator: &mut SchemaGenerator) -> Vec<(&'static str, Schema)> {
         ("render", document::<RenderBody>(generator)),
         ("render --sheet", document::<SheetBody>(generator)),
         ("render --study", document::<StudyBody>(generator)),
+        ("reproduce", document::<ReproductionBody>(generator)),
         ("sample", document::<SampleBody>(generator)),
         ("spectrum", document::<SpectrumBody>(generator)),
         ("variance", document::<VarianceBody>(generator)),

@@ -14,6 +14,7 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use clap::Args;
+use schemars::JsonSchema;
 use serde::Serialize;
 use sphvar_thesis::{
     Figure, FigureId, Job, Results, Scale, Setting, Verdict, run as run_jobs, work,
@@ -27,7 +28,7 @@ use self::tables::{CSV_HEADING, csv_rows, plain_table};
 use crate::error::CliError;
 use crate::global::Global;
 use crate::progress::Progress;
-use crate::report::{Provenance, csv, print, print_json, say};
+use crate::report::{Document, Provenance, csv, print, say};
 
 pub(crate) const EXAMPLES: &str = "Examples:
   sphvar reproduce all --quick -o out
@@ -85,26 +86,33 @@ impl ReproduceArgs {
     }
 }
 
-/// The document of `--json`.
-#[derive(Debug, Serialize)]
-struct Document<'a> {
+/// The figures and claims of the thesis: `reproduce --json`.
+#[derive(Debug, Serialize, JsonSchema)]
+pub(crate) struct ReproductionBody {
+    /// Every figure with its files.
     figures: Vec<FigureRecord>,
-    claims: &'a [VerdictRecord],
+    /// Every claim with its verdict.
+    claims: Vec<VerdictRecord>,
     /// The number of rows with each verdict.
     verdicts: BTreeMap<&'static str, usize>,
     /// The errata that wrong rows belong to, each once.
     wrong_errata: Vec<u8>,
+    /// `quick` or `full`.
     scale: &'static str,
-    provenance: &'a Provenance,
 }
 
 /// A figure and its files.
-#[derive(Debug, Serialize)]
-struct FigureRecord {
+#[derive(Debug, Serialize, JsonSchema)]
+pub(crate) struct FigureRecord {
+    /// The number.
     id: &'static str,
+    /// The title.
     title: &'static str,
+    /// The titles of its panels.
     panels: Vec<String>,
+    /// The files of its panels, relative to the folder.
     files: Vec<String>,
+    /// Notes below the figure.
     notes: Vec<String>,
 }
 
@@ -144,14 +152,11 @@ pub(crate) fn run(args: &ReproduceArgs, global: &Global) -> Result<(), CliError>
         let figures = drawn.iter().map(FigureRecord::new).collect();
         let summary = Summary::new(&claims);
         let wrong_errata = summary.errata().into_iter().filter(|e| e.is_wrong());
-        print_json(&Document {
-            figures,
-            claims: &claims,
-            verdicts: Verdict::ALL.map(|v| (v.name(), summary.count(v))).into(),
-            wrong_errata: wrong_errata.map(|erratum| erratum.number).collect(),
-            scale: setting.scale.name(),
-            provenance: &provenance,
-        })
+        let wrong_errata = wrong_errata.map(|erratum| erratum.number).collect();
+        let verdicts = Verdict::ALL.map(|v| (v.name(), summary.count(v))).into();
+        let scale = setting.scale.name();
+        let body = ReproductionBody { figures, claims, verdicts, wrong_errata, scale };
+        Document::new(&body, &provenance).print()
     } else {
         print(&plain_table(&claims))
     }

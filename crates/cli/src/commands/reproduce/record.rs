@@ -1,5 +1,6 @@
 //! A claim of the thesis and its outcome, as a row of tables and documents.
 
+use schemars::JsonSchema;
 use serde::Serialize;
 use sphvar_thesis::{Claim, Quantity, Verdict};
 
@@ -7,41 +8,49 @@ use super::Drawn;
 use super::numbers::{rounded, stated};
 
 /// A row of the table.
-#[derive(Clone, Debug, Serialize)]
-pub(super) struct VerdictRecord {
+#[derive(Clone, Debug, Serialize, JsonSchema)]
+pub(crate) struct VerdictRecord {
+    /// The number of the figure.
     pub(super) figure: &'static str,
+    /// The quantity or statement.
     pub(super) what: String,
-    /// What the thesis says.
+    /// The statement of the thesis about it.
     pub(super) stated: String,
     #[serde(flatten)]
     pub(super) outcome: OutcomeRecord,
     /// The choice that the thesis does not state, where the claim was checked with several options.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) choice: Option<ChoiceRecord>,
-    /// The number in the list of errata.
+    /// The number in the list of errata of docs/theory.md, if the thesis is wrong or unclear here.
     pub(super) erratum: Option<u8>,
+    /// The reason, in a sentence; may be empty.
     pub(super) remark: String,
 }
 
 /// What was measured and what follows.
-#[derive(Clone, Debug, Serialize)]
-pub(super) struct OutcomeRecord {
+#[derive(Clone, Debug, Serialize, JsonSchema)]
+pub(crate) struct OutcomeRecord {
+    /// The measured number; null where the claim is not about a number.
     pub(super) measured: Option<f64>,
-    /// Of 95 %.
+    /// Its 95 % confidence interval.
     pub(super) interval: Option<(f64, f64)>,
+    /// `holds`, `wrong`, `depends`, `undecided`, `not reproduced` or `by construction`.
     pub(super) verdict: &'static str,
 }
 
 /// A choice and the outcome with each option.
-#[derive(Clone, Debug, Serialize)]
-pub(super) struct ChoiceRecord {
+#[derive(Clone, Debug, Serialize, JsonSchema)]
+pub(crate) struct ChoiceRecord {
+    /// The name of the choice.
     pub(super) of: &'static str,
+    /// The outcome with each option.
     pub(super) options: Vec<OptionRecord>,
 }
 
 /// The outcome with one option.
-#[derive(Clone, Debug, Serialize)]
-pub(super) struct OptionRecord {
+#[derive(Clone, Debug, Serialize, JsonSchema)]
+pub(crate) struct OptionRecord {
+    /// The name of the option.
     pub(super) name: &'static str,
     #[serde(flatten)]
     pub(super) outcome: OutcomeRecord,
