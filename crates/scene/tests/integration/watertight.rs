@@ -1,11 +1,8 @@
 //! Closed surfaces have no holes: neither at sides nor at corners, at any size and position, for
 //! rays along axes and in planes of faces.
 
-#[path = "reference/numbers.rs"]
-mod numbers;
-
+use crate::reference::Numbers;
 use glam::{DMat3, DVec3};
-use numbers::Numbers;
 use sphvar_scene::{Camera, Hit, Mesh, Reach, Scene};
 
 type Shape = (Vec<DVec3>, Vec<[u32; 3]>);

@@ -1,10 +1,8 @@
 //! Occlusion rays, many at a time in single precision, compared with the slow definition in double
 //! precision.
 
-mod reference;
-
+use crate::reference::{Numbers, Reference};
 use glam::DVec3;
-use reference::{Numbers, Reference};
 use sphvar_scene::{CornellBox, Hit, Mesh, Reach, Scene};
 
 /// Returns whether a ray from above the surface is blocked within its reach, by the surface itself

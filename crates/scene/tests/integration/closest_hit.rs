@@ -1,9 +1,7 @@
 //! Primary rays compared with the slow definition.
 
-mod reference;
-
+use crate::reference::{Numbers, Reference};
 use glam::DVec3;
-use reference::{Numbers, Reference};
 use sphvar_scene::{CornellBox, Hit, Mesh, Quad, Reach, Scene};
 
 /// Hits agree to `tolerance`, except where a ray passes so close to an edge that both results are

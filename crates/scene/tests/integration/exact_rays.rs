@@ -5,11 +5,8 @@
 //! multiples of a power of two. The signs that determine which triangles a ray meets then fit into
 //! 128 bits.
 
-#[path = "reference/numbers.rs"]
-mod numbers;
-
+use crate::reference::Numbers;
 use glam::DVec3;
-use numbers::Numbers;
 use sphvar_scene::{Mesh, Scene};
 
 type Whole = [i64; 3];

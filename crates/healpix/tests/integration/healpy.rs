@@ -3,7 +3,7 @@
 use glam::DVec3;
 use sphvar_healpix::{Nested, Nside, PixelOrder, Ring};
 
-const VALUES: &str = include_str!("data/healpy.csv");
+const VALUES: &str = include_str!("../data/healpy.csv");
 
 struct Row {
     line: &'static str,

@@ -5,7 +5,7 @@ use glam::DVec3;
 use sphvar_samplers::{Domain, Pattern};
 use sphvar_scene::{DirectionMode, DirectionPlan, Error, Estimator, Integral};
 
-use crate::spot::{Spot, covered_share, horizontal, mean_and_error};
+use super::spot::{Spot, covered_share, horizontal, mean_and_error};
 
 const SEED: u64 = 2;
 /// More than twenty comparisons at |z| < 4.5; one fails by chance for 1.5e-4 of seeds.

@@ -16,7 +16,7 @@ fn rows(table: &str) -> impl Iterator<Item = [&str; 3]> {
 #[test]
 fn polynomials_against_the_table() {
     let mut count = 0;
-    for [l, x, exact] in rows(include_str!("data/legendre_p.csv")) {
+    for [l, x, exact] in rows(include_str!("../data/legendre_p.csv")) {
         let (l, x, exact): (usize, f64, f64) =
             (l.parse().unwrap(), x.parse().unwrap(), exact.parse().unwrap());
         let got = legendre_p(l, x).unwrap();
@@ -48,7 +48,7 @@ fn arguments_out_of_range_are_errors() {
 fn rules_against_the_table() {
     let mut rule = GaussLegendre::new(1).unwrap();
     let (mut count, mut from_top) = (0, 0);
-    for [n, node, weight] in rows(include_str!("data/gauss_legendre.csv")) {
+    for [n, node, weight] in rows(include_str!("../data/gauss_legendre.csv")) {
         let (n, node, weight): (usize, f64, f64) =
             (n.parse().unwrap(), node.parse().unwrap(), weight.parse().unwrap());
         if n != rule.nodes().len() {

@@ -6,7 +6,7 @@ use sphvar_scene::{
     Camera, DirectionMode, DirectionPlan, Estimator, Integral, Quad, Scene, View, render,
 };
 
-use crate::spot::{FAR, Spot, covered_share, form_factor, horizontal, mean_and_error};
+use super::spot::{FAR, Spot, covered_share, form_factor, horizontal, mean_and_error};
 
 const SEED: u64 = 1;
 const SIDE: usize = 32;

@@ -1,0 +1,8 @@
+//! Integrands against closed forms, quadrature and each other.
+
+mod closed_forms;
+mod every_integrand;
+mod expressions;
+mod integrands;
+mod kurtosis;
+mod pictures;

@@ -1,0 +1,9 @@
+//! Patterns against their definitions.
+
+mod ccvt;
+mod poisson_disk;
+mod progress;
+mod registry;
+mod spectral_control;
+mod survey;
+mod zonal;

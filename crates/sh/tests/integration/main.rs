@@ -1,0 +1,4 @@
+//! Legendre functions, harmonics and quadrature against identities and tables.
+
+mod identities;
+mod quadrature;

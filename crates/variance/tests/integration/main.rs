@@ -1,0 +1,10 @@
+//! Predictions and measurements against closed forms, pair sums and each other.
+
+mod extreme_parameters;
+mod given_sets;
+mod hostile_samplers;
+mod measured_intervals;
+mod other_bands;
+mod predictions;
+mod sums;
+mod tails;

@@ -1,0 +1,19 @@
+//! Checks that need several crates.
+
+mod bounds;
+mod choice;
+mod determinism;
+mod hemisphere;
+mod homogeneity;
+mod homogeneity_audit;
+mod identities;
+mod pictures;
+mod policy;
+mod sampler_laws;
+mod samplers;
+mod spectra;
+mod spectral_control;
+mod theory_errata;
+mod theory_references;
+mod unbiasedness;
+mod variance;
