@@ -83,8 +83,10 @@ pub(crate) fn decode_image(
 fn negative_texels(image: &ChannelImage) -> Option<String> {
     let negative = || image.values.iter().enumerate().filter(|(_, value)| **value < 0.0);
     let (at, smallest) = negative().min_by(|a, b| a.1.total_cmp(b.1))?;
+    // Four digits, and no zeros at the end.
+    let shown = format!("{smallest:.3e}").parse::<f64>().unwrap_or(*smallest);
     Some(format!(
-        "{} of {} texels are negative, the smallest is {smallest} (row {}, column {}); they are used as they are",
+        "{} of {} texels are negative, the smallest is {shown} (row {}, column {}); they are used as they are",
         negative().count(),
         image.values.len(),
         at / image.width,
