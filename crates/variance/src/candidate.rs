@@ -34,14 +34,14 @@ pub enum Wish {
 /// let integrand = Harmonic::new(4, 0)?;
 /// let mut predictor =
 ///     Predictor::new(&integrand, Domain::Sphere, 0, PredictionBudget::USUAL)?;
-/// let wish = Wish::Points(192);
-/// // Your own types that implement `SamplerFamily` can stand beside built-in patterns.
+/// let goal = Wish::Points(192);
+/// // Your own types that implement `SamplerFamily` can be ranked together with built-in patterns.
 /// let families: [&dyn SamplerFamily; 2] = [&Pattern::WhiteNoise, &Pattern::Jittered];
 /// let mut candidates = Vec::new();
 /// for family in families {
-///     candidates.push(Candidate::new(family, wish, &mut predictor, &())?);
+///     candidates.push(Candidate::new(family, goal, &mut predictor, &())?);
 /// }
-/// rank(&mut candidates, wish);
+/// rank(&mut candidates, goal);
 /// assert_eq!(candidates[0].curve.pattern().to_string(), "jittered");
 /// # Ok::<(), sphvar_variance::Error>(())
 /// ```
@@ -60,32 +60,33 @@ pub struct Candidate<F = Pattern> {
 }
 
 impl<F: SamplerFamily + Clone> Candidate<F> {
-    /// Evaluates a pattern. Work is ticked as in [`Predictor::predict`].
+    /// Returns a pattern with its predictions for a goal. Work is ticked as in
+    /// [`Predictor::predict`].
     ///
     /// # Errors
     ///
     /// Returns the errors of [`required_points`] and [`Predictor::predict`].
     pub fn new(
         family: F,
-        wish: Wish,
+        goal: Wish,
         predictor: &mut Predictor<'_>,
         progress: &dyn Progress,
     ) -> Result<Self, Error> {
-        Self::with_curve(PredictedCurve::new(family), wish, predictor, progress)
+        Self::with_curve(PredictedCurve::new(family), goal, predictor, progress)
     }
 
-    /// Evaluates a pattern of which some predictions are known.
+    /// Returns a pattern with its predictions for a goal, of which those in `curve` are known.
     ///
     /// # Errors
     ///
     /// Returns the errors of [`Self::new`].
     pub fn with_curve(
         mut curve: PredictedCurve<F>,
-        wish: Wish,
+        goal: Wish,
         predictor: &mut Predictor<'_>,
         progress: &dyn Progress,
     ) -> Result<Self, Error> {
-        let (required, n_points) = match wish {
+        let (required, n_points) = match goal {
             Wish::Variance { variance, max_points } => {
                 let required =
                     required_points(predictor, &mut curve, variance, max_points, progress)?;
@@ -116,8 +117,8 @@ impl<F> Candidate<F> {
     /// Returns the value by which candidates are ranked, smallest first: the number of points
     /// needed, or the variance; infinite if there is none.
     #[must_use]
-    pub fn merit(&self, wish: Wish) -> f64 {
-        let merit = match wish {
+    pub fn merit(&self, goal: Wish) -> f64 {
+        let merit = match goal {
             Wish::Variance { .. } => self.n_points.map(|n| n as f64),
             Wish::Points(_) => self.variance.map(|v| v.0),
         };
@@ -127,10 +128,10 @@ impl<F> Candidate<F> {
 
 /// Sorts candidates, best first: by [`Candidate::merit`], ties by variance, remaining ties in the
 /// given order.
-pub fn rank<F>(candidates: &mut [Candidate<F>], wish: Wish) {
+pub fn rank<F>(candidates: &mut [Candidate<F>], goal: Wish) {
     let variance = |c: &Candidate<F>| c.variance.map_or(f64::INFINITY, |v| v.0);
     candidates.sort_by(|a, b| {
-        let order = a.merit(wish).total_cmp(&b.merit(wish));
+        let order = a.merit(goal).total_cmp(&b.merit(goal));
         order.then(variance(a).total_cmp(&variance(b)))
     });
 }

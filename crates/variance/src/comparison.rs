@@ -108,8 +108,8 @@ impl Comparison {
         (measured - expected) / stderr
     }
 
-    /// Tests the mean of the trials against the exact integral, if that is known and enough trials
-    /// hit the integrand.
+    /// Returns the test of the mean of the trials against the exact integral, if that is known and
+    /// enough trials hit the integrand.
     #[must_use]
     pub fn bias(&self) -> Option<BiasTest> {
         let exact = self.exact.filter(|_| !self.sees_too_little())?;

@@ -35,8 +35,9 @@ pub struct CutMeasurement {
     pub kept: Measurement,
 }
 
-/// Integrates `integrand` over the hemisphere by the visible half of `trials` realizations of an
-/// ensemble on the sphere. Ticks [`trial_work`](crate::trial_work) for each trial.
+/// Returns estimates of the integral of `integrand` over the hemisphere from the visible half of
+/// `trials` realizations of an ensemble on the sphere. Ticks [`trial_work`](crate::trial_work) for
+/// each trial.
 ///
 /// # Errors
 ///

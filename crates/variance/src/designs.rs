@@ -33,8 +33,8 @@ pub fn best_design(
     n_points: usize,
     to_beat: f64,
 ) -> Result<Option<(Pattern, PredictedPoint)>, Error> {
-    let usual = PredictionBudget::USUAL;
-    let budget = PredictionBudget { work: MAX_WORK * usual.work, ..usual };
+    let default = PredictionBudget::USUAL;
+    let budget = PredictionBudget { work: MAX_WORK * default.work, ..default };
     let mut best: Option<(Pattern, PredictedPoint)> = None;
     let (mut limit, mut below, mut failures) = (to_beat, usize::MAX, 0);
     for (last, design) in designs(pattern, n_points, predictor.domain()).into_iter().rev() {

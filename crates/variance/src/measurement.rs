@@ -13,7 +13,7 @@ pub struct Measurement {
 }
 
 impl Measurement {
-    /// Wraps the estimates of independent trials.
+    /// Returns the measurement consisting of the estimates of independent trials.
     #[must_use]
     pub fn new(estimates: Vec<f64>) -> Self {
         Self { estimates }
@@ -140,7 +140,7 @@ impl Measurement {
         self.relative_error().interval(self.variance(), confidence)
     }
 
-    /// Tests the mean of the estimates against the exact integral.
+    /// Returns the test of the mean of the estimates against the exact integral.
     ///
     /// `rounding` is the variance that rounding can produce in one estimate. It is added to the
     /// standard error without division by the square root of the number of trials, as rounding
@@ -191,8 +191,9 @@ pub struct BiasTest {
     pub p_value: f64,
 }
 
-/// Integrates `integrand` over `trials` realizations of an ensemble in parallel. Each trial gives
-/// the estimate `area sum_k w_k f(s_k)/sum_k w_k`. Ticks [`trial_work`] for each.
+/// Returns estimates of the integral of `integrand` from `trials` realizations of an ensemble,
+/// computed in parallel. Each trial gives the estimate `area sum_k w_k f(s_k)/sum_k w_k`. Ticks
+/// [`trial_work`] for each.
 ///
 /// # Errors
 ///

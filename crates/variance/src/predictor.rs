@@ -179,7 +179,8 @@ impl<'a> Predictor<'a> {
         Ok(self.energy_to(degree)?.beyond(degree) / all)
     }
 
-    /// Predicts the variance for a uniformly rotated sampler. Ticks at most [`Self::work`].
+    /// Returns the predicted variance for a uniformly rotated sampler. Ticks at most
+    /// [`Self::work`].
     ///
     /// Spectra in closed form are used where available
     /// ([`ExactSpectrum`](sphvar_spectrum::ExactSpectrum)). Otherwise realizations are added until
@@ -200,7 +201,7 @@ impl<'a> Predictor<'a> {
         self.predict_within(self.budget, sampler, progress)
     }
 
-    /// Predicts the variance as [`Self::predict`] with another budget.
+    /// Returns [`Self::predict`] with another budget.
     ///
     /// # Errors
     ///

@@ -64,6 +64,8 @@ const RESOLUTION: f64 = 1.02;
 /// Returns [`Error::Parameter`] for a variance that is not positive and finite, and the errors of
 /// [`Predictor::predict`] if the pattern cannot be built with any of the numbers tried.
 ///
+/// # Examples
+///
 /// ```
 /// use sphvar_integrands::ClampedCosine;
 /// use sphvar_samplers::{Domain, Pattern};

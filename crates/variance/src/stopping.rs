@@ -34,7 +34,7 @@ impl Precision {
     }
 }
 
-/// Measures a variance to a requested precision.
+/// Returns a variance measured to a requested precision.
 ///
 /// Runs `start` trials (at least 4) and doubles the total number until the relative error
 /// ([`Measurement::relative_error`]) is at most `target.relative` or the number of trials is

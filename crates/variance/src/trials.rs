@@ -52,8 +52,12 @@ impl Trials {
 }
 
 impl Predictor<'_> {
-    /// Predicts and measures the variance for a sampler with uniformly rotated realizations, by
-    /// [`Self::predict`] and [`Self::measure`].
+    /// Returns the predicted and the measured variance for a sampler with uniformly rotated
+    /// realizations, by [`Self::predict`] and [`Self::measure`].
+    ///
+    /// # Errors
+    ///
+    /// Returns the errors of [`Self::predict`] and [`Self::measure`].
     ///
     /// # Examples
     ///
@@ -69,10 +73,6 @@ impl Predictor<'_> {
     /// assert!(compared.z_score().abs() < 4.0);
     /// # Ok::<(), sphvar_variance::Error>(())
     /// ```
-    ///
-    /// # Errors
-    ///
-    /// Returns the errors of [`Self::predict`] and [`Self::measure`].
     pub fn compare(
         &mut self,
         sampler: &dyn Sampler,
@@ -83,9 +83,9 @@ impl Predictor<'_> {
         self.measure(predicted, sampler, trials, progress)
     }
 
-    /// Measures the predicted variance from the same seed, but on realizations independent of those
-    /// of the prediction. Ticks [`Trials::work`]; additional work that the precision needs is
-    /// announced first.
+    /// Returns the comparison of a prediction with the variance measured from the same seed, on
+    /// realizations independent of those of the prediction. Ticks [`Trials::work`]; additional work
+    /// that the precision needs is announced first.
     ///
     /// # Errors
     ///

@@ -164,9 +164,9 @@ fn families_build_the_requested_count() {
         }
     }
     let cap = Cap::from_degrees(60.0).unwrap();
-    for wish in [Wish::Points(10), Wish::Variance { variance: 0.1, max_points: 100 }] {
+    for goal in [Wish::Points(10), Wish::Variance { variance: 0.1, max_points: 100 }] {
         let message =
-            Candidate::new(OneMore, wish, &mut predictor(&cap), &()).unwrap_err().to_string();
+            Candidate::new(OneMore, goal, &mut predictor(&cap), &()).unwrap_err().to_string();
         assert!(message.contains("one-more") && message.contains("was built with"), "{message}");
     }
 }
@@ -184,18 +184,18 @@ fn searches_can_be_stopped_anywhere() {
     let cap = Cap::from_degrees(60.0).unwrap();
     let stopped = Error::Spectrum(SpectrumError::Sampler(SamplerError::Stopped(Stopped)));
     let pattern = "spiral".parse::<Pattern>().unwrap();
-    for wish in [Wish::Points(100), Wish::Variance { variance: 0.02, max_points: 1000 }] {
+    for goal in [Wish::Points(100), Wish::Variance { variance: 0.02, max_points: 1000 }] {
         let mut ends = [0, 0];
         for allowed in 0..1000 {
             let progress = After(AtomicU64::new(0), allowed);
-            let got = Candidate::new(pattern.clone(), wish, &mut predictor(&cap), &progress);
+            let got = Candidate::new(pattern.clone(), goal, &mut predictor(&cap), &progress);
             let is_stopped = progress.0.into_inner() > allowed;
-            assert_eq!(got.err(), is_stopped.then(|| stopped.clone()), "{wish:?} {allowed}");
+            assert_eq!(got.err(), is_stopped.then(|| stopped.clone()), "{goal:?} {allowed}");
             ends[usize::from(!is_stopped)] += 1;
             if !is_stopped {
                 break;
             }
         }
-        assert!(ends[0] > 2 && ends[1] == 1, "{wish:?} {ends:?}");
+        assert!(ends[0] > 2 && ends[1] == 1, "{goal:?} {ends:?}");
     }
 }

@@ -56,8 +56,8 @@ const ARC: f64 = 0.3;
 fn jittered(index: u64) -> Vec<f64> {
     let streams = Streams::new(2, Purpose::Pattern, N);
     let rng = &mut streams.realization(index);
-    let turn: f64 = streams.randomization(index).random();
-    let x = |k: usize, u: f64| ((k as f64 + u) / N as f64 + turn).fract();
+    let shift: f64 = streams.randomization(index).random();
+    let x = |k: usize, u: f64| ((k as f64 + u) / N as f64 + shift).fract();
     (0..N).map(|k| x(k, rng.random())).collect()
 }
 
