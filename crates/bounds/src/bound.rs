@@ -57,7 +57,8 @@ impl Bound {
         Self { side: Side::Lower, profile }
     }
 
-    /// Tests the claim against a measured mean spectrum, simultaneously at all degrees.
+    /// Returns the outcome of testing the claim against a measured mean spectrum, simultaneously at
+    /// all degrees.
     ///
     /// ```text
     /// z_l = +-(power_l - P(l)) / stderr_l        + for an upper, - for a lower bound

@@ -99,6 +99,8 @@ pub fn hurwitz_zeta(s: f64, q: f64) -> f64 {
 
 /// Returns the trigamma function `psi_1(x) = zeta(2, x)` for `x > 0`; NaN elsewhere.
 ///
+/// # Examples
+///
 /// ```
 /// use sphvar_bounds::trigamma;
 /// assert!((trigamma(0.5) - std::f64::consts::PI.powi(2) / 2.0).abs() < 1e-14);
