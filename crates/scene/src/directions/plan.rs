@@ -156,7 +156,7 @@ impl DirectionPlan {
         }
     }
 
-    /// Generates the sets of one render in parallel.
+    /// Returns the sets of one render, generated in parallel.
     ///
     /// # Errors
     ///

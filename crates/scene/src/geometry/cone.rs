@@ -54,7 +54,7 @@ impl<const N: usize> Cone<N> {
     pub(crate) const UNSET: Self =
         Self { edges: [Vec3::ZERO; N], margins: [0.0; N], normal: Vec3::ZERO, height: 0.0 };
 
-    /// Creates the polygon with these corners, relative to the origin of the rays. The normal may
+    /// Returns the polygon with these corners, relative to the origin of the rays. The normal may
     /// have any length; `height` is the dot product of the normal and the corners, and its sign
     /// tells on which side of the plane the origin lies.
     #[inline(always)]

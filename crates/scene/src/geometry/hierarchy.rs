@@ -55,7 +55,8 @@ const FULL: f64 = 255.0;
 const MIN_EXTENT: f64 = 1.0 / (1u64 << 35) as f64;
 
 impl Hierarchy {
-    /// Builds the hierarchy over boxes, in coordinates in which the whole has a size of about 2^16.
+    /// Returns the hierarchy over boxes, in coordinates in which the whole has a size of about
+    /// 2^16.
     ///
     /// The bvh crate builds the wide tree from the binary one and sorts children by octants; its
     /// boxes, in f32 relative to the whole, are replaced.

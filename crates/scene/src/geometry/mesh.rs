@@ -35,7 +35,7 @@ const SIZE: f64 = (1u32 << 16) as f64;
 const MIN_STEPS: f64 = (1u32 << 12) as f64;
 
 impl Mesh {
-    /// Builds the mesh of triangles given by 0-based vertex indices.
+    /// Returns the mesh of triangles given by 0-based vertex indices.
     ///
     /// Triangles without area are left out. So are triangles in which no two coordinates differ by
     /// at least 1e-100, and triangles whose corners coincide with those of an earlier one.

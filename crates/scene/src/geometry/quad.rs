@@ -16,7 +16,7 @@ pub struct Quad {
 }
 
 impl Quad {
-    /// Creates the quadrilateral with these corners, in order around it.
+    /// Returns the quadrilateral with these corners, in order around it.
     ///
     /// # Errors
     ///
@@ -36,8 +36,8 @@ impl Quad {
         if (b - a).dot(normal).abs() > FLATNESS * size {
             return reject("four corners in a plane");
         }
-        let turns = [a, b, c, d].into_iter().zip([b, c, d, a]).zip([c, d, a, b]);
-        for ((before, corner), after) in turns {
+        let triples = [a, b, c, d].into_iter().zip([b, c, d, a]).zip([c, d, a, b]);
+        for ((before, corner), after) in triples {
             if (corner - before).cross(after - corner).dot(normal) < -f64::EPSILON * size * size {
                 return reject("a convex shape with its corners in order");
             }

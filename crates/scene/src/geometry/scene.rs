@@ -50,7 +50,7 @@ enum Geometry {
 }
 
 impl Scene {
-    /// Creates a scene of several plane walls, visible from both sides.
+    /// Returns a scene of several plane walls, visible from both sides.
     ///
     /// # Errors
     ///
@@ -65,7 +65,7 @@ impl Scene {
         Ok(Self { geometry: Geometry::Quads(quads), bounds })
     }
 
-    /// Creates a scene of a mesh, visible from both sides.
+    /// Returns a scene of a mesh, visible from both sides.
     pub fn from_mesh(mesh: Mesh) -> Self {
         let bounds = mesh.bounds();
         Self { geometry: Geometry::Mesh(Box::new(mesh)), bounds }

@@ -14,7 +14,7 @@ use crate::obj::triangulation::triangulate;
 use crate::{Error, MAX_COORDINATE, Mesh, ObjRemarks};
 
 impl Mesh {
-    /// Reads the mesh of a text in the Wavefront OBJ format, see [`Self::from_obj_with_remarks`].
+    /// Returns the mesh of a text in the Wavefront OBJ format, see [`Self::from_obj_with_remarks`].
     ///
     /// # Errors
     ///
@@ -35,8 +35,8 @@ impl Mesh {
         Ok(Self::from_obj_with_remarks(reader)?.0)
     }
 
-    /// Reads the mesh of a text in the Wavefront OBJ format, with remarks on the other contents of
-    /// the text.
+    /// Returns the mesh of a text in the Wavefront OBJ format, with remarks on the other contents
+    /// of the text.
     ///
     /// Faces (`f`, and the old spelling `fo`) with more than three corners are triangulated. Convex
     /// faces become fans around their first corner. Others are triangulated in the projection along

@@ -1,8 +1,8 @@
 use glam::{DVec2, DVec3};
 use robust::{Coord, orient2d};
 
-/// Splits a polygon into triangles, given as indices into `corners`. Also returns whether the
-/// polygon is simple in the projection along the normal of its best plane.
+/// Returns the triangulation of a polygon as indices into `corners`, and whether the polygon is
+/// simple in the projection along the normal of its best plane.
 ///
 /// The polygon is projected along the largest component of its area vector (Newell), and ears are
 /// clipped there, starting at the first corner, so that convex polygons become fans around it.

@@ -26,7 +26,7 @@ pub struct Camera {
 }
 
 impl Camera {
-    /// Creates a camera at `position` with `target` at the centre of its image.
+    /// Returns a camera at `position` with `target` at the centre of its image.
     ///
     /// `up` appears upwards; it need be neither of unit length nor perpendicular to the view.
     /// `field_of_view` is the angle between the lower and the upper edge in radians, in (0, pi).
@@ -60,7 +60,7 @@ impl Camera {
         Ok(Self { position, forward, up: right.cross(forward), right })
     }
 
-    /// Creates a camera above and in front of `target`, which is at the centre of its image. Its
+    /// Returns a camera above and in front of `target`, which is at the centre of its image. Its
     /// distance is such that a ball about the target, with the diagonal of `bounds` as its
     /// diameter, fills the height of the image.
     ///

@@ -39,7 +39,7 @@ pub struct CornellBox {
 }
 
 impl CornellBox {
-    /// Builds the box.
+    /// Returns the Cornell box.
     #[expect(clippy::missing_panics_doc, reason = "the data are known to be right")]
     pub fn new() -> Self {
         let known = "known data";

@@ -31,7 +31,7 @@ impl PictureBias {
         moments: impl Fn(usize) -> (f64, f64),
     ) -> Option<Self> {
         let count = renders as f64;
-        let law = StudentsT::new(0.0, 1.0, count - 1.0).ok()?;
+        let student = StudentsT::new(0.0, 1.0, count - 1.0).ok()?;
         if pixels.is_empty() {
             return None;
         }
@@ -39,7 +39,7 @@ impl PictureBias {
         // 1 - (1 - alpha)^(1/k) without the rounding of numbers near 1.
         let single = -((-Self::ALPHA).ln_1p() / pixels.len() as f64).exp_m1();
         let quantile =
-            |p| if is_random { law.inverse_cdf(p) } else { Normal::standard().inverse_cdf(p) };
+            |p| if is_random { student.inverse_cdf(p) } else { Normal::standard().inverse_cdf(p) };
         let limit = -quantile(0.5 * single);
         let scores = pixels.iter().enumerate().map(|(k, &i)| {
             let (mean, variance) = moments(k);

@@ -16,11 +16,19 @@ struct Pixel {
     rays: u64,
 }
 
-/// Renders a view, in parallel over tiles. Ticks [`pixel_work`] for each pixel and, in mode
-/// [`Fresh`](crate::DirectionMode::Fresh), the nominal work of its set.
+/// Returns the image of a view, rendered in parallel over tiles. Ticks [`pixel_work`] for each
+/// pixel and, in mode [`Fresh`](crate::DirectionMode::Fresh), the nominal work of its set.
 ///
 /// A pixel's value depends only on the view's scene, camera and size, the integral, the directions
 /// and its position in the image.
+///
+/// # Errors
+///
+/// Returns the errors of [`Integral::check`], and [`Error::Sampler`] if a set of
+/// [`DirectionMode::Fresh`](crate::DirectionMode::Fresh) cannot be generated or `progress` stops
+/// the work.
+///
+/// # Examples
 ///
 /// ```
 /// use sphvar_samplers::Pattern;
@@ -37,12 +45,6 @@ struct Pixel {
 /// assert!(image.mean() > 0.0 && image.mean() < 0.5);
 /// # Ok::<(), sphvar_scene::Error>(())
 /// ```
-///
-/// # Errors
-///
-/// Returns the errors of [`Integral::check`], and [`Error::Sampler`] if a set of
-/// [`DirectionMode::Fresh`](crate::DirectionMode::Fresh) cannot be generated or `progress` stops
-/// the work.
 pub fn render(
     view: &View<'_>,
     integral: &Integral<'_>,

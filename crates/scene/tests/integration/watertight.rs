@@ -96,12 +96,12 @@ fn scene_of((vertices, faces): &Shape, place: impl Fn(DVec3) -> DVec3) -> (Scene
 /// Returns sizes, positions and rotations, with a bound on the distance of ray origins from the
 /// centre of the shape.
 fn places() -> Vec<(f64, DVec3, DMat3)> {
-    let turned = DMat3::from_rotation_x(0.3) * DMat3::from_rotation_z(0.7);
+    let rotation = DMat3::from_rotation_x(0.3) * DMat3::from_rotation_z(0.7);
     vec![
         (1.0, DVec3::ZERO, DMat3::IDENTITY),
         (1e-6, DVec3::ZERO, DMat3::IDENTITY),
-        (1e6, DVec3::ZERO, turned),
-        (1.0, DVec3::new(1e3, -2e4, 5e5), turned),
+        (1e6, DVec3::ZERO, rotation),
+        (1.0, DVec3::new(1e3, -2e4, 5e5), rotation),
         (1e-3, DVec3::new(1.0, 2.0, -3.0), DMat3::IDENTITY),
     ]
 }

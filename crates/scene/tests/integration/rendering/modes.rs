@@ -171,11 +171,17 @@ fn white_noise_has_the_exact_variances() {
 /// Sets that are generated quickly fill a table, slow ones are few, and lattices have one.
 #[test]
 fn numbers_of_sets() {
-    let usual = |name: &str, n| DirectionPlan::usual_sets(&name.parse::<Pattern>().unwrap(), n);
-    assert_eq!(["jittered", "white-noise", "poisson-disk"].map(|name| usual(name, 16)), [1024; 3]);
-    assert_eq!((usual("jittered", 4096), usual("jittered", 1 << 20)), (64, 4));
-    assert_eq!((usual("riesz", 4096), usual("ccvt", usize::MAX), usual("sobol", 0)), (4, 4, 1024));
-    let between = usual("step", 64);
+    let default = |name: &str, n| DirectionPlan::usual_sets(&name.parse::<Pattern>().unwrap(), n);
+    assert_eq!(
+        ["jittered", "white-noise", "poisson-disk"].map(|name| default(name, 16)),
+        [1024; 3]
+    );
+    assert_eq!((default("jittered", 4096), default("jittered", 1 << 20)), (64, 4));
+    assert_eq!(
+        (default("riesz", 4096), default("ccvt", usize::MAX), default("sobol", 0)),
+        (4, 4, 1024)
+    );
+    let between = default("step", 64);
     assert!((5..1024).contains(&between), "{between}");
     let of = |pattern, mode| {
         let plan = plan(&pattern, 24, mode).with_sets(5).unwrap();
@@ -201,8 +207,8 @@ fn numbers_of_directions() {
     assert_eq!(DirectionPlan::reference(7, 0).unwrap().n_points(), 24);
     DirectionPlan::reference(0, 0).unwrap_err();
     for n in [usize::MAX, usize::MAX / 4] {
-        let refused = DirectionPlan::reference(n, 0);
-        assert!(matches!(refused, Err(Error::Sampler(_))), "{n}: {refused:?}");
+        let error = DirectionPlan::reference(n, 0);
+        assert!(matches!(error, Err(Error::Sampler(_))), "{n}: {error:?}");
     }
     for mode in DirectionMode::ALL {
         // A number of directions that is valid in one mode is valid in all.
@@ -211,8 +217,8 @@ fn numbers_of_directions() {
             let plan = DirectionPlan::new(pattern.clone(), n, mode, 0);
             assert!(plan.is_ok(), "{pattern} {mode}: {:?}", plan.err());
         }
-        let refused = DirectionPlan::new(Pattern::Jittered, 100, mode, 0).unwrap_err();
-        assert!(matches!(refused, Error::Sampler(_)), "{refused}");
+        let error = DirectionPlan::new(Pattern::Jittered, 100, mode, 0).unwrap_err();
+        assert!(matches!(error, Error::Sampler(_)), "{error}");
         DirectionPlan::new(Pattern::WhiteNoise, 0, mode, 0).unwrap_err();
         let plan = DirectionPlan::new(Pattern::WhiteNoise, 1, mode, 0).unwrap();
         plan.prepare((1 << 24) - 1).unwrap();
