@@ -116,7 +116,8 @@ impl DoubleDouble {
         if self.hi < 0.0 { -self } else { self }
     }
 
-    /// Reads a decimal such as `-1.25e-3000`, of 30 digits at most; `None` for anything else.
+    /// Returns the value of a decimal such as `-1.25e-3000`, of at most 30 digits; `None` for
+    /// anything else.
     #[must_use]
     pub fn parse(text: &str) -> Option<Self> {
         let (digits, power) = match text.split_once('e') {

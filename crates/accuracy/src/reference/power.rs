@@ -5,6 +5,8 @@ use std::ops::Mul;
 /// Computed by repeated squaring with `O(log n)` products, all of which the result needs, so that
 /// no intermediate product overflows.
 ///
+/// # Examples
+///
 /// ```
 /// assert_eq!(sphvar_accuracy::reference::power(1, 3, 5), 243);
 /// ```
