@@ -1,4 +1,5 @@
-//! The JSON schema of all documents of `--json`, docs/schema.json, which is generated from their types.
+//! The JSON schema of all documents of `--json`, docs/schema.json, which is generated from their
+//! types.
 
 use std::path::Path;
 
@@ -67,14 +68,32 @@ fn schema() -> Value {
     definitions.sort_keys();
     let documents =
         documents.into_iter().map(|(name, schema)| (name.to_owned(), schema.to_value()));
-    json!({
+    let mut schema = json!({
         "$schema": "https://json-schema.org/draft/2020-12/schema",
         "title": "Documents of sphvar",
         "description": "What `sphvar COMMAND --json` prints. Every document is described under `documents` by the \
             name of its command. Numbers that cannot be given are null. Keys may be added.",
         "documents": documents.collect::<serde_json::Map<_, _>>(),
         "$defs": definitions,
-    })
+    });
+    unwrap_descriptions(&mut schema);
+    schema
+}
+
+/// Takes out the line breaks of comments.
+fn unwrap_descriptions(schema: &mut Value) {
+    match schema {
+        Value::Object(map) => {
+            for (key, value) in map {
+                match value {
+                    Value::String(text) if key == "description" => *text = text.replace('\n', " "),
+                    other => unwrap_descriptions(other),
+                }
+            }
+        }
+        Value::Array(list) => list.iter_mut().for_each(unwrap_descriptions),
+        _ => (),
+    }
 }
 
 #[test]

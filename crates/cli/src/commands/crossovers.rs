@@ -16,7 +16,8 @@ pub(crate) struct CrossoverRecord {
     pub(super) better_above: String,
     /// The number of points at which the curves cross; it need not be whole.
     pub(super) n: f64,
-    /// The 95 % interval of `n`, extended to the numbers of points that were tried next to the crossing.
+    /// The 95 % interval of `n`, extended to the numbers of points that were tried next to the
+    /// crossing.
     pub(super) interval: (f64, f64),
     /// The share of resampled curves that cross, from 0 to 1.
     pub(super) confidence: f64,

@@ -39,7 +39,8 @@ pub(crate) struct CutRecord {
     axis: &'static str,
     /// Trials from which the variance was measured.
     trials: usize,
-    /// The predicted variance of the estimate, for cuts at the equator where the energies of the integrand are known.
+    /// The predicted variance of the estimate, for cuts at the equator where the energies of the
+    /// integrand are known.
     predicted: Option<f64>,
     /// The standard error of `predicted` that the spectrum has.
     predicted_stderr: Option<f64>,
@@ -124,8 +125,8 @@ pub(super) fn run(
     Ok(records)
 }
 
-/// The variance of an estimate with the cut at the equator, by the formula of the sphere; nothing for an integrand
-/// whose cut has unknown energies, which is measured only.
+/// The variance of an estimate with the cut at the equator, by the formula of the sphere; nothing
+/// for an integrand whose cut has unknown energies, which is measured only.
 fn predicted(
     plan: &Plan<'_>,
     sampler: &dyn Sampler,
@@ -143,7 +144,8 @@ fn predicted(
     Ok(point.map(|point| point.prediction))
 }
 
-/// Returns what was computed, or nothing where the energies of the integrand are unknown; every other error stays one.
+/// Returns what was computed, or nothing where the energies of the integrand are unknown; every
+/// other error stays one.
 fn if_known<T>(computed: Result<T, Error>) -> Result<Option<T>, CliError> {
     match computed {
         Err(Error::Integrand(sphvar_integrands::Error::NoEnergy { .. })) => Ok(None),

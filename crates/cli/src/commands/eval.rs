@@ -84,7 +84,8 @@ enum Function {
 pub(crate) struct LegendreBody {
     /// The value; 0 where it is below the range of f64.
     value: f64,
-    /// `log10 |value|`, which also tells the size of values below the range of f64; null where the function is 0.
+    /// `log10 |value|`, which also tells the size of values below the range of f64; null where the
+    /// function is 0.
     log10_abs: Option<f64>,
 }
 

@@ -7,7 +7,8 @@ use sphvar_variance::{Comparison, PredictedPoint};
 use super::rows::{Plan, Row};
 use crate::report::{Column, number};
 
-/// A pattern at one number of points, with its predicted and measured variance. A number that cannot be given is null.
+/// A pattern at one number of points, with its predicted and measured variance. A number that
+/// cannot be given is null.
 #[derive(Debug, Serialize, JsonSchema)]
 pub(crate) struct RowRecord {
     /// The sampler with its parameters, as every command accepts it.

@@ -40,8 +40,8 @@ pub(crate) struct Forms<'a> {
     pub(crate) text: &'a dyn Fn() -> String,
 }
 
-/// Writes a result to `out` by its extension, if there is one, and prints it: with `--json` as a document, else as
-/// text, unless standard output has taken the file.
+/// Writes a result to `out` by its extension, if there is one, and prints it: with `--json` as a
+/// document, else as text, unless standard output has taken the file.
 pub(crate) fn emit<T: Serialize>(
     out: Option<&Path>,
     global: &Global,

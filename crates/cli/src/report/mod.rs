@@ -45,8 +45,8 @@ pub(crate) fn write_text(path: &Path, text: &str) -> Result<(), CliError> {
     Ok(AtomicFile::write_whole(path, text.as_bytes())?)
 }
 
-/// Returns an error for a result file that [`emit`] could not write, `plots` included if there are any: better before
-/// the work than after it.
+/// Returns an error for a result file that [`emit`] could not write, `plots` included if there are
+/// any: better before the work than after it.
 pub(crate) fn check_result(path: &Path, plots: bool) -> Result<(), CliError> {
     let extension = path.extension().and_then(|e| e.to_str());
     let result =

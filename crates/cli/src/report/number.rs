@@ -1,7 +1,7 @@
 //! How numbers are written: one format for tables, which people read, and one for files.
 //!
-//! Tables show a fixed number of significant digits, without a power of ten from 0.001 up to 100000 and
-//! with one beyond. What is missing is `-`.
+//! Tables show a fixed number of significant digits, without a power of ten from 0.001 up to 100000
+//! and with one beyond. What is missing is `-`.
 
 /// What stands in a table for a number that is missing.
 pub(crate) const MISSING: &str = "-";
@@ -9,7 +9,8 @@ pub(crate) const MISSING: &str = "-";
 /// Powers of ten that are written out in tables.
 const PLAIN: std::ops::Range<i32> = -3..5;
 
-/// Returns a number for files: its shortest form that reads back as the same number, nothing if it is not finite.
+/// Returns a number for files: its shortest form that reads back as the same number, nothing if it
+/// is not finite.
 pub(crate) fn full(x: f64) -> String {
     if x.is_finite() { format!("{x:e}") } else { String::new() }
 }
@@ -24,14 +25,15 @@ pub(crate) fn ratio(x: f64) -> String {
     significant(x, 3)
 }
 
-/// Returns a standard error or another uncertainty for tables, with two significant digits. An infinite one is
-/// missing.
+/// Returns a standard error or another uncertainty for tables, with two significant digits. An
+/// infinite one is missing.
 pub(crate) fn uncertainty(x: f64) -> String {
     if x.is_infinite() { MISSING.to_owned() } else { significant(x, 2) }
 }
 
-/// Returns a value with its uncertainty for tables: `0.983 +- 0.012`, `(9.83 +- 0.12)e-7`. The uncertainty has two
-/// digits, and the value ends where it does, but has no more than six; one without the other is missing.
+/// Returns a value with its uncertainty for tables: `0.983 +- 0.012`, `(9.83 +- 0.12)e-7`. The
+/// uncertainty has two digits, and the value ends where it does, but has no more than six; one
+/// without the other is missing.
 pub(crate) fn with_uncertainty(x: f64, error: f64) -> String {
     const MAX_DIGITS: i32 = 6;
     if !(x.is_finite() && error.is_finite()) {
@@ -75,7 +77,8 @@ pub(crate) fn seconds(s: f64) -> String {
     }
 }
 
-/// Returns a number of points or the like, which need not be whole: all its digits below ten million.
+/// Returns a number of points or the like, which need not be whole: all its digits below ten
+/// million.
 pub(crate) fn count(n: f64) -> String {
     match n {
         n if n.abs() < 1e7 => format!("{n:.0}"),
@@ -83,7 +86,8 @@ pub(crate) fn count(n: f64) -> String {
     }
 }
 
-/// Returns a difference in standard errors for tables, with its sign and one decimal. An infinite one is missing.
+/// Returns a difference in standard errors for tables, with its sign and one decimal. An infinite
+/// one is missing.
 pub(crate) fn score(z: f64) -> String {
     match z.abs() {
         size if size < 1e4 => format!("{z:+.1}"),
@@ -125,8 +129,8 @@ fn significant(x: f64, digits: i32) -> String {
     if PLAIN.contains(&size) { format!("{x:.decimals$}") } else { format!("{x:.decimals$e}") }
 }
 
-/// Returns the power of ten of a finite number other than 0 once it is rounded to this many digits: 1 of 9.9996
-/// with four.
+/// Returns the power of ten of a finite number other than 0 once it is rounded to this many digits:
+/// 1 of 9.9996 with four.
 fn exponent(x: f64, digits: i32) -> i32 {
     let decimals = usize::try_from(digits - 1).unwrap_or(0);
     let text = format!("{x:.decimals$e}");

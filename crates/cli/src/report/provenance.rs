@@ -42,8 +42,8 @@ impl Provenance {
         serde_json::from_slice::<Document>(json).ok().map(|document| document.provenance)
     }
 
-    /// Whether both runs write the same bytes to files: their commands differ at most in what is shown
-    /// meanwhile.
+    /// Whether both runs write the same bytes to files: their commands differ at most in what is
+    /// shown meanwhile.
     pub(crate) fn is_same_run(&self, other: &Self) -> bool {
         let words = |run: &Self| -> Vec<String> {
             let is_shown = |word: &&str| !["--json", "--quiet", "--force"].contains(word);

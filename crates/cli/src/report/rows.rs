@@ -1,5 +1,5 @@
-//! Records as CSV. Names and order of the columns come from the type that JSON is written from, so that the two
-//! cannot disagree.
+//! Records as CSV. Names and order of the columns come from the type that JSON is written from, so
+//! that the two cannot disagree.
 
 use schemars::JsonSchema;
 use schemars::generate::SchemaSettings;
@@ -21,8 +21,9 @@ struct Field {
 
 /// Returns CSV with the provenance as a comment, a heading and a row for each record.
 ///
-/// Every field of the record is a column, an interval two (`low` and `high` instead of `interval`), and a list of
-/// numbers or words one, divided by blanks. Fields that are records themselves are in JSON only.
+/// Every field of the record is a column, an interval two (`low` and `high` instead of `interval`),
+/// and a list of numbers or words one, divided by blanks. Fields that are records themselves are in
+/// JSON only.
 pub(crate) fn csv_of<'r, R: Serialize + JsonSchema + 'r>(
     provenance: &Provenance,
     records: impl IntoIterator<Item = &'r R>,
@@ -44,7 +45,8 @@ pub(crate) fn csv_rows<'r, R: Serialize + JsonSchema + 'r>(
     Ok(written(&rows))
 }
 
-/// Returns CSV with the provenance as a comment, a heading and rows of cells, for data without a type of their own.
+/// Returns CSV with the provenance as a comment, a heading and rows of cells, for data without a
+/// type of their own.
 pub(crate) fn csv(provenance: &Provenance, heading: &str, rows: &[Vec<String>]) -> String {
     format!("# {}\n{heading}\n{}", provenance.line(), written(rows))
 }

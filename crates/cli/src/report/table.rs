@@ -47,7 +47,8 @@ pub(crate) fn table_of<'r, R: ?Sized + 'r>(
     text_table(&heading, records.into_iter().map(cells).collect(), &alignments)
 }
 
-/// Returns a table of text cells under a heading; every column but the `left` first ones is aligned right.
+/// Returns a table of text cells under a heading; every column but the `left` first ones is aligned
+/// right.
 pub(crate) fn table(heading: &[&str], rows: Vec<Vec<String>>, left: usize) -> String {
     let alignment = |i| if i < left { CellAlignment::Left } else { CellAlignment::Right };
     let alignments: Vec<CellAlignment> = (0..heading.len()).map(alignment).collect();

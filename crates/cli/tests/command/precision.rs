@@ -74,8 +74,8 @@ fn cut_spheres_stand_beside_the_hemisphere() {
     assert!(place.run(&format!("{command} --json")).json().get("cut_sphere").is_none());
 }
 
-/// Predictions for cuts at the equator are there, with the error of their tail apart, or null where the integrand's
-/// energies are unknown.
+/// Predictions for cuts at the equator are there, with the error of their tail apart, or null where
+/// the integrand's energies are unknown.
 #[test]
 fn predictions_of_cut_spheres_state_their_tail() {
     let place = Workplace::new();

@@ -18,8 +18,9 @@ fn has_type(value: &Value, name: &str) -> bool {
     }
 }
 
-/// Collects where a value does not fit a schema, with the path of the place. Keys that no schema describes do not fit
-/// either. Only the keywords that docs/schema.json has are known; another one is a panic.
+/// Collects where a value does not fit a schema, with the path of the place. Keys that no schema
+/// describes do not fit either. Only the keywords that docs/schema.json has are known; another one
+/// is a panic.
 fn check(root: &Value, schema: &Value, value: &Value, path: &str, faults: &mut Vec<String>) {
     let fault = |text: String| format!("{path}: {text}, got {value}");
     let Some(schema) = schema.as_object() else {

@@ -7,7 +7,8 @@ use sphvar_spectrum::{AuditFamily, AuditSettings, AuditVerdict, Finding, Homogen
 use crate::error::CliError;
 use crate::report::{Column, Provenance, csv_of, number, table_of};
 
-/// Whether ensembles are rotation-invariant, the assumption of the variance formula: `audit --json`.
+/// Whether ensembles are rotation-invariant, the assumption of the variance formula: `audit
+/// --json`.
 #[derive(Debug, Serialize, JsonSchema)]
 pub(crate) struct AuditBody {
     /// The sampler with its parameters, or the files.

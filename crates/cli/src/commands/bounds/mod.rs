@@ -110,7 +110,8 @@ pub(crate) struct BoundsBody {
     confidence: f64,
     /// The largest degree of the spectrum.
     lmax: Option<usize>,
-    /// The variance that the spectrum predicts for the integrand, if a sampler and an integrand are given.
+    /// The variance that the spectrum predicts for the integrand, if a sampler and an integrand are
+    /// given.
     #[serde(skip_serializing_if = "Option::is_none")]
     predicted: Option<f64>,
     /// The standard error of `predicted` that the spectrum has.

@@ -13,7 +13,8 @@ use crate::error::CliError;
 use crate::integrands::{NamedIntegrand, check_domain};
 use crate::report::{Column, number};
 
-/// A profile that bounds the mean spectrum, and what follows from it. A number that cannot be given is null.
+/// A profile that bounds the mean spectrum, and what follows from it. A number that cannot be given
+/// is null.
 #[derive(Debug, Serialize, JsonSchema)]
 pub(crate) struct BoundRecord {
     /// `upper`, `lower`, or `given` without a spectrum.
@@ -38,7 +39,8 @@ pub(crate) struct BoundRecord {
     worst_ratio: Option<f64>,
     /// The degrees at which the profile meets the confidence limits, if all of it was fitted.
     touching: Vec<usize>,
-    /// The share by which the best profile of the family can be better at most, if all of it was fitted.
+    /// The share by which the best profile of the family can be better at most, if all of it was
+    /// fitted.
     gap: Option<f64>,
     /// The convergence rate for the best case, a band-limited integrand, as a power of N.
     best_rate: String,
@@ -50,10 +52,11 @@ pub(crate) struct BoundRecord {
     /// The variance for the worst case.
     #[schemars(with = "Option<f64>")]
     worst_variance: f64,
-    /// The range of the variance of the integrand under the profile, from the least to the greatest; the end on the
-    /// bound's side is the bound.
+    /// The range of the variance of the integrand under the profile, from the least to the
+    /// greatest; the end on the bound's side is the bound.
     integrand_variance: Option<(f64, f64)>,
-    /// That end: the variance of the integrand is at most (upper bounds) or at least (lower bounds) this.
+    /// That end: the variance of the integrand is at most (upper bounds) or at least (lower bounds)
+    /// this.
     integrand_bound: Option<f64>,
     #[serde(skip)]
     #[schemars(skip)]

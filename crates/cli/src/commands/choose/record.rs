@@ -28,7 +28,8 @@ pub(super) struct CandidateRecord {
     pub(super) sampler: String,
     /// The number of points needed, or the largest valid count within the sample budget.
     pub(super) n: Option<usize>,
-    /// `predicted`, `extrapolated`, `out of reach`, or `behind`: more than 4 times the points of the best.
+    /// `predicted`, `extrapolated`, `out of reach`, or `behind`: more than 4 times the points of
+    /// the best.
     pub(super) basis: &'static str,
     /// The largest number of points tried that does not suffice.
     pub(super) too_few: Option<usize>,
@@ -50,7 +51,8 @@ pub(super) struct CandidateRecord {
     pub(super) seconds_per_set: Option<f64>,
     /// Whether `seconds_per_set` is scaled from a smaller set.
     pub(super) seconds_are_scaled: bool,
-    /// The time to make a set and to evaluate the integrand at all points, in seconds, with `--cost-per-sample`.
+    /// The time to make a set and to evaluate the integrand at all points, in seconds, with
+    /// `--cost-per-sample`.
     pub(super) seconds_in_all: Option<f64>,
     /// The largest degree of the spectrum at `n`.
     pub(super) lmax: Option<usize>,
@@ -74,7 +76,8 @@ pub(super) struct CurveRecord {
     pub(super) variance_stderr: f64,
 }
 
-/// Which sampler needs the fewest points for an error, or has the least error with given points: `choose --json`.
+/// Which sampler needs the fewest points for an error, or has the least error with given points:
+/// `choose --json`.
 #[derive(Debug, Serialize, JsonSchema)]
 pub(crate) struct ChoiceBody {
     /// The integrand, as it was given.
@@ -91,7 +94,8 @@ pub(crate) struct ChoiceBody {
     pub(super) max_points: Option<usize>,
     /// The time to evaluate the integrand once, in seconds, with `--cost-per-sample`.
     pub(super) cost_per_sample: Option<f64>,
-    /// The exact number of points that white noise needs for the error requested, also beyond `max_points`.
+    /// The exact number of points that white noise needs for the error requested, also beyond
+    /// `max_points`.
     pub(super) white_noise_points: Option<f64>,
     /// The samplers, the best first.
     pub(super) rows: Vec<CandidateRecord>,

@@ -30,7 +30,8 @@ pub(super) struct DegreeRecord {
 pub(super) struct SamplerRecord {
     /// The sampler with its parameters.
     pub(super) sampler: String,
-    /// Where rate and gain come from, the more precise one at every N: `predicted`, `measured` or `both`.
+    /// Where rate and gain come from, the more precise one at every N: `predicted`, `measured` or
+    /// `both`.
     pub(super) basis: &'static str,
     /// The exponent b of the variance as N^b.
     pub(super) rate: Option<f64>,
@@ -50,7 +51,8 @@ pub(super) struct SamplerRecord {
     pub(super) measured_rate_interval: Option<(f64, f64)>,
     /// The largest number of points, to which the fields below belong.
     pub(super) n: usize,
-    /// White noise's exact variance over this one; null where the variance is no more than rounding.
+    /// White noise's exact variance over this one; null where the variance is no more than
+    /// rounding.
     pub(super) gain: Option<f64>,
     /// The standard error of `gain`.
     pub(super) gain_stderr: Option<f64>,
@@ -58,13 +60,14 @@ pub(super) struct SamplerRecord {
     pub(super) measured_gain: Option<f64>,
     /// The standard error of `measured_gain`.
     pub(super) measured_gain_stderr: Option<f64>,
-    /// The effective power, that is the pattern's power weighted by the integrand's energies: predicted over white
-    /// noise's variance.
+    /// The effective power, that is the pattern's power weighted by the integrand's energies:
+    /// predicted over white noise's variance.
     #[schemars(with = "Option<f64>")]
     pub(super) power_seen: f64,
 }
 
-/// Predicted and measured variances of patterns, their rates and crossovers: `compare --json` and comparison.json.
+/// Predicted and measured variances of patterns, their rates and crossovers: `compare --json` and
+/// comparison.json.
 #[derive(Debug, Serialize, JsonSchema)]
 pub(crate) struct ComparisonBody {
     /// Every sampler at every number of points.

@@ -37,8 +37,8 @@ pub(super) fn text(body: &ComparisonBody, plan: &Plan<'_>) -> String {
     text + &verdict(&body.samplers)
 }
 
-/// Returns the sampler with the largest variance reduction at its largest number of points, by predictions, which
-/// are more precise than measurements.
+/// Returns the sampler with the largest variance reduction at its largest number of points, by
+/// predictions, which are more precise than measurements.
 fn verdict(samplers: &[SamplerRecord]) -> String {
     let with_variance = samplers.iter().filter(|s| s.power_seen.is_finite());
     let Some(best) = with_variance.min_by(|a, b| a.power_seen.total_cmp(&b.power_seen)) else {

@@ -61,7 +61,8 @@ pub(crate) struct RenderBody {
     seconds: f64,
 }
 
-/// Errors of renders against the reference image, in squared units of the values. A number that cannot be given is null.
+/// Errors of renders against the reference image, in squared units of the values. A number that
+/// cannot be given is null.
 #[derive(Debug, Serialize, JsonSchema)]
 pub(crate) struct ErrorRecord {
     /// The mean squared error over the pixels.
@@ -88,7 +89,8 @@ pub(crate) struct ErrorRecord {
     /// `white_noise` over `mse`.
     #[schemars(with = "Option<f64>")]
     pub(super) gain: f64,
-    /// 64 times the error of means over 8 by 8 pixels over that of pixels: 1 for independent pixels.
+    /// 64 times the error of means over 8 by 8 pixels over that of pixels: 1 for independent
+    /// pixels.
     #[schemars(with = "Option<f64>")]
     pub(super) structured_error: f64,
     /// The standard error of `structured_error`.

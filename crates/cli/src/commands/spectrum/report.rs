@@ -12,7 +12,8 @@ use crate::global::Global;
 use crate::point_sets::WeightSums;
 use crate::report::{self, Column, Forms, Provenance, csv_of, number, say, table_of};
 
-/// The mean angular power spectrum of a pattern or of points in files: `spectrum --json`, `merge --json`.
+/// The mean angular power spectrum of a pattern or of points in files: `spectrum --json`, `merge
+/// --json`.
 #[derive(Debug, Serialize, JsonSchema)]
 pub(crate) struct SpectrumBody {
     /// The sampler with its parameters, or the files.
