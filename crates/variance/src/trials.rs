@@ -137,7 +137,7 @@ mod tests {
     #[test]
     fn default_trials_follow_from_the_work_of_a_set() {
         let count = |name: &str, n: usize| {
-            let sampler = Pattern::from_name(name).unwrap().build(n, Domain::Sphere).unwrap();
+            let sampler = name.parse::<Pattern>().unwrap().build(n, Domain::Sphere).unwrap();
             (Trials::default_for(&*sampler).count, trial_work(&*sampler))
         };
         assert_eq!(count("white-noise", 3072).0, Trials::DEFAULT);
