@@ -261,7 +261,7 @@ fn a_study_has_rows_rates_and_crossovers() {
     assert!(table.lines().nth(1).unwrap().ends_with(",bias_limit,biased_pixels"), "{table}");
     let text = place.run(&format!("{arguments} -o s.png --quiet")).ok().stdout;
     assert!(text.contains("structured error") && text.contains("rate"), "{text}");
-    assert_eq!(image::open(place.path("s.png")).unwrap().width(), 1200);
+    assert_eq!(image::open(place.path("s.png")).unwrap().width(), 1920);
 }
 
 #[test]

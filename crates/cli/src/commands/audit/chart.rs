@@ -7,6 +7,8 @@ use crate::plots::{Chart, Ink, Panel, Scale, Series, Spread, Style};
 
 /// The part of the way from one degree to the next in which its orders stand side by side.
 const ORDERS: f64 = 0.7;
+/// Ratios below this are 0 to rounding, as of a lattice that is not rotated and integrates a harmonic exactly.
+const ROUNDING: f64 = 1e-12;
 /// Ratios within this factor of 1 have a linear axis.
 const LINEAR_RATIO: f64 = 5.0;
 
@@ -19,10 +21,11 @@ pub(super) fn chart(
 ) -> Chart {
     let series: Vec<Series> = (audits.iter().enumerate())
         .map(|(rank, (ensemble, audit))| {
+            let shown = |ratio: f64| if ratio > ROUNDING { ratio } else { f64::NAN };
             let place = |l: usize, m: usize| l as f64 + ORDERS * (m as f64 / (l + 1) as f64);
             Series {
                 label: ensemble.name().to_owned(),
-                points: audit.ratios.iter().map(|r| (place(r.l, r.m), r.ratio)).collect(),
+                points: audit.ratios.iter().map(|r| (place(r.l, r.m), shown(r.ratio))).collect(),
                 spread: Spread::Ranges(audit.ratios.iter().map(|r| (r.low, r.high)).collect()),
                 style: Style::Markers,
                 ink: Ink::Rank(rank),
@@ -30,7 +33,9 @@ pub(super) fn chart(
         })
         .collect();
     let ratios = || series.iter().flat_map(|s| &s.points).map(|point| point.1);
-    let is_wide = ratios().any(|r| !(1.0 / LINEAR_RATIO..=LINEAR_RATIO).contains(&r));
+    let is_wide = ratios()
+        .filter(|r| r.is_finite())
+        .any(|r| !(1.0 / LINEAR_RATIO..=LINEAR_RATIO).contains(&r));
     let panel = Panel {
         y_scale: if is_wide { Scale::Log } else { Scale::Linear },
         reference: Some(1.0),
@@ -42,7 +47,8 @@ pub(super) fn chart(
         x_scale: Scale::Linear,
         panels: vec![panel],
         notes: vec![format!(
-            "Bars: intervals that hold for all l and m together with probability {}.",
+            "Bars: intervals that hold for all l and m together with probability {}. Ratios of 0 (to rounding) are \
+             left out.",
             1.0 - alpha
         )],
     }
