@@ -139,11 +139,11 @@ pub enum Error {
         text: String,
     },
     /// A product of an expression has too many factors.
-    #[error(
-        "a product has at most {} integrands; this one has more",
-        crate::Expression::MAX_FACTORS
-    )]
-    TooManyFactors,
+    #[error("a product has at most {max} integrands; this one has more")]
+    TooManyFactors {
+        /// The largest number.
+        max: usize,
+    },
     /// A harmonic evaluation or transform rejected its input.
     #[error(transparent)]
     Harmonics(#[from] sphvar_sh::Error),

@@ -100,7 +100,7 @@ impl Summand {
             if let Ok(number) = factor.parse::<f64>() {
                 summand.weight *= number;
             } else if summand.factors.len() == Expression::MAX_FACTORS {
-                return Err(Error::TooManyFactors);
+                return Err(Error::TooManyFactors { max: Expression::MAX_FACTORS });
             } else {
                 summand.factors.push(factor.parse()?);
             }

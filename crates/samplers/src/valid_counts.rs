@@ -59,7 +59,10 @@ impl fmt::Display for ValidCounts {
         match self {
             Self::Any => f.write_str("any number from 1"),
             Self::Squares { unit, root } => {
-                write!(f, "{unit} {root}^2 ({unit}, {}, {}, ...)", 4 * unit, 9 * unit)
+                if *unit != 1 {
+                    write!(f, "{unit} ")?;
+                }
+                write!(f, "{root}^2 ({unit}, {}, {}, ...)", 4 * unit, 9 * unit)
             }
         }
     }
@@ -94,6 +97,8 @@ mod tests {
     fn rules_are_said_in_words() {
         let squares = ValidCounts::Squares { unit: 12, root: "nside" };
         assert_eq!(squares.to_string(), "12 nside^2 (12, 48, 108, ...)");
+        let squares = ValidCounts::Squares { unit: 1, root: "k" };
+        assert_eq!(squares.to_string(), "k^2 (1, 4, 9, ...)");
         assert_eq!(ValidCounts::Any.to_string(), "any number from 1");
     }
 }

@@ -174,7 +174,7 @@ fn environment_maps_have_options() {
         ("turn=inf", &["turn must be a finite number"]),
         ("projection=cube", &["projection of env", "latlong, octahedral"]),
         ("projection=octahedral", &["must be square", "16 x 8"]),
-        ("tilt=3", &["unknown parameter \"tilt\"", "mirror, turn"]),
+        ("tilt=3", &["unknown parameter \"tilt\"", "mirror (no, yes), turn"]),
     ] {
         let (message, _) = refusal(&place, &format!("env:sky.exr,{options}"), "");
         for part in parts {

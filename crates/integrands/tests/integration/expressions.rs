@@ -87,7 +87,7 @@ fn mistakes_say_what_would_be_right() {
         assert!(error.contains(message), "{text}: {error}");
     }
     let product = vec!["cosine"; Expression::MAX_FACTORS + 1].join(" * ");
-    assert_eq!(product.parse::<Expression>(), Err(Error::TooManyFactors));
+    assert_eq!(product.parse::<Expression>(), Err(Error::TooManyFactors { max: 64 }));
     for (text, message) in [
         ("ylm:l=2,m=3", "ylm:l=2,m=3: the order must satisfy |m| <= l"),
         ("1e200 * cosine + 1", "a weight must be 0 or between 1e-150 and 1e150"),

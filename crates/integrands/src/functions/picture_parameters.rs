@@ -1,0 +1,115 @@
+use std::path::PathBuf;
+
+use glam::DVec3;
+use sphvar_grammar::{Choice, Declaration, Parametric, Range};
+
+use super::{PictureLayout, Projection};
+
+/// Parameters of an environment map in a file.
+#[derive(Clone, Debug, PartialEq)]
+pub struct EnvironmentParameters {
+    /// The file.
+    pub file: PathBuf,
+    /// What is read of it, and how it is laid on the sphere.
+    pub picture: PictureParameters,
+}
+
+/// What is read of a picture, and how it is laid on the sphere.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct PictureParameters {
+    /// The channel, luminance unless given.
+    pub channel: Option<String>,
+    /// The layer or part, channels without one unless given.
+    pub layer: Option<String>,
+    /// How the picture covers the sphere.
+    pub projection: Projection,
+    /// Where the pole of the picture lies; +z unless given.
+    pub up: Option<UpAxis>,
+    /// Whether the picture is mirrored.
+    pub mirror: bool,
+    /// Added to all longitudes, in degrees.
+    pub turn: f64,
+}
+
+/// A direction along an axis.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum UpAxis {
+    /// +z.
+    PlusZ,
+    /// +y.
+    PlusY,
+    /// +x.
+    PlusX,
+    /// -z.
+    MinusZ,
+    /// -y.
+    MinusY,
+    /// -x.
+    MinusX,
+}
+
+impl UpAxis {
+    /// Returns the unit vector.
+    #[must_use]
+    pub const fn direction(self) -> DVec3 {
+        match self {
+            Self::PlusZ => DVec3::Z,
+            Self::PlusY => DVec3::Y,
+            Self::PlusX => DVec3::X,
+            Self::MinusZ => DVec3::NEG_Z,
+            Self::MinusY => DVec3::NEG_Y,
+            Self::MinusX => DVec3::NEG_X,
+        }
+    }
+}
+
+impl Choice for UpAxis {
+    const CHOICES: &'static [(&'static str, Self)] = &[
+        ("z", Self::PlusZ),
+        ("y", Self::PlusY),
+        ("x", Self::PlusX),
+        ("-z", Self::MinusZ),
+        ("-y", Self::MinusY),
+        ("-x", Self::MinusX),
+    ];
+}
+
+impl Choice for Projection {
+    const CHOICES: &'static [(&'static str, Self)] =
+        &[("latlong", Self::LatLong), ("octahedral", Self::Octahedral)];
+}
+
+impl PictureParameters {
+    /// Returns how the picture is laid on the sphere, with its pole at +z.
+    #[must_use]
+    pub fn layout(&self) -> PictureLayout {
+        let &Self { projection, mirror, turn, .. } = self;
+        PictureLayout { projection, mirror, turn: turn.to_radians() }
+    }
+}
+
+/// An example.
+impl Default for EnvironmentParameters {
+    fn default() -> Self {
+        Self { file: "FILE".into(), picture: PictureParameters::default() }
+    }
+}
+
+impl Parametric for PictureParameters {
+    fn declare(&mut self, d: &mut Declaration<'_>) {
+        let summary = "luminance, r, g, b or a channel's name in the file";
+        d.word("channel", summary, "luminance", &mut self.channel);
+        d.word("layer", "layer or part of the file", "none", &mut self.layer);
+        d.choice("projection", "how the picture covers the sphere", &mut self.projection);
+        d.optional_choice("up", "axis of the picture's pole", "z", &mut self.up);
+        d.choice("mirror", "whether y becomes -y, before the turn", &mut self.mirror);
+        d.number("turn", Range::FINITE, "added to all longitudes, in degrees", &mut self.turn);
+    }
+}
+
+impl Parametric for EnvironmentParameters {
+    fn declare(&mut self, d: &mut Declaration<'_>) {
+        d.required_file("file", "OpenEXR or Radiance HDR picture", &mut self.file);
+        self.picture.declare(d);
+    }
+}
