@@ -3,7 +3,7 @@
 use std::io::Cursor;
 use std::path::Path;
 
-use image::{RgbImage, imageops};
+use image::{DynamicImage, RgbImage};
 use plotters::prelude::{BitMapBackend, DrawingBackend, IntoDrawingArea, SVGBackend};
 
 use super::canvas::Canvas;
@@ -104,7 +104,8 @@ pub(super) fn raster<F: Figure>(figure: &F) -> Result<RgbImage, PlotError> {
     let mut image = RgbImage::new(inner_width, inner_height);
     let backend = BitMapBackend::with_buffer(&mut image, (inner_width, inner_height));
     draw(figure, backend, PNG_ZOOM * F::DETAIL, PNG_TEXT_DROP)?;
-    Ok(imageops::thumbnail(&image, width, height))
+    // Code of the image crate, which is optimized in every build.
+    Ok(DynamicImage::from(image).thumbnail_exact(width, height).into_rgb8())
 }
 
 /// Returns what `measure` reads off a canvas that draws text as PNG files have it.

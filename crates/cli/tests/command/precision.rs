@@ -32,8 +32,8 @@ fn trials_are_doubled_until_the_variance_is_precise() {
         place.run(&command).fails(2, &["a share above 0"]);
     }
     place
-        .run("variance white-noise -n 12 --integrand cosine --until-rel 1% --max-realizations 9")
-        .fails(2, &["--max-realizations must be at least the 1000 trials"]);
+        .run("variance white-noise -n 12 --integrand cosine --until-rel 1% -m 10 --max-realizations 9")
+        .fails(2, &["--max-realizations must be at least 10, the initial number of trials"]);
 }
 
 #[test]

@@ -34,7 +34,7 @@ fn assert_cell(cell: &str, value: &Value, what: &str) {
 fn csv_has_what_json_has() {
     let place = Workplace::new();
     let study =
-        "render cornell --study --samplers jittered --size 6 --reference-n 150 --cache none";
+        "render cornell --study --samplers jittered --size 6 --reference-count 150 --cache none";
     for (arguments, key, only_in_json) in [
         ("variance jittered -n 12,48 --integrand cap:degrees=60 -m 20", "rows", &[][..]),
         ("variance white-noise -n 12 --integrand vmf:kappa=1e6 -m 10", "rows", &[]),

@@ -334,7 +334,7 @@ fn wrong_usage_is_told() {
         ("--fov 180", &["field of view above 0 and below 180"]),
         ("--fov nan", &["field of view"]),
         ("--eye 1,2", &["expected 3 numbers"]),
-        ("--eye 0,0,0 --look-at 0,0,0", &["a target apart from its position"]),
+        ("--eye 0,0,0 --look-at 0,0,0", &["a target that differs from its position"]),
         ("--up 0,0,0", &["an upward direction"]),
         ("--white 0 -o p.png", &["--white must be a number above 0"]),
         ("-o p.gif", &[".png, .exr or .pfm"]),

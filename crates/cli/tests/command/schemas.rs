@@ -120,7 +120,7 @@ fn documents_fit_their_schema() {
     place.write("pixels.csv", "0\n1\n");
     place.run("spectrum poisson-disk -n 24 -m 4 --lmax 4 --shard 1/2 --save a.shard").ok();
     place.run("spectrum poisson-disk -n 24 -m 4 --lmax 4 --shard 2/2 --save b.shard").ok();
-    let render = "render cornell --size 6 --reference-n 150 --cache none";
+    let render = "render cornell --size 6 --reference-count 150 --cache none";
     let stars = data("stars.csv");
     let runs: Vec<(&str, String)> = [
         ("accuracy", "accuracy harmonics --quick"),
@@ -144,7 +144,10 @@ fn documents_fit_their_schema() {
         ("healpix", "healpix pix2vec --nside 2 pixels.csv"),
         ("healpix", "healpix pix2ang --degrees --nside 2 pixels.csv"),
         ("healpix", "healpix ring2nest --nside 2 pixels.csv"),
+        ("list", "list"),
+        ("list", "list samplers step poisson-disk -n 100"),
         ("merge", "merge a.shard b.shard"),
+        ("reproduce", "reproduce 3.1 C.1 --quick -o thesis"),
         ("sample", "sample white-noise -n 5 -m 2"),
         ("sample", "sample step -n 20 -o s.csv"),
         ("spectrum", "spectrum jittered -n 12 -m 4"),

@@ -51,10 +51,10 @@ fn verdict(samplers: &[SamplerRecord]) -> String {
     }
     let measured = best.measured_gain.zip(best.measured_gain_stderr);
     let measured = measured.map_or(String::new(), |(g, e)| {
-        format!(",\n{} as measured", number::with_uncertainty(g, e))
+        format!(", {} as measured", number::with_uncertainty(g, e))
     });
     format!(
-        "Largest variance reduction: {} with N = {}, {} times less variance than white noise as predicted{measured}.\n",
+        "Largest variance reduction: {} with N = {}, {} as predicted{measured}.\n",
         best.sampler,
         best.n,
         number::ratio(1.0 / best.power_seen),
