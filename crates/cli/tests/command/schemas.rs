@@ -41,6 +41,11 @@ fn check(root: &Value, schema: &Value, value: &Value, path: &str, faults: &mut V
                     faults.push(fault(format!("expected at least {expected}")));
                 }
             }
+            "maximum" => {
+                if value.as_f64().is_some_and(|x| x > expected.as_f64().unwrap()) {
+                    faults.push(fault(format!("expected at most {expected}")));
+                }
+            }
             "minItems" | "maxItems" => {
                 let (got, limit) = (value.as_array().map(Vec::len), expected.as_u64().unwrap());
                 let is_beyond = |n: usize| {
