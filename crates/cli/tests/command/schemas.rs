@@ -70,6 +70,12 @@ fn check(root: &Value, schema: &Value, value: &Value, path: &str, faults: &mut V
                     }
                 }
             }
+            // Of keys without a name of their own, such as those of a map.
+            "additionalProperties" => {
+                for (key, value) in value.as_object().into_iter().flatten() {
+                    check(root, expected, value, &format!("{path}/{key}"), faults);
+                }
+            }
             "items" => {
                 for (i, item) in value.as_array().into_iter().flatten().enumerate() {
                     check(root, expected, item, &format!("{path}/{i}"), faults);

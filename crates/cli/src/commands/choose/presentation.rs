@@ -97,8 +97,8 @@ impl<'a> Answer<'a> {
             text += &table_of(&CandidateRecord::columns(question), reached);
             text += "\nerror: one standard error of the integral";
             text += if question.integral.is_some() { ", relative to it" } else { "" };
-            text += "; +-: what is not known of it. gain: how many times less\nvariance than white noise \
-                     with as many points. rate: exponent of the variance against N near this N.\n\n";
+            text += "; +-: its uncertainty. reduction: the variance of\nwhite noise \
+                     with the same number of points over this one. rate: exponent of the variance against N near this N.\n\n";
         }
         if let (Asked::Error { max_points, .. }, false) = (&question.asked, out_of_reach.is_empty())
         {

@@ -169,7 +169,7 @@ impl CandidateRecord {
             Column::number("N", Self::count),
             Column::number("error", |r: &Self| r.error_text(r.relative_error.or(r.error))),
             Column::number("+-", |r: &Self| r.error_text(r.unknown_error())),
-            Column::number("gain", |r: &Self| number::optional(r.gain, number::ratio)),
+            Column::number("reduction", |r: &Self| number::optional(r.gain, number::ratio)),
             Column::number("rate", |r: &Self| match r.variance {
                 Some(v) if v <= 0.0 => "exact".to_owned(),
                 _ => number::optional(r.rate, number::rate),

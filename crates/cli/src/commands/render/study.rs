@@ -175,7 +175,7 @@ impl StudyRecord {
             Column::number("N", |r: &Self| r.n.to_string()),
             Column::number("mse", |r: &Self| number::value(r.errors.mse)),
             Column::number("+-", |r: &Self| number::uncertainty(r.errors.mse_stderr)),
-            Column::number("gain", |r: &Self| number::ratio(r.errors.gain)),
+            Column::number("reduction", |r: &Self| number::ratio(r.errors.gain)),
             Column::number("structured error", |r: &Self| number::ratio(r.errors.structured_error)),
             Column::number("largest |t|", move |r: &Self| score(r.errors.bias_t)),
             Column::number("99 % limit", move |r: &Self| score(r.errors.bias_limit)),
@@ -244,7 +244,7 @@ impl<'a> Curve<'a> {
 
 fn text(body: &StudyBody) -> String {
     let mut text = table_of(&StudyRecord::columns(), &body.rows);
-    text += "\ngain: white noise's exact mean squared error over this one. structured error: 1 for \
+    text += "\nreduction: white noise's exact mean squared error over this one. structured error: 1 for \
              independent\npixels, 64 for errors that are the same over 8 by 8. |t|: the bias of a pixel over its standard error;\nthe \
              largest of a picture exceeds the limit by chance in 1 % of pictures.\n\n";
     text += &table_of(&StudyRates::columns(), &body.samplers);
