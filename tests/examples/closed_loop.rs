@@ -137,7 +137,7 @@ fn run(
     let prediction = predict(&spectrum, &energy);
     let known = PredictedPoint { spectrum, prediction };
     let mut predictor =
-        Predictor::new(integrand, domain, SEED + 1 + seed, PredictionBudget::USUAL)?;
+        Predictor::new(integrand, domain, SEED + 1 + seed, PredictionBudget::DEFAULT)?;
     Ok(predictor.measure(known, &*sampler, Trials::new(trials), &())?)
 }
 

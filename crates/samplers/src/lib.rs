@@ -25,13 +25,13 @@ mod error;
 mod facts;
 mod family;
 mod hash;
-mod law;
 mod of_pattern;
 mod optimization;
 mod pattern;
 mod patterns;
 mod sampler;
 mod search;
+mod set_distribution;
 mod square;
 mod valid_counts;
 
@@ -43,10 +43,10 @@ pub use ensemble::{
 pub use error::Error;
 pub use facts::{CostOrder, PatternFacts, Rate};
 pub use family::SamplerFamily;
-pub use law::{Law, Strata};
 pub use optimization::{PowerProfile, SpectralControl, SpectralTarget, riesz_energy};
 pub use patterns::*;
 pub use sampler::Sampler;
+pub use set_distribution::{SetDistribution, Strata};
 pub use sphvar_grammar as grammar;
 pub use sphvar_sh::Domain;
 pub use square::{CosineHemisphere, JitteredSquare, OnSphere, SquarePattern, WhiteSquare};

@@ -1,6 +1,6 @@
 use rand::Rng;
 
-use crate::{Domain, Error, Law, PointSet, Progress, Sampler};
+use crate::{Domain, Error, PointSet, Progress, Sampler, SetDistribution};
 
 /// A sampler that was built from a pattern, whose text names its random streams.
 #[derive(Debug)]
@@ -37,8 +37,8 @@ impl Sampler for OfPattern {
         self.sampler.sample_watched(rng, set, progress)
     }
 
-    fn law(&self) -> Law<'_> {
-        self.sampler.law()
+    fn distribution(&self) -> SetDistribution<'_> {
+        self.sampler.distribution()
     }
 
     fn last_empty_degree(&self) -> Option<usize> {

@@ -3,7 +3,7 @@ use std::fmt::Debug;
 use rand::Rng;
 
 use crate::hash::fnv1a;
-use crate::{Domain, Error, Law, PointSet, Progress};
+use crate::{Domain, Error, PointSet, Progress, SetDistribution};
 
 /// A pattern of directions of a fixed number of points: what it takes to make one realization.
 ///
@@ -80,9 +80,9 @@ pub trait Sampler: Debug + Send + Sync {
         self.sample_into(rng, set)
     }
 
-    /// Returns what is known about the distribution of the realizations. Default: [`Law::Random`].
-    fn law(&self) -> Law<'_> {
-        Law::Random
+    /// Returns what is known about the distribution of the realizations. Default: [`SetDistribution::Random`].
+    fn distribution(&self) -> SetDistribution<'_> {
+        SetDistribution::Random
     }
 
     /// Returns the last degree t such that no realization has power at any degree `1 <= l <= t` of the
@@ -110,13 +110,13 @@ pub trait Sampler: Debug + Send + Sync {
     /// Returns whether two realizations can differ by more than a rotation. `false` means that one
     /// realization holds the whole spectrum of the pattern.
     fn is_random(&self) -> bool {
-        self.law().is_random()
+        self.distribution().is_random()
     }
 
     /// Returns whether the points of a realization are independent of each other and uniformly distributed, so that moments
     /// of estimates follow from those of the integrand. `false` where that is not known.
     fn is_independent(&self) -> bool {
-        self.n_points() == 1 || matches!(self.law(), Law::Independent)
+        self.n_points() == 1 || matches!(self.distribution(), SetDistribution::Independent)
     }
 
     /// Returns one realization.

@@ -8,7 +8,9 @@ mod strata;
 #[cfg(test)]
 mod tests;
 
-use sphvar_samplers::{Law, PointSet, Progress, Purpose, Realizations, Sampler, Streams};
+use sphvar_samplers::{
+    PointSet, Progress, Purpose, Realizations, Sampler, SetDistribution, Streams,
+};
 use sphvar_sh::{ByParity, LmIndex};
 use sphvar_sht::Method;
 
@@ -69,11 +71,13 @@ impl<'a> ExactSpectrum<'a> {
     /// Returns the spectrum of a sampler; `None` if its distribution has no closed form here.
     #[must_use]
     pub fn of(sampler: &'a dyn Sampler) -> Option<Self> {
-        let kind = match sampler.law() {
-            Law::Independent => Kind::White,
-            Law::Fixed => Kind::Fixed,
-            Law::OneOf(sets) => Kind::Sets(sets),
-            Law::Stratified(strata) => Kind::Stratified(Partition::of(strata, sampler.n_points())?),
+        let kind = match sampler.distribution() {
+            SetDistribution::Independent => Kind::White,
+            SetDistribution::Fixed => Kind::Fixed,
+            SetDistribution::OneOf(sets) => Kind::Sets(sets),
+            SetDistribution::Stratified(strata) => {
+                Kind::Stratified(Partition::of(strata, sampler.n_points())?)
+            }
             _ => return None,
         };
         Some(Self { sampler, kind })

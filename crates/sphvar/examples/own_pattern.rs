@@ -58,15 +58,15 @@ impl SamplerFamily for AnyOctahedra {
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let integrand = SampledFunction::new(|d: DVec3| (2.0 * d.x).exp() + d.y * d.z, 30);
-    let mut predictor = Predictor::new(&integrand, Domain::Sphere, 0, PredictionBudget::USUAL)?;
+    let mut predictor = Predictor::new(&integrand, Domain::Sphere, 0, PredictionBudget::DEFAULT)?;
     let families: [&dyn SamplerFamily; 4] =
         [&AnyOctahedra, &Pattern::WhiteNoise, &Pattern::Jittered, &Pattern::Fibonacci];
-    let wish = Wish::Points(192);
+    let goal = Goal::Points(192);
     let mut candidates = Vec::new();
     for family in families {
-        candidates.push(Candidate::new(family, wish, &mut predictor, &())?);
+        candidates.push(Candidate::new(family, goal, &mut predictor, &())?);
     }
-    rank(&mut candidates, wish);
+    rank(&mut candidates, goal);
     for (place, candidate) in candidates.iter().enumerate() {
         let (variance, stderr) = candidate.variance.unwrap_or((f64::NAN, f64::NAN));
         let pattern = candidate.curve.pattern();

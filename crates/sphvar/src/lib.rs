@@ -5,13 +5,13 @@
 //!
 //! // The indicator of a cap of 60 degrees, integrated over the sphere with 192 directions.
 //! let cap = Cap::from_degrees(60.0)?;
-//! let mut predictor = Predictor::new(&cap, Domain::Sphere, 0, PredictionBudget::USUAL)?;
-//! let wish = Wish::Points(192);
+//! let mut predictor = Predictor::new(&cap, Domain::Sphere, 0, PredictionBudget::DEFAULT)?;
+//! let goal = Goal::Points(192);
 //! let mut candidates = Vec::new();
 //! for pattern in [Pattern::WhiteNoise, Pattern::Jittered, Pattern::Fibonacci] {
-//!     candidates.push(Candidate::new(pattern, wish, &mut predictor, &())?);
+//!     candidates.push(Candidate::new(pattern, goal, &mut predictor, &())?);
 //! }
-//! rank(&mut candidates, wish);
+//! rank(&mut candidates, goal);
 //! assert_eq!(candidates[0].curve.pattern().to_string(), "fibonacci");
 //! # Ok::<(), sphvar::variance::Error>(())
 //! ```
@@ -56,7 +56,7 @@ pub mod prelude {
     };
     pub use sphvar_spectrum::{ExactSpectrum, Spectrum, estimate};
     pub use sphvar_variance::{
-        Candidate, Comparison, PredictedPoint, Prediction, PredictionBudget, Predictor, Trials,
-        Wish, fit_rate, rank, required_points,
+        Candidate, Comparison, Goal, PredictedPoint, Prediction, PredictionBudget, Predictor,
+        Trials, fit_rate, rank, required_points,
     };
 }

@@ -73,7 +73,7 @@ impl Pictures {
         let n = self.legal_points();
         let sets = match self.mode {
             DirectionMode::Rotated | DirectionMode::Projective => {
-                DirectionPlan::usual_sets(pattern, n)
+                DirectionPlan::default_sets(pattern, n)
             }
             DirectionMode::Shared | DirectionMode::Spun => 1,
             DirectionMode::Fresh => self.side * self.side,

@@ -2,13 +2,13 @@ use sphvar_samplers::{Pattern, Progress, SamplerFamily};
 
 use crate::required_points::ignore_unsupported_count;
 use crate::{
-    Error, PredictedCurve, PredictedPoint, Predictor, RequiredPoints, legal_between,
-    required_points,
+    Error, PredictedCurve, PredictedPoint, Predictor, RequiredPoints, required_points,
+    valid_between,
 };
 
 /// The goal by which patterns are ranked.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Wish {
+pub enum Goal {
     /// The least variance with at most this number of points, or with the smallest valid count of a
     /// pattern whose valid counts all exceed it.
     Points(usize),
@@ -21,7 +21,7 @@ pub enum Wish {
     },
 }
 
-/// A pattern with its predictions and its result for a [`Wish`]; [`rank`] sorts candidates, best
+/// A pattern with its predictions and its result for a [`Goal`]; [`rank`] sorts candidates, best
 /// first.
 ///
 /// # Examples
@@ -29,12 +29,12 @@ pub enum Wish {
 /// ```
 /// use sphvar_samplers::{Domain, Pattern, SamplerFamily};
 /// use sphvar_integrands::Harmonic;
-/// use sphvar_variance::{Candidate, PredictionBudget, Predictor, Wish, rank};
+/// use sphvar_variance::{Candidate, PredictionBudget, Predictor, Goal, rank};
 ///
 /// let integrand = Harmonic::new(4, 0)?;
 /// let mut predictor =
-///     Predictor::new(&integrand, Domain::Sphere, 0, PredictionBudget::USUAL)?;
-/// let goal = Wish::Points(192);
+///     Predictor::new(&integrand, Domain::Sphere, 0, PredictionBudget::DEFAULT)?;
+/// let goal = Goal::Points(192);
 /// // Your own types that implement `SamplerFamily` can be ranked together with built-in patterns.
 /// let families: [&dyn SamplerFamily; 2] = [&Pattern::WhiteNoise, &Pattern::Jittered];
 /// let mut candidates = Vec::new();
@@ -49,9 +49,9 @@ pub enum Wish {
 pub struct Candidate<F = Pattern> {
     /// The predictions at the numbers of points that were tried.
     pub curve: PredictedCurve<F>,
-    /// The number of points needed, for [`Wish::Variance`].
+    /// The number of points needed, for [`Goal::Variance`].
     pub required: Option<RequiredPoints>,
-    /// The number of points needed, or the valid count used for [`Wish::Points`]; `None` if out of
+    /// The number of points needed, or the valid count used for [`Goal::Points`]; `None` if out of
     /// reach.
     pub n_points: Option<usize>,
     /// The variance at `n_points` and its standard error including that of the tail: predicted, or
@@ -68,7 +68,7 @@ impl<F: SamplerFamily + Clone> Candidate<F> {
     /// Returns the errors of [`required_points`] and [`Predictor::predict`].
     pub fn new(
         family: F,
-        goal: Wish,
+        goal: Goal,
         predictor: &mut Predictor<'_>,
         progress: &dyn Progress,
     ) -> Result<Self, Error> {
@@ -82,17 +82,17 @@ impl<F: SamplerFamily + Clone> Candidate<F> {
     /// Returns the errors of [`Self::new`].
     pub fn with_curve(
         mut curve: PredictedCurve<F>,
-        goal: Wish,
+        goal: Goal,
         predictor: &mut Predictor<'_>,
         progress: &dyn Progress,
     ) -> Result<Self, Error> {
         let (required, n_points) = match goal {
-            Wish::Variance { variance, max_points } => {
+            Goal::Variance { variance, max_points } => {
                 let required =
                     required_points(predictor, &mut curve, variance, max_points, progress)?;
                 (Some(required), required.n_points())
             }
-            Wish::Points(n) => (None, Some(around(&mut curve, predictor, n, progress)?)),
+            Goal::Points(n) => (None, Some(around(&mut curve, predictor, n, progress)?)),
         };
         let predicted = n_points.and_then(|n| curve.at(n)).map(PredictedPoint::variance_point);
         let variance = match (predicted, required) {
@@ -117,10 +117,10 @@ impl<F> Candidate<F> {
     /// Returns the value by which candidates are ranked, smallest first: the number of points
     /// needed, or the variance; infinite if there is none.
     #[must_use]
-    pub fn merit(&self, goal: Wish) -> f64 {
+    pub fn merit(&self, goal: Goal) -> f64 {
         let merit = match goal {
-            Wish::Variance { .. } => self.n_points.map(|n| n as f64),
-            Wish::Points(_) => self.variance.map(|v| v.0),
+            Goal::Variance { .. } => self.n_points.map(|n| n as f64),
+            Goal::Points(_) => self.variance.map(|v| v.0),
         };
         merit.unwrap_or(f64::INFINITY)
     }
@@ -128,7 +128,7 @@ impl<F> Candidate<F> {
 
 /// Sorts candidates, best first: by [`Candidate::merit`], ties by variance, remaining ties in the
 /// given order.
-pub fn rank<F>(candidates: &mut [Candidate<F>], goal: Wish) {
+pub fn rank<F>(candidates: &mut [Candidate<F>], goal: Goal) {
     let variance = |c: &Candidate<F>| c.variance.map_or(f64::INFINITY, |v| v.0);
     candidates.sort_by(|a, b| {
         let order = a.merit(goal).total_cmp(&b.merit(goal));
@@ -148,7 +148,7 @@ fn around<F: SamplerFamily + Clone>(
     let domain = predictor.domain();
     let valid = |n: usize| family.nearest_count(n, domain);
     // A count above the budget is used only if the pattern has none below.
-    let fewer = legal_between(&family, domain, 0, n.saturating_add(1), n);
+    let fewer = valid_between(&family, domain, 0, n.saturating_add(1), n);
     let at = fewer.unwrap_or_else(|| valid(n));
     curve.predict(predictor, at, progress)?;
     for n in [n / 4, n / 2].map(valid) {

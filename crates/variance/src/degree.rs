@@ -1,4 +1,4 @@
-use sphvar_samplers::{Domain, Law, Sampler};
+use sphvar_samplers::{Domain, Sampler, SetDistribution};
 use sphvar_spectrum::Resolution;
 
 use crate::Error;
@@ -14,7 +14,8 @@ use sphvar_integrands::{Energy, Integrand};
 #[must_use]
 pub fn prediction_degree(sampler: &dyn Sampler, integrand: &dyn Integrand) -> usize {
     let natural = Resolution::natural_degree(sampler.n_points());
-    let is_lattice = matches!(sampler.law(), Law::Fixed | Law::OneOf(_));
+    let is_lattice =
+        matches!(sampler.distribution(), SetDistribution::Fixed | SetDistribution::OneOf(_));
     let degree = if is_lattice { natural.saturating_mul(10) } else { natural };
     let resolved =
         integrand.resolved_degree().map_or(degree, |limit| degree.min(limit.max(natural)));

@@ -33,7 +33,7 @@ pub fn best_design(
     n_points: usize,
     to_beat: f64,
 ) -> Result<Option<(Pattern, PredictedPoint)>, Error> {
-    let default = PredictionBudget::USUAL;
+    let default = PredictionBudget::DEFAULT;
     let budget = PredictionBudget { work: MAX_WORK * default.work, ..default };
     let mut best: Option<(Pattern, PredictedPoint)> = None;
     let (mut limit, mut below, mut failures) = (to_beat, usize::MAX, 0);

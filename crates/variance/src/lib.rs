@@ -48,7 +48,7 @@ mod stopping;
 mod student;
 mod trials;
 
-pub use candidate::{Candidate, Wish, rank};
+pub use candidate::{Candidate, Goal, rank};
 pub use comparison::Comparison;
 pub use crossover::{Crossover, crossover, crossovers};
 pub use cut_sphere::{CutAxis, CutMeasurement, measure_cut_sphere};
@@ -63,7 +63,7 @@ pub use prediction_budget::{PredictionBudget, SpectrumOptions};
 pub use predictor::Predictor;
 pub use rate::{RateFit, VariancePoint, fit_exact_rate, fit_rate, fit_rate_of_few};
 pub use relative_error::{RelativeError, rarest_seen};
-pub use required_points::{RequiredPoints, legal_between, required_points};
+pub use required_points::{RequiredPoints, required_points, valid_between};
 pub use sphvar_integrands::{Energy, Integrand};
 pub use sphvar_sh::Domain;
 pub use sphvar_spectrum::{Method, Spectrum};

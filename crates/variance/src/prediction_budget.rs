@@ -18,7 +18,7 @@ pub struct PredictionBudget {
 
 impl PredictionBudget {
     /// The default: 2 % of the variance and eight million units, about half a second of one core.
-    pub const USUAL: Self = Self { relative: 0.02, work: 8e6 };
+    pub const DEFAULT: Self = Self { relative: 0.02, work: 8e6 };
 
     /// The minimum number of realizations of an estimate, however expensive they are: with fewer
     /// the error is unknown.
@@ -113,7 +113,7 @@ mod tests {
 
     #[test]
     fn realizations_follow_from_the_work() {
-        let budget = PredictionBudget::USUAL;
+        let budget = PredictionBudget::DEFAULT;
         let count = |name: &str, n, lmax| {
             let sampler = name.parse::<Pattern>().unwrap().build(n, Domain::Sphere).unwrap();
             (budget.realizations(&*sampler, lmax), sampler)

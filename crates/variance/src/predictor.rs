@@ -1,12 +1,13 @@
 use std::cell::OnceCell;
 use std::collections::BTreeMap;
 
-use sphvar_samplers::{Domain, Law, Progress, Purpose, Realizations, Sampler, Streams};
+use sphvar_samplers::{Domain, Progress, Purpose, Realizations, Sampler, SetDistribution, Streams};
 use sphvar_sh::{ByParity, LmIndex, MAX_DEGREE};
 use sphvar_spectrum::{Accumulator, Resolution, Spectrum, SpectrumAccumulator, accumulate};
 
 use crate::energy_levels::{degrees_of, level};
 use crate::prediction_budget::realization_work;
+use crate::required_points::ROUNDING;
 use crate::route::Route;
 use crate::{
     Error, PredictedPoint, Prediction, PredictionAccumulator, PredictionBudget, SpectrumOptions,
@@ -132,6 +133,16 @@ impl<'a> Predictor<'a> {
     #[must_use]
     pub fn white_variance(&self, n_points: usize) -> f64 {
         self.domain.variance_factor(n_points) * self.outline.beyond(0)
+    }
+
+    /// Returns the number of points with which white noise has the requested variance or less, in closed
+    /// form; infinite or NaN where no finite number has.
+    ///
+    /// As in [`required_points`](crate::required_points), a variance that exceeds the requested one by rounding
+    /// suffices.
+    #[must_use]
+    pub fn white_points(&self, variance: f64) -> f64 {
+        (self.white_variance(1) / (variance * (1.0 + ROUNDING))).ceil().max(1.0)
     }
 
     /// Returns the variance that rounding of a prediction alone can produce. The integrand's mean
@@ -420,7 +431,7 @@ impl<'a> Predictor<'a> {
             let reason = "a sampler has no points".to_owned();
             return Err(sphvar_samplers::Error::Given { reason }.into());
         }
-        if let Law::OneOf(sets) = sampler.law()
+        if let SetDistribution::OneOf(sets) = sampler.distribution()
             && let Some(i) = sets.iter().position(|set| set.n_effective() <= 0.0)
         {
             let reason = format!("set {i} has weights whose sum is 0, which estimate no integral");
@@ -432,12 +443,14 @@ impl<'a> Predictor<'a> {
         }
         let max = prediction_degree(sampler, self.integrand);
         let natural = Resolution::natural_degree(sampler.n_points());
-        match sampler.law() {
+        match sampler.distribution() {
             // If there are few given sets, each may be a lattice.
-            Law::OneOf(sets) if sets.len() as u64 > budget.realizations(sampler, max) => {
+            SetDistribution::OneOf(sets)
+                if sets.len() as u64 > budget.realizations(sampler, max) =>
+            {
                 return Ok(max.min(natural));
             }
-            Law::OneOf(_) | Law::Fixed => {}
+            SetDistribution::OneOf(_) | SetDistribution::Fixed => {}
             _ => return Ok(max),
         }
         let least = natural.min(max);

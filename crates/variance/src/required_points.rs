@@ -1,6 +1,6 @@
 use std::collections::BTreeSet;
 
-use sphvar_samplers::{Domain, Law, Progress, SamplerFamily};
+use sphvar_samplers::{Domain, Progress, SamplerFamily, SetDistribution};
 use sphvar_spectrum::Resolution;
 
 use crate::{Error, PredictedCurve, PredictedPoint, Prediction, Predictor, RateFit};
@@ -57,7 +57,8 @@ const RESOLUTION: f64 = 1.02;
 /// half of white noise's power ([`Predictor::broad_variance`]). The interval between the last
 /// insufficient number and the next one is refined by interpolation in log N and log Var: to the
 /// exact number where the predictions of a random pattern are exact, otherwise to 2 %. Counts that
-/// were not tried are unknown; a lattice may have a larger variance at one of them.
+/// were not tried are unknown; a lattice may have a larger variance at one of them. A variance that
+/// exceeds the requested one by rounding only, relative 1e-12, suffices.
 ///
 /// # Errors
 ///
@@ -73,7 +74,7 @@ const RESOLUTION: f64 = 1.02;
 ///
 /// // White noise on the hemisphere has the variance (2 pi int f^2 - (int f)^2)/N = pi^2/(3 N).
 /// let mut predictor =
-///     Predictor::new(&ClampedCosine, Domain::Hemisphere, 0, PredictionBudget::USUAL)?;
+///     Predictor::new(&ClampedCosine, Domain::Hemisphere, 0, PredictionBudget::DEFAULT)?;
 /// let mut curve = PredictedCurve::new(Pattern::WhiteNoise);
 /// let variance = (0.01 * std::f64::consts::PI).powi(2);
 /// let needed = required_points(&mut predictor, &mut curve, variance, 100_000, &())?;
@@ -91,6 +92,7 @@ pub fn required_points<F: SamplerFamily + Clone>(
         let (name, range) = ("the requested variance", "positive and finite");
         return Err(Error::Parameter { name, range, got: variance });
     }
+    let variance = variance * (1.0 + ROUNDING);
     let mut search = Search { predictor, curve, variance, progress, rough: BTreeSet::new() };
     let climb = search.climb(max_points)?;
     match climb.enough {
@@ -100,6 +102,9 @@ pub fn required_points<F: SamplerFamily + Clone>(
     }
 }
 
+/// The relative rounding error of predicted and requested variances, generously: where both are equal by their
+/// formulas, either may be computed as the larger one.
+pub(crate) const ROUNDING: f64 = 1e-12;
 /// The minimum share of white noise's power that random patterns have beyond 4 sqrt(N), averaged
 /// over many degrees.
 const RANDOM_SHARE: f64 = 0.5;
@@ -192,8 +197,9 @@ impl<F: SamplerFamily + Clone> Search<'_, '_, F> {
     fn is_ruled_out(&mut self, pattern: &F, n_points: usize) -> Result<bool, Error> {
         let white = self.predictor.white_variance(n_points);
         let sampler = pattern.build(n_points, self.predictor.domain());
-        let kind = sampler.as_ref().map_or(Law::Fixed, |sampler| sampler.law());
-        if matches!(kind, Law::Independent) || white <= self.variance {
+        let kind =
+            sampler.as_ref().map_or(SetDistribution::Fixed, |sampler| sampler.distribution());
+        if matches!(kind, SetDistribution::Independent) || white <= self.variance {
             return Ok(false);
         }
         let is_random = kind.is_random();
@@ -235,7 +241,7 @@ impl<F: SamplerFamily + Clone> Search<'_, '_, F> {
                 return Ok(enough);
             }
             let wanted = self.between(too_few, enough, halve);
-            let Some(n) = legal_between(&pattern, domain, too_few, enough, wanted) else {
+            let Some(n) = valid_between(&pattern, domain, too_few, enough, wanted) else {
                 return Ok(enough);
             };
             let before = enough as f64 / too_few as f64;
@@ -379,7 +385,7 @@ impl<F: SamplerFamily + Clone> Search<'_, '_, F> {
         )]
         let n = if n <= max_points as f64 { n.ceil() as usize } else { usize::MAX };
         let (pattern, domain) = (self.curve.pattern(), self.predictor.domain());
-        let above = legal_between(pattern, domain, n.saturating_sub(1), usize::MAX, n);
+        let above = valid_between(pattern, domain, n.saturating_sub(1), usize::MAX, n);
         match above.filter(|&n| n <= max_points) {
             Some(n_points) => RequiredPoints::Extrapolated { n_points, fit },
             None => RequiredPoints::OutOfReach,
@@ -406,7 +412,7 @@ fn candidate_counts(pattern: &dyn SamplerFamily, domain: Domain, max_points: usi
     let mut candidate_counts: Vec<usize> =
         powers.map(|n| pattern.nearest_count(n, domain)).collect();
     let beyond = max_points.saturating_add(1);
-    candidate_counts.extend(legal_between(pattern, domain, 0, beyond, max_points));
+    candidate_counts.extend(valid_between(pattern, domain, 0, beyond, max_points));
     candidate_counts.retain(|&n| n <= max_points);
     candidate_counts.dedup();
     candidate_counts
@@ -415,7 +421,7 @@ fn candidate_counts(pattern: &dyn SamplerFamily, domain: Domain, max_points: usi
 /// Returns the valid count of a pattern nearest to `wanted` among those above `low` and below
 /// `high`, or `None` if there is none.
 #[must_use]
-pub fn legal_between(
+pub fn valid_between(
     pattern: &dyn SamplerFamily,
     domain: Domain,
     low: usize,
@@ -461,7 +467,10 @@ pub fn legal_between(
 mod tests {
     use sphvar_samplers::{Domain, Pattern};
 
-    use super::{candidate_counts, legal_between};
+    use sphvar_integrands::Cap;
+
+    use super::{candidate_counts, required_points, valid_between};
+    use crate::{PredictedCurve, PredictionBudget, Predictor};
 
     #[test]
     fn valid_counts_in_an_interval_are_found() {
@@ -472,14 +481,14 @@ mod tests {
                 for high in low..low + 90 {
                     let inside = valid.iter().filter(|&&n| low < n && n < high);
                     for wanted in [low, (low + high) / 2, high] {
-                        let got = legal_between(&Pattern::Healpix, domain, low, high, wanted);
+                        let got = valid_between(&Pattern::Healpix, domain, low, high, wanted);
                         assert_eq!(got.is_some(), inside.clone().count() > 0, "{low} {high}");
                         assert!(got.is_none_or(|n| valid.contains(&n) && low < n && n < high));
                     }
                 }
             }
         }
-        let top = legal_between(&Pattern::Healpix, Domain::Sphere, 0, usize::MAX, 1 << 40);
+        let top = valid_between(&Pattern::Healpix, Domain::Sphere, 0, usize::MAX, 1 << 40);
         assert!(top.is_some_and(|n| n % 12 == 0));
     }
 
@@ -493,5 +502,30 @@ mod tests {
         assert_eq!(candidate_counts(&Pattern::WhiteNoise, sphere, 9), [1, 2, 4, 8, 9]);
         let all = candidate_counts(&Pattern::Healpix, sphere, usize::MAX);
         assert!(all.windows(2).all(|pair| pair[0] < pair[1]), "{all:?}");
+    }
+
+    /// White noise has the relative variance (4 pi/A - 1)/N for a cap of area A: 3/N for 60 degrees, 1/N for 90.
+    #[test]
+    fn an_error_that_is_met_exactly_needs_no_point_more() {
+        for (degrees, share) in [(60.0, 3.0), (90.0, 1.0)] {
+            let cap = Cap::from_degrees(degrees).unwrap();
+            let mut predictor =
+                Predictor::new(&cap, Domain::Sphere, 0, PredictionBudget::DEFAULT).unwrap();
+            let integral = 2.0 * std::f64::consts::PI * (1.0 - degrees.to_radians().cos());
+            for root in [1, 2, 3, 5, 7, 10, 13, 20, 25, 31, 50, 73] {
+                // With share root^2 points the relative error is 1/root.
+                let n_points = share as usize * root * root;
+                let variance = (integral / root as f64).powi(2);
+                for off in [1.0 - 1e-15, 1.0, 1.0 + 1e-15] {
+                    let mut curve = PredictedCurve::new(Pattern::WhiteNoise);
+                    let got =
+                        required_points(&mut predictor, &mut curve, off * variance, 100_000, &());
+                    assert_eq!(got.unwrap().n_points(), Some(n_points), "{degrees} {root} {off}");
+                    assert_eq!(predictor.white_points(off * variance), n_points as f64);
+                }
+                let more = predictor.white_points((1.0 - 1e-6 / n_points as f64) * variance);
+                assert_eq!(more, n_points as f64 + 1.0);
+            }
+        }
     }
 }

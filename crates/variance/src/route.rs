@@ -1,4 +1,4 @@
-use sphvar_samplers::{Law, PointSet, Sampler};
+use sphvar_samplers::{PointSet, Sampler, SetDistribution};
 use sphvar_spectrum::ExactSpectrum;
 
 use crate::{PredictionBudget, SpectrumOptions};
@@ -24,9 +24,9 @@ impl<'a> Route<'a> {
         lmax: usize,
     ) -> Self {
         let is_left_open = options.realizations.is_none();
-        match sampler.law() {
-            Law::Independent if is_left_open => Self::Flat,
-            Law::OneOf(sets) if sets.len() > 1 => {
+        match sampler.distribution() {
+            SetDistribution::Independent if is_left_open => Self::Flat,
+            SetDistribution::OneOf(sets) if sets.len() > 1 => {
                 let max = budget.realizations(sampler, lmax);
                 let are_few = is_left_open && sets.len() as u64 <= max;
                 if are_few { Self::All(sets) } else { Self::Sampled }

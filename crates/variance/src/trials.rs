@@ -67,7 +67,7 @@ impl Predictor<'_> {
     /// use sphvar_variance::{PredictionBudget, Predictor, Trials};
     ///
     /// let mut predictor =
-    ///     Predictor::new(&ClampedCosine, Domain::Sphere, 0, PredictionBudget::USUAL)?;
+    ///     Predictor::new(&ClampedCosine, Domain::Sphere, 0, PredictionBudget::DEFAULT)?;
     /// let jittered = Pattern::Jittered.build(48, Domain::Sphere)?;
     /// let compared = predictor.compare(&*jittered, Trials::new(400), &())?;
     /// assert!(compared.z_score().abs() < 4.0);

@@ -15,7 +15,7 @@ const SEED: u64 = 11;
 const MOST: usize = 100_000;
 
 fn predictor(integrand: &dyn Integrand, domain: Domain) -> Predictor<'_> {
-    Predictor::new(integrand, domain, SEED, PredictionBudget::USUAL).unwrap()
+    Predictor::new(integrand, domain, SEED, PredictionBudget::DEFAULT).unwrap()
 }
 
 fn required(
@@ -277,7 +277,7 @@ fn what_cannot_be_asked_is_refused() {
         assert!(matches!(got, Err(Error::Parameter { .. })), "{precision:?}");
     }
     let closure = |dir: DVec3| dir.z;
-    let got = Predictor::new(&closure, Domain::Sphere, SEED, PredictionBudget::USUAL);
+    let got = Predictor::new(&closure, Domain::Sphere, SEED, PredictionBudget::DEFAULT);
     assert!(matches!(got, Err(Error::Integrand(sphvar_integrands::Error::NoEnergy { .. }))));
 }
 

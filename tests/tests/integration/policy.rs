@@ -21,11 +21,11 @@ fn counts_and_methods_are_frozen() {
             let n = pattern.nearest_count(asked, Domain::Sphere);
             let sampler = pattern.build(n, Domain::Sphere).unwrap();
             let lmax = prediction_degree(&*sampler, &cap);
-            let most = PredictionBudget::USUAL.realizations(&*sampler, lmax);
+            let most = PredictionBudget::DEFAULT.realizations(&*sampler, lmax);
             let is_fast = Transform::new(Method::Auto, lmax, n, 1e-12).unwrap().is_fast();
             let transform = if is_fast { "fast" } else { "exact" };
             let mut predictor =
-                Predictor::new(&cap, Domain::Sphere, 0, PredictionBudget::USUAL).unwrap();
+                Predictor::new(&cap, Domain::Sphere, 0, PredictionBudget::DEFAULT).unwrap();
             let affordable = predictor.is_affordable(&*sampler).unwrap();
             // Large descents take seconds.
             let taken = if n < 1000 && sampler.nominal_work() < 2e5 {
@@ -57,7 +57,7 @@ fn degrees_are_frozen() {
             for n in [1, 100, 1000] {
                 let sampler = Pattern::Fibonacci.build(n, domain).unwrap();
                 let mut predictor =
-                    Predictor::new(integrand, domain, 0, PredictionBudget::USUAL).unwrap();
+                    Predictor::new(integrand, domain, 0, PredictionBudget::DEFAULT).unwrap();
                 let lmax = predictor.predict(&*sampler, &()).unwrap().spectrum.lmax();
                 writeln!(table, "{name} {domain} {n}: {lmax}").unwrap();
             }

@@ -275,7 +275,7 @@ fn coarse_maps_are_predicted_too() {
         let sampler = pattern.build(768, Domain::Sphere).unwrap();
         let options = SpectrumOptions { realizations: Some(400), ..SpectrumOptions::default() };
         let mut predictor =
-            Predictor::new(&map, Domain::Sphere, SEED, PredictionBudget::USUAL).unwrap();
+            Predictor::new(&map, Domain::Sphere, SEED, PredictionBudget::DEFAULT).unwrap();
         predictor = predictor.with_options(options);
         let got = predictor.compare(&*sampler, Trials::new(1000), &()).unwrap();
         let stderr = got.measurement.variance_stderr().hypot(got.predicted.prediction.stderr);

@@ -138,7 +138,7 @@ impl OfHarmonic {
 impl Subject for OfHarmonic {
     fn run(&mut self) {
         let harmonic = Harmonic::new(DEGREE, 0).expect("an order in range");
-        let budget = PredictionBudget::USUAL;
+        let budget = PredictionBudget::DEFAULT;
         let predictor = Predictor::new(&harmonic, Domain::Sphere, SEED, budget);
         let sampler = self.pattern.build(self.n, Domain::Sphere).expect("a feasible pattern");
         let point = predictor.and_then(|mut p| p.predict(&*sampler, &()));

@@ -105,7 +105,7 @@ pub(crate) fn run(args: &ChooseArgs, global: &Global) -> Result<(), CliError> {
     };
     let function = &*integrand.function;
     let announce = |lmax: usize| integrand.announce_energies(domain, lmax, global.quiet);
-    let mut predictor = Predictor::new(function, domain, global.seed, PredictionBudget::USUAL)
+    let mut predictor = Predictor::new(function, domain, global.seed, PredictionBudget::DEFAULT)
         .map_err(CliError::usage)?
         .on_energies(&announce);
     let question = Question::new(args, &integrand, predictor.energy())?;
@@ -187,7 +187,7 @@ fn considered() -> Vec<Pattern> {
 /// The work of the fewest realizations that a prediction takes, in budgets of it.
 fn budgets(pattern: &Pattern, n_points: usize) -> f64 {
     let least = PredictionBudget::MIN_REALIZATIONS as f64 * pattern.nominal_work(n_points);
-    least / PredictionBudget::USUAL.work
+    least / PredictionBudget::DEFAULT.work
 }
 
 /// The share of a pattern in the time for all, for progress.

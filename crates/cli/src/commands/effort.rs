@@ -61,7 +61,7 @@ fn spectrum_realizations_help() -> String {
     format!(
         "Realizations per estimated spectrum [default: none where a closed form is available; otherwise until the \
          prediction is known to {} %, within a fixed amount of work]",
-        100.0 * PredictionBudget::USUAL.relative
+        100.0 * PredictionBudget::DEFAULT.relative
     )
 }
 

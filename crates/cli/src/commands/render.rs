@@ -59,7 +59,7 @@ pub(crate) struct RenderArgs {
     pub(super) sets: Option<usize>,
     #[arg(short = 'm', long, value_name = "M", value_parser = parse_realizations, help = format!(
         "Renders from which errors are estimated; the first one is the picture [default: {}; of a sheet {}; 1 without errors]",
-        trials::USUAL_RENDERS, sheet::USUAL_RENDERS
+        trials::DEFAULT_RENDERS, sheet::DEFAULT_RENDERS
     ))]
     pub(super) realizations: Option<u64>,
     /// Compare with the reference image: mean squared error, bias, structure
@@ -95,11 +95,11 @@ pub(crate) struct RenderArgs {
 }
 
 fn counts_help() -> String {
-    let (first, last) = study::USUAL_RANGE;
+    let (first, last) = study::DEFAULT_RANGE;
     format!(
         "Numbers of points N on the visible hemisphere of each shading point: one, or for --study and --sheet a list such \
          as 16,64,256 or a range such as 16..1024, which doubles [default: {}; of a study {first}..{last}]",
-        single::USUAL_COUNT
+        single::DEFAULT_COUNT
     )
 }
 

@@ -23,9 +23,9 @@ pub(super) struct Plan<'a> {
     pub(super) trials: Option<u64>,
     /// The requested precision of measured variances.
     pub(super) until: Option<Precision>,
-    /// The number of realizations of a spectrum, if the user has a wish.
+    /// The number of realizations of a spectrum, if the user states it.
     pub(super) realizations: Option<u64>,
-    /// The largest degree of a spectrum, if the user has a wish.
+    /// The largest degree of a spectrum, if the user states it.
     pub(super) lmax: Option<usize>,
     /// How spectra are computed, and how accurately.
     pub(super) method: Method,
@@ -162,7 +162,7 @@ impl Plan<'_> {
         integrand: &'a dyn Integrand,
         domain: Domain,
     ) -> Result<Predictor<'a>, sphvar_variance::Error> {
-        let predictor = Predictor::new(integrand, domain, self.seed, PredictionBudget::USUAL)?;
+        let predictor = Predictor::new(integrand, domain, self.seed, PredictionBudget::DEFAULT)?;
         let Self { lmax, realizations, method, epsilon, .. } = *self;
         Ok(predictor.with_options(SpectrumOptions { lmax, realizations, method, epsilon }))
     }
@@ -176,7 +176,7 @@ impl Plan<'_> {
 
     /// From how many realizations at most the spectrum of a pattern is estimated.
     pub(super) fn spectrum_realizations(&self, sampler: &dyn Sampler, lmax: usize) -> u64 {
-        let budget = PredictionBudget::USUAL;
+        let budget = PredictionBudget::DEFAULT;
         self.realizations.unwrap_or_else(|| budget.realizations(sampler, lmax))
     }
 

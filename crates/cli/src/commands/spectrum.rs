@@ -305,7 +305,7 @@ fn sampled_only(pattern: &Pattern) -> CliError {
     ))
 }
 
-/// The wish for the samples of one coefficient.
+/// The coefficient whose samples are requested.
 struct Coefficient {
     l: usize,
     m: usize,

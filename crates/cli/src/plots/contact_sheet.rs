@@ -20,7 +20,7 @@ const LINE: u32 = 20;
 /// pictures and the file, of three bytes a pixel each.
 const BYTES: f64 = (3 * 3 * 3 + 3 * 3) as f64;
 /// Lines below a picture, for estimates: two, each broken once.
-const USUAL_LINES: f64 = 4.0;
+const DEFAULT_LINES: f64 = 4.0;
 
 /// One picture.
 #[derive(Clone, Debug, PartialEq)]
@@ -59,7 +59,7 @@ struct Captions<'a> {
 impl ContactSheet {
     /// The memory that a sheet of so many pictures of this size takes, about, with captions of two lines.
     pub(crate) fn bytes([width, height]: [usize; 2], panels: usize) -> f64 {
-        let (gap, caption) = (f64::from(GAP), USUAL_LINES * f64::from(LINE));
+        let (gap, caption) = (f64::from(GAP), DEFAULT_LINES * f64::from(LINE));
         BYTES
             * (f64::max(width as f64, f64::from(MIN_WIDTH)) + gap)
             * (height as f64 + caption + gap)

@@ -13,7 +13,7 @@ use crate::workplace::Workplace;
 
 /// How many interrupts; `just interrupts` sends more.
 const COUNT: &str = "SPHVAR_INTERRUPTS";
-const USUAL_COUNT: usize = 8;
+const DEFAULT_COUNT: usize = 8;
 
 /// Commands that write files, most of them long enough to be met in the middle.
 const COMMANDS: [&str; 12] = [
@@ -86,7 +86,7 @@ fn shown(status: ExitStatus) -> i32 {
 
 #[test]
 fn nothing_unfinished_is_left() {
-    let count = std::env::var(COUNT).map_or(USUAL_COUNT, |count| count.parse().unwrap());
+    let count = std::env::var(COUNT).map_or(DEFAULT_COUNT, |count| count.parse().unwrap());
     let mut numbers = Numbers(1);
     let mut whole = BTreeMap::new();
     let mut ended = 0;

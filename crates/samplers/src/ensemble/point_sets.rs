@@ -3,7 +3,7 @@ use std::fmt;
 use glam::DVec3;
 use rand::{Rng, RngExt};
 
-use crate::{Domain, Ensemble, Error, Law, PointSet, Progress, Sampler};
+use crate::{Domain, Ensemble, Error, PointSet, Progress, Sampler, SetDistribution};
 
 /// Given point sets, with or without weights, as a sampler that draws one of them uniformly.
 ///
@@ -115,8 +115,8 @@ impl Sampler for PointSets {
         self.domain
     }
 
-    fn law(&self) -> Law<'_> {
-        Law::OneOf(&self.sets)
+    fn distribution(&self) -> SetDistribution<'_> {
+        SetDistribution::OneOf(&self.sets)
     }
 
     fn stream_group(&self) -> usize {

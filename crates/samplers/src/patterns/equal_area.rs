@@ -8,7 +8,7 @@ use sphvar_grammar::{Choice, Declaration, Parametric};
 
 pub use self::region::Region;
 use crate::definition::Definition;
-use crate::{CostOrder, Domain, Error, Law, PatternFacts, PointSet, Rate, Sampler, Strata, count};
+use crate::{CostOrder, Domain, Error, SetDistribution, PatternFacts, PointSet, Rate, Sampler, Strata, count};
 
 /// Where a point lies in its region.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -154,10 +154,10 @@ impl Sampler for EqualArea {
         self.domain
     }
 
-    fn law(&self) -> Law<'_> {
+    fn distribution(&self) -> SetDistribution<'_> {
         match self.placement {
-            Placement::Jittered => Law::Stratified(Strata::EqualArea(self)),
-            Placement::Centred => Law::Fixed,
+            Placement::Jittered => SetDistribution::Stratified(Strata::EqualArea(self)),
+            Placement::Centred => SetDistribution::Fixed,
         }
     }
 

@@ -3,7 +3,7 @@ use sphvar_grammar::Parametric;
 use sphvar_healpix::{Cell, Nside};
 
 use crate::definition::Definition;
-use crate::{CostOrder, Domain, Error, Law, PatternFacts, PointSet, Rate, Sampler, ValidCounts};
+use crate::{CostOrder, Domain, Error, SetDistribution, PatternFacts, PointSet, Rate, Sampler, ValidCounts};
 
 /// The centres of the HEALPix pixels (Gorski et al. 2005), 12 nside^2 of them; on the hemisphere
 /// one of each antipodal pair, 6 nside^2.
@@ -33,8 +33,8 @@ impl Sampler for HealpixRegular {
         self.domain
     }
 
-    fn law(&self) -> Law<'_> {
-        Law::Fixed
+    fn distribution(&self) -> SetDistribution<'_> {
+        SetDistribution::Fixed
     }
 
     fn sample_into(&self, _: &mut dyn Rng, set: &mut PointSet) -> Result<(), Error> {

@@ -5,7 +5,7 @@ use sphvar_healpix::Nside;
 use super::healpix::{n_strata, nside, strata, valid_counts};
 use crate::definition::Definition;
 use crate::{
-    CostOrder, Domain, Error, Law, PatternFacts, PointSet, Rate, Sampler, Strata, ValidCounts,
+    CostOrder, Domain, Error, SetDistribution, PatternFacts, PointSet, Rate, Sampler, Strata, ValidCounts,
 };
 
 /// One uniform direction in every HEALPix pixel, for any nside; on the hemisphere one in every
@@ -37,8 +37,8 @@ impl Sampler for HealpixJittered {
         self.domain
     }
 
-    fn law(&self) -> Law<'_> {
-        Law::Stratified(Strata::Healpix(self.nside))
+    fn distribution(&self) -> SetDistribution<'_> {
+        SetDistribution::Stratified(Strata::Healpix(self.nside))
     }
 
     fn sample_into(&self, rng: &mut dyn Rng, set: &mut PointSet) -> Result<(), Error> {

@@ -85,7 +85,7 @@ impl PoissonDisk {
     const UNRESOLVED_SHARE: f64 = 1e-12;
 
     /// Levels of subdivision after which an exact set is complete, about.
-    const USUAL_LEVELS: f64 = 8.0;
+    const DEFAULT_LEVELS: f64 = 8.0;
 
     /// The share of the sphere, M r^2/16, that saturated disks of radius r/2 fill.
     const SATURATED_FILL: f64 = 0.547;
@@ -280,7 +280,7 @@ impl Sampler for PoissonDisk {
         let points = set.start();
         // A generator of its own: a call through `dyn` for every number costs as much as a dart.
         let mut own = ChaCha8Rng::from_rng(rng);
-        let level = self.nominal_work() / Self::USUAL_LEVELS;
+        let level = self.nominal_work() / Self::DEFAULT_LEVELS;
         match self.mode {
             DiskMode::Exact => self.exact_into(&mut own, points, &|| progress.tick(level)),
             DiskMode::Saturated => self.saturated_into(&mut own, points, &|| progress.tick(level)),

@@ -6,7 +6,7 @@ use sphvar_grammar::Parametric;
 use sphvar_warps::archimedes;
 
 use crate::definition::Definition;
-use crate::{CostOrder, Domain, Error, Law, PatternFacts, PointSet, Rate, Sampler, count};
+use crate::{CostOrder, Domain, Error, SetDistribution, PatternFacts, PointSet, Rate, Sampler, count};
 
 /// The advance along the spiral per point, in units of `1/sqrt(N)` of arc: the value that Rakhmanov,
 /// Saff and Zhou give from numerical experiments.
@@ -68,8 +68,8 @@ impl Sampler for GeneralizedSpiral {
         self.domain
     }
 
-    fn law(&self) -> Law<'_> {
-        Law::Fixed
+    fn distribution(&self) -> SetDistribution<'_> {
+        SetDistribution::Fixed
     }
 
     fn sample_into(&self, _: &mut dyn Rng, set: &mut PointSet) -> Result<(), Error> {

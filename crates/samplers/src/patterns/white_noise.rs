@@ -6,7 +6,7 @@ use sphvar_grammar::Parametric;
 use sphvar_warps::archimedes;
 
 use crate::definition::Definition;
-use crate::{CostOrder, Domain, Error, Law, PatternFacts, PointSet, Rate, Sampler};
+use crate::{CostOrder, Domain, Error, SetDistribution, PatternFacts, PointSet, Rate, Sampler};
 
 /// Independent, uniformly distributed directions: `P(l) = 1` for every l >= 1, variance
 /// `(area int F^2 - (int F)^2)/N`.
@@ -31,8 +31,8 @@ impl Sampler for WhiteNoise {
         self.domain
     }
 
-    fn law(&self) -> Law<'_> {
-        Law::Independent
+    fn distribution(&self) -> SetDistribution<'_> {
+        SetDistribution::Independent
     }
 
     fn sample_into(&self, rng: &mut dyn Rng, set: &mut PointSet) -> Result<(), Error> {

@@ -4,7 +4,7 @@ use rand::Rng;
 
 use sphvar_warps::archimedes;
 
-use crate::{Domain, Error, Law, PointSet, Sampler, SquarePattern};
+use crate::{Domain, Error, PointSet, Sampler, SetDistribution, SquarePattern};
 
 /// A pattern of the square, carried to the sphere or the hemisphere by the area-preserving map of
 /// Archimedes.
@@ -47,8 +47,8 @@ impl<P: SquarePattern> Sampler for OnSphere<P> {
         self.domain
     }
 
-    fn law(&self) -> Law<'_> {
-        if self.pattern.is_random() { Law::Random } else { Law::Fixed }
+    fn distribution(&self) -> SetDistribution<'_> {
+        if self.pattern.is_random() { SetDistribution::Random } else { SetDistribution::Fixed }
     }
 
     fn sample_into(&self, rng: &mut dyn Rng, set: &mut PointSet) -> Result<(), Error> {

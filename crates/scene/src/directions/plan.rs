@@ -30,7 +30,7 @@ pub struct DirectionPlan {
 
 impl DirectionPlan {
     /// Returns the plan for `n_points` directions on the visible hemisphere, with a table of
-    /// [`Self::usual_sets`] sets.
+    /// [`Self::default_sets`] sets.
     ///
     /// # Errors
     ///
@@ -43,7 +43,7 @@ impl DirectionPlan {
         seed: u64,
     ) -> Result<Self, Error> {
         let sampler = pattern.build(mode.set_points(n_points), mode.domain())?;
-        let n_sets = sampler.is_random().then(|| Self::usual_sets(&pattern, n_points));
+        let n_sets = sampler.is_random().then(|| Self::default_sets(&pattern, n_points));
         let group = pattern.stream_group(n_points);
         Ok(Self { pattern, n_points, mode, n_sets, seed, group })
     }
@@ -98,7 +98,7 @@ impl DirectionPlan {
     /// Sets with uniform random rotations give every pixel an unbiased mean and independent pixels,
     /// whatever their number. A small number of sets may be better or worse than the average set.
     #[must_use]
-    pub fn usual_sets(pattern: &Pattern, n_points: usize) -> usize {
+    pub fn default_sets(pattern: &Pattern, n_points: usize) -> usize {
         #[expect(
             clippy::cast_possible_truncation,
             clippy::cast_sign_loss,

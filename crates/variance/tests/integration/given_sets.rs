@@ -10,10 +10,10 @@ use sphvar_samplers::{
     SamplerFamily, Stopped, Streams,
 };
 use sphvar_spectrum::Error as SpectrumError;
-use sphvar_variance::{Candidate, Error, PredictionBudget, Predictor, Trials, Wish};
+use sphvar_variance::{Candidate, Error, Goal, PredictionBudget, Predictor, Trials};
 
 fn predictor(integrand: &dyn Integrand) -> Predictor<'_> {
-    Predictor::new(integrand, Domain::Sphere, 5, PredictionBudget::USUAL).unwrap()
+    Predictor::new(integrand, Domain::Sphere, 5, PredictionBudget::DEFAULT).unwrap()
 }
 
 /// Returns the six vertices of an octahedron with weight 1/15 each and the eight of a cube with
@@ -164,7 +164,7 @@ fn families_build_the_requested_count() {
         }
     }
     let cap = Cap::from_degrees(60.0).unwrap();
-    for goal in [Wish::Points(10), Wish::Variance { variance: 0.1, max_points: 100 }] {
+    for goal in [Goal::Points(10), Goal::Variance { variance: 0.1, max_points: 100 }] {
         let message =
             Candidate::new(OneMore, goal, &mut predictor(&cap), &()).unwrap_err().to_string();
         assert!(message.contains("one-more") && message.contains("was built with"), "{message}");
@@ -184,7 +184,7 @@ fn searches_can_be_stopped_anywhere() {
     let cap = Cap::from_degrees(60.0).unwrap();
     let stopped = Error::Spectrum(SpectrumError::Sampler(SamplerError::Stopped(Stopped)));
     let pattern = "spiral".parse::<Pattern>().unwrap();
-    for goal in [Wish::Points(100), Wish::Variance { variance: 0.02, max_points: 1000 }] {
+    for goal in [Goal::Points(100), Goal::Variance { variance: 0.02, max_points: 1000 }] {
         let mut ends = [0, 0];
         for allowed in 0..1000 {
             let progress = After(AtomicU64::new(0), allowed);

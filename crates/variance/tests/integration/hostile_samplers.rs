@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use glam::DVec3;
 use rand::Rng;
 use sphvar_integrands::Cap;
-use sphvar_samplers::{Domain, Law, Pattern, PointSet, Sampler};
+use sphvar_samplers::{Domain, Pattern, PointSet, Sampler, SetDistribution};
 use sphvar_variance::{
     PredictedCurve, PredictedPoint, PredictionBudget, Predictor, required_points,
 };
@@ -27,8 +27,8 @@ impl Sampler for FakeSampler {
         Domain::Sphere
     }
 
-    fn law(&self) -> Law<'_> {
-        if self.is_fixed { Law::Fixed } else { Law::Random }
+    fn distribution(&self) -> SetDistribution<'_> {
+        if self.is_fixed { SetDistribution::Fixed } else { SetDistribution::Random }
     }
 
     fn sample_into(
@@ -80,7 +80,7 @@ fn more_points_than_any_spectrum_can_resolve_are_errors() {
 
 fn predict(sampler: &dyn Sampler) -> Result<PredictedPoint, sphvar_variance::Error> {
     let cap = Cap::from_degrees(60.0).unwrap();
-    Predictor::new(&cap, Domain::Sphere, 0, PredictionBudget::USUAL)?.predict(sampler, &())
+    Predictor::new(&cap, Domain::Sphere, 0, PredictionBudget::DEFAULT)?.predict(sampler, &())
 }
 
 /// If counts too large for a prediction are ruled out without one, the rate is computed from
@@ -88,7 +88,7 @@ fn predict(sampler: &dyn Sampler) -> Result<PredictedPoint, sphvar_variance::Err
 #[test]
 fn rates_come_from_affordable_numbers() {
     let cap = Cap::from_degrees(60.0).unwrap();
-    let budget = PredictionBudget { work: 1e5, ..PredictionBudget::USUAL };
+    let budget = PredictionBudget { work: 1e5, ..PredictionBudget::DEFAULT };
     let mut predictor = Predictor::new(&cap, Domain::Sphere, 0, budget).unwrap();
     let mut curve = PredictedCurve::new(Pattern::Fibonacci);
     required_points(&mut predictor, &mut curve, 1e-11, 1_000_000_000_000, &()).unwrap();

@@ -233,7 +233,7 @@ fn comparison(
     let prediction = predict(&spectrum, &energy);
     let known = PredictedPoint { spectrum, prediction };
     let mut predictor =
-        Predictor::new(integrand, Domain::Sphere, seed, PredictionBudget::USUAL).unwrap();
+        Predictor::new(integrand, Domain::Sphere, seed, PredictionBudget::DEFAULT).unwrap();
     predictor.measure(known, &*sampler, Trials::new(trials), &()).unwrap()
 }
 

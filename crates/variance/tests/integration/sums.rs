@@ -108,7 +108,7 @@ fn constants_take_no_part_in_predictions() {
             let harmonic = Harmonic::new(4, 0).unwrap();
             let sum = Sum::default().plus(constant, whole()).unwrap().plus(1.0, harmonic).unwrap();
             let mut predictor =
-                Predictor::new(&sum, Domain::Sphere, 0, PredictionBudget::USUAL).unwrap();
+                Predictor::new(&sum, Domain::Sphere, 0, PredictionBudget::DEFAULT).unwrap();
             let point = predictor.predict(&*sampler, &()).unwrap();
             let what = format!("{pattern} + {constant:e}");
             assert_close(&what, point.prediction.variance, expected, expected);

@@ -290,11 +290,11 @@ fn against_spectrum(
     consequences: &Consequences,
 ) -> Result<BoundRecord, CliError> {
     let spectrum = measured.spectrum()?;
-    let wish = Bound { side, profile: parsed.profile };
+    let bound = Bound { side, profile: parsed.profile };
     let (origin, bound) = match (parsed.has_alpha, parsed.has_gamma) {
-        (true, true) => ("checked", Ok(wish)),
-        (_, false) => ("fitted gamma", wish.fit_gamma(&spectrum, args.confidence)),
-        (false, true) => ("fitted alpha", wish.fit_alpha(&spectrum, args.confidence)),
+        (true, true) => ("checked", Ok(bound)),
+        (_, false) => ("fitted gamma", bound.fit_gamma(&spectrum, args.confidence)),
+        (false, true) => ("fitted alpha", bound.fit_alpha(&spectrum, args.confidence)),
     };
     let bound = bound.map_err(CliError::failed)?;
     let verdict = bound.check(&spectrum, args.confidence).map_err(CliError::usage)?;

@@ -175,7 +175,7 @@ pub(super) fn predicted(
     let sampler =
         patterns::build(&patterns::parse_pattern(name)?, n, domain, args.nearest.nearest)?;
     let options = SpectrumOptions { lmax: args.lmax.lmax, ..SpectrumOptions::default() };
-    let budget = PredictionBudget::USUAL;
+    let budget = PredictionBudget::DEFAULT;
     let predictor = Predictor::new(&*integrand.function, domain, global.seed, budget)?;
     Ok(Some(predictor.with_options(options).predict(&*sampler, &())?.prediction))
 }

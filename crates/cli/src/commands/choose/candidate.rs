@@ -6,8 +6,8 @@ use sphvar_samplers::{
     Domain, Pattern, PointSet, Purpose, Realizations, SECONDS_PER_WORK, Streams,
 };
 use sphvar_variance::{
-    Candidate, PredictedCurve, PredictedPoint, Predictor, RequiredPoints, Wish, best_design,
-    legal_between,
+    Candidate, Goal, PredictedCurve, PredictedPoint, Predictor, RequiredPoints, best_design,
+    valid_between,
 };
 
 use super::question::Question;
@@ -72,9 +72,9 @@ impl TimedCandidate {
         let (Some(n), Some((variance, _))) = (self.answer.n_points, self.answer.variance) else {
             return Ok(self);
         };
-        let limit = match question.wish(usize::MAX) {
-            Wish::Variance { .. } => variance,
-            Wish::Points(_) => variance.min(best),
+        let limit = match question.goal(usize::MAX) {
+            Goal::Variance { .. } => variance,
+            Goal::Points(_) => variance.min(best),
         };
         let Some((pattern, point)) = best_design(predictor, self.answer.curve.pattern(), n, limit)?
         else {
@@ -93,8 +93,8 @@ impl TimedCandidate {
         predictor: &mut Predictor<'_>,
         seed: u64,
     ) -> Result<Self, CliError> {
-        let wish = question.wish(max_points);
-        let answer = Candidate::with_curve(curve, wish, predictor, &())?;
+        let goal = question.goal(max_points);
+        let answer = Candidate::with_curve(curve, goal, predictor, &())?;
         let n_points = answer.n_points;
         let making = match n_points {
             Some(n) => Some(making(&answer.curve, question.domain, n, seed)?),
@@ -117,14 +117,14 @@ impl TimedCandidate {
 
     /// By what candidates are ranked, the least first: with the time for a value the time for all.
     pub(super) fn merit(&self, question: &Question) -> f64 {
-        let wish = question.wish(usize::MAX);
+        let goal = question.goal(usize::MAX);
         let all = |cost: f64, n: usize| {
             // By nominal work: measured seconds change from run to run, and the answer must not.
             cost * n as f64 + UNIT_COST * self.answer.curve.pattern().nominal_work(n)
         };
-        match (wish, question.cost_per_sample.zip(self.answer.n_points)) {
-            (Wish::Variance { .. }, Some((cost, n))) => all(cost, n),
-            _ => self.answer.merit(wish),
+        match (goal, question.cost_per_sample.zip(self.answer.n_points)) {
+            (Goal::Variance { .. }, Some((cost, n))) => all(cost, n),
+            _ => self.answer.merit(goal),
         }
     }
 }
@@ -150,7 +150,7 @@ fn making(
     let largest = curve.points().last().map_or(n_points, PredictedPoint::n_points);
     let too_long = largest < n_points && expected(n_points) > LONGEST_SET;
     let timed = if too_long { largest } else { n_points };
-    let timed = match legal_between(pattern, domain, 0, MOST_TIMED, MOST_TIMED) {
+    let timed = match valid_between(pattern, domain, 0, MOST_TIMED, MOST_TIMED) {
         Some(most) if timed > MOST_TIMED => most,
         _ => timed,
     };

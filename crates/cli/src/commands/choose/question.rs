@@ -1,7 +1,7 @@
 //! What is asked for: an error or a number of points.
 
 use sphvar_integrands::Energy;
-use sphvar_variance::{Domain, Predictor, Wish};
+use sphvar_variance::{Domain, Goal, Predictor};
 
 use super::ChooseArgs;
 use crate::error::CliError;
@@ -66,12 +66,12 @@ impl Question {
     }
 
     /// The question for the library, with at most `max_points` points.
-    pub(super) fn wish(&self, max_points: usize) -> Wish {
+    pub(super) fn goal(&self, max_points: usize) -> Goal {
         match self.asked {
             Asked::Error { standard_error, .. } => {
-                Wish::Variance { variance: standard_error * standard_error, max_points }
+                Goal::Variance { variance: standard_error * standard_error, max_points }
             }
-            Asked::Points(n) => Wish::Points(n),
+            Asked::Points(n) => Goal::Points(n),
         }
     }
 
@@ -87,8 +87,8 @@ impl Question {
     pub(super) fn white_noise_points(&self, predictor: &Predictor<'_>) -> Option<f64> {
         match self.asked {
             Asked::Error { standard_error, .. } => {
-                let needed = predictor.white_variance(1) / (standard_error * standard_error);
-                Some(needed.ceil().max(1.0)).filter(|n| n.is_finite())
+                Some(predictor.white_points(standard_error * standard_error))
+                    .filter(|n| n.is_finite())
             }
             Asked::Points(_) => None,
         }

@@ -4,7 +4,7 @@ use schemars::JsonSchema;
 use serde::Serialize;
 use sphvar_grammar::{DefaultValue, Parameter, ParameterKind, Value};
 use sphvar_integrands::Term;
-use sphvar_samplers::{CostOrder, Domain, Law, Pattern, Rate};
+use sphvar_samplers::{CostOrder, Domain, Pattern, Rate, SetDistribution};
 
 use super::page::{Page, UNBREAKABLE};
 use crate::files::FileFormat;
@@ -189,10 +189,10 @@ impl SamplerEntry {
 fn distribution(pattern: &Pattern) -> &'static str {
     let n = pattern.nearest_count(12, Domain::Sphere);
     let Ok(sampler) = pattern.build(n, Domain::Sphere) else { return "random" };
-    match sampler.law() {
-        Law::Independent => "independent uniform points",
-        Law::Stratified(_) => "one uniform point in each of N cells of equal area",
-        Law::Fixed => "always the same, up to rotation",
+    match sampler.distribution() {
+        SetDistribution::Independent => "independent uniform points",
+        SetDistribution::Stratified(_) => "one uniform point in each of N cells of equal area",
+        SetDistribution::Fixed => "always the same, up to rotation",
         _ => "random",
     }
 }

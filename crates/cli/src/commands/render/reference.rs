@@ -17,7 +17,7 @@ use crate::report::say;
 /// picture's.
 const FEWER: usize = 20;
 
-/// A wish for a reference image.
+/// A requested reference image.
 pub(super) struct Reference {
     plan: DirectionPlan,
     file: Option<ReferenceFile>,

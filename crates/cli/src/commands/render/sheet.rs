@@ -21,14 +21,14 @@ use crate::report::{Column, Document, Provenance, is_stdout, number, print, tabl
 use crate::spec::Spec;
 
 /// Pixels on a side of a panel, unless others are wished.
-pub(super) const USUAL_SIZE: usize = 256;
+pub(super) const DEFAULT_SIZE: usize = 256;
 /// Directions, unless others are wished.
-pub(super) const USUAL_COUNT: usize = 256;
+pub(super) const DEFAULT_COUNT: usize = 256;
 /// Renders of a panel, unless another number is wished: the picture itself has a fair part in its error.
-pub(super) const USUAL_RENDERS: u64 = 2;
+pub(super) const DEFAULT_RENDERS: u64 = 2;
 
 /// What a panel shows.
-enum Wish {
+enum Requested {
     Reference,
     Pattern(Box<Trials>),
 }
@@ -85,39 +85,39 @@ pub(super) fn run(args: &RenderArgs, panels: &str, global: &Global) -> Result<()
         ));
     }
     AtomicFile::check(path)?;
-    let counts = args.counts.counts.as_ref().map_or(&[USUAL_COUNT][..], |counts| counts.all());
-    let mut wishes = Vec::new();
+    let counts = args.counts.counts.as_ref().map_or(&[DEFAULT_COUNT][..], |counts| counts.all());
+    let mut requests = Vec::new();
     for &n in counts {
         for spec in Spec::parse_list(panels)? {
-            wishes.push(wish(args, &spec.text, n, global.seed)?);
+            requests.push(request(args, &spec.text, n, global.seed)?);
         }
     }
-    let stage = args.stage.stage(USUAL_SIZE, global.quiet)?;
+    let stage = args.stage.stage(DEFAULT_SIZE, global.quiet)?;
     let region = stage.view()?.region();
-    check_memory("the sheet", ContactSheet::bytes([region.width, region.height], wishes.len()))?;
+    check_memory("the sheet", ContactSheet::bytes([region.width, region.height], requests.len()))?;
     let mut most = 0;
-    for trials in patterns(&wishes) {
+    for trials in patterns(&requests) {
         trials.check(&stage)?;
         most = most.max(trials.plan.n_points());
     }
-    Trials::check_sets(args, patterns(&wishes))?;
+    Trials::check_sets(args, patterns(&requests))?;
     let reference = Reference::new(args, &stage, global)?;
     reference.remark(most);
     let reference = reference.image(&stage)?;
     let white = white(args, &stage, &reference, global.quiet);
     let mut cost = 0.0;
-    for trials in patterns(&wishes) {
+    for trials in patterns(&requests) {
         cost += trials.work(&stage)?;
     }
     let progress = Progress::new(cost, global.quiet);
     let (mut pictures, mut records) = (Vec::new(), Vec::new());
-    for wish in &wishes {
-        match wish {
-            Wish::Reference => {
+    for requested in &requests {
+        match requested {
+            Requested::Reference => {
                 let caption = vec![format!("reference, N = {}", reference.n_points)];
                 pictures.push(panel(&reference, white, caption));
             }
-            Wish::Pattern(trials) => {
+            Requested::Pattern(trials) => {
                 let (panel, record) = rendered(trials, &stage, &reference, white, &progress)?;
                 pictures.push(panel);
                 records.extend(record);
@@ -126,7 +126,7 @@ pub(super) fn run(args: &RenderArgs, panels: &str, global: &Global) -> Result<()
     }
     drop(progress);
     let provenance = Provenance::new(global.seed);
-    let columns = wishes.len() / counts.len();
+    let columns = requests.len() / counts.len();
     let sheet = ContactSheet { panels: pictures, columns };
     let (size, colours) = sheet.pixels()?;
     write_png(path, size, &colours, &provenance.line())?;
@@ -141,24 +141,24 @@ pub(super) fn run(args: &RenderArgs, panels: &str, global: &Global) -> Result<()
 }
 
 /// `SAMPLER@MODE`, `SAMPLER` in the mode of `--mode`, or `reference`.
-fn wish(args: &RenderArgs, text: &str, n: usize, seed: u64) -> Result<Wish, CliError> {
+fn request(args: &RenderArgs, text: &str, n: usize, seed: u64) -> Result<Requested, CliError> {
     if text == "reference" {
-        return Ok(Wish::Reference);
+        return Ok(Requested::Reference);
     }
     let (sampler, mode): (&str, DirectionMode) = match text.rsplit_once('@') {
         Some((sampler, mode)) => (sampler, parse_mode(mode)?),
         None => (text, args.mode()?),
     };
-    let renders = args.realizations.unwrap_or(USUAL_RENDERS);
+    let renders = args.realizations.unwrap_or(DEFAULT_RENDERS);
     let trials = Trials::new(args, parse_pattern(sampler)?, mode, n, renders, seed)?;
-    Ok(Wish::Pattern(Box::new(trials)))
+    Ok(Requested::Pattern(Box::new(trials)))
 }
 
 /// Those that show a pattern.
-fn patterns(wishes: &[Wish]) -> impl Iterator<Item = &Trials> {
-    wishes.iter().filter_map(|wish| match wish {
-        Wish::Reference => None,
-        Wish::Pattern(trials) => Some(&**trials),
+fn patterns(requests: &[Requested]) -> impl Iterator<Item = &Trials> {
+    requests.iter().filter_map(|requested| match requested {
+        Requested::Reference => None,
+        Requested::Pattern(trials) => Some(&**trials),
     })
 }
 

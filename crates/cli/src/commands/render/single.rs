@@ -10,7 +10,7 @@ use super::RenderArgs;
 use super::colours::{grey, quantile, signed};
 use super::reference::Reference;
 use super::stage::Stage;
-use super::trials::{Errors, Outcome, Trials, USUAL_RENDERS};
+use super::trials::{DEFAULT_RENDERS, Errors, Outcome, Trials};
 use crate::error::CliError;
 use crate::files::{AtomicFile, Picture, PictureFormat};
 use crate::global::Global;
@@ -19,9 +19,9 @@ use crate::progress::Progress;
 use crate::report::{Document, Provenance, is_stdout, number, print, say};
 
 /// Pixels on a side, unless others are wished.
-pub(super) const USUAL_SIZE: usize = 512;
+pub(super) const DEFAULT_SIZE: usize = 512;
 /// Directions, unless others are wished.
-pub(super) const USUAL_COUNT: usize = 256;
+pub(super) const DEFAULT_COUNT: usize = 256;
 
 /// One picture with its errors: `render --json`.
 #[derive(Debug, Serialize, JsonSchema)]
@@ -135,7 +135,7 @@ pub(super) fn run(args: &RenderArgs, global: &Global) -> Result<(), CliError> {
     };
     check_outputs(args, global)?;
     let count = match args.counts.counts.as_ref().map(|counts| counts.all()) {
-        None => USUAL_COUNT,
+        None => DEFAULT_COUNT,
         Some(&[n]) => n,
         Some(several) => {
             return Err(CliError::Usage(format!(
@@ -145,7 +145,7 @@ pub(super) fn run(args: &RenderArgs, global: &Global) -> Result<(), CliError> {
         }
     };
     let compare = args.mse || global.json || args.difference.is_some() || args.error.is_some();
-    let renders = args.realizations.unwrap_or(if compare { USUAL_RENDERS } else { 1 });
+    let renders = args.realizations.unwrap_or(if compare { DEFAULT_RENDERS } else { 1 });
     if renders > 1 && !compare {
         return Err(CliError::Usage(format!(
             "-m {renders} needs errors: request them with --mse, --json, --difference or --error"
@@ -154,7 +154,7 @@ pub(super) fn run(args: &RenderArgs, global: &Global) -> Result<(), CliError> {
     let pattern = parse_pattern(sampler)?;
     let trials = Trials::new(args, pattern, args.mode()?, count, renders, global.seed)?;
     Trials::check_sets(args, [&trials])?;
-    let stage = args.stage.stage(USUAL_SIZE, global.quiet)?;
+    let stage = args.stage.stage(DEFAULT_SIZE, global.quiet)?;
     trials.check(&stage)?;
     let reference = Reference::new(args, &stage, global)?;
     let reference = if compare {

@@ -21,7 +21,7 @@ const INTEGRALS: &str = "ao[:weight=cosine] | irradiance:env=FILE[,albedo=1], an
      env: (channel, layer, projection, up, mirror, turn; up is --up unless given) | light[:albedo=1]";
 
 /// The field of view of a mesh, degrees.
-const USUAL_FOV: f64 = 40.0;
+const DEFAULT_FOV: f64 = 40.0;
 
 /// Flags about the scene.
 #[derive(Debug, Args)]
@@ -35,7 +35,7 @@ pub(crate) struct StageArgs {
     max_distance: Option<f64>,
     #[arg(long, value_name = "W[xH]", help = format!(
         "Width and height in pixels, or the side of a square [default: {}; of a study {}; of a panel {}]",
-        single::USUAL_SIZE, study::USUAL_SIZE, sheet::USUAL_SIZE
+        single::DEFAULT_SIZE, study::DEFAULT_SIZE, sheet::DEFAULT_SIZE
     ))]
     size: Option<Size>,
     /// Render this part of the picture only
@@ -54,7 +54,7 @@ pub(crate) struct StageArgs {
     #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true)]
     up: Option<Numbers<3, f64>>,
     #[arg(long, value_name = "DEGREES", allow_negative_numbers = true, value_parser = parse_number, help = format!(
-        "Vertical field of view in degrees [default: that of the Cornell box, {:.1}; for a mesh {USUAL_FOV}]",
+        "Vertical field of view in degrees [default: that of the Cornell box, {:.1}; for a mesh {DEFAULT_FOV}]",
         CornellBox::new().camera.field_of_view().to_degrees()
     ))]
     fov: Option<f64>,
@@ -187,7 +187,7 @@ impl StageArgs {
             _ => (),
         }
         let bounds = scene.bounds();
-        let usual_fov = own.map_or(USUAL_FOV.to_radians(), |camera| camera.field_of_view());
+        let usual_fov = own.map_or(DEFAULT_FOV.to_radians(), |camera| camera.field_of_view());
         let fov = match self.fov {
             None => usual_fov,
             Some(fov) if fov > 0.0 && fov < 180.0 => fov.to_radians(),

@@ -10,7 +10,7 @@ use sphvar_variance::{RateFit, VariancePoint, fit_rate_of_few};
 use super::RenderArgs;
 use super::reference::Reference;
 use super::single::ErrorRecord;
-use super::trials::{Trials, USUAL_RENDERS};
+use super::trials::{DEFAULT_RENDERS, Trials};
 use crate::commands::crossovers::{CrossoverRecord, crossovers};
 use crate::counts::Counts;
 use crate::error::CliError;
@@ -20,9 +20,9 @@ use crate::progress::Progress;
 use crate::report::{Column, Forms, Provenance, check_result, csv_of, emit, number, table_of};
 
 /// Pixels on a side, unless others are wished.
-pub(super) const USUAL_SIZE: usize = 128;
+pub(super) const DEFAULT_SIZE: usize = 128;
 /// Directions, unless others are wished.
-pub(super) const USUAL_RANGE: (usize, usize) = (16, 1024);
+pub(super) const DEFAULT_RANGE: (usize, usize) = (16, 1024);
 
 /// Mean squared errors over the number of directions: `render --study --json`.
 #[derive(Debug, Serialize, JsonSchema)]
@@ -93,7 +93,7 @@ pub(super) fn run(args: &RenderArgs, global: &Global) -> Result<(), CliError> {
     if let Some(path) = &args.out {
         check_result(path, true)?;
     }
-    let renders = args.realizations.unwrap_or(USUAL_RENDERS);
+    let renders = args.realizations.unwrap_or(DEFAULT_RENDERS);
     if renders < 2 {
         return Err(CliError::Usage(format!(
             "a study needs errors, so -m from 2 on, got {renders}"
@@ -103,7 +103,7 @@ pub(super) fn run(args: &RenderArgs, global: &Global) -> Result<(), CliError> {
         CliError::Usage("missing required option --samplers, the samplers of the study".to_owned())
     })?;
     let counts =
-        args.counts.counts.clone().unwrap_or(Counts::doubling(USUAL_RANGE.0, USUAL_RANGE.1));
+        args.counts.counts.clone().unwrap_or(Counts::doubling(DEFAULT_RANGE.0, DEFAULT_RANGE.1));
     let mode = args.mode()?;
     let mut patterns: Vec<Pattern> = Vec::new();
     let mut cases: Vec<Trials> = Vec::new();
@@ -121,7 +121,7 @@ pub(super) fn run(args: &RenderArgs, global: &Global) -> Result<(), CliError> {
         patterns.push(pattern);
     }
     Trials::check_sets(args, &cases)?;
-    let stage = args.stage.stage(USUAL_SIZE, global.quiet)?;
+    let stage = args.stage.stage(DEFAULT_SIZE, global.quiet)?;
     for case in &cases {
         case.check(&stage)?;
     }

@@ -14,7 +14,7 @@ use crate::memory::check_memory;
 use crate::progress::Progress;
 
 /// Renders from which errors are estimated, unless another number is wished.
-pub(super) const USUAL_RENDERS: u64 = 8;
+pub(super) const DEFAULT_RENDERS: u64 = 8;
 
 /// One pattern at one number of directions.
 pub(super) struct Trials {

@@ -171,7 +171,7 @@ fn white_noise_has_the_exact_variances() {
 /// Sets that are generated quickly fill a table, slow ones are few, and lattices have one.
 #[test]
 fn numbers_of_sets() {
-    let default = |name: &str, n| DirectionPlan::usual_sets(&name.parse::<Pattern>().unwrap(), n);
+    let default = |name: &str, n| DirectionPlan::default_sets(&name.parse::<Pattern>().unwrap(), n);
     assert_eq!(
         ["jittered", "white-noise", "poisson-disk"].map(|name| default(name, 16)),
         [1024; 3]

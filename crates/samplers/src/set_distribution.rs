@@ -6,7 +6,7 @@ use crate::{EqualArea, PointSet};
 /// decides whether spectra are computed in closed form or estimated.
 #[derive(Clone, Copy, Debug)]
 #[non_exhaustive]
-pub enum Law<'a> {
+pub enum SetDistribution<'a> {
     /// Nothing from which a spectrum follows.
     Random,
     /// Independent uniform points.
@@ -29,7 +29,7 @@ pub enum Strata<'a> {
     EqualArea(&'a EqualArea),
 }
 
-impl Law<'_> {
+impl SetDistribution<'_> {
     /// Returns whether two realizations can differ by more than a rotation.
     #[must_use]
     pub fn is_random(&self) -> bool {
