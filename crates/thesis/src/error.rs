@@ -1,14 +1,14 @@
-use crate::FigureId;
-
 /// Why a figure cannot be made.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
     /// A text names no figure.
-    #[error("there is no figure \"{name}\": {}", FigureId::names())]
+    #[error("unknown figure \"{name}\"; valid: {valid}")]
     UnknownFigure {
         /// The text.
         name: String,
+        /// The numbers of all figures, separated by commas.
+        valid: String,
     },
     /// A pattern cannot be made.
     #[error(transparent)]

@@ -47,12 +47,6 @@ impl FigureId {
     fn recipe(self) -> &'static dyn Recipe {
         figures::ALL[self.0].1
     }
-
-    /// The numbers, for messages.
-    pub(crate) fn names() -> String {
-        let names: Vec<&str> = Self::all().map(Self::number).collect();
-        format!("those that can be made are {}", names.join(", "))
-    }
 }
 
 impl fmt::Display for FigureId {
@@ -67,6 +61,9 @@ impl FromStr for FigureId {
     /// Reads `4.10`, `c.1`.
     fn from_str(text: &str) -> Result<Self, Error> {
         let same = |id: &Self| id.number().eq_ignore_ascii_case(text.trim());
-        Self::all().find(same).ok_or_else(|| Error::UnknownFigure { name: text.to_owned() })
+        Self::all().find(same).ok_or_else(|| {
+            let valid: Vec<&str> = Self::all().map(Self::number).collect();
+            Error::UnknownFigure { name: text.to_owned(), valid: valid.join(", ") }
+        })
     }
 }

@@ -7,7 +7,6 @@ use sphvar_spectrum::{Accumulator, Resolution, Spectrum, SpectrumAccumulator, ac
 
 use crate::energy_levels::{degrees_of, level};
 use crate::prediction_budget::realization_work;
-use crate::required_points::ROUNDING;
 use crate::route::Route;
 use crate::{
     Error, PredictedPoint, Prediction, PredictionAccumulator, PredictionBudget, SpectrumOptions,
@@ -15,6 +14,9 @@ use crate::{
 };
 use sphvar_integrands::{Energy, Integrand};
 
+/// The relative rounding error of predicted and requested variances, generously: where both are equal by their
+/// formulas, either may be computed as the larger one.
+pub(crate) const ROUNDING: f64 = 1e-12;
 /// The initial number of realizations of an estimate, if the budget allows it.
 const FIRST: u64 = 8;
 /// The effective number of degrees, divided by sqrt(N), from which a pattern's mean power is known.

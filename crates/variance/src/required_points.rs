@@ -3,6 +3,7 @@ use std::collections::BTreeSet;
 use sphvar_samplers::{Domain, Progress, SamplerFamily, SetDistribution};
 use sphvar_spectrum::Resolution;
 
+use crate::predictor::ROUNDING;
 use crate::{Error, PredictedCurve, PredictedPoint, Prediction, Predictor, RateFit};
 
 /// The number of points that a pattern needs for a variance.
@@ -102,9 +103,6 @@ pub fn required_points<F: SamplerFamily + Clone>(
     }
 }
 
-/// The relative rounding error of predicted and requested variances, generously: where both are equal by their
-/// formulas, either may be computed as the larger one.
-pub(crate) const ROUNDING: f64 = 1e-12;
 /// The minimum share of white noise's power that random patterns have beyond 4 sqrt(N), averaged
 /// over many degrees.
 const RANDOM_SHARE: f64 = 0.5;

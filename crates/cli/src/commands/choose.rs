@@ -1,6 +1,7 @@
 //! `sphvar choose`: which pattern has the error asked for with the fewest points, or the least error with
 //! the points that there are.
 
+mod args;
 mod candidate;
 mod chart;
 mod crossings;
@@ -10,17 +11,15 @@ mod reason;
 mod recommendation;
 pub(crate) mod record;
 
-use clap::{ArgGroup, Args};
 use sphvar_samplers::{EqualAreaParameters, Pattern, Placement, Riesz, RieszParameters};
 use sphvar_variance::{Domain, PredictionBudget, Predictor};
 
+pub(crate) use self::args::ChooseArgs;
 use self::candidate::TimedCandidate;
 use self::presentation::Answer;
 use self::question::Question;
 use self::record::LeftOut;
-use crate::counts::{parse_number, parse_one_count};
 use crate::error::CliError;
-use crate::flags::{CountArgs, DomainArgs, IntegrandArgs, OutArgs, SamplersArgs};
 use crate::global::Global;
 use crate::integrands::{check_domain, parse_integrand};
 use crate::memory::check_memory;
@@ -40,43 +39,6 @@ known to 2 %; they are those of variance and compare. The points that only rates
 Patterns for which predictions are too expensive at the requested N are extrapolated by their rate and marked so. \
 For step and blue the best alpha is chosen. \
 The seconds per set are measured on one core, the median of up to five.";
-
-#[derive(Debug, Args)]
-#[command(
-    group(ArgGroup::new("question").args(["error", "count"]).required(true)),
-    mut_arg("integrand", |integrand| integrand.required(true)),
-    mut_arg("positional_samplers", |samplers| {
-        samplers.help(format!("{} [default: those for which predictions are inexpensive]", SamplersArgs::HELP))
-    }),
-    mut_arg("count", |count| {
-        count.help("Number of points N: 1000, 1e4 or 10k; each sampler uses its largest valid count not exceeding N")
-    })
-)]
-pub(crate) struct ChooseArgs {
-    #[command(flatten)]
-    pub(crate) samplers: SamplersArgs,
-    #[command(flatten)]
-    pub(crate) integrand: IntegrandArgs,
-    /// Requested standard error, relative to the integral: 1% or 0.01; above 50 % with a % sign
-    #[arg(long, value_name = "E")]
-    pub(crate) error: Option<String>,
-    #[command(flatten)]
-    pub(crate) count: CountArgs,
-    /// Take --error in units of the integral instead
-    #[arg(long, requires = "error")]
-    pub(crate) absolute: bool,
-    #[command(flatten)]
-    pub(crate) domain: DomainArgs,
-    /// Maximum number of points considered for --error
-    #[arg(long, default_value = "100000", value_name = "N", value_parser = parse_one_count,
-        conflicts_with = "count")]
-    pub(crate) max_count: usize,
-    /// Seconds that a value of the integrand costs: rank by the time for the set and all values
-    #[arg(long, value_name = "SECONDS", requires = "error", value_parser = parse_number)]
-    pub(crate) cost_per_sample: Option<f64>,
-    #[command(flatten)]
-    pub(crate) out: OutArgs,
-}
 
 /// A default sampler is left out where a prediction alone takes more work than this number of budgets.
 const MAX_BUDGETS: f64 = 10.0;

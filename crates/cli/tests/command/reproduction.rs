@@ -138,7 +138,7 @@ fn rows_are_counted_by_verdict_and_errata_once() {
 #[test]
 fn wrong_figures_and_busy_folders_are_refused() {
     let place = Workplace::new();
-    place.run("reproduce 4.18 -o out").fails(2, &["there is no figure \"4.18\"", "4.17", "C.1"]);
+    place.run("reproduce 4.18 -o out").fails(2, &["unknown figure \"4.18\"", "4.17", "C.1"]);
     assert_eq!(place.names(), Vec::<String>::new());
     place.run("reproduce C.1 -o out --quick --full").fails(2, &["--quick", "--full"]);
     place.write("file", "");

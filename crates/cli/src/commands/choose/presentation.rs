@@ -2,7 +2,7 @@
 
 use sphvar_variance::Predictor;
 
-use super::ChooseArgs;
+use super::args::ChooseArgs;
 use super::candidate::{MAX_FACTOR, TimedCandidate, recommended};
 use super::chart::chart;
 use super::crossings;

@@ -3,7 +3,7 @@
 use sphvar_integrands::Energy;
 use sphvar_variance::{Domain, Goal, Predictor};
 
-use super::ChooseArgs;
+use super::args::ChooseArgs;
 use crate::error::CliError;
 use crate::integrands::NamedIntegrand;
 use crate::share::parse_share;

@@ -3,7 +3,7 @@
 use sphvar_integrands::Energy;
 use sphvar_variance::VariancePoint;
 
-use super::Curve;
+use super::curve::Curve;
 use crate::commands::power_chart::{PowerCurve, power_chart};
 use crate::commands::rows::Plan;
 use crate::plots::{Binned, Chart, Ink, MAX_COLOURS, Panel, Scale, Series, Spread, Style, ranks};

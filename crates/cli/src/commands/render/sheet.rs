@@ -7,7 +7,7 @@ use sphvar_scene::{DirectionMode, Image};
 use super::colours::grey;
 use super::reference::Reference;
 use super::single::{ErrorRecord, white};
-use super::stage::Stage;
+use super::stage::{PANEL_SIZE, Stage};
 use super::trials::{Outcome, Trials};
 use super::{RenderArgs, parse_mode};
 use crate::error::CliError;
@@ -20,8 +20,6 @@ use crate::progress::Progress;
 use crate::report::{Column, Document, Provenance, is_stdout, number, print, table_of};
 use crate::spec::Spec;
 
-/// Pixels on a side of a panel, unless others are wished.
-pub(super) const DEFAULT_SIZE: usize = 256;
 /// Directions, unless others are wished.
 pub(super) const DEFAULT_COUNT: usize = 256;
 /// Renders of a panel, unless another number is wished: the picture itself has a fair part in its error.
@@ -92,7 +90,7 @@ pub(super) fn run(args: &RenderArgs, panels: &str, global: &Global) -> Result<()
             requests.push(request(args, &spec.text, n, global.seed)?);
         }
     }
-    let stage = args.stage.stage(DEFAULT_SIZE, global.quiet)?;
+    let stage = args.stage.stage(PANEL_SIZE, global.quiet)?;
     let region = stage.view()?.region();
     check_memory("the sheet", ContactSheet::bytes([region.width, region.height], requests.len()))?;
     let mut most = 0;

@@ -9,7 +9,7 @@ use sphvar_scene::Image;
 use super::RenderArgs;
 use super::colours::{grey, quantile, signed};
 use super::reference::Reference;
-use super::stage::Stage;
+use super::stage::{PICTURE_SIZE, Stage};
 use super::trials::{DEFAULT_RENDERS, Errors, Outcome, Trials};
 use crate::error::CliError;
 use crate::files::{AtomicFile, Picture, PictureFormat};
@@ -18,8 +18,6 @@ use crate::patterns::parse_pattern;
 use crate::progress::Progress;
 use crate::report::{Document, Provenance, is_stdout, number, print, say};
 
-/// Pixels on a side, unless others are wished.
-pub(super) const DEFAULT_SIZE: usize = 512;
 /// Directions, unless others are wished.
 pub(super) const DEFAULT_COUNT: usize = 256;
 
@@ -154,7 +152,7 @@ pub(super) fn run(args: &RenderArgs, global: &Global) -> Result<(), CliError> {
     let pattern = parse_pattern(sampler)?;
     let trials = Trials::new(args, pattern, args.mode()?, count, renders, global.seed)?;
     Trials::check_sets(args, [&trials])?;
-    let stage = args.stage.stage(DEFAULT_SIZE, global.quiet)?;
+    let stage = args.stage.stage(PICTURE_SIZE, global.quiet)?;
     trials.check(&stage)?;
     let reference = Reference::new(args, &stage, global)?;
     let reference = if compare {

@@ -8,7 +8,6 @@ use sphvar_integrands::{EnvironmentMap, Integrand, PictureParameters, UpAxis};
 use sphvar_scene::{Camera, CornellBox, CropWindow, Integral, Mesh, Quad, Scene, View};
 
 use super::reference_file::fingerprint;
-use super::{sheet, single, study};
 use crate::counts::parse_number;
 use crate::error::CliError;
 use crate::files::read_whole;
@@ -23,6 +22,11 @@ const INTEGRALS: &str = "ao[:weight=cosine] | irradiance:env=FILE[,albedo=1], an
 /// The field of view of a mesh, degrees.
 const DEFAULT_FOV: f64 = 40.0;
 
+/// Pixels on each side of a picture by default, of those of a study, and of a panel of a sheet.
+pub(super) const PICTURE_SIZE: usize = 512;
+pub(super) const STUDY_SIZE: usize = 128;
+pub(super) const PANEL_SIZE: usize = 256;
+
 /// Flags about the scene.
 #[derive(Debug, Args)]
 pub(crate) struct StageArgs {
@@ -35,7 +39,7 @@ pub(crate) struct StageArgs {
     max_distance: Option<f64>,
     #[arg(long, value_name = "W[xH]", help = format!(
         "Width and height in pixels, or the side of a square [default: {}; of a study {}; of a panel {}]",
-        single::DEFAULT_SIZE, study::DEFAULT_SIZE, sheet::DEFAULT_SIZE
+        PICTURE_SIZE, STUDY_SIZE, PANEL_SIZE
     ))]
     size: Option<Size>,
     /// Render this part of the picture only

@@ -10,6 +10,7 @@ use sphvar_variance::{RateFit, VariancePoint, fit_rate_of_few};
 use super::RenderArgs;
 use super::reference::Reference;
 use super::single::ErrorRecord;
+use super::stage::STUDY_SIZE;
 use super::trials::{DEFAULT_RENDERS, Trials};
 use crate::commands::crossovers::{CrossoverRecord, crossovers};
 use crate::counts::Counts;
@@ -19,8 +20,6 @@ use crate::patterns::parse_patterns;
 use crate::progress::Progress;
 use crate::report::{Column, Forms, Provenance, check_result, csv_of, emit, number, table_of};
 
-/// Pixels on a side, unless others are wished.
-pub(super) const DEFAULT_SIZE: usize = 128;
 /// Directions, unless others are wished.
 pub(super) const DEFAULT_RANGE: (usize, usize) = (16, 1024);
 
@@ -121,7 +120,7 @@ pub(super) fn run(args: &RenderArgs, global: &Global) -> Result<(), CliError> {
         patterns.push(pattern);
     }
     Trials::check_sets(args, &cases)?;
-    let stage = args.stage.stage(DEFAULT_SIZE, global.quiet)?;
+    let stage = args.stage.stage(STUDY_SIZE, global.quiet)?;
     for case in &cases {
         case.check(&stage)?;
     }

@@ -1,0 +1,77 @@
+//! The rows of one pattern, and what follows from all of them.
+
+use sphvar_integrands::Energy;
+use sphvar_samplers::Pattern;
+use sphvar_variance::{Comparison, RateFit, VariancePoint, fit_exact_rate, fit_rate};
+
+use super::record::SamplerRecord;
+use crate::commands::rows::Row;
+
+/// The rows of one pattern, by number of points.
+pub(in crate::commands) struct Curve<'a> {
+    pub(super) pattern: &'a Pattern,
+    pub(super) rows: Vec<&'a Row>,
+}
+
+impl<'a> Curve<'a> {
+    pub(in crate::commands) fn new(pattern: &'a Pattern, rows: &'a [Row]) -> Self {
+        let mut rows: Vec<&Row> = rows.iter().filter(|r| r.pattern == *pattern).collect();
+        rows.sort_by_key(|r| r.comparison.predicted.spectrum.n_points());
+        Self { pattern, rows }
+    }
+
+    pub(super) fn measured(&self) -> Vec<VariancePoint> {
+        self.rows.iter().map(|r| r.comparison.measured_point()).collect()
+    }
+
+    pub(super) fn predicted(&self) -> Vec<VariancePoint> {
+        self.rows.iter().map(|r| r.comparison.predicted_point()).collect()
+    }
+
+    /// The more precise of both at every number of points, as far as its error is known.
+    pub(super) fn best(&self) -> Vec<VariancePoint> {
+        let points = self.rows.iter().map(|r| r.comparison.best_point());
+        points.filter(|p| p.stderr.is_finite()).collect()
+    }
+
+    pub(super) fn summary(&self, energy: &Energy) -> Option<SamplerRecord> {
+        let last = self.rows.last()?;
+        let n = last.comparison.predicted.spectrum.n_points();
+        let white = energy.domain().variance_factor(n) * energy.beyond(0);
+        let by_prediction = |c: &Comparison| c.is_prediction_more_precise();
+        let n_predicted = self.rows.iter().filter(|r| by_prediction(&r.comparison)).count();
+        let (basis, fit) = match n_predicted {
+            0 => ("measured", fit_rate(&self.best())),
+            all if all == self.rows.len() => ("predicted", fit_exact_rate(&self.best())),
+            _ => ("both", fit_rate(&self.best())),
+        };
+        let measured: Option<RateFit> = fit_rate(&self.measured());
+        let gain = |point: VariancePoint| {
+            let gain = white / point.variance;
+            let stderr = gain * point.stderr / point.variance;
+            (gain.is_finite() && stderr.is_finite()).then_some((gain, stderr))
+        };
+        let best_gain = gain(last.comparison.best_point());
+        let measured_gain = gain(last.comparison.measured_point());
+        let known = |x: Option<f64>| x.filter(|x| x.is_finite());
+        let finite = |i: Option<(f64, f64)>| i.filter(|i| i.0.is_finite() && i.1.is_finite());
+        Some(SamplerRecord {
+            sampler: self.pattern.to_string(),
+            basis,
+            rate: fit.map(|f| f.slope),
+            rate_interval: finite(fit.map(|f| f.interval)),
+            rate_change: known(fit.map(|f| f.slope_change)),
+            rate_change_p: known(fit.map(|f| f.slope_change_p)),
+            pre_asymptotic: fit.is_some_and(|f| f.is_pre_asymptotic()),
+            predicted_rate: fit_exact_rate(&self.predicted()).map(|f| f.slope),
+            measured_rate: measured.map(|f| f.slope),
+            measured_rate_interval: finite(measured.map(|f| f.interval)),
+            n,
+            gain: best_gain.map(|g| g.0),
+            gain_stderr: best_gain.map(|g| g.1),
+            measured_gain: measured_gain.map(|g| g.0),
+            measured_gain_stderr: measured_gain.map(|g| g.1),
+            power_seen: last.comparison.predicted_point().variance / white,
+        })
+    }
+}
