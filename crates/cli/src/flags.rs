@@ -7,6 +7,7 @@ mod tests;
 use std::path::PathBuf;
 
 use clap::Args;
+use sphvar_grammar::split_outside;
 use sphvar_samplers::Domain;
 use sphvar_spectrum::Resolution;
 
@@ -74,8 +75,17 @@ impl SamplersArgs {
 
     /// Returns the list of samplers, if there is one.
     pub(crate) fn list(&self) -> Option<String> {
-        let positional = || (!self.positional.is_empty()).then(|| self.positional.join(","));
-        self.samplers.clone().or_else(positional)
+        let given: Vec<&str> = match &self.samplers {
+            Some(text) => split_outside(text, " "),
+            None => self.positional.iter().map(String::as_str).collect(),
+        };
+        // A comma at the end of a piece divides it from the next one, as the blank does.
+        let pieces: Vec<&str> = given
+            .into_iter()
+            .map(|piece| piece.strip_suffix(',').unwrap_or(piece))
+            .filter(|piece| !piece.is_empty())
+            .collect();
+        (!pieces.is_empty()).then(|| pieces.join(","))
     }
 
     /// Returns the list of samplers, which the subcommand requires or has a default for.

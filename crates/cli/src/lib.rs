@@ -45,6 +45,7 @@ pub fn run() -> ExitCode {
         Ok(cli) => cli,
         Err(error) => return usage(error),
     };
+    files::record_used_files();
     let watched = interrupts::watch()
         .map_err(|error| CliError::Failed(format!("cannot watch for signals: {error}")));
     match watched.and_then(|()| dispatch(cli)) {

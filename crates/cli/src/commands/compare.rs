@@ -83,16 +83,7 @@ pub(crate) fn run(args: &CompareArgs, global: &Global) -> Result<(), CliError> {
             patterns.push(pattern);
         }
     }
-    let mut cases: Vec<Case> = Vec::new();
-    for pattern in &patterns {
-        for &n in args.counts.required()? {
-            let case = Case::new(pattern.clone(), n, domain, true)?;
-            let same = |c: &Case| c.pattern == *pattern && c.n_points() == case.n_points();
-            if !cases.iter().any(same) {
-                cases.push(case);
-            }
-        }
-    }
+    let cases = Case::all(&patterns, args.counts.required()?, domain, true)?;
     let plan = args.effort.plan(&integrand, global, true)?;
     rows::check(&plan, &cases)?;
     let provenance = Provenance::new(global.seed);

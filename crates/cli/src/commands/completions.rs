@@ -30,6 +30,9 @@ pub(crate) struct CompletionsArgs {
 }
 
 pub(crate) fn run(args: &CompletionsArgs, global: &Global) -> Result<(), CliError> {
+    if global.json {
+        return Err(CliError::Usage("completions and manual pages have no JSON form".to_owned()));
+    }
     if let Some(folder) = &args.man {
         return write_pages(folder, global);
     }

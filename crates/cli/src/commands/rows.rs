@@ -55,6 +55,26 @@ impl Case {
         Ok(Self { pattern, asked, sampler })
     }
 
+    /// Returns every pattern at every number of points, each case once.
+    pub(super) fn all(
+        patterns: &[Pattern],
+        counts: &[usize],
+        domain: Domain,
+        nearest: bool,
+    ) -> Result<Vec<Self>, CliError> {
+        let mut cases: Vec<Self> = Vec::new();
+        for pattern in patterns {
+            for &n in counts {
+                let case = Self::new(pattern.clone(), n, domain, nearest)?;
+                let same = |c: &Self| c.pattern == *pattern && c.n_points() == case.n_points();
+                if !cases.iter().any(same) {
+                    cases.push(case);
+                }
+            }
+        }
+        Ok(cases)
+    }
+
     pub(super) fn n_points(&self) -> usize {
         self.sampler.n_points()
     }

@@ -77,12 +77,8 @@ pub(crate) fn run(args: &VarianceArgs, global: &Global) -> Result<(), CliError> 
     }
     let integrand = parse_integrand(args.integrand.required()?, global.quiet)?;
     let domain = args.effort.domain.domain();
-    let mut cases = Vec::new();
-    for pattern in parse_patterns(&args.samplers.required()?)? {
-        for &n in args.counts.required()? {
-            cases.push(Case::new(pattern.clone(), n, domain, args.nearest.nearest)?);
-        }
-    }
+    let patterns = parse_patterns(&args.samplers.required()?)?;
+    let cases = Case::all(&patterns, args.counts.required()?, domain, args.nearest.nearest)?;
     let plan = args.effort.plan(&integrand, global, false)?;
     let (rows, _) = rows::run(&plan, &cases)?;
     let records: Vec<RowRecord> = rows.iter().map(|row| RowRecord::new(row, &plan)).collect();

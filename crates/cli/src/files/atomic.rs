@@ -8,6 +8,7 @@ use std::path::{Path, PathBuf};
 use super::file_error::{FileError, output_name};
 use super::live_files::{LiveFile, sweep};
 use super::target::Target;
+use super::used_files::{conflict, record_output};
 
 /// A file under construction: written beside its target under a temporary name and renamed by
 /// [`commit`](Self::commit).
@@ -33,7 +34,8 @@ impl AtomicFile {
     /// Returns a writer for `path`; `-` means standard output.
     ///
     /// # Errors
-    /// When the folder is missing or not writable, or the target is a folder or read-only.
+    /// When the folder is missing or not writable, when the target is a folder or read-only, and when this run has
+    /// read or written it.
     pub(crate) fn create(path: &Path) -> Result<Self, FileError> {
         let name = output_name(path);
         let write_error = |source| FileError::Write { path: name.clone(), source };
@@ -45,6 +47,9 @@ impl AtomicFile {
                 Sink::Stream(BufWriter::new(stream))
             }
             Target::File { path: target, existing } => {
+                if let Some(reason) = conflict(&target) {
+                    return Err(FileError::Refused { path: name, reason });
+                }
                 let temporary = temporary_beside(&target).map_err(write_error)?;
                 if let Some(metadata) = existing {
                     let permissions = metadata.permissions();
@@ -85,6 +90,12 @@ impl AtomicFile {
     /// removed and the target is as it was.
     pub(crate) fn commit(self) -> Result<(), FileError> {
         let Self { name, sink } = self;
+        // An input may have been opened since.
+        if let Sink::Beside { target, .. } = &sink
+            && let Some(reason) = conflict(target)
+        {
+            return Err(FileError::Refused { path: name, reason });
+        }
         finish(sink).map_err(|source| FileError::Write { path: name, source })
     }
 
@@ -119,7 +130,9 @@ fn finish(sink: Sink) -> io::Result<()> {
         Sink::Beside { temporary, target } => {
             let temporary = temporary.into_inner().map_err(io::IntoInnerError::into_error)?;
             temporary.file().sync_all()?;
-            temporary.rename(&target)
+            temporary.rename(&target)?;
+            record_output(&target);
+            Ok(())
         }
     }
 }

@@ -8,6 +8,7 @@ use flate2::bufread::GzDecoder;
 
 use super::file_error::{FileError, input_name, is_dash};
 use super::memory_guard::MemoryGuard;
+use super::used_files::record_input;
 
 /// Bytes that are read from a file at a time.
 const BUFFER: usize = 1 << 16;
@@ -33,6 +34,7 @@ pub(super) fn open_input(path: &Path) -> Result<Box<dyn BufRead>, FileError> {
         if file.metadata().map_err(open_error)?.is_dir() {
             return Err(open_error(io::Error::from(io::ErrorKind::IsADirectory)));
         }
+        record_input(path);
         Box::new(BufReader::with_capacity(BUFFER, file))
     };
     decompressed(raw).map_err(|source| FileError::Read { path: input_name(path), source })

@@ -20,6 +20,7 @@ mod shard;
 mod spectra;
 mod target;
 mod text_rows;
+mod used_files;
 
 pub(crate) use atomic::AtomicFile;
 pub(crate) use file_error::{FileError, Place};
@@ -38,3 +39,4 @@ pub(crate) use regular::{read_regular, write_regular};
 pub(crate) use shard::{Part, SavedEnsemble, Shard};
 pub(crate) use spectra::read_spectrum;
 pub(crate) use target::{is_stdout, is_stream};
+pub(crate) use used_files::record_used_files;

@@ -10,6 +10,7 @@ use serde::{Deserialize, Serialize};
 use sphvar_samplers::Domain;
 use sphvar_spectrum::SpectrumAccumulator;
 
+use super::used_files::record_input;
 use super::{AtomicFile, FileError, Place};
 
 /// Sums that are exact, so that parts can be put together in any order.
@@ -119,6 +120,7 @@ impl Shard {
         let name = path.display().to_string();
         let bytes =
             fs::read(path).map_err(|source| FileError::Open { path: name.clone(), source })?;
+        record_input(path);
         let wrong = |got: &str| FileError::Layout {
             path: name.clone(),
             place: Place::Whole,

@@ -5,7 +5,7 @@ use std::path::Path;
 use schemars::JsonSchema;
 use serde::Serialize;
 
-use super::{Provenance, is_stdout, print, print_json, write_text};
+use super::{Provenance, is_stdout, lower_extension, print, print_json, write_text};
 use crate::error::CliError;
 use crate::files::is_stream;
 use crate::global::Global;
@@ -78,7 +78,7 @@ fn write_result(
     document: &impl Serialize,
     csv: &dyn Fn() -> Result<String, CliError>,
 ) -> Result<(), CliError> {
-    match path.extension().and_then(|e| e.to_str()) {
+    match lower_extension(path).as_deref() {
         Some("json") => {
             let json = serde_json::to_string(document).map_err(CliError::failed)?;
             write_text(path, &(json + "\n"))

@@ -45,12 +45,17 @@ pub(crate) fn write_text(path: &Path, text: &str) -> Result<(), CliError> {
     Ok(AtomicFile::write_whole(path, text.as_bytes())?)
 }
 
+/// Returns the extension of a file in lower case.
+fn lower_extension(path: &Path) -> Option<String> {
+    path.extension().map(|extension| extension.to_string_lossy().to_lowercase())
+}
+
 /// Returns an error for a result file that [`emit`] could not write, `plots` included if there are
 /// any: better before the work than after it.
 pub(crate) fn check_result(path: &Path, plots: bool) -> Result<(), CliError> {
-    let extension = path.extension().and_then(|e| e.to_str());
-    let result =
-        matches!(extension, Some("json" | "csv")) || extension.is_none() && is_stream(path);
+    let extension = lower_extension(path);
+    let result = matches!(extension.as_deref(), Some("json" | "csv"))
+        || extension.is_none() && is_stream(path);
     let plot = plots && ImageFormat::of_path(path).is_some();
     if !(result || plot) {
         let plots = if plots { ", plots as .svg or .png" } else { "" };

@@ -11,7 +11,7 @@ use crate::message;
 /// What makes a result reproducible.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 pub(crate) struct Provenance {
-    /// The command line without the number of threads, on which results do not depend.
+    /// The command line as a shell takes it, without the number of threads, on which results do not depend.
     pub(crate) command: String,
     /// The version of sphvar.
     pub(crate) version: Cow<'static, str>,
@@ -23,7 +23,7 @@ impl Provenance {
     /// Of this run.
     pub(crate) fn new(seed: u64) -> Self {
         // A line break would end the comment that this becomes.
-        let word = |word: OsString| message::escape(&word.to_string_lossy()).into_owned();
+        let word = |word: OsString| quoted(&message::escape(&word.to_string_lossy()));
         let words = std::env::args_os().skip(1).map(word);
         Self::of(format!("sphvar {}", without_threads(words).join(" ")), seed)
     }
@@ -58,6 +58,16 @@ impl Provenance {
     }
 }
 
+/// Returns a word as a shell takes it, in single quotes unless it has only characters that mean nothing to a shell.
+fn quoted(word: &str) -> String {
+    let is_plain = |c: char| c.is_alphanumeric() || "_@%+=:,./-".contains(c);
+    if !word.is_empty() && word.chars().all(is_plain) {
+        word.to_owned()
+    } else {
+        format!("'{}'", word.replace('\'', "'\\''"))
+    }
+}
+
 /// The words of a command line without `-j` and `--threads` and their number.
 fn without_threads(mut words: impl Iterator<Item = String>) -> Vec<String> {
     let mut kept = Vec::new();
@@ -69,4 +79,25 @@ fn without_threads(mut words: impl Iterator<Item = String>) -> Vec<String> {
         }
     }
     kept
+}
+
+#[cfg(test)]
+mod tests {
+    use super::quoted;
+
+    #[test]
+    fn words_are_quoted_for_a_shell() {
+        for (word, text) in [
+            ("cap:degrees=60", "cap:degrees=60"),
+            ("-n", "-n"),
+            ("16..1024", "16..1024"),
+            ("", "''"),
+            ("a * b", "'a * b'"),
+            ("env:file=\"a,b.exr\"", "'env:file=\"a,b.exr\"'"),
+            ("it's", "'it'\\''s'"),
+            ("$HOME", "'$HOME'"),
+        ] {
+            assert_eq!(quoted(word), text);
+        }
+    }
 }

@@ -15,6 +15,7 @@ mod forms_of_points;
 mod forms_of_results;
 mod grammar;
 mod help;
+mod inputs_and_outputs;
 mod interrupts;
 mod lists;
 mod messages;

@@ -102,6 +102,15 @@ fn samplers_are_arguments_or_a_flag() {
         {
             assert_eq!(rows(other), first, "{command} {other}");
         }
+        let quoted = |list: &str| {
+            let mut command = place.command(&format!("{command} {more}"));
+            let output = command.args(["--samplers", list]).output().unwrap();
+            let document: Value = serde_json::from_slice(&output.stdout).unwrap();
+            document["rows"].as_array().unwrap().len()
+        };
+        for list in ["jittered fibonacci", "jittered, fibonacci", "jittered,fibonacci"] {
+            assert_eq!(quoted(list), 2, "{command} --samplers {list:?}");
+        }
         place
             .run(&format!("{command} jittered --samplers fibonacci {more}"))
             .fails(2, &["--samplers", "cannot be used with"]);

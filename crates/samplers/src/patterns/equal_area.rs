@@ -8,7 +8,9 @@ use sphvar_grammar::{Choice, Declaration, Parametric};
 
 pub use self::region::Region;
 use crate::definition::Definition;
-use crate::{CostOrder, Domain, Error, SetDistribution, PatternFacts, PointSet, Rate, Sampler, Strata, count};
+use crate::{
+    CostOrder, Domain, Error, PatternFacts, PointSet, Rate, Sampler, SetDistribution, Strata, count,
+};
 
 /// Where a point lies in its region.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]

@@ -5,7 +5,7 @@ use sphvar_grammar::Parametric;
 use sphvar_warps::archimedes;
 
 use crate::definition::Definition;
-use crate::{CostOrder, Domain, Error, SetDistribution, PatternFacts, PointSet, Rate, Sampler};
+use crate::{CostOrder, Domain, Error, PatternFacts, PointSet, Rate, Sampler, SetDistribution};
 
 /// 2^128 divided by the golden ratio (1 + sqrt 5)/2, rounded down: the longitude's step in turns.
 const INVERSE_GOLDEN_RATIO: u128 = 0x9E37_79B9_7F4A_7C15_F39C_C060_5CED_C834;

@@ -3,7 +3,9 @@ use sphvar_grammar::Parametric;
 use sphvar_healpix::{Cell, Nside};
 
 use crate::definition::Definition;
-use crate::{CostOrder, Domain, Error, SetDistribution, PatternFacts, PointSet, Rate, Sampler, ValidCounts};
+use crate::{
+    CostOrder, Domain, Error, PatternFacts, PointSet, Rate, Sampler, SetDistribution, ValidCounts,
+};
 
 /// The centres of the HEALPix pixels (Gorski et al. 2005), 12 nside^2 of them; on the hemisphere
 /// one of each antipodal pair, 6 nside^2.

@@ -5,7 +5,8 @@ use sphvar_healpix::Nside;
 use super::healpix::{n_strata, nside, strata, valid_counts};
 use crate::definition::Definition;
 use crate::{
-    CostOrder, Domain, Error, SetDistribution, PatternFacts, PointSet, Rate, Sampler, Strata, ValidCounts,
+    CostOrder, Domain, Error, PatternFacts, PointSet, Rate, Sampler, SetDistribution, Strata,
+    ValidCounts,
 };
 
 /// One uniform direction in every HEALPix pixel, for any nside; on the hemisphere one in every

@@ -6,7 +6,9 @@ use sphvar_grammar::Parametric;
 use sphvar_warps::archimedes;
 
 use crate::definition::Definition;
-use crate::{CostOrder, Domain, Error, SetDistribution, PatternFacts, PointSet, Rate, Sampler, count};
+use crate::{
+    CostOrder, Domain, Error, PatternFacts, PointSet, Rate, Sampler, SetDistribution, count,
+};
 
 /// The advance along the spiral per point, in units of `1/sqrt(N)` of arc: the value that Rakhmanov,
 /// Saff and Zhou give from numerical experiments.

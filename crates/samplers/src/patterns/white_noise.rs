@@ -6,7 +6,7 @@ use sphvar_grammar::Parametric;
 use sphvar_warps::archimedes;
 
 use crate::definition::Definition;
-use crate::{CostOrder, Domain, Error, SetDistribution, PatternFacts, PointSet, Rate, Sampler};
+use crate::{CostOrder, Domain, Error, PatternFacts, PointSet, Rate, Sampler, SetDistribution};
 
 /// Independent, uniformly distributed directions: `P(l) = 1` for every l >= 1, variance
 /// `(area int F^2 - (int F)^2)/N`.

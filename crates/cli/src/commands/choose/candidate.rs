@@ -96,6 +96,13 @@ impl TimedCandidate {
         let goal = question.goal(max_points);
         let answer = Candidate::with_curve(curve, goal, predictor, &())?;
         let n_points = answer.n_points;
+        if let (Goal::Points(budget), Some(n)) = (goal, n_points)
+            && n > budget
+        {
+            return Err(CliError::Failed(format!(
+                "its smallest number of points is {n}, more than the {budget} of -n"
+            )));
+        }
         let making = match n_points {
             Some(n) => Some(making(&answer.curve, question.domain, n, seed)?),
             None => None,

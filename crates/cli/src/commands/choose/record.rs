@@ -35,8 +35,10 @@ pub(super) struct CandidateRecord {
     pub(super) too_few: Option<usize>,
     /// The predicted variance of the integral, in squared units of the integral.
     pub(super) variance: Option<f64>,
-    /// The standard error of `variance`, which extrapolations do not have.
+    /// The standard error of `variance` from that of the spectrum, which extrapolations do not have.
     pub(super) variance_stderr: Option<f64>,
+    /// The largest error of `variance` from degrees beyond the spectrum.
+    pub(super) variance_tail_error: Option<f64>,
     /// The standard error of the integral, `sqrt(variance)`.
     pub(super) error: Option<f64>,
     /// `error` over the integral.
@@ -71,9 +73,12 @@ pub(super) struct CurveRecord {
     pub(super) n: usize,
     /// The predicted variance of the integral.
     pub(super) variance: f64,
-    /// The standard error of `variance`.
+    /// The standard error of `variance` from that of the spectrum.
     #[schemars(with = "Option<f64>")]
     pub(super) variance_stderr: f64,
+    /// The largest error of `variance` from degrees beyond the spectrum.
+    #[schemars(with = "Option<f64>")]
+    pub(super) variance_tail_error: f64,
 }
 
 /// Which sampler needs the fewest points for an error, or has the least error with given points:
@@ -128,7 +133,8 @@ impl CandidateRecord {
         let curve_point = |p: &PredictedPoint| CurveRecord {
             n: p.n_points(),
             variance: p.prediction.variance,
-            variance_stderr: p.prediction.total_stderr(),
+            variance_stderr: p.prediction.stderr,
+            variance_tail_error: p.prediction.tail_error,
         };
         // A constant has rounding for variance, whose gains and rates mean nothing.
         let varies = predictor.white_variance(1) > 0.0;
@@ -143,7 +149,8 @@ impl CandidateRecord {
                 _ => None,
             },
             variance,
-            variance_stderr: candidate.answer.variance.map(|v| v.1).filter(finite),
+            variance_stderr: point.map(|p| p.prediction.stderr).filter(finite),
+            variance_tail_error: point.map(|p| p.prediction.tail_error).filter(finite),
             error: variance.map(f64::sqrt),
             relative_error: variance.and_then(|v| question.relative(v.sqrt())),
             gain: white.zip(variance).map(|(white, v)| white / v).filter(finite),
@@ -202,7 +209,8 @@ impl CandidateRecord {
 
     /// What is not known of the error: half the relative error of the variance is that of its root.
     fn unknown_error(&self) -> Option<f64> {
-        let half = self.variance_stderr.zip(self.variance).map(|(e, v)| 0.5 * e / v.max(e));
+        let total = self.variance_stderr.zip(self.variance_tail_error).map(|(s, t)| s.hypot(t));
+        let half = total.zip(self.variance).map(|(e, v)| 0.5 * e / v.max(e));
         let error = self.relative_error.or(self.error);
         error.zip(half).map(|(error, half)| error * half).filter(|e| e.is_finite())
     }
