@@ -2,8 +2,7 @@ use std::fmt;
 
 /// What is known of a pattern before anything is computed.
 ///
-/// Powers and rates were measured with this program where the source has none; `docs/theory.md` has
-/// the figures.
+/// Powers and rates were measured with this program where the source has none.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct PatternFacts {

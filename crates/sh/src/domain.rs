@@ -10,8 +10,7 @@ pub enum Domain {
     /// The unit sphere, area 4 pi; every degree exists.
     Sphere,
     /// The hemisphere z >= 0, area 2 pi, with antipodal (projective) symmetry: a direction and its
-    /// antipode are one point, represented by the one with z >= 0, so only even degrees exist
-    /// (`docs/theory.md`, section on the hemisphere).
+    /// antipode are one point, represented by the one with z >= 0, so only even degrees exist.
     Hemisphere,
 }
 

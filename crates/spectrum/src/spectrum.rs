@@ -6,7 +6,7 @@ use crate::{Accumulator, Error, Moments, Realization};
 /// degrees.
 ///
 /// `P(l) = (4 pi / N) 1/(2l+1) sum_m |sum_k conj Y_lm(s_k)|^2`: white noise has P(l) = 1 for
-/// l >= 1, and every set has P(0) = N (`docs/conventions.md`). On the hemisphere only even degrees
+/// l >= 1, and every set has P(0) = N. On the hemisphere only even degrees
 /// exist; entries of odd degrees are 0 and have no meaning.
 ///
 /// For weighted points, N is the effective number `(sum w)^2/sum w^2`.

@@ -13,7 +13,7 @@ pub struct Claim {
     pub verdict: Verdict,
     /// The choice that the thesis leaves open, and the outcome with each option, where these differ.
     pub choice: Option<Choice>,
-    /// The number of the erratum in `docs/theory.md` if the thesis is wrong or unclear here.
+    /// The number of the [`Erratum`](crate::Erratum) if the thesis is wrong or unclear here.
     pub erratum: Option<u8>,
     /// Why, in a sentence; may be empty.
     pub remark: String,

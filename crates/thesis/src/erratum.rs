@@ -1,4 +1,4 @@
-/// An error, inconsistency or ambiguity of the thesis, as `docs/theory.md` lists it.
+/// An error, inconsistency or ambiguity of the thesis, with its number in the project's list.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Erratum {
     /// Its number in the list.

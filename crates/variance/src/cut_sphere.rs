@@ -23,7 +23,7 @@ pub enum CutAxis {
 /// Estimates of an integral over the hemisphere from the visible half of sphere sets.
 ///
 /// A set has M points on the sphere, n of them in the visible half. n is random, and the pattern is
-/// not adapted to the cut (`docs/theory.md`, section on the hemisphere).
+/// not adapted to the cut.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CutMeasurement {
     /// `(4 pi/M) sum f`: unbiased, with the variance of f set to 0 beyond the cut.

@@ -20,10 +20,10 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! The variance is `Var(I_N) = (4 pi / N) sum_{l >= 1} (2l+1) <P_S(l)> P_F(l)` (Singh 2015, as
-//! corrected in `docs/theory.md`). The part of the integrand's energy beyond the largest degree of
-//! the spectrum is included. A [`Predictor`] predicts the variance for any sampler; [`Candidate`]
-//! and [`rank`] compare patterns.
+//! The variance is `Var(I_N) = (4 pi / N) sum_{l >= 1} (2l+1) <P_S(l)> P_F(l)` (Singh 2015,
+//! corrected). The part of the integrand's energy beyond the largest degree of the spectrum is
+//! included. A [`Predictor`] predicts the variance for any sampler; [`Candidate`] and [`rank`]
+//! compare patterns.
 
 mod candidate;
 mod comparison;

@@ -20,9 +20,9 @@ pub trait Ensemble: Sync {
 /// The ensemble of a sampler: realization `i` is a function of (streams, i) alone.
 ///
 /// With rotation, each realization is rotated by an independent uniform rotation, which makes the
-/// ensemble homogeneous: the condition under which a variance follows from the spectrum
-/// (`docs/theory.md`). The rotation is drawn from a stream of its own, so the unrotated ensemble of the
-/// same streams has the same sets before rotation, and the points that two samplers have in common, such as the
+/// ensemble homogeneous: the condition under which a variance follows from the spectrum. The
+/// rotation is drawn from a stream of its own, so the unrotated ensemble of the same streams has
+/// the same sets before rotation, and the points that two samplers have in common, such as the
 /// beginning of a sequence, still agree after it.
 ///
 /// ```

@@ -2,7 +2,7 @@
 /// hit point.
 ///
 /// For hemisphere sets all N directions are used, and both factors are 1/N. Of a sphere set of M =
-/// 2N points a random number n is visible (`docs/theory.md`, section on the hemisphere).
+/// 2N points a random number n is visible.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Estimator {
     /// `(1/n) sum`: the mean of visible samples. Its bias is of order `Var(n)/M^2`; a constant is

@@ -116,7 +116,7 @@ fn known_claims_have_their_verdicts() {
     }
 }
 
-/// Numbers of the claims of 4.10 beside values of independent programs (`docs/theory.md`, Patterns).
+/// Numbers of the claims of 4.10 beside values of independent programs.
 #[test]
 fn lattices_have_their_recorded_peaks() {
     let figure = figure("4.10");

@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use crate::files::file_error::{FileError, Place};
 
-/// A length that differs from 1 by more than this is worth a warning (`formats.md`, "Points").
+/// A length that differs from 1 by more than this is worth a warning.
 const TOLERANCE: f64 = 1e-6;
 /// A length that differs from 1 by more than this is no matter of digits.
 const FAR: f64 = 1e-2;
