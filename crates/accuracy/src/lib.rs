@@ -40,3 +40,7 @@ pub use area::Area;
 pub use errors::Errors;
 pub use hard_case::{HardCase, hard_cases};
 pub use trial::{Effort, Subject, Trial, trials};
+
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct ReadmeExamples;

@@ -69,3 +69,7 @@ pub use thesis_bounds::{ThesisBound, thesis_bounds};
 pub use tightest::{Criterion, Offset, Tightest};
 pub use variance_range::{VarianceRange, variance_bound};
 pub use zeta::{generalized_harmonic, hurwitz_zeta, riemann_zeta, trigamma};
+
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct ReadmeExamples;

@@ -53,3 +53,7 @@ pub use range::Range;
 pub use resolve_error::ResolveError;
 pub use spec::Spec;
 pub use texts::{describe, form, read, take, text};
+
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct ReadmeExamples;

@@ -63,3 +63,7 @@ pub use nside::Nside;
 pub use order::PixelOrder;
 pub use ring::Ring;
 pub use ring_geometry::RingGeometry;
+
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct ReadmeExamples;

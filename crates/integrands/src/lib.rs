@@ -40,3 +40,7 @@ pub use integrand::Integrand;
 pub use shape::{Circle, Shape};
 pub use sphvar_grammar as grammar;
 pub use sphvar_sh::Domain;
+
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct ReadmeExamples;

@@ -59,3 +59,7 @@ pub mod parts {
     pub use crate::spreading::Spreading;
     pub use crate::window::Window;
 }
+
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct ReadmeExamples;

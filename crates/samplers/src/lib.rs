@@ -51,3 +51,7 @@ pub use sphvar_grammar as grammar;
 pub use sphvar_sh::Domain;
 pub use square::{CosineHemisphere, JitteredSquare, OnSphere, SquarePattern, WhiteSquare};
 pub use valid_counts::ValidCounts;
+
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct ReadmeExamples;

@@ -50,3 +50,7 @@ pub use picture::view::View;
 
 /// The largest coordinate of a vertex, chosen such that products of three differences stay finite.
 const MAX_COORDINATE: f64 = 1e100;
+
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct ReadmeExamples;

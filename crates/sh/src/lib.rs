@@ -74,3 +74,7 @@ pub use recurrence::{Recurrence, Step};
 pub use scaled::Scaled;
 pub use sectoral::{sectoral, sectoral_function};
 pub use ylm::{real_ylm, real_ylm_at, ylm, ylm_at};
+
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct ReadmeExamples;

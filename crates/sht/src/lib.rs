@@ -59,3 +59,7 @@ pub use fast::{FastTransform, FastWorkspace};
 pub use rings::{RingTransform, RingWorkspace};
 pub use sphvar_sh::Error;
 pub use transform::{Method, Transform, TransformWorkspace};
+
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct ReadmeExamples;

@@ -64,3 +64,7 @@ pub use realization::Realization;
 pub use spectrum::{Spectrum, SpectrumAccumulator};
 pub use sphvar_samplers::Ensemble;
 pub use sphvar_sht::Method;
+
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct ReadmeExamples;

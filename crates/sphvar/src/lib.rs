@@ -60,3 +60,7 @@ pub mod prelude {
         Trials, fit_rate, rank, required_points,
     };
 }
+
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct ReadmeExamples;

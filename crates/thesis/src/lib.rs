@@ -56,3 +56,7 @@ pub use setting::{Scale, Setting};
 pub use store::{Nothing, Store};
 pub use test_integrand::TestIntegrand;
 pub use verdict::Verdict;
+
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct ReadmeExamples;

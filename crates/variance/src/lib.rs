@@ -70,3 +70,7 @@ pub use sphvar_spectrum::{Method, Spectrum};
 pub use stopping::{Precision, measure_until};
 pub use student::student_quantile;
 pub use trials::Trials;
+
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct ReadmeExamples;

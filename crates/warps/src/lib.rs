@@ -20,3 +20,7 @@ mod concentric;
 
 pub use archimedes::archimedes;
 pub use concentric::{concentric_disk, cosine_hemisphere, cosine_hemisphere_pdf};
+
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct ReadmeExamples;
