@@ -50,13 +50,13 @@ pub(crate) struct NamedIntegrand {
 }
 
 /// Energies that take less are computed without a word, in seconds.
-const WORTH_SAYING: f64 = 2.0;
+const MIN_ANNOUNCED_SECONDS: f64 = 2.0;
 
 impl NamedIntegrand {
     /// Says how long energies to a degree will take, if that is long.
     pub(crate) fn announce_energies(&self, domain: Domain, lmax: usize, quiet: bool) {
         let seconds = self.function.energy_seconds(domain, lmax);
-        if seconds > WORTH_SAYING {
+        if seconds > MIN_ANNOUNCED_SECONDS {
             say(
                 quiet,
                 &format!("energies of {} to degree {lmax}: about {seconds:.0} s", self.name),

@@ -1,4 +1,4 @@
-//! `sphvar accuracy`: measured errors beside speed, and the bounds that hard inputs keep.
+//! `sphvar accuracy`: measured errors and times, and the error bounds of extreme inputs.
 
 mod charts;
 pub(crate) mod machine;
@@ -121,7 +121,7 @@ fn check_out(path: &Path) -> Result<(), CliError> {
     })
 }
 
-/// The files of the charts; refused before the work rather than after it.
+/// Returns the paths of the charts, and rejects invalid ones before the work starts.
 fn plot_paths(plot: Option<&Path>, areas: &[Area]) -> Result<Vec<(Area, PathBuf)>, CliError> {
     let Some(plot) = plot else { return Ok(Vec::new()) };
     let paths = match (ImageFormat::of_path(plot), areas) {
@@ -140,14 +140,14 @@ fn plot_paths(plot: Option<&Path>, areas: &[Area]) -> Result<Vec<(Area, PathBuf)
     Ok(paths)
 }
 
-/// Runs every trial and hard case.
+/// Runs all trials and extreme inputs.
 fn measure(areas: &[Area], quick: bool, quiet: bool) -> (Vec<TrialRecord>, Vec<HardCaseRecord>) {
     let effort = if quick { Effort::Quick } else { Effort::Full };
-    // What a trial takes is not known before: each counts as one.
+    // The duration of a trial is not known in advance, so each counts as one.
     let progress = Progress::new(0.0, quiet);
     let (mut records, mut case_records) = (Vec::new(), Vec::new());
     for &area in areas {
-        // One area after the other: inputs of all would fill the memory.
+        // Areas run one after the other, because the inputs of all would not fit in memory.
         let trials = trials(area, effort);
         let cases = hard_cases(area);
         progress.expect((trials.len() + cases.len()) as f64);
@@ -167,9 +167,9 @@ fn measure(areas: &[Area], quick: bool, quiet: bool) -> (Vec<TrialRecord>, Vec<H
     (records, case_records)
 }
 
-/// The charts as a document beside or above them names them.
+/// Returns the charts with their paths relative to a document beside or above them.
 fn links(document: &Path, plots: &[(Area, PathBuf)]) -> Vec<(Area, String)> {
-    // Made absolute, so that `./docs` and `docs` are the same folder.
+    // The paths are absolute, so that `./docs` and `docs` are the same folder.
     let absolute = |path: &Path| std::path::absolute(path).unwrap_or_else(|_| path.to_path_buf());
     let document = absolute(document);
     let folder = document.parent().unwrap_or(Path::new(""));

@@ -40,15 +40,15 @@ copies of the ensemble in which every set is randomly rotated once more; all tes
 reject a homogeneous ensemble with probability --alpha at most. A sampler is audited both as drawn \
 and after uniform random rotations. The exit status is 0 whatever the outcome.";
 
-/// Fewer realizations say too little to be judged.
-const LEAST: u64 = 30;
+/// The minimum number of realizations for a verdict.
+const MIN_REALIZATIONS: u64 = 30;
 
 #[derive(Debug, Args)]
 pub(crate) struct AuditArgs {
     #[command(flatten)]
     pub(crate) sets: SetsArgs,
     #[arg(
-        help = format!("Number of realizations, at least {LEAST}"),
+        help = format!("Number of realizations, at least {MIN_REALIZATIONS}"),
         short = 'm',
         long,
         default_value = "2000",
@@ -83,7 +83,7 @@ pub(crate) struct AuditArgs {
     pub(crate) out: Option<PathBuf>,
 }
 
-/// Where the point sets come from.
+/// The source of the point sets.
 enum Source {
     Sampler { name: String, sampler: Box<dyn Sampler>, streams: Streams },
     Files(FileSets),
@@ -126,7 +126,7 @@ pub(crate) fn run(args: &AuditArgs, global: &Global) -> Result<(), CliError> {
     emit(args.out.as_deref(), global, &provenance, &body, &forms)
 }
 
-/// Refuses what the library would refuse after the work.
+/// Rejects settings that the library would reject only after the work.
 fn check_settings(args: &AuditArgs, domain: Domain) -> Result<(), CliError> {
     check_degree("--lmax", args.lmax)?;
     let least = domain.degree_step();
@@ -144,9 +144,9 @@ fn check_settings(args: &AuditArgs, domain: Domain) -> Result<(), CliError> {
         let got = args.tolerance;
         return Err(CliError::Usage(format!("--tolerance must be above 0 and finite, got {got}")));
     }
-    if args.sets.files.files.is_empty() && args.realizations < LEAST {
+    if args.sets.files.files.is_empty() && args.realizations < MIN_REALIZATIONS {
         return Err(CliError::Usage(format!(
-            "-m must be at least {LEAST} for an audit, got {}",
+            "-m must be at least {MIN_REALIZATIONS} for an audit, got {}",
             args.realizations
         )));
     }
@@ -156,9 +156,9 @@ fn check_settings(args: &AuditArgs, domain: Domain) -> Result<(), CliError> {
 fn source(args: &AuditArgs, domain: Domain, global: &Global) -> Result<Source, CliError> {
     let (Some(name), Some(n)) = (&args.sets.sampler.sampler, args.sets.count.count) else {
         let sets = FileSets::read(&args.sets.files, domain, global.quiet)?;
-        if sets.count() < LEAST {
+        if sets.count() < MIN_REALIZATIONS {
             return Err(CliError::Failed(format!(
-                "an audit needs at least {LEAST} sets, each a realization; {} has {}",
+                "an audit needs at least {MIN_REALIZATIONS} sets, each a realization; {} has {}",
                 sets.name(),
                 sets.count()
             )));
@@ -176,7 +176,7 @@ fn source(args: &AuditArgs, domain: Domain, global: &Global) -> Result<Source, C
     Ok(Source::Sampler { name: pattern.to_string(), sampler, streams })
 }
 
-/// What every audit of a run has in common.
+/// The settings that all audits of a run share.
 struct Plan {
     domain: Domain,
     settings: AuditSettings,
@@ -188,7 +188,8 @@ impl Plan {
     fn check_memory(&self) -> Result<(), CliError> {
         check_transform(self.resolution, self.count)?;
         let components = ((self.resolution.lmax + 1) as f64).powi(2);
-        // The coefficients twice, the sums of the copies, and the matrices of the quarter turn.
+        // The coefficients twice, the sums of the copies, and the matrices of the rotation by 90
+        // degrees.
         let numbers = 2.0 * components * self.count as f64
             + 4.0 * components * self.settings.replicates() as f64
             + components * self.resolution.lmax as f64;
@@ -206,11 +207,11 @@ impl Plan {
             Source::Sampler { .. } if !unrotated => 2.0,
             _ => 1.0,
         };
-        let making = match source {
+        let set_work = match source {
             Source::Sampler { sampler, .. } => sampler.nominal_work(),
             Source::Files(_) => 0.0,
         };
-        let progress = Progress::new(rounds * self.work(making), quiet);
+        let progress = Progress::new(rounds * self.work(set_work), quiet);
         let audit = |ensemble: Ensemble, sets: &dyn PointEnsemble, used: Option<&[DMat3]>| {
             progress.stage(&format!("{name} {}", ensemble.name()));
             self.audit(sets, used, &progress).map(|audit| (ensemble, audit))
@@ -231,7 +232,7 @@ impl Plan {
         }
     }
 
-    /// One audit; `used` are the rotations that turned the sets, none if they are not known.
+    /// Runs one audit; `used` are the rotations applied to the sets, none if they are unknown.
     fn audit(
         &self,
         sets: &dyn PointEnsemble,
@@ -243,10 +244,10 @@ impl Plan {
         Ok(coefficients.audit(&self.settings, used, progress)?)
     }
 
-    /// The nominal work of an audit of sets that take `making` each.
-    fn work(&self, making: f64) -> f64 {
+    /// Returns the nominal work of an audit of sets that take `set_work` each.
+    fn work(&self, set_work: f64) -> f64 {
         let Resolution { lmax, n_points, method, .. } = self.resolution;
-        self.count as f64 * (making + method.nominal_work(n_points, lmax))
+        self.count as f64 * (set_work + method.nominal_work(n_points, lmax))
             + HomogeneityAccumulator::audit_work(&self.settings, self.count, lmax)
     }
 }

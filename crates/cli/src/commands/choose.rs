@@ -1,5 +1,5 @@
-//! `sphvar choose`: which pattern has the error asked for with the fewest points, or the least error with
-//! the points that there are.
+//! `sphvar choose`: which pattern reaches a requested error with the fewest points, or has the
+//! smallest error with a given number of points.
 
 mod args;
 mod candidate;
@@ -40,11 +40,11 @@ Patterns for which predictions are too expensive at the requested N are extrapol
 For step and blue the best alpha is chosen. \
 The seconds per set are measured on one core, the median of up to five.";
 
-/// A default sampler is left out where a prediction alone takes more work than this number of budgets.
+/// A default sampler is omitted if a single prediction takes more work than this number of budgets.
 const MAX_BUDGETS: f64 = 10.0;
-/// The number of points by whose cost patterns are ordered if none is given.
+/// The number of points at which patterns are ordered by cost if the user gives none.
 const TYPICAL_POINTS: usize = 1024;
-/// Bytes of a point of a set that is transformed, at least.
+/// The minimum memory of a point of a transformed set, in bytes.
 const BYTES_PER_POINT: f64 = 24.0;
 
 pub(crate) fn run(args: &ChooseArgs, global: &Global) -> Result<(), CliError> {
@@ -77,7 +77,8 @@ pub(crate) fn run(args: &ChooseArgs, global: &Global) -> Result<(), CliError> {
 
     let typical = args.count.count.unwrap_or(TYPICAL_POINTS);
     let mut patterns = patterns;
-    // Inexpensive ones first; the order is no matter of time, and so the same everywhere.
+    // Inexpensive patterns come first. The order depends on nominal work rather than on time, and
+    // so is the same on every machine.
     patterns.sort_by(|a, b| a.nominal_work(typical).total_cmp(&b.nominal_work(typical)));
     patterns.dedup();
     let shares: Vec<f64> = patterns.iter().map(|p| share(p, typical, domain)).collect();
@@ -99,7 +100,7 @@ pub(crate) fn run(args: &ChooseArgs, global: &Global) -> Result<(), CliError> {
                 ),
             });
         } else {
-            // A pattern that was named is taken as it was, however far behind.
+            // A pattern that the user names is kept as it is, however far behind it is.
             let is_named = named.is_some();
             let limit = fewest.filter(|_| !is_named && args.cost_per_sample.is_none());
             let candidate =
@@ -136,7 +137,7 @@ pub(crate) fn run(args: &ChooseArgs, global: &Global) -> Result<(), CliError> {
     Answer::new(&question, &mut predictor, &candidates, left_out, global.seed)?.emit(args, global)
 }
 
-/// All patterns, and those of other parameters that are the best of all for some integrands: centred
+/// Returns all patterns, and parameter variants that are the best for some integrands: centred
 /// equal-area points for caps, the logarithmic energy for lobes.
 fn considered() -> Vec<Pattern> {
     let mut patterns = Pattern::ALL.to_vec();
@@ -146,20 +147,20 @@ fn considered() -> Vec<Pattern> {
     patterns
 }
 
-/// The work of the fewest realizations that a prediction takes, in budgets of it.
+/// Returns the work of the minimum number of realizations of a prediction, in budgets.
 fn budgets(pattern: &Pattern, n_points: usize) -> f64 {
     let least = PredictionBudget::MIN_REALIZATIONS as f64 * pattern.nominal_work(n_points);
     least / PredictionBudget::DEFAULT.work
 }
 
-/// The share of a pattern in the time for all, for progress.
+/// Returns the share of a pattern in the total time, for the progress bar.
 fn share(pattern: &Pattern, n_points: usize, domain: Domain) -> f64 {
-    // Closed forms and single sets take next to no time.
+    // Closed forms and single sets take hardly any time.
     const KNOWN: f64 = 0.02;
     let is_estimated = pattern.build(n_points, domain).is_ok_and(|sampler| sampler.is_random())
         && !matches!(pattern, Pattern::WhiteNoise | Pattern::Jittered);
     let is_designed = matches!(pattern, Pattern::Step { .. } | Pattern::Blue { .. });
-    // A budget, or what the fewest realizations take; parameters are tried of designed patterns.
+    // A budget, or the minimum number of realizations; designed patterns are also tuned.
     match (is_estimated, is_designed) {
         (false, _) => KNOWN,
         (true, false) => budgets(pattern, n_points).max(1.0),

@@ -1,4 +1,4 @@
-//! `sphvar compare`, the main job: which pattern integrates this best, and why.
+//! `sphvar compare`, the main command: which pattern integrates a function best, and why.
 
 mod charts;
 mod curve;
@@ -42,7 +42,7 @@ command are overwritten only with --force. Two runs cannot write to one folder a
 
 /// The patterns that the thesis compares.
 const SAMPLERS: &str = "white-noise,jittered,poisson-disk,ccvt,healpix,fibonacci,step";
-/// Numbers of points that HEALPix has, with which the comparison takes less than a minute of two cores.
+/// Valid point counts of HEALPix with which the comparison takes less than a minute on two cores.
 const COUNTS: &str = "48,108,192,432,768,1728";
 
 #[derive(Debug, Args)]
@@ -107,7 +107,7 @@ pub(crate) fn run(args: &CompareArgs, global: &Global) -> Result<(), CliError> {
     Ok(())
 }
 
-/// What goes to the folder of results.
+/// The contents of the result folder.
 struct Written<'a> {
     body: &'a ComparisonBody,
     rows: &'a [Row],
@@ -136,7 +136,7 @@ impl Written<'_> {
     }
 }
 
-/// All degrees of all spectra.
+/// Returns all degrees of all spectra.
 fn degrees(rows: &[Row]) -> Vec<DegreeRecord> {
     let degrees = |row: &Row| {
         let spectrum = &row.comparison.predicted.spectrum;

@@ -1,4 +1,4 @@
-//! `sphvar completions`: completions of shells and manual pages, made from the same flags as the help.
+//! `sphvar completions`: shell completions and manual pages, generated from the flags of the help.
 
 use std::path::{Path, PathBuf};
 
@@ -44,11 +44,11 @@ pub(crate) fn run(args: &CompletionsArgs, global: &Global) -> Result<(), CliErro
     print(&String::from_utf8_lossy(&script))
 }
 
-/// Writes all pages; an interrupt waits until all are written.
+/// Writes all pages; an interrupt is delayed until all are written.
 fn write_pages(folder: &Path, global: &Global) -> Result<(), CliError> {
     let lock = FolderLock::take(folder, &Provenance::new(global.seed).command)?;
     let mut pages = Vec::new();
-    // `help` would have a page for every page.
+    // `help` would have a page for each of the other pages.
     let mut command = Cli::command().disable_help_subcommand(true);
     command.build();
     collect(&command, &mut pages)?;

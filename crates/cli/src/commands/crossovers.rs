@@ -1,4 +1,4 @@
-//! Where the variance curves of samplers cross, as tables and files show it.
+//! The crossings of samplers' variance curves, for tables and files.
 
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -24,7 +24,7 @@ pub(crate) struct CrossoverRecord {
 }
 
 impl CrossoverRecord {
-    /// The crossover in a line of text.
+    /// Returns the crossover as a line of text.
     pub(super) fn line(&self) -> String {
         let Self { better_above, better_below, n, interval, .. } = self;
         let interval = number::interval(Some(*interval), number::count);
@@ -35,8 +35,8 @@ impl CrossoverRecord {
     }
 }
 
-/// The significant crossings of every pair of curves, each a sampler's name with its points by N. Curves that reach
-/// the variance 0 are left out.
+/// Returns the significant crossings of every pair of curves, each given by a sampler's name and
+/// its points by N. Curves that reach the variance 0 are omitted.
 pub(super) fn crossovers(
     curves: &[(String, Vec<VariancePoint>)],
     seed: u64,

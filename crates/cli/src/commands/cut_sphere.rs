@@ -1,4 +1,4 @@
-//! Sphere sets cut in half beside patterns of the hemisphere, as `variance --cut-sphere` shows them.
+//! Upper halves of sphere sets compared with hemisphere patterns, for `variance --cut-sphere`.
 
 use clap::ValueEnum;
 use schemars::JsonSchema;
@@ -83,7 +83,7 @@ pub(crate) struct CutRecord {
     predicted_tail_error: Option<f64>,
 }
 
-/// Both estimators for every case, whose rows on the hemisphere are `rows`.
+/// Returns both estimators for every case, whose rows on the hemisphere are `rows`.
 pub(super) fn run(
     plan: &Plan<'_>,
     cut: Cut,
@@ -125,8 +125,8 @@ pub(super) fn run(
     Ok(records)
 }
 
-/// The variance of an estimate with the cut at the equator, by the formula of the sphere; nothing
-/// for an integrand whose cut has unknown energies, which is measured only.
+/// Returns the variance of an estimate with the cut at the equator, by the formula of the sphere,
+/// or `None` for an integrand whose cut has unknown energies and is only measured.
 fn predicted(
     plan: &Plan<'_>,
     sampler: &dyn Sampler,
@@ -144,8 +144,8 @@ fn predicted(
     Ok(point.map(|point| point.prediction))
 }
 
-/// Returns what was computed, or nothing where the energies of the integrand are unknown; every
-/// other error stays one.
+/// Returns the computed value, or `None` if the energies of the integrand are unknown; other errors
+/// are passed on.
 fn if_known<T>(computed: Result<T, Error>) -> Result<Option<T>, CliError> {
     match computed {
         Err(Error::Integrand(sphvar_integrands::Error::NoEnergy { .. })) => Ok(None),
@@ -165,7 +165,8 @@ impl CutRecord {
     ) -> Self {
         let itself = &row.comparison.measurement;
         let (error, of_itself) = (estimates.relative_error(), row.comparison.error());
-        // Trials that do not see the integrand say nothing of it, here or on the hemisphere itself.
+        // Trials without a sample in the support of the integrand carry no information, on the cut
+        // sphere as on the hemisphere.
         let is_known = error.is_known()
             && estimates.variance() > row.comparison.rounding
             && !row.comparison.sees_too_little();
@@ -204,7 +205,7 @@ impl CutRecord {
         }
     }
 
-    /// The columns of a table.
+    /// Returns the columns of a table.
     pub(super) fn columns() -> Vec<Column<'static, Self>> {
         vec![
             Column::text("cut sampler", |r: &Self| r.sampler.clone()),

@@ -1,4 +1,4 @@
-//! The flags that say how variances are predicted and measured, as `variance` and `compare` have them.
+//! The flags for the prediction and measurement of variances, which `variance` and `compare` share.
 
 use clap::Args;
 use sphvar_variance::{Precision, PredictionBudget, Trials};
@@ -36,7 +36,7 @@ pub(crate) struct EffortArgs {
     pub(crate) domain: DomainArgs,
 }
 
-/// Reads a number of trials, from which a variance must have an error.
+/// Parses a number of trials, which must suffice for the error of a variance.
 fn parse_trials(text: &str) -> Result<u64, String> {
     let trials = parse_realizations(text)?;
     let least = Precision::MIN_TRIALS;
@@ -66,7 +66,7 @@ fn spectrum_realizations_help() -> String {
 }
 
 impl EffortArgs {
-    /// The plan for an integrand; `whole_spectra` are wanted if they are shown.
+    /// Returns the plan for an integrand; set `whole_spectra` if the spectra are shown.
     pub(super) fn plan<'a>(
         &self,
         integrand: &'a NamedIntegrand,

@@ -1,4 +1,4 @@
-//! `sphvar eval`: single values of the functions that everything is made of.
+//! `sphvar eval`: single values of the basic functions.
 
 use clap::{Args, Subcommand};
 use schemars::JsonSchema;

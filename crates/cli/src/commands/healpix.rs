@@ -1,4 +1,4 @@
-//! `sphvar healpix`: directions, angles and pixels converted into each other, list by list.
+//! `sphvar healpix`: converts lists of directions, angles and pixels into each other.
 
 use std::borrow::Cow;
 use std::f64::consts::PI;
@@ -31,8 +31,8 @@ Examples:
   echo 13.4 52.5 | sphvar healpix ang2pix --nside 256 --degrees -
   seq 0 47 | sphvar healpix ring2nest --nside 2 - --json";
 
-/// How far above pi a colatitude may be and is taken as pi: that much a number with seven digits, such
-/// as pi in `f32`, rounds up.
+/// Tolerance above pi within which a colatitude is taken as pi: a number with seven digits, such as
+/// pi in `f32`, is rounded up by that much.
 const THETA_SLACK: f64 = 1e-6;
 
 const VECTOR: Columns<3> = Columns { names: ["x", "y", "z"], remark: "components of vectors" };
@@ -44,7 +44,7 @@ const DEGREES: Columns<2> =
     Columns { names: ["lon", "lat"], remark: "longitude and latitude in degrees" };
 const PIXEL: Columns<1> = Columns { names: ["pixel"], remark: "integers" };
 
-/// From what to what.
+/// The conversions.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(crate) enum Conversion {
     /// Vectors to the pixels that contain them
@@ -134,7 +134,7 @@ pub(crate) fn run(args: &HealpixArgs, global: &Global) -> Result<(), CliError> {
                 if !(-90.0..=90.0).contains(&lat) {
                     return Err(Fault::Column(1, "a latitude from -90 to 90 degrees".to_owned()));
                 }
-                // The remainder is exact, so that far longitudes lose nothing.
+                // The remainder is exact, so longitudes of many periods lose no accuracy.
                 pixel_of_angles(order, (90.0_f64 - lat).to_radians(), (lon % 360.0).to_radians())
             })
         }
@@ -167,7 +167,7 @@ pub(crate) fn run(args: &HealpixArgs, global: &Global) -> Result<(), CliError> {
 
 fn pixel_of_angles(order: &dyn PixelOrder, theta: f64, phi: f64) -> Result<[i64; 1], Fault> {
     let theta = if (PI..=PI + THETA_SLACK).contains(&theta) { PI } else { theta };
-    // The list holds finite numbers alone, so that no longitude is wrong.
+    // The list contains only finite numbers, so every longitude is valid.
     let pixel = order.pixel_of_angles(theta, phi).map_err(|_| {
         let expected = "a colatitude from 0 to pi radians (degrees are lon,lat, with --degrees)";
         Fault::Column(0, expected.to_owned())
@@ -183,7 +183,7 @@ fn checked(nside: Nside, pixel: i128) -> Result<u64, Fault> {
     })
 }
 
-/// A pixel as files have it: the largest, 12 * 2^58 - 1, is below 2^63.
+/// Returns a pixel as it is written to files: the largest, 12 * 2^58 - 1, is below 2^63.
 fn written(pixel: u64) -> i64 {
     pixel.cast_signed()
 }
@@ -192,7 +192,7 @@ fn written(pixel: u64) -> i64 {
 struct Job<'a> {
     args: &'a HealpixArgs,
     global: &'a Global,
-    /// The order of the pixels that come out, or go in where none come out.
+    /// The order of the output pixels, or of the input pixels if there are no output pixels.
     order: &'static str,
 }
 
@@ -221,7 +221,7 @@ impl Job<'_> {
     }
 }
 
-/// A reader of standard output that has gone, as `head` does, is no failure.
+/// A reader of standard output that closes early, such as `head`, is not an error.
 fn output_error(error: FileError) -> CliError {
     match error {
         FileError::Write { source, .. } if source.kind() == io::ErrorKind::BrokenPipe => {
@@ -256,7 +256,7 @@ impl<'a, T: Serialize, const N: usize> HealpixBody<'a, T, N> {
     }
 }
 
-/// The columns of what came out.
+/// The columns of the output.
 struct Lists<'a, T, const N: usize> {
     names: &'a [&'static str; N],
     rows: &'a [[T; N]],

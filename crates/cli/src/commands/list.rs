@@ -60,7 +60,7 @@ pub(crate) struct ListBody {
     formats: Option<Vec<FormatEntry>>,
 }
 
-/// Numbers of points for which last empty degrees are listed if none is given.
+/// Numbers of points for which last empty degrees are listed by default.
 const LISTED_COUNTS: [usize; 3] = [100, 1000, 10_000];
 
 pub(crate) fn run(args: &ListArgs, global: &Global) -> Result<(), CliError> {
@@ -100,7 +100,7 @@ pub(crate) fn run(args: &ListArgs, global: &Global) -> Result<(), CliError> {
     print(page.text())
 }
 
-/// Returns the entries of these names, in their order; all if there are no names.
+/// Returns the entries with these names, in this order, or all entries if there are no names.
 fn chosen<T>(
     all: Vec<T>,
     what: &str,

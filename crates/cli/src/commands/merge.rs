@@ -1,4 +1,4 @@
-//! `sphvar merge`: one spectrum from saved parts.
+//! `sphvar merge`: merges spectrum shards.
 
 use std::ops::Range;
 use std::path::PathBuf;
@@ -99,7 +99,7 @@ pub(crate) fn run(args: &MergeArgs, global: &Global) -> Result<(), CliError> {
     )
 }
 
-/// Returns an error if two files do not belong to one ensemble.
+/// Returns an error if two files belong to different ensembles.
 fn check_ensembles(shards: &[(String, Shard)]) -> Result<(), CliError> {
     let Some(((first, a), others)) = shards.split_first() else { return Ok(()) };
     let a = &a.ensemble;
@@ -122,7 +122,7 @@ fn check_ensembles(shards: &[(String, Shard)]) -> Result<(), CliError> {
     Ok(())
 }
 
-/// Entries of a list that are named; of longer ones the rest is counted.
+/// The maximum number of list entries in a message; further entries are counted.
 const MAX_LISTED: usize = 12;
 
 fn in_words<T>(list: &[T], word: impl Fn(&T) -> String) -> String {
@@ -138,7 +138,7 @@ fn range_in_words(range: &Range<u64>) -> String {
     }
 }
 
-/// The parts that are missing where all files are of the same number of parts, and their realizations.
+/// Returns the missing parts if all files have the same number of parts, and their realizations.
 fn missing_in_words(whole: &Shard) -> String {
     let missing = whole.missing();
     let realizations = format!("realizations {}", in_words(&missing, range_in_words));
@@ -150,7 +150,7 @@ fn missing_in_words(whole: &Shard) -> String {
     let mut absent = Vec::new();
     for gap in &missing {
         let mut next = gap.start;
-        // One more than are named, so that it shows that there are more.
+        // One more than are named shows that there are more.
         while next < gap.end && absent.len() <= MAX_LISTED {
             let part = Part::of_realization(next, total, parts);
             next = part.range(total).end;
@@ -162,7 +162,7 @@ fn missing_in_words(whole: &Shard) -> String {
     format!("parts {}{more} ({realizations})", in_words(&absent, Part::to_string))
 }
 
-/// Ranges in order, those that touch made one.
+/// Returns the ranges in order, with adjacent ranges joined.
 fn joined(mut ranges: Vec<Range<u64>>) -> Vec<Range<u64>> {
     ranges.dedup_by(|next, range| {
         let touch = range.end == next.start;
@@ -178,7 +178,7 @@ fn count(ranges: &[Range<u64>]) -> u64 {
     ranges.iter().map(|range| range.end - range.start).sum()
 }
 
-/// Refuses a realization that is in two files.
+/// Rejects a realization that is in two files.
 fn check_overlap(shards: &[(String, Shard)]) -> Result<(), CliError> {
     let mut parts: Vec<_> = shards
         .iter()

@@ -4,9 +4,9 @@ use sphvar_spectrum::Spectrum;
 
 use crate::plots::{Binned, Chart, Ink, Panel, Scale, Series, Spread, Style};
 
-/// Power below this is 0 to rounding and has no place on a logarithmic axis.
+/// Power below this is 0 to rounding and cannot be drawn on a logarithmic axis.
 const ROUNDING: f64 = 1e-20;
-/// Of more curves than this, bands would cover each other.
+/// With more curves than this, the bands would cover each other.
 const MAX_BANDS: usize = 3;
 
 /// One spectrum of a chart.
@@ -35,8 +35,9 @@ impl PowerCurve {
     }
 }
 
-/// Returns the chart of spectra against l/sqrt(N) beneath other series over the same axes, with notes on what is
-/// drawn; the title is left to be filled in. Degrees whose power is 0 to rounding are passed over.
+/// Returns the chart of spectra against l/sqrt(N) beneath other series over the same axes, with
+/// notes on the curves; the caller sets the title. Degrees whose power is 0 to rounding are
+/// skipped.
 pub(super) fn power_chart(curves: &[PowerCurve], over: Vec<Series>) -> Chart {
     let has_bands = curves.len() <= MAX_BANDS;
     let (mut is_binned, mut has_errors) = (false, false);

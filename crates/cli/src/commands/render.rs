@@ -1,4 +1,4 @@
-//! `sphvar render`: what a pattern does to a picture.
+//! `sphvar render`: the effect of a pattern on a rendered image.
 
 mod colours;
 mod reference;
@@ -103,7 +103,7 @@ fn counts_help() -> String {
     )
 }
 
-/// Names for help texts: `a, b or c`.
+/// Returns names for help texts: `a, b or c`.
 fn in_words(names: &[&str]) -> String {
     let (last, others) = names.split_last().unwrap_or((&"", &[]));
     format!("{} or {last}", others.join(", "))

@@ -1,4 +1,4 @@
-//! A pattern at one number of points, as files and tables show it.
+//! A pattern at one number of points, for files and tables.
 
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -80,7 +80,7 @@ pub(crate) struct RowRecord {
     remark: Option<&'static str>,
 }
 
-/// The remark of a row whose measured variance has no error.
+/// The remark of a row whose measured variance has no error estimate.
 const TOO_FEW: &str = "too few trials see the integrand";
 
 /// The confidence of the intervals in files.
@@ -96,13 +96,13 @@ impl RowRecord {
         let (measured_low, measured_high) = measured.unwrap_or((f64::NAN, f64::NAN));
         let bias = row.comparison.bias();
         let remark = row.comparison.sees_too_little().then_some(TOO_FEW);
-        // What the trials have not seen is no error of theirs.
+        // The error of the trials does not include energy that they did not sample.
         let known = |x: f64| if remark.is_some() { f64::NAN } else { x };
         Self {
             sampler: row.pattern.to_string(),
             integrand: plan.integrand.name.clone(),
             domain: plan.domain.name(),
-            asked: row.asked,
+            asked: row.requested,
             n: spectrum.n_points(),
             lmax: spectrum.lmax(),
             realizations: spectrum.realizations(),
@@ -129,12 +129,12 @@ impl RowRecord {
         }
     }
 
-    /// Measured minus predicted variance in standard errors; NaN without a verdict.
+    /// Returns the measured minus the predicted variance in standard errors; NaN without a verdict.
     pub(super) fn z(&self) -> f64 {
         self.z
     }
 
-    /// A line for every row whose measured variance has no error.
+    /// Returns a line for every row whose measured variance has no error estimate.
     pub(super) fn remarks(records: &[Self]) -> String {
         let line = |r: &Self| {
             Some(format!("{}, N = {}: {} (-m {}).\n", r.sampler, r.n, r.remark?, r.trials))
@@ -142,7 +142,7 @@ impl RowRecord {
         records.iter().filter_map(line).collect()
     }
 
-    /// The columns of a table.
+    /// Returns the columns of a table.
     pub(super) fn columns() -> Vec<Column<'static, Self>> {
         vec![
             Column::text("sampler", |r: &Self| r.sampler.clone()),
@@ -154,7 +154,7 @@ impl RowRecord {
             }),
             Column::number("measured", |r: &Self| number::value(r.measured)),
             Column::number("+-", |r: &Self| number::uncertainty(r.measured_stderr)),
-            // Where a variance is 0 there is no ratio.
+            // A variance of 0 has no ratio.
             Column::number("ratio", |r: &Self| number::with_uncertainty(r.ratio, r.ratio_stderr)),
             Column::number("z", |r: &Self| number::score(r.z)),
             Column::number("bias z", |r: &Self| number::optional(r.bias_z, number::score)),

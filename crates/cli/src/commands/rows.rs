@@ -1,4 +1,4 @@
-//! Rows of predicted and measured variance, as `variance` and `compare` show them.
+//! Rows of predicted and measured variance, for `variance` and `compare`.
 
 use sphvar_integrands::{Energy, Integrand};
 use sphvar_samplers::{Domain, Pattern, Sampler, Share};
@@ -14,7 +14,7 @@ use crate::memory::{check_degree, check_memory, check_transform};
 use crate::patterns;
 use crate::progress::Progress;
 
-/// What is to be run for every pattern and number of points.
+/// The settings of a run for all patterns and numbers of points.
 pub(super) struct Plan<'a> {
     pub(super) integrand: &'a NamedIntegrand,
     pub(super) domain: Domain,
@@ -27,10 +27,11 @@ pub(super) struct Plan<'a> {
     pub(super) realizations: Option<u64>,
     /// The largest degree of a spectrum, if the user states it.
     pub(super) lmax: Option<usize>,
-    /// How spectra are computed, and how accurately.
+    /// The method and accuracy of spectra.
     pub(super) method: Method,
     pub(super) epsilon: f64,
-    /// Spectra go to 4 sqrt(N) even if the integrand needs less: they are to be shown.
+    /// Whether spectra extend to 4 sqrt(N) even if the integrand needs less, because they are
+    /// shown.
     pub(super) whole_spectra: bool,
     pub(super) quiet: bool,
 }
@@ -38,21 +39,21 @@ pub(super) struct Plan<'a> {
 /// One pattern at one number of points.
 pub(super) struct Case {
     pub(super) pattern: Pattern,
-    /// The number of points that the user asked for.
-    pub(super) asked: usize,
+    /// The requested number of points.
+    pub(super) requested: usize,
     sampler: Box<dyn Sampler>,
 }
 
 impl Case {
-    /// The pattern with `asked` points, or with the nearest number that it has.
+    /// Returns the pattern with `requested` points, or with the nearest valid count.
     pub(super) fn new(
         pattern: Pattern,
-        asked: usize,
+        requested: usize,
         domain: Domain,
         nearest: bool,
     ) -> Result<Self, CliError> {
-        let sampler = patterns::build(&pattern, asked, domain, nearest)?;
-        Ok(Self { pattern, asked, sampler })
+        let sampler = patterns::build(&pattern, requested, domain, nearest)?;
+        Ok(Self { pattern, requested, sampler })
     }
 
     /// Returns every pattern at every number of points, each case once.
@@ -83,7 +84,7 @@ impl Case {
 /// The results of one case.
 pub(super) struct Row {
     pub(super) pattern: Pattern,
-    pub(super) asked: usize,
+    pub(super) requested: usize,
     pub(super) comparison: Comparison,
 }
 
@@ -107,7 +108,7 @@ pub(super) fn run(plan: &Plan<'_>, cases: &[Case]) -> Result<(Vec<Row>, Energy),
             let predicted = plan.predict(&mut predictor, case, &progress)?;
             let trials = plan.trials_of(&*case.sampler);
             let comparison = predictor.measure(predicted, &*case.sampler, trials, &progress)?;
-            Ok(Row { pattern: case.pattern.clone(), asked: case.asked, comparison })
+            Ok(Row { pattern: case.pattern.clone(), requested: case.requested, comparison })
         })
         .collect::<Result<Vec<Row>, CliError>>()?;
     if plan.whole_spectra {
@@ -117,7 +118,7 @@ pub(super) fn run(plan: &Plan<'_>, cases: &[Case]) -> Result<(Vec<Row>, Energy),
     Ok((rows, predictor.energy().clone()))
 }
 
-/// Rejects what cannot be run.
+/// Rejects cases that cannot be run.
 pub(super) fn check(plan: &Plan<'_>, cases: &[Case]) -> Result<(), CliError> {
     check_domain(plan.integrand, plan.domain)?;
     if plan.realizations == Some(1) {
@@ -138,7 +139,7 @@ pub(super) fn check(plan: &Plan<'_>, cases: &[Case]) -> Result<(), CliError> {
     check_cut_sum(plan, cases)
 }
 
-/// Refuses numbers of trials whose estimates do not fit into memory.
+/// Rejects numbers of trials whose estimates do not fit in memory.
 fn check_trials(plan: &Plan<'_>) -> Result<(), CliError> {
     let least = plan.trials.unwrap_or(Precision::MIN_TRIALS);
     let (what, most) = match plan.until {
@@ -153,8 +154,9 @@ fn check_trials(plan: &Plan<'_>) -> Result<(), CliError> {
     check_memory(&format!("{what} {most}"), 8.0 * most as f64)
 }
 
-/// Refuses a largest degree of the user's with which predictions would tell nothing of the patterns. White noise is the
-/// one pattern whose power is 1 in every degree, as it is taken to be beyond the last one.
+/// Rejects a user's largest degree at which predictions would not depend on the pattern. White
+/// noise is the only pattern whose power is 1 in every degree, the value assumed beyond the largest
+/// one.
 fn check_cut_sum(plan: &Plan<'_>, cases: &[Case]) -> Result<(), CliError> {
     let Some(lmax) = plan.lmax else {
         return Ok(());
@@ -176,7 +178,7 @@ fn check_cut_sum(plan: &Plan<'_>, cases: &[Case]) -> Result<(), CliError> {
 }
 
 impl Plan<'_> {
-    /// What makes the predictions, for this integrand and others of the same run.
+    /// Returns the predictor for this integrand and others of the same run.
     pub(super) fn predictor_of<'a>(
         &self,
         integrand: &'a dyn Integrand,
@@ -187,20 +189,20 @@ impl Plan<'_> {
         Ok(predictor.with_options(SpectrumOptions { lmax, realizations, method, epsilon }))
     }
 
-    /// The trials of a sampler: those that the user gave, or its default.
+    /// Returns the trials of a sampler: the user's number or the default.
     fn trials_of(&self, sampler: &dyn Sampler) -> Trials {
         let count = self.trials.unwrap_or_else(|| Trials::default_for(sampler).count);
         let most = self.until.map_or(u64::MAX, |precision| precision.most);
         Trials { count: count.min(most), until: self.until }
     }
 
-    /// From how many realizations at most the spectrum of a pattern is estimated.
+    /// Returns the maximum number of realizations from which a pattern's spectrum is estimated.
     pub(super) fn spectrum_realizations(&self, sampler: &dyn Sampler, lmax: usize) -> u64 {
         let budget = PredictionBudget::DEFAULT;
         self.realizations.unwrap_or_else(|| budget.realizations(sampler, lmax))
     }
 
-    /// The prediction for a case, with a spectrum as far as it is shown.
+    /// Returns the prediction for a case, with the spectrum as far as it is shown.
     fn predict(
         &self,
         predictor: &mut Predictor<'_>,
@@ -217,7 +219,7 @@ impl Plan<'_> {
         Ok(point)
     }
 
-    /// The degree that a spectrum needs at most.
+    /// Returns the maximum degree that a spectrum needs.
     fn needed_degree(&self, case: &Case) -> usize {
         let needed = prediction_degree(&*case.sampler, &*self.integrand.function);
         let shown =

@@ -180,7 +180,7 @@ fn write_sets(
     Ok(view.render(&sets[0], path)?)
 }
 
-/// What is said of sets without power at the degrees up to `last`.
+/// Returns the remark on sets without power at the degrees up to `last`.
 fn no_power(last: usize, domain: Domain) -> String {
     match (last, domain) {
         (0, _) => "power at every degree".to_owned(),

@@ -1,4 +1,4 @@
-//! The flags that say where point sets come from: a sampler, or files.
+//! The flags for the source of point sets: a sampler, or files.
 
 use std::path::PathBuf;
 
@@ -52,7 +52,8 @@ pub(crate) struct PointFileArgs {
     pub(crate) normalize: bool,
 }
 
-/// Returns a reader of the names of point files. A number is the number of points that `--points` once was.
+/// Returns a parser of the names of point files. A bare number is taken for the number of points
+/// that `--points` accepted in earlier versions.
 fn point_file() -> impl TypedValueParser<Value = PathBuf> {
     OsStringValueParser::new().try_map(|name| {
         let path = PathBuf::from(name);
@@ -66,7 +67,7 @@ fn point_file() -> impl TypedValueParser<Value = PathBuf> {
 }
 
 impl PointFileArgs {
-    /// Returns how the files are read.
+    /// Returns the options for reading the files.
     pub(crate) fn options(&self) -> ReadOptions {
         ReadOptions {
             format: None,

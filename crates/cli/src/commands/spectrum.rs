@@ -107,7 +107,7 @@ struct CoefficientRecord {
     im: f64,
 }
 
-/// Where the point sets come from.
+/// The source of the point sets.
 enum Source {
     Sampler { pattern: Pattern, sampler: Box<dyn Sampler> },
     Files { sets: FileSets },
@@ -139,7 +139,7 @@ pub(crate) fn run(args: &SpectrumArgs, global: &Global) -> Result<(), CliError> 
     let resolution = Resolution { lmax, n_points, method, epsilon };
     check_transform(resolution, count)?;
     if args.per_order.is_some() {
-        // Every order has two exact sums of some 150 bytes, in every thread.
+        // Every order has two exact sums of about 150 bytes in every thread.
         let orders = 0.5 * ((lmax + 1) as f64).powi(2);
         let threads = rayon::current_num_threads() as f64;
         check_memory("--per-order", 300.0 * orders * threads)?;
@@ -154,8 +154,8 @@ pub(crate) fn run(args: &SpectrumArgs, global: &Global) -> Result<(), CliError> 
         Source::Files { sets } => (sets.sets(), count),
         Source::Sampler { sampler, .. } => {
             let streams = Streams::new(global.seed, Purpose::Pattern, sampler.stream_group());
-            // One set of a pattern that is not random holds its whole spectrum, but not the
-            // distribution of what rotations change.
+            // One set of a deterministic pattern determines its spectrum, but not the distribution
+            // of quantities that rotations change.
             let distributions = args.per_order.is_some() || args.coefficient.is_some();
             let count = if sampler.is_random() || distributions { count } else { 1 };
             (&Realizations::rotated(&**sampler, streams), count)
@@ -173,11 +173,11 @@ pub(crate) fn run(args: &SpectrumArgs, global: &Global) -> Result<(), CliError> 
             "--shard: none of {count} realizations is in it; {why}"
         )));
     }
-    let making = match &source {
+    let set_work = match &source {
         Source::Sampler { sampler, .. } => sampler.nominal_work(),
         Source::Files { .. } => 0.0,
     };
-    let work = making + method.nominal_work(n_points, lmax);
+    let work = set_work + method.nominal_work(n_points, lmax);
     let progress = Progress::new((part.end - part.start) as f64 * work, global.quiet);
     progress.stage(&name);
     let (sums, (orders, samples)) = accumulate(sets, resolution, part.clone(), &empty, &progress)?;
@@ -185,7 +185,7 @@ pub(crate) fn run(args: &SpectrumArgs, global: &Global) -> Result<(), CliError> 
     let spectrum = sums.finish()?;
     let exact = match &source {
         Source::Sampler { sampler, .. } => !sampler.is_random(),
-        // A single set in a file is of interest itself, not as a realization of something.
+        // A single set in a file is of interest itself, not as a realization of an ensemble.
         Source::Files { .. } => count == 1,
     };
     let spectrum = if exact { spectrum.into_exact() } else { spectrum };
@@ -218,13 +218,13 @@ pub(crate) fn run(args: &SpectrumArgs, global: &Global) -> Result<(), CliError> 
     }
     let remarks = match &source {
         Source::Sampler { .. } => Remarks::default(),
-        // One catalogue is no sample of anything: it has no error.
+        // A single catalogue is not a sample of an ensemble, so its spectrum has no error.
         Source::Files { sets } => Remarks { has_no_error: count == 1, weights: sets.weight_sums() },
     };
     emit(args.out.out.as_deref(), global, &name, &spectrum, remarks, seconds, &provenance)
 }
 
-/// The spectrum without realizations.
+/// Computes the spectrum in closed form.
 fn run_exact(
     args: &SpectrumArgs,
     global: &Global,
@@ -247,7 +247,7 @@ fn run_exact(
     emit(args.out.out.as_deref(), global, &name, &spectrum, remarks, seconds, &provenance)
 }
 
-/// Refuses what could not be written in the end.
+/// Rejects outputs that cannot be written, before the work starts.
 fn check_outputs(args: &SpectrumArgs, global: &Global) -> Result<(), CliError> {
     if let Some(path) = &args.out.out {
         check_result(path, true)?;
@@ -266,7 +266,7 @@ fn check_outputs(args: &SpectrumArgs, global: &Global) -> Result<(), CliError> {
     args.save.as_deref().map_or(Ok(()), check_save)
 }
 
-/// Refuses a file of sums that could not be written: they are no text for standard output.
+/// Rejects a file of sums that cannot be written: sums are binary and not for standard output.
 pub(crate) fn check_save(path: &Path) -> Result<(), CliError> {
     if is_stdout(path) {
         return Err(CliError::Usage("--save must name a file".to_owned()));
@@ -291,7 +291,7 @@ fn source(args: &SpectrumArgs, domain: Domain, global: &Global) -> Result<Source
     Ok(Source::Sampler { pattern, sampler })
 }
 
-/// The error of `--exact` for a pattern without an exact spectrum.
+/// Returns the error of `--exact` for a pattern without a closed-form spectrum.
 fn sampled_only(pattern: &Pattern) -> CliError {
     let is_exact = |pattern: &&Pattern| {
         let n = pattern.nearest_count(12, Domain::Sphere);

@@ -26,7 +26,7 @@ pub(super) use item_type::ItemType;
 pub(super) const MAGIC: &[u8; 6] = b"\x93NUMPY";
 /// The header of a plain array takes 128 bytes, that of records some 20 bytes a field; what is much
 /// longer describes something else.
-const LONGEST_HEADER: usize = 1 << 16;
+const MAX_HEADER: usize = 1 << 16;
 /// Bytes that are read at a time: a multiple of all item sizes.
 const CHUNK: usize = 1 << 16;
 
@@ -63,8 +63,8 @@ impl<'a, R: Read> NpyReader<'a, R> {
         };
         let length =
             header.take(width)?.iter().rev().fold(0, |sum, &byte| (sum << 8) | usize::from(byte));
-        if length > LONGEST_HEADER {
-            let expected = format!("a header of at most {LONGEST_HEADER} bytes");
+        if length > MAX_HEADER {
+            let expected = format!("a header of at most {MAX_HEADER} bytes");
             return Err(layout_error(path, &expected, &length.to_string()));
         }
         let text = String::from_utf8_lossy(&header.take(length)?).into_owned();

@@ -9,7 +9,7 @@ use crate::error::CliError;
 use crate::files::{ChannelChoice, decode_image, read_image};
 
 /// The light probe of the examples, for users without a clone of the repository.
-const CITY: &[u8] = include_bytes!("../../../../data/city.exr");
+const CITY: &[u8] = include_bytes!("../../data/city.exr");
 /// Where it lies in a clone.
 const CITY_FILE: &str = "data/city.exr";
 

@@ -3,25 +3,26 @@
 /// How an axis maps values to lengths.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Scale {
-    /// In proportion.
+    /// Linear.
     Linear,
-    /// By the logarithm; values that are not positive are not drawn.
+    /// Logarithmic; values that are not positive are not drawn.
     Log,
 }
 
-/// Room between the data and the frame, in parts of the range.
+/// The margin between the data and the frame, as a fraction of the range.
 const MARGIN: f64 = 0.04;
-/// Larger sizes are left out, so that ranges and their margins stay finite.
-const LARGEST: f64 = 1e300;
+/// Values of larger magnitude are omitted, so that ranges and their margins stay finite.
+const MAX_MAGNITUDE: f64 = 1e300;
 /// Axes of more decades have ticks at powers of ten only.
 const MAX_DECADES_WITH_DIGITS: i32 = 9;
-/// Smaller sizes are zero for a linear axis, so that its power of ten stays a normal number.
-const SMALLEST: f64 = 1e-290;
+/// On a linear axis, smaller magnitudes count as zero, so that its power of ten stays a normal
+/// number.
+const MIN_MAGNITUDE: f64 = 1e-290;
 
 impl Scale {
-    /// Returns the place of a value on the scale, or `None` for a value that cannot be drawn.
+    /// Returns the position of a value on the scale, or `None` for a value that cannot be drawn.
     pub(super) fn place(self, value: f64) -> Option<f64> {
-        if !value.is_finite() || value.abs() > LARGEST {
+        if !value.is_finite() || value.abs() > MAX_MAGNITUDE {
             return None;
         }
         match self {
@@ -34,9 +35,9 @@ impl Scale {
 /// A labelled tick.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Tick {
-    /// Its place from 0 (start of the axis) to 1.
+    /// Its position, from 0 (start of the axis) to 1.
     pub(super) at: f64,
-    /// What is written beside it.
+    /// Its label.
     pub(super) label: String,
 }
 
@@ -48,26 +49,26 @@ pub(super) struct Axis {
     high: f64,
     /// Labelled ticks.
     pub(super) ticks: Vec<Tick>,
-    /// Places of ticks without labels, from 0 to 1.
+    /// Positions of ticks without labels, from 0 to 1.
     pub(super) minor: Vec<f64>,
-    /// The power of ten that all labels have in common and that belongs to the axis label.
+    /// The power of ten that all labels have in common and that is part of the axis label.
     pub(super) power: Option<i32>,
 }
 
 impl Axis {
-    /// Returns an axis that shows all the values that can be drawn, with about `most` labels.
-    pub(super) fn fit(scale: Scale, values: impl Iterator<Item = f64>, most: u32) -> Self {
+    /// Returns an axis that contains all drawable values, with about `max_labels` labels.
+    pub(super) fn fit(scale: Scale, values: impl Iterator<Item = f64>, max_labels: u32) -> Self {
         let places = values.filter_map(|value| scale.place(value));
         let range = places.fold(None, |range: Option<(f64, f64)>, place| {
             Some(range.map_or((place, place), |(low, high)| (low.min(place), high.max(place))))
         });
         match scale {
-            Scale::Linear => Self::linear(range, most),
-            Scale::Log => Self::log(range, most),
+            Scale::Linear => Self::linear(range, max_labels),
+            Scale::Log => Self::log(range, max_labels),
         }
     }
 
-    /// Returns the place of a value from 0 to 1, beyond that for values outside of the range, or
+    /// Returns the position of a value, from 0 to 1 and beyond for values outside of the range, or
     /// `None` for a value that cannot be drawn.
     pub(super) fn position(&self, value: f64) -> Option<f64> {
         self.scale.place(value).map(|place| self.fraction(place))
@@ -77,25 +78,26 @@ impl Axis {
         (place - self.low) / (self.high - self.low)
     }
 
-    fn linear(range: Option<(f64, f64)>, most: u32) -> Self {
+    fn linear(range: Option<(f64, f64)>, max_labels: u32) -> Self {
         let (mut low, mut high) = range.unwrap_or((0.0, 1.0));
         let size = low.abs().max(high.abs());
-        if size < SMALLEST {
+        if size < MIN_MAGNITUDE {
             (low, high) = if range.is_some() { (-1.0, 1.0) } else { (0.0, 1.0) };
         } else if high - low <= 1e-9 * size {
-            // A range of a few roundings has no sensible ticks.
+            // A range of a few rounding errors has no useful ticks.
             (low, high) = (low - 0.5 * size, high + 0.5 * size);
         } else {
             let margin = MARGIN * (high - low);
-            // Data without negative values get an axis without them.
+            // Nonnegative data get a nonnegative axis.
             (low, high) =
                 (if low >= 0.0 { (low - margin).max(0.0) } else { low - margin }, high + margin);
         }
-        Self::between(low, high, most)
+        Self::between(low, high, max_labels)
     }
 
-    /// Returns a linear axis from `low` to `high`, which differ by more than roundings, without margins.
-    pub(super) fn between(low: f64, high: f64, most: u32) -> Self {
+    /// Returns a linear axis from `low` to `high` without margins; the two must differ by more than
+    /// rounding errors.
+    pub(super) fn between(low: f64, high: f64, max_labels: u32) -> Self {
         let mut axis = Self {
             scale: Scale::Linear,
             low,
@@ -108,7 +110,7 @@ impl Axis {
         let exponent = floor_i32(size.log10());
         axis.power = (!(-3..=5).contains(&exponent)).then_some(exponent);
         let unit = axis.power.map_or(1.0, |power| 10f64.powi(power));
-        let step = nice_step((high - low) / unit / f64::from(most));
+        let step = nice_step((high - low) / unit / f64::from(max_labels));
         let decimals = floor_i32(step.log10() + 1e-9).min(0).unsigned_abs() as usize;
         for value in multiples(low / unit, high / unit, step) {
             let value = if value.abs() < 1e-6 * step { 0.0 } else { value };
@@ -119,9 +121,9 @@ impl Axis {
         axis
     }
 
-    fn log(range: Option<(f64, f64)>, most: u32) -> Self {
+    fn log(range: Option<(f64, f64)>, max_labels: u32) -> Self {
         let (mut low, mut high) = range.unwrap_or((0.0, 1.0));
-        // One value, or several that are one to the eye, get half a decade to either side.
+        // One value, or several that are visually equal, get half a decade on either side.
         let margin = if high - low < 1e-6 { 0.5 } else { MARGIN * (high - low) };
         (low, high) = (low - margin, high + margin);
         let mut axis = Self {
@@ -133,7 +135,7 @@ impl Axis {
             power: None,
         };
         let (first, last) = (floor_i32(low), floor_i32(high));
-        let most = i32::try_from(most).unwrap_or(i32::MAX).max(1);
+        let max_labels = i32::try_from(max_labels).unwrap_or(i32::MAX).max(1);
         let decades = floor_i32(high) - ceil_i32(low) + 1;
         let digits: &[u8] = match decades {
             2.. => &[1],
@@ -142,7 +144,7 @@ impl Axis {
         };
         // The spacing of labels: every decade, or every second, third, fifth, tenth, ...
         let steps = [1, 2, 3, 5, 10, 20, 50, 100];
-        let step = steps.into_iter().find(|&step| decades <= step * most).unwrap_or(200);
+        let step = steps.into_iter().find(|&step| decades <= step * max_labels).unwrap_or(200);
         for decade in first..=last {
             for digit in 1..=9 {
                 let at = axis.fraction(f64::from(decade) + f64::from(digit).log10());
@@ -157,17 +159,17 @@ impl Axis {
             }
         }
         if axis.ticks.len() < 2 {
-            axis.linear_ticks(most.unsigned_abs());
+            axis.linear_ticks(max_labels.unsigned_abs());
         }
         axis
     }
 
-    /// Labels a logarithmic axis of a small part of a decade as a linear one.
-    fn linear_ticks(&mut self, most: u32) {
+    /// Labels a logarithmic axis over a small part of a decade like a linear one.
+    fn linear_ticks(&mut self, max_labels: u32) {
         let exponent = floor_i32(self.high);
         let unit = 10f64.powi(exponent.clamp(-300, 300));
         let (low, high) = (10f64.powf(self.low) / unit, 10f64.powf(self.high) / unit);
-        let step = nice_step((high - low) / f64::from(most));
+        let step = nice_step((high - low) / f64::from(max_labels));
         let decimals = floor_i32(step.log10() + 1e-9).min(0).unsigned_abs() as usize;
         self.power = (exponent != 0).then_some(exponent);
         self.ticks.clear();
@@ -182,7 +184,7 @@ impl Axis {
 
     /// Adds ticks without labels between multiples of `step` from `low` to `high`, all in `unit`.
     fn minor_multiples(&mut self, low: f64, high: f64, step: f64, unit: f64) {
-        // Quarters of 2 times a power of ten, fifths of 1 and 5 times one, are round.
+        // Fourths of 2 times a power of ten and fifths of 1 and 5 times one are round.
         let leading = step / 10f64.powi(floor_i32(step.log10() + 1e-9));
         let part = if (1.5..3.0).contains(&leading) { 4.0 } else { 5.0 };
         let minor = multiples(low, high, step / part);
@@ -195,7 +197,8 @@ impl Axis {
     }
 }
 
-/// Returns the power of ten as logarithmic axes have it, all exponents raised: 10⁰ beside 10² is read faster than 1.
+/// Returns a power of ten as a label of a logarithmic axis. The exponent is always written: 10⁰
+/// next to 10² is easier to read than 1.
 pub(super) fn power_of_ten(exponent: i32) -> String {
     format!("10{}", raised(exponent))
 }
@@ -207,7 +210,7 @@ fn digit_and_power(digit: u8, exponent: i32) -> String {
     }
 }
 
-/// Returns an integer in raised figures.
+/// Returns an integer in superscript digits.
 fn raised(number: i32) -> String {
     let figure = |c: char| match c {
         '-' => '\u{207b}',
@@ -226,19 +229,19 @@ fn raised(number: i32) -> String {
     number.to_string().chars().map(figure).collect()
 }
 
-/// Returns the smallest of 1, 2, 5 times a power of ten that is at least `least`.
-fn nice_step(least: f64) -> f64 {
-    let power = 10f64.powi(floor_i32(least.log10()));
+/// Returns the smallest of 1, 2, 5 times a power of ten that is not below `min`.
+fn nice_step(min: f64) -> f64 {
+    let power = 10f64.powi(floor_i32(min.log10()));
     let steps = [1.0, 2.0, 5.0, 10.0];
-    // The slack lets a step of exactly 1, 2 or 5 stay itself.
+    // The tolerance preserves a step of exactly 1, 2 or 5.
     steps
         .into_iter()
         .map(|step| step * power)
-        .find(|&step| step >= least * (1.0 - 1e-9))
+        .find(|&step| step >= min * (1.0 - 1e-9))
         .unwrap_or(10.0 * power)
 }
 
-/// Returns the multiples of `step` in [low, high], with half a millionth of a step of slack.
+/// Returns the multiples of `step` in [low, high], with a tolerance of half a millionth of a step.
 fn multiples(low: f64, high: f64, step: f64) -> impl Iterator<Item = f64> {
     let first = (low / step - 5e-7).ceil();
     (0..400)
@@ -284,10 +287,10 @@ mod tests {
 
     #[test]
     fn minor_ticks_are_round() {
-        // 1 to 100 on a logarithmic axis: 2 to 9 and 20 to 90, and what the margins hold.
+        // 1 to 100 on a logarithmic axis: 2 to 9 and 20 to 90, and those within the margins.
         let axis = Axis::fit(Scale::Log, [1.0, 100.0].into_iter(), 8);
         assert!((16..=20).contains(&axis.minor.len()), "{}", axis.minor.len());
-        // 0 to 10 by 2: halves of 1 between.
+        // 0 to 10 by 2: the odd numbers between.
         let axis = Axis::fit(Scale::Linear, [0.0, 10.0].into_iter(), 6);
         assert_eq!((axis.ticks.len(), axis.minor.len()), (6, 15));
         let near = |at: f64| axis.minor.iter().any(|minor| (minor - at).abs() < 1e-9);
@@ -342,8 +345,8 @@ mod tests {
         for scale in [Scale::Linear, Scale::Log] {
             for a in extremes {
                 for b in extremes {
-                    for most in [4, 8] {
-                        let axis = Axis::fit(scale, [a, b].into_iter(), most);
+                    for max_labels in [4, 8] {
+                        let axis = Axis::fit(scale, [a, b].into_iter(), max_labels);
                         let count = axis.ticks.len();
                         assert!((1..=20).contains(&count), "{scale:?} {a:e} {b:e}: {count} ticks");
                         for tick in &axis.ticks {

@@ -1,29 +1,30 @@
-//! Curves of many degrees, as means and ranges of bins.
+//! Curves of many degrees, summarized by means and ranges of bins.
 
 /// Curves of more points than this are summarized in bins.
 const MAX_POINTS: usize = 150;
-/// Bins in a decade of x.
+/// The number of bins in a decade of x.
 const BINS: f64 = 30.0;
 
-/// A curve with at most some hundred points.
+/// A curve with at most a few hundred points.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Binned {
     /// The points, or the means of bins.
     pub(crate) points: Vec<(f64, f64)>,
-    /// The smallest and the largest value of each bin; none if every point is shown.
+    /// The smallest and the largest value of each bin; `None` if every point is shown.
     pub(crate) ranges: Option<Vec<(f64, f64)>>,
 }
 
 impl Binned {
-    /// What notes say of a chart with bins.
+    /// The note of a chart with bins.
     pub(crate) const NOTE: &str = "Where degrees are many, lines are means over bins of log l and bands their ranges; \
         degrees with 0 (to rounding) are left out.";
-    /// The same of a chart without ranges.
+    /// The note of a chart with bins but without ranges.
     pub(crate) const NOTE_OF_MEANS: &str = "Where degrees are many, lines are means over bins of log l; degrees with \
         0 (to rounding) are left out.";
 
-    /// Returns the points in order of x > 0 whose y is above `floor` and so not 0 to rounding: all where they are few,
-    /// otherwise the mean of each bin of log x at the geometric mean of its first and last x.
+    /// Returns the points in order of x > 0 with y above `floor`, the rounding level: all points if
+    /// they are few, otherwise the mean of each bin of log x, at the geometric mean of its first
+    /// and last x.
     pub(crate) fn new(points: &[(f64, f64)], floor: f64) -> Self {
         let points: Vec<_> = points.iter().copied().filter(|point| point.1 > floor).collect();
         if points.len() <= MAX_POINTS {
@@ -58,7 +59,7 @@ mod tests {
 
     #[test]
     fn bins_keep_mean_and_range() {
-        // Power in odd degrees only, 1 and 3 in turn.
+        // Power in odd degrees only, alternating between 1 and 3.
         let power = |l: i32| if l % 2 == 0 { 0.0 } else { f64::from(l % 4) };
         let points: Vec<_> = (1..=4000).map(|l| (f64::from(l), power(l))).collect();
         let Binned { points, ranges } = Binned::new(&points, 1e-20);

@@ -13,10 +13,10 @@ use plotters::style::{FontStyle, register_font};
 use super::palette::Marker;
 use super::plot_error::PlotError;
 
-/// The families that a viewer of the SVG takes the first of; the first two have letters of the same widths, which
-/// are those of the font in PNG files.
+/// The font families of the SVG, in order of preference. The first two have the same letter widths
+/// as the font in PNG files.
 const FAMILY: &str = "DejaVu Sans, Verdana, sans-serif";
-/// What the drawing library divides a font's size by to get the height of its em.
+/// The ratio of a font's size in the drawing library to the height of its em.
 const SIZE_PER_EM: f64 = 1.24;
 
 /// A colour, an opacity in [0, 1] and a line width in figure units.
@@ -34,8 +34,8 @@ impl Pen {
     }
 }
 
-/// A surface of the drawing library, with every coordinate multiplied by `zoom` on the way: the
-/// library counts in whole pixels, and the zoom brings them below what the eye sees.
+/// A surface of the drawing library that multiplies every coordinate by `zoom`: the library uses
+/// whole pixels, and the zoom makes them smaller than the eye can resolve.
 pub(super) struct Canvas<DB: DrawingBackend> {
     area: DrawingArea<DB, Shift>,
     zoom: f64,
@@ -43,8 +43,8 @@ pub(super) struct Canvas<DB: DrawingBackend> {
 }
 
 impl<DB: DrawingBackend> Canvas<DB> {
-    /// Returns a white canvas. `text_drop` is how far below the middle of its figures the backend
-    /// puts the middle of a line of text, in ems.
+    /// Returns a white canvas. `text_drop` is the distance, in ems, by which the backend places the
+    /// middle of a line of text below the middle of its digits.
     pub(super) fn new(
         area: DrawingArea<DB, Shift>,
         zoom: f64,
@@ -86,7 +86,7 @@ impl<DB: DrawingBackend> Canvas<DB> {
         }
     }
 
-    /// Draws a line through the points; a single point gives nothing.
+    /// Draws a line through the points; a single point draws nothing.
     pub(super) fn line(&self, points: &[(f64, f64)], pen: Pen) -> Result<(), PlotError> {
         let mut pixels = self.pixels(points);
         pixels.dedup();
@@ -138,8 +138,8 @@ impl<DB: DrawingBackend> Canvas<DB> {
         style
     }
 
-    /// Writes one line of text, its figures centred at the height of `at`; `size` is the height of an
-    /// em, `side` says which end of the line is at `at`.
+    /// Writes one line of text with its digits vertically centred at `at`; `size` is the height of
+    /// an em, and `side` selects the end of the line that is at `at`.
     pub(super) fn text(
         &self,
         text: &str,
@@ -165,7 +165,7 @@ impl<DB: DrawingBackend> Canvas<DB> {
             .text_style(size, colour)
             .transform(FontTransform::Rotate270)
             .pos(Pos::new(HPos::Center, VPos::Center));
-        // The foot of the letters points to the right.
+        // The bottom of the letters points to the right.
         let at = self.pixel((at.0 + self.text_drop * size, at.1));
         self.area.draw(&Text::new(printable(text), at, style)).map_err(drawing)
     }
@@ -177,7 +177,7 @@ impl<DB: DrawingBackend> Canvas<DB> {
         Ok(f64::from(width) / self.zoom)
     }
 
-    /// Returns the text in lines no wider than `width`, broken at blanks where there are any.
+    /// Returns the text in lines no wider than `width`, broken at spaces where possible.
     pub(super) fn wrap(&self, text: &str, size: f64, width: f64) -> Result<Vec<String>, PlotError> {
         let mut lines = Vec::new();
         let mut line = String::new();
@@ -205,7 +205,7 @@ impl<DB: DrawingBackend> Canvas<DB> {
     }
 }
 
-/// Returns the text without control characters, which XML forbids and no font draws.
+/// Returns the text without control characters, which XML forbids and fonts cannot draw.
 fn printable(text: &str) -> String {
     text.chars().map(|c| if c.is_control() { ' ' } else { c }).collect()
 }
@@ -214,7 +214,7 @@ fn drawing(error: impl std::fmt::Display) -> PlotError {
     PlotError::Drawing { reason: error.to_string() }
 }
 
-/// Registers the embedded font, once in the life of the process.
+/// Registers the embedded font, once per process.
 fn ensure_font() -> Result<(), PlotError> {
     static REGISTERED: OnceLock<bool> = OnceLock::new();
     let registered = *REGISTERED
@@ -222,8 +222,8 @@ fn ensure_font() -> Result<(), PlotError> {
     if registered { Ok(()) } else { Err(drawing("the embedded font cannot be read")) }
 }
 
-/// The runs of a polyline between its turns by more than a right angle, each of two points or more;
-/// a mitred joint at such a turn would be a long spike.
+/// Returns the parts of a polyline between bends of more than a right angle, each of two points or
+/// more; a mitred joint at such a bend would be a long spike.
 fn between_sharp_turns(points: &[(i32, i32)]) -> impl Iterator<Item = &[(i32, i32)]> {
     let mut rest = points;
     std::iter::from_fn(move || {

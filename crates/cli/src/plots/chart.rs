@@ -11,7 +11,7 @@ use super::plot_error::PlotError;
 /// How a series is drawn.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Style {
-    /// A line, with gaps where it runs over another one; its spread as a band.
+    /// A line with gaps where it covers another one; its spread as a band.
     Line,
     /// A line without gaps; its spread as a band.
     Solid,
@@ -24,7 +24,7 @@ pub(crate) enum Style {
 }
 
 impl Style {
-    /// Returns whether points are joined.
+    /// Returns whether the points are connected.
     pub(super) fn has_line(self) -> bool {
         self != Self::Markers
     }
@@ -35,7 +35,7 @@ impl Style {
     }
 }
 
-/// What is known about the values besides themselves.
+/// The spread of the values.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) enum Spread {
     /// Nothing.
@@ -47,7 +47,7 @@ pub(crate) enum Spread {
 }
 
 impl Spread {
-    /// Returns both ends at a point with this value, or `None` where there are none.
+    /// Returns both ends at a point with this value, or `None` if it has no spread.
     pub(super) fn ends(&self, index: usize, value: f64) -> Option<(f64, f64)> {
         let (low, high) = match self {
             Self::None => return None,
@@ -64,16 +64,16 @@ impl Spread {
 /// One series.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Series {
-    /// Its name, at its end or in the legend; none if empty.
+    /// Its name, shown at its end or in the legend; hidden if empty.
     pub(crate) label: String,
-    /// The points in the order in which a line joins them. A point that cannot be drawn (not finite,
-    /// or not positive on a logarithmic axis) is left out and breaks the line.
+    /// The points in the order in which a line connects them. A point that cannot be drawn (not
+    /// finite, or not positive on a logarithmic axis) is omitted and interrupts the line.
     pub(crate) points: Vec<(f64, f64)>,
     /// Errors or ranges of y.
     pub(crate) spread: Spread,
     /// How it is drawn.
     pub(crate) style: Style,
-    /// Its colour and marker; what belongs together shares it.
+    /// Its colour and marker; related series share them.
     pub(crate) ink: Ink,
 }
 
@@ -84,11 +84,11 @@ pub(crate) struct Panel {
     pub(crate) y_label: String,
     /// The scale of y.
     pub(crate) y_scale: Scale,
-    /// What is drawn, the later over the earlier.
+    /// The series; later ones are drawn over earlier ones.
     pub(crate) series: Vec<Series>,
-    /// A value with a line across, which is always within the axis.
+    /// A value marked by a horizontal line and always within the axis.
     pub(crate) reference: Option<f64>,
-    /// Whether markers at the same x stand side by side.
+    /// Whether markers at the same x are placed side by side.
     pub(crate) side_by_side: bool,
 }
 
@@ -114,17 +114,17 @@ pub(crate) struct Chart {
     pub(crate) x_label: String,
     /// The scale of x.
     pub(crate) x_scale: Scale,
-    /// One above the other with the same x; the first is the largest and has the labels.
+    /// The panels from top to bottom, with the same x; the first is the largest and has the labels.
     pub(crate) panels: Vec<Panel>,
     /// Small lines at the foot, for conventions and provenance.
     pub(crate) notes: Vec<String>,
 }
 
 impl Chart {
-    /// Width in units; the height follows from what is shown.
+    /// Width in units; the height follows from the content.
     pub(crate) const WIDTH: f64 = 960.0;
 
-    /// Returns the chart with one more line at the foot.
+    /// Returns the chart with another line at the foot.
     pub(crate) fn with_note(mut self, note: impl Into<String>) -> Self {
         self.notes.push(note.into());
         self
@@ -138,7 +138,7 @@ impl Chart {
         figure::write(&self.layout(Self::WIDTH)?, path)
     }
 
-    /// Returns where everything is in a figure of this width.
+    /// Returns the layout in a figure of this width.
     pub(super) fn layout(&self, width: f64) -> Result<Layout<'_>, PlotError> {
         figure::measured(|canvas| Layout::new(self, width, canvas))
     }

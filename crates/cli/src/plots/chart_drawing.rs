@@ -1,4 +1,4 @@
-//! Draws a chart that is laid out.
+//! Draws a chart according to its layout.
 
 use plotters::prelude::DrawingBackend;
 

@@ -1,5 +1,5 @@
-//! Lays a chart out: title above, panels with the names of curves to the right, labels, legend and notes below. The
-//! height follows from what there is to show.
+//! Lays a chart out: title above, panels with the names of curves to the right, labels, legend and
+//! notes below. The height follows from the content.
 
 use plotters::prelude::DrawingBackend;
 use plotters::style::text_anchor::HPos;
@@ -21,25 +21,26 @@ pub(super) const TITLE: f64 = 19.0;
 pub(super) const LABEL: f64 = 16.5;
 pub(super) const TICK: f64 = 14.5;
 pub(super) const NOTE: f64 = 11.5;
-/// From one line of text to the next, in ems.
+/// The distance between lines of text, in ems.
 pub(super) const LEADING: f64 = 1.35;
-/// Between the frame and the labels of its ticks.
+/// The distance between the frame and the labels of its ticks.
 pub(super) const TICK_GAP: f64 = 8.0;
 
 /// Heights of a single panel, of the first of several and of the others, units.
 const SINGLE: f64 = 450.0;
 const FIRST: f64 = 410.0;
 const LOWER: f64 = 150.0;
-/// Between panels: the labels of one do not touch those of the next.
+/// The distance between panels, so that the labels of one do not touch those of the next.
 const PANEL_GAP: f64 = 18.0;
-/// The room of a tick label, along x and along y, units.
+/// The space of a tick label, along x and along y, in units.
 const TICK_ROOM: (f64, f64) = (84.0, 34.0);
-/// The largest distance of markers that stand side by side, and the part of the way to the next x that they take.
+/// The maximum distance of markers that are placed side by side, and the fraction of the distance
+/// to the next x that they occupy.
 const SIDE_BY_SIDE: (f64, f64) = (8.0, 0.7);
-/// Between them and the frame.
+/// The distance between them and the frame.
 const MARGIN: f64 = 6.0;
 
-/// Everything of a chart at its place.
+/// The positions of all parts of a chart.
 pub(super) struct Layout<'a> {
     /// Width and height, units.
     pub(super) size: (f64, f64),
@@ -49,12 +50,12 @@ pub(super) struct Layout<'a> {
     pub(super) texts: Vec<TextBox>,
 }
 
-/// A panel at its place.
+/// A panel and its position.
 #[derive(Debug)]
 pub(super) struct PlacedPanel<'a> {
     pub(super) panel: &'a Panel,
     pub(super) plane: Plane,
-    /// The series in the order in which they are drawn: grey ones do not cover others.
+    /// The series in drawing order: grey ones do not cover others.
     pub(super) looks: Vec<Look<'a>>,
 }
 
@@ -95,7 +96,7 @@ impl<'a> Layout<'a> {
         };
         let names_width = labels.as_ref().map_or(0.0, EndLabels::width);
         let left = EDGE + LABEL * LEADING + tick_width + TICK_GAP;
-        // Half of the last label of x stands to the right of the frame.
+        // Half of the last label of x extends beyond the frame.
         let right = (width - EDGE - names_width.max(18.0)).max(left + 1.0);
 
         let mut panels: Vec<PlacedPanel<'_>> = Vec::new();
@@ -152,7 +153,7 @@ impl<'a> Layout<'a> {
     }
 }
 
-/// Returns the heights of this number of panels.
+/// Returns the heights of the given number of panels.
 fn heights(n_panels: usize) -> Vec<f64> {
     match n_panels {
         0 => Vec::new(),
@@ -170,7 +171,7 @@ fn ticks(length: f64, room: f64) -> u32 {
     (length / room).max(2.0) as u32
 }
 
-/// Returns the series of a panel in the order in which they are drawn.
+/// Returns the series of a panel in drawing order.
 fn looks<'a>(panel: &'a Panel, plane: &Plane) -> Vec<Look<'a>> {
     let mut series: Vec<&Series> = panel.series.iter().collect();
     series.sort_by_key(|series| !series.ink.is_hollow());
@@ -180,13 +181,14 @@ fn looks<'a>(panel: &'a Panel, plane: &Plane) -> Vec<Look<'a>> {
     looks.map(|((series, pattern), shift)| Look { series, pattern, shift }).collect()
 }
 
-/// Returns how far each series is moved to the right, so that markers at the same x stand side by side.
+/// Returns the shift of each series to the right that places markers at the same x side by side.
 fn shifts(series: &[&Series], plane: &Plane) -> Vec<f64> {
     let count = series.iter().filter(|series| series.style.has_markers()).count();
     let points = series.iter().flat_map(|series| &series.points);
     let mut places: Vec<f64> = points.filter_map(|&p| plane.place(p)).map(|at| at.0).collect();
     places.sort_by(f64::total_cmp);
-    // Nearer places than this are those of one number that every pattern takes as well as it can.
+    // Closer positions than this belong to one requested number, which patterns meet only
+    // approximately.
     let gaps = places.windows(2).map(|pair| pair[1] - pair[0]).filter(|&gap| gap > 20.0);
     let room = SIDE_BY_SIDE.1 * gaps.fold(120.0, f64::min);
     let margins = places.first().map(|x| x - plane.frame.left).into_iter();
@@ -204,7 +206,7 @@ fn shifts(series: &[&Series], plane: &Plane) -> Vec<f64> {
     series.iter().map(shift).collect()
 }
 
-/// Adds the label of y and those of its ticks; one that would touch the one below is left out.
+/// Adds the label of y and those of its ticks, except labels that would touch the one below.
 fn y_texts<DB: DrawingBackend>(
     placed: &PlacedPanel<'_>,
     texts: &mut Vec<TextBox>,
@@ -228,7 +230,7 @@ fn y_texts<DB: DrawingBackend>(
     Ok(())
 }
 
-/// Adds the labels of the ticks of x; one that would touch the one before is left out.
+/// Adds the labels of the ticks of x, except labels that would touch the one before.
 fn x_tick_texts<DB: DrawingBackend>(
     plane: &Plane,
     texts: &mut Vec<TextBox>,

@@ -9,17 +9,17 @@ use super::figure::{self, Figure};
 use super::palette::INK;
 use super::plot_error::PlotError;
 
-/// Between pictures and around them, pixels.
+/// The distance between pictures and around them, in pixels.
 const GAP: u32 = 12;
 const LETTERS: f64 = 14.0;
-/// Room for captions below narrower pictures, pixels: some 25 letters.
+/// The minimum width of captions below narrower pictures, in pixels: about 25 letters.
 const MIN_WIDTH: u32 = 192;
-/// From one line of a caption to the next.
+/// The distance between lines of a caption.
 const LINE: u32 = 20;
-/// For each pixel of a sheet: its captions are drawn three by three times as large, and then there are the sheet, the
-/// pictures and the file, of three bytes a pixel each.
+/// The memory of each pixel of a sheet: its captions are drawn at three times the size, and the
+/// sheet, the pictures and the file take three bytes a pixel each.
 const BYTES: f64 = (3 * 3 * 3 + 3 * 3) as f64;
-/// Lines below a picture, for estimates: two, each broken once.
+/// The number of lines below a picture, for estimates: two, each broken once.
 const DEFAULT_LINES: f64 = 4.0;
 
 /// One picture.
@@ -29,7 +29,7 @@ pub(crate) struct SheetPanel {
     pub(crate) size: [usize; 2],
     /// Three bytes a pixel, row by row from the top.
     pub(crate) colours: Vec<u8>,
-    /// Lines below it; those that are too long are broken.
+    /// Lines below it; long lines are wrapped.
     pub(crate) caption: Vec<String>,
 }
 
@@ -40,10 +40,10 @@ pub(crate) struct ContactSheet {
     pub(crate) columns: usize,
 }
 
-/// Where things are, in pixels.
+/// The positions of all parts, in pixels.
 struct Layout {
     panel: [u32; 2],
-    /// Of a picture with its caption.
+    /// The width of a picture with its caption.
     width: u32,
     /// The lines below each picture.
     captions: Vec<Vec<String>>,
@@ -57,7 +57,8 @@ struct Captions<'a> {
 }
 
 impl ContactSheet {
-    /// The memory that a sheet of so many pictures of this size takes, about, with captions of two lines.
+    /// Returns the approximate memory of a sheet of this number of pictures of this size, with
+    /// captions of two lines.
     pub(crate) fn bytes([width, height]: [usize; 2], panels: usize) -> f64 {
         let (gap, caption) = (f64::from(GAP), DEFAULT_LINES * f64::from(LINE));
         BYTES
@@ -116,7 +117,7 @@ impl Layout {
         [self.width + GAP, self.panel[1] + caption + GAP]
     }
 
-    /// The upper left pixels of the pictures.
+    /// Returns the upper left pixels of the pictures.
     fn corners(&self) -> impl Iterator<Item = [u32; 2]> {
         let [across, down] = self.step();
         (0..self.rows).flat_map(move |row| {

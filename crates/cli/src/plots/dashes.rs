@@ -1,21 +1,22 @@
-//! Dashed lines, and which lines need dashes because others run beneath them.
+//! Dashed lines, and the selection of lines that need dashes because they cover others.
 
 use super::chart::{Series, Style};
 use super::plane::Plane;
 
-/// Lengths of dashes and gaps in turn, units; empty for a line without gaps.
+/// Alternating lengths of dashes and gaps, in units; empty for a line without gaps.
 pub(super) type Pattern = &'static [f64];
 
-/// Of lines that run over others, by how many they run over: what is beneath shows in the gaps.
+/// The patterns of lines that cover others, by the number of lines covered: those beneath show in
+/// the gaps.
 const OVER_OTHERS: [Pattern; 4] = [&[], &[13.0, 9.0], &[7.0, 13.0], &[3.0, 15.0]];
-/// Of dashed lines.
+/// The pattern of dashed lines.
 const DASHED: Pattern = &[8.0, 4.5];
-/// Lines that are no farther apart look like one, units.
-const ONE_TO_THE_EYE: f64 = 1.6;
-/// The share of a line that is hidden before it is said to coincide with another.
+/// Lines within this distance look like one, in units.
+const MAX_VISUAL_DISTANCE: f64 = 1.6;
+/// The fraction of a line that must be covered for it to count as coinciding with another.
 const HIDDEN: f64 = 0.4;
 
-/// Returns the dashes of series in the order in which they are drawn.
+/// Returns the dash patterns of series in drawing order.
 pub(super) fn patterns(series: &[&Series], plane: &Plane) -> Vec<Pattern> {
     let mut lines: Vec<Vec<(f64, f64)>> = Vec::new();
     let mut patterns = Vec::new();
@@ -36,7 +37,8 @@ pub(super) fn patterns(series: &[&Series], plane: &Plane) -> Vec<Pattern> {
     patterns
 }
 
-/// Returns whether a good part of a line's points lie on another line, both from left to right.
+/// Returns whether a considerable part of a line's points is on another line, both from left to
+/// right.
 fn coincide(line: &[(f64, f64)], other: &[(f64, f64)]) -> bool {
     let on_other = |&(x, y): &(f64, f64)| {
         let after = other.partition_point(|point| point.0 < x);
@@ -45,7 +47,7 @@ fn coincide(line: &[(f64, f64)], other: &[(f64, f64)]) -> bool {
             (Some((x0, y0)), Some(&(x1, y1))) => y0 + (y1 - y0) * (x - x0) / (x1 - x0),
             _ => return false,
         };
-        (at - y).abs() <= ONE_TO_THE_EYE
+        (at - y).abs() <= MAX_VISUAL_DISTANCE
     };
     let hidden = line.iter().filter(|point| on_other(point)).count();
     line.len() > 1 && hidden as f64 >= HIDDEN * line.len() as f64

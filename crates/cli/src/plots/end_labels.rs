@@ -15,22 +15,22 @@ use super::series_drawing::{Look, Sample, THIN_LINE};
 use super::spreading::spread;
 use super::text_box::TextBox;
 
-/// Sizes of letters, the first that fits.
+/// Font sizes; the first that fits is used.
 const SIZES: [f64; 3] = [15.0, 13.5, 12.0];
-/// From one line to the next, and between names, in ems.
+/// The distance between lines and between names, in ems.
 const LEADING: f64 = 1.15;
 const PAUSE: f64 = 0.15;
-/// Between the frame and the names, where leaders are.
+/// The distance between the frame and the names, which leaders cross.
 const LEADER_ROOM: f64 = 30.0;
-/// The widest name, in parts of the figure's width, and its lines.
+/// The maximum width of a name, as a fraction of the figure's width, and its number of lines.
 const MAX_WIDTH: f64 = 0.24;
 const MAX_LINES: usize = 3;
-/// Three ends within this height are one place to the eye.
+/// Three ends within this height look like one point.
 const ONE_PLACE: f64 = 5.0;
-/// A name this near to the end of its curve needs no leader.
+/// A name this close to the end of its curve needs no leader.
 const AT_THE_END: f64 = 3.0;
 
-/// The names of the series, measured.
+/// The names of the series with their sizes.
 #[derive(Debug)]
 pub(super) struct EndLabels<'a> {
     labels: Vec<(&'a Series, Vec<String>)>,
@@ -38,7 +38,7 @@ pub(super) struct EndLabels<'a> {
     width: f64,
 }
 
-/// Names at their places, with a leader or a sample each.
+/// The positions of the names, with a leader or a sample each.
 #[derive(Default)]
 pub(super) struct PlacedLabels<'a> {
     pub(super) texts: Vec<TextBox>,
@@ -49,14 +49,14 @@ pub(super) struct PlacedLabels<'a> {
 /// A line from the end of a curve to its name.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Leader {
-    /// The end of the curve, the frame at the same height, and the name.
+    /// The end of the curve, the point of the frame at the same height, and the name.
     points: [(f64, f64); 3],
     colour: RGBColor,
 }
 
 impl<'a> EndLabels<'a> {
-    /// Returns the names of those series that have one, or `None` when they do not fit beside a frame of this
-    /// height in a figure of this width.
+    /// Returns the names of the series that have one, or `None` if they do not fit beside a frame
+    /// of this height in a figure of this width.
     pub(super) fn of<DB: DrawingBackend>(
         panel: &'a Panel,
         (figure_width, height): (f64, f64),
@@ -89,9 +89,9 @@ impl<'a> EndLabels<'a> {
         self.size * (LEADING * lines.len() as f64 + PAUSE)
     }
 
-    /// Returns the names as near to the ends of their curves as there is room between `top` and `bottom`, with
-    /// leaders. Where several curves end in one place, to which no leader could lead, all names are listed from the
-    /// top, with samples.
+    /// Returns the names as close to the ends of their curves as the space between `top` and
+    /// `bottom` permits, with leaders. Where several curves end at one point, leaders would be
+    /// ambiguous, so all names are listed from the top, with samples.
     pub(super) fn place<DB: DrawingBackend>(
         &self,
         plane: &Plane,
@@ -104,7 +104,7 @@ impl<'a> EndLabels<'a> {
         let listed = by_importance(looks);
         let is_list = meet(&ends);
         let order = |series: &Series| listed.iter().position(|l| std::ptr::eq(l.series, series));
-        // What cannot be drawn is named below all others.
+        // Series that cannot be drawn are named below all others.
         let wanted: Vec<f64> = (self.labels.iter().zip(&ends))
             .map(|((series, _), end)| match is_list {
                 // Far above, so that the list begins at the top.
@@ -143,14 +143,14 @@ impl<'a> EndLabels<'a> {
     }
 }
 
-/// Returns whether more than two curves end in one place.
+/// Returns whether more than two curves end at one point.
 fn meet(ends: &[Option<(f64, f64)>]) -> bool {
     let mut heights: Vec<f64> = ends.iter().flatten().map(|end| end.1).collect();
     heights.sort_by(f64::total_cmp);
     heights.windows(3).any(|three| three[2] - three[0] < ONE_PLACE)
 }
 
-/// Returns the name of a series, which says where it has no place on a logarithmic axis.
+/// Returns the name of a series, with a remark if it cannot be drawn on a logarithmic axis.
 fn name(series: &Series, y_scale: Scale) -> String {
     let Series { label, points, .. } = series;
     let is_zero = y_scale == Scale::Log && points.iter().all(|point| point.1 == 0.0);
@@ -158,7 +158,7 @@ fn name(series: &Series, y_scale: Scale) -> String {
 }
 
 impl Leader {
-    /// Draws the part within the frame as dots, which are not taken for data.
+    /// Draws the part within the frame as dots, which cannot be mistaken for data.
     pub(super) fn draw<DB: DrawingBackend>(&self, canvas: &Canvas<DB>) -> Result<(), PlotError> {
         let [end, frame, name] = self.points;
         let pen = Pen { colour: self.colour, opacity: 0.75, width: 0.8 * THIN_LINE };

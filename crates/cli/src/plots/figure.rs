@@ -1,4 +1,4 @@
-//! From a figure to a file: the choice of the image format, and its bytes.
+//! Writes a figure to a file: selects the image format and encodes it.
 
 use std::io::Cursor;
 use std::path::Path;
@@ -10,15 +10,15 @@ use super::canvas::Canvas;
 use super::plot_error::PlotError;
 use crate::files::{AtomicFile, is_stream};
 
-/// SVG coordinates are whole numbers of a tenth of a unit.
+/// SVG coordinates are integers in tenths of a unit.
 const SVG_ZOOM: u32 = 10;
-/// PNG is drawn with this many times more pixels and averaged down, which smooths every edge.
+/// PNG is drawn with this factor more pixels per side and averaged down, which smooths all edges.
 const PNG_ZOOM: u32 = 3;
-/// See [`Canvas::new`]: SVG centres small letters, whose middle is a tenth of an em below that of
-/// figures.
+/// See [`Canvas::new`]: SVG centres lower-case letters, whose middle is a tenth of an em below that
+/// of digits.
 const SVG_TEXT_DROP: f64 = 0.09;
-/// The bitmap backend takes half an em for the height of the letters above the middle; measured on
-/// the embedded font.
+/// The bitmap backend assumes half an em for the height of the letters above the middle; the value
+/// is measured on the embedded font.
 const PNG_TEXT_DROP: f64 = 0.26;
 
 /// An image format of figures.
@@ -31,7 +31,7 @@ pub(crate) enum ImageFormat {
 }
 
 impl ImageFormat {
-    /// Returns the format that the extension names, whatever its case.
+    /// Returns the format of an extension in any case.
     pub(crate) fn of_path(path: &Path) -> Option<Self> {
         match path.extension()?.to_str()?.to_ascii_lowercase().as_str() {
             "svg" => Some(Self::Svg),
@@ -43,7 +43,7 @@ impl ImageFormat {
 
 /// Something that can be drawn.
 pub(super) trait Figure {
-    /// Pixels of a PNG file along a unit.
+    /// The number of pixels of a PNG file per unit.
     const DETAIL: u32 = 1;
 
     /// Returns width and height in units.
@@ -53,7 +53,7 @@ pub(super) trait Figure {
     fn draw<DB: DrawingBackend>(&self, canvas: &Canvas<DB>) -> Result<(), PlotError>;
 }
 
-/// Writes a figure in the format that the extension names; `-` is standard output, as SVG.
+/// Writes a figure in the format of its extension; `-` is standard output, as SVG.
 pub(super) fn write(figure: &impl Figure, path: &Path) -> Result<(), PlotError> {
     let format = match ImageFormat::of_path(path) {
         Some(format) => format,
@@ -74,7 +74,7 @@ pub(super) fn svg(figure: &impl Figure) -> Result<String, PlotError> {
     let mut document = String::new();
     let backend = SVGBackend::with_string(&mut document, (inner_width, inner_height));
     draw(figure, backend, SVG_ZOOM, SVG_TEXT_DROP)?;
-    // The view box keeps the fine coordinates; the figure asks for its size in units.
+    // The view box keeps the fine coordinates; width and height are in units.
     Ok(document.replacen(
         &format!("width=\"{inner_width}\" height=\"{inner_height}\" viewBox"),
         &format!("width=\"{width}\" height=\"{height}\" viewBox"),
@@ -104,11 +104,11 @@ pub(super) fn raster<F: Figure>(figure: &F) -> Result<RgbImage, PlotError> {
     let mut image = RgbImage::new(inner_width, inner_height);
     let backend = BitMapBackend::with_buffer(&mut image, (inner_width, inner_height));
     draw(figure, backend, PNG_ZOOM * F::DETAIL, PNG_TEXT_DROP)?;
-    // Code of the image crate, which is optimized in every build.
+    // The code is in the image crate, which is optimized in every build.
     Ok(DynamicImage::from(image).thumbnail_exact(width, height).into_rgb8())
 }
 
-/// Returns what `measure` reads off a canvas that draws text as PNG files have it.
+/// Returns the result of `measure` on a canvas that draws text as PNG files do.
 pub(super) fn measured<T>(
     measure: impl FnOnce(&Canvas<BitMapBackend<'_>>) -> Result<T, PlotError>,
 ) -> Result<T, PlotError> {

@@ -1,4 +1,4 @@
-//! Values on a grid, as colours between two axes.
+//! Values on a grid, shown as colours between two axes.
 
 use std::path::Path;
 
@@ -24,9 +24,9 @@ pub(crate) struct HeatMap {
     pub(crate) notes: Vec<String>,
     /// Columns and rows, at least 1.
     pub(crate) size: [usize; 2],
-    /// The values; what is not finite stays white.
+    /// The values; values that are not finite stay white.
     pub(crate) values: Vec<f64>,
-    /// The quantity, beside the scale of colours.
+    /// The quantity, shown beside the colour scale.
     pub(crate) label: String,
     /// The colours.
     pub(crate) colours: Colours,
@@ -45,7 +45,7 @@ pub(crate) struct Edges {
     pub(crate) range: (f64, f64),
 }
 
-/// How values become colours.
+/// The colour scale.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Colours {
     /// Dark for 0 to bright yellow for the largest value.
@@ -57,7 +57,7 @@ pub(crate) enum Colours {
 }
 
 impl Colours {
-    /// The values of the first and last colour.
+    /// Returns the values of the first and last colour.
     fn range(self, values: &[f64]) -> (f64, f64) {
         let finite = || values.iter().filter(|x| x.is_finite());
         let size = match self {
@@ -71,7 +71,7 @@ impl Colours {
         }
     }
 
-    /// The colour at a place from 0 to 1.
+    /// Returns the colour at a position from 0 to 1.
     fn at(self, place: f64) -> Rgb<u8> {
         let gradient = match self {
             Self::Heat => colorous::INFERNO,
@@ -84,15 +84,15 @@ impl Colours {
     }
 }
 
-/// The sides of the largest map, pixels.
-const LARGEST: (f64, f64) = (620.0, 600.0);
-/// The width of the narrowest figure: headings need it.
-const NARROWEST: f64 = 640.0;
-/// Width of the scale of colours, and its distance from the map.
+/// The maximum width and height of a map, in pixels.
+const MAX_SIZE: (f64, f64) = (620.0, 600.0);
+/// The minimum width of a figure, which headings need.
+const MIN_WIDTH: f64 = 640.0;
+/// The width of the colour scale, and its distance from the map.
 const BAR: (f64, f64) = (22.0, 22.0);
-/// Room for the labels of the scale.
+/// The space for the labels of the scale.
 const BAR_LABELS: f64 = 96.0;
-/// Rows of colours of the scale.
+/// The number of rows of the colour scale.
 const STEPS: u32 = 256;
 
 impl HeatMap {
@@ -104,7 +104,8 @@ impl HeatMap {
         Ok(AtomicFile::write_whole(path, &figure::encoded(&self.raster()?)?)?)
     }
 
-    /// The finished picture: the map's colours keep their pixels, only lines and letters are smoothed.
+    /// Returns the finished picture: the map keeps its pixels, and only lines and letters are
+    /// smoothed.
     pub(super) fn raster(&self) -> Result<RgbImage, PlotError> {
         let range = self.colours.range(&self.values);
         let place = |value: f64| (value - range.0) / (range.1 - range.0);
@@ -125,7 +126,8 @@ impl HeatMap {
             let [left, top, right, bottom] =
                 [frame.left, frame.top, frame.right, frame.bottom].map(pixel);
             let size = ((right - left).max(1), (bottom - top).max(1));
-            // Cells larger than a pixel have sharp borders; of smaller ones a pixel shows the mean.
+            // Cells larger than a pixel have sharp borders; a pixel that covers smaller ones shows
+            // their mean.
             let shrinks = cells.width() > size.0 || cells.height() > size.1;
             let filter = if shrinks {
                 imageops::FilterType::Triangle
@@ -139,7 +141,7 @@ impl HeatMap {
     }
 }
 
-/// Where map and scale of colours are.
+/// The positions of the map and the colour scale.
 struct Layout {
     map: Frame,
     bar: Frame,
@@ -150,11 +152,11 @@ struct Layout {
 impl Layout {
     fn new(map: &HeatMap) -> Self {
         let left = EDGE + LABEL * LEADING + 4.0 + 56.0 + TICK_GAP;
-        // Two lines of heading and two of remarks have room.
+        // The space suffices for two lines of heading and two of remarks.
         let top = EDGE + 2.0 * TITLE * LEADING + 6.0;
         let [columns, rows] = map.size.map(|n| n.max(1) as f64);
-        let cell = (LARGEST.0 / columns).min(LARGEST.1 / rows);
-        // Cells of whole pixels look even.
+        let cell = (MAX_SIZE.0 / columns).min(MAX_SIZE.1 / rows);
+        // Cells of whole pixels have equal sizes.
         let cell = if cell >= 1.0 { cell.floor() } else { cell };
         let frame = Frame {
             left,
@@ -165,12 +167,12 @@ impl Layout {
         let left = frame.right + BAR.1;
         let bar = Frame { left, right: left + BAR.0, ..frame };
         let below = TICK_GAP + TICK * LEADING + LABEL * LEADING + 14.0 + 2.0 * NOTE * LEADING;
-        let width = (bar.right + BAR_LABELS + LABEL + EDGE).max(NARROWEST);
+        let width = (bar.right + BAR_LABELS + LABEL + EDGE).max(MIN_WIDTH);
         Self { map: frame, bar, size: (width, frame.bottom + below + EDGE) }
     }
 }
 
-/// Everything but the colours.
+/// All parts except the colours.
 struct Scaffold<'a> {
     map: &'a HeatMap,
     layout: &'a Layout,
@@ -243,20 +245,20 @@ impl Figure for Scaffold<'_> {
     }
 }
 
-/// Labelled ticks between two values, of which either may be the larger.
+/// Labelled ticks between two values in either order.
 struct Ruler {
-    /// Places from 0 (the first value) to 1.
+    /// Positions from 0 (the first value) to 1.
     ticks: Vec<(f64, String)>,
     power: Option<i32>,
 }
 
 impl Ruler {
-    fn new((first, last): (f64, f64), most: u32) -> Self {
+    fn new((first, last): (f64, f64), max_labels: u32) -> Self {
         let (low, high) = (first.min(last), first.max(last));
         if !(low.is_finite() && high > low) {
             return Self { ticks: Vec::new(), power: None };
         }
-        let axis = Axis::between(low, high, most);
+        let axis = Axis::between(low, high, max_labels);
         let place = |at: f64| if first < last { at } else { 1.0 - at };
         let ticks = axis.ticks.into_iter().map(|tick| (place(tick.at), tick.label)).collect();
         Self { ticks, power: axis.power }
@@ -272,7 +274,7 @@ fn pixel(at: f64) -> u32 {
     at.max(0.0).round() as u32
 }
 
-/// The columns or rows of a map; larger ones than fit are cut.
+/// Returns the number of columns or rows of a map, cut to the largest size that fits.
 fn whole(n: usize) -> u32 {
     u32::try_from(n).unwrap_or(u32::MAX)
 }

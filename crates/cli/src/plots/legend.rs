@@ -1,4 +1,4 @@
-//! The legend below the data, where names do not fit beside it.
+//! The legend below the data, used if names do not fit beside it.
 
 use plotters::prelude::DrawingBackend;
 use plotters::style::text_anchor::HPos;
@@ -11,15 +11,15 @@ use super::series_drawing::{Look, Sample};
 use super::text_box::TextBox;
 
 const TEXT: f64 = 13.0;
-/// From one entry to the next, units.
+/// The distance between entries, in units.
 const STEP: f64 = 18.0;
 const SAMPLE: f64 = 34.0;
 const SAMPLE_GAP: f64 = 8.0;
 const COLUMN_GAP: f64 = 22.0;
-/// Longer names are shortened.
+/// Longer names are shortened, in units.
 const MAX_LABEL: f64 = 250.0;
 
-/// The entries of a legend at their places.
+/// The positions of the entries of a legend.
 pub(super) struct Legend<'a> {
     pub(super) samples: Vec<Sample<'a>>,
     pub(super) texts: Vec<TextBox>,
@@ -63,7 +63,7 @@ impl<'a> Legend<'a> {
     }
 }
 
-/// Returns the series that have a name, those with colours before the grey ones.
+/// Returns the series that have a name, coloured ones before grey ones.
 pub(super) fn by_importance<'a>(looks: &[Look<'a>]) -> Vec<Look<'a>> {
     let named = looks.iter().copied().filter(|look| !look.series.label.is_empty());
     let (grey, mut coloured): (Vec<Look<'_>>, Vec<Look<'_>>) =

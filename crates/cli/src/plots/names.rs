@@ -1,22 +1,24 @@
-//! Names of series that fit: broken at separators, and shortened within long words where that is not enough.
+//! Fits names of series into lines: breaks them at separators and, if that does not suffice,
+//! shortens long words.
 
 use plotters::prelude::DrawingBackend;
 
 use super::canvas::Canvas;
 use super::plot_error::PlotError;
 
-/// Between parts of a name, with which a part ends: `name:key=value,key=value`, paths, words.
+/// Separators, each of which ends a part of a name: `name:key=value,key=value`, paths, words.
 const SEPARATORS: [char; 5] = [':', ',', '=', '/', ' '];
-/// Those of them at which lines of whole names end.
+/// The separators at which lines are broken.
 const BREAKS: [char; 3] = [':', ',', ' '];
 const ELLIPSIS: char = '\u{2026}';
-/// Parts are not shortened further than to this number of characters.
+/// The minimum number of characters of a shortened part.
 const MIN_PART: usize = 4;
-/// Nor are keys as long as others have more than this number.
+/// Keys of up to this number of characters are not shortened either.
 const SHORT_PART: usize = 10;
 
-/// Returns a name in at most `max_lines` lines no wider than `width`. Where it does not fit, its longest parts are
-/// shortened in the middle, keys of parameters after all others, so that every parameter is still there.
+/// Returns a name in at most `max_lines` lines no wider than `width`. If it does not fit, its
+/// longest parts are shortened in the middle, keys of parameters last, so that every parameter is
+/// still shown.
 pub(super) fn fitted<DB: DrawingBackend>(
     name: &str,
     size: f64,
@@ -39,14 +41,14 @@ pub(super) fn fitted<DB: DrawingBackend>(
         let longest = parts.iter_mut().max_by_key(|part| length(part));
         match longest.filter(|part| part.len() > MIN_PART) {
             Some(part) => shorten(part),
-            // Names of hundreds of parts.
+            // Applies to names of hundreds of parts.
             None => return cut(lines, size, width, max_lines, canvas),
         }
         lines = broken(&parts, &SEPARATORS, size, width, canvas)?;
     }
 }
 
-/// Takes a character out of the middle of a part, where an ellipsis then stands.
+/// Removes a character from the middle of a part and marks the place with an ellipsis.
 fn shorten(part: &mut Vec<char>) {
     match part.iter().position(|&c| c == ELLIPSIS) {
         None => {
@@ -62,8 +64,8 @@ fn shorten(part: &mut Vec<char>) {
     }
 }
 
-/// Joins parts to lines that are as long as they fit, broken after `breaks`, or after any part where what is between
-/// two of them does not fit in a line.
+/// Joins parts to lines that are as long as fits, broken after `breaks`, or after any part where
+/// the text between two breaks does not fit in a line.
 fn broken<DB: DrawingBackend>(
     parts: &[Vec<char>],
     breaks: &[char],

@@ -1,4 +1,4 @@
-//! A set of directions on the unit sphere, seen from afar.
+//! An orthographic view of directions on the unit sphere.
 
 use std::path::Path;
 
@@ -11,22 +11,23 @@ use super::figure::{self, Figure};
 use super::palette::{GREY, GRID, INK, Ink};
 use super::plot_error::PlotError;
 
-/// How a set of directions is shown: the half of the sphere that faces the viewer, as dots.
+/// The settings of a view: the half of the sphere that faces the viewer, with directions as dots.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct OrthographicView {
     /// The heading; may be empty.
     pub(crate) title: String,
     /// Small lines at the foot, for provenance.
     pub(crate) notes: Vec<String>,
-    /// The direction from the centre to the viewer, of any length but zero; +z points up in the
-    /// image, or +y when the viewer stands on the z axis.
+    /// The direction from the centre to the viewer, of any nonzero length; +z points up in the
+    /// image, or +y if the viewer is on the z axis.
     pub(crate) viewpoint: DVec3,
-    /// Lines on the sphere that belong to the pattern, such as the borders of its strata, each through unit vectors.
+    /// Lines on the sphere that are part of the pattern, such as the borders of its strata, each
+    /// through unit vectors.
     pub(crate) lines: Vec<Vec<DVec3>>,
 }
 
 impl Default for OrthographicView {
-    /// Looks from 30 degrees above the equator, so that pole and equator are both in sight.
+    /// The viewer is 30 degrees above the equator, so that pole and equator are both visible.
     fn default() -> Self {
         let viewpoint = DVec3::new(0.75, 0.433_012_701_892_219_3, 0.5);
         Self { title: String::new(), notes: Vec::new(), viewpoint, lines: Vec::new() }
@@ -38,18 +39,19 @@ const TITLE: f64 = 24.0;
 const NOTE: f64 = 13.0;
 const LEADING: f64 = 1.35;
 const TICK_DEGREES: u8 = 30;
-/// The radius of a dot in parts of the mean distance of points, sqrt(4 pi / N).
+/// The radius of a dot relative to the mean distance of points, sqrt(4 pi / N).
 const DOT: f64 = 0.14;
 
 impl OrthographicView {
     /// Width and height in pixels.
     pub(crate) const SIZE: (u32, u32) = (900, 900);
 
-    /// Writes the view of these unit vectors; `.svg` and `.png` are known, `-` is SVG on standard
-    /// output. Vectors that are not finite are left out.
+    /// Writes the view of these unit vectors as `.svg` or `.png`; `-` is SVG on standard output.
+    /// Vectors that are not finite are omitted.
     ///
     /// # Errors
-    /// When the extension is another one or the file cannot be written.
+    ///
+    /// If the extension is another one or the file cannot be written.
     pub(crate) fn render(&self, directions: &[DVec3], path: &Path) -> Result<(), PlotError> {
         figure::write(&Sight { view: self, directions }, path)
     }
@@ -62,7 +64,7 @@ impl OrthographicView {
     }
 }
 
-/// A view together with what is seen.
+/// A view together with its directions.
 pub(super) struct Sight<'a> {
     pub(super) view: &'a OrthographicView,
     pub(super) directions: &'a [DVec3],
@@ -129,14 +131,14 @@ struct Globe {
 }
 
 impl Globe {
-    /// Returns the place of a direction, or `None` when it is on the far side.
+    /// Returns the position of a direction, or `None` if it is on the far side.
     fn front(&self, direction: DVec3) -> Option<(f64, f64)> {
         let [right, up, towards] = self.axes.map(|axis| axis.dot(direction));
         (towards >= 0.0 && right.is_finite() && up.is_finite())
             .then_some((self.centre.0 + self.radius * right, self.centre.1 - self.radius * up))
     }
 
-    /// Draws the front of the circles of latitude and longitude, faint.
+    /// Draws the visible halves of circles of latitude and longitude, faintly.
     fn draw_graticule<DB: DrawingBackend>(&self, canvas: &Canvas<DB>) -> Result<(), PlotError> {
         let faint = Pen::new(GRID, 1.2);
         let on_sphere = |theta: f64, phi: f64| {

@@ -1,10 +1,11 @@
-//! Colours and marker shapes that stay apart for every kind of colour vision and on white paper.
+//! Colours and marker shapes that are distinguishable with every kind of colour vision on white
+//! paper.
 
 use plotters::style::RGBColor;
 
-/// Colours with a contrast to white of at least 3, so that thin lines and letters are legible. The first three
-/// are of Okabe and Ito, "Color Universal Design" (2008); the others were searched for the largest distance
-/// between any two, as seen with normal, protan and deutan colour vision.
+/// Colours with a contrast to white of at least 3, so that thin lines and letters are legible. The
+/// first three are from Okabe and Ito, "Color Universal Design" (2008); the others maximize the
+/// smallest distance between any two, for normal, protan and deutan colour vision.
 pub(super) const COLOURS: [RGBColor; 7] = [
     RGBColor(0x00, 0x72, 0xb2),
     RGBColor(0xd5, 0x5e, 0x00),
@@ -15,7 +16,7 @@ pub(super) const COLOURS: [RGBColor; 7] = [
     RGBColor(0x4a, 0x12, 0xd0),
 ];
 
-/// Curves of a chart that have a colour each.
+/// The number of curves of a chart that have a colour each.
 pub(crate) const MAX_COLOURS: usize = COLOURS.len();
 
 /// Text and frame.
@@ -30,9 +31,10 @@ pub(super) const GRID: RGBColor = RGBColor(0xe2, 0xe2, 0xe2);
 /// The colour and marker of a series.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Ink {
-    /// By importance from 0: the first seven have a colour each, the others are grey with hollow markers.
+    /// The importance from 0: the first seven have a colour each, the others are grey with hollow
+    /// markers.
     Rank(usize),
-    /// Black, for what is no member of a family of curves.
+    /// Black, for series outside of a family of curves.
     Black,
 }
 
@@ -59,11 +61,12 @@ impl Ink {
     }
 }
 
-/// Returns a rank for each value, for [`Ink::Rank`]: the place in the list, unless there are more values than
-/// colours; then the smallest values have the first ranks. NaN is greater than all numbers.
+/// Returns a rank for each value, for [`Ink::Rank`]: the position in the list, unless there are
+/// more values than colours; then the smallest values have the first ranks. NaN is greater than all
+/// numbers.
 pub(crate) fn ranks(values: &[f64]) -> Vec<usize> {
     let mut by_value: Vec<usize> = (0..values.len()).collect();
-    // The sign of a NaN says nothing.
+    // The sign of a NaN has no meaning.
     let key = |i: usize| if values[i].is_nan() { f64::INFINITY } else { values[i] };
     by_value.sort_by(|&a, &b| key(a).total_cmp(&key(b)));
     let mut has_colour = vec![false; values.len()];
@@ -140,7 +143,7 @@ mod tests {
         matrix.map(|row| row.iter().zip(v).map(|(a, b)| a * b).sum())
     }
 
-    /// The distance in Oklab, where 0.02 is about what is just noticed.
+    /// Returns the distance in Oklab, in which differences of about 0.02 are just noticeable.
     fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
         let lab = |rgb| {
             let lms = times(

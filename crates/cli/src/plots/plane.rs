@@ -1,14 +1,14 @@
-//! From values to places on the canvas.
+//! Maps values to positions on the canvas.
 
 use super::axis::{Axis, Scale};
 use super::chart::{Panel, Series, Spread};
 
-/// Error bars may stretch a logarithmic axis below the lowest point by this factor and no further: a bar that
-/// nearly reaches zero would squeeze everything else.
+/// Error bars extend a logarithmic axis below the lowest point by at most this factor: a bar that
+/// nearly reaches zero would compress the rest of the chart.
 const BAR_REACH: f64 = 10.0;
-/// The same for bands of ranges.
+/// The same limit for bands of ranges.
 const RANGE_REACH: f64 = 100.0;
-/// Error bars may stretch a linear axis by this multiple of the range of points.
+/// Error bars extend a linear axis by at most this multiple of the range of points.
 const LINEAR_REACH: f64 = 2.0;
 
 /// The rectangle of the data, in figure units with y pointing down.
@@ -46,12 +46,12 @@ pub(super) struct Placed {
 }
 
 impl Plane {
-    /// Returns the place of a point, or `None` when it cannot be drawn.
+    /// Returns the position of a point, or `None` if it cannot be drawn.
     pub(super) fn place(&self, (x, y): (f64, f64)) -> Option<(f64, f64)> {
         Some((self.frame.x(self.x.position(x)?), self.frame.y(self.y.position(y)?)))
     }
 
-    /// Returns the points that can be drawn, divided where one cannot.
+    /// Returns the drawable points, split where one cannot be drawn.
     pub(super) fn unbroken_runs(&self, series: &Series) -> Vec<Vec<Placed>> {
         let mut runs = vec![Vec::new()];
         for (index, &point) in series.points.iter().enumerate() {
@@ -62,7 +62,8 @@ impl Plane {
             let cut = |value: f64, otherwise: f64| {
                 self.frame.y(self.y.position(value).unwrap_or(otherwise).clamp(0.0, 1.0))
             };
-            // The lower end may be zero or negative on a logarithmic axis: that is below the frame.
+            // The lower end may be zero or negative on a logarithmic axis; it then counts as below
+            // the frame.
             let ends = series.spread.ends(index, point.1);
             let ends = ends.map(|(low, high)| (cut(low, 0.0), cut(high, 1.0)));
             if let Some(run) = runs.last_mut() {
@@ -73,20 +74,20 @@ impl Plane {
         runs
     }
 
-    /// Returns the place of the point with the largest x, or `None` if none can be drawn.
+    /// Returns the position of the point with the largest x, or `None` if none can be drawn.
     pub(super) fn end(&self, series: &Series) -> Option<(f64, f64)> {
         let places = series.points.iter().filter_map(|&point| self.place(point));
         places.max_by(|a, b| a.0.total_cmp(&b.0))
     }
 }
 
-/// Returns the x of the points of a panel that can be drawn.
+/// Returns the x of the drawable points of a panel.
 pub(super) fn drawable_x(panel: &Panel, x_scale: Scale) -> Vec<f64> {
     panel.series.iter().flat_map(|s| drawable(s, x_scale, panel.y_scale)).map(|p| p.1.0).collect()
 }
 
-/// Returns the y of the points of a panel that can be drawn, with the ends of their spread as far as they are
-/// shown, and the reference.
+/// Returns the y of the drawable points of a panel, with the visible ends of their spread, and the
+/// reference.
 pub(super) fn drawable_y(panel: &Panel, x_scale: Scale) -> Vec<f64> {
     let points = |s| drawable(s, x_scale, panel.y_scale);
     let mut values: Vec<f64> =

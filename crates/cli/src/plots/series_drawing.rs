@@ -11,25 +11,25 @@ use super::plane::{Placed, Plane};
 use super::plot_error::PlotError;
 
 const LINE: f64 = 2.0;
-/// Of grey lines, error bars and leaders.
+/// The width of grey lines, error bars and leaders.
 pub(super) const THIN_LINE: f64 = 1.2;
 const BAND_OPACITY: f64 = 0.18;
 const MARKER: f64 = 4.6;
-/// A white edge of markers, so that they are told from what is beneath.
+/// The width of the white edge of markers, which separates them from the lines beneath.
 const HALO: f64 = 1.1;
 /// Half the width of the caps of an error bar.
 const CAP: f64 = 3.5;
-/// Half the length of the level line that stands for a line through one point.
+/// Half the length of the horizontal line that replaces a line through one point.
 const LONE_POINT: f64 = 10.0;
 const WHITE: RGBColor = RGBColor(0xff, 0xff, 0xff);
 
-/// A series with what distinguishes it from the others of its panel.
+/// A series with the properties that distinguish it from the others of its panel.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Look<'a> {
     pub(super) series: &'a Series,
     /// The dashes of its line.
     pub(super) pattern: Pattern,
-    /// How far it is moved to the right, units.
+    /// Its shift to the right, in units.
     pub(super) shift: f64,
 }
 
@@ -71,7 +71,7 @@ pub(super) fn draw_series<DB: DrawingBackend>(
             for dash in dashes(&points, pattern) {
                 canvas.line(&dash, pen)?;
             }
-            // A line through one point would not show at all.
+            // A line through one point would be invisible.
             if let &[(x, y)] = points.as_slice() {
                 canvas.line(&[(x - LONE_POINT, y), (x + LONE_POINT, y)], pen)?;
             }
@@ -85,7 +85,7 @@ pub(super) fn draw_series<DB: DrawingBackend>(
     Ok(())
 }
 
-/// Returns the width of lines: grey ones stand back.
+/// Returns the width of a line; grey ones are thinner.
 fn line_width(ink: Ink) -> f64 {
     if ink.is_hollow() { THIN_LINE } else { LINE }
 }
@@ -110,7 +110,7 @@ fn draw_marker<DB: DrawingBackend>(
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Sample<'a> {
     look: Look<'a>,
-    /// Whether markers belong to the name, of the series or of one without a name in the same ink.
+    /// Whether the sample shows markers, of the series or of an unnamed one in the same ink.
     has_markers: bool,
     /// The left end, and the width.
     at: (f64, f64),
@@ -126,7 +126,7 @@ impl<'a> Sample<'a> {
         Self { look, has_markers, at, width }
     }
 
-    /// Returns the dashes of the series, so short that two of them are seen.
+    /// Returns the dashes of the series, short enough that the sample shows two.
     fn pattern(&self) -> Vec<f64> {
         let period: f64 = self.look.pattern.iter().sum();
         let first = self.look.pattern.first().unwrap_or(&0.0);

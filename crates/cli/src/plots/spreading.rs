@@ -1,16 +1,16 @@
-//! Moves labels apart, as little as possible.
+//! Moves labels apart by the smallest distances.
 
-/// Returns the middles of labels of these heights between `low` and `high`, so that none overlap and the squares of
-/// the distances from the wanted middles are smallest, apart from the limits; `None` when they do not fit. The order
-/// of wanted middles is kept.
+/// Returns the middles of labels of these heights between `low` and `high` such that no labels
+/// overlap and, apart from the limits, the sum of the squared distances from the wanted middles is
+/// minimal, or `None` if they do not fit. The order of wanted middles is preserved.
 pub(super) fn spread(wanted: &[f64], heights: &[f64], low: f64, high: f64) -> Option<Vec<f64>> {
     if heights.iter().sum::<f64>() > high - low {
         return None;
     }
     let mut order: Vec<usize> = (0..wanted.len()).collect();
     order.sort_by(|&a, &b| wanted[a].total_cmp(&wanted[b]));
-    // Without the heights of those before, middles need only not decrease: isotonic regression, whose blocks of
-    // equal values are pooled from first to last.
+    // After subtraction of the heights of the labels before, middles need only be nondecreasing:
+    // this is isotonic regression, whose blocks of equal values are pooled from first to last.
     let mut blocks: Vec<(f64, usize)> = Vec::new();
     let mut offsets = Vec::with_capacity(order.len());
     let mut before = 0.0;

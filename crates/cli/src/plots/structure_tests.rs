@@ -1,4 +1,4 @@
-//! Names and labels never touch, colours are few, and every value has its place, whatever is drawn.
+//! Names and labels never overlap, colours are few, and every value has a position, for any data.
 
 use std::collections::BTreeSet;
 
@@ -9,7 +9,7 @@ use super::palette::COLOURS;
 use super::plane::Frame;
 use super::{Chart, Ink, Panel, Scale, Series, Spread, Style};
 
-/// A chart of curves, all in ranks of their own, with a lower panel.
+/// Returns a chart of curves, each with a rank of its own, with a lower panel.
 fn chart(curves: Vec<(String, Vec<(f64, f64)>)>, x_scale: Scale, y_scale: Scale) -> Chart {
     let series = |(rank, (label, points)): (usize, (String, Vec<(f64, f64)>))| Series {
         label,
@@ -87,7 +87,7 @@ proptest! {
                 prop_assert!(!overlap(bounds, b.bounds()), "{:?} and {:?}", a.text, b.text);
             }
         }
-        // Nor does a text lie on the data.
+        // No text lies on the data either.
         for panel in &layout.panels {
             for text in &layout.texts {
                 prop_assert!(!overlap(panel.plane.frame, text.bounds()), "{:?}", text.text);
@@ -100,7 +100,7 @@ proptest! {
         let n_names = curves.iter().filter(|curve| !curve.0.is_empty()).count();
         let chart = chart(curves, Scale::Log, Scale::Log);
         let layout = chart.layout(Chart::WIDTH).unwrap();
-        // Leaders or samples, never both.
+        // There are leaders or samples, never both.
         prop_assert!(layout.leaders.is_empty() || layout.samples.is_empty());
         prop_assert!(layout.leaders.len() + layout.samples.len() <= n_names);
         if layout.leaders.is_empty() && !layout.samples.is_empty() {

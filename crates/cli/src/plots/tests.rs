@@ -1,4 +1,4 @@
-//! Figures are complete, well formed and safe for any data.
+//! Figures are complete, well formed and robust for any data.
 
 use std::fs;
 
@@ -9,7 +9,7 @@ use super::orthographic_view::Sight;
 use super::{Chart, ImageFormat, Ink, OrthographicView, Panel, Scale, Series, Spread, Style};
 
 const STYLES: [Style; 4] = [Style::Line, Style::Markers, Style::Joined, Style::Dashed];
-/// The first four colours, as SVG writes them.
+/// The first four colours in the notation of SVG.
 const COLOURS: [&str; 4] = ["#0072B2", "#D55E00", "#009E73", "#D65CE8"];
 
 fn chart(series: Vec<Series>, scale: Scale) -> Chart {
@@ -33,12 +33,12 @@ fn series(index: usize, points: Vec<(f64, f64)>) -> Series {
     }
 }
 
-/// The chart as SVG.
+/// Returns the chart as SVG.
 fn drawn(chart: &Chart) -> String {
     svg(&chart.layout(Chart::WIDTH).unwrap()).unwrap()
 }
 
-/// The lines of a document that are polylines of a colour.
+/// Returns the number of polylines of a colour in a document.
 fn polylines(document: &str, colour: &str) -> usize {
     document.lines().filter(|l| l.starts_with("<polyline") && l.contains(colour)).count()
 }
@@ -132,7 +132,7 @@ fn log_axis_skips_what_has_no_logarithm() {
     };
     assert_eq!(document(good), document(bad), "points without a logarithm changed the drawing");
 
-    // In the middle such a point divides the line: drawing over the gap would invent data.
+    // In the middle, such a point splits the line: a line across the gap would suggest data.
     let broken = document(vec![(1.0, 1.0), (2.0, 2.0), (3.0, 0.0), (4.0, 2.0), (5.0, 1.0)]);
     assert_eq!(polylines(&broken, COLOURS[0]), 2, "two parts");
 }

@@ -1,4 +1,4 @@
-//! A line of text with the room that it takes.
+//! A line of text with its extent.
 
 use plotters::prelude::DrawingBackend;
 use plotters::style::RGBColor;
@@ -8,11 +8,12 @@ use super::canvas::Canvas;
 use super::plane::Frame;
 use super::plot_error::PlotError;
 
-/// A line of text at its place.
+/// A line of text at its position.
 #[derive(Clone)]
 pub(super) struct TextBox {
     pub(super) text: String,
-    /// The end or middle of the line that `side` names, at half height; the middle of upward text.
+    /// The end or middle of the line that `side` selects, at half height; for upward text, the
+    /// middle.
     at: (f64, f64),
     size: f64,
     colour: RGBColor,
@@ -34,7 +35,7 @@ impl TextBox {
         Ok(Self { text: text.to_owned(), at, size, colour, side, is_upward: false, width })
     }
 
-    /// Returns a line centred at `at`, made smaller where it is longer than `length`.
+    /// Returns a line centred at `at`, reduced in size if it is longer than `length`.
     pub(super) fn within<DB: DrawingBackend>(
         text: &str,
         at: (f64, f64),
@@ -47,7 +48,7 @@ impl TextBox {
         Self::new(text, at, size, (colour, HPos::Center), canvas)
     }
 
-    /// Returns the same line from bottom to top, centred.
+    /// Returns the same line, written from bottom to top and centred.
     pub(super) fn upward(self) -> Self {
         Self { is_upward: true, side: HPos::Center, ..self }
     }

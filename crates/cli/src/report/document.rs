@@ -1,4 +1,4 @@
-//! The one way of a result out of the command: to standard output, or to a file by its extension.
+//! The output of a result: to standard output, or to a file in the format of its extension.
 
 use std::path::Path;
 
@@ -31,17 +31,17 @@ impl<'a, T: Serialize> Document<'a, T> {
     }
 }
 
-/// The forms of a result beside JSON, each made when it is needed.
+/// The forms of a result besides JSON, each generated on demand.
 pub(crate) struct Forms<'a> {
     pub(crate) csv: &'a dyn Fn() -> Result<String, CliError>,
     /// The plot, if the result has one; the provenance is added to its notes.
     pub(crate) chart: Option<&'a dyn Fn() -> Result<Chart, CliError>>,
-    /// What people read.
+    /// The text for the terminal.
     pub(crate) text: &'a dyn Fn() -> String,
 }
 
-/// Writes a result to `out` by its extension, if there is one, and prints it: with `--json` as a
-/// document, else as text, unless standard output has taken the file.
+/// Writes a result to `out`, if given, in the format of its extension, and prints it: as a document
+/// with `--json`, otherwise as text, unless the file is standard output.
 pub(crate) fn emit<T: Serialize>(
     out: Option<&Path>,
     global: &Global,
@@ -72,7 +72,7 @@ pub(crate) fn emit<T: Serialize>(
     }
 }
 
-/// Writes a result to `path` by its extension, `.json` or `.csv`.
+/// Writes a result to `path` in the format of its extension, `.json` or `.csv`.
 fn write_result(
     path: &Path,
     document: &impl Serialize,

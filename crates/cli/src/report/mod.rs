@@ -1,4 +1,4 @@
-//! Results on their way out: tables, CSV and JSON, each with its provenance.
+//! The output of results: tables, CSV and JSON, each with its provenance.
 
 use std::io::Write;
 use std::path::Path;
@@ -28,19 +28,19 @@ pub(crate) fn print(text: &str) -> Result<(), CliError> {
     out.write_all(text.as_bytes()).and_then(|()| out.flush()).map_err(|e| CliError::stdout(&e))
 }
 
-/// Says something to the person at the terminal, unless that is unwanted.
+/// Prints a message to standard error, unless `quiet`.
 pub(crate) fn say(quiet: bool, text: &str) {
     if !quiet {
         message::write(text);
     }
 }
 
-/// Prints the one JSON document of `--json`.
+/// Prints the single JSON document of `--json`.
 pub(crate) fn print_json(document: &impl Serialize) -> Result<(), CliError> {
     print(&(serde_json::to_string(document).map_err(CliError::failed)? + "\n"))
 }
 
-/// Writes a text file whole, or not at all; `-` is standard output.
+/// Writes a text file, complete or not at all; `-` is standard output.
 pub(crate) fn write_text(path: &Path, text: &str) -> Result<(), CliError> {
     Ok(AtomicFile::write_whole(path, text.as_bytes())?)
 }
@@ -50,8 +50,8 @@ fn lower_extension(path: &Path) -> Option<String> {
     path.extension().map(|extension| extension.to_string_lossy().to_lowercase())
 }
 
-/// Returns an error for a result file that [`emit`] could not write, `plots` included if there are
-/// any: better before the work than after it.
+/// Returns an error for a result file that [`emit`] could not write, including plots if `plots`.
+/// Commands call it before the work starts.
 pub(crate) fn check_result(path: &Path, plots: bool) -> Result<(), CliError> {
     let extension = lower_extension(path);
     let result = matches!(extension.as_deref(), Some("json" | "csv"))

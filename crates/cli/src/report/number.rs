@@ -1,16 +1,16 @@
-//! How numbers are written: one format for tables, which people read, and one for files.
+//! The formats of numbers: one for tables and one for files.
 //!
 //! Tables show a fixed number of significant digits, without a power of ten from 0.001 up to 100000
-//! and with one beyond. What is missing is `-`.
+//! and with one outside that range. A missing value is `-`.
 
-/// What stands in a table for a number that is missing.
+/// The table entry of a missing number.
 pub(crate) const MISSING: &str = "-";
 
-/// Powers of ten that are written out in tables.
+/// Powers of ten that tables write without an exponent.
 const PLAIN: std::ops::Range<i32> = -3..5;
 
-/// Returns a number for files: its shortest form that reads back as the same number, nothing if it
-/// is not finite.
+/// Returns a number for files: the shortest form that is read back as the same number, or an empty
+/// text if the number is not finite.
 pub(crate) fn full(x: f64) -> String {
     if x.is_finite() { format!("{x:e}") } else { String::new() }
 }
@@ -26,14 +26,14 @@ pub(crate) fn ratio(x: f64) -> String {
 }
 
 /// Returns a standard error or another uncertainty for tables, with two significant digits. An
-/// infinite one is missing.
+/// infinite one counts as missing.
 pub(crate) fn uncertainty(x: f64) -> String {
     if x.is_infinite() { MISSING.to_owned() } else { significant(x, 2) }
 }
 
 /// Returns a value with its uncertainty for tables: `0.983 +- 0.012`, `(9.83 +- 0.12)e-7`. The
-/// uncertainty has two digits, and the value ends where it does, but has no more than six; one
-/// without the other is missing.
+/// uncertainty has two digits, and the value ends at the same decimal place but has at most six
+/// digits; a value without an uncertainty, or the reverse, counts as missing.
 pub(crate) fn with_uncertainty(x: f64, error: f64) -> String {
     const MAX_DIGITS: i32 = 6;
     if !(x.is_finite() && error.is_finite()) {
@@ -48,7 +48,7 @@ pub(crate) fn with_uncertainty(x: f64, error: f64) -> String {
     if size - unit + 2 > MAX_DIGITS {
         return format!("{} +- {}", significant(x, MAX_DIGITS), uncertainty(error));
     }
-    // Scaled as text, because 10^size may be beyond the range of f64.
+    // Scaled as text, because 10^size may exceed the range of f64.
     let scaled = |x: f64| shifted(x, -scale);
     let decimals = usize::try_from(1 - (unit - scale)).unwrap_or(0);
     let text = format!("{:.decimals$} +- {:.decimals$}", scaled(x), scaled(error));
@@ -63,7 +63,7 @@ pub(crate) fn percent(share: f64) -> String {
     }
 }
 
-/// Returns a time in seconds for tables, with three significant digits and the unit that suits it.
+/// Returns a time in seconds for tables, with three significant digits and a suitable unit.
 pub(crate) fn seconds(s: f64) -> String {
     let (number, unit) = match s {
         s if s >= 1.0 || s == 0.0 => (s, "s"),
@@ -77,8 +77,8 @@ pub(crate) fn seconds(s: f64) -> String {
     }
 }
 
-/// Returns a number of points or the like, which need not be whole: all its digits below ten
-/// million.
+/// Returns a number of points or a similar count, which need not be an integer, with all its digits
+/// below ten million.
 pub(crate) fn count(n: f64) -> String {
     match n {
         n if n.abs() < 1e7 => format!("{n:.0}"),
@@ -87,7 +87,7 @@ pub(crate) fn count(n: f64) -> String {
 }
 
 /// Returns a difference in standard errors for tables, with its sign and one decimal. An infinite
-/// one is missing.
+/// one counts as missing.
 pub(crate) fn score(z: f64) -> String {
     match z.abs() {
         size if size < 1e4 => format!("{z:+.1}"),
@@ -111,13 +111,13 @@ pub(crate) fn optional<T>(x: Option<T>, format: impl Fn(T) -> String) -> String 
     x.map_or(MISSING.to_owned(), format)
 }
 
-/// Returns a number with this many significant digits.
+/// Returns a number with the given number of significant digits.
 fn significant(x: f64, digits: i32) -> String {
     if x.is_nan() {
         return MISSING.to_owned();
     }
     if x == 0.0 {
-        // Without the sign of -0.
+        // Drops the sign of -0.
         return "0".to_owned();
     }
     if x.is_infinite() {
@@ -129,15 +129,15 @@ fn significant(x: f64, digits: i32) -> String {
     if PLAIN.contains(&size) { format!("{x:.decimals$}") } else { format!("{x:.decimals$e}") }
 }
 
-/// Returns the power of ten of a finite number other than 0 once it is rounded to this many digits:
-/// 1 of 9.9996 with four.
+/// Returns the power of ten of a finite nonzero number after rounding to the given number of
+/// digits: 1 for 9.9996 with four digits.
 fn exponent(x: f64, digits: i32) -> i32 {
     let decimals = usize::try_from(digits - 1).unwrap_or(0);
     let text = format!("{x:.decimals$e}");
     text.split_once('e').and_then(|(_, exponent)| exponent.parse().ok()).unwrap_or(0)
 }
 
-/// Returns `x 10^places`, correctly rounded also where the power is beyond the range of f64.
+/// Returns `x 10^places`, correctly rounded even if the power exceeds the range of f64.
 fn shifted(x: f64, places: i32) -> f64 {
     let text = format!("{x:e}");
     let (digits, exponent) = text.split_once('e').unwrap_or((&text, "0"));
@@ -248,7 +248,7 @@ mod tests {
         );
     }
 
-    /// Whatever its size, a number in a file is the number that was written.
+    /// Files preserve numbers of any size exactly.
     #[test]
     fn files_keep_every_bit() {
         for x in [0.0, -0.0, 9.9996, TINY, 1e300, f64::MIN_POSITIVE, 0.1 + 0.2, -f64::MAX] {

@@ -1,4 +1,4 @@
-//! What makes a result reproducible.
+//! The provenance of a result: the data needed to reproduce it.
 
 use std::borrow::Cow;
 use std::ffi::OsString;
@@ -20,20 +20,20 @@ pub(crate) struct Provenance {
 }
 
 impl Provenance {
-    /// Of this run.
+    /// Returns the provenance of this run.
     pub(crate) fn new(seed: u64) -> Self {
-        // A line break would end the comment that this becomes.
+        // A line break would end the comment in which the command is written.
         let word = |word: OsString| quoted(&message::escape(&word.to_string_lossy()));
         let words = std::env::args_os().skip(1).map(word);
         Self::of(format!("sphvar {}", without_threads(words).join(" ")), seed)
     }
 
-    /// Of a command that stands for this run.
+    /// Returns the provenance of a canonical command of this run.
     pub(crate) fn of(command: String, seed: u64) -> Self {
         Self { command, version: env!("CARGO_PKG_VERSION").into(), seed }
     }
 
-    /// Of a JSON document that has one under `provenance`.
+    /// Returns the provenance of a JSON document that has one under `provenance`.
     pub(crate) fn of_document(json: &[u8]) -> Option<Self> {
         #[derive(Deserialize)]
         struct Document {
@@ -42,8 +42,8 @@ impl Provenance {
         serde_json::from_slice::<Document>(json).ok().map(|document| document.provenance)
     }
 
-    /// Whether both runs write the same bytes to files: their commands differ at most in what is
-    /// shown meanwhile.
+    /// Returns whether both runs write the same bytes to files: their commands differ at most in
+    /// flags of the terminal output.
     pub(crate) fn is_same_run(&self, other: &Self) -> bool {
         let words = |run: &Self| -> Vec<String> {
             let is_shown = |word: &&str| !["--json", "--quiet", "--force"].contains(word);
@@ -52,7 +52,7 @@ impl Provenance {
         (&self.version, self.seed) == (&other.version, other.seed) && words(self) == words(other)
     }
 
-    /// One line for the heads of files and the feet of figures.
+    /// Returns one line for the heads of files and the feet of figures.
     pub(crate) fn line(&self) -> String {
         format!("{} (sphvar {}, seed {})", self.command, self.version, self.seed)
     }
@@ -68,7 +68,7 @@ fn quoted(word: &str) -> String {
     }
 }
 
-/// The words of a command line without `-j` and `--threads` and their number.
+/// Returns the words of a command line without `-j` and `--threads` and their values.
 fn without_threads(mut words: impl Iterator<Item = String>) -> Vec<String> {
     let mut kept = Vec::new();
     while let Some(word) = words.next() {

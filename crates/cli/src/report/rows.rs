@@ -1,5 +1,5 @@
 //! Records as CSV. Names and order of the columns come from the type that JSON is written from, so
-//! that the two cannot disagree.
+//! the two always agree.
 
 use schemars::JsonSchema;
 use schemars::generate::SchemaSettings;
@@ -13,17 +13,17 @@ use crate::error::CliError;
 #[derive(Debug, PartialEq, Eq)]
 struct Field {
     name: String,
-    /// The name in JSON.
+    /// The key in JSON.
     key: String,
-    /// Which end of an interval.
+    /// The end of an interval, if the column is one.
     end: Option<usize>,
 }
 
 /// Returns CSV with the provenance as a comment, a heading and a row for each record.
 ///
-/// Every field of the record is a column, an interval two (`low` and `high` instead of `interval`),
-/// and a list of numbers or words one, divided by blanks. Fields that are records themselves are in
-/// JSON only.
+/// Every field of the record is a column. An interval has two columns (`low` and `high` instead of
+/// `interval`); a list of numbers or words has one, separated by spaces. Fields that are records
+/// are omitted and appear in JSON only.
 pub(crate) fn csv_of<'r, R: Serialize + JsonSchema + 'r>(
     provenance: &Provenance,
     records: impl IntoIterator<Item = &'r R>,
@@ -46,13 +46,13 @@ pub(crate) fn csv_rows<'r, R: Serialize + JsonSchema + 'r>(
 }
 
 /// Returns CSV with the provenance as a comment, a heading and rows of cells, for data without a
-/// type of their own.
+/// record type.
 pub(crate) fn csv(provenance: &Provenance, heading: &str, rows: &[Vec<String>]) -> String {
     format!("# {}\n{heading}\n{}", provenance.line(), written(rows))
 }
 
 fn written(rows: &[Vec<String>]) -> String {
-    // Flexible: rows of different lengths are the only error that memory can have.
+    // In flexible mode, no write to memory fails: rows of different lengths are the only error.
     let mut writer = csv::WriterBuilder::new().flexible(true).from_writer(Vec::new());
     let written = rows.iter().try_for_each(|row| writer.write_record(row));
     let text = written.ok().and_then(|()| writer.into_inner().ok()).map(String::from_utf8);
@@ -77,7 +77,7 @@ fn cell(value: &Value) -> String {
     }
 }
 
-/// Returns the columns of a type of records, which need not have a record.
+/// Returns the columns of a record type; no record is needed.
 fn fields<R: JsonSchema>() -> Vec<Field> {
     let settings = SchemaSettings::draft2020_12()
         .for_serialize()

@@ -1,4 +1,4 @@
-//! Tables for a terminal, from columns that know their heading, alignment and cells.
+//! Tables for a terminal, built from columns with a heading, an alignment and cells.
 
 use comfy_table::{CellAlignment, Table, presets};
 
@@ -25,7 +25,7 @@ impl<'a, R: ?Sized> Column<'a, R> {
         self.heading
     }
 
-    /// Whether the column is one of numbers.
+    /// Returns whether the column contains numbers.
     pub(crate) fn is_number(&self) -> bool {
         self.alignment == CellAlignment::Right
     }
@@ -47,8 +47,8 @@ pub(crate) fn table_of<'r, R: ?Sized + 'r>(
     text_table(&heading, records.into_iter().map(cells).collect(), &alignments)
 }
 
-/// Returns a table of text cells under a heading; every column but the `left` first ones is aligned
-/// right.
+/// Returns a table of text cells under a heading; all columns except the first `left` are
+/// right-aligned.
 pub(crate) fn table(heading: &[&str], rows: Vec<Vec<String>>, left: usize) -> String {
     let alignment = |i| if i < left { CellAlignment::Left } else { CellAlignment::Right };
     let alignments: Vec<CellAlignment> = (0..heading.len()).map(alignment).collect();
@@ -75,11 +75,11 @@ fn text_table(
         column.set_cell_alignment(alignment);
     }
     let text = table.to_string();
-    // Trailing blanks are a nuisance in files and diffs.
+    // Trailing spaces would show up in files and diffs.
     text.lines().map(str::trim_end).fold(String::new(), |all, line| all + line + "\n")
 }
 
-/// Appends blanks to the numbers of a column until as much follows the units digit of each.
+/// Appends spaces to the numbers of a column so that their decimal points align.
 fn align_points(rows: &mut [Vec<String>], column: usize) {
     let longest = rows.iter().filter_map(|row| after_units(row.get(column)?)).max().unwrap_or(0);
     for cell in rows.iter_mut().filter_map(|row| row.get_mut(column)) {
@@ -89,7 +89,7 @@ fn align_points(rows: &mut [Vec<String>], column: usize) {
     }
 }
 
-/// The number of characters behind the units digit of a number; nothing for other text.
+/// Returns the number of characters after the units digit of a number, or `None` for other text.
 fn after_units(cell: &str) -> Option<usize> {
     let digits = cell.trim_start_matches(['(', '~', '+', '-']);
     let whole = digits.bytes().take_while(u8::is_ascii_digit).count();

@@ -6,17 +6,17 @@ use super::record::{AccuracyBody, TrialRecord, singular};
 use crate::plots::{Chart, Ink, Panel, Scale, Series, Spread, Style};
 use crate::report::Provenance;
 
-/// The name of an area's chart in a folder of charts.
+/// Returns the file name of an area's chart in a folder of charts.
 pub(super) fn chart_name(area: Area) -> String {
     format!("accuracy-{}.svg", area.name())
 }
 
-/// A line of a chart's notes has room for about as many letters.
+/// The approximate number of letters in a line of a chart's notes.
 const LINE: usize = 150;
-/// More cases than this are for the table to tell.
-const MOST_CASES: usize = 12;
+/// With more cases than this, the notes leave the list to the table.
+const MAX_CASES: usize = 12;
 
-/// Largest error against time per unit, a curve for each method through its cases.
+/// Returns the chart of the largest error against the time per unit, with a curve for each method.
 pub(super) fn area_chart(area: Area, body: &AccuracyBody, provenance: &Provenance) -> Chart {
     let (mut methods, mut units, mut scales, mut cases, mut exact) =
         (Vec::new(), Vec::new(), Vec::new(), Vec::new(), Vec::new());
@@ -44,7 +44,7 @@ pub(super) fn area_chart(area: Area, body: &AccuracyBody, provenance: &Provenanc
         });
     }
     let mut notes = lines("Errors are relative to", &scales);
-    if cases.len() <= MOST_CASES {
+    if cases.len() <= MAX_CASES {
         notes.extend(lines("Points of the curves:", &cases));
     }
     if !exact.is_empty() {
@@ -61,7 +61,7 @@ pub(super) fn area_chart(area: Area, body: &AccuracyBody, provenance: &Provenanc
     }
 }
 
-/// A list with what it is a list of, in as many lines as it takes.
+/// Returns a list with its heading, wrapped to lines.
 fn lines(of: &str, items: &[&str]) -> Vec<String> {
     let mut lines = vec![of.to_owned()];
     for (i, item) in items.iter().enumerate() {
@@ -74,7 +74,7 @@ fn lines(of: &str, items: &[&str]) -> Vec<String> {
     lines
 }
 
-/// Adds what is not there yet.
+/// Adds an item that is not in the list yet.
 fn add<'a>(list: &mut Vec<&'a str>, item: &'a str) {
     if !list.contains(&item) {
         list.push(item);

@@ -1,4 +1,4 @@
-//! What and when measurements were made on.
+//! The machine and the date of the measurements.
 
 use std::time::{SystemTime, UNIX_EPOCH};
 
@@ -29,7 +29,7 @@ impl Machine {
         }
     }
 
-    /// The machine in a phrase.
+    /// Returns a one-line description of the machine.
     pub(super) fn phrase(&self) -> String {
         format!("{}, {} cores, {} threads at hand", self.cpu, self.cores, self.threads)
     }
@@ -41,18 +41,19 @@ pub(super) fn today() -> String {
     date_of_day(since.as_secs() / 86_400)
 }
 
-/// The date of a day counted from 1970-01-01.
+/// Returns the date of a day counted from 1970-01-01.
 ///
-/// Years are counted from March, so that the leap day is their last: day `d` of a year is in month
-/// `(5 d + 2)/153`, since five months from March or August on always have 153 days.
+/// Years are counted from March, so that the leap day is the last day of a year: day `d` of a year
+/// is in month `(5 d + 2)/153`, because any five months that start in March or August have 153
+/// days.
 fn date_of_day(day: u64) -> String {
-    /// From 0000-03-01 to 1970-01-01.
+    /// Days from 0000-03-01 to 1970-01-01.
     const TO_EPOCH: u64 = 719_468;
-    /// Days of 400 years.
+    /// Days in 400 years.
     const CYCLE: u64 = 146_097;
     let day = day + TO_EPOCH;
     let (cycle, in_cycle) = (day / CYCLE, day % CYCLE);
-    // Leap days of the fourth, hundredth and four hundredth years are taken out.
+    // Removes the leap days of every 4, 100 and 400 years.
     let year = (in_cycle - in_cycle / 1460 + in_cycle / 36_524 - in_cycle / (CYCLE - 1)) / 365;
     let in_year = in_cycle - (365 * year + year / 4 - year / 100);
     let from_march = (5 * in_year + 2) / 153;

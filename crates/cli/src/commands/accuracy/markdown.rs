@@ -1,4 +1,4 @@
-//! What was measured, as a document.
+//! The results as a Markdown document.
 
 use sphvar_accuracy::Area;
 
@@ -6,7 +6,7 @@ use super::record::{AccuracyBody, HardCaseRecord, TrialRecord};
 use crate::report::{Column, Provenance};
 
 impl AccuracyBody {
-    /// The findings as a document; `charts` are links to the charts of areas.
+    /// Returns the results as a document; `charts` are links to the charts of areas.
     pub(super) fn markdown(&self, charts: &[(Area, String)], provenance: &Provenance) -> String {
         let effort = if self.quick { " with smaller inputs than usual" } else { "" };
         let mut text = format!(
@@ -56,7 +56,7 @@ impl AccuracyBody {
         let mut text = format!("\n## Hard cases\n\n{HARD_CASES}\n");
         text += &pipe_table(&columns, &self.hard_cases);
         text += "\nWhat is measured, and why the bound is what it is:\n\n";
-        // Neighbours that say the same say it once.
+        // Adjacent groups with the same text share it.
         for group in self.hard_cases.chunk_by(|a, b| (a.what, a.reason) == (b.what, b.reason)) {
             let names: Vec<String> = group.iter().map(|c| format!("`{}`", c.name)).collect();
             text += &format!(

@@ -1,4 +1,4 @@
-//! What was measured, for people and for scripts.
+//! Records of the results, for tables, CSV and JSON.
 
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -85,7 +85,7 @@ pub(crate) struct Outcome {
     pub(super) worst: String,
 }
 
-/// A trial or a hard case, a row of CSV; hard cases have neither case nor time.
+/// A trial or an extreme input, a row of CSV; extreme inputs have neither case nor time.
 #[derive(Serialize, JsonSchema)]
 struct OutcomeRow<'a> {
     kind: &'static str,
@@ -133,12 +133,12 @@ impl<'a> From<&'a HardCaseRecord> for OutcomeRow<'a> {
 }
 
 impl Outcome {
-    /// Whether the bound is held, in a word.
+    /// Returns whether the bound holds, in a word.
     pub(super) fn word(&self) -> &'static str {
         if self.held { "yes" } else { "NO" }
     }
 
-    /// A comparison of nothing holds no bound; of errors that are all 0 none is the worst.
+    /// An empty comparison satisfies no bound; if all errors are 0, there is no worst place.
     fn new(errors: &Errors, bound: f64) -> Self {
         let (error, compared) = (errors.max(), errors.count());
         let worst = if error > 0.0 { errors.worst() } else { "-" };
@@ -170,7 +170,7 @@ impl TrialRecord {
 }
 
 impl TrialRecord {
-    /// The columns of a table.
+    /// Returns the columns of a table.
     pub(super) fn columns() -> Vec<Column<'static, Self>> {
         vec![
             Column::text("method", |t: &Self| t.method.clone()),
@@ -187,7 +187,7 @@ impl TrialRecord {
 }
 
 impl HardCaseRecord {
-    /// The columns of a table.
+    /// Returns the columns of a table.
     pub(super) fn columns() -> Vec<Column<'static, Self>> {
         vec![
             Column::text("hard case", |c: &Self| c.name.replace('_', " ")),
@@ -209,7 +209,7 @@ impl HardCaseRecord {
 }
 
 impl AccuracyBody {
-    /// CSV with a row for each trial and hard case.
+    /// Returns CSV with a row for each trial and extreme input.
     pub(super) fn csv(&self, provenance: &Provenance) -> Result<String, CliError> {
         let trials = self.trials.iter().map(OutcomeRow::from);
         let cases = self.hard_cases.iter().map(OutcomeRow::from);
@@ -220,7 +220,7 @@ impl AccuracyBody {
         self.trials.iter().filter(move |trial| trial.area == area.name())
     }
 
-    /// The areas that were measured.
+    /// Returns the areas that were measured.
     pub(super) fn areas(&self) -> impl Iterator<Item = Area> {
         Area::ALL.into_iter().filter(|&area| {
             self.trials_of(area).next().is_some()
@@ -228,7 +228,8 @@ impl AccuracyBody {
         })
     }
 
-    /// The trials of an area by what their errors are relative to and compared with.
+    /// Returns the trials of an area, grouped by what their errors are relative to and compared
+    /// with.
     pub(super) fn groups_of(&self, area: Area) -> Vec<Vec<&TrialRecord>> {
         let mut groups: Vec<Vec<&TrialRecord>> = Vec::new();
         for trial in self.trials_of(area) {
@@ -241,7 +242,7 @@ impl AccuracyBody {
         groups
     }
 
-    /// The tables for people.
+    /// Returns the tables for the terminal.
     pub(super) fn text(&self) -> String {
         let mut text = String::new();
         for area in self.areas() {
@@ -260,7 +261,7 @@ impl AccuracyBody {
         text + &format!("{}, {}\n", self.machine.phrase(), self.date)
     }
 
-    /// An error that names the bounds that are not held, if there are any.
+    /// Returns an error that names the violated bounds, if there are any.
     pub(super) fn verdict(&self) -> Result<(), CliError> {
         let trials = self.trials.iter().filter(|t| !t.outcome.held);
         let cases = self.hard_cases.iter().filter(|c| !c.outcome.held);
@@ -280,7 +281,7 @@ impl AccuracyBody {
     }
 }
 
-/// One of the units, whose names are plurals.
+/// Returns the singular of a unit, whose name is a plural.
 pub(super) fn singular(unit: &str) -> &str {
     unit.strip_suffix('s').unwrap_or(unit)
 }

@@ -1,15 +1,15 @@
-//! How long a run takes.
+//! Measures the time of a run.
 
 use std::time::Instant;
 
 use sphvar_accuracy::{Effort, Subject};
 
-/// What all runs together take at least, in seconds.
-const AT_LEAST: f64 = 0.1;
+/// The minimum total time of all runs, in seconds.
+const MIN_SECONDS: f64 = 0.1;
 
 /// Returns the median of the times of several runs, in seconds.
 ///
-/// One run before them brings code and memory into the caches.
+/// One untimed run comes first and brings code and memory into the caches.
 pub(super) fn median_seconds(subject: &mut dyn Subject, effort: Effort) -> f64 {
     let fewest = match effort {
         Effort::Quick => 3,
@@ -18,7 +18,7 @@ pub(super) fn median_seconds(subject: &mut dyn Subject, effort: Effort) -> f64 {
     subject.run();
     let mut times: Vec<f64> = Vec::new();
     let begin = Instant::now();
-    while times.len() < fewest || begin.elapsed().as_secs_f64() < AT_LEAST {
+    while times.len() < fewest || begin.elapsed().as_secs_f64() < MIN_SECONDS {
         let start = Instant::now();
         subject.run();
         times.push(start.elapsed().as_secs_f64());

@@ -5,14 +5,16 @@ use sphvar_spectrum::HomogeneityAudit;
 use super::report::Ensemble;
 use crate::plots::{Chart, Ink, Panel, Scale, Series, Spread, Style};
 
-/// The part of the way from one degree to the next in which its orders stand side by side.
+/// The part of the distance between two degrees over which the orders are spread.
 const ORDERS: f64 = 0.7;
-/// Ratios below this are 0 to rounding, as of a lattice that is not rotated and integrates a harmonic exactly.
+/// Ratios below this are 0 to rounding. They occur for an unrotated lattice that integrates a
+/// harmonic exactly.
 const ROUNDING: f64 = 1e-12;
-/// Ratios within this factor of 1 have a linear axis.
+/// If all ratios are within this factor of 1, the axis is linear.
 const LINEAR_RATIO: f64 = 5.0;
 
-/// Returns the ratios of each audit with their intervals; the title is that of the sampler.
+/// Returns the chart of the ratios of each audit with their intervals; the title is that of the
+/// sampler.
 pub(super) fn chart(
     sampler: &str,
     n_points: usize,

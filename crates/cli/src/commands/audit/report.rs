@@ -1,4 +1,4 @@
-//! What an audit found, for people and for scripts.
+//! The results of an audit, as text, CSV and JSON.
 
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -122,7 +122,7 @@ struct BiasRecord {
     share: f64,
 }
 
-/// What is known of the rotations of an ensemble.
+/// The known facts about the rotations of an ensemble.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum Ensemble {
     AsDrawn { random: bool },
@@ -141,13 +141,13 @@ impl Ensemble {
 }
 
 impl AuditBody {
-    /// CSV with a row for each test.
+    /// Returns CSV with a row for each test.
     pub(super) fn csv(&self, provenance: &Provenance) -> Result<String, CliError> {
         let rows: Vec<TestRow<'_>> = self.audits.iter().flat_map(AuditRecord::rows).collect();
         csv_of(provenance, &rows)
     }
 
-    /// The report for people.
+    /// Returns the report for the terminal.
     pub(super) fn text(&self) -> String {
         let parts: Vec<String> = self.audits.iter().map(|audit| text(self, audit)).collect();
         parts.join("\n")
@@ -155,13 +155,13 @@ impl AuditBody {
 }
 
 impl AuditRecord {
-    /// The rows of CSV.
+    /// Returns the rows of CSV.
     fn rows(&self) -> impl Iterator<Item = TestRow<'_>> {
         let (ensemble, verdict) = (self.ensemble, self.verdict);
         self.tests.iter().map(move |test| TestRow { ensemble, test, verdict })
     }
 
-    /// The record of one audit.
+    /// Returns the record of one audit.
     pub(super) fn new(
         ensemble: Ensemble,
         audit: &HomogeneityAudit,
@@ -203,7 +203,7 @@ impl AuditRecord {
 }
 
 impl TestRecord {
-    /// The columns of a table.
+    /// Returns the columns of a table.
     fn columns() -> [Column<'static, Self>; 7] {
         [
             Column::text("test", |t: &Self| t.test.to_owned()),
@@ -226,7 +226,7 @@ impl TestRecord {
     }
 }
 
-/// What the findings mean, in a sentence or three.
+/// Returns the meaning of the results, in one to three sentences.
 fn conclusion(ensemble: Ensemble, audit: &HomogeneityAudit, settings: &AuditSettings) -> String {
     let seen = format!(
         "an error of {} of the variance of any Y_lm, l <= {}, would have been seen in 9 of 10 audits",
@@ -290,7 +290,7 @@ fn objection(ensemble: Ensemble, audit: &HomogeneityAudit) -> String {
     text
 }
 
-/// The report on one ensemble for people.
+/// Returns the report on one ensemble for the terminal.
 fn text(body: &AuditBody, audit: &AuditRecord) -> String {
     let AuditBody { sampler, n, realizations, lmax, copies, .. } = body;
     let mut text = format!(

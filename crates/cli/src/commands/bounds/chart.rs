@@ -8,9 +8,9 @@ use crate::commands::power_chart::{PowerCurve, power_chart};
 use crate::error::CliError;
 use crate::plots::{Chart, Ink, Series, Spread, Style};
 
-/// Values of a profile between two degrees of omega.
+/// The number of values of a profile between two degrees of omega.
 const STEPS: u32 = 200;
-/// Where no spectrum says how far profiles are shown, they end at this frequency.
+/// The frequency at which profiles end if there is no spectrum.
 const LAST_FREQUENCY: f64 = 4.0;
 
 /// Returns the chart of the spectrum with its errors and every profile over `l / sqrt N`: upper profiles as lines,
@@ -28,7 +28,7 @@ pub(super) fn chart(
         let rows: Vec<(usize, f64, f64)> = spectrum
             .degrees()
             .map(|l| (l, measured.power(l), measured.stderr(l)))
-            // Power that is rounding has no place on a logarithmic axis.
+            // Power at rounding level cannot be drawn on a logarithmic axis.
             .filter(|row| row.1 > sphvar_bounds::MeasuredSpectrum::NO_POWER)
             .collect();
         low = rows.first().map_or(low, |row| row.0 as f64 / scale);
@@ -41,7 +41,7 @@ pub(super) fn chart(
         .chain(values)
         .filter(|&power| power > 0.0)
         .fold(f64::INFINITY, f64::min);
-    // A step alone has nothing below its plateau that says how far down it is shown.
+    // A step alone has no values below its plateau that would determine the lower end of the axis.
     let floor = if curves.is_empty() { 0.1 * floor } else { floor };
     let mut families: Vec<&str> = Vec::new();
     let mut series = Vec::new();
@@ -51,7 +51,7 @@ pub(super) fn chart(
             families.push(family);
             families.len() - 1
         });
-        // Where a step rises from 0 it rises from below the axis.
+        // A step that rises from 0 is drawn from below the axis.
         for point in &mut points {
             point.1 = if point.0 >= record.profile.alpha() { point.1.max(floor) } else { point.1 };
         }

@@ -202,7 +202,7 @@ pub(crate) fn run(args: &BoundsArgs, global: &Global) -> Result<(), CliError> {
     emit(args.out.out.as_deref(), global, &provenance, &body, &forms)
 }
 
-/// The tables for people, with what they rest on.
+/// Returns the tables for the terminal, with their assumptions.
 fn text(args: &BoundsArgs, body: &BoundsBody, fitted: bool) -> String {
     let columns = BoundRecord::columns(fitted, args.integrand.integrand.is_some());
     let mut text = table_of(&columns, &body.bounds);
@@ -246,7 +246,7 @@ fn parse_offset(text: Option<&str>) -> Result<Offset, CliError> {
     }
 }
 
-/// The tightest profile of every family on both sides, and the families that have none.
+/// Returns the tightest profile of every family on both sides, and the families without one.
 fn tightest(
     measured: &Measured,
     criterion: Criterion,

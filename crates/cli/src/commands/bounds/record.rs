@@ -1,4 +1,4 @@
-//! A bound and what it implies, for tables, CSV and JSON.
+//! A bound and its consequences, for tables, CSV and JSON.
 
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -63,13 +63,13 @@ pub(crate) struct BoundRecord {
     pub(super) profile: Profile,
 }
 
-/// What the variance of integrands is to be derived for.
+/// The integrands for which variances are derived.
 pub(super) struct Consequences {
     n_points: usize,
     domain: Domain,
     best: IntegrandClass,
     worst: IntegrandClass,
-    /// Energies of the integrand asked for, and what lies beyond them.
+    /// Energies of the requested integrand, and the energy beyond them.
     energy: Option<(Vec<f64>, f64)>,
 }
 
@@ -142,7 +142,7 @@ impl Consequences {
         })
     }
 
-    /// A bound of a spectrum with what a check of it says.
+    /// Returns the record of a bound together with the result of its check.
     pub(super) fn judged(
         &self,
         bound: &Bound,
@@ -163,7 +163,8 @@ impl BoundRecord {
         Self { family: family.name(), touching, gap: Some(gap), ..self }
     }
 
-    /// The columns of a table: fits hold by construction, so that they show where they touch.
+    /// Returns the columns of a table. Fits hold by construction, so their table shows the degrees
+    /// at which they touch the limits.
     pub(super) fn columns(fitted: bool, integrand: bool) -> Vec<Column<'static, Self>> {
         let mut columns = vec![Column::text("side", |r: &Self| r.side.to_owned())];
         if !fitted {
@@ -204,7 +205,7 @@ impl BoundRecord {
         columns
     }
 
-    /// The name of the profile, with the exponent where the name does not say it.
+    /// Returns the name of the profile, with the exponent where the name does not include it.
     pub(super) fn profile_name(&self) -> String {
         match self.exponent {
             Some(b) if self.family == "poly" => format!("poly b={}", number::value(b)),
@@ -221,17 +222,17 @@ impl BoundRecord {
     }
 }
 
-/// Where a profile levels off; a constant does not.
+/// Returns the frequency at which a profile levels off, or `None` for a constant.
 pub(super) fn break_at(family: &str, alpha: f64) -> Option<f64> {
     (family != "constant").then_some(alpha)
 }
 
-/// Degrees divided by blanks.
+/// Returns degrees separated by spaces.
 fn degrees(list: &[usize]) -> String {
     list.iter().map(usize::to_string).collect::<Vec<_>>().join(" ")
 }
 
-/// Returns the first degrees of a long list, and how many there are: a flat spectrum touches at many.
+/// Returns the first degrees of a long list and their number: a flat spectrum touches at many.
 fn first_degrees(list: &[usize]) -> String {
     const SHOWN: usize = 4;
     if list.len() <= SHOWN {
@@ -240,13 +241,13 @@ fn first_degrees(list: &[usize]) -> String {
     format!("{} ... ({} in all)", degrees(&list[..SHOWN]), list.len())
 }
 
-/// A rate with the digits that a fitted exponent has.
+/// Returns a rate with the digits that a fitted exponent has.
 fn rate_text(rate: Rate) -> String {
     match rate {
         Rate::Algebraic { exponent, log } => {
             Rate::Algebraic { exponent: (exponent * 1e3).round() / 1e3, log }.to_string()
         }
-        // A whole number lies beyond this one exactly if it lies beyond its whole part.
+        // A whole number exceeds this one exactly if it exceeds its integer part.
         Rate::Zero { beyond } => Rate::Zero { beyond: beyond.floor() }.to_string(),
     }
 }

@@ -1,4 +1,4 @@
-//! Where the spectrum comes from that is to be bounded.
+//! The source of the spectrum to be bounded.
 
 use std::path::Path;
 
@@ -17,27 +17,27 @@ use crate::memory::{check_degree, check_memory, check_transform};
 use crate::patterns;
 use crate::progress::Progress;
 
-/// The nominal work that a spectrum without sampling may take; beyond that it is sampled.
-const MOST_UNSAMPLED: f64 = 3.3e8;
-/// Realizations of a pattern whose spectrum has to be sampled.
+/// The maximum nominal work of a closed-form spectrum; a spectrum that exceeds it is sampled.
+const MAX_CLOSED_FORM_WORK: f64 = 3.3e8;
+/// The number of realizations of a pattern whose spectrum has to be sampled.
 pub(super) const REALIZATIONS: u64 = 300;
 
 /// A mean spectrum, index l.
 pub(super) struct Measured {
     /// The sampler with its parameters, or the file.
     pub(super) label: String,
-    /// The name of the sampler alone, by which the thesis may know bounds of it.
+    /// The name of the sampler alone, under which the thesis may state bounds for it.
     pub(super) sampler: Option<&'static str>,
     pub(super) n_points: usize,
     domain: Domain,
     power: Vec<f64>,
     stderr: Vec<f64>,
-    /// 0 where it is not known, or the spectrum is.
+    /// 0 where the number is unknown or the spectrum is exact.
     realizations: u64,
 }
 
 impl Measured {
-    /// The spectrum that the arguments name, if they name one.
+    /// Returns the spectrum that the arguments name, if they name one.
     pub(super) fn of_args(
         args: &BoundsArgs,
         domain: Domain,
@@ -67,8 +67,9 @@ impl Measured {
             if sampler.is_random() { natural } else { natural.saturating_mul(LATTICE_FACTOR) };
         let lmax = args.lmax.lmax.unwrap_or(natural);
         check_degree("--lmax", lmax)?;
-        let exact = ExactSpectrum::of(&*sampler)
-            .filter(|exact| args.realizations.is_none() && exact.work(lmax) <= MOST_UNSAMPLED);
+        let exact = ExactSpectrum::of(&*sampler).filter(|exact| {
+            args.realizations.is_none() && exact.work(lmax) <= MAX_CLOSED_FORM_WORK
+        });
         let spectrum = if let Some(exact) = exact {
             let bytes = exact.bytes(lmax, rayon::current_num_threads());
             check_memory(&format!("a spectrum to degree {lmax} (--lmax)"), bytes)?;
@@ -99,7 +100,7 @@ impl Measured {
             power[row.l] = row.power;
             stderr[row.l] = row.stderr;
         }
-        // P(0) = N holds for every set and is often left out.
+        // P(0) = N for every set, and files often omit it.
         let n_points = points.or_else(|| whole(power[0])).ok_or_else(|| {
             CliError::Usage(format!(
                 "{}: the number of points is not known: give -n N, or a row of degree 0, whose power is N",
@@ -111,7 +112,7 @@ impl Measured {
         Ok(Self { label, sampler: None, n_points, domain, power, stderr, realizations })
     }
 
-    /// The spectrum as fits and checks have it.
+    /// Returns the spectrum in the form that fits and checks take.
     pub(super) fn spectrum(&self) -> Result<MeasuredSpectrum<'_>, CliError> {
         MeasuredSpectrum::new(self.n_points, self.domain, &self.power, &self.stderr)
             .map(|measured| match self.realizations {
@@ -121,23 +122,23 @@ impl Measured {
             .map_err(CliError::failed)
     }
 
-    /// The mean power of a degree.
+    /// Returns the mean power of a degree.
     pub(super) fn power(&self, l: usize) -> f64 {
         self.power[l]
     }
 
-    /// The standard error of a degree.
+    /// Returns the standard error of a degree.
     pub(super) fn stderr(&self, l: usize) -> f64 {
         self.stderr[l]
     }
 
-    /// The largest degree.
+    /// Returns the largest degree.
     pub(super) fn lmax(&self) -> usize {
         self.power.len() - 1
     }
 }
 
-/// The spectrum estimated from `realizations` sets.
+/// Returns the spectrum estimated from `realizations` sets.
 fn sampled(
     pattern: &Pattern,
     sampler: &dyn Sampler,
@@ -160,8 +161,8 @@ fn sampled(
     Ok(estimate(&ensemble, lmax, realizations, &progress)?)
 }
 
-/// The variance that the sampler's spectrum predicts for an integrand, as every command predicts it; none for a spectrum from
-/// a file.
+/// Returns the variance that the sampler's spectrum predicts for an integrand, by the prediction
+/// that all commands share, or `None` for a spectrum from a file.
 pub(super) fn predicted(
     args: &BoundsArgs,
     integrand: &NamedIntegrand,
@@ -180,7 +181,7 @@ pub(super) fn predicted(
     Ok(Some(predictor.with_options(options).predict(&*sampler, &())?.prediction))
 }
 
-/// The nearest whole number from 1 on; a random number of points has a broken mean.
+/// Returns the nearest integer, at least 1; the mean of a random number of points has a fraction.
 #[expect(
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,

@@ -1,4 +1,4 @@
-//! The bounds that the thesis draws for a sampler, against its spectrum.
+//! The bounds that the thesis states for a sampler, checked against its spectrum.
 
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -44,7 +44,7 @@ pub(crate) struct ThesisRecord {
 }
 
 impl ThesisRecord {
-    /// Checks of the upper and the lower bound, if the thesis has them for this sampler.
+    /// Checks the upper and the lower bound, if the thesis states them for this sampler.
     pub(super) fn of_sampler(
         name: &str,
         spectrum: &MeasuredSpectrum<'_>,
@@ -85,7 +85,7 @@ impl ThesisRecord {
         }
     }
 
-    /// The columns of a table.
+    /// Returns the columns of a table.
     pub(super) fn columns() -> Vec<Column<'static, Self>> {
         vec![
             Column::text("thesis", |r: &Self| r.side.to_owned()),
@@ -107,7 +107,7 @@ impl ThesisRecord {
         ]
     }
 
-    /// The largest `z` that chance explains.
+    /// Returns the largest `z` that chance explains.
     pub(super) fn critical_z(&self) -> f64 {
         self.critical_z
     }

@@ -1,4 +1,4 @@
-//! What one pattern needs or achieves.
+//! The result for one pattern.
 
 use std::time::Instant;
 
@@ -16,33 +16,35 @@ use crate::error::CliError;
 /// A pattern with its answer to the question and the time for it.
 pub(super) struct TimedCandidate {
     pub(super) answer: Candidate,
-    /// Whether it needs more than [`MAX_FACTOR`] times the points of the best, and no more is known.
+    /// Whether it needs more than [`MAX_FACTOR`] times the points of the best pattern, in which
+    /// case the exact number is unknown.
     pub(super) is_behind: bool,
-    pub(super) making: Option<Making>,
-    /// Seconds for a set and the values of the integrand at its points.
+    pub(super) set_time: Option<SetTime>,
+    /// The time for a set and the values of the integrand at its points, in seconds.
     pub(super) seconds_in_all: Option<f64>,
 }
 
-/// The time for a set.
+/// The time to generate a set.
 #[derive(Clone, Copy)]
-pub(super) struct Making {
+pub(super) struct SetTime {
     pub(super) seconds: f64,
-    /// Not measured at this number of points, but scaled from a smaller one or by the model of costs.
+    /// Whether the time is scaled from a smaller set or taken from the cost model instead of
+    /// measured at this number of points.
     pub(super) is_scaled: bool,
 }
 
-/// Expensive patterns are not tried with more points than this number of times those of the best. With the
-/// largest alpha, sqrt(2), half of the points of alpha = 1 have the same empty degrees: a design behind that
-/// by default is behind with every alpha.
+/// Expensive patterns are tried with at most this multiple of the best pattern's number of points.
+/// With the largest alpha, sqrt(2), half of the points of alpha = 1 have the same empty degrees, so
+/// a design that is behind with its default alpha is behind with every alpha.
 pub(super) const MAX_FACTOR: usize = 4;
-/// What a unit of nominal work counts beside the seconds of `--cost-per-sample`, by definition.
+/// The seconds of a unit of nominal work, comparable with `--cost-per-sample`, by definition.
 const UNIT_COST: f64 = 60e-9;
-/// The nominal work per point from which on a pattern is expensive.
+/// The nominal work per point above which a pattern is expensive.
 const EXPENSIVE: f64 = 30.0;
 
 impl TimedCandidate {
-    /// The pattern as it is; where `best` is the number of points that the best one needs, an expensive one
-    /// only up to four times that.
+    /// Returns the pattern as it is. If `best`, the number of points of the best pattern, is given,
+    /// an expensive one is tried with at most four times as many.
     pub(super) fn new(
         pattern: Pattern,
         best: Option<usize>,
@@ -54,14 +56,14 @@ impl TimedCandidate {
         let needed = best.map_or(usize::MAX, |best| best.saturating_mul(MAX_FACTOR));
         if needed < max_points && pattern.nominal_work(needed) >= EXPENSIVE * needed as f64 {
             let curve = PredictedCurve::new(pattern);
-            let found = Self::asked(curve, needed, question, predictor, seed)?;
+            let found = Self::answering(curve, needed, question, predictor, seed)?;
             return Ok(Self { is_behind: found.answer.n_points.is_none(), ..found });
         }
-        Self::asked(PredictedCurve::new(pattern), max_points, question, predictor, seed)
+        Self::answering(PredictedCurve::new(pattern), max_points, question, predictor, seed)
     }
 
-    /// The pattern with the parameters that suit the integrand best, if they make it better than it is and
-    /// than all others, whose least variance is `best`.
+    /// Returns the pattern with the parameters that suit the integrand best, if they beat both its
+    /// defaults and all other patterns, whose minimum variance is `best`.
     pub(super) fn tuned(
         self,
         question: &Question,
@@ -82,11 +84,11 @@ impl TimedCandidate {
         };
         let mut curve = PredictedCurve::new(pattern);
         curve.insert(point);
-        let tuned = Self::asked(curve, n, question, predictor, seed)?;
+        let tuned = Self::answering(curve, n, question, predictor, seed)?;
         Ok(if tuned.merit(question) < self.merit(question) { tuned } else { self })
     }
 
-    fn asked(
+    fn answering(
         curve: PredictedCurve,
         max_points: usize,
         question: &Question,
@@ -103,16 +105,17 @@ impl TimedCandidate {
                 "its smallest number of points is {n}, more than the {budget} of -n"
             )));
         }
-        let making = match n_points {
-            Some(n) => Some(making(&answer.curve, question.domain, n, seed)?),
+        let set_time = match n_points {
+            Some(n) => Some(set_time(&answer.curve, question.domain, n, seed)?),
             None => None,
         };
         let values = question.cost_per_sample.zip(n_points).map(|(cost, n)| cost * n as f64);
-        let seconds_in_all = values.zip(making).map(|(values, making)| values + making.seconds);
-        Ok(Self { answer, is_behind: false, making, seconds_in_all })
+        let seconds_in_all =
+            values.zip(set_time).map(|(values, set_time)| values + set_time.seconds);
+        Ok(Self { answer, is_behind: false, set_time, seconds_in_all })
     }
 
-    /// How the answer was found.
+    /// Returns how the answer was obtained.
     pub(super) fn basis(&self) -> &'static str {
         match self.answer.required {
             None | Some(RequiredPoints::Predicted { .. }) => "predicted",
@@ -122,11 +125,12 @@ impl TimedCandidate {
         }
     }
 
-    /// By what candidates are ranked, the least first: with the time for a value the time for all.
+    /// Returns the quantity by which candidates are ranked in increasing order; with a time for a
+    /// value, it is the total time.
     pub(super) fn merit(&self, question: &Question) -> f64 {
         let goal = question.goal(usize::MAX);
         let all = |cost: f64, n: usize| {
-            // By nominal work: measured seconds change from run to run, and the answer must not.
+            // Nominal work, because measured seconds vary from run to run and the answer must not.
             cost * n as f64 + UNIT_COST * self.answer.curve.pattern().nominal_work(n)
         };
         match (goal, question.cost_per_sample.zip(self.answer.n_points)) {
@@ -136,40 +140,40 @@ impl TimedCandidate {
     }
 }
 
-/// Sets that are made for a median.
+/// The number of sets that are generated for a median.
 const TIMED_SETS: u64 = 5;
-/// Seconds after which no further set is made.
+/// The time after which no further set is generated, in seconds.
 const TIMED_SECONDS: f64 = 0.2;
-/// Points of the largest set that is made for its time.
-const MOST_TIMED: usize = 10_000_000;
-/// A set that is expected to take longer is not made.
-const LONGEST_SET: f64 = 0.2;
+/// The number of points of the largest set that is timed.
+const MAX_TIMED_POINTS: usize = 10_000_000;
+/// A set that is expected to take longer than this is not generated, in seconds.
+const MAX_SET_SECONDS: f64 = 0.2;
 
-/// The time for a set of `n_points`: measured, or scaled from the largest set that was predicted.
-fn making(
+/// Returns the time for a set of `n_points`, measured or scaled from the largest predicted set.
+fn set_time(
     curve: &PredictedCurve,
     domain: Domain,
     n_points: usize,
     seed: u64,
-) -> Result<Making, CliError> {
+) -> Result<SetTime, CliError> {
     let pattern = curve.pattern();
     let expected = |n: usize| expected_seconds(pattern, n);
     let largest = curve.points().last().map_or(n_points, PredictedPoint::n_points);
-    let too_long = largest < n_points && expected(n_points) > LONGEST_SET;
+    let too_long = largest < n_points && expected(n_points) > MAX_SET_SECONDS;
     let timed = if too_long { largest } else { n_points };
-    let timed = match valid_between(pattern, domain, 0, MOST_TIMED, MOST_TIMED) {
-        Some(most) if timed > MOST_TIMED => most,
+    let timed = match valid_between(pattern, domain, 0, MAX_TIMED_POINTS, MAX_TIMED_POINTS) {
+        Some(most) if timed > MAX_TIMED_POINTS => most,
         _ => timed,
     };
-    if expected(timed) > LONGEST_SET {
-        return Ok(Making { seconds: expected(n_points), is_scaled: true });
+    if expected(timed) > MAX_SET_SECONDS {
+        return Ok(SetTime { seconds: expected(n_points), is_scaled: true });
     }
     let is_scaled = timed < n_points;
     let seconds = median_seconds(pattern, domain, timed, seed)?;
-    Ok(Making { seconds: seconds * expected(n_points) / expected(timed), is_scaled })
+    Ok(SetTime { seconds: seconds * expected(n_points) / expected(timed), is_scaled })
 }
 
-/// The median time for a set on this core, rotation included.
+/// Returns the median time for a set on one core, rotation included.
 fn median_seconds(
     pattern: &Pattern,
     domain: Domain,
@@ -193,7 +197,7 @@ fn median_seconds(
     Ok(seconds[seconds.len() / 2])
 }
 
-/// Puts the best first. Equal ones go by their variance.
+/// Sorts the candidates, best first; ties are broken by variance.
 pub(super) fn rank(candidates: &mut [TimedCandidate], question: &Question) {
     let variance = |c: &TimedCandidate| c.answer.variance.map_or(f64::INFINITY, |v| v.0);
     candidates.sort_by(|a, b| {
@@ -202,9 +206,9 @@ pub(super) fn rank(candidates: &mut [TimedCandidate], question: &Question) {
     });
 }
 
-/// What to take of the ranked candidates: the first, or one that is cheaper to make and no more than
-/// 10 % worse. With the time for all that is the first: it counts the making already. Extrapolated ones are
-/// taken only if none was predicted.
+/// Returns the recommended candidate: the first, or one that is less expensive to generate and at
+/// most 10 % worse. If candidates are ranked by total time, it is the first, because that time
+/// includes the generation. An extrapolated candidate is recommended only if none was predicted.
 pub(super) fn recommended<'a>(
     ranked: &'a [TimedCandidate],
     question: &Question,
@@ -217,12 +221,12 @@ pub(super) fn recommended<'a>(
     }
     let limit = 1.1 * first.merit(question);
     let near = ranked.iter().filter(|c| c.basis() == first.basis() && c.merit(question) <= limit);
-    // Nominal work, not measured times: these change from run to run.
+    // Nominal work, because measured times vary from run to run.
     let cost = |c: &TimedCandidate| c.answer.n_points.map_or(f64::INFINITY, |n| per_point(c, n));
     near.min_by(|a, b| cost(a).total_cmp(&cost(b)))
 }
 
-/// The seconds of making a set, by the nominal work.
+/// Returns the time to generate a set, in seconds, estimated from the nominal work.
 fn expected_seconds(pattern: &Pattern, n_points: usize) -> f64 {
     SECONDS_PER_WORK * pattern.nominal_work(n_points)
 }

@@ -1,7 +1,7 @@
-//! Standard errors against N, and how they compare with those of white noise.
+//! The chart of standard errors against N, compared with white noise.
 
 use super::candidate::TimedCandidate;
-use super::question::{Asked, Question};
+use super::question::{Question, Requested};
 use crate::plots::{Chart, Ink, MAX_COLOURS, Panel, Scale, Series, Spread, Style};
 
 /// Returns the chart of the candidates, best first; `white_variance` is that of white noise with one point.
@@ -15,7 +15,7 @@ pub(super) fn chart(
     for (rank, candidate) in candidates.iter().enumerate() {
         let points = candidate.answer.curve.variance_points();
         let errors = points.iter().map(|p| (p.n_points, scale * p.variance.sqrt()));
-        // Half the relative error of the variance is that of its root.
+        // The relative error of a square root is half that of its argument.
         let unknown = points.iter().map(|p| 0.5 * scale * p.stderr / p.variance.sqrt());
         let ink = Ink::Rank(rank);
         series.push(Series {
@@ -39,7 +39,7 @@ pub(super) fn chart(
             ink,
         });
     }
-    if let Asked::Error { text, standard_error, .. } = &question.asked {
+    if let Requested::Error { text, standard_error, .. } = &question.requested {
         let counts = || series.iter().flat_map(|s| s.points.iter().map(|p| p.0));
         let requested = scale * standard_error;
         let (first, last) = (counts().fold(f64::INFINITY, f64::min), counts().fold(0.0, f64::max));

@@ -1,4 +1,4 @@
-//! Which crossings of the best samplers' curves matter for the answer.
+//! The crossings of the best samplers' curves that matter for the answer.
 
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -6,9 +6,9 @@ use serde::Serialize;
 use super::candidate::TimedCandidate;
 use crate::commands::crossovers::{CrossoverRecord, crossovers};
 
-/// Candidates among which crossovers are looked for, the best first.
+/// The number of best candidates that are searched for crossovers.
 const BEST: usize = 8;
-/// A crossing within this factor of the number of points in question matters.
+/// A crossing within this factor of the number of points of the answer is relevant.
 const NEAR: f64 = 4.0;
 
 /// Where two samplers' predicted variances cross, and what that means for the answer.
@@ -23,13 +23,13 @@ pub(crate) struct CrossingRecord {
 }
 
 impl CrossingRecord {
-    /// Whether it is near the answer and makes a difference.
+    /// Returns whether the crossing is near the answer and the difference is significant.
     pub(super) fn matters(&self) -> bool {
         self.is_near && self.is_wide
     }
 }
 
-/// The significant crossings of the best candidates' curves in the range that both cover.
+/// Returns the significant crossings of the best candidates' curves in the range that both cover.
 pub(super) fn between(ranked: &[TimedCandidate], seed: u64) -> Vec<CrossingRecord> {
     let best = &ranked[..ranked.len().min(BEST)];
     let name = |c: &TimedCandidate| c.answer.curve.pattern().to_string();

@@ -6,19 +6,19 @@ use super::args::ChooseArgs;
 use super::candidate::{MAX_FACTOR, TimedCandidate, recommended};
 use super::chart::chart;
 use super::crossings;
-use super::question::{Asked, Question};
+use super::question::{Question, Requested};
 use super::recommendation::recommendation;
 use super::record::{CandidateRecord, ChoiceBody, LeftOut};
 use crate::error::CliError;
 use crate::global::Global;
 use crate::report::{Forms, Provenance, csv_of, emit, number, table_of};
 
-/// The whole answer.
+/// The complete answer.
 pub(super) struct Answer<'a> {
     question: &'a Question,
     candidates: &'a [TimedCandidate],
     body: ChoiceBody,
-    /// Of white noise with one point.
+    /// The variance of white noise with one point.
     white_variance: f64,
 }
 
@@ -35,11 +35,11 @@ impl<'a> Answer<'a> {
         let rows = candidates.iter().enumerate().map(record).collect();
         let best = recommended(candidates, question);
         let (reason, recommendation) = recommendation(best, question, predictor)?;
-        let (error_asked, points_asked, max_points) = match question.asked {
-            Asked::Error { standard_error, max_points, .. } => {
+        let (error_asked, points_asked, max_points) = match question.requested {
+            Requested::Error { standard_error, max_points, .. } => {
                 (Some(standard_error), None, Some(max_points))
             }
-            Asked::Points(n) => (None, Some(n), None),
+            Requested::Points(n) => (None, Some(n), None),
         };
         let body = ChoiceBody {
             integrand: question.integrand.clone(),
@@ -59,7 +59,7 @@ impl<'a> Answer<'a> {
         Ok(Self { question, candidates, body, white_variance: predictor.white_variance(1) })
     }
 
-    /// Writes and prints the answer in the form requested.
+    /// Writes and prints the answer in the requested form.
     pub(super) fn emit(&self, args: &ChooseArgs, global: &Global) -> Result<(), CliError> {
         let provenance = Provenance::new(global.seed);
         let forms = Forms {
@@ -72,8 +72,8 @@ impl<'a> Answer<'a> {
 
     fn text(&self) -> String {
         let question = self.question;
-        let mut text = match &question.asked {
-            Asked::Error { text, standard_error, .. } => {
+        let mut text = match &question.requested {
+            Requested::Error { text, standard_error, .. } => {
                 let asked = match question.integral {
                     Some(integral) if question.relative(*standard_error).is_some() => {
                         format!(
@@ -86,7 +86,7 @@ impl<'a> Answer<'a> {
                 };
                 format!("Points for a standard error of {asked}: {}\n\n", question.integrand)
             }
-            Asked::Points(n) => {
+            Requested::Points(n) => {
                 format!("Standard errors with about {n} points: {}\n\n", question.integrand)
             }
         };
@@ -100,7 +100,8 @@ impl<'a> Answer<'a> {
             text += "; +-: its uncertainty. reduction: the variance of\nwhite noise \
                      with the same number of points over this one. rate: exponent of the variance against N near this N.\n\n";
         }
-        if let (Asked::Error { max_points, .. }, false) = (&question.asked, out_of_reach.is_empty())
+        if let (Requested::Error { max_points, .. }, false) =
+            (&question.requested, out_of_reach.is_empty())
         {
             let is_behind = |row: &&CandidateRecord| row.basis == "behind";
             let (behind, beyond): (Vec<&CandidateRecord>, Vec<&CandidateRecord>) =
@@ -139,7 +140,7 @@ impl<'a> Answer<'a> {
     }
 }
 
-/// A candidate in a line, before all are known.
+/// Returns a line for one candidate, printed before all are known.
 pub(super) fn line(
     candidate: &TimedCandidate,
     question: &Question,

@@ -1,4 +1,4 @@
-//! What is asked for: an error or a number of points.
+//! The question: a requested error, or a number of points.
 
 use sphvar_integrands::Energy;
 use sphvar_variance::{Domain, Goal, Predictor};
@@ -8,28 +8,28 @@ use crate::error::CliError;
 use crate::integrands::NamedIntegrand;
 use crate::share::parse_share;
 
-/// The question with what is known of the integrand.
+/// The question together with the known properties of the integrand.
 pub(super) struct Question {
     /// The integrand as it was written.
     pub(super) integrand: String,
     pub(super) domain: Domain,
     /// The exact integral, where it is known and not 0.
     pub(super) integral: Option<f64>,
-    pub(super) asked: Asked,
+    pub(super) requested: Requested,
     /// Seconds for a value of the integrand.
     pub(super) cost_per_sample: Option<f64>,
 }
 
-/// What the user has or wants.
-pub(super) enum Asked {
-    /// At most this standard error of the integral, with at most so many points.
+/// The requested quantity.
+pub(super) enum Requested {
+    /// At most this standard error of the integral, with a limited number of points.
     Error {
-        /// As it was written.
+        /// The error as the user wrote it.
         text: String,
         standard_error: f64,
         max_points: usize,
     },
-    /// As little error as possible with about so many points.
+    /// The smallest error with about this number of points.
     Points(usize),
 }
 
@@ -41,79 +41,80 @@ impl Question {
     ) -> Result<Self, CliError> {
         let domain = energy.domain();
         let exact = integrand.function.exact(domain);
-        // By the Cauchy-Schwarz inequality no integral exceeds this; one that rounds to 0 beside it is 0.
+        // By the Cauchy-Schwarz inequality, no integral exceeds this; one that rounds to 0 relative
+        // to it is 0.
         let largest = (domain.area() * energy.total()).sqrt();
         let integral = exact.filter(|i| i.abs() > 1e-12 * largest);
-        let asked = match (&args.error, args.count.count) {
+        let requested = match (&args.error, args.count.count) {
             (Some(text), _) => {
                 if args.max_count == 0 {
                     let message = "--max-count must be at least 1, got 0".to_owned();
                     return Err(CliError::Usage(message));
                 }
                 let standard_error = standard_error(text, args.absolute, integral, exact)?;
-                Asked::Error { text: text.clone(), standard_error, max_points: args.max_count }
+                Requested::Error { text: text.clone(), standard_error, max_points: args.max_count }
             }
             (None, Some(0)) => {
                 return Err(CliError::Usage("-n must be at least 1, got 0".to_owned()));
             }
-            (None, Some(n)) => Asked::Points(n),
+            (None, Some(n)) => Requested::Points(n),
             (None, None) => {
                 return Err(CliError::Usage("--error E or -n N is missing".to_owned()));
             }
         };
         let cost_per_sample = args.cost_per_sample;
-        Ok(Self { integrand: integrand.name.clone(), domain, integral, asked, cost_per_sample })
+        Ok(Self { integrand: integrand.name.clone(), domain, integral, requested, cost_per_sample })
     }
 
-    /// The question for the library, with at most `max_points` points.
+    /// Returns the question for the library, with at most `max_points` points.
     pub(super) fn goal(&self, max_points: usize) -> Goal {
-        match self.asked {
-            Asked::Error { standard_error, .. } => {
+        match self.requested {
+            Requested::Error { standard_error, .. } => {
                 Goal::Variance { variance: standard_error * standard_error, max_points }
             }
-            Asked::Points(n) => Goal::Points(n),
+            Requested::Points(n) => Goal::Points(n),
         }
     }
 
-    /// The most points allowed.
+    /// Returns the maximum number of points.
     pub(super) fn max_points(&self) -> usize {
-        match self.asked {
-            Asked::Error { max_points, .. } => max_points,
-            Asked::Points(_) => usize::MAX,
+        match self.requested {
+            Requested::Error { max_points, .. } => max_points,
+            Requested::Points(_) => usize::MAX,
         }
     }
 
-    /// The number of points that white noise needs for the error asked for, exactly.
+    /// Returns the exact number of points that white noise needs for the requested error.
     pub(super) fn white_noise_points(&self, predictor: &Predictor<'_>) -> Option<f64> {
-        match self.asked {
-            Asked::Error { standard_error, .. } => {
+        match self.requested {
+            Requested::Error { standard_error, .. } => {
                 Some(predictor.white_points(standard_error * standard_error))
                     .filter(|n| n.is_finite())
             }
-            Asked::Points(_) => None,
+            Requested::Points(_) => None,
         }
     }
 
-    /// A standard error relative to the integral, where that is known and not 0.
+    /// Returns a standard error relative to the integral, if the integral is known and not 0.
     pub(super) fn relative(&self, standard_error: f64) -> Option<f64> {
         self.integral.map(|i| standard_error / i.abs())
     }
 }
 
-/// The standard error that `text` asks for.
+/// Returns the standard error that `text` requests.
 fn standard_error(
     text: &str,
     absolute: bool,
     integral: Option<f64>,
     exact: Option<f64>,
 ) -> Result<f64, CliError> {
-    // An absolute error has the unit of the integral, in which any number makes sense.
+    // An absolute error has the unit of the integral, in which any positive number is valid.
     let is_plain = |e: &f64| *e > 0.0 && e.is_finite();
     let share = match text.trim().parse().ok().filter(is_plain) {
         Some(plain) if absolute => Some(plain),
         Some(_) => {
-            let asked = |e| CliError::Usage(format!("--error: {e}"));
-            Some(parse_share(text).map_err(asked)?)
+            let usage = |e| CliError::Usage(format!("--error: {e}"));
+            Some(parse_share(text).map_err(usage)?)
         }
         None => parse_share(text).ok(),
     };

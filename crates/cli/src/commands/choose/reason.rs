@@ -25,8 +25,8 @@ pub(crate) struct Reason {
 }
 
 impl Reason {
-    /// For a pattern with a prediction at its number of points, or at the largest one tried; nothing if
-    /// half of the energy lies beyond the degrees that were needed.
+    /// Returns the reason for a pattern with a prediction at its number of points or at the largest
+    /// one tried, or `None` if half of the energy lies beyond the computed degrees.
     pub(super) fn new(candidate: &TimedCandidate, predictor: &Predictor<'_>) -> Option<Self> {
         let at = candidate.answer.n_points.and_then(|n| candidate.answer.curve.at(n));
         let point = at.or(candidate.answer.curve.points().last())?;
@@ -61,7 +61,8 @@ impl Reason {
     }
 }
 
-/// The smallest degree up to which half of the energy beyond degree 0 lies, if it is known that far.
+/// Returns the smallest degree up to which half of the energy beyond degree 0 lies, if the energy
+/// is known that far.
 fn half_degree(energy: &Energy) -> Option<usize> {
     let half = 0.5 * energy.beyond(0);
     let mut sum = 0.0;

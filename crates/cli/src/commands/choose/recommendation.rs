@@ -1,10 +1,10 @@
-//! What to take and why, in a sentence, or why nothing is worth taking.
+//! The recommendation and its reason in a sentence, or the reason why there is none.
 
 use sphvar_samplers::Pattern;
 use sphvar_variance::{Predictor, settled_degree_of};
 
 use super::candidate::TimedCandidate;
-use super::question::{Asked, Question};
+use super::question::{Question, Requested};
 use super::reason::Reason;
 use crate::error::CliError;
 use crate::report::number;
@@ -23,7 +23,7 @@ pub(super) fn recommendation(
     }
     let (Some(best), Some(n)) = (best, best.and_then(|b| b.answer.n_points)) else {
         let (mut text, mut most) = ("No sampler reaches this error".to_owned(), 1);
-        if let Asked::Error { max_points, .. } = question.asked {
+        if let Requested::Error { max_points, .. } = question.requested {
             most = max_points;
             text += &format!(
                 " with {most} points (--max-count): all considered are out of reach, and white noise \
@@ -38,12 +38,12 @@ pub(super) fn recommendation(
     }
     let reason = Reason::new(best, predictor);
     let extrapolated = if best.basis() == "extrapolated" { ", by extrapolation" } else { "" };
-    let choice = match question.asked {
+    let choice = match question.requested {
         _ if question.cost_per_sample.is_some() => "the least time for set and values",
-        Asked::Error { .. } => {
+        Requested::Error { .. } => {
             "of those that need the fewest points, within 10 %, the cheapest to make"
         }
-        Asked::Points(_) => "of those of the least variance, within 10 %, the cheapest to make",
+        Requested::Points(_) => "of those of the least variance, within 10 %, the cheapest to make",
     };
     let name = best.answer.curve.pattern();
     let why = match &reason {
@@ -55,8 +55,8 @@ pub(super) fn recommendation(
     Ok((reason, text))
 }
 
-/// Why not even the best is worth a recommendation: its error exceeds the integral, or its variance is
-/// no less than white noise's as far as that is known.
+/// Returns why not even the best pattern is recommended: its error exceeds the integral, or its
+/// variance is not below white noise's within the known accuracy.
 fn no_recommendation(
     best: &TimedCandidate,
     n: usize,
@@ -78,7 +78,9 @@ fn no_recommendation(
     let unknown = if stderr.is_finite() { 2.0 * stderr } else { 0.0 };
     let is_white = predictor.white_variance(n) <= variance + unknown;
     let is_white_noise = *name == Pattern::WhiteNoise;
-    if is_white && !is_white_noise || is_white_noise && matches!(question.asked, Asked::Points(_)) {
+    if is_white && !is_white_noise
+        || is_white_noise && matches!(question.requested, Requested::Points(_))
+    {
         let text = format!(
             "No pattern considered helps: none has less variance with {n} points than white noise, as far \
              as that is known."
@@ -88,7 +90,8 @@ fn no_recommendation(
     Ok(None)
 }
 
-/// That most of the variance lies where no pattern has less power than white noise, if it does.
+/// Returns a remark if most of the variance lies in degrees in which no pattern has less power than
+/// white noise.
 fn beyond_help(n_points: usize, predictor: &mut Predictor<'_>) -> Result<String, CliError> {
     let settled = settled_degree_of(n_points, predictor.domain());
     let share = predictor.share_beyond(settled)?;

@@ -1,4 +1,4 @@
-//! What `choose` finds, as files and tables show it.
+//! The results of `choose`, for files and tables.
 
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -136,7 +136,8 @@ impl CandidateRecord {
             variance_stderr: p.prediction.stderr,
             variance_tail_error: p.prediction.tail_error,
         };
-        // A constant has rounding for variance, whose gains and rates mean nothing.
+        // The variance of a constant is rounding error, so its variance reduction and rate are
+        // meaningless.
         let varies = predictor.white_variance(1) > 0.0;
         let (rate, white) = (rate.filter(|_| varies), white.filter(|_| varies));
         Self {
@@ -156,8 +157,8 @@ impl CandidateRecord {
             gain: white.zip(variance).map(|(white, v)| white / v).filter(finite),
             rate: rate.map(|fit| fit.slope),
             rate_interval: rate.map(|fit| fit.interval).filter(|i| (i.1 - i.0).is_finite()),
-            seconds_per_set: candidate.making.map(|m| m.seconds),
-            seconds_are_scaled: candidate.making.is_some_and(|m| m.is_scaled),
+            seconds_per_set: candidate.set_time.map(|m| m.seconds),
+            seconds_are_scaled: candidate.set_time.is_some_and(|m| m.is_scaled),
             seconds_in_all: candidate.seconds_in_all,
             lmax: point.map(|p| p.spectrum.lmax()),
             realizations: point.map(|p| p.spectrum.realizations()),
@@ -169,7 +170,7 @@ impl CandidateRecord {
         }
     }
 
-    /// The columns of a table.
+    /// Returns the columns of a table.
     pub(super) fn columns(question: &Question) -> Vec<Column<'static, Self>> {
         let mut columns = vec![
             Column::text("sampler", |r: &Self| r.sampler.clone()),
@@ -195,19 +196,20 @@ impl CandidateRecord {
         columns
     }
 
-    /// The number of points, with a sign where it is extrapolated.
+    /// Returns the number of points, marked where it is extrapolated.
     pub(super) fn count(&self) -> String {
         let approximate = if self.basis == "extrapolated" { "~" } else { "" };
         number::optional(self.n, |n| format!("{approximate}{n}"))
     }
 
-    /// An error of the integral, in percent where the integral is known.
+    /// Returns an error of the integral, in percent where the integral is known.
     pub(super) fn error_text(&self, error: Option<f64>) -> String {
         let format = if self.relative_error.is_some() { number::percent } else { number::value };
         number::optional(error, format)
     }
 
-    /// What is not known of the error: half the relative error of the variance is that of its root.
+    /// Returns the uncertainty of the error; the relative error of a square root is half that of
+    /// its argument.
     fn unknown_error(&self) -> Option<f64> {
         let total = self.variance_stderr.zip(self.variance_tail_error).map(|(s, t)| s.hypot(t));
         let half = total.zip(self.variance).map(|(e, v)| 0.5 * e / v.max(e));

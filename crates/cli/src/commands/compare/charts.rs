@@ -1,4 +1,4 @@
-//! The charts of `compare`, of which `variance` has one.
+//! The charts of `compare`; `variance` shares one of them.
 
 use sphvar_integrands::Energy;
 use sphvar_variance::VariancePoint;
@@ -9,14 +9,16 @@ use crate::commands::rows::Plan;
 use crate::plots::{Binned, Chart, Ink, MAX_COLOURS, Panel, Scale, Series, Spread, Style, ranks};
 use crate::report::number;
 
-/// Energies below this part of the whole are 0 to rounding.
+/// Energies below this fraction of the total are 0 to rounding.
 const ROUNDING: f64 = 1e-30;
-/// Ratios within this factor of 1 have a linear axis.
+/// If all ratios are within this factor of 1, the axis is linear.
 const LINEAR_RATIO: f64 = 5.0;
-/// Beyond this frequency only lattices are computed, and their power only wobbles.
+/// Beyond this frequency only the spectra of lattices are computed, and their power only
+/// fluctuates.
 const LAST_FREQUENCY: f64 = 4.0;
 
-/// Returns the colours of curves: of many, those with the smallest N x variance have one.
+/// Returns the colours of curves. If there are many curves, only those with the smallest N x
+/// variance have a colour.
 fn inks(curves: &[Curve<'_>]) -> Vec<Ink> {
     let value = |curve: &Curve<'_>| {
         let last = curve.predicted().last().copied();
@@ -26,7 +28,7 @@ fn inks(curves: &[Curve<'_>]) -> Vec<Ink> {
     ranks(&values).into_iter().map(Ink::Rank).collect()
 }
 
-/// Returns what is said of colours where there are more curves.
+/// Returns a note on the colours if there are more curves than colours.
 fn note_of_colours(curves: &[Curve<'_>]) -> Option<String> {
     let note = || format!("In colour: the {MAX_COLOURS} with the smallest N \u{d7} variance.");
     (curves.len() > MAX_COLOURS).then(note)

@@ -1,4 +1,4 @@
-//! The rows of one pattern, and what follows from all of them.
+//! The rows of one pattern and the quantities derived from all of them.
 
 use sphvar_integrands::Energy;
 use sphvar_samplers::Pattern;
@@ -28,7 +28,8 @@ impl<'a> Curve<'a> {
         self.rows.iter().map(|r| r.comparison.predicted_point()).collect()
     }
 
-    /// The more precise of both at every number of points, as far as its error is known.
+    /// Returns the more precise of both variances at every number of points, where its error is
+    /// known.
     pub(super) fn best(&self) -> Vec<VariancePoint> {
         let points = self.rows.iter().map(|r| r.comparison.best_point());
         points.filter(|p| p.stderr.is_finite()).collect()

@@ -1,4 +1,4 @@
-//! What `compare` finds, as files and tables show it.
+//! The results of `compare`, for files and tables.
 
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -79,7 +79,7 @@ pub(crate) struct ComparisonBody {
 }
 
 impl SamplerRecord {
-    /// The columns of a table.
+    /// Returns the columns of a table.
     pub(super) fn columns() -> Vec<Column<'static, Self>> {
         let interval = |interval| number::interval(interval, number::rate);
         vec![
@@ -88,7 +88,8 @@ impl SamplerRecord {
                 number::optional(s.rate, number::rate) + if s.pre_asymptotic { " *" } else { "" }
             }),
             Column::number("95 %", move |s: &Self| interval(s.rate_interval)),
-            // A measured rate is shown with its interval: of few trials it can be anything.
+            // A measured rate is shown with its interval, because from few trials it is very
+            // uncertain.
             Column::number("measured (95 %)", move |s: &Self| {
                 let both = s.measured_rate.zip(s.measured_rate_interval);
                 number::optional(both, |(rate, ends)| {

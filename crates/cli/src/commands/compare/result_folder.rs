@@ -1,4 +1,5 @@
-//! The folder of a comparison: one run at a time writes to it, and none overwrites another's results unasked.
+//! The folder of a comparison. One run at a time writes to it, and results of another run are
+//! overwritten only on request.
 
 use std::path::{Path, PathBuf};
 
@@ -6,10 +7,10 @@ use crate::error::CliError;
 use crate::files::{FolderLock, as_group, read_regular};
 use crate::report::Provenance;
 
-/// The file that tells which run the others are of; it is written last.
+/// The record that identifies the run of the other files; it is written last.
 pub(super) const RECORD: &str = "comparison.json";
 
-/// All files, as they are listed in the help.
+/// All files, in the order of the help.
 const FILES: [&str; 9] = [
     "comparison.csv",
     RECORD,
@@ -29,18 +30,20 @@ pub(super) struct ResultFolder {
 }
 
 impl ResultFolder {
-    /// Makes and locks the folder, before the work, and removes what a run left that was killed while it wrote.
+    /// Creates and locks the folder before the work starts, and removes the files of a run that was
+    /// killed while it wrote them.
     ///
     /// # Errors
-    /// When it cannot be written to, another run writes to it, or it has the results of another run and not
-    /// `force`.
+    ///
+    /// If the folder is not writable, another run writes to it, or it has the results of another
+    /// run and `force` is false.
     pub(super) fn open(
         folder: &Path,
         provenance: &Provenance,
         force: bool,
     ) -> Result<Self, CliError> {
         let mut lock = FolderLock::take(folder, &provenance.command)?;
-        // Results are complete when there is a record of them.
+        // Results are complete if there is a record of them.
         if lock.is_unfinished() {
             if !is_there(folder, RECORD) {
                 remove(folder, &present(folder));
@@ -53,10 +56,11 @@ impl ResultFolder {
         Ok(Self { folder: folder.to_owned(), lock })
     }
 
-    /// Writes the results with `write`. An interrupt waits until all are written; after an error no record
-    /// claims the files that are there, and those are removed that were not there before.
+    /// Writes the results with `write`. An interrupt is delayed until all are written. After an
+    /// error the record is removed, and so are the files that did not exist before.
     ///
     /// # Errors
+    ///
     /// Those of `write`.
     pub(super) fn write(
         mut self,
@@ -65,7 +69,8 @@ impl ResultFolder {
         as_group(|| {
             let before = present(&self.folder);
             self.lock.set_unfinished(true)?;
-            // Where there is none, there is nothing to remove; another failure shows when it is written.
+            // A missing record need not be removed; any other failure is reported when the record
+            // is written.
             let _ = std::fs::remove_file(self.folder.join(RECORD));
             let written = write(&self.folder);
             if written.is_err() {
@@ -83,23 +88,24 @@ fn is_there(folder: &Path, name: &str) -> bool {
     folder.join(name).symlink_metadata().is_ok()
 }
 
-/// Returns the names of the files of results that are there.
+/// Returns the names of the result files that exist.
 fn present(folder: &Path) -> Vec<&'static str> {
     FILES.into_iter().filter(|name| is_there(folder, name)).collect()
 }
 
-/// Removes plain files, as they are written here.
+/// Removes regular files, the only kind that is written here.
 fn remove(folder: &Path, names: &[&str]) {
     for name in names {
         let path = folder.join(name);
         if path.symlink_metadata().is_ok_and(|metadata| metadata.is_file()) {
-            // What cannot be removed is found again, and told, when it is to be written.
+            // A file that cannot be removed is reported when it is written.
             let _ = std::fs::remove_file(path);
         }
     }
 }
 
-/// Returns an error if there are results of another run: those of the same command are replaced by the same ones.
+/// Returns an error if the folder has results of another run. Results of the same command are
+/// replaced by identical ones.
 fn check_unused(folder: &Path, provenance: &Provenance) -> Result<(), CliError> {
     let present = present(folder);
     if present.is_empty() {

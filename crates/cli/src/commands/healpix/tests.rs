@@ -12,7 +12,7 @@ use crate::error::CliError;
 use crate::files::{Columns, Number, read_list};
 use crate::report::{Document, Provenance};
 
-/// Runs `sphvar healpix` with these words.
+/// Runs `sphvar healpix` with these arguments.
 fn healpix(words: &str) -> Result<(), CliError> {
     let cli = Cli::try_parse_from(["sphvar", "healpix"].into_iter().chain(words.split(' ')))
         .map_err(CliError::usage)?;
@@ -66,7 +66,8 @@ fn pixel_text(pixels: impl IntoIterator<Item = u64>) -> String {
     pixels.into_iter().fold("pixel\n".to_owned(), |text, pixel| text + &format!("{pixel}\n"))
 }
 
-/// The numbers stand in the documentation of healpy; no direction given here is near an edge.
+/// The values are published in the documentation of healpy; no direction is near the edge of a
+/// pixel.
 #[test]
 fn published_values() {
     let folder = Folder::new();
@@ -79,7 +80,7 @@ fn published_values() {
         };
         let published = [0.998_795_456_205_172_4, 0.049_067_674_327_418_015, 0.0];
         for (a, b) in found.iter().zip(published) {
-            // Either side rounds a sine or a cosine and little else.
+            // Both libraries round little more than a sine or a cosine.
             assert!((a - b).abs() <= 2.0 * f64::EPSILON, "{order}: {found:?}");
         }
         let text = folder.text(&format!("vec2pix --nside 16{order}"), "0.9987 0.049 1e-9\n");
@@ -121,14 +122,15 @@ fn files_hold_the_bits_of_the_library() {
     }
 }
 
-/// Pixels of the finest grid: ends, borders of the caps, numbers that no `f64` holds, and many between.
+/// Pixels of the finest grid: the first and last, borders of the caps, numbers that `f64` cannot
+/// represent, and many between.
 fn fine_pixels() -> Vec<u64> {
     let nside = Nside::new(Nside::MAX).unwrap();
     let (n, total) = (u64::from(Nside::MAX), nside.n_pixels());
     let cap = 2 * n * (n - 1);
     let mut pixels = vec![0, 1, 2, 3, 4, 11, 12, cap - 1, cap, cap + 1, total / 2, (1 << 53) + 1];
     pixels.extend([total - cap - 1, total - cap, total - 12, total - 4, total - 2, total - 1]);
-    // Steps by the golden section spread evenly and have odd low digits.
+    // Golden-section steps are evenly spread and have odd low digits.
     let step = 2_137_634_030_281_913_621;
     pixels.extend((1..2000).map(|i: u64| i.wrapping_mul(step) % total));
     pixels
@@ -140,7 +142,7 @@ fn round_trips_at_the_finest_grid() {
     let pixels = fine_pixels();
     fs::write(folder.path("p.csv"), pixel_text(pixels.iter().copied())).unwrap();
     let nside = format!("--nside {}", Nside::MAX);
-    // To NPY by a conversion there and back that is checked below.
+    // The NPY input comes from a round-trip conversion that is checked below.
     folder.convert(&format!("ring2nest {nside}"), "p.csv", "n.csv");
     folder.convert(&format!("nest2ring {nside}"), "n.csv", "p.npy");
     let nested = Nested::new(Nside::new(Nside::MAX).unwrap()).unwrap();
@@ -199,7 +201,7 @@ fn degrees_are_longitude_and_latitude() {
             assert!((a - b).abs() <= 128.0 * f64::EPSILON, "{found:?} against {expected:?}");
         }
     }
-    // The header gives the order; far longitudes are the same.
+    // The header determines the order; longitudes differ by full periods.
     let text =
         folder.text("ang2pix --nside 1 --degrees", "lat,lon\n41,45\n41,3.6e9\n90,0\n-90,7\n");
     let pixels: Vec<&str> = text.lines().skip(1).collect();

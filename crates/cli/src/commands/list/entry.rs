@@ -1,4 +1,4 @@
-//! What is listed of a sampler, an integrand and a format.
+//! The listed properties of a sampler, an integrand and a format.
 
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -100,10 +100,10 @@ pub(crate) struct ParameterEntry {
     default: serde_json::Value,
     /// Whether the parameter must be given.
     required: bool,
-    /// `=DEFAULT` as the grammar writes it.
+    /// `=DEFAULT` in the notation of the grammar.
     #[serde(skip)]
     shown_default: String,
-    /// Whether any text is valid, or any name of a file.
+    /// Whether any text or any file name is valid.
     #[serde(skip)]
     is_text: bool,
     /// What the default follows from, in words.
@@ -138,7 +138,7 @@ impl SamplerEntry {
             Some(LastEmptyDegree { n, l: pattern.last_empty_degree(n, domain)? })
         };
         let mut last_empty_degrees: Vec<_> = counts.iter().filter_map(last).collect();
-        // Some can be made so, but are not with their default parameters.
+        // Some patterns have empty degrees only with parameters other than the defaults.
         if last_empty_degrees.iter().all(|last| last.l == 0) {
             last_empty_degrees.clear();
         }
@@ -185,7 +185,7 @@ impl SamplerEntry {
     }
 }
 
-/// Returns what is known of the distribution of a pattern, in words.
+/// Returns the known properties of a pattern's distribution, in words.
 fn distribution(pattern: &Pattern) -> &'static str {
     let n = pattern.nearest_count(12, Domain::Sphere);
     let Ok(sampler) = pattern.build(n, Domain::Sphere) else { return "random" };

@@ -1,18 +1,18 @@
-//! Text of names with what belongs to them, wrapped to a terminal.
+//! Names with descriptions, wrapped to the width of a terminal.
 
-/// The width that every terminal has.
+/// The minimum width of a terminal.
 const WIDTH: usize = 80;
-/// Where the details of an entry begin.
+/// The indentation of the details of an entry.
 const INDENT: usize = 4;
-/// The width of the names of details, with the gap behind them.
+/// The width of the column of detail names, with the gap.
 const LABELS: usize = 18;
-/// The width of names in overviews, with the gap behind them.
+/// The width of the column of names in overviews, with the gap.
 const NAMES: usize = 18;
 
-/// A blank at which lines are not wrapped; it is shown as an ordinary one.
+/// A space at which lines are not wrapped; it is printed as an ordinary one.
 pub(super) const UNBREAKABLE: &str = "\u{a0}";
 
-/// A text of lines of at most 80 columns.
+/// A text with lines of at most 80 columns.
 #[derive(Default)]
 pub(super) struct Page {
     text: String,
@@ -32,12 +32,12 @@ impl Page {
         self.text.push('\n');
     }
 
-    /// Adds a name with its meaning.
+    /// Adds a name with its description.
     pub(super) fn line(&mut self, name: &str, meaning: &str) {
         self.labelled(2, name, NAMES, meaning);
     }
 
-    /// Adds a detail of the entry above, unless there is nothing to say.
+    /// Adds a detail of the entry above, unless it is empty.
     pub(super) fn detail(&mut self, label: &str, detail: &str) {
         if !detail.is_empty() {
             self.labelled(INDENT, label, LABELS, detail);
@@ -53,7 +53,7 @@ impl Page {
     fn labelled(&mut self, indent: usize, label: &str, width: usize, text: &str) {
         let start = indent + width;
         let mut line = format!("{:indent$}{label:width$}", "");
-        // A long label has a line of its own.
+        // A long label is on a line of its own.
         if label.chars().count() >= width && width > 0 {
             self.push_line(&line);
             line = " ".repeat(start);

@@ -1,13 +1,13 @@
-//! From values to the colours of a PNG.
+//! Converts values to the colours of a PNG.
 
 use crate::files::srgb;
 
-/// Greys, `white` being the brightest.
+/// Returns a grey scale whose brightest value is `white`.
 pub(super) fn grey(white: f64) -> impl Fn(f64) -> [u8; 3] {
     move |x| [srgb(x / white); 3]
 }
 
-/// White for 0, red above it and blue below, full at `full`.
+/// Returns a scale with white for 0, red above it and blue below, saturated at `full`.
 pub(super) fn signed(full: f64) -> impl Fn(f64) -> [u8; 3] {
     move |x| {
         let share = if full > 0.0 { (x.abs() / full).min(1.0) } else { 0.0 };
@@ -16,7 +16,7 @@ pub(super) fn signed(full: f64) -> impl Fn(f64) -> [u8; 3] {
     }
 }
 
-/// The value below which the share `q` of the values lies; 0 of none.
+/// Returns the quantile `q` of the values, or 0 if there are none.
 pub(super) fn quantile(values: impl Iterator<Item = f64>, q: f64) -> f64 {
     let mut sorted: Vec<f64> = values.collect();
     sorted.sort_by(f64::total_cmp);

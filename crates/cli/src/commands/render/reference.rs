@@ -1,4 +1,4 @@
-//! The reference image: from the cache, or made and put there.
+//! The reference image, from the cache or rendered.
 
 use std::path::{Path, PathBuf};
 
@@ -13,9 +13,9 @@ use crate::memory::check_memory;
 use crate::progress::Progress;
 use crate::report::say;
 
-/// A reference image of this many times as many directions has little error: where errors fall as N^-1.5, 1 % of the
-/// picture's.
-const FEWER: usize = 20;
+/// A reference image with this multiple of the number of directions is accurate enough: where
+/// errors fall as N^-1.5, its error is 1 % of the picture's.
+const SUFFICIENT_FACTOR: usize = 20;
 
 /// A requested reference image.
 pub(super) struct Reference {
@@ -25,7 +25,7 @@ pub(super) struct Reference {
 }
 
 impl Reference {
-    /// Checks what was asked for.
+    /// Checks the request.
     pub(super) fn new(args: &RenderArgs, stage: &Stage, global: &Global) -> Result<Self, CliError> {
         let plan = DirectionPlan::reference(args.reference_count, global.seed)
             .map_err(|e| CliError::Usage(format!("--reference-count: {e}")))?;
@@ -48,12 +48,12 @@ impl Reference {
         Ok(Self { plan, file, quiet: global.quiet })
     }
 
-    /// The image, from the cache or made.
+    /// Returns the image, from the cache or rendered.
     pub(super) fn image(&self, stage: &Stage) -> Result<Image, CliError> {
         if let Some(file) = &self.file {
             match file.read() {
                 Stored::Image(image) => return Ok(image),
-                Stored::Nothing => (),
+                Stored::Missing => (),
                 Stored::Unusable => say(
                     self.quiet,
                     &format!("{} is damaged; it is made again", file.path().display()),
@@ -62,7 +62,7 @@ impl Reference {
         }
         let image = self.make(stage)?;
         if let Some(file) = &self.file {
-            // Without it the next run takes longer, and that is all.
+            // Without the cache the next run only takes longer.
             if let Err(error) = file.write(&image) {
                 say(self.quiet, &format!("the reference image is not kept: {error}"));
             }
@@ -70,9 +70,10 @@ impl Reference {
         Ok(image)
     }
 
-    /// Says so if the reference image is not much better than one of `n_points` directions.
+    /// Prints a remark if the reference image is not much more accurate than one of `n_points`
+    /// directions.
     pub(super) fn remark(&self, n_points: usize) {
-        if n_points.saturating_mul(FEWER) > self.plan.n_points() {
+        if n_points.saturating_mul(SUFFICIENT_FACTOR) > self.plan.n_points() {
             let text = format!(
                 "the error of the reference image, of {} directions, shows beside that of {n_points}; \
                  --reference-count can be increased",
@@ -95,7 +96,7 @@ impl Reference {
     }
 }
 
-/// The folder `sphvar` where the user keeps what can be made again, if the system names one.
+/// Returns the folder `sphvar` in the user's cache, if the system names one.
 fn user_cache() -> Option<PathBuf> {
     let folder = |name: &str| {
         let value = std::env::var_os(name)?;

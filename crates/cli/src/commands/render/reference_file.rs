@@ -1,4 +1,4 @@
-//! Reference images on disk, each under the hash of what it is of.
+//! Reference images on disk, each under the hash of its description.
 
 use std::path::{Path, PathBuf};
 
@@ -6,10 +6,11 @@ use sphvar_scene::Image;
 
 use crate::files::{FileError, read_regular, write_regular};
 
-/// First line of every file; a change of how references are made or written becomes a new number.
+/// The first line of every file; the number changes with the computation or the format of
+/// references.
 const HEADER: &str = "sphvar reference image 2";
 
-/// A hash of bytes with their number, in hexadecimal digits (FNV-1a, 64 bits).
+/// Returns a hash of bytes with their number, in hexadecimal digits (FNV-1a, 64 bits).
 pub(super) fn fingerprint(bytes: &[u8]) -> String {
     format!("{:016x}-{}", hash(bytes), bytes.len())
 }
@@ -19,34 +20,36 @@ fn hash(bytes: &[u8]) -> u64 {
     bytes.iter().fold(0xcbf2_9ce4_8422_2325, step)
 }
 
-/// The place of one reference image.
+/// The file of one reference image.
 #[derive(Debug)]
 pub(super) struct ReferenceFile {
     path: PathBuf,
-    /// Header and description, which stand at the head of the file: a hash may be that of two descriptions.
+    /// Header and description at the start of the file, which distinguish descriptions with equal
+    /// hashes.
     head: String,
 }
 
-/// What a place holds.
+/// The content of a reference file.
 #[derive(Debug, PartialEq)]
 pub(super) enum Stored {
     /// The image.
     Image(Image),
-    /// Nothing.
-    Nothing,
-    /// Something else, or a damaged file.
+    /// No file.
+    Missing,
+    /// A different or damaged file.
     Unusable,
 }
 
 impl ReferenceFile {
-    /// The place in `folder` for the image of `description`, which is everything that the image depends on.
+    /// Returns the file in `folder` for the image of `description`, which contains everything that
+    /// the image depends on.
     pub(super) fn new(folder: &Path, description: &str) -> Self {
         let head = format!("{HEADER}\n{description}\n\n");
         let name = format!("reference-{:016x}.sphvar", hash(head.as_bytes()));
         Self { path: folder.join(name), head }
     }
 
-    /// Its path.
+    /// Returns the path.
     pub(super) fn path(&self) -> &Path {
         &self.path
     }
@@ -55,15 +58,16 @@ impl ReferenceFile {
     pub(super) fn read(&self) -> Stored {
         match read_regular(&self.path) {
             Ok(bytes) => self.decode(&bytes).map_or(Stored::Unusable, Stored::Image),
-            Err(error) if error.kind() == std::io::ErrorKind::NotFound => Stored::Nothing,
+            Err(error) if error.kind() == std::io::ErrorKind::NotFound => Stored::Missing,
             Err(_) => Stored::Unusable,
         }
     }
 
-    /// Writes the image, whole or not at all, and makes the folder.
+    /// Writes the image, complete or not at all, and creates the folder.
     ///
     /// # Errors
-    /// When folder or file cannot be written.
+    ///
+    /// If the folder or the file cannot be written.
     pub(super) fn write(&self, image: &Image) -> Result<(), FileError> {
         if let Some(folder) = self.path.parent() {
             std::fs::create_dir_all(folder).map_err(|source| FileError::Write {
@@ -74,7 +78,7 @@ impl ReferenceFile {
         write_regular(&self.path, &self.encode(image))
     }
 
-    /// Head, four whole numbers, values, spreads, coverage, and a hash of it all.
+    /// Returns the head, four integers, values, spreads, coverage, and a hash of all these.
     fn encode(&self, image: &Image) -> Vec<u8> {
         let mut bytes = self.head.clone().into_bytes();
         let counts = [image.width, image.height, image.n_points].map(|n| n as u64);
@@ -138,7 +142,7 @@ mod tests {
     fn images_come_back_and_damage_is_noticed() {
         let folder = tempfile::tempdir().unwrap();
         let file = ReferenceFile::new(&folder.path().join("new"), "a scene");
-        assert_eq!(file.read(), Stored::Nothing);
+        assert_eq!(file.read(), Stored::Missing);
         file.write(&image()).unwrap();
         assert_eq!(file.read(), Stored::Image(image()));
         let bytes = std::fs::read(file.path()).unwrap();

@@ -1,4 +1,4 @@
-//! Pictures side by side, with their errors below.
+//! A sheet of pictures with their errors below.
 
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -20,12 +20,13 @@ use crate::progress::Progress;
 use crate::report::{Column, Document, Provenance, is_stdout, number, print, table_of};
 use crate::spec::Spec;
 
-/// Directions, unless others are wished.
+/// The default number of directions.
 pub(super) const DEFAULT_COUNT: usize = 256;
-/// Renders of a panel, unless another number is wished: the picture itself has a fair part in its error.
+/// The default number of renders of a panel: the picture itself has a considerable part in its
+/// error.
 pub(super) const DEFAULT_RENDERS: u64 = 2;
 
-/// What a panel shows.
+/// The content of a panel.
 enum Requested {
     Reference,
     Pattern(Box<Trials>),
@@ -54,7 +55,7 @@ struct PanelRecord {
 }
 
 impl PanelRecord {
-    /// The columns of a table.
+    /// Returns the columns of a table.
     fn columns() -> [Column<'static, Self>; 7] {
         [
             Column::text("sampler", |r: &Self| r.sampler.clone()),
@@ -138,7 +139,7 @@ pub(super) fn run(args: &RenderArgs, panels: &str, global: &Global) -> Result<()
     print(&table_of(&PanelRecord::columns(), &records))
 }
 
-/// `SAMPLER@MODE`, `SAMPLER` in the mode of `--mode`, or `reference`.
+/// Parses `SAMPLER@MODE`, `SAMPLER` in the mode of `--mode`, or `reference`.
 fn request(args: &RenderArgs, text: &str, n: usize, seed: u64) -> Result<Requested, CliError> {
     if text == "reference" {
         return Ok(Requested::Reference);
@@ -152,7 +153,7 @@ fn request(args: &RenderArgs, text: &str, n: usize, seed: u64) -> Result<Request
     Ok(Requested::Pattern(Box::new(trials)))
 }
 
-/// Those that show a pattern.
+/// Returns the panels that show a pattern.
 fn patterns(requests: &[Requested]) -> impl Iterator<Item = &Trials> {
     requests.iter().filter_map(|requested| match requested {
         Requested::Reference => None,

@@ -1,4 +1,4 @@
-//! One picture, and if it is wished its errors.
+//! One picture and, on request, its errors.
 
 use std::path::{Path, PathBuf};
 
@@ -18,7 +18,7 @@ use crate::patterns::parse_pattern;
 use crate::progress::Progress;
 use crate::report::{Document, Provenance, is_stdout, number, print, say};
 
-/// Directions, unless others are wished.
+/// The default number of directions.
 pub(super) const DEFAULT_COUNT: usize = 256;
 
 /// One picture with its errors: `render --json`.
@@ -176,7 +176,7 @@ pub(super) fn run(args: &RenderArgs, global: &Global) -> Result<(), CliError> {
     print(&text(&trials, &outcome))
 }
 
-/// Refuses names that could not be written, before the work.
+/// Rejects output names that cannot be written, before the work starts.
 fn check_outputs(args: &RenderArgs, global: &Global) -> Result<(), CliError> {
     let paths: Vec<&PathBuf> =
         [&args.out, &args.difference, &args.error].into_iter().flatten().collect();
@@ -209,7 +209,7 @@ fn body(trials: &Trials, outcome: &Outcome, errors: &Errors, reference: &Image) 
         sampler: trials.plan.pattern().to_string(),
         mode: trials.plan.mode().name(),
         estimator: trials.estimator.name(),
-        asked: trials.asked,
+        asked: trials.requested,
         n: trials.plan.n_points(),
         sets: trials.plan.n_sets(),
         width: picture.width,
@@ -284,7 +284,7 @@ fn write_pictures(
     if let Some(path) = &args.out {
         let white = white(args, stage, picture, global.quiet);
         let is_whole = picture.coverage.iter().all(|&c| c >= 1.0);
-        // Where surfaces are seen all over there is no need of alpha.
+        // A picture that is covered completely needs no alpha channel.
         let coverage = (!is_whole).then_some(&*picture.coverage);
         let picture = Picture { width, height, values: &picture.values, coverage };
         picture.write(path, &grey(white), &remark)?;
@@ -302,9 +302,9 @@ fn write_pictures(
     Ok(())
 }
 
-/// What is white in a picture of these values: what is asked for, or 1 for shares, else the brightest pixel; but where
-/// few pixels are far brighter than the others, as under a sun, what 99 % of the pixels stay below. Says so where
-/// most of the picture would be black.
+/// Returns the value shown as white: the requested one, or 1 for shares, or the brightest pixel. If
+/// a few pixels are far brighter than the others, as with a sun, it is the 99th percentile of the
+/// pixels. Prints a remark if most of the picture would be black.
 pub(super) fn white(args: &RenderArgs, stage: &Stage, picture: &Image, quiet: bool) -> f64 {
     let seen = || {
         let pixels = picture.values.iter().zip(&picture.coverage);
@@ -334,7 +334,7 @@ pub(super) fn white(args: &RenderArgs, stage: &Stage, picture: &Image, quiet: bo
     white
 }
 
-/// Pixels are spikes if 99 % of a picture stay below this share of them.
+/// Pixels are outliers if 99 % of a picture are below this share of them.
 const SPIKE: f64 = 0.1;
-/// The linear share of white below which a pixel of 8 bits looks black.
+/// The linear share of white below which an 8-bit pixel looks black.
 const BLACK: f64 = 1.0 / 256.0;

@@ -1,4 +1,4 @@
-//! What is seen, from where, and what is integrated: the flags about the scene.
+//! The flags of the scene: geometry, camera and integral.
 
 use std::path::{Path, PathBuf};
 
@@ -22,7 +22,8 @@ const INTEGRALS: &str = "ao[:weight=cosine] | irradiance:env=FILE[,albedo=1], an
 /// The field of view of a mesh, degrees.
 const DEFAULT_FOV: f64 = 40.0;
 
-/// Pixels on each side of a picture by default, of those of a study, and of a panel of a sheet.
+/// The default number of pixels on each side of a picture, of a picture of a study, and of a panel
+/// of a sheet.
 pub(super) const PICTURE_SIZE: usize = 512;
 pub(super) const STUDY_SIZE: usize = 128;
 pub(super) const PANEL_SIZE: usize = 256;
@@ -83,7 +84,7 @@ impl std::str::FromStr for Size {
     }
 }
 
-/// A list of so many numbers, with commas.
+/// A comma-separated list of a fixed number of numbers.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Numbers<const N: usize, T>([T; N]);
 
@@ -97,20 +98,20 @@ impl<const N: usize, T: std::str::FromStr> std::str::FromStr for Numbers<N, T> {
     }
 }
 
-/// What the flags about the scene stand for.
+/// The scene that the flags describe.
 pub(super) struct Stage {
     scene: Scene,
     camera: Camera,
     size: [usize; 2],
     region: Option<CropWindow>,
     pixel_rays: usize,
-    integral: Wanted,
-    /// Everything that a reference image depends on but its directions, in words and hashes.
+    integral: RequestedIntegral,
+    /// Everything that a reference image depends on except its directions, in words and hashes.
     pub(super) description: String,
 }
 
-/// An [`Integral`] with what it borrows.
-enum Wanted {
+/// An [`Integral`] with the data that it borrows.
+enum RequestedIntegral {
     Ambient { max_distance: f64, cosine: bool },
     Irradiance { environment: EnvironmentMap, to_map: DQuat, albedo: f64 },
     Light { light: Quad, albedo: f64 },
@@ -120,7 +121,7 @@ impl StageArgs {
     /// Reads the files and checks the numbers.
     ///
     /// Says what is remarkable of the files, unless `quiet`.
-    pub(super) fn stage(&self, usual_size: usize, quiet: bool) -> Result<Stage, CliError> {
+    pub(super) fn stage(&self, default_size: usize, quiet: bool) -> Result<Stage, CliError> {
         let wrong = |error: sphvar_scene::Error| CliError::usage(error);
         let up = self.up.map_or(DVec3::Y, |up| DVec3::from_array(up.0));
         let mut description = String::new();
@@ -134,7 +135,7 @@ impl StageArgs {
             (scene, None, None)
         };
         let camera = self.camera(&scene, own_camera, up)?;
-        let size = self.size.map_or([usual_size; 2], |size| size.0);
+        let size = self.size.map_or([default_size; 2], |size| size.0);
         let region = self.crop.map(|crop| {
             let [x, y, width, height] = crop.0;
             CropWindow { x, y, width, height }
@@ -160,7 +161,7 @@ impl StageArgs {
             integral,
             description,
         };
-        // Wrong sizes and crops are known now.
+        // Invalid sizes and crops are rejected from here on.
         stage.view()?;
         Ok(stage)
     }
@@ -219,7 +220,7 @@ impl StageArgs {
         light: Option<Quad>,
         up: DVec3,
         quiet: bool,
-    ) -> Result<(Wanted, String), CliError> {
+    ) -> Result<(RequestedIntegral, String), CliError> {
         let text = &self.integral;
         let mut spec = Spec::parse(text)?;
         let mut albedo = 1.0;
@@ -253,14 +254,14 @@ impl StageArgs {
                 )?;
                 spec.finish(&["weight (uniform, cosine)"])?;
                 let words = format!("ambient {max_distance:e} {cosine}");
-                Ok((Wanted::Ambient { max_distance, cosine }, words))
+                Ok((RequestedIntegral::Ambient { max_distance, cosine }, words))
             }
             "irradiance" => {
                 let file =
                     spec.take_path("env").or_else(|| spec.take_path("")).ok_or_else(|| {
                         CliError::Usage(format!("{text}: the map is missing: irradiance:env=FILE"))
                     })?;
-                // The file may be written as it is for an integrand.
+                // The file may be written in the notation of an integrand.
                 let file = match file.to_str().and_then(|file| file.strip_prefix("env:")) {
                     Some(inner) if !file.exists() => PathBuf::from(inner),
                     _ => file,
@@ -277,14 +278,17 @@ impl StageArgs {
                 let hash = fingerprint(&read_whole(&file)?);
                 let words = format!("irradiance {hash} {words} {albedo:e} {to_map:?}");
                 let environment = map;
-                Ok((Wanted::Irradiance { environment, to_map, albedo }, words))
+                Ok((RequestedIntegral::Irradiance { environment, to_map, albedo }, words))
             }
             "light" => {
                 spec.finish(&["albedo"])?;
                 let light = light.ok_or_else(|| {
                     CliError::Usage(format!("{text}: a mesh has no lamp of its own; give --lamp"))
                 })?;
-                Ok((Wanted::Light { light, albedo }, format!("light {light:?} {albedo:e}")))
+                Ok((
+                    RequestedIntegral::Light { light, albedo },
+                    format!("light {light:?} {albedo:e}"),
+                ))
             }
             name => Err(unknown_name("integral", name, &["ao", "irradiance", "light"])),
         }
@@ -292,7 +296,7 @@ impl StageArgs {
 }
 
 impl Stage {
-    /// The part of the picture that is wanted.
+    /// Returns the requested part of the picture.
     pub(super) fn view(&self) -> Result<View<'_>, CliError> {
         let view = View::new(&self.scene, &self.camera, self.size)
             .and_then(|view| view.with_rays_per_side(self.pixel_rays))
@@ -306,19 +310,21 @@ impl Stage {
     /// Calls `then` with the integral.
     pub(super) fn with_integral<T>(&self, then: impl FnOnce(&Integral<'_>) -> T) -> T {
         match &self.integral {
-            &Wanted::Ambient { max_distance, cosine } => {
+            &RequestedIntegral::Ambient { max_distance, cosine } => {
                 then(&Integral::AmbientOcclusion { max_distance, cosine })
             }
-            Wanted::Irradiance { environment, to_map, albedo } => {
+            RequestedIntegral::Irradiance { environment, to_map, albedo } => {
                 let radiance = |dir: DVec3| environment.eval(*to_map * dir);
                 then(&Integral::Irradiance { radiance: &radiance, albedo: *albedo })
             }
-            Wanted::Light { light, albedo } => then(&Integral::Light { light, albedo: *albedo }),
+            RequestedIntegral::Light { light, albedo } => {
+                then(&Integral::Light { light, albedo: *albedo })
+            }
         }
     }
 
-    /// Whether 1 is the value of a point that everything reaches.
+    /// Returns whether the value 1 means that a point is reached from all directions.
     pub(super) fn is_share(&self) -> bool {
-        matches!(self.integral, Wanted::Ambient { .. })
+        matches!(self.integral, RequestedIntegral::Ambient { .. })
     }
 }

@@ -1,4 +1,4 @@
-//! Mean squared errors over the number of directions, their rates and crossovers.
+//! Mean squared errors against the number of directions, with rates and crossovers.
 
 mod chart;
 
@@ -20,7 +20,7 @@ use crate::patterns::parse_patterns;
 use crate::progress::Progress;
 use crate::report::{Column, Forms, Provenance, check_result, csv_of, emit, number, table_of};
 
-/// Directions, unless others are wished.
+/// The default numbers of directions.
 pub(super) const DEFAULT_RANGE: (usize, usize) = (16, 1024);
 
 /// Mean squared errors over the number of directions: `render --study --json`.
@@ -137,7 +137,7 @@ pub(super) fn run(args: &RenderArgs, global: &Global) -> Result<(), CliError> {
         rows.extend(outcome.errors.as_ref().map(|errors| StudyRecord {
             sampler: case.plan.pattern().to_string(),
             mode: mode.name(),
-            asked: case.asked,
+            asked: case.requested,
             n: case.plan.n_points(),
             sets: case.plan.distinct_sets(renders),
             renders,
@@ -165,7 +165,7 @@ pub(super) fn run(args: &RenderArgs, global: &Global) -> Result<(), CliError> {
 }
 
 impl StudyRecord {
-    /// The columns of a table.
+    /// Returns the columns of a table.
     fn columns() -> [Column<'static, Self>; 9] {
         let score = |t: Option<f64>| number::optional(t, number::ratio);
         [
@@ -183,7 +183,7 @@ impl StudyRecord {
 }
 
 impl StudyRates {
-    /// The columns of a table.
+    /// Returns the columns of a table.
     fn columns() -> [Column<'static, Self>; 5] {
         let rate = |rate: &Option<Rate>| number::optional(rate.as_ref(), |r| number::rate(r.rate));
         let interval =
@@ -230,7 +230,7 @@ impl<'a> Curve<'a> {
         };
         let tail: Vec<VariancePoint> =
             points.iter().copied().filter(|p| p.n_points >= middle).collect();
-        // Errors come from the renders of each number of points.
+        // Errors come from the renders at each number of points.
         let renders = self.rows.iter().map(|row| row.renders).min().unwrap_or(0);
         let dof = renders.saturating_sub(1) as f64;
         StudyRates {

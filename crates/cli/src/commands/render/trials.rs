@@ -13,26 +13,26 @@ use crate::error::CliError;
 use crate::memory::check_memory;
 use crate::progress::Progress;
 
-/// Renders from which errors are estimated, unless another number is wished.
+/// The default number of renders from which errors are estimated.
 pub(super) const DEFAULT_RENDERS: u64 = 8;
 
 /// One pattern at one number of directions.
 pub(super) struct Trials {
-    pub(super) asked: usize,
+    pub(super) requested: usize,
     pub(super) plan: DirectionPlan,
-    /// Of `--sets`.
+    /// The value of `--sets`.
     sets: Option<usize>,
     pub(super) estimator: Estimator,
     pub(super) renders: u64,
 }
 
-/// What came of it.
+/// The result of the renders.
 pub(super) struct Outcome {
     /// The first render.
     pub(super) picture: Image,
-    /// If there was a reference image.
+    /// The errors, if there was a reference image.
     pub(super) errors: Option<Errors>,
-    /// Occlusion rays of all renders, and the time that they took; making the sets is not in it.
+    /// Occlusion rays of all renders and their time, without the time to generate the sets.
     pub(super) rays: u64,
     pub(super) seconds: f64,
 }
@@ -40,31 +40,31 @@ pub(super) struct Outcome {
 /// Errors against the reference image.
 pub(super) struct Errors {
     pub(super) report: ErrorReport,
-    /// Of each pixel, in the mean over the renders.
+    /// The squared error of each pixel, averaged over the renders.
     pub(super) squared: Vec<f64>,
-    /// The exact mean squared error of as many independent directions.
+    /// The exact mean squared error of the same number of independent directions.
     pub(super) white_noise: f64,
 }
 
 impl Trials {
-    /// The nearest number of directions that the pattern has is taken.
+    /// Uses the nearest valid number of directions.
     pub(super) fn new(
         args: &RenderArgs,
         pattern: Pattern,
         mode: DirectionMode,
-        asked: usize,
+        requested: usize,
         renders: u64,
         seed: u64,
     ) -> Result<Self, CliError> {
-        let n = DirectionPlan::nearest_count(&pattern, asked);
+        let n = DirectionPlan::nearest_count(&pattern, requested);
         let mut plan = DirectionPlan::new(pattern, n, mode, seed).map_err(CliError::usage)?;
         if let Some(sets) = args.sets {
             plan = plan.with_sets(sets).map_err(CliError::usage)?;
         }
-        Ok(Self { asked, plan, sets: args.sets, estimator: args.estimator()?, renders })
+        Ok(Self { requested, plan, sets: args.sets, estimator: args.estimator()?, renders })
     }
 
-    /// Refuses `--sets` where none of the cases has a table.
+    /// Rejects `--sets` if no case uses a table.
     pub(super) fn check_sets<'a>(
         args: &RenderArgs,
         cases: impl IntoIterator<Item = &'a Self>,
@@ -77,23 +77,24 @@ impl Trials {
         Ok(())
     }
 
-    /// Refuses what does not fit into memory.
+    /// Rejects work that does not fit in memory.
     pub(super) fn check(&self, stage: &Stage) -> Result<(), CliError> {
         let direction = size_of::<glam::DVec3>() as f64;
         let points = self.plan.mode().set_points(self.plan.n_points()) as f64;
         let at_once = self.plan.n_sets() as f64 + rayon::current_num_threads() as f64;
         let what = match self.sets {
-            Some(sets) if self.plan.has_table() => format!("-n {} --sets {sets}", self.asked),
-            _ => format!("-n {}", self.asked),
+            Some(sets) if self.plan.has_table() => format!("-n {} --sets {sets}", self.requested),
+            _ => format!("-n {}", self.requested),
         };
         check_memory(&what, direction * points * at_once)?;
-        // Value, spread and coverage of render and reference; errors of all renders.
+        // Value, spread and coverage of the render and the reference, and the errors of all
+        // renders.
         let pixel = (2 * 24 + 8) as f64 + 8.0 * self.renders as f64;
         let region = stage.view()?.region();
         check_memory("the picture", pixel * (region.width * region.height) as f64)
     }
 
-    /// What a progress bar counts.
+    /// Returns the work for the progress bar.
     pub(super) fn work(&self, stage: &Stage) -> Result<f64, CliError> {
         let region = stage.view()?.region();
         let own = match self.plan.mode() {
@@ -105,7 +106,7 @@ impl Trials {
         Ok((self.work_of_table() + pixels) * self.renders as f64)
     }
 
-    /// The nominal work of the sets of a render.
+    /// Returns the nominal work of the sets of a render.
     fn work_of_table(&self) -> f64 {
         let points = self.plan.mode().set_points(self.plan.n_points());
         self.plan.n_sets() as f64 * self.plan.pattern().nominal_work(points)

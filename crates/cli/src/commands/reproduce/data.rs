@@ -1,10 +1,11 @@
-//! The numbers behind a panel, as CSV.
+//! The data of a panel, as CSV.
 
 use sphvar_thesis::Content;
 
 use crate::report::{Provenance, csv, full};
 
-/// A heading and a row for each number that is shown; what is not finite is an empty cell.
+/// Returns a heading and a row for each value of a panel; values that are not finite are empty
+/// cells.
 pub(super) fn csv_of(content: &Content, provenance: &Provenance) -> String {
     let (heading, rows): (&str, Vec<Vec<String>>) = match content {
         Content::Curves(curves) => (
@@ -29,7 +30,7 @@ pub(super) fn csv_of(content: &Content, provenance: &Provenance) -> String {
     csv(provenance, heading, &rows)
 }
 
-/// Column and row, counted from 0 at the upper left, and value.
+/// Returns column and row, counted from 0 at the upper left, and value.
 fn cells(columns: usize, values: &[f64]) -> Vec<Vec<String>> {
     let cell = |(i, &value): (usize, &f64)| {
         let (column, row) = (i % columns.max(1), i / columns.max(1));

@@ -1,4 +1,4 @@
-//! From a panel's numbers to a picture of them.
+//! Draws the data of a panel.
 
 use std::path::Path;
 
@@ -12,7 +12,7 @@ use crate::plots::{
 };
 use crate::report::Provenance;
 
-/// The extension of a panel's picture: drawings are SVG, colours of many cells PNG.
+/// Returns the extension of a panel's picture: charts are SVG, heat maps of many cells PNG.
 pub(super) fn extension(content: &Content) -> &'static str {
     match content {
         Content::Curves(_) | Content::Directions(_) => "svg",

@@ -1,4 +1,4 @@
-//! The folder of a reproduction: what lies where, and who may write.
+//! The folder of a reproduction: its structure and its lock.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -10,7 +10,7 @@ use crate::error::CliError;
 use crate::files::{FileError, FolderLock, PieceStore};
 use crate::report::{Provenance, write_text};
 
-/// A folder that this run alone writes to.
+/// A folder that only this run writes to.
 pub(super) struct OutFolder {
     root: PathBuf,
     _lock: FolderLock,
@@ -24,7 +24,7 @@ const PIECES: &str = "pieces";
 pub(super) const TABLES: [&str; 3] = ["claims.csv", "claims.md", "index.html"];
 
 impl OutFolder {
-    /// Makes the folder if it is missing, and locks it.
+    /// Creates the folder if it is missing, and locks it.
     pub(super) fn open(root: &Path) -> Result<Self, CliError> {
         let command = Provenance::new(0).command;
         let lock = FolderLock::take(root, &command)?;
@@ -33,12 +33,13 @@ impl OutFolder {
         Ok(Self { root: root.to_owned(), _lock: lock })
     }
 
-    /// Where finished pieces are kept.
+    /// Returns the store of finished pieces.
     pub(super) fn pieces(&self) -> Result<PieceStore, CliError> {
         Ok(PieceStore::open(&self.root.join(PIECES))?)
     }
 
-    /// Draws every panel and writes its numbers beside it; the names of both files, relative to the folder.
+    /// Draws every panel and writes its data beside it; returns the names of both files, relative
+    /// to the folder.
     pub(super) fn write_panels(
         &self,
         figure: &Figure,
@@ -56,7 +57,7 @@ impl OutFolder {
         Ok(files)
     }
 
-    /// Writes a text file, whole or not at all.
+    /// Writes a text file, complete or not at all.
     pub(super) fn write(&self, name: &str, text: &str) -> Result<(), CliError> {
         write_text(&self.root.join(name), text)
     }

@@ -1,4 +1,4 @@
-//! The report as Markdown: summary, what is wrong and why, then figure by figure.
+//! The report as Markdown: summary, errors and their reasons, then one section per figure.
 
 use std::fmt::Write;
 
@@ -51,7 +51,7 @@ pub(super) fn markdown(
     text
 }
 
-/// What is wrong, and other errata that rows meet, each once.
+/// Appends the contradicted claims, and the other errata with rows, each once.
 fn errata(text: &mut String, summary: &Summary<'_>) {
     let (wrong, other): (Vec<_>, Vec<_>) =
         summary.errata().into_iter().partition(ErratumRows::is_wrong);
@@ -85,7 +85,7 @@ fn errata(text: &mut String, summary: &Summary<'_>) {
     }
 }
 
-/// A row in a few words.
+/// Returns a short description of a row.
 fn example(row: &VerdictRecord) -> String {
     format!(
         "Figure {}, {}: stated {}, measured {}",

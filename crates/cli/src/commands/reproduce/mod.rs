@@ -56,7 +56,7 @@ pub(crate) struct ReproduceArgs {
 }
 
 impl ReproduceArgs {
-    /// The figures, each once, in the thesis's order.
+    /// Returns the figures, each once, in the order of the thesis.
     fn ids(&self) -> Result<Vec<FigureId>, CliError> {
         let mut ids = Vec::new();
         for name in &self.figures {
@@ -75,7 +75,7 @@ impl ReproduceArgs {
         if self.full { Scale::Full } else { Scale::Quick }
     }
 
-    /// The command without folder, threads and silence, on which the files do not depend.
+    /// Returns the command without folder, threads and `--quiet`, on which the files do not depend.
     fn canonical(&self, ids: &[FigureId], seed: u64) -> Provenance {
         let figures = if ids.len() == FigureId::all().count() {
             "all".to_owned()
@@ -116,10 +116,10 @@ pub(crate) struct FigureRecord {
     notes: Vec<String>,
 }
 
-/// A figure with the files that it has been written to.
+/// A figure with the files that show it.
 struct Drawn {
     figure: Figure,
-    /// For each panel its picture and its data, relative to the folder.
+    /// The picture and the data of each panel, relative to the folder.
     files: Vec<[String; 2]>,
 }
 

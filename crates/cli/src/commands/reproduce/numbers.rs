@@ -1,4 +1,4 @@
-//! Numbers of claims as text.
+//! The numbers of claims as text.
 
 use sphvar_thesis::Stated;
 
@@ -15,7 +15,7 @@ pub(super) fn stated(stated: &Stated) -> String {
     }
 }
 
-/// Tolerances below this allow for rounding only and are not shown.
+/// Tolerances below this only allow for rounding and are not shown.
 const SLIGHT: f64 = 1e-9;
 
 /// Returns a number of the thesis: all its digits if it is very small or large, else six.
@@ -34,10 +34,11 @@ fn plain(x: f64) -> String {
     }
 }
 
-/// Exact values below this are what rounding leaves, of which two digits say enough.
+/// Exact values below this are rounding residues, for which two digits suffice.
 const ROUNDING: f64 = 1e-9;
 
-/// Returns a number to two digits of its interval's width, or four or five if it has none.
+/// Returns a number to two digits of its interval's width, or to four or five digits if it has
+/// none.
 pub(super) fn rounded(x: f64, interval: Option<(f64, f64)>) -> String {
     if !x.is_finite() {
         return "-".to_owned();
@@ -55,7 +56,7 @@ pub(super) fn rounded(x: f64, interval: Option<(f64, f64)>) -> String {
     let decimals = if step > 0.0 { (-step.log10()).floor() as i32 } else { 0 };
     if (1e-3..1e6).contains(&size) || x == 0.0 {
         let text = format!("{x:.*}", usize::try_from(decimals.clamp(0, 12)).unwrap_or(0));
-        // What rounds to zero has no sign.
+        // A value that rounds to zero has no sign.
         match text.strip_prefix('-') {
             Some(digits) if digits.bytes().all(|b| b == b'0' || b == b'.') => digits.to_owned(),
             _ => text,

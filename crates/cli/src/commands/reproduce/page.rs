@@ -1,4 +1,4 @@
-//! One page with every figure, the table and the provenance, which needs nothing but itself.
+//! A self-contained page with every figure, the table and the provenance.
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
@@ -12,7 +12,7 @@ use super::summary::{ErratumRows, Summary};
 use crate::error::CliError;
 use crate::report::Provenance;
 
-/// What the page looks like: wide figures, narrow text, both lights, and paper.
+/// The style sheet: wide figures, narrow text, light and dark mode, and print.
 const STYLE: &str = "
 :root { color-scheme: light dark; --ink: #222; --faint: #666; --line: #d9d9d9; --ground: #fff; --soft: #f6f6f4;
   --good: #00694b; --bad: #a64500; }
@@ -41,7 +41,7 @@ code { font-size: .9em; }
 @media print { nav { display: none; } h2 { break-after: avoid; } figure { break-inside: avoid; } }
 ";
 
-/// The page as HTML.
+/// Returns the page as HTML.
 pub(super) fn page(
     drawn: &[Drawn],
     claims: &[VerdictRecord],
@@ -139,7 +139,7 @@ fn panel_markup(
     })
 }
 
-/// Every verdict with its number of rows and its rule.
+/// Returns every verdict with its number of rows and its rule.
 fn verdict_table(summary: &Summary<'_>) -> Markup {
     html! {
         div class="scroll" {
@@ -159,7 +159,7 @@ fn verdict_table(summary: &Summary<'_>) -> Markup {
     }
 }
 
-/// What is wrong by erratum, then the errata that no row contradicts.
+/// Returns the contradicted claims by erratum, then the errata that no row contradicts.
 fn errata(summary: &Summary<'_>) -> Markup {
     let (wrong, other): (Vec<_>, Vec<_>) =
         summary.errata().into_iter().partition(ErratumRows::is_wrong);
@@ -204,7 +204,7 @@ fn erratum_table(errata: &[ErratumRows<'_>], shown: impl Fn(&VerdictRecord) -> b
     }
 }
 
-/// The class of a verdict in the style sheet.
+/// Returns the CSS class of a verdict.
 fn class_of(verdict: &str) -> String {
     verdict.replace(' ', "-")
 }
@@ -239,7 +239,7 @@ fn claim_table(claims: &[&VerdictRecord], with_figure: bool) -> Markup {
     }
 }
 
-/// A single number does not wrap; those of several options do.
+/// Returns the CSS class of a cell: a single number is not wrapped, those of several options are.
 fn number_class(claim: &VerdictRecord) -> &'static str {
     if claim.choice.is_none() { "number" } else { "" }
 }

@@ -27,7 +27,7 @@ pub(crate) struct VerdictRecord {
     pub(super) remark: String,
 }
 
-/// What was measured and what follows.
+/// The measured values and their verdict.
 #[derive(Clone, Debug, Serialize, JsonSchema)]
 pub(crate) struct OutcomeRecord {
     /// The measured number; null where the claim is not about a number.
@@ -56,7 +56,7 @@ pub(crate) struct OptionRecord {
     pub(super) outcome: OutcomeRecord,
 }
 
-/// Returns all claims of all figures, in their order.
+/// Returns all claims of all figures, in order.
 pub(super) fn records(drawn: &[Drawn]) -> Vec<VerdictRecord> {
     let of = |Drawn { figure, .. }: &Drawn| -> Vec<VerdictRecord> {
         figure.claims.iter().map(|claim| VerdictRecord::new(figure.id.number(), claim)).collect()
@@ -73,12 +73,13 @@ impl OutcomeRecord {
         }
     }
 
-    /// Returns what was measured, to the digits that its interval leaves.
+    /// Returns the measured values, to the digits that the interval determines.
     fn measured_text(&self) -> String {
         self.measured.map_or_else(|| "-".to_owned(), |measured| rounded(measured, self.interval))
     }
 
-    /// Returns the interval; nothing where it has no width: closed forms and single sets of points.
+    /// Returns the interval, or an empty text if it has no width, as for closed forms and single
+    /// point sets.
     fn interval_text(&self) -> String {
         match self.interval {
             Some((low, high)) if low.to_bits() != high.to_bits() && !low.is_nan() => {
@@ -118,7 +119,7 @@ impl VerdictRecord {
         self.outcome.verdict == verdict.name()
     }
 
-    /// Returns what was measured, with each option if there are several.
+    /// Returns the measured values, with each option if there are several.
     pub(super) fn measured_text(&self) -> String {
         self.of_each(OutcomeRecord::measured_text)
     }
@@ -128,7 +129,7 @@ impl VerdictRecord {
         self.of_each(OutcomeRecord::interval_text)
     }
 
-    /// Returns the verdict; where the options differ with that of each and what they are options of.
+    /// Returns the verdict; if the options differ, it lists theirs and names the choice.
     pub(super) fn verdict_text(&self) -> String {
         let verdict = self.outcome.verdict;
         match &self.choice {
@@ -140,7 +141,7 @@ impl VerdictRecord {
         }
     }
 
-    /// Returns the number of the erratum, or nothing.
+    /// Returns the number of the erratum, or an empty text.
     pub(super) fn erratum_text(&self) -> String {
         self.erratum.map_or_else(String::new, |number| number.to_string())
     }

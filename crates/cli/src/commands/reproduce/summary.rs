@@ -1,4 +1,4 @@
-//! How many rows have each verdict, and which errata they belong to.
+//! The number of rows of each verdict, and the errata that they belong to.
 
 use std::collections::BTreeMap;
 
@@ -11,7 +11,7 @@ pub(super) struct Summary<'a> {
     rows: &'a [VerdictRecord],
 }
 
-/// An erratum with the rows that refer to it: it counts once, however many there are.
+/// An erratum with the rows that refer to it; it counts once, whatever the number of rows.
 pub(super) struct ErratumRows<'a> {
     pub(super) number: u8,
     /// Its entry in the list.

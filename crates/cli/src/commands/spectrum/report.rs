@@ -1,4 +1,4 @@
-//! A spectrum on its way out: table, JSON, CSV or plot.
+//! The output of a spectrum: table, JSON, CSV or plot.
 
 use std::path::Path;
 
@@ -60,10 +60,10 @@ struct PowerRecord {
     realizations: u64,
 }
 
-/// What is said of a spectrum besides its numbers.
+/// Remarks on a spectrum besides its numbers.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Remarks {
-    /// Whether an error would mean nothing, because this is the spectrum of one given set.
+    /// Whether errors are meaningless because the spectrum is that of one given set.
     pub(crate) has_no_error: bool,
     /// The sums of the weights, if there are any.
     pub(crate) weights: Option<WeightSums>,
@@ -117,7 +117,7 @@ pub(crate) fn emit(
     Ok(())
 }
 
-/// The table for people.
+/// Returns the table for the terminal.
 fn text(rows: &[PowerRecord], remarks: Remarks) -> String {
     let columns = [
         Column::number("l", |r: &PowerRecord| r.l.to_string()),
@@ -133,7 +133,7 @@ fn text(rows: &[PowerRecord], remarks: Remarks) -> String {
     text
 }
 
-/// All of a short list, or some 40 rows of a long one, ever farther apart.
+/// Returns all rows of a short list, or about 40 of a long one with increasing spacing.
 fn thinned(rows: &[PowerRecord]) -> Vec<&PowerRecord> {
     const FEW: usize = 40;
     let mut next = 0;

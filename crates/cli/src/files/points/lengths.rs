@@ -23,7 +23,7 @@ pub(super) struct Lengths {
     /// The largest size of each coordinate.
     sizes: DVec3,
     /// The least first coordinate.
-    least_x: f64,
+    min_x: f64,
 }
 
 impl Lengths {
@@ -34,7 +34,7 @@ impl Lengths {
             return None;
         }
         self.sizes = self.sizes.max(vector.abs());
-        self.least_x = self.least_x.min(vector.x);
+        self.min_x = self.min_x.min(vector.x);
         // Scaled first, which keeps the squares of tiny and huge vectors in range.
         let scaled = vector / size;
         let length = size * scaled.length();
@@ -86,7 +86,7 @@ impl Lengths {
     fn advice(&self) -> &'static str {
         let DVec3 { x, y, .. } = self.sizes;
         let pi = std::f64::consts::PI;
-        if x <= pi && self.least_x >= 0.0 && y <= 2.0 * pi && y > 1.1 {
+        if x <= pi && self.min_x >= 0.0 && y <= 2.0 * pi && y > 1.1 {
             "these look like angles in radians: --columns theta,phi,_; --normalize scales vectors"
         } else if x > 2.0 && x <= 360.0 && y <= 90.0 {
             "these look like degrees: --columns ra,dec,_ or ra,dec,w; --normalize scales vectors"
