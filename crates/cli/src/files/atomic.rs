@@ -1,4 +1,4 @@
-//! Output that appears whole or not at all.
+//! Output files that appear complete or not at all.
 
 use std::ffi::OsStr;
 use std::fs::File;
@@ -13,10 +13,11 @@ use super::used_files::{conflict, record_output};
 /// A file under construction: written beside its target under a temporary name and renamed by
 /// [`commit`](Self::commit).
 ///
-/// Dropping it without a commit, or an interrupt, removes the temporary file and leaves the target as it was. A
-/// process that is killed outright leaves at most `.NAME.sphvar-PID-COUNT.tmp`, never a part of a file under the
-/// final name; the next run that writes in that folder removes it. Symbolic links are followed, and an existing
-/// file keeps its permission bits. Standard output, devices and pipes are written to directly.
+/// A drop without a commit, or an interrupt, removes the temporary file and leaves the target
+/// unchanged. A process that is killed outright leaves at most `.NAME.sphvar-PID-COUNT.tmp`, never
+/// a part of a file under the final name; the next run that writes in that folder removes it.
+/// Symbolic links are followed, and an existing file keeps its permission bits. Standard output,
+/// devices and pipes are written to directly.
 #[derive(Debug)]
 pub(crate) struct AtomicFile {
     name: String,
@@ -34,15 +35,16 @@ impl AtomicFile {
     /// Returns a writer for `path`; `-` means standard output.
     ///
     /// # Errors
-    /// When the folder is missing or not writable, when the target is a folder or read-only, and when this run has
-    /// read or written it.
+    ///
+    /// If the folder is missing or not writable, the target is a folder or read-only, or this run
+    /// has read or written it.
     pub(crate) fn create(path: &Path) -> Result<Self, FileError> {
         let name = output_name(path);
         let write_error = |source| FileError::Write { path: name.clone(), source };
         let sink = match Target::of(path)? {
             Target::Stdout => Sink::Stdout(BufWriter::new(io::stdout())),
             Target::Stream(path) => {
-                // A descriptor may be a file that has a beginning already.
+                // A descriptor may refer to a file that already has content.
                 let stream = File::options().append(true).open(path).map_err(write_error)?;
                 Sink::Stream(BufWriter::new(stream))
             }
@@ -61,33 +63,38 @@ impl AtomicFile {
         Ok(Self { name, sink })
     }
 
-    /// Returns the error for a target that [`create`](Self::create) would reject, and leaves no trace.
+    /// Returns the error for a target that [`create`](Self::create) would reject, without side
+    /// effects.
     ///
     /// # Errors
+    ///
     /// Those of [`create`](Self::create).
     pub(crate) fn check(path: &Path) -> Result<(), FileError> {
         match Target::of(path)? {
-            // A pipe that is opened and closed shows its reader the end.
+            // Opening and closing a pipe would signal the end of the data to its reader.
             Target::Stdout | Target::Stream(_) => Ok(()),
             Target::File { .. } => Self::create(path).map(drop),
         }
     }
 
-    /// Writes a file whole, or not at all; `-` is standard output.
+    /// Writes a file, complete or not at all; `-` is standard output.
     ///
     /// # Errors
-    /// Those of [`create`](Self::create) and [`commit`](Self::commit), or when the bytes cannot be written.
+    ///
+    /// Those of [`create`](Self::create) and [`commit`](Self::commit), or if the bytes cannot be
+    /// written.
     pub(crate) fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), FileError> {
         let mut file = Self::create(path)?;
         file.write_all(bytes).map_err(|source| file.error(source))?;
         file.commit()
     }
 
-    /// Flushes everything, makes it durable and gives the file its final name.
+    /// Flushes all data, makes the file durable and gives it its final name.
     ///
     /// # Errors
-    /// When the last bytes cannot be written or the rename fails; the temporary file is then
-    /// removed and the target is as it was.
+    ///
+    /// If the last bytes cannot be written or the rename fails; the temporary file is then removed
+    /// and the target is unchanged.
     pub(crate) fn commit(self) -> Result<(), FileError> {
         let Self { name, sink } = self;
         // An input may have been opened since.
@@ -99,7 +106,7 @@ impl AtomicFile {
         finish(sink).map_err(|source| FileError::Write { path: name, source })
     }
 
-    /// Returns an error of writing that names this file.
+    /// Returns a write error that names this file.
     pub(crate) fn error(&self, source: io::Error) -> FileError {
         FileError::Write { path: self.name.clone(), source }
     }
@@ -137,11 +144,12 @@ fn finish(sink: Sink) -> io::Result<()> {
     }
 }
 
-/// Characters of a name that stand in a temporary one: 100 bytes at most, to which 42 are added. Some file systems
-/// allow no more than 143.
+/// The maximum number of characters of a name that a temporary name repeats: at most 100 bytes, to
+/// which 42 are added. Some file systems allow no more than 143.
 const MAX_STEM: usize = 25;
 
-/// Begin and end of what a temporary name adds to `.NAME`, around the numbers of a process and a file.
+/// The start and the end of the suffix that a temporary name appends to `.NAME`, around the numbers
+/// of a process and a file.
 const MARK: &str = ".sphvar-";
 const SUFFIX: &str = ".tmp";
 
@@ -151,7 +159,7 @@ fn temporary_name(file_name: &OsStr, count: u64) -> String {
     format!(".{stem}{MARK}{}-{count}{SUFFIX}", std::process::id())
 }
 
-/// Whether a name has the form of [`temporary_name`].
+/// Returns whether a name has the form of [`temporary_name`].
 fn is_temporary_name(name: &str) -> bool {
     let numbers = name
         .strip_prefix('.')
@@ -162,7 +170,7 @@ fn is_temporary_name(name: &str) -> bool {
     numbers.is_some_and(|(process, count)| is_number(process) && is_number(count))
 }
 
-/// Removes the temporary files in `folder` that killed processes left.
+/// Removes temporary files in `folder` that killed processes left.
 pub(super) fn sweep_temporaries(folder: &Path) {
     sweep(folder, is_temporary_name);
 }
@@ -254,7 +262,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         fs::set_permissions(folder.path(), fs::Permissions::from_mode(0o555)).unwrap();
         let path = folder.path().join("a.csv");
-        // The superuser may write anywhere: there the file is created and no error is due.
+        // The superuser may write anywhere: the file is created there, and no error is expected.
         if let Err(error) = AtomicFile::create(&path) {
             let message = error.to_string();
             assert!(message.contains(&path.display().to_string()), "{message}");

@@ -1,10 +1,10 @@
-//! What can go wrong with a file, said with its name, the place in it, and what would be right.
+//! File errors, with the name of the file, the place in it, and the expected content.
 
 use std::fmt;
 use std::io;
 use std::path::Path;
 
-/// Where in a file something was found.
+/// The place of an error in a file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Place {
     /// The file as a whole.
@@ -54,7 +54,7 @@ pub(crate) enum FileError {
         /// The reason that the system gave.
         source: io::Error,
     },
-    /// The folder of an output file is not there.
+    /// The folder of an output file does not exist.
     #[error("cannot write {path}: the folder {folder} does not exist; create it first")]
     MissingFolder {
         /// The output path as the user wrote it.
@@ -62,12 +62,12 @@ pub(crate) enum FileError {
         /// The folder that is missing.
         folder: String,
     },
-    /// The output path may not be replaced.
+    /// The output path must not be replaced.
     #[error("cannot write {path}: {reason}")]
     Refused {
         /// The output path as the user wrote it.
         path: String,
-        /// Why, and what to do instead.
+        /// The reason, and a remedy.
         reason: &'static str,
     },
     /// The folder of several output files cannot be made or written to.
@@ -78,7 +78,7 @@ pub(crate) enum FileError {
         /// The reason that the system gave.
         source: io::Error,
     },
-    /// A file stands where the folder of several output files should be.
+    /// The path of the folder of several output files is a file.
     #[error("{path} is a file; -o must name a folder")]
     NotAFolder {
         /// The folder as the user wrote it.
@@ -89,10 +89,10 @@ pub(crate) enum FileError {
     Busy {
         /// The folder as the user wrote it.
         path: String,
-        /// Which run.
+        /// The other run.
         holder: String,
     },
-    /// The system refused to create, write, flush or rename the output.
+    /// The system failed to create, write, flush or rename the output.
     #[error("cannot write {path}: {source}")]
     Write {
         /// The output path as the user wrote it.
@@ -100,7 +100,7 @@ pub(crate) enum FileError {
         /// The reason that the system gave.
         source: io::Error,
     },
-    /// One number in a file is not what its field allows.
+    /// A number in a file is outside the range of its field.
     #[error("{path}{place}: {field}: expected {expected}, got {got}")]
     Value {
         /// The path as the user wrote it.
@@ -109,21 +109,21 @@ pub(crate) enum FileError {
         place: Place,
         /// Name of the field.
         field: String,
-        /// What would be right.
+        /// The expected content.
         expected: String,
-        /// What stands there.
+        /// The content found.
         got: String,
     },
-    /// A line, a header or a whole file has the wrong form.
+    /// A line, a header or a whole file has an invalid structure.
     #[error("{path}{place}: expected {expected}, got {got}")]
     Layout {
         /// The path as the user wrote it.
         path: String,
         /// Line, row, vertex or the whole file.
         place: Place,
-        /// What would be right.
+        /// The expected content.
         expected: String,
-        /// What stands there.
+        /// The content found.
         got: String,
     },
     /// A binary file ends before its data do.
@@ -131,11 +131,11 @@ pub(crate) enum FileError {
     Truncated {
         /// The path as the user wrote it.
         path: String,
-        /// What the header promises.
+        /// The data that the header announces.
         what: String,
-        /// Bytes that the file must have.
+        /// The number of bytes that the file must have.
         expected: u64,
-        /// Bytes that it has.
+        /// The number of bytes that it has.
         got: u64,
     },
     /// The content of a file does not fit in memory.
@@ -143,49 +143,49 @@ pub(crate) enum FileError {
     Memory {
         /// The path as the user wrote it.
         path: String,
-        /// What is read.
+        /// The content that is read.
         what: String,
-        /// How much memory it takes, at least.
+        /// A lower bound of the memory that it takes.
         needed: String,
-        /// How much there is.
+        /// The available memory.
         available: String,
     },
-    /// An image is damaged or of a kind that is not read here.
+    /// An image is damaged or of an unsupported kind.
     #[error("cannot read {path} as an EXR or HDR image: {reason}")]
     Image {
         /// The path as the user wrote it.
         path: String,
-        /// What is wrong with it.
+        /// The defect.
         reason: String,
     },
-    /// An image has no such channel.
+    /// An image does not have the requested channel.
     #[error("{path}: unknown channel \"{channel}\"; valid: {known}")]
     UnknownChannel {
         /// The path as the user wrote it.
         path: String,
-        /// What was asked for.
+        /// The requested channel.
         channel: String,
-        /// What there is.
+        /// The channels of the image.
         known: String,
     },
-    /// A file without a single point.
+    /// A file contains no points.
     #[error("{path}: no points: expected at least one direction")]
     Empty {
         /// The path as the user wrote it.
         path: String,
     },
-    /// The extension of an output path names no format known here.
+    /// The extension of an output path is not that of a supported format.
     #[error("cannot write {path}: expected a name that ends in one of {known}")]
     UnknownExtension {
         /// The output path as the user wrote it.
         path: String,
-        /// The extensions that would do.
+        /// The supported extensions.
         known: &'static str,
     },
 }
 
 impl FileError {
-    /// Returns the same error with a remark on what to do behind what stands there.
+    /// Returns the same error with a hint appended to the content found.
     pub(super) fn with_hint(mut self, hint: &str) -> Self {
         if let Self::Value { got, .. } | Self::Layout { got, .. } = &mut self {
             got.push_str(&format!(" ({hint})"));
@@ -204,7 +204,7 @@ pub(super) fn output_name(path: &Path) -> String {
     if is_dash(path) { "standard output".to_owned() } else { path.display().to_string() }
 }
 
-/// Returns whether a path is the single dash that stands for a standard stream.
+/// Returns whether a path is the single dash that denotes a standard stream.
 pub(super) fn is_dash(path: &Path) -> bool {
     path.as_os_str() == "-"
 }

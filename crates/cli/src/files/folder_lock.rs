@@ -1,4 +1,4 @@
-//! A folder that one run alone writes to.
+//! A folder that only one run writes to.
 
 use std::fs::{File, TryLockError};
 use std::io::{self, Read, Seek, Write};
@@ -8,22 +8,23 @@ use super::atomic::sweep_temporaries;
 use super::file_error::FileError;
 use super::live_files::{LiveFile, create_folders, is_at, remove_empty_folders};
 
-/// The file that is locked. It is there as long as the run lasts and says who holds the lock.
+/// The locked file. It exists while the run lasts and names the holder of the lock.
 const NAME: &str = ".sphvar.lock";
 
-/// Longest description of a holder that is read.
+/// The maximum length of a holder's description that is read.
 const MAX_HOLDER: u64 = 300;
 
-/// How the description begins while results are written, so that a later run can tell what a killed one left.
+/// The prefix of the description while results are written, by which a later run recognizes that a
+/// killed run left them incomplete.
 const WRITING: &str = "writing, ";
 
-/// A folder that this run alone writes to.
+/// A folder that only this run writes to.
 ///
-/// The lock is one of the system: it ends with the process, however that ends. What is left of a killed run is
-/// taken over.
+/// The lock is held by the operating system and so ends with the process. A later run takes over
+/// the folder of a killed one.
 #[derive(Debug)]
 pub(crate) struct FolderLock {
-    /// There until the lock is dropped.
+    /// Present until the lock is dropped.
     file: Option<LiveFile>,
     path: String,
     about: String,
@@ -31,10 +32,9 @@ pub(crate) struct FolderLock {
 }
 
 impl FolderLock {
-    /// Makes the folder if it is missing and locks it; `command` is what other runs are told.
+    /// Creates the folder if it is missing and locks it; `command` describes this run to others.
     ///
-    /// # Errors
-    /// When the folder cannot be made or written to, or another run holds it.
+    /// # Errors If the folder cannot be created or written to, or another run holds its lock.
     pub(crate) fn take(folder: &Path, command: &str) -> Result<Self, FileError> {
         let shown = folder.display().to_string();
         let into = |source| FileError::WriteInto { path: shown.clone(), source };
@@ -56,7 +56,7 @@ impl FolderLock {
                 let holder = holder.to_owned();
                 return Err(FileError::Busy { path: shown, holder });
             }
-            // A file system that has no locks protects nothing, but that is no reason to do nothing there.
+            // On a file system without locks the folder is unprotected, but the run continues.
             if !is_at(&file, &path) {
                 // The run that held it has just ended and removed it.
                 continue;
@@ -68,15 +68,15 @@ impl FolderLock {
         }
     }
 
-    /// Returns whether a run was killed while it wrote its results into this folder, and these were not removed yet.
+    /// Returns whether a run was killed while it wrote its results into this folder and they have
+    /// not been removed.
     pub(crate) fn is_unfinished(&self) -> bool {
         self.is_unfinished
     }
 
-    /// Marks the folder as one whose results are not complete, until they are or were removed.
+    /// Marks the folder as one with incomplete results, until they are complete or removed.
     ///
-    /// # Errors
-    /// When the file of the lock cannot be written.
+    /// # Errors When the file of the lock cannot be written.
     pub(crate) fn set_unfinished(&mut self, is_unfinished: bool) -> Result<(), FileError> {
         self.is_unfinished = is_unfinished;
         let Some(file) = &self.file else { return Ok(()) };
@@ -84,17 +84,18 @@ impl FolderLock {
             .map_err(|source| FileError::WriteInto { path: self.path.clone(), source })
     }
 
-    /// Makes a folder in the one that is locked.
+    /// Creates a folder inside the locked one.
     ///
     /// # Errors
-    /// When it cannot be made.
-    #[expect(clippy::unused_self, reason = "only who holds the lock makes folders")]
+    ///
+    /// If it cannot be created.
+    #[expect(clippy::unused_self, reason = "only the holder of the lock creates folders")]
     pub(crate) fn create_folder(&self, folder: &Path) -> Result<(), FileError> {
         create(folder)
     }
 }
 
-/// Writes the description of the holder. A mark that was there before is not lost meanwhile.
+/// Writes the description of the holder. An existing mark is preserved throughout.
 fn describe(mut file: &File, is_unfinished: bool, about: &str) -> io::Result<()> {
     let text = format!("{}{about}", if is_unfinished { WRITING } else { "" });
     file.rewind()?;
@@ -102,7 +103,7 @@ fn describe(mut file: &File, is_unfinished: bool, about: &str) -> io::Result<()>
     file.set_len(text.len() as u64)
 }
 
-/// Makes a folder with its parents; what stays empty is removed in the end.
+/// Creates a folder with its parents; folders that stay empty are removed at the end.
 fn create(folder: &Path) -> Result<(), FileError> {
     let path = folder.display().to_string();
     if folder.exists() && !folder.is_dir() {
@@ -113,7 +114,7 @@ fn create(folder: &Path) -> Result<(), FileError> {
 
 impl Drop for FolderLock {
     fn drop(&mut self) {
-        // First the file, or no folder would be empty.
+        // The file is removed first, because the folder is not empty before.
         drop(self.file.take());
         remove_empty_folders();
     }

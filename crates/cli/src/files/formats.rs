@@ -1,4 +1,4 @@
-//! The formats of files, for `sphvar list formats`.
+//! The file formats, for `sphvar list formats`.
 
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -82,7 +82,7 @@ mod tests {
     use super::{PictureFormat, PointFormat, formats};
     use crate::plots::ImageFormat;
 
-    /// Extensions of outputs are those that the writers know.
+    /// The listed extensions of outputs are those of the writers.
     #[test]
     fn writers_know_the_listed_extensions() {
         for format in formats() {

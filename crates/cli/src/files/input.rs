@@ -1,4 +1,4 @@
-//! Opens files for reading, whether or not they are compressed with gzip.
+//! Opens files for reading, with or without gzip compression.
 
 use std::fs::File;
 use std::io::{self, BufRead, BufReader, Cursor, Read};
@@ -10,27 +10,26 @@ use super::file_error::{FileError, input_name, is_dash};
 use super::memory_guard::MemoryGuard;
 use super::used_files::record_input;
 
-/// Bytes that are read from a file at a time.
+/// The number of bytes that are read from a file at a time.
 const BUFFER: usize = 1 << 16;
-/// Bytes that readers may look at to tell the format of a file.
+/// The number of bytes that readers may inspect to detect the format of a file.
 const HEAD: usize = 64;
-/// How a gzip file starts (RFC 1952).
+/// The first bytes of a gzip file (RFC 1952).
 const GZIP: [u8; 2] = [0x1f, 0x8b];
 
 /// Returns the content of a file; the path `-` is standard input.
 ///
-/// A file that starts with the magic bytes of gzip is decompressed as it is read, all members of
-/// it, whatever its name. At least 64 bytes are in the buffer, unless the file is shorter.
+/// A file that starts with the magic bytes of gzip is decompressed while it is read, including all
+/// its members, whatever its name. At least 64 bytes are in the buffer, unless the file is shorter.
 ///
-/// # Errors
-/// When there is no such file, it may not be read, or it is a folder.
+/// # Errors If the file does not exist, is not readable, or is a folder.
 pub(super) fn open_input(path: &Path) -> Result<Box<dyn BufRead>, FileError> {
     let raw: Box<dyn BufRead> = if is_dash(path) {
         Box::new(io::stdin().lock())
     } else {
         let open_error = |source| FileError::Open { path: input_name(path), source };
         let file = File::open(path).map_err(open_error)?;
-        // A folder can be opened, and the message of the first read would not say what is wrong.
+        // A folder can be opened, but the error of the first read would not state the cause.
         if file.metadata().map_err(open_error)?.is_dir() {
             return Err(open_error(io::Error::from(io::ErrorKind::IsADirectory)));
         }
@@ -42,16 +41,16 @@ pub(super) fn open_input(path: &Path) -> Result<Box<dyn BufRead>, FileError> {
 
 /// Returns all bytes of a file, decompressed as by [`open_input`].
 ///
-/// # Errors
-/// As [`open_input`], when reading fails, and when the content does not fit in memory.
+/// # Errors As [`open_input`], or if reading fails or the content does not fit in memory.
 pub(crate) fn read_whole(path: &Path) -> Result<Vec<u8>, FileError> {
     read_rest(open_input(path)?, &input_name(path))
 }
 
-/// Returns what is left of an input, bounded by the memory that there is.
+/// Returns the rest of an input, limited by the available memory.
 ///
 /// # Errors
-/// When reading fails, and when the content does not fit in memory.
+///
+/// If reading fails or the content does not fit in memory.
 pub(super) fn read_rest(mut input: impl BufRead, name: &str) -> Result<Vec<u8>, FileError> {
     let mut bytes = Vec::new();
     let mut guard = MemoryGuard::default();
@@ -71,7 +70,7 @@ pub(super) fn read_rest(mut input: impl BufRead, name: &str) -> Result<Vec<u8>, 
     }
 }
 
-/// Returns the content of an input that may be compressed with gzip, with its head in the buffer.
+/// Returns the content of an input that may be gzip-compressed, with its first bytes in the buffer.
 fn decompressed(raw: Box<dyn BufRead>) -> io::Result<Box<dyn BufRead>> {
     let raw = with_head(raw)?;
     let Some(raw) = raw else {
@@ -98,28 +97,28 @@ impl WithHead {
     }
 }
 
-/// Reads the head of an input; `None` of an empty one.
+/// Reads the first bytes of an input, or returns `None` if it is empty.
 ///
-/// A pipe may give its bytes one at a time.
+/// A pipe may deliver its bytes one at a time.
 fn with_head(mut rest: Box<dyn BufRead>) -> io::Result<Option<WithHead>> {
     let mut head = Vec::new();
     rest.by_ref().take(HEAD as u64).read_to_end(&mut head)?;
     Ok((!head.is_empty()).then_some(WithHead { head, rest }))
 }
 
-/// A decoder of all members of a gzip file, whose errors say that the file is at fault.
+/// A decoder of all members of a gzip file, whose errors state that the file is damaged.
 ///
-/// Zeros behind the last member are padding to the blocks of a tape, as for the program `gzip`. Readers take
-/// `UnexpectedEof` for a short array and `InvalidData` for text in another encoding.
+/// Zeros after the last member are padding to tape blocks, as in the program `gzip`. Readers
+/// interpret `UnexpectedEof` as a truncated array and `InvalidData` as text in another encoding.
 struct Gunzip<R> {
-    /// Gone at the end of the file.
+    /// `None` at the end of the file.
     decoder: Option<GzDecoder<R>>,
     decompressed: u64,
     guard: MemoryGuard,
 }
 
 impl<R: BufRead> Gunzip<R> {
-    /// Returns the decoder of the member behind the one that has ended, if there is one.
+    /// Returns the decoder of the next member, if there is one.
     fn next_member(mut input: R) -> io::Result<Option<GzDecoder<R>>> {
         let mut is_padded = false;
         loop {
@@ -192,7 +191,7 @@ mod tests {
         (folder, path)
     }
 
-    /// More than the buffers hold, and not all alike.
+    /// More than the buffers hold, and not all equal.
     fn long() -> Vec<u8> {
         (0..300_000_u32).map(|k| k.wrapping_mul(2_654_435_761).to_le_bytes()[3]).collect()
     }
@@ -210,7 +209,7 @@ mod tests {
             // `cat a.gz b.gz` is the gzip file of both.
             let (_folder, path) = file(&[gzip(content), gzip(b"tail")].concat());
             assert_eq!(read_whole(&path).unwrap(), [content, b"tail"].concat());
-            // Padded to the blocks of a tape.
+            // Padded to tape blocks.
             let (_folder, path) = file(&[gzip(content), vec![0; 100_000]].concat());
             assert_eq!(read_whole(&path).unwrap(), content);
         }

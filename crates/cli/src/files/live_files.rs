@@ -1,7 +1,7 @@
-//! Files that must not outlive this process: temporary ones and locks.
+//! Files that must not outlive this process: temporary files and locks.
 //!
-//! The list of them is the one piece of state that the whole process shares. A signal arrives in a thread of its
-//! own, which can only know from such a list what the other threads are writing.
+//! Their list is the only global state of the process. Signals are handled in a separate thread,
+//! which needs the list to know the files that the other threads are writing.
 
 use std::collections::BTreeSet;
 use std::fs::{self, File};
@@ -9,12 +9,12 @@ use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-/// What is to be removed if the process ends before its time, and which folders were searched for
-/// what earlier processes left.
+/// The files to be removed if the process ends early, and the folders that were searched for files
+/// of earlier processes.
 #[derive(Debug)]
 struct Live {
     files: BTreeSet<PathBuf>,
-    /// Folders made by this process, outer ones first; they are removed if they are empty.
+    /// Folders created by this process, outer ones first; they are removed if they are empty.
     folders: Vec<PathBuf>,
     swept: BTreeSet<PathBuf>,
 }
@@ -22,26 +22,27 @@ struct Live {
 static LIVE: Mutex<Live> =
     Mutex::new(Live { files: BTreeSet::new(), folders: Vec::new(), swept: BTreeSet::new() });
 
-/// Held while several files that belong together are given their names.
+/// Held while several related files are given their names.
 static GROUP: Mutex<()> = Mutex::new(());
 
-/// Nothing under these locks can leave a value half changed, so a panic elsewhere does not matter.
+/// No panic under these locks can leave an inconsistent value, so poisoning is ignored.
 fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Runs `write` so that an interrupt waits for its end: files that belong together appear together.
+/// Runs `write` and delays interrupts until it ends, so that related files appear together.
 pub(crate) fn as_group<T>(write: impl FnOnce() -> T) -> T {
     let _group = lock(&GROUP);
     write()
 }
 
-/// Removes every live file and ends the process. No file can be begun or given its name meanwhile.
+/// Removes every live file and ends the process. Meanwhile, no file can be created or given its
+/// name.
 pub(crate) fn remove_all_and_exit(status: i32) -> ! {
     let _group = lock(&GROUP);
     let live = lock(&LIVE);
     for path in &live.files {
-        // Nobody is left who could be told of a failure.
+        // Errors cannot be reported at this point.
         let _ = fs::remove_file(path);
     }
     for folder in live.folders.iter().rev() {
@@ -50,8 +51,8 @@ pub(crate) fn remove_all_and_exit(status: i32) -> ! {
     std::process::exit(status)
 }
 
-/// Makes a folder with its parents. Until [`keep_folders`], an interrupt removes those that were not there before
-/// and are empty.
+/// Creates a folder with its parents. Until [`keep_folders`], an interrupt removes those that did
+/// not exist before and are empty.
 pub(super) fn create_folders(folder: &Path) -> io::Result<()> {
     let mut live = lock(&LIVE);
     let missing = |path: &&Path| !path.as_os_str().is_empty() && !path.exists();
@@ -70,11 +71,11 @@ pub(super) fn remove_empty_folders() {
     }
 }
 
-/// A new file that is removed when it is dropped or the process is interrupted, unless it is given another
-/// name before.
+/// A new file that is removed if it is dropped or the process is interrupted before it is given
+/// another name.
 ///
-/// Its lock is held as long as it is open, so that another process can tell it from one that a killed process
-/// left.
+/// Its lock is held while it is open, so that other processes can distinguish it from a file that a
+/// killed process left.
 #[derive(Debug)]
 pub(super) struct LiveFile {
     file: File,
@@ -82,17 +83,19 @@ pub(super) struct LiveFile {
 }
 
 impl LiveFile {
-    /// Creates a file that is not there, with the permissions that new files get.
+    /// Creates a file that does not exist, with the permissions of new files.
     ///
     /// # Errors
-    /// When it cannot be created; [`io::ErrorKind::AlreadyExists`] if it is there.
+    ///
+    /// If it cannot be created; [`io::ErrorKind::AlreadyExists`] if it exists.
     pub(super) fn create(path: PathBuf) -> io::Result<Self> {
         let mut live = lock(&LIVE);
         let file = File::options().read(true).write(true).create_new(true).open(&path)?;
         live.files.insert(path.clone());
         drop(live);
         let created = Self { file, path };
-        // On a file system that has no locks nobody can take the file for an abandoned one either.
+        // On a file system without locks, other processes cannot take the file for abandoned
+        // either.
         let _ = created.file.lock();
         if is_at(&created.file, &created.path) {
             Ok(created)
@@ -102,7 +105,7 @@ impl LiveFile {
         }
     }
 
-    /// Takes a file that is open and locked, and is to be removed in the end.
+    /// Takes ownership of an open and locked file that is to be removed at the end.
     pub(super) fn adopt(file: File, path: PathBuf) -> Self {
         lock(&LIVE).files.insert(path.clone());
         Self { file, path }
@@ -113,10 +116,11 @@ impl LiveFile {
         &self.file
     }
 
-    /// Gives the file its final name, in place of a file that has it.
+    /// Gives the file its final name, replacing an existing file.
     ///
     /// # Errors
-    /// When it cannot be renamed; it is then removed.
+    ///
+    /// If it cannot be renamed; it is then removed.
     pub(super) fn rename(self, target: &Path) -> io::Result<()> {
         let mut live = lock(&LIVE);
         let renamed = fs::rename(&self.path, target);
@@ -131,7 +135,7 @@ impl LiveFile {
 impl Drop for LiveFile {
     fn drop(&mut self) {
         let mut live = lock(&LIVE);
-        // After a rename the name may be another file's.
+        // After a rename, the name may belong to another file.
         if live.files.remove(&self.path) {
             let _ = fs::remove_file(&self.path);
         }
@@ -148,7 +152,7 @@ impl Write for LiveFile {
     }
 }
 
-/// Whether `path` names this open file.
+/// Returns whether `path` names this open file.
 pub(super) fn is_at(file: &File, path: &Path) -> bool {
     #[cfg(unix)]
     {
@@ -158,13 +162,14 @@ pub(super) fn is_at(file: &File, path: &Path) -> bool {
     }
     #[cfg(not(unix))]
     {
-        // An open file cannot be removed there.
+        // On that system an open file cannot be removed.
         let _ = file;
         path.exists()
     }
 }
 
-/// Removes the files in `folder` that `is_own` knows by their names and that no process holds, once for each folder.
+/// Removes the files in `folder` whose names satisfy `is_own` and that no process holds, once for
+/// each folder.
 pub(super) fn sweep(folder: &Path, is_own: impl Fn(&str) -> bool) {
     if !lock(&LIVE).swept.insert(folder.to_path_buf()) {
         return;
@@ -173,7 +178,7 @@ pub(super) fn sweep(folder: &Path, is_own: impl Fn(&str) -> bool) {
     for entry in entries.flatten() {
         let is_file = entry.file_type().is_ok_and(|kind| kind.is_file());
         if is_file && entry.file_name().to_str().is_some_and(&is_own) {
-            // What cannot be opened or locked stays.
+            // Files that cannot be opened or locked are kept.
             let Ok(file) = File::options().read(true).write(true).open(entry.path()) else {
                 continue;
             };

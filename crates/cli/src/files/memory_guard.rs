@@ -1,26 +1,27 @@
-//! Stops a reader before it takes more memory than there is.
+//! Stops a reader before it exhausts the memory.
 
 use std::io;
 
 use crate::files::FileError;
 use crate::memory::{available_memory, gibibytes};
 
-/// How much more a reader may hold before the memory is looked at again.
+/// The number of additional bytes after which the available memory is checked again.
 const STEP: u64 = 64 << 20;
 
-/// Watches how much a reader holds.
+/// Monitors the memory that a reader holds.
 ///
-/// Headers may promise anything and a small compressed file may hold anything, so that only what
-/// has been read counts.
+/// Headers may announce any size and a small compressed file may expand to any size, so only data
+/// that have been read count.
 #[derive(Debug, Default)]
 pub(super) struct MemoryGuard {
     checked: u64,
 }
 
 impl MemoryGuard {
-    /// Returns an error if `held` bytes are held and there is no memory for more.
+    /// Returns an error if a reader holds `held` bytes and no memory is left.
     ///
     /// # Errors
+    ///
     /// [`FileError::Memory`].
     pub(super) fn check(&mut self, path: &str, what: &str, held: u64) -> Result<(), FileError> {
         match self.left(held) {
@@ -31,12 +32,13 @@ impl MemoryGuard {
         }
     }
 
-    /// Returns an error if there is no memory for what may follow this number of decompressed bytes.
+    /// Returns an error if no memory is left for the data after this number of decompressed bytes.
     ///
-    /// A reader that keeps nothing of them takes no memory, however many there are.
+    /// A reader that discards the data takes no memory, whatever their size.
     ///
     /// # Errors
-    /// When the memory has come to its end.
+    ///
+    /// If the memory is exhausted.
     pub(super) fn check_decompressed(&mut self, bytes: u64) -> io::Result<()> {
         match self.left(bytes) {
             Some(left) if left < STEP as f64 => Err(io::Error::other(format!(
@@ -48,7 +50,7 @@ impl MemoryGuard {
         }
     }
 
-    /// Returns the memory that is left, at every step.
+    /// Returns the available memory at every step.
     fn left(&mut self, held: u64) -> Option<f64> {
         if held < self.checked.saturating_add(STEP) {
             return None;
@@ -58,9 +60,10 @@ impl MemoryGuard {
     }
 }
 
-/// Returns an error if `bytes`, which a file of sufficient length announces, exceed the memory.
+/// Returns an error if `bytes`, announced by a file of sufficient length, exceed the memory.
 ///
 /// # Errors
+///
 /// [`FileError::Memory`].
 pub(super) fn check_announced(path: &str, what: &str, bytes: f64) -> Result<(), FileError> {
     match available_memory() {

@@ -1,4 +1,4 @@
-//! Reading and writing of files: point sets in, results out, never half a file.
+//! Input and output files: reads point sets and writes results, complete or not at all.
 
 mod atomic;
 mod file_error;

@@ -1,8 +1,8 @@
 //! NPY, the array format of `NumPy`: reads rows of plain numbers and writes arrays.
 //!
-//! The reader is our own. What parsers of the whole format do with a hostile header (products of
-//! dimensions that overflow, dictionaries nested without end) would have to be caught before they see
-//! it, and that takes the same parsing.
+//! This module has a reader of its own. Hostile headers (dimensions whose product overflows, deeply
+//! nested dictionaries) would have to be rejected before a parser of the whole format sees them,
+//! and that takes the same parsing.
 
 mod description;
 mod item_type;
@@ -24,10 +24,10 @@ pub(super) use item_type::ItemType;
 
 /// The first bytes of every NPY file. No UTF-8 text starts with the first of them.
 pub(super) const MAGIC: &[u8; 6] = b"\x93NUMPY";
-/// The header of a plain array takes 128 bytes, that of records some 20 bytes a field; what is much
-/// longer describes something else.
+/// The header of a plain array takes 128 bytes, that of records about 20 bytes a field; a much
+/// longer one describes something else.
 const MAX_HEADER: usize = 1 << 16;
-/// Bytes that are read at a time: a multiple of all item sizes.
+/// The number of bytes that are read at a time, a multiple of all item sizes.
 const CHUNK: usize = 1 << 16;
 
 /// An array whose header has been read and whose items have not.
@@ -35,16 +35,15 @@ pub(super) struct NpyReader<'a, R> {
     input: R,
     path: &'a str,
     description: Description,
-    /// The length of everything before the items.
+    /// The number of bytes before the items.
     header_bytes: usize,
 }
 
 impl<'a, R: Read> NpyReader<'a, R> {
-    /// Returns a reader behind the header of a file of version 1, 2 or 3.
+    /// Returns a reader positioned after the header of a file of version 1, 2 or 3.
     ///
-    /// # Errors
-    /// When the file cannot be read, is no NPY file, ends within the header, or holds records or
-    /// anything else than plain items.
+    /// # Errors When the file cannot be read, is not an NPY file, ends within the header, or
+    /// contains objects other than records and plain items.
     pub(super) fn new(mut input: R, path: &'a str) -> Result<Self, FileError> {
         let mut header = HeaderBytes { input: &mut input, path, taken: 0 };
         let magic = header.take_some(MAGIC.len())?;
@@ -81,7 +80,7 @@ impl<'a, R: Read> NpyReader<'a, R> {
         &self.description.shape
     }
 
-    /// Returns the fields of a record; `None` of an array of plain items.
+    /// Returns the fields of a record, or `None` for an array of plain items.
     pub(super) fn fields(&self) -> Option<&[Field]> {
         self.description.fields.as_deref()
     }
@@ -91,12 +90,12 @@ impl<'a, R: Read> NpyReader<'a, R> {
         &self.description.descr
     }
 
-    /// Returns the item type; `None` for all but floats and integers.
+    /// Returns the item type, or `None` if it is neither a float nor an integer type.
     pub(super) fn item_type(&self) -> Option<ItemType> {
         ItemType::of_descr(&self.description.descr)
     }
 
-    /// Returns the error of an array whose shape is not this one.
+    /// Returns the error of an array with another shape.
     pub(super) fn shape_error(&self, expected: &str) -> FileError {
         let got = format!("the shape {}", python_tuple(self.shape()));
         layout_error(self.path, expected, &got)
@@ -104,12 +103,11 @@ impl<'a, R: Read> NpyReader<'a, R> {
 
     /// Reads all items of this type, which [`item_type`](Self::item_type) has given.
     ///
-    /// # Errors
-    /// When the bytes of the array cannot be counted, the file ends before it, or reading fails.
+    /// # Errors When the bytes of the array cannot be counted, the file ends before it, or reading
+    /// fails.
     ///
-    /// # Performance
-    /// Holds 8 bytes per item, whatever its type, of those that are there: a header that promises
-    /// more than the file has costs nothing.
+    /// # Performance Stores 8 bytes per item of any type. Only items in the file count, so a header
+    /// that announces more takes no memory.
     pub(super) fn read_items(mut self, item: ItemType) -> Result<Array, FileError> {
         let bytes = self.bytes_of(item.size()).ok_or_else(|| self.size_error())?;
         let read_error = |source| FileError::Read { path: self.path.to_owned(), source };
@@ -129,17 +127,15 @@ impl<'a, R: Read> NpyReader<'a, R> {
         Ok(Array { bits, shape, fortran_order, bytes_follow })
     }
 
-    /// Gives `take` the bytes of the rows of an array, `row` bytes each, the last index fastest in
-    /// either order of the file. Returns whether the file goes on behind the array.
+    /// Calls `take` with the bytes of each row of an array, `row` bytes each, the last index
+    /// fastest in either order of the file. Returns whether the file continues after the array.
     ///
-    /// `item` are the bytes of a plain item or of a record, and `row` a multiple of them by a number
-    /// that divides the last dimension.
+    /// `item` is the number of bytes of a plain item or of a record, and `row` a multiple of them
+    /// by a number that divides the last dimension.
     ///
-    /// # Errors
-    /// As [`read_items`](Self::read_items), and those of `take`.
+    /// # Errors As [`read_items`](Self::read_items), and those of `take`.
     ///
-    /// # Performance
-    /// Holds a part of the file in C order, and all of it in Fortran order.
+    /// # Performance Stores a part of a file in C order, and all of one in Fortran order.
     pub(super) fn for_each_row(
         mut self,
         item: usize,
@@ -148,7 +144,7 @@ impl<'a, R: Read> NpyReader<'a, R> {
     ) -> Result<bool, FileError> {
         let bytes = self.bytes_of(item).ok_or_else(|| self.size_error())?;
         let rows = bytes.checked_div(row).unwrap_or(0);
-        // The order of a single dimension does not matter.
+        // The order of a single dimension is irrelevant.
         let is_fortran = self.description.fortran_order && self.shape().len() > 1;
         if is_fortran && rows > 0 {
             let all = self.read_all(bytes)?;
@@ -178,7 +174,7 @@ impl<'a, R: Read> NpyReader<'a, R> {
         Ok(self.input.read(&mut [0]).map_err(read_error)? > 0)
     }
 
-    /// Returns all `bytes` of the array, within the memory that there is.
+    /// Returns all `bytes` of the array, limited by the available memory.
     fn read_all(&mut self, bytes: usize) -> Result<Vec<u8>, FileError> {
         let (mut all, mut chunk) = (Vec::new(), Vec::new());
         let mut guard = MemoryGuard::default();
@@ -219,7 +215,7 @@ impl<'a, R: Read> NpyReader<'a, R> {
         layout_error(self.path, expected, &format!("the shape {}", python_tuple(self.shape())))
     }
 
-    /// Returns the number of bytes of all items, if that and the header's fit in memory.
+    /// Returns the number of bytes of all items, if they and the header fit in memory.
     fn bytes_of(&self, item: usize) -> Option<usize> {
         if self.shape().contains(&0) {
             return Some(0);
@@ -236,15 +232,15 @@ pub(super) struct Array {
     bits: Vec<u64>,
     shape: Vec<usize>,
     fortran_order: bool,
-    /// Whether the file goes on behind the array.
+    /// Whether the file continues after the array.
     pub(super) bytes_follow: bool,
 }
 
 impl Array {
     /// Returns the bits of the items in rows, the last index fastest in either order of the file.
     ///
-    /// `N` is the last dimension, or 1. There are as many rows as the items fill: a shape such as
-    /// `(10^18, 0, 3)` has none.
+    /// `N` is the last dimension, or 1. The number of items determines the number of rows: a shape
+    /// such as `(10^18, 0, 3)` has none.
     pub(super) fn rows<const N: usize>(&self) -> impl Iterator<Item = [u64; N]> + '_ {
         debug_assert!(N == 1 || self.shape.last() == Some(&N), "{:?} in rows of {N}", self.shape);
         let rows = self.bits.len() / N;
@@ -257,8 +253,8 @@ impl Array {
     }
 }
 
-/// Returns where in an array in Fortran order the item stands that has this place when the last index
-/// runs fastest.
+/// Returns the index, in an array in Fortran order, of the item with the given index when the last
+/// dimension varies fastest.
 fn fortran_place(shape: &[usize], place: usize) -> usize {
     let mut rest = place;
     shape.iter().rev().fold(0, |sum, &dimension| {
@@ -270,11 +266,10 @@ fn fortran_place(shape: &[usize], place: usize) -> usize {
 
 /// Writes an array in C order.
 ///
-/// `descr` is named and not left to the machine, so that files do not depend on it.
+/// `descr` is explicit rather than native, so that files do not depend on the machine.
 ///
-/// # Errors
-/// When writing fails, or `descr` is not the item type of a `T`, or there are not as many items as
-/// the shape has.
+/// # Errors When writing fails, or `descr` is not the item type of a `T`, or the number of items
+/// disagrees with the shape.
 pub(super) fn write_npy<T: npyz::Serialize>(
     out: &mut impl Write,
     descr: &str,
@@ -314,7 +309,7 @@ impl<R: Read> HeaderBytes<'_, R> {
         Ok(bytes)
     }
 
-    /// Returns an error if of `count` bytes taken last there were only `got`.
+    /// Returns an error if only `got` of the last `count` bytes were available.
     fn check_end(&self, count: usize, got: usize) -> Result<(), FileError> {
         if got == count {
             return Ok(());

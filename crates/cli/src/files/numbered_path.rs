@@ -1,24 +1,24 @@
-//! Names of files that each hold one of several sets.
+//! Names of numbered files with one set each.
 
 use std::path::{Path, PathBuf};
 
-/// What stands for the number of a set.
+/// The placeholder of the number of a set.
 const PLACE: &str = "{i}";
 
-/// A path with `{i}` in it, which stands for the number of a set.
+/// A path with the placeholder `{i}` for the number of a set.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct NumberedPath<'a> {
     pattern: &'a str,
 }
 
 impl<'a> NumberedPath<'a> {
-    /// Returns the pattern that a path is, if it is one.
+    /// Returns the numbered path if `path` contains the placeholder.
     pub(crate) fn of(path: &'a Path) -> Option<Self> {
         path.to_str().filter(|text| text.contains(PLACE)).map(|pattern| Self { pattern })
     }
 
-    /// Returns the path of a set, counted from 0 as in the column `set`. Numbers have at least six digits, so that
-    /// the order of names is that of sets.
+    /// Returns the path of a set, counted from 0 as in the column `set`. Numbers have at least six
+    /// digits, so that names sort in the order of the sets.
     pub(crate) fn path(self, set: usize) -> PathBuf {
         self.pattern.replace(PLACE, &format!("{set:06}")).into()
     }

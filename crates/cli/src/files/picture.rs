@@ -1,4 +1,4 @@
-//! Writing images: PNG to be looked at, `OpenEXR` and PFM to be computed with.
+//! Writes images: PNG for viewing, `OpenEXR` and PFM for computation.
 
 use std::io::{self, Cursor};
 use std::path::Path;
@@ -19,7 +19,7 @@ pub(crate) enum PictureFormat {
     Png,
     /// Linear, 32 bits.
     Exr,
-    /// Portable float map: linear, 32 bits, grey. It has no room for remarks.
+    /// Portable float map: linear, 32 bits, grey. It cannot store remarks.
     Pfm,
 }
 
@@ -36,9 +36,10 @@ impl PictureFormat {
         }
     }
 
-    /// The format that the extension names, whatever its case; `-`, standard output, is PNG.
+    /// Returns the format of the extension in any case; `-`, standard output, is PNG.
     ///
     /// # Errors
+    ///
     /// [`FileError::UnknownExtension`].
     pub(crate) fn of_path(path: &Path) -> Result<Self, FileError> {
         let extension = path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase);
@@ -60,19 +61,18 @@ pub(crate) struct Picture<'a> {
     pub(crate) width: usize,
     pub(crate) height: usize,
     pub(crate) values: &'a [f64],
-    /// How much of each pixel its value stands for, as alpha; all of it if there is none.
+    /// The fraction of each pixel that its value covers, stored as alpha; all of it if `None`.
     pub(crate) coverage: Option<&'a [f64]>,
 }
 
 impl Picture<'_> {
-    /// Writes the values as they are to an `.exr` or `.pfm`, or as the sRGB colours of `colour` to a `.png`; `remark`
-    /// goes into the file where the format has room for it.
+    /// Writes the values unchanged to an `.exr` or `.pfm`, or as the sRGB colours of `colour` to a
+    /// `.png`; `remark` is stored in the file if the format supports it.
     ///
-    /// Coverage becomes alpha: of a PNG with the colour as it is, of an EXR with the value times alpha, as is usual there.
-    /// A PFM has the value times coverage.
+    /// Coverage is stored as alpha: in a PNG with the unmodified colour, in an EXR with the value
+    /// times alpha, as is customary there. A PFM stores the value times coverage.
     ///
-    /// # Errors
-    /// When the extension is another one or the file cannot be written.
+    /// # Errors When the extension is another one or the file cannot be written.
     pub(crate) fn write(
         &self,
         path: &Path,
@@ -135,7 +135,8 @@ impl Picture<'_> {
         Ok(bytes.into_inner())
     }
 
-    /// The rows from the bottom; the negative scale says that numbers are little-endian.
+    /// Returns the file with its rows from the bottom; the negative scale states that numbers are
+    /// little-endian.
     fn pfm(&self) -> Vec<u8> {
         let mut bytes = format!("Pf\n{} {}\n-1.0\n", self.width, self.height).into_bytes();
         for row in (0..self.height).rev() {
@@ -145,7 +146,7 @@ impl Picture<'_> {
         bytes
     }
 
-    /// The value of a pixel times how much of it that stands for.
+    /// Returns the value of a pixel times its coverage.
     fn covered(&self, pixel: usize) -> f64 {
         self.values[pixel] * self.coverage.map_or(1.0, |coverage| coverage[pixel])
     }
@@ -169,7 +170,7 @@ fn write_encoded(path: &Path, bytes: io::Result<Vec<u8>>) -> Result<(), FileErro
     AtomicFile::write_whole(path, &bytes.map_err(unwritten)?)
 }
 
-/// A PNG file of 8-bit sRGB colours, row by row from the top, with a remark in it.
+/// Returns a PNG file of 8-bit sRGB colours, row by row from the top, with a remark in it.
 fn png_bytes(
     [width, height]: [usize; 2],
     channels: png::ColorType,
@@ -189,15 +190,15 @@ fn png_bytes(
     Ok(bytes)
 }
 
-/// A share in [0, 1] in 8 bits.
+/// Returns a share in [0, 1] as an 8-bit number.
 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "between 0 and 255")]
 fn eight_bits(share: f64) -> u8 {
     (255.0 * share).round() as u8
 }
 
-/// A linear value in [0, 1], cut off there, as a grey of sRGB (IEC 61966-2-1).
+/// Returns a linear value, clamped to [0, 1], as a grey of sRGB (IEC 61966-2-1).
 pub(crate) fn srgb(linear: f64) -> u8 {
-    // NaN becomes black.
+    // NaN is shown as black.
     let x = if linear > 0.0 { linear.min(1.0) } else { 0.0 };
     let encoded = if x <= 0.003_130_8 { 12.92 * x } else { 1.055 * x.powf(1.0 / 2.4) - 0.055 };
     #[expect(
@@ -221,7 +222,8 @@ mod tests {
 
     #[test]
     fn greys_are_those_of_the_standard() {
-        // Values of the sRGB standard's curve: half of the light is 188, the linear part ends at 10.
+        // Values of the curve in the sRGB standard: half of the light is 188, the linear part ends
+        // at 10.
         for (linear, grey) in [
             (0.0, 0),
             (1.0, 255),

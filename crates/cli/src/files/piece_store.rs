@@ -15,18 +15,19 @@ pub(crate) struct PieceStore {
 }
 
 impl PieceStore {
-    /// A store in `folder`, which is made if it is missing.
+    /// Opens the store in `folder`, which is created if it is missing.
     ///
     /// # Errors
-    /// When it cannot be made.
+    ///
+    /// If it cannot be created.
     pub(crate) fn open(folder: &Path) -> Result<Self, FileError> {
         fs::create_dir_all(folder)
             .map_err(|source| FileError::Write { path: folder.display().to_string(), source })?;
         Ok(Self { folder: folder.to_owned() })
     }
 
-    /// Names are those of keys, so that a folder can be read by eye; a checksum tells those apart that differ in
-    /// what file names cannot show.
+    /// Returns the path of a key. Names contain the key, for inspection by people; a checksum
+    /// distinguishes keys that differ only in characters that file names cannot contain.
     fn path(&self, key: &str) -> PathBuf {
         let plain = |c: char| if c.is_ascii_alphanumeric() || ".=".contains(c) { c } else { '-' };
         // File systems allow 255 bytes, some of which a temporary name adds.

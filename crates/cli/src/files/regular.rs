@@ -1,4 +1,4 @@
-//! Files that only this program reads and writes.
+//! Files that are read and written by this program only.
 
 use std::fs;
 use std::io;
@@ -8,10 +8,11 @@ use super::AtomicFile;
 use super::file_error::{FileError, output_name};
 use super::target::is_stream;
 
-/// Returns the bytes of a plain file.
+/// Returns the bytes of a regular file.
 ///
 /// # Errors
-/// When it cannot be read, or is something else: the program writes no pipe, and would wait for one.
+///
+/// If it cannot be read or is not a regular file; reading a pipe would block.
 pub(crate) fn read_regular(path: &Path) -> io::Result<Vec<u8>> {
     if !fs::metadata(path)?.is_file() {
         return Err(io::Error::other("it is not a plain file"));
@@ -19,11 +20,12 @@ pub(crate) fn read_regular(path: &Path) -> io::Result<Vec<u8>> {
     fs::read(path)
 }
 
-/// Writes a plain file whole, or not at all.
+/// Writes a regular file, complete or not at all.
 ///
 /// # Errors
-/// Those of [`AtomicFile::write_whole`], or when something else has its name, such as a pipe, which would wait for a
-/// reader.
+///
+/// Those of [`AtomicFile::write_whole`], or if the path is another kind of file, such as a pipe, on
+/// which writing would block.
 pub(crate) fn write_regular(path: &Path, bytes: &[u8]) -> Result<(), FileError> {
     if is_stream(path) {
         let reason = "it is not a plain file; remove it";

@@ -13,52 +13,53 @@ use sphvar_spectrum::SpectrumAccumulator;
 use super::used_files::record_input;
 use super::{AtomicFile, FileError, Place};
 
-/// Sums that are exact, so that parts can be put together in any order.
+/// Exact sums, which can be merged in any order.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct Shard {
-    /// What the sums are of.
+    /// The ensemble of the sums.
     pub(crate) ensemble: SavedEnsemble,
-    /// Which parts of its realizations, in order and without overlap.
+    /// The parts of its realizations, in order and without overlap.
     pub(crate) parts: Vec<Part>,
     pub(crate) sums: SpectrumAccumulator,
 }
 
-/// One of equal parts of an ensemble, `I/K`, counted from 1.
+/// One of several equal parts of an ensemble, `I/K`, counted from 1.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) struct Part {
     pub(crate) part: u64,
     pub(crate) parts: u64,
 }
 
-/// Everything that sums depend on but the realizations.
+/// All quantities that the sums depend on except the realizations.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct SavedEnsemble {
     pub(crate) sampler: String,
-    /// Whether realizations differ: the one of a pattern that is not random has no error.
+    /// Whether realizations differ; the single realization of a deterministic pattern has no error.
     pub(crate) is_random: bool,
     pub(crate) domain: Domain,
     pub(crate) lmax: usize,
-    /// Number of realizations of the whole.
+    /// The number of realizations of the whole ensemble.
     pub(crate) realizations: u64,
     /// Method and accuracy of the transforms.
     pub(crate) transform: String,
     pub(crate) seed: u64,
-    /// Of this program.
+    /// The version of this program.
     pub(crate) version: String,
-    /// Class of the machine: others round differently.
+    /// The instruction set of the machine, because others round differently.
     pub(crate) instruction_set: String,
 }
 
-/// How the files begin, in every version of their form.
+/// The first bytes of the files, in every version of the format.
 const NAME: &[u8] = b"sphvar shard ";
-/// The rest of their first line in this version; after it a CRC-32 of the rest, little-endian.
+/// The rest of their first line in this version; a CRC-32 of the rest of the file follows,
+/// little-endian.
 const FORM: &[u8] = b"4\n";
 
 impl Part {
-    /// The whole.
+    /// The whole ensemble.
     pub(crate) const WHOLE: Self = Self { part: 1, parts: 1 };
 
-    /// The realizations of this part of `count`; the sizes of parts differ by one at most.
+    /// Returns the realizations of this part of `count`; the sizes of parts differ by at most one.
     pub(crate) fn range(self, count: u64) -> Range<u64> {
         let end = |part: u64| {
             let wide = u128::from(count) * u128::from(part) / u128::from(self.parts);
@@ -67,7 +68,8 @@ impl Part {
         end(self.part - 1)..end(self.part)
     }
 
-    /// Of `parts` parts of `count` realizations, the one that has number `realization`, below `count`.
+    /// Returns the one of `parts` parts of `count` realizations that contains realization
+    /// `realization`, which is below `count`.
     pub(crate) fn of_realization(realization: u64, count: u64, parts: u64) -> Self {
         let wide = (u128::from(realization) + 1) * u128::from(parts);
         let part = u64::try_from(wide.div_ceil(u128::from(count))).unwrap_or(parts);
@@ -99,10 +101,11 @@ impl fmt::Display for Part {
 }
 
 impl Shard {
-    /// Writes the file, whole or not at all.
+    /// Writes the file, complete or not at all.
     ///
     /// # Errors
-    /// When it cannot be written.
+    ///
+    /// If it cannot be written.
     pub(crate) fn write(&self, path: &Path) -> Result<(), FileError> {
         let body = postcard::to_stdvec(self).map_err(|error| FileError::Write {
             path: path.display().to_string(),
@@ -115,7 +118,8 @@ impl Shard {
     /// Reads a file.
     ///
     /// # Errors
-    /// When it cannot be read, is something else or is damaged.
+    ///
+    /// If it cannot be read, has another format or is damaged.
     pub(crate) fn read(path: &Path) -> Result<Self, FileError> {
         let name = path.display().to_string();
         let bytes =
@@ -144,12 +148,12 @@ impl Shard {
         }
     }
 
-    /// Which realizations are in it, part by part.
+    /// Returns the realizations in it, part by part.
     pub(crate) fn ranges(&self) -> Vec<Range<u64>> {
         self.parts.iter().map(|part| part.range(self.ensemble.realizations)).collect()
     }
 
-    /// Which realizations are not in it.
+    /// Returns the missing realizations.
     pub(crate) fn missing(&self) -> Vec<Range<u64>> {
         let mut missing = Vec::new();
         let mut next = 0;
@@ -163,7 +167,8 @@ impl Shard {
         missing
     }
 
-    /// Whether the sums can be those of the realizations: nothing that this program writes fails here.
+    /// Returns whether the sums are consistent with the number of realizations; files of this
+    /// program always are.
     fn is_whole(&self) -> bool {
         let Self { ensemble, parts, sums } = self;
         if parts.is_empty() || !parts.iter().all(|part| part.is_valid()) {
@@ -209,7 +214,7 @@ mod tests {
         let whole = postcard::to_stdvec(&sum).unwrap();
         let back: ExactSum = postcard::from_bytes(&whole).unwrap();
         assert_eq!(back.value().to_bits(), 0.1_f64.to_bits());
-        // No digits, the first of them at 2^35 or at 100, nothing pending, and 0.0.
+        // No digits, the first at 2^35 or at 100, none pending, and 0.0.
         for first in [&[0x80, 0x80, 0x80, 0x80, 0x80, 0x01][..], &[100]] {
             let crafted = [&[0], first, &[0], &[0; 8]].concat();
             assert!(postcard::from_bytes::<ExactSum>(&crafted).is_err(), "{first:?}");
@@ -242,7 +247,7 @@ mod tests {
         assert_eq!("2/3".parse::<Part>().unwrap().to_string(), "2/3");
     }
 
-    /// Files whose checksum is right and whose content is not.
+    /// Files with a correct checksum and inconsistent content.
     #[test]
     fn sums_of_other_realizations_are_refused() {
         let folder = tempfile::tempdir().unwrap();

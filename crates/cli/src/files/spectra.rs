@@ -15,22 +15,21 @@ use super::{FileError, Place};
 pub(crate) struct SpectrumRow {
     pub(crate) l: usize,
     pub(crate) power: f64,
-    /// 0 where the file gives none: the value is taken as exact.
+    /// 0 if the file does not state one: the value counts as exact.
     pub(crate) stderr: f64,
-    /// 0 where the file does not say it.
+    /// 0 if the file does not state it.
     pub(crate) realizations: u64,
 }
 
-/// Returns the degrees of a text file with the columns `l` and `power` (or `mean`), and `stderr` and
-/// `realizations` if there are any; the path `-` is standard input.
+/// Returns the degrees of a text file with the columns `l` and `power` (or `mean`), and `stderr`
+/// and `realizations` if there are any; the path `-` is standard input.
 ///
-/// Fields are divided by commas or by blanks. A first line without any number is a header and names the
-/// columns (quoted or not, in any case, order and company); without one they are l, power, stderr in
-/// this order. Lines that start with `#` and empty lines are skipped.
+/// Fields are separated by commas or spaces. A first line without any number is a header and names
+/// the columns (with or without quotes, in any case and order, possibly among others); without one
+/// they are l, power, stderr in this order. Lines that start with `#` and empty lines are skipped.
 ///
-/// # Errors
-/// When the file cannot be read, a line has another number of fields than the first, a field is no
-/// number, a degree is given twice or left out, or there is no row.
+/// # Errors If the file cannot be read, a line has another number of fields than the first, a field
+/// is not a number, a degree is duplicate or missing, or there are no rows.
 pub(crate) fn read_spectrum(path: &Path) -> Result<Vec<SpectrumRow>, FileError> {
     read_stream(open_input(path)?, &input_name(path))
 }
@@ -87,7 +86,7 @@ fn read_stream(input: impl BufRead, path: &str) -> Result<Vec<SpectrumRow>, File
             value.ok_or_else(|| wrong(field, "a finite number from 0", text))
         };
         let power = number("power", columns.power)?;
-        // The spectrum of one given set has no error: its field is empty.
+        // The spectrum of one given set has no error, so its field is empty.
         let stderr = columns.stderr.filter(|&column| !fields[column].is_empty());
         let stderr = stderr.map_or(Ok(0.0), |column| number("stderr", column))?;
         let count = |column: usize| {
@@ -114,7 +113,7 @@ fn read_stream(input: impl BufRead, path: &str) -> Result<Vec<SpectrumRow>, File
     Ok(rows.into_values().collect())
 }
 
-/// Where a row has its numbers.
+/// The positions of the numbers in a row.
 #[derive(Clone, Copy)]
 struct Columns {
     /// The number of fields.
@@ -139,8 +138,7 @@ impl Columns {
         })
     }
 
-    /// Returns the columns of lines that have this number of fields; those after the third mean
-    /// nothing here.
+    /// Returns the columns of lines with this number of fields; those after the third are ignored.
     fn without_header(count: usize) -> Option<Self> {
         let stderr = (count > 2).then_some(2);
         (count >= 2).then_some(Self { count, l: 0, power: 1, stderr, realizations: None })

@@ -1,4 +1,4 @@
-//! Where the path of an output leads: a file, standard output, or a stream such as a pipe.
+//! Resolves the path of an output: a file, standard output, or a stream such as a pipe.
 
 use std::fs::{self, Metadata};
 use std::io;
@@ -6,31 +6,32 @@ use std::path::{Path, PathBuf};
 
 use super::file_error::{FileError, is_dash, output_name};
 
-/// Links that are followed before they count as a loop, as Linux has it.
+/// The maximum number of links before they count as a loop, as in Linux.
 const MAX_LINKS: usize = 40;
 
-/// What the path of an output stands for.
+/// The target of an output path.
 #[derive(Debug)]
 pub(super) enum Target {
     /// `-`, or a name of descriptor 1 such as `/dev/stdout`.
     Stdout,
-    /// A device, a FIFO, or another descriptor: it is written to directly, since a rename would put a plain file
-    /// in its place.
+    /// A device, a FIFO, or another descriptor. It is written to directly, because a rename would
+    /// replace it by a regular file.
     Stream(PathBuf),
-    /// A file at the end of all links; it may not be there yet.
+    /// The file at the end of all links; it need not exist.
     File {
-        /// Its own path.
+        /// Its resolved path.
         path: PathBuf,
-        /// What the file that is there is like.
+        /// The metadata of the file if it exists.
         existing: Option<Metadata>,
     },
 }
 
 impl Target {
-    /// Returns where `path` leads; links are followed to their end, also to a file that does not exist.
+    /// Returns the target of `path`; links are resolved completely, even to a file that does not
+    /// exist.
     ///
-    /// # Errors
-    /// When it is a folder, a read-only file, a loop of links, or in a folder that does not exist.
+    /// # Errors If it is a folder, a read-only file, a loop of links, or in a folder that does not
+    /// exist.
     pub(super) fn of(path: &Path) -> Result<Self, FileError> {
         if is_dash(path) {
             return Ok(Self::Stdout);
@@ -75,13 +76,13 @@ impl Target {
     }
 }
 
-/// Whether an output path stands for standard output.
+/// Returns whether an output path denotes standard output.
 pub(crate) fn is_stdout(path: &Path) -> bool {
     matches!(Target::of(path), Ok(Target::Stdout))
 }
 
-/// Whether an output path stands for standard output, a device, a FIFO or an open descriptor: without an extension
-/// they get what standard output gets.
+/// Returns whether an output path denotes standard output, a device, a FIFO or an open descriptor.
+/// Without an extension, these receive the format of standard output.
 pub(crate) fn is_stream(path: &Path) -> bool {
     matches!(Target::of(path), Ok(Target::Stdout | Target::Stream(_)))
 }
@@ -90,7 +91,7 @@ fn is_absent(error: &io::Error) -> bool {
     matches!(error.kind(), io::ErrorKind::NotFound | io::ErrorKind::NotADirectory)
 }
 
-/// Returns an error unless a file can be created at `path`, as far as its folder goes.
+/// Returns an error if the folder of `path` does not permit a new file.
 fn check_folder(name: &str, path: &Path) -> Result<(), FileError> {
     let path_of = || name.to_owned();
     let ends_in_separator = path.as_os_str().as_encoded_bytes().last() == Some(&b'/');

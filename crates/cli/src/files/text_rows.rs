@@ -6,13 +6,13 @@ use std::iter;
 
 use super::file_error::{FileError, Place};
 
-/// How much of a wrong field or line an error message repeats.
+/// The maximum number of characters of a wrong field or line that an error message quotes.
 const SHOWN: usize = 40;
 const BYTE_ORDER_MARK: char = '\u{feff}';
-/// A longer line is no row of numbers, and a compressed file may hold any number of bytes.
+/// A longer line is not a row of numbers, and a compressed file may contain any number of bytes.
 const MAX_LINE: u64 = 1 << 28;
 
-/// What separates the fields of a file.
+/// The separator of the fields of a file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Separator {
     Comma,
@@ -34,11 +34,12 @@ impl Separator {
         }
     }
 
-    /// Returns the separator of a file whose first line that is no comment is this one.
+    /// Returns the separator of a file from its first line that is not a comment.
     ///
-    /// Of commas, semicolons and tabs outside of quotes the most frequent; on a par the comma, beside
-    /// which tabs are blanks. Tabs separate single fields, which may be empty or have blanks, where a header
-    /// or an empty field shows it; otherwise any run of tabs and blanks separates.
+    /// It is the most frequent of commas, semicolons and tabs outside of quotes; in a tie it is the
+    /// comma, and tabs count as spaces. Tabs separate single fields, which may be empty or contain
+    /// spaces, if a header or an empty field shows it; otherwise any run of tabs and spaces
+    /// separates.
     fn of_line(line: &str) -> Self {
         let count = |separator: char| {
             let mut quoted = false;
@@ -57,7 +58,7 @@ impl Separator {
         } else if commas >= tabs {
             Self::Comma
         } else {
-            // Blanks that align columns, or tabs that do in rows of numbers, are blanks.
+            // Spaces that align columns, or tabs that do in rows of numbers, count as spaces.
             let is_aligned = ["\t ", " \t", "  "].iter().any(|blanks| line.contains(blanks));
             let is_header = line.split_whitespace().all(|word| word.parse::<f64>().is_err());
             if !is_aligned && (is_header || line.contains("\t\t")) {
@@ -73,7 +74,7 @@ impl Separator {
 pub(super) struct TextRows<'a, R> {
     input: R,
     path: &'a str,
-    /// What a file that is no text should have been, for the message.
+    /// The expected content of a file that is not text, for the message.
     expected: &'static str,
     number: usize,
     line: String,
@@ -81,18 +82,17 @@ pub(super) struct TextRows<'a, R> {
 }
 
 impl<'a, R: BufRead> TextRows<'a, R> {
-    /// Returns the lines of a file; `expected` is for the message when it is no text.
+    /// Returns the lines of a file; `expected` is for the message if it is not text.
     pub(super) fn new(input: R, path: &'a str, expected: &'static str) -> Self {
         Self { input, path, expected, number: 0, line: String::new(), separator: None }
     }
 
     /// Returns the next line that is not empty, or `None` at the end.
     ///
-    /// A byte order mark at the start of the file is skipped, and so is a first line `sep=;`, by which Excel is told the
-    /// separator.
+    /// A byte order mark at the start of the file is skipped, and so is a first line `sep=;`, which
+    /// tells Excel the separator.
     ///
-    /// # Errors
-    /// When reading fails or the line is not UTF-8.
+    /// # Errors When reading fails or the line is not UTF-8.
     pub(super) fn next_line(&mut self) -> Result<Option<TextLine<'_>>, FileError> {
         self.line.clear();
         while self.line.trim().is_empty() {
@@ -115,7 +115,7 @@ impl<'a, R: BufRead> TextRows<'a, R> {
             }
             self.line = match String::from_utf8(bytes) {
                 Ok(line) => line,
-                // What a comment says does not matter, and many have names in Latin-1.
+                // The text of a comment is ignored, and many contain names in Latin-1.
                 Err(error) if error.as_bytes().trim_ascii_start().starts_with(b"#") => {
                     String::from_utf8_lossy(error.as_bytes()).into_owned()
                 }
@@ -158,7 +158,7 @@ impl<'a, R: BufRead> TextRows<'a, R> {
     }
 }
 
-/// Returns what the bytes up to the first line feed are if they are no line of text.
+/// Returns a description of the bytes up to the first line feed if they are not a line of text.
 fn not_lines(bytes: &[u8]) -> Option<&'static str> {
     if bytes.starts_with(b"\xff\xfe") || bytes.starts_with(b"\xfe\xff") {
         Some("UTF-16; save it as UTF-8")
@@ -171,7 +171,7 @@ fn not_lines(bytes: &[u8]) -> Option<&'static str> {
     }
 }
 
-/// A line that is kept while others are read.
+/// A line that is stored while others are read.
 #[derive(Debug)]
 pub(super) struct HeldLine {
     text: String,
@@ -189,11 +189,11 @@ impl HeldLine {
 /// A line that is not empty.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct TextLine<'t> {
-    /// Counted from 1, as editors do.
+    /// The line number, counted from 1 as in editors.
     pub(super) number: usize,
-    /// The line without blanks at its ends.
+    /// The line without leading and trailing spaces.
     pub(super) text: &'t str,
-    /// That of the first line of the file that is no comment.
+    /// The separator of the first line of the file that is not a comment.
     separator: Separator,
 }
 
@@ -208,14 +208,14 @@ impl<'t> TextLine<'t> {
         self.fields().all(|field| field.parse::<f64>().is_err())
     }
 
-    /// Returns whether the line is drawn below a header: every field consists of dashes, at least one of them of
-    /// three or more.
+    /// Returns whether the line is a rule below a header: every field consists of dashes, and at
+    /// least one has three or more.
     pub(super) fn is_rule(&self) -> bool {
         let is_dashes = |field: Cow<'_, str>| !field.is_empty() && field.bytes().all(|b| b == b'-');
         self.text.contains("---") && self.fields().all(is_dashes)
     }
 
-    /// Returns a copy that outlives the reading of the next line.
+    /// Returns a copy that remains valid when the next line is read.
     pub(super) fn held(&self) -> HeldLine {
         HeldLine { text: self.text.to_owned(), number: self.number, separator: self.separator }
     }
@@ -225,7 +225,7 @@ impl<'t> TextLine<'t> {
         TextLine { number: self.number, text: text.trim(), separator: self.separator }
     }
 
-    /// Returns whether the line ends with a separator, behind which there is an empty field.
+    /// Returns whether the line ends with a separator, which an empty field follows.
     pub(super) fn has_open_end(&self) -> bool {
         let separator = match self.separator {
             Separator::Comma => ',',
@@ -236,7 +236,7 @@ impl<'t> TextLine<'t> {
         self.text.ends_with(separator)
     }
 
-    /// Returns what separates the fields, for messages.
+    /// Returns the name of the separator, for messages.
     pub(super) fn separator(&self) -> &'static str {
         match self.separator {
             Separator::Comma => "commas",
@@ -246,9 +246,10 @@ impl<'t> TextLine<'t> {
         }
     }
 
-    /// Returns the fields without blanks at their ends.
+    /// Returns the fields without leading and trailing spaces.
     ///
-    /// A field in `"` loses these and may hold separators and, doubled, `"`, but no line break.
+    /// A field in `"` loses the quotes and may contain separators and, doubled, `"`, but no line
+    /// break.
     pub(super) fn fields(&self) -> impl Iterator<Item = Cow<'t, str>> + use<'t> {
         let separator = self.separator;
         let mut rest = Some(self.text);
@@ -272,12 +273,13 @@ impl<'t> TextLine<'t> {
     }
 }
 
-/// Returns the length of the quoted field at the start of a text, with its quotes; 0 if there is none.
+/// Returns the length of the quoted field at the start of a text, including its quotes, or 0 if
+/// there is none.
 fn quoted_bytes(text: &str) -> usize {
     let Some(quoted) = text.strip_prefix('"') else {
         return 0;
     };
-    // A quote ends the field unless a second one follows at once.
+    // A quote ends the field unless a second one follows immediately.
     let mut ended = false;
     let end = quoted.char_indices().find(|&(i, c)| {
         ended ^= c == '"';
@@ -294,7 +296,7 @@ fn unquoted(field: &str) -> Cow<'_, str> {
     }
 }
 
-/// Returns the start of a text for a message, with dots where something is left away.
+/// Returns the start of a text for a message, with an ellipsis if it is shortened.
 pub(super) fn shortened(text: &str) -> String {
     let mut shown: String = text.chars().take(SHOWN).collect();
     if text.chars().nth(SHOWN).is_some() {
@@ -307,7 +309,7 @@ pub(super) fn shortened(text: &str) -> String {
 mod tests {
     use super::{TextRows, shortened};
 
-    /// The number and the fields of every line that is no comment.
+    /// Returns the number and the fields of every line that is not a comment.
     fn rows(text: &str) -> Vec<(usize, Vec<String>)> {
         let mut rows = TextRows::new(text.as_bytes(), "T", "text");
         let mut found = Vec::new();
@@ -345,7 +347,7 @@ mod tests {
             let [(1, found)] = &rows(line)[..] else { panic!("{line:?}: {:?}", rows(line)) };
             assert_eq!(found, fields, "{line:?}");
         }
-        // Told to Excel in the first line, and nowhere else.
+        // A declaration for Excel is valid in the first line only.
         for (text, fields) in [
             ("sep=;\na,b;c\n", ["a,b", "c"]),
             ("\u{feff}SEP=,\r\na;b,c\r\n", ["a;b", "c"]),
@@ -360,7 +362,7 @@ mod tests {
         assert_eq!(found, expected);
     }
 
-    /// Where no quote is inside a field the established library divides lines in the same way.
+    /// Where no quote is inside a field, the established library splits lines in the same way.
     #[test]
     fn quotes_mean_what_they_mean_to_another_library() {
         for line in ["a,b", "\"a, b\",\"c\"", "\"a\"\"b\",,\"\"", "1,\"2,\"\",\"\",3\",4", "\",\""]

@@ -28,7 +28,7 @@ pub(super) struct Legend<'a> {
 }
 
 impl<'a> Legend<'a> {
-    /// Returns the legend of the series that have a name, in columns between `left` and `right` below `top`.
+    /// Returns the legend of the named series, in columns between `left` and `right` below `top`.
     pub(super) fn new<DB: DrawingBackend>(
         looks: &[Look<'a>],
         (left, right): (f64, f64),

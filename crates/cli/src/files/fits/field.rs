@@ -1,19 +1,20 @@
-//! Which of the fields of a table or an image is a HEALPix map.
+//! Selects the field of a table or an image that is a HEALPix map.
 
 use super::header::Header;
 use super::table::TableColumn;
 use crate::files::file_error::{FileError, Place};
 use crate::files::text_rows::shortened;
 
-/// What a field must have.
+/// The required kind of a field.
 pub(super) const REAL_FIELD: &str = "a field of real numbers, such as TFORM = 'D'";
 
-/// Which column of a table, or which of the maps that follow each other in an image, is the map.
+/// The column of a table, or one of several consecutive maps in an image.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) enum FitsField {
-    /// By its place from 0, the column of pixel numbers not counted, as by healpy.
+    /// Its index from 0, not counting the column of pixel numbers, as in healpy.
     Number(usize),
-    /// By a text: the column with this TTYPE, else with this number, else with this TTYPE in any case.
+    /// A text: the column with this TTYPE, or else with this number, or else with this TTYPE in any
+    /// case.
     Name(String),
 }
 
@@ -49,7 +50,7 @@ pub(super) fn chosen_column(
     Ok(column)
 }
 
-/// Returns the number of maps of this number of pixels that follow each other in an image.
+/// Returns the number of consecutive maps of this number of pixels in an image.
 pub(super) fn maps_in_image(path: &str, header: &Header, pixels: u64) -> Result<u64, FileError> {
     let axes = header.integer("NAXIS").unwrap_or(0);
     let lengths: Vec<u64> = (1..=axes)
@@ -68,7 +69,7 @@ pub(super) fn maps_in_image(path: &str, header: &Header, pixels: u64) -> Result<
     Err(layout(path, &format!("an image of {pixels} pixels along its first axes, by NSIDE"), &got))
 }
 
-/// Returns the number of a field among the maps of an image, which have no names.
+/// Returns the index of a field among the maps of an image, which have no names.
 pub(super) fn image_field(path: &str, maps: u64, field: &FitsField) -> Result<u64, FileError> {
     let number = match field {
         FitsField::Number(number) => Some(*number),
@@ -81,7 +82,7 @@ pub(super) fn image_field(path: &str, maps: u64, field: &FitsField) -> Result<u6
         .ok_or_else(|| unknown_field(path, count, field, &format!("an image of {maps} maps")))
 }
 
-/// Returns the error of a field that is not among `count` ones.
+/// Returns the error of a field that is not among the `count` fields.
 fn unknown_field(path: &str, count: usize, field: &FitsField, known: &str) -> FileError {
     let number = match field {
         FitsField::Number(number) => Ok(*number),
@@ -97,7 +98,7 @@ fn unknown_field(path: &str, count: usize, field: &FitsField, known: &str) -> Fi
     }
 }
 
-/// Returns the error of a file that is not as it should be.
+/// Returns the error of an invalid file structure.
 pub(super) fn layout(path: &str, expected: &str, got: &str) -> FileError {
     FileError::Layout {
         path: path.to_owned(),

@@ -1,8 +1,8 @@
 //! FITS files as a stream of header and data units (HDUs).
 //!
-//! The reader is our own: the crate `fitsrs` wants the whole file in memory, counts over whatever
-//! NAXIS and TFIELDS promise, and leaves out scaled columns and tables as text. The names of keywords and
-//! the rules are those of the FITS standard, version 4.0.
+//! The crate `fitsrs` is not used: it needs the whole file in memory, loops over the counts of
+//! NAXIS and TFIELDS without a check, and does not support scaled columns and ASCII tables. The
+//! names of keywords and the rules are those of the FITS standard, version 4.0.
 
 use std::fmt;
 use std::io::{BufRead, Read};
@@ -15,20 +15,20 @@ use crate::files::text_rows::shortened;
 
 /// Headers and data fill blocks of this many bytes.
 const BLOCK: u64 = 2880;
-/// A header of more cards is damaged: the largest in use have some thousands.
+/// A header of more cards is damaged: the largest in use have a few thousand.
 const MAX_CARDS: usize = 1 << 18;
-/// How many HDUs a message lists.
+/// The maximum number of HDUs that a message lists.
 const LISTED: usize = 8;
 
-/// Which HDU of a file is meant.
+/// The selection of an HDU of a file.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(crate) enum HduChoice {
-    /// The first that holds what is read.
+    /// The first HDU with the requested content.
     #[default]
     First,
-    /// The one with this number; 0 is the primary one.
+    /// The HDU with this number; 0 is the primary one.
     Number(usize),
-    /// The one with this name, EXTNAME, in any case.
+    /// The HDU with this EXTNAME, in any case.
     Name(String),
 }
 
@@ -59,7 +59,7 @@ impl fmt::Display for HduChoice {
 impl HduChoice {
     /// Returns the path and the HDU of a name such as `file.fits[2]` or `file.fits[CATALOG]`.
     ///
-    /// A file whose name is the whole text is that file.
+    /// If a file with the whole text as its name exists, that file is meant.
     pub(crate) fn of_path(path: &Path) -> (PathBuf, Self) {
         let whole = || (path.to_path_buf(), Self::First);
         let Some(text) = path.to_str() else { return whole() };
@@ -73,7 +73,7 @@ impl HduChoice {
     }
 }
 
-/// What an HDU holds.
+/// The content of an HDU.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum HduKind {
     /// The primary HDU or an image extension.
@@ -120,11 +120,11 @@ impl Hdu {
     }
 }
 
-/// A FITS file that is read from its start to its end.
+/// A FITS file that is read sequentially.
 pub(crate) struct HduReader<'a, R> {
     input: R,
     path: &'a str,
-    /// Bytes of the present data unit, with what fills its last block, that have not been read.
+    /// Unread bytes of the current data unit, including its padding.
     unread: u64,
     /// Bytes that have been read or skipped.
     position: u64,
@@ -137,11 +137,10 @@ impl<'a, R: BufRead> HduReader<'a, R> {
         Self { input, path, unread: 0, position: 0, next_number: 0 }
     }
 
-    /// Returns the HDU of this choice that `accepts` what it holds, with the input at its data.
+    /// Returns the selected HDU if `accepts` is true of its content, with the input at its data.
     ///
-    /// # Errors
-    /// When the file cannot be read, is no FITS file, is cut short before that HDU, or has no such
-    /// one; the message lists those that it has.
+    /// # Errors When the file cannot be read, is not a FITS file, is truncated before that HDU, or
+    /// does not have it; the message lists its HDUs.
     pub(crate) fn select(
         &mut self,
         choice: &HduChoice,
@@ -176,8 +175,7 @@ impl<'a, R: BufRead> HduReader<'a, R> {
 
     /// Returns the next HDU, with the input at its data; `None` at the end of the file.
     ///
-    /// # Errors
-    /// When the file cannot be read, is no FITS file, or is cut short.
+    /// # Errors When the file cannot be read, is not a FITS file, or is truncated.
     pub(crate) fn next_hdu(&mut self) -> Result<Option<Hdu>, FileError> {
         self.skip_data()?;
         let Some(header) = self.header()? else { return Ok(None) };
@@ -198,8 +196,8 @@ impl<'a, R: BufRead> HduReader<'a, R> {
 
     /// Reads the next bytes of the data unit.
     ///
-    /// # Errors
-    /// When reading fails or the file ends before; `what` is what the header promises.
+    /// # Errors When reading fails or the file ends before; `what` describes the data that the
+    /// header announces.
     pub(crate) fn read_data(&mut self, bytes: &mut [u8], what: &str) -> Result<(), FileError> {
         let mut filled = 0;
         while filled < bytes.len() {
@@ -222,7 +220,7 @@ impl<'a, R: BufRead> HduReader<'a, R> {
         Ok(())
     }
 
-    /// Skips what has not been read of the present data unit; the last one may lack its filling.
+    /// Skips the unread part of the current data unit; the last one may lack its padding.
     fn skip_data(&mut self) -> Result<(), FileError> {
         let mut part = self.input.by_ref().take(self.unread);
         let skipped = std::io::copy(&mut part, &mut std::io::sink());
@@ -232,7 +230,8 @@ impl<'a, R: BufRead> HduReader<'a, R> {
         Ok(())
     }
 
-    /// Returns the header at the present place; `None` if the file ends or goes on with something else.
+    /// Returns the header at the current position, or `None` if the file ends or continues with
+    /// other data.
     fn header(&mut self) -> Result<Option<Header>, FileError> {
         let start: &[u8] = if self.next_number == 0 { b"SIMPLE  =" } else { b"XTENSION=" };
         let mut header = Header::default();
@@ -241,7 +240,7 @@ impl<'a, R: BufRead> HduReader<'a, R> {
             let read = self.input.by_ref().take(BLOCK).read_to_end(&mut block);
             read.map_err(|source| self.read_error(source))?;
             if block_number == 0 && !block.starts_with(start) {
-                // The standard allows other bytes behind the last HDU.
+                // The standard allows other bytes after the last HDU.
                 return match self.next_number {
                     0 => Err(self.layout("a FITS file", "a file that does not start with SIMPLE")),
                     _ => Ok(None),
@@ -289,7 +288,7 @@ impl<'a, R: BufRead> HduReader<'a, R> {
         let mut items = Some(1_u64);
         for axis in 1..=axes {
             let length = count(&format!("NAXIS{axis}"), None)?;
-            // Random groups have NAXIS1 = 0, which does not count.
+            // Random groups have NAXIS1 = 0, which is not part of the product.
             if !(axis == 1 && length == 0 && header.logical("GROUPS") == Some(true)) {
                 items = items.and_then(|items| items.checked_mul(length));
             }
@@ -319,7 +318,7 @@ impl<'a, R: BufRead> HduReader<'a, R> {
     }
 }
 
-/// Returns the error of a keyword that is not what it should be.
+/// Returns the error of a keyword with an invalid value.
 pub(crate) fn keyword_error(path: &str, keyword: &str, expected: &str, got: &str) -> FileError {
     FileError::Value {
         path: path.to_owned(),

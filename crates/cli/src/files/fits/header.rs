@@ -11,23 +11,22 @@ pub(crate) enum Value {
     Logical(bool),
     Integer(i64),
     Real(f64),
-    /// Without the blanks that fill it up.
+    /// A text without its padding.
     Text(String),
 }
 
 /// The keywords of one header with their values.
 ///
-/// Where a keyword stands twice the last one counts. Commentary and cards of unknown form are left
-/// out.
+/// Of repeated keywords, the last one counts. Commentary and cards of unknown form are omitted.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Header {
     values: HashMap<String, Value>,
-    /// The keyword whose text goes on in the next card.
+    /// The keyword whose text continues in the next card.
     continued: Option<String>,
 }
 
 impl Header {
-    /// Takes in a card; returns whether it is the last one of the header.
+    /// Adds a card; returns whether it is the last one of the header.
     pub(super) fn push(&mut self, card: &[u8]) -> bool {
         let text = String::from_utf8_lossy(card);
         let keyword: String = text.chars().take(8).collect();
@@ -69,7 +68,7 @@ impl Header {
         self.values.get(keyword)
     }
 
-    /// Returns the text of a keyword; `None` also of another type.
+    /// Returns the text of a keyword, or `None` if its value has another type.
     pub(crate) fn text(&self, keyword: &str) -> Option<&str> {
         match self.get(keyword) {
             Some(Value::Text(text)) => Some(text),
@@ -77,7 +76,7 @@ impl Header {
         }
     }
 
-    /// Returns the integer of a keyword; `None` also of another type.
+    /// Returns the integer of a keyword, or `None` if its value has another type.
     pub(crate) fn integer(&self, keyword: &str) -> Option<i64> {
         match self.get(keyword) {
             Some(&Value::Integer(value)) => Some(value),
@@ -88,7 +87,7 @@ impl Header {
         }
     }
 
-    /// Returns the number of a keyword; `None` also of another type.
+    /// Returns the number of a keyword, or `None` if its value has another type.
     pub(crate) fn number(&self, keyword: &str) -> Option<f64> {
         match self.get(keyword) {
             Some(&Value::Integer(value)) => Some(value as f64),
@@ -97,7 +96,7 @@ impl Header {
         }
     }
 
-    /// Returns the truth of a keyword; `None` also of another type.
+    /// Returns the logical value of a keyword, or `None` if its value has another type.
     pub(crate) fn logical(&self, keyword: &str) -> Option<bool> {
         match self.get(keyword) {
             Some(&Value::Logical(value)) => Some(value),

@@ -10,36 +10,36 @@ use crate::files::file_error::{FileError, Place, input_name};
 use crate::files::input::open_input;
 use crate::files::memory_guard::check_announced;
 
-/// The largest nside that fits in the memory of a machine: 6 GiB.
+/// The largest supported nside, with 6 GiB of values.
 const MAX_NSIDE: u64 = 8192;
-/// How near a value counts as the one that `BAD_DATA` names: maps of single precision have a neighbour of it.
+/// The relative tolerance within which a value equals `BAD_DATA`: maps in single precision contain
+/// an adjacent number.
 const BAD_DATA_TOLERANCE: f64 = 1e-5;
 
-/// A HEALPix map as it stands in a file.
+/// A HEALPix map in the order of its file.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct FitsMap {
     pub(crate) nside: u32,
-    /// Whether the values are in nested order, as ORDERING says; else in ring order.
+    /// Whether the values are in nested order, as ORDERING states, and in ring order otherwise.
     pub(crate) nested: bool,
-    /// In the order of the file, of all pixels; NaN where there is none.
+    /// The values of all pixels in the order of the file; NaN where a pixel has none.
     pub(crate) values: Vec<f64>,
     /// COORDSYS, the coordinate system: `G` galactic, `E` ecliptic, `C` equatorial.
     pub(crate) coordinates: Option<String>,
 }
 
-/// Which pixels the values of a table belong to.
+/// The pixels that the values of a table belong to.
 enum Indexing {
-    /// All from this one to that one, in order.
+    /// All from the first to the last, in order.
     Implicit { first: u64, last: u64 },
-    /// Those that a column says.
+    /// The pixels that a column lists.
     Explicit(TableColumn),
 }
 
-/// Reads a field of a map; of the first table or image with a map unless another HDU is chosen.
+/// Reads a field of a map, from the first table or image with a map unless another HDU is selected.
 ///
-/// # Errors
-/// When the file cannot be read or is cut short, and when the header does not say unmistakably that this is
-/// a HEALPix map, of what nside and in what order.
+/// # Errors If the file cannot be read or is truncated, or if the header does not unambiguously
+/// state that this is a HEALPix map, its nside and its order.
 pub(crate) fn read_fits_map(
     path: &Path,
     choice: &HduChoice,
@@ -59,7 +59,7 @@ pub(crate) fn read_fits_map(
     table.read(&mut reader)
 }
 
-/// What the header of a table says of its map. An image is a table of a single column.
+/// The map as the header of a table describes it. An image counts as a table with a single column.
 struct MapTable<'a> {
     path: &'a str,
     header: &'a Header,
@@ -68,10 +68,10 @@ struct MapTable<'a> {
     n_pixels: u64,
     indexing: Indexing,
     column: TableColumn,
-    /// Bytes of a row, and their number.
+    /// The number of bytes of a row, and the number of rows.
     row: usize,
     rows: u64,
-    /// Rows before the first one, of other maps in an image.
+    /// The rows before the first one, which contain other maps of an image.
     skipped: u64,
 }
 
@@ -156,7 +156,7 @@ impl<'a> MapTable<'a> {
                 let pixels = last - first + 1;
                 let maps = maps_in_image(path, header, pixels)?;
                 let field = image_field(path, maps, field)?;
-                // Rows that are neither short nor long, and divide the map.
+                // The rows are neither short nor long, and divide the map evenly.
                 let items = [12 * u64::from(nside), 12, 1].into_iter().find(|n| pixels % n == 0);
                 let items = items.unwrap_or(1);
                 let column = usize::try_from(items).ok();
@@ -177,7 +177,7 @@ impl<'a> MapTable<'a> {
         Ok(table)
     }
 
-    /// Compares the number of values with that of pixels.
+    /// Compares the number of values with the number of pixels.
     fn check_counts(&self) -> Result<(), FileError> {
         let items = self.column.items as u64;
         let got = self.rows.checked_mul(items);
@@ -213,7 +213,7 @@ impl<'a> MapTable<'a> {
         let what = format!("a map of {} pixels", self.n_pixels);
         let bytes = size_of::<f64>() as f64 * self.n_pixels as f64 + self.row as f64;
         check_announced(self.path, &what, bytes)?;
-        // At most that of the largest nside.
+        // At most the number of pixels of the largest nside.
         let n_pixels = usize::try_from(self.n_pixels).unwrap_or(usize::MAX);
         let mut values = vec![f64::NAN; n_pixels];
         let mut row = vec![0; self.row];
@@ -253,7 +253,7 @@ impl<'a> MapTable<'a> {
         })
     }
 
-    /// Returns the pixel that an item names, which none did before.
+    /// Returns the pixel of an item, or an error if an earlier item has the same pixel.
     fn pixel(&self, item: Item<'_>, row: u64, seen: &mut [bool]) -> Result<u64, FileError> {
         let wrong = |expected: String, got: String| FileError::Value {
             path: self.path.to_owned(),

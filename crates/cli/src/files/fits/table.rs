@@ -1,4 +1,5 @@
-//! Columns of FITS tables, binary and ASCII: where they stand in a row and what their bytes mean.
+//! Columns of FITS tables, binary and ASCII: their position in a row and the meaning of their
+//! bytes.
 
 use std::borrow::Cow;
 
@@ -6,7 +7,7 @@ use super::hdu::{Hdu, HduKind, keyword_error};
 use super::header::{Header, Value};
 use crate::files::file_error::FileError;
 
-/// What stands in a row of a table.
+/// An item of a row of a table.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Item<'r> {
     Number(f64),
@@ -22,11 +23,12 @@ pub(crate) struct TableColumn {
     pub(crate) name: String,
     /// TUNIT, empty if there is none.
     pub(crate) unit: String,
-    /// How many numbers a row has; 0 if they cannot be read: complex ones, arrays of variable length.
+    /// The number of numbers in a row; 0 if they are not supported: complex numbers, arrays of
+    /// variable length.
     pub(crate) items: usize,
-    /// The first byte within a row.
+    /// The offset of the first byte in a row.
     pub(crate) start: usize,
-    /// The number of bytes within a row.
+    /// The number of bytes in a row.
     pub(crate) width: usize,
     kind: Kind,
     scale: f64,
@@ -42,12 +44,12 @@ enum Kind {
     Bit,
     /// Unsigned, of 1 byte.
     Byte,
-    /// Signed, of this number of bytes.
+    /// A signed integer of this number of bytes.
     Integer(usize),
-    /// IEEE, of this number of bytes.
+    /// An IEEE float of this number of bytes.
     Float(usize),
     Text,
-    /// A number as text with this number of decimals where it has no point.
+    /// A number as text, with this number of decimals if it has no decimal point.
     Decimal(i32),
     Unreadable,
 }
@@ -94,7 +96,8 @@ impl TableColumn {
         Ok(columns)
     }
 
-    /// Returns a row of this number of pixels of an image as a column without a name; `None` if BITPIX is no type.
+    /// Returns a row of this number of pixels of an image as a column without a name, or `None` if
+    /// BITPIX is invalid.
     pub(crate) fn of_image(header: &Header, items: usize) -> Option<Self> {
         let (kind, bytes) = match header.integer("BITPIX")? {
             8 => (Kind::Byte, 1),
@@ -191,8 +194,7 @@ impl TableColumn {
 
     /// Returns an item, from 0 and below [`items`](Self::items), of a row.
     ///
-    /// # Panics
-    /// If there is no such item or the row is shorter than NAXIS1.
+    /// # Panics If the index is out of range or the row is shorter than NAXIS1.
     pub(crate) fn item<'r>(&self, row: &'r [u8], index: usize) -> Item<'r> {
         let bytes = &row[self.start..self.start + self.width];
         match self.kind {
@@ -232,7 +234,7 @@ impl TableColumn {
         if self.null == Some(value) {
             return Item::Missing;
         }
-        // Unsigned numbers are stored with TZERO = 2^15, 2^31 or 2^63: as one sum, rounded once.
+        // Unsigned numbers are stored with TZERO = 2^15, 2^31 or 2^63: the sum is rounded once.
         #[expect(clippy::float_cmp, reason = "the default, which is exact")]
         let is_shift = self.scale == 1.0 && self.zero.fract() == 0.0 && self.zero.abs() < 2e19;
         if is_shift {
@@ -254,7 +256,7 @@ impl TableColumn {
         }
         match field.replace(['D', 'd'], "E").parse::<f64>() {
             Ok(value) if field.contains('.') || decimals == 0 => self.scaled(value),
-            // A point is understood where none is written.
+            // A decimal point is implied where none is written.
             Ok(value) => self.scaled(value * 10_f64.powi(-decimals)),
             Err(_) => Item::Text(field.to_owned().into()),
         }

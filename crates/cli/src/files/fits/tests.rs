@@ -31,11 +31,11 @@ fn named(name: &str) -> FitsField {
     FitsField::Name(name.to_owned())
 }
 
-/// The file with the first card of a name replaced; 80 characters to a card.
+/// Returns the file with the first card of a name replaced; a card has 80 characters.
 fn with_card(bytes: &[u8], name: &str, card: &str) -> Vec<u8> {
     let mut copy = bytes.to_vec();
     let keyword = format!("{name:<8}");
-    // The primary header takes the first block.
+    // The primary header occupies the first block.
     let at = (2880..copy.len()).step_by(80).find(|&i| copy[i..].starts_with(keyword.as_bytes()));
     let at = at.unwrap_or_else(|| panic!("no card {name}"));
     copy[at..at + 80].copy_from_slice(format!("{card:<80}").as_bytes());
@@ -111,7 +111,8 @@ fn headers_that_leave_a_doubt_are_refused() {
 fn maps_of_every_layout_are_read() {
     let absent = |map: &FitsMap| map.values.iter().filter(|value| value.is_nan()).count();
     let sum = |map: &FitsMap| map.values.iter().filter(|value| !value.is_nan()).sum::<f64>();
-    // Bits before it, logicals, scaled integers with a null, bytes; a table of stars is passed over.
+    // Bits before the map, logicals, scaled integers with a null, bytes; a table of stars is
+    // skipped.
     for hdu in [HduChoice::First, HduChoice::Number(2), HduChoice::Name("map".to_owned())] {
         let mask = choose(MIXED, &hdu, &named("mask")).unwrap();
         assert_eq!((sum(&mask), mask.values[0], mask.values[1]), (64.0, 1.0, 0.0));
@@ -123,25 +124,25 @@ fn maps_of_every_layout_are_read() {
     let big = read(MIXED, 4).unwrap();
     assert_eq!(big.values[191], 191.0 * 2f64.powi(40));
     assert_eq!(read(MIXED, 3).unwrap().values[191], 191.0);
-    // By pixel numbers, which are no field.
+    // The column of pixel numbers does not count as a field.
     let signal = read(EXPLICIT, 0).unwrap();
     assert_eq!((signal.nested, absent(&signal), sum(&signal)), (true, 92, 5126.5));
     let first = signal.values.iter().position(|value| !value.is_nan()).unwrap();
     assert_eq!(signal.values[first], 0.5 * first as f64);
     let observations = choose(EXPLICIT, &HduChoice::First, &named("n_obs")).unwrap();
     assert_eq!(sum(&observations), 10353.0);
-    // healpy's own partial map, of the upper half of nside 16.
+    // A partial map of healpy, of the upper half of nside 16.
     let half = read(PARTIAL, 0).unwrap();
     assert_eq!((half.nside, absent(&half), sum(&half)), (16, 1536, 1536.0));
     let part = read(IMPLICIT_PART, 0).unwrap();
     assert_eq!((absent(&part), part.values[20], part.values[99]), (112, 20.0, 99.0));
     assert!(part.values[19].is_nan() && part.values[100].is_nan());
-    // Compressed, and of an nside that only ring order has.
+    // Compressed, and with an nside that is valid in ring order only.
     let odd = read(ODD, 0).unwrap();
     assert_eq!((odd.nside, sum(&odd)), (3, 107.0 * 54.0));
 }
 
-/// The values are those of the script; of the scaled ones astropy printed the first.
+/// The values are those of the script; astropy printed the first of the scaled ones.
 #[test]
 #[expect(clippy::float_cmp, reason = "small integers and halves of them")]
 fn maps_in_images_are_read() {
@@ -155,7 +156,7 @@ fn maps_in_images_are_read() {
         assert_eq!(second.values[191], -3.0);
     }
     let hdu = |name: &str| choose(IMAGES, &HduChoice::Name(name.to_owned()), &FitsField::Number(0));
-    // In the order of the file, whatever the number of axes.
+    // The values are in the order of the file for any number of axes.
     let squares = hdu("squares").unwrap();
     assert!(squares.nested && (0..192).all(|i| squares.values[i] == (i * i) as f64));
     let upper = hdu("upper").unwrap();
@@ -175,7 +176,7 @@ fn maps_in_images_are_read() {
             assert!(message.contains(part), "{hdu:?} {field:?}: {message}");
         }
     }
-    // The primary header again, with another nside than the number of pixels.
+    // The primary header again, with an nside that contradicts the number of pixels.
     let card = IMAGES.windows(8).position(|word| word == b"NSIDE   ").unwrap();
     let mut other = IMAGES.to_vec();
     other[card + 29] = b'8';
@@ -202,7 +203,7 @@ fn names_of_columns_come_before_their_numbers() {
 
 #[test]
 fn pixel_numbers_are_checked() {
-    // The first row: 4 bytes of the pixel's number behind two headers.
+    // The first row: the 4 bytes of the pixel number after two headers.
     let start = EXPLICIT.len() - 2880;
     for (number, parts) in [
         (192_i32, &["[0]", "from 0 to 191", "got 192"][..]),
@@ -221,12 +222,13 @@ fn pixel_numbers_are_checked() {
     }
 }
 
-/// A file that ends anywhere, or has another byte anywhere in its headers, is read or refused, never more.
+/// A file that is truncated at any byte, or has a header byte changed, is read or rejected without
+/// a panic.
 #[test]
 fn damaged_files_are_no_surprise() {
     for end in (0..RING.len()).step_by(97) {
         let cut = read(&RING[..end], 0);
-        // The table has 1536 bytes; what fills up the block may be missing.
+        // The table has 1536 bytes; the padding of the block may be missing.
         assert_eq!(cut.is_ok(), end >= 5760 + 1536, "{end}: {cut:?}");
     }
     for at in (0..5760).filter(|&at| RING[at] != b' ') {

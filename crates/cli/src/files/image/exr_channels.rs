@@ -1,11 +1,11 @@
-//! Which channels of an `OpenEXR` file make up the one that is read.
+//! Selects the channels of an `OpenEXR` file that form the requested channel.
 
 use exr::meta::header::Header;
 
 use super::{CHANNELS, ChannelChoice, LUMINANCE, unknown_channel};
 use crate::files::file_error::{FileError, Place};
 
-/// How many channels a message lists.
+/// The maximum number of channels that a message lists.
 const LISTED: usize = 12;
 
 /// Channels of a part with their weights.
@@ -13,25 +13,26 @@ const LISTED: usize = 12;
 pub(super) struct Chosen {
     /// The part of the file, from 0.
     pub(super) part: usize,
-    /// Places in the part's list of channels, and what each is multiplied by.
+    /// Indices in the part's list of channels, with their factors.
     pub(super) terms: Vec<(usize, f64)>,
 }
 
-/// The channels of one layer of one part: those that share what is in front of the last dot of their names.
+/// The channels of one layer of one part: those whose names agree up to the last dot.
 struct Layer {
     part: usize,
     /// The name of the part.
     part_name: String,
-    /// Of the layer within the part; empty for channels such as `R`.
+    /// The name of the layer within the part; empty for channels such as `R`.
     name: String,
-    /// Names without that of the layer, and their places in the part's list.
+    /// Names without that of the layer, with their indices in the part's list.
     channels: Vec<(String, usize)>,
 }
 
-/// Returns the channels of a choice.
+/// Returns the channels of a selection.
 ///
 /// # Errors
-/// When there are none; the message lists those that there are.
+///
+/// If they do not exist; the message lists the channels of the file.
 pub(super) fn choose(
     path: &str,
     parts: &[Header],
@@ -39,7 +40,7 @@ pub(super) fn choose(
 ) -> Result<Chosen, FileError> {
     let layers = layers(parts);
     let (mut layer, mut channel) = (choice.layer.as_deref(), choice.channel());
-    // The whole name of a channel says its layer too.
+    // The full name of a channel includes its layer.
     if layer.is_none()
         && let Some((prefix, base)) = channel.rsplit_once('.')
     {
@@ -94,7 +95,8 @@ fn layers(parts: &[Header]) -> Vec<Layer> {
 }
 
 impl Layer {
-    /// Returns whether a name means this layer: its own, that of its part, or both with a dot.
+    /// Returns whether a name denotes this layer: its own, that of its part, or both joined by a
+    /// dot.
     fn is_named(&self, name: &str) -> bool {
         let both = name.strip_prefix(&self.part_name).and_then(|rest| rest.strip_prefix('.'));
         (self.name == name && !name.is_empty())
@@ -102,7 +104,7 @@ impl Layer {
             || both == Some(&self.name)
     }
 
-    /// Returns the places and weights of a channel.
+    /// Returns the indices and weights of a channel.
     fn terms(&self, channel: &str) -> Option<Vec<(usize, f64)>> {
         let at = |name: &str| {
             let exact = self.channels.iter().find(|(base, _)| base == name);
@@ -115,7 +117,7 @@ impl Layer {
         let colours: Option<Vec<usize>> = ["R", "G", "B"].into_iter().map(at).collect();
         match colours {
             Some(colours) => Some(colours.into_iter().zip(LUMINANCE).collect()),
-            // Grey, and the luminance of luminance-chroma pictures.
+            // Grey, or the luminance of luminance-chroma pictures.
             None => Some(vec![(at("Y")?, 1.0)]),
         }
     }

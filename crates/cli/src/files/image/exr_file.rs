@@ -1,4 +1,4 @@
-//! Reading `OpenEXR` files block by block, so that only the channel that is wanted is kept.
+//! Reads `OpenEXR` files block by block, keeping only the requested channel.
 
 use std::collections::HashSet;
 use std::io::Cursor;
@@ -16,17 +16,18 @@ use super::exr_channels::{Chosen, choose};
 use super::{ChannelChoice, ChannelImage, check_size, damaged};
 use crate::files::file_error::FileError;
 
-/// How an `OpenEXR` file starts.
+/// The first bytes of an `OpenEXR` file.
 pub(super) const MAGIC: [u8; 4] = [0x76, 0x2f, 0x31, 0x01];
-/// Bytes of texels for a byte of a file at most. Zip reaches 1032, of black pictures; DWA puts it over a run
-/// length code of blocks of 64 coefficients.
+/// The maximum number of bytes of texels per byte of a file. Zip reaches 1032, for black pictures;
+/// DWA applies it after run-length coding of blocks of 64 coefficients.
 const MAX_COMPRESSION: f64 = 65536.0;
-/// Bytes of a tile at most, so that the library's numbers do not overflow.
+/// The maximum number of bytes of a tile, so that the library's integers do not overflow.
 const MAX_TILE: f64 = 1e15;
-/// Blocks that are decompressed side by side.
+/// The number of blocks that are decompressed in parallel.
 const BATCH: usize = 16;
 
-/// Reads one channel of the largest level, laid into the display window: texels outside of the data window are 0.
+/// Reads one channel of the largest level, placed in the display window: texels outside of the data
+/// window are 0.
 pub(super) fn read(
     name: &str,
     bytes: &[u8],
@@ -90,14 +91,14 @@ pub(super) fn read(
 struct Frame {
     width: usize,
     height: usize,
-    /// The place of the data window in it.
+    /// The position of the data window in it.
     left: i64,
     top: i64,
     values: Vec<f64>,
 }
 
 impl Frame {
-    /// Returns a remark if a data window of this size leaves texels without values.
+    /// Returns a remark if a data window of this size leaves some texels without values.
     fn uncovered(&self, data: Vec2<usize>) -> Option<String> {
         let common = |start: i64, length: usize, size: usize| {
             let end = i64::try_from(length).map_or(i64::MAX, |length| start.saturating_add(length));
@@ -112,7 +113,8 @@ impl Frame {
         (covered < total).then(|| format!("{} of {total} {remark}", total - covered))
     }
 
-    /// Lays the texels of a block into the window; `None` if it has another number of bytes than its size says.
+    /// Copies the texels of a block into the window; `None` if its number of bytes disagrees with
+    /// its size.
     fn add(&mut self, header: &Header, chosen: &Chosen, block: &UncompressedBlock) -> Option<()> {
         let channels = &header.channels.list;
         let width = block.index.pixel_size.width();
@@ -165,13 +167,14 @@ fn samples(kind: SampleType, bytes: &[u8], count: usize) -> Box<dyn Iterator<Ite
     }
 }
 
-/// Returns an error for sizes that the file cannot hold or the memory cannot take: a header may say anything.
+/// Returns an error for sizes that exceed the file or the memory, because a header may contain any
+/// numbers.
 fn check_blocks(name: &str, file_bytes: usize, header: &Header) -> Result<(), FileError> {
     let size = header.layer_size;
     let window = header.shared_attributes.display_window.size;
     let texel = header.channels.bytes_per_pixel as f64;
     let area = |size: Vec2<usize>| size.width() as f64 * size.height() as f64;
-    // Each chunk has a place of 8 bytes in a table.
+    // Each chunk has an entry of 8 bytes in a table.
     let table = 8.0 * header.chunk_count as f64;
     let most = MAX_COMPRESSION * file_bytes as f64;
     if texel * area(size) > most || area(window) > most || table > file_bytes as f64 {
@@ -194,10 +197,10 @@ fn check_blocks(name: &str, file_bytes: usize, header: &Header) -> Result<(), Fi
     }
 }
 
-/// Returns an error for windows with a minimum above their maximum, which the library would swap, and for channels of
-/// fewer samples than texels, which it does not know.
+/// Returns an error for windows with a minimum above their maximum, which the library would swap,
+/// and for channels with fewer samples than texels, which it does not support.
 ///
-/// What is malformed otherwise is left to the library.
+/// The library rejects other malformed attributes.
 fn check_attributes(name: &str, bytes: &[u8]) -> Result<(), FileError> {
     let mut rest = bytes.get(8..).unwrap_or_default();
     while let Some(attribute) = Attribute::take(&mut rest) {
@@ -233,11 +236,11 @@ fn check_attributes(name: &str, bytes: &[u8]) -> Result<(), FileError> {
     Ok(())
 }
 
-/// Returns the names of channels in a list, the first of them, whose samples are not at every texel.
+/// Returns the names of the channels of a list, starting with the first one, that are subsampled.
 fn subsampled(mut list: &[u8]) -> Vec<String> {
     let mut found = Vec::new();
     while let Some(name) = text(&mut list).filter(|name| !name.is_empty() && found.len() < 4) {
-        // Its type, four bytes of flags, and the steps from sample to sample in x and y.
+        // The type, four bytes of flags, and the sampling steps in x and y.
         let Some((numbers, rest)) = list.split_at_checked(16) else { break };
         if numbers[8..] != [1, 0, 0, 0, 1, 0, 0, 0] {
             found.push(String::from_utf8_lossy(name).escape_debug().to_string());
@@ -254,7 +257,8 @@ struct Attribute<'a> {
 }
 
 impl<'a> Attribute<'a> {
-    /// Takes the next attribute; an empty name ends the header of a part, two of them the last one.
+    /// Returns the next attribute; an empty name ends the header of a part, two of them the last
+    /// one.
     fn take(rest: &mut &'a [u8]) -> Option<Self> {
         let mut name = text(rest)?;
         if name.is_empty() {
@@ -268,7 +272,7 @@ impl<'a> Attribute<'a> {
     }
 }
 
-/// Takes bytes up to a zero.
+/// Returns the bytes up to a zero.
 fn text<'a>(rest: &mut &'a [u8]) -> Option<&'a [u8]> {
     let end = rest.iter().position(|&byte| byte == 0)?;
     let text = &rest[..end];

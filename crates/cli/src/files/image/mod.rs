@@ -1,4 +1,4 @@
-//! Reading environment maps: one channel of a linear picture.
+//! Reads environment maps: one channel of a linear picture.
 
 mod exr_channels;
 mod exr_file;
@@ -10,17 +10,17 @@ use super::file_error::{FileError, Place, input_name};
 use super::input::read_whole;
 use super::memory_guard::check_announced;
 
-/// The channels that every picture in colour has.
+/// The channels of every colour picture.
 const CHANNELS: &str = "luminance, r, g, b";
 /// Luminance is 0.2126 R + 0.7152 G + 0.0722 B (ITU-R BT.709).
 const LUMINANCE: [f64; 3] = [0.2126, 0.7152, 0.0722];
 
-/// Which channel of a picture is read.
+/// The channel of a picture to read.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(crate) struct ChannelChoice {
-    /// `luminance`, `r`, `g`, `b`, or a channel's name in the file; luminance unless given.
+    /// `luminance`, `r`, `g`, `b`, or the name of a channel in the file; luminance if omitted.
     pub(crate) channel: Option<String>,
-    /// A layer or part; channels without one unless given.
+    /// A layer or part; if omitted, the channels without a layer.
     pub(crate) layer: Option<String>,
 }
 
@@ -36,22 +36,21 @@ pub(crate) struct ChannelImage {
     pub(crate) width: usize,
     pub(crate) height: usize,
     pub(crate) values: Vec<f64>,
-    /// What a user should know of it.
+    /// Remarks for the user.
     pub(crate) remarks: Vec<String>,
 }
 
 /// Reads one channel of an `OpenEXR` or Radiance HDR image, linear as it is stored.
 ///
-/// # Errors
-/// When the file cannot be opened, is of another format, is damaged, has no such channel, or does not fit in memory.
+/// # Errors If the file cannot be opened, has another format, is damaged, does not have the
+/// channel, or does not fit in memory.
 pub(crate) fn read_image(path: &Path, choice: &ChannelChoice) -> Result<ChannelImage, FileError> {
     decode_image(input_name(path), &read_whole(path)?, choice)
 }
 
-/// Reads one channel of an image that is in memory; `name` is for messages.
+/// Reads one channel of an image in memory; `name` is for messages.
 ///
-/// # Errors
-/// As [`read_image`].
+/// # Errors As [`read_image`].
 pub(crate) fn decode_image(
     name: String,
     bytes: &[u8],
@@ -62,7 +61,7 @@ pub(crate) fn decode_image(
     } else if radiance::MAGICS.iter().any(|magic| bytes.starts_with(magic)) {
         radiance::read(&name, bytes, choice)?
     } else {
-        // Others are not linear: their numbers are no radiance.
+        // Other formats are not linear: their values are not radiances.
         let format = image::guess_format(bytes).ok();
         let extension = format.and_then(|format| format.extensions_str().first());
         return Err(FileError::Layout {
@@ -79,11 +78,11 @@ pub(crate) fn decode_image(
     Ok(image)
 }
 
-/// Returns a remark if there are negative texels, which no light has.
+/// Returns a remark if there are negative texels, which are not physical.
 fn negative_texels(image: &ChannelImage) -> Option<String> {
     let negative = || image.values.iter().enumerate().filter(|(_, value)| **value < 0.0);
     let (at, smallest) = negative().min_by(|a, b| a.1.total_cmp(b.1))?;
-    // Four digits, and no zeros at the end.
+    // Four digits without trailing zeros.
     let shown = format!("{smallest:.3e}").parse::<f64>().unwrap_or(*smallest);
     Some(format!(
         "{} of {} texels are negative, the smallest is {shown} (row {}, column {}); they are used as they are",

@@ -1,8 +1,9 @@
-//! Reading Radiance pictures (.hdr, .pic), whose header says what their values are to be divided by.
+//! Reads Radiance pictures (.hdr, .pic), whose values are divided by factors in the header.
 //!
-//! Values are red, green and blue, or X, Y and Z of the CIE, of which luminance is Y and colours are those of Radiance's
-//! standard primaries. The header is read here, since the decoder of the crate `image` knows one of the two magic texts, leaves exposures
-//! out and takes scanlines in one order; scanlines are decoded by it.
+//! Values are red, green and blue, or X, Y and Z of the CIE. For XYZ, luminance is Y, and colours
+//! are relative to Radiance's standard primaries. This module reads the header, because the decoder
+//! of the crate `image` supports only one of the two magic texts, ignores exposures and reads
+//! scanlines in one order; the decoder reads the scanlines.
 
 use std::io::Read;
 
@@ -14,11 +15,12 @@ use super::{
 };
 use crate::files::file_error::{FileError, Place};
 
-/// How a Radiance picture starts.
+/// The first bytes of a Radiance picture.
 pub(super) const MAGICS: [&[u8]; 2] = [b"#?RADIANCE", b"#?RGBE"];
 /// A header of more bytes is damaged.
 const MAX_HEADER: usize = 1 << 20;
-/// Scanlines of these widths are not compressed where they start with the mark of compressed ones.
+/// Scanlines outside of these widths are uncompressed even if they start with the mark of
+/// compressed ones.
 const COMPRESSED_WIDTHS: std::ops::RangeInclusive<usize> = 8..=32767;
 
 /// Red, green and blue from X, Y and Z: the inverse of the matrix of Radiance's standard primaries (x, y) = (0.640, 0.330),
@@ -29,7 +31,7 @@ const XYZ_TO_RGB: [[f64; 3]; 3] = [
     [0.07472437729685586, -0.25193956717027358, 1.1772151898734177],
 ];
 
-/// What the values of a texel are.
+/// The colour space of the texels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Format {
     /// Red, green and blue.
@@ -55,11 +57,11 @@ impl Format {
     }
 }
 
-/// What the header says.
+/// The contents of the header.
 #[derive(Debug)]
 struct Header {
     format: Format,
-    /// What the stored values are divided by: EXPOSURE times COLORCORR.
+    /// The divisors of the stored values: EXPOSURE times COLORCORR.
     divisors: [f64; 3],
     resolution: Resolution,
     remarks: Vec<String>,
@@ -68,20 +70,20 @@ struct Header {
 /// The order of scanlines and texels, such as `-Y 512 +X 1024`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Resolution {
-    /// From scanline to scanline, then within one.
+    /// The axis from scanline to scanline, then the one within a scanline.
     axes: [Axis; 2],
     lengths: [usize; 2],
 }
 
-/// How a place moves along the file.
+/// The direction of an axis in the file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Axis {
     is_x: bool,
-    /// From right to left, or from the bottom to the top.
+    /// Whether it runs from right to left, or from bottom to top.
     is_reversed: bool,
 }
 
-/// Reads one channel, oriented as the resolution line says.
+/// Reads one channel, oriented as the resolution line states.
 pub(super) fn read(
     name: &str,
     bytes: &[u8],
@@ -99,7 +101,7 @@ pub(super) fn read(
     let weights = weights.ok_or_else(|| unknown_channel(name, channel, CHANNELS.to_owned()))?;
     let Resolution { axes, lengths: [scanlines, length] } = header.resolution;
     let (width, height) = if axes[0].is_x { (scanlines, length) } else { (length, scanlines) };
-    // A scanline has one texel or mark of 4 bytes at least.
+    // A scanline has at least one texel or mark of 4 bytes.
     if scanlines > body.len() / 4 || length == 0 {
         return Err(damaged(
             name,
@@ -141,7 +143,7 @@ pub(super) fn read(
     Ok(ChannelImage { width, height, values, remarks: header.remarks })
 }
 
-/// Decodes the next scanline to f32 numbers in the byte order of the machine.
+/// Decodes the next scanline to f32 numbers in native byte order.
 fn decode(head: &str, body: &mut &[u8], scanline: &mut Vec<u8>) -> Result<(), String> {
     let said = |error: image::ImageError| match error {
         image::ImageError::IoError(error) if error.kind() == std::io::ErrorKind::UnexpectedEof => {
@@ -156,7 +158,7 @@ fn decode(head: &str, body: &mut &[u8], scanline: &mut Vec<u8>) -> Result<(), St
 }
 
 impl Header {
-    /// Reads the header; returns what is behind it too.
+    /// Reads the header; returns it with the bytes that follow.
     fn read<'a>(name: &str, bytes: &'a [u8]) -> Result<(Self, &'a [u8]), FileError> {
         let mut header = Self {
             format: Format::Rgbe,
@@ -221,7 +223,7 @@ impl Header {
         Ok((header, rest))
     }
 
-    /// Takes divisors into account; several lines multiply.
+    /// Multiplies the divisors by those of a line; factors of several lines accumulate.
     fn divide(&mut self, divisors: [f64; 3], line: &str) {
         let product = [0, 1, 2].map(|c| self.divisors[c] * divisors[c]);
         if divisors.iter().all(|d| *d > 0.0) && product.iter().all(|p| p.is_normal()) {
@@ -232,7 +234,7 @@ impl Header {
     }
 }
 
-/// Returns as many numbers as there should be, with blanks between.
+/// Returns the numbers of a text separated by spaces, or `None` if there are not exactly `N`.
 fn numbers<const N: usize>(text: &str) -> Option<[f64; N]> {
     let numbers: Option<Vec<f64>> = text.split_whitespace().map(|n| n.parse().ok()).collect();
     numbers?.try_into().ok()
@@ -248,7 +250,7 @@ impl Resolution {
         (axes[0].is_x != axes[1].is_x).then_some(Self { axes, lengths })
     }
 
-    /// Returns column and row of a texel, by scanline and place within it.
+    /// Returns column and row of a texel from its scanline and its index within it.
     fn place(&self, scanline: usize, texel: usize) -> (usize, usize) {
         let places = [scanline, texel];
         let along = |axis: usize| match self.axes[axis].is_reversed {
@@ -260,7 +262,7 @@ impl Resolution {
 }
 
 impl Axis {
-    /// Y counts upwards, so that `-Y` goes down the picture.
+    /// Y points upwards, so `-Y` runs down the picture.
     fn parse(text: &str) -> Option<Self> {
         let (is_x, is_reversed) = match text {
             "+X" => (true, false),

@@ -29,7 +29,7 @@ const INVERTED: &[u8] = include_bytes!("../../../tests/data/inverted_window.exr"
 fn pictures_that_are_not_linear_are_refused() {
     let folder = tempfile::tempdir().unwrap();
     let picture = image::RgbImage::from_pixel(8, 4, image::Rgb([188; 3]));
-    // What is in a file counts, not its name.
+    // The format is determined by the content of a file, not its name.
     for (name, format) in [("map.png", ImageFormat::Png), ("map.exr", ImageFormat::Png)] {
         let path = folder.path().join(name);
         picture.save_with_format(&path, format).unwrap();
@@ -61,7 +61,7 @@ fn channels_and_layers_are_found_by_name() {
         (LAYERS, "", "specular", 100.0, 1.0),
         (LAYERS, "diffuse.B", "", 0.0, 3.0),
         (LAYERS, "mask", "", 1.0, 0.0),
-        // Without a name the first part with these channels.
+        // Without a name, the first part with these channels.
         (PARTS, "r", "", 0.0, 1.0),
         (PARTS, "r", "sun", 50.0, 1.0),
         (PARTS, "sun.R", "", 50.0, 1.0),
@@ -93,10 +93,12 @@ fn channels_and_layers_are_found_by_name() {
     }
 }
 
-/// The decoder knows no channels of fewer samples; which they are is said, whatever channel is wanted of that layer.
+/// The decoder does not support subsampled channels; the error names them for any channel of that
+/// layer.
 #[test]
 fn luminance_and_chroma_are_named() {
-    // In the list of channels a name is followed by its type, four bytes of flags, and the two steps of samples.
+    // In the list of channels a name is followed by its type, four bytes of flags, and the two
+    // sampling steps.
     let mut file = LAYERS.to_vec();
     for name in [b"diffuse.B\0".as_slice(), b"diffuse.G\0"] {
         let at = file.windows(name.len()).position(|bytes| bytes == name).unwrap() + name.len();
@@ -111,7 +113,7 @@ fn luminance_and_chroma_are_named() {
     }
 }
 
-/// The bytes of a window in the file; four numbers of four bytes.
+/// Returns the bytes of a window in the file: four numbers of four bytes.
 fn with_window(file: &[u8], name: &str, window: [i32; 4]) -> Vec<u8> {
     let mut copy = file.to_vec();
     let key = [name.as_bytes(), b"\0box2i\0\x10\0\0\0"].concat();
@@ -135,7 +137,7 @@ fn windows_are_checked_before_anything_is_decoded() {
             ("displayWindow", [0, 5, 7, 3], "displayWindow goes from (0, 5) to (7, 3)"),
         ] {
             if file == PARTS && name == "displayWindow" && window[1] == 0 {
-                // All parts must have the same one, which the library says.
+                // All parts must have the same window; the library reports a violation.
                 continue;
             }
             let mut damaged = with_window(file, name, window);
@@ -148,7 +150,7 @@ fn windows_are_checked_before_anything_is_decoded() {
             assert!(message.contains(part), "{name} {window:?}: {message}");
         }
     }
-    // A data window that lies aside shows where it overlaps the display window.
+    // A shifted data window is visible where it overlaps the display window.
     let moved = with_window(GREY, "displayWindow", [2, -1, 9, 2]);
     let got = read(&moved, &choice("", "")).unwrap();
     let expected: Vec<f64> = (-1..3)
@@ -167,7 +169,7 @@ fn damaged_pictures_are_no_surprise() {
     for file in [GREY, DEPTH, LAYERS, PARTS, &radiance] {
         for end in (0..file.len()).step_by(5) {
             let channel = if file == DEPTH { "Z" } else { "" };
-            // The last part, so that every cut is one of what is read.
+            // The last part, so that every truncation affects the data that are read.
             let layer = match file {
                 _ if file == LAYERS => "diffuse",
                 _ if file == PARTS => "sun",
@@ -185,15 +187,15 @@ fn damaged_pictures_are_no_surprise() {
     }
 }
 
-/// A picture whose scanlines are not compressed, of texels with red = green = blue = 2^0 times a byte.
+/// A picture with uncompressed scanlines, of texels with red = green = blue = 2^0 times a byte.
 fn radiance(magic: &[u8], header: &str, resolution: &str, texels: &[u8]) -> Vec<u8> {
     let mut file = [magic, b"\n", header.as_bytes(), b"\n", resolution.as_bytes(), b"\n"].concat();
-    // Bytes count 2^(e - 136).
+    // A byte is multiplied by 2^(e - 136).
     file.extend(texels.iter().flat_map(|&c| [c, c, c, 136]));
     file
 }
 
-/// Texels 10, 11, ... of which none is a mark.
+/// Texels 10, 11, ..., none of which is a mark.
 fn ramp() -> Vec<u8> {
     (10..42).collect()
 }
@@ -221,7 +223,7 @@ fn radiance_values_are_divided_by_their_exposure() {
             }
         }
     }
-    // 0 occurs in the wild.
+    // Files in use contain 0.
     for line in ["EXPOSURE=0", "EXPOSURE=-1", "COLORCORR=1 0 1", "EXPOSURE=inf"] {
         let got = read(&radiance(b"#?RGBE", &format!("{line}\n"), "-Y 4 +X 8", &ramp()), &red);
         let got = got.unwrap();
@@ -268,7 +270,8 @@ fn tristimulus_values_become_colours() {
     }
     assert_eq!(texel([13, 77, 200], "", "luminance"), Ok(77.0));
     assert_eq!(texel([13, 77, 200], "COLORCORR=2 0.5 4\n", "luminance"), Ok(154.0));
-    // Light of a primary's chromaticity (x, y, 1 - x - y) times 100 has none of the others.
+    // Light of a primary's chromaticity (x, y, 1 - x - y) times 100 has no component of the other
+    // two.
     for (primary, xyz) in [("r", [64, 33, 3]), ("g", [29, 60, 11]), ("b", [15, 6, 79])] {
         for channel in ["r", "g", "b"] {
             let value = texel(xyz, "", channel).unwrap();
@@ -278,14 +281,14 @@ fn tristimulus_values_become_colours() {
             );
         }
     }
-    // Colours outside of the triangle of the primaries are negative, which is remarked.
+    // Colours outside of the triangle of the primaries are negative, which causes a remark.
     assert!(texel([0, 100, 0], "", "r").unwrap() < -100.0);
     assert!(texel([1, 1, 1], "", "x").unwrap_err().contains("unknown channel \"x\""));
 }
 
 #[test]
 fn radiance_pictures_are_oriented_as_they_say() {
-    // Where texel (x, y) of the picture stands in the file, 8 wide and 4 high.
+    // The index of texel (x, y) of the picture in the file, 8 wide and 4 high.
     type Place = fn(usize, usize) -> usize;
     let orders: [(&str, Place); 8] = [
         ("-Y 4 +X 8", |x, y| 8 * y + x),

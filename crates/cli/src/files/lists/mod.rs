@@ -1,7 +1,7 @@
 //! Lists of plain rows, such as pixels or angles, as CSV or NPY: one row in, one row out.
 //!
-//! Point sets have a reader of their own, which turns every row into a direction; here a number stays
-//! what it is, and an integer never passes through a float.
+//! Point sets have a reader of their own, which converts every row to a direction. Here numbers are
+//! preserved exactly, and integers are never converted to floats.
 
 mod npy;
 mod number;
@@ -22,42 +22,44 @@ use super::points::PointFormat;
 pub(crate) use number::{Number, Written};
 pub(crate) use write::ListWriter;
 
-/// What the columns of a list are.
+/// The columns of a list.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Columns<const N: usize> {
-    /// The names in the header; without a header the columns stand in this order.
+    /// The names in the header; without a header, the columns are in this order.
     pub(crate) names: [&'static str; N],
     /// The unit or another remark for messages about missing columns.
     pub(crate) remark: &'static str,
 }
 
-/// Why a row whose numbers are well formed cannot be used.
+/// The reason why a row with well-formed numbers cannot be used.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) enum Fault {
-    /// The number of one column, counted as in [`Columns::names`], is not what this text asks for.
+    /// The number of one column, an index in [`Columns::names`], is invalid; the text states the
+    /// expected value.
     Column(usize, String),
-    /// The row as a whole is not.
+    /// The row as a whole is invalid.
     Row(String),
 }
 
-/// Returns `accept` of every row of a file, in order; the path `-` is standard input.
+/// Returns the result of `accept` for every row of a file, in order; the path `-` is standard
+/// input.
 ///
-/// A file is NPY if its name or its first byte says so, and text otherwise.
+/// A file is NPY if its name or its first byte indicates it, and text otherwise.
 ///
-/// Text has fields divided by commas or by blanks. A first line without any number is a header and
-/// chooses the columns by their names (quoted or not, in any case, order and company); without one the fields are
-/// exactly the columns. Lines that start with `#` and empty lines are skipped.
+/// Text has fields separated by commas or spaces. A first line without any number is a header and
+/// selects the columns by their names (with or without quotes, in any case and order, possibly
+/// among other columns); without one, the fields are exactly the columns. Lines that start with `#`
+/// and empty lines are skipped.
 ///
-/// NPY has the shape `(rows, N)`, or `(rows,)` for a single column, in C or Fortran order and either
-/// byte order; floats of 4 or 8 bytes for `f64`, integers of 1 to 8 bytes for `i128`.
+/// NPY has the shape `(rows, N)`, or `(rows,)` for a single column, in C or Fortran order and
+/// either byte order; floats of 4 or 8 bytes for `f64`, integers of 1 to 8 bytes for `i128`.
 ///
-/// # Errors
-/// When the file cannot be read, is neither, or has a row that is malformed or has a [`Fault`]; the
-/// message names the file, the line (or row), the field, and what would be right. A file with neither
-/// header nor row is refused, a header or an array without rows is an empty list.
+/// # Errors When the file cannot be read, is neither, or has a row that is malformed or has a
+/// [`Fault`]; the message names the file, the line (or row), the field, and the expected value. A
+/// file with neither header nor row is an error; a header or an array without rows is an empty
+/// list.
 ///
-/// # Performance
-/// Holds the results, and of an NPY file 8 bytes per number.
+/// # Performance Stores the results and, for an NPY file, 8 bytes per number.
 pub(crate) fn read_list<T: Number, R, const N: usize>(
     path: &Path,
     columns: &Columns<N>,
@@ -77,7 +79,8 @@ fn read_stream<T: Number, R, const N: usize>(
 ) -> Result<Vec<R>, FileError> {
     let start =
         input.fill_buf().map_err(|source| FileError::Read { path: path.to_owned(), source })?;
-    // One byte will do: no text starts with it, and of a damaged file the array's reader says more.
+    // One byte suffices: no text starts with it, and for a damaged file the error of the array
+    // reader is more specific.
     if npy || start.first() == Some(&MAGIC[0]) {
         npy::read_npy(input, path, columns, accept)
     } else {
@@ -85,7 +88,8 @@ fn read_stream<T: Number, R, const N: usize>(
     }
 }
 
-/// Returns the error of a row that was not accepted; `got` are its numbers as they were written.
+/// Returns the error of a row that was not accepted; `got` contains its numbers as they are
+/// written.
 fn fault_error<const N: usize>(
     fault: Fault,
     path: &str,

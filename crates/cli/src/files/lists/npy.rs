@@ -6,7 +6,7 @@ use super::{Columns, Fault, Number, fault_error};
 use crate::files::file_error::{FileError, Place};
 use crate::files::npy::NpyReader;
 
-/// Returns `accept` of every row of an array.
+/// Returns the result of `accept` for every row of an array.
 pub(super) fn read_npy<T: Number, R, const N: usize>(
     input: impl Read,
     path: &str,

@@ -1,27 +1,27 @@
-//! Numbers as lists hold them, in text and in arrays.
+//! The numbers of lists, in text and in arrays.
 
 use std::fmt::{Display, Write};
 use std::num::IntErrorKind;
 
 use crate::files::npy::ItemType;
 
-/// What a list is read into: `f64` for finite reals, `i128` for integers of any 64-bit type.
+/// The number type of a list: `f64` for finite reals, `i128` for integers of any 64-bit type.
 pub(crate) trait Number: Copy + Default + Display {
-    /// What a field of text has to be, for messages.
+    /// The valid content of a text field, for messages.
     const EXPECTED: &'static str;
-    /// The item types of arrays, for messages.
+    /// The valid item types of arrays, for messages.
     const ITEM_TYPES: &'static str;
 
-    /// Returns the number that a field of text shows.
+    /// Returns the number in a text field.
     fn of_text(field: &str) -> Option<Self>;
 
-    /// Returns whether items of this type can be read.
+    /// Returns whether items of this type are supported.
     fn takes(item: ItemType) -> bool;
 
-    /// Returns the number that an item's bits show, for a type that [`takes`](Self::takes) allows.
+    /// Returns the number of an item's bits, for a type that [`takes`](Self::takes) supports.
     fn of_bits(item: ItemType, bits: u64) -> Self;
 
-    /// Returns whether this is a number that lists may hold.
+    /// Returns whether a list may contain this number.
     fn is_expected(self) -> bool;
 }
 
@@ -51,13 +51,13 @@ impl Number for i128 {
     const ITEM_TYPES: &'static str = "integers, such as int64 (astype(np.int64) converts)";
 
     fn of_text(field: &str) -> Option<Self> {
-        // Nearly all are of this kind, and the wide parser is slower.
+        // Nearly all numbers are of this kind, and the wide parser is slower.
         if let Ok(number) = field.parse::<u64>() {
             return Some(number.into());
         }
         match field.parse() {
             Ok(number) => Some(number),
-            // An integer all the same: whoever asks for a range will refuse it as beyond that.
+            // It is still an integer; callers with a range reject it as out of range.
             Err(error) => match error.kind() {
                 IntErrorKind::PosOverflow => Some(Self::MAX),
                 IntErrorKind::NegOverflow => Some(Self::MIN),
@@ -79,12 +79,12 @@ impl Number for i128 {
     }
 }
 
-/// What a list is written from.
+/// The type of numbers that a list is written from.
 pub(crate) trait Written: Copy + npyz::Serialize {
     /// The item type of an NPY array of these numbers, in little-endian order.
     const DESCR: &'static str;
 
-    /// Appends the shortest digits that are read back to the same number.
+    /// Appends the shortest digits that are read back as the same number.
     fn append_to(self, text: &mut String);
 }
 

@@ -98,7 +98,7 @@ fn faults_name_the_column_or_the_row() {
     assert_eq!(refuse(row, &array), "LIST[1]: theta,phi: expected better, got (3, 0.2)");
 }
 
-/// An NPY file as `NumPy` writes it, put together here by hand.
+/// Returns an NPY file as `NumPy` writes it, assembled by hand.
 fn npy(descr: &str, fortran_order: bool, shape: &str, data: &[u8]) -> Vec<u8> {
     let order = if fortran_order { "True" } else { "False" };
     let mut header =
@@ -212,7 +212,7 @@ fn wrong_arrays_are_named() {
     let ints = npy("<i8", false, "(1, 3)", &[0; 24]);
     let message = read::<f64, 3>(ints, &VECTOR).unwrap_err();
     assert_eq!(message, "LIST: expected numbers of type float64 or float32, got the type <i8");
-    // Every piece of a file that is cut short is refused, never read wrongly.
+    // Every truncated file is rejected and never misread.
     let whole = npy("<i8", false, "(2,)", &[0; 16]);
     for length in 1..whole.len() {
         let message = read::<i128, 1>(&whole[..length], &PIXEL).unwrap_err();
@@ -239,7 +239,7 @@ fn what_is_written_is_read_back() {
     }
     let text = fs::read_to_string(folder.path().join("a.csv")).unwrap();
     assert_eq!(text, "pixel\n0\n9007199254740993\n3458764513820540927\n");
-    // The bytes that a reader of the format relies on, by hand as above.
+    // The bytes that readers of the format rely on, assembled by hand as above.
     let data: Vec<u8> = pixels.iter().flat_map(|p| p[0].to_le_bytes()).collect();
     let file = fs::read(folder.path().join("a.npy")).unwrap();
     assert!(file.ends_with(&data), "{file:?}");

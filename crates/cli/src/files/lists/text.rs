@@ -7,7 +7,7 @@ use super::{Columns, Fault, Number, fault_error};
 use crate::files::file_error::{FileError, Place};
 use crate::files::text_rows::{TextLine, TextRows, shortened};
 
-/// Returns `accept` of every row of a text file.
+/// Returns the result of `accept` for every row of a text file.
 pub(super) fn read_text<T: Number, R, const N: usize>(
     input: impl BufRead,
     path: &str,
@@ -42,7 +42,7 @@ struct TextReader<'a, const N: usize> {
     layout: Option<Layout<N>>,
 }
 
-/// How many fields a line has, and where among them the columns stand.
+/// The number of fields of a line, and the positions of the columns among them.
 #[derive(Clone, Copy)]
 struct Layout<const N: usize> {
     fields: usize,
@@ -50,7 +50,7 @@ struct Layout<const N: usize> {
 }
 
 impl<const N: usize> TextReader<'_, N> {
-    /// Returns the columns' fields of a line; `None` for a header.
+    /// Returns the columns' fields of a line, or `None` for a header.
     fn fields<'t>(&mut self, line: TextLine<'t>) -> Result<Option<[Cow<'t, str>; N]>, FileError> {
         let layout = match self.layout {
             Some(layout) => layout,

@@ -10,12 +10,12 @@ use crate::files::npy::write_npy;
 use crate::files::points::PointFormat;
 use crate::files::target::is_stream;
 
-/// Text is handed on in pieces of about this many bytes.
+/// The approximate number of bytes of text that are written at a time.
 const CHUNK: usize = 1 << 16;
 
-/// A list file that is about to be written.
+/// A list file to be written.
 ///
-/// It is opened before the work, so that a name that cannot be written to fails at once.
+/// It is opened before the work starts, so that an invalid name is an error at once.
 #[derive(Debug)]
 pub(crate) struct ListWriter {
     file: AtomicFile,
@@ -23,10 +23,9 @@ pub(crate) struct ListWriter {
 }
 
 impl ListWriter {
-    /// Returns a writer in the format that the extension names; `-` is standard output, as CSV.
+    /// Returns a writer in the format of the extension; `-` is standard output, as CSV.
     ///
-    /// # Errors
-    /// When the extension is that of no list, or the file cannot be created.
+    /// # Errors If the extension is not that of a list format, or the file cannot be created.
     pub(crate) fn create(path: &Path) -> Result<Self, FileError> {
         let npy = match PointFormat::of_path(path) {
             Some(PointFormat::Npy) => true,
@@ -44,12 +43,11 @@ impl ListWriter {
 
     /// Writes all rows; the file appears when it is complete.
     ///
-    /// CSV has the `names` as header and the shortest digits that are read back to the same number,
-    /// at most 17. NPY has the shape `(rows, N)`, or `(rows,)` for a single column, of 8-byte items in
-    /// little-endian byte and C order.
+    /// CSV has the `names` as header and the shortest digits that are read back as the same number,
+    /// at most 17. NPY has the shape `(rows, N)`, or `(rows,)` for a single column, of 8-byte items
+    /// in little-endian byte and C order.
     ///
-    /// # Errors
-    /// When the file cannot be written.
+    /// # Errors When the file cannot be written.
     pub(crate) fn write<T: Written, const N: usize>(
         mut self,
         names: &[&str; N],

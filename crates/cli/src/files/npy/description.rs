@@ -2,11 +2,11 @@
 
 use super::ItemType;
 
-/// What a header such as `{'descr': '<i8', 'fortran_order': False, 'shape': (5, 2), }` says.
+/// The content of a header such as `{'descr': '<i8', 'fortran_order': False, 'shape': (5, 2), }`.
 pub(super) struct Description {
     /// The item type, as it is written.
     pub(super) descr: String,
-    /// The fields of a record; `None` of a plain item type.
+    /// The fields of a record, or `None` for a plain item type.
     pub(super) fields: Option<Vec<Field>>,
     pub(super) fortran_order: bool,
     pub(super) shape: Vec<usize>,
@@ -16,7 +16,7 @@ pub(super) struct Description {
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(in crate::files) struct Field {
     pub(in crate::files) name: String,
-    /// The type of its items; `None` for all but floats, integers and booleans.
+    /// The type of its items, or `None` if they are neither floats nor integers nor booleans.
     pub(in crate::files) item: Option<ItemType>,
     /// The number of items.
     pub(in crate::files) items: usize,
@@ -46,7 +46,7 @@ impl Description {
     }
 }
 
-/// Returns what follows the colon of a quoted key.
+/// Returns the text after the colon of a quoted key.
 fn value_of<'t>(text: &'t str, key: &str) -> Option<&'t str> {
     ['\'', '"'].iter().find_map(|quote| {
         let quoted = format!("{quote}{key}{quote}");
@@ -64,7 +64,7 @@ struct Parser<'t> {
 }
 
 impl Parser<'_> {
-    /// Takes a character, and the blanks before it, if it is next.
+    /// Consumes a character, and the spaces before it, if it is next.
     fn take(&mut self, character: char) -> Option<()> {
         self.rest = self.rest.trim_start().strip_prefix(character)?;
         Some(())
@@ -90,7 +90,7 @@ impl Parser<'_> {
         self.take('(')?;
         let (inside, rest) = self.rest.split_once(')')?;
         self.rest = rest;
-        // A comma at the end is how Python tells (5,) from a number.
+        // The final comma of Python distinguishes (5,) from a number.
         let inside = inside.trim();
         let inside = inside.strip_suffix(',').unwrap_or(inside);
         match inside {
@@ -138,11 +138,11 @@ fn item_of_descr(descr: &str) -> Option<ItemType> {
     ItemType::of_descr(if descr == "|b1" { "|u1" } else { descr })
 }
 
-/// Returns the bytes of an item of any type that has a fixed number of them.
+/// Returns the number of bytes of an item of any type of fixed size.
 fn size_of_descr(descr: &str) -> Option<usize> {
     let kind = descr.strip_prefix(['<', '>', '|', '='])?;
     let letter = kind.chars().next().filter(char::is_ascii)?;
-    // Times have their unit behind the size, as in M8[ns].
+    // The unit of a time follows the size, as in M8[ns].
     let digits = kind[1..].split('[').next()?;
     let size: usize = digits.parse().ok()?;
     match letter {

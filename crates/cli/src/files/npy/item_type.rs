@@ -18,7 +18,8 @@ enum ItemKind {
 }
 
 impl ItemType {
-    /// Returns the type that a `descr` such as `<i8` names; `None` for all but floats and integers.
+    /// Returns the type of a `descr` such as `<i8`, or `None` if it is neither a float nor an
+    /// integer type.
     pub(super) fn of_descr(descr: &str) -> Option<Self> {
         let &[order, kind, size] = descr.as_bytes() else {
             return None;
@@ -40,7 +41,7 @@ impl ItemType {
         Some(Self { kind, size, big_endian })
     }
 
-    /// Returns whether the items are floats, and integers otherwise.
+    /// Returns whether the items are floats; otherwise they are integers.
     pub(in crate::files) fn is_float(self) -> bool {
         self.kind == ItemKind::Float
     }
@@ -60,13 +61,13 @@ impl ItemType {
         }
     }
 
-    /// Returns the number that the bytes of an item show, an integer rounded to a float.
+    /// Returns the number of an item's bytes, an integer rounded to a float.
     pub(in crate::files) fn number(self, bytes: &[u8]) -> f64 {
         let bits = self.bits(bytes);
         if self.is_float() { self.float(bits) } else { self.integer(bits) as f64 }
     }
 
-    /// Returns the number that the bits of an item show, for a type of floats.
+    /// Returns the number of an item's bits, for a float type.
     pub(in crate::files) fn float(self, bits: u64) -> f64 {
         match u32::try_from(bits) {
             Ok(bits) if self.size == 4 => f32::from_bits(bits).into(),
@@ -74,12 +75,12 @@ impl ItemType {
         }
     }
 
-    /// Returns the number that the bits of an item show, for a type of integers.
+    /// Returns the number of an item's bits, for an integer type.
     pub(in crate::files) fn integer(self, bits: u64) -> i128 {
         if self.kind == ItemKind::Unsigned {
             return bits.into();
         }
-        // The sign bit of a short item goes to the top and is spread on the way back.
+        // The sign bit of a short item is shifted to the top and extended on the way back.
         let unused = u64::BITS - 8 * u32::from(self.size);
         ((bits << unused).cast_signed() >> unused).into()
     }

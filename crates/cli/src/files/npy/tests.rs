@@ -11,7 +11,7 @@ fn read(bytes: &[u8]) -> Result<(ItemType, Array), FileError> {
     Ok((item, reader.read_items(item)?))
 }
 
-/// `npyz` writes the items of `0, 1, ...` in the order asked for and tells which item stands where.
+/// `npyz` writes the items `0, 1, ...` in the requested order and reports their positions.
 #[test]
 fn rows_are_those_of_another_library() {
     let shapes: [&[u64]; 7] = [&[5, 3], &[1, 3], &[0, 3], &[2, 4, 3], &[7, 1, 3], &[2, 0, 3], &[3]];
@@ -30,7 +30,7 @@ fn rows_are_those_of_another_library() {
             writer.finish().unwrap();
             let oracle = npyz::NpyFile::new(file.as_slice()).unwrap();
             let strides = oracle.strides().to_vec();
-            // Every index in C order; the item there is its place in the file.
+            // Every index in C order; the value of the item is its position in the file.
             let mut expected = vec![0];
             for (&dimension, &stride) in shape.iter().zip(&strides) {
                 expected = expected

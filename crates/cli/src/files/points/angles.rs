@@ -25,8 +25,8 @@ pub(super) fn direction_of_radians(theta: f64, phi: f64) -> DVec3 {
 
 /// Returns sine and cosine of an angle in degrees.
 ///
-/// The remainder by 360 and the distance to the next multiple of 90 are exact in floating point,
-/// so that the only errors are those of one product with pi/180 and of `sin_cos` on [-pi/4, pi/4].
+/// The remainder by 360 and the distance to the next multiple of 90 are exact in floating point, so
+/// the only errors are those of one product with pi/180 and of `sin_cos` on [-pi/4, pi/4].
 fn sin_cos_degrees(degrees: f64) -> (f64, f64) {
     let wrapped = degrees % 360.0;
     let quarter = (wrapped / 90.0).round();
@@ -70,7 +70,8 @@ mod tests {
             let degrees = f64::from(k) * 1.37;
             let (sin, cos) = sin_cos_degrees(degrees);
             let (sin_r, cos_r) = degrees.to_radians().sin_cos();
-            // The slow way rounds an angle of up to 9.6 rad: half an ulp of it is 4 EPSILON.
+            // The direct computation rounds an angle of up to 9.6 rad: half an ulp of it is 4
+            // EPSILON.
             let tolerance = 8.0 * f64::EPSILON;
             assert!((sin - sin_r).abs() <= tolerance, "{degrees}: {sin} against {sin_r}");
             assert!((cos - cos_r).abs() <= tolerance, "{degrees}: {cos} against {cos_r}");

@@ -1,4 +1,4 @@
-//! Gathers points from a reader into sets, whatever the format.
+//! Collects points from a reader into sets, for all formats.
 
 use std::borrow::Cow;
 use std::collections::HashMap;
@@ -15,38 +15,39 @@ use crate::files::file_error::{FileError, Place};
 use crate::files::memory_guard::MemoryGuard;
 use crate::files::text_rows::shortened;
 
-/// A colatitude printed with seven digits may exceed pi by this much; it is then taken as pi.
+/// The tolerance within which a colatitude above pi is taken as pi: one printed with seven digits
+/// may exceed pi by this much.
 const THETA_SLACK: f64 = 1e-6;
-/// Points between two looks at the memory.
+/// The number of points between two checks of the memory.
 const STEP: usize = 1 << 12;
-/// Bytes of a set without its points.
+/// The number of bytes of a set without its points.
 const SET_BYTES: usize = 128;
-/// How many skipped rows a warning names.
+/// The maximum number of skipped rows that a warning names.
 const NAMED: usize = 5;
 
-/// What stands in a column of a row.
+/// The content of a column of a row.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum Cell<'a> {
     Number(f64),
     Text(Cow<'a, str>),
-    /// Nothing, or a mark for an unknown value.
+    /// An empty cell, or a mark for an unknown value.
     Missing,
 }
 
-/// The point sets of one file as they come in.
+/// The point sets of one file while it is read.
 pub(super) struct PointCollector<'a> {
     path: &'a str,
     options: &'a ReadOptions,
     layout: Layout,
     sets: Vec<PointSet>,
     by_label: HashMap<String, usize>,
-    /// The label of the row before.
+    /// The label of the previous row.
     label: Option<String>,
     current: usize,
     points: usize,
     lengths: Lengths,
     skipped: usize,
-    /// Where the first of the skipped rows stand.
+    /// The places of the first skipped rows.
     skipped_places: Vec<Place>,
     guard: MemoryGuard,
     warnings: Vec<String>,
@@ -72,12 +73,12 @@ impl<'a> PointCollector<'a> {
         }
     }
 
-    /// Returns what the columns mean.
+    /// Returns the meaning of the columns.
     pub(super) fn layout(&self) -> &Layout {
         &self.layout
     }
 
-    /// Starts the next set, unless the present one is still empty.
+    /// Starts the next set, unless the current one is still empty.
     pub(super) fn next_set(&mut self) {
         if !self.sets[self.current].points.is_empty() {
             self.sets.push(PointSet::default());
@@ -85,15 +86,14 @@ impl<'a> PointCollector<'a> {
         }
     }
 
-    /// Returns the number of points of the present set.
+    /// Returns the number of points of the current set.
     pub(super) fn len(&self) -> usize {
         self.sets[self.current].points.len()
     }
 
-    /// Adds the point of a row; `cell` gives the content of each of the layout's slots.
+    /// Adds the point of a row; `cell` returns the content of each of the layout's slots.
     ///
-    /// # Errors
-    /// When the row has no direction or weight, unless such rows are skipped.
+    /// # Errors When the row has no direction or weight, unless such rows are skipped.
     pub(super) fn row<'c>(
         &mut self,
         place: Place,
@@ -119,10 +119,9 @@ impl<'a> PointCollector<'a> {
         }
     }
 
-    /// Skips a row that cannot be used, or returns why it cannot if that is not wanted.
+    /// Skips a row that cannot be used, or returns its error if skipping is not requested.
     ///
-    /// # Errors
-    /// `error`, unless invalid rows are skipped.
+    /// # Errors `error`, unless invalid rows are skipped.
     pub(super) fn skip(&mut self, place: Place, error: FileError) -> Result<(), FileError> {
         if !self.options.skip_invalid {
             return Err(error.with_hint("--skip-invalid skips such rows"));
@@ -134,12 +133,12 @@ impl<'a> PointCollector<'a> {
         Ok(())
     }
 
-    /// Adds a line for the user; the path is put before it.
+    /// Adds a warning for the user, prefixed by the path.
     pub(super) fn warn(&mut self, message: &str) {
         self.warnings.push(format!("{}: {message}", self.path));
     }
 
-    /// Returns the sets, or an error when there is not a single point or most are no directions.
+    /// Returns the sets, or an error if there are no points or most are not directions.
     pub(super) fn finish(mut self) -> Result<PointFile, FileError> {
         self.sets.retain(|set| !set.points.is_empty());
         if self.skipped > 0 {
@@ -252,7 +251,7 @@ impl<'a> PointCollector<'a> {
         }
     }
 
-    /// Sends the points that follow to the set of this label, which is new at its first use.
+    /// Selects the set of this label for the points that follow, and creates it at its first use.
     fn select(&mut self, label: Cell<'_>) {
         let label = match label {
             Cell::Number(value) => Cow::Owned(value.to_string()),
@@ -282,7 +281,7 @@ impl<'a> PointCollector<'a> {
     }
 }
 
-/// Returns what to do about a number in a notation that is not supported.
+/// Returns advice on a number in an unsupported notation.
 fn advice(text: &str) -> &'static str {
     let is_made_of = |others: &str| {
         let is_part = |c: char| c.is_ascii_digit() || others.contains(c);

@@ -3,7 +3,7 @@
 pub(super) struct Column {
     /// Empty if it has no name.
     pub(super) name: String,
-    /// How many numbers stand in a row; 0 if they cannot be read as numbers.
+    /// The number of numbers in a row; 0 if they cannot be read as numbers.
     pub(super) items: usize,
     /// The unit where the file states it, empty otherwise.
     pub(super) unit: String,

@@ -1,4 +1,4 @@
-//! Which column of a file means what, whatever the format of the file.
+//! The meaning of the columns of a file, for all formats.
 
 use super::column::Column;
 use super::roles::{CELESTIAL, ColumnChoice, Coordinates, SYSTEMS, SYSTEMS_TEXT, role_of};
@@ -6,17 +6,17 @@ use super::suggestion::{suggested, suggestions};
 use crate::files::file_error::{FileError, Place};
 use crate::files::text_rows::shortened;
 
-/// How many names a message lists.
+/// The maximum number of names that a message lists.
 const LISTED: usize = 12;
 
-/// Where a number of a point stands.
+/// The position of a number of a point.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Slot {
-    /// What it means.
+    /// Its meaning.
     pub(super) role: &'static str,
     /// The column, from 0.
     pub(super) column: usize,
-    /// The number among those of the column in a row, from 0.
+    /// The index of the number among those of the column in a row, from 0.
     pub(super) item: usize,
     /// Its name for messages.
     pub(super) label: String,
@@ -39,7 +39,7 @@ pub(super) struct Layout {
 }
 
 impl Layout {
-    /// Adds the weight, which stands in a column of another table.
+    /// Adds the weight, which is a column of another table.
     pub(super) fn add_weight(&mut self, column: usize) {
         let slot = Slot { role: "w", column, item: 0, label: "w".to_owned() };
         self.weight = Some(self.slots.len());
@@ -47,11 +47,11 @@ impl Layout {
     }
 }
 
-/// The columns of a file with what the user said about them.
+/// The columns of a file together with the user's options.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Table<'a> {
     pub(super) path: &'a str,
-    /// Where the columns are named, for messages.
+    /// The place of the column names, for messages.
     pub(super) place: Place,
     pub(super) columns: &'a [Column],
     /// Whether the file names its columns.
@@ -65,9 +65,8 @@ type Assigned = (&'static str, usize, Option<usize>);
 impl Table<'_> {
     /// Returns the meaning of the columns.
     ///
-    /// # Errors
-    /// When no direction, or more than one, can be made of the columns, a name of `--columns` is not
-    /// among them, or a column that is needed has no numbers.
+    /// # Errors If the columns form no direction or more than one, a name of `--columns` is not
+    /// among them, or a required column has no numbers.
     pub(super) fn layout(&self) -> Result<Layout, FileError> {
         let assigned = match self.choice {
             Some(ColumnChoice::Names(names)) => self.by_name(names)?,
@@ -93,7 +92,7 @@ impl Table<'_> {
             Some((role, column, _)) if *column == index => (*role).to_owned(),
             _ => self.name(index),
         };
-        // Without a name and numbers it is the padding of a record.
+        // A column without a name and numbers is the padding of a record.
         let is_padding = |column: &Column| column.name.is_empty() && column.items == 0;
         let unused = (0..self.columns.len())
             .filter(|&i| !is_used[i] && !is_padding(&self.columns[i]))
@@ -104,7 +103,7 @@ impl Table<'_> {
         Ok(Layout { coordinates, slots, weight, set, unused, others })
     }
 
-    /// Returns the roles that the names of columns tell.
+    /// Returns the roles that the column names imply.
     fn by_header(&self) -> Result<Vec<Assigned>, FileError> {
         let mut assigned: Vec<Assigned> = Vec::new();
         for (index, column) in self.columns.iter().enumerate() {
@@ -125,7 +124,7 @@ impl Table<'_> {
         Ok(assigned)
     }
 
-    /// Returns the roles of columns that have no names.
+    /// Returns the roles of columns without names.
     fn without_names(&self) -> Result<Vec<Assigned>, FileError> {
         let count = self.columns.len();
         if count == 3 {
@@ -147,8 +146,8 @@ impl Table<'_> {
 
     /// Returns the roles that `--columns` gives to columns from left to right.
     ///
-    /// Where the file has names, and they tell all these roles, they count and not the order: the file
-    /// knows better, unless a `_` says that the order is meant.
+    /// If the file has names that imply all these roles, the names take precedence over the order,
+    /// unless a `_` shows that the order is meant.
     fn by_position(&self, roles: &[Option<&'static str>]) -> Result<Vec<Assigned>, FileError> {
         if self.has_names && roles.iter().all(Option::is_some) {
             let of_role = |role: &&'static str| {
@@ -178,7 +177,7 @@ impl Table<'_> {
         for (index, role) in roles.iter().enumerate() {
             let Some(role) = *role else { continue };
             let own = role_of(&self.columns[index].name);
-            // A column that the file names otherwise is more likely to be an oversight.
+            // A column with a contradicting name in the file is more likely to be an oversight.
             if own.is_some_and(|own| own != role && coordinates.contains(&own)) {
                 let name = self.name(index);
                 return Err(self.error(
@@ -191,7 +190,7 @@ impl Table<'_> {
         Ok(assigned)
     }
 
-    /// Returns the roles that `--columns` gives to names.
+    /// Returns the roles that `--columns` assigns to names.
     fn by_name(&self, names: &[(&'static str, String)]) -> Result<Vec<Assigned>, FileError> {
         if !self.has_names {
             return Err(self.error(
@@ -219,7 +218,7 @@ impl Table<'_> {
             .collect()
     }
 
-    /// Returns the column of a name: as it is written, or else in any case.
+    /// Returns the column of a name: an exact match, or else a match in any case.
     fn find(&self, name: &str) -> Result<Option<usize>, FileError> {
         let matching = |equal: &dyn Fn(&str) -> bool| {
             let columns = self.columns.iter().enumerate();
@@ -240,13 +239,13 @@ impl Table<'_> {
         }
     }
 
-    /// Returns the one combination of roles that gives the direction.
+    /// Returns the only combination of roles that forms a direction.
     fn system(&self, assigned: &[Assigned]) -> Result<&'static [&'static str], FileError> {
         let has = |role: &&str| assigned.iter().any(|(other, ..)| other == role);
         let complete: Vec<&'static [&'static str]> =
             SYSTEMS.into_iter().filter(|system| system.iter().all(&has)).collect();
         let columns = || {
-            // With --columns, or without names, there is nothing that could be better.
+            // With --columns, or without names, no better combination can exist.
             let flags = match self.choice {
                 None if self.has_names => suggested(self.columns),
                 _ => String::new(),
@@ -256,10 +255,10 @@ impl Table<'_> {
         };
         match complete[..] {
             [system] => Ok(system),
-            // They name the same places, which differ by a rotation.
+            // They denote the same places, which differ by a rotation.
             [system, ..] if complete.iter().all(|system| CELESTIAL.contains(system)) => Ok(system),
             [] => {
-                // A lone b or l is more likely to be something else.
+                // A single b or l more likely denotes something else.
                 let begun =
                     SYSTEMS.iter().find(|system| **system != ["l", "b"] && system.iter().any(&has));
                 let Some(begun) = begun else {
@@ -282,7 +281,8 @@ impl Table<'_> {
         }
     }
 
-    /// Returns the value of `--columns` for a direction besides the one that is used, if the file has one.
+    /// Returns the value of `--columns` for a direction other than the one in use, if the file has
+    /// one.
     fn other_system(&self, used: &[&str], assigned: &[Assigned]) -> Option<String> {
         let has = |role: &&str| assigned.iter().any(|(other, ..)| other == role);
         let other = SYSTEMS.iter().find(|system| **system != used && system.iter().all(has))?;
@@ -315,7 +315,7 @@ impl Table<'_> {
             let expected = format!("a column of its own for {role}");
             return Err(self.error(expected, format!("{} twice", self.name(column))));
         }
-        // A name that begins like the role tells nothing new.
+        // A name that begins like the role adds no information.
         let is_plain = name.is_empty() || name.trim().to_lowercase().starts_with(role);
         let label =
             if is_plain { role.to_owned() } else { format!("{role} ({})", shortened(name)) };
@@ -341,9 +341,9 @@ impl Table<'_> {
     }
 }
 
-/// Returns the unit that a role must have where a column states another one.
+/// Returns the unit that a role requires if a column states another one.
 ///
-/// A unit without letters, such as `-`, states nothing.
+/// A unit without letters, such as `-`, counts as none.
 fn right_unit(role: &str, unit: &str) -> Option<&'static str> {
     let unit = unit.trim().to_lowercase();
     let states_nothing = unit != "°" && !unit.contains(char::is_alphabetic) && !unit.contains('"');
@@ -375,7 +375,7 @@ pub(super) fn listed(names: &[String], count: usize) -> String {
 mod tests {
     use super::right_unit;
 
-    /// A unit that is stated must be that of the role.
+    /// A stated unit must be that of the role.
     #[test]
     fn units_of_angles() {
         let degrees = [

@@ -10,14 +10,14 @@ use crate::files::file_error::{FileError, Place};
 use crate::files::fits::{Hdu, HduChoice, HduReader, Item, TableColumn, keyword_error};
 use crate::files::memory_guard::check_announced;
 
-/// Bytes that are read at a time, where a row is not longer.
+/// The number of bytes that are read at a time if rows are not longer.
 const CHUNK: usize = 1 << 16;
-/// How many tables a message lists.
+/// The maximum number of tables that a message lists.
 const LISTED: usize = 4;
-/// The longest row that is read.
+/// The maximum length of a row, in bytes.
 const MAX_ROW: usize = 1 << 26;
 
-/// Returns the sets of a table, binary or ASCII: that of the HDU that was chosen, or the first.
+/// Returns the sets of a table, binary or ASCII, from the selected HDU or the first table.
 pub(super) fn read_fits(
     input: impl BufRead,
     path: &str,
@@ -81,10 +81,10 @@ pub(super) fn read_fits(
     points.finish()
 }
 
-/// Returns a remark that this is the first table, with those that follow it.
+/// Returns a remark that the first table was read, with the names of the others.
 fn other_tables(file: &mut HduReader<'_, impl BufRead>) -> String {
     let mut tables = Vec::new();
-    // What is wrong with them would show when they are chosen.
+    // Errors in other tables are reported when these are selected.
     while let Ok(Some(hdu)) = file.next_hdu() {
         if hdu.is_table() && tables.len() < LISTED {
             tables.push(hdu.summary());

@@ -1,4 +1,4 @@
-//! The formats of point sets and how a file tells which it is.
+//! The formats of point sets and their detection.
 
 use std::path::Path;
 use std::str::FromStr;
@@ -22,19 +22,19 @@ pub(crate) enum PointFormat {
     Json,
 }
 
-/// A format that is not supported.
+/// An unsupported format.
 #[derive(Debug, PartialEq, Eq)]
 pub(super) struct OtherFormat {
-    /// How its files start.
+    /// The first bytes of its files.
     magic: &'static [u8],
     pub(super) name: &'static str,
-    /// How to get a file that is.
+    /// Advice on how to obtain a supported file.
     pub(super) advice: &'static str,
 }
 
 const DECOMPRESS: &str = "decompress it first, or compress with gzip";
 
-/// Formats that are told by how they start, to name them in errors.
+/// Formats that are recognized by their first bytes, to name them in errors.
 const OTHERS: [OtherFormat; 13] = [
     other(
         b"PAR1",
@@ -107,24 +107,23 @@ impl PointFormat {
         }
     }
 
-    /// Returns whether points can be written in it.
+    /// Returns whether points can be written in this format.
     pub(crate) const fn is_writable(self) -> bool {
         matches!(self, Self::Csv | Self::Npy | Self::Ply)
     }
 
-    /// The extensions of outputs of points, for messages: [`write_points`](super::write_points) knows the first ones,
-    /// pictures of points are plots.
+    /// The extensions of outputs of points, for messages: [`write_points`](super::write_points)
+    /// supports the first ones; pictures of points are plots.
     pub(super) const WRITABLE: &'static str = ".csv, .npy, .ply (points), .svg, .png (a picture)";
 
-    /// Returns the format that the extension names, whatever its case.
+    /// Returns the format of an extension in any case.
     pub(crate) fn of_path(path: &Path) -> Option<Self> {
         let extension = path.extension()?.to_str()?.to_ascii_lowercase();
         let is_of = |format: &Self| format.extensions().contains(&extension.as_str());
         Self::ALL.into_iter().find(is_of)
     }
 
-    /// Returns the format that the extension of an input names; that of a compressed file is before
-    /// `.gz`.
+    /// Returns the format of an input's extension; that of a compressed file precedes `.gz`.
     pub(crate) fn of_input_path(path: &Path) -> Option<Self> {
         match path.extension() {
             Some(extension) if extension.eq_ignore_ascii_case("gz") => {
@@ -134,10 +133,11 @@ impl PointFormat {
         }
     }
 
-    /// Returns the format that the first bytes of a file show.
+    /// Returns the format that the first bytes of a file indicate.
     ///
     /// # Errors
-    /// A format that is not supported.
+    ///
+    /// An unsupported format.
     pub(super) fn of_content(start: &[u8]) -> Result<Option<Self>, &'static OtherFormat> {
         if start.starts_with(MAGIC) {
             Ok(Some(Self::Npy))

@@ -11,7 +11,7 @@ use super::{PointFile, ReadOptions};
 use crate::files::file_error::{FileError, Place};
 use crate::files::input::read_rest;
 
-/// What matters of the document.
+/// The relevant part of the document.
 #[derive(Deserialize)]
 struct Document {
     points: Vec<Vec<[f64; 3]>>,

@@ -1,33 +1,33 @@
-//! The lengths of vectors that ought to have length 1.
+//! The lengths of vectors that should be unit vectors.
 
 use glam::DVec3;
 
 use crate::files::file_error::{FileError, Place};
 
-/// A length that differs from 1 by more than this is worth a warning.
+/// A length that differs from 1 by more than this causes a warning.
 const TOLERANCE: f64 = 1e-6;
-/// A length that differs from 1 by more than this is no matter of digits.
+/// A length that differs from 1 by more than this is not a rounding effect.
 const FAR: f64 = 1e-2;
-/// Vectors this close to unit length keep their bits: normalising one in `f64` leaves an error of
-/// at most some three roundings, so that what this program wrote is read back unchanged.
+/// Vectors this close to unit length are unchanged: normalization in `f64` leaves an error of at
+/// most about three roundings, so vectors that this program wrote are read back bit-identically.
 const ROUNDING: f64 = 8.0 * f64::EPSILON;
 
-/// What was seen of the lengths of the vectors of a file.
+/// Statistics of the lengths of the vectors of a file.
 #[derive(Debug, Default)]
 pub(super) struct Lengths {
-    /// How many differ from 1 by more than [`TOLERANCE`].
+    /// The number of lengths that differ from 1 by more than [`TOLERANCE`].
     rescaled: usize,
-    /// How many differ from 1 by more than [`FAR`].
+    /// The number of lengths that differ from 1 by more than [`FAR`].
     far: usize,
     worst: Option<(f64, Place)>,
-    /// The largest size of each coordinate.
+    /// The largest magnitude of each coordinate.
     sizes: DVec3,
-    /// The least first coordinate.
+    /// The smallest first coordinate.
     min_x: f64,
 }
 
 impl Lengths {
-    /// Returns a vector scaled to unit length; `None` for the zero vector.
+    /// Returns a vector scaled to unit length, or `None` for the zero vector.
     pub(super) fn direction(&mut self, vector: DVec3, place: Place) -> Option<DVec3> {
         let size = vector.abs().max_element();
         if size == 0.0 {
@@ -45,7 +45,7 @@ impl Lengths {
         if off > TOLERANCE {
             self.rescaled += 1;
             self.far += usize::from(off > FAR);
-            // Far from 1 in ratio, so that 0.01 counts as worse than 2.
+            // Distances from 1 are ratios, so that 0.01 counts as worse than 2.
             let badness = length.ln().abs();
             if self.worst.is_none_or(|(other, _)| badness > other.ln().abs()) {
                 self.worst = Some((length, place));
@@ -54,11 +54,10 @@ impl Lengths {
         Some(scaled.normalize())
     }
 
-    /// Returns a warning about lengths other than 1, if there were any and it was not said that
-    /// there are.
+    /// Returns a warning about lengths other than 1, if there are any and the user did not allow
+    /// them.
     ///
-    /// # Errors
-    /// If most of `total` vectors are far from unit length, unless it was said so.
+    /// # Errors If most of `total` vectors are far from unit length, unless the user allowed it.
     pub(super) fn verdict(
         &self,
         path: &str,
@@ -82,7 +81,7 @@ impl Lengths {
         )))
     }
 
-    /// Returns what the columns may be instead.
+    /// Returns advice on the probable meaning of the columns.
     fn advice(&self) -> &'static str {
         let DVec3 { x, y, .. } = self.sizes;
         let pi = std::f64::consts::PI;

@@ -33,22 +33,22 @@ pub(crate) use format::PointFormat;
 pub(crate) use roles::ColumnChoice;
 pub(crate) use write::write_points;
 
-/// What a file holds: at least one set, each with at least one direction.
+/// The content of a file: at least one set, each with at least one direction.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct PointFile {
     /// The sets in the order of their first appearance: unit vectors in the order of the file, and finite weights of
     /// any sign where the file has a column `w` or `weight`.
     pub(crate) sets: Vec<PointSet>,
-    /// Lines for the user about what was accepted but looks odd.
+    /// Warnings about accepted but unusual content.
     pub(crate) warnings: Vec<String>,
-    /// Lines for the user about what the file has besides.
+    /// Remarks on further content of the file.
     pub(crate) remarks: Vec<String>,
 }
 
-/// How to read a file where the file itself leaves it open.
+/// Options for reading a file that its content does not determine.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct ReadOptions {
-    /// The format; `None` takes it from the first bytes, and where they say nothing from the
+    /// The format; `None` takes it from the first bytes or, if these are inconclusive, from the
     /// extension.
     pub(crate) format: Option<PointFormat>,
     /// The option `--columns`.
@@ -61,14 +61,16 @@ pub(crate) struct ReadOptions {
     pub(crate) normalize: bool,
 }
 
-/// Returns the point sets of a file; the path `-` is standard input. Files may be compressed with gzip.
+/// Returns the point sets of a file; the path `-` is standard input. Files may be compressed with
+/// gzip.
 ///
 /// Every format is a table: text, the last dimension of an NPY array or the fields of its records,
 /// the arrays of an NPZ file, the properties of the vertices of a PLY file, the columns of a FITS
-/// table. A direction is `x,y,z`, or `theta,phi` (colatitude and longitude in radians), or `lon,lat`,
-/// `ra,dec`, `glon,glat` or `l,b` (degrees); `w` is its weight, and `set` the label of its set. Names in
-/// catalogues such as `RAJ2000` and `ALPHA_J2000` are known; [`ReadOptions::columns`] takes others. Of several celestial
-/// systems in a catalogue `ra,dec` is taken, and `glon,glat` before `l,b`; other pairs of directions are an error.
+/// table. A direction is `x,y,z`, or `theta,phi` (colatitude and longitude in radians), or
+/// `lon,lat`, `ra,dec`, `glon,glat` or `l,b` (degrees); `w` is its weight, and `set` the label of
+/// its set. Names in catalogues such as `RAJ2000` and `ALPHA_J2000` are recognized;
+/// [`ReadOptions::columns`] supports others. Of several celestial systems in a catalogue `ra,dec`
+/// is taken, and `glon,glat` before `l,b`; other pairs of directions are an error.
 ///
 /// In text `#` starts a comment line. Without a header three fields are x y z, and a line that is a
 /// bare `#` starts the next set. The other dimensions of an array are `(N,)` or `(M, N)`.
@@ -76,10 +78,9 @@ pub(crate) struct ReadOptions {
 /// Vectors are scaled to unit length; a warning is returned where that moved a length by more than
 /// 1e-6. Vectors that are unit to rounding keep their bits.
 ///
-/// # Errors
-/// When the file cannot be read, holds no point, or holds something else than the above, when most
-/// vectors are far from unit length, and when the points do not fit in memory; the message names the
-/// file, the line (or row, or vertex), the field, and what would be right.
+/// # Errors If the file cannot be read, contains no points, or contains anything else than the
+/// above, if most vectors are far from unit length, or if the points do not fit in memory; the
+/// message names the file, the line (or row, or vertex), the field, and the expected content.
 pub(crate) fn read_points(path: &Path, options: &ReadOptions) -> Result<PointFile, FileError> {
     let (file, hdu) = HduChoice::of_path(path);
     let with_hdu;
@@ -126,7 +127,7 @@ fn read_stream(
         PointFormat::Json => json::read_json(input, &name, options),
         PointFormat::Fits => fits::read_fits(input, &name, options, bytes),
         PointFormat::Npz => {
-            // An archive is read from its end. Of a plain file nothing need be held.
+            // An archive is read from its end. A plain file need not be stored.
             let is_plain = !is_dash(file) && plain_archive(file);
             match File::open(file) {
                 Ok(file) if is_plain => npz::read_npz(BufReader::new(file), &name, options),
@@ -136,7 +137,7 @@ fn read_stream(
     }
 }
 
-/// Returns whether a file starts as a zip archive, and not as a compressed one.
+/// Returns whether a file starts like a zip archive that is not itself compressed.
 fn plain_archive(file: &Path) -> bool {
     let mut start = [0; 2];
     fs::metadata(file).is_ok_and(|m| m.is_file())

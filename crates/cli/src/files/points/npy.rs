@@ -10,11 +10,11 @@ use crate::files::file_error::{FileError, Place};
 use crate::files::memory_guard::check_announced;
 use crate::files::npy::{Field, ItemType, NpyReader};
 
-/// Returns the sets of an NPY file: one for `(N, 3)`, M for `(M, N, 3)`; with `--columns` the last
-/// dimension is what that says. One set, or M, also for records of shape `(N,)` or `(M, N)`, whose
-/// fields are columns.
+/// Returns the sets of an NPY file: one for `(N, 3)`, M for `(M, N, 3)`; with `--columns`, that
+/// option determines the last dimension. Records of shape `(N,)` or `(M, N)`, whose fields are
+/// columns, likewise give one set or M.
 ///
-/// Takes floats of 4 and 8 bytes and integers, of either byte order, in C or Fortran order.
+/// Supports floats of 4 and 8 bytes and integers, of either byte order, in C or Fortran order.
 pub(super) fn read_npy(
     mut input: impl BufRead,
     path: &str,
@@ -67,21 +67,20 @@ pub(super) struct ArrayTable {
     pub(super) columns: Vec<Column>,
     /// The offset and the type of every column's items.
     places: Vec<Option<(usize, ItemType)>>,
-    /// Bytes of an item or a record.
+    /// The number of bytes of an item or a record.
     pub(super) item: usize,
-    /// Bytes of a row.
+    /// The number of bytes of a row.
     pub(super) row: usize,
-    /// Points of a set.
+    /// The number of points of a set.
     pub(super) points: usize,
-    /// Whether there is a dimension for the sets.
+    /// Whether the array has a dimension for the sets.
     pub(super) several: bool,
 }
 
 impl ArrayTable {
     /// Returns an array as a table.
     ///
-    /// # Errors
-    /// When its shape or its type is not that of points.
+    /// # Errors If its shape or its type is not that of points.
     pub(super) fn of<R: std::io::Read>(
         array: &NpyReader<'_, R>,
         path: &str,
@@ -111,7 +110,7 @@ impl ArrayTable {
             });
         };
         let size = item.size();
-        // As many columns as a header may promise are not made.
+        // A header may announce any number of columns, so they are not allocated.
         let columns = width.min(1 << 20);
         Ok(Self {
             columns: vec![Column::single(""); columns],
@@ -148,9 +147,9 @@ impl ArrayTable {
         })
     }
 
-    /// Returns where in a row an item of a column stands, and its type.
+    /// Returns the offset of an item of a column in a row, and its type.
     pub(super) fn place(&self, column: usize, item: usize) -> (usize, ItemType) {
-        // A layout has slots only where there are numbers.
+        // The slots of a layout are numeric.
         let (offset, kind) = self.places[column].expect("a column of numbers");
         (offset + item * kind.size(), kind)
     }

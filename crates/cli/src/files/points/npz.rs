@@ -16,7 +16,7 @@ use crate::files::memory_guard::MemoryGuard;
 use crate::files::npy::{ItemType, NpyReader};
 use crate::files::text_rows::shortened;
 
-/// Archives of more arrays are not those of points.
+/// An archive of more arrays is not one of points.
 const MAX_ARRAYS: usize = 4096;
 
 /// Returns the sets of an NPZ file.
@@ -54,21 +54,21 @@ pub(super) fn read_npz(
     }
 }
 
-/// An archive that is read.
+/// An archive with its reader.
 struct Npz<'a, R> {
     archive: ZipArchive<R>,
     path: &'a str,
     options: &'a ReadOptions,
 }
 
-/// What the header of an array says.
+/// The relevant content of an array's header.
 #[derive(Debug)]
 struct Shape {
-    /// Its number in the archive.
+    /// Its index in the archive.
     index: usize,
     name: String,
     shape: Vec<usize>,
-    /// The type of its items, where they are numbers.
+    /// The type of its items, if they are numbers.
     item: Option<ItemType>,
     /// Whether its items are records.
     has_fields: bool,
@@ -89,7 +89,7 @@ impl<'a, R: Read + Seek> Npz<'a, R> {
             let entry = self.archive.by_index(index).map_err(|error| zip_error(path, &error))?;
             let name = entry.name().map_err(|error| zip_error(path, &error))?;
             let Some(name) = name.strip_suffix(".npy").map(str::to_owned) else { continue };
-            // An array of objects or of anything else is no reason to reject the others.
+            // An array of objects or another type does not invalidate the other arrays.
             match NpyReader::new(entry, &format!("{path}: {}", shortened(&name))) {
                 Ok(array) => {
                     let (shape, item) = (array.shape().to_vec(), array.item_type());
@@ -164,7 +164,7 @@ impl<'a, R: Read + Seek> Npz<'a, R> {
                 Some((offset, item)) => {
                     Cell::Number(item.number(&row[offset..offset + item.size()]))
                 }
-                // One weight a point, or one a point of each set.
+                // One weight per point, or one per point of each set.
                 None => loaded
                     .as_ref()
                     .map_or(Cell::Missing, |weights| Cell::Number(weights[index % weights.len()])),

@@ -1,8 +1,8 @@
 //! Reads point sets from PLY files.
 //!
-//! The grammar (three encodings, lists, any mix of types) is left to `ply-rs-bw`, the kept
-//! successor of `ply-rs` 0.1, which has seen no release for years. Only the writing is our own:
-//! it is one fixed header and a run of doubles.
+//! The grammar (three encodings, lists, any mix of types) is parsed by `ply-rs-bw`, the maintained
+//! successor of `ply-rs` 0.1, which has had no release for years. Only the writer is part of this
+//! crate: it writes one fixed header and doubles.
 
 use std::io::{self, BufRead, Cursor, Read};
 
@@ -19,9 +19,9 @@ use super::{PointFile, ReadOptions};
 use crate::files::file_error::{FileError, Place};
 use crate::files::text_rows::shortened;
 
-/// A header of more bytes is none.
+/// The maximum number of bytes of a header.
 const MAX_HEADER: u64 = 1 << 20;
-/// Rows that are read at a time.
+/// The number of rows that are read at a time.
 const CHUNK: usize = 1 << 12;
 
 /// Returns the sets of a PLY file: the element vertex, whose properties are columns. Other elements
@@ -86,7 +86,7 @@ pub(super) fn read_ply(
     points.finish()
 }
 
-/// Returns the bytes up to the line `end_header`, or as many as may be a header.
+/// Returns the bytes up to the line `end_header`, or up to the maximum length of a header.
 fn header_bytes(input: &mut impl BufRead) -> io::Result<Vec<u8>> {
     let mut input = input.take(MAX_HEADER);
     let mut head = Vec::new();
@@ -98,8 +98,8 @@ fn header_bytes(input: &mut impl BufRead) -> io::Result<Vec<u8>> {
     }
 }
 
-/// Rejects two elements of one name, or two properties of one element: the parser would keep one of
-/// them without a word.
+/// Rejects two elements of one name, or two properties of one element: the parser would silently
+/// keep only one of them.
 fn check_names(head: &[u8], path: &str) -> Result<(), FileError> {
     let text = String::from_utf8_lossy(head);
     let mut elements: Vec<&str> = Vec::new();
@@ -127,8 +127,8 @@ fn check_names(head: &[u8], path: &str) -> Result<(), FileError> {
     Ok(())
 }
 
-/// Returns the meaning of the properties of the vertices, and checks that every element takes up space:
-/// a count without properties would cost time in proportion to a number that the file makes up.
+/// Returns the meaning of the properties of the vertices, and checks that every element occupies
+/// space: a count without properties would take time in proportion to an arbitrary number.
 fn layout(header: &Header, path: &str, options: &ReadOptions) -> Result<Layout, FileError> {
     let error = |expected: &str, got: String| FileError::Layout {
         path: path.to_owned(),
@@ -158,7 +158,7 @@ fn layout(header: &Header, path: &str, options: &ReadOptions) -> Result<Layout, 
     Table { path, place: Place::Whole, columns: &columns, has_names: true, choice }.layout()
 }
 
-/// Returns the vertices with the properties that are used renamed to the numbers of their slots.
+/// Returns the vertices with the used properties renamed to the numbers of their slots.
 fn with_slots(vertex: &ElementDef, slots: &[usize]) -> ElementDef {
     let mut renamed = vertex.clone();
     renamed.properties.clear();
@@ -174,8 +174,8 @@ fn with_slots(vertex: &ElementDef, slots: &[usize]) -> ElementDef {
     renamed
 }
 
-/// Returns the number of bytes from the end of the header to the end of the vertices, where the
-/// header tells it: not for text, and not with a list on the way.
+/// Returns the number of bytes from the end of the header to the end of the vertices, if the header
+/// determines it: not for text, and not with a list before the end.
 fn bytes_through_vertices(header: &Header) -> Option<u64> {
     if header.encoding == Encoding::Ascii {
         return None;
@@ -204,8 +204,8 @@ fn bytes_of(element: &ElementDef) -> Option<u64> {
     Some(row.saturating_mul(element.count as u64))
 }
 
-/// Returns the error of the parser in our own words: its text has a line for what is wrong, lines for
-/// the value or the row that is, and debug text.
+/// Returns a concise form of the parser's error, whose text has a line for the defect, lines for
+/// the value or row, and debug text.
 fn malformed(path: &str, expected: &str, error: &ParseError) -> FileError {
     let text = error.to_string();
     let text = match error.line() {
@@ -257,7 +257,7 @@ impl PropertyAccess for Vertex {
     }
 }
 
-/// An element that is read past.
+/// An element that is skipped.
 #[derive(Debug)]
 struct Skipped;
 
@@ -271,7 +271,7 @@ impl PropertyAccess for Skipped {
     }
 }
 
-/// Counts the bytes that pass.
+/// A reader that counts its bytes.
 struct Counted<R> {
     input: R,
     bytes: u64,

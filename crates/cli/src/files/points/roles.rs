@@ -1,10 +1,10 @@
-//! The meanings that columns can have, and the option `--columns` that assigns them.
+//! The possible meanings of columns, and the option `--columns` that assigns them.
 
 use std::str::FromStr;
 
 use crate::files::text_rows::shortened;
 
-/// The roles of columns with the names, in any case, that a header may give them.
+/// The roles of columns with their names in headers, in any case.
 const ROLES: [(&str, &[&str]); 16] = [
     ("x", &["x"]),
     ("y", &["y"]),
@@ -53,7 +53,7 @@ const ROLES: [(&str, &[&str]); 16] = [
     ("set", &["set"]),
 ];
 
-/// The combinations of roles that give a direction.
+/// The combinations of roles that form a direction.
 pub(super) const SYSTEMS: [&[&str]; 6] = [
     &["x", "y", "z"],
     &["theta", "phi"],
@@ -62,13 +62,13 @@ pub(super) const SYSTEMS: [&[&str]; 6] = [
     &["glon", "glat"],
     &["l", "b"],
 ];
-/// Those that catalogues have side by side for the same places.
+/// The combinations that catalogues provide side by side for the same places.
 pub(super) const CELESTIAL: [&[&str]; 3] = [&["ra", "dec"], &["glon", "glat"], &["l", "b"]];
 /// The same for messages.
 pub(super) const SYSTEMS_TEXT: &str =
     "x,y,z or theta,phi (radians) or lon,lat or ra,dec or glon,glat or l,b (degrees)";
 
-/// The combination of roles that gives a direction.
+/// The kind of coordinates of a direction.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Coordinates {
     /// Cartesian components.
@@ -90,7 +90,7 @@ impl Coordinates {
     }
 }
 
-/// Returns the role that the name of a column stands for.
+/// Returns the role of a column name.
 pub(super) fn role_of(name: &str) -> Option<&'static str> {
     let name = name.trim();
     let (role, _) =
@@ -98,7 +98,7 @@ pub(super) fn role_of(name: &str) -> Option<&'static str> {
     Some(role)
 }
 
-/// What the option `--columns` says.
+/// The value of the option `--columns`.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) enum ColumnChoice {
     /// The roles of the columns from left to right; `None`, written `_`, skips one.
@@ -108,7 +108,7 @@ pub(crate) enum ColumnChoice {
 }
 
 impl ColumnChoice {
-    /// Returns the roles that are assigned.
+    /// Returns the assigned roles.
     pub(super) fn roles(&self) -> Vec<&'static str> {
         match self {
             Self::Positions(roles) => roles.iter().flatten().copied().collect(),
@@ -116,7 +116,7 @@ impl ColumnChoice {
         }
     }
 
-    /// Returns whether exactly one direction can be made of these roles.
+    /// Checks that the roles form exactly one direction.
     fn check(&self) -> Result<(), String> {
         let roles = self.roles();
         if let Some(twice) = (1..roles.len()).find(|&i| roles[..i].contains(&roles[i])) {
@@ -180,7 +180,7 @@ impl FromStr for ColumnChoice {
     }
 }
 
-/// Returns the parts between commas that stand outside of quotes.
+/// Returns the parts between commas outside of quotes.
 fn parts(text: &str) -> Vec<&str> {
     let mut quoted = false;
     text.split(|c| {

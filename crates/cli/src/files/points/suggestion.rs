@@ -1,13 +1,13 @@
-//! Values of `--columns` that would fit a file whose columns leave open what the direction is.
+//! Suggests values of `--columns` for a file whose columns do not determine the direction.
 
 use std::collections::HashMap;
 
 use super::column::Column;
 use super::roles::{SYSTEMS, role_of};
 
-/// How many ways a message lists.
+/// The maximum number of suggestions that a message lists.
 const LISTED: usize = 3;
-/// How names may begin that stand for a role, beside the role itself.
+/// Prefixes of names that denote a role, besides the role itself.
 const STEMS: [(&str, &str); 9] = [
     ("ra", "alphawin"),
     ("ra", "alphapeak"),
@@ -19,11 +19,11 @@ const STEMS: [(&str, &str); 9] = [
     ("lon", "longitude"),
     ("lat", "latitude"),
 ];
-/// What follows a stem in names of catalogues: the equinox or the unit.
+/// Suffixes of names in catalogues: the equinox or the unit.
 const ENDINGS: [&str; 7] = ["", "j2000", "b1950", "icrs", "deg", "deg2000", "sky"];
 
-/// Returns the values of `--columns` with which a direction can be made of columns, the most likely first, as they
-/// are to be typed into a shell.
+/// Returns the values of `--columns` that form a direction from the columns, the most likely first,
+/// quoted for a shell.
 pub(super) fn suggestions(columns: &[Column]) -> Vec<String> {
     let mut found: Vec<String> = Vec::new();
     for system in SYSTEMS {
@@ -55,7 +55,7 @@ pub(super) fn suggestions(columns: &[Column]) -> Vec<String> {
         let pairs = pairs.map(|(i, role)| pair(role, &format!("{name}[{i}]")));
         found.push(pairs.collect::<Vec<_>>().join(","));
     }
-    // Right ascension and declination are what most catalogues mean; x and y may be places on a detector.
+    // Most catalogues mean right ascension and declination; x and y may be positions on a detector.
     found.sort_by_key(|flag| !flag.starts_with("ra="));
     let others: String = ["w", "set"]
         .into_iter()
@@ -70,14 +70,14 @@ pub(super) fn suggestions(columns: &[Column]) -> Vec<String> {
     found.iter().filter_map(|flag| shell_word(&format!("{flag}{others}"))).collect()
 }
 
-/// Returns the same as words of a message; empty if there are none.
+/// Returns the suggestions as words of a message, or an empty text if there are none.
 pub(super) fn suggested(columns: &[Column]) -> String {
     let flags: Vec<String> =
         suggestions(columns).iter().map(|flag| format!("--columns {flag}")).collect();
     flags.join(" or ")
 }
 
-/// Returns what is left of a name without the part that stands for a role; `None` if there is no such part.
+/// Returns a name without the part that denotes a role, or `None` if it has no such part.
 fn family(name: &str, role: &str) -> Option<String> {
     let name = name.trim().to_lowercase();
     let stems = STEMS.iter().filter(|(other, _)| *other == role).map(|(_, stem)| *stem);
@@ -97,7 +97,7 @@ fn family(name: &str, role: &str) -> Option<String> {
     None
 }
 
-/// Returns `ROLE=NAME`, with quotes where the name needs them.
+/// Returns `ROLE=NAME`, with quotes if the name needs them.
 fn pair(role: &str, name: &str) -> String {
     if name.contains([',', '"']) {
         format!("{role}=\"{}\"", name.replace('"', "\"\""))
@@ -106,7 +106,7 @@ fn pair(role: &str, name: &str) -> String {
     }
 }
 
-/// Returns a text as a word of a shell; `None` if that takes more than quotes.
+/// Returns a text as a word of a shell, or `None` if that takes more than quotes.
 fn shell_word(text: &str) -> Option<String> {
     let is_plain = |c: char| c.is_alphanumeric() || "_=,.-+:/".contains(c);
     match () {

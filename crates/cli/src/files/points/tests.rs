@@ -1,4 +1,4 @@
-//! Round trips of every format and every dialect of it; the errors are in `messages`.
+//! Round trips of every format and its variants; errors are tested in `messages`.
 
 mod choices;
 mod dialects;
@@ -13,7 +13,7 @@ use tempfile::TempDir;
 
 use super::{PointFile, ReadOptions, read_points, write_points};
 
-/// A folder with one file of the given content.
+/// Returns a folder with one file of the given content.
 fn file(name: &str, content: impl AsRef<[u8]>) -> (TempDir, PathBuf) {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join(name);
@@ -30,7 +30,8 @@ fn read_as(name: &str, content: impl AsRef<[u8]>, columns: &str) -> Result<Point
     read_with(name, content, &ReadOptions { columns, ..ReadOptions::default() })
 }
 
-/// The file as it is read so, or the message of the error, without the name of the folder.
+/// Returns the file read with these options, or the message of the error without the name of the
+/// folder.
 fn read_with(
     name: &str,
     content: impl AsRef<[u8]>,
@@ -44,14 +45,14 @@ fn read_with(
     Ok(read)
 }
 
-/// The message of the error, without the name of the folder.
+/// Returns the message of the error, without the name of the folder.
 fn error(name: &str, content: impl AsRef<[u8]>) -> String {
     let (folder, path) = file(name, content);
     let message = read_points(&path, &ReadOptions::default()).unwrap_err().to_string();
     message.replace(&format!("{}/", folder.path().display()), "")
 }
 
-/// Unit vectors that lose bits in careless hands.
+/// Unit vectors that lose bits if they are handled carelessly.
 fn hostile() -> Vec<DVec3> {
     let tiny = f64::from_bits(1);
     vec![
@@ -72,7 +73,7 @@ fn bits(points: &[DVec3]) -> Vec<[u64; 3]> {
     points.iter().map(|p| p.to_array().map(f64::to_bits)).collect()
 }
 
-/// NPY of version 1 with this header dictionary and these data.
+/// Returns an NPY file of version 1 with this header dictionary and these data.
 fn npy(dictionary: &str, data: &[u8]) -> Vec<u8> {
     let mut bytes = b"\x93NUMPY\x01\x00".to_vec();
     let text = format!("{dictionary}\n");
@@ -110,7 +111,7 @@ fn every_format_keeps_every_bit() {
 
 #[test]
 fn random_unit_vectors_keep_their_bits_as_text() {
-    // A Weyl sequence will do: the bits of the mantissa are what matters.
+    // A Weyl sequence suffices: it varies the bits of the mantissa.
     let points: Vec<DVec3> = (1..4000)
         .map(|k| {
             let t = f64::from(k);
@@ -136,7 +137,7 @@ fn written_forms_are_those_that_scripts_rely_on() {
     write_points(&path, None, &sets, Some("seed 0")).unwrap();
     assert!(fs::read_to_string(&path).unwrap().starts_with("x,y,z,set\n1.0,0.0,0.0,0\n"));
 
-    // A plain CSV reader that knows comments finds the same numbers.
+    // A plain CSV reader that supports comments reads the same numbers.
     let mut plain = csv::ReaderBuilder::new().comment(Some(b'#')).from_path(&path).unwrap();
     assert_eq!(plain.headers().unwrap(), vec!["x", "y", "z", "set"]);
     let last = plain.records().last().unwrap().unwrap();
@@ -181,7 +182,7 @@ fn radians_are_colatitudes() {
         read("p.csv", "phi,theta\n0,0\n1.5707963267948966,1.5707963267948966\n0,3.1415927\n");
     let expected = [DVec3::Z, DVec3::Y, DVec3::NEG_Z];
     for (got, expected) in back.sets[0].points.iter().zip(expected) {
-        // The double nearest to pi is off by half its last digit, 2^-52.
+        // The double nearest to pi differs from it by up to half its last digit, 2^-52.
         assert!(got.distance(expected) <= 2.0 * f64::EPSILON, "{got} against {expected}");
     }
 }
@@ -196,7 +197,7 @@ fn columns_name_the_fields_of_bare_files() {
     assert_eq!(back.sets[0].points, [DVec3::Z, DVec3::X]);
     assert_eq!(back.sets[0].weights, [0.5, 0.25]);
 
-    // With a header the option chooses, and with foreign words it names.
+    // With a header the option selects columns, and for unknown names it assigns roles.
     let both = "x,y,z,ra,dec\n1,0,0,90,0\n";
     assert_eq!(read_as("p.csv", both, "ra,dec").unwrap().sets[0].points, [DVec3::Y]);
     let foreign = "azimuth,elevation\n90,0\n";

@@ -45,11 +45,11 @@ struct TextReader<'a> {
     path: &'a str,
     options: &'a ReadOptions,
     table: Option<TextTable<'a>>,
-    /// The header, before it is known what is below it.
+    /// The header, before the line below it is known.
     header: Option<HeldLine>,
-    /// The line below the header if it has no numbers: units, where a rule follows.
+    /// The line below the header if it has no numbers; it contains units if a rule follows.
     units: Option<HeldLine>,
-    /// The last comment before the rows: it may be a header.
+    /// The last comment before the rows, which may be a header.
     header_comment: Option<String>,
     /// The first comment with words between the rows of a file without a header.
     comment_inside: Option<usize>,
@@ -57,7 +57,7 @@ struct TextReader<'a> {
     pending_comment: Option<usize>,
 }
 
-/// What the first line tells of the others.
+/// The structure of the table, determined by its first line.
 struct TextTable<'a> {
     points: PointCollector<'a>,
     names: Vec<String>,
@@ -97,7 +97,7 @@ impl<'a> TextReader<'a> {
         }
     }
 
-    /// Starts the table of the header that is held; the line below it was a row.
+    /// Starts the table of the pending header; the line below it is a row.
     fn start_without_rule(&mut self) -> Result<(), FileError> {
         let Some(header) = self.header.take() else { return Ok(()) };
         let (path, row) = (self.path, self.units.take());
@@ -105,7 +105,8 @@ impl<'a> TextReader<'a> {
         row.map_or(Ok(()), |row| table.row(row.line(), path))
     }
 
-    /// Starts the table whose first line, a header or a row, is this one, with the units below a header.
+    /// Starts the table whose first line, a header or a row, is this one, with the units below a
+    /// header.
     fn start(
         &mut self,
         first: TextLine<'_>,
@@ -115,8 +116,9 @@ impl<'a> TextReader<'a> {
         Ok(self.table.insert(table))
     }
 
-    /// A bare `#` between the rows of a file without a header starts the next set: so do the
-    /// programs UTK and pbrt's pspec. A comment with words does not; whoever meant it so is warned.
+    /// Handles a comment. A bare `#` between the rows of a file without a header starts the next
+    /// set, as in the programs UTK and pbrt's pspec. A comment with words does not, and causes a
+    /// warning.
     fn comment(&mut self, line: TextLine<'_>) {
         let Some(table) = &mut self.table else {
             self.header_comment = Some(line.text.trim_start_matches('#').to_owned());
@@ -149,7 +151,7 @@ impl<'a> TextReader<'a> {
     }
 }
 
-/// Returns the columns that the first line, a header or a row, tells, with the units that stand below it.
+/// Returns the columns that the first line, a header or a row, determines, with the units below it.
 fn table_of<'a>(
     line: TextLine<'_>,
     units: Option<TextLine<'_>>,
@@ -180,7 +182,7 @@ fn table_of<'a>(
         let layout = Table { columns: &columns, ..table }.layout()?;
         (columns, layout)
     } else {
-        // Some programs put the names into a comment above the rows.
+        // Some programs write the names in a comment above the rows.
         let comment = reader.header_comment.as_deref().map(|text| line.with_text(text));
         let from_comment = comment.filter(TextLine::is_header).and_then(|comment| {
             let names: Vec<Cow<'_, str>> = comment.fields().collect();

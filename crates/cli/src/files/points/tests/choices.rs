@@ -1,8 +1,8 @@
-//! Files that leave open which columns, or which numbers, are meant: what is taken, and what the message advises.
+//! Files with ambiguous columns or numbers: the interpretation, and the advice of the message.
 
 use super::{ReadOptions, doubles, error, npy, read, read_as, read_with};
 
-/// As in the catalogue of Gaia: the same places in two systems, which differ by a rotation.
+/// As in the Gaia catalogue: the same places in two systems, which differ by a rotation.
 #[test]
 fn celestial_systems_beside_each_other() {
     let both = "source_id,ra,dec,l,b,weight\n1,12.5,-7,280,60,0.5\n2,350,80,111,19,0.25\n";
@@ -22,7 +22,7 @@ fn celestial_systems_beside_each_other() {
     let three = read("g.csv", "GLON,GLAT,l,b\n1,2,3,4\n");
     assert_eq!(three.sets, read("g.csv", "lon,lat\n1,2\n").sets);
     assert!(three.remarks[1].contains("directions are glon,glat; --columns l=l,b=b"));
-    // One system alone, and one of which a half is missing.
+    // One complete system, and one with a component missing.
     assert_eq!(read("g.csv", "ra,dec,l\n1,2,3\n").remarks, ["g.csv: column not used: l"]);
 }
 
@@ -51,12 +51,12 @@ fn advice_can_be_typed() {
         let message = error("p.csv", content);
         let advice = format!("; use --columns {flags}");
         assert!(message.contains(expected) && message.ends_with(&advice), "{message}");
-        // The first flag is one that works, for the directions of these columns.
+        // The first flag is a valid one for the directions of these columns.
         let flag = flags.split(" or ").next().unwrap();
         let got = read_as("p.csv", content, flag).unwrap_or_else(|e| panic!("{flag}: {e}"));
         assert_eq!(got.sets[0].points.len(), 1, "{flag}");
     }
-    // However many columns there are.
+    // For any number of columns.
     let wide: Vec<String> = (0..50_000).map(|i| format!("ra_{i}")).collect();
     let message = error("p.csv", format!("{},dec_7\n", wide.join(",")));
     assert!(message.ends_with("use --columns ra=ra_7,dec=dec_7"), "{message}");
@@ -109,7 +109,7 @@ fn other_formats_come_with_a_way_out() {
     }
 }
 
-/// A table that is no catalogue is often the first one.
+/// The first table of a file is often not a catalogue.
 #[test]
 fn other_tables_of_a_fits_file_are_listed() {
     let message = error("m.fits", include_bytes!("../../../../tests/data/mixed.fits"));

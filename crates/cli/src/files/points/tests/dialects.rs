@@ -5,7 +5,7 @@ use glam::DVec3;
 use super::super::ReadOptions;
 use super::{doubles, npy, read, read_as, read_with};
 
-/// The message of the error with default options.
+/// Returns the message of the error with default options.
 fn error(content: &str) -> String {
     read_with("p.csv", content, &ReadOptions::default()).unwrap_err()
 }
@@ -35,11 +35,11 @@ fn headers_of_catalogues() {
         assert_eq!(back.sets[0].points, expected, "{content}");
         assert!(back.warnings.is_empty(), "{content}: {:?}", back.warnings);
     }
-    // Comments in Latin-1 are read over.
+    // Comments in Latin-1 are skipped.
     let latin = b"# \xb0 and \xe9\nra,dec\n90,0\n#\xff\n";
     let back = read_with("p.csv", latin, &ReadOptions::default()).unwrap();
     assert_eq!(back.sets[0].points, [DVec3::Y]);
-    // Three fields under a comment that names something else stay x y z.
+    // Three fields below a comment that names other quantities are still x y z.
     assert_eq!(read("p.txt", "# made by a program\n0 0 1\n").sets[0].points, [DVec3::Z]);
 }
 
@@ -59,7 +59,7 @@ fn units_and_dashes_below_a_header() {
         assert_eq!(back.sets[0].points, [DVec3::X, DVec3::NEG_Y], "{content}");
         assert!(back.warnings.is_empty(), "{content}: {:?}", back.warnings);
     }
-    // What is not followed by dashes is a row, and dashes elsewhere are one too.
+    // A line that is not followed by dashes is a row, and dashes elsewhere are a row too.
     for (content, part) in [
         ("ra,dec\ndeg,deg\n0,0\n", "p.csv:2: ra: expected a finite number, got \"deg\""),
         ("ra,dec\ndeg,deg\n", "p.csv:2: ra: expected a finite number, got \"deg\""),
@@ -115,11 +115,11 @@ fn headers_that_leave_a_choice_or_none() {
         let message = error(content);
         assert!(message.contains(part), "{message}\n{part}");
     }
-    // The choice by name takes either.
+    // The selection by name accepts either.
     let both = "ra,dec,RAJ2000,DEJ2000\n0,0,90,0\n";
     let back = read_as("p.csv", both, "ra=RAJ2000,dec=DEJ2000").unwrap();
     assert_eq!(back.sets[0].points, [DVec3::Y]);
-    // A redshift is no coordinate, and positions may pass over it.
+    // A redshift is not a coordinate, and positions may skip it.
     let catalogue = "RA,DEC,Z,WT\n90,0,0.5,2\n";
     let back = read_as("p.csv", catalogue, "ra,dec,_,w").unwrap();
     assert_eq!(back.sets[0].weights, [2.0]);
@@ -184,7 +184,7 @@ fn vectors_far_from_unit_length_in_bulk() {
         let lengths = back.sets[0].points.iter().map(|p| (p.length() - 1.0).abs());
         assert!(lengths.fold(0.0, f64::max) < 1e-15 && back.warnings.is_empty(), "{content}");
     }
-    // Three digits are no other length, and one stray vector is no bulk.
+    // Three digits are not another length, and a single stray vector is not most of them.
     for content in ["0.577 0.577 0.578\n0 0 1\n", "0 0 1\n0 1 0\n0 0 7\n"] {
         let back = read("p.txt", content);
         assert!(back.warnings[0].contains("vectors were not of unit length"), "{content}");

@@ -1,4 +1,4 @@
-//! One case for every message: what is wrong, where, and what would be right.
+//! One case for every message: the defect, its place, and the expected content.
 
 use std::fs;
 
@@ -7,7 +7,7 @@ use glam::DVec3;
 use super::super::{PointFormat, ReadOptions, read_points, write_points};
 use super::{doubles, error, hostile, npy, read_as};
 
-/// Fifteen good rows after the header, so that the next row is line 17.
+/// Returns fifteen valid rows after the header, so that the next row is line 17.
 fn seventeen(header: &str, good: &str, bad: &str) -> String {
     format!("{header}\n{}{bad}\n", format!("{good}\n").repeat(15))
 }
@@ -125,7 +125,8 @@ fn truncated_files_count_their_bytes() {
                 in_data += 1;
             }
         }
-        // Ten points of three doubles; of a cut element the reader may see the whole part only.
+        // Ten points of three doubles; the reader may see only complete elements of a truncated
+        // file.
         assert!(in_data >= 30, "{extension}: {in_data} messages with both counts");
     }
     let text = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n\
@@ -178,7 +179,7 @@ fn outputs_that_cannot_be() {
     }
     assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0, "something was left behind");
 
-    // The same sets fit a table, and a format may be forced.
+    // The same sets are valid as a table, and a format may be forced.
     let path = folder.path().join("p.list");
     write_points(&path, Some(PointFormat::Csv), &sets, None).unwrap();
     let back = read_points(&path, &ReadOptions::default()).unwrap();

@@ -22,7 +22,7 @@ fn gzip(content: &[u8]) -> Vec<u8> {
     encoder.finish().unwrap()
 }
 
-/// An archive of arrays, stored or deflated.
+/// Returns an archive of arrays, stored or deflated.
 fn npz(arrays: &[(&str, Vec<u8>)], method: zip::CompressionMethod) -> Vec<u8> {
     let mut writer = zip::ZipWriter::new(Cursor::new(Vec::new()));
     let options = zip::write::SimpleFileOptions::default().compression_method(method);
@@ -57,7 +57,7 @@ fn one_table_in_every_format() {
     };
     let mut floats = Vec::new();
     for [ra, dec, w] in ROWS {
-        // Big-endian, with an item that no one wants between the others.
+        // Big-endian, with an unused item between the others.
         floats.extend(b"pad.");
         floats.extend(ra.to_be_bytes());
         #[expect(clippy::cast_possible_truncation, reason = "small whole numbers and a half")]
@@ -91,7 +91,8 @@ fn one_table_in_every_format() {
     ];
     for (name, content, columns) in cases {
         assert_rows(&read_as(name, &content, columns).unwrap(), &format!("{name} {columns}"));
-        // Compressed the name does not matter, and without a telling one the content does.
+        // For a compressed file the name is irrelevant, and without a known extension the content
+        // decides.
         let compressed = read_as(&format!("{name}.gz"), gzip(&content), columns).unwrap();
         assert_rows(&compressed, name);
         if !["npy", "npz", "ply"].iter().any(|e| name.ends_with(e)) {
@@ -159,7 +160,7 @@ fn archives_of_records_and_of_columns_beside_other_arrays() {
     }
     let back = read_as("p.npz", &file, "ra=ra,dec=dec,w=q").unwrap();
     assert_eq!(back.sets[0].weights, [5.0, 7.0]);
-    // Columns with the names of a direction, and a picture that is none.
+    // Columns with the names of a direction, and an image that is not one.
     let arrays = [
         ("RAJ2000", array("'<f8'", "(2,)", &doubles(&[90.0, 0.0]))),
         ("DEJ2000", array("'<f8'", "(2,)", &doubles(&[0.0, 90.0]))),
@@ -168,7 +169,7 @@ fn archives_of_records_and_of_columns_beside_other_arrays() {
     let back = read("p.npz", npz(&arrays, stored));
     assert_eq!(back.sets[0].points, [DVec3::Y, DVec3::Z]);
     assert_eq!(back.remarks, ["p.npz: column not used: picture"]);
-    // If no array can be read, the reason is told.
+    // If no array can be read, the reason is reported.
     let message =
         read_with("p.npz", npz(&[("a", b"text".to_vec())], stored), &ReadOptions::default());
     let message = message.unwrap_err();
@@ -215,7 +216,7 @@ fn a_catalogue_is_the_same_in_every_format() {
     assert_eq!(text.remarks, ["c.csv: column not used: Z"]);
     for (name, content) in [("c.fits", CATALOGUE), ("c.fits.gz", CATALOGUE_GZ)] {
         assert_eq!(read_as(name, content, names).unwrap().sets, text.sets, "{name}");
-        // The names of catalogues are known, and a list of roles finds them.
+        // The names of catalogues are recognized, and a list of roles matches them.
         assert_eq!(read(name, content).sets, text.sets, "{name}");
         assert_eq!(read_as(name, content, "ra,dec,w").unwrap().sets, text.sets, "{name}");
         let unweighted = read_as(name, content, "ra,dec,_,_").unwrap();
@@ -299,7 +300,7 @@ fn the_hdu_may_stand_behind_the_name() {
     let path = folder.path().join("p.csv[2]");
     let message = super::super::read_points(&path, &ReadOptions::default()).unwrap_err();
     assert!(message.to_string().contains("a FITS file with HDU 2"), "{message}");
-    // A file of that very name is meant first.
+    // A file with exactly that name takes precedence.
     let path = folder.path().join("k.fits.gz[2]");
     std::fs::write(&path, "x,y,z\n0,0,1\n").unwrap();
     let back = super::super::read_points(&path, &ReadOptions::default()).unwrap();
@@ -308,7 +309,7 @@ fn the_hdu_may_stand_behind_the_name() {
 
 #[test]
 fn every_cut_of_a_table_is_an_error() {
-    // The last block of 2880 bytes is filled up.
+    // The last block is padded to 2880 bytes.
     let end = CATALOGUE.len() - (2880 - 120 * 32 % 2880);
     for length in (1..end).step_by(7).chain([end - 1]) {
         let message =
