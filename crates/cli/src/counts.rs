@@ -1,18 +1,19 @@
-//! Numbers as people write them: `1000`, `1e4`, `10k`, `16,64,256`, `16..1024`.
+//! The notation of numbers in arguments: `1000`, `1e4`, `10k`, `16,64,256`, `16..1024`.
 
 use std::str::FromStr;
 
-/// The numbers of `-n` where several make sense: a list of numbers and of ranges that double.
+/// The numbers of `-n` for subcommands that accept several: a list of numbers and of ranges that
+/// double.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Counts(Vec<usize>);
 
 impl Counts {
-    /// All of them, in the order given.
+    /// Returns all numbers, in the order given.
     pub(crate) fn all(&self) -> &[usize] {
         &self.0
     }
 
-    /// From `first`, doubling, to no more than `last`.
+    /// Returns the numbers from `first`, doubling, up to at most `last`.
     pub(crate) fn doubling(first: usize, last: usize) -> Self {
         Self(
             std::iter::successors(Some(first), |n| n.checked_mul(2))
@@ -51,7 +52,7 @@ impl FromStr for Counts {
     }
 }
 
-/// One number of points, where a list makes no sense.
+/// Parses a single number of points, for subcommands that do not accept a list.
 pub(crate) fn parse_one_count(text: &str) -> Result<usize, String> {
     if text.contains(',') || text.contains("..") {
         return Err(format!("expected one number, got \"{text}\""));
@@ -59,22 +60,22 @@ pub(crate) fn parse_one_count(text: &str) -> Result<usize, String> {
     parse_count(text)
 }
 
-/// A whole number that may be negative.
+/// Parses an integer, which may be negative.
 pub(crate) fn parse_integer(text: &str) -> Result<i64, String> {
     text.parse().map_err(|_| format!("expected a whole number such as 3 or -3, got \"{text}\""))
 }
 
-/// A number of realizations.
+/// Parses a number of realizations.
 pub(crate) fn parse_realizations(text: &str) -> Result<u64, String> {
     parse_count(text).map(|count| count as u64)
 }
 
-/// A number with a fraction.
+/// Parses a number with a fraction.
 pub(crate) fn parse_number(text: &str) -> Result<f64, String> {
     text.parse().map_err(|_| format!("expected a number such as 0.5 or 1e-3, got \"{text}\""))
 }
 
-/// A whole number: digits, `1e4`, or thousands and millions as `10k` and `2.5M`.
+/// Parses a whole number: digits, `1e4`, or thousands and millions as `10k` and `2.5M`.
 pub(crate) fn parse_count(text: &str) -> Result<usize, String> {
     let text = text.trim();
     if let Ok(n) = text.parse() {
@@ -86,12 +87,12 @@ pub(crate) fn parse_count(text: &str) -> Result<usize, String> {
         Some(b'M') => (&text[..text.len() - 1], 1e6),
         _ => (text, 1.0),
     };
-    // The names of infinity and NaN, and signs in front, are no counts.
+    // The names of infinity and NaN, and leading signs, are not valid in counts.
     if !number.starts_with(|c: char| c.is_ascii_digit()) {
         return Err(wrong());
     }
     let value = number.parse::<f64>().map_err(|_| wrong())? * unit;
-    // Beyond 2^53 not every whole number is an f64.
+    // Beyond 2^53, not every whole number is an f64.
     if value.fract() == 0.0 && value <= 2f64.powi(53) {
         #[expect(
             clippy::cast_possible_truncation,

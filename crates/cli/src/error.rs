@@ -5,22 +5,22 @@ use sphvar_grammar::ResolveError;
 use crate::files::FileError;
 use crate::plots::PlotError;
 
-/// Why the command ends without having done its work.
+/// The reason why the command ends without a result.
 #[derive(Clone, Debug, thiserror::Error)]
 pub(crate) enum CliError {
-    /// What was asked for cannot be meant: exit status 2.
+    /// The command line is invalid: exit status 2.
     #[error("{0}")]
     Usage(String),
-    /// It was meant but did not work out: exit status 1.
+    /// The command line is valid but its execution failed: exit status 1.
     #[error("{0}")]
     Failed(String),
-    /// The reader of standard output has gone.
+    /// The reader of standard output has closed it.
     #[error("standard output was closed")]
     ClosedPipe,
 }
 
 impl CliError {
-    /// The exit status.
+    /// Returns the exit status.
     pub(crate) fn status(&self) -> u8 {
         match self {
             Self::Usage(_) => 2,
@@ -29,22 +29,22 @@ impl CliError {
         }
     }
 
-    /// Wrong usage with the message of `error`.
+    /// Returns a usage error with the message of `error`.
     pub(crate) fn usage(error: impl std::fmt::Display) -> Self {
         Self::Usage(error.to_string())
     }
 
-    /// A failure with the message of `error`.
+    /// Returns a failure with the message of `error`.
     pub(crate) fn failed(error: impl std::fmt::Display) -> Self {
         Self::Failed(error.to_string())
     }
 
-    /// The error of a file that a text names, as the command's own reader returned it.
+    /// Returns the error of a file that a text names, as the command's reader reported it.
     pub(crate) fn of_resolver(error: &ResolveError) -> Self {
         error.downcast_ref::<Self>().cloned().unwrap_or_else(|| Self::usage(error))
     }
 
-    /// A failure of writing to standard output.
+    /// Returns the error of writing to standard output.
     pub(crate) fn stdout(error: &io::Error) -> Self {
         match error.kind() {
             io::ErrorKind::BrokenPipe => Self::ClosedPipe,

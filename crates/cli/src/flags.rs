@@ -1,4 +1,4 @@
-//! Flags that several subcommands share: one name, one meaning, one sentence of help.
+//! Flags that several subcommands share: each has the same name, meaning and help everywhere.
 
 pub(crate) mod retired;
 #[cfg(test)]
@@ -101,7 +101,8 @@ pub(crate) fn one_sampler(text: &str) -> Result<String, String> {
     } else {
         match Spec::parse_list(text) {
             Ok(list) if list.len() > 1 => list.len().to_string(),
-            // What is no list is an error of the sampler, and stated where it is built.
+            // A text that is not a list is an error of the sampler, which is reported where it is
+            // built.
             _ => return Ok(text.to_owned()),
         }
     };
@@ -159,8 +160,8 @@ pub(crate) fn lmax_help(default: &str) -> String {
     format!("Maximum degree, inclusive [default: {default}]")
 }
 
-/// The spectra of lattices go to this many times the degree by which those of random patterns have settled: they
-/// have peaks at all degrees.
+/// The spectra of lattices extend to this multiple of the degree at which those of random patterns
+/// have converged, because they have peaks at all degrees.
 pub(crate) const LATTICE_FACTOR: usize = 10;
 
 /// The default of --lmax in words, for spectra that predict or bound variances.
@@ -171,7 +172,7 @@ pub(crate) fn spectra_lmax_help() -> String {
 /// The default of --lmax in words: the degree by which spectra of random patterns have settled.
 pub(crate) fn natural_degree_in_words() -> String {
     let at_least = Resolution::natural_degree(1);
-    // The factor is that of a number of points with a whole root.
+    // The factor is computed for a number of points with an integer square root.
     let factor = Resolution::natural_degree(1_000_000) / 1000;
     format!("{factor} sqrt(N), at least {at_least}")
 }

@@ -1,4 +1,5 @@
-//! Readers and grammars as functions of bytes, for `examples/fuzz`. No part of what this crate promises.
+//! Readers and grammars as functions of bytes, for `examples/fuzz`. This module is not part of the
+//! stable interface of the crate.
 
 mod seeds;
 
@@ -39,10 +40,10 @@ impl Target {
         (self.seeds)(scratch)
     }
 
-    /// Reads an input and returns whether it was accepted; `scratch` is a file that may be written.
+    /// Returns whether an input is accepted; `scratch` is a file that may be overwritten.
     ///
-    /// # Panics
-    /// If an error has a message that is long or has control characters, which is a finding like any panic.
+    /// # Panics If an error message is long or contains control characters, which counts as a
+    /// finding like any other panic.
     #[must_use]
     pub fn read(&self, input: &[u8], scratch: &Path) -> bool {
         let Err(error) = (self.read)(input, scratch) else { return true };
@@ -52,7 +53,7 @@ impl Target {
     }
 }
 
-/// The name of the target that has faults.
+/// The name of the target with planted faults.
 pub const PLANTED: &str = "planted";
 
 /// All readers and grammars.
@@ -151,7 +152,7 @@ pub const TARGETS: [Target; 17] = [
         seeds: argument_lists,
         read: arguments,
     },
-    // Not a reader: it has one fault of each kind, to see that they are found.
+    // Not a reader: it has one fault of each kind, to verify that they are detected.
     Target { name: PLANTED, extension: "txt", is_text: true, seeds: planted_seeds, read: planted },
 ];
 
@@ -159,7 +160,7 @@ fn texts(texts: &[&str]) -> Vec<Vec<u8>> {
     texts.iter().map(|text| text.as_bytes().to_vec()).collect()
 }
 
-/// What an input is as a grammar sees it.
+/// Returns an input as the grammars receive it.
 fn text(input: &[u8]) -> String {
     String::from_utf8_lossy(input).into_owned()
 }
@@ -196,7 +197,7 @@ fn columns_seeds(_: &Path) -> Vec<Vec<u8>> {
     ])
 }
 
-/// The first line is the value of `--columns`.
+/// Uses the first line as the value of `--columns`.
 fn columns(input: &[u8], scratch: &Path) -> Result<(), CliError> {
     let end = input.iter().position(|&b| b == b'\n').unwrap_or(input.len());
     write(input.get(end + 1..).unwrap_or_default(), scratch)?;
@@ -285,14 +286,14 @@ fn shards(scratch: &Path) -> Vec<Vec<u8>> {
     let words = words.split(' ').map(OsStr::new);
     let words = words.chain([scratch.as_os_str(), OsStr::new("-o"), out.as_os_str()]);
     if let Ok(Cli { command: Command::Spectrum(arguments), global }) = Cli::try_parse_from(words) {
-        // Without a seed nothing is accepted, which shows.
+        // Without a seed nothing is accepted, which the statistics show.
         let _ = crate::commands::spectrum::run(&arguments, &global);
         let _ = fs::remove_file(out);
     }
     fs::read(scratch).into_iter().collect()
 }
 
-/// The checksum is made right, or nothing behind it would be reached.
+/// Corrects the checksum, because otherwise no code after its check would be reached.
 fn shard(input: &[u8], scratch: &Path) -> Result<(), CliError> {
     const HEAD: usize = 15;
     let mut input = input.to_vec();
@@ -362,7 +363,7 @@ fn argument_lists(_: &Path) -> Vec<Vec<u8>> {
 fn arguments(input: &[u8], _: &Path) -> Result<(), CliError> {
     let input = text(input);
     let words = std::iter::once("sphvar").chain(input.split_whitespace());
-    // What clap prints has lines; the message of the test is about errors of one.
+    // Messages of clap contain line breaks; the test is about errors of one line.
     Cli::try_parse_from(words).map(drop).map_err(|_| CliError::Usage(String::new()))
 }
 
@@ -370,7 +371,7 @@ fn planted_seeds(_: &Path) -> Vec<Vec<u8>> {
     texts(&["x"])
 }
 
-/// One bit away from the seed, an input panics, aborts, or takes more memory than there is.
+/// Panics, aborts, or exhausts the memory on inputs that differ by one bit from the seed.
 fn planted(input: &[u8], _: &Path) -> Result<(), CliError> {
     match input.first() {
         Some(b'p') => panic!("planted"),

@@ -2,7 +2,7 @@
 
 use clap::Args;
 
-/// Their heading in help texts, which keeps them together below the flags of the subcommand.
+/// The heading in help texts, which keeps them together below the flags of the subcommand.
 const HEADING: &str = "Common options";
 
 /// Flags of every subcommand.

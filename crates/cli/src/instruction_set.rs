@@ -1,10 +1,11 @@
-//! The class of machines within which results are bit-identical.
+//! The class of machines with bit-identical results.
 
 /// Returns the class of this machine.
 ///
-/// Sums are taken in registers of different widths, and products rounded once or twice, by what the processor
-/// offers: the libraries choose when the program runs. `x86-64-v3` and `x86-64-v4` are the levels of the x86-64
-/// psABI and settle every choice; below them the Fourier transforms may still use what is listed.
+/// The width of the registers in which sums are computed, and the use of fused multiply-add, depend
+/// on the processor: the libraries select at run time. `x86-64-v3` and `x86-64-v4` are the levels
+/// of the x86-64 psABI and determine the selection completely; below them the Fourier transforms
+/// may still use the instruction sets listed.
 pub(crate) fn instruction_set() -> String {
     let architecture = std::env::consts::ARCH.replace('_', "-");
     match pulp::Arch::new() {
@@ -18,7 +19,7 @@ pub(crate) fn instruction_set() -> String {
     }
 }
 
-/// Instruction sets that the Fourier transforms look for.
+/// Returns the instruction sets that the Fourier transforms detect.
 fn lesser_sets() -> String {
     let mut sets = String::new();
     #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]

@@ -1,4 +1,4 @@
-//! Integrands as they are named on the command line.
+//! The integrands of the command line.
 
 pub(crate) mod environment;
 mod healpix_map;
@@ -38,22 +38,22 @@ impl fmt::Display for Forms {
     }
 }
 
-/// The integrand of the examples: where there is no such file, the copy that is built in.
+/// The integrand of the examples; if the file does not exist, the embedded copy is used.
 pub(crate) const CITY: &str = "env:data/city.exr";
 
-/// An integrand with the name by which tables know it.
+/// An integrand with its name in tables.
 pub(crate) struct NamedIntegrand {
-    /// As it was written.
+    /// The name as the user wrote it.
     pub(crate) name: String,
     /// The function.
     pub(crate) function: Box<dyn Integrand>,
 }
 
-/// Energies that take less are computed without a word, in seconds.
+/// The time above which the computation of energies is announced, in seconds.
 const MIN_ANNOUNCED_SECONDS: f64 = 2.0;
 
 impl NamedIntegrand {
-    /// Says how long energies to a degree will take, if that is long.
+    /// Prints the expected time of energies to a degree, if it is long.
     pub(crate) fn announce_energies(&self, domain: Domain, lmax: usize, quiet: bool) {
         let seconds = self.function.energy_seconds(domain, lmax);
         if seconds > MIN_ANNOUNCED_SECONDS {
@@ -65,8 +65,8 @@ impl NamedIntegrand {
     }
 }
 
-/// The integrand of one expression; reads the files that it names and says what is remarkable of them, unless
-/// `quiet`.
+/// Returns the integrand of one expression. Reads the files that it names and prints remarks on
+/// them, unless `quiet`.
 pub(crate) fn parse_integrand(text: &str, quiet: bool) -> Result<NamedIntegrand, CliError> {
     let expression = if names_a_file(text) {
         text.parse::<Term>().map(Expression::from)
@@ -88,9 +88,9 @@ pub(crate) fn parse_integrand(text: &str, quiet: bool) -> Result<NamedIntegrand,
     Ok(NamedIntegrand { name: text.to_owned(), function })
 }
 
-/// Whether the text is a single term with a file whose name looks like an expression.
+/// Returns whether the text is a single term with a file whose name looks like an expression.
 ///
-/// Operators in the other parameters belong to an expression, as in `env:a.exr,up=y * cosine`.
+/// Operators in the other parameters are part of an expression, as in `env:a.exr,up=y * cosine`.
 fn names_a_file(text: &str) -> bool {
     let Ok(mut spec) = Spec::parse(text) else { return false };
     if !matches!(spec.name.as_str(), "env" | "map") {
@@ -100,7 +100,7 @@ fn names_a_file(text: &str) -> bool {
     file.is_some_and(|file| file.is_file()) && !spec.has_operator_left()
 }
 
-/// Reads the files of integrands, and keeps what a user should know of them.
+/// Reads the files of integrands and collects remarks for the user.
 #[derive(Default)]
 struct IntegrandFiles {
     remarks: RefCell<Vec<String>>,
@@ -118,7 +118,7 @@ impl IntegrandResolver for IntegrandFiles {
     }
 }
 
-/// Refuses an integrand whose energy is not known on the domain.
+/// Rejects an integrand whose energy is unknown on the domain.
 pub(crate) fn check_domain(integrand: &NamedIntegrand, domain: Domain) -> Result<(), CliError> {
     let wrong = |what: String| CliError::Usage(format!("{}: {what}", integrand.name));
     let energy = integrand.function.energy(domain, 0).map_err(|e| wrong(e.to_string()))?;

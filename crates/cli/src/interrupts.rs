@@ -1,4 +1,4 @@
-//! What signals do: the process ends, and nothing unfinished is left.
+//! Signal handling: the process ends, and unfinished files are removed.
 
 #[cfg(unix)]
 mod unix {
@@ -14,22 +14,25 @@ mod unix {
 
     use crate::files::remove_all_and_exit;
 
-    /// What users and systems end programs with.
+    /// The signals by which users and systems end programs.
     const ENDING: [i32; 3] = [SIGHUP, SIGINT, SIGTERM];
 
-    /// `timeout` and terminals send a signal to a process and to its group: what comes so soon is no second request.
+    /// `timeout` and terminals send a signal both to a process and to its group; a second signal
+    /// within this time does not count as another request.
     const TWICE_AT_ONCE: Duration = Duration::from_millis(100);
 
-    /// Watches for signals in a thread of its own: the first removes what is unfinished and ends the process, a later
-    /// one ends it at once.
+    /// Watches for signals in a separate thread: the first removes unfinished files and ends the
+    /// process, a later one ends it immediately.
     ///
     /// # Errors
-    /// When the system does not let it.
+    ///
+    /// If the system does not permit it.
     pub(crate) fn watch() -> io::Result<()> {
-        // Beyond the largest size of a file, writing fails with an error instead of ending the process.
+        // Beyond the limit on file sizes, writing fails with an error instead of ending the
+        // process.
         flag::register(SIGXFSZ, Arc::new(AtomicBool::new(false)))?;
         let ignored = ignored_signals();
-        // `nohup` and shells that run a command in the background ignore signals on its behalf.
+        // `nohup` and shells that run a command in the background make it ignore signals.
         let watched: Vec<i32> =
             ENDING.into_iter().filter(|signal| ignored >> (signal - 1) & 1 == 0).collect();
         let mut signals = Signals::new(&watched)?;
@@ -50,7 +53,8 @@ mod unix {
         Ok(())
     }
 
-    /// The set of signals that are ignored, the first in the lowest bit; empty where the system does not tell.
+    /// Returns the set of ignored signals, the first in the lowest bit, or 0 if the system does not
+    /// report it.
     fn ignored_signals() -> u64 {
         let status = fs::read_to_string("/proc/self/status").unwrap_or_default();
         let mask = status.lines().find_map(|line| line.strip_prefix("SigIgn:"));
@@ -61,9 +65,10 @@ mod unix {
 #[cfg(unix)]
 pub(crate) use unix::watch;
 
-/// Elsewhere the system ends the process by itself, and the next run removes what it leaves.
+/// On other systems, signals end the process, and the next run removes unfinished files.
 ///
 /// # Errors
+///
 /// None.
 #[cfg(not(unix))]
 pub(crate) fn watch() -> std::io::Result<()> {

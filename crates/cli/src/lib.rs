@@ -1,7 +1,8 @@
-//! The command `sphvar`: which pattern of N directions on the sphere or hemisphere gives the least
+//! The command `sphvar`: which pattern of N directions on the sphere or hemisphere has the smallest
 //! error for an integrand, and why.
 //!
-//! This crate is flags, files, tables, plots and progress; the science is in the libraries.
+//! This crate contains flags, files, tables, plots and progress; the numerical methods are in the
+//! libraries.
 
 mod args;
 mod commands;
@@ -37,8 +38,8 @@ use clap::{CommandFactory, Parser};
 use crate::args::{Cli, Command};
 use crate::error::CliError;
 
-/// Runs the command with the arguments of the process and returns its exit status: 0 done, 1 failed,
-/// 2 usage.
+/// Runs the command with the arguments of the process and returns its exit status: 0 for success, 1
+/// for failure, 2 for a usage error.
 #[must_use]
 pub fn run() -> ExitCode {
     let cli = match Cli::try_parse() {
@@ -50,7 +51,7 @@ pub fn run() -> ExitCode {
         .map_err(|error| CliError::Failed(format!("cannot watch for signals: {error}")));
     match watched.and_then(|()| dispatch(cli)) {
         Ok(()) => ExitCode::SUCCESS,
-        // The reader of a pipe has what it wanted.
+        // A reader that closes its pipe has received what it needs.
         Err(CliError::ClosedPipe) => ExitCode::SUCCESS,
         Err(error) => {
             message::write(&format!("error: {error}"));
@@ -59,7 +60,7 @@ pub fn run() -> ExitCode {
     }
 }
 
-/// Prints what clap has to say, which is help or an error of usage, and returns the exit status: 0 or 2.
+/// Prints the output of clap, which is help or a usage error, and returns the exit status: 0 or 2.
 fn usage(mut error: clap::Error) -> ExitCode {
     let words: Vec<String> =
         std::env::args_os().skip(1).map(|word| word.to_string_lossy().into_owned()).collect();
@@ -71,18 +72,18 @@ fn usage(mut error: clap::Error) -> ExitCode {
     } else {
         error.print()
     };
-    // Nothing is left to be done if standard error is gone.
+    // If standard error is closed, the failure cannot be reported.
     let _ = printed;
     ExitCode::from(if error.use_stderr() { 2 } else { 0 })
 }
 
-/// A text that quotes arguments, with the control characters in them escaped: a line break in one must not look
-/// like the end of a line.
+/// Returns a text that quotes arguments with their control characters escaped: a line break in an
+/// argument must not look like the end of a line.
 fn arguments_escaped(text: &str) -> String {
     let mut text = text.to_owned();
     for argument in std::env::args_os().skip(1) {
         let argument = argument.to_string_lossy();
-        // Of `--key=value` either part may be quoted.
+        // Of `--key=value`, either part may be quoted.
         for part in
             argument.split_once('=').map_or(vec![&*argument], |(key, value)| vec![key, value])
         {

@@ -1,4 +1,4 @@
-//! The command `sphvar`; what it does is in the library beside it.
+//! The command `sphvar`; its implementation is in the library of this crate.
 
 use std::process::ExitCode;
 

@@ -1,12 +1,12 @@
-//! Refusing work that is too large for the machine or for the transforms, before it is begun.
+//! Rejects work that exceeds the machine or the transforms before it starts.
 
 use sphvar_sh::MAX_DEGREE;
 use sphvar_spectrum::Resolution;
 
 use crate::error::CliError;
 
-/// Returns the bytes of memory that may still be taken, within the limits of the control group and of the
-/// process (`ulimit -v`); `None` where the machine does not tell.
+/// Returns the available memory in bytes, within the limits of the control group and of the process
+/// (`ulimit -v`), or `None` if the machine does not report it.
 pub(crate) fn available_memory() -> Option<f64> {
     let mut system = sysinfo::System::new();
     system.refresh_memory();
@@ -14,7 +14,7 @@ pub(crate) fn available_memory() -> Option<f64> {
     if machine == 0 {
         return None;
     }
-    // What the group caches of files can be taken from it, so that its free memory would be too low.
+    // The file cache of the group can be reclaimed, so its free memory would be an underestimate.
     let group = system.cgroup_limits().map(|group| group.total_memory.saturating_sub(group.rss));
     let free = group.map_or(machine, |group| group.min(machine)) as f64;
     Some(free.min(address_space().unwrap_or(f64::INFINITY)))
@@ -25,8 +25,8 @@ pub(crate) fn gibibytes(bytes: f64) -> String {
     format!("{:.1} GiB", bytes / f64::from(1 << 30))
 }
 
-/// Refuses if `bytes` (a lower estimate of what `what` needs) exceed the memory that is available.
-/// Where the machine does not tell, everything is tried.
+/// Returns an error if `bytes`, a lower bound of the memory of `what`, exceed the available memory.
+/// If the machine does not report it, the work is attempted.
 pub(crate) fn check_memory(what: &str, bytes: f64) -> Result<(), CliError> {
     match available_memory() {
         Some(available) if bytes > available => Err(CliError::Failed(format!(
@@ -38,8 +38,8 @@ pub(crate) fn check_memory(what: &str, bytes: f64) -> Result<(), CliError> {
     }
 }
 
-/// Returns the bytes that a limit such as `ulimit -v` leaves to this process; nothing without a limit, and where the
-/// system does not tell.
+/// Returns the bytes that a limit such as `ulimit -v` leaves to this process, or `None` without a
+/// limit or if the system does not report it.
 fn address_space() -> Option<f64> {
     let limits = std::fs::read_to_string("/proc/self/limits").ok()?;
     let line = limits.lines().find_map(|line| line.strip_prefix("Max address space"))?;
@@ -50,12 +50,12 @@ fn address_space() -> Option<f64> {
     Some((limit - 1024.0 * kib).max(0.0))
 }
 
-/// Rejects points that do not fit: 24 bytes each, whatever is made of them.
+/// Rejects points that do not fit in memory: each takes at least 24 bytes.
 pub(crate) fn check_points(n: usize) -> Result<(), CliError> {
     check_memory(&format!("a set of {n} points (-n)"), 24.0 * n as f64)
 }
 
-/// Refuses a degree beyond those that there are; `what` asked for it.
+/// Rejects a degree above the supported maximum; `what` names the option that requested it.
 pub(crate) fn check_degree(what: &str, l: usize) -> Result<(), CliError> {
     if l > MAX_DEGREE {
         return Err(CliError::Usage(format!(
@@ -65,7 +65,7 @@ pub(crate) fn check_degree(what: &str, l: usize) -> Result<(), CliError> {
     Ok(())
 }
 
-/// Refuses a transform of `sets` sets that does not fit.
+/// Rejects a transform of `sets` sets that does not fit in memory.
 pub(crate) fn check_transform(resolution: Resolution, sets: u64) -> Result<(), CliError> {
     let Resolution { lmax, n_points, .. } = resolution;
     let bytes = resolution.bytes(sets, rayon::current_num_threads());

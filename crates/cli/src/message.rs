@@ -1,33 +1,33 @@
-//! What is said on standard error, whatever users' files and arguments put into it: short, and without control
-//! characters.
+//! Messages on standard error: short and without control characters, whatever files and arguments
+//! they quote.
 
 use std::borrow::Cow;
 use std::io::Write;
 
-/// Longest word, in characters; longer ones are shown by their two ends.
+/// The maximum length of a word, in characters; of longer ones the two ends are shown.
 const MAX_WORD: usize = 200;
-/// Longest message, likewise.
+/// The maximum length of a message, likewise.
 const MAX_MESSAGE: usize = 1500;
-/// More digits than this are a number that was written out: `f64` has 17, a `u64` at most 20.
+/// A number with more digits than this was written out: `f64` has 17, a `u64` at most 20.
 const MAX_DIGITS: usize = 24;
 
 /// Writes a message as one line.
 pub(crate) fn write(text: &str) {
-    // Nothing is left to be done if standard error is gone.
+    // If standard error is closed, the failure cannot be reported.
     let _ = writeln!(std::io::stderr(), "{}", clean(text));
 }
 
-/// Returns a text as one line of legible length: control characters are escaped, numbers of many digits have an
-/// exponent, and the middle of long words and texts is left out.
+/// Returns a text as one line of limited length: control characters are escaped, numbers of many
+/// digits are written with an exponent, and the middle of long words and texts is omitted.
 pub(crate) fn clean(text: &str) -> String {
-    // Escapes make text up to ten times longer: first what is far too long is cut.
+    // Escapes lengthen a text by up to a factor of ten, so very long text is cut first.
     let bounded = without_codes(&shorten(text, 16 * MAX_MESSAGE));
     let escaped = escape(&bounded);
     let words: Vec<Cow<'_, str>> = escaped.split(' ').map(word).collect();
     shorten(&words.join(" "), MAX_MESSAGE).into_owned()
 }
 
-/// Returns a text without the numbers that the standard library puts behind the system's words.
+/// Returns a text without the numeric codes that the standard library appends to system messages.
 fn without_codes(text: &str) -> String {
     const START: &str = " (os error ";
     let mut pieces = text.split(START);
@@ -41,8 +41,8 @@ fn without_codes(text: &str) -> String {
     short
 }
 
-/// Returns a text with control characters as Rust writes them; those that reorder a line or are no
-/// characters at all count too.
+/// Returns a text with control characters escaped in the notation of Rust, including those that
+/// reorder a line or are not characters.
 pub(crate) fn escape(text: &str) -> Cow<'_, str> {
     let is_plain = |c: char| !c.is_control() && !is_invisible(c);
     if text.chars().all(is_plain) {
@@ -59,12 +59,13 @@ pub(crate) fn escape(text: &str) -> Cow<'_, str> {
     escaped.into()
 }
 
-/// Whether a character changes how others are shown: directions of writing, line separators, zero widths.
+/// Returns whether a character changes how others are shown: directions of writing, line
+/// separators, zero widths.
 fn is_invisible(c: char) -> bool {
     matches!(c, '\u{200b}'..='\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2060}'..='\u{206f}' | '\u{feff}')
 }
 
-/// Returns a word with the numbers in it shortened, then itself.
+/// Returns a word with its numbers shortened, and then the word itself shortened.
 fn word(word: &str) -> Cow<'_, str> {
     if word.len() <= MAX_DIGITS {
         return word.into();
@@ -87,7 +88,7 @@ fn word(word: &str) -> Cow<'_, str> {
     shorten(&short, MAX_WORD).into_owned().into()
 }
 
-/// Returns the two ends of a text that has more than `max` characters.
+/// Returns the two ends of a text of more than `max` characters.
 fn shorten(text: &str, max: usize) -> Cow<'_, str> {
     let n = text.chars().count();
     if n <= max {

@@ -1,4 +1,4 @@
-//! Samplers as they are named on the command line.
+//! The samplers of the command line.
 
 use std::path::Path;
 
@@ -10,10 +10,10 @@ use crate::files::read_spectrum;
 use crate::memory::check_points;
 use crate::spec::Spec;
 
-/// The name that stands for every pattern, wherever several make sense.
+/// The name of all patterns together, for subcommands that accept several.
 const ALL: &str = "all";
 
-/// The patterns of a list such as `jittered,white-noise`, or `all`.
+/// Returns the patterns of a list such as `jittered,white-noise`, or of `all`.
 pub(crate) fn parse_patterns(text: &str) -> Result<Vec<Pattern>, CliError> {
     let mut patterns = Vec::new();
     for spec in Spec::parse_list(text)? {
@@ -26,7 +26,7 @@ pub(crate) fn parse_patterns(text: &str) -> Result<Vec<Pattern>, CliError> {
     Ok(patterns)
 }
 
-/// The pattern of one name.
+/// Returns the pattern of one name.
 pub(crate) fn parse_pattern(text: &str) -> Result<Pattern, CliError> {
     Pattern::parse(text, &ProfileFiles).map_err(|error| match error {
         Error::File(source) => CliError::of_resolver(&source),
@@ -34,20 +34,21 @@ pub(crate) fn parse_pattern(text: &str) -> Result<Pattern, CliError> {
     })
 }
 
-/// Reads the files of `profile:FILE`, as the command reads spectra.
+/// Reads the files of `profile:FILE` as the command reads spectra.
 struct ProfileFiles;
 
 impl ProfileResolver for ProfileFiles {
-    /// The powers of a file of degrees and powers, which begins at degree 0 or 1 and leaves none out.
+    /// Returns the powers of a file of degrees and powers, which starts at degree 0 or 1 without
+    /// gaps.
     fn powers(&self, file: &Path) -> Result<Vec<f64>, ResolveError> {
         let rows = read_spectrum(file).map_err(|error| ResolveError::new(CliError::from(error)))?;
         let first = rows.first().map_or(0, |row| row.l);
-        // Degree 0 does not count.
+        // Degree 0 is ignored.
         Ok((0..first).map(|_| 0.0).chain(rows.iter().map(|row| row.power)).collect())
     }
 }
 
-/// The sampler of `n` points, or of the nearest number that the pattern has if `nearest`.
+/// Returns the sampler of `n` points or, if `nearest`, of the nearest valid count.
 pub(crate) fn build(
     pattern: &Pattern,
     n: usize,

@@ -1,4 +1,4 @@
-//! Point sets that users bring in files.
+//! Point sets from the user's files.
 
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -27,8 +27,8 @@ pub(crate) struct WeightSums {
 }
 
 impl FileSets {
-    /// The sets of all these files in their order, turned up to `domain`; says what is remarkable
-    /// about them unless `quiet`.
+    /// Reads the sets of all these files in order; on the hemisphere, points below the equator are
+    /// replaced by their antipodes. Prints remarks unless `quiet`.
     pub(crate) fn read(
         args: &PointFileArgs,
         domain: Domain,
@@ -59,7 +59,7 @@ impl FileSets {
         Ok(read)
     }
 
-    /// Returns how many sets there are and of what size, for people.
+    /// Returns the number and the sizes of the sets, in words.
     fn summary(&self, several_files: bool) -> String {
         let sizes = || self.sets.sets().iter().map(PointSet::len);
         let (least, most) = (sizes().min().unwrap_or(0), sizes().max().unwrap_or(0));
@@ -72,7 +72,7 @@ impl FileSets {
         format!("{} realizations read, {points}{join}", self.count())
     }
 
-    /// Returns the sums of the weights; `None` if no set has any.
+    /// Returns the sums of the weights, or `None` if no set has any.
     pub(crate) fn weight_sums(&self) -> Option<WeightSums> {
         let sets = self.sets.sets();
         if sets.iter().all(|set| set.weights.is_empty()) {
@@ -89,28 +89,28 @@ impl FileSets {
         Some(mean)
     }
 
-    /// The names of the files.
+    /// Returns the names of the files.
     pub(crate) fn name(&self) -> &str {
         &self.name
     }
 
-    /// The sets, which are an ensemble and a sampler.
+    /// Returns the sets, which are both an ensemble and a sampler.
     pub(crate) fn sets(&self) -> &PointSets {
         &self.sets
     }
 
-    /// How many sets there are.
+    /// Returns the number of sets.
     pub(crate) fn count(&self) -> u64 {
         self.sets.sets().len() as u64
     }
 
-    /// The mean number of points of a set, rounded.
+    /// Returns the mean number of points of a set, rounded.
     pub(crate) fn mean_size(&self) -> usize {
         self.sets.n_points()
     }
 }
 
-/// Adds the sets of one more file to the one set of all.
+/// Appends the sets of another file to the single joined set.
 fn join(joined: &mut Vec<PointSet>, sets: Vec<PointSet>, path: &str) -> Result<(), CliError> {
     for set in sets {
         let Some(one) = joined.first_mut() else {

@@ -1,18 +1,19 @@
-//! Profiles as they are named on the command line.
+//! The profiles of the command line.
 
 use sphvar_bounds::{Profile, ProfileShape};
 
 use crate::error::CliError;
 use crate::spec::{Spec, unknown_name};
 
-/// A profile as it was asked for: which of its numbers were given.
+/// A parsed profile, with a record of the parameters that were given.
 pub(crate) struct ParsedProfile {
     pub(crate) profile: Profile,
     pub(crate) has_alpha: bool,
     pub(crate) has_gamma: bool,
 }
 
-/// The profile of a specification such as `poly:b=2,alpha=0.5`; alpha and gamma are 1 if left out.
+/// Returns the profile of a specification such as `poly:b=2,alpha=0.5`; alpha and gamma are 1 if
+/// omitted.
 pub(crate) fn parse_profile(text: &str) -> Result<ParsedProfile, CliError> {
     let mut spec = Spec::parse(text)?;
     let shape = match spec.name.as_str() {
@@ -34,7 +35,7 @@ pub(crate) fn parse_profile(text: &str) -> Result<ParsedProfile, CliError> {
     let profile = Profile::new(shape, alpha.unwrap_or(1.0), gamma.unwrap_or(1.0))
         .and_then(|p| p.with_offset(offset))
         .map_err(wrong)?;
-    // A constant has no place where it levels off.
+    // A constant does not level off.
     let has_alpha = alpha.is_some() || shape == ProfileShape::Constant;
     Ok(ParsedProfile { profile, has_alpha, has_gamma: gamma.is_some() })
 }

@@ -1,4 +1,4 @@
-//! Progress on standard error, with the time that is left, for work that takes a while.
+//! Progress on standard error, with the remaining time, for long work.
 
 use std::fmt::Write;
 use std::sync::Arc;
@@ -10,19 +10,18 @@ use sphvar_samplers::Stopped;
 
 use crate::message;
 
-/// A progress bar over nominal work; silent where standard error is no
-/// terminal.
+/// A progress bar over nominal work; silent if standard error is not a terminal.
 pub(crate) struct Progress {
     bar: ProgressBar,
-    /// The seconds left that were shown last, which later ones do not exceed.
+    /// The remaining seconds that were shown last; later values do not exceed them.
     longest: Arc<AtomicU64>,
 }
 
-/// Ticks to a unit of work: the bar counts whole numbers.
+/// The number of ticks per unit of work, because the bar counts integers.
 const TICKS: f64 = 16.0;
 
 impl Progress {
-    /// A bar for `work` units.
+    /// Returns a bar for `work` units.
     pub(crate) fn new(work: f64, quiet: bool) -> Self {
         let longest = Arc::new(AtomicU64::new(u64::MAX));
         let bar = ProgressBar::with_draw_target(
@@ -42,7 +41,7 @@ impl Progress {
         Self { bar, longest }
     }
 
-    /// Says what is being done.
+    /// Sets the description of the current stage.
     pub(crate) fn stage(&self, what: &str) {
         self.bar.set_message(message::escape(what).into_owned());
     }
@@ -52,7 +51,7 @@ impl Progress {
         self.bar.inc(ticks(work));
     }
 
-    /// Writes a line above the bar, if there is one to be seen.
+    /// Prints a line above the bar, if the bar is visible.
     pub(crate) fn line(&self, text: &str) {
         self.bar.println(text);
     }
@@ -79,13 +78,13 @@ impl Drop for Progress {
     }
 }
 
-/// The time that is left, in seconds; it waits rather than grows. Before a twentieth is done nothing is known
-/// of it.
+/// Returns the remaining time in seconds, which never increases. It is unknown before a twentieth
+/// of the work is done.
 fn left(state: &ProgressState, longest: &AtomicU64) -> String {
     if state.fraction() < 0.05 {
         return "-".to_owned();
     }
-    // All that was done, at its mean pace.
+    // Extrapolates from the mean pace so far.
     let done = f64::from(state.fraction());
     let now = state.elapsed().mul_f64((1.0 - done).max(0.0) / done).as_secs();
     let shown = longest.fetch_min(now, Ordering::Relaxed).min(now);

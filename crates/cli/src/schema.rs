@@ -24,10 +24,10 @@ use crate::commands::spectrum::report::SpectrumBody;
 use crate::commands::variance::VarianceBody;
 use crate::report::Document;
 
-/// Set to write docs/schema.json instead of comparing it.
+/// The variable that makes the test write docs/schema.json instead of comparing it.
 const WRITE: &str = "SPHVAR_WRITE_SCHEMA";
 
-/// The schema of a document with a body of type `T`.
+/// Returns the schema of a document with a body of type `T`.
 fn document<T: JsonSchema + 'static>(generator: &mut SchemaGenerator) -> Schema {
     let mut schema = Document::<'static, T>::json_schema(generator);
     if let Some(description) = T::json_schema(generator).get("description") {
@@ -36,7 +36,7 @@ fn document<T: JsonSchema + 'static>(generator: &mut SchemaGenerator) -> Schema 
     schema
 }
 
-/// Every document by the words of its command.
+/// Returns every document under the words of its command.
 fn documents(generator: &mut SchemaGenerator) -> Vec<(&'static str, Schema)> {
     vec![
         ("accuracy", document::<AccuracyBody>(generator)),
@@ -80,7 +80,7 @@ fn schema() -> Value {
     schema
 }
 
-/// Takes out the line breaks of comments.
+/// Removes the line breaks of comments.
 fn unwrap_descriptions(schema: &mut Value) {
     match schema {
         Value::Object(map) => {
@@ -112,7 +112,7 @@ fn the_schema_in_docs_is_up_to_date() {
     );
 }
 
-/// Every field of every document says what it is.
+/// Every field of every document has a description.
 #[test]
 fn every_field_is_described() {
     let mut bare = Vec::new();
@@ -120,7 +120,7 @@ fn every_field_is_described() {
     assert!(bare.is_empty(), "{bare:#?}");
 }
 
-/// The paths of properties without a description.
+/// Collects the paths of properties without a description.
 fn collect_bare(path: &str, schema: &Value, bare: &mut Vec<String>) {
     let Some(map) = schema.as_object() else { return };
     for (key, value) in map {

@@ -1,9 +1,10 @@
-//! Shares as people write them: `2%` or `0.02`.
+//! The notation of shares in arguments: `2%` or `0.02`.
 
-/// The largest share that needs no % sign: beyond, a number of percent is more likely to be meant.
+/// The largest share that needs no % sign: larger numbers are more likely to be meant as
+/// percentages.
 const MAX_PLAIN: f64 = 0.5;
 
-/// A share as a number or in percent, above 0; beyond 0.5 in percent only.
+/// Parses a share above 0, as a number or in percent; above 0.5 in percent only.
 pub(crate) fn parse_share(text: &str) -> Result<f64, String> {
     let text = text.trim();
     let (number, unit) = match text.strip_suffix('%') {
@@ -12,7 +13,7 @@ pub(crate) fn parse_share(text: &str) -> Result<f64, String> {
     };
     match number.parse::<f64>() {
         Ok(x) if !text.ends_with('%') && x > MAX_PLAIN && x.is_finite() => {
-            // Without the rounding of the product.
+            // Avoids the rounding of the product.
             let percent = (1e6 * x).round() / 1e4;
             Err(format!("{text} is {percent} %: did you mean {text}%? If not, write {percent}%"))
         }

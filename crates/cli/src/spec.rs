@@ -7,13 +7,14 @@ pub(crate) use sphvar_grammar::Spec;
 
 use crate::error::CliError;
 
-/// Returns a reader of arguments with specifications, whose file names may be any bytes: what is not UTF-8
-/// comes as quoted values with `\xHH`.
+/// Returns a parser of arguments with specifications, whose file names may contain any bytes: parts
+/// that are not UTF-8 become quoted values with `\xHH`.
 pub(crate) fn argument() -> MapValueParser<OsStringValueParser, fn(OsString) -> String> {
     OsStringValueParser::new().map(|argument| sphvar_grammar::argument_text(&argument))
 }
 
-/// `unknown WHAT "name"`, with the nearest of the `known` names if one is near, and all of them.
+/// Returns the message `unknown WHAT "name"`, with the most similar of the `known` names, if any,
+/// and all of them.
 pub(crate) fn unknown_name(what: &str, name: &str, known: &[&str]) -> CliError {
     sphvar_grammar::Error::unknown_name(what, name, known).into()
 }

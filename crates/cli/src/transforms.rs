@@ -1,4 +1,4 @@
-//! The flags that say how point sets are transformed.
+//! The flags for the transforms of point sets.
 
 use clap::{Args, ValueEnum};
 use sphvar_spectrum::{Method, Resolution};
@@ -32,7 +32,7 @@ enum MethodArg {
 }
 
 impl TransformArgs {
-    /// The method and its accuracy.
+    /// Returns the method and its accuracy, or an error if the accuracy is out of range.
     pub(crate) fn checked(self) -> Result<(Method, f64), CliError> {
         let (min, max) = (Resolution::MIN_EPSILON, Resolution::MAX_EPSILON);
         if !(min..=max).contains(&self.epsilon) {

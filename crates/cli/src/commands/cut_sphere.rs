@@ -230,7 +230,7 @@ mod tests {
     use super::{Error, if_known};
 
     #[test]
-    fn only_unknown_energies_are_no_error() {
+    fn only_unknown_energies_are_tolerated() {
         let unknown = sphvar_integrands::Error::NoEnergy { reason: "it is a closure" };
         assert!(if_known::<f64>(Err(unknown.into())).unwrap().is_none());
         let magnitude = sphvar_integrands::Error::Magnitude { got: 1e200 };

@@ -240,7 +240,7 @@ mod tests {
     }
 
     #[test]
-    fn folder_and_read_only_target_are_refused() {
+    fn folder_and_read_only_target_are_rejected() {
         let folder = tempfile::tempdir().unwrap();
         let message = AtomicFile::create(folder.path()).unwrap_err().to_string();
         assert!(message.contains("it is a folder"), "{message}");

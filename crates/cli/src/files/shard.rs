@@ -207,7 +207,7 @@ mod tests {
     }
 
     #[test]
-    fn digits_that_would_fill_the_memory_are_refused() {
+    fn digits_that_exceed_the_memory_are_rejected() {
         use sphvar_spectrum::ExactSum;
         let mut sum = ExactSum::default();
         sum.add(0.1);
@@ -222,7 +222,7 @@ mod tests {
     }
 
     #[test]
-    fn parts_are_equal_and_what_is_missing_is_known() {
+    fn parts_are_equal_and_missing_ones_are_known() {
         for (count, parts) in [(10_u64, 3_u64), (7, 7), (u64::MAX, 5), (3, 8)] {
             let ranges: Vec<_> =
                 (1..=parts).map(|part| Part { part, parts }.range(count)).collect();
@@ -249,7 +249,7 @@ mod tests {
 
     /// Files with a correct checksum and inconsistent content.
     #[test]
-    fn sums_of_other_realizations_are_refused() {
+    fn sums_of_other_realizations_are_rejected() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a.shard");
         for (what, wrong) in [

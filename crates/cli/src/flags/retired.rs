@@ -1,4 +1,4 @@
-//! Spellings that earlier versions had, or that subcommands do not share: the error names what is written instead.
+//! Spellings of earlier versions, or of other subcommands: the error names the replacement.
 
 use clap::error::{ContextKind, ContextValue, ErrorKind};
 use clap::{Arg, Command};
@@ -6,11 +6,11 @@ use clap::{Arg, Command};
 /// A flag that a subcommand does not have, or no longer has.
 struct Retired {
     old: &'static str,
-    /// The identifiers of what is written instead; the first one that a subcommand has counts.
+    /// The identifiers of the replacements; the first one that a subcommand has is named.
     new: &'static [&'static str],
 }
 
-/// All of them.
+/// All such spellings.
 const RETIRED: [Retired; 5] = [
     Retired { old: "--points", new: &["count", "counts"] },
     Retired { old: "--n-points", new: &["count", "counts"] },
@@ -19,7 +19,7 @@ const RETIRED: [Retired; 5] = [
     Retired { old: "--sampler", new: &["samplers", "sampler"] },
 ];
 
-/// Adds what is written instead to an error about an old spelling; `words` are the arguments.
+/// Adds the replacement to an error about an old spelling; `words` are the arguments.
 pub(crate) fn explain(error: &mut clap::Error, command: &Command, words: &[String]) {
     if error.kind() != ErrorKind::UnknownArgument {
         return;
@@ -28,12 +28,12 @@ pub(crate) fn explain(error: &mut clap::Error, command: &Command, words: &[Strin
     let Some(retired) = RETIRED.iter().find(|retired| retired.old == unknown) else { return };
     let Some(new) = replacement(subcommand(command, words), retired) else { return };
     let tip = tip(retired, new);
-    // What is merely similar would contradict it.
+    // A suggestion of a similar flag would contradict the replacement.
     error.remove(ContextKind::SuggestedArg);
     error.insert(ContextKind::Suggested, ContextValue::StyledStrs(vec![tip.into()]));
 }
 
-/// The subcommand that the words name.
+/// Returns the subcommand that the words name.
 fn subcommand<'a>(command: &'a Command, words: &[String]) -> &'a Command {
     words.iter().fold(command, |command, word| command.find_subcommand(word).unwrap_or(command))
 }
@@ -59,7 +59,8 @@ mod tests {
     use super::{RETIRED, explain, replacement, tip};
     use crate::args::Cli;
 
-    /// Every old spelling, in every subcommand that has what is written instead, and in no other.
+    /// Every old spelling is explained in the subcommands that have its replacement, and in no
+    /// other.
     #[test]
     fn old_spellings_name_the_new_ones() {
         let root = Cli::command();
@@ -68,7 +69,7 @@ mod tests {
             for command in root.get_subcommands() {
                 let is_there =
                     command.get_arguments().any(|a| a.get_long() == Some(&retired.old[2..]));
-                // Where there are subcommands of a subcommand, flags belong to these.
+                // Where a subcommand has subcommands, flags belong to these.
                 if is_there || command.has_subcommands() {
                     continue;
                 }

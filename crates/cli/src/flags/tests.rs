@@ -1,5 +1,5 @@
-//! One command language: the same flag means the same everywhere, help states what the code does, and every command
-//! line that is written down is accepted.
+//! The command language: a flag has the same meaning everywhere, help agrees with the code, and
+//! every documented command line is accepted.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -14,7 +14,7 @@ use sphvar_variance::prediction_degree;
 use super::{LATTICE_FACTOR, natural_degree_in_words};
 use crate::args::Cli;
 
-/// Every subcommand, those of `eval` too, with the words that lead to it.
+/// Returns every subcommand, including those of `eval`, with the words that select it.
 fn subcommands() -> Vec<(String, Command)> {
     fn collect(command: &Command, words: &str, all: &mut Vec<(String, Command)>) {
         for sub in command.get_subcommands().filter(|sub| sub.get_name() != "help") {
@@ -30,7 +30,7 @@ fn subcommands() -> Vec<(String, Command)> {
     all
 }
 
-/// Returns how the help of every flag begins, with the subcommands where it does.
+/// Returns the first words of the help of every flag, with the subcommands in which they appear.
 fn meanings() -> BTreeMap<String, BTreeMap<String, Vec<String>>> {
     let mut meanings = BTreeMap::<_, BTreeMap<_, Vec<String>>>::new();
     for (name, command) in subcommands() {
@@ -73,7 +73,7 @@ fn a_flag_has_one_meaning() {
                 "Angle from the axis to the rim",
                 "Take angles as longitude and latitude in degrees",
             ],
-            // An error to reach, and a file of errors.
+            // A requested error, and a file of errors.
             "error" => &["Requested standard error", "Write the squared error of each pixel"],
             "save" => &["Save the exact sums", "Save the exact sums of all shards as one"],
             "quick" => &["Use fewer points and realizations", "Use smaller inputs"],
@@ -123,7 +123,7 @@ fn every_subcommand_has_one_sentence_and_every_argument_help() {
     }
 }
 
-/// Defaults as people write them: no long rows of zeros.
+/// Defaults are written concisely, without long rows of zeros.
 #[test]
 fn defaults_are_short_and_true() {
     for (name, command) in subcommands() {
@@ -147,7 +147,7 @@ fn defaults_are_short_and_true() {
     }
 }
 
-/// The words of a command line; double quotes keep blanks together.
+/// Returns the words of a command line; double quotes keep spaces together.
 fn words(line: &str) -> Vec<String> {
     let mut words = vec![String::new()];
     let mut is_quoted = false;
@@ -174,7 +174,7 @@ fn examples_of_help_are_accepted() {
         let help = command.get_after_help().map(ToString::to_string).unwrap_or_default();
         let examples = help.lines().filter_map(|line| {
             let start = line.find("sphvar ").filter(|_| line.starts_with("  "))?;
-            // Behind an example stand where it goes and a remark.
+            // Redirections and remarks may follow an example.
             let line = line[start..].split("   ").next()?.split(" > ").next();
             line.filter(|line| line.starts_with("sphvar "))
         });
@@ -187,7 +187,7 @@ fn examples_of_help_are_accepted() {
     }
 }
 
-/// The documents of the repository that hold command lines.
+/// Returns the documents of the repository that contain command lines.
 fn documents() -> Vec<PathBuf> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
     let docs = fs::read_dir(root.join("docs")).unwrap().map(|entry| entry.unwrap().path());

@@ -64,7 +64,8 @@ pub(super) fn point_tables() -> Vec<Vec<u8>> {
             angles,
         ),
     ]);
-    // Scaled integers of each size with a null, floats, bits, logicals, texts and a list of any length.
+    // Scaled integers of each size with a null, floats, bits, logicals, texts and a list of any
+    // length.
     let rows = [[0x10, 0x20, 0x7f], [0x30, 0x01, 0x02], [0x55, 0xf0, 0x03]];
     let row = |bytes: [u8; 3]| -> Vec<u8> {
         let [a, b, c] = bytes;
@@ -219,9 +220,9 @@ pub(super) fn maps() -> Vec<Vec<u8>> {
     vec![column, part, image]
 }
 
-/// Returns archives of points of every layout, not compressed; `array` is one of shape (3, 3).
+/// Returns uncompressed archives of points of every layout; `array` has the shape (3, 3).
 pub(super) fn archives(array: &[u8]) -> Vec<Vec<u8>> {
-    // Its header with another shape, nine numbers, and as long as before.
+    // Its header with another shape, of nine numbers and of the same length.
     let at = |text: &[u8]| array.windows(text.len()).position(|word| word == text);
     let flat = at(b"(3, 3, )").zip(at(b"\n")).map(|(shape, end)| {
         [&array[..shape], b"(9, )", &array[shape + 8..end], b"   ", &array[end..]].concat()
@@ -244,7 +245,8 @@ pub(super) fn archives(array: &[u8]) -> Vec<Vec<u8>> {
     archives.into_iter().flatten().collect()
 }
 
-/// Makes the checksums of an archive right, or nothing behind them would be reached.
+/// Corrects the checksums of an archive, because otherwise no code after their check would be
+/// reached.
 pub(super) fn with_checksums(mut archive: Vec<u8>) -> Vec<u8> {
     let number = |bytes: &[u8], at: usize, width: usize| -> Option<usize> {
         Some(bytes.get(at..at + width)?.iter().rev().fold(0, |sum, &b| (sum << 8) | usize::from(b)))
@@ -274,7 +276,7 @@ pub(super) fn with_checksums(mut archive: Vec<u8>) -> Vec<u8> {
     archive
 }
 
-/// Returns pictures of small numbers, in single precision and of halves.
+/// Returns pictures of small numbers, in single and half precision.
 pub(super) fn exr_pictures() -> Vec<Vec<u8>> {
     let bytes = |encoding| {
         let channels = SpecificChannels::rgb(|at: exr::math::Vec2<usize>| {
@@ -314,7 +316,7 @@ mod tests {
     use super::{archives, with_checksums};
     use crate::fuzzing::TARGETS;
 
-    /// Or their mutations would be rejected for what the seed lacks.
+    /// Otherwise their mutations would be rejected for the defect of the seed.
     #[test]
     fn seeds_of_binary_formats_are_accepted() {
         let folder = tempfile::tempdir().unwrap();

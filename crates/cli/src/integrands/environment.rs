@@ -1,4 +1,4 @@
-//! Environment maps in files, with how they are laid on the sphere.
+//! Environment maps in files, with their orientation on the sphere.
 
 use std::path::Path;
 
@@ -10,16 +10,16 @@ use crate::files::{ChannelChoice, decode_image, read_image};
 
 /// The light probe of the examples, for users without a clone of the repository.
 const CITY: &[u8] = include_bytes!("../../data/city.exr");
-/// Where it lies in a clone.
+/// Its path in a clone.
 const CITY_FILE: &str = "data/city.exr";
 
 /// An environment map of a file.
 pub(crate) struct Environment {
-    /// With its pole at +z.
+    /// The map with its pole at +z.
     pub(crate) map: EnvironmentMap,
-    /// All that the map depends on but the file.
+    /// A description of everything that the map depends on except the file.
     pub(crate) words: String,
-    /// What a user should know of the file.
+    /// Remarks on the file for the user.
     pub(crate) remarks: Vec<String>,
 }
 
@@ -41,7 +41,7 @@ impl Environment {
     }
 }
 
-/// Returns the rotation that carries a map's pole from a unit vector to +z, the shortest one.
+/// Returns the shortest rotation that carries a map's pole from a unit vector to +z.
 pub(crate) fn to_map(pole: DVec3) -> DQuat {
     DQuat::from_rotation_arc(pole, DVec3::Z)
 }

@@ -21,7 +21,7 @@ pub(super) fn read(
     map(&path, read_fits_map(&path, &hdu, &field)?, wanted.missing, remarks)
 }
 
-/// Returns the map, brought to ring order if it says that it is nested.
+/// Returns the map, converted to ring order if it is nested.
 fn map(
     path: &Path,
     mut map: FitsMap,

@@ -90,7 +90,7 @@ impl<DB: DrawingBackend> Canvas<DB> {
     pub(super) fn line(&self, points: &[(f64, f64)], pen: Pen) -> Result<(), PlotError> {
         let mut pixels = self.pixels(points);
         pixels.dedup();
-        for piece in between_sharp_turns(&pixels) {
+        for piece in split_at_sharp_bends(&pixels) {
             self.area.draw(&PathElement::new(piece.to_vec(), self.stroke(pen))).map_err(drawing)?;
         }
         Ok(())
@@ -224,7 +224,7 @@ fn ensure_font() -> Result<(), PlotError> {
 
 /// Returns the parts of a polyline between bends of more than a right angle, each of two points or
 /// more; a mitred joint at such a bend would be a long spike.
-fn between_sharp_turns(points: &[(i32, i32)]) -> impl Iterator<Item = &[(i32, i32)]> {
+fn split_at_sharp_bends(points: &[(i32, i32)]) -> impl Iterator<Item = &[(i32, i32)]> {
     let mut rest = points;
     std::iter::from_fn(move || {
         if rest.len() < 2 {

@@ -203,7 +203,7 @@ mod tests {
     }
 
     #[test]
-    fn least_values_have_colours() {
+    fn smallest_values_have_colours() {
         assert_eq!(ranks(&[3.0, f64::NAN, 1.0]), [0, 1, 2]);
         let values = [9.0, 1.0, f64::NAN, 2.0, 8.0, 3.0, 4.0, 5.0, 6.0];
         assert_eq!(ranks(&values), [7, 0, 8, 1, 2, 3, 4, 5, 6]);

@@ -140,7 +140,7 @@ fn coinciding_lines_are_dashed() {
 }
 
 #[test]
-fn markers_stand_side_by_side_within_the_frame() {
+fn markers_are_side_by_side_within_the_frame() {
     let points = vec![(48.0, 1.0), (108.0, 1.1), (3072.0, 0.9)];
     for n_curves in [1, 2, 7, 40] {
         let curves = vec![("curve".to_owned(), points.clone()); n_curves];

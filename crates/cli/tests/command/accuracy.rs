@@ -69,7 +69,7 @@ fn indexing_holds_its_bounds_and_writes_every_form() {
     ] {
         assert!(markdown.contains(part), "{part:?} is missing:\n{markdown}");
     }
-    // As many cells in every row of a table as in its heading.
+    // Every row of a table has the same number of cells as its heading.
     for table in markdown.split("\n\n").filter(|block| block.starts_with('|')) {
         let cells: Vec<usize> = table.lines().map(|line| line.matches('|').count()).collect();
         assert!(cells.iter().all(|&count| count == cells[0]), "{table}");
@@ -105,7 +105,7 @@ fn tables_and_files() {
 }
 
 #[test]
-fn what_cannot_be_meant() {
+fn invalid_command_lines() {
     let place = Workplace::new();
     let cases: [(&str, i32, &[&str]); 6] = [
         ("accuracy poles", 2, &["poles", "harmonics, indexing, transforms, spectra, predictions"]),

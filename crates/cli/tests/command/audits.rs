@@ -18,10 +18,11 @@ const DOCUMENT: [&str; 10] = [
 const AUDIT: [&str; 8] =
     ["ensemble", "verdict", "conclusion", "detectable", "vanishing", "tests", "ratios", "bias"];
 
-/// A lattice as drawn is one set, which no formula of variances fits; turned, nothing speaks against
-/// it, but 60 realizations are few. Both are answers: the exit status is 0.
+/// An unrotated lattice is a single set, to which no formula of variances applies. For the rotated
+/// lattice, no test rejects the formula, but 60 realizations are few. Both are answers, with exit
+/// status 0.
 #[test]
-fn a_lattice_must_be_turned() {
+fn a_lattice_must_be_rotated() {
     let place = Workplace::new();
     let arguments = "audit fibonacci -n 40 -m 60 --lmax 4 --alpha 0.05";
     let text = place.run(arguments).ok().stdout;
@@ -51,7 +52,7 @@ fn a_lattice_must_be_turned() {
     assert_eq!(only["audits"][0], audits[0]);
 }
 
-/// Sets of a file are realizations; of their rotations nothing is known.
+/// Sets of a file are realizations; their rotations are unknown.
 #[test]
 fn sets_of_a_file() {
     let place = Workplace::new();
@@ -59,7 +60,7 @@ fn sets_of_a_file() {
     let text = place.run("audit --points p.npy --lmax 3 --alpha 0.1").ok().stdout;
     assert!(text.contains("from files: 40 realizations"), "{text}");
     assert!(text.contains("rotations: not known"), "{text}");
-    // The same sets as the sampler turned: the same answers to the same questions.
+    // The file contains the sets of the rotated sampler, so the results are the same.
     let p_value = |document: &serde_json::Value, audit: usize, test: usize| {
         document["audits"][audit]["tests"][test]["p_value"].clone()
     };
@@ -96,7 +97,7 @@ fn the_number_of_threads_does_not_matter() {
 }
 
 #[test]
-fn what_cannot_be_meant() {
+fn invalid_command_lines() {
     let place = Workplace::new();
     let cases: [(&str, &[&str]); 9] = [
         ("audit", &["SAMPLER"]),
@@ -115,7 +116,7 @@ fn what_cannot_be_meant() {
     assert!(place.names().is_empty());
 }
 
-/// The ratios of every ensemble, with what they are compared to.
+/// The ratios of every ensemble, with their reference values.
 #[test]
 fn a_chart_of_ratios() {
     let place = Workplace::new();

@@ -11,7 +11,8 @@ fn catalogue(name: &str) -> String {
     path.to_str().unwrap().to_owned()
 }
 
-/// The power of the catalogue for l = 0, 1, ...: a direct sum over its points with the harmonics of scipy.
+/// Returns the power of the catalogue for l = 0, 1, ...: a direct sum over its points with the
+/// harmonics of scipy.
 fn reference() -> Vec<f64> {
     let text = std::fs::read_to_string(catalogue("catalogue_spectrum.csv")).unwrap();
     text.lines().skip(1).map(|line| line.split_once(',').unwrap().1.parse().unwrap()).collect()
@@ -42,7 +43,7 @@ fn text_tables_and_their_compressed_copies_have_one_spectrum() {
         assert_eq!(power.len(), 25);
         assert_eq!(*first.get_or_insert_with(|| power.clone()), power, "{file} {columns}");
         assert_eq!(document["n"], 120);
-        // P(0) is the effective number.
+        // P(0) is the effective number of points.
         let n_effective = document["n_effective"].as_f64().unwrap();
         assert!((n_effective - power[0]).abs() < 1e-12 * n_effective, "{document}");
         assert!(document["sum_w"].is_number() && document["sum_w2"].is_number());
@@ -52,7 +53,7 @@ fn text_tables_and_their_compressed_copies_have_one_spectrum() {
         place.run(&format!("spectrum --points {} --lmax 3", catalogue("catalogue.csv"))).ok();
     assert!(text.stdout.contains("N_eff = 109.2 "), "{}", text.stdout);
     assert!(text.stdout.lines().nth(1).unwrap().ends_with('-'), "no error: {}", text.stdout);
-    // Without weights nothing is said of them.
+    // Without weights there is no remark on them.
     let plain = place.run(&format!(
         "spectrum --points {} --columns ra,dec,_,_ --lmax 3 --json",
         catalogue("catalogue.fits")

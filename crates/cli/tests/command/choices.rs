@@ -1,4 +1,4 @@
-//! `choose`: its two questions, its forms and what it refuses.
+//! `choose`: its two questions, its output formats and its errors.
 
 use serde_json::Value;
 
@@ -92,7 +92,8 @@ fn white_noise_is_exact_in_every_unit() {
     assert_eq!(n("-n 77"), Some(77));
     // The double cap of the hemisphere: pi^2/N.
     assert_eq!(n("--error 3% --hemisphere"), Some(1112));
-    // The same by values: white noise's time for all is N times the cost, and the set.
+    // The same by the number of values: the total time of white noise is N times the cost, plus the
+    // set.
     let arguments = "choose --integrand cap:degrees=60 --samplers white-noise --error 3% \
                      --cost-per-sample 2 --json";
     let row = &rows(&place.run(arguments).json())[0].clone();
@@ -110,7 +111,7 @@ fn points_are_answered_with_errors() {
     assert_eq!(names, ["healpix", "jittered", "white-noise"]);
     let n: Vec<u64> = rows(&document).iter().map(|r| r["n"].as_u64().unwrap()).collect();
     assert_eq!(n, [192, 192, 200]);
-    // Recorded variance of HEALPix at 192 points, and white noise's rate.
+    // Recorded variance of HEALPix at 192 points, and the rate of white noise.
     let variance = rows(&document)[0]["variance"].as_f64().unwrap();
     assert!((variance / 5.64e-3 - 1.0).abs() < 0.02, "{variance}");
     let rate = rows(&document)[2]["rate"].as_f64().unwrap();
@@ -151,7 +152,7 @@ fn files_have_the_answer() {
 }
 
 #[test]
-fn samplers_that_cannot_are_named() {
+fn unsupported_samplers_are_named() {
     let place = Workplace::new();
     let arguments = "choose --integrand cap:degrees=60 -n 2 --samplers white-noise,profile";
     let text = place.run(arguments).ok().stdout;
@@ -167,7 +168,7 @@ fn samplers_that_cannot_are_named() {
 }
 
 #[test]
-fn what_cannot_be_meant_is_refused() {
+fn invalid_requests_are_rejected() {
     let place = Workplace::new();
     let cases: [(&str, &[&str]); 14] = [
         ("--integrand cap:degrees=60", &["--error"]),
@@ -194,7 +195,7 @@ fn what_cannot_be_meant_is_refused() {
     assert!(place.names().is_empty());
 }
 
-/// One question, one answer: to the last digit, whatever command asks and however many trials it makes.
+/// Every command makes the same prediction, to the last digit, for any number of trials.
 #[test]
 fn every_command_predicts_the_same() {
     let place = Workplace::new();
@@ -258,10 +259,10 @@ fn half_a_sphere_takes_twelve_points() {
     assert_eq!(document["crossovers"].as_array().map(Vec::len), Some(0), "{document}");
 }
 
-/// A cap of area A has the relative variance (4 pi/A - 1)/N with white noise: 13131.6/N for one of a degree,
-/// A = 2 pi (1 - cos 1 deg).
+/// The relative variance of a cap of area A is (4 pi/A - 1)/N with white noise: 13131.6/N for one
+/// of a degree, A = 2 pi (1 - cos 1 deg).
 #[test]
-fn what_nothing_reaches_is_said_with_white_noise() {
+fn unreachable_errors_are_compared_with_white_noise() {
     let place = Workplace::new();
     let arguments = "choose --integrand cap:degrees=1 --error 0.01%";
     let document = place.run(&format!("{arguments} --json")).json();
@@ -276,7 +277,7 @@ fn what_nothing_reaches_is_said_with_white_noise() {
     assert!(text.lines().count() < 8, "{text}");
 }
 
-/// A cap of half a degree carries all: 48 points cannot see it.
+/// The integrand is concentrated on a cap of half a degree, which 48 points cannot resolve.
 #[test]
 fn no_pattern_is_recommended_for_a_sun() {
     let place = Workplace::new();
@@ -289,7 +290,7 @@ fn no_pattern_is_recommended_for_a_sun() {
     assert!(!text.contains("Take "), "{text}");
 }
 
-/// The alpha of a design is chosen for the integrand, and what is printed is accepted.
+/// The alpha of a design is chosen for the integrand, and the printed name is accepted.
 #[test]
 fn designs_are_fitted_to_the_integrand() {
     let place = Workplace::new();
@@ -298,7 +299,8 @@ fn designs_are_fitted_to_the_integrand() {
     let fitted = |row: &&Value| row["sampler"].as_str().unwrap().contains(":alpha=1.");
     let best = rows(&document).iter().find(fitted).unwrap();
     let name = best["sampler"].as_str().unwrap();
-    // E(l) is about (2l+1) exp(-l(l+1)/20): beyond degree 11 lies a fifth of what lies beyond 8.
+    // E(l) is about (2l+1) exp(-l(l+1)/20): the energy beyond degree 11 is a fifth of that beyond
+    // 8.
     let plain = place.run(&format!("{question} --samplers step,blue")).json();
     let number = |row: &Value, key: &str| row[key].as_f64().unwrap();
     let (better, default) = (best, &rows(&plain)[0]);

@@ -1,4 +1,4 @@
-//! What `sphvar compare` prints and writes.
+//! The output and the files of `sphvar compare`.
 
 use crate::outcome::{assert_keys, same};
 use crate::workplace::{Workplace, small_exr};
@@ -15,7 +15,7 @@ const FILES: [&str; 9] = [
     "variance.svg",
 ];
 
-/// Asserts that the bytes are a whole PNG or a well-formed SVG, as the name says.
+/// Asserts that the bytes are a complete PNG or a well-formed SVG, according to the name.
 pub(crate) fn assert_picture(name: &str, bytes: &[u8]) {
     if name.ends_with(".png") {
         assert!(bytes.starts_with(b"\x89PNG\r\n\x1a\n"), "{name}");
@@ -35,7 +35,7 @@ pub(crate) fn assert_picture(name: &str, bytes: &[u8]) {
     assert_balanced(name, text);
 }
 
-/// Asserts that every element is closed in its turn and every `&` starts an entity.
+/// Asserts that elements are properly nested and every `&` starts an entity.
 fn assert_balanced(name: &str, text: &str) {
     let mut open: Vec<&str> = Vec::new();
     for piece in text.split('<').skip(1) {
@@ -58,7 +58,7 @@ fn assert_balanced(name: &str, text: &str) {
 #[test]
 fn every_file_is_whole() {
     let place = Workplace::new();
-    // A name that a careless SVG would choke on.
+    // A name with characters that XML must escape.
     place.write("a&b<c.exr", small_exr(16, 8));
     let arguments =
         "compare white-noise,jittered,fibonacci -n 12,50 --integrand env:a&b<c.exr -m 20 -o out";
@@ -71,7 +71,7 @@ fn every_file_is_whole() {
             assert_picture(name, &bytes);
         }
     }
-    // N asked and N got stand side by side.
+    // The requested and the actual N are shown side by side.
     for part in ["white-noise", "jittered", "fibonacci", "N asked", "predicted", "measured", "rate"]
     {
         assert!(outcome.stdout.contains(part), "{part}: {}", outcome.stdout);
@@ -150,7 +150,7 @@ fn json_and_files_agree() {
 #[test]
 fn a_pattern_named_twice_and_equal_numbers_are_one() {
     let place = Workplace::new();
-    // Both 12 and 13 are 12 points for a jittered pattern.
+    // Both 12 and 13 give 12 points of a jittered pattern.
     let document = place
         .run("compare jittered,jittered -n 12,13,12 --integrand ylm:l=1 -m 4 --json -o out")
         .json();

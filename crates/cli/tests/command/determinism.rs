@@ -1,8 +1,9 @@
-//! The same seed gives the same bytes at any number of threads, and another seed others.
+//! The same seed gives the same bytes with any number of threads, and another seed gives different
+//! ones.
 
 use crate::workplace::Workplace;
 
-/// Standard output and all files of a run, without the time that it took.
+/// Returns standard output and all files of a run, without its time.
 fn traces(arguments: &str) -> Vec<(String, Vec<u8>)> {
     let place = Workplace::new();
     let stdout = without_seconds(&place.run(arguments).ok().stdout);
@@ -30,7 +31,8 @@ fn without_seconds(text: &str) -> String {
     format!("{before}{}", rest.trim_start_matches(|c: char| c != ',' && c != '}'))
 }
 
-/// Runs with 1, 2 and 3 threads and then with another seed; the files in `fixed` have no randomness.
+/// Runs with 1, 2 and 3 threads and then with another seed; the files in `fixed` do not depend on
+/// the seed.
 fn assert_reproducible(arguments: &str, fixed: &[&str]) {
     let one = traces(&format!("{arguments} --threads 1"));
     for threads in ["--threads 2", "-j 3", "-j2", "--threads=3", ""] {
@@ -41,14 +43,14 @@ fn assert_reproducible(arguments: &str, fixed: &[&str]) {
             assert!(a == b, "{name} differs between --threads 1 and {threads:?}: {arguments}");
         }
         if threads == "-j 3" && arguments.starts_with("compare") {
-            // Three runs say it for the slowest one.
+            // Three runs suffice for the slowest command.
             break;
         }
     }
     let reseeded = traces(&format!("{arguments} --seed 1"));
     for ((name, a), (_, b)) in one.iter().zip(&reseeded) {
         let expected = fixed.contains(&&**name) || a.is_empty();
-        // Provenance tells the seed, so only what stands below it is compared.
+        // The provenance contains the seed, so only the text below it is compared.
         let body = |bytes: &[u8]| {
             let text = String::from_utf8_lossy(bytes).into_owned();
             let lines = text.lines().filter(|l| !l.starts_with('#') && !l.contains("seed"));
@@ -97,7 +99,7 @@ fn compare() {
     );
 }
 
-/// Numbers of all the values printed differ with the seed, in JSON too.
+/// The printed numbers of all values depend on the seed, also in JSON.
 #[test]
 fn seeds_differ() {
     let place = Workplace::new();
@@ -114,7 +116,7 @@ fn seeds_differ() {
 
 /// The realizations of a run are the first ones of a longer run.
 #[test]
-fn longer_runs_begin_alike() {
+fn longer_runs_extend_shorter_ones() {
     let place = Workplace::new();
     let set = |m: u32| {
         place.run(&format!("sample white-noise -n 9 -m {m} --rotate --json")).json()["points"]

@@ -1,13 +1,13 @@
-//! Inputs that are missing, damaged or not what they should be: exit status 1, file and place named.
+//! Missing, damaged or invalid inputs: exit status 1 and a message with the file and the place.
 
 use crate::workplace::{Workplace, small_exr};
 
-/// A table whose line 17 is `bad`: a header and fifteen good rows are above it.
+/// Returns a table whose line 17 is `bad`, below a header and fifteen valid rows.
 fn table_with(bad: &str) -> String {
     format!("x,y,z\n{}{bad}\n0,0,1\n", "0,0.6,0.8\n".repeat(15))
 }
 
-/// The folder has the input and nothing else.
+/// Asserts that the folder contains only the input.
 fn assert_untouched(place: &Workplace, input: &str) {
     assert_eq!(place.names(), [input], "something was left beside the input");
 }
@@ -142,7 +142,7 @@ fn spectrum_files() {
     place.run("bounds --spectrum t.csv -n 10 --profile step").fails(1, &["t.csv", "No such file"]);
 }
 
-/// A 900000 degree transform needs terabytes; so do too many points.
+/// A transform to degree 900000 needs terabytes; so do too many points.
 #[test]
 fn work_beyond_the_memory() {
     let place = Workplace::new();
@@ -174,6 +174,7 @@ fn work_beyond_the_memory() {
         place.run(arguments).fails(1, &[&[name], parts].concat());
         assert!(place.names().is_empty(), "sphvar {arguments} left {:?}", place.names());
     }
-    // An integrand may be told to any degree, and there the degrees end, not the memory.
+    // The energies of an integrand may be known to any degree; then the limit on degrees applies
+    // before that on memory.
     place.run("bounds --profile step -n 18446744073709551615 --integrand cap:degrees=60").ok();
 }

@@ -1,8 +1,8 @@
-//! Outputs that cannot be written: a message, and nothing under the final name or beside it.
+//! Outputs that cannot be written: a message, and no file under the final name or beside it.
 
 use crate::workplace::Workplace;
 
-/// One of each that writes to a file, without the file's name.
+/// One command of each kind that writes to a file, without the file's name.
 const WRITERS: [(&str, &str); 8] = [
     ("sample fibonacci -n 12 -o", "csv"),
     ("sample fibonacci -n 12 -o", "npy"),
@@ -26,7 +26,7 @@ fn a_folder_that_is_not_there() {
     }
 }
 
-/// A parent that is a file refuses everyone, the superuser too.
+/// A parent that is a file is an error for all users, including the superuser.
 #[test]
 fn a_parent_that_is_a_file() {
     let place = Workplace::new();
@@ -70,7 +70,7 @@ fn unknown_extensions() {
     assert!(place.names().is_empty(), "{:?}", place.names());
 }
 
-/// What stands there before a failed run stands there after it.
+/// An existing file is unchanged after a failed run.
 #[test]
 fn an_old_file_survives_a_failure() {
     let place = Workplace::new();
@@ -88,10 +88,10 @@ fn an_old_file_survives_a_failure() {
     assert!(place.bytes("p.npy").starts_with(b"\x93NUMPY"), "and a run that works replaces it");
 }
 
-/// Says what a test could not look at.
+/// Reports a check that a test had to skip.
 #[cfg(unix)]
 fn skipped(what: &str) {
-    // Through the handle, as the lint asks; the harness shows it with --nocapture.
+    // Written through the handle because of the lint; the harness shows it with --nocapture.
     let _ = std::io::Write::write_fmt(&mut std::io::stderr(), format_args!("skipped: {what}\n"));
 }
 
@@ -102,7 +102,7 @@ fn a_read_only_folder_or_file() {
     use std::os::unix::fs::PermissionsExt;
 
     let place = Workplace::new();
-    // Read-only files are refused even where permissions do not bind.
+    // Read-only files are rejected even if permissions are not enforced.
     place.write("kept.csv", "kept");
     set_permissions(place.path("kept.csv"), Permissions::from_mode(0o444)).unwrap();
     place.run("sample fibonacci -n 12 -o kept.csv").fails(1, &["kept.csv", "read-only"]);
@@ -126,10 +126,10 @@ fn a_read_only_folder_or_file() {
     set_permissions(place.path("closed"), Permissions::from_mode(0o755)).unwrap();
 }
 
-/// A file whose name is no UTF-8 is as good as any other.
+/// File names need not be UTF-8.
 #[cfg(target_os = "linux")]
 #[test]
-fn names_that_are_no_text() {
+fn names_that_are_not_text() {
     use std::ffi::OsStr;
     use std::os::unix::ffi::OsStrExt;
 

@@ -1,4 +1,4 @@
-//! What cannot be meant: exit status 2, and a message with what would be right.
+//! Invalid command lines: exit status 2, and a message with the valid alternatives.
 
 use crate::workplace::Workplace;
 
@@ -47,7 +47,7 @@ fn numbers_of_points() {
     assert_eq!(place.text("p.csv").lines().count(), 1 + 108);
 }
 
-/// Every spelling of earlier versions, and what it is now.
+/// Every spelling of earlier versions, with its replacement.
 #[test]
 fn old_spellings_name_the_new_ones() {
     let count: &[&str] = &["'-n' or '--count'", "instead of"];
@@ -78,7 +78,7 @@ fn old_spellings_name_the_new_ones() {
         ("spectrum --sampler step -n 12", &["[SAMPLER] without '--sampler'"]),
     ]);
     let place = Workplace::new();
-    // A file may be named as a number.
+    // A file name may be a number.
     place.write("12", "x,y,z\n0,0,1\n");
     place.run("spectrum --points 12 --lmax 2").ok();
 }
@@ -135,7 +135,7 @@ fn names() {
         ("sample jittered -n 12 --sed 4", &["--sed", "--seed"]),
         ("healpix vec2pxi --nside 2 -", &["vec2pxi", "vec2pix"]),
     ]);
-    // Without a word the whole help is shown, as wrong usage.
+    // Without arguments, the complete help is shown as a usage error.
     let outcome = Workplace::new().run("");
     assert!(outcome.stderr.contains("Usage: sphvar") && outcome.stderr.contains("compare"));
     assert_eq!(outcome.status, Some(2));
@@ -246,7 +246,7 @@ fn coefficients_out_of_range() {
 }
 
 #[test]
-fn exact_spectra_where_there_are_none() {
+fn closed_forms_that_do_not_exist() {
     let place = Workplace::new();
     place.write("p.csv", "x,y,z\n0,0,1\n");
     let outcome = place.run("spectrum --points p.csv --exact");

@@ -1,13 +1,13 @@
-//! Integrands made of several: sums, products, rotations, maps.
+//! Composite integrands: sums, products, rotations, maps.
 
 use std::f64::consts::PI;
 
 use crate::workplace::{Workplace, small_exr};
 
-/// The exact value of an integrand and the row's other numbers, by `variance`.
+/// Returns the row of an integrand, including its exact value, by `variance`.
 fn row(place: &Workplace, integrand: &str, more: &str) -> serde_json::Value {
     let command = format!("variance white-noise -n 12 -m 4 --json {more}");
-    // One argument, since an expression may start with a minus.
+    // One argument, because an expression may start with a minus.
     let output = place.command(&command).arg(format!("--integrand={integrand}")).output().unwrap();
     let message = String::from_utf8_lossy(&output.stderr);
     assert!(output.status.success(), "{integrand}: {message}");
@@ -16,8 +16,8 @@ fn row(place: &Workplace, integrand: &str, more: &str) -> serde_json::Value {
     document["rows"][0].clone()
 }
 
-/// What the command says of an integrand that it refuses, and its exit status.
-fn refusal(place: &Workplace, integrand: &str, more: &str) -> (String, Option<i32>) {
+/// Returns the message and the exit status for an invalid integrand.
+fn rejection(place: &Workplace, integrand: &str, more: &str) -> (String, Option<i32>) {
     let command = format!("variance healpix -n 24 --nearest -m 4 {more} --integrand");
     let output = place.command(&command).arg(integrand).output().unwrap();
     (String::from_utf8_lossy(&output.stderr).into_owned(), output.status.code())
@@ -68,7 +68,7 @@ fn mistakes_name_the_piece() {
         ("half-space:height=1", &["height", "[-1, 1)"]),
         ("double-cap:degrees=91", &["(0, 90]"]),
     ] {
-        let (message, status) = refusal(&place, integrand, "");
+        let (message, status) = rejection(&place, integrand, "");
         assert_eq!(status, Some(2), "{integrand}: {message}");
         for part in parts {
             assert!(message.contains(part), "{integrand}: {message}");
@@ -88,7 +88,7 @@ fn maps_are_functions() {
     let half = |name: &str| {
         row(&place, &format!("map:{}", data(name)), "--hemisphere")["exact"].as_f64().unwrap()
     };
-    // The upper half in ring order is 0 .. 87 and half of 88 .. 103; in the other order it would be another.
+    // The upper half in ring order is 0 .. 87 and half of 88 .. 103; it differs in the other order.
     let exact = 4.0 * PI / 192.0 * (87.0 * 44.0 + 0.5 * 16.0 * 95.5);
     for name in ["ring.fits", "nested.fits"] {
         assert!((half(name) - exact).abs() < 1e-9, "{name}: {}, not {exact}", half(name));
@@ -96,14 +96,14 @@ fn maps_are_functions() {
     let got = row(&place, &format!("map:{},field=1", data("two_fields.fits")), "");
     assert!((got["exact"].as_f64().unwrap() + 4.0 * PI * 95.5).abs() < 1e-4);
     row(&place, &format!("map:{} @ 30/40 + vmf:kappa=3", data("ring.fits")), "");
-    let (message, status) = refusal(&place, &format!("map:{}", data("unseen.fits")), "");
+    let (message, status) = rejection(&place, &format!("map:{}", data("unseen.fits")), "");
     assert!(
         message.contains("2 of the map's pixels") && message.contains("first is 3"),
         "{message}"
     );
     assert_eq!(status, Some(1));
     let product = format!("map:{} * cap:degrees=30", data("ring.fits"));
-    let (message, status) = refusal(&place, &product, "");
+    let (message, status) = rejection(&place, &product, "");
     assert!(message.contains("edges of HEALPix pixels are no circles"), "{message}");
     assert_eq!(status, Some(2));
 }
@@ -144,14 +144,14 @@ fn maps_may_be_partial_compressed_and_chosen() {
         (",field=3", &["a field below 2", "SIGNAL, N_OBS"]),
         (",hdu=7", &["HDU 7", "[1] table"]),
     ] {
-        let (message, _) = refusal(&place, &format!("{}{options}", data("explicit.fits")), "");
+        let (message, _) = rejection(&place, &format!("{}{options}", data("explicit.fits")), "");
         for part in parts {
             assert!(message.contains(part), "{options}: {message}");
         }
     }
 }
 
-/// Orientation changes the function, not its integral; `render` and directions see it.
+/// The orientation changes the function but not its integral; it affects `render` and directions.
 #[test]
 fn environment_maps_have_options() {
     let place = Workplace::new();
@@ -176,7 +176,7 @@ fn environment_maps_have_options() {
         ("projection=octahedral", &["must be square", "16 x 8"]),
         ("tilt=3", &["unknown parameter \"tilt\"", "mirror (no, yes), turn"]),
     ] {
-        let (message, _) = refusal(&place, &format!("env:sky.exr,{options}"), "");
+        let (message, _) = rejection(&place, &format!("env:sky.exr,{options}"), "");
         for part in parts {
             assert!(message.contains(part), "{options}: {message}");
         }
@@ -199,7 +199,7 @@ fn quoted_names_hold_anything() {
     );
     let got = row(&place, "map:file=\"x=1.fits\",field=1", "")["exact"].as_f64().unwrap();
     assert!((got + 4.0 * PI * 95.5).abs() < 1e-4);
-    let (message, status) = refusal(&place, "cosine + env:\"a,b", "");
+    let (message, status) = rejection(&place, "cosine + env:\"a,b", "");
     assert!(message.contains("the quote is not closed"), "{message}");
     assert_eq!(status, Some(2));
 }
@@ -218,7 +218,7 @@ fn names_of_any_bytes_are_read() {
     for (argument, shown) in [
         (&b"--integrand=env:\"sky\xff,1.exr\""[..], "env:\"sky\\xff,1.exr\""),
         (b"--integrand=env:sky\xff.exr,channel=r", "env:\"sky\\xff.exr\",channel=r"),
-        // As it is shown it can be given.
+        // The name is accepted in the form in which it is shown.
         (b"--integrand=env:\"sky\\xff.exr\"", "env:\"sky\\xff.exr\""),
     ] {
         let mut command = place.command("variance white-noise -n 12 -m 4 --json");
@@ -235,7 +235,7 @@ fn names_of_any_bytes_are_read() {
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
 }
 
-/// A term with a file and parameters stands on either side of an operator.
+/// A term with a file and parameters is accepted on either side of an operator.
 #[test]
 fn parameters_of_maps_end_at_operators() {
     let place = Workplace::new();
@@ -262,13 +262,13 @@ fn parameters_of_maps_end_at_operators() {
     assert!((exact(product) / exact(reversed) - 1.0).abs() < 1e-6);
 }
 
-/// Whatever could be a file's name before is one still.
+/// Every text that was a valid file name before expressions existed still is.
 #[test]
 fn names_of_files_may_look_like_expressions() {
     let place = Workplace::new();
     place.write("a + b @ c.exr", small_exr(8, 4));
     row(&place, "env:a + b @ c.exr", "");
     row(&place, "env:a + b @ c.exr,channel=r,up=y", "");
-    let (message, _) = refusal(&place, "env:a + b.exr", "");
+    let (message, _) = rejection(&place, "env:a + b.exr", "");
     assert!(message.contains('a') && !message.contains("panic"), "{message}");
 }

@@ -3,18 +3,18 @@
 use crate::outcome::{numbers, same};
 use crate::workplace::Workplace;
 
-/// The lines that are no comments.
+/// Returns the lines that are not comments.
 fn lines(text: &str) -> Vec<&str> {
     text.lines().filter(|line| !line.starts_with('#')).collect()
 }
 
-/// The coordinates of a CSV file, without a fourth column.
+/// Returns the coordinates of a CSV file, without a fourth column.
 fn coordinates(text: &str) -> Vec<f64> {
     let rows = lines(text).into_iter().skip(1);
     rows.flat_map(|row| row.split(',').take(3).map(|x| x.parse().unwrap())).collect()
 }
 
-/// The header of a NPY file and its numbers.
+/// Returns the header of an NPY file and its numbers.
 fn npy(bytes: &[u8]) -> (String, Vec<f64>) {
     assert_eq!(&bytes[..8], b"\x93NUMPY\x01\x00", "magic and version");
     let length = usize::from(u16::from_le_bytes([bytes[8], bytes[9]]));
@@ -46,12 +46,12 @@ fn csv_of_one_set() {
         // Three squares and two additions, each rounded once, on top of a rounded direction.
         let length = p.iter().map(|x| x * x).sum::<f64>();
         assert!((length - 1.0).abs() < 8.0 * f64::EPSILON, "{row}: {length}");
-        // Shortest digits that are read back to the same bits: at most 17 of them.
+        // The shortest digits that are read back as the same number, at most 17.
         for (field, x) in fields.iter().zip(&p) {
             assert_eq!(*field, format!("{x:?}"), "{row}");
         }
     }
-    // The header is the very first line: many readers know no comments.
+    // The header is the first line, because many readers do not support comments.
     assert!(text.starts_with("x,y,z\n"), "{text}");
 }
 
@@ -81,14 +81,14 @@ fn standard_output_is_the_csv_file() {
 }
 
 #[test]
-fn npy_has_the_shape_and_the_bits_of_the_csv() {
+fn npy_has_the_shape_and_the_values_of_the_csv() {
     let place = Workplace::new();
     for (options, shape) in [("-n 12", "(12,3"), ("-n 12 -m 1", "(12,3"), ("-n 12 -m 4", "(4,12,3")]
     {
         place.run(&format!("sample jittered {options} -o p.npy")).ok();
         place.run(&format!("sample jittered {options} -o p.csv")).ok();
         let (header, data) = npy(&place.bytes("p.npy"));
-        // Python allows a comma behind the last item.
+        // Python allows a comma after the last item.
         let header = header.replace(",)", ")");
         let shape = format!("{shape})");
         for part in ["'descr':'<f8'", "'fortran_order':False", &format!("'shape':{shape}")] {
@@ -144,7 +144,7 @@ fn the_command_reads_what_it_writes() {
     place.write("p.json", &document);
     let read = place.run("spectrum --points p.json --lmax 8 --json").json();
     for (got, expected) in numbers(&read["power"]).into_iter().zip(&spectra[0]) {
-        // `serde_json` may miss the last bit of a number.
+        // `serde_json` may change the last bit of a number.
         assert!((got - expected).abs() < 1e-13 * expected.max(1.0), "{got}, {expected}");
     }
     for extension in ["csv", "npy", "ply"] {
@@ -154,7 +154,7 @@ fn the_command_reads_what_it_writes() {
         let read = place.run(&format!("spectrum --points {files} --lmax 8 --json")).json();
         assert_eq!(numbers(&read["power"]), spectra[0], "{files}");
     }
-    // Sets of different sizes fit no array, but files of their own.
+    // Sets of different sizes cannot be one array, but can be written to files of their own.
     let disks = "sample poisson-disk:mode=saturated -n 100 -m 3 -o";
     place.run(&format!("{disks} d.npy")).fails(1, &["differ in size", "{i}"]);
     place.run(&format!("{disks} d{{i}}.npy")).ok();
@@ -214,7 +214,7 @@ fn json_of_points() {
     for (shown, written) in numbers(&sets[0][0]).into_iter().zip(&csv) {
         assert!(same(shown, *written), "{shown}, {written}");
     }
-    // With a file the document describes it.
+    // If the points are written to a file, the document describes it.
     let written = place.run("sample jittered -n 12 -m 2 --json -o p.npy").json();
     assert_eq!(written["n"], 12);
     assert!(written.get("points").is_none(), "{written}");

@@ -3,7 +3,7 @@
 use crate::outcome::{assert_keys, numbers, same};
 use crate::workplace::Workplace;
 
-/// The CSV rows below the comment, the heading first.
+/// Returns the CSV rows below the comment, the heading first.
 fn rows(text: &str) -> Vec<csv::StringRecord> {
     let mut reader = csv::ReaderBuilder::new()
         .comment(Some(b'#'))
@@ -43,7 +43,7 @@ fn spectrum() {
     assert_eq!(file["power"], document["power"]);
 }
 
-/// Exact spectra come in the same forms.
+/// Closed-form spectra are written in the same formats.
 #[test]
 fn exact_spectrum() {
     let place = Workplace::new();
@@ -63,13 +63,14 @@ fn exact_spectrum() {
     place.run("spectrum jittered -n 48 --exact --lmax 9 -o s.svg").ok();
     assert!(place.text("s.svg").contains("jittered"));
 
-    // The lines of the hemisphere have the spectrum of the sphere of the same cells, at even degrees.
+    // The lines of the hemisphere have the spectrum of the sphere with the same cells, at even
+    // degrees.
     let half = place.run("spectrum jittered -n 24 --exact --hemisphere --lmax 9 --json").json();
     assert_eq!(numbers(&half["l"]), [0.0, 2.0, 4.0, 6.0, 8.0]);
     for (l, p) in [2, 4, 6, 8].into_iter().zip(&numbers(&half["power"])[1..]) {
         assert!(same(*p, power[l]), "degree {l}: {p}, {}", power[l]);
     }
-    // The default degree is the usual one.
+    // The default degree of other spectra.
     let white = place.run("spectrum white-noise -n 100 --exact --json").json();
     assert_eq!(white["lmax"], 40);
     for thread in [1, 2] {
@@ -138,7 +139,7 @@ fn variance() {
         for key in ["predicted", "measured", "measured_stderr", "mean_stderr"] {
             assert!(row[key].as_f64().unwrap() > 0.0, "{key}: {row}");
         }
-        // 20 trials: a mean six standard errors off would be no chance.
+        // 20 trials: a mean that differs by six standard errors is not due to chance.
         let (mean, error) = (row["mean"].as_f64().unwrap(), row["mean_stderr"].as_f64().unwrap());
         assert!(mean.abs() < 6.0 * error, "{row}");
     }
@@ -217,7 +218,8 @@ fn bounds() {
     }
 }
 
-/// Without a profile every family is fitted; what the thesis says of the sampler is checked.
+/// Without a profile, every family is fitted; the statements of the thesis on the sampler are
+/// checked.
 #[test]
 fn bounds_without_a_profile() {
     let place = Workplace::new();
@@ -253,7 +255,7 @@ fn bounds_without_a_profile() {
         );
         assert_ne!(verdict["verdict"], "broken", "{verdict}");
     }
-    // A file that has degree 0 says how many points there were.
+    // A file with degree 0 determines the number of points.
     place.run("spectrum jittered -n 192 -m 40 -o s.csv").ok();
     let file = place.run("bounds --spectrum s.csv --json").json();
     assert_eq!(file["n"], 192);
@@ -293,7 +295,7 @@ fn healpix_round_trip() {
     }
 }
 
-/// A result for standard output gives way to the document: `--json` prints exactly one.
+/// The document replaces a result for standard output: `--json` prints exactly one document.
 #[test]
 fn json_is_alone_on_standard_output() {
     let place = Workplace::new();
@@ -312,7 +314,7 @@ fn json_is_alone_on_standard_output() {
     place.run("healpix pix2ang --nside 1 pixels.csv --json").json();
 }
 
-/// The same file without `--json` and with `-` is a table on standard output and nothing else.
+/// The same output without `--json` and with `-` is a table on standard output and nothing else.
 #[test]
 fn dash_is_csv_on_standard_output() {
     let place = Workplace::new();

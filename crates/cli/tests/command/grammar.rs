@@ -1,4 +1,4 @@
-//! The one grammar of samplers, integrands and profiles.
+//! The common grammar of samplers, integrands and profiles.
 
 use crate::workplace::{Workplace, small_exr};
 
@@ -73,7 +73,7 @@ fn every_profile_works() {
 }
 
 #[test]
-fn flags_stand_before_or_behind_the_subcommand() {
+fn flags_may_precede_or_follow_the_subcommand() {
     let place = Workplace::new();
     let first = place.run("--seed 9 --json sample white-noise --count 3").ok().stdout;
     let last = place.run("sample white-noise -n 3 -s 9 --json").ok().stdout;

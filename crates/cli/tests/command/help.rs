@@ -33,7 +33,7 @@ fn every_subcommand_shows_an_example() {
         assert!(help.contains(&format!("sphvar {name}")), "{help}");
         assert!(help.contains("--seed") && help.contains("--json"), "{help}");
     }
-    // The command alone and its help begin with what it is for.
+    // The command without arguments and its help begin with its purpose.
     let alone = place.command("").output().unwrap();
     let alone = String::from_utf8(alone.stderr).unwrap();
     assert!(alone.contains("Three questions"), "{alone}");
@@ -46,7 +46,7 @@ fn every_subcommand_shows_an_example() {
     }
 }
 
-/// Paragraphs are wrapped by the terminal alone: text that is wrapped in the source too shows as ragged lines.
+/// Only the terminal wraps paragraphs: text that is also wrapped in the source has ragged lines.
 #[test]
 fn paragraphs_are_wrapped_once() {
     let place = Workplace::new();
@@ -66,7 +66,7 @@ fn paragraphs_are_wrapped_once() {
     }
 }
 
-/// Examples are promises: all of them are run, with smaller numbers where they would take long.
+/// All examples are run, with smaller numbers if they would take long.
 #[test]
 fn examples_work() {
     let place = Workplace::new();
@@ -94,10 +94,11 @@ fn examples_work() {
         let examples = help.split_once("\nExamples:\n").map(|(_, examples)| examples);
         for line in examples.unwrap().lines().take_while(|line| line.starts_with("  ")) {
             let Some((before, example)) = line.split_once("sphvar ") else { continue };
-            // A remark stands behind more blanks; what the shell would redirect goes to standard output here.
+            // A remark follows several spaces; output that the shell would redirect goes to
+            // standard output here.
             let example = example.split("   ").next().unwrap().split(" > ").next().unwrap();
             let example = smaller(example);
-            // The last areas of accuracy and the figures of the thesis have no small form.
+            // The last areas of accuracy and the figures of the thesis have no smaller version.
             let is_large = (name == "accuracy" && !example.contains("--quick"))
                 || (name == "reproduce" && example.contains("--full"));
             if is_large {
@@ -117,7 +118,7 @@ fn examples_work() {
     assert_eq!(skipped.len(), 3, "{skipped:?}");
 }
 
-/// An example with smaller numbers, so that it takes a second at most.
+/// Returns an example with smaller numbers that takes at most a second.
 fn smaller(example: &str) -> String {
     let mut example = example.to_owned();
     for (large, small) in [
@@ -170,7 +171,7 @@ fn manual_pages_describe_every_subcommand() {
     for command in commands {
         let name = format!("sphvar-{}.1", command.replace(' ', "-"));
         assert!(names.contains(&name), "{name}: {names:?}");
-        // Dashes are escaped, so that they are not broken.
+        // Dashes are escaped, so that lines are not broken at them.
         let page = place.text(&format!("share/man1/{name}")).replace("\\-", "-");
         assert!(page.contains("SYNOPSIS"), "{page}");
         let help = place.run(&format!("{command} --help")).ok().stdout;
@@ -181,7 +182,7 @@ fn manual_pages_describe_every_subcommand() {
         count += 1;
     }
     assert_eq!(names.len(), count, "{names:?}");
-    // Nothing else stays, and a second run replaces them.
+    // No other files remain, and a second run replaces the pages.
     place.run("completions --man share/man1 --quiet").ok();
     assert_eq!(place.names_in("share/man1"), names);
     place.run("completions").fails(2, &["SHELL", "--man"]);

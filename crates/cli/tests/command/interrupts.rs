@@ -1,4 +1,5 @@
-//! Interrupts at random times: the exit status of the signal, nothing unfinished, nothing partial.
+//! Interrupts at random times: the exit status is that of the signal, and no unfinished or partial
+//! files remain.
 #![cfg(unix)]
 
 use std::collections::BTreeMap;
@@ -11,11 +12,11 @@ use std::time::Instant;
 
 use crate::workplace::Workplace;
 
-/// How many interrupts; `just interrupts` sends more.
+/// The variable with the number of interrupts; `just interrupts` sends more.
 const COUNT: &str = "SPHVAR_INTERRUPTS";
 const DEFAULT_COUNT: usize = 8;
 
-/// Commands that write files, most of them long enough to be met in the middle.
+/// Commands that write files, most of them long enough to be interrupted.
 const COMMANDS: [&str; 12] = [
     "sample white-noise -n 300000 -m 2 -o points.csv",
     "sample white-noise -n 300000 -m 3 -o points-{i}.ply",
@@ -31,11 +32,11 @@ const COMMANDS: [&str; 12] = [
     "reproduce C.1 --quick -o figures",
 ];
 
-/// Not random enough for anything but times and choices.
+/// Random numbers that suffice for times and selections only.
 struct Numbers(u64);
 
 impl Numbers {
-    /// A number below `end` (splitmix64).
+    /// Returns a number below `end` (splitmix64).
     fn below(&mut self, end: u64) -> u64 {
         self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
         let mut z = self.0;
@@ -55,7 +56,7 @@ fn prepared() -> Workplace {
     place
 }
 
-/// All files below a folder with their content, and all folders.
+/// Returns all files below a folder with their content, and all folders.
 fn tree(root: &Path) -> BTreeMap<PathBuf, Option<Vec<u8>>> {
     let mut found = BTreeMap::new();
     let mut folders = vec![root.to_path_buf()];
@@ -79,7 +80,8 @@ fn send(child: &Child, signal: &str) {
     assert!(status.success());
 }
 
-/// What a shell shows: 128 and the signal, whether the command ends itself or is ended before it can.
+/// Returns the status that a shell shows: 128 plus the signal, whether the command ends itself or
+/// is ended earlier.
 fn shown(status: ExitStatus) -> i32 {
     status.code().or_else(|| Some(128 + status.signal()?)).unwrap()
 }
@@ -91,7 +93,7 @@ fn nothing_unfinished_is_left() {
     let mut whole = BTreeMap::new();
     let mut ended = 0;
     for i in 0..count {
-        // 5 and 12 have no common factor: every command has its turn.
+        // 5 and 12 are coprime, so every command is combined with every signal.
         let command = COMMANDS[5 * i % COMMANDS.len()];
         let (files, time) = whole.entry(command).or_insert_with(|| {
             let place = prepared();
@@ -121,10 +123,10 @@ fn nothing_unfinished_is_left() {
     assert!(4 * ended >= count, "{ended} of {count} runs were interrupted before their end");
 }
 
-/// Files of a run that could not clean up are removed by the next one; those of a run that is alive are not, and
-/// neither is anything else.
+/// Files of a run that could not clean up are removed by the next one; those of a live run and
+/// other files are kept.
 #[test]
-fn what_a_killed_run_left_is_removed() {
+fn files_of_a_killed_run_are_removed() {
     let place = Workplace::new();
     let left = place.path(".p.csv.sphvar-1-0.tmp");
     let others =
@@ -145,7 +147,7 @@ fn what_a_killed_run_left_is_removed() {
     assert!(!place.names().contains(&".q.csv.sphvar-1-7.tmp".to_owned()));
 }
 
-/// A signal that is ignored on behalf of the command, as `nohup` does, stays so.
+/// A signal that the caller has set to be ignored, as `nohup` does, stays ignored.
 #[test]
 fn ignored_signals_are_ignored() {
     let place = Workplace::new();
@@ -159,7 +161,7 @@ fn ignored_signals_are_ignored() {
     assert_eq!(place.names(), ["p.csv"]);
 }
 
-/// A file that may not grow further is an error of writing, not the end of the process.
+/// A file that exceeds the size limit causes a write error and does not end the process.
 #[test]
 fn a_limit_on_the_size_of_files_is_an_error() {
     let place = Workplace::new();

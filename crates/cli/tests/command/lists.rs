@@ -1,4 +1,4 @@
-//! `sphvar list`: what the registries say, for people and for scripts.
+//! `sphvar list`: the contents of the registries, as text and as JSON.
 
 use std::collections::BTreeSet;
 
@@ -49,7 +49,7 @@ fn every_list_fits_a_terminal() {
     }
 }
 
-/// Parameters that are listed are taken, with their defaults, and those that are required are missed.
+/// Listed parameters are accepted, with their defaults, and missing required ones are reported.
 #[test]
 fn listed_parameters_are_taken() {
     let place = Workplace::new();
@@ -82,10 +82,10 @@ fn listed_parameters_are_taken() {
     }
 }
 
-/// The named values of a parameter, or its default if it has one.
+/// Returns the named values of a parameter, or its default if it has one.
 fn entries_or_default(parameter: &Value) -> Vec<String> {
     match (&parameter["values"], &parameter["default"]) {
-        // Masses of HEALPix need a fitting number of points.
+        // The masses of HEALPix need a matching number of points.
         (Value::Array(values), _) => values
             .iter()
             .map(|value| value.as_str().unwrap().to_owned())

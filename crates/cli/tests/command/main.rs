@@ -1,5 +1,5 @@
-//! The command `sphvar` as a user or a script meets it: the built binary, in an empty folder of its own
-//! for every test, judged by standard output, standard error, exit status and the files it leaves.
+//! The command `sphvar` as users and scripts run it: the tests run the built binary in an empty
+//! folder each and check standard output, standard error, the exit status and the files.
 
 mod accuracy;
 mod audits;

@@ -1,4 +1,4 @@
-//! Messages, whatever they quote: few lines, no control characters.
+//! Messages have few lines and no control characters, whatever they quote.
 
 use crate::workplace::Workplace;
 

@@ -1,11 +1,12 @@
-//! A few values through the whole command, against references that were not made by it.
+//! A few values through the whole command, against independent references.
 
 use std::f64::consts::PI;
 
 use crate::outcome::numbers;
 use crate::workplace::{Workplace, data};
 
-/// Rows of the 25-digit table: an oscillating value, a tiny one near the pole, one below f64's range.
+/// Rows of the 25-digit table: an oscillating value, a tiny one near the pole, one below the range
+/// of f64.
 #[test]
 fn legendre_functions() {
     let table = include_str!("../../../accuracy/data/associated_legendre.csv");
@@ -17,7 +18,7 @@ fn legendre_functions() {
         .collect();
     assert!(rows.len() > 100, "{}", rows.len());
     let place = Workplace::new();
-    // Every fortieth, which takes low and high degrees from both ends of the colatitudes.
+    // Every fortieth, which includes low and high degrees from both ends of the colatitudes.
     for row in rows.iter().step_by(40) {
         let (l, reference) = (row[0].parse::<f64>().unwrap(), row[3].parse::<f64>().unwrap());
         let arguments = format!("eval legendre --l {l} --m {} --theta {} --json", row[1], row[2]);
@@ -63,10 +64,10 @@ fn variance_of_white_noise() {
     let (value, error) = (number("measured"), number("measured_stderr"));
     assert!((value - expected).abs() < 4.0 * error, "measured {value} +- {error}, not {expected}");
     assert!(error < 0.06 * expected, "measured {value} +- {error}");
-    // The spectrum is known, so the prediction is a product of a few numbers.
+    // The spectrum is known in closed form, so the prediction is a product of a few numbers.
     let (value, error) = (number("predicted"), number("predicted_stderr"));
     assert!((value / expected - 1.0).abs() < 8.0 * f64::EPSILON && error == 0.0, "{value} {error}");
-    // Sampled, it has an error.
+    // A sampled spectrum has an error.
     let row =
         place.run(&format!("{arguments} --spectrum-realizations 2000")).json()["rows"][0].clone();
     let number = |key: &str| row[key].as_f64().unwrap();
@@ -75,7 +76,7 @@ fn variance_of_white_noise() {
     assert!(error < 0.06 * expected, "predicted {value} +- {error}");
 }
 
-/// Stratification: 1/16 of white noise's variance at N = 192 and less; the issue's own figures.
+/// Stratification: at most 1/16 of white noise's variance at N = 192, the values of the issue.
 #[test]
 fn variance_of_jittered_strata() {
     let place = Workplace::new();
@@ -102,7 +103,7 @@ fn the_star_catalogue() {
     assert_eq!(power.len(), 17);
     // P(0) = N; the sum of 5044 terms is rounded.
     assert!((power[0] - 5044.0).abs() < 5044.0 * 5044.0 * f64::EPSILON, "{}", power[0]);
-    // Bright stars crowd along the Milky Way: far more quadrupole than chance has.
+    // Bright stars are concentrated along the Milky Way: their quadrupole is far above chance.
     assert!(power[2] > 20.0, "{power:?}");
 }
 
@@ -117,7 +118,8 @@ fn healpix_through_a_file() {
         (8, 2.0933676e-4, 0.208),
     ];
     let place = Workplace::new();
-    // The fast transform's error is relative to P(0) = 972, not to what little the lattice leaves.
+    // The error of the fast transform is relative to P(0) = 972, not to the small power of the
+    // lattice.
     let exact = "--lmax 9 --method exact --json";
     let direct = numbers(&place.run(&format!("spectrum healpix -n 972 {exact}")).json()["power"]);
     place.run("sample healpix -n 972 -o p.csv").ok();
@@ -129,8 +131,8 @@ fn healpix_through_a_file() {
             assert!(power[l] < 1e-20 && direct[l] < 1e-20, "{name}, degree {l}: {}", power[l]);
         }
         for (l, recorded, limit) in REFERENCE {
-            // A lattice turned is the same lattice, but for the rounding of 972 directions, which
-            // counts the more the smaller the sum that it leaves.
+            // A rotated lattice has the same spectrum up to the rounding of 972 directions, whose
+            // relative effect grows as the sum decreases.
             let apart = (power[l] - direct[l]).abs() / direct[l];
             assert!(apart < tolerance, "{name}, degree {l}: {}, {}", power[l], direct[l]);
             assert!((power[l] / recorded - 1.0).abs() < 1e-6, "degree {l}: {}", power[l]);

@@ -2,7 +2,7 @@ use std::process::Output;
 
 use serde_json::Value;
 
-/// What one run of the command left behind.
+/// The result of one run of the command.
 #[derive(Debug)]
 pub(crate) struct Outcome {
     arguments: String,
@@ -12,7 +12,7 @@ pub(crate) struct Outcome {
 }
 
 impl Outcome {
-    /// Takes the output of a run, which must be text and free of any trace of a panic.
+    /// Takes the output of a run and asserts that it is text without any trace of a panic.
     pub(crate) fn new(arguments: &str, output: Output) -> Self {
         let stderr = String::from_utf8(output.stderr).unwrap();
         for trace in ["panicked", "backtrace", "RUST_", "memory allocation"] {
@@ -32,15 +32,15 @@ impl Outcome {
         self
     }
 
-    /// Asserts success; standard output is one JSON document and nothing else.
+    /// Asserts success and that standard output is exactly one JSON document; returns it.
     pub(crate) fn json(self) -> Value {
         let outcome = self.ok();
         serde_json::from_str(&outcome.stdout)
             .unwrap_or_else(|e| panic!("sphvar {}: {e}\n{}", outcome.arguments, outcome.stdout))
     }
 
-    /// Asserts this exit status, that nothing went to standard output, and that the message contains
-    /// all these parts.
+    /// Asserts the exit status, an empty standard output, and a message that contains all these
+    /// parts.
     pub(crate) fn fails(self, status: i32, parts: &[&str]) {
         let Self { arguments, stdout, stderr, .. } = &self;
         assert_eq!(self.status, Some(status), "sphvar {arguments}\n{stderr}");
@@ -52,23 +52,23 @@ impl Outcome {
     }
 }
 
-/// Whether two numbers are the same but for the last bit, which `serde_json` may read wrongly.
+/// Returns whether two numbers agree up to the last bit, which `serde_json` may read incorrectly.
 pub(crate) fn same(a: f64, b: f64) -> bool {
     (a - b).abs() <= 2.0 * f64::EPSILON * b.abs()
 }
 
-/// The keys of a JSON object, in the order of the document's type.
+/// Returns the keys of a JSON object, in the order of the document's type.
 pub(crate) fn keys(value: &Value) -> Vec<&str> {
     value.as_object().unwrap_or_else(|| panic!("no object: {value}")).keys().map(|k| &**k).collect()
 }
 
-/// A list of numbers.
+/// Returns a list of numbers.
 pub(crate) fn numbers(value: &Value) -> Vec<f64> {
     let list = value.as_array().unwrap_or_else(|| panic!("no list: {value}"));
     list.iter().map(|x| x.as_f64().unwrap_or_else(|| panic!("no number: {x}"))).collect()
 }
 
-/// Asserts that an object has all these keys; more may be added.
+/// Asserts that an object has all these keys and possibly others.
 #[track_caller]
 pub(crate) fn assert_keys(value: &Value, wanted: &[&str]) {
     let got = keys(value);

@@ -1,10 +1,10 @@
-//! Readers of standard output that leave early, as `head -1` does: no message, exit status 0.
+//! Readers of standard output that close early, as `head -1` does: no message, exit status 0.
 
 use std::io::{BufRead, BufReader, Read};
 
 use crate::workplace::Workplace;
 
-/// Each writes far more than a pipe holds (64 KiB).
+/// Each command writes far more than a pipe holds (64 KiB).
 const LONG: [&str; 5] = [
     "sample white-noise -n 20000",
     "sample white-noise -n 20000 --json",
@@ -14,7 +14,7 @@ const LONG: [&str; 5] = [
 ];
 
 #[test]
-fn a_closed_pipe_is_no_failure() {
+fn a_closed_pipe_is_not_a_failure() {
     let place = Workplace::new();
     place.write("pixels.csv", (0..20000).map(|i| format!("{i}\n")).collect::<String>());
     for arguments in LONG {

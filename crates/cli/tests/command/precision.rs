@@ -1,4 +1,4 @@
-//! Variances to a precision, degrees that are refused, and sphere sets cut in half.
+//! Variances to a requested precision, rejected degrees, and upper halves of sphere sets.
 
 use crate::outcome::assert_keys;
 use crate::workplace::Workplace;
@@ -37,7 +37,7 @@ fn trials_are_doubled_until_the_variance_is_precise() {
 }
 
 #[test]
-fn a_degree_that_fakes_a_rate_is_refused() {
+fn a_degree_that_fakes_a_rate_is_rejected() {
     let place = Workplace::new();
     let with = |sampler: &str, lmax: usize, integrand: &str| {
         place.run(&format!(
@@ -51,9 +51,10 @@ fn a_degree_that_fakes_a_rate_is_refused() {
     with("white-noise", 8, "cap:degrees=60").ok();
 }
 
-/// Cut at the equator, what vanishes there costs nothing and is predicted; the ratio estimate pays.
+/// With the cut at the equator, an integrand that vanishes there has no additional variance, and
+/// the variance is predicted; the ratio estimate has a larger one.
 #[test]
-fn cut_spheres_stand_beside_the_hemisphere() {
+fn cut_spheres_are_compared_with_the_hemisphere() {
     let place = Workplace::new();
     let command = "variance jittered -n 96 --integrand cosine -m 400 --hemisphere";
     let document = place.run(&format!("{command} --cut-sphere=equator --json")).json();
@@ -74,8 +75,8 @@ fn cut_spheres_stand_beside_the_hemisphere() {
     assert!(place.run(&format!("{command} --json")).json().get("cut_sphere").is_none());
 }
 
-/// Predictions for cuts at the equator are there, with the error of their tail apart, or null where
-/// the integrand's energies are unknown.
+/// Predictions for cuts at the equator state the error of their tail separately, or are null if the
+/// integrand's energies are unknown.
 #[test]
 fn predictions_of_cut_spheres_state_their_tail() {
     let place = Workplace::new();
@@ -85,13 +86,13 @@ fn predictions_of_cut_spheres_state_their_tail() {
         document["cut_sphere"].as_array().unwrap().clone()
     };
     for row in rows("cosine") {
-        // The mean spectrum of jitter is exact; what lies beyond it is not.
+        // The mean spectrum of jittered samples is exact, but not its tail.
         assert_eq!(row["predicted_stderr"], 0.0, "{row}");
         let number = |key: &str| row[key].as_f64().unwrap();
         assert!(number("predicted_tail_error") > 0.0, "{row}");
         assert!((0.0..number("predicted")).contains(&number("predicted_tail")), "{row}");
     }
-    // Where a map of pixels is cut its energies are unknown.
+    // The energies of a cut pixel map are unknown.
     let map = format!("map:{}/tests/data/ring.fits", env!("CARGO_MANIFEST_DIR"));
     assert!(rows(&map).iter().all(|row| row["predicted"].is_null() && row["measured"].is_f64()));
 }

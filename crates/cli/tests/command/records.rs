@@ -5,7 +5,8 @@ use serde_json::Value;
 use crate::outcome::same;
 use crate::workplace::Workplace;
 
-/// The value of a record that a CSV column shows: that of its name, or an end of an interval.
+/// Returns the value of a record that a CSV column shows: that of its name, or an end of an
+/// interval.
 fn value<'a>(record: &'a Value, column: &str) -> Option<&'a Value> {
     let end = |suffix: &str, end: usize| {
         let stem = column.strip_suffix(suffix)?;
@@ -62,7 +63,7 @@ fn csv_has_what_json_has() {
             }
             let intervals = record.as_object().unwrap().values().filter(|v| is_interval(v)).count();
             let expected = record.as_object().unwrap().len() + intervals - only_in_json.len();
-            // An interval that is null is not seen to be one.
+            // A null value does not show that a field is an interval.
             assert!(columns.len() >= expected, "{arguments}: {columns:?}, {record}");
         }
     }

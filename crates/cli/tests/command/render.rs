@@ -14,7 +14,7 @@ fn number(document: &Value, key: &str) -> f64 {
     document[key].as_f64().unwrap_or_else(|| panic!("{key}: {document}"))
 }
 
-/// The grey values of a portable float map, from the top.
+/// Returns the grey values of a portable float map, from the top.
 fn pfm(bytes: &[u8], width: usize, height: usize) -> Vec<f32> {
     let head = format!("Pf\n{width} {height}\n-1.0\n");
     let body = bytes.strip_prefix(head.as_bytes()).unwrap_or_else(|| panic!("no {head:?}"));
@@ -32,7 +32,7 @@ fn a_picture_needs_no_reference_image() {
     assert_eq!(place.names(), ["ao.png"]);
     let picture = image::open(place.path("ao.png")).unwrap().into_rgb8();
     assert_eq!(picture.dimensions(), (48, 32));
-    // Outside of the box it is dark, the middle of the back wall is not.
+    // The surroundings of the box are dark, the middle of the back wall is not.
     assert_eq!(picture.get_pixel(0, 16).0, [0; 3]);
     assert!(picture.get_pixel(24, 6).0[0] > 60, "{:?}", picture.get_pixel(24, 6));
     assert!(place.bytes("ao.png").windows(6).any(|w| w == b"render"), "the command is in the file");
@@ -144,7 +144,7 @@ fn reference_images_are_kept_and_damage_is_noticed() {
     assert_eq!(place.bytes(&name), kept, "it is made again and kept");
     place.write(&name, &kept[..kept.len() / 3]);
     assert!(same(mse(&place), first));
-    // Whatever the reference depends on makes another one.
+    // A change of any quantity that the reference depends on gives another image.
     for other in
         ["--seed 1", "--max-distance 50", "--crop 2,2,20,20", "--integral light", "--fov 30"]
     {
@@ -152,7 +152,7 @@ fn reference_images_are_kept_and_damage_is_noticed() {
         place.run(&format!("{arguments} {other}")).ok();
         assert_eq!(place.names_in("cache").len(), before + 1, "{other}");
     }
-    // A cache that cannot be written is no reason to stop.
+    // A cache that cannot be written does not stop the run.
     let outcome = place.run(&arguments.replace("--cache cache", "--cache /dev/null/x")).ok();
     assert!(outcome.stderr.contains("not kept"), "{}", outcome.stderr);
     place.run(&arguments.replace("--cache cache", "--cache none")).ok();
@@ -185,11 +185,12 @@ fn light_and_skies() {
     assert!(wide > 0.99 && cosine > 0.99, "nothing stands above it: {wide} {cosine}");
 }
 
-/// A quarter of the sky is bright: where the emitter `envmap` of Mitsuba 3 has the columns from 1/4 to 1/2, between +x
-/// and +z with y up, as pictures that it rendered show. A wall receives pi/2 (sin b - sin a) from longitudes a to b off
-/// its normal, and sends back that over pi.
+/// A quarter of the sky is bright: the quarter in which the emitter `envmap` of Mitsuba 3 shows the
+/// columns from 1/4 to 1/2, between +x and +z with y up, as in pictures that it rendered. A wall
+/// receives pi/2 (sin b - sin a) from longitudes a to b off its normal, and reflects that divided
+/// by pi.
 #[test]
-fn the_sky_lies_as_in_other_renderers() {
+fn the_sky_is_oriented_as_in_other_renderers() {
     let place = Workplace::new();
     let sky = image::Rgb32FImage::from_fn(64, 32, |x, _| {
         image::Rgb([if (16..32).contains(&x) { 1.0 } else { 0.0 }; 3])
@@ -212,12 +213,12 @@ fn the_sky_lies_as_in_other_renderers() {
     };
     for (options, bright, dark) in [
         ("", ["4,0,0", "0,0,4"], ["-4,0,0", "0,0,-4"]),
-        // The other way round, -z comes in place of z.
+        // With the opposite orientation, -z replaces z.
         (",mirror=yes", ["4,0,0", "0,0,-4"], ["-4,0,0", "0,0,4"]),
         // Counterclockwise as seen from above: from +x to -z.
         (",turn=90", ["0,0,-4", "4,0,0"], ["0,0,4", "-4,0,0"]),
         (",turn=180", ["-4,0,0", "0,0,-4"], ["4,0,0", "0,0,4"]),
-        // As if z were up: the quarter lies between +x and -y, which the floor sees too.
+        // With z up, the quarter is between +x and -y, where the floor receives light too.
         (",up=z", ["4,0,0", "4,0,0"], ["-4,0,0", "-4,0,0"]),
     ] {
         for eye in bright {
@@ -280,7 +281,8 @@ fn a_sheet_shows_panels() {
     assert!(sheet.width() > 3 * 24 && sheet.height() > 2 * 24, "{sheet:?}");
 }
 
-/// A square of 2 by 2 under an open sky that fills parts of pixels: its value is 1, and alpha says how much it fills.
+/// A square of 2 by 2 under an open sky covers parts of pixels: its value is 1, and alpha is the
+/// covered fraction.
 #[test]
 fn partly_covered_pixels_count_as_such() {
     let place = Workplace::new();
@@ -291,7 +293,7 @@ fn partly_covered_pixels_count_as_such() {
                 --look-at 0,0,0 --fov 30 --reference-count 96 --cache none -m 2";
     let document = place.run(&format!("{view} --json -o s.exr")).json();
     assert_eq!((number(&document, "mean"), number(&document, "mse")), (1.0, 0.0));
-    // The picture's height is 10 tan(15 degrees); primary rays are off by 1/32 of a pixel at most.
+    // The picture's height is 10 tan(15 degrees); primary rays are off by at most 1/32 of a pixel.
     let share = (2.0 / (10.0 * 15f64.to_radians().tan())).powi(2);
     assert!((number(&document, "coverage") - share).abs() < 0.05, "{document}");
     let picture = image::open(place.path("s.exr")).unwrap().into_rgba32f();
@@ -304,7 +306,7 @@ fn partly_covered_pixels_count_as_such() {
 }
 
 #[test]
-fn wrong_usage_is_told() {
+fn usage_errors_are_reported() {
     let place = Workplace::new();
     place.write("broken.obj", "v 0 0 0\nv 1 0 0\nv 0 1 nan\nf 1 2 3\n");
     place.write("empty.obj", "");
@@ -382,7 +384,7 @@ fn wrong_usage_is_told() {
     assert_eq!(place.names(), ["broken.obj", "empty.obj", "pyramid.obj", "sky.png"]);
 }
 
-/// The city of the repository lights a mesh.
+/// The environment map of the repository lights a mesh.
 #[test]
 fn a_real_map_lights_a_mesh() {
     let place = Workplace::new();

@@ -1,4 +1,4 @@
-//! `sphvar reproduce`: its files, what a killed run leaves, and the page in a browser.
+//! `sphvar reproduce`: its files, the recovery after a killed run, and the page in a browser.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -14,7 +14,7 @@ use crate::workplace::Workplace;
 /// A figure of closed forms, and one whose ensembles fall into several pieces.
 const FIGURES: &str = "C.1 4.17";
 
-/// Every file below a folder with its bytes.
+/// Returns every file below a folder with its bytes.
 fn tree(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
     let mut files = BTreeMap::new();
     for entry in fs::read_dir(folder).unwrap() {
@@ -28,7 +28,7 @@ fn tree(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
     files
 }
 
-/// The same with names relative to the folder.
+/// Returns the same with names relative to the folder.
 fn relative(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
     let strip =
         |(path, bytes): (PathBuf, Vec<u8>)| (path.strip_prefix(folder).unwrap().to_owned(), bytes);
@@ -36,7 +36,7 @@ fn relative(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
 }
 
 #[test]
-fn a_killed_run_goes_on_and_gives_the_same_bytes() {
+fn a_killed_run_resumes_with_the_same_bytes() {
     let place = Workplace::new();
     place.run(&format!("reproduce {FIGURES} --quick -o whole -j 1")).ok();
     let arguments = format!("reproduce {FIGURES} --quick -o out");
@@ -52,7 +52,7 @@ fn a_killed_run_goes_on_and_gives_the_same_bytes() {
         assert!(start.elapsed() < Duration::from_secs(300), "no piece was ever finished");
         sleep(Duration::from_millis(1));
     }
-    // SIGKILL: nothing can be cleaned up.
+    // SIGKILL prevents any cleanup.
     child.kill().unwrap();
     child.wait().unwrap();
     assert!(!place.path("out/index.html").exists(), "it was killed too late to show anything");
@@ -62,7 +62,7 @@ fn a_killed_run_goes_on_and_gives_the_same_bytes() {
         .filter(|entry| entry.path().extension().is_some_and(|x| x == "piece"))
         .map(|entry| (entry.path(), entry.metadata().unwrap().modified().unwrap()))
         .collect();
-    // What a run that was killed in the middle of a file leaves.
+    // The remains of a run that was killed in the middle of a file.
     fs::write(place.path("out/figures/.C.1-a.svg.sphvar-1-0.tmp"), "half").unwrap();
     place.run(&arguments).ok();
     let (whole, resumed) = (relative(&place.path("whole")), relative(&place.path("out")));
@@ -102,8 +102,8 @@ fn every_panel_has_its_numbers_and_every_claim_its_row() {
     }
 }
 
-/// What follows from closed forms: 3.1 has rows that are true by construction, two rows of one erratum stand in 3.1 and
-/// C.1, and verdicts are counted by row but errata by number.
+/// Properties of closed forms: 3.1 has rows that are true by construction, two rows of one erratum
+/// are in 3.1 and C.1, and verdicts are counted by row but errata by number.
 #[test]
 fn rows_are_counted_by_verdict_and_errata_once() {
     let place = Workplace::new();
@@ -129,14 +129,14 @@ fn rows_are_counted_by_verdict_and_errata_once() {
         assert!(parts.map(place_of).is_sorted(), "{name}");
         let apart = text.rfind("True by construction").unwrap();
         assert!(apart > place_of("Figure C.1: Energy of the cap"), "{name}");
-        // A row that could not fail stands there and nowhere else.
+        // A row that cannot fail appears in its own section only.
         let row = "largest inner product of two different harmonics";
         assert!(text.matches(row).count() == 1 && place_of(row) > apart, "{name}");
     }
 }
 
 #[test]
-fn wrong_figures_and_busy_folders_are_refused() {
+fn wrong_figures_and_busy_folders_are_rejected() {
     let place = Workplace::new();
     place.run("reproduce 4.18 -o out").fails(2, &["unknown figure \"4.18\"", "4.17", "C.1"]);
     assert_eq!(place.names(), Vec::<String>::new());
@@ -149,7 +149,7 @@ fn wrong_figures_and_busy_folders_are_refused() {
     place.run("reproduce C.1 -o out").fails(1, &["another run writes to this folder"]);
 }
 
-/// Where a browser is, on a usual machine.
+/// The common paths of a browser.
 const BROWSERS: [&str; 4] = [
     "/usr/bin/chromium",
     "/usr/bin/chromium-browser",
@@ -157,11 +157,11 @@ const BROWSERS: [&str; 4] = [
     "/snap/bin/chromium",
 ];
 
-/// Set where a missing browser is an error and no reason to skip.
+/// The variable that makes a missing browser an error instead of a reason to skip.
 const REQUIRED: &str = "SPHVAR_TESTS_NEED_BROWSER";
 
-/// A page in a browser that has no network: every picture is drawn, nothing outside of the page is asked for, nothing
-/// is wider than the window.
+/// The page in a browser without network: every picture is drawn, no external resource is
+/// requested, and no element is wider than the window.
 #[test]
 fn the_page_needs_nothing_but_itself() {
     let Some(browser) = BROWSERS.iter().find(|path| Path::new(path).exists()) else {
@@ -174,7 +174,7 @@ fn the_page_needs_nothing_but_itself() {
     };
     let place = Workplace::new();
     place.run("reproduce C.1 -o out").ok();
-    // The page is questioned by a script that only the test adds.
+    // A script that only the test adds inspects the page.
     let probe = "<script>addEventListener('load', async () => {
         const images = [...document.images];
         images.forEach(image => image.loading = 'eager');

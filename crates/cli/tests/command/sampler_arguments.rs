@@ -1,4 +1,5 @@
-//! Samplers, numbers of points and errors as people write them, and what is said of samplers.
+//! The notation of samplers, numbers of points and errors in arguments, and the remarks on
+//! samplers.
 
 use serde_json::Value;
 
@@ -35,7 +36,7 @@ fn numbers_of_points_are_lists_ranges_and_powers() {
 }
 
 #[test]
-fn all_stands_for_every_sampler() {
+fn all_selects_every_sampler() {
     let place = Workplace::new();
     let list = place.run("list samplers --json").json();
     let all = list["samplers"].as_array().unwrap().len();
@@ -46,7 +47,7 @@ fn all_stands_for_every_sampler() {
     place.run("sample all -n 12").fails(2, &["expected one sampler, got all"]);
 }
 
-/// The folder of a test is no clone of the repository.
+/// The folder of a test is not a clone of the repository.
 #[test]
 fn the_default_comparison_needs_no_file() {
     let place = Workplace::new();
@@ -73,14 +74,15 @@ fn help_states_the_default_samplers_of_a_comparison() {
         .map(|s| s["sampler"].as_str().unwrap())
         .collect();
     assert_eq!(format!("[default: {}]", names.join(",")), stated);
-    // It is read in a terminal.
+    // The output is read in a terminal.
     let text =
         place.run("compare -n 12,48 --integrand cap:degrees=60 -m 50 -o out --force").ok().stdout;
     let longest = text.lines().max_by_key(|line| line.chars().count()).unwrap();
     assert!(longest.chars().count() <= 100, "{longest}");
 }
 
-/// Samplers are arguments or the value of a flag, divided by commas or blanks; all these have one answer.
+/// Samplers are arguments or the value of a flag, separated by commas or spaces; all notations have
+/// the same result.
 #[test]
 fn samplers_are_arguments_or_a_flag() {
     let place = Workplace::new();
@@ -119,7 +121,8 @@ fn samplers_are_arguments_or_a_flag() {
     assert_eq!(place.run(named).json()["rows"].as_array().unwrap().len(), 2);
 }
 
-/// Without -m, expensive samplers have fewer trials than inexpensive ones; predictions do not depend on it.
+/// Without -m, expensive samplers have fewer trials than inexpensive ones; predictions do not
+/// depend on that number.
 #[test]
 fn default_trials_follow_from_the_cost_of_a_set() {
     let place = Workplace::new();
@@ -136,7 +139,7 @@ fn default_trials_follow_from_the_cost_of_a_set() {
     assert!(numbers(&until, "trials").iter().all(|&trials| trials <= 8), "{until}");
 }
 
-/// An error of 1 is 100 %, which nobody asks for.
+/// An error of 1 is 100 %, which is hardly ever meant.
 #[test]
 fn shares_above_a_half_need_a_percent_sign() {
     let place = Workplace::new();
@@ -165,8 +168,8 @@ fn variances_are_drawn() {
     assert_eq!(place.bytes("v.png")[1..4], *b"PNG");
 }
 
-/// The last degree without power, stated wherever a step is made or chosen; where there is no set for
-/// an alpha, the error names the largest.
+/// The last empty degree is stated whenever a step sampler is generated or recommended; if no set
+/// exists for an alpha, the error names the largest valid one.
 #[test]
 fn steps_state_their_last_empty_degree() {
     let place = Workplace::new();

@@ -1,10 +1,10 @@
-//! Documents of `--json` against docs/schema.json, which describes them.
+//! The documents of `--json` conform to docs/schema.json.
 
 use serde_json::Value;
 
 use crate::workplace::{Workplace, data};
 
-/// Whether a value has one of the types that a schema names.
+/// Returns whether a value has one of the types that a schema names.
 fn has_type(value: &Value, name: &str) -> bool {
     match name {
         "null" => value.is_null(),
@@ -18,9 +18,9 @@ fn has_type(value: &Value, name: &str) -> bool {
     }
 }
 
-/// Collects where a value does not fit a schema, with the path of the place. Keys that no schema
-/// describes do not fit either. Only the keywords that docs/schema.json has are known; another one
-/// is a panic.
+/// Collects the violations of a schema by a value, with their paths. Keys that the schema does not
+/// describe are violations. Only the keywords of docs/schema.json are supported; another one causes
+/// a panic.
 fn check(root: &Value, schema: &Value, value: &Value, path: &str, faults: &mut Vec<String>) {
     let fault = |text: String| format!("{path}: {text}, got {value}");
     let Some(schema) = schema.as_object() else {
@@ -70,7 +70,7 @@ fn check(root: &Value, schema: &Value, value: &Value, path: &str, faults: &mut V
                     }
                 }
             }
-            // Of keys without a name of their own, such as those of a map.
+            // The schema of keys without a fixed name, such as those of a map.
             "additionalProperties" => {
                 for (key, value) in value.as_object().into_iter().flatten() {
                     check(root, expected, value, &format!("{path}/{key}"), faults);
@@ -95,7 +95,7 @@ fn check(root: &Value, schema: &Value, value: &Value, path: &str, faults: &mut V
                     check(root, schema, value, path, &mut own);
                     own
                 });
-                // The alternative with the fewest faults explains most.
+                // The alternative with the fewest violations is the most informative.
                 faults.extend(all.min_by_key(Vec::len).unwrap_or_default());
             }
             "$ref" => {
@@ -113,7 +113,7 @@ fn root() -> Value {
     serde_json::from_str(include_str!("../../../../docs/schema.json")).unwrap()
 }
 
-/// The places where a document does not fit the schema of its command.
+/// Returns the violations of the schema of a command by a document.
 fn faults(command: &str, document: &Value) -> Vec<String> {
     let (root, mut faults) = (root(), Vec::new());
     let schema = &root["documents"][command];
@@ -122,7 +122,7 @@ fn faults(command: &str, document: &Value) -> Vec<String> {
     faults
 }
 
-/// At least one document of every command that the schema has.
+/// At least one document of every command in the schema is checked.
 #[test]
 fn documents_fit_their_schema() {
     let place = Workplace::new();
@@ -193,7 +193,7 @@ fn documents_fit_their_schema() {
     assert!(untried.is_empty(), "{untried:?}");
 }
 
-/// What does not fit is found: a missing key, a key too many, and values of other types.
+/// Violations are detected: a missing key, an additional key, and values of other types.
 #[test]
 fn other_documents_do_not_fit() {
     let place = Workplace::new();

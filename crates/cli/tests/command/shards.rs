@@ -1,10 +1,10 @@
-//! Spectra in parts: `spectrum --shard --save` and `merge`.
+//! Spectrum shards: `spectrum --shard --save` and `merge`.
 
 use crate::workplace::Workplace;
 
 const RUN: &str = "spectrum jittered -n 48 -m 23 --lmax 9";
 
-/// What a spectrum consists of, without the time and the command that it took.
+/// Returns the contents of a spectrum, without its time and command.
 fn numbers(place: &Workplace, arguments: &str) -> Vec<serde_json::Value> {
     let document = place.run(arguments).json();
     let keys = ["sampler", "domain", "n", "lmax", "realizations", "l", "power", "stderr"];
@@ -12,14 +12,14 @@ fn numbers(place: &Workplace, arguments: &str) -> Vec<serde_json::Value> {
 }
 
 #[test]
-fn parts_in_any_order_give_the_bits_of_one_run() {
+fn parts_in_any_order_are_bit_identical_to_one_run() {
     let place = Workplace::new();
     let whole = numbers(&place, &format!("{RUN} --json"));
     for (i, threads) in [(1, 1), (2, 2), (3, 1)] {
         place.run(&format!("{RUN} --shard {i}/3 --save {i}.shard -j {threads} --quiet")).ok();
     }
     assert_eq!(numbers(&place, "merge 3.shard 1.shard 2.shard --json"), whole);
-    // Parts of parts, too.
+    // Merged shards can be merged again.
     place.run("merge 2.shard 1.shard --save 12.shard --partial --quiet").ok();
     assert_eq!(numbers(&place, "merge 3.shard 12.shard --json"), whole);
     let said = place.run("merge 3.shard 1.shard --partial").ok();
@@ -61,7 +61,8 @@ fn missing_parts_are_listed() {
     place.run("merge 7.shard b.shard").fails(1, &["missing: realizations 0 to 5, 7 to 88"]);
 }
 
-/// A shard names the machine's class and the form of its file; both are checked.
+/// A shard states the instruction set of its machine and the version of its format; both are
+/// checked.
 #[test]
 fn shards_of_other_machines_and_versions_are_errors() {
     let place = Workplace::new();
@@ -100,7 +101,7 @@ fn a_pattern_that_is_not_random_keeps_its_exact_spectrum() {
 }
 
 #[test]
-fn parts_that_do_not_belong_together_are_refused() {
+fn incompatible_parts_are_rejected() {
     let place = Workplace::new();
     place.run(&format!("{RUN} --shard 1/2 --save a --quiet")).ok();
     for (other, what) in [

@@ -1,4 +1,4 @@
-//! Targets that are no plain files, and names at the limits.
+//! Targets that are not regular files, and names of extreme length.
 #![cfg(unix)]
 
 use std::fs::{self, File};
@@ -8,7 +8,7 @@ use std::process::{Command, Stdio};
 
 use crate::workplace::Workplace;
 
-/// A command whose output is known.
+/// A command with a known output.
 const POINTS: &str = "sample fibonacci -n 12 -o";
 
 fn points() -> String {
@@ -70,7 +70,7 @@ fn standard_output_by_its_other_names() {
             continue;
         }
         assert_eq!(place.run(&format!("{POINTS} {name}")).ok().stdout, points(), "{name}");
-        // A file that has a beginning keeps it.
+        // A file that already has content keeps it.
         let script =
             format!("(echo head; {} {POINTS} {name}) > file", env!("CARGO_BIN_EXE_sphvar"));
         let run = Command::new("sh").args(["-c", &script]).current_dir(place.path("")).status();
@@ -112,7 +112,7 @@ fn pipes_are_written_to() {
         assert_eq!(text, points(), "{name}");
         assert!(!fs::symlink_metadata(place.path(name)).unwrap().is_file(), "{name}");
     }
-    // A pipe in a cache is no image, and nothing to wait for.
+    // A pipe in a cache is not an image, and the command does not wait for it.
     place.run("render cornell --sampler jittered -n 12 --size 8 --cache cache --mse").ok();
     let reference = place.names_in("cache").remove(0);
     fs::remove_file(place.path("cache").join(&reference)).unwrap();
@@ -168,7 +168,7 @@ fn one_file_a_set() {
 }
 
 #[test]
-fn a_comparison_is_not_overwritten_unasked() {
+fn a_comparison_is_overwritten_only_with_force() {
     let place = Workplace::new();
     let one = "compare fibonacci -n 12 --integrand cosine --hemisphere -m 4 -o out";
     let other = "compare fibonacci -n 24 --integrand cosine --hemisphere -m 4 -o out";
@@ -185,7 +185,7 @@ fn a_comparison_is_not_overwritten_unasked() {
     place.run(one).fails(1, &["-n 24"]);
     fs::remove_file(place.path("out/comparison.json")).unwrap();
     place.run(other).fails(1, &["comparison.csv, spectra.csv", "not known", "--force"]);
-    // Other files are nobody's results.
+    // Other files do not count as results.
     fs::create_dir(place.path("mine")).unwrap();
     place.write("mine/notes.txt", "kept");
     place.run(&one.replace("out", "mine")).ok();
@@ -204,7 +204,7 @@ fn two_runs_do_not_share_a_folder() {
     let words = ["out", "another run", &format!("process {}", child.id()), "-m 400000"];
     place.run("compare fibonacci -n 12 --integrand cosine -o out --force").fails(1, &words);
     place.run("reproduce C.1 --quick -o out").fails(1, &words);
-    // Killed outright, it leaves its lock, which nobody holds.
+    // A killed run leaves its lock file, which no process holds.
     child.kill().unwrap();
     child.wait().unwrap();
     assert_eq!(place.names_in("out"), [".sphvar.lock"]);
@@ -212,7 +212,8 @@ fn two_runs_do_not_share_a_folder() {
     assert!(!place.names_in("out").contains(&".sphvar.lock".to_owned()));
 }
 
-/// What a run left that was killed while it wrote is not taken for results; other files and complete results are.
+/// Files of a run that was killed while it wrote them do not count as results; other files and
+/// complete results are kept.
 #[test]
 fn results_of_a_killed_comparison_are_replaced() {
     let place = Workplace::new();
@@ -235,18 +236,18 @@ fn results_of_a_killed_comparison_are_replaced() {
     place.run(other).ok();
     assert_eq!(place.names_in("out").len(), 10, "{:?}", place.names_in("out"));
     assert_eq!(place.text("out/notes.txt"), "kept");
-    // Without the mark they may be anybody's, even where a run was killed during its work.
+    // Without the mark they may belong to the user, even if a run was killed during its work.
     for lock in [None, Some(""), Some("process 1: sphvar compare spiral -n 30\n")] {
         prepare(lock);
         place.run(other).fails(1, &["comparison.csv, spectra.csv", "not known", "--force"]);
         assert_eq!(place.text("out/comparison.csv"), "half");
         assert!(!place.names_in("out").contains(&".sphvar.lock".to_owned()));
     }
-    // Complete results, where the run was killed before it took its lock away.
+    // Complete results, if the run was killed before it removed its lock.
     place.run(&format!("{one} --force")).ok();
     place.write("out/.sphvar.lock", lock);
     place.run(other).fails(1, &["the results of another run", "spiral -n 30", "--force"]);
-    // At whatever point it is killed, another comparison is possible unless the results are complete.
+    // Whenever a run is killed, another comparison is possible unless the results are complete.
     for delay in 0..6 {
         fs::remove_dir_all(place.path("out")).unwrap();
         let mut child = place.command(one).spawn().unwrap();
@@ -265,9 +266,9 @@ fn results_of_a_killed_comparison_are_replaced() {
     }
 }
 
-/// An error while results are written leaves no part of them, and what was there before.
+/// An error while results are written leaves no partial results, and earlier files are kept.
 #[test]
-fn results_that_cannot_be_written_are_taken_back() {
+fn results_that_cannot_be_written_are_removed() {
     let place = Workplace::new();
     fs::create_dir_all(place.path("out/variance.svg")).unwrap();
     place.write("out/spectra.csv", "mine");

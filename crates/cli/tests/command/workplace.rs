@@ -7,7 +7,7 @@ use tempfile::TempDir;
 
 use crate::outcome::Outcome;
 
-/// An empty folder in which the command runs; it is removed in the end.
+/// An empty folder in which the command runs; it is removed at the end.
 #[derive(Debug)]
 pub(crate) struct Workplace {
     folder: TempDir,
@@ -22,9 +22,10 @@ impl Workplace {
         self.folder.path().join(name)
     }
 
-    /// The command with these arguments, which are divided by blanks, before it is started.
+    /// Returns the command with these arguments, which are separated by spaces, before it is
+    /// started.
     ///
-    /// A backtrace is asked for, so that a panic would show.
+    /// A backtrace is requested, so that a panic would be visible.
     pub(crate) fn command(&self, arguments: &str) -> Command {
         let mut command = Command::new(env!("CARGO_BIN_EXE_sphvar"));
         command
@@ -46,7 +47,7 @@ impl Workplace {
     /// Runs the command with this text on standard input.
     pub(crate) fn run_on(&self, arguments: &str, input: &str) -> Outcome {
         let mut child = self.command(arguments).stdin(Stdio::piped()).spawn().unwrap();
-        // Dropped at once, which is the end of the input. All inputs here fit into the pipe.
+        // Dropped immediately, which ends the input. All inputs here fit in the pipe.
         child.stdin.take().unwrap().write_all(input.as_bytes()).unwrap();
         Outcome::new(arguments, child.wait_with_output().unwrap())
     }
@@ -63,12 +64,12 @@ impl Workplace {
         String::from_utf8(self.bytes(name)).unwrap()
     }
 
-    /// The names of all files and folders, hidden ones too, in order.
+    /// Returns the sorted names of all files and folders, including hidden ones.
     pub(crate) fn names(&self) -> Vec<String> {
         self.names_in("")
     }
 
-    /// The same of a folder in this one.
+    /// Returns the same for a folder inside this one.
     pub(crate) fn names_in(&self, folder: &str) -> Vec<String> {
         let entries = fs::read_dir(self.path(folder)).unwrap();
         let mut names: Vec<String> =
@@ -78,13 +79,13 @@ impl Workplace {
     }
 }
 
-/// A file of the repository's folder `data`.
+/// Returns the path of a file of the repository's folder `data`.
 pub(crate) fn data(name: &str) -> String {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../data").join(name);
     path.to_str().unwrap().to_owned()
 }
 
-/// A minimal OpenEXR image, grey, brighter from texel to texel.
+/// Returns a minimal grey OpenEXR image whose texels increase in brightness.
 pub(crate) fn small_exr(width: u32, height: u32) -> Vec<u8> {
     let texel = |x, y| image::Rgb([(1 + x + width * y) as f32; 3]);
     let map = image::Rgb32FImage::from_fn(width, height, texel);

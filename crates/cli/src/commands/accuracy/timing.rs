@@ -54,7 +54,7 @@ mod tests {
     }
 
     #[test]
-    fn runs_are_many_enough_and_outliers_do_not_count() {
+    fn enough_runs_are_timed_without_outliers() {
         let mut long = Sleeper { runs: 0, millis: 40 };
         let seconds = median_seconds(&mut long, Effort::Full);
         assert_eq!(long.runs, 6);

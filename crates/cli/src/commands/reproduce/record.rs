@@ -170,7 +170,7 @@ mod tests {
     }
 
     #[test]
-    fn what_depends_shows_every_option() {
+    fn undetermined_claims_show_every_option() {
         let claim =
             Claim::over_choice("the kind", vec![("a", at_most_1(0.5)), ("b", at_most_1(2.0))]);
         let record = VerdictRecord::new("7.4", &claim);

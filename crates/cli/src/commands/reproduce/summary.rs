@@ -127,7 +127,7 @@ mod tests {
     }
 
     #[test]
-    fn what_could_not_fail_is_apart() {
+    fn rows_that_cannot_fail_are_separate() {
         let rows = rows();
         let summary = Summary::new(&rows);
         assert_eq!(summary.by_construction().len(), 1);

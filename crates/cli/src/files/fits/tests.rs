@@ -61,7 +61,7 @@ fn maps_are_read_in_the_order_that_they_state() {
 }
 
 #[test]
-fn headers_that_leave_a_doubt_are_refused() {
+fn ambiguous_headers_are_rejected() {
     for (card, text, parts) in [
         (
             "ORDERING",
@@ -189,7 +189,7 @@ fn maps_in_images_are_read() {
 
 #[test]
 #[expect(clippy::float_cmp, reason = "small integers")]
-fn names_of_columns_come_before_their_numbers() {
+fn names_of_columns_take_precedence_over_numbers() {
     // Columns 1, 3X and 0 in this order.
     for (field, value) in [("1", 5.0), ("0", 7.0), ("3X", 6.0), ("3x", 6.0), ("2", 7.0)] {
         let map = choose(DIGITS, &HduChoice::First, &named(field)).unwrap();
@@ -225,7 +225,7 @@ fn pixel_numbers_are_checked() {
 /// A file that is truncated at any byte, or has a header byte changed, is read or rejected without
 /// a panic.
 #[test]
-fn damaged_files_are_no_surprise() {
+fn damaged_files_do_not_panic() {
     for end in (0..RING.len()).step_by(97) {
         let cut = read(&RING[..end], 0);
         // The table has 1536 bytes; the padding of the block may be missing.

@@ -26,7 +26,7 @@ const PARTS: &[u8] = include_bytes!("../../../tests/data/parts.exr");
 const INVERTED: &[u8] = include_bytes!("../../../tests/data/inverted_window.exr");
 
 #[test]
-fn pictures_that_are_not_linear_are_refused() {
+fn pictures_that_are_not_linear_are_rejected() {
     let folder = tempfile::tempdir().unwrap();
     let picture = image::RgbImage::from_pixel(8, 4, image::Rgb([188; 3]));
     // The format is determined by the content of a file, not its name.
@@ -164,7 +164,7 @@ fn windows_are_checked_before_anything_is_decoded() {
 }
 
 #[test]
-fn damaged_pictures_are_no_surprise() {
+fn damaged_pictures_do_not_panic() {
     let radiance = radiance(b"#?RADIANCE", "EXPOSURE=2\n", "-Y 4 +X 8", &ramp());
     for file in [GREY, DEPTH, LAYERS, PARTS, &radiance] {
         for end in (0..file.len()).step_by(5) {

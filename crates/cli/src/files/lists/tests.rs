@@ -221,7 +221,7 @@ fn wrong_arrays_are_named() {
 }
 
 #[test]
-fn what_is_written_is_read_back() {
+fn written_points_are_read_back() {
     let folder = tempfile::tempdir().unwrap();
     let reals: Vec<[f64; 2]> =
         vec![[0.1, -0.0], [5e-324, f64::MAX], [1.0 / 3.0, 1e-7], [1e16, 123_456.789]];
@@ -247,7 +247,7 @@ fn what_is_written_is_read_back() {
 }
 
 #[test]
-fn a_writer_refuses_before_the_work() {
+fn a_writer_rejects_before_the_work() {
     let folder = tempfile::tempdir().unwrap();
     for (name, part) in
         [("a.ply", ".csv, .npy"), ("a", ".csv, .npy"), ("no/a.csv", "does not exist")]

@@ -90,7 +90,7 @@ fn notations_that_are_not_supported_are_named() {
 }
 
 #[test]
-fn other_formats_come_with_a_way_out() {
+fn unsupported_formats_come_with_advice() {
     for (start, parts) in [
         (b"PAR1\x15\x04".as_slice(), &["Parquet", "pandas.read_parquet", "to_csv"][..]),
         (b"ARROW1\0\0", &["Arrow", "read_feather"]),

@@ -98,7 +98,7 @@ fn files_without_lines_of_utf_8_are_named() {
 }
 
 #[test]
-fn headers_that_leave_a_choice_or_none() {
+fn headers_with_several_directions_or_none() {
     let cases = [
         ("ra,dec,RAJ2000,DEJ2000\n0,0,0,0\n", "the column ra once, got ra and RAJ2000"),
         ("ra,dec,lon,lat\n0,0,0,0\n", "one way to name the direction, chosen by"),

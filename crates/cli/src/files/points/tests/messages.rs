@@ -45,7 +45,7 @@ fn bad_values_are_named_with_file_line_and_field() {
 }
 
 #[test]
-fn bad_layouts_say_what_would_be_right() {
+fn errors_of_layouts_state_the_expected_content() {
     let cases: [(&str, &[u8], &str); 16] = [
         ("p.csv", b"", "p.csv: no points"),
         ("p.csv", b"x,y,z\n# nothing\n", "p.csv: no points"),
@@ -78,7 +78,7 @@ fn bad_layouts_say_what_would_be_right() {
 }
 
 #[test]
-fn bad_arrays_say_what_would_be_right() {
+fn errors_of_arrays_state_the_expected_content() {
     let shape = |descr: &str, shape: &str| {
         format!("{{'descr': '{descr}', 'fortran_order': False, 'shape': {shape}, }}")
     };
@@ -137,7 +137,7 @@ fn truncated_files_count_their_bytes() {
 }
 
 #[test]
-fn hostile_meshes_end_soon() {
+fn hostile_meshes_terminate_quickly() {
     let header =
         |elements: &str| format!("ply\nformat binary_little_endian 1.0\n{elements}end_header\n");
     let xyz = "property double x\nproperty double y\nproperty double z\n";

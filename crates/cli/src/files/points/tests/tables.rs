@@ -178,7 +178,7 @@ fn archives_of_records_and_of_columns_beside_other_arrays() {
 
 /// The padding of aligned records has no name.
 #[test]
-fn padding_is_no_column() {
+fn padding_is_not_a_column() {
     let records = "[('x', '|i1'), ('y', '|i1'), ('', '|V6'), ('z', '<f8')]";
     let rows = [&[0_u8; 8][..], &1f64.to_le_bytes()].concat();
     let back = read("p.npy", array(records, "(1,)", &rows));
@@ -282,7 +282,7 @@ fn columns_of_fits_tables() {
 }
 
 #[test]
-fn the_hdu_may_stand_behind_the_name() {
+fn the_hdu_may_follow_the_name() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("k.fits.gz");
     std::fs::write(&path, gzip(KINDS)).unwrap();
