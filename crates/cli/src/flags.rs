@@ -139,7 +139,7 @@ impl DomainArgs {
     }
 }
 
-/// What happens to a number of points that a pattern does not have.
+/// The treatment of a number of points that is not valid for a pattern.
 #[derive(Clone, Copy, Debug, Args)]
 pub(crate) struct NearestArgs {
     /// Use the valid number of points nearest to N

@@ -136,9 +136,9 @@ mod tests {
     #[test]
     fn long_expressions_take_neither_stack_nor_much_time() {
         let chain = format!("cap:degrees=30{}", " @ 40/10/5".repeat(12_000));
-        let turned = parsed(&chain).unwrap();
+        let rotated = parsed(&chain).unwrap();
         let exact = parsed("cap:degrees=30").unwrap().exact(Domain::Sphere).unwrap();
-        assert!((turned.exact(Domain::Sphere).unwrap() / exact - 1.0).abs() < 1e-15);
+        assert!((rotated.exact(Domain::Sphere).unwrap() / exact - 1.0).abs() < 1e-15);
         let square = |f: &dyn Integrand| f.square(Domain::Sphere).unwrap();
         for term in ["cosine", "vmf:kappa=5 @ 30/20", "ylm:l=4,m=2", "cap:degrees=60"] {
             let sum = parsed(&vec![term; 1000].join(" + ")).unwrap();

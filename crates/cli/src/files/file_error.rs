@@ -62,9 +62,9 @@ pub(crate) enum FileError {
         /// The folder that is missing.
         folder: String,
     },
-    /// The output path must not be replaced.
+    /// The output path is not a valid target.
     #[error("cannot write {path}: {reason}")]
-    Refused {
+    InvalidTarget {
         /// The output path as the user wrote it.
         path: String,
         /// The reason, and a remedy.

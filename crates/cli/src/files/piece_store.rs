@@ -7,8 +7,8 @@ use sphvar_thesis::Store;
 
 use super::{FileError, read_regular, write_regular};
 
-/// A folder of pieces. A file is `checksum (4 bytes, little-endian CRC-32), length of the key (4 bytes), key, piece`;
-/// one that is damaged or belongs to another key counts as missing.
+/// A folder of pieces. A file is `checksum (4 bytes, little-endian CRC-32), length of the key (4
+/// bytes), key, piece`; a file that is damaged or has another key counts as missing.
 #[derive(Debug)]
 pub(crate) struct PieceStore {
     folder: PathBuf,

@@ -29,7 +29,7 @@ pub(crate) fn read_regular(path: &Path) -> io::Result<Vec<u8>> {
 pub(crate) fn write_regular(path: &Path, bytes: &[u8]) -> Result<(), FileError> {
     if is_stream(path) {
         let reason = "it is not a plain file; remove it";
-        return Err(FileError::Refused { path: output_name(path), reason });
+        return Err(FileError::InvalidTarget { path: output_name(path), reason });
     }
     AtomicFile::write_whole(path, bytes)
 }

@@ -38,7 +38,7 @@ impl Target {
         }
         let name = output_name(path);
         let write_error = |source| FileError::Write { path: name.clone(), source };
-        let refused = |reason| FileError::Refused { path: name.clone(), reason };
+        let invalid = |reason| FileError::InvalidTarget { path: name.clone(), reason };
         let mut at = path.to_path_buf();
         for _ in 0..=MAX_LINKS {
             match descriptor(&at) {
@@ -61,10 +61,10 @@ impl Target {
                 continue;
             }
             if metadata.is_dir() {
-                return Err(refused("it is a folder; give the name of a file"));
+                return Err(invalid("it is a folder; give the name of a file"));
             }
             if metadata.permissions().readonly() {
-                return Err(refused("it is read-only; remove it or choose another name"));
+                return Err(invalid("it is read-only; remove it or choose another name"));
             }
             return Ok(if metadata.is_file() {
                 Self::File { path: at, existing: Some(metadata) }
@@ -72,7 +72,7 @@ impl Target {
                 Self::Stream(at)
             });
         }
-        Err(refused("its symbolic links form a loop"))
+        Err(invalid("its symbolic links form a loop"))
     }
 }
 
@@ -96,7 +96,7 @@ fn check_folder(name: &str, path: &Path) -> Result<(), FileError> {
     let path_of = || name.to_owned();
     let ends_in_separator = path.as_os_str().as_encoded_bytes().last() == Some(&b'/');
     if path.file_name().is_none() || ends_in_separator {
-        return Err(FileError::Refused { path: path_of(), reason: "it names no file" });
+        return Err(FileError::InvalidTarget { path: path_of(), reason: "it names no file" });
     }
     let folder = match path.parent() {
         Some(parent) if !parent.as_os_str().is_empty() => parent,
@@ -104,7 +104,7 @@ fn check_folder(name: &str, path: &Path) -> Result<(), FileError> {
     };
     if folder.is_file() {
         let reason = "its parent is a file and not a folder";
-        return Err(FileError::Refused { path: path_of(), reason });
+        return Err(FileError::InvalidTarget { path: path_of(), reason });
     }
     if !folder.is_dir() {
         let folder = folder.display().to_string();

@@ -1,4 +1,5 @@
-//! Text files as lines of fields: numbers in columns, separated by commas, semicolons, tabs or blanks.
+//! Text files as lines of fields: numbers in columns, separated by commas, semicolons, tabs or
+//! spaces.
 
 use std::borrow::Cow;
 use std::io::{BufRead, Read as _};

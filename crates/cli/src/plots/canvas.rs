@@ -235,9 +235,9 @@ fn split_at_sharp_bends(points: &[(i32, i32)]) -> impl Iterator<Item = &[(i32, i
             let (before, after) = (towards(corner[0], corner[1]), towards(corner[1], corner[2]));
             before.0 * after.0 + before.1 * after.1 < 0
         };
-        let turn = rest.windows(3).position(is_sharp).map_or(rest.len() - 1, |i| i + 1);
-        let piece = &rest[..=turn];
-        rest = &rest[turn..];
+        let bend = rest.windows(3).position(is_sharp).map_or(rest.len() - 1, |i| i + 1);
+        let piece = &rest[..=bend];
+        rest = &rest[bend..];
         Some(piece)
     })
 }

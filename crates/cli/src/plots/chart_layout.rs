@@ -167,8 +167,8 @@ fn heights(n_panels: usize) -> Vec<f64> {
     clippy::cast_sign_loss,
     reason = "the quotient of lengths is small and positive, and the cast saturates"
 )]
-fn ticks(length: f64, room: f64) -> u32 {
-    (length / room).max(2.0) as u32
+fn ticks(length: f64, space: f64) -> u32 {
+    (length / space).max(2.0) as u32
 }
 
 /// Returns the series of a panel in drawing order.
@@ -190,11 +190,11 @@ fn shifts(series: &[&Series], plane: &Plane) -> Vec<f64> {
     // Closer positions than this belong to one requested number, which patterns meet only
     // approximately.
     let gaps = places.windows(2).map(|pair| pair[1] - pair[0]).filter(|&gap| gap > 20.0);
-    let room = SIDE_BY_SIDE.1 * gaps.fold(120.0, f64::min);
+    let space = SIDE_BY_SIDE.1 * gaps.fold(120.0, f64::min);
     let margins = places.first().map(|x| x - plane.frame.left).into_iter();
     let margins = margins.chain(places.last().map(|x| plane.frame.right - x));
-    let room = margins.map(|margin| 2.0 * (margin - MARGIN)).fold(room, f64::min).max(0.0);
-    let step = SIDE_BY_SIDE.0.min(room / count.max(1) as f64);
+    let space = margins.map(|margin| 2.0 * (margin - MARGIN)).fold(space, f64::min).max(0.0);
+    let step = SIDE_BY_SIDE.0.min(space / count.max(1) as f64);
     let first = -0.5 * step * (count.max(1) - 1) as f64;
     let mut before = 0;
     let shift = |series: &&Series| {

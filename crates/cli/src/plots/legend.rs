@@ -1,4 +1,4 @@
-//! The legend below the data, used if names do not fit beside it.
+//! The legend below the data, used if names do not fit next to it.
 
 use plotters::prelude::DrawingBackend;
 use plotters::style::text_anchor::HPos;

@@ -53,7 +53,7 @@ fn text_tables_and_their_compressed_copies_have_one_spectrum() {
         place.run(&format!("spectrum --points {} --lmax 3", catalogue("catalogue.csv"))).ok();
     assert!(text.stdout.contains("N_eff = 109.2 "), "{}", text.stdout);
     assert!(text.stdout.lines().nth(1).unwrap().ends_with('-'), "no error: {}", text.stdout);
-    // Without weights there is no remark on them.
+    // Without weights, no remark mentions them.
     let plain = place.run(&format!(
         "spectrum --points {} --columns ra,dec,_,_ --lmax 3 --json",
         catalogue("catalogue.fits")

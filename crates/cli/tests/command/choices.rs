@@ -245,7 +245,8 @@ fn an_exact_pattern_needs_its_smallest_set() {
     assert!(text.contains("exact") && text.contains("Take healpix with N = 12"), "{text}");
 }
 
-/// A half-space has odd degrees only, in which HEALPix has no power; all others need many more points.
+/// A half-space has odd degrees only, in which HEALPix has no power; all other patterns need many
+/// more points.
 #[test]
 fn half_a_sphere_takes_twelve_points() {
     let place = Workplace::new();
@@ -305,8 +306,8 @@ fn designs_are_fitted_to_the_integrand() {
     let number = |row: &Value, key: &str| row[key].as_f64().unwrap();
     let (better, default) = (best, &rows(&plain)[0]);
     assert!(number(better, "error") < 0.5 * number(default, "error"), "{better}, {default}");
-    let [tuned, usual] = [better, default].map(|row| number(row, "last_empty_degree"));
-    assert!(tuned > usual, "{better}, {default}");
+    let [tuned, untuned] = [better, default].map(|row| number(row, "last_empty_degree"));
+    assert!(tuned > untuned, "{better}, {default}");
     let again = place.run(&format!("{question} --samplers {name}")).json();
     assert_eq!(rows(&again)[0]["variance"], best["variance"], "{again}");
     place.run(&format!("sample {name} -n 80 -o a.npy")).ok();

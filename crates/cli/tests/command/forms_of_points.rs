@@ -181,9 +181,9 @@ fn hemisphere_and_rotation() {
     assert!(half.chunks(3).all(|p| p[2] >= 0.0), "{half:?}");
     let plain = coordinates(&place.run("sample healpix -n 12 -m 2").ok().stdout);
     assert_eq!(plain[..36], plain[36..], "a lattice is the same each time");
-    let turned = coordinates(&place.run("sample healpix -n 12 -m 2 --rotate").ok().stdout);
-    assert_ne!(turned[..36], turned[36..], "and --rotate turns each realization by itself");
-    assert_ne!(turned[..36], plain[..36]);
+    let rotated = coordinates(&place.run("sample healpix -n 12 -m 2 --rotate").ok().stdout);
+    assert_ne!(rotated[..36], rotated[36..], "and --rotate turns each realization by itself");
+    assert_ne!(rotated[..36], plain[..36]);
 }
 
 #[test]

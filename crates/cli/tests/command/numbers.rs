@@ -107,8 +107,9 @@ fn the_star_catalogue() {
     assert!(power[2] > 20.0, "{power:?}");
 }
 
-/// The lattice of 972 points: odd degrees vanish by symmetry, the even ones are those of the reference
-/// spectrum `healpix_972.csv`, near the limits N P -> 0.309, 0.906, 0.460, 0.208 of many points.
+/// The lattice of 972 points: odd degrees vanish by symmetry, the even ones are those of the
+/// reference spectrum `healpix_972.csv`, near the limits N P -> 0.309, 0.906, 0.460, 0.208 of many
+/// points.
 #[test]
 fn healpix_through_a_file() {
     const REFERENCE: [(usize, f64, f64); 4] = [

@@ -246,7 +246,7 @@ fn a_study_has_rows_rates_and_crossovers() {
         assert_keys(row, &["sampler", "mode", "n", "mse", "mse_stderr", "white_noise", "gain"]);
         if row["sampler"] == "white-noise" {
             let gain = number(row, "gain");
-            // Four renders of some 400 pixels: 4 %.
+            // Four renders of about 400 pixels: 4 %.
             assert!((gain - 1.0).abs() < 0.2, "{row}");
         }
     }

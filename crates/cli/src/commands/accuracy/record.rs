@@ -138,7 +138,8 @@ impl Outcome {
         if self.held { "yes" } else { "NO" }
     }
 
-    /// An empty comparison satisfies no bound; if all errors are 0, there is no worst place.
+    /// An empty comparison does not satisfy the bound; if all errors are 0, there is no worst
+    /// place.
     fn new(errors: &Errors, bound: f64) -> Self {
         let (error, compared) = (errors.max(), errors.count());
         let worst = if error > 0.0 { errors.worst() } else { "-" };

@@ -13,8 +13,8 @@ const STEPS: u32 = 200;
 /// The frequency at which profiles end if there is no spectrum.
 const LAST_FREQUENCY: f64 = 4.0;
 
-/// Returns the chart of the spectrum with its errors and every profile over `l / sqrt N`: upper profiles as lines,
-/// lower ones dashed, those of a family in one colour.
+/// Returns the chart of the spectrum with its errors and every profile over `l / sqrt N`: upper
+/// profiles as solid lines, lower ones dashed, the profiles of a family in one colour.
 pub(super) fn chart(
     records: &[BoundRecord],
     measured: Option<&Measured>,

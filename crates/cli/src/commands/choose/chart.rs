@@ -4,7 +4,8 @@ use super::candidate::TimedCandidate;
 use super::question::{Question, Requested};
 use crate::plots::{Chart, Ink, MAX_COLOURS, Panel, Scale, Series, Spread, Style};
 
-/// Returns the chart of the candidates, best first; `white_variance` is that of white noise with one point.
+/// Returns the chart of the candidates, best first; `white_variance` is the variance of white noise
+/// with one point.
 pub(super) fn chart(
     question: &Question,
     candidates: &[TimedCandidate],

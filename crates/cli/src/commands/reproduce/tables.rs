@@ -25,8 +25,8 @@ pub(super) fn plain_table(rows: &[VerdictRecord]) -> String {
 pub(super) const CSV_HEADING: &str =
     "figure,what,stated,option,measured,low,high,verdict,erratum,remark";
 
-/// Returns the rows of the CSV form: one for each claim, followed by one for each option of a choice that the thesis
-/// does not state.
+/// Returns the rows of the CSV form: one for each claim, followed by one for each option of a
+/// choice that the thesis does not state.
 pub(super) fn csv_rows(rows: &[VerdictRecord]) -> Vec<Vec<String>> {
     rows.iter()
         .flat_map(|row| {

@@ -23,8 +23,9 @@ const MAX_HEADER: usize = 1 << 20;
 /// compressed ones.
 const COMPRESSED_WIDTHS: std::ops::RangeInclusive<usize> = 8..=32767;
 
-/// Red, green and blue from X, Y and Z: the inverse of the matrix of Radiance's standard primaries (x, y) = (0.640, 0.330),
-/// (0.290, 0.600), (0.150, 0.060) with the white (1/3, 1/3) of luminance 1 (`color.h` of Radiance).
+/// Red, green and blue from X, Y and Z: the inverse of the matrix of Radiance's standard primaries
+/// (x, y) = (0.640, 0.330), (0.290, 0.600), (0.150, 0.060) with the white (1/3, 1/3) of luminance 1
+/// (`color.h` of Radiance).
 const XYZ_TO_RGB: [[f64; 3]; 3] = [
     [2.5653128430296378, -1.1668496158068057, -0.39846322722283205],
     [-1.0221081721279116, 1.9782866166600869, 0.043821555467824714],
@@ -41,7 +42,8 @@ enum Format {
 }
 
 impl Format {
-    /// Returns the weights of the stored values in a channel; `None` if there is no such channel.
+    /// Returns the weights of the stored values in a channel, or `None` if the channel does not
+    /// exist.
     fn weights(self, channel: &str) -> Option<[f64; 3]> {
         let colour = match channel {
             "luminance" if self == Self::Xyze => return Some([0.0, 1.0, 0.0]),

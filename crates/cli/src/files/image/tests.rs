@@ -254,7 +254,8 @@ fn radiance_values_are_divided_by_their_exposure() {
     assert!(message.unwrap_err().contains("unknown channel \"y\"; valid: luminance, r, g, b"));
 }
 
-/// Luminance is Y; white is red = green = blue; the primaries have the chromaticities of Radiance's `color.h`.
+/// Luminance is Y; white is red = green = blue; the primaries have the chromaticities of Radiance's
+/// `color.h`.
 #[test]
 fn tristimulus_values_become_colours() {
     let texel = |xyz: [u8; 3], header: &str, channel: &str| {

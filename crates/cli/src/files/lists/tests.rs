@@ -81,7 +81,7 @@ fn wrong_text_is_named() {
 
 #[test]
 fn faults_name_the_column_or_the_row() {
-    let refuse = |fault: fn() -> Fault, bytes: &[u8]| {
+    let rejection = |fault: fn() -> Fault, bytes: &[u8]| {
         read_stream(Cursor::new(bytes), "LIST", false, &ANGLES, |[x, _]: [f64; 2]| {
             if x > 2.0 { Err(fault()) } else { Ok(()) }
         })
@@ -92,10 +92,10 @@ fn faults_name_the_column_or_the_row() {
     let row = || Fault::Row("better".to_owned());
     let text = b"phi,theta\n0.10,2\n0.20,3.0\n";
     let array = npy("<f8", false, "(2, 2)", &doubles(&[2.0, 0.1, 3.0, 0.2]));
-    assert_eq!(refuse(column, text), "LIST:3: phi: expected less, got \"0.20\"");
-    assert_eq!(refuse(row, text), "LIST:3: theta,phi: expected better, got (3.0, 0.20)");
-    assert_eq!(refuse(column, &array), "LIST[1]: phi: expected less, got 0.2");
-    assert_eq!(refuse(row, &array), "LIST[1]: theta,phi: expected better, got (3, 0.2)");
+    assert_eq!(rejection(column, text), "LIST:3: phi: expected less, got \"0.20\"");
+    assert_eq!(rejection(row, text), "LIST:3: theta,phi: expected better, got (3.0, 0.20)");
+    assert_eq!(rejection(column, &array), "LIST[1]: phi: expected less, got 0.2");
+    assert_eq!(rejection(row, &array), "LIST[1]: theta,phi: expected better, got (3, 0.2)");
 }
 
 /// Returns an NPY file as `NumPy` writes it, assembled by hand.

@@ -8,7 +8,7 @@ use crate::files::npy::MAGIC;
 /// A format of point sets.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum PointFormat {
-    /// Text with commas, semicolons, tabs or blanks.
+    /// Text with commas, semicolons, tabs or spaces.
     Csv,
     /// The array format of `NumPy`.
     Npy,

@@ -36,8 +36,8 @@ pub(crate) use write::write_points;
 /// The content of a file: at least one set, each with at least one direction.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct PointFile {
-    /// The sets in the order of their first appearance: unit vectors in the order of the file, and finite weights of
-    /// any sign where the file has a column `w` or `weight`.
+    /// The sets in the order of their first appearance: unit vectors in the order of the file, and
+    /// finite weights of any sign if the file has a column `w` or `weight`.
     pub(crate) sets: Vec<PointSet>,
     /// Warnings about accepted but unusual content.
     pub(crate) warnings: Vec<String>,

@@ -21,10 +21,12 @@ const MAX_ARRAYS: usize = 4096;
 
 /// Returns the sets of an NPZ file.
 ///
-/// The directions are the array `points`, or the only one of two or three dimensions, as in an NPY
-/// file, or the only one of records, and the weights are `weights` (or `w` or `weight`) of shape `(N,)` or
-/// `(M, N)`. Without such an array, where arrays of one dimension have the names of a direction, and with names
-/// in `--columns` unless there are records, arrays of one dimension are columns.
+/// The directions are the array `points`, or the only array of two or three dimensions, as in an
+/// NPY file, or the only one of records. The weights are `weights` (or `w` or `weight`) of shape
+/// `(N,)` or `(M, N)`.
+///
+/// One-dimensional arrays are columns if there is no such array and their names are those of a
+/// direction, or if `--columns` contains names and there are no records.
 pub(super) fn read_npz(
     input: impl Read + Seek,
     path: &str,

@@ -11,20 +11,22 @@ use crate::files::file_error::{FileError, output_name};
 use crate::files::npy::write_npy;
 use crate::files::target::is_stream;
 
-/// Writes point sets in the format that the extension names; `-` is standard output, as CSV.
+/// Writes point sets in the format of the extension; `-` is standard output, as CSV.
 ///
-/// - `.csv`: the header `x,y,z`, with a fourth column `set` (counted from 0) for several sets. Every
-///   number has the shortest digits that are read back to the same bits, at most 17. The header is the
-///   first line, for readers that know no comments, so there is no room for `provenance`.
-/// - `.npy`: `(N, 3)` for one set, `(M, N, 3)` for several; 8 byte floats, little endian, C order.
-///   There is no room for `provenance` either.
-/// - `.ply`: binary little endian, vertices with doubles x y z, with an int `set` for several sets,
+/// - `.csv`: the header `x,y,z`, with a fourth column `set` (counted from 0) for several sets.
+///   Every number has the shortest digits that are read back as the same number, at most 17. The
+///   header is the first line, for readers that do not support comments, so `provenance` is not
+///   stored.
+/// - `.npy`: `(N, 3)` for one set, `(M, N, 3)` for several; 8-byte floats, little-endian, C order.
+///   `provenance` is not stored either.
+/// - `.ply`: binary little-endian, vertices with doubles x y z, with an int `set` for several sets,
 ///   and `provenance` as comments.
 ///
 /// `format` overrides the extension. The file appears when it is complete.
 ///
 /// # Errors
-/// When the extension is unknown, there is no set, sets of different sizes are to go into one
+///
+/// If the extension is unknown, there are no sets, sets of different sizes are written to one
 /// array, or the file cannot be written.
 pub(crate) fn write_points(
     path: &Path,
@@ -41,13 +43,13 @@ pub(crate) fn write_points(
         }
     };
     let Some(first) = sets.first() else {
-        return Err(FileError::Refused {
+        return Err(FileError::InvalidTarget {
             path: name,
             reason: "there is no set of points to write",
         });
     };
     if format == PointFormat::Npy && sets.iter().any(|set| set.len() != first.len()) {
-        return Err(FileError::Refused {
+        return Err(FileError::InvalidTarget {
             path: name,
             reason: "the sets differ in size and do not fit one (M, N, 3) array; write one file a set \
                      with {i} in the name, as in sets-{i}.npy, or .csv or .ply with the column set",
