@@ -50,7 +50,7 @@ impl AtomicFile {
             }
             Target::File { path: target, existing } => {
                 if let Some(reason) = conflict(&target) {
-                    return Err(FileError::Refused { path: name, reason });
+                    return Err(FileError::InvalidTarget { path: name, reason });
                 }
                 let temporary = temporary_beside(&target).map_err(write_error)?;
                 if let Some(metadata) = existing {
@@ -101,7 +101,7 @@ impl AtomicFile {
         if let Sink::Beside { target, .. } = &sink
             && let Some(reason) = conflict(target)
         {
-            return Err(FileError::Refused { path: name, reason });
+            return Err(FileError::InvalidTarget { path: name, reason });
         }
         finish(sink).map_err(|source| FileError::Write { path: name, source })
     }
