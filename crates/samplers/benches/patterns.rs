@@ -1,9 +1,11 @@
-//! Time for one set of every pattern, on one thread, with warm buffers; points per second.
+//! Measures the time to generate one set of every pattern on one thread with warm buffers, in
+//! points per second.
 //!
 //! An id is group/pattern/number of points, so that
-//! `cargo bench -p sphvar-samplers -- 'ccvt/.*capacity=256.*/1024'` runs some; jittered sets and HEALPix have
-//! the nearest number of points that there is. `cargo run --release -p sphvar-samplers --example pattern_growth`
-//! tells how times grow with the number of points.
+//! `cargo bench -p sphvar-samplers -- 'ccvt/.*capacity=256.*/1024'` runs a selection. Jittered sets
+//! and HEALPix use the nearest valid count.
+//! `cargo run --release -p sphvar-samplers --example pattern_growth` shows how times grow with the
+//! number of points.
 
 use std::hint::black_box;
 use std::time::Duration;
@@ -14,14 +16,14 @@ use sphvar_samplers::{
     PoissonDiskParameters, Purpose, Sampler, SpectralControl, StepParameters, Streams,
 };
 
-const LEGAL: &str = "a legal number of points and parameters";
+const VALID: &str = "a valid number of points and valid parameters";
 
-/// What is timed, and its name with parameters.
+/// A sampler to time, and its name with parameters.
 type Named = (String, Box<dyn Sampler>);
 
 fn named(pattern: &Pattern, n_points: usize) -> Named {
     let n_points = pattern.nearest_count(n_points, Domain::Sphere);
-    (pattern.to_string(), pattern.build(n_points, Domain::Sphere).expect(LEGAL))
+    (pattern.to_string(), pattern.build(n_points, Domain::Sphere).expect(VALID))
 }
 
 /// Realizations differ from one iteration to the next, as those of an ensemble do.
@@ -78,12 +80,13 @@ fn ccvt(c: &mut Criterion) {
     bench(c, "ccvt", samplers);
 }
 
-/// From white noise to a spectrum without power at low degrees, with and without more asked for.
+/// From white noise to a spectrum without power at low degrees, with and without further
+/// requirements.
 fn spectral_control(c: &mut Criterion) {
     let bare = Pattern::Step(StepParameters { alpha: None, flat: Some(0.0), core: 0.0 });
-    let usual =
+    let full =
         Pattern::Step(StepParameters { alpha: None, flat: None, core: SpectralControl::STEP_CORE });
-    let samplers = [bare, usual]
+    let samplers = [bare, full]
         .iter()
         .flat_map(|pattern| [256, 1024, 4096].map(|n| named(pattern, n)))
         .collect();
@@ -94,14 +97,14 @@ fn survey(c: &mut Criterion) {
     const LINEAR: [&str; 6] = ["equal-area", "spiral", "sobol", "halton", "hammersley", "lloyd"];
     // Seconds a set of 4096.
     const QUADRATIC: [&str; 2] = ["riesz", "best-candidate"];
-    let usual = |name: &str| name.parse::<Pattern>().expect("the name of a pattern");
+    let parsed = |name: &str| name.parse::<Pattern>().expect("the name of a pattern");
     let mut samplers = Vec::new();
     for name in LINEAR {
-        samplers.extend([1024, 4096].map(|n| named(&usual(name), n)));
+        samplers.extend([1024, 4096].map(|n| named(&parsed(name), n)));
     }
-    samplers.extend(QUADRATIC.map(|name| named(&usual(name), 1024)));
+    samplers.extend(QUADRATIC.map(|name| named(&parsed(name), 1024)));
     for n in [1024, 4096] {
-        let square = JitteredSquare::nearest_to_square(n).expect(LEGAL);
+        let square = JitteredSquare::nearest_to_square(n).expect(VALID);
         let square = Box::new(OnSphere::new(square, Domain::Sphere));
         samplers.push(("jittered-square".to_owned(), square));
     }

@@ -1,30 +1,33 @@
-//! Prints the time for one set of every pattern over a ladder of numbers of points, and how it grows.
+//! Prints the time to generate one set of every pattern over a range of numbers of points, and how
+//! it grows.
 //!
 //! ```text
 //! cargo run --release -p sphvar-samplers --example pattern_growth -- [PATTERN | N]...
 //! ```
 //!
-//! Patterns are those of `Pattern::ALL` unless some are named, as in `step:flat=0,core=0`; numbers take the place of the ladder, and then nothing is left out for the time it
-//! takes. One thread, warm buffers, on the sphere. The last column is the slope of the logarithm of the time
-//! by that of N, by least squares over the last four rows of the pattern.
+//! The default patterns are `Pattern::ALL`; name others as in `step:flat=0,core=0`. Numbers replace
+//! the default numbers of points, and then no row is skipped for its time. Everything runs on one
+//! thread with warm buffers, on the sphere. The last column is the least-squares slope of log(time)
+//! over log(N) for the last four rows of the pattern.
 
 use std::io::{self, Write};
 use std::time::Instant;
 
 use sphvar_samplers::{Domain, Error, Pattern, PointSet, Purpose, Streams};
 
-/// Factors of 4 from 256 points to a million.
+/// Factors of 4, from 256 points to a million.
 const LADDER: [usize; 7] = [256, 1024, 4096, 16_384, 65_536, 262_144, 1_048_576];
 
-/// What one pattern may take, so that all of them take less than a minute.
+/// Time limit per pattern, in seconds, so that the whole table takes less than a minute.
 const SECONDS_PER_PATTERN: f64 = 8.0;
 
-/// Sets that are timed: so many at least, and more until so many seconds have passed.
+/// Minimum and maximum number of timed sets; beyond the minimum, timing stops after
+/// `SECONDS_PER_ROW`.
 const SETS: [usize; 2] = [3, 25];
 const SECONDS_PER_ROW: f64 = 0.3;
 
-/// Overheads rule the times of few points, so the exponent is that of the last rows.
-const MOST_FITTED: usize = 4;
+/// Overheads dominate for few points, so only the last rows enter the exponent.
+const MAX_FITTED: usize = 4;
 
 /// One row of the table.
 struct Row {
@@ -54,7 +57,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     Ok(())
 }
 
-/// The rows of one pattern, each as soon as it is there, the exponent in the last.
+/// Prints the rows of one pattern as they are measured, with the exponent in the last.
 fn print_growth(
     out: &mut impl Write,
     pattern: &Pattern,
@@ -71,7 +74,7 @@ fn print_growth(
         let next = rungs.peek().map(|&next| seconds_at(&rows, next));
         let left = SECONDS_PER_PATTERN - start.elapsed().as_secs_f64();
         let is_last = next.is_none_or(|next| {
-            // A set that is not timed comes first.
+            // The first set is not timed.
             counts.is_empty() && (SETS[0] + 1) as f64 * next > left
         });
         let exponent = exponent(&rows)
@@ -93,7 +96,7 @@ fn print_growth(
     Ok(())
 }
 
-/// The median time for a set, and of how many.
+/// Returns the median time for a set, and the number of sets timed.
 fn time(pattern: &Pattern, n_points: usize) -> Result<(f64, usize), Error> {
     let sampler = pattern.build(n_points, Domain::Sphere)?;
     let streams = Streams::new(0, Purpose::Pattern, n_points);
@@ -103,7 +106,7 @@ fn time(pattern: &Pattern, n_points: usize) -> Result<(f64, usize), Error> {
         sampler.sample_into(&mut streams.realization(realization), &mut set)?;
         Ok(start.elapsed().as_secs_f64())
     };
-    // The first touches memory that the others find.
+    // The first set allocates the memory that the others reuse.
     sample(0)?;
     let mut times = Vec::new();
     let start = Instant::now();
@@ -117,7 +120,8 @@ fn time(pattern: &Pattern, n_points: usize) -> Result<(f64, usize), Error> {
     Ok((times[times.len() / 2], times.len()))
 }
 
-/// What a set of `n_points` will take by the last two rows, or by a square law if there is only one.
+/// Returns the expected time for a set of `n_points`, extrapolated from the last two rows, or
+/// quadratically from a single one.
 fn seconds_at(rows: &[Row], n_points: usize) -> f64 {
     let [.., last] = rows else { return 0.0 };
     let exponent = match rows {
@@ -127,13 +131,13 @@ fn seconds_at(rows: &[Row], n_points: usize) -> f64 {
     last.seconds * (n_points as f64 / last.n_points as f64).powf(exponent)
 }
 
-/// The exponent of the last rows, of which there must be two.
+/// Returns the exponent of the last rows, if there are at least two.
 fn exponent(rows: &[Row]) -> Option<f64> {
-    let fitted = &rows[rows.len().saturating_sub(MOST_FITTED)..];
+    let fitted = &rows[rows.len().saturating_sub(MAX_FITTED)..];
     (fitted.len() >= 2).then(|| slope(fitted.iter()))
 }
 
-/// The slope of log(seconds) by log(N), by least squares.
+/// Returns the least-squares slope of log(seconds) over log(N).
 fn slope<'a>(rows: impl Iterator<Item = &'a Row> + Clone) -> f64 {
     let logs = rows.map(|row| ((row.n_points as f64).ln(), row.seconds.ln()));
     let count = logs.clone().count() as f64;
@@ -143,7 +147,7 @@ fn slope<'a>(rows: impl Iterator<Item = &'a Row> + Clone) -> f64 {
     covariance / variance
 }
 
-/// Digits after the point that show three in all.
+/// Returns the number of decimals that shows three significant digits.
 fn decimals(x: f64) -> usize {
     match x {
         100.0.. => 0,

@@ -1,9 +1,10 @@
-//! The numbers of points that every pattern of the survey can have.
+//! The range of point counts that every pattern supports.
 
 use crate::Error;
 
-/// `n_points` as the index type of the patterns, rejected outside 1 to `u32::MAX`: beyond, an
-/// integer times a height would no longer be exact in `f64`, and the points alone fill 96 GiB.
+/// Returns `n_points` as the index type of the patterns; values outside 1 to `u32::MAX` are an
+/// error. Beyond that range the product of an integer and a height is no longer exact in `f64`, and
+/// the points alone take 96 GiB.
 pub(crate) fn checked(n_points: usize) -> Result<u32, Error> {
     match u32::try_from(n_points) {
         Ok(n) if n > 0 => Ok(n),

@@ -4,14 +4,14 @@ use sphvar_grammar::{Parametric, ResolveError};
 
 use crate::{Domain, Error, PatternFacts, Sampler, ValidCounts};
 
-/// What a pattern's file states of it, besides name and summary in the list of `patterns`.
+/// The definition of a pattern, apart from its name and summary in the list of `patterns`.
 ///
-/// [`Parametric`] declares the parameters, with ranges and defaults.
+/// [`Parametric`] declares the parameters with their ranges and defaults.
 pub(crate) trait Definition: Parametric {
-    /// Returns what is known of the pattern with these parameters.
+    /// Returns the known properties of the pattern with these parameters.
     fn facts(&self) -> PatternFacts;
 
-    /// Returns the numbers of points that exist.
+    /// Returns the valid numbers of points.
     fn valid_counts(&self, _domain: Domain) -> ValidCounts {
         ValidCounts::Any
     }
@@ -25,9 +25,9 @@ pub(crate) trait Definition: Parametric {
     }
 }
 
-/// Supplies the contents of files that texts of patterns name, as in `profile:FILE`.
+/// Reads the files named in pattern specifications, as in `profile:FILE`.
 pub trait ProfileResolver {
-    /// Returns the powers of a file by degree from 0, which does not count.
+    /// Returns the powers in a file by degree from 0; degree 0 is ignored.
     ///
     /// # Errors
     ///

@@ -1,26 +1,27 @@
 use std::fmt;
 
-/// What is known of a pattern before anything is computed.
+/// The properties of a pattern that are known without computation.
 ///
-/// Powers and rates were measured with this program where the source has none.
+/// Powers and rates that the source does not give were measured with this program.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct PatternFacts {
-    /// How the time for a set grows with its number of points N.
+    /// The growth of the time for a set with its number of points N.
     pub cost: CostOrder,
-    /// The power P(l), white noise 1, as l goes to 0, in words.
+    /// The power P(l) (1 for white noise) as l goes to 0, in words.
     pub low_degrees: &'static str,
-    /// How the variance falls with N for smooth integrands.
+    /// The rate at which the variance falls with N for smooth integrands.
     pub smooth_rate: Rate,
-    /// How the variance falls with N for integrands with jumps.
+    /// The rate at which the variance falls with N for integrands with jumps.
     pub jump_rate: Rate,
-    /// Whether the first points of a set are a set of the same pattern.
+    /// Whether every prefix of a set is a set of the same pattern.
     pub is_extensible: bool,
-    /// Who described the pattern.
+    /// The publication that describes the pattern.
     pub source: &'static str,
 }
 
-/// How a variance falls with the number of points N; the `Display` text is such as `N^-1.5`.
+/// The rate at which a variance falls with the number of points N; displayed as, for example,
+/// `N^-1.5`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Rate {
@@ -31,16 +32,16 @@ pub enum Rate {
         /// The exponent of log N.
         logarithm: f64,
     },
-    /// It vanishes where the integrand is band-limited and N large enough.
+    /// The variance is 0 if the integrand is band-limited and N is large enough.
     Exact,
-    /// As the spectrum that was requested.
+    /// Determined by the requested spectrum.
     AsRequested,
-    /// It depends on the integrand and on the number of points, by no known law.
+    /// Depends on the integrand and on the number of points; no rate is known.
     Depends,
 }
 
-/// How the time for a set grows with its number of points N: as `N^exponent (log N)^logarithm`, times
-/// a factor of the parameters.
+/// The growth of the time for a set with its number of points N: `N^exponent (log N)^logarithm`,
+/// times a factor that depends on the parameters.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct CostOrder {
@@ -53,7 +54,7 @@ pub struct CostOrder {
 }
 
 impl PatternFacts {
-    /// Returns how the variance falls with N, in words: `N^-2 for smooth integrands, ...`.
+    /// Returns the rates of the variance in words, such as `N^-2 for smooth integrands, ...`.
     #[must_use]
     pub fn rates(&self) -> String {
         let Self { smooth_rate, jump_rate, .. } = self;
@@ -82,7 +83,7 @@ impl CostOrder {
     /// A cost that grows as N^2.
     pub(crate) const QUADRATIC: Self = Self { exponent: 2.0, ..Self::LINEAR };
 
-    /// Returns the same order with a factor of the parameters.
+    /// Returns the same order with a factor that depends on the parameters.
     pub(crate) const fn times(self, factor: &'static str) -> Self {
         Self { factor, ..self }
     }

@@ -5,14 +5,14 @@ use crate::{Domain, Error, Pattern, Sampler};
 /// A pattern at any number of points, for variance curves and rankings; its `Display` text is the
 /// pattern's name.
 ///
-/// [`Pattern`] implements it for the patterns of this crate; implement it to rank your own beside
-/// them.
+/// [`Pattern`] implements it for the patterns of this crate; implement it to compare your own
+/// patterns with them.
 pub trait SamplerFamily: Debug + Display + Send + Sync {
     /// Returns the sampler of exactly `n_points` points.
     ///
     /// # Errors
     ///
-    /// [`Error`] if there is none; for patterns of your own, [`Error::Infeasible`].
+    /// [`Error`] if the number is not valid; user-defined patterns return [`Error::Infeasible`].
     fn build(&self, n_points: usize, domain: Domain) -> Result<Box<dyn Sampler>, Error>;
 
     /// Returns the valid number of points nearest to `asked`, at least 1 and nondecreasing in

@@ -12,11 +12,11 @@
 //! # Ok::<(), sphvar_samplers::Error>(())
 //! ```
 //!
-//! A [`Sampler`] makes one realization from a random generator; [`Streams`] give every
-//! realization a generator of its own, so that results do not depend on threads or order;
-//! [`Realizations`] put the two together and rotate each set by a [`uniform_rotation`].
-//! [`SpectralControl`] makes patterns whose power is chosen, degree by degree.
-//! [`Pattern`] is the list of what can be built by name, with the numbers of points that exist.
+//! A [`Sampler`] generates one realization from a random generator. [`Streams`] provide a separate
+//! generator for every realization, so that results do not depend on threads or order.
+//! [`Realizations`] combine the two and rotate each set by a [`uniform_rotation`].
+//! [`SpectralControl`] generates patterns with a prescribed power at every degree. [`Pattern`]
+//! lists the patterns that can be built by name, with their valid numbers of points.
 
 mod count;
 mod definition;

@@ -2,7 +2,7 @@ use rand::Rng;
 
 use crate::{Domain, Error, PointSet, Progress, Sampler, SetDistribution};
 
-/// A sampler that was built from a pattern, whose text names its random streams.
+/// A sampler built from a pattern; the text of the pattern determines its random streams.
 #[derive(Debug)]
 pub(crate) struct OfPattern {
     sampler: Box<dyn Sampler>,

@@ -9,12 +9,12 @@ use crate::of_pattern::OfPattern;
 use crate::{Domain, Error, Pattern, PatternFacts, ProfileResolver, Sampler, ValidCounts};
 
 impl Pattern {
-    /// Those of which a thousand large realizations cost little and that have no parameters: what a
-    /// comparison begins with.
+    /// The patterns without parameters whose realizations are inexpensive: the default of a
+    /// comparison.
     pub const ELEMENTARY: [Self; 4] =
         [Self::WhiteNoise, Self::Jittered, Self::Healpix, Self::Fibonacci];
 
-    /// Reads `name` or `name:key=value,key=value`; files that the text names are read by `files`.
+    /// Reads `name` or `name:key=value,key=value`; `files` reads the files that the text names.
     ///
     /// ```
     /// use sphvar_samplers::{DiskMode, Pattern, PoissonDiskParameters};
@@ -29,8 +29,8 @@ impl Pattern {
     ///
     /// # Errors
     ///
-    /// [`Error::Grammar`] with place, reason and valid values; [`Error::File`] if `files` cannot read
-    /// a file.
+    /// [`Error::Grammar`] with place, reason and valid values; [`Error::File`] if `files` cannot
+    /// read a file.
     pub fn parse(text: &str, files: &dyn ProfileResolver) -> Result<Self, Error> {
         let spec = Spec::parse(text)?;
         let mut pattern =
@@ -45,35 +45,36 @@ impl Pattern {
         Ok(pattern)
     }
 
-    /// Returns the parameters with their ranges, meanings and defaults, in the order of texts.
+    /// Returns the parameters with their ranges, meanings and defaults, in the order of the text
+    /// form.
     #[must_use]
     pub fn parameters(&self) -> Vec<Parameter> {
         self.default_of_name().with_definition(|definition| describe(definition))
     }
 
-    /// Returns what is known of the pattern with its parameters.
+    /// Returns the known properties of the pattern with its parameters.
     #[must_use]
     pub fn facts(&self) -> PatternFacts {
         self.clone().with_definition(|definition| definition.facts())
     }
 
-    /// Returns whether all sets of the same number of points are one set, up to rotation.
+    /// Returns whether all sets of the same number of points are identical up to rotation.
     #[must_use]
     pub fn is_deterministic(&self) -> bool {
-        // A single point is the same set whatever the pattern; this many tell patterns apart.
-        const TOLD_APART: usize = 12;
-        let n_points = self.nearest_count(TOLD_APART, Domain::Sphere);
+        // A single point is the same set for every pattern; this number distinguishes patterns.
+        const N_POINTS: usize = 12;
+        let n_points = self.nearest_count(N_POINTS, Domain::Sphere);
         self.build(n_points, Domain::Sphere).is_ok_and(|sampler| !sampler.is_random())
     }
 
-    /// Returns a number for [`Streams::new`](crate::Streams::new) that tells the ensembles of one run
-    /// apart: of this pattern and number of points, by a hash of its text (FNV-1a, 32 bits).
+    /// Returns a number for [`Streams::new`](crate::Streams::new) that distinguishes the ensembles
+    /// of one run: the number of points combined with a hash of the pattern's text (32-bit FNV-1a).
     #[must_use]
     pub fn stream_group(&self, n_points: usize) -> usize {
         fnv1a(self.to_string().as_bytes()) as usize ^ n_points
     }
 
-    /// Returns the numbers of points that exist on `domain`.
+    /// Returns the valid numbers of points on `domain`.
     #[must_use]
     pub fn valid_counts(&self, domain: Domain) -> ValidCounts {
         self.clone().with_definition(|definition| definition.valid_counts(domain))
@@ -86,8 +87,8 @@ impl Pattern {
         self.valid_counts(domain).nearest(asked)
     }
 
-    /// Returns the sampler of this pattern with exactly `n_points` points; of saturated Poisson disks,
-    /// that many in the mean.
+    /// Returns the sampler of this pattern with exactly `n_points` points; saturated Poisson disks
+    /// have that number in the mean.
     ///
     /// ```
     /// use sphvar_samplers::{Domain, Error, Pattern};
@@ -118,14 +119,15 @@ impl Pattern {
         Ok(Box::new(OfPattern::new(sampler, self.stream_group(n_points))))
     }
 
-    /// Returns [`Sampler::last_empty_degree`] of the sampler of `n_points` points; `None` if there is none.
+    /// Returns [`Sampler::last_empty_degree`] of the sampler of `n_points` points; `None` if there
+    /// is none.
     #[must_use]
     pub fn last_empty_degree(&self, n_points: usize, domain: Domain) -> Option<usize> {
         self.build(n_points, domain).ok()?.last_empty_degree()
     }
 
-    /// Returns [`Sampler::nominal_work`] of the sampler of `n_points` points, or of the nearest number
-    /// that there is; that of points at a unit each where there is none.
+    /// Returns [`Sampler::nominal_work`] of the sampler of `n_points` points, or of the nearest
+    /// valid count; one unit per point if the pattern cannot be built.
     #[must_use]
     pub fn nominal_work(&self, n_points: usize) -> f64 {
         let sampler = self.build(self.nearest_count(n_points, Domain::Sphere), Domain::Sphere);
@@ -148,7 +150,7 @@ impl FromStr for Pattern {
     }
 }
 
-/// The name, and after a colon the parameters that are not the default ones.
+/// Writes the name and, after a colon, the parameters that differ from the defaults.
 impl fmt::Display for Pattern {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let mut default = self.default_of_name();

@@ -5,15 +5,15 @@ use rand::Rng;
 use crate::hash::fnv1a;
 use crate::{Domain, Error, PointSet, Progress, SetDistribution};
 
-/// A pattern of directions of a fixed number of points: what it takes to make one realization.
+/// A generator of realizations of a pattern with a fixed number of points.
 ///
 /// A sampler is immutable; all randomness comes from the generator that is passed in, so that a
 /// realization is a function of the generator's state alone. A realization need not be
 /// homogeneous by itself: users who need a rotation-invariant ensemble rotate it by
 /// [`uniform_rotation`](crate::uniform_rotation), as [`Realizations`](crate::Realizations) does.
 ///
-/// Three methods are required; the others describe the pattern so that less has to be computed. The
-/// trait is object-safe: tools keep lists of `Box<dyn Sampler>`.
+/// Three methods are required; the others describe the pattern and save computation. The trait is
+/// object-safe: tools keep lists of `Box<dyn Sampler>`.
 ///
 /// # Examples
 ///
@@ -56,16 +56,16 @@ pub trait Sampler: Debug + Send + Sync {
     /// on the hemisphere, and one weight each in `set.weights`, which stays empty for equal weights
     /// ([`PointSet::start`] clears both).
     ///
-    /// The buffer is taken whole rather than as a slice so that a loop over realizations
-    /// allocates once and patterns with a random number of points fit the same contract.
+    /// The parameter is a whole buffer rather than a slice so that a loop over realizations
+    /// allocates once and patterns with a random number of points have the same contract.
     ///
     /// # Errors
     ///
     /// [`Error::Infeasible`] if this realization cannot be completed; most patterns never fail.
     fn sample_into(&self, rng: &mut dyn Rng, set: &mut PointSet) -> Result<(), Error>;
 
-    /// Samples as [`Self::sample_into`] does, with bit-identical results, and ticks `progress`
-    /// meanwhile; to be implemented where a single realization may take long.
+    /// Samples as [`Self::sample_into`] does, with bit-identical results, and reports to
+    /// `progress`. Implement it if a single realization may take long.
     ///
     /// # Errors
     ///
@@ -80,19 +80,20 @@ pub trait Sampler: Debug + Send + Sync {
         self.sample_into(rng, set)
     }
 
-    /// Returns what is known about the distribution of the realizations. Default: [`SetDistribution::Random`].
+    /// Returns what is known about the distribution of the realizations. Default:
+    /// [`SetDistribution::Random`].
     fn distribution(&self) -> SetDistribution<'_> {
         SetDistribution::Random
     }
 
-    /// Returns the last degree t such that no realization has power at any degree `1 <= l <= t` of the
-    /// domain (0 if there is none), for patterns that are made so; `None` for others.
+    /// Returns the last degree t such that no realization has power at any degree `1 <= l <= t` of
+    /// the domain (0 if there is none), for patterns that guarantee it; `None` for others.
     fn last_empty_degree(&self) -> Option<usize> {
         None
     }
 
-    /// Returns the nominal work of making a realization, in units of the work of a fast transform
-    /// per point, about 60 ns of one core. Default: the number of points.
+    /// Returns the nominal work of a realization, in units of the work of a fast transform per
+    /// point, about 60 ns of one core. Default: the number of points.
     ///
     /// The numbers of realizations of estimates follow from it, so changing a value changes
     /// published results. It need only be right to a factor of about 2.
@@ -108,13 +109,14 @@ pub trait Sampler: Debug + Send + Sync {
     }
 
     /// Returns whether two realizations can differ by more than a rotation. `false` means that one
-    /// realization holds the whole spectrum of the pattern.
+    /// realization determines the spectrum of the pattern.
     fn is_random(&self) -> bool {
         self.distribution().is_random()
     }
 
-    /// Returns whether the points of a realization are independent of each other and uniformly distributed, so that moments
-    /// of estimates follow from those of the integrand. `false` where that is not known.
+    /// Returns whether the points of a realization are independent of each other and uniformly
+    /// distributed, so that moments of estimates follow from those of the integrand. `false` where
+    /// that is not known.
     fn is_independent(&self) -> bool {
         self.n_points() == 1 || matches!(self.distribution(), SetDistribution::Independent)
     }

@@ -2,20 +2,20 @@ use sphvar_healpix::Nside;
 
 use crate::{EqualArea, PointSet};
 
-/// What is known in advance about the distribution of a sampler's realizations, up to rotation: it
-/// decides whether spectra are computed in closed form or estimated.
+/// The known properties of the distribution of a sampler's realizations, up to rotation. They
+/// decide whether spectra are computed in closed form or estimated.
 #[derive(Clone, Copy, Debug)]
 #[non_exhaustive]
 pub enum SetDistribution<'a> {
-    /// Nothing from which a spectrum follows.
+    /// No property that determines a spectrum.
     Random,
     /// Independent uniform points.
     Independent,
     /// One uniform point in each of N strata of equal area, independent of the others.
     Stratified(Strata<'a>),
-    /// Always the same set, up to rotation: one realization has the spectrum of the pattern.
+    /// Always the same set, up to rotation: one realization determines the spectrum of the pattern.
     Fixed,
-    /// One of these sets, drawn uniformly.
+    /// One of the given sets, drawn uniformly.
     OneOf(&'a [PointSet]),
 }
 
@@ -23,7 +23,8 @@ pub enum SetDistribution<'a> {
 #[derive(Clone, Copy, Debug)]
 #[non_exhaustive]
 pub enum Strata<'a> {
-    /// The cells of HEALPix; on the hemisphere those of half the faces, one of each pair of antipodal cells.
+    /// The cells of HEALPix; on the hemisphere those of half the faces, one of each pair of
+    /// antipodal cells.
     Healpix(Nside),
     /// The regions of Leopardi 2006.
     EqualArea(&'a EqualArea),

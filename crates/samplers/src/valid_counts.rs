@@ -1,18 +1,19 @@
 use std::fmt;
 
-/// The numbers of points that a pattern can have; the `Display` text follows "N must be".
+/// The valid numbers of points of a pattern; the `Display` text continues "N must be".
 ///
-/// Limits of memory and of indices are not among the rules: [`Pattern::build`](crate::Pattern::build) states them.
+/// Limits of memory and of indices are not part of these rules; see
+/// [`Pattern::build`](crate::Pattern::build).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum ValidCounts {
-    /// Every number from 1.
+    /// Every positive number.
     Any,
     /// `unit k^2` for k = 1, 2, 3, ...
     Squares {
         /// The smallest number, at least 1.
         unit: usize,
-        /// What k is called, such as `nside`.
+        /// The name of k, such as `nside`.
         root: &'static str,
     },
 }
@@ -24,7 +25,8 @@ impl ValidCounts {
         n_points > 0 && self.nearest(n_points) == n_points
     }
 
-    /// Returns the valid number nearest to `n_points`, the smaller one of two equally near; never 0.
+    /// Returns the valid number nearest to `n_points`, the smaller one of two equally near; never
+    /// 0.
     #[must_use]
     pub fn nearest(&self, n_points: usize) -> usize {
         match *self {
@@ -94,7 +96,7 @@ mod tests {
     }
 
     #[test]
-    fn rules_are_said_in_words() {
+    fn rules_are_displayed_in_words() {
         let squares = ValidCounts::Squares { unit: 12, root: "nside" };
         assert_eq!(squares.to_string(), "12 nside^2 (12, 48, 108, ...)");
         let squares = ValidCounts::Squares { unit: 1, root: "k" };

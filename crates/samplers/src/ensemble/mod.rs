@@ -1,4 +1,4 @@
-//! How ensembles are made: sets of points, random streams, rotations, realizations and progress.
+//! Ensembles: point sets, random streams, rotations, realizations and progress.
 
 mod point_set;
 mod point_sets;

@@ -3,7 +3,8 @@ use sphvar_sh::CompensatedSum;
 
 /// A set of directions, with or without weights.
 ///
-/// An integral is estimated by `area sum_k w_k f(s_k)/sum_k w_k`, so that only ratios of weights matter.
+/// An integral is estimated by `area sum_k w_k f(s_k)/sum_k w_k`, so that only ratios of weights
+/// matter.
 ///
 /// # Examples
 ///
@@ -49,7 +50,8 @@ impl PointSet {
         self.points.is_empty()
     }
 
-    /// Rejects sets without points or with another number of weights than points; the reason lacks its subject.
+    /// Rejects empty sets and sets whose number of weights differs from the number of points; the
+    /// reason is a phrase without its subject.
     pub(crate) fn check_lengths(&self) -> Result<(), String> {
         match (self.points.len(), self.weights.len()) {
             (0, _) => Err("has no points".to_owned()),
@@ -58,19 +60,20 @@ impl PointSet {
         }
     }
 
-    /// Rejects invalid realizations: lengths that do not fit, points off the unit sphere by more than 1e-9, weights that are not
-    /// finite or have the sum 0; the reason lacks its subject.
+    /// Rejects invalid realizations: mismatched lengths, points off the unit sphere by more than
+    /// 1e-9, and weights that are not finite or sum to 0; the reason is a phrase without its
+    /// subject.
     pub(crate) fn check_realization(&self) -> Result<(), String> {
         self.check_points()?;
         let estimates = self.n_effective() > 0.0;
         if estimates { Ok(()) } else { Err("has weights whose sum is 0".to_owned()) }
     }
 
-    /// The same but for the sum of the weights, which spectra do without.
+    /// Does the same checks except that of the sum of the weights, which spectra do not need.
     pub(crate) fn check_points(&self) -> Result<(), String> {
         self.check_lengths()?;
         let is_unit = |p: &DVec3| (p.length_squared() - 1.0).abs() <= 2e-9;
-        // Without an early exit, which would keep the loop from vectors.
+        // An early exit would prevent vectorization of the loop.
         if !self.points.iter().fold(true, |all, p| all & is_unit(p)) {
             let k = self.points.iter().position(|p| !is_unit(p)).unwrap_or(0);
             return Err(format!(
@@ -81,7 +84,7 @@ impl PointSet {
         self.check_weights()
     }
 
-    /// Rejects weights that are not finite; the reason lacks its subject.
+    /// Rejects weights that are not finite; the reason is a phrase without its subject.
     pub(crate) fn check_weights(&self) -> Result<(), String> {
         match self.weights.iter().position(|w| !w.is_finite()) {
             Some(k) => Err(format!(
@@ -95,7 +98,7 @@ impl PointSet {
     /// Returns `(sum w)^2/sum w^2`, the number of equally weighted points with the same noise: N
     /// for equal weights, 0 if the weights sum to 0.
     ///
-    /// It does not depend on the scale of the weights, for any magnitude.
+    /// The result does not depend on the scale of the weights, whatever their magnitude.
     #[must_use]
     pub fn n_effective(&self) -> f64 {
         if self.weights.is_empty() {
@@ -131,17 +134,17 @@ impl PointSet {
         pairs().map(|(w, v)| w * v).sum::<f64>() / pairs().map(|(w, _)| w).sum::<f64>()
     }
 
-    /// Scales the weights by a power of two so that the largest magnitude is in [1/2, 1): no result depends on their
-    /// scale, and neither squares nor sums leave the range of numbers.
+    /// Scales the weights by a power of two so that the largest magnitude is in [1/2, 1). No result
+    /// depends on their scale, and neither squares nor sums overflow or underflow.
     ///
-    /// Exact but for weights that are 1e-300 of the largest and less.
+    /// Exact except for weights at most 1e-300 times the largest.
     pub fn normalize_weights(&mut self) {
         let scale = weight_scale(&self.weights);
         self.weights.iter_mut().for_each(|w| *w = scale.apply(*w));
     }
 }
 
-/// A power of two, in steps that stay in the range of numbers.
+/// A power of two, applied in steps that neither overflow nor underflow.
 #[derive(Clone, Copy)]
 struct Scale {
     step: f64,
@@ -158,7 +161,7 @@ impl Scale {
     }
 }
 
-/// The power of two that brings the largest magnitude to [1/2, 1); 1 where there is none.
+/// Returns the power of two that brings the largest magnitude to [1/2, 1), or 1 if there is none.
 fn weight_scale(weights: &[f64]) -> Scale {
     let largest = weights.iter().fold(0.0, |max: f64, w| max.max(w.abs()));
     if !(largest > 0.0 && largest.is_finite()) {

@@ -7,7 +7,7 @@ use crate::{Domain, Ensemble, Error, PointSet, Progress, Sampler, SetDistributio
 
 /// Given point sets, with or without weights, as a sampler that draws one of them uniformly.
 ///
-/// As an [`Ensemble`] it is the sets in their order, without rotation.
+/// As an [`Ensemble`] it yields the sets in their order, without rotation.
 ///
 /// # Examples
 ///
@@ -33,9 +33,9 @@ impl PointSets {
     ///
     /// # Errors
     ///
-    /// [`Error::Given`] if there is no set, or a set is empty, has a number of weights other than 0
-    /// or that of its points, a point without direction, a weight that is not finite, or only
-    /// weights of 0.
+    /// [`Error::Given`] if there are no sets, or if a set is empty, has a number of weights other
+    /// than 0 or its number of points, or contains a zero or non-finite vector, a weight that is
+    /// not finite, or only zero weights.
     pub fn new(mut sets: Vec<PointSet>, domain: Domain) -> Result<Self, Error> {
         if sets.is_empty() {
             return Err(Error::Given { reason: "there is no set".to_owned() });
@@ -43,7 +43,7 @@ impl PointSets {
         for (i, set) in sets.iter_mut().enumerate() {
             check(set).map_err(|reason| Error::Given { reason: format!("set {i} {reason}") })?;
             for p in &mut set.points {
-                // Unit vectors stay as they are, to the bit.
+                // Unit vectors stay bit-identical.
                 let is_unit = (p.length_squared() - 1.0).abs() <= 4.0 * f64::EPSILON;
                 let unit = if is_unit { *p } else { direction(*p).unwrap_or(*p) };
                 *p = domain.representative(unit);
@@ -73,12 +73,12 @@ fn check(set: &PointSet) -> Result<(), String> {
     Ok(())
 }
 
-/// The unit vector along a vector of any length.
+/// Returns the unit vector along a vector of any length.
 fn direction(p: DVec3) -> Option<DVec3> {
     (p / p.abs().max_element()).try_normalize()
 }
 
-/// A hash of all numbers (FNV-1a of 64 bits, by words).
+/// Returns a hash of all numbers (64-bit FNV-1a, by words).
 #[expect(clippy::cast_possible_truncation, reason = "any bits of a hash will do")]
 fn hash(sets: &[PointSet]) -> usize {
     let step = |hash: u64, word: u64| (hash ^ word).wrapping_mul(0x0100_0000_01b3);
@@ -92,7 +92,7 @@ fn hash(sets: &[PointSet]) -> usize {
     (hash ^ (hash >> 32)) as usize
 }
 
-/// Omits the points, which may be many.
+/// Omits the points, which can be numerous.
 impl fmt::Debug for PointSets {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.debug_struct("PointSets")
@@ -105,7 +105,7 @@ impl fmt::Debug for PointSets {
 }
 
 impl Sampler for PointSets {
-    /// The mean number of points of the sets, rounded.
+    /// Returns the mean number of points of the sets, rounded.
     fn n_points(&self) -> usize {
         let total: usize = self.sets.iter().map(PointSet::len).sum();
         (total + self.sets.len() / 2) / self.sets.len()
@@ -144,11 +144,11 @@ impl Ensemble for PointSets {
     }
 }
 
-/// Given sets in their order, which take no work to make.
+/// The given sets in their order; they take no work to generate.
 impl Ensemble for &[PointSet] {
     /// # Errors
     ///
-    /// [`Error::Given`] if there is no set of that number, or it is not valid.
+    /// [`Error::Given`] if no set has that index, or the set is invalid.
     fn realize_into(
         &self,
         index: u64,

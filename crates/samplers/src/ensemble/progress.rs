@@ -5,7 +5,7 @@ use std::sync::Mutex;
 #[error("stopped before the work was done")]
 pub struct Stopped;
 
-/// Receives the progress of long work, and decides whether it continues.
+/// Receives the progress of long work and decides whether it continues.
 ///
 /// Work is counted in nominal units ([`Sampler::nominal_work`](crate::Sampler::nominal_work)),
 /// about 60 ns of one core each. A closure `Fn(f64)` is called with the completed units and never
@@ -17,8 +17,7 @@ pub struct Stopped;
 /// use std::sync::atomic::{AtomicBool, Ordering};
 /// use sphvar_samplers::{Domain, Pattern, Progress, Purpose, Realizations, Stopped, Streams};
 ///
-/// /// Ends the work when a flag is raised, as by Ctrl-C.
-/// struct UntilRaised(AtomicBool);
+/// /// Stops the work when a flag is set, for example by Ctrl-C. struct UntilRaised(AtomicBool);
 ///
 /// impl Progress for UntilRaised {
 ///     fn tick(&self, _work: f64) -> Result<(), Stopped> {
@@ -34,7 +33,7 @@ pub struct Stopped;
 /// # Ok::<(), sphvar_samplers::Error>(())
 /// ```
 pub trait Progress: Sync {
-    /// Records `work` completed units; 0 only asks whether to continue.
+    /// Records `work` completed units; 0 only checks whether to continue.
     ///
     /// # Errors
     ///
@@ -58,14 +57,14 @@ impl Progress for () {
     }
 }
 
-/// Seconds per unit of nominal work on one core, to a factor of about 2; for time estimates only,
-/// on which no result depends.
+/// Seconds per unit of nominal work on one core, to a factor of about 2. Used for time estimates
+/// only; no result depends on it.
 pub const SECONDS_PER_WORK: f64 = 60e-9;
 
-/// Tells long loops whether to continue.
+/// Callback that returns whether a long loop continues.
 pub(crate) type Tick<'a> = &'a dyn Fn() -> Result<(), Stopped>;
 
-/// A part of known size of another progress: ticks are passed on up to that size, and
+/// A share of known size of another progress: ticks are passed on up to that size, and
 /// [`finish`](Self::finish) adds the rest.
 pub struct Share<'a> {
     whole: &'a dyn Progress,
@@ -82,12 +81,12 @@ impl<'a> Share<'a> {
     /// Returns a part of `whole` of `work` units.
     #[must_use]
     pub fn new(whole: &'a dyn Progress, work: f64) -> Self {
-        // Work that is no amount counts as none.
+        // A negative or NaN amount of work counts as 0.
         let work = if work.is_finite() { work.max(0.0) } else { 0.0 };
         Self { whole, left: Mutex::new(work) }
     }
 
-    /// Ticks the rest of the part.
+    /// Ticks the rest of the share.
     ///
     /// # Errors
     ///
@@ -100,7 +99,7 @@ impl<'a> Share<'a> {
 impl Progress for Share<'_> {
     fn tick(&self, work: f64) -> Result<(), Stopped> {
         let part = {
-            // A poisoned lock holds a number as good as any.
+            // The number behind a poisoned lock is still valid.
             let mut left = self.left.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
             let part = work.min(*left);
             *left -= part;
@@ -117,7 +116,7 @@ mod tests {
     use super::{Progress, Share};
 
     #[test]
-    fn a_share_is_as_large_as_it_was_said_to_be() {
+    fn a_share_adds_up_to_its_declared_size() {
         for parts in [vec![], vec![1.0, 2.0], vec![4.0, 0.0, 9.0], vec![f64::INFINITY]] {
             let sum = Mutex::new(0.0);
             let whole = |work: f64| *sum.lock().unwrap() += work;

@@ -8,7 +8,7 @@ pub trait Ensemble: Sync {
     ///
     /// # Errors
     ///
-    /// [`Error`] if the set cannot be made, [`Error::Stopped`] if `progress` ended the work.
+    /// [`Error`] if the set cannot be generated, [`Error::Stopped`] if `progress` stopped the work.
     fn realize_into(
         &self,
         index: u64,
@@ -20,10 +20,10 @@ pub trait Ensemble: Sync {
 /// The ensemble of a sampler: realization `i` is a function of (streams, i) alone.
 ///
 /// With rotation, each realization is rotated by an independent uniform rotation, which makes the
-/// ensemble homogeneous: the condition under which a variance follows from the spectrum. The
-/// rotation is drawn from a stream of its own, so the unrotated ensemble of the same streams has
-/// the same sets before rotation, and the points that two samplers have in common, such as the
-/// beginning of a sequence, still agree after it.
+/// ensemble homogeneous: the condition under which a variance follows from the spectrum.
+/// The rotation is drawn from a separate stream. The unrotated ensemble of the
+/// same streams therefore has the same sets before rotation, and points that two samplers share,
+/// such as the beginning of a sequence, still agree after it.
 ///
 /// ```
 /// use sphvar_samplers::{Domain, Pattern, Purpose, Realizations, Streams};
@@ -40,25 +40,25 @@ pub struct Realizations<'a> {
 }
 
 impl<'a> Realizations<'a> {
-    /// The ensemble in which every realization has an independent uniform rotation.
+    /// Returns the ensemble in which every realization has an independent uniform rotation.
     #[must_use]
     pub fn rotated(sampler: &'a dyn Sampler, streams: Streams) -> Self {
         Self { sampler, streams, rotated: true }
     }
 
-    /// The ensemble as the sampler makes it.
+    /// Returns the ensemble as the sampler generates it.
     #[must_use]
     pub fn unrotated(sampler: &'a dyn Sampler, streams: Streams) -> Self {
         Self { sampler, streams, rotated: false }
     }
 
-    /// The sampler of the ensemble.
+    /// Returns the sampler of the ensemble.
     #[must_use]
     pub fn sampler(&self) -> &'a dyn Sampler {
         self.sampler
     }
 
-    /// The rotation of realization `index`; the identity without rotation.
+    /// Returns the rotation of realization `index`; the identity without rotation.
     #[must_use]
     pub fn rotation(&self, index: u64) -> DMat3 {
         if self.rotated {
@@ -72,8 +72,9 @@ impl<'a> Realizations<'a> {
     ///
     /// # Errors
     ///
-    /// Those of [`Sampler::sample_watched`], and [`Error::Given`] if the sampler made no points, points that are not unit
-    /// vectors, another number of weights than points, or weights that are not finite or have the sum 0.
+    /// Those of [`Sampler::sample_watched`], and [`Error::Given`] if the sampler returns no points,
+    /// points that are not unit vectors, numbers of weights and points that differ, or weights that
+    /// are not finite or sum to 0.
     pub fn realize_into(
         &self,
         index: u64,
@@ -120,9 +121,9 @@ mod tests {
 
     use crate::{Domain, Error, PointSet, Purpose, Realizations, Sampler, Streams, WhiteNoise};
 
-    /// A faulty user-defined sampler gives an error, never a number.
+    /// A faulty user-defined sampler causes an error, never a result.
     #[test]
-    fn what_is_no_realization_is_an_error() {
+    fn an_invalid_realization_is_an_error() {
         #[derive(Debug)]
         struct Faulty(PointSet);
         impl Sampler for Faulty {
@@ -161,7 +162,7 @@ mod tests {
         }
     }
 
-    /// Sequences keep their first points whatever the number of points, rotated or not.
+    /// The first points of a sequence do not depend on the number of points, rotated or not.
     #[test]
     fn prefixes_do_not_depend_on_the_number_of_points() {
         let streams = Streams::new(3, Purpose::Pattern, 0);

@@ -4,12 +4,12 @@ use rand_distr::{Distribution, StandardNormal};
 
 use crate::Domain;
 
-/// A rotation drawn uniformly from SO(3), that is from Haar measure.
+/// Returns a rotation drawn uniformly from SO(3), that is, from Haar measure.
 ///
 /// Four independent normal numbers are an isotropic vector of R^4, so its direction is uniform on
 /// the unit quaternions, which cover SO(3) twice and evenly (Muller 1959; Shoemake 1992). In
-/// particular `E[R] = 0`. Turning one random vector into another by the shortest way is *not*
-/// uniform: its mean is I/3.
+/// particular `E[R] = 0`. The shortest rotation of one random vector to another is *not* uniform:
+/// its mean is I/3.
 ///
 /// ```
 /// use sphvar_samplers::{Purpose, Streams, uniform_rotation};
@@ -27,7 +27,8 @@ pub fn uniform_rotation(rng: &mut dyn Rng) -> DMat3 {
     }
 }
 
-/// Turns every direction, and on the hemisphere takes the upper representative of its line.
+/// Rotates every direction; on the hemisphere, takes the upper representative of each antipodal
+/// pair.
 ///
 /// The results are normalised, so that their norms are 1 to rounding whatever the rounding of the
 /// matrix.
@@ -42,9 +43,10 @@ mod tests {
     use super::{DMat3, DVec3, uniform_rotation};
     use crate::{Purpose, Streams};
 
-    /// Haar measure is the only law with E[`D^l(R)`] = 0 for every degree l >= 1; degrees 1 and 2
-    /// tell the usual mistakes. Each of the 9 + 25 entries is a mean of `N` independent numbers
-    /// with variance 1/(2l+1) (Schur), so |z| < 5 for all 34 fails by chance in 2e-5 of seeds.
+    /// Haar measure is the only distribution with E[`D^l(R)`] = 0 for every degree l >= 1; degrees
+    /// 1 and 2 reveal the common mistakes. Each of the 9 + 25 entries is a mean of `N` independent
+    /// numbers with variance 1/(2l+1) (Schur), so |z| < 5 for all 34 fails by chance in 2e-5 of
+    /// seeds.
     #[test]
     fn the_mean_of_rotations_vanishes_in_degrees_1_and_2() {
         const N: u32 = 20_000;

@@ -1,7 +1,7 @@
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
-/// What a family of random streams is used for; two purposes never share random numbers.
+/// The purpose of a family of random streams; two purposes never share random numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum Purpose {
@@ -16,10 +16,10 @@ pub enum Purpose {
 
 /// A family of independent random streams, one per realization.
 ///
-/// The generator is `ChaCha8` (Bernstein 2008, 8 rounds), which is specified bit for bit and
-/// counts: its 256-bit key is made of (seed, purpose, group), its 64-bit stream number is the
-/// realization. Results therefore depend on these numbers alone, never on threads, order or
-/// shards.
+/// The generator is `ChaCha8` (Bernstein 2008, 8 rounds), a counter-based generator that is
+/// specified bit for bit. Its 256-bit key consists of (seed, purpose, group); its 64-bit stream
+/// number is the realization. Results therefore depend on these numbers alone, never on threads,
+/// order or shards.
 ///
 /// ```
 /// use rand::Rng;
@@ -34,8 +34,9 @@ pub struct Streams {
 }
 
 impl Streams {
-    /// The family of `seed` for one purpose. `group` tells apart ensembles of one run that must
-    /// not share numbers; see [`Pattern::stream_group`](crate::Pattern::stream_group).
+    /// Returns the family of streams of `seed` for one purpose. `group` distinguishes ensembles of
+    /// one run that must not share numbers; see
+    /// [`Pattern::stream_group`](crate::Pattern::stream_group).
     #[must_use]
     pub fn new(seed: u64, purpose: Purpose, group: usize) -> Self {
         let purpose: u64 = match purpose {
@@ -47,19 +48,19 @@ impl Streams {
         key[..8].copy_from_slice(&seed.to_le_bytes());
         key[8..16].copy_from_slice(&purpose.to_le_bytes());
         key[16..24].copy_from_slice(&(group as u64).to_le_bytes());
-        // "sphvar 1": a change of how streams are used becomes a new version here, and an entry
+        // "sphvar 1": any change to the use of streams requires a new version here and an entry
         // under Value-breaking in the change log.
         key[24..].copy_from_slice(b"sphvar 1");
         Self { key }
     }
 
-    /// The generator of one realization, at its start.
+    /// Returns the generator of one realization, at its start.
     #[must_use]
     pub fn realization(&self, index: u64) -> ChaCha8Rng {
         generator(self.key, index)
     }
 
-    /// The generator of the rotation or shift of one realization, independent of
+    /// Returns the generator of the rotation or shift of one realization, independent of
     /// [`Self::realization`].
     #[must_use]
     pub fn randomization(&self, index: u64) -> ChaCha8Rng {

@@ -1,4 +1,4 @@
-//! Minimisation over unit vectors.
+//! Minimization over unit vectors.
 
 use std::collections::VecDeque;
 
@@ -6,52 +6,52 @@ use glam::DVec3;
 
 use crate::Stopped;
 
-/// Steps of which the method remembers the change of the gradient.
+/// Number of past steps whose gradient changes the method stores.
 const MEMORY: usize = 6;
 
-/// The share of the slope's promise that a step must keep (Armijo 1966).
+/// The fraction of the decrease predicted by the slope that a step must achieve (Armijo 1966).
 const SUFFICIENT: f64 = 1e-4;
 
-/// Shortenings of one step before the method gives up on a direction.
+/// Maximum number of step reductions before the method abandons a direction.
 const MAX_TRIALS: u32 = 30;
 
-/// What is to be made small.
+/// An objective to minimize.
 pub(crate) trait Objective {
-    /// The energy of the points; no number where there is none.
+    /// Returns the energy of the points, or NaN where it is undefined.
     fn energy(&mut self, points: &[DVec3]) -> f64;
 
-    /// Replaces the content of `gradient` by the gradient in space at the points of the last call of
-    /// [`Self::energy`].
+    /// Replaces the content of `gradient` by the gradient in space at the points of the last call
+    /// of [`Self::energy`].
     fn gradient(&mut self, points: &[DVec3], gradient: &mut Vec<DVec3>);
 
-    /// Whether the points of the last calls are good enough, or there is no hope; asked once for each
-    /// step that is kept.
+    /// Returns whether the descent ends because the points of the last calls are good enough or
+    /// cannot improve. Called once for each accepted step.
     fn is_final(&mut self, _energy: f64, _squared_slope: f64) -> bool {
         false
     }
 }
 
-/// How unit vectors are moved downhill: by steps of the limited-memory BFGS method (Liu and Nocedal
-/// 1989) on the product of spheres.
+/// Parameters of the limited-memory BFGS method (Liu and Nocedal 1989) on a product of spheres.
 ///
-/// Gradients and steps live in the tangent planes; a step ends by normalisation. No step increases
-/// the energy, moves a point by more than `reach`, or ends where the energy is no number. Memory is used
-/// in the next point's planes as it is: transporting it changes nothing that was measured.
+/// Gradients and steps lie in the tangent planes; each step ends with a normalization. No step
+/// increases the energy, moves a point by more than `reach`, or ends where the energy is NaN. The
+/// stored steps are used in the tangent planes of the next points without transport, which made no
+/// measurable difference.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Descent {
-    /// The most steps.
+    /// Maximum number of steps.
     pub(crate) iterations: u32,
-    /// The first step, and any after a failure, is this many times the gradient.
+    /// The factor of the gradient in the first step and in the step after a failure.
     pub(crate) scale: f64,
-    /// Whether what is known of the curvature replaces `scale` in later steps.
+    /// Whether an estimate of the curvature replaces `scale` in later steps.
     pub(crate) is_adaptive: bool,
     pub(crate) reach: f64,
 }
 
 impl Descent {
-    /// Moves the points until the objective is final or no shorter step goes down any more, and
-    /// returns the energy reached. The objective has last been asked for these points. Before each step `tick` tells
-    /// whether to go on.
+    /// Moves the points until the objective is final or no step decreases it further, and returns
+    /// the final energy. The last evaluation of the objective was at the returned points. Before
+    /// each step `tick` returns whether to continue.
     pub(crate) fn run(
         self,
         points: &mut Vec<DVec3>,
@@ -74,7 +74,8 @@ impl Descent {
             limit(&mut step, self.reach);
             let mut slope = dot(&gradient, &step);
             if slope >= 0.0 {
-                // Memory that points uphill is worth nothing; the gradient itself never does.
+                // If the stored steps give an ascent direction they are dropped; the negative
+                // gradient is always a descent direction.
                 memory.clear();
                 memory.direction_into(&gradient, self, &mut step);
                 limit(&mut step, self.reach);
@@ -115,15 +116,15 @@ impl Descent {
     }
 }
 
-/// Where the parabola through both energies and the slope has its minimum, in units of the step,
-/// kept between 1/10 and 1/2.
+/// Returns the minimum of the parabola through both energies and the slope, in units of the step,
+/// clamped to [1/10, 1/2].
 fn shortening(here: f64, there: f64, slope: f64) -> f64 {
     let minimum = -slope / (2.0 * (there - here - slope));
-    // An energy that is infinite or no number has no such parabola.
+    // There is no such parabola if an energy is infinite or NaN.
     if minimum > 0.1 { minimum.min(0.5) } else { 0.1 }
 }
 
-/// Removes the parts of vectors that are normal to the sphere.
+/// Projects vectors onto the tangent planes.
 fn project(points: &[DVec3], vectors: &mut [DVec3]) {
     for (v, p) in vectors.iter_mut().zip(points) {
         *v -= v.dot(*p) * *p;
@@ -148,7 +149,7 @@ struct Memory {
 }
 
 impl Memory {
-    /// Forgets all; whether there was anything.
+    /// Clears the memory; returns whether it was not empty.
     fn clear(&mut self) -> bool {
         let had_any = !self.pairs.is_empty();
         self.pairs.clear();
@@ -171,8 +172,8 @@ impl Memory {
         }
     }
 
-    /// Minus the inverse Hessian, as far as it is known, times the gradient: the two loops of
-    /// Nocedal 1980.
+    /// Computes minus the approximate inverse Hessian times the gradient by the two-loop recursion
+    /// of Nocedal 1980.
     fn direction_into(&self, gradient: &[DVec3], descent: Descent, direction: &mut Vec<DVec3>) {
         direction.clear();
         direction.extend(gradient.iter().map(|g| -*g));
@@ -200,7 +201,7 @@ impl Memory {
 mod tests {
     use super::{DVec3, Descent, Objective};
 
-    /// A quadratic form with these axes on every sphere.
+    /// The same quadratic form, with these axes, on every sphere.
     struct Form(DVec3);
 
     impl Objective for Form {
@@ -219,7 +220,7 @@ mod tests {
     }
 
     #[test]
-    fn quadratic_forms_end_at_their_least_axis() {
+    fn quadratic_forms_converge_to_their_smallest_axis() {
         for is_adaptive in [true, false] {
             let mut points: Vec<DVec3> = [(1.0, 2.0, 0.1), (-0.3, 0.2, -0.9), (0.5, 0.5, 0.5)]
                 .map(|(x, y, z)| DVec3::new(x, y, z).normalize())
@@ -227,14 +228,14 @@ mod tests {
             let mut form = Form(DVec3::new(3.0, 1.0, 0.25));
             let least = descent(is_adaptive).run(&mut points, &mut form, &|| Ok(())).unwrap();
             assert!((least - 0.75).abs() < 16.0 * f64::EPSILON, "{least} at {points:?}");
-            // The angle left over shows in the energy squared.
+            // The energy depends on the square of the remaining angle.
             assert!(points.iter().all(|p| p.z.abs() > 1.0 - 1e-14), "{points:?}");
         }
     }
 
-    /// Energies that are no numbers leave points where they are.
+    /// NaN energies leave the points unchanged.
     #[test]
-    fn no_energy_no_step() {
+    fn a_nan_energy_allows_no_step() {
         let start = vec![DVec3::X, DVec3::Y];
         let mut points = start.clone();
         assert!(

@@ -1,4 +1,5 @@
-//! Moving points downhill: the descent, the energies that it lowers, and exact Voronoi cells.
+//! Optimization of point sets: the descent method, the energies it minimizes, and exact Voronoi
+//! cells.
 
 mod descent;
 mod riesz_energy;

@@ -3,19 +3,20 @@ use pulp::NullaryFnOnce;
 
 use crate::Domain;
 
-/// Pairs that are worked on side by side, whatever the width of the machine's registers, so that
-/// sums do not depend on it.
+/// Number of pairs processed together, independent of the register width so that sums do not depend
+/// on it.
 const LANES: usize = 8;
 
-/// The Riesz energy of exponent `s` of `points`, the logarithmic energy for `s = 0`.
+/// Returns the Riesz energy of exponent `s` of `points`, or the logarithmic energy for `s = 0`.
 ///
 /// ```text
 /// E_s = sum_(i<j) |p_i - p_j|^-s,    E_0 = - sum_(i<j) log |p_i - p_j|
 /// ```
 ///
-/// On the hemisphere each pair of lines counts with both of its distances, `|p_i - p_j|` and
-/// `|p_i + p_j|`; a line's distance to itself does not count. Chords, not arcs. Infinite or NaN if
-/// points coincide or `s` is NaN. The cost is N^2 pairs, 2 N^2 on the hemisphere.
+/// On the hemisphere each pair of points contributes with both `|p_i - p_j|` and `|p_i + p_j|`; the
+/// distance of a point to its own antipode does not contribute. Distances are chords, not arcs. The
+/// result is infinite or NaN if points coincide or `s` is NaN. The cost is N^2 pairs, 2 N^2 on the
+/// hemisphere.
 ///
 /// ```
 /// use glam::DVec3;
@@ -30,7 +31,7 @@ pub fn riesz_energy(points: &[DVec3], domain: Domain, s: f64) -> f64 {
     RieszEnergy::new(domain, s).evaluate(points, &mut Vec::new())
 }
 
-/// The energy of [`riesz_energy`] with its gradient.
+/// Computes the energy of [`riesz_energy`] with its gradient.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct RieszEnergy {
     domain: Domain,
@@ -42,7 +43,8 @@ impl RieszEnergy {
         Self { domain, s }
     }
 
-    /// The energy; `gradient` is replaced by its derivatives in space by each of the points.
+    /// Returns the energy, and replaces `gradient` by its derivatives with respect to each point in
+    /// space.
     pub(crate) fn evaluate(&self, points: &[DVec3], gradient: &mut Vec<DVec3>) -> f64 {
         let is = |whole: f64| self.s.to_bits() == whole.to_bits();
         if self.s.abs() <= 0.0 {
@@ -71,7 +73,7 @@ impl RieszEnergy {
     }
 }
 
-/// All points in the field of all others: the work of [`RieszEnergy::sum`].
+/// The arguments of [`RieszEnergy::sum`]: all points in the field of all others.
 struct Fields<'a, K> {
     kernel: K,
     points: &'a [DVec3],
@@ -83,7 +85,7 @@ struct Fields<'a, K> {
 impl<K: Kernel> NullaryFnOnce for Fields<'_, K> {
     type Output = f64;
 
-    // Inlined so that it is compiled for the instruction set of the dispatch.
+    // Inlined so that it is compiled for the dispatched instruction set.
     #[inline(always)]
     fn call(self) -> f64 {
         let mut twice = 0.0;
@@ -107,12 +109,12 @@ impl<K: Kernel> NullaryFnOnce for Fields<'_, K> {
     }
 }
 
-/// A law of forces between two points by their squared distance.
+/// The energy and force between two points as functions of their squared distance.
 trait Kernel: Copy {
     /// `d2^(-s/2 - 1)`.
     fn weight(self, d2: f64) -> f64;
 
-    /// What pairs add to the energy, in any distribution over the lanes.
+    /// Returns the contributions of pairs to the energy, distributed over the lanes in any way.
     #[inline(always)]
     fn energies(self, d2: [f64; LANES], weights: [f64; LANES]) -> [f64; LANES] {
         let mut energies = d2;
@@ -122,7 +124,7 @@ trait Kernel: Copy {
         energies
     }
 
-    /// What one pair adds to the energy.
+    /// Returns the contribution of one pair to the energy.
     #[inline(always)]
     fn energy(self, d2: f64, weight: f64) -> f64 {
         d2 * weight
@@ -164,7 +166,7 @@ impl Kernel for Logarithm {
         1.0 / d2
     }
 
-    /// One logarithm of all; squared distances of 1e-33 and more cannot underflow.
+    /// Takes one logarithm of the product; squared distances of at least 1e-33 cannot underflow.
     #[inline(always)]
     fn energies(self, d2: [f64; LANES], _: [f64; LANES]) -> [f64; LANES] {
         let mut energies = [0.0; LANES];
@@ -178,7 +180,7 @@ impl Kernel for Logarithm {
     }
 }
 
-/// The energy of `p` among `others` and the sum of weight times (p - other).
+/// Returns the energy of `p` among `others` and the sum of weight times (p - other).
 #[inline(always)]
 fn field<K: Kernel>(kernel: K, p: DVec3, others: [&[f64]; 3]) -> (f64, DVec3) {
     let [(xs, x_rest), (ys, y_rest), (zs, z_rest)] = others.map(<[f64]>::as_chunks::<LANES>);
@@ -239,14 +241,15 @@ mod tests {
     }
 
     #[test]
-    fn energies_are_those_of_the_definition() {
+    fn energies_match_the_definition() {
         for domain in [Domain::Sphere, Domain::Hemisphere] {
             for n in [1, 2, 3, 9, 40] {
                 let points = white(n, domain);
                 for s in EXPONENTS {
                     let fast = RieszEnergy::new(domain, s).evaluate(&points, &mut Vec::new());
                     let slow = by_definition(&points, domain, s);
-                    // n^2 terms; logarithms of both signs add up to about n^2/3 in magnitude.
+                    // There are n^2 terms; logarithms of both signs add up to about n^2/3 in
+                    // magnitude.
                     let scale = slow.abs().max((n * n) as f64);
                     let tolerance = 16.0 * f64::EPSILON * scale;
                     assert!((fast - slow).abs() < tolerance, "{domain} {n} {s}: {fast}, {slow}");
@@ -256,7 +259,7 @@ mod tests {
     }
 
     #[test]
-    fn gradients_are_differences_of_energies() {
+    fn gradients_match_finite_differences_of_energies() {
         const H: f64 = 1e-5;
         for domain in [Domain::Sphere, Domain::Hemisphere] {
             let points = white(21, domain);
@@ -273,8 +276,8 @@ mod tests {
                         };
                         let slope = (at(H) - at(-H)) / (2.0 * H);
                         let off = slope - gradient[i].dot(axis);
-                        // Third derivatives grow by 1/d^2, where d is 0.05 at least: (H/d)^2 of
-                        // the closest pair's force.
+                        // Third derivatives grow as 1/d^2 with d at least 0.05, so the error is
+                        // (H/d)^2 of the closest pair's force.
                         let scale = gradient.iter().map(|g| g.length()).fold(1.0, f64::max);
                         assert!(off.abs() < 1e-5 * scale, "{domain}, s = {s}: {off} of {scale}");
                     }

@@ -1,7 +1,7 @@
+mod distance_penalty;
 mod energy;
 mod freedom;
 mod profile;
-mod soft_core;
 mod target;
 
 use rand::Rng;
@@ -11,112 +11,115 @@ use crate::optimization::descent::Descent;
 use crate::patterns::poisson_disk::greatest_chord;
 use crate::patterns::white_noise;
 use crate::{Domain, Error, PointSet, Progress, Sampler, count};
+use distance_penalty::DistancePenalty;
 use energy::SpectralEnergy;
 use freedom::{coefficients, degree_within, degrees_of_freedom};
 pub use profile::PowerProfile;
-use soft_core::SoftCore;
 pub use target::SpectralTarget;
 
-/// Points whose power has a chosen value at every degree of a target, in every realization: white
-/// noise that is moved until it does.
+/// Point sets with a prescribed power at every degree of a target, in every realization, obtained
+/// by optimizing a white-noise set.
 ///
-/// Where the target is 0 the power falls to 1e-20, so that every integrand of those degrees is
-/// integrated exactly, as by a spherical design; where it is not, the power is met to 1e-6. A *soft core*
-/// keeps points apart: no two are nearer than the chord that is requested.
+/// Where the target is 0 the power falls to 1e-20, so that integrands of those degrees are
+/// integrated exactly, as by a spherical design. Elsewhere the power matches the target to 1e-6. A
+/// *minimum-distance penalty* keeps any two points at least the requested chord apart.
 ///
-/// The distance of amplitudes, weighted as the logarithmic energy, and the overlap of cores are
-/// brought to zero together by a limited-memory BFGS method over the fast transforms, in about
-/// `8 (1 + sqrt f)/(1 - sqrt f)` steps, whatever N, where f is the number of coefficients that
-/// vanish over the 2N - 3 degrees of freedom. A set that stalls before is discarded and begun
-/// again; a target that cannot be met is an error.
+/// A limited-memory BFGS method over the fast transforms minimizes the sum of the deviation of the
+/// amplitudes, weighted as in the logarithmic energy, and the penalty. It takes about
+/// `8 (1 + sqrt f)/(1 - sqrt f)` steps for any N, where f is the ratio of the number of vanishing
+/// coefficients to the 2N - 3 degrees of freedom. A set that stalls is discarded and restarted; a
+/// target that cannot be met is an error.
 ///
-/// On the hemisphere the points and their antipodes have the spectrum: even degrees only.
+/// On the hemisphere the spectrum is that of the points and their antipodes: even degrees only.
 ///
 /// ```
-/// use sphvar_samplers::{Domain, Purpose, Sampler, SpectralControl, Streams};
-/// let step = SpectralControl::step(100, Domain::Sphere, None, None)?;
-/// assert_eq!(step.last_empty_degree(), 10);
-/// let set = step.sample(&mut Streams::new(0, Purpose::Pattern, 100).realization(0))?;
-/// // No power at degree 1: the points balance.
-/// let sum: glam::DVec3 = set.points.iter().sum();
+/// use sphvar_samplers::{Domain, Purpose, Sampler, SpectralControl, Streams}; let step =
+/// SpectralControl::step(100, Domain::Sphere, None, None)?; assert_eq!(step.last_empty_degree(),
+/// 10); let set = step.sample(&mut Streams::new(0, Purpose::Pattern, 100).realization(0))?; // No
+/// power at degree 1: the points sum to zero. let sum: glam::DVec3 = set.points.iter().sum();
 /// assert!(sum.length() < 1e-8);
 /// # Ok::<(), sphvar_samplers::Error>(())
 /// ```
 ///
 /// # References
-/// Graef and Potts 2011, doi:10.1007/s00211-011-0399-7, for designs by nonlinear optimisation over
-/// fast transforms; the weights, the amplitudes and the core are of this project.
+///
+/// Graef and Potts 2011, doi:10.1007/s00211-011-0399-7, for designs by nonlinear optimization over
+/// fast transforms. The weights, the amplitudes and the penalty are original to this project.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SpectralControl {
     n: u32,
     domain: Domain,
     name: &'static str,
     target: SpectralTarget,
-    /// The chord of the soft core.
+    /// The minimum chord, enforced by the penalty.
     sigma: f64,
-    /// The nominal work of a point without a core.
+    /// The nominal work per point without a minimum distance.
     work: f64,
 }
 
 impl SpectralControl {
-    /// Coefficients that vanish over degrees of freedom beyond which descents do not converge in
-    /// reasonable time.
+    /// The ratio of vanishing coefficients to degrees of freedom beyond which descents do not
+    /// converge in reasonable time.
     pub const MAX_CONSTRAINED: f64 = freedom::MAX_SHARE;
 
-    /// The alpha of a step for which none is given.
+    /// The default alpha of a step.
     pub const DEFAULT_ALPHA: f64 = 1.0;
 
-    /// The largest alpha of a step with any number of points; [`Self::max_alpha`] is that of N points.
+    /// The largest alpha of a step over all numbers of points; [`Self::max_alpha`] is that for N
+    /// points.
     pub const MAX_ALPHA: f64 = 1.38;
 
-    /// The valid alphas of a step with any number of points.
+    /// The valid alphas of a step over all numbers of points.
     pub const ALPHA_RANGE: Range = Range::closed(0.0, Self::MAX_ALPHA);
 
     /// The valid values of `flat`.
     pub const FLAT_RANGE: Range = Range::closed(0.0, 8.0);
 
-    /// The valid cores.
+    /// The valid values of `core`.
     pub const CORE_RANGE: Range = Range::closed(0.0, 0.95);
 
-    /// The chord of the soft core of [`Self::step`] in units of the spacing of a hexagonal lattice.
+    /// The minimum chord of [`Self::step`] in units of the spacing of a hexagonal lattice.
     pub const STEP_CORE: f64 = 0.3;
 
-    /// That of [`Self::blue`].
+    /// The minimum chord of [`Self::blue`] in the same units.
     pub const BLUE_CORE: f64 = 0.75;
 
-    /// Fewer points have no freedom left for a flat spectrum beyond a step.
+    /// Fewer points do not have enough degrees of freedom for a flat spectrum beyond a step.
     const MIN_FLAT: usize = 32;
 
-    /// Steps of one descent: some 5000 are needed where all the freedom is spent that can be.
+    /// Maximum number of steps of one descent: some 5000 are needed where the number of vanishing
+    /// coefficients is the largest feasible.
     const MAX_STEPS: u32 = 20_000;
 
-    /// How much longer a set takes with a soft core, nominally.
+    /// The nominal factor in time for a set with a minimum distance.
     const CORE_WORK: f64 = 2.5;
 
-    /// The steps of a descent, about.
+    /// Returns the approximate number of steps of a descent.
     fn expected_steps(&self) -> f64 {
         let share =
             self.target.constraints(self.domain) as f64 / degrees_of_freedom(self.n_points());
         descent_steps(share)
     }
 
-    /// How many descents are begun: up to two in five stall with some numbers of few points, none was
-    /// seen to with more than 100.
+    /// Returns the maximum number of descents per set: for some small numbers of points up to two
+    /// in five stall; with more than 100 points none was observed to stall.
     fn starts(n: u32) -> u32 {
         (2048 / n).clamp(4, 16)
     }
 
-    /// No power at any degree `1 <= l <= alpha sqrt(N)` (2N and even degrees on the hemisphere), and that
-    /// of white noise from there to `flat sqrt(N)`, where points are no nearer than 0.3 of a hexagonal
-    /// lattice's. If not given, `flat` is 2 for alpha up to 1 and 32 points or more, else 0.
+    /// Returns the pattern with no power at any degree `1 <= l <= alpha sqrt(N)` (2N and even
+    /// degrees on the hemisphere), the power of white noise from there to `flat sqrt(N)`, and a
+    /// minimum distance of 0.3 times the spacing of a hexagonal lattice. If not given, `flat` is 2
+    /// for alpha up to 1 and 32 points or more, else 0.
     ///
-    /// If not given, alpha is 1, or as large as can be where few points have less freedom: no set of
-    /// 1, 5 or 9 points is empty to sqrt(N). [`Self::last_empty_degree`] states the last empty degree.
+    /// If not given, alpha is 1, or the largest feasible value where few points have too few
+    /// degrees of freedom: no set of 1, 5 or 9 points has zero power up to sqrt(N).
+    /// [`Self::last_empty_degree`] returns the last empty degree.
     ///
     /// # Errors
     ///
-    /// [`Error::Parameter`] unless alpha is in [0, 1.38] and flat in [0, 8];
-    /// [`Error::Infeasible`] with the largest alpha of N points for one beyond it; as [`Self::new`].
+    /// [`Error::Parameter`] unless alpha is in [0, 1.38] and flat in [0, 8]; [`Error::Infeasible`]
+    /// with the largest alpha of N points if alpha exceeds it; those of [`Self::new`].
     pub fn step(
         n_points: usize,
         domain: Domain,
@@ -129,28 +132,28 @@ impl SpectralControl {
             .with_core(Self::STEP_CORE)
     }
 
-    /// The step of `alpha` with no target beyond, but points no nearer than 0.75 of a hexagonal
-    /// lattice's: blue noise that is exact at low degrees.
+    /// Returns the step of `alpha` with no target beyond it and a minimum distance of 0.75 times
+    /// the spacing of a hexagonal lattice: blue noise that is exact at low degrees.
     ///
     /// # Errors
     ///
-    /// As [`Self::step`].
+    /// Those of [`Self::step`].
     pub fn blue(n_points: usize, domain: Domain, alpha: Option<f64>) -> Result<Self, Error> {
         Self::empty_to_alpha("blue", n_points, domain, alpha, 0.0, 180.0)?
             .with_core(Self::BLUE_CORE)
     }
 
-    /// The power of a profile, met at every degree of every realization.
+    /// Returns the pattern with the power of a profile at every degree of every realization.
     ///
     /// # Errors
     ///
-    /// As [`PowerProfile::target`] and [`Self::new`].
+    /// Those of [`PowerProfile::target`] and [`Self::new`].
     pub fn profile(n_points: usize, domain: Domain, profile: &PowerProfile) -> Result<Self, Error> {
         Self::new("profile", n_points, profile.target(n_points, domain)?, domain)
     }
 
-    /// Returns the last degree up to which sets of `n_points` points without any power can be made,
-    /// by the count of coefficients and degrees of freedom.
+    /// Returns the last degree up to which sets of `n_points` points can have zero power, from the
+    /// count of coefficients and degrees of freedom.
     ///
     /// # Errors
     ///
@@ -164,14 +167,14 @@ impl SpectralControl {
     ///
     /// # Errors
     ///
-    /// As [`Self::max_empty_degree`].
+    /// Those of [`Self::max_empty_degree`].
     pub fn max_alpha(n_points: usize, domain: Domain) -> Result<f64, Error> {
         count::checked(n_points)?;
         Ok(freedom::max_alpha(n_points, domain).min(Self::MAX_ALPHA))
     }
 
-    /// The pattern without power to alpha and with that of white noise from there to `flat sqrt(N)`; `work` is that of a
-    /// point for alpha = 1.
+    /// Returns the pattern with zero power up to alpha and that of white noise from there to
+    /// `flat sqrt(N)`; `work` is the nominal work per point for alpha = 1.
     fn empty_to_alpha(
         name: &'static str,
         n_points: usize,
@@ -186,34 +189,35 @@ impl SpectralControl {
         in_range("flat", "in [0, 8]", flat, Self::FLAT_RANGE)?;
         let n = count::checked(n_points)?;
         let last = degree_within(given, n_points, domain);
-        let most = freedom::max_empty_degree(n_points, domain);
-        if let Some(alpha) = alpha.filter(|_| last > most) {
+        let max_degree = freedom::max_empty_degree(n_points, domain);
+        if let Some(alpha) = alpha.filter(|_| last > max_degree) {
             return Err(Error::Infeasible {
                 pattern: name,
                 n_points,
                 reason: format!(
                     "alpha = {alpha} requires {} coefficients to vanish (degrees up to {last}) with {} \
                      degrees of freedom; the largest alpha of {n_points} points on the {domain} is {} \
-                     (degrees up to {most})",
+                     (degrees up to {max_degree})",
                     coefficients(last, domain),
                     degrees_of_freedom(n_points),
                     Self::max_alpha(n_points, domain)?
                 ),
             });
         }
-        let last = last.min(most);
+        let last = last.min(max_degree);
         let end = last.max(degree_within(flat, n_points, domain));
         let power = (0..=end).map(|l| if l <= last { 0.0 } else { 1.0 });
         let target = SpectralTarget::new(power.collect())?;
         Ok(Self { n, domain, name, target, sigma: 0.0, work: work * relative_work(given) })
     }
 
-    /// The pattern of `n_points` points with the target's power, and no core; `name` is for messages.
+    /// Returns the pattern of `n_points` points with the power of the target and no minimum
+    /// distance; `name` is for messages.
     ///
     /// # Errors
     ///
     /// [`Error::Parameter`] unless there are 1 to `u32::MAX` points; [`Error::Infeasible`] with the
-    /// reason if more coefficients are to vanish than there is freedom for.
+    /// reason if the number of vanishing coefficients exceeds what the degrees of freedom allow.
     pub fn new(
         name: &'static str,
         n_points: usize,
@@ -222,24 +226,25 @@ impl SpectralControl {
     ) -> Result<Self, Error> {
         let n = count::checked(n_points)?;
         let (constraints, freedom) = (target.constraints(domain), degrees_of_freedom(n_points));
-        let most = Self::MAX_CONSTRAINED * freedom;
-        if constraints as f64 > most {
+        let max_zeros = Self::MAX_CONSTRAINED * freedom;
+        if constraints as f64 > max_zeros {
             return Err(Error::Infeasible {
                 pattern: name,
                 n_points,
                 reason: format!(
                     "{constraints} coefficients cannot vanish with {freedom} degrees of freedom: at most \
                      {} can",
-                    most.floor()
+                    max_zeros.floor()
                 ),
             });
         }
         Ok(Self { n, domain, name, target, sigma: 0.0, work: 130.0 })
     }
 
-    /// The same, with no two points nearer than `core` times the spacing of a hexagonal lattice,
-    /// `sqrt(8 pi/(sqrt(3) N))` (2N on the hemisphere), or than the bound of Fejes Toth for the least
-    /// distance of N points if that is less, as it can be for few; see [`Self::core_chord`].
+    /// Returns the same pattern with a minimum distance of `core` times the spacing of a hexagonal
+    /// lattice, `sqrt(8 pi/(sqrt(3) N))` (2N on the hemisphere), or of the Fejes Toth bound for the
+    /// minimum distance of N points if that is smaller, as for few points; see
+    /// [`Self::core_chord`].
     ///
     /// # Errors
     ///
@@ -248,7 +253,7 @@ impl SpectralControl {
         in_range("core", "in [0, 0.95]", core, Self::CORE_RANGE)?;
         let cell = self.domain.area() / f64::from(self.n);
         let hexagonal = (2.0 * cell / 3.0_f64.sqrt()).sqrt();
-        // One point is no pair.
+        // A single point has no distance to keep.
         self.sigma = match self.n_points() {
             1 => 0.0,
             n => (core * hexagonal).min(greatest_chord(n, self.domain)),
@@ -256,21 +261,21 @@ impl SpectralControl {
         Ok(self)
     }
 
-    /// Returns the last degree t such that no realization has power at any degree `1 <= l <= t` of the
-    /// domain; 0 if there is none.
+    /// Returns the last degree t such that no realization has power at any degree `1 <= l <= t` of
+    /// the domain; 0 if there is none.
     #[must_use]
     pub fn last_empty_degree(&self) -> usize {
         let degrees = self.target.degrees(self.domain);
         degrees.take_while(|(_, power)| *power == 0.0).last().map_or(0, |(l, _)| l)
     }
 
-    /// What the spectrum is to be.
+    /// Returns the target spectrum.
     #[must_use]
     pub fn target(&self) -> &SpectralTarget {
         &self.target
     }
 
-    /// The chord that separates all points.
+    /// Returns the minimum chord between any two points.
     #[must_use]
     pub fn core_chord(&self) -> f64 {
         self.sigma
@@ -306,9 +311,10 @@ impl Sampler for SpectralControl {
         progress: &dyn Progress,
     ) -> Result<(), Error> {
         let points = set.start();
-        let core = SoftCore { domain: self.domain, sigma: self.sigma };
+        let core = DistancePenalty { domain: self.domain, sigma: self.sigma };
         let g2 = self.target.pair_correlation_at_zero(self.n_points(), self.domain);
-        // Power beyond the target can make up for a little, and for any emptiness if all of it is free.
+        // Free power beyond the target can balance a slightly negative value, and any value if the
+        // target has only zeros.
         let has_tail = self.target.last_degree() > Self::last_empty_degree(self);
         let starts = if has_tail && g2 < -0.5 { 1 } else { Self::starts(self.n) };
         let mut reached = [0.0; 2];
@@ -347,8 +353,8 @@ impl Sampler for SpectralControl {
     }
 }
 
-/// The work of a descent that empties all degrees up to alpha sqrt(N) relative to that of alpha = 1,
-/// from where it is taken not to fall: the size of the transforms times the steps.
+/// Returns the work of a descent to zero power up to alpha sqrt(N), relative to alpha = 1 and at
+/// least 1: the size of the transforms times the number of steps.
 fn relative_work(alpha: f64) -> f64 {
     let steps = |alpha: f64| descent_steps(0.5 * alpha * alpha);
     let default = SpectralControl::DEFAULT_ALPHA;
@@ -356,13 +362,14 @@ fn relative_work(alpha: f64) -> f64 {
     alpha * alpha * steps(alpha) / steps(default)
 }
 
-/// The steps of a descent that spends a share f of the freedom, about `8 (1 + sqrt f)/(1 - sqrt f)`.
+/// Returns the approximate number of steps of a descent that constrains a fraction f of the degrees
+/// of freedom, `8 (1 + sqrt f)/(1 - sqrt f)`.
 fn descent_steps(share: f64) -> f64 {
     let root = share.min(SpectralControl::MAX_CONSTRAINED).sqrt();
     8.0 * (1.0 + root) / (1.0 - root)
 }
 
-/// Accepts the numbers of a range, which is `words` in messages.
+/// Rejects numbers outside a range, which is `words` in messages.
 fn in_range(name: &'static str, words: &'static str, got: f64, range: Range) -> Result<(), Error> {
     if range.contains(got) { Ok(()) } else { Err(Error::Parameter { name, range: words, got }) }
 }

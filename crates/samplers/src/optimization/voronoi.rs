@@ -1,8 +1,8 @@
-//! Spherical Voronoi cells, by way of a planar Delaunay triangulation.
+//! Spherical Voronoi cells from a planar Delaunay triangulation.
 //!
-//! Stereographic projection from one of the sites keeps circles, so the Delaunay triangulation of
-//! the other sites' images is that of the sphere less the triangles at the pole of projection;
-//! those are one per edge of the planar hull (Brown 1979).
+//! Stereographic projection from one of the sites preserves circles. The Delaunay triangulation of
+//! the images of the other sites is therefore that of the sphere without the triangles at the pole
+//! of projection, of which there is one per edge of the planar hull (Brown 1979).
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
@@ -10,16 +10,15 @@ use glam::DVec3;
 use spade::handles::DirectedEdgeHandle;
 use spade::{DelaunayTriangulation, HasPosition, Point2, Triangulation};
 
-/// The largest number of sites: the triangulation counts its 6 half-edges per site in 32 bits.
+/// Maximum number of sites: the triangulation indexes its 6 half-edges per site with 32 bits.
 pub(crate) const MAX_SITES: usize = 1 << 29;
 
-/// The integral of x over each site's cell on the unit sphere, replacing the content of
-/// `moments`.
+/// Replaces the content of `moments` by the integral of x over each site's cell on the unit sphere.
 ///
-/// For a cell whose sides are arcs of length t with inward unit normals n it is half the sum of
-/// t n, exactly. The side between the cells of a and b has the normals (a - b)/|a - b| and its
-/// opposite, so that one pass over the Delaunay edges is all. A site that coincides with another
-/// to rounding, or that is no direction at all, may be left with no cell, that is zero.
+/// For a cell whose sides are arcs of length t with inward unit normals n, the integral is exactly
+/// half the sum of t n. The side between the cells of a and b has the normal (a - b)/|a - b| and
+/// its opposite, so one pass over the Delaunay edges suffices. A site that coincides with another
+/// to rounding, or that is zero or not finite, may have no cell; its moment is then zero.
 pub(crate) fn cell_moments(sites: &[DVec3], moments: &mut Vec<DVec3>) {
     moments.clear();
     moments.resize(sites.len(), DVec3::ZERO);
@@ -44,7 +43,7 @@ pub(crate) fn cell_moments(sites: &[DVec3], moments: &mut Vec<DVec3>) {
 /// A site's image in the plane.
 struct Image {
     position: Point2<f64>,
-    /// Its number among the sites.
+    /// Its index among the sites.
     number: usize,
 }
 
@@ -58,39 +57,40 @@ impl HasPosition for Image {
 
 type Edge<'a> = DirectedEdgeHandle<'a, Image, (), (), ()>;
 
-/// The triangulation of `others` projected from `pole`, counter-clockwise as seen from outside
-/// the sphere.
+/// Returns the triangulation of `others` projected from `pole`, counter-clockwise as seen from
+/// outside the sphere.
 fn triangulate(pole: DVec3, others: &[DVec3]) -> DelaunayTriangulation<Image> {
     // Seen from outside, the sphere beyond the pole has its normal along -pole.
     let (e1, e2) = (-pole).any_orthonormal_pair();
     let images = others.iter().zip(1..).filter_map(|(&x, number)| {
-        // 1 - x.pole without cancellation. The pole itself has no image, nor what cannot be told
-        // from it or is no direction.
+        // 1 - x.pole without cancellation. The pole, points that coincide with it to rounding, and
+        // vectors that are zero or not finite have no image.
         let below = (x - pole).length_squared() / 2.0;
         let position = Point2::new(x.dot(e1) / below, x.dot(e2) / below);
         let image = Image { position: spade::mitigate_underflow(position), number };
         (1e-40..=4.0).contains(&below).then_some(image)
     });
-    // Refused only if some site is no direction: then there are no cells.
+    // This fails only if a site is zero or not finite; then there are no cells.
     DelaunayTriangulation::bulk_load(images.collect()).unwrap_or_default()
 }
 
-/// A vector along the circumcentre of the triangle left of `edge`, whose third vertex is the pole
-/// of projection, site 0, where the plane has no face.
+/// Returns a vector along the circumcentre of the triangle left of `edge`. Where the plane has no
+/// face, the third vertex is the pole of projection, site 0.
 fn circumcentre(sites: &[DVec3], edge: Edge<'_>) -> DVec3 {
     let [a, b] = edge.vertices().map(|v| sites[v.data().number]);
     let c = sites[edge.opposite_vertex().map_or(0, |v| v.data().number)];
     (b - a).cross(c - a)
 }
 
-/// Adds the side between the cells of two sites, which runs counter-clockwise about the first
+/// Adds the side between the cells of two sites. It runs counter-clockwise about the first site,
 /// from the circumcentre right of the Delaunay edge to the one left of it.
 fn add_side(sites: &[DVec3], moments: &mut [DVec3], ab: [usize; 2], left: DVec3, right: DVec3) {
     let [a, b] = ab.map(|number| sites[number]);
     let normal = (a - b).normalize_or_zero();
     let angle = normal.dot(right.cross(left)).atan2(right.dot(left));
-    // A little below 0 where rounding has put triangles on the wrong diagonal of a circle, which
-    // this sign sets right; far below, it is half a circle that rounding has taken past pi.
+    // A value slightly below 0 means that rounding chose the wrong diagonal of cocircular sites,
+    // which the sign corrects. A value far below 0 is a half circle that rounding has taken past
+    // pi.
     let length = if angle < -FRAC_PI_2 { angle + TAU } else { angle };
     let half = 0.5 * length * normal;
     moments[ab[0]] += half;
@@ -130,12 +130,12 @@ mod tests {
             let expected = PI * s * p;
             assert!((m - expected).length() < 16.0 * f64::EPSILON, "{m}, {expected}");
         }
-        // Sites in one place have one cell between them.
+        // Coincident sites share one cell.
         assert_eq!(moments(&[DVec3::X; 5]), [DVec3::ZERO; 5]);
     }
 
     #[test]
-    fn what_is_no_direction_does_no_harm() {
+    fn zero_and_non_finite_sites_are_tolerated() {
         let near = DVec3::new(1e-18, 0.0, 1.0);
         for odd in [DVec3::NAN, DVec3::INFINITY, DVec3::ZERO, 1e200 * DVec3::X, near, 1e9 * near] {
             for place in 0..6 {
@@ -162,7 +162,7 @@ mod tests {
     }
 
     #[test]
-    fn moments_are_those_of_a_dense_mass() {
+    fn moments_match_those_of_dense_mass_points() {
         const MASS: usize = 200_000;
         let mass = pattern(Pattern::Fibonacci, MASS);
         for n in [3, 4, 5, 8, 50] {
@@ -173,22 +173,22 @@ mod tests {
                 expected[nearest.unwrap()] += x * (4.0 * PI / MASS as f64);
             }
             for (k, (m, e)) in moments(&sites).iter().zip(&expected).enumerate() {
-                // Mass along the rim, perimeter sqrt(MASS) points, counted wrongly at random:
-                // about MASS^(-3/4); measured 2e-4 at most.
+                // About perimeter times sqrt(MASS) points along the rim are counted wrongly at
+                // random: an error of about MASS^(-3/4); measured at most 2e-4.
                 assert!((m - e).length() < 1e-3, "N = {n}, site {k}: {m} and {e}");
             }
         }
     }
 
     #[test]
-    fn moments_of_large_sets_add_up_to_nothing() {
+    fn moments_of_large_sets_sum_to_zero() {
         for kind in [Pattern::WhiteNoise, Pattern::Fibonacci, Pattern::Healpix] {
             let sites = pattern(kind.clone(), 12 * 40 * 40);
             let moments = moments(&sites);
             let area = 4.0 * PI / sites.len() as f64;
             let sum: DVec3 = moments.iter().sum();
             assert!(sum.length() < 1e-12, "{kind}: {sum}");
-            // Lengths are areas, less about a part per area for cells of that size: in all 4 pi.
+            // Lengths are areas up to a small relative error for cells of that size: 4 pi in total.
             let total: f64 = moments.iter().map(|m| m.length()).sum();
             assert!((total / (4.0 * PI) - 1.0).abs() < area, "{kind}: {total}");
         }

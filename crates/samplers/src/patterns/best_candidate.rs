@@ -7,15 +7,15 @@ use crate::definition::Definition;
 use crate::search::CubeGrid;
 use crate::{CostOrder, Domain, Error, PatternFacts, PointSet, Progress, Rate, Sampler, count};
 
-/// Best-candidate sampling (Mitchell 1991): each new point is that of several uniform candidates
-/// which lies farthest from all points so far.
+/// Best-candidate sampling (Mitchell 1991): each new point is the one of several uniform candidates
+/// that is farthest from all previous points.
 ///
 /// The n-th point is chosen among `factor (n - 1)` candidates, so that their density relative to
-/// the points stays the same. On the hemisphere distances are between lines: the smaller of those
-/// to a point and to its antipode. The law is invariant under rotations, so every single point is
-/// uniform; sets of any N exist and the first n points are the pattern of n points.
+/// the points is constant. On the hemisphere distances are antipodal: the smaller of those to a
+/// point and to its antipode. The distribution is invariant under rotations, so every single point
+/// is uniform. Every N is valid, and the first n points are the pattern of n points.
 ///
-/// The cost is `factor N^2/2` candidates, each of which meets a few cells of a grid.
+/// The cost is `factor N^2/2` candidates, each of which visits a few cells of a grid.
 ///
 /// ```
 /// use sphvar_samplers::{BestCandidate, Domain, Purpose, Sampler, Streams};
@@ -32,10 +32,10 @@ pub struct BestCandidate {
 }
 
 impl BestCandidate {
-    /// Candidates per point so far.
+    /// Candidates per existing point.
     pub const DEFAULT_FACTOR: u32 = 1;
 
-    /// The pattern of `n_points` points with `factor` candidates per point so far.
+    /// Returns the pattern of `n_points` points with `factor` candidates per existing point.
     ///
     /// # Errors
     ///
@@ -86,7 +86,7 @@ impl Sampler for BestCandidate {
                 points.iter().for_each(|&p| grid.insert(p));
             }
             let mut best = DVec3::ZERO;
-            // Below every squared distance, so that the first candidate stands.
+            // Below every squared distance, so that the first candidate is accepted.
             let mut clearance = -1.0;
             for _ in 0..u64::from(self.factor) * u64::from(n) {
                 let candidate = white_noise::uniform_direction(self.domain, rng);
@@ -102,8 +102,8 @@ impl Sampler for BestCandidate {
 }
 
 impl BestCandidate {
-    /// The squared distance of `p` from the nearest point, or `None` if that is no larger
-    /// than `bound`.
+    /// Returns the squared distance of `p` from the nearest point, or `None` if it does not exceed
+    /// `bound`.
     fn clearance(&self, grid: &CubeGrid, points: &[DVec3], p: DVec3, bound: f64) -> Option<f64> {
         let above = grid.clearance(points, p, bound)?;
         match self.domain {
@@ -116,7 +116,7 @@ impl BestCandidate {
 /// Parameters of the pattern [`BestCandidate`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BestCandidateParameters {
-    /// Candidates for each point that there is already.
+    /// Candidates per existing point.
     pub factor: u32,
 }
 

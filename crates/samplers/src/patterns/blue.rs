@@ -6,10 +6,10 @@ use crate::{CostOrder, Domain, Error, PatternFacts, Rate, Sampler, SpectralContr
 /// Parameters of the pattern [`SpectralControl::blue`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BlueParameters {
-    /// No power at any degree up to alpha sqrt(N); if not given, what [`SpectralControl::blue`]
-    /// does.
+    /// No power at any degree up to alpha sqrt(N); if not given, the default of
+    /// [`SpectralControl::blue`].
     pub alpha: Option<f64>,
-    /// The minimum distance in units of a hexagonal lattice's.
+    /// The minimum distance in units of the spacing of a hexagonal lattice.
     pub core: f64,
 }
 

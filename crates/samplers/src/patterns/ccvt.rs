@@ -1,8 +1,8 @@
 mod block;
 mod distance;
-mod encounters;
 mod mass_points;
 mod relaxation;
+mod site_tree;
 mod start;
 mod tessellation;
 
@@ -19,14 +19,14 @@ use crate::{CostOrder, Domain, Error, PatternFacts, PointSet, Progress, Rate, Sa
 /// The sites of capacity-constrained Voronoi tessellations (Balzer, Schloemer and Deussen 2009)
 /// with geodesic distances.
 ///
-/// The domain's mass is a number of points, and each of the N sites owns `capacity` of them,
-/// exactly. The tessellation is a local minimum of the sum of the squared geodesic distances from
-/// the mass points to their sites: each site is at the intrinsic (Karcher) mean of its points, and
-/// no exchange of points between two sites lowers the sum. On the hemisphere the distance is that
-/// of lines, the smaller one of those to a direction and its antipode.
+/// The domain is represented by mass points, and each of the N sites owns exactly `capacity` of
+/// them. The tessellation is a local minimum of the sum of the squared geodesic distances from the
+/// mass points to their sites: each site is at the intrinsic (Karcher) mean of its points, and no
+/// exchange of points between two sites lowers the sum. On the hemisphere the distance is
+/// antipodal: the smaller of those to a direction and to its antipode.
 ///
-/// Cells that all have the same mass and sites at their means leave little at low degrees. With
-/// mass points of negligible noise the spectrum is quartic; white mass points add their own:
+/// Cells of equal mass with sites at their means have little power at low degrees. With mass points
+/// of negligible noise the spectrum is quartic; white mass points add their own noise:
 ///
 /// ```text
 /// P(l) = a (l-1) l (l+1) (l+2)/N^2 + d (l (l+1))^2/N^2     a = 0.0145, d = 0.00126 at capacity 64
@@ -36,29 +36,26 @@ use crate::{CostOrder, Domain, Error, PatternFacts, PointSet, Progress, Rate, Sa
 /// The normalized energy [`Tessellation::energy`] is 2.170 at capacity 64 with white mass points
 /// (2.198 on the Fibonacci lattice), 2.148 (2.153) at 256 and 2.117 at 1024, means over
 /// realizations whose standard deviation is 0.2/sqrt(N); regular hexagons have 2.015. A larger
-/// capacity anneals further before its points are settled, and costs that time.
+/// capacity reaches a lower energy and takes longer.
 ///
-/// The distribution is invariant under rotations: so is that of the mass points, the regions that the
-/// sites start from are halves of halves of the mass points in random directions, and all else
-/// follows from distances. Starting from regions rather than from sites at random takes a tenth of the
-/// time and leaves energies 0.3 % lower (2.176 from random sites, capacity 64).
+/// The distribution is invariant under rotations, because that of the mass points is, the initial
+/// regions result from repeated bisection of the mass points in random directions, and all further
+/// steps depend on distances alone. Starting from regions rather than from random sites takes a
+/// tenth of the time and gives energies 0.3 % lower (2.176 from random sites, capacity 64).
 ///
 /// # Performance
 ///
-/// Exchanges go from pair to pair until none is left: 20 to 40 passes at capacity 64, most of them
-/// over few pairs, 80 at 256, 250 at 1024; about 35 microseconds a point at capacity 64 and 200 at
-/// 256. Memory: 56 bytes for each mass point, and some hundred for each site.
+/// Passes over the pairs continue until no exchange remains: 20 to 40 passes at capacity 64, most
+/// of them over few pairs, 80 at 256, 250 at 1024. The time is about 35 microseconds per point at
+/// capacity 64 and 200 at 256. Memory: 56 bytes per mass point, and some hundred per site.
 ///
 /// ```
-/// use sphvar_samplers::{Ccvt, Domain, MassPoints, Purpose, Sampler, Streams};
-/// let ccvt = Ccvt::new(100, Domain::Sphere, 64, MassPoints::Fibonacci)?;
-/// let mut rng = Streams::new(0, Purpose::Pattern, 100).realization(0);
-/// let tessellation = ccvt.tessellate(&mut rng)?;
-/// assert!(tessellation.is_settled());
-/// assert!((tessellation.energy() - 2.19).abs() < 0.1);
-/// // Sites share the sphere evenly: their sum is far shorter than sqrt N.
-/// let sum: glam::DVec3 = ccvt.sample(&mut rng)?.points.iter().sum();
-/// assert!(sum.length() < 0.1);
+/// use sphvar_samplers::{Ccvt, Domain, MassPoints, Purpose, Sampler, Streams}; let ccvt =
+/// Ccvt::new(100, Domain::Sphere, 64, MassPoints::Fibonacci)?; let mut rng = Streams::new(0,
+/// Purpose::Pattern, 100).realization(0); let tessellation = ccvt.tessellate(&mut rng)?;
+/// assert!(tessellation.is_settled()); assert!((tessellation.energy() - 2.19).abs() < 0.1); //
+/// Sites are evenly distributed: their sum is far shorter than sqrt N. let sum: glam::DVec3 =
+/// ccvt.sample(&mut rng)?.points.iter().sum(); assert!(sum.length() < 0.1);
 /// # Ok::<(), sphvar_samplers::Error>(())
 /// ```
 #[derive(Clone, Copy, Debug)]
@@ -70,16 +67,16 @@ pub struct Ccvt {
 }
 
 impl Ccvt {
-    /// The number of passes after which a tessellation is left as it is, with exchanges still to
-    /// make: far more than the hundreds that the largest capacities tried have taken.
+    /// Maximum number of passes, after which a tessellation may be unsettled: far more than the
+    /// hundreds that the largest tested capacities take.
     pub const MAX_PASSES: usize = 10_000;
 
-    /// Tessellations with `n_points` sites of `capacity` mass points each.
+    /// Returns the pattern of tessellations with `n_points` sites of `capacity` mass points each.
     ///
     /// # Errors
     ///
-    /// [`Error::Parameter`] if `n_points` or `capacity` is 0, if their product is above
-    /// `u32::MAX`, or if there is no such number of mass points of this kind.
+    /// [`Error::Parameter`] if `n_points` or `capacity` is 0, if their product is above `u32::MAX`,
+    /// or if that product is not a valid number of mass points of this kind.
     pub fn new(
         n_points: usize,
         domain: Domain,
@@ -103,25 +100,25 @@ impl Ccvt {
         Ok(Self { n_points, domain, capacity, mass_points })
     }
 
-    /// The number of mass points of each site.
+    /// Returns the number of mass points per site.
     #[must_use]
     pub fn capacity(&self) -> usize {
         self.capacity
     }
 
-    /// The kind of mass points.
+    /// Returns the kind of mass points.
     #[must_use]
     pub fn mass_points(&self) -> MassPoints {
         self.mass_points
     }
 
-    /// One tessellation, of which [`Sampler::sample_into`] keeps the sites.
+    /// Returns one tessellation, of which [`Sampler::sample_into`] keeps the sites.
     ///
-    /// A single site, to which the mass of the whole domain gives no mean, is a uniform direction.
+    /// A single site is a uniform direction, because the mass of the whole domain has no mean.
     ///
     /// # Errors
     ///
-    /// None for what [`Self::new`] accepts.
+    /// None for parameters that [`Self::new`] accepts.
     pub fn tessellate(&self, rng: &mut dyn Rng) -> Result<Tessellation, Error> {
         self.tessellate_watched(rng, &())
     }
@@ -184,9 +181,9 @@ impl Sampler for Ccvt {
 /// Parameters of the pattern [`Ccvt`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CcvtParameters {
-    /// Mass points of each site.
+    /// Mass points per site.
     pub capacity: usize,
-    /// What the mass is.
+    /// The kind of mass points.
     pub mass: MassPoints,
 }
 

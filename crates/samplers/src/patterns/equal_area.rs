@@ -28,7 +28,7 @@ impl Choice for Placement {
 }
 
 impl Placement {
-    /// The placement's name: `jittered` or `centred`.
+    /// Returns the placement's name: `jittered` or `centred`.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -41,21 +41,21 @@ impl Placement {
 /// One point in each of N regions of equal area: the recursive zonal equal-area partition
 /// EQ(2, N) (Leopardi 2006), for any N.
 ///
-/// Polar caps of one region each, between them collars cut into regions as square as the count
-/// allows. With `theta_c = 2 asin(N^-1/2)` the colatitude of a cap and
-/// `n = max(1, round((pi - 2 theta_c) sqrt(N / 4 pi)))` collars of equal height, the number of
-/// regions above the i-th parallel is rounded to
+/// The partition consists of two polar caps of one region each and, between them, collars cut into
+/// regions that are as square as the count allows. With `theta_c = 2 asin(N^-1/2)` the colatitude
+/// of a cap and `n = max(1, round((pi - 2 theta_c) sqrt(N / 4 pi)))` collars of equal height, the
+/// number of regions above the i-th parallel is rounded to
 ///
 /// ```text
 /// k_i = round(N sin^2(theta_i / 2)),   theta_i = theta_c + i (pi - 2 theta_c)/n,
 /// ```
 ///
-/// which is Leopardi's rounding with carried remainder, summed up; the parallel then moves to
-/// `z = 1 - 2 k_i/N`, so that areas are exact. A half at the equator, which is every odd N with
-/// an even number of collars, rounds up.
+/// which is Leopardi's rounding with carried remainder in summed form; the parallel then moves to
+/// `z = 1 - 2 k_i/N`, so that areas are exact. A half at the equator, which is every odd N with an
+/// even number of collars, rounds up.
 ///
-/// On the hemisphere, as half of a projective plane, the partition is of `z >= 0` itself: one cap
-/// `theta_c = 2 asin((2N)^-1/2)` and collars from it down to the equator by the same rule, with
+/// On the hemisphere, where antipodes are identified, the partition is that of `z >= 0` itself: one
+/// cap `theta_c = 2 asin((2N)^-1/2)` and collars from it down to the equator by the same rule, with
 /// `z = 1 - k_i/N`.
 ///
 /// Regions start at longitude 0 in every collar. Their diameters are below `7/sqrt(N)`
@@ -79,7 +79,7 @@ pub struct EqualArea {
 }
 
 impl EqualArea {
-    /// The pattern of `n_points` regions.
+    /// Returns the pattern of `n_points` regions.
     ///
     /// # Errors
     ///
@@ -93,14 +93,14 @@ impl EqualArea {
         Ok(Self { above, domain, placement })
     }
 
-    /// The number of regions in each zone, from the north pole down.
+    /// Returns the number of regions in each zone, from the north pole down.
     pub fn zones(&self) -> impl Iterator<Item = u32> {
         self.above.windows(2).map(|k| k[1] - k[0])
     }
 
-    /// One region of each zone, the first, with the number of regions that are congruent to it: those
-    /// of its zone, and on the sphere those of the zone that mirrors it at the equator, which is then
-    /// left out.
+    /// Returns the first region of each zone with the number of regions that are congruent to it:
+    /// those of its zone and, on the sphere, those of the zone mirrored at the equator, which is
+    /// then omitted.
     ///
     /// ```
     /// use sphvar_samplers::{Domain, EqualArea, Placement};
@@ -127,13 +127,13 @@ impl EqualArea {
         })
     }
 
-    /// The regions in the order of the points: zone by zone from the north pole, each from
-    /// longitude 0 eastwards. Neighbours share their edges to the bit.
+    /// Returns the regions in the order of the points: zone by zone from the north pole, each from
+    /// longitude 0 eastwards. The shared edges of neighbours are bit-identical.
     pub fn regions(&self) -> impl Iterator<Item = Region> {
         self.above.windows(2).flat_map(|k| self.zone_regions(k[0], k[1]))
     }
 
-    /// The regions between two parallels, given by the numbers of regions above them.
+    /// Returns the regions between two parallels, given by the numbers of regions above them.
     fn zone_regions(&self, top: u32, bottom: u32) -> impl Iterator<Item = Region> + use<> {
         let height = match self.domain {
             Domain::Sphere => 2.0,
@@ -221,7 +221,7 @@ impl Definition for EqualAreaParameters {
     }
 }
 
-/// The number of regions above each parallel of the sphere.
+/// Returns the number of regions above each parallel of the sphere.
 fn parallels_of_sphere(n: u32) -> Box<[u32]> {
     if n <= 2 {
         return (0..=n).collect();
@@ -232,7 +232,7 @@ fn parallels_of_sphere(n: u32) -> Box<[u32]> {
     let collars = n_collars(span, 4.0 * PI / n_real);
     let inner = (1..collars).map(|i| {
         if 2 * i == collars {
-            // The equator: for odd N a tie, which rounding errors must not decide.
+            // At the equator, odd N gives a tie that rounding errors must not decide.
             n.div_ceil(2)
         } else {
             nearest(n_real * drop_at(cap + span * f64::from(i) / f64::from(collars)) / 2.0)
@@ -241,7 +241,7 @@ fn parallels_of_sphere(n: u32) -> Box<[u32]> {
     [0, 1].into_iter().chain(inner).chain([n - 1, n]).collect()
 }
 
-/// The number of regions above each parallel of the hemisphere.
+/// Returns the number of regions above each parallel of the hemisphere.
 fn parallels_of_hemisphere(n: u32) -> Box<[u32]> {
     if n == 1 {
         return [0, 1].into();
@@ -255,8 +255,8 @@ fn parallels_of_hemisphere(n: u32) -> Box<[u32]> {
     [0, 1].into_iter().chain(inner).chain([n]).collect()
 }
 
-/// The number of collars in `span` of colatitude whose height is nearest to the side of a square
-/// of `area`, at least 1.
+/// Returns the number of collars in `span` of colatitude whose height is nearest to the side of a
+/// square of `area`, at least 1.
 fn n_collars(span: f64, area: f64) -> u32 {
     nearest(span / area.sqrt()).max(1)
 }

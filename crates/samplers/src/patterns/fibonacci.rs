@@ -14,8 +14,8 @@ const INVERSE_GOLDEN_RATIO: u128 = 0x9E37_79B9_7F4A_7C15_F39C_C060_5CED_C834;
 /// `1 - (2j+1)/(2N)`) and longitude `2 pi j / golden ratio` (Swinbank and Purser 2006; Marques et
 /// al. 2013).
 ///
-/// The longitude is computed modulo one turn in fixed point, so that it is exact to rounding for
-/// any j. Not random: one realization is the pattern.
+/// The longitude is computed in fixed point modulo one turn, so it is exact to rounding for any j.
+/// The pattern is deterministic: all realizations are the same set.
 #[derive(Clone, Copy, Debug)]
 pub struct Fibonacci {
     n_points: usize,
@@ -77,7 +77,7 @@ impl Definition for Parameters {
     }
 }
 
-/// The fraction of a turn, in [0, 1), that `j` golden steps leave.
+/// Returns the fractional part, in [0, 1) turns, of `j` golden steps.
 fn golden_turns(j: usize) -> f64 {
     let turns = (j as u128).wrapping_mul(INVERSE_GOLDEN_RATIO);
     (turns >> 75) as f64 * 2f64.powi(-53)
@@ -88,17 +88,17 @@ mod tests {
     use super::golden_turns;
 
     #[test]
-    fn the_longitude_is_the_golden_ratio_mod_one() {
+    fn the_longitude_is_the_inverse_golden_ratio_mod_one() {
         let ratio = f64::midpoint(5f64.sqrt(), 1.0);
         for j in 0..2000u32 {
             let plain = (f64::from(j) / ratio).fract();
             let fixed = golden_turns(j as usize);
-            // The plain product is good to j EPSILON; 0 and 1 are the same turn.
+            // The plain product is accurate to j EPSILON; 0 and 1 are the same angle.
             let off = (plain - fixed).abs();
             let off = off.min(1.0 - off);
             assert!(off <= f64::EPSILON * (f64::from(j) + 1.0), "j = {j}: {plain} and {fixed}");
         }
-        // Fibonacci numbers come back to the start: |F_k/ratio - F_(k-1)| = ratio^-k.
+        // Fibonacci numbers of steps return close to the start: |F_k/ratio - F_(k-1)| = ratio^-k.
         let (mut a, mut b, mut k) = (1usize, 1usize, 2);
         while b < 1 << 40 {
             (a, b, k) = (b, a + b, k + 1);

@@ -9,16 +9,16 @@ use crate::{
 
 /// The first N points of the Halton sequence in bases 2 and 3 (Halton 1960), shifted at random.
 ///
-/// Point i, from 0, is `(phi_2(i) + s, phi_3(i) + t)` modulo 1 with one uniform pair (s, t) for
-/// the whole set (Cranley and Patterson 1976): every point is uniform in the square. On the
-/// sphere the second coordinate's shift is a turn about the axis.
+/// Point i, from 0, is `(phi_2(i) + s, phi_3(i) + t)` modulo 1 with one uniform pair (s, t) for the
+/// whole set (Cranley and Patterson 1976): every point is uniform in the square. On the sphere the
+/// shift of the second coordinate is a rotation about the axis.
 #[derive(Clone, Copy, Debug)]
 pub struct Halton {
     n: u32,
 }
 
 impl Halton {
-    /// The first `n_points` points.
+    /// Returns the pattern of the first `n_points` points.
     ///
     /// # Errors
     ///

@@ -9,17 +9,17 @@ use crate::{
 
 /// The Hammersley set of N points in base 2 (Hammersley 1960), shifted at random.
 ///
-/// Point i is `((i + 1/2)/N + s, phi_2(i) + t)` modulo 1 with one uniform pair (s, t) for the
-/// whole set (Cranley and Patterson 1976): every point is uniform in the square. On the sphere
-/// heights are thus an arithmetic progression and the second coordinate's shift is a turn about
-/// the axis.
+/// Point i is `((i + 1/2)/N + s, phi_2(i) + t)` modulo 1 with one uniform pair (s, t) for the whole
+/// set (Cranley and Patterson 1976): every point is uniform in the square. On the sphere the
+/// heights are thus an arithmetic progression, and the shift of the second coordinate is a rotation
+/// about the axis.
 #[derive(Clone, Copy, Debug)]
 pub struct Hammersley {
     n: u32,
 }
 
 impl Hammersley {
-    /// The set of `n_points` points.
+    /// Returns the pattern of `n_points` points.
     ///
     /// # Errors
     ///

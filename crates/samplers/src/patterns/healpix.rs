@@ -10,8 +10,8 @@ use crate::{
 /// The centres of the HEALPix pixels (Gorski et al. 2005), 12 nside^2 of them; on the hemisphere
 /// one of each antipodal pair, 6 nside^2.
 ///
-/// Odd degrees vanish exactly because the set is antipodally symmetric; even ones do not, so it
-/// is no spherical design. Not random: one realization is the pattern.
+/// Odd degrees vanish exactly because the set is antipodally symmetric; even ones do not, so it is
+/// not a spherical design. The pattern is deterministic: all realizations are the same set.
 #[derive(Clone, Copy, Debug)]
 pub struct HealpixRegular {
     nside: Nside,
@@ -19,7 +19,7 @@ pub struct HealpixRegular {
 }
 
 impl HealpixRegular {
-    /// The pattern of resolution `nside`.
+    /// Returns the pattern of resolution `nside`.
     #[must_use]
     pub fn new(nside: Nside, domain: Domain) -> Self {
         Self { nside, domain }
@@ -74,9 +74,9 @@ impl Definition for Parameters {
     }
 }
 
-/// The number of base faces whose cells are the strata. Faces 0 to 3 surround the north pole, 4
-/// to 7 lie on the equator; the antipode of face 4 is 6, of 5 is 7, of 0 to 3 are 8 to 11. So the
-/// first six hold one cell of every antipodal pair.
+/// Returns the number of base faces whose cells are the strata. Faces 0 to 3 surround the north
+/// pole, 4 to 7 lie on the equator; the antipode of face 4 is 6, of 5 is 7, of 0 to 3 are 8 to 11.
+/// The first six therefore hold one cell of every antipodal pair.
 fn strata_faces(domain: Domain) -> u8 {
     match domain {
         Domain::Sphere => 12,
@@ -89,12 +89,12 @@ pub(super) fn n_strata(nside: Nside, domain: Domain) -> usize {
     usize::from(strata_faces(domain)) * nside * nside
 }
 
-/// The numbers of points of patterns with a point in each stratum.
+/// Returns the valid numbers of points of patterns with one point per stratum.
 pub(super) fn valid_counts(domain: Domain) -> ValidCounts {
     ValidCounts::Squares { unit: usize::from(strata_faces(domain)), root: "nside" }
 }
 
-/// The resolution of `n_points`, a valid number; `pattern` is for messages.
+/// Returns the resolution for `n_points`, a valid count; `pattern` is for messages.
 pub(super) fn nside(
     pattern: &'static str,
     n_points: usize,
@@ -111,7 +111,7 @@ pub(super) fn nside(
     })
 }
 
-/// The cells of the strata, face by face.
+/// Returns the cells of the strata, face by face.
 pub(super) fn strata(nside: Nside, domain: Domain) -> impl Iterator<Item = Cell> {
     let side = 0..nside.value();
     (0..strata_faces(domain)).flat_map(move |face| {
@@ -142,7 +142,7 @@ mod tests {
     }
 
     #[test]
-    fn every_stratum_has_its_one_direction() {
+    fn every_stratum_has_one_direction() {
         for domain in [Domain::Sphere, Domain::Hemisphere] {
             let nside = Nside::new(9).unwrap();
             let mut rng = Streams::new(3, Purpose::Pattern, 0).realization(0);
@@ -156,7 +156,7 @@ mod tests {
                     .iter()
                     .map(|&p| {
                         let cell = sphvar_healpix::Cell::containing(nside, p);
-                        // A line is named by the smaller of its two cells' faces.
+                        // An antipodal pair is identified by the cell with the smaller face.
                         if domain == Domain::Hemisphere && cell.face() >= 6 {
                             cell.antipode()
                         } else {

@@ -10,7 +10,7 @@ use crate::{
 };
 
 /// One uniform direction in every HEALPix pixel, for any nside; on the hemisphere one in every
-/// antipodal pair of pixels, turned up where it lies below.
+/// antipodal pair of pixels, replaced by its antipode where it lies below.
 ///
 /// The pixels have equal areas, so this is stratified sampling:
 /// `<P(l)> = 1 - (1/N) sum_k E P_l(x.y)` over pairs x, y in pixel k, at most 1, and about
@@ -22,7 +22,7 @@ pub struct HealpixJittered {
 }
 
 impl HealpixJittered {
-    /// The pattern of resolution `nside`.
+    /// Returns the pattern of resolution `nside`.
     #[must_use]
     pub fn new(nside: Nside, domain: Domain) -> Self {
         Self { nside, domain }

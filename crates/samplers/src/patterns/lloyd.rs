@@ -10,13 +10,13 @@ use crate::{CostOrder, Domain, Error, PatternFacts, PointSet, Progress, Rate, Sa
 /// White noise after some steps of Lloyd's relaxation (Lloyd 1982; on the sphere Du, Gunzburger
 /// and Ju 2003): every step moves each point to the centroid of its Voronoi cell.
 ///
-/// Cells are exact, not made of mass points: with the direction of the integral of x over the
-/// cell as centroid, a step never increases [`quantization_energy`]. It converges slowly, towards
-/// hexagons with a few defects; the number of steps is part of the pattern. On the hemisphere the
-/// cells are those of lines, that is of the points and their antipodes together.
+/// Cells are exact rather than approximated by mass points. Because the centroid is the direction
+/// of the integral of x over the cell, a step never increases [`quantization_energy`]. The
+/// relaxation converges slowly, towards hexagons with a few defects; the number of steps is part of
+/// the pattern. On the hemisphere the cells are those of the points and their antipodes together.
 ///
-/// The distribution is invariant under rotations, so every single point is uniform. The cost of a step is
-/// a planar Delaunay triangulation, O(N log N), of 2N points for the hemisphere.
+/// The distribution is invariant under rotations, so every single point is uniform. The cost of a
+/// step is a planar Delaunay triangulation, O(N log N), of 2N points for the hemisphere.
 ///
 /// ```
 /// use sphvar_samplers::{Domain, Lloyd, Purpose, Sampler, Streams, quantization_energy};
@@ -37,10 +37,11 @@ pub struct Lloyd {
 }
 
 impl Lloyd {
-    /// Steps that bring the energy within about 4 % of what a thousand reach, for any N.
+    /// The default number of steps: the energy is within about 4 % of that after a thousand steps,
+    /// for any N.
     pub const DEFAULT_ITERATIONS: u32 = 20;
 
-    /// The pattern of `n_points` points after `iterations` steps, 0 of which leave white noise.
+    /// Returns the pattern of `n_points` points after `iterations` steps; 0 steps give white noise.
     ///
     /// # Errors
     ///
@@ -91,7 +92,7 @@ impl Sampler for Lloyd {
             sites_of(points, self.domain, &mut sites);
             voronoi::cell_moments(&sites, &mut moments);
             for (p, moment) in points.iter_mut().zip(&moments) {
-                // A cell without a centroid, such as the whole sphere, keeps its point.
+                // The point of a cell without a centroid, such as the whole sphere, stays in place.
                 *p = self.domain.representative(moment.normalize_or(*p));
             }
         }
@@ -102,7 +103,7 @@ impl Sampler for Lloyd {
 /// Parameters of the pattern [`Lloyd`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LloydParameters {
-    /// Steps of the relaxation.
+    /// Number of relaxation steps.
     pub iterations: u32,
 }
 
@@ -141,28 +142,28 @@ impl Definition for LloydParameters {
     }
 }
 
-/// The mean squared chord from a direction to the nearest point, times the area of the domain:
-/// what Lloyd's steps decrease.
+/// Returns the mean squared chord from a direction to the nearest point, times the area of the
+/// domain: the energy that Lloyd's steps decrease.
 ///
 /// ```text
 /// E = int min_k |x - p_k|^2 d omega
 /// ```
 ///
-/// over the sphere, or over the hemisphere with the distance between lines. For one point it is
-/// 8 pi and 2 pi. For many points it is about `c area^2/N` with c = 1/pi for white noise and, the
-/// least possible, `5/(18 sqrt 3) = 0.1604` for hexagons (Fejes Toth 1959). Points that coincide
-/// to rounding may all be counted as having no cell. The cost is that of a triangulation.
+/// over the sphere, or over the hemisphere with the antipodal distance. For one point it is 8 pi
+/// and 2 pi, respectively. For many points it is about `c area^2/N` with c = 1/pi for white noise
+/// and the minimum, `5/(18 sqrt 3) = 0.1604`, for hexagons (Fejes Toth 1959). Points that coincide
+/// to rounding may all count as having no cell. The cost is that of a triangulation.
 #[must_use]
 pub fn quantization_energy(points: &[DVec3], domain: Domain) -> f64 {
     let (mut sites, mut moments) = (Vec::new(), Vec::new());
     sites_of(points, domain, &mut sites);
     voronoi::cell_moments(&sites, &mut moments);
-    // |x - p|^2 = 2 - 2 x.p, summed over the points' own cells.
+    // |x - p|^2 = 2 - 2 x.p, integrated over the cell of each point.
     let inner: f64 = points.iter().zip(&moments).map(|(p, moment)| p.dot(*moment)).sum();
     2.0 * domain.area() - 2.0 * inner
 }
 
-/// The points on the sphere that stand for `points`: on the hemisphere with their antipodes.
+/// Replaces the content of `sites` by `points`, on the hemisphere with their antipodes.
 fn sites_of(points: &[DVec3], domain: Domain, sites: &mut Vec<DVec3>) {
     sites.clear();
     sites.extend_from_slice(points);

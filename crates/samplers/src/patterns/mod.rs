@@ -1,12 +1,13 @@
-//! The list of patterns, and a file for each: what it is, its parameters and what is known of it.
+//! The list of patterns, with one file per pattern for its sampler, parameters and known
+//! properties.
 //!
-//! A new pattern is a file here that implements `Definition`, and a line of the list. The list declares
-//! the modules, so `cargo fmt` does not find these files; `.ci/run` formats them by name.
+//! To add a pattern, add a file here that implements `Definition` and a line to the list. The list
+//! declares the modules, so `cargo fmt` does not find these files; `.ci/run` checks them by name.
 
 use crate::definition::Definition;
 
-/// Declares the module, the variant and the texts of every pattern. A variant with parameters names
-/// their type; the definition of one without is the type `Parameters` of its module.
+/// Declares the module, the variant, the name and the summary of every pattern. A variant with
+/// parameters names their type; otherwise the definition is the type `Parameters` of its module.
 macro_rules! patterns {
     ($($name:literal = $module:ident::$Variant:ident $(($parameters:ident: $Parameters:ident))?: $summary:literal;)*) => {
         $(
@@ -14,7 +15,7 @@ macro_rules! patterns {
             pub use $module::*;
         )*
 
-        /// The patterns this crate makes, by name, with their parameters.
+        /// The patterns of this crate, by name, with their parameters.
         ///
         /// `FromStr` reads what `Display` writes, such as `poisson-disk:radius=2`.
         #[derive(Clone, Debug, PartialEq)]
@@ -27,11 +28,11 @@ macro_rules! patterns {
         }
 
         impl Pattern {
-            /// Every pattern with its default parameters, in the order in which tables show them.
+            /// All patterns with their default parameters, in the order of tables.
             pub const ALL: [Self; [$($name),*].len()] =
                 [$(Self::$Variant $(($Parameters::DEFAULT))?),*];
 
-            /// Returns the name by which commands and files know the pattern.
+            /// Returns the name of the pattern in commands and files.
             #[must_use]
             pub const fn name(&self) -> &'static str {
                 match self {
@@ -39,7 +40,7 @@ macro_rules! patterns {
                 }
             }
 
-            /// Returns what the pattern is, in a line.
+            /// Returns a one-line description of the pattern.
             #[must_use]
             pub const fn summary(&self) -> &'static str {
                 match self {
@@ -47,7 +48,7 @@ macro_rules! patterns {
                 }
             }
 
-            /// Does something with the definition of the pattern.
+            /// Calls a function with the definition of the pattern.
             pub(crate) fn with_definition<T>(
                 &mut self,
                 action: impl FnOnce(&mut dyn Definition) -> T,

@@ -2,7 +2,7 @@ mod mode;
 mod packing;
 mod parameters;
 mod quarters;
-mod throw;
+mod sequential_addition;
 
 use glam::DVec3;
 use rand::{Rng, SeedableRng};
@@ -13,12 +13,12 @@ use crate::{Domain, Error, PointSet, Progress, Sampler};
 pub use mode::DiskMode;
 pub(crate) use packing::greatest_chord;
 pub use parameters::PoissonDiskParameters;
-use throw::{DartSampler, End};
+use sequential_addition::{End, SequentialAddition};
 
 const NAME: &str = "poisson-disk";
 
-/// Poisson disk points by true dart throwing, that is by random sequential addition: one point
-/// after the other, each uniform on what the disks around the points before it leave free.
+/// Poisson disk points by dart throwing (random sequential addition): points are placed one after
+/// the other, each uniformly in the region outside the disks around all previous points.
 ///
 /// The disks have the chord radius
 ///
@@ -29,18 +29,18 @@ const NAME: &str = "poisson-disk";
 /// ```
 ///
 /// so that no two points are nearer than r. [`DiskMode::Exact`] stops at N points; a set that is
-/// full before is thrown away and begun again with the next random numbers, up to
-/// `16 + 100000/N` times in all. [`DiskMode::Saturated`] goes on until nothing is free outside
-/// cells of 1.5e-17 steradian that hold less than 1e-12 of the area together (about 20 cells at
-/// N = 10^6, none at N = 10^4); the number of points is random, with mean `8.752 N / radius^2` and
-/// variance 0.058 times that. Of few points there are somewhat less in the mean: 0.97 N at N = 12,
-/// 0.996 N at 108.
+/// full earlier is discarded and restarted with the next random numbers, at most `16 + 100000/N`
+/// attempts in total. [`DiskMode::Saturated`] continues until no free region remains except in
+/// cells of 1.5e-17 steradian whose total area is below 1e-12 of the domain (about 20 cells at N =
+/// 10^6, none at N = 10^4); the number of points is random, with mean `8.752 N / radius^2` and
+/// variance 0.058 times that. For small N the mean is slightly smaller: 0.97 N at N = 12, 0.996 N
+/// at 108.
 ///
-/// The points come in the order in which they were placed, so that the first K of them are K
-/// disks of the same distribution (given, of an exact set, that N found room).
+/// The points are in the order of their placement, so the first K of them are K disks of the same
+/// distribution (for an exact set, conditional on the placement of N points).
 ///
-/// Cost: about 2.4 microseconds a point at N = 4096 and 3.7 at N = 10^6, where memory is slower,
-/// and some 190 bytes a point while it runs.
+/// The cost is about 2.4 microseconds per point at N = 4096 and 3.7 at N = 10^6, where memory
+/// access is slower, and some 190 bytes of memory per point.
 ///
 /// ```
 /// use sphvar_samplers::{DiskMode, Domain, PoissonDisk, Purpose, Sampler, Streams};
@@ -55,9 +55,10 @@ const NAME: &str = "poisson-disk";
 /// ```
 ///
 /// # References
-/// Cook 1986, ACM Trans. Graph. 5, 51, for dart throwing; White, Cline and Egbert 2007 (IEEE
-/// Symp. Interactive Ray Tracing, 129) and Gamito and Maddock 2009 (ACM Trans. Graph. 29, 8) for
-/// subdividing what is free.
+///
+/// Cook 1986, ACM Trans. Graph. 5, 51, for dart throwing; White, Cline and Egbert 2007 (IEEE Symp.
+/// Interactive Ray Tracing, 129) and Gamito and Maddock 2009 (ACM Trans. Graph. 29, 8) for the
+/// subdivision of the free region.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PoissonDisk {
     n_points: usize,
@@ -67,38 +68,37 @@ pub struct PoissonDisk {
 }
 
 impl PoissonDisk {
-    /// The radius of exact sets unless another is given, 2.893: at N = 768 or more a set is
-    /// practically never full before it has N points, at N = 12 every fifth is.
+    /// The default radius of exact sets, 2.893: for N >= 768 a set is practically never full before
+    /// it has N points; for N = 12 every fifth set is.
     pub const EXACT_RADIUS: f64 = 2.893;
 
-    /// The radius of saturated sets unless another is given, 2.958: they have N points in
-    /// the mean.
+    /// The default radius of saturated sets, 2.958: they have N points in the mean.
     pub const SATURATED_RADIUS: f64 = 2.958;
 
     /// The largest valid number of points; more would exceed the range of 32-bit indices.
     pub const MAX_POINTS: usize = 1 << 29;
 
-    /// The part of the largest possible chord that default radii of few points keep to.
+    /// The fraction of the largest possible chord that default radii of few points do not exceed.
     const PACKING_SHARE: f64 = 0.95;
 
     /// The share of the domain's area that may remain undecided in a saturated set.
     const UNRESOLVED_SHARE: f64 = 1e-12;
 
-    /// Levels of subdivision after which an exact set is complete, about.
+    /// The approximate number of subdivision levels after which an exact set is complete.
     const DEFAULT_LEVELS: f64 = 8.0;
 
     /// The share of the sphere, M r^2/16, that saturated disks of radius r/2 fill.
     const SATURATED_FILL: f64 = 0.547;
 
-    /// The pattern of `n_points` points (requested or, in saturated sets, expected with the
-    /// default radius) on `domain`, with disks of `radius` in the units above or, with `None`,
-    /// of [`Self::default_radius`].
+    /// Returns the pattern of `n_points` points on `domain` (for saturated sets, the number
+    /// expected with the default radius), with disks of `radius` in the units above or, with
+    /// `None`, of [`Self::default_radius`].
     ///
     /// # Errors
     ///
     /// [`Error::NoPoints`] for 0 points, [`Error::TooManyPoints`] above [`Self::MAX_POINTS`],
-    /// [`Error::Infeasible`] if the radius is not a positive number, if no `n_points` points
-    /// are so far apart, or if a saturated set would have more than [`Self::MAX_POINTS`].
+    /// [`Error::Infeasible`] if the radius is not a positive number, if `n_points` points cannot be
+    /// that far apart, or if a saturated set would have more than [`Self::MAX_POINTS`] points.
     pub fn new(
         n_points: usize,
         domain: Domain,
@@ -123,7 +123,7 @@ impl PoissonDisk {
         let greatest = greatest_chord(n_points, domain);
         if mode == DiskMode::Exact && disks.chord() > greatest {
             return Err(disks.infeasible(format!(
-                "so many points are at most {greatest:.6} apart, a radius of {:.4}; {radius} asks \
+                "so many points are at largest_count {greatest:.6} apart, a radius of {:.4}; {radius} asks \
                  for {:.6}, and random points reach {:.4}",
                 greatest * disks.root_of_density(),
                 disks.chord(),
@@ -142,9 +142,9 @@ impl PoissonDisk {
         Ok(disks)
     }
 
-    /// The radius that [`Self::new`] takes if none is given: [`Self::SATURATED_RADIUS`], or
-    /// [`Self::EXACT_RADIUS`], but for sets of two or three points at most 95 % of what can be
-    /// packed at all (Fejes Toth's bound).
+    /// Returns the default radius of [`Self::new`]: [`Self::SATURATED_RADIUS`] or
+    /// [`Self::EXACT_RADIUS`]; for sets of two or three points, at most 95 % of the packing bound
+    /// of Fejes Toth.
     #[must_use]
     pub fn default_radius(n_points: usize, domain: Domain, mode: DiskMode) -> f64 {
         match mode {
@@ -157,20 +157,20 @@ impl PoissonDisk {
         }
     }
 
-    /// When a set is complete.
+    /// Returns the criterion by which a set is complete.
     #[must_use]
     pub fn mode(&self) -> DiskMode {
         self.mode
     }
 
-    /// The radius of the disks in units of `1/sqrt(N)`, on the hemisphere of `1/sqrt(2 N)`.
+    /// Returns the radius of the disks in units of `1/sqrt(N)`, on the hemisphere of `1/sqrt(2 N)`.
     #[must_use]
     pub fn radius(&self) -> f64 {
         self.radius
     }
 
-    /// The chord that no two points, and on the hemisphere no point and the antipode of
-    /// another, are nearer than.
+    /// Returns the minimum chord between two points and, on the hemisphere, between a point and the
+    /// antipode of another.
     #[must_use]
     pub fn chord(&self) -> f64 {
         self.radius / self.root_of_density()
@@ -184,7 +184,7 @@ impl PoissonDisk {
         self.domain.count_on_sphere(self.n_points).sqrt()
     }
 
-    /// The number of points of a saturated set, about.
+    /// Returns the approximate number of points of a saturated set.
     fn saturated_count(&self) -> f64 {
         let on_sphere = 16.0 * Self::SATURATED_FILL / self.chord().powi(2);
         match self.domain {
@@ -193,8 +193,8 @@ impl PoissonDisk {
         }
     }
 
-    /// How often an exact set is begun before it is given up. Above some hundred points nearly
-    /// all sets of one radius succeed, or nearly none; of few points a good part may fail.
+    /// Returns the maximum number of attempts for an exact set. Above some hundred points nearly
+    /// all sets of one radius succeed, or nearly none; with few points a large fraction may fail.
     fn attempts(&self) -> usize {
         16 + 100_000 / self.n_points
     }
@@ -210,20 +210,21 @@ impl PoissonDisk {
         tick: Tick<'_>,
     ) -> Result<(), Error> {
         let expected = self.saturated_count().min(self.n_points as f64);
-        let mut most = 0;
+        let mut largest_count = 0;
         for _ in 0..self.attempts() {
             points.clear();
-            let darts = DartSampler::new(self.domain, self.chord(), expected, rng);
-            if darts.run(self.n_points, points, tick)? == End::Full {
+            let run = SequentialAddition::new(self.domain, self.chord(), expected, rng);
+            if run.run(self.n_points, points, tick)? == End::Full {
                 return Ok(());
             }
-            most = most.max(points.len());
+            largest_count = largest_count.max(points.len());
         }
         points.clear();
-        // What was placed had this radius in its own units; a little less leaves room for chance.
-        let possible = 0.98 * self.radius * (most as f64 / self.n_points as f64).sqrt();
+        // The largest set had this radius in units of its own number of points; a slightly smaller
+        // radius allows for chance.
+        let possible = 0.98 * self.radius * (largest_count as f64 / self.n_points as f64).sqrt();
         Err(self.infeasible(format!(
-            "in {} attempts disks of radius {} left room for {most} points at most; a radius of \
+            "in {} attempts disks of radius {} left room for {largest_count} points at largest_count; a radius of \
              {:.3} is possible",
             self.attempts(),
             self.radius,
@@ -237,8 +238,8 @@ impl PoissonDisk {
         points: &mut Vec<DVec3>,
         tick: Tick<'_>,
     ) -> Result<(), Error> {
-        let darts = DartSampler::new(self.domain, self.chord(), self.saturated_count(), rng);
-        match darts.run(usize::MAX, points, tick)? {
+        let run = SequentialAddition::new(self.domain, self.chord(), self.saturated_count(), rng);
+        match run.run(usize::MAX, points, tick)? {
             End::Saturated { unresolved }
                 if unresolved > Self::UNRESOLVED_SHARE * self.domain.area() =>
             {
@@ -254,7 +255,7 @@ impl PoissonDisk {
 }
 
 impl Sampler for PoissonDisk {
-    /// The requested number of points; a saturated set has about as many.
+    /// Returns the requested number of points; a saturated set has approximately that number.
     fn n_points(&self) -> usize {
         self.n_points
     }
@@ -278,7 +279,7 @@ impl Sampler for PoissonDisk {
         progress: &dyn Progress,
     ) -> Result<(), Error> {
         let points = set.start();
-        // A generator of its own: a call through `dyn` for every number costs as much as a dart.
+        // A local generator: a `dyn` call for every number costs as much as a candidate.
         let mut own = ChaCha8Rng::from_rng(rng);
         let level = self.nominal_work() / Self::DEFAULT_LEVELS;
         match self.mode {
@@ -293,7 +294,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn radii_that_are_no_lengths_are_rejected() {
+    fn invalid_radii_are_rejected() {
         for mode in [DiskMode::Exact, DiskMode::Saturated] {
             for radius in [f64::NAN, 0.0, -0.0, -1.0, f64::INFINITY, f64::NEG_INFINITY] {
                 let rejected =

@@ -10,7 +10,7 @@ use crate::{CostOrder, Domain, Error, PatternFacts, PowerProfile, Rate, Sampler,
 pub struct ProfileParameters {
     /// The power at each degree.
     pub profile: PowerProfile,
-    /// The minimum distance in units of a hexagonal lattice's.
+    /// The minimum distance in units of the spacing of a hexagonal lattice.
     pub core: f64,
 }
 
@@ -34,7 +34,7 @@ impl Parametric for ProfileParameters {
         let mut file = table.clone();
         d.file("file", "table of l,power instead of b to `to`", "none", &mut file);
         if let Some(file) = file.filter(|file| Some(file) != table.as_ref()) {
-            // The powers are read when all parameters are known.
+            // The powers are read once all parameters are known.
             let name = file.to_string_lossy().into();
             self.profile = PowerProfile::Table { name, power: [].into() };
         }

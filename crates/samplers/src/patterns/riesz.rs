@@ -7,18 +7,19 @@ use crate::definition::Definition;
 use crate::optimization::{Descent, Objective, RieszEnergy};
 use crate::{CostOrder, Domain, Error, PatternFacts, PointSet, Progress, Rate, Sampler, count};
 
-/// White noise after some steps down the Riesz energy of exponent s, or the logarithmic energy
-/// for s = 0 (Hardin and Saff 2004); see [`riesz_energy`](crate::riesz_energy).
+/// White noise after a number of steps that minimize the Riesz energy of exponent s, or the
+/// logarithmic energy for s = 0 (Hardin and Saff 2004); see [`riesz_energy`](crate::riesz_energy).
 ///
 /// s = 1 is Thomson's problem. Steps are those of a limited-memory BFGS method, none of which
-/// increases the energy. The default number takes tens of points to a local minimum and
-/// a thousand to within 1e-5 of its energy for s = 1, 2e-3 for s = 4; minima are many, so realizations differ by more than a rotation from about N = 16.
+/// increases the energy. The default number of steps takes tens of points to a local minimum and a
+/// thousand points to within 1e-5 of its energy for s = 1, 2e-3 for s = 4. There are many minima,
+/// so realizations differ by more than a rotation from about N = 16.
 ///
-/// The distribution is invariant under rotations, so every single point is uniform. The cost of a step is
-/// N^2 pairs, twice that on the hemisphere, and sometimes a multiple where a step is shortened:
-/// for thousands of points, not for millions. Exponents that are not whole cost several times as
-/// much. Results for whole s are the same on every machine; others and s = 0 rest on the
-/// platform's `pow` and `log`.
+/// The distribution is invariant under rotations, so every single point is uniform. The cost of a
+/// step is N^2 pairs, twice that on the hemisphere, and sometimes a multiple where a step is
+/// shortened: practical for thousands of points, not for millions. Non-integer exponents cost
+/// several times more. Results for integer s > 0 are the same on every machine; the others depend
+/// on the platform's `pow` and `log`.
 ///
 /// ```
 /// use sphvar_samplers::{Domain, Purpose, Riesz, Sampler, Streams, riesz_energy};
@@ -37,14 +38,14 @@ pub struct Riesz {
 }
 
 impl Riesz {
-    /// Coulomb's law.
+    /// The Coulomb energy.
     pub const DEFAULT_S: f64 = 1.0;
 
-    /// Steps downhill.
+    /// The default number of steps.
     pub const DEFAULT_ITERATIONS: u32 = 100;
 
-    /// The pattern of `n_points` points for the exponent `s` after `iterations` steps, 0 of which
-    /// leave white noise.
+    /// Returns the pattern of `n_points` points for the exponent `s` after `iterations` steps, 0 of
+    /// which leave white noise.
     ///
     /// # Errors
     ///
@@ -128,7 +129,7 @@ impl Sampler for Riesz {
 pub struct RieszParameters {
     /// The exponent.
     pub s: f64,
-    /// Steps downhill.
+    /// Number of steps.
     pub iterations: u32,
 }
 

@@ -6,22 +6,22 @@ use crate::{
     CostOrder, Domain, Error, OnSphere, PatternFacts, Rate, Sampler, SquarePattern, count,
 };
 
-/// Digits of a coordinate: those of an `f64` in [0, 1) with even spacing.
+/// Number of binary digits of a coordinate: those of an evenly spaced `f64` in [0, 1).
 const DIGITS: u32 = 53;
 
 /// The first N points of Sobol's sequence in two dimensions (Sobol 1967) under nested uniform
 /// scrambling (Owen 1995).
 ///
-/// The first coordinate is the radical inverse in base 2, the second has Pascal's triangle modulo
-/// 2 as its generator matrix; together they are a (0, 2)-sequence: of the first 2^m points, every
-/// elementary interval of area 2^-m holds one. Scrambling keeps that and makes every point
-/// uniform in the square.
+/// The first coordinate is the radical inverse in base 2, the second has Pascal's triangle modulo 2
+/// as its generator matrix; together they are a (0, 2)-sequence: of the first 2^m points, every
+/// elementary interval of area 2^-m holds one. Scrambling preserves this property and makes every
+/// point uniform in the square.
 ///
-/// The scrambling is Owen's in full, not its approximation by a hash: a digit is flipped by a
-/// random bit that belongs to all digits before it. With 2^m >= N no two points share their first
-/// m digits in either coordinate, so that 2^m - 1 bits per coordinate hold every flip that two
-/// points can share, and the digits beyond are independent random bits, down to 2^-53. The cost
-/// is 2m steps per point and 2^(m+1) bits.
+/// The scrambling is that of Owen, not its approximation by a hash: each digit is flipped by a
+/// random bit that depends on all preceding digits. With 2^m >= N no two points share their first m
+/// digits in either coordinate, so that 2^m - 1 bits per coordinate hold every flip that two points
+/// can share, and the digits beyond are independent random bits, down to 2^-53. The cost is 2m
+/// steps per point and 2^(m+1) bits.
 ///
 /// ```
 /// use sphvar_samplers::{Purpose, Sobol, SquarePattern, Streams};
@@ -40,7 +40,7 @@ pub struct Sobol {
 }
 
 impl Sobol {
-    /// The first `n_points` points.
+    /// Returns the first `n_points` points.
     ///
     /// # Errors
     ///
@@ -93,7 +93,8 @@ impl Definition for Parameters {
     }
 }
 
-/// The second coordinate's digits of point `i`, the first digit highest.
+/// Returns the digits of the second coordinate of point `i`, with the first digit in the highest
+/// bit.
 fn second_coordinate(i: u32) -> u32 {
     let mut rest = i;
     let mut direction = 1 << 31;
@@ -109,7 +110,7 @@ fn second_coordinate(i: u32) -> u32 {
     digits
 }
 
-/// One coordinate's random flips: a bit for every string of fewer than `levels` digits.
+/// The random flips of one coordinate: a bit for every string of fewer than `levels` digits.
 struct Scramble {
     levels: u32,
     /// The tree in heap order: the empty string is 1, appending digit b to s is 2s + b.
@@ -122,7 +123,7 @@ impl Scramble {
         Self { levels, flips: (0..words).map(|_| rng.next_u64()).collect() }
     }
 
-    /// The scrambled coordinate, in [0, 1), of digits whose first is the highest bit.
+    /// Returns the scrambled coordinate, in [0, 1), of digits whose first is the highest bit.
     fn apply(&self, digits: u32, rng: &mut dyn Rng) -> f64 {
         let mut prefix = 1u64;
         let mut scrambled = 0u64;
@@ -152,7 +153,7 @@ mod tests {
     }
 
     /// Digit r of the coordinate is the sum over digits c of i of binomial(c, r), modulo 2; by
-    /// Lucas that binomial is odd when the bits of r are among those of c.
+    /// Lucas's theorem that binomial is odd if the bits of r are a subset of those of c.
     #[test]
     fn the_generator_matrix_is_pascals_triangle() {
         for i in (0..300).chain([1 << 31, u32::MAX, 0xdead_beef]) {

@@ -10,8 +10,8 @@ use crate::{
     CostOrder, Domain, Error, PatternFacts, PointSet, Rate, Sampler, SetDistribution, count,
 };
 
-/// The advance along the spiral per point, in units of `1/sqrt(N)` of arc: the value that Rakhmanov,
-/// Saff and Zhou give from numerical experiments.
+/// The advance along the spiral per point, in units of `1/sqrt(N)` of arc: the value that
+/// Rakhmanov, Saff and Zhou give from numerical experiments.
 const STEP: f64 = 3.6;
 
 /// The generalized spiral points (Rakhmanov, Saff and Zhou 1994, section 4), from the south pole
@@ -22,16 +22,16 @@ const STEP: f64 = 3.6;
 /// phi_k = phi_(k-1) + 3.6 / sqrt(N (1 - h_k^2))  (mod 2 pi),   phi_1 = phi_N = 0
 /// ```
 ///
-/// A single point is the south pole. On the hemisphere half of that set would be no pattern of N
-/// points, and a point at the pole of every set would be a seam; there the pattern is the spiral
-/// of 2N points' step on midpoint heights, from the equator up:
+/// A single point is the south pole. On the hemisphere half of that set would not be a pattern of N
+/// points, and the point at the pole of every set would be an artifact. There the pattern uses the
+/// step of a spiral of 2N points on midpoint heights, from the equator up:
 ///
 /// ```text
 /// h_k = (2k-1)/(2N),   phi_k = phi_(k-1) + 3.6 / sqrt(2N (1 - h_k^2)),   phi_1 = 0.
 /// ```
 ///
-/// Not random: one realization is the pattern. The longitude is a running sum, whose rounding
-/// error is at most N `EPSILON` radians.
+/// The pattern is deterministic: all realizations are the same set. The longitude is a running sum
+/// whose rounding error is at most N `EPSILON` radians.
 #[derive(Clone, Copy, Debug)]
 pub struct GeneralizedSpiral {
     n: u32,
@@ -39,7 +39,7 @@ pub struct GeneralizedSpiral {
 }
 
 impl GeneralizedSpiral {
-    /// The pattern of `n_points` points.
+    /// Returns the pattern of `n_points` points.
     ///
     /// # Errors
     ///
@@ -48,8 +48,8 @@ impl GeneralizedSpiral {
         Ok(Self { n: count::checked(n_points)?, domain })
     }
 
-    /// The distance 1 - |h| of point `k` (from 0) from the nearer pole, and whether that is the
-    /// north pole. It is made from integers, so that no digits are lost near either.
+    /// Returns the distance 1 - |h| of point `k` (from 0) from the nearer pole, and whether that is
+    /// the north pole. It is computed from integers, which avoids cancellation near either pole.
     fn height(self, k: u32) -> (f64, bool) {
         let (k, n) = (f64::from(k), f64::from(self.n));
         match self.domain {

@@ -6,13 +6,13 @@ use crate::{CostOrder, Domain, Error, PatternFacts, Rate, Sampler, SpectralContr
 /// Parameters of the pattern [`SpectralControl::step`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StepParameters {
-    /// No power at any degree up to alpha sqrt(N); if not given, what [`SpectralControl::step`]
-    /// does.
+    /// No power at any degree up to alpha sqrt(N); if not given, the default of
+    /// [`SpectralControl::step`].
     pub alpha: Option<f64>,
-    /// White noise's power from there to flat sqrt(N); if not given, what
-    /// [`SpectralControl::step`] does.
+    /// The power of white noise from there to flat sqrt(N); if not given, the default of
+    /// [`SpectralControl::step`].
     pub flat: Option<f64>,
-    /// The minimum distance in units of a hexagonal lattice's.
+    /// The minimum distance in units of the spacing of a hexagonal lattice.
     pub core: f64,
 }
 

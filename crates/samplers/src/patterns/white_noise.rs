@@ -76,19 +76,19 @@ impl Definition for Parameters {
     }
 }
 
-/// Points whose random bytes are asked for at once: a call of the generator through its table for
+/// Number of points whose random bytes are requested at once: a virtual call of the generator for
 /// each number takes a tenth of the time.
 const BLOCK: usize = 64;
 
 /// Two words of 8.
 const BYTES_PER_POINT: usize = 16;
 
-/// The uniform number in [0, 1) that a random word is for `rand`: its upper 53 bits.
+/// Returns the uniform number in [0, 1) that `rand` derives from a random word: its upper 53 bits.
 fn uniform(word: [u8; 8]) -> f64 {
     (u64::from_le_bytes(word) >> 11) as f64 * (0.5 * f64::EPSILON)
 }
 
-/// A uniformly distributed direction of `domain`.
+/// Returns a uniformly distributed direction of `domain`.
 pub(crate) fn uniform_direction(domain: Domain, rng: &mut dyn Rng) -> DVec3 {
     let (u, v) = (rng.random(), rng.random());
     direction_of(domain, u, v)
@@ -110,13 +110,13 @@ mod tests {
     use rand::Rng;
 
     #[test]
-    fn directions_in_blocks_are_those_one_by_one() {
+    fn directions_in_blocks_match_single_directions() {
         for domain in [Domain::Sphere, Domain::Hemisphere] {
             for n in [1, 2, BLOCK - 1, BLOCK, BLOCK + 1, 10 * BLOCK + 7] {
                 for skipped in 0..2 {
                     let start = || {
                         let mut rng = Streams::new(4, Purpose::Pattern, n).realization(0);
-                        // Half a word leaves the generator between two.
+                        // Half a word leaves the generator between two words.
                         (0..skipped).for_each(|_| _ = rng.next_u32());
                         rng
                     };
@@ -126,7 +126,7 @@ mod tests {
                         let q = uniform_direction(domain, &mut one_by_one);
                         assert_eq!(*p, q, "{domain}, point {k} of {n}");
                     }
-                    // What is drawn next, a rotation, is the same too.
+                    // The next draw, a rotation, is also the same.
                     assert_eq!(rng.next_u64(), one_by_one.next_u64(), "{domain} {n}");
                 }
             }

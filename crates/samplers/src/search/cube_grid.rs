@@ -3,12 +3,12 @@ use glam::{DVec3, IVec3};
 /// End of a cell's list.
 const NONE: u32 = u32::MAX;
 
-/// Unit vectors in the cells of a cubic grid over [-1, 1]^3, for the question how far the nearest
-/// one is. It grows by insertion and is rebuilt by its owner when cells become crowded.
+/// Unit vectors in the cells of a cubic grid over [-1, 1]^3, for nearest-distance queries. It grows
+/// by insertion; its owner rebuilds it when cells become crowded.
 #[derive(Debug)]
 pub(crate) struct CubeGrid {
     cells_per_side: i32,
-    /// The last point put into each cell, and before each point the one put there earlier.
+    /// The last point inserted into each cell, and for each point the one inserted before it.
     last: Vec<u32>,
     earlier: Vec<u32>,
 }
@@ -17,17 +17,18 @@ impl CubeGrid {
     /// At most 2 million cells, 8 MiB.
     const MAX_CELLS_PER_SIDE: f64 = 128.0;
 
-    /// An empty grid whose cells are as wide as the spacing of `n_points` well spread points.
+    /// Returns an empty grid whose cells are as wide as the spacing of `n_points` evenly spread
+    /// points.
     #[expect(clippy::cast_possible_truncation, reason = "from 1 to MAX_CELLS_PER_SIDE")]
     pub(crate) fn for_points(n_points: usize) -> Self {
-        // Best packed points are 3.8/sqrt(N) apart, best candidates about 3/sqrt(N).
+        // Optimally packed points are 3.8/sqrt(N) apart, best candidates about 3/sqrt(N).
         let cells = 2.0 * (n_points as f64).sqrt() / 3.0;
         let cells_per_side = cells.clamp(1.0, Self::MAX_CELLS_PER_SIDE) as i32;
         let n_cells = cells_per_side.unsigned_abs().pow(3) as usize;
         Self { cells_per_side, last: vec![NONE; n_cells], earlier: Vec::new() }
     }
 
-    /// Puts `p` in, with the next number from 0.
+    /// Inserts `p` with the next index from 0.
     #[expect(clippy::cast_possible_truncation, reason = "patterns have at most u32::MAX points")]
     pub(crate) fn insert(&mut self, p: DVec3) {
         let cell = self.index(self.cell(p));
@@ -35,8 +36,8 @@ impl CubeGrid {
         self.last[cell] = (self.earlier.len() - 1) as u32;
     }
 
-    /// The squared distance of `p` from the nearest of `points`, which are those put in, or
-    /// `None` as soon as one is found no farther than the squared distance `bound`.
+    /// Returns the squared distance of `p` from the nearest of `points`, which are those inserted,
+    /// or `None` once one is found whose squared distance does not exceed `bound`.
     pub(crate) fn clearance(&self, points: &[DVec3], p: DVec3, bound: f64) -> Option<f64> {
         let centre = self.cell(p);
         let width = 2.0 / f64::from(self.cells_per_side);
@@ -55,8 +56,8 @@ impl CubeGrid {
         Some(nearest)
     }
 
-    /// Shows `visit` the points in cells at Chebyshev distance `ring` from `centre`, as long as
-    /// it answers true; `None` if it did not.
+    /// Calls `visit` for the points in cells at Chebyshev distance `ring` from `centre` until it
+    /// returns false; returns `None` in that case.
     fn visit_ring(
         &self,
         centre: IVec3,
@@ -68,7 +69,7 @@ impl CubeGrid {
         for x in within(centre.x) {
             for y in within(centre.y) {
                 let side = (x - centre.x).abs() == ring || (y - centre.y).abs() == ring;
-                // Inside the ring only its floor and ceiling are left.
+                // Inside the ring only the bottom and top layers remain.
                 let step = if side || ring == 0 { 1 } else { 2 * ring };
                 let mut z = centre.z - ring;
                 while z <= centre.z + ring {
@@ -105,12 +106,12 @@ mod tests {
     use crate::{Domain, Pattern, Purpose, Streams};
 
     #[test]
-    fn clearances_are_those_of_a_search_through_all() {
+    fn clearances_match_an_exhaustive_search() {
         let mut rng = Streams::new(2, Purpose::Pattern, 0).realization(0);
         let mut sample = |n| Pattern::WhiteNoise.build(n, Domain::Sphere)?.sample(&mut rng);
         for n in [1, 2, 3, 10, 300] {
             let points = sample(n).unwrap().points;
-            // Grids made for far fewer and far more points are slow, not wrong.
+            // Grids sized for far fewer or far more points are slow but correct.
             for made_for in [1, n, 40 * n] {
                 let mut grid = CubeGrid::for_points(made_for);
                 points.iter().for_each(|&p| grid.insert(p));

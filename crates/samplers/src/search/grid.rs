@@ -3,13 +3,13 @@ use sphvar_healpix::{Cell, Nside};
 
 use crate::Domain;
 
-/// How near a point may be to a cell that it does not touch, times nside: whatever lies within
+/// A lower bound, times nside, on the distance between cells that do not touch: every point within
 /// `REACH / nside` (chord) of a cell lies in that cell or in one of its neighbours.
 ///
 /// The narrowest strip between opposite sides of a cell is that of the long cells beside a polar
 /// face's edge, close to the pole: area over length of the long side,
-/// `(pi/3) / sqrt(2/3 (1 + pi^2/4))` = 0.6888. Elsewhere and at small nside there is more room,
-/// which the test below measures. Rounded down.
+/// `(pi/3) / sqrt(2/3 (1 + pi^2/4))` = 0.6888. Elsewhere and at small nside the distance is larger,
+/// as the test below measures. The value is rounded down.
 const REACH: f64 = 0.68;
 
 /// The grid of the largest disks.
@@ -18,18 +18,19 @@ const COARSEST: Nside = match Nside::new(1) {
     Err(_) => unreachable!(),
 };
 
-/// No point: the end of a chain.
+/// The end of a chain.
 const NONE: u32 = u32::MAX;
 
-/// The accepted points, found by place: HEALPix cells about as wide as the disks, each the head
-/// of a chain of its points.
+/// The accepted points, indexed by location: HEALPix cells about as wide as the disks, each the
+/// head of a chain of its points.
 ///
-/// Memory: 32 bytes a point (64 on the hemisphere, where a point is entered with its antipode, so
-/// that no query knows of the equator) and 4 bytes a cell, of which there are about 0.64 a point.
+/// Memory: 32 bytes per point (64 on the hemisphere, where each point is inserted with its
+/// antipode, so that queries need not handle the equator) and 4 bytes per cell, of which there are
+/// about 0.64 per point.
 #[derive(Debug)]
 pub(crate) struct Grid {
     nside: Nside,
-    /// Whether the disks are so large that all cells together are one neighbourhood.
+    /// Whether the disks are so large that all cells form one neighbourhood.
     is_whole: bool,
     domain: Domain,
     heads: Vec<u32>,
@@ -43,10 +44,10 @@ struct Node {
 }
 
 impl Grid {
-    /// The empty grid for disks of radius `chord`, of which about `n_points` are expected; more of
-    /// them cost only time.
+    /// Returns an empty grid for disks of radius `chord`, of which about `n_points` are expected;
+    /// more disks only take longer.
     pub(crate) fn new(domain: Domain, chord: f64, n_points: f64) -> Self {
-        // Where the disks are tiny, one cell for each point is enough.
+        // For tiny disks one cell per point suffices.
         let nside = (REACH / chord).min((n_points / 12.0).sqrt()).max(1.0);
         #[expect(
             clippy::cast_possible_truncation,
@@ -68,14 +69,15 @@ impl Grid {
         self.nside
     }
 
-    /// The place of `cell` in the grid, which has the cell's resolution.
+    /// Returns the index of `cell` in the grid, which has the cell's resolution.
     #[inline]
     pub(crate) fn place(&self, cell: Cell) -> u32 {
         let n = self.nside.value();
         (u32::from(cell.face()) * n + cell.iy()) * n + cell.ix()
     }
 
-    /// The place of the grid's cell that contains `cell`, which is `level` subdivisions finer.
+    /// Returns the index of the grid cell that contains `cell`, which is `level` subdivisions
+    /// finer.
     #[inline]
     pub(crate) fn place_above(&self, cell: Cell, level: u32) -> u32 {
         let n = self.nside.value();
@@ -89,7 +91,7 @@ impl Grid {
         Cell::new(self.nside, face, place % n, place / n % n).ok()
     }
 
-    /// Enters `dir`, which lies in the cell at `place`.
+    /// Inserts `dir`, which lies in the cell at `place`.
     #[inline]
     pub(crate) fn insert(&mut self, place: u32, dir: DVec3) {
         self.chain(place, dir);
@@ -111,8 +113,8 @@ impl Grid {
         self.nodes.push(node);
     }
 
-    /// Whether a point within the square root of `chord_squared` of `dir`, which lies in the cell
-    /// at `place`, has been entered.
+    /// Returns whether the grid contains a point within the square root of `chord_squared` of
+    /// `dir`, which lies in the cell at `place`.
     #[inline]
     pub(crate) fn has_near(&self, place: u32, dir: DVec3, chord_squared: f64) -> bool {
         self.neighbourhood(place)
@@ -126,7 +128,7 @@ impl Grid {
         near.extend(self.near(place));
     }
 
-    /// All points that can lie within the disks' radius of the cell at `place`.
+    /// Returns all points that can lie within the disks' radius of the cell at `place`.
     #[inline]
     pub(crate) fn near(&self, place: u32) -> impl Iterator<Item = DVec3> {
         self.neighbourhood(place).flat_map(|p| self.points(p))
@@ -142,7 +144,7 @@ impl Grid {
         })
     }
 
-    /// The places of the cell at `place` and of the cells around it.
+    /// Returns the indices of the cell at `place` and of the cells around it.
     #[inline]
     fn neighbourhood(&self, place: u32) -> impl Iterator<Item = u32> {
         let n = self.nside.value();
@@ -196,8 +198,8 @@ mod tests {
             .collect()
     }
 
-    /// The least distance between cells that do not touch, times nside, falls with nside: 0.816
-    /// at 1, 0.713 at 8, 0.695 at 64, towards 0.689.
+    /// The minimum distance between cells that do not touch, times nside, decreases with nside:
+    /// 0.816 at 1, 0.713 at 8, 0.695 at 64, towards 0.689.
     #[test]
     fn cells_that_do_not_touch_are_farther_apart_than_the_reach() {
         for n in [1, 2, 3, 4, 5, 8, 16] {
@@ -220,9 +222,10 @@ mod tests {
         }
     }
 
-    /// Oracle: all points. A spiral with points at both poles, on disks of every size.
+    /// The reference is a search through all points. The points are a spiral with points at both
+    /// poles, with disks of every size.
     #[test]
-    fn queries_find_what_a_search_through_all_points_finds() {
+    fn queries_match_an_exhaustive_search() {
         const POINTS: u32 = 400;
         let spiral: Vec<DVec3> = (0..=POINTS)
             .map(|i| {

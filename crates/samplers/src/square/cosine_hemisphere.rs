@@ -4,10 +4,10 @@ use sphvar_warps::cosine_hemisphere;
 
 use crate::{Error, SquarePattern};
 
-/// A pattern of the square as cosine-weighted directions of the hemisphere, through the
-/// concentric map.
+/// A pattern of the square mapped to cosine-weighted directions of the hemisphere by the concentric
+/// map.
 ///
-/// It is no [`Sampler`](crate::Sampler): its directions have the density cos(theta)/pi, so that
+/// It is not a [`Sampler`](crate::Sampler): its directions have the density cos(theta)/pi, so
 /// spectra and variances of uniform patterns do not apply. The mean of f over its directions
 /// estimates `(1/pi) int f cos(theta) d omega`.
 ///
@@ -26,19 +26,19 @@ pub struct CosineHemisphere<P> {
 }
 
 impl<P: SquarePattern> CosineHemisphere<P> {
-    /// The directions of `pattern`.
+    /// Returns the directions of `pattern`.
     #[must_use]
     pub fn new(pattern: P) -> Self {
         Self { pattern }
     }
 
-    /// The number of directions of every realization.
+    /// Returns the number of directions of every realization.
     #[must_use]
     pub fn n_points(&self) -> usize {
         self.pattern.n_points()
     }
 
-    /// Whether two realizations can differ.
+    /// Returns whether two realizations can differ.
     #[must_use]
     pub fn is_random(&self) -> bool {
         self.pattern.is_random()
@@ -56,7 +56,7 @@ impl<P: SquarePattern> CosineHemisphere<P> {
         Ok(())
     }
 
-    /// One realization in a vector of its own.
+    /// Returns one realization.
     ///
     /// # Errors
     ///

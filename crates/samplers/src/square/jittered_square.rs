@@ -11,7 +11,7 @@ pub struct JitteredSquare {
 }
 
 impl JitteredSquare {
-    /// The grid of `rows` strips in u, each cut into `columns` in v.
+    /// Returns the grid of `rows` strips in u, each divided into `columns` in v.
     ///
     /// # Errors
     ///
@@ -21,8 +21,8 @@ impl JitteredSquare {
         Ok(Self { rows: count::checked(rows)?, columns: count::checked(columns)? })
     }
 
-    /// The grid of `n_points` whose sides are nearest to each other, with no fewer columns than
-    /// rows: a square grid for a square number, one row for a prime.
+    /// Returns the grid of `n_points` whose side counts are closest to each other, with at least as
+    /// many columns as rows: a square grid for a square number, one row for a prime.
     ///
     /// # Errors
     ///
@@ -55,7 +55,7 @@ impl SquarePattern for JitteredSquare {
     }
 }
 
-/// `(index + x)/n`, which rounding must not carry to 1.
+/// Returns `(index + x)/n`, which must not round to 1.
 fn within(index: u32, n: u32, x: f64) -> f64 {
     ((f64::from(index) + x) / f64::from(n)).min(1.0 - f64::EPSILON / 2.0)
 }

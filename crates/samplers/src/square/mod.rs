@@ -1,4 +1,4 @@
-//! Patterns of the unit square, and the maps that carry them to directions.
+//! Patterns of the unit square, and the maps from the square to directions.
 
 mod cosine_hemisphere;
 mod jittered_square;

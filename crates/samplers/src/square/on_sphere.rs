@@ -6,16 +6,15 @@ use sphvar_warps::archimedes;
 
 use crate::{Domain, Error, PointSet, Sampler, SetDistribution, SquarePattern};
 
-/// A pattern of the square, carried to the sphere or the hemisphere by the area-preserving map of
+/// A pattern of the square mapped to the sphere or the hemisphere by the area-preserving map of
 /// Archimedes.
 ///
 /// ```text
 /// z = 1 - 2u (sphere), z = 1 - u (hemisphere),   phi = 2 pi v
 /// ```
 ///
-/// The map keeps areas, not shapes: near the poles cells of the square become slivers, and on the
-/// hemisphere the edge u = 1 becomes the equator, where a direction meets antipodes that the
-/// pattern knows nothing of.
+/// The map preserves areas, not shapes: near the poles cells of the square become slivers. On the
+/// hemisphere the edge u = 1 becomes the equator, where the pattern does not account for antipodes.
 ///
 /// ```
 /// use sphvar_samplers::{Domain, Hammersley, OnSphere, Purpose, Sampler, Streams};
@@ -31,7 +30,7 @@ pub struct OnSphere<P> {
 }
 
 impl<P: SquarePattern> OnSphere<P> {
-    /// The pattern `pattern` on `domain`.
+    /// Returns `pattern` on `domain`.
     #[must_use]
     pub fn new(pattern: P, domain: Domain) -> Self {
         Self { pattern, domain }

@@ -1,14 +1,15 @@
-//! Digits of an integer mirrored at the point (van der Corput 1935), exact or correctly rounded.
+//! Radical inverses: the digits of an integer mirrored at the radix point (van der Corput 1935),
+//! exact or correctly rounded.
 
-/// The radical inverse of `i` in base 2, exact: in [0, 1).
+/// Returns the exact radical inverse of `i` in base 2, in [0, 1).
 pub(crate) fn base_2(i: u32) -> f64 {
     f64::from(i.reverse_bits()) * 2f64.powi(-32)
 }
 
-/// The radical inverse of `i` in base 3, correctly rounded: in [0, 1).
+/// Returns the correctly rounded radical inverse of `i` in base 3, in [0, 1).
 ///
-/// The mirrored digits and the power of 3 are integers of at most 21 trits, exact in `f64`, so
-/// that the one division rounds.
+/// The mirrored digits and the power of 3 are integers of at most 21 trits, exact in `f64`, so only
+/// the division rounds.
 pub(crate) fn base_3(mut i: u32) -> f64 {
     let (mut mirrored, mut power) = (0u64, 1u64);
     while i > 0 {
@@ -19,7 +20,8 @@ pub(crate) fn base_3(mut i: u32) -> f64 {
     mirrored as f64 / power as f64
 }
 
-/// `x + shift` modulo 1, in [0, 1), for both in [0, 1): the shift of Cranley and Patterson 1976.
+/// Returns `x + shift` modulo 1, in [0, 1), for both in [0, 1): the shift of Cranley and Patterson
+/// 1976.
 pub(crate) fn shifted(x: f64, shift: f64) -> f64 {
     let sum = x + shift;
     if sum >= 1.0 { sum - 1.0 } else { sum }
@@ -40,7 +42,7 @@ mod tests {
             assert!((base_3(i) - expected).abs() < f64::EPSILON, "i = {i}: {}", base_3(i));
         }
         assert!((base_2(u32::MAX) - (1.0 - 2f64.powi(-32))).abs() <= 0.0);
-        // 3^20 - 1 is twenty digits 2.
+        // In base 3, 3^20 - 1 is twenty digits 2.
         assert!((base_3(3u32.pow(20) - 1) - (1.0 - 3f64.powi(-20))).abs() < f64::EPSILON);
     }
 

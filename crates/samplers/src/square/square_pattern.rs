@@ -4,17 +4,17 @@ use rand::Rng;
 
 use crate::Error;
 
-/// A pattern of points of the unit square, to be carried to directions by
+/// A pattern of points of the unit square, to be mapped to directions by
 /// [`OnSphere`](crate::OnSphere) or [`CosineHemisphere`](crate::CosineHemisphere).
 ///
 /// As for a [`Sampler`](crate::Sampler), a realization is a function of the generator's state
-/// alone. Of a random pattern every single point, drawn at random from the set, is uniform in the
-/// square, so that means over the points are unbiased; each implementor says how.
+/// alone. If the pattern is random, a point drawn at random from the set is uniform in the square,
+/// so means over the points are unbiased; each implementor documents how.
 pub trait SquarePattern: Debug + Send + Sync {
-    /// The number of points of every realization, at least 1.
+    /// Returns the number of points of every realization, at least 1.
     fn n_points(&self) -> usize;
 
-    /// Whether two realizations can differ.
+    /// Returns whether two realizations can differ.
     fn is_random(&self) -> bool;
 
     /// Replaces the content of `points` by one realization: pairs `[u, v]` in [0, 1).
@@ -22,10 +22,10 @@ pub trait SquarePattern: Debug + Send + Sync {
     /// # Errors
     ///
     /// [`Error::Infeasible`] if this realization cannot be completed; no pattern of this crate
-    /// has any.
+    /// returns it.
     fn fill_into(&self, rng: &mut dyn Rng, points: &mut Vec<[f64; 2]>) -> Result<(), Error>;
 
-    /// One realization in a vector of its own.
+    /// Returns one realization.
     ///
     /// # Errors
     ///

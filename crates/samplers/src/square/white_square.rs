@@ -9,7 +9,7 @@ pub struct WhiteSquare {
 }
 
 impl WhiteSquare {
-    /// A set of `n_points` points.
+    /// Returns the pattern of `n_points` points.
     ///
     /// # Errors
     ///

@@ -1,5 +1,5 @@
-//! Capacity-constrained Voronoi tessellations: the definition of their end, their laws of energy
-//! and spectrum, and the edges of their parameters.
+//! Capacity-constrained Voronoi tessellations: the stopping criterion, the energy and the spectrum,
+//! and the limits of the parameters.
 
 use std::f64::consts::PI;
 
@@ -17,14 +17,14 @@ fn tessellate(ccvt: &Ccvt, realization: u64) -> Tessellation {
     ccvt.tessellate(&mut rng(ccvt.n_points(), realization)).unwrap()
 }
 
-/// The geodesic distance: of directions, or of lines on the hemisphere.
+/// Returns the geodesic distance; antipodal on the hemisphere.
 fn distance(domain: Domain, a: DVec3, b: DVec3) -> f64 {
     let angle = a.cross(b).length().atan2(a.dot(b));
     if domain == Domain::Hemisphere { angle.min(PI - angle) } else { angle }
 }
 
-/// The largest lowering of the sum of squared distances by an exchange of two points, over all
-/// pairs of points of all pairs of sites.
+/// Returns the largest reduction of the sum of squared distances by an exchange of two points, over
+/// all pairs of points of all pairs of sites.
 fn best_exchange(domain: Domain, tessellation: &Tessellation) -> f64 {
     let sites = tessellation.sites();
     let cells: Vec<Vec<DVec3>> = (0..sites.len()).map(|k| tessellation.cell(k).collect()).collect();
@@ -45,7 +45,7 @@ fn best_exchange(domain: Domain, tessellation: &Tessellation) -> f64 {
 }
 
 #[test]
-fn at_the_end_no_exchange_is_left_and_sites_are_at_their_means() {
+fn a_settled_tessellation_has_no_exchange_left_and_sites_at_their_means() {
     for domain in [Domain::Sphere, Domain::Hemisphere] {
         for (n, capacity, mass_points) in [
             (64, 16, MassPoints::White),
@@ -59,7 +59,7 @@ fn at_the_end_no_exchange_is_left_and_sites_are_at_their_means() {
             (5, 1000, MassPoints::White),
             (40, 3, MassPoints::White),
         ] {
-            // 768 pixels are a legal number on the sphere, 1536 = 6 16^2 on the hemisphere.
+            // 768 pixels are a valid number on the sphere, 1536 = 6 16^2 on the hemisphere.
             if mass_points == MassPoints::Healpix && (n == 48) != (domain == Domain::Sphere) {
                 continue;
             }
@@ -80,7 +80,7 @@ fn at_the_end_no_exchange_is_left_and_sites_are_at_their_means() {
                         let tangent = p - p.dot(site) * site;
                         sum += tangent.normalize_or_zero() * d;
                     }
-                    // Two roundings of d for every point, and what is left of the way.
+                    // Two roundings of d for every point, and the remaining distance to the mean.
                     let off = sum.length() / capacity as f64;
                     assert!(off < 2e-13, "{what}: site {k} is {off} from its mean");
                 }
@@ -108,7 +108,7 @@ fn every_mass_point_has_one_site() {
                 cell.map(|p| domain.representative(p)).collect::<Vec<_>>()
             })
             .collect();
-        // White mass points are the first numbers of the stream.
+        // White mass points use the first numbers of the stream.
         let white = Pattern::WhiteNoise.build(n * capacity, domain).unwrap();
         let mut drawn = white.sample(&mut rng(n, 0)).unwrap().points;
         for points in [&mut owned, &mut drawn] {
@@ -118,11 +118,11 @@ fn every_mass_point_has_one_site() {
     }
 }
 
-/// Means over realizations against the reference values; a realization's standard deviation is
-/// about 0.22/sqrt(N) in units of the sphere (measured), so five standard errors plus 0.01 for
-/// what the references themselves and the size of N leave open.
+/// Compares means over realizations with the reference values. The standard deviation of a
+/// realization is about 0.22/sqrt(N) in units of the sphere (measured); the tolerance is five
+/// standard errors plus 0.01 for the uncertainty of the references and the dependence on N.
 #[test]
-fn the_energy_is_that_of_random_starts() {
+fn the_energy_matches_that_of_random_starts() {
     for (domain, n, capacity, mass_points, runs, reference) in [
         (Domain::Sphere, 1024, 64, MassPoints::White, 6, 2.175),
         (Domain::Sphere, 512, 256, MassPoints::White, 4, 2.151),
@@ -137,7 +137,7 @@ fn the_energy_is_that_of_random_starts() {
         let allowed = unit * (5.0 * 0.22 / ((n * energies.len()) as f64).sqrt() + 0.01);
         let off = (mean - reference).abs();
         assert!(off < allowed, "{ccvt:?}: mean energy {mean}, reference {reference} +- {allowed}");
-        // Hexagons are a floor up to the fit of sites to white points: 1 - 1/capacity.
+        // Hexagons are a lower bound up to the fit of sites to white points: 1 - 1/capacity.
         let floor = unit * 10.0 * PI / (9.0 * 3f64.sqrt()) * (1.0 - 1.0 / capacity as f64);
         for energy in energies {
             assert!(energy > floor, "{ccvt:?}: energy {energy} is below that of hexagons");
@@ -150,7 +150,7 @@ fn the_energy_is_that_of_random_starts() {
 fn low_degrees(points: &[DVec3]) -> [f64; 4] {
     let mut sums = [0.0; 4];
     for a in points {
-        // Row by row: what cancels is summed apart.
+        // Row by row, so that cancelling terms are summed separately.
         let mut row = [0.0; 4];
         for b in points {
             let x = a.dot(*b);
@@ -167,7 +167,7 @@ fn low_degrees(points: &[DVec3]) -> [f64; 4] {
     sums.map(|s| s / points.len() as f64)
 }
 
-/// Mean over realizations of the P(l) for l = 1 to 4.
+/// Returns the mean over realizations of P(l) for l = 1 to 4.
 fn mean_low_degrees(ccvt: &Ccvt, runs: u64) -> [f64; 4] {
     let mut mean = [0.0; 4];
     for r in 0..runs {
@@ -179,15 +179,16 @@ fn mean_low_degrees(ccvt: &Ccvt, runs: u64) -> [f64; 4] {
     mean
 }
 
-/// A mean of R values of P(l) is nearly `chi^2/dof` of R (2l+1) degrees of freedom, with standard
-/// deviation sqrt(2/dof); beyond five of them lie less than 1e-5 of all cases for dof above 100.
+/// Returns five standard deviations of a mean of R values of P(l). It is nearly `chi^2/dof` with
+/// dof = R (2l+1) and standard deviation sqrt(2/dof); larger deviations have probability below 1e-5
+/// for dof above 100.
 fn chance(runs: u64, degrees: std::ops::RangeInclusive<u64>) -> f64 {
     let dof: u64 = degrees.map(|l| runs * (2 * l + 1)).sum();
     5.0 * (2.0 / dof as f64).sqrt()
 }
 
 #[test]
-fn white_mass_points_leave_their_own_noise() {
+fn white_mass_points_add_their_own_noise() {
     const RUNS: u64 = 60;
     for capacity in [16, 64] {
         let ccvt = Ccvt::new(256, Domain::Sphere, capacity, MassPoints::White).unwrap();
@@ -201,26 +202,27 @@ fn white_mass_points_leave_their_own_noise() {
 }
 
 #[test]
-fn lattice_mass_points_leave_the_quartic_law() {
+fn lattice_mass_points_give_the_quartic_spectrum() {
     const RUNS: u64 = 40;
     let n = 1024;
     let ccvt = Ccvt::new(n, Domain::Sphere, 64, MassPoints::Fibonacci).unwrap();
     let p = mean_low_degrees(&ccvt, RUNS);
-    let law = |l: f64| {
+    let quartic = |l: f64| {
         let quartic = 0.0145 * (l - 1.0) * l * (l + 1.0) * (l + 2.0);
         (quartic + 0.00126 * (l * (l + 1.0)).powi(2)) / (n * n) as f64
     };
     // The coefficients are known to 1.5 % and 4 %; the next order adds 2 % at l = 4.
-    let first = p[0] / law(1.0);
+    let first = p[0] / quartic(1.0);
     let allowed = chance(RUNS, 1..=1) + 0.04;
-    assert!((first - 1.0).abs() < allowed, "P(1)/law = {first} +- {allowed}");
-    let pooled = (5.0 * p[1] / law(2.0) + 7.0 * p[2] / law(3.0) + 9.0 * p[3] / law(4.0)) / 21.0;
+    assert!((first - 1.0).abs() < allowed, "P(1)/quartic = {first} +- {allowed}");
+    let pooled =
+        (5.0 * p[1] / quartic(2.0) + 7.0 * p[2] / quartic(3.0) + 9.0 * p[3] / quartic(4.0)) / 21.0;
     let allowed = chance(RUNS, 2..=4) + 0.035;
-    assert!((pooled - 1.0).abs() < allowed, "P/law = {pooled} +- {allowed} for l = 2, 3, 4");
+    assert!((pooled - 1.0).abs() < allowed, "P/quartic = {pooled} +- {allowed} for l = 2, 3, 4");
 }
 
 #[test]
-fn every_number_of_sites_and_capacity_has_its_points() {
+fn every_number_of_sites_and_capacity_is_valid() {
     for domain in [Domain::Sphere, Domain::Hemisphere] {
         for mass_points in [MassPoints::White, MassPoints::Fibonacci] {
             for n in [1, 2, 3, 4, 7, 100] {
@@ -234,7 +236,7 @@ fn every_number_of_sites_and_capacity_has_its_points() {
                         assert!((p.length() - 1.0).abs() < 1e-15, "{what}: {p}");
                         assert!(domain == Domain::Sphere || p.z >= 0.0, "{what}: {p}");
                     }
-                    // The same seed gives the same bytes, whatever the buffer held.
+                    // The same seed gives bit-identical results, whatever the buffer contained.
                     assert_eq!(set, ccvt.sample(&mut rng(n, 1)).unwrap(), "{what}");
                     assert_ne!(set, ccvt.sample(&mut rng(n, 2)).unwrap(), "{what}");
                     assert!(tessellate(&ccvt, 0).is_settled(), "{what}");
@@ -269,25 +271,25 @@ fn a_single_site_is_a_uniform_direction() {
 }
 
 #[test]
-fn parameters_out_of_range_are_refused() {
-    let refused = |n, domain, capacity, mass_points| {
+fn parameters_out_of_range_are_rejected() {
+    let rejected = |n, domain, capacity, mass_points| {
         let error = Ccvt::new(n, domain, capacity, mass_points).unwrap_err();
         assert!(matches!(error, Error::Parameter { .. }), "{error:?}");
         error.to_string()
     };
     let (sphere, white) = (Domain::Sphere, MassPoints::White);
     assert_eq!(
-        refused(0, sphere, 4, white),
+        rejected(0, sphere, 4, white),
         "number of points of a CCVT must be at least 1, got 0"
     );
-    assert_eq!(refused(4, sphere, 0, white), "capacity of a CCVT must be at least 1, got 0");
+    assert_eq!(rejected(4, sphere, 0, white), "capacity of a CCVT must be at least 1, got 0");
     for (n, capacity) in [(1 << 16, 1 << 16), (usize::MAX, 2), (usize::MAX, usize::MAX)] {
-        let message = refused(n, sphere, capacity, white);
+        let message = rejected(n, sphere, capacity, white);
         assert!(message.contains("at most 4294967295, got"), "{message}");
     }
-    let message = refused(1024, sphere, 64, MassPoints::Healpix);
+    let message = rejected(1024, sphere, 64, MassPoints::Healpix);
     assert!(message.contains("12 nside^2") && message.contains("got 65536"), "{message}");
-    let message = refused(12, Domain::Hemisphere, 1, MassPoints::Healpix);
+    let message = rejected(12, Domain::Hemisphere, 1, MassPoints::Healpix);
     assert!(message.contains("6 nside^2") && message.contains("got 12"), "{message}");
     assert!(Ccvt::new(3, sphere, 4, MassPoints::Healpix).is_ok());
     assert!(Ccvt::new(3, Domain::Hemisphere, 2, MassPoints::Healpix).is_ok());

@@ -1,4 +1,4 @@
-//! Poisson disk sets: the minimum distance, maximality, and the law of random sequential
+//! Poisson disk sets: the minimum distance, maximality, and the distribution of random sequential
 //! addition, against slow definitions.
 
 use std::f64::consts::TAU;
@@ -14,7 +14,7 @@ fn streams(group: usize) -> Streams {
 }
 
 fn disks(n: usize, domain: Domain, mode: DiskMode, radius: Option<f64>) -> PoissonDisk {
-    PoissonDisk::new(n, domain, mode, radius).expect("a legal pattern")
+    PoissonDisk::new(n, domain, mode, radius).expect("a valid pattern")
 }
 
 fn sample(disks: &PoissonDisk, realization: u64) -> Vec<DVec3> {
@@ -22,7 +22,7 @@ fn sample(disks: &PoissonDisk, realization: u64) -> Vec<DVec3> {
     disks.sample(&mut rng).expect("a set that can be completed").points
 }
 
-/// The distance by which disks of the domain exclude each other.
+/// Returns the distance in which disks of the domain exclude each other.
 fn distance(domain: Domain, p: DVec3, q: DVec3) -> f64 {
     match domain {
         Domain::Sphere => p.distance(q),
@@ -37,8 +37,8 @@ fn uniform(domain: Domain, rng: &mut dyn Rng) -> DVec3 {
     domain.representative(DVec3::new(rho * cos, rho * sin, z))
 }
 
-/// Points sorted by z, on the hemisphere with their antipodes: all within a chord of a direction
-/// lie in a window of z.
+/// Points sorted by z, on the hemisphere with their antipodes. All points within a chord of a
+/// direction lie in a window of z.
 struct ByHeight {
     points: Vec<DVec3>,
 }
@@ -90,7 +90,7 @@ fn points_keep_their_distance_and_are_unit_vectors() {
 }
 
 #[test]
-fn the_state_of_the_generator_decides_and_the_buffer_does_not() {
+fn results_depend_on_the_generator_and_not_on_the_buffer() {
     for domain in DOMAINS {
         for mode in [DiskMode::Exact, DiskMode::Saturated] {
             let disks = disks(700, domain, mode, None);
@@ -103,10 +103,10 @@ fn the_state_of_the_generator_decides_and_the_buffer_does_not() {
     }
 }
 
-/// A set with a free point has a Voronoi vertex that is free: the free point of its surroundings
-/// that is farthest from all disks. It is the circumcentre of three points. So it suffices to
-/// look at circumcentres; those of three points within 2.5 chords of one another find holes up to
-/// 1.25 chords wide, and random directions find larger ones.
+/// A set with a free region has a free Voronoi vertex: the point of the region that is farthest
+/// from all disks, which is the circumcentre of three points. It therefore suffices to test
+/// circumcentres. Those of three points within 2.5 chords of one another find holes up to 1.25
+/// chords wide, and random directions find larger ones.
 #[test]
 fn nothing_is_free_in_a_saturated_set() {
     for domain in DOMAINS {
@@ -140,7 +140,8 @@ fn nothing_is_free_in_a_saturated_set() {
             let mut rng = streams(n).realization(u64::MAX);
             let mut directions: Vec<DVec3> =
                 (0..250_000).map(|_| uniform(domain, &mut rng)).collect();
-            // Around the poles, and on the equator, which is the hemisphere's seam.
+            // Around the poles, and on the equator, where the hemisphere's antipodes are
+            // identified.
             for k in 0..20_000 {
                 let (sin, cos) = (2.4 * f64::from(k)).sin_cos();
                 let rho = 3.0 * chord.min(0.3) * f64::from(k) / 20_000.0;
@@ -156,8 +157,8 @@ fn nothing_is_free_in_a_saturated_set() {
 }
 
 /// Mean and, with more sets, variance of the number of points. Both figures were measured with
-/// another program (plain sequential addition in two dimensions fills 0.547); four standard
-/// errors, so that one correct program in 16000 would fail each.
+/// another program (plain sequential addition in two dimensions fills 0.547). The tolerance is four
+/// standard errors, so a correct program fails each with probability 1/16000.
 #[test]
 fn saturated_sets_fill_the_known_share_of_the_sphere() {
     let counts = |n: usize, domain, realizations: u64| -> Vec<f64> {
@@ -168,7 +169,8 @@ fn saturated_sets_fill_the_known_share_of_the_sphere() {
         let counts = counts(4096, domain, 40);
         let mean = counts.iter().sum::<f64>() / counts.len() as f64;
         let fill = mean / 4096.0 * PoissonDisk::SATURATED_RADIUS.powi(2) / 16.0;
-        // sqrt(0.058 * 4096 / 40) = 2.4 points are 0.0003 of the fill; the figure has 0.0005.
+        // sqrt(0.058 * 4096 / 40) = 2.4 points are 0.0003 of the fill; the uncertainty of the
+        // reference is 0.0005.
         assert!((fill - 0.547).abs() < 0.0025, "{domain}: {fill}");
     }
     const SETS: u64 = 2000;
@@ -177,23 +179,24 @@ fn saturated_sets_fill_the_known_share_of_the_sphere() {
         let mean = counts.iter().sum::<f64>() / counts.len() as f64;
         let squares: f64 = counts.iter().map(|m| (m - mean).powi(2)).sum();
         let variance = squares / (SETS - 1) as f64 / 512.0;
-        // The variance of a normal law is known to sqrt(2/1999) = 3.2 %, 0.0018 here, beside the
-        // 0.003 of the figure.
+        // The variance of a normal distribution is known to sqrt(2/1999) = 3.2 %, 0.0018 here, in
+        // addition to the 0.003 of the reference.
         assert!((variance - 0.058).abs() < 0.012, "{domain}: {variance}");
     }
 }
 
-/// Random sequential addition by its definition: uniform darts on the whole domain, kept if no
-/// earlier point is near; begun again after so many darts in vain that it must be full.
-fn throw_plainly(domain: Domain, n: usize, chord: f64, rng: &mut dyn Rng) -> Vec<DVec3> {
+/// Random sequential addition by its definition: uniform candidates on the whole domain, accepted
+/// if no earlier point is near. It restarts after so long a run of rejections that the set must be
+/// full.
+fn throw_by_definition(domain: Domain, n: usize, chord: f64, rng: &mut dyn Rng) -> Vec<DVec3> {
     const IN_VAIN: u32 = 2_000_000;
     loop {
         let mut points: Vec<DVec3> = Vec::with_capacity(n);
         let mut misses = 0;
         while misses < IN_VAIN {
-            let dart = uniform(domain, rng);
-            if points.iter().all(|&p| distance(domain, p, dart) >= chord) {
-                points.push(dart);
+            let candidate = uniform(domain, rng);
+            if points.iter().all(|&p| distance(domain, p, candidate) >= chord) {
+                points.push(candidate);
                 misses = 0;
                 if points.len() == n {
                     return points;
@@ -205,11 +208,12 @@ fn throw_plainly(domain: Domain, n: usize, chord: f64, rng: &mut dyn Rng) -> Vec
     }
 }
 
-/// Figures of one set that a wrong law of the darts would shift: of all points the distance to
-/// the nearest and its spread, pairs that nearly touch, pairs up to the second shell and power of
-/// degree 2 and 4; of the last eighth placed the distance to the nearest and near contacts, as
-/// these hit what little is free; of the first third height and close pairs, as these tell
-/// whether darts are taken in the order of time.
+/// Returns statistics of one set that a wrong distribution of the candidates would shift. For all
+/// points: the distance to the nearest point and its spread, pairs that nearly touch, pairs up to
+/// the second shell, and the power of degrees 2 and 4. For the last eighth placed, which lies in
+/// the small remaining free region: the distance to the nearest point and near contacts. For the
+/// first third, which reveals whether candidates are processed in the order of time: height and
+/// close pairs.
 fn figures(domain: Domain, points: &[DVec3], chord: f64) -> [f64; N_FIGURES] {
     let n = points.len() as f64;
     let (early, late) = (points.len().div_ceil(3), points.len() - points.len().div_ceil(8));
@@ -252,11 +256,11 @@ fn figures(domain: Domain, points: &[DVec3], chord: f64) -> [f64; N_FIGURES] {
 
 const N_FIGURES: usize = 10;
 
-/// The law is that of plain dart throwing. 10 figures of 4 patterns are compared by the difference
-/// of their means over independent sets in units of its standard error; all 40 stay below 4.35
-/// with probability 1 - 40 * 1.36e-5 = 0.9995 for normal means.
+/// The distribution is that of plain dart throwing. Ten statistics of 4 patterns are compared by
+/// the difference of their means over independent sets in units of its standard error; all 40 are
+/// below 4.35 with probability 1 - 40 * 1.36e-5 = 0.9995 for normal means.
 #[test]
-fn the_law_is_that_of_plain_dart_throwing() {
+fn the_distribution_matches_plain_dart_throwing() {
     const SETS: usize = 600;
     const LIMIT: f64 = 4.35;
     for domain in DOMAINS {
@@ -274,7 +278,7 @@ fn the_law_is_that_of_plain_dart_throwing() {
             };
             let fast = mean_and_error(&mut |i| sample(&disks, i));
             let slow = mean_and_error(&mut |i| {
-                throw_plainly(domain, n, chord, &mut streams(n).realization(1 << 32 | i))
+                throw_by_definition(domain, n, chord, &mut streams(n).realization(1 << 32 | i))
             });
             for (k, (&(a, var_a), &(b, var_b))) in fast.iter().zip(&slow).enumerate() {
                 let z = (a - b) / (var_a + var_b).sqrt();
@@ -319,12 +323,12 @@ fn tiny_disks_are_white_noise() {
 #[test]
 fn a_radius_that_random_points_do_not_reach_is_an_error_that_names_one_they_do() {
     for domain in DOMAINS {
-        // Below the bound of all packings, 3.81, far above that of random ones.
+        // Below the bound of all packings, 3.81, but far above that of random ones.
         let disks = disks(200, domain, DiskMode::Exact, Some(3.3));
         let mut set = PointSet::new(vec![DVec3::X; 7]);
-        let refused = disks.sample_into(&mut streams(200).realization(0), &mut set).unwrap_err();
-        let Error::Infeasible { n_points: 200, reason, .. } = &refused else {
-            panic!("{refused}");
+        let rejected = disks.sample_into(&mut streams(200).realization(0), &mut set).unwrap_err();
+        let Error::Infeasible { n_points: 200, reason, .. } = &rejected else {
+            panic!("{rejected}");
         };
         let possible: f64 = reason
             .split("a radius of ")

@@ -1,4 +1,5 @@
-//! Progress of single realizations: it changes nothing, adds up to the work, and can stop it.
+//! Progress of single realizations: it does not change results, adds up to the nominal work, and
+//! can stop it.
 
 use std::sync::Mutex;
 
@@ -79,7 +80,7 @@ fn progress_does_not_change_the_points_and_adds_up_to_the_work() {
 }
 
 #[test]
-fn iterative_patterns_stop_when_they_are_told_to() {
+fn iterative_patterns_stop_on_request() {
     for name in ITERATIVE {
         let pattern = name.parse::<Pattern>().unwrap();
         for domain in DOMAINS {

@@ -1,4 +1,4 @@
-//! The list of patterns: texts, ranges and facts, against what samplers do.
+//! The list of patterns: texts, ranges and facts, compared with the samplers.
 
 use std::path::Path;
 
@@ -27,7 +27,7 @@ fn a_pattern_shows_the_parameters_that_are_not_defaults() {
 }
 
 #[test]
-fn mistakes_say_what_would_be_right() {
+fn errors_state_the_valid_values() {
     for (text, message) in [
         ("bluish", "unknown sampler \"bluish\" (did you mean \"blue\"?); valid: white-noise, "),
         ("riesz:s=5", "riesz:s=5: s must be in [0, 4], got 5"),
@@ -84,7 +84,7 @@ fn files_are_read_by_the_resolver() {
     assert_eq!(error, Error::File(ResolveError::new("no file")));
 }
 
-/// A value of a parameter as text, among them the ends of its range.
+/// Returns a value of a parameter as text, among them the ends of its range.
 fn value(parameter: Parameter) -> BoxedStrategy<String> {
     match parameter.kind {
         ParameterKind::Integer { min, max } => {
@@ -131,12 +131,12 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(2000))]
 
     #[test]
-    fn patterns_are_read_as_they_are_written(text in any_text()) {
+    fn displayed_patterns_parse_to_themselves(text in any_text()) {
         let pattern: Pattern = text.parse().unwrap();
         let shown = pattern.to_string();
         prop_assert_eq!(shown.parse::<Pattern>(), Ok(pattern.clone()));
         prop_assert_eq!(shown.parse::<Pattern>().unwrap().to_string(), shown.clone());
-        // What differs from the default is shown, bit by bit, and nothing else.
+        // Exactly the values that differ from the defaults are shown, bit by bit.
         for parameter in pattern.parameters() {
             let given = text.split([':', ',']).find_map(|item| {
                 item.strip_prefix(parameter.name)?.strip_prefix('=')
@@ -153,9 +153,9 @@ proptest! {
     }
 }
 
-/// Constructors reject what the list says is out of range, and take its ends.
+/// Constructors reject values outside the listed ranges and accept the ends of the ranges.
 #[test]
-fn ranges_are_those_of_the_constructors() {
+fn ranges_match_the_constructors() {
     let ccvt = |capacity| Pattern::Ccvt(CcvtParameters { capacity, mass: MassPoints::White });
     let step = |alpha, flat, core| {
         Pattern::Step(StepParameters { alpha: Some(alpha), flat: Some(flat), core })
@@ -209,7 +209,7 @@ fn ranges_are_those_of_the_constructors() {
     ];
     let mut rejected = 0;
     for pattern in cases {
-        // A million points leave freedom for every alpha in the range.
+        // A million points have enough degrees of freedom for every alpha in the range.
         let built = pattern.build(1_000_000, Domain::Sphere);
         let out_of_range = matches!(
             &built,
@@ -223,11 +223,11 @@ fn ranges_are_those_of_the_constructors() {
 }
 
 #[test]
-fn counts_that_do_not_exist_are_rejected() {
+fn invalid_counts_are_rejected() {
     for pattern in Pattern::ALL {
         let rejected = pattern.build(0, Domain::Sphere).unwrap_err();
         assert_eq!(rejected, Error::NoPoints { pattern: pattern.to_string() });
-        // No overflow, no allocation: the largest counts are answered too.
+        // The largest counts are handled too, without overflow or allocation.
         for n in [usize::MAX, usize::MAX / 12, 1 << 62] {
             let _ = pattern.build(n, Domain::Sphere);
         }
@@ -240,7 +240,7 @@ fn counts_that_do_not_exist_are_rejected() {
     );
 }
 
-/// Every pattern as it is by default, and those whose facts depend on a parameter.
+/// Returns all patterns with default parameters, and those whose facts depend on a parameter.
 fn patterns_with_facts() -> Vec<Pattern> {
     let others = ["poisson-disk:mode=saturated", "ccvt:mass=white", "equal-area:placement=centred"];
     let others = others.map(|text| text.parse().unwrap());
@@ -270,11 +270,12 @@ fn extensible_patterns_begin_with_their_smaller_sets() {
     for pattern in patterns_with_facts() {
         let (small, large) = (set(&pattern, 48, 0), set(&pattern, 192, 0));
         let begins = large.points.starts_with(&small.points);
-        // Scrambling draws as many flips as a set needs, so that a prefix is another realization.
+        // Scrambling draws the number of flips that a set needs, so a prefix is another
+        // realization.
         let is_scrambled = pattern == Pattern::Sobol;
         assert_eq!(pattern.facts().is_extensible, begins || is_scrambled, "{pattern}");
         if is_scrambled {
-            // The first 16 points have one in each cell of a 4 x 4 grid of equal areas.
+            // The first 16 points occupy each cell of a 4 x 4 grid of equal areas once.
             let cell = |p: &glam::DVec3| {
                 let turn = p.y.atan2(p.x).rem_euclid(std::f64::consts::TAU);
                 [2.0 * (1.0 - p.z), turn * 4.0 / std::f64::consts::TAU]
@@ -288,7 +289,7 @@ fn extensible_patterns_begin_with_their_smaller_sets() {
     }
 }
 
-/// Nominal work leaves out logarithms, which change the exponent by less than a tenth here.
+/// Nominal work ignores logarithms, which change the exponent by less than a tenth here.
 #[test]
 fn costs_grow_as_the_nominal_work() {
     for pattern in patterns_with_facts() {
@@ -300,7 +301,7 @@ fn costs_grow_as_the_nominal_work() {
 }
 
 #[test]
-fn rates_are_said_in_words() {
+fn rates_are_displayed_in_words() {
     for (text, rates) in [
         ("white-noise", "N^-1 for every integrand"),
         ("step", "exact for smooth integrands, N^-1.5 for those with jumps"),
@@ -313,7 +314,8 @@ fn rates_are_said_in_words() {
     }
     for pattern in patterns_with_facts() {
         let facts = pattern.facts();
-        // Jumps are never the easier ones, and no pattern is worse than white noise.
+        // The rate for jumps is never better than that for smooth integrands, and no pattern is
+        // worse than white noise.
         if let (Rate::Power { exponent: smooth, .. }, Rate::Power { exponent: jump, .. }) =
             (facts.smooth_rate, facts.jump_rate)
         {
@@ -325,7 +327,7 @@ fn rates_are_said_in_words() {
 
 /// The milliseconds of `docs/performance.md` at 1024 points, within a factor of 2.
 #[test]
-fn works_are_those_that_were_measured() {
+fn nominal_work_matches_the_measured_times() {
     const UNIT_MILLISECONDS: f64 = 60e-6;
     let measured = [
         0.033, 0.022, 0.011, 0.017, 2.29, 27.1, 46.3, 25.6, 8.36, 0.030, 0.024, 49.5, 9.30, 420.0,
@@ -333,7 +335,7 @@ fn works_are_those_that_were_measured() {
     ];
     for (pattern, milliseconds) in Pattern::ALL.into_iter().zip(measured) {
         let ratio = UNIT_MILLISECONDS * pattern.nominal_work(1024) / milliseconds;
-        // A unit a point is the least.
+        // The minimum is one unit per point.
         let most = if milliseconds < 0.1 { 6.0 } else { 2.0 };
         assert!((0.5..most).contains(&ratio), "{pattern}: {ratio}");
     }

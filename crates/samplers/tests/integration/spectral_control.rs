@@ -1,4 +1,4 @@
-//! Controlled spectra: what is refused, small numbers of points, and the contract of samplers.
+//! Controlled spectra: invalid parameters, small numbers of points, and the contract of samplers.
 
 use std::time::{Duration, Instant};
 
@@ -16,44 +16,44 @@ fn sample(control: &SpectralControl, realization: u64) -> Result<Vec<DVec3>, Err
     Ok(control.sample(&mut streams.realization(realization))?.points)
 }
 
-/// The name of the parameter that was refused.
-fn refused<T: std::fmt::Debug>(result: Result<T, Error>) -> &'static str {
+/// Returns the name of the rejected parameter.
+fn rejected<T: std::fmt::Debug>(result: Result<T, Error>) -> &'static str {
     match result {
         Err(Error::Parameter { name, .. }) => name,
-        other => panic!("not a refused parameter: {other:?}"),
+        other => panic!("not a rejected parameter: {other:?}"),
     }
 }
 
 fn zeros(last: usize) -> SpectralTarget {
-    SpectralTarget::new(vec![0.0; last + 1]).expect("legal powers")
+    SpectralTarget::new(vec![0.0; last + 1]).expect("valid powers")
 }
 
 #[test]
-fn parameters_outside_their_range_are_refused() {
+fn parameters_outside_their_range_are_rejected() {
     const OUTSIDE: [f64; 4] = [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, -1e-9];
     for domain in DOMAINS {
         for alpha in OUTSIDE.into_iter().chain([1.39, 10.0, 1e300]) {
             for flat in [None, Some(0.0), Some(2.0)] {
                 let step = SpectralControl::step(100, domain, Some(alpha), flat);
-                assert_eq!(refused(step), "alpha", "{domain} {alpha} {flat:?}");
+                assert_eq!(rejected(step), "alpha", "{domain} {alpha} {flat:?}");
             }
             assert_eq!(
-                refused(SpectralControl::blue(100, domain, Some(alpha))),
+                rejected(SpectralControl::blue(100, domain, Some(alpha))),
                 "alpha",
                 "{alpha}"
             );
         }
         for flat in OUTSIDE.into_iter().chain([8.1, 1e300]) {
             let step = SpectralControl::step(100, domain, None, Some(flat));
-            assert_eq!(refused(step), "flat", "{domain} {flat}");
+            assert_eq!(rejected(step), "flat", "{domain} {flat}");
         }
         for core in OUTSIDE.into_iter().chain([0.96, 1.0, 1e300]) {
-            let step = SpectralControl::step(100, domain, None, None).expect("legal parameters");
-            assert_eq!(refused(step.with_core(core)), "core", "{domain} {core}");
+            let step = SpectralControl::step(100, domain, None, None).expect("valid parameters");
+            assert_eq!(rejected(step.with_core(core)), "core", "{domain} {core}");
         }
         // The ends belong to the ranges.
         for (alpha, flat, core) in [(0.0, 0.0, 0.0), (1.38, 0.0, 0.95), (0.5, 8.0, 0.0)] {
-            // Of many points, which have the freedom for the largest alpha.
+            // Many points have the degrees of freedom for the largest alpha.
             let step = SpectralControl::step(100_000, domain, Some(alpha), Some(flat));
             let with_core = step.and_then(|step| step.with_core(core));
             assert!(with_core.is_ok(), "{domain} {alpha} {flat} {core}: {with_core:?}");
@@ -62,38 +62,38 @@ fn parameters_outside_their_range_are_refused() {
 }
 
 #[test]
-fn numbers_of_points_outside_their_range_are_refused() {
+fn numbers_of_points_outside_their_range_are_rejected() {
     const COUNT: &str = "the number of points";
     let profile = PowerProfile::QUADRATIC;
     for domain in DOMAINS {
         for n in [0, 1 << 32, usize::MAX] {
-            assert_eq!(refused(SpectralControl::step(n, domain, None, None)), COUNT, "{n}");
-            assert_eq!(refused(SpectralControl::blue(n, domain, None)), COUNT, "{n}");
-            assert_eq!(refused(SpectralControl::profile(n, domain, &profile)), COUNT, "{n}");
-            assert_eq!(refused(SpectralControl::new("test", n, zeros(1), domain)), COUNT, "{n}");
+            assert_eq!(rejected(SpectralControl::step(n, domain, None, None)), COUNT, "{n}");
+            assert_eq!(rejected(SpectralControl::blue(n, domain, None)), COUNT, "{n}");
+            assert_eq!(rejected(SpectralControl::profile(n, domain, &profile)), COUNT, "{n}");
+            assert_eq!(rejected(SpectralControl::new("test", n, zeros(1), domain)), COUNT, "{n}");
         }
     }
 }
 
 #[test]
-fn powers_that_are_none_are_refused() {
+fn invalid_powers_are_rejected() {
     for power in [f64::NAN, f64::INFINITY, -1e-300, -1.0] {
         for at in 1..4 {
             let mut powers = vec![1.0; 4];
             powers[at] = power;
             assert_eq!(
-                refused(SpectralTarget::new(powers.clone())),
+                rejected(SpectralTarget::new(powers.clone())),
                 "a target power",
                 "{powers:?}"
             );
             let table = PowerProfile::Table { name: "table".into(), power: powers.into() };
             let control = SpectralControl::profile(50, Domain::Sphere, &table);
-            assert_eq!(refused(control), "a target power", "{power} at degree {at}");
+            assert_eq!(rejected(control), "a target power", "{power} at degree {at}");
         }
     }
     let polynomial = |exponent, alpha, gamma, offset, to| {
         let profile = PowerProfile::Polynomial { exponent, alpha, gamma, offset, to };
-        refused(SpectralControl::profile(50, Domain::Sphere, &profile))
+        rejected(SpectralControl::profile(50, Domain::Sphere, &profile))
     };
     for bad in [f64::NAN, f64::INFINITY, -1.0] {
         assert_eq!(polynomial(bad, 1.0, 1.0, 0.0, 2.0), "the exponent b", "{bad}");
@@ -104,10 +104,11 @@ fn powers_that_are_none_are_refused() {
     }
 }
 
-/// 100 points have 197 degrees of freedom, of which 191 may be spent: on degrees 1 to 12 (168
-/// coefficients) but not 13 (195) of the sphere, 2 to 18 (189) but not 20 (230) of the hemisphere.
+/// 100 points have 197 degrees of freedom, which allow 191 vanishing coefficients: degrees 1 to 12
+/// (168 coefficients) but not 13 (195) on the sphere, 2 to 18 (189) but not 20 (230) on the
+/// hemisphere.
 #[test]
-fn more_zeros_than_freedom_are_infeasible() {
+fn more_zeros_than_degrees_of_freedom_are_infeasible() {
     for (domain, most, beyond) in [(Domain::Sphere, 12, 13), (Domain::Hemisphere, 19, 20)] {
         let feasible = SpectralControl::new("test", 100, zeros(most), domain);
         assert!(feasible.is_ok(), "{domain}: {feasible:?}");
@@ -120,14 +121,14 @@ fn more_zeros_than_freedom_are_infeasible() {
             other => panic!("{domain}: {other:?}"),
         }
     }
-    // One point has no freedom, but nothing to ask of it is feasible.
+    // One point has no degrees of freedom, but an empty target is feasible.
     assert!(SpectralControl::new("test", 1, zeros(0), Domain::Sphere).is_ok());
     assert!(SpectralControl::new("test", 1, zeros(1), Domain::Sphere).is_err());
 }
 
 #[test]
-fn few_points_end_soon_one_way_or_the_other() {
-    // 0.09 s was the longest; the limit leaves room for a busy machine.
+fn few_points_succeed_or_fail_quickly() {
+    // The longest time was 0.09 s; the limit has a margin for a busy machine.
     const LIMIT: Duration = Duration::from_secs(5);
     for domain in DOMAINS {
         for n in 1..=40 {
@@ -146,7 +147,7 @@ fn few_points_end_soon_one_way_or_the_other() {
                 assert!(elapsed < LIMIT, "{name} of {n}, {domain}: {elapsed:?}, {points:?}");
                 match points {
                     Ok(points) => assert_eq!(points.len(), n, "{name} of {n}, {domain}"),
-                    // Defaults ask for no more than there is.
+                    // The defaults are always feasible.
                     Err(Error::Infeasible { n_points, .. })
                         if ["steepest step", "profile"].contains(&name) =>
                     {
@@ -160,12 +161,12 @@ fn few_points_end_soon_one_way_or_the_other() {
 }
 
 #[test]
-fn it_keeps_the_contract_of_samplers() {
+fn it_meets_the_contract_of_samplers() {
     for domain in DOMAINS {
         for n in [1, 2, 5, 64, 333] {
             for flat in [None, Some(0.0)] {
                 let step =
-                    SpectralControl::step(n, domain, Some(0.8), flat).expect("legal parameters");
+                    SpectralControl::step(n, domain, Some(0.8), flat).expect("valid parameters");
                 assert_eq!((step.n_points(), step.domain()), (n, domain));
                 assert!(step.is_random());
                 let case = format!("{domain}, N = {n}, flat {flat:?}");
@@ -182,30 +183,30 @@ fn it_keeps_the_contract_of_samplers() {
                     let weights = vec![2.0; dirt.len()];
                     let mut buffer = PointSet { points: dirt, weights };
                     step.sample_into(&mut streams.realization(1), &mut buffer).expect(&case);
-                    assert!(same_bits(&points, &buffer.points), "{case}: not the same again");
+                    assert!(bit_identical(&points, &buffer.points), "{case}: not the same again");
                     assert_eq!(buffer.weights, [], "{case}");
                 }
                 // Through a mutable buffer that holds another realization.
                 let mut buffer = PointSet::new(sample(&step, 2).expect(&case));
                 assert!(
-                    !same_bits(&points, &buffer.points),
+                    !bit_identical(&points, &buffer.points),
                     "{case}: two realizations are the same"
                 );
                 step.sample_into(&mut streams.realization(1), &mut buffer).expect(&case);
-                assert!(same_bits(&points, &buffer.points), "{case}: not the same again");
+                assert!(bit_identical(&points, &buffer.points), "{case}: not the same again");
             }
         }
     }
 }
 
-fn same_bits(a: &[DVec3], b: &[DVec3]) -> bool {
+fn bit_identical(a: &[DVec3], b: &[DVec3]) -> bool {
     let bits = |points: &[DVec3]| -> Vec<_> {
         points.iter().map(|p| p.to_array().map(f64::to_bits)).collect()
     };
     bits(a) == bits(b)
 }
 
-/// The distance to all others, by the definition.
+/// Compares with the distances to all other points.
 #[test]
 fn cores_keep_points_apart() {
     for domain in DOMAINS {
@@ -213,9 +214,9 @@ fn cores_keep_points_apart() {
             SpectralControl::step(200, domain, None, None),
             SpectralControl::blue(200, domain, Some(0.8)),
         ] {
-            let control = control.expect("legal parameters");
+            let control = control.expect("valid parameters");
             let points = sample(&control, 3).expect("a realization");
-            // What overlap is left is a share of sqrt(N 5e-21) of the core at most.
+            // The remaining overlap is at most sqrt(N 5e-21) of the minimum chord.
             let chord = control.core_chord() * (1.0 - 1e-8);
             for (i, p) in points.iter().enumerate() {
                 for q in &points[..i] {
@@ -230,15 +231,16 @@ fn cores_keep_points_apart() {
     }
 }
 
-/// The power `P(l) = (4 pi/N)/(2l+1) sum_m |a_lm|^2` by the exact transform, not the one descents use.
+/// Returns the power `P(l) = (4 pi/N)/(2l+1) sum_m |a_lm|^2` by the exact transform, not the one
+/// descents use.
 fn power(points: &[DVec3], lmax: usize) -> Vec<f64> {
     let alm = ExactTransform::new(lmax).expect("a low degree").adjoint(points, None);
     let power = alm.expect("a small table").power_per_degree();
     power.into_iter().map(|p| 4.0 * std::f64::consts::PI / points.len() as f64 * p).collect()
 }
 
-/// No power at any degree `l <= alpha sqrt(N)`, whole products included, for numbers of points around
-/// squares and between; there is some at the degree after the last empty one that is stated.
+/// No power at any degree `l <= alpha sqrt(N)`, integer products included, for numbers of points
+/// around squares and between; the degree after the reported last empty one has nonzero power.
 #[test]
 fn every_degree_to_alpha_sqrt_n_is_empty() {
     let check = |control: Result<SpectralControl, Error>, hundredths: usize| {
@@ -266,8 +268,9 @@ fn every_degree_to_alpha_sqrt_n_is_empty() {
     }
 }
 
-/// Where no set is empty to sqrt(N), the default empties what can be emptied and says so; an alpha that
-/// is given is an error with the largest one, which works.
+/// Where no set has zero power up to sqrt(N), the default alpha is the largest feasible one and the
+/// last empty degree is reported; a given alpha is an error that states the largest one, which
+/// works.
 #[test]
 fn alphas_beyond_the_freedom_name_the_largest() {
     for (domain, n, last) in [

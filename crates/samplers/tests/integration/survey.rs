@@ -1,4 +1,4 @@
-//! The contract of every sampler of the survey, and what each of them claims.
+//! The contract of every sampler, and the documented properties of each.
 
 use std::collections::HashSet;
 
@@ -39,7 +39,7 @@ const UNIFORM: [(&str, Build); 6] = [
     ("jittered-square", |n, d| on_sphere(JitteredSquare::nearest_to_square(n), d)),
 ];
 
-/// Those whose law is invariant under rotations.
+/// The samplers whose distribution is invariant under rotations.
 const ISOTROPIC: [(&str, Build); 1] =
     [("best-candidate", |n, d| boxed(BestCandidate::new(n, d, BestCandidate::DEFAULT_FACTOR)))];
 
@@ -53,7 +53,7 @@ fn all() -> impl Iterator<Item = (&'static str, Build)> {
 }
 
 #[test]
-fn every_sampler_keeps_the_contract() {
+fn every_sampler_meets_the_contract() {
     for (name, build) in all() {
         for domain in DOMAINS {
             for n in [1, 2, 3, 4, 5, 31, 64, 100] {
@@ -76,11 +76,11 @@ fn every_sampler_keeps_the_contract() {
 }
 
 #[test]
-fn numbers_that_do_not_exist_are_refused() {
+fn invalid_numbers_are_rejected() {
     for (name, build) in all() {
         for n in [0, 1 << 32, usize::MAX] {
-            let refused = build(n, Domain::Sphere).expect_err("no such number");
-            let message = refused.to_string();
+            let rejected = build(n, Domain::Sphere).expect_err("no such number");
+            let message = rejected.to_string();
             assert!(
                 message.contains("the number of points") && message.contains("must be from 1"),
                 "{name}: {message}"
@@ -91,7 +91,8 @@ fn numbers_that_do_not_exist_are_refused() {
     assert!(JitteredSquare::new(0, 5).is_err());
 }
 
-/// The real harmonics of degrees 1 and 2, up to factors, with mean squares 1/3 and 1/15, 4/45.
+/// Returns the real harmonics of degrees 1 and 2, up to factors, with mean squares 1/3 and 1/15,
+/// 4/45.
 fn low_harmonics(p: DVec3) -> [f64; 8] {
     let DVec3 { x, y, z } = p;
     [x, y, z, x * y, y * z, x * z, x * x - y * y, z * z - 1.0 / 3.0]
@@ -122,13 +123,13 @@ fn means_of_low_harmonics_vanish_unrotated() {
                     }
                 }
                 for k in 0..8 {
-                    // On the upper half, z alone among these has another mean: 1/2.
+                    // On the hemisphere only z has a nonzero mean among these: 1/2.
                     let exact = if domain == Domain::Hemisphere && k == 2 { 0.5 } else { 0.0 };
                     let m = M as f64;
                     let mean = sums[k] / m;
                     let error = ((squares[k] / m - mean * mean) / m).sqrt();
-                    // 288 comparisons at 5 sigma: 2e-4 of seeds fail. Shifted heights that are an
-                    // arithmetic progression integrate z with no error but rounding's.
+                    // 288 comparisons at 5 sigma: 2e-4 of seeds fail. Shifted heights in an
+                    // arithmetic progression integrate z up to rounding.
                     assert!(
                         (mean - exact).abs() < 5.0 * error + 1e-14,
                         "{name} N = {n} {domain}: harmonic {k} has mean {mean} +- {error}"
@@ -139,7 +140,7 @@ fn means_of_low_harmonics_vanish_unrotated() {
     }
 }
 
-/// The one of `n` equal parts of [0, 1) that holds `x`.
+/// Returns the index of the one of `n` equal parts of [0, 1) that contains `x`.
 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a part's number")]
 fn cell(x: f64, n: usize) -> usize {
     (x * n as f64) as usize
@@ -176,18 +177,18 @@ fn scrambling_leaves_only_shared_digits_in_common() {
     for (a, row) in counts.iter().enumerate() {
         for (b, count) in row.iter().enumerate() {
             // Same half, other quarter: 8 * 2 pairs, equally likely.
-            let legal = a / 4 == b / 4 && a / 2 != b / 2;
-            let expected = if legal { M as f64 / 16.0 } else { 0.0 };
+            let possible = a / 4 == b / 4 && a / 2 != b / 2;
+            let expected = if possible { M as f64 / 16.0 } else { 0.0 };
             let z: f64 = (count - expected) / (M as f64 / 16.0).sqrt();
             // 16 counts at 5 sigma: 1e-5 of seeds; the others must be 0.
-            assert!(if legal { z.abs() < 5.0 } else { z.abs() <= 0.0 }, "{a}, {b}: {z} sigma");
+            assert!(if possible { z.abs() < 5.0 } else { z.abs() <= 0.0 }, "{a}, {b}: {z} sigma");
         }
     }
 }
 
-/// Shifts apart, the sets are their definitions: differences to the first point are known.
+/// Up to shifts the sets match their definitions: differences to the first point are known.
 #[test]
-fn shifted_sets_are_their_definitions() {
+fn shifted_sets_match_their_definitions() {
     let halton = Halton::new(6).unwrap().fill(&mut rng(3)).unwrap();
     let hammersley = Hammersley::new(6).unwrap().fill(&mut rng(3)).unwrap();
     let twos = [0.0, 0.5, 0.25, 0.75, 0.125, 0.625];
@@ -261,7 +262,7 @@ fn cosine_weighted_directions_have_their_density() {
     }
 }
 
-/// The squared distance of the closest pair, between lines on the hemisphere.
+/// Returns the squared distance of the closest pair; antipodal on the hemisphere.
 fn closest_pair(points: &[DVec3], domain: Domain) -> f64 {
     let mut closest = f64::INFINITY;
     for (i, &p) in points.iter().enumerate() {
@@ -283,7 +284,7 @@ fn best_candidates_keep_apart() {
             for i in 0..4 {
                 let set = BestCandidate::new(n, domain, 1).unwrap().sample(&mut rng(i)).unwrap();
                 let spacing = (closest_pair(&set.points, domain) * per_sphere * n as f64).sqrt();
-                // Two points: one candidate, anywhere.
+                // With two points there is a single candidate, anywhere.
                 assert!(n == 2 || spacing > 1.4, "{domain}, N = {n}: {spacing}/sqrt(N)");
             }
         }
@@ -292,7 +293,7 @@ fn best_candidates_keep_apart() {
 
 /// The same candidates, each compared with every point, give the same set.
 #[test]
-fn best_candidates_are_their_definition() {
+fn best_candidates_match_their_definition() {
     for domain in DOMAINS {
         let white = |rng: &mut dyn rand::Rng| {
             WhiteSquare::new(1).and_then(|w| OnSphere::new(w, domain).sample(rng))
@@ -331,7 +332,7 @@ fn every_step_of_lloyd_decreases_the_quantization_energy() {
                 assert!(energy <= previous + slack, "{domain}, N = {n}: step {iterations}");
                 previous = energy;
             }
-            // Hexagons are the least in the plane.
+            // Hexagons are the minimum in the plane.
             let scaled = previous * n as f64 / domain.area().powi(2);
             let hexagons = 5.0 / (18.0 * 3f64.sqrt());
             assert!(n < 300 || (scaled > 0.99 * hexagons && scaled < 1.06 * hexagons), "{scaled}");
@@ -339,7 +340,8 @@ fn every_step_of_lloyd_decreases_the_quantization_energy() {
     }
 }
 
-/// Four points end as a tetrahedron, two lines as perpendicular ones, three as the axes.
+/// Four points converge to a tetrahedron, two antipodal pairs to perpendicular ones, three to the
+/// axes.
 #[test]
 fn lloyd_finds_the_regular_sets() {
     for (domain, n, cosine) in [
@@ -353,7 +355,7 @@ fn lloyd_finds_the_regular_sets() {
             let points = Lloyd::new(n, domain, 400).unwrap().sample(&mut rng(i)).unwrap().points;
             for (k, p) in points.iter().enumerate() {
                 for q in &points[..k] {
-                    // Linear convergence has long ended in rounding.
+                    // Linear convergence has reached rounding.
                     let off = (p.dot(*q) - cosine).abs();
                     assert!(off < 1e-9, "{domain}, N = {n}, realization {i}: {points:?}");
                 }
@@ -372,7 +374,7 @@ fn every_step_decreases_the_riesz_energy() {
                     let sampler = Riesz::new(n, domain, s, iterations).unwrap();
                     let set = sampler.sample(&mut rng(2)).unwrap();
                     let energy = riesz_energy(&set.points, domain, s);
-                    // Representatives of lines and sums in another order: n^2 terms.
+                    // Representatives of antipodal pairs and sums in another order: n^2 terms.
                     let slack = 16.0 * f64::EPSILON * (energy.abs() + (n * n) as f64);
                     assert!(
                         energy <= previous + slack,
@@ -384,13 +386,13 @@ fn every_step_decreases_the_riesz_energy() {
         }
     }
     for s in [-1e-9, 4.1, f64::NAN, f64::INFINITY] {
-        let refused = Riesz::new(5, Domain::Sphere, s, 1).unwrap_err().to_string();
-        assert!(refused.contains("must be in [0, 4], got"), "{refused}");
+        let rejected = Riesz::new(5, Domain::Sphere, s, 1).unwrap_err().to_string();
+        assert!(rejected.contains("must be in [0, 4], got"), "{rejected}");
     }
 }
 
-/// Thomson's problem: the tetrahedron, octahedron and icosahedron, and larger sets (Wales and
-/// Ulker 2006, whose values are the least known).
+/// Thomson's problem: the tetrahedron, octahedron and icosahedron, and larger sets (Wales and Ulker
+/// 2006, whose values are the smallest known).
 #[test]
 fn riesz_finds_known_minima() {
     for (n, least, tries) in [
@@ -410,7 +412,8 @@ fn riesz_finds_known_minima() {
         // Nine decimals are printed.
         assert!((found - least).abs() < 1e-8, "N = {n}: {found}, least known {least}");
     }
-    // Three lines: the axes, 3 pairs at sqrt 2 twice. Six: those of the icosahedron, 15 pairs.
+    // Three antipodal pairs: the axes, 3 pairs at sqrt 2 twice. Six: those of the icosahedron, 15
+    // pairs.
     let chord = |cosine: f64| (2.0 - 2.0 * cosine).sqrt().recip();
     let icosahedron = 15.0 * (chord(0.2f64.sqrt()) + chord(-(0.2f64.sqrt())));
     for (n, least) in [(2, 2f64.sqrt()), (3, 3.0 * 2f64.sqrt()), (6, icosahedron)] {

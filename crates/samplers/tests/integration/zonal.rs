@@ -1,4 +1,4 @@
-//! Patterns made of zones: the equal-area partition and the generalized spiral.
+//! Zonal patterns: the equal-area partition and the generalized spiral.
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
@@ -17,8 +17,8 @@ fn partition(n: u32, domain: Domain) -> EqualArea {
     EqualArea::new(n as usize, domain, Placement::Jittered).expect("a small number")
 }
 
-/// The partition as the paper builds it: fitting collars, ideal numbers of regions, rounding with
-/// the remainder carried from collar to collar.
+/// Returns the partition as the paper constructs it: fitting collars, ideal numbers of regions,
+/// rounding with the remainder carried from collar to collar.
 fn by_definition(n: u32) -> Vec<u32> {
     if n <= 2 {
         return vec![1; n as usize];
@@ -37,7 +37,7 @@ fn by_definition(n: u32) -> Vec<u32> {
     for collar in 0..collars {
         let top = cap + f64::from(collar) * fitting;
         let ideal = n_real * (top.cos() - (top + fitting).cos()) / 2.0;
-        // A nudge upwards settles the tie at the equator.
+        // A small positive offset resolves the tie at the equator.
         let here = (1..).find(|&m| f64::from(m) + 0.5 > ideal + carried + 1e-7).expect("a number");
         carried += ideal - f64::from(here);
         zones.push(here);
@@ -47,7 +47,7 @@ fn by_definition(n: u32) -> Vec<u32> {
 }
 
 #[test]
-fn zones_are_those_of_the_definition() {
+fn zones_match_the_definition() {
     for n in (1..2000).chain([10_007, 65_536, 1_000_000]) {
         let zones: Vec<u32> = partition(n, Domain::Sphere).zones().collect();
         assert_eq!(zones, by_definition(n), "N = {n}");
@@ -78,7 +78,7 @@ fn known_partitions() {
     }
 }
 
-/// The largest distance between points of a 5 by 17 grid over the region, edges included.
+/// Returns the largest distance between points of a 5 by 17 grid over the region, edges included.
 fn diameter(region: &Region) -> f64 {
     let mut grid = Vec::new();
     for u in [0.0, 0.25, 0.5, 0.75, 1.0] {
@@ -104,8 +104,8 @@ fn regions_are_equal_contiguous_and_small() {
                 let tolerance = 4.0 * f64::EPSILON * (1.0 / (top - bottom) + TAU / (east - west));
                 let off = r.area() / ideal - 1.0;
                 assert!(off.abs() <= tolerance, "N = {n}: {r:?} is off by {off:e}");
-                // Either the next region of the zone or the first one of the next zone; edges
-                // agree to the bit.
+                // Either the next region of the zone or the first one of the next zone; edges are
+                // bit-identical.
                 let begins = meridian.to_bits() == TAU.to_bits();
                 let (start, upper) = if begins { (0.0, parallel) } else { (meridian, top) };
                 assert_eq!(west.to_bits(), f64::to_bits(start), "N = {n}: {r:?}");
@@ -125,7 +125,7 @@ fn regions_are_equal_contiguous_and_small() {
 }
 
 #[test]
-fn every_region_has_its_point() {
+fn every_region_has_one_point() {
     for domain in DOMAINS {
         for n in [1, 2, 3, 4, 7, 33, 500] {
             for placement in [Placement::Jittered, Placement::Centred] {
@@ -134,7 +134,7 @@ fn every_region_has_its_point() {
                 for (p, region) in points.iter().zip(pattern.regions()) {
                     let phi = p.y.atan2(p.x).rem_euclid(TAU);
                     let ([bottom, top], [west, east]) = (region.z(), region.phi());
-                    // The longitude of a point near a pole is worth EPSILON/sin(theta).
+                    // The longitude of a point near a pole is accurate to EPSILON/sin(theta).
                     let slack = 4.0 * f64::EPSILON / p.x.hypot(p.y).max(f64::EPSILON);
                     let inside = (bottom..=top).contains(&p.z)
                         && (west - slack..=east + slack).contains(&phi);
@@ -183,7 +183,7 @@ fn spiral(n: usize, domain: Domain) -> Vec<DVec3> {
 }
 
 #[test]
-fn the_spiral_is_its_definition() {
+fn the_spiral_matches_its_definition() {
     for n in [2usize, 3, 12, 101] {
         let mut phi = 0.0;
         for (k, p) in spiral(n, Domain::Sphere).into_iter().enumerate() {
@@ -201,7 +201,7 @@ fn the_spiral_is_its_definition() {
     assert_eq!(spiral(2, Domain::Sphere), [DVec3::NEG_Z, DVec3::Z]);
 }
 
-/// Worked out by hand: h = -9/11, sin(theta) = sqrt(40)/11, phi = 3.6 * 11/sqrt(480).
+/// Computed by hand: h = -9/11, sin(theta) = sqrt(40)/11, phi = 3.6 * 11/sqrt(480).
 #[test]
 fn the_second_of_twelve_spiral_points() {
     let p = spiral(12, Domain::Sphere)[1];

@@ -4,48 +4,49 @@ use glam::DVec3;
 use sphvar_sh::Alm;
 use sphvar_sht::{Method, Transform, TransformWorkspace};
 
-use super::soft_core::SoftCore;
+use super::distance_penalty::DistancePenalty;
 use super::target::SpectralTarget;
 use crate::optimization::descent::Objective;
 use crate::{Domain, Error};
 
-/// The accuracies of the transforms at first and in the end. The residual that a transform can still
-/// see is a tenth of its square.
+/// Accuracies of the initial and the final transforms. The smallest residual that a transform
+/// resolves is a tenth of the square of its accuracy.
 const ACCURACIES: [f64; 2] = [1e-5, 1e-10];
 
-/// The residual from which on the finer transform is used.
+/// The residual below which the finer transform is used.
 const ROUGH: f64 = 1e-9;
 
-/// What counts as having vanished: powers, and overlaps relative to the core.
+/// Threshold below which a power, or a penalty relative to its maximum, counts as zero.
 const VANISHED: f64 = 5e-21;
 
-/// The deviation of a power from a target that is not 0.
+/// Tolerance of a power with a nonzero target.
 const NEAR: f64 = 1e-6;
 
-/// The slope `|grad E|^2/(2E)` of a descent that has come to rest above its aim, for so many steps:
-/// it stays above 4e-4 in descents that arrive.
+/// A descent has stalled if its slope `|grad E|^2/(2E)` is below `STALLED` for `PATIENCE` steps in
+/// a row; it stays above 4e-4 in descents that converge.
 const STALLED: f64 = 1e-5;
 const PATIENCE: u32 = 5;
 
-/// How far the amplitudes `|c_l|` of a set of points are from those of a target,
+/// The deviation of the amplitudes `|c_l|` of a set of points from those of a target,
 ///
 /// ```text
 /// E = 1/2 (4 pi/N) sum_l (|c_l| - a_l)^2/(l(l+1)) + core,   |c_l|^2 = sum_m |c_lm|^2,
 /// a_l^2 = N/(4 pi) (2l+1) P*(l),
 /// ```
 ///
-/// weighted as the logarithmic energy is, so that a unit step down the gradient is nearly a Newton step.
+/// with the weights of the logarithmic energy, so that a unit step along the negative gradient is
+/// nearly a Newton step.
 pub(crate) struct SpectralEnergy<'a> {
     domain: Domain,
     target: &'a SpectralTarget,
-    core: SoftCore,
+    core: DistancePenalty,
     n_points: usize,
-    /// Those of `ACCURACIES`.
+    /// One for each of `ACCURACIES`.
     transforms: [Transform; 2],
     is_fine: bool,
     workspace: TransformWorkspace,
     alms: [Alm; 1],
-    /// By degree: `|c_l|^2`.
+    /// `|c_l|^2` by degree.
     squares: Vec<f64>,
     core_energy: f64,
     core_gradient: Vec<DVec3>,
@@ -57,7 +58,7 @@ impl<'a> SpectralEnergy<'a> {
     pub(crate) fn new(
         domain: Domain,
         target: &'a SpectralTarget,
-        core: SoftCore,
+        core: DistancePenalty,
         n_points: usize,
     ) -> Result<Self, Error> {
         let lmax = target.last_degree();
@@ -84,17 +85,19 @@ impl<'a> SpectralEnergy<'a> {
         })
     }
 
-    /// `4 pi/N`, which makes the mean square of the coefficients of white noise 1.
+    /// Returns `4 pi/N`, the factor that makes the mean square of the coefficients of white noise
+    /// 1.
     fn normalization(&self) -> f64 {
         4.0 * PI / self.n_points as f64
     }
 
-    /// `a_l` of a target power.
+    /// Returns `a_l` for a target power.
     fn amplitude(&self, l: usize, target: f64) -> f64 {
         ((2 * l + 1) as f64 * target / self.normalization()).sqrt()
     }
 
-    /// The largest power where the target is 0, and the largest deviation from it elsewhere.
+    /// Returns the largest power where the target is 0, and the largest deviation from the target
+    /// elsewhere.
     pub(crate) fn residuals(&self) -> [f64; 2] {
         let mut residuals = [0.0; 2];
         for (l, target) in self.target.degrees(self.domain) {
@@ -105,7 +108,8 @@ impl<'a> SpectralEnergy<'a> {
         residuals
     }
 
-    /// Whether the points of the last call have the target's spectrum and keep their distance.
+    /// Returns whether the points of the last call have the target spectrum and the minimum
+    /// distance.
     pub(crate) fn has_arrived(&self) -> bool {
         let [vanishing, others] = self.residuals();
         let overlap = self.core.relative(self.core_energy, self.n_points);
@@ -130,13 +134,13 @@ impl Objective for SpectralEnergy<'_> {
     }
 
     fn gradient(&mut self, points: &[DVec3], gradient: &mut Vec<DVec3>) {
-        // The gradient of E by the points is that of the function with coefficients
-        // (4 pi/N) (1 - a_l/|c_l|) c_lm/(l(l+1)).
+        // The gradient of E with respect to the points is that of the function with coefficients (4
+        // pi/N) (1 - a_l/|c_l|) c_lm/(l(l+1)).
         let mut factors = vec![0.0; self.squares.len()];
         let normalization = self.normalization();
         for (l, target) in self.target.degrees(self.domain) {
             let size = self.squares[l].sqrt();
-            // Without any amplitude there is no direction in which to grow.
+            // A zero amplitude has no direction of increase.
             let ratio = if size > 0.0 { self.amplitude(l, target) / size } else { 0.0 };
             factors[l] = normalization * (1.0 - ratio) / (l * (l + 1)) as f64;
         }
@@ -168,7 +172,7 @@ impl Objective for SpectralEnergy<'_> {
 
 #[cfg(test)]
 mod tests {
-    use super::{DVec3, Domain, Objective, PI, SoftCore, SpectralEnergy, SpectralTarget};
+    use super::{DVec3, DistancePenalty, Domain, Objective, PI, SpectralEnergy, SpectralTarget};
     use crate::optimization::descent::Descent;
     use crate::{Pattern, Purpose, SpectralControl, Streams};
 
@@ -179,19 +183,20 @@ mod tests {
         Pattern::WhiteNoise.build(n, domain).unwrap().sample(&mut rng).unwrap().points
     }
 
-    /// Zeros, powers, and a core that some of 20 points overlap.
-    fn mixed(domain: Domain) -> (SpectralTarget, SoftCore) {
+    /// Returns a target with zeros and powers, and a penalty that some of 20 points incur.
+    fn mixed(domain: Domain) -> (SpectralTarget, DistancePenalty) {
         let power = vec![7.0, 0.0, 0.0, 0.0, 1.0, 1.0, 0.5, 0.0, 2.0];
-        (SpectralTarget::new(power).unwrap(), SoftCore { domain, sigma: 0.5 })
+        (SpectralTarget::new(power).unwrap(), DistancePenalty { domain, sigma: 0.5 })
     }
 
-    fn fine<'a>(target: &'a SpectralTarget, core: SoftCore, n: usize) -> SpectralEnergy<'a> {
+    fn fine<'a>(target: &'a SpectralTarget, core: DistancePenalty, n: usize) -> SpectralEnergy<'a> {
         let mut energy = SpectralEnergy::new(core.domain, target, core, n).unwrap();
         energy.is_fine = true;
         energy
     }
 
-    /// `|c_l|^2 = (2l+1)/(4 pi) sum_ij P_l(p_i.p_j)`, the addition theorem, by all pairs.
+    /// Returns `|c_l|^2 = (2l+1)/(4 pi) sum_ij P_l(p_i.p_j)` from all pairs, by the addition
+    /// theorem.
     fn squares(points: &[DVec3], last: usize) -> Vec<f64> {
         let mut sums = vec![0.0; last + 1];
         for p in points {
@@ -209,8 +214,9 @@ mod tests {
         sums
     }
 
-    /// The core by its own code, which has a definition beside it.
-    fn definition(target: &SpectralTarget, core: SoftCore, points: &[DVec3]) -> f64 {
+    /// Computes the energy by its definition. The penalty comes from its own code, which is tested
+    /// separately.
+    fn definition(target: &SpectralTarget, core: DistancePenalty, points: &[DVec3]) -> f64 {
         let normalization = 4.0 * PI / points.len() as f64;
         let squares = squares(points, target.last_degree());
         let mut sum = 0.0;
@@ -222,15 +228,15 @@ mod tests {
     }
 
     #[test]
-    fn the_energy_is_that_of_the_definition() {
+    fn the_energy_matches_the_definition() {
         for domain in DOMAINS {
             let (target, core) = mixed(domain);
             for n in [1, 2, 20, 300] {
                 let points = white(n, domain, 0);
                 let mut energy = fine(&target, core, n);
                 let (fast, slow) = (energy.energy(&points), definition(&target, core, &points));
-                // What the finer transform promises of coefficients, with a margin for how energies
-                // of order 1 follow from them.
+                // The accuracy of the finer transform's coefficients, with a margin for energies of
+                // order 1 computed from them.
                 assert!((fast - slow).abs() < 1e-9 * (1.0 + slow), "{domain} {n}: {fast}, {slow}");
 
                 energy.is_fine = false;
@@ -244,7 +250,7 @@ mod tests {
     }
 
     #[test]
-    fn the_gradient_is_the_difference_of_energies() {
+    fn the_gradient_matches_finite_differences_of_energies() {
         const H: f64 = 1e-5;
         for domain in DOMAINS {
             let (target, core) = mixed(domain);
@@ -266,9 +272,9 @@ mod tests {
                     };
                     let slope = (at(H) - at(-H)) / (2.0 * H);
                     let off = (slope - gradient[k].dot(tangent)).abs();
-                    // Third derivatives grow by l^2 = 64 and are left with H^2/6 of that, 1e-9; energies
-                    // of order 1 round to 1e-15 of which H leaves 1e-10; and amplitudes near 0 bend
-                    // more than others.
+                    // Third derivatives grow by l^2 = 64, which leaves an error of H^2/6 times
+                    // that, 1e-9. Energies of order 1 round to 1e-15, which division by H turns
+                    // into 1e-10. Amplitudes near 0 have a larger curvature.
                     assert!(
                         off < 1e-7 * scale,
                         "{domain}, point {k}: {slope} by difference, off by {off} of {scale}"
@@ -278,7 +284,7 @@ mod tests {
         }
     }
 
-    /// An objective that counts.
+    /// An objective that counts its evaluations.
     struct Counted<'a>(SpectralEnergy<'a>, u32);
 
     impl Objective for Counted<'_> {
@@ -296,11 +302,12 @@ mod tests {
         }
     }
 
-    /// Evaluations of the energy for one descent of a bare step.
+    /// Returns the number of energy evaluations of one descent for a step without further
+    /// requirements.
     fn evaluations(n: usize, domain: Domain, realization: u64) -> u32 {
         let step = SpectralControl::step(n, domain, None, Some(0.0)).unwrap();
         let target = step.target();
-        let core = SoftCore { domain, sigma: 0.0 };
+        let core = DistancePenalty { domain, sigma: 0.0 };
         let energy = SpectralEnergy::new(domain, target, core, n).unwrap();
         let mut counted = Counted(energy, 0);
         let mut points = white(n, domain, realization);
@@ -311,9 +318,10 @@ mod tests {
         counted.1
     }
 
-    /// `8 (1 + sqrt f)/(1 - sqrt f)` is 47 for as many zeros as half the degrees of freedom, whatever N.
+    /// `8 (1 + sqrt f)/(1 - sqrt f)` is 47 if the vanishing coefficients are half the degrees of
+    /// freedom, for any N.
     #[test]
-    fn descents_are_no_longer_for_more_points() {
+    fn the_number_of_steps_does_not_grow_with_the_number_of_points() {
         for domain in DOMAINS {
             for n in [100, 400, 1600] {
                 let mean = f64::from((0..4).map(|k| evaluations(n, domain, k)).sum::<u32>()) / 4.0;

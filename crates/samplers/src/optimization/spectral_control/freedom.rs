@@ -1,13 +1,14 @@
-//! Which degrees N points can empty: coefficients that vanish against degrees of freedom.
+//! The degrees at which N points can have zero power: vanishing coefficients against degrees of
+//! freedom.
 
 use crate::Domain;
 
-/// The largest share of the degrees of freedom that descents can spend on vanishing coefficients.
+/// The largest ratio of vanishing coefficients to degrees of freedom at which descents converge.
 pub(super) const MAX_SHARE: f64 = 0.97;
 
-/// The last degrees that can be emptied where the count does not tell them: sets of few points that
-/// exist by symmetry although they have more coefficients than freedom, and designs that the count
-/// would allow but that nobody has found (Hardin and Sloane 1996, doi:10.1007/BF02711518).
+/// The last degrees of zero power where the count does not determine them: small sets that exist by
+/// symmetry although they have more coefficients than degrees of freedom, and designs that the
+/// count allows but that are not known (Hardin and Sloane 1996, doi:10.1007/BF02711518).
 const EXCEPTIONS: [(Domain, usize, usize); 11] = [
     // Two poles, three points of a great circle, the tetrahedron.
     (Domain::Sphere, 2, 1),
@@ -25,12 +26,12 @@ const EXCEPTIONS: [(Domain, usize, usize); 11] = [
     (Domain::Sphere, 53, 8),
 ];
 
-/// `2N - 3`, or 0: the degrees of freedom of N points, rotations left out.
+/// Returns `2N - 3`, or 0: the degrees of freedom of N points modulo rotations.
 pub(super) fn degrees_of_freedom(n_points: usize) -> f64 {
     (2.0 * n_points as f64 - 3.0).max(0.0)
 }
 
-/// The number of coefficients of the degrees from 1 to `last`, inclusive, of the domain.
+/// Returns the number of coefficients of the domain's degrees from 1 to `last`, inclusive.
 pub(super) fn coefficients(last: usize, domain: Domain) -> f64 {
     let l = (last - last % domain.degree_step()) as f64;
     match domain {
@@ -39,9 +40,9 @@ pub(super) fn coefficients(last: usize, domain: Domain) -> f64 {
     }
 }
 
-/// The last degree `l <= alpha sqrt(N)` of the domain (2N instead of N on the hemisphere).
+/// Returns the last degree `l <= alpha sqrt(N)` of the domain (2N instead of N on the hemisphere).
 ///
-/// A product that is a whole number but for rounding counts as whole: 0.29 sqrt(10000) is 29, not
+/// A product within rounding of an integer counts as that integer: 0.29 sqrt(10000) is 29, not
 /// 28.999999999999996.
 pub(super) fn degree_within(alpha: f64, n_points: usize, domain: Domain) -> usize {
     let bound = alpha * domain.count_on_sphere(n_points).sqrt();
@@ -54,13 +55,13 @@ pub(super) fn degree_within(alpha: f64, n_points: usize, domain: Domain) -> usiz
     degree - degree % domain.degree_step()
 }
 
-/// The last degree up to which N points can have no power at all.
+/// Returns the last degree up to which N points can have zero power.
 pub(super) fn max_empty_degree(n_points: usize, domain: Domain) -> usize {
     let exception = EXCEPTIONS.iter().find(|set| (set.0, set.1) == (domain, n_points));
     if let Some(&(_, _, last)) = exception {
         return last;
     }
-    // More than sqrt(2) sqrt(N) is more than there is freedom for.
+    // Degrees above sqrt(2) sqrt(N) need more degrees of freedom than there are.
     let mut last = degree_within(std::f64::consts::SQRT_2, n_points, domain);
     while coefficients(last, domain) > MAX_SHARE * degrees_of_freedom(n_points) {
         last -= domain.degree_step();
@@ -68,11 +69,12 @@ pub(super) fn max_empty_degree(n_points: usize, domain: Domain) -> usize {
     last
 }
 
-/// The largest alpha, rounded down to six digits, of which every degree can be emptied.
+/// Returns the largest alpha, rounded down to six digits, for which every degree can have zero
+/// power.
 pub(super) fn max_alpha(n_points: usize, domain: Domain) -> f64 {
     let first_beyond = max_empty_degree(n_points, domain) + domain.degree_step();
     let limit = first_beyond as f64 / domain.count_on_sphere(n_points).sqrt();
-    // Below the limit, which itself belongs to the next degree.
+    // The limit itself belongs to the next degree, so alpha must lie below it.
     ((limit * 1e6).ceil() - 1.0) / 1e6
 }
 
@@ -94,9 +96,9 @@ mod tests {
         }
     }
 
-    /// `l <= (a/100) sqrt(N)` is `(100 l)^2 <= a^2 N` in whole numbers, which nothing rounds.
+    /// `l <= (a/100) sqrt(N)` is `(100 l)^2 <= a^2 N` in integers, which is free of rounding.
     #[test]
-    fn degrees_within_alpha_are_those_of_whole_numbers() {
+    fn degrees_within_alpha_match_integer_arithmetic() {
         for domain in DOMAINS {
             for hundredths in 0..=141_u16 {
                 let alpha = f64::from(hundredths) / 100.0;
@@ -111,8 +113,8 @@ mod tests {
         }
     }
 
-    /// The numbers of points without a set that is empty to sqrt(N): on the sphere 1, 5 and 9, since there
-    /// is no 2-design of 5 and no 3-design of 9 points.
+    /// The numbers of points for which no set has zero power up to sqrt(N): on the sphere 1, 5 and
+    /// 9, because neither a 2-design of 5 points nor a 3-design of 9 points exists.
     #[test]
     fn few_numbers_have_no_set_for_an_alpha_of_1() {
         for (domain, expected) in DOMAINS.into_iter().zip([vec![1, 5, 9], vec![2, 8]]) {
@@ -127,10 +129,14 @@ mod tests {
     fn the_largest_alpha_is_the_last_that_works() {
         for domain in DOMAINS {
             for n in (1..600).chain([1_000, 5_252, 100_000, 1_000_000_000, u32::MAX as usize]) {
-                let (alpha, most) = (max_alpha(n, domain), max_empty_degree(n, domain));
-                assert_eq!(degree_within(alpha, n, domain), most, "{domain}, N = {n}: {alpha}");
+                let (alpha, max_degree) = (max_alpha(n, domain), max_empty_degree(n, domain));
+                assert_eq!(
+                    degree_within(alpha, n, domain),
+                    max_degree,
+                    "{domain}, N = {n}: {alpha}"
+                );
                 assert!(
-                    degree_within(alpha + 2e-6, n, domain) > most,
+                    degree_within(alpha + 2e-6, n, domain) > max_degree,
                     "{domain}, N = {n}: {alpha}"
                 );
             }

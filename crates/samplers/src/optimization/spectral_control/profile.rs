@@ -5,7 +5,7 @@ use sphvar_grammar::Range;
 use super::target::SpectralTarget;
 use crate::{Domain, Error, count};
 
-/// The power that a pattern is to have, for any number of points.
+/// The prescribed power of a pattern, for any number of points.
 #[derive(Clone, Debug, PartialEq)]
 pub enum PowerProfile {
     /// `P = offset + gamma min(1, (omega/alpha)^exponent)` for `omega = l/sqrt(N)` up to `to` (2N
@@ -13,39 +13,39 @@ pub enum PowerProfile {
     Polynomial {
         /// The power of omega, at least 0.
         exponent: f64,
-        /// Where the profile levels off.
+        /// The omega at which the profile becomes constant.
         alpha: f64,
-        /// The height of the level above the offset.
+        /// The height of the constant part above the offset.
         gamma: f64,
         /// The value at degree 0.
         offset: f64,
-        /// Where the target ends.
+        /// The omega at which the target ends.
         to: f64,
     },
-    /// A power for every degree, whatever the number of points.
+    /// A power for every degree, independent of the number of points.
     Table {
-        /// Where it comes from, for names and messages.
+        /// The source of the table, for names and messages.
         name: Arc<str>,
-        /// By degree from 0, which does not count.
+        /// Powers by degree from 0; degree 0 is ignored.
         power: Arc<[f64]>,
     },
 }
 
 impl PowerProfile {
-    /// `min(1, omega^2)` to omega = 2.
+    /// The profile `min(1, omega^2)` up to omega = 2.
     pub const QUADRATIC: Self =
         Self::Polynomial { exponent: 2.0, alpha: 1.0, gamma: 1.0, offset: 0.0, to: 2.0 };
 
-    /// Where a target may end, in units of sqrt(N).
+    /// The valid range of the end of a target, in units of sqrt(N).
     pub const TO_RANGE: Range = Range::left_open(0.0, 8.0);
 
-    /// The target for `n_points` points.
+    /// Returns the target for `n_points` points.
     ///
     /// # Errors
     ///
     /// [`Error::Parameter`] unless exponent, gamma and offset are finite and at least 0, alpha is
-    /// positive, `to` in (0, 8], there are 1 to `u32::MAX` points, and a table's powers are finite and
-    /// at least 0.
+    /// positive, `to` in (0, 8], there are 1 to `u32::MAX` points, and a table's powers are finite
+    /// and at least 0.
     pub fn target(&self, n_points: usize, domain: Domain) -> Result<SpectralTarget, Error> {
         let (exponent, alpha, gamma, offset, to) = match self {
             Self::Table { power, .. } => return SpectralTarget::new(power.to_vec()),
@@ -68,7 +68,7 @@ impl PowerProfile {
         if !Self::TO_RANGE.contains(to) {
             return Err(Error::Parameter { name: "to", range: "in (0, 8]", got: to });
         }
-        // Refused here, before a vector of as many degrees as the root of any number.
+        // Checked here, before a vector with one entry per degree is allocated.
         count::checked(n_points)?;
         let omega = |l: usize| l as f64 / domain.count_on_sphere(n_points).sqrt();
         let power = (0..).take_while(|&l| omega(l) <= to);

@@ -1,15 +1,15 @@
 use crate::{Domain, Error};
 
-/// The power P(l), white noise 1, that a pattern is to have at every degree from 1 to a last one;
-/// beyond, it is free.
+/// The prescribed power P(l) (1 for white noise) of a pattern at every degree from 1 to a last one;
+/// higher degrees are free.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SpectralTarget {
-    /// By degree; degree 0 does not count.
+    /// Powers by degree; degree 0 is ignored.
     power: Vec<f64>,
 }
 
 impl SpectralTarget {
-    /// The target `power[l]` for every degree l from 1; `power[0]` does not count.
+    /// Returns the target `power[l]` for every degree l from 1; `power[0]` is ignored.
     ///
     /// # Errors
     ///
@@ -25,37 +25,39 @@ impl SpectralTarget {
         }
     }
 
-    /// The last degree that has a target.
+    /// Returns the last degree that has a target.
     #[must_use]
     pub fn last_degree(&self) -> usize {
         self.power.len().saturating_sub(1)
     }
 
-    /// The target at degree `l`, if there is one: on the hemisphere odd degrees have none.
+    /// Returns the target at degree `l`, if any: on the hemisphere odd degrees have none.
     #[must_use]
     pub fn at(&self, l: usize, domain: Domain) -> Option<f64> {
         self.power.get(l).copied().filter(|_| l > 0 && domain.has_degree(l))
     }
 
-    /// The degrees that have a target, with it.
+    /// Returns the degrees that have a target, each with its target.
     pub(crate) fn degrees(&self, domain: Domain) -> impl Iterator<Item = (usize, f64)> {
         (0..self.power.len()).filter_map(move |l| Some((l, self.at(l, domain)?)))
     }
 
-    /// The coefficients that must vanish: `2l + 1` for each degree whose target is 0. N points have
-    /// `2N - 3` degrees of freedom, rotations left out.
+    /// Returns the number of coefficients that must vanish: `2l + 1` for each degree whose target
+    /// is 0. N points have `2N - 3` degrees of freedom modulo rotations.
     #[must_use]
     pub fn constraints(&self, domain: Domain) -> usize {
         self.degrees(domain).filter(|(_, p)| *p == 0.0).map(|(l, _)| 2 * l + 1).sum()
     }
 
-    /// The pair correlation at distance 0 that the target implies with white noise beyond,
+    /// Returns the pair correlation at distance 0 that the target implies, with white noise beyond
+    /// it,
     ///
     /// ```text
     /// g2(0) = 1 + (1/N) sum_l (2l+1) (P(l) - 1).
     /// ```
     ///
-    /// No pattern has a negative one, so none has such a spectrum; above 1 points attract each other.
+    /// A negative value is impossible, so no pattern has such a spectrum; above 1 points attract
+    /// each other.
     #[must_use]
     pub fn pair_correlation_at_zero(&self, n_points: usize, domain: Domain) -> f64 {
         let excess: f64 = self.degrees(domain).map(|(l, p)| (2 * l + 1) as f64 * (p - 1.0)).sum();
@@ -81,7 +83,7 @@ mod tests {
     }
 
     #[test]
-    fn powers_are_powers() {
+    fn invalid_powers_are_rejected() {
         for bad in [-1e-9, f64::NAN, f64::INFINITY] {
             assert!(SpectralTarget::new(vec![0.0, 1.0, bad]).is_err(), "{bad}");
             assert!(SpectralTarget::new(vec![bad, 1.0]).is_ok(), "degree 0 does not count: {bad}");

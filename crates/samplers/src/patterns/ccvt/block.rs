@@ -3,11 +3,11 @@ use pulp::{Arch, NullaryFnOnce};
 
 use super::distance::{Precision, squared_angle, stretch};
 
-/// Running sums and extremes are kept in this many lanes, without fused operations, so that
-/// results have the same bits whatever the width of the machine's registers.
+/// Number of lanes for running sums and extremes. Together with the absence of fused operations it
+/// makes results bit-identical for any register width.
 const LANES: usize = 8;
 
-/// Mass points by coordinate: those of one site, or a run of sites.
+/// Mass points by coordinate: those of one site or of consecutive sites.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Block<'a> {
     pub(super) x: &'a [f64],
@@ -15,24 +15,25 @@ pub(super) struct Block<'a> {
     pub(super) z: &'a [f64],
 }
 
-/// What the mass points of a site say about it.
+/// Moments of the mass points of a site.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Moments {
     /// Sum over the points of `(d/sin d) p`, whose projection onto the site's tangent plane is the
     /// sum of the logarithms of the points.
     pub(super) sum: DVec3,
     /// Largest squared chord from the site to a point.
-    pub(super) most: f64,
+    pub(super) max_chord2: f64,
     /// Sum of the squared geodesic distances from the site to the points.
     pub(super) energy: f64,
 }
 
-/// The lowering of the energy by giving each point of `own` site to the `other` one.
-struct Gains<'a> {
+/// Computes the reduction of the energy for moving each point from its `own` site to the `other`
+/// one.
+struct Reductions<'a> {
     block: Block<'a>,
     own: DVec3,
     other: DVec3,
-    gains: &'a mut [f64],
+    reductions: &'a mut [f64],
 }
 
 struct Sums<'a> {
@@ -40,13 +41,13 @@ struct Sums<'a> {
     site: DVec3,
 }
 
-/// A kernel for any number of terms, on vectors or on lines (vectors up to sign).
+/// A kernel for any number of terms, on vectors or on vectors up to sign.
 trait Kernel {
     type Output;
     fn run<const TERMS: usize, const LINES: bool>(self) -> Self::Output;
 }
 
-/// A kernel with its parameters, run with the machine's widest registers.
+/// A kernel with its parameters, dispatched to the widest registers of the machine.
 struct Dispatch<K> {
     kernel: K,
     lines: bool,
@@ -75,46 +76,50 @@ impl<K: Kernel> NullaryFnOnce for Dispatch<K> {
 }
 
 impl Block<'_> {
-    /// Writes d(p, own)^2 - d(p, other)^2 for each point p to `gains`, and returns the largest.
-    /// `most` bounds the squared chords.
-    pub(super) fn gains_into(
+    /// Writes d(p, own)^2 - d(p, other)^2 for each point p to `reductions`, and returns the
+    /// largest. `max_chord2` bounds the squared chords.
+    pub(super) fn reductions_into(
         self,
         arch: Arch,
         lines: bool,
         own: DVec3,
         other: DVec3,
-        most: f64,
-        gains: &mut [f64],
+        max_chord2: f64,
+        reductions: &mut [f64],
     ) -> f64 {
-        let kernel = Gains { block: self, own, other, gains };
-        arch.dispatch(Dispatch { kernel, lines, precision: Precision::up_to(most) })
+        let kernel = Reductions { block: self, own, other, reductions };
+        arch.dispatch(Dispatch { kernel, lines, precision: Precision::up_to(max_chord2) })
     }
 
-    /// The moments of the points about a site. `most` bounds the squared chords.
-    pub(super) fn moments(self, arch: Arch, lines: bool, site: DVec3, most: f64) -> Moments {
+    /// Returns the moments of the points about a site. `max_chord2` bounds the squared chords.
+    pub(super) fn moments(self, arch: Arch, lines: bool, site: DVec3, max_chord2: f64) -> Moments {
         let kernel = Sums { block: self, site };
-        arch.dispatch(Dispatch { kernel, lines, precision: Precision::up_to(most) })
+        arch.dispatch(Dispatch { kernel, lines, precision: Precision::up_to(max_chord2) })
     }
 }
 
-impl Kernel for Gains<'_> {
+impl Kernel for Reductions<'_> {
     type Output = f64;
 
     #[inline(always)]
     fn run<const TERMS: usize, const LINES: bool>(self) -> f64 {
-        let Self { block, own, other, gains } = self;
+        let Self { block, own, other, reductions } = self;
         let squared = |site: DVec3, x: f64, y: f64, z: f64| {
             squared_angle::<TERMS>(squared_chord::<LINES>(site, x, y, z).0)
         };
-        // One site after the other: side by side, the compiler fills registers with the two sites
-        // instead of with points.
-        for (((&x, &y), &z), gain) in block.x.iter().zip(block.y).zip(block.z).zip(&mut *gains) {
-            *gain = squared(own, x, y, z);
+        // The sites are processed one after the other: in a joint loop the compiler would vectorize
+        // over the two sites instead of over the points.
+        for (((&x, &y), &z), reduction) in
+            block.x.iter().zip(block.y).zip(block.z).zip(&mut *reductions)
+        {
+            *reduction = squared(own, x, y, z);
         }
-        for (((&x, &y), &z), gain) in block.x.iter().zip(block.y).zip(block.z).zip(&mut *gains) {
-            *gain -= squared(other, x, y, z);
+        for (((&x, &y), &z), reduction) in
+            block.x.iter().zip(block.y).zip(block.z).zip(&mut *reductions)
+        {
+            *reduction -= squared(other, x, y, z);
         }
-        largest(gains)
+        largest(reductions)
     }
 }
 
@@ -122,13 +127,13 @@ impl Kernel for Gains<'_> {
 fn largest(values: &[f64]) -> f64 {
     let larger = |a: f64, b: f64| if b > a { b } else { a };
     let (chunks, rest) = values.as_chunks::<LANES>();
-    let mut most = [f64::NEG_INFINITY; LANES];
+    let mut maxima = [f64::NEG_INFINITY; LANES];
     for chunk in chunks {
-        for (most, &value) in most.iter_mut().zip(chunk) {
-            *most = larger(*most, value);
+        for (maxima, &value) in maxima.iter_mut().zip(chunk) {
+            *maxima = larger(*maxima, value);
         }
     }
-    most.into_iter().chain(rest.iter().copied()).fold(f64::NEG_INFINITY, larger)
+    maxima.into_iter().chain(rest.iter().copied()).fold(f64::NEG_INFINITY, larger)
 }
 
 impl Kernel for Sums<'_> {
@@ -138,7 +143,7 @@ impl Kernel for Sums<'_> {
     fn run<const TERMS: usize, const LINES: bool>(self) -> Moments {
         let Self { block, site } = self;
         let [mut sx, mut sy, mut sz] = [[0.0; LANES]; 3];
-        let [mut most, mut energy] = [[0.0; LANES]; 2];
+        let [mut max_chord2, mut energy] = [[0.0; LANES]; 2];
         let mut add = |lane: usize, x: f64, y: f64, z: f64| {
             let (c, sign) = squared_chord::<LINES>(site, x, y, z);
             let weight = stretch::<TERMS>(c) * sign;
@@ -146,7 +151,7 @@ impl Kernel for Sums<'_> {
             sy[lane] += weight * y;
             sz[lane] += weight * z;
             energy[lane] += squared_angle::<TERMS>(c);
-            most[lane] = if c > most[lane] { c } else { most[lane] };
+            max_chord2[lane] = if c > max_chord2[lane] { c } else { max_chord2[lane] };
         };
         let (xs, x_rest) = block.x.as_chunks::<LANES>();
         let (ys, y_rest) = block.y.as_chunks::<LANES>();
@@ -162,14 +167,14 @@ impl Kernel for Sums<'_> {
         let total = |lanes: [f64; LANES]| lanes.into_iter().sum::<f64>();
         Moments {
             sum: DVec3::new(total(sx), total(sy), total(sz)),
-            most: most.into_iter().fold(0.0, f64::max),
+            max_chord2: max_chord2.into_iter().fold(0.0, f64::max),
             energy: total(energy),
         }
     }
 }
 
-/// The squared chord from a site to a point, or to the nearer of the point and its antipode, and
-/// the sign that leads to the one meant.
+/// Returns the squared chord from a site to a point, or to the nearer of the point and its
+/// antipode, and the sign of the nearer one.
 #[inline(always)]
 fn squared_chord<const LINES: bool>(site: DVec3, x: f64, y: f64, z: f64) -> (f64, f64) {
     let dot = site.x * x + site.y * y + site.z * z;
@@ -187,14 +192,14 @@ mod tests {
     use super::{Block, DVec3};
     use crate::{Domain, Purpose, Sampler, Streams, WhiteNoise, uniform_rotation};
 
-    /// The angle between two directions, or two lines.
+    /// Returns the angle between two directions, or between two directions up to sign.
     fn angle(lines: bool, a: DVec3, b: DVec3) -> f64 {
         let angle = a.cross(b).length().atan2(a.dot(b));
         if lines { angle.min(std::f64::consts::PI - angle) } else { angle }
     }
 
     #[test]
-    fn gains_and_moments_are_those_of_the_definition() {
+    fn reductions_and_moments_match_the_definition() {
         let mut rng = Streams::new(4, Purpose::Pattern, 0).realization(0);
         for (n, spread) in [(1, 0.01), (8, 0.03), (17, 0.1), (64, 0.3), (65, 0.5), (30, 10.0)] {
             for lines in [false, true] {
@@ -216,25 +221,33 @@ mod tests {
                         .map(|d2| (2.0 * (0.5 * d2.sqrt()).sin()).powi(2))
                         .fold(0.0, f64::max)
                 };
-                let most = bound(own).max(bound(other));
+                let max_chord2 = bound(own).max(bound(other));
 
-                let mut gains = vec![f64::NAN; n];
-                let best = block.gains_into(Arch::new(), lines, own, other, most, &mut gains);
-                // 1e-13 of the series and a few roundings of 2 - 2 cos d, more near antipodes.
-                let tolerance = if spread > 1.0 { 1e-12 } else { 1e-13 * most + 1e-14 };
+                let mut reductions = vec![f64::NAN; n];
+                let best = block.reductions_into(
+                    Arch::new(),
+                    lines,
+                    own,
+                    other,
+                    max_chord2,
+                    &mut reductions,
+                );
+                // The error 1e-13 of the series and a few roundings of 2 - 2 cos d, more near
+                // antipodes.
+                let tolerance = if spread > 1.0 { 1e-12 } else { 1e-13 * max_chord2 + 1e-14 };
                 for (k, (from, to)) in squares(own).zip(squares(other)).enumerate() {
-                    let off = (gains[k] - (from - to)).abs();
+                    let off = (reductions[k] - (from - to)).abs();
                     assert!(off < tolerance, "point {k} of {n}, spread {spread}: off by {off}");
                 }
-                let largest = gains.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+                let largest = reductions.iter().copied().fold(f64::NEG_INFINITY, f64::max);
                 assert_eq!(best.to_bits(), largest.to_bits(), "{best} is not {largest}");
                 let mut narrow = vec![f64::NAN; n];
-                block.gains_into(Arch::Scalar, lines, own, other, most, &mut narrow);
-                assert_eq!(gains, narrow, "the bits depend on the width of registers");
+                block.reductions_into(Arch::Scalar, lines, own, other, max_chord2, &mut narrow);
+                assert_eq!(reductions, narrow, "the bits depend on the width of registers");
 
-                let moments = block.moments(Arch::new(), lines, own, most);
-                assert!((moments.most - bound(own)).abs() < 1e-15 + 1e-12 * most);
-                let narrow = block.moments(Arch::Scalar, lines, own, most);
+                let moments = block.moments(Arch::new(), lines, own, max_chord2);
+                assert!((moments.max_chord2 - bound(own)).abs() < 1e-15 + 1e-12 * max_chord2);
+                let narrow = block.moments(Arch::Scalar, lines, own, max_chord2);
                 assert_eq!((moments.sum, moments.energy), (narrow.sum, narrow.energy));
                 let energy: f64 = squares(own).sum();
                 assert!((moments.energy - energy).abs() < n as f64 * tolerance);

@@ -16,7 +16,7 @@ const COEFFICIENTS: [f64; N_COEFFICIENTS] = {
     a
 };
 
-/// How many terms of the series a bound on the squared chord asks for.
+/// The number of terms of the series that a bound on the squared chord requires.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Precision {
     Four,
@@ -27,10 +27,11 @@ pub(super) enum Precision {
 }
 
 impl Precision {
-    /// The cheapest evaluation whose relative error is below 1e-13 up to squared chord `c`.
+    /// Returns the least expensive evaluation whose relative error is below 1e-13 up to squared
+    /// chord `c`.
     ///
-    /// The first term left out is `a_(n+1) c^n` relative to d^2, and the rest is smaller by
-    /// c/4 each; the derivative's is n + 1 times that.
+    /// The first omitted term is `a_(n+1) c^n` relative to d^2, and each further term is smaller by
+    /// c/4; for the derivative it is n + 1 times larger.
     pub(super) fn up_to(c: f64) -> Self {
         if c < 2.8e-3 {
             Self::Four
@@ -46,7 +47,7 @@ impl Precision {
     }
 }
 
-/// d^2 by `TERMS` terms, 0 for the arcsine itself.
+/// Returns d^2 from `TERMS` terms of the series, or from the arcsine if `TERMS` is 0.
 #[inline(always)]
 pub(super) fn squared_angle<const TERMS: usize>(c: f64) -> f64 {
     if TERMS == 0 {
@@ -60,14 +61,15 @@ pub(super) fn squared_angle<const TERMS: usize>(c: f64) -> f64 {
     sum * c
 }
 
-/// `d/sin d`, the derivative of d^2 by c: how much longer the tangent vector to a point is than
-/// the point's projection.
+/// Returns `d/sin d`, the derivative of d^2 with respect to c: the ratio of the length of the
+/// tangent vector to a point to the length of the point's projection.
 #[inline(always)]
 pub(super) fn stretch<const TERMS: usize>(c: f64) -> f64 {
     if TERMS == 0 {
         let half = (0.5 * c.max(0.0).sqrt()).min(1.0);
         let sin = 2.0 * half * ((1.0 - half) * (1.0 + half)).sqrt();
-        // At the antipode the direction is lost: the sum's share is 0 there, and finite.
+        // At the antipode the direction is undefined; the contribution to the sum is 0 there, and
+        // finite.
         return if half < 1e-4 { 1.0 + c / 6.0 } else { 2.0 * half.asin() / sin.max(1e-9) };
     }
     let mut sum = TERMS as f64 * COEFFICIENTS[TERMS - 1];
@@ -82,15 +84,15 @@ mod tests {
     use super::{COEFFICIENTS, Precision, squared_angle, stretch};
 
     #[test]
-    fn the_coefficients_are_those_of_the_squared_arcsine() {
+    fn the_coefficients_match_the_squared_arcsine() {
         for (n, inverse) in [1.0, 12.0, 90.0, 560.0, 3150.0, 16632.0].into_iter().enumerate() {
             let product = COEFFICIENTS[n] * inverse;
-            // One rounding per step of the recurrence and one here.
+            // One rounding per step of the recurrence, and one here.
             assert!((product - 1.0).abs() <= 6.0 * f64::EPSILON, "a_{} is off: {product}", n + 1);
         }
     }
 
-    /// d^2 and d/sin d with the precision asked for.
+    /// Returns d^2 and d/sin d with the requested precision.
     fn values(precision: Precision, c: f64) -> [f64; 2] {
         match precision {
             Precision::Four => [squared_angle::<4>(c), stretch::<4>(c)],
@@ -102,7 +104,7 @@ mod tests {
     }
 
     #[test]
-    fn every_precision_keeps_its_promise_up_to_its_limit() {
+    fn every_precision_meets_its_error_bound_up_to_its_limit() {
         let mut seen = Vec::new();
         for k in 1..4000u32 {
             let d = f64::from(k) * 1e-3 * 0.78;
@@ -112,7 +114,7 @@ mod tests {
                 seen.push(precision);
             }
             let [square, ratio] = values(precision, c);
-            // The arcsine near 1 magnifies the rounding of c by d/(4 - c) of it.
+            // Near 1 the arcsine amplifies the rounding of c by d/(4 - c).
             let rounding = 8.0 * f64::EPSILON * (1.0 + d * d / (4.0 - c));
             let off = (square / (d * d) - 1.0).abs();
             assert!(off < 1e-13 + rounding, "d = {d}, {precision:?}: d^2 off by {off}");

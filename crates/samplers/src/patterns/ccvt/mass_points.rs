@@ -7,12 +7,12 @@ use crate::{
     uniform_rotation,
 };
 
-/// What the mass of a tessellation is made of; it sets the spectrum at low degrees.
+/// The kind of mass points of a tessellation; it determines the spectrum at low degrees.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum MassPoints {
-    /// Independent uniform directions, new ones for every realization. Their own white noise
-    /// stays: `P(l) -> 1/capacity` as l -> 0.
+    /// Independent uniform directions, different in every realization. Their white noise remains:
+    /// `P(l) -> 1/capacity` as l -> 0.
     White,
     /// The spherical Fibonacci lattice, rotated uniformly for every realization.
     Fibonacci,
@@ -30,7 +30,7 @@ impl Choice for MassPoints {
 }
 
 impl MassPoints {
-    /// The name of the kind: `white`, `fibonacci` or `healpix`.
+    /// Returns the name of the kind: `white`, `fibonacci` or `healpix`.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -40,7 +40,7 @@ impl MassPoints {
         }
     }
 
-    /// Whether `count` mass points exist on `domain`.
+    /// Rejects a `count` of mass points that is invalid on `domain`.
     pub(super) fn check(self, count: usize, domain: Domain) -> Result<(), Error> {
         match self {
             Self::White | Self::Fibonacci => Ok(()),
@@ -68,7 +68,7 @@ impl MassPoints {
     }
 }
 
-/// The resolution at which HEALPix has `count` pixels, or antipodal pairs of pixels.
+/// Returns the resolution at which HEALPix has `count` pixels, or antipodal pairs of pixels.
 fn nside(count: usize, domain: Domain) -> Result<Nside, Error> {
     let (pixels, range) = match domain {
         Domain::Sphere => (Some(count), "12 nside^2 (12, 48, 108, ...)"),

@@ -2,25 +2,25 @@ use glam::DVec3;
 use rand::Rng;
 use rand_distr::{Distribution, StandardNormal};
 
-/// Mean vectors shorter than this belong to regions that are no cap: they have no tangent plane.
+/// Regions with mean vectors shorter than this have no meaningful tangent plane.
 const SHORTEST_MEAN: f64 = 0.2;
 
-/// A mass point with its place along the direction in which its region is divided.
+/// A mass point with its coordinate along the direction in which its region is divided.
 #[derive(Clone, Copy, Debug)]
 struct Placed {
     key: f64,
     point: DVec3,
 }
 
-/// Puts mass points in an order in which those of site k, `capacity` of them from `k capacity`
-/// on, lie close together.
+/// Sorts mass points so that those of site k, the `capacity` points from index `k capacity`, lie
+/// close together.
 ///
-/// The set is halved again and again, the parts holding what their sites need, across a random
-/// tangent direction. (The long axis of the region instead, its corners filled by chance, and
+/// The set is bisected recursively along a random tangent direction, each part holding the points
+/// of its sites. (Bisection along the long axis of the region, random filling of its corners, and
 /// random numbers of sites in the parts all lead to energies within 0.3 % of each other after the
-/// relaxation.) Lines are first brought to one side of a random plane.
+/// relaxation.) Points up to sign are first moved to one side of a random plane.
 ///
-/// If the law of the mass points is invariant under rotations, that of the order is as well.
+/// If the distribution of the mass points is invariant under rotations, so is that of the order.
 pub(super) fn divide(points: &mut [DVec3], capacity: usize, lines: bool, rng: &mut dyn Rng) {
     if lines {
         let up = random_direction(rng);
@@ -53,20 +53,21 @@ fn halve(placed: &mut [Placed], capacity: usize, rng: &mut dyn Rng) {
     halve(high, capacity, rng);
 }
 
-/// A uniform direction of the tangent plane at the middle of the region, which for a region as
-/// large as the sphere is any direction.
+/// Returns a uniform direction of the tangent plane at the middle of the region, or any direction
+/// for a region as large as the sphere.
 fn cut(placed: &[Placed], rng: &mut dyn Rng) -> DVec3 {
     let mean = placed.iter().map(|p| p.point).sum::<DVec3>() / placed.len() as f64;
     let direction = random_direction(rng);
     if mean.length() < SHORTEST_MEAN {
         return direction;
     }
-    // Any multiple of the direction gives the same order, even the zero vector some order.
+    // Any positive multiple of the direction gives the same order; even the zero vector gives a
+    // valid one.
     let normal = mean.normalize();
     direction - direction.dot(normal) * normal
 }
 
-/// A uniform direction.
+/// Returns a uniform direction.
 pub(super) fn random_direction(rng: &mut dyn Rng) -> DVec3 {
     loop {
         let mut normal = || -> f64 { StandardNormal.sample(&mut *rng) };
@@ -89,7 +90,7 @@ mod tests {
         for (n, capacity, lines) in [(1, 7, false), (2, 5, true), (37, 16, false), (64, 9, true)] {
             let mut points: Vec<DVec3> =
                 (0..n * capacity).map(|_| random_direction(&mut rng)).collect();
-            // What a point and its antipode have in common.
+            // The key shared by a point and its antipode.
             let sorted = |points: &[DVec3]| {
                 let mut all: Vec<_> =
                     points.iter().map(|p| if lines && p.z < 0.0 { -*p } else { *p }).collect();

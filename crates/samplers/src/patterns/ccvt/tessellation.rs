@@ -5,7 +5,7 @@ use crate::Domain;
 
 /// A capacity-constrained Voronoi tessellation: sites, each with its own mass points.
 ///
-/// Made by [`Ccvt::tessellate`](crate::Ccvt::tessellate).
+/// Created by [`Ccvt::tessellate`](crate::Ccvt::tessellate).
 #[derive(Clone, Debug)]
 pub struct Tessellation {
     pub(super) relaxation: Relaxation,
@@ -15,7 +15,7 @@ pub struct Tessellation {
 }
 
 impl Tessellation {
-    /// The sites, with z >= 0 on the hemisphere.
+    /// Returns the sites, with z >= 0 on the hemisphere.
     #[must_use]
     pub fn sites(&self) -> Vec<DVec3> {
         let mut sites = Vec::new();
@@ -28,34 +28,34 @@ impl Tessellation {
         sites.extend(self.relaxation.sites().iter().map(|&s| self.domain.representative(s)));
     }
 
-    /// The mass points of site `k`, as many as the capacity; on the hemisphere up to sign.
+    /// Returns the `capacity` mass points of site `k`; on the hemisphere up to sign.
     ///
     /// # Panics
     ///
-    /// If there is no site `k`.
+    /// Panics if `k` is not the index of a site.
     pub fn cell(&self, k: usize) -> impl ExactSizeIterator<Item = DVec3> + '_ {
         self.relaxation.cell(k)
     }
 
-    /// The normalized energy: the number of sites times the mean squared geodesic distance
+    /// Returns the normalized energy: the number of sites times the mean squared geodesic distance
     /// (radians) from a mass point to its site.
     ///
-    /// In the limit of large capacities no tessellation is below that of regular hexagons,
-    /// 10 pi/(9 sqrt 3) = 2.015 on the sphere and half of that on the hemisphere, whose cells
-    /// have half the area.
+    /// In the limit of large capacities no tessellation has a lower energy than regular hexagons,
+    /// 10 pi/(9 sqrt 3) = 2.015 on the sphere and half of that on the hemisphere, whose cells have
+    /// half the area.
     #[must_use]
     pub fn energy(&self) -> f64 {
         self.relaxation.energy()
     }
 
-    /// The number of passes over the neighbouring pairs of sites.
+    /// Returns the number of passes over the neighbouring pairs of sites.
     #[must_use]
     pub fn passes(&self) -> usize {
         self.passes
     }
 
-    /// Whether no exchange between two sites was left to lower the energy; `false` if the limit
-    /// of passes came first.
+    /// Returns whether no exchange between two sites lowers the energy; `false` if the limit of
+    /// passes was reached first.
     #[must_use]
     pub fn is_settled(&self) -> bool {
         self.is_settled

@@ -4,8 +4,8 @@ use glam::DVec3;
 
 use sphvar_warps::archimedes;
 
-/// A zonal rectangle: the directions between two heights and two longitudes; a polar cap or a
-/// whole zone where the longitudes make a full turn.
+/// A zonal rectangle: the directions between two heights and two longitudes; a polar cap or a whole
+/// zone if the longitudes span the full circle.
 ///
 /// Its area is `(z_max - z_min) (phi_max - phi_min)` (Archimedes), so that a uniform point is
 /// uniform in (z, phi).
@@ -17,47 +17,47 @@ pub struct Region {
 }
 
 impl Region {
-    /// The region between `drop[0] <= 1 - z <= drop[1]` and `phi[0] <= phi <= phi[1]`.
+    /// Returns the region between `drop[0] <= 1 - z <= drop[1]` and `phi[0] <= phi <= phi[1]`.
     pub(crate) fn new(drop: [f64; 2], phi: [f64; 2]) -> Self {
         Self { drop, phi }
     }
 
-    /// The heights `[z_min, z_max]`, within [-1, 1].
+    /// Returns the heights `[z_min, z_max]`, within [-1, 1].
     #[must_use]
     pub fn z(&self) -> [f64; 2] {
         [1.0 - self.drop[1], 1.0 - self.drop[0]]
     }
 
-    /// The longitudes `[phi_min, phi_max]` in radians, within [0, 2 pi].
+    /// Returns the longitudes `[phi_min, phi_max]` in radians, within [0, 2 pi].
     #[must_use]
     pub fn phi(&self) -> [f64; 2] {
         self.phi
     }
 
-    /// The colatitudes `[theta_min, theta_max]` in radians, within [0, pi].
+    /// Returns the colatitudes `[theta_min, theta_max]` in radians, within [0, pi].
     #[must_use]
     pub fn theta(&self) -> [f64; 2] {
         self.drop.map(colatitude)
     }
 
-    /// The area in steradian.
+    /// Returns the area in steradian.
     #[must_use]
     pub fn area(&self) -> f64 {
         (self.drop[1] - self.drop[0]) * (self.phi[1] - self.phi[0])
     }
 
-    /// The direction at the fractions `u` of the height, from the upper edge down, and `v` of
-    /// the longitude; both in [0, 1]. Uniform in the region if (u, v) is uniform in the square.
+    /// Returns the direction at the fractions `u` of the height, from the upper edge down, and `v`
+    /// of the longitude; both in [0, 1]. Uniform in the region if (u, v) is uniform in the square.
     #[must_use]
     pub fn uniform_point(&self, u: f64, v: f64) -> DVec3 {
         let [top, bottom] = self.drop;
         let [west, east] = self.phi;
-        // The sum may round past the edge.
+        // The sum may exceed the edge by rounding.
         let drop = (top + (bottom - top) * u).min(bottom);
         archimedes(drop, west + (east - west) * v)
     }
 
-    /// The direction in the middle of the colatitudes and the longitudes; the pole of a cap
+    /// Returns the direction in the middle of the colatitudes and the longitudes; the pole of a cap
     /// (Leopardi 2006, section 3). The whole sphere is centred at the north pole.
     #[must_use]
     pub fn centre(&self) -> DVec3 {
@@ -75,7 +75,7 @@ impl Region {
     }
 }
 
-/// The colatitude of the height 1 - `drop`, to rounding at both poles.
+/// Returns the colatitude of the height 1 - `drop`, to rounding at both poles.
 fn colatitude(drop: f64) -> f64 {
     2.0 * drop.sqrt().atan2((2.0 - drop).sqrt())
 }
@@ -91,7 +91,7 @@ mod tests {
         let octant = Region::new([0.0, 1.0], [0.0, FRAC_PI_2]);
         for (u, v, corner) in [(0.0, 0.3, DVec3::Z), (1.0, 0.0, DVec3::X), (1.0, 1.0, DVec3::Y)] {
             let p = octant.uniform_point(u, v);
-            // sin and cos of a rounded pi/2.
+            // The sine and cosine of a rounded pi/2.
             assert!((p - corner).length() < f64::EPSILON, "({u}, {v}) gave {p}");
         }
         let centre = octant.centre();

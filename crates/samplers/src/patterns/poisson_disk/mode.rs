@@ -2,17 +2,17 @@ use std::fmt;
 
 use sphvar_grammar::Choice;
 
-/// When a Poisson disk pattern is complete.
+/// The criterion by which a Poisson disk pattern is complete.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum DiskMode {
-    /// With exactly N points, whether or not there is room for more.
+    /// The set has exactly N points, whether or not more would fit.
     Exact,
-    /// When there is no room for another point: the set is maximal, and N is what comes out.
+    /// No further point fits: the set is maximal, and its number of points is random.
     Saturated,
 }
 
 impl DiskMode {
-    /// The mode's name: `exact` or `saturated`.
+    /// Returns the mode's name: `exact` or `saturated`.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {

@@ -2,8 +2,8 @@ use std::f64::consts::{FRAC_PI_6, SQRT_2};
 
 use crate::Domain;
 
-/// An upper bound of the least chord between any two of `n_points` points: infinite for one
-/// point, sharp for 2, 3, 4, 6 and 12 points of the sphere and 2 of the hemisphere.
+/// Returns an upper bound on the minimum chord of `n_points` points: infinite for one point, sharp
+/// for 2, 3, 4, 6 and 12 points of the sphere and 2 of the hemisphere.
 ///
 /// ```text
 /// chord^2 <= 4 - 1/sin^2(pi N / (6 (N - 2)))        N >= 3
@@ -26,7 +26,7 @@ fn fejes_toth(n_points: usize) -> f64 {
     }
     let n = n_points as f64;
     // With a = pi/6 + b, 4 - 1/sin^2 a = (4 sin^2 a - 1)/sin^2 a = 4 sin(b) sin(a + pi/6)/sin^2 a,
-    // which keeps its digits for large N.
+    // which avoids cancellation for large N.
     let b = FRAC_PI_6 * 2.0 / (n - 2.0);
     let a = FRAC_PI_6 + b;
     (4.0 * b.sin() * (a + FRAC_PI_6).sin()).sqrt() / a.sin()
@@ -44,7 +44,7 @@ mod tests {
             [(3, 3_f64.sqrt()), (4, (8.0 / 3_f64).sqrt()), (6, SQRT_2), (12, icosahedron)];
         for (n, chord) in expected {
             let got = greatest_chord(n, Domain::Sphere);
-            // Two sines, a root and a quotient.
+            // The roundings of two sines, a root and a quotient.
             assert!((got - chord).abs() < 8.0 * f64::EPSILON, "{n}: {got} against {chord}");
         }
         // The area of a hexagon of inradius r/2 is (sqrt(3)/2) r^2.
@@ -55,7 +55,7 @@ mod tests {
     }
 
     #[test]
-    fn one_point_is_alone_and_two_lines_are_at_most_perpendicular() {
+    fn one_point_has_no_bound_and_two_antipodal_pairs_are_at_most_perpendicular() {
         assert!(greatest_chord(1, Domain::Hemisphere).is_infinite());
         assert!((greatest_chord(2, Domain::Sphere) - 2.0).abs() < f64::EPSILON);
         assert!((greatest_chord(2, Domain::Hemisphere) - SQRT_2).abs() < f64::EPSILON);

@@ -7,7 +7,7 @@ use crate::{CostOrder, Domain, Error, PatternFacts, Rate, Sampler};
 /// Parameters of the pattern [`PoissonDisk`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PoissonDiskParameters {
-    /// When a set is complete.
+    /// The criterion by which a set is complete.
     pub mode: DiskMode,
     /// The minimum chord times sqrt(N), or [`PoissonDisk::default_radius`].
     pub radius: Option<f64>,

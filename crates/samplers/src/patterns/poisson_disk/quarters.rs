@@ -1,10 +1,10 @@
 use glam::DVec3;
 use sphvar_healpix::Cell;
 
-/// Bit k of a mask of children stands for the child at `(2 ix + k % 2, 2 iy + k / 2)`.
+/// Bit k of a mask of children represents the child at `(2 ix + k % 2, 2 iy + k / 2)`.
 pub(crate) const ALL_CHILDREN: u32 = 0b1111;
 
-/// A cell cut into its four children: what it takes to tell whether a disk covers them.
+/// A cell divided into its four children, with the data to test whether a disk covers them.
 ///
 /// A child is bounded by four smooth curves. Between its ends such a curve leaves its chord by
 /// at most `max |X''| / (8 nside^2)`, where `X''` is the second derivative with respect to a
@@ -19,7 +19,8 @@ pub(crate) struct Quarters {
 }
 
 impl Quarters {
-    /// The quarters of `parent`, whose slack need not be smaller than some hundredths of `chord`.
+    /// Returns the quarters of `parent`, whose slack need not be smaller than some hundredths of
+    /// `chord`.
     #[inline]
     pub(crate) fn new(parent: Cell, chord: f64) -> Self {
         let last = parent.nside().value() - 1;
@@ -39,7 +40,7 @@ impl Quarters {
 
         let at = |i: u32| parent.uniform_point(0.5 * f64::from(i % 3), 0.5 * f64::from(i / 3));
         let [s, e, w, n] = [0, 2, 6, 8].map(at);
-        // Means of corners are cheaper than five more points, and off by two sagittas of the
+        // Means of corners are less expensive than five more points, and off by two sagittas of the
         // parent, each four times a child's.
         let (points, sagittas) = if straddles || sagitta > chord / 160.0 {
             ([s, at(1), e, at(3), at(4), at(5), w, at(7), n], 1.0)
@@ -61,19 +62,19 @@ impl Quarters {
         DVec3::new(self.x[i], self.y[i], self.z[i])
     }
 
-    /// Keeps in `near`, which is at least as long as `points`, those of `points` whose disks of
-    /// radius `chord` can touch the parent, and returns how many they are.
+    /// Writes to `near`, which is at least as long as `points`, those of `points` whose disks of
+    /// radius `chord` can intersect the parent, and returns their number.
     #[inline]
     pub(crate) fn select(&self, points: &[DVec3], chord: f64, near: &mut [DVec3]) -> usize {
         let centre = self.point(4);
         let corner = |i| self.point(i).distance_squared(centre);
         let radius = corner(0).max(corner(2)).max(corner(6)).max(corner(8)).sqrt();
-        // The parent's own edges leave their chords by four sagittas of a child, and its inner
-        // points are nearer to the centre than its edges are.
+        // The edges of the parent deviate from their chords by four sagittas of a child, and its
+        // inner points are nearer to the centre than its edges.
         let reach = chord + radius + 5.0 * self.slack;
         let reach_squared = reach * reach;
         let mut len = 0;
-        // Without a branch: every second guess would be wrong.
+        // Branch-free, because every second branch would be mispredicted.
         for &point in points {
             near[len] = point;
             len += usize::from(point.distance_squared(centre) < reach_squared);
@@ -81,14 +82,15 @@ impl Quarters {
         len
     }
 
-    /// The children that lie within one disk of radius `chord` around one of `points`, as a mask.
+    /// Returns a mask of the children that lie within one disk of radius `chord` around one of
+    /// `points`.
     #[inline]
     pub(crate) fn covered(&self, points: &[DVec3], chord: f64) -> u32 {
         let inner = chord - self.slack;
         if inner <= 0.0 {
             return 0;
         }
-        // For each child the least, over the disks, of the greatest squared distance of a corner.
+        // For each child, the minimum over the disks of the maximum squared distance of a corner.
         let mut best = [f64::INFINITY; 4];
         for q in points {
             let d: [f64; 9] = std::array::from_fn(|i| {
@@ -112,7 +114,7 @@ impl Quarters {
     }
 }
 
-/// The larger of two numbers that are not NaN, which `f64::max` would have to check.
+/// Returns the larger of two numbers that are not NaN, which `f64::max` would have to check.
 #[inline]
 fn larger(a: f64, b: f64) -> f64 {
     if a > b { a } else { b }
@@ -130,7 +132,8 @@ mod tests {
         const STEPS: u32 = 16;
         for n in [1, 2, 3, 5, 8, 21, 64] {
             let nside = Nside::new(n).unwrap();
-            // Any chord: the large one makes means of corners legal, the small one forbids them.
+            // With the large chord means of corners are accurate enough; with the small one they
+            // are not.
             for chord in [1e-9, 1.0] {
                 for (face, ix, iy) in (0..12)
                     .flat_map(|face| (0..n).map(move |ix| (face, ix)))
@@ -178,7 +181,7 @@ mod tests {
                 for size in [0.7, 1.1, 1.9, 4.0] {
                     let chord = size / f64::from(n);
                     let quarters = Quarters::new(parent, chord);
-                    // A point at about the disk's radius from the cell, somewhere around it.
+                    // A point around the cell, at about the radius of the disk from it.
                     let (sin, cos) = f64::from(k).sin_cos();
                     let distance = (0.3 + 0.4 * f64::from(k % 5)) * chord;
                     let shift = DVec3::new(cos, sin, (2.3 * f64::from(k)).sin()) * distance;

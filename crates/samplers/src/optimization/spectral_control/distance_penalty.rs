@@ -4,22 +4,25 @@ use sphvar_healpix::Cell;
 use crate::Domain;
 use crate::search::Grid;
 
-/// A repulsion that ends at a chord `sigma`: `(kappa/2) sum_{pairs, r < sigma} (sigma - r)^2`.
+/// A penalty for pairs nearer than the chord `sigma`:
+/// `(kappa/2) sum_{pairs, r < sigma} (sigma - r)^2`.
 ///
-/// With kappa 1/2 one step down the gradient takes a pair that touches nothing else just apart.
+/// With kappa = 1/2 a unit step along the negative gradient moves an isolated pair exactly to the
+/// distance sigma.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct SoftCore {
+pub(crate) struct DistancePenalty {
     pub(crate) domain: Domain,
-    /// The chord, or 0 for no repulsion.
+    /// The chord, or 0 for no penalty.
     pub(crate) sigma: f64,
 }
 
 const KAPPA: f64 = 0.5;
 
-impl SoftCore {
-    /// The energy, whose gradient is added to `gradient`.
+impl DistancePenalty {
+    /// Returns the energy and adds its gradient to `gradient`.
     ///
-    /// Points at the same place overlap like others but have no direction in which to part, and exert no force.
+    /// Coincident points contribute to the energy like others, but they have no direction of
+    /// separation and contribute no force.
     pub(crate) fn add(&self, points: &[DVec3], gradient: &mut [DVec3]) -> f64 {
         if self.sigma <= 0.0 {
             return 0.0;
@@ -41,7 +44,7 @@ impl SoftCore {
                     met_itself = true;
                 } else if r < self.sigma {
                     let overlap = self.sigma - r;
-                    // Every pair is met from both its ends.
+                    // Every pair is visited from both its points.
                     energy += 0.25 * KAPPA * overlap * overlap;
                     if r > 0.0 {
                         *gradient -= KAPPA * overlap / r * apart;
@@ -52,7 +55,7 @@ impl SoftCore {
         energy
     }
 
-    /// The energy relative to that of as many pairs at one place as there are points.
+    /// Returns the energy relative to that of `n_points` coincident pairs.
     pub(crate) fn relative(&self, energy: f64, n_points: usize) -> f64 {
         if self.sigma > 0.0 {
             energy / (0.5 * KAPPA * self.sigma.powi(2) * n_points as f64)
@@ -64,15 +67,15 @@ impl SoftCore {
 
 #[cfg(test)]
 mod tests {
-    use super::{DVec3, Domain, SoftCore};
+    use super::{DVec3, DistancePenalty, Domain};
 
-    fn energy(core: SoftCore, points: &[DVec3]) -> (f64, Vec<DVec3>) {
+    fn energy(core: DistancePenalty, points: &[DVec3]) -> (f64, Vec<DVec3>) {
         let mut gradient = vec![DVec3::ZERO; points.len()];
         (core.add(points, &mut gradient), gradient)
     }
 
-    /// All pairs, by the definition.
-    fn definition(core: SoftCore, points: &[DVec3]) -> f64 {
+    /// Computes the energy over all pairs, by the definition.
+    fn definition(core: DistancePenalty, points: &[DVec3]) -> f64 {
         let mut sum = 0.0;
         for (i, p) in points.iter().enumerate() {
             for q in &points[..i] {
@@ -89,7 +92,7 @@ mod tests {
     }
 
     #[test]
-    fn it_is_the_sum_over_pairs_and_its_derivative() {
+    fn it_matches_the_sum_over_pairs_and_its_derivative() {
         let mut points: Vec<DVec3> = (0..40)
             .map(|k| {
                 let t = f64::from(k);
@@ -99,7 +102,7 @@ mod tests {
         points.extend([DVec3::Z, -DVec3::Z, DVec3::X]);
         for domain in [Domain::Sphere, Domain::Hemisphere] {
             for sigma in [0.0, 0.1, 0.5, 1.2] {
-                let core = SoftCore { domain, sigma };
+                let core = DistancePenalty { domain, sigma };
                 let (got, gradient) = energy(core, &points);
                 let expected = definition(core, &points);
                 assert!(
@@ -116,7 +119,7 @@ mod tests {
                         };
                         let slope = (at(h) - at(-h)) / (2.0 * h);
                         let off = (slope - gradient[k].dot(axis)).abs();
-                        // The second derivative jumps where a pair comes into touch.
+                        // The second derivative jumps where the distance of a pair reaches sigma.
                         assert!(off < 1e-5, "{domain}, {sigma}, point {k}: {slope}, {gradient:?}");
                     }
                 }
@@ -125,8 +128,8 @@ mod tests {
     }
 
     #[test]
-    fn coincident_points_do_not_break_it() {
-        let core = SoftCore { domain: Domain::Sphere, sigma: 0.3 };
+    fn coincident_points_are_handled() {
+        let core = DistancePenalty { domain: Domain::Sphere, sigma: 0.3 };
         let (got, gradient) = energy(core, &[DVec3::Z, DVec3::Z]);
         assert!((got - 0.5 * super::KAPPA * 0.09).abs() < 1e-15, "{got}");
         assert!(gradient.iter().all(|g| *g == DVec3::ZERO), "{gradient:?}");

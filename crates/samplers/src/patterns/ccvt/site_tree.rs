@@ -1,34 +1,36 @@
 use glam::DVec3;
 
-/// Sites of a leaf: fewer pairs than the test of two nodes would save.
+/// Maximum number of sites of a leaf; testing two smaller nodes costs more than testing their
+/// pairs.
 const LEAF: usize = 4;
 
-/// A range of sites and a ball around the balls of their mass points. Chords, not angles: the
-/// distance of three-space, or the smaller of two for lines, is a metric on both domains.
+/// A range of sites and a ball that encloses the balls of their mass points. Distances are chords,
+/// not angles: the Euclidean distance, or the smaller of two up to sign, is a metric on both
+/// domains.
 #[derive(Clone, Copy, Debug)]
 struct Node {
     start: usize,
     end: usize,
-    /// The two children, 0 for a leaf.
+    /// The two children; 0 for a leaf.
     children: [usize; 2],
     centre: DVec3,
     radius: f64,
 }
 
-/// Finds pairs of sites whose balls of mass points meet, by a tree over the sites in their order.
+/// A tree over the sites, in their order, that finds pairs whose balls of mass points intersect.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Encounters {
+pub(super) struct SiteTree {
     nodes: Vec<Node>,
 }
 
-/// The chord between two sites, or between the nearer two of their four ends.
+/// Returns the chord between two sites, or the smallest between the sites and their antipodes.
 #[inline(always)]
 pub(super) fn chord(lines: bool, a: DVec3, b: DVec3) -> f64 {
     let square = a.distance_squared(b);
     if lines { square.min((a + b).length_squared()).sqrt() } else { square.sqrt() }
 }
 
-impl Encounters {
+impl SiteTree {
     /// Calls `pair(i, j)` for each i < j with chord(i, j) < radii[i] + radii[j] + `slack`, in an
     /// order that depends on the arguments alone.
     pub(super) fn find(
@@ -131,11 +133,11 @@ impl Query<'_> {
 mod tests {
     use rand::RngExt;
 
-    use super::{Encounters, chord};
+    use super::{SiteTree, chord};
     use crate::{Domain, Purpose, Sampler, Streams, WhiteNoise};
 
     #[test]
-    fn the_pairs_are_those_of_all_comparisons() {
+    fn the_pairs_match_an_exhaustive_search() {
         let mut rng = Streams::new(2, Purpose::Pattern, 0).realization(0);
         for (n, scale) in [(1, 1.0), (2, 3.0), (5, 1.0), (150, 0.1), (151, 1.0)] {
             let mut sites = WhiteNoise::new(n, Domain::Sphere).sample(&mut rng).unwrap().points;
@@ -143,7 +145,7 @@ mod tests {
             let radii: Vec<f64> = (0..n).map(|_| scale * rng.random::<f64>()).collect();
             for lines in [false, true] {
                 let mut found = Vec::new();
-                Encounters::default().find(lines, &sites, &radii, 0.05, |i, j| found.push((i, j)));
+                SiteTree::default().find(lines, &sites, &radii, 0.05, |i, j| found.push((i, j)));
                 found.sort_unstable();
                 let mut all = Vec::new();
                 for i in 0..n {

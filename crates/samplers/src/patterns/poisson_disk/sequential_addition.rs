@@ -8,10 +8,11 @@ use crate::ensemble::progress::Tick;
 use crate::search::Grid;
 use crate::{Domain, Stopped};
 
-/// Darts per cell of the grid before the first subdivision: enough for two thirds of the points.
+/// Candidates per cell of the grid before the first subdivision: enough for two thirds of the
+/// points.
 const FIRST_RATE: f64 = 4.0;
 
-/// Darts per child. Rates from 0.5 to 2 cost the same within 10 %.
+/// Candidates per child. Rates from 0.5 to 2 cost the same within 10 %.
 const RATE: f64 = 1.0;
 
 /// The cells at which subdivision ends: those of the finest resolution from which a step to twice
@@ -20,56 +21,57 @@ const FINEST: u32 = Nside::MAX / 2;
 
 const FOUR_PI: f64 = 4.0 * std::f64::consts::PI;
 
-/// One run of random sequential addition: disks are placed one after the other, each centre
-/// uniform on what the disks before it have left free.
+/// One run of random sequential addition: disks are placed one after the other, each with its
+/// centre uniform in the region that the previous disks leave free.
 ///
 /// The method is that of hierarchical dart throwing (White, Cline and Egbert 2007; Gamito and
-/// Maddock 2009), with darts of a Poisson process instead of a chosen number: equal-area cells
-/// that together contain the free region, a front, receive darts at a constant rate per area, and
-/// each dart a uniform time. Taken in the order of their times these are uniform on the front, so
-/// that those that hit the free region, which is part of it, are uniform there: nothing is
-/// approximate. Then each cell is cut in four, children within one disk are dropped, and the next
-/// phase begins. As the darts of different cells are independent, a phase goes through
-/// the cells in the order of memory: cutting, dropping, throwing and the test against the disks
-/// of earlier phases are one pass with one list of near points; only the few darts that survive
-/// it are taken in the order of time.
+/// Maddock 2009), with candidates from a Poisson process instead of a fixed number. A front of
+/// equal-area cells that together contain the free region receives candidates at a constant rate
+/// per area, each with a uniform time. In the order of their times the candidates are uniform on
+/// the front, so those in the free region, a subset of the front, are uniform there; the method is
+/// exact. Each cell is then divided in four, children within one disk are dropped, and the next
+/// phase begins. Candidates of different cells are independent, so a phase visits the cells in
+/// memory order: division, dropping, sampling and the test against the disks of earlier phases are
+/// one pass with one list of near points. Only the few remaining candidates are processed in the
+/// order of time.
 ///
-/// Dropping children that two or three disks cover together (by clipping) was tried: a quarter of
-/// the cells less, at the same cost in all.
+/// Dropping children that two or three disks cover together (by clipping) was tried: it saves a
+/// quarter of the cells at the same total cost.
 #[derive(Debug)]
-pub(crate) struct DartSampler<'a> {
+pub(crate) struct SequentialAddition<'a> {
     rng: &'a mut ChaCha8Rng,
     domain: Domain,
     chord: f64,
     grid: Grid,
     front: Vec<Place>,
-    darts: Vec<Dart>,
+    candidates: Vec<Candidate>,
     order: Vec<u64>,
 }
 
-/// How a run ended.
+/// The outcome of a run.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum End {
     /// The limit was reached.
     Full,
-    /// Nothing is free outside cells of the finest resolution whose area is `unresolved` in all,
-    /// in steradian: each at most 1.5e-17, of which about 20 are left at a million points.
+    /// Nothing is free outside cells of the finest resolution with a total area of `unresolved`
+    /// steradian: each at most 1.5e-17, with about 20 left at a million points.
     Saturated {
         /// The area not known to be covered when subdivision ended.
         unresolved: f64,
     },
 }
 
-/// A dart that is in no disk of an earlier phase.
+/// A candidate outside all disks of earlier phases.
 #[derive(Clone, Copy, Debug)]
-struct Dart {
+struct Candidate {
     dir: DVec3,
     /// The cell of the grid that it lies in.
     place: u32,
 }
 
-impl<'a> DartSampler<'a> {
-    /// Disks of radius `chord`, any positive number, of which about `n_points` are expected.
+impl<'a> SequentialAddition<'a> {
+    /// Returns a run with disks of radius `chord`, any positive number, of which about `n_points`
+    /// are expected.
     pub(crate) fn new(domain: Domain, chord: f64, n_points: f64, rng: &'a mut ChaCha8Rng) -> Self {
         Self {
             rng,
@@ -77,12 +79,13 @@ impl<'a> DartSampler<'a> {
             chord,
             grid: Grid::new(domain, chord, n_points),
             front: Vec::new(),
-            darts: Vec::new(),
+            candidates: Vec::new(),
             order: Vec::new(),
         }
     }
 
-    /// Appends to `points` until there are `limit` of them or nothing is free; `tick` tells at each level whether to go on.
+    /// Appends to `points` until there are `limit` of them or nothing is free; `tick` is called at
+    /// each level and can stop the run.
     pub(crate) fn run(
         mut self,
         limit: usize,
@@ -110,11 +113,11 @@ impl<'a> DartSampler<'a> {
         }
     }
 
-    /// The first phase: the whole domain is free, and the cells are those of the grid.
+    /// Runs the first phase: the whole domain is free, and the cells are those of the grid.
     fn start(&mut self) {
         let nside = self.grid.nside();
         // The northern faces and the first two of the equator hold one cell of every antipodal
-        // pair, which is a hemisphere by area and the whole projective plane.
+        // pair, which has the area of a hemisphere and represents all antipodal pairs.
         let faces = match self.domain {
             Domain::Sphere => 12,
             Domain::Hemisphere => 6,
@@ -128,15 +131,15 @@ impl<'a> DartSampler<'a> {
                     let place = self.grid.place(cell);
                     for _ in 0..count.draw(self.rng) {
                         let (u, v) = (self.rng.random(), self.rng.random());
-                        self.darts.push(Dart { dir: cell.uniform_point(u, v), place });
+                        self.candidates.push(Candidate { dir: cell.uniform_point(u, v), place });
                     }
                 }
             }
         }
     }
 
-    /// Cuts the cells of the front, which is at `level` below the grid, drops what is covered and
-    /// throws the next darts.
+    /// Divides the cells of the front, which is at `level` below the grid, drops covered children
+    /// and generates the next candidates.
     fn refine(&mut self, level: u32) {
         let base = self.grid.nside().value();
         let (Ok(nside), Ok(fine)) = (Nside::new(base << level), Nside::new(base << (level + 1)))
@@ -147,11 +150,11 @@ impl<'a> DartSampler<'a> {
         let counts = [1.0, 2.0, 3.0, 4.0].map(|n_live| PoissonCount::new(RATE * n_live));
         let mut children = Vec::with_capacity(2 * self.front.len());
         let (mut around, mut near, mut near_place) = (Vec::new(), Vec::new(), None);
-        self.darts.clear();
+        self.candidates.clear();
         for &place in &self.front {
             let Some(parent) = place.cell(nside) else { continue };
             let grid_place = self.grid.place_above(parent, level);
-            // Cells of one grid cell follow one another.
+            // Cells of one grid cell are consecutive.
             if near_place != Some(grid_place) {
                 near_place = Some(grid_place);
                 self.grid.gather(grid_place, &mut around);
@@ -173,35 +176,38 @@ impl<'a> DartSampler<'a> {
             let live_children = &live_children[..n_live as usize];
             children.extend_from_slice(live_children);
             for _ in 0..counts[live_children.len() - 1].draw(self.rng) {
-                // Which child, and where in it: the whole and the broken part of one number.
+                // The integer part of one number selects the child, and the fractional part the
+                // position in it.
                 let across = f64::from(n_live) * self.rng.random::<f64>();
                 let index = [1.0, 2.0, 3.0].map(|i| usize::from(across >= i)).iter().sum::<usize>();
                 let child = live_children[index];
                 let Some(cell) = child.cell(fine) else { continue };
                 let dir = cell.uniform_point(across.fract(), self.rng.random());
                 if near.iter().all(|q| q.distance_squared(dir) >= chord_squared) {
-                    self.darts.push(Dart { dir, place: grid_place });
+                    self.candidates.push(Candidate { dir, place: grid_place });
                 }
             }
         }
         self.front = children;
     }
 
-    /// Takes the darts of a phase in the order of their times.
+    /// Processes the candidates of a phase in the order of their times.
     fn settle(&mut self, limit: usize, points: &mut Vec<DVec3>) {
         let chord_squared = self.chord * self.chord;
-        // Time above, index below: darts of equal times, one in 2^32 pairs, go by their index.
+        // The time is in the upper half and the index in the lower, so candidates of equal times,
+        // one in 2^32 pairs, are ordered by index.
         self.order.clear();
         let rng = &mut *self.rng;
-        self.order
-            .extend((0..self.darts.len() as u64).map(|i| u64::from(rng.random::<u32>()) << 32 | i));
+        self.order.extend(
+            (0..self.candidates.len() as u64).map(|i| u64::from(rng.random::<u32>()) << 32 | i),
+        );
         self.order.sort_unstable();
         for &key in &self.order {
             #[expect(clippy::cast_possible_truncation, reason = "the lower half is the index")]
-            let dart = self.darts[key as u32 as usize];
-            if !self.grid.has_near(dart.place, dart.dir, chord_squared) {
-                self.grid.insert(dart.place, dart.dir);
-                points.push(self.domain.representative(dart.dir));
+            let candidate = self.candidates[key as u32 as usize];
+            if !self.grid.has_near(candidate.place, candidate.dir, chord_squared) {
+                self.grid.insert(candidate.place, candidate.dir);
+                points.push(self.domain.representative(candidate.dir));
                 if points.len() == limit {
                     return;
                 }
@@ -240,7 +246,7 @@ impl Place {
     }
 }
 
-/// Numbers with the law of Poisson, by adding up probabilities.
+/// Poisson-distributed numbers, by summation of probabilities.
 #[derive(Clone, Copy, Debug)]
 struct PoissonCount {
     mean: f64,
@@ -248,7 +254,7 @@ struct PoissonCount {
 }
 
 impl PoissonCount {
-    /// Where adding up ends: for means up to 4 larger numbers have probability below 1e-25.
+    /// The largest number: for means up to 4, larger numbers have probability below 1e-25.
     const MOST: u32 = 40;
 
     fn new(mean: f64) -> Self {
