@@ -10,15 +10,15 @@ use crate::shape::{coaxial, colatitude_between};
 
 /// The harmonic coefficients of a function, `F_lm = int F conj Y_lm`, to some degree.
 ///
-/// A sum of zonal parts, each about an axis of its own and with one number a degree,
+/// The sum of zonal parts, each about its own axis and with one coefficient per degree,
 ///
 /// ```text
 /// F(x) = sum_l c_l Y_l0(angle between x and axis) + ...,   Y_l0 = sqrt((2l+1)/(4 pi)) P_l
 /// ```
 ///
-/// and of a general part with all orders. Zonal parts take memory and time in proportion to the
-/// degree, so that they are good for a degree of 100000; inner products between them need `P_l` of the
-/// angle between their axes only.
+/// and of a general part with all orders. Zonal parts take memory and time proportional to the
+/// degree, which makes degrees of 100000 practical; inner products between them need only `P_l` of
+/// the angle between their axes.
 ///
 /// # Examples
 ///
@@ -48,15 +48,16 @@ struct Zonal {
 }
 
 impl Coefficients {
-    /// The coefficients `per_degree` (l = 0 ..= lmax, at least one) of `Y_l0` about `axis`.
+    /// Returns the function with coefficients `per_degree` (l = 0 ..= lmax, at least one) of `Y_l0`
+    /// about `axis`.
     ///
     /// # Errors
     ///
-    /// [`Error::Harmonics`] if `axis` is no unit vector.
+    /// [`Error::Harmonics`] if `axis` is not a unit vector.
     ///
     /// # Panics
     ///
-    /// If `per_degree` is empty.
+    /// Panics if `per_degree` is empty.
     pub fn zonal(axis: DVec3, per_degree: Vec<f64>) -> Result<Self, Error> {
         assert!(!per_degree.is_empty(), "the coefficient of degree 0 is always there");
         // The evaluation checks the axis.
@@ -65,19 +66,19 @@ impl Coefficients {
         Ok(Self { lmax, zonals: vec![Zonal { axis, per_degree }], general: None })
     }
 
-    /// The coefficients of all orders.
+    /// Returns the coefficients of all orders.
     #[must_use]
     pub fn general(alm: Alm) -> Self {
         Self { lmax: alm.lmax(), zonals: vec![], general: Some(alm) }
     }
 
-    /// The largest degree, inclusive.
+    /// Returns the largest degree, inclusive.
     #[must_use]
     pub fn lmax(&self) -> usize {
         self.lmax
     }
 
-    /// The axis and the coefficients of `Y_l0` about it, if the function is zonal.
+    /// Returns the axis and the coefficients of `Y_l0` about it, if the function is zonal.
     #[must_use]
     pub fn as_zonal(&self) -> Option<(DVec3, &[f64])> {
         match (&self.general, self.zonals.as_slice()) {
@@ -86,7 +87,7 @@ impl Coefficients {
         }
     }
 
-    /// `F_00`, of which the integral is `sqrt(4 pi)` times.
+    /// Returns `F_00`; the integral is `sqrt(4 pi)` times that.
     #[must_use]
     pub fn mean(&self) -> f64 {
         let zonals: f64 = self.zonals.iter().map(|z| z.per_degree[0]).sum();
@@ -95,12 +96,12 @@ impl Coefficients {
 
     /// `E(l) = sum_m |F_lm|^2` for l = 0 ..= lmax.
     ///
-    /// Cost: O(lmax^2) with a general part, else O(lmax) for each pair of axes, or O(lmax^2) for each axis if there are
-    /// more than lmax.
+    /// The cost is O(lmax^2) with a general part, otherwise O(lmax) per pair of axes, or O(lmax^2)
+    /// per axis if there are more than lmax axes.
     ///
     /// # Errors
     ///
-    /// [`Error::Harmonics`] if lmax is beyond the degrees that can be evaluated.
+    /// [`Error::Harmonics`] if lmax exceeds the supported degrees.
     pub fn energy_per_degree(&self) -> Result<Vec<f64>, Error> {
         if self.has_many_axes() {
             return Ok(self.to_alm()?.energy_per_degree());
@@ -120,15 +121,15 @@ impl Coefficients {
                 add(&mut energy, 2.0, &zonal.inner_general(alm)?);
             }
         }
-        // Parts that cancel leave rounding of either sign.
+        // Cancellation leaves rounding errors of either sign.
         Ok(energy.into_iter().map(|e| e.max(0.0)).collect())
     }
 
-    /// `sum_m F_lm conj G_lm` for every degree that both have.
+    /// Returns `sum_m F_lm conj G_lm` for every degree of both functions.
     ///
     /// # Errors
     ///
-    /// As [`energy_per_degree`](Self::energy_per_degree).
+    /// Those of [`energy_per_degree`](Self::energy_per_degree).
     pub fn inner_per_degree(&self, other: &Self) -> Result<Vec<f64>, Error> {
         for (many, few) in [(self, other), (other, self)] {
             if many.has_many_axes() {
@@ -161,17 +162,19 @@ impl Coefficients {
         Ok(sum)
     }
 
-    /// The degree-l part of the function at a direction, `sum_m F_lm Y_lm(dir)`, for l = 0 ..= lmax.
+    /// Returns the degree-l part of the function at a direction, `sum_m F_lm Y_lm(dir)`, for l = 0
+    /// ..= lmax.
     ///
     /// # Errors
     ///
-    /// [`Error::Harmonics`] if `dir` is no unit vector.
+    /// [`Error::Harmonics`] if `dir` is not a unit vector.
     pub fn values_per_degree(&self, dir: DVec3) -> Result<Vec<f64>, Error> {
         let at = Self::zonal(dir, delta(self.lmax))?;
         self.inner_per_degree(&at)
     }
 
-    /// These coefficients plus `weight` times `other`, to the smaller of the two degrees.
+    /// Returns these coefficients plus `weight` times `other`, up to the smaller of the two
+    /// degrees.
     ///
     /// # Errors
     ///
@@ -196,7 +199,7 @@ impl Coefficients {
         Ok(self)
     }
 
-    /// `weight` times these coefficients.
+    /// Returns these coefficients times `weight`.
     #[must_use]
     pub fn scaled(mut self, weight: f64) -> Self {
         for zonal in &mut self.zonals {
@@ -208,13 +211,13 @@ impl Coefficients {
         self
     }
 
-    /// The coefficients of `F(x) + F(-x)`: twice the even degrees, nothing in odd ones.
+    /// Returns the coefficients of `F(x) + F(-x)`: twice the even degrees, 0 in odd ones.
     #[must_use]
     pub fn even_extension(self) -> Self {
         self.even_part().scaled(2.0)
     }
 
-    /// The coefficients of `(F(x) + F(-x))/2`: the even degrees.
+    /// Returns the coefficients of `(F(x) + F(-x))/2`: the even degrees.
     #[must_use]
     pub fn even_part(mut self) -> Self {
         for zonal in &mut self.zonals {
@@ -229,10 +232,11 @@ impl Coefficients {
         self
     }
 
-    /// The coefficients of the function after a rotation, `F(R^-1 x)`.
+    /// Returns the coefficients of the function after a rotation, `F(R^-1 x)`.
     ///
-    /// The general part goes through its values on a Gauss-Legendre grid, which is exact for what is
-    /// band-limited; to rounding up to degree 64, to 1e-12 of its size beyond.
+    /// The general part is evaluated on a Gauss-Legendre grid, which is exact for band-limited
+    /// functions; the result is accurate to rounding up to degree 64 and to a relative 1e-12
+    /// beyond.
     ///
     /// # Errors
     ///
@@ -245,7 +249,7 @@ impl Coefficients {
         Ok(self)
     }
 
-    /// The coefficients of all orders.
+    /// Returns the coefficients of all orders.
     ///
     /// # Errors
     ///
@@ -262,17 +266,17 @@ impl Coefficients {
             for m in 0..=self.lmax {
                 let mut column = vec![0.0; self.lmax + 1 - m];
                 plan.column_into(m, colatitude, &mut column);
-                let turn = Complex::cis(-(m as f64) * phi);
+                let phase = Complex::cis(-(m as f64) * phi);
                 let terms = column.iter().zip(&zonal.per_degree[m..]).enumerate();
                 for (a, (n, (lambda, c))) in alm.column_mut(m).iter_mut().zip(terms) {
-                    *a += turn * (c * lambda / peak(m + n));
+                    *a += phase * (c * lambda / peak(m + n));
                 }
             }
         }
         Ok(alm)
     }
 
-    /// Whether coefficients of all orders take less time than pairs of axes.
+    /// Returns whether coefficients of all orders take less time than pairs of axes.
     fn has_many_axes(&self) -> bool {
         self.zonals.len() > self.lmax.max(8)
     }
@@ -311,7 +315,7 @@ impl Coefficients {
 }
 
 impl Zonal {
-    /// The inner products with another zonal function, by the addition theorem.
+    /// Returns the inner products with another zonal function, by the addition theorem.
     fn inner(&self, other: &Self) -> Result<Vec<f64>, Error> {
         let lmax = self.per_degree.len().min(other.per_degree.len()) - 1;
         let mut column = vec![0.0; lmax + 1];
@@ -323,7 +327,7 @@ impl Zonal {
         Ok(column)
     }
 
-    /// The inner products with a general function: its value on the axis, degree by degree.
+    /// Returns the inner products with a general function: its value on the axis, degree by degree.
     fn inner_general(&self, alm: &Alm) -> Result<Vec<f64>, Error> {
         let lmax = alm.lmax().min(self.per_degree.len() - 1);
         let plan = LegendrePlan::new(lmax)?;
@@ -334,9 +338,9 @@ impl Zonal {
         for m in 0..=lmax {
             let lambda = &mut column[..=lmax - m];
             plan.column_into(m, colatitude, lambda);
-            let turn = Complex::cis(m as f64 * phi) * if m == 0 { 1.0 } else { 2.0 };
+            let phase = Complex::cis(m as f64 * phi) * if m == 0 { 1.0 } else { 2.0 };
             for ((v, a), lambda) in values[m..].iter_mut().zip(alm.column(m)).zip(&*lambda) {
-                *v += lambda * (a * turn).re;
+                *v += lambda * (a * phase).re;
             }
         }
         for (l, v) in values.iter_mut().enumerate() {
@@ -351,7 +355,7 @@ fn peak(l: usize) -> f64 {
     ((2 * l + 1) as f64 / (4.0 * PI)).sqrt()
 }
 
-/// The coefficients of a Dirac mass on the axis.
+/// Returns the coefficients of a Dirac mass on the axis.
 fn delta(lmax: usize) -> Vec<f64> {
     (0..=lmax).map(peak).collect()
 }
@@ -362,9 +366,9 @@ fn add(sum: &mut [f64], weight: f64, terms: &[f64]) {
     }
 }
 
-/// The largest degree that is rotated by the exact transform, in O(lmax^4).
+/// The largest degree rotated by the exact transform, in O(lmax^4).
 const EXACT_ROTATION: usize = 64;
-/// The accuracy of the fast transform beyond.
+/// The accuracy of the fast transform beyond that degree.
 const ROTATION_EPSILON: f64 = 1e-13;
 
 fn rotate(alm: &Alm, rotation: DMat3) -> Result<Alm, Error> {
@@ -381,19 +385,19 @@ fn rotate(alm: &Alm, rotation: DMat3) -> Result<Alm, Error> {
         }
     }
     let back = rotation.transpose();
-    let turned: Vec<DVec3> = points.iter().map(|&p| (back * p).normalize()).collect();
+    let rotated_points: Vec<DVec3> = points.iter().map(|&p| (back * p).normalize()).collect();
     let mut values = vec![0.0; points.len()];
     let mut out = Alm::zeros(lmax)?;
     if lmax <= EXACT_ROTATION {
         let transform = ExactTransform::new(lmax)?;
         let mut workspace = ExactWorkspace::default();
-        transform.synthesis_into(alm, &turned, &mut workspace, &mut values);
+        transform.synthesis_into(alm, &rotated_points, &mut workspace, &mut values);
         values.iter_mut().zip(weights).for_each(|(v, w)| *v *= w);
         transform.adjoint_into(&points, Some(&values), &mut workspace, &mut out);
     } else {
         let transform = FastTransform::new(lmax, ROTATION_EPSILON)?;
         let mut workspace = FastWorkspace::default();
-        transform.synthesis_into(alm, &turned, &mut workspace, &mut values);
+        transform.synthesis_into(alm, &rotated_points, &mut workspace, &mut values);
         values.iter_mut().zip(weights).for_each(|(v, w)| *v *= w);
         transform.adjoint_into(&points, Some(&values), &mut workspace, &mut out);
     }

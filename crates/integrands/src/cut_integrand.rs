@@ -5,8 +5,8 @@ use sphvar_sh::Domain;
 
 use crate::{Cap, Error, Integrand, Shape};
 
-/// How an integral over the hemisphere is estimated from a sphere set of M points of which the n above the
-/// equator are kept.
+/// The estimator of an integral over the hemisphere from the n points above the equator of a sphere
+/// set of M points.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum CutEstimator {
     /// `(4 pi/M) sum f`: unbiased.
@@ -15,12 +15,13 @@ pub enum CutEstimator {
     Ratio,
 }
 
-/// What a cut sphere set integrates over the whole sphere in place of f: `f 1_H` for the unbiased estimate and
-/// `(f - mean f) 1_H` for the ratio estimate, to first order in 1/M; H is the hemisphere z >= 0.
+/// The function that replaces f over the whole sphere for the visible half of a sphere set: `f 1_H`
+/// for the unbiased estimate and, to first order in 1/M, `(f - mean f) 1_H` for the ratio estimate;
+/// H is the hemisphere z >= 0.
 ///
-/// Its energies on the sphere and the spectrum of the sphere set predict the variance of the estimate
-/// (`sphvar_variance::predict`). The equator is an edge of it unless f vanishes there, so energies fall as
-/// l^-2 even if f is smooth: the cost of the cut.
+/// Its energies on the sphere and the spectrum of the sphere set predict the variance of the
+/// estimate (`sphvar_variance::predict`). The equator is an edge of this function unless f vanishes
+/// there, so energies fall as l^-2 even if f is smooth.
 pub struct CutIntegrand<'a> {
     function: &'a dyn Integrand,
     /// 0, or the mean of f over the hemisphere.
@@ -35,11 +36,11 @@ impl std::fmt::Debug for CutIntegrand<'_> {
 }
 
 impl<'a> CutIntegrand<'a> {
-    /// What `estimator` integrates in place of `function`.
+    /// Returns the function that `estimator` integrates in place of `function`.
     ///
     /// # Errors
     ///
-    /// [`Error::NoEnergy`] if the ratio estimate needs an integral over the hemisphere that is not known.
+    /// [`Error::NoEnergy`] if the ratio estimate requires an unknown integral over the hemisphere.
     pub fn new(function: &'a dyn Integrand, estimator: CutEstimator) -> Result<Self, Error> {
         let offset = match estimator {
             CutEstimator::Unbiased => 0.0,
@@ -67,7 +68,7 @@ impl Integrand for CutIntegrand<'_> {
     }
 
     fn shape(&self) -> Result<Shape, Error> {
-        // A constant is nowhere nothing: the sum with it forgets what the function is confined to.
+        // A constant has no zeros, so the sum with it loses the support of the function.
         let constant = (self.offset != 0.0).then(|| Shape::smooth(0).zonal(DVec3::Z).even());
         let function = self.function.shape()?;
         let whole = constant.map_or(function.clone(), |constant| function.sum(&constant));
@@ -85,8 +86,8 @@ mod tests {
     use super::{CutEstimator, CutIntegrand};
     use crate::{Cap, ClampedCosine, Harmonic, Integrand, Rotated};
 
-    /// `int (f 1_H)^2` is half of the even extension's, and centred it is less by `(int f)^2/(2 pi)`; a function
-    /// that vanishes below the equator is its own upper half.
+    /// `int (f 1_H)^2` is half that of the even extension, and the centred one is smaller by
+    /// `(int f)^2/(2 pi)`. A function that vanishes below the equator is its own upper half.
     #[test]
     fn energies_are_those_of_the_upper_half() {
         let cap = Cap::from_degrees(60.0).unwrap();
@@ -105,7 +106,7 @@ mod tests {
             let (unbiased, ratio) = (cut(CutEstimator::Unbiased), cut(CutEstimator::Ratio));
             let square = 0.5 * function.square(Domain::Hemisphere).unwrap();
             let integral = function.exact(Domain::Hemisphere).unwrap();
-            // Quadrature to rounding: a few hundred roundings.
+            // The quadrature is exact up to a few hundred roundings.
             let same = |got: f64, expected: f64| (got - expected).abs() <= 1e-12 * square;
             assert!(same(unbiased.total(), square), "{name}: {unbiased:?}");
             let centred = square - integral * integral / (2.0 * PI);

@@ -4,15 +4,15 @@ use crate::{
     EnvironmentMap, EnvironmentParameters, Error, HealpixMap, HealpixMapParameters, Integrand,
 };
 
-/// What an integrand's file states of it, besides name and summary in the list of `functions`.
+/// The definition of an integrand, apart from its name and summary in the list of `functions`.
 ///
-/// [`Parametric`] declares the parameters, with ranges and defaults.
+/// [`Parametric`] declares the parameters with their ranges and defaults.
 pub(crate) trait Definition: Parametric {
-    /// Returns the integrand with these parameters; files that they name are read by `files`.
+    /// Returns the integrand with these parameters; `files` reads the files that they name.
     fn build(&self, files: &dyn IntegrandResolver) -> Result<Box<dyn Integrand>, Error>;
 }
 
-/// Supplies the contents of files that texts of integrands name, as in `env:FILE` and `map:FILE`.
+/// Reads the files named in integrand specifications, as in `env:FILE` and `map:FILE`.
 pub trait IntegrandResolver {
     /// Returns the environment map of a file, with its pole at +z.
     ///

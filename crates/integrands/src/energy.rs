@@ -2,13 +2,14 @@ use sphvar_sh::{Bands, ByParity, Domain};
 
 use crate::Error;
 
-/// The energy of a function per band, on the sphere per degree, `E(l) = sum_m |F_lm|^2`, and its total over all bands.
+/// The energy of a function per band (on the sphere per degree, `E(l) = sum_m |F_lm|^2`) and in
+/// total.
 ///
 /// `P_F(l) = E(l)/(2l+1)`. For an integrand on the hemisphere F is the even extension to the
 /// sphere, so odd degrees are 0 and the total is twice the hemisphere's `int f^2`.
 ///
-/// The total is known apart for the mean (band 0), the even bands beyond it and the odd bands: a point set may have
-/// another mean power at high even degrees than at high odd ones.
+/// The total is stored separately for the mean (band 0), the even bands beyond it and the odd
+/// bands, because the mean power of a point set may differ between high even and high odd degrees.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Energy<B = Domain> {
     bands: B,
@@ -17,59 +18,60 @@ pub struct Energy<B = Domain> {
 }
 
 impl<B: Bands> Energy<B> {
-    /// From the energies of the bands from 0 on (at least band 0), and the totals of even bands from 1 on and of odd
-    /// bands, `int (F - mean)^2` of the even and of the odd part of F.
+    /// Returns the energy from that of the bands from 0 (at least band 0) and the totals of the
+    /// even bands from 1 and of the odd bands, `int (F - mean)^2` of the even and of the odd part
+    /// of F.
     ///
     /// # Panics
     ///
-    /// If `per_band` is empty.
+    /// Panics if `per_band` is empty.
     #[must_use]
     pub fn new(bands: B, per_band: Vec<f64>, centred: ByParity) -> Self {
         assert!(!per_band.is_empty(), "the energy of band 0 is always there");
         Self { bands, per_band, centred }
     }
 
-    /// The bands that energies are known of, from band 0 on.
+    /// Returns the bands whose energies are known, from band 0.
     #[must_use]
     pub fn bands(&self) -> &B {
         &self.bands
     }
 
-    /// The energies by band from 0: E(l).
+    /// Returns the energies E(l) by band from 0.
     #[must_use]
     pub fn per_band(&self) -> &[f64] {
         &self.per_band
     }
 
-    /// The last band given, inclusive: the largest degree.
+    /// Returns the last known band, inclusive: the largest degree.
     #[must_use]
     pub fn lmax(&self) -> usize {
         self.per_band.len() - 1
     }
 
-    /// `int F^2`, the energy of all bands.
+    /// Returns `int F^2`, the energy of all bands.
     #[must_use]
     pub fn total(&self) -> f64 {
         self.per_band[0] + self.centred.sum()
     }
 
-    /// `int (F - mean)^2`, the energy of all even bands from 1 on and of all odd bands.
+    /// Returns `int (F - mean)^2`, the energy of all even bands from 1 and of all odd bands.
     #[must_use]
     pub fn centred(&self) -> ByParity {
         self.centred
     }
 
-    /// The energy beyond degree `lmax` (or beyond what is given, if that is less), never negative; that of degrees from 1
-    /// on for lmax = 0.
+    /// Returns the nonnegative energy beyond degree `lmax` (or beyond the last known band, if that
+    /// is smaller); for lmax = 0, that of all degrees from 1.
     #[must_use]
     pub fn beyond(&self, lmax: usize) -> f64 {
         self.beyond_by_parity(lmax).sum()
     }
 
-    /// The energy beyond degree `lmax` by parity of the degree.
+    /// Returns the energy beyond degree `lmax` by parity of the degree.
     ///
-    /// The difference of two nearly equal numbers: what is within the rounding of the sum,
-    /// `4 EPSILON sqrt(lmax + 1) int (F - mean)^2`, is taken for the 0 that it may be.
+    /// It is the difference of two nearly equal numbers. A result within the rounding of the sum,
+    /// `4 EPSILON sqrt(lmax + 1) int (F - mean)^2`, is replaced by 0.
     #[must_use]
     pub fn beyond_by_parity(&self, lmax: usize) -> ByParity {
         let known = &self.per_band[..self.per_band.len().min(lmax.saturating_add(1))];
@@ -77,7 +79,7 @@ impl<B: Bands> Energy<B> {
         for (band, e) in known.iter().enumerate().skip(1) {
             *sums.at_mut(self.bands.is_even(band)) += e;
         }
-        // Each coefficient of the sum and the sum itself round by some EPSILON of the total.
+        // Each coefficient and the sum itself are rounded by some EPSILON of the total.
         let rounding = 4.0 * f64::EPSILON * self.centred.sum() * (known.len() as f64).sqrt();
         self.centred.zip(sums).map(|(total, sum)| {
             let tail = total - sum;
@@ -87,24 +89,25 @@ impl<B: Bands> Energy<B> {
 }
 
 impl Energy {
-    /// The range of root mean squares of functions whose variances are computed with all digits: beyond it variances
-    /// or their errors leave the range of numbers.
+    /// The range of root mean squares for which variances are computed to full precision: beyond it
+    /// variances or their errors overflow or underflow.
     pub const MAGNITUDES: [f64; 2] = [1e-151, 1e151];
 
-    /// The domain of the integrand.
+    /// Returns the domain of the integrand.
     #[must_use]
     pub fn domain(&self) -> Domain {
         self.bands
     }
 
-    /// The variance that is no more than rounding of a prediction: power and energies are squares of sums whose terms have
-    /// the size of the integrand less its mean.
+    /// Returns the variance below which a prediction is rounding only: power and energies are
+    /// squares of sums whose terms have the size of the integrand minus its mean.
     #[must_use]
     pub fn prediction_rounding(&self) -> f64 {
         (4.0 * f64::EPSILON).powi(2) * self.bands.area() * self.centred.sum()
     }
 
-    /// Checks that the function's root mean square is 0 or within [`MAGNITUDES`](Self::MAGNITUDES).
+    /// Checks that the root mean square of the function is 0 or within
+    /// [`MAGNITUDES`](Self::MAGNITUDES).
     ///
     /// # Errors
     ///

@@ -1,4 +1,4 @@
-/// Why an integrand cannot be built or its energy not be given.
+/// The reason why an integrand cannot be built or its energy is unavailable.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
@@ -20,7 +20,7 @@ pub enum Error {
         /// The order.
         m: i64,
     },
-    /// The integrand does not know its energy per degree.
+    /// The energy per degree of the integrand is unknown.
     #[error("the energy per degree of this integrand is not known: {reason}")]
     NoEnergy {
         /// Why.
@@ -32,7 +32,8 @@ pub enum Error {
         /// Why.
         reason: String,
     },
-    /// The values of an integrand are too large or too small for variances, which have the size of their squares.
+    /// The values of an integrand are too large or too small for variances, which scale as their
+    /// squares.
     #[error(
         "the integrand's root mean square is {got:e}; variances need one between 1e-151 and 1e151 \
          (values of about 1e-150 to 1e150)"
@@ -41,7 +42,7 @@ pub enum Error {
         /// The root mean square.
         got: f64,
     },
-    /// A rotation is no rotation.
+    /// A quaternion does not represent a rotation.
     #[error(
         "a rotation needs finite angles or a quaternion of positive length, got length {length}"
     )]
@@ -55,7 +56,7 @@ pub enum Error {
         /// The weight.
         got: f64,
     },
-    /// A HEALPix map has another number of values than its nside says.
+    /// The number of values of a HEALPix map does not match its nside.
     #[error("a HEALPix map of nside {nside} has {expected} pixels, got {got} values")]
     PixelCount {
         /// Pixels along the edge of a base pixel.
@@ -76,7 +77,7 @@ pub enum Error {
         /// The first, 0-based in the order of the values.
         first: usize,
     },
-    /// An environment map is not twice as wide as high.
+    /// The width of an environment map is not twice its height.
     #[error("an environment map must be 2:1 (width = 2 height), got {width} x {height}")]
     Shape {
         /// Texels in a row.
@@ -92,7 +93,7 @@ pub enum Error {
         /// Rows.
         height: usize,
     },
-    /// An environment map has another number of texels than its size says.
+    /// The number of texels of an environment map does not match its size.
     #[error("a map of {width} x {height} has {} texels, got {got}", width.saturating_mul(*height))]
     TexelCount {
         /// Texels in a row.
@@ -112,10 +113,10 @@ pub enum Error {
         /// Its value.
         value: f64,
     },
-    /// A text that names no integrand, or gives a parameter that does not exist or is out of range.
+    /// A specification that names an unknown integrand or parameter, or a value out of range.
     #[error(transparent)]
     Grammar(#[from] sphvar_grammar::Error),
-    /// A file that the text of an integrand names cannot be read.
+    /// A file named in an integrand specification cannot be read.
     #[error(transparent)]
     File(#[from] sphvar_grammar::ResolveError),
     /// A part of an expression cannot be built.
@@ -126,7 +127,7 @@ pub enum Error {
         /// Why.
         reason: Box<Self>,
     },
-    /// An operator of an expression has nothing on one side.
+    /// An operator of an expression lacks an operand.
     #[error("\"{text}\": there is no integrand on one side of an operator")]
     NoOperand {
         /// The expression.

@@ -5,12 +5,13 @@ use sphvar_grammar::{find_outside, split_outside};
 
 use crate::{Cap, Error, Integrand, IntegrandResolver, Product, Rotated, Sum, Term};
 
-/// A sum of products of named integrands with rotations, as users write it:
+/// A sum of products of named integrands with rotations, such as
 /// `cap:degrees=30 @ 40/10 + 0.5 * vmf:kappa=10`.
 ///
-/// `+` and `-` bind least, then `*`, then `@`; each has blanks around it, so that neither numbers nor
-/// names of files are torn apart. Quoted names of files may contain operators. `f @ THETA/PHI/PSI`
-/// turns f by PSI about +z and carries +z to colatitude THETA and longitude PHI, in degrees.
+/// `@` has the highest precedence, then `*`, then `+` and `-`. Each operator needs blanks around
+/// it, which keeps numbers and file names intact. Quoted names of files may contain operators.
+/// `f @ THETA/PHI/PSI` rotates f by PSI about +z and then rotates +z to colatitude THETA and
+/// longitude PHI, in degrees.
 ///
 /// # Examples
 ///
@@ -25,7 +26,7 @@ use crate::{Cap, Error, Integrand, IntegrandResolver, Product, Rotated, Sum, Ter
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Expression {
-    /// The terms of the sum, at least one.
+    /// The terms of the sum; at least one.
     pub summands: Vec<Summand>,
 }
 
@@ -43,23 +44,23 @@ pub struct Summand {
 pub struct Factor {
     /// The integrand.
     pub term: Term,
-    /// Colatitude, longitude and turn of each rotation, in degrees.
+    /// Colatitude, longitude and rotation about +z of each rotation, in degrees.
     pub rotations: Vec<[f64; 3]>,
 }
 
 impl Expression {
-    /// The largest number of functions in a product: each is an object within the next, and
-    /// quadratures over more factors have no end.
+    /// The maximum number of functions in a product: the functions are nested, and quadratures over
+    /// more factors take too long.
     pub const MAX_FACTORS: usize = 64;
 
-    /// Returns the function; files that it names are read by `files`.
+    /// Returns the function; `files` reads the files that it names.
     ///
     /// # Errors
     ///
-    /// [`Error::OfTerm`] with the text of the term and the reason, [`Error::Weight`] for weights out of
-    /// range, [`Error::File`] if `files` cannot read a file.
+    /// [`Error::OfTerm`] with the text of the term and the reason, [`Error::Weight`] for weights
+    /// out of range, [`Error::File`] if `files` cannot read a file.
     pub fn build(&self, files: &dyn IntegrandResolver) -> Result<Box<dyn Integrand>, Error> {
-        // A single integrand without a weight stays itself.
+        // A single integrand without a weight is returned unchanged.
         if let [single] = &*self.summands
             && single.weight.to_bits() == 1f64.to_bits()
         {
@@ -90,7 +91,7 @@ impl From<Term> for Expression {
 }
 
 impl Summand {
-    /// Reads a product; `whole` is the expression, for messages.
+    /// Parses a product; `whole` is the expression, for messages.
     fn parse(sign: f64, text: &str, whole: &str) -> Result<Self, Error> {
         let mut summand = Self { weight: sign, factors: Vec::new() };
         for factor in split_outside(text, " * ").into_iter().map(str::trim) {
@@ -120,7 +121,7 @@ impl Summand {
         }
         match product {
             Some(product) => Ok(product),
-            // Numbers alone are a constant function, the cap that is the whole sphere.
+            // A product of numbers alone is a constant function, the cap of the whole sphere.
             None => Ok(Box::new(Cap::from_degrees(180.0)?)),
         }
     }
@@ -133,7 +134,7 @@ impl Factor {
         let Some([theta, phi, psi]) = rotations.next() else {
             return Ok(function);
         };
-        // Chained rotations are one.
+        // Chained rotations are combined.
         let mut rotated = Rotated::to_angles(function, theta, phi, psi);
         for [theta, phi, psi] in rotations {
             rotated = rotated.and_then(|rotated| rotated.then_to_angles(theta, phi, psi));
@@ -171,7 +172,7 @@ impl FromStr for Factor {
     }
 }
 
-/// Returns colatitude, longitude and turn in degrees.
+/// Returns colatitude, longitude and rotation about +z in degrees.
 fn angles(text: &str) -> Option<[f64; 3]> {
     let degrees: Option<Vec<f64>> = text.split('/').map(|a| a.trim().parse().ok()).collect();
     let degrees = degrees?;

@@ -4,21 +4,22 @@ use sphvar_sh::Domain;
 
 use crate::{Coefficients, Energy, Error, Shape, quadrature};
 
-/// A real function of direction that is to be integrated over the sphere or the hemisphere.
+/// A real function of direction, to be integrated over the sphere or the hemisphere.
 ///
-/// Only [`eval`](Self::eval) is required, and closures `Fn(DVec3) -> f64` are integrands; what
-/// else an integrand knows about itself turns a measurement into a test (the exact integral) or
-/// makes a prediction possible (the energy). An integrand that knows its [`shape`](Self::shape) has
-/// everything else by quadrature, to rounding; one that has closed forms replaces what it can.
+/// Only [`eval`](Self::eval) is required, and closures `Fn(DVec3) -> f64` are integrands; further
+/// known properties allow tests of measurements (the exact integral) or predictions (the energy).
+/// If the [`shape`](Self::shape) is known, everything else follows by quadrature, to rounding;
+/// implementations with closed forms override the corresponding methods.
 ///
 /// On the hemisphere F is the even extension of f from z >= 0 to the sphere.
 pub trait Integrand: Sync {
-    /// The value at a unit vector; on the hemisphere only vectors with z >= 0 are evaluated.
+    /// Returns the value at a unit vector; on the hemisphere only vectors with z >= 0 are
+    /// evaluated.
     fn eval(&self, dir: DVec3) -> f64;
 
-    /// Writes the values at many unit vectors to `values`, equal to those of [`eval`](Self::eval);
-    /// to be implemented by integrands that are evaluated faster in batches, or whose evaluation
-    /// can fail.
+    /// Writes the values at many unit vectors to `values`, equal to those of [`eval`](Self::eval).
+    /// Implement it for integrands that are evaluated faster in batches, or whose evaluation can
+    /// fail.
     ///
     /// # Errors
     ///
@@ -34,28 +35,28 @@ pub trait Integrand: Sync {
         Ok(())
     }
 
-    /// Where the function is not smooth, and how fine it is elsewhere.
+    /// Returns the edges of the function and its degree elsewhere.
     ///
     /// # Errors
     ///
-    /// [`Error::NoEnergy`] if that is not known.
+    /// [`Error::NoEnergy`] if the shape is unknown.
     fn shape(&self) -> Result<Shape, Error> {
         Err(Error::NoEnergy {
             reason: "only its values are known; wrap it in `SampledFunction` or implement `Integrand::shape`",
         })
     }
 
-    /// The exact integral of f over the domain, if it is known.
+    /// Returns the exact integral of f over the domain, if it is known.
     fn exact(&self, domain: Domain) -> Option<f64> {
         quadrature::integral(&self.shape().ok()?, domain, &|dir| self.eval(dir)).ok()
     }
 
-    /// The coefficients `F_lm` for l = 0 ..= `lmax`.
+    /// Returns the coefficients `F_lm` for l = 0 ..= `lmax`.
     ///
     /// # Errors
     ///
     /// [`Error::NoEnergy`] if they are not known, [`Error::Harmonics`] if `lmax` is out of range or
-    /// memory.
+    /// memory is exhausted.
     fn coefficients(&self, domain: Domain, lmax: usize) -> Result<Coefficients, Error> {
         quadrature::coefficients(&self.shape()?, domain, lmax, &|dir| self.eval(dir))
     }
@@ -63,8 +64,9 @@ pub trait Integrand: Sync {
     /// `int (F - mean F)^2` over the sphere of the even part `(F(x) + F(-x))/2` and of the odd part
     /// `(F(x) - F(-x))/2` of F: the energy of all even degrees from 2 on, and of all odd degrees.
     ///
-    /// Implementations must not subtract the square of the mean from `int F^2`, which leaves no digits of functions that
-    /// are nearly constant, nor one parity from the whole, which leaves rounding where a function has one parity only.
+    /// Implementations must not subtract the square of the mean from `int F^2`, which loses all
+    /// digits for nearly constant functions, nor one parity from the total, which leaves rounding
+    /// errors for functions of a single parity.
     ///
     /// # Errors
     ///
@@ -82,21 +84,22 @@ pub trait Integrand: Sync {
         let centred = self.centred_square(domain)?.sum();
         let unknown = Error::NoEnergy { reason: "its integral is not known" };
         let integral = self.exact(domain).ok_or(unknown)?;
-        // The even extension has the hemisphere's integral twice.
+        // The even extension has twice the integral over the hemisphere.
         let copies = if domain == Domain::Sphere { 1.0 } else { 2.0 };
         Ok(copies * integral * integral / domain.area() + centred)
     }
 
-    /// The kurtosis of the value at a uniformly distributed direction of the domain, to some percent, where it is
-    /// known at moderate cost: `E (f - E f)^4/(E (f - E f)^2)^2`.
+    /// Returns the kurtosis of the value at a uniformly distributed direction of the domain, to
+    /// some percent, if it is available at moderate cost: `E (f - E f)^4/(E (f - E f)^2)^2`.
     ///
-    /// Its inverse is about the share of the domain that carries the variance, which tells whether a number of
-    /// trials can see it at all. It does not depend on the function's scale.
+    /// Its inverse is about the fraction of the domain that contributes to the variance, which
+    /// determines the number of trials that can detect it. It does not depend on the scale of the
+    /// function.
     fn kurtosis(&self, domain: Domain) -> Option<f64> {
         quadrature::kurtosis(&self.shape().ok()?, domain, &|dir| self.eval(dir))
     }
 
-    /// The energy of F per degree up to `lmax`, and the total.
+    /// Returns the energy of F per degree up to `lmax`, and the total.
     ///
     /// # Errors
     ///
@@ -106,19 +109,19 @@ pub trait Integrand: Sync {
         Ok(Energy::new(domain, per_degree, self.centred_square(domain)?))
     }
 
-    /// The seconds that [`energy`](Self::energy) takes on one core, roughly: for progress only, and 0 where it is
-    /// inexpensive or not known.
+    /// Returns the approximate time in seconds of [`energy`](Self::energy) on one core, for
+    /// progress only; 0 if it is small or unknown.
     fn energy_seconds(&self, _domain: Domain, _lmax: usize) -> f64 {
         0.0
     }
 
-    /// The degree beyond which the integrand has no energy at all, if there is one.
+    /// Returns the degree beyond which the integrand has no energy, if there is one.
     fn band_limit(&self) -> Option<usize> {
         None
     }
 
-    /// A degree beyond which energies fall so fast (as l^-3 or faster) that a variance need not be
-    /// summed much further, if there is one.
+    /// Returns a degree beyond which energies fall so fast (as l^-3 or faster) that a variance need
+    /// not be summed much further, if there is one.
     fn resolved_degree(&self) -> Option<usize> {
         None
     }

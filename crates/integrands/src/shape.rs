@@ -4,7 +4,7 @@ use glam::{DMat3, DVec3};
 use sphvar_sh::Colatitude;
 use sphvar_sh::Domain;
 
-/// How far two axes may be apart to be one: a few roundings of a rotation.
+/// Tolerance within which two axes are equal: a few roundings of a rotation.
 const SAME_AXIS: f64 = 8.0 * f64::EPSILON;
 
 /// The circle of all directions at an angle from an axis.
@@ -20,7 +20,8 @@ impl Circle {
     /// The equator of the coordinate system.
     pub(crate) const EQUATOR: Self = Self { axis: DVec3::Z, angle: FRAC_PI_2 };
 
-    /// Whether two circles are one to rounding; that of angle t about an axis is that of pi - t about its opposite.
+    /// Returns whether two circles are equal to rounding; that of angle t about an axis is that of
+    /// pi - t about its opposite.
     fn is_same(&self, other: &Self) -> bool {
         coaxial(self.axis, other.axis).is_some_and(|sign| {
             let angle = if sign > 0.0 { other.angle } else { PI - other.angle };
@@ -28,17 +29,17 @@ impl Circle {
         })
     }
 
-    /// The circle after a rotation.
+    /// Returns the circle after a rotation.
     fn rotated(self, rotation: DMat3) -> Self {
         Self { axis: rotation * self.axis, ..self }
     }
 }
 
-/// Where a function is not smooth, and how fine it is elsewhere: what a quadrature has to know.
+/// The edges of a function and its degree elsewhere, as required by a quadrature.
 ///
-/// The sphere is cut by the [`edges`](Self::with_edge); between them the function is as smooth as
-/// a polynomial of some degree. From its shape everything else about a function follows by quadrature:
-/// integral, coefficients and square.
+/// The [`edges`](Self::with_edge) divide the sphere; between them the function is as smooth as a
+/// polynomial of some degree. Integral, coefficients and square follow from the shape by
+/// quadrature.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Shape {
     degree: usize,
@@ -50,7 +51,7 @@ pub struct Shape {
     cost: f64,
 }
 
-/// What the hemisphere leaves of a function.
+/// The relation of a function to its even extension from the hemisphere.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Fold {
     /// The domain is the sphere.
@@ -64,7 +65,8 @@ pub(crate) enum Fold {
 }
 
 impl Shape {
-    /// A function that is a polynomial of degree `degree` in x, y and z, to rounding, everywhere.
+    /// Returns a function that is a polynomial of degree `degree` in x, y and z, to rounding,
+    /// everywhere.
     #[must_use]
     pub fn smooth(degree: usize) -> Self {
         Self {
@@ -78,61 +80,61 @@ impl Shape {
         }
     }
 
-    /// With a circle across which values or derivatives may jump.
+    /// Adds a circle across which values or derivatives may jump.
     #[must_use]
     pub fn with_edge(mut self, edge: Circle) -> Self {
         self.edges.push(edge);
         self
     }
 
-    /// With edges near which the function is a power of the distance that is no integer.
+    /// Declares edges near which the function is a non-integer power of the distance.
     #[must_use]
     pub fn with_fractional_edges(mut self) -> Self {
         self.fractional = true;
         self
     }
 
-    /// A function of the angle from `axis` alone.
+    /// Declares a function of the angle from `axis` alone.
     #[must_use]
     pub fn zonal(mut self, axis: DVec3) -> Self {
         self.axis = Some(axis);
         self
     }
 
-    /// A function that is nothing, to rounding, beyond the angle of a circle from its axis.
+    /// Declares a function that is zero, to rounding, outside a circle.
     #[must_use]
     pub fn within(mut self, support: Circle) -> Self {
         self.support = Some(support);
         self
     }
 
-    /// A function with `f(-x) = f(x)`.
+    /// Declares a function with `f(-x) = f(x)`.
     #[must_use]
     pub fn even(mut self) -> Self {
         self.even = true;
         self
     }
 
-    /// A function of which a value costs this many times that of a simple one, some 20 ns.
+    /// Declares the cost of a value relative to that of a simple function, some 20 ns.
     #[must_use]
     pub fn with_cost(mut self, cost: f64) -> Self {
         self.cost = cost;
         self
     }
 
-    /// The degree of the smooth pieces.
+    /// Returns the degree of the smooth pieces.
     #[must_use]
     pub fn degree(&self) -> usize {
         self.degree
     }
 
-    /// The circles across which the function is not smooth.
+    /// Returns the circles across which the function is not smooth.
     #[must_use]
     pub fn edges(&self) -> &[Circle] {
         &self.edges
     }
 
-    /// The axis of a zonal function.
+    /// Returns the axis of a zonal function.
     #[must_use]
     pub fn axis(&self) -> Option<DVec3> {
         self.axis
@@ -150,7 +152,7 @@ impl Shape {
         self.cost
     }
 
-    /// The shape of `f(-x)`.
+    /// Returns the shape of `f(-x)`.
     pub(crate) fn mirrored(&self) -> Self {
         let mirror = |c: &Circle| Circle { axis: -c.axis, ..*c };
         Self {
@@ -160,7 +162,7 @@ impl Shape {
         }
     }
 
-    /// The shape of the even and the odd part of a function.
+    /// Returns the shape of the even and the odd part of a function.
     pub(crate) fn symmetrized(&self) -> Self {
         let both = self.sum(&self.mirrored());
         Self { support: None, ..both }
@@ -170,7 +172,7 @@ impl Shape {
         self.fractional
     }
 
-    /// The shape after a rotation.
+    /// Returns the shape after a rotation.
     #[must_use]
     pub fn rotated(&self, rotation: DMat3) -> Self {
         Self {
@@ -181,7 +183,7 @@ impl Shape {
         }
     }
 
-    /// The shape of the product of two functions.
+    /// Returns the shape of the product of two functions.
     #[must_use]
     pub fn product(&self, other: &Self) -> Self {
         let narrower = [self.support, other.support].into_iter().flatten();
@@ -189,7 +191,7 @@ impl Shape {
         Self { support, degree: self.degree + other.degree, ..self.joined(other) }
     }
 
-    /// The shape of the sum of two functions.
+    /// Returns the shape of the sum of two functions.
     #[must_use]
     pub fn sum(&self, other: &Self) -> Self {
         let support = self.support.filter(|s| other.support == Some(*s));
@@ -222,13 +224,13 @@ impl Shape {
         }
     }
 
-    /// Whether the even extension (the function itself on the sphere) is smooth, so that it has no
-    /// coefficients beyond its degree.
+    /// Returns whether the even extension (the function itself on the sphere) is smooth, so that it
+    /// has no coefficients beyond its degree.
     pub(crate) fn is_band_limited(&self, domain: Domain) -> bool {
         self.edges.is_empty() && self.fold(domain) != Fold::Cut
     }
 
-    /// Whether two functions are nowhere both more than rounding.
+    /// Returns whether two functions are nowhere both more than rounding.
     pub(crate) fn is_apart_from(&self, other: &Self) -> bool {
         let (Some(a), Some(b)) = (self.support, other.support) else {
             return false;
@@ -237,17 +239,18 @@ impl Shape {
     }
 }
 
-/// The angle between two unit vectors, with all digits for small ones and those near pi.
+/// Returns the angle between two unit vectors, with all digits for small ones and those near pi.
 pub(crate) fn angle_between(a: DVec3, b: DVec3) -> f64 {
     a.cross(b).length().atan2(a.dot(b)).clamp(0.0, PI)
 }
 
-/// The angle between two unit vectors in the form that Legendre functions take.
+/// Returns the angle between two unit vectors in the form that Legendre functions take.
 pub(crate) fn colatitude_between(a: DVec3, b: DVec3) -> Colatitude {
     Colatitude::from_direction(DVec3::new(a.cross(b).length(), 0.0, a.dot(b)))
 }
 
-/// Whether two unit vectors lie on one line, and then 1 if they agree and -1 if they are antipodes.
+/// Returns whether two unit vectors lie on one line, and then 1 if they agree and -1 if they are
+/// antipodes.
 pub(crate) fn coaxial(a: DVec3, b: DVec3) -> Option<f64> {
     (a.cross(b).length() <= SAME_AXIS).then(|| a.dot(b).signum())
 }

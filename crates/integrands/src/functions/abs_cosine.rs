@@ -10,7 +10,7 @@ use crate::{ClampedCosine, Coefficients, Error, Integrand, IntegrandResolver, Sh
 
 /// |z|, the even extension of the cosine: about another axis, `|x . d|`.
 ///
-/// An even function, twice the clamped cosine in even degrees.
+/// It is an even function and equals twice the clamped cosine in even degrees.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct AbsCosine;
 

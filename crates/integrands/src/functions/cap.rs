@@ -14,14 +14,14 @@ use crate::{Circle, Coefficients, Error, Integrand, IntegrandResolver, Shape};
 ///
 /// `E(l) = pi (P_{l-1}(c) - P_{l+1}(c))^2/(2l+1)` with c the cosine of the angle (Singh 2015, C.10
 /// as corrected). It is evaluated as `4 pi^2 sin^2 lambda_l1^2/(l(l+1))`, the same number by
-/// `int_c^1 P_l = (1 - c^2) P_l'(c)/(l(l+1))`, which cancels nothing for any angle and degree. A cap beyond 90
-/// degrees is the sphere less the cap that is left, which has the same energies for l >= 1. On
-/// the hemisphere the even extension is the double cap, with four times the energy in even
-/// degrees.
+/// `int_c^1 P_l = (1 - c^2) P_l'(c)/(l(l+1))`, which avoids cancellation for any angle and degree.
+/// A cap beyond 90 degrees is the sphere minus the complementary cap, which has the same energies
+/// for l >= 1. On the hemisphere the even extension is the double cap, with four times the energy
+/// in even degrees.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cap {
     angle: f64,
-    /// 1 - cos(angle) and 1 + cos(angle), each with all its digits.
+    /// 1 - cos(angle) and 1 + cos(angle), each to full precision.
     versine: f64,
     coversine: f64,
     sin: f64,
@@ -29,7 +29,7 @@ pub struct Cap {
 }
 
 impl Cap {
-    /// The cap of all directions within `angle` (radians, in (0, pi]) of +z.
+    /// Returns the cap of all directions within `angle` (radians, in (0, pi]) of +z.
     ///
     /// # Errors
     ///
@@ -48,7 +48,8 @@ impl Cap {
         Ok(Self::from_angles(from_pole, from_equator, complement))
     }
 
-    /// The cap of an angle, 90 degrees less it and 180 degrees less it, each with all its digits.
+    /// Returns the cap of an angle; the angle, 90 degrees minus it and 180 degrees minus it are
+    /// given to full precision.
     fn from_angles(angle: f64, from_equator: f64, complement: f64) -> Self {
         let versine = |x: f64| 2.0 * (0.5 * x).sin().powi(2);
         Self {
@@ -60,7 +61,7 @@ impl Cap {
         }
     }
 
-    /// The cap of `degrees`, in (0, 180].
+    /// Returns the cap of `degrees`, in (0, 180].
     ///
     /// # Errors
     ///
@@ -75,7 +76,8 @@ impl Cap {
         Ok(Self::from_angles(angle.min(PI), from_equator, complement))
     }
 
-    /// The half space `z >= height`, which leaves a cap of the sphere; `height` in [-1, 1).
+    /// Returns the half space `z >= height`, whose intersection with the sphere is a cap; `height`
+    /// in [-1, 1).
     ///
     /// # Errors
     ///
@@ -89,18 +91,19 @@ impl Cap {
         Ok(Self { angle: sin.atan2(height), versine, coversine, sin, cos: height })
     }
 
-    /// The angle of the cap in radians.
+    /// Returns the angle of the cap in radians.
     #[must_use]
     pub fn angle(&self) -> f64 {
         self.angle
     }
 
-    /// The smaller of the versines of the cap and of its complement.
+    /// Returns the smaller of the versines of the cap and of its complement.
     fn lesser_versine(&self) -> f64 {
         self.versine.min(self.coversine)
     }
 
-    /// The shares of the domain inside and outside, neither of which is a difference from 1.
+    /// Returns the fractions of the domain inside and outside, neither computed as a difference
+    /// from 1.
     fn shares(&self, domain: Domain) -> (f64, f64) {
         let half = (0.5 * self.angle).cos();
         // The f64 nearest pi and pi/2 have cosines that are not 0.
@@ -111,14 +114,14 @@ impl Cap {
         }
     }
 
-    /// Whether the cap leaves nothing of the domain's boundary: all of the hemisphere.
+    /// Returns whether the cap covers the whole hemisphere, so that no edge remains.
     fn covers(&self, domain: Domain) -> bool {
         domain == Domain::Hemisphere && self.cos <= 0.0
     }
 }
 
-/// The kurtosis of a function that has one value on the share `p` of a domain and another one on the share `q`:
-/// `(p^3 + q^3)/(p q)`. `None` of a constant.
+/// Returns the kurtosis of a function with one value on a fraction `p` of the domain and another on
+/// a fraction `q`: `(p^3 + q^3)/(p q)`. `None` for a constant.
 pub(super) fn two_valued_kurtosis(p: f64, q: f64) -> Option<f64> {
     (p > 0.0 && q > 0.0).then(|| (p * p - p * q + q * q) / (p * q))
 }
@@ -128,15 +131,15 @@ impl ClosedForm for Cap {
         Some(2.0 * PI * self.versine)
     }
 
-    /// The odd part is 1/2 and -1/2 in the smaller of cap and complement and at its antipodes. Both parts together
-    /// have `A (4 pi - A)/(4 pi) = pi sin^2`, A being the area.
+    /// Returns the odd part is 1/2 and -1/2 in the smaller of cap and complement and at its
+    /// antipodes. Both parts together have `A (4 pi - A)/(4 pi) = pi sin^2`, A being the area.
     fn sphere_centred_square(&self) -> Result<ByParity, Error> {
         let odd = PI * self.lesser_versine();
         Ok(ByParity { even: odd * self.cos.abs(), odd })
     }
 
-    /// `F_l0 = -2 pi sin lambda_l1/sqrt(l(l+1))`; the minus is the phase of `lambda_l1`. Beyond 90 degrees
-    /// `lambda_l1(pi - t) = (-1)^{l+1} lambda_l1(t)`.
+    /// `F_l0 = -2 pi sin lambda_l1/sqrt(l(l+1))`; the sign is the phase of `lambda_l1`. Beyond 90
+    /// degrees `lambda_l1(pi - t) = (-1)^{l+1} lambda_l1(t)`.
     fn sphere_coefficients(&self, lmax: usize) -> Result<Coefficients, Error> {
         let mut per_degree = vec![0.0; lmax + 1];
         if lmax >= 1 && self.sin > 0.0 {

@@ -4,19 +4,19 @@ use sphvar_sh::Domain;
 use crate::shape::Fold;
 use crate::{Coefficients, Error, Integrand, quadrature};
 
-/// What an integrand has on the sphere without quadrature; its hemisphere follows where the equator does
-/// not cut it, and by quadrature where it does.
+/// Closed forms of an integrand on the sphere. Results on the hemisphere follow from them if the
+/// equator does not cut the function, and from quadrature otherwise.
 pub(super) trait ClosedForm: Integrand {
-    /// `int F` over the sphere.
+    /// Returns `int F` over the sphere.
     fn sphere_integral(&self) -> Option<f64>;
 
-    /// `int (F - mean F)^2` over the sphere of the even and of the odd part of F.
+    /// Returns `int (F - mean F)^2` over the sphere of the even and of the odd part of F.
     fn sphere_centred_square(&self) -> Result<ByParity, Error>;
 
-    /// The coefficients on the sphere.
+    /// Returns the coefficients on the sphere.
     fn sphere_coefficients(&self, lmax: usize) -> Result<Coefficients, Error>;
 
-    /// The fold of the hemisphere; none needed on the sphere.
+    /// Returns the fold of the hemisphere; not needed on the sphere.
     fn fold(&self, domain: Domain) -> Result<Fold, Error> {
         if domain == Domain::Sphere { Ok(Fold::Whole) } else { Ok(self.shape()?.fold(domain)) }
     }

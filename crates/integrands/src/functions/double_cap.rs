@@ -10,17 +10,17 @@ use super::closed_form::{ClosedForm, from_closed_form};
 use crate::definition::Definition;
 use crate::{Circle, Coefficients, Error, Integrand, IntegrandResolver, Shape};
 
-/// The indicator of the two caps within an angle of +z and of -z, `|z| >= cos(angle)`: the cap of the
-/// projective plane, an even function about any axis.
+/// The indicator of the two caps within an angle of +z and of -z, `|z| >= cos(angle)`: the cap of
+/// the antipodal (projective) plane, an even function.
 ///
-/// Twice the coefficients of the [`Cap`] in even degrees, none in odd ones.
+/// Its coefficients are twice those of the [`Cap`] in even degrees and 0 in odd ones.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DoubleCap {
     cap: Cap,
 }
 
 impl DoubleCap {
-    /// The two caps of `angle` radians, in (0, pi/2].
+    /// Returns the two caps of `angle` radians, in (0, pi/2].
     ///
     /// # Errors
     ///
@@ -36,7 +36,7 @@ impl DoubleCap {
         Ok(Self { cap: Cap::new(angle)? })
     }
 
-    /// The two caps of `degrees`, in (0, 90].
+    /// Returns the two caps of `degrees`, in (0, 90].
     ///
     /// # Errors
     ///
@@ -76,7 +76,7 @@ impl Integrand for DoubleCap {
 
     from_closed_form!();
 
-    /// The two caps have the share of the sphere that one has of the hemisphere.
+    /// Returns the two caps cover the same fraction of the sphere as one does of the hemisphere.
     fn kurtosis(&self, _domain: Domain) -> Option<f64> {
         self.cap.kurtosis(Domain::Hemisphere)
     }

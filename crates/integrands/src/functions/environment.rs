@@ -9,14 +9,15 @@ use sphvar_sht::{RingTransform, RingWorkspace};
 
 use crate::{Circle, Coefficients, Error, Integrand, Shape, quadrature};
 
-/// An equirectangular map of a scalar, W = 2H texels: the light that comes from each direction.
+/// An equirectangular map of a scalar with W = 2H texels per row, such as the incident light by
+/// direction.
 ///
 /// Row 0 is at the north pole; texel (row i, column j) has its centre at theta = pi (i + 1/2)/H,
 /// phi = `first_longitude` + 2 pi (j + 1/2)/W, with 0 for the first unless
-/// [`with_first_longitude`](Self::with_first_longitude) says otherwise. Columns run eastwards, as
-/// in a map of the Earth; [`from_picture`](Self::from_picture) takes pictures, in which they run
-/// westwards. Between centres the map is bilinear in (theta, phi), wrapped in phi and constant in
-/// theta beyond the first and last row.
+/// [`with_first_longitude`](Self::with_first_longitude) sets another value. Columns run eastwards,
+/// as in a map of the Earth; [`from_picture`](Self::from_picture) accepts pictures, in which they
+/// run westwards. Between centres the map is bilinear in (theta, phi), wrapped in phi and constant
+/// in theta beyond the first and last row.
 ///
 /// Integral and energies are those of this bilinear function, not of its texels as samples: the
 /// Fourier integral over phi is exact in closed form, the integral over theta is Gauss-Legendre
@@ -41,7 +42,7 @@ struct Node {
 }
 
 impl EnvironmentMap {
-    /// The map of `height` rows of `width` texels, row by row from the north pole.
+    /// Returns the map of `height` rows of `width` texels, row by row from the north pole.
     ///
     /// # Errors
     ///
@@ -66,20 +67,20 @@ impl EnvironmentMap {
         }
     }
 
-    /// The map with the left edge of its first column at another longitude, in radians.
+    /// Returns the map with the left edge of its first column at another longitude, in radians.
     #[must_use]
     pub fn with_first_longitude(self, first_longitude: f64) -> Self {
         Self { first_longitude, ..self }
     }
 
-    /// The coefficients `F_lm` of the map on the sphere, or of its upper half alone, to degree
-    /// `lmax`.
+    /// Returns the coefficients `F_lm` of the map on the sphere, or of its upper half alone, to
+    /// degree `lmax`.
     ///
     /// Cost: some `H (12 + lmax/H)` rings, each `lmax^2/2` steps.
     ///
     /// # Errors
     ///
-    /// [`Error::Harmonics`] if `lmax` is out of range or memory.
+    /// [`Error::Harmonics`] if `lmax` is out of range or memory is exhausted.
     pub fn alm(&self, domain: Domain, lmax: usize) -> Result<Alm, Error> {
         let nodes = self.nodes(domain, lmax)?;
         let rows = self.row_transforms();
@@ -107,7 +108,7 @@ impl EnvironmentMap {
         Ok(alm)
     }
 
-    /// The discrete Fourier transform of each row, without the phase of the half texel.
+    /// Returns the discrete Fourier transform of each row, without the phase of the half texel.
     fn row_transforms(&self) -> Vec<Complex<f64>> {
         let mut rows: Vec<_> = self.texels.iter().map(|&x| Complex::new(x, 0.0)).collect();
         FftPlanner::new().plan_fft_forward(self.width).process(&mut rows);
@@ -127,8 +128,9 @@ impl EnvironmentMap {
             Domain::Hemisphere => FRAC_PI_2,
         };
         let step = PI / self.height as f64;
-        // A panel sees `degree step / 2` radians of phase to either side of its middle; beyond half
-        // of that many nodes the error of the rule falls faster than exponentially.
+        // The phase varies by `degree step / 2` radians to either side of the middle of a panel;
+        // with more than half that number of nodes the error of the rule falls faster than
+        // exponentially.
         let rule = GaussLegendre::new((0.25 * degree as f64 * step) as usize + 12)?;
         let last = self.height - 1;
         let mut nodes = Vec::new();
@@ -161,7 +163,8 @@ impl EnvironmentMap {
         nodes.iter().fold((0.0, 0.0), |(integral, square), node| {
             let ((i, j), t) = (node.rows, node.share);
             let s = 1.0 - t;
-            // The mixed product belongs to a row and the next; beyond the ends both are one row.
+            // The mixed product is that of a row and the next; beyond the ends both are the same
+            // row.
             let mixed = if i == j { rows[i].square } else { rows[i].with_next };
             let value = s * rows[i].value + t * rows[j].value;
             let product = s * s * rows[i].square + 2.0 * s * t * mixed + t * t * rows[j].square;
@@ -196,7 +199,7 @@ impl EnvironmentMap {
 struct RowIntegrals {
     value: f64,
     square: f64,
-    /// Of the product with the next row.
+    /// The integral of the product with the next row.
     with_next: f64,
 }
 
@@ -232,7 +235,7 @@ impl Integrand for EnvironmentMap {
     fn shape(&self) -> Result<Shape, Error> {
         let row =
             |i: usize| Circle { axis: DVec3::Z, angle: PI * (i as f64 + 0.5) / self.height as f64 };
-        // The column half a turn on lies on the same great circle.
+        // The column at 180 degrees from it lies on the same great circle.
         let column = |j: usize| {
             let phi = self.first_longitude + TAU * (j as f64 + 0.5) / self.width as f64;
             let (sin, cos) = phi.sin_cos();
@@ -240,7 +243,8 @@ impl Integrand for EnvironmentMap {
         };
         let rows = (0..self.height).map(row);
         let edges = rows.chain((0..self.width / 2).map(column));
-        // Between them the map is bilinear in the angles, as fine as a polynomial of some degree.
+        // Between them the map is bilinear in the angles, which resolves like a polynomial of some
+        // degree.
         Ok(edges.fold(Shape::smooth(4), Shape::with_edge))
     }
 
@@ -253,7 +257,8 @@ impl Integrand for EnvironmentMap {
         Ok(if domain == Domain::Sphere { part } else { part.even_extension() })
     }
 
-    /// The even and the odd part of a map are maps: the antipode of a texel's centre is a texel's centre.
+    /// Returns the even and the odd part of a map are maps: the antipode of a texel's centre is a
+    /// texel's centre.
     fn centred_square(&self, domain: Domain) -> Result<ByParity, Error> {
         let mean = self.integrals(domain).0 / domain.area();
         let square = |value: &dyn Fn(usize) -> f64| {
@@ -274,9 +279,9 @@ impl Integrand for EnvironmentMap {
         })
     }
 
-    /// By four values between every four texel centres, within 3 % of the exact moments.
+    /// Computed from four values between every four texel centres; within 3 % of the exact moments.
     fn kurtosis(&self, domain: Domain) -> Option<f64> {
-        // The nodes of Gauss and Legendre on the interval from 0 to 1.
+        // The Gauss-Legendre nodes on [0, 1].
         let nodes = [0.5 - 0.5 / 3f64.sqrt(), 0.5 + 0.5 / 3f64.sqrt()];
         let step = PI / self.height as f64;
         let end = if domain == Domain::Sphere { PI } else { FRAC_PI_2 };
@@ -304,8 +309,8 @@ impl Integrand for EnvironmentMap {
         (12.0 * rows + 0.8 * degrees) * degrees * (0.3e-9 * degrees + 10e-9)
     }
 
-    /// Four degrees to a texel, and at least 1024: between centres the map is smooth, across them it
-    /// has kinks, whose energy falls as l^-3 from some l = width/2 on.
+    /// Returns four degrees per texel, and at least 1024: the map is smooth between centres and has
+    /// kinks across them, whose energy falls as l^-3 from about l = width/2.
     fn resolved_degree(&self) -> Option<usize> {
         Some((4 * self.width).max(1024))
     }

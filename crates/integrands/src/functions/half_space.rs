@@ -6,7 +6,7 @@ use crate::{Cap, Error, Integrand, IntegrandResolver};
 /// Parameters of the half space of [`Cap::half_space`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HalfSpaceParameters {
-    /// The height of its plane.
+    /// The height of the bounding plane.
     pub height: f64,
 }
 

@@ -20,11 +20,11 @@ pub struct Harmonic {
 }
 
 impl Harmonic {
-    /// The harmonic of degree `l` and order `m`.
+    /// Returns the harmonic of degree `l` and order `m`.
     ///
     /// # Errors
     ///
-    /// [`Error::Order`] unless |m| <= l; [`Error::Harmonics`] beyond the degrees that can be evaluated.
+    /// [`Error::Order`] unless |m| <= l; [`Error::Harmonics`] beyond the supported degrees.
     pub fn new(l: usize, m: i64) -> Result<Self, Error> {
         if m.unsigned_abs() > l as u64 {
             return Err(Error::Order { l, m });
@@ -33,7 +33,7 @@ impl Harmonic {
         Ok(Self { l, m })
     }
 
-    /// Refuses odd degrees on the hemisphere.
+    /// Rejects odd degrees on the hemisphere.
     fn check(&self, domain: Domain) -> Result<(), Error> {
         if domain.has_degree(self.l) {
             return Ok(());
@@ -56,13 +56,14 @@ impl Integrand for Harmonic {
         Ok(if self.l.is_multiple_of(2) { shape.even() } else { shape })
     }
 
-    /// On the hemisphere known for even degrees only.
+    /// On the hemisphere available for even degrees only.
     fn exact(&self, domain: Domain) -> Option<f64> {
         let mean = if self.l == 0 { 1.0 / (4.0 * PI).sqrt() } else { 0.0 };
         domain.has_degree(self.l).then_some(mean * domain.area())
     }
 
-    /// One coefficient for m = 0, two of size `1/sqrt 2` else. On the hemisphere as the energy.
+    /// Returns one coefficient for m = 0, two of size `1/sqrt 2` else. On the hemisphere as the
+    /// energy.
     fn coefficients(&self, domain: Domain, lmax: usize) -> Result<Coefficients, Error> {
         self.check(domain)?;
         if self.m == 0 {
@@ -104,7 +105,7 @@ impl Integrand for Harmonic {
         Ok(Energy::new(domain, per_degree, self.centred_square(domain)?))
     }
 
-    /// Known up to degree 128, beyond which a value is a long recurrence.
+    /// Available up to degree 128; beyond it the recurrence for a value is too long.
     fn kurtosis(&self, domain: Domain) -> Option<f64> {
         const MAX_DEGREE: usize = 128;
         let shape = self.shape().ok().filter(|_| self.l <= MAX_DEGREE)?;

@@ -13,12 +13,13 @@ use crate::{Coefficients, Error, Integrand, Shape, quadrature};
 
 /// A HEALPix map as a function: constant on every pixel.
 ///
-/// The integral is the mean value times the area and the square the mean square, exactly. The coefficients
-/// are those of this function with its jumps between pixels, to rounding and for any degree: at every height
-/// the Fourier integral over longitude is exact in closed form, since edges of pixels are straight lines in
-/// (z, phi) near the equator and hyperbolas near the poles (Gorski et al. 2005, section 5); the integral over
-/// height is Gauss-Legendre quadrature between the rings of pixel centres, where it is smooth. The usual
-/// estimate that takes pixels for points (`map2alm`) has these coefficients but for the pixel window and aliases.
+/// The integral is the mean value times the area and the square the mean square, exactly. The
+/// coefficients are those of this function with its jumps between pixels, to rounding and for any
+/// degree: at every height the Fourier integral over longitude is exact in closed form, since edges
+/// of pixels are straight lines in (z, phi) near the equator and hyperbolas near the poles (Gorski
+/// et al. 2005, section 5); the integral over height is Gauss-Legendre quadrature between the rings
+/// of pixel centres, where it is smooth. The common estimate that treats pixels as points
+/// (`map2alm`) has these coefficients up to the pixel window and aliasing.
 ///
 /// # Examples
 ///
@@ -41,11 +42,12 @@ pub struct HealpixMap {
     values: Vec<f64>,
 }
 
-/// What healpy writes into pixels without a value; readers of single precision see a neighbour of it.
+/// The value that healpy writes into pixels without data; single-precision readers return a rounded
+/// value.
 const UNSEEN: f64 = -1.6375e30;
-/// How near a value counts as it.
+/// Tolerance within which a value counts as UNSEEN.
 const UNSEEN_TOLERANCE: f64 = 1e-5;
-/// Nodes of a panel at least, for the poles of `1/s` behind its end.
+/// Minimum number of nodes of a panel, for the poles of `1/s` beyond its end.
 const MIN_NODES: usize = 12;
 
 /// A ring of the quadrature.
@@ -57,7 +59,7 @@ struct Node {
     bands: [Option<Band>; 2],
 }
 
-/// What a ring of pixels contributes at a height: equal intervals of longitude.
+/// The contribution of a ring of pixels at a height: equal intervals of longitude.
 #[derive(Clone, Copy)]
 struct Band {
     /// The ring of pixels, 0-based from the north.
@@ -66,17 +68,18 @@ struct Band {
     half: f64,
     /// The middle of the first interval.
     first: f64,
-    /// Their distance within a quarter turn, near the poles; `None` in the belt, where they are equidistant.
+    /// Their distance within a quarter turn, near the poles; `None` in the belt, where they are
+    /// equidistant.
     step: Option<f64>,
 }
 
 impl HealpixMap {
-    /// The map with `values` in ring order.
+    /// Returns the map with `values` in ring order.
     ///
     /// # Errors
     ///
-    /// [`Error::PixelCount`] unless there are `12 nside^2`; [`Error::Pixels`] if some are NaN, infinite or
-    /// the UNSEEN of healpy.
+    /// [`Error::PixelCount`] unless there are `12 nside^2`; [`Error::Pixels`] if some are NaN,
+    /// infinite or the UNSEEN of healpy.
     pub fn new(nside: Nside, values: Vec<f64>) -> Result<Self, Error> {
         if values.len() as u64 != nside.n_pixels() {
             let expected = nside.n_pixels();
@@ -86,50 +89,52 @@ impl HealpixMap {
         Ok(Self { nside, values })
     }
 
-    /// The map with `values` in nested order, which are brought to ring order.
+    /// Returns the map with `values` in nested order, which are converted to ring order.
     ///
     /// # Errors
     ///
-    /// As [`new`](Self::new); pixels are counted in nested order.
+    /// Those of [`new`](Self::new); pixel indices are in nested order.
     pub fn from_nested(order: Nested, values: Vec<f64>) -> Result<Self, Error> {
         let nside = order.nside();
         if values.len() as u64 != nside.n_pixels() {
-            // Which says so.
+            // This call returns the error.
             return Self::new(nside, values);
         }
         check_values(&values)?;
         let value = |ring| usize::try_from(order.from_ring(ring)).map(|pixel| values[pixel]);
-        // As many pixels as values in memory.
+        // The number of pixels equals the number of values in memory.
         let ringed = (0..nside.n_pixels()).map(|ring| value(ring).unwrap_or(f64::NAN)).collect();
         Self::new(nside, ringed)
     }
 
-    /// Whether a number can be the value of a pixel: finite and not the UNSEEN of healpy, -1.6375e30.
+    /// Returns whether a number is a valid pixel value: finite and not the UNSEEN value of healpy,
+    /// -1.6375e30.
     #[must_use]
     pub fn is_value(value: f64) -> bool {
         value.is_finite() && (value / UNSEEN - 1.0).abs() >= UNSEEN_TOLERANCE
     }
 
-    /// The resolution.
+    /// Returns the resolution.
     #[must_use]
     pub fn nside(&self) -> Nside {
         self.nside
     }
 
-    /// The values in ring order.
+    /// Returns the values in ring order.
     #[must_use]
     pub fn values(&self) -> &[f64] {
         &self.values
     }
 
-    /// The coefficients of the map on the sphere, or of its upper half alone, to degree `lmax`.
+    /// Returns the coefficients of the map on the sphere, or of its upper half alone, to degree
+    /// `lmax`.
     ///
-    /// Cost: `R = 4 nside (12 + lmax/nside)` rings, each `lmax^2/4` steps of the recurrence, and some
-    /// `R lmax nside/4` for the Fourier integrals near the poles.
+    /// Cost: `R = 4 nside (12 + lmax/nside)` rings, each `lmax^2/4` steps of the recurrence, and
+    /// some `R lmax nside/4` for the Fourier integrals near the poles.
     ///
     /// # Errors
     ///
-    /// [`Error::Harmonics`] if `lmax` is out of range or memory.
+    /// [`Error::Harmonics`] if `lmax` is out of range or memory is exhausted.
     pub fn alm(&self, domain: Domain, lmax: usize) -> Result<Alm, Error> {
         let nodes = self.nodes(domain, lmax)?;
         let spectra = self.belt_spectra();
@@ -149,7 +154,7 @@ impl HealpixMap {
         Ok(alm)
     }
 
-    /// The discrete Fourier transforms of the rings of `4 nside` pixels, one after another.
+    /// Returns the discrete Fourier transforms of the rings of `4 nside` pixels, one after another.
     fn belt_spectra(&self) -> Vec<Complex<f64>> {
         let n = self.n();
         let belt = &self.values[2 * n * (n - 1)..self.values.len() - 2 * n * (n - 1)];
@@ -171,20 +176,21 @@ impl HealpixMap {
         values * Complex::cis(-order * band.first) * width
     }
 
-    /// The rings of the quadrature for degrees up to `lmax`.
+    /// Returns the rings of the quadrature for degrees up to `lmax`.
     fn nodes(&self, domain: Domain, lmax: usize) -> Result<Vec<Node>, Error> {
         let n = self.n();
         let side = n as f64;
         let end = if domain == Domain::Sphere { 4 * n } else { 2 * n };
         let mut nodes = Vec::new();
-        // Edges of pixels move by a quarter turn over nside, or less, where orders count.
+        // Edges of pixels move by at most a quarter turn over nside where high orders contribute.
         let phase = |angle: f64| lmax as f64 * (angle + FRAC_PI_2 / side);
         let rule = |angle: f64| GaussLegendre::new(node_count(0.5 * phase(angle)).max(MIN_NODES));
         // Panels between the centres of rings i and i + 1; ring 0 is the pole.
         for i in 0..end {
             let from_pole = i.min(4 * n - 1 - i);
             if from_pole < n {
-                // theta = 2 asin(s/(nside sqrt 6)), whose slope is at most 1.1 times that of its start.
+                // theta = 2 asin(s/(nside sqrt 6)), whose slope is at most 1.1 times that of its
+                // start.
                 let (from, angle) = (from_pole as f64, 2.0 / (side * 6f64.sqrt()) * 1.3);
                 let rule = rule(angle)?;
                 for (&x, &w) in rule.nodes().iter().zip(rule.weights()) {
@@ -219,15 +225,15 @@ impl HealpixMap {
         Ok(nodes)
     }
 
-    /// Ring `i` (from 1) of the belt where its pixels have a share of the circle.
+    /// Returns ring `i` (from 1) of the belt, whose pixels cover a fraction `share` of the circle.
     fn belt_band(&self, i: usize, share: f64) -> Option<Band> {
         let step = TAU / (4 * self.n()) as f64;
         let first = if (i - self.n()).is_multiple_of(2) { 0.5 * step } else { 0.0 };
         Some(Band { ring: i - 1, half: 0.5 * step * share, first, step: None })
     }
 
-    /// The rings `i` and `i + 1` from a pole at the distance `s` between them, in which quarter turns
-    /// have i and i + 1 pixels.
+    /// Returns the rings `i` and `i + 1` from a pole at the distance `s` between them, in which
+    /// quarter turns have i and i + 1 pixels.
     fn cap_bands(&self, i: usize, s: f64, north: bool) -> [Option<Band>; 2] {
         let (share, step) = (s - i as f64, FRAC_PI_2 / s);
         let ring = |i: usize| if north { i - 1 } else { 4 * self.n() - 1 - i };
@@ -242,7 +248,7 @@ impl HealpixMap {
         self.nside.value() as usize
     }
 
-    /// The values of a ring, 0-based from the north.
+    /// Returns the values of a ring, 0-based from the north.
     fn ring(&self, ring: usize) -> &[f64] {
         let n = self.n();
         let from_pole = (ring + 1).min(4 * n - 1 - ring);
@@ -256,7 +262,8 @@ impl HealpixMap {
         &self.values[start..start + len]
     }
 
-    /// The sum of a power of the values over the pixels of a domain; the equator halves its pixels.
+    /// Returns the sum of a power of the values over the pixels of a domain; pixels on the equator
+    /// count half.
     fn moment(&self, domain: Domain, power: i32) -> f64 {
         let sum = |values: &[f64]| values.iter().map(|v| v.powi(power)).sum::<f64>();
         let rings = 4 * self.n() - 1;
@@ -271,7 +278,7 @@ impl HealpixMap {
     }
 }
 
-/// Refuses values that are none.
+/// Rejects invalid values.
 fn check_values(values: &[f64]) -> Result<(), Error> {
     let is_missing = |v: &f64| !HealpixMap::is_value(*v);
     match values.iter().position(is_missing) {
@@ -282,8 +289,8 @@ fn check_values(values: &[f64]) -> Result<(), Error> {
     }
 }
 
-/// `sum_q (-i)^{m q} sum_k v_{q,k} turn^k` over the quarters q of a ring.
-fn quarters(values: &[f64], m: usize, turn: Complex<f64>) -> Complex<f64> {
+/// `sum_q (-i)^{m q} sum_k v_{q,k} phase^k` over the quarters q of a ring.
+fn quarters(values: &[f64], m: usize, phase: Complex<f64>) -> Complex<f64> {
     let (first, rest) = values.split_at(values.len() / 4);
     let (second, rest) = rest.split_at(first.len());
     let (third, fourth) = rest.split_at(first.len());
@@ -296,7 +303,7 @@ fn quarters(values: &[f64], m: usize, turn: Complex<f64>) -> Complex<f64> {
             2 => Complex::new(a - b + c - d, 0.0),
             _ => Complex::new(a - c, b - d),
         };
-        sum = sum * turn + value;
+        sum = sum * phase + value;
     }
     sum
 }
@@ -327,7 +334,7 @@ impl Integrand for HealpixMap {
         Ok(if domain == Domain::Sphere { part } else { part.even_extension() })
     }
 
-    /// The antipode of a pixel is a pixel, half a ring on in the opposite ring.
+    /// Returns the antipode of a pixel is the pixel half a ring further in the opposite ring.
     fn centred_square(&self, domain: Domain) -> Result<ByParity, Error> {
         let mean = self.moment(domain, 1) / domain.area();
         let square = |values: Vec<f64>| Self { values, nside: self.nside }.moment(domain, 2);
@@ -352,7 +359,7 @@ impl Integrand for HealpixMap {
         })
     }
 
-    /// Exact but for pixels that the equator cuts, which count as whole ones.
+    /// Exact except for pixels that the equator cuts, which count as whole.
     fn kurtosis(&self, domain: Domain) -> Option<f64> {
         let rings = match domain {
             Domain::Sphere => 4 * self.n() - 1,

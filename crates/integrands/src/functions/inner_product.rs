@@ -8,8 +8,8 @@ use crate::{Error, Integrand, Shape, quadrature};
 
 /// `int F G` over the sphere, of the even extensions on the hemisphere.
 ///
-/// A function without edges has no coefficients beyond its degree, and the sum of the products of coefficients
-/// ends there. Functions with edges are integrated ring by ring.
+/// A function without edges has no coefficients beyond its degree, so the sum of products of
+/// coefficients is finite. Functions with edges are integrated ring by ring.
 pub(super) fn inner_product(
     f: &dyn Integrand,
     g: &dyn Integrand,
@@ -34,9 +34,10 @@ pub(super) fn inner_product(
     Ok(copies * quadrature::integral(&product, domain, &|dir| f.eval(dir) * g.eval(dir))?)
 }
 
-/// `int (F - mean F)(G - mean G)` over the sphere of the even and of the odd parts of two functions with edges.
+/// `int (F - mean F)(G - mean G)` over the sphere of the even and of the odd parts of two functions
+/// with edges.
 ///
-/// The rounding is that of the products of the functions, also where a part vanishes.
+/// The rounding error is that of the products of the functions, even where a part vanishes.
 pub(super) fn centred_inner_product(
     f: &dyn Integrand,
     g: &dyn Integrand,

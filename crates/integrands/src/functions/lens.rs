@@ -1,5 +1,5 @@
-//! Inner products of functions that are constant on either side of a circle, or within and outside of two opposite
-//! caps, by areas of lenses.
+//! Inner products of two-valued functions, with one value inside a circle or two opposite caps and
+//! another outside, from areas of lenses.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -9,10 +9,11 @@ use sphvar_sh::ByParity;
 use crate::shape::angle_between;
 use crate::{Circle, Integrand, Shape};
 
-/// Caps smaller than this, in radians, go by quadrature: areas are differences of angles.
+/// Caps smaller than this, in radians, use quadrature, because areas are differences of angles.
 const SMALL: f64 = 0.1;
 
-/// `jump` within `angle`, at most 90 degrees, of `axis`, plus a constant; an even function within that of `-axis`, too.
+/// `jump` within `angle`, at most 90 degrees, of `axis`, plus a constant; an even function within
+/// that of `-axis`, too.
 #[derive(Clone, Copy)]
 struct TwoValued {
     axis: DVec3,
@@ -46,7 +47,7 @@ impl TwoValued {
         (cap.angle >= SMALL).then_some(cap)
     }
 
-    /// The even and the odd part of one cap are in the function this many times.
+    /// Returns the factors by which the even and the odd part of one cap occur in the function.
     fn copies(self) -> ByParity {
         if self.is_even { ByParity { even: 2.0, odd: 0.0 } } else { ByParity::both(1.0) }
     }
@@ -56,8 +57,9 @@ impl TwoValued {
     }
 }
 
-/// `int (F - mean F)(G - mean G)` over the sphere of the even and of the odd parts, if both functions are constant on
-/// either side of one circle, or of two opposite ones, and their caps are not small.
+/// `int (F - mean F)(G - mean G)` over the sphere of the even and of the odd parts, if both
+/// functions are constant on either side of one circle, or of two opposite ones, and their caps are
+/// not small.
 pub(super) fn centred_inner_product(
     (f, a): (&dyn Integrand, &Shape),
     (g, b): (&dyn Integrand, &Shape),
@@ -79,10 +81,11 @@ fn are_opposite(a: &Circle, b: &Circle) -> bool {
     (a.axis + b.axis).length() + (a.angle - b.angle).abs() <= 4.0 * f64::EPSILON
 }
 
-/// The area that caps of angles a and b, at most 90 degrees, have in common if their axes are gamma apart.
+/// Returns the area of the intersection of caps of angles a and b, at most 90 degrees, with axes at
+/// the angle gamma.
 ///
-/// The triangle of the axes and a corner of the lens has the sides a, b and gamma; its angles, by their halves, give the
-/// sectors of which the lens and two triangles consist.
+/// The triangle of the axes and a corner of the lens has the sides a, b and gamma; its angles, by
+/// their halves, give the sectors of which the lens and two triangles consist.
 fn lens(a: f64, b: f64, gamma: f64) -> f64 {
     if gamma <= (a - b).abs() {
         return 4.0 * PI * (0.5 * a.min(b)).sin().powi(2);
@@ -110,15 +113,15 @@ mod tests {
 
     /// Against quadratures of the products, one cap being the sphere less its complement.
     #[test]
-    fn lenses_are_what_caps_share() {
+    fn lenses_are_the_intersections_of_caps() {
         for (a, b) in [(40.0, 40.0), (20.0, 70.0), (90.0, 90.0), (130.0, 60.0), (8.0, 175.0 - 90.0)]
         {
             for tilt in [0.0, 10.0, 35.0, 80.0, 90.0, 140.0, 180.0f64] {
                 let f = Cap::from_degrees(a).unwrap();
                 let other = Cap::from_degrees(b).unwrap();
-                let turn = |degrees: f64| DQuat::from_rotation_x(degrees.to_radians());
+                let rotation = |degrees: f64| DQuat::from_rotation_x(degrees.to_radians());
                 let [near, far] =
-                    [tilt, tilt + 180.0].map(|t| Rotated::new(other, turn(t)).unwrap());
+                    [tilt, tilt + 180.0].map(|t| Rotated::new(other, rotation(t)).unwrap());
                 let got = centred_inner_product(
                     (&f, &f.shape().unwrap()),
                     (&near, &near.shape().unwrap()),
@@ -146,10 +149,10 @@ mod tests {
         let sphere = Domain::Sphere;
         for (a, b) in [(40.0, 40.0), (20.0, 70.0), (80.0, 8.0), (30.0, 65.0)] {
             for tilt in [0.0, 10.0, 35.0, 80.0, 90.0, 140.0f64] {
-                let turn = DQuat::from_rotation_x(tilt.to_radians());
+                let rotation = DQuat::from_rotation_x(tilt.to_radians());
                 let f = DoubleCap::from_degrees(a).unwrap();
-                let g = Rotated::new(DoubleCap::from_degrees(b).unwrap(), turn).unwrap();
-                let cap = Rotated::new(Cap::from_degrees(b).unwrap(), turn).unwrap();
+                let g = Rotated::new(DoubleCap::from_degrees(b).unwrap(), rotation).unwrap();
+                let cap = Rotated::new(Cap::from_degrees(b).unwrap(), rotation).unwrap();
                 let check = |g: &dyn Integrand, product: f64| {
                     let got =
                         centred_inner_product((&f, &f.shape().unwrap()), (g, &g.shape().unwrap()));

@@ -1,7 +1,8 @@
-//! The list of integrands with a file for each, and what is made of several.
+//! The list of integrands, with one file each, and the combinations of several.
 //!
-//! A new integrand is a file here that implements `Definition`, and a line of the list. The list declares
-//! the modules, so `cargo fmt` does not find these files; `.ci/run` formats them by name.
+//! To add an integrand, add a file here that implements `Definition` and a line to the list. The
+//! list declares the modules, so `cargo fmt` does not find these files; `.ci/run` checks them by
+//! name.
 
 mod closed_form;
 mod environment;
@@ -29,8 +30,8 @@ pub use sum::Sum;
 
 use crate::definition::Definition;
 
-/// Declares the module, the variant and the texts of every integrand. A variant with parameters names
-/// their type; the definition of one without is the type `Parameters` of its module.
+/// Declares the module, the variant, the name and the summary of every integrand. A variant with
+/// parameters names their type; otherwise the definition is the type `Parameters` of its module.
 macro_rules! integrands {
     ($($name:literal = $module:ident::$Variant:ident $(($parameters:ident: $Parameters:ident))?: $summary:literal;)*) => {
         $(
@@ -38,7 +39,7 @@ macro_rules! integrands {
             pub use $module::*;
         )*
 
-        /// An integrand that has a name, with its parameters.
+        /// A named integrand with its parameters.
         ///
         /// `FromStr` reads what `Display` writes, such as `cap:degrees=60`.
         #[derive(Clone, Debug, PartialEq)]
@@ -51,8 +52,8 @@ macro_rules! integrands {
         }
 
         impl Term {
-            /// Returns every named integrand with its default parameters and examples of those that
-            /// must be given, in the order of lists.
+            /// Returns every named integrand with its default parameters, and examples of required
+            /// ones, in the order of tables.
             #[must_use]
             pub fn all() -> Vec<Self> {
                 vec![$(Self::$Variant $(($Parameters::default()))?),*]
@@ -66,7 +67,7 @@ macro_rules! integrands {
                 }
             }
 
-            /// Returns what the integrand is, in a line.
+            /// Returns a one-line description of the integrand.
             #[must_use]
             pub const fn summary(&self) -> &'static str {
                 match self {
@@ -74,7 +75,7 @@ macro_rules! integrands {
                 }
             }
 
-            /// Does something with the definition of the integrand.
+            /// Calls a function with the definition of the integrand.
             pub(crate) fn with_definition<T>(
                 &mut self,
                 action: impl FnOnce(&mut dyn Definition) -> T,
@@ -113,14 +114,15 @@ integrands! {
 
 use glam::DVec3;
 
-/// `1 - z` of a unit vector, without cancellation near the pole, where narrow functions live.
+/// Returns `1 - z` of a unit vector, without cancellation near the pole, where narrow functions are
+/// concentrated.
 fn drop_from_pole(dir: DVec3) -> f64 {
     if dir.z > 0.0 { (dir.x * dir.x + dir.y * dir.y) / (1.0 + dir.z) } else { 1.0 - dir.z }
 }
 
 /// The degree to which `e^{-rate (1 - z)}` and functions like it have coefficients above rounding.
 ///
-/// They fall as `e^{-l^2/(2 rate)}` (the asymptotic form of Bessel functions), from some point on faster
+/// They fall as `e^{-l^2/(2 rate)}` (the asymptotic form of Bessel functions), eventually faster
 /// than geometrically; `e^{-8.6^2/2}` is 1e-16.
 #[expect(
     clippy::cast_possible_truncation,
@@ -131,7 +133,7 @@ fn exponential_degree(rate: f64) -> usize {
     (8.6 * rate.sqrt()).ceil() as usize + 24
 }
 
-/// The angle from its axis beyond which `e^{-rate (1 - z)}` is less than 1e-22 of its peak.
+/// Returns the angle from its axis beyond which `e^{-rate (1 - z)}` is less than 1e-22 of its peak.
 fn exponential_support(rate: f64) -> f64 {
     let drop = 50.0 / rate;
     if drop < 2.0 { 2.0 * (0.5 * drop).sqrt().asin() } else { std::f64::consts::PI }

@@ -9,8 +9,8 @@ use super::{exponential_degree, exponential_support};
 use crate::definition::Definition;
 use crate::{Circle, Coefficients, Error, Integrand, IntegrandResolver, Shape};
 
-/// The Phong lobe `max(0, z)^n` for a real exponent n >= 0, with peak 1, not normalised: its integral is
-/// `2 pi/(n + 1)`.
+/// The Phong lobe `max(0, z)^n` for a real exponent n >= 0, with peak 1, not normalised: its
+/// integral is `2 pi/(n + 1)`.
 ///
 /// n = 0 is the half space z >= 0, n = 1 the clamped cosine.
 /// `F_l0 = sqrt(pi (2l+1)) J_l` with the moments `J_l = int_0^1 t^n P_l(t) dt`,
@@ -19,20 +19,21 @@ use crate::{Circle, Coefficients, Error, Integrand, IntegrandResolver, Shape};
 /// J_0 = 1/(n+1),   J_1 = 1/(n+2),   J_l = J_{l-2} (n - l + 2)/(n + l + 1)
 /// ```
 ///
-/// (DLMF 18.17.36), products without cancellation. On the hemisphere the even extension is `|z|^n`.
+/// (DLMF 18.17.36), which are products without cancellation. On the hemisphere the even extension
+/// is `|z|^n`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PhongLobe {
     pub(super) exponent: f64,
 }
 
-/// From this exponent on, the start of the lobe at the equator is as good as smooth.
+/// Exponents from which the edge of the lobe at the equator is negligible.
 const SMOOTH_START: f64 = 20.0;
 
 impl PhongLobe {
     /// The largest exponent, a lobe of some 0.06 degrees.
     pub const MAX_EXPONENT: f64 = 1e6;
 
-    /// The lobe of `exponent` in [0, 10^6].
+    /// Returns the lobe of `exponent` in [0, 10^6].
     ///
     /// # Errors
     ///
@@ -44,7 +45,7 @@ impl PhongLobe {
         Ok(Self { exponent })
     }
 
-    /// A bound of the degree of `t^n` on [0, 1], to rounding.
+    /// Returns a bound on the degree of `t^n` on [0, 1], to rounding.
     #[expect(
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,
@@ -54,7 +55,7 @@ impl PhongLobe {
         (self.exponent.ceil() as usize).min(exponential_degree(self.exponent))
     }
 
-    /// The shape of `|t|^n`, without the kind of symmetry.
+    /// Returns the shape of `|t|^n`, without the kind of symmetry.
     pub(super) fn edges(self) -> Shape {
         let shape = Shape::smooth(self.degree()).zonal(DVec3::Z);
         let whole = self.exponent.fract() == 0.0;
@@ -72,7 +73,8 @@ impl ClosedForm for PhongLobe {
         Some(2.0 * PI / (self.exponent + 1.0))
     }
 
-    /// The two parts are `|z|^n/2` and `sign(z) |z|^n/2`: `pi/(2n+1)` each, less `pi/(n+1)^2` of the mean.
+    /// Returns the two parts are `|z|^n/2` and `sign(z) |z|^n/2`: `pi/(2n+1)` each, minus
+    /// `pi/(n+1)^2` for the mean.
     fn sphere_centred_square(&self) -> Result<ByParity, Error> {
         let n = self.exponent;
         let odd = PI / (2.0 * n + 1.0);

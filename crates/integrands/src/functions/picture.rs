@@ -1,4 +1,4 @@
-//! Pictures as environment maps: how they are laid on the sphere.
+//! Pictures as environment maps: projections and orientation.
 
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI, TAU};
 
@@ -12,16 +12,19 @@ pub enum Projection {
     /// Equirectangular: rows are circles of latitude and columns meridians, width = 2 height.
     #[default]
     LatLong,
-    /// The square equal-area octahedral map of pbrt-v4 (Clarberg 2008): +z in the middle, -z at the corners.
+    /// The square equal-area octahedral map of pbrt-v4 (Clarberg 2008): +z in the middle, -z at the
+    /// corners.
     Octahedral,
 }
 
-/// How a picture is laid on the sphere, as renderers do it: unmirrored as seen from inside.
+/// The mapping of a picture to the sphere, with the convention of renderers: unmirrored as seen
+/// from inside.
 ///
 /// In the equirectangular projection texel (row i, column j) has its centre at
-/// `theta = pi (i + 1/2)/H`, `phi = pi/2 - 2 pi (j + 1/2)/W + turn`: columns run clockwise as seen from +z, from +y
-/// over +x. With the pole turned to +y about the x axis this is the emitter `envmap` of Mitsuba 3. In the
-/// octahedral projection columns run towards +x and rows towards +y, as in pbrt.
+/// `theta = pi (i + 1/2)/H`, `phi = pi/2 - 2 pi (j + 1/2)/W + turn`: columns run clockwise as seen
+/// from +z, from +y over +x. With the pole rotated to +y about the x axis this is the emitter
+/// `envmap` of Mitsuba 3. In the octahedral projection columns run towards +x and rows towards +y,
+/// as in pbrt.
 ///
 /// # Examples
 ///
@@ -43,26 +46,26 @@ pub enum Projection {
 pub struct PictureLayout {
     /// How the picture covers the sphere.
     pub projection: Projection,
-    /// Whether y becomes -y, before the turn.
+    /// Whether y becomes -y, before the rotation.
     pub mirror: bool,
     /// Added to all longitudes, in radians.
     pub turn: f64,
 }
 
-/// Samples on a side of a texel when an octahedral map is brought to rows and columns.
+/// Samples per side of a texel when an octahedral map is resampled to rows and columns.
 const SAMPLES: usize = 4;
 
 impl EnvironmentMap {
-    /// The map of a picture of `height` rows of `width` texels, row by row from the top.
+    /// Returns the map of a picture of `height` rows of `width` texels, row by row from the top.
     ///
-    /// An octahedral picture of n x n texels is resampled to n rows of 2n texels, each the mean of 16 bilinear
-    /// look-ups; the other projection keeps its texels.
+    /// An octahedral picture of n x n texels is resampled to n rows of 2n texels, each the mean of
+    /// 16 bilinear look-ups; the other projection keeps its texels.
     ///
     /// # Errors
     ///
     /// [`Error::Shape`] or [`Error::Square`] if width and height do not fit the projection,
-    /// [`Error::TexelCount`] and [`Error::Texel`] for texels that are missing or not finite, by their place in
-    /// the picture.
+    /// [`Error::TexelCount`] and [`Error::Texel`] for texels that are missing or not finite, by
+    /// their position in the picture.
     pub fn from_picture(
         width: usize,
         height: usize,
@@ -80,7 +83,8 @@ impl EnvironmentMap {
             texels = OctahedralPicture { side: width, texels: &texels }.equirectangular();
         }
         let width = 2 * height;
-        // Both projections now have columns that run westwards from +y; the map's run eastwards.
+        // Both projections now have columns that run westwards from +y; those of the map run
+        // eastwards.
         let first_longitude = if layout.mirror {
             -FRAC_PI_2
         } else {
@@ -99,7 +103,7 @@ struct OctahedralPicture<'a> {
 }
 
 impl OctahedralPicture<'_> {
-    /// The same as n rows of 2n texels in the equirectangular layout.
+    /// Returns the same as n rows of 2n texels in the equirectangular layout.
     fn equirectangular(&self) -> Vec<f64> {
         let (width, height) = (2 * self.side, self.side);
         let fraction = |k: usize| (k as f64 + 0.5) / SAMPLES as f64;
@@ -122,7 +126,7 @@ impl OctahedralPicture<'_> {
         texels
     }
 
-    /// The bilinear value at a place of the unit square.
+    /// Returns the bilinear value at a point of the unit square.
     fn at(&self, [u, v]: [f64; 2]) -> f64 {
         let side = self.side as f64;
         let (x, y) = (u * side - 0.5, v * side - 0.5);
@@ -134,8 +138,8 @@ impl OctahedralPicture<'_> {
         (1.0 - fy) * above + fy * below
     }
 
-    /// The texel in a column and row, of which one may be a step outside: each edge of the square meets its own
-    /// other half.
+    /// Returns the texel in a column and row, one of which may be one step outside: each edge of
+    /// the square is joined to its own other half.
     fn texel(&self, column: i64, row: i64) -> f64 {
         let side = i64::try_from(self.side).unwrap_or(i64::MAX);
         let wrap = |along: i64, across: i64| {
@@ -152,7 +156,7 @@ impl OctahedralPicture<'_> {
     }
 }
 
-/// The place of a direction in the equal-area octahedral square (Clarberg 2008).
+/// Returns the point of a direction in the equal-area octahedral square (Clarberg 2008).
 fn equal_area_square(theta: f64, phi: f64) -> [f64; 2] {
     let (sin, cos) = phi.sin_cos();
     // In the upper half r = sqrt(1 - |z|), without cancellation.

@@ -10,20 +10,20 @@ use super::{PictureLayout, Projection};
 pub struct EnvironmentParameters {
     /// The file.
     pub file: PathBuf,
-    /// What is read of it, and how it is laid on the sphere.
+    /// The data to read from it, and its mapping to the sphere.
     pub picture: PictureParameters,
 }
 
-/// What is read of a picture, and how it is laid on the sphere.
+/// The data to read from a picture, and its mapping to the sphere.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct PictureParameters {
-    /// The channel, luminance unless given.
+    /// The channel; default: luminance.
     pub channel: Option<String>,
-    /// The layer or part, channels without one unless given.
+    /// The layer or part; default: channels without one.
     pub layer: Option<String>,
-    /// How the picture covers the sphere.
+    /// The projection of the picture.
     pub projection: Projection,
-    /// Where the pole of the picture lies; +z unless given.
+    /// The direction of the pole of the picture; default: +z.
     pub up: Option<UpAxis>,
     /// Whether the picture is mirrored.
     pub mirror: bool,
@@ -80,7 +80,7 @@ impl Choice for Projection {
 }
 
 impl PictureParameters {
-    /// Returns how the picture is laid on the sphere, with its pole at +z.
+    /// Returns the mapping of the picture to the sphere, with its pole at +z.
     #[must_use]
     pub fn layout(&self) -> PictureLayout {
         let &Self { projection, mirror, turn, .. } = self;

@@ -6,9 +6,9 @@ use crate::{Error, Integrand, Shape, quadrature};
 
 /// The product of two integrands, such as light and the lobe that reflects it.
 ///
-/// Its integral is an inner product of coefficients where one factor has no edges; all else is quadrature over
-/// rings that are split at the edges of both, wherever they cross. Factors that do not
-/// know their shape (closures, HEALPix maps) give the values and at most the integral.
+/// Its integral is an inner product of coefficients where one factor has no edges; all other
+/// results come from quadrature over rings that are split at the edges of both. Factors without a
+/// known shape (closures, HEALPix maps) provide the values and at most the integral.
 ///
 /// # Examples
 ///
@@ -16,12 +16,12 @@ use crate::{Error, Integrand, Shape, quadrature};
 /// use glam::DQuat;
 /// use sphvar_integrands::{Cap, ClampedCosine, Domain, Integrand, Product, Rotated};
 ///
-/// // A cap of 30 degrees about an axis 40 degrees from the surface's normal, seen by the surface: as long as
-/// // it lies above the horizon its irradiance is pi sin^2(30) cos(40).
-/// let light = Rotated::new(Cap::from_degrees(30.0)?, DQuat::from_rotation_x(40f64.to_radians()))?;
-/// let product = Product::new(light, ClampedCosine);
-/// let exact = 0.25 * std::f64::consts::PI * 40f64.to_radians().cos();
-/// assert!((product.exact(Domain::Sphere).unwrap() / exact - 1.0).abs() < 1e-13);
+/// // A cap of 30 degrees about an axis 40 degrees from the surface normal, as seen by the surface:
+/// while // it lies above the horizon its irradiance is pi sin^2(30) cos(40). let light =
+/// Rotated::new(Cap::from_degrees(30.0)?, DQuat::from_rotation_x(40f64.to_radians()))?; let product
+/// = Product::new(light, ClampedCosine); let exact = 0.25 * std::f64::consts::PI *
+/// 40f64.to_radians().cos(); assert!((product.exact(Domain::Sphere).unwrap() / exact - 1.0).abs() <
+/// 1e-13);
 /// # Ok::<(), sphvar_integrands::Error>(())
 /// ```
 #[derive(Clone, Debug)]
@@ -31,7 +31,7 @@ pub struct Product<A, B> {
 }
 
 impl<A: Integrand, B: Integrand> Product<A, B> {
-    /// The product of `first` and `second`.
+    /// Returns the product of `first` and `second`.
     #[must_use]
     pub fn new(first: A, second: B) -> Self {
         Self { first, second }
@@ -56,7 +56,7 @@ impl<A: Integrand, B: Integrand> Integrand for Product<A, B> {
     }
 
     fn exact(&self, domain: Domain) -> Option<f64> {
-        // The even extension has the hemisphere twice.
+        // The even extension contains the hemisphere twice.
         let copies = if domain == Domain::Sphere { 1.0 } else { 0.5 };
         Some(copies * inner_product(&self.first, &self.second, domain).ok()?)
     }

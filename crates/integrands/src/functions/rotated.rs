@@ -7,9 +7,9 @@ use crate::{Coefficients, Energy, Error, Integrand, Shape, quadrature};
 
 /// An integrand after a rotation R of the sphere, `f(R^-1 x)`.
 ///
-/// On the sphere integral and energies stay what they are. On the hemisphere they follow from these for
-/// even functions and for those that vanish below the equator, and else by quadrature with the
-/// equator as an edge.
+/// On the sphere the integral and energies are unchanged. On the hemisphere they follow from those
+/// for even functions and for functions that vanish below the equator, and otherwise from
+/// quadrature with the equator as an edge.
 ///
 /// # Examples
 ///
@@ -25,44 +25,44 @@ use crate::{Coefficients, Energy, Error, Integrand, Shape, quadrature};
 #[derive(Clone, Debug)]
 pub struct Rotated<I> {
     function: I,
-    turn: DQuat,
-    /// The same as a matrix.
+    quaternion: DQuat,
+    /// The rotation as a matrix.
     rotation: DMat3,
 }
 
 impl<I: Integrand> Rotated<I> {
-    /// `function` after `rotation`, which is brought to unit length.
+    /// Returns `function` after `rotation`, which is normalized.
     ///
     /// # Errors
     ///
-    /// [`Error::Rotation`] if `rotation` has no direction: zero or not finite.
+    /// [`Error::Rotation`] if `rotation` is zero or not finite.
     pub fn new(function: I, rotation: DQuat) -> Result<Self, Error> {
         let length = rotation.length();
         if !(length > 0.0 && length.is_finite()) {
             return Err(Error::Rotation { length });
         }
-        let turn = rotation.normalize();
-        Ok(Self { function, turn, rotation: DMat3::from_quat(turn) })
+        let quaternion = rotation.normalize();
+        Ok(Self { function, quaternion, rotation: DMat3::from_quat(quaternion) })
     }
 
-    /// `function` rotated by `psi` about +z and then carried with +z to colatitude `theta` and longitude
-    /// `phi`, all in radians.
+    /// Returns `function` rotated by `psi` about +z and then by the rotation that takes +z to
+    /// colatitude `theta` and longitude `phi`, all in radians.
     ///
     /// # Errors
     ///
     /// [`Error::Rotation`] if an angle is not finite.
     pub fn to_angles(function: I, theta: f64, phi: f64, psi: f64) -> Result<Self, Error> {
-        Self::new(function, turn_to_angles(theta, phi, psi))
+        Self::new(function, rotation_to_angles(theta, phi, psi))
     }
 
-    /// This integrand after a further rotation: both are folded into one, so that chains of any length cost what one
-    /// rotation does.
+    /// Returns this integrand after a further rotation. Both are combined, so a chain of any length
+    /// costs the same as one rotation.
     ///
     /// # Errors
     ///
-    /// As [`new`](Self::new).
+    /// Those of [`new`](Self::new).
     pub fn then(self, rotation: DQuat) -> Result<Self, Error> {
-        Self::new(self.function, rotation * self.turn)
+        Self::new(self.function, rotation * self.quaternion)
     }
 
     /// This integrand after a further rotation by angles, as for [`to_angles`](Self::to_angles).
@@ -71,12 +71,13 @@ impl<I: Integrand> Rotated<I> {
     ///
     /// [`Error::Rotation`] if an angle is not finite.
     pub fn then_to_angles(self, theta: f64, phi: f64, psi: f64) -> Result<Self, Error> {
-        self.then(turn_to_angles(theta, phi, psi))
+        self.then(rotation_to_angles(theta, phi, psi))
     }
 }
 
-/// The rotation by `psi` about +z that then carries +z to colatitude `theta` and longitude `phi`.
-fn turn_to_angles(theta: f64, phi: f64, psi: f64) -> DQuat {
+/// Returns the rotation by `psi` about +z followed by the one that takes +z to colatitude `theta`
+/// and longitude `phi`.
+fn rotation_to_angles(theta: f64, phi: f64, psi: f64) -> DQuat {
     let tilt = DQuat::from_rotation_z(phi) * DQuat::from_rotation_y(theta);
     tilt * DQuat::from_rotation_z(psi)
 }
@@ -112,7 +113,7 @@ impl<I: Integrand> Integrand for Rotated<I> {
 
     from_closed_form!();
 
-    /// On the sphere those of the function before the rotation.
+    /// On the sphere, returns that of the function before the rotation.
     fn energy(&self, domain: Domain, lmax: usize) -> Result<Energy, Error> {
         if domain == Domain::Sphere {
             return self.function.energy(domain, lmax);

@@ -2,16 +2,17 @@ use glam::DVec3;
 
 use crate::{Circle, Error, Integrand, Shape};
 
-/// A function of the caller's with a statement of its shape, from which integral, coefficients and energies
-/// follow by quadrature of its values.
+/// A user-defined function with a declared shape. Integral, coefficients and energies follow by
+/// quadrature of its values.
 ///
-/// The statement is a degree: everywhere (between the edges, if some are stated) the function is a
-/// polynomial of this degree in x, y and z to the accuracy that is wanted. Then all is exact to rounding. The rules
-/// are exact for the degree in the integral, for twice the degree in the square, and for `degree + lmax` in
-/// coefficients. Of a smooth function that is no polynomial the integral is wrong by some of its coefficients
-/// beyond the degree, and the square and the coefficients by products of those, as with any sampling
-/// (aliasing). Across an edge that was not stated every result is wrong by about `jump/degree`, and energies near the
-/// degree mean nothing. Doubling the degree shows the error.
+/// The declaration is a degree: everywhere (between the edges, if any are declared) the function is
+/// a polynomial of this degree in x, y and z to the required accuracy. Results are then exact to
+/// rounding. The rules are exact for the degree in the integral, for twice the degree in the
+/// square, and for `degree + lmax` in coefficients. For a smooth function that is not a polynomial,
+/// the error of the integral consists of some of its coefficients beyond the degree, and that of
+/// the square and the coefficients of products of those (aliasing). An undeclared edge causes an
+/// error of about `jump/degree` in every result, and energies near the degree are meaningless.
+/// Doubling the degree shows the error.
 ///
 /// Cost: some `degree^2` values for the integral, `2 (degree + lmax)^2` for coefficients.
 ///
@@ -38,19 +39,19 @@ pub struct SampledFunction<F> {
 }
 
 impl<F: Fn(DVec3) -> f64 + Sync> SampledFunction<F> {
-    /// The function, smooth as a polynomial of `degree`.
+    /// Returns the function, as smooth as a polynomial of `degree`.
     #[must_use]
     pub fn new(function: F, degree: usize) -> Self {
         Self { function, shape: Shape::smooth(degree) }
     }
 
-    /// The function with a shape in all detail: zonal, even, of narrow support.
+    /// Returns the function with a fully specified shape: zonal, even, of narrow support.
     #[must_use]
     pub fn with_shape(function: F, shape: Shape) -> Self {
         Self { function, shape }
     }
 
-    /// With a circle across which values or derivatives may jump.
+    /// Adds a circle across which values or derivatives may jump.
     #[must_use]
     pub fn with_edge(mut self, edge: Circle) -> Self {
         self.shape = self.shape.with_edge(edge);

@@ -9,9 +9,10 @@ use crate::{Coefficients, Error, Integrand, Shape, quadrature};
 
 /// A weighted sum of integrands, `sum_i w_i f_i`.
 ///
-/// Integral and coefficients are sums. The square comes from the coefficients of all terms without edges, from
-/// quadratures of all terms about one axis, and from inner products of what is left; the time is
-/// proportional to the number of terms unless these have edges about as many axes.
+/// Integral and coefficients are sums. The square is computed from the coefficients of all terms
+/// without edges, quadratures of all terms about one axis, and inner products of the remaining
+/// terms. The time is proportional to the number of terms unless each has edges about a different
+/// axis.
 ///
 /// # Examples
 ///
@@ -36,12 +37,13 @@ impl Sum {
     /// The largest magnitude of a weight.
     pub const MAX_WEIGHT: f64 = 1e150;
 
-    /// This sum with a further term.
+    /// Returns this sum with a further term.
     ///
     /// # Errors
     ///
     /// [`Error::Weight`] unless the weight is 0 or [`MIN_WEIGHT`](Self::MIN_WEIGHT) to
-    /// [`MAX_WEIGHT`](Self::MAX_WEIGHT) in magnitude, so that squares of integrals are in the range of numbers.
+    /// [`MAX_WEIGHT`](Self::MAX_WEIGHT) in magnitude, so that squares of integrals neither overflow
+    /// nor underflow.
     pub fn plus(mut self, weight: f64, term: impl Integrand + 'static) -> Result<Self, Error> {
         if weight != 0.0 && !(Self::MIN_WEIGHT..=Self::MAX_WEIGHT).contains(&weight.abs()) {
             return Err(Error::Weight { got: weight });
@@ -54,7 +56,7 @@ impl Sum {
         self.terms.iter().map(|(w, f)| (*w, &**f))
     }
 
-    /// The largest of a number that all terms have.
+    /// Returns the maximum of a quantity over the terms, if all terms have it.
     fn largest(&self, of: impl Fn(&dyn Integrand) -> Option<usize>) -> Option<usize> {
         let each: Option<Vec<usize>> = self.terms.iter().map(|(_, f)| of(&**f)).collect();
         each?.into_iter().max()
@@ -73,7 +75,7 @@ impl Integrand for Sum {
     }
 
     fn eval_into(&self, dirs: &[DVec3], values: &mut [f64]) -> Result<(), Error> {
-        // As a sum of numbers begins.
+        // The initial value of a floating-point sum.
         values.fill(-0.0);
         let mut of_term = vec![0.0; values.len()];
         for (weight, term) in &self.terms {
@@ -101,9 +103,9 @@ impl Integrand for Sum {
         sum_square::centred_square(self.terms(), domain)
     }
 
-    /// That of the term where there is one, else by the values.
+    /// Returns that of a single term, otherwise that of the values.
     fn kurtosis(&self, domain: Domain) -> Option<f64> {
-        // A value of a longer sum takes too long.
+        // The values of longer sums take too long.
         const MAX_TERMS: usize = 16;
         match &self.terms[..] {
             [(weight, only)] => only.kurtosis(domain).filter(|_| *weight != 0.0),

@@ -9,9 +9,10 @@ type Term<'a> = (f64, &'a dyn Integrand);
 
 /// [`Integrand::centred_square`] of a weighted sum.
 ///
-/// Terms without edges enter by the coefficients of their sum. Terms with edges that are functions of the angle from one axis
-/// are one function, with one quadrature; only groups of different axes need inner products pair by pair. So the
-/// time for n terms is proportional to n unless they have edges about n axes.
+/// Terms without edges contribute through the coefficients of their sum. Terms with edges that are
+/// functions of the angle from one axis form one function, with one quadrature; only groups of
+/// different axes need pairwise inner products. The time for n terms is therefore proportional to n
+/// unless they have edges about n axes.
 pub(super) fn centred_square<'a>(
     terms: impl IntoIterator<Item = Term<'a>>,
     domain: Domain,
@@ -41,7 +42,7 @@ pub(super) fn centred_square<'a>(
             add(&mut sum, 2.0, centred_inner_product(group, other, domain)?);
         }
     }
-    // Terms that cancel leave rounding of either sign.
+    // Cancellation leaves rounding errors of either sign.
     Ok(sum.map(|x| x.max(0.0)))
 }
 
@@ -74,7 +75,7 @@ impl Integrand for Group<'_> {
     fn shape(&self) -> Result<Shape, Error> {
         match (&self.shape, self.terms.as_slice()) {
             (Some(shape), _) => Ok(shape.clone()),
-            // Which says why it is unknown.
+            // This call returns the reason.
             (None, [(_, single)]) => single.shape(),
             (None, _) => Err(Error::NoEnergy { reason: "the shape of a term is not known" }),
         }
@@ -98,7 +99,7 @@ impl Integrand for Group<'_> {
     }
 }
 
-/// The coefficients of a weighted sum.
+/// Returns the coefficients of a weighted sum.
 pub(super) fn sum_of_coefficients<'a>(
     terms: impl IntoIterator<Item = Term<'a>>,
     domain: Domain,
@@ -111,11 +112,12 @@ pub(super) fn sum_of_coefficients<'a>(
     Ok(sum)
 }
 
-/// The centred square of the sum of functions without edges, each with its degree, plus twice their inner products with
-/// functions that have edges.
+/// Returns the centred square of the sum of functions without edges, each with its degree, plus
+/// twice their inner products with functions that have edges.
 ///
-/// Functions of higher degree come first. The sum of all functions that reach a degree has the energy of that degree, so
-/// that a general function of low degree does not make one of high degree need all orders.
+/// Functions of higher degree come first. The sum of all functions that reach a degree has the
+/// energy of that degree, so a general function of low degree does not force one of high degree to
+/// use all orders.
 fn limited_square<'a>(
     mut limited: Vec<(usize, Term<'a>)>,
     groups: &[Group<'_>],
@@ -124,7 +126,7 @@ fn limited_square<'a>(
     if let ([(_, (weight, single))], []) = (limited.as_slice(), groups) {
         return Ok(single.centred_square(domain)?.map(|square| weight * weight * square));
     }
-    // To eight degrees an octave, so that there are few different ones.
+    // Rounded to eight degrees per octave, so that there are few different ones.
     for (degree, _) in &mut limited {
         let step = (degree.next_power_of_two() / 16).max(1);
         *degree = degree.next_multiple_of(step).min(MAX_DEGREE);

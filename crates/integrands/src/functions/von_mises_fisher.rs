@@ -13,8 +13,8 @@ use crate::{Circle, Coefficients, Error, Integrand, IntegrandResolver, Shape, qu
 /// The von Mises-Fisher density about +z, `kappa/(2 pi (1 - e^{-2 kappa})) e^{kappa (z - 1)}`: a
 /// smooth lobe with integral 1 over the sphere.
 ///
-/// On the sphere `E(l) = (2l+1)/(4 pi) A_l^2`, where `A_l` is the ratio of modified Bessel functions
-/// `I_{l+1/2}(kappa)/I_{1/2}(kappa)` (Mardia and Jupp 2000, section 9.3.2).
+/// On the sphere `E(l) = (2l+1)/(4 pi) A_l^2`, where `A_l` is the ratio of modified Bessel
+/// functions `I_{l+1/2}(kappa)/I_{1/2}(kappa)` (Mardia and Jupp 2000, section 9.3.2).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct VonMisesFisher {
     kappa: f64,
@@ -26,12 +26,12 @@ impl VonMisesFisher {
     /// The largest concentration, a lobe of 0.06 degrees.
     pub const MAX_KAPPA: f64 = 1e6;
 
-    /// Below this concentration the energies beyond [`WIDE_DEGREE`](Self::WIDE_DEGREE) are nothing: about
-    /// `e^{-l^2/kappa}`.
+    /// Below this concentration the energies beyond [`WIDE_DEGREE`](Self::WIDE_DEGREE) are
+    /// negligible: about `e^{-l^2/kappa}`.
     const WIDE: f64 = 8.0;
     const WIDE_DEGREE: usize = 64;
 
-    /// The lobe of concentration `kappa` in [0, 10^6]; 0 is the constant 1/(4 pi).
+    /// Returns the lobe of concentration `kappa` in [0, 10^6]; 0 is the constant 1/(4 pi).
     ///
     /// # Errors
     ///
@@ -47,9 +47,10 @@ impl VonMisesFisher {
 
     /// `I_{l+1/2}/I_{1/2}` at kappa for l = 0 ..= lmax.
     ///
-    /// The ratios of neighbours obey `1/r_{l-1} = (2l+1)/kappa + r_l`, which damps errors downwards.
-    /// It starts where Amos's bounds (1974), `kappa/(nu + 1 + sqrt(kappa^2 + (nu + 1)^2))` above,
-    /// has been damped to nothing, or at a degree whose ratio itself is nothing.
+    /// The ratios of neighbours obey `1/r_{l-1} = (2l+1)/kappa + r_l`, which damps errors
+    /// downwards. It starts where Amos's bounds (1974),
+    /// `kappa/(nu + 1 + sqrt(kappa^2 + (nu + 1)^2))` above, is damped below rounding, or at a
+    /// degree whose ratio is itself negligible.
     fn bessel_ratios(&self, lmax: usize) -> Vec<f64> {
         let kappa = self.kappa;
         let mut ratios = vec![0.0; lmax + 1];
@@ -86,8 +87,9 @@ impl ClosedForm for VonMisesFisher {
         Some(1.0)
     }
 
-    /// With `c = kappa coth kappa` and `s = kappa/sinh kappa` the parts have `(c/2 + s^2/2 - 1)/(4 pi)`
-    /// and `(c/2 - s^2/2)/(4 pi)`; for wide lobes, where these cancel, the sum of the energies, which ends soon.
+    /// With `c = kappa coth kappa` and `s = kappa/sinh kappa` the parts have
+    /// `(c/2 + s^2/2 - 1)/(4 pi)` and `(c/2 - s^2/2)/(4 pi)`; for wide lobes, where these cancel,
+    /// the result is the sum of the energies, which converges quickly.
     fn sphere_centred_square(&self) -> Result<ByParity, Error> {
         let kappa = self.kappa;
         if kappa < Self::WIDE {
@@ -134,7 +136,8 @@ impl Integrand for VonMisesFisher {
         if domain == Domain::Sphere || self.kappa >= Self::WIDE {
             return closed_form::coefficients(self, domain, lmax);
         }
-        // The even extension of a wide lobe is nearly constant: the difference from the peak keeps its digits.
+        // The even extension of a wide lobe is nearly constant: the difference from the peak is
+        // accurate.
         let below_peak = |dir| self.peak * (-self.kappa * drop_from_pole(dir)).exp_m1();
         let rest = quadrature::coefficients(&self.shape()?, domain, lmax, &below_peak)?;
         let mut constant = vec![0.0; lmax + 1];
@@ -142,8 +145,8 @@ impl Integrand for VonMisesFisher {
         rest.plus(1.0, &Coefficients::zonal(DVec3::Z, constant)?)
     }
 
-    /// On the hemisphere `(x coth x - 1)/(pi (1 + e^{-kappa})^2)` with x = kappa/2, by Lambert's continued fraction
-    /// `x coth x = 1 + x^2/(3 + x^2/(5 + ...))` where the difference cancels.
+    /// On the hemisphere `(x coth x - 1)/(pi (1 + e^{-kappa})^2)` with x = kappa/2, by Lambert's
+    /// continued fraction `x coth x = 1 + x^2/(3 + x^2/(5 + ...))` where the difference cancels.
     fn centred_square(&self, domain: Domain) -> Result<ByParity, Error> {
         if domain == Domain::Sphere {
             return self.sphere_centred_square();

@@ -15,7 +15,8 @@ use crate::{Coefficients, Error};
 pub(crate) use panel_rule::node_count;
 use rings::Rings;
 
-/// Nodes that are transformed at a time, at least; as many as fill the memory of the transform if that is more.
+/// Minimum number of nodes per transform; the actual number fills the memory of the transform if
+/// that is larger.
 const BATCH: usize = 1 << 20;
 /// The accuracy of transforms, relative to the coefficients of the absolute values.
 const EPSILON: f64 = 1e-13;
@@ -37,10 +38,11 @@ pub(crate) fn integral(
     Ok(factor * sum.value())
 }
 
-/// `int (F - mean)^2` over the sphere of the even and the odd part of F, which is the even extension on the
-/// hemisphere.
+/// `int (F - mean)^2` over the sphere of the even and the odd part of F, which is the even
+/// extension on the hemisphere.
 ///
-/// Means are taken out and parts formed value by value, so that what vanishes leaves the square of rounding.
+/// Means are subtracted and parts formed value by value, so vanishing parts leave only the square
+/// of the rounding error.
 pub(crate) fn centred_square(
     shape: &Shape,
     domain: Domain,
@@ -54,7 +56,8 @@ pub(crate) fn centred_square(
         Fold::Above => even(2.0 * variation(shape, Domain::Sphere, hemisphere, eval)?),
         Fold::Cut => even(2.0 * variation(shape, domain, hemisphere, eval)?),
         Fold::Whole if shape.is_apart_from(&shape.mirrored()) => {
-            // Both parts have half the values here and half of them, up to the sign, at the antipodes.
+            // Both parts have half the values here and half the values, up to the sign, at the
+            // antipodes.
             let odd =
                 Rings::new(shape, domain, 2 * shape.degree())?.sum(|x| 0.5 * eval(x).powi(2))?;
             let half = |x: DVec3| 0.5 * eval(x);
@@ -74,14 +77,14 @@ pub(crate) fn centred_square(
     })
 }
 
-/// `int (f - mean)^2` over a region of the given area that holds all places where f is more than nothing.
+/// Returns `int (f - mean)^2` over a region of the given area that contains the support of f.
 fn variation(
     shape: &Shape,
     domain: Domain,
     area: f64,
     eval: &dyn Fn(DVec3) -> f64,
 ) -> Result<f64, Error> {
-    /// The share of the area by which rounding makes rings that fill it miss it.
+    /// The relative rounding error of the total area of the rings.
     const ROUNDING: f64 = 1e-13;
     let rings = Rings::new(shape, domain, 2 * shape.degree())?;
     let (mut integral, mut covered) = (Sum::default(), Sum::default());
@@ -91,16 +94,16 @@ fn variation(
     })?;
     let mean = integral.value() / area;
     let beyond = 1.0 - covered.value() / area;
-    // Rings about another axis than that of the support may cover more than the region.
+    // Rings about an axis other than that of the support may cover more than the region.
     let beyond = if beyond.abs() > ROUNDING { beyond * area } else { 0.0 };
     Ok(rings.sum(|x| (eval(x) - mean).powi(2))? + mean * mean * beyond)
 }
 
-/// Nodes that a kurtosis may take, some hundredths of a second.
+/// Maximum number of nodes for a kurtosis, some hundredths of a second.
 const KURTOSIS_NODES: f64 = 1e6;
 
-/// The kurtosis of the value of a function at a uniformly distributed direction of the domain; `None` of a constant,
-/// and if it would take more than a million values.
+/// Returns the kurtosis of the value of a function at a uniformly distributed direction of the
+/// domain; `None` for a constant, and if it would take more than a million values.
 pub(crate) fn kurtosis(shape: &Shape, domain: Domain, eval: &dyn Fn(DVec3) -> f64) -> Option<f64> {
     let rings = Rings::new(shape, domain, 4 * shape.degree()).ok()?;
     if rings.cost() > KURTOSIS_NODES {
@@ -113,7 +116,7 @@ pub(crate) fn kurtosis(shape: &Shape, domain: Domain, eval: &dyn Fn(DVec3) -> f6
     } else {
         rings.for_each(add).ok()?;
     }
-    // The function is 0 beyond its support, which the nodes leave out; their weights round.
+    // The function is 0 beyond its support, which the nodes omit; their weights are rounded.
     let beyond = domain.area() - values.iter().map(|v| v.0).sum::<f64>();
     if beyond > 1e-12 * domain.area() {
         values.push((beyond, 0.0));
@@ -121,8 +124,8 @@ pub(crate) fn kurtosis(shape: &Shape, domain: Domain, eval: &dyn Fn(DVec3) -> f6
     weighted_kurtosis(|| values.iter().copied())
 }
 
-/// [`kurtosis`] of a function whose shape is unknown or too complicated, from its values on a grid of half a
-/// million places: what is smaller than a third of a degree may be missed.
+/// [`kurtosis`] of a function whose shape is unknown or too complicated, from its values on a grid
+/// of half a million places: features smaller than a third of a degree may be missed.
 pub(crate) fn kurtosis_of_values(
     shape: Option<&Shape>,
     domain: Domain,
@@ -143,7 +146,7 @@ pub(crate) fn kurtosis_of_values(
     weighted_kurtosis(|| values.iter().copied())
 }
 
-/// The kurtosis of values with weights, `None` if they are all the same or not finite.
+/// Returns the kurtosis of values with weights, `None` if they are all the same or not finite.
 pub(crate) fn weighted_kurtosis<I: Iterator<Item = (f64, f64)>>(
     values: impl Fn() -> I,
 ) -> Option<f64> {
@@ -157,7 +160,7 @@ pub(crate) fn weighted_kurtosis<I: Iterator<Item = (f64, f64)>>(
     Some(total * fourth / (second * second)).filter(|k| k.is_finite() && !is_constant)
 }
 
-/// The coefficients of F to degree `lmax`.
+/// Returns the coefficients of F to degree `lmax`.
 pub(crate) fn coefficients(
     shape: &Shape,
     domain: Domain,
@@ -251,7 +254,7 @@ impl Batches {
     }
 }
 
-/// A sum with the rounding of its terms carried along (Neumaier 1974): millions of nodes are added.
+/// A compensated sum (Neumaier 1974), because millions of nodes are added.
 #[derive(Clone, Copy, Debug, Default)]
 struct Sum {
     sum: f64,

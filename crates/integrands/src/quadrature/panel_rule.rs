@@ -5,28 +5,30 @@ use sphvar_sh::GaussLegendre;
 
 use crate::Error;
 
-/// Nodes of an interval that the quadrature may not split.
+/// The behaviour of the integrand at the ends of an interval.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Ends {
     /// The integrand is analytic to both ends.
     Smooth,
-    /// It may be a power of the distance to an end that is no integer.
+    /// It may be a non-integer power of the distance to an end.
     Rough,
 }
 
-/// Rules on [0, 1], made once for every number of nodes: fractions of the interval and weights.
+/// Cached rules on [0, 1] by number of nodes: fractions of the interval and weights.
 #[derive(Default)]
 pub(super) struct PanelRules(BTreeMap<(Ends, usize), Vec<(f64, f64)>>);
 
 impl PanelRules {
-    /// The rule for functions that oscillate as `e^{ix}` over an interval of length `phase`.
+    /// Returns the rule for functions that oscillate as `e^{ix}` over an interval of length
+    /// `phase`.
     ///
-    /// Rough ends are met by `x = t^4 (35 - 84 t + 70 t^2 - 20 t^3)`, whose first three derivatives
-    /// vanish at both ends: a power a becomes the power 4a + 3, which a root makes a polynomial.
+    /// Rough ends are handled by `x = t^4 (35 - 84 t + 70 t^2 - 20 t^3)`, whose first three
+    /// derivatives vanish at both ends: a power a becomes the power 4a + 3, which a root makes a
+    /// polynomial.
     pub(super) fn rule(&mut self, ends: Ends, phase: f64) -> Result<&[(f64, f64)], Error> {
         let n = match ends {
             Ends::Smooth => node_count(0.5 * phase),
-            // The steepest part of the polynomial goes 35/16 times as fast.
+            // The maximum slope of the polynomial is 35/16.
             Ends::Rough => node_count(35.0 / 32.0 * phase) + ROUGH_NODES,
         };
         Ok(match self.0.entry((ends, n)) {
@@ -36,7 +38,7 @@ impl PanelRules {
     }
 }
 
-/// The rule of n nodes on [0, 1].
+/// Returns the rule of n nodes on [0, 1].
 fn nodes(ends: Ends, n: usize) -> Result<Vec<(f64, f64)>, Error> {
     let rule = GaussLegendre::new(n)?;
     let place = |(&x, &w): (&f64, &f64)| {
@@ -49,20 +51,20 @@ fn nodes(ends: Ends, n: usize) -> Result<Vec<(f64, f64)>, Error> {
     Ok(rule.nodes().iter().zip(rule.weights()).map(place).collect())
 }
 
-/// Nodes that a rule with rough ends has beyond those of the oscillation, for its own polynomial and
-/// for branch points behind the ends.
+/// Nodes that a rule with rough ends has beyond those of the oscillation, for its own polynomial
+/// and for branch points behind the ends.
 const ROUGH_NODES: usize = 40;
 
-/// The smoothstep of degree 7 at t, `rest` being 1 - t.
+/// Returns the smoothstep of degree 7 at t, `rest` being 1 - t.
 fn graded(t: f64, rest: f64) -> f64 {
     let start = |t: f64| t.powi(4) * (35.0 + t * (-84.0 + t * (70.0 - 20.0 * t)));
     if t <= 0.5 { start(t) } else { 1.0 - start(rest) }
 }
 
-/// The least number of Gauss-Legendre nodes on [-1, 1] for `e^{ikx}` to rounding.
+/// Returns the minimum number of Gauss-Legendre nodes on [-1, 1] for `e^{ikx}` to rounding.
 ///
 /// The error is below `(e k/(4n))^{2n}`, the remainder of the Taylor series of degree 2n with
-/// Stirling's formula; a few nodes are for what is not quite an exponential.
+/// Stirling's formula; a few extra nodes allow for deviations from an exponential.
 #[expect(
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,
@@ -75,7 +77,7 @@ pub(crate) fn node_count(k: f64) -> usize {
         let n = n as f64;
         2.0 * n * (4.0 * n / (std::f64::consts::E * k.max(1e-3))).ln() >= DIGITS
     };
-    // The remainder is below 1 from n = e k/4 on, and a few dozen nodes more always do.
+    // The remainder is below 1 from n = e k/4, and a few dozen more nodes always suffice.
     let mut n = (0.25 * std::f64::consts::E * k).ceil().min(1e9) as usize;
     while !enough(n + 1) {
         n += 1;

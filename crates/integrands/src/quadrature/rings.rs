@@ -8,19 +8,19 @@ use super::panel_rule::{Ends, PanelRules};
 use crate::Error;
 use crate::shape::{Circle, Shape, coaxial};
 
-/// Nodes of a quadrature beyond which it is rejected, some minutes of work.
+/// Maximum number of nodes of a quadrature, some minutes of work.
 const MAX_NODES: f64 = 2e8;
 
-/// Evaluations of a simple function whose time a quadrature may take, some ten seconds.
+/// Maximum cost of a quadrature in evaluations of a simple function, some ten seconds.
 const MAX_WORK: f64 = 5e8;
 
 /// A quadrature for functions of a given shape over a domain: rings about an axis of the shape,
 /// split where they meet its edges.
 ///
-/// Between two heights at which nothing happens - no edge begins, ends or meets another - the integral
-/// over a ring is a smooth function of the height, but for square roots where a ring touches an edge. So
-/// every panel in colatitude and every piece of a ring has a Gauss-Legendre rule, graded at the ends
-/// where roots are, and a ring that no edge meets has equidistant nodes.
+/// Between heights at which an edge begins, ends or crosses another, the integral over a ring is a
+/// smooth function of the height, except for square roots where a ring touches an edge. Every panel
+/// in colatitude and every piece of a ring therefore has a Gauss-Legendre rule, graded at ends with
+/// roots; a ring without edges has equidistant nodes.
 pub(super) struct Rings {
     /// From the frame of the rings to that of the function.
     frame: DMat3,
@@ -28,12 +28,12 @@ pub(super) struct Rings {
     breaks: Vec<f64>,
     /// Ends of the panels.
     ends: Ends,
-    /// Edges that meet rings, in the frame of the rings.
+    /// Edges that intersect rings, in the frame of the rings.
     cuts: Vec<Cut>,
     domain: Domain,
     degree: usize,
     zonal: bool,
-    /// Whether the function has powers at its edges that are no integers.
+    /// Whether the function has non-integer powers at its edges.
     fractional: bool,
 }
 
@@ -48,17 +48,18 @@ struct Cut {
 }
 
 impl Cut {
-    /// A great circle through both poles, which meets every ring at the same longitudes.
+    /// Returns whether the circle is a great circle through both poles, which intersects every ring
+    /// at the same longitudes.
     fn is_meridian(self) -> bool {
         let right = |angle: f64| (angle - FRAC_PI_2).abs() < 1e-15;
         right(self.tilt) && right(self.angle)
     }
 
-    /// Where the circle meets the ring at `theta`, if it does: half the difference of the two
-    /// longitudes, which lie to both sides of that of the axis.
+    /// Returns half the difference of the two longitudes at which the circle intersects the ring at
+    /// `theta`, if it does; they are symmetric about that of the axis.
     ///
-    /// The angle at the pole of the spherical triangle between pole, axis and point, by half angles,
-    /// which lose no digits.
+    /// The angle at the pole of the spherical triangle between pole, axis and point, by half
+    /// angles, which avoids cancellation.
     fn half_width(self, theta: f64) -> Option<f64> {
         let half_sin = |x: f64| (0.5 * x).sin();
         let (g, t) = (self.tilt, self.angle);
@@ -69,7 +70,8 @@ impl Cut {
 }
 
 impl Rings {
-    /// The quadrature for functions of `shape`, as fine as for polynomials of degree `degree`.
+    /// Returns the quadrature for functions of `shape`, as fine as for polynomials of degree
+    /// `degree`.
     pub(super) fn new(shape: &Shape, domain: Domain, degree: usize) -> Result<Self, Error> {
         let axis = ring_axis(shape);
         let frame = frame_about(axis);
@@ -117,7 +119,7 @@ impl Rings {
         for panel in self.breaks.windows(2) {
             let (from, width) = (panel[0], panel[1] - panel[0]);
             for &(x, w) in rules.rule(self.ends, self.phase(width))? {
-                // From the nearer end, so that a break keeps its side.
+                // Measured from the nearer end, so that nodes stay on their side of a break.
                 let theta = from + width * x;
                 let weight = w * width * theta.sin();
                 self.for_each_on_ring(theta, weight, &mut meetings, &mut pieces, &mut f)?;
@@ -126,14 +128,15 @@ impl Rings {
         Ok(())
     }
 
-    /// The integral of a function of the shape.
+    /// Returns the integral of a function of the shape.
     pub(super) fn sum(&self, eval: impl Fn(DVec3) -> f64) -> Result<f64, Error> {
         let mut sum = Sum::default();
         self.for_each(|dir, w| sum.add(w * eval(dir)))?;
         Ok(sum.value())
     }
 
-    /// The colatitudes of the nodes of a zonal function, with weights that include `2 pi sin theta`.
+    /// The colatitudes of the nodes of a zonal function, with weights that include
+    /// `2 pi sin theta`.
     pub(super) fn for_each_colatitude(&self, mut f: impl FnMut(f64, f64)) -> Result<(), Error> {
         let mut rules = PanelRules::default();
         for panel in self.breaks.windows(2) {
@@ -146,23 +149,24 @@ impl Rings {
         Ok(())
     }
 
-    /// The phase of the fastest oscillation over a panel; `sin theta` of the area adds to that of the function.
+    /// Returns the phase of the fastest oscillation over a panel; `sin theta` of the area adds to
+    /// that of the function.
     fn phase(&self, width: f64) -> f64 {
         (self.degree + 2) as f64 * width
     }
 
-    /// The direction at a place in the frame of the rings.
+    /// Returns the direction at a point in the frame of the rings.
     pub(super) fn direction(&self, theta: f64, phi: f64) -> DVec3 {
         let ((st, ct), (sp, cp)) = (theta.sin_cos(), phi.sin_cos());
         self.frame * DVec3::new(st * cp, st * sp, ct)
     }
 
-    /// The axis of the rings.
+    /// Returns the axis of the rings.
     pub(super) fn axis(&self) -> DVec3 {
         self.frame.z_axis
     }
 
-    /// Whether the function is constant on every ring.
+    /// Returns whether the function is constant on every ring.
     pub(super) fn is_zonal(&self) -> bool {
         self.zonal
     }
@@ -215,8 +219,8 @@ impl Rings {
         Ok(())
     }
 
-    /// The orders that functions of the degree have on a ring: beyond `degree sin(theta)` they fall as
-    /// Airy functions do, on the scale of the cube root of the degree.
+    /// Returns the largest order of functions of the degree on a ring: beyond `degree sin(theta)`
+    /// they decay like Airy functions, on the scale of the cube root of the degree.
     fn orders(&self, theta: f64) -> f64 {
         let degree = self.degree as f64;
         degree.min((degree * theta.sin() + 9.0 * degree.cbrt() + 16.0).ceil())
@@ -240,11 +244,11 @@ impl Rings {
         }
     }
 
-    /// Adds the colatitudes at which edges meet each other.
+    /// Adds the colatitudes at which edges intersect.
     fn add_crossings(&mut self) {
         for (i, a) in self.cuts.iter().enumerate() {
             for b in &self.cuts[..i] {
-                // Meridians meet at the poles.
+                // Meridians intersect at the poles.
                 if !(a.is_meridian() && b.is_meridian()) {
                     self.breaks.extend(crossings(*a, *b));
                 }
@@ -252,7 +256,7 @@ impl Rings {
         }
     }
 
-    /// The colatitudes between which a support lies.
+    /// Returns the colatitudes between which a support lies.
     fn support(&self, support: Option<Circle>) -> (f64, f64) {
         let Some(support) = support else {
             return (0.0, PI);
@@ -266,7 +270,7 @@ impl Rings {
         }
     }
 
-    /// The number of nodes, roughly; of rings for a zonal function.
+    /// Returns the approximate number of nodes, or of rings for a zonal function.
     pub(super) fn cost(&self) -> f64 {
         let panels = self.breaks.len() as f64;
         let (first, last) = (self.breaks[0], self.breaks[self.breaks.len() - 1]);
@@ -276,7 +280,7 @@ impl Rings {
         if self.zonal { rings } else { rings * pieces }
     }
 
-    /// `cost` is that of a value in those of a simple function.
+    /// Checks the number of nodes; `cost` is that of a value relative to a simple function.
     fn check_cost(&self, cost: f64) -> Result<(), Error> {
         let nodes = self.cost();
         if nodes > MAX_NODES {
@@ -295,14 +299,14 @@ impl Rings {
     }
 }
 
-/// The axis for the rings: that of most edges if they are many, else that of the support, which may be
-/// narrow, else that of an edge.
+/// Returns the axis for the rings: that of most edges if they are many, else that of the support,
+/// which may be narrow, else that of an edge.
 fn ring_axis(shape: &Shape) -> DVec3 {
-    /// More edges than closed forms have.
+    /// More edges than any closed form has.
     const MANY: usize = 4;
     let about =
         |axis: DVec3| shape.edges().iter().filter(|e| coaxial(e.axis, axis).is_some()).count();
-    // Few axes are tried: the many edges about one come one after another.
+    // Few axes are tried, because the edges about one axis are consecutive.
     let most = shape.edges().iter().step_by(MANY).max_by_key(|e| about(e.axis)).map(|e| e.axis);
     let narrowest = shape.edges().iter().min_by(|a, b| a.angle.sin().total_cmp(&b.angle.sin()));
     shape
@@ -313,7 +317,7 @@ fn ring_axis(shape: &Shape) -> DVec3 {
         .unwrap_or(DVec3::Z)
 }
 
-/// A rotation that carries +z to `axis`.
+/// Returns a rotation that carries +z to `axis`.
 fn frame_about(axis: DVec3) -> DMat3 {
     if coaxial(axis, DVec3::Z).is_some_and(|sign| sign > 0.0) {
         return DMat3::IDENTITY;
@@ -323,7 +327,7 @@ fn frame_about(axis: DVec3) -> DMat3 {
     DMat3::from_cols(x, y, axis)
 }
 
-/// The colatitudes of the points that two circles have in common.
+/// Returns the colatitudes of the intersections of two circles.
 fn crossings(a: Cut, b: Cut) -> impl Iterator<Item = f64> {
     let axis = |c: Cut| {
         let ((sin, cos), (s, k)) = (c.tilt.sin_cos(), c.longitude.sin_cos());
@@ -336,7 +340,7 @@ fn crossings(a: Cut, b: Cut) -> impl Iterator<Item = f64> {
     // x = alpha u + beta v + gamma u x v.
     let middle = u * ((p - k * q) / square) + v * ((q - k * p) / square);
     let rest = (1.0 - middle.length_squared()) / square;
-    // A little below 0 the circles touch, to rounding.
+    // If slightly below 0, the circles touch to rounding.
     let gamma = rest.max(0.0).sqrt();
     let points = [middle + normal * gamma, middle - normal * gamma];
     let real = square > f64::EPSILON && rest > -1e-9;

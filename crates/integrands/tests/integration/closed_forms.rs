@@ -12,7 +12,8 @@ use sphvar_integrands::{
 use sphvar_samplers::Domain;
 use sphvar_sh::{Alm, GaussLegendre, ylm_at};
 
-/// The area that two caps have in common, their centres a distance `d` apart (Tovchigrechko and Vakser 2001).
+/// Returns the area of the intersection of two caps with centres at the distance `d` (Tovchigrechko
+/// and Vakser 2001).
 fn lens(a: f64, b: f64, d: f64) -> f64 {
     if d >= a + b {
         return 0.0;
@@ -49,12 +50,13 @@ proptest! {
         let product = Product::new(Cap::from_degrees(a).unwrap(), tilted(b, d));
         let exact = lens(a.to_radians(), b.to_radians(), d);
         let got = product.exact(Domain::Sphere).unwrap();
-        // Where the circles nearly touch, the root of the rounding of their distance, over the length of the lens.
+        // Where the circles nearly touch, the root of the rounding of their distance, over the
+        // length of the lens.
         prop_assert!((got - exact).abs() < 1e-11, "{a} {b} {d}: {got}, not {exact}");
     }
 
     #[test]
-    fn a_cap_above_the_horizon_lights_by_its_height(a in 1.0..60.0_f64, share in 0.0..1.0_f64) {
+    fn the_irradiance_of_a_cap_above_the_horizon_follows_from_its_height(a in 1.0..60.0_f64, share in 0.0..1.0_f64) {
         let tilt = share * (FRAC_PI_2 - a.to_radians());
         let product = Product::new(tilted(a, tilt), ClampedCosine);
         let exact = PI * a.to_radians().sin().powi(2) * tilt.cos();
@@ -82,7 +84,7 @@ proptest! {
     #[test]
     fn rotations_keep_the_energy_of_a_sum(
         a in 5.0..85.0_f64, kappa in 0.5..50.0_f64, n in 0_u32..6, tilt in 0.1..3.0_f64,
-        turn in rotation(),
+        q in rotation(),
     ) {
         let sum = |rotation: DQuat| -> Result<Sum, Error> {
             let tilt = DQuat::from_rotation_x(tilt);
@@ -92,7 +94,7 @@ proptest! {
                 .plus(-0.3, Rotated::new(lobe, rotation * tilt)?)?
                 .plus(0.7, Rotated::new(PhongLobe::new(f64::from(n))?, rotation * tilt.inverse())?)
         };
-        let (before, after) = (sum(DQuat::IDENTITY).unwrap(), sum(turn).unwrap());
+        let (before, after) = (sum(DQuat::IDENTITY).unwrap(), sum(q).unwrap());
         let (e, f) = (
             before.energy(Domain::Sphere, 30).unwrap(), after.energy(Domain::Sphere, 30).unwrap());
         // Rings about other axes: the rounding of the graded rules.
@@ -102,8 +104,8 @@ proptest! {
         }
     }
 
-    /// The hemisphere's energies by quadrature of rings that the equator cuts, against the closed form of
-    /// the even function that the two caps are.
+    /// Compares the energies on the hemisphere, by quadrature of rings that the equator cuts, with
+    /// the closed form of the even function formed by the two caps.
     #[test]
     fn the_equator_may_cut_what_it_likes(degrees in 5.0..85.0_f64, tilt in 0.0..3.1_f64) {
         let both = Sum::default().plus(1.0, tilted(degrees, tilt)).unwrap()
@@ -130,15 +132,16 @@ fn three_half_spaces_are_one() {
     for cap in [Cap::from_degrees(90.0).unwrap(), Cap::half_space(0.0).unwrap()] {
         let cap = energies(&cap);
         for (l, (a, b)) in cap.per_band().iter().zip(phong.per_band()).enumerate() {
-            // A product of l/2 factors against a recurrence of l steps, and the f64 nearest to pi/2.
+            // A product of l/2 factors against a recurrence of l steps, and the f64 nearest to
+            // pi/2.
             let bound = 40.0 * f64::EPSILON * (l as f64 + 1.0) * b + 1e-30;
             assert!((a - b).abs() <= bound, "l = {l}: {a:e} and {b:e}");
         }
     }
 }
 
-/// Sums to degree 100000 and the tail's mean law `sum_{l > L} E(l) = 2 sin(t)/L`, from a cap that no degree
-/// resolves to one that is nearly all.
+/// Sums to degree 100000 and the mean tail `sum_{l > L} E(l) = 2 sin(t)/L`, from a cap that no
+/// degree resolves to nearly the whole sphere.
 #[test]
 fn caps_of_any_size_sum_to_their_area() {
     let lmax = 100_000;
@@ -164,7 +167,8 @@ fn caps_of_any_size_sum_to_their_area() {
     }
 }
 
-/// `1 - J_0(x)^2 - J_1(x)^2` for x below 2, by the power series of the Bessel functions. Digits are lost as x^-2.
+/// `1 - J_0(x)^2 - J_1(x)^2` for x below 2, by the power series of the Bessel functions. The
+/// relative error grows as x^-2.
 fn encircled(x: f64) -> f64 {
     let bessel = |order: u32| {
         let mut term = (0.5 * x).powi(i32::try_from(order).unwrap());
@@ -189,13 +193,13 @@ fn narrow_phong_lobes_sum_to_their_total() {
     }
 }
 
-/// The narrowest lobe, turned, on both domains and against a narrow cap.
+/// The narrowest lobe, rotated, on both domains and multiplied by a narrow cap.
 #[test]
-fn the_narrowest_lobe_stays_affordable() {
+fn the_narrowest_lobe_has_acceptable_cost() {
     let lobe = VonMisesFisher::new(VonMisesFisher::MAX_KAPPA).unwrap();
-    let turned = |degrees: f64| Rotated::to_angles(lobe, degrees.to_radians(), 0.2, 0.0).unwrap();
+    let rotated = |degrees: f64| Rotated::to_angles(lobe, degrees.to_radians(), 0.2, 0.0).unwrap();
     for (degrees, share) in [(60.0, 1.0), (90.0, 0.5), (120.0, 0.0)] {
-        let f = turned(degrees);
+        let f = rotated(degrees);
         let exact = f.exact(Domain::Hemisphere).unwrap();
         // The equator is met with the rounding of cos(90 degrees) over the width 1e-3.
         assert!((exact - share).abs() < 1e-12, "{degrees}: {exact}");
@@ -203,7 +207,7 @@ fn the_narrowest_lobe_stays_affordable() {
         let expected = 4.0 / (4.0 * PI) * share * share;
         assert!((energy.per_band()[0] - expected).abs() < 1e-11, "{degrees}: {energy:?}");
     }
-    let product = Product::new(turned(60.0), tilted(0.05, 1.0));
+    let product = Product::new(rotated(60.0), tilted(0.05, 1.0));
     assert!(product.exact(Domain::Sphere).unwrap().abs() < 1e-12);
 }
 
@@ -214,8 +218,8 @@ fn pixels_have_the_coefficients_of_their_quadrature() {
     let nside = Nside::new(4).unwrap();
     let order = Ring::new(nside);
     let rule = GaussLegendre::new(24).unwrap();
-    // In both caps and the belt: none is crossed by |z| = 2/3, where the coordinates have a kink, or touches
-    // a pole, where they have no derivative.
+    // Pixels in both caps and the belt: none is crossed by |z| = 2/3, where the coordinates have a
+    // kink, or touches a pole, where they have no derivative.
     for pixel in [5, 60, 90, 101, 187] {
         let mut values = vec![0.0; 192];
         values[pixel] = 1.0;
@@ -240,9 +244,10 @@ fn pixels_have_the_coefficients_of_their_quadrature() {
     }
 }
 
-/// A map of a smooth function has its energies but for the window of its pixels, `1 - O(l(l+1) Omega)`, some
-/// 0.13 for the coefficient here. (The estimate by points, `anafast` of healpy with iterations, has the energies
-/// of the function to 1e-14 at the same centres, for it knows nothing of pixels' extent.)
+/// A map of a smooth function has its energies up to the pixel window, `1 - O(l(l+1) Omega)`, some
+/// 0.13 for the coefficient here. (The estimate by points, `anafast` of healpy with iterations, has
+/// the energies of the function to 1e-14 at the same centres, because it ignores the extent of
+/// pixels.)
 #[test]
 fn a_smooth_map_has_the_energies_of_the_function() {
     let order = Nested::new(Nside::new(16).unwrap()).unwrap();

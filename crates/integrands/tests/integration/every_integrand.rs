@@ -1,7 +1,7 @@
-//! What must hold of every integrand, by one checker.
+//! Properties of every integrand, in one check.
 //!
-//! Integral, coefficients, energies and square are four ways to the same function; a lattice of many points, which
-//! knows of none of them, is a fifth.
+//! Integral, coefficients, energies and square are compared with each other and with a lattice of
+//! many points, which is independent of them.
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
@@ -15,10 +15,10 @@ use sphvar_integrands::{
 use sphvar_samplers::Domain;
 use sphvar_sh::ylm_at;
 
-/// How the energy beyond a degree falls.
+/// The decay of the energy beyond a degree.
 #[derive(Clone, Copy, Debug)]
 enum Tail {
-    /// Nothing is left beyond the largest degree of the checks.
+    /// No energy beyond the largest degree of the checks.
     None,
     /// As a power of the degree.
     Power(f64),
@@ -35,7 +35,7 @@ fn case(name: &'static str, tails: [Tail; 2], function: impl Integrand + 'static
     Case { name, function: Box::new(function), tails }
 }
 
-fn turned(function: impl Integrand + 'static, theta: f64) -> Rotated<Box<dyn Integrand>> {
+fn rotated(function: impl Integrand + 'static, theta: f64) -> Rotated<Box<dyn Integrand>> {
     let function: Box<dyn Integrand> = Box::new(function);
     Rotated::to_angles(function, theta.to_radians(), 0.3, 0.4).unwrap()
 }
@@ -62,36 +62,36 @@ fn cases() -> Vec<Case> {
         case("cap 180", [Tail::None, Tail::None], cap(180.0)),
         case("half space", [JUMP, Tail::None], Cap::half_space(0.0).unwrap()),
         case("half space above", [JUMP, JUMP], Cap::half_space(0.3).unwrap()),
-        case("cap turned", [JUMP, JUMP], turned(cap(40.0), 20.0)),
-        case("cap on the equator", [JUMP, JUMP], turned(cap(40.0), 75.0)),
-        case("cap below", [JUMP, Tail::None], turned(cap(20.0), 170.0)),
+        case("cap turned", [JUMP, JUMP], rotated(cap(40.0), 20.0)),
+        case("cap on the equator", [JUMP, JUMP], rotated(cap(40.0), 75.0)),
+        case("cap below", [JUMP, Tail::None], rotated(cap(20.0), 170.0)),
         case("double cap", [JUMP, JUMP], DoubleCap::from_degrees(60.0).unwrap()),
         case(
             "double cap turned",
             [JUMP, JUMP],
-            turned(DoubleCap::from_degrees(60.0).unwrap(), 50.0),
+            rotated(DoubleCap::from_degrees(60.0).unwrap(), 50.0),
         ),
         case("vmf 0", [Tail::None, Tail::None], vmf(0.0)),
         case("vmf 3", [Tail::None, KINK], vmf(3.0)),
         case("vmf 100", [Tail::None, Tail::None], vmf(100.0)),
-        case("vmf 30 turned", [Tail::None, JUMP], turned(vmf(30.0), 80.0)),
+        case("vmf 30 turned", [Tail::None, JUMP], rotated(vmf(30.0), 80.0)),
         case("cosine", [KINK, KINK], ClampedCosine),
-        case("cosine turned", [KINK, JUMP], turned(ClampedCosine, 60.0)),
-        case("abs cosine turned", [KINK, KINK], turned(AbsCosine, 60.0)),
+        case("cosine turned", [KINK, JUMP], rotated(ClampedCosine, 60.0)),
+        case("abs cosine turned", [KINK, KINK], rotated(AbsCosine, 60.0)),
         case("phong 0", [JUMP, Tail::None], phong(0.0)),
         case("phong 0.5", [Tail::Power(2.0), Tail::Power(2.0)], phong(0.5)),
-        case("phong 0.5 turned", [Tail::Power(2.0), JUMP], turned(phong(0.5), 60.0)),
+        case("phong 0.5 turned", [Tail::Power(2.0), JUMP], rotated(phong(0.5), 60.0)),
         case("phong 12", [Tail::None, Tail::None], phong(12.0)),
         case("ylm 4 0", [Tail::None, Tail::None], Harmonic::new(4, 0).unwrap()),
         case("ylm 4 -3", [Tail::None, Tail::None], Harmonic::new(4, -3).unwrap()),
         case(
             "ylm 4 3 turned",
             [Tail::None, Tail::None],
-            turned(Harmonic::new(4, 3).unwrap(), 30.0),
+            rotated(Harmonic::new(4, 3).unwrap(), 30.0),
         ),
-        case("ylm 3 1 turned", [Tail::None, JUMP], turned(Harmonic::new(3, 1).unwrap(), 30.0)),
-        // At the poles a value for every longitude: coefficients as l^-2, energies as l^-3. On the hemisphere
-        // a jump across the equator, which is not alone yet at these degrees.
+        case("ylm 3 1 turned", [Tail::None, JUMP], rotated(Harmonic::new(3, 1).unwrap(), 30.0)),
+        // At the poles a value for every longitude: coefficients as l^-2, energies as l^-3. On the
+        // hemisphere a jump across the equator, which does not dominate yet at these degrees.
         case("environment", [Tail::Power(2.0), Tail::Power(1.4)], environment.clone()),
         case("map 1", [JUMP, JUMP], map(1)),
         case("map 3", [JUMP, JUMP], map(3)),
@@ -107,21 +107,21 @@ fn cases() -> Vec<Case> {
             "cap and lobe",
             [JUMP, JUMP],
             Sum::default()
-                .plus(1.0, turned(cap(30.0), 40.0))
+                .plus(1.0, rotated(cap(30.0), 40.0))
                 .unwrap()
                 .plus(-0.5, vmf(10.0))
                 .unwrap()
-                .plus(0.25, turned(cap(50.0), 80.0))
+                .plus(0.25, rotated(cap(50.0), 80.0))
                 .unwrap(),
         ),
-        case("lit cosine", [JUMP, JUMP], Product::new(turned(cap(40.0), 60.0), ClampedCosine)),
+        case("lit cosine", [JUMP, JUMP], Product::new(rotated(cap(40.0), 60.0), ClampedCosine)),
         case(
             "two caps",
             [JUMP, JUMP],
-            Product::new(turned(cap(50.0), 40.0), turned(cap(35.0), 75.0)),
+            Product::new(rotated(cap(50.0), 40.0), rotated(cap(35.0), 75.0)),
         ),
-        case("two lobes", [Tail::None, JUMP], Product::new(turned(vmf(8.0), 70.0), vmf(5.0))),
-        case("lit environment", [JUMP, JUMP], Product::new(environment, turned(cap(70.0), 50.0))),
+        case("two lobes", [Tail::None, JUMP], Product::new(rotated(vmf(8.0), 70.0), vmf(5.0))),
+        case("lit environment", [JUMP, JUMP], Product::new(environment, rotated(cap(70.0), 50.0))),
     ]
 }
 
@@ -132,7 +132,7 @@ const POINTS: u32 = 60_000;
 /// The degree to which coefficients are compared with the lattice.
 const LATTICE_DEGREE: usize = 4;
 
-/// A spherical Fibonacci lattice.
+/// Returns a spherical Fibonacci lattice.
 fn lattice() -> impl Iterator<Item = DVec3> {
     let golden = 0.5 * (5f64.sqrt() - 1.0);
     (0..POINTS).map(move |j| {
@@ -161,7 +161,7 @@ fn check(case: &Case, domain: Domain, tail: Tail) {
         assert!(domain.has_degree(l) || *a == 0.0, "{what}: odd degree {l}");
     }
 
-    // The total is what all degrees have.
+    // The total is the sum over all degrees.
     let sum: f64 = energy.per_band().iter().sum();
     assert!(sum <= energy.total() * (1.0 + 1e-11), "{what}: {sum} of {}", energy.total());
     match tail {
@@ -173,14 +173,16 @@ fn check(case: &Case, domain: Domain, tail: Tail) {
             );
         }
         Tail::Power(power) => {
-            // Smooth on average, with oscillations of a few 10 % from edges that meet or are small.
+            // Smooth on average, with oscillations of a few 10 % from edges that intersect or are
+            // small.
             let ratio = energy.beyond(LMAX / 2) / energy.beyond(LMAX);
             let exponent = ratio.log2();
             assert!((exponent - power).abs() < 0.35, "{what}: the rest falls as l^-{exponent}");
         }
     }
 
-    // The lattice errs by the points that the edges cut off wrongly: some N^-3/4 for a jump of 1.
+    // The error of the lattice comes from points misclassified at edges: some N^-3/4 for a jump of
+    // 1.
     let weight = 4.0 * PI / f64::from(POINTS);
     let inside = |d: &DVec3| domain == Domain::Sphere || d.z >= 0.0;
     let values: Vec<(DVec3, f64)> =
@@ -209,7 +211,7 @@ fn integral_coefficients_square_and_values_agree() {
     }
 }
 
-/// The edges are those that were stated, whatever else is stated: more edges change nothing.
+/// Additional edges do not change the results.
 #[test]
 fn edges_that_are_none_change_nothing() {
     let axis = DVec3::new(0.6, 0.0, 0.8);
@@ -223,7 +225,7 @@ fn edges_that_are_none_change_nothing() {
         let axis = DVec3::new(0.0, sin, cos);
         shaped = shaped.with_edge(Circle { axis, angle });
         let energy = shaped.energy(Domain::Sphere, 40).unwrap();
-        // Coefficients are good to 1e-13 of the transform and to the graded rules.
+        // Coefficients are accurate to 1e-13 of the transform and to the graded rules.
         assert!((energy.total() / exact.total() - 1.0).abs() < 1e-11, "{tilt}: {energy:?}");
         for (l, (a, b)) in energy.per_band().iter().zip(exact.per_band()).enumerate() {
             assert!((a - b).abs() < 1e-11, "{tilt} {angle} l = {l}: {a} and {b}");
@@ -232,7 +234,7 @@ fn edges_that_are_none_change_nothing() {
 }
 
 #[test]
-fn what_cannot_be_had_is_refused_with_a_reason() {
+fn unavailable_quantities_are_errors_with_a_reason() {
     let map = HealpixMap::new(Nside::new(1).unwrap(), vec![1.0; 12]).unwrap();
     let product = Product::new(map, Cap::from_degrees(30.0).unwrap());
     let message = product.energy(Domain::Sphere, 3).unwrap_err().to_string();

@@ -1,4 +1,4 @@
-//! Texts of integrands: what they name, how they are written, and what is wrong with others.
+//! Specifications of integrands: parsing, display and errors.
 
 use std::f64::consts::PI;
 use std::path::Path;
@@ -19,7 +19,7 @@ fn built(text: &str) -> Box<dyn Integrand> {
 }
 
 #[test]
-fn terms_show_what_must_be_given_or_is_no_default() {
+fn terms_show_required_and_non_default_parameters() {
     for (text, shown) in [
         ("ylm:l=4", "ylm:l=4"),
         ("ylm:m=-3,l=4", "ylm:l=4,m=-3"),
@@ -69,7 +69,7 @@ fn expressions_are_sums_of_products_of_rotated_terms() {
 }
 
 #[test]
-fn mistakes_say_what_would_be_right() {
+fn errors_state_the_valid_values() {
     for (text, message) in [
         ("cap", "cap: the parameter degrees is missing"),
         ("cap:degrees=300", "cap:degrees=300: degrees must be in (0, 180], got 300"),
@@ -129,7 +129,7 @@ fn files_are_read_by_the_resolver() {
     }
 }
 
-/// A value of a parameter as text.
+/// Returns a value of a parameter as text.
 fn value(parameter: Parameter) -> BoxedStrategy<String> {
     match parameter.kind {
         ParameterKind::Integer { min, max } => (min..=max).prop_map(|n| n.to_string()).boxed(),
@@ -185,7 +185,7 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(1000))]
 
     #[test]
-    fn expressions_are_read_as_they_are_written(expression in any_expression()) {
+    fn displayed_expressions_parse_to_themselves(expression in any_expression()) {
         let shown = expression.to_string();
         prop_assert_eq!(shown.parse::<Expression>(), Ok(expression), "{}", shown);
         let again: Expression = shown.parse().unwrap();
@@ -193,9 +193,9 @@ proptest! {
     }
 }
 
-/// Constructors reject what the list says is out of range, and take its ends.
+/// Constructors reject values outside the listed ranges and accept the ends of the ranges.
 #[test]
-fn ranges_are_those_of_the_constructors() {
+fn ranges_match_the_constructors() {
     let cap = |degrees| Term::Cap(CapParameters { degrees });
     let double = |degrees| Term::DoubleCap(DoubleCapParameters { degrees });
     let half = |height| Term::HalfSpace(HalfSpaceParameters { height });

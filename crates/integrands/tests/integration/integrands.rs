@@ -1,7 +1,7 @@
 //! Every integrand's exact integral, energies and total agree with its values.
 //!
-//! The oracle is quadrature of the values: a Gauss-Legendre rule over panels in theta, the
-//! trapezoidal rule over phi. It knows nothing of the closed forms.
+//! The reference is quadrature of the values: a Gauss-Legendre rule over panels in theta, the
+//! trapezoidal rule over phi. It is independent of the closed forms.
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
@@ -11,7 +11,8 @@ use sphvar_integrands::{Cap, ClampedCosine, EnvironmentMap, Harmonic, Integrand,
 use sphvar_samplers::Domain;
 use sphvar_sh::{GaussLegendre, ylm};
 
-/// Nodes and weights of the oracle's quadrature over a domain, with panel limits at `breaks`.
+/// Returns nodes and weights of the reference quadrature over a domain, with panel limits at
+/// `breaks`.
 fn quadrature(
     domain: Domain,
     breaks: &[f64],
@@ -41,7 +42,7 @@ fn direction(theta: f64, phi: f64) -> DVec3 {
     DVec3::new(theta.sin() * phi.cos(), theta.sin() * phi.sin(), theta.cos())
 }
 
-/// Compares integral, E(l) for l up to `lmax`, and total with the oracle.
+/// Compares integral, E(l) for l up to `lmax`, and total with the reference.
 #[expect(clippy::cast_possible_wrap, reason = "orders of a few")]
 fn check(
     name: &str,
@@ -59,7 +60,7 @@ fn check(
         (integral - exact).abs() <= tolerance,
         "{name} {domain:?}: exact {exact}, quadrature {integral}"
     );
-    // The even extension has the square of the hemisphere twice, and coefficients doubled.
+    // The even extension has twice the square of the hemisphere, and doubled coefficients.
     let copies = if domain == Domain::Sphere { 1.0 } else { 2.0 };
     let energy = integrand.energy(domain, lmax).unwrap();
     let square: f64 =
@@ -90,12 +91,12 @@ fn check(
             "{name} {domain:?} l = {l}: {got:e}, quadrature {expected:e}"
         );
     }
-    // Energies never exceed the total, and the rest is what lies beyond.
+    // Energies never exceed the total, and the rest is the energy beyond.
     let sum: f64 = energy.per_band().iter().sum();
     assert!(sum <= energy.total() * (1.0 + 1e-12), "{name}: {sum} of {}", energy.total());
 }
 
-/// Panels are smooth: 40 nodes leave rounding only, some thousand terms of it.
+/// The function is smooth on panels, so 40 nodes leave only the rounding of some thousand terms.
 const TOLERANCE: f64 = 1e-12;
 
 #[test]
@@ -145,8 +146,8 @@ fn harmonics_agree_with_quadrature() {
     assert!(Harmonic::new(2, 3).is_err() && Harmonic::new(2, -3).is_err());
 }
 
-/// A small map whose kinks the oracle can follow: panels between its rows, and enough longitudes
-/// that the trapezoidal rule has its nodes symmetric about the kinks.
+/// A small map whose kinks the reference can resolve: panels between its rows, and enough
+/// longitudes that the trapezoidal rule has its nodes symmetric about the kinks.
 #[test]
 fn an_environment_map_agrees_with_quadrature() {
     let height = 5;
@@ -160,7 +161,7 @@ fn an_environment_map_agrees_with_quadrature() {
     }
 }
 
-/// Twice the nodes change nothing: the panel rule of the map is converged at any degree.
+/// Doubling the nodes changes nothing: the panel rule of the map is converged at any degree.
 #[test]
 fn the_energy_of_a_map_does_not_depend_on_the_largest_degree() {
     let texels: Vec<f64> = (0..2 * 16 * 16).map(|k: u32| f64::from(k * 7919 % 997)).collect();
@@ -178,7 +179,7 @@ fn the_energy_of_a_map_does_not_depend_on_the_largest_degree() {
 }
 
 #[test]
-fn small_caps_and_high_degrees_keep_their_digits() {
+fn small_caps_and_high_degrees_are_accurate() {
     // E(l) -> A^2 (2l+1)/4pi for l theta << 1; the first correction is l^2 theta^2/4.
     let cap = Cap::from_degrees(1e-6).unwrap();
     let area = cap.exact(Domain::Sphere).unwrap();

@@ -6,7 +6,7 @@ use sphvar_integrands::{
     VonMisesFisher,
 };
 
-/// From the raw moments `E f^k`, k = 1 to 4, of a uniform direction.
+/// Computes the kurtosis from the raw moments `E f^k`, k = 1 to 4, of a uniform direction.
 fn central(m: [f64; 4]) -> f64 {
     let [a, b, c, d] = m;
     let variance = b - a * a;
@@ -19,7 +19,7 @@ fn assert_near(name: &str, got: Option<f64>, expected: f64, relative: f64) {
 }
 
 #[test]
-fn kurtoses_are_those_of_the_moments() {
+fn kurtoses_match_the_moments() {
     let sphere = Domain::Sphere;
     // z is uniform on (-1, 1): kurtosis 9/5.
     assert_near("Y_10", Harmonic::new(1, 0).unwrap().kurtosis(sphere), 1.8, 1e-9);
@@ -34,14 +34,15 @@ fn kurtoses_are_those_of_the_moments() {
         let vmf = VonMisesFisher::new(kappa).unwrap();
         let expected = central([1.0, 2.0, 3.0, 4.0].map(moment));
         assert_near("vmf", vmf.kurtosis(sphere), expected, 1e-6);
-        let turned = Rotated::new(vmf, DQuat::from_rotation_x(1.0)).unwrap();
-        assert_near("rotated vmf", turned.kurtosis(sphere), expected, 1e-6);
-        let scaled = Sum::default().plus(1e-140, turned).unwrap();
+        let rotated = Rotated::new(vmf, DQuat::from_rotation_x(1.0)).unwrap();
+        assert_near("rotated vmf", rotated.kurtosis(sphere), expected, 1e-6);
+        let scaled = Sum::default().plus(1e-140, rotated).unwrap();
         assert_near("scaled vmf", scaled.kurtosis(sphere), expected, 1e-6);
     }
 }
 
-/// A cap of the share p has `(1 - 3 p q)/(p q)`, its complement the same: nothing cancels at either end.
+/// A cap that covers a fraction p has `(1 - 3 p q)/(p q)`, its complement the same: no cancellation
+/// at either end.
 #[test]
 fn caps_have_the_kurtosis_of_their_complements() {
     let of = |degrees: f64| Cap::from_degrees(degrees).unwrap().kurtosis(Domain::Sphere);
@@ -62,12 +63,13 @@ fn caps_have_the_kurtosis_of_their_complements() {
     assert_eq!(Cap::from_degrees(120.0).unwrap().kurtosis(Domain::Hemisphere), None);
 }
 
-/// A product of caps about axes at right angles, a quarter of a sphere: p = 1/4. Closures state nothing.
+/// A product of caps about axes at right angles, a quarter of a sphere: p = 1/4. Closures have no
+/// known kurtosis.
 #[test]
 fn products_and_closures() {
     let half = || Cap::half_space(0.0).unwrap();
-    let turned = Rotated::new(half(), DQuat::from_rotation_x(90f64.to_radians())).unwrap();
-    let quarter = Product::new(half(), turned);
+    let rotated = Rotated::new(half(), DQuat::from_rotation_x(90f64.to_radians())).unwrap();
+    let quarter = Product::new(half(), rotated);
     assert_near("quarter", quarter.kurtosis(Domain::Sphere), 7.0 / 3.0, 1e-3);
     assert_eq!((|d: DVec3| d.z).kurtosis(Domain::Sphere), None);
 }

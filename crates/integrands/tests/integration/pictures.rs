@@ -1,4 +1,4 @@
-//! Environment maps made from pictures: orientation, mirror, turn, octahedral projection.
+//! Environment maps from pictures: orientation, mirroring, rotation, octahedral projection.
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
@@ -17,10 +17,11 @@ fn octahedral() -> PictureLayout {
     PictureLayout { projection: Projection::Octahedral, ..PictureLayout::default() }
 }
 
-/// The relation of the emitter `envmap` of Mitsuba 3 between direction and column, `u = atan2(x, -z)/(2 pi)`
-/// with +y up, seen in pictures that it rendered of a map with the values u: 0.25 at +x, 0.5 at +z, 0.75 at -x.
+/// The relation of the emitter `envmap` of Mitsuba 3 between direction and column,
+/// `u = atan2(x, -z)/(2 pi)` with +y up, determined from renderings of a map with the values u:
+/// 0.25 at +x, 0.5 at +z, 0.75 at -x.
 #[test]
-fn pictures_lie_as_in_mitsuba() {
+fn the_orientation_of_pictures_matches_mitsuba() {
     let (width, height) = (16, 8);
     let texels = picture();
     let map = EnvironmentMap::from_picture(width, height, texels.clone(), PictureLayout::default());
@@ -66,8 +67,8 @@ fn mirror_and_turn_move_the_same_function() {
             assert!((a - b).abs() < 1e-11 * total, "{l}: {a} {b}");
         }
     }
-    // The coefficients belong to the function that is evaluated: by quadrature at (l, m) = (1, 1),
-    // int f Re(conj Y_11), Y_11 = -sqrt(3/8pi) sin(theta) e^{i phi}.
+    // The coefficients are those of the evaluated function: by quadrature at (l, m) = (1, 1), int f
+    // Re(conj Y_11), Y_11 = -sqrt(3/8pi) sin(theta) e^{i phi}.
     let alm = turned.alm(Domain::Sphere, 2).unwrap();
     let n = 1000;
     let mut sum = [0.0; 2];
@@ -100,7 +101,7 @@ fn square_to_sphere(u: f64, v: f64) -> DVec3 {
 }
 
 #[test]
-fn octahedral_maps_keep_smooth_functions() {
+fn octahedral_maps_reproduce_smooth_functions() {
     let f = |dir: DVec3| 2.0 + dir.x + 0.5 * dir.y * dir.z - 0.25 * dir.z;
     let side = 64;
     let at = |k: usize| (k as f64 + 0.5) / side as f64;
@@ -121,9 +122,9 @@ fn octahedral_maps_keep_smooth_functions() {
     assert!(error.to_string().contains("square"), "{error}");
 }
 
-/// The place of a bad texel is that of the picture.
+/// The reported position of an invalid texel refers to the picture.
 #[test]
-fn bad_texels_have_a_place() {
+fn invalid_texels_are_located() {
     let mut texels = vec![1.0; 32];
     texels[2 * 8 + 3] = f64::NAN;
     let error = EnvironmentMap::from_picture(8, 4, texels, PictureLayout::default());
