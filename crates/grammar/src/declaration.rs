@@ -2,32 +2,32 @@ use std::path::PathBuf;
 
 use crate::{Choice, DefaultValue, Error, Parameter, ParameterKind, Range, Spec, Value};
 
-/// A type whose parameters are read, written and listed by one declaration.
+/// A type with one declaration from which its parameters are parsed, displayed and listed.
 pub trait Parametric {
-    /// Declares every parameter, in the order in which texts show them.
+    /// Declares every parameter, in the order of the text form.
     ///
-    /// Which parameters are declared may depend on those before, as where a file takes the place of
-    /// numbers. By default there are none.
+    /// Later declarations may depend on earlier parameters, for example if a file replaces numbers.
+    /// By default there are no parameters.
     fn declare(&mut self, _declaration: &mut Declaration<'_>) {}
 }
 
-/// What is done with parameters while they are declared: they are read from a text, or described.
+/// The operation applied to parameters as they are declared: parsing from a text, or description.
 #[derive(Debug)]
 pub struct Declaration<'a> {
-    /// Where values are taken from; `None` to describe.
+    /// The source of values; `None` to describe.
     spec: Option<&'a mut Spec>,
     declared: Vec<Declared>,
-    /// The first error of reading.
+    /// The first parse error.
     error: Option<Error>,
 }
 
-/// A parameter with the value that it has.
+/// A parameter with its current value.
 #[derive(Debug)]
 pub(crate) struct Declared {
     pub(crate) name: &'static str,
     pub(crate) kind: ParameterKind,
     pub(crate) summary: &'static str,
-    /// What a missing value means; `None` if it must be given.
+    /// The meaning of a missing value; `None` if it is required.
     default: Option<&'static str>,
     pub(crate) value: Option<Value>,
 }
@@ -80,8 +80,8 @@ impl<'a> Declaration<'a> {
         self.declare_number(name, range, summary, Some(""), Some(*value));
     }
 
-    /// Declares a number whose default follows from something else; `default` says from what, such
-    /// as "by N".
+    /// Declares a number whose default depends on something else; `default` describes it, such as
+    /// "by N".
     pub fn optional_number(
         &mut self,
         name: &'static str,
@@ -94,7 +94,7 @@ impl<'a> Declaration<'a> {
         self.declare_number(name, range, summary, Some(default), *value);
     }
 
-    /// Declares a number that must be given; the value beforehand is an example.
+    /// Declares a required number; its initial value is an example.
     pub fn required_number(
         &mut self,
         name: &'static str,
@@ -108,7 +108,7 @@ impl<'a> Declaration<'a> {
         self.declare_number(name, range, summary, None, Some(*value));
     }
 
-    /// Declares a whole number that has a default, valid from `min` to `max`.
+    /// Declares an integer that has a default, valid from `min` to `max`.
     pub fn integer<T: Copy + TryFrom<i64> + TryInto<i64>>(
         &mut self,
         name: &'static str,
@@ -120,7 +120,7 @@ impl<'a> Declaration<'a> {
         self.declare_integer(name, [min, max], summary, Some(""), *value);
     }
 
-    /// Declares a whole number that must be given; the value beforehand is an example.
+    /// Declares a required integer; its initial value is an example.
     pub fn required_integer<T: Copy + TryFrom<i64> + TryInto<i64>>(
         &mut self,
         name: &'static str,
@@ -134,7 +134,7 @@ impl<'a> Declaration<'a> {
         self.declare_integer(name, [min, max], summary, None, *value);
     }
 
-    /// Declares one of some names.
+    /// Declares a choice among names.
     pub fn choice<T: Choice>(&mut self, name: &'static str, summary: &'static str, value: &mut T) {
         if let Some(spec) = &mut self.spec
             && let Err(error) = spec.replace_choice(name, T::CHOICES, value)
@@ -144,7 +144,7 @@ impl<'a> Declaration<'a> {
         self.declare_choice(name, summary, "", Some(*value));
     }
 
-    /// Declares one of some names; `default` says what is meant without one.
+    /// Declares an optional choice among names; `default` describes the meaning of its absence.
     pub fn optional_choice<T: Choice>(
         &mut self,
         name: &'static str,
@@ -164,7 +164,7 @@ impl<'a> Declaration<'a> {
         self.declare_choice(name, summary, default, *value);
     }
 
-    /// Declares any text; `default` says what is meant without one.
+    /// Declares an arbitrary text; `default` describes the meaning of its absence.
     pub fn word(
         &mut self,
         name: &'static str,
@@ -179,8 +179,8 @@ impl<'a> Declaration<'a> {
         self.push(name, ParameterKind::Word, summary, Some(default), value);
     }
 
-    /// Declares a file, by the bare value in first place or by its key; `default` says what is meant
-    /// without one.
+    /// Declares a file, given by the first bare value or by its key; `default` describes the
+    /// meaning of its absence.
     pub fn file(
         &mut self,
         name: &'static str,
@@ -195,7 +195,7 @@ impl<'a> Declaration<'a> {
         self.push(name, ParameterKind::File, summary, Some(default), value);
     }
 
-    /// Declares a file that must be given.
+    /// Declares a required file.
     pub fn required_file(
         &mut self,
         name: &'static str,
@@ -219,7 +219,7 @@ impl<'a> Declaration<'a> {
         spec.take_path("").or_else(|| spec.take_path(name))
     }
 
-    /// Sets a number that is given, and returns whether one is.
+    /// Sets a number if it is given, and returns whether it is.
     fn read_number(&mut self, name: &'static str, range: Range, set: impl FnOnce(f64)) -> bool {
         let Some(spec) = &mut self.spec else { return true };
         match spec.take_number(name) {
@@ -237,7 +237,7 @@ impl<'a> Declaration<'a> {
         true
     }
 
-    /// Sets a whole number that is given, and returns whether one is.
+    /// Sets an integer if it is given, and returns whether it is.
     fn read_integer<T: TryFrom<i64>>(
         &mut self,
         name: &'static str,

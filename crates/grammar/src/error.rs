@@ -1,10 +1,10 @@
 use crate::ParameterKind;
 
-/// Errors of a text in the grammar: what is wrong, where, and what would be right.
+/// Errors of a text in the grammar, with the place, the reason and the valid values.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
-    /// There is no name in front of the colon.
+    /// The name before the colon is missing.
     #[error("\"{text}\" has no name in front of the colon")]
     NoName {
         /// The whole text.
@@ -31,9 +31,9 @@ pub enum Error {
     Quoting {
         /// The whole text.
         text: String,
-        /// The place in the text, counted from 1.
+        /// The position in the text, counted from 1.
         character: usize,
-        /// What is wrong and what would be right.
+        /// The error and the valid form.
         reason: String,
     },
     /// A value is not a number.
@@ -58,7 +58,7 @@ pub enum Error {
         /// The value.
         got: String,
     },
-    /// A parameter without a default is absent.
+    /// A required parameter is missing.
     #[error("{text}: the parameter {key} is missing")]
     Missing {
         /// The whole text.
@@ -66,15 +66,15 @@ pub enum Error {
         /// The key of the parameter.
         key: String,
     },
-    /// A file is not named.
+    /// A file name is missing.
     #[error("{text}: the file is missing: {name}:FILE")]
     NoFile {
         /// The whole text.
         text: String,
-        /// The name in front of the colon.
+        /// The name before the colon.
         name: String,
     },
-    /// A bare value where none has a meaning.
+    /// An unexpected bare value.
     #[error("{text}: unexpected value \"{value}\"; valid parameters: {}", list(valid))]
     UnexpectedValue {
         /// The whole text.
@@ -84,20 +84,20 @@ pub enum Error {
         /// The valid parameters.
         valid: Vec<String>,
     },
-    /// A parameter that does not exist.
+    /// An unknown parameter.
     #[error("{text}: unknown parameter \"{key}\"{}; valid: {}", hint(key, valid), list(valid))]
     UnknownParameter {
         /// The whole text.
         text: String,
         /// The key.
         key: String,
-        /// The valid parameters, each perhaps with its values after a blank.
+        /// The valid parameters, each optionally followed by a blank and its values.
         valid: Vec<String>,
     },
-    /// A name that does not exist.
+    /// An unknown name.
     #[error("unknown {what} \"{name}\"{}; valid: {}", hint(name, valid), list(valid))]
     UnknownName {
-        /// What is named, such as `sampler`.
+        /// The kind of name, such as `sampler`.
         what: String,
         /// The name.
         name: String,
@@ -107,7 +107,8 @@ pub enum Error {
 }
 
 impl Error {
-    /// Returns the error of an unknown `name` of a `what`, such as `sampler`, where `valid` exist.
+    /// Returns the error of an unknown `name` of kind `what`, such as `sampler`, with the `valid`
+    /// names.
     pub fn unknown_name(what: impl Into<String>, name: &str, valid: &[&str]) -> Self {
         let valid = valid.iter().map(|&name| name.to_owned()).collect();
         Self::UnknownName { what: what.into(), name: name.to_owned(), valid }
@@ -118,14 +119,14 @@ fn list(valid: &[String]) -> String {
     if valid.is_empty() { "none".to_owned() } else { valid.join(", ") }
 }
 
-/// Returns ` (did you mean "NAME"?)` for the nearest of the valid names, if one is near.
+/// Returns ` (did you mean "NAME"?)` for the nearest valid name, if it is close enough.
 fn hint(name: &str, valid: &[String]) -> String {
     let nearest = valid
         .iter()
         .map(|known| known.split(' ').next().unwrap_or_default())
         .map(|known| (strsim::damerau_levenshtein(name, known), known))
         .min()
-        // Half of the letters wrong is no typing error.
+        // A name with half of its letters wrong is not a typing error.
         .filter(|(distance, known)| 2 * distance <= known.len().max(name.len()));
     nearest.map_or(String::new(), |(_, known)| format!(" (did you mean \"{known}\"?)"))
 }

@@ -1,11 +1,12 @@
 //! The grammar of samplers, integrands and profiles: `name` or `name:item,item`, where an item is
-//! `key=value` or, in first place, a bare value.
+//! `key=value` or, only as the first item, a bare value.
 //!
-//! A value may be in double quotes, `file="a,b.exr"`; then nothing in it is an operator or a
-//! separator, and `\"`, `\\` and `\xHH` are a quote, a backslash and the byte HH.
+//! A value may be in double quotes, `file="a,b.exr"`; operators and separators in it have no
+//! meaning, and `\"`, `\\` and `\xHH` are a quote, a backslash and the byte HH.
 //!
 //! A type with parameters implements [`Parametric`]: one function declares every parameter with its
-//! range and meaning, and [`read`], [`text`] and [`describe`] read, write and list them by it.
+//! range and meaning; [`read`], [`text`] and [`describe`] use it to parse, display and list the
+//! parameters.
 //!
 //! ```
 //! use sphvar_grammar::{Declaration, Error, Parametric, Range, Spec, read, text};

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use crate::Range;
 use crate::quoted::{path_text, quote};
 
-/// A parameter of a sampler or integrand, as users see it.
+/// A user-visible parameter of a sampler or integrand.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Parameter {
@@ -12,13 +12,13 @@ pub struct Parameter {
     pub name: &'static str,
     /// Its valid values.
     pub kind: ParameterKind,
-    /// Its value where none is given.
+    /// Its default value.
     pub default: DefaultValue,
-    /// What it means, without a full stop.
+    /// Its meaning, without a full stop.
     pub summary: &'static str,
 }
 
-/// The valid values of a parameter; the `Display` text follows "must be".
+/// The valid values of a parameter; the `Display` text continues "must be".
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum ParameterKind {
@@ -35,23 +35,23 @@ pub enum ParameterKind {
     Choice(Vec<&'static str>),
     /// Any text, such as the name of a channel.
     Word,
-    /// The name of a file, which may also be the bare value in first place.
+    /// A file name, which may also be the first bare value.
     File,
 }
 
-/// The value of a parameter where none is given.
+/// The default value of a parameter.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum DefaultValue {
     /// This value.
     Value(Value),
-    /// None; what follows from that, in words.
+    /// No value; a description of the effect.
     Depends(&'static str),
-    /// The parameter must be given.
+    /// The parameter is required.
     Required,
 }
 
-/// The value of a parameter; the `Display` text is what the grammar reads.
+/// The value of a parameter; the grammar parses its `Display` text.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Value {
@@ -69,7 +69,7 @@ pub enum Value {
 
 /// Values that have names.
 pub trait Choice: Copy + PartialEq + 'static {
-    /// Every name with its value, in the order in which they are listed.
+    /// All names with their values, in display order.
     const CHOICES: &'static [(&'static str, Self)];
 }
 
@@ -78,7 +78,7 @@ impl Choice for bool {
 }
 
 impl Parameter {
-    /// Returns the key, with the names that are valid in parentheses where it is a choice.
+    /// Returns the key, followed by the valid names in parentheses if it is a choice.
     #[must_use]
     pub fn with_values(&self) -> String {
         match &self.kind {

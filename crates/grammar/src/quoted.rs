@@ -1,4 +1,4 @@
-//! Values in double quotes: where they are, what they say, how they are written.
+//! Values in double quotes: location, decoding and encoding.
 
 use std::collections::BTreeMap;
 use std::ffi::OsStr;
@@ -8,15 +8,15 @@ use std::path::{Path, PathBuf};
 /// The operators of expressions.
 pub const OPERATORS: [&str; 4] = [" + ", " - ", " * ", " @ "];
 
-/// A mistake in a quoted value.
+/// A syntax error in a quoted value.
 pub(crate) struct Mistake {
-    /// Bytes in front of it within the value.
+    /// Byte offset within the value.
     pub(crate) at: usize,
-    /// What is wrong and what would be right.
+    /// The error and the valid form.
     pub(crate) what: String,
 }
 
-/// Returns the place of the first of some texts that is not within quotes, and which it is.
+/// Returns the first occurrence of any of `patterns` outside quotes: its position and the pattern.
 #[must_use]
 pub fn find_outside<'p>(text: &str, patterns: &[&'p str]) -> Option<(usize, &'p str)> {
     let bytes = text.as_bytes();
@@ -32,13 +32,13 @@ pub fn find_outside<'p>(text: &str, patterns: &[&'p str]) -> Option<(usize, &'p 
     None
 }
 
-/// Returns the pieces between separators that are not within quotes.
+/// Returns the pieces between separators outside quotes.
 #[must_use]
 pub fn split_outside<'t>(text: &'t str, separator: &str) -> Vec<&'t str> {
     split_ranges(text, &[separator]).into_iter().map(|range| &text[range]).collect()
 }
 
-/// Returns the ranges between separators that are not within quotes.
+/// Returns the ranges between separators outside quotes.
 fn split_ranges(text: &str, separators: &[&str]) -> Vec<Range<usize>> {
     let (mut ranges, mut start) = (Vec::new(), 0);
     while let Some((at, separator)) = find_outside(&text[start..], separators) {
@@ -49,7 +49,8 @@ fn split_ranges(text: &str, separators: &[&str]) -> Vec<Range<usize>> {
     ranges
 }
 
-/// Returns where a quoted value that starts at `start` ends: behind its closing quote, or with the text.
+/// Returns the end of a quoted value that starts at `start`: after its closing quote, or at the end
+/// of the text.
 fn quote_end(bytes: &[u8], start: usize) -> usize {
     let mut at = start + 1;
     while at < bytes.len() {
@@ -62,9 +63,9 @@ fn quote_end(bytes: &[u8], start: usize) -> usize {
     bytes.len()
 }
 
-/// Returns the items of a specification that are not empty.
+/// Returns the nonempty items of a specification.
 pub(crate) fn items(text: &str) -> Vec<Range<usize>> {
-    // The colon stays in front, since a quote behind it opens a value.
+    // The colon is kept, because a quote after it opens a value.
     let Some(colon) = text.find(':') else {
         return Vec::new();
     };
@@ -81,7 +82,7 @@ pub(crate) fn split_key(item: &str) -> Option<(&str, &str)> {
     item.split_once('=').filter(|(key, _)| is_key(key))
 }
 
-/// Returns the bytes that a value stands for.
+/// Returns the bytes that a value represents.
 pub(crate) fn unquote(value: &str) -> Result<Vec<u8>, Mistake> {
     let Some(inner) = value.strip_prefix('"') else {
         return Ok(value.as_bytes().to_vec());
@@ -124,8 +125,8 @@ fn hexadecimal(text: &str) -> Option<u8> {
     u8::from_str_radix(digits, 16).ok().filter(|_| valid)
 }
 
-/// Returns a value as the grammar reads it: in quotes where it is empty or contains what would end
-/// it, such as a comma.
+/// Returns a value in the form that the grammar parses: in quotes if it is empty or contains a
+/// delimiter such as a comma.
 #[must_use]
 pub fn quote(value: &str) -> String {
     let is_plain = !value.is_empty()
@@ -152,7 +153,7 @@ fn quoted(bytes: &[u8]) -> String {
     text + "\""
 }
 
-/// Returns the name of a file as the grammar reads it.
+/// Returns a file name in the form that the grammar parses.
 pub(crate) fn path_text(path: &Path) -> String {
     match path.to_str() {
         Some(text) => quote(text),
@@ -167,20 +168,20 @@ pub(crate) fn path(bytes: Vec<u8>) -> PathBuf {
     std::ffi::OsString::from_vec(bytes).into()
 }
 
-/// Returns a path; elsewhere paths are Unicode.
+/// Returns a path; on other platforms paths are Unicode.
 #[cfg(not(unix))]
 pub(crate) fn path(bytes: Vec<u8>) -> PathBuf {
     String::from_utf8_lossy(&bytes).into_owned().into()
 }
 
-/// Returns an argument as text of the grammar: values that are not UTF-8 become quoted, with their bytes as
-/// `\xHH`, so that the text can be given again.
+/// Returns an argument as text of the grammar. Values that are not UTF-8 are quoted with their
+/// bytes as `\xHH`, so that the text can be parsed again.
 #[must_use]
 pub fn argument_text(argument: &OsStr) -> String {
     if let Some(text) = argument.to_str() {
         return text.to_owned();
     }
-    // With a character for each byte that is none, the grammar finds the values.
+    // A placeholder character for each invalid byte lets the grammar locate the values.
     let (mut marked, mut foreign) = (String::new(), BTreeMap::new());
     for chunk in argument.as_encoded_bytes().utf8_chunks() {
         marked.push_str(chunk.valid());
@@ -229,7 +230,7 @@ mod tests {
             (b"env:caf\xe9.exr,channel=r", r#"env:"caf\xe9.exr",channel=r"#),
             (b"2 * env:file=\xff\"\\.exr @ 1/2", r#"2 * env:file="\xff\"\\.exr" @ 1/2"#),
             (b"env:\"a,\xe9\\\"b\" + cosine", r#"env:"a,\xe9\"b" + cosine"#),
-            // Characters that are valid stay.
+            // Valid characters are kept.
             (b"env:\xc3\xa9\xe9", "env:\"\u{e9}\\xe9\""),
         ] {
             assert_eq!(argument_text(OsStr::from_bytes(argument)), text);
@@ -237,7 +238,7 @@ mod tests {
     }
 
     #[test]
-    fn names_of_files_are_read_as_they_are_written() {
+    fn file_names_survive_a_round_trip() {
         for name in [
             &b"a.csv"[..],
             b"",

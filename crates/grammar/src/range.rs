@@ -62,7 +62,7 @@ impl Range {
     }
 }
 
-/// The range in words, to follow "must be".
+/// Writes the range in words, to continue "must be".
 impl fmt::Display for Range {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { low, high, has_low, has_high } = *self;
@@ -81,7 +81,7 @@ impl fmt::Display for Range {
     }
 }
 
-/// A number with an exponent where that is shorter.
+/// A number, displayed with an exponent if that is shorter.
 struct Short(f64);
 
 impl fmt::Display for Short {

@@ -1,7 +1,7 @@
 use std::fmt;
 use std::sync::Arc;
 
-/// The error of whatever reads the files that a text names.
+/// The error of a reader of files named in a specification.
 #[derive(Clone, Debug)]
 pub struct ResolveError(Arc<dyn std::error::Error + Send + Sync>);
 
@@ -30,7 +30,7 @@ impl std::error::Error for ResolveError {
     }
 }
 
-/// Errors are equal if they say the same.
+/// Errors are equal if their messages are equal.
 impl PartialEq for ResolveError {
     fn eq(&self, other: &Self) -> bool {
         self.to_string() == other.to_string()

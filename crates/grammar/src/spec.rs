@@ -4,25 +4,25 @@ use std::str::FromStr;
 use crate::Error;
 use crate::quoted::{self, OPERATORS, find_outside, split_outside};
 
-/// A name with its parameters, as it was written.
+/// A parsed name with its parameters.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Spec {
     /// The whole text, for messages and tables.
     pub text: String,
-    /// What is in front of the colon.
+    /// The name before the colon.
     pub name: String,
-    /// Parameters that have not been taken yet; a bare value has the key "". Values are bytes, since names of
-    /// files need not be UTF-8.
+    /// Parameters that have not been taken yet; a bare value has the key "". Values are bytes,
+    /// since names of files need not be UTF-8.
     items: Vec<(String, Vec<u8>)>,
 }
 
 impl Spec {
-    /// Reads one specification.
+    /// Parses one specification.
     ///
     /// # Errors
     ///
-    /// [`Error`] for a text without a name, items that are not `key=value` after the first, keys given
-    /// twice and malformed quotes.
+    /// [`Error`] for a missing name, items after the first that are not `key=value`, duplicate keys
+    /// and malformed quotes.
     pub fn parse(text: &str) -> Result<Self, Error> {
         let name = text.split(':').next().unwrap_or_default();
         if name.is_empty() {
@@ -52,12 +52,12 @@ impl Spec {
         Ok(Self { text: text.to_owned(), name: name.to_owned(), items })
     }
 
-    /// Reads a list of specifications separated by commas. A piece that is `key=value` belongs to the
-    /// specification before it, as in `poisson-disk:radius=2,mode=exact,jittered`.
+    /// Parses a list of specifications separated by commas. A piece of the form `key=value` belongs
+    /// to the preceding specification, as in `poisson-disk:radius=2,mode=exact,jittered`.
     ///
     /// # Errors
     ///
-    /// As [`Self::parse`].
+    /// Those of [`Self::parse`].
     pub fn parse_list(text: &str) -> Result<Vec<Self>, Error> {
         let mut specs: Vec<String> = Vec::new();
         for piece in split_outside(text, ",").into_iter().map(str::trim) {
@@ -106,7 +106,7 @@ impl Spec {
         value.parse().map(Some).map_err(|_| self.not_a_number(key, value))
     }
 
-    /// Takes a parameter as a number in place of `value`, if it is there.
+    /// Takes a parameter as a number and assigns it to `value`, if it is present.
     ///
     /// # Errors
     ///
@@ -118,7 +118,8 @@ impl Spec {
         Ok(())
     }
 
-    /// Takes a parameter as one of some names in place of `value`, if it is there.
+    /// Takes a parameter as one of a list of names and assigns its value to `value`, if it is
+    /// present.
     ///
     /// # Errors
     ///
@@ -138,7 +139,7 @@ impl Spec {
         Ok(())
     }
 
-    /// Takes a parameter that must be there.
+    /// Takes a required parameter.
     ///
     /// # Errors
     ///
@@ -176,7 +177,7 @@ mod tests {
     use super::{Error, Spec};
 
     #[test]
-    fn names_and_parameters_are_told_apart() {
+    fn names_and_parameters_are_distinguished() {
         let mut spec = Spec::parse("ylm:l=4,m=-2").unwrap();
         assert_eq!(spec.name, "ylm");
         assert_eq!(spec.require_number::<usize>("l").unwrap(), 4);
@@ -196,7 +197,7 @@ mod tests {
             (r#"map:field=2,file="x=1.fits""#, "file", b"x=1.fits"),
             (r#"env:"a\\\"b\xff\x2c.exr""#, "", b"a\\\"b\xff,.exr"),
             (r#"env:"""#, "", b""),
-            // Only at its start does a value become quoted.
+            // A quote opens a value only at its start.
             (r#"env:a"b.exr"#, "", b"a\"b.exr"),
             (r#"env:C:\x.exr"#, "", b"C:\\x.exr"),
         ] {
@@ -209,7 +210,7 @@ mod tests {
     }
 
     #[test]
-    fn mistakes_in_quotes_have_a_place() {
+    fn errors_in_quotes_are_located() {
         for (text, parts) in [
             (r#"env:"a,b.exr"#, ["character 5", "not closed"]),
             (r#"env:"a"b"#, ["character 8", "expected a comma"]),
@@ -232,7 +233,7 @@ mod tests {
     }
 
     #[test]
-    fn mistakes_are_named() {
+    fn errors_name_the_text() {
         for (text, part) in
             [(":l=4", "no name"), ("a:b,c", "not key=value"), ("a:x=1,x=2", "twice")]
         {

@@ -1,32 +1,32 @@
-//! Texts of parameters, read, written and explained by their declaration.
+//! Parsing, display and description of parameters from their declaration.
 
 use crate::declaration::{Declaration, Declared};
 use crate::{Error, Parameter, ParameterKind, Parametric, Spec, Value};
 
-/// Sets the parameters that a specification gives; the others stay as they are.
+/// Sets the parameters given in a specification; the others are unchanged.
 ///
 /// # Errors
 ///
-/// [`Error`] for values outside their ranges, parameters that are missing or do not exist; the
-/// parameters may then have been set in part.
+/// [`Error`] for values outside their ranges and for missing or unknown parameters; some parameters
+/// may already be set in that case.
 pub fn read(parametric: &mut dyn Parametric, mut spec: Spec) -> Result<(), Error> {
     let names = take(parametric, &mut spec)?;
     spec.finish(&names.iter().map(String::as_str).collect::<Vec<_>>())
 }
 
-/// Takes the parameters from a specification that may hold others, and returns their names for
+/// Takes the parameters from a specification that may contain others, and returns their names for
 /// [`Spec::finish`].
 ///
 /// # Errors
 ///
-/// As [`read`], but for parameters that do not exist.
+/// Those of [`read`], except for unknown parameters.
 pub fn take(parametric: &mut dyn Parametric, spec: &mut Spec) -> Result<Vec<String>, Error> {
     let declared = Declaration::read(parametric, spec)?;
     Ok(declared.into_iter().map(|given| given.parameter().with_values()).collect())
 }
 
-/// Returns the form of texts, such as `ylm:l=4[,m=0]`: examples of what must be given, and in brackets
-/// what may be, with defaults or valid values.
+/// Returns the usage form, such as `ylm:l=4[,m=0]`: examples of the required parameters and, in
+/// brackets, the optional ones with defaults or valid values.
 #[must_use]
 pub fn form(name: &str, default: &mut dyn Parametric) -> String {
     let mut form = name.to_owned();
@@ -48,14 +48,14 @@ pub fn form(name: &str, default: &mut dyn Parametric) -> String {
     form
 }
 
-/// Returns every parameter, with the values that `parametric` has as defaults.
+/// Returns every parameter, with the values of `parametric` as defaults.
 #[must_use]
 pub fn describe(parametric: &mut dyn Parametric) -> Vec<Parameter> {
     Declaration::describe(parametric).into_iter().map(Declared::parameter).collect()
 }
 
-/// Returns `name:key=value,key=value` with the parameters whose values differ from those of `default`
-/// and those that must be given; the name alone if there are none.
+/// Returns `name:key=value,key=value` with the required parameters and those whose values differ
+/// from `default`; the name alone if there are none.
 #[must_use]
 pub fn text(name: &str, parametric: &mut dyn Parametric, default: &mut dyn Parametric) -> String {
     let defaults = Declaration::describe(default);
@@ -72,7 +72,7 @@ pub fn text(name: &str, parametric: &mut dyn Parametric, default: &mut dyn Param
             continue;
         }
         text.push(separator);
-        // A bare value is in first place.
+        // A bare value comes first.
         if !(given.kind == ParameterKind::File && separator == ':') {
             text.push_str(given.name);
             text.push('=');

@@ -1,4 +1,4 @@
-//! Ranks a user-defined pattern beside built-in ones, for a user-defined integrand:
+//! Ranks a user-defined pattern and built-in ones for a user-defined integrand:
 //! `cargo run --release -p sphvar --example own_pattern`.
 
 use std::io::Write;
@@ -32,7 +32,7 @@ impl Sampler for Octahedra {
     }
 }
 
-/// Octahedra at every number of points that is a multiple of 6.
+/// Octahedra for every number of points that is a multiple of 6.
 #[derive(Debug)]
 struct AnyOctahedra;
 

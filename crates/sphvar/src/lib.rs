@@ -1,4 +1,5 @@
-//! Which pattern of N directions gives the least error for an integrand, and why.
+//! Finds the pattern of N directions with the smallest integration error for an integrand, and
+//! explains why.
 //!
 //! ```
 //! use sphvar::prelude::*;
@@ -16,16 +17,16 @@
 //! # Ok::<(), sphvar::variance::Error>(())
 //! ```
 //!
-//! This crate is the whole of sphvar under one name; its parts can be used one by one:
+//! This crate re-exports all of sphvar under one name; its parts are also separate crates:
 //!
 //! - [`samplers`]: patterns, given point sets, random streams. [`warps`]: maps from the square.
 //! - [`spectrum`]: angular power spectra with errors. [`sht`]: transforms of scattered points.
 //! - [`integrands`]: functions with their energies. [`variance`]: predicted and measured variance, rates, ranks.
 //! - [`bounds`]: closed-form bounds and rates. [`scene`]: ambient occlusion and direct light.
-//! - [`grammar`]: texts of patterns and integrands.
+//! - [`grammar`]: specifications of patterns and integrands.
 //! - [`sh`]: spherical harmonics. [`healpix`]: the HEALPix grid. [`nufft`]: nonuniform Fourier transforms on the torus.
 //!
-//! The example `own_pattern` ranks a user-defined pattern beside built-in ones, for a user-defined
+//! The example `own_pattern` ranks a user-defined pattern and built-in ones for a user-defined
 //! integrand.
 
 pub use glam;
@@ -43,7 +44,7 @@ pub use sphvar_spectrum as spectrum;
 pub use sphvar_variance as variance;
 pub use sphvar_warps as warps;
 
-/// The items that most programs use.
+/// The commonly used items.
 pub mod prelude {
     pub use glam::DVec3;
     pub use sphvar_integrands::{
