@@ -1,28 +1,28 @@
 use crate::{Quantity, Verdict};
 
-/// A statement of the thesis beside what was measured.
+/// A statement of the thesis and the corresponding measurement.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Claim {
-    /// What it is about: `crossover of jittered and Poisson disk, cap`.
+    /// The subject: `crossover of jittered and Poisson disk, cap`.
     pub what: String,
-    /// What the thesis says.
+    /// The statement of the thesis.
     pub stated: Stated,
-    /// What was measured, if it is one number.
+    /// The measured value, if it is a single number.
     pub measured: Option<Quantity>,
     /// The outcome.
     pub verdict: Verdict,
-    /// The choice that the thesis leaves open, and the outcome with each option, where these differ.
+    /// The choice that the thesis does not state, and the outcome with each option, if they differ.
     pub choice: Option<Choice>,
     /// The number of the [`Erratum`](crate::Erratum) if the thesis is wrong or unclear here.
     pub erratum: Option<u8>,
-    /// Why, in a sentence; may be empty.
+    /// The reason, in a sentence; may be empty.
     pub remark: String,
 }
 
 /// A choice that the thesis does not state, on which a quantity depends.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Choice {
-    /// What is to be chosen: `kind of CCVT's mass points`.
+    /// The subject of the choice: `kind of CCVT's mass points`.
     pub of: &'static str,
     /// Every option that was tried.
     pub options: Vec<ChoiceOption>,
@@ -33,36 +33,37 @@ pub struct Choice {
 pub struct ChoiceOption {
     /// The option: `random`.
     pub name: &'static str,
-    /// What was measured, if it is a number.
+    /// The measured value, if it is a number.
     pub measured: Option<Quantity>,
     /// The outcome.
     pub verdict: Verdict,
 }
 
-/// What the thesis says about a quantity.
+/// A statement of the thesis about a quantity.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Stated {
-    /// It has this value, which is right if it lies in the interval, widened by this tolerance: half a unit of the
-    /// last digit that the thesis prints, or what "about" can mean.
+    /// The quantity has this value. It is correct if it lies in the interval widened by the
+    /// tolerance: half a unit of the last printed digit, or a margin for "about".
     About {
         /// The value.
         value: f64,
-        /// How far off the thesis's own precision is.
+        /// The tolerance that the precision of the thesis implies.
         tolerance: f64,
     },
-    /// It is at most this.
+    /// The quantity is at most this value.
     AtMost(f64),
-    /// It is at least this.
+    /// The quantity is at least this value.
     AtLeast(f64),
-    /// Something that is no number.
+    /// A statement that is not a number.
     Words(&'static str),
 }
 
 impl Claim {
-    /// Returns a claim about a number; the verdict follows from the interval. "At most" and "at least" are undecided
-    /// while the interval includes the limit; a value that is within the interval and its tolerance is undecided if
-    /// the interval is wider than a tenth of the value and than twice the tolerance: it would agree with other values
-    /// as well. Without an interval everything is undecided.
+    /// Returns a claim about a number; the verdict follows from the interval. "At most" and "at
+    /// least" are undecided while the interval includes the limit; a value within the interval and
+    /// its tolerance is undecided if the interval is wider than a tenth of the value and than twice
+    /// the tolerance, because other values would agree as well. Without an interval every claim is
+    /// undecided.
     #[must_use]
     pub fn number(what: impl Into<String>, stated: Stated, measured: Quantity) -> Self {
         let verdict = stated.judge(measured);
@@ -77,8 +78,8 @@ impl Claim {
         }
     }
 
-    /// Returns a claim in words. The caller judges it by a rule of its own, which is one of the tested functions
-    /// beside the figures.
+    /// Returns a claim in words. The caller determines the verdict by its own rule, one of the
+    /// tested functions of the figures.
     #[must_use]
     pub fn words(what: impl Into<String>, stated: &'static str, verdict: Verdict) -> Self {
         Self {
@@ -92,8 +93,8 @@ impl Claim {
         }
     }
 
-    /// Returns a claim about a quantity without a stated measure: [`Verdict::NotReproduced`], whatever number
-    /// `measured` is. The remark has to name the measure that was chosen.
+    /// Returns a claim about a quantity without a stated measure: [`Verdict::NotReproduced`],
+    /// whatever the value of `measured`. The remark must name the chosen measure.
     #[must_use]
     pub fn without_measure(
         what: impl Into<String>,
@@ -103,15 +104,15 @@ impl Claim {
         Self::words(what, stated, Verdict::NotReproduced).measured(measured)
     }
 
-    /// Returns the claim that was checked with each option of a choice that the thesis does not state.
+    /// Returns the claim checked with each option of a choice that the thesis does not state.
     ///
-    /// The verdict is the common one if all options agree, [`Verdict::Depends`] if the claim holds with one and is
-    /// wrong with another, else [`Verdict::Undecided`]. The options must be claims of the same statement; name,
-    /// statement and erratum are those of the first.
+    /// The verdict is the common one if all options agree, [`Verdict::Depends`] if the claim holds
+    /// with one and is wrong with another, else [`Verdict::Undecided`]. The options must be claims
+    /// of the same statement; name, statement and erratum are those of the first.
     ///
     /// # Panics
     ///
-    /// Without options.
+    /// Panics if there are no options.
     #[must_use]
     pub fn over_choice(of: &'static str, options: Vec<(&'static str, Self)>) -> Self {
         let verdicts: Vec<Verdict> = options.iter().map(|option| option.1.verdict).collect();
@@ -133,14 +134,14 @@ impl Claim {
         Self { measured: None, verdict, choice: Some(choice), remark, ..first }
     }
 
-    /// Returns the same claim with a number that was measured.
+    /// Returns the same claim with a measured value.
     #[must_use]
     pub fn measured(self, measured: Quantity) -> Self {
         Self { measured: Some(measured), ..self }
     }
 
-    /// Returns the same claim, marked as true by construction if it holds. One that does not hold keeps its verdict:
-    /// something is wrong with the program.
+    /// Returns the same claim, marked as true by construction if it holds. A claim that does not
+    /// hold keeps its verdict, because it indicates a program error.
     #[must_use]
     pub fn by_construction(self) -> Self {
         match self.verdict {
@@ -149,9 +150,9 @@ impl Claim {
         }
     }
 
-    /// Returns the same claim for point sets that stand in for those of the thesis, which are unknown or not made
-    /// here. What contradicts it may come from the sets: wrong becomes undecided, and `remark` is added. Other verdicts
-    /// stay.
+    /// Returns the same claim for substitutes of the point sets of the thesis, which are unknown or
+    /// unavailable here. A contradiction may be due to the sets, so wrong becomes undecided and
+    /// `remark` is added. Other verdicts are unchanged.
     #[must_use]
     pub fn on_substitute(self, remark: &str) -> Self {
         match self.verdict {
@@ -243,13 +244,13 @@ mod tests {
         }
     }
 
-    /// A value for a statement "at most 1".
+    /// Returns a value for a statement "at most 1".
     fn at_most_1(value: f64) -> Claim {
         Claim::number("power", Stated::AtMost(1.0), Quantity::exact(value)).because("N = 4")
     }
 
     #[test]
-    fn what_depends_shows_both_outcomes() {
+    fn dependent_claims_show_both_outcomes() {
         let got = Claim::over_choice(
             "kind",
             vec![("a", at_most_1(0.5)), ("b", at_most_1(2.0).because("N = 9"))],
@@ -274,7 +275,7 @@ mod tests {
     }
 
     #[test]
-    fn only_what_holds_is_so_by_construction() {
+    fn only_claims_that_hold_are_true_by_construction() {
         assert_eq!(at_most_1(0.5).by_construction().verdict, Verdict::ByConstruction);
         assert_eq!(at_most_1(2.0).by_construction().verdict, Verdict::Wrong);
         assert_eq!(at_most_1(f64::NAN).by_construction().verdict, Verdict::Undecided);

@@ -1,6 +1,6 @@
 use glam::DVec3;
 
-/// What a panel shows.
+/// The content of a panel.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Content {
     /// Series over a common axis.
@@ -20,22 +20,22 @@ pub struct Axis {
     pub label: String,
     /// Whether it is logarithmic.
     pub logarithmic: bool,
-    /// The first and last value that are shown; all of them if `None`, as of logarithmic axes.
+    /// The first and last displayed value; `None` for all values, as for logarithmic axes.
     pub range: Option<(f64, f64)>,
 }
 
 impl Axis {
-    /// A linear axis over all values.
+    /// Returns a linear axis over all values.
     pub(crate) fn linear(label: &str) -> Self {
         Self { label: label.to_owned(), logarithmic: false, range: None }
     }
 
-    /// A logarithmic axis over all values.
+    /// Returns a logarithmic axis over all values.
     pub(crate) fn log(label: &str) -> Self {
         Self { label: label.to_owned(), logarithmic: true, range: None }
     }
 
-    /// The same axis from `low` to `high`.
+    /// Returns the same axis from `low` to `high`.
     pub(crate) fn over(self, low: f64, high: f64) -> Self {
         Self { range: Some((low, high)), ..self }
     }
@@ -59,14 +59,15 @@ pub struct Curve {
     pub label: String,
     /// x, y and the standard error of y (0 if it is exact).
     pub points: Vec<[f64; 3]>,
-    /// How it is drawn.
+    /// The drawing style.
     pub mark: Mark,
-    /// Series with the same number have the same colour: measured and predicted values of one pattern.
+    /// Series with the same number have the same colour: measured and predicted values of one
+    /// pattern.
     pub colour: usize,
 }
 
 impl Curve {
-    /// A line through exact values.
+    /// Returns a line through exact values.
     pub(crate) fn line(
         label: impl Into<String>,
         colour: usize,
@@ -76,7 +77,7 @@ impl Curve {
         Self { label: label.into(), points, mark: Mark::Line, colour }
     }
 
-    /// A series of values with standard errors.
+    /// Returns a series of values with standard errors.
     pub(crate) fn new(
         label: impl Into<String>,
         colour: usize,
@@ -87,7 +88,7 @@ impl Curve {
     }
 }
 
-/// How a series is drawn.
+/// The drawing style of a series.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Mark {
     /// A line; errors as a band.
@@ -96,14 +97,15 @@ pub enum Mark {
     Markers,
 }
 
-/// A set of directions, seen from afar.
+/// A set of directions, viewed from a distance.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Directions {
     /// Unit vectors.
     pub points: Vec<DVec3>,
-    /// From where they are seen: a direction of any length but zero.
+    /// The viewing direction; any nonzero vector.
     pub viewpoint: DVec3,
-    /// Lines on the sphere that belong to the pattern, such as the borders of its strata, each through unit vectors.
+    /// Lines on the sphere that belong to the pattern, such as the borders of its strata, each
+    /// through unit vectors.
     pub lines: Vec<Vec<DVec3>>,
 }
 
@@ -112,19 +114,19 @@ pub struct Directions {
 pub struct Field {
     /// Columns and rows.
     pub size: [usize; 2],
-    /// The values; NaN where there is nothing.
+    /// The values; NaN for empty cells.
     pub values: Vec<f64>,
     /// The quantity, for the scale of colours.
     pub label: String,
     /// The colours.
     pub palette: Palette,
-    /// What is counted from left to right, with the values at the left and right edges.
+    /// The horizontal quantity, with the values at the left and right edges.
     pub x: Axis,
-    /// What is counted from top to bottom, with the values at the top and bottom edges.
+    /// The vertical quantity, with the values at the top and bottom edges.
     pub y: Axis,
 }
 
-/// How values become colours.
+/// The mapping from values to colours.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Palette {
     /// From 0 (dark) to the largest value.

@@ -6,15 +6,15 @@ use sphvar_spectrum::Method;
 use crate::Error;
 use crate::kept_half::KeptHalf;
 
-/// Where the points of an ensemble are.
+/// The domain and construction of the points of an ensemble.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Points {
     /// Sphere sets.
     Sphere,
-    /// Hemisphere sets, as the pattern makes them there; turned as lines (the projective plane).
+    /// Hemisphere sets as the pattern generates them; rotated as antipodal pairs.
     Hemisphere,
-    /// What is left of sphere sets at z >= 0: how the thesis makes hemisphere sets of most patterns. Turned before
-    /// the half is taken.
+    /// The visible half (z >= 0) of sphere sets, rotated before the cut. This is how the thesis
+    /// generates the hemisphere sets of most patterns.
     KeptHalf,
 }
 
@@ -23,43 +23,44 @@ pub enum Points {
 pub struct ThesisEnsemble {
     /// The pattern.
     pub pattern: Pattern,
-    /// The number of points of a set; of [`Points::KeptHalf`] the number on the whole sphere, twice that of a half.
+    /// The number of points of a set; for [`Points::KeptHalf`], the number on the whole sphere,
+    /// twice that of a half.
     pub n_points: usize,
-    /// Where they are.
+    /// The domain and construction of the points.
     pub points: Points,
-    /// Whether every set is turned by a uniform rotation of its own.
+    /// Whether every set is rotated by an independent uniform rotation.
     pub turned: bool,
 }
 
 impl ThesisEnsemble {
-    /// Turned sets on the sphere, of the number of points that the pattern has next to `n_points`.
+    /// Returns rotated sets on the sphere with the valid count nearest to `n_points`.
     #[must_use]
     pub fn sphere(pattern: Pattern, n_points: usize) -> Self {
         let n_points = pattern.nearest_count(n_points, Domain::Sphere);
         Self { pattern, n_points, points: Points::Sphere, turned: true }
     }
 
-    /// Turned sets of the hemisphere, of the number of points that the pattern has next to `n_points`.
+    /// Returns rotated sets of the hemisphere with the valid count nearest to `n_points`.
     #[must_use]
     pub fn hemisphere(pattern: Pattern, n_points: usize) -> Self {
         let n_points = pattern.nearest_count(n_points, Domain::Hemisphere);
         Self { pattern, n_points, points: Points::Hemisphere, turned: true }
     }
 
-    /// Halves of turned sets on the sphere, with about `n_points` each.
+    /// Returns visible halves of rotated sets on the sphere, with about `n_points` each.
     #[must_use]
     pub fn kept_half(pattern: Pattern, n_points: usize) -> Self {
         let n_points = pattern.nearest_count(2 * n_points, Domain::Sphere);
         Self { pattern, n_points, points: Points::KeptHalf, turned: true }
     }
 
-    /// The same sets as the pattern makes them.
+    /// Returns the same sets without rotation.
     #[must_use]
     pub fn unturned(self) -> Self {
         Self { turned: false, ..self }
     }
 
-    /// Where the sets that the pattern makes live.
+    /// Returns the domain of the sets that the pattern generates.
     #[must_use]
     pub fn domain(&self) -> Domain {
         match self.points {
@@ -68,7 +69,7 @@ impl ThesisEnsemble {
         }
     }
 
-    /// The number of points of a set that are used: of halves the expected one.
+    /// Returns the number of points of a set that are used; for halves, the expected number.
     #[must_use]
     pub fn used_points(&self) -> usize {
         match self.points {
@@ -77,11 +78,11 @@ impl ThesisEnsemble {
         }
     }
 
-    /// Set number `index` of the ensemble that spectra are taken of.
+    /// Returns set `index` of the ensemble used for spectra.
     ///
     /// # Errors
     ///
-    /// [`Error::Sampler`] if it cannot be made.
+    /// [`Error::Sampler`] if it cannot be generated.
     pub fn set(&self, seed: u64, index: u64) -> Result<Vec<glam::DVec3>, Error> {
         let mut set = PointSet::default();
         self.with_sets(seed, Purpose::Pattern, |sets| {
@@ -90,7 +91,7 @@ impl ThesisEnsemble {
         Ok(set.points)
     }
 
-    /// Hands the sets for a purpose to `work`.
+    /// Calls `work` with the sets for a purpose.
     pub(crate) fn with_sets<T>(
         &self,
         seed: u64,
@@ -123,12 +124,12 @@ impl ThesisEnsemble {
         }
     }
 
-    /// The nominal work of a set and its transform to degree `lmax`.
+    /// Returns the nominal work of a set and its transform to degree `lmax`.
     pub(crate) fn work(&self, lmax: usize) -> f64 {
         self.pattern.nominal_work(self.n_points) + Method::Auto.nominal_work(self.n_points, lmax)
     }
 
-    /// Words that tell it from every other.
+    /// Returns a text that distinguishes the ensemble from all others.
     pub(crate) fn key(&self) -> String {
         let points = match self.points {
             Points::Sphere => "sphere",

@@ -1,15 +1,15 @@
-/// An error, inconsistency or ambiguity of the thesis, with its number in the project's list.
+/// An error, inconsistency or ambiguity of the thesis, as listed in `docs/theory.md`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Erratum {
     /// Its number in the list.
     pub number: u8,
     /// Equations, sections or figures.
     pub place: &'static str,
-    /// What is wrong or open.
+    /// The error or ambiguity.
     pub problem: &'static str,
 }
 
-/// Those that claims refer to.
+/// The errata cited by claims.
 const CITED: [Erratum; 22] = [
     Erratum {
         number: 1,

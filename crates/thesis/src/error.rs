@@ -1,8 +1,8 @@
-/// Why a figure cannot be made.
+/// The reason why a figure cannot be produced.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
-    /// A text names no figure.
+    /// A text does not name a figure.
     #[error("unknown figure \"{name}\"; valid: {valid}")]
     UnknownFigure {
         /// The text.
@@ -10,7 +10,7 @@ pub enum Error {
         /// The numbers of all figures, separated by commas.
         valid: String,
     },
-    /// A pattern cannot be made.
+    /// A pattern cannot be built.
     #[error(transparent)]
     Sampler(#[from] sphvar_samplers::Error),
     /// A spectrum cannot be computed.
@@ -34,16 +34,16 @@ pub enum Error {
     /// A HEALPix cell does not exist.
     #[error(transparent)]
     Healpix(#[from] sphvar_healpix::Error),
-    /// The results lack a job of the figure.
+    /// The results do not contain a job of the figure.
     #[error("the results lack \"{key}\": run all jobs of the figure first")]
     Missing {
         /// Its key.
         key: String,
     },
-    /// A finished piece cannot be kept.
+    /// A finished piece cannot be stored.
     #[error("a finished piece cannot be kept: {reason}")]
     Store {
-        /// What the store said.
+        /// The error of the store.
         reason: String,
     },
 }

@@ -1,15 +1,16 @@
 use crate::{Claim, Content, FigureId};
 
-/// A figure: what is shown and what of the thesis's numbers it decides.
+/// A figure: its panels and the claims of the thesis that it checks.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Figure {
-    /// Which one.
+    /// The identifier.
     pub id: FigureId,
-    /// What is shown, in the thesis's order of rows and columns.
+    /// The panels, in the order of rows and columns of the thesis.
     pub panels: Vec<Panel>,
-    /// The numbers that the thesis states with the figure or about it.
+    /// The claims of the thesis in or about the figure.
     pub claims: Vec<Claim>,
-    /// What a reader should know: numbers of points and realizations, where the thesis leaves something open.
+    /// Notes for the reader: numbers of points and realizations, and choices that the thesis does
+    /// not state.
     pub notes: Vec<String>,
 }
 
@@ -41,6 +42,6 @@ pub struct Panel {
     pub name: String,
     /// The heading.
     pub title: String,
-    /// What is in it.
+    /// The content.
     pub content: Content,
 }

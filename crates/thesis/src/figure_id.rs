@@ -9,34 +9,35 @@ use crate::{Error, Figure, Job, Results, Setting};
 pub struct FigureId(usize);
 
 impl FigureId {
-    /// Every figure that can be made, in the thesis's order.
+    /// Returns all available figures, in the order of the thesis.
     pub fn all() -> impl Iterator<Item = Self> {
         (0..figures::ALL.len()).map(Self)
     }
 
-    /// The number in the thesis: `4.10`, `C.1`.
+    /// Returns the number in the thesis: `4.10`, `C.1`.
     #[must_use]
     pub fn number(self) -> &'static str {
         figures::ALL[self.0].0
     }
 
-    /// What the figure shows, in a few words.
+    /// Returns a short title of the figure.
     #[must_use]
     pub fn title(self) -> &'static str {
         self.recipe().title()
     }
 
-    /// The work that must be done before the figure can be composed.
+    /// Returns the jobs required to compose the figure.
     #[must_use]
     pub fn jobs(self, setting: Setting) -> Vec<Job> {
         self.recipe().jobs(setting)
     }
 
-    /// The figure, from the results of its jobs in their setting (others may be among them).
+    /// Returns the figure composed from the results of its jobs in their setting; the results may
+    /// contain others.
     ///
     /// # Errors
     ///
-    /// [`Error::Missing`] if a job was not run; the errors of what is computed besides.
+    /// [`Error::Missing`] if a job was not run; the errors of further computations.
     pub fn compose(self, results: &Results) -> Result<Figure, Error> {
         let mut figure =
             Figure { id: self, panels: Vec::new(), claims: Vec::new(), notes: Vec::new() };
@@ -58,7 +59,7 @@ impl fmt::Display for FigureId {
 impl FromStr for FigureId {
     type Err = Error;
 
-    /// Reads `4.10`, `c.1`.
+    /// Parses `4.10`, `c.1`.
     fn from_str(text: &str) -> Result<Self, Error> {
         let same = |id: &Self| id.number().eq_ignore_ascii_case(text.trim());
         Self::all().find(same).ok_or_else(|| {

@@ -11,7 +11,7 @@ use crate::piece::Piece;
 use crate::results::Outcome;
 use crate::{Error, Pictures, TestIntegrand, ThesisEnsemble};
 
-/// An ensemble and what is kept of it.
+/// An ensemble and the statistics computed from it.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Job {
@@ -19,14 +19,14 @@ pub enum Job {
     Spectrum {
         /// Of these sets.
         ensemble: ThesisEnsemble,
-        /// Read as sets of this domain: hemisphere sets may be read as sets of the sphere.
+        /// The domain of the spectrum: hemisphere sets may be treated as sets of the sphere.
         domain: Domain,
         /// To this degree, inclusive.
         lmax: usize,
         /// Over so many sets.
         sets: u64,
     },
-    /// The mean power of every order, of sets read as sets of the sphere.
+    /// The mean power of every order, of sets treated as sets of the sphere.
     Orders {
         /// Of these sets.
         ensemble: ThesisEnsemble,
@@ -43,36 +43,39 @@ pub enum Job {
         l: usize,
         /// Its order, from 0 to l.
         m: usize,
-        /// Of so many sets.
+        /// The number of sets.
         sets: u64,
     },
-    /// Estimates of the integrals of both test functions, with the same sets, which are others than those of spectra.
+    /// Estimates of the integrals of both test functions, with the same sets, which differ from
+    /// those of spectra.
     Trials {
         /// With these sets.
         ensemble: ThesisEnsemble,
-        /// As many.
+        /// The number of sets.
         sets: u64,
     },
     /// Renders of the Cornell box.
     Pictures(Pictures),
 }
 
-/// The nominal work of a piece, some four seconds of one core: what is lost at most when a run is interrupted.
+/// The nominal work of a piece, some four seconds of one core: the maximum loss if a run is
+/// interrupted.
 const PIECE_WORK: f64 = 7e7;
-/// The nominal work of a point in a transform to a low degree, about: finding its ring, which the model of transforms leaves
-/// out.
+/// The nominal work of a point in a transform to a low degree, about: the location of its ring,
+/// which the model of transforms omits.
 const POINT_WORK: f64 = 2.0;
 /// The nominal work of a point in both test functions.
 const TRIAL_WORK: f64 = 0.5;
 
 impl Job {
-    /// Words that tell the job from every other, and from itself with another number of sets.
+    /// Returns a text that distinguishes the job from all others, and from the same job with
+    /// another number of sets.
     #[must_use]
     pub fn key(&self) -> String {
         format!("{} sets={}", self.key_of_set(), self.sets())
     }
 
-    /// Words that tell what is done with each set.
+    /// Returns a text that describes the work for each set.
     pub(crate) fn key_of_set(&self) -> String {
         match self {
             Self::Spectrum { ensemble, domain, lmax, .. } => {
@@ -89,7 +92,7 @@ impl Job {
         }
     }
 
-    /// The number of sets, or of renders.
+    /// Returns the number of sets, or of renders.
     #[must_use]
     pub fn sets(&self) -> u64 {
         match self {
@@ -101,7 +104,7 @@ impl Job {
         }
     }
 
-    /// The nominal work of each set.
+    /// Returns the nominal work of each set.
     pub(crate) fn work_of_set(&self) -> f64 {
         match self {
             Self::Spectrum { ensemble, lmax, .. } | Self::Orders { ensemble, lmax, .. } => {
@@ -118,8 +121,8 @@ impl Job {
         }
     }
 
-    /// The pieces, each a range of sets. They depend on the job alone, not on the number of sets: a longer run takes
-    /// over the whole pieces of a shorter one.
+    /// Returns the pieces, each a range of sets. They depend on the job alone, not on the number of
+    /// sets: a longer run reuses the complete pieces of a shorter one.
     pub(crate) fn pieces(&self) -> impl Iterator<Item = Range<u64>> + use<> {
         #[expect(
             clippy::cast_possible_truncation,
@@ -131,7 +134,7 @@ impl Job {
         (0..sets.div_ceil(length)).map(move |i| i * length..((i + 1) * length).min(sets))
     }
 
-    /// Does the work on some sets.
+    /// Runs the job for a range of sets.
     pub(crate) fn work(&self, seed: u64, sets: Range<u64>) -> Result<Piece, Error> {
         Ok(match self {
             Self::Spectrum { ensemble, domain, lmax, .. } => {
@@ -151,7 +154,7 @@ impl Job {
         })
     }
 
-    /// Puts the pieces together, in their order.
+    /// Merges the pieces, in their order.
     pub(crate) fn finish(&self, pieces: Vec<Piece>) -> Result<Outcome, Error> {
         let lost = || Error::Missing { key: self.key() };
         let mut pieces = pieces.into_iter();
@@ -226,7 +229,7 @@ mod tests {
     use super::{Domain, Job, ThesisEnsemble};
     use crate::{Results, Scale, Setting};
 
-    /// Exact sums and lists know nothing of where they were cut.
+    /// Exact sums and lists do not depend on the division into pieces.
     #[test]
     fn pieces_of_any_length_give_the_same_bits() {
         let white = ThesisEnsemble::sphere(Pattern::WhiteNoise, 40);

@@ -1,6 +1,6 @@
 use sphvar_samplers::{Ensemble, Error, PointSet, Progress, Realizations};
 
-/// The points at z >= 0 of each set.
+/// An ensemble of the visible halves of sets: the points with z >= 0.
 pub(crate) struct KeptHalf<'a>(pub(crate) Realizations<'a>);
 
 impl Ensemble for KeptHalf<'_> {

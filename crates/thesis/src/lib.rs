@@ -1,13 +1,14 @@
-//! The figures of Singh's thesis (*Sampling and Variance Analysis for Monte Carlo Integration in Spherical Domain*, 2015)
-//! and the numbers it states, computed again.
+//! The figures of Singh's thesis (*Sampling and Variance Analysis for Monte Carlo Integration in
+//! Spherical Domain*, 2015) and the numbers it states, recomputed.
 //!
 //! ```text
 //! FigureId --jobs--> [Job] --run, piece by piece, kept in a Store--> Results --compose--> Figure { panels, claims }
 //! ```
 //!
-//! A [`Job`] is an ensemble and what is kept of it. Figures share jobs, a job falls into pieces of some seconds, and a
-//! [`Store`] keeps finished pieces, so that a run that was interrupted goes on where it stopped. Sums are exact, so
-//! pieces make the same bits as one run. What is in a figure are numbers; whoever has them draws them.
+//! A [`Job`] is an ensemble with the statistics computed from it. Figures share jobs, a job
+//! consists of pieces of some seconds, and a [`Store`] keeps finished pieces, so an interrupted run
+//! resumes where it stopped. Sums are exact, so results are bit-identical for any division into
+//! pieces. A figure contains numbers; callers draw them.
 //!
 //! ```
 //! use sphvar_thesis::{FigureId, Nothing, Results, Scale, Setting, run};

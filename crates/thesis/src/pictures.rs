@@ -7,10 +7,10 @@ use sphvar_scene::{
 
 use crate::Error;
 
-/// What lights the Cornell box.
+/// The lighting of the Cornell box.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Lighting {
-    /// Light from all around: ambient occlusion, the open share of the hemisphere.
+    /// Uniform light: ambient occlusion, the visible fraction of the hemisphere.
     Ambient,
     /// The lamp in the ceiling, of radiance 1, on white diffuse surfaces: direct light.
     Lamp,
@@ -25,28 +25,29 @@ impl Lighting {
     }
 }
 
-/// Renders of the Cornell box, each with sets of its own.
+/// Renders of the Cornell box, each with independent sets.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Pictures {
-    /// The pattern of directions; `None` for the reference: jittered, with about `n_points` directions, kept halves of
-    /// none.
+    /// The pattern of directions; `None` for the reference: jittered hemisphere sets with about
+    /// `n_points` directions.
     pub pattern: Option<Pattern>,
-    /// What lights the box.
+    /// The lighting.
     pub lighting: Lighting,
-    /// The number of directions of a hit point, or the one that the pattern has next to it.
+    /// The number of directions per hit point; the pattern uses the nearest valid count.
     pub n_points: usize,
-    /// How sets become directions; the reference has its own way.
+    /// The mapping of point sets to directions; the reference has its own.
     pub mode: DirectionMode,
-    /// Pixels on a side.
+    /// Pixels per side.
     pub side: usize,
-    /// How many renders.
+    /// The number of renders.
     pub renders: u64,
 }
 
 impl Pictures {
-    /// The number of directions of a hit point that the pattern really has; of halves of sphere sets the expected one.
+    /// Returns the actual number of directions per hit point; for halves of sphere sets, the
+    /// expected number.
     #[must_use]
-    pub fn legal_points(&self) -> usize {
+    pub fn valid_points(&self) -> usize {
         match &self.pattern {
             Some(pattern) => DirectionPlan::nearest_count(pattern, self.n_points),
             None => self.n_points,
@@ -59,18 +60,18 @@ impl Pictures {
             None => "reference".to_owned(),
         };
         let lighting = self.lighting.name();
-        format!("pictures {lighting} {what} n={} side={}", self.legal_points(), self.side)
+        format!("pictures {lighting} {what} n={} side={}", self.valid_points(), self.side)
     }
 
-    /// The nominal work of a render.
+    /// Returns the nominal work of a render.
     pub(crate) fn work(&self) -> f64 {
-        let pixels = pixel_work(self.legal_points()) * (self.side * self.side) as f64;
+        let pixels = pixel_work(self.valid_points()) * (self.side * self.side) as f64;
         pixels + self.pattern.as_ref().map_or(0.0, |pattern| self.work_of_sets(pattern))
     }
 
     /// That of its sets.
     fn work_of_sets(&self, pattern: &Pattern) -> f64 {
-        let n = self.legal_points();
+        let n = self.valid_points();
         let sets = match self.mode {
             DirectionMode::Rotated | DirectionMode::Projective => {
                 DirectionPlan::default_sets(pattern, n)
@@ -84,7 +85,7 @@ impl Pictures {
     pub(crate) fn render(&self, seed: u64, renders: Range<u64>) -> Result<Vec<Image>, Error> {
         let plan = match &self.pattern {
             Some(pattern) => {
-                DirectionPlan::new(pattern.clone(), self.legal_points(), self.mode, seed)?
+                DirectionPlan::new(pattern.clone(), self.valid_points(), self.mode, seed)?
             }
             None => DirectionPlan::reference(self.n_points, seed)?,
         };

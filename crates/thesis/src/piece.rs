@@ -5,7 +5,7 @@ use sphvar_spectrum::{OrderAccumulator, SpectrumAccumulator};
 
 use crate::Job;
 
-/// What a piece of a job gives.
+/// The result of a piece of a job.
 #[derive(Serialize, Deserialize)]
 pub(crate) enum Piece {
     Spectrum(Box<SpectrumAccumulator>),
@@ -16,8 +16,8 @@ pub(crate) enum Piece {
 }
 
 impl Piece {
-    /// Whether it has the form of what `job` gives for so many sets. Bytes that were kept may be anything that can be
-    /// read: what does not fit is to be computed again.
+    /// Returns whether it has the form of a result of `job` for the given number of sets. Stored
+    /// bytes may decode to anything; a result that does not fit is recomputed.
     pub(crate) fn fits(&self, job: &Job, sets: u64) -> bool {
         let as_many = |n: usize| n as u64 == sets;
         match (self, job) {
@@ -90,7 +90,7 @@ mod tests {
     #[test]
     fn pieces_of_other_sizes_do_not_fit() {
         let jobs = jobs();
-        // A kept half of 48 points has 24.
+        // A visible half of 48 points has 24.
         let spectrum =
             |domain, n, lmax| Piece::Spectrum(Box::new(SpectrumAccumulator::new(domain, n, lmax)));
         assert!(spectrum(Domain::Hemisphere, 24, 6).fits(&jobs[0], 0), "without sets");

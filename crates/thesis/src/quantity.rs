@@ -1,6 +1,7 @@
 use sphvar_variance::student_quantile;
 
-/// A number with its 95 % interval, which is the number itself if it is exact, and NaN if its error is unknown.
+/// A number with its 95 % interval, which is the number itself if it is exact, and NaN if its error
+/// is unknown.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Quantity {
     /// The value.
@@ -31,8 +32,8 @@ impl Quantity {
         Self::within(value, Z95 * stderr)
     }
 
-    /// Returns a value with a standard error that was estimated from data with `dof` degrees of freedom: the interval
-    /// of Student's t, NaN without degrees of freedom.
+    /// Returns a value with a standard error that was estimated from data with `dof` degrees of
+    /// freedom: the interval of Student's t, NaN without degrees of freedom.
     #[must_use]
     pub fn with_student(value: f64, stderr: f64, dof: f64) -> Self {
         Self::within(value, student_quantile(0.975, dof) * stderr)
@@ -47,7 +48,8 @@ impl Quantity {
 mod tests {
     use super::Quantity;
 
-    /// Two-sided 5 % of Student's t: 12.706 with one degree of freedom, 2.571 with five (any table).
+    /// Two-sided 5 % of Student's t: 12.706 with one degree of freedom, 2.571 with five (any
+    /// table).
     #[test]
     fn few_renders_have_wide_intervals() {
         for (dof, quantile) in [(1.0, 12.706), (5.0, 2.571)] {

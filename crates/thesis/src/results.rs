@@ -7,14 +7,14 @@ use sphvar_variance::Measurement;
 
 use crate::{Error, Job, Setting};
 
-/// What jobs have given in one setting: jobs do not know the seed that their sets are made from.
+/// The results of jobs in one setting; jobs do not contain the seed of their sets.
 #[derive(Clone, Debug)]
 pub struct Results {
     setting: Setting,
     outcomes: HashMap<String, Outcome>,
 }
 
-/// What a whole job gives.
+/// The result of a complete job.
 #[derive(Clone, Debug)]
 pub(crate) enum Outcome {
     Spectrum(Spectrum),
@@ -25,19 +25,19 @@ pub(crate) enum Outcome {
 }
 
 impl Results {
-    /// Of no jobs yet.
+    /// Returns empty results.
     #[must_use]
     pub fn new(setting: Setting) -> Self {
         Self { setting, outcomes: HashMap::new() }
     }
 
-    /// The setting that jobs are run in and figures are composed in.
+    /// Returns the setting of jobs and figures.
     #[must_use]
     pub fn setting(&self) -> Setting {
         self.setting
     }
 
-    /// Whether the job has been run.
+    /// Returns whether the job has been run.
     #[must_use]
     pub fn contains(&self, job: &Job) -> bool {
         self.outcomes.contains_key(&job.key())
@@ -47,7 +47,7 @@ impl Results {
         self.outcomes.insert(job.key(), outcome);
     }
 
-    /// Takes what `other` has for another job as if it were this one's.
+    /// Copies the result of another job in `other` as the result of this job.
     #[cfg(test)]
     pub(crate) fn take_over(&mut self, job: &Job, other: &Self, others: &Job) {
         if let Some(outcome) = other.outcomes.get(&others.key()) {
@@ -55,7 +55,8 @@ impl Results {
         }
     }
 
-    /// The mean spectrum of a [`Job::Spectrum`]; of a single set it is the set's own, without errors.
+    /// Returns the mean spectrum of a [`Job::Spectrum`]; for a single set, the spectrum of the set,
+    /// without errors.
     ///
     /// # Errors
     ///
@@ -67,7 +68,7 @@ impl Results {
         }
     }
 
-    /// The mean powers of a [`Job::Orders`], by degree and then by order from 0.
+    /// Returns the mean powers of a [`Job::Orders`], by degree and then by order from 0.
     ///
     /// # Errors
     ///
@@ -79,7 +80,7 @@ impl Results {
         }
     }
 
-    /// The coefficients of a [`Job::Coefficient`], set by set.
+    /// Returns the coefficients of a [`Job::Coefficient`], set by set.
     ///
     /// # Errors
     ///
@@ -91,7 +92,8 @@ impl Results {
         }
     }
 
-    /// The estimates of a [`Job::Trials`], in the order of [`TestIntegrand::ALL`](crate::TestIntegrand::ALL).
+    /// Returns the estimates of a [`Job::Trials`], in the order of
+    /// [`TestIntegrand::ALL`](crate::TestIntegrand::ALL).
     ///
     /// # Errors
     ///
@@ -103,7 +105,7 @@ impl Results {
         }
     }
 
-    /// The renders of a [`Job::Pictures`].
+    /// Returns the renders of a [`Job::Pictures`].
     ///
     /// # Errors
     ///

@@ -5,7 +5,7 @@ use sphvar_samplers::Progress;
 use crate::piece::Piece;
 use crate::{Error, Job, Results, Setting, Store};
 
-/// Returns the nominal work of the jobs; jobs that are there twice count once.
+/// Returns the nominal work of the jobs; duplicates count once.
 #[must_use]
 pub fn work(jobs: &[Job]) -> f64 {
     let mut seen = HashSet::new();
@@ -14,12 +14,14 @@ pub fn work(jobs: &[Job]) -> f64 {
     distinct.map(|job| job.work_of_set() * job.sets() as f64).fold(0.0, |a, b| a + b)
 }
 
-/// Does the jobs that `results` lack, in their setting, piece by piece, and keeps each piece in `store`; pieces that are
-/// there are not done again, unless they do not fit their job. After each piece its share of [`work`] is ticked.
+/// Runs the jobs missing from `results`, in their setting, piece by piece, and stores each piece in
+/// `store`. Stored pieces are reused if they fit their job. After each piece its share of [`work`]
+/// is ticked.
 ///
 /// # Errors
 ///
-/// [`Error::Store`] if a piece cannot be kept, [`Error::Sampler`] if `progress` ends the work; those of what is computed.
+/// [`Error::Store`] if a piece cannot be stored, [`Error::Sampler`] if `progress` stops the work;
+/// the errors of the computations.
 pub fn run(
     jobs: &[Job],
     store: &dyn Store,
@@ -57,7 +59,7 @@ fn keep(store: &dyn Store, key: &str, piece: &Piece) -> Result<(), Error> {
     store.save(key, &bytes).map_err(|reason| Error::Store { reason })
 }
 
-/// A piece is made by this version from this seed: pieces of other versions may differ.
+/// Returns a piece is made by this version from this seed: pieces of other versions may differ.
 fn piece_key(job: &Job, setting: Setting, sets: &std::ops::Range<u64>) -> String {
     let version = env!("CARGO_PKG_VERSION");
     let seed = setting.seed;

@@ -1,14 +1,14 @@
-/// How much work figures may be.
+/// The amount of work per figure.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Scale {
     /// All figures within some minutes: fewer realizations and points.
     Quick,
-    /// The thesis's numbers of points and realizations.
+    /// The numbers of points and realizations of the thesis.
     Full,
 }
 
 impl Scale {
-    /// The name: `quick` or `full`.
+    /// Returns the name: `quick` or `full`.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -17,7 +17,8 @@ impl Scale {
         }
     }
 
-    /// Returns how the numbers of points and realizations compare with those of the thesis, for a page's header.
+    /// Returns how the numbers of points and realizations compare with those of the thesis, for a
+    /// page's header.
     #[must_use]
     pub const fn description(self) -> &'static str {
         match self {
@@ -26,7 +27,7 @@ impl Scale {
         }
     }
 
-    /// One of two things.
+    /// Returns one of two values.
     pub(crate) fn pick<T>(self, quick: T, full: T) -> T {
         match self {
             Self::Quick => quick,
@@ -35,10 +36,10 @@ impl Scale {
     }
 }
 
-/// What figures depend on besides the thesis.
+/// The parameters of figures.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Setting {
-    /// How much work they may be.
+    /// The amount of work.
     pub scale: Scale,
     /// The seed of all random streams.
     pub seed: u64,

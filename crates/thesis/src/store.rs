@@ -1,17 +1,17 @@
-/// Where finished pieces of work are kept, so that they need not be done again.
+/// Storage for finished pieces of work, so that they need not be recomputed.
 pub trait Store: Sync {
-    /// The bytes that were kept under `key`; `None` if there are none, or none that can be trusted.
+    /// Returns the bytes stored under `key`; `None` if there are none or they are not intact.
     fn load(&self, key: &str) -> Option<Vec<u8>>;
 
-    /// Keeps bytes under `key`: whole or not at all, whatever happens.
+    /// Stores bytes under `key` atomically.
     ///
     /// # Errors
     ///
-    /// What is wrong, in words.
+    /// A description of the failure.
     fn save(&self, key: &str, bytes: &[u8]) -> Result<(), String>;
 }
 
-/// Keeps nothing.
+/// A store that discards everything.
 #[derive(Clone, Copy, Debug)]
 pub struct Nothing;
 

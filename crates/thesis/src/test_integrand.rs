@@ -15,7 +15,7 @@ impl TestIntegrand {
     /// Both, in the order of [`Results::trials`](crate::Results::trials).
     pub const ALL: [Self; 2] = [Self::Harmonic, Self::Cap];
 
-    /// The words for headings.
+    /// Returns the text for headings.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -24,11 +24,11 @@ impl TestIntegrand {
         }
     }
 
-    /// The function.
+    /// Returns the function.
     ///
     /// # Errors
     ///
-    /// [`Error::Variance`], though the parameters are legal.
+    /// [`Error::Variance`], although the parameters are valid.
     pub fn function(self) -> Result<Box<dyn Integrand>, Error> {
         Ok(match self {
             Self::Harmonic => Box::new(Harmonic::new(4, 0)?),

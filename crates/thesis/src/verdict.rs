@@ -1,22 +1,22 @@
 /// Outcome of checking a claim of the thesis.
 ///
-/// Verdicts follow from the data by the rules of [`Claim`](crate::Claim); none is written beside a claim.
+/// Verdicts follow from the data by the rules of [`Claim`](crate::Claim); none is assigned by hand.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Verdict {
     /// The data agree with the claim.
     Holds,
     /// The data contradict the claim.
     Wrong,
-    /// The outcome depends on a choice that the thesis does not state: with one option the claim holds, with another
-    /// it is wrong.
+    /// The outcome depends on a choice that the thesis does not state: with one option the claim
+    /// holds, with another it is wrong.
     Depends,
-    /// The data do not decide the claim: its interval includes both outcomes, or only sets that stand in for those of
-    /// the thesis contradict it.
+    /// The data do not decide the claim: its interval includes both outcomes, or only substitutes
+    /// for the sets of the thesis contradict it.
     Undecided,
-    /// The thesis states no measure of the quantity, so that no number can be compared with it.
+    /// The thesis does not define a measure of the quantity, so no number can be compared with it.
     NotReproduced,
-    /// True by definition, by construction of the pattern, or an identity. It is checked, but could only fail by a
-    /// programming error, and is listed apart.
+    /// True by definition, by construction of the pattern, or an identity. It is checked, but could
+    /// only fail by a programming error, and is listed separately.
     ByConstruction,
 }
 
@@ -73,8 +73,9 @@ impl Verdict {
         }
     }
 
-    /// Returns the verdict of a claim that was checked with each option of a choice: the common one if all agree,
-    /// [`Self::Depends`] if it holds with one and is wrong with another, else [`Self::Undecided`].
+    /// Returns the verdict of a claim that was checked with each option of a choice: the common one
+    /// if all agree, [`Self::Depends`] if it holds with one and is wrong with another, else
+    /// [`Self::Undecided`].
     pub(crate) fn over_options(verdicts: &[Self]) -> Self {
         match verdicts {
             [first, rest @ ..] if rest.iter().all(|verdict| verdict == first) => *first,

@@ -1,4 +1,4 @@
-//! The errata that claims refer to are those of `docs/theory.md`, word by word.
+//! The errata cited by claims match `docs/theory.md` word for word.
 
 use std::fs;
 use std::path::Path;

@@ -1,4 +1,4 @@
-//! Work in pieces gives the bits of work in one go, and what is kept is not done again.
+//! Results in pieces are bit-identical to a single run, and stored pieces are not recomputed.
 
 use std::collections::BTreeMap;
 use std::sync::Mutex;
@@ -12,12 +12,12 @@ use sphvar_thesis::{
 
 const SETTING: Setting = Setting { scale: Scale::Quick, seed: 5 };
 
-/// Keeps pieces in memory, and counts.
+/// Stores pieces in memory and counts accesses.
 #[derive(Default)]
 struct Memory {
     pieces: Mutex<BTreeMap<String, Vec<u8>>>,
     saved: Mutex<usize>,
-    /// No more than so many can be saved.
+    /// The maximum number of pieces that can be saved.
     room: Option<usize>,
 }
 
@@ -43,7 +43,8 @@ fn done(jobs: &[Job], store: &dyn Store) -> Result<Results, Error> {
     Ok(results)
 }
 
-/// Renders that take two seconds each by the model and less on any machine: they fall into pieces.
+/// Renders that take two seconds each by the model and less on any machine: they are divided into
+/// pieces.
 fn costly(renders: u64) -> Job {
     Job::Pictures(Pictures {
         pattern: Some(Pattern::Fibonacci),
@@ -95,7 +96,7 @@ fn pieces_that_do_not_fit_are_made_again() {
     let store = Memory::default();
     let first = done(&jobs(), &store).unwrap();
     let good = store.pieces.lock().unwrap().clone();
-    // Under every key the piece of another job.
+    // Every key holds the piece of another job.
     let mut exchanged: Vec<Vec<u8>> = good.values().cloned().collect();
     exchanged.rotate_left(1);
     *store.pieces.lock().unwrap() = good.keys().cloned().zip(exchanged).collect();
@@ -124,7 +125,7 @@ fn an_interrupted_run_goes_on_where_it_stopped() {
     let undisturbed = done(&jobs[..1], &Nothing).unwrap();
     assert_eq!(results.pictures(&jobs[0]).unwrap(), undisturbed.pictures(&jobs[0]).unwrap());
 
-    // A longer run takes the whole pieces over.
+    // A longer run reuses the complete pieces.
     let longer = [costly(5)];
     done(&longer, &store).unwrap();
     let fresh = Memory::default();

@@ -14,11 +14,12 @@ pub(crate) struct BasisFunctions;
 
 /// The last degree shown.
 const LMAX: u32 = 4;
-/// Pixels to a sphere and the gap beside it.
+/// Pixels per sphere and the gap between spheres.
 const CELL: u32 = 60;
 /// The radius of a sphere in parts of its cell.
 const RADIUS: f64 = 0.46;
-/// How far quadrature may be off: it is exact for these degrees, so some hundred products of numbers below 2 round.
+/// Tolerance of the quadrature: it is exact for these degrees up to the rounding of some hundred
+/// products of numbers below 2.
 const ROUNDING: f64 = 200.0 * f64::EPSILON;
 
 impl Recipe for BasisFunctions {
@@ -86,7 +87,7 @@ fn farther_from_1(a: f64, b: f64) -> f64 {
     if (a - 1.0).abs() > (b - 1.0).abs() { a } else { b }
 }
 
-/// All spheres as one field, in a triangle.
+/// Returns all spheres as one field, in a triangle.
 fn spheres() -> Result<Field, Error> {
     let (columns, rows) = ((2 * LMAX + 1) * CELL, (LMAX + 1) * CELL);
     let [right, up, towards] = view_axes(VIEWPOINT);
@@ -115,7 +116,7 @@ fn spheres() -> Result<Field, Error> {
     })
 }
 
-/// Where the middle of a pixel lies in its sphere: -1 and 1 are the rims.
+/// Returns the position of the middle of a pixel in its sphere: -1 and 1 are the rims.
 fn place(pixel: u32) -> f64 {
     ((f64::from(pixel % CELL) + 0.5) / f64::from(CELL) - 0.5) / RADIUS
 }

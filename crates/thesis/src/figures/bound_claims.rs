@@ -8,23 +8,27 @@ use crate::{Claim, Error, Quantity, Stated, Verdict};
 /// The confidence of all degrees together at which a bound is refuted or proved.
 const CONFIDENCE: f64 = 0.99;
 
-/// What counts as low degrees of CCVT, and as no power there.
+/// The low degrees of CCVT, and the threshold for no power there.
 const LOW: f64 = 0.25;
 const NO_POWER: f64 = 1e-3;
 
-/// Returns claims that a mean spectrum is below the upper and above the lower of the thesis's profiles.
+/// Returns claims that a mean spectrum is below the upper and above the lower of the thesis's
+/// profiles.
 ///
-/// A bound is wrong if some degree refutes it, all degrees together; it holds if every degree's mean is within it, whether
-/// or not that is proved. It is undecided if a mean is beyond, but may be so by chance.
+/// A bound is wrong if some degree refutes it, all degrees together; it holds if every degree's
+/// mean is within it, whether or not that is proved. It is undecided if a mean violates it, but
+/// possibly by chance.
 ///
-/// [`Claim::number`] is not used here: by its rule a bound would be undecided wherever it touches the spectrum, as most of
-/// the thesis's do, and one interval says nothing about all degrees together.
+/// [`Claim::number`] is not used here: by its rule a bound would be undecided wherever it touches
+/// the spectrum, as most of the thesis's do, and a single interval does not apply to all degrees
+/// together.
 pub(crate) fn within_bounds(
     pattern: ThesisPattern,
     bounds: &ThesisBound,
     sampled: &Spectrum,
 ) -> Result<[Claim; 2], Error> {
-    // The upper bound of jitter is touched from below at high degrees: only the exact spectrum tells on which side.
+    // The upper bound of jitter is touched from below at high degrees: only the exact spectrum
+    // tells on which side.
     let exact = if pattern == ThesisPattern::Jittered {
         let (n, lmax) = (sampled.n_points(), sampled.lmax());
         Some(exact_jitter(n, lmax)?)
@@ -70,8 +74,8 @@ pub(crate) fn within_bounds(
     Ok([claim(Bound::upper(bounds.upper))?, claim(Bound::lower(bounds.lower))?])
 }
 
-/// "A low-frequency region with no energy", which section 6.2.2 sees in HEALPix and CCVT, read as a thousandth of white
-/// noise.
+/// "A low-frequency region with no energy", which section 6.2.2 sees in HEALPix and CCVT, read as a
+/// thousandth of white noise.
 pub(crate) fn no_power(pattern: ThesisPattern, spectrum: &Spectrum) -> Claim {
     let root = (spectrum.n_points() as f64).sqrt();
     let (power, stderr) = mean_power(spectrum, |l| l > 0 && l as f64 <= LOW * root);
@@ -83,7 +87,7 @@ pub(crate) fn no_power(pattern: ThesisPattern, spectrum: &Spectrum) -> Claim {
     .because("6.2.2: \"a low-frequency region with no energy\", read as at most a thousandth of white noise")
 }
 
-/// What the thesis states.
+/// Returns the statement of the thesis.
 fn stated(pattern: ThesisPattern, side: Side) -> &'static str {
     match (pattern, side) {
         (ThesisPattern::PoissonDisk, Side::Upper) => "below 1.8",
@@ -131,7 +135,7 @@ mod tests {
     }
 
     #[test]
-    fn power_at_low_degrees_is_seen() {
+    fn power_at_low_degrees_is_detected() {
         for (power, expected) in [(1e-4, Verdict::Holds), (1.0 / 64.0, Verdict::Wrong)] {
             let got = no_power(ThesisPattern::CcvtRandom, &flat(power));
             assert_eq!(got.verdict, expected, "{got:?}");

@@ -12,18 +12,20 @@ use crate::{
 
 /// Rates are fitted from this N on.
 const ASYMPTOTIC: f64 = 768.0;
-/// Those of CCVT, of which there are no sets so large.
+/// The same for CCVT, for which no such large sets are available.
 const ASYMPTOTIC_CCVT: f64 = 192.0;
-/// Those of Poisson disks where there are many sets of more points: the offset rules the cap's variance late.
+/// The same for Poisson disks with many large sets: the offset dominates the variance of the cap
+/// only for many points.
 const ASYMPTOTIC_DISKS: f64 = 3072.0;
 /// Half a unit of the last digit of exponents such as 1.5.
 const RATE_TOLERANCE: f64 = 0.05;
-/// What "consistent" allows a ratio of variances beyond its error.
+/// The tolerance of "consistent" for a ratio of variances, in addition to its error.
 const CONSISTENT: f64 = 0.02;
 /// Points of a curve of bounds for each doubling of N.
 const PER_DOUBLING: usize = 4;
 
-/// The variance of one integrand with one pattern over the number of points, within the thesis's bounds.
+/// The variance of one integrand with one pattern over the number of points, within the thesis's
+/// bounds.
 pub(crate) struct BoundedColumn {
     pattern: ThesisPattern,
     /// The first number of points that the rate is fitted from.
@@ -36,7 +38,7 @@ pub(crate) struct BoundedColumn {
 }
 
 impl BoundedColumn {
-    /// From the results of a study's jobs.
+    /// Returns the column from the results of a study's jobs.
     pub(crate) fn new(
         pattern: ThesisPattern,
         bounds: ThesisBound,
@@ -91,8 +93,8 @@ impl BoundedColumn {
         })
     }
 
-    /// Returns what the thesis says about the variance of every pattern, of its lower bound only for some: every pattern
-    /// and integrand has the same claims in the same order, but for the last.
+    /// Returns the claims about the variance of a pattern. Every pattern and integrand has the same
+    /// claims in the same order, except for the last one, about the lower bound.
     pub(crate) fn claims(&self) -> Result<Vec<Claim>, Error> {
         let mut claims = vec![self.rate(), self.agreement(), self.bounded()?];
         let quadratic_or_disk =
@@ -107,7 +109,8 @@ impl BoundedColumn {
         format!("{}, {}: {what}", self.pattern.subject(), self.integrand.name())
     }
 
-    /// The exponent of the measured variance against that of the profile which the thesis bounds the spectrum with.
+    /// Compares the exponent of the measured variance with that of the profile that bounds the
+    /// spectrum in the thesis.
     fn rate(&self) -> Claim {
         let quadratic = self.pattern == ThesisPattern::Jittered || self.pattern.is_ccvt();
         let value = match (quadratic, self.integrand) {
@@ -133,7 +136,7 @@ impl BoundedColumn {
         ))
     }
 
-    /// The mean of measured over predicted variance, weighted by its errors.
+    /// Returns the mean of measured over predicted variance, weighted by its errors.
     fn agreement(&self) -> Claim {
         let rows = self.measured.iter().zip(&self.predicted).filter_map(|(m, p)| {
             let error = (m.stderr / m.variance).hypot(p.stderr / p.variance);
@@ -153,7 +156,8 @@ impl BoundedColumn {
         ))
     }
 
-    /// The largest factor by which a measured variance is beyond a bound, and whether that can be chance.
+    /// Returns the largest factor by which a measured variance is beyond a bound, and whether
+    /// chance can explain it.
     fn bounded(&self) -> Result<Claim, Error> {
         let mut worst = (f64::NAN, f64::NAN);
         let mut largest_z = f64::NEG_INFINITY;
@@ -196,7 +200,8 @@ impl BoundedColumn {
         )))
     }
 
-    /// Whether the lower bound is nearer than the upper one: `upper lower/measured^2` at the largest N.
+    /// Returns whether the lower bound is nearer than the upper one: `upper lower/measured^2` at
+    /// the largest N.
     fn tighter(&self) -> Result<Claim, Error> {
         let last = self.measured.last().copied();
         let last =
@@ -219,7 +224,8 @@ impl BoundedColumn {
     }
 }
 
-/// The number of points from which on the variances of a pattern are fitted by a power law that is to be the asymptotic one.
+/// Returns the number of points from which the variances of a pattern are fitted by the asymptotic
+/// power law.
 pub(crate) fn asymptotic(pattern: ThesisPattern, setting: Setting) -> f64 {
     match pattern {
         ThesisPattern::CcvtRandom | ThesisPattern::CcvtFibonacci => ASYMPTOTIC_CCVT,
@@ -228,7 +234,8 @@ pub(crate) fn asymptotic(pattern: ThesisPattern, setting: Setting) -> f64 {
     }
 }
 
-/// What follows from the largest factor beyond a bound: nothing if it is beyond, but may be so by chance.
+/// Returns the verdict for the largest factor beyond a bound: undecided if it exceeds the bound but
+/// possibly by chance.
 fn within_bounds(worst: f64, p_value: f64) -> Verdict {
     if worst <= 1.0 {
         Verdict::Holds
@@ -244,7 +251,7 @@ mod tests {
     use super::{Verdict, within_bounds};
 
     #[test]
-    fn what_is_beyond_a_bound_never_holds() {
+    fn a_violated_bound_never_holds() {
         for (worst, p, expected) in [
             (0.99, 1.0, Verdict::Holds),
             (1.13, 1.0, Verdict::Undecided),

@@ -133,7 +133,7 @@ impl Row<'_> {
     }
 }
 
-/// "We plot power spectra for N = 4096", of which there are no strata.
+/// "We plot power spectra for N = 4096", for which no strata exist.
 fn count(n_points: usize) -> Claim {
     Claim::number(
         "jittered: number of points of the spectrum",

@@ -11,11 +11,11 @@ pub(crate) struct BoxStudy {
     reference_points: usize,
 }
 
-/// The share of the pixels that are darker than white in a picture of direct light.
+/// The fraction of pixels darker than white in a picture of direct light.
 const EXPOSURE: f64 = 0.99;
 
 impl BoxStudy {
-    /// Ambient occlusion, in pictures that are looked at. The thesis's reference has 32k directions.
+    /// Ambient occlusion, in displayed pictures. The reference of the thesis has 32k directions.
     pub(crate) fn shown(setting: Setting) -> Self {
         Self {
             lighting: Lighting::Ambient,
@@ -24,7 +24,7 @@ impl BoxStudy {
         }
     }
 
-    /// Direct light of the lamp, in such pictures.
+    /// Direct light of the lamp, in displayed pictures.
     pub(crate) fn lamp(setting: Setting) -> Self {
         Self { lighting: Lighting::Lamp, ..Self::shown(setting) }
     }
@@ -38,7 +38,7 @@ impl BoxStudy {
         }
     }
 
-    /// The job of the reference image.
+    /// Returns the job of the reference image.
     pub(crate) fn reference(self) -> Job {
         Job::Pictures(Pictures {
             pattern: None,
@@ -68,12 +68,12 @@ impl BoxStudy {
         })
     }
 
-    /// The reference image.
+    /// Returns the reference image.
     pub(crate) fn reference_image(self, results: &Results) -> Result<&Image, Error> {
         first(results, &self.reference())
     }
 
-    /// The errors of renders against the reference image.
+    /// Returns the errors of renders against the reference image.
     pub(crate) fn errors(self, results: &Results, renders: &Job) -> Result<ErrorReport, Error> {
         let mut errors = RenderErrors::new(self.reference_image(results)?);
         for image in results.pictures(renders)? {
@@ -97,8 +97,8 @@ impl BoxStudy {
         Ok(())
     }
 
-    /// An image as a picture: shares of the hemisphere as they are, light so that nearly all of the reference is darker
-    /// than white.
+    /// Returns an image as a picture: ambient occlusion unscaled, light scaled so that nearly all
+    /// of the reference is darker than white.
     pub(crate) fn picture(
         self,
         results: &Results,
@@ -114,7 +114,7 @@ impl BoxStudy {
     }
 }
 
-/// The value that a share of the values does not exceed.
+/// Returns the value that a fraction of the values does not exceed.
 fn quantile(values: &[f64], share: f64) -> f64 {
     let mut sorted = values.to_vec();
     sorted.sort_by(f64::total_cmp);
@@ -127,7 +127,8 @@ fn quantile(values: &[f64], share: f64) -> f64 {
     sorted.get(index).copied().unwrap_or(f64::NAN)
 }
 
-/// The ratio of the mean squared errors of two reports, with the interval of Student's t: there are few renders.
+/// Returns the ratio of the mean squared errors of two reports, with the interval of Student's t,
+/// because there are few renders.
 ///
 /// ```text
 /// nu = (u_a^2 + u_b^2)^2 / (u_a^4/(R_a - 1) + u_b^4/(R_b - 1)),   u the relative errors of R renders
@@ -147,7 +148,7 @@ fn first<'a>(results: &'a Results, job: &Job) -> Result<&'a Image, Error> {
     results.pictures(job)?.first().ok_or_else(|| Error::Missing { key: job.key() })
 }
 
-/// The geometric mean of some numbers, with the interval of their scatter.
+/// Returns the geometric mean of some numbers, with the interval of their scatter.
 pub(crate) fn geometric_mean(numbers: impl Iterator<Item = f64>) -> Quantity {
     let logs: Vec<f64> = numbers.map(f64::ln).collect();
     let n = logs.len() as f64;

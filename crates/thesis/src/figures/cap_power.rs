@@ -14,7 +14,7 @@ pub(crate) struct CapPower;
 
 /// The last degree.
 const LMAX: usize = 1024;
-/// The octaves that exponents are taken from begin at this degree.
+/// The first degree of the octaves from which exponents are computed.
 const FIRST_OCTAVE: usize = 64;
 /// sin of 60 degrees.
 const SIN: f64 = 0.866_025_403_784_438_6;
@@ -154,8 +154,8 @@ fn claim_bounds(energy: &[f64], figure: &mut Figure) {
     );
 }
 
-/// The exponent of a law from its sums over the first and the last whole octave, in which oscillations level out:
-/// `sum_{n < l <= 2n} l^-p` falls with `n^(1-p)`.
+/// Returns the exponent of a power law from its sums over the first and the last full octave, which
+/// average out oscillations: `sum_{n < l <= 2n} l^-p` falls with `n^(1-p)`.
 fn octave_exponent(f: impl Fn(usize) -> f64) -> f64 {
     let octave = |n: usize| (n + 1..=2 * n).map(&f).sum::<f64>();
     let (first, last) = (FIRST_OCTAVE, LMAX / 2);
@@ -184,9 +184,10 @@ mod tests {
     use super::octave_exponent;
 
     #[test]
-    fn exponents_of_powers_are_found() {
+    fn exponents_of_power_laws_are_recovered() {
         for p in [1.5, 2.0, 3.0] {
-            // Sums over octaves are integrals up to a relative p/(2n), n >= 64: twice that over ln 8.
+            // Sums over octaves are integrals up to a relative p/(2n), n >= 64: twice that over ln
+            // 8.
             let got = octave_exponent(|l| (l as f64).powf(-p));
             assert!((got + p).abs() < p / 64.0, "{p}: {got}");
         }

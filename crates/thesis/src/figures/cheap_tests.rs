@@ -1,5 +1,5 @@
-//! The figures of chapters 3 and 4 and of the point sets: what is in them can be drawn, and claims whose answer is known
-//! from closed forms come out as they must.
+//! The figures of chapters 3 and 4 and of the point sets: their content can be drawn, and claims
+//! with known closed-form answers have the correct verdicts.
 
 use std::collections::HashSet;
 use std::sync::LazyLock;
@@ -14,13 +14,13 @@ use crate::{
 
 const QUICK: Setting = Setting { scale: Scale::Quick, seed: 0 };
 const FULL: Setting = Setting { scale: Scale::Full, seed: 0 };
-/// Those that are composed here: all that take less than a second or so of one core.
+/// The figures composed here: all that take less than about a second of one core.
 const CHEAP: [&str; 10] =
     ["3.1", "4.9", "4.10", "4.11", "4.12", "4.15", "4.16", "7.1", "7.2", "7.3"];
-/// Those that are composed from fewer sets beside their code.
+/// The figures composed from fewer sets in the tests next to their code.
 const EXPENSIVE: [&str; 3] = ["2.2", "4.14", "4.17"];
 
-/// The cheap figures, each made once.
+/// The inexpensive figures, each composed once.
 static FIGURES: LazyLock<Vec<Figure>> = LazyLock::new(|| {
     let ids: Vec<FigureId> = CHEAP.iter().map(|number| number.parse().unwrap()).collect();
     let jobs: Vec<_> = ids.iter().flat_map(|id| id.jobs(QUICK)).collect();
@@ -37,7 +37,7 @@ fn check_directions(directions: &Directions, place: &str) {
     assert!(!directions.points.is_empty(), "{place}: no points");
     assert!(directions.viewpoint.length() > 0.5, "{place}: {}", directions.viewpoint);
     for p in directions.points.iter().chain(directions.lines.iter().flatten()) {
-        // Unit vectors of any sampler, turned once: some roundings.
+        // Unit vectors of any sampler, rotated once: some roundings.
         assert!((p.length() - 1.0).abs() < 16.0 * f64::EPSILON, "{place}: {p}");
     }
 }
@@ -80,7 +80,7 @@ fn panels_can_be_drawn() {
     }
 }
 
-/// Verdicts that no sampling enters, or so little that another seed gives the same.
+/// Verdicts that depend on no sampling, or so little that any seed gives the same.
 #[test]
 fn known_claims_have_their_verdicts() {
     use Verdict::{ByConstruction, Holds, Wrong};
@@ -116,7 +116,8 @@ fn known_claims_have_their_verdicts() {
     }
 }
 
-/// Numbers of the claims of 4.10 beside values of independent programs.
+/// Compares numbers of the claims of 4.10 with values of independent programs (`docs/theory.md`,
+/// Patterns).
 #[test]
 fn lattices_have_their_recorded_peaks() {
     let figure = figure("4.10");
@@ -137,7 +138,7 @@ fn lattices_have_their_recorded_peaks() {
     }
 }
 
-/// A rotation that were none would leave the orders of a lattice as they are.
+/// Without a rotation the orders of a lattice would be unchanged.
 #[test]
 fn rotations_level_the_orders() {
     for number in ["4.11", "4.12", "4.16"] {
@@ -156,9 +157,9 @@ fn rotations_level_the_orders() {
     }
 }
 
-/// What all of these figures cost by the model: the budgets of a quick run and of a full one.
+/// The modelled cost of these figures: the budgets of a quick and of a full run.
 #[test]
-fn jobs_keep_to_the_budget() {
+fn jobs_stay_within_the_budget() {
     let all = |setting| -> Vec<_> {
         let ids = CHEAP.iter().chain(&EXPENSIVE).map(|number| number.parse::<FigureId>().unwrap());
         ids.flat_map(|id| id.jobs(setting)).collect()

@@ -21,7 +21,7 @@ const DEGREE: usize = 4;
 const ORDER: usize = 3;
 const N_POINTS: usize = 1024;
 const SETS: u64 = 8192;
-/// Bins to a side of the plane; odd, so that 0 lies in a bin.
+/// Bins per side of the plane; odd, so that 0 is inside a bin.
 const BINS: usize = 41;
 /// The plane reaches to this multiple of the root mean square of a coefficient.
 const REACH: f64 = 3.0;
@@ -86,7 +86,7 @@ impl Recipe for CoefficientClouds {
     }
 }
 
-/// Coefficients in the unit in which white noise has mean square 1.
+/// Returns coefficients in units in which white noise has mean square 1.
 fn normalized(pattern: ThesisPattern, samples: &[Complex<f64>]) -> Vec<Complex<f64>> {
     let domain = sphvar_samplers::Domain::Sphere;
     let n = pattern.pattern().nearest_count(N_POINTS, domain) as f64;
@@ -114,7 +114,7 @@ fn phases(pattern: ThesisPattern, m: usize, samples: &[Complex<f64>]) -> Claim {
     )
 }
 
-/// How many samples lie in each bin of the complex plane.
+/// Returns the number of samples in each bin of the complex plane.
 fn density(samples: &[Complex<f64>], what: &str) -> Field {
     let reach = REACH * root_mean_square(samples);
     let bin = |x: f64| {

@@ -14,7 +14,8 @@ pub(crate) struct CornellBoxes {
     comparisons: &'static [Comparison],
 }
 
-/// The mean squared errors of two patterns at one number of directions, and what the thesis says of their ratio.
+/// The mean squared errors of two patterns at one number of directions, and the statement of the
+/// thesis about their ratio.
 struct Comparison {
     patterns: [ThesisPattern; 2],
     n_points: usize,
@@ -22,7 +23,8 @@ struct Comparison {
     remark: &'static str,
 }
 
-/// Numbers of directions that jittered sets have on the hemisphere, 6 nside^2. The thesis's are not in its text.
+/// Valid numbers of directions of jittered sets on the hemisphere, 6 nside^2. The thesis does not
+/// state its numbers.
 const N_POINTS: [usize; 3] = [24, 96, 384];
 
 impl CornellBoxes {

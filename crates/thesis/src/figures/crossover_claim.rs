@@ -4,21 +4,23 @@ use sphvar_variance::{VariancePoint, crossover};
 use super::significance::{largest_of_normal, verdict};
 use crate::{Claim, Quantity, Stated, Verdict};
 
-/// Where the thesis has the first of two variance curves fall below the second.
+/// The crossover at which, according to the thesis, the first of two variance curves falls below
+/// the second.
 pub(crate) struct CrossoverClaim {
     pub(crate) what: String,
     /// The number of points.
     pub(crate) value: f64,
-    /// How far off it may be beyond the interval.
+    /// Tolerance beyond the interval.
     pub(crate) tolerance: f64,
     pub(crate) remark: &'static str,
 }
 
-/// Where fewer resampled curves cross, the crossing may be noise.
+/// Fraction of resampled curves that must cross; with fewer, the crossing may be noise.
 const CONFIDENCE: f64 = 0.95;
 
 impl CrossoverClaim {
-    /// Judges the crossing, or, where there is none this way, the order of the curves on either side of the stated one.
+    /// Returns the claim for the crossing or, if there is none in this direction, for the order of
+    /// the curves on either side of the stated one.
     pub(crate) fn judge(
         self,
         first: &[VariancePoint],
@@ -55,7 +57,8 @@ impl CrossoverClaim {
             .because(format!("{}; of resampled curves only {share:.0} % cross", self.remark))
     }
 
-    /// Wrong if the first curve is significantly the lower one before the stated crossing, or the higher one after it.
+    /// Wrong if the first curve is significantly the lower one before the stated crossing, or the
+    /// higher one after it.
     fn order(&self, first: &[VariancePoint], second: &[VariancePoint]) -> Verdict {
         let z = |n: f64| {
             let ((a, of_a), (b, of_b)) = (log_variance(first, n)?, log_variance(second, n)?);
@@ -64,14 +67,14 @@ impl CrossoverClaim {
         let before = z(self.value - self.tolerance).map(|z| -z);
         let after = z(self.value + self.tolerance);
         let largest = before.into_iter().chain(after).fold(f64::NEG_INFINITY, f64::max);
-        // Two looks at one side each are one look at both sides.
+        // Two one-sided tests are equivalent to one two-sided test.
         let wrong = largest > 0.0 && verdict(largest_of_normal(largest, 1)) == Verdict::Wrong;
         if wrong { Verdict::Wrong } else { Verdict::Undecided }
     }
 }
 
-/// The logarithm of a curve's variance at `n` and its standard error, on the line through the neighbours in logarithms;
-/// `None` beyond the curve.
+/// Returns the logarithm of a curve's variance at `n` and its standard error, on the line through
+/// the neighbours in logarithms; `None` beyond the curve.
 fn log_variance(curve: &[VariancePoint], n: f64) -> Option<(f64, f64)> {
     let around = |pair: &&[VariancePoint]| pair[0].n_points <= n && n <= pair[1].n_points;
     let pair = curve.windows(2).find(around)?;
@@ -88,7 +91,7 @@ mod tests {
     use super::{CrossoverClaim, VariancePoint};
     use crate::{Claim, Verdict};
 
-    /// A power law at the numbers of jittered sets to 1200, with relative errors.
+    /// Returns a power law at the numbers of jittered sets to 1200, with relative errors.
     fn law(f: &dyn Fn(f64) -> f64, relative: f64) -> Vec<VariancePoint> {
         [1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0]
             .iter()
@@ -135,7 +138,7 @@ mod tests {
             (5.0, 1e-3, false, Verdict::Wrong),
             // They cross, but the other way.
             (300.0, 1e-3, true, Verdict::Wrong),
-            // Nothing is seen beyond such errors; curves so shaken cross now and then.
+            // Such errors hide any difference; resampled curves cross occasionally.
             (2000.0, 0.9, false, Verdict::Undecided),
         ] {
             let claim = judged(c, relative, swapped);
@@ -144,7 +147,8 @@ mod tests {
         }
     }
 
-    /// At N = 1000 the curves differ by less than their errors: there is a crossing, but resampled curves miss it often.
+    /// At N = 1000 the curves differ by less than their errors: there is a crossing, but resampled
+    /// curves miss it often.
     #[test]
     fn a_crossing_that_may_be_noise_decides_nothing() {
         let claim = judged(1150.0, 0.3, false);

@@ -5,17 +5,19 @@ use super::box_study::{BoxStudy, geometric_mean};
 use super::patterns::ThesisPattern;
 use crate::{Claim, Error, Figure, Job, Quantity, Results, Setting, Stated};
 
-/// Figure 4.13: direct light with the same regular directions at every hit point, and with randomly rotated ones. The thesis
-/// takes a scene of its own; this is the Cornell box with its lamp.
+/// Figure 4.13: direct light with the same regular directions at every hit point, and with randomly
+/// rotated ones. The thesis uses another scene; this is the Cornell box with its lamp.
 pub(crate) struct DirectLight;
 
-/// Numbers of directions that HEALPix centres have, 6 nside^2. One number says nothing about lattices in general.
+/// Valid numbers of directions of HEALPix centres, 6 nside^2. A single number is not representative
+/// of lattices in general.
 const N_POINTS: [usize; 6] = [96, 150, 216, 294, 384, 486];
-/// The one that is shown.
+/// The displayed number.
 const SHOWN: usize = 384;
-/// "High correlation between different pixels" is read as at least this structure: independent errors of pixels have 1.
+/// "High correlation between different pixels" is read as at least this structure: independent
+/// errors of pixels have 1.
 const CORRELATED: f64 = 2.0;
-/// How far the structure of noise may be from 1.
+/// Tolerance of the structure of noise from 1.
 const NOISE: f64 = 0.1;
 
 impl DirectLight {

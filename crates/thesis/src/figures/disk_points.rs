@@ -56,7 +56,7 @@ impl Recipe for DiskPoints {
     }
 }
 
-/// The shortest chord between two points, by all pairs.
+/// Returns the shortest chord between two points, by all pairs.
 fn shortest_chord(points: &[DVec3]) -> f64 {
     let pairs = points
         .iter()

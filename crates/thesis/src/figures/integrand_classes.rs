@@ -9,7 +9,8 @@ use crate::{
     TestIntegrand,
 };
 
-/// Figure 6.1: the power of the best and of the worst integrand, and the rates under a constant profile.
+/// Figure 6.1: the power of the best and of the worst integrand, and the rates under a constant
+/// profile.
 pub(crate) struct IntegrandClasses;
 
 /// The N of the axis.

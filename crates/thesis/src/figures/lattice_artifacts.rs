@@ -8,9 +8,10 @@ use crate::{Claim, Error, Figure, Job, Quantity, Results, Setting, Stated};
 /// Figure 7.8: lattices that are the same at every hit point, and one that is rotated.
 pub(crate) struct LatticeArtifacts;
 
-/// Numbers of directions that HEALPix centres have, 6 nside^2. One number says nothing of lattices in general.
+/// Valid numbers of directions of HEALPix centres, 6 nside^2. A single number is not representative
+/// of lattices in general.
 const N_POINTS: [usize; 6] = [96, 150, 216, 294, 384, 486];
-/// The one that is shown.
+/// The displayed number.
 const SHOWN: usize = 384;
 
 impl LatticeArtifacts {
@@ -69,7 +70,7 @@ impl Recipe for LatticeArtifacts {
         };
         let (fibonacci, healpix) =
             (reports(ThesisPattern::Fibonacci)?, reports(ThesisPattern::Healpix)?);
-        // The mean square error of the means over squares of 8 by 8 pixels, but for a factor.
+        // The mean square error of the means over squares of 8 by 8 pixels, up to a factor.
         let of_squares = |r: &ErrorReport| (r.structure.value * r.mse.value).sqrt();
         for (what, of, remark) in [
             (
@@ -118,7 +119,8 @@ impl Recipe for LatticeArtifacts {
     }
 }
 
-/// The geometric mean over the numbers of directions of the ratio of two numbers, with its interval by their scatter.
+/// Returns the geometric mean over the numbers of directions of the ratio of two numbers, with its
+/// interval by their scatter.
 fn mean_ratio(a: &[ErrorReport], b: &[ErrorReport], of: &dyn Fn(&ErrorReport) -> f64) -> Quantity {
     geometric_mean(a.iter().zip(b).map(|(a, b)| of(a) / of(b)))
 }

@@ -16,7 +16,7 @@ pub(crate) struct LatticeSpectra;
 const LATTICES: [ThesisPattern; 2] = [ThesisPattern::Healpix, ThesisPattern::Fibonacci];
 /// The number of points of the pictures.
 const N_SHOWN: usize = 1024;
-/// What cannot be told from 0 in a plot whose axis reaches to the peaks.
+/// The power that is indistinguishable from 0 in a plot whose axis reaches the peaks.
 const VISIBLE: f64 = 0.01;
 /// The largest power of any random pattern of the thesis is its bound of CCVT, 2: a peak is higher.
 const PEAK: f64 = 2.0;
@@ -72,9 +72,9 @@ impl Recipe for LatticeSpectra {
     }
 }
 
-/// The degrees below sqrt(N) that do not vanish.
+/// Returns the degrees below sqrt(N) that do not vanish.
 fn low_degrees(curve: &Curve) -> Curve {
-    /// Far above what rounding leaves of odd degrees, about 1e-28, and below what does not vanish.
+    /// Far above the rounding of odd degrees, about 1e-28, and below any nonzero power.
     const NOTHING: f64 = 1e-20;
     let points = curve.points.iter().copied().filter(|p| p[0] < 1.0 && p[1] > NOTHING);
     Curve::new(curve.label.clone(), curve.colour, Mark::Markers, points)

@@ -154,10 +154,11 @@ mod tests {
     use super::{LAW, Spectrum, low, parabola};
 
     #[test]
-    fn an_offset_is_found() {
+    fn an_offset_is_recovered() {
         let power = (0..=40).map(|l| 0.06 + 0.04 * f64::from(l * (l + 1)) / 400.0).collect();
         let exact = Spectrum::exact(Domain::Sphere, 400, power);
-        // l = 9 is the last degree with l(l+1) <= 0.25 * 400. Errors are uneven, to see that weights do no harm.
+        // l = 9 is the last degree with l(l+1) <= 0.25 * 400. Errors are unequal, to test the
+        // weights.
         let rows = || low(&exact, LAW).map(|(x2, power, _)| (x2, power, 0.01 + x2));
         assert_eq!(rows().count(), 9);
         let (offset, _) = parabola(rows());
@@ -166,7 +167,7 @@ mod tests {
     }
 
     #[test]
-    fn its_error_is_that_of_the_textbook() {
+    fn its_error_matches_the_textbook_formula() {
         // x^2 = 0, 1, 2 with errors 1: variance of the intercept 1/3 + 1/2.
         let (offset, stderr) =
             parabola([(0.0, 1.0, 1.0), (1.0, 3.0, 1.0), (2.0, 5.0, 1.0)].into_iter());

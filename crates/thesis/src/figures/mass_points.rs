@@ -1,15 +1,15 @@
 use super::patterns::ThesisPattern;
 use crate::{Claim, Error, Verdict};
 
-/// What the thesis leaves open of CCVT, for notes.
+/// The choices about CCVT that the thesis does not state, for notes.
 pub(crate) const NOTE: &str = "CCVT has 64 mass points a site, random ones or those of a rotated Fibonacci lattice; the \
      thesis states neither their number nor their kind (erratum 39).";
 
-/// The erratum about choices of CCVT that are not stated.
+/// The erratum about unstated choices of CCVT.
 const NOT_STATED: u8 = 39;
 
-/// Returns a claim about CCVT, checked with both kinds of mass points. Where the kind decides the outcome its erratum is
-/// 39; `erratum` is that of a claim that is wrong with both.
+/// Returns a claim about CCVT, checked with both kinds of mass points. Where the kind decides the
+/// outcome its erratum is 39; `erratum` is that of a claim that is wrong with both.
 pub(crate) fn with_both_kinds(
     erratum: Option<u8>,
     claim: impl Fn(ThesisPattern) -> Result<Claim, Error>,

@@ -46,12 +46,12 @@ use cornell_box::{CornellBoxes, ReferenceImage};
 use profiles::ProfileShapes;
 use rotated_lattices::RotatedLattice;
 
-/// How a figure is made: what must be computed for it, and what is then shown and decided.
+/// The recipe of a figure: the jobs that it requires, and its panels and claims.
 pub(crate) trait Recipe: Sync {
-    /// What the figure shows, in a few words.
+    /// Returns a short title of the figure.
     fn title(&self) -> &'static str;
 
-    /// What must be computed.
+    /// Returns the jobs that the figure requires.
     fn jobs(&self, setting: Setting) -> Vec<Job>;
 
     /// Fills the figure.

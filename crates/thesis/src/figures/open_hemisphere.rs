@@ -23,10 +23,10 @@ const N_POINTS: usize = 1024;
 const LMAX_ORDERS: usize = 64;
 /// The last degree of the spectra, omega = 4.
 const LMAX: usize = 128;
-/// A peak is this many times as high as the power of white noise.
+/// Minimum ratio of a peak to the power of white noise.
 const PEAK: f64 = 10.0;
 
-/// As the thesis makes them, without rotation.
+/// Sets as in the thesis, without rotation.
 fn ensemble(pattern: ThesisPattern) -> ThesisEnsemble {
     match pattern {
         ThesisPattern::Jittered => ThesisEnsemble::kept_half(pattern.pattern(), N_POINTS),
@@ -106,12 +106,14 @@ impl Recipe for OpenHemisphere {
     }
 }
 
-/// `int_0^1 P_l(z) dz = (P_(l-1)(0) - P_(l+1)(0))/(2l+1)`, for l >= 1: the mean of `P_l` over a hemisphere.
+/// `int_0^1 P_l(z) dz = (P_(l-1)(0) - P_(l+1)(0))/(2l+1)`, for l >= 1: the mean of `P_l` over a
+/// hemisphere.
 fn mean_legendre(l: usize) -> Result<f64, Error> {
     Ok((legendre_p(l - 1, 0.0)? - legendre_p(l + 1, 0.0)?) / (2 * l + 1) as f64)
 }
 
-/// The power that white noise of the hemisphere has on the sphere, `1 + (N-1) (int_0^1 P_l dz)^2`, at odd degrees.
+/// Returns the power that white noise of the hemisphere has on the sphere,
+/// `1 + (N-1) (int_0^1 P_l dz)^2`, at odd degrees.
 fn uniform_density(n_points: usize) -> Result<Curve, Error> {
     let n = n_points as f64;
     let point = |l: usize| -> Result<[f64; 3], Error> {

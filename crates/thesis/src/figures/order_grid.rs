@@ -2,7 +2,7 @@ use sphvar_spectrum::OrderPower;
 
 use crate::{Axis, Field, Palette};
 
-/// Mean powers of orders, drawn as the thesis does.
+/// Mean powers of orders, drawn as in the thesis.
 pub(crate) struct OrderGrid<'a> {
     /// By degree and then by order from 0.
     orders: &'a [OrderPower],
@@ -10,35 +10,36 @@ pub(crate) struct OrderGrid<'a> {
 }
 
 impl<'a> OrderGrid<'a> {
-    /// The grid of the powers of every order of every degree to the last.
+    /// Returns the grid of the powers of every order of every degree to the last.
     pub(crate) fn new(orders: &'a [OrderPower]) -> Self {
         Self { orders, lmax: orders.last().map_or(0, |last| last.l) }
     }
 
-    /// The last degree.
+    /// Returns the last degree.
     pub(crate) fn lmax(&self) -> usize {
         self.lmax
     }
 
-    /// The orders from 0 of a degree.
+    /// Returns the orders from 0 of a degree.
     pub(crate) fn degree(&self, l: usize) -> &'a [OrderPower] {
         let first = l * (l + 1) / 2;
         &self.orders[first..=first + l]
     }
 
-    /// The mean over m from -l to l of a quantity that does not depend on the sign of m.
+    /// Returns the mean over m from -l to l of a quantity that does not depend on the sign of m.
     pub(crate) fn mean_over_orders(&self, l: usize, f: impl Fn(&OrderPower) -> f64) -> f64 {
         let sum: f64 =
             self.degree(l).iter().map(|o| if o.m == 0 { f(o) } else { 2.0 * f(o) }).sum();
         sum / (2 * l + 1) as f64
     }
 
-    /// The power of a degree.
+    /// Returns the power of a degree.
     pub(crate) fn power(&self, l: usize) -> f64 {
         self.mean_over_orders(l, |o| o.power)
     }
 
-    /// A triangle: degrees down, orders across; degree 0 and what is no order are left out.
+    /// Returns a triangle: degrees down, orders across; degree 0 and cells without an order are
+    /// omitted.
     pub(crate) fn triangle(&self, style: &Style, value: impl Fn(f64) -> f64) -> Field {
         let side = 2 * self.lmax + 1;
         let mut values = Vec::with_capacity(side * (self.lmax + 1));
@@ -58,8 +59,8 @@ impl<'a> OrderGrid<'a> {
         }
     }
 
-    /// A square: the triangle downwards, upwards, to the left and to the right. `step` is 1, or 2 if only even degrees
-    /// exist, which are then drawn twice as thick.
+    /// Returns a square: the triangle downwards, upwards, to the left and to the right. `step` is
+    /// 1, or 2 if only even degrees exist, which are then drawn twice as thick.
     pub(crate) fn square(&self, style: &Style, step: usize, value: impl Fn(f64) -> f64) -> Field {
         let half = self.lmax - self.lmax % step;
         let side = 2 * half + 1;
@@ -80,7 +81,7 @@ impl<'a> OrderGrid<'a> {
         }
     }
 
-    /// Degree 0 would outshine all others.
+    /// Degree 0 would dominate the colour scale.
     fn value(&self, l: usize, m: usize, value: &impl Fn(f64) -> f64) -> f64 {
         match self.degree(l).get(m) {
             Some(order) if l > 0 => value(order.power),
@@ -89,9 +90,9 @@ impl<'a> OrderGrid<'a> {
     }
 }
 
-/// How powers become colours.
+/// The mapping from powers to colours.
 pub(crate) struct Style {
-    /// What is shown.
+    /// The displayed quantity.
     pub(crate) label: &'static str,
     /// The colours.
     pub(crate) palette: Palette,

@@ -1,11 +1,12 @@
-//! Figures of patterns that take long, composed from two sets of each ensemble.
+//! Figures of expensive patterns, composed from two sets of each ensemble.
 
 use super::tests::{check_curves, results_of};
 use crate::{Content, Error, FigureId, Job, Scale, Setting, Verdict};
 
 const QUICK: Setting = Setting { scale: Scale::Quick, seed: 0 };
 
-/// The job with two sets, the fewest that give errors; coefficients are cheap, and tests of them need many.
+/// Returns the job with two sets, the minimum for standard errors; coefficients are inexpensive,
+/// and tests of them need many.
 fn cut(job: &Job) -> Job {
     match job.clone() {
         Job::Spectrum { ensemble, domain, lmax, sets } => {
@@ -38,15 +39,15 @@ fn spectra_of_random_patterns_can_be_composed() -> Result<(), Error> {
         }
     }
     assert_eq!(counts, [5, 8]);
-    // Random mass points leave 1/64 at low degrees, those of a lattice 1e-4, whatever the number of sets.
+    // Random mass points give 1/64 at low degrees, those of a lattice 1e-4, for any number of sets.
     let claim = figure.claims.iter().find(|c| c.what == "CCVT: mean power for omega below 0.25");
     let outcome = claim.map(|c| (c.verdict, c.erratum));
     assert_eq!(outcome, Some((Verdict::Depends, Some(39))), "{claim:?}");
     Ok(())
 }
 
-/// The average over orders is the mean angular power, and Poisson disk and CCVT have their peak at the principal frequency,
-/// by far more than two sets leave open.
+/// The average over orders is the mean angular power, and Poisson disk and CCVT have their peak at
+/// the principal frequency, by far more than the uncertainty of two sets.
 #[test]
 fn a_radial_average_can_be_composed() -> Result<(), Error> {
     let id: FigureId = "2.2".parse()?;
@@ -64,8 +65,8 @@ fn a_radial_average_can_be_composed() -> Result<(), Error> {
     Ok(())
 }
 
-/// Means and phases of coefficients: nothing is wrong but for order 0, which has no phase. Judged by p-values over all nine
-/// claims with a false alarm of 1e-4, at a fixed seed.
+/// Means and phases of coefficients: all claims hold except for order 0, which has no phase. Judged
+/// by p-values over all nine claims with a false alarm of 1e-4, at a fixed seed.
 #[test]
 fn coefficients_have_phases_unless_they_are_real() -> Result<(), Error> {
     let id: FigureId = "4.17".parse()?;
@@ -78,7 +79,7 @@ fn coefficients_have_phases_unless_they_are_real() -> Result<(), Error> {
     for panel in &figure.panels {
         let Content::Field(field) = &panel.content else { panic!("{}", panel.name) };
         assert_eq!(field.values.len(), field.size[0] * field.size[1]);
-        // Three root mean squares hold nearly everything.
+        // Nearly all coefficients lie within three root mean squares.
         assert!(field.values.iter().sum::<f64>() > 950.0, "{}", panel.name);
     }
     Ok(())

@@ -1,13 +1,13 @@
 use sphvar_samplers::{CcvtParameters, DiskMode, MassPoints, Pattern, PoissonDiskParameters};
 
-/// A pattern of the thesis. It has the same colour and the same words in every figure.
+/// A pattern of the thesis, with the same colour and name in every figure.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum ThesisPattern {
     /// Independent directions.
     WhiteNoise,
     /// One direction in each HEALPix pixel.
     Jittered,
-    /// Exactly N directions, none nearer to another than the chord of the thesis's program.
+    /// Exactly N directions, no two nearer than the chord of the program of the thesis.
     PoissonDisk,
     /// Capacity-constrained Voronoi tessellations with random mass points.
     CcvtRandom,
@@ -23,11 +23,12 @@ pub(crate) enum ThesisPattern {
 pub(crate) const CAPACITY: usize = 64;
 /// The colour of bounds.
 pub(crate) const BOUND_COLOUR: usize = 6;
-/// The colour of what is neither a pattern nor a bound: that of HEALPix, with which it is in no figure.
+/// The colour of series that are neither patterns nor bounds: that of HEALPix, which never occurs
+/// in the same figure.
 pub(crate) const OTHER_COLOUR: usize = 4;
 
 impl ThesisPattern {
-    /// How it is made.
+    /// Returns the sampling pattern.
     pub(crate) fn pattern(self) -> Pattern {
         match self {
             Self::WhiteNoise => Pattern::WhiteNoise,
@@ -46,17 +47,17 @@ impl ThesisPattern {
         Pattern::Ccvt(CcvtParameters { capacity: CAPACITY, mass })
     }
 
-    /// Whether it is one of the kinds of CCVT.
+    /// Returns whether it is one of the kinds of CCVT.
     pub(crate) const fn is_ccvt(self) -> bool {
         matches!(self, Self::CcvtRandom | Self::CcvtFibonacci)
     }
 
-    /// Its name in claims: one for both kinds of CCVT, because the thesis knows only one.
+    /// Its name in claims: one for both kinds of CCVT, because the thesis has only one.
     pub(crate) const fn subject(self) -> &'static str {
         if self.is_ccvt() { "CCVT" } else { self.label() }
     }
 
-    /// The number of its colour.
+    /// Returns the number of its colour.
     pub(crate) const fn colour(self) -> usize {
         match self {
             Self::WhiteNoise => 0,
@@ -64,7 +65,7 @@ impl ThesisPattern {
             Self::PoissonDisk => 2,
             Self::CcvtRandom => 3,
             Self::Healpix => 4,
-            // They are in no figure together.
+            // They never occur in the same figure.
             Self::Fibonacci | Self::CcvtFibonacci => 5,
         }
     }

@@ -23,7 +23,8 @@ pub(crate) fn hemisphere_points(points: Vec<DVec3>) -> Directions {
     Directions { points, viewpoint: VIEWPOINT_ABOVE, lines: vec![equator.collect()] }
 }
 
-/// The axes of a picture of the sphere from a viewpoint off the z axis: right, up, towards the viewer.
+/// Returns the axes of a picture of the sphere from a viewpoint off the z axis: right, up, towards
+/// the viewer.
 pub(crate) fn view_axes(viewpoint: DVec3) -> [DVec3; 3] {
     let towards = viewpoint.normalize();
     let right = DVec3::Z.cross(towards).normalize();

@@ -4,13 +4,14 @@ use sphvar_variance::{VariancePoint, fit_rate};
 
 use crate::{Claim, Quantity, Stated};
 
-/// Rates are read off between these N.
+/// The range of N for the slope of a rate.
 pub(crate) const FAR: [usize; 3] = [1_000_000, 10_000_000, 100_000_000];
-/// How far the slope between finite N may be from a rate that is printed with one decimal.
+/// Tolerance of the slope between finite N from a rate printed with one decimal.
 const TOLERANCE: f64 = 0.005;
 
-/// Returns the claim that the variance of a class of integrands falls with this rate if the spectrum is the profile.
-/// Closed forms decide it; `erratum` is about factors of the formula, which leave the rate as it is.
+/// Returns the claim that the variance of a class of integrands falls with this rate if the
+/// spectrum is the profile. Closed forms decide it; `erratum` is about factors of the formula,
+/// which do not affect the rate.
 pub(crate) fn rate_claim(
     what: &str,
     class: IntegrandClass,

@@ -11,7 +11,8 @@ use crate::{
     Axis, Claim, Curve, Curves, Error, Figure, Job, Quantity, Results, Setting, Stated, Verdict,
 };
 
-/// Figures 6.2 and 6.3: a profile of the low degrees, the patterns that have it, and the variance that follows.
+/// Figures 6.2 and 6.3: a profile of the low degrees, the patterns that have it, and the variance
+/// that follows.
 pub(crate) enum ProfileShapes {
     /// Figure 6.2.
     Step,
@@ -35,7 +36,8 @@ const SHOWN: f64 = 4.0;
 const EXPONENTS: [f64; 6] = [0.5, 1.0, 1.5, 2.0, 3.0, 4.7];
 /// Numbers of points for that, with breaks below and above the band.
 const SUM_COUNTS: [usize; 3] = [100, 1000, 10_000];
-/// A closed form is one if it differs from the sum by no more than roundings of some thousand terms.
+/// A closed form is accepted if it differs from the sum by at most the rounding of some thousand
+/// terms.
 const ROUNDING: f64 = 1e-11;
 
 impl ProfileShapes {
@@ -46,7 +48,8 @@ impl ProfileShapes {
         })
     }
 
-    /// The pattern that is shown beside the profile: section 6.2.2 describes its low degrees so.
+    /// Returns the pattern that is shown beside the profile: section 6.2.2 describes its low
+    /// degrees so.
     fn pattern(&self) -> ThesisPattern {
         match self {
             Self::Step => ThesisPattern::Healpix,
@@ -131,7 +134,7 @@ fn spectra(curves: Vec<Curve>) -> Curves {
     Curves { x: omega_axis(), y: Axis::linear("power P"), curves }
 }
 
-/// The profile over omega, by its values for so many points that degrees are dense.
+/// Returns the profile over omega, by its values for a number of points at which degrees are dense.
 fn curve(label: &str, profile: &Profile) -> Curve {
     let points = (1..=LAST_OMEGA * PER_UNIT)
         .map(|l| (l as f64 / PER_UNIT as f64, profile.power(l, PER_UNIT * PER_UNIT)));
@@ -143,7 +146,7 @@ fn variances(profile: &Profile, best: IntegrandClass, worst: IntegrandClass) -> 
         let points = COUNTS
             .map(|n| (n as f64, class.variance(profile, n, Domain::Sphere)))
             .into_iter()
-            // A step leaves nothing of the best case where its break is beyond the band.
+            // The best case under a step is 0 if its break is beyond the band.
             .filter(|point| point.1 > 0.0);
         Curve::line(label, colour, points)
     };
@@ -167,7 +170,8 @@ fn zero_variance(profile: &Profile, best: IntegrandClass) -> Claim {
     .because("closed form at N = 1e6; the thesis writes l for l0")
 }
 
-/// The break of 6.5 with its b-th root beside the d-th root of section 6.2, d = 2, which it is to be.
+/// Returns the break of 6.5 with its b-th root beside the d-th root of section 6.2, d = 2, which is
+/// correct.
 fn printed_break() -> Claim {
     const B: f64 = 4.0;
     let n = FAR[0] as f64;
@@ -180,7 +184,8 @@ fn printed_break() -> Claim {
     .because("at N = 1e6; 6.5 prints the b-th root of N, section 6.2 the d-th; both agree for b = 2 only")
 }
 
-/// "Cannot be symbolically solved for an unknown degree b": contradicted by closed forms that are the sums.
+/// "Cannot be symbolically solved for an unknown degree b": contradicted by closed forms that equal
+/// the sums.
 fn solvable(difference: f64) -> Claim {
     let verdict = if difference <= ROUNDING { Verdict::Wrong } else { Verdict::Undecided };
     Claim::words(
@@ -197,7 +202,7 @@ fn solvable(difference: f64) -> Claim {
     ))
 }
 
-/// The largest relative difference of closed forms and sums, best and worst case.
+/// Returns the largest relative difference of closed forms and sums, best and worst case.
 fn largest_difference() -> Result<f64, Error> {
     let best = IntegrandClass::band_limited(1.0, BAND)?;
     let worst = IntegrandClass::power_law(1.0, 2.0)?;

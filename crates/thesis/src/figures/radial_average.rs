@@ -15,8 +15,9 @@ use crate::{
     ThesisEnsemble,
 };
 
-/// Figure 2.2: how powers of single frequencies become a radial average, and the features of blue noise in it. The thesis
-/// shows the plane; here an average over the orders of a degree takes the place of one over a circle.
+/// Figure 2.2: how powers of single frequencies become a radial average, and the features of blue
+/// noise in it. The thesis shows the plane; here the average over the orders of a degree replaces
+/// the one over a circle.
 pub(crate) struct RadialAverage;
 
 /// The number of points of the triangle.
@@ -30,10 +31,12 @@ const BLUE: [ThesisPattern; 3] =
 const LITTLE: f64 = 0.1;
 /// How far the power of "high-frequency white noise" may be from 1.
 const FLAT: f64 = 0.1;
-/// The powers of a degree and the average of its orders come from one transform: some roundings.
+/// Tolerance: the powers of a degree and the average of its orders come from one transform and
+/// differ by some roundings.
 const ROUNDING: f64 = 1e-12;
 
-/// omega of the mean distance of neighbours in a square lattice, sqrt(4 pi/N): `l = 2 pi/distance = sqrt(pi N)`.
+/// omega of the mean distance of neighbours in a square lattice, sqrt(4 pi/N):
+/// `l = 2 pi/distance = sqrt(pi N)`.
 fn principal() -> f64 {
     PI.sqrt()
 }
@@ -183,7 +186,7 @@ mod tests {
     }
 
     #[test]
-    fn features_are_seen_where_they_are() {
+    fn features_are_detected_at_their_positions() {
         for (edge, above, expected) in [
             (principal() - 0.1, 1.05, [Verdict::Holds, Verdict::Holds, Verdict::Holds]),
             (principal() + 0.1, 1.05, [Verdict::Wrong, Verdict::Holds, Verdict::Holds]),

@@ -37,16 +37,17 @@ impl RotatedLattice {
     };
 }
 
-/// The number of points asked for, which the thesis does not state.
+/// The requested number of points, which the thesis does not state.
 const N_POINTS: usize = 1024;
-/// The last degree shown: the first peaks of the sphere lie at 1.76 sqrt(N), those of the hemisphere at 2.49 sqrt(N).
+/// The last degree shown: the first peaks of the sphere lie at 1.76 sqrt(N), those of the
+/// hemisphere at 2.49 sqrt(N).
 const LMAX_SPHERE: usize = 64;
 const LMAX_HEMISPHERE: usize = 96;
-/// Over so many rotations the power is averaged; 0 is the lattice as it is made.
+/// Numbers of rotations over which the power is averaged; 0 is the unrotated lattice.
 const ROTATIONS: [u64; 4] = [0, 1, 10, 1000];
-/// The left column is white from this power on, four times that of white noise.
+/// The power at which the left column saturates to white, four times that of white noise.
 const WHITE: f64 = 4.0;
-/// Degrees of less power have nothing to spread: odd ones of antipodal sets keep about 1e-28 of rounding.
+/// Degrees of less power are ignored: odd ones of antipodal sets have about 1e-28 from rounding.
 const NOTHING: f64 = 1e-12;
 
 impl RotatedLattice {
@@ -71,7 +72,7 @@ impl RotatedLattice {
         Job::Orders { ensemble, lmax: self.lmax(), sets: rotations.max(1) }
     }
 
-    /// The degrees that have power.
+    /// Returns the degrees that have power.
     fn degrees<'a>(&self, grid: &'a OrderGrid<'_>) -> impl Iterator<Item = usize> + use<'a, '_> {
         let domain = self.domain;
         let degrees = (1..=grid.lmax()).filter(move |&l| domain.has_degree(l));
@@ -136,7 +137,8 @@ impl RotatedLattice {
         figure.claims.push(
             Claim::number(
                 format!("largest relative change of the power of a degree by {most} rotations"),
-                // Coefficients are good to 1e-12 of N, and a degree may have as little as 1e-12 of the largest power.
+                // Coefficients are accurate to 1e-12 of N, and a degree may have as little as 1e-12
+                // of the largest power.
                 Stated::About { value: 0.0, tolerance: 1e-6 },
                 Quantity::exact(change),
             )

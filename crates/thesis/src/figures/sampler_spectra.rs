@@ -26,9 +26,9 @@ const SPHERE: [ThesisPattern; 5] = [
     ThesisPattern::CcvtRandom,
     ThesisPattern::CcvtFibonacci,
 ];
-/// Those of the hemisphere, of which the thesis states no number.
+/// The patterns of the hemisphere, whose number of points the thesis does not state.
 const HEMISPHERE: [ThesisPattern; 4] = [SPHERE[0], SPHERE[1], SPHERE[2], SPHERE[3]];
-/// Those whose hemisphere sets the thesis cuts out of sphere sets.
+/// The patterns whose hemisphere sets are visible halves of sphere sets in the thesis.
 const CUT: [ThesisPattern; 3] = [SPHERE[1], SPHERE[2], SPHERE[3]];
 /// The number of points of a hemisphere, half of that of the sphere.
 const N_HALF: usize = N_POINTS / 2;
@@ -41,18 +41,18 @@ const LAST_LOW: usize = 16;
 /// Numbers of points of halves whose power of degree 2 gives a rate.
 const N_RATE: [usize; 2] = [1536, 6144];
 
-/// How hemisphere sets are made.
+/// The construction of hemisphere sets.
 #[derive(Clone, Copy)]
 enum Half {
     /// The upper points of sphere sets, as in the thesis.
     Kept,
-    /// The pattern of the projective plane.
+    /// The antipodal pattern.
     Own,
 }
 
 fn hemisphere_spectrum(pattern: ThesisPattern, half: Half, setting: Setting) -> Job {
     let ensemble = match (half, pattern) {
-        // The thesis makes white noise on the hemisphere itself.
+        // The thesis generates white noise directly on the hemisphere.
         (
             Half::Kept,
             ThesisPattern::Jittered | ThesisPattern::PoissonDisk | ThesisPattern::CcvtRandom,
@@ -77,7 +77,7 @@ pub(super) fn far_spectrum(pattern: ThesisPattern, setting: Setting) -> Job {
     }
 }
 
-/// Degree 2 of kept halves of jittered sets.
+/// Degree 2 of visible halves of jittered sets.
 fn seam(n_points: usize, setting: Setting) -> Job {
     Job::Spectrum {
         ensemble: ThesisEnsemble::kept_half(Pattern::Jittered, n_points),
@@ -206,8 +206,8 @@ fn insets(setting: Setting, figure: &mut Figure) -> Result<(), Error> {
     Ok(())
 }
 
-/// "The power of any sampling pattern converges to 1": over two units of omega, about a period of what is left of the
-/// oscillations.
+/// "The power of any sampling pattern converges to 1": over two units of omega, about a period of
+/// the remaining oscillations.
 fn limit(pattern: ThesisPattern, spectrum: &Spectrum) -> Claim {
     /// omega = 6 at 1024 points.
     const FIRST: usize = 192;
@@ -220,8 +220,9 @@ fn limit(pattern: ThesisPattern, spectrum: &Spectrum) -> Claim {
     .because(format!("N = {}, weighted by 2l+1; for lattices see Figure 4.10", spectrum.n_points()))
 }
 
-/// What the cut at the equator adds: the mean power of the low degrees of halves over that of patterns of the projective
-/// plane. Section 4.3 takes halves of sphere sets as a procedure and claims nothing about them.
+/// Returns the effect of the cut at the equator: the ratio of the mean power of the low degrees of
+/// halves to that of antipodal patterns. Section 4.3 uses halves of sphere sets as a procedure and
+/// makes no claim about them.
 fn seam_power(pattern: ThesisPattern, kept: &Spectrum, own: &Spectrum) -> String {
     let low = |l| (2..=LAST_LOW).contains(&l);
     let (kept_mean, kept_error) = mean_power(kept, low);
@@ -238,7 +239,8 @@ fn seam_power(pattern: ThesisPattern, kept: &Spectrum, own: &Spectrum) -> String
     )
 }
 
-/// The exponent of N of the power of degree 2 of halves, which is -1 for jitter of the sphere.
+/// Returns the exponent of N of the power of degree 2 of halves, which is -1 for jitter of the
+/// sphere.
 fn seam_rate(few: &Spectrum, many: &Spectrum) -> String {
     let [a, b] = [few, many].map(|s| (s.n_points() as f64, s.power()[2], s.stderr()[2]));
     let steps = (b.0 / a.0).ln();

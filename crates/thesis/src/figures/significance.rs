@@ -2,12 +2,12 @@ use std::f64::consts::TAU;
 
 use crate::Verdict;
 
-/// Below this probability a hypothesis is rejected, above [`DOUBT`] it stands.
+/// Below this probability a hypothesis is rejected, above [`DOUBT`] it is accepted.
 const REJECT: f64 = 1e-4;
-/// Between the two nothing is decided.
+/// Between the two the verdict is undecided.
 const DOUBT: f64 = 1e-2;
 
-/// What follows for a hypothesis from the probability of data that speak against it no less: nothing from NaN.
+/// Returns the verdict on a hypothesis from its p-value; undecided for NaN.
 pub(crate) fn verdict(p_value: f64) -> Verdict {
     if p_value < REJECT {
         Verdict::Wrong
@@ -18,7 +18,8 @@ pub(crate) fn verdict(p_value: f64) -> Verdict {
     }
 }
 
-/// A bound from above of the probability that one of `comparisons` normal variables is beyond `z` standard deviations.
+/// Returns an upper bound of the probability that one of `comparisons` normal variables exceeds `z`
+/// standard deviations.
 ///
 /// ```text
 /// K 2 phi(z)/z,   phi the normal density (Mills' ratio is below 1/z)
@@ -28,7 +29,7 @@ pub(crate) fn largest_of_normal(z: f64, comparisons: usize) -> f64 {
     (comparisons as f64 * 2.0 * density / z).min(1.0)
 }
 
-/// Above this probability a p-value says no more than that the data are within chance.
+/// Above this probability a p-value is reported as within chance.
 const WITHIN_CHANCE: f64 = 0.5;
 
 /// Smaller p-values are rounding errors of the tail.
@@ -59,15 +60,15 @@ fn in_words(relation: &str, p_value: f64) -> String {
 /// Kuiper's test of uniform phases.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Kuiper {
-    /// The statistic `V = D+ + D-`, scaled so that its distribution does not depend on the number of phases; 1.747 is the
-    /// 5 % point.
+    /// The statistic `V = D+ + D-`, scaled so that its distribution does not depend on the number
+    /// of phases; 1.747 is the 5 % point.
     pub(crate) statistic: f64,
-    /// The probability that uniform phases lie as unevenly as these.
+    /// The probability that uniform phases are at least as uneven as these.
     pub(crate) p_value: f64,
 }
 
-/// Returns Kuiper's test of phases in radians (Stephens 1970, Journal of the Royal Statistical Society B 32, 115: good for
-/// n >= 8).
+/// Returns Kuiper's test of phases in radians (Stephens 1970, Journal of the Royal Statistical
+/// Society B 32, 115: good for n >= 8).
 pub(crate) fn kuiper(phases: &[f64]) -> Kuiper {
     let mut turns: Vec<f64> = phases.iter().map(|p| p.rem_euclid(TAU) / TAU).collect();
     turns.sort_by(f64::total_cmp);
@@ -78,7 +79,7 @@ pub(crate) fn kuiper(phases: &[f64]) -> Kuiper {
         below = below.max(turn - i as f64 / n);
     }
     let statistic = (n.sqrt() + 0.155 + 0.24 / n.sqrt()) * (above + below);
-    // The series is that of the far tail; near 0 it needs more terms than are of use.
+    // The series is that of the far tail; near 0 it needs too many terms.
     if statistic < 0.4 {
         return Kuiper { statistic, p_value: 1.0 };
     }
@@ -89,9 +90,9 @@ pub(crate) fn kuiper(phases: &[f64]) -> Kuiper {
     Kuiper { statistic, p_value: (2.0 * (1..=100).map(term).sum::<f64>()).clamp(0.0, 1.0) }
 }
 
-/// The probability that independent pairs of mean 0 have means as far from 0 as these: `exp(-T/2)` with
-/// `T = R mean^T C^-1 mean`, C the covariance of a pair; chi-square of 2 for many pairs. NaN if
-/// the covariance is singular.
+/// Returns the probability that independent pairs of mean 0 have means as far from 0 as these:
+/// `exp(-T/2)` with `T = R mean^T C^-1 mean`, C the covariance of a pair; chi-square of 2 for many
+/// pairs. NaN if the covariance is singular.
 pub(crate) fn mean_is_zero(pairs: &[[f64; 2]]) -> f64 {
     let n = pairs.len() as f64;
     let mean = |f: &dyn Fn(&[f64; 2]) -> f64| pairs.iter().map(f).sum::<f64>() / n;
@@ -119,7 +120,8 @@ mod tests {
         assert!(kuiper(&half).p_value < 1e-30, "{:?}", kuiper(&half));
         let two: Vec<f64> = (0..500).map(|k| if k % 2 == 0 { 0.0 } else { PI }).collect();
         assert!(kuiper(&two).p_value < 1e-30, "{:?}", kuiper(&two));
-        // Critical value of 5 % for large n: lambda = 1.747 (Stephens 1970, table 1), by a shift that makes V so.
+        // Critical value of 5 % for large n: lambda = 1.747 (Stephens 1970, table 1), by a shift
+        // that makes V so.
         let n = 100_000_u32;
         let shift = 1.747 / f64::from(n).sqrt();
         let moved: Vec<f64> =

@@ -9,7 +9,8 @@ pub(crate) const N_POINTS: usize = 4096;
 /// Their last degree, omega = 4.
 pub(crate) const LMAX: usize = 256;
 
-/// The mean spectrum of turned sphere sets of about [`N_POINTS`] points, which several figures show.
+/// Returns the job of the mean spectrum of rotated sphere sets of about [`N_POINTS`] points, shown
+/// in several figures.
 pub(crate) fn mean_spectrum(pattern: ThesisPattern, setting: Setting) -> Job {
     Job::Spectrum {
         ensemble: ThesisEnsemble::sphere(pattern.pattern(), N_POINTS),
@@ -19,22 +20,22 @@ pub(crate) fn mean_spectrum(pattern: ThesisPattern, setting: Setting) -> Job {
     }
 }
 
-/// Over how many realizations spectra of about [`N_POINTS`] points are averaged: 1000 in the thesis.
+/// Returns the number of realizations for spectra of about [`N_POINTS`] points: 1000 in the thesis.
 pub(crate) fn realizations(pattern: ThesisPattern, setting: Setting) -> u64 {
     match pattern {
-        // Not random: one set is the ensemble.
+        // A deterministic pattern needs one set.
         ThesisPattern::Healpix | ThesisPattern::Fibonacci => 1,
         ThesisPattern::CcvtRandom | ThesisPattern::CcvtFibonacci => setting.scale.pick(100, 1000),
         _ => setting.scale.pick(300, 1000),
     }
 }
 
-/// The axis of frequencies of spectra.
+/// Returns the axis of frequencies of spectra.
 pub(crate) fn omega_axis() -> Axis {
     Axis::linear("omega = l/sqrt(N)")
 }
 
-/// The power of every degree from 1 over omega, with standard errors.
+/// Returns the power of every degree from 1 over omega, with standard errors.
 pub(crate) fn spectrum_curve(
     label: impl Into<String>,
     colour: usize,
@@ -45,7 +46,8 @@ pub(crate) fn spectrum_curve(
     Curve::new(label, colour, Mark::Line, rows.map(|(l, p, e)| [l as f64 / root, p, e]))
 }
 
-/// The mean power of some degrees, weighted by their orders 2l+1, and its standard error for independent degrees.
+/// Returns the mean power of some degrees, weighted by their orders 2l+1, and its standard error
+/// for independent degrees.
 pub(crate) fn mean_power(spectrum: &Spectrum, degrees: impl Fn(usize) -> bool) -> (f64, f64) {
     let (mut sum, mut variance, mut count) = (0.0, 0.0, 0.0);
     for (l, power, stderr) in spectrum.rows().filter(|row| degrees(row.0)) {
@@ -57,7 +59,7 @@ pub(crate) fn mean_power(spectrum: &Spectrum, degrees: impl Fn(usize) -> bool) -
     (sum / count, variance.sqrt() / count)
 }
 
-/// The exact spectrum of HEALPix jitter to degree `lmax`.
+/// Returns the exact spectrum of HEALPix jitter to degree `lmax`.
 pub(super) fn exact_jitter(n_points: usize, lmax: usize) -> Result<Spectrum, Error> {
     let sampler = Pattern::Jittered.build(n_points, Domain::Sphere)?;
     let exact = ExactSpectrum::of(&*sampler)

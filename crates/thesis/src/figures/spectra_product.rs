@@ -10,10 +10,11 @@ use crate::{
     Axis, Claim, Curve, Curves, Error, Figure, Job, Quantity, Results, Setting, Stated, Verdict,
 };
 
-/// Figure 5.1: the spectra of a sampler and of an integrand, and their product, for N and 4 N points.
+/// Figure 5.1: the spectra of a sampler and of an integrand, and their product, for N and 4 N
+/// points.
 pub(crate) struct SpectraProduct;
 
-/// Numbers of points that jittered sets have, one four times the other.
+/// Valid numbers of points of jittered sets, one four times the other.
 const N_POINTS: [usize; 2] = [300, 1200];
 /// The last degree shown: 2 sqrt(N) for the larger number.
 const LMAX: usize = 70;
@@ -34,7 +35,8 @@ impl Recipe for SpectraProduct {
         let energy = VonMisesFisher::new(KAPPA)?.energy(Domain::Sphere, LMAX)?;
         let integrand: Vec<f64> =
             energy.per_band().iter().zip(0..).map(|(e, l)| e / f64::from(2 * l + 1)).collect();
-        // The height is no matter here; on a common axis the integrand begins at the sampler's plateau.
+        // The height is arbitrary here; on a common axis the integrand begins at the sampler's
+        // plateau.
         let scaled: Vec<f64> = integrand.iter().map(|p| p / integrand[1]).collect();
         for (name, count) in [("a", 1), ("b", 2)] {
             let mut curves: Vec<Curve> = spectra[..count].iter().map(sampler_curve).collect();
@@ -90,9 +92,10 @@ fn spectrum(n_points: usize) -> Result<Spectrum, Error> {
     exact_jitter(n_points, LMAX)
 }
 
-/// "The sampler's spectrum scales along the frequency": its curves for N and 4N are one over l/sqrt(N).
+/// "The sampler's spectrum scales along the frequency": its curves for N and 4N are one over
+/// l/sqrt(N).
 fn claim_scaling(few: &Spectrum, many: &Spectrum, figure: &mut Figure) {
-    /// What a sketch would not show.
+    /// Details that a sketch does not show.
     const VISIBLE: f64 = 0.02;
     let difference =
         (1..=LMAX / 2).map(|l| (many.power()[2 * l] - few.power()[l]).abs()).fold(0.0, f64::max);

@@ -11,7 +11,7 @@ use crate::{
 /// Figure 7.1: white noise, HEALPix centres and jittered points, with the HEALPix cells.
 pub(crate) struct Strata;
 
-/// The resolution of the picture: 432 cells, few enough to be seen.
+/// The resolution of the picture: 432 cells, few enough to be visible.
 const NSIDE: u32 = 6;
 const PATTERNS: [ThesisPattern; 3] =
     [ThesisPattern::WhiteNoise, ThesisPattern::Healpix, ThesisPattern::Jittered];
@@ -71,7 +71,7 @@ impl Recipe for Strata {
     }
 }
 
-/// The share of the pixels with exactly one of the points.
+/// Returns the fraction of the pixels with exactly one of the points.
 fn share_with_one(order: &Ring, points: &[DVec3]) -> f64 {
     let mut pixels: Vec<u64> = points.iter().map(|&p| order.pixel(p)).collect();
     pixels.sort_unstable();
@@ -79,7 +79,7 @@ fn share_with_one(order: &Ring, points: &[DVec3]) -> f64 {
     alone as f64 / order.n_pixels() as f64
 }
 
-/// The borders of all cells: the lines of the grid of each of the 12 faces.
+/// Returns the borders of all cells: the lines of the grid of each of the 12 faces.
 fn cell_borders() -> Result<Vec<Vec<DVec3>>, Error> {
     const STEPS: u32 = 48;
     let whole = Nside::new(1)?;
@@ -96,7 +96,8 @@ fn cell_borders() -> Result<Vec<Vec<DVec3>>, Error> {
     Ok(lines)
 }
 
-/// The area of the largest cell over that of the smallest, by polygons through points of their borders.
+/// Returns the area of the largest cell over that of the smallest, by polygons through points of
+/// their borders.
 fn ratio_of_areas(order: &Ring) -> f64 {
     let areas = (0..order.n_pixels()).map(|pixel| area(order.cell(pixel)));
     let (least, most) =
@@ -119,7 +120,8 @@ fn area(cell: Cell) -> f64 {
     border.iter().zip(next).map(|(&a, &b)| triangle_area(centre, a, b)).sum()
 }
 
-/// The area of a spherical triangle (Van Oosterom and Strackee 1983), positive if its corners go round to the left.
+/// Returns the area of a spherical triangle (Van Oosterom and Strackee 1983), positive if its
+/// corners are counter-clockwise.
 fn triangle_area(a: DVec3, b: DVec3, c: DVec3) -> f64 {
     2.0 * a.dot(b.cross(c)).atan2(1.0 + a.dot(b) + b.dot(c) + c.dot(a))
 }

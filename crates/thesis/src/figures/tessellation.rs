@@ -12,9 +12,10 @@ pub(crate) struct TessellationSites;
 
 /// The number of points, which the thesis does not state.
 const N_POINTS: usize = 1024;
-/// Directions of a lattice to a site, which find its cell's area to some percent.
+/// Lattice directions per site, which give the area of its cell to some percent.
 const PROBES: usize = 64;
-/// `10 pi/(9 sqrt 3)`: N times the mean squared distance from the middle of a regular hexagon, area 4 pi/N.
+/// `10 pi/(9 sqrt 3)`: N times the mean squared distance from the middle of a regular hexagon, area
+/// 4 pi/N.
 const HEXAGONS: f64 = 2.015_333_362_7;
 
 impl Recipe for TessellationSites {
@@ -43,7 +44,7 @@ impl Recipe for TessellationSites {
             let title = format!("{}, N = {N_POINTS}", kind.label());
             figure.panel(kind.name(), title, sphere_points(of(kind).sites()));
         }
-        // What m random mass points leave open of an area.
+        // The relative uncertainty of an area from m random mass points.
         let noise = 1.0 / (CAPACITY as f64).sqrt();
         let areas = |kind| {
             let spread = spread_of_areas(&of(kind).sites())?;
@@ -72,7 +73,8 @@ impl Recipe for TessellationSites {
     }
 }
 
-/// The standard deviation of the areas of the Voronoi cells over their mean, by the nearest sites of a lattice.
+/// Returns the standard deviation of the areas of the Voronoi cells over their mean, by the nearest
+/// sites of a lattice.
 fn spread_of_areas(sites: &[DVec3]) -> Result<f64, Error> {
     let probes = ThesisEnsemble::sphere(Pattern::Fibonacci, PROBES * sites.len()).unturned();
     let mut areas = vec![0_u32; sites.len()];

@@ -1,5 +1,5 @@
-//! Figures that take long, composed from a few sets: what the sets say does not matter, but everything must be there and can
-//! be drawn.
+//! Expensive figures composed from a few sets: the results are not tested, but the content must be
+//! complete and drawable.
 
 use std::collections::HashSet;
 
@@ -16,8 +16,8 @@ const FULL: Setting = Setting { scale: Scale::Full, seed: 0 };
 const FIGURES: [&str; 13] =
     ["4.13", "5.1", "6.1", "6.2", "6.3", "7.4", "7.5", "7.6", "7.7", "7.8", "7.9", "7.10", "C.1"];
 
-/// The job with so few sets that it takes no time, and still gives errors of everything: bounds of a spectrum
-/// need more of them than variances do.
+/// Returns the job with few sets, which is fast but still gives all standard errors: bounds of a
+/// spectrum need more sets than variances.
 fn cut(job: &Job) -> Job {
     match job.clone() {
         Job::Spectrum { ensemble, domain, lmax, sets } => {
@@ -25,7 +25,8 @@ fn cut(job: &Job) -> Job {
             Job::Spectrum { ensemble, domain, lmax, sets }
         }
         Job::Trials { ensemble, sets } => {
-            // A single point misses the cap in three trials of four: all of 60 do once in 3e7 times.
+            // A single point misses the cap in three trials of four: all of 60 miss with
+            // probability 1/3e7.
             let sets = sets.min(if ensemble.n_points < 100 { 60 } else { 6 });
             Job::Trials { ensemble, sets }
         }
@@ -39,7 +40,7 @@ fn cut(job: &Job) -> Job {
     }
 }
 
-/// The results of cut jobs in the place of those of whole ones.
+/// Results of reduced jobs in place of those of complete ones.
 pub(super) fn results_of(jobs: &[Job], cut: fn(&Job) -> Job) -> Result<Results, Error> {
     let cut: Vec<Job> = jobs.iter().map(cut).collect();
     let mut few = Results::new(QUICK);
@@ -72,7 +73,7 @@ fn check_picture(picture: &Picture, place: &str) {
     assert!(picture.caption.contains("N = "), "{place}: {}", picture.caption);
 }
 
-/// Every outcome has the number that it is from, with its interval.
+/// Every outcome has the value that determines it, with its interval.
 pub(super) fn check_claim(claim: &Claim, id: &str) {
     let outcomes = match &claim.choice {
         Some(choice) => choice.options.iter().map(|o| (o.measured, o.verdict)).collect(),
@@ -85,7 +86,7 @@ pub(super) fn check_claim(claim: &Claim, id: &str) {
         };
         let (low, high) = measured.interval;
         let within = low <= measured.value && measured.value <= high;
-        // A single random number beside words.
+        // A single random number in words.
         let single = low.is_nan() && matches!(claim.stated, Stated::Words(_));
         assert!(within || single || verdict == Verdict::Undecided, "{id}: {claim:?}");
     }
@@ -123,7 +124,7 @@ fn every_figure_can_be_composed() -> Result<(), Error> {
     for id in ids {
         let figure = id.compose(&results)?;
         check(&figure);
-        // There are no 4096 strata, whatever the sets are.
+        // 4096 strata do not exist, whatever the sets.
         let count = figure.claims.iter().find(|claim| claim.erratum == Some(38));
         let expected = (id.number() == "7.4").then_some(Verdict::Wrong);
         assert_eq!(count.map(|claim| claim.verdict), expected, "{id}: {count:?}");
@@ -133,7 +134,7 @@ fn every_figure_can_be_composed() -> Result<(), Error> {
     Ok(())
 }
 
-/// What follows from closed forms and exact spectra alone.
+/// Verdicts that follow from closed forms and exact spectra alone.
 #[test]
 fn claims_about_closed_forms_have_their_verdicts() -> Result<(), Error> {
     for (number, wrong) in [

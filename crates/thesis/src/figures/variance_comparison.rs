@@ -15,7 +15,8 @@ use crate::{
     TestIntegrand, Verdict,
 };
 
-/// Figure 7.9: the variances of five samplers, of CCVT with both kinds of mass points, side by side, of both test integrands and of a scene.
+/// Figure 7.9: the variances of five samplers, of CCVT with both kinds of mass points, side by
+/// side, of both test integrands and of a scene.
 pub(crate) struct VarianceComparison;
 
 const PATTERNS: [ThesisPattern; 6] = [
@@ -26,18 +27,19 @@ const PATTERNS: [ThesisPattern; 6] = [
     ThesisPattern::CcvtFibonacci,
     ThesisPattern::Healpix,
 ];
-/// What "the same rate" allows a difference of exponents beyond its interval.
+/// The tolerance of "the same rate" for a difference of exponents, in addition to its interval.
 const SAME_RATE: f64 = 0.05;
-/// Directions of a hit point that all patterns can have, 6 nside^2; 294 is among them.
+/// Numbers of directions per hit point that are valid for all patterns, 6 nside^2; 294 is among
+/// them.
 const DIRECTIONS: [usize; 9] = [24, 54, 96, 150, 216, 294, 384, 600, 1014];
 
-/// One panel: what is integrated, and how the thesis's crossover is to be read there.
+/// One panel: the integrand and the crossover stated in the thesis.
 struct Panel {
     name: &'static str,
     title: &'static str,
     y: &'static str,
     crossover: f64,
-    /// A tenth of that number: what can be read off a curve.
+    /// A tenth of that number, the reading precision of a curve.
     tolerance: f64,
     remark: &'static str,
     /// The erratum about that number.
@@ -110,7 +112,8 @@ impl Recipe for VarianceComparison {
             let curves = VarianceCurves(curves?);
             figure.panel(panel.name, panel.title, curves.drawn(panel));
             curves.claim_crossover(panel, setting.seed, number, figure);
-            // The rate of Poisson disks is an asymptotic one; the scene has no more points than it has.
+            // The rate of Poisson disks is an asymptotic one; the scene has only its own numbers of
+            // points.
             let late =
                 integrand.map_or(panel.from, |_| asymptotic(ThesisPattern::PoissonDisk, setting));
             curves.claim_rates(panel, late, figure)?;
@@ -138,7 +141,7 @@ fn renders(pattern: ThesisPattern, n_points: usize, setting: Setting) -> Job {
     BoxStudy::measured(setting).renders(pattern, n_points, DirectionMode::Rotated, renders)
 }
 
-/// The mean squared error of the scene over the number of directions.
+/// Returns the mean squared error of the scene over the number of directions.
 fn scene_errors(
     pattern: ThesisPattern,
     setting: Setting,
@@ -186,7 +189,8 @@ impl VarianceCurves {
         figure.claims.push(Claim { erratum: panel.erratum, ..with_dart_throwing(claim) });
     }
 
-    /// Adds the claims about rates, which are fitted from the panel's number of points on, that of Poisson disk from `late`.
+    /// Adds the claims about rates, which are fitted from the panel's number of points on, that of
+    /// Poisson disk from `late`.
     fn claim_rates(&self, panel: &Panel, late: f64, figure: &mut Figure) -> Result<(), Error> {
         let fitted = format!("fitted from N = {} on", panel.from);
         for slower in [ThesisPattern::PoissonDisk, ThesisPattern::WhiteNoise] {
@@ -233,7 +237,7 @@ impl VarianceCurves {
         fit_rate(&tail)
     }
 
-    /// The difference of the exponents of two patterns from a number of points on.
+    /// Returns the difference of the exponents of two patterns from a number of points on.
     fn difference(&self, patterns: [ThesisPattern; 2], from: f64) -> Quantity {
         let [a, b] = patterns.map(|pattern| self.rate(pattern, from));
         difference(a.as_ref(), b.as_ref())
@@ -250,7 +254,7 @@ impl VarianceCurves {
         let said = format!(
             "its rate is said to be no better than that of white noise; fitted from N = {late} on"
         );
-        // A curve that still bends does not contradict an asymptotic rate.
+        // A curve that is still curved does not contradict an asymptotic rate.
         let bends = self.rate(disk, late).is_some_and(|fit| fit.is_pre_asymptotic());
         if bends && claim.verdict == Verdict::Wrong {
             Claim { verdict: Verdict::Undecided, ..claim }.because(format!(
@@ -261,8 +265,8 @@ impl VarianceCurves {
         }
     }
 
-    /// "Though the variance is higher": that of jittered over that of a kind of CCVT at the largest number of points that
-    /// both have.
+    /// "Though the variance is higher": that of jittered over that of a kind of CCVT at the largest
+    /// number of points that both have.
     fn higher_variance(&self, panel: &Panel, kind: ThesisPattern) -> Result<Claim, Error> {
         let [jittered, ccvt] = [ThesisPattern::Jittered, kind].map(|pattern| self.of(pattern));
         let pairs = jittered.iter().rev().find_map(|j| {
@@ -283,7 +287,7 @@ impl VarianceCurves {
     }
 }
 
-/// The difference of two exponents, with the interval of independent errors.
+/// Returns the difference of two exponents, with the interval of independent errors.
 fn difference(a: Option<&RateFit>, b: Option<&RateFit>) -> Quantity {
     let (Some(a), Some(b)) = (a, b) else {
         return Quantity::single(f64::NAN);

@@ -7,23 +7,25 @@ use sphvar_variance::{VariancePoint, predict};
 use super::patterns::ThesisPattern;
 use crate::{Error, Job, Results, Setting, TestIntegrand, ThesisEnsemble};
 
-/// The variance of both test integrands over the number of points, for one pattern: measured, predicted, bounded.
+/// The variance of both test integrands over the number of points, for one pattern: measured,
+/// predicted, bounded.
 #[derive(Clone, Copy)]
 pub(crate) struct VarianceStudy {
     pub(crate) pattern: ThesisPattern,
     pub(crate) setting: Setting,
 }
 
-/// The numbers of points that only patterns have which exist for any number, beside those of HEALPix.
+/// Numbers of points for patterns that are valid at any N, in addition to those of HEALPix.
 const FEW_POINTS: [usize; 3] = [1, 3, 6];
-/// HEALPix resolutions, evenly spaced in the logarithm as far as there are any.
+/// HEALPix resolutions, as evenly spaced in the logarithm as possible.
 const NSIDES: [usize; 15] = [1, 2, 3, 4, 5, 6, 8, 11, 16, 23, 32, 45, 64, 80, 100];
-/// The fewest trials and the most, as in the thesis.
+/// The minimum and the maximum number of trials, as in the thesis.
 const TRIALS: (u64, u64) = (200, 1000);
-/// The fewest realizations of a spectrum that predicts, and the most. Where sets are dear, they take half the time of
-/// trials: powers of many degrees scatter less than estimates.
+/// The minimum and the maximum number of realizations of a spectrum for predictions. Where sets are
+/// expensive, they take half the time of trials, because powers of many degrees scatter less than
+/// estimates.
 const REALIZATIONS: (u64, u64) = (100, 1000);
-/// The last degree of energies: what all spectra reach to, and more.
+/// The last degree of energies, beyond that of all spectra.
 const LAST_DEGREE: usize = 2048;
 
 impl VarianceStudy {
@@ -41,12 +43,13 @@ impl VarianceStudy {
         few.chain(NSIDES.map(|nside| 12 * nside * nside)).filter(|&n| n <= most).collect()
     }
 
-    /// The jobs of measured variances.
+    /// Returns the jobs of measured variances.
     pub(crate) fn trials(self) -> Vec<Job> {
         self.counts().into_iter().map(|n| self.trial(n)).collect()
     }
 
-    /// The jobs of predicted variances: the spectra of other sets. That of white noise is known.
+    /// Returns the jobs of predicted variances: the spectra of other sets. That of white noise is
+    /// known.
     pub(crate) fn spectra(self) -> Vec<Job> {
         if self.pattern == ThesisPattern::WhiteNoise {
             return Vec::new();
@@ -54,7 +57,7 @@ impl VarianceStudy {
         self.counts().into_iter().map(|n| self.spectrum(n)).collect()
     }
 
-    /// The measured variances.
+    /// Returns the measured variances.
     pub(crate) fn measured(
         self,
         results: &Results,
@@ -71,7 +74,7 @@ impl VarianceStudy {
         self.counts().into_iter().map(point).collect()
     }
 
-    /// The variances that the spectra predict.
+    /// Returns the variances that the spectra predict.
     pub(crate) fn predicted(
         self,
         results: &Results,
@@ -100,7 +103,7 @@ impl VarianceStudy {
         self.counts().into_iter().map(point).collect()
     }
 
-    /// The number of trials at so many points.
+    /// Returns the number of trials for a number of points.
     pub(crate) fn n_trials(self, n_points: usize) -> u64 {
         self.trial(n_points).sets()
     }
@@ -125,7 +128,7 @@ impl VarianceStudy {
     }
 }
 
-/// How many sets of a job are of about so much nominal work, within limits.
+/// Returns the number of sets of a job that take about the given nominal work, within limits.
 #[expect(
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,
@@ -135,12 +138,12 @@ fn affordable(job: &Job, work: f64, (least, most): (u64, u64)) -> u64 {
     ((work / job.work_of_set()) as u64).clamp(least, most)
 }
 
-/// The energies of a test integrand.
+/// Returns the energies of a test integrand.
 pub(crate) fn energy(integrand: TestIntegrand) -> Result<Energy, Error> {
     Ok(integrand.function()?.energy(Domain::Sphere, LAST_DEGREE)?)
 }
 
-/// The variance that a profile allows, at its larger end.
+/// Returns the variance that a profile allows, at its larger end.
 pub(crate) fn bound(profile: &Profile, n_points: usize, energy: &Energy) -> Result<f64, Error> {
     let tail = energy.beyond(energy.lmax());
     Ok(variance_bound(profile, n_points, Domain::Sphere, energy.per_band(), tail)?.upper)

@@ -83,7 +83,8 @@ impl Recipe for WhiteNoiseOrders {
     }
 }
 
-/// The mean over all orders but that of degree 0, m and -m counted both, with the errors of independent orders.
+/// Returns the mean over all orders but that of degree 0, m and -m counted both, with the errors of
+/// independent orders.
 fn mean_power(grid: &OrderGrid<'_>) -> Quantity {
     let (mut sum, mut variance, mut count) = (0.0, 0.0, 0.0);
     for order in (1..=grid.lmax()).flat_map(|l| grid.degree(l)) {
