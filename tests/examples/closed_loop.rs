@@ -1,9 +1,9 @@
-//! Predicted over measured variance of every pattern: two integrands, ten numbers of points, sphere and
-//! hemisphere, with spectra and trials that share no random numbers. Prints Markdown.
+//! Predicted over measured variance of every pattern: two integrands, ten numbers of points, sphere
+//! and hemisphere, with spectra and trials that share no random numbers. Prints Markdown.
 //!
-//! `closed_loop [SECONDS]` spends about that many core seconds (1 unless given) on the trials of a cell and four
-//! times as many on its spectrum, more where that would be too few sets; cells that take too long even so are
-//! skipped and named.
+//! `closed_loop [SECONDS]` spends about that many core seconds (default: 1) on the trials of a cell
+//! and four times that on its spectrum, more where that would be too few sets; cells that still
+//! take too long are skipped and listed.
 
 use std::io::Write;
 
@@ -22,12 +22,12 @@ use statrs::distribution::{ContinuousCDF, Normal};
 
 const SEED: u64 = 2026;
 const COUNTS: [usize; 10] = [12, 48, 108, 192, 432, 768, 1452, 3072, 6348, 12288];
-/// Fewer trials say too little of a variance, and their scores are not normal.
-const FEWEST_TRIALS: u64 = 200;
-const FEWEST_SETS: u64 = 40;
-/// A cell is skipped where the fewest of both would take so many times the seconds asked for.
+/// Fewer trials give imprecise variances with scores that are not normal.
+const MIN_TRIALS: u64 = 200;
+const MIN_SETS: u64 = 40;
+/// A cell is skipped if the minimum of both would exceed this multiple of the requested time.
 const PATIENCE: f64 = 12.0;
-/// What no estimate can resolve: its rounding.
+/// The rounding of an estimate, below which it resolves nothing.
 const NOTHING: f64 = 1e-20;
 
 type Outcome<T> = Result<T, Box<dyn std::error::Error>>;
@@ -80,7 +80,8 @@ fn main() -> Outcome<()> {
     Ok(())
 }
 
-/// Both integrands of one pattern at one number of points, or why not.
+/// Returns the cells of both integrands for one pattern and number of points, or the reason for
+/// skipping them.
 fn study(
     pattern: &Pattern,
     asked: usize,
@@ -90,14 +91,14 @@ fn study(
 ) -> Outcome<Result<Vec<Cell>, String>> {
     let n = pattern.nearest_count(asked, domain);
     let set = SECONDS_PER_WORK * pattern.nominal_work(n);
-    let trials = count(seconds / (set + 80e-9 * n as f64), 20_000).max(FEWEST_TRIALS);
+    let trials = count(seconds / (set + 80e-9 * n as f64), 20_000).max(MIN_TRIALS);
     let sampler = pattern.build(n, domain)?;
     // Lattices have peaks at all degrees.
     let lmax = roots(domain.count_on_sphere(n), if sampler.is_random() { 8 } else { 40 });
     let realization = set + SECONDS_PER_WORK * Method::Auto.nominal_work(n, lmax);
-    let sets = count(4.0 * seconds / realization, 4000).max(FEWEST_SETS);
+    let sets = count(4.0 * seconds / realization, 4000).max(MIN_SETS);
     let sets = if sampler.is_random() { sets } else { 1 };
-    let needed = 2.0 * FEWEST_TRIALS as f64 * set + sets.min(FEWEST_SETS) as f64 * realization;
+    let needed = 2.0 * MIN_TRIALS as f64 * set + sets.min(MIN_SETS) as f64 * realization;
     if needed > PATIENCE * seconds {
         return Ok(Err(format!("a set takes {set:.1e} s")));
     }
@@ -111,7 +112,7 @@ fn study(
     Ok(Ok(cells))
 }
 
-/// A multiple of the root of a number of points, at least 32.
+/// Returns a multiple of the root of a number of points, at least 32.
 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a small number")]
 fn roots(n_points: f64, multiple: usize) -> usize {
     (multiple * n_points.sqrt().ceil() as usize).max(32)
@@ -122,7 +123,7 @@ fn count(x: f64, most: u64) -> u64 {
     (x as u64).min(most)
 }
 
-/// The comparison with trials of its own: `seed` tells the integrands apart.
+/// Returns the comparison with independent trials; `seed` distinguishes the integrands.
 fn run(
     pattern: &Pattern,
     n: usize,
@@ -158,7 +159,7 @@ fn write_row(out: &mut impl Write, cell: &Cell) -> Outcome<()> {
     Ok(())
 }
 
-/// Whether the loop is closed: ratios, z-scores and their law.
+/// Writes whether the loop is closed: ratios, z-scores and their distribution.
 fn judge(out: &mut impl Write, cells: &[Cell]) -> Outcome<()> {
     let normal = Normal::standard();
     let (some, none): (Vec<&Cell>, Vec<&Cell>) =
@@ -235,7 +236,8 @@ fn rates(out: &mut impl Write, cells: &[Cell]) -> Outcome<()> {
     Ok(())
 }
 
-/// The variance of the harmonic with sets that have no power in its degree: a few trials tell.
+/// Writes the variance of the harmonic with sets that have no power in its degree; a few trials
+/// suffice.
 fn steps(out: &mut impl Write, harmonic: &Harmonic) -> Outcome<()> {
     const TRIALS: u64 = 20;
     let step =
@@ -254,7 +256,8 @@ fn steps(out: &mut impl Write, harmonic: &Harmonic) -> Outcome<()> {
     Ok(())
 }
 
-/// Where jitter overtakes Poisson disks of exactly N points, from predicted variances at many N.
+/// Returns where jitter overtakes Poisson disks of exactly N points, from predicted variances at
+/// many N.
 fn overtaking(
     out: &mut impl Write,
     integrand: &dyn Integrand,
@@ -270,7 +273,7 @@ fn overtaking(
             let lmax = band.unwrap_or_else(|| roots(n as f64, 8));
             let work = pattern.nominal_work(n) + Method::Auto.nominal_work(n, lmax);
             let realization = SECONDS_PER_WORK * work;
-            let sets = count(5.0 * seconds / realization, 40_000).max(FEWEST_SETS);
+            let sets = count(5.0 * seconds / realization, 40_000).max(MIN_SETS);
             let streams = Streams::new(SEED + 9, Purpose::Pattern, pattern.stream_group(n));
             let spectrum = estimate(&Realizations::rotated(&*sampler, streams), lmax, sets, &())?;
             let energy = integrand.energy(Domain::Sphere, lmax)?;

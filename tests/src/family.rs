@@ -10,17 +10,17 @@ pub struct Family {
 }
 
 impl Family {
-    /// Returns an empty family; the name stands in the message of a failure.
+    /// Returns an empty family; the name appears in the message of a failure.
     #[must_use]
     pub fn new(name: &'static str) -> Self {
         Self { name, scores: Vec::new(), worst: String::new(), largest: -1.0 }
     }
 
-    /// Adds the comparison of an estimate with what is expected, in units of its standard error.
+    /// Adds the comparison of an estimate with its expectation, in units of its standard error.
     ///
     /// # Panics
     ///
-    /// If the score is not a finite number, as for a standard error of 0.
+    /// Panics if the score is not finite, as for a standard error of 0.
     pub fn compare(
         &mut self,
         estimate: f64,
@@ -42,18 +42,18 @@ impl Family {
         }
     }
 
-    /// Returns the scores in the order in which they came.
+    /// Returns the scores in insertion order.
     #[must_use]
     pub fn scores(&self) -> &[f64] {
         &self.scores
     }
 
-    /// Asserts that no score is beyond its Sidak limit: fails by chance with probability at most
-    /// `alpha`, as far as the scores are normal.
+    /// Asserts that no score exceeds its Sidak limit; fails by chance with probability at most
+    /// `alpha` if the scores are normal.
     ///
     /// # Panics
     ///
-    /// If a score is beyond the limit, or there is none.
+    /// Panics if a score exceeds the limit, or if there are no scores.
     pub fn assert_null(&self, alpha: f64) {
         let count = self.scores.len();
         assert!(count > 0, "{}: nothing was compared", self.name);
@@ -92,7 +92,7 @@ mod tests {
 
     #[test]
     #[should_panic(expected = "no spread")]
-    fn a_score_without_a_scale_is_refused() {
+    fn a_score_without_a_scale_panics() {
         Family::new("z").compare(1.0, 1.0, 0.0, || "no spread".into());
     }
 }

@@ -15,19 +15,20 @@ pub fn ks_distance(samples: &[f64], cdf: impl Fn(f64) -> f64) -> f64 {
     distances.fold(0.0, f64::max)
 }
 
-/// Returns the probability that `n` samples of the distribution itself are at least this far from it.
+/// Returns the probability that `n` samples of the distribution itself are at least this far from
+/// it.
 ///
 /// ```text
 /// Q(x) = 2 sum_{j >= 1} (-1)^{j-1} e^{-2 j^2 x^2},   x = (sqrt n + 0.12 + 0.11/sqrt n) D
 /// ```
 ///
-/// Asymptotic in n; the shift is Stephens's (1970), good to 1e-3 for n >= 8.
+/// Asymptotic in n; the shift is that of Stephens (1970), accurate to 1e-3 for n >= 8.
 #[must_use]
 pub fn ks_p_value(n: usize, distance: f64) -> f64 {
     let root = (n as f64).sqrt();
     let x = (root + 0.12 + 0.11 / root) * distance;
     if x < 0.2 {
-        // The series needs ever more terms, and 1 - Q is below 1e-12.
+        // The number of terms of the series diverges, and 1 - Q is below 1e-12.
         return 1.0;
     }
     let term = |j: i32| {
@@ -49,7 +50,7 @@ mod tests {
         assert!((distance - 0.4).abs() < 1e-15, "{distance}");
     }
 
-    /// The limit law's 5 % and 1 % points are 1.3581 and 1.6276.
+    /// The 5 % and 1 % points of the limit distribution are 1.3581 and 1.6276.
     #[test]
     fn p_values_of_the_limit_law() {
         for (x, p) in [(1.3581, 0.05), (1.6276, 0.01), (0.8276, 0.5)] {

@@ -1,9 +1,9 @@
-//! What the cross-crate checks share: significance of families of comparisons, reference spectra
-//! and quadrature on HEALPix cells.
+//! Shared parts of the cross-crate tests: significance of families of comparisons, reference
+//! spectra and quadrature on HEALPix cells.
 //!
-//! The checks themselves are in `tests/*.rs`, one topic a file. Their rules: seeds, counts and
-//! significance are named constants, the unit of replication is the realization, and every
-//! statistical check states how often it would fail although nothing is wrong.
+//! The tests are in `tests/integration/*.rs`, one topic per file. Their rules: seeds, counts and
+//! significance levels are named constants, the unit of replication is the realization, and every
+//! statistical test states its false-alarm probability.
 
 mod family;
 mod kolmogorov_smirnov;

@@ -1,7 +1,7 @@
 use glam::DVec3;
 use sphvar_samplers::{Ensemble, Error, PointSet, Progress};
 
-/// Point sets that a function makes, for ensembles that are no sampler's.
+/// Point sets from a function, for ensembles without a sampler.
 #[derive(Clone, Copy, Debug)]
 pub struct PointList<F>(pub F);
 

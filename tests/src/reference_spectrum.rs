@@ -13,7 +13,7 @@ impl ReferenceSpectrum {
     ///
     /// # Panics
     ///
-    /// If the file cannot be read, or its degrees are not 1, 2, ... without a gap.
+    /// Panics if the file cannot be read, or if its degrees are not consecutive from 1.
     #[must_use]
     pub fn load(name: &'static str) -> Self {
         let path =

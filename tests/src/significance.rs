@@ -14,15 +14,16 @@ pub fn sidak_z(alpha: f64, comparisons: usize) -> f64 {
     -Normal::standard().inverse_cdf(0.5 * single)
 }
 
-/// Returns the central interval that chi-square per degree of freedom leaves with probability `alpha`.
+/// Returns the central interval that chi-square per degree of freedom leaves with probability
+/// `alpha`.
 ///
 /// # Panics
 ///
 /// If `dof` is 0.
 #[must_use]
 pub fn chi2_interval(dof: usize, alpha: f64) -> (f64, f64) {
-    let law = chi_square(dof);
-    let per_dof = |p: f64| law.inverse_cdf(p) / dof as f64;
+    let distribution = chi_square(dof);
+    let per_dof = |p: f64| distribution.inverse_cdf(p) / dof as f64;
     (per_dof(0.5 * alpha), per_dof(1.0 - 0.5 * alpha))
 }
 
@@ -33,8 +34,8 @@ pub fn chi2_interval(dof: usize, alpha: f64) -> (f64, f64) {
 /// If `dof` is 0.
 #[must_use]
 pub fn chi2_false_alarm(dof: usize, low: f64, high: f64) -> f64 {
-    let law = chi_square(dof);
-    law.cdf(low * dof as f64) + law.sf(high * dof as f64)
+    let distribution = chi_square(dof);
+    distribution.cdf(low * dof as f64) + distribution.sf(high * dof as f64)
 }
 
 fn chi_square(dof: usize) -> ChiSquared {
@@ -47,7 +48,7 @@ mod tests {
 
     /// Quantiles from tables: z(0.05) = 1.959964; ten comparisons at 5 % each give 1 - 0.95^10.
     #[test]
-    fn quantiles_are_those_of_tables() {
+    fn quantiles_match_tables() {
         for (alpha, k, z) in
             [(0.05, 1, 1.959964), (1.0 - 0.95_f64.powi(10), 10, 1.959964), (2.7e-3, 1, 2.999_977)]
         {

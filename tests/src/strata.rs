@@ -8,11 +8,11 @@ use sphvar_sh::{Alm, GaussLegendre};
 use sphvar_sht::ExactTransform;
 use sphvar_spectrum::ExactSpectrum;
 
-/// A HEALPix cell as nodes and weights of a quadrature for the uniform law on it.
+/// A HEALPix cell as nodes and weights of a quadrature for the uniform distribution on it.
 #[derive(Clone, Debug)]
 pub struct Stratum {
-    /// How many cells of the sphere this one stands for, itself included: those that quarter turns
-    /// about z and the antipodal map make of it.
+    /// The number of cells of the sphere that this one represents, including itself: its images
+    /// under quarter turns about z and the antipodal map.
     pub multiplicity: f64,
     /// The nodes.
     pub points: Vec<DVec3>,
@@ -22,17 +22,17 @@ pub struct Stratum {
 
 /// Returns the strata of HEALPix jitter, faces 0 and 4 only: multiplicities 8 and 4.
 ///
-/// A cell is cut along u + v = 1, where the map changes its form in the cells that touch
-/// |z| = 2/3, and each triangle is collapsed to its far corner, which may be a pole; so the
-/// integrands are smooth and the tensor rule with `nodes` points an edge converges as Gauss-Legendre
-/// rules do.
+/// A cell is divided along u + v = 1, where the map changes its form in the cells that touch |z| =
+/// 2/3, and each triangle is collapsed to its far corner, which may be a pole. The integrands are
+/// therefore smooth, and the tensor rule with `nodes` points per edge converges like Gauss-Legendre
+/// rules.
 ///
 /// # Panics
 ///
 /// If `nside` or `nodes` is 0.
 #[must_use]
 pub fn strata(nside: u32, nodes: usize) -> Vec<Stratum> {
-    let nside = Nside::new(nside).expect("a legal nside");
+    let nside = Nside::new(nside).expect("a valid nside");
     let rule = GaussLegendre::new(nodes).expect("at least one node");
     // Nodes of the unit interval, and of the triangle u + v <= 1 collapsed to the origin.
     let unit: Vec<(f64, f64)> =
@@ -67,14 +67,16 @@ pub fn strata(nside: u32, nodes: usize) -> Vec<Stratum> {
 /// ```
 ///
 /// with `E_k` the mean over cell k: one point in each cell, independent of the others, and
-/// `E S_lm = 0`. The value is the real part; degree 0 is left at 0. Quadrature, no sampling.
+/// `E S_lm = 0`. The value is the real part; degree 0 is 0. It is computed by quadrature, without
+/// sampling.
 ///
 /// # Panics
 ///
 /// If `nside` is 0.
 #[must_use]
 pub fn exact_jitter_orders(nside: u32, lmax: usize) -> Alm {
-    // The phase across a cell is about l/nside, and n nodes follow a phase of 2n; 8 more leave 1e-12.
+    // The phase across a cell is about l/nside, and n nodes follow a phase of 2n; 8 more leave
+    // 1e-12.
     jitter_orders(nside, lmax, lmax / (2 * nside as usize) + 8)
 }
 
@@ -100,7 +102,7 @@ fn jitter_orders(nside: u32, lmax: usize, nodes: usize) -> Alm {
     orders
 }
 
-/// Returns the mean power per degree of HEALPix jitter, which rotations do not change.
+/// Returns the mean power per degree of HEALPix jitter, which is invariant under rotations.
 ///
 /// # Panics
 ///
@@ -135,7 +137,7 @@ mod tests {
         }
     }
 
-    /// Fewer symmetries, another rule and the exact transform: an oracle for the spectrum.
+    /// Fewer symmetries, another rule and the exact transform give a reference for the spectrum.
     #[test]
     fn the_mean_over_orders_is_the_spectrum() {
         for (nside, lmax) in [(1, 40), (2, 60), (5, 80)] {

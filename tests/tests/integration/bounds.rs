@@ -13,7 +13,7 @@ use sphvar_variance::predict;
 
 const SEED: u64 = 5;
 
-/// The probability that a bound that stands is refuted by a recorded spectrum.
+/// The probability that a recorded spectrum refutes a valid bound.
 const ALPHA: f64 = 1e-3;
 
 fn checked(power: &[f64], stderr: &[f64], n: usize, bound: Bound) -> (bool, usize, f64) {
@@ -22,8 +22,8 @@ fn checked(power: &[f64], stderr: &[f64], n: usize, bound: Bound) -> (bool, usiz
     (verdict.holds, verdict.worst_degree, verdict.worst_ratio)
 }
 
-/// Both bounds of jitter hold on exact spectra; the lower one is tightest at omega = 0.77 with ratios of
-/// 1.289 (N = 972) and 1.271 (3888). Degree 0 is not used.
+/// Both bounds of jitter hold on exact spectra; the lower one is tightest at omega = 0.77 with
+/// ratios of 1.289 (N = 972) and 1.271 (3888). Degree 0 is not used.
 #[test]
 fn the_bounds_of_jitter_hold() {
     let bounds = thesis_bounds()[2];
@@ -46,9 +46,9 @@ fn the_bounds_of_jitter_hold() {
     }
 }
 
-/// Dart throwing, recorded with errors: both constant bounds of Poisson disk patterns hold, the lower
-/// one of 0.055 as well as 1/20; the peak is 1.71 near omega = 2. False alarm: ALPHA for each bound that
-/// lies on the spectrum, less as these do not.
+/// Dart throwing, recorded with errors: both constant bounds of Poisson disk patterns hold, the
+/// lower one of 0.055 as well as 1/20; the peak is 1.71 near omega = 2. False alarm: ALPHA for each
+/// bound that lies on the spectrum, less as these do not.
 #[test]
 fn the_bounds_of_poisson_disk_hold_on_the_recorded_spectrum() {
     let reference = ReferenceSpectrum::load("pd_fixed_1024");
@@ -62,7 +62,7 @@ fn the_bounds_of_poisson_disk_hold_on_the_recorded_spectrum() {
         let (holds, at, ratio) = checked(&power, &stderr, 1024, bound);
         assert!(holds, "{bound:?} broken at l = {at}, ratio {ratio}");
     }
-    // Bounds that are too tight are refuted, from both sides.
+    // Too tight bounds are refuted, from both sides.
     for bound in [
         Bound::upper(Profile::constant(1.6).unwrap()),
         Bound::lower(Profile::constant(0.065).unwrap()),
@@ -78,7 +78,7 @@ fn the_bounds_of_poisson_disk_hold_on_the_recorded_spectrum() {
     assert!((1.76..=2.04).contains(&omega), "peak {peak} at omega {omega}");
 }
 
-/// The mean spectrum of a sampler to 4 sqrt(N), or to `lmax`.
+/// Returns the mean spectrum of a sampler to 4 sqrt(N), or to `lmax`.
 fn sampled(pattern: &Pattern, n: usize, lmax: Option<usize>, realizations: u64) -> Spectrum {
     let sampler = pattern.build(n, Domain::Sphere).unwrap();
     let group = pattern.stream_group(n);
@@ -96,9 +96,9 @@ fn verdict(spectrum: &Spectrum, bound: Bound) -> BoundVerdict {
     bound.check(&spectrum, 1.0 - ALPHA).unwrap()
 }
 
-/// White noise lies between 0.7 and 1.3, which the data prove: 1000 realizations. The lowest degree has an error of
-/// 2.6 % of the mean, the quantile for all degrees is 4.2, so the limits leave the bounds only if the mean is off by
-/// seven of them.
+/// White noise lies between 0.7 and 1.3, which the data prove: 1000 realizations. The lowest degree
+/// has an error of 2.6 % of the mean, the quantile for all degrees is 4.2, so the limits leave the
+/// bounds only if the mean is off by seven of them.
 #[test]
 fn the_bounds_of_white_noise_hold() {
     let spectrum = sampled(&Pattern::WhiteNoise, 256, None, 1000);
@@ -110,10 +110,11 @@ fn the_bounds_of_white_noise_hold() {
     }
 }
 
-/// Tessellations of white mass points keep the floor 1/m, and the upper bound is 40 l^2/N at low degrees: broken at
-/// l = 1 once N > 40 m, and there only. m = 64 with N = 1024 keeps both bounds; N = 4096 breaks the upper one at l =
-/// 1 with a ratio of 1.6 = (1/64)/(40/4096); the next degree has 0.5. 140 sets: the error at l = 1 is 7 %, so that
-/// the excess is 5.5(10) standard errors, of which 3.5 refute.
+/// Tessellations of white mass points keep the floor 1/m, and the upper bound is 40 l^2/N at low
+/// degrees: broken at l = 1 once N > 40 m, and there only. m = 64 with N = 1024 keeps both bounds;
+/// N = 4096 breaks the upper one at l = 1 with a ratio of 1.6 = (1/64)/(40/4096); the next degree
+/// has 0.5. 140 sets: the error at l = 1 is 7 %, so that the excess is 5.5(10) standard errors, of
+/// which 3.5 refute.
 #[test]
 fn the_upper_bound_of_ccvt_is_broken_by_the_floor() {
     let known = thesis_bounds()[3];
@@ -134,8 +135,8 @@ fn the_upper_bound_of_ccvt_is_broken_by_the_floor() {
     }
 }
 
-/// Tessellations of lattice mass have P ~ l^4, far below the lower bound: a ratio of 3e-4 at l = 1, and nothing
-/// above 1 up to omega = 0.7.
+/// Tessellations of lattice mass have P ~ l^4, far below the lower bound: a ratio of 3e-4 at l = 1,
+/// and nothing above 1 up to omega = 0.7.
 #[test]
 fn the_lower_bound_of_ccvt_is_broken_by_ideal_mass() {
     let lower = thesis_bounds()[3].lower;
@@ -149,8 +150,8 @@ fn the_lower_bound_of_ccvt_is_broken_by_ideal_mass() {
     }
 }
 
-/// The peak grows with the capacity: m = 1024 with N = 256 reaches 2.54(11) in the recorded sets, above the bound of
-/// 2.
+/// The peak grows with the capacity: m = 1024 with N = 256 reaches 2.54(11) in the recorded sets,
+/// above the bound of 2.
 #[test]
 fn the_upper_bound_of_ccvt_is_broken_by_the_peak() {
     let upper = thesis_bounds()[3].upper;
@@ -161,8 +162,8 @@ fn the_upper_bound_of_ccvt_is_broken_by_the_peak() {
     assert!((1.7..2.0).contains(&omega), "{verdict:?}");
 }
 
-/// What the fits make of a profile's own spectrum predicts what the closed forms say: the sum over degrees and a
-/// tail of power 1, where the profile has gamma.
+/// Predictions from fits of a profile's own spectrum match the closed forms: the sum over degrees
+/// and a tail of power 1, where the profile has gamma.
 #[test]
 fn spectra_of_profiles_predict_the_closed_forms() {
     let (n, lmax) = (1024, 4000);
@@ -173,7 +174,8 @@ fn spectra_of_profiles_predict_the_closed_forms() {
             (0..=lmax).map(|l| if l % step == 0 { class.energy(l) } else { 0.0 }).collect();
         // The tail: 2 sum l^-2 over the degrees beyond lmax.
         let beyond = 2.0 / (step * step) as f64 * trigamma((lmax / step + 1) as f64);
-        // The profiles have one mean power beyond, so that it does not matter how parities share the tail.
+        // The profiles have one mean power beyond, so that it does not matter how parities share
+        // the tail.
         let mut centred = ByParity { even: beyond, odd: 0.0 };
         for (l, e) in energies.iter().enumerate().skip(1) {
             *centred.of_mut(l) += e;
@@ -199,8 +201,8 @@ fn spectra_of_profiles_predict_the_closed_forms() {
     }
 }
 
-/// The exact spectrum of jitter: its tightest profiles are sharper than those of the thesis, and the largest
-/// quadratic below it comes with the exponent of the rate that jitter has.
+/// The exact spectrum of jitter: its tightest profiles are sharper than those of the thesis, and
+/// the largest quadratic below it comes with the exponent of the rate that jitter has.
 #[test]
 fn fits_of_jitter_are_tighter_than_the_thesis() {
     let n = 972;

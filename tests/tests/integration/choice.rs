@@ -1,5 +1,5 @@
-//! How many points a pattern needs for an error: closed forms, exact spectra, and measurements at the
-//! numbers found.
+//! The number of points that a pattern needs for an error: closed forms, exact spectra, and
+//! measurements at the resulting numbers.
 
 use std::f64::consts::PI;
 
@@ -33,13 +33,13 @@ fn cap60() -> Cap {
     Cap::from_degrees(60.0).unwrap()
 }
 
-/// A map of few texels, bright on one side.
+/// Returns a map of few texels, bright on one side.
 fn map() -> EnvironmentMap {
     EnvironmentMap::new(4, 2, vec![0.0, 1.0, 5.0, 2.0, 0.5, 0.0, 3.0, 1.0]).unwrap()
 }
 
 #[test]
-fn white_noise_needs_what_the_textbook_says() {
+fn white_noise_needs_the_textbook_number() {
     let (lobe, map) = (VonMisesFisher::new(10.0).unwrap(), map());
     let integrands: [(&str, &dyn Integrand); 3] =
         [("cap", &cap60()), ("lobe", &lobe), ("map", &map)];
@@ -49,7 +49,7 @@ fn white_noise_needs_what_the_textbook_says() {
         for relative in [0.47, 0.11, 0.033, 0.013, 0.0077] {
             let error: f64 = relative * integral;
             let exact = (4.0 * PI * square - integral * integral) / (error * error);
-            // Not so near to a whole number that rounding decides.
+            // Not so close to an integer that rounding decides.
             assert!((exact - exact.round()).abs() > 1e-9 * exact, "{name}, {relative}: {exact}");
             let got =
                 required(integrand, Domain::Sphere, &Pattern::WhiteNoise, error * error, 10 * MOST);
@@ -82,8 +82,8 @@ fn the_hemisphere_has_its_own_law() {
     assert!(n < 600, "jitter needs no more than a fifth of white noise: {n}");
 }
 
-/// The variance asked for lies midway between the exact ones of two neighbours, 17 % or more from
-/// either, and estimates know theirs to 3 %: five standard errors.
+/// The requested variance lies midway between the exact ones of two neighbours, at least 17 % from
+/// either, and estimates are accurate to 3 %: five standard errors.
 #[test]
 fn jitter_needs_what_its_exact_spectrum_says() {
     let cap = cap60();
@@ -101,17 +101,17 @@ fn jitter_needs_what_its_exact_spectrum_says() {
         let n_points = 12 * ((nside + 1) * (nside + 1)) as usize;
         let got = required(&cap, Domain::Sphere, &Pattern::Jittered, asked, MOST);
         assert_eq!(got, RequiredPoints::Predicted { n_points, too_few }, "{asked}");
-        // The law of the cap, 41.2 N^-1.5 for many points.
+        // The asymptotic variance of the cap, 41.2 N^-1.5.
         let law = (41.2 / asked).powf(2.0 / 3.0);
         let between = too_few.is_some_and(|n| (n as f64) < law) && law < n_points as f64;
         assert!(between, "{got:?}, by the law {law}");
     }
 }
 
-/// The error asked for is the error measured, on independent realizations. False alarm of the family:
-/// 1e-4; seed 11, 3000 trials a cell.
+/// The measured error on independent realizations equals the requested one. False alarm of the
+/// family: 1e-4; seed 11, 3000 trials a cell.
 #[test]
-fn the_numbers_found_have_the_error_asked_for() {
+fn the_resulting_numbers_have_the_requested_error() {
     const TRIALS: u64 = 3000;
     const ALPHA: f64 = 1e-4;
     let disks = "poisson-disk".parse::<Pattern>().unwrap();
@@ -142,7 +142,7 @@ fn the_numbers_found_have_the_error_asked_for() {
             let trials = Realizations::rotated(&*sampler, streams);
             let measured = measure(&trials, integrand, TRIALS, &()).unwrap();
             let prediction = curve.at(n_points).unwrap().prediction;
-            // What a lattice's spectrum leaves out is at most 1 % of its variance.
+            // The truncated part of a lattice's spectrum is at most 1 % of its variance.
             let left_out = 0.01 * prediction.variance;
             let stderr = measured.variance_stderr().hypot(prediction.stderr).hypot(left_out);
             family.compare(measured.variance(), prediction.variance, stderr, || {
@@ -197,8 +197,8 @@ fn too_many_points_are_out_of_reach() {
     assert_eq!(got(&Pattern::WhiteNoise, 1.0, 0), RequiredPoints::OutOfReach);
 }
 
-/// What is too dear is extrapolated, to about what predictions of more points find: rates change by
-/// less than 0.2 over the factor of 8 that is extrapolated.
+/// Predictions that are too expensive are extrapolated, approximately to the predictions at more
+/// points: rates change by less than 0.2 over the extrapolated factor of 8.
 #[test]
 fn what_costs_too_much_is_extrapolated() {
     let cap = cap60();
@@ -225,9 +225,10 @@ fn what_costs_too_much_is_extrapolated() {
     }
 }
 
-/// A pattern that does not exist with few points is found at more; one that never exists says why.
+/// A pattern that does not exist for few points is used with more points; one that never exists
+/// returns the reason.
 #[test]
-fn refused_numbers_are_passed_over() {
+fn invalid_numbers_are_skipped() {
     let profile = "profile".parse::<Pattern>().unwrap();
     let harmonic = Harmonic::new(2, 0).unwrap();
     let got = required(&harmonic, Domain::Sphere, &profile, 0.05, MOST);
@@ -263,7 +264,7 @@ fn predictions_do_not_depend_on_what_went_before() {
 }
 
 #[test]
-fn what_cannot_be_asked_is_refused() {
+fn invalid_requests_are_errors() {
     let cap = cap60();
     for variance in [0.0, -1.0, f64::NAN, f64::INFINITY] {
         let mut curve = PredictedCurve::new(Pattern::WhiteNoise);
@@ -281,8 +282,8 @@ fn what_cannot_be_asked_is_refused() {
     assert!(matches!(got, Err(Error::Integrand(sphvar_integrands::Error::NoEnergy { .. }))));
 }
 
-/// A pattern may have a gap at any one degree: energy in a few degrees rules out nothing, however high
-/// they are, and that of caps, `sum_{l > L} E(l)` of about 1/L, is spread over many.
+/// A pattern may have a gap at any one degree: energy in a few degrees rules out nothing, however
+/// high they are, and that of caps, `sum_{l > L} E(l)` of about 1/L, is spread over many.
 #[test]
 fn energy_in_few_degrees_is_no_bound() {
     for n in [1, 12, 200, 2000] {

@@ -1,4 +1,4 @@
-//! The same numbers to the last bit, whatever the number of threads and however a run is split.
+//! Results are bit-identical for any number of threads and any split of a run.
 
 use rayon::ThreadPoolBuilder;
 use sphvar_integrands::{Cap, Integrand};
@@ -19,7 +19,7 @@ fn bits(values: &[f64]) -> Vec<u64> {
     values.iter().map(|x| x.to_bits()).collect()
 }
 
-/// Everything that an experiment computes, as bits.
+/// Returns all results of an experiment, as bits.
 fn experiment() -> Vec<u64> {
     let mut out = Vec::new();
     let cap = Cap::from_degrees(60.0).unwrap();
@@ -76,7 +76,7 @@ fn threads_change_nothing() {
     }
 }
 
-/// Shards of any size, merged in any order, give the bits of the unsplit run.
+/// Shards of any size, merged in any order, are bit-identical to the unsplit run.
 #[test]
 fn shards_merge_to_the_unsplit_run() {
     let sampler = Pattern::Jittered.build(N, Domain::Sphere).unwrap();
@@ -108,7 +108,7 @@ fn shards_merge_to_the_unsplit_run() {
     }
 }
 
-/// Shards of different ensembles are refused.
+/// Merging shards of different ensembles is an error.
 #[test]
 fn shards_of_other_ensembles_are_refused() {
     let empty = |domain, n, lmax| SpectrumAccumulator::new(domain, n, lmax);

@@ -1,5 +1,4 @@
-//! The hemisphere as the projective plane, and what becomes of a sphere set of which the upper half is
-//! kept.
+//! The hemisphere with antipodes identified, and the visible halves of sphere sets.
 
 use std::f64::consts::PI;
 
@@ -55,8 +54,8 @@ fn white_noise_is_1() {
     assert!(got.power().iter().skip(1).step_by(2).all(|p| *p == 0.0), "{:?}", got.power());
 }
 
-/// White noise and the double cap of 60 degrees: `(2 pi int f^2 - (int f)^2)/N = pi^2/N`, from the energies
-/// exactly and from measurement.
+/// White noise and the double cap of 60 degrees: `(2 pi int f^2 - (int f)^2)/N = pi^2/N`, from the
+/// energies exactly and from measurement.
 #[test]
 fn the_double_cap_with_white_noise() {
     const N: usize = 64;
@@ -84,7 +83,8 @@ fn the_double_cap_with_white_noise() {
     family.assert_null(ALPHA);
 }
 
-/// Prediction and measurement of every pattern on the hemisphere. False alarm: ALPHA for the family.
+/// Prediction and measurement of every pattern on the hemisphere. False alarm: ALPHA for the
+/// family.
 #[test]
 fn measured_variances_are_the_predicted_ones() {
     const LMAX: usize = 120;
@@ -108,7 +108,7 @@ fn measured_variances_are_the_predicted_ones() {
     family.assert_null(ALPHA);
 }
 
-/// A realization of sphere jitter, rotated, of which the points with z > 0 are kept.
+/// Returns the points with z > 0 of a rotated realization of sphere jitter.
 fn kept_half(m: usize, index: u64) -> Vec<DVec3> {
     let sampler = Pattern::Jittered.build(m, Domain::Sphere).unwrap();
     let streams = Streams::new(SEED, Purpose::Resample, m);
@@ -117,7 +117,8 @@ fn kept_half(m: usize, index: u64) -> Vec<DVec3> {
     points
 }
 
-/// The number kept is random: mean M/2, variance `(M/4 pi) sum_{l odd} E_90(l) P(l)`, for jitter 0.30 sqrt(M).
+/// The number of visible points is random: mean M/2, variance `(M/4 pi) sum_{l odd} E_90(l) P(l)`,
+/// for jitter 0.30 sqrt(M).
 #[test]
 fn half_a_sphere_set_has_a_random_number_of_points() {
     const REALIZATIONS: u64 = 4000;
@@ -145,7 +146,8 @@ fn half_a_sphere_set_has_a_random_number_of_points() {
     family.assert_null(ALPHA);
 }
 
-/// Read as a pattern of lines, the kept half has far more power at low degrees than stratified lines.
+/// Treated as an antipodal pattern, the visible half has far more power at low degrees than a
+/// stratified antipodal pattern.
 #[test]
 fn half_a_sphere_set_is_not_stratified() {
     const REALIZATIONS: u64 = 3000;
@@ -166,8 +168,9 @@ fn half_a_sphere_set_is_not_stratified() {
     }
 }
 
-/// Estimates of a double cap about random axes from half a sphere set: `(4 pi/M) sum f` is unbiased but
-/// pays for the jump on the equator, the ratio estimate `(2 pi/n) sum f` less so, stratified lines are best.
+/// Estimates of a double cap about random axes from half a sphere set: `(4 pi/M) sum f` is unbiased
+/// but has a larger variance due to the jump on the equator, the ratio estimate `(2 pi/n) sum f`
+/// less so; stratified antipodal points are best.
 #[test]
 fn estimators_from_half_a_sphere_set() {
     const TRIALS: u64 = 6000;
@@ -194,14 +197,15 @@ fn estimators_from_half_a_sphere_set() {
     family.compare(best.mean(), PI, best.mean_stderr(), || "stratified lines".into());
     family.assert_null(ALPHA);
     let (a, b) = (fixed.variance() / best.variance(), ratio.variance() / best.variance());
-    // Recorded 1.5 to 1.6 and 1.2 to 1.3; a ratio of variances has an error of sqrt(4/6000) = 2.6 %, so
-    // the margins are six of them.
+    // Recorded 1.5 to 1.6 and 1.2 to 1.3; a ratio of variances has an error of sqrt(4/6000) = 2.6
+    // %, so the margins are six of them.
     assert!((a / 1.55 - 1.0).abs() < 0.18, "unbiased over stratified: {a}");
     assert!((b / 1.25 - 1.0).abs() < 0.18, "ratio estimate over stratified: {b}");
 }
 
-/// The library's cut sets: with the cut turned at random the ratios of the test above, and with the cut at the equator
-/// the variance that the formula of the sphere predicts for what vanishes below it. False alarm: ALPHA.
+/// The cut sets of the library: with a randomly rotated cut, the ratios of the test above; with the
+/// cut at the equator, the variance that the formula of the sphere predicts for functions that
+/// vanish below it. False alarm: ALPHA.
 #[test]
 fn cut_sphere_sets_are_measured_and_predicted() {
     const TRIALS: u64 = 6000;
@@ -232,7 +236,8 @@ fn cut_sphere_sets_are_measured_and_predicted() {
             let cut = CutIntegrand::new(integrand, estimator).unwrap();
             let predicted = predict(&spectrum, &cut.energy(Domain::Sphere, lmax).unwrap());
             let stderr = got.variance_stderr().hypot(predicted.total_stderr());
-            // The ratio's variance is that to first order: the next order is Var n/n^2 of it, 0.2 %.
+            // The ratio's variance is that to first order: the next order is Var n/n^2 of it, 0.2
+            // %.
             let stderr = stderr.hypot(2e-3 * predicted.variance);
             let label = || format!("{name}, {estimator:?}, variance");
             family.compare(got.variance(), predicted.variance, stderr, label);

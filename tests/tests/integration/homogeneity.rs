@@ -1,5 +1,6 @@
-//! After a uniform rotation ensembles are homogeneous: within a degree all orders have the same power,
-//! and different coefficients are uncorrelated. Without it jitter is not, and the tests see that.
+//! After a uniform rotation ensembles are homogeneous: within a degree all orders have the same
+//! power, and different coefficients are uncorrelated. Without it jitter is not, which the tests
+//! detect.
 
 use std::f64::consts::PI;
 
@@ -27,8 +28,8 @@ const PAIRS: [[(usize, usize); 2]; 8] = [
     [(1, 0), (2, 0)],
 ];
 
-/// Adds all comparisons of one ensemble. Quantities that are 0 in every realization but for rounding
-/// (odd degrees of antipodal sets, Im of two zonal coefficients) have nothing to compare.
+/// Adds all comparisons of one ensemble. Quantities that are 0 in every realization but for
+/// rounding (odd degrees of antipodal sets, Im of two zonal coefficients) have nothing to compare.
 fn add_to(family: &mut Family, ensemble: &Realizations<'_>, realizations: u64, label: &str) {
     const ROUNDING: f64 = 1e-12;
     let domain = ensemble.sampler().domain();
@@ -81,7 +82,7 @@ fn rotated_ensembles_are_homogeneous() {
     family.assert_null(ALPHA);
 }
 
-/// The same checker on jitter that is not rotated, N = 768: it must object.
+/// The same check on unrotated jitter, N = 768, must fail.
 #[test]
 #[should_panic(expected = "homogeneity, unrotated")]
 fn the_checker_objects_to_unrotated_jitter() {
@@ -123,8 +124,8 @@ fn unrotated_jitter_prefers_directions() {
     family.assert_null(ALPHA);
 }
 
-/// The variance of `Y_40` along the axis of unrotated jitter is not that of the formula but 1.116 times
-/// as large; that of rotated jitter is.
+/// The variance of `Y_40` along the axis of unrotated jitter is not that of the formula but 1.116
+/// times as large; that of rotated jitter is.
 #[test]
 fn unrotated_jitter_does_not_have_the_predicted_variance() {
     const TRIALS: u64 = 10_000;
@@ -145,13 +146,13 @@ fn unrotated_jitter_does_not_have_the_predicted_variance() {
     });
     family.compare(rotated.variance(), formula, rotated.variance_stderr(), || "rotated".into());
     family.assert_null(ALPHA);
-    // Power: what is wrong by 12 % is seen; the expectation is 8 standard errors.
+    // Power: a deviation of 12 % is detected; the expectation is 8 standard errors.
     let off = (unrotated.variance() - formula) / unrotated.variance_stderr();
     assert!(off > 5.0, "unrotated variance only {off:.1} standard errors above the formula");
 }
 
-/// Without rotation, coefficients of different (l, m) are correlated, and the variance of an integrand
-/// that holds both needs the cross term: dropping it is right for rotated ensembles only.
+/// Without rotation, coefficients of different (l, m) are correlated, and the variance of an
+/// integrand that holds both needs the cross term: dropping it is right for rotated ensembles only.
 #[test]
 fn unrotated_jitter_needs_the_cross_terms() {
     const TRIALS: u64 = 20_000;

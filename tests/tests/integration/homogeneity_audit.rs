@@ -1,5 +1,5 @@
-//! The audit of homogeneity: how often it objects to ensembles that are homogeneous, and that it objects
-//! to those that are not, with the size of the error.
+//! The homogeneity audit: its false-alarm rate for homogeneous ensembles, and its detection of
+//! inhomogeneous ones with the size of the error.
 
 use glam::{DMat3, DQuat, DVec3};
 use rand::Rng;
@@ -26,7 +26,7 @@ fn coefficients(
     accumulate(sets, resolution, 0..count, &empty, &()).unwrap()
 }
 
-/// The audit of a sampler as it draws.
+/// Returns the audit of a sampler as it draws.
 fn drawn(
     sampler: &dyn Sampler,
     lmax: usize,
@@ -38,10 +38,11 @@ fn drawn(
     coefficients(&sets, sampler, lmax, count).audit(settings, None, &()).unwrap()
 }
 
-/// How a rotation is drawn.
+/// A function that draws a rotation.
 type RotationLaw = fn(&mut dyn Rng) -> DMat3;
 
-/// The ensemble of a sampler, turned by rotations of any law; with `uniform_rotation` that of `Realizations::rotated`.
+/// The ensemble of a sampler, rotated with any distribution of rotations; with `uniform_rotation`
+/// that of `Realizations::rotated`.
 struct Turned<'a> {
     sampler: &'a dyn Sampler,
     streams: Streams,
@@ -67,8 +68,8 @@ impl Ensemble for Turned<'_> {
     }
 }
 
-/// The audit of a sampler whose sets are turned by such rotations.
-fn turned(
+/// Returns the audit of a sampler whose sets are turned by such rotations.
+fn audit_rotated(
     sampler: &dyn Sampler,
     lmax: usize,
     count: u64,
@@ -82,17 +83,20 @@ fn turned(
     coefficients.audit(settings, Some(&rotations), &()).unwrap()
 }
 
-/// A random direction turned to another by the shortest way, which is not uniform: its mean is I/3.
+/// Returns the shortest rotation of a random direction to another, which is not uniform: its mean
+/// is I/3.
 fn one_random_vector_to_another(rng: &mut dyn Rng) -> DMat3 {
     let (a, b) = (uniform_rotation(rng) * DVec3::Z, uniform_rotation(rng) * DVec3::Z);
     DMat3::from_quat(DQuat::from_rotation_arc(a, b))
 }
 
-/// Audits of small homogeneous ensembles, far from normal: a single point, strata, a lattice of lines.
+/// Audits of small homogeneous ensembles, far from normal: a single point, strata, a lattice of
+/// lines.
 ///
 /// p-values are uniform on multiples of 1/100, so in every family the number of those up to 0.1 is
 /// binomial; beyond 4.5 standard deviations it is with probability 7e-6, over 5 families 4e-5. The
-/// objections of whole audits are at most as many as alpha allows: 4.5 deviations again.
+/// number of rejections of whole audits is at most that expected for alpha, again within 4.5
+/// deviations.
 #[test]
 fn false_alarms_are_as_rare_as_promised() {
     const AUDITS: u64 = 100;
@@ -108,7 +112,7 @@ fn false_alarms_are_as_rare_as_promised() {
         for i in 0..AUDITS {
             let settings = AuditSettings { alpha: ALPHA, tolerance: 0.2, seed: SEED + i };
             assert_eq!(settings.replicates(), 99);
-            let audit = turned(&*sampler, 4, 30, &settings, uniform_rotation);
+            let audit = audit_rotated(&*sampler, 4, 30, &settings, uniform_rotation);
             objections += u32::from(audit.verdict == AuditVerdict::Inhomogeneous);
             assert_eq!(audit.findings.len(), AuditFamily::ALL.len());
             for (finding, small) in audit.findings.iter().zip(&mut small) {
@@ -126,7 +130,7 @@ fn false_alarms_are_as_rare_as_promised() {
 }
 
 /// Jitter of 768 cells as it is drawn: the audit objects, and its intervals hold the ratios of the
-/// quadrature, all of them with probability 0.99; turned, it does not object (0.99).
+/// quadrature, all of them with probability 0.99; for rotated sets it does not reject (0.99).
 #[test]
 fn jitter_is_homogeneous_only_when_turned() {
     const REALIZATIONS: u64 = 2000;
@@ -161,7 +165,7 @@ fn jitter_is_homogeneous_only_when_turned() {
             && 1.1156 < y40.high
     );
 
-    let audit = turned(&*sampler, LMAX, REALIZATIONS, &settings, uniform_rotation);
+    let audit = audit_rotated(&*sampler, LMAX, REALIZATIONS, &settings, uniform_rotation);
     assert_eq!(audit.verdict, AuditVerdict::Homogeneous, "{audit:#?}");
     // Critical value and margin are some 5 standard errors of sqrt(2/2000).
     assert!((0.1..0.2).contains(&audit.detectable), "{}", audit.detectable);
@@ -172,17 +176,17 @@ fn rotations_that_are_not_uniform_are_found() {
     const REALIZATIONS: u64 = 300;
     let settings = AuditSettings::new(SEED);
     let sampler = Pattern::Jittered.build(48, Domain::Sphere).unwrap();
-    let audit = turned(&*sampler, 4, REALIZATIONS, &settings, one_random_vector_to_another);
+    let audit = audit_rotated(&*sampler, 4, REALIZATIONS, &settings, one_random_vector_to_another);
     assert_eq!(audit.verdict, AuditVerdict::Inhomogeneous);
     let rotations = audit.finding(AuditFamily::Rotations).unwrap();
     assert!(rotations.rejected, "{rotations:?}");
-    // The largest entry of the mean is one of the diagonal, 1/3 on average; an entry's standard error
-    // is below 1/sqrt(3 R) = 0.033.
+    // The largest entry of the mean is one of the diagonal, 1/3 on average; an entry's standard
+    // error is below 1/sqrt(3 R) = 0.033.
     assert!((rotations.value - 1.0 / 3.0).abs() < 0.15, "{rotations:?}");
     assert!(["E R_xx", "E R_yy", "E R_zz"].contains(&&*rotations.worst), "{rotations:?}");
 }
 
-/// One set, over and over, is all bias: the mean squared error of a coefficient is its square.
+/// A single repeated set has only bias: the mean squared error of a coefficient is its square.
 #[test]
 fn a_fixed_set_is_not_an_ensemble() {
     let settings = AuditSettings::new(SEED);
@@ -202,11 +206,11 @@ fn a_fixed_set_is_not_an_ensemble() {
 fn degrees_without_power_are_left_out() {
     let settings = AuditSettings { alpha: 0.1, tolerance: 10.0, seed: SEED };
     let sampler = Pattern::Healpix.build(48, Domain::Sphere).unwrap();
-    let audit = turned(&*sampler, 5, 60, &settings, uniform_rotation);
+    let audit = audit_rotated(&*sampler, 5, 60, &settings, uniform_rotation);
     assert_eq!(audit.vanishing, [1, 3, 5]);
     assert!(audit.ratios.iter().all(|r| r.l.is_multiple_of(2)), "{:?}", audit.ratios);
     let sampler = Pattern::Jittered.build(24, Domain::Hemisphere).unwrap();
-    let audit = turned(&*sampler, 5, 60, &settings, uniform_rotation);
+    let audit = audit_rotated(&*sampler, 5, 60, &settings, uniform_rotation);
     assert!(audit.vanishing.is_empty());
     assert_eq!(audit.ratios.len(), 3 + 5);
     // A lattice with a fourfold axis: S_41 is rounding and has no phase, in a family of its own.
@@ -227,7 +231,7 @@ fn a_few_realizations_tell_nothing() {
     }
     assert!(drawn(&*sampler, 3, 1, &settings).detectable.is_infinite());
     // Any single rotation has the same size: a tie with every other.
-    let one = turned(&*sampler, 3, 1, &settings, uniform_rotation);
+    let one = audit_rotated(&*sampler, 3, 1, &settings, uniform_rotation);
     assert!(one.finding(AuditFamily::Rotations).unwrap().p_value >= 1.0, "{one:#?}");
     let empty = HomogeneityAccumulator::new(Domain::Sphere, 3).unwrap();
     assert_eq!(empty.audit(&settings, None, &()), Err(sphvar_spectrum::Error::NoRealizations));
@@ -258,8 +262,8 @@ fn settings_out_of_range_are_refused() {
     }
 }
 
-/// The order in which realizations come does not matter, and the turned sets are those of the
-/// rotated ensemble.
+/// The order of realizations does not matter, and the rotated sets are those of the rotated
+/// ensemble.
 #[test]
 fn an_audit_depends_on_the_sets_alone() {
     let settings = AuditSettings { alpha: 0.2, tolerance: 0.2, seed: SEED };

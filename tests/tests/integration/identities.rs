@@ -12,7 +12,8 @@ use sphvar_tests::{exact_jitter_spectrum, strata};
 
 const SEED: u64 = 1;
 
-/// One realization of every pattern near `asked` points, and a set with the poles and repetitions.
+/// Returns one realization of every pattern near `asked` points, and a set with the poles and
+/// repetitions.
 fn point_sets(asked: usize) -> Vec<(String, Vec<DVec3>)> {
     let mut sets: Vec<_> = Pattern::ELEMENTARY
         .into_iter()
@@ -47,7 +48,7 @@ fn some_coefficients(lmax: usize) -> Alm {
     alm
 }
 
-/// The function of these coefficients by its definition, one harmonic at a time.
+/// Evaluates the function of these coefficients by its definition, one harmonic at a time.
 fn value(alm: &Alm, dir: DVec3) -> f64 {
     let term = |(l, m): (usize, usize)| {
         let real = (alm[(l, m)] * ylm_at(l, i64::try_from(m).unwrap(), dir).unwrap()).re;
@@ -74,7 +75,7 @@ fn the_power_is_the_sum_over_pairs() {
         }
         for (l, (p, sum)) in power(&points, LMAX).iter().zip(pairs).enumerate() {
             let expected = 1.0 + sum / n;
-            // The slope of P_l magnifies the rounding of N^2/2 dot products: l^2/2 * EPSILON * N.
+            // The slope of P_l amplifies the rounding of N^2/2 dot products: l^2/2 * EPSILON * N.
             assert!((p - expected).abs() < 1e-12, "{name}, l = {l}: {p}, pairs {expected}");
         }
     }
@@ -113,11 +114,15 @@ fn rotations_keep_the_power_of_every_degree() {
     for (name, points) in point_sets(100) {
         let before = power(&points, LMAX);
         for i in 0..ROTATIONS {
-            let mut turned = points.clone();
-            rotate(uniform_rotation(&mut streams.realization(i)), Domain::Sphere, &mut turned);
-            for (l, (a, b)) in before.iter().zip(power(&turned, LMAX)).enumerate() {
+            let mut rotated_points = points.clone();
+            rotate(
+                uniform_rotation(&mut streams.realization(i)),
+                Domain::Sphere,
+                &mut rotated_points,
+            );
+            for (l, (a, b)) in before.iter().zip(power(&rotated_points, LMAX)).enumerate() {
                 // Points move by some EPSILON, S_lm by l times that for each of N points, and
-                // |S_lm|^2 = P N/(4 pi): 2 sqrt(P N) l EPSILON, with room for the transform.
+                // |S_lm|^2 = P N/(4 pi): 2 sqrt(P N) l EPSILON, with a margin for the transform.
                 let tolerance = 1e-13 * (1.0 + l as f64) * (1.0 + (a * points.len() as f64).sqrt());
                 assert!((a - b).abs() < tolerance, "{name}, rotation {i}, l = {l}: {a} and {b}");
             }
@@ -125,8 +130,8 @@ fn rotations_keep_the_power_of_every_degree() {
     }
 }
 
-/// Parseval: the coefficients of a band-limited function come back from its values by a quadrature
-/// that is exact for it, and their energies sum to the integral of its square.
+/// Parseval: the coefficients of a band-limited function are recovered from its values by an exact
+/// quadrature, and their energies sum to the integral of its square.
 #[test]
 fn a_band_limited_function_comes_back_with_its_energy() {
     const LMAX: usize = 12;
@@ -177,8 +182,8 @@ fn the_transform_is_the_adjoint_of_evaluation() {
     }
 }
 
-/// The heat kernel's sum rule: `sum_{l >= 1} (2l+1) (1 - P(l)) e^{-l(l+1) t} -> N - 1` for t well below
-/// the squared distance of neighbours; with white noise it would be 0.
+/// The heat kernel's sum rule: `sum_{l >= 1} (2l+1) (1 - P(l)) e^{-l(l+1) t} -> N - 1` for t well
+/// below the squared distance of neighbours; with white noise it would be 0.
 #[test]
 fn separated_points_obey_the_sum_rule() {
     const LMAX: usize = 320;
@@ -209,8 +214,8 @@ fn separated_points_obey_the_sum_rule() {
     }
 }
 
-/// One point in each equal-area stratum: `0 <= <P> <= 1`, and `<P> <= l(l+1)/4` times the mean squared
-/// chord of two points of a stratum.
+/// One point in each equal-area stratum: `0 <= <P> <= 1`, and `<P> <= l(l+1)/4` times the mean
+/// squared chord of two points of a stratum.
 #[test]
 fn stratified_power_stays_within_its_bounds() {
     const LMAX: usize = 80;

@@ -1,4 +1,4 @@
-//! Pixels of a picture are estimates as all others: without bias, and of the variance that spectra predict.
+//! Pixels of a picture are unbiased estimates with the variance that spectra predict.
 
 use std::f64::consts::PI;
 
@@ -36,7 +36,7 @@ fn plan(pattern: &Pattern, asked: usize, mode: DirectionMode) -> DirectionPlan {
     DirectionPlan::new(pattern.clone(), n, mode, SEED).unwrap()
 }
 
-/// With a realization for each pixel; lattices have one only, which every pixel turns.
+/// With a realization for each pixel; lattices have only one, which every pixel rotates.
 #[test]
 fn the_variance_of_a_pixel_is_the_predicted_one() {
     const LMAX: usize = 60;
@@ -59,7 +59,7 @@ fn the_variance_of_a_pixel_is_the_predicted_one() {
     family.assert_null(ALPHA);
 }
 
-/// Halves of sphere sets by their sum, lines by either estimate.
+/// Halves of sphere sets use their sum, antipodal sets either estimate.
 #[test]
 fn turned_directions_have_no_bias() {
     let mut family = Family::new("mean of pixels");

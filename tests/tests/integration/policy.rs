@@ -1,7 +1,8 @@
-//! What decides results, frozen: degrees, methods, numbers of realizations and where estimating ends.
+//! Frozen values of everything that determines results: degrees, methods, numbers of realizations
+//! and stopping points.
 //!
-//! A change of any line is a change of results and stands in the change log under Value-breaking. Nothing here knows
-//! a time.
+//! A change of any line changes results and requires an entry in the change log under
+//! Value-breaking. Nothing here depends on time.
 
 use std::fmt::Write;
 
@@ -10,8 +11,8 @@ use sphvar_samplers::{Domain, Pattern};
 use sphvar_sht::{Method, Transform};
 use sphvar_variance::{PredictionBudget, Predictor, prediction_degree};
 
-/// For every pattern at three sizes: the nominal work of a set, the degree of the spectrum for a cap, the realizations at most,
-/// those that were taken, and the transform.
+/// For every pattern at three sizes: the nominal work of a set, the degree of the spectrum for a
+/// cap, the maximum and the actual number of realizations, and the transform.
 #[test]
 fn counts_and_methods_are_frozen() {
     let cap = Cap::from_degrees(60.0).unwrap();
@@ -27,7 +28,7 @@ fn counts_and_methods_are_frozen() {
             let mut predictor =
                 Predictor::new(&cap, Domain::Sphere, 0, PredictionBudget::DEFAULT).unwrap();
             let affordable = predictor.is_affordable(&*sampler).unwrap();
-            // Large descents take seconds.
+            // Large optimizations take seconds.
             let taken = if n < 1000 && sampler.nominal_work() < 2e5 {
                 let point = predictor.predict(&*sampler, &()).unwrap();
                 point.spectrum.realizations().to_string()

@@ -1,5 +1,5 @@
-//! The laws of low degrees and the peaks of Poisson disks, of tessellations of equal capacity and of
-//! equal-area partitions, against figures that independent programs measured.
+//! The behaviour at low degrees and the peaks of Poisson disks, capacity-constrained tessellations
+//! and equal-area partitions, compared with measurements of independent programs.
 
 use std::f64::consts::PI;
 use std::ops::RangeInclusive;
@@ -27,7 +27,8 @@ fn x_squared(l: usize, n: usize) -> f64 {
     (l * (l + 1)) as f64 / n as f64
 }
 
-/// A mean over degrees with weights 2l+1, and its standard error: degrees of isotropic sets vary apart.
+/// Returns a mean over degrees with weights 2l+1, and its standard error: degrees of isotropic sets
+/// vary apart.
 fn pooled(
     spectrum: &Spectrum,
     degrees: RangeInclusive<usize>,
@@ -52,8 +53,8 @@ struct Line {
     dof: usize,
 }
 
-/// The line through `omega <= 0.5`. The relative error of P is the same but for 2l+1, which is the weight: measured
-/// errors, that grow with what is measured, would bias it.
+/// Returns the line through `omega <= 0.5`. The relative error of P is the same but for 2l+1, which
+/// is the weight: measured errors, which grow with the measured values, would bias it.
 fn fit_low_degrees(spectrum: &Spectrum) -> Line {
     let n = spectrum.n_points();
     let last = n.isqrt() / 2;
@@ -82,13 +83,14 @@ fn fit_low_degrees(spectrum: &Spectrum) -> Line {
     }
 }
 
-/// Compares a number with one that was measured before: both are uncertain.
+/// Compares a number with an earlier measurement; both are uncertain.
 fn compare(family: &mut Family, got: (f64, f64), recorded: (f64, f64), label: &str) {
     family.compare(got.0, recorded.0, got.1.hypot(recorded.1), || label.to_owned());
 }
 
-/// `P0 + c x^2` at low degrees and the mean of three degrees at omega = 2. The peak over all degrees, 1.709(6) and
-/// 1.758(6), is a little higher because the largest of noisy numbers was taken.
+/// `P0 + c x^2` at low degrees and the mean of three degrees at omega = 2. The peak over all
+/// degrees, 1.709(6) and 1.758(6), is a little higher because the largest of noisy numbers was
+/// taken.
 fn check_disks(mode: DiskMode, constant: (f64, f64), slope: (f64, f64), peak: (f64, f64)) {
     const N: usize = 4096;
     const REALIZATIONS: u64 = 300;
@@ -115,7 +117,7 @@ fn exact_poisson_disks_obey_their_laws() {
     check_disks(DiskMode::Exact, (0.0596, 0.0002), (0.038, 0.002), (1.701, 0.003));
 }
 
-/// The power that is left at degree 0 is also the variance of the number of points, 0.058 N.
+/// The limit of the power at degree 0 is also the variance of the number of points, 0.058 N.
 #[test]
 fn saturated_poisson_disks_obey_their_laws() {
     check_disks(DiskMode::Saturated, (0.0578, 0.0002), (0.034, 0.002), (1.751, 0.004));
@@ -154,8 +156,9 @@ fn tessellations_of_white_mass_keep_its_noise() {
     family.assert_null(ALPHA);
 }
 
-/// Mass points on a lattice leave the quartic law of sites at the means of their cells. The coefficients are known to
-/// 1.5 and 4 %; starts from halves of halves, not from sites at random, add a part of up to 2 % at degree 6.
+/// Mass points on a lattice give the quartic spectrum of sites at the means of their cells. The
+/// coefficients are known to 1.5 and 4 %; starts from recursive bisection instead of random sites
+/// add up to 2 % at degree 6.
 #[test]
 fn tessellations_of_lattice_mass_are_quartic() {
     const N: usize = 1024;
@@ -174,8 +177,8 @@ fn tessellations_of_lattice_mass_are_quartic() {
     assert!((ratio - 1.0).abs() < limit, "P/law = {ratio} +- {error}, limit {limit}");
 }
 
-/// `P(1)` of one point in each region: `1 - (1/N) sum_k |E_k x|^2`, with the mean direction of a zonal rectangle
-/// in closed form.
+/// `P(1)` of one point in each region: `1 - (1/N) sum_k |E_k x|^2`, with the mean direction of a
+/// zonal rectangle in closed form.
 fn power_at_degree_1(n: usize) -> f64 {
     let regions = EqualArea::new(n, Domain::Sphere, Placement::Jittered).unwrap();
     // int sqrt(1 - z^2) dz.
@@ -190,8 +193,9 @@ fn power_at_degree_1(n: usize) -> f64 {
     1.0 - squares.sum::<f64>() / n as f64
 }
 
-/// Strata of equal area have less power than white noise at every degree, and `c l(l+1)/N` at low ones, with
-/// c = 1.0476 at degree 1 for 1024 zonal rectangles, nearly squares (pi/3 = 1.0472; HEALPix 1.119).
+/// Strata of equal area have less power than white noise at every degree, and `c l(l+1)/N` at low
+/// ones, with c = 1.0476 at degree 1 for 1024 zonal rectangles, nearly squares (pi/3 = 1.0472;
+/// HEALPix 1.119).
 #[test]
 fn equal_area_strata_obey_their_law_of_low_degrees() {
     const N: usize = 1024;
@@ -204,10 +208,10 @@ fn equal_area_strata_obey_their_law_of_low_degrees() {
     family.assert_null(ALPHA);
     let (c, error) = pooled(&got, 1..=4, |l| x_squared(l, N));
     assert!((1.0..=1.3).contains(&exact) && (1.0..=1.3).contains(&c), "c = {c}, {exact}");
-    // The next order takes off less than x^2/2, 1 % at degree 4.
+    // The next order reduces this by less than x^2/2, 1 % at degree 4.
     let limit = sidak_z(ALPHA, 1) * error + 0.01;
     assert!((c - exact).abs() < limit, "c = {c} +- {error}, at degree 1 {exact}");
-    // The mean is below 1 exactly; estimates may lie above by what chance allows.
+    // The mean is below 1 exactly; estimates may exceed it by chance.
     let limit = sidak_z(2.0 * ALPHA, 128);
     for (l, p, e) in got.rows().skip(1) {
         assert!(p < 1.0 + limit * e, "l = {l}: P = {p} +- {e}");

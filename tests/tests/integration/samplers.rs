@@ -1,4 +1,4 @@
-//! One checker of the `Sampler` contract, run on every pattern and both domains.
+//! A test of the `Sampler` contract for every pattern and both domains.
 
 use std::sync::LazyLock;
 
@@ -12,16 +12,16 @@ use sphvar_samplers::{
 
 const SEED: u64 = 2;
 const DOMAINS: [Domain; 2] = [Domain::Sphere, Domain::Hemisphere];
-/// Every number of points up to this one is asked for of patterns that cost little.
-const MOST_ASKED: usize = 200;
-/// The numbers that are asked for of patterns that are moved about until they please.
+/// Inexpensive patterns are tested with every number of points up to this one.
+const MAX_REQUESTED: usize = 200;
+/// The numbers of points with which optimized patterns are tested.
 const FEW_ASKED: [usize; 8] = [0, 1, 2, 3, 5, 12, 48, 100];
 /// Realizations per number of points.
 const REALIZATIONS: u64 = 3;
-/// The norm of a result is good to a few roundings; `length` itself takes three.
+/// The norm of a result is accurate to a few roundings; `length` itself takes three.
 const NORM_TOLERANCE: f64 = 1e-15;
 static ONE_THREAD: LazyLock<ThreadPool> = LazyLock::new(|| pool(1));
-/// More threads than there are realizations, so that their order is anyone's guess.
+/// More threads than realizations, so that their order is unpredictable.
 static SEVERAL_THREADS: LazyLock<ThreadPool> = LazyLock::new(|| pool(4));
 
 fn pool(threads: usize) -> ThreadPool {
@@ -45,13 +45,13 @@ fn is_expensive(pattern: &Pattern) -> bool {
     )
 }
 
-/// Whether `n` points are too few for what the pattern promises of its spectrum: the angle of two points
-/// cannot give two degrees the powers of a profile. One point has the power 1 that it asks for.
+/// Returns whether `n` points are too few for the prescribed spectrum: the angle of two points
+/// cannot give two degrees the powers of a profile. One point has the requested power 1.
 fn is_infeasible(pattern: &Pattern, n: usize) -> bool {
     n == 2 && matches!(pattern, Pattern::Profile { .. })
 }
 
-/// Whether every realization has the number of points that was asked for.
+/// Returns whether every realization has the requested number of points.
 fn has_exact_count(pattern: &Pattern) -> bool {
     !matches!(
         pattern,
@@ -59,54 +59,52 @@ fn has_exact_count(pattern: &Pattern) -> bool {
     )
 }
 
-/// The whole contract, for every legal number of points up to [`MOST_ASKED`] or for a few.
+/// Checks the whole contract, for every valid number of points up to [`MAX_REQUESTED`] or for a
+/// few.
 fn check(pattern: &Pattern, domain: Domain) {
     let all: Vec<usize> =
-        if is_expensive(pattern) { FEW_ASKED.into() } else { (0..=MOST_ASKED).collect() };
-    let legal: Vec<usize> =
+        if is_expensive(pattern) { FEW_ASKED.into() } else { (0..=MAX_REQUESTED).collect() };
+    let valid: Vec<usize> =
         all.iter().copied().filter(|&n| pattern.build(n, domain).is_ok()).collect();
-    assert!(!legal.is_empty(), "{pattern} {domain:?} has no number of points up to {MOST_ASKED}");
+    assert!(
+        !valid.is_empty(),
+        "{pattern} {domain:?} has no number of points up to {MAX_REQUESTED}"
+    );
     for asked in all {
         match pattern.build(asked, domain) {
             Ok(sampler) => check_sampler(pattern, domain, asked, &*sampler),
-            Err(refusal) => check_refusal(pattern, domain, asked, &legal, &refusal),
+            Err(error) => check_error(pattern, domain, asked, &valid, &error),
         }
     }
 }
 
-/// A refusal names the legal number that is nearest.
-fn check_refusal(
-    pattern: &Pattern,
-    domain: Domain,
-    asked: usize,
-    legal: &[usize],
-    refusal: &Error,
-) {
+/// The error names the nearest valid number.
+fn check_error(pattern: &Pattern, domain: Domain, asked: usize, valid: &[usize], error: &Error) {
     if asked == 0 {
-        assert_eq!(*refusal, Error::NoPoints { pattern: pattern.to_string() });
+        assert_eq!(*error, Error::NoPoints { pattern: pattern.to_string() });
         return;
     }
-    let Error::InvalidCount { nearest, asked: named, .. } = *refusal else {
-        panic!("{pattern} {domain:?} N = {asked}: {refusal}");
+    let Error::InvalidCount { nearest, asked: named, .. } = *error else {
+        panic!("{pattern} {domain:?} N = {asked}: {error}");
     };
     assert_eq!(named, asked, "{pattern} {domain:?}");
     assert_eq!(pattern.nearest_count(asked, domain), nearest, "{pattern} {domain:?} N = {asked}");
-    assert!(pattern.build(nearest, domain).is_ok(), "{pattern} {domain:?} N = {nearest} refused");
-    let best = legal.iter().map(|n| n.abs_diff(asked)).min();
+    assert!(pattern.build(nearest, domain).is_ok(), "{pattern} {domain:?} N = {nearest} rejected");
+    let best = valid.iter().map(|n| n.abs_diff(asked)).min();
     assert!(
         Some(nearest.abs_diff(asked)) <= best,
         "{pattern} {domain:?}: {nearest} is not the nearest to {asked}"
     );
-    let message = refusal.to_string();
+    let message = error.to_string();
     for part in [asked.to_string(), nearest.to_string(), pattern.name().to_owned()] {
         assert!(message.contains(&part), "{part} is missing in: {message}");
     }
 }
 
-/// A realization by its bits, or why there is none.
+/// A realization by its bits, or the error.
 type Outcome = Result<Vec<[u64; 3]>, Error>;
 
-/// Realizations 0, 1, ... on the threads of `pool`, each into a buffer that `fill` made.
+/// Realizations 0, 1, ... on the threads of `pool`, each into a buffer created by `fill`.
 fn outcomes(
     ensemble: &Realizations<'_>,
     pool: &ThreadPool,
@@ -130,7 +128,7 @@ fn check_sampler(pattern: &Pattern, domain: Domain, n: usize, sampler: &dyn Samp
             Realizations::unrotated(sampler, streams(n))
         };
         let first = outcomes(&ensemble, &ONE_THREAD, Vec::new);
-        // What is in the buffer, and how long it is, does not matter; nor do threads or repetition.
+        // Neither the content and length of the buffer nor threads or repetition matter.
         let again = outcomes(&ensemble, &SEVERAL_THREADS, || vec![DVec3::NAN; 3 * n + 1]);
         for (i, (outcome, again)) in first.iter().zip(&again).enumerate() {
             assert_eq!(outcome, again, "{name}: realization {i} changed");

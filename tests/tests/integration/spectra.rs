@@ -1,4 +1,4 @@
-//! Spectra of the patterns against spectra that independent programs recorded.
+//! Spectra of the patterns compared with spectra from independent programs.
 
 use std::f64::consts::PI;
 
@@ -14,7 +14,7 @@ const SEED: u64 = 0;
 /// The probability that a family of comparisons fails by chance (nominal).
 const ALPHA: f64 = 1e-4;
 const REALIZATIONS: u64 = 300;
-/// The window for chi-square per degree of freedom that a comparison of two right spectra should keep.
+/// The window for chi-square per degree of freedom of a comparison of two correct spectra.
 const CHI2_WINDOW: (f64, f64) = (0.8, 1.2);
 
 fn spectrum(pattern: &Pattern, n: usize, lmax: usize, realizations: u64) -> Spectrum {
@@ -33,9 +33,9 @@ fn compare(got: &Spectrum, expected: &[f64], name: &'static str) -> (f64, Family
     (chi2 / family.scores().len() as f64, family)
 }
 
-/// False alarms, were the seed not fixed: 5.0 % of seeds for the 190 degrees and 11 % for the 126, since
-/// chi-square per degree of freedom spreads by sqrt(2/dof); the window is two of these at 190 degrees. ALPHA for
-/// the largest deviation.
+/// False alarms, were the seed not fixed: 5.0 % of seeds for the 190 degrees and 11 % for the 126,
+/// since chi-square per degree of freedom spreads by sqrt(2/dof); the window is two of these at 190
+/// degrees. ALPHA for the largest deviation.
 #[test]
 fn jitter_has_its_recorded_spectrum() {
     for (n, lmax, name, false_alarm) in
@@ -53,8 +53,9 @@ fn jitter_has_its_recorded_spectrum() {
     }
 }
 
-/// The standard error is right too: sd of one realization's P(l) is sqrt(2/(2l+1)) P(l) for an isotropic
-/// ensemble of many independent points. False alarm: ALPHA and what the 5 % allowance leaves.
+/// The standard error is correct too: sd of one realization's P(l) is sqrt(2/(2l+1)) P(l) for an
+/// isotropic ensemble of many independent points. False alarm: ALPHA and what the 5 % allowance
+/// leaves.
 #[test]
 fn the_spread_of_white_noise_is_that_of_its_orders() {
     const N: usize = 256;
@@ -91,7 +92,8 @@ fn healpix_has_its_recorded_spectrum() {
             digits_agree(l, power, reference.power()[l]);
         }
     }
-    // The large-N constants N P(l) -> 0.309, 0.906, 0.460, 0.208; at N = 972 they are up to 2.3 % off.
+    // The large-N constants N P(l) -> 0.309, 0.906, 0.460, 0.208; at N = 972 they are up to 2.3 %
+    // off.
     for (l, constant) in [(2, 0.309), (4, 0.906), (6, 0.460), (8, 0.208)] {
         let scaled = 972.0 * got.power()[l];
         assert!((scaled / constant - 1.0).abs() < 0.025, "l = {l}: N P = {scaled}");
@@ -122,8 +124,8 @@ fn digits_agree(l: usize, power: f64, recorded: f64) {
     );
 }
 
-/// Jitter at low degrees: `<P(l)> = c_N l(l+1)/N (1 + O(l^2/N))`, with constants from 1.0117 for 12 points to the
-/// limit 1.118598.
+/// Jitter at low degrees: `<P(l)> = c_N l(l+1)/N (1 + O(l^2/N))`, with constants from 1.0117 for 12
+/// points to the limit 1.118598.
 #[test]
 fn jitter_obeys_its_law_of_low_degrees() {
     let limit = 4.0 / 3.0 * 1.2_f64.ln() + 2.0 / 9.0 * 5.0_f64.ln() + 17.0 * PI * PI / 324.0;
@@ -144,18 +146,20 @@ fn jitter_obeys_its_law_of_low_degrees() {
         let correction = (l * l) as f64 / n;
         assert!((c - 1.1179).abs() < 3e-4 + correction, "l = {l}: c = {c}");
     }
-    // Cells of another shape than their neighbours, at the poles, at |z| = 2/3 and on the edges of the faces, are
-    // some 1/nside of all: c_N = limit + a/nside + ..., extrapolated twice.
+    // Cells of another shape than their neighbours, at the poles, at |z| = 2/3 and on the edges of
+    // the faces, are some 1/nside of all: c_N = limit + a/nside + ..., extrapolated twice.
     let [coarse, middle, fine] = [32_u32, 64, 128]
         .map(|nside| exact_jitter_spectrum(nside, 1)[1] * 6.0 * f64::from(nside * nside));
     let (first, second) = (2.0 * middle - coarse, 2.0 * fine - middle);
     let extrapolated = second + (second - first) / 3.0;
-    // The second order has a logarithm, from the sum over rings: ln(128)/128^2 = 3e-4, of which 2 % are left.
+    // The second order has a logarithm, from the sum over rings: ln(128)/128^2 = 3e-4, of which 2 %
+    // are left.
     assert!((extrapolated - limit).abs() < 1e-5, "{extrapolated}, limit {limit}");
 }
 
-/// Exact spectra against sampled ones. False alarms, were the seeds not fixed: at most ALPHA for the largest
-/// deviation, 2 ALPHA for chi-square (ALPHA, and as much for its stderrs being estimates) of each case.
+/// Exact spectra against sampled ones. False alarms, were the seeds not fixed: at most ALPHA for
+/// the largest deviation, 2 ALPHA for chi-square (ALPHA, and as much for its stderrs being
+/// estimates) of each case.
 #[test]
 fn exact_spectra_are_what_sampling_finds() {
     const MANY: u64 = 1500;
@@ -178,7 +182,7 @@ fn exact_spectra_are_what_sampling_finds() {
     }
 }
 
-/// A pattern that is not random has the power of any of its realizations.
+/// A deterministic pattern has the power of any of its realizations.
 #[test]
 fn exact_spectra_of_fixed_patterns_are_those_of_a_rotated_set() {
     for (pattern, domain) in
@@ -199,8 +203,8 @@ fn exact_spectra_of_fixed_patterns_are_those_of_a_rotated_set() {
     }
 }
 
-/// The power of lattices does not converge to 1: peaks persist. (Their mean, weighted by 2l+1, does: the
-/// sum rule of `identities.rs`.)
+/// The power of lattices does not converge to 1: peaks persist. (Their mean, weighted by 2l+1,
+/// does: the sum rule of `identities.rs`.)
 #[test]
 fn lattices_have_peaks() {
     for (pattern, n, lmax, height, omega) in

@@ -1,5 +1,5 @@
-//! Patterns whose spectrum is set: what they promise holds in every realization, by the exact transform
-//! and by pairs, not by the fast ones that made them.
+//! Patterns with a prescribed spectrum: their guarantees hold in every realization, checked by the
+//! exact transform and by pairs, not by the fast transforms that generate them.
 
 use std::f64::consts::PI;
 
@@ -20,11 +20,11 @@ const SEED: u64 = 23;
 const ALPHA: f64 = 1e-4;
 const N: usize = 256;
 const REALIZATIONS: u64 = 4;
-/// What counts as no power.
+/// The threshold of zero power.
 const VANISHED: f64 = 1e-18;
-/// How near the power is to a target other than 0.
+/// Tolerance of the power for a nonzero target.
 const NEAR: f64 = 1e-6;
-/// The largest part of a core's chord that two points may overlap by.
+/// The maximum overlap of two points relative to the minimum chord.
 const OVERLAP: f64 = 1e-9;
 
 const STEP: Pattern =
@@ -38,7 +38,7 @@ fn realizations(pattern: &Pattern, domain: Domain) -> Vec<Vec<DVec3>> {
     (0..REALIZATIONS).map(|i| ensemble.realize(i).unwrap().points).collect()
 }
 
-/// The density of points on the sphere: those of the hemisphere stand for twice as many.
+/// Returns the density of points on the sphere: those of the hemisphere count twice.
 fn density(domain: Domain) -> usize {
     match domain {
         Domain::Sphere => N,
@@ -52,8 +52,9 @@ fn power(points: &[DVec3], lmax: usize) -> Vec<f64> {
     alm.power_per_degree().into_iter().map(|p| 4.0 * PI / points.len() as f64 * p).collect()
 }
 
-/// The least distance of two points, of lines on the hemisphere, in units of a hexagonal lattice's.
-fn least_distance(points: &[DVec3], domain: Domain) -> f64 {
+/// Returns the minimum distance of two points, antipodal on the hemisphere, in units of the spacing
+/// of a hexagonal lattice.
+fn min_distance(points: &[DVec3], domain: Domain) -> f64 {
     let pairs =
         points.iter().enumerate().flat_map(|(k, p)| points[..k].iter().map(move |q| (p, q)));
     let chord = |(p, q): (&DVec3, &DVec3)| match domain {
@@ -64,13 +65,13 @@ fn least_distance(points: &[DVec3], domain: Domain) -> f64 {
     pairs.map(chord).fold(2.0, f64::min) / hexagonal
 }
 
-/// The last degree `l <= sqrt(N)`.
+/// Returns the last degree `l <= sqrt(N)`.
 fn last_empty(domain: Domain) -> usize {
     density(domain).isqrt()
 }
 
-/// No power up to the last degree (5e-21 was found), and points apart; above, to `2 sqrt N`, what
-/// `beyond` says if anything.
+/// Checks for zero power up to the last degree (5e-21 was measured), the minimum distance and,
+/// beyond it up to `2 sqrt N`, the power `beyond` if given.
 fn check_step(pattern: &Pattern, domain: Domain, core: f64, beyond: Option<f64>) {
     let empty = last_empty(domain);
     let lmax = (4 * density(domain)).isqrt();
@@ -85,12 +86,12 @@ fn check_step(pattern: &Pattern, domain: Domain, core: f64, beyond: Option<f64>)
                 assert!((p - target).abs() <= NEAR, "{name}: P({l}) = {p}, not {target}");
             }
         }
-        let distance = least_distance(points, domain);
+        let distance = min_distance(points, domain);
         assert!(distance >= core * (1.0 - OVERLAP), "{name}: points {distance} apart, not {core}");
     }
-    // The test can fail: white noise has all that a step has not.
+    // The test can fail: white noise violates both properties.
     let white = &realizations(&Pattern::WhiteNoise, domain)[0];
-    assert!(power(white, empty)[2] > VANISHED && least_distance(white, domain) < core);
+    assert!(power(white, empty)[2] > VANISHED && min_distance(white, domain) < core);
 }
 
 #[test]
@@ -108,8 +109,8 @@ fn blue_steps_are_empty_and_far_apart_in_every_realization() {
     check_step(&BLUE, Domain::Sphere, SpectralControl::BLUE_CORE, None);
 }
 
-/// Numbers of points at and between squares, and an alpha above 1: no power at any `1 <= l <= alpha sqrt(N)`, and the sampler
-/// states that degree.
+/// Numbers of points at and between squares, and an alpha above 1: no power at any
+/// `1 <= l <= alpha sqrt(N)`, and the sampler states that degree.
 #[test]
 fn steps_keep_their_promise_at_every_degree() {
     let cases = [100, 150, 500, 777, 2114, 4096].map(|n| (1.0, n));
@@ -133,8 +134,8 @@ fn steps_keep_their_promise_at_every_degree() {
     );
 }
 
-/// Profiles are met at every degree of every single realization: to 9e-7, just below the 1e-6 at which
-/// descents stop.
+/// Profiles are met at every degree of every single realization: to 9e-7, just below the 1e-6 at
+/// which descents stop.
 #[test]
 fn profiles_are_met_in_every_realization() {
     let constant =
@@ -154,8 +155,8 @@ fn profiles_are_met_in_every_realization() {
     }
 }
 
-/// What cannot be is refused, with the reason: before, if there is too little freedom, or after trying, if
-/// the pair correlation would be negative.
+/// Impossible spectra are errors with the reason: at construction, if there are too few degrees of
+/// freedom, or after an attempt, if the pair correlation would be negative.
 #[test]
 fn impossible_spectra_are_refused_with_the_reason() {
     let empty =
@@ -163,7 +164,7 @@ fn impossible_spectra_are_refused_with_the_reason() {
     let too_empty = Pattern::Profile(ProfileParameters { profile: empty, core: 0.0 });
     let Err(Error::Infeasible { reason, .. }) = too_empty.build(N, Domain::Sphere).map(|_| ())
     else {
-        panic!("{too_empty} was not refused");
+        panic!("{too_empty} was not rejected");
     };
     assert!(reason.contains("1088") && reason.contains("509 degrees of freedom"), "{reason}");
     let steep = Pattern::Step(StepParameters {
@@ -171,7 +172,7 @@ fn impossible_spectra_are_refused_with_the_reason() {
         flat: Some(2.0),
         core: SpectralControl::STEP_CORE,
     });
-    // Fewer points, for the time that it takes to find out.
+    // Fewer points, because the attempt takes time.
     let sampler = steep.build(64, Domain::Sphere).unwrap();
     let ensemble = Realizations::rotated(&*sampler, Streams::new(SEED, Purpose::Pattern, 64));
     let Err(Error::Infeasible { pattern, n_points, reason }) = ensemble.realize(0) else {
@@ -193,9 +194,9 @@ fn steps_integrate_low_harmonics_exactly() {
     assert!(measured.mean().abs() <= 1e-10, "mean {:e}", measured.mean());
 }
 
-/// An integrand with a jump, too, has less variance under a step than under jitter: at most 0.6 of it,
-/// predicted from the mean spectrum (0.5321(2) was found); what is measured agrees with the prediction, in the
-/// interval that chi-square leaves with probability ALPHA.
+/// An integrand with a jump, too, has less variance under a step than under jitter: at most 0.6 of
+/// it, predicted from the mean spectrum (0.5321(2) was measured); the measurement agrees with the
+/// prediction within the chi-square interval for ALPHA.
 #[test]
 fn steps_have_less_variance_than_jitter_for_a_cap() {
     const NSIDE: u32 = 18;

@@ -1,5 +1,6 @@
-//! Errata of the thesis that no other test covers: each test takes the formula as printed and as corrected,
-//! and tells them apart by numbers. `docs/theory.md` lists all errata with their tests.
+//! Errata of the thesis that no other test covers: each test takes the formula as printed and as
+//! corrected, and distinguishes them numerically. `docs/theory.md` lists all errata with their
+//! tests.
 
 use std::f64::consts::PI;
 
@@ -39,8 +40,8 @@ fn the_factor_2_makes_complex_harmonics_of_norm_2() {
     }
 }
 
-/// Rows 2, 33, 34: of the cap's coefficients, sqrt(pi)(P_{l-1} - P_{l+1})/sqrt(2l+1) belongs to orthonormal
-/// harmonics and sums to the area; (7.2) sums to 4 pi = 12.566 times as much.
+/// Rows 2, 33, 34: of the cap's coefficients, sqrt(pi)(P_{l-1} - P_{l+1})/sqrt(2l+1) belongs to
+/// orthonormal harmonics and sums to the area; (7.2) sums to 4 pi = 12.566 times as much.
 #[test]
 fn the_power_of_the_cap_as_printed_is_4_pi_too_large() {
     const LMAX: usize = 20_000;
@@ -72,13 +73,14 @@ fn the_power_of_the_cap_as_printed_is_4_pi_too_large() {
     }
 }
 
-/// Row 6: where f(x) != f(-x) on the equator the even extension jumps and its energy falls as l^-2; the mean of
-/// l^2 E(l) is the integral of the squared jump over pi. Without a jump it falls faster.
+/// Row 6: where f(x) != f(-x) on the equator the even extension jumps and its energy falls as l^-2;
+/// the mean of l^2 E(l) is the integral of the squared jump over pi. Without a jump it falls
+/// faster.
 #[test]
 fn an_even_extension_that_jumps_has_the_energy_of_a_jump() {
     const LMAX: usize = 2000;
-    // f = x on z >= 0: F = x sign(z), jump 2 cos(phi), its square integrates to 4 pi on the equator. Only
-    // m = +-1, and only even l: F_l1 = 2 pi int_0^1 lambda_l1 sin(theta) dz.
+    // f = x on z >= 0: F = x sign(z), jump 2 cos(phi), its square integrates to 4 pi on the
+    // equator. Only m = +-1, and only even l: F_l1 = 2 pi int_0^1 lambda_l1 sin(theta) dz.
     let plan = LegendrePlan::new(LMAX).unwrap();
     let rule = GaussLegendre::new(2 * LMAX).unwrap();
     let mut column = vec![0.0; LMAX];
@@ -112,8 +114,8 @@ fn profiles_break_at_alpha() {
     }
 }
 
-/// Rows 20 and 21: with P(0) = N the sum from l = 0 is Var + I^2, the second moment; mu^2/N in place of mu/N is
-/// 4 pi too large. White noise, where P(l) = 1.
+/// Rows 20 and 21: with P(0) = N the sum from l = 0 is Var + I^2, the second moment; mu^2/N in
+/// place of mu/N is 4 pi too large. White noise, where P(l) = 1.
 #[test]
 fn the_sum_from_degree_0_is_the_second_moment() {
     const N: usize = 50;
@@ -160,8 +162,8 @@ fn cubic_power_is_twice_the_square_law_and_more() {
     }
 }
 
-/// Row 26: the profile scales with the square root of N on the sphere, whatever b. The printed b-th root agrees
-/// for b = 2 only.
+/// Row 26: the profile scales with the square root of N on the sphere, whatever b. The printed b-th
+/// root agrees for b = 2 only.
 #[test]
 fn profiles_scale_with_the_square_root_of_n() {
     let (alpha, gamma, l, n) = (1.5_f64, 0.8, 7_usize, 400_usize);
@@ -191,8 +193,8 @@ fn the_break_is_counted_once() {
     assert!(printed / got > 1.04, "{printed} as printed, {got}");
 }
 
-/// Row 35: (C.20) with 16/sin in place of 64 pi/sin still bounds the cap's energies, with a largest ratio of 0.700
-/// for 60 degrees; the mean of l^2 E(l) is 2 sin(angle), the perimeter over pi.
+/// Row 35: (C.20) with 16/sin in place of 64 pi/sin still bounds the cap's energies, with a largest
+/// ratio of 0.700 for 60 degrees; the mean of l^2 E(l) is 2 sin(angle), the perimeter over pi.
 #[test]
 fn the_bound_of_the_cap_holds_with_16() {
     const LMAX: usize = 20_000;
@@ -218,7 +220,8 @@ fn the_bound_of_the_cap_holds_with_16() {
     }
 }
 
-/// Rows 36 and 37: `F_00^2 = pi (1 - cos)^2`, far below (C.25); (C.26) at l = 0 is negative, so it bounds nothing.
+/// Rows 36 and 37: `F_00^2 = pi (1 - cos)^2`, far below (C.25); (C.26) at l = 0 is negative, so it
+/// bounds nothing.
 #[test]
 fn the_bound_of_the_cap_fails_at_degree_0() {
     for degrees in CAP_ANGLES {
@@ -244,7 +247,7 @@ fn the_bound_of_the_cap_fails_at_degree_0() {
     }
 }
 
-/// Row 41: alpha is no parameter of a constant profile.
+/// Row 41: alpha is not a parameter of a constant profile.
 #[test]
 fn alpha_does_nothing_to_a_constant_profile() {
     let a = Profile::new(ProfileShape::Constant, 2.75_f64.sqrt(), 1.8).unwrap();
@@ -254,8 +257,9 @@ fn alpha_does_nothing_to_a_constant_profile() {
     }
 }
 
-/// Row 42: with a random number of points the weights are 1 over the realization's own number, and the variance is
-/// the mean of the formula over realizations; the mean number of points gives another.
+/// Row 42: with a random number of points the weights are 1 over the realization's own number, and
+/// the variance is the mean of the formula over realizations; the mean number of points gives
+/// another.
 #[test]
 fn a_random_number_of_points_needs_its_own_weights() {
     const TRIALS: u64 = 20_000;
@@ -282,8 +286,8 @@ fn a_random_number_of_points_needs_its_own_weights() {
     assert!(off > 20.0, "the mean N is only {off} standard errors off");
 }
 
-/// Row 31: (7.1) belongs to an F of norm sqrt(4 pi) and to one degree: with unit norm `P_F(4) = 1/9` and the variance is
-/// `(4 pi/N) P_S(4)`.
+/// Row 31: (7.1) belongs to an F of norm sqrt(4 pi) and to one degree: with unit norm
+/// `P_F(4) = 1/9` and the variance is `(4 pi/N) P_S(4)`.
 #[test]
 fn a_harmonic_has_power_in_its_own_degree() {
     for (l, m) in [(4_usize, 0_i64), (4, 3), (7, -7)] {
@@ -308,8 +312,9 @@ fn slope(variance: impl Fn(usize) -> f64, from: usize, to: usize) -> f64 {
     (variance(to) / variance(from)).ln() / (to as f64 / from as f64).ln()
 }
 
-/// The author's program weighs with `P_F/(2l+1)` where the formula has `(2l+1) P_F`: rates for the cap come out as -2.5,
-/// -2 and -1.5 instead of -1.5, -1.5 and -1.5 (with a logarithm for the linear profile).
+/// The author's program weighs with `P_F/(2l+1)` where the formula has `(2l+1) P_F`: rates for the
+/// cap become -2.5, -2 and -1.5 instead of -1.5, -1.5 and -1.5 (with a logarithm for the linear
+/// profile).
 #[test]
 fn wrong_weights_fake_faster_rates() {
     const FROM: usize = 1000;
@@ -334,7 +339,8 @@ fn wrong_weights_fake_faster_rates() {
     }
 }
 
-/// A sum cut at l = 255 fakes faster rates once alpha sqrt(N) comes near: the tail must be accounted for.
+/// A sum cut at l = 255 fakes faster rates once alpha sqrt(N) comes near: the tail must be
+/// accounted for.
 #[test]
 fn a_cut_sum_fakes_faster_rates() {
     let (energies, tail) = cap_energies(255);
@@ -347,15 +353,16 @@ fn a_cut_sum_fakes_faster_rates() {
     let cut = slope(|n| upper(n, &energies, 0.0), from, to);
     assert!((full + 1.5).abs() < 0.01, "all degrees: slope {full}");
     assert!(cut < -1.6, "degrees below 256 only: slope {cut}");
-    // With the energy of the tail counted, the cut sum bounds the full one (equal while P is 1 there).
+    // With the energy of the tail counted, the cut sum bounds the full one (equal while P is 1
+    // there).
     for n in [2_000, 100_000] {
         let (bound, value) = (upper(n, &energies, tail), upper(n, &all, rest));
         assert!(bound >= value * (1.0 - 1e-10), "N = {n}: {bound} below {value}");
     }
 }
 
-/// The measured variance of a closure without known energy is that of its values: `sqrt(4 pi) Y_40`, the F of row 31,
-/// has 4 pi times the variance of `Y_40`.
+/// The measured variance of a closure without known energy is that of its values:
+/// `sqrt(4 pi) Y_40`, the F of row 31, has 4 pi times the variance of `Y_40`.
 #[test]
 fn the_harmonic_of_norm_4_pi_has_4_pi_times_the_variance() {
     const N: usize = 48;

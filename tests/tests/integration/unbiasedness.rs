@@ -16,12 +16,12 @@ const SEED: u64 = 3;
 const LMAX: usize = 8;
 const REALIZATIONS: u64 = 4000;
 const SIZE: (usize, u64) = (LMAX, REALIZATIONS);
-/// Of the patterns that cost more.
+/// The same for expensive patterns.
 const LMAX_OF_ALL: usize = 4;
 const POINTS_OF_ALL: usize = 48;
 const REALIZATIONS_OF_ALL: u64 = 100;
-/// The probability that a family fails although nothing is biased (nominal: means of 4000 bounded
-/// numbers are normal but for some per cent in the far tail).
+/// The false-alarm probability of a family (nominal: means of 4000 bounded numbers are normal up to
+/// some per cent in the far tail).
 const ALPHA: f64 = 1e-4;
 /// Coefficients that are 0 for every realization are 0 to this times N.
 const ROUNDING: f64 = 1e-12;
@@ -47,8 +47,8 @@ impl Accumulator for CoefficientMoments {
     }
 }
 
-/// The mean of `Y_lm` over the domain: 0 on the sphere for l >= 1. On the hemisphere odd zonal ones
-/// are left, `int_0^1 P_l dz = (P_{l-1}(0) - P_{l+1}(0))/(2l+1)`.
+/// Returns the mean of `Y_lm` over the domain: 0 on the sphere for l >= 1. On the hemisphere odd
+/// zonal ones are left, `int_0^1 P_l dz = (P_{l-1}(0) - P_{l+1}(0))/(2l+1)`.
 fn mean_of_harmonic(domain: Domain, l: usize, m: usize) -> f64 {
     if domain == Domain::Sphere || m > 0 {
         return 0.0;
@@ -57,8 +57,8 @@ fn mean_of_harmonic(domain: Domain, l: usize, m: usize) -> f64 {
     ((2 * l + 1) as f64 / (4.0 * PI)).sqrt() * (p(l - 1) - p(l + 1)) / (2 * l + 1) as f64
 }
 
-/// The normal deviate as improbable as Student's t of so many numbers: with few of them the estimated
-/// standard error is itself uncertain.
+/// Returns the normal deviate with the same probability as Student's t for `count` numbers, because
+/// the standard error estimated from few numbers is itself uncertain.
 fn normal_score(t: f64, count: u64) -> f64 {
     let tail = StudentsT::new(0.0, 1.0, count as f64 - 1.0).unwrap().cdf(-t.abs());
     -Normal::standard().inverse_cdf(tail) * t.signum()
@@ -105,7 +105,7 @@ fn add_to(
     }
 }
 
-/// After a uniform rotation, on the smallest sets that exist and on larger ones.
+/// After a uniform rotation, on the smallest valid sets and on larger ones.
 #[test]
 fn every_rotated_pattern_is_unbiased() {
     let mut family = Family::new("mean of S_lm, rotated");
@@ -123,8 +123,8 @@ fn every_rotated_pattern_is_unbiased() {
     family.assert_null(ALPHA);
 }
 
-/// The same of every pattern there is, with parameters as they come. Steps have no power at these degrees,
-/// so that what is compared for them is rounding.
+/// The same for every pattern with default parameters. Steps have no power at these degrees, so
+/// their comparison tests rounding.
 #[test]
 fn every_rotated_pattern_of_all_is_unbiased() {
     let mut family = Family::new("mean of S_lm, rotated, every pattern");
@@ -143,15 +143,14 @@ fn every_rotated_pattern_of_all_is_unbiased() {
     family.assert_null(ALPHA);
 }
 
-/// Independent and stratified points are unbiased as they are: equal areas see to that, no rotation
-/// is needed.
+/// Independent and stratified points are unbiased without rotation, because of equal areas.
 #[test]
 fn random_patterns_are_unbiased_without_rotation() {
     let mut family = Family::new("mean of S_lm, unrotated");
     for pattern in [Pattern::WhiteNoise, Pattern::Jittered] {
         for domain in [Domain::Sphere, Domain::Hemisphere] {
-            // One line of each antipodal pair of cells is turned up, so the upper representative is
-            // uniform on the hemisphere as well.
+            // The upper representative of each antipodal pair of cells is used, so it is uniform on
+            // the hemisphere as well.
             let n = pattern.nearest_count(48, domain);
             let sampler = pattern.build(n, domain).unwrap();
             assert!(sampler.is_random(), "{pattern}");

@@ -40,7 +40,7 @@ fn lmax_of(pattern: &Pattern, n: usize) -> usize {
     }
 }
 
-/// The variance of jitter from the exact spectrum, no sampling at all.
+/// Returns the variance of jitter from the exact spectrum, no sampling at all.
 fn exact_jitter_variance(nside: u32, energy: &Energy) -> f64 {
     let n = 12 * (nside * nside) as usize;
     let power = exact_jitter_spectrum(nside, energy.lmax());
@@ -48,8 +48,8 @@ fn exact_jitter_variance(nside: u32, energy: &Energy) -> f64 {
     Domain::Sphere.variance_factor(n) * (known + energy.beyond(energy.lmax()))
 }
 
-/// Recorded to four digits by an independent program; the rates are N^-2 for a band-limited integrand and
-/// N^-3/2 for one with a jump, with the coefficient 41.2 for the cap of 60 degrees.
+/// Recorded to four digits by an independent program; the rates are N^-2 for a band-limited
+/// integrand and N^-3/2 for one with a jump, with the coefficient 41.2 for the cap of 60 degrees.
 #[test]
 fn jitter_has_its_recorded_variances_and_rates() {
     let mut exact = Vec::new();
@@ -78,9 +78,9 @@ fn jitter_has_its_recorded_variances_and_rates() {
     assert!((coefficient / 41.2 - 1.0).abs() < 2e-3, "cap: Var N^1.5 = {coefficient}");
 }
 
-/// The predictions of the library from sampled spectra: within 2 % for `Y_40` and the cap. The relative error
-/// of P(4) from R realizations is sqrt(2/(9 R)) = 0.6 %, so 2 % is passed by chance in 4e-4 of seeds for
-/// each N; the cap's is smaller.
+/// The predictions of the library from sampled spectra: within 2 % for `Y_40` and the cap. The
+/// relative error of P(4) from R realizations is sqrt(2/(9 R)) = 0.6 %, so 2 % is passed by chance
+/// in 4e-4 of seeds for each N; the cap's is smaller.
 #[test]
 fn predictions_of_jitter_are_within_2_percent() {
     for (nside, harmonic, cap) in
@@ -106,8 +106,8 @@ fn predictions_of_jitter_are_within_2_percent() {
     }
 }
 
-/// White noise: `(4 pi int F^2 - (int F)^2)/N` for any integrand, `4 pi/N` for a harmonic of unit norm.
-/// The energies alone say so, as every P(l) is 1.
+/// White noise: `(4 pi int F^2 - (int F)^2)/N` for any integrand, `4 pi/N` for a harmonic of unit
+/// norm. This follows from the energies alone, because every P(l) is 1.
 #[test]
 fn white_noise_has_the_textbook_variance() {
     let integrands: [(&str, &dyn Integrand); 5] = [
@@ -132,8 +132,8 @@ fn white_noise_has_the_textbook_variance() {
     assert!((formula / unit - 1.0).abs() < 1e-14 && (unit - 6.545e-2).abs() < 1e-5, "{formula}");
 }
 
-/// The fixed patterns: recorded to three or four digits. The cap of HEALPix and Fibonacci sets needs degrees
-/// far beyond 4 sqrt N, as their peaks persist.
+/// The fixed patterns: recorded to three or four digits. The cap of HEALPix and Fibonacci sets
+/// needs degrees far beyond 4 sqrt N, as their peaks persist.
 #[test]
 fn fixed_patterns_have_their_recorded_variances() {
     for (pattern, n, harmonic, cap) in [
@@ -153,12 +153,13 @@ fn fixed_patterns_have_their_recorded_variances() {
     }
 }
 
-/// Measured against predicted: z-scores of independent cells, ratios, bias, and their law.
+/// Measured against predicted: z-scores of independent cells, ratios, bias, and their distribution.
 ///
-/// Every pattern that makes a set of 1000 points in less than 1 ms, 4 integrands, 3 to 6 numbers of points; every
-/// cell has trials of its own, and the integrands of a pattern share a spectrum, whose error is small beside that
-/// of the trials. False alarms: ALPHA for the largest |z| and for the largest bias each, `ALPHA_KS` for
-/// the law. The study of all patterns is `examples/closed_loop.rs`.
+/// Every pattern that makes a set of 1000 points in less than 1 ms, 4 integrands, 3 to 6 numbers of
+/// points; every cell has independent trials, and the integrands of a pattern share a spectrum,
+/// whose error is small beside that of the trials. False alarms: ALPHA for the largest |z| and for
+/// the largest bias each, `ALPHA_KS` for the distribution. The study of all patterns is
+/// `examples/closed_loop.rs`.
 #[test]
 fn measured_variances_are_the_predicted_ones() {
     const ASKED: [usize; 6] = [12, 48, 108, 192, 432, 768];
@@ -174,8 +175,8 @@ fn measured_variances_are_the_predicted_ones() {
     let mut variance = Family::new("measured/predicted variance");
     let mut bias = Family::new("mean of the estimates");
     let mut cell = 0;
-    let cheap = Pattern::ALL.into_iter().filter(|p| p.nominal_work(1000) < 17_000.0);
-    for pattern in cheap {
+    let inexpensive = Pattern::ALL.into_iter().filter(|p| p.nominal_work(1000) < 17_000.0);
+    for pattern in inexpensive {
         // The other patterns have fewer cells.
         let counts = if Pattern::ELEMENTARY.contains(&pattern) { &ASKED[..] } else { &ASKED[1..4] };
         for &asked in counts {
@@ -188,7 +189,8 @@ fn measured_variances_are_the_predicted_ones() {
             } else {
                 8 * n.isqrt()
             };
-            // A spectrum for all integrands of the cell; its error is small beside that of the trials.
+            // A spectrum for all integrands of the cell; its error is small beside that of the
+            // trials.
             let sets = Realizations::rotated(&*sampler, Streams::new(SEED, Purpose::Pattern, n));
             let got = estimate(&sets, lmax.max(30), SETS, &()).unwrap();
             for (name, integrand) in integrands {
@@ -201,11 +203,12 @@ fn measured_variances_are_the_predicted_ones() {
                 let label = || format!("{name}, {pattern}, N = {n}");
                 let exact = integrand.exact(Domain::Sphere).unwrap();
                 if predicted.variance < 1e-25 {
-                    // Fixed patterns can be exact for a harmonic: nothing is left but rounding.
+                    // Fixed patterns can be exact for a harmonic up to rounding.
                     assert!(measured.variance() < 1e-25, "{}: {measured:?}", label());
                     continue;
                 }
-                // The error that the measurement has if the prediction is right: see `Comparison::z_score`.
+                // The error that the measurement has if the prediction is right: see
+                // `Comparison::z_score`.
                 let stderr = (predicted.variance * measured.relative_stderr())
                     .hypot(predicted.total_stderr());
                 variance.compare(measured.variance(), predicted.variance, stderr, label);
@@ -230,8 +233,8 @@ fn measured_variances_are_the_predicted_ones() {
     assert!(sidak_z(ALPHA, variance.scores().len()) > 4.0, "too few comparisons");
 }
 
-/// The reference table of `Y_40` and the cap: measured variances at 192, 768 and 3072 points agree with the
-/// recorded predictions. False alarm: ALPHA for the family.
+/// The reference table of `Y_40` and the cap: measured variances at 192, 768 and 3072 points agree
+/// with the recorded predictions. False alarm: ALPHA for the family.
 #[test]
 fn measured_variances_are_the_recorded_ones() {
     const TRIALS: u64 = 2000;
@@ -264,8 +267,8 @@ fn measured_variances_are_the_recorded_ones() {
     family.assert_null(ALPHA);
 }
 
-/// A map of few texels has kinks whose energy reaches far beyond its resolution; the prediction must
-/// not stop there. Four z-scores against ALPHA.
+/// A map of few texels has kinks whose energy reaches far beyond its resolution; the prediction
+/// must not stop there. Four z-scores against ALPHA.
 #[test]
 fn coarse_maps_are_predicted_too() {
     let texels = vec![0.0, 1.0, 5.0, 2.0, 0.5, 0.0, 3.0, 1.0];
