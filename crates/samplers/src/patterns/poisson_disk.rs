@@ -123,7 +123,7 @@ impl PoissonDisk {
         let greatest = greatest_chord(n_points, domain);
         if mode == DiskMode::Exact && disks.chord() > greatest {
             return Err(disks.infeasible(format!(
-                "so many points are at largest_count {greatest:.6} apart, a radius of {:.4}; {radius} asks \
+                "so many points are at most {greatest:.6} apart, a radius of {:.4}; {radius} asks \
                  for {:.6}, and random points reach {:.4}",
                 greatest * disks.root_of_density(),
                 disks.chord(),
@@ -210,21 +210,21 @@ impl PoissonDisk {
         tick: Tick<'_>,
     ) -> Result<(), Error> {
         let expected = self.saturated_count().min(self.n_points as f64);
-        let mut largest_count = 0;
+        let mut placed = 0;
         for _ in 0..self.attempts() {
             points.clear();
             let run = SequentialAddition::new(self.domain, self.chord(), expected, rng);
             if run.run(self.n_points, points, tick)? == End::Full {
                 return Ok(());
             }
-            largest_count = largest_count.max(points.len());
+            placed = placed.max(points.len());
         }
         points.clear();
         // The largest set had this radius in units of its own number of points; a slightly smaller
         // radius allows for chance.
-        let possible = 0.98 * self.radius * (largest_count as f64 / self.n_points as f64).sqrt();
+        let possible = 0.98 * self.radius * (placed as f64 / self.n_points as f64).sqrt();
         Err(self.infeasible(format!(
-            "in {} attempts disks of radius {} left room for {largest_count} points at largest_count; a radius of \
+            "in {} attempts disks of radius {} left room for {placed} points at most; a radius of \
              {:.3} is possible",
             self.attempts(),
             self.radius,
