@@ -56,7 +56,7 @@ proptest! {
     }
 
     #[test]
-    fn the_irradiance_of_a_cap_above_the_horizon_follows_from_its_height(a in 1.0..60.0_f64, share in 0.0..1.0_f64) {
+    fn a_cap_above_the_horizon_lights_by_its_height(a in 1.0..60.0_f64, share in 0.0..1.0_f64) {
         let tilt = share * (FRAC_PI_2 - a.to_radians());
         let product = Product::new(tilted(a, tilt), ClampedCosine);
         let exact = PI * a.to_radians().sin().powi(2) * tilt.cos();
