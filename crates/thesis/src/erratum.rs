@@ -1,4 +1,4 @@
-/// An error, inconsistency or ambiguity of the thesis, as listed in `docs/theory.md`.
+/// An error, inconsistency or ambiguity of the thesis, with its number in the list of errata.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Erratum {
     /// Its number in the list.
