@@ -61,8 +61,8 @@ fn ratio_power(x: f64, reference: f64, exponent: f64) -> f64 {
 
 /// Returns the integral of `(x / reference)^-s` from `a` to `b`, given the integrand at both ends.
 ///
-/// Near `s = 1` the difference of the two powers would cancel, so there it is written with `exp(t)
-/// - 1`.
+/// Near `s = 1` the difference of the two powers would cancel, so there it is written with
+/// `exp(t) - 1`.
 fn integral(a: f64, b: f64, s: f64, at_a: f64, at_b: f64) -> f64 {
     let log_ratio = ((b - a) / a).ln_1p();
     let t = (1.0 - s) * log_ratio;

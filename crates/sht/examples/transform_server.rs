@@ -112,7 +112,7 @@ impl Server {
                 return Ok(Some(seconds));
             }
             ["write", path] => {
-                write(path, self.result.as_ref().ok_or("no coefficients computed")?)?
+                write(path, self.result.as_ref().ok_or("no coefficients computed")?)?;
             }
             _ => return Err("unknown command or wrong number of arguments".into()),
         }

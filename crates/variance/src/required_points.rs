@@ -505,24 +505,25 @@ mod tests {
     /// White noise has the relative variance (4 pi/A - 1)/N for a cap of area A: 3/N for 60 degrees, 1/N for 90.
     #[test]
     fn an_error_that_is_met_exactly_needs_no_point_more() {
-        for (degrees, share) in [(60.0, 3.0), (90.0, 1.0)] {
+        for (degrees, share) in [(60.0, 3), (90.0, 1)] {
             let cap = Cap::from_degrees(degrees).unwrap();
             let mut predictor =
                 Predictor::new(&cap, Domain::Sphere, 0, PredictionBudget::DEFAULT).unwrap();
             let integral = 2.0 * std::f64::consts::PI * (1.0 - degrees.to_radians().cos());
             for root in [1, 2, 3, 5, 7, 10, 13, 20, 25, 31, 50, 73] {
                 // With share root^2 points the relative error is 1/root.
-                let n_points = share as usize * root * root;
+                let n_points = share * root * root;
                 let variance = (integral / root as f64).powi(2);
                 for off in [1.0 - 1e-15, 1.0, 1.0 + 1e-15] {
                     let mut curve = PredictedCurve::new(Pattern::WhiteNoise);
                     let got =
                         required_points(&mut predictor, &mut curve, off * variance, 100_000, &());
                     assert_eq!(got.unwrap().n_points(), Some(n_points), "{degrees} {root} {off}");
-                    assert_eq!(predictor.white_points(off * variance), n_points as f64);
+                    let white = predictor.white_points(off * variance) - n_points as f64;
+                    assert!(white.abs() < 0.5, "{degrees} {root} {off}: {white}");
                 }
                 let more = predictor.white_points((1.0 - 1e-6 / n_points as f64) * variance);
-                assert_eq!(more, n_points as f64 + 1.0);
+                assert!((more - n_points as f64 - 1.0).abs() < 0.5, "{degrees} {root}: {more}");
             }
         }
     }
