@@ -51,8 +51,8 @@ pub(crate) fn remove_all_and_exit(status: i32) -> ! {
     std::process::exit(status)
 }
 
-/// Creates a folder with its parents. Until [`keep_folders`], an interrupt removes those that did
-/// not exist before and are empty.
+/// Creates a folder with its parents. Until [`remove_empty_folders`], an interrupt removes those
+/// that did not exist before and are empty.
 pub(super) fn create_folders(folder: &Path) -> io::Result<()> {
     let mut live = lock(&LIVE);
     let missing = |path: &&Path| !path.as_os_str().is_empty() && !path.exists();

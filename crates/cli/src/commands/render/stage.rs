@@ -120,7 +120,7 @@ enum RequestedIntegral {
 impl StageArgs {
     /// Reads the files and checks the numbers.
     ///
-    /// Says what is remarkable of the files, unless `quiet`.
+    /// Prints remarks on the files, unless `quiet`.
     pub(super) fn stage(&self, default_size: usize, quiet: bool) -> Result<Stage, CliError> {
         let wrong = |error: sphvar_scene::Error| CliError::usage(error);
         let up = self.up.map_or(DVec3::Y, |up| DVec3::from_array(up.0));

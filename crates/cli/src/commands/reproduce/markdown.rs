@@ -51,7 +51,7 @@ pub(super) fn markdown(
     text
 }
 
-/// Appends the contradicted claims, and the other errata with rows, each once.
+/// Appends the contradicted claims and the other errata that rows refer to, each once.
 fn errata(text: &mut String, summary: &Summary<'_>) {
     let (wrong, other): (Vec<_>, Vec<_>) =
         summary.errata().into_iter().partition(ErratumRows::is_wrong);
