@@ -93,7 +93,7 @@ fn nothing_unfinished_is_left() {
     let mut whole = BTreeMap::new();
     let mut ended = 0;
     for i in 0..count {
-        // 5 and 12 are coprime, so every command is combined with every signal.
+        // 5 and 12 are coprime, so every command is selected.
         let command = COMMANDS[5 * i % COMMANDS.len()];
         let (files, time) = whole.entry(command).or_insert_with(|| {
             let place = prepared();
