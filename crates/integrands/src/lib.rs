@@ -4,10 +4,11 @@
 //! ```
 //! use sphvar_integrands::{Cap, Domain, Integrand};
 //!
-//! // The indicator of the cap of 60 degrees around the north pole. let cap =
-//! Cap::from_degrees(60.0)?; assert!((cap.exact(Domain::Sphere).unwrap() -
-//! std::f64::consts::PI).abs() < 1e-15); let energy = cap.energy(Domain::Sphere, 100)?; // Energies
-//! of functions with jumps fall as l^-2; the total beyond degree 100 is known.
+//! // The indicator of the cap of 60 degrees around the north pole.
+//! let cap = Cap::from_degrees(60.0)?;
+//! assert!((cap.exact(Domain::Sphere).unwrap() - std::f64::consts::PI).abs() < 1e-15);
+//! let energy = cap.energy(Domain::Sphere, 100)?;
+//! // Energies of functions with jumps fall as l^-2; the total beyond degree 100 is known.
 //! assert!(energy.beyond(100) < 0.01 * energy.total());
 //! # Ok::<(), sphvar_integrands::Error>(())
 //! ```

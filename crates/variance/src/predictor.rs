@@ -1,3 +1,5 @@
+mod white_noise;
+
 use std::cell::OnceCell;
 use std::collections::BTreeMap;
 
@@ -14,9 +16,8 @@ use crate::{
 };
 use sphvar_integrands::{Energy, Integrand};
 
-/// The relative rounding error of predicted and requested variances, generously: where both are equal by their
-/// formulas, either may be computed as the larger one.
-pub(crate) const ROUNDING: f64 = 1e-12;
+pub(crate) use self::white_noise::ROUNDING;
+
 /// The initial number of realizations of an estimate, if the budget allows it.
 const FIRST: u64 = 8;
 /// The effective number of degrees, divided by sqrt(N), from which a pattern's mean power is known.
@@ -129,22 +130,6 @@ impl<'a> Predictor<'a> {
     #[must_use]
     pub fn energy(&self) -> &Energy {
         self.energies.last_key_value().map_or(&self.outline, |(_, energy)| energy)
-    }
-
-    /// Returns the exact variance with white noise of `n_points`: `k sum_{l >= 1} E(l)`.
-    #[must_use]
-    pub fn white_variance(&self, n_points: usize) -> f64 {
-        self.domain.variance_factor(n_points) * self.outline.beyond(0)
-    }
-
-    /// Returns the number of points with which white noise has the requested variance or less, in closed
-    /// form; infinite or NaN where no finite number has.
-    ///
-    /// As in [`required_points`](crate::required_points), a variance that exceeds the requested one by rounding
-    /// suffices.
-    #[must_use]
-    pub fn white_points(&self, variance: f64) -> f64 {
-        (self.white_variance(1) / (variance * (1.0 + ROUNDING))).ceil().max(1.0)
     }
 
     /// Returns the variance that rounding of a prediction alone can produce. The integrand's mean

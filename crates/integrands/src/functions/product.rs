@@ -17,11 +17,12 @@ use crate::{Error, Integrand, Shape, quadrature};
 /// use sphvar_integrands::{Cap, ClampedCosine, Domain, Integrand, Product, Rotated};
 ///
 /// // A cap of 30 degrees about an axis 40 degrees from the surface normal, as seen by the surface:
-/// while // it lies above the horizon its irradiance is pi sin^2(30) cos(40). let light =
-/// Rotated::new(Cap::from_degrees(30.0)?, DQuat::from_rotation_x(40f64.to_radians()))?; let product
-/// = Product::new(light, ClampedCosine); let exact = 0.25 * std::f64::consts::PI *
-/// 40f64.to_radians().cos(); assert!((product.exact(Domain::Sphere).unwrap() / exact - 1.0).abs() <
-/// 1e-13);
+/// // while it lies above the horizon its irradiance is pi sin^2(30) cos(40).
+/// let tilt = DQuat::from_rotation_x(40f64.to_radians());
+/// let light = Rotated::new(Cap::from_degrees(30.0)?, tilt)?;
+/// let product = Product::new(light, ClampedCosine);
+/// let exact = 0.25 * std::f64::consts::PI * 40f64.to_radians().cos();
+/// assert!((product.exact(Domain::Sphere).unwrap() / exact - 1.0).abs() < 1e-13);
 /// # Ok::<(), sphvar_integrands::Error>(())
 /// ```
 #[derive(Clone, Debug)]

@@ -17,7 +17,8 @@ pub struct Stopped;
 /// use std::sync::atomic::{AtomicBool, Ordering};
 /// use sphvar_samplers::{Domain, Pattern, Progress, Purpose, Realizations, Stopped, Streams};
 ///
-/// /// Stops the work when a flag is set, for example by Ctrl-C. struct UntilRaised(AtomicBool);
+/// /// Stops the work when a flag is set, for example by Ctrl-C.
+/// struct UntilRaised(AtomicBool);
 ///
 /// impl Progress for UntilRaised {
 ///     fn tick(&self, _work: f64) -> Result<(), Stopped> {

@@ -33,10 +33,12 @@ pub use target::SpectralTarget;
 /// On the hemisphere the spectrum is that of the points and their antipodes: even degrees only.
 ///
 /// ```
-/// use sphvar_samplers::{Domain, Purpose, Sampler, SpectralControl, Streams}; let step =
-/// SpectralControl::step(100, Domain::Sphere, None, None)?; assert_eq!(step.last_empty_degree(),
-/// 10); let set = step.sample(&mut Streams::new(0, Purpose::Pattern, 100).realization(0))?; // No
-/// power at degree 1: the points sum to zero. let sum: glam::DVec3 = set.points.iter().sum();
+/// use sphvar_samplers::{Domain, Purpose, Sampler, SpectralControl, Streams};
+/// let step = SpectralControl::step(100, Domain::Sphere, None, None)?;
+/// assert_eq!(step.last_empty_degree(), 10);
+/// let set = step.sample(&mut Streams::new(0, Purpose::Pattern, 100).realization(0))?;
+/// // No power at degree 1: the points sum to zero.
+/// let sum: glam::DVec3 = set.points.iter().sum();
 /// assert!(sum.length() < 1e-8);
 /// # Ok::<(), sphvar_samplers::Error>(())
 /// ```

@@ -50,12 +50,15 @@ use crate::{CostOrder, Domain, Error, PatternFacts, PointSet, Progress, Rate, Sa
 /// capacity 64 and 200 at 256. Memory: 56 bytes per mass point, and some hundred per site.
 ///
 /// ```
-/// use sphvar_samplers::{Ccvt, Domain, MassPoints, Purpose, Sampler, Streams}; let ccvt =
-/// Ccvt::new(100, Domain::Sphere, 64, MassPoints::Fibonacci)?; let mut rng = Streams::new(0,
-/// Purpose::Pattern, 100).realization(0); let tessellation = ccvt.tessellate(&mut rng)?;
-/// assert!(tessellation.is_settled()); assert!((tessellation.energy() - 2.19).abs() < 0.1); //
-/// Sites are evenly distributed: their sum is far shorter than sqrt N. let sum: glam::DVec3 =
-/// ccvt.sample(&mut rng)?.points.iter().sum(); assert!(sum.length() < 0.1);
+/// use sphvar_samplers::{Ccvt, Domain, MassPoints, Purpose, Sampler, Streams};
+/// let ccvt = Ccvt::new(100, Domain::Sphere, 64, MassPoints::Fibonacci)?;
+/// let mut rng = Streams::new(0, Purpose::Pattern, 100).realization(0);
+/// let tessellation = ccvt.tessellate(&mut rng)?;
+/// assert!(tessellation.is_settled());
+/// assert!((tessellation.energy() - 2.19).abs() < 0.1);
+/// // Sites are evenly distributed: their sum is far shorter than sqrt N.
+/// let sum: glam::DVec3 = ccvt.sample(&mut rng)?.points.iter().sum();
+/// assert!(sum.length() < 0.1);
 /// # Ok::<(), sphvar_samplers::Error>(())
 /// ```
 #[derive(Clone, Copy, Debug)]
