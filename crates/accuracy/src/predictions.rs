@@ -35,7 +35,7 @@ pub(crate) fn trials(effort: Effort) -> Vec<Trial> {
     let mut trials = Vec::new();
     for degrees in [1.0, 60.0, 179.0] {
         let case = format!("cap of {degrees} degrees, lmax = {lmax}");
-        let subject = Box::new(CapEnergies::new(cap(degrees), lmax));
+        let subject = Box::new(CapEnergies::new(cap(degrees), degrees, lmax));
         trials.push(Trial {
             unit: "degrees",
             count: lmax as f64 + 1.0,

@@ -7,11 +7,13 @@ fn number(n: usize) -> DoubleDouble {
 }
 
 /// Returns the energies `E(l) = pi (P_{l-1}(c) - P_{l+1}(c))^2/(2l+1)`, l = 0 ..= lmax, of the cap
-/// of `angle`, taken as an exact number; `P_{-1}` is 1.
+/// of `degrees`; `P_{-1}` is 1. The f64 of the angle in radians from the nearer pole is taken as an
+/// exact number, since an angle near pi would lose the digits of its difference from pi.
 ///
-/// Valid for angles of 1 degree or more; below that the difference cancels.
-pub(super) fn of_cap(angle: f64, lmax: usize) -> Vec<DoubleDouble> {
-    let (_, cos) = DoubleDouble::from(angle).sin_cos();
+/// Valid for angles of 1 to 179 degrees; beyond, the difference cancels.
+pub(super) fn of_cap(degrees: f64, lmax: usize) -> Vec<DoubleDouble> {
+    let (_, cos) = DoubleDouble::from(degrees.min(180.0 - degrees).to_radians()).sin_cos();
+    let cos = if degrees > 90.0 { -cos } else { cos };
     let values: Vec<_> =
         std::iter::once(DoubleDouble::ONE).chain(legendre(cos).take(lmax + 2)).collect();
     let energy = |l: usize| {
@@ -134,11 +136,11 @@ mod tests {
     /// Two independent formulas where both are valid, and the hemisphere by hand.
     #[test]
     fn caps_by_both_formulas() {
-        let (a, b) = (of_cap(0.5, 20), of_small_cap(0.5, 20));
+        let (a, b) = (of_cap(30.0, 20), of_small_cap(30f64.to_radians(), 20));
         for (l, (a, b)) in a.into_iter().zip(b).enumerate() {
             assert!(((a - b) / b).value().abs() < 1e-23, "l = {l}");
         }
-        let half = of_cap(std::f64::consts::FRAC_PI_2, 3);
+        let half = of_cap(90.0, 3);
         for (energy, expected) in half.into_iter().zip([1.0, 0.75, 0.0, 7.0 / 64.0]) {
             let got = (energy / DoubleDouble::pi()).value();
             assert!((got - expected).abs() < 1e-15, "{got}, not {expected}");

@@ -19,13 +19,14 @@ const COUNT: u64 = 2;
 #[derive(Debug)]
 pub(super) struct CapEnergies {
     cap: Cap,
+    degrees: f64,
     lmax: usize,
     energy: Option<Energy>,
 }
 
 impl CapEnergies {
-    pub(super) fn new(cap: Cap, lmax: usize) -> Self {
-        Self { cap, lmax, energy: None }
+    pub(super) fn new(cap: Cap, degrees: f64, lmax: usize) -> Self {
+        Self { cap, degrees, lmax, energy: None }
     }
 }
 
@@ -35,7 +36,7 @@ impl Subject for CapEnergies {
     }
 
     fn errors(&mut self) -> Errors {
-        let exact = energies::of_cap(self.cap.angle(), self.lmax);
+        let exact = energies::of_cap(self.degrees, self.lmax);
         self.energy.as_ref().map_or_else(Errors::default, |energy| {
             errors_of(energy, &exact, |l| exact[l].value().max(exact[l.max(1) - 1].value()))
         })
