@@ -14,7 +14,9 @@ pub use self::tessellation::Tessellation;
 
 use self::relaxation::{Outcome, Relaxation};
 use crate::definition::Definition;
-use crate::{CostOrder, Domain, Error, PatternFacts, PointSet, Progress, Rate, Sampler};
+use crate::{
+    CostOrder, Domain, Error, PatternFacts, PointSet, Progress, Rate, Sampler, ValidCounts,
+};
 
 /// The sites of capacity-constrained Voronoi tessellations (Balzer, Schloemer and Deussen 2009)
 /// with geodesic distances.
@@ -224,6 +226,10 @@ impl Definition for CcvtParameters {
             is_extensible: false,
             source: "Balzer, Schloemer and Deussen 2009",
         }
+    }
+
+    fn valid_counts(&self, domain: Domain) -> ValidCounts {
+        self.mass.valid_counts(self.capacity, domain)
     }
 
     fn build(&self, n_points: usize, domain: Domain) -> Result<Box<dyn Sampler>, Error> {

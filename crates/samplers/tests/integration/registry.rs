@@ -222,6 +222,23 @@ fn ranges_match_the_constructors() {
     assert_eq!(rejected, 21);
 }
 
+/// HEALPix has 12 nside^2 pixels and 6 nside^2 antipodal pairs: the counts by definition.
+#[test]
+fn valid_counts_of_healpix_mass_are_those_with_whole_pixels() {
+    for capacity in [1, 2, 3, 5, 7, 12, 16, 18, 27, 50, 64, 97, 100, 144] {
+        let pattern: Pattern = format!("ccvt:mass=healpix,capacity={capacity}").parse().unwrap();
+        for (domain, unit) in [(Domain::Sphere, 12), (Domain::Hemisphere, 6)] {
+            let counts = pattern.valid_counts(domain);
+            for n in 1..1500 {
+                let pixels = capacity * n;
+                let is_whole = (1..).map(|k| unit * k * k).find(|&p| p >= pixels) == Some(pixels);
+                assert_eq!(counts.contains(n), is_whole, "{capacity} {domain} {n}");
+                assert!(!is_whole || n > 200 || pattern.build(n, domain).is_ok(), "{pattern} {n}");
+            }
+        }
+    }
+}
+
 #[test]
 fn invalid_counts_are_rejected() {
     for pattern in Pattern::ALL {

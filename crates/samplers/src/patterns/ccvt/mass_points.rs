@@ -3,7 +3,7 @@ use sphvar_grammar::Choice;
 use sphvar_healpix::Nside;
 
 use crate::{
-    Domain, Error, Fibonacci, HealpixRegular, PointSet, Sampler, WhiteNoise, rotate,
+    Domain, Error, Fibonacci, HealpixRegular, PointSet, Sampler, ValidCounts, WhiteNoise, rotate,
     uniform_rotation,
 };
 
@@ -66,6 +66,45 @@ impl MassPoints {
         rotate(uniform_rotation(rng), domain, &mut mass.points);
         Ok(())
     }
+
+    /// Returns the numbers of sites that have `capacity` mass points each.
+    ///
+    /// HEALPix has 12 nside^2 pixels: the capacity divides that if nside is a multiple of the smallest nside
+    /// for which it does, so the valid numbers are multiples of squares.
+    pub(super) fn valid_counts(self, capacity: usize, domain: Domain) -> ValidCounts {
+        let unit = match domain {
+            Domain::Sphere => 12,
+            Domain::Hemisphere => 6,
+        };
+        if self != Self::Healpix || capacity == 0 {
+            return ValidCounts::Any;
+        }
+        let root = smallest_root(capacity / gcd(capacity, unit));
+        let pixels = unit as u128 * root as u128 * root as u128;
+        usize::try_from(pixels / capacity as u128)
+            .map_or(ValidCounts::Any, |unit| ValidCounts::Squares { unit, root: "k" })
+    }
+}
+
+fn gcd(a: usize, b: usize) -> usize {
+    if b == 0 { a } else { gcd(b, a % b) }
+}
+
+/// Returns the smallest number whose square `n` divides.
+fn smallest_root(mut n: usize) -> usize {
+    let (mut root, mut prime) = (1, 2);
+    while prime <= n / prime {
+        let mut is_squared = false;
+        while n.is_multiple_of(prime) {
+            n /= prime;
+            is_squared = !is_squared;
+            if is_squared {
+                root *= prime;
+            }
+        }
+        prime += 1;
+    }
+    root * n
 }
 
 /// Returns the resolution at which HEALPix has `count` pixels, or antipodal pairs of pixels.
