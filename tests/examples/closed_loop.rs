@@ -55,8 +55,8 @@ fn main() -> Outcome<()> {
     writeln!(out, "|---|--:|---|--:|--:|--:|--:|--:|")?;
     for (domain, integrands) in [(Domain::Sphere, sphere), (Domain::Hemisphere, hemisphere)] {
         for pattern in Pattern::ALL {
-            for asked in COUNTS {
-                match study(&pattern, asked, domain, integrands, seconds)? {
+            for requested in COUNTS {
+                match study(&pattern, requested, domain, integrands, seconds)? {
                     Ok(found) => {
                         for cell in found {
                             write_row(&mut out, &cell)?;
@@ -64,7 +64,7 @@ fn main() -> Outcome<()> {
                         }
                     }
                     Err(reason) => {
-                        writeln!(out, "| {pattern} | {asked} | {domain}: skipped, {reason} |")?;
+                        writeln!(out, "| {pattern} | {requested} | {domain}: skipped, {reason} |")?;
                     }
                 }
                 out.flush()?;
@@ -84,12 +84,12 @@ fn main() -> Outcome<()> {
 /// skipping them.
 fn study(
     pattern: &Pattern,
-    asked: usize,
+    requested: usize,
     domain: Domain,
     integrands: [(&'static str, &dyn Integrand); 2],
     seconds: f64,
 ) -> Outcome<Result<Vec<Cell>, String>> {
-    let n = pattern.nearest_count(asked, domain);
+    let n = pattern.nearest_count(requested, domain);
     let set = SECONDS_PER_WORK * pattern.nominal_work(n);
     let trials = count(seconds / (set + 80e-9 * n as f64), 20_000).max(MIN_TRIALS);
     let sampler = pattern.build(n, domain)?;

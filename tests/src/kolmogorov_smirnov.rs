@@ -52,7 +52,7 @@ mod tests {
 
     /// The 5 % and 1 % points of the limit distribution are 1.3581 and 1.6276.
     #[test]
-    fn p_values_of_the_limit_law() {
+    fn p_values_of_the_limit_distribution() {
         for (x, p) in [(1.3581, 0.05), (1.6276, 0.01), (0.8276, 0.5)] {
             let n = 1_000_000;
             let got = ks_p_value(n, x / 1000.0);

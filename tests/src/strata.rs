@@ -127,7 +127,7 @@ mod tests {
     }
 
     #[test]
-    fn the_weights_are_those_of_a_law() {
+    fn the_weights_are_those_of_a_distribution() {
         let cells = strata(3, 7);
         let total: f64 = cells.iter().map(|c| c.multiplicity).sum();
         assert!((total - 108.0).abs() < 1e-12, "{total}");

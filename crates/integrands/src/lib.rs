@@ -19,7 +19,6 @@
 //! replace quadrature where they are available.
 
 mod coefficients;
-mod cut_integrand;
 mod definition;
 mod energy;
 mod error;
@@ -29,9 +28,9 @@ mod integrand;
 mod quadrature;
 mod shape;
 mod term;
+mod visible_half_integrand;
 
 pub use coefficients::Coefficients;
-pub use cut_integrand::{CutEstimator, CutIntegrand};
 pub use definition::{IntegrandResolver, NoFiles};
 pub use energy::Energy;
 pub use error::Error;
@@ -41,6 +40,7 @@ pub use integrand::Integrand;
 pub use shape::{Circle, Shape};
 pub use sphvar_grammar as grammar;
 pub use sphvar_sh::Domain;
+pub use visible_half_integrand::{VisibleHalfEstimator, VisibleHalfIntegrand};
 
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]

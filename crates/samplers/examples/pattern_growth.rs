@@ -67,8 +67,8 @@ fn print_growth(
     let start = Instant::now();
     let mut rows: Vec<Row> = Vec::new();
     let mut rungs = ladder.iter().copied().peekable();
-    while let Some(asked) = rungs.next() {
-        let n_points = pattern.nearest_count(asked, Domain::Sphere);
+    while let Some(requested) = rungs.next() {
+        let n_points = pattern.nearest_count(requested, Domain::Sphere);
         let (seconds, sets) = time(pattern, n_points)?;
         rows.push(Row { n_points, seconds });
         let next = rungs.peek().map(|&next| seconds_at(&rows, next));

@@ -12,7 +12,7 @@ pub enum Error {
     },
     /// The pattern does not exist with this number of points.
     #[error(
-        "{pattern} has no pattern of {asked} points on the {domain}: N must be {rule}; the nearest valid count is {nearest}"
+        "{pattern} has no pattern of {requested} points on the {domain}: N must be {rule}; the nearest valid count is {nearest}"
     )]
     InvalidCount {
         /// The requested pattern.
@@ -20,19 +20,19 @@ pub enum Error {
         /// The requested domain.
         domain: Domain,
         /// The requested number of points.
-        asked: usize,
-        /// The valid number of points nearest to `asked`.
+        requested: usize,
+        /// The valid number of points nearest to `requested`.
         nearest: usize,
         /// The valid numbers of points.
         rule: ValidCounts,
     },
     /// The number of points exceeds the range of the pattern's indices.
-    #[error("{pattern} cannot have {asked} points; the maximum is {max}")]
+    #[error("{pattern} cannot have {requested} points; the maximum is {max}")]
     TooManyPoints {
         /// The pattern's name.
         pattern: &'static str,
         /// The requested number of points.
-        asked: usize,
+        requested: usize,
         /// The largest valid number.
         max: usize,
     },

@@ -95,7 +95,7 @@ impl fmt::Display for Rate {
             Self::Power { exponent, logarithm } => growth(f, exponent, logarithm),
             Self::Exact => f.write_str("exact"),
             Self::AsRequested => f.write_str("as requested"),
-            Self::Depends => f.write_str("no known law"),
+            Self::Depends => f.write_str("no known rate"),
         }
     }
 }

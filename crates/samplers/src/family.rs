@@ -15,10 +15,10 @@ pub trait SamplerFamily: Debug + Display + Send + Sync {
     /// [`Error`] if the number is not valid; user-defined patterns return [`Error::Infeasible`].
     fn build(&self, n_points: usize, domain: Domain) -> Result<Box<dyn Sampler>, Error>;
 
-    /// Returns the valid number of points nearest to `asked`, at least 1 and nondecreasing in
-    /// `asked`. Default: every number is valid.
-    fn nearest_count(&self, asked: usize, _domain: Domain) -> usize {
-        asked.max(1)
+    /// Returns the valid number of points nearest to `requested`, at least 1 and nondecreasing in
+    /// `requested`. Default: every number is valid.
+    fn nearest_count(&self, requested: usize, _domain: Domain) -> usize {
+        requested.max(1)
     }
 }
 
@@ -27,8 +27,8 @@ impl<F: SamplerFamily + ?Sized> SamplerFamily for &F {
         (**self).build(n_points, domain)
     }
 
-    fn nearest_count(&self, asked: usize, domain: Domain) -> usize {
-        (**self).nearest_count(asked, domain)
+    fn nearest_count(&self, requested: usize, domain: Domain) -> usize {
+        (**self).nearest_count(requested, domain)
     }
 }
 
@@ -37,7 +37,7 @@ impl SamplerFamily for Pattern {
         Self::build(self, n_points, domain)
     }
 
-    fn nearest_count(&self, asked: usize, domain: Domain) -> usize {
-        Self::nearest_count(self, asked, domain)
+    fn nearest_count(&self, requested: usize, domain: Domain) -> usize {
+        Self::nearest_count(self, requested, domain)
     }
 }

@@ -80,11 +80,11 @@ impl Pattern {
         self.clone().with_definition(|definition| definition.valid_counts(domain))
     }
 
-    /// Returns the valid number of points nearest to `asked`, the smaller one of two equally near;
+    /// Returns the valid number of points nearest to `requested`, the smaller one of two equally near;
     /// never 0.
     #[must_use]
-    pub fn nearest_count(&self, asked: usize, domain: Domain) -> usize {
-        self.valid_counts(domain).nearest(asked)
+    pub fn nearest_count(&self, requested: usize, domain: Domain) -> usize {
+        self.valid_counts(domain).nearest(requested)
     }
 
     /// Returns the sampler of this pattern with exactly `n_points` points; saturated Poisson disks
@@ -111,8 +111,8 @@ impl Pattern {
         let rule = self.valid_counts(domain);
         let nearest = rule.nearest(n_points);
         if nearest != n_points {
-            let (pattern, asked) = (self.to_string(), n_points);
-            return Err(Error::InvalidCount { pattern, domain, asked, nearest, rule });
+            let (pattern, requested) = (self.to_string(), n_points);
+            return Err(Error::InvalidCount { pattern, domain, requested, nearest, rule });
         }
         let sampler =
             self.clone().with_definition(|definition| definition.build(n_points, domain))?;

@@ -79,13 +79,17 @@ mod tests {
         for unit in [1, 6, 12] {
             let counts = ValidCounts::Squares { unit, root: "nside" };
             let all: Vec<usize> = (1..60).map(|k| unit * k * k).collect();
-            for asked in 0..3000 {
-                let nearest = counts.nearest(asked);
-                let best = all.iter().map(|n| n.abs_diff(asked)).min();
-                assert_eq!(Some(nearest.abs_diff(asked)), best, "asked {asked}, got {nearest}");
-                assert_eq!(counts.contains(asked), all.contains(&asked), "{asked}");
-                let below = all.iter().copied().filter(|&n| n <= asked).max();
-                assert_eq!(counts.largest_not_exceeding(asked), below, "{asked}");
+            for requested in 0..3000 {
+                let nearest = counts.nearest(requested);
+                let best = all.iter().map(|n| n.abs_diff(requested)).min();
+                assert_eq!(
+                    Some(nearest.abs_diff(requested)),
+                    best,
+                    "requested {requested}, got {nearest}"
+                );
+                assert_eq!(counts.contains(requested), all.contains(&requested), "{requested}");
+                let below = all.iter().copied().filter(|&n| n <= requested).max();
+                assert_eq!(counts.largest_not_exceeding(requested), below, "{requested}");
             }
             assert!(counts.nearest(usize::MAX) > usize::MAX / 2);
         }

@@ -51,8 +51,8 @@ impl SamplerFamily for AnyOctahedra {
         Ok(Box::new(Octahedra(n_points / 6)))
     }
 
-    fn nearest_count(&self, asked: usize, _: Domain) -> usize {
-        6 * ((asked + 3) / 6).max(1)
+    fn nearest_count(&self, requested: usize, _: Domain) -> usize {
+        6 * ((requested + 3) / 6).max(1)
     }
 }
 

@@ -4,7 +4,7 @@ use sphvar_samplers::{
 use sphvar_spectrum::Method;
 
 use crate::Error;
-use crate::kept_half::KeptHalf;
+use crate::visible_half::VisibleHalf;
 
 /// The domain and construction of the points of an ensemble.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -15,7 +15,7 @@ pub enum Points {
     Hemisphere,
     /// The visible half (z >= 0) of sphere sets, rotated before the cut. This is how the thesis
     /// generates the hemisphere sets of most patterns.
-    KeptHalf,
+    VisibleHalf,
 }
 
 /// The point sets of a pattern.
@@ -23,13 +23,13 @@ pub enum Points {
 pub struct ThesisEnsemble {
     /// The pattern.
     pub pattern: Pattern,
-    /// The number of points of a set; for [`Points::KeptHalf`], the number on the whole sphere,
+    /// The number of points of a set; for [`Points::VisibleHalf`], the number on the whole sphere,
     /// twice that of a half.
     pub n_points: usize,
     /// The domain and construction of the points.
     pub points: Points,
     /// Whether every set is rotated by an independent uniform rotation.
-    pub turned: bool,
+    pub rotated: bool,
 }
 
 impl ThesisEnsemble {
@@ -37,34 +37,34 @@ impl ThesisEnsemble {
     #[must_use]
     pub fn sphere(pattern: Pattern, n_points: usize) -> Self {
         let n_points = pattern.nearest_count(n_points, Domain::Sphere);
-        Self { pattern, n_points, points: Points::Sphere, turned: true }
+        Self { pattern, n_points, points: Points::Sphere, rotated: true }
     }
 
     /// Returns rotated sets of the hemisphere with the valid count nearest to `n_points`.
     #[must_use]
     pub fn hemisphere(pattern: Pattern, n_points: usize) -> Self {
         let n_points = pattern.nearest_count(n_points, Domain::Hemisphere);
-        Self { pattern, n_points, points: Points::Hemisphere, turned: true }
+        Self { pattern, n_points, points: Points::Hemisphere, rotated: true }
     }
 
     /// Returns visible halves of rotated sets on the sphere, with about `n_points` each.
     #[must_use]
-    pub fn kept_half(pattern: Pattern, n_points: usize) -> Self {
+    pub fn visible_half(pattern: Pattern, n_points: usize) -> Self {
         let n_points = pattern.nearest_count(2 * n_points, Domain::Sphere);
-        Self { pattern, n_points, points: Points::KeptHalf, turned: true }
+        Self { pattern, n_points, points: Points::VisibleHalf, rotated: true }
     }
 
     /// Returns the same sets without rotation.
     #[must_use]
-    pub fn unturned(self) -> Self {
-        Self { turned: false, ..self }
+    pub fn unrotated(self) -> Self {
+        Self { rotated: false, ..self }
     }
 
     /// Returns the domain of the sets that the pattern generates.
     #[must_use]
     pub fn domain(&self) -> Domain {
         match self.points {
-            Points::Sphere | Points::KeptHalf => Domain::Sphere,
+            Points::Sphere | Points::VisibleHalf => Domain::Sphere,
             Points::Hemisphere => Domain::Hemisphere,
         }
     }
@@ -74,7 +74,7 @@ impl ThesisEnsemble {
     pub fn used_points(&self) -> usize {
         match self.points {
             Points::Sphere | Points::Hemisphere => self.n_points,
-            Points::KeptHalf => self.n_points.div_ceil(2),
+            Points::VisibleHalf => self.n_points.div_ceil(2),
         }
     }
 
@@ -102,7 +102,7 @@ impl ThesisEnsemble {
         let sets = self.realizations(&*sampler, seed, purpose);
         match self.points {
             Points::Sphere | Points::Hemisphere => work(&sets),
-            Points::KeptHalf => work(&KeptHalf(sets)),
+            Points::VisibleHalf => work(&VisibleHalf(sets)),
         }
     }
 
@@ -117,7 +117,7 @@ impl ThesisEnsemble {
         purpose: Purpose,
     ) -> Realizations<'a> {
         let streams = Streams::new(seed, purpose, self.pattern.stream_group(self.n_points));
-        if self.turned {
+        if self.rotated {
             Realizations::rotated(sampler, streams)
         } else {
             Realizations::unrotated(sampler, streams)
@@ -134,9 +134,9 @@ impl ThesisEnsemble {
         let points = match self.points {
             Points::Sphere => "sphere",
             Points::Hemisphere => "hemisphere",
-            Points::KeptHalf => "half",
+            Points::VisibleHalf => "half",
         };
-        let turned = if self.turned { "turned" } else { "unturned" };
-        format!("{} n={} {points} {turned}", self.pattern, self.n_points)
+        let rotated = if self.rotated { "rotated" } else { "unrotated" };
+        format!("{} n={} {points} {rotated}", self.pattern, self.n_points)
     }
 }

@@ -233,7 +233,7 @@ mod tests {
     #[test]
     fn pieces_of_any_length_give_the_same_bits() {
         let white = ThesisEnsemble::sphere(Pattern::WhiteNoise, 40);
-        let half = ThesisEnsemble::kept_half(Pattern::Jittered, 24);
+        let half = ThesisEnsemble::visible_half(Pattern::Jittered, 24);
         let jobs = [
             Job::Spectrum { ensemble: half, domain: Domain::Hemisphere, lmax: 6, sets: 9 },
             Job::Orders { ensemble: white.clone(), lmax: 5, sets: 9 },

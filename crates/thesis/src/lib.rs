@@ -30,7 +30,6 @@ mod figure;
 mod figure_id;
 mod figures;
 mod job;
-mod kept_half;
 mod pictures;
 mod piece;
 mod quantity;
@@ -40,6 +39,7 @@ mod setting;
 mod store;
 mod test_integrand;
 mod verdict;
+mod visible_half;
 
 pub use claim::{Choice, ChoiceOption, Claim, Stated};
 pub use content::{Axis, Content, Curve, Curves, Directions, Field, Mark, Palette, Picture};

@@ -73,7 +73,7 @@ impl Pictures {
     fn work_of_sets(&self, pattern: &Pattern) -> f64 {
         let n = self.valid_points();
         let sets = match self.mode {
-            DirectionMode::Rotated | DirectionMode::Projective => {
+            DirectionMode::Rotated | DirectionMode::Antipodal => {
                 DirectionPlan::default_sets(pattern, n)
             }
             DirectionMode::Shared | DirectionMode::Spun => 1,

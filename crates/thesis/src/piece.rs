@@ -59,7 +59,7 @@ mod tests {
 
     fn jobs() -> Vec<Job> {
         let white = ThesisEnsemble::sphere(Pattern::WhiteNoise, 40);
-        let half = ThesisEnsemble::kept_half(Pattern::Jittered, 24);
+        let half = ThesisEnsemble::visible_half(Pattern::Jittered, 24);
         vec![
             Job::Spectrum { ensemble: half, domain: Domain::Hemisphere, lmax: 6, sets: SETS },
             Job::Orders { ensemble: white.clone(), lmax: 5, sets: SETS },

@@ -28,7 +28,6 @@
 mod candidate;
 mod comparison;
 mod crossover;
-mod cut_sphere;
 mod degree;
 mod designs;
 mod energy_levels;
@@ -47,11 +46,11 @@ mod route;
 mod stopping;
 mod student;
 mod trials;
+mod visible_half;
 
 pub use candidate::{Candidate, Goal, rank};
 pub use comparison::Comparison;
 pub use crossover::{Crossover, crossover, crossovers};
-pub use cut_sphere::{CutAxis, CutMeasurement, measure_cut_sphere};
 pub use degree::{check_degree, prediction_degree, settled_degree, settled_degree_of};
 pub use designs::best_design;
 pub use error::Error;
@@ -70,6 +69,7 @@ pub use sphvar_spectrum::{Method, Spectrum};
 pub use stopping::{Precision, measure_until};
 pub use student::student_quantile;
 pub use trials::Trials;
+pub use visible_half::{CutAxis, VisibleHalfMeasurement, measure_visible_half};
 
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]

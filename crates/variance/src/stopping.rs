@@ -9,14 +9,14 @@ pub struct Precision {
     /// The requested relative standard error of the variance.
     pub relative: f64,
     /// The maximum number of trials, whatever the error.
-    pub most: u64,
+    pub max_trials: u64,
 }
 
 impl Precision {
     /// The minimum number of trials: the error of the variance needs at least four.
     pub const MIN_TRIALS: u64 = 4;
 
-    /// Checks that the precision is positive and finite, and that `start` and `most` are valid.
+    /// Checks that the precision is positive and finite, and that `start` and `max_trials` are valid.
     fn check(self, start: u64) -> Result<(), Error> {
         let relative = self.relative;
         if !(relative > 0.0 && relative.is_finite()) {
@@ -25,7 +25,12 @@ impl Precision {
         }
         let trials = [
             ("the number of trials", "at least 4", start, start >= Self::MIN_TRIALS),
-            ("the largest number of trials", "at least the first", self.most, self.most >= start),
+            (
+                "the largest number of trials",
+                "at least the first",
+                self.max_trials,
+                self.max_trials >= start,
+            ),
         ];
         match trials.into_iter().find(|row| !row.3) {
             Some((name, range, got, _)) => Err(Error::Parameter { name, range, got: got as f64 }),
@@ -38,7 +43,7 @@ impl Precision {
 ///
 /// Runs `start` trials (at least 4) and doubles the total number until the relative error
 /// ([`Measurement::relative_error`]) is at most `target.relative` or the number of trials is
-/// `target.most`.
+/// `target.max_trials`.
 ///
 /// The trials are those of [`measure`](crate::measure), so a run that stops after n trials equals
 /// `measure` with n. Checking the error only after each doubling keeps the run from stopping at a
@@ -48,7 +53,7 @@ impl Precision {
 /// # Errors
 ///
 /// Returns [`Error::Parameter`] unless the precision is positive and finite, `start` is at least 4
-/// and `target.most` is at least `start`, and the errors of [`measure`](crate::measure).
+/// and `target.max_trials` is at least `start`, and the errors of [`measure`](crate::measure).
 pub fn measure_until(
     ensemble: &Realizations<'_>,
     integrand: &dyn Integrand,
@@ -57,7 +62,7 @@ pub fn measure_until(
     progress: &dyn Progress,
 ) -> Result<Measurement, Error> {
     target.check(start)?;
-    let (mut total, most) = (start, target.most);
+    let (mut total, max_trials) = (start, target.max_trials);
     let mut from = 0;
     let mut measurement = Measurement::default();
     let (work, mut expected) = (trial_work(ensemble.sampler()), start);
@@ -66,21 +71,21 @@ pub fn measure_until(
         // Equal estimates have a measured error of 0, but no trial may have hit the integrand.
         let precise = measurement.variance() > 0.0
             && measurement.relative_error().relative() <= target.relative;
-        if precise || total >= most {
+        if precise || total >= max_trials {
             return Ok(measurement);
         }
         from = total;
-        total = total.saturating_mul(2).min(most);
-        let probable = doubled_total(total, measurement.trials_for(target.relative), most);
+        total = total.saturating_mul(2).min(max_trials);
+        let probable = doubled_total(total, measurement.trials_for(target.relative), max_trials);
         progress.expect(work * (probable as f64 - expected as f64));
         expected = probable;
     }
 }
 
 /// Returns the first number of trials, on doubling `total`, that is at least `needed`.
-fn doubled_total(mut total: u64, needed: u64, most: u64) -> u64 {
-    while total < needed.min(most) {
-        total = total.saturating_mul(2).min(most);
+fn doubled_total(mut total: u64, needed: u64, max_trials: u64) -> u64 {
+    while total < needed.min(max_trials) {
+        total = total.saturating_mul(2).min(max_trials);
     }
     total
 }
@@ -115,8 +120,8 @@ mod tests {
         let sets = Realizations::rotated(&*sampler, Streams::new(0, Purpose::Trial, 0));
         // In units of a trial; 100 are announced at the start.
         let announced = Announced(Mutex::new(100.0));
-        let until = |relative, most| {
-            let target = Precision { relative, most };
+        let until = |relative, max_trials| {
+            let target = Precision { relative, max_trials };
             measure_until(&sets, &ClampedCosine, 100, target, &announced).unwrap()
         };
         let got = until(0.05, 100_000);
@@ -135,8 +140,8 @@ mod tests {
     fn precisions_and_trials_outside_their_range_are_rejected() {
         let sampler = Pattern::WhiteNoise.build(4, Domain::Sphere).unwrap();
         let sets = Realizations::rotated(&*sampler, Streams::new(0, Purpose::Trial, 0));
-        let until = |relative, start, most| {
-            let target = Precision { relative, most };
+        let until = |relative, start, max_trials| {
+            let target = Precision { relative, max_trials };
             measure_until(&sets, &ClampedCosine, start, target, &())
         };
         for relative in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 0.0, -0.1] {
@@ -144,9 +149,9 @@ mod tests {
             let expected = ["relative precision", "positive and finite", &relative.to_string()];
             assert!(expected.iter().all(|part| error.contains(part)), "{error}");
         }
-        for (start, most) in [(0, 9), (3, 9), (10, 9), (4, 0)] {
-            let error = until(0.1, start, most).unwrap_err().to_string();
-            assert!(error.contains("trials"), "{start} {most}: {error}");
+        for (start, max_trials) in [(0, 9), (3, 9), (10, 9), (4, 0)] {
+            let error = until(0.1, start, max_trials).unwrap_err().to_string();
+            assert!(error.contains("trials"), "{start} {max_trials}: {error}");
         }
         for relative in [f64::MIN_POSITIVE, f64::MAX] {
             assert_eq!(until(relative, 4, 4).unwrap().estimates().len(), 4);

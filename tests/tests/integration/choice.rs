@@ -66,7 +66,7 @@ fn white_noise_needs_the_textbook_number() {
 }
 
 #[test]
-fn the_hemisphere_has_its_own_law() {
+fn the_hemisphere_has_its_own_exponent() {
     // (2 pi int f^2 - (int f)^2)/N = pi^2/(3 N), and the double cap: area 2 pi (1 - cos) of 2 pi.
     let got = |integrand: &dyn Integrand, error: f64| {
         let domain = Domain::Hemisphere;
@@ -96,15 +96,16 @@ fn jitter_needs_what_its_exact_spectrum_says() {
     };
     for nside in [4, 8] {
         let (few, enough) = (exact(nside), exact(nside + 1));
-        let asked = (few * enough).sqrt();
+        let requested = (few * enough).sqrt();
         let too_few = Some(12 * (nside * nside) as usize);
         let n_points = 12 * ((nside + 1) * (nside + 1)) as usize;
-        let got = required(&cap, Domain::Sphere, &Pattern::Jittered, asked, MOST);
-        assert_eq!(got, RequiredPoints::Predicted { n_points, too_few }, "{asked}");
+        let got = required(&cap, Domain::Sphere, &Pattern::Jittered, requested, MOST);
+        assert_eq!(got, RequiredPoints::Predicted { n_points, too_few }, "{requested}");
         // The asymptotic variance of the cap, 41.2 N^-1.5.
-        let law = (41.2 / asked).powf(2.0 / 3.0);
-        let between = too_few.is_some_and(|n| (n as f64) < law) && law < n_points as f64;
-        assert!(between, "{got:?}, by the law {law}");
+        let asymptotic = (41.2 / requested).powf(2.0 / 3.0);
+        let between =
+            too_few.is_some_and(|n| (n as f64) < asymptotic) && asymptotic < n_points as f64;
+        assert!(between, "{got:?}, asymptotically {asymptotic}");
     }
 }
 
@@ -123,19 +124,19 @@ fn the_resulting_numbers_have_the_requested_error() {
     let mut family = Family::new("measured variance at the number found");
     for (name, integrand, relative) in integrands {
         let integral = integrand.exact(Domain::Sphere).unwrap();
-        let asked = (relative * integral).powi(2);
+        let requested = (relative * integral).powi(2);
         for pattern in &patterns {
             let mut predictor = predictor(integrand, Domain::Sphere);
             let mut curve = PredictedCurve::new(pattern.clone());
-            let got = required_points(&mut predictor, &mut curve, asked, MOST, &()).unwrap();
+            let got = required_points(&mut predictor, &mut curve, requested, MOST, &()).unwrap();
             let RequiredPoints::Predicted { n_points, too_few } = got else {
                 panic!("{name}, {pattern}: {got:?}");
             };
             let variance = |n: usize| curve.at(n).unwrap().prediction.variance;
-            assert!(variance(n_points) <= asked, "{name}, {pattern}: {got:?}");
-            assert!(variance(too_few.unwrap()) > asked, "{name}, {pattern}: {got:?}");
+            assert!(variance(n_points) <= requested, "{name}, {pattern}: {got:?}");
+            assert!(variance(too_few.unwrap()) > requested, "{name}, {pattern}: {got:?}");
             for point in curve.points().iter().filter(|p| p.n_points() > n_points) {
-                assert!(point.prediction.variance <= asked, "{name}, {pattern}: {point:?}");
+                assert!(point.prediction.variance <= requested, "{name}, {pattern}: {point:?}");
             }
             let sampler = pattern.build(n_points, Domain::Sphere).unwrap();
             let streams = Streams::new(SEED, Purpose::Trial, pattern.stream_group(n_points));

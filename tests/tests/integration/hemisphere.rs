@@ -3,11 +3,13 @@
 use std::f64::consts::PI;
 
 use glam::DVec3;
-use sphvar_integrands::{Cap, ClampedCosine, CutEstimator, CutIntegrand, Integrand};
+use sphvar_integrands::{
+    Cap, ClampedCosine, Integrand, VisibleHalfEstimator, VisibleHalfIntegrand,
+};
 use sphvar_samplers::{Domain, Pattern, Purpose, Realizations, Streams, uniform_rotation};
 use sphvar_spectrum::{Moments, Resolution, Spectrum, SpectrumAccumulator, accumulate, estimate};
 use sphvar_tests::{Family, PointList, ReferenceSpectrum, chi2_interval, exact_jitter_spectrum};
-use sphvar_variance::{CutAxis, Measurement, measure, measure_cut_sphere, predict};
+use sphvar_variance::{CutAxis, Measurement, measure, measure_visible_half, predict};
 
 const SEED: u64 = 6;
 /// The probability that a family of comparisons fails by chance (nominal).
@@ -94,8 +96,8 @@ fn measured_variances_are_the_predicted_ones() {
     let energy = cap.energy(Domain::Hemisphere, LMAX).unwrap();
     let mut family = Family::new("double cap");
     for pattern in Pattern::ELEMENTARY {
-        for asked in [24, 96, 384] {
-            let n = pattern.nearest_count(asked, Domain::Hemisphere);
+        for requested in [24, 96, 384] {
+            let n = pattern.nearest_count(requested, Domain::Hemisphere);
             let sampler = pattern.build(n, Domain::Hemisphere).unwrap();
             let sets = Realizations::rotated(&*sampler, Streams::new(SEED, Purpose::Pattern, n));
             let predicted = predict(&estimate(&sets, LMAX, SETS, &()).unwrap(), &energy);
@@ -109,7 +111,7 @@ fn measured_variances_are_the_predicted_ones() {
 }
 
 /// Returns the points with z > 0 of a rotated realization of sphere jitter.
-fn kept_half(m: usize, index: u64) -> Vec<DVec3> {
+fn visible_half(m: usize, index: u64) -> Vec<DVec3> {
     let sampler = Pattern::Jittered.build(m, Domain::Sphere).unwrap();
     let streams = Streams::new(SEED, Purpose::Resample, m);
     let mut points = Realizations::rotated(&*sampler, streams).realize(index).unwrap().points;
@@ -132,7 +134,7 @@ fn half_a_sphere_set_has_a_random_number_of_points() {
         let expected = m as f64 / (4.0 * PI) * (known + energy.beyond(lmax));
         let mut count = Moments::default();
         for i in 0..REALIZATIONS {
-            count.push(kept_half(m, i).len() as f64);
+            count.push(visible_half(m, i).len() as f64);
         }
         family.compare(count.mean(), 0.5 * m as f64, count.standard_error(), || {
             format!("mean, M = {m}")
@@ -154,7 +156,7 @@ fn half_a_sphere_set_is_not_stratified() {
     for (nside, recorded) in [(2_u32, 0.203), (4, 0.075), (8, 0.0313)] {
         let m = 12 * (nside * nside) as usize;
         let empty = SpectrumAccumulator::new(Domain::Hemisphere, m / 2, 2);
-        let sets = PointList(|i| kept_half(m, i));
+        let sets = PointList(|i| visible_half(m, i));
         let got = accumulate(&sets, Resolution::new(2, 100), 0..REALIZATIONS, &empty, &())
             .unwrap()
             .finish()
@@ -185,7 +187,7 @@ fn estimators_from_half_a_sphere_set() {
         let axis = uniform_rotation(&mut axes.realization(i)) * DVec3::Z;
         let sum =
             |points: &[DVec3]| points.iter().filter(|p| p.dot(axis).abs() >= 0.5).count() as f64;
-        let points = kept_half(m, i);
+        let points = visible_half(m, i);
         estimates[0].push(4.0 * PI / m as f64 * sum(&points));
         estimates[1].push(2.0 * PI / points.len() as f64 * sum(&points));
         estimates[2].push(4.0 * PI / m as f64 * sum(&best.realize(i).unwrap().points));
@@ -207,7 +209,7 @@ fn estimators_from_half_a_sphere_set() {
 /// cut at the equator, the variance that the formula of the sphere predicts for functions that
 /// vanish below it. False alarm: ALPHA.
 #[test]
-fn cut_sphere_sets_are_measured_and_predicted() {
+fn visible_halves_are_measured_and_predicted() {
     const TRIALS: u64 = 6000;
     const M: usize = 192;
     let cap = Cap::from_degrees(60.0).unwrap();
@@ -217,7 +219,7 @@ fn cut_sphere_sets_are_measured_and_predicted() {
     let lines = Realizations::rotated(&*lines, Streams::new(SEED + 3, Purpose::Trial, M));
     let best = measure(&lines, &cap, TRIALS, &()).unwrap();
     let axis = CutAxis::Random(Streams::new(SEED + 2, Purpose::Resample, M));
-    let got = measure_cut_sphere(&sets, &cap, axis, TRIALS, &()).unwrap();
+    let got = measure_visible_half(&sets, &cap, axis, TRIALS, &()).unwrap();
     let ratio = |m: &Measurement| m.variance() / best.variance();
     let (a, b) = (ratio(&got.unbiased), ratio(&got.ratio));
     // As in the test above: six standard errors of 2.6 %.
@@ -229,11 +231,12 @@ fn cut_sphere_sets_are_measured_and_predicted() {
     let mut family = Family::new("cut at the equator");
     let integrands: [(&str, &dyn Integrand); 2] = [("cap", &cap), ("cosine", &ClampedCosine)];
     for (name, integrand) in integrands {
-        let got = measure_cut_sphere(&sets, integrand, CutAxis::Equator, TRIALS, &()).unwrap();
-        for (estimator, got) in
-            [(CutEstimator::Unbiased, &got.unbiased), (CutEstimator::Ratio, &got.ratio)]
-        {
-            let cut = CutIntegrand::new(integrand, estimator).unwrap();
+        let got = measure_visible_half(&sets, integrand, CutAxis::Equator, TRIALS, &()).unwrap();
+        for (estimator, got) in [
+            (VisibleHalfEstimator::Unbiased, &got.unbiased),
+            (VisibleHalfEstimator::Ratio, &got.ratio),
+        ] {
+            let cut = VisibleHalfIntegrand::new(integrand, estimator).unwrap();
             let predicted = predict(&spectrum, &cut.energy(Domain::Sphere, lmax).unwrap());
             let stderr = got.variance_stderr().hypot(predicted.total_stderr());
             // The ratio's variance is that to first order: the next order is Var n/n^2 of it, 0.2

@@ -39,23 +39,23 @@ fn drawn(
 }
 
 /// A function that draws a rotation.
-type RotationLaw = fn(&mut dyn Rng) -> DMat3;
+type RotationDistribution = fn(&mut dyn Rng) -> DMat3;
 
 /// The ensemble of a sampler, rotated with any distribution of rotations; with `uniform_rotation`
 /// that of `Realizations::rotated`.
-struct Turned<'a> {
+struct RandomlyRotated<'a> {
     sampler: &'a dyn Sampler,
     streams: Streams,
-    law: RotationLaw,
+    distribution: RotationDistribution,
 }
 
-impl Turned<'_> {
+impl RandomlyRotated<'_> {
     fn rotation(&self, index: u64) -> DMat3 {
-        (self.law)(&mut self.streams.randomization(index))
+        (self.distribution)(&mut self.streams.randomization(index))
     }
 }
 
-impl Ensemble for Turned<'_> {
+impl Ensemble for RandomlyRotated<'_> {
     fn realize_into(
         &self,
         index: u64,
@@ -68,16 +68,16 @@ impl Ensemble for Turned<'_> {
     }
 }
 
-/// Returns the audit of a sampler whose sets are turned by such rotations.
+/// Returns the audit of a sampler whose sets are rotated by such rotations.
 fn audit_rotated(
     sampler: &dyn Sampler,
     lmax: usize,
     count: u64,
     settings: &AuditSettings,
-    law: RotationLaw,
+    distribution: RotationDistribution,
 ) -> HomogeneityAudit {
     let streams = Streams::new(settings.seed, Purpose::Pattern, sampler.n_points());
-    let sets = Turned { sampler, streams, law };
+    let sets = RandomlyRotated { sampler, streams, distribution };
     let coefficients = coefficients(&sets, sampler, lmax, count);
     let rotations: Vec<DMat3> = (0..count).map(|i| sets.rotation(i)).collect();
     coefficients.audit(settings, Some(&rotations), &()).unwrap()
@@ -132,7 +132,7 @@ fn false_alarms_are_as_rare_as_promised() {
 /// Jitter of 768 cells as it is drawn: the audit objects, and its intervals hold the ratios of the
 /// quadrature, all of them with probability 0.99; for rotated sets it does not reject (0.99).
 #[test]
-fn jitter_is_homogeneous_only_when_turned() {
+fn jitter_is_homogeneous_only_when_rotated() {
     const REALIZATIONS: u64 = 2000;
     const LMAX: usize = 4;
     let sampler = Pattern::Jittered.build(768, Domain::Sphere).unwrap();
@@ -278,7 +278,7 @@ fn an_audit_depends_on_the_sets_alone() {
     let mut parts = part(13..20);
     parts.merge(&part(0..13));
     assert_eq!(parts.audit(&settings, None, &()).unwrap(), whole);
-    let same_sets = Turned { sampler: &*sampler, streams, law: uniform_rotation };
+    let same_sets = RandomlyRotated { sampler: &*sampler, streams, distribution: uniform_rotation };
     let (mut a, mut b) = (PointSet::default(), PointSet::default());
     for index in 0..20 {
         sets.realize_into(index, &mut a, &()).unwrap();

@@ -12,13 +12,13 @@ use sphvar_tests::{exact_jitter_spectrum, strata};
 
 const SEED: u64 = 1;
 
-/// Returns one realization of every pattern near `asked` points, and a set with the poles and
+/// Returns one realization of every pattern near `requested` points, and a set with the poles and
 /// repetitions.
-fn point_sets(asked: usize) -> Vec<(String, Vec<DVec3>)> {
+fn point_sets(requested: usize) -> Vec<(String, Vec<DVec3>)> {
     let mut sets: Vec<_> = Pattern::ELEMENTARY
         .into_iter()
         .map(|pattern| {
-            let n = pattern.nearest_count(asked, Domain::Sphere);
+            let n = pattern.nearest_count(requested, Domain::Sphere);
             let sampler = pattern.build(n, Domain::Sphere).unwrap();
             let streams = Streams::new(SEED, Purpose::Pattern, n);
             (

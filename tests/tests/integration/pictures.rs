@@ -31,8 +31,8 @@ fn picture(plan: &DirectionPlan, estimator: Estimator) -> Image {
     render(&view, &COSINE, estimator, &plan.prepare(0).unwrap(), &()).unwrap()
 }
 
-fn plan(pattern: &Pattern, asked: usize, mode: DirectionMode) -> DirectionPlan {
-    let n = DirectionPlan::nearest_count(pattern, asked);
+fn plan(pattern: &Pattern, requested: usize, mode: DirectionMode) -> DirectionPlan {
+    let n = DirectionPlan::nearest_count(pattern, requested);
     DirectionPlan::new(pattern.clone(), n, mode, SEED).unwrap()
 }
 
@@ -43,8 +43,8 @@ fn the_variance_of_a_pixel_is_the_predicted_one() {
     let energy = ClampedCosine.energy(Domain::Hemisphere, LMAX).unwrap();
     let mut family = Family::new("variance of a pixel");
     for pattern in Pattern::ELEMENTARY {
-        for asked in [24, 96] {
-            let plan = plan(&pattern, asked, DirectionMode::Fresh);
+        for requested in [24, 96] {
+            let plan = plan(&pattern, requested, DirectionMode::Fresh);
             let sampler = pattern.build(plan.n_points(), Domain::Hemisphere).unwrap();
             let streams = Streams::new(SEED, Purpose::Pattern, plan.n_points());
             let sets = Realizations::rotated(&*sampler, streams);
@@ -53,7 +53,7 @@ fn the_variance_of_a_pixel_is_the_predicted_one() {
             let got = Measurement::new(picture(&plan, Estimator::Ratio).values);
             let (expected, error) = (predicted.variance / (PI * PI), predicted.stderr / (PI * PI));
             let stderr = got.variance_stderr().hypot(error);
-            family.compare(got.variance(), expected, stderr, || format!("{pattern} {asked}"));
+            family.compare(got.variance(), expected, stderr, || format!("{pattern} {requested}"));
         }
     }
     family.assert_null(ALPHA);
@@ -64,7 +64,7 @@ fn the_variance_of_a_pixel_is_the_predicted_one() {
 fn turned_directions_have_no_bias() {
     let mut family = Family::new("mean of pixels");
     for pattern in Pattern::ALL {
-        for mode in [DirectionMode::Rotated, DirectionMode::Projective] {
+        for mode in [DirectionMode::Rotated, DirectionMode::Antipodal] {
             let values = picture(&plan(&pattern, 24, mode), Estimator::Unbiased).values;
             let got = Measurement::new(values);
             family.compare(got.mean(), 1.0, got.mean_stderr(), || format!("{pattern} {mode}"));

@@ -18,8 +18,8 @@ fn counts_and_methods_are_frozen() {
     let cap = Cap::from_degrees(60.0).unwrap();
     let mut table = String::new();
     for pattern in Pattern::ALL {
-        for asked in [12, 192, 3072] {
-            let n = pattern.nearest_count(asked, Domain::Sphere);
+        for requested in [12, 192, 3072] {
+            let n = pattern.nearest_count(requested, Domain::Sphere);
             let sampler = pattern.build(n, Domain::Sphere).unwrap();
             let lmax = prediction_degree(&*sampler, &cap);
             let most = PredictionBudget::DEFAULT.realizations(&*sampler, lmax);

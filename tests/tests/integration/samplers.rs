@@ -70,33 +70,43 @@ fn check(pattern: &Pattern, domain: Domain) {
         !valid.is_empty(),
         "{pattern} {domain:?} has no number of points up to {MAX_REQUESTED}"
     );
-    for asked in all {
-        match pattern.build(asked, domain) {
-            Ok(sampler) => check_sampler(pattern, domain, asked, &*sampler),
-            Err(error) => check_error(pattern, domain, asked, &valid, &error),
+    for requested in all {
+        match pattern.build(requested, domain) {
+            Ok(sampler) => check_sampler(pattern, domain, requested, &*sampler),
+            Err(error) => check_error(pattern, domain, requested, &valid, &error),
         }
     }
 }
 
 /// The error names the nearest valid number.
-fn check_error(pattern: &Pattern, domain: Domain, asked: usize, valid: &[usize], error: &Error) {
-    if asked == 0 {
+fn check_error(
+    pattern: &Pattern,
+    domain: Domain,
+    requested: usize,
+    valid: &[usize],
+    error: &Error,
+) {
+    if requested == 0 {
         assert_eq!(*error, Error::NoPoints { pattern: pattern.to_string() });
         return;
     }
-    let Error::InvalidCount { nearest, asked: named, .. } = *error else {
-        panic!("{pattern} {domain:?} N = {asked}: {error}");
+    let Error::InvalidCount { nearest, requested: named, .. } = *error else {
+        panic!("{pattern} {domain:?} N = {requested}: {error}");
     };
-    assert_eq!(named, asked, "{pattern} {domain:?}");
-    assert_eq!(pattern.nearest_count(asked, domain), nearest, "{pattern} {domain:?} N = {asked}");
+    assert_eq!(named, requested, "{pattern} {domain:?}");
+    assert_eq!(
+        pattern.nearest_count(requested, domain),
+        nearest,
+        "{pattern} {domain:?} N = {requested}"
+    );
     assert!(pattern.build(nearest, domain).is_ok(), "{pattern} {domain:?} N = {nearest} rejected");
-    let best = valid.iter().map(|n| n.abs_diff(asked)).min();
+    let best = valid.iter().map(|n| n.abs_diff(requested)).min();
     assert!(
-        Some(nearest.abs_diff(asked)) <= best,
-        "{pattern} {domain:?}: {nearest} is not the nearest to {asked}"
+        Some(nearest.abs_diff(requested)) <= best,
+        "{pattern} {domain:?}: {nearest} is not the nearest to {requested}"
     );
     let message = error.to_string();
-    for part in [asked.to_string(), nearest.to_string(), pattern.name().to_owned()] {
+    for part in [requested.to_string(), nearest.to_string(), pattern.name().to_owned()] {
         assert!(message.contains(&part), "{part} is missing in: {message}");
     }
 }
@@ -232,8 +242,12 @@ fn smallest_numbers_of_points() {
 #[test]
 fn healpix_counts_are_12_nside_squared() {
     for pattern in [Pattern::Healpix, Pattern::Jittered] {
-        for (asked, nearest) in [(1024, 972), (4096, 3888), (1100, 1200), (4332, 4332)] {
-            assert_eq!(pattern.nearest_count(asked, Domain::Sphere), nearest, "{pattern} {asked}");
+        for (requested, nearest) in [(1024, 972), (4096, 3888), (1100, 1200), (4332, 4332)] {
+            assert_eq!(
+                pattern.nearest_count(requested, Domain::Sphere),
+                nearest,
+                "{pattern} {requested}"
+            );
         }
     }
 }

@@ -127,7 +127,7 @@ fn digits_agree(l: usize, power: f64, recorded: f64) {
 /// Jitter at low degrees: `<P(l)> = c_N l(l+1)/N (1 + O(l^2/N))`, with constants from 1.0117 for 12
 /// points to the limit 1.118598.
 #[test]
-fn jitter_obeys_its_law_of_low_degrees() {
+fn jitter_has_the_predicted_power_at_low_degrees() {
     let limit = 4.0 / 3.0 * 1.2_f64.ln() + 2.0 / 9.0 * 5.0_f64.ln() + 17.0 * PI * PI / 324.0;
     assert!((limit - 1.118598).abs() < 1e-6, "{limit}");
     let constants: Vec<f64> = [1_u32, 2, 3, 4, 9, 16]

@@ -111,8 +111,8 @@ fn every_rotated_pattern_is_unbiased() {
     let mut family = Family::new("mean of S_lm, rotated");
     for pattern in Pattern::ELEMENTARY {
         for domain in [Domain::Sphere, Domain::Hemisphere] {
-            for asked in [1, 100] {
-                let n = pattern.nearest_count(asked, domain);
+            for requested in [1, 100] {
+                let n = pattern.nearest_count(requested, domain);
                 let sampler = pattern.build(n, domain).unwrap();
                 let streams = Streams::new(SEED, Purpose::Pattern, n);
                 let label = format!("{pattern} {domain:?} N = {n}");

@@ -179,8 +179,8 @@ fn measured_variances_are_the_predicted_ones() {
     for pattern in inexpensive {
         // The other patterns have fewer cells.
         let counts = if Pattern::ELEMENTARY.contains(&pattern) { &ASKED[..] } else { &ASKED[1..4] };
-        for &asked in counts {
-            let n = pattern.nearest_count(asked, Domain::Sphere);
+        for &requested in counts {
+            let n = pattern.nearest_count(requested, Domain::Sphere);
             let sampler = pattern.build(n, Domain::Sphere).unwrap();
             let lmax = if !sampler.is_random() {
                 20 * n.isqrt()

@@ -39,10 +39,10 @@ pub(crate) struct EffortArgs {
 /// Parses a number of trials, which must suffice for the error of a variance.
 fn parse_trials(text: &str) -> Result<u64, String> {
     let trials = parse_realizations(text)?;
-    let least = Precision::MIN_TRIALS;
-    if trials < least {
+    let min_trials = Precision::MIN_TRIALS;
+    if trials < min_trials {
         return Err(format!(
-            "-m must be at least {least} for the error of a measured variance, got {trials}"
+            "-m must be at least {min_trials} for the error of a measured variance, got {trials}"
         ));
     }
     Ok(trials)
@@ -81,7 +81,7 @@ impl EffortArgs {
             trials: self.realizations,
             until: self
                 .until_rel
-                .map(|relative| Precision { relative, most: self.max_realizations }),
+                .map(|relative| Precision { relative, max_trials: self.max_realizations }),
             realizations: self.spectrum_realizations,
             lmax: self.lmax.lmax,
             method,

@@ -17,11 +17,11 @@ pub(crate) mod spectrum;
 pub(crate) mod variance;
 
 pub(crate) mod crossovers;
-mod cut_sphere;
 mod effort;
 mod power_chart;
 mod row_record;
 mod rows;
 mod sets_args;
+mod visible_half;
 
 pub(crate) use self::sets_args::PointFileArgs;

@@ -17,6 +17,7 @@ use sphvar_scene::{DirectionMode, DirectionSets, Estimator};
 use self::stage::StageArgs;
 use crate::counts::{parse_count, parse_number, parse_one_count, parse_realizations};
 use crate::error::CliError;
+use crate::flags::retired::unknown_value;
 use crate::flags::{CountsArgs, one_sampler};
 use crate::global::Global;
 use crate::spec::unknown_name;
@@ -29,7 +30,7 @@ pub(crate) const EXAMPLES: &str = "Examples:
   sphvar render cornell --sheet reference,healpix@shared,healpix@rotated -o sheet.png
 
 Modes: shared, one unrotated sphere set for all pixels; spun, one hemisphere set rotated about each \
-normal; rotated, sphere sets rotated uniformly at each point; projective, hemisphere sets rotated as \
+normal; rotated, sphere sets rotated uniformly at each point; antipodal, hemisphere sets rotated as \
 antipodal pairs; fresh, the same with a new realization for each pixel. Sphere sets have 2N points, of which the \
 visible half is used. Every sampler takes its valid number of points nearest to N.
 
@@ -47,7 +48,7 @@ pub(crate) struct RenderArgs {
     pub(super) sampler: Option<String>,
     #[command(flatten)]
     pub(super) counts: CountsArgs,
-    #[arg(long, default_value = DirectionMode::Projective.name(), help = format!(
+    #[arg(long, default_value = DirectionMode::Antipodal.name(), help = format!(
         "How point sets are mapped to directions at each shading point: {}", in_words(&DirectionMode::ALL.map(DirectionMode::name))
     ))]
     pub(super) mode: String,
@@ -114,8 +115,8 @@ pub(crate) fn run(args: &RenderArgs, global: &Global) -> Result<(), CliError> {
         return Err(CliError::Usage("-m must be at least 1, got 0".to_owned()));
     }
     if args.realizations.is_some_and(|m| m > DirectionSets::MAX_RENDERS) {
-        let most = DirectionSets::MAX_RENDERS;
-        return Err(CliError::Usage(format!("-m must be at most {most}")));
+        let max = DirectionSets::MAX_RENDERS;
+        return Err(CliError::Usage(format!("-m must be at most {max}")));
     }
     if args.sets == Some(0) {
         return Err(CliError::Usage("--sets must be at least 1, got 0".to_owned()));
@@ -143,5 +144,5 @@ impl RenderArgs {
 
 fn parse_mode(text: &str) -> Result<DirectionMode, CliError> {
     let found = DirectionMode::ALL.into_iter().find(|m| m.name() == text);
-    found.ok_or_else(|| unknown_name("mode", text, &DirectionMode::ALL.map(DirectionMode::name)))
+    found.ok_or_else(|| unknown_value("mode", text, &DirectionMode::ALL.map(DirectionMode::name)))
 }

@@ -18,7 +18,7 @@ pub(crate) struct RowRecord {
     /// `sphere` or `hemisphere`.
     domain: &'static str,
     /// The number of points requested.
-    asked: usize,
+    n_requested: usize,
     /// The number of points.
     n: usize,
     /// The largest degree of the spectrum.
@@ -102,7 +102,7 @@ impl RowRecord {
             sampler: row.pattern.to_string(),
             integrand: plan.integrand.name.clone(),
             domain: plan.domain.name(),
-            asked: row.requested,
+            n_requested: row.requested,
             n: spectrum.n_points(),
             lmax: spectrum.lmax(),
             realizations: spectrum.realizations(),
@@ -146,7 +146,7 @@ impl RowRecord {
     pub(super) fn columns() -> Vec<Column<'static, Self>> {
         vec![
             Column::text("sampler", |r: &Self| r.sampler.clone()),
-            Column::number("N asked", |r: &Self| r.asked.to_string()),
+            Column::number("N requested", |r: &Self| r.n_requested.to_string()),
             Column::number("N", |r: &Self| r.n.to_string()),
             Column::number("predicted", |r: &Self| number::value(r.predicted)),
             Column::number("+-", |r: &Self| {

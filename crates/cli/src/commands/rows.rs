@@ -141,17 +141,17 @@ pub(super) fn check(plan: &Plan<'_>, cases: &[Case]) -> Result<(), CliError> {
 
 /// Rejects numbers of trials whose estimates do not fit in memory.
 fn check_trials(plan: &Plan<'_>) -> Result<(), CliError> {
-    let least = plan.trials.unwrap_or(Precision::MIN_TRIALS);
-    let (what, most) = match plan.until {
-        Some(Precision { most, .. }) if most < least => {
+    let min_trials = plan.trials.unwrap_or(Precision::MIN_TRIALS);
+    let (what, max_trials) = match plan.until {
+        Some(Precision { max_trials, .. }) if max_trials < min_trials => {
             return Err(CliError::Usage(format!(
-                "--max-realizations must be at least {least}, the initial number of trials, got {most}"
+                "--max-realizations must be at least {min_trials}, the initial number of trials, got {max_trials}"
             )));
         }
-        Some(Precision { most, .. }) => ("--max-realizations", most),
+        Some(Precision { max_trials, .. }) => ("--max-realizations", max_trials),
         None => ("-m", plan.trials.unwrap_or(Trials::DEFAULT)),
     };
-    check_memory(&format!("{what} {most}"), 8.0 * most as f64)
+    check_memory(&format!("{what} {max_trials}"), 8.0 * max_trials as f64)
 }
 
 /// Rejects a user's largest degree at which predictions would not depend on the pattern. White
@@ -192,8 +192,8 @@ impl Plan<'_> {
     /// Returns the trials of a sampler: the user's number or the default.
     fn trials_of(&self, sampler: &dyn Sampler) -> Trials {
         let count = self.trials.unwrap_or_else(|| Trials::default_for(sampler).count);
-        let most = self.until.map_or(u64::MAX, |precision| precision.most);
-        Trials { count: count.min(most), until: self.until }
+        let max_trials = self.until.map_or(u64::MAX, |precision| precision.max_trials);
+        Trials { count: count.min(max_trials), until: self.until }
     }
 
     /// Returns the maximum number of realizations from which a pattern's spectrum is estimated.

@@ -6,10 +6,10 @@ use serde::Serialize;
 use sphvar_samplers::Pattern;
 
 use super::compare::{Curve, variance_chart};
-use super::cut_sphere::{self, Cut, CutRecord};
 use super::effort::EffortArgs;
 use super::row_record::RowRecord;
 use super::rows::{self, Case};
+use super::visible_half::{self, HalfAxis, VisibleHalfRecord};
 use crate::error::CliError;
 use crate::flags::{CountsArgs, IntegrandArgs, NearestArgs, OutArgs, SamplersArgs};
 use crate::global::Global;
@@ -27,8 +27,8 @@ Columns: the variance that the spectra predict and the one measured on independe
 rotated realizations, each with its standard error (that of the prediction with the error of the \
 degrees beyond the spectrum); ratio is measured/predicted, z their difference in standard errors, \
 bias z that of the mean estimate and the exact integral. 95 % intervals are in files and --json. \
-Where too few trials see the integrand the measured variance has no error, ratio or z, and where \
-all trials agree only an upper limit.";
+Where too few trials sample the support of the integrand, the measured variance has no error, ratio or z; where \
+all trials agree, it has an upper limit only.";
 
 #[derive(Debug, Args)]
 #[command(
@@ -47,10 +47,10 @@ pub(crate) struct VarianceArgs {
     pub(crate) integrand: IntegrandArgs,
     #[command(flatten)]
     pub(crate) effort: EffortArgs,
-    /// Measure halves of sphere sets of 2N points too, with both estimators: rotated at random and cut, with the integrand as a function of lines (random, the value if none is given), or cut at the equator (equator)
+    /// Also measure the visible half of sphere sets of 2N points with both estimators; the half has a random axis, for antipodal integrands (random, used without a value), or lies above the equator (equator)
     #[arg(long, value_name = "AXIS", num_args = 0..=1, require_equals = true,
         default_missing_value = "random", hide_possible_values = true, requires = "hemisphere")]
-    pub(crate) cut_sphere: Option<Cut>,
+    pub(crate) visible_half: Option<HalfAxis>,
     #[command(flatten)]
     pub(crate) out: OutArgs,
 }
@@ -60,18 +60,17 @@ pub(crate) struct VarianceArgs {
 pub(crate) struct VarianceBody {
     /// Every sampler at every number of points.
     rows: Vec<RowRecord>,
-    /// Sphere sets cut in half, with `--cut-sphere` only.
+    /// Visible halves of sphere sets, with `--visible-half` only.
     #[serde(skip_serializing_if = "Option::is_none")]
-    cut_sphere: Option<Vec<CutRecord>>,
+    visible_half: Option<Vec<VisibleHalfRecord>>,
 }
 
 pub(crate) fn run(args: &VarianceArgs, global: &Global) -> Result<(), CliError> {
     if let Some(path) = &args.out.out {
         check_result(path, true)?;
         let is_json = path.extension().is_some_and(|e| e == "json");
-        if args.cut_sphere.is_some() && !is_json && !(global.json && is_stdout(path)) {
-            let message =
-                "--cut-sphere has rows of two kinds: write them with --json or to a .json file";
+        if args.visible_half.is_some() && !is_json && !(global.json && is_stdout(path)) {
+            let message = "--visible-half produces two tables: use --json or a .json file";
             return Err(CliError::Usage(message.to_owned()));
         }
     }
@@ -83,11 +82,11 @@ pub(crate) fn run(args: &VarianceArgs, global: &Global) -> Result<(), CliError> 
     let (rows, _) = rows::run(&plan, &cases)?;
     let records: Vec<RowRecord> = rows.iter().map(|row| RowRecord::new(row, &plan)).collect();
     let provenance = Provenance::new(global.seed);
-    let cut = match args.cut_sphere {
-        Some(cut) => Some(cut_sphere::run(&plan, cut, &cases, &rows)?),
+    let halves = match args.visible_half {
+        Some(axis) => Some(visible_half::run(&plan, axis, &cases, &rows)?),
         None => None,
     };
-    let body = VarianceBody { rows: records, cut_sphere: cut };
+    let body = VarianceBody { rows: records, visible_half: halves };
     let chart = || {
         let mut patterns: Vec<&Pattern> = Vec::new();
         for row in &rows {
@@ -109,9 +108,9 @@ pub(crate) fn run(args: &VarianceArgs, global: &Global) -> Result<(), CliError> 
 fn text(body: &VarianceBody) -> String {
     let mut text = table_of(&RowRecord::columns(), &body.rows);
     text += &RowRecord::remarks(&body.rows);
-    if let Some(cut) = &body.cut_sphere {
+    if let Some(halves) = &body.visible_half {
         text.push('\n');
-        text += &table_of(&CutRecord::columns(), cut);
+        text += &table_of(&VisibleHalfRecord::columns(), halves);
     }
     text
 }

@@ -3,6 +3,9 @@
 use clap::error::{ContextKind, ContextValue, ErrorKind};
 use clap::{Arg, Command};
 
+use crate::error::CliError;
+use crate::spec::unknown_name;
+
 /// A flag that a subcommand does not have, or no longer has.
 struct Retired {
     old: &'static str,
@@ -11,13 +14,37 @@ struct Retired {
 }
 
 /// All such spellings.
-const RETIRED: [Retired; 5] = [
+const RETIRED: [Retired; 6] = [
     Retired { old: "--points", new: &["count", "counts"] },
     Retired { old: "--n-points", new: &["count", "counts"] },
     Retired { old: "--max-points", new: &["max_count"] },
     Retired { old: "--reference-n", new: &["reference_count"] },
     Retired { old: "--sampler", new: &["samplers", "sampler"] },
+    Retired { old: "--cut-sphere", new: &["visible_half"] },
 ];
+
+/// A value of an option that an earlier version had under another name.
+struct RetiredValue {
+    option: &'static str,
+    old: &'static str,
+    new: &'static str,
+}
+
+/// All such values.
+const RETIRED_VALUES: [RetiredValue; 1] =
+    [RetiredValue { option: "mode", old: "projective", new: "antipodal" }];
+
+/// Returns the error about a value that an option does not have: it names the replacement of a
+/// spelling of earlier versions, or else the `known` values.
+pub(crate) fn unknown_value(option: &str, value: &str, known: &[&str]) -> CliError {
+    let is_it = |retired: &&RetiredValue| retired.option == option && retired.old == value;
+    match RETIRED_VALUES.iter().find(is_it) {
+        Some(retired) => {
+            CliError::Usage(format!("{option} \"{value}\" is now named \"{}\"", retired.new))
+        }
+        None => unknown_name(option, value, known),
+    }
+}
 
 /// Adds the replacement to an error about an old spelling; `words` are the arguments.
 pub(crate) fn explain(error: &mut clap::Error, command: &Command, words: &[String]) {
@@ -56,7 +83,7 @@ fn tip(retired: &Retired, new: &Arg) -> String {
 mod tests {
     use clap::{CommandFactory, Parser};
 
-    use super::{RETIRED, explain, replacement, tip};
+    use super::{RETIRED, RETIRED_VALUES, explain, replacement, tip, unknown_value};
     use crate::args::Cli;
 
     /// Every old spelling is explained in the subcommands that have its replacement, and in no
@@ -87,6 +114,16 @@ mod tests {
                 explained += 1;
             }
             assert!(explained > 0, "{} is explained nowhere", retired.old);
+        }
+    }
+
+    #[test]
+    fn old_values_name_the_new_ones() {
+        for retired in &RETIRED_VALUES {
+            let text = unknown_value(retired.option, retired.old, &["a"]).to_string();
+            assert!(text.contains(&format!("is now named \"{}\"", retired.new)), "{text}");
+            let text = unknown_value(retired.option, "b", &["a"]).to_string();
+            assert!(text.contains("unknown") && !text.contains(retired.new), "{text}");
         }
     }
 }

@@ -15,7 +15,7 @@ const ROW: [&str; 18] = [
     "variance_stderr",
     "error",
     "relative_error",
-    "gain",
+    "variance_reduction",
     "rate",
     "rate_interval",
     "seconds_per_set",
@@ -43,8 +43,8 @@ fn an_error_is_answered_with_points() {
             "integrand",
             "domain",
             "integral",
-            "error_asked",
-            "points_asked",
+            "error_requested",
+            "points_requested",
             "max_points",
             "cost_per_sample",
             "rows",
@@ -56,8 +56,8 @@ fn an_error_is_answered_with_points() {
         ],
     );
     let integral = document["integral"].as_f64().unwrap();
-    let asked = document["error_asked"].as_f64().unwrap();
-    assert!(same(asked, 0.01 * integral), "{asked} of {integral}");
+    let requested = document["error_requested"].as_f64().unwrap();
+    assert!(same(requested, 0.01 * integral), "{requested} of {integral}");
     let mut last = 0;
     for row in rows(&document) {
         assert_keys(row, &ROW);
@@ -66,7 +66,7 @@ fn an_error_is_answered_with_points() {
         assert!(n >= last, "the fewest points come first: {document}");
         last = n;
         let error = row["error"].as_f64().unwrap();
-        assert!(error <= asked && error > 0.5 * asked, "{row}");
+        assert!(error <= requested && error > 0.5 * requested, "{row}");
         assert!(same(row["relative_error"].as_f64().unwrap(), error / integral), "{row}");
         assert!(row["too_few"].as_u64().unwrap() < n, "{row}");
     }
@@ -239,7 +239,7 @@ fn an_exact_pattern_needs_its_smallest_set() {
     let document = place.run(&format!("{arguments} --json")).json();
     let best = &rows(&document)[0];
     assert_eq!((&best["sampler"], &best["n"]), (&"healpix".into(), &12.into()), "{document}");
-    assert!(best["rate"].is_null() && best["gain"].is_null(), "{best}");
+    assert!(best["rate"].is_null() && best["variance_reduction"].is_null(), "{best}");
     assert_eq!(best["variance"], 0.0, "{best}");
     let text = place.run(arguments).ok().stdout;
     assert!(text.contains("exact") && text.contains("Take healpix with N = 12"), "{text}");

@@ -72,7 +72,8 @@ fn every_file_is_whole() {
         }
     }
     // The requested and the actual N are shown side by side.
-    for part in ["white-noise", "jittered", "fibonacci", "N asked", "predicted", "measured", "rate"]
+    for part in
+        ["white-noise", "jittered", "fibonacci", "N requested", "predicted", "measured", "rate"]
     {
         assert!(outcome.stdout.contains(part), "{part}: {}", outcome.stdout);
     }
@@ -96,7 +97,7 @@ fn json_and_files_agree() {
         &[
             "sampler",
             "integrand",
-            "asked",
+            "n_requested",
             "n",
             "predicted",
             "predicted_stderr",

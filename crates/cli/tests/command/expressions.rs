@@ -158,7 +158,9 @@ fn environment_maps_have_options() {
     place.write("sky.exr", small_exr(16, 8));
     let value = |integrand: &str, more: &str| row(&place, integrand, more);
     let plain = value("env:sky.exr", "");
-    for options in ["mirror=yes", "turn=33", "up=y", "up=-x,turn=-5,mirror=yes", "up=z,channel=r"] {
+    for options in
+        ["mirror=yes", "rotate=33", "up=y", "up=-x,rotate=-5,mirror=yes", "up=z,channel=r"]
+    {
         let other = value(&format!("env:sky.exr,{options}"), "");
         let (a, b) = (plain["exact"].as_f64().unwrap(), other["exact"].as_f64().unwrap());
         assert!((a - b).abs() < 1e-6 * a, "{options}: {a} {b}");
@@ -171,10 +173,10 @@ fn environment_maps_have_options() {
     for (options, parts) in [
         ("up=w", &["unknown up of env \"w\"", "z, y, x, -z, -y, -x"][..]),
         ("mirror=maybe", &["mirror of env", "no, yes"]),
-        ("turn=inf", &["turn must be a finite number"]),
+        ("rotate=inf", &["rotate must be a finite number"]),
         ("projection=cube", &["projection of env", "latlong, octahedral"]),
         ("projection=octahedral", &["must be square", "16 x 8"]),
-        ("tilt=3", &["unknown parameter \"tilt\"", "mirror (no, yes), turn"]),
+        ("tilt=3", &["unknown parameter \"tilt\"", "mirror (no, yes), rotate"]),
     ] {
         let (message, _) = rejection(&place, &format!("env:sky.exr,{options}"), "");
         for part in parts {
@@ -230,7 +232,7 @@ fn names_of_any_bytes_are_read() {
     }
     let mut command = place.command("render cornell --sampler jittered -n 24 --size 4 -o p.exr");
     let integral =
-        std::ffi::OsStr::from_bytes(b"--integral=irradiance:env=sky\xff.exr,turn=90,mirror=yes");
+        std::ffi::OsStr::from_bytes(b"--integral=irradiance:env=sky\xff.exr,rotate=90,mirror=yes");
     let output = command.arg(integral).output().unwrap();
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
 }

@@ -51,17 +51,20 @@ fn a_degree_that_fakes_a_rate_is_rejected() {
     with("white-noise", 8, "cap:degrees=60").ok();
 }
 
-/// With the cut at the equator, an integrand that vanishes there has no additional variance, and
-/// the variance is predicted; the ratio estimate has a larger one.
+/// An integrand that vanishes at the equator has no additional variance on the half above it, and
+/// the variance is predicted; that of the ratio estimate is larger.
 #[test]
-fn cut_spheres_are_compared_with_the_hemisphere() {
+fn visible_halves_are_compared_with_hemisphere_patterns() {
     let place = Workplace::new();
     let command = "variance jittered -n 96 --integrand cosine -m 400 --hemisphere";
-    let document = place.run(&format!("{command} --cut-sphere=equator --json")).json();
-    let rows = document["cut_sphere"].as_array().unwrap();
+    let document = place.run(&format!("{command} --visible-half=equator --json")).json();
+    let rows = document["visible_half"].as_array().unwrap();
     assert_eq!(rows.len(), 2);
     for row in rows {
-        assert_keys(row, &["sampler", "m", "estimator", "measured_low", "over_hemisphere", "kept"]);
+        assert_keys(
+            row,
+            &["sampler", "m", "estimator", "measured_low", "over_hemisphere", "n_visible"],
+        );
         assert_eq!(row["m"], 192, "{row}");
     }
     // Six standard errors of 7 % each.
@@ -70,20 +73,20 @@ fn cut_spheres_are_compared_with_the_hemisphere() {
     };
     assert!((ratio(&rows[0], "predicted") - 1.0).abs() < 0.45, "{rows:?}");
     assert!(rows[1]["over_hemisphere"].as_f64().unwrap() > 1.8, "{rows:?}");
-    let text = place.run(&format!("{command} --cut-sphere")).ok().stdout;
-    assert!(text.contains("cut/hemisphere"), "{text}");
-    assert!(place.run(&format!("{command} --json")).json().get("cut_sphere").is_none());
+    let text = place.run(&format!("{command} --visible-half")).ok().stdout;
+    assert!(text.contains("half/hemisphere"), "{text}");
+    assert!(place.run(&format!("{command} --json")).json().get("visible_half").is_none());
 }
 
-/// Predictions for cuts at the equator state the error of their tail separately, or are null if the
-/// integrand's energies are unknown.
+/// Predictions for the half above the equator state the error of their tail separately, or are null
+/// if the energies of the integrand are unknown.
 #[test]
-fn predictions_of_cut_spheres_state_their_tail() {
+fn predictions_of_visible_halves_state_their_tail() {
     let place = Workplace::new();
-    let command = "variance jittered -n 24 -m 20 --hemisphere --cut-sphere=equator --json";
+    let command = "variance jittered -n 24 -m 20 --hemisphere --visible-half=equator --json";
     let rows = |integrand: &str| {
         let document = place.run(&format!("{command} --integrand {integrand}")).json();
-        document["cut_sphere"].as_array().unwrap().clone()
+        document["visible_half"].as_array().unwrap().clone()
     };
     for row in rows("cosine") {
         // The mean spectrum of jittered samples is exact, but not its tail.
@@ -92,7 +95,7 @@ fn predictions_of_cut_spheres_state_their_tail() {
         assert!(number("predicted_tail_error") > 0.0, "{row}");
         assert!((0.0..number("predicted")).contains(&number("predicted_tail")), "{row}");
     }
-    // The energies of a cut pixel map are unknown.
+    // The energies of a pixel map that the equator cuts are unknown.
     let map = format!("map:{}/tests/data/ring.fits", env!("CARGO_MANIFEST_DIR"));
     assert!(rows(&map).iter().all(|row| row["predicted"].is_null() && row["measured"].is_f64()));
 }

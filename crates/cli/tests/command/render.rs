@@ -28,7 +28,7 @@ fn a_picture_needs_no_reference_image() {
     let place = Workplace::new();
     let arguments = "render cornell --sampler jittered -n 24 --size 48x32 -o ao.png --cache cache";
     let text = place.run(arguments).ok().stdout;
-    assert!(text.contains("jittered, projective, N = 24") && text.contains("rays"), "{text}");
+    assert!(text.contains("jittered, antipodal, N = 24") && text.contains("rays"), "{text}");
     assert_eq!(place.names(), ["ao.png"]);
     let picture = image::open(place.path("ao.png")).unwrap().into_rgb8();
     assert_eq!(picture.dimensions(), (48, 32));
@@ -46,7 +46,7 @@ fn the_document_has_its_keys_and_agrees_with_itself() {
             format!("render cornell --sampler jittered -n 100 --mode {mode} --json {SMALL} {more}");
         place.run(&arguments).json()
     };
-    let document = run("projective", "-o p.exr --difference d.pfm --error e.pfm");
+    let document = run("antipodal", "-o p.exr --difference d.pfm --error e.pfm");
     assert_keys(
         &document,
         &[
@@ -58,29 +58,31 @@ fn the_document_has_its_keys_and_agrees_with_itself() {
             "bias_squared",
             "bias_squared_stderr",
             "white_noise",
-            "gain",
+            "variance_reduction",
             "structured_error",
             "autocorrelation",
             "bias_t",
             "bias_limit",
             "n",
-            "asked",
+            "n_requested",
             "mode",
             "renders",
             "reference_n",
             "provenance",
         ],
     );
-    assert_eq!((document["n"].as_u64(), document["asked"].as_u64()), (Some(96), Some(100)));
+    assert_eq!((document["n"].as_u64(), document["n_requested"].as_u64()), (Some(96), Some(100)));
     assert_eq!(document["reference_n"].as_u64(), Some(600));
     let mse = number(&document, "mse");
     assert!(mse > 0.0 && number(&document, "mse_stderr") < 0.3 * mse, "{document}");
     let sum = number(&document, "variance") + number(&document, "bias_squared");
     assert!((sum / mse - 1.0).abs() < 1e-12, "{document}");
     assert!(
-        (number(&document, "gain") * mse / number(&document, "white_noise") - 1.0).abs() < 1e-12
+        (number(&document, "variance_reduction") * mse / number(&document, "white_noise") - 1.0)
+            .abs()
+            < 1e-12
     );
-    assert!(number(&document, "gain") > 1.5, "{document}");
+    assert!(number(&document, "variance_reduction") > 1.5, "{document}");
     let rays = document["rays"].as_u64().unwrap();
     assert_eq!(rays, 8 * 96 * document["pixels"].as_u64().unwrap());
     // The error image has the same mean.
@@ -216,8 +218,8 @@ fn the_sky_is_oriented_as_in_other_renderers() {
         // With the opposite orientation, -z replaces z.
         (",mirror=yes", ["4,0,0", "0,0,-4"], ["-4,0,0", "0,0,4"]),
         // Counterclockwise as seen from above: from +x to -z.
-        (",turn=90", ["0,0,-4", "4,0,0"], ["0,0,4", "-4,0,0"]),
-        (",turn=180", ["-4,0,0", "0,0,-4"], ["4,0,0", "0,0,4"]),
+        (",rotate=90", ["0,0,-4", "4,0,0"], ["0,0,4", "-4,0,0"]),
+        (",rotate=180", ["-4,0,0", "0,0,-4"], ["4,0,0", "0,0,4"]),
         // With z up, the quarter is between +x and -y, where the floor receives light too.
         (",up=z", ["4,0,0", "4,0,0"], ["-4,0,0", "-4,0,0"]),
     ] {
@@ -243,11 +245,14 @@ fn a_study_has_rows_rates_and_crossovers() {
     // 6, 12, 24, 48 and of jitter 6, 24, 54.
     assert_eq!(rows.len(), 7, "{document}");
     for row in rows {
-        assert_keys(row, &["sampler", "mode", "n", "mse", "mse_stderr", "white_noise", "gain"]);
+        assert_keys(
+            row,
+            &["sampler", "mode", "n", "mse", "mse_stderr", "white_noise", "variance_reduction"],
+        );
         if row["sampler"] == "white-noise" {
-            let gain = number(row, "gain");
+            let reduction = number(row, "variance_reduction");
             // Four renders of about 400 pixels: 4 %.
-            assert!((gain - 1.0).abs() < 0.2, "{row}");
+            assert!((reduction - 1.0).abs() < 0.2, "{row}");
         }
     }
     let samplers = document["samplers"].as_array().unwrap();
@@ -320,6 +325,7 @@ fn usage_errors_are_reported() {
         ("-n 0", &["numbers of points must be at least 1"][..]),
         ("-n 24,48", &["-n must be one number"]),
         ("--mode spin", &["unknown mode", "did you mean \"spun\""]),
+        ("--mode projective", &["is now named \"antipodal\""]),
         ("--estimator best", &["unknown estimator", "ratio, unbiased"]),
         ("--integral gi", &["unknown integral", "ao, irradiance, light"]),
         ("--integral ao:weight=x", &["unknown weight of ao"]),
@@ -345,8 +351,8 @@ fn usage_errors_are_reported() {
         ("-m 0", &["-m must be at least 1"]),
         ("--reference-count 0 --json", &["--reference-count"]),
         ("--sets 0", &["--sets must be at least 1"]),
-        ("--sets 9 --mode shared", &["--sets is for random samplers"]),
-        ("--sets 9 --mode fresh", &["--sets is for random samplers"]),
+        ("--sets 9 --mode shared", &["--sets requires a random sampler"]),
+        ("--sets 9 --mode fresh", &["--sets requires a random sampler"]),
         ("-m 8 -o p.png", &["-m 8 needs errors", "--mse"]),
         ("--lamp 0,0,0,1,0,0,1,1,0,0,1,0", &["--lamp is for light, not for ao"]),
         ("-o p.png --difference p.png", &["files of their own", "p.png twice"]),
@@ -364,7 +370,7 @@ fn usage_errors_are_reported() {
     let sets = format!("--sets {} -n 24 --size 8", u64::MAX);
     run(&format!("cornell --sampler jittered {sets}"))
         .fails(1, &["--sets 18446744073709551615 needs", "memory"]);
-    run("cornell --sampler healpix -n 24 --sets 9").fails(2, &["--sets is for random samplers"]);
+    run("cornell --sampler healpix -n 24 --sets 9").fails(2, &["--sets requires a random sampler"]);
     place.write("pyramid.obj", PYRAMID);
     for fov in ["0", "nan", "180", "-3"] {
         run(&format!("pyramid.obj --sampler jittered --fov {fov}"))

@@ -168,9 +168,12 @@ fn documents_fit_their_schema() {
         ("variance", "variance white-noise -n 12 --integrand vmf:kappa=1e6 -m 10"),
         (
             "variance",
-            "variance jittered -n 24 --hemisphere --integrand cosine -m 20 --cut-sphere=equator",
+            "variance jittered -n 24 --hemisphere --integrand cosine -m 20 --visible-half=equator",
         ),
-        ("variance", "variance jittered -n 24 --hemisphere --integrand cosine -m 20 --cut-sphere"),
+        (
+            "variance",
+            "variance jittered -n 24 --hemisphere --integrand cosine -m 20 --visible-half",
+        ),
     ]
     .into_iter()
     .map(|(command, arguments)| (command, arguments.to_owned()))

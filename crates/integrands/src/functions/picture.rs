@@ -21,7 +21,7 @@ pub enum Projection {
 /// from inside.
 ///
 /// In the equirectangular projection texel (row i, column j) has its centre at
-/// `theta = pi (i + 1/2)/H`, `phi = pi/2 - 2 pi (j + 1/2)/W + turn`: columns run clockwise as seen
+/// `theta = pi (i + 1/2)/H`, `phi = pi/2 - 2 pi (j + 1/2)/W + rotation`: columns run clockwise as seen
 /// from +z, from +y over +x. With the pole rotated to +y about the x axis this is the emitter
 /// `envmap` of Mitsuba 3. In the octahedral projection columns run towards +x and rows towards +y,
 /// as in pbrt.
@@ -37,8 +37,8 @@ pub enum Projection {
 /// // From the inside, facing +x with +z up, +y is on the left.
 /// assert!((map.eval(DVec3::new(1.0, 1.0, 0.0).normalize()) - 1.0).abs() < 1e-12);
 /// assert!((map.eval(DVec3::new(1.0, -1.0, 0.0).normalize()) - 2.0).abs() < 1e-12);
-/// let turned = PictureLayout { turn: std::f64::consts::PI, ..PictureLayout::default() };
-/// let map = EnvironmentMap::from_picture(4, 2, columns, turned)?;
+/// let rotated = PictureLayout { rotation: std::f64::consts::PI, ..PictureLayout::default() };
+/// let map = EnvironmentMap::from_picture(4, 2, columns, rotated)?;
 /// assert!((map.eval(DVec3::new(-1.0, -1.0, 0.0).normalize()) - 1.0).abs() < 1e-12);
 /// # Ok::<(), sphvar_integrands::Error>(())
 /// ```
@@ -49,7 +49,7 @@ pub struct PictureLayout {
     /// Whether y becomes -y, before the rotation.
     pub mirror: bool,
     /// Added to all longitudes, in radians.
-    pub turn: f64,
+    pub rotation: f64,
 }
 
 /// Samples per side of a texel when an octahedral map is resampled to rows and columns.
@@ -92,7 +92,7 @@ impl EnvironmentMap {
             FRAC_PI_2
         };
         let map = Self::new(width, height, texels)?;
-        Ok(map.with_first_longitude((first_longitude + layout.turn).rem_euclid(TAU)))
+        Ok(map.with_first_longitude((first_longitude + layout.rotation).rem_euclid(TAU)))
     }
 }
 

@@ -28,7 +28,7 @@ pub struct PictureParameters {
     /// Whether the picture is mirrored.
     pub mirror: bool,
     /// Added to all longitudes, in degrees.
-    pub turn: f64,
+    pub rotate: f64,
 }
 
 /// A direction along an axis.
@@ -83,8 +83,8 @@ impl PictureParameters {
     /// Returns the mapping of the picture to the sphere, with its pole at +z.
     #[must_use]
     pub fn layout(&self) -> PictureLayout {
-        let &Self { projection, mirror, turn, .. } = self;
-        PictureLayout { projection, mirror, turn: turn.to_radians() }
+        let &Self { projection, mirror, rotate, .. } = self;
+        PictureLayout { projection, mirror, rotation: rotate.to_radians() }
     }
 }
 
@@ -102,8 +102,8 @@ impl Parametric for PictureParameters {
         d.word("layer", "layer or part of the file", "none", &mut self.layer);
         d.choice("projection", "how the picture covers the sphere", &mut self.projection);
         d.optional_choice("up", "axis of the picture's pole", "z", &mut self.up);
-        d.choice("mirror", "whether y becomes -y, before the turn", &mut self.mirror);
-        d.number("turn", Range::FINITE, "added to all longitudes, in degrees", &mut self.turn);
+        d.choice("mirror", "whether y becomes -y, before the rotation", &mut self.mirror);
+        d.number("rotate", Range::FINITE, "added to all longitudes, in degrees", &mut self.rotate);
     }
 }
 

@@ -42,7 +42,7 @@ fn terms_show_required_and_non_default_parameters() {
     assert_eq!(
         forms[8],
         "env:FILE[,channel=NAME][,layer=NAME][,projection=latlong|octahedral][,up=z|y|x|-z|-y|-x]\
-         [,mirror=no|yes][,turn=0]"
+         [,mirror=no|yes][,rotate=0]"
     );
 }
 

@@ -42,15 +42,15 @@ fn the_orientation_of_pictures_matches_mitsuba() {
 #[test]
 fn mirror_and_turn_move_the_same_function() {
     let make = |layout| EnvironmentMap::from_picture(16, 8, picture(), layout).unwrap();
-    let (plain, turn) = (make(PictureLayout::default()), 0.7);
+    let (plain, rotation) = (make(PictureLayout::default()), 0.7);
     let mirrored = make(PictureLayout { mirror: true, ..PictureLayout::default() });
-    let turned = make(PictureLayout { turn, ..PictureLayout::default() });
-    let both = make(PictureLayout { mirror: true, turn, ..PictureLayout::default() });
+    let rotated = make(PictureLayout { rotation, ..PictureLayout::default() });
+    let both = make(PictureLayout { mirror: true, rotation, ..PictureLayout::default() });
     for k in 0..200 {
         // At the poles themselves there is no longitude.
         let (theta, phi) = (PI * (f64::from(k) + 0.5) / 200.0, 0.37 * f64::from(k));
         let value = plain.eval(direction(theta, phi));
-        for (map, phi) in [(&mirrored, -phi), (&turned, phi + turn), (&both, turn - phi)] {
+        for (map, phi) in [(&mirrored, -phi), (&rotated, phi + rotation), (&both, rotation - phi)] {
             let got = map.eval(direction(theta, phi));
             assert!((got - value).abs() < 1e-9, "{k}: {got}, not {value}");
         }
@@ -60,7 +60,7 @@ fn mirror_and_turn_move_the_same_function() {
         (energy.per_band().to_vec(), energy.total())
     };
     let (expected, total) = energy(&plain);
-    for map in [&mirrored, &turned, &both] {
+    for map in [&mirrored, &rotated, &both] {
         let (got, square) = energy(map);
         assert!((square - total).abs() < 1e-12 * total, "{square} {total}");
         for (l, (a, b)) in got.iter().zip(&expected).enumerate() {
@@ -69,14 +69,14 @@ fn mirror_and_turn_move_the_same_function() {
     }
     // The coefficients are those of the evaluated function: by quadrature at (l, m) = (1, 1), int f
     // Re(conj Y_11), Y_11 = -sqrt(3/8pi) sin(theta) e^{i phi}.
-    let alm = turned.alm(Domain::Sphere, 2).unwrap();
+    let alm = rotated.alm(Domain::Sphere, 2).unwrap();
     let n = 1000;
     let mut sum = [0.0; 2];
     for i in 0..n {
         for j in 0..2 * n {
             let theta = PI * (f64::from(i) + 0.5) / f64::from(n);
             let phi = PI * (f64::from(j) + 0.5) / f64::from(n);
-            let weight = theta.sin() * turned.eval(direction(theta, phi));
+            let weight = theta.sin() * rotated.eval(direction(theta, phi));
             let amplitude = -(3.0 / (8.0 * PI)).sqrt() * theta.sin() * weight;
             sum[0] += amplitude * phi.cos();
             sum[1] -= amplitude * phi.sin();

@@ -106,7 +106,7 @@ pub(super) fn nside(
     let max = faces << 58;
     nside.and_then(|nside| Nside::new(nside).ok()).ok_or(Error::TooManyPoints {
         pattern,
-        asked: n_points,
+        requested: n_points,
         max,
     })
 }

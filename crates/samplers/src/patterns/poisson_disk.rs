@@ -110,7 +110,7 @@ impl PoissonDisk {
         }
         if n_points > Self::MAX_POINTS {
             let max = Self::MAX_POINTS;
-            return Err(Error::TooManyPoints { pattern: NAME, asked: n_points, max });
+            return Err(Error::TooManyPoints { pattern: NAME, requested: n_points, max });
         }
         let radius = radius.unwrap_or_else(|| Self::default_radius(n_points, domain, mode));
         let disks = Self { n_points, domain, mode, radius };

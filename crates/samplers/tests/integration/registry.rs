@@ -264,8 +264,8 @@ fn patterns_with_facts() -> Vec<Pattern> {
     Pattern::ALL.into_iter().chain(others).collect()
 }
 
-fn set(pattern: &Pattern, asked: usize, realization: u64) -> PointSet {
-    let n = pattern.nearest_count(asked, Domain::Sphere);
+fn set(pattern: &Pattern, requested: usize, realization: u64) -> PointSet {
+    let n = pattern.nearest_count(requested, Domain::Sphere);
     let sampler = pattern.build(n, Domain::Sphere).unwrap();
     let mut rng = Streams::new(0, Purpose::Pattern, 0).realization(realization);
     sampler.sample(&mut rng).unwrap()
@@ -325,7 +325,7 @@ fn rates_are_displayed_in_words() {
         ("ccvt", "N^-3 for smooth integrands, N^-1.5 for those with jumps"),
         ("ccvt:mass=white", "N^-1 for every integrand"),
         ("profile", "as requested"),
-        ("equal-area:placement=centred", "no known law"),
+        ("equal-area:placement=centred", "no known rate"),
     ] {
         assert_eq!(text.parse::<Pattern>().unwrap().facts().rates(), rates);
     }

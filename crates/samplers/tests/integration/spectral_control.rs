@@ -296,13 +296,13 @@ fn alphas_beyond_the_freedom_name_the_largest() {
         for n in [5, 9, 53, 100, 227, 5252] {
             let largest = SpectralControl::max_alpha(n, domain).expect("a number of points");
             if largest < SpectralControl::MAX_ALPHA {
-                let asked = Some(largest + 1e-5);
+                let requested = Some(largest + 1e-5);
                 for result in [
-                    SpectralControl::step(n, domain, asked, None),
-                    SpectralControl::blue(n, domain, asked),
+                    SpectralControl::step(n, domain, requested, None),
+                    SpectralControl::blue(n, domain, requested),
                 ] {
                     let Err(Error::Infeasible { reason, .. }) = result else {
-                        panic!("{domain}, N = {n}, alpha {asked:?}: {result:?}");
+                        panic!("{domain}, N = {n}, alpha {requested:?}: {result:?}");
                     };
                     assert!(reason.contains(&largest.to_string()), "{reason}");
                 }

@@ -18,24 +18,24 @@ pub enum DirectionMode {
     Rotated,
     /// Hemisphere sets as antipodal (projective) sets, with a uniform random rotation at every hit
     /// point. Of each pair of antipodal directions the one above the surface is used.
-    Projective,
-    /// Like [`Self::Projective`], with a separate realization at every hit point.
+    Antipodal,
+    /// Like [`Self::Antipodal`], with a separate realization at every hit point.
     Fresh,
 }
 
 impl DirectionMode {
     /// All modes.
     pub const ALL: [Self; 5] =
-        [Self::Shared, Self::Spun, Self::Rotated, Self::Projective, Self::Fresh];
+        [Self::Shared, Self::Spun, Self::Rotated, Self::Antipodal, Self::Fresh];
 
-    /// Returns the name: `shared`, `spun`, `rotated`, `projective` or `fresh`.
+    /// Returns the name: `shared`, `spun`, `rotated`, `antipodal` or `fresh`.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
             Self::Shared => "shared",
             Self::Spun => "spun",
             Self::Rotated => "rotated",
-            Self::Projective => "projective",
+            Self::Antipodal => "antipodal",
             Self::Fresh => "fresh",
         }
     }
@@ -45,7 +45,7 @@ impl DirectionMode {
     pub const fn domain(self) -> Domain {
         match self {
             Self::Shared | Self::Rotated => Domain::Sphere,
-            Self::Spun | Self::Projective | Self::Fresh => Domain::Hemisphere,
+            Self::Spun | Self::Antipodal | Self::Fresh => Domain::Hemisphere,
         }
     }
 

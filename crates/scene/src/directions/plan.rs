@@ -55,7 +55,7 @@ impl DirectionPlan {
     ///
     /// Returns [`Error::Sampler`] if `n_points` is 0 or exceeds the range of indices.
     pub fn reference(n_points: usize, seed: u64) -> Result<Self, Error> {
-        let mode = DirectionMode::Projective;
+        let mode = DirectionMode::Antipodal;
         let nearest = Pattern::Jittered.nearest_count(n_points, Domain::Hemisphere);
         // Zero directions are rejected below.
         let mut n = if n_points == 0 { 0 } else { nearest };
@@ -69,7 +69,7 @@ impl DirectionPlan {
     }
 
     /// Returns the plan with tables of `n_sets` sets, at least 1. The number matters only for
-    /// [`DirectionMode::Rotated`] and [`DirectionMode::Projective`], and only for random patterns.
+    /// [`DirectionMode::Rotated`] and [`DirectionMode::Antipodal`], and only for random patterns.
     ///
     /// # Errors
     ///
@@ -133,7 +133,7 @@ impl DirectionPlan {
     pub fn n_sets(&self) -> usize {
         match self.mode {
             DirectionMode::Shared | DirectionMode::Spun => 1,
-            DirectionMode::Rotated | DirectionMode::Projective => self.n_sets.unwrap_or(1),
+            DirectionMode::Rotated | DirectionMode::Antipodal => self.n_sets.unwrap_or(1),
             DirectionMode::Fresh => 0,
         }
     }
@@ -142,7 +142,7 @@ impl DirectionPlan {
     /// effect.
     #[must_use]
     pub fn has_table(&self) -> bool {
-        let from_table = matches!(self.mode, DirectionMode::Rotated | DirectionMode::Projective);
+        let from_table = matches!(self.mode, DirectionMode::Rotated | DirectionMode::Antipodal);
         from_table && self.n_sets.is_some()
     }
 

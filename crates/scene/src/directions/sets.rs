@@ -84,7 +84,7 @@ impl DirectionSets {
                 let visible = set.iter().filter(|d| is_visible(back, **d));
                 dirs.extend(visible.map(|&d| rotation * d));
             }
-            DirectionMode::Projective => {
+            DirectionMode::Antipodal => {
                 let mut rng = stream();
                 let set = self.choose(&mut rng);
                 let rotation = uniform_rotation(&mut rng);

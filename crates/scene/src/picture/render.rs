@@ -39,7 +39,7 @@ struct Pixel {
 /// let cornell = CornellBox::new();
 /// let view = View::new(&cornell.scene, &cornell.camera, [32, 32])?;
 /// let ambient = Integral::AmbientOcclusion { max_distance: f64::INFINITY, cosine: false };
-/// let plan = DirectionPlan::new(Pattern::Jittered, 24, DirectionMode::Projective, 0)?;
+/// let plan = DirectionPlan::new(Pattern::Jittered, 24, DirectionMode::Antipodal, 0)?;
 /// let image = render(&view, &ambient, Estimator::Ratio, &plan.prepare(0)?, &())?;
 /// // The box is open in front only.
 /// assert!(image.mean() > 0.0 && image.mean() < 0.5);

@@ -44,7 +44,7 @@ impl BoxStudy {
             pattern: None,
             lighting: self.lighting,
             n_points: self.reference_points,
-            mode: DirectionMode::Projective,
+            mode: DirectionMode::Antipodal,
             side: self.side,
             renders: 1,
         })

@@ -91,8 +91,8 @@ mod tests {
     use super::{CrossoverClaim, VariancePoint};
     use crate::{Claim, Verdict};
 
-    /// Returns a power law at the numbers of jittered sets to 1200, with relative errors.
-    fn law(f: &dyn Fn(f64) -> f64, relative: f64) -> Vec<VariancePoint> {
+    /// Returns values of `f` at the numbers of jittered sets to 1200, with relative errors.
+    fn curve(f: &dyn Fn(f64) -> f64, relative: f64) -> Vec<VariancePoint> {
         [1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0]
             .iter()
             .map(|nside: &f64| {
@@ -105,8 +105,8 @@ mod tests {
 
     /// Jitter as `1/N^2` beside Poisson disks as `1/(c N)`, which meet at N = c.
     fn judged(c: f64, relative: f64, swapped: bool) -> Claim {
-        let jitter = law(&|n| 1.0 / (n * n), relative);
-        let disks = law(&|n| 1.0 / (c * n), relative);
+        let jitter = curve(&|n| 1.0 / (n * n), relative);
+        let disks = curve(&|n| 1.0 / (c * n), relative);
         let (first, second) = if swapped { (disks, jitter) } else { (jitter, disks) };
         let claim =
             CrossoverClaim { what: String::new(), value: 300.0, tolerance: 30.0, remark: "" };

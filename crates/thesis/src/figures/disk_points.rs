@@ -23,7 +23,7 @@ impl Recipe for DiskPoints {
 
     fn compose(&self, setting: Setting, _: &Results, figure: &mut Figure) -> Result<(), Error> {
         let set = |pattern: ThesisPattern| {
-            ThesisEnsemble::sphere(pattern.pattern(), N_POINTS).unturned().set(setting.seed, 0)
+            ThesisEnsemble::sphere(pattern.pattern(), N_POINTS).unrotated().set(setting.seed, 0)
         };
         let points = set(ThesisPattern::PoissonDisk)?;
         let root = (N_POINTS as f64).sqrt();

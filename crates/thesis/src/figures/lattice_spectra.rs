@@ -40,7 +40,7 @@ impl Recipe for LatticeSpectra {
         for lattice in LATTICES {
             let spectrum = results.spectrum(&mean_spectrum(lattice, setting))?;
             let n = spectrum.n_points();
-            let shown = ThesisEnsemble::sphere(lattice.pattern(), N_SHOWN).unturned();
+            let shown = ThesisEnsemble::sphere(lattice.pattern(), N_SHOWN).unrotated();
             figure.panel(
                 &format!("{}-points", lattice.name()),
                 format!("{}, N = {}", lattice.label(), shown.n_points),

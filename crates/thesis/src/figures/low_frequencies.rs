@@ -13,8 +13,8 @@ pub(crate) struct LowFrequencies;
 const PATTERNS: [ThesisPattern; 2] = [ThesisPattern::PoissonDisk, ThesisPattern::Jittered];
 /// The thesis's offset of Poisson disk patterns.
 const OFFSET: f64 = 0.055;
-/// Degrees to x = 0.5 follow `P0 + c x^2`, with `x^2 = l(l+1)/N`.
-const LAW: f64 = 0.5;
+/// The power follows `P0 + c x^2` for degrees to x = 0.5, with `x^2 = l(l+1)/N`.
+const PARABOLA_END: f64 = 0.5;
 /// Those of jitter to 0.25 are quadratic within 2 %.
 const QUADRATIC: f64 = 0.25;
 
@@ -65,9 +65,9 @@ fn claim_offset(disks: &Spectrum, figure: &mut Figure) {
     let about = Stated::About { value: OFFSET, tolerance: 0.0005 };
     figure.claims.push(
         with_dart_throwing(
-            Claim::number("offset of Poisson disk, omega to 0", about.clone(), offset(LAW))
+            Claim::number("offset of Poisson disk, omega to 0", about.clone(), offset(PARABOLA_END))
                 .because(format!(
-                    "P0 of P0 + c l(l+1)/N, fitted to omega = {LAW}, where that is the law; disks of chord 2.893/sqrt(N), \
+                    "P0 of P0 + c l(l+1)/N, fitted to omega = {PARABOLA_END}, the range in which the power has this form; disks of chord 2.893/sqrt(N), \
                      exactly N points"
                 )),
         )
@@ -84,8 +84,12 @@ fn claim_offset(disks: &Spectrum, figure: &mut Figure) {
     );
     figure.claims.push(
         with_dart_throwing(
-            Claim::number("offset of Poisson disk and 1/20", Stated::AtLeast(0.05), offset(LAW))
-                .because("1/20 is the bound of section 6.2.2"),
+            Claim::number(
+                "offset of Poisson disk and 1/20",
+                Stated::AtLeast(0.05),
+                offset(PARABOLA_END),
+            )
+            .because("1/20 is the bound of section 6.2.2"),
         )
         .erratum(30),
     );
@@ -151,7 +155,7 @@ fn axes(curves: Vec<Curve>) -> Curves {
 mod tests {
     use sphvar_samplers::Domain;
 
-    use super::{LAW, Spectrum, low, parabola};
+    use super::{PARABOLA_END, Spectrum, low, parabola};
 
     #[test]
     fn an_offset_is_recovered() {
@@ -159,7 +163,7 @@ mod tests {
         let exact = Spectrum::exact(Domain::Sphere, 400, power);
         // l = 9 is the last degree with l(l+1) <= 0.25 * 400. Errors are unequal, to test the
         // weights.
-        let rows = || low(&exact, LAW).map(|(x2, power, _)| (x2, power, 0.01 + x2));
+        let rows = || low(&exact, PARABOLA_END).map(|(x2, power, _)| (x2, power, 0.01 + x2));
         assert_eq!(rows().count(), 9);
         let (offset, _) = parabola(rows());
         // Some tens of roundings of numbers below 1, through a fit that magnifies them tenfold.

@@ -29,10 +29,10 @@ const PEAK: f64 = 10.0;
 /// Sets as in the thesis, without rotation.
 fn ensemble(pattern: ThesisPattern) -> ThesisEnsemble {
     match pattern {
-        ThesisPattern::Jittered => ThesisEnsemble::kept_half(pattern.pattern(), N_POINTS),
+        ThesisPattern::Jittered => ThesisEnsemble::visible_half(pattern.pattern(), N_POINTS),
         _ => ThesisEnsemble::hemisphere(pattern.pattern(), N_POINTS),
     }
-    .unturned()
+    .unrotated()
 }
 
 fn sets(pattern: ThesisPattern, setting: Setting) -> u64 {

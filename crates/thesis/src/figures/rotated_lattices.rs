@@ -68,7 +68,7 @@ impl RotatedLattice {
 
     fn job(&self, rotations: u64) -> Job {
         let ensemble = self.ensemble();
-        let ensemble = if rotations == 0 { ensemble.unturned() } else { ensemble };
+        let ensemble = if rotations == 0 { ensemble.unrotated() } else { ensemble };
         Job::Orders { ensemble, lmax: self.lmax(), sets: rotations.max(1) }
     }
 

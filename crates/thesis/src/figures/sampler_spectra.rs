@@ -56,7 +56,7 @@ fn hemisphere_spectrum(pattern: ThesisPattern, half: Half, setting: Setting) -> 
         (
             Half::Kept,
             ThesisPattern::Jittered | ThesisPattern::PoissonDisk | ThesisPattern::CcvtRandom,
-        ) => ThesisEnsemble::kept_half(pattern.pattern(), N_HALF),
+        ) => ThesisEnsemble::visible_half(pattern.pattern(), N_HALF),
         _ => ThesisEnsemble::hemisphere(pattern.pattern(), N_HALF),
     };
     Job::Spectrum {
@@ -80,7 +80,7 @@ pub(super) fn far_spectrum(pattern: ThesisPattern, setting: Setting) -> Job {
 /// Degree 2 of visible halves of jittered sets.
 fn seam(n_points: usize, setting: Setting) -> Job {
     Job::Spectrum {
-        ensemble: ThesisEnsemble::kept_half(Pattern::Jittered, n_points),
+        ensemble: ThesisEnsemble::visible_half(Pattern::Jittered, n_points),
         domain: Domain::Hemisphere,
         lmax: 2,
         sets: setting.scale.pick(1000, 4000),
@@ -194,7 +194,7 @@ fn insets(setting: Setting, figure: &mut Figure) -> Result<(), Error> {
         );
         let half = match pattern {
             ThesisPattern::WhiteNoise => ThesisEnsemble::hemisphere(pattern.pattern(), N_SHOWN / 2),
-            _ => ThesisEnsemble::kept_half(pattern.pattern(), N_SHOWN / 2),
+            _ => ThesisEnsemble::visible_half(pattern.pattern(), N_SHOWN / 2),
         };
         let points = half.set(setting.seed, 0)?;
         figure.panel(

@@ -31,7 +31,7 @@ impl Recipe for Strata {
         let mut single = Vec::new();
         for pattern in PATTERNS {
             let points =
-                ThesisEnsemble::sphere(pattern.pattern(), n).unturned().set(setting.seed, 0)?;
+                ThesisEnsemble::sphere(pattern.pattern(), n).unrotated().set(setting.seed, 0)?;
             single.push(share_with_one(&order, &points));
             let lines = match pattern {
                 ThesisPattern::WhiteNoise => Vec::new(),

@@ -35,7 +35,7 @@ impl<'a> Answer<'a> {
         let rows = candidates.iter().enumerate().map(record).collect();
         let best = recommended(candidates, question);
         let (reason, recommendation) = recommendation(best, question, predictor)?;
-        let (error_asked, points_asked, max_points) = match question.requested {
+        let (error_requested, points_requested, max_points) = match question.requested {
             Requested::Error { standard_error, max_points, .. } => {
                 (Some(standard_error), None, Some(max_points))
             }
@@ -45,8 +45,8 @@ impl<'a> Answer<'a> {
             integrand: question.integrand.clone(),
             domain: question.domain.name(),
             integral: question.integral,
-            error_asked,
-            points_asked,
+            error_requested,
+            points_requested,
             max_points,
             cost_per_sample: question.cost_per_sample,
             white_noise_points: question.white_noise_points(predictor),
@@ -74,7 +74,7 @@ impl<'a> Answer<'a> {
         let question = self.question;
         let mut text = match &question.requested {
             Requested::Error { text, standard_error, .. } => {
-                let asked = match question.integral {
+                let requested = match question.integral {
                     Some(integral) if question.relative(*standard_error).is_some() => {
                         format!(
                             "{text}, {} of the integral {}",
@@ -84,7 +84,7 @@ impl<'a> Answer<'a> {
                     }
                     _ => text.clone(),
                 };
-                format!("Points for a standard error of {asked}: {}\n\n", question.integrand)
+                format!("Points for a standard error of {requested}: {}\n\n", question.integrand)
             }
             Requested::Points(n) => {
                 format!("Standard errors with about {n} points: {}\n\n", question.integrand)

@@ -43,8 +43,8 @@ pub(super) struct CandidateRecord {
     pub(super) error: Option<f64>,
     /// `error` over the integral.
     pub(super) relative_error: Option<f64>,
-    /// White noise's variance with the same number of points over this one.
-    pub(super) gain: Option<f64>,
+    /// The variance of white noise with the same number of points, divided by this one.
+    pub(super) variance_reduction: Option<f64>,
     /// The exponent b of the variance as N^b near this number of points.
     pub(super) rate: Option<f64>,
     /// The 95 % interval of `rate`.
@@ -92,9 +92,9 @@ pub(crate) struct ChoiceBody {
     /// The exact integral; null if it is unknown or 0.
     pub(super) integral: Option<f64>,
     /// The standard error requested, in units of the integral.
-    pub(super) error_asked: Option<f64>,
+    pub(super) error_requested: Option<f64>,
     /// The sample budget of `-n`.
-    pub(super) points_asked: Option<usize>,
+    pub(super) points_requested: Option<usize>,
     /// The largest number of points considered.
     pub(super) max_points: Option<usize>,
     /// The time to evaluate the integrand once, in seconds, with `--cost-per-sample`.
@@ -154,7 +154,7 @@ impl CandidateRecord {
             variance_tail_error: point.map(|p| p.prediction.tail_error).filter(finite),
             error: variance.map(f64::sqrt),
             relative_error: variance.and_then(|v| question.relative(v.sqrt())),
-            gain: white.zip(variance).map(|(white, v)| white / v).filter(finite),
+            variance_reduction: white.zip(variance).map(|(white, v)| white / v).filter(finite),
             rate: rate.map(|fit| fit.slope),
             rate_interval: rate.map(|fit| fit.interval).filter(|i| (i.1 - i.0).is_finite()),
             seconds_per_set: candidate.set_time.map(|m| m.seconds),
@@ -177,7 +177,9 @@ impl CandidateRecord {
             Column::number("N", Self::count),
             Column::number("error", |r: &Self| r.error_text(r.relative_error.or(r.error))),
             Column::number("+-", |r: &Self| r.error_text(r.unknown_error())),
-            Column::number("reduction", |r: &Self| number::optional(r.gain, number::ratio)),
+            Column::number("reduction", |r: &Self| {
+                number::optional(r.variance_reduction, number::ratio)
+            }),
             Column::number("rate", |r: &Self| match r.variance {
                 Some(v) if v <= 0.0 => "exact".to_owned(),
                 _ => number::optional(r.rate, number::rate),

@@ -47,13 +47,13 @@ impl<'a> Curve<'a> {
             _ => ("both", fit_rate(&self.best())),
         };
         let measured: Option<RateFit> = fit_rate(&self.measured());
-        let gain = |point: VariancePoint| {
-            let gain = white / point.variance;
-            let stderr = gain * point.stderr / point.variance;
-            (gain.is_finite() && stderr.is_finite()).then_some((gain, stderr))
+        let reduction = |point: VariancePoint| {
+            let ratio = white / point.variance;
+            let stderr = ratio * point.stderr / point.variance;
+            (ratio.is_finite() && stderr.is_finite()).then_some((ratio, stderr))
         };
-        let best_gain = gain(last.comparison.best_point());
-        let measured_gain = gain(last.comparison.measured_point());
+        let best_reduction = reduction(last.comparison.best_point());
+        let measured_reduction = reduction(last.comparison.measured_point());
         let known = |x: Option<f64>| x.filter(|x| x.is_finite());
         let finite = |i: Option<(f64, f64)>| i.filter(|i| i.0.is_finite() && i.1.is_finite());
         Some(SamplerRecord {
@@ -68,11 +68,11 @@ impl<'a> Curve<'a> {
             measured_rate: measured.map(|f| f.slope),
             measured_rate_interval: finite(measured.map(|f| f.interval)),
             n,
-            gain: best_gain.map(|g| g.0),
-            gain_stderr: best_gain.map(|g| g.1),
-            measured_gain: measured_gain.map(|g| g.0),
-            measured_gain_stderr: measured_gain.map(|g| g.1),
-            power_seen: last.comparison.predicted_point().variance / white,
+            variance_reduction: best_reduction.map(|g| g.0),
+            variance_reduction_stderr: best_reduction.map(|g| g.1),
+            measured_variance_reduction: measured_reduction.map(|g| g.0),
+            measured_variance_reduction_stderr: measured_reduction.map(|g| g.1),
+            effective_power: last.comparison.predicted_point().variance / white,
         })
     }
 }

@@ -30,7 +30,7 @@ pub(super) struct DegreeRecord {
 pub(super) struct SamplerRecord {
     /// The sampler with its parameters.
     pub(super) sampler: String,
-    /// Where rate and gain come from, the more precise one at every N: `predicted`, `measured` or
+    /// Where rate and variance reduction come from, the more precise one at every N: `predicted`, `measured` or
     /// `both`.
     pub(super) basis: &'static str,
     /// The exponent b of the variance as N^b.
@@ -51,19 +51,20 @@ pub(super) struct SamplerRecord {
     pub(super) measured_rate_interval: Option<(f64, f64)>,
     /// The largest number of points, to which the fields below belong.
     pub(super) n: usize,
-    /// White noise's exact variance over this one; null where the variance is no more than
-    /// rounding.
-    pub(super) gain: Option<f64>,
-    /// The standard error of `gain`.
-    pub(super) gain_stderr: Option<f64>,
-    /// The gain of the measured variance, where enough trials see the integrand.
-    pub(super) measured_gain: Option<f64>,
-    /// The standard error of `measured_gain`.
-    pub(super) measured_gain_stderr: Option<f64>,
+    /// The exact variance of white noise divided by this one; null where the variance does not
+    /// exceed the rounding error.
+    pub(super) variance_reduction: Option<f64>,
+    /// The standard error of `variance_reduction`.
+    pub(super) variance_reduction_stderr: Option<f64>,
+    /// The reduction of the measured variance, where enough trials sample the support of the
+    /// integrand.
+    pub(super) measured_variance_reduction: Option<f64>,
+    /// The standard error of `measured_variance_reduction`.
+    pub(super) measured_variance_reduction_stderr: Option<f64>,
     /// The effective power, that is the pattern's power weighted by the integrand's energies:
     /// predicted over white noise's variance.
     #[schemars(with = "Option<f64>")]
-    pub(super) power_seen: f64,
+    pub(super) effective_power: f64,
 }
 
 /// Predicted and measured variances of patterns, their rates and crossovers: `compare --json` and
@@ -97,10 +98,10 @@ impl SamplerRecord {
                 })
             }),
             Column::number("at N", |s: &Self| s.n.to_string()),
-            Column::number("effective power", |s: &Self| number::value(s.power_seen)),
+            Column::number("effective power", |s: &Self| number::value(s.effective_power)),
             Column::number("reduction", |s: &Self| {
-                let both = s.gain.zip(s.gain_stderr);
-                number::optional(both, |(gain, e)| number::with_uncertainty(gain, e))
+                let both = s.variance_reduction.zip(s.variance_reduction_stderr);
+                number::optional(both, |(ratio, e)| number::with_uncertainty(ratio, e))
             }),
         ]
     }

@@ -27,7 +27,7 @@ pub(super) fn text(body: &ComparisonBody, plan: &Plan<'_>) -> String {
     text += &table_of(&SamplerRecord::columns(), &body.samplers);
     text += "\nrate: exponent b of variance ~ N^b; rate and reduction come from predicted or measured variances,\n\
              whichever are the more precise. effective power: the pattern's power averaged over the degrees\n\
-             with the integrand's energies; white noise has 1. reduction: white noise's variance over this one.\n";
+             with the integrand's energies; white noise has 1. reduction: the variance of white noise divided by this one.\n";
     if body.samplers.iter().any(|s| s.pre_asymptotic) {
         text +=
             "*: the rate changes over these numbers of points, it is not the asymptotic one yet.\n";
@@ -40,16 +40,20 @@ pub(super) fn text(body: &ComparisonBody, plan: &Plan<'_>) -> String {
 /// Returns the sampler with the largest variance reduction at its largest number of points, by
 /// predictions, which are more precise than measurements.
 fn verdict(samplers: &[SamplerRecord]) -> String {
-    let with_variance = samplers.iter().filter(|s| s.power_seen.is_finite());
-    let Some(best) = with_variance.min_by(|a, b| a.power_seen.total_cmp(&b.power_seen)) else {
+    let with_variance = samplers.iter().filter(|s| s.effective_power.is_finite());
+    let Some(best) = with_variance.min_by(|a, b| a.effective_power.total_cmp(&b.effective_power))
+    else {
         return "The integrand has no variance with any pattern: it is constant.\n".to_owned();
     };
-    if best.gain.is_none() || best.power_seen <= 0.0 {
-        let exact: Vec<&str> =
-            samplers.iter().filter(|s| s.gain.is_none()).map(|s| s.sampler.as_str()).collect();
+    if best.variance_reduction.is_none() || best.effective_power <= 0.0 {
+        let exact: Vec<&str> = samplers
+            .iter()
+            .filter(|s| s.variance_reduction.is_none())
+            .map(|s| s.sampler.as_str())
+            .collect();
         return format!("Exact to rounding: {}.\n", exact.join(", "));
     }
-    let measured = best.measured_gain.zip(best.measured_gain_stderr);
+    let measured = best.measured_variance_reduction.zip(best.measured_variance_reduction_stderr);
     let measured = measured.map_or(String::new(), |(g, e)| {
         format!(", {} as measured", number::with_uncertainty(g, e))
     });
@@ -57,6 +61,6 @@ fn verdict(samplers: &[SamplerRecord]) -> String {
         "Largest variance reduction: {} with N = {}, {} as predicted{measured}.\n",
         best.sampler,
         best.n,
-        number::ratio(1.0 / best.power_seen),
+        number::ratio(1.0 / best.effective_power),
     )
 }

@@ -31,7 +31,7 @@ pub(crate) struct RenderBody {
     /// The estimator for the visible half of a sphere set.
     estimator: &'static str,
     /// The number of directions requested.
-    asked: usize,
+    n_requested: usize,
     /// The number of directions on the visible hemisphere of each point.
     n: usize,
     /// The number of sets in the table of a render.
@@ -84,9 +84,9 @@ pub(crate) struct ErrorRecord {
     /// The exact mean squared error of the same number of independent directions.
     #[schemars(with = "Option<f64>")]
     pub(super) white_noise: f64,
-    /// `white_noise` over `mse`.
+    /// `white_noise` divided by `mse`.
     #[schemars(with = "Option<f64>")]
-    pub(super) gain: f64,
+    pub(super) variance_reduction: f64,
     /// 64 times the error of means over 8 by 8 pixels over that of pixels: 1 for independent
     /// pixels.
     #[schemars(with = "Option<f64>")]
@@ -116,7 +116,7 @@ impl ErrorRecord {
             bias_squared: report.bias_squared.value,
             bias_squared_stderr: report.bias_squared.stderr,
             white_noise: *white_noise,
-            gain: white_noise / report.mse.value,
+            variance_reduction: white_noise / report.mse.value,
             structured_error: report.structure.value,
             structured_error_stderr: report.structure.stderr,
             autocorrelation: report.autocorrelation.value,
@@ -209,7 +209,7 @@ fn body(trials: &Trials, outcome: &Outcome, errors: &Errors, reference: &Image) 
         sampler: trials.plan.pattern().to_string(),
         mode: trials.plan.mode().name(),
         estimator: trials.estimator.name(),
-        asked: trials.requested,
+        n_requested: trials.requested,
         n: trials.plan.n_points(),
         sets: trials.plan.n_sets(),
         width: picture.width,
@@ -248,7 +248,7 @@ fn text(trials: &Trials, outcome: &Outcome) -> String {
              structured error {} (1: independent pixels), neighbours' correlation {}\n",
             number::with_uncertainty(record.mse, record.mse_stderr),
             trials.renders,
-            number::ratio(record.gain),
+            number::ratio(record.variance_reduction),
             number::value(record.white_noise),
             number::with_uncertainty(record.variance, record.variance_stderr),
             number::with_uncertainty(record.bias_squared, record.bias_squared_stderr),

@@ -17,7 +17,7 @@ use crate::spec::{Spec, argument, unknown_name};
 
 /// The names of integrals and their parameters, for help texts.
 const INTEGRALS: &str = "ao[:weight=cosine] | irradiance:env=FILE[,albedo=1], and the parameters of the integrand \
-     env: (channel, layer, projection, up, mirror, turn; up is --up unless given) | light[:albedo=1]";
+     env: (channel, layer, projection, up, mirror, rotate; up is --up unless given) | light[:albedo=1]";
 
 /// The field of view of a mesh, degrees.
 const DEFAULT_FOV: f64 = 40.0;

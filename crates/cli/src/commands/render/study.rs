@@ -50,7 +50,7 @@ struct StudyRecord {
     /// How point sets are mapped to directions at each shading point.
     mode: &'static str,
     /// The number of directions requested.
-    asked: usize,
+    n_requested: usize,
     /// The number of directions on the visible hemisphere of each point.
     n: usize,
     /// Different sets in all renders together: 1 of lattices, 0 if every pixel has its own.
@@ -137,7 +137,7 @@ pub(super) fn run(args: &RenderArgs, global: &Global) -> Result<(), CliError> {
         rows.extend(outcome.errors.as_ref().map(|errors| StudyRecord {
             sampler: case.plan.pattern().to_string(),
             mode: mode.name(),
-            asked: case.requested,
+            n_requested: case.requested,
             n: case.plan.n_points(),
             sets: case.plan.distinct_sets(renders),
             renders,
@@ -170,11 +170,11 @@ impl StudyRecord {
         let score = |t: Option<f64>| number::optional(t, number::ratio);
         [
             Column::text("sampler", |r: &Self| r.sampler.clone()),
-            Column::number("N asked", |r: &Self| r.asked.to_string()),
+            Column::number("N requested", |r: &Self| r.n_requested.to_string()),
             Column::number("N", |r: &Self| r.n.to_string()),
             Column::number("mse", |r: &Self| number::value(r.errors.mse)),
             Column::number("+-", |r: &Self| number::uncertainty(r.errors.mse_stderr)),
-            Column::number("reduction", |r: &Self| number::ratio(r.errors.gain)),
+            Column::number("reduction", |r: &Self| number::ratio(r.errors.variance_reduction)),
             Column::number("structured error", |r: &Self| number::ratio(r.errors.structured_error)),
             Column::number("largest |t|", move |r: &Self| score(r.errors.bias_t)),
             Column::number("99 % limit", move |r: &Self| score(r.errors.bias_limit)),

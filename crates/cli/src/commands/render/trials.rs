@@ -71,7 +71,7 @@ impl Trials {
     ) -> Result<(), CliError> {
         if args.sets.is_some() && !cases.into_iter().any(|case| case.plan.has_table()) {
             return Err(CliError::Usage(
-                "--sets is for random samplers in the modes rotated and projective".to_owned(),
+                "--sets requires a random sampler and the mode rotated or antipodal".to_owned(),
             ));
         }
         Ok(())

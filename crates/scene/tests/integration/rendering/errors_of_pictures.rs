@@ -38,7 +38,7 @@ fn report(pattern: Pattern, n: usize, mode: DirectionMode, renders: u64) -> Erro
 #[test]
 fn white_noise_has_the_binomial_variance() {
     let n = 16;
-    for mode in [DirectionMode::Projective, DirectionMode::Fresh] {
+    for mode in [DirectionMode::Antipodal, DirectionMode::Fresh] {
         let report = report(Pattern::WhiteNoise, n, mode, 8);
         let exact = reference().white_noise_variance(n);
         let p_times_q = |p: f64| p * (1.0 - p);
@@ -56,7 +56,7 @@ fn white_noise_has_the_binomial_variance() {
 fn shared_sets_have_structure_and_rotated_ones_do_not() {
     let of = |mode| report(Pattern::Fibonacci, 64, mode, 2);
     let (shared, rotated) = (of(DirectionMode::Shared), of(DirectionMode::Rotated));
-    let projective = of(DirectionMode::Projective);
+    let projective = of(DirectionMode::Antipodal);
     for independent in [&rotated, &projective] {
         // 8 x 8 blocks, about 50 of them in each of two renders: 1 +- 0.14.
         assert!((independent.structure.value - 1.0).abs() < 0.6, "{independent:?}");
@@ -74,7 +74,7 @@ fn an_existing_bias_is_detected() {
     let shared = report(Pattern::Fibonacci, 24, DirectionMode::Shared, 7).bias.unwrap();
     assert!(shared.is_biased() && shared.beyond > 100, "{shared:?}");
     let of = |mode| report(Pattern::Fibonacci, 64, mode, 8);
-    for mode in [DirectionMode::Projective, DirectionMode::Rotated, DirectionMode::Fresh] {
+    for mode in [DirectionMode::Antipodal, DirectionMode::Rotated, DirectionMode::Fresh] {
         let independent = of(mode).bias.unwrap();
         assert!(!independent.is_biased(), "{mode}: {independent:?}");
     }

@@ -20,7 +20,7 @@ const OPEN_COSINE: Integral<'static> =
 
 /// Returns mean and standard error of 1024 points with 96 jittered directions each.
 fn measured(spot: &Spot, integral: &Integral<'_>) -> (f64, f64) {
-    let mode = DirectionMode::Projective;
+    let mode = DirectionMode::Antipodal;
     let plan = DirectionPlan::new(Pattern::Jittered, 96, mode, SEED).unwrap();
     let image = spot.render(integral, Estimator::Ratio, &plan.prepare(0).unwrap(), SIDE);
     assert_eq!(image.n_hits(), SIDE * SIDE);
@@ -138,7 +138,7 @@ fn irradiance_of_simple_skies() {
 fn pixels_count_as_they_are_covered() {
     let scene = Scene::from_quads(vec![horizontal([-1.0, 1.0], [-1.0, 1.0], 0.0)]).unwrap();
     let camera = Camera::look_at(5.0 * DVec3::Z, DVec3::ZERO, DVec3::Y, 0.6).unwrap();
-    let plan = DirectionPlan::new(Pattern::Jittered, 96, DirectionMode::Projective, SEED).unwrap();
+    let plan = DirectionPlan::new(Pattern::Jittered, 96, DirectionMode::Antipodal, SEED).unwrap();
     let view = View::new(&scene, &camera, [4, 4]).unwrap().with_rays_per_side(16).unwrap();
     let image = render(&view, &OPEN, Estimator::Ratio, &plan.prepare(0).unwrap(), &()).unwrap();
     assert_eq!((image.n_hits(), image.mean()), (16, 1.0));

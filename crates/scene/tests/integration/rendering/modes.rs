@@ -86,7 +86,7 @@ fn rotated_sets_are_unbiased() {
         "step".parse::<Pattern>().unwrap(),
     ];
     for pattern in &patterns {
-        for mode in [DirectionMode::Rotated, DirectionMode::Projective] {
+        for mode in [DirectionMode::Rotated, DirectionMode::Antipodal] {
             let sets = plan(pattern, 24, mode).prepare(0).unwrap();
             let image = spot.render(&AMBIENT, Estimator::Unbiased, &sets, 48);
             let (mean, error) = mean_and_error(&image.values);
@@ -191,7 +191,7 @@ fn numbers_of_sets() {
     for mode in DirectionMode::ALL {
         let (table, sets, distinct) = match mode {
             DirectionMode::Shared | DirectionMode::Spun => (false, 1, 3),
-            DirectionMode::Rotated | DirectionMode::Projective => (true, 5, 15),
+            DirectionMode::Rotated | DirectionMode::Antipodal => (true, 5, 15),
             DirectionMode::Fresh => (false, 0, 0),
         };
         assert_eq!(of(Pattern::Jittered, mode), (table, sets, distinct), "{mode}");

@@ -1,14 +1,14 @@
-//! Upper halves of sphere sets compared with hemisphere patterns, for `variance --cut-sphere`.
+//! Visible halves of sphere sets compared with hemisphere patterns, for `variance --visible-half`.
 
 use clap::ValueEnum;
 use schemars::JsonSchema;
 use serde::Serialize;
-use sphvar_integrands::{CutEstimator, CutIntegrand};
+use sphvar_integrands::{VisibleHalfEstimator, VisibleHalfIntegrand};
 use sphvar_samplers::{Domain, Purpose, Realizations, Sampler, Streams};
 use sphvar_spectrum::Resolution;
 use sphvar_variance::{
-    BiasTest, CutAxis, CutMeasurement, Error, Measurement, Prediction, measure_cut_sphere,
-    prediction_degree, trial_work,
+    BiasTest, CutAxis, Error, Measurement, Prediction, VisibleHalfMeasurement,
+    measure_visible_half, prediction_degree, trial_work,
 };
 
 use super::rows::{Case, Plan, Row};
@@ -18,31 +18,31 @@ use crate::patterns;
 use crate::progress::Progress;
 use crate::report::{Column, number};
 
-/// Where sphere sets are cut: at the equator, or at random after a rotation against the integrand, which is taken as a
-/// function of lines.
+/// The axis of the visible half of sphere sets: +z, or uniformly random for an antipodal integrand, to which all halves
+/// are equivalent.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(crate) enum Cut {
+pub(crate) enum HalfAxis {
     Random,
     Equator,
 }
 
-/// A pattern of the sphere, cut in half, with one estimator. A number that cannot be given is null.
+/// The visible half of a sphere pattern with one estimator. Unavailable numbers are null.
 #[derive(Debug, Serialize, JsonSchema)]
-pub(crate) struct CutRecord {
+pub(crate) struct VisibleHalfRecord {
     /// The sampler with its parameters.
     sampler: String,
     /// The number of points on the whole sphere.
     m: usize,
     /// The estimate of the integral over the hemisphere, as a formula.
     estimator: &'static str,
-    /// Where sets are cut: `random` or `equator`.
+    /// The axis of the visible half: `random`, or `equator` for the half above the equator.
     axis: &'static str,
     /// Trials from which the variance was measured.
     trials: usize,
-    /// The predicted variance of the estimate, for cuts at the equator where the energies of the
+    /// The predicted variance of the estimate, if the axis is `equator` and the energies of the
     /// integrand are known.
     predicted: Option<f64>,
-    /// The standard error of `predicted` that the spectrum has.
+    /// The standard error of `predicted` due to that of the spectrum.
     predicted_stderr: Option<f64>,
     /// The measured variance of the estimate.
     #[schemars(with = "Option<f64>")]
@@ -56,7 +56,7 @@ pub(crate) struct CutRecord {
     /// The upper end of the 95 % interval of the measured variance.
     #[schemars(with = "Option<f64>")]
     measured_high: f64,
-    /// Measured variance over the measured variance of the same pattern on the hemisphere itself.
+    /// The measured variance divided by that of the hemisphere pattern of the same name.
     #[schemars(with = "Option<f64>")]
     over_hemisphere: f64,
     /// The standard error of `over_hemisphere`.
@@ -71,11 +71,11 @@ pub(crate) struct CutRecord {
     bias_z: Option<f64>,
     /// The probability of a `bias_z` of this size without a bias.
     bias_p: Option<f64>,
-    /// The mean number of points in the half that is kept.
-    kept: f64,
-    /// The variance of the number of points in the half that is kept.
-    kept_variance: f64,
-    /// Trials in which no point was kept, whose ratio estimates are 0.
+    /// The mean number of points in the visible half.
+    n_visible: f64,
+    /// The variance of the number of points in the visible half.
+    n_visible_variance: f64,
+    /// Trials without a point in the visible half, whose ratio estimates are 0.
     empty: usize,
     /// The part of `predicted` beyond the largest degree of the spectrum.
     predicted_tail: Option<f64>,
@@ -86,10 +86,10 @@ pub(crate) struct CutRecord {
 /// Returns both estimators for every case, whose rows on the hemisphere are `rows`.
 pub(super) fn run(
     plan: &Plan<'_>,
-    cut: Cut,
+    half: HalfAxis,
     cases: &[Case],
     rows: &[Row],
-) -> Result<Vec<CutRecord>, CliError> {
+) -> Result<Vec<VisibleHalfRecord>, CliError> {
     let sphere: Vec<Box<dyn Sampler>> = cases
         .iter()
         .map(|c| patterns::build(&c.pattern, c.n_points().saturating_mul(2), Domain::Sphere, true))
@@ -100,46 +100,47 @@ pub(super) fn run(
     let mut records = Vec::new();
     for ((sampler, case), row) in sphere.iter().zip(cases).zip(rows) {
         let m = sampler.n_points();
-        progress.stage(&format!("{} M = {m}, cut", case.pattern));
+        progress.stage(&format!("{} M = {m}, visible half", case.pattern));
         let group = sampler.stream_group();
         let streams = Streams::new(plan.seed, Purpose::Trial, group);
-        let axis = match cut {
-            Cut::Equator => CutAxis::Equator,
-            Cut::Random => CutAxis::Random(Streams::new(plan.seed, Purpose::Resample, group)),
+        let axis = match half {
+            HalfAxis::Equator => CutAxis::Equator,
+            HalfAxis::Random => CutAxis::Random(Streams::new(plan.seed, Purpose::Resample, group)),
         };
         let ensemble = Realizations::rotated(&**sampler, streams);
         let function = &*plan.integrand.function;
         let count = trials(row) as u64;
-        let measured = measure_cut_sphere(&ensemble, function, axis, count, &progress)?;
+        let measured = measure_visible_half(&ensemble, function, axis, count, &progress)?;
         for (name, estimates, estimator) in [
-            ("(4 pi/M) sum f", &measured.unbiased, CutEstimator::Unbiased),
-            ("(2 pi/n) sum f", &measured.ratio, CutEstimator::Ratio),
+            ("(4 pi/M) sum f", &measured.unbiased, VisibleHalfEstimator::Unbiased),
+            ("(2 pi/n) sum f", &measured.ratio, VisibleHalfEstimator::Ratio),
         ] {
-            let predicted = match cut {
-                Cut::Equator => predicted(plan, &**sampler, estimator)?,
-                Cut::Random => None,
+            let predicted = match half {
+                HalfAxis::Equator => predicted(plan, &**sampler, estimator)?,
+                HalfAxis::Random => None,
             };
-            records.push(CutRecord::new(name, estimates, predicted, cut, m, &measured, row));
+            records
+                .push(VisibleHalfRecord::new(name, estimates, predicted, half, m, &measured, row));
         }
     }
     Ok(records)
 }
 
-/// Returns the variance of an estimate with the cut at the equator, by the formula of the sphere,
-/// or `None` for an integrand whose cut has unknown energies and is only measured.
+/// Returns the variance of an estimate from the half above the equator, by the formula of the
+/// sphere, or `None` if the energies of the integrand on that half are unknown.
 fn predicted(
     plan: &Plan<'_>,
     sampler: &dyn Sampler,
-    estimator: CutEstimator,
+    estimator: VisibleHalfEstimator,
 ) -> Result<Option<Prediction>, CliError> {
-    let cut = CutIntegrand::new(&*plan.integrand.function, estimator);
-    let Some(cut) = if_known(cut.map_err(Error::from))? else {
+    let visible = VisibleHalfIntegrand::new(&*plan.integrand.function, estimator);
+    let Some(visible) = if_known(visible.map_err(Error::from))? else {
         return Ok(None);
     };
-    let lmax = prediction_degree(sampler, &cut);
+    let lmax = prediction_degree(sampler, &visible);
     let realizations = plan.spectrum_realizations(sampler, lmax);
     check_transform(Resolution::new(lmax, sampler.n_points()), realizations)?;
-    let predictor = plan.predictor_of(&cut, Domain::Sphere);
+    let predictor = plan.predictor_of(&visible, Domain::Sphere);
     let point = if_known(predictor.and_then(|mut predictor| predictor.predict(sampler, &())))?;
     Ok(point.map(|point| point.prediction))
 }
@@ -153,20 +154,20 @@ fn if_known<T>(computed: Result<T, Error>) -> Result<Option<T>, CliError> {
     }
 }
 
-impl CutRecord {
+impl VisibleHalfRecord {
     fn new(
         estimator: &'static str,
         estimates: &Measurement,
         predicted: Option<Prediction>,
-        cut: Cut,
+        half: HalfAxis,
         m: usize,
-        all: &CutMeasurement,
+        all: &VisibleHalfMeasurement,
         row: &Row,
     ) -> Self {
         let itself = &row.comparison.measurement;
         let (error, of_itself) = (estimates.relative_error(), row.comparison.error());
-        // Trials without a sample in the support of the integrand carry no information, on the cut
-        // sphere as on the hemisphere.
+        // Trials without a sample in the support of the integrand carry no information, for
+        // the visible half as for the hemisphere pattern.
         let is_known = error.is_known()
             && estimates.variance() > row.comparison.rounding
             && !row.comparison.sees_too_little();
@@ -183,7 +184,7 @@ impl CutRecord {
             sampler: row.pattern.to_string(),
             m,
             estimator,
-            axis: if cut == Cut::Equator { "equator" } else { "random" },
+            axis: if half == HalfAxis::Equator { "equator" } else { "random" },
             trials: estimates.estimates().len(),
             predicted: predicted.map(|p| p.variance),
             predicted_stderr: predicted.map(|p| p.stderr).filter(|e| e.is_finite()),
@@ -197,9 +198,9 @@ impl CutRecord {
             exact: row.comparison.exact,
             bias_z: bias.map(|b| b.z),
             bias_p: bias.map(|b| b.p_value),
-            kept: all.kept.mean(),
-            kept_variance: all.kept.variance(),
-            empty: all.kept.estimates().iter().filter(|n| **n < 0.5).count(),
+            n_visible: all.n_visible.mean(),
+            n_visible_variance: all.n_visible.variance(),
+            empty: all.n_visible.estimates().iter().filter(|n| **n < 0.5).count(),
             predicted_tail: predicted.map(|p| p.tail),
             predicted_tail_error: predicted.map(|p| p.tail_error).filter(|e| e.is_finite()),
         }
@@ -208,16 +209,16 @@ impl CutRecord {
     /// Returns the columns of a table.
     pub(super) fn columns() -> Vec<Column<'static, Self>> {
         vec![
-            Column::text("cut sampler", |r: &Self| r.sampler.clone()),
+            Column::text("sphere sampler", |r: &Self| r.sampler.clone()),
             Column::number("M", |r: &Self| r.m.to_string()),
             Column::number("n", |r: &Self| {
-                let spread = number::uncertainty(r.kept_variance.sqrt());
-                format!("{} +- {spread}", number::count(r.kept))
+                let spread = number::uncertainty(r.n_visible_variance.sqrt());
+                format!("{} +- {spread}", number::count(r.n_visible))
             }),
             Column::text("estimate", |r: &Self| r.estimator.to_owned()),
             Column::number("predicted", |r: &Self| number::optional(r.predicted, number::value)),
             Column::number("measured", |r: &Self| number::value(r.measured)),
-            Column::number("cut/hemisphere", |r: &Self| {
+            Column::number("half/hemisphere", |r: &Self| {
                 number::with_uncertainty(r.over_hemisphere, r.over_hemisphere_stderr)
             }),
             Column::number("bias z", |r: &Self| number::optional(r.bias_z, number::score)),

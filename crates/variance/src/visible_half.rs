@@ -25,14 +25,14 @@ pub enum CutAxis {
 /// A set has M points on the sphere, n of them in the visible half. n is random, and the pattern is
 /// not adapted to the cut.
 #[derive(Clone, Debug, PartialEq)]
-pub struct CutMeasurement {
+pub struct VisibleHalfMeasurement {
     /// `(4 pi/M) sum f`: unbiased, with the variance of f set to 0 beyond the cut.
     pub unbiased: Measurement,
     /// `(2 pi/n) sum f`: a ratio estimate with a bias of order 1/M. It is 0 for n = 0, which occurs
     /// for small M.
     pub ratio: Measurement,
     /// The numbers n.
-    pub kept: Measurement,
+    pub n_visible: Measurement,
 }
 
 /// Returns estimates of the integral of `integrand` over the hemisphere from the visible half of
@@ -46,13 +46,13 @@ pub struct CutMeasurement {
 /// # Panics
 ///
 /// Panics if the ensemble is not on the sphere.
-pub fn measure_cut_sphere(
+pub fn measure_visible_half(
     ensemble: &Realizations<'_>,
     integrand: &dyn Integrand,
     axis: CutAxis,
     trials: u64,
     progress: &dyn Progress,
-) -> Result<CutMeasurement, Error> {
+) -> Result<VisibleHalfMeasurement, Error> {
     assert_eq!(ensemble.sampler().domain(), Domain::Sphere, "the ensemble must be on the sphere");
     let trial = |set: &mut PointSet, index| {
         ensemble.realize_into(index, set, progress).map_err(sphvar_spectrum::Error::from)?;
@@ -80,7 +80,7 @@ pub fn measure_cut_sphere(
         (0..trials).into_par_iter().map_init(PointSet::default, trial).collect();
     let rows = rows?;
     let column = |i: usize| Measurement::new(rows.iter().map(|row| row[i]).collect());
-    Ok(CutMeasurement { unbiased: column(0), ratio: column(1), kept: column(2) })
+    Ok(VisibleHalfMeasurement { unbiased: column(0), ratio: column(1), n_visible: column(2) })
 }
 
 /// Returns the sum of the weights of a set, which are 1 each if the set has none.
@@ -101,7 +101,7 @@ mod tests {
 
     use sphvar_samplers::{Domain, Pattern, Purpose, Realizations, Streams};
 
-    use super::{CutAxis, measure_cut_sphere};
+    use super::{CutAxis, measure_visible_half};
 
     /// Half of the sets of one point are empty: the constant 1 then has the estimate 0, otherwise 4
     /// pi or 2 pi.
@@ -110,13 +110,14 @@ mod tests {
         let sampler = Pattern::WhiteNoise.build(1, Domain::Sphere).unwrap();
         let sets = Realizations::rotated(&*sampler, Streams::new(0, Purpose::Trial, 1));
         for axis in [CutAxis::Equator, CutAxis::Random(Streams::new(1, Purpose::Trial, 1))] {
-            let got = measure_cut_sphere(&sets, &|_| 1.0, axis, 200, &()).unwrap();
+            let got = measure_visible_half(&sets, &|_| 1.0, axis, 200, &()).unwrap();
             for i in 0..200 {
-                let [a, b, n] = [&got.unbiased, &got.ratio, &got.kept].map(|m| m.estimates()[i]);
+                let [a, b, n] =
+                    [&got.unbiased, &got.ratio, &got.n_visible].map(|m| m.estimates()[i]);
                 assert!((a - 4.0 * PI * n).abs() < 1e-14 && (b - 2.0 * PI * n).abs() < 1e-14);
             }
             // Binomial with 1/2: six standard errors of 0.035.
-            assert!((got.kept.mean() - 0.5).abs() < 0.21, "{}", got.kept.mean());
+            assert!((got.n_visible.mean() - 0.5).abs() < 0.21, "{}", got.n_visible.mean());
         }
     }
 }

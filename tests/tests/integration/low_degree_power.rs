@@ -101,7 +101,7 @@ fn check_disks(mode: DiskMode, constant: (f64, f64), slope: (f64, f64), peak: (f
         REALIZATIONS,
     );
     let line = fit_low_degrees(&got);
-    let mut family = Family::new("laws of Poisson disks");
+    let mut family = Family::new("power of Poisson disks at low degrees");
     compare(&mut family, line.intercept, constant, "P0");
     compare(&mut family, line.slope, slope, "c");
     let at_two = pooled(&got, 127..=129, |_| 1.0);
@@ -146,12 +146,12 @@ fn tessellations_of_white_mass_keep_its_noise() {
     let ccvt = Pattern::Ccvt(CcvtParameters { capacity: CAPACITY, mass: MassPoints::White });
     let got = spectrum(&ccvt, N, 6, 60);
     // The quartic part 0.031 x^4 that theory.md fits is 0.3 % of 1/64 at degree 6.
-    let law = |l: usize| 1.0 / CAPACITY as f64 + 0.031 * x_squared(l, N).powi(2);
+    let formula = |l: usize| 1.0 / CAPACITY as f64 + 0.031 * x_squared(l, N).powi(2);
     let mut family = Family::new("P(l) m of white mass points");
-    let mean = pooled(&got, 1..=6, law);
+    let mean = pooled(&got, 1..=6, formula);
     compare(&mut family, mean, (1.0, 0.006), "mean of P m");
     for (l, p, e) in got.rows().skip(1) {
-        compare(&mut family, (p / law(l), e / law(l)), (1.0, 0.006), &format!("l = {l}"));
+        compare(&mut family, (p / formula(l), e / formula(l)), (1.0, 0.006), &format!("l = {l}"));
     }
     family.assert_null(ALPHA);
 }
@@ -165,16 +165,16 @@ fn tessellations_of_lattice_mass_are_quartic() {
     const ALLOWANCE: f64 = 0.02;
     let ccvt = Pattern::Ccvt(CcvtParameters { capacity: 64, mass: MassPoints::Fibonacci });
     let got = spectrum(&ccvt, N, 6, 80);
-    let law = |l: usize| {
+    let formula = |l: usize| {
         let (l, n) = (l as f64, N as f64);
         let traceless = (l - 1.0) * l * (l + 1.0) * (l + 2.0);
         (0.0145 * traceless + 0.00126 * (l * (l + 1.0)).powi(2)) / (n * n)
     };
-    let (ratio, error) = pooled(&got, 2..=6, law);
+    let (ratio, error) = pooled(&got, 2..=6, formula);
     // Of the sum, 0.0145 in 0.01576 comes from the first coefficient.
-    let of_law = (0.0002_f64.hypot(0.00007)) / 0.01576;
-    let limit = sidak_z(ALPHA, 1) * error.hypot(of_law) + ALLOWANCE;
-    assert!((ratio - 1.0).abs() < limit, "P/law = {ratio} +- {error}, limit {limit}");
+    let of_constant = (0.0002_f64.hypot(0.00007)) / 0.01576;
+    let limit = sidak_z(ALPHA, 1) * error.hypot(of_constant) + ALLOWANCE;
+    assert!((ratio - 1.0).abs() < limit, "P/formula = {ratio} +- {error}, limit {limit}");
 }
 
 /// `P(1)` of one point in each region: `1 - (1/N) sum_k |E_k x|^2`, with the mean direction of a
@@ -197,7 +197,7 @@ fn power_at_degree_1(n: usize) -> f64 {
 /// ones, with c = 1.0476 at degree 1 for 1024 zonal rectangles, nearly squares (pi/3 = 1.0472;
 /// HEALPix 1.119).
 #[test]
-fn equal_area_strata_obey_their_law_of_low_degrees() {
+fn equal_area_strata_have_the_predicted_power_at_low_degrees() {
     const N: usize = 1024;
     const REALIZATIONS: u64 = 500;
     let equal_area = Pattern::EqualArea(EqualAreaParameters { placement: Placement::Jittered });

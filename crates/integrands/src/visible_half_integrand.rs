@@ -8,7 +8,7 @@ use crate::{Cap, Error, Integrand, Shape};
 /// The estimator of an integral over the hemisphere from the n points above the equator of a sphere
 /// set of M points.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum CutEstimator {
+pub enum VisibleHalfEstimator {
     /// `(4 pi/M) sum f`: unbiased.
     Unbiased,
     /// `(2 pi/n) sum f`: a ratio estimate, whose bias is of the order 1/M.
@@ -22,29 +22,32 @@ pub enum CutEstimator {
 /// Its energies on the sphere and the spectrum of the sphere set predict the variance of the
 /// estimate (`sphvar_variance::predict`). The equator is an edge of this function unless f vanishes
 /// there, so energies fall as l^-2 even if f is smooth.
-pub struct CutIntegrand<'a> {
+pub struct VisibleHalfIntegrand<'a> {
     function: &'a dyn Integrand,
     /// 0, or the mean of f over the hemisphere.
     offset: f64,
     half: Cap,
 }
 
-impl std::fmt::Debug for CutIntegrand<'_> {
+impl std::fmt::Debug for VisibleHalfIntegrand<'_> {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("CutIntegrand").field("offset", &self.offset).finish_non_exhaustive()
+        f.debug_struct("VisibleHalfIntegrand").field("offset", &self.offset).finish_non_exhaustive()
     }
 }
 
-impl<'a> CutIntegrand<'a> {
+impl<'a> VisibleHalfIntegrand<'a> {
     /// Returns the function that `estimator` integrates in place of `function`.
     ///
     /// # Errors
     ///
     /// [`Error::NoEnergy`] if the ratio estimate requires an unknown integral over the hemisphere.
-    pub fn new(function: &'a dyn Integrand, estimator: CutEstimator) -> Result<Self, Error> {
+    pub fn new(
+        function: &'a dyn Integrand,
+        estimator: VisibleHalfEstimator,
+    ) -> Result<Self, Error> {
         let offset = match estimator {
-            CutEstimator::Unbiased => 0.0,
-            CutEstimator::Ratio => {
+            VisibleHalfEstimator::Unbiased => 0.0,
+            VisibleHalfEstimator::Ratio => {
                 let unknown =
                     Error::NoEnergy { reason: "its integral over the hemisphere is not known" };
                 function.exact(Domain::Hemisphere).ok_or(unknown)? / (2.0 * PI)
@@ -54,7 +57,7 @@ impl<'a> CutIntegrand<'a> {
     }
 }
 
-impl Integrand for CutIntegrand<'_> {
+impl Integrand for VisibleHalfIntegrand<'_> {
     fn eval(&self, dir: DVec3) -> f64 {
         self.half.eval(dir) * (self.function.eval(dir) - self.offset)
     }
@@ -83,7 +86,7 @@ mod tests {
     use glam::DQuat;
     use sphvar_sh::Domain;
 
-    use super::{CutEstimator, CutIntegrand};
+    use super::{VisibleHalfEstimator, VisibleHalfIntegrand};
     use crate::{Cap, ClampedCosine, Harmonic, Integrand, Rotated};
 
     /// `int (f 1_H)^2` is half that of the even extension, and the centred one is smaller by
@@ -100,10 +103,11 @@ mod tests {
         ];
         for (name, function) in functions {
             let cut = |estimator| {
-                let cut = CutIntegrand::new(function, estimator).unwrap();
+                let cut = VisibleHalfIntegrand::new(function, estimator).unwrap();
                 cut.energy(Domain::Sphere, 400).unwrap()
             };
-            let (unbiased, ratio) = (cut(CutEstimator::Unbiased), cut(CutEstimator::Ratio));
+            let (unbiased, ratio) =
+                (cut(VisibleHalfEstimator::Unbiased), cut(VisibleHalfEstimator::Ratio));
             let square = 0.5 * function.square(Domain::Hemisphere).unwrap();
             let integral = function.exact(Domain::Hemisphere).unwrap();
             // The quadrature is exact up to a few hundred roundings.
@@ -125,7 +129,7 @@ mod tests {
     #[test]
     fn an_unknown_integral_is_an_error() {
         let closure = |dir: glam::DVec3| dir.x;
-        assert!(CutIntegrand::new(&closure, CutEstimator::Unbiased).is_ok());
-        assert!(CutIntegrand::new(&closure, CutEstimator::Ratio).is_err());
+        assert!(VisibleHalfIntegrand::new(&closure, VisibleHalfEstimator::Unbiased).is_ok());
+        assert!(VisibleHalfIntegrand::new(&closure, VisibleHalfEstimator::Ratio).is_err());
     }
 }

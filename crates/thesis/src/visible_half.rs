@@ -1,9 +1,9 @@
 use sphvar_samplers::{Ensemble, Error, PointSet, Progress, Realizations};
 
 /// An ensemble of the visible halves of sets: the points with z >= 0.
-pub(crate) struct KeptHalf<'a>(pub(crate) Realizations<'a>);
+pub(crate) struct VisibleHalf<'a>(pub(crate) Realizations<'a>);
 
-impl Ensemble for KeptHalf<'_> {
+impl Ensemble for VisibleHalf<'_> {
     fn realize_into(
         &self,
         index: u64,
