@@ -119,8 +119,8 @@ fn roots(n_points: f64, multiple: usize) -> usize {
 }
 
 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a positive number")]
-fn count(x: f64, most: u64) -> u64 {
-    (x as u64).min(most)
+fn count(x: f64, max: u64) -> u64 {
+    (x as u64).min(max)
 }
 
 /// Returns the comparison with independent trials; `seed` distinguishes the integrands.

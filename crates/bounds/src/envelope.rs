@@ -143,11 +143,11 @@ impl Envelope {
                 (crossing, if one_exponent { crossing } else { crossing.powf(s / b) })
             };
             if self.side == Side::Upper && s > b {
-                let least = sum * (s - b) / (tail * b);
-                if least >= here.1 {
+                let required = sum * (s - b) / (tail * b);
+                if required >= here.1 {
                     at = here;
-                } else if least > at.1 {
-                    at = (least.powf(b / s), least);
+                } else if required > at.1 {
+                    at = (required.powf(b / s), required);
                 }
             }
             let gamma = stricter(self.side, plateau, head * at.0);

@@ -1,21 +1,21 @@
 //! Spectral profiles of sampling patterns: closed-form variance bounds and convergence rates.
 //!
 //! The power spectrum of a pattern of N points often lies between two simple functions, its
-//! [`Profile`]s. Substituted for the spectrum, a profile turns the variance of Monte Carlo
+//! [`Profile`]s. Substituted for the spectrum, a profile gives the variance of Monte Carlo
 //! integration,
 //!
 //! ```text
 //! Var = (4 pi / N) sum_{l >= 1} (2l+1) P_S(l) P_F(l),
 //! ```
 //!
-//! into a closed form for whole classes of integrands ([`IntegrandClass`]), with its rate in N, and
-//! into a bound for a given integrand ([`variance_bound`]). Conversely, a measured spectrum shows
+//! in closed form for whole classes of integrands ([`IntegrandClass`]), with its rate in N, and a
+//! bound for a given integrand ([`variance_bound`]). Conversely, a measured spectrum shows
 //! whether a profile bounds it and which profile is the tightest bound ([`Bound`]). All functions
 //! are pure: they use no randomness and no input or output.
 //!
 //! Conventions: orthonormal harmonics, white noise has power 1, the frequency axis is
 //! `omega = l / sqrt N`, the energy of an integrand is `E(l) = (2l+1) P_F(l)`; the hemisphere is
-//! the projective plane with even degrees only ([`Domain`]).
+//! antipodal (the projective plane) and has even degrees only ([`Domain`]).
 //!
 //! # Examples
 //!

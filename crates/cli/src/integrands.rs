@@ -31,7 +31,7 @@ impl fmt::Display for Forms {
             f,
             "{}; quote names of files with commas or operators, file=\"a,b.exr\"; combine by \" + \", \" - \", \
              \" * \" and numbers, with blanks around, and rotate by \" @ THETA/PHI\" or \" @ THETA/PHI/PSI\" in \
-             degrees, which carries +z there after a turn by PSI: \
+             degrees, which moves +z there after a rotation by PSI about z: \
              \"cap:degrees=30 @ 40/10 + 0.5 * vmf:kappa=10\"; sphvar list integrands explains the parameters",
             forms.join(" | ")
         )

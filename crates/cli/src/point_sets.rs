@@ -62,11 +62,11 @@ impl FileSets {
     /// Returns the number and the sizes of the sets, in words.
     fn summary(&self, several_files: bool) -> String {
         let sizes = || self.sets.sets().iter().map(PointSet::len);
-        let (least, most) = (sizes().min().unwrap_or(0), sizes().max().unwrap_or(0));
-        let points = if least == most {
-            format!("{least} points each")
+        let (min, max) = (sizes().min().unwrap_or(0), sizes().max().unwrap_or(0));
+        let points = if min == max {
+            format!("{min} points each")
         } else {
-            format!("{least} to {most} points, each normalised by its own number")
+            format!("{min} to {max} points, each normalised by its own number")
         };
         let join = if several_files { "; --join makes the files one set" } else { "" };
         format!("{} realizations read, {points}{join}", self.count())

@@ -114,8 +114,8 @@ impl Energy {
     /// [`Error::Magnitude`] if it is not.
     pub fn check_magnitude(&self) -> Result<(), Error> {
         let size = (self.total() / self.bands.area()).sqrt();
-        let [least, most] = Self::MAGNITUDES;
-        if size == 0.0 || (least..=most).contains(&size) {
+        let [min, max] = Self::MAGNITUDES;
+        if size == 0.0 || (min..=max).contains(&size) {
             Ok(())
         } else {
             Err(Error::Magnitude { got: size })

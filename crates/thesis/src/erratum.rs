@@ -14,7 +14,7 @@ const CITED: [Erratum; 22] = [
     Erratum {
         number: 1,
         place: "3.10",
-        problem: "the factor (2 - delta_0m) stands together with `e^{im phi}` and m = -l .. l, so the squared norm is 2 for m != 0",
+        problem: "the factor (2 - delta_0m) occurs together with `e^{im phi}` and m = -l .. l, so the squared norm is 2 for m != 0",
     },
     Erratum {
         number: 9,

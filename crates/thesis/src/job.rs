@@ -23,7 +23,7 @@ pub enum Job {
         domain: Domain,
         /// To this degree, inclusive.
         lmax: usize,
-        /// Over so many sets.
+        /// The number of sets in the mean.
         sets: u64,
     },
     /// The mean power of every order, of sets treated as sets of the sphere.
@@ -32,7 +32,7 @@ pub enum Job {
         ensemble: ThesisEnsemble,
         /// To this degree, inclusive.
         lmax: usize,
-        /// Over so many sets.
+        /// The number of sets in the mean.
         sets: u64,
     },
     /// One coefficient `S_lm = sum_k conj Y_lm(s_k)` of every set.

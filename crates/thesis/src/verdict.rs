@@ -60,7 +60,7 @@ impl Verdict {
             }
             Self::Undecided => {
                 "The interval includes both outcomes, an option that the thesis leaves open is undecided while the other \
-                 is not, or the claim is contradicted only by point sets that stand in for those of the thesis."
+                 is not, or the claim is contradicted only by point sets that replace those of the thesis."
             }
             Self::NotReproduced => {
                 "The thesis states no measure of the quantity. Numbers of a measure that we chose are given, but decide \

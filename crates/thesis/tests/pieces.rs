@@ -18,7 +18,7 @@ struct Memory {
     pieces: Mutex<BTreeMap<String, Vec<u8>>>,
     saved: Mutex<usize>,
     /// The maximum number of pieces that can be saved.
-    room: Option<usize>,
+    capacity: Option<usize>,
 }
 
 impl Store for Memory {
@@ -28,7 +28,7 @@ impl Store for Memory {
 
     fn save(&self, key: &str, bytes: &[u8]) -> Result<(), String> {
         let mut saved = self.saved.lock().unwrap();
-        if self.room.is_some_and(|room| *saved >= room) {
+        if self.capacity.is_some_and(|capacity| *saved >= capacity) {
             return Err("the store is full".to_owned());
         }
         *saved += 1;
@@ -109,10 +109,10 @@ fn pieces_that_do_not_fit_are_made_again() {
 
 #[test]
 fn an_interrupted_run_goes_on_where_it_stopped() {
-    let store = Memory { room: Some(1), ..Memory::default() };
+    let store = Memory { capacity: Some(1), ..Memory::default() };
     let failed = done(&[costly(3)], &store);
     assert!(matches!(failed, Err(Error::Store { .. })), "{failed:?}");
-    let store = Memory { room: None, ..store };
+    let store = Memory { capacity: None, ..store };
     let advanced = Mutex::new(0.0);
     let mut results = Results::new(SETTING);
     let jobs = [costly(3), costly(3)];

@@ -73,16 +73,16 @@ pub fn check_degree(sampler: &dyn Sampler, energy: &Energy, lmax: usize) -> Resu
         return Ok(());
     }
     // The energy beyond a degree decreases with the degree, so bisection applies.
-    let (mut low, mut least) = (lmax, settled);
-    while least - low > 1 {
-        let middle = low + (least - low) / 2;
+    let (mut low, mut min_lmax) = (lmax, settled);
+    while min_lmax - low > 1 {
+        let middle = low + (min_lmax - low) / 2;
         if settles(middle) {
-            least = middle;
+            min_lmax = middle;
         } else {
             low = middle;
         }
     }
-    Err(Error::Unsettled { lmax, least, settled, n_points: sampler.n_points() })
+    Err(Error::Unsettled { lmax, min_lmax, settled, n_points: sampler.n_points() })
 }
 
 #[cfg(test)]
@@ -100,16 +100,16 @@ mod tests {
         // The thesis uses 256 degrees for up to 120 000 points.
         let cap = Cap::from_degrees(60.0).unwrap().energy(Domain::Sphere, 444).unwrap();
         let error = check_degree(&*sampler, &cap, 255).unwrap_err();
-        let Error::Unsettled { lmax: 255, least, settled: 444, n_points: 49152 } = error else {
+        let Error::Unsettled { lmax: 255, min_lmax, settled: 444, n_points: 49152 } = error else {
             panic!("{error}");
         };
         // The energy falls as l^-2: a tenth more of it lies beyond 444/1.1 = 403.6, up to its
         // oscillation.
-        assert!((400..410).contains(&least), "{least}");
-        assert!(check_degree(&*sampler, &cap, least).is_ok());
-        assert!(check_degree(&*sampler, &cap, least - 1).is_err());
+        assert!((400..410).contains(&min_lmax), "{min_lmax}");
+        assert!(check_degree(&*sampler, &cap, min_lmax).is_ok());
+        assert!(check_degree(&*sampler, &cap, min_lmax - 1).is_err());
         let message = error.to_string();
-        assert!(message.contains("255") && message.contains(&least.to_string()), "{message}");
+        assert!(message.contains("255") && message.contains(&min_lmax.to_string()), "{message}");
     }
 
     #[test]
@@ -118,10 +118,10 @@ mod tests {
         let harmonic = Harmonic::new(4, 0).unwrap().energy(Domain::Sphere, 444).unwrap();
         assert!(check_degree(&*sampler, &harmonic, 4).is_ok());
         let error = check_degree(&*sampler, &harmonic, 3).unwrap_err();
-        assert!(matches!(error, Error::Unsettled { least: 4, .. }), "{error}");
+        assert!(matches!(error, Error::Unsettled { min_lmax: 4, .. }), "{error}");
         let smooth = VonMisesFisher::new(10.0).unwrap().energy(Domain::Sphere, 444).unwrap();
         let error = check_degree(&*sampler, &smooth, 3).unwrap_err();
-        assert!(matches!(error, Error::Unsettled { least: 5..30, .. }), "{error}");
+        assert!(matches!(error, Error::Unsettled { min_lmax: 5..30, .. }), "{error}");
         // The power of a single point is settled immediately.
         let few = Pattern::WhiteNoise.build(1, Domain::Hemisphere).unwrap();
         assert!(check_degree(&*few, &smooth, 3).is_ok());

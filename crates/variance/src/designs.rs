@@ -77,10 +77,10 @@ fn designs(pattern: &Pattern, n_points: usize, domain: Domain) -> Vec<(usize, Pa
 
 /// Returns the design whose last empty degree is `last`, with the shortest decimal alpha.
 fn design(pattern: &Pattern, last: usize, n_points: usize, domain: Domain) -> Option<Pattern> {
-    let least = last as f64 / domain.count_on_sphere(n_points).sqrt();
+    let min_alpha = last as f64 / domain.count_on_sphere(n_points).sqrt();
     (1..=6).find_map(|digits| {
         let scale = 10_f64.powi(digits);
-        let design = with_alpha(pattern, (least * scale).ceil() / scale)?;
+        let design = with_alpha(pattern, (min_alpha * scale).ceil() / scale)?;
         (design.last_empty_degree(n_points, domain) == Some(last)).then_some(design)
     })
 }

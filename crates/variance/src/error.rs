@@ -26,13 +26,13 @@ pub enum Error {
     /// The prediction would reflect the energy beyond the spectrum instead of the pattern.
     #[error(
         "a spectrum to degree {lmax} cannot predict the variance of {n_points} points: their power settles at degree \
-         {settled}, and the integrand has energy in between; the least degree that will do is {least}"
+         {settled}, and the integrand has energy in between; the minimum sufficient degree is {min_lmax}"
     )]
     Unsettled {
         /// The requested degree.
         lmax: usize,
         /// The least sufficient degree.
-        least: usize,
+        min_lmax: usize,
         /// The degree at which the pattern's power is about 1.
         settled: usize,
         /// The number of points.

@@ -289,8 +289,12 @@ mod tests {
         assert!(few.relative_stderr().is_nan() && few.variance_interval(0.95).is_none());
         let coin = Measurement::new((0..100).map(|k| f64::from(k % 2)).collect());
         // The smallest possible value, 2/(n (n-1)).
-        let least = (2.0 / (100.0 * 99.0_f64)).sqrt();
-        assert!((coin.relative_stderr() / least - 1.0).abs() < 1e-12, "{}", coin.relative_stderr());
+        let smallest = (2.0 / (100.0 * 99.0_f64)).sqrt();
+        assert!(
+            (coin.relative_stderr() / smallest - 1.0).abs() < 1e-12,
+            "{}",
+            coin.relative_stderr()
+        );
         for confidence in [0.0, 1.0, -1.0, 2.0, f64::NAN, f64::INFINITY] {
             assert!(coin.variance_interval(confidence).is_none(), "{confidence}");
         }

@@ -440,15 +440,15 @@ impl<'a> Predictor<'a> {
             SetDistribution::OneOf(_) | SetDistribution::Fixed => {}
             _ => return Ok(max),
         }
-        let least = natural.min(max);
-        let mut requested = least;
+        let min_lmax = natural.min(max);
+        let mut requested = min_lmax;
         loop {
             let energy = self.energy_to(requested)?;
             // The mean power of a lattice is 1 from about 2 sqrt(N) on, so this approximates its
             // variance.
-            let whole = energy.beyond(least / 2);
-            let mut beyond = energy.beyond(least);
-            for l in least..=max.min(energy.lmax()) {
+            let whole = energy.beyond(min_lmax / 2);
+            let mut beyond = energy.beyond(min_lmax);
+            for l in min_lmax..=max.min(energy.lmax()) {
                 if beyond <= negligible * whole {
                     return Ok(l);
                 }

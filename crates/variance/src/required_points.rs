@@ -177,8 +177,8 @@ impl<F: SamplerFamily + Clone> Search<'_, '_, F> {
                     rejection = Some(error);
                 }
             }
-            let further = climb.enough.map_or(0, |least| {
-                self.curve.points().iter().filter(|p| p.n_points() > least).count()
+            let further = climb.enough.map_or(0, |min_points| {
+                self.curve.points().iter().filter(|p| p.n_points() > min_points).count()
             });
             if climb.enough.is_some() && further >= if is_random { 1 } else { 2 } {
                 break;

@@ -14,9 +14,9 @@ use sphvar_integrands::Integrand;
 pub enum CutAxis {
     /// At the equator, as in a renderer that keeps the visible half.
     Equator,
-    /// Rotated randomly, by rotations from these streams. The integrand is then a function of lines
-    /// through the origin, and any half of the sphere represents all of them. This is comparable
-    /// with an antipodal (projective) pattern, which has no preferred half.
+    /// Rotated randomly, by rotations from these streams. This requires an antipodal integrand,
+    /// to which all halves are equivalent, and is comparable with an antipodal (projective) pattern,
+    /// which has no preferred half.
     Random(Streams),
 }
 

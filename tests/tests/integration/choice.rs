@@ -12,7 +12,7 @@ use sphvar_variance::{
 };
 
 const SEED: u64 = 11;
-const MOST: usize = 100_000;
+const MAX_POINTS: usize = 100_000;
 
 fn predictor(integrand: &dyn Integrand, domain: Domain) -> Predictor<'_> {
     Predictor::new(integrand, domain, SEED, PredictionBudget::DEFAULT).unwrap()
@@ -23,10 +23,11 @@ fn required(
     domain: Domain,
     pattern: &Pattern,
     variance: f64,
-    most: usize,
+    max_points: usize,
 ) -> RequiredPoints {
     let mut curve = PredictedCurve::new(pattern.clone());
-    required_points(&mut predictor(integrand, domain), &mut curve, variance, most, &()).unwrap()
+    required_points(&mut predictor(integrand, domain), &mut curve, variance, max_points, &())
+        .unwrap()
 }
 
 fn cap60() -> Cap {
@@ -51,8 +52,13 @@ fn white_noise_needs_the_textbook_number() {
             let exact = (4.0 * PI * square - integral * integral) / (error * error);
             // Not so close to an integer that rounding decides.
             assert!((exact - exact.round()).abs() > 1e-9 * exact, "{name}, {relative}: {exact}");
-            let got =
-                required(integrand, Domain::Sphere, &Pattern::WhiteNoise, error * error, 10 * MOST);
+            let got = required(
+                integrand,
+                Domain::Sphere,
+                &Pattern::WhiteNoise,
+                error * error,
+                10 * MAX_POINTS,
+            );
             let RequiredPoints::Predicted { n_points, too_few } = got else {
                 panic!("{name}, {relative}: {got:?}");
             };
@@ -70,13 +76,18 @@ fn the_hemisphere_has_its_own_exponent() {
     // (2 pi int f^2 - (int f)^2)/N = pi^2/(3 N), and the double cap: area 2 pi (1 - cos) of 2 pi.
     let got = |integrand: &dyn Integrand, error: f64| {
         let domain = Domain::Hemisphere;
-        required(integrand, domain, &Pattern::WhiteNoise, error * error, MOST).n_points()
+        required(integrand, domain, &Pattern::WhiteNoise, error * error, MAX_POINTS).n_points()
     };
     assert_eq!(got(&ClampedCosine, 0.01 * PI), Some(3334));
     // int f = pi of area 2 pi: variance pi^2/N.
     assert_eq!(got(&cap60(), 0.03 * PI), Some(1112));
-    let nearest =
-        required(&ClampedCosine, Domain::Hemisphere, &Pattern::Jittered, (0.01 * PI).powi(2), MOST);
+    let nearest = required(
+        &ClampedCosine,
+        Domain::Hemisphere,
+        &Pattern::Jittered,
+        (0.01 * PI).powi(2),
+        MAX_POINTS,
+    );
     let n = nearest.n_points().unwrap();
     assert_eq!(Pattern::Jittered.nearest_count(n, Domain::Hemisphere), n);
     assert!(n < 600, "jitter needs no more than a fifth of white noise: {n}");
@@ -99,7 +110,7 @@ fn jitter_needs_what_its_exact_spectrum_says() {
         let requested = (few * enough).sqrt();
         let too_few = Some(12 * (nside * nside) as usize);
         let n_points = 12 * ((nside + 1) * (nside + 1)) as usize;
-        let got = required(&cap, Domain::Sphere, &Pattern::Jittered, requested, MOST);
+        let got = required(&cap, Domain::Sphere, &Pattern::Jittered, requested, MAX_POINTS);
         assert_eq!(got, RequiredPoints::Predicted { n_points, too_few }, "{requested}");
         // The asymptotic variance of the cap, 41.2 N^-1.5.
         let asymptotic = (41.2 / requested).powf(2.0 / 3.0);
@@ -128,7 +139,8 @@ fn the_resulting_numbers_have_the_requested_error() {
         for pattern in &patterns {
             let mut predictor = predictor(integrand, Domain::Sphere);
             let mut curve = PredictedCurve::new(pattern.clone());
-            let got = required_points(&mut predictor, &mut curve, requested, MOST, &()).unwrap();
+            let got =
+                required_points(&mut predictor, &mut curve, requested, MAX_POINTS, &()).unwrap();
             let RequiredPoints::Predicted { n_points, too_few } = got else {
                 panic!("{name}, {pattern}: {got:?}");
             };
@@ -161,7 +173,7 @@ fn smaller_errors_need_more_points() {
         let pattern = name.parse::<Pattern>().unwrap();
         let needed = |relative: f64| {
             let error = relative * PI;
-            let got = required(&cap, Domain::Sphere, &pattern, error * error, MOST);
+            let got = required(&cap, Domain::Sphere, &pattern, error * error, MAX_POINTS);
             got.n_points().unwrap_or(usize::MAX)
         };
         let all: Vec<usize> = [1.0, 0.5, 0.25, 0.12, 0.06, 0.03].map(needed).to_vec();
@@ -174,9 +186,9 @@ fn smaller_errors_need_more_points() {
 fn any_number_will_do_for_a_large_error() {
     for domain in [Domain::Sphere, Domain::Hemisphere] {
         for pattern in Pattern::ALL {
-            let least = pattern.nearest_count(1, domain);
-            let got = required(&cap60(), domain, &pattern, 1e6, MOST);
-            let expected = RequiredPoints::Predicted { n_points: least, too_few: None };
+            let min_points = pattern.nearest_count(1, domain);
+            let got = required(&cap60(), domain, &pattern, 1e6, MAX_POINTS);
+            let expected = RequiredPoints::Predicted { n_points: min_points, too_few: None };
             assert_eq!(got, expected, "{pattern}, {domain}");
         }
     }
@@ -185,8 +197,8 @@ fn any_number_will_do_for_a_large_error() {
 #[test]
 fn too_many_points_are_out_of_reach() {
     let cap = cap60();
-    let got = |pattern: &Pattern, variance: f64, most: usize| {
-        required(&cap, Domain::Sphere, pattern, variance, most)
+    let got = |pattern: &Pattern, variance: f64, max_points: usize| {
+        required(&cap, Domain::Sphere, pattern, variance, max_points)
     };
     // White noise has the variance 3 pi^2/N.
     let variance = 3.0 * PI * PI / 100.5;
@@ -209,19 +221,20 @@ fn what_costs_too_much_is_extrapolated() {
         let precision = PredictionBudget { relative: 0.03, work };
         let mut poor = Predictor::new(&cap, Domain::Sphere, SEED, precision).unwrap();
         let mut curve = PredictedCurve::new(pattern.clone());
-        let got = required_points(&mut poor, &mut curve, variance, MOST, &()).unwrap();
+        let got = required_points(&mut poor, &mut curve, variance, MAX_POINTS, &()).unwrap();
         let RequiredPoints::Extrapolated { n_points, fit } = got else {
             panic!("{pattern}: {got:?}, {:?}", curve.variance_points());
         };
         assert!(fit.slope < -0.5, "{pattern}: {fit:?}");
-        let known = required(&cap, Domain::Sphere, &pattern, variance, MOST).n_points().unwrap();
+        let known =
+            required(&cap, Domain::Sphere, &pattern, variance, MAX_POINTS).n_points().unwrap();
         let ratio = n_points as f64 / known as f64;
         assert!((0.6..1.6).contains(&ratio), "{pattern}: {n_points} by rate, {known} by spectra");
         let sampler = pattern.build(n_points, Domain::Sphere).unwrap();
         assert!(!poor.is_affordable(&*sampler).unwrap(), "{pattern}: {n_points}");
-        let most = n_points - 1;
+        let max_points = n_points - 1;
         let mut again = PredictedCurve::new(pattern.clone());
-        let got = required_points(&mut poor, &mut again, variance, most, &()).unwrap();
+        let got = required_points(&mut poor, &mut again, variance, max_points, &()).unwrap();
         assert_eq!(got, RequiredPoints::OutOfReach, "{pattern}");
     }
 }
@@ -232,7 +245,7 @@ fn what_costs_too_much_is_extrapolated() {
 fn invalid_numbers_are_skipped() {
     let profile = "profile".parse::<Pattern>().unwrap();
     let harmonic = Harmonic::new(2, 0).unwrap();
-    let got = required(&harmonic, Domain::Sphere, &profile, 0.05, MOST);
+    let got = required(&harmonic, Domain::Sphere, &profile, 0.05, MAX_POINTS);
     assert!(got.n_points().is_some_and(|n| n > 2), "{got:?}");
     let mut predictor = predictor(&harmonic, Domain::Sphere);
     let mut curve = PredictedCurve::new(profile);
@@ -270,7 +283,7 @@ fn invalid_requests_are_errors() {
     for variance in [0.0, -1.0, f64::NAN, f64::INFINITY] {
         let mut curve = PredictedCurve::new(Pattern::WhiteNoise);
         let mut predictor = predictor(&cap, Domain::Sphere);
-        let got = required_points(&mut predictor, &mut curve, variance, MOST, &());
+        let got = required_points(&mut predictor, &mut curve, variance, MAX_POINTS, &());
         assert!(matches!(got, Err(Error::Parameter { .. })), "{variance}: {got:?}");
     }
     for (relative, work) in [(0.0, 1.0), (f64::NAN, 1.0), (0.1, -1.0), (0.1, f64::INFINITY)] {

@@ -37,7 +37,7 @@ fn assert_agrees(got: &Spectrum, expected: &[f64], name: &'static str) {
 
 /// One sample for each antipodal pair of cells: the spectrum of sphere jitter at the same nside.
 #[test]
-fn stratified_lines_have_the_spectrum_of_sphere_jitter() {
+fn stratified_antipodal_pairs_have_the_spectrum_of_sphere_jitter() {
     let reference = ReferenceSpectrum::load("jitter_exact_972");
     let got = hemisphere_spectrum(Pattern::Jittered, 6 * 81, reference.lmax(), 300);
     assert_agrees(&got, reference.power(), "N_H = 486");
@@ -178,9 +178,9 @@ fn estimators_from_half_a_sphere_set() {
     const TRIALS: u64 = 6000;
     const NSIDE: usize = 4;
     let m = 12 * NSIDE * NSIDE;
-    let lines = Pattern::Jittered.build(m / 2, Domain::Hemisphere).unwrap();
+    let pairs = Pattern::Jittered.build(m / 2, Domain::Hemisphere).unwrap();
     let streams = Streams::new(SEED, Purpose::Trial, m);
-    let best = Realizations::rotated(&*lines, streams);
+    let best = Realizations::rotated(&*pairs, streams);
     let axes = Streams::new(SEED + 1, Purpose::Trial, m);
     let mut estimates = [const { Vec::new() }; 3];
     for i in 0..TRIALS {
@@ -196,7 +196,7 @@ fn estimators_from_half_a_sphere_set() {
     // False alarm: ALPHA.
     let mut family = Family::new("bias of half a set");
     family.compare(fixed.mean(), PI, fixed.mean_stderr(), || "(4 pi/M) sum f".into());
-    family.compare(best.mean(), PI, best.mean_stderr(), || "stratified lines".into());
+    family.compare(best.mean(), PI, best.mean_stderr(), || "stratified antipodal pairs".into());
     family.assert_null(ALPHA);
     let (a, b) = (fixed.variance() / best.variance(), ratio.variance() / best.variance());
     // Recorded 1.5 to 1.6 and 1.2 to 1.3; a ratio of variances has an error of sqrt(4/6000) = 2.6
@@ -215,9 +215,9 @@ fn visible_halves_are_measured_and_predicted() {
     let cap = Cap::from_degrees(60.0).unwrap();
     let sphere = Pattern::Jittered.build(M, Domain::Sphere).unwrap();
     let sets = Realizations::rotated(&*sphere, Streams::new(SEED + 2, Purpose::Trial, M));
-    let lines = Pattern::Jittered.build(M / 2, Domain::Hemisphere).unwrap();
-    let lines = Realizations::rotated(&*lines, Streams::new(SEED + 3, Purpose::Trial, M));
-    let best = measure(&lines, &cap, TRIALS, &()).unwrap();
+    let pairs = Pattern::Jittered.build(M / 2, Domain::Hemisphere).unwrap();
+    let pairs = Realizations::rotated(&*pairs, Streams::new(SEED + 3, Purpose::Trial, M));
+    let best = measure(&pairs, &cap, TRIALS, &()).unwrap();
     let axis = CutAxis::Random(Streams::new(SEED + 2, Purpose::Resample, M));
     let got = measure_visible_half(&sets, &cap, axis, TRIALS, &()).unwrap();
     let ratio = |m: &Measurement| m.variance() / best.variance();

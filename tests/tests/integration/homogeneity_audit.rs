@@ -90,8 +90,8 @@ fn one_random_vector_to_another(rng: &mut dyn Rng) -> DMat3 {
     DMat3::from_quat(DQuat::from_rotation_arc(a, b))
 }
 
-/// Audits of small homogeneous ensembles, far from normal: a single point, strata, a lattice of
-/// lines.
+/// Audits of small homogeneous ensembles, far from normal: a single point, strata, an antipodal
+/// lattice.
 ///
 /// p-values are uniform on multiples of 1/100, so in every family the number of those up to 0.1 is
 /// binomial; beyond 4.5 standard deviations it is with probability 7e-6, over 5 families 4e-5. The

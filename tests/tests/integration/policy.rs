@@ -22,7 +22,7 @@ fn counts_and_methods_are_frozen() {
             let n = pattern.nearest_count(requested, Domain::Sphere);
             let sampler = pattern.build(n, Domain::Sphere).unwrap();
             let lmax = prediction_degree(&*sampler, &cap);
-            let most = PredictionBudget::DEFAULT.realizations(&*sampler, lmax);
+            let max_realizations = PredictionBudget::DEFAULT.realizations(&*sampler, lmax);
             let is_fast = Transform::new(Method::Auto, lmax, n, 1e-12).unwrap().is_fast();
             let transform = if is_fast { "fast" } else { "exact" };
             let mut predictor =
@@ -37,8 +37,11 @@ fn counts_and_methods_are_frozen() {
             };
             let work = sampler.nominal_work();
             let beyond = if affordable { "" } else { " beyond the budget" };
-            writeln!(table, "{pattern} {n}: {work:.0} {lmax} {most} {taken} {transform}{beyond}")
-                .unwrap();
+            writeln!(
+                table,
+                "{pattern} {n}: {work:.0} {lmax} {max_realizations} {taken} {transform}{beyond}"
+            )
+            .unwrap();
         }
     }
     assert_eq!(table.trim(), COUNTS.trim(), "\n{table}");

@@ -19,7 +19,10 @@ fn every_test_named_in_the_theory_exists() {
         let at = at.unwrap_or_else(|| panic!("docs/theory.md names {reference}: no {function}"));
         // An attribute of a test, or a function within proptest's macro, precedes it.
         let before = source[..at].rsplit("\n\n").next().unwrap_or_default();
-        assert!(before.contains("#[test]"), "docs/theory.md names {reference}, which is no test");
+        assert!(
+            before.contains("#[test]"),
+            "docs/theory.md names {reference}, which is not a test"
+        );
         count += 1;
     }
     assert!(count > ROWS, "only {count} tests are named");

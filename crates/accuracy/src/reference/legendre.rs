@@ -27,8 +27,8 @@ impl LegendreValue {
     /// that is larger: below it `f64` has fewer digits.
     #[must_use]
     pub fn error_in_f64(&self, got: f64) -> f64 {
-        let least = DoubleDouble::from(f64::MIN_POSITIVE);
-        let scale = if self.amplitude < least { least } else { self.amplitude };
+        let smallest = DoubleDouble::from(f64::MIN_POSITIVE);
+        let scale = if self.amplitude < smallest { smallest } else { self.amplitude };
         relative(DoubleDouble::from(got) - self.value, scale)
     }
 }

@@ -28,7 +28,7 @@ fn all() -> impl Iterator<Item = HardCase> {
 /// Measures a hard case and compares it with its bound.
 fn assert_held(name: &str) {
     let case = all().find(|case| case.name == name);
-    let case = case.unwrap_or_else(|| panic!("there is no hard case {name}"));
+    let case = case.unwrap_or_else(|| panic!("unknown hard case {name}"));
     let errors = (case.measure)();
     assert!(errors.count() > 0, "{name}: nothing was compared");
     let (max, bound, worst) = (errors.max(), case.bound, errors.worst());

@@ -18,7 +18,7 @@ pub(crate) enum Layout {
     Fits,
     /// Bytes of a range that a function finds.
     Payload(fn(&[u8]) -> Option<Range<usize>>),
-    /// The same of whole numbers of seven bits a byte, whose eighth bit says whether the number goes on.
+    /// The same of whole numbers of seven bits a byte, whose eighth bit states whether the number continues.
     Varints(fn(&[u8]) -> Option<Range<usize>>),
 }
 
@@ -91,7 +91,7 @@ fn overwrite(bytes: &mut [u8], random: &mut Random) {
             }
         }
         3 => {
-            // Numbers of a type stand at multiples of its size, often.
+            // Numbers of a type are often at multiples of its size.
             let from = random.below(bytes.len() - width + 1) / width * width;
             let to = at / width * width;
             bytes.copy_within(from..from + width, to);
@@ -139,7 +139,7 @@ fn change_card(
     }
 }
 
-/// Returns where the headers and the data of a FITS file stand.
+/// Returns the positions of the headers and the data of a FITS file.
 fn fits_units(file: &[u8]) -> (Vec<Range<usize>>, Vec<Range<usize>>) {
     let (mut headers, mut data): (Vec<Range<usize>>, Vec<Range<usize>>) = (Vec::new(), Vec::new());
     let mut is_header = false;

@@ -129,10 +129,10 @@ pub(crate) fn run(args: &AuditArgs, global: &Global) -> Result<(), CliError> {
 /// Rejects settings that the library would reject only after the work.
 fn check_settings(args: &AuditArgs, domain: Domain) -> Result<(), CliError> {
     check_degree("--lmax", args.lmax)?;
-    let least = domain.degree_step();
-    if args.lmax < least {
+    let min_lmax = domain.degree_step();
+    if args.lmax < min_lmax {
         return Err(CliError::Usage(format!(
-            "--lmax must be at least {least} on the {domain}, got {}",
+            "--lmax must be at least {min_lmax} on the {domain}, got {}",
             args.lmax
         )));
     }
@@ -169,7 +169,10 @@ fn source(args: &AuditArgs, domain: Domain, global: &Global) -> Result<Source, C
     let sampler = patterns::build(&pattern, n, domain, args.sets.nearest.nearest)?;
     if sampler.n_points() != n {
         let got = sampler.n_points();
-        say(global.quiet, &format!("{pattern}: {got} points, the nearest to the {n} asked for"));
+        say(
+            global.quiet,
+            &format!("{pattern}: {got} points, the valid count nearest to the requested {n}"),
+        );
     }
     let group = pattern.stream_group(sampler.n_points());
     let streams = Streams::new(global.seed, Purpose::Pattern, group);

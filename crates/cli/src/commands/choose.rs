@@ -84,7 +84,7 @@ pub(crate) fn run(args: &ChooseArgs, global: &Global) -> Result<(), CliError> {
     let shares: Vec<f64> = patterns.iter().map(|p| share(p, typical, domain)).collect();
     let progress = Progress::new(shares.iter().sum(), global.quiet);
     let (mut candidates, mut left_out) = (Vec::<TimedCandidate>::new(), Vec::new());
-    let (mut best, mut fewest) = (f64::INFINITY, None);
+    let (mut best, mut min_points) = (f64::INFINITY, None);
     for (pattern, share) in patterns.into_iter().zip(shares) {
         if candidates.iter().any(|c| *c.answer.curve.pattern() == pattern) {
             continue;
@@ -102,7 +102,7 @@ pub(crate) fn run(args: &ChooseArgs, global: &Global) -> Result<(), CliError> {
         } else {
             // A pattern that the user names is kept as it is, however far behind it is.
             let is_named = named.is_some();
-            let limit = fewest.filter(|_| !is_named && args.cost_per_sample.is_none());
+            let limit = min_points.filter(|_| !is_named && args.cost_per_sample.is_none());
             let candidate =
                 TimedCandidate::new(pattern.clone(), limit, &question, &mut predictor, global.seed)
                     .and_then(|c| {
@@ -116,7 +116,7 @@ pub(crate) fn run(args: &ChooseArgs, global: &Global) -> Result<(), CliError> {
                 Ok(candidate) => {
                     best = best.min(candidate.answer.variance.map_or(f64::INFINITY, |v| v.0));
                     if candidate.basis() == "predicted" {
-                        fewest = candidate.answer.n_points.into_iter().chain(fewest).min();
+                        min_points = candidate.answer.n_points.into_iter().chain(min_points).min();
                     }
                     progress.line(&presentation::line(&candidate, &question, &predictor));
                     candidates.push(candidate);
@@ -149,8 +149,8 @@ fn considered() -> Vec<Pattern> {
 
 /// Returns the work of the minimum number of realizations of a prediction, in budgets.
 fn budgets(pattern: &Pattern, n_points: usize) -> f64 {
-    let least = PredictionBudget::MIN_REALIZATIONS as f64 * pattern.nominal_work(n_points);
-    least / PredictionBudget::DEFAULT.work
+    let min_work = PredictionBudget::MIN_REALIZATIONS as f64 * pattern.nominal_work(n_points);
+    min_work / PredictionBudget::DEFAULT.work
 }
 
 /// Returns the share of a pattern in the total time, for the progress bar.

@@ -12,7 +12,7 @@ use crate::integrands::NamedIntegrand;
 use crate::share::parse_share;
 use crate::transforms::TransformArgs;
 
-/// Flags that say how variances are predicted and measured.
+/// Flags for the prediction and measurement of variances.
 #[derive(Debug, Args)]
 #[command(mut_arg("lmax", |lmax| lmax.help(spectra_lmax_help())))]
 pub(crate) struct EffortArgs {
@@ -50,8 +50,8 @@ fn parse_trials(text: &str) -> Result<u64, String> {
 
 fn trials_help() -> String {
     format!(
-        "Trials per measured variance; with --until-rel, the initial number [default: {}; for samplers whose sets are \
-         expensive to make as many as a fixed amount of work allows, at least {}]",
+        "Trials per measured variance; with --until-rel, the initial number [default: {}; fewer for samplers \
+         whose sets are expensive, within a fixed amount of work, but at least {}]",
         Trials::DEFAULT,
         Trials::MIN_DEFAULT
     )

@@ -112,8 +112,8 @@ pub(super) fn run(plan: &Plan<'_>, cases: &[Case]) -> Result<(Vec<Row>, Energy),
         })
         .collect::<Result<Vec<Row>, CliError>>()?;
     if plan.whole_spectra {
-        let most = cases.iter().map(Case::n_points).max().unwrap_or(0);
-        predictor.energy_to(Resolution::natural_degree(most))?;
+        let max_points = cases.iter().map(Case::n_points).max().unwrap_or(0);
+        predictor.energy_to(Resolution::natural_degree(max_points))?;
     }
     Ok((rows, predictor.energy().clone()))
 }

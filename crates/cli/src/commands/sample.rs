@@ -101,7 +101,7 @@ pub(crate) fn run(args: &SampleArgs, global: &Global) -> Result<(), CliError> {
     if n_points != n {
         say(
             global.quiet,
-            &format!("{pattern}: {n_points} points, the nearest to the {n} asked for"),
+            &format!("{pattern}: {n_points} points, the valid count nearest to the requested {n}"),
         );
     }
 

@@ -286,7 +286,10 @@ fn source(args: &SpectrumArgs, domain: Domain, global: &Global) -> Result<Source
     }
     if sampler.n_points() != n {
         let got = sampler.n_points();
-        say(global.quiet, &format!("{pattern}: {got} points, the nearest to the {n} asked for"));
+        say(
+            global.quiet,
+            &format!("{pattern}: {got} points, the valid count nearest to the requested {n}"),
+        );
     }
     Ok(Source::Sampler { pattern, sampler })
 }

@@ -225,7 +225,11 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let mut file = AtomicFile::create(&folder.path().join("a.csv")).unwrap();
         file.write_all(b"half").unwrap();
-        assert_eq!(names_in(folder.path()).len(), 1, "the temporary stands beside the target");
+        assert_eq!(
+            names_in(folder.path()).len(),
+            1,
+            "the temporary file is in the folder of the target"
+        );
         drop(file);
         assert!(names_in(folder.path()).is_empty(), "{:?}", names_in(folder.path()));
     }

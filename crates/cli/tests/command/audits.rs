@@ -26,9 +26,14 @@ fn a_lattice_must_be_rotated() {
     let place = Workplace::new();
     let arguments = "audit fibonacci -n 40 -m 60 --lmax 4 --alpha 0.05";
     let text = place.run(arguments).ok().stdout;
-    for part in
-        ["as drawn", "one fixed set", "turn every realization", "rotated", "Not enough", "E R_"]
-    {
+    for part in [
+        "as drawn",
+        "one fixed set",
+        "apply a uniform random rotation",
+        "rotated",
+        "Not enough",
+        "E R_",
+    ] {
         assert!(text.contains(part), "{part}: {text}");
     }
     let document = place.run(&format!("{arguments} --json -o a.csv")).json();

@@ -22,7 +22,7 @@ fn samplers_show_rates_and_every_parameter() {
     for part in [
         "variance exact for smooth integrands, N^-1.5 for those with jumps",
         "radius minimum chord times sqrt(N), on the hemisphere times sqrt(2N): finite and above 0; default by N",
-        "mode=exact exactly N points, or as many as there is room for: exact, saturated",
+        "mode=exact exactly N points, or the number at which the set is saturated: exact, saturated",
         "mass=fibonacci what the mass points are: white, fibonacci, healpix",
         "core=0.3 minimum distance in units of a hexagonal lattice's: in [0, 0.95]",
         "last empty degree 10 for N = 100, 31 for N = 1000, 100 for N = 10000",

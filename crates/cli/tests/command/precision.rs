@@ -44,8 +44,8 @@ fn a_degree_that_fakes_a_rate_is_rejected() {
             "variance {sampler} -n 768 -m 4 --lmax {lmax} --integrand {integrand} --json"
         ))
     };
-    with("jittered", 30, "cap:degrees=60").fails(2, &["the least degree that will do is 5"]);
-    with("jittered", 3, "ylm:l=4").fails(2, &["the least degree that will do is 4"]);
+    with("jittered", 30, "cap:degrees=60").fails(2, &["the minimum sufficient degree is 5"]);
+    with("jittered", 3, "ylm:l=4").fails(2, &["the minimum sufficient degree is 4"]);
     with("jittered", 4, "ylm:l=4").ok();
     with("jittered", 56, "cap:degrees=60").ok();
     with("white-noise", 8, "cap:degrees=60").ok();

@@ -184,7 +184,7 @@ fn light_and_skies() {
     assert!(mean(&format!("pyramid.obj --sampler healpix -n 96 {lamp}")) > 0.01);
     let wide = mean("pyramid.obj --sampler healpix -n 96 --eye 0,5,0.1 --look-at 0,0,0 --fov 60");
     let cosine = mean("pyramid.obj --sampler healpix -n 96 --integral ao:weight=cosine");
-    assert!(wide > 0.99 && cosine > 0.99, "nothing stands above it: {wide} {cosine}");
+    assert!(wide > 0.99 && cosine > 0.99, "nothing is above it: {wide} {cosine}");
 }
 
 /// A quarter of the sky is bright: the quarter in which the emitter `envmap` of Mitsuba 3 shows the

@@ -166,7 +166,7 @@ const REQUIRED: &str = "SPHVAR_TESTS_NEED_BROWSER";
 fn the_page_needs_nothing_but_itself() {
     let Some(browser) = BROWSERS.iter().find(|path| Path::new(path).exists()) else {
         assert!(std::env::var_os(REQUIRED).is_none(), "no browser: one of {BROWSERS:?} is needed");
-        #[expect(clippy::print_stderr, reason = "a skipped test says so")]
+        #[expect(clippy::print_stderr, reason = "a skipped test must be visible")]
         {
             eprintln!("skipped: the page was not looked at, for lack of a browser ({BROWSERS:?})");
         }

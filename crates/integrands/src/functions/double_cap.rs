@@ -11,7 +11,7 @@ use crate::definition::Definition;
 use crate::{Circle, Coefficients, Error, Integrand, IntegrandResolver, Shape};
 
 /// The indicator of the two caps within an angle of +z and of -z, `|z| >= cos(angle)`: the cap of
-/// the antipodal (projective) plane, an even function.
+/// antipodal (projective) sets, an even function.
 ///
 /// Its coefficients are twice those of the [`Cap`] in even degrees and 0 in odd ones.
 #[derive(Clone, Copy, Debug, PartialEq)]

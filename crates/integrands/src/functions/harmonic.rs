@@ -39,7 +39,7 @@ impl Harmonic {
             return Ok(());
         }
         Err(Error::NoEnergy {
-            reason: "a harmonic of odd degree is no function on the projective plane; take an even l",
+            reason: "a harmonic of odd degree is not antipodal, as functions on the hemisphere are; use an even l",
         })
     }
 }

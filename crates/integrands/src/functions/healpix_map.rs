@@ -316,8 +316,8 @@ impl Integrand for HealpixMap {
 
     fn shape(&self) -> Result<Shape, Error> {
         Err(Error::NoEnergy {
-            reason: "edges of HEALPix pixels are no circles: on the sphere a map may be turned, and added to \
-                     or integrated with functions without edges, on the hemisphere only taken as it is",
+            reason: "the edges of HEALPix pixels are not circles; on the sphere a map may be rotated, and added to or multiplied \
+                     by functions without edges; on the hemisphere it must be used unchanged",
         })
     }
 

@@ -152,7 +152,7 @@ pub(crate) fn weighted_kurtosis<I: Iterator<Item = (f64, f64)>>(
 ) -> Option<f64> {
     let (total, first) = values().fold((0.0, 0.0), |(t, s), (w, x)| (t + w, s + w * x));
     let mean = first / total;
-    let largest = values().fold(0.0, |most: f64, (_, x)| most.max((x - mean).abs()));
+    let largest = values().fold(0.0, |max: f64, (_, x)| max.max((x - mean).abs()));
     let square = |x: f64| ((x - mean) / largest).powi(2);
     let (second, fourth) = values()
         .fold((0.0, 0.0), |(s, f), (w, x)| (s + w * square(x), f + w * square(x) * square(x)));

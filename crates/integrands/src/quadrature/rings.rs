@@ -307,11 +307,11 @@ fn ring_axis(shape: &Shape) -> DVec3 {
     let about =
         |axis: DVec3| shape.edges().iter().filter(|e| coaxial(e.axis, axis).is_some()).count();
     // Few axes are tried, because the edges about one axis are consecutive.
-    let most = shape.edges().iter().step_by(MANY).max_by_key(|e| about(e.axis)).map(|e| e.axis);
+    let common = shape.edges().iter().step_by(MANY).max_by_key(|e| about(e.axis)).map(|e| e.axis);
     let narrowest = shape.edges().iter().min_by(|a, b| a.angle.sin().total_cmp(&b.angle.sin()));
     shape
         .axis()
-        .or(most.filter(|&axis| about(axis) >= MANY))
+        .or(common.filter(|&axis| about(axis) >= MANY))
         .or(shape.support().map(|s| s.axis))
         .or(narrowest.map(|e| e.axis))
         .unwrap_or(DVec3::Z)

@@ -258,9 +258,9 @@ fn a_smooth_map_has_the_energies_of_the_function() {
     let energy = map.energy(Domain::Sphere, 4).unwrap();
     let expected = [4.0 * PI, 4.0 * PI / 3.0, 4.0 * PI / 15.0];
     for (l, e) in expected.into_iter().enumerate() {
-        let most = 0.2 * (l * (l + 1)) as f64 * order.nside().pixel_area();
+        let max_loss = 0.2 * (l * (l + 1)) as f64 * order.nside().pixel_area();
         let got = energy.per_band()[l] / e;
-        assert!((1.0 - most - 1e-12..=1.0 + 1e-12).contains(&got), "l = {l}: {got}");
+        assert!((1.0 - max_loss - 1e-12..=1.0 + 1e-12).contains(&got), "l = {l}: {got}");
     }
 }
 

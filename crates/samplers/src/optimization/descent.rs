@@ -226,8 +226,8 @@ mod tests {
                 .map(|(x, y, z)| DVec3::new(x, y, z).normalize())
                 .into();
             let mut form = Form(DVec3::new(3.0, 1.0, 0.25));
-            let least = descent(is_adaptive).run(&mut points, &mut form, &|| Ok(())).unwrap();
-            assert!((least - 0.75).abs() < 16.0 * f64::EPSILON, "{least} at {points:?}");
+            let minimum = descent(is_adaptive).run(&mut points, &mut form, &|| Ok(())).unwrap();
+            assert!((minimum - 0.75).abs() < 16.0 * f64::EPSILON, "{minimum} at {points:?}");
             // The energy depends on the square of the remaining angle.
             assert!(points.iter().all(|p| p.z.abs() > 1.0 - 1e-14), "{points:?}");
         }

@@ -64,8 +64,9 @@ impl RieszEnergy {
 
     fn sum<K: Kernel>(&self, kernel: K, points: &[DVec3], gradient: &mut Vec<DVec3>) -> f64 {
         let [x, y, z] = [0, 1, 2].map(|d: usize| points.iter().map(|p| p[d]).collect::<Vec<_>>());
-        let lines = self.domain == Domain::Hemisphere;
-        let fields = Fields { kernel, points, coordinates: [&x, &y, &z], lines, forces: gradient };
+        let antipodal = self.domain == Domain::Hemisphere;
+        let fields =
+            Fields { kernel, points, coordinates: [&x, &y, &z], antipodal, forces: gradient };
         let twice = pulp::Arch::new().dispatch(fields);
         let factor = if self.s.abs() <= 0.0 { -1.0 } else { -self.s };
         gradient.iter_mut().for_each(|force| *force *= factor);
@@ -78,7 +79,7 @@ struct Fields<'a, K> {
     kernel: K,
     points: &'a [DVec3],
     coordinates: [&'a [f64]; 3],
-    lines: bool,
+    antipodal: bool,
     forces: &'a mut Vec<DVec3>,
 }
 
@@ -97,7 +98,7 @@ impl<K: Kernel> NullaryFnOnce for Fields<'_, K> {
                 let (energy, on_point) = field(self.kernel, p, others);
                 twice += energy;
                 force += on_point;
-                if self.lines {
+                if self.antipodal {
                     let (energy, on_antipode) = field(self.kernel, -p, others);
                     twice += energy;
                     force -= on_antipode;

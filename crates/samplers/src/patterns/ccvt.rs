@@ -136,9 +136,9 @@ impl Ccvt {
         let mut mass = PointSet::default();
         self.mass_points.draw_into(self.n_points * self.capacity, self.domain, rng, &mut mass)?;
         let mut points = mass.points;
-        let lines = self.domain == Domain::Hemisphere;
-        start::divide(&mut points, self.capacity, lines, rng);
-        let mut relaxation = Relaxation::new(&points, self.capacity, lines);
+        let antipodal = self.domain == Domain::Hemisphere;
+        start::divide(&mut points, self.capacity, antipodal, rng);
+        let mut relaxation = Relaxation::new(&points, self.capacity, antipodal);
         drop(points);
         let outcome = if self.n_points == 1 && self.capacity > 1 {
             relaxation.place(0, start::random_direction(rng));

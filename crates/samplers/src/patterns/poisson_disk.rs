@@ -123,11 +123,11 @@ impl PoissonDisk {
         let greatest = greatest_chord(n_points, domain);
         if mode == DiskMode::Exact && disks.chord() > greatest {
             return Err(disks.infeasible(format!(
-                "so many points are at most {greatest:.6} apart, a radius of {:.4}; {radius} asks \
-                 for {:.6}, and random points reach {:.4}",
+                "radius {radius} requires a distance of {2:.6}, but {n_points} points are at most \
+                 {greatest:.6} apart (radius {0:.4}); the default radius is {1:.4}",
                 greatest * disks.root_of_density(),
-                disks.chord(),
-                disks.own_default_radius()
+                disks.own_default_radius(),
+                disks.chord()
             )));
         }
         let expected = disks.saturated_count();
@@ -224,8 +224,8 @@ impl PoissonDisk {
         // radius allows for chance.
         let possible = 0.98 * self.radius * (placed as f64 / self.n_points as f64).sqrt();
         Err(self.infeasible(format!(
-            "in {} attempts disks of radius {} left room for {placed} points at most; a radius of \
-             {:.3} is possible",
+            "at most {placed} disks of radius {1} fitted in {0} attempts; a radius of {2:.3} is \
+             possible",
             self.attempts(),
             self.radius,
             possible.min(self.own_default_radius())

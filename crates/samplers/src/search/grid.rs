@@ -214,8 +214,12 @@ mod tests {
                         continue;
                     }
                     for p in boundary(b) {
-                        let least = edge.iter().map(|q| q.distance(p)).fold(f64::MAX, f64::min);
-                        assert!(least * f64::from(n) > REACH, "{a:?} and {b:?}: {least}");
+                        let min_distance =
+                            edge.iter().map(|q| q.distance(p)).fold(f64::MAX, f64::min);
+                        assert!(
+                            min_distance * f64::from(n) > REACH,
+                            "{a:?} and {b:?}: {min_distance}"
+                        );
                     }
                 }
             }

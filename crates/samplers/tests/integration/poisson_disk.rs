@@ -80,8 +80,12 @@ fn points_keep_their_distance_and_are_unit_vectors() {
                     for &q in &points[..i] {
                         let d = distance(domain, p, q);
                         // Two ways to round the same squared chord, near 1 in relative size.
-                        let least = disks.chord() * (1.0 - 4.0 * f64::EPSILON);
-                        assert!(d >= least, "{domain} {mode} {n}: {d} against {}", disks.chord());
+                        let min_distance = disks.chord() * (1.0 - 4.0 * f64::EPSILON);
+                        assert!(
+                            d >= min_distance,
+                            "{domain} {mode} {n}: {d} against {}",
+                            disks.chord()
+                        );
                     }
                 }
             }

@@ -353,8 +353,8 @@ fn nominal_work_matches_the_measured_times() {
     for (pattern, milliseconds) in Pattern::ALL.into_iter().zip(measured) {
         let ratio = UNIT_MILLISECONDS * pattern.nominal_work(1024) / milliseconds;
         // The minimum is one unit per point.
-        let most = if milliseconds < 0.1 { 6.0 } else { 2.0 };
-        assert!((0.5..most).contains(&ratio), "{pattern}: {ratio}");
+        let max_ratio = if milliseconds < 0.1 { 6.0 } else { 2.0 };
+        assert!((0.5..max_ratio).contains(&ratio), "{pattern}: {ratio}");
     }
     for pattern in Pattern::ALL {
         assert!(pattern.nominal_work(1 << 20).is_finite() && pattern.nominal_work(0) >= 0.0);

@@ -109,8 +109,8 @@ fn invalid_powers_are_rejected() {
 /// hemisphere.
 #[test]
 fn more_zeros_than_degrees_of_freedom_are_infeasible() {
-    for (domain, most, beyond) in [(Domain::Sphere, 12, 13), (Domain::Hemisphere, 19, 20)] {
-        let feasible = SpectralControl::new("test", 100, zeros(most), domain);
+    for (domain, max_degree, beyond) in [(Domain::Sphere, 12, 13), (Domain::Hemisphere, 19, 20)] {
+        let feasible = SpectralControl::new("test", 100, zeros(max_degree), domain);
         assert!(feasible.is_ok(), "{domain}: {feasible:?}");
         match SpectralControl::new("test", 100, zeros(beyond), domain) {
             Err(Error::Infeasible { pattern: "test", n_points: 100, reason }) => {
@@ -308,8 +308,8 @@ fn alphas_beyond_the_freedom_name_the_largest() {
                 }
             }
             let step = SpectralControl::step(n, domain, Some(largest), None);
-            let most = SpectralControl::max_empty_degree(n, domain);
-            assert_eq!(step.map(|s| s.last_empty_degree()), most, "{domain}, N = {n}");
+            let max_degree = SpectralControl::max_empty_degree(n, domain);
+            assert_eq!(step.map(|s| s.last_empty_degree()), max_degree, "{domain}, N = {n}");
         }
     }
 }

@@ -395,7 +395,7 @@ fn every_step_decreases_the_riesz_energy() {
 /// 2006, whose values are the smallest known).
 #[test]
 fn riesz_finds_known_minima() {
-    for (n, least, tries) in [
+    for (n, known, tries) in [
         (2, 0.5, 1),
         (3, 3f64.sqrt(), 1),
         (4, 3.674234614, 1),
@@ -410,16 +410,19 @@ fn riesz_finds_known_minima() {
             .map(|set| riesz_energy(&set.points, Domain::Sphere, 1.0));
         let found = found.fold(f64::INFINITY, f64::min);
         // Nine decimals are printed.
-        assert!((found - least).abs() < 1e-8, "N = {n}: {found}, least known {least}");
+        assert!((found - known).abs() < 1e-8, "N = {n}: {found}, known minimum {known}");
     }
     // Three antipodal pairs: the axes, 3 pairs at sqrt 2 twice. Six: those of the icosahedron, 15
     // pairs.
     let chord = |cosine: f64| (2.0 - 2.0 * cosine).sqrt().recip();
     let icosahedron = 15.0 * (chord(0.2f64.sqrt()) + chord(-(0.2f64.sqrt())));
-    for (n, least) in [(2, 2f64.sqrt()), (3, 3.0 * 2f64.sqrt()), (6, icosahedron)] {
+    for (n, known) in [(2, 2f64.sqrt()), (3, 3.0 * 2f64.sqrt()), (6, icosahedron)] {
         let sampler = Riesz::new(n, Domain::Hemisphere, 1.0, 400).unwrap();
         let set = sampler.sample(&mut rng(0)).unwrap();
         let found = riesz_energy(&set.points, Domain::Hemisphere, 1.0);
-        assert!((found - least).abs() < 1e-10, "{n} lines: {found}, least {least}");
+        assert!(
+            (found - known).abs() < 1e-10,
+            "{n} antipodal pairs: {found}, known minimum {known}"
+        );
     }
 }

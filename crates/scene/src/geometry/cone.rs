@@ -98,15 +98,15 @@ impl<const N: usize> Cone<N> {
     /// included or not.
     #[inline(always)]
     pub(crate) fn meet<S: Simd>(&self, simd: S, rays: &Rays<S>) -> S::m32s {
-        let mut least = dot(simd, &rays.dirs, self.edges[0], self.margins[0]);
+        let mut min = dot(simd, &rays.dirs, self.edges[0], self.margins[0]);
         for (&edge, &margin) in self.edges[1..].iter().zip(&self.margins[1..]) {
-            least = simd.min_f32s(least, dot(simd, &rays.dirs, edge, margin));
+            min = simd.min_f32s(min, dot(simd, &rays.dirs, edge, margin));
         }
         // The distance is height / approach. Unbounded rays along the plane give NaN, which does
         // not compare as near.
         let approach = dot(simd, &rays.dirs, self.normal, 0.0);
         let risen = simd.mul_f32s(approach, rays.reaches);
-        let inside = simd.greater_than_or_equal_f32s(least, simd.splat_f32s(0.0));
+        let inside = simd.greater_than_or_equal_f32s(min, simd.splat_f32s(0.0));
         let near = simd.greater_than_or_equal_f32s(risen, simd.splat_f32s(self.height));
         simd.and_m32s(inside, near)
     }

@@ -141,7 +141,7 @@ fn best_plane(boxes: &[Bounds], members: &[u32], around: &Bounds) -> Option<(usi
                 continue;
             }
             let cost = cost(below) + cost(above[plane]);
-            if best.is_none_or(|(least, ..)| cost < least) {
+            if best.is_none_or(|(min_cost, ..)| cost < min_cost) {
                 best = Some((cost, axis, plane));
             }
         }

@@ -112,7 +112,7 @@ impl Scene {
     /// whatever their reach. Rays start slightly above the point, see [`Self::ray_origin`], so that
     /// they do not meet the surface that they start from; other surfaces closer than that are not
     /// detected. A surface that contains the start of the rays, up to rounding, is intersected by
-    /// rays to either side: from an edge or a corner of a closed room nothing outside is visible.
+    /// rays to either side: from an edge or a corner of a closed box nothing outside is visible.
     ///
     /// Directions are tested in single precision. A result can be wrong only if the ray passes an
     /// edge, the horizon or, at the end of its reach, a surface within 9 `f32::EPSILON` (1.1e-6)

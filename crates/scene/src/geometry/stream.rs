@@ -268,9 +268,9 @@ fn octant_of(dir: DVec3) -> usize {
 /// not NaN.
 #[inline(always)]
 fn inverse<S: Simd>(simd: S, component: S::f32s) -> S::f32s {
-    let least = simd.splat_f32s(1e-20);
-    let tiny = simd.less_than_f32s(simd.abs_f32s(component), least);
-    simd.div_f32s(simd.splat_f32s(1.0), simd.select_f32s(tiny, least, component))
+    let smallest = simd.splat_f32s(1e-20);
+    let tiny = simd.less_than_f32s(simd.abs_f32s(component), smallest);
+    simd.div_f32s(simd.splat_f32s(1.0), simd.select_f32s(tiny, smallest, component))
 }
 
 /// Returns the lower and upper planes of the children of a node.

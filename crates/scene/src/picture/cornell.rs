@@ -2,7 +2,7 @@ use glam::DVec3;
 
 use crate::{Camera, Quad, Scene};
 
-/// The size of the room: width (x), height (y) and depth (z).
+/// The size of the box: width (x), height (y) and depth (z).
 const ROOM: DVec3 = DVec3::new(556.0, 548.8, 559.2);
 
 /// The corners (x, z) of the blocks' tops in order, and their heights.

@@ -61,8 +61,8 @@ impl BoundedColumn {
 
     /// Measured and predicted variances between the bounds.
     pub(crate) fn curves(&self) -> Result<Curves, Error> {
-        let most = self.measured.last().map_or(1.0, |p| p.n_points);
-        let count = most.log2() * PER_DOUBLING as f64;
+        let max_points = self.measured.last().map_or(1.0, |p| p.n_points);
+        let count = max_points.log2() * PER_DOUBLING as f64;
         #[expect(
             clippy::cast_possible_truncation,
             clippy::cast_sign_loss,

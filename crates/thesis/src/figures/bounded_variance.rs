@@ -73,9 +73,9 @@ impl Recipe for BoundedVariance {
             };
             figure.claims.push(with_both_kinds(Some(40), claim)?);
         }
-        let most = |pattern| VarianceStudy { pattern, setting }.counts().last().copied();
+        let max_count = |pattern| VarianceStudy { pattern, setting }.counts().last().copied();
         for (pattern, _) in ROWS {
-            let Some(n) = most(pattern) else { continue };
+            let Some(n) = max_count(pattern) else { continue };
             let trials = VarianceStudy { pattern, setting }.n_trials(n);
             figure
                 .note(format!("{}: N to {n}, {trials} trials or more at each N.", pattern.label()));

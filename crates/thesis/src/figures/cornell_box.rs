@@ -181,7 +181,7 @@ impl Recipe for ReferenceImage {
         );
         figure.note(format!(
             "One ray through the centre of each pixel and {n} jittered directions (the thesis: 32k) at each hit point, as \
-             lines rotated uniformly. With {n} independent directions the mean squared error would be {:.1e}; jitter's is \
+             antipodal pairs rotated uniformly. With {n} independent directions the mean squared error would be {:.1e}; jitter's is \
              smaller by about sqrt(N)/2.",
             image.white_noise_variance(n)
         ));

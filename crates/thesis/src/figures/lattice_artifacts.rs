@@ -107,12 +107,10 @@ impl Recipe for LatticeArtifacts {
                     rotated.renders as f64 - 1.0,
                 ),
             )
-            .because(
-                "artifacts are said to turn into noise: errors of pixels are independent at 1",
-            ),
+            .because("artifacts are stated to become noise: errors of pixels are independent at 1"),
         );
         figure.note(
-            "A shared lattice has one picture, whose error depends on N and on how the lattice lies to the room: intervals \
+            "A shared lattice has one picture, whose error depends on N and on how the lattice is oriented in the box: intervals \
              are those of the mean over several N.",
         );
         Ok(())

@@ -6,14 +6,14 @@ mod bounded_column;
 mod bounded_variance;
 mod box_study;
 mod cap_power;
-#[cfg(test)]
-mod cheap_tests;
 mod coefficient_clouds;
 mod cornell_box;
 mod crossover_claim;
 mod dart_throwing;
 mod direct_light;
 mod disk_points;
+#[cfg(test)]
+mod fast_tests;
 mod integrand_classes;
 mod lattice_artifacts;
 mod lattice_spectra;

@@ -116,9 +116,7 @@ impl Recipe for RotatedLattice {
             self.lmax()
         ));
         if self.domain == Domain::Hemisphere {
-            figure.note(
-                "Only even degrees exist on the projective plane; each is drawn twice as thick.",
-            );
+            figure.note("Antipodal sets have even degrees only; each is drawn twice as thick.");
         }
         Ok(())
     }
@@ -126,17 +124,17 @@ impl Recipe for RotatedLattice {
 
 impl RotatedLattice {
     fn claims(&self, results: &Results, figure: &mut Figure) -> Result<(), Error> {
-        let most = ROTATIONS[ROTATIONS.len() - 1];
+        let max_rotations = ROTATIONS[ROTATIONS.len() - 1];
         let before = OrderGrid::new(results.orders(&self.job(0))?);
         let some = OrderGrid::new(results.orders(&self.job(10))?);
-        let after = OrderGrid::new(results.orders(&self.job(most))?);
+        let after = OrderGrid::new(results.orders(&self.job(max_rotations))?);
         let change = self
             .degrees(&before)
             .map(|l| (after.power(l) / before.power(l) - 1.0).abs())
             .fold(0.0, f64::max);
         figure.claims.push(
             Claim::number(
-                format!("largest relative change of the power of a degree by {most} rotations"),
+                format!("largest relative change of the power of a degree by {max_rotations} rotations"),
                 // Coefficients are accurate to 1e-12 of N, and a degree may have as little as 1e-12
                 // of the largest power.
                 Stated::About { value: 0.0, tolerance: 1e-6 },
@@ -168,7 +166,7 @@ impl RotatedLattice {
         let p = largest_of_normal(z, comparisons);
         figure.claims.push(
             Claim::words(
-                format!("power of the orders of a degree after {most} rotations"),
+                format!("power of the orders of a degree after {max_rotations} rotations"),
                 "becomes equal",
                 verdict(p),
             )

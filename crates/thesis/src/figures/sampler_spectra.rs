@@ -120,13 +120,9 @@ impl Recipe for SamplerSpectra {
             &HEMISPHERE,
             |p| half(p, Half::Kept),
         )?;
-        spectra_panel(
-            figure,
-            "hemisphere",
-            "Hemisphere: patterns of the projective plane",
-            &HEMISPHERE,
-            |p| half(p, Half::Own),
-        )?;
+        spectra_panel(figure, "hemisphere", "Hemisphere: antipodal patterns", &HEMISPHERE, |p| {
+            half(p, Half::Own)
+        })?;
         let mut low = Vec::new();
         for pattern in HEMISPHERE {
             for (how, mark, made) in
@@ -231,7 +227,7 @@ fn seam_power(pattern: ThesisPattern, kept: &Spectrum, own: &Spectrum) -> String
     let stderr = ratio * (kept_error / kept_mean).hypot(own_error / own_mean);
     format!(
         "Halves of sphere sets, {}: in degrees 2 to {LAST_LOW} they have {ratio:.3} +- {stderr:.3} times the power of the \
-         pattern of the projective plane ({kept_mean:.4} against {own_mean:.4}; at l = 2 {:.4} against {:.4}), because the \
+         antipodal pattern ({kept_mean:.4} against {own_mean:.4}; at l = 2 {:.4} against {:.4}), because the \
          cut at the equator is a seam (erratum 13).",
         pattern.label(),
         kept.power()[2],

@@ -100,9 +100,9 @@ fn cell_borders() -> Result<Vec<Vec<DVec3>>, Error> {
 /// their borders.
 fn ratio_of_areas(order: &Ring) -> f64 {
     let areas = (0..order.n_pixels()).map(|pixel| area(order.cell(pixel)));
-    let (least, most) =
+    let (min, max) =
         areas.fold((f64::INFINITY, 0.0_f64), |(low, high), a| (low.min(a), high.max(a)));
-    most / least
+    max / min
 }
 
 fn area(cell: Cell) -> f64 {

@@ -31,7 +31,7 @@ const LAST_DEGREE: usize = 2048;
 impl VarianceStudy {
     /// Every number of points.
     pub(crate) fn counts(self) -> Vec<usize> {
-        let most = match self.pattern {
+        let max = match self.pattern {
             ThesisPattern::CcvtRandom | ThesisPattern::CcvtFibonacci => {
                 self.setting.scale.pick(1452, 6348)
             }
@@ -40,7 +40,7 @@ impl VarianceStudy {
         };
         let any = !matches!(self.pattern, ThesisPattern::Jittered | ThesisPattern::Healpix);
         let few = FEW_POINTS.into_iter().filter(|_| any);
-        few.chain(NSIDES.map(|nside| 12 * nside * nside)).filter(|&n| n <= most).collect()
+        few.chain(NSIDES.map(|nside| 12 * nside * nside)).filter(|&n| n <= max).collect()
     }
 
     /// Returns the jobs of measured variances.
@@ -134,8 +134,8 @@ impl VarianceStudy {
     clippy::cast_sign_loss,
     reason = "a positive number, and too large ones become the largest"
 )]
-fn affordable(job: &Job, work: f64, (least, most): (u64, u64)) -> u64 {
-    ((work / job.work_of_set()) as u64).clamp(least, most)
+fn affordable(job: &Job, work: f64, (min, max): (u64, u64)) -> u64 {
+    ((work / job.work_of_set()) as u64).clamp(min, max)
 }
 
 /// Returns the energies of a test integrand.

@@ -8,7 +8,7 @@ use crate::report::{Column, Provenance};
 impl AccuracyBody {
     /// Returns the results as a document; `charts` are links to the charts of areas.
     pub(super) fn markdown(&self, charts: &[(Area, String)], provenance: &Provenance) -> String {
-        let effort = if self.quick { " with smaller inputs than usual" } else { "" };
+        let effort = if self.quick { " with smaller inputs than by default" } else { "" };
         let mut text = format!(
             "# Accuracy\n\nMeasured on {} ({}) by sphvar {}{effort}; this file was written by\n\n\
              ```text\n{}\n```\n\n{INTRODUCTION}",

@@ -14,7 +14,7 @@ use crate::report::{Column, Provenance, csv_of, number, table_of};
 pub(crate) struct AccuracyBody {
     /// Whether every largest error is within its bound.
     pub(super) held: bool,
-    /// Whether inputs are smaller than usual, by `--quick`.
+    /// Whether inputs are smaller than by default, as requested with `--quick`.
     pub(super) quick: bool,
     /// The date in UTC, as YYYY-MM-DD.
     pub(super) date: String,
@@ -138,8 +138,7 @@ impl Outcome {
         if self.held { "yes" } else { "NO" }
     }
 
-    /// An empty comparison does not satisfy the bound; if all errors are 0, there is no worst
-    /// place.
+    /// An empty comparison does not satisfy the bound. If all errors are 0, no case is the worst.
     fn new(errors: &Errors, bound: f64) -> Self {
         let (error, compared) = (errors.max(), errors.count());
         let worst = if error > 0.0 { errors.worst() } else { "-" };

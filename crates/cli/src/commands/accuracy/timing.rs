@@ -11,14 +11,14 @@ const MIN_SECONDS: f64 = 0.1;
 ///
 /// One untimed run comes first and brings code and memory into the caches.
 pub(super) fn median_seconds(subject: &mut dyn Subject, effort: Effort) -> f64 {
-    let fewest = match effort {
+    let min_calls = match effort {
         Effort::Quick => 3,
         Effort::Full => 5,
     };
     subject.run();
     let mut times: Vec<f64> = Vec::new();
     let begin = Instant::now();
-    while times.len() < fewest || begin.elapsed().as_secs_f64() < MIN_SECONDS {
+    while times.len() < min_calls || begin.elapsed().as_secs_f64() < MIN_SECONDS {
         let start = Instant::now();
         subject.run();
         times.push(start.elapsed().as_secs_f64());

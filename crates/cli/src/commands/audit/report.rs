@@ -254,15 +254,15 @@ fn objection(ensemble: Ensemble, audit: &HomogeneityAudit) -> String {
     let rejected = |family| audit.finding(family).is_some_and(|f| f.rejected);
     let mut text = match ensemble {
         Ensemble::AsDrawn { random: false } => {
-            "The variance formula may not be used: this is one fixed set, so the error is no chance \
-             at all; turn every realization by a uniform rotation."
+            "The variance formula may not be used: this is one fixed set, so the error is not random \
+             at all; apply a uniform random rotation to every realization."
         }
         Ensemble::AsDrawn { random: true } => {
-            "The variance formula may not be used: turn every realization by a uniform rotation."
+            "The variance formula may not be used: apply a uniform random rotation to every realization."
         }
         Ensemble::Rotated => "The variance formula may not be used: the rotations are not uniform.",
         Ensemble::FromFiles => {
-            "The variance formula may not be used, unless these sets are turned by uniform rotations."
+            "The variance formula may not be used, unless a uniform random rotation is applied to each of these sets."
         }
     }
     .to_owned();
@@ -294,7 +294,7 @@ fn objection(ensemble: Ensemble, audit: &HomogeneityAudit) -> String {
 fn text(body: &AuditBody, audit: &AuditRecord) -> String {
     let AuditBody { sampler, n, realizations, lmax, copies, .. } = body;
     let mut text = format!(
-        "{sampler}, N = {n}, {}: {realizations} realizations, degrees to {lmax}, {copies} turned copies\n",
+        "{sampler}, N = {n}, {}: {realizations} realizations, degrees to {lmax}, {copies} rotated copies\n",
         audit.ensemble
     );
     text += &table_of(&TestRecord::columns(), &audit.tests);

@@ -137,7 +137,7 @@ impl Consequences {
             worst_variance: self.worst.variance(profile, n, domain),
             integrand_variance,
             integrand_bound: integrand_variance
-                .map(|(least, most)| if side == Side::Lower.name() { least } else { most }),
+                .map(|(min, max)| if side == Side::Lower.name() { min } else { max }),
             profile: *profile,
         })
     }

@@ -162,7 +162,7 @@ fn set_time(
     let too_long = largest < n_points && expected(n_points) > MAX_SET_SECONDS;
     let timed = if too_long { largest } else { n_points };
     let timed = match valid_between(pattern, domain, 0, MAX_TIMED_POINTS, MAX_TIMED_POINTS) {
-        Some(most) if timed > MAX_TIMED_POINTS => most,
+        Some(max_points) if timed > MAX_TIMED_POINTS => max_points,
         _ => timed,
     };
     if expected(timed) > MAX_SET_SECONDS {

@@ -22,16 +22,16 @@ pub(super) fn recommendation(
         return Ok((None, text.to_owned()));
     }
     let (Some(best), Some(n)) = (best, best.and_then(|b| b.answer.n_points)) else {
-        let (mut text, mut most) = ("No sampler reaches this error".to_owned(), 1);
+        let (mut text, mut max_considered) = ("No sampler reaches this error".to_owned(), 1);
         if let Requested::Error { max_points, .. } = question.requested {
-            most = max_points;
+            max_considered = max_points;
             text += &format!(
-                " with {most} points (--max-count): all considered are out of reach, and white noise \
+                " with {max_considered} points (--max-count): all considered are out of reach, and white noise \
                  needs {} points.",
                 number::optional(question.white_noise_points(predictor), number::count)
             );
         }
-        return Ok((None, text + &beyond_help(most, predictor)?));
+        return Ok((None, text + &beyond_help(max_considered, predictor)?));
     };
     if let Some(text) = no_recommendation(best, n, question, predictor)? {
         return Ok((None, text));
@@ -41,9 +41,11 @@ pub(super) fn recommendation(
     let choice = match question.requested {
         _ if question.cost_per_sample.is_some() => "the least time for set and values",
         Requested::Error { .. } => {
-            "of those that need the fewest points, within 10 %, the cheapest to make"
+            "the least expensive sampler among those within 10 % of the fewest points"
         }
-        Requested::Points(_) => "of those of the least variance, within 10 %, the cheapest to make",
+        Requested::Points(_) => {
+            "the least expensive sampler among those within 10 % of the least variance"
+        }
     };
     let name = best.answer.curve.pattern();
     let why = match &reason {

@@ -94,14 +94,14 @@ pub(super) fn run(args: &RenderArgs, panels: &str, global: &Global) -> Result<()
     let stage = args.stage.stage(PANEL_SIZE, global.quiet)?;
     let region = stage.view()?.region();
     check_memory("the sheet", ContactSheet::bytes([region.width, region.height], requests.len()))?;
-    let mut most = 0;
+    let mut max_points = 0;
     for trials in patterns(&requests) {
         trials.check(&stage)?;
-        most = most.max(trials.plan.n_points());
+        max_points = max_points.max(trials.plan.n_points());
     }
     Trials::check_sets(args, patterns(&requests))?;
     let reference = Reference::new(args, &stage, global)?;
-    reference.remark(most);
+    reference.remark(max_points);
     let reference = reference.image(&stage)?;
     let white = white(args, &stage, &reference, global.quiet);
     let mut cost = 0.0;

@@ -321,10 +321,10 @@ pub(super) fn white(args: &RenderArgs, stage: &Stage, picture: &Image, quiet: bo
     };
     let median = quantile(seen(), 0.5);
     if brightest > 0.0 && (median < BLACK * white || (args.white.is_none() && is_spiky)) {
-        let least = seen().fold(f64::INFINITY, f64::min);
+        let smallest = seen().fold(f64::INFINITY, f64::min);
         let text = format!(
             "values are from {} to {}, half of them below {}; {} is white (--white sets it)",
-            number::value(least),
+            number::value(smallest),
             number::value(brightest),
             number::value(median),
             number::value(white),

@@ -107,7 +107,7 @@ impl<'a> MapTable<'a> {
             .filter(|n| (1..=MAX_NSIDE).contains(n))
             .ok_or_else(|| wrong("NSIDE", &format!("an integer from 1 to {MAX_NSIDE}")))?;
         if nested && !nside.is_power_of_two() {
-            return Err(wrong("NSIDE", "a power of two, as ORDERING = 'NESTED' asks for"));
+            return Err(wrong("NSIDE", "a power of two, which ORDERING = 'NESTED' requires"));
         }
         let n_pixels = 12 * nside * nside;
         let count = |keyword: &str| {

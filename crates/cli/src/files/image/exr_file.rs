@@ -71,7 +71,7 @@ pub(super) fn read(
             let (position, size) = (block.index.pixel_position, block.index.pixel_size);
             let is_wanted = block.index.layer == chosen.part && block.index.level == Vec2(0, 0);
             if !is_wanted || !seen.insert((position.x(), position.y())) {
-                return Err(damaged(name, "a block stands in it twice or at a wrong place"));
+                return Err(damaged(name, "a block occurs twice or at a wrong position"));
             }
             area += size.area();
             frame
@@ -176,8 +176,8 @@ fn check_blocks(name: &str, file_bytes: usize, header: &Header) -> Result<(), Fi
     let area = |size: Vec2<usize>| size.width() as f64 * size.height() as f64;
     // Each chunk has an entry of 8 bytes in a table.
     let table = 8.0 * header.chunk_count as f64;
-    let most = MAX_COMPRESSION * file_bytes as f64;
-    if texel * area(size) > most || area(window) > most || table > file_bytes as f64 {
+    let max_bytes = MAX_COMPRESSION * file_bytes as f64;
+    if texel * area(size) > max_bytes || area(window) > max_bytes || table > file_bytes as f64 {
         let (width, height) = (size.width(), size.height());
         return Err(damaged(
             name,

@@ -125,7 +125,7 @@ pub(super) fn read(
             && usize::from(high) * 256 + usize::from(low) != length
         {
             let got = usize::from(high) * 256 + usize::from(low);
-            return Err(failed(format!("it has {got} texels, the header says {length}")));
+            return Err(failed(format!("it has {got} texels, but its header states {length}")));
         }
         decode(&head, &mut body, &mut scanline).map_err(failed)?;
         let (texels, _) = scanline.as_chunks::<4>();
@@ -231,7 +231,7 @@ impl Header {
         if divisors.iter().all(|d| *d > 0.0) && product.iter().all(|p| p.is_normal()) {
             self.divisors = product;
         } else {
-            self.remarks.push(format!("{line} is ignored: it is no number above 0"));
+            self.remarks.push(format!("{line} is ignored: it is not a number above 0"));
         }
     }
 }

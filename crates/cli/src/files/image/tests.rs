@@ -328,7 +328,7 @@ fn radiance_scanlines_of_both_compressions_are_read() {
     let mut wrong = file.clone();
     wrong[21] = 9;
     let message = super::tests::read(&wrong, &choice("", "")).unwrap_err();
-    assert!(message.contains("it has 9 texels, the header says 8"), "{message}");
+    assert!(message.contains("it has 9 texels, but its header states 8"), "{message}");
 }
 
 #[test]

@@ -165,7 +165,7 @@ impl Table<'_> {
         if roles.len() > count || (!self.has_names && roles.len() < count) {
             let written: Vec<&str> = roles.iter().map(|role| role.unwrap_or("_")).collect();
             return Err(self.error(
-                format!("{} fields, as --columns {} says", roles.len(), written.join(",")),
+                format!("{} fields for --columns {}", roles.len(), written.join(",")),
                 count.to_string(),
             ));
         }
@@ -181,7 +181,7 @@ impl Table<'_> {
             if own.is_some_and(|own| own != role && coordinates.contains(&own)) {
                 let name = self.name(index);
                 return Err(self.error(
-                    format!("the column {role} that --columns asks for"),
+                    format!("the column {role} named in --columns"),
                     format!("the header {}; {role}={name} would take {name} for it", self.names()),
                 ));
             }

@@ -50,7 +50,7 @@ trait Kernel {
 /// A kernel with its parameters, dispatched to the widest registers of the machine.
 struct Dispatch<K> {
     kernel: K,
-    lines: bool,
+    antipodal: bool,
     precision: Precision,
 }
 
@@ -59,8 +59,8 @@ impl<K: Kernel> NullaryFnOnce for Dispatch<K> {
 
     #[inline(always)]
     fn call(self) -> K::Output {
-        let Self { kernel, lines, precision } = self;
-        match (precision, lines) {
+        let Self { kernel, antipodal, precision } = self;
+        match (precision, antipodal) {
             (Precision::Four, false) => kernel.run::<4, false>(),
             (Precision::Six, false) => kernel.run::<6, false>(),
             (Precision::Ten, false) => kernel.run::<10, false>(),
@@ -81,20 +81,26 @@ impl Block<'_> {
     pub(super) fn reductions_into(
         self,
         arch: Arch,
-        lines: bool,
+        antipodal: bool,
         own: DVec3,
         other: DVec3,
         max_chord2: f64,
         reductions: &mut [f64],
     ) -> f64 {
         let kernel = Reductions { block: self, own, other, reductions };
-        arch.dispatch(Dispatch { kernel, lines, precision: Precision::up_to(max_chord2) })
+        arch.dispatch(Dispatch { kernel, antipodal, precision: Precision::up_to(max_chord2) })
     }
 
     /// Returns the moments of the points about a site. `max_chord2` bounds the squared chords.
-    pub(super) fn moments(self, arch: Arch, lines: bool, site: DVec3, max_chord2: f64) -> Moments {
+    pub(super) fn moments(
+        self,
+        arch: Arch,
+        antipodal: bool,
+        site: DVec3,
+        max_chord2: f64,
+    ) -> Moments {
         let kernel = Sums { block: self, site };
-        arch.dispatch(Dispatch { kernel, lines, precision: Precision::up_to(max_chord2) })
+        arch.dispatch(Dispatch { kernel, antipodal, precision: Precision::up_to(max_chord2) })
     }
 }
 
@@ -193,16 +199,16 @@ mod tests {
     use crate::{Domain, Purpose, Sampler, Streams, WhiteNoise, uniform_rotation};
 
     /// Returns the angle between two directions, or between two directions up to sign.
-    fn angle(lines: bool, a: DVec3, b: DVec3) -> f64 {
+    fn angle(antipodal: bool, a: DVec3, b: DVec3) -> f64 {
         let angle = a.cross(b).length().atan2(a.dot(b));
-        if lines { angle.min(std::f64::consts::PI - angle) } else { angle }
+        if antipodal { angle.min(std::f64::consts::PI - angle) } else { angle }
     }
 
     #[test]
     fn reductions_and_moments_match_the_definition() {
         let mut rng = Streams::new(4, Purpose::Pattern, 0).realization(0);
         for (n, spread) in [(1, 0.01), (8, 0.03), (17, 0.1), (64, 0.3), (65, 0.5), (30, 10.0)] {
-            for lines in [false, true] {
+            for antipodal in [false, true] {
                 let around = uniform_rotation(&mut rng).x_axis;
                 let mut near = || {
                     let away =
@@ -210,12 +216,13 @@ mod tests {
                     (around + spread * away).normalize()
                 };
                 let [own, other] = [near(), near()];
-                let points: Vec<DVec3> =
-                    (0..n).map(|k| if lines && k % 3 == 0 { -near() } else { near() }).collect();
+                let points: Vec<DVec3> = (0..n)
+                    .map(|k| if antipodal && k % 3 == 0 { -near() } else { near() })
+                    .collect();
                 let column = |of: fn(&DVec3) -> f64| points.iter().map(of).collect::<Vec<_>>();
                 let (x, y, z) = (column(|p| p.x), column(|p| p.y), column(|p| p.z));
                 let block = Block { x: &x, y: &y, z: &z };
-                let squares = |site| points.iter().map(move |&p| angle(lines, site, p).powi(2));
+                let squares = |site| points.iter().map(move |&p| angle(antipodal, site, p).powi(2));
                 let bound = |site: DVec3| {
                     squares(site)
                         .map(|d2| (2.0 * (0.5 * d2.sqrt()).sin()).powi(2))
@@ -226,7 +233,7 @@ mod tests {
                 let mut reductions = vec![f64::NAN; n];
                 let best = block.reductions_into(
                     Arch::new(),
-                    lines,
+                    antipodal,
                     own,
                     other,
                     max_chord2,
@@ -242,20 +249,20 @@ mod tests {
                 let largest = reductions.iter().copied().fold(f64::NEG_INFINITY, f64::max);
                 assert_eq!(best.to_bits(), largest.to_bits(), "{best} is not {largest}");
                 let mut narrow = vec![f64::NAN; n];
-                block.reductions_into(Arch::Scalar, lines, own, other, max_chord2, &mut narrow);
+                block.reductions_into(Arch::Scalar, antipodal, own, other, max_chord2, &mut narrow);
                 assert_eq!(reductions, narrow, "the bits depend on the width of registers");
 
-                let moments = block.moments(Arch::new(), lines, own, max_chord2);
+                let moments = block.moments(Arch::new(), antipodal, own, max_chord2);
                 assert!((moments.max_chord2 - bound(own)).abs() < 1e-15 + 1e-12 * max_chord2);
-                let narrow = block.moments(Arch::Scalar, lines, own, max_chord2);
+                let narrow = block.moments(Arch::Scalar, antipodal, own, max_chord2);
                 assert_eq!((moments.sum, moments.energy), (narrow.sum, narrow.energy));
                 let energy: f64 = squares(own).sum();
                 assert!((moments.energy - energy).abs() < n as f64 * tolerance);
                 let tangent = |v: DVec3| v - v.dot(own) * own;
                 let logarithms: DVec3 = points
                     .iter()
-                    .map(|&p| if lines && p.dot(own) < 0.0 { -p } else { p })
-                    .map(|p| tangent(p).normalize_or_zero() * angle(lines, own, p))
+                    .map(|&p| if antipodal && p.dot(own) < 0.0 { -p } else { p })
+                    .map(|p| tangent(p).normalize_or_zero() * angle(antipodal, own, p))
                     .sum();
                 let off = (tangent(moments.sum) - logarithms).length();
                 let tolerance = if spread > 1.0 { 1e-9 } else { 1e-12 * n as f64 };

@@ -29,7 +29,7 @@ const ROUNDING: f64 = 2e-15;
 #[derive(Clone, Debug)]
 pub(super) struct Relaxation {
     arch: Arch,
-    lines: bool,
+    antipodal: bool,
     capacity: usize,
     x: Vec<f64>,
     y: Vec<f64>,
@@ -78,7 +78,7 @@ struct Progress {
 
 impl Relaxation {
     /// Assigns `capacity` consecutive points to each site and places the sites at their means.
-    pub(super) fn new(points: &[DVec3], capacity: usize, lines: bool) -> Self {
+    pub(super) fn new(points: &[DVec3], capacity: usize, antipodal: bool) -> Self {
         let column = |of: fn(&DVec3) -> f64| points.iter().map(of).collect();
         let middle = |cell: &[DVec3]| {
             // If the points cancel, as few points can, they have no mean; the first point is the
@@ -88,7 +88,7 @@ impl Relaxation {
         let sites: Vec<_> = points.chunks_exact(capacity).map(middle).collect();
         let radii = vec![2.0; sites.len()];
         let (x, y, z) = (column(|p| p.x), column(|p| p.y), column(|p| p.z));
-        Self { arch: Arch::new(), lines, capacity, x, y, z, sites, radii }
+        Self { arch: Arch::new(), antipodal, capacity, x, y, z, sites, radii }
     }
 
     pub(super) fn sites(&self) -> &[DVec3] {
@@ -110,7 +110,7 @@ impl Relaxation {
     pub(super) fn energy(&self) -> f64 {
         let energy = |k: usize| {
             let (site, max_chord2) = (self.sites[k], self.radii[k].powi(2));
-            self.block(k).moments(self.arch, self.lines, site, max_chord2).energy
+            self.block(k).moments(self.arch, self.antipodal, site, max_chord2).energy
         };
         (0..self.sites.len()).map(energy).sum::<f64>() / self.capacity as f64
     }
@@ -178,7 +178,7 @@ impl Relaxation {
         for _ in 0..max_steps {
             let site = self.sites[k];
             let max_chord2 = self.radii[k].powi(2);
-            let moments = self.block(k).moments(self.arch, self.lines, site, max_chord2);
+            let moments = self.block(k).moments(self.arch, self.antipodal, site, max_chord2);
             let sum = moments.sum - moments.sum.dot(site) * site;
             let step = sum / self.capacity as f64;
             let length = step.length();
@@ -198,7 +198,7 @@ impl Relaxation {
     fn list_pairs(&mut self, progress: &mut Progress) {
         let Progress { pairs, tree, .. } = progress;
         let known = std::mem::take(pairs);
-        tree.find(self.lines, &self.sites, &self.radii, progress.slack, |i, j| {
+        tree.find(self.antipodal, &self.sites, &self.radii, progress.slack, |i, j| {
             pairs.push(Pair { sites: [i, j], seen: None, limit: 0.0 });
         });
         pairs.sort_unstable_by_key(|pair| pair.sites);
@@ -226,7 +226,7 @@ impl Relaxation {
         }
         pair.seen = now;
         let sites = [self.sites[i], self.sites[j]];
-        let distance = chord(self.lines, sites[0], sites[1]);
+        let distance = chord(self.antipodal, sites[0], sites[1]);
         let reach = self.radii[i] + self.radii[j];
         if distance >= reach {
             // Every point of a site is at least as near to it as any point of the other site, so no
@@ -239,7 +239,7 @@ impl Relaxation {
             let [from, to] = [sites[own], sites[other]];
             self.block(k).reductions_into(
                 self.arch,
-                self.lines,
+                self.antipodal,
                 from,
                 to,
                 max_chord2,
@@ -265,8 +265,8 @@ impl Relaxation {
             self.x.swap(a, b);
             self.y.swap(a, b);
             self.z.swap(a, b);
-            self.radii[i] = self.radii[i].max(chord(self.lines, sites[0], self.point(a)));
-            self.radii[j] = self.radii[j].max(chord(self.lines, sites[1], self.point(b)));
+            self.radii[i] = self.radii[i].max(chord(self.antipodal, sites[0], self.point(a)));
+            self.radii[j] = self.radii[j].max(chord(self.antipodal, sites[1], self.point(b)));
         }
         for k in [i, j] {
             changes[k] = changes[k].wrapping_add(1);

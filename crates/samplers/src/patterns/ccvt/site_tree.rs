@@ -25,9 +25,9 @@ pub(super) struct SiteTree {
 
 /// Returns the chord between two sites, or the smallest between the sites and their antipodes.
 #[inline(always)]
-pub(super) fn chord(lines: bool, a: DVec3, b: DVec3) -> f64 {
+pub(super) fn chord(antipodal: bool, a: DVec3, b: DVec3) -> f64 {
     let square = a.distance_squared(b);
-    if lines { square.min((a + b).length_squared()).sqrt() } else { square.sqrt() }
+    if antipodal { square.min((a + b).length_squared()).sqrt() } else { square.sqrt() }
 }
 
 impl SiteTree {
@@ -35,21 +35,21 @@ impl SiteTree {
     /// order that depends on the arguments alone.
     pub(super) fn find(
         &mut self,
-        lines: bool,
+        antipodal: bool,
         sites: &[DVec3],
         radii: &[f64],
         slack: f64,
         mut pair: impl FnMut(usize, usize),
     ) {
         self.nodes.clear();
-        self.build(lines, sites, radii, 0, sites.len());
+        self.build(antipodal, sites, radii, 0, sites.len());
         let nodes = &self.nodes;
-        Query { nodes, lines, sites, radii, slack }.within(0, &mut pair);
+        Query { nodes, antipodal, sites, radii, slack }.within(0, &mut pair);
     }
 
     fn build(
         &mut self,
-        lines: bool,
+        antipodal: bool,
         sites: &[DVec3],
         radii: &[f64],
         start: usize,
@@ -57,17 +57,17 @@ impl SiteTree {
     ) -> usize {
         let mut sum = sites[start];
         for &s in &sites[start + 1..end] {
-            sum += if lines && s.dot(sum) < 0.0 { -s } else { s };
+            sum += if antipodal && s.dot(sum) < 0.0 { -s } else { s };
         }
         let centre = sum / (end - start) as f64;
-        let reach = |k: usize| chord(lines, centre, sites[k]) + radii[k];
+        let reach = |k: usize| chord(antipodal, centre, sites[k]) + radii[k];
         let radius = (start..end).map(reach).fold(0.0, f64::max);
         let at = self.nodes.len();
         self.nodes.push(Node { start, end, children: [0; 2], centre, radius });
         if end - start > LEAF {
             let middle = usize::midpoint(start, end);
-            let low = self.build(lines, sites, radii, start, middle);
-            let high = self.build(lines, sites, radii, middle, end);
+            let low = self.build(antipodal, sites, radii, start, middle);
+            let high = self.build(antipodal, sites, radii, middle, end);
             self.nodes[at].children = [low, high];
         }
         at
@@ -76,7 +76,7 @@ impl SiteTree {
 
 struct Query<'a> {
     nodes: &'a [Node],
-    lines: bool,
+    antipodal: bool,
     sites: &'a [DVec3],
     radii: &'a [f64],
     slack: f64,
@@ -85,7 +85,7 @@ struct Query<'a> {
 impl Query<'_> {
     fn test(&self, i: usize, j: usize, pair: &mut impl FnMut(usize, usize)) {
         let reach = self.radii[i] + self.radii[j] + self.slack;
-        if chord(self.lines, self.sites[i], self.sites[j]) < reach {
+        if chord(self.antipodal, self.sites[i], self.sites[j]) < reach {
             pair(i, j);
         }
     }
@@ -109,7 +109,7 @@ impl Query<'_> {
     fn between(&self, a: usize, b: usize, pair: &mut impl FnMut(usize, usize)) {
         let (low, high) = (self.nodes[a], self.nodes[b]);
         let reach = low.radius + high.radius + self.slack;
-        if chord(self.lines, low.centre, high.centre) >= reach {
+        if chord(self.antipodal, low.centre, high.centre) >= reach {
             return;
         }
         let leaf = [low.children == [0; 2], high.children == [0; 2]];
@@ -143,19 +143,20 @@ mod tests {
             let mut sites = WhiteNoise::new(n, Domain::Sphere).sample(&mut rng).unwrap().points;
             sites.sort_by(|a, b| a.x.total_cmp(&b.x));
             let radii: Vec<f64> = (0..n).map(|_| scale * rng.random::<f64>()).collect();
-            for lines in [false, true] {
+            for antipodal in [false, true] {
                 let mut found = Vec::new();
-                SiteTree::default().find(lines, &sites, &radii, 0.05, |i, j| found.push((i, j)));
+                SiteTree::default()
+                    .find(antipodal, &sites, &radii, 0.05, |i, j| found.push((i, j)));
                 found.sort_unstable();
                 let mut all = Vec::new();
                 for i in 0..n {
                     for j in i + 1..n {
-                        if chord(lines, sites[i], sites[j]) < radii[i] + radii[j] + 0.05 {
+                        if chord(antipodal, sites[i], sites[j]) < radii[i] + radii[j] + 0.05 {
                             all.push((i, j));
                         }
                     }
                 }
-                assert_eq!(found, all, "n = {n}, lines: {lines}");
+                assert_eq!(found, all, "n = {n}, antipodal: {antipodal}");
             }
         }
     }

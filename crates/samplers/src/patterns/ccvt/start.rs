@@ -21,8 +21,8 @@ struct Placed {
 /// relaxation.) Points up to sign are first moved to one side of a random plane.
 ///
 /// If the distribution of the mass points is invariant under rotations, so is that of the order.
-pub(super) fn divide(points: &mut [DVec3], capacity: usize, lines: bool, rng: &mut dyn Rng) {
-    if lines {
+pub(super) fn divide(points: &mut [DVec3], capacity: usize, antipodal: bool, rng: &mut dyn Rng) {
+    if antipodal {
         let up = random_direction(rng);
         for p in &mut *points {
             if p.dot(up) < 0.0 {
@@ -87,18 +87,20 @@ mod tests {
     #[test]
     fn the_order_is_a_permutation_into_compact_groups() {
         let mut rng = Streams::new(5, Purpose::Pattern, 0).realization(0);
-        for (n, capacity, lines) in [(1, 7, false), (2, 5, true), (37, 16, false), (64, 9, true)] {
+        for (n, capacity, antipodal) in
+            [(1, 7, false), (2, 5, true), (37, 16, false), (64, 9, true)]
+        {
             let mut points: Vec<DVec3> =
                 (0..n * capacity).map(|_| random_direction(&mut rng)).collect();
             // The key shared by a point and its antipode.
             let sorted = |points: &[DVec3]| {
                 let mut all: Vec<_> =
-                    points.iter().map(|p| if lines && p.z < 0.0 { -*p } else { *p }).collect();
+                    points.iter().map(|p| if antipodal && p.z < 0.0 { -*p } else { *p }).collect();
                 all.sort_by(|a, b| a.x.total_cmp(&b.x));
                 all
             };
             let before = sorted(&points);
-            divide(&mut points, capacity, lines, &mut rng);
+            divide(&mut points, capacity, antipodal, &mut rng);
             assert_eq!(before, sorted(&points), "n = {n}, capacity = {capacity}");
             // Random groups would have mean vectors of length about 1/sqrt(capacity), 0.25.
             if n > 16 {

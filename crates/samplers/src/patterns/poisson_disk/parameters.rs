@@ -26,7 +26,11 @@ impl Default for PoissonDiskParameters {
 
 impl Parametric for PoissonDiskParameters {
     fn declare(&mut self, d: &mut Declaration<'_>) {
-        d.choice("mode", "exactly N points, or as many as there is room for", &mut self.mode);
+        d.choice(
+            "mode",
+            "exactly N points, or the number at which the set is saturated",
+            &mut self.mode,
+        );
         let summary = "minimum chord times sqrt(N), on the hemisphere times sqrt(2N)";
         d.optional_number("radius", Range::POSITIVE, summary, "by N", &mut self.radius);
     }

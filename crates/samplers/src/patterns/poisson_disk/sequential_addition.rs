@@ -255,7 +255,7 @@ struct PoissonCount {
 
 impl PoissonCount {
     /// The largest number: for means up to 4, larger numbers have probability below 1e-25.
-    const MOST: u32 = 40;
+    const MAX: u32 = 40;
 
     fn new(mean: f64) -> Self {
         Self { mean, none: (-mean).exp() }
@@ -265,7 +265,7 @@ impl PoissonCount {
     fn draw(&self, rng: &mut ChaCha8Rng) -> u32 {
         let mut left: f64 = rng.random();
         let (mut k, mut probability) = (0, self.none);
-        while left >= probability && k < Self::MOST {
+        while left >= probability && k < Self::MAX {
             left -= probability;
             k += 1;
             probability *= self.mean / f64::from(k);

@@ -56,8 +56,8 @@ fn white_noise_has_the_binomial_variance() {
 fn shared_sets_have_structure_and_rotated_ones_do_not() {
     let of = |mode| report(Pattern::Fibonacci, 64, mode, 2);
     let (shared, rotated) = (of(DirectionMode::Shared), of(DirectionMode::Rotated));
-    let projective = of(DirectionMode::Antipodal);
-    for independent in [&rotated, &projective] {
+    let antipodal = of(DirectionMode::Antipodal);
+    for independent in [&rotated, &antipodal] {
         // 8 x 8 blocks, about 50 of them in each of two renders: 1 +- 0.14.
         assert!((independent.structure.value - 1.0).abs() < 0.6, "{independent:?}");
         assert!(independent.autocorrelation.value.abs() < 0.06, "{independent:?}");

@@ -127,7 +127,7 @@ fn headers_with_several_directions_or_none() {
     let message = read_as("p.csv", "0 0\n", "ra=RA,dec=DEC").unwrap_err();
     assert!(message.contains("expected a header"), "{message}");
     let message = read_as("p.csv", "ra,dec\n0,0\n", "ra,dec,w").unwrap_err();
-    assert!(message.contains("3 fields, as --columns ra,dec,w says, got 2"), "{message}");
+    assert!(message.contains("3 fields for --columns ra,dec,w, got 2"), "{message}");
 }
 
 #[test]

@@ -70,11 +70,11 @@ fn errors_of_layouts_state_the_expected_content() {
     }
     let message = read_as("p.csv", "x,y,z\n1,0,0\n", "lon,lat").unwrap_err();
     assert!(
-        message.contains("the column lon that --columns asks for, got the header x,y,z"),
+        message.contains("the column lon named in --columns, got the header x,y,z"),
         "{message}"
     );
     let message = read_as("p.txt", "1 2 3\n", "lon,lat").unwrap_err();
-    assert!(message.contains("expected 2 fields, as --columns lon,lat says, got 3"), "{message}");
+    assert!(message.contains("expected 2 fields for --columns lon,lat, got 3"), "{message}");
 }
 
 #[test]

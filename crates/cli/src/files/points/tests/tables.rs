@@ -265,7 +265,7 @@ fn columns_of_fits_tables() {
         ("0", "ra,dec", "expected a table in HDU 0, got [0] image"),
         ("7", "ra,dec", "expected HDU 7, got a FITS file with [0] image, [1] table NOTES, [2]"),
         ("stars", "ra,dec", "expected the HDU named stars, got a FITS file with"),
-        ("1", "ra,dec", "expected 2 fields, as --columns ra,dec says, got 1"),
+        ("1", "ra,dec", "expected 2 fields for --columns ra,dec, got 1"),
         ("1", "ra=RA,dec=DEC", "the column RA of --columns, got the columns REMARK"),
         ("2", "ra=VAR,dec=DEC", "expected numbers in the column VAR"),
         ("2", "ra=C,dec=DEC", "expected numbers in the column C"),

@@ -47,9 +47,9 @@ fn check_field(field: &Field, place: &str) {
     assert!(field.values.iter().all(|v| !v.is_infinite()), "{place}: infinite");
     let shown = field.values.iter().filter(|v| v.is_finite()).count();
     assert!(3 * shown > field.values.len(), "{place}: {shown} values");
-    let least = field.values.iter().copied().fold(f64::INFINITY, f64::min);
-    let most = field.values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-    assert!(least < most, "{place}: all values are {least}");
+    let min = field.values.iter().copied().fold(f64::INFINITY, f64::min);
+    let max = field.values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    assert!(min < max, "{place}: all values are {min}");
     for axis in [&field.x, &field.y] {
         let (first, last) = axis.range.unwrap();
         assert!(first.is_finite() && (last - first).abs() > 0.0, "{place}: {axis:?}");
@@ -149,7 +149,7 @@ fn rotations_level_the_orders() {
         assert_ne!(figure.claims[1].verdict, Verdict::Wrong, "{number}: {:?}", figure.claims[1]);
         let brightest = |name: &str| {
             let panel = figure.panels.iter().find(|p| p.name == name).unwrap();
-            let Content::Field(field) = &panel.content else { panic!("{name} is no field") };
+            let Content::Field(field) = &panel.content else { panic!("{name} is not a field") };
             field.values.iter().copied().fold(0.0, f64::max)
         };
         let (before, after) = (brightest("power-0"), brightest("power-1000"));
