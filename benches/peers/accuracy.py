@@ -1,24 +1,24 @@
-"""Speed and error of sphvar beside its peers, in one run: HEALPix indexing, harmonics, transforms.
+"""Compares speed and accuracy of sphvar with those of its peers: HEALPix indexing, harmonics, transforms.
 
 Usage: python3 benches/peers/accuracy.py [--quick] [--only indexing,harmonics,transforms] [--json FILE] [--venv FOLDER]
 
-Times are medians of contestants that take turns, one thread each; what is told are ratios, a peer's time over sphvar's, so
-that more than 1 says that sphvar is faster. Errors of the same calls are beside them.
+Times are medians of contestants that alternate, one thread each. Results are ratios of the time of a peer to that of
+sphvar: above 1, sphvar is faster. Errors are those of the same calls.
 
   indexing    healpy and the crate cdshealpix, at nside 16, 1024 and 2^29, ring and nested order. From a direction to its
               pixel: sphvar and healpy.vec2pix are given the same unit vectors; healpy.ang2pix colatitudes and longitudes,
-              cdshealpix longitudes and latitudes, which are made before the clock starts, and (vec2pix) cdshealpix vectors
-              of which it finds the angles within its time. The project asks for 1.5 times the speed of the fastest.
+              cdshealpix longitudes and latitudes, which are made before the clock starts, and (vec2pix) cdshealpix vectors,
+              whose angles it computes within its time. The requirement is 1.5 times the speed of the fastest.
               cdshealpix has no lists; sphvar is also timed one by one. Then the same pixels: how many are equal, and
               whether the others lie so near an edge that rounding explains them.
   harmonics   scipy.special and ducc0, with errors against the 25-digit table of crates/accuracy/data. ducc0 has no
               function for a single value; its alm2leg with one coefficient is the same for one order at many
               colatitudes. Arguments of all are made before the clock starts.
-  transforms  ducc0, by the code of transforms.py beside this script, on a short list of its cases, both leading in turn.
+  transforms  ducc0, by the code of transforms.py beside this script, on a short list of its cases, by both rules.
 
-healpy and scipy return new arrays; sphvar, cdshealpix and ducc0 write to memory that is there.
+healpy and scipy return new arrays; sphvar, cdshealpix and ducc0 write to allocated memory.
 
-Exit status: 0 whether or not sphvar is as fast as asked for; 1 if something cannot be built or results disagree beyond
+Exit status: 0 whether or not sphvar is as fast as required; 1 if something cannot be built or results disagree beyond
 rounding or a promised error.
 """
 
@@ -46,7 +46,7 @@ QUICK_ROUNDS = 5
 def measure_transforms(_folder, quick):
     """Prints the section as it goes; returns what goes to a file, and complaints."""
     server = transforms.Server()
-    print("Transforms of scattered points, milliseconds; the head of transforms.py says who leads and how it is compared")
+    print("Transforms of scattered points, milliseconds; see transforms.py for the rules")
     print(transforms.HEADER, flush=True)
     rows = []
     for case in TRANSFORMS:
@@ -63,7 +63,7 @@ SECTIONS = {"indexing": indexing.measure, "harmonics": harmonics.measure, "trans
 
 
 def parse_arguments():
-    parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0], epilog="The head of the script says more.")
+    parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0], epilog="The docstring of the script has the details.")
     parser.add_argument("--quick", action="store_true", help="fewer repeats")
     only = "sections, parted by commas; default: all"
     parser.add_argument("--only", default=",".join(SECTIONS), metavar="LIST", help=only)

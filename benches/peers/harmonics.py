@@ -1,4 +1,4 @@
-"""Associated Legendre functions beside scipy and ducc0: a part of accuracy.py, whose head says what is compared."""
+"""Compares associated Legendre functions with scipy and ducc0; part of accuracy.py, which documents it."""
 
 import math
 import statistics

@@ -1,4 +1,4 @@
-"""HEALPix indexing beside healpy and the crate cdshealpix: a part of accuracy.py, whose head says what is compared."""
+"""Compares HEALPix indexing with healpy and the crate cdshealpix; part of accuracy.py, which documents it."""
 
 import math
 import statistics
@@ -10,8 +10,8 @@ SEED = 20240918
 N_RANDOM = 1 << 15
 N_HARD = 1 << 15
 NSIDES = [16, 1024, 2**29]
-# healpy's time or cdshealpix's over sphvar's that the project asks for, from a direction to its pixel.
-ASKED_RATIO = 1.5
+# The required ratio of the time of healpy or cdshealpix to that of sphvar, from a direction to its pixel.
+REQUIRED_RATIO = 1.5
 # Rounded angles put a place up to this far from its true one, in radians: a longitude up to 2 pi is rounded to 2 epsilon
 # or so, and each code adds as much. A radian has up to 1.3 nside pixels.
 SLACK = 4.0 * 2.0**-52
@@ -52,14 +52,14 @@ class Conversion:
     ours: str
     cdshealpix: list
     healpy: list
-    asked_ratio: float | None = None
+    required_ratio: float | None = None
 
 
 # Where a rival has several ways from the same thing to the same thing, all take part.
 CONVERSIONS = [
-    Conversion("direction to pixel", "vec2pix", ["lonlat2pix", "vec2pix"], ["vec2pix", "ang2pix"], ASKED_RATIO),
+    Conversion("direction to pixel", "vec2pix", ["lonlat2pix", "vec2pix"], ["vec2pix", "ang2pix"], REQUIRED_RATIO),
     Conversion("the same, one by one", "vec2pix-one", ["lonlat2pix"], []),
-    Conversion("angles to pixel", "ang2pix", ["lonlat2pix"], ["ang2pix"], ASKED_RATIO),
+    Conversion("angles to pixel", "ang2pix", ["lonlat2pix"], ["ang2pix"], REQUIRED_RATIO),
     Conversion("the same, one by one", "ang2pix-one", ["lonlat2pix"], []),
     Conversion("pixel to direction", "pix2vec", ["pix2vec"], ["pix2vec"]),
 ]
@@ -72,7 +72,7 @@ class Row:
     order: str
     # Seconds for each point by contestant, the first ours.
     seconds: dict
-    asked_ratio: float | None
+    required_ratio: float | None
 
     @property
     def ratios(self):
@@ -85,9 +85,9 @@ class Row:
 
     @property
     def verdict(self):
-        if self.asked_ratio is None:
+        if self.required_ratio is None:
             return ""
-        return f"asked {self.asked_ratio}: " + ("met" if self.ratio >= self.asked_ratio else "missed")
+        return f"required {self.required_ratio}: " + ("met" if self.ratio >= self.required_ratio else "missed")
 
     def line(self):
         ours, *_ = self.seconds.values()
@@ -116,7 +116,7 @@ class Agreement:
         return f"{self.what:<14} {self.order:<6} {self.nside:>9}  " + ", ".join(parts)
 
     def as_json(self):
-        """JSON has no infinity, which what must be the same to the bit is away from an edge if it is not."""
+        """Returns the fields; infinity, the distance of a pixel that should be bit-identical but is not, becomes null."""
         return vars(self) | {"furthest": {k: v if math.isfinite(v) else None for k, v in self.furthest.items()}}
 
 
@@ -172,7 +172,7 @@ class Section:
         samples = {name: [] for name in contestants}
         in_turn(rounds, [(samples[name], timed) for name, timed in contestants.items()])
         seconds = {name: statistics.median(times) / N_RANDOM for name, times in samples.items()}
-        return Row(conversion.name, self.nside, self.order, seconds, conversion.asked_ratio)
+        return Row(conversion.name, self.nside, self.order, seconds, conversion.required_ratio)
 
     def agree_on_pixels(self, kind, what):
         """Whether all find the pixels of the vectors (vec2pix) or of their angles (ang2pix)."""
@@ -194,7 +194,7 @@ class Section:
         different = {name: pixels != ours for name, pixels in theirs.items()}
         counts = {name: int(off.sum()) for name, off in different.items()}
         furthest = {name: float(edges[off].max(initial=0.0)) for name, off in different.items()}
-        # These are the same to the bit.
+        # These are bit-identical.
         furthest[one_by_one] = math.inf if counts[one_by_one] else 0.0
         return Agreement(f"{kind} {what}", self.nside, self.order, len(ours), counts, furthest)
 

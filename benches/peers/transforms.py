@@ -1,4 +1,4 @@
-"""Times the fast adjoint transform of scattered points beside that of ducc0, in turn.
+"""Compares the time of the fast adjoint transform of scattered points with that of ducc0.
 
 Usage: python3 benches/peers/transforms.py [--quick] [--only REGEX] [--json FILE] [--venv FOLDER]
 
@@ -8,27 +8,27 @@ f32; sphvar through crates/sht/examples/transform_server.rs (one thread, plan an
 colatitudes and longitudes made before the clock starts, sphvar unit vectors: it finds the angles within its time.
 
 Each case is run by two rules, both at a measured error of sphvar that is no larger than that of its rivals.
-  ducc0 leads   ducc0 is asked for the target. Its variants whose measured error meets the target are the rivals. sphvar
-                is asked for the largest epsilon of a ladder around the target at which its measured error is at most
+  ducc0 leads   ducc0 runs with the target as its epsilon. Its variants whose measured error meets the target are the rivals. sphvar
+                runs with the largest epsilon of a ladder around the target at which its measured error is at most
                 that of every rival.
-  sphvar leads  sphvar is asked for the target. Each variant of ducc0 is asked for the smallest epsilon of a ladder from
-                the target upwards at which its measured error is at least that of sphvar.
-Median times are compared, with the fastest rival. They take turns; of two calls a turn the second counts.
+  sphvar leads  sphvar runs with the target as its epsilon. Each variant of ducc0 runs with the smallest epsilon of a
+                ladder from the target upwards at which its measured error is at least that of sphvar.
+Median times are compared with the fastest rival. The contestants alternate; of two consecutive calls the second counts.
 
 The error is ||a - a_ref|| / ||a_ref|| over all orders of either sign, for the unit vectors as given; a_ref is one of
   exact        sphvar's exact transform, where that is affordable;
-  ducc0        else, for targets far above 1e-13: ducc0 at its utmost accuracy;
+  ducc0        else, for targets far above 1e-13: ducc0 at its finest accuracy;
   exact of n   else: the exact transform of the first n points, while the codes are given all of them, the others with
                weight 0. Errors of this size come from the angles and the windows of single points.
-How far the codes at their utmost accuracy are from each other, and from an exact a_ref, is printed, so that the
+How far the codes at their finest accuracy are from each other, and from an exact a_ref, is printed, so that the
 reference does not rest on one of them.
 
 An ensemble is many sets of points on two cores: two threads of sphvar, or two processes of ducc0 with one thread
 each, start at the same moment and take the next four sets until none is left. The making of sphvar's plan and threads
 counts, the start of ducc0's processes and the making of points do not.
 
-Exit status: 0 whether or not sphvar is as fast as asked for; 1 if something cannot be built or a result is off by more
-than the accuracy asked for.
+Exit status: 0 whether or not sphvar is as fast as required; 1 if something cannot be built or an error exceeds the
+requested accuracy.
 """
 
 import argparse
@@ -50,17 +50,17 @@ SEED = 20240917
 # Below this N L^2 the exact transform takes a second or less. It is good to about 4e-17 times the degree.
 EXACT_LIMIT = 2e9
 # The smallest accuracies that the two codes accept or meet.
-UTMOST_DUCC = 3e-14
-UTMOST_SPHVAR = 1e-13
-# The codes at their utmost may differ by this: the smallest target.
+FINEST_DUCC = 3e-14
+FINEST_SPHVAR = 1e-13
+# The codes at their finest may differ by this: the smallest target.
 AGREEMENT = 1e-12
-# From this target up ducc0 at its utmost will do as a reference.
+# From this target up ducc0 at its finest accuracy suffices as a reference.
 ROUGH_TARGET = 1e-9
-# ducc0 refuses f32 below 1e-6.
+# ducc0 rejects f32 below 1e-6.
 SINGLE_LIMIT = 1e-5
-# What sphvar may be asked for, over the target: fine enough to find every width of its window.
+# The epsilons of sphvar divided by the target: fine enough to find every width of its window.
 LADDER = [4, 2, 1, 0.7, 0.5, 0.35, 0.25, 0.17, 0.1, 0.07, 0.05, 0.035, 0.025, 0.017, 0.01]
-# What ducc0 may be asked for, over the target, where sphvar leads.
+# The epsilons of ducc0 divided by the target, where sphvar leads.
 LOOSER = [1, 1.5, 2.5, 4, 7, 12, 20, 35, 60, 100]
 # Sets of an ensemble that errors are measured with, and that a worker takes at a time.
 PROBES = 4
@@ -78,8 +78,8 @@ class Case:
     lmax: int
     target: float
     rounds: int
-    # ducc0's time over sphvar's that the project asks for; None where it asks for nothing.
-    asked_ratio: float | None = None
+    # The required ratio of ducc0's time to sphvar's; None where nothing is required.
+    required_ratio: float | None = None
     # More than one: an ensemble.
     sets: int = 1
     leader: str = "ducc0"
@@ -108,7 +108,7 @@ QUICK_SETS = 200
 
 @dataclass
 class Contestant:
-    """One column of the table: what was asked of it, how well it did, and its seconds for one transform."""
+    """One column of the table: its requested and measured accuracy, and its seconds for one transform."""
 
     label: str
     requested: float
@@ -187,19 +187,19 @@ class Probe:
             xyz.tofile(self.paths[-1])
 
         self.n_weighed = None
-        self.utmost = self.ducc("float64", UTMOST_DUCC)
-        ours = self.sphvar("plan", case.lmax, UTMOST_SPHVAR)
-        self.spread = distance(ours, self.utmost, case.lmax)
+        self.finest = self.ducc("float64", FINEST_DUCC)
+        ours = self.sphvar("plan", case.lmax, FINEST_SPHVAR)
+        self.spread = distance(ours, self.finest, case.lmax)
         self.distances = {"sphvar to ducc0": self.spread}
         if case.n_points * case.lmax**2 >= EXACT_LIMIT:
             if case.target >= ROUGH_TARGET:
-                self.reference_name, self.reference = "ducc0", self.utmost
+                self.reference_name, self.reference = "ducc0", self.finest
                 return
             self.n_weighed = int(EXACT_LIMIT / case.lmax**2)
         self.reference_name = "exact" + (f" of {self.n_weighed}" if self.n_weighed else "")
         self.reference = self.sphvar("exact", case.lmax)
-        self.distances["ducc0 to exact"] = self.error(self.ducc("float64", UTMOST_DUCC))
-        self.distances["sphvar to exact"] = self.error(self.sphvar("plan", case.lmax, UTMOST_SPHVAR))
+        self.distances["ducc0 to exact"] = self.error(self.ducc("float64", FINEST_DUCC))
+        self.distances["sphvar to exact"] = self.error(self.sphvar("plan", case.lmax, FINEST_SPHVAR))
 
     def ducc(self, dtype, epsilon):
         transform = ducc_transform(self.case, dtype, self.n_weighed)
@@ -228,7 +228,7 @@ class Probe:
         return contestant
 
     def contestants(self):
-        """ducc0 in double and maybe single precision, and sphvar, with what is asked of them by the rule."""
+        """ducc0 in double and maybe single precision, and sphvar, with their requested accuracies by the rule."""
         target = self.case.target
         dtypes = ["float64", "float32"] if target >= SINGLE_LIMIT else ["float64"]
         if self.case.leader == "sphvar":
@@ -356,9 +356,9 @@ class Row:
     def verdict(self):
         if not self.accurate:
             return "missed: error"
-        if self.case.asked_ratio is None:
+        if self.case.required_ratio is None:
             return ""
-        return "met" if self.ratio >= self.case.asked_ratio else "missed"
+        return "met" if self.ratio >= self.case.required_ratio else "missed"
 
     def line(self):
         cells = [f"{self.case.name:<31}"]
@@ -367,8 +367,8 @@ class Row:
                 cells.append(f"{'-':>9} {'-':>9} {'-':>7}")
             else:
                 cells.append(f"{1e3 * c.median:9.3f} {1e3 * min(c.samples):9.3f} {c.error:7.1e}")
-        asked = "-" if self.case.asked_ratio is None else f"{self.case.asked_ratio:.1f}"
-        cells.append(f"{self.ours.requested:7.1e} | {self.ratio:5.2f} {asked:>5} {self.verdict}")
+        required = "-" if self.case.required_ratio is None else f"{self.case.required_ratio:.1f}"
+        cells.append(f"{self.ours.requested:7.1e} | {self.ratio:5.2f} {required:>8} {self.verdict}")
         return " | ".join(cells[:-1]) + " " + cells[-1]
 
     def as_json(self):
@@ -381,7 +381,7 @@ HEADER = "\n".join(
         f"{'':31} | {'ducc0, f64':^27} | {'ducc0, f32':^27} | {'sphvar':^35} | ducc0/sphvar",
         f"{'points/degree/target leader':<31} | "
         + 2 * f"{'median':>9} {'min':>9} {'error':>7} | "
-        + f"{'median':>9} {'min':>9} {'error':>7} {'request':>7} | ratio asked",
+        + f"{'median':>9} {'min':>9} {'error':>7} {'request':>7} | ratio required",
     ]
 )
 
@@ -401,12 +401,12 @@ def measure(case, server):
         complaints = []
         for codes, off in probe.distances.items():
             if not off <= AGREEMENT:
-                complaints.append(f"at their utmost accuracy, {codes} is {off:.1e}")
+                complaints.append(f"at their finest accuracy, {codes} is {off:.1e}")
         # What was timed last is the first of the probes. The reference is no better than the spread.
-        as_timed = distance([last], probe.utmost[:1], case.lmax)
+        as_timed = distance([last], probe.finest[:1], case.lmax)
         for what, error in [("sphvar", ours.error), ("sphvar as timed", as_timed)]:
             if not error <= ours.requested + probe.spread:
-                complaints.append(f"{what} was asked for {ours.requested:.1e} and is off by {error:.1e}")
+                complaints.append(f"{what} requested {ours.requested:.1e}, but the error is {error:.1e}")
         return Row(case, duccs, ours, probe.reference_name, probe.distances, complaints)
 
 
@@ -420,7 +420,7 @@ def describe_environment():
 
 
 def parse_arguments():
-    parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0], epilog="The head of the script says more.")
+    parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0], epilog="The docstring of the script has the details.")
     parser.add_argument("--quick", action="store_true", help="no case of a million points, an ensemble of fewer sets")
     only = "cases whose name matches: points/degree/target leader, after `ensemble ` if it is one"
     parser.add_argument("--only", type=re.compile, default="", metavar="REGEX", help=only)
@@ -459,9 +459,9 @@ def main():
         print(rows[-1].line(), flush=True)
     server.close()
 
-    print("\nratio: of medians, the fastest rival of ducc0 over sphvar, whose error is no larger; see the head of the script;")
-    print("asked: what the project asks of the ratio, -: nothing.\n")
-    print(f"References of the errors, and how far ducc0 at {UTMOST_DUCC:g} and sphvar at {UTMOST_SPHVAR:g} are apart:")
+    print("\nratio: of medians, the fastest rival of ducc0 over sphvar, whose error is no larger; see the docstring of the script;")
+    print("required: the required ratio, or - where nothing is required.\n")
+    print(f"References of the errors, and how far ducc0 at {FINEST_DUCC:g} and sphvar at {FINEST_SPHVAR:g} are apart:")
     columns = ["sphvar to ducc0", "ducc0 to exact", "sphvar to exact"]
     print(f"{'points/degree/target leader':<31} | {'reference':<16} | " + " | ".join(columns))
     for row in rows:

@@ -1,6 +1,6 @@
 use crate::degree_run::DegreeRun;
 use crate::error::{not_negative, positive};
-use crate::{Domain, Error, Profile, Rate};
+use crate::{ConvergenceRate, Domain, Error, Profile};
 
 /// A class of integrands, given by the energy `E(l) = (2l+1) P_F(l)` of its representative, with
 /// closed-form variances.
@@ -19,12 +19,14 @@ use crate::{Domain, Error, Profile, Rate};
 /// The quadratic profile gives `N^-2` for band-limited integrands and `N^-1.5` in the worst case:
 ///
 /// ```
-/// use sphvar_bounds::{Domain, IntegrandClass, Profile, Rate};
+/// use sphvar_bounds::{ConvergenceRate, Domain, IntegrandClass, Profile};
 /// let profile = Profile::quadratic(1.0, 1.0)?;
 /// let smooth = IntegrandClass::band_limited(1.0, 4)?;
 /// let jump = IntegrandClass::power_law(1.0, 2.0)?;
-/// assert_eq!(smooth.rate(&profile, Domain::Sphere), Rate::Algebraic { exponent: -2.0, log: false });
-/// assert_eq!(jump.rate(&profile, Domain::Sphere), Rate::Algebraic { exponent: -1.5, log: false });
+/// let expected = ConvergenceRate::Algebraic { exponent: -2.0, log: false };
+/// assert_eq!(smooth.rate(&profile, Domain::Sphere), expected);
+/// let expected = ConvergenceRate::Algebraic { exponent: -1.5, log: false };
+/// assert_eq!(jump.rate(&profile, Domain::Sphere), expected);
 /// let slope = (jump.variance(&profile, 1_000_000, Domain::Sphere)
 ///     / jump.variance(&profile, 10_000, Domain::Sphere)).log(100.0);
 /// assert!((slope + 1.5).abs() < 0.01);
@@ -206,7 +208,7 @@ impl IntegrandClass {
     /// A flat head before a power law does not change the rate of the power law. A class without
     /// energy, or a profile that is zero, has variance 0 for every N.
     #[must_use]
-    pub fn rate(&self, profile: &Profile, domain: Domain) -> Rate {
+    pub fn rate(&self, profile: &Profile, domain: Domain) -> ConvergenceRate {
         let step = domain.degree_step();
         let (band, decay) = match self.0 {
             Kind::BandLimited { power, last } => {
@@ -219,9 +221,9 @@ impl IntegrandClass {
             }
         };
         let b = profile.exponent();
-        let plain = |exponent| Rate::Algebraic { exponent, log: false };
+        let plain = |exponent| ConvergenceRate::Algebraic { exponent, log: false };
         if profile.supremum() == 0.0 || (band == 0 && decay.is_none()) {
-            return Rate::Zero { beyond: 0.0 };
+            return ConvergenceRate::Zero { beyond: 0.0 };
         }
         if profile.offset() > 0.0 || b == 0.0 {
             return plain(-1.0);
@@ -230,10 +232,10 @@ impl IntegrandClass {
             Some(p) => {
                 // p - 1 is rounded, so b = p - 1 is tested to within a few units in the last place.
                 let log = (b - (p - 1.0)).abs() <= 4.0 * f64::EPSILON * p;
-                Rate::Algebraic { exponent: -1.0 - 0.5 * b.min(p - 1.0), log }
+                ConvergenceRate::Algebraic { exponent: -1.0 - 0.5 * b.min(p - 1.0), log }
             }
             None if b.is_infinite() => {
-                Rate::Zero { beyond: (band as f64 / profile.alpha()).powi(2) }
+                ConvergenceRate::Zero { beyond: (band as f64 / profile.alpha()).powi(2) }
             }
             None => plain(-1.0 - 0.5 * b),
         }

@@ -22,14 +22,15 @@
 //! The variance reduction of a jittered pattern over white noise for an integrand with a jump:
 //!
 //! ```
-//! use sphvar_bounds::{Domain, IntegrandClass, Profile, Rate, thesis_bounds};
+//! use sphvar_bounds::{ConvergenceRate, Domain, IntegrandClass, Profile, thesis_bounds};
 //!
 //! let jump = IntegrandClass::power_law(1.0, 2.0)?;
 //! let jittered = thesis_bounds()[2].upper;
 //! let white = Profile::constant(1.0)?;
 //!
 //! assert_eq!(jump.rate(&jittered, Domain::Sphere).to_string(), "N^-1.5");
-//! assert_eq!(jump.rate(&white, Domain::Sphere), Rate::Algebraic { exponent: -1.0, log: false });
+//! let expected = ConvergenceRate::Algebraic { exponent: -1.0, log: false };
+//! assert_eq!(jump.rate(&white, Domain::Sphere), expected);
 //! let reduction = jump.variance(&white, 10_000, Domain::Sphere) / jump.variance(&jittered, 10_000, Domain::Sphere);
 //! assert!(reduction > 15.0 && reduction < 17.0); // (pi^2 / 6) / (2 / L) with L = 20, nearly
 //! # Ok::<(), sphvar_bounds::Error>(())
@@ -61,7 +62,7 @@ pub use integrand_class::{Asymptotic, IntegrandClass};
 pub use measured_spectrum::MeasuredSpectrum;
 pub use profile::Profile;
 pub use profile_shape::ProfileShape;
-pub use rate::Rate;
+pub use rate::ConvergenceRate;
 pub use side::Side;
 pub use sphvar_sh::Domain;
 pub use sphvar_spectrum::Spectrum;

@@ -3,11 +3,11 @@ use std::fmt;
 /// The rate at which the variance falls with the number of points N.
 ///
 /// ```
-/// use sphvar_bounds::Rate;
-/// assert_eq!(Rate::Algebraic { exponent: -1.5, log: true }.to_string(), "N^-1.5 ln N");
+/// use sphvar_bounds::ConvergenceRate;
+/// assert_eq!(ConvergenceRate::Algebraic { exponent: -1.5, log: true }.to_string(), "N^-1.5 ln N");
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Rate {
+pub enum ConvergenceRate {
     /// `Var ~ constant * N^exponent`, times `ln N` if `log`.
     Algebraic {
         /// The power of N, negative.
@@ -23,7 +23,7 @@ pub enum Rate {
     },
 }
 
-impl fmt::Display for Rate {
+impl fmt::Display for ConvergenceRate {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Algebraic { exponent, log } => {

@@ -66,12 +66,12 @@ fn print_growth(
     let ladder = if counts.is_empty() { &LADDER } else { counts };
     let start = Instant::now();
     let mut rows: Vec<Row> = Vec::new();
-    let mut rungs = ladder.iter().copied().peekable();
-    while let Some(requested) = rungs.next() {
+    let mut requests = ladder.iter().copied().peekable();
+    while let Some(requested) = requests.next() {
         let n_points = pattern.nearest_count(requested, Domain::Sphere);
         let (seconds, sets) = time(pattern, n_points)?;
         rows.push(Row { n_points, seconds });
-        let next = rungs.peek().map(|&next| seconds_at(&rows, next));
+        let next = requests.peek().map(|&next| seconds_at(&rows, next));
         let left = SECONDS_PER_PATTERN - start.elapsed().as_secs_f64();
         let is_last = next.is_none_or(|next| {
             // The first set is not timed.

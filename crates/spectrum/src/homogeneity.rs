@@ -1,8 +1,8 @@
 mod accumulator;
 mod audit;
 mod judge;
+mod rotator;
 mod statistics;
-mod turner;
 
 pub use accumulator::HomogeneityAccumulator;
 pub use audit::{

@@ -12,7 +12,7 @@ pub struct Claim {
     /// The outcome.
     pub verdict: Verdict,
     /// The choice that the thesis does not state, and the outcome with each option, if they differ.
-    pub choice: Option<Choice>,
+    pub choice: Option<OpenChoice>,
     /// The number of the [`Erratum`](crate::Erratum) if the thesis is wrong or unclear here.
     pub erratum: Option<u8>,
     /// The reason, in a sentence; may be empty.
@@ -21,14 +21,14 @@ pub struct Claim {
 
 /// A choice that the thesis does not state, on which a quantity depends.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Choice {
+pub struct OpenChoice {
     /// The subject of the choice: `kind of CCVT's mass points`.
     pub of: &'static str,
     /// Every option that was tried.
     pub options: Vec<ChoiceOption>,
 }
 
-/// The outcome of a claim with one option of a [`Choice`].
+/// The outcome of a claim with one option of an [`OpenChoice`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct ChoiceOption {
     /// The option: `random`.
@@ -130,7 +130,7 @@ impl Claim {
             verdict: claim.verdict,
         };
         let verdict = Verdict::over_options(&verdicts);
-        let choice = Choice { of, options: options.into_iter().map(option).collect() };
+        let choice = OpenChoice { of, options: options.into_iter().map(option).collect() };
         Self { measured: None, verdict, choice: Some(choice), remark, ..first }
     }
 

@@ -11,11 +11,11 @@
 //! pieces. A figure contains numbers; callers draw them.
 //!
 //! ```
-//! use sphvar_thesis::{FigureId, Nothing, Results, Scale, Setting, run};
+//! use sphvar_thesis::{FigureId, NoStore, Results, Scale, Setting, run};
 //! let id: FigureId = "C.1".parse()?;
 //! let setting = Setting { scale: Scale::Quick, seed: 0 };
 //! let mut results = Results::new(setting);
-//! run(&id.jobs(setting), &Nothing, &mut results, &())?;
+//! run(&id.jobs(setting), &NoStore, &mut results, &())?;
 //! let figure = id.compose(&results)?;
 //! assert!(!figure.panels.is_empty() && !figure.claims.is_empty());
 //! # Ok::<(), sphvar_thesis::Error>(())
@@ -41,7 +41,7 @@ mod test_integrand;
 mod verdict;
 mod visible_half;
 
-pub use claim::{Choice, ChoiceOption, Claim, Stated};
+pub use claim::{ChoiceOption, Claim, OpenChoice, Stated};
 pub use content::{Axis, Content, Curve, Curves, Directions, Field, Mark, Palette, Picture};
 pub use ensemble::{Points, ThesisEnsemble};
 pub use erratum::Erratum;
@@ -54,7 +54,7 @@ pub use quantity::Quantity;
 pub use results::Results;
 pub use run::{run, work};
 pub use setting::{Scale, Setting};
-pub use store::{Nothing, Store};
+pub use store::{NoStore, Store};
 pub use test_integrand::TestIntegrand;
 pub use verdict::Verdict;
 

@@ -13,9 +13,9 @@ pub trait Store: Sync {
 
 /// A store that discards everything.
 #[derive(Clone, Copy, Debug)]
-pub struct Nothing;
+pub struct NoStore;
 
-impl Store for Nothing {
+impl Store for NoStore {
     fn load(&self, _: &str) -> Option<Vec<u8>> {
         None
     }

@@ -6,7 +6,7 @@ use std::sync::Mutex;
 use sphvar_samplers::{Domain, Pattern};
 use sphvar_scene::DirectionMode;
 use sphvar_thesis::{
-    Error, Job, Lighting, Nothing, Pictures, Results, Scale, Setting, Store, ThesisEnsemble, run,
+    Error, Job, Lighting, NoStore, Pictures, Results, Scale, Setting, Store, ThesisEnsemble, run,
     work,
 };
 
@@ -122,7 +122,7 @@ fn an_interrupted_run_goes_on_where_it_stopped() {
     // A sum of some products.
     let advanced = advanced.into_inner().unwrap();
     assert!((advanced / work(&jobs) - 1.0).abs() < 16.0 * f64::EPSILON);
-    let undisturbed = done(&jobs[..1], &Nothing).unwrap();
+    let undisturbed = done(&jobs[..1], &NoStore).unwrap();
     assert_eq!(results.pictures(&jobs[0]).unwrap(), undisturbed.pictures(&jobs[0]).unwrap());
 
     // A longer run reuses the complete pieces.
@@ -135,7 +135,7 @@ fn an_interrupted_run_goes_on_where_it_stopped() {
 
 #[test]
 fn what_was_not_run_is_missing() {
-    let results = done(&[], &Nothing).unwrap();
+    let results = done(&[], &NoStore).unwrap();
     for job in jobs() {
         assert!(!results.contains(&job));
         let message = results.spectrum(&job).unwrap_err().to_string();

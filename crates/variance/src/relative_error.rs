@@ -97,8 +97,8 @@ impl RelativeError {
     /// finite, and `confidence` is within (0, 1).
     #[must_use]
     pub fn interval(self, variance: f64, confidence: f64) -> Option<(f64, f64)> {
-        let is_usual = confidence > 0.0 && confidence < 1.0;
-        if !(is_usual && self.is_known() && variance > 0.0 && variance.is_finite()) {
+        let is_valid = confidence > 0.0 && confidence < 1.0;
+        if !(is_valid && self.is_known() && variance > 0.0 && variance.is_finite()) {
             return None;
         }
         // Medians lie below means, so at low confidence both quantiles do; the interval still

@@ -18,8 +18,8 @@ pub enum RequiredPoints {
         /// The largest number tried that does not suffice; `None` if the smallest valid count does.
         too_few: Option<usize>,
     },
-    /// Predictions for that number of points are too expensive: it is extrapolated from the power
-    /// law through the last insufficient numbers.
+    /// Predictions for that number of points are too expensive: it is extrapolated by the
+    /// power law through the last insufficient numbers.
     Extrapolated {
         /// The number of points.
         n_points: usize,

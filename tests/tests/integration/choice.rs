@@ -96,7 +96,7 @@ fn the_hemisphere_has_its_own_exponent() {
 /// The requested variance lies midway between the exact ones of two neighbours, at least 17 % from
 /// either, and estimates are accurate to 3 %: five standard errors.
 #[test]
-fn jitter_needs_what_its_exact_spectrum_says() {
+fn jitter_needs_the_points_of_its_exact_spectrum() {
     let cap = cap60();
     let exact = |nside: u32| {
         let n = 12 * (nside * nside) as usize;

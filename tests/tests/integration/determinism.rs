@@ -110,7 +110,7 @@ fn shards_merge_to_the_unsplit_run() {
 
 /// Merging shards of different ensembles is an error.
 #[test]
-fn shards_of_other_ensembles_are_refused() {
+fn shards_of_other_ensembles_are_rejected() {
     let empty = |domain, n, lmax| SpectrumAccumulator::new(domain, n, lmax);
     let mut mine = empty(Domain::Sphere, N, LMAX);
     for other in [

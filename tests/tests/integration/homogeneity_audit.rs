@@ -238,7 +238,7 @@ fn a_few_realizations_tell_nothing() {
 }
 
 #[test]
-fn settings_out_of_range_are_refused() {
+fn settings_out_of_range_are_rejected() {
     let sampler = Pattern::WhiteNoise.build(3, Domain::Sphere).unwrap();
     let streams = Streams::new(SEED, Purpose::Pattern, 3);
     let sets = Realizations::rotated(&*sampler, streams);

@@ -113,13 +113,13 @@ fn check_disks(mode: DiskMode, constant: (f64, f64), slope: (f64, f64), peak: (f
 }
 
 #[test]
-fn exact_poisson_disks_obey_their_laws() {
+fn exact_poisson_disks_have_the_predicted_power() {
     check_disks(DiskMode::Exact, (0.0596, 0.0002), (0.038, 0.002), (1.701, 0.003));
 }
 
 /// The limit of the power at degree 0 is also the variance of the number of points, 0.058 N.
 #[test]
-fn saturated_poisson_disks_obey_their_laws() {
+fn saturated_poisson_disks_have_the_predicted_power() {
     check_disks(DiskMode::Saturated, (0.0578, 0.0002), (0.034, 0.002), (1.751, 0.004));
 }
 

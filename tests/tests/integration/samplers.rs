@@ -15,7 +15,7 @@ const DOMAINS: [Domain; 2] = [Domain::Sphere, Domain::Hemisphere];
 /// Inexpensive patterns are tested with every number of points up to this one.
 const MAX_REQUESTED: usize = 200;
 /// The numbers of points with which optimized patterns are tested.
-const FEW_ASKED: [usize; 8] = [0, 1, 2, 3, 5, 12, 48, 100];
+const FEW_REQUESTED: [usize; 8] = [0, 1, 2, 3, 5, 12, 48, 100];
 /// Realizations per number of points.
 const REALIZATIONS: u64 = 3;
 /// The norm of a result is accurate to a few roundings; `length` itself takes three.
@@ -63,7 +63,7 @@ fn has_exact_count(pattern: &Pattern) -> bool {
 /// few.
 fn check(pattern: &Pattern, domain: Domain) {
     let all: Vec<usize> =
-        if is_expensive(pattern) { FEW_ASKED.into() } else { (0..=MAX_REQUESTED).collect() };
+        if is_expensive(pattern) { FEW_REQUESTED.into() } else { (0..=MAX_REQUESTED).collect() };
     let valid: Vec<usize> =
         all.iter().copied().filter(|&n| pattern.build(n, domain).is_ok()).collect();
     assert!(

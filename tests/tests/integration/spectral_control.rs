@@ -158,7 +158,7 @@ fn profiles_are_met_in_every_realization() {
 /// Impossible spectra are errors with the reason: at construction, if there are too few degrees of
 /// freedom, or after an attempt, if the pair correlation would be negative.
 #[test]
-fn impossible_spectra_are_refused_with_the_reason() {
+fn impossible_spectra_are_rejected_with_the_reason() {
     let empty =
         PowerProfile::Polynomial { exponent: 0.0, alpha: 1.0, gamma: 0.0, offset: 0.0, to: 2.0 };
     let too_empty = Pattern::Profile(ProfileParameters { profile: empty, core: 0.0 });

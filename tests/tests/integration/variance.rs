@@ -162,7 +162,7 @@ fn fixed_patterns_have_their_recorded_variances() {
 /// `examples/closed_loop.rs`.
 #[test]
 fn measured_variances_are_the_predicted_ones() {
-    const ASKED: [usize; 6] = [12, 48, 108, 192, 432, 768];
+    const REQUESTED: [usize; 6] = [12, 48, 108, 192, 432, 768];
     const SETS: u64 = 400;
     const TRIALS: u64 = 3000;
     const ALPHA_KS: f64 = 1e-3;
@@ -178,7 +178,8 @@ fn measured_variances_are_the_predicted_ones() {
     let inexpensive = Pattern::ALL.into_iter().filter(|p| p.nominal_work(1000) < 17_000.0);
     for pattern in inexpensive {
         // The other patterns have fewer cells.
-        let counts = if Pattern::ELEMENTARY.contains(&pattern) { &ASKED[..] } else { &ASKED[1..4] };
+        let counts =
+            if Pattern::ELEMENTARY.contains(&pattern) { &REQUESTED[..] } else { &REQUESTED[1..4] };
         for &requested in counts {
             let n = pattern.nearest_count(requested, Domain::Sphere);
             let sampler = pattern.build(n, Domain::Sphere).unwrap();

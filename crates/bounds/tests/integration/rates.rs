@@ -1,6 +1,6 @@
 //! Rates and large-N forms against the closed forms.
 
-use sphvar_bounds::{Domain, Error, IntegrandClass, Profile, Rate};
+use sphvar_bounds::{ConvergenceRate, Domain, Error, IntegrandClass, Profile};
 
 const DOMAINS: [Domain; 2] = [Domain::Sphere, Domain::Hemisphere];
 
@@ -11,7 +11,7 @@ fn slope(class: &IntegrandClass, profile: &Profile, domain: Domain, from: usize,
 
 #[test]
 fn rates_match_the_table() -> Result<(), Error> {
-    let plain = |exponent| Rate::Algebraic { exponent, log: false };
+    let plain = |exponent| ConvergenceRate::Algebraic { exponent, log: false };
     let best = IntegrandClass::band_limited(1.0, 5)?;
     let worst = IntegrandClass::power_law(1.0, 2.0)?;
     let steep = IntegrandClass::power_law(1.0, 2.5)?;
@@ -21,15 +21,26 @@ fn rates_match_the_table() -> Result<(), Error> {
         let beyond = if domain == Domain::Sphere { 25.0 / 4.0 } else { 16.0 / 4.0 };
         for (profile, expected) in [
             (Profile::constant(2.0)?, [plain(-1.0), plain(-1.0), plain(-1.0)]),
-            (Profile::step(2.0, 1.0)?, [Rate::Zero { beyond }, plain(-1.5), plain(-1.75)]),
+            (
+                Profile::step(2.0, 1.0)?,
+                [ConvergenceRate::Zero { beyond }, plain(-1.5), plain(-1.75)],
+            ),
             (Profile::polynomial(0.5, 2.0, 1.0)?, [plain(-1.25), plain(-1.25), plain(-1.25)]),
             (
                 Profile::linear(2.0, 1.0)?,
-                [plain(-1.5), Rate::Algebraic { exponent: -1.5, log: true }, plain(-1.5)],
+                [
+                    plain(-1.5),
+                    ConvergenceRate::Algebraic { exponent: -1.5, log: true },
+                    plain(-1.5),
+                ],
             ),
             (
                 Profile::polynomial(1.5, 2.0, 1.0)?,
-                [plain(-1.75), plain(-1.5), Rate::Algebraic { exponent: -1.75, log: true }],
+                [
+                    plain(-1.75),
+                    plain(-1.5),
+                    ConvergenceRate::Algebraic { exponent: -1.75, log: true },
+                ],
             ),
             (Profile::quadratic(2.0, 1.0)?, [plain(-2.0), plain(-1.5), plain(-1.75)]),
             (Profile::polynomial(7.0, 2.0, 1.0)?, [plain(-4.5), plain(-1.5), plain(-1.75)]),
@@ -49,7 +60,7 @@ fn rates_match_the_table() -> Result<(), Error> {
                 );
             }
         }
-        let never = Rate::Zero { beyond: 0.0 };
+        let never = ConvergenceRate::Zero { beyond: 0.0 };
         assert_eq!(worst.rate(&Profile::constant(0.0)?, domain), never, "zero profile");
         assert_eq!(
             IntegrandClass::band_limited(1.0, 0)?.rate(&Profile::constant(1.0)?, domain),
@@ -65,14 +76,14 @@ fn rates_match_the_table() -> Result<(), Error> {
         let headless = IntegrandClass::flat_then_power_law(1.0, 5, 0.0, 2.0)?;
         assert_eq!(
             headless.rate(&Profile::step(2.0, 1.0)?, domain),
-            Rate::Zero { beyond },
+            ConvergenceRate::Zero { beyond },
             "flat head only"
         );
     }
     let odd = IntegrandClass::band_limited(1.0, 1)?;
     assert_eq!(
         odd.rate(&Profile::constant(1.0)?, Domain::Hemisphere),
-        Rate::Zero { beyond: 0.0 },
+        ConvergenceRate::Zero { beyond: 0.0 },
         "no even degree"
     );
     Ok(())
@@ -84,7 +95,7 @@ fn a_step_is_zero_exactly_beyond_its_rate() -> Result<(), Error> {
     for domain in DOMAINS {
         // (6 / 0.5)^2 = 144, all exact.
         let profile = Profile::step(0.5, 1.0)?;
-        assert_eq!(class.rate(&profile, domain), Rate::Zero { beyond: 144.0 });
+        assert_eq!(class.rate(&profile, domain), ConvergenceRate::Zero { beyond: 144.0 });
         assert!(class.variance(&profile, 144, domain) > 0.0, "{domain:?}: at the break");
         assert_eq!(
             class.variance(&profile, 145, domain).to_bits(),
@@ -122,7 +133,8 @@ fn slopes_approach_the_rate() -> Result<(), Error> {
         for b in [0.0, 0.5, 1.0, 1.5, 2.0, 3.0, 7.0] {
             for domain in DOMAINS {
                 let profile = Profile::polynomial(b, 0.5, 1.0)?;
-                let Rate::Algebraic { exponent, log } = class.rate(&profile, domain) else {
+                let ConvergenceRate::Algebraic { exponent, log } = class.rate(&profile, domain)
+                else {
                     panic!("{class:?} b {b} {domain:?}: a polynomial never gives zero");
                 };
                 // The slope of N^e ln N between these two N is approximately e + 1 / ln N.

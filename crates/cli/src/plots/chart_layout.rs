@@ -33,7 +33,7 @@ const LOWER: f64 = 150.0;
 /// The distance between panels, so that the labels of one do not touch those of the next.
 const PANEL_GAP: f64 = 18.0;
 /// The space of a tick label, along x and along y, in units.
-const TICK_ROOM: (f64, f64) = (84.0, 34.0);
+const TICK_SPACING: (f64, f64) = (84.0, 34.0);
 /// The maximum distance of markers that are placed side by side, and the fraction of the distance
 /// to the next x that they occupy.
 const SIDE_BY_SIDE: (f64, f64) = (8.0, 0.7);
@@ -76,12 +76,12 @@ impl<'a> Layout<'a> {
         top += if texts.is_empty() { 0.0 } else { 6.0 };
 
         let all_x = chart.panels.iter().flat_map(|panel| drawable_x(panel, chart.x_scale));
-        let x_axis = Axis::fit(chart.x_scale, all_x, ticks(0.7 * width, TICK_ROOM.0));
+        let x_axis = Axis::fit(chart.x_scale, all_x, ticks(0.7 * width, TICK_SPACING.0));
         let heights = heights(chart.panels.len());
         let y_axes: Vec<Axis> = (chart.panels.iter().zip(&heights))
             .map(|(panel, &height)| {
                 let values = drawable_y(panel, chart.x_scale).into_iter();
-                Axis::fit(panel.y_scale, values, ticks(height, TICK_ROOM.1))
+                Axis::fit(panel.y_scale, values, ticks(height, TICK_SPACING.1))
             })
             .collect();
         let mut tick_width: f64 = 0.0;

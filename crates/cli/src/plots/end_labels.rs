@@ -21,7 +21,7 @@ const SIZES: [f64; 3] = [15.0, 13.5, 12.0];
 const LEADING: f64 = 1.15;
 const PAUSE: f64 = 0.15;
 /// The distance between the frame and the names, which leaders cross.
-const LEADER_ROOM: f64 = 30.0;
+const LEADER_LENGTH: f64 = 30.0;
 /// The maximum width of a name, as a fraction of the figure's width, and its number of lines.
 const MAX_WIDTH: f64 = 0.24;
 const MAX_LINES: usize = 3;
@@ -82,7 +82,7 @@ impl<'a> EndLabels<'a> {
 
     /// Returns the width of the names with their leaders, units.
     pub(super) fn width(&self) -> f64 {
-        if self.labels.is_empty() { 0.0 } else { LEADER_ROOM + self.width }
+        if self.labels.is_empty() { 0.0 } else { LEADER_LENGTH + self.width }
     }
 
     fn height(&self, lines: &[String]) -> f64 {
@@ -116,7 +116,7 @@ impl<'a> EndLabels<'a> {
         let Some(middles) = spread(&wanted, &heights, top, bottom) else {
             return Err(PlotError::Drawing { reason: "labels do not fit".to_owned() });
         };
-        let x = right + LEADER_ROOM;
+        let x = right + LEADER_LENGTH;
         let mut placed = PlacedLabels::default();
         for (((series, lines), middle), end) in self.labels.iter().zip(middles).zip(ends) {
             let colour = series.ink.colour();
@@ -130,7 +130,12 @@ impl<'a> EndLabels<'a> {
             match (is_list, order(series), end) {
                 (true, Some(place), _) => {
                     let at = (right + 6.0, first);
-                    placed.samples.push(Sample::new(listed[place], looks, at, LEADER_ROOM - 11.0));
+                    placed.samples.push(Sample::new(
+                        listed[place],
+                        looks,
+                        at,
+                        LEADER_LENGTH - 11.0,
+                    ));
                 }
                 (false, _, Some(end)) => {
                     let points = [end, (right + 3.0, end.1), (x - 3.0, middle)];
@@ -167,7 +172,7 @@ impl Leader {
             canvas.line(&[(x, end.1), (x + 1.5, end.1)], pen)?;
             x += 6.0;
         }
-        if (frame.1 - name.1).abs() > AT_THE_END || frame.0 - end.0 > LEADER_ROOM {
+        if (frame.1 - name.1).abs() > AT_THE_END || frame.0 - end.0 > LEADER_LENGTH {
             canvas.line(&[frame, name], pen)?;
         }
         Ok(())

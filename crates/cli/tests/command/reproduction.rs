@@ -180,9 +180,9 @@ fn the_page_needs_nothing_but_itself() {
         images.forEach(image => image.loading = 'eager');
         const drawn = await Promise.all(images.map(
             image => image.decode().then(() => image.naturalWidth > 0, () => false)));
-        const asked = performance.getEntriesByType('resource').filter(entry => !entry.name.startsWith('data:'));
+        const requested = performance.getEntriesByType('resource').filter(entry => !entry.name.startsWith('data:'));
         const root = document.documentElement;
-        root.dataset.probe = [images.length, drawn.filter(Boolean).length, asked.length,
+        root.dataset.probe = [images.length, drawn.filter(Boolean).length, requested.length,
             root.scrollWidth <= root.clientWidth, document.querySelectorAll('tbody tr').length].join(' ');
     });</script></body>";
     let page = place.text("out/index.html");

@@ -16,8 +16,8 @@ pub enum Purpose {
 
 /// A family of independent random streams, one per realization.
 ///
-/// The generator is `ChaCha8` (Bernstein 2008, 8 rounds), a counter-based generator that is
-/// specified bit for bit. Its 256-bit key consists of (seed, purpose, group); its 64-bit stream
+/// The generator is `ChaCha8` (Bernstein 2008, 8 rounds), a counter-based generator whose
+/// output is fully specified. Its 256-bit key consists of (seed, purpose, group); its 64-bit stream
 /// number is the realization. Results therefore depend on these numbers alone, never on threads,
 /// order or shards.
 ///

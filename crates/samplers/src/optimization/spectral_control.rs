@@ -347,8 +347,8 @@ impl Sampler for SpectralControl {
             reason: format!(
                 "{starts} descents stalled before reaching the target, the last with power {:.1e} where there \
                  should be none and {:.1e} off elsewhere. With white noise beyond the target the pair \
-                 correlation at distance 0 would be {g2:.3}; no pattern has one below 0. Ask for a smaller \
-                 alpha, core or range",
+                 correlation at distance 0 would be {g2:.3}; no pattern has one below 0. Use a smaller alpha, \
+                 core or range",
                 reached[0], reached[1]
             ),
         })

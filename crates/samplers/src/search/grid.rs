@@ -243,13 +243,13 @@ mod tests {
             for chord in [0.01, 0.05, 0.1, 0.2, 0.3, 0.5, 0.67, 0.69, 1.0, 1.5, 2.5] {
                 let mut grid = Grid::new(domain, chord, 400.0);
                 let place = |grid: &Grid, dir| grid.place(Cell::containing(grid.nside(), dir));
-                let (entered, asked) = spiral.split_at(POINTS as usize / 2);
+                let (entered, queried) = spiral.split_at(POINTS as usize / 2);
                 let dirs = entered.iter().map(|&dir| DVec3::new(dir.z, dir.x, dir.y));
                 for dir in dirs.clone() {
                     grid.insert(place(&grid, dir), dir);
                 }
                 let squared = chord * chord;
-                for &dir in asked {
+                for &dir in queried {
                     let expected = dirs.clone().any(|q| {
                         let opposite = domain == Domain::Hemisphere;
                         q.distance_squared(dir) < squared

@@ -28,7 +28,7 @@ fn distance(domain: Domain, a: DVec3, b: DVec3) -> f64 {
 fn best_exchange(domain: Domain, tessellation: &Tessellation) -> f64 {
     let sites = tessellation.sites();
     let cells: Vec<Vec<DVec3>> = (0..sites.len()).map(|k| tessellation.cell(k).collect()).collect();
-    let gain = |from: usize, to: usize| {
+    let reduction = |from: usize, to: usize| {
         let squared = |p, site: usize| distance(domain, p, sites[site]).powi(2);
         cells[from]
             .iter()
@@ -38,7 +38,7 @@ fn best_exchange(domain: Domain, tessellation: &Tessellation) -> f64 {
     let mut best = f64::NEG_INFINITY;
     for i in 0..sites.len() {
         for j in i + 1..sites.len() {
-            best = best.max(gain(i, j) + gain(j, i));
+            best = best.max(reduction(i, j) + reduction(j, i));
         }
     }
     best
@@ -89,7 +89,7 @@ fn a_settled_tessellation_has_no_exchange_left_and_sites_at_their_means() {
                 // The tolerance of exchanges, and the rounding of four squared distances.
                 let best = best_exchange(domain, &tessellation);
                 let tolerance = 1e-11 / n as f64 + 1e-13;
-                assert!(best < tolerance, "{what}: an exchange would gain {best}");
+                assert!(best < tolerance, "{what}: an exchange would reduce the energy by {best}");
             }
         }
     }

@@ -61,7 +61,7 @@ fn progress_does_not_change_the_points_and_adds_up_to_the_work() {
             let ticks = Ticks::new(usize::MAX);
             sampler.sample_watched(&mut rng(1), &mut set, &ticks).unwrap();
             assert_eq!(set, expected, "{case}");
-            assert!(ticks.seen().0 > 0, "{case}: nobody is asked whether to go on");
+            assert!(ticks.seen().0 > 0, "{case}: the progress is not ticked");
 
             let streams = Streams::new(5, Purpose::Pattern, 1);
             let work = sampler.nominal_work();

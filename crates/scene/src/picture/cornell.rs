@@ -3,7 +3,7 @@ use glam::DVec3;
 use crate::{Camera, Quad, Scene};
 
 /// The size of the box: width (x), height (y) and depth (z).
-const ROOM: DVec3 = DVec3::new(556.0, 548.8, 559.2);
+const SIZE: DVec3 = DVec3::new(556.0, 548.8, 559.2);
 
 /// The corners (x, z) of the blocks' tops in order, and their heights.
 const SHORT_BLOCK: ([[f64; 2]; 4], f64) =
@@ -58,7 +58,7 @@ impl CornellBox {
                 ]));
             }
         }
-        let [x, y, z] = [DVec3::X * ROOM.x, DVec3::Y * ROOM.y, DVec3::Z * ROOM.z];
+        let [x, y, z] = [DVec3::X * SIZE.x, DVec3::Y * SIZE.y, DVec3::Z * SIZE.z];
         for (corner, u, v) in
             [(DVec3::ZERO, z, x), (y, x, z), (z, y, x), (DVec3::ZERO, y, z), (x, z, y)]
         {
@@ -73,7 +73,7 @@ impl CornellBox {
                 2.0 * (HALF_FILM / FOCAL_LENGTH).atan(),
             )
             .expect(known),
-            light: quad(LIGHT.map(|p| at_height(p, ROOM.y))),
+            light: quad(LIGHT.map(|p| at_height(p, SIZE.y))),
         }
     }
 }

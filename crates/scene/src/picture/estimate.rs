@@ -28,7 +28,7 @@ mod tests {
     use super::Estimate;
 
     #[test]
-    fn the_error_of_a_mean_is_the_usual_one() {
+    fn the_jackknife_error_of_a_mean_is_its_standard_error() {
         let x = [1.0, 2.0, 4.0, 9.0];
         let without = |i: usize| (16.0 - x[i]) / 3.0;
         let got = Estimate::jackknife(4.0, 4, without);

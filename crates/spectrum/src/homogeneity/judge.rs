@@ -5,8 +5,8 @@ use sphvar_samplers::{Domain, Progress, Purpose, Stopped, Streams, uniform_rotat
 use super::audit::{
     AuditFamily, AuditSettings, AuditVerdict, Finding, HomogeneityAudit, MeanBias, OrderRatio,
 };
+use super::rotator::Rotator;
 use super::statistics::{Layout, Sums};
-use super::turner::Rotator;
 use crate::Anisotropy;
 
 /// The 90 % quantile of the standard normal distribution: the margin for a power of 0.9.

@@ -11,7 +11,7 @@ const ROUNDING: f64 = 1e-22;
 
 /// Layout of the sums over the realizations of an ensemble: the components and their names.
 ///
-/// The components are those of [`Rotator`](super::turner::Rotator).
+/// The components are those of [`Rotator`](super::rotator::Rotator).
 #[derive(Debug)]
 pub(super) struct Layout {
     /// The tested degrees.

@@ -177,7 +177,7 @@ mod tests {
     }
 
     #[test]
-    fn most_values_are_below_a_high_quantile() {
+    fn nearly_all_values_are_below_a_high_quantile() {
         let values: Vec<f64> = (0..100).rev().map(f64::from).collect();
         for (share, expected) in [(0.0, 0.0), (0.5, 49.0), (0.99, 98.0), (1.0, 99.0)] {
             let got: f64 = quantile(&values, share);

@@ -8,24 +8,24 @@ use sphvar_samplers::SECONDS_PER_WORK;
 
 use super::tests::{check_claim, check_curves};
 use crate::{
-    Content, Directions, Field, Figure, FigureId, Nothing, Results, Scale, Setting, Verdict, run,
+    Content, Directions, Field, Figure, FigureId, NoStore, Results, Scale, Setting, Verdict, run,
     work,
 };
 
 const QUICK: Setting = Setting { scale: Scale::Quick, seed: 0 };
 const FULL: Setting = Setting { scale: Scale::Full, seed: 0 };
 /// The figures composed here: all that take less than about a second of one core.
-const CHEAP: [&str; 10] =
+const FAST: [&str; 10] =
     ["3.1", "4.9", "4.10", "4.11", "4.12", "4.15", "4.16", "7.1", "7.2", "7.3"];
 /// The figures composed from fewer sets in the tests next to their code.
 const EXPENSIVE: [&str; 3] = ["2.2", "4.14", "4.17"];
 
 /// The inexpensive figures, each composed once.
 static FIGURES: LazyLock<Vec<Figure>> = LazyLock::new(|| {
-    let ids: Vec<FigureId> = CHEAP.iter().map(|number| number.parse().unwrap()).collect();
+    let ids: Vec<FigureId> = FAST.iter().map(|number| number.parse().unwrap()).collect();
     let jobs: Vec<_> = ids.iter().flat_map(|id| id.jobs(QUICK)).collect();
     let mut results = Results::new(QUICK);
-    run(&jobs, &Nothing, &mut results, &()).unwrap();
+    run(&jobs, &NoStore, &mut results, &()).unwrap();
     ids.iter().map(|id| id.compose(&results).unwrap()).collect()
 });
 
@@ -58,7 +58,7 @@ fn check_field(field: &Field, place: &str) {
 
 #[test]
 fn panels_can_be_drawn() {
-    for number in CHEAP {
+    for number in FAST {
         let figure = figure(number);
         let mut names = HashSet::new();
         assert!(!figure.panels.is_empty(), "{number}");
@@ -161,7 +161,7 @@ fn rotations_level_the_orders() {
 #[test]
 fn jobs_stay_within_the_budget() {
     let all = |setting| -> Vec<_> {
-        let ids = CHEAP.iter().chain(&EXPENSIVE).map(|number| number.parse::<FigureId>().unwrap());
+        let ids = FAST.iter().chain(&EXPENSIVE).map(|number| number.parse::<FigureId>().unwrap());
         ids.flat_map(|id| id.jobs(setting)).collect()
     };
     let [quick, full] = [QUICK, FULL].map(|setting| SECONDS_PER_WORK * work(&all(setting)));

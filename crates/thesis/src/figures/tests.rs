@@ -6,7 +6,7 @@ use std::collections::HashSet;
 use sphvar_samplers::SECONDS_PER_WORK;
 
 use crate::{
-    Claim, Content, Curves, Error, Figure, FigureId, Job, Nothing, Picture, Pictures, Results,
+    Claim, Content, Curves, Error, Figure, FigureId, Job, NoStore, Picture, Pictures, Results,
     Scale, Setting, Stated, Verdict, run, work,
 };
 
@@ -44,7 +44,7 @@ fn cut(job: &Job) -> Job {
 pub(super) fn results_of(jobs: &[Job], cut: fn(&Job) -> Job) -> Result<Results, Error> {
     let cut: Vec<Job> = jobs.iter().map(cut).collect();
     let mut few = Results::new(QUICK);
-    run(&cut, &Nothing, &mut few, &())?;
+    run(&cut, &NoStore, &mut few, &())?;
     let mut results = Results::new(QUICK);
     for (job, cut) in jobs.iter().zip(&cut) {
         results.take_over(job, &few, cut);

@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::Serialize;
 use sphvar_bounds::{
-    Bound, BoundVerdict, Family, IntegrandClass, Profile, Rate, Side, variance_bound,
+    Bound, BoundVerdict, ConvergenceRate, Family, IntegrandClass, Profile, Side, variance_bound,
 };
 use sphvar_samplers::Domain;
 use sphvar_sh::MAX_DEGREE;
@@ -242,12 +242,14 @@ fn first_degrees(list: &[usize]) -> String {
 }
 
 /// Returns a rate with the digits that a fitted exponent has.
-fn rate_text(rate: Rate) -> String {
+fn rate_text(rate: ConvergenceRate) -> String {
     match rate {
-        Rate::Algebraic { exponent, log } => {
-            Rate::Algebraic { exponent: (exponent * 1e3).round() / 1e3, log }.to_string()
+        ConvergenceRate::Algebraic { exponent, log } => {
+            ConvergenceRate::Algebraic { exponent: (exponent * 1e3).round() / 1e3, log }.to_string()
         }
         // A whole number exceeds this one exactly if it exceeds its integer part.
-        Rate::Zero { beyond } => Rate::Zero { beyond: beyond.floor() }.to_string(),
+        ConvergenceRate::Zero { beyond } => {
+            ConvergenceRate::Zero { beyond: beyond.floor() }.to_string()
+        }
     }
 }

@@ -192,9 +192,9 @@ impl StageArgs {
             _ => (),
         }
         let bounds = scene.bounds();
-        let usual_fov = own.map_or(DEFAULT_FOV.to_radians(), |camera| camera.field_of_view());
+        let default_fov = own.map_or(DEFAULT_FOV.to_radians(), |camera| camera.field_of_view());
         let fov = match self.fov {
-            None => usual_fov,
+            None => default_fov,
             Some(fov) if fov > 0.0 && fov < 180.0 => fov.to_radians(),
             Some(fov) => {
                 return Err(CliError::Usage(format!(

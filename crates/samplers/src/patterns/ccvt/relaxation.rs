@@ -257,8 +257,8 @@ impl Relaxation {
         candidates[1].clear();
         add_candidates(&reductions[0], tolerance - max_j, &mut candidates[0]);
         add_candidates(&reductions[1], tolerance - max_i, &mut candidates[1]);
-        for (&(gain_i, a), &(gain_j, b)) in candidates[0].iter().zip(&candidates[1]) {
-            if gain_i + gain_j <= tolerance {
+        for (&(reduction_i, a), &(reduction_j, b)) in candidates[0].iter().zip(&candidates[1]) {
+            if reduction_i + reduction_j <= tolerance {
                 break;
             }
             let (a, b) = (i * self.capacity + a, j * self.capacity + b);

@@ -185,7 +185,7 @@ mod tests {
 
     /// The rotation is determined from the images of the axes and then applied to points.
     #[test]
-    fn turned_coefficients_are_those_of_turned_points() {
+    fn rotated_coefficients_are_those_of_rotated_points() {
         let rotator = Rotator::new(LMAX);
         let sampler = Pattern::WhiteNoise.build(7, Domain::Sphere).unwrap();
         for seed in 0..20 {
@@ -213,7 +213,7 @@ mod tests {
     /// 8 + 36 means over `N` rotations of numbers below 5 in size: |z| < 5 for all fails by chance
     /// for 3e-5 of seeds.
     #[test]
-    fn turns_are_uniform_in_degrees_1_and_2() {
+    fn rotations_are_uniform_in_degrees_1_and_2() {
         const N: u32 = 20_000;
         let rotator = Rotator::new(2);
         let streams = Streams::new(0, Purpose::Resample, 0);
