@@ -37,7 +37,7 @@ pub(crate) enum Command {
     /// Compare patterns on an integrand: predicted and measured variance, rates, crossovers
     #[command(after_help = compare::EXAMPLES)]
     Compare(compare::CompareArgs),
-    /// Rank patterns for an integrand: the points that an error needs, or the error with N points
+    /// Rank patterns for an integrand by the points required for an error, or by the error with N points
     #[command(after_help = choose::EXAMPLES)]
     Choose(choose::ChooseArgs),
     /// Generate realizations of a pattern: points as CSV, NPY or PLY, or a picture as SVG or PNG

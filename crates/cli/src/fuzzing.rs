@@ -42,7 +42,9 @@ impl Target {
 
     /// Returns whether an input is accepted; `scratch` is a file that may be overwritten.
     ///
-    /// # Panics If an error message is long or contains control characters, which counts as a
+    /// # Panics
+    ///
+    /// If an error message is long or contains control characters, which counts as a
     /// finding like any other panic.
     #[must_use]
     pub fn read(&self, input: &[u8], scratch: &Path) -> bool {

@@ -30,7 +30,7 @@ pub(crate) fn gibibytes(bytes: f64) -> String {
 pub(crate) fn check_memory(what: &str, bytes: f64) -> Result<(), CliError> {
     match available_memory() {
         Some(available) if bytes > available => Err(CliError::Failed(format!(
-            "{what} needs {} of memory, {} are available; choose a smaller one",
+            "{what} requires {} of memory, but {} are available; use a smaller value",
             gibibytes(bytes),
             gibibytes(available)
         ))),

@@ -15,8 +15,8 @@ pub enum Error {
 
     /// Nested order was requested for a resolution that is not a power of two.
     #[error(
-        "nested order needs nside to be a power of two, got {nside}; \
-         {below} and {above} are the nearest, and ring order takes any nside"
+        "nested order requires nside to be a power of two, got {nside}; \
+         the nearest are {below} and {above}; ring order supports any nside"
     )]
     NotPowerOfTwo {
         /// The value given.
@@ -29,7 +29,7 @@ pub enum Error {
 
     /// The count is not `12 nside^2` for any valid nside.
     #[error(
-        "{n_pixels} is not a HEALPix pixel count 12 nside^2; the nearest is {nearest} (nside {nside})"
+        "{n_pixels} is not a HEALPix pixel count 12 nside^2; the nearest valid count is {nearest} (nside {nside})"
     )]
     NotPixelCount {
         /// The count given.

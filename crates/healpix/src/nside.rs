@@ -54,7 +54,7 @@ impl Nside {
     ///
     /// assert_eq!(Nside::from_n_pixels(972)?.value(), 9);
     /// let message = Nside::from_n_pixels(1024).unwrap_err().to_string();
-    /// assert!(message.contains("the nearest is 972 (nside 9)"), "{message}");
+    /// assert!(message.contains("the nearest valid count is 972 (nside 9)"), "{message}");
     /// # Ok::<(), sphvar_healpix::Error>(())
     /// ```
     pub fn from_n_pixels(n_pixels: u64) -> Result<Self, Error> {

@@ -35,7 +35,7 @@ pub enum Error {
     /// The values of an integrand are too large or too small for variances, which scale as their
     /// squares.
     #[error(
-        "the integrand's root mean square is {got:e}; variances need one between 1e-151 and 1e151 \
+        "the root mean square of the integrand must be between 1e-151 and 1e151, got {got:e} \
          (values of about 1e-150 to 1e150)"
     )]
     Magnitude {
@@ -68,8 +68,8 @@ pub enum Error {
     },
     /// Pixels of a HEALPix map have no value.
     #[error(
-        "{count} of the map's pixels have no value (NaN, infinite or UNSEEN = -1.6375e30), the first is \
-         {first} in its order; fill them, for an integral needs all"
+        "{count} pixels of the map have no value (NaN, infinite or UNSEEN = -1.6375e30), the first is \
+         {first} in its order; fill them: an integral requires all pixels"
     )]
     Pixels {
         /// How many.
@@ -128,13 +128,13 @@ pub enum Error {
         reason: Box<Self>,
     },
     /// An operator of an expression lacks an operand.
-    #[error("\"{text}\": there is no integrand on one side of an operator")]
+    #[error("\"{text}\": an operator has no integrand on one side")]
     NoOperand {
         /// The expression.
         text: String,
     },
     /// The rotation of an expression is malformed.
-    #[error("@ wants THETA/PHI or THETA/PHI/PSI in degrees, THETA in [0, 180], got \"{text}\"")]
+    #[error("@ requires THETA/PHI or THETA/PHI/PSI in degrees, THETA in [0, 180], got \"{text}\"")]
     Angles {
         /// The angles.
         text: String,

@@ -85,7 +85,7 @@ fn rotated_ensembles_are_homogeneous() {
 /// The same check on unrotated jitter, N = 768, must fail.
 #[test]
 #[should_panic(expected = "homogeneity, unrotated")]
-fn the_checker_objects_to_unrotated_jitter() {
+fn the_checker_rejects_unrotated_jitter() {
     let sampler = Pattern::Jittered.build(768, Domain::Sphere).unwrap();
     let streams = Streams::new(SEED, Purpose::Pattern, 768);
     let mut family = Family::new("homogeneity, unrotated");

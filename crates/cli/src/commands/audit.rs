@@ -35,7 +35,7 @@ tests the coefficients of degrees 1 to --lmax (on the hemisphere the even ones):
   orders       the same power for all orders of a degree (P(l,m)/P(l))
   covariances  different coefficients uncorrelated, degrees up to 4 (correlation)
   rotations    the mean of the random rotations is 0 (entry of the mean)
-Degrees without power, such as odd ones of antipodal sets, are left out. Each p-value comes from \
+Degrees without power, such as odd ones of antipodal sets, are not tested. Each p-value comes from \
 copies of the ensemble in which every set is randomly rotated once more; all tests together \
 reject a homogeneous ensemble with probability --alpha at most. A sampler is audited both as drawn \
 and after uniform random rotations. The exit status is 0 whatever the outcome.";
@@ -72,7 +72,7 @@ pub(crate) struct AuditArgs {
         )
     )]
     pub(crate) alpha: f64,
-    /// Relative error of the variance that the audit must be able to detect before it answers yes
+    /// Relative error of the variance that the audit must be able to detect for the verdict yes
     #[arg(long, value_name = "E", default_value_t = 0.2, value_parser = parse_number)]
     pub(crate) tolerance: f64,
     /// Audit the sampler as drawn only, not after uniform random rotations

@@ -34,10 +34,10 @@ pub(crate) const EXAMPLES: &str = "Examples:
 
 The error is one standard error of the integral, the root of the predicted variance, over uniform \
 rotations of the pattern. Predictions come from spectra, in closed form or estimated until the variance is \
-known to 2 %; they are those of variance and compare. The points that only rates need are known to about \
-6 %. With --error, expensive patterns are not tried with more than 4 times the points of the best. \
-Patterns for which predictions are too expensive at the requested N are extrapolated by their rate and marked so. \
-For step and blue the best alpha is chosen. \
+known to 2 %; they are those of variance and compare. Predictions that serve only to fit rates are \
+known to about 6 %. With --error, expensive patterns are not tried with more than 4 times the points of the best. \
+Patterns for which predictions are too expensive at the requested N are extrapolated by their rate, as column basis \
+states. For step and blue the best alpha is chosen. \
 The seconds per set are measured on one core, the median of up to five.";
 
 /// A default sampler is omitted if a single prediction takes more work than this number of budgets.
@@ -95,7 +95,7 @@ pub(crate) fn run(args: &ChooseArgs, global: &Global) -> Result<(), CliError> {
             left_out.push(LeftOut {
                 sampler: pattern.to_string(),
                 reason: format!(
-                    "a prediction takes {} times the work of others; name it to take it",
+                    "a prediction costs {} times the work budget; name the sampler to include it",
                     number::count(budgets)
                 ),
             });

@@ -37,8 +37,8 @@ pub(crate) const EXAMPLES: &str = "Examples:
 Without arguments it compares the patterns of Singh's thesis on a photographed light probe, which is built in, within a minute \
 on two cores. Every sampler takes its valid number of points nearest to N. The output folder receives \
 comparison.csv and .json, spectra.csv, and the plots spectra, variance and integrand as .svg and .png. \
-The same command run again replaces its own files, since it gives the same results; the results of another \
-command are overwritten only with --force. Two runs cannot write to one folder at the same time.";
+Running the same command again replaces its own files; the results of another command are overwritten only \
+with --force. Two runs cannot write to one folder at the same time.";
 
 /// The patterns that the thesis compares.
 const SAMPLERS: &str = "white-noise,jittered,poisson-disk,ccvt,healpix,fibonacci,step";

@@ -24,7 +24,7 @@ A manual page describes each subcommand: sphvar.1, sphvar-compare.1 and so on.";
 pub(crate) struct CompletionsArgs {
     /// Shell whose completions are printed
     pub(crate) shell: Option<Shell>,
-    /// Write the manual pages to a folder instead, which is made if it is missing
+    /// Write the manual pages to a folder instead, which is created if it is missing
     #[arg(long, value_name = "FOLDER")]
     pub(crate) man: Option<PathBuf>,
 }

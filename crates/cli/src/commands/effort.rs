@@ -22,7 +22,7 @@ pub(crate) struct EffortArgs {
     /// 2% or 0.02
     #[arg(long, value_name = "E", value_parser = parse_share, allow_negative_numbers = true)]
     pub(crate) until_rel: Option<f64>,
-    /// Trials at which --until-rel gives up
+    /// Maximum number of trials with --until-rel
     #[arg(long, default_value = "1000000", value_name = "M", value_parser = parse_realizations,
         requires = "until_rel")]
     pub(crate) max_realizations: u64,

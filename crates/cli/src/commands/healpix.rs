@@ -22,7 +22,7 @@ mod tests;
 
 pub(crate) const EXAMPLES: &str = "Lists:
   CSV with a header that names the columns x,y,z | theta,phi | pixel (with --degrees lon,lat),
-  or without a header in this order, divided by commas or blanks; NPY of shape (N, 3) | (N, 2) |
+  or without a header in this order, separated by commas or blanks; NPY of shape (N, 3) | (N, 2) |
   (N,). Vectors may have any length. Angles are colatitude and longitude in radians.
 
 Examples:
@@ -91,7 +91,7 @@ pub(crate) struct HealpixArgs {
     /// Number pixels in nested order instead of ring order; ring2nest and nest2ring need no flag
     #[arg(long)]
     pub(crate) nested: bool,
-    /// Take angles as longitude and latitude in degrees, columns lon,lat
+    /// Interpret angles as longitude and latitude in degrees, columns lon,lat
     #[arg(long)]
     pub(crate) degrees: bool,
     /// List to convert, CSV or NPY; - is standard input
@@ -112,7 +112,7 @@ pub(crate) fn run(args: &HealpixArgs, global: &Global) -> Result<(), CliError> {
     let conversion = args.conversion;
     if args.degrees && !matches!(conversion, Conversion::AngToPix | Conversion::PixToAng) {
         return Err(CliError::Usage(format!(
-            "--degrees is for ang2pix and pix2ang; {} has no angles",
+            "--degrees requires ang2pix or pix2ang, got {}",
             conversion.name()
         )));
     }

@@ -20,7 +20,7 @@ use crate::spec::unknown_name;
 pub(crate) const EXAMPLES: &str = "Examples:
   sphvar list
   sphvar list samplers poisson-disk step
-  sphvar list samplers -n 500        (with the last degree that has no power)
+  sphvar list samplers -n 500        (with the largest degree without power)
   sphvar list integrands --json";
 
 #[derive(Debug, Args)]

@@ -18,10 +18,9 @@ pub(crate) const EXAMPLES: &str = "Examples:
   sphvar spectrum poisson-disk -n 1024 -m 200 --shard 2/2 --save b.shard
   sphvar merge a.shard b.shard -o spectrum.csv
 
-Sums are kept exactly: the spectrum is bit-identical to that of a single run, whatever the parts and their \
-order. Shards of different samplers, numbers of points or realizations, degrees, accuracies, seeds, versions \
-or instruction-set classes are an error, and so are a realization that is in two of them and missing parts; \
---partial merges those that are there.";
+Sums are exact, so the spectrum is bit-identical to that of a single run for any parts in any order. Shards of different samplers, numbers of points or realizations, degrees, accuracies, seeds, versions \
+or instruction-set classes are an error, and so are duplicate realizations and, without --partial, missing \
+parts.";
 
 #[derive(Debug, Args)]
 pub(crate) struct MergeArgs {
@@ -30,7 +29,7 @@ pub(crate) struct MergeArgs {
     files: Vec<PathBuf>,
     #[command(flatten)]
     out: OutArgs,
-    /// Merge the shards given although others are missing
+    /// Merge the given shards even if others are missing
     #[arg(long)]
     partial: bool,
     /// Save the exact sums of all shards as one
@@ -68,7 +67,7 @@ pub(crate) fn run(args: &MergeArgs, global: &Global) -> Result<(), CliError> {
     let missing = whole.missing();
     if !missing.is_empty() && !args.partial {
         return Err(CliError::Failed(format!(
-            "missing: {}; add {}, or use --partial to merge the {} of {total} realizations that are there",
+            "missing: {}; add {}, or use --partial to merge the {} available of {total} realizations",
             missing_in_words(&whole),
             if missing.len() == 1 { "it" } else { "them" },
             total - count(&missing),

@@ -55,7 +55,7 @@ pub(crate) struct RenderArgs {
     /// Estimator for the visible half of a sphere set: ratio (mean of visible samples) or unbiased (sum divided by N)
     #[arg(long, default_value = Estimator::Ratio.name())]
     pub(super) estimator: String,
-    /// Sets in the table from which each pixel takes one [default: 262144/N, from 4 to 1024; fewer where they are expensive to make]
+    /// Sets in the table from which each pixel takes one [default: 262144/N, from 4 to 1024; fewer where they are expensive]
     #[arg(long, value_name = "K", value_parser = parse_count)]
     pub(super) sets: Option<usize>,
     #[arg(short = 'm', long, value_name = "M", value_parser = parse_realizations, help = format!(
@@ -69,7 +69,7 @@ pub(crate) struct RenderArgs {
     /// Minimum number of directions at each pixel of the reference image; they are jittered, so 6 nside^2
     #[arg(long, default_value = "32768", value_name = "N", value_parser = parse_one_count)]
     pub(super) reference_count: usize,
-    /// Folder where reference images are kept; none keeps none [default: the cache folder of the user]
+    /// Folder for reference images; none disables the cache [default: the cache folder of the user]
     #[arg(long, value_name = "FOLDER")]
     pub(super) cache: Option<PathBuf>,
     /// Write the picture to a file: .png, .exr or .pfm, with the coverage of pixels as alpha where surfaces do not fill it; of a study the results, .csv or .json, or a plot, .svg or .png

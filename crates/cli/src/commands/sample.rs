@@ -49,7 +49,7 @@ pub(crate) struct SampleArgs {
     pub(crate) realizations: usize,
     #[command(flatten)]
     pub(crate) domain: DomainArgs,
-    /// Rotate every realization by a uniform random rotation of its own
+    /// Apply an independent uniform random rotation to every realization
     #[arg(long)]
     pub(crate) rotate: bool,
     /// Write the points to a file: .csv, .npy or .ply, or a picture as .svg or .png; - is CSV on standard output. {i} in the name is the number of the set, 000000, 000001, ..., one file per set

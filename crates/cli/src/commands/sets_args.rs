@@ -58,9 +58,7 @@ fn point_file() -> impl TypedValueParser<Value = PathBuf> {
     OsStringValueParser::new().try_map(|name| {
         let path = PathBuf::from(name);
         if path.to_str().is_some_and(|text| parse_count(text).is_ok()) && !path.exists() {
-            return Err(
-                "--points is for files of points; use '-n' or '--count' for a number of points",
-            );
+            return Err("--points requires a file; use '-n' or '--count' for a number of points");
         }
         Ok(path)
     })

@@ -39,7 +39,7 @@ pub(crate) const EXAMPLES: &str = "Examples:
   sphvar spectrum jittered -n 3888 -m 300 --shard 2/3 --save second.shard
 
 White noise has power 1 for l >= 1; P(0) = N. The error is the standard error of the mean over the \
-realizations, each rotated by a uniform random rotation of its own. It is 0 for deterministic patterns, whose spectrum is \
+realizations, each with an independent uniform random rotation. It is 0 for deterministic patterns, whose spectrum is \
 exact, and absent (- or null) for a single set from a file. N of weighted points is (sum w)^2 / sum w^2. \
 --exact evaluates the mean spectrum in closed form, which is available for white noise, for one point in each of N \
 equal-area cells (jittered, equal-area) and for deterministic patterns.";
@@ -70,7 +70,7 @@ pub(crate) struct SpectrumArgs {
     pub(crate) transform: TransformArgs,
     #[command(flatten)]
     pub(crate) out: OutArgs,
-    /// Make only part I of K equal parts of the realizations, for `sphvar merge`
+    /// Compute only part I of K equal parts of the realizations, for `sphvar merge`
     #[arg(long, value_name = "I/K", requires = "save", conflicts_with_all = ["per_order", "coefficient"])]
     pub(crate) shard: Option<Part>,
     /// Save the exact sums, for `sphvar merge`
@@ -165,12 +165,12 @@ pub(crate) fn run(args: &SpectrumArgs, global: &Global) -> Result<(), CliError> 
     let part = share.range(count);
     if part.is_empty() {
         let why = if count == 1 && args.realizations > 1 {
-            "a pattern that is not random has one set: leave --shard out"
+            "a deterministic pattern has one set: omit --shard"
         } else {
-            "take fewer parts than realizations"
+            "use at most as many parts as realizations"
         };
         return Err(CliError::Usage(format!(
-            "--shard: none of {count} realizations is in it; {why}"
+            "--shard: the part contains none of the {count} realizations; {why}"
         )));
     }
     let set_work = match &source {
@@ -258,7 +258,7 @@ fn check_outputs(args: &SpectrumArgs, global: &Global) -> Result<(), CliError> {
         let Some(path) = path else { continue };
         if global.json && is_stdout(path) {
             return Err(CliError::Usage(format!(
-                "{flag} must name a file: with --json standard output has the one document"
+                "{flag} must name a file: with --json, standard output contains the document"
             )));
         }
         AtomicFile::check(path)?;
@@ -303,7 +303,7 @@ fn sampled_only(pattern: &Pattern) -> CliError {
     };
     let exact: Vec<&str> = Pattern::ALL.iter().filter(is_exact).map(Pattern::name).collect();
     CliError::Usage(format!(
-        "the spectrum of {pattern} is known by sampling only; exact ones have {}",
+        "the spectrum of {pattern} has no closed form; those with one are {}",
         exact.join(", ")
     ))
 }

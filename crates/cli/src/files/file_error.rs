@@ -127,7 +127,7 @@ pub(crate) enum FileError {
         got: String,
     },
     /// A binary file ends before its data do.
-    #[error("{path}: cut short: expected {expected} bytes, got {got} ({what})")]
+    #[error("{path}: truncated: expected {expected} bytes, got {got} ({what})")]
     Truncated {
         /// The path as the user wrote it.
         path: String,
@@ -139,7 +139,7 @@ pub(crate) enum FileError {
         got: u64,
     },
     /// The content of a file does not fit in memory.
-    #[error("{path}: {what} needs {needed} of memory, {available} are available")]
+    #[error("{path}: {what} requires {needed} of memory, but {available} are available")]
     Memory {
         /// The path as the user wrote it.
         path: String,

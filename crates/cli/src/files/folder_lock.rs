@@ -34,7 +34,9 @@ pub(crate) struct FolderLock {
 impl FolderLock {
     /// Creates the folder if it is missing and locks it; `command` describes this run to others.
     ///
-    /// # Errors If the folder cannot be created or written to, or another run holds its lock.
+    /// # Errors
+    ///
+    /// If the folder cannot be created or written to, or another run holds its lock.
     pub(crate) fn take(folder: &Path, command: &str) -> Result<Self, FileError> {
         let shown = folder.display().to_string();
         let into = |source| FileError::WriteInto { path: shown.clone(), source };
@@ -76,7 +78,9 @@ impl FolderLock {
 
     /// Marks the folder as one with incomplete results, until they are complete or removed.
     ///
-    /// # Errors When the file of the lock cannot be written.
+    /// # Errors
+    ///
+    /// When the file of the lock cannot be written.
     pub(crate) fn set_unfinished(&mut self, is_unfinished: bool) -> Result<(), FileError> {
         self.is_unfinished = is_unfinished;
         let Some(file) = &self.file else { return Ok(()) };

@@ -22,7 +22,9 @@ const GZIP: [u8; 2] = [0x1f, 0x8b];
 /// A file that starts with the magic bytes of gzip is decompressed while it is read, including all
 /// its members, whatever its name. At least 64 bytes are in the buffer, unless the file is shorter.
 ///
-/// # Errors If the file does not exist, is not readable, or is a folder.
+/// # Errors
+///
+/// If the file does not exist, is not readable, or is a folder.
 pub(super) fn open_input(path: &Path) -> Result<Box<dyn BufRead>, FileError> {
     let raw: Box<dyn BufRead> = if is_dash(path) {
         Box::new(io::stdin().lock())
@@ -41,7 +43,9 @@ pub(super) fn open_input(path: &Path) -> Result<Box<dyn BufRead>, FileError> {
 
 /// Returns all bytes of a file, decompressed as by [`open_input`].
 ///
-/// # Errors As [`open_input`], or if reading fails or the content does not fit in memory.
+/// # Errors
+///
+/// As [`open_input`], or if reading fails or the content does not fit in memory.
 pub(crate) fn read_whole(path: &Path) -> Result<Vec<u8>, FileError> {
     read_rest(open_input(path)?, &input_name(path))
 }
@@ -146,9 +150,7 @@ impl<R: BufRead> Read for Gunzip<R> {
         }
         while let Some(decoder) = &mut self.decoder {
             let read = decoder.read(buffer).map_err(|error| match error.kind() {
-                io::ErrorKind::UnexpectedEof => {
-                    io::Error::other("the gzip data are cut short: is the file complete?")
-                }
+                io::ErrorKind::UnexpectedEof => io::Error::other("the gzip data are truncated"),
                 io::ErrorKind::InvalidInput | io::ErrorKind::InvalidData => {
                     io::Error::other(format!("the gzip data are damaged ({error})"))
                 }
@@ -226,7 +228,7 @@ mod tests {
         for length in 2..whole.len() {
             let (_folder, path) = file(&whole[..length]);
             let message = read_whole(&path).unwrap_err().to_string();
-            assert!(message.contains("cut short"), "{length}: {message}");
+            assert!(message.contains("truncated"), "{length}: {message}");
         }
         let mut damaged = gzip(&long());
         let middle = damaged.len() / 2;

@@ -42,7 +42,9 @@ pub(super) struct NpyReader<'a, R> {
 impl<'a, R: Read> NpyReader<'a, R> {
     /// Returns a reader positioned after the header of a file of version 1, 2 or 3.
     ///
-    /// # Errors When the file cannot be read, is not an NPY file, ends within the header, or
+    /// # Errors
+    ///
+    /// When the file cannot be read, is not an NPY file, ends within the header, or
     /// contains objects other than records and plain items.
     pub(super) fn new(mut input: R, path: &'a str) -> Result<Self, FileError> {
         let mut header = HeaderBytes { input: &mut input, path, taken: 0 };
@@ -103,10 +105,14 @@ impl<'a, R: Read> NpyReader<'a, R> {
 
     /// Reads all items of this type, which [`item_type`](Self::item_type) has given.
     ///
-    /// # Errors When the bytes of the array cannot be counted, the file ends before it, or reading
+    /// # Errors
+    ///
+    /// When the bytes of the array cannot be counted, the file ends before it, or reading
     /// fails.
     ///
-    /// # Performance Stores 8 bytes per item of any type. Only items in the file count, so a header
+    /// # Performance
+    ///
+    /// Stores 8 bytes per item of any type. Only items in the file count, so a header
     /// that announces more takes no memory.
     pub(super) fn read_items(mut self, item: ItemType) -> Result<Array, FileError> {
         let bytes = self.bytes_of(item.size()).ok_or_else(|| self.size_error())?;
@@ -133,9 +139,13 @@ impl<'a, R: Read> NpyReader<'a, R> {
     /// `item` is the number of bytes of a plain item or of a record, and `row` a multiple of them
     /// by a number that divides the last dimension.
     ///
-    /// # Errors As [`read_items`](Self::read_items), and those of `take`.
+    /// # Errors
     ///
-    /// # Performance Stores a part of a file in C order, and all of one in Fortran order.
+    /// As [`read_items`](Self::read_items), and those of `take`.
+    ///
+    /// # Performance
+    ///
+    /// Stores a part of a file in C order, and all of one in Fortran order.
     pub(super) fn for_each_row(
         mut self,
         item: usize,
@@ -268,7 +278,9 @@ fn fortran_place(shape: &[usize], place: usize) -> usize {
 ///
 /// `descr` is explicit rather than native, so that files do not depend on the machine.
 ///
-/// # Errors When writing fails, or `descr` is not the item type of a `T`, or the number of items
+/// # Errors
+///
+/// When writing fails, or `descr` is not the item type of a `T`, or the number of items
 /// disagrees with the shape.
 pub(super) fn write_npy<T: npyz::Serialize>(
     out: &mut impl Write,

@@ -72,7 +72,9 @@ impl Picture<'_> {
     /// Coverage is stored as alpha: in a PNG with the unmodified colour, in an EXR with the value
     /// times alpha, as is customary there. A PFM stores the value times coverage.
     ///
-    /// # Errors When the extension is another one or the file cannot be written.
+    /// # Errors
+    ///
+    /// When the extension is another one or the file cannot be written.
     pub(crate) fn write(
         &self,
         path: &Path,

@@ -133,12 +133,12 @@ impl Shard {
         };
         let rest = bytes.strip_prefix(NAME).ok_or_else(|| wrong("something else"))?;
         let rest = rest.strip_prefix(FORM).ok_or_else(|| {
-            wrong("one of another version of sphvar, whose sums cannot be added to those of this one; make it again")
+            wrong("one of another version of sphvar, whose sums cannot be added to those of this one; create it again")
         })?;
         let (checksum, body) =
             rest.split_at_checked(4).ok_or_else(|| wrong("its beginning only"))?;
         if crc32fast::hash(body).to_le_bytes() != checksum {
-            return Err(wrong("one that is damaged"));
+            return Err(wrong("a damaged one"));
         }
         let shard: Self = postcard::from_bytes(body).map_err(|_| wrong("other content"))?;
         if shard.is_whole() {

@@ -28,7 +28,9 @@ pub(crate) struct SpectrumRow {
 /// the columns (with or without quotes, in any case and order, possibly among others); without one
 /// they are l, power, stderr in this order. Lines that start with `#` and empty lines are skipped.
 ///
-/// # Errors If the file cannot be read, a line has another number of fields than the first, a field
+/// # Errors
+///
+/// If the file cannot be read, a line has another number of fields than the first, a field
 /// is not a number, a degree is duplicate or missing, or there are no rows.
 pub(crate) fn read_spectrum(path: &Path) -> Result<Vec<SpectrumRow>, FileError> {
     read_stream(open_input(path)?, &input_name(path))

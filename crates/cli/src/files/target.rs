@@ -30,7 +30,9 @@ impl Target {
     /// Returns the target of `path`; links are resolved completely, even to a file that does not
     /// exist.
     ///
-    /// # Errors If it is a folder, a read-only file, a loop of links, or in a folder that does not
+    /// # Errors
+    ///
+    /// If it is a folder, a read-only file, a loop of links, or in a folder that does not
     /// exist.
     pub(super) fn of(path: &Path) -> Result<Self, FileError> {
         if is_dash(path) {

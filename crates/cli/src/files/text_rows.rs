@@ -93,7 +93,9 @@ impl<'a, R: BufRead> TextRows<'a, R> {
     /// A byte order mark at the start of the file is skipped, and so is a first line `sep=;`, which
     /// tells Excel the separator.
     ///
-    /// # Errors When reading fails or the line is not UTF-8.
+    /// # Errors
+    ///
+    /// When reading fails or the line is not UTF-8.
     pub(super) fn next_line(&mut self) -> Result<Option<TextLine<'_>>, FileError> {
         self.line.clear();
         while self.line.trim().is_empty() {

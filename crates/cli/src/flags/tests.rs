@@ -71,7 +71,7 @@ fn a_flag_has_one_meaning() {
             // The conversions of `healpix` and the angle of a cap.
             "degrees" => &[
                 "Angle from the axis to the rim",
-                "Take angles as longitude and latitude in degrees",
+                "Interpret angles as longitude and latitude in degrees",
             ],
             // A requested error, and a file of errors.
             "error" => &["Requested standard error", "Write the squared error of each pixel"],

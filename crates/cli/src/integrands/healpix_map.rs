@@ -37,7 +37,7 @@ fn map(
             MissingPixels::Error => {
                 let first = map.values.iter().position(|value| !HealpixMap::is_value(*value));
                 return Err(failed(&format!(
-                    "{count} of the map's pixels have no value (NaN, infinite, UNSEEN or absent), the first \
+                    "{count} pixels of the map have no value (NaN, infinite, UNSEEN or absent), the first \
                      is {} of {} in its order; missing=0 or missing=mean fills them",
                     first.unwrap_or(0),
                     map.values.len(),
@@ -51,13 +51,13 @@ fn map(
             }
         };
         if !f64::is_finite(filling) {
-            return Err(failed(&"no pixel has a value: there is no mean"));
+            return Err(failed(&"no pixel has a value, so the mean is undefined"));
         }
         for value in map.values.iter_mut().filter(|value| !HealpixMap::is_value(**value)) {
             *value = filling;
         }
         remarks.push(format!(
-            "{}: {count} of {} pixels have no value and are taken for {words}",
+            "{}: {count} of {} pixels have no value and are replaced by {words}",
             path.display(),
             map.values.len()
         ));

@@ -65,7 +65,7 @@ fn indexing_holds_its_bounds_and_writes_every_form() {
         "](images/accuracy-indexing.svg)",
         "## Hard cases\n",
         "`numbers_of_both_orders_at_the_largest_nside`",
-        "bounds are held.\n",
+        "bounds hold.\n",
     ] {
         assert!(markdown.contains(part), "{part:?} is missing:\n{markdown}");
     }
@@ -76,7 +76,7 @@ fn indexing_holds_its_bounds_and_writes_every_form() {
     }
     assert_eq!(place.names_in("docs/images"), ["accuracy-indexing.svg"]);
     let chart = place.text("docs/images/accuracy-indexing.svg");
-    for part in ["<svg", "ring, pixel", "nested, centre", "Without any error"] {
+    for part in ["<svg", "ring, pixel", "nested, centre", "Not shown, because the error is 0"] {
         assert!(chart.contains(part), "{part:?} is missing in the chart");
     }
 }

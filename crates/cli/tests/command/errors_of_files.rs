@@ -146,7 +146,7 @@ fn spectrum_files() {
 #[test]
 fn work_beyond_the_memory() {
     let place = Workplace::new();
-    let parts: &[&str] = &["GiB of memory", "are available", "choose a smaller one"];
+    let parts: &[&str] = &["GiB of memory", "are available", "use a smaller value"];
     for (arguments, name) in [
         ("spectrum white-noise -n 100 --lmax 900000 -o s.csv", "degree 900000 (--lmax)"),
         (

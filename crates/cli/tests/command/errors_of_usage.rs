@@ -43,7 +43,11 @@ fn numbers_of_points() {
     ]);
     let place = Workplace::new();
     let outcome = place.run("sample jittered -n 100 --nearest -o p.csv").ok();
-    assert!(outcome.stderr.contains("108 points, the nearest to the 100"), "{}", outcome.stderr);
+    assert!(
+        outcome.stderr.contains("108 points, the valid count nearest to the requested 100"),
+        "{}",
+        outcome.stderr
+    );
     assert_eq!(place.text("p.csv").lines().count(), 1 + 108);
 }
 
@@ -51,7 +55,7 @@ fn numbers_of_points() {
 #[test]
 fn old_spellings_name_the_new_ones() {
     let count: &[&str] = &["'-n' or '--count'", "instead of"];
-    let files: &[&str] = &["--points is for files", "'-n' or '--count'"];
+    let files: &[&str] = &["--points requires a file", "'-n' or '--count'"];
     assert_usage(&[
         ("sample jittered --points 12", count),
         ("sample jittered --points=12", count),
@@ -156,7 +160,7 @@ fn parameters() {
         ("ylm:l=-2", &["l must be a whole number from 0", "-2"]),
         ("ylm:l=1000001", &["ylm:l=1000001", "largest degree is 1000000"]),
         ("ylm:l=99999999999", &["largest degree is 1000000"]),
-        ("ylm:l=3,m=1 --hemisphere", &["ylm:l=3,m=1", "odd", "take an even l"]),
+        ("ylm:l=3,m=1 --hemisphere", &["ylm:l=3,m=1", "odd", "use an even l"]),
     ];
     for (integrand, parts) in integrands {
         for command in [
@@ -254,7 +258,7 @@ fn closed_forms_that_do_not_exist() {
     assert_usage(&[
         (
             "spectrum poisson-disk -n 12 --exact -o s.csv",
-            &["poisson-disk", "by sampling only", "white-noise, jittered, healpix"],
+            &["poisson-disk", "has no closed form", "white-noise, jittered, healpix"],
         ),
         ("spectrum step:alpha=0.5 -n 12 --exact", &["step:alpha=0.5", "equal-area"]),
         ("spectrum jittered -n 13 --exact", &["13", "nearest valid count is 12", "--nearest"]),

@@ -56,12 +56,12 @@ fn expressions_have_the_integrals_of_their_parts() {
 fn mistakes_name_the_piece() {
     let place = Workplace::new();
     for (integrand, parts) in [
-        ("cap:degrees=30 @ 40", &["@ wants THETA/PHI", "\"40\""][..]),
+        ("cap:degrees=30 @ 40", &["@ requires THETA/PHI", "\"40\""][..]),
         ("cap:degrees=30 @ 40/x", &["\"40/x\""]),
         ("cap:degrees=30 @ 181/0", &["[0, 180]", "\"181/0\""]),
         ("cap:degrees=30 @ 1/2/3/4", &["\"1/2/3/4\""]),
         ("cosine + cap:degrees=300", &["cap:degrees=300", "got 300"]),
-        ("cosine +  + cosine", &["on one side of an operator"]),
+        ("cosine +  + cosine", &["an operator has no integrand on one side"]),
         ("cosine * cosin", &["\"cosin\"", "did you mean \"cosine\""]),
         ("cosine * nan", &["a weight must be 0 or between 1e-150 and 1e150"]),
         ("phong:n=-1", &["n must be in [0, 1e6]", "-1"]),
@@ -98,13 +98,13 @@ fn maps_are_functions() {
     row(&place, &format!("map:{} @ 30/40 + vmf:kappa=3", data("ring.fits")), "");
     let (message, status) = rejection(&place, &format!("map:{}", data("unseen.fits")), "");
     assert!(
-        message.contains("2 of the map's pixels") && message.contains("first is 3"),
+        message.contains("2 pixels of the map have no value") && message.contains("first is 3"),
         "{message}"
     );
     assert_eq!(status, Some(1));
     let product = format!("map:{} * cap:degrees=30", data("ring.fits"));
     let (message, status) = rejection(&place, &product, "");
-    assert!(message.contains("edges of HEALPix pixels are no circles"), "{message}");
+    assert!(message.contains("the edges of HEALPix pixels are not circles"), "{message}");
     assert_eq!(status, Some(2));
 }
 
@@ -135,11 +135,11 @@ fn maps_may_be_partial_compressed_and_chosen() {
     }
     let command =
         format!("variance white-noise -n 12 -m 4 --integrand {},missing=0", data("explicit.fits"));
-    let remark = "92 of 192 pixels have no value and are taken for 0";
+    let remark = "92 of 192 pixels have no value and are replaced by 0";
     assert!(place.run(&command).ok().stderr.contains(remark));
     assert!(!place.run(&format!("{command} --quiet")).ok().stderr.contains(remark));
     for (options, parts) in [
-        ("", &["92 of the map's pixels", "missing=0 or missing=mean"][..]),
+        ("", &["92 pixels of the map", "missing=0 or missing=mean"][..]),
         (",missing=1", &["missing of map", "0, mean"]),
         (",field=3", &["a field below 2", "SIGNAL, N_OBS"]),
         (",hdu=7", &["HDU 7", "[1] table"]),

@@ -81,7 +81,7 @@ fn a_budget_below_the_smallest_count_leaves_a_sampler_out() {
     assert_eq!(document["rows"].as_array().unwrap().len(), 1);
     assert_eq!(document["left_out"][0]["sampler"], "jittered");
     let reason = document["left_out"][0]["reason"].as_str().unwrap();
-    assert!(reason.contains("smallest number of points is 12"), "{reason}");
+    assert!(reason.contains("minimum number of points, 12"), "{reason}");
 }
 
 /// The error of a prediction has two parts, under the same meanings in both commands.

@@ -142,8 +142,12 @@ fn reference_images_are_kept_and_damage_is_noticed() {
     damaged[kept.len() / 2] ^= 1;
     place.write(&name, &damaged);
     let outcome = place.run(&arguments).ok();
-    assert!(outcome.stderr.contains("is damaged; it is made again"), "{}", outcome.stderr);
-    assert_eq!(place.bytes(&name), kept, "it is made again and kept");
+    assert!(
+        outcome.stderr.contains("is damaged; the reference image is rendered again"),
+        "{}",
+        outcome.stderr
+    );
+    assert_eq!(place.bytes(&name), kept, "it is rendered again and stored");
     place.write(&name, &kept[..kept.len() / 3]);
     assert!(same(mse(&place), first));
     // A change of any quantity that the reference depends on gives another image.
@@ -156,7 +160,7 @@ fn reference_images_are_kept_and_damage_is_noticed() {
     }
     // A cache that cannot be written does not stop the run.
     let outcome = place.run(&arguments.replace("--cache cache", "--cache /dev/null/x")).ok();
-    assert!(outcome.stderr.contains("not kept"), "{}", outcome.stderr);
+    assert!(outcome.stderr.contains("cannot be stored"), "{}", outcome.stderr);
     place.run(&arguments.replace("--cache cache", "--cache none")).ok();
 }
 
@@ -331,7 +335,7 @@ fn usage_errors_are_reported() {
         ("--integral ao:weight=x", &["unknown weight of ao"]),
         ("--integral irradiance", &["irradiance:env=FILE"]),
         ("--integral light:albedo=2", &["albedo must be in [0, 1]"]),
-        ("--integral light --max-distance 3", &["--max-distance is for ao"]),
+        ("--integral light --max-distance 3", &["--max-distance requires --integral ao"]),
         ("--max-distance -3", &["--max-distance must be above 0"]),
         ("--max-distance nan", &["--max-distance must be above 0"]),
         ("--size 0", &["sides must be from 1"]),
@@ -346,17 +350,17 @@ fn usage_errors_are_reported() {
         ("--up 0,0,0", &["an upward direction"]),
         ("--white 0 -o p.png", &["--white must be a number above 0"]),
         ("-o p.gif", &[".png, .exr or .pfm"]),
-        ("--json -o -", &["standard output takes one document"]),
-        ("--difference -", &["standard output takes one document"]),
+        ("--json -o -", &["standard output holds one document"]),
+        ("--difference -", &["standard output holds one document"]),
         ("-m 0", &["-m must be at least 1"]),
         ("--reference-count 0 --json", &["--reference-count"]),
         ("--sets 0", &["--sets must be at least 1"]),
         ("--sets 9 --mode shared", &["--sets requires a random sampler"]),
         ("--sets 9 --mode fresh", &["--sets requires a random sampler"]),
         ("-m 8 -o p.png", &["-m 8 needs errors", "--mse"]),
-        ("--lamp 0,0,0,1,0,0,1,1,0,0,1,0", &["--lamp is for light, not for ao"]),
-        ("-o p.png --difference p.png", &["files of their own", "p.png twice"]),
-        ("--difference p.exr --error p.exr", &["files of their own", "p.exr twice"]),
+        ("--lamp 0,0,0,1,0,0,1,1,0,0,1,0", &["--lamp requires --integral light, got ao"]),
+        ("-o p.png --difference p.png", &["must name different files", "p.png twice"]),
+        ("--difference p.exr --error p.exr", &["must name different files", "p.exr twice"]),
         ("-m 99999999", &["-m must be at most"]),
         ("--samplers jittered", &["cannot be used with"]),
     ] {
@@ -366,10 +370,10 @@ fn usage_errors_are_reported() {
     run(&format!("cornell --sampler jittered {away}")).fails(1, &["shows no surface", "--eye"]);
     let many = "-n 1000000000000 --size 8";
     run(&format!("cornell --sampler jittered {many}"))
-        .fails(1, &["-n 1000000000000 needs", "memory"]);
+        .fails(1, &["-n 1000000000000 requires", "memory"]);
     let sets = format!("--sets {} -n 24 --size 8", u64::MAX);
     run(&format!("cornell --sampler jittered {sets}"))
-        .fails(1, &["--sets 18446744073709551615 needs", "memory"]);
+        .fails(1, &["--sets 18446744073709551615 requires", "memory"]);
     run("cornell --sampler healpix -n 24 --sets 9").fails(2, &["--sets requires a random sampler"]);
     place.write("pyramid.obj", PYRAMID);
     for fov in ["0", "nan", "180", "-3"] {
@@ -381,9 +385,9 @@ fn usage_errors_are_reported() {
         .fails(1, &["sky.png", "expected OpenEXR (.exr) or Radiance HDR (.hdr)"]);
     let panels = vec!["reference"; 4000].join(",");
     run(&format!("cornell --sheet {panels} -o s.png --size 32768"))
-        .fails(1, &["the sheet needs", "memory"]);
+        .fails(1, &["the sheet requires", "memory"]);
     run("cornell --study -n 6").fails(2, &["missing", "--samplers"]);
-    run("cornell --study --samplers jittered -m 1").fails(2, &["-m from 2 on"]);
+    run("cornell --study --samplers jittered -m 1").fails(2, &["-m must be at least 2"]);
     run("cornell --sheet jittered@upside").fails(2, &["missing", "-o"]);
     run("cornell --sheet jittered@upside -o s.png").fails(2, &["unknown mode \"upside\""]);
     run("cornell --sheet jittered -o s.exr").fails(2, &["sheets are written as .png"]);

@@ -198,5 +198,5 @@ fn steps_state_their_last_empty_degree() {
     let of = |name: &str| &rows.iter().find(|r| r["sampler"] == name).unwrap()["last_empty_degree"];
     assert_eq!((of("step"), of("fibonacci")), (&Value::from(10), &Value::Null));
     let text = place.run(choose).ok().stdout;
-    assert!(text.contains("Last degree without any power: step 10"), "{text}");
+    assert!(text.contains("Largest degree without power: step 10"), "{text}");
 }

@@ -40,8 +40,11 @@ fn missing_parts_are_listed() {
         place.run(&format!("{RUN} --shard {i}/4 --save {i}.shard --quiet")).ok();
     }
     // 23 in 4: 0 to 4, 5 to 10, 11 to 16, 17 to 22.
-    let words =
-        ["missing: parts 1/4, 3/4 (realizations 0 to 4, 11 to 16)", "--partial", "12 of 23"];
+    let words = [
+        "missing: parts 1/4, 3/4 (realizations 0 to 4, 11 to 16)",
+        "--partial",
+        "12 available of 23",
+    ];
     place.run("merge 4.shard 2.shard -o m.csv").fails(1, &words);
     assert!(!place.names().contains(&"m.csv".to_owned()));
     place.run("merge 2.shard 4.shard -o m.csv --partial").ok();
@@ -87,7 +90,7 @@ fn shards_of_other_machines_and_versions_are_errors() {
     place.write("2.shard", changed(version.as_bytes(), other.as_bytes()));
     place.run("merge 1.shard 2.shard").fails(1, &["versions of sphvar", version, &other]);
     place.write("2.shard", changed(b"sphvar shard 4", b"sphvar shard 1"));
-    place.run("merge 1.shard 2.shard").fails(1, &["2.shard", "another version", "make it again"]);
+    place.run("merge 1.shard 2.shard").fails(1, &["2.shard", "another version", "create it again"]);
     place.run("merge 1.shard 1.shard").fails(1, &["realization 0 is in 1.shard and in 1.shard"]);
 }
 
@@ -147,5 +150,7 @@ fn incompatible_parts_are_rejected() {
             .run(&format!("{RUN} {flags}").replace("-m 23 --lmax 9 --exact", "--exact"))
             .fails(2, &[message]);
     }
-    place.run("spectrum jittered -n 48 -m 2 --shard 1/5 --save x").fails(2, &["none of 2"]);
+    place
+        .run("spectrum jittered -n 48 -m 2 --shard 1/5 --save x")
+        .fails(2, &["none of the 2 realizations"]);
 }

@@ -125,7 +125,7 @@ fn fraction_of(fraction: f64, n_pixels: u64) -> u64 {
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,
         clippy::cast_precision_loss,
-        reason = "any pixel will do"
+        reason = "any pixel is valid"
     )]
     let pixel = (fraction * n_pixels as f64) as u64;
     pixel.min(n_pixels - 1)

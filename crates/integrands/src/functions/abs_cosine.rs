@@ -8,7 +8,7 @@ use super::closed_form::{ClosedForm, from_closed_form};
 use crate::definition::Definition;
 use crate::{ClampedCosine, Coefficients, Error, Integrand, IntegrandResolver, Shape};
 
-/// |z|, the even extension of the cosine: about another axis, `|x . d|`.
+/// The absolute cosine `|z|`, or `|x . d|` about another axis d: the even extension of the cosine.
 ///
 /// It is an even function and equals twice the clamped cosine in even degrees.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

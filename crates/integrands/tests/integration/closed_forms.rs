@@ -274,6 +274,6 @@ fn maps_of_pixels_are_checked() {
     let mut values = vec![0.0; 48];
     (values[7], values[9], values[11]) = (f64::NAN, f64::from(-1.6375e30_f32), -1.6375e30);
     let error = HealpixMap::from_nested(Nested::new(nside).unwrap(), values).unwrap_err();
-    assert_eq!(error.to_string().find("3 of the map's pixels"), Some(0), "{error}");
+    assert_eq!(error.to_string().find("3 pixels of the map"), Some(0), "{error}");
     assert!(error.to_string().contains("first is 7"), "{error}");
 }

@@ -238,7 +238,7 @@ fn unavailable_quantities_are_errors_with_a_reason() {
     let map = HealpixMap::new(Nside::new(1).unwrap(), vec![1.0; 12]).unwrap();
     let product = Product::new(map, Cap::from_degrees(30.0).unwrap());
     let message = product.energy(Domain::Sphere, 3).unwrap_err().to_string();
-    assert!(message.contains("edges of HEALPix pixels are no circles"), "{message}");
+    assert!(message.contains("edges of HEALPix pixels are not circles"), "{message}");
     let closure = Product::new(|d: DVec3| d.z, ClampedCosine);
     let message = closure.energy(Domain::Sphere, 3).unwrap_err().to_string();
     assert!(message.contains("only its values"), "{message}");

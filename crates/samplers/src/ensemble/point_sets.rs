@@ -79,7 +79,7 @@ fn direction(p: DVec3) -> Option<DVec3> {
 }
 
 /// Returns a hash of all numbers (64-bit FNV-1a, by words).
-#[expect(clippy::cast_possible_truncation, reason = "any bits of a hash will do")]
+#[expect(clippy::cast_possible_truncation, reason = "any bits of a hash suffice")]
 fn hash(sets: &[PointSet]) -> usize {
     let step = |hash: u64, word: u64| (hash ^ word).wrapping_mul(0x0100_0000_01b3);
     let mut hash = 0xcbf2_9ce4_8422_2325;

@@ -18,7 +18,7 @@ pub(crate) struct ValueRange {
 
 impl ValueRange {
     /// Returns the range of values from the power of two at or above `smallest`, which must be at
-    /// min 1e-60.
+    /// least 1e-60.
     pub(crate) fn starting_at(smallest: f64) -> Self {
         let limit = f64::from_bits((1.0 / smallest).to_bits() & f64::INFINITY.to_bits());
         Self { limit, up: limit * limit, down: 1.0 / (limit * limit) }
@@ -56,14 +56,14 @@ pub(super) struct Group {
     last_order: Vec<f64>,
     /// The argument of the recurrence.
     pub(super) argument: Vec<f64>,
-    /// `lambda_mm = sectoral up^scale`, where `|sectoral|` is zero or at min `1/limit`.
+    /// `lambda_mm = sectoral up^scale`, where `|sectoral|` is zero or at least `1/limit`.
     sectoral: Vec<f64>,
     pub(super) scale: Vec<f64>,
     /// `mu_0` in the same scale.
     pub(super) start: Vec<f64>,
 }
 
-/// The caller's rings that share a lane, at min one.
+/// The caller's rings that share a lane, at least one.
 #[derive(Clone, Copy, Debug)]
 struct Members {
     north: Option<usize>,

@@ -48,7 +48,7 @@ pub(super) fn area_chart(area: Area, body: &AccuracyBody, provenance: &Provenanc
         notes.extend(lines("Points of the curves:", &cases));
     }
     if !exact.is_empty() {
-        notes.extend(lines("Without any error, and so not shown:", &exact));
+        notes.extend(lines("Not shown, because the error is 0:", &exact));
     }
     notes.push(format!("{}, {}", body.machine.phrase(), body.date));
     notes.push(provenance.line());

@@ -31,7 +31,7 @@ impl Machine {
 
     /// Returns a one-line description of the machine.
     pub(super) fn phrase(&self) -> String {
-        format!("{}, {} cores, {} threads at hand", self.cpu, self.cores, self.threads)
+        format!("{}, {} cores, {} available threads", self.cpu, self.cores, self.threads)
     }
 }
 

@@ -24,7 +24,7 @@ impl AccuracyBody {
         let broken = self.trials.iter().filter(|t| !t.outcome.held).count()
             + self.hard_cases.iter().filter(|c| !c.outcome.held).count();
         let bounds = self.trials.len() + self.hard_cases.len();
-        text + &format!("\n{} of {bounds} bounds are held.\n", bounds - broken)
+        text + &format!("\n{} of {bounds} bounds hold.\n", bounds - broken)
     }
 
     fn area(&self, area: Area, charts: &[(Area, String)]) -> String {
@@ -55,7 +55,7 @@ impl AccuracyBody {
         columns.push(Column::text("worst case", |c: &HardCaseRecord| c.outcome.worst.clone()));
         let mut text = format!("\n## Hard cases\n\n{HARD_CASES}\n");
         text += &pipe_table(&columns, &self.hard_cases);
-        text += "\nWhat is measured, and why the bound is what it is:\n\n";
+        text += "\nMeasured quantity and origin of the bound:\n\n";
         // Adjacent groups with the same text share it.
         for group in self.hard_cases.chunk_by(|a, b| (a.what, a.reason) == (b.what, b.reason)) {
             let names: Vec<String> = group.iter().map(|c| format!("`{}`", c.name)).collect();
@@ -71,14 +71,14 @@ impl AccuracyBody {
 }
 
 const INTRODUCTION: &str = "\
-Every method is timed (the median of several runs that take 0.1 s together at least) and compared with a reference that is
-better than it. `bound` is what the largest error must not exceed; where a method promises an accuracy, it is
-that. A transform to coefficients has one error, a norm of all differences, so its rms is its largest error. EPSILON is
-2.2e-16. Times are those of this machine and of nothing else; errors are nearly the same everywhere.
+Every method is timed (the median of several runs that together take at least 0.1 s) and compared with a more accurate
+reference. `bound` limits the largest error; it is the documented accuracy of the method if there is one. A transform to
+coefficients has one error, a norm of all differences, so its rms equals its largest error. EPSILON is 2.2e-16. Times
+hold for this machine only; errors are nearly the same on all machines.
 ";
 
 const HARD_CASES: &str = "\
-Inputs at the edge of what numbers can hold. Each is also a test of this name in `crates/accuracy/tests/hard_cases`.
+Extreme inputs at the limits of floating-point numbers. Each is also a test of this name in `crates/accuracy/tests/hard_cases`.
 ";
 
 fn capital(word: &str) -> String {

@@ -273,7 +273,7 @@ impl AccuracyBody {
             return Ok(());
         }
         Err(CliError::Failed(format!(
-            "{} of {} bounds are not held: {}",
+            "{} of {} bounds are exceeded: {}",
             broken.len(),
             self.trials.len() + self.hard_cases.len(),
             broken.join("; ")

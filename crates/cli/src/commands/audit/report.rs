@@ -7,15 +7,14 @@ use sphvar_spectrum::{AuditFamily, AuditSettings, AuditVerdict, Finding, Homogen
 use crate::error::CliError;
 use crate::report::{Column, Provenance, csv_of, number, table_of};
 
-/// Whether ensembles are rotation-invariant, the assumption of the variance formula: `audit
-/// --json`.
+/// The test of rotation invariance, the assumption of the variance formula: `audit --json`.
 #[derive(Debug, Serialize, JsonSchema)]
 pub(crate) struct AuditBody {
     /// The sampler with its parameters, or the files.
     pub(super) sampler: String,
     /// `sphere` or `hemisphere`.
     pub(super) domain: &'static str,
-    /// The number of points; of files the mean.
+    /// The number of points; for files the mean number.
     pub(super) n: usize,
     /// The number of realizations.
     pub(super) realizations: u64,
@@ -38,18 +37,18 @@ pub(crate) struct AuditRecord {
     ensemble: &'static str,
     /// Whether the variance formula is valid: `yes`, `no` or `undecided`.
     verdict: &'static str,
-    /// What the findings mean, in sentences.
+    /// The conclusion from the tests, in sentences.
     conclusion: String,
     /// The relative error of a variance that 9 of 10 audits would detect; null where none would.
     #[schemars(with = "Option<f64>")]
     detectable: f64,
-    /// Degrees without power, which are left out.
+    /// Degrees without power, which are not tested.
     vanishing: Vec<usize>,
     /// The tests.
     tests: Vec<TestRecord>,
-    /// Mean squared errors of the integrals of single harmonics, over the formula's.
+    /// Mean squared errors of the integrals of single harmonics, divided by the predicted variance.
     ratios: Vec<RatioRecord>,
-    /// The largest bias, if there is one.
+    /// The largest bias, if any.
     bias: Option<BiasRecord>,
 }
 
@@ -71,9 +70,9 @@ struct TestRecord {
     adjusted: f64,
     /// Whether the test rejects rotation invariance.
     rejected: bool,
-    /// Where the largest score is.
+    /// The location of the largest score.
     worst: String,
-    /// The quantity there that is tested.
+    /// The tested quantity at this location.
     #[schemars(with = "Option<f64>")]
     value: f64,
 }
@@ -89,20 +88,20 @@ struct TestRow<'a> {
     verdict: &'static str,
 }
 
-/// The mean squared error of the integral of one harmonic, over that of the variance formula.
+/// The mean squared error of the integral of one harmonic, divided by the predicted variance.
 #[derive(Debug, Serialize, JsonSchema)]
 struct RatioRecord {
     /// The degree.
     l: usize,
     /// The order.
     m: usize,
-    /// The mean squared error over the formula's.
+    /// The mean squared error divided by the predicted variance.
     #[schemars(with = "Option<f64>")]
     ratio: f64,
     /// The standard error of `ratio`.
     #[schemars(with = "Option<f64>")]
     stderr: f64,
-    /// The lower end of the interval, for all orders together at 1 - alpha.
+    /// The lower end of the interval, simultaneous for all orders at 1 - alpha.
     #[schemars(with = "Option<f64>")]
     low: f64,
     /// The upper end of the interval.
@@ -117,7 +116,7 @@ struct BiasRecord {
     l: usize,
     /// The order.
     m: usize,
-    /// The squared bias over the formula's variance.
+    /// The squared bias divided by the predicted variance.
     #[schemars(with = "Option<f64>")]
     share: f64,
 }
@@ -216,9 +215,9 @@ impl TestRecord {
             Column::number("value", |t: &Self| number::value(t.value)),
             Column::text("verdict", |t: &Self| {
                 match (t.compared, t.rejected) {
-                    (0, _) => "nothing to test",
-                    (_, true) => "objects",
-                    (_, false) => "no objection",
+                    (0, _) => "not applicable",
+                    (_, true) => "rejected",
+                    (_, false) => "not rejected",
                 }
                 .to_owned()
             }),
@@ -229,20 +228,20 @@ impl TestRecord {
 /// Returns the meaning of the results, in one to three sentences.
 fn conclusion(ensemble: Ensemble, audit: &HomogeneityAudit, settings: &AuditSettings) -> String {
     let seen = format!(
-        "an error of {} of the variance of any Y_lm, l <= {}, would have been seen in 9 of 10 audits",
+        "an error of {} of the variance of any Y_lm, l <= {}, would be detected in 9 of 10 audits",
         number::percent(audit.detectable),
         audit.lmax
     );
     match audit.verdict {
-        AuditVerdict::Homogeneous => format!("The variance formula may be used: {seen}."),
+        AuditVerdict::Homogeneous => format!("The variance formula is valid: {seen}."),
         AuditVerdict::Undecided if audit.ratios.is_empty() => {
-            "Not enough to tell: no degree that was looked at has any power.".to_owned()
+            "Undecided: no tested degree has power.".to_owned()
         }
         AuditVerdict::Undecided => {
             let factor = (audit.detectable / settings.tolerance).powi(2);
             let needed = (factor * audit.realizations as f64 / 100.0).ceil() * 100.0;
             format!(
-                "Not enough realizations to tell: only {seen}; for {} take about {needed} of them.",
+                "Undecided: only {seen}; detecting {} requires about {needed} realizations.",
                 number::percent(settings.tolerance)
             )
         }
@@ -254,23 +253,23 @@ fn objection(ensemble: Ensemble, audit: &HomogeneityAudit) -> String {
     let rejected = |family| audit.finding(family).is_some_and(|f| f.rejected);
     let mut text = match ensemble {
         Ensemble::AsDrawn { random: false } => {
-            "The variance formula may not be used: this is one fixed set, so the error is not random \
-             at all; apply a uniform random rotation to every realization."
+            "The variance formula is not valid: this is a single fixed set, so its error is not random; \
+             apply a uniform random rotation to every realization."
         }
         Ensemble::AsDrawn { random: true } => {
-            "The variance formula may not be used: apply a uniform random rotation to every realization."
+            "The variance formula is not valid: apply a uniform random rotation to every realization."
         }
-        Ensemble::Rotated => "The variance formula may not be used: the rotations are not uniform.",
+        Ensemble::Rotated => "The variance formula is not valid: the rotations are not uniform.",
         Ensemble::FromFiles => {
-            "The variance formula may not be used, unless a uniform random rotation is applied to each of these sets."
+            "The variance formula is not valid unless a uniform random rotation is applied to each of these sets."
         }
     }
     .to_owned();
     if let Some(w) = audit.worst_ratio() {
         let (l, m) = (w.l, w.m);
         text += &format!(
-            " Worst factor of the mean squared error: {} for Y_{l},{m} ({}, all orders together at \
-             1 - alpha).",
+            " Largest deviation of the mean squared error: factor {} for Y_{l},{m} (simultaneous interval at \
+             1 - alpha: {}).",
             number::ratio(w.ratio),
             number::interval(Some((w.low, w.high)), number::ratio)
         );
@@ -280,12 +279,12 @@ fn objection(ensemble: Ensemble, audit: &HomogeneityAudit) -> String {
     {
         let (l, m) = (b.l, b.m);
         text += &format!(
-            " Bias: {} of the formula's variance for Y_{l},{m}.",
+            " Bias: {} of the predicted variance for Y_{l},{m}.",
             number::percent(b.share)
         );
     }
     if rejected(AuditFamily::Covariances) {
-        text += " Integrands of several coefficients have cross terms besides.";
+        text += " Integrands with several coefficients also have cross terms.";
     }
     text
 }
@@ -300,13 +299,13 @@ fn text(body: &AuditBody, audit: &AuditRecord) -> String {
     text += &table_of(&TestRecord::columns(), &audit.tests);
     if !audit.tests.iter().any(|t| t.test == AuditFamily::Rotations.name()) {
         text += match audit.ensemble {
-            "from files" => "rotations: not known of points from files\n",
+            "from files" => "rotations: unknown for points from files\n",
             _ => "rotations: none were used\n",
         };
     }
     if !audit.vanishing.is_empty() {
         let degrees: Vec<String> = audit.vanishing.iter().map(ToString::to_string).collect();
-        text += &format!("left out, without power: l = {}\n", degrees.join(", "));
+        text += &format!("not tested, without power: l = {}\n", degrees.join(", "));
     }
     text + &audit.conclusion + "\n"
 }

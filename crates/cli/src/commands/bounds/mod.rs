@@ -29,17 +29,17 @@ mod thesis;
 
 pub(crate) const EXAMPLES: &str = "Examples:
   sphvar bounds jittered -n 972                                  (fit every family of profiles)
-  sphvar bounds poisson-disk -n 1024 --offset fit -o bounds.png   (above a floor; a plot)
+  sphvar bounds poisson-disk -n 1024 --offset fit -o bounds.png   (fitted offset; plot)
   sphvar bounds --spectrum s.csv --integrand cap:degrees=60
   sphvar bounds jittered -n 972 --profile poly:b=2,alpha=0.2,gamma=1
   sphvar bounds --profile poly:b=2,alpha=0.5,gamma=1 -n 1024     (rates and bounds of a profile)
 
 A profile bounds the mean spectrum from above or below: constant, step, linear, quadratic or poly:b=B, \
-each with alpha (where it levels off, in units of sqrt(N)) and gamma (its level). Without --profile the \
-tightest profile of each family is fitted: of those outside the joint confidence limits of all degrees, the upper one with the \
-least and the lower one with the greatest worst-case variance. Beyond the maximum degree the level is assumed to continue. \
-Bounds that the thesis gives for the sampler are checked. With --profile, alpha and gamma are fitted where they are left out; \
-a profile with both is checked. With --integrand, its variance is bounded too.";
+each with alpha (the start of the plateau, in units of sqrt(N)) and gamma (the level of the plateau). Without --profile the \
+tightest profile of each family is fitted: among the profiles outside the joint confidence limits of all degrees, the upper one \
+with the minimum and the lower one with the maximum worst-case variance. The plateau is assumed to continue beyond the maximum degree. \
+The bounds stated by the thesis are checked. With --profile, alpha and gamma are fitted where omitted; \
+a profile with both is checked. With --integrand, the variance of its integral is bounded too.";
 
 #[derive(Debug, Args)]
 #[command(
@@ -71,7 +71,7 @@ pub(crate) struct BoundsArgs {
     /// Confidence of fits and checks, over all degrees together
     #[arg(long, value_name = "C", default_value_t = 0.99, value_parser = parse_number)]
     pub(crate) confidence: f64,
-    /// Floor under the fitted profiles: a power, or fit [default: 0]
+    /// Offset of the fitted profiles: a power, or fit [default: 0]
     #[arg(long, value_name = "G0|fit", conflicts_with = "profile", allow_hyphen_values = true)]
     pub(crate) offset: Option<String>,
     /// Band limit of the best case, a flat spectrum up to this degree
@@ -215,7 +215,7 @@ fn text(args: &BoundsArgs, body: &BoundsBody, fitted: bool) -> String {
     );
     if let Some(lmax) = body.lmax {
         text += &format!(
-            "Confidence {} for all degrees up to {lmax} together; beyond it nothing was measured.\n",
+            "Confidence {} for all degrees up to {lmax} together; degrees beyond it were not measured.\n",
             args.confidence
         );
     }

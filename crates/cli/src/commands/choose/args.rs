@@ -24,7 +24,7 @@ pub(crate) struct ChooseArgs {
     pub(crate) error: Option<String>,
     #[command(flatten)]
     pub(crate) count: CountArgs,
-    /// Take --error in units of the integral instead
+    /// Interpret --error as an absolute error, in units of the integral
     #[arg(long, requires = "error")]
     pub(crate) absolute: bool,
     #[command(flatten)]
@@ -33,7 +33,7 @@ pub(crate) struct ChooseArgs {
     #[arg(long, default_value = "100000", value_name = "N", value_parser = parse_one_count,
         conflicts_with = "count")]
     pub(crate) max_count: usize,
-    /// Seconds that a value of the integrand costs: rank by the time for the set and all values
+    /// Time to evaluate the integrand once, in seconds: rank by the total time for the set and all values
     #[arg(long, value_name = "SECONDS", requires = "error", value_parser = parse_number)]
     pub(crate) cost_per_sample: Option<f64>,
     #[command(flatten)]

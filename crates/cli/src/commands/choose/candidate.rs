@@ -102,7 +102,7 @@ impl TimedCandidate {
             && n > budget
         {
             return Err(CliError::Failed(format!(
-                "its smallest number of points is {n}, more than the {budget} of -n"
+                "its minimum number of points, {n}, exceeds the sample budget of {budget}"
             )));
         }
         let set_time = match n_points {

@@ -97,8 +97,9 @@ impl<'a> Answer<'a> {
             text += &table_of(&CandidateRecord::columns(question), reached);
             text += "\nerror: one standard error of the integral";
             text += if question.integral.is_some() { ", relative to it" } else { "" };
-            text += "; +-: its uncertainty. reduction: the variance of\nwhite noise \
-                     with the same number of points over this one. rate: exponent of the variance against N near this N.\n\n";
+            text += "; +-: its uncertainty. reduction: variance of white\n\
+                     noise with the same number of points divided by this one. rate: exponent of the variance\n\
+                     against N near this N.\n\n";
         }
         if let (Requested::Error { max_points, .. }, false) =
             (&question.requested, out_of_reach.is_empty())
@@ -111,7 +112,7 @@ impl<'a> Answer<'a> {
             };
             if !behind.is_empty() {
                 text += &format!(
-                    "Need more than {MAX_FACTOR} times the points of the best: {}\n",
+                    "More than {MAX_FACTOR} times the points of the best required: {}\n",
                     names(&behind)
                 );
             }
@@ -128,10 +129,10 @@ impl<'a> Answer<'a> {
         };
         let empty: Vec<String> = body.rows.iter().filter_map(empty).collect();
         if !empty.is_empty() {
-            text += &format!("Last degree without any power: {}\n", empty.join(", "));
+            text += &format!("Largest degree without power: {}\n", empty.join(", "));
         }
         for left in &body.left_out {
-            text += &format!("Left out: {} ({})\n", left.sampler, left.reason);
+            text += &format!("Not considered: {} ({})\n", left.sampler, left.reason);
         }
         for crossing in body.crossovers.iter().filter(|c| c.matters()).take(8) {
             text += &crossing.crossover.line();

@@ -59,7 +59,9 @@ impl Question {
             }
             (None, Some(n)) => Requested::Points(n),
             (None, None) => {
-                return Err(CliError::Usage("--error E or -n N is missing".to_owned()));
+                return Err(CliError::Usage(
+                    "missing required option: --error E or -n N".to_owned(),
+                ));
             }
         };
         let cost_per_sample = args.cost_per_sample;
@@ -120,13 +122,13 @@ fn standard_error(
     };
     let Some(share) = share.filter(|e| e * e > 0.0) else {
         return Err(CliError::Usage(format!(
-            "--error must be a positive number such as 1% or 0.01, from 1e-150 on, got \"{text}\""
+            "--error must be a positive number such as 1% or 0.01, at least 1e-150, got \"{text}\""
         )));
     };
     if absolute {
         if text.contains('%') {
             return Err(CliError::Usage(format!(
-                "--error {text} is relative to the integral; with --absolute it must be a number"
+                "--error {text} is a relative error; --absolute requires a number in units of the integral"
             )));
         }
         return Ok(share);
@@ -134,12 +136,11 @@ fn standard_error(
     match (integral, exact) {
         (Some(integral), _) => Ok(share * integral.abs()),
         (None, Some(_)) => Err(CliError::Usage(format!(
-            "the integral is 0, so that no error can be {text} of it; give the error in units of \
-             the integral with --absolute"
+            "--error {text}: relative error is undefined for a zero integral; use --absolute"
         ))),
         (None, None) => Err(CliError::Usage(format!(
-            "the integral is not known, so that {text} of it is not either; give the error in \
-             units of the integral with --absolute"
+            "--error {text}: relative error is undefined because the integral is unknown; use \
+             --absolute"
         ))),
     }
 }

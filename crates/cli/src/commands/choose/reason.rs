@@ -8,7 +8,8 @@ use sphvar_variance::Predictor;
 use super::candidate::TimedCandidate;
 use crate::report::number;
 
-/// Which degrees carry the integrand's variance, and what power the pattern has there.
+/// The degrees that contribute most of the variance of the integrand, and the power of the pattern
+/// there.
 #[derive(Debug, Serialize, JsonSchema)]
 pub(crate) struct Reason {
     /// The sampler with its parameters.
@@ -20,7 +21,7 @@ pub(crate) struct Reason {
     /// The pattern's mean power up to this degree, weighted by the integrand's energies; white
     /// noise has 1.
     power_of_half: f64,
-    /// The share of the pattern's own variance that these degrees make.
+    /// The share of the variance with this pattern that these degrees contribute.
     share_of_half: f64,
 }
 

@@ -18,16 +18,16 @@ pub(super) fn recommendation(
     let white = predictor.white_variance(1);
     if white <= 0.0 {
         let text =
-            "Any sampler will do: the integrand is constant, and its integral has no variance.";
+            "All samplers are exact: the integrand is constant, so its integral has no variance.";
         return Ok((None, text.to_owned()));
     }
     let (Some(best), Some(n)) = (best, best.and_then(|b| b.answer.n_points)) else {
-        let (mut text, mut max_considered) = ("No sampler reaches this error".to_owned(), 1);
+        let (mut text, mut max_considered) = ("No sampler achieves this error".to_owned(), 1);
         if let Requested::Error { max_points, .. } = question.requested {
             max_considered = max_points;
             text += &format!(
-                " with {max_considered} points (--max-count): all considered are out of reach, and white noise \
-                 needs {} points.",
+                " with {max_considered} points (--max-count): white noise needs {} \
+                 points.",
                 number::optional(question.white_noise_points(predictor), number::count)
             );
         }
@@ -39,7 +39,9 @@ pub(super) fn recommendation(
     let reason = Reason::new(best, predictor);
     let extrapolated = if best.basis() == "extrapolated" { ", by extrapolation" } else { "" };
     let choice = match question.requested {
-        _ if question.cost_per_sample.is_some() => "the least time for set and values",
+        _ if question.cost_per_sample.is_some() => {
+            "the minimum time for a set and the values at its points"
+        }
         Requested::Error { .. } => {
             "the least expensive sampler among those within 10 % of the fewest points"
         }
@@ -53,7 +55,7 @@ pub(super) fn recommendation(
         Some(reason) => format!(": {}", reason.sentence(name.name())),
         None => String::new(),
     };
-    let text = format!("Take {name} with N = {n} ({choice}{extrapolated}){why}.");
+    let text = format!("Recommended: {name} with N = {n} ({choice}{extrapolated}){why}.");
     Ok((reason, text))
 }
 
@@ -72,7 +74,7 @@ fn no_recommendation(
     let relative = question.relative(variance.sqrt());
     if let Some(error) = relative.filter(|error| *error > 1.0) {
         let text = format!(
-            "No recommendation: the least error with {n} points, of {name}, is {} of the integral.",
+            "No recommendation: the minimum error with {n} points, that of {name}, is {} of the integral.",
             number::percent(error)
         );
         return Ok(Some(text + &beyond_help(n, predictor)?));
@@ -84,8 +86,8 @@ fn no_recommendation(
         || is_white_noise && matches!(question.requested, Requested::Points(_))
     {
         let text = format!(
-            "No pattern considered helps: none has less variance with {n} points than white noise, as far \
-             as that is known."
+            "No recommendation: with {n} points no pattern has a significantly smaller variance than white \
+             noise."
         );
         return Ok(Some(text + &beyond_help(n, predictor)?));
     }
@@ -99,8 +101,8 @@ fn beyond_help(n_points: usize, predictor: &mut Predictor<'_>) -> Result<String,
     let share = predictor.share_beyond(settled)?;
     Ok(if share > 0.5 {
         format!(
-            " No pattern helps: {} of the variance lies beyond degree {settled}, where every pattern of \
-             {n_points} points has white noise's power in the mean.",
+            " No pattern can: {} of the variance lies beyond degree {settled}, where every pattern of \
+             {n_points} points has the mean power of white noise.",
             number::percent(share)
         )
     } else {

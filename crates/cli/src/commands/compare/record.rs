@@ -62,7 +62,7 @@ pub(super) struct SamplerRecord {
     /// The standard error of `measured_variance_reduction`.
     pub(super) measured_variance_reduction_stderr: Option<f64>,
     /// The effective power, that is the pattern's power weighted by the integrand's energies:
-    /// predicted over white noise's variance.
+    /// the predicted variance divided by that of white noise.
     #[schemars(with = "Option<f64>")]
     pub(super) effective_power: f64,
 }

@@ -292,10 +292,10 @@ fn wrong_usage_is_named() {
         ("pix2vec --nside -4", range),
         ("pix2vec --nside 2.5", range),
         ("pix2vec", "--nside"),
-        ("pix2vec --nside 3 --nested", "nested order needs nside to be a power of two, got 3"),
-        ("ring2nest --nside 12", "nested order needs nside to be a power of two, got 12"),
-        ("nest2ring --nside 12", "8 and 16 are the nearest"),
-        ("vec2pix --nside 4 --degrees", "--degrees is for ang2pix and pix2ang"),
+        ("pix2vec --nside 3 --nested", "nested order requires nside to be a power of two, got 3"),
+        ("ring2nest --nside 12", "nested order requires nside to be a power of two, got 12"),
+        ("nest2ring --nside 12", "the nearest are 8 and 16"),
+        ("vec2pix --nside 4 --degrees", "--degrees requires ang2pix or pix2ang"),
         ("vec2pixel --nside 4", "vec2pix, pix2vec, ang2pix, pix2ang, ring2nest, nest2ring"),
     ] {
         let error = folder.error(conversion, "pixel\n0\n");

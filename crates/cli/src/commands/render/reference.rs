@@ -56,7 +56,10 @@ impl Reference {
                 Stored::Missing => (),
                 Stored::Unusable => say(
                     self.quiet,
-                    &format!("{} is damaged; it is made again", file.path().display()),
+                    &format!(
+                        "{} is damaged; the reference image is rendered again",
+                        file.path().display()
+                    ),
                 ),
             }
         }
@@ -64,7 +67,7 @@ impl Reference {
         if let Some(file) = &self.file {
             // Without the cache the next run only takes longer.
             if let Err(error) = file.write(&image) {
-                say(self.quiet, &format!("the reference image is not kept: {error}"));
+                say(self.quiet, &format!("the reference image cannot be stored: {error}"));
             }
         }
         Ok(image)
@@ -75,8 +78,8 @@ impl Reference {
     pub(super) fn remark(&self, n_points: usize) {
         if n_points.saturating_mul(SUFFICIENT_FACTOR) > self.plan.n_points() {
             let text = format!(
-                "the error of the reference image, of {} directions, shows beside that of {n_points}; \
-                 --reference-count can be increased",
+                "the error of the reference image ({} directions) is not negligible beside that of {n_points} \
+                 directions; increase --reference-count",
                 self.plan.n_points()
             );
             say(self.quiet, &text);

@@ -80,7 +80,7 @@ pub(super) fn run(args: &RenderArgs, panels: &str, global: &Global) -> Result<()
     }
     if global.json && is_stdout(path) {
         return Err(CliError::Usage(
-            "standard output takes one document: the sheet of -o - or that of --json".to_owned(),
+            "standard output holds one document: use either -o - or --json".to_owned(),
         ));
     }
     AtomicFile::check(path)?;

@@ -185,7 +185,7 @@ fn check_outputs(args: &RenderArgs, global: &Global) -> Result<(), CliError> {
         AtomicFile::check(path)?;
         if !is_stdout(path) && paths[..i].contains(path) {
             return Err(CliError::Usage(format!(
-                "-o, --difference and --error need files of their own, got {} twice",
+                "-o, --difference and --error must name different files, got {} twice",
                 path.display()
             )));
         }
@@ -194,7 +194,7 @@ fn check_outputs(args: &RenderArgs, global: &Global) -> Result<(), CliError> {
     let others = [&args.difference, &args.error].into_iter().any(on_stdout);
     if others || (on_stdout(&args.out) && global.json) {
         return Err(CliError::Usage(
-            "standard output takes one document: the picture of -o - or that of --json".to_owned(),
+            "standard output holds one document: use either -o - or --json".to_owned(),
         ));
     }
     if args.white.is_some_and(|white| !(white > 0.0 && white.is_finite())) {
@@ -230,7 +230,7 @@ fn text(trials: &Trials, outcome: &Outcome) -> String {
     let plan = &trials.plan;
     let rays = *rays as f64;
     let mut text = format!(
-        "{}, {}, N = {}: mean value {} over {} pixels\n{} rays in {}, {} a second\n",
+        "{}, {}, N = {}: mean value {} over {} pixels\n{} rays in {}, {} per second\n",
         plan.pattern(),
         plan.mode(),
         plan.n_points(),
@@ -243,9 +243,9 @@ fn text(trials: &Trials, outcome: &Outcome) -> String {
     if let Some(errors) = errors {
         let record = ErrorRecord::new(errors);
         text += &format!(
-            "mean squared error {} (renders: {}), {} times less than white noise's {}\n\
+            "mean squared error {} (renders: {}), {} times smaller than the {} of white noise\n\
              variance {}, squared bias {}\n\
-             structured error {} (1: independent pixels), neighbours' correlation {}\n",
+             structured error {} (1: independent pixels), correlation of neighbours {}\n",
             number::with_uncertainty(record.mse, record.mse_stderr),
             trials.renders,
             number::ratio(record.variance_reduction),
@@ -257,7 +257,7 @@ fn text(trials: &Trials, outcome: &Outcome) -> String {
         );
         if let Some(bias) = errors.report.bias {
             text += &format!(
-                "bias: {} of {} pixels beyond |t| = {}, which chance passes in 1 % of pictures\n",
+                "bias: {} of {} pixels beyond |t| = {}, a limit that is exceeded by chance in 1 % of pictures\n",
                 bias.beyond,
                 errors.report.pixels,
                 number::ratio(bias.limit)
@@ -323,7 +323,7 @@ pub(super) fn white(args: &RenderArgs, stage: &Stage, picture: &Image, quiet: bo
     if brightest > 0.0 && (median < BLACK * white || (args.white.is_none() && is_spiky)) {
         let smallest = seen().fold(f64::INFINITY, f64::min);
         let text = format!(
-            "values are from {} to {}, half of them below {}; {} is white (--white sets it)",
+            "values range from {} to {} with median {}; white is {} (change it with --white)",
             number::value(smallest),
             number::value(brightest),
             number::value(median),

@@ -49,7 +49,7 @@ pub(crate) struct StageArgs {
     /// Primary rays of a pixel, K by K, each with its own directions, averaged over those that hit surfaces (a box filter)
     #[arg(long, value_name = "K", default_value_t = 1)]
     pixel_rays: usize,
-    /// Position of the camera [default: that of the Cornell box; for a mesh where it fills the picture]
+    /// Position of the camera [default: that of the Cornell box; for a mesh such that it fills the picture]
     #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true)]
     eye: Option<Numbers<3, f64>>,
     /// Point in the middle of the picture [default: the middle of the scene]
@@ -63,7 +63,7 @@ pub(crate) struct StageArgs {
         CornellBox::new().camera.field_of_view().to_degrees()
     ))]
     fov: Option<f64>,
-    /// Corners of the lamp for light, counterclockwise as seen from where it shines [default: that of the Cornell box]
+    /// Corners of the lamp for --integral light, counterclockwise as seen from its lit side [default: that of the Cornell box]
     #[arg(long, value_name = "X,Y,Z,...", allow_hyphen_values = true)]
     lamp: Option<Numbers<12, f64>>,
 }
@@ -225,11 +225,13 @@ impl StageArgs {
         let mut spec = Spec::parse(text)?;
         let mut albedo = 1.0;
         if spec.name != "light" && self.lamp.is_some() {
-            return Err(CliError::Usage(format!("--lamp is for light, not for {text}")));
+            return Err(CliError::Usage(format!("--lamp requires --integral light, got {text}")));
         }
         if spec.name != "ao" {
             if self.max_distance.is_some() {
-                return Err(CliError::Usage(format!("--max-distance is for ao, not for {text}")));
+                return Err(CliError::Usage(format!(
+                    "--max-distance requires --integral ao, got {text}"
+                )));
             }
             spec.replace_number("albedo", &mut albedo)?;
             if !(0.0..=1.0).contains(&albedo) {
@@ -259,7 +261,9 @@ impl StageArgs {
             "irradiance" => {
                 let file =
                     spec.take_path("env").or_else(|| spec.take_path("")).ok_or_else(|| {
-                        CliError::Usage(format!("{text}: the map is missing: irradiance:env=FILE"))
+                        CliError::Usage(format!(
+                            "{text}: missing parameter env: irradiance:env=FILE"
+                        ))
                     })?;
                 // The file may be written in the notation of an integrand.
                 let file = match file.to_str().and_then(|file| file.strip_prefix("env:")) {
@@ -283,7 +287,9 @@ impl StageArgs {
             "light" => {
                 spec.finish(&["albedo"])?;
                 let light = light.ok_or_else(|| {
-                    CliError::Usage(format!("{text}: a mesh has no lamp of its own; give --lamp"))
+                    CliError::Usage(format!(
+                        "{text}: missing option --lamp, because a mesh has no lamp"
+                    ))
                 })?;
                 Ok((
                     RequestedIntegral::Light { light, albedo },

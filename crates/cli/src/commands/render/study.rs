@@ -95,7 +95,7 @@ pub(super) fn run(args: &RenderArgs, global: &Global) -> Result<(), CliError> {
     let renders = args.realizations.unwrap_or(DEFAULT_RENDERS);
     if renders < 2 {
         return Err(CliError::Usage(format!(
-            "a study needs errors, so -m from 2 on, got {renders}"
+            "a study requires errors, so -m must be at least 2, got {renders}"
         )));
     }
     let list = args.samplers.as_ref().ok_or_else(|| {
@@ -243,7 +243,7 @@ impl<'a> Curve<'a> {
 
 fn text(body: &StudyBody) -> String {
     let mut text = table_of(&StudyRecord::columns(), &body.rows);
-    text += "\nreduction: white noise's exact mean squared error over this one. structured error: 1 for \
+    text += "\nreduction: the exact mean squared error of white noise divided by this one. structured error: 1 for \
              independent\npixels, 64 for errors that are the same over 8 by 8. |t|: the bias of a pixel over its standard error;\nthe \
              largest of a picture exceeds the limit by chance in 1 % of pictures.\n\n";
     text += &table_of(&StudyRates::columns(), &body.samplers);

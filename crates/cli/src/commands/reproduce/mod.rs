@@ -44,7 +44,7 @@ pub(crate) struct ReproduceArgs {
     /// Figures of the thesis: 3.1 4.9 ... C.1, or all
     #[arg(value_name = "FIGURE", default_value = "all")]
     figures: Vec<String>,
-    /// Folder for the results, which is made if it is missing
+    /// Folder for the results, which is created if it is missing
     #[arg(short, long, value_name = "FOLDER")]
     out: PathBuf,
     /// Use fewer points and realizations: all figures within ten minutes on two cores (the default)

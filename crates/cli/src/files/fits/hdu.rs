@@ -139,7 +139,9 @@ impl<'a, R: BufRead> HduReader<'a, R> {
 
     /// Returns the selected HDU if `accepts` is true of its content, with the input at its data.
     ///
-    /// # Errors When the file cannot be read, is not a FITS file, is truncated before that HDU, or
+    /// # Errors
+    ///
+    /// When the file cannot be read, is not a FITS file, is truncated before that HDU, or
     /// does not have it; the message lists its HDUs.
     pub(crate) fn select(
         &mut self,
@@ -175,7 +177,9 @@ impl<'a, R: BufRead> HduReader<'a, R> {
 
     /// Returns the next HDU, with the input at its data; `None` at the end of the file.
     ///
-    /// # Errors When the file cannot be read, is not a FITS file, or is truncated.
+    /// # Errors
+    ///
+    /// When the file cannot be read, is not a FITS file, or is truncated.
     pub(crate) fn next_hdu(&mut self) -> Result<Option<Hdu>, FileError> {
         self.skip_data()?;
         let Some(header) = self.header()? else { return Ok(None) };
@@ -196,7 +200,9 @@ impl<'a, R: BufRead> HduReader<'a, R> {
 
     /// Reads the next bytes of the data unit.
     ///
-    /// # Errors When reading fails or the file ends before; `what` describes the data that the
+    /// # Errors
+    ///
+    /// When reading fails or the file ends before; `what` describes the data that the
     /// header announces.
     pub(crate) fn read_data(&mut self, bytes: &mut [u8], what: &str) -> Result<(), FileError> {
         let mut filled = 0;

@@ -38,7 +38,9 @@ enum Indexing {
 
 /// Reads a field of a map, from the first table or image with a map unless another HDU is selected.
 ///
-/// # Errors If the file cannot be read or is truncated, or if the header does not unambiguously
+/// # Errors
+///
+/// If the file cannot be read or is truncated, or if the header does not unambiguously
 /// state that this is a HEALPix map, its nside and its order.
 pub(crate) fn read_fits_map(
     path: &Path,

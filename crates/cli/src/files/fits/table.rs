@@ -194,7 +194,9 @@ impl TableColumn {
 
     /// Returns an item, from 0 and below [`items`](Self::items), of a row.
     ///
-    /// # Panics If the index is out of range or the row is shorter than NAXIS1.
+    /// # Panics
+    ///
+    /// If the index is out of range or the row is shorter than NAXIS1.
     pub(crate) fn item<'r>(&self, row: &'r [u8], index: usize) -> Item<'r> {
         let bytes = &row[self.start..self.start + self.width];
         match self.kind {

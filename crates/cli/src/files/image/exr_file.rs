@@ -109,7 +109,7 @@ impl Frame {
             * common(self.top, data.height(), self.height);
         let total = self.values.len();
         let remark =
-            "texels of the display window are outside of the data window and are taken for 0";
+            "texels of the display window are outside of the data window and are read as 0";
         (covered < total).then(|| format!("{} of {total} {remark}", total - covered))
     }
 

@@ -42,7 +42,9 @@ pub(crate) struct ChannelImage {
 
 /// Reads one channel of an `OpenEXR` or Radiance HDR image, linear as it is stored.
 ///
-/// # Errors If the file cannot be opened, has another format, is damaged, does not have the
+/// # Errors
+///
+/// If the file cannot be opened, has another format, is damaged, does not have the
 /// channel, or does not fit in memory.
 pub(crate) fn read_image(path: &Path, choice: &ChannelChoice) -> Result<ChannelImage, FileError> {
     decode_image(input_name(path), &read_whole(path)?, choice)
@@ -50,7 +52,9 @@ pub(crate) fn read_image(path: &Path, choice: &ChannelChoice) -> Result<ChannelI
 
 /// Reads one channel of an image in memory; `name` is for messages.
 ///
-/// # Errors As [`read_image`].
+/// # Errors
+///
+/// As [`read_image`].
 pub(crate) fn decode_image(
     name: String,
     bytes: &[u8],
@@ -85,7 +89,7 @@ fn negative_texels(image: &ChannelImage) -> Option<String> {
     // Four digits without trailing zeros.
     let shown = format!("{smallest:.3e}").parse::<f64>().unwrap_or(*smallest);
     Some(format!(
-        "{} of {} texels are negative, the smallest is {shown} (row {}, column {}); they are used as they are",
+        "{} of {} texels are negative, the smallest is {shown} (row {}, column {}); they are used unchanged",
         negative().count(),
         image.values.len(),
         at / image.width,

@@ -54,12 +54,16 @@ pub(crate) enum Fault {
 /// NPY has the shape `(rows, N)`, or `(rows,)` for a single column, in C or Fortran order and
 /// either byte order; floats of 4 or 8 bytes for `f64`, integers of 1 to 8 bytes for `i128`.
 ///
-/// # Errors When the file cannot be read, is neither, or has a row that is malformed or has a
+/// # Errors
+///
+/// When the file cannot be read, is neither, or has a row that is malformed or has a
 /// [`Fault`]; the message names the file, the line (or row), the field, and the expected value. A
 /// file with neither header nor row is an error; a header or an array without rows is an empty
 /// list.
 ///
-/// # Performance Stores the results and, for an NPY file, 8 bytes per number.
+/// # Performance
+///
+/// Stores the results and, for an NPY file, 8 bytes per number.
 pub(crate) fn read_list<T: Number, R, const N: usize>(
     path: &Path,
     columns: &Columns<N>,

@@ -192,11 +192,11 @@ fn wrong_arrays_are_named() {
         (npy("<i8", false, "()", &eight), "shape (N,) or (N, 1) with pixel, got the shape ()"),
         (npy("<i8", false, "(1, 2)", &eight), "got the shape (1, 2)"),
         (npy("<i8", false, "(1, 1, 1)", &eight), "got the shape (1, 1, 1)"),
-        (npy("<i8", false, "(2,)", &eight), "cut short: expected 144 bytes, got 136"),
+        (npy("<i8", false, "(2,)", &eight), "truncated: expected 144 bytes, got 136"),
         (npy("<i8", false, "(0,)", &eight), "expected a single array, got more bytes after it"),
         (npy("<i8", false, "(18446744073709551615,)", &eight), "fits in memory"),
         (npy("<i8", false, "(1152921504606846976,)", &eight), "fits in memory"),
-        (npy("<i8", false, "(1000000000000000,)", &eight), "cut short"),
+        (npy("<i8", false, "(1000000000000000,)", &eight), "truncated"),
         (npy("<i8", false, "(18446744073709551616,)", &eight), "an array of plain numbers"),
         (npy("<i8", false, "(-1,)", &eight), "an array of plain numbers"),
         (npy("<i8", false, "(1", &eight), "an array of plain numbers"),
@@ -216,7 +216,7 @@ fn wrong_arrays_are_named() {
     let whole = npy("<i8", false, "(2,)", &[0; 16]);
     for length in 1..whole.len() {
         let message = read::<i128, 1>(&whole[..length], &PIXEL).unwrap_err();
-        assert!(message.contains("cut short"), "{length} bytes: {message}");
+        assert!(message.contains("truncated"), "{length} bytes: {message}");
     }
 }
 

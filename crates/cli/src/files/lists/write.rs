@@ -25,7 +25,9 @@ pub(crate) struct ListWriter {
 impl ListWriter {
     /// Returns a writer in the format of the extension; `-` is standard output, as CSV.
     ///
-    /// # Errors If the extension is not that of a list format, or the file cannot be created.
+    /// # Errors
+    ///
+    /// If the extension is not that of a list format, or the file cannot be created.
     pub(crate) fn create(path: &Path) -> Result<Self, FileError> {
         let npy = match PointFormat::of_path(path) {
             Some(PointFormat::Npy) => true,
@@ -47,7 +49,9 @@ impl ListWriter {
     /// at most 17. NPY has the shape `(rows, N)`, or `(rows,)` for a single column, of 8-byte items
     /// in little-endian byte and C order.
     ///
-    /// # Errors When the file cannot be written.
+    /// # Errors
+    ///
+    /// When the file cannot be written.
     pub(crate) fn write<T: Written, const N: usize>(
         mut self,
         names: &[&str; N],

@@ -63,7 +63,7 @@ fn written_arrays_come_back_and_end_where_they_should() {
             Ok(_) => panic!("an array of {length} bytes of {}", file.len()),
             Err(error) => error.to_string(),
         };
-        assert!(message.starts_with("A: cut short"), "{length} bytes: {message}");
+        assert!(message.starts_with("A: truncated"), "{length} bytes: {message}");
         assert!(message.contains(&format!("got {length} (")), "{length} bytes: {message}");
     }
     file.push(0);

@@ -8,7 +8,7 @@ use glam::DVec3;
 /// (cos lat cos lon, cos lat sin lon, sin lat)
 /// ```
 ///
-/// Any finite longitude will do. At multiples of 90 degrees the coordinates are exactly 0 or 1 in
+/// Any finite longitude is valid. At multiples of 90 degrees the coordinates are exactly 0 or 1 in
 /// size, and near the poles `cos lat` keeps its relative accuracy.
 pub(super) fn direction_of_degrees(lon: f64, lat: f64) -> DVec3 {
     let (sin_lon, cos_lon) = sin_cos_degrees(lon);

@@ -93,7 +93,9 @@ impl<'a> PointCollector<'a> {
 
     /// Adds the point of a row; `cell` returns the content of each of the layout's slots.
     ///
-    /// # Errors When the row has no direction or weight, unless such rows are skipped.
+    /// # Errors
+    ///
+    /// When the row has no direction or weight, unless such rows are skipped.
     pub(super) fn row<'c>(
         &mut self,
         place: Place,
@@ -121,7 +123,9 @@ impl<'a> PointCollector<'a> {
 
     /// Skips a row that cannot be used, or returns its error if skipping is not requested.
     ///
-    /// # Errors `error`, unless invalid rows are skipped.
+    /// # Errors
+    ///
+    /// `error`, unless invalid rows are skipped.
     pub(super) fn skip(&mut self, place: Place, error: FileError) -> Result<(), FileError> {
         if !self.options.skip_invalid {
             return Err(error.with_hint("--skip-invalid skips such rows"));
@@ -176,7 +180,7 @@ impl<'a> PointCollector<'a> {
             let used: Vec<&str> = self.layout.slots.iter().take(2).map(|slot| slot.role).collect();
             let used = used.join(",");
             remarks.push(format!(
-                "{}: directions are {used}; --columns {others} takes others",
+                "{}: directions are {used}; use --columns {others} for others",
                 self.path
             ));
         }

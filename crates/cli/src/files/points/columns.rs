@@ -65,7 +65,9 @@ type Assigned = (&'static str, usize, Option<usize>);
 impl Table<'_> {
     /// Returns the meaning of the columns.
     ///
-    /// # Errors If the columns form no direction or more than one, a name of `--columns` is not
+    /// # Errors
+    ///
+    /// If the columns form no direction or more than one, a name of `--columns` is not
     /// among them, or a required column has no numbers.
     pub(super) fn layout(&self) -> Result<Layout, FileError> {
         let assigned = match self.choice {
@@ -182,7 +184,7 @@ impl Table<'_> {
                 let name = self.name(index);
                 return Err(self.error(
                     format!("the column {role} named in --columns"),
-                    format!("the header {}; {role}={name} would take {name} for it", self.names()),
+                    format!("the header {}; use {role}={name} to read {name}", self.names()),
                 ));
             }
             assigned.push((role, index, None));

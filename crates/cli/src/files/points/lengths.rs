@@ -57,7 +57,9 @@ impl Lengths {
     /// Returns a warning about lengths other than 1, if there are any and the user did not allow
     /// them.
     ///
-    /// # Errors If most of `total` vectors are far from unit length, unless the user allowed it.
+    /// # Errors
+    ///
+    /// If most of `total` vectors are far from unit length, unless the user allowed it.
     pub(super) fn verdict(
         &self,
         path: &str,
@@ -65,17 +67,17 @@ impl Lengths {
         expected: bool,
     ) -> Result<Option<String>, FileError> {
         let Some((length, place)) = self.worst.filter(|_| !expected) else { return Ok(None) };
-        let furthest = format!("the furthest off: {path}{place}, length {length:.6e}");
+        let furthest = format!("largest deviation: {path}{place}, length {length:.6e}");
         if self.far > total / 2 {
             return Err(FileError::Layout {
                 path: path.to_owned(),
                 place: Place::Whole,
                 expected: format!("unit vectors x,y,z ({})", self.advice()),
-                got: format!("{} of {total} of other lengths ({furthest})", self.far),
+                got: format!("{} of {total} with other lengths ({furthest})", self.far),
             });
         }
         Ok(Some(format!(
-            "{path}: {} of {total} vectors were not of unit length and were scaled to it \
+            "{path}: {} of {total} vectors did not have unit length and were normalized \
              ({furthest})",
             self.rescaled
         )))

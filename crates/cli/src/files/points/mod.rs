@@ -78,7 +78,9 @@ pub(crate) struct ReadOptions {
 /// Vectors are scaled to unit length; a warning is returned where that moved a length by more than
 /// 1e-6. Vectors that are unit to rounding keep their bits.
 ///
-/// # Errors If the file cannot be read, contains no points, or contains anything else than the
+/// # Errors
+///
+/// If the file cannot be read, contains no points, or contains anything else than the
 /// above, if most vectors are far from unit length, or if the points do not fit in memory; the
 /// message names the file, the line (or row, or vertex), the field, and the expected content.
 pub(crate) fn read_points(path: &Path, options: &ReadOptions) -> Result<PointFile, FileError> {

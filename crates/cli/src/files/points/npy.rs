@@ -80,7 +80,9 @@ pub(super) struct ArrayTable {
 impl ArrayTable {
     /// Returns an array as a table.
     ///
-    /// # Errors If its shape or its type is not that of points.
+    /// # Errors
+    ///
+    /// If its shape or its type is not that of points.
     pub(super) fn of<R: std::io::Read>(
         array: &NpyReader<'_, R>,
         path: &str,

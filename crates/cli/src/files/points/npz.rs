@@ -235,7 +235,7 @@ impl<'a, R: Read + Seek> Npz<'a, R> {
 
 fn zip_error(path: &str, error: &ZipError) -> FileError {
     let got = match error {
-        ZipError::InvalidArchive(_) => "one that is damaged or cut short".to_owned(),
+        ZipError::InvalidArchive(_) => "a damaged or truncated one".to_owned(),
         _ => format!("an error ({error})"),
     };
     layout_error(path, "an NPZ file, a zip archive of arrays", got)

@@ -13,7 +13,7 @@ fn celestial_systems_beside_each_other() {
         got.remarks,
         [
             "g.csv: columns not used: source_id,l,b",
-            "g.csv: directions are ra,dec; --columns l=l,b=b,w=weight takes others",
+            "g.csv: directions are ra,dec; use --columns l=l,b=b,w=weight for others",
         ]
     );
     let galactic = read_as("g.csv", both, "l=l,b=b,w=weight").unwrap();
@@ -21,7 +21,7 @@ fn celestial_systems_beside_each_other() {
     assert_eq!(galactic.remarks.len(), 1, "{:?}", galactic.remarks);
     let three = read("g.csv", "GLON,GLAT,l,b\n1,2,3,4\n");
     assert_eq!(three.sets, read("g.csv", "lon,lat\n1,2\n").sets);
-    assert!(three.remarks[1].contains("directions are glon,glat; --columns l=l,b=b"));
+    assert!(three.remarks[1].contains("directions are glon,glat; use --columns l=l,b=b"));
     // One complete system, and one with a component missing.
     assert_eq!(read("g.csv", "ra,dec,l\n1,2,3\n").remarks, ["g.csv: column not used: l"]);
 }

@@ -173,7 +173,7 @@ fn vectors_far_from_unit_length_in_bulk() {
         ("10 20 1\n200 -45 2\n359 80 1\n", "these look like degrees: --columns ra,dec,_"),
         ("1 2 0\n3 6 0.5\n0.1 4 1\n", "these look like angles in radians: --columns theta,phi,_"),
         ("100 200 300\n-500 600 1\n", "--normalize scales vectors"),
-        ("2 0 0\n0 2 0\n0 0 1\n", "got 2 of 3 of other lengths"),
+        ("2 0 0\n0 2 0\n0 0 1\n", "got 2 of 3 with other lengths"),
     ];
     for (content, part) in cases {
         let message = read_with("p.txt", content, &ReadOptions::default()).unwrap_err();
@@ -187,7 +187,7 @@ fn vectors_far_from_unit_length_in_bulk() {
     // Three digits are not another length, and a single stray vector is not most of them.
     for content in ["0.577 0.577 0.578\n0 0 1\n", "0 0 1\n0 1 0\n0 0 7\n"] {
         let back = read("p.txt", content);
-        assert!(back.warnings[0].contains("vectors were not of unit length"), "{content}");
+        assert!(back.warnings[0].contains("vectors did not have unit length"), "{content}");
     }
 }
 

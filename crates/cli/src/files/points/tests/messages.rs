@@ -142,7 +142,7 @@ fn hostile_meshes_terminate_quickly() {
         |elements: &str| format!("ply\nformat binary_little_endian 1.0\n{elements}end_header\n");
     let xyz = "property double x\nproperty double y\nproperty double z\n";
     let cases = [
-        (format!("element vertex 999999999999999999\n{xyz}"), "cut short"),
+        (format!("element vertex 999999999999999999\n{xyz}"), "truncated"),
         (format!("element void 999999999999999999\nelement vertex 1\n{xyz}"), "void without any"),
         (
             format!("element vertex 1\n{xyz}property list uint double value\n"),

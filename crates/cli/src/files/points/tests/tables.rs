@@ -332,7 +332,7 @@ fn headers_that_promise_too_much() {
     };
     for (name, text, part) in [
         ("NAXIS2", "NAXIS2  =  999999999999999999", "c.fits"),
-        ("NAXIS2", "NAXIS2  =         99999999999", "cut short"),
+        ("NAXIS2", "NAXIS2  =         99999999999", "truncated"),
         ("NAXIS2", "NAXIS2  =                   0", "no points"),
         ("NAXIS2", "NAXIS2  =                  -1", "NAXIS2"),
         ("NAXIS1", "NAXIS1  =                   8", "fit in a row of NAXIS1 = 8"),
