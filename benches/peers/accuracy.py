@@ -65,7 +65,7 @@ SECTIONS = {"indexing": indexing.measure, "harmonics": harmonics.measure, "trans
 def parse_arguments():
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0], epilog="The docstring of the script has the details.")
     parser.add_argument("--quick", action="store_true", help="fewer repeats")
-    only = "sections, parted by commas; default: all"
+    only = "sections, separated by commas; default: all"
     parser.add_argument("--only", default=",".join(SECTIONS), metavar="LIST", help=only)
     parser.add_argument("--json", type=Path, metavar="FILE", help="write everything measured")
     folder = "the virtual environment, made if there is none; default: peers/venv in cargo's target folder"

@@ -4,7 +4,7 @@ Usage: python3 benches/peers/healpix_values.py
 
 healpy is installed with pip into a virtual environment in the user's cache folder, once.
 
-Each row is `operation,order,nside,inputs,outputs`; inputs and outputs are numbers parted by spaces, floating-point ones
+Each row is `operation,order,nside,inputs,outputs`; inputs and outputs are numbers separated by spaces, floating-point ones
 with 17 significant digits. Operations: pix2vec, pix2ang, vec2pix, ang2pix, ring2nest, nest2ring, neighbours (SW, W, NW,
 N, NE, E, SE, S; -1 for none) and corners (N, W, S, E, each x y z).
 """

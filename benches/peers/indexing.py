@@ -55,7 +55,7 @@ class Conversion:
     required_ratio: float | None = None
 
 
-# Where a rival has several ways from the same thing to the same thing, all take part.
+# Where a rival has several functions for the same conversion, all are timed.
 CONVERSIONS = [
     Conversion("direction to pixel", "vec2pix", ["lonlat2pix", "vec2pix"], ["vec2pix", "ang2pix"], REQUIRED_RATIO),
     Conversion("the same, one by one", "vec2pix-one", ["lonlat2pix"], []),

@@ -285,7 +285,7 @@ fn summable(decay: f64) -> Result<f64, Error> {
         _ => Err(Error::Parameter {
             name: "decay",
             got: decay,
-            expected: "finite and above 1, for a finite energy",
+            expected: "finite and above 1, so that the energy is finite",
         }),
     }
 }

@@ -88,7 +88,7 @@ impl Pattern {
     }
 
     /// Returns the sampler of this pattern with exactly `n_points` points; saturated Poisson disks
-    /// have that number in the mean.
+    /// have that number on average.
     ///
     /// ```
     /// use sphvar_samplers::{Domain, Error, Pattern};

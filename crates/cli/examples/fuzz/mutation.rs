@@ -102,7 +102,7 @@ impl Mutator {
         Self { seeds, tokens, stream, layout }
     }
 
-    /// Input `number`. The first ones are the valid inputs as they are.
+    /// Input `number`. The first ones are the valid inputs unchanged.
     pub(crate) fn input(&self, number: u64) -> Vec<u8> {
         if let Some(seed) = usize::try_from(number).ok().and_then(|i| self.seeds.get(i)) {
             return seed.clone();

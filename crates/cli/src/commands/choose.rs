@@ -100,7 +100,7 @@ pub(crate) fn run(args: &ChooseArgs, global: &Global) -> Result<(), CliError> {
                 ),
             });
         } else {
-            // A pattern that the user names is kept as it is, however far behind it is.
+            // A pattern that the user names is kept unchanged, however far behind it is.
             let is_named = named.is_some();
             let limit = min_points.filter(|_| !is_named && args.cost_per_sample.is_none());
             let candidate =

@@ -80,7 +80,7 @@ pub(crate) struct SampleBody {
 pub(crate) fn run(args: &SampleArgs, global: &Global) -> Result<(), CliError> {
     let (Some(sampler), Some(n), false) = (&args.sampler.sampler, args.count.count, args.list)
     else {
-        let advice = "--list is a command of its own: sphvar list samplers";
+        let advice = "--list has become a command: sphvar list samplers";
         return Err(CliError::Usage(advice.to_owned()));
     };
     let pattern = patterns::parse_pattern(sampler)?;

@@ -1,6 +1,6 @@
 //! NPY, the array format of `NumPy`: reads rows of plain numbers and writes arrays.
 //!
-//! This module has a reader of its own. Hostile headers (dimensions whose product overflows, deeply
+//! This reader is our own. Hostile headers (dimensions whose product overflows, deeply
 //! nested dictionaries) would have to be rejected before a parser of the whole format sees them,
 //! and that takes the same parsing.
 

@@ -1,4 +1,4 @@
-//! Finished pieces of a long run, each in a file of its own.
+//! Finished pieces of a long run, each in a separate file.
 
 use std::fs;
 use std::path::{Path, PathBuf};

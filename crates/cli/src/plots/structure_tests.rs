@@ -9,7 +9,7 @@ use super::palette::COLOURS;
 use super::plane::Frame;
 use super::{Chart, Ink, Panel, Scale, Series, Spread, Style};
 
-/// Returns a chart of curves, each with a rank of its own, with a lower panel.
+/// Returns a chart of curves, each with its own rank, with a lower panel.
 fn chart(curves: Vec<(String, Vec<(f64, f64)>)>, x_scale: Scale, y_scale: Scale) -> Chart {
     let series = |(rank, (label, points)): (usize, (String, Vec<(f64, f64)>))| Series {
         label,

@@ -182,7 +182,7 @@ fn hemisphere_and_rotation() {
     let plain = coordinates(&place.run("sample healpix -n 12 -m 2").ok().stdout);
     assert_eq!(plain[..36], plain[36..], "a lattice is the same each time");
     let rotated = coordinates(&place.run("sample healpix -n 12 -m 2 --rotate").ok().stdout);
-    assert_ne!(rotated[..36], rotated[36..], "and --rotate turns each realization by itself");
+    assert_ne!(rotated[..36], rotated[36..], "and --rotate rotates each realization independently");
     assert_ne!(rotated[..36], plain[..36]);
 }
 

@@ -72,7 +72,7 @@ impl PoissonDisk {
     /// it has N points; for N = 12 every fifth set is.
     pub const EXACT_RADIUS: f64 = 2.893;
 
-    /// The default radius of saturated sets, 2.958: they have N points in the mean.
+    /// The default radius of saturated sets, 2.958: they have N points on average.
     pub const SATURATED_RADIUS: f64 = 2.958;
 
     /// The largest valid number of points; more would exceed the range of 32-bit indices.

@@ -51,7 +51,7 @@ fn check_random(lmax: usize, n_points: usize) {
             let allowed = epsilon * size;
             assert!(
                 mean <= allowed && largest <= allowed * (lmax as f64 + 1.0).sqrt(),
-                "lmax {lmax}, {}, {epsilon:e}: {:.3} of ||a|| epsilon at most, {:.3} in the mean",
+                "lmax {lmax}, {}, {epsilon:e}: {:.3} of ||a|| epsilon at most, {:.3} on average",
                 set.name,
                 largest / allowed,
                 mean / allowed

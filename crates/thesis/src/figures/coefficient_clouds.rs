@@ -62,7 +62,7 @@ impl Recipe for CoefficientClouds {
                 )
                 .measured(Quantity::single(mean.norm() / root_mean_square(&samples)))
                 .because(format!(
-                    "its size in units of the root mean square, {:.3e}; chance gives {:.4} in the mean, {}",
+                    "its size in units of the root mean square, {:.3e}; {:.4} on average by chance, {}",
                     root_mean_square(&samples),
                     // A sum of R unit vectors of random phase has the mean length sqrt(pi R)/2.
                     (0.25 * std::f64::consts::PI / SETS as f64).sqrt(),

@@ -127,7 +127,7 @@ fn prediction_and_measurement_agree_on_the_circle() {
     let sigma = by_realizations.stderr;
     assert!((by_realizations.variance - truth.variance).abs() < 5.0 * sigma, "{truth:?}");
     // Either end of the arc lies in one stratum, uniformly: the share u of it that is inside gives
-    // the count the variance u (1 - u), 1/6 in the mean.
+    // the count the variance u (1 - u), 1/6 on average.
     let of_ends = 2.0 / 6.0 / (N * N) as f64;
     assert!((truth.variance - of_ends).abs() <= truth.tail_error, "{truth:?}, {of_ends}");
     assert!(truth.tail_error < 0.05 * of_ends, "{truth:?}");

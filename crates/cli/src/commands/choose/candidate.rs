@@ -43,7 +43,7 @@ const UNIT_COST: f64 = 60e-9;
 const EXPENSIVE: f64 = 30.0;
 
 impl TimedCandidate {
-    /// Returns the pattern as it is. If `best`, the number of points of the best pattern, is given,
+    /// Returns the pattern unchanged. If `best`, the number of points of the best pattern, is given,
     /// an expensive one is tried with at most four times as many.
     pub(super) fn new(
         pattern: Pattern,

@@ -53,7 +53,7 @@ impl Page {
     fn labelled(&mut self, indent: usize, label: &str, width: usize, text: &str) {
         let start = indent + width;
         let mut line = format!("{:indent$}{label:width$}", "");
-        // A long label is on a line of its own.
+        // A long label has a separate line.
         if label.chars().count() >= width && width > 0 {
             self.push_line(&line);
             line = " ".repeat(start);

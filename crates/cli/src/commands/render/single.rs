@@ -69,13 +69,13 @@ pub(crate) struct ErrorRecord {
     /// The standard error of `mse`.
     #[schemars(with = "Option<f64>")]
     pub(super) mse_stderr: f64,
-    /// The variance of a pixel over the renders, in the mean over the pixels.
+    /// The variance of a pixel over the renders, averaged over the pixels.
     #[schemars(with = "Option<f64>")]
     pub(super) variance: f64,
     /// The standard error of `variance`.
     #[schemars(with = "Option<f64>")]
     pub(super) variance_stderr: f64,
-    /// The squared bias of a pixel, in the mean over the pixels.
+    /// The squared bias of a pixel, averaged over the pixels.
     #[schemars(with = "Option<f64>")]
     pub(super) bias_squared: f64,
     /// The standard error of `bias_squared`.

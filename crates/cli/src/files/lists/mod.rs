@@ -1,6 +1,6 @@
 //! Lists of plain rows, such as pixels or angles, as CSV or NPY: one row in, one row out.
 //!
-//! Point sets have a reader of their own, which converts every row to a direction. Here numbers are
+//! Point sets have a separate reader, which converts every row to a direction. Here numbers are
 //! preserved exactly, and integers are never converted to floats.
 
 mod npy;

@@ -314,7 +314,7 @@ impl Table<'_> {
             return Err(self.error(expected, got));
         }
         if others.iter().any(|slot| (slot.column, slot.item) == (column, item)) {
-            let expected = format!("a column of its own for {role}");
+            let expected = format!("a separate column for {role}");
             return Err(self.error(expected, format!("{} twice", self.name(column))));
         }
         // A name that begins like the role adds no information.

@@ -271,7 +271,7 @@ fn columns_of_fits_tables() {
         ("2", "ra=C,dec=DEC", "expected numbers in the column C"),
         ("2", "x=POS,y=POS,z=POS", "one of the numbers POS[0] to POS[2]"),
         ("2", "x=POS[3],y=POS[1],z=POS[2]", "one of the numbers POS[0] to POS[2]"),
-        ("2", "x=POS[0],y=POS[0],z=POS[2]", "a column of its own for y"),
+        ("2", "x=POS[0],y=POS[0],z=POS[2]", "a separate column for y"),
         ("2", "ra=RADIANS,dec=DEC", "ra in degrees, got RADIANS in the unit rad"),
         ("2", "ra=RA,dec=DEC,w=ID", "k.fits: row 2: w (ID): expected a finite number, got nothing"),
         ("2", "ra=NAME,dec=DEC", "row 1: ra (NAME): expected a finite number, got \"one\""),
