@@ -94,7 +94,7 @@ choose-study *ARGS:
     cargo build --release
     python3 benches/choose_study.py {{ARGS}}
 
-# Coverage of the intervals of measured variances, where few trials see the integrand and for ordinary ones.
+# Coverage of the intervals of measured variances, with few and with many trials in the support of the integrand.
 interval-coverage SEEDS="200":
     cargo run --release -p sphvar-variance --example interval_coverage -- {{SEEDS}}
 

@@ -25,7 +25,7 @@ pub enum Error {
     /// A per-degree value is negative, infinite or NaN.
     #[error("{quantity} of degree {degree} is {got}; it must be finite and not negative")]
     DegreeValue {
-        /// What the slice holds.
+        /// The quantity in the slice.
         quantity: &'static str,
         /// The degree, which is the index in the slice.
         degree: usize,

@@ -21,9 +21,9 @@ pub struct ThesisBound {
 /// | `ccvt` | quadratic, alpha = sqrt 2.85, gamma = 0.05 | quadratic, alpha = sqrt 0.05, gamma = 2 |
 ///
 /// Those of `white-noise`, `poisson-disk` and `jittered` hold for the mean spectrum. Those of
-/// `ccvt` hold only for a range of capacities m: with random mass points the floor 1/m breaks the
-/// upper one at the lowest degrees once `N > 40 m`, and for m >= 1024 both are broken, the lower
-/// one also by ideal mass points.
+/// `ccvt` hold only for a range of capacities m: with random mass points the offset 1/m violates
+/// the upper one at the lowest degrees once `N > 40 m`, and for m >= 1024 both are violated, the
+/// lower one also with ideal mass points.
 ///
 /// # Examples
 ///

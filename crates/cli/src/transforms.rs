@@ -6,7 +6,7 @@ use sphvar_spectrum::{Method, Resolution};
 use crate::counts::parse_number;
 use crate::error::CliError;
 
-/// How coefficients of point sets are computed.
+/// The computation of the coefficients of point sets.
 #[derive(Clone, Copy, Debug, Args)]
 pub(crate) struct TransformArgs {
     /// Transform of point sets: exact (by the definition), fast (to --epsilon), or auto, the one with less work

@@ -24,9 +24,9 @@ pub struct Parameter {
 pub enum ParameterKind {
     /// Whole numbers.
     Integer {
-        /// The smallest.
+        /// The minimum.
         min: i64,
-        /// The largest.
+        /// The maximum.
         max: i64,
     },
     /// Numbers.

@@ -72,7 +72,7 @@ pub enum Error {
          {first} in its order; fill them: an integral requires all pixels"
     )]
     Pixels {
-        /// How many.
+        /// The number of pixels without a value.
         count: usize,
         /// The first, 0-based in the order of the values.
         first: usize,

@@ -211,7 +211,7 @@ impl Shape {
         }
     }
 
-    /// What the domain leaves of the function.
+    /// The part of the function on the domain.
     pub(crate) fn fold(&self, domain: Domain) -> Fold {
         if domain == Domain::Sphere {
             return Fold::Whole;

@@ -63,8 +63,8 @@ impl Verdict {
                  is not, or the claim is contradicted only by point sets that replace those of the thesis."
             }
             Self::NotReproduced => {
-                "The thesis states no measure of the quantity. Numbers of a measure that we chose are given, but decide \
-                 nothing."
+                "The thesis states no measure of the quantity. Values of a measure chosen here are given without a \
+                 verdict."
             }
             Self::ByConstruction => {
                 "The claim is a definition, an identity, or a property that the construction enforces. It is checked, but \

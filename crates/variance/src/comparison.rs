@@ -29,7 +29,7 @@ impl Comparison {
     /// Returns whether too few trials hit the integrand's variation for an interval, a score, a
     /// ratio or a verdict ([`RelativeError::is_known`]), although there is a variance to measure.
     #[must_use]
-    pub fn sees_too_little(&self) -> bool {
+    pub fn has_too_few_hits(&self) -> bool {
         self.is_visible() && (self.is_constant() || !self.error().is_known())
     }
 
@@ -49,7 +49,7 @@ impl Comparison {
     /// If all trials agree, the interval extends from 0 to an upper limit (97.5 %) from the moments
     /// of the integrand: equal estimates show only that others are rare. It is (0, 0) only if an
     /// exact prediction has no variance. Returns `None` if [too few trials hit the
-    /// integrand](Self::sees_too_little).
+    /// integrand](Self::has_too_few_hits).
     #[must_use]
     pub fn measured_interval(&self, confidence: f64) -> Option<(f64, f64)> {
         if !self.is_constant() {
@@ -70,7 +70,7 @@ impl Comparison {
     /// estimates.
     #[must_use]
     pub fn ratio(&self) -> (f64, f64) {
-        if self.sees_too_little() || !self.is_visible() {
+        if self.has_too_few_hits() || !self.is_visible() {
             return (f64::NAN, f64::NAN);
         }
         let ratio = self.measurement.variance() / self.predicted.prediction.variance;
@@ -97,7 +97,7 @@ impl Comparison {
     /// have small measured errors. NaN if too few trials hit the integrand.
     #[must_use]
     pub fn z_score(&self) -> f64 {
-        if self.sees_too_little() {
+        if self.has_too_few_hits() {
             return f64::NAN;
         }
         let (measured, expected) =
@@ -112,7 +112,7 @@ impl Comparison {
     /// enough trials hit the integrand.
     #[must_use]
     pub fn bias(&self) -> Option<BiasTest> {
-        let exact = self.exact.filter(|_| !self.sees_too_little())?;
+        let exact = self.exact.filter(|_| !self.has_too_few_hits())?;
         Some(self.measurement.bias(exact, self.rounding))
     }
 
@@ -127,7 +127,7 @@ impl Comparison {
         let variance = self.measurement.variance();
         let is_hidden =
             !self.is_visible() && self.predicted.prediction.variance > self.prediction_rounding;
-        if self.sees_too_little() || is_hidden {
+        if self.has_too_few_hits() || is_hidden {
             let n_points = self.predicted.spectrum.n_points() as f64;
             return VariancePoint { n_points, variance, stderr: f64::INFINITY };
         }

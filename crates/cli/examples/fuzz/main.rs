@@ -30,7 +30,7 @@ const BATCH_SECONDS: u64 = 30;
 const INPUT_SECONDS: u64 = 5;
 /// A worker that waits for something uses no processor.
 const MAX_WAIT: Duration = Duration::from_secs(300);
-/// How the names of the files begin that workers write for readers.
+/// The beginning of the names of the files that workers write for readers.
 const SCRATCH: &str = "scratch-";
 const BATCH: u64 = 1000;
 /// Inputs kept of one target; further ones are counted.
@@ -111,12 +111,12 @@ fn work(target: &Target, first: u64, count: u64, folder: &Path) {
     say(&format!("done\t{accepted}"));
 }
 
-/// What a worker answered.
+/// The answer of a worker.
 struct Answer {
     /// Inputs that were accepted; none if the worker did not come to its end.
     accepted: Option<u64>,
     panics: Vec<(u64, String)>,
-    /// How a worker ended that did not come to its end.
+    /// The failure of a worker that did not finish.
     end: String,
 }
 

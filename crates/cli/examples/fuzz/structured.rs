@@ -11,7 +11,7 @@ const BLOCK: usize = 2880;
 /// Longest piece that is written over at once.
 const MAX_PIECE: usize = 8;
 
-/// What of a format can be changed without a change of its layout.
+/// The parts of a format that can be changed without changing its layout.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Layout {
     /// Cards of headers, and data.

@@ -7,7 +7,7 @@ use sphvar_variance::{Crossover, VariancePoint};
 
 use crate::report::number;
 
-/// Where the variance curves of two samplers cross.
+/// A crossing of the variance curves of two samplers.
 #[derive(Clone, Debug, Serialize, JsonSchema)]
 pub(crate) struct CrossoverRecord {
     /// The sampler of less variance at fewer points.

@@ -234,11 +234,11 @@ fn output_error(error: FileError) -> CliError {
 /// Converted directions or pixels, an array for each column: `healpix --json`.
 #[derive(Serialize, JsonSchema)]
 pub(crate) struct HealpixBody<'a, T: Serialize, const N: usize> {
-    /// What is converted into what, such as `vec2pix`.
+    /// The conversion, such as `vec2pix`.
     conversion: &'static str,
     /// The resolution: the sphere has 12 nside^2 pixels.
     nside: u32,
-    /// How pixels are numbered: `ring` or `nested`.
+    /// The pixel order: `ring` or `nested`.
     order: &'static str,
     #[serde(flatten)]
     lists: Lists<'a, T, N>,

@@ -25,7 +25,7 @@ pub(crate) const EXAMPLES: &str = "Examples:
 
 #[derive(Debug, Args)]
 pub(crate) struct ListArgs {
-    /// What to list in detail; everything, a line each, if omitted
+    /// Kind to list in detail; if omitted, everything with one line each
     pub(crate) kind: Option<Kind>,
     /// Names; all if omitted
     #[arg(value_name = "NAME")]

@@ -76,12 +76,12 @@ pub(crate) struct RowRecord {
     bias_z: Option<f64>,
     /// The probability of a `bias_z` of this size without a bias.
     bias_p: Option<f64>,
-    /// Why numbers are missing.
+    /// The reason why numbers are missing.
     remark: Option<&'static str>,
 }
 
 /// The remark of a row whose measured variance has no error estimate.
-const TOO_FEW: &str = "too few trials see the integrand";
+const TOO_FEW: &str = "too few trials hit the support of the integrand";
 
 /// The confidence of the intervals in files.
 const CONFIDENCE: f64 = 0.95;
@@ -95,7 +95,7 @@ impl RowRecord {
         let measured = row.comparison.measured_interval(CONFIDENCE);
         let (measured_low, measured_high) = measured.unwrap_or((f64::NAN, f64::NAN));
         let bias = row.comparison.bias();
-        let remark = row.comparison.sees_too_little().then_some(TOO_FEW);
+        let remark = row.comparison.has_too_few_hits().then_some(TOO_FEW);
         // The error of the trials does not include energy that they did not sample.
         let known = |x: f64| if remark.is_some() { f64::NAN } else { x };
         Self {

@@ -37,7 +37,7 @@ pub(crate) const EXAMPLES: &str = "Examples:
 pub(crate) struct SampleArgs {
     #[command(flatten)]
     pub(crate) sampler: SamplerArgs,
-    /// What `sphvar list` does
+    /// The earlier spelling of `sphvar list`
     #[arg(long, hide = true)]
     pub(crate) list: bool,
     #[command(flatten)]

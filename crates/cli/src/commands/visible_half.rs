@@ -170,7 +170,7 @@ impl VisibleHalfRecord {
         // the visible half as for the hemisphere pattern.
         let is_known = error.is_known()
             && estimates.variance() > row.comparison.rounding
-            && !row.comparison.sees_too_little();
+            && !row.comparison.has_too_few_hits();
         let known = |x: f64| if is_known { x } else { f64::NAN };
         let over_hemisphere = known(estimates.variance() / itself.variance());
         let bias: Option<BiasTest> = row

@@ -1,6 +1,6 @@
 //! An axis: its range, its ticks and their labels.
 
-/// How an axis maps values to lengths.
+/// The map of an axis from values to lengths.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Scale {
     /// Linear.

@@ -8,7 +8,7 @@ use super::figure;
 use super::palette::Ink;
 use super::plot_error::PlotError;
 
-/// How a series is drawn.
+/// The style of a series.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Style {
     /// A line with gaps where it covers another one; its spread as a band.
@@ -71,7 +71,7 @@ pub(crate) struct Series {
     pub(crate) points: Vec<(f64, f64)>,
     /// Errors or ranges of y.
     pub(crate) spread: Spread,
-    /// How it is drawn.
+    /// The style.
     pub(crate) style: Style,
     /// Its colour and marker; related series share them.
     pub(crate) ink: Ink,

@@ -16,7 +16,7 @@ use crate::plots::{Chart, ImageFormat};
 pub(crate) struct Document<'a, T> {
     #[serde(flatten)]
     body: &'a T,
-    /// What makes the result reproducible.
+    /// The data that make the result reproducible.
     provenance: &'a Provenance,
 }
 

@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::message;
 
-/// What makes a result reproducible.
+/// The data that make a result reproducible.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 pub(crate) struct Provenance {
     /// The command line as a shell takes it, without the number of threads, on which results do not depend.

@@ -11,11 +11,11 @@ pub struct HealpixMapParameters {
     pub field: Option<String>,
     /// The name or number of the HDU, the first that holds a map unless given.
     pub hdu: Option<String>,
-    /// What becomes of pixels without a value.
+    /// The treatment of pixels without a value.
     pub missing: MissingPixels,
 }
 
-/// What becomes of pixels without a value.
+/// The treatment of pixels without a value.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum MissingPixels {
     /// They are an error.

@@ -5,7 +5,7 @@ use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI, TAU};
 use super::EnvironmentMap;
 use crate::Error;
 
-/// How a picture covers the sphere.
+/// The layout of a picture on the sphere.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Projection {
@@ -44,7 +44,7 @@ pub enum Projection {
 /// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct PictureLayout {
-    /// How the picture covers the sphere.
+    /// The projection of the picture.
     pub projection: Projection,
     /// Whether y becomes -y, before the rotation.
     pub mirror: bool,

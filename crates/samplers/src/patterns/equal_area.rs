@@ -12,7 +12,7 @@ use crate::{
     CostOrder, Domain, Error, PatternFacts, PointSet, Rate, Sampler, SetDistribution, Strata, count,
 };
 
-/// Where a point lies in its region.
+/// The position of a point in its region.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Placement {
     /// Uniform in the region, independently of the others: stratified sampling.
@@ -179,7 +179,7 @@ impl Sampler for EqualArea {
 /// Parameters of the pattern [`EqualArea`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EqualAreaParameters {
-    /// Where a point lies in its region.
+    /// The position of a point in its region.
     pub placement: Placement,
 }
 

@@ -2,7 +2,7 @@ use std::fmt;
 
 use sphvar_samplers::Domain;
 
-/// How point sets are mapped to directions at each shading point.
+/// The mapping of point sets to directions at each shading point.
 ///
 /// Sphere sets have M = 2N points, of which the visible half, about N, is used. Hemisphere sets
 /// have N points, all of which are used.

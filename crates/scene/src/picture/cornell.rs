@@ -21,7 +21,7 @@ const FOCAL_LENGTH: f64 = 0.035;
 /// The Cornell box: five walls and two blocks, open in front, y upwards, lengths in millimetres.
 ///
 /// Blocks, light and camera are those measured at Cornell. The measured walls are out of square by
-/// up to 6.4 mm; here they are rectangles. The undersides of the blocks are left out. The blocks
+/// up to 6.4 mm; here they are rectangles. The undersides of the blocks are omitted. The blocks
 /// come first, with 5 faces each, then floor, ceiling, back wall, and the walls at x = 0 (right in
 /// the picture) and x = 556.
 ///

@@ -85,8 +85,8 @@ impl Recipe for BoundedVariance {
              norm 1 (erratum 31), the energy of the cap is that of orthonormal harmonics (erratum 33).",
         );
         figure.note(
-            "Bounds are those of the thesis; omega is l/sqrt(N) in all rows, its alpha being part of a profile and of no \
-             effect on constant ones (errata 8 and 41).",
+            "Bounds are those of the thesis; omega is l/sqrt(N) in all rows, because alpha is a parameter of a profile \
+             without effect on constant ones (errata 8 and 41).",
         );
         figure.note(NOTE);
         figure.note("Jittered sets have 12 nside^2 points: 3888 in the spectrum (erratum 38).");

@@ -2,7 +2,7 @@ use super::patterns::ThesisPattern;
 use crate::{Claim, Error, Verdict};
 
 /// The choices about CCVT that the thesis does not state, for notes.
-pub(crate) const NOTE: &str = "CCVT has 64 mass points a site, random ones or those of a rotated Fibonacci lattice; the \
+pub(crate) const NOTE: &str = "CCVT has 64 mass points per site, random or of a rotated Fibonacci lattice; the \
      thesis states neither their number nor their kind (erratum 39).";
 
 /// The erratum about unstated choices of CCVT.

@@ -95,8 +95,8 @@ impl Recipe for OpenHemisphere {
             figure.claims.push(peaks(pattern, spectrum)?);
         }
         figure.note(format!(
-            "N = {N_POINTS} points of the hemisphere, of jitter the upper half of 2028; the thesis states no numbers. Sets are not \
-             rotated. Degree 0 is left out of the squares, which show square roots so that more than the peaks is seen."
+            "N = {N_POINTS} points of the hemisphere, for jitter the upper half of 2028; the thesis states no numbers. Sets are not \
+             rotated. The squares omit degree 0 and show square roots, which make more than the peaks visible."
         ));
         figure.note(
             "A uniform density on the upper half alone has P(l) = N (int_0^1 P_l dz)^2 in odd degrees and nothing in even \

@@ -124,7 +124,7 @@ impl Recipe for ProfileShapes {
         }
         figure.note(format!(
             "alpha = {ALPHA}, gamma = {GAMMA}; the best case is band-limited to degree {BAND}, the worst case has the energy \
-             l^-2. Of the measured spectrum, powers above {SHOWN} are left out."
+             l^-2. Powers above {SHOWN} of the measured spectrum are not shown."
         ));
         Ok(())
     }

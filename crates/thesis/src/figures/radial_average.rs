@@ -29,7 +29,7 @@ const BLUE: [ThesisPattern; 3] =
     [ThesisPattern::PoissonDisk, ThesisPattern::CcvtRandom, ThesisPattern::CcvtFibonacci];
 /// "Little or no energy" is read as at most this part of white noise.
 const LITTLE: f64 = 0.1;
-/// How far the power of "high-frequency white noise" may be from 1.
+/// The tolerance of the power of "high-frequency white noise" around 1.
 const FLAT: f64 = 0.1;
 /// Tolerance: the powers of a degree and the average of its orders come from one transform and
 /// differ by some roundings.

@@ -121,7 +121,7 @@ impl Recipe for VarianceComparison {
         let reference = BoxStudy::measured(setting).reference_image(results)?.n_points;
         figure.note(format!(
             "c: halves of sphere sets, rotated at each hit point; {} renders each, against a reference of {reference} jittered \
-             directions whose own error is in every value.",
+             directions, whose error is contained in every value.",
             scene_renders(setting)
         ));
         figure.note(NOTE);

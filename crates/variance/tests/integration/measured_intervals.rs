@@ -158,7 +158,7 @@ fn caps_missed_by_all_trials_have_a_limit_and_no_verdict() {
                 let got = comparison(&pattern, n, &cap, trials, seed);
                 let measured = got.measurement.variance();
                 match got.measured_interval(0.95) {
-                    None => assert!(got.sees_too_little(), "{degrees} {pattern} {seed}"),
+                    None => assert!(got.has_too_few_hits(), "{degrees} {pattern} {seed}"),
                     Some((low, high)) => {
                         assert!(low <= measured && measured <= high && high > 0.0);
                         missed += i32::from(!(low <= truth && truth <= high));
@@ -167,7 +167,7 @@ fn caps_missed_by_all_trials_have_a_limit_and_no_verdict() {
                 agreed += i32::from(measured == 0.0);
                 if measured == 0.0 {
                     assert!(
-                        got.sees_too_little() && got.z_score().is_nan() && got.bias().is_none()
+                        got.has_too_few_hits() && got.z_score().is_nan() && got.bias().is_none()
                     );
                     assert!(got.ratio().0.is_nan() && got.measured_point().stderr.is_infinite());
                 }
@@ -192,7 +192,7 @@ fn moments_reveal_variance_that_no_trial_hits() {
     assert!((kurtosis * 1e-5 - 1.0).abs() < 1e-3, "{kurtosis}");
     for pattern in [Pattern::WhiteNoise, Pattern::Fibonacci] {
         let got = comparison(&pattern, 48, &probe, 20, 1);
-        assert!(got.sees_too_little() && got.z_score().is_nan() && got.bias().is_none());
+        assert!(got.has_too_few_hits() && got.z_score().is_nan() && got.bias().is_none());
         assert!(got.measured_interval(0.95).is_none() && got.is_prediction_more_precise());
         // The sample alone does not show the rare texel.
         assert!(got.measurement.variance_interval(0.95).is_some(), "{pattern}");

@@ -6,7 +6,7 @@ use schemars::JsonSchema;
 use serde::Serialize;
 use sysinfo::{CpuRefreshKind, RefreshKind, System};
 
-/// What the times were measured on.
+/// The machine on which the times were measured.
 #[derive(Clone, Debug, Serialize, JsonSchema)]
 pub(crate) struct Machine {
     /// The processor's name, or the architecture where it does not tell.

@@ -20,7 +20,7 @@ pub(crate) struct AccuracyBody {
     pub(super) date: String,
     /// The version of sphvar.
     pub(super) version: Cow<'static, str>,
-    /// What the times were measured on.
+    /// The machine on which the times were measured.
     pub(super) machine: Machine,
     /// Methods with their errors and times.
     pub(super) trials: Vec<TrialRecord>,
@@ -31,13 +31,13 @@ pub(crate) struct AccuracyBody {
 /// One method on one input.
 #[derive(Debug, Serialize, JsonSchema)]
 pub(crate) struct TrialRecord {
-    /// What is measured: `harmonics`, `indexing`, `transforms`, `spectra` or `predictions`.
+    /// The area: `harmonics`, `indexing`, `transforms`, `spectra` or `predictions`.
     pub(super) area: &'static str,
     /// The method.
     pub(super) method: String,
     /// The input.
     pub(super) case: String,
-    /// What a run computes, in the plural.
+    /// The unit that a run computes, in the plural.
     pub(super) unit: &'static str,
     /// The number of units that a run computes.
     pub(super) count: f64,
@@ -45,31 +45,31 @@ pub(crate) struct TrialRecord {
     pub(super) seconds_per_unit: f64,
     #[serde(flatten)]
     pub(super) outcome: Outcome,
-    /// What errors are relative to.
+    /// The quantity to which errors are relative.
     pub(super) relative_to: &'static str,
-    /// What values are compared with.
+    /// The reference values.
     pub(super) reference: &'static str,
 }
 
 /// An extreme input.
 #[derive(Debug, Serialize, JsonSchema)]
 pub(crate) struct HardCaseRecord {
-    /// What is measured, as for trials.
+    /// The area, as for trials.
     pub(super) area: &'static str,
     /// The name, also that of a test.
     pub(super) name: &'static str,
-    /// What is measured, in words.
+    /// The measured quantity, in words.
     pub(super) what: &'static str,
     #[serde(flatten)]
     pub(super) outcome: Outcome,
-    /// Why the bound is what it is.
+    /// The origin of the bound.
     pub(super) reason: &'static str,
 }
 
-/// Errors beside their bound.
+/// Errors and their bound.
 #[derive(Debug, Serialize, JsonSchema)]
 pub(crate) struct Outcome {
-    /// The largest; null if it is infinite, as is that of what is not a number.
+    /// The largest error; null if it is infinite or a value is NaN.
     #[schemars(with = "Option<f64>")]
     pub(super) error: f64,
     /// The root mean square.
@@ -77,11 +77,11 @@ pub(crate) struct Outcome {
     pub(super) rms: f64,
     /// The number of errors.
     pub(super) compared: u64,
-    /// What the largest error must not exceed.
+    /// The bound of the largest error.
     pub(super) bound: f64,
     /// Whether the largest error is within the bound.
     pub(super) held: bool,
-    /// Where the largest error is.
+    /// The location of the largest error.
     pub(super) worst: String,
 }
 

@@ -95,7 +95,7 @@ struct Missing {
     side: &'static str,
     /// The family of profiles.
     family: &'static str,
-    /// Why there is none.
+    /// The reason why there is none.
     reason: String,
 }
 

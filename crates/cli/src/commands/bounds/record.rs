@@ -19,13 +19,13 @@ use crate::report::{Column, number};
 pub(crate) struct BoundRecord {
     /// `upper`, `lower`, or `given` without a spectrum.
     side: &'static str,
-    /// How it came about: `given`, `checked`, `fitted gamma`, `fitted alpha`, `fitted`.
+    /// The origin: `given`, `checked`, `fitted gamma`, `fitted alpha`, `fitted`.
     origin: &'static str,
     /// The family: `constant`, `step`, `linear`, `quadratic` or `poly`.
     family: &'static str,
     /// The exponent b; null for a step.
     exponent: Option<f64>,
-    /// Where the profile levels off, as degree over `sqrt(N)`.
+    /// The break of the profile, a degree divided by `sqrt(N)`.
     alpha: f64,
     /// The power at which it levels off.
     gamma: f64,

@@ -15,7 +15,7 @@ pub(crate) struct ThesisRecord {
     side: &'static str,
     /// The family of the profile.
     family: &'static str,
-    /// Where the profile levels off, as degree over `sqrt(N)`.
+    /// The break of the profile, a degree divided by `sqrt(N)`.
     alpha: f64,
     /// The power at which it levels off.
     gamma: f64,
@@ -31,7 +31,7 @@ pub(crate) struct ThesisRecord {
     /// The excess at `worst_degree` in standard errors; null where the spectrum is exact.
     #[schemars(with = "Option<f64>")]
     z: f64,
-    /// What `z` may reach at the confidence requested.
+    /// The limit of `z` at the requested confidence.
     #[schemars(with = "Option<f64>")]
     critical_z: f64,
     /// The degree that comes closest to the bound or lies farthest beyond it.

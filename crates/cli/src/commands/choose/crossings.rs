@@ -11,7 +11,7 @@ const BEST: usize = 8;
 /// A crossing within this factor of the number of points of the answer is relevant.
 const NEAR: f64 = 4.0;
 
-/// Where two samplers' predicted variances cross, and what that means for the answer.
+/// A crossing of the predicted variances of two samplers, and its relevance for the answer.
 #[derive(Debug, Serialize, JsonSchema)]
 pub(crate) struct CrossingRecord {
     #[serde(flatten)]

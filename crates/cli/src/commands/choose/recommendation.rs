@@ -9,7 +9,7 @@ use super::reason::Reason;
 use crate::error::CliError;
 use crate::report::number;
 
-/// What to take and why, in a sentence.
+/// The recommendation with its reason, in a sentence.
 pub(super) fn recommendation(
     best: Option<&TimedCandidate>,
     question: &Question,

@@ -81,7 +81,7 @@ pub(super) struct CurveRecord {
     pub(super) variance_tail_error: f64,
 }
 
-/// Which sampler needs the fewest points for an error, or has the least error with given points:
+/// Samplers ranked by the points required for an error, or by the error with given points:
 /// `choose --json`.
 #[derive(Debug, Serialize, JsonSchema)]
 pub(crate) struct ChoiceBody {
@@ -106,11 +106,11 @@ pub(crate) struct ChoiceBody {
     pub(super) rows: Vec<CandidateRecord>,
     /// Samplers that were not considered.
     pub(super) left_out: Vec<LeftOut>,
-    /// Where predicted variance curves of the best samplers cross.
+    /// Crossings of the predicted variance curves of the best samplers.
     pub(super) crossovers: Vec<CrossingRecord>,
-    /// Why the recommended sampler suits the integrand.
+    /// The reason why the recommended sampler suits the integrand.
     pub(super) reason: Option<Reason>,
-    /// What to take and why, in a sentence.
+    /// The recommendation with its reason, in a sentence.
     pub(super) recommendation: String,
 }
 

@@ -30,8 +30,8 @@ pub(super) struct DegreeRecord {
 pub(super) struct SamplerRecord {
     /// The sampler with its parameters.
     pub(super) sampler: String,
-    /// Where rate and variance reduction come from, the more precise one at every N: `predicted`, `measured` or
-    /// `both`.
+    /// The source of rate and variance reduction, the more precise one at every N: `predicted`,
+    /// `measured` or `both`.
     pub(super) basis: &'static str,
     /// The exponent b of the variance as N^b.
     pub(super) rate: Option<f64>,
@@ -75,7 +75,7 @@ pub(crate) struct ComparisonBody {
     pub(super) rows: Vec<RowRecord>,
     /// Every sampler over all its numbers of points.
     pub(super) samplers: Vec<SamplerRecord>,
-    /// Where variance curves cross significantly.
+    /// Significant crossings of variance curves.
     pub(super) crossovers: Vec<CrossoverRecord>,
 }
 

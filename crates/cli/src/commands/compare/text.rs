@@ -20,7 +20,8 @@ pub(super) fn text(body: &ComparisonBody, plan: &Plan<'_>) -> String {
         "Predicted and measured agree within 3 standard errors in {agreeing} of {n_rows} rows"
     );
     text += &match (n_rows, without) {
-        (0, _) => "\nNo row has a verdict: too few trials see the integrand.\n\n".to_owned(),
+        (0, _) => "\nNo row has a verdict: too few trials hit the support of the integrand.\n\n"
+            .to_owned(),
         (_, 0) => format!("\n{agreement}.\n\n"),
         _ => format!("\n{agreement}; {without} have no verdict.\n\n"),
     };

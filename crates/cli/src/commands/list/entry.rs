@@ -20,17 +20,17 @@ pub(crate) struct SamplerEntry {
     parameters: Vec<ParameterEntry>,
     /// The rules that numbers of points obey.
     counts: Counts,
-    /// How the time for a set grows with its number of points N.
+    /// The growth of the time for a set with its number of points N.
     cost: CostEntry,
     /// The power as the degree goes to 0.
     low_degrees: &'static str,
-    /// How the variance falls with N for smooth integrands.
+    /// The rate of the variance in N for smooth integrands.
     smooth_rate: RateEntry,
-    /// How the variance falls with N for integrands with jumps.
+    /// The rate of the variance in N for integrands with jumps.
     jump_rate: RateEntry,
     #[serde(skip)]
     rates: String,
-    /// What is known of the distribution.
+    /// The known properties of the distribution.
     distribution: &'static str,
     /// Whether all sets are the same up to rotations.
     deterministic: bool,
@@ -60,7 +60,7 @@ struct CostEntry {
     exponent: f64,
     /// The exponent of log N.
     logarithm: f64,
-    /// What the time is proportional to besides; may be empty.
+    /// A further factor of the time in words; may be empty.
     factor: &'static str,
 }
 
@@ -106,7 +106,7 @@ pub(crate) struct ParameterEntry {
     /// Whether any text or any file name is valid.
     #[serde(skip)]
     is_text: bool,
-    /// What the default follows from, in words.
+    /// The origin of the default, in words.
     #[serde(skip_serializing_if = "Option::is_none")]
     default_depends: Option<&'static str>,
 }

@@ -46,7 +46,7 @@ pub(crate) struct SheetBody {
 struct PanelRecord {
     /// The sampler with its parameters.
     sampler: String,
-    /// How point sets are mapped to directions at each shading point.
+    /// The mapping of point sets to directions at each shading point.
     mode: &'static str,
     /// The number of directions on the visible hemisphere of each point.
     n: usize,

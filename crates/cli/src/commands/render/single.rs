@@ -26,7 +26,7 @@ pub(super) const DEFAULT_COUNT: usize = 256;
 pub(crate) struct RenderBody {
     /// The sampler with its parameters.
     sampler: String,
-    /// How point sets are mapped to directions at each shading point.
+    /// The mapping of point sets to directions at each shading point.
     mode: &'static str,
     /// The estimator for the visible half of a sphere set.
     estimator: &'static str,

@@ -30,7 +30,7 @@ pub(crate) struct StudyBody {
     rows: Vec<StudyRecord>,
     /// Every sampler over all its numbers of directions.
     samplers: Vec<StudyRates>,
-    /// Where curves of the mean squared error cross significantly.
+    /// Significant crossings of curves of the mean squared error.
     crossovers: Vec<CrossoverRecord>,
     /// Directions of each pixel of the reference image.
     reference_n: usize,
@@ -47,7 +47,7 @@ pub(crate) struct StudyBody {
 struct StudyRecord {
     /// The sampler with its parameters.
     sampler: String,
-    /// How point sets are mapped to directions at each shading point.
+    /// The mapping of point sets to directions at each shading point.
     mode: &'static str,
     /// The number of directions requested.
     n_requested: usize,

@@ -73,7 +73,7 @@ fn errata(text: &mut String, summary: &Summary<'_>) {
         }
     }
     if !other.is_empty() {
-        line(text, "\nOther errata that rows refer to, none of which is contradicted by one:\n");
+        line(text, "\nOther errata that rows refer to without a contradiction:\n");
         line(text, "| erratum | where and what | figures |");
         line(text, "|---|---|---|");
         for erratum in &other {

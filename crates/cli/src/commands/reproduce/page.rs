@@ -173,7 +173,7 @@ fn errata(summary: &Summary<'_>) -> Markup {
                 (claim_table(&unexplained, true))
             }
             @if !other.is_empty() {
-                p { "Other errata that rows refer to, none of which is contradicted by one:" }
+                p { "Other errata that rows refer to without a contradiction:" }
                 (erratum_table(&other, |_| true))
             }
         }

@@ -77,9 +77,8 @@ impl<'a> Summary<'a> {
         let wrong = errata.iter().filter(|erratum| erratum.is_wrong()).count();
         format!(
             "{} claims could have failed: {} hold, {} are wrong, {} depend on a choice that the thesis does not state, {} \
-             are undecided, {} are not reproduced. {apart} more are true by construction and listed apart. The wrong ones \
-             come from {wrong} errata; all rows together refer to {} errata, each of which counts once however many rows \
-             meet it.",
+             are undecided, {} are not reproduced. {apart} more are true by construction and listed separately. The wrong \
+             ones come from {wrong} errata; all rows together refer to {} errata, each counted once.",
             self.rows.len() - apart,
             self.count(Verdict::Holds),
             self.count(Verdict::Wrong),
