@@ -5,6 +5,7 @@ mod chord_moments;
 mod partition;
 mod quadrature;
 mod strata;
+mod strata_quadrature;
 #[cfg(test)]
 mod tests;
 
@@ -16,6 +17,7 @@ use sphvar_sht::Method;
 
 use crate::{Error, Resolution, Spectrum, SpectrumAccumulator, accumulate};
 use partition::Partition;
+pub use strata_quadrature::StrataQuadrature;
 
 /// The best accuracy of coefficients of the fast transform.
 const EPSILON: f64 = 1e-13;

@@ -52,7 +52,7 @@ pub use coefficients::CoefficientSamples;
 pub use coincidence::tail_power;
 pub use error::Error;
 pub use estimate::estimate;
-pub use exact::ExactSpectrum;
+pub use exact::{ExactSpectrum, StrataQuadrature};
 pub use exact_sum::ExactSum;
 pub use homogeneity::{
     AuditFamily, AuditSettings, AuditVerdict, Finding, HomogeneityAccumulator, HomogeneityAudit,

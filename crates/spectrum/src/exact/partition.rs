@@ -20,11 +20,12 @@ pub(super) enum Partition {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct CongruentStrata {
     pub(super) share: f64,
-    shape: Shape,
+    shape: StratumShape,
 }
 
+/// A stratum, by the quadrature that it needs.
 #[derive(Clone, Copy, Debug)]
-enum Shape {
+pub(super) enum StratumShape {
     Cell(Cell),
     /// A cell that must be split along u + v = 1.
     CutCell(Cell),
@@ -68,7 +69,7 @@ impl Partition {
             Self::Zonal(regions, n) => {
                 let (region, count) = regions[row];
                 let share = f64::from(count) / *n as f64;
-                vec![CongruentStrata { share, shape: Shape::Region(region) }]
+                vec![CongruentStrata { share, shape: StratumShape::Region(region) }]
             }
         }
     }
@@ -124,10 +125,29 @@ impl Partition {
 impl CongruentStrata {
     /// Returns the quadrature rule on the stratum for functions up to degree `lmax`.
     pub(super) fn quadrature(&self, lmax: usize) -> Result<Quadrature, Error> {
-        Ok(match self.shape {
-            Shape::Cell(cell) => Quadrature::of_cell(cell, cell_nodes(cell.nside(), lmax))?,
-            Shape::CutCell(cell) => Quadrature::of_cut_cell(cell, cell_nodes(cell.nside(), lmax))?,
-            Shape::Region(region) => {
+        self.shape.quadrature(lmax)
+    }
+}
+
+impl StratumShape {
+    /// Returns the shape of any HEALPix cell.
+    pub(super) fn of_cell(cell: Cell) -> Self {
+        let n = cell.nside().value();
+        // The ring of a polar face, counted from its pole; belt cells need no cut.
+        let ring = match cell.face() {
+            0..=3 => 2 * n - 1 - cell.ix() - cell.iy(),
+            4..=7 => return Self::Cell(cell),
+            _ => cell.ix() + cell.iy() + 1,
+        };
+        if ring == 1 || ring == n { Self::CutCell(cell) } else { Self::Cell(cell) }
+    }
+
+    /// Returns the quadrature rule on the stratum for functions up to degree `lmax`.
+    pub(super) fn quadrature(self, lmax: usize) -> Result<Quadrature, Error> {
+        Ok(match self {
+            Self::Cell(cell) => Quadrature::of_cell(cell, cell_nodes(cell.nside(), lmax))?,
+            Self::CutCell(cell) => Quadrature::of_cut_cell(cell, cell_nodes(cell.nside(), lmax))?,
+            Self::Region(region) => {
                 let [theta, phi] = region_nodes(&region, lmax);
                 Quadrature::of_region(&region, theta, phi)?
             }
@@ -153,7 +173,7 @@ fn ring_classes(nside: Nside, row: usize) -> Vec<CongruentStrata> {
         let share = halves * 4.0 * f64::from(n) / n_cells;
         let cell = Cell::new(nside, 4, n - 1, sum - (n - 1));
         return cell
-            .map(|c| CongruentStrata { share, shape: Shape::Cell(c) })
+            .map(|c| CongruentStrata { share, shape: StratumShape::Cell(c) })
             .into_iter()
             .collect();
     }
@@ -163,9 +183,7 @@ fn ring_classes(nside: Nside, row: usize) -> Vec<CongruentStrata> {
             let cell = Cell::new(nside, 0, n - 1 - west, n - 1 - east).ok()?;
             let mirrors = if west == east { 1.0 } else { 2.0 };
             let share = mirrors * 8.0 / n_cells;
-            let is_cut = ring == 1 || ring == n;
-            let shape = if is_cut { Shape::CutCell(cell) } else { Shape::Cell(cell) };
-            Some(CongruentStrata { share, shape })
+            Some(CongruentStrata { share, shape: StratumShape::of_cell(cell) })
         })
         .collect()
 }
