@@ -7,6 +7,9 @@
 //! [`HomogeneityAccumulator`] and [`HomogeneityAudit`] test the low coefficients for homogeneity,
 //! the assumption under which variances follow from the spectrum.
 //!
+//! [`PairCorrelationAccumulator`] collects pair correlations and Ripley's functions,
+//! [`DifferentialAccumulator`] the differentials of points whose density varies.
+//!
 //! Accumulators sum exactly ([`ExactSum`]). Any split of the realizations over threads, or over
 //! machines of one instruction-set class, merges to a bit-identical result.
 //!
@@ -42,6 +45,7 @@ mod exact_sum;
 mod homogeneity;
 mod moments;
 mod orders;
+mod pair_correlation;
 mod realization;
 mod spectrum;
 
@@ -60,6 +64,10 @@ pub use homogeneity::{
 };
 pub use moments::Moments;
 pub use orders::{OrderAccumulator, OrderPower};
+pub use pair_correlation::{
+    AngleBins, DifferentialAccumulator, Differentials, HeatSmoothing, LocalDensity,
+    PairCorrelation, PairCorrelationAccumulator,
+};
 pub use realization::Realization;
 pub use spectrum::{Spectrum, SpectrumAccumulator};
 pub use sphvar_samplers::Ensemble;

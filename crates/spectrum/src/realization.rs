@@ -31,6 +31,12 @@ impl<'a> Realization<'a> {
         self.index
     }
 
+    /// Returns the points, with weights of the scale of [`alm`](Self::alm).
+    #[must_use]
+    pub fn set(&self) -> &PointSet {
+        self.set
+    }
+
     /// Returns `S_lm = sum_k w_k conj Y_lm(s_k)`. The weights are scaled by a power of two such
     /// that the largest is in [1/2, 1); equal weights are 1.
     #[must_use]
