@@ -23,7 +23,7 @@
 //! The variance is `Var(I_N) = (4 pi / N) sum_{l >= 1} (2l+1) <P_S(l)> P_F(l)` (Singh 2015,
 //! corrected). The part of the integrand's energy beyond the largest degree of the spectrum is
 //! included. A [`Predictor`] predicts the variance for any sampler; [`Candidate`] and [`rank`]
-//! compare patterns.
+//! compare patterns. [`FixedOrientation`] has the errors of patterns that are not rotated.
 
 mod candidate;
 mod comparison;
@@ -32,6 +32,7 @@ mod degree;
 mod designs;
 mod energy_levels;
 mod error;
+mod fixed_orientation;
 mod known_moments;
 mod measurement;
 mod predicted_curve;
@@ -54,6 +55,7 @@ pub use crossover::{Crossover, crossover, crossovers};
 pub use degree::{check_degree, prediction_degree, settled_degree, settled_degree_of};
 pub use designs::best_design;
 pub use error::Error;
+pub use fixed_orientation::{FixedOrientation, UnrotatedMethod, UnrotatedPrediction};
 pub use measurement::{BiasTest, Measurement, measure, trial_work};
 pub use predicted_curve::PredictedCurve;
 pub use predicted_point::PredictedPoint;

@@ -154,6 +154,40 @@ impl Measurement {
         BiasTest { z, p_value: student::two_sided(z, self.count() - 1.0) }
     }
 
+    /// Returns the estimate that a share `p` of the trials does not exceed, by linear interpolation
+    /// between the ordered estimates (Hyndman and Fan 1996, definition 7). Returns `None` where
+    /// less than one trial is expected below or above it: for p = 5 % with fewer than 20 trials.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use sphvar_variance::Measurement;
+    ///
+    /// let trials = Measurement::new(vec![4.0, 1.0, 3.0, 2.0, 5.0]);
+    /// assert_eq!(trials.quantile(0.25), Some(2.0));
+    /// assert_eq!(trials.quantile(0.05), None);
+    /// ```
+    #[must_use]
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "between 0 and the number of trials"
+    )]
+    pub fn quantile(&self, p: f64) -> Option<f64> {
+        let is_known = p.min(1.0 - p) * self.count() >= 1.0 - 1e-9;
+        if !is_known {
+            return None;
+        }
+        let mut sorted = self.estimates.clone();
+        sorted.sort_by(f64::total_cmp);
+        let place = p * (self.count() - 1.0);
+        let below = (place as usize).min(sorted.len() - 1);
+        let above = (below + 1).min(sorted.len() - 1);
+        let fraction = place - below as f64;
+        // A difference may overflow or, between equal estimates, leave rounding errors.
+        Some(sorted[below] * (1.0 - fraction) + sorted[above] * fraction)
+    }
+
     /// Returns the number of trials at which the relative standard error of the variance is
     /// `relative`, given the kurtosis of the present estimates: `n (r/relative)^2`.
     #[must_use]

@@ -376,7 +376,7 @@ impl<'a> Predictor<'a> {
         }
     }
 
-    fn max_realizations(
+    pub(crate) fn max_realizations(
         &self,
         budget: PredictionBudget,
         sampler: &dyn Sampler,
@@ -402,7 +402,7 @@ impl<'a> Predictor<'a> {
         Ok((spectrum, PredictionAccumulator::new(self.energy_to(lmax)?, n_points, lmax)))
     }
 
-    fn resolution(&self, lmax: usize, n_points: usize) -> Resolution {
+    pub(crate) fn resolution(&self, lmax: usize, n_points: usize) -> Resolution {
         let SpectrumOptions { method, epsilon, .. } = self.options;
         Resolution { lmax, n_points, method, epsilon }
     }

@@ -101,8 +101,7 @@ impl Predictor<'_> {
         let integrand: &dyn Integrand = self.integrand();
         let kurtosis = self.kurtosis();
         let energy = self.energy();
-        // An estimate of int F is a sum of numbers of the size of F, whose roundings partly cancel.
-        let rounding = domain.area() * energy.total() * (4.0 * f64::EPSILON).powi(2);
+        let rounding = self.estimate_rounding();
         let prediction_rounding = energy.prediction_rounding();
         let known = KnownMoments {
             n_points: sampler.n_points() as f64,
@@ -124,6 +123,12 @@ impl Predictor<'_> {
         };
         let exact = integrand.exact(domain);
         Ok(Comparison { predicted, measurement, exact, rounding, prediction_rounding, known })
+    }
+
+    /// Returns the variance that rounding of an estimate alone can produce: an estimate of int F is
+    /// a sum of numbers of the size of F, whose roundings partly cancel.
+    pub(crate) fn estimate_rounding(&self) -> f64 {
+        self.domain().area() * self.energy().total() * (4.0 * f64::EPSILON).powi(2)
     }
 }
 

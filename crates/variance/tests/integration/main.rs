@@ -1,6 +1,7 @@
 //! Predictions and measurements against closed forms, pair sums and each other.
 
 mod extreme_parameters;
+mod fixed_orientation;
 mod given_sets;
 mod hostile_samplers;
 mod measured_intervals;
