@@ -13,6 +13,7 @@ use crate::commands::bounds::BoundsBody;
 use crate::commands::choose::record::ChoiceBody;
 use crate::commands::compare::record::ComparisonBody;
 use crate::commands::eval::{CapBody, HarmonicBody, LegendreBody, ProfileBody};
+use crate::commands::fixed_orientation::FixedOrientationBody;
 use crate::commands::healpix::HealpixBody;
 use crate::commands::list::ListBody;
 use crate::commands::render::sheet::SheetBody;
@@ -58,6 +59,7 @@ fn documents(generator: &mut SchemaGenerator) -> Vec<(&'static str, Schema)> {
         ("sample", document::<SampleBody>(generator)),
         ("spectrum", document::<SpectrumBody>(generator)),
         ("variance", document::<VarianceBody>(generator)),
+        ("variance --no-rotate", document::<FixedOrientationBody>(generator)),
     ]
 }
 

@@ -18,6 +18,7 @@ pub(crate) mod variance;
 
 pub(crate) mod crossovers;
 mod effort;
+pub(crate) mod fixed_orientation;
 mod power_chart;
 mod row_record;
 mod rows;

@@ -76,6 +76,10 @@ impl Case {
         Ok(cases)
     }
 
+    pub(super) fn sampler(&self) -> &dyn Sampler {
+        &*self.sampler
+    }
+
     pub(super) fn n_points(&self) -> usize {
         self.sampler.n_points()
     }
@@ -190,7 +194,7 @@ impl Plan<'_> {
     }
 
     /// Returns the trials of a sampler: the user's number or the default.
-    fn trials_of(&self, sampler: &dyn Sampler) -> Trials {
+    pub(super) fn trials_of(&self, sampler: &dyn Sampler) -> Trials {
         let count = self.trials.unwrap_or_else(|| Trials::default_for(sampler).count);
         let max_trials = self.until.map_or(u64::MAX, |precision| precision.max_trials);
         Trials { count: count.min(max_trials), until: self.until }

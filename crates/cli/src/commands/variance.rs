@@ -7,8 +7,9 @@ use sphvar_samplers::Pattern;
 
 use super::compare::{Curve, variance_chart};
 use super::effort::EffortArgs;
+use super::fixed_orientation::{self, FixedOrientationRecord};
 use super::row_record::RowRecord;
-use super::rows::{self, Case};
+use super::rows::{self, Case, Plan};
 use super::visible_half::{self, HalfAxis, VisibleHalfRecord};
 use crate::error::CliError;
 use crate::flags::{CountsArgs, IntegrandArgs, NearestArgs, OutArgs, SamplersArgs};
@@ -22,13 +23,18 @@ pub(crate) const EXAMPLES: &str = "Examples:
   sphvar variance --samplers all -n 1k --nearest --integrand vmf:kappa=20 -m 100
   sphvar variance jittered -n 192 --integrand cap:degrees=60 -m 100 --until-rel 10%
   sphvar variance jittered,fibonacci -n 48..768 --nearest --integrand cap:degrees=60 -o v.svg
+  sphvar variance fibonacci,jittered -n 192 --integrand ylm:l=4,m=0 -m 200 --no-rotate
 
 Columns: the variance that the spectra predict and the one measured on independent, uniformly \
 rotated realizations, each with its standard error (that of the prediction with the error of the \
 degrees beyond the spectrum); ratio is measured/predicted, z their difference in standard errors, \
 bias z that of the mean estimate and the exact integral. 95 % intervals are in files and --json. \
 Where too few trials sample the support of the integrand, the measured variance has no error, ratio or z; where \
-all trials agree, it has an upper limit only.";
+all trials agree, it has an upper limit only.
+
+--no-rotate gives the errors in the orientation that a pattern has. For a set that is always the same these are \
+its signed error and the distribution of errors over uniformly random orientations; for a random pattern, the mean \
+error (its bias) and the distribution over realizations, whose variance may differ from that of rotated ones.";
 
 #[derive(Debug, Args)]
 #[command(
@@ -51,6 +57,9 @@ pub(crate) struct VarianceArgs {
     #[arg(long, value_name = "AXIS", num_args = 0..=1, require_equals = true,
         default_missing_value = "random", hide_possible_values = true, requires = "hemisphere")]
     pub(crate) visible_half: Option<HalfAxis>,
+    /// Keep the orientation of the patterns: the signed error of sets that are always the same with its distribution over orientations, and the variance and the bias of random patterns
+    #[arg(long, conflicts_with_all = ["visible_half", "until_rel"])]
+    pub(crate) no_rotate: bool,
     #[command(flatten)]
     pub(crate) out: OutArgs,
 }
@@ -79,6 +88,9 @@ pub(crate) fn run(args: &VarianceArgs, global: &Global) -> Result<(), CliError> 
     let patterns = parse_patterns(&args.samplers.required()?)?;
     let cases = Case::all(&patterns, args.counts.required()?, domain, args.nearest.nearest)?;
     let plan = args.effort.plan(&integrand, global, false)?;
+    if args.no_rotate {
+        return run_fixed(args, global, &plan, &cases);
+    }
     let (rows, _) = rows::run(&plan, &cases)?;
     let records: Vec<RowRecord> = rows.iter().map(|row| RowRecord::new(row, &plan)).collect();
     let provenance = Provenance::new(global.seed);
@@ -101,6 +113,23 @@ pub(crate) fn run(args: &VarianceArgs, global: &Global) -> Result<(), CliError> 
         csv: &|| csv_of(&provenance, &body.rows),
         chart: Some(&chart),
         text: &|| text(&body),
+    };
+    emit(args.out.out.as_deref(), global, &provenance, &body, &forms)
+}
+
+/// Writes the errors of patterns that are not rotated.
+fn run_fixed(
+    args: &VarianceArgs,
+    global: &Global,
+    plan: &Plan<'_>,
+    cases: &[Case],
+) -> Result<(), CliError> {
+    let (body, chart) = fixed_orientation::run(plan, cases)?;
+    let provenance = Provenance::new(global.seed);
+    let forms = Forms {
+        csv: &|| csv_of(&provenance, &body.rows),
+        chart: Some(&|| Ok(chart.clone())),
+        text: &|| table_of(&FixedOrientationRecord::columns(), &body.rows),
     };
     emit(args.out.out.as_deref(), global, &provenance, &body, &forms)
 }

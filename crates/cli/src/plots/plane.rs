@@ -98,6 +98,8 @@ pub(super) fn drawable_y(panel: &Panel, x_scale: Scale) -> Vec<f64> {
         let (floor, ceiling) = match (panel.y_scale, &series.spread) {
             (Scale::Log, Spread::Ranges(_)) => (low / RANGE_REACH, f64::INFINITY),
             (Scale::Log, _) => (low / BAR_REACH, f64::INFINITY),
+            // Ranges are results of their own, errors may exceed them by far.
+            (Scale::Linear, Spread::Ranges(_)) => (f64::NEG_INFINITY, f64::INFINITY),
             (Scale::Linear, _) if high > low => {
                 let reach = LINEAR_REACH * (high - low);
                 (low - reach, high + reach)

@@ -11,6 +11,7 @@ mod errors_of_files;
 mod errors_of_outputs;
 mod errors_of_usage;
 mod expressions;
+mod fixed_orientation;
 mod forms_of_points;
 mod forms_of_results;
 mod grammar;
