@@ -1,6 +1,7 @@
 //! `sphvar spectrum`: the angular power spectrum of a pattern or of points in files.
 
 mod chart;
+mod pairs;
 pub(crate) mod report;
 
 use std::path::{Path, PathBuf};
@@ -15,6 +16,7 @@ use sphvar_spectrum::{
     SpectrumAccumulator, accumulate,
 };
 
+use self::pairs::{PairArgs, PairBody};
 pub(crate) use self::report::{Remarks, emit};
 use super::sets_args::SetsArgs;
 use crate::counts::parse_realizations;
@@ -37,12 +39,17 @@ pub(crate) const EXAMPLES: &str = "Examples:
   sphvar spectrum healpix -n 972 -o spectrum.png
   sphvar spectrum jittered -n 3888 --exact --lmax 190
   sphvar spectrum jittered -n 3888 -m 300 --shard 2/3 --save second.shard
+  sphvar spectrum poisson-disk -n 200 -m 10 --pairs -o pairs.svg
 
 White noise has power 1 for l >= 1; P(0) = N. The error is the standard error of the mean over the \
 realizations, each with an independent uniform random rotation. It is 0 for deterministic patterns, whose spectrum is \
 exact, and absent (- or null) for a single set from a file. N of weighted points is (sum w)^2 / sum w^2. \
 --exact evaluates the mean spectrum in closed form, which is available for white noise, for one point in each of N \
-equal-area cells (jittered, equal-area) and for deterministic patterns.";
+equal-area cells (jittered, equal-area) and for deterministic patterns.
+
+--pairs counts pairs of points by their angle: g is the density of pairs relative to that of independent points \
+(1 - 1/N for these), K the area times the share of pairs within a radius, and L the radius of the cap of area K. \
+g smooth is the same from the spectrum, averaged by a heat kernel.";
 
 #[derive(Debug, Args)]
 #[command(mut_arg("lmax", |lmax| lmax.help(lmax_help(&natural_degree_in_words()))))]
@@ -68,6 +75,8 @@ pub(crate) struct SpectrumArgs {
     pub(crate) lmax: LmaxArgs,
     #[command(flatten)]
     pub(crate) transform: TransformArgs,
+    #[command(flatten)]
+    pub(crate) pairs: PairArgs,
     #[command(flatten)]
     pub(crate) out: OutArgs,
     /// Compute only part I of K equal parts of the realizations, for `sphvar merge`
@@ -146,10 +155,7 @@ pub(crate) fn run(args: &SpectrumArgs, global: &Global) -> Result<(), CliError> 
     }
     let started = Instant::now();
     let orders = args.per_order.is_some().then(|| OrderAccumulator::new(lmax)).transpose()?;
-    let empty = (
-        SpectrumAccumulator::new(domain, n_points, lmax),
-        (orders, coefficient.as_ref().map(|c| CoefficientSamples::new(c.l, c.m))),
-    );
+    let pairs = args.pairs.settings(domain, n_points, lmax, global.quiet)?;
     let (sets, count): (&dyn Ensemble, u64) = match &source {
         Source::Files { sets } => (sets.sets(), count),
         Source::Sampler { sampler, .. } => {
@@ -177,17 +183,27 @@ pub(crate) fn run(args: &SpectrumArgs, global: &Global) -> Result<(), CliError> 
         Source::Sampler { sampler, .. } => sampler.nominal_work(),
         Source::Files { .. } => 0.0,
     };
-    let work = set_work + method.nominal_work(n_points, lmax);
+    let pair_work = pairs.as_ref().map_or(0.0, |pairs| pairs.work(n_points));
+    let work = set_work + method.nominal_work(n_points, lmax) + pair_work;
     let progress = Progress::new((part.end - part.start) as f64 * work, global.quiet);
     progress.stage(&name);
-    let (sums, (orders, samples)) = accumulate(sets, resolution, part.clone(), &empty, &progress)?;
+    let empty = (
+        SpectrumAccumulator::new(domain, n_points, lmax),
+        (orders, coefficient.as_ref().map(|c| CoefficientSamples::new(c.l, c.m))),
+    );
+    let of_pairs = pairs.as_ref().map(|pairs| pairs.accumulators(&progress)).transpose()?;
+    let empty = (empty, of_pairs);
+    let ((sums, (orders, samples)), of_pairs) =
+        accumulate(sets, resolution, part.clone(), &empty, &progress)?;
+    // A single set in a file is of interest itself, not as a realization of an ensemble, so its
+    // spectrum has no error.
+    let (exact, has_no_error, weights) = match &source {
+        Source::Sampler { sampler, .. } => (!sampler.is_random(), false, None),
+        Source::Files { sets } => (count == 1, count == 1, sets.weight_sums()),
+    };
+    let pairs = of_pairs.map(|sums| PairBody::new(&sums, exact, has_no_error)).transpose()?;
     drop(progress);
     let spectrum = sums.finish()?;
-    let exact = match &source {
-        Source::Sampler { sampler, .. } => !sampler.is_random(),
-        // A single set in a file is of interest itself, not as a realization of an ensemble.
-        Source::Files { .. } => count == 1,
-    };
     let spectrum = if exact { spectrum.into_exact() } else { spectrum };
     let seconds = started.elapsed().as_secs_f64();
 
@@ -216,11 +232,7 @@ pub(crate) fn run(args: &SpectrumArgs, global: &Global) -> Result<(), CliError> 
         let rows = samples.iter().map(|a| CoefficientRecord { re: a.re, im: a.im });
         write_text(&coefficient.path, &csv_of(&provenance, &rows.collect::<Vec<_>>())?)?;
     }
-    let remarks = match &source {
-        Source::Sampler { .. } => Remarks::default(),
-        // A single catalogue is not a sample of an ensemble, so its spectrum has no error.
-        Source::Files { sets } => Remarks { has_no_error: count == 1, weights: sets.weight_sums() },
-    };
+    let remarks = Remarks { has_no_error, weights, pairs };
     emit(args.out.out.as_deref(), global, &name, &spectrum, remarks, seconds, &provenance)
 }
 

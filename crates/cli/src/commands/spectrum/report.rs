@@ -7,6 +7,7 @@ use serde::Serialize;
 use sphvar_spectrum::Spectrum;
 
 use super::chart::chart;
+use super::pairs::PairBody;
 use crate::error::CliError;
 use crate::global::Global;
 use crate::point_sets::WeightSums;
@@ -40,6 +41,9 @@ pub(crate) struct SpectrumBody {
     /// The mean power of odd degrees beyond `lmax`, which the hemisphere does not have.
     #[serde(skip_serializing_if = "Option::is_none")]
     tail_odd: Option<f64>,
+    /// Pair correlation and Ripley's functions, with `--pairs`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pairs: Option<PairBody>,
     /// The time that the spectrum took, in seconds.
     seconds: f64,
 }
@@ -60,13 +64,15 @@ struct PowerRecord {
     realizations: u64,
 }
 
-/// Remarks on a spectrum besides its numbers.
-#[derive(Clone, Copy, Debug, Default)]
+/// What is reported with a spectrum.
+#[derive(Clone, Debug, Default)]
 pub(crate) struct Remarks {
     /// Whether errors are meaningless because the spectrum is that of one given set.
     pub(crate) has_no_error: bool,
     /// The sums of the weights, if there are any.
     pub(crate) weights: Option<WeightSums>,
+    /// The pair correlation, if it was estimated; tables, CSV files and plots then show it.
+    pub(crate) pairs: Option<PairBody>,
 }
 
 /// Writes the spectrum of `name` to `out`, and prints it as JSON or as a table.
@@ -87,6 +93,7 @@ pub(crate) fn emit(
         stderr: if remarks.has_no_error { f64::NAN } else { stderr },
         realizations,
     };
+    let weights = remarks.weights;
     let rows: Vec<PowerRecord> = spectrum.rows().map(record).collect();
     let body = SpectrumBody {
         sampler: name.to_owned(),
@@ -94,47 +101,61 @@ pub(crate) fn emit(
         n,
         lmax: spectrum.lmax(),
         realizations,
-        weights: remarks.weights,
+        weights,
         l: rows.iter().map(|r| r.l).collect(),
         power: rows.iter().map(|r| r.power).collect(),
         stderr: rows.iter().map(|r| r.stderr).collect(),
         tail_even: spectrum.tail().even,
         tail_odd: spectrum.domain().has_degree(1).then_some(spectrum.tail().odd),
+        pairs: remarks.pairs,
         seconds,
     };
-    let chart = || Ok(chart(name, spectrum));
-    let forms = Forms {
-        csv: &|| csv_of(provenance, &rows),
-        chart: Some(&chart),
-        text: &|| text(&rows, remarks),
+    let (shown, all, what) = if let Some(pairs) = &body.pairs {
+        let rows = pairs.rows();
+        let forms = Forms {
+            csv: &|| csv_of(provenance, &rows),
+            chart: Some(&|| Ok(pairs.chart(name, n))),
+            text: &|| pairs.text(thinned(&rows)) + &text_of_weights(weights),
+        };
+        report::emit(out, global, provenance, &body, &forms)?;
+        (thinned(&rows).len(), rows.len(), "bins")
+    } else {
+        let forms = Forms {
+            csv: &|| csv_of(provenance, &rows),
+            chart: Some(&|| Ok(chart(name, spectrum))),
+            text: &|| text(&rows, weights),
+        };
+        report::emit(out, global, provenance, &body, &forms)?;
+        (thinned(&rows).len(), rows.len(), "degrees")
     };
-    report::emit(out, global, provenance, &body, &forms)?;
-    let shown = thinned(&rows).len();
-    if shown < rows.len() && out.is_none() && !global.json {
-        let remark = format!("{shown} of {} degrees; all of them: -o FILE.csv", rows.len());
+    if shown < all && out.is_none() && !global.json {
+        let remark = format!("{shown} of {all} {what}; all of them: -o FILE.csv");
         say(global.quiet, &remark);
     }
     Ok(())
 }
 
 /// Returns the table for the terminal.
-fn text(rows: &[PowerRecord], remarks: Remarks) -> String {
+fn text(rows: &[PowerRecord], weights: Option<WeightSums>) -> String {
     let columns = [
         Column::number("l", |r: &PowerRecord| r.l.to_string()),
         Column::number("l/sqrt(N)", |r: &PowerRecord| number::value(r.omega)),
         Column::number("power", |r: &PowerRecord| number::value(r.power)),
         Column::number("+-", |r: &PowerRecord| number::uncertainty(r.stderr)),
     ];
-    let mut text = table_of(&columns, thinned(rows));
-    if let Some(WeightSums { n_effective, sum_w, sum_w2 }) = remarks.weights {
+    table_of(&columns, thinned(rows)) + &text_of_weights(weights)
+}
+
+/// Returns a line on the weights, if there are any.
+fn text_of_weights(weights: Option<WeightSums>) -> String {
+    weights.map_or(String::new(), |WeightSums { n_effective, sum_w, sum_w2 }| {
         let [n, sum, squares] = [n_effective, sum_w, sum_w2].map(number::value);
-        text += &format!("N_eff = {n} (sum w = {sum}, sum w^2 = {squares})\n");
-    }
-    text
+        format!("N_eff = {n} (sum w = {sum}, sum w^2 = {squares})\n")
+    })
 }
 
 /// Returns all rows of a short list, or about 40 of a long one with increasing spacing.
-fn thinned(rows: &[PowerRecord]) -> Vec<&PowerRecord> {
+fn thinned<R>(rows: &[R]) -> Vec<&R> {
     const FEW: usize = 40;
     let mut next = 0;
     rows.iter()
