@@ -164,7 +164,13 @@ fn documents_fit_their_schema() {
         ("spectrum", "spectrum jittered -n 12 -m 4"),
         ("spectrum", "spectrum jittered -n 6 -m 1 --hemisphere"),
         ("spectrum", "spectrum --points weighted.csv --lmax 4"),
+        ("spectrum", "spectrum poisson-disk -n 12 -m 4 --pairs --density cap:degrees=180"),
+        ("spectrum", "spectrum --points weighted.csv --lmax 4 --pairs --density weights --bins 5"),
         ("variance", "variance jittered -n 12 --integrand cap:degrees=60 -m 20"),
+        (
+            "variance --no-rotate",
+            "variance jittered,fibonacci,white-noise -n 12 --integrand cosine -m 20 --no-rotate",
+        ),
         ("variance", "variance white-noise -n 12 --integrand vmf:kappa=1e6 -m 10"),
         (
             "variance",
