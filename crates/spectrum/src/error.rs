@@ -21,6 +21,17 @@ pub enum Error {
     /// The ensemble has no realizations.
     #[error("a spectrum needs at least 1 realization, got 0")]
     NoRealizations,
+    /// Points are so close together that the sum over near pairs would take hours.
+    #[error(
+        "the set has about {pairs:.0e} pairs of near points, more than the {max:.0e} that can be \
+         summed; merge points that almost coincide (identical points are merged already)"
+    )]
+    NearPairs {
+        /// The estimated number of pairs.
+        pairs: f64,
+        /// The largest number that is summed.
+        max: f64,
+    },
     /// A setting is out of range.
     #[error("{what} must be {expected}, got {got}")]
     Setting {

@@ -46,6 +46,7 @@ mod homogeneity;
 mod moments;
 mod orders;
 mod pair_correlation;
+pub mod quality;
 mod realization;
 mod spectrum;
 
