@@ -11,12 +11,20 @@ pub enum Area {
     Spectra,
     /// Predicted variances.
     Predictions,
+    /// Discrepancies, worst-case errors and energies of point sets.
+    Quality,
 }
 
 impl Area {
     /// Every area.
-    pub const ALL: [Self; 5] =
-        [Self::Harmonics, Self::Indexing, Self::Transforms, Self::Spectra, Self::Predictions];
+    pub const ALL: [Self; 6] = [
+        Self::Harmonics,
+        Self::Indexing,
+        Self::Transforms,
+        Self::Spectra,
+        Self::Predictions,
+        Self::Quality,
+    ];
 
     /// Returns the name of the area in commands and files.
     #[must_use]
@@ -27,6 +35,7 @@ impl Area {
             Self::Transforms => "transforms",
             Self::Spectra => "spectra",
             Self::Predictions => "predictions",
+            Self::Quality => "quality",
         }
     }
 }

@@ -1,4 +1,4 @@
-use crate::{Area, Errors, harmonics, indexing, predictions, spectra, transforms};
+use crate::{Area, Errors, harmonics, indexing, predictions, quality, spectra, transforms};
 
 /// An extreme input at the limits of floating-point numbers, with the bound of its error.
 #[derive(Clone, Copy, Debug)]
@@ -24,5 +24,6 @@ pub fn hard_cases(area: Area) -> Vec<HardCase> {
         Area::Transforms => transforms::hard_cases(),
         Area::Spectra => spectra::hard_cases(),
         Area::Predictions => predictions::hard_cases(),
+        Area::Quality => quality::hard_cases(),
     }
 }

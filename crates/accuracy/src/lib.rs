@@ -31,6 +31,7 @@ mod hard_case;
 mod harmonics;
 mod indexing;
 mod predictions;
+mod quality;
 pub mod reference;
 mod spectra;
 mod transforms;

@@ -1,6 +1,6 @@
 use std::fmt;
 
-use crate::{Area, Errors, harmonics, indexing, predictions, spectra, transforms};
+use crate::{Area, Errors, harmonics, indexing, predictions, quality, spectra, transforms};
 
 /// The amount of work of a suite.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -64,5 +64,6 @@ pub fn trials(area: Area, effort: Effort) -> Vec<Trial> {
         Area::Transforms => transforms::trials(effort),
         Area::Spectra => spectra::trials(effort),
         Area::Predictions => predictions::trials(effort),
+        Area::Quality => quality::trials(effort),
     }
 }

@@ -18,6 +18,7 @@ macro_rules! hard_cases {
 mod harmonics;
 mod indexing;
 mod predictions;
+mod quality;
 mod spectra;
 mod transforms;
 
@@ -37,8 +38,14 @@ fn assert_held(name: &str) {
 
 #[test]
 fn every_hard_case_has_a_test() {
-    let areas =
-        [harmonics::NAMES, indexing::NAMES, transforms::NAMES, spectra::NAMES, predictions::NAMES];
+    let areas = [
+        harmonics::NAMES,
+        indexing::NAMES,
+        transforms::NAMES,
+        spectra::NAMES,
+        predictions::NAMES,
+        quality::NAMES,
+    ];
     let mut tested = areas.concat();
     let mut listed: Vec<_> = all().map(|case| case.name).collect();
     tested.sort_unstable();

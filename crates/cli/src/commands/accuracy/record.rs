@@ -31,7 +31,7 @@ pub(crate) struct AccuracyBody {
 /// One method on one input.
 #[derive(Debug, Serialize, JsonSchema)]
 pub(crate) struct TrialRecord {
-    /// The area: `harmonics`, `indexing`, `transforms`, `spectra` or `predictions`.
+    /// The area: `harmonics`, `indexing`, `transforms`, `spectra`, `predictions` or `quality`.
     pub(super) area: &'static str,
     /// The method.
     pub(super) method: String,
