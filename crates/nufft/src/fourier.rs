@@ -3,7 +3,7 @@ use std::sync::Arc;
 
 use num_complex::Complex;
 use pulp::{Arch, NullaryFnOnce};
-use rustfft::{Fft, FftPlanner};
+use rustfft::{Fft, FftDirection};
 
 use crate::real::Real;
 use crate::spreading::Spreading;
@@ -39,7 +39,7 @@ impl<T: Real> Fourier<T> {
         let mut correction: Vec<T> =
             window.transform(cells, kmax).into_iter().map(|t| T::of(1.0 / t)).collect();
         correction.resize((kmax + 1).next_multiple_of(COLUMNS), T::default());
-        let fft = FftPlanner::new().plan_fft_forward(cells);
+        let fft = T::fourier_plan(cells, FftDirection::Forward);
         Self { kmax, cells, correction: correction.into(), fft }
     }
 

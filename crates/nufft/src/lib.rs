@@ -58,6 +58,7 @@ pub mod parts {
     pub use crate::sizes::good_size;
     pub use crate::spreading::Spreading;
     pub use crate::window::Window;
+    pub use rustfft::{Fft, FftDirection};
 }
 
 #[cfg(doctest)]

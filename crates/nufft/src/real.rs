@@ -1,6 +1,7 @@
 use std::ops::AddAssign;
+use std::sync::Arc;
 
-use rustfft::FftNum;
+use rustfft::{Fft, FftDirection, FftNum, FftPlanner};
 
 /// Number type of a grid: f32 if the requested accuracy permits, otherwise f64.
 pub trait Real: FftNum + Default + AddAssign {
@@ -11,6 +12,11 @@ pub trait Real: FftNum + Default + AddAssign {
     fn of(x: f64) -> Self;
     /// Returns the same number in f64.
     fn to_f64(self) -> f64;
+    /// Returns the plan of one-dimensional Fourier transforms of a length.
+    ///
+    /// rustfft is generic over the number type and takes half a minute to compile for one.
+    /// Planning here, and not where a plan is used, compiles it once for all crates.
+    fn fourier_plan(length: usize, direction: FftDirection) -> Arc<dyn Fft<Self>>;
     /// Returns `self * a + b`, rounded once if `FUSED`, which is slow without hardware support.
     fn times_plus<const FUSED: bool>(self, a: Self, b: Self) -> Self;
 }
@@ -27,6 +33,11 @@ impl Real for f32 {
     #[inline(always)]
     fn to_f64(self) -> f64 {
         f64::from(self)
+    }
+
+    #[inline(never)]
+    fn fourier_plan(length: usize, direction: FftDirection) -> Arc<dyn Fft<Self>> {
+        FftPlanner::new().plan_fft(length, direction)
     }
 
     #[inline(always)]
@@ -46,6 +57,11 @@ impl Real for f64 {
     #[inline(always)]
     fn to_f64(self) -> f64 {
         self
+    }
+
+    #[inline(never)]
+    fn fourier_plan(length: usize, direction: FftDirection) -> Arc<dyn Fft<Self>> {
+        FftPlanner::new().plan_fft(length, direction)
     }
 
     #[inline(always)]

@@ -5,8 +5,7 @@ use std::sync::Arc;
 use glam::DVec3;
 use num_complex::Complex;
 use pulp::{Arch, NullaryFnOnce};
-use rustfft::{Fft, FftPlanner};
-use sphvar_nufft::parts::{Design, Real, good_size};
+use sphvar_nufft::parts::{Design, Fft, FftDirection, Real, good_size};
 use sphvar_sh::Colatitude;
 
 /// Number of orders whose columns are transformed together, so that they share cache lines.
@@ -66,7 +65,9 @@ impl<T: Real> Torus<T> {
             design.window.transform(n, lmax).into_iter().map(|t| T::of(1.0 / t)).collect();
         let theta_correction = correction.clone().into();
         correction.resize((lmax + 1).next_multiple_of(ORDERS), T::default());
-        let mut planner = FftPlanner::new();
+        let (forward, inverse) = (FftDirection::Forward, FftDirection::Inverse);
+        let (grid_forward, grid_inverse) =
+            (T::fourier_plan(n, forward), T::fourier_plan(n, inverse));
         Self {
             lmax,
             n_theta: n,
@@ -74,12 +75,12 @@ impl<T: Real> Torus<T> {
             n_rings,
             phi_correction: correction.into(),
             theta_correction,
-            phi_forward: planner.plan_fft_forward(n),
-            phi_inverse: planner.plan_fft_inverse(n),
-            theta_forward: planner.plan_fft_forward(n),
-            theta_inverse: planner.plan_fft_inverse(n),
-            rings_forward: planner.plan_fft_forward(n_rings),
-            rings_inverse: planner.plan_fft_inverse(n_rings),
+            phi_forward: Arc::clone(&grid_forward),
+            phi_inverse: Arc::clone(&grid_inverse),
+            theta_forward: grid_forward,
+            theta_inverse: grid_inverse,
+            rings_forward: T::fourier_plan(n_rings, forward),
+            rings_inverse: T::fourier_plan(n_rings, inverse),
         }
     }
 

@@ -2,7 +2,7 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use glam::DVec3;
 use num_complex::Complex;
-use rustfft::FftPlanner;
+use sphvar_nufft::parts::{FftDirection, Real};
 use sphvar_sh::Domain;
 use sphvar_sh::{Alm, ByParity, Colatitude, GaussLegendre};
 use sphvar_sht::{RingTransform, RingWorkspace};
@@ -111,7 +111,7 @@ impl EnvironmentMap {
     /// Returns the discrete Fourier transform of each row, without the phase of the half texel.
     fn row_transforms(&self) -> Vec<Complex<f64>> {
         let mut rows: Vec<_> = self.texels.iter().map(|&x| Complex::new(x, 0.0)).collect();
-        FftPlanner::new().plan_fft_forward(self.width).process(&mut rows);
+        f64::fourier_plan(self.width, FftDirection::Forward).process(&mut rows);
         rows
     }
 

@@ -2,8 +2,8 @@ use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI, TAU};
 
 use glam::DVec3;
 use num_complex::Complex;
-use rustfft::FftPlanner;
 use sphvar_healpix::{Nested, Nside, PixelOrder, Ring};
+use sphvar_nufft::parts::{FftDirection, Real};
 use sphvar_sh::Domain;
 use sphvar_sh::{Alm, ByParity, Colatitude, GaussLegendre};
 use sphvar_sht::{RingTransform, RingWorkspace};
@@ -159,7 +159,7 @@ impl HealpixMap {
         let n = self.n();
         let belt = &self.values[2 * n * (n - 1)..self.values.len() - 2 * n * (n - 1)];
         let mut spectra: Vec<_> = belt.iter().map(|&v| Complex::new(v, 0.0)).collect();
-        FftPlanner::new().plan_fft_forward(4 * n).process(&mut spectra);
+        f64::fourier_plan(4 * n, FftDirection::Forward).process(&mut spectra);
         spectra
     }
 
