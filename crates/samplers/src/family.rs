@@ -5,8 +5,8 @@ use crate::{Domain, Error, Pattern, Sampler};
 /// A pattern at any number of points, for variance curves and rankings; its `Display` text is the
 /// pattern's name.
 ///
-/// [`Pattern`] implements it for the patterns of this crate; implement it to compare your own
-/// patterns with them.
+/// [`Pattern`] implements it for the patterns of this crate, [`FnPattern`](crate::FnPattern) for
+/// functions; implement it to compare your own patterns with them.
 pub trait SamplerFamily: Debug + Display + Send + Sync {
     /// Returns the sampler of exactly `n_points` points.
     ///

@@ -24,6 +24,7 @@ mod ensemble;
 mod error;
 mod facts;
 mod family;
+mod fn_pattern;
 mod hash;
 mod of_pattern;
 mod optimization;
@@ -43,6 +44,7 @@ pub use ensemble::{
 pub use error::Error;
 pub use facts::{CostOrder, PatternFacts, Rate};
 pub use family::SamplerFamily;
+pub use fn_pattern::FnPattern;
 pub use optimization::{PowerProfile, SpectralControl, SpectralTarget, riesz_energy};
 pub use patterns::*;
 pub use sampler::Sampler;

@@ -62,11 +62,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let families: [&dyn SamplerFamily; 4] =
         [&AnyOctahedra, &Pattern::WhiteNoise, &Pattern::Jittered, &Pattern::Fibonacci];
     let goal = Goal::Points(192);
-    let mut candidates = Vec::new();
-    for family in families {
-        candidates.push(Candidate::new(family, goal, &mut predictor, &())?);
-    }
-    rank(&mut candidates, goal);
+    let candidates = Candidate::ranked(families, goal, &mut predictor, &())?;
     for (place, candidate) in candidates.iter().enumerate() {
         let (variance, stderr) = candidate.variance.unwrap_or((f64::NAN, f64::NAN));
         let pattern = candidate.curve.pattern();

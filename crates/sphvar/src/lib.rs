@@ -8,11 +8,8 @@
 //! let cap = Cap::from_degrees(60.0)?;
 //! let mut predictor = Predictor::new(&cap, Domain::Sphere, 0, PredictionBudget::DEFAULT)?;
 //! let goal = Goal::Points(192);
-//! let mut candidates = Vec::new();
-//! for pattern in [Pattern::WhiteNoise, Pattern::Jittered, Pattern::Fibonacci] {
-//!     candidates.push(Candidate::new(pattern, goal, &mut predictor, &())?);
-//! }
-//! rank(&mut candidates, goal);
+//! let patterns = [Pattern::WhiteNoise, Pattern::Jittered, Pattern::Fibonacci];
+//! let candidates = Candidate::ranked(patterns, goal, &mut predictor, &())?;
 //! assert_eq!(candidates[0].curve.pattern().to_string(), "fibonacci");
 //! # Ok::<(), sphvar::variance::Error>(())
 //! ```
@@ -26,8 +23,9 @@
 //! - [`grammar`]: specifications of patterns and integrands.
 //! - [`sh`]: spherical harmonics. [`healpix`]: the HEALPix grid. [`nufft`]: nonuniform Fourier transforms on the torus.
 //!
-//! The example `own_pattern` ranks a user-defined pattern and built-in ones for a user-defined
-//! integrand.
+//! A pattern of your own is a closure ([`FnPattern`](samplers::FnPattern)) or an implementation of
+//! [`Sampler`](samplers::Sampler), as in the example `own_pattern`; an integrand is a closure too
+//! ([`SampledFunction`](integrands::SampledFunction)).
 
 pub use glam;
 pub use rand;
@@ -47,12 +45,13 @@ pub use sphvar_warps as warps;
 /// The commonly used items.
 pub mod prelude {
     pub use glam::DVec3;
+    pub use rand::RngExt;
     pub use sphvar_integrands::{
         Cap, Energy, EnvironmentMap, Harmonic, Integrand, PhongLobe, Product, Rotated,
         SampledFunction, Sum, VonMisesFisher,
     };
     pub use sphvar_samplers::{
-        Domain, Pattern, PointSet, PointSets, Progress, Purpose, Realizations, Sampler,
+        Domain, FnPattern, Pattern, PointSet, PointSets, Progress, Purpose, Realizations, Sampler,
         SamplerFamily, Streams,
     };
     pub use sphvar_spectrum::{ExactSpectrum, Spectrum, estimate};

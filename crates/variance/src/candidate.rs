@@ -29,7 +29,7 @@ pub enum Goal {
 /// ```
 /// use sphvar_samplers::{Domain, Pattern, SamplerFamily};
 /// use sphvar_integrands::Harmonic;
-/// use sphvar_variance::{Candidate, PredictionBudget, Predictor, Goal, rank};
+/// use sphvar_variance::{Candidate, PredictionBudget, Predictor, Goal};
 ///
 /// let integrand = Harmonic::new(4, 0)?;
 /// let mut predictor =
@@ -37,11 +37,7 @@ pub enum Goal {
 /// let goal = Goal::Points(192);
 /// // Your own types that implement `SamplerFamily` can be ranked together with built-in patterns.
 /// let families: [&dyn SamplerFamily; 2] = [&Pattern::WhiteNoise, &Pattern::Jittered];
-/// let mut candidates = Vec::new();
-/// for family in families {
-///     candidates.push(Candidate::new(family, goal, &mut predictor, &())?);
-/// }
-/// rank(&mut candidates, goal);
+/// let candidates = Candidate::ranked(families, goal, &mut predictor, &())?;
 /// assert_eq!(candidates[0].curve.pattern().to_string(), "jittered");
 /// # Ok::<(), sphvar_variance::Error>(())
 /// ```
@@ -73,6 +69,23 @@ impl<F: SamplerFamily + Clone> Candidate<F> {
         progress: &dyn Progress,
     ) -> Result<Self, Error> {
         Self::with_curve(PredictedCurve::new(family), goal, predictor, progress)
+    }
+
+    /// Returns patterns with their predictions for a goal, best first as sorted by [`rank`].
+    ///
+    /// # Errors
+    ///
+    /// Returns the errors of [`Self::new`].
+    pub fn ranked(
+        families: impl IntoIterator<Item = F>,
+        goal: Goal,
+        predictor: &mut Predictor<'_>,
+        progress: &dyn Progress,
+    ) -> Result<Vec<Self>, Error> {
+        let candidates = families.into_iter().map(|f| Self::new(f, goal, predictor, progress));
+        let mut candidates = candidates.collect::<Result<Vec<_>, _>>()?;
+        rank(&mut candidates, goal);
+        Ok(candidates)
     }
 
     /// Returns a pattern with its predictions for a goal, of which those in `curve` are known.
