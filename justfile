@@ -40,7 +40,7 @@ schema:
 
 # Mutated inputs for every reader and grammar, 10^6 of text and 10^5 of binary forms; `just fuzz --seconds 60`.
 fuzz *ARGS:
-    cargo run --profile test -p sphvar-cli --example fuzz -- {{ARGS}}
+    cargo run --profile test -p sphvar-tests --example fuzz -- {{ARGS}}
 
 # A hundred interrupts at random times over all commands that write files.
 interrupts COUNT="100":
@@ -96,7 +96,7 @@ choose-study *ARGS:
 
 # Coverage of the intervals of measured variances, with few and with many trials in the support of the integrand.
 interval-coverage SEEDS="200":
-    cargo run --release -p sphvar-variance --example interval_coverage -- {{SEEDS}}
+    cargo run --release -p sphvar-tests --example interval_coverage -- {{SEEDS}}
 
 # Figure 7.9 c of the thesis: mean squared errors of ambient occlusion, with halves of sphere sets as there.
 figure-7-9 *ARGS:

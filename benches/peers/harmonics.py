@@ -209,7 +209,7 @@ def cases():
 def measure(folder, quick):
     """Prints the section as it goes; returns what goes to a file, and complaints."""
     getcontext().prec = 40
-    driver = Driver("sphvar-sh", "harmonics_server")
+    driver = Driver("harmonics_server")
     rounds = 5 if quick else 11
     record, complaints = [], []
     print("Associated Legendre functions; ns: for one value; ratio: time over sphvar's. Errors against the 25-digit table:")

@@ -215,7 +215,7 @@ def measure(folder, quick):
 
     rng = np.random.default_rng(SEED)
     random, hard = random_directions(rng), hard_directions(rng)
-    driver = Driver("sphvar-healpix", "indexing_server")
+    driver = Driver("indexing_server")
     rounds = 11 if quick else 41
     rows, agreements, centres, complaints = [], [], [], []
     print(f"HEALPix indexing: {N_RANDOM} random places; ratio: the fastest rival's time over sphvar's")

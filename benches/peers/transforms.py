@@ -4,7 +4,7 @@ Usage: python3 benches/peers/transforms.py [--quick] [--only REGEX] [--json FILE
 
 Contestants: ducc0.sht.adjoint_synthesis_general (spin 0, mmax = lmax, one thread, its own choice of oversampling, a
 given array for its result, freed memory kept in the process) with a map of f64 and, for targets that it can reach, of
-f32; sphvar through crates/sht/examples/transform_server.rs (one thread, plan and memory made before). ducc0 is given
+f32; sphvar through tests/examples/transform_server.rs (one thread, plan and memory made before). ducc0 is given
 colatitudes and longitudes made before the clock starts, sphvar unit vectors: it finds the angles within its time.
 
 Each case is run by two rules, both at a measured error of sphvar that is no larger than that of its rivals.
@@ -121,10 +121,10 @@ class Contestant:
 
 
 class Server(Driver):
-    """The process that runs sphvar's transforms; see crates/sht/examples/transform_server.rs."""
+    """The process that runs sphvar's transforms; see tests/examples/transform_server.rs."""
 
     def __init__(self):
-        super().__init__("sphvar-sht", "transform_server")
+        super().__init__("transform_server")
 
     def coefficients(self, folder):
         import numpy as np

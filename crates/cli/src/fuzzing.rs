@@ -1,5 +1,5 @@
-//! Readers and grammars as functions of bytes, for `examples/fuzz`. This module is not part of the
-//! stable interface of the crate.
+//! Readers and grammars as functions of bytes, for the fuzzer of the repository. This module is not
+//! part of the stable interface of the crate.
 
 mod seeds;
 

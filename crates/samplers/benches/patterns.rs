@@ -4,7 +4,7 @@
 //! An id is group/pattern/number of points, so that
 //! `cargo bench -p sphvar-samplers -- 'ccvt/.*capacity=256.*/1024'` runs a selection. Jittered sets
 //! and HEALPix use the nearest valid count.
-//! `cargo run --release -p sphvar-samplers --example pattern_growth` shows how times grow with the
+//! `cargo run --release -p sphvar-tests --example pattern_growth` shows how times grow with the
 //! number of points.
 
 use std::hint::black_box;

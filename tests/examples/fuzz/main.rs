@@ -74,7 +74,7 @@ fn scratch_file(folder: &Path, target: &Target) -> PathBuf {
 /// The mutations of a target's own inputs and of those files of the tests that have its extension and are accepted.
 fn mutator(target: &Target, scratch: &Path) -> Mutator {
     let mut seeds = target.seeds(scratch);
-    let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data");
+    let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("../crates/cli/tests/data");
     let mut files: Vec<PathBuf> =
         std::fs::read_dir(data).into_iter().flatten().flatten().map(|entry| entry.path()).collect();
     files.sort();

@@ -1,7 +1,7 @@
 //! Prints the time of the fast adjoint as a function of the number of points and the degree, and
 //! the fractions spent in spreading, Fourier transforms and the Legendre stage.
 //!
-//! `cargo run --release -p sphvar-sht --example transform_growth [EPSILON]`; uses one thread,
+//! `cargo run --release -p sphvar-tests --example transform_growth [EPSILON]`; uses one thread,
 //! prints medians, and takes about a minute.
 //!
 //! The fractions are differences: an empty set has the cost of the grid, and the Legendre stage is

@@ -2,7 +2,7 @@
 //! it grows.
 //!
 //! ```text
-//! cargo run --release -p sphvar-samplers --example pattern_growth -- [PATTERN | N]...
+//! cargo run --release -p sphvar-tests --example pattern_growth -- [PATTERN | N]...
 //! ```
 //!
 //! The default patterns are `Pattern::ALL`; name others as in `step:flat=0,core=0`. Numbers replace

@@ -1,7 +1,7 @@
 //! Measures how often the 95 % intervals of measured variances contain the true variance, and how
 //! often there is no interval.
 //!
-//! `cargo run --release -p sphvar-variance --example interval_coverage -- SEEDS`: the first table
+//! `cargo run --release -p sphvar-tests --example interval_coverage -- SEEDS`: the first table
 //! has integrands that few trials hit, the second has twenty ordinary ones. "seen" counts the seeds
 //! for which 50 trials or more differ from the others by a tenth of the largest difference.
 
