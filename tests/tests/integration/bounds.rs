@@ -116,6 +116,7 @@ fn the_bounds_of_white_noise_hold() {
 /// has 0.5. 140 sets: the error at l = 1 is 7 %, so that the excess is 5.5(10) standard errors, of
 /// which 3.5 refute.
 #[test]
+#[ignore = "statistics"]
 fn the_upper_bound_of_ccvt_is_broken_by_the_floor() {
     let known = thesis_bounds()[3];
     assert_eq!(known.sampler, "ccvt");
@@ -153,6 +154,7 @@ fn the_lower_bound_of_ccvt_is_broken_by_ideal_mass() {
 /// The peak grows with the capacity: m = 1024 with N = 256 reaches 2.54(11) in the recorded sets,
 /// above the bound of 2.
 #[test]
+#[ignore = "statistics"]
 fn the_upper_bound_of_ccvt_is_broken_by_the_peak() {
     let upper = thesis_bounds()[3].upper;
     let spectrum = ccvt(1024, MassPoints::White, 256, None, 24);

@@ -123,6 +123,7 @@ fn jitter_needs_the_points_of_its_exact_spectrum() {
 /// The measured error on independent realizations equals the requested one. False alarm of the
 /// family: 1e-4; seed 11, 3000 trials a cell.
 #[test]
+#[ignore = "statistics"]
 fn the_resulting_numbers_have_the_requested_error() {
     const TRIALS: u64 = 3000;
     const ALPHA: f64 = 1e-4;

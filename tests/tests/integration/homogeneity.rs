@@ -96,6 +96,7 @@ fn the_checker_rejects_unrotated_jitter() {
 /// Unrotated jitter, N = 768, degree 4: the power of each order relative to that of the degree, by
 /// quadrature and by sampling. Rotation does not change the power of the degree.
 #[test]
+#[ignore = "statistics"]
 fn unrotated_jitter_prefers_directions() {
     const REALIZATIONS: u64 = 10_000;
     const RECORDED: [f64; 5] = [1.1156, 1.0945, 0.9570, 0.8851, 1.0055];
@@ -127,6 +128,7 @@ fn unrotated_jitter_prefers_directions() {
 /// The variance of `Y_40` along the axis of unrotated jitter is not that of the formula but 1.116
 /// times as large; that of rotated jitter is.
 #[test]
+#[ignore = "statistics"]
 fn unrotated_jitter_does_not_have_the_predicted_variance() {
     const TRIALS: u64 = 10_000;
     let exact = exact_jitter_orders(8, 4);

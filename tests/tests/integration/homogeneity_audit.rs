@@ -132,6 +132,7 @@ fn false_alarms_are_as_rare_as_promised() {
 /// Jitter of 768 cells as drawn: the audit rejects them, and its intervals contain the ratios of the
 /// quadrature, all of them with probability 0.99; for rotated sets it does not reject (0.99).
 #[test]
+#[ignore = "statistics"]
 fn jitter_is_homogeneous_only_when_rotated() {
     const REALIZATIONS: u64 = 2000;
     const LMAX: usize = 4;

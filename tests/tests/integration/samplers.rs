@@ -191,6 +191,7 @@ fn every_sampler_keeps_its_contract() {
 
 /// The one pattern whose number of points is random.
 #[test]
+#[ignore = "statistics"]
 fn saturated_disks_keep_the_contract() {
     for domain in DOMAINS {
         check(

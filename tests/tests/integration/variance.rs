@@ -82,6 +82,7 @@ fn jitter_has_its_recorded_variances_and_rates() {
 /// relative error of P(4) from R realizations is sqrt(2/(9 R)) = 0.6 %, so 2 % is passed by chance
 /// in 4e-4 of seeds for each N; the cap's is smaller.
 #[test]
+#[ignore = "statistics"]
 fn predictions_of_jitter_are_within_2_percent() {
     for (nside, harmonic, cap) in
         [(4_u32, 7.183e-3, 1.544e-2), (8, 4.689e-4, 1.934e-3), (16, 2.965e-5, 2.420e-4)]
@@ -161,6 +162,7 @@ fn fixed_patterns_have_their_recorded_variances() {
 /// the largest bias each, `ALPHA_KS` for the distribution. The study of all patterns is
 /// `examples/closed_loop.rs`.
 #[test]
+#[ignore = "statistics"]
 fn measured_variances_are_the_predicted_ones() {
     const REQUESTED: [usize; 6] = [12, 48, 108, 192, 432, 768];
     const SETS: u64 = 400;
@@ -237,6 +239,7 @@ fn measured_variances_are_the_predicted_ones() {
 /// The reference table of `Y_40` and the cap: measured variances at 192, 768 and 3072 points agree
 /// with the recorded predictions. False alarm: ALPHA for the family.
 #[test]
+#[ignore = "statistics"]
 fn measured_variances_are_the_recorded_ones() {
     const TRIALS: u64 = 2000;
     const TABLE: [(Pattern, [f64; 3], [f64; 3]); 4] = [

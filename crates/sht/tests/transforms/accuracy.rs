@@ -68,6 +68,7 @@ fn degree_513() {
 }
 
 #[test]
+#[ignore = "slow"]
 fn degree_2048() {
     let mut sets = distinct(40);
     // One lattice is enough at this cost.

@@ -63,6 +63,7 @@ fn many_distinct_points() {
 }
 
 #[test]
+#[ignore = "slow"]
 fn a_million_points_at_one_place() {
     // All rounding errors of a plain sum have the same sign here, 1e-19 of the sum per point.
     const MILLION: usize = 1_000_000;

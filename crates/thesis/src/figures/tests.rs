@@ -116,6 +116,7 @@ fn check(figure: &Figure) {
 }
 
 #[test]
+#[ignore = "slow"]
 fn every_figure_can_be_composed() -> Result<(), Error> {
     let ids: Result<Vec<FigureId>, Error> = FIGURES.iter().map(|name| name.parse()).collect();
     let ids = ids?;
