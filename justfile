@@ -8,31 +8,25 @@ compare *ARGS:
 check:
     bash .ci/run
 
-# All tests.
+# Everything that is checked before an issue is closed.
+check-all:
+    bash .ci/full
+
+# The fast tests.
 test:
     cargo test --workspace
+
+# All tests, with the slow ones and statistics.
+test-all:
+    cargo test --workspace -- --include-ignored
 
 # All packages for crates.io, into target/package.
 package:
     cargo package --workspace --exclude sphvar-tests --no-verify
 
-# A stripped binary with completions, manual pages, licences and the list of dependencies with theirs, into dist/.
+# A stripped binary with completions, manual pages and the licences of its dependencies, into dist/.
 dist:
-    #!/usr/bin/env bash
-    set -euo pipefail
-    cargo build --profile dist --locked -p sphvar-cli
-    rm -rf dist
-    mkdir -p dist/completions
-    install -m 755 "${CARGO_TARGET_DIR:-target}/dist/sphvar" dist/sphvar
-    dist/sphvar completions bash > dist/completions/sphvar.bash
-    dist/sphvar completions elvish > dist/completions/sphvar.elv
-    dist/sphvar completions fish > dist/completions/sphvar.fish
-    dist/sphvar completions powershell > dist/completions/_sphvar.ps1
-    dist/sphvar completions zsh > dist/completions/_sphvar
-    dist/sphvar completions --man dist/man
-    cp LICENSE-APACHE LICENSE-MIT dist/
-    cargo tree --locked -p sphvar-cli -e normal --prefix none --no-dedupe -f '{p}: {l}' \
-        | grep -v -e '^sphvar' -e '^$' | sed 's/ (proc-macro)//' | sort -u > dist/DEPENDENCIES
+    bash .ci/dist
 
 # Write docs/schema.json, the JSON schema of all documents of `--json`, from their types.
 schema:
