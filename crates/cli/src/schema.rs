@@ -1,5 +1,5 @@
-//! The JSON schema of all documents of `--json`, docs/schema.json, which is generated from their
-//! types.
+//! The JSON schema of all documents of `--json`, which is generated from their types. A test
+//! compares it with the file in the repository.
 
 use std::path::Path;
 
@@ -25,7 +25,7 @@ use crate::commands::spectrum::report::SpectrumBody;
 use crate::commands::variance::VarianceBody;
 use crate::report::Document;
 
-/// The variable that makes the test write docs/schema.json instead of comparing it.
+/// The variable that makes the test write the file instead of comparing it.
 const WRITE: &str = "SPHVAR_WRITE_SCHEMA";
 
 /// Returns the schema of a document with a body of type `T`.

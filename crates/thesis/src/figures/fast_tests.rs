@@ -116,8 +116,7 @@ fn known_claims_have_their_verdicts() {
     }
 }
 
-/// Compares numbers of the claims of 4.10 with values of independent programs (`docs/theory.md`,
-/// Patterns).
+/// Compares numbers of the claims of 4.10 with values of independent programs.
 #[test]
 fn lattices_have_their_recorded_peaks() {
     let figure = figure("4.10");

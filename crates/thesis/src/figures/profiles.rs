@@ -196,7 +196,7 @@ fn solvable(difference: f64) -> Claim {
     .measured(Quantity::exact(difference))
     .erratum_if(Verdict::Wrong, 27)
     .because(format!(
-        "closed forms of docs/theory.md, b from {} to {}; a difference of at most {ROUNDING:e} is rounding",
+        "closed forms without sums, b from {} to {}; a difference of at most {ROUNDING:e} is rounding",
         EXPONENTS[0],
         EXPONENTS[EXPONENTS.len() - 1]
     ))

@@ -19,7 +19,7 @@ pub(super) fn markdown(
     let summary = Summary::new(rows);
     let mut text = format!(
         "# The thesis, figure by figure\n\nWritten by `{}` (sphvar {}, seed {}). {} Intervals are of 95 %. Errata have the \
-         numbers of the project's docs/theory.md.\n\n## Summary\n\n{}\n\n| verdict | rows | rule |\n|---|---|---|\n",
+         numbers of sphvar's list of errata of the thesis.\n\n## Summary\n\n{}\n\n| verdict | rows | rule |\n|---|---|---|\n",
         provenance.command,
         provenance.version,
         provenance.seed,

@@ -70,7 +70,7 @@ pub(super) fn page(
                         "The figures and numbers of G. Singh, "
                         cite { "Sampling and Variance Analysis for Monte Carlo Integration in Spherical Domain" }
                         " (2015), computed again. " (summary.sentence())
-                        " " (scale.description()) " Intervals are of 95 %. Errata have the numbers of the project's docs/theory.md."
+                        " " (scale.description()) " Intervals are of 95 %. Errata have the numbers of sphvar's list of errata of the thesis."
                     }
                     p { code { (provenance.command) } " (sphvar " (provenance.version) ", seed " (provenance.seed) ")" }
                     nav aria-label="Figures" {

@@ -21,7 +21,7 @@ pub(crate) struct VerdictRecord {
     /// The choice that the thesis does not state, where the claim was checked with several options.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) choice: Option<ChoiceRecord>,
-    /// The number in the list of errata of docs/theory.md, if the thesis is wrong or unclear here.
+    /// The number in sphvar's list of errata of the thesis, if the thesis is wrong or unclear here.
     pub(super) erratum: Option<u8>,
     /// The reason, in a sentence; may be empty.
     pub(super) remark: String,

@@ -1,15 +1,14 @@
 use super::map::read_fits_map;
 use super::{FitsField, FitsMap, HduChoice};
 
-/// Maps that healpy 1.20.1 wrote; `benches/peers/healpix_maps.py`.
+/// Maps that healpy 1.20.1 wrote.
 const RING: &[u8] = include_bytes!("../../../tests/data/ring.fits");
 const NESTED: &[u8] = include_bytes!("../../../tests/data/nested.fits");
 const TWO_FIELDS: &[u8] = include_bytes!("../../../tests/data/two_fields.fits");
 const PARTIAL: &[u8] = include_bytes!("../../../tests/data/partial.fits");
 const SMOOTH: &[u8] = include_bytes!("../../../tests/data/smooth.fits");
 
-/// Written by `benches/peers/map_variants.py` with healpy 1.20.1 and astropy 8.0.2, which printed
-/// the sums.
+/// Written by healpy 1.20.1 and astropy 8.0.2, which printed the sums.
 const MIXED: &[u8] = include_bytes!("../../../tests/data/mixed.fits");
 const EXPLICIT: &[u8] = include_bytes!("../../../tests/data/explicit.fits");
 const IMPLICIT_PART: &[u8] = include_bytes!("../../../tests/data/implicit_part.fits");

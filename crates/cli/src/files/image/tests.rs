@@ -17,7 +17,7 @@ fn read(content: &[u8], choice: &ChannelChoice) -> Result<ChannelImage, String> 
     read_image(&path, choice).map_err(|error| error.to_string())
 }
 
-/// Files of `benches/peers/exr_variants.py`, by OpenEXR 3.5: ramps 0, 1, 2, ... of 8 x 4.
+/// Written by OpenEXR 3.5: ramps 0, 1, 2, ... of 8 x 4.
 const GREY: &[u8] = include_bytes!("../../../tests/data/grey_half.exr");
 const DEPTH: &[u8] = include_bytes!("../../../tests/data/depth_uint.exr");
 const LAYERS: &[u8] = include_bytes!("../../../tests/data/layers.exr");

@@ -10,7 +10,7 @@ use super::super::{ColumnChoice, ReadOptions};
 use super::{PointFile, doubles, npy, read, read_as, read_with};
 use crate::files::fits::HduChoice;
 
-/// Written by `benches/peers/point_catalogues.py` with astropy.
+/// Written by astropy.
 const CATALOGUE: &[u8] = include_bytes!("../../../../tests/data/catalogue.fits");
 const CATALOGUE_GZ: &[u8] = include_bytes!("../../../../tests/data/catalogue.fits.gz");
 const CATALOGUE_CSV: &[u8] = include_bytes!("../../../../tests/data/catalogue.csv");
