@@ -92,6 +92,11 @@ choose-study *ARGS:
 interval-coverage SEEDS="200":
     cargo run --release -p sphvar-tests --example interval_coverage -- {{SEEDS}}
 
+# Draw the patterns and spectra in the documentation of sphvar-samplers again.
+pattern-pictures:
+    cargo build --release
+    python3 benches/pattern_pictures.py
+
 # Figure 7.9 c of the thesis: mean squared errors of ambient occlusion, with halves of sphere sets as there.
 figure-7-9 *ARGS:
     cargo run --release -- render cornell --study -n 16..1024 --mode rotated --samplers white-noise,jittered,poisson-disk,ccvt,healpix,fibonacci,step -o figure-7-9.png {{ARGS}}

@@ -1,5 +1,10 @@
 //! Patterns of N directions on the sphere and the hemisphere, and uniform random rotations.
 //!
+//! The near half of a set of 192 points of eight patterns, and their mean power at the degrees 1 to
+//! 42, relative to white noise (dashed):
+//!
+#![doc = include_str!("../images/patterns.svg")]
+//!
 //! ```
 //! use sphvar_samplers::{Domain, Pattern, Purpose, Realizations, Streams};
 //!
