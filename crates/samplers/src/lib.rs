@@ -22,6 +22,10 @@
 //! [`Realizations`] combine the two and rotate each set by a [`uniform_rotation`].
 //! [`SpectralControl`] generates patterns with a prescribed power at every degree. [`Pattern`]
 //! lists the patterns that can be built by name, with their valid numbers of points.
+//!
+//! # Features
+//!
+//! - `serde`: serialization of [`Domain`] with serde. Off by default.
 
 mod count;
 mod definition;

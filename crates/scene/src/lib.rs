@@ -19,6 +19,10 @@
 //! [`render`] computes the picture of an [`Integral`] over the hemisphere of each point, with the
 //! directions of a [`DirectionPlan`]; [`RenderErrors`] reports the errors of repeated renders
 //! relative to a reference image and their structure.
+//!
+//! # Features
+//!
+//! - `serde`: serialization of [`Image`] with serde. Off by default.
 
 mod directions;
 mod error;

@@ -40,6 +40,10 @@
 //! }
 //! # Ok::<(), sphvar_sh::Error>(())
 //! ```
+//!
+//! # Features
+//!
+//! - `serde`: serialization of [`Domain`], [`LmIndex`] and [`ByParity`] with serde. Off by default.
 
 mod alm;
 mod bands;

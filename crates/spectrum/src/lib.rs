@@ -32,6 +32,10 @@
 //! assert!((spectrum.power()[0] - 64.0).abs() < 1e-10);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
+//!
+//! # Features
+//!
+//! - `serde`: serialization of the accumulators with serde, with which machines share an ensemble. Off by default.
 
 mod accumulate;
 mod accumulator;

@@ -26,6 +26,10 @@
 //! A pattern of your own is a closure ([`FnPattern`](samplers::FnPattern)) or an implementation of
 //! [`Sampler`](samplers::Sampler), as in the example `own_pattern`; an integrand is a closure too
 //! ([`SampledFunction`](integrands::SampledFunction)).
+//!
+//! # Features
+//!
+//! - `serde`: serialization of the accumulators of spectra and of pictures with serde. Off by default.
 
 pub use glam;
 pub use rand;
