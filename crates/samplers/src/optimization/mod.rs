@@ -1,11 +1,13 @@
 //! Optimization of point sets: the descent method, the energies it minimizes, and exact Voronoi
 //! cells.
 
+mod covering_radius;
 mod descent;
 mod riesz_energy;
 mod spectral_control;
 pub(crate) mod voronoi;
 
+pub use covering_radius::covering_radius;
 pub(crate) use descent::{Descent, Objective};
 pub(crate) use riesz_energy::RieszEnergy;
 pub use riesz_energy::riesz_energy;

@@ -27,24 +27,33 @@ pub(crate) fn cell_moments(sites: &[DVec3], moments: &mut Vec<DVec3>) {
         moments.copy_from_slice(&[moment, -moment]);
     } else if let [pole, others @ ..] = sites {
         let planar = triangulate(*pole, others);
-        for edge in planar.undirected_edges() {
-            let [from, to] = edge.as_directed().vertices().map(|v| v.data().number);
-            let edge = edge.as_directed();
-            let (left, right) = (circumcentre(sites, edge), circumcentre(sites, edge.rev()));
-            add_side(sites, moments, [from, to], left, right);
-        }
-        for edge in planar.directed_edges().filter(|e| e.face().is_outer()) {
-            let (left, right) = (circumcentre(sites, edge), circumcentre(sites, edge.next()));
-            add_side(sites, moments, [edge.to().data().number, 0], left, right);
-        }
+        for_each_side(sites, &planar, |ab, left, right| add_side(sites, moments, ab, left, right));
+    }
+}
+
+/// Calls `side` for every pair of sites whose cells share a side, with vectors along its ends: it
+/// runs counter-clockwise about the first site from `right` to `left`.
+pub(super) fn for_each_side(
+    sites: &[DVec3],
+    planar: &DelaunayTriangulation<Image>,
+    mut side: impl FnMut([usize; 2], DVec3, DVec3),
+) {
+    for edge in planar.undirected_edges() {
+        let [from, to] = edge.as_directed().vertices().map(|v| v.data().number);
+        let edge = edge.as_directed();
+        side([from, to], circumcentre(sites, edge), circumcentre(sites, edge.rev()));
+    }
+    for edge in planar.directed_edges().filter(|e| e.face().is_outer()) {
+        let (left, right) = (circumcentre(sites, edge), circumcentre(sites, edge.next()));
+        side([edge.to().data().number, 0], left, right);
     }
 }
 
 /// A site's image in the plane.
-struct Image {
+pub(super) struct Image {
     position: Point2<f64>,
     /// Its index among the sites.
-    number: usize,
+    pub(super) number: usize,
 }
 
 impl HasPosition for Image {
@@ -59,7 +68,7 @@ type Edge<'a> = DirectedEdgeHandle<'a, Image, (), (), ()>;
 
 /// Returns the triangulation of `others` projected from `pole`, counter-clockwise as seen from
 /// outside the sphere.
-fn triangulate(pole: DVec3, others: &[DVec3]) -> DelaunayTriangulation<Image> {
+pub(super) fn triangulate(pole: DVec3, others: &[DVec3]) -> DelaunayTriangulation<Image> {
     // Seen from outside, the sphere beyond the pole has its normal along -pole.
     let (e1, e2) = (-pole).any_orthonormal_pair();
     let images = others.iter().zip(1..).filter_map(|(&x, number)| {
@@ -82,8 +91,7 @@ fn circumcentre(sites: &[DVec3], edge: Edge<'_>) -> DVec3 {
     (b - a).cross(c - a)
 }
 
-/// Adds the side between the cells of two sites. It runs counter-clockwise about the first site,
-/// from the circumcentre right of the Delaunay edge to the one left of it.
+/// Adds the side between the cells of two sites, from `right` to `left` about the first one.
 fn add_side(sites: &[DVec3], moments: &mut [DVec3], ab: [usize; 2], left: DVec3, right: DVec3) {
     let [a, b] = ab.map(|number| sites[number]);
     let normal = (a - b).normalize_or_zero();

@@ -2,6 +2,8 @@
 
 mod cube_grid;
 mod grid;
+mod separation;
 
 pub(crate) use cube_grid::CubeGrid;
 pub(crate) use grid::Grid;
+pub use separation::separation;
