@@ -54,7 +54,9 @@ pub use error::Error;
 pub use facts::{CostOrder, PatternFacts, Rate};
 pub use family::SamplerFamily;
 pub use fn_pattern::FnPattern;
-pub use optimization::{PowerProfile, SpectralControl, SpectralTarget, covering_radius, riesz_energy};
+pub use optimization::{
+    PowerProfile, SpectralControl, SpectralTarget, covering_radius, riesz_energy,
+};
 pub use patterns::*;
 pub use sampler::Sampler;
 pub use search::separation;

@@ -19,9 +19,10 @@ const SIDE_TOLERANCE: f64 = 1e-9;
 /// all points coincide, or if there are none.
 ///
 /// The largest empty cap is centred at the circumcentre of a Delaunay triangle (Brown 1979) or, for
-/// points that are all in one hemisphere, opposite to the middle of two of them. The distance from each candidate to its nearest point is verified, largest candidate first, so that
-/// rounding in the triangulation never enlarges the result. `None` if there are more points than
-/// the triangulation can index, 2^29.
+/// points that are all in one hemisphere, opposite to the middle of two of them. The distance from
+/// each candidate to its nearest point is verified, largest candidate first, so that rounding in
+/// the triangulation never enlarges the result. `None` if there are more points than the
+/// triangulation can index, 2^29.
 ///
 /// # Errors
 ///
@@ -132,9 +133,8 @@ mod tests {
                 }
             }
         }
-        let clearance = |centre: DVec3| {
-            points.iter().map(|p| p.distance(centre)).fold(f64::INFINITY, f64::min)
-        };
+        let clearance =
+            |centre: DVec3| points.iter().map(|p| p.distance(centre)).fold(f64::INFINITY, f64::min);
         centres.iter().filter_map(|c| c.try_normalize()).map(clearance).fold(0.0, f64::max)
     }
 

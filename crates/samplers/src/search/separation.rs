@@ -61,9 +61,10 @@ fn closest(points: &mut [DVec3], bound: f64, progress: &dyn Progress) -> Result<
         return Ok(bound);
     }
     if points.len() <= MAX_PAIRWISE {
-        let pairs = points.iter().enumerate().flat_map(|(k, p)| {
-            points[k + 1..].iter().map(|q| p.distance_squared(*q))
-        });
+        let pairs = points
+            .iter()
+            .enumerate()
+            .flat_map(|(k, p)| points[k + 1..].iter().map(|q| p.distance_squared(*q)));
         return Ok(pairs.fold(bound, f64::min));
     }
     let axis = widest_axis(points);

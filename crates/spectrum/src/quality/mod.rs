@@ -1,20 +1,45 @@
 //! Measures of one point set as sums over its pairs: discrepancies, worst-case errors, energies.
 
 mod all_pairs;
+mod condition;
+mod ensemble_quality;
+mod exact_degree;
 mod exponential_integral;
 mod heat;
+mod hyperuniformity;
 mod kernel;
+mod measure;
 mod near_pairs;
 mod nodes;
 mod power_series;
+mod set_quality;
 mod split;
 mod table;
 #[cfg(test)]
+mod test_sets;
+#[cfg(test)]
 mod tests;
+mod tridiagonal;
+mod unavailable;
+mod uniformity;
 
 use std::f64::consts::{LN_2, PI};
 
 use sphvar_samplers::{Domain, PointSet, Progress};
+
+pub use condition::{MAX_CONDITION, condition_number};
+pub use ensemble_quality::Quality;
+pub use exact_degree::{EXACT_POWER, exact_degree};
+pub use hyperuniformity::{
+    Hyperuniformity, HyperuniformityClass, hyperuniformity, hyperuniformity_degree,
+};
+pub use measure::Measure;
+pub use set_quality::{MAX_POINTS_OF_COVERING, SetQuality};
+pub use sphvar_samplers::{covering_radius, separation};
+pub use unavailable::Unavailable;
+pub use uniformity::{
+    ObservedDiscrepancy, TailProbabilities, UniformityStatistic, test_uniformity,
+};
 
 use crate::Error;
 use kernel::Kernel;
