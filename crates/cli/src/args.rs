@@ -3,8 +3,8 @@
 use clap::{Parser, Subcommand};
 
 use crate::commands::{
-    accuracy, audit, bounds, choose, compare, completions, eval, healpix, list, merge, render,
-    reproduce, sample, spectrum, variance,
+    accuracy, audit, bounds, choose, compare, completions, eval, healpix, list, merge, quality,
+    render, reproduce, sample, spectrum, variance,
 };
 use crate::global::Global;
 
@@ -58,6 +58,9 @@ pub(crate) enum Command {
     /// Test a sampler or point files for rotation invariance, which the variance formula assumes
     #[command(after_help = audit::EXAMPLES)]
     Audit(audit::AuditArgs),
+    /// Measure point sets: distances, discrepancies, worst-case errors, energies, uniformity
+    #[command(after_help = quality::EXAMPLES)]
+    Quality(quality::QualityArgs),
     /// Render a scene with a pattern's directions: ambient occlusion or light, and its error
     #[command(after_help = render::EXAMPLES)]
     Render(Box<render::RenderArgs>),

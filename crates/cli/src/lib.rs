@@ -108,6 +108,7 @@ fn dispatch(cli: Cli) -> Result<(), CliError> {
         Command::Variance(args) => commands::variance::run(&args, &cli.global),
         Command::Bounds(args) => commands::bounds::run(&args, &cli.global),
         Command::Audit(args) => commands::audit::run(&args, &cli.global),
+        Command::Quality(args) => commands::quality::run(&args, &cli.global),
         Command::Render(args) => commands::render::run(&args, &cli.global),
         Command::Reproduce(args) => commands::reproduce::run(&args, &cli.global),
         Command::Healpix(args) => commands::healpix::run(&args, &cli.global),

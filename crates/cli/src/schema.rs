@@ -16,6 +16,7 @@ use crate::commands::eval::{CapBody, HarmonicBody, LegendreBody, ProfileBody};
 use crate::commands::fixed_orientation::FixedOrientationBody;
 use crate::commands::healpix::HealpixBody;
 use crate::commands::list::ListBody;
+use crate::commands::quality::QualityBody;
 use crate::commands::render::sheet::SheetBody;
 use crate::commands::render::single::RenderBody;
 use crate::commands::render::study::StudyBody;
@@ -52,6 +53,7 @@ fn documents(generator: &mut SchemaGenerator) -> Vec<(&'static str, Schema)> {
         ("healpix", document::<HealpixBody<'static, f64, 1>>(generator)),
         ("list", document::<ListBody>(generator)),
         ("merge", document::<SpectrumBody>(generator)),
+        ("quality", document::<QualityBody>(generator)),
         ("render", document::<RenderBody>(generator)),
         ("render --sheet", document::<SheetBody>(generator)),
         ("render --study", document::<StudyBody>(generator)),

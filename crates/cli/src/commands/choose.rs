@@ -153,6 +153,12 @@ fn budgets(pattern: &Pattern, n_points: usize) -> f64 {
     min_work / PredictionBudget::DEFAULT.work
 }
 
+/// Returns whether a single prediction for a pattern takes more than 10 budgets, so that it is
+/// considered only if it is named.
+pub(crate) fn is_expensive(pattern: &Pattern, n_points: usize) -> bool {
+    budgets(pattern, n_points) > MAX_BUDGETS
+}
+
 /// Returns the share of a pattern in the total time, for the progress bar.
 fn share(pattern: &Pattern, n_points: usize, domain: Domain) -> f64 {
     // Closed forms and single sets take hardly any time.

@@ -10,6 +10,7 @@ pub(crate) mod eval;
 pub(crate) mod healpix;
 pub(crate) mod list;
 pub(crate) mod merge;
+pub(crate) mod quality;
 pub(crate) mod render;
 pub(crate) mod reproduce;
 pub(crate) mod sample;

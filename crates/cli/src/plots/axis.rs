@@ -7,6 +7,8 @@ pub(crate) enum Scale {
     Linear,
     /// Logarithmic; values that are not positive are not drawn.
     Log,
+    /// Names at 1, 2, ...
+    Names(&'static [&'static str]),
 }
 
 /// The margin between the data and the frame, as a fraction of the range.
@@ -26,7 +28,7 @@ impl Scale {
             return None;
         }
         match self {
-            Self::Linear => Some(value),
+            Self::Linear | Self::Names(_) => Some(value),
             Self::Log => (value > 0.0).then(|| value.log10()),
         }
     }
@@ -65,6 +67,7 @@ impl Axis {
         match scale {
             Scale::Linear => Self::linear(range, max_labels),
             Scale::Log => Self::log(range, max_labels),
+            Scale::Names(names) => Self::names(names),
         }
     }
 
@@ -118,6 +121,17 @@ impl Axis {
             axis.ticks.push(Tick { at: axis.fraction(value * unit), label });
         }
         axis.minor_multiples(low / unit, high / unit, step, unit);
+        axis
+    }
+
+    /// Returns an axis with a tick for each name.
+    fn names(names: &'static [&'static str]) -> Self {
+        let (scale, low, high) = (Scale::Names(names), 0.5, names.len() as f64 + 0.5);
+        let mut axis = Self { scale, low, high, ticks: Vec::new(), minor: Vec::new(), power: None };
+        let places = (1..).map(f64::from);
+        axis.ticks = (places.zip(names))
+            .map(|(place, name)| Tick { at: axis.fraction(place), label: (*name).to_owned() })
+            .collect();
         axis
     }
 

@@ -99,12 +99,14 @@ pub(super) fn drawable_y(panel: &Panel, x_scale: Scale) -> Vec<f64> {
             (Scale::Log, Spread::Ranges(_)) => (low / RANGE_REACH, f64::INFINITY),
             (Scale::Log, _) => (low / BAR_REACH, f64::INFINITY),
             // Ranges are results of their own, errors may exceed them by far.
-            (Scale::Linear, Spread::Ranges(_)) => (f64::NEG_INFINITY, f64::INFINITY),
-            (Scale::Linear, _) if high > low => {
+            (Scale::Linear | Scale::Names(_), Spread::Ranges(_)) => {
+                (f64::NEG_INFINITY, f64::INFINITY)
+            }
+            (Scale::Linear | Scale::Names(_), _) if high > low => {
                 let reach = LINEAR_REACH * (high - low);
                 (low - reach, high + reach)
             }
-            (Scale::Linear, _) => (f64::NEG_INFINITY, f64::INFINITY),
+            (Scale::Linear | Scale::Names(_), _) => (f64::NEG_INFINITY, f64::INFINITY),
         };
         for (index, (_, y)) in drawable(series, x_scale, panel.y_scale) {
             if let Some((low, high)) = series.spread.ends(index, y) {

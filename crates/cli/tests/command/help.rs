@@ -4,7 +4,7 @@ use std::path::Path;
 
 use crate::workplace::{Workplace, data, small_exr};
 
-const SUBCOMMANDS: [&str; 15] = [
+const SUBCOMMANDS: [&str; 16] = [
     "compare",
     "choose",
     "sample",
@@ -13,6 +13,7 @@ const SUBCOMMANDS: [&str; 15] = [
     "variance",
     "bounds",
     "audit",
+    "quality",
     "render",
     "reproduce",
     "healpix",

@@ -25,6 +25,7 @@ mod outcome;
 mod pairs;
 mod pipes;
 mod precision;
+mod qualities;
 mod records;
 mod render;
 mod reproduction;

@@ -158,6 +158,8 @@ fn documents_fit_their_schema() {
         ("list", "list"),
         ("list", "list samplers step poisson-disk -n 100"),
         ("merge", "merge a.shard b.shard"),
+        ("quality", "quality fibonacci -n 60"),
+        ("quality", "quality jittered,healpix -n 12 -m 2 --rank --hemisphere --nearest"),
         ("reproduce", "reproduce 3.1 C.1 --quick -o thesis"),
         ("sample", "sample white-noise -n 5 -m 2"),
         ("sample", "sample step -n 20 -o s.csv"),
