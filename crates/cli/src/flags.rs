@@ -7,6 +7,7 @@ mod tests;
 use std::path::PathBuf;
 
 use clap::Args;
+use clap::builder::TypedValueParser;
 use sphvar_grammar::split_outside;
 use sphvar_samplers::Domain;
 use sphvar_spectrum::Resolution;
@@ -40,21 +41,24 @@ impl CountArgs {
 }
 
 impl CountsArgs {
-    /// Returns the numbers of points, which the subcommand requires or has a default for.
-    pub(crate) fn required(&self) -> Result<&[usize], CliError> {
-        self.counts.as_ref().map(Counts::all).ok_or_else(missing_count)
+    /// Returns the numbers of points, none if they are not given; samplers from files have their
+    /// own.
+    pub(crate) fn list(&self) -> &[usize] {
+        self.counts.as_ref().map_or(&[], Counts::all)
     }
 }
 
-fn missing_count() -> CliError {
-    CliError::Usage("missing required option -n/--count".to_owned())
+pub(crate) fn missing_count() -> CliError {
+    CliError::Usage("missing required option -n/--count, the number of points".to_owned())
 }
 
 /// The sampler where one makes sense.
 #[derive(Debug, Args)]
 pub(crate) struct SamplerArgs {
-    /// Sampler: name or name:key=value,key=value
-    #[arg(value_parser = one_sampler)]
+    #[arg(
+        value_parser = one_sampler(),
+        help = "Sampler: name or name:key=value,key=value; file:PATH is your own points"
+    )]
     pub(crate) sampler: Option<String>,
 }
 
@@ -62,16 +66,16 @@ pub(crate) struct SamplerArgs {
 #[derive(Debug, Args)]
 #[group(multiple = false)]
 pub(crate) struct SamplersArgs {
-    #[arg(value_name = "SAMPLERS", id = "positional_samplers", help = Self::HELP)]
+    #[arg(value_name = "SAMPLERS", id = "positional_samplers", help = Self::HELP, value_parser = argument())]
     positional: Vec<String>,
     /// Samplers, as a flag instead of arguments
-    #[arg(long, value_name = "SAMPLERS")]
+    #[arg(long, value_name = "SAMPLERS", value_parser = argument())]
     samplers: Option<String>,
 }
 
 impl SamplersArgs {
     /// The help of the arguments, to which a subcommand adds its default.
-    pub(crate) const HELP: &str = "Samplers, separated by commas or blanks: name or name:key=value,key=value; all is every sampler";
+    pub(crate) const HELP: &str = "Samplers, separated by commas or blanks: name or name:key=value,key=value; file:PATH is your own points; all is every built-in sampler";
 
     /// Returns the list of samplers, if there is one.
     pub(crate) fn list(&self) -> Option<String> {
@@ -94,8 +98,12 @@ impl SamplersArgs {
     }
 }
 
-/// Reads the argument of a subcommand that takes one sampler.
-pub(crate) fn one_sampler(text: &str) -> Result<String, String> {
+/// Returns the parser of the argument of a subcommand that takes one sampler.
+pub(crate) fn one_sampler() -> impl TypedValueParser<Value = String> {
+    argument().try_map(|text| check_one(&text).map(|()| text))
+}
+
+fn check_one(text: &str) -> Result<(), String> {
     let several = if text == "all" {
         "all".to_owned()
     } else {
@@ -103,7 +111,7 @@ pub(crate) fn one_sampler(text: &str) -> Result<String, String> {
             Ok(list) if list.len() > 1 => list.len().to_string(),
             // A text that is not a list is an error of the sampler, which is reported where it is
             // built.
-            _ => return Ok(text.to_owned()),
+            _ => return Ok(()),
         }
     };
     Err(format!("expected one sampler, got {several}; compare, variance and choose take several"))

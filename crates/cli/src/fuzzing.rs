@@ -9,7 +9,7 @@ use std::path::Path;
 
 use clap::Parser;
 use glam::DVec3;
-use sphvar_samplers::Domain;
+use sphvar_samplers::{Domain, PointSet};
 use sphvar_scene::Mesh;
 
 use crate::args::{Cli, Command};
@@ -209,13 +209,15 @@ fn columns(input: &[u8], scratch: &Path) -> Result<(), CliError> {
 }
 
 fn written_points(scratch: &Path) -> Vec<Vec<u8>> {
-    let set = vec![DVec3::X, DVec3::new(0.6, 0.0, -0.8), DVec3::NEG_Z];
-    let written = |sets: &[Vec<DVec3>]| {
+    let points = vec![DVec3::X, DVec3::new(0.6, 0.0, -0.8), DVec3::NEG_Z];
+    let set = PointSet::new(points.clone());
+    let weighted = PointSet { points, weights: vec![1.0, -0.5, 1e300] };
+    let written = |sets: &[PointSet]| {
         write_points(scratch, None, sets, Some("a remark"))
             .ok()
             .and_then(|()| fs::read(scratch).ok())
     };
-    [written(std::slice::from_ref(&set)), written(&[set.clone(), set])]
+    [written(std::slice::from_ref(&set)), written(&[set.clone(), set]), written(&[weighted])]
         .into_iter()
         .flatten()
         .collect()
@@ -319,12 +321,13 @@ fn sampler_names(_: &Path) -> Vec<Vec<u8>> {
         "step:alpha=1.2",
         "profile:b=2,alpha=1,to=2",
         "ccvt:capacity=64,mass=fibonacci",
+        "file:none-{n}.csv,columns=\"ra,dec\",fold=yes",
         "spiral,sobol,halton,hammersley,lloyd,riesz,blue,best-candidate,equal-area",
     ])
 }
 
 fn samplers(input: &[u8], _: &Path) -> Result<(), CliError> {
-    for pattern in crate::patterns::parse_patterns(&text(input))? {
+    for pattern in crate::patterns::parse_patterns(&text(input), true)? {
         for domain in [Domain::Sphere, Domain::Hemisphere] {
             let n = pattern.nearest_count(48, domain);
             crate::patterns::build(&pattern, n, domain, true)?;

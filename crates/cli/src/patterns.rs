@@ -3,41 +3,63 @@
 use std::path::Path;
 
 use sphvar_grammar::ResolveError;
-use sphvar_samplers::{Domain, Error, Pattern, ProfileResolver, Sampler};
+use sphvar_samplers::{
+    Domain, Error, FileResolver, Pattern, PointFile, PointFileParameters, Sampler,
+};
 
 use crate::error::CliError;
-use crate::files::read_spectrum;
+use crate::files::{ReadOptions, point_files, read_points, read_spectrum};
+use crate::flags::missing_count;
 use crate::memory::check_points;
+use crate::report::say;
 use crate::spec::Spec;
 
 /// The name of all patterns together, for subcommands that accept several.
 const ALL: &str = "all";
 
-/// Returns the patterns of a list such as `jittered,white-noise`, or of `all`.
-pub(crate) fn parse_patterns(text: &str) -> Result<Vec<Pattern>, CliError> {
+/// Returns the patterns of a list such as `jittered,white-noise`, or of `all`. Prints remarks on
+/// files unless `quiet`.
+pub(crate) fn parse_patterns(text: &str, quiet: bool) -> Result<Vec<Pattern>, CliError> {
     let mut patterns = Vec::new();
     for spec in Spec::parse_list(text)? {
         if spec.text == ALL {
             patterns.extend(Pattern::ALL);
         } else {
-            patterns.push(parse_pattern(&spec.text)?);
+            patterns.push(parse_pattern(&spec.text, quiet)?);
         }
     }
+    distinguish(&mut patterns);
     Ok(patterns)
 }
 
-/// Returns the pattern of one name.
-pub(crate) fn parse_pattern(text: &str) -> Result<Pattern, CliError> {
-    Pattern::parse(text, &ProfileFiles).map_err(|error| match error {
+/// Returns the pattern of one name. Prints remarks on files unless `quiet`.
+pub(crate) fn parse_pattern(text: &str, quiet: bool) -> Result<Pattern, CliError> {
+    Pattern::parse(text, &PatternFiles { quiet }).map_err(|error| match error {
         Error::File(source) => CliError::of_resolver(&source),
+        Error::Given { .. } => CliError::failed(error),
         other => CliError::usage(other),
     })
 }
 
-/// Reads the files of `profile:FILE` as the command reads spectra.
-struct ProfileFiles;
+/// Gives files of the same name labels with their paths.
+fn distinguish(patterns: &mut [Pattern]) {
+    let named: Vec<(String, String)> =
+        patterns.iter().map(|pattern| (pattern.label(), pattern.to_string())).collect();
+    for (pattern, (label, text)) in patterns.iter_mut().zip(&named) {
+        let is_same = |other: &&(String, String)| other.0 == *label && other.1 != *text;
+        if let Pattern::PointFile(file) = pattern {
+            file.has_long_label = named.iter().any(|other| is_same(&other));
+        }
+    }
+}
 
-impl ProfileResolver for ProfileFiles {
+/// Reads the files that patterns name: `profile:FILE` as the command reads spectra, `file:FILE` as
+/// it reads `--points`.
+struct PatternFiles {
+    quiet: bool,
+}
+
+impl FileResolver for PatternFiles {
     /// Returns the powers of a file of degrees and powers, which starts at degree 0 or 1 without
     /// gaps.
     fn powers(&self, file: &Path) -> Result<Vec<f64>, ResolveError> {
@@ -46,20 +68,93 @@ impl ProfileResolver for ProfileFiles {
         // Degree 0 is ignored.
         Ok((0..first).map(|_| 0.0).chain(rows.iter().map(|row| row.power)).collect())
     }
+
+    fn points(&self, source: &PointFileParameters) -> Result<Vec<PointFile>, ResolveError> {
+        self.read(source).map_err(ResolveError::new)
+    }
 }
 
-/// Returns the sampler of `n` points or, if `nearest`, of the nearest valid count.
+impl PatternFiles {
+    fn read(&self, source: &PointFileParameters) -> Result<Vec<PointFile>, CliError> {
+        let wrong = |key: &str, reason: String| {
+            CliError::Usage(format!("file:{}: {key}: {reason}", source.file().display()))
+        };
+        let columns = source.columns.as_deref().map(str::parse).transpose();
+        let hdu = source.hdu.as_deref().map(str::parse).transpose();
+        let options = ReadOptions {
+            format: None,
+            columns: columns.map_err(|reason| wrong("columns", reason))?,
+            hdu: hdu.map_err(|reason| wrong("hdu", reason))?.unwrap_or_default(),
+            skip_invalid: source.skip_invalid,
+            normalize: source.normalize,
+        };
+        let files = point_files(source.file())?.into_iter();
+        files.map(|(stated_count, path)| self.read_one(&path, stated_count, &options)).collect()
+    }
+
+    fn read_one(
+        &self,
+        path: &Path,
+        stated_count: Option<usize>,
+        options: &ReadOptions,
+    ) -> Result<PointFile, CliError> {
+        let file = read_points(path, options)?;
+        let warnings = file.warnings.iter().map(|warning| format!("warning: {warning}"));
+        warnings.chain(file.remarks).for_each(|remark| say(self.quiet, &remark));
+        let name = path.display().to_string();
+        let is_weighted = file.sets.iter().any(|set| !set.weights.is_empty());
+        // Only weights are checked set by set.
+        let starts = if is_weighted { &file.starts[..] } else { &[] };
+        Ok(PointFile {
+            starts: starts.iter().map(|place| format!("{name}{place}")).collect(),
+            name,
+            stated_count,
+            sets: file.sets,
+            first_below: file.first_below,
+        })
+    }
+}
+
+/// Returns the sampler of `n` points or, if `nearest`, of the nearest valid count; for a single
+/// file, the sampler of its own number of points.
 pub(crate) fn build(
     pattern: &Pattern,
     n: usize,
     domain: Domain,
     nearest: bool,
 ) -> Result<Box<dyn Sampler>, CliError> {
+    let nearest = nearest || pattern.own_count().is_some();
     let n = if nearest && n > 0 { pattern.nearest_count(n, domain) } else { n };
     let sampler = pattern.build(n, domain).map_err(|error| match error {
         Error::InvalidCount { .. } => CliError::Usage(format!("{error} (use --nearest)")),
+        Error::Given { .. } => CliError::failed(error),
         _ => CliError::usage(error),
     })?;
     check_points(sampler.n_points())?;
     Ok(sampler)
+}
+
+/// Returns the pattern that a text names, and its sampler of `n` points or of the nearest valid
+/// count if `nearest`. A single file needs no `n`. Prints a remark if the number of points differs
+/// from `n`, unless `quiet`.
+pub(crate) fn sampler_of(
+    text: &str,
+    n: Option<usize>,
+    domain: Domain,
+    nearest: bool,
+    quiet: bool,
+) -> Result<(Pattern, Box<dyn Sampler>), CliError> {
+    let pattern = parse_pattern(text, quiet)?;
+    let n = n.or(pattern.own_count()).ok_or_else(missing_count)?;
+    let sampler = build(&pattern, n, domain, nearest)?;
+    let got = sampler.n_points();
+    if got != n {
+        let label = pattern.label();
+        let why = match pattern.own_count() {
+            Some(_) => "as in the file".to_owned(),
+            None => format!("the nearest to the {n} requested"),
+        };
+        say(quiet, &format!("{label}: {got} points, {why}"));
+    }
+    Ok((pattern, sampler))
 }

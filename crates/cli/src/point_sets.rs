@@ -2,7 +2,11 @@
 
 use schemars::JsonSchema;
 use serde::Serialize;
-use sphvar_samplers::{Domain, PointSet, PointSets, Sampler};
+use sphvar_samplers::{
+    Domain, Ensemble, Error, PointSet, PointSets, Progress, Purpose, Realizations, Sampler,
+    SetDistribution, Streams, rotate,
+};
+use sphvar_spectrum::Spectrum;
 
 use crate::commands::PointFileArgs;
 use crate::error::CliError;
@@ -15,6 +19,26 @@ pub(crate) struct FileSets {
     sets: PointSets,
 }
 
+/// Given sets in their order, each with the rotation of a realization.
+pub(crate) struct RotatedSets<'a> {
+    pub(crate) sets: &'a [PointSet],
+    pub(crate) rotations: Realizations<'a>,
+}
+
+impl Ensemble for RotatedSets<'_> {
+    fn realize_into(
+        &self,
+        index: u64,
+        set: &mut PointSet,
+        progress: &dyn Progress,
+    ) -> Result<(), Error> {
+        self.sets.realize_into(index, set, progress)?;
+        let domain = self.rotations.sampler().domain();
+        rotate(self.rotations.rotation(index), domain, &mut set.points);
+        Ok(())
+    }
+}
+
 /// The sums of the weights of sets, each a mean over the sets.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, JsonSchema)]
 pub(crate) struct WeightSums {
@@ -24,6 +48,51 @@ pub(crate) struct WeightSums {
     pub(crate) sum_w: f64,
     /// The sum of the squares of the weights.
     pub(crate) sum_w2: f64,
+}
+
+impl WeightSums {
+    /// Returns the means over sets, or `None` if no set has weights.
+    pub(crate) fn of_sets(sets: &[PointSet]) -> Option<Self> {
+        if sets.iter().all(|set| set.weights.is_empty()) {
+            return None;
+        }
+        let mut mean = Self { n_effective: 0.0, sum_w: 0.0, sum_w2: 0.0 };
+        let share = 1.0 / sets.len() as f64;
+        for set in sets {
+            let (sum, squares) = set.weight_sums();
+            mean.n_effective += share * set.n_effective();
+            mean.sum_w += share * sum;
+            mean.sum_w2 += share * squares;
+        }
+        Some(mean)
+    }
+
+    /// Returns the sums of a sampler whose sets are given or always the same, or `None` if they
+    /// have no weights.
+    pub(crate) fn of_sampler(sampler: &dyn Sampler) -> Result<Option<Self>, CliError> {
+        match sampler.distribution() {
+            SetDistribution::OneOf(sets) => Ok(Self::of_sets(sets)),
+            SetDistribution::Fixed => {
+                let mut rng = Streams::new(0, Purpose::Pattern, 0).realization(0);
+                let set = sampler.sample(&mut rng).map_err(CliError::failed)?;
+                Ok(Self::of_sets(&[set]))
+            }
+            _ => Ok(None),
+        }
+    }
+}
+
+/// Returns the effective number of points of a sampler's spectrum, or `None` if its sets have no
+/// weights.
+pub(crate) fn n_effective(sampler: &dyn Sampler, spectrum: &Spectrum) -> Option<f64> {
+    let (n, effective) = (spectrum.n_points() as f64, spectrum.n_effective());
+    let is_weighted = match sampler.distribution() {
+        SetDistribution::OneOf(sets) => sets.iter().any(|set| !set.weights.is_empty()),
+        // Rules with equal weights have none.
+        SetDistribution::Fixed => (effective / n - 1.0).abs() > 1e-9,
+        _ => false,
+    };
+    is_weighted.then_some(effective)
 }
 
 impl FileSets {
@@ -70,23 +139,6 @@ impl FileSets {
         };
         let join = if several_files { "; --join makes the files one set" } else { "" };
         format!("{} realizations read, {points}{join}", self.count())
-    }
-
-    /// Returns the sums of the weights, or `None` if no set has any.
-    pub(crate) fn weight_sums(&self) -> Option<WeightSums> {
-        let sets = self.sets.sets();
-        if sets.iter().all(|set| set.weights.is_empty()) {
-            return None;
-        }
-        let mut mean = WeightSums { n_effective: 0.0, sum_w: 0.0, sum_w2: 0.0 };
-        let share = 1.0 / sets.len() as f64;
-        for set in sets {
-            let (sum, squares) = set.weight_sums();
-            mean.n_effective += share * set.n_effective();
-            mean.sum_w += share * sum;
-            mean.sum_w2 += share * squares;
-        }
-        Some(mean)
     }
 
     /// Returns the names of the files.

@@ -2,7 +2,7 @@ use std::path::Path;
 
 use sphvar_grammar::{Parametric, ResolveError};
 
-use crate::{Domain, Error, PatternFacts, Sampler, ValidCounts};
+use crate::{Domain, Error, PatternFacts, PointFile, PointFileParameters, Sampler, ValidCounts};
 
 /// The definition of a pattern, apart from its name and summary in the list of `patterns`.
 ///
@@ -19,30 +19,52 @@ pub(crate) trait Definition: Parametric {
     /// Returns the sampler of `n_points` points, a valid number.
     fn build(&self, n_points: usize, domain: Domain) -> Result<Box<dyn Sampler>, Error>;
 
+    /// Returns the number that distinguishes the random streams of the sampler of `n_points` points
+    /// from those of others, if it does not follow from the text of the pattern.
+    fn stream_group(&self, _n_points: usize) -> Option<usize> {
+        None
+    }
+
     /// Reads the files that the parameters name.
-    fn resolve(&mut self, _files: &dyn ProfileResolver) -> Result<(), Error> {
+    fn resolve(&mut self, _files: &dyn FileResolver) -> Result<(), Error> {
         Ok(())
     }
 }
 
-/// Reads the files named in pattern specifications, as in `profile:FILE`.
-pub trait ProfileResolver {
+/// Reads the files named in pattern specifications, as in `profile:FILE` and `file:FILE`.
+pub trait FileResolver {
     /// Returns the powers in a file by degree from 0; degree 0 is ignored.
     ///
     /// # Errors
     ///
     /// [`ResolveError`] with the reason if the file cannot be read.
     fn powers(&self, file: &Path) -> Result<Vec<f64>, ResolveError>;
+
+    /// Returns the content of a point file, read with the options of `source`. A template, a path
+    /// with `{n}`, stands for all files whose names have a number in that place.
+    ///
+    /// # Errors
+    ///
+    /// [`ResolveError`] with the reason if a file cannot be read or a template has none.
+    fn points(&self, source: &PointFileParameters) -> Result<Vec<PointFile>, ResolveError>;
 }
 
 /// Rejects every file.
 pub(crate) struct WithoutFiles;
 
-impl ProfileResolver for WithoutFiles {
+impl FileResolver for WithoutFiles {
     fn powers(&self, file: &Path) -> Result<Vec<f64>, ResolveError> {
-        Err(ResolveError::new(format!(
-            "cannot read {}: a pattern from a file needs a resolver; use Pattern::parse",
-            file.display()
-        )))
+        Err(without_resolver(file))
     }
+
+    fn points(&self, source: &PointFileParameters) -> Result<Vec<PointFile>, ResolveError> {
+        Err(without_resolver(source.file()))
+    }
+}
+
+fn without_resolver(file: &Path) -> ResolveError {
+    ResolveError::new(format!(
+        "cannot read {}: a pattern from a file needs a resolver; use Pattern::parse",
+        file.display()
+    ))
 }

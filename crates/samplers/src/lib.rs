@@ -45,10 +45,11 @@ mod set_distribution;
 mod square;
 mod valid_counts;
 
-pub use definition::ProfileResolver;
+pub use definition::FileResolver;
+pub(crate) use ensemble::PointFiles;
 pub use ensemble::{
-    Ensemble, PointSet, PointSets, Progress, Purpose, Realizations, SECONDS_PER_WORK, Share,
-    Stopped, Streams, rotate, uniform_rotation,
+    Ensemble, PointFile, PointSet, PointSets, Progress, Purpose, Realizations, SECONDS_PER_WORK,
+    Share, Stopped, Streams, rotate, uniform_rotation,
 };
 pub use error::Error;
 pub use facts::{CostOrder, PatternFacts, Rate};

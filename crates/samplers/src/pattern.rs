@@ -3,10 +3,12 @@ use std::str::FromStr;
 
 use sphvar_grammar::{Parameter, Spec, describe, read, text};
 
+#[cfg(doc)]
+use crate::PointFileParameters;
 use crate::definition::WithoutFiles;
 use crate::hash::fnv1a;
 use crate::of_pattern::OfPattern;
-use crate::{Domain, Error, Pattern, PatternFacts, ProfileResolver, Sampler, ValidCounts};
+use crate::{Domain, Error, FileResolver, Pattern, PatternFacts, Sampler, ValidCounts};
 
 impl Pattern {
     /// The patterns without parameters whose realizations are inexpensive: the default of a
@@ -31,11 +33,11 @@ impl Pattern {
     ///
     /// [`Error::Grammar`] with place, reason and valid values; [`Error::File`] if `files` cannot
     /// read a file.
-    pub fn parse(text: &str, files: &dyn ProfileResolver) -> Result<Self, Error> {
+    pub fn parse(text: &str, files: &dyn FileResolver) -> Result<Self, Error> {
         let spec = Spec::parse(text)?;
         let mut pattern =
-            Self::ALL.into_iter().find(|pattern| pattern.name() == spec.name).ok_or_else(|| {
-                let names = Self::ALL.each_ref().map(Self::name);
+            Self::known().find(|pattern| pattern.name() == spec.name).ok_or_else(|| {
+                let names: Vec<&str> = Self::known().map(|pattern| pattern.name()).collect();
                 sphvar_grammar::Error::unknown_name("sampler", &spec.name, &names)
             })?;
         pattern.with_definition(|definition| {
@@ -43,6 +45,32 @@ impl Pattern {
             definition.resolve(files)
         })?;
         Ok(pattern)
+    }
+
+    /// Returns every pattern that can be parsed: [`Self::ALL`], and with empty parameters those
+    /// that need a file.
+    pub fn known() -> impl Iterator<Item = Self> {
+        Self::ALL.into_iter().chain(Self::WITHOUT_DEFAULT)
+    }
+
+    /// Returns the name in tables and plots: the text of the pattern, for point files with the name
+    /// of the file instead of its path unless [`PointFileParameters::has_long_label`] is set.
+    #[must_use]
+    pub fn label(&self) -> String {
+        match self {
+            Self::PointFile(file) => Self::PointFile(file.shortened()).to_string(),
+            _ => self.to_string(),
+        }
+    }
+
+    /// Returns the number of points of a pattern that has only one, because it is a single point
+    /// file.
+    #[must_use]
+    pub fn own_count(&self) -> Option<usize> {
+        match self {
+            Self::PointFile(file) => file.own_count(),
+            _ => None,
+        }
     }
 
     /// Returns the parameters with their ranges, meanings and defaults, in the order of the text
@@ -68,10 +96,12 @@ impl Pattern {
     }
 
     /// Returns a number for [`Streams::new`](crate::Streams::new) that distinguishes the ensembles
-    /// of one run: the number of points combined with a hash of the pattern's text (32-bit FNV-1a).
+    /// of one run: the number of points combined with a hash of the pattern's text (32-bit FNV-1a),
+    /// or for a point file a hash of its content.
     #[must_use]
     pub fn stream_group(&self, n_points: usize) -> usize {
-        fnv1a(self.to_string().as_bytes()) as usize ^ n_points
+        let own = self.clone().with_definition(|definition| definition.stream_group(n_points));
+        own.unwrap_or_else(|| fnv1a(self.to_string().as_bytes()) as usize ^ n_points)
     }
 
     /// Returns the valid numbers of points on `domain`.
@@ -137,7 +167,7 @@ impl Pattern {
     /// Returns the pattern of the same name with its default parameters.
     fn default_of_name(&self) -> Self {
         let name = self.name();
-        Self::ALL.into_iter().find(|pattern| pattern.name() == name).unwrap_or(Self::WhiteNoise)
+        Self::known().find(|pattern| pattern.name() == name).unwrap_or(Self::WhiteNoise)
     }
 }
 

@@ -1,10 +1,14 @@
+use std::borrow::Cow;
 use std::fmt;
+
+/// The maximum length of a list that is displayed in full.
+const MAX_LISTED: usize = 8;
 
 /// The valid numbers of points of a pattern; the `Display` text continues "N must be".
 ///
 /// Limits of memory and of indices are not part of these rules; see
 /// [`Pattern::build`](crate::Pattern::build).
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum ValidCounts {
     /// Every positive number.
@@ -16,6 +20,8 @@ pub enum ValidCounts {
         /// The name of k, such as `nside`.
         root: &'static str,
     },
+    /// These numbers, in ascending order; an empty list says that they depend on a file.
+    Listed(Cow<'static, [usize]>),
 }
 
 impl ValidCounts {
@@ -29,9 +35,9 @@ impl ValidCounts {
     /// 0.
     #[must_use]
     pub fn nearest(&self, n_points: usize) -> usize {
-        match *self {
+        match self {
             Self::Any => n_points.max(1),
-            Self::Squares { unit, .. } => {
+            &Self::Squares { unit, .. } => {
                 let of = |k: usize| k.checked_mul(k)?.checked_mul(unit);
                 let k = (n_points / unit).isqrt().max(1);
                 let below = of(k).unwrap_or(unit);
@@ -40,18 +46,23 @@ impl ValidCounts {
                     _ => below,
                 }
             }
+            Self::Listed(counts) => {
+                let nearest = counts.iter().copied().min_by_key(|n| n.abs_diff(n_points));
+                nearest.unwrap_or(n_points).max(1)
+            }
         }
     }
 
     /// Returns the largest valid number that does not exceed `n_points`, if there is one.
     #[must_use]
     pub fn largest_not_exceeding(&self, n_points: usize) -> Option<usize> {
-        match *self {
+        match self {
             Self::Any => Some(n_points).filter(|&n| n > 0),
-            Self::Squares { unit, .. } => match (n_points / unit).isqrt() {
+            &Self::Squares { unit, .. } => match (n_points / unit).isqrt() {
                 0 => None,
                 k => Some(unit * k * k),
             },
+            Self::Listed(counts) => counts.iter().copied().rfind(|&n| n <= n_points),
         }
     }
 }
@@ -66,6 +77,20 @@ impl fmt::Display for ValidCounts {
                 }
                 write!(f, "{root}^2 ({unit}, {}, {}, ...)", 4 * unit, 9 * unit)
             }
+            Self::Listed(counts) => match &counts[..] {
+                [] => f.write_str("the number in the file, or one for each file of a template"),
+                [only] => write!(f, "{only}"),
+                [first, others @ ..] if others.len() < MAX_LISTED => {
+                    write!(f, "{first}")?;
+                    let (last, between) = others.split_last().unwrap_or((first, &[]));
+                    between.iter().try_for_each(|n| write!(f, ", {n}"))?;
+                    write!(f, " or {last}")
+                }
+                [first, second, .., last] => {
+                    write!(f, "one of {} numbers ({first}, {second}, ..., {last})", counts.len())
+                }
+                _ => Ok(()),
+            },
         }
     }
 }
@@ -93,6 +118,19 @@ mod tests {
             }
             assert!(counts.nearest(usize::MAX) > usize::MAX / 2);
         }
+        let listed = ValidCounts::Listed(vec![3, 10, 12].into());
+        for (asked, nearest, below) in [
+            (0, 3, None),
+            (6, 3, Some(3)),
+            (7, 10, Some(3)),
+            (11, 10, Some(10)),
+            (99, 12, Some(12)),
+        ] {
+            assert_eq!(listed.nearest(asked), nearest, "{asked}");
+            assert_eq!(listed.largest_not_exceeding(asked), below, "{asked}");
+        }
+        assert!(listed.contains(10) && !listed.contains(11));
+        assert_eq!(ValidCounts::Listed(vec![].into()).nearest(0), 1);
         let any = ValidCounts::Any;
         assert_eq!((any.nearest(0), any.nearest(7)), (1, 7));
         assert_eq!((any.largest_not_exceeding(0), any.largest_not_exceeding(7)), (None, Some(7)));
@@ -106,5 +144,11 @@ mod tests {
         let squares = ValidCounts::Squares { unit: 1, root: "k" };
         assert_eq!(squares.to_string(), "k^2 (1, 4, 9, ...)");
         assert_eq!(ValidCounts::Any.to_string(), "any number from 1");
+        let listed = |counts: &[usize]| ValidCounts::Listed(counts.to_vec().into()).to_string();
+        assert_eq!(listed(&[777]), "777");
+        assert_eq!(listed(&[5, 7]), "5 or 7");
+        assert_eq!(listed(&[5, 7, 9]), "5, 7 or 9");
+        let many: Vec<usize> = (1..=20).collect();
+        assert_eq!(listed(&many), "one of 20 numbers (1, 2, ..., 20)");
     }
 }

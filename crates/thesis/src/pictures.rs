@@ -49,7 +49,7 @@ impl Pictures {
     #[must_use]
     pub fn valid_points(&self) -> usize {
         match &self.pattern {
-            Some(pattern) => DirectionPlan::nearest_count(pattern, self.n_points),
+            Some(pattern) => DirectionPlan::nearest_count(pattern, self.n_points, self.mode),
             None => self.n_points,
         }
     }

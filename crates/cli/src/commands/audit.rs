@@ -7,7 +7,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 use glam::DMat3;
-use sphvar_samplers::{Domain, Purpose, Realizations, Sampler, Streams};
+use sphvar_samplers::{Domain, PointSet, Purpose, Realizations, Sampler, SetDistribution, Streams};
 use sphvar_spectrum::{
     AuditSettings, Ensemble as PointEnsemble, HomogeneityAccumulator, HomogeneityAudit, Resolution,
     accumulate,
@@ -20,9 +20,9 @@ use crate::error::CliError;
 use crate::global::Global;
 use crate::memory::{check_degree, check_memory, check_transform};
 use crate::patterns;
-use crate::point_sets::FileSets;
+use crate::point_sets::{FileSets, RotatedSets, WeightSums};
 use crate::progress::Progress;
-use crate::report::{Forms, Provenance, check_result, emit, say};
+use crate::report::{Forms, Provenance, check_result, emit};
 
 pub(crate) const EXAMPLES: &str = "Examples:
   sphvar audit jittered -n 768 -m 2000
@@ -42,21 +42,24 @@ and after uniform random rotations. The exit status is 0 whatever the outcome.";
 
 /// The minimum number of realizations for a verdict.
 const MIN_REALIZATIONS: u64 = 30;
+/// The default number of realizations.
+const REALIZATIONS: u64 = 2000;
 
 #[derive(Debug, Args)]
 pub(crate) struct AuditArgs {
     #[command(flatten)]
     pub(crate) sets: SetsArgs,
     #[arg(
-        help = format!("Number of realizations, at least {MIN_REALIZATIONS}"),
+        help = format!(
+            "Number of realizations, at least {MIN_REALIZATIONS} [default: {REALIZATIONS}; of a file with that minimum, each set once]"
+        ),
         short = 'm',
         long,
-        default_value = "2000",
         value_name = "M",
         value_parser = parse_realizations,
         conflicts_with = "points_from"
     )]
-    pub(crate) realizations: u64,
+    pub(crate) realizations: Option<u64>,
     /// Maximum degree, inclusive
     #[arg(long, value_name = "L", default_value = "8", value_parser = parse_one_count)]
     pub(crate) lmax: usize,
@@ -89,6 +92,20 @@ enum Source {
     Files(FileSets),
 }
 
+impl Source {
+    /// Returns the sets of a pattern from a file, if each is to be taken once.
+    fn given_sets(&self, realizations: Option<u64>) -> Option<&[PointSet]> {
+        let Self::Sampler { sampler, .. } = self else { return None };
+        match sampler.distribution() {
+            SetDistribution::OneOf(sets) => {
+                let are_enough = realizations.is_none() && sets.len() as u64 >= MIN_REALIZATIONS;
+                are_enough.then_some(sets)
+            }
+            _ => None,
+        }
+    }
+}
+
 pub(crate) fn run(args: &AuditArgs, global: &Global) -> Result<(), CliError> {
     if let Some(path) = &args.out {
         check_result(path, true)?;
@@ -98,13 +115,21 @@ pub(crate) fn run(args: &AuditArgs, global: &Global) -> Result<(), CliError> {
         AuditSettings { alpha: args.alpha, tolerance: args.tolerance, seed: global.seed };
     check_settings(args, domain)?;
     let source = source(args, domain, global)?;
+    let given = source.given_sets(args.realizations);
     let (name, n_points, count) = match &source {
-        Source::Sampler { name, sampler, .. } => (&**name, sampler.n_points(), args.realizations),
+        Source::Sampler { name, sampler, .. } => {
+            let default = given.map_or(REALIZATIONS, |sets| sets.len() as u64);
+            (&**name, sampler.n_points(), args.realizations.unwrap_or(default))
+        }
         Source::Files(sets) => (sets.name(), sets.mean_size(), sets.count()),
     };
     let plan = Plan { domain, settings, count, resolution: Resolution::new(args.lmax, n_points) };
     plan.check_memory()?;
-    let audits = plan.audits(&source, name, args.unrotated, global.quiet)?;
+    let weights = match &source {
+        Source::Sampler { sampler, .. } => WeightSums::of_sampler(&**sampler)?,
+        Source::Files(sets) => WeightSums::of_sets(sets.sets().sets()),
+    };
+    let audits = plan.audits(&source, given, args.unrotated, global.quiet)?;
 
     let provenance = Provenance::new(global.seed);
     let records =
@@ -113,6 +138,7 @@ pub(crate) fn run(args: &AuditArgs, global: &Global) -> Result<(), CliError> {
         sampler: name.to_owned(),
         domain: domain.name(),
         n: n_points,
+        n_effective: weights.map(|weights| weights.n_effective),
         realizations: count,
         lmax: args.lmax,
         alpha: args.alpha,
@@ -144,17 +170,16 @@ fn check_settings(args: &AuditArgs, domain: Domain) -> Result<(), CliError> {
         let got = args.tolerance;
         return Err(CliError::Usage(format!("--tolerance must be above 0 and finite, got {got}")));
     }
-    if args.sets.files.files.is_empty() && args.realizations < MIN_REALIZATIONS {
+    if let Some(got) = args.realizations.filter(|&count| count < MIN_REALIZATIONS) {
         return Err(CliError::Usage(format!(
-            "-m must be at least {MIN_REALIZATIONS} for an audit, got {}",
-            args.realizations
+            "-m must be at least {MIN_REALIZATIONS} for an audit, got {got}"
         )));
     }
     Ok(())
 }
 
 fn source(args: &AuditArgs, domain: Domain, global: &Global) -> Result<Source, CliError> {
-    let (Some(name), Some(n)) = (&args.sets.sampler.sampler, args.sets.count.count) else {
+    let Some(name) = &args.sets.sampler.sampler else {
         let sets = FileSets::read(&args.sets.files, domain, global.quiet)?;
         if sets.count() < MIN_REALIZATIONS {
             return Err(CliError::Failed(format!(
@@ -165,15 +190,8 @@ fn source(args: &AuditArgs, domain: Domain, global: &Global) -> Result<Source, C
         }
         return Ok(Source::Files(sets));
     };
-    let pattern = patterns::parse_pattern(name)?;
-    let sampler = patterns::build(&pattern, n, domain, args.sets.nearest.nearest)?;
-    if sampler.n_points() != n {
-        let got = sampler.n_points();
-        say(
-            global.quiet,
-            &format!("{pattern}: {got} points, the valid count nearest to the requested {n}"),
-        );
-    }
+    let (n, nearest) = (args.sets.count.count, args.sets.nearest.nearest);
+    let (pattern, sampler) = patterns::sampler_of(name, n, domain, nearest, global.quiet)?;
     let group = pattern.stream_group(sampler.n_points());
     let streams = Streams::new(global.seed, Purpose::Pattern, group);
     Ok(Source::Sampler { name: pattern.to_string(), sampler, streams })
@@ -202,7 +220,7 @@ impl Plan {
     fn audits(
         &self,
         source: &Source,
-        name: &str,
+        given: Option<&[PointSet]>,
         unrotated: bool,
         quiet: bool,
     ) -> Result<Vec<(Ensemble, HomogeneityAudit)>, CliError> {
@@ -210,9 +228,12 @@ impl Plan {
             Source::Sampler { .. } if !unrotated => 2.0,
             _ => 1.0,
         };
-        let set_work = match source {
-            Source::Sampler { sampler, .. } => sampler.nominal_work(),
-            Source::Files(_) => 0.0,
+        let (name, set_work) = match source {
+            Source::Sampler { name, sampler, .. } if given.is_none() => {
+                (&**name, sampler.nominal_work())
+            }
+            Source::Sampler { name, .. } => (&**name, 0.0),
+            Source::Files(sets) => (sets.name(), 0.0),
         };
         let progress = Progress::new(rounds * self.work(set_work), quiet);
         let audit = |ensemble: Ensemble, sets: &dyn PointEnsemble, used: Option<&[DMat3]>| {
@@ -224,11 +245,20 @@ impl Plan {
             Source::Sampler { sampler, streams, .. } => {
                 let drawn = Ensemble::AsDrawn { random: sampler.is_random() };
                 let sets = Realizations::unrotated(&**sampler, *streams);
-                let mut audits = vec![audit(drawn, &sets, None)?];
+                let sets: &dyn PointEnsemble = match &given {
+                    Some(given) => given,
+                    None => &sets,
+                };
+                let mut audits = vec![audit(drawn, sets, None)?];
                 if !unrotated {
                     let sets = Realizations::rotated(&**sampler, *streams);
                     let used: Vec<DMat3> = (0..self.count).map(|i| sets.rotation(i)).collect();
-                    audits.push(audit(Ensemble::Rotated, &sets, Some(&used))?);
+                    let given = given.map(|given| RotatedSets { sets: given, rotations: sets });
+                    let sets: &dyn PointEnsemble = match &given {
+                        Some(given) => given,
+                        None => &sets,
+                    };
+                    audits.push(audit(Ensemble::Rotated, sets, Some(&used))?);
                 }
                 Ok(audits)
             }

@@ -62,7 +62,7 @@ pub(crate) fn run(args: &ChooseArgs, global: &Global) -> Result<(), CliError> {
     }
     let named = args.samplers.list();
     let patterns = match &named {
-        Some(list) => parse_patterns(list)?,
+        Some(list) => parse_patterns(list, global.quiet)?,
         None => considered(),
     };
     let function = &*integrand.function;
@@ -89,11 +89,12 @@ pub(crate) fn run(args: &ChooseArgs, global: &Global) -> Result<(), CliError> {
         if candidates.iter().any(|c| *c.answer.curve.pattern() == pattern) {
             continue;
         }
-        progress.stage(&pattern.to_string());
+        progress.stage(&pattern.label());
         let budgets = args.count.count.map_or(0.0, |n| budgets(&pattern, n));
         if named.is_none() && budgets > MAX_BUDGETS {
             left_out.push(LeftOut {
                 sampler: pattern.to_string(),
+                label: pattern.label(),
                 reason: format!(
                     "a prediction costs {} times the work budget; name the sampler to include it",
                     number::count(budgets)
@@ -121,8 +122,11 @@ pub(crate) fn run(args: &ChooseArgs, global: &Global) -> Result<(), CliError> {
                     progress.line(&presentation::line(&candidate, &question, &predictor));
                     candidates.push(candidate);
                 }
-                Err(error) => left_out
-                    .push(LeftOut { sampler: pattern.to_string(), reason: error.to_string() }),
+                Err(error) => left_out.push(LeftOut {
+                    sampler: pattern.to_string(),
+                    label: pattern.label(),
+                    reason: error.to_string(),
+                }),
             }
         }
         progress.advance(share);
@@ -130,7 +134,7 @@ pub(crate) fn run(args: &ChooseArgs, global: &Global) -> Result<(), CliError> {
     drop(progress);
     if candidates.is_empty() {
         let reasons: Vec<String> =
-            left_out.iter().map(|l| format!("{}: {}", l.sampler, l.reason)).collect();
+            left_out.iter().map(|l| format!("{}: {}", l.label, l.reason)).collect();
         return Err(CliError::Failed(reasons.join("; ")));
     }
     candidate::rank(&mut candidates, &question);

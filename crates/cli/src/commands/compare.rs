@@ -78,12 +78,12 @@ pub(crate) fn run(args: &CompareArgs, global: &Global) -> Result<(), CliError> {
     let integrand = parse_integrand(args.integrand.required()?, global.quiet)?;
     let domain = args.effort.domain.domain();
     let mut patterns: Vec<Pattern> = Vec::new();
-    for pattern in parse_patterns(&args.samplers.required()?)? {
+    for pattern in parse_patterns(&args.samplers.required()?, global.quiet)? {
         if !patterns.contains(&pattern) {
             patterns.push(pattern);
         }
     }
-    let cases = Case::all(&patterns, args.counts.required()?, domain, true)?;
+    let cases = Case::all(&patterns, args.counts.list(), domain, true)?;
     let plan = args.effort.plan(&integrand, global, true)?;
     rows::check(&plan, &cases)?;
     let provenance = Provenance::new(global.seed);
@@ -92,7 +92,7 @@ pub(crate) fn run(args: &CompareArgs, global: &Global) -> Result<(), CliError> {
 
     let curves: Vec<Curve<'_>> = patterns.iter().map(|p| Curve::new(p, &rows)).collect();
     let samplers: Vec<SamplerRecord> = curves.iter().filter_map(|c| c.summary(&energy)).collect();
-    let best: Vec<_> = curves.iter().map(|c| (c.pattern.to_string(), c.best())).collect();
+    let best: Vec<_> = curves.iter().map(|c| (c.pattern, c.best())).collect();
     let crossovers = crossovers(&best, global.seed);
     let records: Vec<RowRecord> = rows.iter().map(|row| RowRecord::new(row, &plan)).collect();
     let body = ComparisonBody { rows: records, samplers, crossovers };

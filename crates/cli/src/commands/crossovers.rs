@@ -2,7 +2,7 @@
 
 use schemars::JsonSchema;
 use serde::Serialize;
-use sphvar_samplers::{Purpose, Streams};
+use sphvar_samplers::{Pattern, Purpose, Streams};
 use sphvar_variance::{Crossover, VariancePoint};
 
 use crate::report::number;
@@ -14,6 +14,9 @@ pub(crate) struct CrossoverRecord {
     pub(super) better_below: String,
     /// The sampler of less variance at more points.
     pub(super) better_above: String,
+    /// The names of both in tables.
+    #[serde(skip)]
+    labels: [String; 2],
     /// The number of points at which the curves cross; it need not be whole.
     pub(super) n: f64,
     /// The 95 % interval of `n`, extended to the numbers of points that were tried next to the
@@ -26,24 +29,21 @@ pub(crate) struct CrossoverRecord {
 impl CrossoverRecord {
     /// Returns the crossover as a line of text.
     pub(super) fn line(&self) -> String {
-        let Self { better_above, better_below, n, interval, .. } = self;
+        let Self { labels: [below, above], n, interval, .. } = self;
         let interval = number::interval(Some(*interval), number::count);
-        format!(
-            "{better_above} overtakes {better_below} at N = {} ({interval})\n",
-            number::count(*n)
-        )
+        format!("{above} overtakes {below} at N = {} ({interval})\n", number::count(*n))
     }
 }
 
-/// Returns the significant crossings of every pair of curves, each given by a sampler's name and
-/// its points by N. Curves that reach the variance 0 are omitted.
+/// Returns the significant crossings of every pair of curves, each given by a sampler and its
+/// points by N. Curves that reach the variance 0 are omitted.
 pub(super) fn crossovers(
-    curves: &[(String, Vec<VariancePoint>)],
+    curves: &[(&Pattern, Vec<VariancePoint>)],
     seed: u64,
 ) -> Vec<CrossoverRecord> {
     let mut found = Vec::new();
-    for (i, (name_a, a)) in curves.iter().enumerate() {
-        for (j, (name_b, b)) in curves.iter().enumerate().skip(i + 1) {
+    for (i, (pattern_a, a)) in curves.iter().enumerate() {
+        for (j, (pattern_b, b)) in curves.iter().enumerate().skip(i + 1) {
             if a.iter().chain(b).any(|p| p.variance <= 0.0) {
                 continue;
             }
@@ -51,13 +51,14 @@ pub(super) fn crossovers(
             let record = |crossover: Crossover| {
                 let Crossover { n_points, interval, bracket, confidence, .. } = crossover;
                 let (above, below) = if crossover.first_is_better_above {
-                    (name_a, name_b)
+                    (pattern_a, pattern_b)
                 } else {
-                    (name_b, name_a)
+                    (pattern_b, pattern_a)
                 };
                 CrossoverRecord {
-                    better_below: below.clone(),
-                    better_above: above.clone(),
+                    better_below: below.to_string(),
+                    better_above: above.to_string(),
+                    labels: [below.label(), above.label()],
                     n: n_points,
                     interval: (interval.0.min(bracket.0), interval.1.max(bracket.1)),
                     confidence,

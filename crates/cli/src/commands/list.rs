@@ -68,7 +68,7 @@ pub(crate) fn run(args: &ListArgs, global: &Global) -> Result<(), CliError> {
     let counts = args.count.count.map_or(LISTED_COUNTS.to_vec(), |n| vec![n]);
     let is_listed = |kind| args.kind.is_none_or(|listed| listed == kind);
     let samplers = is_listed(Kind::Samplers)
-        .then(|| Pattern::ALL.iter().map(|p| SamplerEntry::new(p, &counts, domain)).collect())
+        .then(|| Pattern::known().map(|p| SamplerEntry::new(&p, &counts, domain)).collect())
         .map(|all| chosen(all, "sampler", &args.names, |entry| entry.name))
         .transpose()?;
     let integrands = is_listed(Kind::Integrands)

@@ -20,7 +20,7 @@ use crate::error::CliError;
 use crate::flags::retired::unknown_value;
 use crate::flags::{CountsArgs, one_sampler};
 use crate::global::Global;
-use crate::spec::unknown_name;
+use crate::spec::{argument, unknown_name};
 
 pub(crate) const EXAMPLES: &str = "Examples:
   sphvar render cornell --sampler jittered -n 24 --size 64 -o ao.png
@@ -44,7 +44,7 @@ pub(crate) struct RenderArgs {
     #[command(flatten)]
     pub(super) stage: StageArgs,
     /// Sampler of the directions at each shading point: name or name:key=value,key=value
-    #[arg(long, value_parser = one_sampler, conflicts_with_all = ["samplers", "sheet"])]
+    #[arg(long, value_parser = one_sampler(), conflicts_with_all = ["samplers", "sheet"])]
     pub(super) sampler: Option<String>,
     #[command(flatten)]
     pub(super) counts: CountsArgs,
@@ -88,10 +88,10 @@ pub(crate) struct RenderArgs {
     #[arg(long, conflicts_with_all = ["difference", "error", "sheet", "white"])]
     pub(super) study: bool,
     /// Samplers of a study, separated by commas; all is every sampler
-    #[arg(long, requires = "study")]
+    #[arg(long, requires = "study", value_parser = argument())]
     pub(super) samplers: Option<String>,
     /// Pictures side by side with their errors: SAMPLER@MODE or reference, separated by commas; one row for each N
-    #[arg(long, value_name = "PANELS", conflicts_with_all = ["difference", "error"])]
+    #[arg(long, value_name = "PANELS", conflicts_with_all = ["difference", "error"], value_parser = argument())]
     pub(super) sheet: Option<String>,
 }
 

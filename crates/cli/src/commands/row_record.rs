@@ -13,6 +13,9 @@ use crate::report::{Column, number};
 pub(crate) struct RowRecord {
     /// The sampler with its parameters, as every command accepts it.
     sampler: String,
+    /// The name of the sampler in tables.
+    #[serde(skip)]
+    label: String,
     /// The integrand, as it was given.
     integrand: String,
     /// `sphere` or `hemisphere`.
@@ -78,6 +81,8 @@ pub(crate) struct RowRecord {
     bias_p: Option<f64>,
     /// The reason why numbers are missing.
     remark: Option<&'static str>,
+    /// The effective number of weighted points, `(sum w)^2 / sum w^2`; null without weights.
+    n_effective: Option<f64>,
 }
 
 /// The remark of a row whose measured variance has no error estimate.
@@ -100,10 +105,12 @@ impl RowRecord {
         let known = |x: f64| if remark.is_some() { f64::NAN } else { x };
         Self {
             sampler: row.pattern.to_string(),
+            label: row.pattern.label(),
             integrand: plan.integrand.name.clone(),
             domain: plan.domain.name(),
             n_requested: row.requested,
             n: spectrum.n_points(),
+            n_effective: row.n_effective,
             lmax: spectrum.lmax(),
             realizations: spectrum.realizations(),
             trials: measurement.estimates().len(),
@@ -137,17 +144,23 @@ impl RowRecord {
     /// Returns a line for every row whose measured variance has no error estimate.
     pub(super) fn remarks(records: &[Self]) -> String {
         let line = |r: &Self| {
-            Some(format!("{}, N = {}: {} (-m {}).\n", r.sampler, r.n, r.remark?, r.trials))
+            Some(format!("{}, N = {}: {} (-m {}).\n", r.label, r.n, r.remark?, r.trials))
         };
         records.iter().filter_map(line).collect()
     }
 
-    /// Returns the columns of a table.
-    pub(super) fn columns() -> Vec<Column<'static, Self>> {
-        vec![
-            Column::text("sampler", |r: &Self| r.sampler.clone()),
+    /// Returns the columns of a table of these records.
+    pub(super) fn columns(records: &[Self]) -> Vec<Column<'static, Self>> {
+        let mut columns = vec![
+            Column::text("sampler", |r: &Self| r.label.clone()),
             Column::number("N requested", |r: &Self| r.n_requested.to_string()),
             Column::number("N", |r: &Self| r.n.to_string()),
+        ];
+        if records.iter().any(|r| r.n_effective.is_some()) {
+            let effective = |r: &Self| number::optional(r.n_effective, number::value);
+            columns.push(Column::number("N_eff", effective));
+        }
+        columns.extend([
             Column::number("predicted", |r: &Self| number::value(r.predicted)),
             Column::number("+-", |r: &Self| {
                 number::uncertainty(r.predicted_stderr.hypot(r.predicted_tail_error))
@@ -158,6 +171,7 @@ impl RowRecord {
             Column::number("ratio", |r: &Self| number::with_uncertainty(r.ratio, r.ratio_stderr)),
             Column::number("z", |r: &Self| number::score(r.z)),
             Column::number("bias z", |r: &Self| number::optional(r.bias_z, number::score)),
-        ]
+        ]);
+        columns
     }
 }

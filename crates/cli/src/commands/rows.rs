@@ -9,9 +9,11 @@ use sphvar_variance::{
 };
 
 use crate::error::CliError;
+use crate::flags::missing_count;
 use crate::integrands::{NamedIntegrand, check_domain};
 use crate::memory::{check_degree, check_memory, check_transform};
 use crate::patterns;
+use crate::point_sets::n_effective;
 use crate::progress::Progress;
 
 /// The settings of a run for all patterns and numbers of points.
@@ -56,7 +58,8 @@ impl Case {
         Ok(Self { pattern, requested, sampler })
     }
 
-    /// Returns every pattern at every number of points, each case once.
+    /// Returns every pattern at every number of points, each case once. A single file has one case,
+    /// at its own number.
     pub(super) fn all(
         patterns: &[Pattern],
         counts: &[usize],
@@ -65,6 +68,11 @@ impl Case {
     ) -> Result<Vec<Self>, CliError> {
         let mut cases: Vec<Self> = Vec::new();
         for pattern in patterns {
+            let own = pattern.own_count();
+            if own.is_none() && counts.is_empty() {
+                return Err(missing_count());
+            }
+            let counts = own.as_ref().map_or(counts, std::slice::from_ref);
             for &n in counts {
                 let case = Self::new(pattern.clone(), n, domain, nearest)?;
                 let same = |c: &Self| c.pattern == *pattern && c.n_points() == case.n_points();
@@ -90,6 +98,8 @@ pub(super) struct Row {
     pub(super) pattern: Pattern,
     pub(super) requested: usize,
     pub(super) comparison: Comparison,
+    /// The effective number of points, if they have weights.
+    pub(super) n_effective: Option<f64>,
 }
 
 /// Runs all cases, with one progress bar, and returns the rows in the order of the cases with the
@@ -108,11 +118,13 @@ pub(super) fn run(plan: &Plan<'_>, cases: &[Case]) -> Result<(Vec<Row>, Energy),
     let rows = cases
         .iter()
         .map(|case| {
-            progress.stage(&format!("{} N = {}", case.pattern, case.n_points()));
+            progress.stage(&format!("{} N = {}", case.pattern.label(), case.n_points()));
             let predicted = plan.predict(&mut predictor, case, &progress)?;
             let trials = plan.trials_of(&*case.sampler);
             let comparison = predictor.measure(predicted, &*case.sampler, trials, &progress)?;
-            Ok(Row { pattern: case.pattern.clone(), requested: case.requested, comparison })
+            let n_effective = n_effective(&*case.sampler, &comparison.predicted.spectrum);
+            let (pattern, requested) = (case.pattern.clone(), case.requested);
+            Ok(Row { pattern, requested, comparison, n_effective })
         })
         .collect::<Result<Vec<Row>, CliError>>()?;
     if plan.whole_spectra {

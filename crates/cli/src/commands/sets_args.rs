@@ -13,7 +13,7 @@ use crate::flags::{CountArgs, DomainArgs, NearestArgs, SamplerArgs};
 #[derive(Debug, Args)]
 #[command(
     mut_arg("sampler", |arg| arg.required_unless_present("points_from").conflicts_with("points_from")),
-    mut_arg("count", |arg| arg.required_unless_present("points_from").conflicts_with("points_from")),
+    mut_arg("count", |arg| arg.conflicts_with("points_from")),
     mut_arg("nearest", |arg| arg.conflicts_with("points_from"))
 )]
 pub(crate) struct SetsArgs {

@@ -1,6 +1,7 @@
 //! `sphvar spectrum`: the angular power spectrum of a pattern or of points in files.
 
 mod chart;
+mod coefficient;
 mod pairs;
 pub(crate) mod report;
 
@@ -10,12 +11,15 @@ use std::time::Instant;
 use clap::Args;
 use schemars::JsonSchema;
 use serde::Serialize;
-use sphvar_samplers::{Domain, Pattern, Purpose, Realizations, Sampler, Streams};
+use sphvar_samplers::{
+    Domain, Pattern, PointSet, Purpose, Realizations, Sampler, SetDistribution, Streams,
+};
 use sphvar_spectrum::{
     CoefficientSamples, Ensemble, ExactSpectrum, OrderAccumulator, OrderPower, Resolution,
     SpectrumAccumulator, accumulate,
 };
 
+use self::coefficient::parse_coefficient;
 use self::pairs::{PairArgs, PairBody};
 pub(crate) use self::report::{Remarks, emit};
 use super::sets_args::SetsArgs;
@@ -27,9 +31,9 @@ use crate::global::Global;
 use crate::instruction_set::instruction_set;
 use crate::memory::{check_degree, check_memory, check_transform};
 use crate::patterns;
-use crate::point_sets::FileSets;
+use crate::point_sets::{FileSets, WeightSums};
 use crate::progress::Progress;
-use crate::report::{Provenance, check_result, csv_of, is_stdout, say, write_text};
+use crate::report::{Provenance, check_result, csv_of, is_stdout, write_text};
 use crate::transforms::TransformArgs;
 
 pub(crate) const EXAMPLES: &str = "Examples:
@@ -51,6 +55,9 @@ equal-area cells (jittered, equal-area) and for deterministic patterns.
 (1 - 1/N for these), K the area times the share of pairs within a radius, and L the radius of the cap of area K. \
 g smooth is the same from the spectrum, averaged by a heat kernel.";
 
+/// The default number of realizations.
+const REALIZATIONS: u64 = 100;
+
 #[derive(Debug, Args)]
 #[command(mut_arg("lmax", |lmax| lmax.help(lmax_help(&natural_degree_in_words()))))]
 pub(crate) struct SpectrumArgs {
@@ -61,16 +68,15 @@ pub(crate) struct SpectrumArgs {
         "points_from", "realizations", "per_order", "coefficient", "method", "epsilon",
     ])]
     pub(crate) exact: bool,
-    /// Number of realizations
     #[arg(
         short = 'm',
         long,
-        default_value = "100",
         value_name = "M",
         value_parser = parse_realizations,
-        conflicts_with = "points_from"
+        conflicts_with = "points_from",
+        help = format!("Number of realizations [default: {REALIZATIONS}; of a file, each set once]")
     )]
-    pub(crate) realizations: u64,
+    pub(crate) realizations: Option<u64>,
     #[command(flatten)]
     pub(crate) lmax: LmaxArgs,
     #[command(flatten)]
@@ -122,6 +128,21 @@ enum Source {
     Files { sets: FileSets },
 }
 
+impl Source {
+    /// Returns the sets of a pattern from a file, if each is to be taken once.
+    fn given_sets(&self, args: &SpectrumArgs) -> Option<&[PointSet]> {
+        let Self::Sampler { sampler, .. } = self else { return None };
+        // Rotations change these quantities, but not the power of a degree.
+        let has_orders = args.per_order.is_some() || args.coefficient.is_some();
+        match sampler.distribution() {
+            SetDistribution::OneOf(sets) if args.realizations.is_none() && !has_orders => {
+                Some(sets)
+            }
+            _ => None,
+        }
+    }
+}
+
 pub(crate) fn run(args: &SpectrumArgs, global: &Global) -> Result<(), CliError> {
     let domain = args.sets.domain.domain();
     check_outputs(args, global)?;
@@ -131,9 +152,11 @@ pub(crate) fn run(args: &SpectrumArgs, global: &Global) -> Result<(), CliError> 
     {
         return run_exact(args, global, pattern, &**sampler);
     }
+    let given = source.given_sets(args);
     let (name, n_points, count) = match &source {
         Source::Sampler { pattern, sampler } => {
-            (pattern.to_string(), sampler.n_points(), args.realizations)
+            let default = given.map_or(REALIZATIONS, |sets| sets.len() as u64);
+            (pattern.to_string(), sampler.n_points(), args.realizations.unwrap_or(default))
         }
         Source::Files { sets } => (sets.name().to_owned(), sets.mean_size(), sets.count()),
     };
@@ -156,9 +179,10 @@ pub(crate) fn run(args: &SpectrumArgs, global: &Global) -> Result<(), CliError> 
     let started = Instant::now();
     let orders = args.per_order.is_some().then(|| OrderAccumulator::new(lmax)).transpose()?;
     let pairs = args.pairs.settings(domain, n_points, lmax, global.quiet)?;
-    let (sets, count): (&dyn Ensemble, u64) = match &source {
-        Source::Files { sets } => (sets.sets(), count),
-        Source::Sampler { sampler, .. } => {
+    let (sets, count): (&dyn Ensemble, u64) = match (&source, &given) {
+        (Source::Files { sets }, _) => (sets.sets(), count),
+        (_, Some(sets)) => (sets, count),
+        (Source::Sampler { sampler, .. }, _) => {
             let streams = Streams::new(global.seed, Purpose::Pattern, sampler.stream_group());
             // One set of a deterministic pattern determines its spectrum, but not the distribution
             // of quantities that rotations change.
@@ -170,7 +194,7 @@ pub(crate) fn run(args: &SpectrumArgs, global: &Global) -> Result<(), CliError> 
     let share = args.shard.unwrap_or(Part::WHOLE);
     let part = share.range(count);
     if part.is_empty() {
-        let why = if count == 1 && args.realizations > 1 {
+        let why = if count == 1 && args.realizations != Some(1) {
             "a deterministic pattern has one set: omit --shard"
         } else {
             "use at most as many parts as realizations"
@@ -180,8 +204,8 @@ pub(crate) fn run(args: &SpectrumArgs, global: &Global) -> Result<(), CliError> 
         )));
     }
     let set_work = match &source {
-        Source::Sampler { sampler, .. } => sampler.nominal_work(),
-        Source::Files { .. } => 0.0,
+        Source::Sampler { sampler, .. } if given.is_none() => sampler.nominal_work(),
+        _ => 0.0,
     };
     let pair_work = pairs.as_ref().map_or(0.0, |pairs| pairs.work(n_points));
     let work = set_work + method.nominal_work(n_points, lmax) + pair_work;
@@ -198,8 +222,12 @@ pub(crate) fn run(args: &SpectrumArgs, global: &Global) -> Result<(), CliError> 
     // A single set in a file is of interest itself, not as a realization of an ensemble, so its
     // spectrum has no error.
     let (exact, has_no_error, weights) = match &source {
-        Source::Sampler { sampler, .. } => (!sampler.is_random(), false, None),
-        Source::Files { sets } => (count == 1, count == 1, sets.weight_sums()),
+        Source::Sampler { sampler, .. } => {
+            (!sampler.is_random(), false, WeightSums::of_sampler(&**sampler)?)
+        }
+        Source::Files { sets } => {
+            (count == 1, count == 1, WeightSums::of_sets(sets.sets().sets()))
+        }
     };
     let pairs = of_pairs.map(|sums| PairBody::new(&sums, exact, has_no_error)).transpose()?;
     drop(progress);
@@ -255,7 +283,8 @@ fn run_exact(
     let spectrum = exact.to(lmax, &progress)?;
     drop(progress);
     let seconds = started.elapsed().as_secs_f64();
-    let (remarks, provenance) = (Remarks::default(), Provenance::new(global.seed));
+    let remarks = Remarks { has_no_error: false, weights: WeightSums::of_sampler(sampler)? };
+    let provenance = Provenance::new(global.seed);
     emit(args.out.out.as_deref(), global, &name, &spectrum, remarks, seconds, &provenance)
 }
 
@@ -287,21 +316,20 @@ pub(crate) fn check_save(path: &Path) -> Result<(), CliError> {
 }
 
 fn source(args: &SpectrumArgs, domain: Domain, global: &Global) -> Result<Source, CliError> {
-    let (Some(name), Some(n)) = (&args.sets.sampler.sampler, args.sets.count.count) else {
+    let Some(name) = &args.sets.sampler.sampler else {
         let sets = FileSets::read(&args.sets.files, domain, global.quiet)?;
         return Ok(Source::Files { sets });
     };
-    let pattern = patterns::parse_pattern(name)?;
-    let sampler = patterns::build(&pattern, n, domain, args.sets.nearest.nearest)?;
+    let (n, nearest) = (args.sets.count.count, args.sets.nearest.nearest);
+    let (pattern, sampler) = patterns::sampler_of(name, n, domain, nearest, global.quiet)?;
     if args.exact && ExactSpectrum::of(&*sampler).is_none() {
         return Err(sampled_only(&pattern));
     }
-    if sampler.n_points() != n {
-        let got = sampler.n_points();
-        say(
-            global.quiet,
-            &format!("{pattern}: {got} points, the valid count nearest to the requested {n}"),
-        );
+    if args.save.is_some() && matches!(pattern, Pattern::PointFile(_)) {
+        return Err(CliError::Usage(
+            "--save is for built-in samplers: the sets of a file are not recorded with the sums"
+                .to_owned(),
+        ));
     }
     Ok(Source::Sampler { pattern, sampler })
 }
@@ -318,38 +346,4 @@ fn sampled_only(pattern: &Pattern) -> CliError {
         "the spectrum of {pattern} has no closed form; those with one are {}",
         exact.join(", ")
     ))
-}
-
-/// The coefficient whose samples are requested.
-struct Coefficient {
-    l: usize,
-    m: usize,
-    path: PathBuf,
-}
-
-fn parse_coefficient(
-    words: &[String],
-    lmax: usize,
-    domain: Domain,
-) -> Result<Coefficient, CliError> {
-    let number = |word: &String| {
-        word.parse::<usize>().map_err(|_| {
-            CliError::Usage(format!("--coefficient L M FILE: \"{word}\" is not a number"))
-        })
-    };
-    let [l, m, path] = words else {
-        return Err(CliError::Usage("--coefficient takes L M FILE".to_owned()));
-    };
-    let (l, m) = (number(l)?, number(m)?);
-    if m > l || l > lmax {
-        return Err(CliError::Usage(format!(
-            "--coefficient must satisfy 0 <= M <= L <= lmax, got L = {l}, M = {m}, lmax = {lmax}"
-        )));
-    }
-    if !domain.has_degree(l) {
-        return Err(CliError::Usage(format!(
-            "--coefficient: the {domain} has even degrees only, got L = {l}"
-        )));
-    }
-    Ok(Coefficient { l, m, path: Path::new(path).to_path_buf() })
 }

@@ -39,7 +39,6 @@ error (its bias) and the distribution over realizations, whose variance may diff
 #[derive(Debug, Args)]
 #[command(
     mut_group("SamplersArgs", |samplers| samplers.required(true)),
-    mut_arg("counts", |counts| counts.required(true)),
     mut_arg("integrand", |integrand| integrand.required(true))
 )]
 pub(crate) struct VarianceArgs {
@@ -85,8 +84,8 @@ pub(crate) fn run(args: &VarianceArgs, global: &Global) -> Result<(), CliError> 
     }
     let integrand = parse_integrand(args.integrand.required()?, global.quiet)?;
     let domain = args.effort.domain.domain();
-    let patterns = parse_patterns(&args.samplers.required()?)?;
-    let cases = Case::all(&patterns, args.counts.required()?, domain, args.nearest.nearest)?;
+    let patterns = parse_patterns(&args.samplers.required()?, global.quiet)?;
+    let cases = Case::all(&patterns, args.counts.list(), domain, args.nearest.nearest)?;
     let plan = args.effort.plan(&integrand, global, false)?;
     if args.no_rotate {
         return run_fixed(args, global, &plan, &cases);
@@ -135,7 +134,7 @@ fn run_fixed(
 }
 
 fn text(body: &VarianceBody) -> String {
-    let mut text = table_of(&RowRecord::columns(), &body.rows);
+    let mut text = table_of(&RowRecord::columns(&body.rows), &body.rows);
     text += &RowRecord::remarks(&body.rows);
     if let Some(halves) = &body.visible_half {
         text.push('\n');

@@ -4,7 +4,7 @@ use clap::ValueEnum;
 use schemars::JsonSchema;
 use serde::Serialize;
 use sphvar_integrands::{VisibleHalfEstimator, VisibleHalfIntegrand};
-use sphvar_samplers::{Domain, Purpose, Realizations, Sampler, Streams};
+use sphvar_samplers::{Domain, Pattern, Purpose, Realizations, Sampler, Streams};
 use sphvar_spectrum::Resolution;
 use sphvar_variance::{
     BiasTest, CutAxis, Error, Measurement, Prediction, VisibleHalfMeasurement,
@@ -90,6 +90,12 @@ pub(super) fn run(
     cases: &[Case],
     rows: &[Row],
 ) -> Result<Vec<VisibleHalfRecord>, CliError> {
+    if let Some(case) = cases.iter().find(|c| matches!(c.pattern, Pattern::PointFile(_))) {
+        return Err(CliError::Usage(format!(
+            "--visible-half needs sphere sets and hemisphere sets of one pattern, which {} does not have",
+            case.pattern.label()
+        )));
+    }
     let sphere: Vec<Box<dyn Sampler>> = cases
         .iter()
         .map(|c| patterns::build(&c.pattern, c.n_points().saturating_mul(2), Domain::Sphere, true))

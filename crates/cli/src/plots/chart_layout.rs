@@ -10,7 +10,7 @@ use super::chart::{Chart, Panel, Series};
 use super::dashes::patterns;
 use super::end_labels::{EndLabels, Leader, PlacedLabels};
 use super::legend::Legend;
-use super::palette::{GREY, INK};
+use super::palette::{GREY, INK, Ink};
 use super::plane::{Frame, Plane, drawable_x, drawable_y};
 use super::plot_error::PlotError;
 use super::series_drawing::{Look, Sample};
@@ -171,10 +171,10 @@ fn ticks(length: f64, space: f64) -> u32 {
     (length / space).max(2.0) as u32
 }
 
-/// Returns the series of a panel in drawing order.
+/// Returns the series of a panel in drawing order: grey ones first, the user's own last.
 fn looks<'a>(panel: &'a Panel, plane: &Plane) -> Vec<Look<'a>> {
     let mut series: Vec<&Series> = panel.series.iter().collect();
-    series.sort_by_key(|series| !series.ink.is_hollow());
+    series.sort_by_key(|series| (!series.ink.is_hollow(), matches!(series.ink, Ink::User(_))));
     let patterns = patterns(&series, plane);
     let shifts = if panel.side_by_side { shifts(&series, plane) } else { vec![0.0; series.len()] };
     let looks = series.into_iter().zip(patterns).zip(shifts);

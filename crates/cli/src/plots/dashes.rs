@@ -1,6 +1,7 @@
 //! Dashed lines, and the selection of lines that need dashes because they cover others.
 
 use super::chart::{Series, Style};
+use super::palette::Ink;
 use super::plane::Plane;
 
 /// Alternating lengths of dashes and gaps, in units; empty for a line without gaps.
@@ -9,6 +10,8 @@ pub(super) type Pattern = &'static [f64];
 /// The patterns of lines that cover others, by the number of lines covered: those beneath show in
 /// the gaps.
 const OVER_OTHERS: [Pattern; 4] = [&[], &[13.0, 9.0], &[7.0, 13.0], &[3.0, 15.0]];
+/// The patterns of the user's own curves from the second on, which have one colour.
+const OWN: [Pattern; 3] = [&[14.0, 5.0], &[12.0, 4.0, 2.5, 4.0], &[3.5, 4.0]];
 /// The pattern of dashed lines.
 const DASHED: Pattern = &[8.0, 4.5];
 /// Lines within this distance look like one, in units.
@@ -31,7 +34,10 @@ pub(super) fn patterns(series: &[&Series], plane: &Plane) -> Vec<Pattern> {
         patterns.push(match one.style {
             Style::Dashed => DASHED,
             Style::Solid => OVER_OTHERS[0],
-            _ => OVER_OTHERS[beneath.min(OVER_OTHERS.len() - 1)],
+            _ => match one.ink {
+                Ink::User(number @ 1..) => OWN[(number - 1) % OWN.len()],
+                _ => OVER_OTHERS[beneath.min(OVER_OTHERS.len() - 1)],
+            },
         });
     }
     patterns

@@ -33,5 +33,5 @@ pub(crate) use contact_sheet::{ContactSheet, SheetPanel};
 pub(crate) use figure::ImageFormat;
 pub(crate) use heat_map::{Colours, Edges, HeatMap};
 pub(crate) use orthographic_view::OrthographicView;
-pub(crate) use palette::{Ink, MAX_COLOURS, ranks};
+pub(crate) use palette::{Ink, MAX_COLOURS, NOTE_OF_OWN, inks};
 pub(crate) use plot_error::PlotError;

@@ -19,6 +19,9 @@ pub(super) const COLOURS: [RGBColor; 7] = [
 /// The number of curves of a chart that have a colour each.
 pub(crate) const MAX_COLOURS: usize = COLOURS.len();
 
+/// The size of lines and markers of the user's patterns.
+const USER_SIZE: f64 = 1.4;
+
 /// Text and frame.
 pub(super) const INK: RGBColor = RGBColor(0x22, 0x22, 0x22);
 /// Notes and outlines.
@@ -34,6 +37,8 @@ pub(crate) enum Ink {
     /// The importance from 0: the first seven have a colour each, the others are grey with hollow
     /// markers.
     Rank(usize),
+    /// The number from 0 among the user's own patterns: black with thick lines and large markers.
+    User(usize),
     /// Black, for series outside of a family of curves.
     Black,
 }
@@ -43,7 +48,7 @@ impl Ink {
     pub(super) fn colour(self) -> RGBColor {
         match self {
             Self::Rank(rank) => COLOURS.get(rank).copied().unwrap_or(OTHERS),
-            Self::Black => INK,
+            Self::User(_) | Self::Black => INK,
         }
     }
 
@@ -51,8 +56,15 @@ impl Ink {
     pub(super) fn marker(self) -> Marker {
         match self {
             Self::Rank(rank) => MARKERS[rank % MARKERS.len()],
+            // From the star, which no other curve has unless there are eight.
+            Self::User(number) => MARKERS[MARKERS.len() - 1 - number % MARKERS.len()],
             Self::Black => Marker::Disc,
         }
+    }
+
+    /// Returns the size of lines and markers relative to those of other curves.
+    pub(super) fn size(self) -> f64 {
+        if matches!(self, Self::User(_)) { USER_SIZE } else { 1.0 }
     }
 
     /// Returns whether markers are outlines.
@@ -64,7 +76,7 @@ impl Ink {
 /// Returns a rank for each value, for [`Ink::Rank`]: the position in the list, unless there are
 /// more values than colours; then the smallest values have the first ranks. NaN is greater than all
 /// numbers.
-pub(crate) fn ranks(values: &[f64]) -> Vec<usize> {
+fn ranks(values: &[f64]) -> Vec<usize> {
     let mut by_value: Vec<usize> = (0..values.len()).collect();
     // The sign of a NaN has no meaning.
     let key = |i: usize| if values[i].is_nan() { f64::INFINITY } else { values[i] };
@@ -81,6 +93,22 @@ pub(crate) fn ranks(values: &[f64]) -> Vec<usize> {
     };
     has_colour.into_iter().map(rank).collect()
 }
+
+/// Returns the ink of each curve: the user's own, marked in `are_own`, have a style apart, and the
+/// others the [`ranks`] of their values.
+pub(crate) fn inks(values: &[f64], are_own: &[bool]) -> Vec<Ink> {
+    let of_others = values.iter().zip(are_own).filter(|(_, is_own)| !**is_own);
+    let mut others = ranks(&of_others.map(|(value, _)| *value).collect::<Vec<_>>()).into_iter();
+    let mut own = 0..;
+    let mut ink = |is_own: &bool| {
+        let next = if *is_own { own.next().map(Ink::User) } else { others.next().map(Ink::Rank) };
+        next.unwrap_or(Ink::Black)
+    };
+    are_own.iter().map(&mut ink).collect()
+}
+
+/// The note on charts with the user's own patterns.
+pub(crate) const NOTE_OF_OWN: &str = "Black: points from files.";
 
 /// The outline of a marker around the origin, with half a side of about 1.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -200,6 +228,14 @@ mod tests {
                 }
             }
         }
+    }
+
+    #[test]
+    fn own_patterns_do_not_take_colours() {
+        let values = [3.0, 0.1, 1.0, 0.2, 2.0];
+        let expected = [Ink::Rank(0), Ink::User(0), Ink::Rank(1), Ink::User(1), Ink::Rank(2)];
+        assert_eq!(inks(&values, &[false, true, false, true, false]), expected);
+        assert!(Ink::User(0).marker() != Ink::User(1).marker() && !Ink::User(9).is_hollow());
     }
 
     #[test]

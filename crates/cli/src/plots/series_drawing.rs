@@ -78,7 +78,7 @@ pub(super) fn draw_series<DB: DrawingBackend>(
         }
         if series.style.has_markers() {
             for point in points {
-                draw_marker(series.ink, point, MARKER, canvas)?;
+                draw_marker(series.ink, point, series.ink.size() * MARKER, canvas)?;
             }
         }
     }
@@ -87,7 +87,7 @@ pub(super) fn draw_series<DB: DrawingBackend>(
 
 /// Returns the width of a line; grey ones are thinner.
 fn line_width(ink: Ink) -> f64 {
-    if ink.is_hollow() { THIN_LINE } else { LINE }
+    if ink.is_hollow() { THIN_LINE } else { ink.size() * LINE }
 }
 
 /// Draws one marker.
@@ -151,7 +151,7 @@ impl<'a> Sample<'a> {
             }
         }
         if self.has_markers {
-            draw_marker(*ink, (x + 0.5 * self.width, y), MARKER, canvas)?;
+            draw_marker(*ink, (x + 0.5 * self.width, y), ink.size() * MARKER, canvas)?;
         }
         Ok(())
     }

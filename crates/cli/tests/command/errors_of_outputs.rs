@@ -58,7 +58,7 @@ fn a_target_that_is_a_folder_or_standard_output() {
 fn unknown_extensions() {
     let place = Workplace::new();
     for (command, known) in [
-        ("sample fibonacci -n 12 -o", ".csv, .npy, .ply (points), .svg, .png (a picture)"),
+        ("sample fibonacci -n 12 -o", ".csv, .npy, .npz, .ply (points), .svg, .png (a picture)"),
         ("spectrum fibonacci -n 12 -o", ".csv or .json, plots as .svg or .png"),
         ("variance fibonacci -n 12 --integrand cosine -m 4 -o", ".csv or .json"),
         ("bounds --profile step -n 12 -o", ".csv or .json"),

@@ -39,7 +39,10 @@ fn numbers_of_points() {
         ("sample white-noise -n ten", &["ten", "--count"]),
         ("sample white-noise -n 1e-3", &["1e-3"]),
         ("sample white-noise", &["--count"]),
-        ("spectrum", &["--count", "SAMPLER"]),
+        ("spectrum", &["SAMPLER"]),
+        ("spectrum jittered", &["--count"]),
+        ("bounds jittered", &["--count"]),
+        ("variance jittered --integrand cosine", &["--count"]),
     ]);
     let place = Workplace::new();
     let outcome = place.run("sample jittered -n 100 --nearest -o p.csv").ok();

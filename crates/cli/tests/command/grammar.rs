@@ -10,6 +10,7 @@ fn every_sampler_of_the_list_works() {
         .as_array()
         .unwrap()
         .iter()
+        .filter(|entry| !needs_file(entry))
         .map(|entry| entry["name"].as_str().unwrap())
         .collect();
     for name in ["white-noise", "jittered", "healpix", "fibonacci"] {
@@ -25,6 +26,11 @@ fn every_sampler_of_the_list_works() {
     let document =
         place.run(&format!("variance {all} -n 12 --integrand ylm:l=2 -m 4 --json")).json();
     assert_eq!(document["rows"].as_array().unwrap().len(), names.len());
+}
+
+/// Returns whether a listed sampler has a parameter without a default.
+pub(crate) fn needs_file(entry: &serde_json::Value) -> bool {
+    entry["parameters"].as_array().unwrap().iter().any(|parameter| parameter["required"] == true)
 }
 
 #[test]

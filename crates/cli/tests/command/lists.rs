@@ -4,6 +4,7 @@ use std::collections::BTreeSet;
 
 use serde_json::Value;
 
+use crate::grammar::needs_file;
 use crate::workplace::Workplace;
 
 fn entries<'d>(document: &'d Value, kind: &str) -> &'d Vec<Value> {
@@ -56,6 +57,10 @@ fn listed_parameters_are_taken() {
     let document = place.run("list --json").json();
     for entry in entries(&document, "samplers") {
         let name = entry["name"].as_str().unwrap();
+        if needs_file(entry) {
+            place.run(&format!("sample {name} -n 12")).fails(2, &["the file is missing"]);
+            continue;
+        }
         for parameter in entries(entry, "parameters") {
             let key = parameter["name"].as_str().unwrap();
             for value in entries_or_default(parameter) {

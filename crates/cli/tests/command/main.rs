@@ -22,6 +22,7 @@ mod lists;
 mod messages;
 mod numbers;
 mod outcome;
+mod own_points;
 mod pairs;
 mod pipes;
 mod precision;

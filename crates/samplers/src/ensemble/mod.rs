@@ -1,5 +1,6 @@
 //! Ensembles: point sets, random streams, rotations, realizations and progress.
 
+mod point_files;
 mod point_set;
 mod point_sets;
 pub(crate) mod progress;
@@ -7,6 +8,8 @@ mod realizations;
 mod rotation;
 mod streams;
 
+pub use point_files::PointFile;
+pub(crate) use point_files::PointFiles;
 pub use point_set::PointSet;
 pub use point_sets::PointSets;
 pub use progress::{Progress, SECONDS_PER_WORK, Share, Stopped};

@@ -1,13 +1,18 @@
 use std::fmt;
+use std::sync::Arc;
 
 use glam::DVec3;
 use rand::{Rng, RngExt};
 
-use crate::{Domain, Ensemble, Error, PointSet, Progress, Sampler, SetDistribution};
+use crate::{
+    Domain, Ensemble, Error, PointSet, Progress, Sampler, SamplerFamily, SetDistribution,
+    ValidCounts,
+};
 
 /// Given point sets, with or without weights, as a sampler that draws one of them uniformly.
 ///
-/// As an [`Ensemble`] it yields the sets in their order, without rotation.
+/// As an [`Ensemble`] it yields the sets in their order, without rotation. As a [`SamplerFamily`]
+/// it can be ranked beside patterns, at its own number of points; clones share the points.
 ///
 /// # Examples
 ///
@@ -18,11 +23,13 @@ use crate::{Domain, Ensemble, Error, PointSet, Progress, Sampler, SetDistributio
 /// let axes = PointSet::new(vec![DVec3::X, DVec3::Y, DVec3::Z, -DVec3::X, -DVec3::Y, -DVec3::Z]);
 /// let octahedron = PointSets::new(vec![axes], Domain::Sphere)?;
 /// assert!(octahedron.n_points() == 6 && !octahedron.is_random());
+/// assert_eq!(octahedron.with_name("octahedron").to_string(), "octahedron");
 /// # Ok::<(), sphvar_samplers::Error>(())
 /// ```
 #[derive(Clone)]
 pub struct PointSets {
-    sets: Vec<PointSet>,
+    name: Arc<str>,
+    sets: Arc<[PointSet]>,
     domain: Domain,
     group: usize,
 }
@@ -50,7 +57,19 @@ impl PointSets {
             }
         }
         let group = hash(&sets);
-        Ok(Self { sets, domain, group })
+        Ok(Self { name: "point sets".into(), sets: sets.into(), domain, group })
+    }
+
+    /// Returns the same sets with a name for tables and messages, the `Display` text. The default
+    /// is `point sets`.
+    #[must_use]
+    pub fn with_name(self, name: &str) -> Self {
+        Self { name: name.into(), ..self }
+    }
+
+    /// Returns a hash of all points and weights.
+    pub(crate) fn group(&self) -> usize {
+        self.group
     }
 
     /// Returns the sets.
@@ -96,11 +115,44 @@ fn hash(sets: &[PointSet]) -> usize {
 impl fmt::Debug for PointSets {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.debug_struct("PointSets")
+            .field("name", &self.name)
             .field("sets", &self.sets.len())
             .field("n_points", &self.n_points())
             .field("domain", &self.domain)
             .field("group", &self.group)
             .finish()
+    }
+}
+
+/// Writes the name.
+impl fmt::Display for PointSets {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(&self.name)
+    }
+}
+
+/// The sets at their own number of points, the only valid count.
+impl SamplerFamily for PointSets {
+    /// # Errors
+    ///
+    /// [`Error::InvalidCount`] for another number of points, and [`Error::Given`] for another
+    /// domain.
+    fn build(&self, n_points: usize, domain: Domain) -> Result<Box<dyn Sampler>, Error> {
+        if domain != self.domain {
+            let reason = format!("{self} are on the {}, not on the {domain}", self.domain);
+            return Err(Error::Given { reason });
+        }
+        let nearest = self.n_points();
+        if n_points != nearest {
+            let (pattern, asked) = (self.name.to_string(), n_points);
+            let rule = ValidCounts::Listed(vec![nearest].into());
+            return Err(Error::InvalidCount { pattern, domain, asked, nearest, rule });
+        }
+        Ok(Box::new(self.clone()))
+    }
+
+    fn nearest_count(&self, _asked: usize, _domain: Domain) -> usize {
+        self.n_points()
     }
 }
 
@@ -121,6 +173,11 @@ impl Sampler for PointSets {
 
     fn stream_group(&self) -> usize {
         self.group
+    }
+
+    /// Returns `true` if all sets are single points. A mean number of points of 1 is no proof.
+    fn is_independent(&self) -> bool {
+        self.sets.iter().all(|set| set.len() == 1)
     }
 
     fn sample_into(&self, rng: &mut dyn Rng, set: &mut PointSet) -> Result<(), Error> {

@@ -8,11 +8,20 @@ use crate::definition::Definition;
 
 /// Declares the module, the variant, the name and the summary of every pattern. A variant with
 /// parameters names their type; otherwise the definition is the type `Parameters` of its module.
+/// Patterns without a default are not in `Pattern::ALL`.
 macro_rules! patterns {
-    ($($name:literal = $module:ident::$Variant:ident $(($parameters:ident: $Parameters:ident))?: $summary:literal;)*) => {
+    (
+        $($name:literal = $module:ident::$Variant:ident $(($parameters:ident: $Parameters:ident))?: $summary:literal;)*
+        without default:
+        $($file_name:literal = $file_module:ident::$FileVariant:ident ($FileParameters:ident): $file_summary:literal;)*
+    ) => {
         $(
             pub(crate) mod $module;
             pub use $module::*;
+        )*
+        $(
+            pub(crate) mod $file_module;
+            pub use $file_module::*;
         )*
 
         /// The patterns of this crate, by name, with their parameters.
@@ -25,6 +34,10 @@ macro_rules! patterns {
                 #[doc = concat!("`", $name, "`: ", $summary, ".")]
                 $Variant $(($Parameters))?,
             )*
+            $(
+                #[doc = concat!("`", $file_name, "`: ", $file_summary, ".")]
+                $FileVariant($FileParameters),
+            )*
         }
 
         impl Pattern {
@@ -32,11 +45,16 @@ macro_rules! patterns {
             pub const ALL: [Self; [$($name),*].len()] =
                 [$(Self::$Variant $(($Parameters::DEFAULT))?),*];
 
+            /// The patterns that have no default, since they need a file, with empty parameters.
+            pub(crate) const WITHOUT_DEFAULT: [Self; [$($file_name),*].len()] =
+                [$(Self::$FileVariant($FileParameters::DEFAULT)),*];
+
             /// Returns the name of the pattern in commands and files.
             #[must_use]
             pub const fn name(&self) -> &'static str {
                 match self {
                     $(Self::$Variant { .. } => $name,)*
+                    $(Self::$FileVariant(_) => $file_name,)*
                 }
             }
 
@@ -45,6 +63,7 @@ macro_rules! patterns {
             pub const fn summary(&self) -> &'static str {
                 match self {
                     $(Self::$Variant { .. } => $summary,)*
+                    $(Self::$FileVariant(_) => $file_summary,)*
                 }
             }
 
@@ -57,6 +76,7 @@ macro_rules! patterns {
                     $(Self::$Variant $(($parameters))? => {
                         action(definition!($module $($parameters)?))
                     })*
+                    $(Self::$FileVariant(parameters) => action(parameters),)*
                 }
             }
         }
@@ -90,4 +110,7 @@ patterns! {
     "sobol" = sobol::Sobol: "Owen-scrambled Sobol points by the equal-area map";
     "halton" = halton::Halton: "randomly shifted Halton points by the equal-area map";
     "hammersley" = hammersley::Hammersley: "randomly shifted Hammersley points by the equal-area map";
+
+    without default:
+    "file" = point_file::PointFile(PointFileParameters): "your own point sets, with or without weights, from a file";
 }

@@ -2,7 +2,7 @@ use std::path::{Path, PathBuf};
 
 use sphvar_grammar::{Declaration, Parametric, Range};
 
-use crate::definition::{Definition, ProfileResolver};
+use crate::definition::{Definition, FileResolver};
 use crate::{CostOrder, Domain, Error, PatternFacts, PowerProfile, Rate, Sampler, SpectralControl};
 
 /// Parameters of the pattern [`SpectralControl::profile`].
@@ -67,7 +67,7 @@ impl Definition for ProfileParameters {
         Ok(Box::new(profile.with_core(self.core)?))
     }
 
-    fn resolve(&mut self, files: &dyn ProfileResolver) -> Result<(), Error> {
+    fn resolve(&mut self, files: &dyn FileResolver) -> Result<(), Error> {
         if let PowerProfile::Table { name, power } = &mut self.profile {
             *power = files.powers(Path::new(&**name))?.into();
         }

@@ -1,6 +1,7 @@
 //! Patterns against their definitions.
 
 mod ccvt;
+mod point_files;
 mod poisson_disk;
 mod progress;
 mod registry;

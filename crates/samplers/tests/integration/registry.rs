@@ -6,9 +6,10 @@ use proptest::prelude::*;
 use proptest::sample::select;
 use sphvar_samplers::grammar::{DefaultValue, Parameter, ParameterKind, ResolveError, Value};
 use sphvar_samplers::{
-    BestCandidateParameters, BlueParameters, CcvtParameters, DiskMode, Domain, Error, MassPoints,
-    Pattern, PointSet, PoissonDiskParameters, PowerProfile, ProfileParameters, ProfileResolver,
-    Purpose, Rate, RieszParameters, SpectralControl, StepParameters, Streams,
+    BestCandidateParameters, BlueParameters, CcvtParameters, DiskMode, Domain, Error, FileResolver,
+    MassPoints, Pattern, PointFile, PointFileParameters, PointSet, PoissonDiskParameters,
+    PowerProfile, ProfileParameters, Purpose, Rate, RieszParameters, SpectralControl,
+    StepParameters, Streams,
 };
 
 #[test]
@@ -52,13 +53,17 @@ fn errors_state_the_valid_values() {
 /// A table of two powers, whatever the file.
 struct Table;
 
-impl ProfileResolver for Table {
+impl FileResolver for Table {
     fn powers(&self, file: &Path) -> Result<Vec<f64>, ResolveError> {
         if file == Path::new("none") {
             Err(ResolveError::new("no file"))
         } else {
             Ok(vec![0.0, 0.5])
         }
+    }
+
+    fn points(&self, _: &PointFileParameters) -> Result<Vec<PointFile>, ResolveError> {
+        Err(ResolveError::new("no points"))
     }
 }
 

@@ -1,5 +1,5 @@
 use rayon::prelude::{IntoParallelIterator, ParallelIterator};
-use sphvar_samplers::{Domain, Pattern, Purpose, Realizations, Streams};
+use sphvar_samplers::{Domain, Pattern, Purpose, Realizations, SetDistribution, Streams};
 
 use crate::{DirectionMode, DirectionSets, Error};
 
@@ -21,6 +21,8 @@ const TABLE_WORK: f64 = 1.6e6;
 pub struct DirectionPlan {
     pattern: Pattern,
     n_points: usize,
+    /// The number of points of a set.
+    set_points: usize,
     mode: DirectionMode,
     /// The number of sets in a table; `None` if all sets of the pattern are equal.
     n_sets: Option<usize>,
@@ -42,10 +44,14 @@ impl DirectionPlan {
         mode: DirectionMode,
         seed: u64,
     ) -> Result<Self, Error> {
-        let sampler = pattern.build(mode.set_points(n_points), mode.domain())?;
+        let set_points = set_points(&pattern, n_points, mode);
+        let sampler = pattern.build(set_points, mode.domain())?;
         let n_sets = sampler.is_random().then(|| Self::default_sets(&pattern, n_points));
-        let group = pattern.stream_group(n_points);
-        Ok(Self { pattern, n_points, mode, n_sets, seed, group })
+        let group = match sampler.distribution() {
+            SetDistribution::OneOf(_) => sampler.stream_group(),
+            _ => pattern.stream_group(n_points),
+        };
+        Ok(Self { pattern, n_points, set_points, mode, n_sets, seed, group })
     }
 
     /// Returns the plan for a reference image: jittered antipodal sets with the nearest valid count
@@ -82,13 +88,18 @@ impl DirectionPlan {
         Ok(Self { n_sets: self.n_sets.map(|_| n_sets), ..self })
     }
 
-    /// Returns the valid number of directions of the pattern nearest to `requested`.
+    /// Returns the valid number of directions of the pattern nearest to `requested`: a valid count
+    /// on the hemisphere, or half of one on the sphere, rounded up.
     ///
-    /// Valid numbers are the same in all modes: the valid counts on the hemisphere, which are half
-    /// of those on the sphere.
+    /// For patterns other than point files these are the same numbers.
     #[must_use]
-    pub fn nearest_count(pattern: &Pattern, requested: usize) -> usize {
-        pattern.nearest_count(requested, Domain::Hemisphere)
+    pub fn nearest_count(pattern: &Pattern, requested: usize, mode: DirectionMode) -> usize {
+        match mode.domain() {
+            Domain::Hemisphere => pattern.nearest_count(requested, Domain::Hemisphere),
+            Domain::Sphere => {
+                pattern.nearest_count(requested.saturating_mul(2), Domain::Sphere).div_ceil(2)
+            }
+        }
     }
 
     /// Returns the default number of sets in a table: as many as have 262144 directions together,
@@ -119,6 +130,13 @@ impl DirectionPlan {
     #[must_use]
     pub fn n_points(&self) -> usize {
         self.n_points
+    }
+
+    /// Returns the number of points of a set: twice [`Self::n_points`] for sphere sets, or one less
+    /// if the pattern has an odd number only.
+    #[must_use]
+    pub fn set_points(&self) -> usize {
+        self.set_points
     }
 
     /// Returns the mode.
@@ -167,7 +185,7 @@ impl DirectionPlan {
             return Err(Error::TooManyRenders { max: DirectionSets::MAX_RENDERS });
         }
         let domain = self.mode.domain();
-        let sampler = self.pattern.build(self.mode.set_points(self.n_points), domain)?;
+        let sampler = self.pattern.build(self.set_points, domain)?;
         let ensemble = Realizations::unrotated(
             &*sampler,
             Streams::new(self.seed, Purpose::Pattern, self.group),
@@ -175,10 +193,18 @@ impl DirectionPlan {
         let n_sets = self.n_sets() as u64;
         let sets: Result<Vec<_>, Error> = (0..n_sets)
             .into_par_iter()
-            .map(|k| Ok(ensemble.realize(render * n_sets + k)?.points.into_boxed_slice()))
+            .map(|k| Ok(ensemble.realize(render * n_sets + k)?))
             .collect();
         let sets = sets?;
         let streams = Streams::new(self.seed, Purpose::Trial, self.group);
         Ok(DirectionSets::new(self.mode, self.n_points, sets, sampler, streams, render))
     }
+}
+
+/// Returns the number of points of the sets that have `n_points` visible directions.
+fn set_points(pattern: &Pattern, n_points: usize, mode: DirectionMode) -> usize {
+    let points = mode.set_points(n_points);
+    let is_valid = |points: usize| pattern.nearest_count(points, mode.domain()) == points;
+    let is_odd = mode.domain() == Domain::Sphere && !is_valid(points);
+    if is_odd && points > 1 && is_valid(points - 1) { points - 1 } else { points }
 }

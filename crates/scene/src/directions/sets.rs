@@ -2,7 +2,9 @@ use std::f64::consts::TAU;
 
 use glam::{DMat3, DVec3};
 use rand::{Rng, RngExt};
-use sphvar_samplers::{PointSet, Realizations, Sampler, Streams, uniform_rotation};
+use sphvar_samplers::{
+    Domain, PointSet, Realizations, Sampler, SetDistribution, Streams, uniform_rotation,
+};
 
 use crate::directions::frame::frame;
 use crate::{DirectionMode, Error};
@@ -14,7 +16,9 @@ use crate::{DirectionMode, Error};
 pub struct DirectionSets {
     mode: DirectionMode,
     n_points: usize,
-    sets: Vec<Box<[DVec3]>>,
+    sets: Vec<PointSet>,
+    /// The expected weight of the visible directions of each set.
+    visible_weights: Vec<f64>,
     sampler: Box<dyn Sampler>,
     streams: Streams,
     first_stream: u64,
@@ -29,13 +33,17 @@ impl DirectionSets {
     pub(crate) fn new(
         mode: DirectionMode,
         n_points: usize,
-        sets: Vec<Box<[DVec3]>>,
+        mut sets: Vec<PointSet>,
         sampler: Box<dyn Sampler>,
         streams: Streams,
         render: u64,
     ) -> Self {
         let first_stream = render * (Self::MAX_HITS + 1);
-        Self { mode, n_points, sets, sampler, streams, first_stream }
+        sets.iter_mut().for_each(PointSet::normalize_weights);
+        let is_given = matches!(sampler.distribution(), SetDistribution::OneOf(_));
+        let visible_weight = |set: &PointSet| visible_weight(set, mode, n_points, is_given);
+        let visible_weights = sets.iter().map(visible_weight).collect();
+        Self { mode, n_points, sets, visible_weights, sampler, streams, first_stream }
     }
 
     /// Returns the number of directions on the visible hemisphere; for halves of sphere sets, the
@@ -51,8 +59,12 @@ impl DirectionSets {
         self.mode
     }
 
-    /// Replaces `dirs` by the directions of hit point `index` on a surface with this unit normal:
-    /// unit vectors with `normal . dir >= 0`.
+    /// Replaces the content of `directions` by the directions of hit point `index` on a surface with
+    /// this unit normal: unit vectors with `normal . dir >= 0`, with the weights of their set if it
+    /// has any. Returns the expected weight of the visible directions, by which the estimator
+    /// `unbiased` divides: for sphere sets half the sum of all weights, for hemisphere sets the sum.
+    ///
+    /// Weights are scaled by a power of two, so that none exceeds 1 in magnitude.
     ///
     /// # Errors
     ///
@@ -61,18 +73,20 @@ impl DirectionSets {
         &self,
         normal: DVec3,
         index: u64,
-        dirs: &mut Vec<DVec3>,
-    ) -> Result<(), Error> {
+        directions: &mut PointSet,
+    ) -> Result<f64, Error> {
         let stream = || self.streams.realization(self.first_stream + index);
-        dirs.clear();
-        match self.mode {
+        directions.start();
+        let chosen = match self.mode {
             DirectionMode::Shared => {
-                dirs.extend(self.sets[0].iter().filter(|d| is_visible(normal, **d)));
+                extend_visible(directions, &self.sets[0], normal, |dir| dir);
+                0
             }
             DirectionMode::Spun => {
                 let spin = DMat3::from_rotation_z(TAU * stream().random::<f64>());
                 let rotation = frame(normal) * spin;
-                dirs.extend(self.sets[0].iter().map(|&d| above(normal, rotation * d)));
+                extend_all(directions, &self.sets[0], |dir| above(normal, rotation * dir));
+                0
             }
             DirectionMode::Rotated => {
                 let mut rng = stream();
@@ -81,27 +95,28 @@ impl DirectionSets {
                 // The half is chosen before the rotation, so a discarded direction costs only a dot
                 // product.
                 let back = rotation.transpose() * normal;
-                let visible = set.iter().filter(|d| is_visible(back, **d));
-                dirs.extend(visible.map(|&d| rotation * d));
+                extend_visible(directions, &self.sets[set], back, |dir| rotation * dir);
+                set
             }
             DirectionMode::Antipodal => {
                 let mut rng = stream();
                 let set = self.choose(&mut rng);
                 let rotation = uniform_rotation(&mut rng);
-                dirs.extend(set.iter().map(|&d| above(normal, rotation * d)));
+                extend_all(directions, &self.sets[set], |dir| above(normal, rotation * dir));
+                set
             }
             DirectionMode::Fresh => {
                 let sets = Realizations::rotated(&*self.sampler, self.streams);
-                // Reuses the memory of the directions for the set.
-                let mut set = PointSet::new(std::mem::take(dirs));
-                sets.realize_into(self.first_stream + index, &mut set, &())?;
-                *dirs = set.points;
-                for dir in dirs {
+                sets.realize_into(self.first_stream + index, directions, &())?;
+                directions.normalize_weights();
+                for dir in &mut directions.points {
                     *dir = above(normal, *dir);
                 }
+                let is_given = matches!(self.sampler.distribution(), SetDistribution::OneOf(_));
+                return Ok(visible_weight(directions, self.mode, self.n_points, is_given));
             }
-        }
-        Ok(())
+        };
+        Ok(self.visible_weights[chosen])
     }
 
     /// Returns the nominal work of the set that each pixel generates separately; 0 in other modes.
@@ -112,11 +127,43 @@ impl DirectionSets {
         }
     }
 
-    fn choose(&self, rng: &mut dyn Rng) -> &[DVec3] {
+    /// Returns the index of a random set.
+    fn choose(&self, rng: &mut dyn Rng) -> usize {
         // A single set needs no random number.
-        let k = if self.sets.len() == 1 { 0 } else { rng.random_range(0..self.sets.len()) };
-        &self.sets[k]
+        if self.sets.len() == 1 { 0 } else { rng.random_range(0..self.sets.len()) }
     }
+}
+
+/// Returns the expected weight of the visible directions of a set: the requested number for patterns
+/// with equal weights, whose realizations may differ in their numbers.
+fn visible_weight(set: &PointSet, mode: DirectionMode, n_points: usize, is_given: bool) -> f64 {
+    if set.weights.is_empty() && !is_given {
+        return n_points as f64;
+    }
+    let sum = set.weight_sums().0;
+    match mode.domain() {
+        Domain::Sphere => 0.5 * sum,
+        Domain::Hemisphere => sum,
+    }
+}
+
+/// Appends the mapped directions of `set` that are visible from a surface with this normal.
+fn extend_visible(
+    directions: &mut PointSet,
+    set: &PointSet,
+    normal: DVec3,
+    map: impl Fn(DVec3) -> DVec3,
+) {
+    let visible = |dir: &&DVec3| is_visible(normal, **dir);
+    directions.points.extend(set.points.iter().filter(visible).map(|&dir| map(dir)));
+    let weights = set.points.iter().zip(&set.weights).filter(|(dir, _)| visible(dir));
+    directions.weights.extend(weights.map(|(_, &weight)| weight));
+}
+
+/// Appends all mapped directions of `set`.
+fn extend_all(directions: &mut PointSet, set: &PointSet, map: impl Fn(DVec3) -> DVec3) {
+    directions.points.extend(set.points.iter().map(|&dir| map(dir)));
+    directions.weights.extend(&set.weights);
 }
 
 /// Returns whether a direction of a sphere set belongs to the half above a surface. Of two opposite

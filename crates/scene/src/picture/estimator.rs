@@ -2,11 +2,14 @@
 /// hit point.
 ///
 /// For hemisphere sets all N directions are used, and both factors are 1/N. Of a sphere set of M =
-/// 2N points a random number n is visible.
+/// 2N points a random number n is visible. For weighted sets, sums of weights take the place of the
+/// numbers: `sum w f/sum w` over the visible directions, and twice `sum w f` over the visible ones
+/// divided by the sum of all weights.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Estimator {
     /// `(1/n) sum`: the mean of visible samples. Its bias is of order `Var(n)/M^2`; a constant is
-    /// integrated without error. For n = 0 the estimate is 0.
+    /// integrated without error. For n = 0, or visible weights that sum to 0, the estimate is 0.
+    /// Unsuitable for weights of mixed sign, whose visible sum can be close to 0.
     Ratio,
     /// `(2/M) sum`: unbiased, but its variance includes that of the jump at the horizon.
     Unbiased,
@@ -25,12 +28,12 @@ impl Estimator {
         }
     }
 
-    /// Returns the factor for `visible` directions where `n_points` are expected.
-    pub(crate) fn weight(self, visible: usize, n_points: usize) -> f64 {
+    /// Returns the factor for directions of total weight `visible` where `expected` is expected.
+    pub(crate) fn factor(self, visible: f64, expected: f64) -> f64 {
         match self {
-            Self::Ratio if visible == 0 => 0.0,
-            Self::Ratio => 1.0 / visible as f64,
-            Self::Unbiased => 1.0 / n_points as f64,
+            Self::Ratio if visible == 0.0 => 0.0,
+            Self::Ratio => 1.0 / visible,
+            Self::Unbiased => 1.0 / expected,
         }
     }
 }

@@ -1,6 +1,7 @@
 use std::fmt;
 
 use glam::DVec3;
+use sphvar_samplers::PointSet;
 
 use crate::{Error, Hit, Quad, Reach, Scene};
 
@@ -66,9 +67,9 @@ const BEYOND_LIGHT: f64 = 8.0 * f32::EPSILON as f64;
 /// Sums over the directions of one hit point.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Sums {
-    /// The sum of f.
+    /// The sum of `w f`, with w = 1 for equal weights.
     pub(crate) values: f64,
-    /// The sum of f squared.
+    /// The sum of `w f^2`.
     pub(crate) squares: f64,
     /// The number of rays traced.
     pub(crate) rays: u64,
@@ -77,15 +78,16 @@ pub(crate) struct Sums {
 /// Buffers that are reused for all hit points.
 #[derive(Debug, Default)]
 pub(crate) struct Workspace {
-    pub(crate) dirs: Vec<DVec3>,
+    pub(crate) directions: PointSet,
     occluded: Vec<bool>,
     reaches: Vec<f64>,
 }
 
 impl Integral<'_> {
-    /// Returns the sums over the directions in `workspace.dirs`, which may change.
+    /// Returns the sums over `workspace.directions`, which may change.
     pub(crate) fn sums(&self, scene: &Scene, hit: &Hit, workspace: &mut Workspace) -> Sums {
-        let Workspace { dirs, occluded, reaches } = workspace;
+        let Workspace { directions, occluded, reaches } = workspace;
+        let PointSet { points: dirs, weights } = directions;
         let mut reach = Reach::Within(f64::INFINITY);
         match *self {
             Integral::AmbientOcclusion { max_distance, .. } => reach = Reach::Within(max_distance),
@@ -93,32 +95,42 @@ impl Integral<'_> {
             Integral::Light { light, .. } => {
                 reaches.clear();
                 let origin = scene.ray_origin(hit);
+                let (mut next, mut kept) = (0, 0);
                 dirs.retain(|&dir| {
                     let cosine = -dir.dot(light.normal());
                     let lit = cosine > 0.0;
                     let distance = if lit { light.intersect(origin, dir) } else { None };
                     reaches.extend(distance.map(|d| d * (1.0 + BEYOND_LIGHT / cosine)));
+                    if let (Some(_), Some(&weight)) = (distance, weights.get(next)) {
+                        weights[kept] = weight;
+                        kept += 1;
+                    }
+                    next += 1;
                     distance.is_some()
                 });
+                weights.truncate(kept);
                 reach = Reach::ToLamp { lamp: light, distances: reaches };
             }
         }
         occluded.resize(dirs.len(), false);
         scene.occlusion_into(hit, dirs, reach, occluded);
         let mut sums = Sums { rays: dirs.len() as u64, ..Sums::default() };
+        let weight = |k: usize| weights.get(k).copied().unwrap_or(1.0);
+        let open = occluded.iter().enumerate().filter(|(_, occluded)| !**occluded);
         if let Integral::AmbientOcclusion { cosine: false, .. } = self {
-            let open = occluded.iter().filter(|o| !**o).count() as f64;
+            let open: f64 = open.map(|(k, _)| weight(k)).sum();
             return Sums { values: open, squares: open, ..sums };
         }
-        for (&dir, _) in dirs.iter().zip(&*occluded).filter(|(_, occluded)| !**occluded) {
+        for (k, _) in open {
+            let (dir, w) = (dirs[k], weight(k));
             let cosine = 2.0 * hit.normal.dot(dir);
             let f = match *self {
                 Integral::AmbientOcclusion { .. } => cosine,
                 Integral::Irradiance { radiance, albedo } => albedo * radiance(dir) * cosine,
                 Integral::Light { albedo, .. } => albedo * cosine,
             };
-            sums.values += f;
-            sums.squares += f * f;
+            sums.values += w * f;
+            sums.squares += w * f * f;
         }
         sums
     }

@@ -126,13 +126,15 @@ fn pixel(
             continue;
         };
         let index = (y * width + x) * per_side * per_side + j * per_side + i;
-        directions.directions_into(hit.normal, index as u64, &mut workspace.dirs)?;
-        let visible = workspace.dirs.len();
+        let set = &mut workspace.directions;
+        let expected = directions.directions_into(hit.normal, index as u64, set)?;
+        let visible = set.weight_sums().0;
         let sums = integral.sums(view.scene(), &hit, workspace);
-        pixel.value += estimator.weight(visible, directions.n_points()) * sums.values;
-        let mean = sums.values / visible.max(1) as f64;
+        pixel.value += estimator.factor(visible, expected) * sums.values;
+        let over_visible = |sum: f64| if visible == 0.0 { 0.0 } else { sum / visible };
+        let mean = over_visible(sums.values);
         // For a constant, rounding may leave slightly less than 0.
-        let spread = (sums.squares / visible.max(1) as f64 - mean * mean).max(0.0);
+        let spread = (over_visible(sums.squares) - mean * mean).max(0.0);
         pixel.spread += spread;
         hits += 1;
         pixel.rays += sums.rays;

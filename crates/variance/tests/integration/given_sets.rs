@@ -199,3 +199,31 @@ fn searches_can_be_stopped_anywhere() {
         assert!(ends[0] > 2 && ends[1] == 1, "{goal:?} {ends:?}");
     }
 }
+
+/// A user's points are ranked beside patterns. The points of a pattern have its predicted variance.
+#[test]
+fn given_sets_are_ranked_beside_patterns() {
+    let cap = Cap::from_degrees(60.0).unwrap();
+    let fibonacci = Pattern::Fibonacci.build(777, Domain::Sphere).unwrap();
+    let set = fibonacci.sample(&mut Streams::new(0, Purpose::Pattern, 0).realization(0)).unwrap();
+    let sets = PointSets::new(vec![set], Domain::Sphere).unwrap().with_name("mine");
+    let families: [&dyn SamplerFamily; 3] = [&Pattern::Jittered, &sets, &Pattern::Fibonacci];
+    let (mut predictor, goal) = (predictor(&cap), Goal::Points(777));
+    let mut candidates: Vec<_> = families
+        .into_iter()
+        .map(|family| Candidate::new(family, goal, &mut predictor, &()).unwrap())
+        .collect();
+    sphvar_variance::rank(&mut candidates, goal);
+    let names: Vec<String> = candidates.iter().map(|c| c.curve.pattern().to_string()).collect();
+    assert_eq!(names[2], "jittered");
+    let [first, second] = [0, 1].map(|i| candidates[i].variance.unwrap().0);
+    assert!((first / second - 1.0).abs() < 1e-12, "{names:?}: {first}, {second}");
+    // A single number of points has no rate, and no other number that an error could need.
+    let mine = candidates.iter().find(|c| c.curve.pattern().to_string() == "mine").unwrap();
+    assert!(mine.n_points == Some(777) && mine.curve.points().len() == 1);
+    for (variance, needed) in [(2.0 * first, Some(777)), (0.5 * first, None)] {
+        let goal = Goal::Variance { variance, max_points: 10_000 };
+        let candidate = Candidate::new(&sets, goal, &mut predictor, &()).unwrap();
+        assert_eq!(candidate.n_points, needed);
+    }
+}

@@ -16,6 +16,9 @@ pub(crate) struct AuditBody {
     pub(super) domain: &'static str,
     /// The number of points; for files the mean number.
     pub(super) n: usize,
+    /// The effective number of weighted points, `(sum w)^2 / sum w^2`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) n_effective: Option<f64>,
     /// The number of realizations.
     pub(super) realizations: u64,
     /// The largest degree, inclusive.

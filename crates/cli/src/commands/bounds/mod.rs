@@ -45,7 +45,6 @@ a profile with both is checked. With --integrand, the variance of its integral i
 #[command(
     group(ArgGroup::new("bounded").args(["sampler", "spectrum", "profile"]).required(true).multiple(true)),
     mut_arg("sampler", |sampler| sampler.conflicts_with("spectrum")),
-    mut_arg("count", |count| count.required_unless_present("spectrum")),
     mut_arg("lmax", |lmax| lmax.help(spectra_lmax_help()))
 )]
 pub(crate) struct BoundsArgs {
@@ -104,6 +103,9 @@ struct Missing {
 pub(crate) struct BoundsBody {
     /// The number of points.
     n: usize,
+    /// The effective number of weighted points, `(sum w)^2 / sum w^2`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    n_effective: Option<f64>,
     /// `sphere` or `hemisphere`.
     domain: &'static str,
     /// The confidence of fits and checks, over all degrees together.
@@ -145,13 +147,17 @@ pub(crate) fn run(args: &BoundsArgs, global: &Global) -> Result<(), CliError> {
         check_result(path, true)?;
     }
     let measured = Measured::of_args(args, domain, global)?;
-    let n_points = measured.as_ref().map_or(args.count.count.unwrap_or(0), |m| m.n_points);
+    let n_points = match &measured {
+        Some(measured) => measured.n_points,
+        None => args.count.required()?,
+    };
+    let n_effective = measured.as_ref().map_or(n_points as f64, |m| m.n_effective);
     let integrand =
         args.integrand.integrand.as_deref().map(|text| parse_integrand(text, global.quiet));
     let integrand = integrand.transpose()?;
-    let consequences = Consequences::new(args, integrand.as_ref(), domain, n_points)?;
+    let consequences = Consequences::new(args, integrand.as_ref(), domain, n_points, n_effective)?;
     let predicted = match &integrand {
-        Some(integrand) => source::predicted(args, integrand, domain, global)?,
+        Some(integrand) => source::predicted(measured.as_ref(), args, integrand, domain, global)?,
         None => None,
     };
     let (mut records, mut none, mut thesis) = (Vec::new(), Vec::new(), Vec::new());
@@ -177,6 +183,7 @@ pub(crate) fn run(args: &BoundsArgs, global: &Global) -> Result<(), CliError> {
     let provenance = Provenance::new(global.seed);
     let body = BoundsBody {
         n: n_points,
+        n_effective: (n_effective.to_bits() != (n_points as f64).to_bits()).then_some(n_effective),
         domain: domain.name(),
         confidence: args.confidence,
         lmax: measured.as_ref().map(Measured::lmax),
@@ -210,8 +217,11 @@ fn text(args: &BoundsArgs, body: &BoundsBody, fitted: bool) -> String {
         text += &format!("no {} {}: {}\n", missing.side, missing.family, missing.reason);
     }
     text += &format!(
-        "\nN = {}. best: band limit {}, power 1. worst: energy l^-{}.\n",
-        body.n, args.band, args.decay
+        "\nN = {}{}. best: band limit {}, power 1. worst: energy l^-{}.\n",
+        body.n,
+        body.n_effective.map_or(String::new(), |n| format!(", N_eff = {}", number::value(n))),
+        args.band,
+        args.decay
     );
     if let Some(lmax) = body.lmax {
         text += &format!(

@@ -66,6 +66,8 @@ pub(crate) struct BoundRecord {
 /// The integrands for which variances are derived.
 pub(super) struct Consequences {
     n_points: usize,
+    /// The number of points over the effective one, by which weights multiply variances.
+    weighting: f64,
     domain: Domain,
     best: IntegrandClass,
     worst: IntegrandClass,
@@ -79,6 +81,7 @@ impl Consequences {
         integrand: Option<&NamedIntegrand>,
         domain: Domain,
         n_points: usize,
+        n_effective: f64,
     ) -> Result<Self, CliError> {
         let energy = match integrand {
             None => None,
@@ -95,6 +98,7 @@ impl Consequences {
         };
         Ok(Self {
             n_points,
+            weighting: n_points as f64 / n_effective,
             domain,
             best: IntegrandClass::band_limited(1.0, args.band).map_err(CliError::usage)?,
             worst: IntegrandClass::power_law(1.0, args.decay).map_err(CliError::usage)?,
@@ -114,7 +118,7 @@ impl Consequences {
             Some((energy, tail)) => {
                 let range =
                     variance_bound(profile, n, domain, energy, *tail).map_err(CliError::failed)?;
-                Some((range.lower, range.upper))
+                Some((self.weighting * range.lower, self.weighting * range.upper))
             }
         };
         let exponent = Some(profile.exponent()).filter(|b| b.is_finite());
@@ -133,8 +137,8 @@ impl Consequences {
             gap: None,
             best_rate: rate_text(self.best.rate(profile, domain)),
             worst_rate: rate_text(self.worst.rate(profile, domain)),
-            best_variance: self.best.variance(profile, n, domain),
-            worst_variance: self.worst.variance(profile, n, domain),
+            best_variance: self.weighting * self.best.variance(profile, n, domain),
+            worst_variance: self.weighting * self.worst.variance(profile, n, domain),
             integrand_variance,
             integrand_bound: integrand_variance
                 .map(|(min, max)| if side == Side::Lower.name() { min } else { max }),

@@ -3,8 +3,12 @@
 use std::path::Path;
 
 use sphvar_bounds::MeasuredSpectrum;
-use sphvar_samplers::{Domain, Pattern, Purpose, Realizations, Sampler, Streams};
-use sphvar_spectrum::{ExactSpectrum, Method, Resolution, Spectrum, estimate};
+use sphvar_samplers::{
+    Domain, Pattern, PointSet, Purpose, Realizations, Sampler, SetDistribution, Streams,
+};
+use sphvar_spectrum::{
+    ExactSpectrum, Method, Resolution, Spectrum, SpectrumAccumulator, accumulate, estimate,
+};
 use sphvar_variance::{Prediction, PredictionBudget, Predictor, SpectrumOptions};
 
 use super::BoundsArgs;
@@ -15,6 +19,7 @@ use crate::global::Global;
 use crate::integrands::NamedIntegrand;
 use crate::memory::{check_degree, check_memory, check_transform};
 use crate::patterns;
+use crate::point_sets::n_effective;
 use crate::progress::Progress;
 
 /// The maximum nominal work of a closed-form spectrum; a spectrum that exceeds it is sampled.
@@ -29,6 +34,10 @@ pub(super) struct Measured {
     /// The name of the sampler alone, under which the thesis may state bounds for it.
     pub(super) sampler: Option<&'static str>,
     pub(super) n_points: usize,
+    /// The effective number of points; that of points without weights.
+    pub(super) n_effective: f64,
+    /// The sampler, unless the spectrum is from a file.
+    source: Option<Box<dyn Sampler>>,
     domain: Domain,
     power: Vec<f64>,
     stderr: Vec<f64>,
@@ -43,47 +52,54 @@ impl Measured {
         domain: Domain,
         global: &Global,
     ) -> Result<Option<Self>, CliError> {
-        match (&args.spectrum, &args.sampler.sampler, args.count.count) {
-            (Some(path), ..) => Self::from_file(path, args.count.count, domain).map(Some),
-            (None, Some(name), Some(n)) => {
-                Self::from_sampler(name, n, args, domain, global).map(Some)
-            }
-            _ => Ok(None),
+        match (&args.spectrum, &args.sampler.sampler) {
+            (Some(path), _) => Self::from_file(path, args.count.count, domain).map(Some),
+            (None, Some(name)) => Self::from_sampler(name, args, domain, global).map(Some),
+            (None, None) => Ok(None),
         }
     }
 
     fn from_sampler(
         name: &str,
-        points: usize,
         args: &BoundsArgs,
         domain: Domain,
         global: &Global,
     ) -> Result<Self, CliError> {
-        let pattern = patterns::parse_pattern(name)?;
-        let sampler = patterns::build(&pattern, points, domain, args.nearest.nearest)?;
+        let (n, nearest) = (args.count.count, args.nearest.nearest);
+        let (pattern, sampler) = patterns::sampler_of(name, n, domain, nearest, global.quiet)?;
         let n_points = sampler.n_points();
         let natural = Resolution::natural_degree(n_points);
         let natural =
             if sampler.is_random() { natural } else { natural.saturating_mul(LATTICE_FACTOR) };
         let lmax = args.lmax.lmax.unwrap_or(natural);
         check_degree("--lmax", lmax)?;
+        let given = match sampler.distribution() {
+            SetDistribution::OneOf(sets) if sets.len() > 1 && args.realizations.is_none() => {
+                Some(sets)
+            }
+            _ => None,
+        };
         let exact = ExactSpectrum::of(&*sampler).filter(|exact| {
             args.realizations.is_none() && exact.work(lmax) <= MAX_CLOSED_FORM_WORK
         });
-        let spectrum = if let Some(exact) = exact {
+        let spectrum = if let Some(sets) = given {
+            of_realizations(&pattern, &*sampler, sets, lmax, global)?
+        } else if let Some(exact) = exact {
             let bytes = exact.bytes(lmax, rayon::current_num_threads());
             check_memory(&format!("a spectrum to degree {lmax} (--lmax)"), bytes)?;
             let progress = Progress::new(exact.work(lmax), global.quiet);
-            progress.stage(&pattern.to_string());
+            progress.stage(&pattern.label());
             exact.to(lmax, &progress)?
         } else {
             let count = args.realizations.unwrap_or(REALIZATIONS);
             sampled(&pattern, &*sampler, lmax, count, global)?
         };
         Ok(Self {
-            label: pattern.to_string(),
+            label: pattern.label(),
             sampler: Some(pattern.name()),
             n_points,
+            n_effective: n_effective(&*sampler, &spectrum).unwrap_or(n_points as f64),
+            source: Some(sampler),
             domain,
             power: spectrum.power().to_vec(),
             stderr: spectrum.stderr().to_vec(),
@@ -109,7 +125,18 @@ impl Measured {
         })?;
         power[0] = n_points as f64;
         let label = path.display().to_string();
-        Ok(Self { label, sampler: None, n_points, domain, power, stderr, realizations })
+        let (n_effective, source) = (n_points as f64, None);
+        Ok(Self {
+            label,
+            sampler: None,
+            n_points,
+            n_effective,
+            source,
+            domain,
+            power,
+            stderr,
+            realizations,
+        })
     }
 
     /// Returns the spectrum in the form that fits and checks take.
@@ -138,6 +165,24 @@ impl Measured {
     }
 }
 
+/// Returns the spectrum estimated from given sets, each a realization of an unknown ensemble.
+fn of_realizations(
+    pattern: &Pattern,
+    sampler: &dyn Sampler,
+    sets: &[PointSet],
+    lmax: usize,
+    global: &Global,
+) -> Result<Spectrum, CliError> {
+    let (n_points, count) = (sampler.n_points(), sets.len() as u64);
+    let resolution = Resolution::new(lmax, n_points);
+    check_transform(resolution, count)?;
+    let work = count as f64 * Method::Auto.nominal_work(n_points, lmax);
+    let progress = Progress::new(work, global.quiet);
+    progress.stage(&pattern.label());
+    let empty = SpectrumAccumulator::new(sampler.domain(), n_points, lmax);
+    Ok(accumulate(&sets, resolution, 0..count, &empty, &progress)?.finish()?)
+}
+
 /// Returns the spectrum estimated from `realizations` sets.
 fn sampled(
     pattern: &Pattern,
@@ -164,21 +209,19 @@ fn sampled(
 /// Returns the variance that the sampler's spectrum predicts for an integrand, by the prediction
 /// that all commands share, or `None` for a spectrum from a file.
 pub(super) fn predicted(
+    measured: Option<&Measured>,
     args: &BoundsArgs,
     integrand: &NamedIntegrand,
     domain: Domain,
     global: &Global,
 ) -> Result<Option<Prediction>, CliError> {
-    let (None, Some(name), Some(n)) = (&args.spectrum, &args.sampler.sampler, args.count.count)
-    else {
+    let Some(sampler) = measured.and_then(|measured| measured.source.as_ref()) else {
         return Ok(None);
     };
-    let sampler =
-        patterns::build(&patterns::parse_pattern(name)?, n, domain, args.nearest.nearest)?;
     let options = SpectrumOptions { lmax: args.lmax.lmax, ..SpectrumOptions::default() };
     let budget = PredictionBudget::DEFAULT;
     let predictor = Predictor::new(&*integrand.function, domain, global.seed, budget)?;
-    Ok(Some(predictor.with_options(options).predict(&*sampler, &())?.prediction))
+    Ok(Some(predictor.with_options(options).predict(&**sampler, &())?.prediction))
 }
 
 /// Returns the nearest integer, at least 1; the mean of a random number of points has a fraction.

@@ -106,12 +106,15 @@ impl TimedCandidate {
             )));
         }
         let set_time = match n_points {
-            Some(n) => Some(set_time(&answer.curve, question.domain, n, seed)?),
-            None => None,
+            // The sets of a file exist already.
+            Some(n) if !matches!(answer.curve.pattern(), Pattern::PointFile(_)) => {
+                Some(set_time(&answer.curve, question.domain, n, seed)?)
+            }
+            _ => None,
         };
         let values = question.cost_per_sample.zip(n_points).map(|(cost, n)| cost * n as f64);
         let seconds_in_all =
-            values.zip(set_time).map(|(values, set_time)| values + set_time.seconds);
+            values.map(|values| values + set_time.map_or(0.0, |set_time| set_time.seconds));
         Ok(Self { answer, is_behind: false, set_time, seconds_in_all })
     }
 

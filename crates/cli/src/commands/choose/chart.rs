@@ -1,8 +1,12 @@
 //! The chart of standard errors against N, compared with white noise.
 
+use sphvar_samplers::Pattern;
+
 use super::candidate::TimedCandidate;
 use super::question::{Question, Requested};
-use crate::plots::{Chart, Ink, MAX_COLOURS, Panel, Scale, Series, Spread, Style};
+use crate::plots::{
+    Chart, Ink, MAX_COLOURS, NOTE_OF_OWN, Panel, Scale, Series, Spread, Style, inks,
+};
 
 /// Returns the chart of the candidates, best first; `white_variance` is the variance of white noise
 /// with one point.
@@ -13,14 +17,18 @@ pub(super) fn chart(
 ) -> Chart {
     let scale = question.integral.map_or(1.0, |i| 100.0 / i.abs());
     let (mut series, mut ratios) = (Vec::new(), Vec::new());
-    for (rank, candidate) in candidates.iter().enumerate() {
+    let is_own = |c: &TimedCandidate| matches!(c.answer.curve.pattern(), Pattern::PointFile(_));
+    let are_own: Vec<bool> = candidates.iter().map(is_own).collect();
+    let n_own = are_own.iter().filter(|is_own| **is_own).count();
+    // Candidates are sorted, so that the position is the rank.
+    let ranks: Vec<f64> = (0..candidates.len()).map(|rank| rank as f64).collect();
+    for (ink, candidate) in inks(&ranks, &are_own).into_iter().zip(candidates) {
         let points = candidate.answer.curve.variance_points();
         let errors = points.iter().map(|p| (p.n_points, scale * p.variance.sqrt()));
         // The relative error of a square root is half that of its argument.
         let unknown = points.iter().map(|p| 0.5 * scale * p.stderr / p.variance.sqrt());
-        let ink = Ink::Rank(rank);
         series.push(Series {
-            label: candidate.answer.curve.pattern().to_string(),
+            label: candidate.answer.curve.pattern().label(),
             points: errors.collect(),
             spread: Spread::Errors(unknown.collect()),
             style: Style::Joined,
@@ -61,9 +69,8 @@ pub(super) fn chart(
         panels: vec![Panel::log(format!("standard error{unit}"), series), relative],
         notes: vec!["Bars: one standard error of the prediction.".to_owned()],
     };
-    if candidates.len() > MAX_COLOURS {
-        chart.with_note(format!("In colour: the {MAX_COLOURS} best."))
-    } else {
-        chart
-    }
+    let has_grey = candidates.len() - n_own > MAX_COLOURS;
+    let colours = has_grey.then(|| format!("In colour: the {MAX_COLOURS} best."));
+    let own = (n_own > 0).then(|| NOTE_OF_OWN.to_owned());
+    colours.into_iter().chain(own).fold(chart, Chart::with_note)
 }

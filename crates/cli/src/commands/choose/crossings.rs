@@ -33,7 +33,8 @@ impl CrossingRecord {
 pub(super) fn between(ranked: &[TimedCandidate], seed: u64) -> Vec<CrossingRecord> {
     let best = &ranked[..ranked.len().min(BEST)];
     let name = |c: &TimedCandidate| c.answer.curve.pattern().to_string();
-    let curves: Vec<_> = best.iter().map(|c| (name(c), c.answer.curve.variance_points())).collect();
+    let curves: Vec<_> =
+        best.iter().map(|c| (c.answer.curve.pattern(), c.answer.curve.variance_points())).collect();
     let judged = |crossover: CrossoverRecord| {
         let of = |wanted: &str| best.iter().find(|c| name(c) == wanted);
         let (above, below) = of(&crossover.better_above).zip(of(&crossover.better_below))?;

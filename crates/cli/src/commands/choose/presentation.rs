@@ -94,7 +94,7 @@ impl<'a> Answer<'a> {
         let (reached, out_of_reach): (Vec<&CandidateRecord>, Vec<&CandidateRecord>) =
             body.rows.iter().partition(|row| row.n.is_some());
         if !reached.is_empty() {
-            text += &table_of(&CandidateRecord::columns(question), reached);
+            text += &table_of(&CandidateRecord::columns(question, &reached), reached);
             text += "\nerror: one standard error of the integral";
             text += if question.integral.is_some() { ", relative to it" } else { "" };
             text += "; +-: its uncertainty. reduction: variance of white\n\
@@ -108,7 +108,7 @@ impl<'a> Answer<'a> {
             let (behind, beyond): (Vec<&CandidateRecord>, Vec<&CandidateRecord>) =
                 out_of_reach.into_iter().partition(is_behind);
             let names = |rows: &[&CandidateRecord]| {
-                rows.iter().map(|row| &*row.sampler).collect::<Vec<_>>().join(", ")
+                rows.iter().map(|row| &*row.label).collect::<Vec<_>>().join(", ")
             };
             if !behind.is_empty() {
                 text += &format!(
@@ -125,14 +125,14 @@ impl<'a> Answer<'a> {
         }
         let empty = |row: &CandidateRecord| {
             let last = row.last_empty_degree.filter(|&last| last > 0)?;
-            Some(format!("{} {last}", row.sampler))
+            Some(format!("{} {last}", row.label))
         };
         let empty: Vec<String> = body.rows.iter().filter_map(empty).collect();
         if !empty.is_empty() {
             text += &format!("Largest degree without power: {}\n", empty.join(", "));
         }
         for left in &body.left_out {
-            text += &format!("Not considered: {} ({})\n", left.sampler, left.reason);
+            text += &format!("Not considered: {} ({})\n", left.label, left.reason);
         }
         for crossing in body.crossovers.iter().filter(|c| c.matters()).take(8) {
             text += &crossing.crossover.line();
@@ -148,12 +148,12 @@ pub(super) fn line(
     predictor: &Predictor<'_>,
 ) -> String {
     let record = CandidateRecord::new(0, candidate, question, predictor);
-    let CandidateRecord { sampler, basis, .. } = &record;
+    let CandidateRecord { label, basis, .. } = &record;
     match record.n {
         Some(_) => {
             let error = record.error_text(record.relative_error.or(record.error));
-            format!("{sampler:<28} N = {:<8} error {error}", record.count())
+            format!("{label:<28} N = {:<8} error {error}", record.count())
         }
-        None => format!("{sampler:<28} {basis}"),
+        None => format!("{label:<28} {basis}"),
     }
 }

@@ -50,12 +50,16 @@ pub(super) fn recommendation(
         }
     };
     let name = best.answer.curve.pattern();
+    let label = name.label();
     let why = match &reason {
         _ if best.answer.is_exact() => ": it integrates this function exactly".to_owned(),
-        Some(reason) => format!(": {}", reason.sentence(name.name())),
+        Some(reason) => {
+            let name = if name.own_count().is_some() { &label } else { name.name() };
+            format!(": {}", reason.sentence(name))
+        }
         None => String::new(),
     };
-    let text = format!("Recommended: {name} with N = {n} ({choice}{extrapolated}){why}.");
+    let text = format!("Recommended: {label} with N = {n} ({choice}{extrapolated}){why}.");
     Ok((reason, text))
 }
 
@@ -74,7 +78,8 @@ fn no_recommendation(
     let relative = question.relative(variance.sqrt());
     if let Some(error) = relative.filter(|error| *error > 1.0) {
         let text = format!(
-            "No recommendation: the minimum error with {n} points, that of {name}, is {} of the integral.",
+            "No recommendation: the minimum error with {n} points, that of {}, is {} of the integral.",
+            name.label(),
             number::percent(error)
         );
         return Ok(Some(text + &beyond_help(n, predictor)?));

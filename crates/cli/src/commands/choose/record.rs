@@ -8,6 +8,7 @@ use super::candidate::TimedCandidate;
 use super::crossings::CrossingRecord;
 use super::question::Question;
 use super::reason::Reason;
+use crate::point_sets::n_effective;
 use crate::report::{Column, number};
 
 /// A sampler that was not considered.
@@ -15,6 +16,9 @@ use crate::report::{Column, number};
 pub(super) struct LeftOut {
     /// The sampler with its parameters.
     pub(super) sampler: String,
+    /// The name of the sampler in tables.
+    #[serde(skip)]
+    pub(super) label: String,
     /// Why.
     pub(super) reason: String,
 }
@@ -26,6 +30,9 @@ pub(super) struct CandidateRecord {
     pub(super) rank: usize,
     /// The sampler with its parameters, as every command accepts it.
     pub(super) sampler: String,
+    /// The name of the sampler in tables.
+    #[serde(skip)]
+    pub(super) label: String,
     /// The number of points needed, or the largest valid count within the sample budget.
     pub(super) n: Option<usize>,
     /// `predicted`, `extrapolated`, `out of reach`, or `behind`: more than 4 times the points of
@@ -49,7 +56,7 @@ pub(super) struct CandidateRecord {
     pub(super) rate: Option<f64>,
     /// The 95 % interval of `rate`.
     pub(super) rate_interval: Option<(f64, f64)>,
-    /// The time to make a set, in seconds on one core.
+    /// The time to make a set, in seconds on one core; null for sets from files.
     pub(super) seconds_per_set: Option<f64>,
     /// Whether `seconds_per_set` is scaled from a smaller set.
     pub(super) seconds_are_scaled: bool,
@@ -62,6 +69,8 @@ pub(super) struct CandidateRecord {
     pub(super) realizations: Option<u64>,
     /// The degree up to which the pattern has no power at `n`, if it is made so.
     pub(super) last_empty_degree: Option<usize>,
+    /// The effective number of weighted points, `(sum w)^2 / sum w^2`; null without weights.
+    pub(super) n_effective: Option<f64>,
     /// Every prediction that was made.
     pub(super) curve: Vec<CurveRecord>,
 }
@@ -143,7 +152,12 @@ impl CandidateRecord {
         Self {
             rank,
             sampler: curve.pattern().to_string(),
+            label: curve.pattern().label(),
             n: candidate.answer.n_points,
+            n_effective: point.and_then(|point| {
+                let sampler = curve.pattern().build(point.n_points(), question.domain).ok()?;
+                n_effective(&*sampler, &point.spectrum)
+            }),
             basis: candidate.basis(),
             too_few: match candidate.answer.required {
                 Some(RequiredPoints::Predicted { too_few, .. }) => too_few,
@@ -171,10 +185,16 @@ impl CandidateRecord {
     }
 
     /// Returns the columns of a table.
-    pub(super) fn columns(question: &Question) -> Vec<Column<'static, Self>> {
+    pub(super) fn columns(question: &Question, records: &[&Self]) -> Vec<Column<'static, Self>> {
         let mut columns = vec![
-            Column::text("sampler", |r: &Self| r.sampler.clone()),
+            Column::text("sampler", |r: &Self| r.label.clone()),
             Column::number("N", Self::count),
+        ];
+        if records.iter().any(|r| r.n_effective.is_some()) {
+            let effective = |r: &Self| number::optional(r.n_effective, number::value);
+            columns.push(Column::number("N_eff", effective));
+        }
+        columns.extend([
             Column::number("error", |r: &Self| r.error_text(r.relative_error.or(r.error))),
             Column::number("+-", |r: &Self| r.error_text(r.unknown_error())),
             Column::number("reduction", |r: &Self| {
@@ -188,7 +208,7 @@ impl CandidateRecord {
                 let scaled = if r.seconds_are_scaled { "~" } else { "" };
                 number::optional(r.seconds_per_set, |s| scaled.to_owned() + &number::seconds(s))
             }),
-        ];
+        ]);
         if question.cost_per_sample.is_some() {
             columns.push(Column::number("time in all", |r: &Self| {
                 number::optional(r.seconds_in_all, number::seconds)

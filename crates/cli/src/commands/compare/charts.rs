@@ -1,12 +1,15 @@
 //! The charts of `compare`; `variance` shares one of them.
 
 use sphvar_integrands::Energy;
+use sphvar_samplers::Pattern;
 use sphvar_variance::VariancePoint;
 
 use super::curve::Curve;
 use crate::commands::power_chart::{PowerCurve, power_chart};
 use crate::commands::rows::Plan;
-use crate::plots::{Binned, Chart, Ink, MAX_COLOURS, Panel, Scale, Series, Spread, Style, ranks};
+use crate::plots::{
+    Binned, Chart, Ink, MAX_COLOURS, NOTE_OF_OWN, Panel, Scale, Series, Spread, Style, inks,
+};
 use crate::report::number;
 
 /// Energies below this fraction of the total are 0 to rounding.
@@ -19,24 +22,31 @@ const LAST_FREQUENCY: f64 = 4.0;
 
 /// Returns the colours of curves. If there are many curves, only those with the smallest N x
 /// variance have a colour.
-fn inks(curves: &[Curve<'_>]) -> Vec<Ink> {
+fn inks_of(curves: &[Curve<'_>]) -> Vec<Ink> {
     let value = |curve: &Curve<'_>| {
         let last = curve.predicted().last().copied();
         last.map_or(f64::NAN, |point: VariancePoint| point.variance * point.n_points)
     };
     let values: Vec<f64> = curves.iter().map(value).collect();
-    ranks(&values).into_iter().map(Ink::Rank).collect()
+    inks(&values, &curves.iter().map(is_own).collect::<Vec<_>>())
 }
 
-/// Returns a note on the colours if there are more curves than colours.
-fn note_of_colours(curves: &[Curve<'_>]) -> Option<String> {
-    let note = || format!("In colour: the {MAX_COLOURS} with the smallest N \u{d7} variance.");
-    (curves.len() > MAX_COLOURS).then(note)
+/// Returns whether a curve is that of the user's own points.
+fn is_own(curve: &Curve<'_>) -> bool {
+    matches!(curve.pattern, Pattern::PointFile(_))
+}
+
+/// Returns notes on the colours if there are more curves than colours, or the user's own.
+fn notes_of_colours(curves: &[Curve<'_>]) -> Vec<String> {
+    let n_own = curves.iter().filter(|curve| is_own(curve)).count();
+    let colours = || format!("In colour: the {MAX_COLOURS} with the smallest N \u{d7} variance.");
+    let colours = (curves.len() - n_own > MAX_COLOURS).then(colours);
+    colours.into_iter().chain((n_own > 0).then(|| NOTE_OF_OWN.to_owned())).collect()
 }
 
 /// Returns the spectra at the largest number of points.
 pub(super) fn spectra_chart(curves: &[Curve<'_>]) -> Chart {
-    let shown: Vec<_> = (curves.iter().zip(inks(curves)))
+    let shown: Vec<_> = (curves.iter().zip(inks_of(curves)))
         .filter_map(|(curve, ink)| {
             Some((curve.pattern, &curve.rows.last()?.comparison.predicted.spectrum, ink))
         })
@@ -47,8 +57,8 @@ pub(super) fn spectra_chart(curves: &[Curve<'_>]) -> Chart {
         .into_iter()
         .map(|(pattern, spectrum, ink)| {
             let label = match common {
-                Some(_) => pattern.to_string(),
-                None => format!("{pattern}, N = {}", spectrum.n_points()),
+                Some(_) => pattern.label(),
+                None => format!("{}, N = {}", pattern.label(), spectrum.n_points()),
             };
             PowerCurve::new(label, spectrum, LAST_FREQUENCY, ink)
         })
@@ -56,16 +66,16 @@ pub(super) fn spectra_chart(curves: &[Curve<'_>]) -> Chart {
     let n_points = common.map_or(String::new(), |n| format!(", N = {n}"));
     let title = format!("Angular power spectra{n_points}");
     let chart = Chart { title, ..power_chart(&spectra, Vec::new()) };
-    note_of_colours(curves).into_iter().fold(chart, Chart::with_note)
+    notes_of_colours(curves).into_iter().fold(chart, Chart::with_note)
 }
 
 /// Returns predicted and measured variances against N, with their ratio below.
 pub(in crate::commands) fn variance_chart(curves: &[Curve<'_>], plan: &Plan<'_>) -> Chart {
     let points = |p: &[VariancePoint]| p.iter().map(|p| (p.n_points, p.variance)).collect();
     let (mut series, mut ratios) = (Vec::new(), Vec::new());
-    for (curve, ink) in curves.iter().zip(inks(curves)) {
+    for (curve, ink) in curves.iter().zip(inks_of(curves)) {
         series.push(Series {
-            label: curve.pattern.to_string(),
+            label: curve.pattern.label(),
             points: points(&curve.predicted()),
             spread: Spread::None,
             style: Style::Line,
@@ -106,7 +116,7 @@ pub(in crate::commands) fn variance_chart(curves: &[Curve<'_>], plan: &Plan<'_>)
              to the sides."
                 .to_owned(),
         )
-        .chain(note_of_colours(curves))
+        .chain(notes_of_colours(curves))
         .collect(),
     }
 }

@@ -58,6 +58,7 @@ impl<'a> Curve<'a> {
         let finite = |i: Option<(f64, f64)>| i.filter(|i| i.0.is_finite() && i.1.is_finite());
         Some(SamplerRecord {
             sampler: self.pattern.to_string(),
+            label: self.pattern.label(),
             basis,
             rate: fit.map(|f| f.slope),
             rate_interval: finite(fit.map(|f| f.interval)),

@@ -30,6 +30,9 @@ pub(super) struct DegreeRecord {
 pub(super) struct SamplerRecord {
     /// The sampler with its parameters.
     pub(super) sampler: String,
+    /// The name of the sampler in tables.
+    #[serde(skip)]
+    pub(super) label: String,
     /// The source of rate and variance reduction, the more precise one at every N: `predicted`,
     /// `measured` or `both`.
     pub(super) basis: &'static str,
@@ -84,7 +87,7 @@ impl SamplerRecord {
     pub(super) fn columns() -> Vec<Column<'static, Self>> {
         let interval = |interval| number::interval(interval, number::rate);
         vec![
-            Column::text("sampler", |s: &Self| s.sampler.clone()),
+            Column::text("sampler", |s: &Self| s.label.clone()),
             Column::number("rate", |s: &Self| {
                 number::optional(s.rate, number::rate) + if s.pre_asymptotic { " *" } else { "" }
             }),

@@ -9,7 +9,7 @@ use crate::report::{number, table_of};
 /// Returns the tables, their explanation, and the sampler with the largest variance reduction.
 pub(super) fn text(body: &ComparisonBody, plan: &Plan<'_>) -> String {
     let mut text = format!("Variance of integrating {}\n\n", plan.integrand.name);
-    text += &table_of(&RowRecord::columns(), &body.rows);
+    text += &table_of(&RowRecord::columns(&body.rows), &body.rows);
     text += &RowRecord::remarks(&body.rows);
     // Without a score there is no verdict.
     let scores: Vec<f64> = body.rows.iter().map(RowRecord::z).filter(|z| z.is_finite()).collect();
@@ -50,7 +50,7 @@ fn verdict(samplers: &[SamplerRecord]) -> String {
         let exact: Vec<&str> = samplers
             .iter()
             .filter(|s| s.variance_reduction.is_none())
-            .map(|s| s.sampler.as_str())
+            .map(|s| s.label.as_str())
             .collect();
         return format!("Exact to rounding: {}.\n", exact.join(", "));
     }
@@ -60,7 +60,7 @@ fn verdict(samplers: &[SamplerRecord]) -> String {
     });
     format!(
         "Largest variance reduction: {} with N = {}, {} as predicted{measured}.\n",
-        best.sampler,
+        best.label,
         best.n,
         number::ratio(1.0 / best.effective_power),
     )

@@ -187,6 +187,9 @@ impl SamplerEntry {
 
 /// Returns the known properties of a pattern's distribution, in words.
 fn distribution(pattern: &Pattern) -> &'static str {
+    if let Pattern::PointFile(_) = pattern {
+        return "one of the sets in the file, drawn uniformly";
+    }
     let n = pattern.nearest_count(12, Domain::Sphere);
     let Ok(sampler) = pattern.build(n, Domain::Sphere) else { return "random" };
     match sampler.distribution() {

@@ -46,6 +46,9 @@ pub(crate) struct SheetBody {
 struct PanelRecord {
     /// The sampler with its parameters.
     sampler: String,
+    /// The name of the sampler in tables.
+    #[serde(skip)]
+    label: String,
     /// The mapping of point sets to directions at each shading point.
     mode: &'static str,
     /// The number of directions on the visible hemisphere of each point.
@@ -58,7 +61,7 @@ impl PanelRecord {
     /// Returns the columns of a table.
     fn columns() -> [Column<'static, Self>; 7] {
         [
-            Column::text("sampler", |r: &Self| r.sampler.clone()),
+            Column::text("sampler", |r: &Self| r.label.clone()),
             Column::text("mode", |r: &Self| r.mode.to_owned()),
             Column::number("N", |r: &Self| r.n.to_string()),
             Column::number("mse", |r: &Self| number::value(r.errors.mse)),
@@ -88,7 +91,7 @@ pub(super) fn run(args: &RenderArgs, panels: &str, global: &Global) -> Result<()
     let mut requests = Vec::new();
     for &n in counts {
         for spec in Spec::parse_list(panels)? {
-            requests.push(request(args, &spec.text, n, global.seed)?);
+            requests.push(request(args, &spec.text, n, global)?);
         }
     }
     let stage = args.stage.stage(PANEL_SIZE, global.quiet)?;
@@ -140,16 +143,24 @@ pub(super) fn run(args: &RenderArgs, panels: &str, global: &Global) -> Result<()
 }
 
 /// Parses `SAMPLER@MODE`, `SAMPLER` in the mode of `--mode`, or `reference`.
-fn request(args: &RenderArgs, text: &str, n: usize, seed: u64) -> Result<Requested, CliError> {
+fn request(
+    args: &RenderArgs,
+    text: &str,
+    n: usize,
+    global: &Global,
+) -> Result<Requested, CliError> {
     if text == "reference" {
         return Ok(Requested::Reference);
     }
-    let (sampler, mode): (&str, DirectionMode) = match text.rsplit_once('@') {
+    // A quote belongs to the name of a file.
+    let split = text.rsplit_once('@').filter(|(_, mode)| !mode.contains('"'));
+    let (sampler, mode): (&str, DirectionMode) = match split {
         Some((sampler, mode)) => (sampler, parse_mode(mode)?),
         None => (text, args.mode()?),
     };
     let renders = args.realizations.unwrap_or(DEFAULT_RENDERS);
-    let trials = Trials::new(args, parse_pattern(sampler)?, mode, n, renders, seed)?;
+    let trials =
+        Trials::new(args, parse_pattern(sampler, global.quiet)?, mode, n, renders, global.seed)?;
     Ok(Requested::Pattern(Box::new(trials)))
 }
 
@@ -177,9 +188,11 @@ fn rendered(
 ) -> Result<(SheetPanel, Option<PanelRecord>), CliError> {
     let Outcome { picture, errors, .. } = trials.run(stage, Some(reference), progress)?;
     let plan = &trials.plan;
-    let mut caption = vec![format!("{}, {}, N = {}", plan.pattern(), plan.mode(), plan.n_points())];
+    let mut caption =
+        vec![format!("{}, {}, N = {}", plan.pattern().label(), plan.mode(), plan.n_points())];
     let record = errors.as_ref().map(|errors| PanelRecord {
         sampler: plan.pattern().to_string(),
+        label: plan.pattern().label(),
         mode: plan.mode().name(),
         n: plan.n_points(),
         errors: ErrorRecord::new(errors),

@@ -15,6 +15,7 @@ use crate::error::CliError;
 use crate::files::{AtomicFile, Picture, PictureFormat};
 use crate::global::Global;
 use crate::patterns::parse_pattern;
+use crate::point_sets::WeightSums;
 use crate::progress::Progress;
 use crate::report::{Document, Provenance, is_stdout, number, print, say};
 
@@ -34,6 +35,9 @@ pub(crate) struct RenderBody {
     n_requested: usize,
     /// The number of directions on the visible hemisphere of each point.
     n: usize,
+    /// The effective number of the weighted points of a set, `(sum w)^2 / sum w^2`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    n_effective: Option<f64>,
     /// The number of sets in the table of a render.
     sets: usize,
     /// The width of the picture in pixels.
@@ -149,7 +153,7 @@ pub(super) fn run(args: &RenderArgs, global: &Global) -> Result<(), CliError> {
             "-m {renders} needs errors: request them with --mse, --json, --difference or --error"
         )));
     }
-    let pattern = parse_pattern(sampler)?;
+    let pattern = parse_pattern(sampler, global.quiet)?;
     let trials = Trials::new(args, pattern, args.mode()?, count, renders, global.seed)?;
     Trials::check_sets(args, [&trials])?;
     let stage = args.stage.stage(PICTURE_SIZE, global.quiet)?;
@@ -167,7 +171,7 @@ pub(super) fn run(args: &RenderArgs, global: &Global) -> Result<(), CliError> {
     let provenance = Provenance::new(global.seed);
     write_pictures(args, &stage, &outcome, reference.as_ref(), &provenance, global)?;
     if let (true, Some(reference), Some(errors)) = (global.json, &reference, &outcome.errors) {
-        let body = body(&trials, &outcome, errors, reference);
+        let body = body(&trials, &outcome, errors, reference)?;
         return Document::new(&body, &provenance).print();
     }
     if args.out.as_deref().is_some_and(is_stdout) {
@@ -203,14 +207,23 @@ fn check_outputs(args: &RenderArgs, global: &Global) -> Result<(), CliError> {
     Ok(())
 }
 
-fn body(trials: &Trials, outcome: &Outcome, errors: &Errors, reference: &Image) -> RenderBody {
+fn body(
+    trials: &Trials,
+    outcome: &Outcome,
+    errors: &Errors,
+    reference: &Image,
+) -> Result<RenderBody, CliError> {
     let Outcome { picture, rays, seconds, .. } = outcome;
-    RenderBody {
+    let plan = &trials.plan;
+    let sampler = plan.pattern().build(plan.set_points(), plan.mode().domain());
+    let weights = WeightSums::of_sampler(&*sampler.map_err(CliError::failed)?)?;
+    Ok(RenderBody {
         sampler: trials.plan.pattern().to_string(),
         mode: trials.plan.mode().name(),
         estimator: trials.estimator.name(),
         n_requested: trials.requested,
         n: trials.plan.n_points(),
+        n_effective: weights.map(|weights| weights.n_effective),
         sets: trials.plan.n_sets(),
         width: picture.width,
         height: picture.height,
@@ -222,7 +235,7 @@ fn body(trials: &Trials, outcome: &Outcome, errors: &Errors, reference: &Image) 
         reference_n: reference.n_points,
         rays: *rays,
         seconds: *seconds,
-    }
+    })
 }
 
 fn text(trials: &Trials, outcome: &Outcome) -> String {
@@ -231,7 +244,7 @@ fn text(trials: &Trials, outcome: &Outcome) -> String {
     let rays = *rays as f64;
     let mut text = format!(
         "{}, {}, N = {}: mean value {} over {} pixels\n{} rays in {}, {} per second\n",
-        plan.pattern(),
+        plan.pattern().label(),
         plan.mode(),
         plan.n_points(),
         number::value(picture.mean()),

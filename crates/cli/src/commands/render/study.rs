@@ -47,6 +47,9 @@ pub(crate) struct StudyBody {
 struct StudyRecord {
     /// The sampler with its parameters.
     sampler: String,
+    /// The name of the sampler in tables.
+    #[serde(skip)]
+    label: String,
     /// The mapping of point sets to directions at each shading point.
     mode: &'static str,
     /// The number of directions requested.
@@ -82,6 +85,9 @@ impl From<RateFit> for Rate {
 struct StudyRates {
     /// The sampler with its parameters.
     sampler: String,
+    /// The name of the sampler in tables.
+    #[serde(skip)]
+    label: String,
     /// The rate over all numbers; null if there are too few.
     all: Option<Rate>,
     /// The rate over the numbers from the geometric mean of the least and the largest on.
@@ -106,7 +112,7 @@ pub(super) fn run(args: &RenderArgs, global: &Global) -> Result<(), CliError> {
     let mode = args.mode()?;
     let mut patterns: Vec<Pattern> = Vec::new();
     let mut cases: Vec<Trials> = Vec::new();
-    for pattern in parse_patterns(list)? {
+    for pattern in parse_patterns(list, global.quiet)? {
         if patterns.contains(&pattern) {
             continue;
         }
@@ -136,6 +142,7 @@ pub(super) fn run(args: &RenderArgs, global: &Global) -> Result<(), CliError> {
         seconds += outcome.seconds;
         rows.extend(outcome.errors.as_ref().map(|errors| StudyRecord {
             sampler: case.plan.pattern().to_string(),
+            label: case.plan.pattern().label(),
             mode: mode.name(),
             n_requested: case.requested,
             n: case.plan.n_points(),
@@ -147,7 +154,7 @@ pub(super) fn run(args: &RenderArgs, global: &Global) -> Result<(), CliError> {
     drop(progress);
     let curves: Vec<Curve<'_>> = patterns.iter().map(|p| Curve::new(p, &rows)).collect();
     let samplers: Vec<StudyRates> = curves.iter().map(Curve::rates).collect();
-    let errors: Vec<_> = curves.iter().map(|c| (c.pattern.clone(), c.points())).collect();
+    let errors: Vec<_> = curves.iter().map(|c| (c.pattern, c.points())).collect();
     let crossovers = crossovers(&errors, global.seed);
     let provenance = Provenance::new(global.seed);
     let [reference_n, pixels] = [reference.n_points, reference.n_hits()];
@@ -169,7 +176,7 @@ impl StudyRecord {
     fn columns() -> [Column<'static, Self>; 9] {
         let score = |t: Option<f64>| number::optional(t, number::ratio);
         [
-            Column::text("sampler", |r: &Self| r.sampler.clone()),
+            Column::text("sampler", |r: &Self| r.label.clone()),
             Column::number("N requested", |r: &Self| r.n_requested.to_string()),
             Column::number("N", |r: &Self| r.n.to_string()),
             Column::number("mse", |r: &Self| number::value(r.errors.mse)),
@@ -189,7 +196,7 @@ impl StudyRates {
         let interval =
             |rate: &Option<Rate>| number::interval(rate.as_ref().map(|r| r.interval), number::rate);
         [
-            Column::text("sampler", |s: &Self| s.sampler.clone()),
+            Column::text("sampler", |s: &Self| s.label.clone()),
             Column::number("rate", move |s: &Self| rate(&s.all)),
             Column::number("95 %", move |s: &Self| interval(&s.all)),
             Column::number("upper half", move |s: &Self| rate(&s.tail)),
@@ -200,15 +207,14 @@ impl StudyRates {
 
 /// The rows of one pattern, by number of directions.
 struct Curve<'a> {
-    pattern: String,
+    pattern: &'a Pattern,
     rows: Vec<&'a StudyRecord>,
 }
 
 impl<'a> Curve<'a> {
-    fn new(pattern: &Pattern, rows: &'a [StudyRecord]) -> Self {
-        let pattern = pattern.to_string();
-        let mut rows: Vec<&StudyRecord> =
-            rows.iter().filter(|row| row.sampler == pattern).collect();
+    fn new(pattern: &'a Pattern, rows: &'a [StudyRecord]) -> Self {
+        let name = pattern.to_string();
+        let mut rows: Vec<&StudyRecord> = rows.iter().filter(|row| row.sampler == name).collect();
         rows.sort_by_key(|row| row.n);
         Self { pattern, rows }
     }
@@ -234,7 +240,8 @@ impl<'a> Curve<'a> {
         let renders = self.rows.iter().map(|row| row.renders).min().unwrap_or(0);
         let dof = renders.saturating_sub(1) as f64;
         StudyRates {
-            sampler: self.pattern.clone(),
+            sampler: self.pattern.to_string(),
+            label: self.pattern.label(),
             all: fit_rate_of_few(&points, dof).map(Rate::from),
             tail: fit_rate_of_few(&tail, dof).map(Rate::from),
         }

@@ -4,7 +4,8 @@ use std::time::Instant;
 
 use sphvar_samplers::Pattern;
 use sphvar_scene::{
-    DirectionMode, DirectionPlan, ErrorReport, Estimator, Image, RenderErrors, pixel_work, render,
+    DirectionMode, DirectionPlan, Error, ErrorReport, Estimator, Image, RenderErrors, pixel_work,
+    render,
 };
 
 use super::RenderArgs;
@@ -56,8 +57,14 @@ impl Trials {
         renders: u64,
         seed: u64,
     ) -> Result<Self, CliError> {
-        let n = DirectionPlan::nearest_count(&pattern, requested);
-        let mut plan = DirectionPlan::new(pattern, n, mode, seed).map_err(CliError::usage)?;
+        let n = DirectionPlan::nearest_count(&pattern, requested, mode);
+        let plan = DirectionPlan::new(pattern, n, mode, seed);
+        let mut plan = plan.map_err(|error| match error {
+            Error::Sampler(sphvar_samplers::Error::Given { .. }) => CliError::Failed(format!(
+                "{error}; --mode rotated and --mode shared take sets of the whole sphere"
+            )),
+            _ => CliError::usage(error),
+        })?;
         if let Some(sets) = args.sets {
             plan = plan.with_sets(sets).map_err(CliError::usage)?;
         }
@@ -80,7 +87,7 @@ impl Trials {
     /// Rejects work that does not fit in memory.
     pub(super) fn check(&self, stage: &Stage) -> Result<(), CliError> {
         let direction = size_of::<glam::DVec3>() as f64;
-        let points = self.plan.mode().set_points(self.plan.n_points()) as f64;
+        let points = self.plan.set_points() as f64;
         let at_once = self.plan.n_sets() as f64 + rayon::current_num_threads() as f64;
         let what = match self.sets {
             Some(sets) if self.plan.has_table() => format!("-n {} --sets {sets}", self.requested),
@@ -108,8 +115,7 @@ impl Trials {
 
     /// Returns the nominal work of the sets of a render.
     fn work_of_table(&self) -> f64 {
-        let points = self.plan.mode().set_points(self.plan.n_points());
-        self.plan.n_sets() as f64 * self.plan.pattern().nominal_work(points)
+        self.plan.n_sets() as f64 * self.plan.pattern().nominal_work(self.plan.set_points())
     }
 
     /// Renders and compares.
@@ -119,7 +125,7 @@ impl Trials {
         reference: Option<&Image>,
         progress: &Progress,
     ) -> Result<Outcome, CliError> {
-        progress.stage(&format!("{} N = {}", self.plan.pattern(), self.plan.n_points()));
+        progress.stage(&format!("{} N = {}", self.plan.pattern().label(), self.plan.n_points()));
         let view = stage.view()?;
         let mut errors = reference.map(RenderErrors::new);
         let (mut picture, mut rays, mut seconds) = (None, 0, 0.0);

@@ -18,6 +18,9 @@ use crate::files::text_rows::shortened;
 /// The tolerance within which a colatitude above pi is taken as pi: one printed with seven digits
 /// may exceed pi by this much.
 const THETA_SLACK: f64 = 1e-6;
+/// The depth below the plane z = 0 that counts as rounding on the hemisphere: coordinates printed
+/// with seven digits may be off by this much.
+const BELOW_SLACK: f64 = 1e-6;
 /// The number of points between two checks of the memory.
 const STEP: usize = 1 << 12;
 /// The number of bytes of a set without its points.
@@ -40,6 +43,10 @@ pub(super) struct PointCollector<'a> {
     options: &'a ReadOptions,
     layout: Layout,
     sets: Vec<PointSet>,
+    /// The place of the first point of each set.
+    starts: Vec<Place>,
+    /// The first point below the plane: its place, the index of its set, and z.
+    below: Option<(Place, usize, f64)>,
     by_label: HashMap<String, usize>,
     /// The label of the previous row.
     label: Option<String>,
@@ -61,6 +68,8 @@ impl<'a> PointCollector<'a> {
             options,
             layout,
             sets: vec![PointSet::default()],
+            starts: vec![Place::Whole],
+            below: None,
             by_label: HashMap::new(),
             label: None,
             current: 0,
@@ -81,9 +90,14 @@ impl<'a> PointCollector<'a> {
     /// Starts the next set, unless the current one is still empty.
     pub(super) fn next_set(&mut self) {
         if !self.sets[self.current].points.is_empty() {
-            self.sets.push(PointSet::default());
-            self.current = self.sets.len() - 1;
+            self.add_set();
         }
+    }
+
+    fn add_set(&mut self) {
+        self.sets.push(PointSet::default());
+        self.starts.push(Place::Whole);
+        self.current = self.sets.len() - 1;
     }
 
     /// Returns the number of points of the current set.
@@ -107,6 +121,12 @@ impl<'a> PointCollector<'a> {
                     self.select(cell(set));
                 }
                 let set = &mut self.sets[self.current];
+                if set.is_empty() {
+                    self.starts[self.current] = place;
+                }
+                if direction.z < -BELOW_SLACK {
+                    self.below.get_or_insert((place, self.current, direction.z));
+                }
                 set.points.push(direction);
                 if let Some(weight) = weight {
                     set.weights.push(weight);
@@ -144,6 +164,13 @@ impl<'a> PointCollector<'a> {
 
     /// Returns the sets, or an error if there are no points or most are not directions.
     pub(super) fn finish(mut self) -> Result<PointFile, FileError> {
+        let first_below = self.below.map(|(place, set, z)| {
+            let set = self.sets[..set].iter().filter(|set| !set.is_empty()).count();
+            let path = self.path;
+            format!("{path}{place}: the point has z = {z} (set {set}, 0-based)")
+        });
+        let places = self.sets.iter().zip(&self.starts).filter(|(set, _)| !set.is_empty());
+        let starts = places.map(|(_, place)| *place).collect();
         self.sets.retain(|set| !set.points.is_empty());
         if self.skipped > 0 {
             let places: Vec<String> =
@@ -184,7 +211,8 @@ impl<'a> PointCollector<'a> {
                 self.path
             ));
         }
-        Ok(PointFile { sets: self.sets, warnings: self.warnings, remarks })
+        let (sets, warnings) = (self.sets, self.warnings);
+        Ok(PointFile { sets, starts, first_below, warnings, remarks })
     }
 
     /// Returns the direction and the weight of a row.
@@ -270,10 +298,11 @@ impl<'a> PointCollector<'a> {
             self.current = index;
             return;
         }
-        if !self.by_label.is_empty() {
-            self.sets.push(PointSet::default());
+        if self.by_label.is_empty() {
+            self.current = self.sets.len() - 1;
+        } else {
+            self.add_set();
         }
-        self.current = self.sets.len() - 1;
         self.by_label.insert(label.into_owned(), self.current);
     }
 

@@ -109,12 +109,13 @@ impl PointFormat {
 
     /// Returns whether points can be written in this format.
     pub(crate) const fn is_writable(self) -> bool {
-        matches!(self, Self::Csv | Self::Npy | Self::Ply)
+        matches!(self, Self::Csv | Self::Npy | Self::Npz | Self::Ply)
     }
 
     /// The extensions of outputs of points, for messages: [`write_points`](super::write_points)
     /// supports the first ones; pictures of points are plots.
-    pub(super) const WRITABLE: &'static str = ".csv, .npy, .ply (points), .svg, .png (a picture)";
+    pub(super) const WRITABLE: &'static str =
+        ".csv, .npy, .npz, .ply (points), .svg, .png (a picture)";
 
     /// Returns the format of an extension in any case.
     pub(crate) fn of_path(path: &Path) -> Option<Self> {
@@ -162,8 +163,9 @@ impl FromStr for PointFormat {
         match text.to_ascii_lowercase().as_str() {
             "csv" => Ok(Self::Csv),
             "npy" => Ok(Self::Npy),
+            "npz" => Ok(Self::Npz),
             "ply" => Ok(Self::Ply),
-            _ => Err(format!("expected csv, npy or ply, got {text:?}")),
+            _ => Err(format!("expected csv, npy, npz or ply, got {text:?}")),
         }
     }
 }

@@ -15,9 +15,11 @@ use crate::files::input::read_rest;
 #[derive(Deserialize)]
 struct Document {
     points: Vec<Vec<[f64; 3]>>,
+    weights: Option<Vec<Vec<f64>>>,
 }
 
-/// Returns the sets of a JSON document with `points`, a list of lists of `[x, y, z]`.
+/// Returns the sets of a JSON document with `points`, a list of lists of `[x, y, z]`, and possibly
+/// `weights`, a list of lists of numbers.
 pub(super) fn read_json(
     input: impl BufRead,
     path: &str,
@@ -30,17 +32,36 @@ pub(super) fn read_json(
         expected: "a JSON document with \"points\", as sample --json prints it".to_owned(),
         got: format!("an error ({error})"),
     })?;
-    let columns = vec![Column::single(""); 3];
-    let choice = options.columns.as_ref();
     let place = Place::Whole;
-    let table = Table { path, place, columns: &columns, has_names: false, choice };
+    if let Some(weights) = &document.weights {
+        let lengths = |lists: &[usize]| format!("{lists:?}");
+        let points: Vec<usize> = document.points.iter().map(Vec::len).collect();
+        let weights: Vec<usize> = weights.iter().map(Vec::len).collect();
+        if points != weights {
+            return Err(FileError::Layout {
+                path: path.to_owned(),
+                place,
+                expected: format!("weights for sets of {} points", lengths(&points)),
+                got: lengths(&weights),
+            });
+        }
+    }
+    let names: &[&str] =
+        if document.weights.is_some() { &["x", "y", "z", "w"] } else { &["", "", ""] };
+    let columns: Vec<Column> = names.iter().map(|&name| Column::single(name)).collect();
+    let choice = options.columns.as_ref();
+    let has_names = document.weights.is_some();
+    let table = Table { path, place, columns: &columns, has_names, choice };
     let mut points = PointCollector::new(path, table.layout()?, options);
     let items: Vec<usize> = points.layout().slots.iter().map(|slot| slot.column).collect();
     for (index, set) in document.points.iter().enumerate() {
         points.next_set();
         for (row, numbers) in set.iter().enumerate() {
             let place = Place::RowOfSet(index, row);
-            points.row(place, |slot| Cell::Number(numbers[items[slot]]))?;
+            let weight = document.weights.as_ref().map_or(1.0, |weights| weights[index][row]);
+            points.row(place, |slot| {
+                Cell::Number(numbers.get(items[slot]).copied().unwrap_or(weight))
+            })?;
         }
     }
     points.finish()

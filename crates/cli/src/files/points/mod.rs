@@ -39,6 +39,10 @@ pub(crate) struct PointFile {
     /// The sets in the order of their first appearance: unit vectors in the order of the file, and
     /// finite weights of any sign if the file has a column `w` or `weight`.
     pub(crate) sets: Vec<PointSet>,
+    /// Where each set begins.
+    pub(crate) starts: Vec<Place>,
+    /// Where the first point is that the hemisphere does not have, for messages.
+    pub(crate) first_below: Option<String>,
     /// Warnings about accepted but unusual content.
     pub(crate) warnings: Vec<String>,
     /// Remarks on further content of the file.

@@ -9,6 +9,7 @@ use std::fs;
 use std::path::PathBuf;
 
 use glam::DVec3;
+use sphvar_samplers::PointSet;
 use tempfile::TempDir;
 
 use super::{PointFile, ReadOptions, read_points, write_points};
@@ -89,10 +90,21 @@ fn doubles(numbers: &[f64]) -> Vec<u8> {
 
 #[test]
 fn every_format_keeps_every_bit() {
-    let one = vec![hostile()];
-    let two = vec![hostile(), hostile().into_iter().rev().collect()];
-    for extension in ["csv", "npy", "ply"] {
-        for sets in [&one, &two] {
+    let weights = vec![1.0, -1.0, 0.1, 1e300, 5e-324, -0.0, 1.0 / 3.0, 2.0, 1e-9];
+    let weighted = |points: Vec<DVec3>| {
+        let weights = weights.iter().cycle().take(points.len()).copied().collect();
+        PointSet { points, weights }
+    };
+    let backwards: Vec<DVec3> = hostile().into_iter().rev().collect();
+    let one = [PointSet::new(hostile())];
+    let two = [PointSet::new(hostile()), PointSet::new(backwards.clone())];
+    let weighted = [weighted(hostile()), weighted(backwards)];
+    let all = [&one[..], &two[..], &weighted[..1], &weighted[..]];
+    for extension in ["csv", "npy", "npz", "ply"] {
+        for sets in all {
+            if extension == "npy" && !sets[0].weights.is_empty() {
+                continue;
+            }
             for provenance in [None, Some("sphvar sample jittered\nseed 0\tand \u{7}a bell")] {
                 let folder = tempfile::tempdir().unwrap();
                 let path = folder.path().join(format!("points.{extension}"));
@@ -101,8 +113,11 @@ fn every_format_keeps_every_bit() {
                 assert!(back.warnings.is_empty(), "{extension}: {:?}", back.warnings);
                 assert_eq!(back.sets.len(), sets.len(), "{extension}");
                 for (set, expected) in back.sets.iter().zip(sets) {
-                    assert_eq!(bits(&set.points), bits(expected), "{extension}");
-                    assert!(set.weights.is_empty(), "{extension}");
+                    assert_eq!(bits(&set.points), bits(&expected.points), "{extension}");
+                    let bits = |weights: &[f64]| -> Vec<u64> {
+                        weights.iter().map(|w| w.to_bits()).collect()
+                    };
+                    assert_eq!(bits(&set.weights), bits(&expected.weights), "{extension}");
                 }
             }
         }
@@ -122,7 +137,7 @@ fn random_unit_vectors_keep_their_bits_as_text() {
         .collect();
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("p.csv");
-    write_points(&path, None, std::slice::from_ref(&points), None).unwrap();
+    write_points(&path, None, &[PointSet::new(points.clone())], None).unwrap();
     let back = read_points(&path, &ReadOptions::default()).unwrap();
     assert_eq!(bits(&back.sets[0].points), bits(&points));
 }
@@ -130,7 +145,7 @@ fn random_unit_vectors_keep_their_bits_as_text() {
 #[test]
 fn written_forms_are_those_that_scripts_rely_on() {
     let folder = tempfile::tempdir().unwrap();
-    let sets = [vec![DVec3::X, DVec3::Y], vec![DVec3::Z, DVec3::NEG_X]];
+    let sets = [vec![DVec3::X, DVec3::Y], vec![DVec3::Z, DVec3::NEG_X]].map(PointSet::new);
     let path = folder.path().join("p.csv");
     write_points(&path, None, &sets[..1], None).unwrap();
     assert_eq!(fs::read_to_string(&path).unwrap(), "x,y,z\n1.0,0.0,0.0\n0.0,1.0,0.0\n");
@@ -142,6 +157,25 @@ fn written_forms_are_those_that_scripts_rely_on() {
     assert_eq!(plain.headers().unwrap(), vec!["x", "y", "z", "set"]);
     let last = plain.records().last().unwrap().unwrap();
     assert_eq!(last, vec!["-1.0", "0.0", "0.0", "1"]);
+
+    let weighted = PointSet { weights: vec![0.5, -2.0], ..sets[0].clone() };
+    write_points(&path, None, std::slice::from_ref(&weighted), None).unwrap();
+    let text = fs::read_to_string(&path).unwrap();
+    assert_eq!(text, "x,y,z,w\n1.0,0.0,0.0,0.5\n0.0,1.0,0.0,-2.0\n");
+    write_points(&path, None, &[weighted.clone(), sets[1].clone()], None).unwrap();
+    let text = fs::read_to_string(&path).unwrap();
+    assert!(text.starts_with("x,y,z,w,set\n1.0,0.0,0.0,0.5,0\n"), "{text}");
+    assert!(text.ends_with("-1.0,0.0,0.0,1.0,1\n"), "{text}");
+    let path = folder.path().join("p.npz");
+    write_points(&path, None, &[weighted.clone(), weighted.clone()], None).unwrap();
+    let mut archive = zip::ZipArchive::new(fs::File::open(&path).unwrap()).unwrap();
+    for (name, shape) in [("points.npy", &[2, 2, 3][..]), ("weights.npy", &[2, 2])] {
+        let array = npyz::NpyFile::new(archive.by_name(name).unwrap()).unwrap();
+        assert_eq!(array.shape(), shape, "{name}");
+    }
+    let path = folder.path().join("p.npy");
+    let message = write_points(&path, None, &[weighted], None).unwrap_err().to_string();
+    assert!(message.contains("has no weights; write .npz"), "{message}");
 
     let path = folder.path().join("p.NPY");
     write_points(&path, None, &sets[..1], None).unwrap();

@@ -1,9 +1,12 @@
-//! Writes point sets as CSV, NPY or PLY.
+//! Writes point sets as CSV, NPY, NPZ or PLY.
 
-use std::io::{self, Write};
+use std::io::{self, Cursor, Write};
 use std::path::Path;
 
 use glam::DVec3;
+use sphvar_samplers::PointSet;
+use zip::CompressionMethod;
+use zip::write::{SimpleFileOptions, ZipWriter};
 
 use super::format::PointFormat;
 use crate::files::atomic::AtomicFile;
@@ -11,27 +14,33 @@ use crate::files::file_error::{FileError, output_name};
 use crate::files::npy::write_npy;
 use crate::files::target::is_stream;
 
+/// Archives from this size on need 64-bit lengths.
+const MAX_SMALL_ENTRY: u64 = 0xffff_ffff;
+
 /// Writes point sets in the format of the extension; `-` is standard output, as CSV.
 ///
-/// - `.csv`: the header `x,y,z`, with a fourth column `set` (counted from 0) for several sets.
-///   Every number has the shortest digits that are read back as the same number, at most 17. The
-///   header is the first line, for readers that do not support comments, so `provenance` is not
-///   stored.
-/// - `.npy`: `(N, 3)` for one set, `(M, N, 3)` for several; 8-byte floats, little-endian, C order.
-///   `provenance` is not stored either.
-/// - `.ply`: binary little-endian, vertices with doubles x y z, with an int `set` for several sets,
-///   and `provenance` as comments.
+/// - `.csv`: the header `x,y,z`, with a column `w` if a set has weights, and a last column `set`
+///   (counted from 0) for several sets. Every number has the shortest digits that are read back as
+///   the same number, at most 17. The header is the first line, for readers that do not support
+///   comments, so `provenance` is not stored.
+/// - `.npy`: `(N, 3)` for one set, `(M, N, 3)` for several; 8-byte floats, little-endian, C order,
+///   without weights. `provenance` is not stored either.
+/// - `.npz`: the array of `.npy` as `points` and, if a set has weights, `(N,)` or `(M, N)` as
+///   `weights`; uncompressed, without `provenance`.
+/// - `.ply`: binary little-endian, vertices with doubles x y z, with a double `w` if a set has
+///   weights and an int `set` for several sets, and `provenance` as comments.
 ///
-/// `format` overrides the extension. The file appears when it is complete.
+/// If only some sets have weights, the points of others have weight 1. `format` overrides the
+/// extension. The file appears when it is complete.
 ///
 /// # Errors
 ///
-/// If the extension is unknown, there are no sets, sets of different sizes are written to one
-/// array, or the file cannot be written.
+/// If the extension is unknown, there are no sets, sets of different sizes or weights are written
+/// to one array, or the file cannot be written.
 pub(crate) fn write_points(
     path: &Path,
     format: Option<PointFormat>,
-    sets: &[Vec<DVec3>],
+    sets: &[PointSet],
     provenance: Option<&str>,
 ) -> Result<(), FileError> {
     let name = output_name(path);
@@ -48,79 +57,127 @@ pub(crate) fn write_points(
             reason: "there is no set of points to write",
         });
     };
-    if format == PointFormat::Npy && sets.iter().any(|set| set.len() != first.len()) {
+    let is_array = matches!(format, PointFormat::Npy | PointFormat::Npz);
+    if is_array && sets.iter().any(|set| set.len() != first.len()) {
         return Err(FileError::InvalidTarget {
             path: name,
             reason: "the sets differ in size and do not fit one (M, N, 3) array; write one file a set \
                      with {i} in the name, as in sets-{i}.npy, or .csv or .ply with the column set",
         });
     }
+    let table = PointTable { sets, has_weights: sets.iter().any(|set| !set.weights.is_empty()) };
+    if format == PointFormat::Npy && table.has_weights {
+        return Err(FileError::InvalidTarget {
+            path: name,
+            reason: "an .npy array of points has no weights; write .npz, .csv or .ply",
+        });
+    }
     let mut file = AtomicFile::create(path)?;
     let written = match format {
-        PointFormat::Csv => write_csv(&mut file, sets),
-        PointFormat::Npy => write_array(&mut file, sets, first.len()),
-        _ => write_ply(&mut file, sets, provenance),
+        PointFormat::Csv => table.write_csv(&mut file),
+        PointFormat::Npy => table.write_array(&mut file),
+        PointFormat::Npz => table.write_archive(&mut file),
+        _ => table.write_ply(&mut file, provenance),
     };
     written.map_err(|source| file.error(source))?;
     file.commit()
 }
 
-fn write_csv(out: &mut impl Write, sets: &[Vec<DVec3>]) -> io::Result<()> {
-    if let [set] = sets {
-        writeln!(out, "x,y,z")?;
-        for p in set {
-            writeln!(out, "{:?},{:?},{:?}", p.x, p.y, p.z)?;
-        }
-        return Ok(());
-    }
-    writeln!(out, "x,y,z,set")?;
-    for (index, set) in sets.iter().enumerate() {
-        for p in set {
-            writeln!(out, "{:?},{:?},{:?},{index}", p.x, p.y, p.z)?;
-        }
-    }
-    Ok(())
+/// Sets to be written with the same columns.
+struct PointTable<'a> {
+    sets: &'a [PointSet],
+    has_weights: bool,
 }
 
-fn write_array(out: &mut impl Write, sets: &[Vec<DVec3>], points: usize) -> io::Result<()> {
-    let (sets_u64, points_u64) = (sets.len() as u64, points as u64);
-    let shape = match sets.len() {
-        1 => vec![points_u64, 3],
-        _ => vec![sets_u64, points_u64, 3],
-    };
-    write_npy(out, "<f8", &shape, sets.iter().flatten().flat_map(DVec3::to_array))
-}
+impl PointTable<'_> {
+    /// Returns the points of a set, each with its weight if there are any.
+    fn rows<'s>(&self, set: &'s PointSet) -> impl Iterator<Item = (DVec3, Option<f64>)> + 's {
+        let has_weights = self.has_weights;
+        let weight = move |k| has_weights.then(|| set.weights.get(k).copied().unwrap_or(1.0));
+        set.points.iter().enumerate().map(move |(k, &p)| (p, weight(k)))
+    }
 
-fn write_ply(
-    out: &mut impl Write,
-    sets: &[Vec<DVec3>],
-    provenance: Option<&str>,
-) -> io::Result<()> {
-    let count: usize = sets.iter().map(Vec::len).sum();
-    let several = sets.len() > 1;
-    writeln!(out, "ply\nformat binary_little_endian 1.0")?;
-    for line in comment_lines(provenance) {
-        writeln!(out, "comment {line}")?;
-    }
-    writeln!(out, "element vertex {count}")?;
-    writeln!(out, "property double x\nproperty double y\nproperty double z")?;
-    if several {
-        writeln!(out, "property int set")?;
-    }
-    writeln!(out, "end_header")?;
-    for (index, set) in sets.iter().enumerate() {
-        let label = i32::try_from(index)
-            .map_err(|_| io::Error::other("more sets than the PLY type int can count"))?;
-        for coordinate_row in set {
-            for coordinate in coordinate_row.to_array() {
-                out.write_all(&coordinate.to_le_bytes())?;
-            }
-            if several {
-                out.write_all(&label.to_le_bytes())?;
+    fn write_csv(&self, out: &mut impl Write) -> io::Result<()> {
+        let has_sets = self.sets.len() > 1;
+        let weight = if self.has_weights { ",w" } else { "" };
+        let set = if has_sets { ",set" } else { "" };
+        writeln!(out, "x,y,z{weight}{set}")?;
+        for (index, set) in self.sets.iter().enumerate() {
+            for (p, weight) in self.rows(set) {
+                write!(out, "{:?},{:?},{:?}", p.x, p.y, p.z)?;
+                if let Some(weight) = weight {
+                    write!(out, ",{weight:?}")?;
+                }
+                if has_sets {
+                    write!(out, ",{index}")?;
+                }
+                writeln!(out)?;
             }
         }
+        Ok(())
     }
-    Ok(())
+
+    /// Returns the shape of an array with a number for each point.
+    fn shape(&self) -> Vec<u64> {
+        let n_points = self.sets.first().map_or(0, PointSet::len) as u64;
+        match self.sets.len() {
+            1 => vec![n_points],
+            several => vec![several as u64, n_points],
+        }
+    }
+
+    fn write_array(&self, out: &mut impl Write) -> io::Result<()> {
+        let shape = [self.shape(), vec![3]].concat();
+        let numbers = self.sets.iter().flat_map(|set| &set.points).flat_map(DVec3::to_array);
+        write_npy(out, "<f8", &shape, numbers)
+    }
+
+    fn write_archive(&self, out: &mut impl Write) -> io::Result<()> {
+        let numbers: u64 = self.sets.iter().map(|set| 3 * set.len() as u64).sum();
+        let options = SimpleFileOptions::default()
+            .compression_method(CompressionMethod::Stored)
+            .large_file(8 * numbers + 1024 >= MAX_SMALL_ENTRY);
+        let mut archive = ZipWriter::new(Cursor::new(Vec::new()));
+        archive.start_file("points.npy", options)?;
+        self.write_array(&mut archive)?;
+        if self.has_weights {
+            archive.start_file("weights.npy", options)?;
+            let weights = self.sets.iter().flat_map(|set| self.rows(set)).filter_map(|row| row.1);
+            write_npy(&mut archive, "<f8", &self.shape(), weights)?;
+        }
+        out.write_all(&archive.finish()?.into_inner())
+    }
+
+    fn write_ply(&self, out: &mut impl Write, provenance: Option<&str>) -> io::Result<()> {
+        let count: usize = self.sets.iter().map(PointSet::len).sum();
+        let several = self.sets.len() > 1;
+        writeln!(out, "ply\nformat binary_little_endian 1.0")?;
+        for line in comment_lines(provenance) {
+            writeln!(out, "comment {line}")?;
+        }
+        writeln!(out, "element vertex {count}")?;
+        writeln!(out, "property double x\nproperty double y\nproperty double z")?;
+        if self.has_weights {
+            writeln!(out, "property double w")?;
+        }
+        if several {
+            writeln!(out, "property int set")?;
+        }
+        writeln!(out, "end_header")?;
+        for (index, set) in self.sets.iter().enumerate() {
+            let label = i32::try_from(index)
+                .map_err(|_| io::Error::other("more sets than the PLY type int can count"))?;
+            for (point, weight) in self.rows(set) {
+                for number in point.to_array().into_iter().chain(weight) {
+                    out.write_all(&number.to_le_bytes())?;
+                }
+                if several {
+                    out.write_all(&label.to_le_bytes())?;
+                }
+            }
+        }
+        Ok(())
+    }
 }
 
 /// Returns the lines of the provenance without control characters, which would break a header.

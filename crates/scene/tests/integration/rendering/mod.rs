@@ -7,3 +7,4 @@ mod exact_values;
 mod modes;
 mod random_errors;
 mod spot;
+mod weighted_sets;

@@ -2,7 +2,7 @@
 //! white noise.
 
 use glam::DVec3;
-use sphvar_samplers::{Domain, Pattern};
+use sphvar_samplers::{Domain, Pattern, PointSet};
 use sphvar_scene::{DirectionMode, DirectionPlan, Error, Estimator, Integral};
 
 use super::spot::{Spot, covered_share, horizontal, mean_and_error};
@@ -20,21 +20,22 @@ fn sheltered() -> (Spot, f64) {
 }
 
 fn plan(pattern: &Pattern, requested: usize, mode: DirectionMode) -> DirectionPlan {
-    let n = DirectionPlan::nearest_count(pattern, requested);
+    let n = DirectionPlan::nearest_count(pattern, requested, mode);
     DirectionPlan::new(pattern.clone(), n, mode, SEED).unwrap()
 }
 
 #[test]
 fn directions_are_unit_vectors_above_the_surface() {
     let normals = [DVec3::Z, -DVec3::Z, DVec3::Y, DVec3::new(-0.6, 0.0, 0.8)];
-    let mut dirs = Vec::new();
+    let mut directions = PointSet::default();
     for pattern in [Pattern::WhiteNoise, Pattern::Jittered, Pattern::Healpix, Pattern::Fibonacci] {
         for mode in DirectionMode::ALL {
             for requested in [1, 50] {
                 let plan = plan(&pattern, requested, mode);
                 let sets = plan.prepare(3).unwrap();
                 for (index, &normal) in normals.iter().enumerate() {
-                    sets.directions_into(normal, index as u64, &mut dirs).unwrap();
+                    sets.directions_into(normal, index as u64, &mut directions).unwrap();
+                    let dirs = &directions.points;
                     // The entries of a rotation and the sum of three products round by a few
                     // EPSILON.
                     let unit = |d: &DVec3| (d.length() - 1.0).abs() < 8.0 * f64::EPSILON;
@@ -56,7 +57,7 @@ fn directions_are_unit_vectors_above_the_surface() {
 /// equator.
 #[test]
 fn halves_of_a_sphere_set_add_up_to_it() {
-    let (mut above, mut below) = (Vec::new(), Vec::new());
+    let (mut above, mut below) = (PointSet::default(), PointSet::default());
     let mut n_in_plane = 0;
     for (pattern, n) in [(Pattern::Fibonacci, 100), (Pattern::Healpix, 96)] {
         for mode in [DirectionMode::Shared, DirectionMode::Rotated] {
@@ -66,7 +67,7 @@ fn halves_of_a_sphere_set_add_up_to_it() {
                     sets.directions_into(normal, index, &mut above).unwrap();
                     sets.directions_into(-normal, index, &mut below).unwrap();
                     assert_eq!(above.len() + below.len(), 2 * n, "{pattern} {mode} {normal}");
-                    n_in_plane += above.iter().filter(|d| normal.dot(**d) == 0.0).count();
+                    n_in_plane += above.points.iter().filter(|d| normal.dot(**d) == 0.0).count();
                 }
             }
         }
@@ -213,7 +214,7 @@ fn numbers_of_directions() {
     for mode in DirectionMode::ALL {
         // A number of directions that is valid in one mode is valid in all.
         for pattern in Pattern::ALL {
-            let n = DirectionPlan::nearest_count(&pattern, 100);
+            let n = DirectionPlan::nearest_count(&pattern, 100, mode);
             let plan = DirectionPlan::new(pattern.clone(), n, mode, 0);
             assert!(plan.is_ok(), "{pattern} {mode}: {:?}", plan.err());
         }

@@ -3,6 +3,7 @@
 use std::fs;
 
 use glam::DVec3;
+use sphvar_samplers::PointSet;
 
 use super::super::{PointFormat, ReadOptions, read_points, write_points};
 use super::{doubles, error, hostile, npy, read_as};
@@ -114,7 +115,7 @@ fn truncated_files_count_their_bytes() {
     let folder = tempfile::tempdir().unwrap();
     for extension in ["npy", "ply"] {
         let path = folder.path().join(format!("p.{extension}"));
-        write_points(&path, None, &[hostile()], None).unwrap();
+        write_points(&path, None, &[PointSet::new(hostile())], None).unwrap();
         let whole = fs::read(&path).unwrap();
         let mut in_data = 0;
         for length in 1..whole.len() {
@@ -163,10 +164,10 @@ fn hostile_meshes_terminate_quickly() {
 #[test]
 fn outputs_that_cannot_be() {
     let folder = tempfile::tempdir().unwrap();
-    let sets = [vec![DVec3::X], vec![DVec3::Y, DVec3::Z]];
+    let sets = [vec![DVec3::X], vec![DVec3::Y, DVec3::Z]].map(PointSet::new);
     let cases = [
-        ("p.xls", &sets[..1], "expected a name that ends in one of .csv, .npy, .ply"),
-        ("p", &sets[..1], "expected a name that ends in one of .csv, .npy, .ply"),
+        ("p.xls", &sets[..1], "expected a name that ends in one of .csv, .npy, .npz, .ply"),
+        ("p", &sets[..1], "expected a name that ends in one of .csv, .npy, .npz, .ply"),
         ("p.csv", &sets[..0], "there is no set of points to write"),
         ("p.npy", &sets[..], "the sets differ in size"),
         ("no/p.npy", &sets[..1], "does not exist; create it first"),
