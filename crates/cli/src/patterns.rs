@@ -152,7 +152,7 @@ pub(crate) fn sampler_of(
         let label = pattern.label();
         let why = match pattern.own_count() {
             Some(_) => "as in the file".to_owned(),
-            None => format!("the nearest to the {n} requested"),
+            None => format!("the valid count nearest to the requested {n}"),
         };
         say(quiet, &format!("{label}: {got} points, {why}"));
     }
