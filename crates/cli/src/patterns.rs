@@ -134,9 +134,7 @@ pub(crate) fn build(
     Ok(sampler)
 }
 
-/// Returns the pattern that a text names, and its sampler of `n` points or of the nearest valid
-/// count if `nearest`. A single file needs no `n`. Prints a remark if the number of points differs
-/// from `n`, unless `quiet`.
+/// Returns the pattern that a text names, and its sampler as [`nearest_sampler`] does.
 pub(crate) fn sampler_of(
     text: &str,
     n: Option<usize>,
@@ -145,8 +143,21 @@ pub(crate) fn sampler_of(
     quiet: bool,
 ) -> Result<(Pattern, Box<dyn Sampler>), CliError> {
     let pattern = parse_pattern(text, quiet)?;
+    let sampler = nearest_sampler(&pattern, n, domain, nearest, quiet)?;
+    Ok((pattern, sampler))
+}
+
+/// Returns the sampler of `n` points or of the nearest valid count if `nearest`. A single file
+/// needs no `n`. Prints a remark if the number of points differs from `n`, unless `quiet`.
+pub(crate) fn nearest_sampler(
+    pattern: &Pattern,
+    n: Option<usize>,
+    domain: Domain,
+    nearest: bool,
+    quiet: bool,
+) -> Result<Box<dyn Sampler>, CliError> {
     let n = n.or(pattern.own_count()).ok_or_else(missing_count)?;
-    let sampler = build(&pattern, n, domain, nearest)?;
+    let sampler = build(pattern, n, domain, nearest)?;
     let got = sampler.n_points();
     if got != n {
         let label = pattern.label();
@@ -156,5 +167,5 @@ pub(crate) fn sampler_of(
         };
         say(quiet, &format!("{label}: {got} points, {why}"));
     }
-    Ok((pattern, sampler))
+    Ok(sampler)
 }

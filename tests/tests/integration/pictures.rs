@@ -32,7 +32,7 @@ fn picture(plan: &DirectionPlan, estimator: Estimator) -> Image {
 }
 
 fn plan(pattern: &Pattern, requested: usize, mode: DirectionMode) -> DirectionPlan {
-    let n = DirectionPlan::nearest_count(pattern, requested);
+    let n = DirectionPlan::nearest_count(pattern, requested, mode);
     DirectionPlan::new(pattern.clone(), n, mode, SEED).unwrap()
 }
 

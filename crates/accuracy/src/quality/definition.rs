@@ -5,10 +5,13 @@ use sphvar_sh::legendre_p_into;
 use sphvar_spectrum::quality::{PairSums, WORST_CASE_SMOOTHNESS};
 
 use crate::reference::DoubleDouble;
-use crate::spectra::{dot, unit};
+use crate::spectra::{dot, legendre, unit};
 
 /// The last degree of the series of worst-case errors.
 const LAST: usize = 30_000;
+
+/// The degree below which power is summed in twice the precision: there it almost cancels.
+const LOW: usize = 100;
 
 /// Returns the measures in the order of [`PairSums`]; energies of sets with identical points are
 /// `None`.
@@ -39,7 +42,8 @@ pub(super) fn measures(set: &PointSet) -> Vec<Option<f64>> {
     let mut near = 0.0;
     // The power by degree but for the pairs of a point with itself.
     let mut power = vec![0.0; LAST + 1];
-    let mut legendre = vec![0.0; LAST + 1];
+    let mut values = vec![0.0; LAST + 1];
+    let mut low = [DoubleDouble::ZERO; LOW];
     for j in 0..n {
         for k in 0..j {
             let pair = w[j] * w[k];
@@ -60,11 +64,16 @@ pub(super) fn measures(set: &PointSet) -> Vec<Option<f64>> {
             if r.value() * (LAST as f64) < 0.1 {
                 near += twice.value();
             }
+            for (sum, value) in low.iter_mut().zip(legendre(dot(units[j], units[k]))) {
+                *sum += twice * value;
+            }
             let cosine = dot(units[j], units[k]).value().clamp(-1.0, 1.0);
-            legendre_p_into(cosine, &mut legendre).expect("a cosine");
-            power.iter_mut().zip(&legendre).for_each(|(sum, p)| *sum += twice.value() * p);
+            legendre_p_into(cosine, &mut values).expect("a cosine");
+            power.iter_mut().zip(&values).for_each(|(sum, p)| *sum += twice.value() * p);
         }
     }
+    // The power of all pairs.
+    let low = low.map(|sum| (sum + squares).value());
     let squares = squares.value();
     let mut all = vec![cap.value().sqrt(), (cui_freeden.value() / (4.0 * PI)).sqrt()];
     all.extend(WORST_CASE_SMOOTHNESS.map(|s| {
@@ -74,7 +83,8 @@ pub(super) fn measures(set: &PointSet) -> Vec<Option<f64>> {
             let cap = if is_singular { 8.0 / (4.0 * eigenvalue - 3.0) } else { 0.0 };
             (2 * l + 1) as f64 * (1.0 + eigenvalue).powf(-s) - cap
         };
-        let sum: f64 = (1..=LAST).rev().map(|l| term(l) * (power[l] + squares)).sum();
+        let all_pairs = |l: usize| if l < LOW { low[l] } else { power[l] + squares };
+        let sum: f64 = (1..=LAST).rev().map(|l| term(l) * all_pairs(l)).sum();
         // Half of the last term: the mean of the last two partial sums of an alternating series.
         let sum = sum - 0.5 * term(LAST) * power[LAST];
         if is_singular {

@@ -283,7 +283,8 @@ fn run_exact(
     let spectrum = exact.to(lmax, &progress)?;
     drop(progress);
     let seconds = started.elapsed().as_secs_f64();
-    let remarks = Remarks { has_no_error: false, weights: WeightSums::of_sampler(sampler)? };
+    let weights = WeightSums::of_sampler(sampler)?;
+    let remarks = Remarks { has_no_error: false, weights, pairs: None };
     let provenance = Provenance::new(global.seed);
     emit(args.out.out.as_deref(), global, &name, &spectrum, remarks, seconds, &provenance)
 }

@@ -23,17 +23,17 @@ fn number(value: &Value, key: &str) -> f64 {
 #[test]
 fn points_of_a_pattern_are_that_pattern() {
     let place = Workplace::new();
-    for file in ["fib.csv", "fib.npy", "fib.npz", "fib.ply"] {
+    for file in ["fib.csv", "fib.npz"] {
         place.run(&format!("sample fibonacci -n 777 -o {file}")).ok();
         let sampler = format!("file:{file}");
         let samplers = format!("fibonacci,{sampler}");
         // The number of points is that of the file.
-        let document = place.run(&format!("variance {samplers} -n 777 {CAP} -m 50 --json")).json();
+        let document = place.run(&format!("variance {samplers} -n 777 {CAP} -m 4 --json")).json();
         let (own, built_in) = (row(&document, &sampler), row(&document, "fibonacci"));
         let [predicted, expected] = [own, built_in].map(|row| number(row, "predicted"));
         assert!((predicted / expected - 1.0).abs() < 1e-12, "{file}: {predicted}, {expected}");
         assert_eq!((&own["n"], &own["n_effective"]), (&777.into(), &Value::Null));
-        if file == "fib.csv" {
+        if file != "fib.npz" {
             continue;
         }
         let document = place.run(&format!("choose {samplers},jittered -n 800 {CAP} --json")).json();
@@ -49,7 +49,7 @@ fn points_of_a_pattern_are_that_pattern() {
         let document = place.run(&format!("spectrum {source} --lmax 90 --json")).json();
         numbers(&document["power"])
     };
-    assert_eq!(spectrum("file:fib.npy"), spectrum("--points fib.npy"));
+    assert_eq!(spectrum("file:fib.npz"), spectrum("--points fib.npz"));
 }
 
 /// A single file has one row at its own number, whatever `-n` says, and needs no `-n`.

@@ -144,9 +144,9 @@ impl SamplerFamily for PointSets {
         }
         let nearest = self.n_points();
         if n_points != nearest {
-            let (pattern, asked) = (self.name.to_string(), n_points);
+            let (pattern, requested) = (self.name.to_string(), n_points);
             let rule = ValidCounts::Listed(vec![nearest].into());
-            return Err(Error::InvalidCount { pattern, domain, asked, nearest, rule });
+            return Err(Error::InvalidCount { pattern, domain, requested, nearest, rule });
         }
         Ok(Box::new(self.clone()))
     }

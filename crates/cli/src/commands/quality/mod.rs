@@ -8,7 +8,6 @@ mod text;
 
 use clap::Args;
 use sphvar_grammar::Spec;
-use sphvar_samplers::Realizations;
 use sphvar_spectrum::quality::Quality;
 
 pub(crate) use self::record::QualityBody;
@@ -25,7 +24,7 @@ use crate::report::{Forms, Provenance, check_result, csv_of, emit};
 pub(crate) const EXAMPLES: &str = "Examples:
   sphvar quality fibonacci -n 200
   sphvar quality jittered,healpix,fibonacci -n 192 -o quality.svg
-  sphvar quality jittered -n 48 -m 20 --rank
+  sphvar quality jittered -n 48 --rank
 
 Distances are chords; the mesh ratio is twice the covering radius over the separation. The L2 cap \
 discrepancy is the root mean square, over all caps, of the difference between the share of points in \
@@ -97,9 +96,7 @@ pub(crate) fn run(args: &QualityArgs, global: &Global) -> Result<(), CliError> {
     let mut measured = Vec::new();
     for source in sources {
         progress.stage(&source.name);
-        let sets = Realizations::unrotated(&*source.sampler, source.streams);
-        let sets = source.given.as_ref().map_or(&sets as &dyn sphvar_samplers::Ensemble, |g| g);
-        let quality = Quality::of(sets, source.count, domain, degrees, &progress)?;
+        let quality = source.measure(domain, degrees, &progress)?;
         measured.push(Measured { source, quality });
     }
     let ranks = if args.rank {

@@ -15,7 +15,7 @@ use crate::progress::Progress;
 /// The measures of a rank: the cap discrepancy, and the worst-case error for s = 2.
 const MEASURES: [Measure; 2] = [Measure::CapDiscrepancy, Measure::WorstCaseError(1)];
 /// Realizations of a random pattern: as many as have this number of pairs and take this nominal
-/// work, at most 8.
+/// work, at most 4.
 const PAIRS: f64 = 4e7;
 const WORK: f64 = 1e6;
 
@@ -128,11 +128,11 @@ fn ranked(
 }
 
 /// Returns the number of realizations from which the measures of a pattern are estimated.
-#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "from 1 to 8")]
+#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "from 1 to 4")]
 pub(super) fn realizations(sampler: &dyn Sampler) -> u64 {
     if !sampler.is_random() {
         return 1;
     }
     let pairs = PAIRS / (sampler.n_points() as f64).powi(2);
-    pairs.min(WORK / sampler.nominal_work()).clamp(1.0, 8.0) as u64
+    pairs.min(WORK / sampler.nominal_work()).clamp(1.0, 4.0) as u64
 }

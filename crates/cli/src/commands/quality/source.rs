@@ -1,26 +1,26 @@
 //! The point sets that are measured: realizations of a sampler, or those of a file.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
-use sphvar_samplers::{Domain, PointSets, Purpose, Sampler, Streams};
+use sphvar_samplers::{
+    Domain, Ensemble, PointSet, Purpose, Realizations, Sampler, SetDistribution, Streams,
+};
+use sphvar_spectrum::quality::Quality;
 
 use super::QualityArgs;
-use crate::commands::PointFileArgs;
 use crate::error::CliError;
 use crate::global::Global;
 use crate::patterns;
-use crate::point_sets::FileSets;
-use crate::report::say;
+use crate::progress::Progress;
 
 /// A sampler with the number of its realizations.
 pub(super) struct Source {
+    /// The name in tables.
     pub(super) name: String,
     pub(super) sampler: Box<dyn Sampler>,
     pub(super) streams: Streams,
-    /// The sets of a file, which are measured in their order.
-    pub(super) given: Option<PointSets>,
     pub(super) count: u64,
-    /// The sampler as text, which reference patterns are compared with; the file's name.
+    /// The sampler as text, with which reference patterns are compared.
     pub(super) text: String,
 }
 
@@ -31,58 +31,50 @@ impl Source {
         args: &QualityArgs,
         global: &Global,
     ) -> Result<Vec<Self>, CliError> {
-        let domain = args.domain.domain();
-        if let Some(path) = file(text) {
-            return Ok(vec![Self::of_file(path, domain, global)?]);
-        }
-        let n = args.count.required()?;
-        let patterns = patterns::parse_patterns(text)?;
+        let (domain, nearest) = (args.domain.domain(), args.nearest.nearest);
+        // An existing file needs no `file:`.
+        let text = match Path::new(text).is_file() {
+            true => format!("file:{}", sphvar_grammar::quote(text)),
+            false => text.to_owned(),
+        };
+        let patterns = patterns::parse_patterns(&text, global.quiet)?;
         let sources = patterns.into_iter().map(|pattern| {
-            let sampler = patterns::build(&pattern, n, domain, args.nearest.nearest)?;
-            let got = sampler.n_points();
-            if got != n {
-                say(
-                    global.quiet,
-                    &format!("{pattern}: {got} points, the nearest to the {n} asked for"),
-                );
-            }
-            let group = pattern.stream_group(got);
-            Ok(Self {
-                name: pattern.to_string(),
-                text: pattern.to_string(),
-                count: if sampler.is_random() { args.realizations } else { 1 },
-                sampler,
-                streams: Streams::new(global.seed, Purpose::Pattern, group),
-                given: None,
-            })
+            let n = args.count.count;
+            let sampler = patterns::nearest_sampler(&pattern, n, domain, nearest, global.quiet)?;
+            let count = match given_sets(&*sampler) {
+                Some(sets) => sets.len() as u64,
+                None if sampler.is_random() => args.realizations,
+                None => 1,
+            };
+            let group = pattern.stream_group(sampler.n_points());
+            let streams = Streams::new(global.seed, Purpose::Pattern, group);
+            let text = pattern.to_string();
+            Ok(Self { name: pattern.label(), text, count, sampler, streams })
         });
         sources.collect()
     }
 
-    fn of_file(path: PathBuf, domain: Domain, global: &Global) -> Result<Self, CliError> {
-        let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned();
-        let files = PointFileArgs {
-            files: vec![path],
-            columns: None,
-            hdu: None,
-            join: false,
-            skip_invalid: false,
-            normalize: false,
+    /// Measures the realizations; those of a file are its sets in their order.
+    pub(super) fn measure(
+        &self,
+        domain: Domain,
+        degrees: Option<&[usize]>,
+        progress: &Progress,
+    ) -> Result<Quality, CliError> {
+        let realizations = Realizations::unrotated(&*self.sampler, self.streams);
+        let given = given_sets(&*self.sampler);
+        let sets: &dyn Ensemble = match &given {
+            Some(sets) => sets,
+            None => &realizations,
         };
-        let read = FileSets::read(&files, domain, global.quiet)?;
-        Ok(Self {
-            name,
-            text: read.name().to_owned(),
-            count: read.count(),
-            sampler: Box::new(read.sets().clone()),
-            streams: Streams::new(global.seed, Purpose::Pattern, read.sets().stream_group()),
-            given: Some(read.sets().clone()),
-        })
+        Ok(Quality::of(sets, self.count, domain, degrees, progress)?)
     }
 }
 
-/// Returns the path of a text that names a file: one that exists.
-fn file(text: &str) -> Option<PathBuf> {
-    let path = Path::new(text);
-    path.is_file().then(|| path.to_owned())
+/// Returns the sets of a file.
+fn given_sets(sampler: &dyn Sampler) -> Option<&[PointSet]> {
+    match sampler.distribution() {
+        SetDistribution::OneOf(sets) => Some(sets),
+        _ => None,
+    }
 }
