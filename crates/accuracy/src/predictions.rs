@@ -60,7 +60,7 @@ pub(crate) fn trials(effort: Effort) -> Vec<Trial> {
         let bound = f64::EPSILON * (2.0 + f64::from(lmax).sqrt());
         trials.push(trial("white noise", case, bound, "3 pi^2/N", subject));
     }
-    for pattern in [Pattern::WhiteNoise, Pattern::Fibonacci, Pattern::Healpix] {
+    for pattern in [Pattern::WhiteNoise, Pattern::FIBONACCI, Pattern::Healpix] {
         let method = if pattern == Pattern::WhiteNoise { "white noise" } else { "lattice" };
         let case = format!("{n} {}, Y_40", pattern.name());
         let subject = Box::new(OfHarmonic::new(pattern, n));
@@ -71,7 +71,7 @@ pub(crate) fn trials(effort: Effort) -> Vec<Trial> {
     }
     for kappa in [1.0, 10.0, 100.0] {
         for (method, pattern) in [
-            ("lattice", Pattern::Fibonacci),
+            ("lattice", Pattern::FIBONACCI),
             ("lattice", Pattern::Healpix),
             ("realizations", Pattern::Jittered),
             ("realizations", Pattern::WhiteNoise),

@@ -30,7 +30,7 @@ pub(crate) fn trials(effort: Effort) -> Vec<Trial> {
         Effort::Full => (192, 20_000),
     };
     let mut trials = Vec::new();
-    for pattern in [Pattern::WhiteNoise, Pattern::Fibonacci] {
+    for pattern in [Pattern::WhiteNoise, Pattern::FIBONACCI] {
         let reference = Arc::new(Reference::by_definition(&pattern, small));
         trials.push(trial(&reference, None));
         trials.push(Trial {

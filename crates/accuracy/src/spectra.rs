@@ -36,7 +36,7 @@ pub(crate) fn trials(effort: Effort) -> Vec<Trial> {
     let mut trials = vec![of_sets(&sets, None)];
     trials.extend(EPSILONS.map(|epsilon| of_sets(&sets, Some(epsilon))));
     for (pattern, n, lmax) in [
-        (Pattern::Fibonacci, 400, 80),
+        (Pattern::FIBONACCI, 400, 80),
         (Pattern::Healpix, 192, 64),
         (Pattern::EqualArea(EqualAreaParameters { placement: Placement::Jittered }), 2, 60),
         (Pattern::EqualArea(EqualAreaParameters { placement: Placement::Jittered }), 3, 60),

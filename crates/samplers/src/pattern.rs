@@ -8,13 +8,18 @@ use crate::PointFileParameters;
 use crate::definition::WithoutFiles;
 use crate::hash::fnv1a;
 use crate::of_pattern::OfPattern;
-use crate::{Domain, Error, FileResolver, Pattern, PatternFacts, Sampler, ValidCounts};
+use crate::{
+    Domain, Error, FibonacciParameters, FileResolver, Pattern, PatternFacts, Sampler, ValidCounts,
+};
 
 impl Pattern {
+    /// The spherical Fibonacci lattice with its default offset.
+    pub const FIBONACCI: Self = Self::Fibonacci(FibonacciParameters::DEFAULT);
+
     /// The patterns without parameters whose realizations are inexpensive: the default of a
     /// comparison.
     pub const ELEMENTARY: [Self; 4] =
-        [Self::WhiteNoise, Self::Jittered, Self::Healpix, Self::Fibonacci];
+        [Self::WhiteNoise, Self::Jittered, Self::Healpix, Self::FIBONACCI];
 
     /// Reads `name` or `name:key=value,key=value`; `files` reads the files that the text names.
     ///

@@ -60,7 +60,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let integrand = SampledFunction::new(|d: DVec3| (2.0 * d.x).exp() + d.y * d.z, 30);
     let mut predictor = Predictor::new(&integrand, Domain::Sphere, 0, PredictionBudget::DEFAULT)?;
     let families: [&dyn SamplerFamily; 4] =
-        [&AnyOctahedra, &Pattern::WhiteNoise, &Pattern::Jittered, &Pattern::Fibonacci];
+        [&AnyOctahedra, &Pattern::WhiteNoise, &Pattern::Jittered, &Pattern::FIBONACCI];
     let goal = Goal::Points(192);
     let candidates = Candidate::ranked(families, goal, &mut predictor, &())?;
     for (place, candidate) in candidates.iter().enumerate() {

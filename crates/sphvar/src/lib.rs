@@ -8,7 +8,7 @@
 //! let cap = Cap::from_degrees(60.0)?;
 //! let mut predictor = Predictor::new(&cap, Domain::Sphere, 0, PredictionBudget::DEFAULT)?;
 //! let goal = Goal::Points(192);
-//! let patterns = [Pattern::WhiteNoise, Pattern::Jittered, Pattern::Fibonacci];
+//! let patterns = [Pattern::WhiteNoise, Pattern::Jittered, Pattern::FIBONACCI];
 //! let candidates = Candidate::ranked(patterns, goal, &mut predictor, &())?;
 //! assert_eq!(candidates[0].curve.pattern().to_string(), "fibonacci");
 //! # Ok::<(), sphvar::variance::Error>(())

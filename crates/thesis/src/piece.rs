@@ -66,7 +66,7 @@ mod tests {
             Job::Coefficient { ensemble: white.clone(), l: 4, m: 3, sets: SETS },
             Job::Trials { ensemble: white, sets: SETS },
             Job::Pictures(Pictures {
-                pattern: Some(Pattern::Fibonacci),
+                pattern: Some(Pattern::FIBONACCI),
                 lighting: Lighting::Ambient,
                 n_points: 8,
                 mode: DirectionMode::Rotated,

@@ -47,7 +47,7 @@ fn done(jobs: &[Job], store: &dyn Store) -> Result<Results, Error> {
 /// pieces.
 fn costly(renders: u64) -> Job {
     Job::Pictures(Pictures {
-        pattern: Some(Pattern::Fibonacci),
+        pattern: Some(Pattern::FIBONACCI),
         lighting: Lighting::Ambient,
         n_points: 9600,
         mode: DirectionMode::Shared,
@@ -65,7 +65,7 @@ fn jobs() -> Vec<Job> {
         Job::Coefficient { ensemble: white.clone(), l: 4, m: 3, sets: 11 },
         Job::Trials { ensemble: white, sets: 10 },
         Job::Pictures(Pictures {
-            pattern: Some(Pattern::Fibonacci),
+            pattern: Some(Pattern::FIBONACCI),
             lighting: Lighting::Ambient,
             n_points: 8,
             mode: DirectionMode::Rotated,

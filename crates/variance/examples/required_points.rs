@@ -15,7 +15,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut predictor = Predictor::new(&integrand, domain, seed, PredictionBudget::DEFAULT)?;
     let variance = (0.01 * integral).powi(2);
     let mut out = std::io::stdout().lock();
-    for pattern in [Pattern::WhiteNoise, Pattern::Jittered, Pattern::Healpix, Pattern::Fibonacci] {
+    for pattern in [Pattern::WhiteNoise, Pattern::Jittered, Pattern::Healpix, Pattern::FIBONACCI] {
         let mut curve = PredictedCurve::new(pattern);
         let required = required_points(&mut predictor, &mut curve, variance, 100_000, &())?;
         match required.n_points() {

@@ -127,6 +127,6 @@ mod tests {
         let names: Vec<String> =
             designs(&step, 500, Domain::Sphere).iter().map(|d| d.1.to_string()).collect();
         assert!(names.iter().all(|name| name.len() <= "step:alpha=1.36".len()), "{names:?}");
-        assert!(designs(&Pattern::Fibonacci, 500, Domain::Sphere).is_empty());
+        assert!(designs(&Pattern::FIBONACCI, 500, Domain::Sphere).is_empty());
     }
 }

@@ -129,7 +129,7 @@ fn the_resulting_numbers_have_the_requested_error() {
     const ALPHA: f64 = 1e-4;
     let disks = "poisson-disk".parse::<Pattern>().unwrap();
     let patterns =
-        [Pattern::WhiteNoise, Pattern::Jittered, Pattern::Fibonacci, Pattern::Hammersley, disks];
+        [Pattern::WhiteNoise, Pattern::Jittered, Pattern::FIBONACCI, Pattern::Hammersley, disks];
     let map = map();
     let integrands: [(&str, &dyn Integrand, f64); 2] =
         [("cap", &cap60(), 0.05), ("map", &map, 0.03)];
@@ -257,7 +257,7 @@ fn invalid_numbers_are_skipped() {
 fn predictions_do_not_depend_on_what_went_before() {
     let map = map();
     let at = |predictor: &mut Predictor<'_>, n: usize| {
-        let sampler = Pattern::Fibonacci.build(n, Domain::Sphere).unwrap();
+        let sampler = Pattern::FIBONACCI.build(n, Domain::Sphere).unwrap();
         predictor.predict(&*sampler, &()).unwrap()
     };
     let fresh = |n: usize| at(&mut predictor(&map, Domain::Sphere), n);
@@ -265,7 +265,7 @@ fn predictions_do_not_depend_on_what_went_before() {
     at(&mut used, 2000);
     assert!(used.energy().lmax() > 256, "{:?}", used.energy().lmax());
     assert_eq!(at(&mut used, 48), fresh(48));
-    let mut curve = PredictedCurve::new(Pattern::Fibonacci);
+    let mut curve = PredictedCurve::new(Pattern::FIBONACCI);
     for n in [200, 50, 200, 800] {
         curve.predict(&mut used, n, &()).unwrap();
     }

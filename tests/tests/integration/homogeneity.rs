@@ -193,7 +193,7 @@ fn phases_are_uniform_except_for_order_0() {
     const REALIZATIONS: u64 = 2000;
     /// The probability that one of the four Kolmogorov-Smirnov tests fails by chance.
     const ALPHA_KS: f64 = 1e-4;
-    for (pattern, n) in [(Pattern::Jittered, 192), (Pattern::Fibonacci, 100)] {
+    for (pattern, n) in [(Pattern::Jittered, 192), (Pattern::FIBONACCI, 100)] {
         let sampler = pattern.build(n, Domain::Sphere).unwrap();
         let ensemble = Realizations::rotated(&*sampler, Streams::new(SEED, Purpose::Pattern, n));
         for m in [0, 1, 3] {

@@ -104,7 +104,7 @@ fn false_alarms_are_as_rare_as_promised() {
     let cases = [
         (Pattern::WhiteNoise, 1, Domain::Sphere),
         (Pattern::Jittered, 12, Domain::Sphere),
-        (Pattern::Fibonacci, 15, Domain::Hemisphere),
+        (Pattern::FIBONACCI, 15, Domain::Hemisphere),
     ];
     let (mut objections, mut small) = (0, [0; 5]);
     for (pattern, n, domain) in &cases {
@@ -191,7 +191,7 @@ fn rotations_that_are_not_uniform_are_found() {
 #[test]
 fn a_fixed_set_is_not_an_ensemble() {
     let settings = AuditSettings::new(SEED);
-    let sampler = Pattern::Fibonacci.build(60, Domain::Sphere).unwrap();
+    let sampler = Pattern::FIBONACCI.build(60, Domain::Sphere).unwrap();
     let audit = drawn(&*sampler, 5, 40, &settings);
     assert_eq!(audit.verdict, AuditVerdict::Inhomogeneous);
     assert!(audit.finding(AuditFamily::Means).unwrap().rejected);

@@ -187,7 +187,7 @@ fn the_transform_is_the_adjoint_of_evaluation() {
 #[test]
 fn separated_points_obey_the_sum_rule() {
     const LMAX: usize = 320;
-    for pattern in [Pattern::Fibonacci, Pattern::Healpix] {
+    for pattern in [Pattern::FIBONACCI, Pattern::Healpix] {
         let n = pattern.nearest_count(192, Domain::Sphere);
         let sampler = pattern.build(n, Domain::Sphere).unwrap();
         let rng = &mut Streams::new(SEED, Purpose::Pattern, n).realization(0);

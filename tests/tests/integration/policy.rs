@@ -59,7 +59,7 @@ fn degrees_are_frozen() {
     for (name, integrand) in integrands {
         for domain in [Domain::Sphere, Domain::Hemisphere] {
             for n in [1, 100, 1000] {
-                let sampler = Pattern::Fibonacci.build(n, domain).unwrap();
+                let sampler = Pattern::FIBONACCI.build(n, domain).unwrap();
                 let mut predictor =
                     Predictor::new(integrand, domain, 0, PredictionBudget::DEFAULT).unwrap();
                 let lmax = predictor.predict(&*sampler, &()).unwrap().spectrum.lmax();

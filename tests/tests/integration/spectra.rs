@@ -109,7 +109,7 @@ fn healpix_has_its_recorded_spectrum() {
 #[test]
 fn fibonacci_has_its_recorded_spectrum() {
     let reference = ReferenceSpectrum::load("fib_1024");
-    let got = spectrum(&Pattern::Fibonacci, 1024, reference.lmax(), 1);
+    let got = spectrum(&Pattern::FIBONACCI, 1024, reference.lmax(), 1);
     for (l, power, _) in got.rows().skip(1) {
         digits_agree(l, power, reference.power()[l]);
     }
@@ -188,7 +188,7 @@ fn exact_spectra_are_what_sampling_finds() {
 #[test]
 fn exact_spectra_of_fixed_patterns_are_those_of_a_rotated_set() {
     for (pattern, domain) in
-        [(Pattern::Healpix, Domain::Sphere), (Pattern::Fibonacci, Domain::Hemisphere)]
+        [(Pattern::Healpix, Domain::Sphere), (Pattern::FIBONACCI, Domain::Hemisphere)]
     {
         const N: usize = 768;
         let n = pattern.nearest_count(N, domain);
@@ -210,7 +210,7 @@ fn exact_spectra_of_fixed_patterns_are_those_of_a_rotated_set() {
 #[test]
 fn lattices_have_peaks() {
     for (pattern, n, lmax, height, omega) in
-        [(Pattern::Healpix, 3888, 220, 30.2, 1.764), (Pattern::Fibonacci, 4096, 220, 7.96, 1.75)]
+        [(Pattern::Healpix, 3888, 220, 30.2, 1.764), (Pattern::FIBONACCI, 4096, 220, 7.96, 1.75)]
     {
         let got = spectrum(&pattern, n, lmax, 1);
         let (l, peak) = got

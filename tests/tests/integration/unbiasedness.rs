@@ -167,7 +167,7 @@ fn random_patterns_are_unbiased_without_rotation() {
 #[test]
 #[should_panic(expected = "in every realization")]
 fn a_fixed_set_without_rotation_is_biased() {
-    let sampler = Pattern::Fibonacci.build(20, Domain::Sphere).unwrap();
+    let sampler = Pattern::FIBONACCI.build(20, Domain::Sphere).unwrap();
     let streams = Streams::new(SEED, Purpose::Pattern, 20);
     add_to(&mut Family::new("biased"), &Realizations::unrotated(&*sampler, streams), SIZE, "fixed");
 }

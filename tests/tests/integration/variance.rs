@@ -141,9 +141,9 @@ fn fixed_patterns_have_their_recorded_variances() {
         (Pattern::Healpix, 192, 3.378e-4, 5.64e-3),
         (Pattern::Healpix, 768, 1.974e-5, 8.22e-4),
         (Pattern::Healpix, 3072, 1.213e-6, 1.213e-4),
-        (Pattern::Fibonacci, 192, 9.46e-6, 6.77e-3),
-        (Pattern::Fibonacci, 768, 1.35e-7, 8.15e-4),
-        (Pattern::Fibonacci, 3072, 1.50e-9, 1.060e-4),
+        (Pattern::FIBONACCI, 192, 9.46e-6, 6.77e-3),
+        (Pattern::FIBONACCI, 768, 1.35e-7, 8.15e-4),
+        (Pattern::FIBONACCI, 3072, 1.50e-9, 1.060e-4),
     ] {
         let y = predict(&spectrum(&pattern, n, 4, 1), &y40().energy(Domain::Sphere, 4).unwrap());
         assert!((y.variance / harmonic - 1.0).abs() < 5e-3, "{pattern} {n}: {y:?}, {harmonic}");
@@ -246,7 +246,7 @@ fn measured_variances_are_the_recorded_ones() {
         (Pattern::WhiteNoise, [6.545e-2, 1.636e-2, 4.091e-3], [0.1542, 3.855e-2, 9.638e-3]),
         (Pattern::Jittered, [7.183e-3, 4.689e-4, 2.965e-5], [1.544e-2, 1.934e-3, 2.420e-4]),
         (Pattern::Healpix, [3.378e-4, 1.974e-5, 1.213e-6], [5.64e-3, 8.22e-4, 1.213e-4]),
-        (Pattern::Fibonacci, [9.46e-6, 1.35e-7, 1.50e-9], [6.77e-3, 8.15e-4, 1.060e-4]),
+        (Pattern::FIBONACCI, [9.46e-6, 1.35e-7, 1.50e-9], [6.77e-3, 8.15e-4, 1.060e-4]),
     ];
     let mut family = Family::new("recorded variances");
     for (pattern, harmonic, cap) in TABLE {

@@ -141,7 +141,7 @@ fn defaults_are_short_and_true() {
     assert_eq!(natural_degree_in_words(), "4 sqrt(N), at least 32");
     for (n, degree) in [(1, 32), (10_000, 400)] {
         assert_eq!(Resolution::natural_degree(n), degree);
-        let fibonacci = Pattern::Fibonacci.build(n, Domain::Sphere).unwrap();
+        let fibonacci = Pattern::FIBONACCI.build(n, Domain::Sphere).unwrap();
         let cap = Cap::from_degrees(60.0).unwrap();
         assert_eq!(prediction_degree(&*fibonacci, &cap), LATTICE_FACTOR * degree);
     }

@@ -209,7 +209,7 @@ mod tests {
     /// The best covering has a radius of about 2.2/sqrt(N) (Toth), Fibonacci points are near.
     #[test]
     fn large_sets() {
-        let cover = |n| radius(&pattern(Pattern::Fibonacci, n), Domain::Sphere) * (n as f64).sqrt();
+        let cover = |n| radius(&pattern(Pattern::FIBONACCI, n), Domain::Sphere) * (n as f64).sqrt();
         let healpix = radius(&pattern(Pattern::Healpix, 49_152), Domain::Sphere);
         assert!((2.2..2.8).contains(&cover(50_000)), "{}", cover(50_000));
         assert!((2.2..3.2).contains(&(healpix * 49_152f64.sqrt())), "{healpix}");

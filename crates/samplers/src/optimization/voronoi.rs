@@ -172,7 +172,7 @@ mod tests {
     #[test]
     fn moments_match_those_of_dense_mass_points() {
         const MASS: usize = 200_000;
-        let mass = pattern(Pattern::Fibonacci, MASS);
+        let mass = pattern(Pattern::FIBONACCI, MASS);
         for n in [3, 4, 5, 8, 50] {
             let sites = pattern(Pattern::WhiteNoise, n);
             let mut expected = vec![DVec3::ZERO; n];
@@ -190,7 +190,7 @@ mod tests {
 
     #[test]
     fn moments_of_large_sets_sum_to_zero() {
-        for kind in [Pattern::WhiteNoise, Pattern::Fibonacci, Pattern::Healpix] {
+        for kind in [Pattern::WhiteNoise, Pattern::FIBONACCI, Pattern::Healpix] {
             let sites = pattern(kind.clone(), 12 * 40 * 40);
             let moments = moments(&sites);
             let area = 4.0 * PI / sites.len() as f64;

@@ -1,7 +1,7 @@
 use std::f64::consts::TAU;
 
 use rand::Rng;
-use sphvar_grammar::Parametric;
+use sphvar_grammar::{Declaration, Parametric, Range};
 use sphvar_warps::archimedes;
 
 use crate::definition::Definition;
@@ -10,9 +10,17 @@ use crate::{CostOrder, Domain, Error, PatternFacts, PointSet, Rate, Sampler, Set
 /// 2^128 divided by the golden ratio (1 + sqrt 5)/2, rounded down: the longitude's step in turns.
 const INVERSE_GOLDEN_RATIO: u128 = 0x9E37_79B9_7F4A_7C15_F39C_C060_5CED_C834;
 
-/// The spherical Fibonacci lattice: point j at height `z = 1 - (2j+1)/N` (on the hemisphere
-/// `1 - (2j+1)/(2N)`) and longitude `2 pi j / golden ratio` (Swinbank and Purser 2006; Marques et
-/// al. 2013).
+/// The spherical Fibonacci lattice: point j of N at longitude `2 pi j / golden ratio` and height
+///
+/// ```text
+/// z = 1 - 2 (j + d)/(N - 1 + 2d),   on the hemisphere  z = 1 - (j + d)/(N - 1/2 + d),
+/// ```
+///
+/// with the end offset d. The default 1/2 gives `z = 1 - (2j+1)/N` (Swinbank and Purser 2006;
+/// Marques et al. 2013), heights of equal area. Larger offsets move the points away from the poles
+/// (Roberts 2020): up to about 3 the smallest distance grows, but integrals of jumps become less
+/// accurate because the density at the poles is wrong. The hemisphere has the upper half of the
+/// heights of 2N points.
 ///
 /// The longitude is computed in fixed point modulo one turn, so it is exact to rounding for any j.
 /// The pattern is deterministic: all realizations are the same set.
@@ -20,11 +28,37 @@ const INVERSE_GOLDEN_RATIO: u128 = 0x9E37_79B9_7F4A_7C15_F39C_C060_5CED_C834;
 pub struct Fibonacci {
     n_points: usize,
     domain: Domain,
+    offset: f64,
 }
 
 impl Fibonacci {
-    pub(crate) fn new(n_points: usize, domain: Domain) -> Self {
-        Self { n_points, domain }
+    /// Returns the lattice of `n_points` points with the default offset.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::NoPoints`] for 0 points.
+    pub fn new(n_points: usize, domain: Domain) -> Result<Self, Error> {
+        Self::with_offset(n_points, domain, FibonacciParameters::DEFAULT.offset)
+    }
+
+    /// Returns the lattice of `n_points` points whose ends are `offset` steps of height from the
+    /// poles.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::NoPoints`] for 0 points; [`Error::Parameter`] unless `offset` is in [0, 1e6].
+    pub fn with_offset(n_points: usize, domain: Domain, offset: f64) -> Result<Self, Error> {
+        if n_points == 0 {
+            return Err(Error::NoPoints { pattern: "fibonacci".to_owned() });
+        }
+        if !(0.0..=FibonacciParameters::MAX_OFFSET).contains(&offset) {
+            return Err(Error::Parameter {
+                name: "the offset of fibonacci",
+                range: "in [0, 1e6]",
+                got: offset,
+            });
+        }
+        Ok(Self { n_points, domain, offset })
     }
 }
 
@@ -43,37 +77,61 @@ impl Sampler for Fibonacci {
 
     fn sample_into(&self, _: &mut dyn Rng, set: &mut PointSet) -> Result<(), Error> {
         let points = set.start();
-        let per_point = match self.domain {
-            Domain::Sphere => 1.0 / self.n_points as f64,
-            Domain::Hemisphere => 0.5 / self.n_points as f64,
-        };
+        let ends = 2.0 * self.offset;
+        // With the default offset this is the number of points on the sphere, without rounding.
+        let span = (self.domain.count_on_sphere(self.n_points) - 1.0) + ends;
         points.extend((0..self.n_points).map(|j| {
-            let drop = (2 * j + 1) as f64 * per_point;
+            // A single point without an offset is between the poles, as with any other offset.
+            let drop = if span > 0.0 { ((2 * j) as f64 + ends) * (1.0 / span) } else { 1.0 };
             archimedes(drop, TAU * golden_turns(j))
         }));
         Ok(())
     }
 }
 
-/// No parameters.
-pub(super) struct Parameters;
+/// Parameters of the pattern [`Fibonacci`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FibonacciParameters {
+    /// The offset of the ends from the poles, in steps of height.
+    pub offset: f64,
+}
 
-impl Parametric for Parameters {}
+impl FibonacciParameters {
+    /// The default parameters: the centres of N zones of equal area.
+    pub const DEFAULT: Self = Self { offset: 0.5 };
 
-impl Definition for Parameters {
+    const MAX_OFFSET: f64 = 1e6;
+}
+
+impl Default for FibonacciParameters {
+    fn default() -> Self {
+        Self::DEFAULT
+    }
+}
+
+impl Parametric for FibonacciParameters {
+    fn declare(&mut self, d: &mut Declaration<'_>) {
+        let range = Range::closed(0.0, Self::MAX_OFFSET);
+        let summary = "distance of the first and last point from the poles, in steps of height";
+        d.number("offset", range, summary, &mut self.offset);
+    }
+}
+
+impl Definition for FibonacciParameters {
     fn facts(&self) -> PatternFacts {
+        let is_default = *self == Self::DEFAULT;
         PatternFacts {
             cost: CostOrder::LINEAR,
-            low_degrees: "irregular, N^-2 to N^-4",
-            smooth_rate: Rate::power(-3.0),
-            jump_rate: Rate::power(-1.5),
+            low_degrees: if is_default { "irregular, N^-2 to N^-4" } else { "irregular" },
+            smooth_rate: if is_default { Rate::power(-3.0) } else { Rate::Depends },
+            jump_rate: if is_default { Rate::power(-1.5) } else { Rate::Depends },
             is_extensible: false,
-            source: "Gonzalez 2010",
+            source: if is_default { "Gonzalez 2010" } else { "Roberts 2020" },
         }
     }
 
     fn build(&self, n_points: usize, domain: Domain) -> Result<Box<dyn Sampler>, Error> {
-        Ok(Box::new(Fibonacci::new(n_points, domain)))
+        Ok(Box::new(Fibonacci::with_offset(n_points, domain, self.offset)?))
     }
 }
 

@@ -96,7 +96,7 @@ patterns! {
     "white-noise" = white_noise::WhiteNoise: "independent uniform directions";
     "jittered" = jittered::Jittered: "one uniform direction in every HEALPix pixel";
     "healpix" = healpix::Healpix: "the centres of the HEALPix pixels";
-    "fibonacci" = fibonacci::Fibonacci: "the spherical Fibonacci lattice";
+    "fibonacci" = fibonacci::Fibonacci(p: FibonacciParameters): "the spherical Fibonacci lattice";
     "poisson-disk" = poisson_disk::PoissonDisk(p: PoissonDiskParameters): "random points that keep a minimum distance";
     "ccvt" = ccvt::Ccvt(p: CcvtParameters): "sites of a capacity-constrained Voronoi tessellation";
     "step" = step::Step(p: StepParameters): "no power up to degree alpha sqrt(N), white noise's beyond";

@@ -130,9 +130,9 @@ mod tests {
         let white = sample(Pattern::WhiteNoise, 400);
         let at_pole = white.iter().map(|p| (DVec3::Z + 1e-9 * p).normalize());
         let cluster = white.iter().copied().chain(at_pole).collect();
-        let mut repeated = sample(Pattern::Fibonacci, 300);
+        let mut repeated = sample(Pattern::FIBONACCI, 300);
         repeated.push(repeated[17]);
-        let mut antipodal = sample(Pattern::Fibonacci, 300);
+        let mut antipodal = sample(Pattern::FIBONACCI, 300);
         antipodal.push(-antipodal[200]);
         let sets = [
             ("two", vec![DVec3::X, DVec3::Y]),
@@ -140,7 +140,7 @@ mod tests {
             ("meridian", (0..500).map(meridian).collect()),
             ("white noise", sample(Pattern::WhiteNoise, 1500)),
             ("rings", sample(Pattern::Healpix, 768)),
-            ("fibonacci", sample(Pattern::Fibonacci, 1000)),
+            ("fibonacci", sample(Pattern::FIBONACCI, 1000)),
             ("cluster", cluster),
             ("repeated", repeated),
             ("antipodal", antipodal),

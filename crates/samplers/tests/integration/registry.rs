@@ -24,7 +24,7 @@ fn a_pattern_shows_the_parameters_that_are_not_defaults() {
     let step = StepParameters { alpha: Some(0.5), flat: Some(0.0), ..StepParameters::DEFAULT };
     assert_eq!(Pattern::Step(step).to_string(), "step:alpha=0.5,flat=0");
     // Streams follow from the text.
-    assert_eq!(Pattern::Fibonacci.stream_group(0), 0xcf67_9803);
+    assert_eq!(Pattern::FIBONACCI.stream_group(0), 0xcf67_9803);
 }
 
 #[test]

@@ -191,7 +191,7 @@ fn ticks_add_up_to_the_work() {
         (Pattern::Jittered, 12, Domain::Sphere, 60),
         (Pattern::Jittered, 6 * 49, Domain::Hemisphere, 40),
         (EQUAL_AREA, 35, Domain::Sphere, 50),
-        (Pattern::Fibonacci, 100, Domain::Sphere, 20),
+        (Pattern::FIBONACCI, 100, Domain::Sphere, 20),
         (Pattern::WhiteNoise, 100, Domain::Sphere, 20),
     ] {
         let reported = Mutex::new(0.0);

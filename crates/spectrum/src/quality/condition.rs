@@ -248,17 +248,17 @@ mod tests {
 
     #[test]
     fn it_matches_dense_singular_values() {
-        let mut weighted = pattern(Pattern::Fibonacci, 90, Domain::Sphere);
+        let mut weighted = pattern(Pattern::FIBONACCI, 90, Domain::Sphere);
         weighted.weights = (0..90).map(|k| 1e-200 * (1.0 + f64::from(k % 7))).collect();
         let mut uneven = pattern(Pattern::WhiteNoise, 60, Domain::Sphere);
         uneven.weights = (0..60).map(|k| if k == 3 { 1e3 } else { 0.1 }).collect();
         let cases = [
             (PointSet::new(icosahedron()), Domain::Sphere, 2),
             (PointSet::new(vec![DVec3::Z]), Domain::Sphere, 0),
-            (pattern(Pattern::Fibonacci, 60, Domain::Sphere), Domain::Sphere, 6),
+            (pattern(Pattern::FIBONACCI, 60, Domain::Sphere), Domain::Sphere, 6),
             (pattern(Pattern::WhiteNoise, 60, Domain::Sphere), Domain::Sphere, 5),
             (pattern(Pattern::Healpix, 48, Domain::Sphere), Domain::Sphere, 4),
-            (pattern(Pattern::Fibonacci, 60, Domain::Hemisphere), Domain::Hemisphere, 6),
+            (pattern(Pattern::FIBONACCI, 60, Domain::Hemisphere), Domain::Hemisphere, 6),
             (pattern(Pattern::WhiteNoise, 40, Domain::Hemisphere), Domain::Hemisphere, 5),
             (weighted, Domain::Sphere, 6),
             (uneven, Domain::Sphere, 3),
@@ -274,7 +274,7 @@ mod tests {
 
     #[test]
     fn what_is_singular_has_none() {
-        let set = pattern(Pattern::Fibonacci, 80, Domain::Sphere);
+        let set = pattern(Pattern::FIBONACCI, 80, Domain::Sphere);
         assert!(condition(&set, Domain::Sphere, 9).is_none());
         assert!(condition(&set, Domain::Sphere, usize::MAX).is_none());
         let mut signed = set.clone();

@@ -36,7 +36,7 @@ impl Quality {
     /// use sphvar_samplers::{Domain, Pattern, Purpose, Realizations, Streams};
     /// use sphvar_spectrum::quality::{Measure, Quality};
     ///
-    /// let lattice = Pattern::Fibonacci.build(300, Domain::Sphere)?;
+    /// let lattice = Pattern::FIBONACCI.build(300, Domain::Sphere)?;
     /// let sets = Realizations::rotated(&*lattice, Streams::new(0, Purpose::Pattern, 0));
     /// let quality = Quality::of(&sets, 1, Domain::Sphere, None, &())?;
     /// let scaled = Measure::CapDiscrepancy.scaled(&quality.sets[0]).unwrap();

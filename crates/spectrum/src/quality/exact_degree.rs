@@ -129,7 +129,7 @@ mod tests {
         let got = exact_degree(&set, Domain::Sphere, &()).unwrap();
         assert_eq!(Some(got), sampler.last_empty_degree());
         // Those of lattices are small, but not 0.
-        let lattice = Pattern::Fibonacci.build(100_000, Domain::Sphere).unwrap();
+        let lattice = Pattern::FIBONACCI.build(100_000, Domain::Sphere).unwrap();
         let set = Realizations::rotated(&*lattice, Streams::new(0, Purpose::Pattern, 0));
         assert_eq!(exact_degree(&set.realize(0).unwrap(), Domain::Sphere, &()).unwrap(), 0);
     }

@@ -15,7 +15,7 @@ fn sample(pattern: Pattern, n: usize, domain: Domain) -> PointSet {
 }
 
 fn fibonacci(n: usize) -> PointSet {
-    sample(Pattern::Fibonacci, n, Domain::Sphere)
+    sample(Pattern::FIBONACCI, n, Domain::Sphere)
 }
 
 fn white(n: usize) -> PointSet {

@@ -398,7 +398,7 @@ mod tests {
             let observed = ObservedDiscrepancy::new(set, discrepancy(set, CAP, Domain::Sphere));
             test_uniformity(CAP, Domain::Sphere, &[observed]).unwrap()
         };
-        assert!(p(&set(Pattern::Fibonacci)).lower < 1e-12);
+        assert!(p(&set(Pattern::FIBONACCI)).lower < 1e-12);
         let white = set(Pattern::WhiteNoise);
         assert!(p(&white).lower > 1e-3 && p(&white).upper > 1e-3);
         let mut crowded = white.clone();

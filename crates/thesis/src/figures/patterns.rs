@@ -39,7 +39,7 @@ impl ThesisPattern {
             Self::CcvtRandom => Self::ccvt(MassPoints::White),
             Self::CcvtFibonacci => Self::ccvt(MassPoints::Fibonacci),
             Self::Healpix => Pattern::Healpix,
-            Self::Fibonacci => Pattern::Fibonacci,
+            Self::Fibonacci => Pattern::FIBONACCI,
         }
     }
 

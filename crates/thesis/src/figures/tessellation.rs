@@ -76,7 +76,7 @@ impl Recipe for TessellationSites {
 /// Returns the standard deviation of the areas of the Voronoi cells over their mean, by the nearest
 /// sites of a lattice.
 fn spread_of_areas(sites: &[DVec3]) -> Result<f64, Error> {
-    let probes = ThesisEnsemble::sphere(Pattern::Fibonacci, PROBES * sites.len()).unrotated();
+    let probes = ThesisEnsemble::sphere(Pattern::FIBONACCI, PROBES * sites.len()).unrotated();
     let mut areas = vec![0_u32; sites.len()];
     for probe in probes.set(0, 0)? {
         let mut nearest = (f64::NEG_INFINITY, 0);

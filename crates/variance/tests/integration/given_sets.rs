@@ -72,7 +72,7 @@ fn several_sets_have_the_mean_variance() {
         let sampler = pattern.build(n, Domain::Sphere).unwrap();
         sampler.sample(&mut Streams::new(1, Purpose::Pattern, n).realization(0)).unwrap()
     };
-    let all = vec![rule(1.0), of(Pattern::WhiteNoise, 40), of(Pattern::Fibonacci, 25)];
+    let all = vec![rule(1.0), of(Pattern::WhiteNoise, 40), of(Pattern::FIBONACCI, 25)];
     let single = |set: &PointSet| {
         let sets = PointSets::new(vec![set.clone()], Domain::Sphere).unwrap();
         // To the same degree as the three together, whose number of points is the mean.
@@ -98,7 +98,7 @@ fn unpredictable_sets_return_an_explaining_error() {
     let nothing = PointSets::new(vec![rule(1.0), nothing], Domain::Sphere).unwrap();
     let message = predictor(&cap).predict(&nothing, &()).unwrap_err().to_string();
     assert!(message.contains("set 1") && message.contains("sum is 0"), "{message}");
-    let above = Pattern::Fibonacci.build(10, Domain::Hemisphere).unwrap();
+    let above = Pattern::FIBONACCI.build(10, Domain::Hemisphere).unwrap();
     let elsewhere = predictor(&cap).predict(&*above, &()).unwrap_err();
     assert!(matches!(elsewhere, Error::OtherDomain { .. }), "{elsewhere}");
 }
@@ -160,7 +160,7 @@ fn families_build_the_requested_count() {
     }
     impl SamplerFamily for OneMore {
         fn build(&self, n: usize, domain: Domain) -> Result<Box<dyn Sampler>, SamplerError> {
-            Pattern::Fibonacci.build(n + 1, domain)
+            Pattern::FIBONACCI.build(n + 1, domain)
         }
     }
     let cap = Cap::from_degrees(60.0).unwrap();
@@ -204,10 +204,10 @@ fn searches_can_be_stopped_anywhere() {
 #[test]
 fn given_sets_are_ranked_beside_patterns() {
     let cap = Cap::from_degrees(60.0).unwrap();
-    let fibonacci = Pattern::Fibonacci.build(777, Domain::Sphere).unwrap();
+    let fibonacci = Pattern::FIBONACCI.build(777, Domain::Sphere).unwrap();
     let set = fibonacci.sample(&mut Streams::new(0, Purpose::Pattern, 0).realization(0)).unwrap();
     let sets = PointSets::new(vec![set], Domain::Sphere).unwrap().with_name("mine");
-    let families: [&dyn SamplerFamily; 3] = [&Pattern::Jittered, &sets, &Pattern::Fibonacci];
+    let families: [&dyn SamplerFamily; 3] = [&Pattern::Jittered, &sets, &Pattern::FIBONACCI];
     let (mut predictor, goal) = (predictor(&cap), Goal::Points(777));
     let mut candidates: Vec<_> = families
         .into_iter()

@@ -90,9 +90,9 @@ fn rates_come_from_affordable_numbers() {
     let cap = Cap::from_degrees(60.0).unwrap();
     let budget = PredictionBudget { work: 1e5, ..PredictionBudget::DEFAULT };
     let mut predictor = Predictor::new(&cap, Domain::Sphere, 0, budget).unwrap();
-    let mut curve = PredictedCurve::new(Pattern::Fibonacci);
+    let mut curve = PredictedCurve::new(Pattern::FIBONACCI);
     required_points(&mut predictor, &mut curve, 1e-11, 1_000_000_000_000, &()).unwrap();
     let largest = curve.points().last().unwrap().n_points();
-    let sampler = Pattern::Fibonacci.build(largest, Domain::Sphere).unwrap();
+    let sampler = Pattern::FIBONACCI.build(largest, Domain::Sphere).unwrap();
     assert!(predictor.is_affordable(&*sampler).unwrap(), "{largest}");
 }

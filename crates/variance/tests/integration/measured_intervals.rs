@@ -144,7 +144,7 @@ fn intervals_of_rare_peaks_cover_or_are_absent() {
 #[test]
 fn caps_missed_by_all_trials_have_a_limit_and_no_verdict() {
     for (degrees, n, trials) in [(0.27, 100, 1000), (179.0, 2, 2000), (179.9, 10, 100)] {
-        for pattern in [Pattern::WhiteNoise, Pattern::Fibonacci] {
+        for pattern in [Pattern::WhiteNoise, Pattern::FIBONACCI] {
             let cap = Cap::from_degrees(degrees).unwrap();
             let (p, q) = (
                 0.5 * (1.0 - degrees.to_radians().cos()),
@@ -190,7 +190,7 @@ fn moments_reveal_variance_that_no_trial_hits() {
     // p = 1e-5 of the sphere: kurtosis 1/p.
     let kurtosis = probe.kurtosis(Domain::Sphere).unwrap();
     assert!((kurtosis * 1e-5 - 1.0).abs() < 1e-3, "{kurtosis}");
-    for pattern in [Pattern::WhiteNoise, Pattern::Fibonacci] {
+    for pattern in [Pattern::WhiteNoise, Pattern::FIBONACCI] {
         let got = comparison(&pattern, 48, &probe, 20, 1);
         assert!(got.has_too_few_hits() && got.z_score().is_nan() && got.bias().is_none());
         assert!(got.measured_interval(0.95).is_none() && got.is_prediction_more_precise());

@@ -75,7 +75,7 @@ fn sets() -> Vec<(&'static str, Vec<DVec3>, Vec<f64>)> {
         ("icosahedron", icosahedron(), vec![]),
         ("healpix 12", pattern(&Pattern::Healpix, 12), vec![]),
         ("healpix 108", pattern(&Pattern::Healpix, 108), vec![]),
-        ("fibonacci", pattern(&Pattern::Fibonacci, 101), vec![]),
+        ("fibonacci", pattern(&Pattern::FIBONACCI, 101), vec![]),
         ("spiral", spiral, vec![]),
         ("repeated", repeated.clone(), vec![]),
         ("weighted", repeated, weights),

@@ -58,7 +58,7 @@ impl MassPoints {
     ) -> Result<(), Error> {
         match self {
             Self::White => return WhiteNoise::new(count, domain).sample_into(rng, mass),
-            Self::Fibonacci => Fibonacci::new(count, domain).sample_into(rng, mass)?,
+            Self::Fibonacci => Fibonacci::new(count, domain)?.sample_into(rng, mass)?,
             Self::Healpix => {
                 HealpixRegular::new(nside(count, domain)?, domain).sample_into(rng, mass)?;
             }

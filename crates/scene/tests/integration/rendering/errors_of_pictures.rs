@@ -54,7 +54,7 @@ fn white_noise_has_the_binomial_variance() {
 
 #[test]
 fn shared_sets_have_structure_and_rotated_ones_do_not() {
-    let of = |mode| report(Pattern::Fibonacci, 64, mode, 2);
+    let of = |mode| report(Pattern::FIBONACCI, 64, mode, 2);
     let (shared, rotated) = (of(DirectionMode::Shared), of(DirectionMode::Rotated));
     let antipodal = of(DirectionMode::Antipodal);
     for independent in [&rotated, &antipodal] {
@@ -71,12 +71,12 @@ fn shared_sets_have_structure_and_rotated_ones_do_not() {
 
 #[test]
 fn an_existing_bias_is_detected() {
-    let shared = report(Pattern::Fibonacci, 24, DirectionMode::Shared, 7).bias.unwrap();
+    let shared = report(Pattern::FIBONACCI, 24, DirectionMode::Shared, 7).bias.unwrap();
     assert!(shared.is_biased() && shared.beyond > 100, "{shared:?}");
-    let of = |mode| report(Pattern::Fibonacci, 64, mode, 8);
+    let of = |mode| report(Pattern::FIBONACCI, 64, mode, 8);
     for mode in [DirectionMode::Antipodal, DirectionMode::Rotated, DirectionMode::Fresh] {
         let independent = of(mode).bias.unwrap();
         assert!(!independent.is_biased(), "{mode}: {independent:?}");
     }
-    assert!(report(Pattern::Fibonacci, 64, DirectionMode::Rotated, 1).bias.is_none());
+    assert!(report(Pattern::FIBONACCI, 64, DirectionMode::Rotated, 1).bias.is_none());
 }

@@ -28,7 +28,7 @@ fn plan(pattern: &Pattern, requested: usize, mode: DirectionMode) -> DirectionPl
 fn directions_are_unit_vectors_above_the_surface() {
     let normals = [DVec3::Z, -DVec3::Z, DVec3::Y, DVec3::new(-0.6, 0.0, 0.8)];
     let mut directions = PointSet::default();
-    for pattern in [Pattern::WhiteNoise, Pattern::Jittered, Pattern::Healpix, Pattern::Fibonacci] {
+    for pattern in [Pattern::WhiteNoise, Pattern::Jittered, Pattern::Healpix, Pattern::FIBONACCI] {
         for mode in DirectionMode::ALL {
             for requested in [1, 50] {
                 let plan = plan(&pattern, requested, mode);
@@ -59,7 +59,7 @@ fn directions_are_unit_vectors_above_the_surface() {
 fn halves_of_a_sphere_set_add_up_to_it() {
     let (mut above, mut below) = (PointSet::default(), PointSet::default());
     let mut n_in_plane = 0;
-    for (pattern, n) in [(Pattern::Fibonacci, 100), (Pattern::Healpix, 96)] {
+    for (pattern, n) in [(Pattern::FIBONACCI, 100), (Pattern::Healpix, 96)] {
         for mode in [DirectionMode::Shared, DirectionMode::Rotated] {
             let sets = plan(&pattern, n, mode).prepare(0).unwrap();
             for normal in [DVec3::new(0.36, -0.48, 0.8), DVec3::X, DVec3::Y, DVec3::Z] {
@@ -82,7 +82,7 @@ fn rotated_sets_are_unbiased() {
         Pattern::WhiteNoise,
         Pattern::Jittered,
         Pattern::Healpix,
-        Pattern::Fibonacci,
+        Pattern::FIBONACCI,
         "poisson-disk".parse::<Pattern>().unwrap(),
         "step".parse::<Pattern>().unwrap(),
     ];
