@@ -36,6 +36,8 @@ pub enum Rate {
     Exact,
     /// Determined by the requested spectrum.
     AsRequested,
+    /// The variance tends to that of a bias, because the points are not uniformly dense.
+    Biased,
     /// Depends on the integrand and on the number of points; no rate is known.
     Depends,
 }
@@ -95,6 +97,7 @@ impl fmt::Display for Rate {
             Self::Power { exponent, logarithm } => growth(f, exponent, logarithm),
             Self::Exact => f.write_str("exact"),
             Self::AsRequested => f.write_str("as requested"),
+            Self::Biased => f.write_str("none, a bias remains"),
             Self::Depends => f.write_str("no known rate"),
         }
     }

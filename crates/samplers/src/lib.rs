@@ -39,6 +39,7 @@ mod of_pattern;
 mod optimization;
 mod pattern;
 mod patterns;
+mod rule;
 mod sampler;
 mod search;
 mod set_distribution;
@@ -59,6 +60,7 @@ pub use optimization::{
     PowerProfile, SpectralControl, SpectralTarget, covering_radius, riesz_energy,
 };
 pub use patterns::*;
+pub use rule::Rule;
 pub use sampler::Sampler;
 pub use search::separation;
 pub use set_distribution::{SetDistribution, Strata};

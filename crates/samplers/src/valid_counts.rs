@@ -1,6 +1,9 @@
 use std::borrow::Cow;
 use std::fmt;
 
+use crate::Error;
+use crate::rule::MAX_SIZE;
+
 /// The maximum length of a list that is displayed in full.
 const MAX_LISTED: usize = 8;
 
@@ -20,6 +23,17 @@ pub enum ValidCounts {
         /// The name of k, such as `nside`.
         root: &'static str,
     },
+    /// `square k^2 - linear k + constant` for k = 1, 2, 3, ..., positive and increasing.
+    Quadratic {
+        /// The factor of k^2.
+        square: usize,
+        /// The factor of -k, less than 3 times `square`.
+        linear: usize,
+        /// The constant, such that the number is positive for k = 1.
+        constant: usize,
+        /// The name of k, such as `L`.
+        root: &'static str,
+    },
     /// These numbers, in ascending order; an empty list says that they depend on a file.
     Listed(Cow<'static, [usize]>),
 }
@@ -36,62 +50,114 @@ impl ValidCounts {
     #[must_use]
     pub fn nearest(&self, n_points: usize) -> usize {
         match self {
-            Self::Any => n_points.max(1),
-            &Self::Squares { unit, .. } => {
-                let of = |k: usize| k.checked_mul(k)?.checked_mul(unit);
-                let k = (n_points / unit).isqrt().max(1);
-                let below = of(k).unwrap_or(unit);
-                match of(k + 1) {
-                    Some(above) if above.abs_diff(n_points) < below.abs_diff(n_points) => above,
-                    _ => below,
-                }
+            Self::Any => return n_points.max(1),
+            Self::Listed(numbers) if numbers.is_empty() => return n_points.max(1),
+            _ => (),
+        }
+        let k = self.count_not_exceeding(n_points);
+        match (self.of(k), self.of(k + 1)) {
+            (Some(below), Some(above)) if above.abs_diff(n_points) < below.abs_diff(n_points) => {
+                above
             }
-            Self::Listed(counts) => {
-                let nearest = counts.iter().copied().min_by_key(|n| n.abs_diff(n_points));
-                nearest.unwrap_or(n_points).max(1)
-            }
+            (Some(below), _) => below,
+            (None, above) => above.unwrap_or(1),
         }
     }
 
     /// Returns the largest valid number that does not exceed `n_points`, if there is one.
     #[must_use]
     pub fn largest_not_exceeding(&self, n_points: usize) -> Option<usize> {
+        self.of(self.count_not_exceeding(n_points))
+    }
+
+    /// Returns the number of valid numbers that do not exceed `n_points`, which for a valid number
+    /// is the k that gives it.
+    pub(crate) fn count_not_exceeding(&self, n_points: usize) -> usize {
+        // Numbers whose k is beyond the range of squares exceed every `n_points`.
+        let (mut k, mut beyond) = (0, 1 << (usize::BITS / 2));
+        if let Self::Any = self {
+            return n_points;
+        }
+        while beyond - k > 1 {
+            let middle = k + (beyond - k) / 2;
+            if self.of(middle).is_some_and(|n| n <= n_points) {
+                k = middle;
+            } else {
+                beyond = middle;
+            }
+        }
+        k
+    }
+
+    /// Returns the k of a valid number as the size of a rule.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::TooManyPoints`] if it exceeds [`MAX_SIZE`].
+    pub(crate) fn size(&self, pattern: &'static str, n_points: usize) -> Result<u32, Error> {
+        let k = u32::try_from(self.count_not_exceeding(n_points).max(1)).ok();
+        k.filter(|&k| k <= MAX_SIZE).ok_or(Error::TooManyPoints {
+            pattern,
+            requested: n_points,
+            max: self.of(MAX_SIZE as usize).unwrap_or(usize::MAX),
+        })
+    }
+
+    /// Returns the k-th valid number, from k = 1, unless it exceeds the range of `usize`.
+    fn of(&self, k: usize) -> Option<usize> {
+        if k == 0 {
+            return None;
+        }
         match self {
-            Self::Any => Some(n_points).filter(|&n| n > 0),
-            &Self::Squares { unit, .. } => match (n_points / unit).isqrt() {
-                0 => None,
-                k => Some(unit * k * k),
-            },
-            Self::Listed(counts) => counts.iter().copied().rfind(|&n| n <= n_points),
+            Self::Any => Some(k),
+            Self::Squares { unit, .. } => k.checked_mul(k)?.checked_mul(*unit),
+            Self::Quadratic { square, linear, constant, .. } => {
+                let above = k.checked_mul(k)?.checked_mul(*square)?.checked_add(*constant)?;
+                above.checked_sub(k.checked_mul(*linear)?)
+            }
+            Self::Listed(numbers) => numbers.get(k - 1).copied(),
         }
     }
 }
 
 impl fmt::Display for ValidCounts {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let term = |f: &mut fmt::Formatter<'_>, factor: usize, power: &str| {
+            if factor == 1 { f.write_str(power) } else { write!(f, "{factor} {power}") }
+        };
         match self {
-            Self::Any => f.write_str("any number from 1"),
-            Self::Squares { unit, root } => {
-                if *unit != 1 {
-                    write!(f, "{unit} ")?;
+            Self::Any => return f.write_str("any number from 1"),
+            Self::Squares { unit, root } => term(f, *unit, &format!("{root}^2"))?,
+            Self::Quadratic { square, linear, constant, root } => {
+                term(f, *square, &format!("{root}^2"))?;
+                if *linear > 0 {
+                    f.write_str(" - ")?;
+                    term(f, *linear, root)?;
                 }
-                write!(f, "{root}^2 ({unit}, {}, {}, ...)", 4 * unit, 9 * unit)
+                write!(f, " + {constant}")?;
             }
-            Self::Listed(counts) => match &counts[..] {
-                [] => f.write_str("the number in the file, or one for each file of a template"),
-                [only] => write!(f, "{only}"),
-                [first, others @ ..] if others.len() < MAX_LISTED => {
-                    write!(f, "{first}")?;
-                    let (last, between) = others.split_last().unwrap_or((first, &[]));
-                    between.iter().try_for_each(|n| write!(f, ", {n}"))?;
-                    write!(f, " or {last}")
-                }
-                [first, second, .., last] => {
-                    write!(f, "one of {} numbers ({first}, {second}, ..., {last})", counts.len())
-                }
-                _ => Ok(()),
-            },
+            Self::Listed(numbers) => return list(f, numbers),
         }
+        let [first, second, third] = [1, 2, 3].map(|k| self.of(k).unwrap_or(0));
+        write!(f, " ({first}, {second}, {third}, ...)")
+    }
+}
+
+/// Writes a list of numbers, in full if it is short.
+fn list(f: &mut fmt::Formatter<'_>, numbers: &[usize]) -> fmt::Result {
+    match numbers {
+        [] => f.write_str("the number in the file, or one for each file of a template"),
+        [only] => write!(f, "{only}"),
+        [first, others @ ..] if others.len() < MAX_LISTED => {
+            write!(f, "{first}")?;
+            let (last, between) = others.split_last().unwrap_or((first, &[]));
+            between.iter().try_for_each(|n| write!(f, ", {n}"))?;
+            write!(f, " or {last}")
+        }
+        [first, second, .., last] => {
+            write!(f, "one of {} numbers ({first}, {second}, ..., {last})", numbers.len())
+        }
+        _ => Ok(()),
     }
 }
 
@@ -101,36 +167,34 @@ mod tests {
 
     #[test]
     fn the_nearest_count_is_the_nearest_of_all() {
-        for unit in [1, 6, 12] {
-            let counts = ValidCounts::Squares { unit, root: "nside" };
-            let all: Vec<usize> = (1..60).map(|k| unit * k * k).collect();
+        let squares = |unit| {
+            (ValidCounts::Squares { unit, root: "k" }, (1..60).map(|k| unit * k * k).collect())
+        };
+        let quadratic = |square, linear, constant| {
+            let counts = ValidCounts::Quadratic { square, linear, constant, root: "k" };
+            (counts, (1..60).map(|k| square * k * k + constant - linear * k).collect())
+        };
+        let rules: [(ValidCounts, Vec<usize>); 7] = [
+            squares(1),
+            squares(6),
+            squares(12),
+            quadratic(4, 2, 1),
+            quadratic(2, 3, 2),
+            quadratic(10, 0, 2),
+            (ValidCounts::Listed(vec![6, 14, 26, 302].into()), vec![6, 14, 26, 302]),
+        ];
+        for (counts, all) in rules {
             for requested in 0..3000 {
                 let nearest = counts.nearest(requested);
                 let best = all.iter().map(|n| n.abs_diff(requested)).min();
-                assert_eq!(
-                    Some(nearest.abs_diff(requested)),
-                    best,
-                    "requested {requested}, got {nearest}"
-                );
+                assert_eq!(Some(nearest.abs_diff(requested)), best, "requested {requested}, got {nearest}");
                 assert_eq!(counts.contains(requested), all.contains(&requested), "{requested}");
                 let below = all.iter().copied().filter(|&n| n <= requested).max();
                 assert_eq!(counts.largest_not_exceeding(requested), below, "{requested}");
             }
-            assert!(counts.nearest(usize::MAX) > usize::MAX / 2);
+            let is_list = matches!(counts, ValidCounts::Listed(_));
+            assert!(is_list || counts.nearest(usize::MAX) > usize::MAX / 2);
         }
-        let listed = ValidCounts::Listed(vec![3, 10, 12].into());
-        for (asked, nearest, below) in [
-            (0, 3, None),
-            (6, 3, Some(3)),
-            (7, 10, Some(3)),
-            (11, 10, Some(10)),
-            (99, 12, Some(12)),
-        ] {
-            assert_eq!(listed.nearest(asked), nearest, "{asked}");
-            assert_eq!(listed.largest_not_exceeding(asked), below, "{asked}");
-        }
-        assert!(listed.contains(10) && !listed.contains(11));
-        assert_eq!(ValidCounts::Listed(vec![].into()).nearest(0), 1);
         let any = ValidCounts::Any;
         assert_eq!((any.nearest(0), any.nearest(7)), (1, 7));
         assert_eq!((any.largest_not_exceeding(0), any.largest_not_exceeding(7)), (None, Some(7)));
@@ -143,12 +207,16 @@ mod tests {
         assert_eq!(squares.to_string(), "12 nside^2 (12, 48, 108, ...)");
         let squares = ValidCounts::Squares { unit: 1, root: "k" };
         assert_eq!(squares.to_string(), "k^2 (1, 4, 9, ...)");
-        assert_eq!(ValidCounts::Any.to_string(), "any number from 1");
+        let rings = ValidCounts::Quadratic { square: 2, linear: 1, constant: 1, root: "L" };
+        assert_eq!(rings.to_string(), "2 L^2 - L + 1 (2, 7, 16, ...)");
+        let grid = ValidCounts::Quadratic { square: 10, linear: 0, constant: 2, root: "f" };
+        assert_eq!(grid.to_string(), "10 f^2 + 2 (12, 42, 92, ...)");
         let listed = |counts: &[usize]| ValidCounts::Listed(counts.to_vec().into()).to_string();
         assert_eq!(listed(&[777]), "777");
         assert_eq!(listed(&[5, 7]), "5 or 7");
         assert_eq!(listed(&[5, 7, 9]), "5, 7 or 9");
         let many: Vec<usize> = (1..=20).collect();
         assert_eq!(listed(&many), "one of 20 numbers (1, 2, ..., 20)");
+        assert_eq!(ValidCounts::Any.to_string(), "any number from 1");
     }
 }

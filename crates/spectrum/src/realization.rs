@@ -83,7 +83,44 @@ fn sum_of_squares(weights: &[f64]) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    use rand::RngExt;
+    use sphvar_samplers::{Domain, Pattern, PointSet, PointSets, Purpose, Streams};
+
     use super::sum_of_squares;
+    use crate::{Resolution, SpectrumAccumulator, accumulate};
+
+    /// Independent weights, whatever their signs and sizes, leave white noise at P = 1; the same
+    /// weights would have a power of N sum w^2/(sum w)^2 with the other normalization. 20 degrees at
+    /// 5 standard errors: a false alarm in 1e5 runs of other seeds.
+    #[test]
+    fn white_noise_with_independent_weights_has_power_1() {
+        const N: usize = 60;
+        const COUNT: u64 = 400;
+        const LMAX: usize = 20;
+        let white = Pattern::WhiteNoise.build(N, Domain::Sphere).unwrap();
+        for is_positive in [false, true] {
+            let sets = (0..COUNT).map(|k| {
+                let mut rng = Streams::new(5, Purpose::Pattern, N).realization(k);
+                let points = white.sample(&mut rng).unwrap().points;
+                let mut weight = || {
+                    let size = 10f64.powf(rng.random_range(-2.0..2.0));
+                    if is_positive || rng.random_range(0.0..1.0) < 0.7 { size } else { -size }
+                };
+                let weights = (0..N).map(|_| weight()).collect();
+                PointSet { points, weights }
+            });
+            let sets = PointSets::new(sets.collect(), Domain::Sphere).unwrap();
+            let empty = SpectrumAccumulator::new(Domain::Sphere, N, LMAX);
+            let resolution = Resolution::new(LMAX, N);
+            let sums = accumulate(&sets, resolution, 0..COUNT, &empty, &()).unwrap();
+            let spectrum = sums.finish().unwrap();
+            for l in 1..=LMAX {
+                let (power, stderr) = (spectrum.power()[l], spectrum.stderr()[l]);
+                assert!((power - 1.0).abs() < 5.0 * stderr, "l = {l}: {power} +- {stderr}");
+            }
+            assert!(spectrum.power()[0] < 0.5 * N as f64, "{}", spectrum.power()[0]);
+        }
+    }
 
     /// A plain sum has a relative error of 1.7e-11.
     #[test]

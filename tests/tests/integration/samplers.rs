@@ -226,7 +226,10 @@ fn the_smallest_number_of_points_works() {
 fn smallest_numbers_of_points() {
     for pattern in Pattern::ALL {
         let (sphere, hemisphere) = match pattern {
-            Pattern::Jittered | Pattern::Healpix => (12, 6),
+            Pattern::Jittered | Pattern::Healpix | Pattern::Icosahedral => (12, 6),
+            Pattern::GaussLegendre => (2, 1),
+            Pattern::DriscollHealy => (3, 2),
+            Pattern::Lebedev | Pattern::CubeSphere(_) => (6, 3),
             _ => (1, 1),
         };
         for (domain, smallest) in [(Domain::Sphere, sphere), (Domain::Hemisphere, hemisphere)] {

@@ -139,7 +139,7 @@ fn every_rotated_pattern_of_all_is_unbiased() {
             add_to(&mut family, &ensemble, (LMAX_OF_ALL, REALIZATIONS_OF_ALL), &label);
         }
     }
-    // 2 (l+1) numbers a degree, for 17 patterns on two domains.
+    // 2 (l+1) numbers a degree, for every pattern on two domains.
     assert!(family.scores().len() > 400, "{} comparisons", family.scores().len());
     family.assert_null(ALPHA);
 }

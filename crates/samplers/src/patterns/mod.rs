@@ -110,6 +110,12 @@ patterns! {
     "sobol" = sobol::Sobol: "Owen-scrambled Sobol points by the equal-area map";
     "halton" = halton::Halton: "randomly shifted Halton points by the equal-area map";
     "hammersley" = hammersley::Hammersley: "randomly shifted Hammersley points by the equal-area map";
+    "gauss-legendre" = gauss_legendre::GaussLegendre: "quadrature, rings at Gauss-Legendre nodes";
+    "driscoll-healy" = driscoll_healy::DriscollHealy: "quadrature, equiangular rings and a pole";
+    "mcewen-wiaux" = mcewen_wiaux::McEwenWiaux: "quadrature, half as many equiangular rings";
+    "lebedev" = lebedev::Lebedev: "quadrature with the symmetry of the octahedron, degrees to 131";
+    "icosahedral" = icosahedral::Icosahedral: "the vertices of a geodesic icosahedron, equal weights";
+    "cube-sphere" = cube_sphere::CubeSphere(p: CubeSphereParameters): "the centres of the cells of a cube-sphere grid, equal weights";
 
     without default:
     "file" = point_file::PointFile(PointFileParameters): "your own point sets, with or without weights, from a file";

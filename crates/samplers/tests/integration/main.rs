@@ -5,6 +5,7 @@ mod point_files;
 mod poisson_disk;
 mod progress;
 mod registry;
+mod rules;
 mod spectral_control;
 mod survey;
 mod zonal;
