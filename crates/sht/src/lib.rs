@@ -43,6 +43,8 @@
 //! assert!((gradients[0] - DVec3::Z).length() < 1e-11 && gradients[1].length() < 1e-11);
 //! # Ok::<(), sphvar_sht::Error>(())
 //! ```
+//!
+//! [`QuadratureProblem`] finds quadrature weights of given points with a pair of transforms.
 
 mod angles;
 mod engine;
@@ -50,12 +52,16 @@ mod exact;
 mod fast;
 mod generators;
 mod legendre;
+mod quadrature;
 mod rings;
 mod torus;
 mod transform;
 
 pub use exact::{ExactTransform, ExactWorkspace};
 pub use fast::{FastTransform, FastWorkspace};
+pub use quadrature::{
+    QuadratureError, QuadratureProblem, QuadratureWeights, WeightSigns, exact_degree,
+};
 pub use rings::{RingTransform, RingWorkspace};
 pub use sphvar_sh::Error;
 pub use transform::{Method, Transform, TransformWorkspace};

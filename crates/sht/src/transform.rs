@@ -137,6 +137,27 @@ impl Transform {
         }
     }
 
+    /// Writes the values of the real function with coefficients `alm` at the points, as
+    /// [`FastTransform::synthesis_into`] does.
+    ///
+    /// # Panics
+    ///
+    /// Panics if `out` and `points` differ in length, or `alm` has a different lmax.
+    pub fn synthesis_into(
+        &self,
+        alm: &Alm,
+        points: &[DVec3],
+        workspace: &mut TransformWorkspace,
+        out: &mut [f64],
+    ) {
+        match &self.0 {
+            Kind::Fast(plan) => plan.synthesis_into(alm, points, &mut workspace.fast, out),
+            Kind::Exact(transform) => {
+                transform.synthesis_into(alm, points, &mut workspace.exact, out);
+            }
+        }
+    }
+
     /// Writes values and tangent gradients of a function at the points, as
     /// [`FastTransform::gradient_into`] does.
     ///

@@ -76,7 +76,9 @@ pub use pair_correlation::{
 pub use realization::Realization;
 pub use spectrum::{Spectrum, SpectrumAccumulator};
 pub use sphvar_samplers::Ensemble;
-pub use sphvar_sht::Method;
+pub use sphvar_sht::{
+    Method, QuadratureError, QuadratureProblem, QuadratureWeights, WeightSigns, exact_degree,
+};
 
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]

@@ -11,6 +11,7 @@ mod gradients;
 mod hostile;
 mod legendre;
 mod points;
+mod quadrature;
 mod rotations;
 mod synthesis;
 mod weights;

@@ -1,0 +1,85 @@
+use std::ops::ControlFlow;
+
+use sphvar_sh::Alm;
+
+use super::QuadratureError;
+use super::harmonics::{Harmonics, add, dot};
+use super::ritz::extreme_eigenvalues;
+
+/// The system `(B D B^T + shift I) x = b`, where D keeps the active points.
+pub(super) struct System<'s> {
+    /// The points that count; all if `None`.
+    pub(super) active: Option<&'s [bool]>,
+    pub(super) shift: f64,
+}
+
+/// An approximate solution.
+pub(super) struct Solution {
+    pub(super) x: Alm,
+    pub(super) iterations: usize,
+    /// The extreme eigenvalues of the matrix on the space that the right-hand side generates, by
+    /// the method of Lanczos: approximations from within.
+    pub(super) eigenvalues: Option<(f64, f64)>,
+}
+
+/// Called once per iteration; `Break` stops the work.
+pub(super) type Watch<'w> = &'w mut dyn FnMut() -> ControlFlow<()>;
+
+impl System<'_> {
+    /// Solves the system by conjugate gradients (Hestenes and Stiefel 1952) until the residual has
+    /// the norm `tolerance` or for `max_iterations`.
+    ///
+    /// The coefficients of the iteration are the entries of the tridiagonal matrix of Lanczos (Golub and
+    /// Van Loan 2013, section 11.3.5), whose extreme eigenvalues approximate those of the system.
+    pub(super) fn solve(
+        &self,
+        harmonics: &mut Harmonics<'_>,
+        b: &Alm,
+        tolerance: f64,
+        max_iterations: usize,
+        watch: Watch<'_>,
+    ) -> Result<Solution, QuadratureError> {
+        let mut x = harmonics.zeros()?;
+        let (mut residual, mut direction, mut image) = (b.clone(), b.clone(), harmonics.zeros()?);
+        let mut values = vec![0.0; harmonics.n_points()];
+        let mut square = dot(b, b);
+        let (mut diagonal, mut off_diagonal) = (Vec::new(), Vec::new());
+        let (mut iterations, mut carried) = (0, 0.0);
+        while square.sqrt() > tolerance && iterations < max_iterations {
+            if watch().is_break() {
+                return Err(QuadratureError::Stopped);
+            }
+            harmonics.values(&direction, &mut values);
+            if let Some(active) = self.active {
+                for (value, active) in values.iter_mut().zip(active) {
+                    *value = if *active { *value } else { 0.0 };
+                }
+            }
+            harmonics.coefficients(&values, &mut image);
+            let curvature = values.iter().map(|v| v * v).sum::<f64>()
+                + self.shift * dot(&direction, &direction);
+            if self.shift > 0.0 {
+                add(&mut image, self.shift, &direction);
+            }
+            // A direction without values at the points cannot reduce the residual.
+            let is_positive = curvature > 0.0;
+            if !is_positive {
+                break;
+            }
+            let step = square / curvature;
+            add(&mut x, step, &direction);
+            add(&mut residual, -step, &image);
+            let next = dot(&residual, &residual);
+            let ratio = next / square;
+            diagonal.push(1.0 / step + carried);
+            off_diagonal.push(ratio.sqrt() / step);
+            carried = ratio / step;
+            for (d, r) in direction.values_mut().iter_mut().zip(residual.values()) {
+                *d = r + ratio * *d;
+            }
+            square = next;
+            iterations += 1;
+        }
+        Ok(Solution { x, iterations, eigenvalues: extreme_eigenvalues(&diagonal, &off_diagonal) })
+    }
+}

@@ -1,0 +1,72 @@
+use glam::DVec3;
+use num_complex::Complex;
+use sphvar_sh::{Alm, Domain, Error};
+
+use crate::{FastTransform, Method, Transform, TransformWorkspace};
+
+/// The matrix B of all harmonics of the domain up to a degree at points, one row per harmonic, as a
+/// pair of transforms.
+pub(super) struct Harmonics<'a> {
+    points: &'a [DVec3],
+    domain: Domain,
+    lmax: usize,
+    transform: Transform,
+    workspace: TransformWorkspace,
+}
+
+impl<'a> Harmonics<'a> {
+    pub(super) fn new(points: &'a [DVec3], domain: Domain, lmax: usize) -> Result<Self, Error> {
+        // The residual of weights cannot be less than the error of the transform.
+        let epsilon = FastTransform::MIN_EPSILON;
+        let transform = Transform::new(Method::Auto, lmax, points.len(), epsilon)?;
+        Ok(Self { points, domain, lmax, transform, workspace: TransformWorkspace::default() })
+    }
+
+    pub(super) fn n_points(&self) -> usize {
+        self.points.len()
+    }
+
+    pub(super) fn zeros(&self) -> Result<Alm, Error> {
+        Alm::zeros(self.lmax)
+    }
+
+    /// Writes `B^T a`, the values of a function at the points.
+    pub(super) fn values(&mut self, alm: &Alm, out: &mut [f64]) {
+        self.transform.synthesis_into(alm, self.points, &mut self.workspace, out);
+    }
+
+    /// Writes `B w`, the coefficients of weighted points; those of degrees that the domain does not
+    /// have are 0.
+    pub(super) fn coefficients(&mut self, weights: &[f64], out: &mut Alm) {
+        let set = (self.points, Some(weights));
+        let outs = std::slice::from_mut(out);
+        self.transform.adjoint_batch_into(&[set], &mut self.workspace, outs);
+        for m in 0..=self.lmax {
+            for (l, a) in (m..).zip(out.column_mut(m)) {
+                if !self.domain.has_degree(l) {
+                    *a = Complex::ZERO;
+                }
+            }
+        }
+    }
+}
+
+/// Returns the inner product of real functions with these coefficients; orders m > 0 stand for m
+/// and -m.
+pub(super) fn dot(a: &Alm, b: &Alm) -> f64 {
+    let (zonal, others) = (0..=a.lmax()).map(|m| (m, a.column(m).iter().zip(b.column(m)))).fold(
+        (0.0, 0.0),
+        |(zonal, others), (m, pairs)| {
+            let sum: f64 = pairs.map(|(a, b)| a.re * b.re + a.im * b.im).sum();
+            if m == 0 { (zonal + sum, others) } else { (zonal, others + sum) }
+        },
+    );
+    zonal + 2.0 * others
+}
+
+/// Adds `factor b` to `a`.
+pub(super) fn add(a: &mut Alm, factor: f64, b: &Alm) {
+    for (a, b) in a.values_mut().iter_mut().zip(b.values()) {
+        *a += factor * b;
+    }
+}

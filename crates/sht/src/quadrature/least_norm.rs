@@ -1,0 +1,64 @@
+use sphvar_sh::Alm;
+
+use super::conjugate_gradients::{System, Watch};
+use super::harmonics::{Harmonics, add, dot};
+use super::{QuadratureError, QuadratureProblem};
+
+/// The largest number of passes; two reach the accuracy of the transforms.
+const MAX_PASSES: usize = 4;
+
+/// The minimizer of `|w|` subject to `B w = b`.
+pub(super) struct LeastNorm {
+    pub(super) weights: Vec<f64>,
+    /// The x of `w = B^T x`.
+    pub(super) multipliers: Alm,
+    /// The sums `B w`.
+    pub(super) sums: Alm,
+    /// The estimated condition number of B.
+    pub(super) condition: f64,
+    pub(super) iterations: usize,
+}
+
+/// Solves `B B^T x = b` by conjugate gradients with iterative refinement: further passes remove the
+/// rounding errors that the residual of the first has accumulated.
+pub(super) fn least_norm(
+    harmonics: &mut Harmonics<'_>,
+    b: &Alm,
+    watch: Watch<'_>,
+) -> Result<LeastNorm, QuadratureError> {
+    let system = System { active: None, shift: 0.0 };
+    let target = 0.1 * f64::EPSILON * dot(b, b).sqrt();
+    let mut best = LeastNorm {
+        weights: vec![0.0; harmonics.n_points()],
+        multipliers: harmonics.zeros()?,
+        sums: harmonics.zeros()?,
+        condition: 1.0,
+        iterations: 0,
+    };
+    let (mut residual, mut size) = (b.clone(), f64::INFINITY);
+    for pass in 0..MAX_PASSES {
+        let n_left = QuadratureProblem::MAX_ITERATIONS - best.iterations;
+        let step = system.solve(harmonics, &residual, target, n_left, watch)?;
+        best.iterations += step.iterations;
+        if let (0, Some((least, largest))) = (pass, step.eigenvalues) {
+            best.condition = if least > 0.0 { (largest / least).sqrt() } else { f64::INFINITY };
+        }
+        let (mut multipliers, mut weights) = (best.multipliers.clone(), best.weights.clone());
+        let mut sums = harmonics.zeros()?;
+        add(&mut multipliers, 1.0, &step.x);
+        harmonics.values(&multipliers, &mut weights);
+        harmonics.coefficients(&weights, &mut sums);
+        residual.clone_from(b);
+        add(&mut residual, -1.0, &sums);
+        let previous = size;
+        size = dot(&residual, &residual).sqrt();
+        if size < previous {
+            best = LeastNorm { weights, multipliers, sums, ..best };
+        }
+        let goes_on = size < 0.5 * previous && best.iterations < QuadratureProblem::MAX_ITERATIONS;
+        if !goes_on {
+            break;
+        }
+    }
+    Ok(best)
+}
