@@ -6,6 +6,8 @@ use super::{QuadratureError, QuadratureProblem};
 
 /// The largest number of passes; two reach the accuracy of the transforms.
 const MAX_PASSES: usize = 4;
+/// The residual at which the iteration ends, relative to the right-hand side: that of the transforms.
+const TOLERANCE: f64 = 1e-14;
 
 /// The minimizer of `|w|` subject to `B w = b`.
 pub(super) struct LeastNorm {
@@ -27,7 +29,7 @@ pub(super) fn least_norm(
     watch: Watch<'_>,
 ) -> Result<LeastNorm, QuadratureError> {
     let system = System { active: None, shift: 0.0 };
-    let target = 0.1 * f64::EPSILON * dot(b, b).sqrt();
+    let target = TOLERANCE * dot(b, b).sqrt();
     let mut best = LeastNorm {
         weights: vec![0.0; harmonics.n_points()],
         multipliers: harmonics.zeros()?,
@@ -55,7 +57,9 @@ pub(super) fn least_norm(
         if size < previous {
             best = LeastNorm { weights, multipliers, sums, ..best };
         }
-        let goes_on = size < 0.5 * previous && best.iterations < QuadratureProblem::MAX_ITERATIONS;
+        // The residual of the iteration and that of the weights differ by rounding.
+        let is_resolved = size <= 2.0 * target || size >= 0.5 * previous;
+        let goes_on = !is_resolved && best.iterations < QuadratureProblem::MAX_ITERATIONS;
         if !goes_on {
             break;
         }

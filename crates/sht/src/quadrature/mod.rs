@@ -215,8 +215,14 @@ impl<'a> QuadratureProblem<'a> {
         b.values_mut()[0] = constant.into();
         let mut least = least_norm(&mut harmonics, &b, watch)?;
         if self.signs == WeightSigns::Nonnegative && least.weights.iter().any(|w| *w < 0.0) {
-            let (weights, iterations) =
-                nonnegative(&mut harmonics, &b, least.multipliers, degree, area, watch)?;
+            let (weights, iterations) = nonnegative(
+                &mut harmonics,
+                &b,
+                least.multipliers,
+                (degree, n_harmonics),
+                area,
+                watch,
+            )?;
             least.weights = weights;
             least.iterations += iterations;
             harmonics.coefficients(&least.weights, &mut least.sums);

@@ -6,8 +6,13 @@ use super::harmonics::{Harmonics, add, dot};
 
 /// The largest number of Newton steps; a dozen suffice where weights exist.
 const MAX_STEPS: usize = 100;
-/// The largest number of iterations of a Newton step.
-const MAX_ITERATIONS: usize = 1000;
+/// The largest number of iterations of a Newton step, and of all steps; where weights exist, some hundreds
+/// suffice for all.
+const MAX_ITERATIONS: usize = 500;
+const MAX_ITERATIONS_IN_ALL: usize = 1500;
+/// The number of successive steps with fewer active points than harmonics after which the iteration is given
+/// up: the optimum, if there is one, has hardly any freedom left.
+const MAX_DEFICIENT_STEPS: usize = 3;
 /// The shift of the system of a step, relative to the residual and to the mean of the diagonal. It keeps
 /// the system regular where few points are active, and vanishes with the residual.
 const SHIFT: f64 = 0.1;
@@ -26,7 +31,7 @@ pub(super) fn nonnegative(
     harmonics: &mut Harmonics<'_>,
     b: &Alm,
     mut multipliers: Alm,
-    degree: usize,
+    (degree, n_harmonics): (usize, usize),
     sum: f64,
     watch: Watch<'_>,
 ) -> Result<(Vec<f64>, usize), QuadratureError> {
@@ -37,8 +42,12 @@ pub(super) fn nonnegative(
     let (mut values, mut changes) = (vec![0.0; n], vec![0.0; n]);
     harmonics.values(&multipliers, &mut values);
     let (mut iterations, mut best) = (0, (f64::INFINITY, Vec::new()));
+    let mut n_deficient = 0;
     let mut gradient = harmonics.zeros()?;
     for _ in 0..MAX_STEPS {
+        if iterations >= MAX_ITERATIONS_IN_ALL {
+            break;
+        }
         let weights = positive(&values);
         harmonics.coefficients(&weights, &mut gradient);
         gradient.values_mut().iter_mut().zip(b.values()).for_each(|(g, b)| *g = b - *g);
@@ -57,6 +66,10 @@ pub(super) fn nonnegative(
         }
         let active: Vec<bool> = values.iter().map(|v| *v > 0.0).collect();
         let n_active = active.iter().filter(|a| **a).count();
+        n_deficient = if n_active < n_harmonics { n_deficient + 1 } else { 0 };
+        if n_deficient >= MAX_DEFICIENT_STEPS {
+            break;
+        }
         let relative = residual / size;
         // The mean of the diagonal of B D B^T is the number of active points over 4 pi.
         let diagonal = n_active.max(1) as f64 / (4.0 * std::f64::consts::PI);

@@ -266,3 +266,24 @@ fn the_work_stops_at_once() {
         assert_eq!(left, 0);
     }
 }
+
+/// Enough points for the fast transform, whose coefficients of order 0 have an imaginary part of
+/// rounding.
+#[test]
+fn many_points_converge_with_the_fast_transform() {
+    // Displaced by about half the distance of neighbours.
+    let noise = white(1500, Domain::Sphere, 4);
+    let points: Vec<DVec3> =
+        spread(1500).iter().zip(&noise).map(|(p, v)| (p + 0.04 * v).normalize()).collect();
+    let got = solve(&points, Domain::Sphere, WeightSigns::Any, 26).unwrap();
+    assert!(got.residual < 1e-13, "{:e}", got.residual);
+    assert_eq!(got.exact_degree, 26);
+    let matrix = matrix(&points, Domain::Sphere, 26);
+    let eigenvalues = (&matrix * matrix.transpose()).symmetric_eigenvalues();
+    let condition = (eigenvalues.max() / eigenvalues.min()).sqrt();
+    let ratio = got.condition / condition;
+    assert!(condition > 1.5 && (0.95..1.0 + 1e-6).contains(&ratio), "{condition}: {ratio}");
+    let apart = spread(3000);
+    let got = solve(&apart, Domain::Sphere, WeightSigns::Nonnegative, 40).unwrap();
+    assert!(got.residual < 1e-13 && got.weights.iter().all(|w| *w >= 0.0), "{:e}", got.residual);
+}
