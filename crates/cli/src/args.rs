@@ -4,7 +4,7 @@ use clap::{Parser, Subcommand};
 
 use crate::commands::{
     accuracy, audit, bounds, choose, compare, completions, eval, healpix, list, merge, quality,
-    render, reproduce, sample, spectrum, variance,
+    render, reproduce, sample, spectrum, variance, weights,
 };
 use crate::global::Global;
 
@@ -52,6 +52,9 @@ pub(crate) enum Command {
     /// Predict and measure the variance of patterns on one integrand
     #[command(after_help = variance::EXAMPLES)]
     Variance(variance::VarianceArgs),
+    /// Compute quadrature weights for points in a file, exact to a degree
+    #[command(after_help = weights::EXAMPLES)]
+    Weights(weights::WeightsArgs),
     /// Bound the variance and its convergence rate by spectral profiles
     #[command(after_help = bounds::EXAMPLES)]
     Bounds(bounds::BoundsArgs),

@@ -24,6 +24,7 @@ use crate::commands::reproduce::ReproductionBody;
 use crate::commands::sample::SampleBody;
 use crate::commands::spectrum::report::SpectrumBody;
 use crate::commands::variance::VarianceBody;
+use crate::commands::weights::WeightsBody;
 use crate::report::Document;
 
 /// The variable that makes the test write the file instead of comparing it.
@@ -62,6 +63,7 @@ fn documents(generator: &mut SchemaGenerator) -> Vec<(&'static str, Schema)> {
         ("spectrum", document::<SpectrumBody>(generator)),
         ("variance", document::<VarianceBody>(generator)),
         ("variance --no-rotate", document::<FixedOrientationBody>(generator)),
+        ("weights", document::<WeightsBody>(generator)),
     ]
 }
 

@@ -16,6 +16,7 @@ pub(crate) mod reproduce;
 pub(crate) mod sample;
 pub(crate) mod spectrum;
 pub(crate) mod variance;
+pub(crate) mod weights;
 
 pub(crate) mod crossovers;
 mod effort;

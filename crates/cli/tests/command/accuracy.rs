@@ -109,7 +109,11 @@ fn tables_and_files() {
 fn invalid_command_lines() {
     let place = Workplace::new();
     let cases: [(&str, i32, &[&str]); 6] = [
-        ("accuracy poles", 2, &["poles", "harmonics, indexing, transforms, spectra, predictions"]),
+        (
+            "accuracy poles",
+            2,
+            &["poles", "harmonics, indexing, transforms, spectra, predictions, weights"],
+        ),
         ("accuracy --quick --plot a.svg", 2, &["a.svg", "one area", "folder"]),
         ("accuracy --quick -o a.svg", 2, &["a.svg", "one area", "--plot"]),
         ("accuracy --quick -o a.txt", 2, &["a.txt", ".md, .json or .csv"]),

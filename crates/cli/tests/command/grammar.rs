@@ -19,12 +19,13 @@ fn every_sampler_of_the_list_works() {
     let table = place.run("list").ok().stdout;
     for name in &names {
         assert!(table.contains(name), "{table}");
-        place.run(&format!("sample {name} -n 12")).ok();
-        place.run(&format!("sample {name}: -n 6 --hemisphere")).ok();
+        place.run(&format!("sample {name} -n 12 --nearest")).ok();
+        place.run(&format!("sample {name}: -n 6 --nearest --hemisphere")).ok();
     }
     let all = names.join(",");
-    let document =
-        place.run(&format!("variance {all} -n 12 --integrand ylm:l=2 -m 4 --json")).json();
+    let document = place
+        .run(&format!("variance {all} -n 12 --nearest --integrand ylm:l=2 -m 4 --json"))
+        .json();
     assert_eq!(document["rows"].as_array().unwrap().len(), names.len());
 }
 

@@ -11,6 +11,7 @@ const SUBCOMMANDS: [&str; 16] = [
     "spectrum",
     "merge",
     "variance",
+    "weights",
     "bounds",
     "audit",
     "quality",

@@ -17,7 +17,7 @@ const COUNT: &str = "SPHVAR_INTERRUPTS";
 const DEFAULT_COUNT: usize = 4;
 
 /// Commands that write files, most of them long enough to be interrupted.
-const COMMANDS: [&str; 12] = [
+const COMMANDS: [&str; 13] = [
     "sample white-noise -n 300000 -m 2 -o points.csv",
     "sample white-noise -n 300000 -m 3 -o points-{i}.ply",
     "sample white-noise -n 1000000 -m 2 -o points.npy",
@@ -30,6 +30,7 @@ const COMMANDS: [&str; 12] = [
     "healpix pix2vec --nside 256 pixels.npy -o vectors.csv",
     "bounds white-noise -n 192 -m 4000 -o bounds.csv",
     "reproduce C.1 --quick -o figures",
+    "weights noise.csv --degree 60 -o weights.csv",
 ];
 
 /// Random numbers that suffice for times and selections only.
@@ -53,6 +54,7 @@ fn prepared() -> Workplace {
     let head = format!("{head:<117}\n");
     let start = [b"\x93NUMPY\x01\x00".as_slice(), &118_u16.to_le_bytes(), head.as_bytes()].concat();
     place.write("pixels.npy", [start, pixels].concat());
+    place.run("sample white-noise -n 5000 -o noise.csv").ok();
     place
 }
 

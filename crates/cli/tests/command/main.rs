@@ -34,4 +34,5 @@ mod sampler_arguments;
 mod schemas;
 mod shards;
 mod targets;
+mod weights;
 mod workplace;

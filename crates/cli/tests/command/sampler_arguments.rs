@@ -42,7 +42,7 @@ fn all_selects_every_sampler() {
     let list = place.run("list samplers --json").json();
     // A sampler that needs a file is not among all.
     let all = list["samplers"].as_array().unwrap().iter().filter(|s| !needs_file(s)).count();
-    let variance = place.run("variance all -n 12 --integrand ylm:l=2 -m 4 --json").json();
+    let variance = place.run("variance all -n 12 --nearest --integrand ylm:l=2 -m 4 --json").json();
     assert_eq!(variance["rows"].as_array().unwrap().len(), all);
     let compare = place.run("compare all -n 12 --integrand ylm:l=2 -m 4 --json -o out").json();
     assert_eq!(compare["rows"].as_array().unwrap().len(), all);
