@@ -13,6 +13,8 @@ pub enum Area {
     Predictions,
     /// Discrepancies, worst-case errors and energies of point sets.
     Quality,
+    /// Quadrature weights and weighted sets.
+    Weights,
 }
 
 impl Area {
@@ -24,6 +26,7 @@ impl Area {
         Self::Spectra,
         Self::Predictions,
         Self::Quality,
+        Self::Weights,
     ];
 
     /// Returns the name of the area in commands and files.
@@ -36,6 +39,7 @@ impl Area {
             Self::Spectra => "spectra",
             Self::Predictions => "predictions",
             Self::Quality => "quality",
+            Self::Weights => "weights",
         }
     }
 }

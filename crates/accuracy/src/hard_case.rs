@@ -1,4 +1,6 @@
-use crate::{Area, Errors, harmonics, indexing, predictions, quality, spectra, transforms};
+use crate::{
+    Area, Errors, harmonics, indexing, predictions, quality, spectra, transforms, weights,
+};
 
 /// An extreme input at the limits of floating-point numbers, with the bound of its error.
 #[derive(Clone, Copy, Debug)]
@@ -25,5 +27,6 @@ pub fn hard_cases(area: Area) -> Vec<HardCase> {
         Area::Spectra => spectra::hard_cases(),
         Area::Predictions => predictions::hard_cases(),
         Area::Quality => quality::hard_cases(),
+        Area::Weights => weights::hard_cases(),
     }
 }

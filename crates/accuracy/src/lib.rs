@@ -36,6 +36,7 @@ pub mod reference;
 mod spectra;
 mod transforms;
 mod trial;
+mod weights;
 
 pub use area::Area;
 pub use errors::Errors;

@@ -12,6 +12,7 @@ mod subjects;
 
 use std::sync::Arc;
 
+pub(crate) use definition::Definition;
 pub(crate) use hard::hard_cases;
 
 use crate::{Area, Effort, Trial};

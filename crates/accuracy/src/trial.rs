@@ -1,6 +1,8 @@
 use std::fmt;
 
-use crate::{Area, Errors, harmonics, indexing, predictions, quality, spectra, transforms};
+use crate::{
+    Area, Errors, harmonics, indexing, predictions, quality, spectra, transforms, weights,
+};
 
 /// The amount of work of a suite.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -65,5 +67,6 @@ pub fn trials(area: Area, effort: Effort) -> Vec<Trial> {
         Area::Spectra => spectra::trials(effort),
         Area::Predictions => predictions::trials(effort),
         Area::Quality => quality::trials(effort),
+        Area::Weights => weights::trials(effort),
     }
 }

@@ -22,6 +22,7 @@ mod predictions;
 mod quality;
 mod spectra;
 mod transforms;
+mod weights;
 
 fn all() -> impl Iterator<Item = HardCase> {
     Area::ALL.into_iter().flat_map(hard_cases)
@@ -46,6 +47,7 @@ fn every_hard_case_has_a_test() {
         spectra::NAMES,
         predictions::NAMES,
         quality::NAMES,
+        weights::NAMES,
     ];
     let mut tested = areas.concat();
     let mut listed: Vec<_> = all().map(|case| case.name).collect();
