@@ -128,7 +128,7 @@ fn inputs_and_outputs_are_checked() {
     place.run("weights").fails(2, &["FILE"]);
     place.run("sample white-noise -n 40 -o p.csv").ok();
     place.run("weights p.csv --degree 2 -o rule.npy").fails(2, &[".npz"]);
-    place.run("weights p.csv --degree -1").fails(2, &["--degree"]);
+    place.run("weights p.csv --degree -1").fails(2, &["-1"]);
     place.run("weights p.csv --degree 1e9").fails(2, &["--degree"]);
     place.write("weighted.csv", "x,y,z,w\n1,0,0,5\n-1,0,0,1\n");
     let outcome = place.run("weights weighted.csv --degree 0").ok();
