@@ -122,6 +122,24 @@ halton 3072: 3072 220 259 - fast
 hammersley 12: 12 32 9211 16 exact
 hammersley 192: 192 52 3830 8 exact
 hammersley 3072: 3072 220 259 - fast
+gauss-legendre 8: 8 320 154 0 exact
+gauss-legendre 200: 200 560 50 0 exact
+gauss-legendre 3042: 3042 2200 4 - fast
+driscoll-healy 13: 13 320 154 0 exact
+driscoll-healy 183: 183 520 58 0 exact
+driscoll-healy 3081: 3081 2200 4 - fast
+mcewen-wiaux 11: 11 320 154 0 exact
+mcewen-wiaux 211: 211 560 50 0 exact
+mcewen-wiaux 3082: 3082 2200 4 - fast
+lebedev 14: 14 320 154 0 exact
+lebedev 194: 194 520 58 0 exact
+lebedev 3074: 3074 2200 4 - fast
+icosahedral 12: 12 320 154 0 exact
+icosahedral 162: 162 480 68 0 exact
+icosahedral 3242: 3242 2240 4 - fast
+cube-sphere 6: 6 320 154 0 exact
+cube-sphere 216: 216 560 50 0 exact
+cube-sphere 3174: 3174 2240 4 - fast
 ";
 const DEGREES: &str = "\
 cap sphere 1: 320

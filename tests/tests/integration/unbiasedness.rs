@@ -71,7 +71,7 @@ fn add_to(
     label: &str,
 ) {
     let sampler = ensemble.sampler();
-    let (n, domain) = (sampler.n_points() as f64, sampler.domain());
+    let domain = sampler.domain();
     let empty = CoefficientMoments(vec![Default::default(); (lmax + 1) * (lmax + 2) / 2]);
     let samples = CoefficientSamples::new(lmax, lmax);
     let (got, last) = accumulate(
@@ -84,6 +84,8 @@ fn add_to(
     .unwrap();
     assert_eq!(last.finish().len() as u64, realizations, "{label}");
     let index = sphvar_sh::LmIndex::new(lmax).unwrap();
+    // The number of points, or the sum of their weights.
+    let n = got.0[index.at(0, 0)][0].mean() * (4.0 * std::f64::consts::PI).sqrt();
     for (l, m) in index.iter().filter(|lm| lm.0 >= 1) {
         for (part, name) in [(0, "Re"), (1, "Im")] {
             let moments = &got.0[index.at(l, m)][part];
