@@ -22,7 +22,9 @@ const BOUND: f64 = 1e-13;
 /// The degrees are those where random points have condition numbers of 2 to 10 and points well apart
 /// have nonnegative weights.
 pub(crate) fn trials(effort: Effort) -> Vec<Trial> {
-    let (random, apart): (&[(usize, usize)], &[(usize, usize)]) = match effort {
+    /// Numbers of points and degrees.
+    type Sizes = &'static [(usize, usize)];
+    let (random, apart): (Sizes, Sizes) = match effort {
         Effort::Quick => (&[(100, 5), (500, 15), (1000, 20)], &[(100, 8), (500, 20)]),
         Effort::Full => (
             &[(100, 5), (500, 15), (1000, 20), (4000, 40), (10_000, 60)],
