@@ -19,7 +19,7 @@ pub enum Area {
 
 impl Area {
     /// Every area.
-    pub const ALL: [Self; 6] = [
+    pub const ALL: [Self; 7] = [
         Self::Harmonics,
         Self::Indexing,
         Self::Transforms,

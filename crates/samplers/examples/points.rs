@@ -8,8 +8,8 @@ use sphvar_samplers::{Domain, Pattern, Purpose, Realizations, Streams};
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut arguments = std::env::args().skip(1);
     let pattern: Pattern = arguments.next().as_deref().unwrap_or("fibonacci").parse()?;
-    let asked = arguments.next().map_or(Ok(100), |n| n.parse())?;
-    let n_points = pattern.nearest_count(asked, Domain::Sphere);
+    let requested = arguments.next().map_or(Ok(100), |n| n.parse())?;
+    let n_points = pattern.nearest_count(requested, Domain::Sphere);
     let sampler = pattern.build(n_points, Domain::Sphere)?;
     let seed = 0;
     let streams = Streams::new(seed, Purpose::Pattern, sampler.stream_group());

@@ -34,7 +34,7 @@ pub enum ValidCounts {
         /// The name of k, such as `L`.
         root: &'static str,
     },
-    /// These numbers, in ascending order; an empty list says that they depend on a file.
+    /// These numbers, in ascending order; an empty list if they depend on a file.
     Listed(Cow<'static, [usize]>),
 }
 
@@ -187,7 +187,11 @@ mod tests {
             for requested in 0..3000 {
                 let nearest = counts.nearest(requested);
                 let best = all.iter().map(|n| n.abs_diff(requested)).min();
-                assert_eq!(Some(nearest.abs_diff(requested)), best, "requested {requested}, got {nearest}");
+                assert_eq!(
+                    Some(nearest.abs_diff(requested)),
+                    best,
+                    "requested {requested}, got {nearest}"
+                );
                 assert_eq!(counts.contains(requested), all.contains(&requested), "{requested}");
                 let below = all.iter().copied().filter(|&n| n <= requested).max();
                 assert_eq!(counts.largest_not_exceeding(requested), below, "{requested}");

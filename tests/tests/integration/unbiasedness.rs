@@ -85,7 +85,7 @@ fn add_to(
     assert_eq!(last.finish().len() as u64, realizations, "{label}");
     let index = sphvar_sh::LmIndex::new(lmax).unwrap();
     // The number of points, or the sum of their weights.
-    let n = got.0[index.at(0, 0)][0].mean() * (4.0 * std::f64::consts::PI).sqrt();
+    let n = got.0[index.at(0, 0)][0].mean() * (4.0 * PI).sqrt();
     for (l, m) in index.iter().filter(|lm| lm.0 >= 1) {
         for (part, name) in [(0, "Re"), (1, "Im")] {
             let moments = &got.0[index.at(l, m)][part];

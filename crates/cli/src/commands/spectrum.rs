@@ -225,9 +225,7 @@ pub(crate) fn run(args: &SpectrumArgs, global: &Global) -> Result<(), CliError> 
         Source::Sampler { sampler, .. } => {
             (!sampler.is_random(), false, WeightSums::of_sampler(&**sampler)?)
         }
-        Source::Files { sets } => {
-            (count == 1, count == 1, WeightSums::of_sets(sets.sets().sets()))
-        }
+        Source::Files { sets } => (count == 1, count == 1, WeightSums::of_sets(sets.sets().sets())),
     };
     let pairs = of_pairs.map(|sums| PairBody::new(&sums, exact, has_no_error)).transpose()?;
     drop(progress);

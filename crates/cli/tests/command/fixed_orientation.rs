@@ -79,7 +79,7 @@ fn settings_that_need_rotation_are_rejected() {
     let place = Workplace::new();
     let run = "variance jittered -n 24 --hemisphere --integrand cosine --no-rotate";
     place.run(&format!("{run} --until-rel 5%")).fails(2, &["--until-rel"]);
-    place.run(&format!("{run} --cut-sphere")).fails(2, &["--cut-sphere"]);
+    place.run(&format!("{run} --visible-half")).fails(2, &["--visible-half"]);
 }
 
 #[test]

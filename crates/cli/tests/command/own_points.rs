@@ -52,7 +52,7 @@ fn points_of_a_pattern_are_that_pattern() {
     assert_eq!(spectrum("file:fib.npz"), spectrum("--points fib.npz"));
 }
 
-/// A single file has one row at its own number, whatever `-n` says, and needs no `-n`.
+/// A single file has one row at its own number, whatever the value of `-n`, and needs no `-n`.
 #[test]
 fn a_file_has_one_row_beside_lists_of_counts() {
     let place = Workplace::new();
@@ -237,7 +237,7 @@ fn weights_are_used_everywhere() {
     }
 }
 
-/// On the hemisphere, points below the plane are errors unless the text says that they be folded.
+/// On the hemisphere, points below the plane are errors unless the text has `fold`.
 #[test]
 fn points_below_the_plane_are_errors() {
     let place = Workplace::new();
@@ -250,8 +250,8 @@ fn points_below_the_plane_are_errors() {
     place.run(&command("file:q.csv")).ok();
     let render = "render cornell --size 8 --sampler file:p.csv";
     place.run(render).fails(1, &["p.csv:5", "--mode rotated"]);
-    let cut = "variance file:q.csv --hemisphere --cut-sphere --integrand cosine -m 20";
-    place.run(cut).fails(2, &["--cut-sphere", "file:q.csv"]);
+    let cut = "variance file:q.csv --hemisphere --visible-half --integrand cosine -m 20";
+    place.run(cut).fails(2, &["--visible-half", "file:q.csv"]);
 }
 
 /// The options of `--points` are options of the text, with the same names.

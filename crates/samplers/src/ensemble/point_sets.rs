@@ -151,7 +151,7 @@ impl SamplerFamily for PointSets {
         Ok(Box::new(self.clone()))
     }
 
-    fn nearest_count(&self, _asked: usize, _domain: Domain) -> usize {
+    fn nearest_count(&self, _requested: usize, _domain: Domain) -> usize {
         self.n_points()
     }
 }

@@ -78,19 +78,19 @@ fn closest(points: &mut [DVec3], bound: f64, progress: &dyn Progress) -> Result<
     let mut strip: Vec<DVec3> = points.iter().filter(is_near).copied().collect();
     let along = widest_axis(&strip);
     strip.sort_unstable_by(|p, q| p[along].total_cmp(&q[along]));
-    let mut least = bound;
+    let mut smallest = bound;
     for (k, p) in strip.iter().enumerate() {
-        let ahead = strip[k + 1..].iter().take_while(|q| (q[along] - p[along]).powi(2) < least);
-        let nearest = ahead.map(|q| p.distance_squared(*q)).fold(least, f64::min);
-        least = nearest;
-        if least <= 0.0 {
+        let ahead = strip[k + 1..].iter().take_while(|q| (q[along] - p[along]).powi(2) < smallest);
+        let nearest = ahead.map(|q| p.distance_squared(*q)).fold(smallest, f64::min);
+        smallest = nearest;
+        if smallest <= 0.0 {
             break;
         }
     }
     if points.len() >= MIN_REPORTED {
         progress.tick(0.0)?;
     }
-    Ok(least)
+    Ok(smallest)
 }
 
 /// Returns the axis along which the points extend farthest.
@@ -108,16 +108,16 @@ mod tests {
     use crate::{Domain, Pattern, Purpose, Streams};
 
     fn definition(points: &[DVec3], domain: Domain) -> f64 {
-        let mut least = f64::INFINITY;
+        let mut smallest = f64::INFINITY;
         for (k, p) in points.iter().enumerate() {
             for q in &points[..k] {
-                least = least.min(p.distance(*q));
+                smallest = smallest.min(p.distance(*q));
                 if domain == Domain::Hemisphere {
-                    least = least.min(p.distance(-*q));
+                    smallest = smallest.min(p.distance(-*q));
                 }
             }
         }
-        least
+        smallest
     }
 
     #[test]

@@ -144,8 +144,8 @@ fn grids_of_equal_weights_have_a_bias() {
         [("icosahedral", 6), ("cube-sphere", 4), ("cube-sphere:spacing=equidistant", 4)]
     {
         let pattern: Pattern = text.parse().unwrap();
-        let amplitudes = [3000, 12000].map(|asked| {
-            let n = pattern.nearest_count(asked, Domain::Sphere);
+        let amplitudes = [3000, 12000].map(|requested| {
+            let n = pattern.nearest_count(requested, Domain::Sphere);
             errors(&sample(&*pattern.build(n, Domain::Sphere).unwrap()), degree)[degree]
         });
         assert!(amplitudes[0] > 0.01, "{text}: {amplitudes:?}");

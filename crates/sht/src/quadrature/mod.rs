@@ -213,31 +213,32 @@ impl<'a> QuadratureProblem<'a> {
         let area = self.domain.area();
         let constant = area / (4.0 * PI).sqrt();
         b.values_mut()[0] = constant.into();
-        let mut least = least_norm(&mut harmonics, &b, watch)?;
-        if self.signs == WeightSigns::Nonnegative && least.weights.iter().any(|w| *w < 0.0) {
+        let mut solution = least_norm(&mut harmonics, &b, watch)?;
+        if self.signs == WeightSigns::Nonnegative && solution.weights.iter().any(|w| *w < 0.0) {
             let (weights, iterations) = nonnegative(
                 &mut harmonics,
                 &b,
-                least.multipliers,
+                solution.multipliers,
                 (degree, n_harmonics),
                 area,
                 watch,
             )?;
-            least.weights = weights;
-            least.iterations += iterations;
-            harmonics.coefficients(&least.weights, &mut least.sums);
+            solution.weights = weights;
+            solution.iterations += iterations;
+            harmonics.coefficients(&solution.weights, &mut solution.sums);
         }
-        least.sums.values_mut()[0] -= constant;
-        let size = least.sums.values().iter().map(|a| a.norm()).fold(0.0, f64::max);
+        solution.sums.values_mut()[0] -= constant;
+        let size = solution.sums.values().iter().map(|a| a.norm()).fold(0.0, f64::max);
         let residual = size / constant;
-        let (condition, iterations) = (least.condition, least.iterations);
+        let (condition, iterations) = (solution.condition, solution.iterations);
         // False for NaN.
         let has_converged = residual <= Self::MAX_RESIDUAL;
         if !has_converged {
             return Err(QuadratureError::NotConverged { degree, residual, condition, iterations });
         }
-        let exact_degree = exact_degree(self.points, &least.weights, self.domain, 2 * degree + 2)?;
-        let weights = least.weights;
+        let exact_degree =
+            exact_degree(self.points, &solution.weights, self.domain, 2 * degree + 2)?;
+        let weights = solution.weights;
         Ok(QuadratureWeights { weights, degree, residual, condition, exact_degree, iterations })
     }
 

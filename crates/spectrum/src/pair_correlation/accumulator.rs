@@ -116,7 +116,7 @@ pub struct PairCorrelation {
 impl<'a> PairCorrelationAccumulator<'a> {
     /// Returns an empty accumulator for these bins and coefficients to degree `lmax`.
     ///
-    /// `progress` is asked between pairs whether to stop. If it stops, the sums are meaningless; it
+    /// `progress` can stop the count between pairs. If it stops, the sums are meaningless; it
     /// must be the progress of [`accumulate`](crate::accumulate), which then returns the error.
     ///
     /// # Errors

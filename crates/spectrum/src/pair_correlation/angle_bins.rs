@@ -6,7 +6,7 @@ use crate::Error;
 
 /// Equal bins of the angle between two points, from 0 to a largest angle in radians.
 ///
-/// On the hemisphere the angle is that between two lines, at most pi/2.
+/// On the hemisphere the angle is that between two lines, at max pi/2.
 ///
 /// # Examples
 ///
@@ -34,12 +34,12 @@ impl AngleBins {
     ///
     /// # Errors
     ///
-    /// [`Error::Setting`] unless `max_angle` is above 0 and at most pi, pi/2 on the hemisphere, and
+    /// [`Error::Setting`] unless `max_angle` is above 0 and at max pi, pi/2 on the hemisphere, and
     /// `count` from 1 to [`MAX_COUNT`](Self::MAX_COUNT).
     pub fn new(domain: Domain, max_angle: f64, count: usize) -> Result<Self, Error> {
         let expected = match domain {
-            Domain::Sphere => "above 0 and at most pi (180 degrees)",
-            Domain::Hemisphere => "above 0 and at most pi/2 (90 degrees)",
+            Domain::Sphere => "above 0 and at max pi (180 degrees)",
+            Domain::Hemisphere => "above 0 and at max pi/2 (90 degrees)",
         };
         if !(max_angle > 0.0 && max_angle <= Self::limit(domain)) {
             return Err(Error::Setting { what: "the largest angle", expected, got: max_angle });
@@ -151,23 +151,23 @@ impl ChordBins {
             // A right angle between lines may be rounded up.
             *last *= 1.0 + 8.0 * f64::EPSILON;
         }
-        let most = edges.last().copied().unwrap_or(0.0);
+        let max = edges.last().copied().unwrap_or(0.0);
         let count = Self::INTERVALS * bins.count();
         let first = (0..=count).map(|i| {
-            let square = most * (i as f64 / count as f64);
-            // At most MAX_COUNT bins.
+            let square = max * (i as f64 / count as f64);
+            // At max MAX_COUNT bins.
             u32::try_from(edges.partition_point(|edge| *edge <= square)).unwrap_or(u32::MAX)
         });
         let first = first.collect();
-        Self { first, intervals_per_unit: count as f64 / most, edges }
+        Self { first, intervals_per_unit: count as f64 / max, edges }
     }
 
     /// Returns the bin of a squared chord; the last one includes its upper edge.
     #[inline]
     pub(super) fn bin(&self, square: f64) -> Option<usize> {
-        let most = *self.edges.last()?;
-        if square >= most {
-            return (square <= most).then_some(self.edges.len() - 1);
+        let max = *self.edges.last()?;
+        if square >= max {
+            return (square <= max).then_some(self.edges.len() - 1);
         }
         #[expect(
             clippy::cast_possible_truncation,

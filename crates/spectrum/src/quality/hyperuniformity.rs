@@ -59,7 +59,7 @@ const MARGIN: f64 = 0.2;
 /// `0.25 sqrt(N)` have none (less than [`EXACT_POWER`]), the class is I without an exponent. Other
 /// sets with empty degrees, and those of too few points for 6 degrees, are undecidable.
 ///
-/// The limit l to 0 at fixed N is that of the sets at hand; hyperuniformity proper is a property of
+/// The limit l to 0 at fixed N is that of the given sets; hyperuniformity proper is a property of
 /// a sequence of sets (Brauchart, Grabner and Kusner 2019).
 ///
 /// # Errors
@@ -295,7 +295,7 @@ mod tests {
             assert!((exponent - b).abs() < 1e-9, "{b}: {exponent}");
             assert!(interval.0 < b && b < interval.1);
         }
-        // An offset: the exponent near 0 is 0, whatever the fit over all degrees says.
+        // An offset: the exponent near 0 is 0, whatever the fit over all degrees gives.
         let power = |l: usize| 0.05 + 1e-3 * (l * (l + 1)) as f64;
         let spectrum = Spectrum::exact(Domain::Sphere, 10_000, (0..60).map(power).collect());
         let (exponent, interval) = hyperuniformity(&spectrum).unwrap().exponent.unwrap();
