@@ -112,7 +112,7 @@ fn invalid_command_lines() {
         (
             "accuracy poles",
             2,
-            &["poles", "harmonics, indexing, transforms, spectra, predictions, weights"],
+            &["poles", "harmonics, indexing, transforms, spectra, predictions, quality, weights"],
         ),
         ("accuracy --quick --plot a.svg", 2, &["a.svg", "one area", "folder"]),
         ("accuracy --quick -o a.svg", 2, &["a.svg", "one area", "--plot"]),

@@ -79,7 +79,9 @@ fn a_file_has_one_row_beside_lists_of_counts() {
     }
     place.run(&format!("variance jittered,file:a.csv {CAP}")).fails(2, &["-n/--count"]);
     let left_out = place.run(&format!("choose jittered,file:a.csv -n 50 {CAP}")).ok();
-    assert!(left_out.stdout.contains("Left out: file:a.csv (its smallest number of points is 77"));
+    assert!(
+        left_out.stdout.contains("Not considered: file:a.csv (its minimum number of points, 77")
+    );
 }
 
 /// Files of one name are told apart by their paths, in tables as in plots.

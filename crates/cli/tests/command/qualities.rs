@@ -47,7 +47,10 @@ fn a_file_is_measured_as_it_is() {
     let mut keys = RECORD.to_vec();
     keys.extend(["remarks", "provenance"]);
     assert_keys(&document, &keys);
-    assert_eq!((&document["sampler"], &document["n"]), (&"icosahedron.csv".into(), &12.into()));
+    assert_eq!(
+        (&document["sampler"], &document["n"]),
+        (&"file:icosahedron.csv".into(), &12.into())
+    );
     for (path, expected, error) in [
         ("/n_effective", 12.0, 1e-12),
         ("/separation", 1.051_462_224_238, 1e-11),
@@ -120,7 +123,7 @@ fn what_cannot_be_given_is_null() {
         let one = place.run(&format!("quality one.csv --json{domain}")).json();
         assert!(one["separation"].is_null() && one["mesh_ratio"].is_null());
         assert!(one["p_value"]["cap_discrepancy_l2"].is_null());
-        let odd = place.run(&format!("quality odd.csv --json{domain}")).json();
+        let odd = place.run(&format!("quality file:odd.csv,fold=yes --json{domain}")).json();
         assert!(number(&odd, "/separation").abs() <= 0.0 && odd["mesh_ratio"].is_null());
         assert!(odd["riesz_energy"].as_object().unwrap().values().all(Value::is_null));
         assert!((number(&odd, "/n_effective") - 1.0).abs() < 1e-9);

@@ -174,6 +174,8 @@ fn documents_fit_their_schema() {
             "variance jittered,fibonacci,white-noise -n 12 --integrand cosine -m 20 --no-rotate",
         ),
         ("variance", "variance white-noise -n 12 --integrand vmf:kappa=1e6 -m 10"),
+        ("weights", "weights weighted.csv --degree 0"),
+        ("weights", "weights weighted.csv --degree 0 --nonnegative -o w.csv"),
         (
             "variance",
             "variance jittered -n 24 --hemisphere --integrand cosine -m 20 --visible-half=equator",
