@@ -97,7 +97,7 @@ const MIN_POINTS: f64 = 8.0;
 ///
 /// # Errors
 ///
-/// [`Unavailable`] for fewer than 8 effective points.
+/// [`Unavailable`] for fewer than 8 points, for weighted ones if `(sum w^2)^2/sum w^4` is below 8.
 ///
 /// # References
 ///
@@ -117,8 +117,11 @@ pub fn test_uniformity(
     for o in observed {
         // The sum of squares 0 of weights that are all 0 makes it NaN.
         if o.fourth.is_nan() || o.fourth * MIN_POINTS > 1.0 + 1e-9 {
-            let reason = format!("the distribution needs {MIN_POINTS} effective points");
-            return Err(Unavailable::new(reason));
+            return Err(Unavailable::new(format!(
+                "the distribution needs {MIN_POINTS} points of comparable weight: \
+                 (sum w^2)^2/sum w^4 is {:.3}",
+                1.0 / o.fourth
+            )));
         }
         standardized += o.standardized(mean);
     }

@@ -26,17 +26,19 @@ pub(crate) const EXAMPLES: &str = "Examples:
   sphvar quality jittered,healpix,fibonacci -n 192 -o quality.svg
   sphvar quality jittered -n 48 --rank
 
-Distances are chords; the mesh ratio is twice the covering radius over the separation. The L2 cap \
-discrepancy is the root mean square, over all caps, of the difference between the share of points in \
-a cap and its area; worst-case errors are those of the mean of functions of norm 1 in the Sobolev \
-space H^s; energies are sums over unordered pairs. Scaled values are multiplied by the power of N \
+Distances are chords; the mesh ratio is twice the covering radius over the separation. The square of \
+the L2 cap discrepancy is the integral, over the heights -1 to 1 of caps, of the mean square of the difference \
+between the share of points in a cap and its share of the area (Stolarsky); worst-case errors are those of the mean \
+of functions of norm 1 in the Sobolev space H^s; energies are sums over unordered pairs, of weighted points with the \
+factor N_eff^2 w_j w_k for weights of sum 1. Scaled values are multiplied by the power of N \
 in the next column (energies: the constant of the second term), which makes them comparable between \
 numbers of points; those of good sets are close to the value of the hexagonal lattice, the best \
-known for large N. On the hemisphere all measures are those of lines: of the points and their \
-antipodes.
+known for large N. On the hemisphere all measures are those of lines, through the points and their \
+antipodes; the energy of two lines is k(|x - y|) + k(|x + y|).
 
 p-values test independent uniform points, whose probability is that of a smaller discrepancy (lower: small \
-for points that are more regular) or of a larger one (upper: small for points that cluster). A file is measured as it is, each of its sets a realization.";
+for points that are more regular) or of a larger one (upper: small for points that cluster). They are asymptotic: \
+a p-value of 1 % is right to a third of itself from 20 points on, smaller ones less. A file is measured as it is, each of its sets a realization.";
 
 #[derive(Debug, Args)]
 #[command(
