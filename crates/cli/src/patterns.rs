@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use sphvar_grammar::ResolveError;
+use sphvar_grammar::{ResolveError, quote};
 use sphvar_samplers::{
     Domain, Error, FileResolver, Pattern, PointFile, PointFileParameters, Sampler,
 };
@@ -37,6 +37,9 @@ pub(crate) fn parse_pattern(text: &str, quiet: bool) -> Result<Pattern, CliError
     Pattern::parse(text, &PatternFiles { quiet }).map_err(|error| match error {
         Error::File(source) => CliError::of_resolver(&source),
         Error::Given { .. } => CliError::failed(error),
+        other if Path::new(text).is_file() => {
+            CliError::Usage(format!("{other}; a file is a sampler as file:{}", quote(text)))
+        }
         other => CliError::usage(other),
     })
 }
@@ -102,6 +105,16 @@ impl PatternFiles {
         let warnings = file.warnings.iter().map(|warning| format!("warning: {warning}"));
         warnings.chain(file.remarks).for_each(|remark| say(self.quiet, &remark));
         let name = path.display().to_string();
+        if file.sets.len() > 1 {
+            let count = file.sets.len();
+            say(
+                self.quiet,
+                &format!(
+                    "{name}: an ensemble of {count} sets; predictions are exact for these, not for \
+                     the ensemble that they come from"
+                ),
+            );
+        }
         let is_weighted = file.sets.iter().any(|set| !set.weights.is_empty());
         // Only weights are checked set by set.
         let starts = if is_weighted { &file.starts[..] } else { &[] };

@@ -119,6 +119,13 @@ impl FileSets {
                 sets.extend(file.sets);
             }
         }
+        let below = match domain {
+            Domain::Sphere => 0,
+            Domain::Hemisphere => sets.iter().flat_map(|s| &s.points).filter(|p| p.z < 0.0).count(),
+        };
+        if below > 0 {
+            say(quiet, &format!("{below} points with z < 0 are replaced by their antipodes"));
+        }
         let sets = PointSets::new(sets, domain).map_err(CliError::failed)?;
         let names: Vec<String> = args.files.iter().map(|p| p.display().to_string()).collect();
         let read = Self { name: names.join(" "), sets };

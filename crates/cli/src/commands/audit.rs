@@ -51,7 +51,7 @@ pub(crate) struct AuditArgs {
     pub(crate) sets: SetsArgs,
     #[arg(
         help = format!(
-            "Number of realizations, at least {MIN_REALIZATIONS} [default: {REALIZATIONS}; of a file with that minimum, each set once]"
+            "Number of realizations, at least {MIN_REALIZATIONS} [default: {REALIZATIONS}; of a file with several sets, each set once]"
         ),
         short = 'm',
         long,
@@ -97,10 +97,7 @@ impl Source {
     fn given_sets(&self, realizations: Option<u64>) -> Option<&[PointSet]> {
         let Self::Sampler { sampler, .. } = self else { return None };
         match sampler.distribution() {
-            SetDistribution::OneOf(sets) => {
-                let are_enough = realizations.is_none() && sets.len() as u64 >= MIN_REALIZATIONS;
-                are_enough.then_some(sets)
-            }
+            SetDistribution::OneOf(sets) if sets.len() > 1 && realizations.is_none() => Some(sets),
             _ => None,
         }
     }
@@ -181,20 +178,30 @@ fn check_settings(args: &AuditArgs, domain: Domain) -> Result<(), CliError> {
 fn source(args: &AuditArgs, domain: Domain, global: &Global) -> Result<Source, CliError> {
     let Some(name) = &args.sets.sampler.sampler else {
         let sets = FileSets::read(&args.sets.files, domain, global.quiet)?;
-        if sets.count() < MIN_REALIZATIONS {
-            return Err(CliError::Failed(format!(
-                "an audit needs at least {MIN_REALIZATIONS} sets, each a realization; {} has {}",
-                sets.name(),
-                sets.count()
-            )));
-        }
+        check_sets(sets.name(), sets.count())?;
         return Ok(Source::Files(sets));
     };
     let (n, nearest) = (args.sets.count.count, args.sets.nearest.nearest);
     let (pattern, sampler) = patterns::sampler_of(name, n, domain, nearest, global.quiet)?;
+    // A single set is a pattern that is not random; a few are not the ensemble that they come from.
+    if let SetDistribution::OneOf(sets) = sampler.distribution()
+        && sets.len() > 1
+    {
+        check_sets(&pattern.label(), sets.len() as u64)?;
+    }
     let group = pattern.stream_group(sampler.n_points());
     let streams = Streams::new(global.seed, Purpose::Pattern, group);
     Ok(Source::Sampler { name: pattern.to_string(), sampler, streams })
+}
+
+/// Rejects a file with too few sets.
+fn check_sets(name: &str, count: u64) -> Result<(), CliError> {
+    if count < MIN_REALIZATIONS {
+        return Err(CliError::Failed(format!(
+            "an audit needs at least {MIN_REALIZATIONS} sets, each a realization; {name} has {count}"
+        )));
+    }
+    Ok(())
 }
 
 /// The settings that all audits of a run share.

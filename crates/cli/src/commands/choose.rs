@@ -37,7 +37,7 @@ rotations of the pattern. Predictions come from spectra, in closed form or estim
 known to 2 %; they are those of variance and compare. Predictions that serve only to fit rates are \
 known to about 6 %. With --error, expensive patterns are not tried with more than 4 times the points of the best. \
 Patterns for which predictions are too expensive at the requested N are extrapolated by their rate, as column basis \
-states. For step and blue the best alpha is chosen. \
+states. Where step or blue with another alpha would be better than all other samplers, it is shown with that alpha. \
 The seconds per set are measured on one core, the median of up to five.";
 
 /// A default sampler is omitted if a single prediction takes more work than this number of budgets.

@@ -149,7 +149,11 @@ pub(crate) fn run(args: &WeightsArgs, global: &Global) -> Result<(), CliError> {
     } else if to_stdout {
         Ok(())
     } else {
-        print(&body.text())
+        let mut text = body.text();
+        if args.out.is_none() {
+            text += "\n-o FILE writes the points with their weights.\n";
+        }
+        print(&text)
     }
 }
 
