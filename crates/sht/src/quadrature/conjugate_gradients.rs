@@ -3,13 +3,13 @@ use std::ops::ControlFlow;
 use sphvar_sh::Alm;
 
 use super::QuadratureError;
-use super::harmonics::{Harmonics, add, dot};
+use super::harmonics::{add, dot};
+use super::normal_matrix::NormalMatrix;
 use super::ritz::extreme_eigenvalues;
 
-/// The system `(B D B^T + shift I) x = b`, where D keeps the active points.
-pub(super) struct System<'s> {
-    /// The points that count; all if `None`.
-    pub(super) active: Option<&'s [bool]>,
+/// The system `(B D B^T + shift I) x = b`.
+pub(super) struct System<'s, 'p> {
+    pub(super) matrix: &'s mut NormalMatrix<'p>,
     pub(super) shift: f64,
 }
 
@@ -25,23 +25,22 @@ pub(super) struct Solution {
 /// Called once per iteration; `Break` stops the work.
 pub(super) type Watch<'w> = &'w mut dyn FnMut() -> ControlFlow<()>;
 
-impl System<'_> {
+impl System<'_, '_> {
     /// Solves the system by conjugate gradients (Hestenes and Stiefel 1952) until the residual has
     /// the norm `tolerance` or for `max_iterations`.
     ///
     /// The coefficients of the iteration are the entries of the tridiagonal matrix of Lanczos (Golub and
     /// Van Loan 2013, section 11.3.5), whose extreme eigenvalues approximate those of the system.
     pub(super) fn solve(
-        &self,
-        harmonics: &mut Harmonics<'_>,
+        &mut self,
         b: &Alm,
         tolerance: f64,
         max_iterations: usize,
         watch: Watch<'_>,
     ) -> Result<Solution, QuadratureError> {
-        let mut x = harmonics.zeros()?;
-        let (mut residual, mut direction, mut image) = (b.clone(), b.clone(), harmonics.zeros()?);
-        let mut values = vec![0.0; harmonics.n_points()];
+        let mut x = Alm::zeros(b.lmax())?;
+        let mut image = x.clone();
+        let (mut residual, mut direction) = (b.clone(), b.clone());
         let mut square = dot(b, b);
         let (mut diagonal, mut off_diagonal) = (Vec::new(), Vec::new());
         let (mut iterations, mut carried) = (0, 0.0);
@@ -49,18 +48,9 @@ impl System<'_> {
             if watch().is_break() {
                 return Err(QuadratureError::Stopped);
             }
-            harmonics.values(&direction, &mut values);
-            if let Some(active) = self.active {
-                for (value, active) in values.iter_mut().zip(active) {
-                    *value = if *active { *value } else { 0.0 };
-                }
-            }
-            harmonics.coefficients(&values, &mut image);
-            let curvature = values.iter().map(|v| v * v).sum::<f64>()
-                + self.shift * dot(&direction, &direction);
-            if self.shift > 0.0 {
-                add(&mut image, self.shift, &direction);
-            }
+            self.matrix.apply(&direction, &mut image);
+            add(&mut image, self.shift, &direction);
+            let curvature = dot(&direction, &image);
             // A direction without values at the points cannot reduce the residual.
             let is_positive = curvature > 0.0;
             if !is_positive {

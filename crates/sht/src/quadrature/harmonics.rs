@@ -41,14 +41,20 @@ impl<'a> Harmonics<'a> {
         let set = (self.points, Some(weights));
         let outs = std::slice::from_mut(out);
         self.transform.adjoint_batch_into(&[set], &mut self.workspace, outs);
-        // Coefficients of real functions; the fast transform leaves rounding errors, on which synthesis does
-        // not depend, so that no iteration could reduce them.
-        out.column_mut(0).iter_mut().for_each(|a| a.im = 0.0);
-        for m in 0..=self.lmax {
-            for (l, a) in (m..).zip(out.column_mut(m)) {
-                if !self.domain.has_degree(l) {
-                    *a = Complex::ZERO;
-                }
+        project(self.domain, out);
+    }
+}
+
+/// Removes what coefficients of a real function on the domain do not have: the imaginary parts of order 0,
+/// and degrees that the domain lacks.
+pub(super) fn project(domain: Domain, alm: &mut Alm) {
+    // Transforms leave rounding errors there, on which synthesis does not depend, so that no
+    // iteration could reduce them.
+    alm.column_mut(0).iter_mut().for_each(|a| a.im = 0.0);
+    for m in 0..=alm.lmax() {
+        for (l, a) in (m..).zip(alm.column_mut(m)) {
+            if !domain.has_degree(l) {
+                *a = Complex::ZERO;
             }
         }
     }

@@ -2,6 +2,7 @@ use sphvar_sh::Alm;
 
 use super::conjugate_gradients::{System, Watch};
 use super::harmonics::{Harmonics, add, dot};
+use super::normal_matrix::NormalMatrix;
 use super::{QuadratureError, QuadratureProblem};
 
 /// The largest number of passes; two reach the accuracy of the transforms.
@@ -25,10 +26,12 @@ pub(super) struct LeastNorm {
 /// rounding errors that the residual of the first has accumulated.
 pub(super) fn least_norm(
     harmonics: &mut Harmonics<'_>,
+    matrix: &mut NormalMatrix<'_>,
     b: &Alm,
     watch: Watch<'_>,
 ) -> Result<LeastNorm, QuadratureError> {
-    let system = System { active: None, shift: 0.0 };
+    matrix.set_factors(None);
+    let mut system = System { matrix, shift: 0.0 };
     let target = TOLERANCE * dot(b, b).sqrt();
     let mut best = LeastNorm {
         weights: vec![0.0; harmonics.n_points()],
@@ -40,7 +43,7 @@ pub(super) fn least_norm(
     let (mut residual, mut size) = (b.clone(), f64::INFINITY);
     for pass in 0..MAX_PASSES {
         let n_left = QuadratureProblem::MAX_ITERATIONS - best.iterations;
-        let step = system.solve(harmonics, &residual, target, n_left, watch)?;
+        let step = system.solve(&residual, target, n_left, watch)?;
         best.iterations += step.iterations;
         if let (0, Some((least, largest))) = (pass, step.eigenvalues) {
             best.condition = if least > 0.0 { (largest / least).sqrt() } else { f64::INFINITY };

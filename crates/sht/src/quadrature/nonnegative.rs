@@ -3,6 +3,7 @@ use sphvar_sh::Alm;
 use super::QuadratureError;
 use super::conjugate_gradients::{System, Watch};
 use super::harmonics::{Harmonics, add, dot};
+use super::normal_matrix::NormalMatrix;
 
 /// The largest number of Newton steps; a dozen suffice where weights exist.
 const MAX_STEPS: usize = 100;
@@ -29,6 +30,7 @@ const WHOLE_STEPS: f64 = 1e-6;
 /// none.
 pub(super) fn nonnegative(
     harmonics: &mut Harmonics<'_>,
+    matrix: &mut NormalMatrix<'_>,
     b: &Alm,
     mut multipliers: Alm,
     (degree, n_harmonics): (usize, usize),
@@ -64,8 +66,7 @@ pub(super) fn nonnegative(
         if dual > 0.5 * sum * sum * (1.0 + 1e-9) {
             return Err(QuadratureError::NoNonnegative { degree });
         }
-        let active: Vec<bool> = values.iter().map(|v| *v > 0.0).collect();
-        let n_active = active.iter().filter(|a| **a).count();
+        let n_active = values.iter().filter(|v| **v > 0.0).count();
         n_deficient = if n_active < n_harmonics { n_deficient + 1 } else { 0 };
         if n_deficient >= MAX_DEFICIENT_STEPS {
             break;
@@ -74,9 +75,12 @@ pub(super) fn nonnegative(
         // The mean of the diagonal of B D B^T is the number of active points over 4 pi.
         let diagonal = n_active.max(1) as f64 / (4.0 * std::f64::consts::PI);
         let shift = SHIFT * diagonal * relative.min(0.1).powi(2).max(1e-16);
-        let system = System { active: Some(&active), shift };
+        // The slope of max(v, 0).
+        let active: Vec<f64> = values.iter().map(|v| f64::from(u8::from(*v > 0.0))).collect();
+        matrix.set_factors(Some(&active));
+        let mut system = System { matrix, shift };
         let tolerance = residual * relative.clamp(1e-9, 0.01);
-        let step = system.solve(harmonics, &gradient, tolerance, MAX_ITERATIONS, watch)?;
+        let step = system.solve(&gradient, tolerance, MAX_ITERATIONS, watch)?;
         iterations += step.iterations;
         harmonics.values(&step.x, &mut changes);
         let slope = dot(&gradient, &step.x);
