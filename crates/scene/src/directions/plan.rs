@@ -91,7 +91,8 @@ impl DirectionPlan {
     /// Returns the valid number of directions of the pattern nearest to `requested`: a valid count
     /// on the hemisphere, or half of one on the sphere, rounded up.
     ///
-    /// For patterns other than point files these are the same numbers.
+    /// Both are the same numbers for most patterns. They differ for point files and for
+    /// `mcewen-wiaux`, whose nodes have no antipodal symmetry.
     #[must_use]
     pub fn nearest_count(pattern: &Pattern, requested: usize, mode: DirectionMode) -> usize {
         match mode.domain() {

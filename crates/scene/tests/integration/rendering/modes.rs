@@ -212,11 +212,18 @@ fn numbers_of_directions() {
         assert!(matches!(error, Err(Error::Sampler(_))), "{n}: {error:?}");
     }
     for mode in DirectionMode::ALL {
-        // A number of directions that is valid in one mode is valid in all.
+        // The nearest count is one that a plan accepts, also for rules with an odd number of nodes on
+        // the sphere.
         for pattern in Pattern::ALL {
-            let n = DirectionPlan::nearest_count(&pattern, 100, mode);
-            let plan = DirectionPlan::new(pattern.clone(), n, mode, 0);
-            assert!(plan.is_ok(), "{pattern} {mode}: {:?}", plan.err());
+            for requested in 0..=130 {
+                let n = DirectionPlan::nearest_count(&pattern, requested, mode);
+                let plan = DirectionPlan::new(pattern.clone(), n, mode, 0)
+                    .unwrap_or_else(|error| panic!("{pattern} {mode} {requested}: {error}"));
+                let expected = mode.set_points(n);
+                assert!([expected, expected - 1].contains(&plan.set_points()), "{pattern} {mode}");
+                let again = DirectionPlan::nearest_count(&pattern, n, mode);
+                assert_eq!(again, n, "{pattern} {mode} {requested}");
+            }
         }
         let error = DirectionPlan::new(Pattern::Jittered, 100, mode, 0).unwrap_err();
         assert!(matches!(error, Error::Sampler(_)), "{error}");
