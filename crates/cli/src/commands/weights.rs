@@ -87,7 +87,7 @@ pub(crate) struct WeightsBody {
     n_effective: f64,
     /// The largest degree up to which the residual is at most 1e-11.
     exact_degree: usize,
-    /// The number of iterations, each a pair of transforms.
+    /// The number of iterations of conjugate gradients.
     iterations: usize,
     /// The weights in the order of the points, unless they are written to a file.
     #[serde(skip_serializing_if = "Option::is_none")]
