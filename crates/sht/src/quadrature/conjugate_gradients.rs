@@ -22,6 +22,17 @@ pub(super) struct Solution {
     pub(super) eigenvalues: Option<(f64, f64)>,
 }
 
+impl Solution {
+    /// Returns the condition number of a factor of the system matrix, estimated from within.
+    pub(super) fn condition(&self) -> f64 {
+        match self.eigenvalues {
+            Some((smallest, largest)) if smallest > 0.0 => (largest / smallest).sqrt(),
+            Some(_) => f64::INFINITY,
+            None => 1.0,
+        }
+    }
+}
+
 /// Called once per iteration; `Break` stops the work.
 pub(super) type Watch<'w> = &'w mut dyn FnMut() -> ControlFlow<()>;
 

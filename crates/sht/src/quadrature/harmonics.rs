@@ -26,6 +26,10 @@ impl<'a> Harmonics<'a> {
         self.points.len()
     }
 
+    pub(super) fn domain(&self) -> Domain {
+        self.domain
+    }
+
     pub(super) fn zeros(&self) -> Result<Alm, Error> {
         Alm::zeros(self.lmax)
     }

@@ -1,7 +1,8 @@
+use num_complex::Complex;
 use sphvar_sh::Alm;
 
 use super::conjugate_gradients::{System, Watch};
-use super::harmonics::{Harmonics, add, dot};
+use super::harmonics::{Harmonics, add, dot, project};
 use super::normal_matrix::NormalMatrix;
 use super::{QuadratureError, QuadratureProblem};
 
@@ -9,6 +10,9 @@ use super::{QuadratureError, QuadratureProblem};
 const MAX_PASSES: usize = 4;
 /// The residual at which the iteration ends, relative to the right-hand side: that of the transforms.
 const TOLERANCE: f64 = 1e-14;
+
+/// The fractional part of the golden ratio, whose multiples are evenly distributed modulo 1.
+const GOLDEN: f64 = 0.618_033_988_749_894_9;
 
 /// The minimizer of `|w|` subject to `B w = b`.
 pub(super) struct LeastNorm {
@@ -45,8 +49,8 @@ pub(super) fn least_norm(
         let n_left = QuadratureProblem::MAX_ITERATIONS - best.iterations;
         let step = system.solve(&residual, target, n_left, watch)?;
         best.iterations += step.iterations;
-        if let (0, Some((least, largest))) = (pass, step.eigenvalues) {
-            best.condition = if least > 0.0 { (largest / least).sqrt() } else { f64::INFINITY };
+        if pass == 0 {
+            best.condition = step.condition();
         }
         let (mut multipliers, mut weights) = (best.multipliers.clone(), best.weights.clone());
         let mut sums = harmonics.zeros()?;
@@ -68,4 +72,26 @@ pub(super) fn least_norm(
         }
     }
     Ok(best)
+}
+
+/// Returns the condition number of B, from within, by iterations from coefficients that contain all
+/// directions: a constant function does not reach those that a symmetric set keeps apart from it.
+pub(super) fn condition_number(
+    harmonics: &Harmonics<'_>,
+    matrix: &mut NormalMatrix<'_>,
+    watch: Watch<'_>,
+) -> Result<f64, QuadratureError> {
+    /// The residual at which the iteration ends, relative to its start.
+    const TOLERANCE: f64 = 1e-10;
+    matrix.set_factors(None);
+    let mut start = harmonics.zeros()?;
+    let mut fractions = (1..).map(|k| (f64::from(k) * GOLDEN).fract() - 0.5);
+    for a in start.values_mut() {
+        *a = Complex::new(fractions.next().unwrap_or(0.5), fractions.next().unwrap_or(0.5));
+    }
+    project(harmonics.domain(), &mut start);
+    let target = TOLERANCE * dot(&start, &start).sqrt();
+    let mut system = System { matrix, shift: 0.0 };
+    let solution = system.solve(&start, target, QuadratureProblem::MAX_ITERATIONS, watch)?;
+    Ok(solution.condition())
 }

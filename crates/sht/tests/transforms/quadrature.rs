@@ -110,9 +110,9 @@ fn weights_of_least_norm_match_the_pseudoinverse() {
             assert!((w - e).abs() < tolerance, "{name}: {w}, not {e}; condition {condition}");
         }
         assert!(got.residual < 1e-13, "{name}: {:e}", got.residual);
-        // Lanczos approximates from within; symmetric sets do not reach all directions.
-        assert!(got.condition < condition * (1.0 + 1e-6), "{name}: {} {condition}", got.condition);
-        assert!(name == "antipodal" || got.condition > 0.9 * condition, "{name}");
+        // Lanczos approximates from within.
+        let ratio = got.condition / condition;
+        assert!((1.0 - 1e-3..1.0 + 1e-6).contains(&ratio), "{name}: {} {condition}", got.condition);
         assert!(got.exact_degree >= degree, "{name}: {}", got.exact_degree);
     }
 }
@@ -282,7 +282,7 @@ fn many_points_converge_with_the_fast_transform() {
     let eigenvalues = (&matrix * matrix.transpose()).symmetric_eigenvalues();
     let condition = (eigenvalues.max() / eigenvalues.min()).sqrt();
     let ratio = got.condition / condition;
-    assert!(condition > 1.5 && (0.95..1.0 + 1e-6).contains(&ratio), "{condition}: {ratio}");
+    assert!(condition > 1.5 && (1.0 - 1e-3..1.0 + 1e-6).contains(&ratio), "{condition}: {ratio}");
     let apart = spread(3000);
     let got = solve(&apart, Domain::Sphere, WeightSigns::Nonnegative, 40).unwrap();
     assert!(got.residual < 1e-13 && got.weights.iter().all(|w| *w >= 0.0), "{:e}", got.residual);
