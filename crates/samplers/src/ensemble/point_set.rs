@@ -96,7 +96,8 @@ impl PointSet {
     }
 
     /// Returns `(sum w)^2/sum w^2`, the number of equally weighted points with the same noise: N
-    /// for equal weights, 0 if the weights sum to 0.
+    /// for equal weights, 0 if the weights sum to 0 within the rounding of each,
+    /// `|sum w| <= EPSILON sum |w|`.
     ///
     /// The result does not depend on the scale of the weights, whatever their magnitude.
     #[must_use]
@@ -107,7 +108,8 @@ impl PointSet {
         let scale = weight_scale(&self.weights);
         let scaled = || self.weights.iter().map(|w| scale.apply(*w));
         let squares = compensated_sum(scaled().map(|w| w * w));
-        if squares > 0.0 { compensated_sum(scaled()).powi(2) / squares } else { 0.0 }
+        let (sum, magnitude) = (compensated_sum(scaled()), compensated_sum(scaled().map(f64::abs)));
+        if sum.abs() > f64::EPSILON * magnitude { sum.powi(2) / squares } else { 0.0 }
     }
 
     /// Returns `sum w` and `sum w^2`, with w = 1 for equal weights. They overflow or underflow for
@@ -227,7 +229,11 @@ mod tests {
         assert!((tenths.n_effective() - 1e6).abs() < 1e-9, "{}", tenths.n_effective());
         let (sum, squares) = tenths.weight_sums();
         assert!((sum - 1e5).abs() < 1e-10 && (squares - 1e4).abs() < 1e-11, "{sum}, {squares}");
-        assert!(weighted(vec![0.0; 3]).n_effective().abs() <= 0.0);
+        for zero in [vec![0.0; 3], vec![0.1, 0.2, -0.3], vec![0.1, 0.7, -0.8], vec![1e300, -1e300]]
+        {
+            assert!(weighted(zero.clone()).n_effective().abs() <= 0.0, "{zero:?}");
+        }
+        assert!(weighted(vec![1.0, -1.0 + 4.0 * f64::EPSILON]).n_effective() > 0.0);
         assert!(PointSet::default().mean(&[]).is_nan());
     }
 }

@@ -7,7 +7,6 @@ mod source;
 mod text;
 
 use clap::Args;
-use sphvar_grammar::Spec;
 use sphvar_spectrum::quality::Quality;
 
 pub(crate) use self::record::QualityBody;
@@ -87,11 +86,7 @@ pub(crate) fn run(args: &QualityArgs, global: &Global) -> Result<(), CliError> {
     for &degree in degrees.unwrap_or_default() {
         check_degree("--lmax", degree)?;
     }
-    let sources = Spec::parse_list(&args.samplers.required()?)?
-        .iter()
-        .map(|spec| Source::all(&spec.text, args, global))
-        .collect::<Result<Vec<_>, _>>()?;
-    let sources: Vec<Source> = sources.into_iter().flatten().collect();
+    let sources = Source::all(&args.samplers.required()?, args, global)?;
 
     let work = sources.iter().map(|s| s.count as f64 * s.sampler.nominal_work()).sum();
     let progress = Progress::new(work, global.quiet);

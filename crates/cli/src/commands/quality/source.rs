@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use sphvar_grammar::{Spec, quote};
 use sphvar_samplers::{
     Domain, Ensemble, PointSet, Purpose, Realizations, Sampler, SetDistribution, Streams,
 };
@@ -25,19 +26,24 @@ pub(super) struct Source {
 }
 
 impl Source {
-    /// Returns the sources that a text names: one, or all patterns.
+    /// Returns the sources of a list of samplers and of files that exist.
     pub(super) fn all(
-        text: &str,
+        list: &str,
         args: &QualityArgs,
         global: &Global,
     ) -> Result<Vec<Self>, CliError> {
         let (domain, nearest) = (args.domain.domain(), args.nearest.nearest);
-        // An existing file needs no `file:`.
-        let text = match Path::new(text).is_file() {
-            true => format!("file:{}", sphvar_grammar::quote(text)),
-            false => text.to_owned(),
-        };
-        let patterns = patterns::parse_patterns(&text, global.quiet)?;
+        let specs = Spec::parse_list(list)?;
+        let texts: Vec<String> = specs
+            .into_iter()
+            .map(|spec| match Path::new(&spec.text).is_file() {
+                // An existing file needs no `file:`.
+                true => format!("file:{}", quote(&spec.text)),
+                false => spec.text,
+            })
+            .collect();
+        // Together, so that files of the same name have different labels.
+        let patterns = patterns::parse_patterns(&texts.join(","), global.quiet)?;
         let sources = patterns.into_iter().map(|pattern| {
             let n = args.count.count;
             let sampler = patterns::nearest_sampler(&pattern, n, domain, nearest, global.quiet)?;
