@@ -62,9 +62,15 @@ fn one_pair_is_one_pair() {
     place.write("one.csv", "x,y,z\n0,0,1\n");
     let run = "spectrum --points one.csv --lmax 4 --pairs --bins 3 --json";
     let document = place.run(run).json();
-    let k = document["pairs"]["k"].as_array().unwrap().clone();
-    assert!(k.iter().all(serde_json::Value::is_null), "{k:?}");
+    for key in ["k", "k_stderr", "l", "stderr"] {
+        let values = document["pairs"][key].as_array().unwrap().clone();
+        assert!(values.iter().all(serde_json::Value::is_null), "{key}: {values:?}");
+    }
+    // Bins in which no realization has a pair have no error.
+    let run = "spectrum white-noise -n 20 -m 10 --pairs --max-angle 1e-9 --bins 2 --json";
+    let document = place.run(run).json();
     assert!(numbers(&document["pairs"]["g"]).iter().all(|g| *g == 0.0));
+    assert!(document["pairs"]["stderr"].as_array().unwrap().iter().all(serde_json::Value::is_null));
 }
 
 #[test]

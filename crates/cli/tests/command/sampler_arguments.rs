@@ -37,6 +37,7 @@ fn numbers_of_points_are_lists_ranges_and_powers() {
 }
 
 #[test]
+#[ignore = "slow"]
 fn all_selects_every_sampler() {
     let place = Workplace::new();
     let list = place.run("list samplers --json").json();
@@ -62,6 +63,7 @@ fn the_default_comparison_needs_no_file() {
 }
 
 #[test]
+#[ignore = "slow"]
 fn help_states_the_default_samplers_of_a_comparison() {
     let place = Workplace::new();
     let help = place.run("compare --help").ok().stdout;
@@ -86,6 +88,7 @@ fn help_states_the_default_samplers_of_a_comparison() {
 /// Samplers are arguments or the value of a flag, separated by commas or spaces; all notations have
 /// the same result.
 #[test]
+#[ignore = "slow"]
 fn samplers_are_arguments_or_a_flag() {
     let place = Workplace::new();
     for (command, more) in [
@@ -126,6 +129,7 @@ fn samplers_are_arguments_or_a_flag() {
 /// Without -m, expensive samplers have fewer trials than inexpensive ones; predictions do not
 /// depend on that number.
 #[test]
+#[ignore = "slow"]
 fn default_trials_follow_from_the_cost_of_a_set() {
     let place = Workplace::new();
     let arguments = "variance white-noise,step -n 300 --integrand ylm:l=1 --json";

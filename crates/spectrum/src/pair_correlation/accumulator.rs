@@ -84,7 +84,7 @@ pub struct PairCorrelation {
     pub realizations: u64,
     /// The mean of the pair correlation over each bin, `rho_2/rho^2`.
     pub g: Vec<f64>,
-    /// The standard errors of `g`.
+    /// The standard errors of `g`; NaN where no realization has a pair.
     pub g_stderr: Vec<f64>,
     /// The standard deviation of `g` for the same number of independent uniform points in as many
     /// realizations. Pairs of such points are independent of each other, so that it is exact.
@@ -98,7 +98,7 @@ pub struct PairCorrelation {
     pub smoothing_width: f64,
     /// Ripley's K at the upper edge of each bin.
     pub k: Vec<f64>,
-    /// The standard errors of `k`.
+    /// The standard errors of `k`; NaN where no realization has a pair.
     pub k_stderr: Vec<f64>,
     /// The standard deviation of `k` for independent uniform points, as of `g`.
     pub k_uniform_stderr: Vec<f64>,
@@ -161,7 +161,7 @@ impl<'a> PairCorrelationAccumulator<'a> {
         let domain = self.bins.domain();
         let means = |all: &[Moments]| all.iter().map(Moments::mean).collect::<Vec<f64>>();
         let errors = |all: &[Moments]| all.iter().map(Moments::standard_error).collect();
-        let (k, k_stderr): (_, Vec<f64>) = (means(&self.k), errors(&self.k));
+        let (k, k_stderr) = (means(&self.k), errors_of_counts(&self.k));
         let l: Vec<f64> = k.iter().map(|&k| cap_radius(k, domain)).collect();
         let tau = std::f64::consts::TAU;
         // dK = 2 pi sin(L) dL
@@ -180,7 +180,7 @@ impl<'a> PairCorrelationAccumulator<'a> {
             bins: self.bins,
             realizations,
             g: means(&self.g),
-            g_stderr: errors(&self.g),
+            g_stderr: errors_of_counts(&self.g),
             g_uniform_stderr: of_g.collect(),
             g_smooth: means(&self.g_smooth),
             g_smooth_stderr: errors(&self.g_smooth),
@@ -201,14 +201,25 @@ impl PairCorrelation {
     /// sake or differs between realizations by rotations only.
     #[must_use]
     pub fn into_exact(mut self) -> Self {
-        for errors in
-            [&mut self.g_stderr, &mut self.g_smooth_stderr, &mut self.k_stderr, &mut self.l_stderr]
-        {
-            errors.fill(0.0);
+        let of = |value: f64| if value.is_nan() { f64::NAN } else { 0.0 };
+        for (errors, values) in [
+            (&mut self.g_stderr, &self.g),
+            (&mut self.g_smooth_stderr, &self.g_smooth),
+            (&mut self.k_stderr, &self.k),
+            (&mut self.l_stderr, &self.l),
+        ] {
+            *errors = values.iter().map(|&value| of(value)).collect();
         }
-        self.sum_rule_stderr = 0.0;
+        self.sum_rule_stderr = of(self.sum_rule);
         self
     }
+}
+
+/// Returns the standard errors of numbers of pairs; NaN where all realizations agree in having none,
+/// which does not show how often one occurs.
+pub(super) fn errors_of_counts(all: &[Moments]) -> Vec<f64> {
+    let error = |m: &Moments| Some(m.standard_error()).filter(|&e| e > 0.0 || m.mean() > 0.0);
+    all.iter().map(|m| error(m).unwrap_or(f64::NAN)).collect()
 }
 
 /// Returns the angular radius of the cap (on the hemisphere, of lines) of area `k`; NaN if there is

@@ -1,6 +1,7 @@
 use glam::DVec3;
 use sphvar_samplers::{PointSet, Progress};
 
+use super::accumulator::errors_of_counts;
 use super::angle_bins::{AngleBins, angle_of_chord};
 use super::near_pairs::{NearPairs, Pair};
 use crate::{Accumulator, Error, Moments, Realization};
@@ -77,7 +78,8 @@ pub struct Differentials {
     /// density this is the pair correlation. The error of the constant density is of second order
     /// in the relative change of density over the angle u.
     pub g: Vec<f64>,
-    /// The standard errors of `g`; NaN for a single realization.
+    /// The standard errors of `g`; NaN for a single realization, and where none
+    /// has a pair.
     pub g_stderr: Vec<f64>,
 }
 
@@ -110,7 +112,7 @@ impl<'a> DifferentialAccumulator<'a> {
             bins: self.bins,
             realizations,
             g: self.g.iter().map(Moments::mean).collect(),
-            g_stderr: self.g.iter().map(Moments::standard_error).collect(),
+            g_stderr: errors_of_counts(&self.g),
         })
     }
 
