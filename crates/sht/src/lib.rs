@@ -61,6 +61,7 @@ pub use exact::{ExactTransform, ExactWorkspace};
 pub use fast::{FastTransform, FastWorkspace};
 pub use quadrature::{
     QuadratureError, QuadratureProblem, QuadratureWeights, WeightSigns, exact_degree,
+    extreme_eigenvalues,
 };
 pub use rings::{RingTransform, RingWorkspace};
 pub use sphvar_sh::Error;

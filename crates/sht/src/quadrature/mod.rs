@@ -17,6 +17,7 @@ use self::harmonics::Harmonics;
 use self::least_norm::{condition_number, least_norm};
 use self::nonnegative::nonnegative;
 use self::normal_matrix::NormalMatrix;
+pub use self::ritz::extreme_eigenvalues;
 
 /// The weights of a problem that are computed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -2,8 +2,14 @@
 /// on the number of negative pivots (Golub and Van Loan 2013, section 8.4.1); `None` if it is
 /// empty.
 ///
-/// `off_diagonal` has at least one entry fewer than `diagonal`; further ones are ignored.
-pub(super) fn extreme_eigenvalues(diagonal: &[f64], off_diagonal: &[f64]) -> Option<(f64, f64)> {
+/// `off_diagonal` has one entry fewer than `diagonal`; further ones are ignored. The error is the
+/// rounding of the largest magnitude.
+///
+/// # Panics
+///
+/// Panics if `off_diagonal` is shorter.
+#[must_use]
+pub fn extreme_eigenvalues(diagonal: &[f64], off_diagonal: &[f64]) -> Option<(f64, f64)> {
     let n = diagonal.len();
     let n_off = n.checked_sub(1)?;
     let off_diagonal = &off_diagonal[..n_off];

@@ -1,3 +1,5 @@
+use sphvar_sht::extreme_eigenvalues;
+
 /// A symmetric tridiagonal matrix that grows by the steps of the Lanczos method.
 #[derive(Debug, Default)]
 pub(super) struct Tridiagonal {
@@ -17,45 +19,9 @@ impl Tridiagonal {
         self.diagonal.iter().fold(0.0, |max, d| d.abs().max(max))
     }
 
-    /// Returns the smallest and the largest eigenvalue by bisection.
+    /// Returns the smallest and the largest eigenvalue; 0 of an empty matrix.
     pub(super) fn extremes(&self) -> (f64, f64) {
-        let inner = &self.coupling[..self.coupling.len().saturating_sub(1)];
-        let radius = |k: usize| {
-            inner.get(k).map_or(0.0, |c| c.abs())
-                + k.checked_sub(1).map_or(0.0, |before| inner[before].abs())
-        };
-        // The disks of Gershgorin.
-        let rows = || self.diagonal.iter().enumerate();
-        let low = rows().map(|(k, d)| d - radius(k)).fold(f64::INFINITY, f64::min);
-        let high = rows().map(|(k, d)| d + radius(k)).fold(f64::NEG_INFINITY, f64::max);
-        let bisect = |is_above: &dyn Fn(f64) -> bool| {
-            let (mut low, mut high) = (low, high);
-            // To rounding of the larger end, with which the matrix is known.
-            for _ in 0..60 {
-                let middle = 0.5 * (low + high);
-                if is_above(middle) { high = middle } else { low = middle }
-            }
-            0.5 * (low + high)
-        };
-        let smallest = bisect(&|x| self.n_below(x) > 0);
-        let largest = bisect(&|x| self.n_below(x) == self.diagonal.len());
-        (smallest, largest)
-    }
-
-    /// Returns the number of eigenvalues below `x` (Sturm).
-    fn n_below(&self, x: f64) -> usize {
-        let mut pivot = 1.0;
-        let mut before = 0.0;
-        let mut count = 0;
-        for (d, c) in self.diagonal.iter().zip(&self.coupling) {
-            pivot = d - x - before * before / pivot;
-            if pivot == 0.0 {
-                pivot = -f64::MIN_POSITIVE;
-            }
-            count += usize::from(pivot < 0.0);
-            before = *c;
-        }
-        count
+        extreme_eigenvalues(&self.diagonal, &self.coupling).unwrap_or_default()
     }
 
     /// Returns a bound on the distance from an extreme eigenvalue to one of the matrix that the
