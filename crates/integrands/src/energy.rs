@@ -1,6 +1,6 @@
 use sphvar_sh::{Bands, ByParity, Domain};
 
-use crate::Error;
+use crate::{EnergyErrors, Error};
 
 /// The energy of a function per band (on the sphere per degree, `E(l) = sum_m |F_lm|^2`) and in
 /// total.
@@ -10,11 +10,15 @@ use crate::Error;
 ///
 /// The total is stored separately for the mean (band 0), the even bands beyond it and the odd
 /// bands, because the mean power of a point set may differ between high even and high odd degrees.
+///
+/// Energies are exact to rounding unless they carry [`errors`](Self::errors), which predictions add
+/// to their standard error.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Energy<B = Domain> {
     bands: B,
     per_band: Vec<f64>,
     centred: ByParity,
+    errors: Option<EnergyErrors>,
 }
 
 impl<B: Bands> Energy<B> {
@@ -28,7 +32,70 @@ impl<B: Bands> Energy<B> {
     #[must_use]
     pub fn new(bands: B, per_band: Vec<f64>, centred: ByParity) -> Self {
         assert!(!per_band.is_empty(), "the energy of band 0 is always there");
-        Self { bands, per_band, centred }
+        Self { bands, per_band, centred, errors: None }
+    }
+
+    /// Returns the energy with the standard errors of the bands from 0, which are independent, and
+    /// those of the totals of the even bands from 1 and of the odd bands, `sqrt(sum e^2)` over all
+    /// bands of the parity.
+    ///
+    /// # Panics
+    ///
+    /// Panics if there are not as many errors as bands.
+    #[must_use]
+    pub fn with_stderr(self, per_band: Vec<f64>, centred: ByParity) -> Self {
+        self.with_errors(per_band, centred, true)
+    }
+
+    /// Returns the energy with bounds of the errors of the bands from 0 and of the totals, all of
+    /// which may have the same sign.
+    ///
+    /// # Panics
+    ///
+    /// Panics if there are not as many bounds as bands.
+    #[must_use]
+    pub fn with_error_bounds(self, per_band: Vec<f64>, centred: ByParity) -> Self {
+        self.with_errors(per_band, centred, false)
+    }
+
+    fn with_errors(self, per_band: Vec<f64>, centred: ByParity, independent: bool) -> Self {
+        assert_eq!(per_band.len(), self.per_band.len(), "every band needs an error");
+        let errors = EnergyErrors::new(&self.bands, per_band, centred, independent);
+        Self { errors: Some(errors), ..self }
+    }
+
+    /// Returns the errors of estimated energies; `None` if the energies are exact to rounding.
+    #[must_use]
+    pub fn errors(&self) -> Option<&EnergyErrors> {
+        self.errors.as_ref()
+    }
+
+    /// Returns the standard errors or error bounds of the bands from 0, if the energies are
+    /// estimated.
+    #[must_use]
+    pub fn per_band_stderr(&self) -> Option<&[f64]> {
+        self.errors.as_ref().map(EnergyErrors::per_band)
+    }
+
+    /// Returns the standard errors or error bounds of the totals, 0 if they are exact to rounding.
+    #[must_use]
+    pub fn centred_stderr(&self) -> ByParity {
+        self.errors.as_ref().map_or(ByParity::both(0.0), EnergyErrors::centred)
+    }
+
+    /// Returns the energy of the function times a factor, with its errors.
+    #[must_use]
+    pub fn of_multiple(&self, factor: f64) -> Self
+    where
+        B: Clone,
+    {
+        let square = factor * factor;
+        Self {
+            bands: self.bands.clone(),
+            per_band: self.per_band.iter().map(|e| square * e).collect(),
+            centred: self.centred.map(|e| square * e),
+            errors: self.errors.as_ref().map(|errors| errors.scaled(square)),
+        }
     }
 
     /// Returns the bands whose energies are known, from band 0.

@@ -12,6 +12,10 @@ use crate::{Coefficients, Energy, Error, Shape, quadrature};
 /// implementations with closed forms override the corresponding methods.
 ///
 /// On the hemisphere F is the even extension of f from z >= 0 to the sphere.
+///
+/// Integrals, coefficients and squares are exact to rounding or errors. Only [`energy`](Self::energy)
+/// may return estimates, with their [`errors`](Energy::errors); a function with such energies has no
+/// coefficients and no shape, so that no sum or product of it loses the errors.
 pub trait Integrand: Sync {
     /// Returns the value at a unit vector; on the hemisphere only vectors with z >= 0 are
     /// evaluated.
@@ -99,7 +103,8 @@ pub trait Integrand: Sync {
         quadrature::kurtosis(&self.shape().ok()?, domain, &|dir| self.eval(dir))
     }
 
-    /// Returns the energy of F per degree up to `lmax`, and the total.
+    /// Returns the energy of F per degree up to `lmax`, and the total; estimated energies may end
+    /// at a lower degree.
     ///
     /// # Errors
     ///

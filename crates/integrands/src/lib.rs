@@ -21,6 +21,7 @@
 mod coefficients;
 mod definition;
 mod energy;
+mod energy_errors;
 mod error;
 mod expression;
 mod functions;
@@ -33,6 +34,7 @@ mod visible_half_integrand;
 pub use coefficients::Coefficients;
 pub use definition::{IntegrandResolver, NoFiles};
 pub use energy::Energy;
+pub use energy_errors::EnergyErrors;
 pub use error::Error;
 pub use expression::{Expression, Factor, Summand};
 pub use functions::*;

@@ -32,6 +32,7 @@ mod degree;
 mod designs;
 mod energy_levels;
 mod error;
+mod error_moments;
 mod fixed_orientation;
 mod known_moments;
 mod measurement;

@@ -1,17 +1,21 @@
 use sphvar_sh::{Bands, ByParity};
 use sphvar_spectrum::{Accumulator, Moments, Realization, Spectrum};
 
+use crate::error_moments::ErrorMoments;
 use crate::student_quantile;
-use sphvar_integrands::Energy;
+use sphvar_integrands::{Energy, EnergyErrors};
 
 /// A variance predicted from spectra, `k sum_{l >= 1} E(l) <P(l)>`, with its uncertainty.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Prediction {
     /// The predicted variance of the estimate of the integral.
     pub variance: f64,
-    /// Its standard error, from that of the pattern's spectrum; 0 if that is exact, NaN if it comes
-    /// from a single realization of a random pattern.
+    /// Its standard error, from those of the pattern's spectrum and of the integrand's energies; 0
+    /// if both are exact, NaN if the spectrum comes from a single realization of a random pattern.
     pub stderr: f64,
+    /// The part of `stderr` due to the errors of the integrand's energies,
+    /// [`EnergyErrors::of_sum`]; 0 if they are exact.
+    pub energy_stderr: f64,
     /// The contribution to `variance` of the degrees beyond the spectrum, where the pattern is
     /// assigned the mean power of the degree's parity, [`Spectrum::tail`]: `k (sum_{even l > lmax}
     /// E(l) P_even + sum_{odd l > lmax} E(l) P_odd)`.
@@ -20,14 +24,14 @@ pub struct Prediction {
     /// deviation from the mean power of their parity in the upper octave of the spectrum; see
     /// [`predict`].
     pub tail_error: f64,
-    /// The degrees of freedom of `stderr`, one less than the number of realizations; infinite for
-    /// an exact spectrum.
+    /// The degrees of freedom of `stderr`: one less than the number of realizations, and with errors
+    /// of energies the effective number of Welch and Satterthwaite; infinite for an exact spectrum.
     pub dof: f64,
 }
 
 impl Prediction {
     /// Returns the end points of an interval for the variance: Student's interval at `confidence`,
-    /// within (0, 1), for the error of the spectrum, widened on both sides by the whole error of
+    /// within (0, 1), for the errors of spectrum and energies, widened on both sides by the whole error of
     /// the tail, and never below 0.
     ///
     /// NaN for a confidence out of range or an unknown error.
@@ -45,6 +49,23 @@ impl Prediction {
     #[must_use]
     pub fn total_stderr(&self) -> f64 {
         self.stderr.hypot(self.tail_error)
+    }
+
+    /// Returns the prediction with the error due to the energies, which is independent of that of
+    /// the spectrum: `stderr^2 = s^2 + e^2`.
+    ///
+    /// The square of s has `dof` degrees of freedom and that of e an infinite number, so that of
+    /// the sum has `(s^2 + e^2)^2/(s^4/dof)` (Welch 1947).
+    fn with_energy_stderr(self, energy_stderr: f64) -> Self {
+        if energy_stderr == 0.0 {
+            return self;
+        }
+        let dof = if self.stderr == 0.0 {
+            f64::INFINITY
+        } else {
+            self.dof * (1.0 + (energy_stderr / self.stderr).powi(2)).powi(2)
+        };
+        Self { stderr: self.stderr.hypot(energy_stderr), energy_stderr, dof, ..self }
     }
 
     fn quantile(&self, p: f64) -> f64 {
@@ -73,7 +94,9 @@ impl Prediction {
 /// itself.
 ///
 /// The standard error treats the errors of different degrees as independent, since a [`Spectrum`]
-/// has only one error per degree. [`PredictionAccumulator`] does not need that assumption.
+/// has only one error per degree. [`PredictionAccumulator`] does not need that assumption. Errors of
+/// the energies add `k` times [`EnergyErrors::of_sum`] of the mean power, independent of the errors
+/// of the spectrum.
 ///
 /// # Panics
 ///
@@ -90,9 +113,13 @@ pub fn predict<B: Bands>(spectrum: &Spectrum<B>, energy: &Energy<B>) -> Predicti
         .windows
         .as_ref()
         .map(|windows| windows.iter().map(|w| w.mean(spectrum.power())).collect::<Vec<f64>>());
-    Prediction {
+    let last = weights.per_band.len().min(spectrum.power().len());
+    let of_sum = |errors: &EnergyErrors| errors.of_sum(&spectrum.power()[..last], spectrum.tail());
+    let energy_error = energy.errors().map_or(0.0, of_sum);
+    let prediction = Prediction {
         variance: scale * weights.apply(spectrum.power(), spectrum.tail()),
         stderr: scale * errors.map(|e| e * e).sum::<f64>().sqrt(),
+        energy_stderr: 0.0,
         tail: scale * weights.tail.dot(spectrum.tail()),
         tail_error: scale * weights.tail_error(&windows, spectrum.tail()),
         dof: if spectrum.is_exact() {
@@ -100,7 +127,10 @@ pub fn predict<B: Bands>(spectrum: &Spectrum<B>, energy: &Energy<B>) -> Predicti
         } else {
             spectrum.realizations().saturating_sub(1) as f64
         },
-    }
+    };
+    let factor = energy.bands().factor(spectrum.n_points());
+    let relative = weights.n_points / spectrum.n_effective();
+    prediction.with_energy_stderr(factor * relative * energy_error)
 }
 
 /// The weights with which an integrand sums a pattern's power:
@@ -233,6 +263,8 @@ pub struct PredictionAccumulator {
     /// Moments of the power beyond the spectrum.
     tail: ByParity<Moments>,
     windows: ByParity<Vec<Moments>>,
+    /// Of estimated energies.
+    errors: Option<ErrorMoments>,
 }
 
 impl PredictionAccumulator {
@@ -242,7 +274,8 @@ impl PredictionAccumulator {
     pub fn new<B: Bands>(energy: &Energy<B>, n_points: usize, last: usize) -> Self {
         let weights = Weights::new(energy, n_points, last);
         let windows = weights.windows.as_ref().map(|w| vec![Moments::default(); w.len()]);
-        Self { weights, moments: Moments::default(), tail: ByParity::default(), windows }
+        let errors = ErrorMoments::new(energy, n_points, weights.per_band.len());
+        Self { weights, moments: Moments::default(), tail: ByParity::default(), windows, errors }
     }
 
     /// Returns the prediction; its standard error is NaN for a single realization.
@@ -251,27 +284,38 @@ impl PredictionAccumulator {
         let scale = self.weights.scale;
         let tail = self.tail.as_ref().map(Moments::mean);
         let windows = self.windows.as_ref().map(|w| w.iter().map(Moments::mean).collect());
-        Prediction {
+        let prediction = Prediction {
             variance: scale * self.moments.mean(),
-            stderr: scale * self.moments.standard_error(),
+            stderr: self.spectrum_stderr(),
+            energy_stderr: 0.0,
             tail: scale * self.weights.tail.dot(tail),
             tail_error: scale * self.weights.tail_error(&windows, tail),
             dof: self.moments.count().saturating_sub(1) as f64,
-        }
+        };
+        let energy_stderr = self.errors.as_ref().map_or(0.0, ErrorMoments::energy_stderr);
+        prediction.with_energy_stderr(energy_stderr)
+    }
+
+    /// Returns the standard error due to that of the spectrum alone.
+    pub(crate) fn spectrum_stderr(&self) -> f64 {
+        self.weights.scale * self.moments.standard_error()
     }
 
     /// Adds one realization: its effective number of points, the power of every band from 0, and
-    /// the mean power beyond, which is called only if there is energy beyond.
+    /// the mean power beyond, which is called only if there is energy beyond or energies have errors.
     pub fn push_powers(
         &mut self,
         n_effective: f64,
         powers: &[f64],
         tail: impl FnOnce() -> ByParity,
     ) {
-        let has_tail = self.weights.tail.sum() > 0.0;
+        let has_tail = self.weights.tail.sum() > 0.0 || self.errors.is_some();
         let tail = if has_tail { tail() } else { ByParity::default() };
         let relative = self.weights.n_points / n_effective;
         self.moments.push(relative * self.weights.apply(powers, tail));
+        if let Some(errors) = &mut self.errors {
+            errors.push(relative, powers, tail);
+        }
         self.tail.even.push(tail.even);
         self.tail.odd.push(tail.odd);
         let mine = [&mut self.windows.even, &mut self.windows.odd];
@@ -295,6 +339,9 @@ impl Accumulator for PredictionAccumulator {
         self.moments.merge(&other.moments);
         self.tail.even.merge(&other.tail.even);
         self.tail.odd.merge(&other.tail.odd);
+        if let (Some(mine), Some(theirs)) = (&mut self.errors, &other.errors) {
+            mine.merge(theirs);
+        }
         let pairs = [
             (&mut self.windows.even, &other.windows.even),
             (&mut self.windows.odd, &other.windows.odd),

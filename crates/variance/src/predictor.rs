@@ -14,7 +14,7 @@ use crate::{
     Error, PredictedPoint, Prediction, PredictionAccumulator, PredictionBudget, SpectrumOptions,
     predict, prediction_degree,
 };
-use sphvar_integrands::{Energy, Integrand};
+use sphvar_integrands::{Energy, EnergyErrors, Integrand};
 
 pub(crate) use self::white_noise::ROUNDING;
 
@@ -233,8 +233,8 @@ impl<'a> Predictor<'a> {
             Route::Sampled => self.estimate(budget, sampler, lmax, progress)?,
         };
         if point.prediction.variance <= self.rounding() {
-            let Prediction { variance, stderr, .. } = &mut point.prediction;
-            (*variance, *stderr) = (0.0, 0.0);
+            let Prediction { variance, stderr, energy_stderr, .. } = &mut point.prediction;
+            (*variance, *stderr) = (0.0, *energy_stderr);
         }
         Ok(point)
     }
@@ -334,9 +334,13 @@ impl<'a> Predictor<'a> {
     /// Returns the prediction for power 1 in every degree, from the integrand's mean and mean
     /// square.
     fn flat_prediction(&self, n_points: usize) -> Prediction {
+        let of_sum = |errors: &EnergyErrors| errors.of_sum(&[], ByParity::both(1.0));
+        let error = self.outline.errors().map_or(0.0, of_sum);
+        let energy_stderr = self.domain.variance_factor(n_points) * error;
         Prediction {
             variance: self.white_variance(n_points),
-            stderr: 0.0,
+            stderr: energy_stderr,
+            energy_stderr,
             tail: 0.0,
             tail_error: 0.0,
             dof: f64::INFINITY,
@@ -367,7 +371,8 @@ impl<'a> Predictor<'a> {
             let prediction = sum.1.finish();
             // A pattern without power where the integrand has energy leaves only rounding, with an
             // error of 100 %.
-            let enough = prediction.stderr <= relative * prediction.variance
+            // More realizations do not reduce the errors of energies.
+            let enough = sum.1.spectrum_stderr() <= relative * prediction.variance
                 || prediction.variance <= rounding;
             if enough || count >= max {
                 return Ok(PredictedPoint { spectrum: sum.0.finish()?, prediction });
@@ -457,6 +462,10 @@ impl<'a> Predictor<'a> {
             if energy.lmax() >= max.min(MAX_DEGREE) {
                 return Ok(max);
             }
+            // Estimated energies end at some degree; spectra beyond it are of no use.
+            if energy.lmax() < requested {
+                return Ok(max.min(energy.lmax().max(min_lmax)));
+            }
             // If the energy beyond a degree falls as its inverse square, which is fast, it is
             // negligible here.
             let factor = (beyond / (negligible * whole)).sqrt();
@@ -486,7 +495,9 @@ impl<'a> Predictor<'a> {
 fn exactly(
     (spectrum, prediction): (SpectrumAccumulator, PredictionAccumulator),
 ) -> Result<PredictedPoint, Error> {
-    let prediction = Prediction { stderr: 0.0, dof: f64::INFINITY, ..prediction.finish() };
+    let prediction = prediction.finish();
+    let stderr = prediction.energy_stderr;
+    let prediction = Prediction { stderr, dof: f64::INFINITY, ..prediction };
     Ok(PredictedPoint { spectrum: spectrum.finish()?.into_exact(), prediction })
 }
 

@@ -5,7 +5,7 @@ use sphvar_sh::ByParity;
 use sphvar_sh::Domain;
 
 use super::sum_square::{self, sum_of_coefficients};
-use crate::{Coefficients, Error, Integrand, Shape, quadrature};
+use crate::{Coefficients, Energy, Error, Integrand, Shape, quadrature};
 
 /// A weighted sum of integrands, `sum_i w_i f_i`.
 ///
@@ -101,6 +101,20 @@ impl Integrand for Sum {
 
     fn centred_square(&self, domain: Domain) -> Result<ByParity, Error> {
         sum_square::centred_square(self.terms(), domain)
+    }
+
+    /// Returns the estimate of a single term whose energies are estimated, with its errors. Those of
+    /// several terms cannot be combined, since they do not determine the errors of inner products.
+    fn energy(&self, domain: Domain, lmax: usize) -> Result<Energy, Error> {
+        match (self.coefficients(domain, lmax), &self.terms[..]) {
+            (Err(Error::NoEnergy { .. }), [(weight, only)]) if *weight != 0.0 => {
+                Ok(only.energy(domain, lmax)?.of_multiple(*weight))
+            }
+            (coefficients, _) => {
+                let per_degree = coefficients?.energy_per_degree()?;
+                Ok(Energy::new(domain, per_degree, self.centred_square(domain)?))
+            }
+        }
     }
 
     /// Returns that of a single term, otherwise that of the values.

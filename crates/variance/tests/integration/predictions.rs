@@ -1,10 +1,11 @@
 //! Predictions and their stated errors.
 
-use sphvar_integrands::{Cap, Energy, Integrand};
+use rand::RngExt;
+use sphvar_integrands::{Cap, Energy, Integrand, Rotated, Sum};
 use sphvar_samplers::{Domain, Pattern, Purpose, Realizations, Streams};
 use sphvar_sh::ByParity;
 use sphvar_spectrum::{Resolution, Spectrum, accumulate, estimate};
-use sphvar_variance::{PredictionAccumulator, predict};
+use sphvar_variance::{Prediction, PredictionAccumulator, PredictionBudget, Predictor, predict};
 
 const SEED: u64 = 11;
 
@@ -122,7 +123,7 @@ fn prediction_intervals_have_the_stated_coverage() {
         let first = 4000 + 8 * i as u64;
         // The reference has the same tail; its error is not tested.
         let got = predict_from(first..first + 8);
-        let (low, high) = sphvar_variance::Prediction { tail_error: 0.0, ..got }.interval(0.95);
+        let (low, high) = Prediction { tail_error: 0.0, ..got }.interval(0.95);
         low <= truth && truth <= high
     });
     let share = held.count() as f64 / REPS as f64;
@@ -132,4 +133,128 @@ fn prediction_intervals_have_the_stated_coverage() {
         assert!(predict_from(0..8).interval(confidence).0.is_nan(), "{confidence}");
     }
     assert!(predict_from(0..1).interval(0.95).0.is_nan());
+}
+
+/// A prediction from energies with independent noise varies by its standard error, whichever part
+/// of the energy the spectrum covers, and a spectrum with errors adds its own.
+#[test]
+fn errors_of_energies_are_those_of_noise() {
+    const REPS: usize = 2000;
+    let (lmax, rest) = (20, ByParity { even: 0.02, odd: 0.03 });
+    let energies: Vec<f64> = (0..=lmax).map(|l| 1.0 / (1 + l * l) as f64).collect();
+    let errors: Vec<f64> = (0..=lmax).map(|l| 0.1 / (2 + l) as f64).collect();
+    let mut centred_errors = rest.map(|e| e * e);
+    (1..=lmax).for_each(|l| *centred_errors.of_mut(l) += errors[l].powi(2));
+    let centred_errors = centred_errors.map(f64::sqrt);
+    let energy = |noise: &mut dyn FnMut() -> f64| {
+        let noisy: Vec<f64> = energies.iter().zip(&errors).map(|(e, s)| e + s * noise()).collect();
+        let mut centred = rest.map(|r| 1.0 + r * noise());
+        (1..=lmax).for_each(|l| *centred.of_mut(l) += noisy[l]);
+        Energy::new(Domain::Sphere, noisy, centred)
+    };
+    for last in [3, 20, 40] {
+        let spectrum = exact(100, last, |omega| omega * omega / (1.0 + omega * omega));
+        let stated =
+            predict(&spectrum, &energy(&mut || 0.0).with_stderr(errors.clone(), centred_errors));
+        assert_eq!((stated.stderr, stated.dof), (stated.energy_stderr, f64::INFINITY));
+        let mut rng = Streams::new(SEED, Purpose::Trial, 0).realization(last as u64);
+        let mut noise = || {
+            // A sum of twelve uniform numbers has variance 1.
+            (0..12).map(|_| rng.random::<f64>()).sum::<f64>() - 6.0
+        };
+        let square: f64 = (0..REPS)
+            .map(|_| predict(&spectrum, &energy(&mut noise)).variance - stated.variance)
+            .map(|deviation| deviation * deviation)
+            .sum();
+        let measured = (square / REPS as f64).sqrt();
+        // The relative error of a standard deviation is 1/sqrt(2 REPS) = 1.6 %: six of them are
+        // exceeded for 2e-9 of seeds.
+        assert!((stated.stderr / measured - 1.0).abs() < 0.1, "{last}: {stated:?}, {measured}");
+    }
+}
+
+/// Realizations and mean spectrum give the same error of energies; it adds to that of the spectrum
+/// with the degrees of freedom of Welch and Satterthwaite, and exact energies add nothing.
+#[test]
+fn errors_of_spectra_and_energies_are_added() {
+    let sampler = Pattern::Jittered.build(192, Domain::Sphere).unwrap();
+    let sets = Realizations::rotated(&*sampler, Streams::new(SEED, Purpose::Pattern, 0));
+    let energy = cap60(60);
+    let relative = |energy: &Energy, share: f64| {
+        let errors: Vec<f64> = energy.per_band().iter().map(|e| share * e).collect();
+        let centred = energy.centred().map(|e| share * e);
+        energy.clone().with_error_bounds(errors, centred)
+    };
+    let spectrum = estimate(&sets, 60, 200, &()).unwrap();
+    let accumulated = |energy: &Energy| {
+        let empty = PredictionAccumulator::new(energy, 192, 60);
+        accumulate(&sets, Resolution::new(60, 192), 0..200, &empty, &()).unwrap().finish()
+    };
+    let exact = accumulated(&energy);
+    assert_eq!(accumulated(&relative(&energy, 0.0)), exact);
+    for share in [1e-3, 0.1] {
+        let (energy, bare) = (relative(&energy, share), &energy);
+        let (a, b) = (predict(&spectrum, &energy), accumulated(&energy));
+        // Sums of 200 numbers in another order.
+        assert!((a.energy_stderr / b.energy_stderr - 1.0).abs() < 1e-12, "{a:?}, {b:?}");
+        assert!((b.stderr / exact.stderr.hypot(b.energy_stderr) - 1.0).abs() < 1e-14, "{b:?}");
+        let dof = 199.0 * (b.stderr / exact.stderr).powi(4);
+        assert!((b.dof / dof - 1.0).abs() < 1e-12, "{b:?}, {dof}");
+        assert!(predict(&spectrum, bare).energy_stderr == 0.0);
+        // The errors may have one sign, but a total that is wrong by a share moves the variance of
+        // white noise by that share.
+        let white = predict(&Spectrum::exact(Domain::Sphere, 192, vec![1.0; 61]), &energy);
+        assert!((white.energy_stderr / (share * white.variance) - 1.0).abs() < 1e-12, "{white:?}");
+    }
+}
+
+/// A cap whose energies are estimated to degree 40, with errors of 1 % of one sign.
+struct Estimated(Cap);
+
+impl Integrand for Estimated {
+    fn eval(&self, dir: glam::DVec3) -> f64 {
+        self.0.eval(dir)
+    }
+
+    fn energy(&self, domain: Domain, lmax: usize) -> Result<Energy, sphvar_integrands::Error> {
+        let energy = self.0.energy(domain, lmax.min(40))?;
+        let errors = energy.per_band().iter().map(|e| 0.01 * e).collect();
+        let centred = energy.centred().map(|e| 0.01 * e);
+        Ok(energy.with_error_bounds(errors, centred))
+    }
+}
+
+/// Every route of a prediction carries the errors, without more realizations than for exact
+/// energies, and ends where energies end; so do rotations and multiples of the integrand.
+#[test]
+fn every_prediction_carries_the_errors_of_energies() {
+    let budget = PredictionBudget::DEFAULT;
+    let estimated = || Estimated(Cap::from_degrees(60.0).unwrap());
+    let turned = Rotated::new(estimated(), glam::DQuat::from_rotation_x(1.0)).unwrap();
+    let multiple = Sum::default().plus(-3.0, turned).unwrap();
+    for n in [48, 192, 3072] {
+        for pattern in [Pattern::WhiteNoise, Pattern::Jittered, Pattern::FIBONACCI] {
+            let sampler = pattern.build(n, Domain::Sphere).unwrap();
+            let point = |integrand: &dyn Integrand| {
+                let mut predictor = Predictor::new(integrand, Domain::Sphere, SEED, budget);
+                predictor.as_mut().unwrap().predict(&*sampler, &()).unwrap()
+            };
+            let (exact, got) = (point(&Cap::from_degrees(60.0).unwrap()), point(&estimated()));
+            let Prediction { variance, stderr, energy_stderr, .. } = got.prediction;
+            // The power of these patterns is below 2, and the tail's is 1.
+            assert!(energy_stderr > 0.0 && stderr >= energy_stderr, "{pattern} {n}: {got:?}");
+            assert!(got.spectrum.realizations() <= exact.spectrum.realizations(), "{pattern} {n}");
+            if pattern == Pattern::WhiteNoise {
+                assert!((energy_stderr / (0.01 * variance) - 1.0).abs() < 1e-12, "{n}: {got:?}");
+            }
+            let off = (variance - exact.prediction.variance).abs();
+            assert!(off <= 3.0 * stderr + got.prediction.tail_error, "{pattern} {n}: {got:?}");
+            let nine = point(&multiple).prediction;
+            assert!((nine.variance / (9.0 * variance) - 1.0).abs() < 1e-12, "{pattern} {n}");
+            assert!((nine.stderr / (9.0 * stderr) - 1.0).abs() < 1e-9, "{pattern} {n}");
+        }
+    }
+    // Several terms are an error, not energies without errors.
+    let two = multiple.plus(1.0, Cap::from_degrees(20.0).unwrap()).unwrap();
+    assert!(two.energy(Domain::Sphere, 8).is_err());
 }
