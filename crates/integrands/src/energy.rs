@@ -98,6 +98,18 @@ impl<B: Bands> Energy<B> {
         }
     }
 
+    /// Returns the energy with the bands to `lmax` alone, and the same totals.
+    #[must_use]
+    pub fn truncated(&self, lmax: usize) -> Self
+    where
+        B: Clone,
+    {
+        let n_bands = self.per_band.len().min(lmax.saturating_add(1));
+        let errors = self.errors.as_ref().map(|errors| errors.truncated(n_bands));
+        let per_band = self.per_band[..n_bands].to_vec();
+        Self { bands: self.bands.clone(), per_band, centred: self.centred, errors }
+    }
+
     /// Returns the bands whose energies are known, from band 0.
     #[must_use]
     pub fn bands(&self) -> &B {

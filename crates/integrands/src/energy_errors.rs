@@ -97,6 +97,15 @@ impl EnergyErrors {
         largest * (sum + beyond.map(|t| t * t).dot(rest)).sqrt()
     }
 
+    /// Returns the errors of the first bands.
+    pub(crate) fn truncated(&self, n_bands: usize) -> Self {
+        Self {
+            per_band: self.per_band[..n_bands].to_vec(),
+            parities: self.parities[..n_bands].to_vec(),
+            ..*self
+        }
+    }
+
     /// Returns the errors of the energies times a positive factor.
     pub(crate) fn scaled(&self, factor: f64) -> Self {
         Self {

@@ -46,7 +46,8 @@ pub trait Integrand: Sync {
     /// [`Error::NoEnergy`] if the shape is unknown.
     fn shape(&self) -> Result<Shape, Error> {
         Err(Error::NoEnergy {
-            reason: "only its values are known; wrap it in `SampledFunction` or implement `Integrand::shape`",
+            reason: "only its values are known; wrap it in `AdaptiveFunction` or `SampledFunction`, or \
+                     implement `Integrand::shape`",
         })
     }
 

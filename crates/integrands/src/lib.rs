@@ -15,7 +15,8 @@
 //!
 //! An [`Integrand`] is a function of direction with, where known, its exact integral and its
 //! [`Energy`] per degree. Closures are integrands that can be measured but not predicted;
-//! [`SampledFunction`] or a [`Shape`] adds integral and energies by quadrature. Closed forms
+//! [`AdaptiveFunction`] finds their degree and energies, with errors, and [`SampledFunction`] takes
+//! a degree or a [`Shape`] with edges, which gives integral and energies to rounding. Closed forms
 //! replace quadrature where they are available.
 
 mod coefficients;

@@ -4,6 +4,7 @@
 //! list declares the modules, so `cargo fmt` does not find these files; `.ci/run` checks them by
 //! name.
 
+mod adaptive;
 mod closed_form;
 mod environment;
 mod healpix_map;
@@ -18,6 +19,7 @@ mod sampled;
 mod sum;
 mod sum_square;
 
+pub use adaptive::{AdaptiveFunction, Tolerance};
 pub use environment::EnvironmentMap;
 pub use healpix_map::HealpixMap;
 pub use map_parameters::MissingPixels;

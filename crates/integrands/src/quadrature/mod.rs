@@ -1,6 +1,8 @@
 //! Integrals over the sphere or the hemisphere of functions whose shape is known.
 
+mod doubling;
 mod panel_rule;
+mod product_rule;
 mod rings;
 
 use std::f64::consts::PI;
@@ -12,6 +14,7 @@ use sphvar_sht::{Method, Transform, TransformWorkspace};
 
 use crate::shape::{Fold, Shape};
 use crate::{Coefficients, Error};
+pub(crate) use doubling::{Estimate, FIRST_NODES, doubled};
 pub(crate) use panel_rule::node_count;
 use rings::Rings;
 

@@ -1,5 +1,6 @@
 //! Integrands against closed forms, quadrature and each other.
 
+mod adaptive;
 mod closed_forms;
 mod every_integrand;
 mod expressions;
