@@ -44,23 +44,23 @@ impl<B: Bands> Energy<B> {
     /// Panics if there are not as many errors as bands.
     #[must_use]
     pub fn with_stderr(self, per_band: Vec<f64>, centred: ByParity) -> Self {
-        self.with_errors(per_band, centred, true)
+        assert_eq!(per_band.len(), self.per_band.len(), "every band needs an error");
+        let errors = EnergyErrors::independent(&self.bands, per_band, centred);
+        Self { errors: Some(errors), ..self }
     }
 
-    /// Returns the energy with bounds of the errors of the bands from 0 and of the totals, all of
-    /// which may have the same sign.
+    /// Returns the energy with other estimates of the same energies, such as those of coarser
+    /// quadratures: the error of any sum of energies is the largest deviation of theirs.
     ///
     /// # Panics
     ///
-    /// Panics if there are not as many bounds as bands.
+    /// Panics if there is no other estimate or one has fewer bands.
     #[must_use]
-    pub fn with_error_bounds(self, per_band: Vec<f64>, centred: ByParity) -> Self {
-        self.with_errors(per_band, centred, false)
-    }
-
-    fn with_errors(self, per_band: Vec<f64>, centred: ByParity, independent: bool) -> Self {
-        assert_eq!(per_band.len(), self.per_band.len(), "every band needs an error");
-        let errors = EnergyErrors::new(&self.bands, per_band, centred, independent);
+    pub fn with_estimates(self, others: &[Self]) -> Self {
+        let n_bands = self.per_band.len();
+        let are_complete = others.iter().all(|other| other.per_band.len() >= n_bands);
+        assert!(are_complete && !others.is_empty(), "every estimate needs all bands");
+        let errors = EnergyErrors::of_estimates(&self, others);
         Self { errors: Some(errors), ..self }
     }
 
@@ -70,14 +70,13 @@ impl<B: Bands> Energy<B> {
         self.errors.as_ref()
     }
 
-    /// Returns the standard errors or error bounds of the bands from 0, if the energies are
-    /// estimated.
+    /// Returns the errors of the bands from 0, if the energies are estimated.
     #[must_use]
     pub fn per_band_stderr(&self) -> Option<&[f64]> {
         self.errors.as_ref().map(EnergyErrors::per_band)
     }
 
-    /// Returns the standard errors or error bounds of the totals, 0 if they are exact to rounding.
+    /// Returns the errors of the totals, 0 if they are exact to rounding.
     #[must_use]
     pub fn centred_stderr(&self) -> ByParity {
         self.errors.as_ref().map_or(ByParity::both(0.0), EnergyErrors::centred)

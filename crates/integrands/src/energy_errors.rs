@@ -1,5 +1,7 @@
 use sphvar_sh::{Bands, ByParity};
 
+use crate::Energy;
+
 /// The errors of an [`Energy`](crate::Energy) that is estimated: of the energy of every band and of
 /// the totals over all bands from 1, by parity.
 ///
@@ -8,26 +10,50 @@ use sphvar_sh::{Bands, ByParity};
 /// - **Independent** standard errors ([`Energy::with_stderr`](crate::Energy::with_stderr)), as from
 ///   noise of values. The bands beyond the last known one are independent of the others too, so the
 ///   variance of a total is the sum of those of its bands.
-/// - **Bounds** ([`Energy::with_error_bounds`](crate::Energy::with_error_bounds)), as from a
-///   quadrature, whose errors in different bands may have the same sign and add up.
+/// - **Other estimates** of the same energies
+///   ([`Energy::with_estimates`](crate::Energy::with_estimates)), as from coarser quadratures. The
+///   error of any sum of energies is the largest deviation of theirs, so that errors of different
+///   bands cancel or add up as they do in the estimates.
 #[derive(Clone, Debug, PartialEq)]
 pub struct EnergyErrors {
     per_band: Vec<f64>,
+    centred: ByParity,
     /// Whether a band is even, from band 0.
     parities: Vec<bool>,
+    /// Of the other estimates; empty for independent errors.
+    deviations: Vec<Deviation>,
+}
+
+/// The differences of two estimates of energies.
+#[derive(Clone, Debug, PartialEq)]
+struct Deviation {
+    per_band: Vec<f64>,
     centred: ByParity,
-    independent: bool,
 }
 
 impl EnergyErrors {
-    pub(crate) fn new(
-        bands: &impl Bands,
-        per_band: Vec<f64>,
-        centred: ByParity,
-        independent: bool,
-    ) -> Self {
-        let parities = (0..per_band.len()).map(|band| bands.is_even(band)).collect();
-        Self { per_band, parities, centred, independent }
+    pub(crate) fn independent(bands: &impl Bands, per_band: Vec<f64>, centred: ByParity) -> Self {
+        let parities = parities(bands, per_band.len());
+        Self { per_band, centred, parities, deviations: vec![] }
+    }
+
+    pub(crate) fn of_estimates<B: Bands>(energy: &Energy<B>, others: &[Energy<B>]) -> Self {
+        let deviation = |other: &Energy<B>| {
+            let pairs = energy.per_band().iter().zip(other.per_band());
+            let centred = energy.centred().zip(other.centred()).map(|(a, b)| b - a);
+            Deviation { per_band: pairs.map(|(a, b)| b - a).collect(), centred }
+        };
+        let deviations: Vec<_> = others.iter().map(deviation).collect();
+        let n_bands = energy.per_band().len();
+        let per_band = |l: usize| max_abs(deviations.iter().map(|d| d.per_band[l]));
+        let even = max_abs(deviations.iter().map(|d| d.centred.even));
+        let odd = max_abs(deviations.iter().map(|d| d.centred.odd));
+        Self {
+            per_band: (0..n_bands).map(per_band).collect(),
+            centred: ByParity { even, odd },
+            parities: parities(energy.bands(), n_bands),
+            deviations,
+        }
     }
 
     /// Returns the error of the energy of every band from 0.
@@ -42,55 +68,51 @@ impl EnergyErrors {
         self.centred
     }
 
-    /// Returns whether the errors of different bands are independent; otherwise they may add up.
-    #[must_use]
-    pub fn are_independent(&self) -> bool {
-        self.independent
-    }
-
     /// Returns the error of `sum_{l >= 1} E(l) P(l)` with the factors `power` of the bands from 0
     /// to their last, inclusive, and `beyond` of all higher bands by parity.
     ///
-    /// The sum is `S = sum_{l = 1..L} E(l) P(l) + sum_p T_p (C_p - sum_{l <= L, parity p} E(l))`
-    /// with the totals C and the factors T of the higher bands. Independent errors e of the E and
-    /// c of the C, which contain those of the E, add up as
+    /// With the totals C and the factors T of the higher bands, the sum is
+    ///
+    /// ```text
+    /// S = sum_{l = 1..L} E(l) (P(l) - T_p(l)) + sum_p T_p C_p
+    /// ```
+    ///
+    /// With other estimates, its error is the largest of their `|S' - S|`. Independent errors e of
+    /// the E and c of the C, which contain those of the E, add up as
     ///
     /// ```text
     /// sum_{l = 1..L} (e(l) P(l))^2 + sum_p T_p^2 (c_p^2 - sum_{l <= L, parity p} e(l)^2)
     /// ```
     ///
-    /// where a negative difference counts as 0. Bounds add up as the derivatives of S, in which
-    /// an energy that moves from a band to higher ones of the same factor cancels:
-    ///
-    /// ```text
-    /// sum_{l = 1..L} e(l) |P(l) - T_p(l)| + sum_p T_p c_p
-    /// ```
+    /// where a negative difference counts as 0.
     #[must_use]
     pub fn of_sum(&self, power: &[f64], beyond: ByParity) -> f64 {
-        let known = self.per_band.iter().zip(&self.parities).zip(power).skip(1);
+        if self.deviations.is_empty() {
+            return self.of_independent(power, beyond);
+        }
+        let of_estimate = |deviation: &Deviation| {
+            let bands = deviation.per_band.iter().zip(&self.parities).zip(power).skip(1);
+            let moved = |((d, &even), p): ((&f64, &bool), &f64)| d * (p - of(beyond, even));
+            bands.map(moved).sum::<f64>() + beyond.dot(deviation.centred)
+        };
+        max_abs(self.deviations.iter().map(of_estimate))
+    }
+
+    fn of_independent(&self, power: &[f64], beyond: ByParity) -> f64 {
         // Relative to the largest error, so that no square overflows or underflows.
         let totals = [self.centred.even, self.centred.odd];
-        let errors = self.per_band.iter().skip(1).chain(&totals).copied();
-        let largest = errors.fold(0.0, |max, e| if e <= max || f64::is_nan(max) { max } else { e });
+        let largest = max_abs(self.per_band.iter().skip(1).chain(&totals).copied());
         if largest == 0.0 {
             return 0.0;
         }
         let (mut sum, mut shares) = (0.0, ByParity::both(0.0));
-        for ((error, &even), power) in known {
+        let bands = self.per_band.iter().zip(&self.parities).zip(power).skip(1);
+        for ((error, &even), power) in bands {
             let error = error / largest;
-            let limit = if even { beyond.even } else { beyond.odd };
-            if self.independent {
-                sum += (error * power).powi(2);
-                *shares.at_mut(even) += error * error;
-            } else {
-                sum += error * (power - limit).abs();
-            }
+            sum += (error * power).powi(2);
+            *shares.at_mut(even) += error * error;
         }
-        let totals = self.centred.map(|c| c / largest);
-        if !self.independent {
-            return largest * (sum + beyond.map(f64::abs).dot(totals));
-        }
-        let rest = totals.zip(shares).map(|(c, share)| {
+        let rest = self.centred.map(|c| c / largest).zip(shares).map(|(c, share)| {
             let rest = c * c - share;
             if rest < 0.0 { 0.0 } else { rest }
         });
@@ -99,21 +121,42 @@ impl EnergyErrors {
 
     /// Returns the errors of the first bands.
     pub(crate) fn truncated(&self, n_bands: usize) -> Self {
-        Self {
-            per_band: self.per_band[..n_bands].to_vec(),
-            parities: self.parities[..n_bands].to_vec(),
-            ..*self
-        }
+        self.mapped(|per_band| per_band[..n_bands].to_vec(), |total| total)
     }
 
     /// Returns the errors of the energies times a positive factor.
     pub(crate) fn scaled(&self, factor: f64) -> Self {
+        let scale = |x: f64| factor * x;
+        self.mapped(|per_band| per_band.iter().copied().map(scale).collect(), scale)
+    }
+
+    fn mapped(&self, bands: impl Fn(&[f64]) -> Vec<f64>, total: impl Fn(f64) -> f64) -> Self {
+        let of_deviation = |d: &Deviation| Deviation {
+            per_band: bands(&d.per_band),
+            centred: d.centred.map(&total),
+        };
+        let per_band = bands(&self.per_band);
         Self {
-            per_band: self.per_band.iter().map(|e| factor * e).collect(),
-            centred: self.centred.map(|e| factor * e),
-            ..self.clone()
+            parities: self.parities[..per_band.len()].to_vec(),
+            per_band,
+            centred: self.centred.map(&total),
+            deviations: self.deviations.iter().map(of_deviation).collect(),
         }
     }
+}
+
+fn parities(bands: &impl Bands, n_bands: usize) -> Vec<bool> {
+    (0..n_bands).map(|band| bands.is_even(band)).collect()
+}
+
+fn of(values: ByParity, even: bool) -> f64 {
+    if even { values.even } else { values.odd }
+}
+
+/// Returns the largest absolute value, NaN if one is unknown.
+fn max_abs(values: impl Iterator<Item = f64>) -> f64 {
+    let larger = |max: f64, x: f64| if x.abs() <= max || max.is_nan() { max } else { x.abs() };
+    values.fold(0.0, larger)
 }
 
 #[cfg(test)]
@@ -147,25 +190,35 @@ mod tests {
         }
     }
 
-    /// The largest change of the sum while every energy and total moves by at most its bound.
+    /// The largest difference of the sums over the estimates.
     #[test]
-    fn bounds_are_reached_by_the_worst_signs() {
-        let (per_band, centred) = ([7.0, 0.3, 0.2, 0.1], ByParity { even: 0.7, odd: 0.6 });
-        let bounded = energy().with_error_bounds(per_band.to_vec(), centred);
+    fn errors_of_estimates_are_their_deviations() {
         let (power, tail) = ([100.0, 0.25, 2.5, 3.0], ByParity { even: 2.0, odd: 0.5 });
-        let sum = |signs: usize| {
-            let sign = |bit: usize| if signs >> bit & 1 == 0 { 1.0 } else { -1.0 };
-            let moved: Vec<f64> = (0..4).map(|l| sign(l) * per_band[l]).collect();
-            let totals = ByParity { even: sign(4) * centred.even, odd: sign(5) * centred.odd };
-            let known: f64 = (1..4).map(|l| moved[l] * (power[l] - tail.of(l))).sum();
-            known + totals.dot(tail)
+        let sum = |energy: &Energy| {
+            let known: f64 = (1..4).map(|l| energy.per_band()[l] * power[l]).sum();
+            known + tail.dot(energy.beyond_by_parity(3))
         };
-        let worst = (0..64).map(sum).fold(0.0, f64::max);
-        let got = bounded.errors().unwrap().of_sum(&power, tail);
-        assert!((got / worst - 1.0).abs() < 1e-14, "{got} and {worst}");
+        let other = |per_band: [f64; 4], even, odd| {
+            Energy::new(Domain::Sphere, per_band.to_vec(), ByParity { even, odd })
+        };
+        let others = [other([1.0, 4.1, 1.8, 0.5], 3.1, 5.0), other([9.0, 3.7, 2.1, 0.6], 3.0, 5.2)];
+        let expected = others.each_ref().map(|e| (sum(e) - sum(&energy())).abs());
+        let estimated = energy().with_estimates(&others);
+        let got = estimated.errors().unwrap().of_sum(&power, tail);
+        assert!((got / expected[0].max(expected[1]) - 1.0).abs() < 1e-13, "{got}, {expected:?}");
+        let close = |a: f64, b: f64| (a - b).abs() < 1e-14;
+        let stated = estimated.per_band_stderr().unwrap();
+        assert!(stated.iter().zip([8.0, 0.3, 0.2, 0.1]).all(|(a, b)| close(*a, b)), "{stated:?}");
+        let totals = estimated.centred_stderr();
+        assert!(close(totals.even, 0.1) && close(totals.odd, 0.2), "{totals:?}");
         // Energy that moves between bands of equal factors changes nothing.
-        let equal = bounded.errors().unwrap().of_sum(&[1.0; 4], ByParity::both(1.0));
-        assert!((equal - centred.sum()).abs() < 1e-14, "{equal}");
+        let moved = energy().with_estimates(&[other([9.0, 4.5, 2.0, 0.0], 3.0, 5.0)]);
+        assert!(moved.errors().unwrap().of_sum(&[1.0; 4], ByParity::both(1.0)) < 1e-15);
+        // Fewer bands and a multiple, which has the square of the factor.
+        let part = estimated.truncated(1).of_multiple(-3.0);
+        let expected = 9.0 * estimated.errors().unwrap().of_sum(&power[..2], tail);
+        let got = part.errors().unwrap().of_sum(&power, tail);
+        assert!((got / expected - 1.0).abs() < 1e-13, "{got} and {expected}");
     }
 
     #[test]

@@ -24,7 +24,7 @@ pub struct Tolerance {
 }
 
 impl Tolerance {
-    /// The values of the first three rules, which an error bound needs.
+    /// The values of the first three rules, which an error needs.
     pub const MIN_EVALUATIONS: usize = FIRST_NODES;
 
     fn checked(self) -> Result<Self, Error> {
@@ -57,16 +57,16 @@ impl Default for Tolerance {
 ///
 /// Rules of 32, 45, 64, 90, ... rings, every one in an orientation of its own, give integral,
 /// energies per degree and total. Results of a rule are compared with those of the two before, of
-/// which one has half the degree: the larger difference bounds the error. The doubling stops where
-/// the sum of the bounds over all degrees is within the tolerance, or at the largest number of
+/// which one has half the degree: the larger difference is the error, also of every
+/// sum of energies and so of predictions. The doubling stops where the sum of errors over all degrees is within the tolerance, or at the largest number of
 /// values.
 ///
 /// - A smooth function is resolved to rounding after a few doublings: integral, coefficients and
 ///   energies of any degree are exact on this domain and on the hemisphere, and sums, products and
 ///   rotations of it are as for a [`SampledFunction`](crate::SampledFunction) of the degree found.
 /// - For a function with kinks or jumps the doubling converges slowly, as a power of the degree.
-///   [`energy`](Integrand::energy) then ends at half the degree of the last rule and has error
-///   bounds ([`Energy::errors`]), and sums or products of the function are errors; take the sum or
+///   [`energy`](Integrand::energy) then ends at half the degree of the last rule and has errors
+///   ([`Energy::errors`]), and sums or products of the function are errors; take the sum or
 ///   product as one adaptive function, or declare the edges with
 ///   [`SampledFunction::with_edge`](crate::SampledFunction::with_edge).
 /// - A feature that no node hits is missed, without a sign of it: with the default of 16384 values at
@@ -138,14 +138,14 @@ impl<F: Integrand> AdaptiveFunction<F> {
         Ok(Self { function, domain, estimate })
     }
 
-    /// Returns the bound of the error of the energies, summed over all degrees and relative to
+    /// Returns the error of the energies, summed over all degrees and relative to
     /// their total without the mean; 0 within rounding.
     #[must_use]
     pub fn relative_error(&self) -> f64 {
         self.estimate.relative_error
     }
 
-    /// Returns the integral over the domain and its error bound.
+    /// Returns the integral over the domain and its error.
     #[must_use]
     pub fn integral(&self) -> (f64, f64) {
         self.estimate.integral

@@ -1,4 +1,4 @@
-use sphvar_sh::{ByParity, Domain};
+use sphvar_sh::Domain;
 
 use super::product_rule::{ProductRule, RuleSums};
 use crate::{Energy, Error, Integrand};
@@ -10,16 +10,16 @@ pub(crate) const FIRST_NODES: usize = ProductRule::n_nodes(FIRST[0])
     + ProductRule::n_nodes(FIRST[1])
     + 4 * ProductRule::n_nodes(FIRST[0]);
 
-/// Integral and energies of a function from rules of growing degree, with error bounds.
+/// Integral and energies of a function from rules of growing degree, with their errors.
 #[derive(Clone, Debug)]
 pub(crate) struct Estimate {
     /// The energies that the last rule gives, to the degree for which it is exact.
     pub(crate) per_degree: Vec<f64>,
     pub(crate) n_evaluations: usize,
-    /// The bounds of all energies and totals relative to the total without the mean; 0 within
+    /// The sum of the errors of all energies and totals relative to the total without the mean; 0 within
     /// rounding.
     pub(crate) relative_error: f64,
-    /// `int f` over the domain and its error bound.
+    /// `int f` over the domain and its error.
     pub(crate) integral: (f64, f64),
     /// To half the degree of the last rule.
     pub(crate) energy: Energy,
@@ -31,7 +31,8 @@ pub(crate) struct Estimate {
 /// Returns the estimate at which the relative error is at most `relative` after at least
 /// `min_nodes` values, or the last one within `max_nodes`, at least [`FIRST_NODES`].
 ///
-/// The bound of each result is the larger of its differences to the two rules before. Where the
+/// The error of every result, and of every sum of energies, is the larger of its differences to the
+/// two rules before. Where the
 /// errors of rules are independent and fall as the power p of the degree, the difference to the
 /// rule of half the degree has the standard deviation `sqrt(1 + 4^p)` of the last error.
 pub(crate) fn doubled(
@@ -65,23 +66,22 @@ pub(crate) fn doubled(
 
 impl Estimate {
     fn new(domain: Domain, n_evaluations: usize, [coarse, middle, fine]: [&RuleSums; 3]) -> Self {
-        let bound = |of: &dyn Fn(&RuleSums) -> f64| {
-            (of(fine) - of(middle)).abs().max((of(fine) - of(coarse)).abs())
-        };
         let n_known = coarse.per_degree.len();
-        let per_degree: Vec<f64> =
-            (0..n_known).map(|l| bound(&|sums| sums.per_degree[l])).collect();
-        let centred = ByParity { even: bound(&|s| s.centred.even), odd: bound(&|s| s.centred.odd) };
-        let error = per_degree[1..].iter().sum::<f64>() + centred.sum();
-        let energy = Energy::new(domain, fine.per_degree[..n_known].to_vec(), fine.centred);
+        let energy =
+            |s: &RuleSums| Energy::new(domain, s.per_degree[..n_known].to_vec(), s.centred);
+        let energy = energy(fine).with_estimates(&[energy(middle), energy(coarse)]);
+        let per_degree = energy.per_band_stderr().unwrap_or_default();
+        let error = per_degree.iter().skip(1).sum::<f64>() + energy.centred_stderr().sum();
+        let integral_error =
+            (fine.integral - middle.integral).abs().max((fine.integral - coarse.integral).abs());
         let total = fine.centred.sum();
         let relative_error = if error <= rounding(&energy) { 0.0 } else { error / total };
         Self {
             per_degree: fine.per_degree.clone(),
             n_evaluations,
             relative_error,
-            integral: (fine.integral, bound(&|sums| sums.integral)),
-            energy: energy.with_error_bounds(per_degree, centred),
+            integral: (fine.integral, integral_error),
+            energy,
             kurtosis: fine.kurtosis,
             largest: fine.largest,
         }

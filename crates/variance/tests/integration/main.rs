@@ -1,5 +1,6 @@
 //! Predictions and measurements against closed forms, pair sums and each other.
 
+mod adaptive_predictions;
 mod extreme_parameters;
 mod fixed_orientation;
 mod given_sets;
