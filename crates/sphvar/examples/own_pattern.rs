@@ -57,7 +57,8 @@ impl SamplerFamily for AnyOctahedra {
 }
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
-    let integrand = SampledFunction::new(|d: DVec3| (2.0 * d.x).exp() + d.y * d.z, 30);
+    let function = |d: DVec3| (2.0 * d.x).exp() + d.y * d.z;
+    let integrand = AdaptiveFunction::new(function, Domain::Sphere, Tolerance::default())?;
     let mut predictor = Predictor::new(&integrand, Domain::Sphere, 0, PredictionBudget::DEFAULT)?;
     let families: [&dyn SamplerFamily; 4] =
         [&AnyOctahedra, &Pattern::WhiteNoise, &Pattern::Jittered, &Pattern::FIBONACCI];

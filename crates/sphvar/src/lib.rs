@@ -25,7 +25,8 @@
 //!
 //! A pattern of your own is a closure ([`FnPattern`](samplers::FnPattern)) or an implementation of
 //! [`Sampler`](samplers::Sampler), as in the example `own_pattern`; an integrand is a closure too
-//! ([`SampledFunction`](integrands::SampledFunction)).
+//! ([`AdaptiveFunction`](integrands::AdaptiveFunction), or
+//! [`SampledFunction`](integrands::SampledFunction) where its degree or its edges are known).
 //!
 //! # Features
 //!
@@ -51,8 +52,8 @@ pub mod prelude {
     pub use glam::DVec3;
     pub use rand::RngExt;
     pub use sphvar_integrands::{
-        Cap, Energy, EnvironmentMap, Harmonic, Integrand, PhongLobe, Product, Rotated,
-        SampledFunction, Sum, VonMisesFisher,
+        AdaptiveFunction, Cap, Energy, EnvironmentMap, Harmonic, Integrand, PhongLobe, Product,
+        Rotated, SampledFunction, Sum, Tolerance, VonMisesFisher,
     };
     pub use sphvar_samplers::{
         Domain, FnPattern, Pattern, PointSet, PointSets, Progress, Purpose, Realizations, Sampler,

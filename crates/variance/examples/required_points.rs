@@ -4,14 +4,15 @@
 use std::io::Write;
 
 use glam::DVec3;
-use sphvar_integrands::{Integrand, SampledFunction};
+use sphvar_integrands::{AdaptiveFunction, Tolerance};
 use sphvar_samplers::{Domain, Pattern};
 use sphvar_variance::{PredictedCurve, PredictionBudget, Predictor, required_points};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let (domain, seed) = (Domain::Sphere, 0);
-    let integrand = SampledFunction::new(|d: DVec3| (4.0 * d.x).exp() + d.y * d.z, 40);
-    let integral = integrand.exact(domain).ok_or("the integral is unknown")?;
+    let function = |d: DVec3| (4.0 * d.x).exp() + d.y * d.z;
+    let integrand = AdaptiveFunction::new(function, domain, Tolerance::default())?;
+    let (integral, _) = integrand.integral();
     let mut predictor = Predictor::new(&integrand, domain, seed, PredictionBudget::DEFAULT)?;
     let variance = (0.01 * integral).powi(2);
     let mut out = std::io::stdout().lock();
