@@ -13,8 +13,8 @@ use crate::{Coefficients, Energy, Error, Shape, quadrature};
 ///
 /// On the hemisphere F is the even extension of f from z >= 0 to the sphere.
 ///
-/// Integrals, coefficients and squares are exact to rounding or errors. Only [`energy`](Self::energy)
-/// may return estimates, with their [`errors`](Energy::errors); a function with such energies has no
+/// Integrals, coefficients and squares are exact to rounding or unavailable. Only
+/// [`energy`](Self::energy) may return estimates, with their [`errors`](Energy::errors); a function with such energies has no
 /// coefficients and no shape, so that no sum or product of it loses the errors.
 pub trait Integrand: Sync {
     /// Returns the value at a unit vector; on the hemisphere only vectors with z >= 0 are

@@ -14,7 +14,7 @@ const RESOLVED: f64 = 1e-10;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tolerance {
     /// The error of the energies, summed over all degrees and relative to their total without the
-    /// mean; above 0 and at most 0.1.
+    /// mean; above 0 and at most 0.1. A function of which it reaches 1e-10 counts as resolved.
     pub relative: f64,
     /// The number of values to take at least; features of an area of less than about `12 pi`
     /// divided by it may be missed.

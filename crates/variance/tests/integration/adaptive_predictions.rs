@@ -89,7 +89,7 @@ fn check(errors: &[(&str, Vec<f64>)]) {
 }
 
 /// The errors of a rule depend on the orientation of the function. Independent ones that fall as
-/// the power 1.5 of the degree are outside the interval in 4 % of cases; the bounds of tails are
+/// the power 1.5 of the degree are outside the interval in 2 % of cases; the errors of tails are
 /// added. The seed is fixed.
 #[test]
 #[ignore = "statistics"]
