@@ -32,7 +32,7 @@ pub(crate) struct RowRecord {
     trials: usize,
     /// The predicted variance of the integral, in squared units of the integral.
     predicted: f64,
-    /// The standard error of `predicted` that the spectrum has.
+    /// The standard error of `predicted`, due to those of the spectrum and of the energies.
     #[schemars(with = "Option<f64>")]
     predicted_stderr: f64,
     /// The part of `predicted` beyond the largest degree of the spectrum.

@@ -42,7 +42,7 @@ pub(crate) struct VisibleHalfRecord {
     /// The predicted variance of the estimate, if the axis is `equator` and the energies of the
     /// integrand are known.
     predicted: Option<f64>,
-    /// The standard error of `predicted` due to that of the spectrum.
+    /// The standard error of `predicted`, due to those of the spectrum and of the energies.
     predicted_stderr: Option<f64>,
     /// The measured variance of the estimate.
     #[schemars(with = "Option<f64>")]

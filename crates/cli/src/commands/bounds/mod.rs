@@ -116,7 +116,7 @@ pub(crate) struct BoundsBody {
     /// given.
     #[serde(skip_serializing_if = "Option::is_none")]
     predicted: Option<f64>,
-    /// The standard error of `predicted` that the spectrum has.
+    /// The standard error of `predicted`, due to those of the spectrum and of the energies.
     #[serde(skip_serializing_if = "Option::is_none")]
     predicted_stderr: Option<f64>,
     /// The error of `predicted` due to degrees beyond the spectrum.

@@ -42,7 +42,8 @@ pub(super) struct CandidateRecord {
     pub(super) too_few: Option<usize>,
     /// The predicted variance of the integral, in squared units of the integral.
     pub(super) variance: Option<f64>,
-    /// The standard error of `variance` from that of the spectrum, which extrapolations do not have.
+    /// The standard error of `variance`, due to those of the spectrum and of the energies;
+    /// extrapolations do not have it.
     pub(super) variance_stderr: Option<f64>,
     /// The largest error of `variance` from degrees beyond the spectrum.
     pub(super) variance_tail_error: Option<f64>,
@@ -82,7 +83,7 @@ pub(super) struct CurveRecord {
     pub(super) n: usize,
     /// The predicted variance of the integral.
     pub(super) variance: f64,
-    /// The standard error of `variance` from that of the spectrum.
+    /// The standard error of `variance`, due to those of the spectrum and of the energies.
     #[schemars(with = "Option<f64>")]
     pub(super) variance_stderr: f64,
     /// The largest error of `variance` from degrees beyond the spectrum.
