@@ -20,6 +20,21 @@ pub enum Error {
         /// The order.
         m: i64,
     },
+    /// A coefficient of a real function is not finite, or not real for m = 0.
+    #[error(
+        "the coefficient l = {l}, m = {m} is {re} + {im} i; those of a real function are finite, and real \
+         for m = 0"
+    )]
+    Coefficient {
+        /// The degree.
+        l: usize,
+        /// The order.
+        m: usize,
+        /// Its real part.
+        re: f64,
+        /// Its imaginary part.
+        im: f64,
+    },
     /// The energy per degree of the integrand is unknown.
     #[error("the energy per degree of this integrand is not known: {reason}")]
     NoEnergy {

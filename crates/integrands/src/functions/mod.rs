@@ -7,6 +7,7 @@
 mod adaptive;
 mod closed_form;
 mod environment;
+mod expansion;
 mod healpix_map;
 mod inner_product;
 mod lens;
@@ -21,6 +22,7 @@ mod sum_square;
 
 pub use adaptive::{AdaptiveFunction, Tolerance};
 pub use environment::EnvironmentMap;
+pub use expansion::Expansion;
 pub use healpix_map::HealpixMap;
 pub use map_parameters::MissingPixels;
 pub use picture::{PictureLayout, Projection};

@@ -3,6 +3,7 @@
 mod adaptive;
 mod closed_forms;
 mod every_integrand;
+mod expansions;
 mod expressions;
 mod integrands;
 mod kurtosis;
