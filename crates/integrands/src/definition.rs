@@ -1,7 +1,8 @@
 use sphvar_grammar::{Parametric, ResolveError};
 
 use crate::{
-    EnvironmentMap, EnvironmentParameters, Error, HealpixMap, HealpixMapParameters, Integrand,
+    AlmParameters, EnergiesParameters, EnvironmentMap, EnvironmentParameters, Error, Expansion,
+    HealpixMap, HealpixMapParameters, Integrand,
 };
 
 /// The definition of an integrand, apart from its name and summary in the list of `functions`.
@@ -12,36 +13,52 @@ pub(crate) trait Definition: Parametric {
     fn build(&self, files: &dyn IntegrandResolver) -> Result<Box<dyn Integrand>, Error>;
 }
 
-/// Reads the files named in integrand specifications, as in `env:FILE` and `map:FILE`.
+/// Reads the files named in integrand specifications, as in `env:FILE` and `map:FILE`. Kinds of
+/// files that it does not implement are rejected.
 pub trait IntegrandResolver {
     /// Returns the environment map of a file, with its pole at +z.
     ///
     /// # Errors
     ///
     /// [`ResolveError`] with the reason if the file has no such map.
-    fn environment(&self, wanted: &EnvironmentParameters) -> Result<EnvironmentMap, ResolveError>;
+    fn environment(&self, wanted: &EnvironmentParameters) -> Result<EnvironmentMap, ResolveError> {
+        Err(unread(&wanted.file))
+    }
 
     /// Returns the HEALPix map of a file.
     ///
     /// # Errors
     ///
     /// [`ResolveError`] with the reason if the file has no such map.
-    fn healpix_map(&self, wanted: &HealpixMapParameters) -> Result<HealpixMap, ResolveError>;
+    fn healpix_map(&self, wanted: &HealpixMapParameters) -> Result<HealpixMap, ResolveError> {
+        Err(unread(&wanted.file))
+    }
+
+    /// Returns the energies `E(l) = sum_m |a_lm|^2` of a file, from degree 0; 0 for degree 0 where
+    /// the file starts at 1.
+    ///
+    /// # Errors
+    ///
+    /// [`ResolveError`] with the reason if the file has no energies.
+    fn energies(&self, wanted: &EnergiesParameters) -> Result<Vec<f64>, ResolveError> {
+        Err(unread(&wanted.file))
+    }
+
+    /// Returns the function whose coefficients are in a file.
+    ///
+    /// # Errors
+    ///
+    /// [`ResolveError`] with the reason if the file has no coefficients of a real function.
+    fn expansion(&self, wanted: &AlmParameters) -> Result<Expansion, ResolveError> {
+        Err(unread(&wanted.file))
+    }
 }
 
 /// A resolver that rejects every file.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct NoFiles;
 
-impl IntegrandResolver for NoFiles {
-    fn environment(&self, wanted: &EnvironmentParameters) -> Result<EnvironmentMap, ResolveError> {
-        Err(unread(&wanted.file))
-    }
-
-    fn healpix_map(&self, wanted: &HealpixMapParameters) -> Result<HealpixMap, ResolveError> {
-        Err(unread(&wanted.file))
-    }
-}
+impl IntegrandResolver for NoFiles {}
 
 fn unread(file: &std::path::Path) -> ResolveError {
     let file = file.display();

@@ -35,6 +35,14 @@ pub enum Error {
         /// Its imaginary part.
         im: f64,
     },
+    /// An energy is negative or not finite.
+    #[error("the energy of degree {l} must be finite and not negative, got {got}")]
+    Energy {
+        /// The degree.
+        l: usize,
+        /// The energy.
+        got: f64,
+    },
     /// The energy per degree of the integrand is unknown.
     #[error("the energy per degree of this integrand is not known: {reason}")]
     NoEnergy {

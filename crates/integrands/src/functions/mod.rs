@@ -15,6 +15,7 @@ mod map_parameters;
 mod picture;
 mod picture_parameters;
 mod product;
+mod random_field;
 mod rotated;
 mod sampled;
 mod sum;
@@ -114,6 +115,9 @@ integrands! {
     "abs-cosine" = abs_cosine::AbsCosine: "absolute cosine |z|";
     "env" = env::Environment(p: EnvironmentParameters): "environment map in a picture, EXR or HDR";
     "map" = map::HealpixMap(p: HealpixMapParameters): "HEALPix map in a FITS file";
+    "energy" = energies::Energies(p: EnergiesParameters): "random function with energies per degree from a file";
+    "band" = band::Band(p: BandParameters): "random function of a given bandwidth, of variance 1";
+    "alm" = alm::Alm(p: AlmParameters): "function with harmonic coefficients from a file";
 }
 
 use glam::DVec3;

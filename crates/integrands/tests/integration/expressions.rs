@@ -8,10 +8,10 @@ use proptest::sample::select;
 use sphvar_healpix::Nside;
 use sphvar_integrands::grammar::{DefaultValue, Parameter, ParameterKind, ResolveError};
 use sphvar_integrands::{
-    CapParameters, Domain, DoubleCapParameters, EnvironmentMap, EnvironmentParameters, Error,
-    Expression, Factor, HalfSpaceParameters, HarmonicParameters, HealpixMap, HealpixMapParameters,
-    Integrand, IntegrandResolver, MissingPixels, NoFiles, PhongParameters, Summand, Term, UpAxis,
-    VonMisesFisherParameters,
+    BandParameters, CapParameters, Domain, DoubleCapParameters, EnvironmentMap,
+    EnvironmentParameters, Error, Expression, Factor, HalfSpaceParameters, HarmonicParameters,
+    HealpixMap, HealpixMapParameters, Integrand, IntegrandResolver, MissingPixels, NoFiles,
+    PhongParameters, Summand, Term, UpAxis, VonMisesFisherParameters,
 };
 
 fn built(text: &str) -> Box<dyn Integrand> {
@@ -29,6 +29,9 @@ fn terms_show_required_and_non_default_parameters() {
         ("env:file=a.exr", "env:a.exr"),
         ("env:\"a,b.exr\",up=-x,channel=r", "env:\"a,b.exr\",channel=r,up=-x"),
         ("map:a.fits,missing=mean,hdu=MAP", "map:a.fits,hdu=MAP,missing=mean"),
+        ("band:field=2,decay=1.5,mean=0,lmax=9", "band:lmax=9,decay=1.5,mean=0,field=2"),
+        ("energy:file=a.csv,quantity=cl", "energy:a.csv,quantity=cl"),
+        ("alm:hdu=2,file=a.fits", "alm:a.fits,hdu=2"),
     ] {
         assert_eq!(text.parse::<Term>().unwrap().to_string(), shown);
     }
@@ -201,7 +204,9 @@ fn ranges_match_the_constructors() {
     let half = |height| Term::HalfSpace(HalfSpaceParameters { height });
     let lobe = |kappa| Term::VonMisesFisher(VonMisesFisherParameters { kappa });
     let phong = |n| Term::Phong(PhongParameters { n });
+    let band = |decay| Term::Band(BandParameters { decay, ..BandParameters::default() });
     let ends = [
+        ([band(-20.1), band(20.1)], [band(-20.0), band(20.0)]),
         ([cap(0.0), cap(180.1)], [cap(1e-9), cap(180.0)]),
         ([double(0.0), double(90.1)], [double(1e-9), double(90.0)]),
         ([half(-1.1), half(1.0)], [half(-1.0), half(0.999)]),
@@ -218,6 +223,8 @@ fn ranges_match_the_constructors() {
             assert_eq!(term.to_string().parse(), Ok(term));
         }
     }
+    let bands = [0, usize::MAX].map(|lmax| BandParameters { lmax, ..BandParameters::default() });
+    assert!(bands.into_iter().all(|band| Term::Band(band).build(&NoFiles).is_err()));
     let order = Term::Harmonic(HarmonicParameters { l: 2, m: -3 });
     assert!(order.build(&NoFiles).is_err());
 }

@@ -8,3 +8,4 @@ mod expressions;
 mod integrands;
 mod kurtosis;
 mod pictures;
+mod random_fields;
