@@ -1,4 +1,4 @@
-"""Writes the HEALPix maps in unusual layouts that the tests of `files/fits` read, and prints their values.
+"""Writes the HEALPix maps in unusual layouts and the coefficients that the tests of files read, and prints their values.
 
 Run with healpy and astropy; the argument is the folder `crates/cli/tests/data`.
 """
@@ -96,3 +96,10 @@ digits = fits.BinTableHDU.from_columns(
 )
 keywords(digits)
 write("digits.fits", digits)
+
+# Coefficients of 3 Y_00 + 0.5 y_2,1 + 2 y_3,-2 - y_4,0 in real harmonics y; the first table is 0.
+alm = np.zeros(hp.Alm.getsize(4), complex)
+for (l, m), a in {(0, 0): 3, (2, 1): 0.5 / np.sqrt(2), (3, 2): -2j / np.sqrt(2), (4, 0): -1}.items():
+    alm[hp.Alm.getidx(4, l, m)] = a
+np.save(folder / "alm.npy", alm)
+hp.write_alm(folder / "alm.fits", [0 * alm, alm], overwrite=True)

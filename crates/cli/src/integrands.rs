@@ -1,20 +1,23 @@
 //! The integrands of the command line.
 
 pub(crate) mod environment;
+mod expansion;
 mod healpix_map;
 
 use std::cell::RefCell;
 use std::fmt;
+use std::path::{Path, PathBuf};
 
 use sphvar_grammar::{ResolveError, Spec};
 use sphvar_integrands::{
-    EnvironmentMap, EnvironmentParameters, Error, Expression, HealpixMap, HealpixMapParameters,
-    Integrand, IntegrandResolver, Term,
+    AlmParameters, EnergiesParameters, EnvironmentMap, EnvironmentParameters, Error, Expansion,
+    Expression, HealpixMap, HealpixMapParameters, Integrand, IntegrandResolver, Term,
 };
 use sphvar_samplers::Domain;
 
 use self::environment::Environment;
 use crate::error::CliError;
+use crate::files::HduChoice;
 use crate::memory::check_degree;
 use crate::report::say;
 
@@ -75,8 +78,10 @@ pub(crate) fn parse_integrand(text: &str, quiet: bool) -> Result<NamedIntegrand,
     };
     let expression = expression.map_err(CliError::usage)?;
     for term in expression.terms() {
-        if let Term::Harmonic(harmonic) = term {
-            check_degree(&term.to_string(), harmonic.l)?;
+        match term {
+            Term::Harmonic(harmonic) => check_degree(&term.to_string(), harmonic.l)?,
+            Term::Band(band) => expansion::check_size(&term.to_string(), band.lmax)?,
+            _ => {}
         }
     }
     let files = IntegrandFiles::default();
@@ -93,11 +98,23 @@ pub(crate) fn parse_integrand(text: &str, quiet: bool) -> Result<NamedIntegrand,
 /// Operators in the other parameters are part of an expression, as in `env:a.exr,up=y * cosine`.
 fn names_a_file(text: &str) -> bool {
     let Ok(mut spec) = Spec::parse(text) else { return false };
-    if !matches!(spec.name.as_str(), "env" | "map") {
+    if !matches!(spec.name.as_str(), "env" | "map" | "energy" | "alm") {
         return false;
     }
     let file = spec.take_path("").or_else(|| spec.take_path("file"));
     file.is_some_and(|file| file.is_file()) && !spec.has_operator_left()
+}
+
+/// Returns the path of a FITS file and the HDU that its name or the parameter `hdu` selects.
+fn chosen_hdu(file: &Path, parameter: Option<&str>) -> Result<(PathBuf, HduChoice), CliError> {
+    let (path, hdu) = HduChoice::of_path(file);
+    match parameter {
+        None => Ok((path, hdu)),
+        Some(text) => match text.parse() {
+            Ok(hdu) => Ok((path, hdu)),
+            Err(e) => Err(CliError::Usage(format!("hdu={text}: {e}"))),
+        },
+    }
 }
 
 /// Reads the files of integrands and collects remarks for the user.
@@ -115,6 +132,14 @@ impl IntegrandResolver for IntegrandFiles {
 
     fn healpix_map(&self, wanted: &HealpixMapParameters) -> Result<HealpixMap, ResolveError> {
         healpix_map::read(wanted, &mut self.remarks.borrow_mut()).map_err(ResolveError::new)
+    }
+
+    fn energies(&self, wanted: &EnergiesParameters) -> Result<Vec<f64>, ResolveError> {
+        expansion::read_energies(wanted).map_err(ResolveError::new)
+    }
+
+    fn expansion(&self, wanted: &AlmParameters) -> Result<Expansion, ResolveError> {
+        expansion::read_coefficients(wanted).map_err(ResolveError::new)
     }
 }
 

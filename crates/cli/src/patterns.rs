@@ -69,7 +69,7 @@ impl FileResolver for PatternFiles {
         let rows = read_spectrum(file).map_err(|error| ResolveError::new(CliError::from(error)))?;
         let first = rows.first().map_or(0, |row| row.l);
         // Degree 0 is ignored.
-        Ok((0..first).map(|_| 0.0).chain(rows.iter().map(|row| row.power)).collect())
+        Ok((0..first).map(|_| 0.0).chain(rows.iter().map(|row| row.value)).collect())
     }
 
     fn points(&self, source: &PointFileParameters) -> Result<Vec<PointFile>, ResolveError> {

@@ -31,6 +31,11 @@ pub(crate) const EXAMPLES: &str = "Examples:
   sphvar choose --integrand env:data/city.exr --error 1%
   sphvar choose --integrand cap:degrees=60 -n 1000 -o errors.png
   sphvar choose jittered,fibonacci --integrand ylm:l=4 --absolute --error 0.01
+  sphvar choose fibonacci,spiral --integrand band:lmax=40 --error 0.1%
+
+The last example asks how many directions a function of bandwidth 40 needs: band:lmax=40 is a random \
+function with mean 1 and variance 1 over the sphere and equal power in all degrees up to 40. The error \
+scales with the ratio of standard deviation and mean of your function.
 
 The error is one standard error of the integral, the root of the predicted variance, over uniform \
 rotations of the pattern. Predictions come from spectra, in closed form or estimated until the variance is \

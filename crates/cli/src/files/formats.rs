@@ -50,6 +50,9 @@ pub(crate) fn formats() -> Vec<FileFormat> {
         input("environment-exr", "environment map", &["exr"], "linear picture, OpenEXR"),
         input("environment-hdr", "environment map", &["hdr", "pic"], "linear picture, Radiance"),
         input("healpix-fits", "HEALPix map", &["fits"], "FITS table or image; gzip too"),
+        input("energies", "energy per degree", &["csv", "txt"], "text with l and energy or cl"),
+        input("alm-npy", "coefficients", &["npy"], "complex array of NumPy in the order of healpy"),
+        input("alm-fits", "coefficients", &["fits"], "FITS table of healpy: index, real, imag"),
     ];
     let renderings = PictureFormat::ALL.map(|format| {
         let (name, summary) = match format {

@@ -1,5 +1,6 @@
 //! Input and output files: reads point sets and writes results, complete or not at all.
 
+mod alm;
 mod atomic;
 mod file_error;
 mod fits;
@@ -23,6 +24,7 @@ mod target;
 mod text_rows;
 mod used_files;
 
+pub(crate) use alm::read_alm;
 pub(crate) use atomic::AtomicFile;
 pub(crate) use file_error::{FileError, Place};
 pub(crate) use fits::{FitsField, FitsMap, HduChoice, read_fits_map};
@@ -39,6 +41,6 @@ pub(crate) use point_templates::point_files;
 pub(crate) use points::{ColumnChoice, ReadOptions, read_points, write_points};
 pub(crate) use regular::{read_regular, write_regular};
 pub(crate) use shard::{Part, SavedEnsemble, Shard};
-pub(crate) use spectra::read_spectrum;
+pub(crate) use spectra::{read_energies, read_spectrum};
 pub(crate) use target::{is_stdout, is_stream};
 pub(crate) use used_files::record_used_files;

@@ -97,6 +97,19 @@ impl<'a, R: Read> NpyReader<'a, R> {
         ItemType::of_descr(&self.description.descr)
     }
 
+    /// Returns the type of the real and of the imaginary part of complex items, or `None` if the
+    /// items are not complex.
+    pub(super) fn complex_part(&self) -> Option<ItemType> {
+        let descr = match self.descr() {
+            "<c8" => "<f4",
+            ">c8" => ">f4",
+            "<c16" => "<f8",
+            ">c16" => ">f8",
+            _ => return None,
+        };
+        ItemType::of_descr(descr)
+    }
+
     /// Returns the error of an array with another shape.
     pub(super) fn shape_error(&self, expected: &str) -> FileError {
         let got = format!("the shape {}", python_tuple(self.shape()));

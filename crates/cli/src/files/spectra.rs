@@ -1,4 +1,4 @@
-//! Reading spectra from text files.
+//! Reading spectra and energies per degree from text files.
 
 use std::borrow::Cow;
 use std::collections::BTreeMap;
@@ -9,12 +9,14 @@ use super::file_error::input_name;
 use super::input::open_input;
 use super::text_rows::{TextLine, TextRows, shortened};
 use super::{FileError, Place};
+use sphvar_integrands::EnergyQuantity;
 
 /// One degree of a spectrum.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct SpectrumRow {
     pub(crate) l: usize,
-    pub(crate) power: f64,
+    /// The power or energy.
+    pub(crate) value: f64,
     /// 0 if the file does not state one: the value counts as exact.
     pub(crate) stderr: f64,
     /// 0 if the file does not state it.
@@ -33,17 +35,80 @@ pub(crate) struct SpectrumRow {
 /// If the file cannot be read, a line has another number of fields than the first, a field
 /// is not a number, a degree is duplicate or missing, or there are no rows.
 pub(crate) fn read_spectrum(path: &Path) -> Result<Vec<SpectrumRow>, FileError> {
-    read_stream(open_input(path)?, &input_name(path))
+    let spectrum = read_stream(open_input(path)?, &input_name(path), &POWER)?;
+    Ok(spectrum.rows)
 }
 
-fn read_stream(input: impl BufRead, path: &str) -> Result<Vec<SpectrumRow>, FileError> {
+/// Returns the energies `E(l)` of a text file with the columns `l` and `energy` (or `e`, `cl`,
+/// `c_l`), from degree 0, which is 0 if the file starts at degree 1; otherwise as
+/// [`read_spectrum`].
+///
+/// Values are those of `quantity`; unless given, of the name of their column, and energies without
+/// a header.
+///
+/// # Errors
+///
+/// Those of [`read_spectrum`].
+pub(crate) fn read_energies(
+    path: &Path,
+    quantity: Option<EnergyQuantity>,
+) -> Result<Vec<f64>, FileError> {
+    energies(open_input(path)?, &input_name(path), quantity)
+}
+
+fn energies(
+    input: impl BufRead,
+    path: &str,
+    quantity: Option<EnergyQuantity>,
+) -> Result<Vec<f64>, FileError> {
+    let content = match quantity {
+        None => &ANY_ENERGY,
+        Some(EnergyQuantity::Energy) => &ENERGY,
+        Some(EnergyQuantity::AngularPower) => &ANGULAR_POWER,
+    };
+    let Spectrum { rows, name } = read_stream(input, path, content)?;
+    let of_header = name.is_some_and(|name| ANGULAR_POWER.names.contains(&name));
+    let orders = |l: usize| match quantity {
+        Some(EnergyQuantity::Energy) => 1.0,
+        None if !of_header => 1.0,
+        _ => (2 * l + 1) as f64,
+    };
+    // Only degree 0 may be absent.
+    let mut energies = vec![0.0; rows.last().map_or(0, |row| row.l) + 1];
+    for row in rows {
+        energies[row.l] = row.value * orders(row.l);
+    }
+    Ok(energies)
+}
+
+/// The values of a kind of file and their names, in lower case.
+struct Content {
+    names: &'static [&'static str],
+    /// The names in words.
+    words: &'static str,
+}
+
+const POWER: Content = Content { names: &["power", "mean"], words: "power (or mean)" };
+const ENERGY: Content = Content { names: &["energy", "e"], words: "energy (or e)" };
+const ANGULAR_POWER: Content = Content { names: &["cl", "c_l"], words: "cl (or c_l)" };
+const ANY_ENERGY: Content =
+    Content { names: &["energy", "e", "cl", "c_l"], words: "energy (or e), or cl (or c_l)" };
+
+/// The rows of a file and the name of the column of their values, if it has a header.
+struct Spectrum {
+    rows: Vec<SpectrumRow>,
+    name: Option<&'static str>,
+}
+
+fn read_stream(input: impl BufRead, path: &str, content: &Content) -> Result<Spectrum, FileError> {
+    let value_name = content.names[0];
     let layout_error = |place, expected: String, got: String| FileError::Layout {
         path: path.to_owned(),
         place,
         expected,
         got,
     };
-    let mut lines = TextRows::new(input, path, "text in UTF-8 with rows of l and power");
+    let mut lines = TextRows::new(input, path, "text in UTF-8 with a row for each degree");
     let mut layout: Option<Columns> = None;
     let mut rows: BTreeMap<usize, SpectrumRow> = BTreeMap::new();
     while let Some(line) = lines.next_line()? {
@@ -55,14 +120,15 @@ fn read_stream(input: impl BufRead, path: &str) -> Result<Vec<SpectrumRow>, File
         let columns = match layout {
             Some(columns) => columns,
             None if line.is_header() => {
-                layout = Some(Columns::of_header(line).ok_or_else(|| {
-                    let expected = "columns l and power (or mean), and stderr".to_owned();
+                layout = Some(Columns::of_header(line, content.names).ok_or_else(|| {
+                    let expected = format!("columns l and {}, and stderr", content.words);
                     layout_error(place, expected, format!("the header {}", shortened(line.text)))
                 })?);
                 continue;
             }
             None => *layout.insert(Columns::without_header(fields.len()).ok_or_else(|| {
-                let expected = "fields l, power and stderr, or a header that names them".to_owned();
+                let expected =
+                    format!("fields l, {value_name} and stderr, or a header that names them");
                 layout_error(place, expected, format!("{} without a header", fields.len()))
             })?),
         };
@@ -87,7 +153,7 @@ fn read_stream(input: impl BufRead, path: &str) -> Result<Vec<SpectrumRow>, File
             let value = text.parse().ok().filter(|x: &f64| x.is_finite() && *x >= 0.0);
             value.ok_or_else(|| wrong(field, "a finite number from 0", text))
         };
-        let power = number("power", columns.power)?;
+        let value = number(value_name, columns.value)?;
         // The spectrum of one given set has no error, so its field is empty.
         let stderr = columns.stderr.filter(|&column| !fields[column].is_empty());
         let stderr = stderr.map_or(Ok(0.0), |column| number("stderr", column))?;
@@ -96,12 +162,12 @@ fn read_stream(input: impl BufRead, path: &str) -> Result<Vec<SpectrumRow>, File
             text.parse().map_err(|_| wrong("realizations", "a whole number", text))
         };
         let realizations = columns.realizations.map_or(Ok(0), count)?;
-        rows.insert(l, SpectrumRow { l, power, stderr, realizations });
+        rows.insert(l, SpectrumRow { l, value, stderr, realizations });
     }
     let Some(&lmax) = rows.keys().next_back() else {
         return Err(layout_error(
             Place::Whole,
-            "rows of l and power".to_owned(),
+            format!("rows of l and {value_name}"),
             "none".to_owned(),
         ));
     };
@@ -112,7 +178,8 @@ fn read_stream(input: impl BufRead, path: &str) -> Result<Vec<SpectrumRow>, File
             format!("none of degree {missing}"),
         ));
     }
-    Ok(rows.into_values().collect())
+    let name = layout.and_then(|columns| columns.name);
+    Ok(Spectrum { rows: rows.into_values().collect(), name })
 }
 
 /// The positions of the numbers in a row.
@@ -121,20 +188,24 @@ struct Columns {
     /// The number of fields.
     count: usize,
     l: usize,
-    power: usize,
+    value: usize,
+    /// The name of the value in the header.
+    name: Option<&'static str>,
     stderr: Option<usize>,
     realizations: Option<usize>,
 }
 
 impl Columns {
-    fn of_header(line: TextLine<'_>) -> Option<Self> {
+    fn of_header(line: TextLine<'_>, names: &[&'static str]) -> Option<Self> {
         let find = |wanted: &[&str]| {
             line.fields().position(|name| wanted.iter().any(|w| name.eq_ignore_ascii_case(w)))
         };
+        let (value, name) = names.iter().find_map(|name| Some((find(&[name])?, *name)))?;
         Some(Self {
             count: line.fields().count(),
             l: find(&["l"])?,
-            power: find(&["power", "mean"])?,
+            value,
+            name: Some(name),
             stderr: find(&["stderr"]),
             realizations: find(&["realizations"]),
         })
@@ -143,21 +214,29 @@ impl Columns {
     /// Returns the columns of lines with this number of fields; those after the third are ignored.
     fn without_header(count: usize) -> Option<Self> {
         let stderr = (count > 2).then_some(2);
-        (count >= 2).then_some(Self { count, l: 0, power: 1, stderr, realizations: None })
+        (count >= 2).then_some(Self {
+            count,
+            l: 0,
+            value: 1,
+            name: None,
+            stderr,
+            realizations: None,
+        })
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::{SpectrumRow, read_stream};
+    use super::{EnergyQuantity, POWER, SpectrumRow, energies, read_stream};
 
     fn read(text: &str) -> Result<Vec<SpectrumRow>, String> {
-        read_stream(text.as_bytes(), "S").map_err(|error| error.to_string())
+        let spectrum = read_stream(text.as_bytes(), "S", &POWER);
+        spectrum.map(|spectrum| spectrum.rows).map_err(|error| error.to_string())
     }
 
     #[test]
     fn every_dialect_gives_the_same_rows() {
-        let row = |l, power, stderr| SpectrumRow { l, power, stderr, realizations: 0 };
+        let row = |l, value, stderr| SpectrumRow { l, value, stderr, realizations: 0 };
         let with_errors = vec![row(1, 0.5, 0.25), row(2, 1e-3, 0.0)];
         for text in [
             "1,0.5,0.25\n2,1e-3,0\n",
@@ -207,6 +286,48 @@ mod tests {
             ("1,0.5\n3,0.5\n", "S: expected every degree from 1 to 3, got none of degree 2"),
         ] {
             assert_eq!(read(text), Err(message.to_owned()), "{text:?}");
+        }
+    }
+
+    #[test]
+    fn energies_are_read_in_both_normalizations() {
+        let read = |text: &str, quantity| {
+            energies(text.as_bytes(), "S", quantity).map_err(|error| error.to_string())
+        };
+        let (energy, cl) = (Some(EnergyQuantity::Energy), Some(EnergyQuantity::AngularPower));
+        for (text, quantity) in [
+            ("1,3\n2,10\n", None),
+            ("2 10\n1 3\n", energy),
+            ("1,1\n2,2\n", cl),
+            ("l,Energy\n1,3\n2,10\n", None),
+            ("l,E\n1,3\n2,10\n", energy),
+            ("l,cl\n1,1\n2,2\n", None),
+            ("C_l l\n1 1\n2 2\n", cl),
+            ("l,cl,energy\n1,1,3\n2,2,10\n", None),
+            ("l,cl,energy\n1,1,9\n2,2,9\n", cl),
+        ] {
+            assert_eq!(read(text, quantity), Ok(vec![0.0, 3.0, 10.0]), "{text:?} {quantity:?}");
+        }
+        assert_eq!(read("0,2\n", None), Ok(vec![2.0]));
+        for (text, quantity, message) in [
+            ("l,energy\n", None, "S: expected rows of l and energy, got none"),
+            (
+                "l,power\n1,2\n",
+                None,
+                "S:1: expected columns l and energy (or e), or cl (or c_l), and stderr, got the header \
+                 l,power",
+            ),
+            (
+                "l,energy\n1,2\n",
+                cl,
+                "S:1: expected columns l and cl (or c_l), and stderr, got the header l,energy",
+            ),
+            ("1,1\n2,-1\n", None, "S:2: energy: expected a finite number from 0, got \"-1\""),
+            ("1,inf\n", cl, "S:1: cl: expected a finite number from 0, got \"inf\""),
+            ("1,1\n1,1\n", None, "S:2: l: expected each degree once, got \"1\""),
+            ("0,1\n2,1\n", None, "S: expected every degree from 1 to 2, got none of degree 1"),
+        ] {
+            assert_eq!(read(text, quantity), Err(message.to_owned()), "{text:?}");
         }
     }
 }

@@ -5,8 +5,9 @@ use std::path::Path;
 use sphvar_healpix::{Nested, Nside};
 use sphvar_integrands::{HealpixMap, HealpixMapParameters, MissingPixels};
 
+use super::chosen_hdu;
 use crate::error::CliError;
-use crate::files::{FitsField, FitsMap, HduChoice, read_fits_map};
+use crate::files::{FitsField, FitsMap, read_fits_map};
 
 /// Reads the map of a file.
 pub(super) fn read(
@@ -14,10 +15,7 @@ pub(super) fn read(
     remarks: &mut Vec<String>,
 ) -> Result<HealpixMap, CliError> {
     let field = wanted.field.clone().map_or(FitsField::Number(0), FitsField::Name);
-    let (path, mut hdu) = HduChoice::of_path(&wanted.file);
-    if let Some(text) = &wanted.hdu {
-        hdu = text.parse().map_err(|e| CliError::Usage(format!("hdu={text}: {e}")))?;
-    }
+    let (path, hdu) = chosen_hdu(&wanted.file, wanted.hdu.as_deref())?;
     map(&path, read_fits_map(&path, &hdu, &field)?, wanted.missing, remarks)
 }
 

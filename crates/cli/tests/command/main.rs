@@ -10,6 +10,7 @@ mod determinism;
 mod errors_of_files;
 mod errors_of_outputs;
 mod errors_of_usage;
+mod expansions;
 mod expressions;
 mod fixed_orientation;
 mod forms_of_points;

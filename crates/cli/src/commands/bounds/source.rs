@@ -113,7 +113,7 @@ impl Measured {
         let realizations = rows.iter().map(|r| r.realizations).min().unwrap_or(0);
         let (mut power, mut stderr) = (vec![f64::NAN; lmax + 1], vec![0.0; lmax + 1]);
         for row in rows {
-            power[row.l] = row.power;
+            power[row.l] = row.value;
             stderr[row.l] = row.stderr;
         }
         // P(0) = N for every set, and files often omit it.

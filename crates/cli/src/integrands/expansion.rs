@@ -1,0 +1,31 @@
+//! Integrands with energies or coefficients from files.
+
+use sphvar_integrands::{AlmParameters, EnergiesParameters, Expansion};
+use sphvar_spectrum::Method;
+
+use super::chosen_hdu;
+use crate::error::CliError;
+use crate::files::{self, read_alm};
+use crate::memory::{check_degree, check_memory};
+
+/// Reads the energies of a file.
+pub(super) fn read_energies(wanted: &EnergiesParameters) -> Result<Vec<f64>, CliError> {
+    let energies = files::read_energies(&wanted.file, wanted.quantity)?;
+    check_size(&wanted.file.display().to_string(), energies.len() - 1)?;
+    Ok(energies)
+}
+
+/// Reads the coefficients of a file.
+pub(super) fn read_coefficients(wanted: &AlmParameters) -> Result<Expansion, CliError> {
+    let (path, hdu) = chosen_hdu(&wanted.file, wanted.hdu.as_deref())?;
+    let failed = |e| CliError::Failed(format!("{}: {e}", path.display()));
+    Expansion::new(read_alm(&path, &hdu)?).map_err(failed)
+}
+
+/// Rejects degrees whose coefficients and transforms are not supported or do not fit in memory.
+pub(super) fn check_size(what: &str, lmax: usize) -> Result<(), CliError> {
+    check_degree(what, lmax)?;
+    // The coefficients are in the function, and once more in a transform to its values.
+    let bytes = Method::Fast.bytes(0, lmax, 1) + Method::Exact.bytes(0, lmax, 1);
+    check_memory(&format!("{what}: a function of degree {lmax}"), bytes)
+}
