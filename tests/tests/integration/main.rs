@@ -10,6 +10,7 @@ mod identities;
 mod low_degree_power;
 mod pictures;
 mod policy;
+mod random_fields;
 mod samplers;
 mod spectra;
 mod spectral_control;
