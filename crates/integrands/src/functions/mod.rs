@@ -111,6 +111,7 @@ integrands! {
     "half-space" = half_space::HalfSpace(p: HalfSpaceParameters): "indicator of z >= height";
     "vmf" = von_mises_fisher::VonMisesFisher(p: VonMisesFisherParameters): "von Mises-Fisher density around +z";
     "phong" = phong::Phong(p: PhongParameters): "Phong lobe max(0, z)^n";
+    "ggx" = ggx::GgxLobe(p: GgxParameters): "GGX reflection lobe of a rough surface with normal +z";
     "cosine" = cosine::Cosine: "clamped cosine max(0, z)";
     "abs-cosine" = abs_cosine::AbsCosine: "absolute cosine |z|";
     "env" = env::Environment(p: EnvironmentParameters): "environment map in a picture, EXR or HDR";

@@ -1,5 +1,6 @@
 //! Integrals over the sphere or the hemisphere of functions whose shape is known.
 
+mod adaptive;
 mod doubling;
 mod panel_rule;
 mod product_rule;
@@ -14,6 +15,7 @@ use sphvar_sht::{Method, Transform, TransformWorkspace};
 
 use crate::shape::{Fold, Shape};
 use crate::{Coefficients, Error};
+pub(crate) use adaptive::{AdaptiveCells, Cell, Patch, PatchNode};
 pub(crate) use doubling::{Estimate, FIRST_NODES, doubled};
 pub(crate) use panel_rule::node_count;
 use rings::Rings;
@@ -174,35 +176,72 @@ pub(crate) fn coefficients(
     let domain = if fold == Fold::Cut { domain } else { Domain::Sphere };
     let rings = Rings::new(shape, domain, shape.degree() + lmax)?;
     let part = if rings.is_zonal() {
-        let plan = LegendrePlan::new(lmax)?;
-        let mut column = vec![0.0; lmax + 1];
-        let mut sums = vec![0.0; lmax + 1];
+        let mut sums = ZonalSums::new(lmax)?;
         rings.for_each_colatitude(|theta, w| {
-            let value = w * eval(rings.direction(theta, 0.0));
-            if let Ok(colatitude) = Colatitude::from_theta(theta)
-                && value != 0.0
-            {
-                plan.column_into(0, colatitude, &mut column);
-                sums.iter_mut().zip(&column).for_each(|(s, lambda)| *s += value * lambda);
+            if let Ok(colatitude) = Colatitude::from_theta(theta) {
+                sums.add(colatitude, w * eval(rings.direction(theta, 0.0)));
             }
         })?;
-        Coefficients::zonal(rings.axis(), sums)?
+        Coefficients::zonal(rings.axis(), sums.sums)?
     } else {
-        let mut batches = Batches::new(lmax)?;
-        let mut failure = Ok(());
-        rings.for_each(|dir, w| {
-            if failure.is_ok() {
-                failure = batches.push(dir, w * eval(dir));
-            }
-        })?;
-        failure?;
-        Coefficients::general(batches.finish()?)
+        coefficients_of_nodes(lmax, |add| rings.for_each(|dir, w| add(dir, w * eval(dir))))?
     };
     Ok(match fold {
         Fold::Whole => part,
         Fold::Even => part.even_part(),
         Fold::Above | Fold::Cut => part.even_extension(),
     })
+}
+
+/// Calls a function with every direction of a rule and the weight times the value there.
+type Nodes<'a> = dyn FnMut(DVec3, f64) + 'a;
+
+/// Returns the coefficients to degree `lmax` of the function whose weighted values `for_each`
+/// enumerates.
+pub(crate) fn coefficients_of_nodes(
+    lmax: usize,
+    for_each: impl FnOnce(&mut Nodes<'_>) -> Result<(), Error>,
+) -> Result<Coefficients, Error> {
+    let mut batches = Batches::new(lmax)?;
+    let mut failure = Ok(());
+    for_each(&mut |dir, weighted| {
+        if failure.is_ok() {
+            failure = batches.push(dir, weighted);
+        }
+    })?;
+    failure?;
+    Ok(Coefficients::general(batches.finish()?))
+}
+
+/// Returns the coefficients of a function of z alone; weights include the length of the ring.
+pub(crate) fn zonal_coefficients_of_nodes(
+    lmax: usize,
+    for_each: impl FnOnce(&mut Nodes<'_>) -> Result<(), Error>,
+) -> Result<Coefficients, Error> {
+    let mut sums = ZonalSums::new(lmax)?;
+    for_each(&mut |dir, weighted| sums.add(Colatitude::from_direction(dir), weighted))?;
+    Coefficients::zonal(DVec3::Z, sums.sums)
+}
+
+/// Sums of `Y_l0` of weighted colatitudes.
+struct ZonalSums {
+    plan: LegendrePlan,
+    column: Vec<f64>,
+    sums: Vec<f64>,
+}
+
+impl ZonalSums {
+    fn new(lmax: usize) -> Result<Self, Error> {
+        let zeros = vec![0.0; lmax + 1];
+        Ok(Self { plan: LegendrePlan::new(lmax)?, column: zeros.clone(), sums: zeros })
+    }
+
+    fn add(&mut self, colatitude: Colatitude, value: f64) {
+        if value != 0.0 {
+            self.plan.column_into(0, colatitude, &mut self.column);
+            self.sums.iter_mut().zip(&self.column).for_each(|(s, lambda)| *s += value * lambda);
+        }
+    }
 }
 
 /// Sums of coefficients of weighted points.

@@ -9,8 +9,8 @@ use glam::DVec3;
 use num_complex::Complex;
 use sphvar_healpix::Nside;
 use sphvar_integrands::{
-    AbsCosine, Cap, Circle, ClampedCosine, DoubleCap, EnvironmentMap, Harmonic, HealpixMap,
-    Integrand, PhongLobe, Product, Rotated, SampledFunction, Sum, VonMisesFisher,
+    AbsCosine, Cap, Circle, ClampedCosine, DoubleCap, EnvironmentMap, GgxLobe, Harmonic,
+    HealpixMap, Integrand, PhongLobe, Product, Rotated, SampledFunction, Sum, VonMisesFisher,
 };
 use sphvar_samplers::Domain;
 use sphvar_sh::ylm_at;
@@ -82,6 +82,9 @@ fn cases() -> Vec<Case> {
         case("phong 0.5", [Tail::Power(2.0), Tail::Power(2.0)], phong(0.5)),
         case("phong 0.5 rotated", [Tail::Power(2.0), JUMP], rotated(phong(0.5), 60.0)),
         case("phong 12", [Tail::None, Tail::None], phong(12.0)),
+        case("ggx", [KINK, KINK], GgxLobe::new(0.9, 0.0).unwrap()),
+        case("ggx 40", [KINK, KINK], GgxLobe::new(0.9, 40.0).unwrap()),
+        case("ggx rotated", [KINK, JUMP], rotated(GgxLobe::new(0.9, 40.0).unwrap(), 50.0)),
         case("ylm 4 0", [Tail::None, Tail::None], Harmonic::new(4, 0).unwrap()),
         case("ylm 4 -3", [Tail::None, Tail::None], Harmonic::new(4, -3).unwrap()),
         case(

@@ -43,7 +43,7 @@ fn terms_show_required_and_non_default_parameters() {
     assert_eq!(forms[0], "ylm:l=4[,m=0]");
     assert_eq!(forms[3], "half-space[:height=0]");
     assert_eq!(
-        forms[8],
+        *forms.iter().find(|form| form.starts_with("env")).unwrap(),
         "env:FILE[,channel=NAME][,layer=NAME][,projection=latlong|octahedral][,up=z|y|x|-z|-y|-x]\
          [,mirror=no|yes][,rotate=0]"
     );
