@@ -19,6 +19,7 @@ use self::environment::Environment;
 use crate::error::CliError;
 use crate::files::HduChoice;
 use crate::memory::check_degree;
+use crate::report::number::value;
 use crate::report::say;
 
 /// The names and their parameters, for help texts.
@@ -50,6 +51,8 @@ pub(crate) struct NamedIntegrand {
     pub(crate) name: String,
     /// The function.
     pub(crate) function: Box<dyn Integrand>,
+    /// The function without its filters, if it has any.
+    unfiltered: Option<Box<dyn Integrand>>,
 }
 
 /// The time above which the computation of energies is announced, in seconds.
@@ -65,6 +68,21 @@ impl NamedIntegrand {
                 &format!("energies of {} to degree {lmax}: about {seconds:.0} s", self.name),
             );
         }
+    }
+
+    /// Prints by how much filters change the integral over the domain.
+    pub(crate) fn announce_bias(&self, domain: Domain, quiet: bool) {
+        /// Smaller changes, relative to the integral, are rounding.
+        const ROUNDING: f64 = 1e-10;
+        let before = self.unfiltered.as_ref().and_then(|function| function.exact(domain));
+        let Some((before, after)) = before.zip(self.function.exact(domain)) else { return };
+        let change = after - before;
+        let text = if change.abs() <= ROUNDING * before.abs().max(after.abs()) {
+            format!("filters do not change the integral, {}", value(before))
+        } else {
+            format!("filters change the integral from {} by {}", value(before), value(change))
+        };
+        say(quiet, &text);
     }
 }
 
@@ -85,12 +103,14 @@ pub(crate) fn parse_integrand(text: &str, quiet: bool) -> Result<NamedIntegrand,
         }
     }
     let files = IntegrandFiles::default();
-    let function = expression.build(&files).map_err(|error| match error {
+    let of_expression = |error| match error {
         Error::File(source) => CliError::of_resolver(&source),
         other => CliError::usage(other),
-    })?;
+    };
+    let function = expression.build(&files).map_err(of_expression)?;
     files.remarks.take().iter().for_each(|remark| say(quiet, remark));
-    Ok(NamedIntegrand { name: text.to_owned(), function })
+    let unfiltered = expression.build_unfiltered(&files).map_err(of_expression)?;
+    Ok(NamedIntegrand { name: text.to_owned(), function, unfiltered })
 }
 
 /// Returns whether the text is a single term with a file whose name looks like an expression.
@@ -140,6 +160,10 @@ impl IntegrandResolver for IntegrandFiles {
 
     fn expansion(&self, wanted: &AlmParameters) -> Result<Expansion, ResolveError> {
         expansion::read_coefficients(wanted).map_err(ResolveError::new)
+    }
+
+    fn remark(&self, text: String) {
+        self.remarks.borrow_mut().push(text);
     }
 }
 

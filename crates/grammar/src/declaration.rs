@@ -1,4 +1,6 @@
+use std::fmt;
 use std::path::PathBuf;
+use std::str::FromStr;
 
 use crate::{Choice, DefaultValue, Error, Parameter, ParameterKind, Range, Spec, Value};
 
@@ -177,6 +179,29 @@ impl<'a> Declaration<'a> {
         }
         let value = value.clone().map(Value::Word);
         self.push(name, ParameterKind::Word, summary, Some(default), value);
+    }
+
+    /// Declares a required text of another grammar, in quotes where it contains commas or operators;
+    /// `what` names what it must be, such as "an integrand". Its initial value is an example.
+    pub fn required_text<T: FromStr<Err: fmt::Display> + fmt::Display>(
+        &mut self,
+        name: &'static str,
+        what: &'static str,
+        summary: &'static str,
+        value: &mut T,
+    ) {
+        if let Some(spec) = &mut self.spec {
+            match spec.take(name).map(|given| given.parse()) {
+                Some(Ok(given)) => *value = given,
+                Some(Err(reason)) => {
+                    let (text, key, reason) = (spec.text.clone(), name, reason.to_string());
+                    self.error.get_or_insert(Error::OfText { text, key, reason });
+                }
+                None => self.require(name),
+            }
+        }
+        let value = Some(Value::Word(value.to_string()));
+        self.push(name, ParameterKind::Text(what), summary, None, value);
     }
 
     /// Declares a file, given by the first bare value or by its key; `default` describes the

@@ -58,6 +58,16 @@ pub enum Error {
         /// The value.
         got: String,
     },
+    /// A value that is a text of another grammar is malformed.
+    #[error("{text}: {key}: {reason}")]
+    OfText {
+        /// The whole text.
+        text: String,
+        /// The key of the parameter.
+        key: &'static str,
+        /// The error.
+        reason: String,
+    },
     /// A required parameter is missing.
     #[error("{text}: the parameter {key} is missing")]
     Missing {

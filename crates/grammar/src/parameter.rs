@@ -35,6 +35,8 @@ pub enum ParameterKind {
     Choice(Vec<&'static str>),
     /// Any text, such as the name of a channel.
     Word,
+    /// A text of another grammar, such as "an integrand".
+    Text(&'static str),
     /// A file name, which may also be the first bare value.
     File,
 }
@@ -97,6 +99,7 @@ impl fmt::Display for ParameterKind {
             Self::Number(range) => range.fmt(f),
             Self::Choice(names) => write!(f, "one of {}", names.join(", ")),
             Self::Word => f.write_str("a name"),
+            Self::Text(what) => f.write_str(what),
             Self::File => f.write_str("the name of a file"),
         }
     }

@@ -52,6 +52,9 @@ pub trait IntegrandResolver {
     fn expansion(&self, wanted: &AlmParameters) -> Result<Expansion, ResolveError> {
         Err(unread(&wanted.file))
     }
+
+    /// Receives a remark for the user on an integrand; by default remarks are dropped.
+    fn remark(&self, _text: String) {}
 }
 
 /// A resolver that rejects every file.

@@ -48,6 +48,13 @@ pub struct Factor {
     pub rotations: Vec<[f64; 3]>,
 }
 
+/// Whether filters of an expression are part of the function.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Filters {
+    Applied,
+    Removed,
+}
+
 impl Expression {
     /// The maximum number of functions in a product: the functions are nested, and quadratures over
     /// more factors take too long.
@@ -60,15 +67,37 @@ impl Expression {
     /// [`Error::OfTerm`] with the text of the term and the reason, [`Error::Weight`] for weights
     /// out of range, [`Error::File`] if `files` cannot read a file.
     pub fn build(&self, files: &dyn IntegrandResolver) -> Result<Box<dyn Integrand>, Error> {
+        self.function(Filters::Applied, files)
+    }
+
+    /// Returns the function without its filters, `filtered:of=f` being f, if it has any: the
+    /// function of which the filtered one is an approximation.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`build`](Self::build).
+    pub fn build_unfiltered(
+        &self,
+        files: &dyn IntegrandResolver,
+    ) -> Result<Option<Box<dyn Integrand>>, Error> {
+        let has_filters = self.terms().any(|term| term.filtered().is_some());
+        has_filters.then(|| self.function(Filters::Removed, files)).transpose()
+    }
+
+    fn function(
+        &self,
+        filters: Filters,
+        files: &dyn IntegrandResolver,
+    ) -> Result<Box<dyn Integrand>, Error> {
         // A single integrand without a weight is returned unchanged.
         if let [single] = &*self.summands
             && single.weight.to_bits() == 1f64.to_bits()
         {
-            return single.function(files);
+            return single.function(filters, files);
         }
         let mut sum = Sum::default();
         for summand in &self.summands {
-            let function = summand.function(files)?;
+            let function = summand.function(filters, files)?;
             sum = sum.plus(summand.weight, function).map_err(|error| Error::OfTerm {
                 text: self.to_string(),
                 reason: Box::new(error),
@@ -77,9 +106,17 @@ impl Expression {
         Ok(Box::new(sum))
     }
 
-    /// Returns all named integrands.
+    /// Returns all named integrands, including those within filters.
     pub fn terms(&self) -> impl Iterator<Item = &Term> {
-        self.summands.iter().flat_map(|summand| &summand.factors).map(|factor| &factor.term)
+        let mut terms = Vec::new();
+        let mut pending = vec![self];
+        while let Some(expression) = pending.pop() {
+            for factor in expression.summands.iter().flat_map(|summand| &summand.factors) {
+                terms.push(&factor.term);
+                pending.extend(factor.term.filtered());
+            }
+        }
+        terms.into_iter()
     }
 }
 
@@ -110,10 +147,14 @@ impl Summand {
     }
 
     /// Returns the product of the functions, without the weight.
-    fn function(&self, files: &dyn IntegrandResolver) -> Result<Box<dyn Integrand>, Error> {
+    fn function(
+        &self,
+        filters: Filters,
+        files: &dyn IntegrandResolver,
+    ) -> Result<Box<dyn Integrand>, Error> {
         let mut product: Option<Box<dyn Integrand>> = None;
         for factor in &self.factors {
-            let function = factor.function(files)?;
+            let function = factor.function(filters, files)?;
             product = Some(match product {
                 Some(before) => Box::new(Product::new(before, function)),
                 None => function,
@@ -128,8 +169,15 @@ impl Summand {
 }
 
 impl Factor {
-    fn function(&self, files: &dyn IntegrandResolver) -> Result<Box<dyn Integrand>, Error> {
-        let function = self.term.build(files)?;
+    fn function(
+        &self,
+        filters: Filters,
+        files: &dyn IntegrandResolver,
+    ) -> Result<Box<dyn Integrand>, Error> {
+        let function = match (filters, self.term.filtered()) {
+            (Filters::Removed, Some(expression)) => expression.function(filters, files)?,
+            _ => self.term.build(files)?,
+        };
         let mut rotations = self.rotations.iter().map(|angles| angles.map(f64::to_radians));
         let Some([theta, phi, psi]) = rotations.next() else {
             return Ok(function);

@@ -3,7 +3,7 @@ use std::str::FromStr;
 
 use sphvar_grammar::{Parameter, Spec, describe, form, read, text};
 
-use crate::{Error, Integrand, IntegrandResolver, Term};
+use crate::{Error, Expression, Integrand, IntegrandResolver, Term};
 
 impl Term {
     /// Returns the parameters with their ranges, meanings and defaults, in the order of texts.
@@ -31,6 +31,14 @@ impl Term {
             Error::File(error) => Error::File(error),
             reason => Error::OfTerm { text: self.to_string(), reason: Box::new(reason) },
         })
+    }
+
+    /// Returns the integrand to which a filter is applied.
+    pub(crate) fn filtered(&self) -> Option<&Expression> {
+        match self {
+            Self::Filtered(filtered) => Some(&filtered.of),
+            _ => None,
+        }
     }
 
     /// Returns the integrand of the same name with its default parameters.

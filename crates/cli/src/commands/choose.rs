@@ -59,6 +59,7 @@ pub(crate) fn run(args: &ChooseArgs, global: &Global) -> Result<(), CliError> {
     let integrand = parse_integrand(args.integrand.required()?, global.quiet)?;
     let domain = args.domain.domain();
     check_domain(&integrand, domain)?;
+    integrand.announce_bias(domain, global.quiet);
     if let Some(cost) = args.cost_per_sample
         && !(cost >= 0.0 && cost.is_finite())
     {

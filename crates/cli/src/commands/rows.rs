@@ -137,6 +137,7 @@ pub(super) fn run(plan: &Plan<'_>, cases: &[Case]) -> Result<(Vec<Row>, Energy),
 /// Rejects cases that cannot be run.
 pub(super) fn check(plan: &Plan<'_>, cases: &[Case]) -> Result<(), CliError> {
     check_domain(plan.integrand, plan.domain)?;
+    plan.integrand.announce_bias(plan.domain, plan.quiet);
     if plan.realizations == Some(1) {
         return Err(CliError::Usage(
             "--spectrum-realizations must be at least 2 for an error of the prediction, got 1"

@@ -20,6 +20,7 @@ mod rotated;
 mod sampled;
 mod sum;
 mod sum_square;
+mod zonal_series;
 
 pub use adaptive::{AdaptiveFunction, Tolerance};
 pub use environment::EnvironmentMap;
@@ -114,6 +115,7 @@ integrands! {
     "ggx" = ggx::GgxLobe(p: GgxParameters): "GGX reflection lobe of a rough surface with normal +z";
     "cosine" = cosine::Cosine: "clamped cosine max(0, z)";
     "abs-cosine" = abs_cosine::AbsCosine: "absolute cosine |z|";
+    "filtered" = filtered::Filtered(p: FilteredParameters): "Gaussian filter of an integrand";
     "env" = env::Environment(p: EnvironmentParameters): "environment map in a picture, EXR or HDR";
     "map" = map::HealpixMap(p: HealpixMapParameters): "HEALPix map in a FITS file";
     "energy" = energies::Energies(p: EnergiesParameters): "random function with energies per degree from a file";
@@ -136,7 +138,7 @@ fn drop_from_pole(dir: DVec3) -> f64 {
 #[expect(
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,
-    reason = "rates are positive and at most a million"
+    reason = "rates are positive and at most 1e22"
 )]
 fn exponential_degree(rate: f64) -> usize {
     (8.6 * rate.sqrt()).ceil() as usize + 24

@@ -9,8 +9,9 @@ use glam::DVec3;
 use num_complex::Complex;
 use sphvar_healpix::Nside;
 use sphvar_integrands::{
-    AbsCosine, Cap, Circle, ClampedCosine, DoubleCap, EnvironmentMap, GgxLobe, Harmonic,
-    HealpixMap, Integrand, PhongLobe, Product, Rotated, SampledFunction, Sum, VonMisesFisher,
+    AbsCosine, Cap, Circle, ClampedCosine, DoubleCap, EnvironmentMap, GaussianFilter, GgxLobe,
+    Harmonic, HealpixMap, Integrand, PhongLobe, Product, Rotated, SampledFunction, Sum,
+    VonMisesFisher,
 };
 use sphvar_samplers::Domain;
 use sphvar_sh::ylm_at;
@@ -38,6 +39,10 @@ fn case(name: &'static str, tails: [Tail; 2], function: impl Integrand + 'static
 fn rotated(function: impl Integrand + 'static, theta: f64) -> Rotated<Box<dyn Integrand>> {
     let function: Box<dyn Integrand> = Box::new(function);
     Rotated::to_angles(function, theta.to_radians(), 0.3, 0.4).unwrap()
+}
+
+fn filtered(fwhm: f64, function: &dyn Integrand) -> Box<dyn Integrand> {
+    GaussianFilter::new(fwhm).unwrap().apply(function).unwrap().function
 }
 
 /// A jump falls as 1/l, a kink as 1/l^3 (squares of coefficients as l^-2 and l^-4).
@@ -85,6 +90,13 @@ fn cases() -> Vec<Case> {
         case("ggx", [KINK, KINK], GgxLobe::new(0.9, 0.0).unwrap()),
         case("ggx 40", [KINK, KINK], GgxLobe::new(0.9, 40.0).unwrap()),
         case("ggx rotated", [KINK, JUMP], rotated(GgxLobe::new(0.9, 40.0).unwrap(), 50.0)),
+        case("filtered", [Tail::None, KINK], filtered(30.0, &cap(60.0))),
+        case("filtered rotated", [Tail::None, JUMP], rotated(filtered(30.0, &cap(60.0)), 50.0)),
+        case(
+            "filtered caps",
+            [Tail::None, JUMP],
+            filtered(30.0, &Product::new(rotated(cap(50.0), 40.0), rotated(cap(45.0), 75.0))),
+        ),
         case("ylm 4 0", [Tail::None, Tail::None], Harmonic::new(4, 0).unwrap()),
         case("ylm 4 -3", [Tail::None, Tail::None], Harmonic::new(4, -3).unwrap()),
         case(

@@ -144,6 +144,10 @@ fn value(parameter: Parameter) -> BoxedStrategy<String> {
                 .boxed()
         }
         ParameterKind::Choice(names) => select(names).prop_map(str::to_owned).boxed(),
+        ParameterKind::Text(_) => {
+            let texts = ["cosine", "\"cap:degrees=60 @ 1/2 + 2 * ylm:l=2,m=1\""];
+            select(texts.map(str::to_owned).to_vec()).boxed()
+        }
         _ => select(vec!["a", "\"a,b\"", "\"x + y\"", "\"k=v\"", "\"\\\"\\\\\"", "dir/b.c"])
             .prop_map(str::to_owned)
             .boxed(),

@@ -5,6 +5,7 @@ mod closed_forms;
 mod every_integrand;
 mod expansions;
 mod expressions;
+mod filtered;
 mod ggx;
 mod integrands;
 mod kurtosis;

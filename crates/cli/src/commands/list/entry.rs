@@ -230,7 +230,10 @@ impl ParameterEntry {
                 DefaultValue::Value(value) => format!("={value}"),
                 _ => String::new(),
             },
-            is_text: matches!(parameter.kind, ParameterKind::Word | ParameterKind::File),
+            is_text: matches!(
+                parameter.kind,
+                ParameterKind::Word | ParameterKind::Text(_) | ParameterKind::File
+            ),
             range: parameter.kind.to_string(),
             values,
             required: parameter.default == DefaultValue::Required,
