@@ -26,8 +26,8 @@ pub(super) struct Rings {
     frame: DMat3,
     /// Limits of panels in colatitude.
     breaks: Vec<f64>,
-    /// Ends of the panels.
-    ends: Ends,
+    /// Colatitudes of rings that touch an edge, where the integral over a ring has a root.
+    touches: Vec<f64>,
     /// Edges that intersect rings, in the frame of the rings.
     cuts: Vec<Cut>,
     domain: Domain,
@@ -78,7 +78,7 @@ impl Rings {
         let mut rings = Self {
             frame,
             breaks: vec![0.0, PI],
-            ends: if shape.is_fractional() { Ends::Rough } else { Ends::Smooth },
+            touches: vec![],
             cuts: vec![],
             domain,
             degree,
@@ -103,9 +103,6 @@ impl Rings {
         rings.breaks.iter_mut().for_each(|b| *b = b.clamp(from, to.max(from)));
         rings.breaks.sort_by(f64::total_cmp);
         rings.breaks.dedup_by(|b, a| *b - *a <= 2.0 * f64::EPSILON * *b);
-        if rings.cuts.iter().any(|c| !c.is_meridian()) {
-            rings.ends = Ends::Rough;
-        }
         rings.check_cost(shape.cost())?;
         Ok(rings)
     }
@@ -118,7 +115,7 @@ impl Rings {
         let mut meetings = Vec::new();
         for panel in self.breaks.windows(2) {
             let (from, width) = (panel[0], panel[1] - panel[0]);
-            for &(x, w) in rules.rule(self.ends, self.phase(width))? {
+            for &(x, w) in rules.rule(self.ends(from, width), self.phase(width))? {
                 // Measured from the nearer end, so that nodes stay on their side of a break.
                 let theta = from + width * x;
                 let weight = w * width * theta.sin();
@@ -141,12 +138,20 @@ impl Rings {
         let mut rules = PanelRules::default();
         for panel in self.breaks.windows(2) {
             let (from, width) = (panel[0], panel[1] - panel[0]);
-            for &(x, w) in rules.rule(self.ends, self.phase(width))? {
+            for &(x, w) in rules.rule(self.ends(from, width), self.phase(width))? {
                 let theta = from + width * x;
                 f(theta, TAU * w * width * theta.sin());
             }
         }
         Ok(())
+    }
+
+    /// Returns the behaviour of ring integrals at the ends of a panel. The root of a ring that
+    /// touches an edge matters up to a distance of two widths, from where a rule for analytic
+    /// functions converges by a factor of 10 per node.
+    fn ends(&self, from: f64, width: f64) -> Ends {
+        let is_near = |touch: &f64| (from - touch).max(touch - (from + width)) <= 2.0 * width;
+        if self.fractional || self.touches.iter().any(is_near) { Ends::Rough } else { Ends::Smooth }
     }
 
     /// Returns the phase of the fastest oscillation over a panel; `sin theta` of the area adds to
@@ -237,7 +242,9 @@ impl Rings {
                 if !cut.is_meridian() {
                     // Where the circle touches rings.
                     let fold = |x: f64| if x > PI { TAU - x } else { x.abs() };
-                    self.breaks.extend([fold(tilt - edge.angle), fold(tilt + edge.angle)]);
+                    let touches = [fold(tilt - edge.angle), fold(tilt + edge.angle)];
+                    self.breaks.extend(touches);
+                    self.touches.extend(touches);
                 }
                 self.cuts.push(cut);
             }
