@@ -81,7 +81,11 @@ fn listed_parameters_are_taken() {
         for parameter in entries(entry, "parameters") {
             if parameter["required"] == true {
                 let key = parameter["name"].as_str().unwrap();
-                run(name).fails(2, &[&format!("the parameter {key} is missing")]);
+                let (_, given) = example.split_once(':').unwrap();
+                let is_other = |item: &&str| !item.starts_with(&format!("{key}="));
+                let others: Vec<&str> = given.split(',').filter(is_other).collect();
+                let text = [name, &others.join(",")].join(":");
+                run(&text).fails(2, &[&format!("the parameter {key} is missing")]);
             }
         }
     }
