@@ -30,6 +30,7 @@ mod integrand;
 mod quadrature;
 mod shape;
 mod term;
+mod vector_integrand;
 mod visible_half_integrand;
 
 pub use coefficients::Coefficients;
@@ -43,6 +44,7 @@ pub use integrand::Integrand;
 pub use shape::{Circle, Shape};
 pub use sphvar_grammar as grammar;
 pub use sphvar_sh::Domain;
+pub use vector_integrand::VectorIntegrand;
 pub use visible_half_integrand::{VisibleHalfEstimator, VisibleHalfIntegrand};
 
 #[cfg(doctest)]

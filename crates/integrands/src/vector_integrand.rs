@@ -1,0 +1,54 @@
+use glam::DVec3;
+
+use crate::{Error, Integrand};
+
+/// Several real functions of direction that are evaluated on the same directions, such as the
+/// channels of a picture.
+///
+/// A vector of integrands is one, with a component for each.
+///
+/// # Examples
+///
+/// ```
+/// use glam::DVec3;
+/// use sphvar_integrands::{Integrand, VectorIntegrand};
+///
+/// let moments: Vec<Box<dyn Integrand>> =
+///     vec![Box::new(|d: DVec3| d.z), Box::new(|d: DVec3| d.z * d.z)];
+/// let mut values = [0.0; 4];
+/// moments.eval_into(&[DVec3::X, DVec3::NEG_Z], &mut values)?;
+/// assert_eq!(values, [0.0, 0.0, -1.0, 1.0]);
+/// # Ok::<(), sphvar_integrands::Error>(())
+/// ```
+pub trait VectorIntegrand: Sync {
+    /// Returns the number of components.
+    fn components(&self) -> usize;
+
+    /// Writes `values[i * components + c]`, the value of component c at direction i.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Evaluation`] if values are unavailable.
+    ///
+    /// # Panics
+    ///
+    /// May panic unless `values` has `components` values for each direction.
+    fn eval_into(&self, dirs: &[DVec3], values: &mut [f64]) -> Result<(), Error>;
+}
+
+impl<I: Integrand> VectorIntegrand for Vec<I> {
+    fn components(&self) -> usize {
+        self.len()
+    }
+
+    fn eval_into(&self, dirs: &[DVec3], values: &mut [f64]) -> Result<(), Error> {
+        let mut of_one = vec![0.0; dirs.len()];
+        for (c, integrand) in self.iter().enumerate() {
+            integrand.eval_into(dirs, &mut of_one)?;
+            for (row, value) in values.chunks_exact_mut(self.len()).zip(&of_one) {
+                row[c] = *value;
+            }
+        }
+        Ok(())
+    }
+}
