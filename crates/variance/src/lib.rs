@@ -24,6 +24,7 @@
 //! corrected). The part of the integrand's energy beyond the largest degree of the spectrum is
 //! included. A [`Predictor`] predicts the variance for any sampler; [`Candidate`] and [`rank`]
 //! compare patterns. [`FixedOrientation`] has the errors of patterns that are not rotated.
+//! [`integrate`] doubles the number of points until a tolerance is met.
 
 mod candidate;
 mod comparison;
@@ -34,6 +35,7 @@ mod energy_levels;
 mod error;
 mod error_moments;
 mod fixed_orientation;
+mod integration;
 mod known_moments;
 mod measurement;
 mod predicted_curve;
@@ -57,6 +59,9 @@ pub use degree::{check_degree, prediction_degree, settled_degree, settled_degree
 pub use designs::best_design;
 pub use error::Error;
 pub use fixed_orientation::{FixedOrientation, UnrotatedMethod, UnrotatedPrediction};
+pub use integration::{
+    Estimate, Integral, IntegrationOptions, StopReason, integrate, integrate_vector,
+};
 pub use measurement::{BiasTest, Measurement, measure, trial_work};
 pub use predicted_curve::PredictedCurve;
 pub use predicted_point::PredictedPoint;

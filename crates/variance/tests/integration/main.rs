@@ -5,6 +5,8 @@ mod extreme_parameters;
 mod fixed_orientation;
 mod given_sets;
 mod hostile_samplers;
+mod integral_errors;
+mod integrals;
 mod measured_intervals;
 mod other_bands;
 mod predictions;
