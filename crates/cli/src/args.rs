@@ -3,8 +3,8 @@
 use clap::{Parser, Subcommand};
 
 use crate::commands::{
-    accuracy, audit, bounds, choose, compare, completions, eval, healpix, list, merge, quality,
-    render, reproduce, sample, spectrum, variance, weights,
+    accuracy, audit, bounds, choose, compare, completions, eval, healpix, integrate, list, merge,
+    quality, render, reproduce, sample, spectrum, variance, weights,
 };
 use crate::global::Global;
 
@@ -52,6 +52,9 @@ pub(crate) enum Command {
     /// Predict and measure the variance of patterns on one integrand
     #[command(after_help = variance::EXAMPLES)]
     Variance(variance::VarianceArgs),
+    /// Integrate a function to a tolerance, with nodes and an error
+    #[command(after_help = integrate::EXAMPLES)]
+    Integrate(integrate::IntegrateArgs),
     /// Compute quadrature weights for points in a file, exact to a degree
     #[command(after_help = weights::EXAMPLES)]
     Weights(weights::WeightsArgs),

@@ -15,6 +15,7 @@ use crate::commands::compare::record::ComparisonBody;
 use crate::commands::eval::{CapBody, HarmonicBody, LegendreBody, ProfileBody};
 use crate::commands::fixed_orientation::FixedOrientationBody;
 use crate::commands::healpix::HealpixBody;
+use crate::commands::integrate::IntegrateBody;
 use crate::commands::list::ListBody;
 use crate::commands::quality::QualityBody;
 use crate::commands::render::sheet::SheetBody;
@@ -52,6 +53,7 @@ fn documents(generator: &mut SchemaGenerator) -> Vec<(&'static str, Schema)> {
         ("eval profile", document::<ProfileBody>(generator)),
         ("eval ylm", document::<HarmonicBody>(generator)),
         ("healpix", document::<HealpixBody<'static, f64, 1>>(generator)),
+        ("integrate", document::<IntegrateBody>(generator)),
         ("list", document::<ListBody>(generator)),
         ("merge", document::<SpectrumBody>(generator)),
         ("quality", document::<QualityBody>(generator)),

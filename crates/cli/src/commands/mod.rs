@@ -8,6 +8,7 @@ pub(crate) mod compare;
 pub(crate) mod completions;
 pub(crate) mod eval;
 pub(crate) mod healpix;
+pub(crate) mod integrate;
 pub(crate) mod list;
 pub(crate) mod merge;
 pub(crate) mod quality;

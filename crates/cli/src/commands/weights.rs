@@ -96,7 +96,7 @@ pub(crate) struct WeightsBody {
 
 pub(crate) fn run(args: &WeightsArgs, global: &Global) -> Result<(), CliError> {
     if let Some(path) = &args.out {
-        check_out(path)?;
+        check_weighted_points(path)?;
     }
     if let Some(degree) = args.degree {
         check_degree("--degree", degree)?;
@@ -158,7 +158,7 @@ pub(crate) fn run(args: &WeightsArgs, global: &Global) -> Result<(), CliError> {
 }
 
 /// Returns an error for a file that could not be written, before the work starts.
-fn check_out(path: &Path) -> Result<(), CliError> {
+pub(super) fn check_weighted_points(path: &Path) -> Result<(), CliError> {
     let extension = path.extension().map(|extension| extension.to_string_lossy().to_lowercase());
     if !matches!(extension.as_deref(), Some("csv" | "npz" | "ply")) && !is_stream(path) {
         return Err(CliError::Usage(format!(

@@ -67,6 +67,7 @@ fn a_flag_has_one_meaning() {
                 "Folder for tables and plots",
                 "Folder for the results",
             ],
+            "sampler" => &["Sampler", "Sampler of the directions at each shading point"],
             "samplers" => &["Samplers", "Samplers of a study"],
             // The conversions of `healpix` and the angle of a cap.
             "degrees" => &[

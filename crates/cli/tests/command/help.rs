@@ -4,13 +4,14 @@ use std::path::Path;
 
 use crate::workplace::{Workplace, data, small_exr};
 
-const SUBCOMMANDS: [&str; 17] = [
+const SUBCOMMANDS: [&str; 18] = [
     "compare",
     "choose",
     "sample",
     "spectrum",
     "merge",
     "variance",
+    "integrate",
     "weights",
     "bounds",
     "audit",

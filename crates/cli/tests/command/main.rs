@@ -18,6 +18,7 @@ mod forms_of_results;
 mod grammar;
 mod help;
 mod inputs_and_outputs;
+mod integrals;
 mod interrupts;
 mod lists;
 mod messages;

@@ -155,6 +155,7 @@ fn documents_fit_their_schema() {
         ("healpix", "healpix pix2vec --nside 2 pixels.csv"),
         ("healpix", "healpix pix2ang --degrees --nside 2 pixels.csv"),
         ("healpix", "healpix ring2nest --nside 2 pixels.csv"),
+        ("integrate", "integrate --integrand cosine --rtol 1%"),
         ("list", "list"),
         ("list", "list samplers step poisson-disk -n 100"),
         ("merge", "merge a.shard b.shard"),

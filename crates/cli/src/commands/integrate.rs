@@ -1,0 +1,232 @@
+//! `sphvar integrate`: the integral of a function to a tolerance.
+
+use std::path::PathBuf;
+use std::time::Instant;
+
+use clap::Args;
+use schemars::JsonSchema;
+use serde::Serialize;
+use sphvar_samplers::Pattern;
+use sphvar_variance::{Integral, IntegrationOptions, StopReason, integrate};
+
+use super::weights::check_weighted_points;
+use crate::counts::{parse_number, parse_one_count};
+use crate::error::CliError;
+use crate::files::write_points;
+use crate::flags::{DomainArgs, IntegrandArgs, SamplerArgs};
+use crate::global::Global;
+use crate::integrands::parse_integrand;
+use crate::memory::check_memory;
+use crate::patterns::parse_pattern;
+use crate::progress::Progress;
+use crate::report::{Document, Provenance, is_stdout, number, print};
+use crate::share::parse_share;
+
+pub(crate) const EXAMPLES: &str = "Examples:
+  sphvar integrate --integrand vmf:kappa=20 --rtol 1e-4
+  sphvar integrate --integrand cosine --rtol 0.1% --hemisphere --nodes nodes.npz
+  sphvar integrate --integrand ylm:l=7,m=3 --atol 1e-6 --sampler healpix
+
+The value is the mean over 16 independently rotated copies of a set of N points. N doubles until the error is at most \
+the larger of --atol and --rtol times the value. The error is the half width of a 95 % interval from the spread of the \
+copies, corrected for stopping at the first one that is sufficiently short. An integral of 0 needs --atol. Functions \
+that vary at few of the points need more: a level counts if the variation is spread over 64 evaluations, and equal \
+values at 100000 points are taken for a constant. If the tolerance is not met, the result is printed and the exit \
+status is 1. With --nodes, the sum of the weights times the values at the nodes is the value.";
+
+/// The memory of one point of a set: its direction, a value and a weight.
+const BYTES_PER_POINT: f64 = 40.0;
+
+#[derive(Debug, Args)]
+#[command(
+    mut_arg("integrand", |integrand| integrand.required(true)),
+    mut_arg("sampler", |sampler| sampler.long("sampler").default_value("fibonacci"))
+)]
+pub(crate) struct IntegrateArgs {
+    #[command(flatten)]
+    pub(crate) integrand: IntegrandArgs,
+    #[command(flatten)]
+    pub(crate) sampler: SamplerArgs,
+    /// Relative tolerance, such as 1e-4 or 0.01% [default: 1e-4, or none with --atol]
+    #[arg(long, value_name = "E", value_parser = parse_share, allow_negative_numbers = true)]
+    pub(crate) rtol: Option<f64>,
+    /// Absolute tolerance [default: none]
+    #[arg(long, value_name = "E", value_parser = parse_number, allow_negative_numbers = true)]
+    pub(crate) atol: Option<f64>,
+    /// Maximum number of evaluations, over all copies and all N
+    #[arg(long, value_name = "N", default_value = "10M", value_parser = parse_one_count)]
+    pub(crate) max_points: usize,
+    #[command(flatten)]
+    pub(crate) domain: DomainArgs,
+    /// Write the nodes with their weights to a file: .csv, .npz or .ply; - is CSV on standard output
+    #[arg(long, value_name = "FILE")]
+    pub(crate) nodes: Option<PathBuf>,
+}
+
+/// The integral of a function to a tolerance: `integrate --json`.
+#[derive(Debug, Serialize, JsonSchema)]
+pub(crate) struct IntegrateBody {
+    /// The integrand.
+    integrand: String,
+    /// The sampler with its parameters.
+    sampler: String,
+    /// The estimated integral.
+    value: f64,
+    /// The half width of the 95 % interval for the integral.
+    error: f64,
+    /// The exact integral, if it is known.
+    exact: Option<f64>,
+    /// Whether the error is within the tolerance.
+    converged: bool,
+    /// Why the integration ended: `tolerance`, `rounding` (more points would not reduce the error),
+    /// `max-points`, or `largest-set` (the sampler has no larger sets).
+    stop: &'static str,
+    /// The relative tolerance.
+    rtol: f64,
+    /// The absolute tolerance.
+    atol: f64,
+    /// The number of points of each copy at the last level.
+    n: usize,
+    /// The number of rotated copies.
+    copies: usize,
+    /// The number of evaluations at all levels.
+    evaluations: u64,
+    /// The elapsed time of the integration in seconds.
+    seconds: f64,
+}
+
+pub(crate) fn run(args: &IntegrateArgs, global: &Global) -> Result<(), CliError> {
+    if let Some(path) = &args.nodes {
+        check_weighted_points(path)?;
+    }
+    let integrand = parse_integrand(args.integrand.required()?, global.quiet)?;
+    let pattern = match args.sampler.sampler.as_deref() {
+        Some(text) => parse_pattern(text, global.quiet)?,
+        None => Pattern::FIBONACCI,
+    };
+    let base = IntegrationOptions::default();
+    let options = IntegrationOptions {
+        rtol: args.rtol.unwrap_or(if args.atol.is_some() { 0.0 } else { base.rtol }),
+        atol: args.atol.unwrap_or(base.atol),
+        max_points: args.max_points as u64,
+        pattern: &pattern,
+        domain: args.domain.domain(),
+        seed: global.seed,
+        ..base
+    };
+    // The sets of the last level have at most half of all evaluations.
+    let largest = args.max_points as f64 / 2.0 / 16.0;
+    let in_memory = rayon::current_num_threads().min(16) as f64;
+    check_memory("--max-points", BYTES_PER_POINT * largest * in_memory)?;
+    let progress = Progress::new(0.0, global.quiet);
+    progress.stage(&pattern.label());
+    let start = Instant::now();
+    let integral = integrate(&*integrand.function, &options, &progress).map_err(of_options)?;
+    let seconds = start.elapsed().as_secs_f64();
+    drop(progress);
+    let provenance = Provenance::new(global.seed);
+    let to_stdout = args.nodes.as_deref().is_some_and(is_stdout);
+    if let Some(path) = args.nodes.as_deref().filter(|_| !(to_stdout && global.json)) {
+        let nodes = options.nodes(integral.n_points)?;
+        write_points(path, None, &[nodes], Some(&provenance.line()))?;
+    }
+    let body = IntegrateBody {
+        integrand: integrand.name,
+        sampler: pattern.to_string(),
+        value: integral.value(),
+        error: integral.error(),
+        exact: integrand.function.exact(options.domain),
+        converged: integral.has_converged(),
+        stop: word(integral.stop),
+        rtol: options.rtol,
+        atol: options.atol,
+        n: integral.n_points,
+        copies: integral.copies,
+        evaluations: integral.evaluations,
+        seconds,
+    };
+    if global.json {
+        Document::new(&body, &provenance).print()?;
+    } else if !to_stdout {
+        print(&body.text())?;
+    }
+    failure(&integral, &pattern, args).map_or(Ok(()), |reason| Err(CliError::Failed(reason)))
+}
+
+/// Returns an error of the options as a usage error.
+fn of_options(error: sphvar_variance::Error) -> CliError {
+    match error {
+        sphvar_variance::Error::Parameter { .. } => CliError::usage(error),
+        other => other.into(),
+    }
+}
+
+fn word(stop: StopReason) -> &'static str {
+    match stop {
+        StopReason::Tolerance => "tolerance",
+        StopReason::Rounding => "rounding",
+        StopReason::MaxPoints => "max-points",
+        // A reason that a later version adds is a limit of the sampler too.
+        _ => "largest-set",
+    }
+}
+
+/// Returns the message for a tolerance that is not met.
+fn failure(integral: &Integral, pattern: &Pattern, args: &IntegrateArgs) -> Option<String> {
+    let reached = number::uncertainty(integral.error());
+    let missed = format!("the tolerance is not met: the error is {reached}");
+    let advice = match integral.stop {
+        StopReason::Tolerance => return None,
+        StopReason::Rounding => "which is due to rounding; if the integral may be 0, give --atol",
+        StopReason::MaxPoints => {
+            let evaluations = integral.evaluations;
+            return Some(format!(
+                "{missed} after {evaluations} evaluations, and twice the points would exceed --max-points {}; if the \
+                 integral may be 0, give --atol",
+                args.max_points
+            ));
+        }
+        _ => {
+            let n = integral.n_points;
+            return Some(format!(
+                "{missed}, and {} has no set of more than {n} points",
+                pattern.label()
+            ));
+        }
+    };
+    Some(format!("{missed}, {advice}"))
+}
+
+/// Returns a value with its error: with all digits where tables show too few, which are six.
+fn with_error(value: f64, error: f64) -> String {
+    const MIN_RELATIVE: f64 = 1e-5;
+    if error >= MIN_RELATIVE * value.abs() && error <= value.abs() {
+        number::with_uncertainty(value, error)
+    } else {
+        format!("{} +- {}", number::full(value), number::uncertainty(error))
+    }
+}
+
+impl IntegrateBody {
+    fn text(&self) -> String {
+        let exact = self.exact.map_or(String::new(), |exact| {
+            format!(
+                "exact        {} (difference {})\n",
+                number::value(exact),
+                number::uncertainty(self.value - exact)
+            )
+        });
+        format!(
+            "integral     {}\n{exact}\
+             points       {} copies of {} ({})\n\
+             evaluations  {}\n\
+             time         {}\n",
+            with_error(self.value, self.error),
+            self.copies,
+            self.n,
+            self.sampler,
+            number::count(self.evaluations as f64),
+            number::seconds(self.seconds),
+        )
+    }
+}
