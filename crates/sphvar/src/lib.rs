@@ -18,7 +18,8 @@
 //!
 //! - [`samplers`]: patterns, given point sets, random streams. [`warps`]: maps from the square.
 //! - [`spectrum`]: angular power spectra with errors. [`sht`]: transforms of scattered points.
-//! - [`integrands`]: functions with their energies. [`variance`]: predicted and measured variance, rates, ranks.
+//! - [`integrands`]: functions with their energies. [`variance`]: predicted and measured variance, rates, ranks;
+//!   integrals to a tolerance.
 //! - [`bounds`]: closed-form bounds and rates. [`scene`]: ambient occlusion and direct light.
 //! - [`grammar`]: specifications of patterns and integrands.
 //! - [`sh`]: spherical harmonics. [`healpix`]: the HEALPix grid. [`nufft`]: nonuniform Fourier transforms on the torus.
@@ -61,8 +62,8 @@ pub mod prelude {
     };
     pub use sphvar_spectrum::{ExactSpectrum, Spectrum, estimate};
     pub use sphvar_variance::{
-        Candidate, Comparison, Goal, PredictedPoint, Prediction, PredictionBudget, Predictor,
-        Trials, fit_rate, rank, required_points,
+        Candidate, Comparison, Goal, Integral, IntegrationOptions, PredictedPoint, Prediction,
+        PredictionBudget, Predictor, Trials, fit_rate, integrate, rank, required_points,
     };
 }
 
