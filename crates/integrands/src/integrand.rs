@@ -94,6 +94,24 @@ pub trait Integrand: Sync {
         Ok(copies * integral * integral / domain.area() + centred)
     }
 
+    /// Returns the coefficients to degree `lmax`, on the sphere, of the squares of the even part
+    /// `(f(x) + f(-x))/2` and of the odd part `(f(x) - f(-x))/2` of f, from which the energies of
+    /// products with other functions follow.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::NoEnergy`] if they are not known, [`Error::Harmonics`] if `lmax` is out of range or
+    /// memory is exhausted.
+    fn squared_parts(&self, lmax: usize) -> Result<[Coefficients; 2], Error> {
+        let both = self.shape()?.symmetrized();
+        let square = both.product(&both);
+        let part = |sign: f64| {
+            let value = |dir: DVec3| (0.5 * (self.eval(dir) + sign * self.eval(-dir))).powi(2);
+            quadrature::coefficients(&square, Domain::Sphere, lmax, &value)
+        };
+        Ok([part(1.0)?, part(-1.0)?])
+    }
+
     /// Returns the kurtosis of the value at a uniformly distributed direction of the domain, to
     /// some percent, if it is available at moderate cost: `E (f - E f)^4/(E (f - E f)^2)^2`.
     ///
@@ -139,7 +157,7 @@ impl<F: Fn(DVec3) -> f64 + Sync> Integrand for F {
     }
 }
 
-impl Integrand for Box<dyn Integrand> {
+impl Integrand for Box<dyn Integrand + '_> {
     fn eval(&self, dir: DVec3) -> f64 {
         (**self).eval(dir)
     }
@@ -166,6 +184,10 @@ impl Integrand for Box<dyn Integrand> {
 
     fn square(&self, domain: Domain) -> Result<f64, Error> {
         (**self).square(domain)
+    }
+
+    fn squared_parts(&self, lmax: usize) -> Result<[Coefficients; 2], Error> {
+        (**self).squared_parts(lmax)
     }
 
     fn kurtosis(&self, domain: Domain) -> Option<f64> {

@@ -1,3 +1,5 @@
+mod square;
+
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use glam::DVec3;
@@ -190,6 +192,14 @@ impl EnvironmentMap {
         }
     }
 
+    /// Returns the texel at the antipode of a texel. The even and the odd part of a map are maps,
+    /// because the antipode of a texel's centre is a texel's centre.
+    fn opposite(&self, k: usize) -> f64 {
+        let (row, column) = (k / self.width, k % self.width);
+        let across = (column + self.width / 2) % self.width;
+        self.texels[(self.height - 1 - row) * self.width + across]
+    }
+
     fn row(&self, i: usize) -> &[f64] {
         &self.texels[i * self.width..(i + 1) * self.width]
     }
@@ -257,8 +267,6 @@ impl Integrand for EnvironmentMap {
         Ok(if domain == Domain::Sphere { part } else { part.even_extension() })
     }
 
-    /// Returns the even and the odd part of a map are maps: the antipode of a texel's centre is a
-    /// texel's centre.
     fn centred_square(&self, domain: Domain) -> Result<ByParity, Error> {
         let mean = self.integrals(domain).0 / domain.area();
         let square = |value: &dyn Fn(usize) -> f64| {
@@ -268,15 +276,19 @@ impl Integrand for EnvironmentMap {
         if domain == Domain::Hemisphere {
             return Ok(ByParity { even: 2.0 * square(&|k| self.texels[k] - mean), odd: 0.0 });
         }
-        let opposite = |k: usize| {
-            let (row, column) = (k / self.width, k % self.width);
-            let across = (column + self.width / 2) % self.width;
-            self.texels[(self.height - 1 - row) * self.width + across]
-        };
         Ok(ByParity {
-            even: square(&|k| 0.5 * ((self.texels[k] - mean) + (opposite(k) - mean))),
-            odd: square(&|k| 0.5 * (self.texels[k] - opposite(k))),
+            even: square(&|k| 0.5 * ((self.texels[k] - mean) + (self.opposite(k) - mean))),
+            odd: square(&|k| 0.5 * (self.texels[k] - self.opposite(k))),
         })
+    }
+
+    fn squared_parts(&self, lmax: usize) -> Result<[Coefficients; 2], Error> {
+        let part = |sign: f64| {
+            let texel = |k: usize| 0.5 * (self.texels[k] + sign * self.opposite(k));
+            let texels = (0..self.texels.len()).map(texel).collect();
+            Self { texels, ..*self }.square(lmax)
+        };
+        Ok([part(1.0)?, part(-1.0)?])
     }
 
     /// Computed from four values between every four texel centres; within 3 % of the exact moments.

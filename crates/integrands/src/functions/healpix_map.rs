@@ -248,6 +248,17 @@ impl HealpixMap {
         self.nside.value() as usize
     }
 
+    /// Returns the value of the antipode of every pixel: the pixel half a ring further in the
+    /// opposite ring.
+    fn opposite(&self) -> impl Iterator<Item = f64> {
+        let rings = 4 * self.n() - 1;
+        (0..rings).flat_map(move |ring| {
+            let across = self.ring(rings - 1 - ring);
+            let (first, second) = across.split_at(across.len() / 2);
+            second.iter().chain(first).copied()
+        })
+    }
+
     /// Returns the values of a ring, 0-based from the north.
     fn ring(&self, ring: usize) -> &[f64] {
         let n = self.n();
@@ -334,7 +345,6 @@ impl Integrand for HealpixMap {
         Ok(if domain == Domain::Sphere { part } else { part.even_extension() })
     }
 
-    /// Returns the antipode of a pixel is the pixel half a ring further in the opposite ring.
     fn centred_square(&self, domain: Domain) -> Result<ByParity, Error> {
         let mean = self.moment(domain, 1) / domain.area();
         let square = |values: Vec<f64>| Self { values, nside: self.nside }.moment(domain, 2);
@@ -342,21 +352,21 @@ impl Integrand for HealpixMap {
         if domain == Domain::Hemisphere {
             return Ok(ByParity { even: 2.0 * square(centred), odd: 0.0 });
         }
-        let rings = 4 * self.n() - 1;
-        let opposite: Vec<f64> = (0..rings)
-            .flat_map(|ring| {
-                let (first, second) = {
-                    let across = self.ring(rings - 1 - ring);
-                    across.split_at(across.len() / 2)
-                };
-                second.iter().chain(first).map(|v| v - mean)
-            })
-            .collect();
+        let opposite: Vec<f64> = self.opposite().map(|v| v - mean).collect();
         let pairs = || centred.iter().zip(&opposite);
         Ok(ByParity {
             even: square(pairs().map(|(a, b)| 0.5 * (a + b)).collect()),
             odd: square(pairs().map(|(a, b)| 0.5 * (a - b)).collect()),
         })
+    }
+
+    fn squared_parts(&self, lmax: usize) -> Result<[Coefficients; 2], Error> {
+        let part = |sign: f64| {
+            let pairs = self.values.iter().zip(self.opposite());
+            let values = pairs.map(|(a, b)| (0.5 * (a + sign * b)).powi(2)).collect();
+            Self { values, nside: self.nside }.coefficients(Domain::Sphere, lmax)
+        };
+        Ok([part(1.0)?, part(-1.0)?])
     }
 
     /// Exact except for pixels that the equator cuts, which count as whole.

@@ -122,6 +122,11 @@ impl<I: Integrand> Integrand for Rotated<I> {
         Ok(Energy::new(domain, per_degree, self.centred_square(domain)?))
     }
 
+    fn squared_parts(&self, lmax: usize) -> Result<[Coefficients; 2], Error> {
+        let [even, odd] = self.function.squared_parts(lmax)?;
+        Ok([even.rotated(self.rotation)?, odd.rotated(self.rotation)?])
+    }
+
     /// On the sphere that of the function before the rotation.
     fn kurtosis(&self, domain: Domain) -> Option<f64> {
         if domain == Domain::Sphere {

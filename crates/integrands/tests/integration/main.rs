@@ -11,3 +11,4 @@ mod integrands;
 mod kurtosis;
 mod pictures;
 mod random_fields;
+mod projections;
