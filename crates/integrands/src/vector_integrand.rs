@@ -5,7 +5,8 @@ use crate::{Error, Integrand};
 /// Several real functions of direction that are evaluated on the same directions, such as the
 /// channels of a picture.
 ///
-/// A vector of integrands is one, with a component for each.
+/// A vector of integrands is one, with a component for each; a vector of vector integrands has the
+/// components of all of them, one after another.
 ///
 /// # Examples
 ///
@@ -13,8 +14,8 @@ use crate::{Error, Integrand};
 /// use glam::DVec3;
 /// use sphvar_integrands::{Integrand, VectorIntegrand};
 ///
-/// let moments: Vec<Box<dyn Integrand>> =
-///     vec![Box::new(|d: DVec3| d.z), Box::new(|d: DVec3| d.z * d.z)];
+/// let (mean, square) = (|d: DVec3| d.z, |d: DVec3| d.z * d.z);
+/// let moments: Vec<&dyn Integrand> = vec![&mean, &square];
 /// let mut values = [0.0; 4];
 /// moments.eval_into(&[DVec3::X, DVec3::NEG_Z], &mut values)?;
 /// assert_eq!(values, [0.0, 0.0, -1.0, 1.0]);
@@ -36,7 +37,7 @@ pub trait VectorIntegrand: Sync {
     fn eval_into(&self, dirs: &[DVec3], values: &mut [f64]) -> Result<(), Error>;
 }
 
-impl<I: Integrand> VectorIntegrand for Vec<I> {
+impl VectorIntegrand for Vec<&dyn Integrand> {
     fn components(&self) -> usize {
         self.len()
     }
@@ -48,6 +49,27 @@ impl<I: Integrand> VectorIntegrand for Vec<I> {
             for (row, value) in values.chunks_exact_mut(self.len()).zip(&of_one) {
                 row[c] = *value;
             }
+        }
+        Ok(())
+    }
+}
+
+impl VectorIntegrand for Vec<&dyn VectorIntegrand> {
+    fn components(&self) -> usize {
+        self.iter().map(|part| part.components()).sum()
+    }
+
+    fn eval_into(&self, dirs: &[DVec3], values: &mut [f64]) -> Result<(), Error> {
+        let (width, mut first) = (self.components(), 0);
+        for part in self {
+            let own = part.components();
+            let mut of_part = vec![0.0; own * dirs.len()];
+            part.eval_into(dirs, &mut of_part)?;
+            if own > 0 {
+                let rows = values.chunks_exact_mut(width).zip(of_part.chunks_exact(own));
+                rows.for_each(|(row, of_part)| row[first..first + own].copy_from_slice(of_part));
+            }
+            first += own;
         }
         Ok(())
     }

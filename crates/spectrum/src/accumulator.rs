@@ -37,3 +37,13 @@ impl<A: Accumulator> Accumulator for Option<A> {
         }
     }
 }
+
+impl<A: Accumulator> Accumulator for Vec<A> {
+    fn push(&mut self, realization: &Realization<'_>) {
+        self.iter_mut().for_each(|inner| inner.push(realization));
+    }
+
+    fn merge(&mut self, other: &Self) {
+        self.iter_mut().zip(other).for_each(|(mine, theirs)| mine.merge(theirs));
+    }
+}

@@ -1,22 +1,61 @@
-use std::ops::Range;
-
-use rayon::prelude::{IntoParallelIterator, ParallelIterator};
-use sphvar_samplers::{PointSet, Progress, Realizations, Sampler};
-
-use crate::{Error, RelativeError, student};
-use sphvar_integrands::Integrand;
+use crate::{RelativeError, student};
 
 /// Estimates of one integral from independent trials of a pattern.
+///
+/// [`of_vector`](Self::of_vector) makes one of several integrals. Its estimates are norms, its
+/// deviations are distances of vectors, and its variance is the sum of the variances.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Measurement {
     estimates: Vec<f64>,
+    vector: Option<VectorMoments>,
+}
+
+/// The mean and the deviations of vectors.
+#[derive(Clone, Debug, PartialEq)]
+struct VectorMoments {
+    /// The norm of the mean.
+    mean: f64,
+    /// The distance of each estimate from the mean.
+    distances: Vec<f64>,
 }
 
 impl Measurement {
     /// Returns the measurement consisting of the estimates of independent trials.
     #[must_use]
     pub fn new(estimates: Vec<f64>) -> Self {
-        Self { estimates }
+        Self { estimates, vector: None }
+    }
+
+    /// Returns the measurement of a vector of integrals from measurements of its components on the
+    /// same trials, each multiplied by a weight. Its variance is the mean squared distance of an
+    /// estimate from the mean, `sum_c (a_c s_c)^2`; its mean is the norm of the mean vector.
+    ///
+    /// # Panics
+    ///
+    /// Panics if the numbers of trials differ.
+    #[must_use]
+    pub fn of_vector(components: &[Self], weights: &[f64]) -> Self {
+        let trials = components.first().map_or(0, |first| first.estimates.len());
+        let mut squares = vec![0.0; trials];
+        let (mut distances, mut mean) = (squares.clone(), 0.0);
+        for (component, weight) in components.iter().zip(weights) {
+            assert_eq!(component.estimates.len(), trials, "components have the same trials");
+            let centre = component.mean();
+            mean += (weight * centre).powi(2);
+            for (i, estimate) in component.estimates.iter().enumerate() {
+                squares[i] += (weight * estimate).powi(2);
+                distances[i] += (weight * (estimate - centre)).powi(2);
+            }
+        }
+        let roots = |squares: Vec<f64>| squares.into_iter().map(f64::sqrt).collect();
+        let vector = VectorMoments { mean: f64::sqrt(mean), distances: roots(distances) };
+        Self { estimates: roots(squares), vector: Some(vector) }
+    }
+
+    /// Returns whether the estimates are those of a vector.
+    #[must_use]
+    pub fn is_of_vector(&self) -> bool {
+        self.vector.is_some()
     }
 
     /// Returns the estimates in the order of the trials.
@@ -28,6 +67,9 @@ impl Measurement {
     /// Returns the mean estimate; NaN without trials.
     #[must_use]
     pub fn mean(&self) -> f64 {
+        if let Some(vector) = &self.vector {
+            return vector.mean;
+        }
         // The second pass removes the rounding error of the first.
         let rough = self.estimates.iter().sum::<f64>() / self.count();
         rough + self.estimates.iter().map(|x| x - rough).sum::<f64>() / self.count()
@@ -79,10 +121,10 @@ impl Measurement {
     /// estimates are equal.
     #[must_use]
     pub fn kurtosis(&self) -> f64 {
-        let mean = self.mean();
-        let largest = self.estimates.iter().fold(0.0, |max: f64, x| max.max((x - mean).abs()));
+        let deviations = self.deviations();
+        let largest = deviations.iter().fold(0.0, |max: f64, d| max.max(d.abs()));
         // Relative to the largest deviation, so that no power overflows or underflows.
-        let squares = || self.estimates.iter().map(|x| ((x - mean) / largest).powi(2));
+        let squares = || deviations.iter().map(|d| (d / largest).powi(2));
         let (second, fourth) = (squares().sum::<f64>(), squares().map(|q| q * q).sum::<f64>());
         self.count() * fourth / (second * second)
     }
@@ -104,14 +146,14 @@ impl Measurement {
         if n < 4.0 {
             return f64::NAN;
         }
-        let (mean, sum) = (self.mean(), self.squares());
+        let sum = self.squares();
         if sum <= 0.0 {
             return 0.0;
         }
         let logs: Vec<f64> = self
-            .estimates
+            .deviations()
             .iter()
-            .map(|x| (1.0 - ((x - mean) * (x - mean) / sum * n / (n - 1.0)).min(1.0)).ln())
+            .map(|d| (1.0 - (d * d / sum * n / (n - 1.0)).min(1.0)).ln())
             .collect();
         if logs.contains(&f64::NEG_INFINITY) {
             return f64::INFINITY;
@@ -200,15 +242,23 @@ impl Measurement {
         (self.count() * (self.relative_error().relative() / relative).powi(2)).ceil() as u64
     }
 
-    /// Adds the estimates of further trials.
+    /// Adds the estimates of further trials of one integral.
     pub fn extend(&mut self, estimates: impl IntoIterator<Item = f64>) {
         self.estimates.extend(estimates);
     }
 
     /// Returns the sum of squared deviations.
     fn squares(&self) -> f64 {
+        self.deviations().iter().map(|d| d.powi(2)).sum()
+    }
+
+    /// Returns the deviations of the estimates from the mean, distances for vectors.
+    fn deviations(&self) -> Vec<f64> {
+        if let Some(vector) = &self.vector {
+            return vector.distances.clone();
+        }
         let mean = self.mean();
-        self.estimates.iter().map(|x| (x - mean).powi(2)).sum()
+        self.estimates.iter().map(|x| x - mean).collect()
     }
 
     fn count(&self) -> f64 {
@@ -223,55 +273,6 @@ pub struct BiasTest {
     pub z: f64,
     /// The probability of a |z| at least as large without bias (Student's t).
     pub p_value: f64,
-}
-
-/// Returns estimates of the integral of `integrand` from `trials` realizations of an ensemble,
-/// computed in parallel. Each trial gives the estimate `area sum_k w_k f(s_k)/sum_k w_k`. Ticks
-/// [`trial_work`] for each.
-///
-/// # Errors
-///
-/// Returns [`Error::Spectrum`] with the sampler's error if a realization cannot be generated or
-/// `progress` stops the work, and the errors of [`Integrand::eval_into`].
-pub fn measure(
-    ensemble: &Realizations<'_>,
-    integrand: &dyn Integrand,
-    trials: u64,
-    progress: &dyn Progress,
-) -> Result<Measurement, Error> {
-    Ok(Measurement::new(estimates(ensemble, integrand, 0..trials, progress)?))
-}
-
-/// Returns the nominal work of one trial: generating a set and evaluating the integrand at its
-/// points.
-#[must_use]
-pub fn trial_work(sampler: &dyn Sampler) -> f64 {
-    sampler.nominal_work() + evaluation_work(sampler.n_points())
-}
-
-/// Returns the nominal work of evaluating an integrand, 40 ns per value.
-pub(crate) fn evaluation_work(n_points: usize) -> f64 {
-    n_points as f64 * 2.0 / 3.0
-}
-
-/// Returns the estimates of the given trials, in their order, so that results do not depend on
-/// threads.
-pub(crate) fn estimates(
-    ensemble: &Realizations<'_>,
-    integrand: &dyn Integrand,
-    trials: Range<u64>,
-    progress: &dyn Progress,
-) -> Result<Vec<f64>, Error> {
-    let area = ensemble.sampler().domain().area();
-    let trial = |(set, values): &mut (PointSet, Vec<f64>), index| {
-        ensemble.realize_into(index, set, progress).map_err(sphvar_spectrum::Error::from)?;
-        values.clear();
-        values.resize(set.len(), 0.0);
-        integrand.eval_into(&set.points, values)?;
-        progress.tick(evaluation_work(set.len()))?;
-        Ok(area * set.mean(values))
-    };
-    trials.into_par_iter().map_init(Default::default, trial).collect()
 }
 
 #[cfg(test)]

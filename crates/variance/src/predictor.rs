@@ -1,25 +1,24 @@
+mod together;
 mod white_noise;
 
 use std::cell::OnceCell;
 use std::collections::BTreeMap;
 
 use sphvar_samplers::{Domain, Progress, Purpose, Realizations, Sampler, SetDistribution, Streams};
-use sphvar_sh::{ByParity, LmIndex, MAX_DEGREE};
-use sphvar_spectrum::{Accumulator, Resolution, Spectrum, SpectrumAccumulator, accumulate};
+use sphvar_sh::{ByParity, MAX_DEGREE};
+use sphvar_spectrum::{Resolution, Spectrum, SpectrumAccumulator, accumulate};
 
 use crate::energy_levels::{degrees_of, level};
 use crate::prediction_budget::realization_work;
 use crate::route::Route;
 use crate::{
-    Error, PredictedPoint, Prediction, PredictionAccumulator, PredictionBudget, SpectrumOptions,
-    predict, prediction_degree,
+    Error, PredictedPoint, Prediction, PredictionBudget, SpectrumOptions, prediction_degree,
 };
 use sphvar_integrands::{Energy, EnergyErrors, Integrand};
 
+pub(crate) use self::together::predict as predict_together;
 pub(crate) use self::white_noise::ROUNDING;
 
-/// The initial number of realizations of an estimate, if the budget allows it.
-const FIRST: u64 = 8;
 /// The effective number of degrees, divided by sqrt(N), from which a pattern's mean power is known.
 const MIN_BREADTH: f64 = 1.2;
 /// The minimum effective number of degrees for few points.
@@ -210,33 +209,8 @@ impl<'a> Predictor<'a> {
         sampler: &dyn Sampler,
         progress: &dyn Progress,
     ) -> Result<PredictedPoint, Error> {
-        let lmax = self.degree(budget, sampler)?;
-        let n_points = sampler.n_points();
-        let mut point = match Route::of(&self.options, budget, sampler, lmax) {
-            Route::Flat => {
-                let power = vec![1.0; lmax.min(MAX_DEGREE) + 1];
-                let spectrum = Spectrum::exact(self.domain, n_points, power);
-                PredictedPoint { spectrum, prediction: self.flat_prediction(n_points) }
-            }
-            Route::Exact(exact) => {
-                let spectrum = exact.to(lmax, progress)?;
-                let prediction = predict(&spectrum, self.energy_to(lmax)?);
-                PredictedPoint { spectrum, prediction }
-            }
-            Route::All(sets) => {
-                let all = 0..sets.len() as u64;
-                let empty = self.accumulators(sampler, lmax)?;
-                let resolution = self.resolution(lmax, n_points);
-                let sums = accumulate(&sets, resolution, all, &empty, progress)?;
-                exactly(sums)?
-            }
-            Route::Sampled => self.estimate(budget, sampler, lmax, progress)?,
-        };
-        if point.prediction.variance <= self.rounding() {
-            let Prediction { variance, stderr, energy_stderr, .. } = &mut point.prediction;
-            (*variance, *stderr) = (0.0, *energy_stderr);
-        }
-        Ok(point)
+        // One predictor has one point.
+        Ok(predict_together(&mut [self], budget, sampler, progress)?.remove(0))
     }
 
     /// Returns the spectrum to `lmax` of the same sets from which `point` was predicted.
@@ -347,40 +321,6 @@ impl<'a> Predictor<'a> {
         }
     }
 
-    /// Estimates the spectrum and the variance that it predicts from realizations.
-    fn estimate(
-        &mut self,
-        budget: PredictionBudget,
-        sampler: &dyn Sampler,
-        lmax: usize,
-        progress: &dyn Progress,
-    ) -> Result<PredictedPoint, Error> {
-        let (relative, rounding) = (budget.relative, self.rounding());
-        let max = self.max_realizations(budget, sampler, lmax);
-        let first = self.options.realizations.unwrap_or(FIRST.min(max));
-        let resolution = self.resolution(lmax, sampler.n_points());
-        let empty = self.accumulators(sampler, lmax)?;
-        let sets = self.realizations(sampler);
-        if !sampler.is_random() {
-            return exactly(accumulate(&sets, resolution, 0..1, &empty, progress)?);
-        }
-        let (mut sum, mut count, mut next) = (empty.clone(), 0, first);
-        loop {
-            sum.merge(&accumulate(&sets, resolution, count..next, &empty, progress)?);
-            count = next;
-            let prediction = sum.1.finish();
-            // A pattern without power where the integrand has energy leaves only rounding, with an
-            // error of 100 %.
-            // More realizations do not reduce the errors of energies.
-            let enough = sum.1.spectrum_stderr() <= relative * prediction.variance
-                || prediction.variance <= rounding;
-            if enough || count >= max {
-                return Ok(PredictedPoint { spectrum: sum.0.finish()?, prediction });
-            }
-            next = (2 * count).min(max);
-        }
-    }
-
     pub(crate) fn max_realizations(
         &self,
         budget: PredictionBudget,
@@ -393,18 +333,6 @@ impl<'a> Predictor<'a> {
     fn realizations<'s>(&self, sampler: &'s dyn Sampler) -> Realizations<'s> {
         let streams = Streams::new(self.seed, Purpose::Pattern, sampler.stream_group());
         Realizations::rotated(sampler, streams)
-    }
-
-    fn accumulators(
-        &mut self,
-        sampler: &dyn Sampler,
-        lmax: usize,
-    ) -> Result<(SpectrumAccumulator, PredictionAccumulator), Error> {
-        let n_points = sampler.n_points();
-        // Degrees for which no transform exists need no memory either.
-        LmIndex::new(lmax).map_err(sphvar_spectrum::Error::from)?;
-        let spectrum = SpectrumAccumulator::new(self.domain, n_points, lmax);
-        Ok((spectrum, PredictionAccumulator::new(self.energy_to(lmax)?, n_points, lmax)))
     }
 
     pub(crate) fn resolution(&self, lmax: usize, n_points: usize) -> Resolution {
@@ -489,16 +417,6 @@ impl<'a> Predictor<'a> {
         }
         Ok(&self.energies[&level])
     }
-}
-
-/// Returns the exact prediction from sums over all sets.
-fn exactly(
-    (spectrum, prediction): (SpectrumAccumulator, PredictionAccumulator),
-) -> Result<PredictedPoint, Error> {
-    let prediction = prediction.finish();
-    let stderr = prediction.energy_stderr;
-    let prediction = Prediction { stderr, dof: f64::INFINITY, ..prediction };
-    Ok(PredictedPoint { spectrum: spectrum.finish()?.into_exact(), prediction })
 }
 
 /// Returns the degree `factor` times `lmax`, at least the next one.

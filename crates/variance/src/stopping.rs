@@ -1,6 +1,8 @@
+use std::ops::Range;
+
 use sphvar_samplers::{Progress, Realizations};
 
-use crate::{Error, Measurement, measurement::estimates, trial_work};
+use crate::{Error, Measurement, estimates::estimates, trial_work};
 use sphvar_integrands::Integrand;
 
 /// The precision to which a variance is measured.
@@ -61,13 +63,26 @@ pub fn measure_until(
     target: Precision,
     progress: &dyn Progress,
 ) -> Result<Measurement, Error> {
+    let mut source = |trials| estimates(ensemble, integrand, trials, progress);
+    until(&mut source, trial_work(ensemble.sampler()), start, target, progress)
+}
+
+/// Returns [`measure_until`] for estimates of the given trials from `source`, each of nominal work
+/// `work`.
+pub(crate) fn until(
+    source: &mut dyn FnMut(Range<u64>) -> Result<Vec<f64>, Error>,
+    work: f64,
+    start: u64,
+    target: Precision,
+    progress: &dyn Progress,
+) -> Result<Measurement, Error> {
     target.check(start)?;
     let (mut total, max_trials) = (start, target.max_trials);
     let mut from = 0;
     let mut measurement = Measurement::default();
-    let (work, mut expected) = (trial_work(ensemble.sampler()), start);
+    let mut expected = start;
     loop {
-        measurement.extend(estimates(ensemble, integrand, from..total, progress)?);
+        measurement.extend(source(from..total)?);
         // Equal estimates have a measured error of 0, but no trial may have hit the integrand.
         let precise = measurement.variance() > 0.0
             && measurement.relative_error().relative() <= target.relative;

@@ -1,10 +1,11 @@
+use std::ops::Range;
+
 use sphvar_samplers::{Progress, Purpose, Realizations, Sampler, Streams};
 
+use crate::estimates::estimates;
 use crate::known_moments::KnownMoments;
-use crate::{
-    Comparison, Error, Precision, PredictedPoint, Predictor, measure, measure_until, trial_work,
-};
-use sphvar_integrands::Integrand;
+use crate::stopping::until;
+use crate::{Comparison, Error, Measurement, Precision, PredictedPoint, Predictor, trial_work};
 
 /// The number of trials from which a variance is measured, fixed or by a requested precision.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -89,40 +90,73 @@ impl Predictor<'_> {
     ///
     /// # Errors
     ///
-    /// Returns the errors of [`measure`] and [`measure_until`].
+    /// Returns the errors of [`measure`](crate::measure) and [`measure_until`](crate::measure_until).
     pub fn measure(
-        &mut self,
+        &self,
         predicted: PredictedPoint,
         sampler: &dyn Sampler,
         trials: Trials,
         progress: &dyn Progress,
     ) -> Result<Comparison, Error> {
-        let domain = self.domain();
-        let integrand: &dyn Integrand = self.integrand();
-        let kurtosis = self.kurtosis();
-        let energy = self.energy();
-        let rounding = self.estimate_rounding();
-        let prediction_rounding = energy.prediction_rounding();
-        let known = KnownMoments {
-            n_points: sampler.n_points() as f64,
-            one_point_variance: domain.variance_factor(1) * energy.beyond(0),
-            kurtosis,
-            is_independent: sampler.is_independent(),
-        };
-        let streams = Streams::new(self.seed(), Purpose::Trial, sampler.stream_group());
-        let sets = Realizations::rotated(sampler, streams);
+        let integrand = self.integrand();
+        let sets = self.trial_sets(sampler);
+        let mut source = |trials| estimates(&sets, integrand, trials, progress);
+        self.measure_from(&mut source, predicted, sampler, trials, progress)
+    }
+
+    /// Returns [`Self::measure`] for estimates of the given trials from `source`.
+    pub(crate) fn measure_from(
+        &self,
+        source: &mut dyn FnMut(Range<u64>) -> Result<Vec<f64>, Error>,
+        predicted: PredictedPoint,
+        sampler: &dyn Sampler,
+        trials: Trials,
+        progress: &dyn Progress,
+    ) -> Result<Comparison, Error> {
+        let known = self.known_moments(sampler);
         // No number of trials makes a variance due to rounding precise.
-        let until = trials.until.filter(|_| predicted.prediction.variance > rounding);
-        let measurement = match until {
-            None => measure(&sets, integrand, trials.count, progress)?,
+        let is_visible = predicted.prediction.variance > self.estimate_rounding();
+        let measurement = match trials.until.filter(|_| is_visible) {
+            None => Measurement::new(source(0..trials.count)?),
             Some(target) => {
                 let start = trials.count.max(known.trials_for(target.relative));
                 progress.expect((start - trials.count) as f64 * trial_work(sampler));
-                measure_until(&sets, integrand, start, target, progress)?
+                until(source, trial_work(sampler), start, target, progress)?
             }
         };
-        let exact = integrand.exact(domain);
-        Ok(Comparison { predicted, measurement, exact, rounding, prediction_rounding, known })
+        Ok(self.comparison(predicted, measurement, sampler))
+    }
+
+    /// Returns the comparison of a prediction with a measurement for the same sampler.
+    pub(crate) fn comparison(
+        &self,
+        predicted: PredictedPoint,
+        measurement: Measurement,
+        sampler: &dyn Sampler,
+    ) -> Comparison {
+        Comparison {
+            predicted,
+            measurement,
+            exact: self.integrand().exact(self.domain()),
+            rounding: self.estimate_rounding(),
+            prediction_rounding: self.energy().prediction_rounding(),
+            known: self.known_moments(sampler),
+        }
+    }
+
+    /// Returns the realizations of the trials.
+    pub(crate) fn trial_sets<'s>(&self, sampler: &'s dyn Sampler) -> Realizations<'s> {
+        let streams = Streams::new(self.seed(), Purpose::Trial, sampler.stream_group());
+        Realizations::rotated(sampler, streams)
+    }
+
+    fn known_moments(&self, sampler: &dyn Sampler) -> KnownMoments {
+        KnownMoments {
+            n_points: sampler.n_points() as f64,
+            one_point_variance: self.domain().variance_factor(1) * self.energy().beyond(0),
+            kurtosis: self.kurtosis(),
+            is_independent: sampler.is_independent(),
+        }
     }
 
     /// Returns the variance that rounding of an estimate alone can produce: an estimate of int F is

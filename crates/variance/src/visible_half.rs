@@ -5,7 +5,7 @@ use sphvar_samplers::{
     Domain, PointSet, Progress, Realizations, Streams, rotate, uniform_rotation,
 };
 
-use crate::measurement::evaluation_work;
+use crate::estimates::evaluation_work;
 use crate::{Error, Measurement};
 use sphvar_integrands::Integrand;
 

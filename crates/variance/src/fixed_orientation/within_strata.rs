@@ -4,7 +4,7 @@ use sphvar_sh::CompensatedSum;
 use sphvar_spectrum::StrataQuadrature;
 
 use crate::Error;
-use crate::measurement::evaluation_work;
+use crate::estimates::evaluation_work;
 use sphvar_integrands::Integrand;
 
 /// Returns the variance of a sum over strata with one independent uniform point each,

@@ -7,6 +7,7 @@ mod given_sets;
 mod hostile_samplers;
 mod integral_errors;
 mod integrals;
+mod joint_trials;
 mod measured_intervals;
 mod other_bands;
 mod predictions;

@@ -232,7 +232,7 @@ fn comparison(
     let spectrum = Spectrum::exact(Domain::Sphere, n, vec![1.0; 9]);
     let prediction = predict(&spectrum, &energy);
     let known = PredictedPoint { spectrum, prediction };
-    let mut predictor =
+    let predictor =
         Predictor::new(integrand, Domain::Sphere, seed, PredictionBudget::DEFAULT).unwrap();
     predictor.measure(known, &*sampler, Trials::new(trials), &()).unwrap()
 }

@@ -1,0 +1,184 @@
+use std::ops::Range;
+
+use sphvar_integrands::VectorIntegrand;
+use sphvar_samplers::{Progress, Sampler};
+
+use crate::estimates::SharedTrials;
+use crate::predictor::predict_together;
+use crate::{Comparison, Error, Measurement, PredictedPoint, Predictor, Trials};
+
+/// Predicts and measures several variances for the same point sets: one for each component of a
+/// [`VectorIntegrand`], and mean squared errors of vectors of components.
+///
+/// Spectra and trials are shared, and every result is the one that its [`Predictor`] alone gives.
+///
+/// # Examples
+///
+/// ```
+/// use sphvar_integrands::{Cap, HarmonicProjection};
+/// use sphvar_samplers::{Domain, Pattern};
+/// use sphvar_variance::{JointTrials, PredictionBudget, Predictor, Trials};
+///
+/// let cap = Cap::from_degrees(60.0)?;
+/// let probe = HarmonicProjection::new(&cap, 1)?;
+/// let (f_00, irradiance) = (probe.coefficient(0, 0)?, probe.irradiance());
+/// let predictor = |f| Predictor::new(f, Domain::Sphere, 0, PredictionBudget::DEFAULT);
+/// let mut joint = JointTrials::new(&probe)
+///     .with_component(0, predictor(&f_00)?)
+///     .with_vector(0..4, irradiance.weights(), predictor(&irradiance)?);
+/// let jittered = Pattern::Jittered.build(48, Domain::Sphere)?;
+/// for compared in joint.compare(&*jittered, Trials::new(400), &())? {
+///     assert!(compared.z_score().abs() < 4.0);
+/// }
+/// # Ok::<(), sphvar_variance::Error>(())
+/// ```
+#[derive(Debug)]
+pub struct JointTrials<'a> {
+    integrand: Shared<'a>,
+    parts: Vec<Part<'a>>,
+}
+
+/// The integrand, without a `Debug` form of its own.
+struct Shared<'a>(&'a dyn VectorIntegrand);
+
+impl std::fmt::Debug for Shared<'_> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{} components", self.0.components())
+    }
+}
+
+/// One of the variances.
+#[derive(Debug)]
+struct Part<'a> {
+    predictor: Predictor<'a>,
+    components: Range<usize>,
+    /// The factors of the components of a vector; `None` for a single component.
+    weights: Option<Vec<f64>>,
+}
+
+impl<'a> JointTrials<'a> {
+    /// Returns no variances yet, of the components of an integrand.
+    #[must_use]
+    pub fn new(integrand: &'a dyn VectorIntegrand) -> Self {
+        Self { integrand: Shared(integrand), parts: Vec::new() }
+    }
+
+    /// Adds the variance of a component, predicted by `predictor`.
+    ///
+    /// All predictors must have the same seed, domain, budget and options.
+    #[must_use]
+    pub fn with_component(mut self, component: usize, predictor: Predictor<'a>) -> Self {
+        let components = component..component + 1;
+        self.parts.push(Part { predictor, components, weights: None });
+        self
+    }
+
+    /// Adds the mean squared error of consecutive components with factors `weights`,
+    /// `sum_c (a_c s_c)^2`, predicted by `predictor`.
+    #[must_use]
+    pub fn with_vector(
+        mut self,
+        components: Range<usize>,
+        weights: &[f64],
+        predictor: Predictor<'a>,
+    ) -> Self {
+        self.parts.push(Part { predictor, components, weights: Some(weights.to_vec()) });
+        self
+    }
+
+    /// Returns the predictors, in the order in which they were added.
+    pub fn predictors(&mut self) -> impl Iterator<Item = &mut Predictor<'a>> {
+        self.parts.iter_mut().map(|part| &mut part.predictor)
+    }
+
+    /// Returns the maximum nominal work of [`Self::predict`], if all spectra have the same degree.
+    ///
+    /// # Errors
+    ///
+    /// Returns the errors of [`Predictor::work`].
+    pub fn work(&mut self, sampler: &dyn Sampler) -> Result<f64, Error> {
+        let mut most: f64 = 0.0;
+        for predictor in self.predictors() {
+            most = most.max(predictor.work(sampler)?);
+        }
+        Ok(most)
+    }
+
+    /// Returns the predicted variances, each that of [`Predictor::predict`].
+    ///
+    /// # Errors
+    ///
+    /// Returns the errors of [`Predictor::predict`].
+    pub fn predict(
+        &mut self,
+        sampler: &dyn Sampler,
+        progress: &dyn Progress,
+    ) -> Result<Vec<PredictedPoint>, Error> {
+        let mut predictors: Vec<&mut Predictor<'_>> =
+            self.parts.iter_mut().map(|part| &mut part.predictor).collect();
+        let Some(budget) = predictors.first().map(|p| p.budget()) else { return Ok(Vec::new()) };
+        predict_together(&mut predictors, budget, sampler, progress)
+    }
+
+    /// Returns the comparisons of predictions with variances measured from the same trials. Each
+    /// component has the trials of [`Predictor::measure`]; a vector has as many as the component
+    /// with the most, to which its precision is at least as good.
+    ///
+    /// # Errors
+    ///
+    /// Returns the errors of [`Predictor::measure`].
+    pub fn measure(
+        &self,
+        predicted: Vec<PredictedPoint>,
+        sampler: &dyn Sampler,
+        trials: Trials,
+        progress: &dyn Progress,
+    ) -> Result<Vec<Comparison>, Error> {
+        let Some(first) = self.parts.first() else { return Ok(Vec::new()) };
+        let sets = first.predictor.trial_sets(sampler);
+        let mut shared = SharedTrials::new(&sets, self.integrand.0, progress);
+        let mut comparisons: Vec<Option<Comparison>> = vec![None; self.parts.len()];
+        let mut points: Vec<Option<PredictedPoint>> = predicted.into_iter().map(Some).collect();
+        // Components come first, as they determine the number of trials.
+        for is_vector in [false, true] {
+            for (i, part) in self.parts.iter().enumerate() {
+                if part.weights.is_some() != is_vector {
+                    continue;
+                }
+                let Some(point) = points.get_mut(i).and_then(Option::take) else { continue };
+                comparisons[i] = Some(match &part.weights {
+                    None => {
+                        let component = part.components.start;
+                        let mut source = |range| shared.estimates(component, range);
+                        let Part { predictor, .. } = part;
+                        predictor.measure_from(&mut source, point, sampler, trials, progress)?
+                    }
+                    Some(weights) => {
+                        let all = 0..shared.known().max(trials.count);
+                        let of = |c| Ok(Measurement::new(shared.estimates(c, all.clone())?));
+                        let components: Result<Vec<_>, Error> =
+                            part.components.clone().map(of).collect();
+                        let measurement = Measurement::of_vector(&components?, weights);
+                        part.predictor.comparison(point, measurement, sampler)
+                    }
+                });
+            }
+        }
+        Ok(comparisons.into_iter().flatten().collect())
+    }
+
+    /// Returns [`Self::predict`] and [`Self::measure`].
+    ///
+    /// # Errors
+    ///
+    /// Returns the errors of [`Predictor::compare`].
+    pub fn compare(
+        &mut self,
+        sampler: &dyn Sampler,
+        trials: Trials,
+        progress: &dyn Progress,
+    ) -> Result<Vec<Comparison>, Error> {
+        let predicted = self.predict(sampler, progress)?;
+        self.measure(predicted, sampler, trials, progress)
+    }
+}
