@@ -9,6 +9,7 @@ use std::path::PathBuf;
 use clap::Args;
 use clap::builder::TypedValueParser;
 use sphvar_grammar::split_outside;
+use sphvar_integrands::HarmonicProjection;
 use sphvar_samplers::Domain;
 use sphvar_spectrum::Resolution;
 
@@ -130,6 +131,21 @@ impl IntegrandArgs {
         let missing = || CliError::Usage("missing required option --integrand".to_owned());
         self.integrand.as_deref().ok_or_else(missing)
     }
+}
+
+/// The projection of the integrand onto spherical harmonics.
+#[derive(Clone, Copy, Debug, Args)]
+pub(crate) struct ProjectArgs {
+    /// Estimate the coefficients of the integrand in the real spherical harmonics of degrees up to L, and the irradiance over all normals that follows from them: 2 for 9 coefficients, 3 for 16, 4 for 25
+    #[arg(long, value_name = "L", conflicts_with = "hemisphere", value_parser = parse_projection_degree)]
+    pub(crate) project: Option<usize>,
+}
+
+/// Parses the degree of a projection.
+fn parse_projection_degree(text: &str) -> Result<usize, String> {
+    let max = HarmonicProjection::MAX_DEGREE;
+    let degree = text.parse().ok().filter(|degree| *degree <= max);
+    degree.ok_or_else(|| format!("the degree must be a number from 0 to {max}, got {text}"))
 }
 
 /// Sphere or hemisphere.

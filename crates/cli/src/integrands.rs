@@ -3,10 +3,14 @@
 pub(crate) mod environment;
 mod expansion;
 mod healpix_map;
+mod integrals;
+mod rgb;
 
 use std::cell::RefCell;
+use std::collections::BTreeMap;
 use std::fmt;
 use std::path::{Path, PathBuf};
+use std::rc::Rc;
 
 use sphvar_grammar::{ResolveError, Spec};
 use sphvar_integrands::{
@@ -16,6 +20,8 @@ use sphvar_integrands::{
 use sphvar_samplers::Domain;
 
 use self::environment::Environment;
+pub(crate) use self::integrals::{Integral, Integrals, with_integrals};
+pub(crate) use self::rgb::parse_integrands;
 use crate::error::CliError;
 use crate::files::HduChoice;
 use crate::memory::check_degree;
@@ -46,11 +52,11 @@ impl fmt::Display for Forms {
 pub(crate) const CITY: &str = "env:data/city.exr";
 
 /// An integrand with its name in tables.
-pub(crate) struct NamedIntegrand {
+pub(crate) struct NamedIntegrand<'a> {
     /// The name as the user wrote it.
     pub(crate) name: String,
     /// The function.
-    pub(crate) function: Box<dyn Integrand>,
+    pub(crate) function: Box<dyn Integrand + 'a>,
     /// The function without its filters, if it has any.
     unfiltered: Option<Box<dyn Integrand>>,
 }
@@ -58,7 +64,7 @@ pub(crate) struct NamedIntegrand {
 /// The time above which the computation of energies is announced, in seconds.
 const MIN_ANNOUNCED_SECONDS: f64 = 2.0;
 
-impl NamedIntegrand {
+impl NamedIntegrand<'_> {
     /// Prints the expected time of energies to a degree, if it is long.
     pub(crate) fn announce_energies(&self, domain: Domain, lmax: usize, quiet: bool) {
         let seconds = self.function.energy_seconds(domain, lmax);
@@ -88,7 +94,19 @@ impl NamedIntegrand {
 
 /// Returns the integrand of one expression. Reads the files that it names and prints remarks on
 /// them, unless `quiet`.
-pub(crate) fn parse_integrand(text: &str, quiet: bool) -> Result<NamedIntegrand, CliError> {
+pub(crate) fn parse_integrand(
+    text: &str,
+    quiet: bool,
+) -> Result<NamedIntegrand<'static>, CliError> {
+    let expression = parse_expression(text)?;
+    rgb::reject(&expression)?;
+    let files = IntegrandFiles::default();
+    let integrand = files.build(&expression, text.to_owned())?;
+    files.remarks.take().iter().for_each(|remark| say(quiet, remark));
+    Ok(integrand)
+}
+
+fn parse_expression(text: &str) -> Result<Expression, CliError> {
     let expression = if names_a_file(text) {
         text.parse::<Term>().map(Expression::from)
     } else {
@@ -102,15 +120,7 @@ pub(crate) fn parse_integrand(text: &str, quiet: bool) -> Result<NamedIntegrand,
             _ => {}
         }
     }
-    let files = IntegrandFiles::default();
-    let of_expression = |error| match error {
-        Error::File(source) => CliError::of_resolver(&source),
-        other => CliError::usage(other),
-    };
-    let function = expression.build(&files).map_err(of_expression)?;
-    files.remarks.take().iter().for_each(|remark| say(quiet, remark));
-    let unfiltered = expression.build_unfiltered(&files).map_err(of_expression)?;
-    Ok(NamedIntegrand { name: text.to_owned(), function, unfiltered })
+    Ok(expression)
 }
 
 /// Returns whether the text is a single term with a file whose name looks like an expression.
@@ -141,11 +151,42 @@ fn chosen_hdu(file: &Path, parameter: Option<&str>) -> Result<(PathBuf, HduChoic
 #[derive(Default)]
 struct IntegrandFiles {
     remarks: RefCell<Vec<String>>,
+    /// The contents of pictures, which are read once for all channels.
+    pictures: RefCell<BTreeMap<PathBuf, Rc<[u8]>>>,
+}
+
+impl IntegrandFiles {
+    fn build(
+        &self,
+        expression: &Expression,
+        name: String,
+    ) -> Result<NamedIntegrand<'static>, CliError> {
+        let of_expression = |error| match error {
+            Error::File(source) => CliError::of_resolver(&source),
+            other => CliError::usage(other),
+        };
+        let function = expression.build(self).map_err(of_expression)?;
+        let n_remarks = self.remarks.borrow().len();
+        let unfiltered = expression.build_unfiltered(self).map_err(of_expression)?;
+        // The same files give the same remarks again.
+        self.remarks.borrow_mut().truncate(n_remarks);
+        Ok(NamedIntegrand { name, function, unfiltered })
+    }
+
+    fn picture(&self, file: &Path) -> Result<Rc<[u8]>, CliError> {
+        if let Some(known) = self.pictures.borrow().get(file) {
+            return Ok(known.clone());
+        }
+        let bytes: Rc<[u8]> = environment::bytes_of(file)?.into();
+        self.pictures.borrow_mut().insert(file.to_owned(), bytes.clone());
+        Ok(bytes)
+    }
 }
 
 impl IntegrandResolver for IntegrandFiles {
     fn environment(&self, wanted: &EnvironmentParameters) -> Result<EnvironmentMap, ResolveError> {
-        let read = Environment::read(&wanted.file, &wanted.picture).map_err(ResolveError::new)?;
+        let decode = |bytes: Rc<[u8]>| Environment::decode(&wanted.file, &bytes, &wanted.picture);
+        let read = self.picture(&wanted.file).and_then(decode).map_err(ResolveError::new)?;
         self.remarks.borrow_mut().extend(read.remarks);
         Ok(read.map)
     }
@@ -168,7 +209,7 @@ impl IntegrandResolver for IntegrandFiles {
 }
 
 /// Rejects an integrand whose energy is unknown on the domain.
-pub(crate) fn check_domain(integrand: &NamedIntegrand, domain: Domain) -> Result<(), CliError> {
+pub(crate) fn check_domain(integrand: &NamedIntegrand<'_>, domain: Domain) -> Result<(), CliError> {
     let wrong = |what: String| CliError::Usage(format!("{}: {what}", integrand.name));
     let energy = integrand.function.energy(domain, 0).map_err(|e| wrong(e.to_string()))?;
     energy.check_magnitude().map_err(|e| wrong(e.to_string()))

@@ -7,33 +7,30 @@ mod chart;
 mod crossings;
 mod presentation;
 mod question;
+mod ranking;
 mod reason;
 mod recommendation;
 pub(crate) mod record;
 
 use sphvar_samplers::{EqualAreaParameters, Pattern, Placement, Riesz, RieszParameters};
-use sphvar_variance::{Domain, PredictionBudget, Predictor};
+use sphvar_variance::{Domain, PredictionBudget};
 
 pub(crate) use self::args::ChooseArgs;
-use self::candidate::TimedCandidate;
 use self::presentation::Answer;
-use self::question::Question;
-use self::record::LeftOut;
+use self::ranking::Ranking;
 use crate::error::CliError;
 use crate::global::Global;
-use crate::integrands::{check_domain, parse_integrand};
-use crate::memory::check_memory;
-use crate::patterns::parse_patterns;
-use crate::progress::Progress;
-use crate::report::{check_result, number};
+use crate::integrands::{parse_integrands, with_integrals};
+use crate::report::check_result;
 
 pub(crate) const EXAMPLES: &str = "Examples:
   sphvar choose --integrand env:data/city.exr --error 1%
   sphvar choose --integrand cap:degrees=60 -n 1000 -o errors.png
   sphvar choose jittered,fibonacci --integrand ylm:l=4 --absolute --error 0.01
   sphvar choose fibonacci,spiral --integrand band:lmax=40 --error 0.1%
+  sphvar choose jittered,fibonacci --integrand env:data/city.exr --project 2 -n 64
 
-The last example asks how many directions a function of bandwidth 40 needs: band:lmax=40 is a random \
+The fourth example asks how many directions a function of bandwidth 40 needs: band:lmax=40 is a random \
 function with mean 1 and variance 1 over the sphere and equal power in all degrees up to 40. The error \
 scales with the ratio of standard deviation and mean of your function.
 
@@ -43,108 +40,42 @@ known to 2 %; they are those of variance and compare. Predictions that serve onl
 known to about 6 %. With --error, expensive patterns are not tried with more than 4 times the points of the best. \
 Patterns for which predictions are too expensive at the requested N are extrapolated by their rate, as column basis \
 states. Where step or blue with another alpha would be better than all other samplers, it is shown with that alpha. \
-The seconds per set are measured on one core, the median of up to five.";
+The seconds per set are measured on one core, the median of up to five.
+
+env:FILE,channel=rgb ranks samplers for luminance and for each channel. With --project 2 the error is that of the \
+irradiance over all normals which follows from the 9 coefficients of a light probe, relative to its root mean square; \
+--json has the error of each coefficient.";
 
 /// A default sampler is omitted if a single prediction takes more work than this number of budgets.
 const MAX_BUDGETS: f64 = 10.0;
-/// The number of points at which patterns are ordered by cost if the user gives none.
-const TYPICAL_POINTS: usize = 1024;
-/// The minimum memory of a point of a transformed set, in bytes.
-const BYTES_PER_POINT: f64 = 24.0;
 
 pub(crate) fn run(args: &ChooseArgs, global: &Global) -> Result<(), CliError> {
     if let Some(path) = &args.out.out {
         check_result(path, true)?;
     }
-    let integrand = parse_integrand(args.integrand.required()?, global.quiet)?;
-    let domain = args.domain.domain();
-    check_domain(&integrand, domain)?;
-    integrand.announce_bias(domain, global.quiet);
     if let Some(cost) = args.cost_per_sample
         && !(cost >= 0.0 && cost.is_finite())
     {
         let message = format!("--cost-per-sample must be finite and at least 0, got {cost}");
         return Err(CliError::Usage(message));
     }
-    let named = args.samplers.list();
-    let patterns = match &named {
-        Some(list) => parse_patterns(list, global.quiet)?,
-        None => considered(),
-    };
-    let function = &*integrand.function;
-    let announce = |lmax: usize| integrand.announce_energies(domain, lmax, global.quiet);
-    let mut predictor = Predictor::new(function, domain, global.seed, PredictionBudget::DEFAULT)
-        .map_err(CliError::usage)?
-        .on_energies(&announce);
-    let question = Question::new(args, &integrand, predictor.energy())?;
-    if let Some(n) = args.count.count {
-        check_memory(&format!("-n {n}"), BYTES_PER_POINT * n as f64)?;
-    }
-
-    let typical = args.count.count.unwrap_or(TYPICAL_POINTS);
-    let mut patterns = patterns;
-    // Inexpensive patterns come first. The order depends on nominal work rather than on time, and
-    // so is the same on every machine.
-    patterns.sort_by(|a, b| a.nominal_work(typical).total_cmp(&b.nominal_work(typical)));
-    patterns.dedup();
-    let shares: Vec<f64> = patterns.iter().map(|p| share(p, typical, domain)).collect();
-    let progress = Progress::new(shares.iter().sum(), global.quiet);
-    let (mut candidates, mut left_out) = (Vec::<TimedCandidate>::new(), Vec::new());
-    let (mut best, mut min_points) = (f64::INFINITY, None);
-    for (pattern, share) in patterns.into_iter().zip(shares) {
-        if candidates.iter().any(|c| *c.answer.curve.pattern() == pattern) {
-            continue;
-        }
-        progress.stage(&pattern.label());
-        let budgets = args.count.count.map_or(0.0, |n| budgets(&pattern, n));
-        if named.is_none() && budgets > MAX_BUDGETS {
-            left_out.push(LeftOut {
-                sampler: pattern.to_string(),
-                label: pattern.label(),
-                reason: format!(
-                    "a prediction costs {} times the work budget; name the sampler to include it",
-                    number::count(budgets)
-                ),
-            });
-        } else {
-            // A pattern that the user names is kept unchanged, however far behind it is.
-            let is_named = named.is_some();
-            let limit = min_points.filter(|_| !is_named && args.cost_per_sample.is_none());
-            let candidate =
-                TimedCandidate::new(pattern.clone(), limit, &question, &mut predictor, global.seed)
-                    .and_then(|c| {
-                        if is_named {
-                            Ok(c)
-                        } else {
-                            c.tuned(&question, &mut predictor, best, global.seed)
-                        }
-                    });
-            match candidate {
-                Ok(candidate) => {
-                    best = best.min(candidate.answer.variance.map_or(f64::INFINITY, |v| v.0));
-                    if candidate.basis() == "predicted" {
-                        min_points = candidate.answer.n_points.into_iter().chain(min_points).min();
-                    }
-                    progress.line(&presentation::line(&candidate, &question, &predictor));
-                    candidates.push(candidate);
-                }
-                Err(error) => left_out.push(LeftOut {
-                    sampler: pattern.to_string(),
-                    label: pattern.label(),
-                    reason: error.to_string(),
-                }),
-            }
-        }
-        progress.advance(share);
-    }
-    drop(progress);
-    if candidates.is_empty() {
-        let reasons: Vec<String> =
-            left_out.iter().map(|l| format!("{}: {}", l.label, l.reason)).collect();
-        return Err(CliError::Failed(reasons.join("; ")));
-    }
-    candidate::rank(&mut candidates, &question);
-    Answer::new(&question, &mut predictor, &candidates, left_out, global.seed)?.emit(args, global)
+    let functions = parse_integrands(args.integrand.required()?, global.quiet)?;
+    with_integrals(&functions, args.project.project, |integrals| {
+        let (domain, quiet) = (args.domain.domain(), global.quiet);
+        functions.iter().for_each(|function| function.announce_bias(domain, quiet));
+        let ranked = integrals.ranked().map(|(integral, _)| integral.integrand);
+        let announce: Vec<_> = ranked
+            .map(|integrand| move |lmax: usize| integrand.announce_energies(domain, lmax, quiet))
+            .collect();
+        let rankings = integrals
+            .ranked()
+            .zip(&announce)
+            .map(|((integral, coefficients), announce)| {
+                Ranking::new(args, global, integral, coefficients, announce)
+            })
+            .collect::<Result<Vec<_>, _>>()?;
+        Answer::new(rankings, global.seed)?.emit(args, global)
+    })
 }
 
 /// Returns all patterns, and parameter variants that are the best for some integrands: centred

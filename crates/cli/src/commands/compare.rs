@@ -23,9 +23,9 @@ use super::effort::EffortArgs;
 use super::row_record::RowRecord;
 use super::rows::{self, Case, Plan, Row};
 use crate::error::CliError;
-use crate::flags::{CountsArgs, IntegrandArgs, SamplersArgs};
+use crate::flags::{CountsArgs, IntegrandArgs, ProjectArgs, SamplersArgs};
 use crate::global::Global;
-use crate::integrands::{self, parse_integrand};
+use crate::integrands::{self, Integrals, parse_integrands, with_integrals};
 use crate::patterns::parse_patterns;
 use crate::report::{Document, Provenance, csv_of, is_stdout, print, say, write_text};
 
@@ -37,7 +37,8 @@ pub(crate) const EXAMPLES: &str = "Examples:
 Without arguments it compares the patterns of Singh's thesis on a photographed light probe, which is built in, within a minute \
 on two cores. Every sampler takes its valid number of points nearest to N. The output folder receives \
 comparison.csv and .json, spectra.csv, and the plots spectra, variance and integrand as .svg and .png. \
-Running the same command again replaces its own files; the results of another command are overwritten only \
+With env:FILE,channel=rgb or --project 2 (see variance) the table has rows for all channels or coefficients; rates, \
+crossovers and plots are those of luminance, or of the irradiance. Running the same command again replaces its own files; the results of another command are overwritten only \
 with --force. Two runs cannot write to one folder at the same time.";
 
 /// The patterns that the thesis compares.
@@ -59,6 +60,8 @@ pub(crate) struct CompareArgs {
     #[command(flatten)]
     pub(crate) integrand: IntegrandArgs,
     #[command(flatten)]
+    pub(crate) project: ProjectArgs,
+    #[command(flatten)]
     pub(crate) effort: EffortArgs,
     /// Folder for tables and plots
     #[arg(short, long, default_value = "out", value_name = "FOLDER")]
@@ -75,7 +78,17 @@ pub(crate) fn run(args: &CompareArgs, global: &Global) -> Result<(), CliError> {
                 .to_owned(),
         ));
     }
-    let integrand = parse_integrand(args.integrand.required()?, global.quiet)?;
+    let functions = parse_integrands(args.integrand.required()?, global.quiet)?;
+    with_integrals(&functions, args.project.project, |integrals| {
+        run_integrals(args, global, integrals)
+    })
+}
+
+fn run_integrals(
+    args: &CompareArgs,
+    global: &Global,
+    integrals: &Integrals<'_>,
+) -> Result<(), CliError> {
     let domain = args.effort.domain.domain();
     let mut patterns: Vec<Pattern> = Vec::new();
     for pattern in parse_patterns(&args.samplers.required()?, global.quiet)? {
@@ -84,7 +97,7 @@ pub(crate) fn run(args: &CompareArgs, global: &Global) -> Result<(), CliError> {
         }
     }
     let cases = Case::all(&patterns, args.counts.list(), domain, true)?;
-    let plan = args.effort.plan(&integrand, global, true)?;
+    let plan = args.effort.plan(integrals, global, true)?;
     rows::check(&plan, &cases)?;
     let provenance = Provenance::new(global.seed);
     let folder = ResultFolder::open(&args.out, &provenance, args.force)?;
@@ -147,5 +160,6 @@ fn degrees(rows: &[Row]) -> Vec<DegreeRecord> {
         };
         spectrum.rows().map(record).collect::<Vec<_>>()
     };
-    rows.iter().flat_map(degrees).collect()
+    // Other integrals of the same sets have the same spectra.
+    rows.iter().filter(|row| row.is_main).flat_map(degrees).collect()
 }

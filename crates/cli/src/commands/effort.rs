@@ -8,7 +8,7 @@ use crate::counts::parse_realizations;
 use crate::error::CliError;
 use crate::flags::{DomainArgs, LmaxArgs, spectra_lmax_help};
 use crate::global::Global;
-use crate::integrands::NamedIntegrand;
+use crate::integrands::Integrals;
 use crate::share::parse_share;
 use crate::transforms::TransformArgs;
 
@@ -66,16 +66,17 @@ fn spectrum_realizations_help() -> String {
 }
 
 impl EffortArgs {
-    /// Returns the plan for an integrand; set `whole_spectra` if the spectra are shown.
+    /// Returns the plan for integrals; set `whole_spectra` if the spectra are shown.
     pub(super) fn plan<'a>(
         &self,
-        integrand: &'a NamedIntegrand,
+        integrals: &'a Integrals<'a>,
         global: &Global,
         whole_spectra: bool,
     ) -> Result<Plan<'a>, CliError> {
         let (method, epsilon) = self.transform.checked()?;
         Ok(Plan {
-            integrand,
+            integrand: integrals.main(),
+            integrals,
             domain: self.domain.domain(),
             seed: global.seed,
             trials: self.realizations,

@@ -16,8 +16,12 @@ pub(crate) struct RowRecord {
     /// The name of the sampler in tables.
     #[serde(skip)]
     label: String,
-    /// The integrand, as it was given.
+    /// The integrand, as it was given; a channel or a product with a harmonic as every command
+    /// accepts it, or `irradiance of` the integrand.
     integrand: String,
+    /// The name of the integral in tables with several.
+    #[serde(skip)]
+    integral: Option<String>,
     /// `sphere` or `hemisphere`.
     domain: &'static str,
     /// The number of points requested.
@@ -30,7 +34,8 @@ pub(crate) struct RowRecord {
     realizations: u64,
     /// Trials from which the variance was measured.
     trials: usize,
-    /// The predicted variance of the integral, in squared units of the integral.
+    /// The predicted variance of the integral, in squared units of the integral; of an irradiance,
+    /// the mean squared error integrated over all normals.
     predicted: f64,
     /// The standard error of `predicted`, due to those of the spectrum and of the energies.
     #[schemars(with = "Option<f64>")]
@@ -58,8 +63,10 @@ pub(crate) struct RowRecord {
     /// The standard error of `mean`.
     #[schemars(with = "Option<f64>")]
     mean_stderr: f64,
-    /// The exact integral.
+    /// The exact integral; of an irradiance E, the norm `sqrt(int E^2)` over all normals.
     exact: Option<f64>,
+    /// The predicted standard error, `sqrt(predicted)`, over `exact`; null for an integral of 0.
+    relative_error: Option<f64>,
     /// The error of `predicted` due to degrees beyond the spectrum.
     #[schemars(with = "Option<f64>")]
     predicted_tail_error: f64,
@@ -103,10 +110,16 @@ impl RowRecord {
         let remark = row.comparison.has_too_few_hits().then_some(TOO_FEW);
         // The error of the trials does not include energy that they did not sample.
         let known = |x: f64| if remark.is_some() { f64::NAN } else { x };
+        let integral = &plan.integrals.all()[row.integral];
+        // An integral of 0 is known up to rounding.
+        let error = prediction.variance.sqrt();
+        let exact = row.comparison.exact.filter(|exact| exact.abs() > 1e-10 * error);
         Self {
+            integral: (plan.integrals.all().len() > 1).then(|| integral.label.clone()),
+            relative_error: exact.map(|exact| error / exact.abs()).filter(|e| e.is_finite()),
             sampler: row.pattern.to_string(),
             label: row.pattern.label(),
-            integrand: plan.integrand.name.clone(),
+            integrand: integral.integrand.name.clone(),
             domain: plan.domain.name(),
             n_requested: row.requested,
             n: spectrum.n_points(),
@@ -144,7 +157,8 @@ impl RowRecord {
     /// Returns a line for every row whose measured variance has no error estimate.
     pub(super) fn remarks(records: &[Self]) -> String {
         let line = |r: &Self| {
-            Some(format!("{}, N = {}: {} (-m {}).\n", r.label, r.n, r.remark?, r.trials))
+            let of = r.integral.as_ref().map_or(String::new(), |name| format!(", {name}"));
+            Some(format!("{}{of}, N = {}: {} (-m {}).\n", r.label, r.n, r.remark?, r.trials))
         };
         records.iter().filter_map(line).collect()
     }
@@ -156,6 +170,11 @@ impl RowRecord {
             Column::number("N requested", |r: &Self| r.n_requested.to_string()),
             Column::number("N", |r: &Self| r.n.to_string()),
         ];
+        let has_several = records.iter().any(|r| r.integral.is_some());
+        if has_several {
+            let name = |r: &Self| r.integral.clone().unwrap_or_default();
+            columns.insert(1, Column::text("integral", name));
+        }
         if records.iter().any(|r| r.n_effective.is_some()) {
             let effective = |r: &Self| number::optional(r.n_effective, number::value);
             columns.push(Column::number("N_eff", effective));
@@ -172,6 +191,10 @@ impl RowRecord {
             Column::number("z", |r: &Self| number::score(r.z)),
             Column::number("bias z", |r: &Self| number::optional(r.bias_z, number::score)),
         ]);
+        if has_several {
+            let relative = |r: &Self| number::optional(r.relative_error, number::percent);
+            columns.push(Column::number("relative error", relative));
+        }
         columns
     }
 }

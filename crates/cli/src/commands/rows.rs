@@ -4,13 +4,13 @@ use sphvar_integrands::{Energy, Integrand};
 use sphvar_samplers::{Domain, Pattern, Sampler, Share};
 use sphvar_spectrum::Resolution;
 use sphvar_variance::{
-    Comparison, Method, Precision, PredictedPoint, PredictionBudget, Predictor, SpectrumOptions,
-    Trials, check_degree as check_settled, prediction_degree, settled_degree,
+    Comparison, JointTrials, Method, Precision, PredictedPoint, PredictionBudget, Predictor,
+    SpectrumOptions, Trials, check_degree as check_settled, prediction_degree, settled_degree,
 };
 
 use crate::error::CliError;
 use crate::flags::missing_count;
-use crate::integrands::{NamedIntegrand, check_domain};
+use crate::integrands::{Integral, Integrals, NamedIntegrand, check_domain};
 use crate::memory::{check_degree, check_memory, check_transform};
 use crate::patterns;
 use crate::point_sets::n_effective;
@@ -18,7 +18,9 @@ use crate::progress::Progress;
 
 /// The settings of a run for all patterns and numbers of points.
 pub(super) struct Plan<'a> {
-    pub(super) integrand: &'a NamedIntegrand,
+    /// The integrand of rates and charts, the last integral.
+    pub(super) integrand: &'a NamedIntegrand<'a>,
+    pub(super) integrals: &'a Integrals<'a>,
     pub(super) domain: Domain,
     pub(super) seed: u64,
     /// The number of trials, or the initial one, if the user gave one.
@@ -93,8 +95,12 @@ impl Case {
     }
 }
 
-/// The results of one case.
+/// The results of one case for one integral.
 pub(super) struct Row {
+    /// The place of the integral among those of the plan.
+    pub(super) integral: usize,
+    /// Whether it is the integral of rates and charts.
+    pub(super) is_main: bool,
     pub(super) pattern: Pattern,
     pub(super) requested: usize,
     pub(super) comparison: Comparison,
@@ -102,31 +108,46 @@ pub(super) struct Row {
     pub(super) n_effective: Option<f64>,
 }
 
-/// Runs all cases, with one progress bar, and returns the rows in the order of the cases with the
-/// integrand's energies.
+/// Runs all cases, with one progress bar, and returns the rows in the order of the cases, those of
+/// all integrals for each, with the energies of the last integral.
 pub(super) fn run(plan: &Plan<'_>, cases: &[Case]) -> Result<(Vec<Row>, Energy), CliError> {
     check(plan, cases)?;
-    let on_energies = |lmax: usize| plan.integrand.announce_energies(plan.domain, lmax, plan.quiet);
-    let mut predictor =
-        plan.predictor_of(&*plan.integrand.function, plan.domain)?.on_energies(&on_energies);
+    let announce = |integral: &'_ Integral<'_>, lmax: usize| {
+        if integral.is_announced() {
+            integral.integrand.announce_energies(plan.domain, lmax, plan.quiet);
+        }
+    };
+    let integrals = plan.integrals.all().iter();
+    let on_energies: Vec<_> = integrals.map(|i| move |lmax: usize| announce(i, lmax)).collect();
+    let mut each = on_energies.iter();
+    let mut joint = plan.integrals.trials(|integral| {
+        let predictor = plan.predictor_of(&*integral.integrand.function, plan.domain)?;
+        Ok(match each.next() {
+            Some(on_energies) => predictor.on_energies(on_energies),
+            None => predictor,
+        })
+    })?;
     let mut work = 0.0;
     for case in cases {
-        work +=
-            predictor.work(&*case.sampler)? + plan.trials_of(&*case.sampler).work(&*case.sampler);
+        work += joint.work(&*case.sampler)? + plan.trials_of(&*case.sampler).work(&*case.sampler);
     }
     let progress = Progress::new(work, plan.quiet);
-    let rows = cases
-        .iter()
-        .map(|case| {
-            progress.stage(&format!("{} N = {}", case.pattern.label(), case.n_points()));
-            let predicted = plan.predict(&mut predictor, case, &progress)?;
-            let trials = plan.trials_of(&*case.sampler);
-            let comparison = predictor.measure(predicted, &*case.sampler, trials, &progress)?;
+    let mut rows = Vec::new();
+    for case in cases {
+        progress.stage(&format!("{} N = {}", case.pattern.label(), case.n_points()));
+        let predicted = plan.predict(&mut joint, case, &progress)?;
+        let trials = plan.trials_of(&*case.sampler);
+        let comparisons = joint.measure(predicted, &*case.sampler, trials, &progress)?;
+        let main = comparisons.len().saturating_sub(1);
+        for (integral, comparison) in comparisons.into_iter().enumerate() {
             let n_effective = n_effective(&*case.sampler, &comparison.predicted.spectrum);
             let (pattern, requested) = (case.pattern.clone(), case.requested);
-            Ok(Row { pattern, requested, comparison, n_effective })
-        })
-        .collect::<Result<Vec<Row>, CliError>>()?;
+            let is_main = integral == main;
+            rows.push(Row { integral, is_main, pattern, requested, comparison, n_effective });
+        }
+    }
+    let mut predictors: Vec<_> = joint.predictors().collect();
+    let Some(predictor) = predictors.pop() else { return Err(missing_count()) };
     if plan.whole_spectra {
         let max_points = cases.iter().map(Case::n_points).max().unwrap_or(0);
         predictor.energy_to(Resolution::natural_degree(max_points))?;
@@ -168,7 +189,8 @@ fn check_trials(plan: &Plan<'_>) -> Result<(), CliError> {
         Some(Precision { max_trials, .. }) => ("--max-realizations", max_trials),
         None => ("-m", plan.trials.unwrap_or(Trials::DEFAULT)),
     };
-    check_memory(&format!("{what} {max_trials}"), 8.0 * max_trials as f64)
+    let integrals = plan.integrals.all().len() as f64;
+    check_memory(&format!("{what} {max_trials}"), 8.0 * integrals * max_trials as f64)
 }
 
 /// Rejects a user's largest degree at which predictions would not depend on the pattern. White
@@ -195,6 +217,13 @@ fn check_cut_sum(plan: &Plan<'_>, cases: &[Case]) -> Result<(), CliError> {
 }
 
 impl Plan<'_> {
+    /// Returns what is estimated, for titles.
+    pub(super) fn subject(&self) -> String {
+        let is_irradiance = self.integrals.all().last().is_some_and(Integral::is_irradiance);
+        let verb = if is_irradiance { "the" } else { "integrating" };
+        format!("{verb} {}", self.integrand.name)
+    }
+
     /// Returns the predictor for this integrand and others of the same run.
     pub(super) fn predictor_of<'a>(
         &self,
@@ -219,21 +248,25 @@ impl Plan<'_> {
         self.realizations.unwrap_or_else(|| budget.realizations(sampler, lmax))
     }
 
-    /// Returns the prediction for a case, with the spectrum as far as it is shown.
+    /// Returns the predictions for a case, with the spectrum as far as it is shown.
     fn predict(
         &self,
-        predictor: &mut Predictor<'_>,
+        joint: &mut JointTrials<'_>,
         case: &Case,
         progress: &Progress,
-    ) -> Result<PredictedPoint, CliError> {
-        let share = Share::new(progress, predictor.work(&*case.sampler)?);
-        let mut point = predictor.predict(&*case.sampler, &share)?;
+    ) -> Result<Vec<PredictedPoint>, CliError> {
+        let share = Share::new(progress, joint.work(&*case.sampler)?);
+        let mut points = joint.predict(&*case.sampler, &share)?;
         share.finish().map_err(CliError::failed)?;
         let natural = Resolution::natural_degree(case.n_points());
-        if self.whole_spectra && self.lmax.is_none() && point.spectrum.lmax() < natural {
-            point.spectrum = predictor.spectrum_to(&*case.sampler, &point, natural)?;
+        if let (Some(point), Some(predictor)) = (points.last_mut(), joint.predictors().last())
+            && self.whole_spectra
+            && self.lmax.is_none()
+            && point.spectrum.lmax() < natural
+        {
+            point.spectrum = predictor.spectrum_to(&*case.sampler, point, natural)?;
         }
-        Ok(point)
+        Ok(points)
     }
 
     /// Returns the maximum degree that a spectrum needs.

@@ -12,9 +12,9 @@ use super::row_record::RowRecord;
 use super::rows::{self, Case, Plan};
 use super::visible_half::{self, HalfAxis, VisibleHalfRecord};
 use crate::error::CliError;
-use crate::flags::{CountsArgs, IntegrandArgs, NearestArgs, OutArgs, SamplersArgs};
+use crate::flags::{CountsArgs, IntegrandArgs, NearestArgs, OutArgs, ProjectArgs, SamplersArgs};
 use crate::global::Global;
-use crate::integrands::parse_integrand;
+use crate::integrands::{Integrals, parse_integrands, with_integrals};
 use crate::patterns::parse_patterns;
 use crate::report::{Forms, Provenance, check_result, csv_of, emit, is_stdout, table_of};
 
@@ -24,6 +24,7 @@ pub(crate) const EXAMPLES: &str = "Examples:
   sphvar variance jittered -n 192 --integrand cap:degrees=60 -m 100 --until-rel 10%
   sphvar variance jittered,fibonacci -n 48..768 --nearest --integrand cap:degrees=60 -o v.svg
   sphvar variance fibonacci,jittered -n 192 --integrand ylm:l=4,m=0 -m 200 --no-rotate
+  sphvar variance jittered -n 48 --integrand env:data/city.exr --project 2 -m 100
 
 Columns: the variance that the spectra predict and the one measured on independent, uniformly \
 rotated realizations, each with its standard error (that of the prediction with the error of the \
@@ -31,6 +32,11 @@ degrees beyond the spectrum); ratio is measured/predicted, z their difference in
 bias z that of the mean estimate and the exact integral. 95 % intervals are in files and --json. \
 Where too few trials sample the support of the integrand, the measured variance has no error, ratio or z; where \
 all trials agree, it has an upper limit only.
+
+env:FILE,channel=rgb has a row for red, green, blue and luminance, all estimated from the same directions. --project 2 \
+has a row for each of the 9 coefficients of a light probe, the integrals of the integrand times the real harmonics to \
+degree 2, and one for the irradiance over all normals that they give: its mean squared error integrated over normals, \
+and relative error with respect to its root mean square. The error of leaving out higher degrees is no part of it.
 
 --no-rotate gives the errors in the orientation that a pattern has. For a set that is always the same these are \
 its signed error and the distribution of errors over uniformly random orientations; for a random pattern, the mean \
@@ -50,6 +56,8 @@ pub(crate) struct VarianceArgs {
     pub(crate) nearest: NearestArgs,
     #[command(flatten)]
     pub(crate) integrand: IntegrandArgs,
+    #[command(flatten)]
+    pub(crate) project: ProjectArgs,
     #[command(flatten)]
     pub(crate) effort: EffortArgs,
     /// Also measure the visible half of sphere sets of 2N points with both estimators; the half has a random axis, for antipodal integrands (random, used without a value), or lies above the equator (equator)
@@ -82,13 +90,27 @@ pub(crate) fn run(args: &VarianceArgs, global: &Global) -> Result<(), CliError> 
             return Err(CliError::Usage(message.to_owned()));
         }
     }
-    let integrand = parse_integrand(args.integrand.required()?, global.quiet)?;
+    let functions = parse_integrands(args.integrand.required()?, global.quiet)?;
+    with_integrals(&functions, args.project.project, |integrals| {
+        run_integrals(args, global, integrals)
+    })
+}
+
+fn run_integrals(
+    args: &VarianceArgs,
+    global: &Global,
+    integrals: &Integrals<'_>,
+) -> Result<(), CliError> {
     let domain = args.effort.domain.domain();
     let patterns = parse_patterns(&args.samplers.required()?, global.quiet)?;
     let cases = Case::all(&patterns, args.counts.list(), domain, args.nearest.nearest)?;
-    let plan = args.effort.plan(&integrand, global, false)?;
+    let plan = args.effort.plan(integrals, global, false)?;
     if args.no_rotate {
+        integrals.only("--no-rotate")?;
         return run_fixed(args, global, &plan, &cases);
+    }
+    if args.visible_half.is_some() {
+        integrals.only("--visible-half")?;
     }
     let (rows, _) = rows::run(&plan, &cases)?;
     let records: Vec<RowRecord> = rows.iter().map(|row| RowRecord::new(row, &plan)).collect();

@@ -195,7 +195,7 @@ impl FileError {
 }
 
 /// Returns the name of an input for messages; `-` is standard input.
-pub(super) fn input_name(path: &Path) -> String {
+pub(crate) fn input_name(path: &Path) -> String {
     if is_dash(path) { "standard input".to_owned() } else { path.display().to_string() }
 }
 

@@ -26,7 +26,7 @@ mod used_files;
 
 pub(crate) use alm::read_alm;
 pub(crate) use atomic::AtomicFile;
-pub(crate) use file_error::{FileError, Place};
+pub(crate) use file_error::{FileError, Place, input_name};
 pub(crate) use fits::{FitsField, FitsMap, HduChoice, read_fits_map};
 pub(crate) use folder_lock::FolderLock;
 pub(crate) use formats::{FileFormat, formats};

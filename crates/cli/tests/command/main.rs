@@ -34,6 +34,7 @@ mod render;
 mod reproduction;
 mod sampler_arguments;
 mod schemas;
+mod several_integrals;
 mod shards;
 mod targets;
 mod weights;

@@ -78,7 +78,7 @@ pub(super) struct Consequences {
 impl Consequences {
     pub(super) fn new(
         args: &BoundsArgs,
-        integrand: Option<&NamedIntegrand>,
+        integrand: Option<&NamedIntegrand<'_>>,
         domain: Domain,
         n_points: usize,
         n_effective: f64,

@@ -211,7 +211,7 @@ fn sampled(
 pub(super) fn predicted(
     measured: Option<&Measured>,
     args: &BoundsArgs,
-    integrand: &NamedIntegrand,
+    integrand: &NamedIntegrand<'_>,
     domain: Domain,
     global: &Global,
 ) -> Result<Option<Prediction>, CliError> {

@@ -1,7 +1,7 @@
 use clap::{ArgGroup, Args};
 
 use crate::counts::{parse_number, parse_one_count};
-use crate::flags::{CountArgs, DomainArgs, IntegrandArgs, OutArgs, SamplersArgs};
+use crate::flags::{CountArgs, DomainArgs, IntegrandArgs, OutArgs, ProjectArgs, SamplersArgs};
 
 #[derive(Debug, Args)]
 #[command(
@@ -19,6 +19,8 @@ pub(crate) struct ChooseArgs {
     pub(crate) samplers: SamplersArgs,
     #[command(flatten)]
     pub(crate) integrand: IntegrandArgs,
+    #[command(flatten)]
+    pub(crate) project: ProjectArgs,
     /// Requested standard error, relative to the integral: 1% or 0.01; above 50 % with a % sign
     #[arg(long, value_name = "E")]
     pub(crate) error: Option<String>,

@@ -60,10 +60,16 @@ pub(super) fn chart(
             ink: Ink::Black,
         });
     }
-    let unit = if question.integral.is_some() { ", % of the integral" } else { "" };
+    let unit = match question.integral {
+        Some(_) => format!(", % of the {}", question.quantity),
+        None => String::new(),
+    };
     let relative = Panel { reference: Some(1.0), ..Panel::log("variance / white noise", ratios) };
     let chart = Chart {
-        title: format!("Predicted standard error of integrating {}", question.integrand),
+        title: match question.quantity {
+            "irradiance" => format!("Predicted standard error of the {}", question.integrand),
+            _ => format!("Predicted standard error of integrating {}", question.integrand),
+        },
         x_label: "number of points N".to_owned(),
         x_scale: Scale::Log,
         panels: vec![Panel::log(format!("standard error{unit}"), series), relative],

@@ -7,32 +7,35 @@ use super::candidate::{MAX_FACTOR, TimedCandidate, recommended};
 use super::chart::chart;
 use super::crossings;
 use super::question::{Question, Requested};
+use super::ranking::Ranking;
 use super::recommendation::recommendation;
-use super::record::{CandidateRecord, ChoiceBody, LeftOut};
+use super::record::{CandidateRecord, ChoiceBody};
 use crate::error::CliError;
 use crate::global::Global;
 use crate::report::{Forms, Provenance, csv_of, emit, number, table_of};
 
 /// The complete answer.
 pub(super) struct Answer<'a> {
-    question: &'a Question,
-    candidates: &'a [TimedCandidate],
+    /// The main ranking first.
+    rankings: Vec<Ranking<'a>>,
     body: ChoiceBody,
     /// The variance of white noise with one point.
     white_variance: f64,
 }
 
 impl<'a> Answer<'a> {
-    pub(super) fn new(
-        question: &'a Question,
-        predictor: &mut Predictor<'_>,
-        candidates: &'a [TimedCandidate],
-        left_out: Vec<LeftOut>,
-        seed: u64,
-    ) -> Result<Self, CliError> {
-        let record =
-            |(i, c): (usize, &TimedCandidate)| CandidateRecord::new(i + 1, c, question, predictor);
-        let rows = candidates.iter().enumerate().map(record).collect();
+    /// Returns the answer from rankings, of which the first decides.
+    pub(super) fn new(mut rankings: Vec<Ranking<'a>>, seed: u64) -> Result<Self, CliError> {
+        let mut rows = Vec::new();
+        for ranking in &mut rankings {
+            for i in 0..ranking.candidates.len() {
+                let coefficients = ranking.coefficients(i)?;
+                let Ranking { question, predictor, candidates, .. } = ranking;
+                let record = CandidateRecord::new(i + 1, &candidates[i], question, predictor);
+                rows.push(CandidateRecord { coefficients, ..record });
+            }
+        }
+        let Ranking { question, predictor, candidates, left_out, .. } = &mut rankings[0];
         let best = recommended(candidates, question);
         let (reason, recommendation) = recommendation(best, question, predictor)?;
         let (error_requested, points_requested, max_points) = match question.requested {
@@ -51,12 +54,13 @@ impl<'a> Answer<'a> {
             cost_per_sample: question.cost_per_sample,
             white_noise_points: question.white_noise_points(predictor),
             rows,
-            left_out,
+            left_out: std::mem::take(left_out),
             crossovers: crossings::between(candidates, seed),
             reason,
             recommendation,
         };
-        Ok(Self { question, candidates, body, white_variance: predictor.white_variance(1) })
+        let white_variance = predictor.white_variance(1);
+        Ok(Self { rankings, body, white_variance })
     }
 
     /// Writes and prints the answer in the requested form.
@@ -64,42 +68,33 @@ impl<'a> Answer<'a> {
         let provenance = Provenance::new(global.seed);
         let forms = Forms {
             csv: &|| csv_of(&provenance, &self.body.rows),
-            chart: Some(&|| Ok(chart(self.question, self.candidates, self.white_variance))),
+            chart: Some(&|| {
+                let Ranking { question, candidates, .. } = &self.rankings[0];
+                Ok(chart(question, candidates, self.white_variance))
+            }),
             text: &|| self.text(),
         };
         emit(args.out.out.as_deref(), global, &provenance, &self.body, &forms)
     }
 
     fn text(&self) -> String {
-        let question = self.question;
-        let mut text = match &question.requested {
-            Requested::Error { text, standard_error, .. } => {
-                let requested = match question.integral {
-                    Some(integral) if question.relative(*standard_error).is_some() => {
-                        format!(
-                            "{text}, {} of the integral {}",
-                            number::value(*standard_error),
-                            number::value(integral)
-                        )
-                    }
-                    _ => text.clone(),
-                };
-                format!("Points for a standard error of {requested}: {}\n\n", question.integrand)
-            }
-            Requested::Points(n) => {
-                format!("Standard errors with about {n} points: {}\n\n", question.integrand)
-            }
-        };
         let body = &self.body;
+        let (mut text, mut rows) = (String::new(), &*body.rows);
+        // The table of the first ranking comes last, above what is said about it.
+        let mut tables = Vec::new();
+        for ranking in &self.rankings {
+            let (own, others) = rows.split_at(ranking.candidates.len());
+            tables.push(table(&ranking.question, own));
+            rows = others;
+        }
+        tables.reverse();
+        text += &tables.concat();
+        let question = &self.rankings[0].question;
+        let own = &body.rows[..self.rankings[0].candidates.len()];
         let (reached, out_of_reach): (Vec<&CandidateRecord>, Vec<&CandidateRecord>) =
-            body.rows.iter().partition(|row| row.n.is_some());
+            own.iter().partition(|row| row.n.is_some());
         if !reached.is_empty() {
-            text += &table_of(&CandidateRecord::columns(question, &reached), reached);
-            text += "\nerror: one standard error of the integral";
-            text += if question.integral.is_some() { ", relative to it" } else { "" };
-            text += "; +-: its uncertainty. reduction: variance of white\n\
-                     noise with the same number of points divided by this one. rate: exponent of the variance\n\
-                     against N near this N.\n\n";
+            text += &explanation(question);
         }
         if let (Requested::Error { max_points, .. }, false) =
             (&question.requested, out_of_reach.is_empty())
@@ -127,7 +122,7 @@ impl<'a> Answer<'a> {
             let last = row.last_empty_degree.filter(|&last| last > 0)?;
             Some(format!("{} {last}", row.label))
         };
-        let empty: Vec<String> = body.rows.iter().filter_map(empty).collect();
+        let empty: Vec<String> = own.iter().filter_map(empty).collect();
         if !empty.is_empty() {
             text += &format!("Largest degree without power: {}\n", empty.join(", "));
         }
@@ -139,6 +134,51 @@ impl<'a> Answer<'a> {
         }
         text + &body.recommendation + "\n"
     }
+}
+
+/// Returns the heading and the table of the candidates within reach.
+fn table(question: &Question, rows: &[CandidateRecord]) -> String {
+    let mut text = match &question.requested {
+        Requested::Error { text, standard_error, .. } => {
+            let requested = match question.integral {
+                Some(integral) if question.relative(*standard_error).is_some() => {
+                    format!(
+                        "{text}, {} of the {} {}",
+                        number::value(*standard_error),
+                        question.quantity,
+                        number::value(integral)
+                    )
+                }
+                _ => text.clone(),
+            };
+            format!("Points for a standard error of {requested}: {}\n\n", question.integrand)
+        }
+        Requested::Points(n) => {
+            format!("Standard errors with about {n} points: {}\n\n", question.integrand)
+        }
+    };
+    let reached: Vec<&CandidateRecord> = rows.iter().filter(|row| row.n.is_some()).collect();
+    if !reached.is_empty() {
+        text += &table_of(&CandidateRecord::columns(question, &reached), reached);
+        text += "\n";
+    }
+    text
+}
+
+/// Returns the meaning of the columns.
+fn explanation(question: &Question) -> String {
+    let relative = if question.integral.is_some() { ", relative to it" } else { "" };
+    let error = match question.quantity {
+        "irradiance" => format!(
+            "the norm over all normals of the irradiance's standard error{relative}; +-: its\nuncertainty"
+        ),
+        quantity => format!("one standard error of the {quantity}{relative}; +-: its uncertainty"),
+    };
+    format!(
+        "error: {error}. reduction: variance of white\n\
+         noise with the same number of points divided by this one. rate: exponent of the variance\n\
+         against N near this N.\n\n"
+    )
 }
 
 /// Returns a line for one candidate, printed before all are known.

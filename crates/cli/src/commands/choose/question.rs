@@ -5,13 +5,15 @@ use sphvar_variance::{Domain, Goal, Predictor};
 
 use super::args::ChooseArgs;
 use crate::error::CliError;
-use crate::integrands::NamedIntegrand;
+use crate::integrands::Integral;
 use crate::share::parse_share;
 
 /// The question together with the known properties of the integrand.
 pub(super) struct Question {
     /// The integrand as it was written.
     pub(super) integrand: String,
+    /// What is estimated, in texts.
+    pub(super) quantity: &'static str,
     pub(super) domain: Domain,
     /// The exact integral, where it is known and not 0.
     pub(super) integral: Option<f64>,
@@ -36,10 +38,11 @@ pub(super) enum Requested {
 impl Question {
     pub(super) fn new(
         args: &ChooseArgs,
-        integrand: &NamedIntegrand,
+        integral: &Integral<'_>,
         energy: &Energy,
     ) -> Result<Self, CliError> {
-        let domain = energy.domain();
+        let (integrand, domain) = (integral.integrand, energy.domain());
+        let quantity = if integral.is_irradiance() { "irradiance" } else { "integral" };
         let exact = integrand.function.exact(domain);
         // By the Cauchy-Schwarz inequality, no integral exceeds this; one that rounds to 0 relative
         // to it is 0.
@@ -65,7 +68,8 @@ impl Question {
             }
         };
         let cost_per_sample = args.cost_per_sample;
-        Ok(Self { integrand: integrand.name.clone(), domain, integral, requested, cost_per_sample })
+        let integrand = integrand.name.clone();
+        Ok(Self { integrand, quantity, domain, integral, requested, cost_per_sample })
     }
 
     /// Returns the question for the library, with at most `max_points` points.

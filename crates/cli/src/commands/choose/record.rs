@@ -72,8 +72,28 @@ pub(super) struct CandidateRecord {
     pub(super) last_empty_degree: Option<usize>,
     /// The effective number of weighted points, `(sum w)^2 / sum w^2`; null without weights.
     pub(super) n_effective: Option<f64>,
+    /// The integrand, as it was given, or a channel of it.
+    pub(super) integrand: String,
     /// Every prediction that was made.
     pub(super) curve: Vec<CurveRecord>,
+    /// The errors of the coefficients, with `--project` only.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) coefficients: Option<Vec<CoefficientRecord>>,
+}
+
+/// The error of a coefficient in real spherical harmonics.
+#[derive(Debug, Serialize, JsonSchema)]
+pub(super) struct CoefficientRecord {
+    /// The degree.
+    pub(super) l: usize,
+    /// The order, negative for the sine.
+    pub(super) m: i64,
+    /// The exact coefficient.
+    pub(super) exact: Option<f64>,
+    /// The predicted variance.
+    pub(super) variance: f64,
+    /// The standard error, `sqrt(variance)`.
+    pub(super) error: f64,
 }
 
 /// The prediction at one number of points.
@@ -99,7 +119,8 @@ pub(crate) struct ChoiceBody {
     pub(super) integrand: String,
     /// `sphere` or `hemisphere`.
     pub(super) domain: &'static str,
-    /// The exact integral; null if it is unknown or 0.
+    /// The exact integral; null if it is unknown or 0; of an irradiance E, the norm
+    /// `sqrt(int E^2)` over all normals.
     pub(super) integral: Option<f64>,
     /// The standard error requested, in units of the integral.
     pub(super) error_requested: Option<f64>,
@@ -112,7 +133,7 @@ pub(crate) struct ChoiceBody {
     /// The exact number of points that white noise needs for the error requested, also beyond
     /// `max_points`.
     pub(super) white_noise_points: Option<f64>,
-    /// The samplers, the best first.
+    /// The samplers, the best first; after those for luminance, those for each channel.
     pub(super) rows: Vec<CandidateRecord>,
     /// Samplers that were not considered.
     pub(super) left_out: Vec<LeftOut>,
@@ -154,6 +175,7 @@ impl CandidateRecord {
             rank,
             sampler: curve.pattern().to_string(),
             label: curve.pattern().label(),
+            integrand: question.integrand.clone(),
             n: candidate.answer.n_points,
             n_effective: point.and_then(|point| {
                 let sampler = curve.pattern().build(point.n_points(), question.domain).ok()?;
@@ -182,6 +204,7 @@ impl CandidateRecord {
                 .n_points
                 .and_then(|n| curve.pattern().last_empty_degree(n, question.domain)),
             curve: curve.points().iter().map(curve_point).collect(),
+            coefficients: None,
         }
     }
 

@@ -107,7 +107,7 @@ pub(in crate::commands) fn variance_chart(curves: &[Curve<'_>], plan: &Plan<'_>)
         ..Panel::log("measured / predicted", ratios)
     };
     Chart {
-        title: format!("Variance of integrating {}", plan.integrand.name),
+        title: format!("Variance of {}", plan.subject()),
         x_label: "number of points N".to_owned(),
         x_scale: Scale::Log,
         panels: vec![Panel::log("variance", series), ratio],

@@ -15,7 +15,8 @@ pub(in crate::commands) struct Curve<'a> {
 
 impl<'a> Curve<'a> {
     pub(in crate::commands) fn new(pattern: &'a Pattern, rows: &'a [Row]) -> Self {
-        let mut rows: Vec<&Row> = rows.iter().filter(|r| r.pattern == *pattern).collect();
+        let is_own = |r: &&Row| r.is_main && r.pattern == *pattern;
+        let mut rows: Vec<&Row> = rows.iter().filter(is_own).collect();
         rows.sort_by_key(|r| r.comparison.predicted.spectrum.n_points());
         Self { pattern, rows }
     }

@@ -8,7 +8,7 @@ use crate::report::{number, table_of};
 
 /// Returns the tables, their explanation, and the sampler with the largest variance reduction.
 pub(super) fn text(body: &ComparisonBody, plan: &Plan<'_>) -> String {
-    let mut text = format!("Variance of integrating {}\n\n", plan.integrand.name);
+    let mut text = format!("Variance of {}\n\n", plan.subject());
     text += &table_of(&RowRecord::columns(&body.rows), &body.rows);
     text += &RowRecord::remarks(&body.rows);
     // Without a score there is no verdict.
