@@ -1,7 +1,8 @@
 use std::ops::Range;
+use std::sync::{Mutex, PoisonError};
 
 use sphvar_integrands::VectorIntegrand;
-use sphvar_samplers::{Progress, Sampler};
+use sphvar_samplers::{Progress, Sampler, Stopped};
 
 use crate::estimates::SharedTrials;
 use crate::predictor::predict_together;
@@ -137,6 +138,8 @@ impl<'a> JointTrials<'a> {
         let Some(first) = self.parts.first() else { return Ok(Vec::new()) };
         let sets = first.predictor.trial_sets(sampler);
         let mut shared = SharedTrials::new(&sets, self.integrand.0, progress);
+        let work = SharedWork { progress, expected: Mutex::default() };
+        let progress = if self.parts.len() > 1 { &work } else { progress };
         let mut comparisons: Vec<Option<Comparison>> = vec![None; self.parts.len()];
         let mut points: Vec<Option<PredictedPoint>> = predicted.into_iter().map(Some).collect();
         // Components come first, as they determine the number of trials.
@@ -146,6 +149,7 @@ impl<'a> JointTrials<'a> {
                     continue;
                 }
                 let Some(point) = points.get_mut(i).and_then(Option::take) else { continue };
+                work.begin();
                 comparisons[i] = Some(match &part.weights {
                     None => {
                         let component = part.components.start;
@@ -180,5 +184,34 @@ impl<'a> JointTrials<'a> {
     ) -> Result<Vec<Comparison>, Error> {
         let predicted = self.predict(sampler, progress)?;
         self.measure(predicted, sampler, trials, progress)
+    }
+}
+
+/// The progress of trials that several variances share: the additional work that one expects counts
+/// only where it exceeds that of the others.
+struct SharedWork<'a> {
+    progress: &'a dyn Progress,
+    /// The largest additional work so far, and that of the present variance.
+    expected: Mutex<(f64, f64)>,
+}
+
+impl SharedWork<'_> {
+    fn begin(&self) {
+        self.expected.lock().unwrap_or_else(PoisonError::into_inner).1 = 0.0;
+    }
+}
+
+impl Progress for SharedWork<'_> {
+    fn tick(&self, work: f64) -> Result<(), Stopped> {
+        self.progress.tick(work)
+    }
+
+    fn expect(&self, work: f64) {
+        let mut expected = self.expected.lock().unwrap_or_else(PoisonError::into_inner);
+        expected.1 += work;
+        if expected.1 > expected.0 {
+            self.progress.expect(expected.1 - expected.0);
+            expected.0 = expected.1;
+        }
     }
 }

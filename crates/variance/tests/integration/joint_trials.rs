@@ -1,12 +1,13 @@
 //! Several variances from the same point sets, and the errors of harmonic projections.
 
 use std::f64::consts::TAU;
+use std::sync::Mutex;
 
 use glam::DVec3;
 use sphvar_integrands::{
     Cap, EnvironmentMap, Harmonic, HarmonicProjection, Integrand, VonMisesFisher,
 };
-use sphvar_samplers::{Domain, Pattern, Sampler};
+use sphvar_samplers::{Domain, Pattern, Progress, Sampler, Stopped};
 use sphvar_sh::{GaussLegendre, real_ylm_at};
 use sphvar_variance::{
     Comparison, JointTrials, Precision, PredictionBudget, Predictor, Trials, measure_components,
@@ -169,4 +170,39 @@ fn errors_of_projections_are_those_predicted_for_many_points() {
         }
     }
     check(&scores);
+}
+
+/// Sums the announced additional work.
+#[derive(Default)]
+struct Announced(Mutex<f64>);
+
+impl Progress for Announced {
+    fn tick(&self, _: f64) -> Result<(), Stopped> {
+        Ok(())
+    }
+
+    fn expect(&self, work: f64) {
+        *self.0.lock().unwrap() += work;
+    }
+}
+
+/// Further trials that several variances need are announced once.
+#[test]
+fn shared_trials_are_announced_once() {
+    let f = VonMisesFisher::new(20.0).unwrap();
+    let sampler = build("jittered", 48);
+    let announced = |copies: usize| {
+        let functions: Vec<&dyn Integrand> = vec![&f; copies];
+        let mut joint = JointTrials::new(&functions);
+        for component in 0..copies {
+            joint = joint.with_component(component, predictor(&f));
+        }
+        let until = Some(Precision { relative: 0.1, max_trials: 2000 });
+        let progress = Announced::default();
+        joint.compare(&*sampler, Trials { count: 20, until }, &progress).unwrap();
+        progress.0.into_inner().unwrap()
+    };
+    let two = announced(2);
+    assert!(two > 0.0);
+    assert_eq!(two.to_bits(), announced(5).to_bits());
 }
