@@ -76,9 +76,11 @@ pub(super) fn least_norm(
 
 /// Returns the condition number of B, from within, by iterations from coefficients that contain all
 /// directions: a constant function does not reach those that a symmetric set keeps apart from it.
+/// With more rows than columns, these are directions of the range of B.
 pub(super) fn condition_number(
-    harmonics: &Harmonics<'_>,
+    harmonics: &mut Harmonics<'_>,
     matrix: &mut NormalMatrix<'_>,
+    is_overdetermined: bool,
     watch: Watch<'_>,
 ) -> Result<f64, QuadratureError> {
     /// The residual at which the iteration ends, relative to its start.
@@ -86,10 +88,15 @@ pub(super) fn condition_number(
     matrix.set_factors(None);
     let mut start = harmonics.zeros()?;
     let mut fractions = (1..).map(|k| (f64::from(k) * GOLDEN).fract() - 0.5);
-    for a in start.values_mut() {
-        *a = Complex::new(fractions.next().unwrap_or(0.5), fractions.next().unwrap_or(0.5));
+    if is_overdetermined {
+        let weights: Vec<f64> = fractions.take(harmonics.n_points()).collect();
+        harmonics.coefficients(&weights, &mut start);
+    } else {
+        for a in start.values_mut() {
+            *a = Complex::new(fractions.next().unwrap_or(0.5), fractions.next().unwrap_or(0.5));
+        }
+        project(harmonics.domain(), &mut start);
     }
-    project(harmonics.domain(), &mut start);
     let target = TOLERANCE * dot(&start, &start).sqrt();
     let mut system = System { matrix, shift: 0.0 };
     let solution = system.solve(&start, target, QuadratureProblem::MAX_ITERATIONS, watch)?;

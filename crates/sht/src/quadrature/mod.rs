@@ -11,7 +11,8 @@ use std::f64::consts::PI;
 use std::ops::ControlFlow;
 
 use glam::DVec3;
-use sphvar_sh::{Domain, Error};
+use num_complex::Complex;
+use sphvar_sh::{Alm, Domain, Error};
 
 use self::harmonics::Harmonics;
 use self::least_norm::{condition_number, least_norm};
@@ -42,8 +43,8 @@ pub enum WeightSigns {
 /// which is their largest effective number of points `(sum w)^2/sum w^2`.
 ///
 /// Degree t needs as many distinct points as there are harmonics, `(t + 1)^2`, or `(t + 1)(t + 2)/2`
-/// for even t on the hemisphere; fewer may do for special sets, but not in general. Repeated points
-/// share their weight equally.
+/// for even t on the hemisphere; fewer suffice only for the points of quadrature rules of degree t.
+/// Repeated points share their weight equally.
 ///
 /// # Examples
 ///
@@ -99,9 +100,9 @@ pub enum QuadratureError {
     /// There are no points.
     #[error("quadrature weights need at least 1 point, got 0")]
     NoPoints,
-    /// Degree t has more harmonics than there are distinct points.
+    /// Degree t has more harmonics than there are distinct points, which are not those of a rule.
     #[error(
-        "weights exact to degree {degree} need {n_harmonics} distinct points, one for each harmonic, got {n_distinct}; the largest possible degree is {largest}"
+        "weights exact to degree {degree} need {n_harmonics} distinct points, one for each harmonic, or the points of a rule of that degree, got {n_distinct} other points; the largest degree for points in general is {largest}"
     )]
     TooFewPoints {
         /// The requested degree.
@@ -110,7 +111,7 @@ pub enum QuadratureError {
         n_harmonics: usize,
         /// The number of distinct points.
         n_distinct: usize,
-        /// The largest degree that this number of points permits.
+        /// The largest degree with no more harmonics than distinct points.
         largest: usize,
     },
     /// The iteration has not converged.
@@ -170,7 +171,9 @@ impl<'a> QuadratureProblem<'a> {
         self.n_distinct
     }
 
-    /// Returns the largest degree that has no more harmonics than there are distinct points.
+    /// Returns the largest degree that has no more harmonics than there are distinct points. Only
+    /// the points of quadrature rules have weights of higher degrees, to at most twice this degree
+    /// and 1.
     #[must_use]
     pub fn largest_possible_degree(&self) -> usize {
         let step = self.domain.degree_step();
@@ -189,7 +192,8 @@ impl<'a> QuadratureProblem<'a> {
     /// # Errors
     ///
     /// [`QuadratureError::TooFewPoints`] if the degree has more harmonics than there are distinct
-    /// points, [`QuadratureError::NotConverged`], [`QuadratureError::NoNonnegative`],
+    /// points and these are not the points of a rule of that degree,
+    /// [`QuadratureError::NotConverged`], [`QuadratureError::NoNonnegative`],
     /// [`QuadratureError::Stopped`], and those of transforms.
     ///
     /// # Performance
@@ -210,9 +214,15 @@ impl<'a> QuadratureProblem<'a> {
         watch: &mut dyn FnMut() -> ControlFlow<()>,
     ) -> Result<QuadratureWeights, QuadratureError> {
         let n_harmonics = self.n_harmonics(degree);
-        if n_harmonics > self.n_distinct {
+        let is_overdetermined = n_harmonics > self.n_distinct;
+        let too_few = || {
             let (n_distinct, largest) = (self.n_distinct, self.largest_possible_degree());
-            return Err(QuadratureError::TooFewPoints { degree, n_harmonics, n_distinct, largest });
+            QuadratureError::TooFewPoints { degree, n_harmonics, n_distinct, largest }
+        };
+        // A function of half the degree that vanishes at all points has a square whose integral is
+        // positive; one exists unless the points are as many as the harmonics of that degree.
+        if self.n_harmonics(degree / 2) > self.n_distinct {
+            return Err(too_few());
         }
         let mut harmonics = Harmonics::new(self.points, self.domain, degree)?;
         let mut matrix = NormalMatrix::new(self.points, self.domain, degree)?;
@@ -221,6 +231,14 @@ impl<'a> QuadratureProblem<'a> {
         let constant = area / (4.0 * PI).sqrt();
         b.values_mut()[0] = constant.into();
         let mut solution = least_norm(&mut harmonics, &mut matrix, &b, watch)?;
+        if is_overdetermined {
+            let mut error = solution.sums.clone();
+            error.values_mut()[0] -= constant;
+            let is_rule = largest(&error) <= Self::MAX_RESIDUAL * constant;
+            if !is_rule {
+                return Err(too_few());
+            }
+        }
         if self.signs == WeightSigns::Nonnegative && solution.weights.iter().any(|w| *w < 0.0) {
             let (weights, iterations) = nonnegative(
                 &mut harmonics,
@@ -236,15 +254,15 @@ impl<'a> QuadratureProblem<'a> {
             harmonics.coefficients(&solution.weights, &mut solution.sums);
         }
         solution.sums.values_mut()[0] -= constant;
-        let size = solution.sums.values().iter().map(|a| a.norm()).fold(0.0, f64::max);
-        let residual = size / constant;
+        let residual = largest(&solution.sums) / constant;
         let (condition, iterations) = (solution.condition, solution.iterations);
         // False for NaN.
         let has_converged = residual <= Self::MAX_RESIDUAL;
         if !has_converged {
             return Err(QuadratureError::NotConverged { degree, residual, condition, iterations });
         }
-        let condition = condition.max(condition_number(&harmonics, &mut matrix, watch)?);
+        let condition =
+            condition.max(condition_number(&mut harmonics, &mut matrix, is_overdetermined, watch)?);
         let exact_degree =
             exact_degree(self.points, &solution.weights, self.domain, 2 * degree + 2)?;
         let weights = solution.weights;
@@ -308,6 +326,12 @@ impl<'a> QuadratureProblem<'a> {
             }
         }
     }
+}
+
+/// Returns the largest absolute value of coefficients, infinity for NaN.
+fn largest(alm: &Alm) -> f64 {
+    let size = |a: &Complex<f64>| if a.is_nan() { f64::INFINITY } else { a.norm() };
+    alm.values().iter().map(size).fold(0.0, f64::max)
 }
 
 /// Returns the largest degree up to `lmax` such that weighted points integrate all harmonics of the

@@ -117,6 +117,40 @@ fn weights_of_least_norm_match_the_pseudoinverse() {
     }
 }
 
+/// Points of rules have weights to degrees with more harmonics than points, and only to these.
+#[test]
+fn points_of_rules_have_their_weights() {
+    let golden = 0.5 + 1.25f64.sqrt();
+    let signs = [(1.0, 1.0), (1.0, -1.0), (-1.0, 1.0), (-1.0, -1.0)];
+    let icosahedron = signs.iter().flat_map(|(s, t)| {
+        let p = DVec3::new(0.0, *s, t * golden).normalize();
+        [p, DVec3::new(p.y, p.z, p.x), DVec3::new(p.z, p.x, p.y)]
+    });
+    let icosahedron: Vec<DVec3> = icosahedron.collect();
+    let half: Vec<DVec3> = icosahedron.iter().copied().filter(|p| p.z + 0.1 * p.y > 0.0).collect();
+    let axes = DVec3::AXES;
+    for (name, points, domain, degree, beyond) in [
+        ("icosahedron", icosahedron, Domain::Sphere, 5, 6),
+        ("octahedron", axes.iter().flat_map(|p| [*p, -*p]).collect(), Domain::Sphere, 3, 4),
+        ("half an icosahedron", half, Domain::Hemisphere, 4, 6),
+    ] {
+        let got = solve(&points, domain, WeightSigns::Any, degree).unwrap();
+        let matrix = matrix(&points, domain, degree);
+        assert!(matrix.nrows() > points.len());
+        let expected = domain.area() / points.len() as f64;
+        assert!(got.weights.iter().all(|w| (w - expected).abs() < 1e-13), "{name}: {got:?}");
+        let singular = matrix.svd(false, false).singular_values;
+        let ratio = got.condition * singular.min() / singular.max();
+        assert!((1.0 - 1e-3..1.0 + 1e-6).contains(&ratio), "{name}: {}", got.condition);
+        for degree in [beyond, 100 * beyond] {
+            let error = solve(&points, domain, WeightSigns::Any, degree).unwrap_err();
+            assert!(matches!(error, QuadratureError::TooFewPoints { .. }), "{name}: {error}");
+        }
+        let nonnegative = solve(&points, domain, WeightSigns::Nonnegative, degree).unwrap();
+        assert_eq!(nonnegative.weights, got.weights, "{name}");
+    }
+}
+
 /// 500 random points to degree 15: the residual is that of rounding.
 #[test]
 fn five_hundred_random_points_are_exact_to_degree_15() {
@@ -228,7 +262,10 @@ fn the_largest_degree_is_one_that_converges() {
     assert!((11..=13).contains(&largest.degree), "{}", largest.degree);
     assert_eq!(problem.solve(largest.degree, &mut proceed).unwrap(), largest);
     let error = problem.solve(14, &mut proceed).unwrap_err();
-    assert!(error.to_string().contains("the largest possible degree is 13"), "{error}");
+    assert!(
+        error.to_string().contains("the largest degree for points in general is 13"),
+        "{error}"
+    );
     // Points on a cap of 20 degrees: only low degrees converge.
     let cap: Vec<DVec3> = points.iter().map(|p| (p * 0.2 + DVec3::Z).normalize()).collect();
     let problem = QuadratureProblem::new(&cap, Domain::Sphere, WeightSigns::Any).unwrap();
