@@ -59,14 +59,15 @@ impl Measure {
     /// Returns the value for a set, if it has one.
     #[must_use]
     pub fn value(self, set: &SetQuality) -> Option<f64> {
+        let sums = set.sums.as_ref().ok();
         match self {
             Self::Separation => set.separation,
             Self::CoveringRadius => set.covering_radius.as_ref().ok().copied(),
             Self::MeshRatio => set.mesh_ratio(),
-            Self::CapDiscrepancy => Some(set.sums.cap_discrepancy_l2),
-            Self::GeneralizedDiscrepancy => Some(set.sums.generalized_discrepancy),
-            Self::WorstCaseError(i) => Some(set.sums.worst_case_error[i]),
-            Self::RieszEnergy(i) => set.sums.riesz_energy[i],
+            Self::CapDiscrepancy => Some(sums?.cap_discrepancy_l2),
+            Self::GeneralizedDiscrepancy => Some(sums?.generalized_discrepancy),
+            Self::WorstCaseError(i) => Some(sums?.worst_case_error[i]),
+            Self::RieszEnergy(i) => sums?.riesz_energy[i],
         }
     }
 
@@ -77,7 +78,8 @@ impl Measure {
     #[must_use]
     pub fn scaled(self, set: &SetQuality) -> Option<f64> {
         if let Self::RieszEnergy(i) = self {
-            return set.sums.riesz_constants(set.n_effective, set.domain)[i];
+            let sums = set.sums.as_ref().ok()?;
+            return sums.riesz_constants(set.n_effective, set.domain)[i];
         }
         self.value(set).map(|value| value * self.scale(set.n_points, set.domain))
     }

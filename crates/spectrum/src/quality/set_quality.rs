@@ -20,8 +20,9 @@ pub struct SetQuality {
     pub separation: Option<f64>,
     /// [`covering_radius`].
     pub covering_radius: Result<f64, Unavailable>,
-    /// Discrepancies, worst-case errors and energies.
-    pub sums: PairSums,
+    /// Discrepancies, worst-case errors and energies; unavailable for points so close together that
+    /// [`PairSums`] cannot be summed.
+    pub sums: Result<PairSums, Unavailable>,
     /// [`exact_degree`].
     pub exact_degree: usize,
     /// Degrees with the [`condition_number`] of fits to them.
@@ -33,14 +34,18 @@ impl SetQuality {
     ///
     /// # Errors
     ///
-    /// Those of [`PairSums::new`], [`exact_degree`] and [`condition_number`].
+    /// Those of [`PairSums::new`] except [`Error::NearPairs`], [`exact_degree`] and
+    /// [`condition_number`].
     pub fn new(
         set: &PointSet,
         domain: Domain,
         degrees: &[usize],
         progress: &dyn Progress,
     ) -> Result<Self, Error> {
-        let sums = PairSums::new(set, domain, progress)?;
+        let sums = match PairSums::new(set, domain, progress) {
+            Err(error @ Error::NearPairs { .. }) => Err(Unavailable::new(error.to_string())),
+            sums => Ok(sums?),
+        };
         let is_large = set.len() > MAX_POINTS_OF_COVERING;
         let too_many =
             || Unavailable::new(format!("computed for at most {MAX_POINTS_OF_COVERING} points"));

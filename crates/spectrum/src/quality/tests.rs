@@ -6,7 +6,7 @@ use sphvar_samplers::{
 };
 use sphvar_sh::{CompensatedSum, legendre_p_into};
 
-use super::{Nodes, PairSums, RIESZ_EXPONENTS, WORST_CASE_SMOOTHNESS};
+use super::{Measure, Nodes, PairSums, RIESZ_EXPONENTS, SetQuality, WORST_CASE_SMOOTHNESS};
 use crate::Error;
 
 fn sample(pattern: Pattern, n: usize, domain: Domain) -> PointSet {
@@ -273,6 +273,11 @@ fn invalid_sets_and_settings_are_errors() {
     let result = PairSums::new(&cluster, Domain::Sphere, &());
     let Err(Error::NearPairs { pairs, .. }) = result else { panic!("{result:?}") };
     assert!((pairs / 4.5e10 - 1.0).abs() < 0.01, "{pairs}");
+    // The other measures are available.
+    let quality = SetQuality::new(&cluster, Domain::Sphere, &[], &()).unwrap();
+    assert!(quality.sums.is_err() && quality.separation.is_some());
+    assert_eq!(Measure::CapDiscrepancy.scaled(&quality), None);
+    assert_eq!(Measure::RieszEnergy(1).scaled(&quality), None);
 }
 
 /// Points in a cap of some degrees take more degrees than evenly spread ones.

@@ -70,11 +70,13 @@ pub(super) fn rank(
             None => left_out.push(pattern.to_string()),
         }
     }
-    let own = MEASURES.map(|measure| measured.quality.mean_scaled(measure).unwrap_or(f64::NAN));
+    let [Some(cap), Some(error)] = MEASURES.map(|measure| measured.quality.mean_scaled(measure))
+    else {
+        return Ok(Err(Unavailable { reason: "the discrepancy is unavailable".to_owned() }));
+    };
     let place = |value: fn(&RankedPattern) -> f64, own: f64| {
         1 + patterns.iter().filter(|p| value(p) < own).count()
     };
-    let [cap, error] = own;
     let places = (place(|p| p.cap_discrepancy_l2, cap), place(|p| p.worst_case_error_2, error));
     patterns.sort_by(|a, b| a.cap_discrepancy_l2.total_cmp(&b.cap_discrepancy_l2));
     Ok(Ok(RankRecord {

@@ -150,6 +150,8 @@ impl QualityRecord {
         let p_value = p_values(quality, &mut remarks);
         let condition = conditions(quality, &mut remarks);
         remarks.extend(geometry_remarks(quality));
+        let sums = sets.iter().find_map(|set| set.sums.as_ref().err());
+        remarks.extend(sums.map(|reason| format!("discrepancies, errors and energies: {reason}")));
         let rank = rank.and_then(|rank| {
             rank.inspect_err(|reason| remarks.push(format!("rank: {reason}"))).ok()
         });
@@ -195,7 +197,10 @@ fn geometry_remarks(quality: &Quality) -> Option<String> {
     let covering = quality.sets.iter().find_map(|set| set.covering_radius.as_ref().err());
     let coincide = quality.sets.iter().any(|set| set.separation == Some(0.0));
     let single = quality.sets.iter().any(|set| set.separation.is_none());
-    let energies = quality.sets.iter().any(|set| set.sums.riesz_energy.contains(&None));
+    let energies = quality
+        .sets
+        .iter()
+        .any(|set| set.sums.as_ref().is_ok_and(|sums| sums.riesz_energy.contains(&None)));
     if let Some(reason) = covering {
         Some(format!("covering radius: {reason}"))
     } else if coincide || energies {
