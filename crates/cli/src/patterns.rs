@@ -8,7 +8,7 @@ use sphvar_samplers::{
 };
 
 use crate::error::CliError;
-use crate::files::{ReadOptions, point_files, read_points, read_spectrum};
+use crate::files::{OptionSpelling, ReadOptions, point_files, read_points, read_spectrum};
 use crate::flags::missing_count;
 use crate::memory::check_points;
 use crate::report::say;
@@ -90,9 +90,31 @@ impl PatternFiles {
             hdu: hdu.map_err(|reason| wrong("hdu", reason))?.unwrap_or_default(),
             skip_invalid: source.skip_invalid,
             normalize: source.normalize,
+            spelling: OptionSpelling::Keys,
         };
-        let files = point_files(source.file())?.into_iter();
-        files.map(|(stated_count, path)| self.read_one(&path, stated_count, &options)).collect()
+        let (mut read, mut errors) = (Vec::new(), Vec::new());
+        for (stated_count, path) in point_files(source.file())? {
+            let file = self.read_one(&path, stated_count, &options);
+            if stated_count.is_none() {
+                return Ok(vec![file?]);
+            }
+            // The files of a template are used without each other.
+            let checked = file.and_then(|file| match file.check() {
+                Ok(()) => Ok(file),
+                Err(error) => Err(CliError::failed(error)),
+            });
+            match checked {
+                Ok(file) => read.push(file),
+                Err(error) => errors.push(error),
+            }
+        }
+        if read.is_empty() && !errors.is_empty() {
+            return Err(errors.swap_remove(0));
+        }
+        for error in errors {
+            say(self.quiet, &format!("warning: {error}; the file is not used"));
+        }
+        Ok(read)
     }
 
     fn read_one(

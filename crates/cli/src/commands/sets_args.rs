@@ -6,7 +6,7 @@ use clap::Args;
 use clap::builder::{OsStringValueParser, TypedValueParser};
 
 use crate::counts::parse_count;
-use crate::files::{ColumnChoice, HduChoice, ReadOptions};
+use crate::files::{ColumnChoice, HduChoice, OptionSpelling, ReadOptions};
 use crate::flags::{CountArgs, DomainArgs, NearestArgs, SamplerArgs};
 
 /// A sampler with its number of points, or files of points.
@@ -73,6 +73,7 @@ impl PointFileArgs {
             hdu: self.hdu.clone().unwrap_or_default(),
             skip_invalid: self.skip_invalid,
             normalize: self.normalize,
+            spelling: OptionSpelling::Flags,
         }
     }
 }

@@ -38,7 +38,7 @@ pub(crate) use numbered_path::NumberedPath;
 pub(crate) use picture::{Picture, PictureFormat, srgb, write_png};
 pub(crate) use piece_store::PieceStore;
 pub(crate) use point_templates::point_files;
-pub(crate) use points::{ColumnChoice, ReadOptions, read_points, write_points};
+pub(crate) use points::{ColumnChoice, OptionSpelling, ReadOptions, read_points, write_points};
 pub(crate) use regular::{read_regular, write_regular};
 pub(crate) use shard::{Part, SavedEnsemble, Shard};
 pub(crate) use spectra::{read_energies, read_spectrum};

@@ -138,8 +138,38 @@ fn a_template_names_a_file_for_every_count() {
     place.run("sample fibonacci -n 10 -o wrong-12.csv").ok();
     let wrong = "variance file:wrong-{n}.csv -n 12 --integrand ylm:l=1";
     place.run(wrong).fails(1, &["wrong-12.csv", "states 12 points, but it has 10"]);
+    // The other files of the template are used.
+    place.run("sample fibonacci -n 20 -o wrong-20.csv").ok();
+    place.write("wrong-30.csv", "no points");
+    let run = place.run("variance file:wrong-{n}.csv -n 20 --integrand ylm:l=1").ok();
+    for warning in ["states 12 points", "wrong-30.csv", "the file is not used"] {
+        assert!(run.stderr.contains(warning), "{}", run.stderr);
+    }
+    place.run(wrong).fails(2, &["N must be 20"]);
     let none = "variance file:none-{n}.csv -n 12 --integrand ylm:l=1";
     place.run(none).fails(1, &["none-{n}.csv", "files such as none-256.csv"]);
+}
+
+/// Messages write the options of `file:` as its keys.
+#[test]
+fn messages_name_the_keys_of_the_text() {
+    let place = Workplace::new();
+    place.write("nan.csv", "x,y,z\n0,0,1\nnan,0,1\n");
+    place.write("long.csv", "x,y,z\n0,0,2\n0,2,0\n");
+    place.write("two.csv", "RA_1,DEC_1,RA_2,DEC_2\n1,2,3,4\n");
+    place.write("four.csv", "1,2,3,4\n");
+    for (file, keys, flags) in [
+        ("nan.csv", "(skip-invalid=yes skips such rows)", "(--skip-invalid skips such rows)"),
+        ("long.csv", "normalize=yes scales vectors", "--normalize scales vectors"),
+        ("two.csv", "use columns=\"ra=RA_1,dec=DEC_1\"", "use --columns ra=RA_1,dec=DEC_1"),
+        ("four.csv", "such as columns=\"x,y,z,w\"", "such as --columns x,y,z,w"),
+    ] {
+        place.run(&format!("spectrum file:{file}")).fails(1, &[keys]);
+        place.run(&format!("spectrum --points {file}")).fails(1, &[flags]);
+    }
+    place.run("spectrum file:nan.csv,skip-invalid=yes --lmax 2").ok();
+    place.run("spectrum file:long.csv,normalize=yes --lmax 2").ok();
+    place.run("spectrum file:two.csv,columns=\"ra=RA_1,dec=DEC_1\" --lmax 2").ok();
 }
 
 /// Two hundred sets in a file have the bounds and the audits of the sampler that made them.

@@ -20,6 +20,18 @@ pub struct PointFile {
     pub first_below: Option<String>,
 }
 
+impl PointFile {
+    /// Checks that the sets can be sampled.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Given`] with the file, the place and the set, for sets that [`PointSets`] rejects,
+    /// weights that sum to 0, and a number of points other than that in the name.
+    pub fn check(&self) -> Result<(), Error> {
+        FileSets::new(self).map(|_| ())
+    }
+}
+
 /// The point sets of one file, or of the files of a template, by number of points.
 pub(crate) struct PointFiles {
     /// In ascending order of their numbers of points, which are distinct.

@@ -126,7 +126,7 @@ pub(crate) struct BoundsBody {
     bounds: Vec<BoundRecord>,
     /// Families without a bound.
     none: Vec<Missing>,
-    /// The bounds that the thesis gives for the sampler, checked.
+    /// The bounds that the thesis gives for the sampler, checked; empty for other samplers and files.
     thesis: Vec<ThesisRecord>,
 }
 

@@ -148,7 +148,8 @@ impl<'a> PointCollector<'a> {
     /// `error`, unless invalid rows are skipped.
     pub(super) fn skip(&mut self, place: Place, error: FileError) -> Result<(), FileError> {
         if !self.options.skip_invalid {
-            return Err(error.with_hint("--skip-invalid skips such rows"));
+            let option = self.options.spelling.on("skip-invalid");
+            return Err(error.with_hint(&format!("{option} skips such rows")));
         }
         self.skipped += 1;
         if self.skipped_places.len() < NAMED {
@@ -194,7 +195,7 @@ impl<'a> PointCollector<'a> {
                 }),
             };
         }
-        let warning = self.lengths.verdict(self.path, self.points, self.options.normalize)?;
+        let warning = self.lengths.verdict(self.path, self.points, self.options)?;
         self.warnings.extend(warning);
         let unused = &self.layout.unused;
         let mut remarks = if unused.is_empty() {
@@ -207,8 +208,9 @@ impl<'a> PointCollector<'a> {
             let used: Vec<&str> = self.layout.slots.iter().take(2).map(|slot| slot.role).collect();
             let used = used.join(",");
             remarks.push(format!(
-                "{}: directions are {used}; use --columns {others} for others",
-                self.path
+                "{}: directions are {used}; use {} for others",
+                self.path,
+                self.options.spelling.columns(others)
             ));
         }
         let (sets, warnings) = (self.sets, self.warnings);

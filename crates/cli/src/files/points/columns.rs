@@ -1,5 +1,6 @@
 //! The meaning of the columns of a file, for all formats.
 
+use super::ReadOptions;
 use super::column::Column;
 use super::roles::{CELESTIAL, ColumnChoice, Coordinates, SYSTEMS, SYSTEMS_TEXT, role_of};
 use super::suggestion::{suggested, suggestions};
@@ -56,7 +57,7 @@ pub(super) struct Table<'a> {
     pub(super) columns: &'a [Column],
     /// Whether the file names its columns.
     pub(super) has_names: bool,
-    pub(super) choice: Option<&'a ColumnChoice>,
+    pub(super) options: &'a ReadOptions,
 }
 
 /// A role with its column and item.
@@ -70,7 +71,7 @@ impl Table<'_> {
     /// If the columns form no direction or more than one, a name of `--columns` is not
     /// among them, or a required column has no numbers.
     pub(super) fn layout(&self) -> Result<Layout, FileError> {
-        let assigned = match self.choice {
+        let assigned = match &self.options.columns {
             Some(ColumnChoice::Names(names)) => self.by_name(names)?,
             Some(ColumnChoice::Positions(roles)) => self.by_position(roles)?,
             None if self.has_names => self.by_header()?,
@@ -107,15 +108,17 @@ impl Table<'_> {
 
     /// Returns the roles that the column names imply.
     fn by_header(&self) -> Result<Vec<Assigned>, FileError> {
+        let spelling = self.options.spelling;
         let mut assigned: Vec<Assigned> = Vec::new();
         for (index, column) in self.columns.iter().enumerate() {
             let Some(role) = role_of(&column.name) else { continue };
             if let Some(&(_, other, _)) = assigned.iter().find(|(taken, ..)| *taken == role) {
                 let got = format!("{} and {}", self.name(other), self.name(index));
                 let expected = format!("the column {role} once");
-                let advice = match suggested(self.columns) {
+                let advice = match suggested(self.columns, spelling) {
                     flags if flags.is_empty() || role == "w" || role == "set" => {
-                        format!("--columns {role}=NAME,... chooses by name")
+                        let chosen = spelling.columns(&format!("{role}=NAME,..."));
+                        format!("{chosen} chooses by name")
                     }
                     flags => format!("use {flags}"),
                 };
@@ -132,15 +135,17 @@ impl Table<'_> {
         if count == 3 {
             return Ok(vec![("x", 0, None), ("y", 1, None), ("z", 2, None)]);
         }
+        let spelling = self.options.spelling;
         let example = match count {
-            2 => "--columns theta,phi or --columns lon,lat",
-            4 => "--columns x,y,z,w",
-            _ => "--columns x,y,z,_,_ (_ skips a field)",
+            2 => format!("{} or {}", spelling.columns("theta,phi"), spelling.columns("lon,lat")),
+            4 => spelling.columns("x,y,z,w"),
+            _ => format!("{} (_ skips a field)", spelling.columns("x,y,z,_,_")),
         };
+        let option = spelling.name("columns");
         let noun = if count == 1 { "field" } else { "fields" };
         Err(self.error(
             format!(
-                "3 fields (x y z), or a header, or names by the option --columns such as {example}"
+                "3 fields (x y z), or a header, or names by the option {option} such as {example}"
             ),
             format!("{count} {noun} without a header"),
         ))
@@ -151,6 +156,7 @@ impl Table<'_> {
     /// If the file has names that imply all these roles, the names take precedence over the order,
     /// unless a `_` shows that the order is meant.
     fn by_position(&self, roles: &[Option<&'static str>]) -> Result<Vec<Assigned>, FileError> {
+        let spelling = self.options.spelling;
         if self.has_names && roles.iter().all(Option::is_some) {
             let of_role = |role: &&'static str| {
                 let mut found =
@@ -167,7 +173,7 @@ impl Table<'_> {
         if roles.len() > count || (!self.has_names && roles.len() < count) {
             let written: Vec<&str> = roles.iter().map(|role| role.unwrap_or("_")).collect();
             return Err(self.error(
-                format!("{} fields for --columns {}", roles.len(), written.join(",")),
+                format!("{} fields for {}", roles.len(), spelling.columns(&written.join(","))),
                 count.to_string(),
             ));
         }
@@ -183,7 +189,7 @@ impl Table<'_> {
             if own.is_some_and(|own| own != role && coordinates.contains(&own)) {
                 let name = self.name(index);
                 return Err(self.error(
-                    format!("the column {role} named in --columns"),
+                    format!("the column {role} named in {}", spelling.name("columns")),
                     format!("the header {}; use {role}={name} to read {name}", self.names()),
                 ));
             }
@@ -194,10 +200,14 @@ impl Table<'_> {
 
     /// Returns the roles that `--columns` assigns to names.
     fn by_name(&self, names: &[(&'static str, String)]) -> Result<Vec<Assigned>, FileError> {
+        let spelling = self.options.spelling;
+        let option = spelling.name("columns");
         if !self.has_names {
+            let by_position = spelling.columns("ra,dec,w");
             return Err(self.error(
-                "a header with the names of --columns (without one: --columns ra,dec,w by position)"
-                    .to_owned(),
+                format!(
+                    "a header with the names of {option} (without one: {by_position} by position)"
+                ),
                 "none".to_owned(),
             ));
         }
@@ -214,7 +224,7 @@ impl Table<'_> {
                 {
                     return Ok((*role, column, Some(item)));
                 }
-                let expected = format!("the column {} of --columns", shortened(name));
+                let expected = format!("the column {} of {option}", shortened(name));
                 Err(self.error(expected, format!("the columns {}", self.names())))
             })
             .collect()
@@ -243,13 +253,14 @@ impl Table<'_> {
 
     /// Returns the only combination of roles that forms a direction.
     fn system(&self, assigned: &[Assigned]) -> Result<&'static [&'static str], FileError> {
+        let spelling = self.options.spelling;
         let has = |role: &&str| assigned.iter().any(|(other, ..)| other == role);
         let complete: Vec<&'static [&'static str]> =
             SYSTEMS.into_iter().filter(|system| system.iter().all(&has)).collect();
         let columns = || {
             // With --columns, or without names, no better combination can exist.
-            let flags = match self.choice {
-                None if self.has_names => suggested(self.columns),
+            let flags = match self.options.columns {
+                None if self.has_names => suggested(self.columns, spelling),
                 _ => String::new(),
             };
             let advice = if flags.is_empty() { flags } else { format!("; use {flags}") };
@@ -277,7 +288,10 @@ impl Table<'_> {
                 ))
             }
             _ => Err(self.error(
-                "one way to name the direction, chosen by the option --columns".to_owned(),
+                format!(
+                    "one way to name the direction, chosen by the option {}",
+                    spelling.name("columns")
+                ),
                 columns(),
             )),
         }
@@ -289,7 +303,7 @@ impl Table<'_> {
         let has = |role: &&str| assigned.iter().any(|(other, ..)| other == role);
         let other = SYSTEMS.iter().find(|system| **system != used && system.iter().all(has))?;
         let start = format!("{}=", other[0]);
-        let is_other = |flag: &String| flag.trim_start_matches('\'').starts_with(&start);
+        let is_other = |value: &String| value.starts_with(&start);
         suggestions(self.columns).into_iter().find(is_other)
     }
 

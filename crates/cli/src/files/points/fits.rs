@@ -5,7 +5,7 @@ use std::io::BufRead;
 use super::collector::{Cell, PointCollector};
 use super::column::Column;
 use super::columns::Table;
-use super::{PointFile, ReadOptions};
+use super::{OptionSpelling, PointFile, ReadOptions};
 use crate::files::file_error::{FileError, Place};
 use crate::files::fits::{Hdu, HduChoice, HduReader, Item, TableColumn, keyword_error};
 use crate::files::memory_guard::check_announced;
@@ -39,12 +39,11 @@ pub(super) fn read_fits(
         .iter()
         .map(|f| Column { name: f.name.clone(), items: f.items, unit: f.unit.clone() })
         .collect();
-    let choice = options.columns.as_ref();
-    let table = Table { path, place: Place::Whole, columns: &columns, has_names: true, choice };
+    let table = Table { path, place: Place::Whole, columns: &columns, has_names: true, options };
     let layout = match table.layout() {
         Ok(layout) => layout,
         Err(error) if options.hdu == HduChoice::First => {
-            return Err(error.with_hint(&other_tables(&mut file)));
+            return Err(error.with_hint(&other_tables(&mut file, options.spelling)));
         }
         Err(error) => return Err(error),
     };
@@ -82,7 +81,7 @@ pub(super) fn read_fits(
 }
 
 /// Returns a remark that the first table was read, with the names of the others.
-fn other_tables(file: &mut HduReader<'_, impl BufRead>) -> String {
+fn other_tables(file: &mut HduReader<'_, impl BufRead>, spelling: OptionSpelling) -> String {
     let mut tables = Vec::new();
     // Errors in other tables are reported when these are selected.
     while let Ok(Some(hdu)) = file.next_hdu() {
@@ -92,6 +91,9 @@ fn other_tables(file: &mut HduReader<'_, impl BufRead>) -> String {
     }
     match tables.is_empty() {
         true => "it is the only table".to_owned(),
-        false => format!("this is the first table; --hdu chooses another: {}", tables.join(", ")),
+        false => {
+            let (option, tables) = (spelling.name("hdu"), tables.join(", "));
+            format!("this is the first table; {option} chooses another: {tables}")
+        }
     }
 }

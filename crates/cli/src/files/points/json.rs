@@ -49,9 +49,8 @@ pub(super) fn read_json(
     let names: &[&str] =
         if document.weights.is_some() { &["x", "y", "z", "w"] } else { &["", "", ""] };
     let columns: Vec<Column> = names.iter().map(|&name| Column::single(name)).collect();
-    let choice = options.columns.as_ref();
     let has_names = document.weights.is_some();
-    let table = Table { path, place, columns: &columns, has_names, choice };
+    let table = Table { path, place, columns: &columns, has_names, options };
     let mut points = PointCollector::new(path, table.layout()?, options);
     let items: Vec<usize> = points.layout().slots.iter().map(|slot| slot.column).collect();
     for (index, set) in document.points.iter().enumerate() {

@@ -2,6 +2,7 @@
 
 use glam::DVec3;
 
+use super::{OptionSpelling, ReadOptions};
 use crate::files::file_error::{FileError, Place};
 
 /// A length that differs from 1 by more than this causes a warning.
@@ -64,15 +65,17 @@ impl Lengths {
         &self,
         path: &str,
         total: usize,
-        expected: bool,
+        options: &ReadOptions,
     ) -> Result<Option<String>, FileError> {
-        let Some((length, place)) = self.worst.filter(|_| !expected) else { return Ok(None) };
+        let Some((length, place)) = self.worst.filter(|_| !options.normalize) else {
+            return Ok(None);
+        };
         let furthest = format!("largest deviation: {path}{place}, length {length:.6e}");
         if self.far > total / 2 {
             return Err(FileError::Layout {
                 path: path.to_owned(),
                 place: Place::Whole,
-                expected: format!("unit vectors x,y,z ({})", self.advice()),
+                expected: format!("unit vectors x,y,z ({})", self.advice(options.spelling)),
                 got: format!("{} of {total} with other lengths ({furthest})", self.far),
             });
         }
@@ -84,15 +87,19 @@ impl Lengths {
     }
 
     /// Returns advice on the probable meaning of the columns.
-    fn advice(&self) -> &'static str {
+    fn advice(&self, spelling: OptionSpelling) -> String {
+        let normalize = spelling.on("normalize");
         let DVec3 { x, y, .. } = self.sizes;
         let pi = std::f64::consts::PI;
         if x <= pi && self.min_x >= 0.0 && y <= 2.0 * pi && y > 1.1 {
-            "these look like angles in radians: --columns theta,phi,_; --normalize scales vectors"
+            let columns = spelling.columns("theta,phi,_");
+            format!("these look like angles in radians: {columns}; {normalize} scales vectors")
         } else if x > 2.0 && x <= 360.0 && y <= 90.0 {
-            "these look like degrees: --columns ra,dec,_ or ra,dec,w; --normalize scales vectors"
+            let columns =
+                ["ra,dec,_", "ra,dec,w"].map(|value| spelling.columns(value)).join(" or ");
+            format!("these look like degrees: {columns}; {normalize} scales vectors")
         } else {
-            "--normalize scales vectors of any length"
+            format!("{normalize} scales vectors of any length")
         }
     }
 }

@@ -12,6 +12,7 @@ mod npy;
 mod npz;
 mod ply;
 mod roles;
+mod spelling;
 mod suggestion;
 mod text;
 mod write;
@@ -31,6 +32,7 @@ use super::input::{open_input, read_rest};
 
 pub(crate) use format::PointFormat;
 pub(crate) use roles::ColumnChoice;
+pub(crate) use spelling::OptionSpelling;
 pub(crate) use write::write_points;
 
 /// The content of a file: at least one set, each with at least one direction.
@@ -63,6 +65,8 @@ pub(crate) struct ReadOptions {
     pub(crate) skip_invalid: bool,
     /// Whether vectors may have any length.
     pub(crate) normalize: bool,
+    /// How messages write these options.
+    pub(crate) spelling: OptionSpelling,
 }
 
 /// Returns the point sets of a file; the path `-` is standard input. Files may be compressed with

@@ -33,7 +33,7 @@ pub(super) fn read_npy(
         place: Place::Whole,
         columns: &table.columns,
         has_names: array.fields().is_some(),
-        choice: options.columns.as_ref(),
+        options,
     }
     .layout()?;
     let places: Vec<(usize, ItemType)> =
@@ -98,9 +98,14 @@ impl ArrayTable {
         };
         if width != 3 && options.columns.is_none() {
             let error = array.shape_error("an array of shape (N, 3) or (M, N, 3)");
-            return Err(error.with_hint(match *array.shape() {
-                [3, _] => "transpose it, a point in a row: array.T in Python",
-                _ => "--columns names other columns, as in --columns ra,dec,w",
+            let spelling = options.spelling;
+            return Err(error.with_hint(&match *array.shape() {
+                [3, _] => "transpose it, a point in a row: array.T in Python".to_owned(),
+                _ => {
+                    let (option, example) =
+                        (spelling.name("columns"), spelling.columns("ra,dec,w"));
+                    format!("{option} names other columns, as in {example}")
+                }
             }));
         }
         let Some(item) = array.item_type() else {

@@ -114,10 +114,9 @@ impl<'a, R: Read + Seek> Npz<'a, R> {
         let weights = arrays.iter().find(|a| role_of(&a.name) == Some("w"));
         let entry = self.archive.by_index(main.index).map_err(|e| zip_error(path, &e))?;
         let mut table = ArrayTable::of(&NpyReader::new(entry, &name)?, &name, options)?;
-        let choice = options.columns.as_ref();
         let (place, has_names) = (Place::Whole, main.has_fields);
         let mut layout =
-            Table { path: &name, place, columns: &table.columns, has_names, choice }.layout()?;
+            Table { path: &name, place, columns: &table.columns, has_names, options }.layout()?;
         let own_weights = layout.weight.is_some();
         let loaded = match weights {
             Some(weights) if !own_weights => {
@@ -190,8 +189,8 @@ impl<'a, R: Read + Seek> Npz<'a, R> {
             })
             .collect();
         let path = self.path;
-        let choice = self.options.columns.as_ref();
-        let table = Table { path, place: Place::Whole, columns: &columns, has_names: true, choice };
+        let (place, options) = (Place::Whole, self.options);
+        let table = Table { path, place, columns: &columns, has_names: true, options };
         let layout: Layout = table.layout()?;
         let mut loaded: Vec<Vec<f64>> = Vec::new();
         for slot in &layout.slots {

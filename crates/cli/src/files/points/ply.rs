@@ -154,8 +154,7 @@ fn layout(header: &Header, path: &str, options: &ReadOptions) -> Result<Layout, 
             Column { name: name.clone(), items: is_number.into(), unit: String::new() }
         })
         .collect();
-    let choice = options.columns.as_ref();
-    Table { path, place: Place::Whole, columns: &columns, has_names: true, choice }.layout()
+    Table { path, place: Place::Whole, columns: &columns, has_names: true, options }.layout()
 }
 
 /// Returns the vertices with the used properties renamed to the numbers of their slots.

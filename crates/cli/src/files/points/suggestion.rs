@@ -2,6 +2,7 @@
 
 use std::collections::HashMap;
 
+use super::OptionSpelling;
 use super::column::Column;
 use super::roles::{SYSTEMS, role_of};
 
@@ -22,8 +23,8 @@ const STEMS: [(&str, &str); 9] = [
 /// Suffixes of names in catalogues: the equinox or the unit.
 const ENDINGS: [&str; 7] = ["", "j2000", "b1950", "icrs", "deg", "deg2000", "sky"];
 
-/// Returns the values of `--columns` that form a direction from the columns, the most likely first,
-/// quoted for a shell.
+/// Returns the values of `--columns` that form a direction from the columns, the most likely first.
+/// Values that a shell takes only with more than quotes are left out.
 pub(super) fn suggestions(columns: &[Column]) -> Vec<String> {
     let mut found: Vec<String> = Vec::new();
     for system in SYSTEMS {
@@ -67,14 +68,18 @@ pub(super) fn suggestions(columns: &[Column]) -> Vec<String> {
         })
         .collect();
     found.truncate(LISTED);
-    found.iter().filter_map(|flag| shell_word(&format!("{flag}{others}"))).collect()
+    found
+        .iter()
+        .map(|value| format!("{value}{others}"))
+        .filter(|value| is_quotable(value))
+        .collect()
 }
 
 /// Returns the suggestions as words of a message, or an empty text if there are none.
-pub(super) fn suggested(columns: &[Column]) -> String {
-    let flags: Vec<String> =
-        suggestions(columns).iter().map(|flag| format!("--columns {flag}")).collect();
-    flags.join(" or ")
+pub(super) fn suggested(columns: &[Column], spelling: OptionSpelling) -> String {
+    let options: Vec<String> =
+        suggestions(columns).iter().map(|value| spelling.columns(value)).collect();
+    options.join(" or ")
 }
 
 /// Returns a name without the part that denotes a role, or `None` if it has no such part.
@@ -106,14 +111,9 @@ fn pair(role: &str, name: &str) -> String {
     }
 }
 
-/// Returns a text as a word of a shell, or `None` if that takes more than quotes.
-fn shell_word(text: &str) -> Option<String> {
-    let is_plain = |c: char| c.is_alphanumeric() || "_=,.-+:/".contains(c);
-    match () {
-        () if text.chars().all(is_plain) => Some(text.to_owned()),
-        () if text.contains(['\'', '!']) || text.contains(char::is_control) => None,
-        () => Some(format!("'{text}'")),
-    }
+/// Returns whether quotes make a text a word of a shell.
+fn is_quotable(text: &str) -> bool {
+    !text.contains(['\'', '!']) && !text.contains(char::is_control)
 }
 
 #[cfg(test)]
@@ -138,8 +138,8 @@ mod tests {
             ),
             (&["sky.ra", "sky.dec", "w", "weights"], &["ra=sky.ra,dec=sky.dec"]),
             (&["ecl_lon", "ecl_lat", "set"], &["lon=ecl_lon,lat=ecl_lat,set=set"]),
-            (&["RA (deg)", "Dec (deg)"], &["'ra=RA (deg),dec=Dec (deg)'"]),
-            (&["ra, J2000", "dec, J2000"], &["'ra=\"ra, J2000\",dec=\"dec, J2000\"'"]),
+            (&["RA (deg)", "Dec (deg)"], &["ra=RA (deg),dec=Dec (deg)"]),
+            (&["ra, J2000", "dec, J2000"], &["ra=\"ra, J2000\",dec=\"dec, J2000\""]),
             (&["RA", "DEC", "X", "Y", "Z"], &["ra=RA,dec=DEC", "x=X,y=Y,z=Z"]),
             (&["pos_x", "pos_y", "vel_z"], &[]),
             (&["radius", "decay", "delay"], &[]),
@@ -151,6 +151,6 @@ mod tests {
             assert_eq!(suggestions(&columns), flags, "{names:?}");
         }
         let vectors = Column { name: "coord".to_owned(), items: 3, unit: String::new() };
-        assert_eq!(suggestions(&[vectors]), ["'x=coord[0],y=coord[1],z=coord[2]'"]);
+        assert_eq!(suggestions(&[vectors]), ["x=coord[0],y=coord[1],z=coord[2]"]);
     }
 }

@@ -167,13 +167,8 @@ fn table_of<'a>(
     let columns = |names: &[Cow<'_, str>]| -> Vec<Column> {
         names.iter().map(|name| Column::single(&**name)).collect()
     };
-    let table = Table {
-        path,
-        place: Place::Line(line.number),
-        columns: &[],
-        has_names: true,
-        choice: options.columns.as_ref(),
-    };
+    let table =
+        Table { path, place: Place::Line(line.number), columns: &[], has_names: true, options };
     let (columns, layout) = if has_header {
         let mut columns = columns(&fields);
         for (column, unit) in columns.iter_mut().zip(units.iter().flat_map(TextLine::fields)) {
