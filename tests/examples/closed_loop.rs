@@ -137,8 +137,7 @@ fn run(
     let energy = integrand.energy(domain, spectrum.lmax())?;
     let prediction = predict(&spectrum, &energy);
     let known = PredictedPoint { spectrum, prediction };
-    let mut predictor =
-        Predictor::new(integrand, domain, SEED + 1 + seed, PredictionBudget::DEFAULT)?;
+    let predictor = Predictor::new(integrand, domain, SEED + 1 + seed, PredictionBudget::DEFAULT)?;
     Ok(predictor.measure(known, &*sampler, Trials::new(trials), &())?)
 }
 

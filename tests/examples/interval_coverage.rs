@@ -60,8 +60,7 @@ fn tally(
     let truth = known.prediction;
     let mut tally = Tally { present: 0, missed: 0, outside: 0, seen: 0, seen_present: 0 };
     for seed in 0..seeds {
-        let mut predictor =
-            Predictor::new(integrand, Domain::Sphere, seed, PredictionBudget::DEFAULT)?;
+        let predictor = Predictor::new(integrand, Domain::Sphere, seed, PredictionBudget::DEFAULT)?;
         let got = predictor.measure(known.clone(), &*sampler, Trials::new(trials), &())?;
         let interval = got.measured_interval(0.95);
         let seen = seeing(&got) >= 50;

@@ -5,7 +5,7 @@ use crate::{Error, Integrand};
 /// Several real functions of direction that are evaluated on the same directions, such as the
 /// channels of a picture.
 ///
-/// A vector of integrands is one, with a component for each; a vector of vector integrands has the
+/// A vector of integrands, owned or borrowed, is one, with a component for each; a vector of vector integrands has the
 /// components of all of them, one after another.
 ///
 /// # Examples
@@ -43,15 +43,34 @@ impl VectorIntegrand for Vec<&dyn Integrand> {
     }
 
     fn eval_into(&self, dirs: &[DVec3], values: &mut [f64]) -> Result<(), Error> {
-        let mut of_one = vec![0.0; dirs.len()];
-        for (c, integrand) in self.iter().enumerate() {
-            integrand.eval_into(dirs, &mut of_one)?;
-            for (row, value) in values.chunks_exact_mut(self.len()).zip(&of_one) {
-                row[c] = *value;
-            }
-        }
-        Ok(())
+        eval_each(self.iter().copied(), dirs, values)
     }
+}
+
+impl VectorIntegrand for Vec<Box<dyn Integrand>> {
+    fn components(&self) -> usize {
+        self.len()
+    }
+
+    fn eval_into(&self, dirs: &[DVec3], values: &mut [f64]) -> Result<(), Error> {
+        eval_each(self.iter().map(|integrand| &**integrand), dirs, values)
+    }
+}
+
+fn eval_each<'a>(
+    integrands: impl ExactSizeIterator<Item = &'a dyn Integrand>,
+    dirs: &[DVec3],
+    values: &mut [f64],
+) -> Result<(), Error> {
+    let width = integrands.len();
+    let mut of_one = vec![0.0; dirs.len()];
+    for (c, integrand) in integrands.enumerate() {
+        integrand.eval_into(dirs, &mut of_one)?;
+        for (row, value) in values.chunks_exact_mut(width).zip(&of_one) {
+            row[c] = *value;
+        }
+    }
+    Ok(())
 }
 
 impl VectorIntegrand for Vec<&dyn VectorIntegrand> {

@@ -34,7 +34,7 @@ use self::estimate::estimates;
 use self::level::{CopySums, Scalar, copy_sums};
 pub use self::options::IntegrationOptions;
 use crate::Error;
-use crate::measurement::evaluation_work;
+use crate::estimates::evaluation_work;
 
 /// The number of randomly rotated copies of a set at each level. Student's factor and the
 /// correction for the choice of the level are within a quarter of those of infinitely many copies;

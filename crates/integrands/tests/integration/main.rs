@@ -10,5 +10,5 @@ mod ggx;
 mod integrands;
 mod kurtosis;
 mod pictures;
-mod random_fields;
 mod projections;
+mod random_fields;

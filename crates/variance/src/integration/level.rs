@@ -4,7 +4,7 @@ use sphvar_samplers::{PointSet, Progress};
 use sphvar_sh::CompensatedSum;
 
 use crate::Error;
-use crate::measurement::evaluation_work;
+use crate::estimates::evaluation_work;
 
 /// The number of directions that are evaluated between two ticks of the progress.
 const BATCH: usize = 4096;
