@@ -44,14 +44,17 @@
 //! # Ok::<(), sphvar_sht::Error>(())
 //! ```
 //!
-//! [`QuadratureProblem`] finds quadrature weights of given points with a pair of transforms.
+//! [`LeastSquares`] fits coefficients to values at scattered points, and [`QuadratureProblem`] finds
+//! quadrature weights of given points, both with a pair of transforms.
 
 mod angles;
 mod engine;
 mod exact;
 mod fast;
+mod fit;
 mod generators;
 mod legendre;
+mod normal_equations;
 mod quadrature;
 mod rings;
 mod torus;
@@ -59,9 +62,10 @@ mod transform;
 
 pub use exact::{ExactTransform, ExactWorkspace};
 pub use fast::{FastTransform, FastWorkspace};
+pub use fit::{Fit, FitError, FittedEnergy, LeastSquares};
+pub use normal_equations::extreme_eigenvalues;
 pub use quadrature::{
     QuadratureError, QuadratureProblem, QuadratureWeights, WeightSigns, exact_degree,
-    extreme_eigenvalues,
 };
 pub use rings::{RingTransform, RingWorkspace};
 pub use sphvar_sh::Error;

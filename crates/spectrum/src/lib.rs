@@ -77,7 +77,8 @@ pub use realization::Realization;
 pub use spectrum::{Spectrum, SpectrumAccumulator};
 pub use sphvar_samplers::Ensemble;
 pub use sphvar_sht::{
-    Method, QuadratureError, QuadratureProblem, QuadratureWeights, WeightSigns, exact_degree,
+    Fit, FitError, FittedEnergy, LeastSquares, Method, QuadratureError, QuadratureProblem,
+    QuadratureWeights, WeightSigns, exact_degree,
 };
 
 #[cfg(doctest)]

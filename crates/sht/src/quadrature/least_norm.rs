@@ -1,10 +1,8 @@
 use num_complex::Complex;
 use sphvar_sh::Alm;
 
-use super::conjugate_gradients::{System, Watch};
-use super::harmonics::{Harmonics, add, dot, project};
-use super::normal_matrix::NormalMatrix;
 use super::{QuadratureError, QuadratureProblem};
+use crate::normal_equations::{Harmonics, NormalMatrix, System, Watch, add, dot, project};
 
 /// The largest number of passes; two reach the accuracy of the transforms.
 const MAX_PASSES: usize = 4;

@@ -1,11 +1,7 @@
 //! Quadrature weights of given points.
 
-mod conjugate_gradients;
-mod harmonics;
 mod least_norm;
 mod nonnegative;
-mod normal_matrix;
-mod ritz;
 
 use std::f64::consts::PI;
 use std::ops::ControlFlow;
@@ -14,11 +10,11 @@ use glam::DVec3;
 use num_complex::Complex;
 use sphvar_sh::{Alm, Domain, Error};
 
-use self::harmonics::Harmonics;
 use self::least_norm::{condition_number, least_norm};
 use self::nonnegative::nonnegative;
-use self::normal_matrix::NormalMatrix;
-pub use self::ritz::extreme_eigenvalues;
+use crate::normal_equations::{
+    Harmonics, NormalMatrix, SolveError, largest_degree, n_distinct, n_harmonics,
+};
 
 /// The weights of a problem that are computed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -142,6 +138,15 @@ pub enum QuadratureError {
     Transform(#[from] Error),
 }
 
+impl From<SolveError> for QuadratureError {
+    fn from(error: SolveError) -> Self {
+        match error {
+            SolveError::Stopped => Self::Stopped,
+            SolveError::Memory(error) => Self::Transform(error),
+        }
+    }
+}
+
 impl<'a> QuadratureProblem<'a> {
     /// The largest residual of weights, relative to their sum.
     pub const MAX_RESIDUAL: f64 = 1e-11;
@@ -162,7 +167,7 @@ impl<'a> QuadratureProblem<'a> {
         if points.is_empty() {
             return Err(QuadratureError::NoPoints);
         }
-        Ok(Self { points, domain, signs, n_distinct: n_distinct(points, domain) })
+        Ok(Self { points, domain, signs, n_distinct: n_distinct(points.iter(), domain) })
     }
 
     /// Returns the number of distinct points; on the hemisphere antipodes are the same point.
@@ -176,10 +181,7 @@ impl<'a> QuadratureProblem<'a> {
     /// and 1.
     #[must_use]
     pub fn largest_possible_degree(&self) -> usize {
-        let step = self.domain.degree_step();
-        let degrees = (1..).map(|k| k * step);
-        let count = degrees.take_while(|&l| self.n_harmonics(l) <= self.n_distinct).count();
-        count * step
+        largest_degree(self.domain, self.n_distinct)
     }
 
     /// Returns weights that are exact to `degree`.
@@ -213,15 +215,15 @@ impl<'a> QuadratureProblem<'a> {
         degree: usize,
         watch: &mut dyn FnMut() -> ControlFlow<()>,
     ) -> Result<QuadratureWeights, QuadratureError> {
-        let n_harmonics = self.n_harmonics(degree);
-        let is_overdetermined = n_harmonics > self.n_distinct;
+        let needed = n_harmonics(self.domain, degree);
+        let is_overdetermined = needed > self.n_distinct;
         let too_few = || {
             let (n_distinct, largest) = (self.n_distinct, self.largest_possible_degree());
-            QuadratureError::TooFewPoints { degree, n_harmonics, n_distinct, largest }
+            QuadratureError::TooFewPoints { degree, n_harmonics: needed, n_distinct, largest }
         };
         // A function of half the degree that vanishes at all points has a square whose integral is
         // positive; one exists unless the points are as many as the harmonics of that degree.
-        if self.n_harmonics(degree / 2) > self.n_distinct {
+        if n_harmonics(self.domain, degree / 2) > self.n_distinct {
             return Err(too_few());
         }
         let mut harmonics = Harmonics::new(self.points, self.domain, degree)?;
@@ -315,17 +317,6 @@ impl<'a> QuadratureProblem<'a> {
         }
         Ok(found)
     }
-
-    /// Returns the number of harmonics of the domain up to a degree.
-    fn n_harmonics(&self, degree: usize) -> usize {
-        match self.domain {
-            Domain::Sphere => degree.saturating_add(1).saturating_mul(degree.saturating_add(1)),
-            Domain::Hemisphere => {
-                let even = degree - degree % 2;
-                even.saturating_add(1).saturating_mul(even / 2 + 1)
-            }
-        }
-    }
 }
 
 /// Returns the largest absolute value of coefficients, infinity for NaN.
@@ -354,19 +345,4 @@ pub fn exact_degree(
     let is_exact = |l: usize| (0..=l).all(|m| sums[(l, m)].norm() <= limit);
     let first_error = (1..=lmax).find(|&l| !is_exact(l)).unwrap_or(lmax + 1);
     Ok((0..first_error).rev().find(|&l| domain.has_degree(l)).unwrap_or(0))
-}
-
-/// Returns the number of distinct points; on the hemisphere antipodes are the same point.
-fn n_distinct(points: &[DVec3], domain: Domain) -> usize {
-    let key = |p: &DVec3| {
-        let up = domain.representative(*p);
-        let is_below = up.z == 0.0 && (up.y < 0.0 || (up.y == 0.0 && up.x < 0.0));
-        let p = if domain == Domain::Hemisphere && is_below { -up } else { up };
-        // Adding 0 removes the sign of a zero.
-        (p + DVec3::ZERO).to_array().map(f64::to_bits)
-    };
-    let mut keys: Vec<_> = points.iter().map(key).collect();
-    keys.sort_unstable();
-    keys.dedup();
-    keys.len()
 }

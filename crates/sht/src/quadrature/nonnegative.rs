@@ -1,9 +1,7 @@
 use sphvar_sh::Alm;
 
 use super::QuadratureError;
-use super::conjugate_gradients::{System, Watch};
-use super::harmonics::{Harmonics, add, dot};
-use super::normal_matrix::NormalMatrix;
+use crate::normal_equations::{Harmonics, NormalMatrix, System, Watch, add, dot};
 
 /// The largest number of Newton steps; a dozen suffice where weights exist.
 const MAX_STEPS: usize = 100;

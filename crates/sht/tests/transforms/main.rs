@@ -7,6 +7,7 @@ mod coefficients;
 mod crowds;
 mod definition;
 mod double;
+mod fit;
 mod gradients;
 mod hostile;
 mod legendre;

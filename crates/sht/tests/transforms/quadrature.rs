@@ -12,7 +12,7 @@ use sphvar_sht::{
 
 use crate::points::Lcg;
 
-fn proceed() -> ControlFlow<()> {
+pub(crate) fn proceed() -> ControlFlow<()> {
     ControlFlow::Continue(())
 }
 
@@ -26,7 +26,7 @@ fn solve(
 }
 
 /// Returns independent uniform directions of a domain.
-fn white(n: usize, domain: Domain, seed: u64) -> Vec<DVec3> {
+pub(crate) fn white(n: usize, domain: Domain, seed: u64) -> Vec<DVec3> {
     let mut random = Lcg::new(seed);
     let mut direction = || {
         let (z, phi) = (random.signed(), 2.0 * PI * random.uniform());
@@ -37,7 +37,7 @@ fn white(n: usize, domain: Domain, seed: u64) -> Vec<DVec3> {
 }
 
 /// Returns points of the Fibonacci lattice, which are well apart.
-fn spread(n: usize) -> Vec<DVec3> {
+pub(crate) fn spread(n: usize) -> Vec<DVec3> {
     let golden = (5f64.sqrt() - 1.0) / 2.0;
     let point = |k: usize| {
         let z = 1.0 - (2 * k + 1) as f64 / n as f64;
@@ -50,7 +50,7 @@ fn spread(n: usize) -> Vec<DVec3> {
 
 /// Returns the matrix of the real orthonormal harmonics of a domain at the points, by the
 /// definition.
-fn matrix(points: &[DVec3], domain: Domain, degree: usize) -> DMatrix<f64> {
+pub(crate) fn matrix(points: &[DVec3], domain: Domain, degree: usize) -> DMatrix<f64> {
     let degrees = (0..=degree).filter(|&l| domain.has_degree(l));
     let rows: Vec<(usize, i64)> = degrees
         .flat_map(|l| {
@@ -70,7 +70,7 @@ fn right_hand_side(n_rows: usize, domain: Domain) -> DVector<f64> {
 }
 
 /// Hostile sets that have weights: a pole, the equator, repeated and antipodal points, a cluster.
-fn hostile() -> Vec<(&'static str, Vec<DVec3>, Domain, usize)> {
+pub(crate) fn hostile() -> Vec<(&'static str, Vec<DVec3>, Domain, usize)> {
     let mut clustered = white(90, Domain::Sphere, 5);
     clustered
         .extend(white(200, Domain::Sphere, 6).iter().map(|p| (p * 0.1 + DVec3::X).normalize()));

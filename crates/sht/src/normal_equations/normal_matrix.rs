@@ -20,7 +20,7 @@ use crate::{FastTransform, Method, RingTransform, RingWorkspace, Transform, Tran
 ///
 /// One pair of transforms of scattered points gives the function; each product with the matrix then
 /// costs two Legendre stages and two Fourier transforms of the grid, whatever the number of points.
-pub(super) struct NormalMatrix<'a> {
+pub(crate) struct NormalMatrix<'a> {
     points: &'a [DVec3],
     domain: Domain,
     /// The transform of the points to degree 2L.
@@ -46,7 +46,7 @@ pub(super) struct NormalMatrix<'a> {
 
 impl<'a> NormalMatrix<'a> {
     /// Returns the matrix to degree `lmax` of no points; [`Self::set_factors`] sets it.
-    pub(super) fn new(points: &'a [DVec3], domain: Domain, lmax: usize) -> Result<Self, Error> {
+    pub(crate) fn new(points: &'a [DVec3], domain: Domain, lmax: usize) -> Result<Self, Error> {
         let epsilon = FastTransform::MIN_EPSILON;
         let transform = Transform::new(Method::Auto, 2 * lmax, points.len(), epsilon)?;
         let rule = GaussLegendre::new(2 * lmax + 2)?;
@@ -78,7 +78,7 @@ impl<'a> NormalMatrix<'a> {
     }
 
     /// Sets the diagonal D; `None` means factors of 1.
-    pub(super) fn set_factors(&mut self, factors: Option<&[f64]>) {
+    pub(crate) fn set_factors(&mut self, factors: Option<&[f64]>) {
         let Self { measure, spectra, ring_workspace, colatitudes, .. } = self;
         let outs = std::slice::from_mut(measure);
         self.transform.adjoint_batch_into(&[(self.points, factors)], &mut self.workspace, outs);
@@ -97,7 +97,7 @@ impl<'a> NormalMatrix<'a> {
     }
 
     /// Writes the product of the matrix with `alm`.
-    pub(super) fn apply(&mut self, alm: &Alm, out: &mut Alm) {
+    pub(crate) fn apply(&mut self, alm: &Alm, out: &mut Alm) {
         let Self { spectra, ring_workspace, colatitudes, pair, fft_scratch, .. } = self;
         synthesize(&self.rings, colatitudes, alm, spectra, ring_workspace);
         let n_orders = self.rings.lmax() + 1;
@@ -165,7 +165,7 @@ fn separate(pair: &[Complex<f64>], spectra: &mut [Complex<f64>]) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::quadrature::harmonics::{Harmonics, dot};
+    use crate::normal_equations::harmonics::{Harmonics, dot};
 
     /// The definition: synthesis at the points, multiplication by the factors, adjoint.
     #[test]

@@ -1,30 +1,31 @@
 use std::ops::ControlFlow;
 
-use sphvar_sh::Alm;
+use sphvar_sh::{Alm, Error};
 
-use super::QuadratureError;
 use super::harmonics::{add, dot};
 use super::normal_matrix::NormalMatrix;
 use super::ritz::extreme_eigenvalues;
 
 /// The system `(B D B^T + shift I) x = b`.
-pub(super) struct System<'s, 'p> {
-    pub(super) matrix: &'s mut NormalMatrix<'p>,
-    pub(super) shift: f64,
+pub(crate) struct System<'s, 'p> {
+    pub(crate) matrix: &'s mut NormalMatrix<'p>,
+    pub(crate) shift: f64,
 }
 
 /// An approximate solution.
-pub(super) struct Solution {
-    pub(super) x: Alm,
-    pub(super) iterations: usize,
+pub(crate) struct SystemSolution {
+    pub(crate) x: Alm,
+    /// The norm of the residual, as far as the iteration knows it.
+    pub(crate) residual: f64,
+    pub(crate) iterations: usize,
     /// The extreme eigenvalues of the matrix on the space that the right-hand side generates, by
     /// the method of Lanczos: approximations from within.
-    pub(super) eigenvalues: Option<(f64, f64)>,
+    pub(crate) eigenvalues: Option<(f64, f64)>,
 }
 
-impl Solution {
+impl SystemSolution {
     /// Returns the condition number of a factor of the system matrix, estimated from within.
-    pub(super) fn condition(&self) -> f64 {
+    pub(crate) fn condition(&self) -> f64 {
         match self.eigenvalues {
             Some((smallest, largest)) if smallest > 0.0 => (largest / smallest).sqrt(),
             Some(_) => f64::INFINITY,
@@ -33,22 +34,38 @@ impl Solution {
     }
 }
 
+/// The reason why a system is not solved.
+#[derive(Debug)]
+pub(crate) enum SolveError {
+    /// The caller stopped the work.
+    Stopped,
+    /// Memory is exhausted.
+    Memory(Error),
+}
+
+impl From<Error> for SolveError {
+    fn from(error: Error) -> Self {
+        Self::Memory(error)
+    }
+}
+
 /// Called once per iteration; `Break` stops the work.
-pub(super) type Watch<'w> = &'w mut dyn FnMut() -> ControlFlow<()>;
+pub(crate) type Watch<'w> = &'w mut dyn FnMut() -> ControlFlow<()>;
 
 impl System<'_, '_> {
     /// Solves the system by conjugate gradients (Hestenes and Stiefel 1952) until the residual has
     /// the norm `tolerance` or for `max_iterations`.
     ///
-    /// The coefficients of the iteration are the entries of the tridiagonal matrix of Lanczos (Golub and
-    /// Van Loan 2013, section 11.3.5), whose extreme eigenvalues approximate those of the system.
-    pub(super) fn solve(
+    /// The coefficients of the iteration are the entries of the tridiagonal matrix of Lanczos
+    /// (Golub and Van Loan 2013, section 11.3.5), whose extreme eigenvalues approximate those of
+    /// the system.
+    pub(crate) fn solve(
         &mut self,
         b: &Alm,
         tolerance: f64,
         max_iterations: usize,
         watch: Watch<'_>,
-    ) -> Result<Solution, QuadratureError> {
+    ) -> Result<SystemSolution, SolveError> {
         let mut x = Alm::zeros(b.lmax())?;
         let mut image = x.clone();
         let (mut residual, mut direction) = (b.clone(), b.clone());
@@ -57,7 +74,7 @@ impl System<'_, '_> {
         let (mut iterations, mut carried) = (0, 0.0);
         while square.sqrt() > tolerance && iterations < max_iterations {
             if watch().is_break() {
-                return Err(QuadratureError::Stopped);
+                return Err(SolveError::Stopped);
             }
             self.matrix.apply(&direction, &mut image);
             add(&mut image, self.shift, &direction);
@@ -81,6 +98,7 @@ impl System<'_, '_> {
             square = next;
             iterations += 1;
         }
-        Ok(Solution { x, iterations, eigenvalues: extreme_eigenvalues(&diagonal, &off_diagonal) })
+        let eigenvalues = extreme_eigenvalues(&diagonal, &off_diagonal);
+        Ok(SystemSolution { x, residual: square.sqrt(), iterations, eigenvalues })
     }
 }
