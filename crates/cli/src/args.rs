@@ -3,7 +3,8 @@
 use clap::{Parser, Subcommand};
 
 use crate::commands::{
-    accuracy, audit, bounds, choose, compare, completions, eval, healpix, integrate, list, merge,
+    accuracy, audit, bounds, choose, compare, completions, eval, fit, healpix, integrate, list,
+    merge,
     quality, render, reproduce, sample, spectrum, variance, weights,
 };
 use crate::global::Global;
@@ -58,6 +59,9 @@ pub(crate) enum Command {
     /// Compute quadrature weights for points in a file, exact to a degree
     #[command(after_help = weights::EXAMPLES)]
     Weights(weights::WeightsArgs),
+    /// Fit spherical harmonics to values at the points of a file: coefficients, energies, noise
+    #[command(after_help = fit::EXAMPLES)]
+    Fit(fit::FitArgs),
     /// Bound the variance and its convergence rate by spectral profiles
     #[command(after_help = bounds::EXAMPLES)]
     Bounds(bounds::BoundsArgs),

@@ -5,6 +5,7 @@ mod expansion;
 mod healpix_map;
 mod integrals;
 mod rgb;
+mod values;
 
 use std::cell::RefCell;
 use std::collections::BTreeMap;
@@ -15,7 +16,8 @@ use std::rc::Rc;
 use sphvar_grammar::{ResolveError, Spec};
 use sphvar_integrands::{
     AlmParameters, EnergiesParameters, EnvironmentMap, EnvironmentParameters, Error, Expansion,
-    Expression, HealpixMap, HealpixMapParameters, Integrand, IntegrandResolver, Term,
+    Expression, FittedFunction, HealpixMap, HealpixMapParameters, Integrand, IntegrandResolver, Term,
+    ValuesParameters,
 };
 use sphvar_samplers::Domain;
 
@@ -128,7 +130,7 @@ fn parse_expression(text: &str) -> Result<Expression, CliError> {
 /// Operators in the other parameters are part of an expression, as in `env:a.exr,up=y * cosine`.
 fn names_a_file(text: &str) -> bool {
     let Ok(mut spec) = Spec::parse(text) else { return false };
-    if !matches!(spec.name.as_str(), "env" | "map" | "energy" | "alm") {
+    if !matches!(spec.name.as_str(), "env" | "map" | "energy" | "alm" | "values") {
         return false;
     }
     let file = spec.take_path("").or_else(|| spec.take_path("file"));
@@ -201,6 +203,10 @@ impl IntegrandResolver for IntegrandFiles {
 
     fn expansion(&self, wanted: &AlmParameters) -> Result<Expansion, ResolveError> {
         expansion::read_coefficients(wanted).map_err(ResolveError::new)
+    }
+
+    fn fitted_values(&self, wanted: &ValuesParameters) -> Result<FittedFunction, ResolveError> {
+        values::fit(wanted, &mut self.remarks.borrow_mut()).map_err(ResolveError::new)
     }
 
     fn remark(&self, text: String) {

@@ -29,6 +29,7 @@ mod schema;
 mod share;
 mod spec;
 mod transforms;
+mod values;
 
 use std::io::Write;
 use std::process::ExitCode;
@@ -108,6 +109,7 @@ fn dispatch(cli: Cli) -> Result<(), CliError> {
         Command::Variance(args) => commands::variance::run(&args, &cli.global),
         Command::Integrate(args) => commands::integrate::run(&args, &cli.global),
         Command::Weights(args) => commands::weights::run(&args, &cli.global),
+        Command::Fit(args) => commands::fit::run(&args, &cli.global),
         Command::Bounds(args) => commands::bounds::run(&args, &cli.global),
         Command::Audit(args) => commands::audit::run(&args, &cli.global),
         Command::Quality(args) => commands::quality::run(&args, &cli.global),

@@ -91,6 +91,7 @@ impl PatternFiles {
             skip_invalid: source.skip_invalid,
             normalize: source.normalize,
             spelling: OptionSpelling::Keys,
+            values: false,
         };
         let (mut read, mut errors) = (Vec::new(), Vec::new());
         for (stated_count, path) in point_files(source.file())? {

@@ -13,6 +13,7 @@ use crate::commands::bounds::BoundsBody;
 use crate::commands::choose::record::ChoiceBody;
 use crate::commands::compare::record::ComparisonBody;
 use crate::commands::eval::{CapBody, HarmonicBody, LegendreBody, ProfileBody};
+use crate::commands::fit::FitBody;
 use crate::commands::fixed_orientation::FixedOrientationBody;
 use crate::commands::healpix::HealpixBody;
 use crate::commands::integrate::IntegrateBody;
@@ -52,6 +53,7 @@ fn documents(generator: &mut SchemaGenerator) -> Vec<(&'static str, Schema)> {
         ("eval legendre", document::<LegendreBody>(generator)),
         ("eval profile", document::<ProfileBody>(generator)),
         ("eval ylm", document::<HarmonicBody>(generator)),
+        ("fit", document::<FitBody>(generator)),
         ("healpix", document::<HealpixBody<'static, f64, 1>>(generator)),
         ("integrate", document::<IntegrateBody>(generator)),
         ("list", document::<ListBody>(generator)),

@@ -7,6 +7,7 @@ pub(crate) mod choose;
 pub(crate) mod compare;
 pub(crate) mod completions;
 pub(crate) mod eval;
+pub(crate) mod fit;
 pub(crate) mod healpix;
 pub(crate) mod integrate;
 pub(crate) mod list;

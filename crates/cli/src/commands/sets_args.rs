@@ -74,6 +74,7 @@ impl PointFileArgs {
             skip_invalid: self.skip_invalid,
             normalize: self.normalize,
             spelling: OptionSpelling::Flags,
+            values: false,
         }
     }
 }

@@ -2,6 +2,7 @@
 
 mod alm;
 mod atomic;
+mod coefficients;
 mod file_error;
 mod fits;
 mod folder_lock;
@@ -26,6 +27,7 @@ mod used_files;
 
 pub(crate) use alm::read_alm;
 pub(crate) use atomic::AtomicFile;
+pub(crate) use coefficients::{CoefficientFormat, write_coefficients};
 pub(crate) use file_error::{FileError, Place, input_name};
 pub(crate) use fits::{FitsField, FitsMap, HduChoice, read_fits_map};
 pub(crate) use folder_lock::FolderLock;

@@ -13,6 +13,7 @@ const SUBCOMMANDS: [&str; 18] = [
     "variance",
     "integrate",
     "weights",
+    "fit",
     "bounds",
     "audit",
     "quality",

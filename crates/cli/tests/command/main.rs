@@ -12,6 +12,7 @@ mod errors_of_outputs;
 mod errors_of_usage;
 mod expansions;
 mod expressions;
+mod fits;
 mod fixed_orientation;
 mod forms_of_points;
 mod forms_of_results;

@@ -190,6 +190,7 @@ fn documents_fit_their_schema() {
     .map(|(command, arguments)| (command, arguments.to_owned()))
     .chain([
         ("spectrum", format!("spectrum --points {stars} --lmax 4")),
+        ("fit", format!("fit {stars} --columns ra,dec,value --lmax 2")),
         ("render", format!("{render} --sampler jittered -n 24 -m 2")),
         ("render", format!("{render} --sampler jittered -n 24 -m 1")),
         ("render --sheet", format!("{render} --sheet reference,healpix@shared -n 24 -o sheet.png")),

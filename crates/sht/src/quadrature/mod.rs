@@ -247,7 +247,7 @@ impl<'a> QuadratureProblem<'a> {
                 &mut matrix,
                 &b,
                 solution.multipliers,
-                (degree, n_harmonics),
+                (degree, needed),
                 area,
                 watch,
             )?;

@@ -37,12 +37,20 @@ pub(super) enum Cell<'a> {
     Missing,
 }
 
+/// The numbers of a point.
+struct Row {
+    direction: DVec3,
+    weight: Option<f64>,
+    value: Option<f64>,
+}
+
 /// The point sets of one file while it is read.
 pub(super) struct PointCollector<'a> {
     path: &'a str,
     options: &'a ReadOptions,
     layout: Layout,
     sets: Vec<PointSet>,
+    values: Vec<f64>,
     /// The place of the first point of each set.
     starts: Vec<Place>,
     /// The first point below the plane: its place, the index of its set, and z.
@@ -62,12 +70,39 @@ pub(super) struct PointCollector<'a> {
 
 impl<'a> PointCollector<'a> {
     /// Returns an empty collector for the file of this name.
-    pub(super) fn new(path: &'a str, layout: Layout, options: &'a ReadOptions) -> Self {
-        Self {
+    ///
+    /// # Errors
+    ///
+    /// If values are requested and the layout has none, or both a weight and a standard error.
+    pub(super) fn new(
+        path: &'a str,
+        layout: Layout,
+        options: &'a ReadOptions,
+    ) -> Result<Self, FileError> {
+        let layout_error = |expected: &str, got: String| FileError::Layout {
+            path: path.to_owned(),
+            place: Place::Whole,
+            expected: expected.to_owned(),
+            got,
+        };
+        if options.values && layout.value.is_none() {
+            let got = match &layout.unused[..] {
+                [] => "none".to_owned(),
+                others => format!("the other columns {}", listed(others, others.len())),
+            };
+            let expected = "a column value (--columns ...,value=NAME names another)";
+            return Err(layout_error(expected, got));
+        }
+        if layout.weight.is_some() && layout.sigma.is_some() {
+            let expected = "either weights w or standard errors sigma, whose weights are 1/sigma^2";
+            return Err(layout_error(expected, "both".to_owned()));
+        }
+        Ok(Self {
             path,
             options,
             layout,
             sets: vec![PointSet::default()],
+            values: Vec::new(),
             starts: vec![Place::Whole],
             below: None,
             by_label: HashMap::new(),
@@ -79,7 +114,7 @@ impl<'a> PointCollector<'a> {
             skipped_places: Vec::new(),
             guard: MemoryGuard::default(),
             warnings: Vec::new(),
-        }
+        })
     }
 
     /// Returns the meaning of the columns.
@@ -116,7 +151,7 @@ impl<'a> PointCollector<'a> {
         cell: impl Fn(usize) -> Cell<'c>,
     ) -> Result<(), FileError> {
         match self.point(place, &cell) {
-            Ok((direction, weight)) => {
+            Ok(Row { direction, weight, value }) => {
                 if let Some(set) = self.layout.set {
                     self.select(cell(set));
                 }
@@ -131,6 +166,7 @@ impl<'a> PointCollector<'a> {
                 if let Some(weight) = weight {
                     set.weights.push(weight);
                 }
+                self.values.extend(value);
                 self.points += 1;
                 if self.points.is_multiple_of(STEP) {
                     self.check_memory()?;
@@ -213,26 +249,26 @@ impl<'a> PointCollector<'a> {
                 self.options.spelling.columns(others)
             ));
         }
-        let (sets, warnings) = (self.sets, self.warnings);
-        Ok(PointFile { sets, starts, first_below, warnings, remarks })
+        let (sets, values, warnings) = (self.sets, self.values, self.warnings);
+        Ok(PointFile { sets, values, starts, first_below, warnings, remarks })
     }
 
-    /// Returns the direction and the weight of a row.
+    /// Returns the numbers of a row.
     fn point<'c>(
         &mut self,
         place: Place,
         cell: &impl Fn(usize) -> Cell<'c>,
-    ) -> Result<(DVec3, Option<f64>), FileError> {
+    ) -> Result<Row, FileError> {
         let number = |slot: usize| self.number(place, slot, cell(slot));
         let direction = match self.layout.coordinates {
             Coordinates::Vector => {
                 let vector = DVec3::new(number(0)?, number(1)?, number(2)?);
-                let weight = self.layout.weight.map(number).transpose()?;
+                let (weight, value) = self.weight_and_value(place, cell)?;
                 let direction = self.lengths.direction(vector, place).ok_or_else(|| {
                     let expected = "a vector that has a direction";
                     self.error(place, "x, y, z", expected, "the zero vector".to_owned())
                 })?;
-                return Ok((direction, weight));
+                return Ok(Row { direction, weight, value });
             }
             Coordinates::Radians => {
                 let (colatitude, longitude) = (number(0)?, number(1)?);
@@ -252,7 +288,32 @@ impl<'a> PointCollector<'a> {
                 direction_of_degrees(longitude, latitude)
             }
         };
-        Ok((direction, self.layout.weight.map(number).transpose()?))
+        let (weight, value) = self.weight_and_value(place, cell)?;
+        Ok(Row { direction, weight, value })
+    }
+
+    /// Returns the weight of a row, stated or from a standard error, and its value.
+    fn weight_and_value<'c>(
+        &self,
+        place: Place,
+        cell: &impl Fn(usize) -> Cell<'c>,
+    ) -> Result<(Option<f64>, Option<f64>), FileError> {
+        let number = |slot: usize| self.number(place, slot, cell(slot));
+        let value = self.layout.value.map(number).transpose()?;
+        let weight = match (self.layout.weight, self.layout.sigma) {
+            (Some(slot), _) => Some(number(slot)?),
+            (None, Some(slot)) => {
+                let weight = number(slot)?.powi(-2);
+                let is_valid = weight.is_finite() && weight > 0.0 && number(slot)? > 0.0;
+                if !is_valid {
+                    let expected = "a positive standard error, 1e-150 to 1e150";
+                    return Err(self.slot_error(place, slot, expected, &cell(slot)));
+                }
+                Some(weight)
+            }
+            (None, None) => None,
+        };
+        Ok((weight, value))
     }
 
     fn number(&self, place: Place, slot: usize, cell: Cell<'_>) -> Result<f64, FileError> {
@@ -309,7 +370,8 @@ impl<'a> PointCollector<'a> {
     }
 
     fn check_memory(&mut self) -> Result<(), FileError> {
-        let of_point = size_of::<DVec3>() + self.layout.weight.map_or(0, |_| size_of::<f64>());
+        let numbers = [self.layout.weight.or(self.layout.sigma), self.layout.value];
+        let of_point = size_of::<DVec3>() + numbers.iter().flatten().count() * size_of::<f64>();
         let held = self.points * of_point + self.sets.len() * SET_BYTES;
         let what = format!("a set of more than {} points", self.points);
         self.guard.check(self.path, &what, held as u64)

@@ -27,10 +27,15 @@ pub(super) struct Slot {
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Layout {
     pub(super) coordinates: Coordinates,
-    /// The coordinates in the order of their combination, then the weight, then the set.
+    /// The coordinates in the order of their combination, then the weight, the value and its
+    /// standard error, then the set.
     pub(super) slots: Vec<Slot>,
     /// The slot of the weight, if there is one.
     pub(super) weight: Option<usize>,
+    /// The slot of the value, if values are read.
+    pub(super) value: Option<usize>,
+    /// The slot of the standard error of the value, if values are read.
+    pub(super) sigma: Option<usize>,
     /// The slot of the label of the set, if there is one.
     pub(super) set: Option<usize>,
     /// The columns that are not used, for a remark.
@@ -40,11 +45,15 @@ pub(super) struct Layout {
 }
 
 impl Layout {
-    /// Adds the weight, which is a column of another table.
-    pub(super) fn add_weight(&mut self, column: usize) {
-        let slot = Slot { role: "w", column, item: 0, label: "w".to_owned() };
-        self.weight = Some(self.slots.len());
-        self.slots.push(slot);
+    /// Adds a column of another table: the weight, the value or its standard error.
+    pub(super) fn add(&mut self, role: &'static str, column: usize) {
+        let index = Some(self.slots.len());
+        match role {
+            "value" => self.value = index,
+            "sigma" => self.sigma = index,
+            _ => self.weight = index,
+        }
+        self.slots.push(Slot { role, column, item: 0, label: role.to_owned() });
     }
 }
 
@@ -79,19 +88,22 @@ impl Table<'_> {
         };
         let system = self.system(&assigned)?;
         let mut slots = Vec::new();
-        for role in system.iter().copied().chain(["w", "set"]) {
+        let of_value: &[&str] = if self.options.values { &["value", "sigma"] } else { &[] };
+        let others = ["w"].iter().chain(of_value).chain(&["set"]);
+        for role in system.iter().chain(others).copied() {
             if let Some(&assigned) = assigned.iter().find(|(other, ..)| *other == role) {
                 slots.push(self.slot(assigned, &slots)?);
             }
         }
         let find = |role: &str| slots.iter().position(|slot| slot.role == role);
         let (weight, set) = (find("w"), find("set"));
+        let (value, sigma) = (find("value"), find("sigma"));
         let mut is_used = vec![false; self.columns.len()];
         for slot in &slots {
             is_used[slot.column] = true;
         }
-        let value = assigned.iter().find(|(role, ..)| *role == "value");
-        let name = |index: usize| match value {
+        let unread = assigned.iter().find(|(role, ..)| *role == "value");
+        let name = |index: usize| match unread {
             Some((role, column, _)) if *column == index => (*role).to_owned(),
             _ => self.name(index),
         };
@@ -103,7 +115,7 @@ impl Table<'_> {
             .collect();
         let coordinates = Coordinates::of_system(system);
         let others = self.other_system(system, &assigned);
-        Ok(Layout { coordinates, slots, weight, set, unused, others })
+        Ok(Layout { coordinates, slots, weight, value, sigma, set, unused, others })
     }
 
     /// Returns the roles that the column names imply.
@@ -132,8 +144,14 @@ impl Table<'_> {
     /// Returns the roles of columns without names.
     fn without_names(&self) -> Result<Vec<Assigned>, FileError> {
         let count = self.columns.len();
-        if count == 3 {
-            return Ok(vec![("x", 0, None), ("y", 1, None), ("z", 2, None)]);
+        let roles = ["x", "y", "z", "value", "w"];
+        if count == 3 || (self.options.values && (3..=roles.len()).contains(&count)) {
+            return Ok(roles
+                .iter()
+                .take(count)
+                .zip(0..)
+                .map(|(role, i)| (*role, i, None))
+                .collect());
         }
         let spelling = self.options.spelling;
         let example = match count {
@@ -143,10 +161,13 @@ impl Table<'_> {
         };
         let option = spelling.name("columns");
         let noun = if count == 1 { "field" } else { "fields" };
+        let known = if self.options.values {
+            "4 fields (x y z value), 5 (x y z value w)"
+        } else {
+            "3 fields (x y z)"
+        };
         Err(self.error(
-            format!(
-                "3 fields (x y z), or a header, or names by the option {option} such as {example}"
-            ),
+            format!("{known}, or a header, or names by the option {option} such as {example}"),
             format!("{count} {noun} without a header"),
         ))
     }

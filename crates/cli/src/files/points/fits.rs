@@ -53,7 +53,7 @@ pub(super) fn read_fits(
     }
     let places: Vec<(usize, usize)> =
         layout.slots.iter().map(|slot| (slot.column, slot.item)).collect();
-    let mut points = PointCollector::new(path, layout, options);
+    let mut points = PointCollector::new(path, layout, options)?;
     let what = format!("{rows} rows of {row} bytes");
     let together = (CHUNK / row.max(1)).max(1) as u64;
     let mut bytes = Vec::new();

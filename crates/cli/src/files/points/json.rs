@@ -51,7 +51,7 @@ pub(super) fn read_json(
     let columns: Vec<Column> = names.iter().map(|&name| Column::single(name)).collect();
     let has_names = document.weights.is_some();
     let table = Table { path, place, columns: &columns, has_names, options };
-    let mut points = PointCollector::new(path, table.layout()?, options);
+    let mut points = PointCollector::new(path, table.layout()?, options)?;
     let items: Vec<usize> = points.layout().slots.iter().map(|slot| slot.column).collect();
     for (index, set) in document.points.iter().enumerate() {
         points.next_set();

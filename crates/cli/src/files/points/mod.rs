@@ -41,6 +41,8 @@ pub(crate) struct PointFile {
     /// The sets in the order of their first appearance: unit vectors in the order of the file, and
     /// finite weights of any sign if the file has a column `w` or `weight`.
     pub(crate) sets: Vec<PointSet>,
+    /// The values of the points in the order of the file, if [`ReadOptions::values`] requests them.
+    pub(crate) values: Vec<f64>,
     /// Where each set begins.
     pub(crate) starts: Vec<Place>,
     /// Where the first point is that the hemisphere does not have, for messages.
@@ -67,6 +69,9 @@ pub(crate) struct ReadOptions {
     pub(crate) normalize: bool,
     /// How messages write these options.
     pub(crate) spelling: OptionSpelling,
+    /// Whether each point has a value, in the column `value`, and possibly its standard error
+    /// `sigma`, whose inverse square is the weight.
+    pub(crate) values: bool,
 }
 
 /// Returns the point sets of a file; the path `-` is standard input. Files may be compressed with

@@ -43,7 +43,7 @@ pub(super) fn read_npy(
         let points = bytes as f64 / table.row.max(1) as f64;
         check_announced(path, "the points of the array", points * of_point)?;
     }
-    let mut collector = PointCollector::new(path, layout, options);
+    let mut collector = PointCollector::new(path, layout, options)?;
     let (points, several) = (table.points, table.several);
     let follow = array.for_each_row(table.item, table.row, |index, row| {
         let (set, row_of_set) = (index / points, index % points);
@@ -96,8 +96,12 @@ impl ArrayTable {
             [_, points, width] => (points, width, true),
             _ => return Err(array.shape_error("an array of shape (N, 3) or (M, N, 3)")),
         };
-        if width != 3 && options.columns.is_none() {
-            let error = array.shape_error("an array of shape (N, 3) or (M, N, 3)");
+        let is_known = width == 3 || (options.values && (3..=5).contains(&width));
+        if !is_known && options.columns.is_none() {
+            let error = array.shape_error(match options.values {
+                true => "an array of shape (N, 4) with x,y,z,value, or (N, 5) with w",
+                false => "an array of shape (N, 3) or (M, N, 3)",
+            });
             let spelling = options.spelling;
             return Err(error.with_hint(&match *array.shape() {
                 [3, _] => "transpose it, a point in a row: array.T in Python".to_owned(),

@@ -7,7 +7,7 @@ use zip::result::ZipError;
 
 use super::collector::{Cell, PointCollector};
 use super::column::Column;
-use super::columns::{Layout, Table};
+use super::columns::{Layout, Slot, Table};
 use super::npy::ArrayTable;
 use super::roles::{ColumnChoice, SYSTEMS, role_of};
 use super::{PointFile, ReadOptions};
@@ -76,6 +76,15 @@ struct Shape {
     has_fields: bool,
 }
 
+/// The place of the numbers of a slot.
+#[derive(Clone, Copy)]
+enum Source<'a> {
+    /// The offset in a row of the points, and the type.
+    Column((usize, ItemType)),
+    /// The numbers of another array.
+    Array(&'a [f64]),
+}
+
 impl<'a, R: Read + Seek> Npz<'a, R> {
     /// Returns the arrays of the archive in its order.
     fn arrays(&mut self) -> Result<Vec<Shape>, FileError> {
@@ -111,48 +120,47 @@ impl<'a, R: Read + Seek> Npz<'a, R> {
     fn read_points(&mut self, main: &Shape, arrays: &[Shape]) -> Result<PointFile, FileError> {
         let path = self.path;
         let (options, name) = (self.options, format!("{path}: {}", main.name));
-        let weights = arrays.iter().find(|a| role_of(&a.name) == Some("w"));
         let entry = self.archive.by_index(main.index).map_err(|e| zip_error(path, &e))?;
         let mut table = ArrayTable::of(&NpyReader::new(entry, &name)?, &name, options)?;
         let (place, has_names) = (Place::Whole, main.has_fields);
         let mut layout =
             Table { path: &name, place, columns: &table.columns, has_names, options }.layout()?;
-        let own_weights = layout.weight.is_some();
-        let loaded = match weights {
-            Some(weights) if !own_weights => {
-                let of_points = match main.has_fields {
-                    true => &main.shape[..],
-                    false => &main.shape[..main.shape.len() - 1],
-                };
-                let fits = weights.shape == of_points
-                    || (table.several && weights.shape == of_points[1..]);
-                if !fits {
-                    let expected = format!("weights of the shape of {}, {of_points:?}", main.name);
-                    let got = format!("{} of the shape {:?}", weights.name, weights.shape);
-                    return Err(layout_error(path, &expected, got));
-                }
-                layout.add_weight(table.columns.len());
-                table.columns.push(Column::single(&weights.name));
-                Some(self.load(weights, 0, 1)?)
+        let own: Vec<&str> = layout.slots.iter().map(|slot| slot.role).collect();
+        let of_points = match main.has_fields {
+            true => &main.shape[..],
+            false => &main.shape[..main.shape.len() - 1],
+        };
+        let roles: &[&str] = if options.values { &["w", "value", "sigma"] } else { &["w"] };
+        // The index of an array, its role and its numbers.
+        let mut loaded: Vec<(usize, &str, Vec<f64>)> = Vec::new();
+        for &role in roles.iter().filter(|role| !own.contains(role)) {
+            let Some(array) = arrays.iter().find(|a| role_of(&a.name) == Some(role)) else {
+                continue;
+            };
+            let fits = array.shape == of_points || (table.several && array.shape == of_points[1..]);
+            if !fits {
+                let what = if role == "w" { "weights" } else { role };
+                let expected = format!("{what} of the shape of {}, {of_points:?}", main.name);
+                let got = format!("{} of the shape {:?}", array.name, array.shape);
+                return Err(layout_error(path, &expected, got));
             }
-            _ => None,
+            layout.add(role, table.columns.len());
+            table.columns.push(Column::single(&array.name));
+            loaded.push((array.index, role, self.load(array, 0, 1)?));
+        }
+        let is_used = |array: &Shape| {
+            array.index == main.index || loaded.iter().any(|(index, ..)| *index == array.index)
         };
-        let used = |array: &&Shape| {
-            array.index != main.index
-                && (loaded.is_none() || weights.is_none_or(|w| w.index != array.index))
+        let unused = arrays.iter().filter(|array| !is_used(array));
+        layout.unused.extend(unused.map(|array| shortened(&array.name)));
+        let source = |slot: &Slot| match loaded.iter().find(|(_, role, _)| *role == slot.role) {
+            Some((.., numbers)) => Source::Array(numbers),
+            None => Source::Column(table.place(slot.column, slot.item)),
         };
-        layout.unused.extend(arrays.iter().filter(used).map(|array| shortened(&array.name)));
-        let places: Vec<Option<(usize, ItemType)>> = layout
-            .slots
-            .iter()
-            .map(|slot| {
-                let is_loaded = loaded.is_some() && slot.role == "w";
-                (!is_loaded).then(|| table.place(slot.column, slot.item))
-            })
-            .collect();
+        let sources: Vec<Source<'_>> = layout.slots.iter().map(source).collect();
         let entry = self.archive.by_index(main.index).map_err(|e| zip_error(path, &e))?;
         let array = NpyReader::new(entry, &name)?;
-        let mut collector = PointCollector::new(&name, layout, options);
+        let mut collector = PointCollector::new(&name, layout, options)?;
         let (points, several) = (table.points, table.several);
         array.for_each_row(table.item, table.row, |index, row| {
             let (set, row_of_set) = (index / points, index % points);
@@ -161,14 +169,12 @@ impl<'a, R: Read + Seek> Npz<'a, R> {
             }
             let place =
                 if several { Place::RowOfSet(set, row_of_set) } else { Place::Row(row_of_set) };
-            collector.row(place, |slot| match places[slot] {
-                Some((offset, item)) => {
+            collector.row(place, |slot| match sources[slot] {
+                Source::Column((offset, item)) => {
                     Cell::Number(item.number(&row[offset..offset + item.size()]))
                 }
-                // One weight per point, or one per point of each set.
-                None => loaded
-                    .as_ref()
-                    .map_or(Cell::Missing, |weights| Cell::Number(weights[index % weights.len()])),
+                // One number per point, or one per point of each set.
+                Source::Array(numbers) => Cell::Number(numbers[index % numbers.len()]),
             })
         })?;
         collector.finish()
@@ -206,7 +212,7 @@ impl<'a, R: Read + Seek> Npz<'a, R> {
             }
             loaded.push(column);
         }
-        let mut points = PointCollector::new(path, layout, self.options);
+        let mut points = PointCollector::new(path, layout, self.options)?;
         for (index, _) in loaded.first().into_iter().flatten().enumerate() {
             points.row(Place::Row(index), |slot| Cell::Number(loaded[slot][index]))?;
         }

@@ -47,7 +47,7 @@ pub(super) fn read_ply(
     let layout = layout(&header, path, options)?;
 
     let slots: Vec<usize> = layout.slots.iter().map(|slot| slot.column).collect();
-    let mut points = PointCollector::new(path, layout, options);
+    let mut points = PointCollector::new(path, layout, options)?;
     for (name, element) in &header.elements {
         let is_vertex = name == "vertex";
         let mut part = if is_vertex { with_slots(element, &slots) } else { element.clone() };

@@ -5,7 +5,7 @@ use std::str::FromStr;
 use crate::files::text_rows::shortened;
 
 /// The roles of columns with their names in headers, in any case.
-const ROLES: [(&str, &[&str]); 16] = [
+const ROLES: [(&str, &[&str]); 17] = [
     ("x", &["x"]),
     ("y", &["y"]),
     ("z", &["z"]),
@@ -49,7 +49,8 @@ const ROLES: [(&str, &[&str]); 16] = [
     ("l", &["l"]),
     ("b", &["b"]),
     ("w", &["w", "weight", "weights"]),
-    ("value", &["value"]),
+    ("value", &["value", "values"]),
+    ("sigma", &["sigma"]),
     ("set", &["set"]),
 ];
 
@@ -126,7 +127,7 @@ impl ColumnChoice {
         let Some(system) = SYSTEMS.iter().find(complete) else {
             return Err(format!("expected all of {SYSTEMS_TEXT}"));
         };
-        let others = ["w", "value", "set"];
+        let others = ["w", "value", "sigma", "set"];
         match roles.iter().find(|role| !system.contains(role) && !others.contains(role)) {
             Some(extra) => Err(format!("{extra} does not go with {}", system.join(","))),
             None => Ok(()),

@@ -10,8 +10,8 @@ use super::{PointFile, ReadOptions};
 use crate::files::file_error::{FileError, Place};
 use crate::files::text_rows::{HeldLine, TextLine, TextRows};
 
-/// A layout has at most three coordinates, a weight and a set.
-const MAX_SLOTS: usize = 5;
+/// A layout has at most three coordinates, a weight, a value with its error and a set.
+const MAX_SLOTS: usize = 7;
 
 /// Returns the sets of a text file.
 pub(super) fn read_text(
@@ -196,7 +196,7 @@ fn table_of<'a>(
     };
     let names = columns.into_iter().map(|column| column.name).collect();
     Ok(TextTable {
-        points: PointCollector::new(path, layout, options),
+        points: PointCollector::new(path, layout, options)?,
         names,
         has_header,
         open_end,
