@@ -15,11 +15,13 @@ pub enum Area {
     Quality,
     /// Quadrature weights and weighted sets.
     Weights,
+    /// Least-squares fits of scattered values.
+    Fits,
 }
 
 impl Area {
     /// Every area.
-    pub const ALL: [Self; 7] = [
+    pub const ALL: [Self; 8] = [
         Self::Harmonics,
         Self::Indexing,
         Self::Transforms,
@@ -27,6 +29,7 @@ impl Area {
         Self::Predictions,
         Self::Quality,
         Self::Weights,
+        Self::Fits,
     ];
 
     /// Returns the name of the area in commands and files.
@@ -40,6 +43,7 @@ impl Area {
             Self::Predictions => "predictions",
             Self::Quality => "quality",
             Self::Weights => "weights",
+            Self::Fits => "fits",
         }
     }
 }

@@ -1,5 +1,5 @@
 use crate::{
-    Area, Errors, harmonics, indexing, predictions, quality, spectra, transforms, weights,
+    Area, Errors, fits, harmonics, indexing, predictions, quality, spectra, transforms, weights,
 };
 
 /// An extreme input at the limits of floating-point numbers, with the bound of its error.
@@ -28,5 +28,6 @@ pub fn hard_cases(area: Area) -> Vec<HardCase> {
         Area::Predictions => predictions::hard_cases(),
         Area::Quality => quality::hard_cases(),
         Area::Weights => weights::hard_cases(),
+        Area::Fits => fits::hard_cases(),
     }
 }

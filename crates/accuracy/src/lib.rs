@@ -27,6 +27,7 @@
 
 mod area;
 mod errors;
+mod fits;
 mod hard_case;
 mod harmonics;
 mod indexing;

@@ -1,7 +1,7 @@
 use std::fmt;
 
 use crate::{
-    Area, Errors, harmonics, indexing, predictions, quality, spectra, transforms, weights,
+    Area, Errors, fits, harmonics, indexing, predictions, quality, spectra, transforms, weights,
 };
 
 /// The amount of work of a suite.
@@ -68,5 +68,6 @@ pub fn trials(area: Area, effort: Effort) -> Vec<Trial> {
         Area::Predictions => predictions::trials(effort),
         Area::Quality => quality::trials(effort),
         Area::Weights => weights::trials(effort),
+        Area::Fits => fits::trials(effort),
     }
 }

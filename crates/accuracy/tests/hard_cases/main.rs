@@ -16,6 +16,7 @@ macro_rules! hard_cases {
     };
 }
 
+mod fits;
 mod harmonics;
 mod indexing;
 mod predictions;
@@ -48,6 +49,7 @@ fn every_hard_case_has_a_test() {
         predictions::NAMES,
         quality::NAMES,
         weights::NAMES,
+        fits::NAMES,
     ];
     let mut tested = areas.concat();
     let mut listed: Vec<_> = all().map(|case| case.name).collect();
