@@ -2,7 +2,7 @@ use sphvar_grammar::{Parametric, ResolveError};
 
 use crate::{
     AlmParameters, EnergiesParameters, EnvironmentMap, EnvironmentParameters, Error, Expansion,
-    HealpixMap, HealpixMapParameters, Integrand,
+    FittedFunction, HealpixMap, HealpixMapParameters, Integrand, ValuesParameters,
 };
 
 /// The definition of an integrand, apart from its name and summary in the list of `functions`.
@@ -50,6 +50,15 @@ pub trait IntegrandResolver {
     ///
     /// [`ResolveError`] with the reason if the file has no coefficients of a real function.
     fn expansion(&self, wanted: &AlmParameters) -> Result<Expansion, ResolveError> {
+        Err(unread(&wanted.file))
+    }
+
+    /// Returns the fit to the values of a file.
+    ///
+    /// # Errors
+    ///
+    /// [`ResolveError`] with the reason if the file has no values, or they do not determine the fit.
+    fn fitted_values(&self, wanted: &ValuesParameters) -> Result<FittedFunction, ResolveError> {
         Err(unread(&wanted.file))
     }
 

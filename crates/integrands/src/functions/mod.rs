@@ -8,6 +8,7 @@ mod adaptive;
 mod closed_form;
 mod environment;
 mod expansion;
+mod fitted;
 mod healpix_map;
 mod inner_product;
 mod lens;
@@ -25,6 +26,7 @@ mod zonal_series;
 pub use adaptive::{AdaptiveFunction, Tolerance};
 pub use environment::EnvironmentMap;
 pub use expansion::Expansion;
+pub use fitted::FittedFunction;
 pub use healpix_map::HealpixMap;
 pub use map_parameters::MissingPixels;
 pub use picture::{PictureLayout, Projection};
@@ -121,6 +123,7 @@ integrands! {
     "energy" = energies::Energies(p: EnergiesParameters): "random function with energies per degree from a file";
     "band" = band::Band(p: BandParameters): "random function of a given bandwidth, of variance 1";
     "alm" = alm::Alm(p: AlmParameters): "function with harmonic coefficients from a file";
+    "values" = values::Values(p: ValuesParameters): "least-squares fit to values at points in a file";
 }
 
 use glam::DVec3;

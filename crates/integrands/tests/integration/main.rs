@@ -6,6 +6,7 @@ mod every_integrand;
 mod expansions;
 mod expressions;
 mod filtered;
+mod fits;
 mod ggx;
 mod integrands;
 mod kurtosis;

@@ -1,0 +1,123 @@
+use glam::DVec3;
+use sphvar_sh::{Alm, ByParity, Domain};
+use sphvar_sht::Fit;
+
+use super::expansion::Expansion;
+use crate::{Energy, Error, Integrand};
+
+/// A function known by values at scattered points: the least-squares [`Fit`] to them.
+///
+/// Fitted coefficients carry the noise of the values. The energy of each degree from 1 is that
+/// without the noise, with its standard error; a degree whose estimate is negative has none. The
+/// coefficients of a degree are scaled to its energy, so that the function whose integral is
+/// measured has the energies from which errors are predicted.
+///
+/// # Examples
+///
+/// ```
+/// use std::ops::ControlFlow;
+/// use glam::DVec3;
+/// use sphvar_integrands::{Domain, FittedFunction, Integrand};
+/// use sphvar_sht::LeastSquares;
+///
+/// // Values of 1 + z at the vertices of a cube.
+/// let signs = (0..8).map(|k| DVec3::new([1.0, -1.0][k % 2], [1.0, -1.0][k / 2 % 2], [1.0, -1.0][k / 4]));
+/// let points: Vec<DVec3> = signs.map(|p| p.normalize()).collect();
+/// let values: Vec<f64> = points.iter().map(|p| 1.0 + p.z).collect();
+/// let problem = LeastSquares::new(&points, &values, Domain::Sphere).unwrap();
+/// let fit = problem.solve(1, &mut || ControlFlow::Continue(())).unwrap();
+/// let f = FittedFunction::new(&fit)?;
+/// assert!((f.eval(DVec3::Z) - 2.0).abs() < 1e-12);
+/// # Ok::<(), sphvar_integrands::Error>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct FittedFunction {
+    expansion: Expansion,
+    domain: Domain,
+    /// The standard errors of the energies of all degrees.
+    stderr: Vec<f64>,
+}
+
+impl FittedFunction {
+    /// Returns the function of a fit.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::NoEnergy`] if the fit leaves no degrees of freedom, from which the noise is known;
+    /// those of [`Expansion::new`].
+    pub fn new(fit: &Fit) -> Result<Self, Error> {
+        let unknown = Error::NoEnergy {
+            reason: "the fit has as many coefficients as points, so that its noise is unknown; use a lower degree",
+        };
+        let mut alm: Alm = fit.alm.clone();
+        let mut stderr = Vec::with_capacity(fit.energies.len());
+        let mut factors = Vec::with_capacity(fit.energies.len());
+        for (l, energy) in fit.energies.iter().enumerate() {
+            let (Some(corrected), Some(error)) = (energy.corrected, energy.stderr) else {
+                return Err(unknown);
+            };
+            let has_factor = l > 0 && energy.fitted > 0.0;
+            let share = if has_factor { corrected.max(0.0) / energy.fitted } else { 1.0 };
+            factors.push(share.sqrt());
+            stderr.push(error);
+        }
+        for m in 0..=alm.lmax() {
+            alm.column_mut(m).iter_mut().zip(&factors[m..]).for_each(|(a, factor)| *a *= factor);
+        }
+        Ok(Self { expansion: Expansion::new(alm)?, domain: fit.domain, stderr })
+    }
+
+    /// Returns the scaled coefficients as a function.
+    #[must_use]
+    pub fn expansion(&self) -> &Expansion {
+        &self.expansion
+    }
+}
+
+impl Integrand for FittedFunction {
+    fn eval(&self, dir: DVec3) -> f64 {
+        self.expansion.eval(dir)
+    }
+
+    fn eval_into(&self, dirs: &[DVec3], values: &mut [f64]) -> Result<(), Error> {
+        self.expansion.eval_into(dirs, values)
+    }
+
+    fn exact(&self, domain: Domain) -> Option<f64> {
+        self.expansion.exact(domain)
+    }
+
+    fn centred_square(&self, domain: Domain) -> Result<ByParity, Error> {
+        self.expansion.centred_square(domain)
+    }
+
+    fn energy(&self, domain: Domain, lmax: usize) -> Result<Energy, Error> {
+        // The even extension of a function on the sphere has other energies, whose errors the fit
+        // does not state.
+        if (domain, self.domain) == (Domain::Hemisphere, Domain::Sphere) {
+            return Err(Error::NoEnergy {
+                reason: "the values were fitted on the sphere; hemisphere=yes fits them on the hemisphere",
+            });
+        }
+        let mut per_degree = self.stderr.clone();
+        per_degree.resize(lmax + 1, 0.0);
+        let mut squares = ByParity::both(0.0);
+        for (l, error) in self.stderr.iter().enumerate().skip(1) {
+            *squares.of_mut(l) += error * error;
+        }
+        let energy = self.expansion.energy(domain, lmax)?;
+        Ok(energy.with_stderr(per_degree, squares.map(f64::sqrt)))
+    }
+
+    fn energy_seconds(&self, domain: Domain, lmax: usize) -> f64 {
+        self.expansion.energy_seconds(domain, lmax)
+    }
+
+    fn kurtosis(&self, domain: Domain) -> Option<f64> {
+        self.expansion.kurtosis(domain)
+    }
+
+    fn band_limit(&self) -> Option<usize> {
+        self.expansion.band_limit()
+    }
+}
