@@ -4,8 +4,7 @@ use clap::{Parser, Subcommand};
 
 use crate::commands::{
     accuracy, audit, bounds, choose, compare, completions, eval, fit, healpix, integrate, list,
-    merge,
-    quality, render, reproduce, sample, spectrum, variance, weights,
+    merge, quality, render, reproduce, sample, spectrum, variance, weights,
 };
 use crate::global::Global;
 

@@ -16,8 +16,8 @@ use std::rc::Rc;
 use sphvar_grammar::{ResolveError, Spec};
 use sphvar_integrands::{
     AlmParameters, EnergiesParameters, EnvironmentMap, EnvironmentParameters, Error, Expansion,
-    Expression, FittedFunction, HealpixMap, HealpixMapParameters, Integrand, IntegrandResolver, Term,
-    ValuesParameters,
+    Expression, FittedFunction, HealpixMap, HealpixMapParameters, Integrand, IntegrandResolver,
+    Term, ValuesParameters,
 };
 use sphvar_samplers::Domain;
 

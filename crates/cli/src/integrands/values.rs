@@ -7,7 +7,7 @@ use sphvar_samplers::Domain;
 use sphvar_spectrum::FitError;
 
 use crate::error::CliError;
-use crate::files::ReadOptions;
+use crate::files::{OptionSpelling, ReadOptions};
 use crate::memory::check_degree;
 use crate::values::Values;
 
@@ -28,6 +28,7 @@ pub(super) fn fit(
         hdu: hdu.map_err(|reason| wrong("hdu", reason))?.unwrap_or_default(),
         skip_invalid: wanted.skip_invalid,
         normalize: wanted.normalize,
+        spelling: OptionSpelling::Keys,
         values: true,
     };
     let domain = if wanted.hemisphere { Domain::Hemisphere } else { Domain::Sphere };
