@@ -212,7 +212,9 @@ fn command_lines_of_documents_are_accepted() {
             };
             // Prose may begin with the name of the command too.
             let is_code = line.starts_with("sphvar ") && !line.contains('`');
-            let line = line.split(" # ").next().unwrap().replace("{{ARGS}}", "");
+            // Without comments and redirections.
+            let line = line.split(" # ").next().unwrap().split(" > ").next().unwrap();
+            let line = line.replace("{{ARGS}}", "");
             let first = line.split(' ').nth(1).unwrap_or_default();
             if is_code && subcommands().iter().any(|(name, _)| name == first) {
                 assert_accepted(&path.display().to_string(), line.trim());
