@@ -119,7 +119,9 @@ pub trait Integrand: Sync {
     /// determines the number of trials that can detect it. It does not depend on the scale of the
     /// function.
     fn kurtosis(&self, domain: Domain) -> Option<f64> {
-        quadrature::kurtosis(&self.shape().ok()?, domain, &|dir| self.eval(dir))
+        quadrature::kurtosis(&self.shape().ok()?, domain, &|dirs, values| {
+            self.eval_into(dirs, values)
+        })
     }
 
     /// Returns the energy of F per degree up to `lmax`, and the total; estimated energies may end
@@ -137,6 +139,12 @@ pub trait Integrand: Sync {
     /// progress only; 0 if it is small or unknown.
     fn energy_seconds(&self, _domain: Domain, _lmax: usize) -> f64 {
         0.0
+    }
+
+    /// Returns the degree of polynomials whose lobes are as narrow as the narrowest feature of the
+    /// function: rules of half as many rings or more have nodes in it. `None` if it is unknown.
+    fn feature_degree(&self) -> Option<usize> {
+        self.shape().ok().map(|shape| shape.feature_degree())
     }
 
     /// Returns the degree beyond which the integrand has no energy, if there is one.
@@ -200,6 +208,10 @@ impl Integrand for Box<dyn Integrand + '_> {
 
     fn energy_seconds(&self, domain: Domain, lmax: usize) -> f64 {
         (**self).energy_seconds(domain, lmax)
+    }
+
+    fn feature_degree(&self) -> Option<usize> {
+        (**self).feature_degree()
     }
 
     fn band_limit(&self) -> Option<usize> {

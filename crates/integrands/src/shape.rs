@@ -1,4 +1,4 @@
-use std::f64::consts::{FRAC_PI_2, PI};
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use glam::{DMat3, DVec3};
 use sphvar_sh::Colatitude;
@@ -138,6 +138,18 @@ impl Shape {
     #[must_use]
     pub fn axis(&self) -> Option<DVec3> {
         self.axis
+    }
+
+    /// See [`Integrand::feature_degree`](crate::Integrand::feature_degree); the narrowest features
+    /// are those of the degree or the smallest circle.
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "not negative; an infinite degree saturates"
+    )]
+    pub(crate) fn feature_degree(&self) -> usize {
+        let narrowest = self.edges.iter().map(|edge| edge.angle.sin()).fold(1.0, f64::min);
+        self.degree.max((TAU / narrowest.max(0.0)) as usize)
     }
 
     pub(crate) fn support(&self) -> Option<Circle> {

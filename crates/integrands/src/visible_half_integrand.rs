@@ -3,7 +3,8 @@ use std::f64::consts::PI;
 use glam::DVec3;
 use sphvar_sh::Domain;
 
-use crate::{Cap, Error, Integrand, Shape};
+use crate::quadrature::Estimates;
+use crate::{Cap, Energy, Error, Integrand, Shape};
 
 /// The estimator of an integral over the hemisphere from the n points above the equator of a sphere
 /// set of M points.
@@ -27,6 +28,7 @@ pub struct VisibleHalfIntegrand<'a> {
     /// 0, or the mean of f over the hemisphere.
     offset: f64,
     half: Cap,
+    estimates: Estimates,
 }
 
 impl std::fmt::Debug for VisibleHalfIntegrand<'_> {
@@ -53,7 +55,7 @@ impl<'a> VisibleHalfIntegrand<'a> {
                 function.exact(Domain::Hemisphere).ok_or(unknown)? / (2.0 * PI)
             }
         };
-        Ok(Self { function, offset, half: Cap::half_space(0.0)? })
+        Ok(Self { function, offset, half: Cap::half_space(0.0)?, estimates: Estimates::default() })
     }
 }
 
@@ -76,6 +78,15 @@ impl Integrand for VisibleHalfIntegrand<'_> {
         let function = self.function.shape()?;
         let whole = constant.map_or(function.clone(), |constant| function.sum(&constant));
         Ok(whole.product(&self.half.shape()?))
+    }
+
+    /// Returns estimates with their errors where exact energies would need too many values.
+    fn energy(&self, domain: Domain, lmax: usize) -> Result<Energy, Error> {
+        self.estimates.energy(self, domain, lmax)
+    }
+
+    fn feature_degree(&self) -> Option<usize> {
+        self.function.feature_degree()
     }
 }
 

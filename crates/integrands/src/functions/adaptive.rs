@@ -245,6 +245,8 @@ impl<F: Integrand> Integrand for AdaptiveFunction<F> {
         if domain == self.domain {
             return self.estimate.kurtosis;
         }
-        quadrature::kurtosis(&self.shape_on(domain).ok()?, domain, &self.eval_one())
+        quadrature::kurtosis(&self.shape_on(domain).ok()?, domain, &|dirs, values| {
+            self.eval_into(dirs, values)
+        })
     }
 }

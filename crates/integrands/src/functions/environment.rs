@@ -316,6 +316,12 @@ impl Integrand for EnvironmentMap {
         quadrature::weighted_kurtosis(values)
     }
 
+    /// Returns that of the texels; those of finer maps count as features of 0.1 degrees, and narrower ones
+    /// may be missed.
+    fn feature_degree(&self) -> Option<usize> {
+        Some(self.width.min(quadrature::MAX_FEATURE_DEGREE))
+    }
+
     fn energy_seconds(&self, _domain: Domain, lmax: usize) -> f64 {
         let (rows, degrees) = (self.height as f64, lmax as f64);
         (12.0 * rows + 0.8 * degrees) * degrees * (0.3e-9 * degrees + 10e-9)

@@ -109,7 +109,7 @@ impl Integrand for Harmonic {
     fn kurtosis(&self, domain: Domain) -> Option<f64> {
         const MAX_DEGREE: usize = 128;
         let shape = self.shape().ok().filter(|_| self.l <= MAX_DEGREE)?;
-        quadrature::kurtosis(&shape, domain, &|dir| self.eval(dir))
+        quadrature::kurtosis(&shape, domain, &|dirs, values| self.eval_into(dirs, values))
     }
 
     fn band_limit(&self) -> Option<usize> {

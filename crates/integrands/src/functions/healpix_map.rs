@@ -379,6 +379,12 @@ impl Integrand for HealpixMap {
         quadrature::weighted_kurtosis(values)
     }
 
+    /// Returns that of the pixels; those of finer maps count as features of 0.1 degrees, and narrower ones
+    /// may be missed.
+    fn feature_degree(&self) -> Option<usize> {
+        Some((4 * self.n()).min(quadrature::MAX_FEATURE_DEGREE))
+    }
+
     fn energy_seconds(&self, _domain: Domain, lmax: usize) -> f64 {
         let (side, degrees) = (self.n() as f64, lmax as f64);
         let rings = 4.0 * side * (MIN_NODES as f64).max(4.0 + degrees / side);

@@ -2,7 +2,8 @@ use glam::DVec3;
 use sphvar_sh::Domain;
 
 use super::inner_product::inner_product;
-use crate::{Error, Integrand, Shape, quadrature};
+use crate::quadrature::{self, Estimates};
+use crate::{Energy, Error, Integrand, Shape};
 
 /// The product of two integrands, such as light and the lobe that reflects it.
 ///
@@ -29,13 +30,14 @@ use crate::{Error, Integrand, Shape, quadrature};
 pub struct Product<A, B> {
     first: A,
     second: B,
+    estimates: Estimates,
 }
 
 impl<A: Integrand, B: Integrand> Product<A, B> {
     /// Returns the product of `first` and `second`.
     #[must_use]
     pub fn new(first: A, second: B) -> Self {
-        Self { first, second }
+        Self { first, second, estimates: Estimates::default() }
     }
 }
 
@@ -63,7 +65,18 @@ impl<A: Integrand, B: Integrand> Integrand for Product<A, B> {
     }
 
     fn kurtosis(&self, domain: Domain) -> Option<f64> {
-        quadrature::kurtosis_of_values(self.shape().ok().as_ref(), domain, &|dir| self.eval(dir))
+        quadrature::kurtosis_of_values(self.shape().ok().as_ref(), domain, &|dirs, values| {
+            self.eval_into(dirs, values)
+        })
+    }
+
+    /// Returns estimates with their errors where exact energies would need too many values.
+    fn energy(&self, domain: Domain, lmax: usize) -> Result<Energy, Error> {
+        self.estimates.energy(self, domain, lmax)
+    }
+
+    fn feature_degree(&self) -> Option<usize> {
+        Some(self.first.feature_degree()?.max(self.second.feature_degree()?))
     }
 
     fn band_limit(&self) -> Option<usize> {

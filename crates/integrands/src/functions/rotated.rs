@@ -3,7 +3,8 @@ use sphvar_sh::ByParity;
 use sphvar_sh::Domain;
 
 use super::closed_form::{ClosedForm, from_closed_form};
-use crate::{Coefficients, Energy, Error, Integrand, Shape, quadrature};
+use crate::quadrature::{self, Estimates};
+use crate::{Coefficients, Energy, Error, Integrand, Shape};
 
 /// An integrand after a rotation R of the sphere, `f(R^-1 x)`.
 ///
@@ -28,6 +29,7 @@ pub struct Rotated<I> {
     quaternion: DQuat,
     /// The rotation as a matrix.
     rotation: DMat3,
+    estimates: Estimates,
 }
 
 impl<I: Integrand> Rotated<I> {
@@ -42,7 +44,12 @@ impl<I: Integrand> Rotated<I> {
             return Err(Error::Rotation { length });
         }
         let quaternion = rotation.normalize();
-        Ok(Self { function, quaternion, rotation: DMat3::from_quat(quaternion) })
+        Ok(Self {
+            function,
+            quaternion,
+            rotation: DMat3::from_quat(quaternion),
+            estimates: Estimates::default(),
+        })
     }
 
     /// Returns `function` rotated by `psi` about +z and then by the rotation that takes +z to
@@ -113,13 +120,17 @@ impl<I: Integrand> Integrand for Rotated<I> {
 
     from_closed_form!();
 
-    /// On the sphere, returns that of the function before the rotation.
+    /// On the sphere, returns that of the function before the rotation. On the hemisphere returns
+    /// estimates with their errors where exact energies would need too many values.
     fn energy(&self, domain: Domain, lmax: usize) -> Result<Energy, Error> {
         if domain == Domain::Sphere {
             return self.function.energy(domain, lmax);
         }
-        let per_degree = self.coefficients(domain, lmax)?.energy_per_degree()?;
-        Ok(Energy::new(domain, per_degree, self.centred_square(domain)?))
+        self.estimates.energy(self, domain, lmax)
+    }
+
+    fn feature_degree(&self) -> Option<usize> {
+        self.function.feature_degree()
     }
 
     fn squared_parts(&self, lmax: usize) -> Result<[Coefficients; 2], Error> {
@@ -132,7 +143,9 @@ impl<I: Integrand> Integrand for Rotated<I> {
         if domain == Domain::Sphere {
             return self.function.kurtosis(domain);
         }
-        quadrature::kurtosis(&self.shape().ok()?, domain, &|dir| self.eval(dir))
+        quadrature::kurtosis(&self.shape().ok()?, domain, &|dirs, values| {
+            self.eval_into(dirs, values)
+        })
     }
 
     fn energy_seconds(&self, domain: Domain, lmax: usize) -> f64 {

@@ -5,7 +5,8 @@ use sphvar_sh::ByParity;
 use sphvar_sh::Domain;
 
 use super::sum_square::{self, sum_of_coefficients};
-use crate::{Coefficients, Energy, Error, Integrand, Shape, quadrature};
+use crate::quadrature::{self, Estimates};
+use crate::{Coefficients, Energy, Error, Integrand, Shape};
 
 /// A weighted sum of integrands, `sum_i w_i f_i`.
 ///
@@ -29,6 +30,7 @@ use crate::{Coefficients, Energy, Error, Integrand, Shape, quadrature};
 #[derive(Default)]
 pub struct Sum {
     terms: Vec<(f64, Box<dyn Integrand>)>,
+    estimates: Estimates,
 }
 
 impl Sum {
@@ -103,18 +105,20 @@ impl Integrand for Sum {
         sum_square::centred_square(self.terms(), domain)
     }
 
-    /// Returns the estimate of a single term whose energies are estimated, with its errors. Those of
-    /// several terms cannot be combined, since they do not determine the errors of inner products.
+    /// Returns that of a single term with its errors. Estimates of several terms cannot be combined,
+    /// since they do not determine the errors of inner products: the sum is estimated as a whole.
     fn energy(&self, domain: Domain, lmax: usize) -> Result<Energy, Error> {
-        match (self.coefficients(domain, lmax), &self.terms[..]) {
+        let exact = quadrature::exact_energy(self, domain, lmax);
+        match (&exact, &self.terms[..]) {
             (Err(Error::NoEnergy { .. }), [(weight, only)]) if *weight != 0.0 => {
                 Ok(only.energy(domain, lmax)?.of_multiple(*weight))
             }
-            (coefficients, _) => {
-                let per_degree = coefficients?.energy_per_degree()?;
-                Ok(Energy::new(domain, per_degree, self.centred_square(domain)?))
-            }
+            _ => self.estimates.unless_exact(exact, self, domain, lmax),
         }
+    }
+
+    fn feature_degree(&self) -> Option<usize> {
+        self.largest(|f| f.feature_degree())
     }
 
     /// Returns that of a single term, otherwise that of the values.
@@ -123,11 +127,11 @@ impl Integrand for Sum {
         const MAX_TERMS: usize = 16;
         match &self.terms[..] {
             [(weight, only)] => only.kurtosis(domain).filter(|_| *weight != 0.0),
-            terms if terms.len() <= MAX_TERMS => {
-                quadrature::kurtosis_of_values(self.shape().ok().as_ref(), domain, &|dir| {
-                    self.eval(dir)
-                })
-            }
+            terms if terms.len() <= MAX_TERMS => quadrature::kurtosis_of_values(
+                self.shape().ok().as_ref(),
+                domain,
+                &|dirs, values| self.eval_into(dirs, values),
+            ),
             _ => None,
         }
     }

@@ -75,7 +75,7 @@ impl Integrand for ZonalSeries {
         // Values at four times the degree, each of as many steps.
         const MAX_DEGREE: usize = 2048;
         let shape = self.shape().ok().filter(|shape| shape.degree() <= MAX_DEGREE)?;
-        quadrature::kurtosis(&shape, domain, &|dir| self.eval(dir))
+        quadrature::kurtosis(&shape, domain, &|dirs, values| self.eval_into(dirs, values))
     }
 
     fn band_limit(&self) -> Option<usize> {

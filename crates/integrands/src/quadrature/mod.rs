@@ -2,6 +2,7 @@
 
 mod adaptive;
 mod doubling;
+mod estimates;
 mod panel_rule;
 mod product_rule;
 mod rings;
@@ -17,6 +18,7 @@ use crate::shape::{Fold, Shape};
 use crate::{Coefficients, Error};
 pub(crate) use adaptive::{AdaptiveCells, Cell, Patch, PatchNode};
 pub(crate) use doubling::{Estimate, FIRST_NODES, doubled};
+pub(crate) use estimates::{Estimates, MAX_FEATURE_DEGREE, exact_energy};
 pub(crate) use panel_rule::node_count;
 use rings::Rings;
 
@@ -104,29 +106,38 @@ fn variation(
     Ok(rings.sum(|x| (eval(x) - mean).powi(2))? + mean * mean * beyond)
 }
 
+/// See [`Integrand::eval_into`](crate::Integrand::eval_into).
+pub(crate) type EvalInto<'a> = dyn Fn(&[DVec3], &mut [f64]) -> Result<(), Error> + 'a;
+
 /// Maximum number of nodes for a kurtosis, some hundredths of a second.
 const KURTOSIS_NODES: f64 = 1e6;
 
 /// Returns the kurtosis of the value of a function at a uniformly distributed direction of the
 /// domain; `None` for a constant, and if it would take more than a million values.
-pub(crate) fn kurtosis(shape: &Shape, domain: Domain, eval: &dyn Fn(DVec3) -> f64) -> Option<f64> {
+pub(crate) fn kurtosis(shape: &Shape, domain: Domain, eval_into: &EvalInto<'_>) -> Option<f64> {
     let rings = Rings::new(shape, domain, 4 * shape.degree()).ok()?;
     if rings.cost() > KURTOSIS_NODES {
         return None;
     }
-    let mut values = Vec::new();
-    let mut add = |dir, w| values.push((w, eval(dir)));
+    let (mut dirs, mut weights) = (Vec::new(), Vec::new());
+    let mut add = |dir, w| {
+        dirs.push(dir);
+        weights.push(w);
+    };
     if rings.is_zonal() {
         rings.for_each_colatitude(|theta, w| add(rings.direction(theta, 0.0), w)).ok()?;
     } else {
         rings.for_each(add).ok()?;
     }
+    let mut values = vec![0.0; dirs.len()];
+    eval_into(&dirs, &mut values).ok()?;
     // The function is 0 beyond its support, which the nodes omit; their weights are rounded.
-    let beyond = domain.area() - values.iter().map(|v| v.0).sum::<f64>();
+    let beyond = domain.area() - weights.iter().sum::<f64>();
     if beyond > 1e-12 * domain.area() {
-        values.push((beyond, 0.0));
+        weights.push(beyond);
+        values.push(0.0);
     }
-    weighted_kurtosis(|| values.iter().copied())
+    weighted_kurtosis(|| weights.iter().copied().zip(values.iter().copied()))
 }
 
 /// [`kurtosis`] of a function whose shape is unknown or too complicated, from its values on a grid
@@ -134,21 +145,24 @@ pub(crate) fn kurtosis(shape: &Shape, domain: Domain, eval: &dyn Fn(DVec3) -> f6
 pub(crate) fn kurtosis_of_values(
     shape: Option<&Shape>,
     domain: Domain,
-    eval: &dyn Fn(DVec3) -> f64,
+    eval_into: &EvalInto<'_>,
 ) -> Option<f64> {
     const ROWS: usize = 512;
-    if let Some(kurtosis) = shape.and_then(|shape| kurtosis(shape, domain, eval)) {
+    if let Some(kurtosis) = shape.and_then(|shape| kurtosis(shape, domain, eval_into)) {
         return Some(kurtosis);
     }
     let rows = if domain == Domain::Sphere { ROWS } else { ROWS / 2 };
     let angle = |k: usize| PI * (k as f64 + 0.5) / ROWS as f64;
     let longitudes: Vec<(f64, f64)> = (0..2 * ROWS).map(|j| angle(j).sin_cos()).collect();
-    let mut values = Vec::with_capacity(rows * longitudes.len());
-    for (st, ct) in (0..rows).map(|i| angle(i).sin_cos()) {
-        let row = longitudes.iter().map(|(sp, cp)| DVec3::new(st * cp, st * sp, ct));
-        values.extend(row.map(|dir| (st, eval(dir))));
-    }
-    weighted_kurtosis(|| values.iter().copied())
+    let rings: Vec<(f64, f64)> = (0..rows).map(|i| angle(i).sin_cos()).collect();
+    let row = |&(st, ct): &(f64, f64)| {
+        longitudes.iter().map(move |(sp, cp)| DVec3::new(st * cp, st * sp, ct))
+    };
+    let dirs: Vec<DVec3> = rings.iter().flat_map(row).collect();
+    let mut values = vec![0.0; dirs.len()];
+    eval_into(&dirs, &mut values).ok()?;
+    let weight = |k: usize| rings[k / longitudes.len()].0;
+    weighted_kurtosis(|| values.iter().enumerate().map(|(k, &value)| (weight(k), value)))
 }
 
 /// Returns the kurtosis of values with weights, `None` if they are all the same or not finite.

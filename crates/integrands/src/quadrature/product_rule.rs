@@ -12,7 +12,7 @@ use super::{Sum, weighted_kurtosis};
 use crate::{Error, Integrand};
 
 /// The number of values that are requested together.
-const BATCH: usize = 1 << 12;
+const BATCH: usize = 1 << 17;
 
 /// A product rule on `n` rings of `2 n` nodes: Gauss-Legendre in z on the domain, equidistant in
 /// longitude. The integral is exact for polynomials of degree `2 n - 1`, so coefficients, energies

@@ -8,11 +8,20 @@ use super::panel_rule::{Ends, PanelRules};
 use crate::Error;
 use crate::shape::{Circle, Shape, coaxial};
 
-/// Maximum number of nodes of a quadrature, some minutes of work.
-const MAX_NODES: f64 = 2e8;
+/// Maximum number of nodes of a quadrature, some ten seconds of work.
+const MAX_NODES: f64 = 5e7;
+
+/// Maximum number of pairs of edges of which the crossings are computed; functions with more pairs
+/// need more than the maximum number of nodes.
+const MAX_PAIRS: usize = 1_000_000;
 
 /// Maximum cost of a quadrature in evaluations of a simple function, some ten seconds.
 const MAX_WORK: f64 = 5e8;
+
+const TOO_MANY_NODES: Error = Error::NoEnergy {
+    reason: "its values would have to be taken at more than 5e7 places; take wider lobes, lower \
+             degrees or fewer factors",
+};
 
 /// A quadrature for functions of a given shape over a domain: rings about an axis of the shape,
 /// split where they meet its edges.
@@ -98,6 +107,9 @@ impl Rings {
                     rings.add_edge(Circle::EQUATOR);
                 }
             }
+        }
+        if rings.n_pairs() > MAX_PAIRS {
+            return Err(TOO_MANY_NODES);
         }
         rings.add_crossings();
         rings.breaks.iter_mut().for_each(|b| *b = b.clamp(from, to.max(from)));
@@ -251,6 +263,12 @@ impl Rings {
         }
     }
 
+    /// Returns the number of pairs of edges that may cross between the poles.
+    fn n_pairs(&self) -> usize {
+        let pairs = |n: usize| n * n.saturating_sub(1) / 2;
+        pairs(self.cuts.len()) - pairs(self.cuts.iter().filter(|cut| cut.is_meridian()).count())
+    }
+
     /// Adds the colatitudes at which edges intersect.
     fn add_crossings(&mut self) {
         for (i, a) in self.cuts.iter().enumerate() {
@@ -291,10 +309,7 @@ impl Rings {
     fn check_cost(&self, cost: f64) -> Result<(), Error> {
         let nodes = self.cost();
         if nodes > MAX_NODES {
-            return Err(Error::NoEnergy {
-                reason: "its values would have to be taken at more than 2e8 places; \
-                         take wider lobes, lower degrees or fewer factors",
-            });
+            return Err(TOO_MANY_NODES);
         }
         if cost > 1.0 && nodes * cost > MAX_WORK {
             return Err(Error::NoEnergy {
