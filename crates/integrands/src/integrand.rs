@@ -53,7 +53,10 @@ pub trait Integrand: Sync {
 
     /// Returns the exact integral of f over the domain, if it is known.
     fn exact(&self, domain: Domain) -> Option<f64> {
-        quadrature::integral(&self.shape().ok()?, domain, &|dir| self.eval(dir)).ok()
+        quadrature::integral(&self.shape().ok()?, domain, &|dirs, values| {
+            self.eval_into(dirs, values)
+        })
+        .ok()
     }
 
     /// Returns the coefficients `F_lm` for l = 0 ..= `lmax`.
@@ -63,7 +66,9 @@ pub trait Integrand: Sync {
     /// [`Error::NoEnergy`] if they are not known, [`Error::Harmonics`] if `lmax` is out of range or
     /// memory is exhausted.
     fn coefficients(&self, domain: Domain, lmax: usize) -> Result<Coefficients, Error> {
-        quadrature::coefficients(&self.shape()?, domain, lmax, &|dir| self.eval(dir))
+        quadrature::coefficients(&self.shape()?, domain, lmax, &|dirs, values| {
+            self.eval_into(dirs, values)
+        })
     }
 
     /// `int (F - mean F)^2` over the sphere of the even part `(F(x) + F(-x))/2` and of the odd part
@@ -77,7 +82,9 @@ pub trait Integrand: Sync {
     ///
     /// [`Error::NoEnergy`] if it is not known.
     fn centred_square(&self, domain: Domain) -> Result<ByParity, Error> {
-        quadrature::centred_square(&self.shape()?, domain, &|dir| self.eval(dir))
+        quadrature::centred_square(&self.shape()?, domain, &|dirs, values| {
+            self.eval_into(dirs, values)
+        })
     }
 
     /// `int F^2` over the sphere; on the hemisphere twice the integral of f^2.

@@ -176,10 +176,6 @@ impl<F: Integrand> AdaptiveFunction<F> {
         }
         self.shape()
     }
-
-    fn eval_one(&self) -> impl Fn(DVec3) -> f64 {
-        |dir| self.function.eval(dir)
-    }
 }
 
 impl<F: Integrand> Integrand for AdaptiveFunction<F> {
@@ -204,11 +200,13 @@ impl<F: Integrand> Integrand for AdaptiveFunction<F> {
         if domain == self.domain {
             return Some(self.estimate.integral.0);
         }
-        quadrature::integral(&shape, domain, &self.eval_one()).ok()
+        quadrature::integral(&shape, domain, &|dirs, values| self.eval_into(dirs, values)).ok()
     }
 
     fn coefficients(&self, domain: Domain, lmax: usize) -> Result<Coefficients, Error> {
-        quadrature::coefficients(&self.shape_on(domain)?, domain, lmax, &self.eval_one())
+        quadrature::coefficients(&self.shape_on(domain)?, domain, lmax, &|dirs, values| {
+            self.eval_into(dirs, values)
+        })
     }
 
     fn centred_square(&self, domain: Domain) -> Result<ByParity, Error> {
@@ -216,7 +214,7 @@ impl<F: Integrand> Integrand for AdaptiveFunction<F> {
         if domain == self.domain {
             return Ok(self.estimate.energy.centred());
         }
-        quadrature::centred_square(&shape, domain, &self.eval_one())
+        quadrature::centred_square(&shape, domain, &|dirs, values| self.eval_into(dirs, values))
     }
 
     /// Returns the energies without errors if the function is resolved, otherwise estimates on the

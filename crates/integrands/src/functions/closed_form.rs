@@ -27,7 +27,10 @@ pub(super) fn exact(f: &impl ClosedForm, domain: Domain) -> Option<f64> {
     match f.fold(domain).ok()? {
         Fold::Whole | Fold::Above => f.sphere_integral(),
         Fold::Even => Some(0.5 * f.sphere_integral()?),
-        Fold::Cut => quadrature::integral(&f.shape().ok()?, domain, &|dir| f.eval(dir)).ok(),
+        Fold::Cut => quadrature::integral(&f.shape().ok()?, domain, &|dirs, values| {
+            f.eval_into(dirs, values)
+        })
+        .ok(),
     }
 }
 
@@ -41,7 +44,9 @@ pub(super) fn coefficients(
         Fold::Whole => f.sphere_coefficients(lmax),
         Fold::Even => Ok(f.sphere_coefficients(lmax)?.even_part()),
         Fold::Above => Ok(f.sphere_coefficients(lmax)?.even_extension()),
-        Fold::Cut => quadrature::coefficients(&f.shape()?, domain, lmax, &|dir| f.eval(dir)),
+        Fold::Cut => quadrature::coefficients(&f.shape()?, domain, lmax, &|dirs, values| {
+            f.eval_into(dirs, values)
+        }),
     }
 }
 
@@ -53,7 +58,9 @@ pub(super) fn centred_square(f: &impl ClosedForm, domain: Domain) -> Result<ByPa
         Fold::Even => Ok(even(f.sphere_centred_square()?.even)),
         // The even extension is twice the even part.
         Fold::Above => Ok(even(4.0 * f.sphere_centred_square()?.even)),
-        Fold::Cut => quadrature::centred_square(&f.shape()?, domain, &|dir| f.eval(dir)),
+        Fold::Cut => quadrature::centred_square(&f.shape()?, domain, &|dirs, values| {
+            f.eval_into(dirs, values)
+        }),
     }
 }
 

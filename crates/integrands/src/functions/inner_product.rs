@@ -1,5 +1,6 @@
 use std::f64::consts::PI;
 
+use glam::DVec3;
 use sphvar_sh::ByParity;
 use sphvar_sh::Domain;
 
@@ -31,7 +32,21 @@ pub(super) fn inner_product(
     }
     let copies = if domain == Domain::Sphere { 1.0 } else { 2.0 };
     let product = a?.product(&b?);
-    Ok(copies * quadrature::integral(&product, domain, &|dir| f.eval(dir) * g.eval(dir))?)
+    let values = |dirs: &[DVec3], values: &mut [f64]| product_into((f, dirs), (g, dirs), values);
+    Ok(copies * quadrature::integral(&product, domain, &values)?)
+}
+
+/// Writes the products of the values of two functions, each at directions of its own.
+pub(super) fn product_into(
+    (f, dirs): (&dyn Integrand, &[DVec3]),
+    (g, dirs_of_g): (&dyn Integrand, &[DVec3]),
+    values: &mut [f64],
+) -> Result<(), Error> {
+    f.eval_into(dirs, values)?;
+    let mut second = vec![0.0; values.len()];
+    g.eval_into(dirs_of_g, &mut second)?;
+    values.iter_mut().zip(&second).for_each(|(value, second)| *value *= second);
+    Ok(())
 }
 
 /// `int (F - mean F)(G - mean G)` over the sphere of the even and of the odd parts of two functions
@@ -47,8 +62,9 @@ pub(super) fn centred_inner_product(
     let unknown = || Error::NoEnergy { reason: "the integral of a term is not known" };
     let integral = |f: &dyn Integrand| f.exact(domain).ok_or_else(unknown);
     let product = integral(f)? * integral(g)?;
+    let values = |dirs: &[DVec3], values: &mut [f64]| product_into((f, dirs), (g, dirs), values);
     if domain == Domain::Hemisphere {
-        let both = quadrature::integral(&a.product(&b), domain, &|x| f.eval(x) * g.eval(x))?;
+        let both = quadrature::integral(&a.product(&b), domain, &values)?;
         return Ok(ByParity { even: 2.0 * (both - product / domain.area()), odd: 0.0 });
     }
     if let Some(parts) = lens::centred_inner_product((f, &a), (g, &b)) {
@@ -57,7 +73,7 @@ pub(super) fn centred_inner_product(
     let here = if a.is_apart_from(&b) {
         0.0
     } else {
-        quadrature::integral(&a.product(&b), domain, &|x| f.eval(x) * g.eval(x))?
+        quadrature::integral(&a.product(&b), domain, &values)?
     };
     let mirrored = b.mirrored();
     let there = if a.is_even() || b.is_even() {
@@ -65,7 +81,11 @@ pub(super) fn centred_inner_product(
     } else if a.is_apart_from(&mirrored) {
         0.0
     } else {
-        quadrature::integral(&a.product(&mirrored), domain, &|x| f.eval(x) * g.eval(-x))?
+        let values = |dirs: &[DVec3], values: &mut [f64]| {
+            let antipodes: Vec<DVec3> = dirs.iter().map(|&dir| -dir).collect();
+            product_into((f, dirs), (g, &antipodes), values)
+        };
+        quadrature::integral(&a.product(&mirrored), domain, &values)?
     };
     Ok(ByParity { even: 0.5 * (here + there) - product / (4.0 * PI), odd: 0.5 * (here - there) })
 }

@@ -1,7 +1,7 @@
 use glam::DVec3;
 use sphvar_sh::Domain;
 
-use super::inner_product::inner_product;
+use super::inner_product::{inner_product, product_into};
 use crate::quadrature::{self, Estimates};
 use crate::{Energy, Error, Integrand, Shape};
 
@@ -47,11 +47,7 @@ impl<A: Integrand, B: Integrand> Integrand for Product<A, B> {
     }
 
     fn eval_into(&self, dirs: &[DVec3], values: &mut [f64]) -> Result<(), Error> {
-        self.first.eval_into(dirs, values)?;
-        let mut second = vec![0.0; values.len()];
-        self.second.eval_into(dirs, &mut second)?;
-        values.iter_mut().zip(&second).for_each(|(value, second)| *value *= second);
-        Ok(())
+        product_into((&self.first, dirs), (&self.second, dirs), values)
     }
 
     fn shape(&self) -> Result<Shape, Error> {

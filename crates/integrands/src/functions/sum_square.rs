@@ -94,7 +94,9 @@ impl Integrand for Group<'_> {
             [(weight, single)] => {
                 Ok(single.centred_square(domain)?.map(|square| weight * weight * square))
             }
-            _ => quadrature::centred_square(&self.shape()?, domain, &|dir| self.eval(dir)),
+            _ => quadrature::centred_square(&self.shape()?, domain, &|dirs, values| {
+                self.eval_into(dirs, values)
+            }),
         }
     }
 }

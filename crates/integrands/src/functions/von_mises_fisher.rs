@@ -138,8 +138,10 @@ impl Integrand for VonMisesFisher {
         }
         // The even extension of a wide lobe is nearly constant: the difference from the peak is
         // accurate.
-        let below_peak = |dir| self.peak * (-self.kappa * drop_from_pole(dir)).exp_m1();
-        let rest = quadrature::coefficients(&self.shape()?, domain, lmax, &below_peak)?;
+        let below_peak = |dir: DVec3| self.peak * (-self.kappa * drop_from_pole(dir)).exp_m1();
+        let rest = quadrature::coefficients(&self.shape()?, domain, lmax, &|dirs, values| {
+            below_peak.eval_into(dirs, values)
+        })?;
         let mut constant = vec![0.0; lmax + 1];
         constant[0] = self.peak * (4.0 * PI).sqrt();
         rest.plus(1.0, &Coefficients::zonal(DVec3::Z, constant)?)

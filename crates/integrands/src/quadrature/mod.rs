@@ -28,11 +28,14 @@ const BATCH: usize = 1 << 20;
 /// The accuracy of transforms, relative to the coefficients of the absolute values.
 const EPSILON: f64 = 1e-13;
 
+/// See [`Integrand::eval_into`](crate::Integrand::eval_into).
+pub(crate) type EvalInto<'a> = dyn Fn(&[DVec3], &mut [f64]) -> Result<(), Error> + 'a;
+
 /// `int f` over the domain.
 pub(crate) fn integral(
     shape: &Shape,
     domain: Domain,
-    eval: &dyn Fn(DVec3) -> f64,
+    eval_into: &EvalInto<'_>,
 ) -> Result<f64, Error> {
     // The integral over the hemisphere of an even function is half of that over the sphere.
     let (domain, factor) = match shape.fold(domain) {
@@ -40,9 +43,34 @@ pub(crate) fn integral(
         Fold::Above => (Domain::Sphere, 1.0),
         Fold::Whole | Fold::Cut => (domain, 1.0),
     };
+    let rings = Rings::new(shape, domain, shape.degree())?;
+    Ok(factor * sum(&rings, eval_into, |f| f)?)
+}
+
+/// Returns the integral of a function of the values of a function of the shape of the rings.
+fn sum(
+    rings: &Rings,
+    eval_into: &EvalInto<'_>,
+    of_value: impl Fn(f64) -> f64,
+) -> Result<f64, Error> {
     let mut sum = Sum::default();
-    Rings::new(shape, domain, shape.degree())?.for_each(|dir, w| sum.add(w * eval(dir)))?;
-    Ok(factor * sum.value())
+    for_each_value(rings, eval_into, |_, w, f| sum.add(w * of_value(f)))?;
+    Ok(sum.value())
+}
+
+/// Calls `action` with direction, weight and value of every node.
+fn for_each_value(
+    rings: &Rings,
+    eval_into: &EvalInto<'_>,
+    mut action: impl FnMut(DVec3, f64, f64),
+) -> Result<(), Error> {
+    let mut values = Vec::new();
+    rings.for_each_batch(|dirs, weights| {
+        values.resize(dirs.len(), 0.0);
+        eval_into(dirs, &mut values)?;
+        dirs.iter().zip(weights).zip(&values).for_each(|((&dir, &w), &f)| action(dir, w, f));
+        Ok(())
+    })
 }
 
 /// `int (F - mean)^2` over the sphere of the even and the odd part of F, which is the even
@@ -53,31 +81,41 @@ pub(crate) fn integral(
 pub(crate) fn centred_square(
     shape: &Shape,
     domain: Domain,
-    eval: &dyn Fn(DVec3) -> f64,
+    eval_into: &EvalInto<'_>,
 ) -> Result<ByParity, Error> {
     let even = |even: f64| ByParity { even, odd: 0.0 };
+    let variation = |domain, area| variation(shape, domain, area, eval_into);
     let hemisphere = Domain::Hemisphere.area();
     Ok(match shape.fold(domain) {
-        Fold::Even => even(variation(shape, Domain::Sphere, 4.0 * PI, eval)?),
-        Fold::Whole if shape.is_even() => even(variation(shape, domain, 4.0 * PI, eval)?),
-        Fold::Above => even(2.0 * variation(shape, Domain::Sphere, hemisphere, eval)?),
-        Fold::Cut => even(2.0 * variation(shape, domain, hemisphere, eval)?),
+        Fold::Even => even(variation(Domain::Sphere, 4.0 * PI)?),
+        Fold::Whole if shape.is_even() => even(variation(domain, 4.0 * PI)?),
+        Fold::Above => even(2.0 * variation(Domain::Sphere, hemisphere)?),
+        Fold::Cut => even(2.0 * variation(domain, hemisphere)?),
         Fold::Whole if shape.is_apart_from(&shape.mirrored()) => {
             // Both parts have half the values here and half the values, up to the sign, at the
             // antipodes.
-            let odd =
-                Rings::new(shape, domain, 2 * shape.degree())?.sum(|x| 0.5 * eval(x).powi(2))?;
-            let half = |x: DVec3| 0.5 * eval(x);
-            ByParity { even: 2.0 * variation(shape, domain, 2.0 * PI, &half)?, odd }
+            let rings = Rings::new(shape, domain, 2 * shape.degree())?;
+            let odd = sum(&rings, eval_into, |f| 0.5 * f.powi(2))?;
+            ByParity { even: 0.5 * variation(domain, 2.0 * PI)?, odd }
         }
         Fold::Whole => {
-            let mean = integral(shape, domain, eval)? / (4.0 * PI);
+            let mean = integral(shape, domain, eval_into)? / (4.0 * PI);
             let rings = Rings::new(&shape.symmetrized(), domain, 2 * shape.degree())?;
             let mut sums = [Sum::default(); 2];
-            rings.for_each(|x, w| {
-                let (here, there) = (eval(x) - mean, eval(-x) - mean);
-                sums[0].add(w * (0.5 * (here + there)).powi(2));
-                sums[1].add(w * (0.5 * (here - there)).powi(2));
+            let (mut here, mut there, mut antipodes) = (Vec::new(), Vec::new(), Vec::new());
+            rings.for_each_batch(|dirs, weights| {
+                antipodes.clear();
+                antipodes.extend(dirs.iter().map(|&dir| -dir));
+                for (dirs, values) in [(dirs, &mut here), (&antipodes, &mut there)] {
+                    values.resize(dirs.len(), 0.0);
+                    eval_into(dirs, values)?;
+                }
+                for ((w, here), there) in weights.iter().zip(&here).zip(&there) {
+                    let (here, there) = (here - mean, there - mean);
+                    sums[0].add(w * (0.5 * (here + there)).powi(2));
+                    sums[1].add(w * (0.5 * (here - there)).powi(2));
+                }
+                Ok(())
             })?;
             ByParity { even: sums[0].value(), odd: sums[1].value() }
         }
@@ -89,25 +127,22 @@ fn variation(
     shape: &Shape,
     domain: Domain,
     area: f64,
-    eval: &dyn Fn(DVec3) -> f64,
+    eval_into: &EvalInto<'_>,
 ) -> Result<f64, Error> {
     /// The relative rounding error of the total area of the rings.
     const ROUNDING: f64 = 1e-13;
     let rings = Rings::new(shape, domain, 2 * shape.degree())?;
     let (mut integral, mut covered) = (Sum::default(), Sum::default());
-    rings.for_each(|x, w| {
-        integral.add(w * eval(x));
+    for_each_value(&rings, eval_into, |_, w, f| {
+        integral.add(w * f);
         covered.add(w);
     })?;
     let mean = integral.value() / area;
     let beyond = 1.0 - covered.value() / area;
     // Rings about an axis other than that of the support may cover more than the region.
     let beyond = if beyond.abs() > ROUNDING { beyond * area } else { 0.0 };
-    Ok(rings.sum(|x| (eval(x) - mean).powi(2))? + mean * mean * beyond)
+    Ok(sum(&rings, eval_into, |f| (f - mean).powi(2))? + mean * mean * beyond)
 }
-
-/// See [`Integrand::eval_into`](crate::Integrand::eval_into).
-pub(crate) type EvalInto<'a> = dyn Fn(&[DVec3], &mut [f64]) -> Result<(), Error> + 'a;
 
 /// Maximum number of nodes for a kurtosis, some hundredths of a second.
 const KURTOSIS_NODES: f64 = 1e6;
@@ -184,21 +219,29 @@ pub(crate) fn coefficients(
     shape: &Shape,
     domain: Domain,
     lmax: usize,
-    eval: &dyn Fn(DVec3) -> f64,
+    eval_into: &EvalInto<'_>,
 ) -> Result<Coefficients, Error> {
     let fold = shape.fold(domain);
     let domain = if fold == Fold::Cut { domain } else { Domain::Sphere };
     let rings = Rings::new(shape, domain, shape.degree() + lmax)?;
     let part = if rings.is_zonal() {
         let mut sums = ZonalSums::new(lmax)?;
-        rings.for_each_colatitude(|theta, w| {
+        let mut nodes = Vec::new();
+        rings.for_each_colatitude(|theta, w| nodes.push((theta, w)))?;
+        let dirs: Vec<DVec3> =
+            nodes.iter().map(|&(theta, _)| rings.direction(theta, 0.0)).collect();
+        let mut values = vec![0.0; dirs.len()];
+        eval_into(&dirs, &mut values)?;
+        for ((theta, w), value) in nodes.into_iter().zip(values) {
             if let Ok(colatitude) = Colatitude::from_theta(theta) {
-                sums.add(colatitude, w * eval(rings.direction(theta, 0.0)));
+                sums.add(colatitude, w * value);
             }
-        })?;
+        }
         Coefficients::zonal(rings.axis(), sums.sums)?
     } else {
-        coefficients_of_nodes(lmax, |add| rings.for_each(|dir, w| add(dir, w * eval(dir))))?
+        coefficients_of_nodes(lmax, |add| {
+            for_each_value(&rings, eval_into, |dir, w, f| add(dir, w * f))
+        })?
     };
     Ok(match fold {
         Fold::Whole => part,

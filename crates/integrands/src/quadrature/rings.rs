@@ -3,13 +3,15 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use glam::{DMat3, DVec3};
 use sphvar_sh::Domain;
 
-use super::Sum;
 use super::panel_rule::{Ends, PanelRules};
 use crate::Error;
 use crate::shape::{Circle, Shape, coaxial};
 
 /// Maximum number of nodes of a quadrature, some ten seconds of work.
 const MAX_NODES: f64 = 5e7;
+
+/// The number of nodes at which values are taken together.
+const BATCH: usize = 1 << 16;
 
 /// Maximum number of pairs of edges of which the crossings are computed; functions with more pairs
 /// need more than the maximum number of nodes.
@@ -137,11 +139,27 @@ impl Rings {
         Ok(())
     }
 
-    /// Returns the integral of a function of the shape.
-    pub(super) fn sum(&self, eval: impl Fn(DVec3) -> f64) -> Result<f64, Error> {
-        let mut sum = Sum::default();
-        self.for_each(|dir, w| sum.add(w * eval(dir)))?;
-        Ok(sum.value())
+    /// Calls `f` with directions and weights of the nodes, many at once, in the order of
+    /// [`for_each`](Self::for_each).
+    pub(super) fn for_each_batch(
+        &self,
+        mut f: impl FnMut(&[DVec3], &[f64]) -> Result<(), Error>,
+    ) -> Result<(), Error> {
+        let (mut dirs, mut weights) = (Vec::new(), Vec::new());
+        let mut outcome = Ok(());
+        self.for_each(|dir, w| {
+            dirs.push(dir);
+            weights.push(w);
+            if dirs.len() == BATCH {
+                if outcome.is_ok() {
+                    outcome = f(&dirs, &weights);
+                }
+                dirs.clear();
+                weights.clear();
+            }
+        })?;
+        outcome?;
+        f(&dirs, &weights)
     }
 
     /// The colatitudes of the nodes of a zonal function, with weights that include

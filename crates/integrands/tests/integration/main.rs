@@ -11,5 +11,6 @@ mod ggx;
 mod integrands;
 mod kurtosis;
 mod pictures;
+mod products;
 mod projections;
 mod random_fields;

@@ -1,0 +1,150 @@
+//! Energies of products that no affordable quadrature integrates exactly: estimates with errors.
+
+use std::f64::consts::TAU;
+
+use glam::{DQuat, DVec3};
+use num_complex::Complex;
+use sphvar_healpix::Nside;
+use sphvar_integrands::{
+    AdaptiveFunction, Cap, ClampedCosine, Energy, EnvironmentMap, GgxLobe, HealpixMap, Integrand,
+    PhongLobe, Product, Rotated, Sum, Tolerance, VisibleHalfEstimator, VisibleHalfIntegrand,
+};
+use sphvar_samplers::Domain;
+use sphvar_sh::ylm_at;
+
+const DOMAINS: [Domain; 2] = [Domain::Sphere, Domain::Hemisphere];
+
+fn environment(height: usize) -> EnvironmentMap {
+    let texels = (0..2 * height * height).map(|k| (k * 7919 % 31) as f64 / 31.0 + 0.1).collect();
+    EnvironmentMap::new(2 * height, height, texels).unwrap()
+}
+
+fn map(nside: u32, value: impl Fn(u32) -> f64) -> HealpixMap {
+    let values = (0..12 * nside * nside).map(value).collect();
+    HealpixMap::new(Nside::new(nside).unwrap(), values).unwrap()
+}
+
+fn tilted<I: Integrand>(function: I) -> Rotated<I> {
+    Rotated::new(function, DQuat::from_rotation_x(0.7)).unwrap()
+}
+
+/// Asserts that estimates are within their errors of exact energies. Errors of kinks and jumps are
+/// independent from rule to rule, so a single one may exceed the larger of two differences: three
+/// times that, and a rounding, is never reached.
+fn assert_within_errors(what: &str, got: &Energy, exact: &Energy) {
+    let rounding = 1e-13 * exact.total();
+    let errors = got.per_band_stderr().expect("the product is estimated");
+    for (l, ((a, b), e)) in got.per_band().iter().zip(exact.per_band()).zip(errors).enumerate() {
+        assert!((a - b).abs() <= 3.0 * e + rounding, "{what} l = {l}: {a} +- {e} and {b}");
+    }
+    let error = got.centred_stderr();
+    let (a, b) = (got.centred(), exact.centred());
+    for (a, b, e) in [(a.even, b.even, error.even), (a.odd, b.odd, error.odd)] {
+        assert!((a - b).abs() <= 3.0 * e + rounding, "{what}: {a} +- {e} and {b}");
+    }
+    assert!(error.sum() < 2e-3 * exact.centred().sum(), "{what}: {error:?}");
+}
+
+/// A constant map has no shape, so its products are estimated; they are multiples of the factor.
+#[test]
+fn products_with_a_constant_map_are_the_other_factor() {
+    let factors: [(&str, Box<dyn Integrand>); 4] = [
+        ("cosine", Box::new(tilted(ClampedCosine))),
+        ("cap", Box::new(tilted(Cap::from_degrees(40.0).unwrap()))),
+        ("lobe", Box::new(tilted(PhongLobe::new(20.0).unwrap()))),
+        // A lobe of half a degree, which the first rules may miss.
+        ("narrow lobe", Box::new(tilted(PhongLobe::new(12_000.0).unwrap()))),
+    ];
+    for (name, factor) in factors {
+        let exact = DOMAINS.map(|domain| factor.energy(domain, 60).unwrap());
+        let product = Product::new(map(1, |_| 1.0), factor);
+        for (domain, exact) in DOMAINS.into_iter().zip(exact) {
+            let got = product.energy(domain, 60).unwrap();
+            assert_within_errors(&format!("{name} {domain:?}"), &got, &exact);
+        }
+    }
+}
+
+/// Returns a spherical Fibonacci lattice.
+fn lattice() -> impl Iterator<Item = DVec3> {
+    const POINTS: u32 = 200_000;
+    let golden = 0.5 * (5f64.sqrt() - 1.0);
+    (0..POINTS).map(move |j| {
+        let z = 1.0 - (2.0 * f64::from(j) + 1.0) / f64::from(POINTS);
+        let (sin, cos) = (TAU * (f64::from(j) * golden).fract()).sin_cos();
+        let radius = ((1.0 - z) * (1.0 + z)).sqrt();
+        DVec3::new(radius * cos, radius * sin, z)
+    })
+}
+
+/// The edges of all texels cross in too many places: products, sums and visible halves agree with
+/// sums over a lattice, whose error for a jump at the equator or between pixels is some N^-3/4.
+#[test]
+fn estimates_agree_with_sums_over_many_points() {
+    let lit = || Product::new(environment(48), tilted(environment(32)));
+    let glossy = || Product::new(environment(128), tilted(GgxLobe::new(0.4, 30.0).unwrap()));
+    let pixels = || Product::new(map(4, |k| f64::from(k * 7919 % 31)), ClampedCosine);
+    let sum = Sum::default().plus(0.5, lit()).unwrap().plus(2.0, glossy()).unwrap();
+    let half = lit();
+    let half = VisibleHalfIntegrand::new(&half, VisibleHalfEstimator::Unbiased).unwrap();
+    let cases: [(&str, &dyn Integrand, &[Domain]); 5] = [
+        ("two maps", &lit(), &DOMAINS),
+        ("map and lobe", &glossy(), &DOMAINS[..1]),
+        ("pixels", &pixels(), &DOMAINS),
+        ("sum", &sum, &DOMAINS[..1]),
+        ("visible half", &half, &DOMAINS[..1]),
+    ];
+    for (name, function, domains) in cases {
+        for &domain in domains {
+            let what = format!("{name} {domain:?}");
+            let energy = function.energy(domain, 300).unwrap();
+            assert!(energy.errors().is_some() && energy.lmax() == 300, "{what}");
+            assert!(energy.centred_stderr().sum() < 2e-3 * energy.total(), "{what}: {energy:?}");
+            let copies = if domain == Domain::Sphere { 1.0 } else { 2.0 };
+            let dirs: Vec<DVec3> =
+                lattice().filter(|d| domain == Domain::Sphere || d.z >= 0.0).collect();
+            let mut values = vec![0.0; dirs.len()];
+            function.eval_into(&dirs, &mut values).unwrap();
+            let weight = domain.area() / dirs.len() as f64;
+            let square: f64 = values.iter().map(|v| copies * weight * v * v).sum();
+            assert!((square / energy.total() - 1.0).abs() < 3e-3, "{what}: {square}");
+            for l in (0..=2).step_by(domain.degree_step()) {
+                let of_order = |m: i64| -> Complex<f64> {
+                    let terms = dirs.iter().zip(&values);
+                    terms.map(|(d, v)| copies * weight * v * ylm_at(l, m, *d).unwrap()).sum()
+                };
+                let degree = i64::try_from(l).unwrap();
+                let sum: f64 = (-degree..=degree).map(|m| of_order(m).norm_sqr()).sum();
+                let got = energy.per_band()[l];
+                assert!((sum - got).abs() < 2e-3 * energy.total(), "{what} {l}: {sum}, {got}");
+            }
+        }
+    }
+}
+
+/// A single term keeps the estimate, a factor without known features has none.
+#[test]
+fn multiples_keep_estimates_and_unknown_features_are_errors() {
+    let product = || Product::new(map(1, |k| f64::from(k)), ClampedCosine);
+    let bare = product().energy(Domain::Sphere, 20).unwrap();
+    let multiple = Sum::default().plus(-3.0, product()).unwrap();
+    assert_eq!(multiple.energy(Domain::Sphere, 20).unwrap(), bare.of_multiple(-3.0));
+    let of_closure = Product::new(map(1, |_| 1.0), |d: DVec3| d.z);
+    assert!(of_closure.energy(Domain::Sphere, 3).is_err());
+    let narrow = Product::new(map(1, |_| 1.0), PhongLobe::new(1e6).unwrap());
+    let message = narrow.energy(Domain::Sphere, 3).unwrap_err().to_string();
+    assert!(message.contains("narrower than 0.1 degrees"), "{message}");
+}
+
+/// Where a quadrature is affordable it is exact, and estimates are within their errors of it.
+#[test]
+fn affordable_products_stay_exact() {
+    let product = || Product::new(environment(6), tilted(PhongLobe::new(20.0).unwrap()));
+    for domain in DOMAINS {
+        let exact = product().energy(domain, 30).unwrap();
+        assert!(exact.errors().is_none());
+        let tolerance = Tolerance { max_evaluations: 400_000, ..Tolerance::default() };
+        let estimated = AdaptiveFunction::new(product(), domain, tolerance).unwrap();
+        assert_within_errors("lobe", &estimated.energy(domain, 30).unwrap(), &exact);
+    }
+}
