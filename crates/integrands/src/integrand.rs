@@ -13,8 +13,8 @@ use crate::{Coefficients, Energy, Error, Shape, quadrature};
 ///
 /// On the hemisphere F is the even extension of f from z >= 0 to the sphere.
 ///
-/// Integrals, coefficients and squares are exact to rounding or unavailable. Only
-/// [`energy`](Self::energy) may return estimates, with their [`errors`](Energy::errors); a function with such energies has no
+/// Coefficients, squares and [`exact`](Self::exact) integrals are exact to rounding or unavailable.
+/// Only [`integral_estimate`](Self::integral_estimate) and [`energy`](Self::energy) may return estimates, with their [`errors`](Energy::errors); a function with such energies has no
 /// coefficients and no shape, so that no sum or product of it loses the errors.
 pub trait Integrand: Sync {
     /// Returns the value at a unit vector; on the hemisphere only vectors with z >= 0 are
@@ -57,6 +57,12 @@ pub trait Integrand: Sync {
             self.eval_into(dirs, values)
         })
         .ok()
+    }
+
+    /// Returns the integral of f over the domain and its error, 0 if it is exact to rounding; `None`
+    /// if neither is known.
+    fn integral_estimate(&self, domain: Domain) -> Option<(f64, f64)> {
+        self.exact(domain).map(|integral| (integral, 0.0))
     }
 
     /// Returns the coefficients `F_lm` for l = 0 ..= `lmax`.
@@ -187,6 +193,10 @@ impl Integrand for Box<dyn Integrand + '_> {
 
     fn exact(&self, domain: Domain) -> Option<f64> {
         (**self).exact(domain)
+    }
+
+    fn integral_estimate(&self, domain: Domain) -> Option<(f64, f64)> {
+        (**self).integral_estimate(domain)
     }
 
     fn coefficients(&self, domain: Domain, lmax: usize) -> Result<Coefficients, Error> {

@@ -203,6 +203,11 @@ impl<F: Integrand> Integrand for AdaptiveFunction<F> {
         quadrature::integral(&shape, domain, &|dirs, values| self.eval_into(dirs, values)).ok()
     }
 
+    fn integral_estimate(&self, domain: Domain) -> Option<(f64, f64)> {
+        let exact = || Some((self.exact(domain)?, 0.0));
+        if domain == self.domain { Some(self.estimate.integral) } else { exact() }
+    }
+
     fn coefficients(&self, domain: Domain, lmax: usize) -> Result<Coefficients, Error> {
         quadrature::coefficients(&self.shape_on(domain)?, domain, lmax, &|dirs, values| {
             self.eval_into(dirs, values)

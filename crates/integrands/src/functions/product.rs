@@ -66,6 +66,10 @@ impl<A: Integrand, B: Integrand> Integrand for Product<A, B> {
         })
     }
 
+    fn integral_estimate(&self, domain: Domain) -> Option<(f64, f64)> {
+        self.estimates.integral(self, domain)
+    }
+
     /// Returns estimates with their errors where exact energies would need too many values.
     fn energy(&self, domain: Domain, lmax: usize) -> Result<Energy, Error> {
         self.estimates.energy(self, domain, lmax)

@@ -120,6 +120,13 @@ impl<I: Integrand> Integrand for Rotated<I> {
 
     from_closed_form!();
 
+    fn integral_estimate(&self, domain: Domain) -> Option<(f64, f64)> {
+        if domain == Domain::Sphere {
+            return self.function.integral_estimate(domain);
+        }
+        self.estimates.integral(self, domain)
+    }
+
     /// On the sphere, returns that of the function before the rotation. On the hemisphere returns
     /// estimates with their errors where exact energies would need too many values.
     fn energy(&self, domain: Domain, lmax: usize) -> Result<Energy, Error> {

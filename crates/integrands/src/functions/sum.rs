@@ -105,6 +105,16 @@ impl Integrand for Sum {
         sum_square::centred_square(self.terms(), domain)
     }
 
+    fn integral_estimate(&self, domain: Domain) -> Option<(f64, f64)> {
+        match &self.terms[..] {
+            [(weight, only)] => {
+                let (integral, error) = only.integral_estimate(domain)?;
+                Some((weight * integral, weight.abs() * error))
+            }
+            _ => self.estimates.integral(self, domain),
+        }
+    }
+
     /// Returns that of a single term with its errors. Estimates of several terms cannot be combined,
     /// since they do not determine the errors of inner products: the sum is estimated as a whole.
     fn energy(&self, domain: Domain, lmax: usize) -> Result<Energy, Error> {

@@ -51,12 +51,25 @@ impl Estimates {
         else {
             return exact;
         };
-        let estimate = match domain {
+        let estimate = self.on(domain).get_or_init(|| estimated(function, domain, degree));
+        Ok(estimate.as_ref().map_err(Error::clone)?.energy.truncated(lmax))
+    }
+
+    /// Returns the exact integral without an error, or the estimate with its error.
+    pub(crate) fn integral(&self, function: &dyn Integrand, domain: Domain) -> Option<(f64, f64)> {
+        if let Some(exact) = function.exact(domain) {
+            return Some((exact, 0.0));
+        }
+        let degree = function.feature_degree()?;
+        let estimate = self.on(domain).get_or_init(|| estimated(function, domain, degree));
+        Some(estimate.as_ref().ok()?.integral)
+    }
+
+    fn on(&self, domain: Domain) -> &OnceLock<Result<Estimate, Error>> {
+        match domain {
             Domain::Sphere => &self.sphere,
             Domain::Hemisphere => &self.hemisphere,
-        };
-        let estimate = estimate.get_or_init(|| estimated(function, domain, degree));
-        Ok(estimate.as_ref().map_err(Error::clone)?.energy.truncated(lmax))
+        }
     }
 }
 

@@ -56,8 +56,15 @@ fn products_with_a_constant_map_are_the_other_factor() {
         ("narrow lobe", Box::new(tilted(PhongLobe::new(12_000.0).unwrap()))),
     ];
     for (name, factor) in factors {
+        let integrals = DOMAINS.map(|domain| factor.exact(domain).unwrap());
         let exact = DOMAINS.map(|domain| factor.energy(domain, 60).unwrap());
         let product = Product::new(map(1, |_| 1.0), factor);
+        for (domain, integral) in DOMAINS.into_iter().zip(integrals) {
+            let (got, error) = product.integral_estimate(domain).unwrap();
+            let bound = 3.0 * error + 1e-11 * integral;
+            assert!((got - integral).abs() <= bound, "{name}: {got} +- {error} and {integral}");
+            assert!(error <= 1e-3 * integral, "{name}: {got} +- {error}");
+        }
         for (domain, exact) in DOMAINS.into_iter().zip(exact) {
             let got = product.energy(domain, 60).unwrap();
             assert_within_errors(&format!("{name} {domain:?}"), &got, &exact);
@@ -82,7 +89,7 @@ fn lattice() -> impl Iterator<Item = DVec3> {
 #[test]
 fn estimates_agree_with_sums_over_many_points() {
     let lit = || Product::new(environment(48), tilted(environment(32)));
-    let glossy = || Product::new(environment(128), tilted(GgxLobe::new(0.4, 30.0).unwrap()));
+    let glossy = || Product::new(environment(256), tilted(GgxLobe::new(0.4, 30.0).unwrap()));
     let pixels = || Product::new(map(4, |k| f64::from(k * 7919 % 31)), ClampedCosine);
     let sum = Sum::default().plus(0.5, lit()).unwrap().plus(2.0, glossy()).unwrap();
     let half = lit();
@@ -125,7 +132,7 @@ fn estimates_agree_with_sums_over_many_points() {
 /// A single term keeps the estimate, a factor without known features has none.
 #[test]
 fn multiples_keep_estimates_and_unknown_features_are_errors() {
-    let product = || Product::new(map(1, |k| f64::from(k)), ClampedCosine);
+    let product = || Product::new(map(1, f64::from), ClampedCosine);
     let bare = product().energy(Domain::Sphere, 20).unwrap();
     let multiple = Sum::default().plus(-3.0, product()).unwrap();
     assert_eq!(multiple.energy(Domain::Sphere, 20).unwrap(), bare.of_multiple(-3.0));

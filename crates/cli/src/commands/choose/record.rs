@@ -119,8 +119,8 @@ pub(crate) struct ChoiceBody {
     pub(super) integrand: String,
     /// `sphere` or `hemisphere`.
     pub(super) domain: &'static str,
-    /// The exact integral; null if it is unknown or 0; of an irradiance E, the norm
-    /// `sqrt(int E^2)` over all normals.
+    /// The integral, exact or accurate to 0.1 %; null if it is unknown or 0; of an irradiance E, the
+    /// norm `sqrt(int E^2)` over all normals.
     pub(super) integral: Option<f64>,
     /// The standard error requested, in units of the integral.
     pub(super) error_requested: Option<f64>,
