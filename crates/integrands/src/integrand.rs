@@ -119,8 +119,16 @@ pub trait Integrand: Sync {
         let both = self.shape()?.symmetrized();
         let square = both.product(&both);
         let part = |sign: f64| {
-            let value = |dir: DVec3| (0.5 * (self.eval(dir) + sign * self.eval(-dir))).powi(2);
-            quadrature::coefficients(&square, Domain::Sphere, lmax, &value)
+            quadrature::coefficients(&square, Domain::Sphere, lmax, &|dirs, values| {
+                let antipodes: Vec<DVec3> = dirs.iter().map(|dir| -dir).collect();
+                let mut opposite = vec![0.0; dirs.len()];
+                self.eval_into(dirs, values)?;
+                self.eval_into(&antipodes, &mut opposite)?;
+                for (value, opposite) in values.iter_mut().zip(opposite) {
+                    *value = (0.5 * (*value + sign * opposite)).powi(2);
+                }
+                Ok(())
+            })
         };
         Ok([part(1.0)?, part(-1.0)?])
     }
