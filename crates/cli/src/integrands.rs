@@ -15,9 +15,9 @@ use std::rc::Rc;
 
 use sphvar_grammar::{ResolveError, Spec};
 use sphvar_integrands::{
-    AlmParameters, EnergiesParameters, EnvironmentMap, EnvironmentParameters, Error, Expansion,
-    Expression, FittedFunction, HealpixMap, HealpixMapParameters, Integrand, IntegrandResolver,
-    Term, ValuesParameters,
+    AlmParameters, EnergiesParameters, EnergyEstimates, EnvironmentMap, EnvironmentParameters,
+    Error, Expansion, Expression, FittedFunction, HealpixMap, HealpixMapParameters, Integrand,
+    IntegrandResolver, Term, ValuesParameters,
 };
 use sphvar_samplers::Domain;
 
@@ -197,12 +197,13 @@ impl IntegrandResolver for IntegrandFiles {
         healpix_map::read(wanted, &mut self.remarks.borrow_mut()).map_err(ResolveError::new)
     }
 
-    fn energies(&self, wanted: &EnergiesParameters) -> Result<Vec<f64>, ResolveError> {
-        expansion::read_energies(wanted).map_err(ResolveError::new)
+    fn energies(&self, wanted: &EnergiesParameters) -> Result<EnergyEstimates, ResolveError> {
+        expansion::read_energies(wanted, &mut self.remarks.borrow_mut()).map_err(ResolveError::new)
     }
 
     fn expansion(&self, wanted: &AlmParameters) -> Result<Expansion, ResolveError> {
-        expansion::read_coefficients(wanted).map_err(ResolveError::new)
+        expansion::read_coefficients(wanted, &mut self.remarks.borrow_mut())
+            .map_err(ResolveError::new)
     }
 
     fn fitted_values(&self, wanted: &ValuesParameters) -> Result<FittedFunction, ResolveError> {

@@ -1,8 +1,9 @@
 use sphvar_grammar::{Parametric, ResolveError};
 
 use crate::{
-    AlmParameters, EnergiesParameters, EnvironmentMap, EnvironmentParameters, Error, Expansion,
-    FittedFunction, HealpixMap, HealpixMapParameters, Integrand, ValuesParameters,
+    AlmParameters, EnergiesParameters, EnergyEstimates, EnvironmentMap, EnvironmentParameters,
+    Error, Expansion, FittedFunction, HealpixMap, HealpixMapParameters, Integrand,
+    ValuesParameters,
 };
 
 /// The definition of an integrand, apart from its name and summary in the list of `functions`.
@@ -34,13 +35,12 @@ pub trait IntegrandResolver {
         Err(unread(&wanted.file))
     }
 
-    /// Returns the energies `E(l) = sum_m |a_lm|^2` of a file, from degree 0; 0 for degree 0 where
-    /// the file starts at 1.
+    /// Returns the energies of a file; 0 for degree 0 where the file starts at 1.
     ///
     /// # Errors
     ///
     /// [`ResolveError`] with the reason if the file has no energies.
-    fn energies(&self, wanted: &EnergiesParameters) -> Result<Vec<f64>, ResolveError> {
+    fn energies(&self, wanted: &EnergiesParameters) -> Result<EnergyEstimates, ResolveError> {
         Err(unread(&wanted.file))
     }
 

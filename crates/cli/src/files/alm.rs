@@ -20,13 +20,18 @@ const COLUMNS: [&str; 3] = ["index", "real", "imag"];
 ///
 /// An NPY file has complex items in the order `m (2 lmax + 1 - m)/2 + l` of healpy, whose number
 /// determines lmax. A table in a FITS file has the columns index = `l^2 + l + m + 1`, real and imag,
-/// as `healpy.write_alm` writes it; coefficients without a row are 0.
+/// as `healpy.write_alm` writes it; coefficients without a row are 0. If `hdu` is the first of several
+/// tables, as of T, E and B, a remark names it.
 ///
 /// # Errors
 ///
 /// If the file cannot be read, its layout is another one, a coefficient is not finite or occurs
 /// twice, or the number of items is not that of an lmax.
-pub(crate) fn read_alm(path: &Path, hdu: &HduChoice) -> Result<Alm, FileError> {
+pub(crate) fn read_alm(
+    path: &Path,
+    hdu: &HduChoice,
+    remarks: &mut Vec<String>,
+) -> Result<Alm, FileError> {
     let name = input_name(path);
     let mut input = open_input(path)?;
     let read_error = |source| FileError::Read { path: name.clone(), source };
@@ -34,7 +39,7 @@ pub(crate) fn read_alm(path: &Path, hdu: &HduChoice) -> Result<Alm, FileError> {
     if start.starts_with(MAGIC) {
         read_npy(input, &name)
     } else if start.starts_with(b"SIMPLE") {
-        read_fits(input, &name, hdu)
+        read_fits(input, &name, hdu, remarks)
     } else {
         Err(layout_error(&name, "an NPY array or a FITS table of coefficients", "another file"))
     }
@@ -53,8 +58,10 @@ fn read_npy(input: impl Read, path: &str) -> Result<Alm, FileError> {
     let lmax = nearest_lmax(count);
     if LmIndex::new(lmax).is_ok_and(|index| index.len() != count) {
         let near = (lmax + 1) * (lmax + 2) / 2;
-        let expected =
-            format!("(lmax + 1)(lmax + 2)/2 coefficients, {near} for lmax = {lmax}, the nearest");
+        let expected = format!(
+            "(lmax + 1)(lmax + 2)/2 coefficients, {near} for lmax = {lmax}, the nearest (if mmax < lmax, save \
+             healpy.resize_alm(alm, lmax, mmax, lmax, lmax))"
+        );
         return Err(layout(&expected, &count.to_string()));
     }
     let mut alm = zeros(path, lmax)?;
@@ -80,7 +87,12 @@ fn nearest_lmax(count: usize) -> usize {
     if is_nearer { below + 1 } else { below }
 }
 
-fn read_fits(input: impl BufRead, path: &str, choice: &HduChoice) -> Result<Alm, FileError> {
+fn read_fits(
+    input: impl BufRead,
+    path: &str,
+    choice: &HduChoice,
+    remarks: &mut Vec<String>,
+) -> Result<Alm, FileError> {
     let mut file = HduReader::new(input, path);
     let expected =
         "an NPY array or a FITS table of coefficients with the columns index, real, imag";
@@ -114,6 +126,15 @@ fn read_fits(input: impl BufRead, path: &str, choice: &HduChoice) -> Result<Alm,
         };
         let lm = degree_and_order(path, place, item(index))?;
         found.push((lm, finite(path, place, [item(re), item(im)])?, place));
+    }
+    // What follows the table is not needed, and may be damaged.
+    let next = (*choice == HduChoice::First).then(|| file.next_hdu().ok().flatten()).flatten();
+    if let Some(next) = next.filter(Hdu::is_table) {
+        let (first, other) = (hdu.number, next.number);
+        remarks.push(format!(
+            "{path}: the first table with coefficients is used, HDU {first} (T of T, E and B); hdu={other} selects the \
+             next"
+        ));
     }
     let lmax = found
         .iter()

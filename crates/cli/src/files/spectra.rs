@@ -1,4 +1,4 @@
-//! Reading spectra and energies per degree from text files.
+//! Reading numbers per degree, such as spectra, from text files.
 
 use std::borrow::Cow;
 use std::collections::BTreeMap;
@@ -9,7 +9,6 @@ use super::file_error::input_name;
 use super::input::open_input;
 use super::text_rows::{TextLine, TextRows, shortened};
 use super::{FileError, Place};
-use sphvar_integrands::EnergyQuantity;
 
 /// One degree of a spectrum.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -27,8 +26,9 @@ pub(crate) struct SpectrumRow {
 /// and `realizations` if there are any; the path `-` is standard input.
 ///
 /// Fields are separated by commas or spaces. A first line without any number is a header and names
-/// the columns (with or without quotes, in any case and order, possibly among others); without one
-/// they are l, power, stderr in this order. Lines that start with `#` and empty lines are skipped.
+/// the columns (with or without quotes, in any case and order, possibly among others), otherwise a
+/// comment that names as many columns as there are fields; without one they are l, power, stderr in
+/// this order. Other lines that start with `#` and empty lines are skipped.
 ///
 /// # Errors
 ///
@@ -39,68 +39,40 @@ pub(crate) fn read_spectrum(path: &Path) -> Result<Vec<SpectrumRow>, FileError> 
     Ok(spectrum.rows)
 }
 
-/// Returns the energies `E(l)` of a text file with the columns `l` and `energy` (or `e`, `cl`,
-/// `c_l`), from degree 0, which is 0 if the file starts at degree 1; otherwise as
-/// [`read_spectrum`].
-///
-/// Values are those of `quantity`; unless given, of the name of their column, and energies without
-/// a header.
-///
-/// # Errors
-///
-/// Those of [`read_spectrum`].
-pub(crate) fn read_energies(
-    path: &Path,
-    quantity: Option<EnergyQuantity>,
-) -> Result<Vec<f64>, FileError> {
-    energies(open_input(path)?, &input_name(path), quantity)
-}
-
-fn energies(
-    input: impl BufRead,
-    path: &str,
-    quantity: Option<EnergyQuantity>,
-) -> Result<Vec<f64>, FileError> {
-    let content = match quantity {
-        None => &ANY_ENERGY,
-        Some(EnergyQuantity::Energy) => &ENERGY,
-        Some(EnergyQuantity::AngularPower) => &ANGULAR_POWER,
-    };
-    let Spectrum { rows, name } = read_stream(input, path, content)?;
-    let of_header = name.is_some_and(|name| ANGULAR_POWER.names.contains(&name));
-    let orders = |l: usize| match quantity {
-        Some(EnergyQuantity::Energy) => 1.0,
-        None if !of_header => 1.0,
-        _ => (2 * l + 1) as f64,
-    };
-    // Only degree 0 may be absent.
-    let mut energies = vec![0.0; rows.last().map_or(0, |row| row.l) + 1];
-    for row in rows {
-        energies[row.l] = row.value * orders(row.l);
-    }
-    Ok(energies)
-}
-
-/// The values of a kind of file and their names, in lower case.
-struct Content {
-    names: &'static [&'static str],
+/// The values of a kind of file.
+pub(super) struct Content {
+    /// The names of the column, in lower case.
+    pub(super) names: &'static [&'static str],
     /// The names in words.
-    words: &'static str,
+    pub(super) words: &'static str,
+    /// The layout without a header, for messages.
+    pub(super) layout: &'static str,
+    /// Whether a file without a header may have the values alone, from degree 0.
+    pub(super) alone: bool,
+    /// The number of standard errors by which a value may be less than 0.
+    pub(super) max_below: f64,
 }
 
-const POWER: Content = Content { names: &["power", "mean"], words: "power (or mean)" };
-const ENERGY: Content = Content { names: &["energy", "e"], words: "energy (or e)" };
-const ANGULAR_POWER: Content = Content { names: &["cl", "c_l"], words: "cl (or c_l)" };
-const ANY_ENERGY: Content =
-    Content { names: &["energy", "e", "cl", "c_l"], words: "energy (or e), or cl (or c_l)" };
+const POWER: Content = Content {
+    names: &["power", "mean"],
+    words: "power (or mean)",
+    layout: "fields l, power and stderr, or a header that names them",
+    alone: false,
+    max_below: 0.0,
+};
 
 /// The rows of a file and the name of the column of their values, if it has a header.
-struct Spectrum {
-    rows: Vec<SpectrumRow>,
-    name: Option<&'static str>,
+pub(super) struct Spectrum {
+    pub(super) rows: Vec<SpectrumRow>,
+    pub(super) name: Option<&'static str>,
 }
 
-fn read_stream(input: impl BufRead, path: &str, content: &Content) -> Result<Spectrum, FileError> {
+/// Returns the rows of a text file; see [`read_spectrum`].
+pub(super) fn read_stream(
+    input: impl BufRead,
+    path: &str,
+    content: &Content,
+) -> Result<Spectrum, FileError> {
     let value_name = content.names[0];
     let layout_error = |place, expected: String, got: String| FileError::Layout {
         path: path.to_owned(),
@@ -110,9 +82,12 @@ fn read_stream(input: impl BufRead, path: &str, content: &Content) -> Result<Spe
     };
     let mut lines = TextRows::new(input, path, "text in UTF-8 with a row for each degree");
     let mut layout: Option<Columns> = None;
+    let mut in_comment: Option<Columns> = None;
     let mut rows: BTreeMap<usize, SpectrumRow> = BTreeMap::new();
     while let Some(line) = lines.next_line()? {
         if line.is_comment() {
+            let names = line.with_text(line.text.trim_start_matches('#'));
+            in_comment = Columns::of_header(names, content.names).or(in_comment);
             continue;
         }
         let place = Place::Line(line.number);
@@ -126,11 +101,15 @@ fn read_stream(input: impl BufRead, path: &str, content: &Content) -> Result<Spe
                 })?);
                 continue;
             }
-            None => *layout.insert(Columns::without_header(fields.len()).ok_or_else(|| {
-                let expected =
-                    format!("fields l, {value_name} and stderr, or a header that names them");
-                layout_error(place, expected, format!("{} without a header", fields.len()))
-            })?),
+            None => {
+                let commented = in_comment.filter(|columns| columns.count == fields.len());
+                let columns =
+                    commented.or_else(|| Columns::without_header(fields.len(), content.alone));
+                *layout.insert(columns.ok_or_else(|| {
+                    let got = format!("{} without a header", fields.len());
+                    layout_error(place, content.layout.to_owned(), got)
+                })?)
+            }
         };
         if fields.len() != columns.count {
             let expected = format!("{} fields", columns.count);
@@ -143,20 +122,32 @@ fn read_stream(input: impl BufRead, path: &str, content: &Content) -> Result<Spe
             expected: expected.to_owned(),
             got: format!("{:?}", shortened(got)),
         };
-        let degree = &fields[columns.l];
-        let l = degree.parse().map_err(|_| wrong("l", "a degree", degree))?;
-        if rows.contains_key(&l) {
-            return Err(wrong("l", "each degree once", degree));
-        }
-        let number = |field: &str, column: usize| {
-            let text = &fields[column];
-            let value = text.parse().ok().filter(|x: &f64| x.is_finite() && *x >= 0.0);
-            value.ok_or_else(|| wrong(field, "a finite number from 0", text))
+        let l = match columns.l {
+            Some(column) => {
+                degree(&fields[column]).ok_or_else(|| wrong("l", "a degree", &fields[column]))?
+            }
+            None => rows.len(),
         };
-        let value = number(value_name, columns.value)?;
+        if rows.contains_key(&l) {
+            return Err(wrong("l", "each degree once", &l.to_string()));
+        }
+        let number = |field: &str, column: usize, min: f64| {
+            let text = &fields[column];
+            let value = text.parse().ok().filter(|x: &f64| x.is_finite() && *x >= min);
+            let expected = if min < 0.0 {
+                Cow::from(format!(
+                    "a finite number from 0, or less by at most {} times stderr",
+                    content.max_below
+                ))
+            } else {
+                Cow::from("a finite number from 0")
+            };
+            value.ok_or_else(|| wrong(field, &expected, text))
+        };
         // The spectrum of one given set has no error, so its field is empty.
         let stderr = columns.stderr.filter(|&column| !fields[column].is_empty());
-        let stderr = stderr.map_or(Ok(0.0), |column| number("stderr", column))?;
+        let stderr = stderr.map_or(Ok(0.0), |column| number("stderr", column, 0.0))?;
+        let value = number(value_name, columns.value, -content.max_below * stderr)?;
         let count = |column: usize| {
             let text = &fields[column];
             text.parse().map_err(|_| wrong("realizations", "a whole number", text))
@@ -182,12 +173,26 @@ fn read_stream(input: impl BufRead, path: &str, content: &Content) -> Result<Spe
     Ok(Spectrum { rows: rows.into_values().collect(), name })
 }
 
+/// Returns the degree of a field, which `numpy.savetxt` writes as 2.000000000000000000e+00.
+fn degree(text: &str) -> Option<usize> {
+    /// Larger numbers are no degrees, and up to this one all whole numbers are exact.
+    const MAX: f64 = 1e15;
+    let l: f64 = text.parse().ok()?;
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "a whole number from 0 to 1e15"
+    )]
+    (l.fract() == 0.0 && (0.0..=MAX).contains(&l)).then_some(l as usize)
+}
+
 /// The positions of the numbers in a row.
 #[derive(Clone, Copy)]
 struct Columns {
     /// The number of fields.
     count: usize,
-    l: usize,
+    /// Rows without degrees are those of degrees 0, 1, ...
+    l: Option<usize>,
     value: usize,
     /// The name of the value in the header.
     name: Option<&'static str>,
@@ -203,7 +208,7 @@ impl Columns {
         let (value, name) = names.iter().find_map(|name| Some((find(&[name])?, *name)))?;
         Some(Self {
             count: line.fields().count(),
-            l: find(&["l"])?,
+            l: Some(find(&["l"])?),
             value,
             name: Some(name),
             stderr: find(&["stderr"]),
@@ -212,22 +217,20 @@ impl Columns {
     }
 
     /// Returns the columns of lines with this number of fields; those after the third are ignored.
-    fn without_header(count: usize) -> Option<Self> {
+    fn without_header(count: usize, values_alone: bool) -> Option<Self> {
+        let (l, value) = match count {
+            1 if values_alone => (None, 0),
+            0 | 1 => return None,
+            _ => (Some(0), 1),
+        };
         let stderr = (count > 2).then_some(2);
-        (count >= 2).then_some(Self {
-            count,
-            l: 0,
-            value: 1,
-            name: None,
-            stderr,
-            realizations: None,
-        })
+        Some(Self { count, l, value, name: None, stderr, realizations: None })
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::{EnergyQuantity, POWER, SpectrumRow, energies, read_stream};
+    use super::{POWER, SpectrumRow, read_stream};
 
     fn read(text: &str) -> Result<Vec<SpectrumRow>, String> {
         let spectrum = read_stream(text.as_bytes(), "S", &POWER);
@@ -242,6 +245,8 @@ mod tests {
             "1,0.5,0.25\n2,1e-3,0\n",
             "2 1e-3 0\n1 0.5 0.25",
             "1 0.5 0.25 9\n2 1e-3 0 9",
+            "1.000e+00 5.0e-01 2.5e-01\n2.000e+00 1.0e-03 0.0e+00\n",
+            "# power and l of a fit\n# l stderr power\n1 0.25 0.5\n2.0 0 1e-3\n",
             "l,power,stderr\n1,0.5,0.25\n2,1e-3,0\n",
             "\u{feff}# by hand\r\n\r\n\"L\", \"Power\" ,\"stderr\"\r\n1,0.5,0.25\r\n2,1e-3,0\r\n",
             "l,omega,mean,stderr,name\n1,0,0.5,0.25,\"a, b\"\n # between\n2,0,1e-3,0,\n",
@@ -279,6 +284,10 @@ mod tests {
                 "l,power,realizations\n1,0.5,x\n",
                 "S:2: realizations: expected a whole number, got \"x\"",
             ),
+            ("1.5 0.5", "S:1: l: expected a degree, got \"1.5\""),
+            ("-1 0.5", "S:1: l: expected a degree, got \"-1\""),
+            ("1e300 0.5", "S:1: l: expected a degree, got \"1e300\""),
+            ("1 -0.5 9", "S:1: power: expected a finite number from 0, got \"-0.5\""),
             ("nan 0.5", "S:1: l: expected a degree, got \"nan\""),
             ("1 0.5 -1", "S:1: stderr: expected a finite number from 0, got \"-1\""),
             ("l,power,stderr\n1,0.5\n", "S:2: expected 3 fields, got 2"),
@@ -286,48 +295,6 @@ mod tests {
             ("1,0.5\n3,0.5\n", "S: expected every degree from 1 to 3, got none of degree 2"),
         ] {
             assert_eq!(read(text), Err(message.to_owned()), "{text:?}");
-        }
-    }
-
-    #[test]
-    fn energies_are_read_in_both_normalizations() {
-        let read = |text: &str, quantity| {
-            energies(text.as_bytes(), "S", quantity).map_err(|error| error.to_string())
-        };
-        let (energy, cl) = (Some(EnergyQuantity::Energy), Some(EnergyQuantity::AngularPower));
-        for (text, quantity) in [
-            ("1,3\n2,10\n", None),
-            ("2 10\n1 3\n", energy),
-            ("1,1\n2,2\n", cl),
-            ("l,Energy\n1,3\n2,10\n", None),
-            ("l,E\n1,3\n2,10\n", energy),
-            ("l,cl\n1,1\n2,2\n", None),
-            ("C_l l\n1 1\n2 2\n", cl),
-            ("l,cl,energy\n1,1,3\n2,2,10\n", None),
-            ("l,cl,energy\n1,1,9\n2,2,9\n", cl),
-        ] {
-            assert_eq!(read(text, quantity), Ok(vec![0.0, 3.0, 10.0]), "{text:?} {quantity:?}");
-        }
-        assert_eq!(read("0,2\n", None), Ok(vec![2.0]));
-        for (text, quantity, message) in [
-            ("l,energy\n", None, "S: expected rows of l and energy, got none"),
-            (
-                "l,power\n1,2\n",
-                None,
-                "S:1: expected columns l and energy (or e), or cl (or c_l), and stderr, got the header \
-                 l,power",
-            ),
-            (
-                "l,energy\n1,2\n",
-                cl,
-                "S:1: expected columns l and cl (or c_l), and stderr, got the header l,energy",
-            ),
-            ("1,1\n2,-1\n", None, "S:2: energy: expected a finite number from 0, got \"-1\""),
-            ("1,inf\n", cl, "S:1: cl: expected a finite number from 0, got \"inf\""),
-            ("1,1\n1,1\n", None, "S:2: l: expected each degree once, got \"1\""),
-            ("0,1\n2,1\n", None, "S: expected every degree from 1 to 2, got none of degree 1"),
-        ] {
-            assert_eq!(read(text, quantity), Err(message.to_owned()), "{text:?}");
         }
     }
 }

@@ -1,6 +1,6 @@
 //! Integrands with energies or coefficients from files.
 
-use sphvar_integrands::{AlmParameters, EnergiesParameters, Expansion};
+use sphvar_integrands::{AlmParameters, EnergiesParameters, EnergyEstimates, Expansion};
 use sphvar_spectrum::Method;
 
 use super::chosen_hdu;
@@ -9,17 +9,32 @@ use crate::files::{self, read_alm};
 use crate::memory::{check_degree, check_memory};
 
 /// Reads the energies of a file.
-pub(super) fn read_energies(wanted: &EnergiesParameters) -> Result<Vec<f64>, CliError> {
-    let energies = files::read_energies(&wanted.file, wanted.quantity)?;
-    check_size(&wanted.file.display().to_string(), energies.len() - 1)?;
-    Ok(energies)
+pub(super) fn read_energies(
+    wanted: &EnergiesParameters,
+    remarks: &mut Vec<String>,
+) -> Result<EnergyEstimates, CliError> {
+    let file = files::read_energies(&wanted.file, wanted.quantity)?;
+    let name = wanted.file.display().to_string();
+    let count = file.energies.per_degree.len();
+    check_size(&name, count - 1)?;
+    if !file.negative.is_empty() {
+        remarks.push(format!(
+            "{name}: {} of {count} energies are negative, as noise makes estimates of 0; the function has none in \
+             these degrees",
+            file.negative.len()
+        ));
+    }
+    Ok(file.energies)
 }
 
 /// Reads the coefficients of a file.
-pub(super) fn read_coefficients(wanted: &AlmParameters) -> Result<Expansion, CliError> {
+pub(super) fn read_coefficients(
+    wanted: &AlmParameters,
+    remarks: &mut Vec<String>,
+) -> Result<Expansion, CliError> {
     let (path, hdu) = chosen_hdu(&wanted.file, wanted.hdu.as_deref())?;
     let failed = |e| CliError::Failed(format!("{}: {e}", path.display()));
-    Expansion::new(read_alm(&path, &hdu)?).map_err(failed)
+    Expansion::new(read_alm(&path, &hdu, remarks)?).map_err(failed)
 }
 
 /// Rejects degrees whose coefficients and transforms are not supported or do not fit in memory.

@@ -44,6 +44,19 @@ fn coefficients_of_healpy_are_sums_of_harmonics() {
     assert_eq!((zero["predicted"].as_f64(), zero["exact"].as_f64()), (Some(0.0), Some(0.0)));
 }
 
+#[test]
+fn the_first_of_several_tables_is_named() {
+    let place = Workplace::new();
+    let remark = |hdu: &str| {
+        let arguments = "variance white-noise -n 12 -m 4";
+        let integrand = format!("--integrand={}", data(&format!("alm.fits{hdu}")));
+        let output = place.command(arguments).arg(integrand).output().unwrap();
+        String::from_utf8_lossy(&output.stderr).contains("hdu=2 selects the next")
+    };
+    assert!(remark(""));
+    assert!(!remark("[1]") && !remark(",hdu=2"));
+}
+
 /// The prediction of a cap, cut off at the degree of the file.
 #[test]
 fn energies_of_a_cap_give_its_prediction() {
@@ -120,7 +133,11 @@ fn wrong_files_and_parameters_are_named() {
         ("energy:empty.csv", &["rows of l and energy"], 1),
         ("energy:none.csv", &["none.csv"], 1),
         ("energy:gap.csv,quantity=power", &["quantity", "energy", "cl"], 2),
-        ("alm:short.npy", &["short.npy", "21 for lmax = 5, the nearest", "19"], 1),
+        (
+            "alm:short.npy",
+            &["short.npy", "21 for lmax = 5, the nearest", "healpy.resize_alm", "19"],
+            1,
+        ),
         ("alm:nan.npy", &["nan.npy[2]", "finite"], 1),
         ("alm:complex.npy", &["complex.npy", "l = 1, m = 0", "real for m = 0"], 1),
         ("alm:gap.csv", &["an NPY array or a FITS table of coefficients"], 1),

@@ -169,6 +169,37 @@ fn results_go_to_files() {
 
 /// The fit as an integrand has its exact integral and the energies of the function behind the
 /// values, so that the ranking of patterns is that of the function.
+/// Noise alone, whose energies are negative in about half of all degrees.
+#[test]
+fn energies_of_fits_are_integrands_with_errors() {
+    let place = Workplace::new();
+    let noise: Vec<[f64; 4]> = rows(400, 0.3)
+        .into_iter()
+        .map(|[x, y, z, value]| [x, y, z, value - (1.0 + z + x * y)])
+        .collect();
+    place.write("v.csv", csv("x,y,z,value", &noise));
+    place.run("fit v.csv --lmax 8 -o energies.csv").ok();
+    let table = place.text("energies.csv");
+    assert!(table.lines().any(|line| line.contains(",-")), "{table}");
+    let outcome = place.run("variance jittered -n 48 -m 20 --json --integrand energy:energies.csv");
+    let message = &outcome.stderr;
+    assert!(message.contains("of 9 energies are negative"), "{message}");
+    let row = outcome.json()["rows"][0].clone();
+    let error = number(&row, "predicted_stderr");
+    assert!(error > 1e-3 * number(&row, "predicted"), "{row}");
+    // The same energies without errors: a negative one is wrong, the prediction exact.
+    let energies = place.run("fit v.csv --lmax 8 --json").json();
+    let rows = energies["energies"].as_array().unwrap().iter().enumerate();
+    let exact: String =
+        rows.map(|(l, row)| format!("{l},{:?}\n", number(row, "energy").max(0.0))).collect();
+    place.write("exact.csv", exact);
+    let exact = place.run("variance jittered -n 48 -m 20 --json --integrand energy:exact.csv");
+    let exact = exact.json()["rows"][0].clone();
+    let ratio = number(&exact, "predicted") / number(&row, "predicted");
+    assert!((ratio - 1.0).abs() < 1e-6, "{row} {exact}");
+    assert!(number(&exact, "predicted_stderr") < 0.1 * error, "{row} {exact}");
+}
+
 #[test]
 fn fits_are_integrands() {
     let place = Workplace::new();

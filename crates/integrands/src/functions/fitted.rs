@@ -67,6 +67,19 @@ impl FittedFunction {
         Ok(Self { expansion: Expansion::new(alm)?, domain: fit.domain, stderr })
     }
 
+    /// Returns a function with the standard errors of the energies per degree that it stands for.
+    ///
+    /// An even function with exact odd energies is also known on the hemisphere.
+    pub(crate) fn of_estimates(expansion: Expansion, mut stderr: Vec<f64>) -> Self {
+        let alm = expansion.alm();
+        stderr.resize(stderr.len().max(alm.lmax() + 1), 0.0);
+        let odd_energy = alm.energy_per_degree().into_iter().skip(1).step_by(2).sum::<f64>();
+        let odd_error = stderr.iter().skip(1).step_by(2).sum::<f64>();
+        let is_even = odd_energy + odd_error == 0.0;
+        let domain = if is_even { Domain::Hemisphere } else { Domain::Sphere };
+        Self { expansion, domain, stderr }
+    }
+
     /// Returns the scaled coefficients as a function.
     #[must_use]
     pub fn expansion(&self) -> &Expansion {
@@ -96,7 +109,8 @@ impl Integrand for FittedFunction {
         // does not state.
         if (domain, self.domain) == (Domain::Hemisphere, Domain::Sphere) {
             return Err(Error::NoEnergy {
-                reason: "the values were fitted on the sphere; hemisphere=yes fits them on the hemisphere",
+                reason: "its energies were estimated on the sphere; values:...,hemisphere=yes fits values on the \
+                         hemisphere",
             });
         }
         let mut per_degree = self.stderr.clone();

@@ -6,8 +6,8 @@ use glam::DVec3;
 use num_complex::Complex;
 use sphvar_integrands::grammar::ResolveError;
 use sphvar_integrands::{
-    AlmParameters, Cap, Domain, EnergiesParameters, Error, Expansion, Expression, Integrand,
-    IntegrandResolver, NoFiles,
+    AlmParameters, Cap, Domain, EnergiesParameters, EnergyEstimates, Error, Expansion, Expression,
+    Integrand, IntegrandResolver, NoFiles,
 };
 use sphvar_sh::Alm;
 
@@ -111,8 +111,9 @@ fn cap() -> Cap {
 }
 
 impl IntegrandResolver for Files {
-    fn energies(&self, _: &EnergiesParameters) -> Result<Vec<f64>, ResolveError> {
-        Ok(cap().energy(Domain::Sphere, CAP_DEGREE).unwrap().per_band().to_vec())
+    fn energies(&self, _: &EnergiesParameters) -> Result<EnergyEstimates, ResolveError> {
+        let per_degree = cap().energy(Domain::Sphere, CAP_DEGREE).unwrap().per_band().to_vec();
+        Ok(EnergyEstimates { per_degree, stderr: vec![] })
     }
 
     fn expansion(&self, _: &AlmParameters) -> Result<Expansion, ResolveError> {
@@ -149,6 +150,28 @@ fn coefficients_of_files_take_part_in_expressions() {
     assert_eq!(product.band_limit(), Some(7));
 }
 
+#[test]
+fn errors_of_energies_are_stated_with_them() {
+    struct Estimates([f64; 3]);
+    impl IntegrandResolver for Estimates {
+        fn energies(&self, _: &EnergiesParameters) -> Result<EnergyEstimates, ResolveError> {
+            let per_degree = vec![1.0, self.0[1] * 2.0, 5.0, 0.0];
+            Ok(EnergyEstimates { per_degree, stderr: self.0.to_vec() })
+        }
+    }
+    let f = built("energy:a.csv", &Estimates([9.0, 0.5, 0.25]));
+    let energy = f.energy(Domain::Sphere, 5).unwrap();
+    assert_eq!(energy.per_band_stderr(), Some(&[9.0, 0.5, 0.25, 0.0, 0.0, 0.0][..]));
+    let centred = energy.centred_stderr();
+    assert_eq!([centred.even, centred.odd].map(f64::to_bits), [0.25, 0.5].map(f64::to_bits));
+    assert!((energy.centred().sum() - 6.0).abs() < 1e-14);
+    // The even extension of a field with odd degrees has other energies, of unknown errors.
+    assert!(f.energy(Domain::Hemisphere, 5).is_err());
+    let even = built("energy:a.csv", &Estimates([9.0, 0.0, 0.25]));
+    let energy = even.energy(Domain::Hemisphere, 5).unwrap();
+    assert_eq!(energy.centred_stderr().even.to_bits(), 0.25f64.to_bits());
+}
+
 /// Values of `alm2map` of healpy 1.18 at the centres of pixels 0, 5 and 10 of nside 1.
 #[test]
 fn values_are_those_of_healpy() {
@@ -177,8 +200,8 @@ fn impossible_energies_are_errors() {
     ));
     struct Negative;
     impl IntegrandResolver for Negative {
-        fn energies(&self, _: &EnergiesParameters) -> Result<Vec<f64>, ResolveError> {
-            Ok(vec![-1.0, 1.0])
+        fn energies(&self, _: &EnergiesParameters) -> Result<EnergyEstimates, ResolveError> {
+            Ok(EnergyEstimates { per_degree: vec![-1.0, 1.0], stderr: vec![] })
         }
     }
     let expression: Expression = "energy:a.csv".parse().unwrap();
