@@ -29,10 +29,11 @@ pub(crate) const EXAMPLES: &str = "Examples:
 
 Coefficients F_lm of the sum over Y_lm that minimize sum w (y - f(x))^2 + R sum |F_lm|^2 are found by conjugate \
 gradients. The points need a column value; w are weights, inverse variances up to a common factor, and \
-sigma standard errors of the values (w = 1/sigma^2). The variance of the noise follows from the residuals, the energy \
-of a degree, sum_m |F_lm|^2, is stated without that of the noise, with its standard error. What the function has beyond \
-degree L counts as noise. Degree L needs at least (L+1)^2 distinct points, (L+1)(L+2)/2 on the hemisphere, and no large gaps \
-between them; a ridge R > 0 draws what gaps leave open to 0, and energies with it. \
+sigma standard errors of the values (w = 1/sigma^2). The residuals give the variance of the noise. The energy of \
+a degree is sum_m |F_lm|^2 minus the expected energy of the noise; its standard error is stated. Parts of the function of \
+degrees above L are treated as noise. Degree L needs at least (L+1)^2 distinct points, (L+1)(L+2)/2 on the hemisphere, and no \
+large gaps between them; a ridge R > 0 shrinks coefficients that the points do not determine, and biases energies \
+towards 0. \
 -o alm.npy or alm.fits writes the coefficients in the order of healpy, .csv the energies; `values:FILE,lmax=L` is \
 the fit as an integrand.";
 
@@ -85,7 +86,8 @@ pub(crate) struct FitBody {
     ridge: f64,
     /// The root mean square of the residuals, weighted by w.
     residual_rms: f64,
-    /// The variance of the noise of a value of weight 1; null without degrees of freedom.
+    /// The variance of the noise of a value of weight 1, the reduced chi-square with `sigma`; null without degrees of
+    /// freedom.
     noise_variance: Option<f64>,
     /// The number of points of positive weight minus that of coefficients, and what a ridge adds.
     degrees_of_freedom: f64,
@@ -191,7 +193,7 @@ impl FitBody {
         let mut text = format!(
             "{} points, fit to degree {}\n\
              rms of residuals  {}\n\
-             noise variance    {}\n\
+             noise variance    {} (of a value of weight 1; with sigma, the reduced chi-square)\n\
              condition number  {}\n\
              iterations        {}\n\n",
             self.n,
@@ -208,6 +210,12 @@ impl FitBody {
             Column::number("noise", |row: &EnergyRow| optional(row.noise)),
         ];
         text += &table_of(&columns, self.energies.iter().take(ROWS));
+        text += "\nenergy: sum over m of |F_lm|^2 without the energy of the noise, in squared units of the values; +-: its\n\
+                 standard error; noise: the mean energy of the noise, which is subtracted\n";
+        if self.ridge > 0.0 {
+            text +=
+                "The ridge biases energies towards 0; the standard errors do not include this.\n";
+        }
         if self.energies.len() > ROWS {
             text += &format!("-o FILE.csv writes all {} degrees.\n", self.energies.len());
         }

@@ -30,8 +30,8 @@ pub(crate) const EXAMPLES: &str = "Examples:
 The value is the mean over 16 independently rotated copies of a set of N points. N doubles until the error is at most \
 the larger of --atol and --rtol times the value. The error is the half width of a 95 % interval from the spread of the \
 copies, corrected for stopping at the first one that is sufficiently short. An integral of 0 needs --atol. Functions \
-that vary at few of the points need more: a level counts if the variation is spread over 64 evaluations, and equal \
-values at 100000 points are taken for a constant. If the tolerance is not met, the result is printed and the exit \
+that vary at few of the points need more: N is doubled until the variation is spread over at least 64 evaluations, and a \
+function with equal values at 100000 points is taken for a constant. If the tolerance is not met, the result is printed and the exit \
 status is 1. With --nodes, the sum of the weights times the values at the nodes is the value.";
 
 /// The memory of one point of a set: its direction, a value and a weight.
@@ -53,7 +53,7 @@ pub(crate) struct IntegrateArgs {
     /// Absolute tolerance [default: none]
     #[arg(long, value_name = "E", value_parser = parse_number, allow_negative_numbers = true)]
     pub(crate) atol: Option<f64>,
-    /// Maximum number of evaluations, over all copies and all N
+    /// Maximum number of evaluations, summed over all copies and all values of N
     #[arg(long, value_name = "N", default_value = "10M", value_parser = parse_one_count)]
     pub(crate) max_points: usize,
     #[command(flatten)]

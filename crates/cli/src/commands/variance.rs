@@ -36,7 +36,7 @@ all trials agree, it has an upper limit only.
 env:FILE,channel=rgb has a row for red, green, blue and luminance, all estimated from the same directions. --project 2 \
 has a row for each of the 9 coefficients of a light probe, the integrals of the integrand times the real harmonics to \
 degree 2, and one for the irradiance over all normals that they give: its mean squared error integrated over normals, \
-and relative error with respect to its root mean square. The error of leaving out higher degrees is no part of it.
+and relative error with respect to its root mean square. It does not include the truncation error, from leaving out higher degrees.
 
 --no-rotate gives the errors in the orientation that a pattern has. For a set that is always the same these are \
 its signed error and the distribution of errors over uniformly random orientations; for a random pattern, the mean \

@@ -8,8 +8,8 @@ use crate::report::say;
 
 /// The value of `channel` for all channels of the next list.
 const RGB: &str = "rgb";
-/// Red, green, blue, and the luminance, which is the default channel.
-const CHANNELS: [Option<&str>; 4] = [Some("r"), Some("g"), Some("b"), None];
+/// The channels, the main one last.
+const CHANNELS: [&str; 4] = ["r", "g", "b", "luminance"];
 
 /// Returns the integrands of an expression: one, or with `channel=rgb` those of red, green, blue
 /// and, as the last one, luminance. Reads every file once and prints remarks, unless `quiet`.
@@ -26,11 +26,11 @@ pub(crate) fn parse_integrands(
         files.remarks.take().iter().for_each(|remark| say(quiet, remark));
         return Ok(vec![integrand]);
     }
-    let of_channel = |channel: Option<&str>| {
-        let expression = with_channel(expression.clone(), channel);
+    let of_channel = |channel: &str| {
+        let mut expression = expression.clone();
+        set_channel(&mut expression, channel);
         let integrand = files.build(&expression, expression.to_string())?;
-        let name = channel.unwrap_or("luminance");
-        files.remarks.take().iter().for_each(|remark| say(quiet, &format!("{name} of {remark}")));
+        files.remarks.take().iter().for_each(|r| say(quiet, &format!("{channel} of {r}")));
         Ok(integrand)
     };
     CHANNELS.into_iter().map(of_channel).collect()
@@ -40,8 +40,8 @@ pub(crate) fn parse_integrands(
 pub(super) fn reject(expression: &Expression) -> Result<(), CliError> {
     if expression.terms().any(is_rgb) {
         return Err(CliError::Usage(
-            "channel=rgb stands for three channels and luminance, which variance, compare and choose take; choose \
-             r, g, b or luminance"
+            "channel=rgb means r, g, b and luminance, and is supported by variance, compare and choose; name one \
+             of the four"
                 .to_owned(),
         ));
     }
@@ -52,13 +52,20 @@ fn is_rgb(term: &Term) -> bool {
     matches!(term, Term::Environment(p) if p.picture.channel.as_deref() == Some(RGB))
 }
 
-/// Replaces `channel=rgb` by one channel.
-fn with_channel(mut expression: Expression, channel: Option<&str>) -> Expression {
-    let factors = expression.summands.iter_mut().flat_map(|summand| &mut summand.factors);
-    for factor in factors.filter(|factor| is_rgb(&factor.term)) {
-        if let Term::Environment(parameters) = &mut factor.term {
-            parameters.picture.channel = channel.map(str::to_owned);
+/// Replaces `channel=rgb` by one channel, also within filters.
+fn set_channel(expression: &mut Expression, channel: &str) {
+    let mut pending = vec![expression];
+    while let Some(expression) = pending.pop() {
+        let factors = expression.summands.iter_mut().flat_map(|summand| &mut summand.factors);
+        for factor in factors {
+            let is_rgb = is_rgb(&factor.term);
+            match &mut factor.term {
+                Term::Environment(parameters) if is_rgb => {
+                    parameters.picture.channel = Some(channel.to_owned());
+                }
+                Term::Filtered(parameters) => pending.push(&mut parameters.of),
+                _ => {}
+            }
         }
     }
-    expression
 }

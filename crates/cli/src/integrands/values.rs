@@ -9,6 +9,7 @@ use sphvar_spectrum::FitError;
 use crate::error::CliError;
 use crate::files::{OptionSpelling, ReadOptions};
 use crate::memory::check_degree;
+use crate::report::number::value;
 use crate::values::Values;
 
 /// Returns the fit to the values of a file.
@@ -40,5 +41,11 @@ pub(super) fn fit(
     };
     let problem = values.problem(domain, wanted.ridge).map_err(error)?;
     let fit = problem.solve(wanted.lmax, &mut || ControlFlow::Continue(())).map_err(error)?;
+    remarks.push(format!(
+        "{name}: the integrand is the fit of degree {}, and exact integrals are those of the fit; residuals: {} (root \
+         mean square)",
+        wanted.lmax,
+        value(fit.residual_rms)
+    ));
     FittedFunction::new(&fit).map_err(|error| CliError::Failed(format!("{name}: {error}")))
 }

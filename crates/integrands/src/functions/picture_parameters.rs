@@ -97,7 +97,7 @@ impl Default for EnvironmentParameters {
 
 impl Parametric for PictureParameters {
     fn declare(&mut self, d: &mut Declaration<'_>) {
-        let summary = "luminance, r, g, b or a channel's name in the file";
+        let summary = "luminance, r, g, b, a channel's name in the file, or rgb, all three and luminance in variance, compare, choose";
         d.word("channel", summary, "luminance", &mut self.channel);
         d.word("layer", "layer or part of the file", "none", &mut self.layer);
         d.choice("projection", "how the picture covers the sphere", &mut self.projection);

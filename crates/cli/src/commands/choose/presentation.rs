@@ -170,7 +170,7 @@ fn explanation(question: &Question) -> String {
     let relative = if question.integral.is_some() { ", relative to it" } else { "" };
     let error = match question.quantity {
         "irradiance" => format!(
-            "the norm over all normals of the irradiance's standard error{relative}; +-: its\nuncertainty"
+            "standard error of the irradiance, its root mean square over all normals{relative}; +-:\nits uncertainty"
         ),
         quantity => format!("one standard error of the {quantity}{relative}; +-: its uncertainty"),
     };
