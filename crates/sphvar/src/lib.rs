@@ -53,17 +53,20 @@ pub mod prelude {
     pub use glam::DVec3;
     pub use rand::RngExt;
     pub use sphvar_integrands::{
-        AdaptiveFunction, Cap, Energy, EnvironmentMap, Harmonic, Integrand, PhongLobe, Product,
-        Rotated, SampledFunction, Sum, Tolerance, VonMisesFisher,
+        AdaptiveFunction, Cap, Energy, EnvironmentMap, FittedFunction, Harmonic, Integrand,
+        PhongLobe, Product, Rotated, SampledFunction, Sum, Tolerance, VectorIntegrand,
+        VonMisesFisher,
     };
     pub use sphvar_samplers::{
         Domain, FnPattern, Pattern, PointSet, PointSets, Progress, Purpose, Realizations, Sampler,
         SamplerFamily, Streams,
     };
+    pub use sphvar_sht::LeastSquares;
     pub use sphvar_spectrum::{ExactSpectrum, Spectrum, estimate};
     pub use sphvar_variance::{
         Candidate, Comparison, Goal, Integral, IntegrationOptions, PredictedPoint, Prediction,
-        PredictionBudget, Predictor, Trials, fit_rate, integrate, rank, required_points,
+        PredictionBudget, Predictor, Trials, fit_rate, integrate, integrate_vector, rank,
+        required_points,
     };
 }
 
