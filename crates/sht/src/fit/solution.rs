@@ -1,6 +1,6 @@
 use sphvar_sh::Alm;
 
-use super::noise::Inverse;
+use super::inverse::Inverse;
 use super::{FitError, LeastSquares};
 use crate::normal_equations::{Harmonics, Watch, add, dot};
 

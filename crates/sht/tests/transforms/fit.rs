@@ -31,14 +31,14 @@ fn values_at(alm: &Alm, points: &[DVec3]) -> Vec<f64> {
     values
 }
 
-/// The definition: singular values of the weighted matrix with the rows of the ridge.
+/// The definition: the weighted matrix with the rows of the ridge.
 struct Dense {
+    rows: DMatrix<f64>,
     coefficients: DVector<f64>,
-    condition: f64,
     residual_rms: f64,
     freedom: f64,
-    /// `tr_l C` per degree.
-    noise: Vec<f64>,
+    /// C by degree.
+    covariances: Vec<DMatrix<f64>>,
 }
 
 impl Dense {
@@ -63,23 +63,27 @@ impl Dense {
         });
         let right =
             DVector::from_fn(n + p, |k, _| if k < n { weights[k].sqrt() * values[k] } else { 0.0 });
-        let svd = rows.clone().svd(true, true);
-        let coefficients = svd.solve(&right, 0.0).unwrap();
-        let condition = svd.singular_values.max() / svd.singular_values.min();
+        let qr = rows.clone().qr();
+        let coefficients = qr.r().solve_upper_triangular(&(qr.q().transpose() * &right)).unwrap();
         let residuals = rows.rows(0, n) * &coefficients - right.rows(0, n);
         let inverse = (rows.transpose() * &rows).try_inverse().unwrap();
         let covariance = &inverse - ridge * &inverse * &inverse;
         let used = weights.iter().filter(|w| **w > 0.0).count();
         let freedom = (used - p) as f64 + ridge * ridge * (&inverse * &inverse).trace();
         let mut first = 0;
-        let noise = (0..=lmax).map(|l| {
+        let covariances = (0..=lmax).map(|l| {
             let orders = if domain.has_degree(l) { 2 * l + 1 } else { 0 };
             first += orders;
-            (first - orders..first).map(|i| covariance[(i, i)]).sum()
+            covariance.view((first - orders, first - orders), (orders, orders)).into_owned()
         });
-        let noise = noise.collect();
+        let covariances = covariances.collect();
         let residual_rms = residuals.norm() / weights.iter().sum::<f64>().sqrt();
-        Self { coefficients, condition, residual_rms, freedom, noise }
+        Self { rows, coefficients, residual_rms, freedom, covariances }
+    }
+
+    fn condition(&self) -> f64 {
+        let singular = self.rows.singular_values();
+        singular.max() / singular.min()
     }
 }
 
@@ -102,30 +106,26 @@ fn fits_match_dense_least_squares() {
             let problem = problem.with_ridge(ridge).unwrap();
             let fit = problem.solve(lmax, &mut proceed).unwrap();
             let dense = Dense::new(&points, &values, all, (domain, lmax), ridge);
+            let condition = dense.condition();
             let name = format!("{name}, ridge {ridge}, weights {}", weights.is_some());
             let expected = matrix(&directions, domain, lmax).transpose() * &dense.coefficients;
             let got = values_at(&fit.alm, &directions);
-            let tolerance = 2e-11 * dense.condition.powi(2) * expected.amax();
+            let tolerance = 2e-11 * condition.powi(2) * expected.amax();
             for (got, expected) in got.iter().zip(&expected) {
                 assert!((got - expected).abs() < tolerance, "{name}: {got}, not {expected}");
             }
             // Lanczos approximates from within.
-            let ratio = fit.condition / dense.condition;
+            let ratio = fit.condition / condition;
             assert!((0.95..1.0 + 1e-6).contains(&ratio), "{name}: {ratio}");
             assert!((fit.residual_rms - dense.residual_rms).abs() < 1e-10, "{name}");
-            // The trace is exact up to 49 harmonics, otherwise estimated from few vectors.
-            let (n_used, n) = (all.iter().filter(|w| **w > 0.0).count(), dense.coefficients.len());
-            let of_ridge = dense.freedom - (n_used - n) as f64;
-            let limit = if n <= 49 { 1e-6 } else { 0.9 * of_ridge };
             let error = (fit.degrees_of_freedom - dense.freedom).abs();
-            assert!(error <= limit, "{name}: {}, not {}", fit.degrees_of_freedom, dense.freedom);
+            assert!(error < 1e-6, "{name}: {}, not {}", fit.degrees_of_freedom, dense.freedom);
             check_energies(&name, &fit, &dense, all);
         }
     }
 }
 
-/// Compares the noise of every degree with the trace of the dense covariance. It is exact up to 49
-/// harmonics; beyond, five standard errors fail once in 10^6 degrees.
+/// Compares the noise of every degree and the errors of energies with those of the dense covariance.
 fn check_energies(name: &str, fit: &Fit, dense: &Dense, weights: &[f64]) {
     let Some(variance) = fit.noise_variance else {
         assert!(fit.degrees_of_freedom < 1e-9, "{name}");
@@ -135,16 +135,35 @@ fn check_energies(name: &str, fit: &Fit, dense: &Dense, weights: &[f64]) {
     let sum_w: f64 = weights.iter().sum();
     let exact = dense.residual_rms.powi(2) * sum_w / fit.degrees_of_freedom;
     assert!((variance / exact - 1.0).abs() < 1e-6, "{name}: {variance}, not {exact}");
-    for (l, (energy, trace)) in fit.energies.iter().zip(&dense.noise).enumerate() {
+    let mut first = 0;
+    for (l, (energy, c)) in fit.energies.iter().zip(&dense.covariances).enumerate() {
         let (noise, stderr) = (energy.noise.unwrap(), energy.stderr.unwrap());
-        let error = (noise - variance * trace).abs();
-        let is_exact = dense.coefficients.len() <= 49;
-        let limit = if is_exact { 1e-6 * noise } else { 5.0 * stderr };
-        assert!(error <= limit, "{name}, degree {l}: {noise}, not {}", variance * trace);
+        let mean = variance * c.trace();
+        assert!((noise - mean).abs() <= 1e-6 * mean, "{name}, degree {l}: {noise}, not {mean}");
         let difference = energy.fitted - noise;
         let rounding = 1e-14 * (energy.fitted + noise);
         assert!((energy.corrected.unwrap() - difference).abs() <= rounding, "{name}");
+        let f = dense.coefficients.rows(first, c.nrows());
+        first += c.nrows();
+        let square = variance * (c * c).trace();
+        let of_function = 4.0 * variance * (f.dot(&(c * f)) - square).max(0.0);
+        let of_variance = 2.0 * mean * mean / fit.degrees_of_freedom;
+        let expected = (of_function + 2.0 * variance * square + of_variance).sqrt();
+        let error = (stderr - expected).abs();
+        assert!(error <= 1e-5 * expected, "{name}, degree {l}: {stderr}, not {expected}");
     }
+}
+
+#[test]
+fn a_fit_to_degree_20_of_uneven_points_matches_dense_least_squares() {
+    let towards_pole = |p: &DVec3| (*p + 0.3 * DVec3::Z).normalize();
+    let points: Vec<DVec3> = white(1500, Domain::Sphere, 12).iter().map(towards_pole).collect();
+    let values = normal(points.len(), &mut Lcg::new(13));
+    let weights: Vec<f64> = (0..points.len()).map(|k| [0.5, 1.0, 2.0][k % 3]).collect();
+    let problem = LeastSquares::new(&points, &values, Domain::Sphere).unwrap();
+    let fit = problem.with_weights(&weights).unwrap().solve(20, &mut proceed).unwrap();
+    let dense = Dense::new(&points, &values, &weights, (Domain::Sphere, 20), 0.0);
+    check_energies("degree 20", &fit, &dense, &weights);
 }
 
 /// Simulates noise of unequal variance on values of a function of degree 8 and checks that
@@ -212,6 +231,64 @@ fn corrected_energies_are_unbiased_and_their_errors_are_right() {
 #[ignore = "statistics"]
 fn corrected_energies_of_many_simulations() {
     check_simulated_energies(400, 1.5);
+}
+
+/// Simulates noise on a function of degree 6 at points that are dense near one pole and rare near
+/// the other, with unequal weights, so that the noise of a degree is far from isotropic. Mean squared errors deviate from
+/// the stated ones by less than `deviation`, and intervals of nominally 95 % cover the energies with
+/// more than a share `min_coverage`.
+fn check_uneven_points(trials: usize, deviation: f64, min_coverage: f64) {
+    const LMAX: usize = 6;
+    let towards_pole = |p: &DVec3| (*p + 0.6 * DVec3::Z).normalize();
+    let points: Vec<DVec3> = white(220, Domain::Sphere, 21).iter().map(towards_pole).collect();
+    let weights = mixed_weights(points.len());
+    let mut random = Lcg::new(22);
+    let mut truth = Alm::zeros(LMAX).unwrap();
+    for (l, m) in truth.index().iter() {
+        let (re, im) = (random.signed(), random.signed());
+        truth[(l, m)] = num_complex::Complex::new(re, if m == 0 { 0.0 } else { im });
+    }
+    let exact = truth.energy_per_degree();
+    let values = values_at(&truth, &points);
+    for noise in [0.01, 0.03] {
+        let mut sums = vec![[0.0; 4]; LMAX + 1];
+        for _ in 0..trials {
+            let errors = normal(points.len(), &mut random);
+            let noisy = values.iter().zip(errors.iter().zip(&weights));
+            let error = |e: f64, w: f64| if w > 0.0 { noise * e / w.sqrt() } else { 0.0 };
+            let noisy: Vec<f64> = noisy.map(|(y, (e, w))| y + error(*e, *w)).collect();
+            let problem = LeastSquares::new(&points, &noisy, Domain::Sphere).unwrap();
+            let fit = problem.with_weights(&weights).unwrap().solve(LMAX, &mut proceed).unwrap();
+            for ((sums, energy), exact) in sums.iter_mut().zip(&fit.energies).zip(&exact) {
+                let (error, stated) = (energy.corrected.unwrap() - exact, energy.stderr.unwrap());
+                let is_covered = error.abs() < 1.96 * stated;
+                let terms = [error, error * error, stated * stated, f64::from(is_covered)];
+                sums.iter_mut().zip(terms).for_each(|(sum, t)| *sum += t / trials as f64);
+            }
+        }
+        for (l, [mean, square, stated, coverage]) in sums.into_iter().enumerate() {
+            let z = mean / (square / trials as f64).sqrt();
+            let name = format!("noise {noise}, degree {l}");
+            assert!(z.abs() < 4.5, "{name}: bias of {z} standard errors");
+            let ratio = square / stated;
+            assert!((ratio - 1.0).abs() < deviation, "{name}: {ratio}");
+            assert!(coverage > min_coverage, "{name}: {coverage}");
+        }
+    }
+}
+
+// For Gaussian energies the ratio has the standard deviation sqrt(2/trials), 0.18 and 0.045, and a
+// coverage of 0.95 that of 0.028 and 0.007: four of them or more fail once in 1000 seeds. With the
+// noise of a degree taken as isotropic, ratios are 0.8 to 1.4 and coverages from 0.90.
+#[test]
+fn errors_hold_for_uneven_points() {
+    check_uneven_points(60, 0.9, 0.8);
+}
+
+#[test]
+#[ignore = "statistics"]
+fn errors_hold_for_uneven_points_in_many_simulations() {
+    check_uneven_points(1000, 0.22, 0.915);
 }
 
 #[test]
