@@ -30,8 +30,8 @@ use sphvar_integrands::{Integrand, VectorIntegrand};
 use sphvar_samplers::{PointSet, Progress, Purpose, Realizations, Sampler, Streams};
 
 pub use self::estimate::Estimate;
-use self::estimate::estimates;
-use self::level::{CopySums, Scalar, copy_sums};
+use self::estimate::{Judged, estimates};
+use self::level::{CopySums, Range, Scalar, copy_sums};
 pub use self::options::IntegrationOptions;
 use crate::Error;
 use crate::estimates::evaluation_work;
@@ -43,10 +43,6 @@ pub(crate) const COPIES: usize = 16;
 
 /// The number of points of the first sets.
 const FIRST_COUNT: usize = 32;
-
-/// The number of evaluations after which a function with equal values is considered constant: a
-/// feature that covers 3/100000 of the domain is then missed with probability 5 % at most.
-const MIN_CONSTANT: u64 = 100_000;
 
 /// The reason why an integration ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -60,6 +56,10 @@ pub enum StopReason {
     MaxPoints,
     /// The pattern has no larger sets.
     LargestSet,
+    /// All values are equal, at as many points as the limits allow, so that the error is unknown:
+    /// the function may be constant, or differ on less than [`Integral::unseen_share`] of the
+    /// domain. With several components, those that miss the tolerance have equal values.
+    EqualValues,
 }
 
 /// An integral with its error, and how it was obtained.
@@ -90,6 +90,14 @@ impl Integral {
         self.estimates.first().map_or(f64::NAN, |estimate| estimate.error)
     }
 
+    /// Returns `3.7/evaluations`, at most 1: independent points all miss a feature that covers this
+    /// share of the domain with probability 2.5 %.
+    #[must_use]
+    pub fn unseen_share(&self) -> f64 {
+        const MISSED: f64 = 0.025;
+        (-MISSED.ln() / self.evaluations as f64).min(1.0)
+    }
+
     /// Returns whether every component meets the tolerance.
     #[must_use]
     pub fn has_converged(&self) -> bool {
@@ -102,11 +110,12 @@ impl Integral {
 /// At each level the value is the mean over 16 independently rotated copies of a set of N points.
 /// N starts at about 32 and doubles (to the nearest valid count) until
 /// `error <= max(atol, rtol |value|)`, where the error includes the correction for stopping at the
-/// first such level. A level also needs values whose variation is spread over at least 64
-/// evaluations, and a function with equal values at all points needs 100000 evaluations.
+/// first such level. An error is known if the variance of the values is spread over at least 16
+/// evaluations and no earlier level has much more different values; otherwise it is NaN, and N
+/// doubles further. It is therefore never known for values that are all equal.
 ///
 /// The confidence holds for bounded functions whose features the points hit; no rule that evaluates
-/// a function finds a feature that no point hits. Estimates near singularities such as `r^-1/2` are
+/// a function finds a feature that no point hits (see [`Integral::unseen_share`]). Estimates near singularities such as `r^-1/2` are
 /// skewed, and their intervals contain the integral less often than stated.
 ///
 /// The result is a function of the options and of `f` alone, whatever the number of threads.
@@ -182,10 +191,11 @@ pub fn integrate_vector(
     let quantile = options.quantile();
     let mut n_points = options.first_count()?;
     let mut evaluations = 0;
+    let mut ranges = vec![Range::EMPTY; components];
     loop {
         let copies = level(f, options, n_points, progress)?;
         evaluations += (COPIES * n_points) as u64;
-        let estimates = estimates(&copies, components, options.domain, quantile)?;
+        let estimates = estimates(&copies, &mut ranges, options.domain, quantile)?;
         let integral = |stop| Integral {
             estimates: estimates.iter().map(|judged| judged.estimate).collect(),
             n_points,
@@ -193,25 +203,28 @@ pub fn integrate_vector(
             evaluations,
             stop,
         };
-        let is_resolved = estimates.iter().all(|judged| {
-            judged.is_resolved() || judged.is_constant() && evaluations >= MIN_CONSTANT
-        });
-        let mut missed = estimates.iter().filter(|j| !options.is_met(j.estimate)).peekable();
-        if is_resolved && missed.peek().is_none() {
+        let missed: Vec<&Judged> =
+            estimates.iter().filter(|judged| !options.is_met(judged.estimate)).collect();
+        if missed.is_empty() {
             return Ok(integral(StopReason::Tolerance));
         }
-        if is_resolved && missed.all(|judged| judged.is_limited_by_rounding()) {
+        if missed.iter().all(|judged| judged.is_limited_by_rounding()) {
             return Ok(integral(StopReason::Rounding));
         }
+        // The reason of an integration that the limits end.
+        let limited = |limit| {
+            let is_constant = missed.iter().all(|judged| judged.is_constant());
+            integral(if is_constant { StopReason::EqualValues } else { limit })
+        };
         let Some(next) = options.next_count(n_points) else {
-            return Ok(integral(StopReason::LargestSet));
+            return Ok(limited(StopReason::LargestSet));
         };
         let is_affordable = (COPIES as u64)
             .checked_mul(next as u64)
             .and_then(|more| more.checked_add(evaluations))
             .is_some_and(|total| total <= options.max_points);
         if !is_affordable {
-            return Ok(integral(StopReason::MaxPoints));
+            return Ok(limited(StopReason::MaxPoints));
         }
         n_points = next;
     }

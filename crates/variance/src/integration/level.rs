@@ -30,18 +30,49 @@ impl VectorIntegrand for Scalar<'_> {
 /// so that neither sums nor squares overflow or underflow.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct CopySums {
-    /// The largest `|v|`.
-    pub(super) largest: f64,
-    /// `sum w v/sum w`, relative to `largest`.
+    /// The smallest and the largest v.
+    pub(super) range: Range,
+    /// `sum w v/sum w`, relative to the largest `|v|`.
     pub(super) mean: f64,
-    /// `sum |w v|/|sum w|`, relative to `largest`.
+    /// `sum |w v|/|sum w|`, relative to the largest `|v|`.
     pub(super) mean_magnitude: f64,
     /// The largest difference of a value from their mean.
     pub(super) max_deviation: f64,
-    /// The sum of these differences, relative to the largest.
-    pub(super) deviations: f64,
-    /// The sum of their squares, relative to that of the largest.
+    /// The sum of the squares of these differences, relative to that of the largest.
     pub(super) squares: f64,
+    /// The sum of their fourth powers, relative to that of the largest.
+    pub(super) fourths: f64,
+}
+
+/// The range of the values of a component.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Range {
+    min: f64,
+    max: f64,
+}
+
+impl Range {
+    /// The range of no values.
+    pub(super) const EMPTY: Self = Self { min: f64::INFINITY, max: f64::NEG_INFINITY };
+
+    fn of(values: impl Iterator<Item = f64>) -> Self {
+        values.fold(Self::EMPTY, |range, v| range.union(Self { min: v, max: v }))
+    }
+
+    pub(super) fn union(self, other: Self) -> Self {
+        Self { min: self.min.min(other.min), max: self.max.max(other.max) }
+    }
+
+    /// Returns the largest magnitude, 0 without values.
+    pub(super) fn largest(self) -> f64 {
+        self.max.max(-self.min).max(0.0)
+    }
+
+    /// Returns half the difference of the largest and the smallest value, 0 without values. All of
+    /// it may exceed the range of numbers.
+    pub(super) fn half_width(self) -> f64 {
+        (self.max / 2.0 - self.min / 2.0).max(0.0)
+    }
 }
 
 /// Returns the sums of each component over one copy. Ticks [`evaluation_work`] for each component.
@@ -79,11 +110,12 @@ fn invalid(dir: DVec3, component: usize, components: usize, value: f64) -> Error
 
 /// Returns the sums of values with weights, which are empty if all are equal.
 fn sums(values: impl Iterator<Item = f64> + Clone, weights: &[f64]) -> CopySums {
-    let largest = values.clone().fold(0.0, |max: f64, v| max.max(v.abs()));
+    let range = Range::of(values.clone());
+    let largest = range.largest();
     if largest <= 0.0 {
         let (mean, mean_magnitude) = (0.0, 0.0);
-        let (max_deviation, deviations, squares) = (0.0, 0.0, 0.0);
-        return CopySums { largest, mean, mean_magnitude, max_deviation, deviations, squares };
+        let (max_deviation, squares, fourths) = (0.0, 0.0, 0.0);
+        return CopySums { range, mean, mean_magnitude, max_deviation, squares, fourths };
     }
     let heaviest = weights.iter().fold(0.0, |max: f64, w| max.max(w.abs()));
     // Weights of equal points are 1.
@@ -102,21 +134,21 @@ fn sums(values: impl Iterator<Item = f64> + Clone, weights: &[f64]) -> CopySums 
     let centre = plain.value() / count;
     let max_deviation =
         values.clone().fold(0.0, |max: f64, v| max.max((v / largest - centre).abs()));
-    let (mut deviations, mut squares) = (0.0, 0.0);
+    let (mut squares, mut fourths) = (0.0, 0.0);
     if max_deviation > 0.0 {
         for value in values {
-            let d = (value / largest - centre).abs() / max_deviation;
-            deviations += d;
-            squares += d * d;
+            let square = ((value / largest - centre) / max_deviation).powi(2);
+            squares += square;
+            fourths += square * square;
         }
     }
     let total = total.value();
     CopySums {
-        largest,
+        range,
         mean: sum.value() / total,
         mean_magnitude: magnitude / total.abs(),
         max_deviation: max_deviation * largest,
-        deviations,
         squares,
+        fourths,
     }
 }
