@@ -8,6 +8,7 @@ mod crowds;
 mod definition;
 mod double;
 mod fit;
+mod fit_errors;
 mod gradients;
 mod hostile;
 mod legendre;
