@@ -81,6 +81,8 @@ pub(crate) fn parse_count(text: &str) -> Result<usize, String> {
     if let Ok(n) = text.parse() {
         return Ok(n);
     }
+    /// Beyond it, not every whole number is an f64.
+    const MAX: f64 = (1_u64 << 53) as f64;
     let wrong = || format!("expected a whole number such as 1000, 1e4 or 10k, got \"{text}\"");
     let (number, unit) = match text.as_bytes().last() {
         Some(b'k' | b'K') => (&text[..text.len() - 1], 1e3),
@@ -92,8 +94,10 @@ pub(crate) fn parse_count(text: &str) -> Result<usize, String> {
         return Err(wrong());
     }
     let value = number.parse::<f64>().map_err(|_| wrong())? * unit;
-    // Beyond 2^53, not every whole number is an f64.
-    if value.fract() == 0.0 && value <= 2f64.powi(53) {
+    if value > MAX {
+        return Err(format!("numbers are at most 2^53 (about 9e15), got \"{text}\""));
+    }
+    if value.fract() == 0.0 {
         #[expect(
             clippy::cast_possible_truncation,
             clippy::cast_sign_loss,

@@ -22,9 +22,26 @@ pub(crate) fn parse_share(text: &str) -> Result<f64, String> {
     }
 }
 
+/// Parses a share as [`parse_share`] does, or 0.
+pub(crate) fn parse_share_or_zero(text: &str) -> Result<f64, String> {
+    let number = text.trim().trim_end_matches('%').trim_end();
+    if number.parse().is_ok_and(|x: f64| x == 0.0) { Ok(0.0) } else { parse_share(text) }
+}
+
 #[cfg(test)]
 mod tests {
-    use super::parse_share;
+    use super::{parse_share, parse_share_or_zero};
+
+    #[test]
+    fn shares_may_be_zero_where_allowed() {
+        for text in ["0", "0%", " 0.0 % ", "-0"] {
+            assert_eq!(parse_share_or_zero(text).unwrap().to_bits(), 0, "{text}");
+        }
+        assert_eq!(parse_share_or_zero("2%"), parse_share("2%"));
+        for text in ["", "%", "-1", "nan", "0x", "1"] {
+            assert!(parse_share_or_zero(text).is_err(), "{text}");
+        }
+    }
 
     #[test]
     fn shares_are_numbers_or_percent() {

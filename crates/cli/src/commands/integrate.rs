@@ -19,8 +19,8 @@ use crate::integrands::parse_integrand;
 use crate::memory::check_memory;
 use crate::patterns::parse_pattern;
 use crate::progress::Progress;
-use crate::report::{Document, Provenance, is_stdout, number, print};
-use crate::share::parse_share;
+use crate::report::{Document, Provenance, is_stdout, number, print, say};
+use crate::share::parse_share_or_zero;
 
 pub(crate) const EXAMPLES: &str = "Examples:
   sphvar integrate --integrand vmf:kappa=20 --rtol 1e-4
@@ -29,10 +29,10 @@ pub(crate) const EXAMPLES: &str = "Examples:
 
 The value is the mean over 16 independently rotated copies of a set of N points. N doubles until the error is at most \
 the larger of --atol and --rtol times the value. The error is the half width of a 95 % interval from the spread of the \
-copies, corrected for stopping at the first one that is sufficiently short. An integral of 0 needs --atol. Functions \
-that vary at few of the points need more: N is doubled until the variation is spread over at least 64 evaluations, and a \
-function with equal values at 100000 points is taken for a constant. If the tolerance is not met, the result is printed and the exit \
-status is 1. With --nodes, the sum of the weights times the values at the nodes is the value.";
+copies, corrected for stopping at the first one that is sufficiently short. An integral of 0 needs --atol. The error is \
+unknown while the variance of the values is spread over fewer than 16 evaluations, as it is for features that few points \
+hit, or while all values are equal. If the tolerance is not met, the result is printed and the exit status is 1, except \
+that equal values suffice if the exact integral is known and within the tolerance. With --nodes, the sum of the weights times the values at the nodes is the value.";
 
 /// The memory of one point of a set: its direction, a value and a weight.
 const BYTES_PER_POINT: f64 = 40.0;
@@ -48,7 +48,7 @@ pub(crate) struct IntegrateArgs {
     #[command(flatten)]
     pub(crate) sampler: SamplerArgs,
     /// Relative tolerance, such as 1e-4 or 0.01% [default: 1e-4, or none with --atol]
-    #[arg(long, value_name = "E", value_parser = parse_share, allow_negative_numbers = true)]
+    #[arg(long, value_name = "E", value_parser = parse_share_or_zero, allow_negative_numbers = true)]
     pub(crate) rtol: Option<f64>,
     /// Absolute tolerance [default: none]
     #[arg(long, value_name = "E", value_parser = parse_number, allow_negative_numbers = true)]
@@ -72,15 +72,20 @@ pub(crate) struct IntegrateBody {
     sampler: String,
     /// The estimated integral.
     value: f64,
-    /// The half width of the 95 % interval for the integral.
-    error: f64,
+    /// The half width of the 95 % interval for the integral, or null where the values do not
+    /// determine it: all are equal, or too few contribute to their variance.
+    error: Option<f64>,
     /// The exact integral, if it is known.
     exact: Option<f64>,
-    /// Whether the error is within the tolerance.
+    /// Whether the error is within the tolerance; with equal values, whether the difference from
+    /// the exact integral is, if it is known.
     converged: bool,
     /// Why the integration ended: `tolerance`, `rounding` (more points would not reduce the error),
-    /// `max-points`, or `largest-set` (the sampler has no larger sets).
+    /// `max-points`, `largest-set` (the sampler has no larger sets), or `equal-values` (all values
+    /// are equal, at as many points as the limits allow).
     stop: &'static str,
+    /// What limits the validity of the result.
+    remarks: Vec<String>,
     /// The relative tolerance.
     rtol: f64,
     /// The absolute tolerance.
@@ -98,6 +103,11 @@ pub(crate) struct IntegrateBody {
 pub(crate) fn run(args: &IntegrateArgs, global: &Global) -> Result<(), CliError> {
     if let Some(path) = &args.nodes {
         check_weighted_points(path)?;
+        if global.json && is_stdout(path) {
+            return Err(CliError::Usage(
+                "standard output holds one document: use either --nodes - or --json".to_owned(),
+            ));
+        }
     }
     let integrand = parse_integrand(args.integrand.required()?, global.quiet)?;
     let pattern = match args.sampler.sampler.as_deref() {
@@ -126,18 +136,21 @@ pub(crate) fn run(args: &IntegrateArgs, global: &Global) -> Result<(), CliError>
     drop(progress);
     let provenance = Provenance::new(global.seed);
     let to_stdout = args.nodes.as_deref().is_some_and(is_stdout);
-    if let Some(path) = args.nodes.as_deref().filter(|_| !(to_stdout && global.json)) {
+    if let Some(path) = args.nodes.as_deref() {
         let nodes = options.nodes(integral.n_points)?;
         write_points(path, None, &[nodes], Some(&provenance.line()))?;
     }
+    let exact = integrand.function.exact(options.domain);
+    let outcome = Outcome::new(&integral, exact, &options);
     let body = IntegrateBody {
         integrand: integrand.name,
         sampler: pattern.to_string(),
         value: integral.value(),
-        error: integral.error(),
-        exact: integrand.function.exact(options.domain),
-        converged: integral.has_converged(),
+        error: Some(integral.error()).filter(|error| error.is_finite()),
+        exact,
+        converged: outcome.is_met,
         stop: word(integral.stop),
+        remarks: outcome.remarks,
         rtol: options.rtol,
         atol: options.atol,
         n: integral.n_points,
@@ -150,7 +163,50 @@ pub(crate) fn run(args: &IntegrateArgs, global: &Global) -> Result<(), CliError>
     } else if !to_stdout {
         print(&body.text())?;
     }
-    failure(&integral, &pattern, args).map_or(Ok(()), |reason| Err(CliError::Failed(reason)))
+    body.remarks.iter().for_each(|remark| say(global.quiet, remark));
+    if body.converged {
+        return Ok(());
+    }
+    Err(CliError::Failed(failure(&integral, &pattern, args)))
+}
+
+/// Whether a result meets the tolerance, and what limits its validity.
+struct Outcome {
+    is_met: bool,
+    remarks: Vec<String>,
+}
+
+impl Outcome {
+    fn new(integral: &Integral, exact: Option<f64>, options: &IntegrationOptions<'_>) -> Self {
+        let (value, error) = (integral.value(), integral.error());
+        let mut remarks = Vec::new();
+        let evaluations = number::count(integral.evaluations as f64);
+        if integral.stop == StopReason::EqualValues {
+            let share = number::ratio(integral.unseen_share());
+            remarks.push(format!(
+                "all {evaluations} values are equal, so the error is unknown: features on less than {share} of the \
+                 domain may be missed"
+            ));
+        } else if error.is_nan() {
+            remarks.push(format!(
+                "the error is unknown: too few of {evaluations} values contribute to the variance, as for features \
+                 that few points hit"
+            ));
+        }
+        // Where the error is unknown, the known integral decides.
+        let tolerance = options.atol.max(options.rtol * value.abs());
+        let allowed = if error.is_nan() { tolerance } else { error };
+        let difference = exact.map(|exact| (value - exact).abs());
+        if difference.is_some_and(|difference| difference > allowed) {
+            let name =
+                if error.is_nan() { "the tolerance around the value" } else { "the 95 % interval" };
+            remarks.push(format!("the exact integral is outside {name}"));
+        }
+        let is_exact = difference.is_some_and(|difference| difference <= tolerance);
+        let is_met =
+            integral.has_converged() || integral.stop == StopReason::EqualValues && is_exact;
+        Self { is_met, remarks }
+    }
 }
 
 /// Returns an error of the options as a usage error.
@@ -166,40 +222,44 @@ fn word(stop: StopReason) -> &'static str {
         StopReason::Tolerance => "tolerance",
         StopReason::Rounding => "rounding",
         StopReason::MaxPoints => "max-points",
+        StopReason::EqualValues => "equal-values",
         // A reason that a later version adds is a limit of the sampler too.
         _ => "largest-set",
     }
 }
 
 /// Returns the message for a tolerance that is not met.
-fn failure(integral: &Integral, pattern: &Pattern, args: &IntegrateArgs) -> Option<String> {
-    let reached = number::uncertainty(integral.error());
-    let missed = format!("the tolerance is not met: the error is {reached}");
-    let advice = match integral.stop {
-        StopReason::Tolerance => return None,
-        StopReason::Rounding => "which is due to rounding; if the integral may be 0, give --atol",
-        StopReason::MaxPoints => {
-            let evaluations = integral.evaluations;
-            return Some(format!(
-                "{missed} after {evaluations} evaluations, and twice the points would exceed --max-points {}; if the \
-                 integral may be 0, give --atol",
-                args.max_points
-            ));
+fn failure(integral: &Integral, pattern: &Pattern, args: &IntegrateArgs) -> String {
+    let is_known = integral.error().is_finite();
+    let error = if is_known { number::uncertainty(integral.error()) } else { "unknown".to_owned() };
+    let evaluations = integral.evaluations;
+    let missed =
+        format!("the tolerance is not met: the error is {error} after {evaluations} evaluations");
+    let limit = match integral.stop {
+        StopReason::Rounding => ", which is due to rounding".to_owned(),
+        StopReason::EqualValues => ", because all values are equal".to_owned(),
+        StopReason::LargestSet => {
+            format!(
+                ", and {} has no set of more than {} points",
+                pattern.label(),
+                integral.n_points
+            )
         }
-        _ => {
-            let n = integral.n_points;
-            return Some(format!(
-                "{missed}, and {} has no set of more than {n} points",
-                pattern.label()
-            ));
-        }
+        _ => format!(", and twice the points would exceed --max-points {}", args.max_points),
     };
-    Some(format!("{missed}, {advice}"))
+    // An interval that contains 0 suggests an integral of 0.
+    let may_be_zero = is_known && integral.value().abs() <= integral.error();
+    let advice = if may_be_zero { "; if the integral may be 0, give --atol" } else { "" };
+    missed + &limit + advice
 }
 
-/// Returns a value with its error: with all digits where tables show too few, which are six.
-fn with_error(value: f64, error: f64) -> String {
+/// Returns a value with its error, if it is known: with all digits where tables show too few, which
+/// are six.
+fn with_error(value: f64, error: Option<f64>) -> String {
     const MIN_RELATIVE: f64 = 1e-5;
+    let Some(error) = error else {
+        return format!("{} (error unknown)", number::full(value));
+    };
     if error >= MIN_RELATIVE * value.abs() && error <= value.abs() {
         number::with_uncertainty(value, error)
     } else {

@@ -82,10 +82,70 @@ fn options_out_of_range_are_usage_errors() {
         ("--integrand cosine --atol -1", "absolute tolerance"),
         ("--integrand cosine --atol 0", "must be positive"),
         ("--integrand cosine --max-points 15", "smallest set"),
-        ("--integrand cosine --rtol 0", "share above 0"),
+        ("--integrand cosine --rtol 0", "must be positive"),
+        ("--integrand cosine --rtol 0 --atol 0", "must be positive"),
+        ("--integrand cosine --rtol=-1%", "share above 0"),
+        ("--integrand cosine --max-points 1e18", "at most 2^53"),
+        ("--integrand cosine --nodes - --json", "either --nodes - or --json"),
         ("--integrand cosine --nodes nodes.txt", "written as .csv, .npz or .ply"),
         ("--integrand cosine --sampler fibonacci,healpix", "expected one sampler"),
     ] {
         place.run(&format!("integrate {options}")).fails(2, &[part]);
     }
+}
+
+/// Equal values and features that few points hit have no error: the status is 0 only where a known
+/// integral confirms the value.
+#[test]
+fn an_unknown_error_is_null_with_a_remark() {
+    let place = Workplace::new();
+    let with = |arguments: &str| {
+        let arguments = format!("integrate --max-points 1M --json --integrand {arguments}");
+        let output = place.command(&arguments).output().unwrap();
+        let document: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+        let message = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(document["error"], serde_json::Value::Null, "{document}");
+        let remarks = document["remarks"].to_string();
+        assert!(remarks.contains("the error is unknown"), "{remarks}");
+        assert!(message.contains("the error is unknown"), "{message}");
+        assert!(!message.contains("if the integral may be 0"), "{message}");
+        (output.status.code(), document, remarks)
+    };
+    let (status, document, remarks) = with("cap:degrees=180");
+    assert_eq!((status, &document["converged"]), (Some(0), &true.into()), "{document}");
+    assert_eq!(document["stop"], "equal-values");
+    assert!(
+        remarks.contains("features on less than 7.04e-6") && !remarks.contains("outside"),
+        "{remarks}"
+    );
+    let (status, document, remarks) = with("cap:degrees=0.01");
+    assert_eq!((status, &document["converged"]), (Some(1), &false.into()), "{document}");
+    assert_eq!(document["stop"], "equal-values");
+    assert!(remarks.contains("the exact integral is outside"), "{remarks}");
+    for narrow in ["vmf:kappa=1e6", "ggx:roughness=0.02", "ggx:roughness=0.001"] {
+        let (status, document, _) = with(narrow);
+        assert_eq!((status, &document["stop"]), (Some(1), &"max-points".into()), "{document}");
+    }
+}
+
+/// Rounding of large values is part of the error.
+#[test]
+fn errors_contain_the_rounding_of_large_values() {
+    let place = Workplace::new();
+    for mean in ["1e13", "1e14", "1e15", "1e17"] {
+        let arguments =
+            format!("integrate --integrand band:lmax=40,mean={mean} --max-points 100k --json");
+        let document = place.run(&arguments).json();
+        let number = |key: &str| document[key].as_f64();
+        let difference = (number("value").unwrap() - number("exact").unwrap()).abs();
+        assert!(number("error").is_none_or(|error| difference <= error), "{document}");
+        assert!(difference <= 1e-13 * number("exact").unwrap(), "{document}");
+    }
+}
+
+#[test]
+fn one_of_the_tolerances_may_be_zero() {
+    let place = Workplace::new();
+    let document = place.run("integrate --integrand cosine --rtol 0 --atol 1e-3 --json").json();
+    assert_eq!((&document["rtol"], &document["atol"]), (&0.0.into(), &0.001.into()));
 }
