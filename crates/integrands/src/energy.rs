@@ -187,16 +187,36 @@ impl Energy {
     /// Checks that the root mean square of the function is 0 or within
     /// [`MAGNITUDES`](Self::MAGNITUDES).
     ///
+    /// A total whose terms all underflow is 0, so functions of given values or coefficients are
+    /// checked before these are squared.
+    ///
     /// # Errors
     ///
     /// [`Error::Magnitude`] if it is not.
     pub fn check_magnitude(&self) -> Result<(), Error> {
-        let size = (self.total() / self.bands.area()).sqrt();
-        let [min, max] = Self::MAGNITUDES;
-        if size == 0.0 || (min..=max).contains(&size) {
-            Ok(())
-        } else {
-            Err(Error::Magnitude { got: size })
-        }
+        check_size((self.total() / self.bands.area()).sqrt())
     }
+}
+
+/// Checks that a root mean square is 0 or within [`Energy::MAGNITUDES`].
+///
+/// # Errors
+///
+/// [`Error::Magnitude`] if it is not.
+pub(crate) fn check_size(size: f64) -> Result<(), Error> {
+    let [min, max] = Energy::MAGNITUDES;
+    if size == 0.0 || (min..=max).contains(&size) {
+        Ok(())
+    } else {
+        Err(Error::Magnitude { got: size })
+    }
+}
+
+/// Returns `sqrt(sum x^2)`, whose squares neither overflow nor underflow.
+pub(crate) fn norm(numbers: impl Iterator<Item = f64> + Clone) -> f64 {
+    let largest = numbers.clone().fold(0.0, |max: f64, x| max.max(x.abs()));
+    if largest == 0.0 || largest == f64::INFINITY {
+        return largest;
+    }
+    largest * numbers.map(|x| (x / largest).powi(2)).sum::<f64>().sqrt()
 }

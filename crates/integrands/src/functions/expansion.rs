@@ -5,6 +5,7 @@ use num_complex::Complex;
 use sphvar_sh::{Alm, ByParity, Colatitude, Domain, GaussLegendre, LegendrePlan};
 use sphvar_sht::{Method, Transform, TransformWorkspace};
 
+use crate::energy::{check_size, norm};
 use crate::{Coefficients, Energy, Error, Integrand, Shape, quadrature};
 
 /// A real band-limited function given by its harmonic coefficients,
@@ -69,6 +70,7 @@ impl Expansion {
     ///
     /// [`Error::Coefficient`] if one is NaN or infinite, or has an imaginary part at m = 0, where
     /// those of a real function are real; parts below 1e-6 of the norm are dropped.
+    /// [`Error::Magnitude`] if the root mean square is beyond [`Energy::MAGNITUDES`].
     /// [`Error::Harmonics`] if memory is exhausted.
     pub fn new(mut alm: Alm) -> Result<Self, Error> {
         let size = alm.values().iter().map(|a| a.norm()).fold(0.0, f64::max);
@@ -82,6 +84,11 @@ impl Expansion {
             return Err(Error::Coefficient { l, m, re: a.re, im: a.im });
         }
         alm.column_mut(0).iter_mut().for_each(|a| a.im = 0.0);
+        let parts = (0..=alm.lmax()).flat_map(|m| {
+            let weight: f64 = if m == 0 { 1.0 } else { 2.0 };
+            alm.column(m).iter().flat_map(move |a| [a.re, a.im].map(|x| x * weight.sqrt()))
+        });
+        check_size(norm(parts) / (4.0 * PI).sqrt())?;
         let lmax = alm.lmax();
         Ok(Self {
             energies: alm.energy_per_degree(),
@@ -98,19 +105,6 @@ impl Expansion {
         &self.alm
     }
 
-    fn is_even(&self) -> bool {
-        self.energies.iter().skip(1).step_by(2).all(|e| *e == 0.0)
-    }
-
-    /// Returns the energy of the degrees from 1 by parity.
-    fn centred_energy(&self) -> ByParity {
-        let mut sums = ByParity::both(0.0);
-        for (l, e) in self.energies.iter().enumerate().skip(1) {
-            *sums.of_mut(l) += e;
-        }
-        sums
-    }
-
     /// Returns the coefficients of degree up to `lmax`, 0 beyond its own.
     fn padded(&self, lmax: usize) -> Result<Alm, Error> {
         let mut alm = Alm::zeros(lmax)?;
@@ -125,7 +119,7 @@ impl Expansion {
     /// Returns the coefficients of the even extension of the odd part, to degree `lmax`.
     fn extension_of_odd_part(&self, lmax: usize) -> Result<Alm, Error> {
         let mut alm = Alm::zeros(lmax)?;
-        if self.is_even() {
+        if is_even(&self.energies) {
             return Ok(alm);
         }
         let own = self.alm.lmax();
@@ -151,6 +145,33 @@ impl Expansion {
         }
         Ok(alm)
     }
+}
+
+/// Returns the shape of a function whose energies from degree 0 are these.
+pub(super) fn shape_of(energies: &[f64]) -> Shape {
+    let degrees = energies.len() as f64;
+    let shape = Shape::smooth(energies.len() - 1).with_cost(1.0 + degrees * degrees / 16.0);
+    if is_even(energies) { shape.even() } else { shape }
+}
+
+fn is_even(energies: &[f64]) -> bool {
+    energies.iter().skip(1).step_by(2).all(|e| *e == 0.0)
+}
+
+/// Returns the energy on the sphere to degree `lmax` of a function whose energies from degree 0 are
+/// these.
+pub(super) fn energy_of(energies: &[f64], lmax: usize) -> Energy {
+    let own = energies.iter().copied().chain(std::iter::repeat(0.0));
+    Energy::new(Domain::Sphere, own.take(lmax + 1).collect(), centred_energy(energies))
+}
+
+/// Returns the energy of the degrees from 1 by parity.
+fn centred_energy(energies: &[f64]) -> ByParity {
+    let mut sums = ByParity::both(0.0);
+    for (l, e) in energies.iter().enumerate().skip(1) {
+        *sums.of_mut(l) += e;
+    }
+    sums
 }
 
 impl Integrand for Expansion {
@@ -181,9 +202,7 @@ impl Integrand for Expansion {
     }
 
     fn shape(&self) -> Result<Shape, Error> {
-        let degrees = self.energies.len() as f64;
-        let shape = Shape::smooth(self.alm.lmax()).with_cost(1.0 + degrees * degrees / 16.0);
-        Ok(if self.is_even() { shape.even() } else { shape })
+        Ok(shape_of(&self.energies))
     }
 
     fn exact(&self, domain: Domain) -> Option<f64> {
@@ -208,7 +227,7 @@ impl Integrand for Expansion {
     /// On the hemisphere, with the even part e, the odd part o and its even extension G,
     /// `int (F - mean)^2 = int (e - mean e)^2 + int o^2 + 2 sum_{l >= 2} <e, G>_l - G_00^2`.
     fn centred_square(&self, domain: Domain) -> Result<ByParity, Error> {
-        let sphere = self.centred_energy();
+        let sphere = centred_energy(&self.energies);
         if domain == Domain::Sphere {
             return Ok(sphere);
         }
@@ -222,13 +241,10 @@ impl Integrand for Expansion {
 
     /// On the sphere, returns the energies without the coefficients.
     fn energy(&self, domain: Domain, lmax: usize) -> Result<Energy, Error> {
-        let per_degree = match domain {
-            Domain::Sphere => {
-                let own = self.energies.iter().copied().chain(std::iter::repeat(0.0));
-                own.take(lmax + 1).collect()
-            }
-            Domain::Hemisphere => self.coefficients(domain, lmax)?.energy_per_degree()?,
-        };
+        if domain == Domain::Sphere {
+            return Ok(energy_of(&self.energies, lmax));
+        }
+        let per_degree = self.coefficients(domain, lmax)?.energy_per_degree()?;
         Ok(Energy::new(domain, per_degree, self.centred_square(domain)?))
     }
 

@@ -3,7 +3,8 @@ use sphvar_sh::{Alm, ByParity, Domain};
 use sphvar_sht::Fit;
 
 use super::expansion::Expansion;
-use crate::{Energy, Error, Integrand};
+use crate::energy::norm;
+use crate::{Coefficients, Energy, Error, Integrand, Shape};
 
 /// A function known by values at scattered points: the least-squares [`Fit`] to them.
 ///
@@ -87,6 +88,13 @@ impl FittedFunction {
     }
 }
 
+/// Energies of sums, products and filters follow from coefficients and values, whose errors a fit
+/// does not state.
+const NOT_COMBINED: Error = Error::NoEnergy {
+    reason: "energies of values: are estimates with errors, which sums, products, filters and \
+             projections do not carry; write the fit by `sphvar fit -o a.npy` and use alm:a.npy",
+};
+
 impl Integrand for FittedFunction {
     fn eval(&self, dir: DVec3) -> f64 {
         self.expansion.eval(dir)
@@ -94,6 +102,14 @@ impl Integrand for FittedFunction {
 
     fn eval_into(&self, dirs: &[DVec3], values: &mut [f64]) -> Result<(), Error> {
         self.expansion.eval_into(dirs, values)
+    }
+
+    fn shape(&self) -> Result<Shape, Error> {
+        Err(NOT_COMBINED)
+    }
+
+    fn coefficients(&self, _domain: Domain, _lmax: usize) -> Result<Coefficients, Error> {
+        Err(NOT_COMBINED)
     }
 
     fn exact(&self, domain: Domain) -> Option<f64> {
@@ -115,12 +131,9 @@ impl Integrand for FittedFunction {
         }
         let mut per_degree = self.stderr.clone();
         per_degree.resize(lmax + 1, 0.0);
-        let mut squares = ByParity::both(0.0);
-        for (l, error) in self.stderr.iter().enumerate().skip(1) {
-            *squares.of_mut(l) += error * error;
-        }
-        let energy = self.expansion.energy(domain, lmax)?;
-        Ok(energy.with_stderr(per_degree, squares.map(f64::sqrt)))
+        let total = |first| norm(self.stderr.iter().copied().skip(first).step_by(2));
+        let totals = ByParity { even: total(2), odd: total(1) };
+        Ok(self.expansion.energy(domain, lmax)?.with_stderr(per_degree, totals))
     }
 
     fn energy_seconds(&self, domain: Domain, lmax: usize) -> f64 {

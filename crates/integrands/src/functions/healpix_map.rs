@@ -8,6 +8,7 @@ use sphvar_sh::Domain;
 use sphvar_sh::{Alm, ByParity, Colatitude, GaussLegendre};
 use sphvar_sht::{RingTransform, RingWorkspace};
 
+use crate::energy::check_size;
 use crate::quadrature::node_count;
 use crate::{Coefficients, Error, Integrand, Shape, quadrature};
 
@@ -79,7 +80,8 @@ impl HealpixMap {
     /// # Errors
     ///
     /// [`Error::PixelCount`] unless there are `12 nside^2`; [`Error::Pixels`] if some are NaN,
-    /// infinite or the UNSEEN of healpy.
+    /// infinite or the UNSEEN of healpy; [`Error::Magnitude`] if the largest is beyond
+    /// [`Energy::MAGNITUDES`](crate::Energy::MAGNITUDES).
     pub fn new(nside: Nside, values: Vec<f64>) -> Result<Self, Error> {
         if values.len() as u64 != nside.n_pixels() {
             let expected = nside.n_pixels();
@@ -296,7 +298,8 @@ fn check_values(values: &[f64]) -> Result<(), Error> {
         Some(first) => {
             Err(Error::Pixels { count: values.iter().filter(|v| is_missing(v)).count(), first })
         }
-        None => Ok(()),
+        // The root mean square is at most the largest value, whose square must not vanish.
+        None => check_size(values.iter().fold(0.0, |max: f64, v| max.max(v.abs()))),
     }
 }
 
