@@ -118,7 +118,7 @@ fn parse_expression(text: &str) -> Result<Expression, CliError> {
     for term in expression.terms() {
         match term {
             Term::Harmonic(harmonic) => check_degree(&term.to_string(), harmonic.l)?,
-            Term::Band(band) => expansion::check_size(&term.to_string(), band.lmax)?,
+            Term::Band(band) => check_degree(&term.to_string(), band.lmax)?,
             _ => {}
         }
     }
@@ -208,6 +208,10 @@ impl IntegrandResolver for IntegrandFiles {
 
     fn fitted_values(&self, wanted: &ValuesParameters) -> Result<FittedFunction, ResolveError> {
         values::fit(wanted, &mut self.remarks.borrow_mut()).map_err(ResolveError::new)
+    }
+
+    fn memory_check(&self) -> fn(usize) -> Result<(), String> {
+        expansion::check_values
     }
 
     fn remark(&self, text: String) {

@@ -62,6 +62,12 @@ pub trait IntegrandResolver {
         Err(unread(&wanted.file))
     }
 
+    /// Returns the check that a function of a degree fits in memory, which its first value calls;
+    /// the error is the reason why it does not. By default every degree passes.
+    fn memory_check(&self) -> fn(usize) -> Result<(), String> {
+        |_| Ok(())
+    }
+
     /// Receives a remark for the user on an integrand; by default remarks are dropped.
     fn remark(&self, _text: String) {}
 }

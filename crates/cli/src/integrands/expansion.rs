@@ -16,7 +16,7 @@ pub(super) fn read_energies(
     let file = files::read_energies(&wanted.file, wanted.quantity)?;
     let name = wanted.file.display().to_string();
     let count = file.energies.per_degree.len();
-    check_size(&name, count - 1)?;
+    check_degree(&name, count - 1)?;
     if !file.negative.is_empty() {
         remarks.push(format!(
             "{name}: {} of {count} energies are negative, as noise makes estimates of 0; the function has none in \
@@ -37,10 +37,9 @@ pub(super) fn read_coefficients(
     Expansion::new(read_alm(&path, &hdu, remarks)?).map_err(failed)
 }
 
-/// Rejects degrees whose coefficients and transforms are not supported or do not fit in memory.
-pub(super) fn check_size(what: &str, lmax: usize) -> Result<(), CliError> {
-    check_degree(what, lmax)?;
+/// Rejects a degree whose coefficients and transforms do not fit in memory.
+pub(super) fn check_values(lmax: usize) -> Result<(), String> {
     // The coefficients are in the function, and once more in a transform to its values.
     let bytes = Method::Fast.bytes(0, lmax, 1) + Method::Exact.bytes(0, lmax, 1);
-    check_memory(&format!("{what}: a function of degree {lmax}"), bytes)
+    check_memory(&format!("a function of degree {lmax}"), bytes).map_err(|e| e.to_string())
 }

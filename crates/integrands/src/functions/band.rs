@@ -3,7 +3,7 @@ use std::f64::consts::PI;
 use sphvar_grammar::{Declaration, Parametric, Range};
 use sphvar_sh::LmIndex;
 
-use super::Expansion;
+use super::RandomField;
 use crate::definition::Definition;
 use crate::{Error, Integrand, IntegrandResolver};
 
@@ -44,7 +44,7 @@ impl Default for BandParameters {
 
 impl Parametric for BandParameters {
     fn declare(&mut self, d: &mut Declaration<'_>) {
-        d.required_integer("lmax", [1, i64::MAX], "largest degree", &mut self.lmax);
+        d.required_integer("lmax", [1, 1_000_000], "largest degree", &mut self.lmax);
         let range = Range::closed(-Self::MAX_DECAY, Self::MAX_DECAY);
         d.number("decay", range, "p of energies (2l+1) l^-p, variance 1", &mut self.decay);
         d.number("mean", Range::closed(-1e150, 1e150), "mean over the sphere", &mut self.mean);
@@ -53,7 +53,7 @@ impl Parametric for BandParameters {
 }
 
 impl Definition for BandParameters {
-    fn build(&self, _: &dyn IntegrandResolver) -> Result<Box<dyn Integrand>, Error> {
+    fn build(&self, files: &dyn IntegrandResolver) -> Result<Box<dyn Integrand>, Error> {
         // The degree is checked before the energies take memory.
         LmIndex::new(self.lmax)?;
         let parameter = |name, range, got| Err(Error::Parameter { name, range, got });
@@ -63,6 +63,7 @@ impl Definition for BandParameters {
         if self.decay.is_nan() || self.decay.abs() > Self::MAX_DECAY {
             return parameter("decay", "in [-20, 20]", self.decay);
         }
-        Ok(Box::new(Expansion::random_field(self.mean, &self.energies(), self.field)?))
+        let field = RandomField::new(self.mean, &self.energies(), self.field)?;
+        Ok(Box::new(field.with_memory_check(files.memory_check())))
     }
 }

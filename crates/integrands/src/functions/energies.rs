@@ -3,7 +3,7 @@ use std::path::PathBuf;
 
 use sphvar_grammar::{Choice, Declaration, Parametric};
 
-use super::{Expansion, FittedFunction};
+use super::{FittedFunction, RandomField};
 use crate::definition::Definition;
 use crate::{Error, Integrand, IntegrandResolver};
 
@@ -69,12 +69,13 @@ impl Definition for EnergiesParameters {
         if mean_square < 0.0 {
             return Err(Error::Energy { l: 0, got: per_degree[0] });
         }
-        let field = Expansion::random_field(mean_square.sqrt(), rest, self.field)?;
+        let field = RandomField::new(mean_square.sqrt(), rest, self.field)?;
+        let field = field.with_memory_check(files.memory_check());
         if stderr.iter().all(|error| *error == 0.0) {
             return Ok(Box::new(field));
         }
         // The field has the stated energies exactly; their errors are those of the function that
         // they were estimated for.
-        Ok(Box::new(FittedFunction::of_estimates(field, stderr)))
+        Ok(Box::new(FittedFunction::of_estimates(field.expansion()?.clone(), stderr)))
     }
 }

@@ -302,9 +302,13 @@ impl Default for GgxParameters {
 
 impl Parametric for GgxParameters {
     fn declare(&mut self, d: &mut Declaration<'_>) {
-        // The constructor rejects mirrors, with the reason.
-        let summary = "square root of the width alpha of the GGX distribution, at least 0.001 (0 is a mirror)";
-        d.required_number("roughness", Range::closed(0.0, 1.0), summary, &mut self.roughness);
+        let summary = "square root of the width alpha of the GGX distribution (0 would be a mirror)";
+        d.required_number(
+            "roughness",
+            Range::closed(GgxLobe::MIN_ROUGHNESS, 1.0),
+            summary,
+            &mut self.roughness,
+        );
         let summary = "angle between view and normal in degrees";
         d.number("view", Range::right_open(0.0, 90.0), summary, &mut self.view);
     }

@@ -32,6 +32,7 @@ pub use map_parameters::MissingPixels;
 pub use picture::{PictureLayout, Projection};
 pub use picture_parameters::{PictureParameters, UpAxis};
 pub use product::Product;
+pub use random_field::RandomField;
 pub use rotated::Rotated;
 pub use sampled::SampledFunction;
 pub use sum::Sum;

@@ -1,11 +1,18 @@
+use std::f64::consts::PI;
+use std::iter;
+use std::sync::OnceLock;
+
+use glam::DVec3;
 use num_complex::Complex;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
-use sphvar_sh::Alm;
+use sphvar_sh::{Alm, ByParity, Domain, LmIndex};
 
 use super::Expansion;
-use crate::Error;
+use super::expansion::{energy_of, shape_of};
+use crate::energy::{check_size, norm};
+use crate::{Coefficients, Energy, Error, Integrand, Shape};
 
 impl Expansion {
     /// Returns the random field number `field` with given mean and energies; `energies[l - 1]` is
@@ -35,12 +42,9 @@ impl Expansion {
     /// # Ok::<(), sphvar_integrands::Error>(())
     /// ```
     pub fn random_field(mean: f64, energies: &[f64], field: u64) -> Result<Self, Error> {
-        let is_energy = |e: &f64| *e >= 0.0 && e.is_finite();
-        if let Some(at) = energies.iter().position(|e| !is_energy(e)) {
-            return Err(Error::Energy { l: at + 1, got: energies[at] });
-        }
+        check_energies(energies)?;
         let mut alm = Alm::zeros(energies.len())?;
-        alm[(0, 0)] = Complex::new(mean * (4.0 * std::f64::consts::PI).sqrt(), 0.0);
+        alm[(0, 0)] = Complex::new(mean * (4.0 * PI).sqrt(), 0.0);
         for (l, &energy) in (1..).zip(energies).filter(|(_, energy)| **energy > 0.0) {
             let drawn = isotropic(field, l);
             let both_signs = |m: usize| if m == 0 { 1.0 } else { 2.0 };
@@ -52,6 +56,131 @@ impl Expansion {
             }
         }
         Self::new(alm)
+    }
+}
+
+/// Checks energies from degree 1.
+fn check_energies(energies: &[f64]) -> Result<(), Error> {
+    let is_energy = |e: &f64| *e >= 0.0 && e.is_finite();
+    match energies.iter().position(|e| !is_energy(e)) {
+        Some(at) => Err(Error::Energy { l: at + 1, got: energies[at] }),
+        None => Ok(()),
+    }
+}
+
+/// A random field whose coefficients are drawn when a value is asked for.
+///
+/// Predictions on the sphere take energies only, which need neither the time nor the memory of
+/// coefficients. Otherwise it is the function of [`Expansion::random_field`].
+///
+/// # Examples
+///
+/// ```
+/// use sphvar_integrands::{Domain, Integrand, RandomField};
+///
+/// let f = RandomField::new(0.0, &[1.0; 20_000], 0)?;
+/// assert_eq!(f.energy(Domain::Sphere, 3)?.centred().sum(), 2e4);
+/// # Ok::<(), sphvar_integrands::Error>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct RandomField {
+    mean: f64,
+    /// From degree 0.
+    energies: Vec<f64>,
+    field: u64,
+    memory_check: fn(usize) -> Result<(), String>,
+    expansion: OnceLock<Result<Expansion, Error>>,
+}
+
+impl RandomField {
+    /// Returns the field of the arguments of [`Expansion::random_field`].
+    ///
+    /// # Errors
+    ///
+    /// Those of [`Expansion::random_field`], except that of memory, which values return.
+    pub fn new(mean: f64, energies: &[f64], field: u64) -> Result<Self, Error> {
+        check_energies(energies)?;
+        LmIndex::new(energies.len())?;
+        let root = (4.0 * PI).sqrt();
+        if !mean.is_finite() {
+            return Err(Error::Coefficient { l: 0, m: 0, re: mean * root, im: 0.0 });
+        }
+        let sizes = energies.iter().map(|e| e.sqrt() / root).chain([mean]);
+        check_size(norm(sizes))?;
+        let energies = iter::once((mean * root).powi(2)).chain(energies.iter().copied()).collect();
+        let memory_check = |_| Ok(());
+        Ok(Self { mean, energies, field, memory_check, expansion: OnceLock::new() })
+    }
+
+    /// Returns the field with a check that a function of a degree fits in memory, which precedes
+    /// the first value.
+    #[must_use]
+    pub fn with_memory_check(self, memory_check: fn(usize) -> Result<(), String>) -> Self {
+        Self { memory_check, ..self }
+    }
+
+    /// Returns the function, whose coefficients the first call draws.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Evaluation`] with the reason of the check of memory, [`Error::Harmonics`] if memory
+    /// is exhausted.
+    pub fn expansion(&self) -> Result<&Expansion, Error> {
+        let draw = || {
+            let lmax = self.energies.len() - 1;
+            (self.memory_check)(lmax).map_err(|reason| Error::Evaluation { reason })?;
+            Expansion::random_field(self.mean, &self.energies[1..], self.field)
+        };
+        self.expansion.get_or_init(draw).as_ref().map_err(Clone::clone)
+    }
+}
+
+impl Integrand for RandomField {
+    /// NaN if the coefficients do not fit in memory, where [`eval_into`](Self::eval_into) returns
+    /// the error.
+    fn eval(&self, dir: DVec3) -> f64 {
+        self.expansion().map_or(f64::NAN, |function| function.eval(dir))
+    }
+
+    fn eval_into(&self, dirs: &[DVec3], values: &mut [f64]) -> Result<(), Error> {
+        self.expansion()?.eval_into(dirs, values)
+    }
+
+    fn shape(&self) -> Result<Shape, Error> {
+        Ok(shape_of(&self.energies))
+    }
+
+    fn exact(&self, domain: Domain) -> Option<f64> {
+        match domain {
+            Domain::Sphere => Some((4.0 * PI).sqrt() * (self.mean * (4.0 * PI).sqrt())),
+            Domain::Hemisphere => self.expansion().ok()?.exact(domain),
+        }
+    }
+
+    fn coefficients(&self, domain: Domain, lmax: usize) -> Result<Coefficients, Error> {
+        self.expansion()?.coefficients(domain, lmax)
+    }
+
+    fn centred_square(&self, domain: Domain) -> Result<ByParity, Error> {
+        match domain {
+            Domain::Sphere => Ok(self.energy(domain, 0)?.centred()),
+            Domain::Hemisphere => self.expansion()?.centred_square(domain),
+        }
+    }
+
+    fn energy(&self, domain: Domain, lmax: usize) -> Result<Energy, Error> {
+        match domain {
+            Domain::Sphere => Ok(energy_of(&self.energies, lmax)),
+            Domain::Hemisphere => self.expansion()?.energy(domain, lmax),
+        }
+    }
+
+    fn kurtosis(&self, domain: Domain) -> Option<f64> {
+        self.expansion().ok()?.kurtosis(domain)
+    }
+
+    fn band_limit(&self) -> Option<usize> {
+        Some(self.energies.len() - 1)
     }
 }
 
@@ -68,5 +197,5 @@ fn isotropic(field: u64, l: usize) -> Vec<Complex<f64>> {
         let (re, im) = (normal(), normal());
         Complex::new(re, im) * std::f64::consts::FRAC_1_SQRT_2
     });
-    std::iter::once(zonal).chain(rest).collect()
+    iter::once(zonal).chain(rest).collect()
 }

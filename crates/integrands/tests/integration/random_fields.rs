@@ -7,7 +7,7 @@ use num_complex::Complex;
 use sphvar_integrands::grammar::ResolveError;
 use sphvar_integrands::{
     AlmParameters, Cap, Domain, EnergiesParameters, EnergyEstimates, Error, Expansion, Expression,
-    Integrand, IntegrandResolver, NoFiles,
+    Integrand, IntegrandResolver, NoFiles, RandomField,
 };
 use sphvar_sh::Alm;
 
@@ -207,4 +207,42 @@ fn impossible_energies_are_errors() {
     let expression: Expression = "energy:a.csv".parse().unwrap();
     let error = expression.build(&Negative).map(drop).unwrap_err().to_string();
     assert!(error.contains("degree 0") && error.contains("-1"), "{error}");
+}
+
+#[test]
+fn fields_drawn_on_first_use_are_the_same() {
+    let (energies, dir) = ([3.0, 0.0, 0.5, 1e-9], DVec3::new(0.6, 0.0, 0.8));
+    let later = RandomField::new(-0.5, &energies, 7).unwrap();
+    let drawn = Expansion::random_field(-0.5, &energies, 7).unwrap();
+    for domain in [Domain::Sphere, Domain::Hemisphere] {
+        let [a, b]: [_; 2] =
+            [&later as &dyn Integrand, &drawn].map(|f| f.energy(domain, 6).unwrap());
+        for (a, b) in a.per_band().iter().zip(b.per_band()) {
+            assert!((a - b).abs() <= 1e-14 * b, "{a}, {b}");
+        }
+        assert!((a.total() / b.total() - 1.0).abs() < 1e-14);
+        assert_eq!(later.exact(domain), drawn.exact(domain));
+    }
+    assert_eq!(later.eval(dir).to_bits(), drawn.eval(dir).to_bits());
+}
+
+/// Energies are known without memory, values are not.
+#[test]
+fn values_wait_for_the_check_of_memory() {
+    let none = |lmax| Err(format!("degree {lmax} does not fit"));
+    let f = RandomField::new(0.0, &[1.0; 5], 0).unwrap().with_memory_check(none);
+    assert!((f.energy(Domain::Sphere, 2).unwrap().total() - 5.0).abs() < 1e-14);
+    let error = f.eval_into(&[DVec3::X], &mut [0.0]).unwrap_err().to_string();
+    assert!(error.contains("degree 5 does not fit"), "{error}");
+    assert!(f.eval(DVec3::X).is_nan());
+}
+
+#[test]
+fn coefficients_whose_squares_vanish_are_errors() {
+    for size in [1e-200, 1e200] {
+        let mut alm = Alm::zeros(3).unwrap();
+        alm[(2, 1)].re = size;
+        let error = Expansion::new(alm).unwrap_err();
+        assert!(matches!(error, Error::Magnitude { .. }), "{error}");
+    }
 }
