@@ -38,6 +38,16 @@ impl Comparison {
         self.measurement.variance().max(self.predicted.prediction.variance) > self.rounding
     }
 
+    /// Returns whether rounding of the integrand's values hides its variation: all estimates are
+    /// bit-identical, although a variance is predicted, because that is below the rounding of
+    /// estimates. The trials then measure nothing.
+    #[must_use]
+    pub fn is_rounded_away(&self) -> bool {
+        let expected = self.predicted.prediction.variance;
+        let is_hidden = expected > self.prediction_rounding && expected <= self.rounding;
+        is_hidden && self.measurement.variance() == 0.0
+    }
+
     /// Returns whether all trials gave the same estimate, up to rounding.
     fn is_constant(&self) -> bool {
         self.measurement.variance() <= self.rounding

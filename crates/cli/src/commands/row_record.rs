@@ -95,6 +95,9 @@ pub(crate) struct RowRecord {
 /// The remark of a row whose measured variance has no error estimate.
 const TOO_FEW: &str = "too few trials hit the support of the integrand";
 
+/// The remark of a row whose estimates are equal by rounding.
+const ROUNDED_AWAY: &str = "rounding of the integrand's values hides its variance";
+
 /// The confidence of the intervals in files.
 const CONFIDENCE: f64 = 0.95;
 
@@ -106,8 +109,13 @@ impl RowRecord {
         let (predicted_low, predicted_high) = prediction.interval(CONFIDENCE);
         let measured = row.comparison.measured_interval(CONFIDENCE);
         let (measured_low, measured_high) = measured.unwrap_or((f64::NAN, f64::NAN));
-        let bias = row.comparison.bias();
-        let remark = row.comparison.has_too_few_hits().then_some(TOO_FEW);
+        let bias = row.comparison.bias().filter(|_| !row.comparison.is_rounded_away());
+        let is_rounded_away = row.comparison.is_rounded_away();
+        let remark = match row.comparison.has_too_few_hits() {
+            true => Some(TOO_FEW),
+            false => is_rounded_away.then_some(ROUNDED_AWAY),
+        };
+        let of_trials = |x: f64| if is_rounded_away { f64::NAN } else { x };
         // The error of the trials does not include energy that they did not sample.
         let known = |x: f64| if remark.is_some() { f64::NAN } else { x };
         let integral = &plan.integrals.all()[row.integral];
@@ -130,19 +138,21 @@ impl RowRecord {
             predicted: prediction.variance,
             predicted_stderr: prediction.stderr,
             predicted_tail: prediction.tail,
-            measured: measurement.variance(),
-            measured_stderr: known(measurement.variance() * row.comparison.error().relative()),
+            measured: of_trials(measurement.variance()),
+            measured_stderr: of_trials(known(
+                measurement.variance() * row.comparison.error().relative(),
+            )),
             ratio,
             ratio_stderr,
-            z: row.comparison.z_score(),
+            z: of_trials(row.comparison.z_score()),
             mean: measurement.mean(),
             mean_stderr: known(measurement.mean_stderr()),
             exact: row.comparison.exact,
             predicted_tail_error: prediction.tail_error,
             predicted_low,
             predicted_high,
-            measured_low,
-            measured_high,
+            measured_low: of_trials(measured_low),
+            measured_high: of_trials(measured_high),
             bias_z: bias.map(|b| b.z),
             bias_p: bias.map(|b| b.p_value),
             remark,
