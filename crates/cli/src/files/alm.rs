@@ -16,6 +16,9 @@ const MAX_ROW: usize = 1 << 20;
 /// The columns of a table of coefficients.
 const COLUMNS: [&str; 3] = ["index", "real", "imag"];
 
+/// The largest degree of a table without a row for every degree.
+const MAX_GAPS: usize = 1000;
+
 /// Returns the coefficients `a_lm`, m >= 0, of a file, decompressed if it is a gzip file.
 ///
 /// An NPY file has complex items in the order `m (2 lmax + 1 - m)/2 + l` of healpy, whose number
@@ -141,6 +144,11 @@ fn read_fits(
         .map(|((l, _), ..)| *l)
         .max()
         .ok_or_else(|| layout_error(path, "rows of coefficients", "an empty table"))?;
+    // Even a table of m = 0 alone has a row for each degree; a wrong index may be any number.
+    if lmax > MAX_GAPS && found.len() <= lmax {
+        let expected = format!("at least {} rows for degree {lmax} of the largest index", lmax + 1);
+        return Err(layout_error(path, &expected, &found.len().to_string()));
+    }
     let mut alm = zeros(path, lmax)?;
     let mut is_known = vec![false; alm.values().len()];
     for ((l, m), value, place) in found {
