@@ -145,7 +145,7 @@ pub(crate) struct ProjectArgs {
 fn parse_projection_degree(text: &str) -> Result<usize, String> {
     let max = HarmonicProjection::MAX_DEGREE;
     let degree = text.parse().ok().filter(|degree| *degree <= max);
-    degree.ok_or_else(|| format!("the degree must be a number from 0 to {max}, got {text}"))
+    degree.ok_or_else(|| format!("the degree must be a whole number from 0 to {max}, got {text}"))
 }
 
 /// Sphere or hemisphere.

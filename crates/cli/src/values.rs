@@ -29,6 +29,7 @@ impl Values {
     ) -> Result<Self, CliError> {
         let options = ReadOptions { values: true, ..options.clone() };
         let names: Vec<String> = files.iter().map(|path| path.display().to_string()).collect();
+        let mut weighted_by = None;
         let mut read = Self {
             name: names.join(" "),
             set: PointSet::default(),
@@ -45,16 +46,22 @@ impl Values {
                     "{name}: values are fitted for one set of points, got {count} sets"
                 )));
             };
-            let has_weights = !set.weights.is_empty();
-            if !read.set.is_empty() && has_weights == read.set.weights.is_empty() {
+            let role = file.weight_role;
+            let first = *weighted_by.get_or_insert(role);
+            if role != first {
+                let words = |role: Option<&str>| role.unwrap_or("neither").to_owned();
                 return Err(CliError::Failed(format!(
-                    "{name}: all files must have weights, or none"
+                    "{name}: expected weights w in all joined files, or standard errors sigma in all, or neither, got {} \
+                     after {}",
+                    words(role),
+                    words(first)
                 )));
             }
             read.set.points.extend(set.points);
             read.set.weights.extend(set.weights);
             read.values.extend(file.values);
         }
+        check_size(&read.name, &read.values)?;
         if domain == Domain::Hemisphere {
             let below = read.set.points.iter().filter(|p| p.z < 0.0).count();
             if below > 0 {
@@ -85,4 +92,17 @@ impl Values {
         };
         problem.with_ridge(ridge)
     }
+}
+
+/// Rejects values whose squares, of which variances and energies are sums, overflow or underflow.
+fn check_size(name: &str, values: &[f64]) -> Result<(), CliError> {
+    const RANGE: [f64; 2] = [1e-150, 1e150];
+    let size = values.iter().fold(0.0, |max: f64, value| max.max(value.abs()));
+    let [min, max] = RANGE;
+    if size == 0.0 || (min..=max).contains(&size) {
+        return Ok(());
+    }
+    Err(CliError::Failed(format!(
+        "{name}: the largest absolute value must be 0 or from {min:e} to {max:e}, got {size:e}; scale the values"
+    )))
 }

@@ -280,7 +280,13 @@ impl<'a> Declaration<'a> {
             }
             None => {
                 let (text, kind) = (spec.text.clone(), ParameterKind::Integer { min, max });
-                self.error.get_or_insert(Error::OutOfRange { text, key: name, kind, got: given });
+                // The range of a parameter without an upper limit is that of the type.
+                let is_beyond = given.parse::<f64>().is_ok_and(|given| given > max as f64);
+                let got = match is_beyond && max == i64::MAX {
+                    true => format!("{given}, beyond the largest integer, {max}"),
+                    false => given,
+                };
+                self.error.get_or_insert(Error::OutOfRange { text, key: name, kind, got });
             }
         }
         true

@@ -1,7 +1,7 @@
 //! `sphvar fit`: least-squares fits of spherical harmonics to values at points of a file.
 
 use std::ops::ControlFlow;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
 use clap::builder::Resettable;
@@ -18,7 +18,7 @@ use crate::global::Global;
 use crate::memory::check_degree;
 use crate::progress::Progress;
 use crate::report::{
-    Column, Document, Forms, Provenance, csv_of, emit, number, print, say, table_of,
+    Column, Document, Forms, Provenance, check_result, csv_of, emit, number, print, say, table_of,
 };
 use crate::values::Values;
 
@@ -118,7 +118,7 @@ pub(crate) fn run(args: &FitArgs, global: &Global) -> Result<(), CliError> {
     check_degree("--lmax", args.lmax)?;
     let coefficients = args.out.as_deref().and_then(CoefficientFormat::of_path);
     if let Some(path) = &args.out {
-        AtomicFile::check(path)?;
+        check_out(path, coefficients)?;
     }
     let domain = args.domain.domain();
     let sources = &args.files.files;
@@ -160,6 +160,20 @@ pub(crate) fn run(args: &FitArgs, global: &Global) -> Result<(), CliError> {
     let csv = || csv_of(&provenance, &body.energies);
     let forms = Forms { csv: &csv, chart: None, text: &|| body.text() };
     emit(args.out.as_deref(), global, &provenance, &body, &forms)
+}
+
+/// Rejects the path of results before the work starts.
+fn check_out(path: &Path, coefficients: Option<CoefficientFormat>) -> Result<(), CliError> {
+    if coefficients.is_some() {
+        return Ok(AtomicFile::check(path)?);
+    }
+    check_result(path, false).map_err(|error| match error {
+        CliError::Usage(_) => CliError::Usage(format!(
+            "{}: coefficients are written as .npy or .fits, energies as .csv, all numbers as .json",
+            path.display()
+        )),
+        other => other,
+    })
 }
 
 impl FitBody {

@@ -143,9 +143,10 @@ fn wrong_files_and_parameters_are_named() {
         ("alm:gap.csv", &["an NPY array or a FITS table of coefficients"], 1),
         ("band", &["lmax is missing"], 2),
         ("band:lmax=0", &["from 1", "got 0"], 2),
-        ("band:lmax=10000000", &["largest degree"], 2),
+        ("band:lmax=10000000", &["from 1 to 1000000"], 2),
         ("band:lmax=4,decay=21", &["decay", "[-20, 20]"], 2),
         ("band:lmax=4,field=-1", &["field", "-1"], 2),
+        ("band:lmax=4,field=18446744073709551615", &["integer, 9223372036854775807"], 2),
     ] {
         let outcome =
             place.run(&format!("variance white-noise -n 12 -m 4 --integrand {integrand}"));

@@ -135,7 +135,19 @@ fn invalid_values_are_errors_that_name_the_place() {
     place.write("zero.csv", "x,y,z,value,sigma\n1,0,0,5,0\n");
     place.run("fit zero.csv --lmax 0").fails(1, &["positive standard error"]);
     place.write("negative.csv", "x,y,z,value,w\n1,0,0,5,1\n0,1,0,5,-1\n");
-    place.run("fit negative.csv --lmax 0").fails(1, &["weight 1 (0-based)", "at least 0"]);
+    place.run("fit negative.csv --lmax 0").fails(1, &["negative.csv:3: w", "at least 0"]);
+    // Values whose squares overflow or underflow.
+    for size in ["e200", "e-200"] {
+        let scaled = format!("x,y,z,value\n1,0,0,5{size}\n0,1,0,4{size}\n0,0,1,3{size}\n");
+        place.write("scaled.csv", scaled);
+        place.run("fit scaled.csv --lmax 0").fails(1, &["1e-150 to 1e150", "got 5e"]);
+        let integrand = "variance fibonacci -n 48 --integrand values:scaled.csv,lmax=0";
+        place.run(integrand).fails(1, &["1e-150 to 1e150"]);
+    }
+    // Standard errors and weights have different units.
+    place.write("w.csv", "x,y,z,value,w\n1,0,0,5,1\n");
+    place.write("sigma.csv", "x,y,z,value,sigma\n0,1,0,5,1\n");
+    place.run("fit w.csv sigma.csv --join --lmax 0").fails(1, &["sigma.csv", "after w"]);
     // Points on a cap: a lower degree or a ridge.
     let lift = |r: &[f64; 4]| [0.1 * r[0], 0.1 * r[1], 1.0, r[3]];
     place.write("cap.csv", csv("x,y,z,value", &rows.iter().map(lift).collect::<Vec<_>>()));
@@ -161,7 +173,7 @@ fn results_go_to_files() {
     assert!(fits.starts_with(b"SIMPLE  =") && fits.len() == 3 * 2880, "{}", fits.len());
     let document = place.run("fit v.csv --lmax 4 --json -o e.json").json();
     assert_eq!(place.text("e.json").parse::<Value>().unwrap()["energies"], document["energies"]);
-    place.run("fit v.csv --lmax 4 -o e.exe").fails(2, &[".csv or .json"]);
+    place.run("fit v.csv --lmax 4 -o e.exe").fails(2, &[".npy or .fits", ".csv", ".json"]);
     // The same bytes for any number of threads.
     place.run("fit v.csv --lmax 4 -o again.npy --threads 3 --quiet").ok();
     assert_eq!(place.bytes("again.npy"), npy);

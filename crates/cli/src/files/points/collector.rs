@@ -90,8 +90,13 @@ impl<'a> PointCollector<'a> {
                 [] => "none".to_owned(),
                 others => format!("the other columns {}", listed(others, others.len())),
             };
-            let expected = "a column value (--columns ...,value=NAME names another)";
-            return Err(layout_error(expected, got));
+            // Names choose columns of a table with names, and others are chosen by position.
+            let example = options.spelling.columns(match &layout.unused[..] {
+                [] => "x,y,z,value",
+                _ => "...,value=NAME",
+            });
+            let expected = format!("a column value (as named in {example})");
+            return Err(layout_error(&expected, got));
         }
         if layout.weight.is_some() && layout.sigma.is_some() {
             let expected = "either weights w or standard errors sigma, whose weights are 1/sigma^2";
@@ -249,8 +254,13 @@ impl<'a> PointCollector<'a> {
                 self.options.spelling.columns(others)
             ));
         }
+        let weight_role = match (self.layout.weight, self.layout.sigma) {
+            (Some(_), _) => Some("w"),
+            (None, Some(_)) => Some("sigma"),
+            (None, None) => None,
+        };
         let (sets, values, warnings) = (self.sets, self.values, self.warnings);
-        Ok(PointFile { sets, values, starts, first_below, warnings, remarks })
+        Ok(PointFile { sets, values, weight_role, starts, first_below, warnings, remarks })
     }
 
     /// Returns the numbers of a row.
@@ -301,6 +311,10 @@ impl<'a> PointCollector<'a> {
         let number = |slot: usize| self.number(place, slot, cell(slot));
         let value = self.layout.value.map(number).transpose()?;
         let weight = match (self.layout.weight, self.layout.sigma) {
+            // Inverse variances, unlike the weights of estimates, have one sign.
+            (Some(slot), _) if self.options.values && number(slot)? < 0.0 => {
+                return Err(self.slot_error(place, slot, "a weight of at least 0", &cell(slot)));
+            }
             (Some(slot), _) => Some(number(slot)?),
             (None, Some(slot)) => {
                 let weight = number(slot)?.powi(-2);

@@ -127,7 +127,7 @@ impl Table<'_> {
             if let Some(&(_, other, _)) = assigned.iter().find(|(taken, ..)| *taken == role) {
                 let got = format!("{} and {}", self.name(other), self.name(index));
                 let expected = format!("the column {role} once");
-                let advice = match suggested(self.columns, spelling) {
+                let advice = match suggested(self.columns, self.options) {
                     flags if flags.is_empty() || role == "w" || role == "set" => {
                         let chosen = spelling.columns(&format!("{role}=NAME,..."));
                         format!("{chosen} chooses by name")
@@ -155,6 +155,9 @@ impl Table<'_> {
         }
         let spelling = self.options.spelling;
         let example = match count {
+            _ if self.options.values => {
+                format!("{} (_ skips a field)", spelling.columns("x,y,z,value,_,_"))
+            }
             2 => format!("{} or {}", spelling.columns("theta,phi"), spelling.columns("lon,lat")),
             4 => spelling.columns("x,y,z,w"),
             _ => format!("{} (_ skips a field)", spelling.columns("x,y,z,_,_")),
@@ -224,7 +227,8 @@ impl Table<'_> {
         let spelling = self.options.spelling;
         let option = spelling.name("columns");
         if !self.has_names {
-            let by_position = spelling.columns("ra,dec,w");
+            let roles = if self.options.values { "ra,dec,value" } else { "ra,dec,w" };
+            let by_position = spelling.columns(roles);
             return Err(self.error(
                 format!(
                     "a header with the names of {option} (without one: {by_position} by position)"
@@ -281,7 +285,7 @@ impl Table<'_> {
         let columns = || {
             // With --columns, or without names, no better combination can exist.
             let flags = match self.options.columns {
-                None if self.has_names => suggested(self.columns, spelling),
+                None if self.has_names => suggested(self.columns, self.options),
                 _ => String::new(),
             };
             let advice = if flags.is_empty() { flags } else { format!("; use {flags}") };
@@ -325,7 +329,7 @@ impl Table<'_> {
         let other = SYSTEMS.iter().find(|system| **system != used && system.iter().all(has))?;
         let start = format!("{}=", other[0]);
         let is_other = |value: &String| value.starts_with(&start);
-        suggestions(self.columns).into_iter().find(is_other)
+        suggestions(self.columns, self.options.values).into_iter().find(is_other)
     }
 
     fn slot(&self, (role, column, item): Assigned, others: &[Slot]) -> Result<Slot, FileError> {

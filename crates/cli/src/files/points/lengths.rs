@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::{OptionSpelling, ReadOptions};
+use super::ReadOptions;
 use crate::files::file_error::{FileError, Place};
 
 /// A length that differs from 1 by more than this causes a warning.
@@ -70,12 +70,14 @@ impl Lengths {
         let Some((length, place)) = self.worst.filter(|_| !options.normalize) else {
             return Ok(None);
         };
-        let furthest = format!("largest deviation: {path}{place}, length {length:.6e}");
+        // Seven digits, without an exponent where it is not needed.
+        let length = format!("{length:.6e}").parse().unwrap_or(length);
+        let furthest = format!("largest deviation: {path}{place}, length {length:?}");
         if self.far > total / 2 {
             return Err(FileError::Layout {
                 path: path.to_owned(),
                 place: Place::Whole,
-                expected: format!("unit vectors x,y,z ({})", self.advice(options.spelling)),
+                expected: format!("unit vectors x,y,z ({})", self.advice(options)),
                 got: format!("{} of {total} with other lengths ({furthest})", self.far),
             });
         }
@@ -87,16 +89,20 @@ impl Lengths {
     }
 
     /// Returns advice on the probable meaning of the columns.
-    fn advice(&self, spelling: OptionSpelling) -> String {
+    fn advice(&self, options: &ReadOptions) -> String {
+        let spelling = options.spelling;
         let normalize = spelling.on("normalize");
         let DVec3 { x, y, .. } = self.sizes;
         let pi = std::f64::consts::PI;
         if x <= pi && self.min_x >= 0.0 && y <= 2.0 * pi && y > 1.1 {
-            let columns = spelling.columns("theta,phi,_");
+            let columns =
+                spelling.columns(if options.values { "theta,phi,_,value" } else { "theta,phi,_" });
             format!("these look like angles in radians: {columns}; {normalize} scales vectors")
         } else if x > 2.0 && x <= 360.0 && y <= 90.0 {
-            let columns =
-                ["ra,dec,_", "ra,dec,w"].map(|value| spelling.columns(value)).join(" or ");
+            let columns = match options.values {
+                true => spelling.columns("ra,dec,_,value"),
+                false => ["ra,dec,_", "ra,dec,w"].map(|value| spelling.columns(value)).join(" or "),
+            };
             format!("these look like degrees: {columns}; {normalize} scales vectors")
         } else {
             format!("{normalize} scales vectors of any length")

@@ -43,6 +43,9 @@ pub(crate) struct PointFile {
     pub(crate) sets: Vec<PointSet>,
     /// The values of the points in the order of the file, if [`ReadOptions::values`] requests them.
     pub(crate) values: Vec<f64>,
+    /// The column of the weights: `w`, or `sigma` for their inverse squares; `None` without
+    /// weights.
+    pub(crate) weight_role: Option<&'static str>,
     /// Where each set begins.
     pub(crate) starts: Vec<Place>,
     /// Where the first point is that the hemisphere does not have, for messages.

@@ -106,8 +106,8 @@ impl ArrayTable {
             return Err(error.with_hint(&match *array.shape() {
                 [3, _] => "transpose it, a point in a row: array.T in Python".to_owned(),
                 _ => {
-                    let (option, example) =
-                        (spelling.name("columns"), spelling.columns("ra,dec,w"));
+                    let roles = if options.values { "ra,dec,value" } else { "ra,dec,w" };
+                    let (option, example) = (spelling.name("columns"), spelling.columns(roles));
                     format!("{option} names other columns, as in {example}")
                 }
             }));

@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use super::OptionSpelling;
+use super::ReadOptions;
 use super::column::Column;
 use super::roles::{SYSTEMS, role_of};
 
@@ -24,8 +24,9 @@ const STEMS: [(&str, &str); 9] = [
 const ENDINGS: [&str; 7] = ["", "j2000", "b1950", "icrs", "deg", "deg2000", "sky"];
 
 /// Returns the values of `--columns` that form a direction from the columns, the most likely first.
-/// Values that a shell takes only with more than quotes are left out.
-pub(super) fn suggestions(columns: &[Column]) -> Vec<String> {
+/// Values that a shell takes only with more than quotes are left out. With `values`, the columns of
+/// values and of their standard errors belong to the points.
+pub(super) fn suggestions(columns: &[Column], values: bool) -> Vec<String> {
     let mut found: Vec<String> = Vec::new();
     for system in SYSTEMS {
         // Names that differ in the role only belong together, as TARGET_RA and TARGET_DEC do.
@@ -58,11 +59,12 @@ pub(super) fn suggestions(columns: &[Column]) -> Vec<String> {
     }
     // Most catalogues mean right ascension and declination; x and y may be positions on a detector.
     found.sort_by_key(|flag| !flag.starts_with("ra="));
-    let others: String = ["w", "set"]
-        .into_iter()
+    let others: &[&str] = if values { &["value", "w", "sigma"] } else { &["w", "set"] };
+    let others: String = others
+        .iter()
         .filter_map(|role| {
             let mut named =
-                columns.iter().filter(|c| role_of(&c.name) == Some(role) && c.items == 1);
+                columns.iter().filter(|c| role_of(&c.name) == Some(*role) && c.items == 1);
             let single = named.next().filter(|_| named.next().is_none());
             single.map(|column| format!(",{}", pair(role, column.name.trim())))
         })
@@ -76,10 +78,11 @@ pub(super) fn suggestions(columns: &[Column]) -> Vec<String> {
 }
 
 /// Returns the suggestions as words of a message, or an empty text if there are none.
-pub(super) fn suggested(columns: &[Column], spelling: OptionSpelling) -> String {
-    let options: Vec<String> =
-        suggestions(columns).iter().map(|value| spelling.columns(value)).collect();
-    options.join(" or ")
+pub(super) fn suggested(columns: &[Column], options: &ReadOptions) -> String {
+    let suggestions = suggestions(columns, options.values);
+    let columns: Vec<String> =
+        suggestions.iter().map(|value| options.spelling.columns(value)).collect();
+    columns.join(" or ")
 }
 
 /// Returns a name without the part that denotes a role, or `None` if it has no such part.
@@ -148,9 +151,13 @@ mod tests {
         ];
         for (names, flags) in cases {
             let columns: Vec<Column> = names.iter().map(|name| Column::single(*name)).collect();
-            assert_eq!(suggestions(&columns), flags, "{names:?}");
+            assert_eq!(suggestions(&columns, false), flags, "{names:?}");
         }
+        let names = ["TARGET_RA", "TARGET_DEC", "value", "sigma", "set"];
+        let columns = names.map(Column::single);
+        let with_values = "ra=TARGET_RA,dec=TARGET_DEC,value=value,sigma=sigma";
+        assert_eq!(suggestions(&columns, true), [with_values]);
         let vectors = Column { name: "coord".to_owned(), items: 3, unit: String::new() };
-        assert_eq!(suggestions(&[vectors]), ["x=coord[0],y=coord[1],z=coord[2]"]);
+        assert_eq!(suggestions(&[vectors], false), ["x=coord[0],y=coord[1],z=coord[2]"]);
     }
 }
