@@ -172,3 +172,15 @@ fn expansions_take_part_in_every_command() {
         assert!(output.status.success(), "{arguments}: {message}");
     }
 }
+
+/// Values of about 1e16 are even numbers, so that all estimates are equal.
+#[test]
+fn a_variance_hidden_by_rounding_is_not_measured() {
+    let place = Workplace::new();
+    let row = row(&place, "variance fibonacci -n 48 -m 20 --json", "band:lmax=40,mean=1e16");
+    assert!(number(&row, "predicted") > 1.0, "{row}");
+    for key in ["measured", "measured_stderr", "measured_high", "z", "bias_p"] {
+        assert!(row[key].is_null(), "{key}: {row}");
+    }
+    assert!(row["remark"].as_str().unwrap().contains("rounding"), "{row}");
+}
