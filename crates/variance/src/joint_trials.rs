@@ -98,11 +98,11 @@ impl<'a> JointTrials<'a> {
     ///
     /// Returns the errors of [`Predictor::work`].
     pub fn work(&mut self, sampler: &dyn Sampler) -> Result<f64, Error> {
-        let mut most: f64 = 0.0;
+        let mut max: f64 = 0.0;
         for predictor in self.predictors() {
-            most = most.max(predictor.work(sampler)?);
+            max = max.max(predictor.work(sampler)?);
         }
-        Ok(most)
+        Ok(max)
     }
 
     /// Returns the predicted variances, each that of [`Predictor::predict`].

@@ -93,9 +93,9 @@ fn a_bandwidth_has_counts_and_a_relative_error() {
         place.write("from_1.csv", "1,1\n2,0.5\n");
         let without = rows(&format!("--integrand {integrand} -n 50"));
         assert!(without[0]["relative_error"].is_null(), "{without}");
-        let refused = place.run(&format!("choose fibonacci --integrand {integrand} --error 1%"));
-        assert_eq!(refused.status, Some(2));
-        assert!(refused.stderr.contains("use --absolute"), "{}", refused.stderr);
+        let rejected = place.run(&format!("choose fibonacci --integrand {integrand} --error 1%"));
+        assert_eq!(rejected.status, Some(2));
+        assert!(rejected.stderr.contains("use --absolute"), "{}", rejected.stderr);
     }
 }
 

@@ -302,7 +302,8 @@ impl Default for GgxParameters {
 
 impl Parametric for GgxParameters {
     fn declare(&mut self, d: &mut Declaration<'_>) {
-        let summary = "square root of the width alpha of the GGX distribution (0 would be a mirror)";
+        let summary =
+            "square root of the width alpha of the GGX distribution (0 would be a mirror)";
         d.required_number(
             "roughness",
             Range::closed(GgxLobe::MIN_ROUGHNESS, 1.0),

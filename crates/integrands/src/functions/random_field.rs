@@ -68,7 +68,7 @@ fn check_energies(energies: &[f64]) -> Result<(), Error> {
     }
 }
 
-/// A random field whose coefficients are drawn when a value is asked for.
+/// A random field whose coefficients are drawn with the first value.
 ///
 /// Predictions on the sphere take energies only, which need neither the time nor the memory of
 /// coefficients. Otherwise it is the function of [`Expansion::random_field`].

@@ -17,7 +17,10 @@ fn map(height: usize) -> EnvironmentMap {
     EnvironmentMap::new(2 * height, height, texels).unwrap().with_first_longitude(0.3)
 }
 
-fn functions() -> Vec<(&'static str, fn() -> Box<dyn Integrand>)> {
+/// A name and the function that makes an integrand.
+type Named = (&'static str, fn() -> Box<dyn Integrand>);
+
+fn functions() -> Vec<Named> {
     vec![
         ("cap", || {
             let cap = Cap::from_degrees(50.0).unwrap();

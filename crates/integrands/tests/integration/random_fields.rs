@@ -77,7 +77,7 @@ fn fields_are_isotropic() {
 }
 
 #[test]
-fn bands_have_variance_1_and_the_power_asked_for() {
+fn bands_have_variance_1_and_the_requested_power() {
     for (text, mean, decay) in [
         ("band:lmax=40", 1.0, 0),
         ("band:lmax=12,decay=2,mean=-3", -3.0, 2),
