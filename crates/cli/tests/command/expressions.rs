@@ -102,10 +102,10 @@ fn maps_are_functions() {
         "{message}"
     );
     assert_eq!(status, Some(1));
-    let product = format!("map:{} * cap:degrees=30", data("ring.fits"));
-    let (message, status) = rejection(&place, &product, "");
-    assert!(message.contains("the edges of HEALPix pixels are not circles"), "{message}");
-    assert_eq!(status, Some(2));
+    // The edges of pixels are not circles, so that energies of products are estimates.
+    let got = row(&place, &format!("map:{} * cap:degrees=30", data("ring.fits")), "-s 3");
+    assert!(got["predicted"].as_f64().unwrap() > 0.0, "{got}");
+    assert!(got["predicted_stderr"].as_f64().unwrap() > 0.0 && got["exact"].is_null(), "{got}");
 }
 
 #[test]
