@@ -128,7 +128,7 @@ pub(crate) fn estimates(
 }
 
 /// An integrand as a vector of one component.
-struct Single<'a>(&'a dyn Integrand);
+pub(crate) struct Single<'a>(pub(crate) &'a dyn Integrand);
 
 impl VectorIntegrand for Single<'_> {
     fn components(&self) -> usize {

@@ -31,10 +31,10 @@ use sphvar_samplers::{PointSet, Progress, Purpose, Realizations, Sampler, Stream
 
 pub use self::estimate::Estimate;
 use self::estimate::{Judged, estimates};
-use self::level::{CopySums, Range, Scalar, copy_sums};
+use self::level::{CopySums, Range, copy_sums};
 pub use self::options::IntegrationOptions;
 use crate::Error;
-use crate::estimates::evaluation_work;
+use crate::estimates::{Single, evaluation_work};
 
 /// The number of randomly rotated copies of a set at each level. Student's factor and the
 /// correction for the choice of the level are within a quarter of those of infinitely many copies;
@@ -151,7 +151,7 @@ pub fn integrate(
     options: &IntegrationOptions<'_>,
     progress: &dyn Progress,
 ) -> Result<Integral, Error> {
-    integrate_vector(&Scalar(f), options, progress)
+    integrate_vector(&Single(f), options, progress)
 }
 
 /// Returns the integrals of all components of `f`, from the same points, as [`integrate`] does.

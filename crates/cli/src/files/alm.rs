@@ -6,7 +6,7 @@ use std::path::Path;
 use sphvar_sh::{Alm, LmIndex};
 
 use super::file_error::{FileError, Place, input_name};
-use super::fits::{Hdu, HduChoice, HduReader, Item, TableColumn, keyword_error};
+use super::fits::{Hdu, HduChoice, HduReader, Item, TableColumn};
 use super::input::open_input;
 use super::memory_guard::check_announced;
 use super::npy::{MAGIC, NpyReader};
@@ -100,14 +100,7 @@ fn read_fits(
     let expected =
         "an NPY array or a FITS table of coefficients with the columns index, real, imag";
     let hdu = file.select(choice, Hdu::is_table, expected)?;
-    let count = |keyword: &str| {
-        let value = hdu.header.integer(keyword).and_then(|n| u64::try_from(n).ok());
-        value.ok_or_else(|| keyword_error(path, keyword, "a number from 0", "another value"))
-    };
-    let (row, rows) = (count("NAXIS1")?, count("NAXIS2")?);
-    let row = usize::try_from(row).ok().filter(|&row| row <= MAX_ROW).ok_or_else(|| {
-        keyword_error(path, "NAXIS1", &format!("at most {MAX_ROW} bytes"), &row.to_string())
-    })?;
+    let (row, rows) = hdu.table_size(path, MAX_ROW)?;
     let fields = TableColumn::of_table(&hdu, path)?;
     let column = |name: &str| fields.iter().find(|field| field.name.eq_ignore_ascii_case(name));
     let [Some(index), Some(re), Some(im)] = COLUMNS.map(column) else {

@@ -7,7 +7,7 @@ mod map;
 mod table;
 
 pub(crate) use field::FitsField;
-pub(crate) use hdu::{Hdu, HduChoice, HduReader, keyword_error};
+pub(crate) use hdu::{Hdu, HduChoice, HduReader};
 pub(crate) use map::{FitsMap, read_fits_map};
 pub(crate) use table::{Item, TableColumn};
 

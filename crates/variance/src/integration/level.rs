@@ -1,5 +1,5 @@
 use glam::DVec3;
-use sphvar_integrands::{Integrand, VectorIntegrand};
+use sphvar_integrands::VectorIntegrand;
 use sphvar_samplers::{PointSet, Progress};
 use sphvar_sh::CompensatedSum;
 
@@ -8,23 +8,6 @@ use crate::estimates::evaluation_work;
 
 /// The number of directions that are evaluated between two ticks of the progress.
 const BATCH: usize = 4096;
-
-/// A scalar function as a vector of one component.
-pub(super) struct Scalar<'a>(pub(super) &'a dyn Integrand);
-
-impl VectorIntegrand for Scalar<'_> {
-    fn components(&self) -> usize {
-        1
-    }
-
-    fn eval_into(
-        &self,
-        dirs: &[DVec3],
-        values: &mut [f64],
-    ) -> Result<(), sphvar_integrands::Error> {
-        self.0.eval_into(dirs, values)
-    }
-}
 
 /// Sums over the values v of one component at the points of one copy. All are relative to a scale,
 /// so that neither sums nor squares overflow or underflow.

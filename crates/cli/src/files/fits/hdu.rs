@@ -103,6 +103,22 @@ impl Hdu {
         matches!(self.kind, HduKind::AsciiTable | HduKind::BinaryTable)
     }
 
+    /// Returns the bytes of a row of a table, at most `max_row`, and the number of rows.
+    ///
+    /// # Errors
+    /// When NAXIS1 or NAXIS2 is missing, negative, or longer rows are announced.
+    pub(crate) fn table_size(&self, path: &str, max_row: usize) -> Result<(usize, u64), FileError> {
+        let count = |keyword: &str| {
+            let value = self.header.integer(keyword).and_then(|n| u64::try_from(n).ok());
+            value.ok_or_else(|| keyword_error(path, keyword, "a number from 0", "another value"))
+        };
+        let (row, rows) = (count("NAXIS1")?, count("NAXIS2")?);
+        let size = usize::try_from(row).ok().filter(|&row| row <= max_row).ok_or_else(|| {
+            keyword_error(path, "NAXIS1", &format!("at most {max_row} bytes"), &row.to_string())
+        })?;
+        Ok((size, rows))
+    }
+
     /// Returns EXTNAME, empty if there is none.
     pub(crate) fn name(&self) -> &str {
         self.header.text("EXTNAME").unwrap_or_default()

@@ -7,7 +7,7 @@ use super::column::Column;
 use super::columns::Table;
 use super::{OptionSpelling, PointFile, ReadOptions};
 use crate::files::file_error::{FileError, Place};
-use crate::files::fits::{Hdu, HduChoice, HduReader, Item, TableColumn, keyword_error};
+use crate::files::fits::{Hdu, HduChoice, HduReader, Item, TableColumn};
 use crate::files::memory_guard::check_announced;
 
 /// The number of bytes that are read at a time if rows are not longer.
@@ -26,14 +26,7 @@ pub(super) fn read_fits(
 ) -> Result<PointFile, FileError> {
     let mut file = HduReader::new(input, path);
     let hdu = file.select(&options.hdu, Hdu::is_table, "a table")?;
-    let count = |keyword: &str| {
-        let value = hdu.header.integer(keyword).and_then(|n| u64::try_from(n).ok());
-        value.ok_or_else(|| keyword_error(path, keyword, "a number from 0", "another value"))
-    };
-    let (row, rows) = (count("NAXIS1")?, count("NAXIS2")?);
-    let row = usize::try_from(row).ok().filter(|&row| row <= MAX_ROW).ok_or_else(|| {
-        keyword_error(path, "NAXIS1", &format!("at most {MAX_ROW} bytes"), &row.to_string())
-    })?;
+    let (row, rows) = hdu.table_size(path, MAX_ROW)?;
     let fields = TableColumn::of_table(&hdu, path)?;
     let columns: Vec<Column> = fields
         .iter()
