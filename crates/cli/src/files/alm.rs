@@ -9,7 +9,7 @@ use super::file_error::{FileError, Place, input_name};
 use super::fits::{Hdu, HduChoice, HduReader, Item, TableColumn};
 use super::input::open_input;
 use super::memory_guard::check_announced;
-use super::npy::{MAGIC, NpyReader};
+use super::npy::{MAGIC, NpyReader, layout_error};
 
 /// The maximum length of a row of a table, in bytes.
 const MAX_ROW: usize = 1 << 20;
@@ -197,15 +197,6 @@ fn finite(path: &str, place: Place, [re, im]: [f64; 2]) -> Result<[f64; 2], File
 fn value_error(path: &str, place: Place, field: &str, expected: &str, got: String) -> FileError {
     let (path, field, expected) = (path.to_owned(), field.to_owned(), expected.to_owned());
     FileError::Value { path, place, field, expected, got }
-}
-
-fn layout_error(path: &str, expected: &str, got: &str) -> FileError {
-    FileError::Layout {
-        path: path.to_owned(),
-        place: Place::Whole,
-        expected: expected.to_owned(),
-        got: got.to_owned(),
-    }
 }
 
 #[cfg(test)]

@@ -355,7 +355,8 @@ fn python_tuple(shape: &[usize]) -> String {
     }
 }
 
-fn layout_error(path: &str, expected: &str, got: &str) -> FileError {
+/// Returns the error of a file with another layout.
+pub(super) fn layout_error(path: &str, expected: &str, got: &str) -> FileError {
     FileError::Layout {
         path: path.to_owned(),
         place: Place::Whole,
