@@ -61,7 +61,6 @@ impl Values {
             read.set.weights.extend(set.weights);
             read.values.extend(file.values);
         }
-        check_size(&read.name, &read.values)?;
         if domain == Domain::Hemisphere {
             let below = read.set.points.iter().filter(|p| p.z < 0.0).count();
             if below > 0 {
@@ -92,17 +91,4 @@ impl Values {
         };
         problem.with_ridge(ridge)
     }
-}
-
-/// Rejects values whose squares, of which variances and energies are sums, overflow or underflow.
-fn check_size(name: &str, values: &[f64]) -> Result<(), CliError> {
-    const RANGE: [f64; 2] = [1e-150, 1e150];
-    let size = values.iter().fold(0.0, |max: f64, value| max.max(value.abs()));
-    let [min, max] = RANGE;
-    if size == 0.0 || (min..=max).contains(&size) {
-        return Ok(());
-    }
-    Err(CliError::Failed(format!(
-        "{name}: the largest absolute value must be 0 or from {min:e} to {max:e}, got {size:e}; scale the values"
-    )))
 }

@@ -1,5 +1,6 @@
 use sphvar_sh::Error;
 
+use super::LeastSquares;
 use crate::normal_equations::SolveError;
 
 /// The reason why there is no fit.
@@ -26,6 +27,16 @@ pub enum FitError {
         index: usize,
         /// The value.
         value: f64,
+    },
+    /// The squares of the values, of which variances and energies are sums, overflow or underflow.
+    #[error(
+        "the largest absolute value must be 0 or from {:e} to {:e}, got {got:e}; scale the values",
+        LeastSquares::MAGNITUDES[0],
+        LeastSquares::MAGNITUDES[1]
+    )]
+    Magnitude {
+        /// The largest absolute value.
+        got: f64,
     },
     /// A weight is negative or not finite.
     #[error("weight {index} (0-based) of a fit must be finite and at least 0, got {weight}")]

@@ -114,6 +114,8 @@ pub struct FittedEnergy {
 }
 
 impl<'a> LeastSquares<'a> {
+    /// The range of the largest absolute value of the values, unless all are 0.
+    pub const MAGNITUDES: [f64; 2] = [1e-150, 1e150];
     /// The largest number of iterations for one right-hand side. That number reduces the error by
     /// 1e-12 up to a condition number of about 70.
     pub const MAX_ITERATIONS: usize = 1000;
@@ -126,7 +128,8 @@ impl<'a> LeastSquares<'a> {
     /// # Errors
     ///
     /// [`FitError::NoPoints`], [`FitError::Lengths`] if the numbers of points and values differ,
-    /// [`FitError::Value`] if a value is not finite.
+    /// [`FitError::Value`] if a value is not finite, [`FitError::Magnitude`] if the largest is outside
+    /// [`MAGNITUDES`](Self::MAGNITUDES).
     pub fn new(points: &'a [DVec3], values: &[f64], domain: Domain) -> Result<Self, FitError> {
         if points.is_empty() {
             return Err(FitError::NoPoints);
@@ -136,6 +139,10 @@ impl<'a> LeastSquares<'a> {
             return Err(FitError::Value { index, value: values[index] });
         }
         let largest = values.iter().fold(0.0, |max: f64, y| max.max(y.abs()));
+        let [min, max] = Self::MAGNITUDES;
+        if largest != 0.0 && !(min..=max).contains(&largest) {
+            return Err(FitError::Magnitude { got: largest });
+        }
         let value_scale = if largest > 0.0 { largest } else { 1.0 };
         Ok(Self {
             points,

@@ -187,6 +187,11 @@ fn scales_of_values_and_weights_do_not_matter() {
         let ratio = variance(&got) / value / value / weight / variance(&unit);
         assert!((ratio - 1.0).abs() < 1e-12, "{value:e}, {weight:e}: {ratio}");
     }
+    // Squares beyond this range overflow or underflow.
+    for value in [1e200, 1e-200] {
+        let error = LeastSquares::new(&points, &[value; 200], Domain::Sphere).unwrap_err();
+        assert_eq!(error, FitError::Magnitude { got: value });
+    }
     // A fit of zeros is 0.
     let zeros = LeastSquares::new(&points, &[0.0; 200], Domain::Sphere).unwrap();
     let zero = zeros.solve(7, &mut proceed).unwrap();
