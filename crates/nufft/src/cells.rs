@@ -22,6 +22,22 @@ pub struct Turns {
     pub rest: [f64; LANES],
 }
 
+impl Turns {
+    /// Replaces entry `i` by a coordinate in `[0, 1)`, exactly.
+    #[inline(always)]
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "coordinates are in [0, 1)"
+    )]
+    pub(crate) fn set(&mut self, i: usize, x: f64) {
+        let eighths = f64::from((8.0 * x + 0.5) as u32);
+        self.eighths[i] = eighths;
+        // Exact: a multiple of the last digit of x, and smaller than x or 1/16.
+        self.rest[i] = x - eighths * 0.125;
+    }
+}
+
 /// Points with two coordinates in turns, for the row and the column.
 pub trait Places {
     /// Returns the number of points.
@@ -192,7 +208,11 @@ impl Locator {
         clippy::cast_sign_loss,
         reason = "grid positions are small nonnegative numbers; NaN becomes 0"
     )]
-    fn windows<const FUSED: bool>(&self, turns: &Turns, n: usize) -> ([u32; LANES], [f64; LANES]) {
+    pub(crate) fn windows<const FUSED: bool>(
+        &self,
+        turns: &Turns,
+        n: usize,
+    ) -> ([u32; LANES], [f64; LANES]) {
         let (n, half, margin) = (n as f64, 0.5 * self.width as f64, self.margin as f64);
         let (mut first, mut t) = ([0; LANES], [0.0; LANES]);
         for i in 0..LANES {

@@ -22,7 +22,7 @@ impl TorusCoefficients {
     /// allocation of the coefficients fails.
     pub fn zeros(kmax: usize) -> Result<Self, Error> {
         if kmax > MAX_KMAX {
-            return Err(Error::FrequencyTooLarge { kmax });
+            return Err(Error::FrequencyTooLarge { kmax, max: MAX_KMAX });
         }
         let mut values = Vec::new();
         resize(&mut values, (2 * kmax + 1) * (kmax + 1))?;
@@ -80,7 +80,10 @@ mod tests {
             assert_eq!((c.get(beyond, 0), c.get(0, beyond)), (None, None));
         }
         for kmax in [MAX_KMAX + 1, usize::MAX] {
-            assert_eq!(TorusCoefficients::zeros(kmax), Err(Error::FrequencyTooLarge { kmax }));
+            assert_eq!(
+                TorusCoefficients::zeros(kmax),
+                Err(Error::FrequencyTooLarge { kmax, max: MAX_KMAX })
+            );
         }
     }
 }

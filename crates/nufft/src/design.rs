@@ -56,13 +56,21 @@ impl Design {
             e if e >= 3e-5 => (true, 1.49),
             e if e >= 1e-5 => (true, 1.745),
             e if e >= 5e-6 => (true, 2.0),
-            e if e >= 1e-7 => (false, 1.245),
-            e if e >= 1e-10 => (false, 1.49),
-            e if e >= 1e-11 => (false, 1.745),
-            e if e >= 5e-13 => (false, 2.0),
-            _ => (false, 2.5),
+            e => return Self::double_at_every_frequency(e),
         };
         Self::new(epsilon, Window::new(epsilon / 16.0, oversampling), single, oversampling)
+    }
+
+    /// Returns the design for accuracy `epsilon` at every frequency on a grid in f64.
+    pub(crate) fn double_at_every_frequency(epsilon: f64) -> Result<Self, Error> {
+        let oversampling = match epsilon {
+            e if e >= 1e-7 => 1.245,
+            e if e >= 1e-10 => 1.49,
+            e if e >= 1e-11 => 1.745,
+            e if e >= 5e-13 => 2.0,
+            _ => 2.5,
+        };
+        Self::new(epsilon, Window::new(epsilon / 16.0, oversampling), false, oversampling)
     }
 
     fn new(epsilon: f64, window: Window, single: bool, oversampling: f64) -> Result<Self, Error> {

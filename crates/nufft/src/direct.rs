@@ -5,6 +5,7 @@ use num_complex::Complex;
 use crate::coefficients::TorusCoefficients;
 use crate::error::Error;
 use crate::input;
+use crate::limits::MAX_CIRCLE_KMAX;
 use crate::long_sum::add_with_rests;
 use crate::magnitude::magnitude;
 
@@ -71,4 +72,45 @@ fn wave(k: f64, x: f64) -> Complex<f64> {
     let rest = k.mul_add(x, -turns);
     let (sin, cos) = (TAU * (turns - turns.round() + rest)).sin_cos();
     Complex::new(cos, -sin)
+}
+
+/// Returns the coefficients of [`CircleTransform::adjoint`](crate::CircleTransform::adjoint) by the
+/// definition, to rounding.
+///
+/// # Errors
+///
+/// [`Error::FrequencyTooLarge`] if `kmax` exceeds [`MAX_CIRCLE_KMAX`]; for points and weights as for
+/// [`CircleTransform::adjoint`](crate::CircleTransform::adjoint).
+///
+/// # Performance
+///
+/// The cost is O(N kmax).
+///
+/// # Examples
+///
+/// ```
+/// let c = sphvar_nufft::direct_circle(3, &[0.0, 0.5], None)?;
+/// assert!((c[2] - 2.0).norm() < 1e-15 && c[3].norm() < 1e-15);
+/// # Ok::<(), sphvar_nufft::Error>(())
+/// ```
+pub fn direct_circle(
+    kmax: usize,
+    points: &[f64],
+    weights: Option<&[f64]>,
+) -> Result<Vec<Complex<f64>>, Error> {
+    if kmax > MAX_CIRCLE_KMAX {
+        return Err(Error::FrequencyTooLarge { kmax, max: MAX_CIRCLE_KMAX });
+    }
+    input::check_circle(points, weights)?;
+    let size = weights.map_or(1.0, |w| magnitude(w.iter().copied()));
+    let scale = 1.0 / size;
+    let coefficient = |k: usize| {
+        let (mut sums, mut rests) = ([0.0; 2], [0.0; 2]);
+        for (index, &u) in points.iter().enumerate() {
+            let term = wave(k as f64, u) * weights.map_or(scale, |w| w[index] * scale);
+            add_with_rests(&mut sums, &mut rests, &[term.re, term.im]);
+        }
+        Complex::new(sums[0] + rests[0], sums[1] + rests[1]) * size
+    };
+    Ok((0..=kmax).map(coefficient).collect())
 }

@@ -1,6 +1,6 @@
 use thiserror::Error as ThisError;
 
-use crate::limits::{MAX_EPSILON, MAX_KMAX, MIN_EPSILON};
+use crate::limits::{MAX_EPSILON, MIN_EPSILON};
 
 /// Error of a transform on the torus.
 #[derive(Debug, Clone, Copy, PartialEq, ThisError)]
@@ -13,10 +13,12 @@ pub enum Error {
         epsilon: f64,
     },
     /// The maximum frequency exceeds the supported limit.
-    #[error("kmax = {kmax} is too large: the largest supported frequency is {MAX_KMAX}")]
+    #[error("kmax = {kmax} is too large: the largest supported frequency is {max}")]
     FrequencyTooLarge {
         /// The value given.
         kmax: usize,
+        /// The largest supported value.
+        max: usize,
     },
     /// The numbers of weights and points differ.
     #[error("{weights} weights given for {points} points: one weight per point is required")]
@@ -43,6 +45,14 @@ pub enum Error {
         u: f64,
         /// The second coordinate.
         v: f64,
+    },
+    /// A coordinate on the circle is NaN or outside `[0, 1)`.
+    #[error("coordinate {index} (0-based) is {u}: it must be in [0, 1), in turns")]
+    Coordinate {
+        /// The index of the point, 0-based.
+        index: usize,
+        /// The coordinate.
+        u: f64,
     },
     /// A weight is not finite.
     #[error("weight {index} (0-based) is {weight}: weights must be finite")]

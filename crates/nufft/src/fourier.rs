@@ -68,10 +68,7 @@ impl<T: Real> Fourier<T> {
     fn fold(&self, grid: &mut [T], stride: usize, margin: usize) {
         let n = self.cells;
         for row in grid.chunks_exact_mut(stride) {
-            let (before, rest) = row.split_at_mut(margin);
-            let (body, after) = rest.split_at_mut(n);
-            add(&mut body[n - margin..], before);
-            add(body, after);
+            fold_row(row, n, margin);
         }
         let (before, rest) = grid.split_at_mut(margin * stride);
         let (body, after) = rest.split_at_mut(n * stride);
@@ -176,6 +173,15 @@ impl<T> FourierScratch<T> {
     pub(crate) fn spectra(&mut self) -> &mut Vec<Complex<T>> {
         &mut self.spectra
     }
+}
+
+/// Adds values beyond both ends of a row of `n` numbers to the opposite ends.
+#[inline(always)]
+pub(crate) fn fold_row<T: AddAssign + Copy>(row: &mut [T], n: usize, margin: usize) {
+    let (before, rest) = row.split_at_mut(margin);
+    let (body, after) = rest.split_at_mut(n);
+    add(&mut body[n - margin..], before);
+    add(body, after);
 }
 
 #[inline(always)]

@@ -24,6 +24,7 @@
 //! ```
 
 mod cells;
+mod circle;
 mod coefficients;
 mod design;
 mod direct;
@@ -41,10 +42,11 @@ mod spreading;
 mod transform;
 mod window;
 
+pub use circle::{CircleTransform, CircleWorkspace};
 pub use coefficients::TorusCoefficients;
-pub use direct::direct_adjoint;
+pub use direct::{direct_adjoint, direct_circle};
 pub use error::Error;
-pub use limits::{MAX_EPSILON, MAX_KMAX, MIN_EPSILON};
+pub use limits::{MAX_CIRCLE_KMAX, MAX_EPSILON, MAX_KMAX, MIN_EPSILON};
 pub use transform::{TorusTransform, TorusWorkspace};
 
 /// The stages between points and grid, and the arithmetic shared with later stages.

@@ -91,12 +91,12 @@ impl<T: Real> Spreading<T> {
 
 /// Work that is compiled for every padded width P of the window, with and without fused
 /// multiply-adds.
-trait ByWidth {
+pub(crate) trait ByWidth {
     fn run<const P: usize, const FUSED: bool>(self);
 }
 
 #[inline(always)]
-fn for_width<S: Simd, W: ByWidth>(padded: usize, work: W) {
+pub(crate) fn for_width<S: Simd, W: ByWidth>(padded: usize, work: W) {
     match (padded, S::F64_LANES > 1) {
         (4, true) => work.run::<4, true>(),
         (8, true) => work.run::<8, true>(),

@@ -120,7 +120,7 @@ impl TorusTransform {
     fn with_arch(kmax: usize, epsilon: f64, arch: Arch) -> Result<Self, Error> {
         let design = Design::at_every_frequency(epsilon)?;
         if kmax > MAX_KMAX {
-            return Err(Error::FrequencyTooLarge { kmax });
+            return Err(Error::FrequencyTooLarge { kmax, max: MAX_KMAX });
         }
         let engine = if design.single {
             Precision::Single(Engine::new(kmax, design, arch))
@@ -223,19 +223,11 @@ impl Places for Points<'_> {
     }
 
     #[inline(always)]
-    #[expect(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "coordinates are in [0, 1)"
-    )]
     fn turns<const FUSED: bool>(&self, first: usize) -> [Turns; 2] {
         let mut turns = [Turns::default(); 2];
         for (i, point) in self.0[first..].iter().take(LANES).enumerate() {
             for (turns, &x) in turns.iter_mut().zip(point) {
-                let eighths = f64::from((8.0 * x + 0.5) as u32);
-                turns.eighths[i] = eighths;
-                // Exact: a multiple of the last digit of x, and smaller than x or 1/16.
-                turns.rest[i] = x - eighths * 0.125;
+                turns.set(i, x);
             }
         }
         turns

@@ -63,13 +63,17 @@ impl Window {
         let nodes = NonZeroUsize::MIN.saturating_add(2 * self.width + 23);
         let rule = GaussLegendre::new(nodes);
         let half_pi = 0.5 * PI;
+        let nodes: Vec<[f64; 4]> = rule
+            .iter()
+            .map(|(x, w)| {
+                let (s, c) = (half_pi * x).sin_cos();
+                [*w, (self.beta * (c - 1.0)).exp(), s, c]
+            })
+            .collect();
         let of_order = |m: usize| {
             let frequency = 2.0 * PI * m as f64 / n as f64 * half;
-            let integrand = |t: f64| {
-                let (s, c) = t.sin_cos();
-                (self.beta * (c - 1.0)).exp() * (frequency * s).cos() * half * c
-            };
-            let terms = rule.iter().map(|(x, w)| w * integrand(half_pi * x));
+            let terms =
+                nodes.iter().map(|[w, psi, s, c]| w * (psi * (frequency * s).cos() * half * c));
             half_pi * terms.sum::<f64>()
         };
         (0..=last).map(of_order).collect()

@@ -1,4 +1,4 @@
-//! Compares the fast transform with the definition on difficult inputs, and both with closed forms.
+//! The transform from points to coefficients.
 
 use std::f64::consts::TAU;
 
@@ -7,18 +7,7 @@ use sphvar_nufft::{
     Error, MAX_KMAX, TorusCoefficients, TorusTransform, TorusWorkspace, direct_adjoint,
 };
 
-const EPSILONS: [f64; 12] =
-    [1e-1, 1e-2, 1e-3, 3e-5, 1e-5, 5e-6, 1e-7, 1e-9, 1e-10, 1e-11, 5e-13, 1e-13];
-const JUST_BELOW_1: f64 = 1.0 - f64::EPSILON / 2.0;
-
-/// Returns a generator of numbers in [0, 1), by linear congruence.
-fn uniform(seed: u64) -> impl FnMut() -> f64 {
-    let mut state = seed;
-    move || {
-        state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-        (state >> 11) as f64 * 2f64.powi(-53)
-    }
-}
+use crate::input::{EPSILONS, JUST_BELOW_1, uniform};
 
 type Input = (&'static str, Vec<[f64; 2]>, Option<Vec<f64>>);
 
@@ -183,7 +172,7 @@ fn invalid_input_is_an_error() {
         assert!(matches!(error, Error::Accuracy { .. }), "{epsilon}: {error}");
     }
     for kmax in [MAX_KMAX + 1, usize::MAX] {
-        let expected = Error::FrequencyTooLarge { kmax };
+        let expected = Error::FrequencyTooLarge { kmax, max: MAX_KMAX };
         assert_eq!(TorusTransform::new(kmax, 1e-3).unwrap_err(), expected);
         assert_eq!(direct_adjoint(kmax, &[], None).unwrap_err(), expected);
     }
