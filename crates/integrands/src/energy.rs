@@ -1,4 +1,4 @@
-use sphvar_sh::{Bands, ByParity, Domain};
+use sphvar_sh::{Bands, Domain, TailClasses};
 
 use crate::{EnergyErrors, Error};
 
@@ -8,42 +8,43 @@ use crate::{EnergyErrors, Error};
 /// `P_F(l) = E(l)/(2l+1)`. For an integrand on the hemisphere F is the even extension to the
 /// sphere, so odd degrees are 0 and the total is twice the hemisphere's `int f^2`.
 ///
-/// The total is stored separately for the mean (band 0), the even bands beyond it and the odd
-/// bands, because the mean power of a point set may differ between high even and high odd degrees.
+/// The total is stored separately for the mean (band 0) and for each class of the other bands
+/// ([`Bands::Tail`]; on the sphere, even and odd degrees), because the mean power of a point set may
+/// differ between classes at high degrees.
 ///
 /// Energies are exact to rounding unless they carry [`errors`](Self::errors), which predictions add
 /// to their standard error.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Energy<B = Domain> {
+pub struct Energy<B: Bands = Domain> {
     bands: B,
     per_band: Vec<f64>,
-    centred: ByParity,
-    errors: Option<EnergyErrors>,
+    centred: B::Tail,
+    errors: Option<EnergyErrors<B::Tail>>,
 }
 
 impl<B: Bands> Energy<B> {
     /// Returns the energy from that of the bands from 0 (at least band 0) and the totals of the
-    /// even bands from 1 and of the odd bands, `int (F - mean)^2` of the even and of the odd part
-    /// of F.
+    /// bands from 1 by class; on the sphere, `int (F - mean)^2` of the even and of the odd part of
+    /// F.
     ///
     /// # Panics
     ///
     /// Panics if `per_band` is empty.
     #[must_use]
-    pub fn new(bands: B, per_band: Vec<f64>, centred: ByParity) -> Self {
+    pub fn new(bands: B, per_band: Vec<f64>, centred: B::Tail) -> Self {
         assert!(!per_band.is_empty(), "the energy of band 0 is always there");
         Self { bands, per_band, centred, errors: None }
     }
 
     /// Returns the energy with the standard errors of the bands from 0, which are independent, and
-    /// those of the totals of the even bands from 1 and of the odd bands, `sqrt(sum e^2)` over all
-    /// bands of the parity.
+    /// those of the totals of the bands from 1 by class, `sqrt(sum e^2)` over all bands of the
+    /// class.
     ///
     /// # Panics
     ///
     /// Panics if there are not as many errors as bands.
     #[must_use]
-    pub fn with_stderr(self, per_band: Vec<f64>, centred: ByParity) -> Self {
+    pub fn with_stderr(self, per_band: Vec<f64>, centred: B::Tail) -> Self {
         assert_eq!(per_band.len(), self.per_band.len(), "every band needs an error");
         let errors = EnergyErrors::independent(&self.bands, per_band, centred);
         Self { errors: Some(errors), ..self }
@@ -66,7 +67,7 @@ impl<B: Bands> Energy<B> {
 
     /// Returns the errors of estimated energies; `None` if the energies are exact to rounding.
     #[must_use]
-    pub fn errors(&self) -> Option<&EnergyErrors> {
+    pub fn errors(&self) -> Option<&EnergyErrors<B::Tail>> {
         self.errors.as_ref()
     }
 
@@ -78,16 +79,13 @@ impl<B: Bands> Energy<B> {
 
     /// Returns the errors of the totals, 0 if they are exact to rounding.
     #[must_use]
-    pub fn centred_stderr(&self) -> ByParity {
-        self.errors.as_ref().map_or(ByParity::both(0.0), EnergyErrors::centred)
+    pub fn centred_stderr(&self) -> B::Tail {
+        self.errors.as_ref().map_or(B::Tail::all(0.0), EnergyErrors::centred)
     }
 
     /// Returns the energy of the function times a factor, with its errors.
     #[must_use]
-    pub fn of_multiple(&self, factor: f64) -> Self
-    where
-        B: Clone,
-    {
+    pub fn of_multiple(&self, factor: f64) -> Self {
         let square = factor * factor;
         Self {
             bands: self.bands.clone(),
@@ -99,10 +97,7 @@ impl<B: Bands> Energy<B> {
 
     /// Returns the energy with the bands to `lmax` alone, and the same totals.
     #[must_use]
-    pub fn truncated(&self, lmax: usize) -> Self
-    where
-        B: Clone,
-    {
+    pub fn truncated(&self, lmax: usize) -> Self {
         let n_bands = self.per_band.len().min(lmax.saturating_add(1));
         let errors = self.errors.as_ref().map(|errors| errors.truncated(n_bands));
         let per_band = self.per_band[..n_bands].to_vec();
@@ -133,9 +128,9 @@ impl<B: Bands> Energy<B> {
         self.per_band[0] + self.centred.sum()
     }
 
-    /// Returns `int (F - mean)^2`, the energy of all even bands from 1 and of all odd bands.
+    /// Returns `int (F - mean)^2`, the energy of all bands from 1 by class.
     #[must_use]
-    pub fn centred(&self) -> ByParity {
+    pub fn centred(&self) -> B::Tail {
         self.centred
     }
 
@@ -143,24 +138,24 @@ impl<B: Bands> Energy<B> {
     /// is smaller); for lmax = 0, that of all degrees from 1.
     #[must_use]
     pub fn beyond(&self, lmax: usize) -> f64 {
-        self.beyond_by_parity(lmax).sum()
+        self.beyond_by_class(lmax).sum()
     }
 
-    /// Returns the energy beyond degree `lmax` by parity of the degree.
+    /// Returns the energy beyond band number `lmax`, the degree on the sphere, by class of the band.
     ///
     /// It is the difference of two nearly equal numbers. A result within the rounding of the sum,
     /// `4 EPSILON sqrt(lmax + 1) int (F - mean)^2`, is replaced by 0.
     #[must_use]
-    pub fn beyond_by_parity(&self, lmax: usize) -> ByParity {
+    pub fn beyond_by_class(&self, lmax: usize) -> B::Tail {
         let known = &self.per_band[..self.per_band.len().min(lmax.saturating_add(1))];
-        let mut sums = ByParity::both(0.0);
+        let mut sums = vec![0.0; B::Tail::COUNT];
         for (band, e) in known.iter().enumerate().skip(1) {
-            *sums.at_mut(self.bands.is_even(band)) += e;
+            sums[self.bands.tail_class(band)] += e;
         }
         // Each coefficient and the sum itself are rounded by some EPSILON of the total.
         let rounding = 4.0 * f64::EPSILON * self.centred.sum() * (known.len() as f64).sqrt();
-        self.centred.zip(sums).map(|(total, sum)| {
-            let tail = total - sum;
+        B::Tail::from_fn(|class| {
+            let tail = self.centred.get(class) - sums[class];
             if tail > rounding { tail } else { 0.0 }
         })
     }

@@ -1,9 +1,9 @@
-use sphvar_sh::{Bands, ByParity};
+use sphvar_sh::{Bands, ByParity, TailClasses};
 
 use crate::Energy;
 
 /// The errors of an [`Energy`](crate::Energy) that is estimated: of the energy of every band and of
-/// the totals over all bands from 1, by parity.
+/// the totals over all bands from 1, by class.
 ///
 /// How the errors of several bands combine is one of two models:
 ///
@@ -15,43 +15,48 @@ use crate::Energy;
 ///   error of any sum of energies is the largest deviation of theirs, so that errors of different
 ///   bands cancel or add up as they do in the estimates.
 #[derive(Clone, Debug, PartialEq)]
-pub struct EnergyErrors {
+pub struct EnergyErrors<T = ByParity> {
     per_band: Vec<f64>,
-    centred: ByParity,
-    /// Whether a band is even, from band 0.
-    parities: Vec<bool>,
+    centred: T,
+    /// The class of every band from 0.
+    classes: Vec<u8>,
     /// Of the other estimates; empty for independent errors.
-    deviations: Vec<Deviation>,
+    deviations: Vec<Deviation<T>>,
 }
 
 /// The differences of two estimates of energies.
 #[derive(Clone, Debug, PartialEq)]
-struct Deviation {
+struct Deviation<T> {
     per_band: Vec<f64>,
-    centred: ByParity,
+    centred: T,
 }
 
-impl EnergyErrors {
-    pub(crate) fn independent(bands: &impl Bands, per_band: Vec<f64>, centred: ByParity) -> Self {
-        let parities = parities(bands, per_band.len());
-        Self { per_band, centred, parities, deviations: vec![] }
+impl<T: TailClasses> EnergyErrors<T> {
+    pub(crate) fn independent(
+        bands: &impl Bands<Tail = T>,
+        per_band: Vec<f64>,
+        centred: T,
+    ) -> Self {
+        let classes = classes(bands, per_band.len());
+        Self { per_band, centred, classes, deviations: vec![] }
     }
 
-    pub(crate) fn of_estimates<B: Bands>(energy: &Energy<B>, others: &[Energy<B>]) -> Self {
+    pub(crate) fn of_estimates<B: Bands<Tail = T>>(
+        energy: &Energy<B>,
+        others: &[Energy<B>],
+    ) -> Self {
         let deviation = |other: &Energy<B>| {
             let pairs = energy.per_band().iter().zip(other.per_band());
-            let centred = energy.centred().zip(other.centred()).map(|(a, b)| b - a);
+            let centred = T::from_fn(|c| other.centred().get(c) - energy.centred().get(c));
             Deviation { per_band: pairs.map(|(a, b)| b - a).collect(), centred }
         };
         let deviations: Vec<_> = others.iter().map(deviation).collect();
         let n_bands = energy.per_band().len();
         let per_band = |l: usize| max_abs(deviations.iter().map(|d| d.per_band[l]));
-        let even = max_abs(deviations.iter().map(|d| d.centred.even));
-        let odd = max_abs(deviations.iter().map(|d| d.centred.odd));
         Self {
             per_band: (0..n_bands).map(per_band).collect(),
-            centred: ByParity { even, odd },
-            parities: parities(energy.bands(), n_bands),
+            centred: T::from_fn(|class| max_abs(deviations.iter().map(|d| d.centred.get(class)))),
+            classes: classes(energy.bands(), n_bands),
             deviations,
         }
     }
@@ -62,58 +67,59 @@ impl EnergyErrors {
         &self.per_band
     }
 
-    /// Returns the errors of the totals of the even bands from 1 and of the odd bands.
+    /// Returns the errors of the totals of the bands from 1 by class.
     #[must_use]
-    pub fn centred(&self) -> ByParity {
+    pub fn centred(&self) -> T {
         self.centred
     }
 
     /// Returns the error of `sum_{l >= 1} E(l) P(l)` with the factors `power` of the bands from 0
-    /// to their last, inclusive, and `beyond` of all higher bands by parity.
+    /// to their last, inclusive, and `beyond` of all higher bands by class.
     ///
-    /// With the totals C and the factors T of the higher bands, the sum is
+    /// With the totals C and the factors T of the higher bands of every class c, the sum is
     ///
     /// ```text
-    /// S = sum_{l = 1..L} E(l) (P(l) - T_p(l)) + sum_p T_p C_p
+    /// S = sum_{l = 1..L} E(l) (P(l) - T_c(l)) + sum_c T_c C_c
     /// ```
     ///
     /// With other estimates, its error is the largest of their `|S' - S|`. Independent errors e of
-    /// the E and c of the C, which contain those of the E, add up as
+    /// the E and f of the C, which contain those of the E, add up as
     ///
     /// ```text
-    /// sum_{l = 1..L} (e(l) P(l))^2 + sum_p T_p^2 (c_p^2 - sum_{l <= L, parity p} e(l)^2)
+    /// sum_{l = 1..L} (e(l) P(l))^2 + sum_c T_c^2 (f_c^2 - sum_{l <= L, class c} e(l)^2)
     /// ```
     ///
     /// where a negative difference counts as 0.
     #[must_use]
-    pub fn of_sum(&self, power: &[f64], beyond: ByParity) -> f64 {
+    pub fn of_sum(&self, power: &[f64], beyond: T) -> f64 {
         if self.deviations.is_empty() {
             return self.of_independent(power, beyond);
         }
-        let of_estimate = |deviation: &Deviation| {
-            let bands = deviation.per_band.iter().zip(&self.parities).zip(power).skip(1);
-            let moved = |((d, &even), p): ((&f64, &bool), &f64)| d * (p - of(beyond, even));
+        let of_estimate = |deviation: &Deviation<T>| {
+            let bands = deviation.per_band.iter().zip(&self.classes).zip(power).skip(1);
+            let moved = |((d, &class), p): ((&f64, &u8), &f64)| d * (p - beyond.get(class.into()));
             bands.map(moved).sum::<f64>() + beyond.dot(deviation.centred)
         };
         max_abs(self.deviations.iter().map(of_estimate))
     }
 
-    fn of_independent(&self, power: &[f64], beyond: ByParity) -> f64 {
+    fn of_independent(&self, power: &[f64], beyond: T) -> f64 {
         // Relative to the largest error, so that no square overflows or underflows.
-        let totals = [self.centred.even, self.centred.odd];
-        let largest = max_abs(self.per_band.iter().skip(1).chain(&totals).copied());
+        let totals = (0..T::COUNT).map(|class| self.centred.get(class));
+        let largest = max_abs(self.per_band.iter().skip(1).copied().chain(totals));
         if largest == 0.0 {
             return 0.0;
         }
-        let (mut sum, mut shares) = (0.0, ByParity::both(0.0));
-        let bands = self.per_band.iter().zip(&self.parities).zip(power).skip(1);
-        for ((error, &even), power) in bands {
+        let (mut sum, mut shares) = (0.0, vec![0.0; T::COUNT]);
+        let bands = self.per_band.iter().zip(&self.classes).zip(power).skip(1);
+        for ((error, &class), power) in bands {
             let error = error / largest;
             sum += (error * power).powi(2);
-            *shares.at_mut(even) += error * error;
+            shares[usize::from(class)] += error * error;
         }
-        let rest = self.centred.map(|c| c / largest).zip(shares).map(|(c, share)| {
-            let rest = c * c - share;
+        let rest = T::from_fn(|class| {
+            let total = self.centred.get(class) / largest;
+            let rest = total * total - shares[class];
             if rest < 0.0 { 0.0 } else { rest }
         });
         largest * (sum + beyond.map(|t| t * t).dot(rest)).sqrt()
@@ -131,13 +137,13 @@ impl EnergyErrors {
     }
 
     fn mapped(&self, bands: impl Fn(&[f64]) -> Vec<f64>, total: impl Fn(f64) -> f64) -> Self {
-        let of_deviation = |d: &Deviation| Deviation {
+        let of_deviation = |d: &Deviation<T>| Deviation {
             per_band: bands(&d.per_band),
             centred: d.centred.map(&total),
         };
         let per_band = bands(&self.per_band);
         Self {
-            parities: self.parities[..per_band.len()].to_vec(),
+            classes: self.classes[..per_band.len()].to_vec(),
             per_band,
             centred: self.centred.map(&total),
             deviations: self.deviations.iter().map(of_deviation).collect(),
@@ -145,12 +151,10 @@ impl EnergyErrors {
     }
 }
 
-fn parities(bands: &impl Bands, n_bands: usize) -> Vec<bool> {
-    (0..n_bands).map(|band| bands.is_even(band)).collect()
-}
-
-fn of(values: ByParity, even: bool) -> f64 {
-    if even { values.even } else { values.odd }
+/// Returns the class of every band from 0; no space has more than a few.
+#[expect(clippy::cast_possible_truncation, reason = "classes are small numbers")]
+fn classes(bands: &impl Bands, n_bands: usize) -> Vec<u8> {
+    (0..n_bands).map(|band| bands.tail_class(band) as u8).collect()
 }
 
 /// Returns the largest absolute value, NaN if one is unknown.
@@ -196,7 +200,7 @@ mod tests {
         let (power, tail) = ([100.0, 0.25, 2.5, 3.0], ByParity { even: 2.0, odd: 0.5 });
         let sum = |energy: &Energy| {
             let known: f64 = (1..4).map(|l| energy.per_band()[l] * power[l]).sum();
-            known + tail.dot(energy.beyond_by_parity(3))
+            known + tail.dot(energy.beyond_by_class(3))
         };
         let other = |per_band: [f64; 4], even, odd| {
             Energy::new(Domain::Sphere, per_band.to_vec(), ByParity { even, odd })

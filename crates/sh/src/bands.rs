@@ -1,6 +1,6 @@
 use std::fmt::Debug;
 
-use crate::Domain;
+use crate::{ByParity, Domain, TailClasses};
 
 /// Bands in which the spectrum of a homogeneous ensemble is constant.
 ///
@@ -14,7 +14,8 @@ use crate::Domain;
 /// ```
 ///
 /// Bands are numbered by radius from 0, the band of the constant. [`Domain`] implements the degrees
-/// of the sphere and the even degrees of the hemisphere.
+/// of the sphere and the even degrees of the hemisphere, [`Frequencies`](crate::Frequencies) the
+/// pairs of frequencies of the unit square.
 ///
 /// # Examples
 ///
@@ -25,6 +26,9 @@ use crate::Domain;
 /// assert!(!Domain::Hemisphere.has_band(3));
 /// ```
 pub trait Bands: Clone + Debug + PartialEq + Send + Sync {
+    /// One value for each class of bands whose mean power at large radii can differ.
+    type Tail: TailClasses;
+
     /// Returns the column heading of the band in tables: `l` for degrees.
     fn label(&self) -> &'static str;
 
@@ -39,10 +43,9 @@ pub trait Bands: Clone + Debug + PartialEq + Send + Sync {
     /// and 0 only for band 0.
     fn radius(&self, band: usize) -> f64;
 
-    /// Returns whether functions of the band are even under the inversion of the space (x to -x on
-    /// the sphere); functions of other bands are odd. Coincident and antipodal points change the
-    /// mean power of even and odd bands at large radii.
-    fn is_even(&self, band: usize) -> bool;
+    /// Returns the class of the band, below [`TailClasses::COUNT`] of [`Self::Tail`]; the class of
+    /// band 0 has no meaning.
+    fn tail_class(&self, band: usize) -> usize;
 
     /// Returns `factor(N)`, inversely proportional to N: 4 pi/N on the sphere.
     fn factor(&self, n_points: usize) -> f64;
@@ -51,14 +54,21 @@ pub trait Bands: Clone + Debug + PartialEq + Send + Sync {
     /// patterns of N points average out: sqrt(N) on the sphere.
     fn spacing_radius(&self, n_points: usize) -> f64;
 
-    /// Returns whether bands of a parity exist. The default implementation checks bands 1 and 2.
-    fn has_parity(&self, even: bool) -> bool {
-        let is_of_parity = |&band: &usize| self.has_band(band) && self.is_even(band) == even;
-        (1..=2).any(|band| is_of_parity(&band))
+    /// Returns whether bands of a class exist. The default implementation returns true.
+    fn has_class(&self, _class: usize) -> bool {
+        true
+    }
+
+    /// Returns the radius up to which bands 0 to `last` contain all bands of a class. The default
+    /// implementation returns the radius of `last`.
+    fn extent(&self, _class: usize, last: usize) -> f64 {
+        self.radius(last)
     }
 }
 
 impl Bands for Domain {
+    type Tail = ByParity;
+
     fn label(&self) -> &'static str {
         "l"
     }
@@ -75,8 +85,13 @@ impl Bands for Domain {
         band as f64
     }
 
-    fn is_even(&self, band: usize) -> bool {
-        band.is_multiple_of(2)
+    /// Coincident and antipodal points change the power of even and of odd degrees differently.
+    fn tail_class(&self, band: usize) -> usize {
+        band % 2
+    }
+
+    fn has_class(&self, class: usize) -> bool {
+        self.has_degree(class)
     }
 
     fn factor(&self, n_points: usize) -> f64 {

@@ -12,6 +12,16 @@ pub enum Error {
         /// The maximum supported degree.
         max: usize,
     },
+    /// The maximum frequency of the bands of the square is out of range.
+    #[error("maximum frequency {kmax} is out of range: {min} to {max} are supported")]
+    Frequency {
+        /// The requested maximum frequency.
+        kmax: usize,
+        /// The minimum supported value.
+        min: usize,
+        /// The maximum supported value.
+        max: usize,
+    },
     /// The requested accuracy of a transform is NaN or out of range.
     #[error("epsilon must be in [{min:e}, {max:e}], got {epsilon}")]
     Accuracy {

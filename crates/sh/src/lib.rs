@@ -12,7 +12,8 @@
 //! - [`Alm`]: coefficients, energy and power per degree. [`ByParity`]: a value for even and one for
 //!   odd degrees.
 //! - [`Domain`]: the sphere and the hemisphere. [`Bands`]: the bands of a spectrum, such as their
-//!   degrees.
+//!   degrees. [`Frequencies`]: the bands of the unit square. [`TailClasses`]: a value for each class
+//!   of bands with a mean power of its own at large radii.
 //! - [`legendre_p`]: Legendre polynomials. [`GaussLegendre`]: quadrature on an interval.
 //!   [`CompensatedSum`]: sums of many terms.
 //!
@@ -43,14 +44,17 @@
 //!
 //! # Features
 //!
-//! - `serde`: serialization of [`Domain`], [`LmIndex`] and [`ByParity`] with serde. Off by default.
+//! - `serde`: serialization of [`Domain`], [`LmIndex`], [`ByParity`], [`ByAxis`] and [`Frequencies`]
+//!   with serde. Off by default.
 
 mod alm;
+mod axis;
 mod bands;
 mod colatitude;
 mod compensated_sum;
 mod domain;
 mod error;
+mod frequencies;
 mod gauss;
 mod index;
 mod lambda;
@@ -60,14 +64,17 @@ mod polynomial;
 mod recurrence;
 mod scaled;
 mod sectoral;
+mod tail_classes;
 mod ylm;
 
 pub use alm::Alm;
+pub use axis::ByAxis;
 pub use bands::Bands;
 pub use colatitude::Colatitude;
 pub use compensated_sum::CompensatedSum;
 pub use domain::Domain;
 pub use error::Error;
+pub use frequencies::Frequencies;
 pub use gauss::GaussLegendre;
 pub use index::{LmIndex, MAX_DEGREE};
 pub use lambda::{lambda, lambda_scaled};
@@ -77,6 +84,7 @@ pub use polynomial::{legendre_p, legendre_p_into};
 pub use recurrence::{Recurrence, Step};
 pub use scaled::Scaled;
 pub use sectoral::{sectoral, sectoral_function};
+pub use tail_classes::TailClasses;
 pub use ylm::{real_ylm, real_ylm_at, ylm, ylm_at};
 
 #[cfg(doctest)]

@@ -1,3 +1,5 @@
+use crate::TailClasses;
+
 /// A value for even and one for odd degrees, the two classes that a point set or function can
 /// distinguish at any degree: `Y_lm(-x) = (-1)^l Y_lm(x)`.
 ///
@@ -30,12 +32,6 @@ impl<T> ByParity<T> {
     #[must_use]
     pub fn of_mut(&mut self, l: usize) -> &mut T {
         if l.is_multiple_of(2) { &mut self.even } else { &mut self.odd }
-    }
-
-    /// Returns the even or the odd value, mutably.
-    #[must_use]
-    pub fn at_mut(&mut self, even: bool) -> &mut T {
-        if even { &mut self.even } else { &mut self.odd }
     }
 
     /// Returns references to both values.
@@ -74,5 +70,18 @@ impl ByParity {
     #[must_use]
     pub fn dot(self, other: Self) -> f64 {
         self.even * other.even + self.odd * other.odd
+    }
+}
+
+/// Class 0 has the even degrees, class 1 the odd ones.
+impl TailClasses for ByParity {
+    const COUNT: usize = 2;
+
+    fn from_fn(mut f: impl FnMut(usize) -> f64) -> Self {
+        Self { even: f(0), odd: f(1) }
+    }
+
+    fn get(&self, class: usize) -> f64 {
+        *self.of(class)
     }
 }

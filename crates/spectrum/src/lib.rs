@@ -40,6 +40,7 @@
 mod accumulate;
 mod accumulator;
 mod anisotropy;
+mod class_moments;
 mod coefficients;
 mod coincidence;
 mod error;
@@ -57,6 +58,7 @@ mod spectrum;
 pub use accumulate::{Resolution, accumulate};
 pub use accumulator::Accumulator;
 pub use anisotropy::Anisotropy;
+pub use class_moments::ClassMoments;
 pub use coefficients::CoefficientSamples;
 pub use coincidence::tail_power;
 pub use error::Error;

@@ -1,6 +1,6 @@
-use sphvar_sh::{Bands, ByParity, Domain};
+use sphvar_sh::{Bands, Domain, TailClasses};
 
-use crate::{Accumulator, Error, Moments, Realization};
+use crate::{Accumulator, ClassMoments, Error, Moments, Realization};
 
 /// Mean power per band of an ensemble, with its standard error. The bands of the sphere are the
 /// degrees.
@@ -11,15 +11,15 @@ use crate::{Accumulator, Error, Moments, Realization};
 ///
 /// For weighted points, N is the effective number `(sum w)^2/sum w^2`.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Spectrum<B = Domain> {
+pub struct Spectrum<B: Bands = Domain> {
     bands: B,
     n_points: usize,
     n_effective: f64,
     realizations: u64,
     power: Vec<f64>,
     stderr: Vec<f64>,
-    tail: ByParity,
-    tail_stderr: ByParity,
+    tail: B::Tail,
+    tail_stderr: B::Tail,
 }
 
 impl<B: Bands> Spectrum<B> {
@@ -42,7 +42,7 @@ impl<B: Bands> Spectrum<B> {
             }
         }
         let stderr = vec![0.0; power.len()];
-        let tail_stderr = ByParity::both(0.0);
+        let tail_stderr = B::Tail::all(0.0);
         let spectrum = Self {
             bands,
             n_points,
@@ -53,30 +53,30 @@ impl<B: Bands> Spectrum<B> {
             tail: tail_stderr,
             tail_stderr,
         };
-        spectrum.with_tail(ByParity::both(1.0))
+        spectrum.with_tail(B::Tail::all(1.0))
     }
 
     /// Returns the same spectrum with another mean power beyond its last band, known without error.
     #[must_use]
-    pub fn with_tail(mut self, tail: ByParity) -> Self {
+    pub fn with_tail(mut self, tail: B::Tail) -> Self {
         self.tail = existing(&self.bands, tail);
-        self.tail_stderr = ByParity::both(0.0);
+        self.tail_stderr = B::Tail::all(0.0);
         self
     }
 
-    /// Returns the mean power of even and of odd degrees beyond those of the spectrum: the limit of
-    /// the average over degrees. It is 1 unless points coincide or are antipodal, see
-    /// [`tail_power`](crate::tail_power).
+    /// Returns the mean power beyond the bands of the spectrum by class (on the sphere, of even and
+    /// of odd degrees): the limit of the average over bands. On the sphere it is 1 unless points
+    /// coincide or are antipodal, see [`tail_power`](crate::tail_power).
     ///
     /// On the hemisphere the value of odd degrees is 0 and has no meaning.
     #[must_use]
-    pub fn tail(&self) -> ByParity {
+    pub fn tail(&self) -> B::Tail {
         self.tail
     }
 
     /// Returns the standard error of the [`tail`](Self::tail).
     #[must_use]
-    pub fn tail_stderr(&self) -> ByParity {
+    pub fn tail_stderr(&self) -> B::Tail {
         self.tail_stderr
     }
 
@@ -146,7 +146,7 @@ impl<B: Bands> Spectrum<B> {
     #[must_use]
     pub fn into_exact(mut self) -> Self {
         self.stderr.fill(0.0);
-        self.tail_stderr = ByParity::both(0.0);
+        self.tail_stderr = B::Tail::all(0.0);
         self
     }
 
@@ -165,23 +165,20 @@ impl Spectrum {
     }
 }
 
-/// Returns the values with those of parities without bands replaced by 0.
-fn existing(bands: &impl Bands, value: ByParity) -> ByParity {
-    ByParity {
-        even: if bands.has_parity(true) { value.even } else { 0.0 },
-        odd: if bands.has_parity(false) { value.odd } else { 0.0 },
-    }
+/// Returns the values with those of classes without bands replaced by 0.
+fn existing<B: Bands>(bands: &B, value: B::Tail) -> B::Tail {
+    B::Tail::from_fn(|class| if bands.has_class(class) { value.get(class) } else { 0.0 })
 }
 
 /// Accumulates the power per band; [`finish`](Self::finish) returns the [`Spectrum`].
 #[derive(Clone, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct SpectrumAccumulator<B = Domain> {
+pub struct SpectrumAccumulator<B: Bands = Domain> {
     bands: B,
     n_points: usize,
     n_effective: Moments,
     powers: Vec<Moments>,
-    tail: ByParity<Moments>,
+    tail: ClassMoments<B::Tail>,
 }
 
 impl<B: Bands> SpectrumAccumulator<B> {
@@ -195,7 +192,7 @@ impl<B: Bands> SpectrumAccumulator<B> {
     pub fn new(bands: B, n_points: usize, last: usize) -> Self {
         let powers = vec![Moments::default(); last.saturating_add(1)];
         let n_effective = Moments::default();
-        Self { bands, n_points, n_effective, powers, tail: ByParity::default() }
+        Self { bands, n_points, n_effective, powers, tail: ClassMoments::default() }
     }
 
     /// Returns the bands of the accumulated powers, starting at band 0.
@@ -222,9 +219,9 @@ impl<B: Bands> SpectrumAccumulator<B> {
     #[must_use]
     pub fn realizations(&self) -> Option<u64> {
         let count = self.powers.first()?.count();
-        let others = [&self.n_effective, &self.tail.even, &self.tail.odd];
-        let mut all = self.powers.iter().chain(others);
-        all.all(|moments| moments.count() == count).then_some(count)
+        let mut all = self.powers.iter().chain([&self.n_effective]);
+        let is_equal = all.all(|moments| moments.count() == count);
+        (is_equal && self.tail.count() == Some(count)).then_some(count)
     }
 
     /// Adds the realizations of another accumulator exactly.
@@ -273,8 +270,8 @@ impl<B: Bands> SpectrumAccumulator<B> {
             realizations,
             power: by_band(&Moments::mean),
             stderr: by_band(&Moments::standard_error),
-            tail: existing(&self.bands, self.tail.as_ref().map(Moments::mean)),
-            tail_stderr: existing(&self.bands, self.tail.as_ref().map(Moments::standard_error)),
+            tail: existing(&self.bands, self.tail.mean()),
+            tail_stderr: existing(&self.bands, self.tail.standard_error()),
         })
     }
 
@@ -284,14 +281,13 @@ impl<B: Bands> SpectrumAccumulator<B> {
         &mut self,
         n_effective: f64,
         powers: impl IntoIterator<Item = f64>,
-        tail: ByParity,
+        tail: B::Tail,
     ) {
         for (moments, power) in self.powers.iter_mut().zip(powers) {
             moments.push(power);
         }
         self.n_effective.push(n_effective);
-        self.tail.even.push(tail.even);
-        self.tail.odd.push(tail.odd);
+        self.tail.push(tail);
     }
 
     fn merge_powers(&mut self, other: &Self) {
@@ -299,8 +295,7 @@ impl<B: Bands> SpectrumAccumulator<B> {
             mine.merge(theirs);
         }
         self.n_effective.merge(&other.n_effective);
-        self.tail.even.merge(&other.tail.even);
-        self.tail.odd.merge(&other.tail.odd);
+        self.tail.merge(&other.tail);
     }
 }
 

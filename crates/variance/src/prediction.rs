@@ -1,5 +1,5 @@
-use sphvar_sh::{Bands, ByParity};
-use sphvar_spectrum::{Accumulator, Moments, Realization, Spectrum};
+use sphvar_sh::{Bands, ByParity, TailClasses};
+use sphvar_spectrum::{Accumulator, ClassMoments, Moments, Realization, Spectrum};
 
 use crate::error_moments::ErrorMoments;
 use crate::student_quantile;
@@ -16,12 +16,12 @@ pub struct Prediction {
     /// The part of `stderr` due to the errors of the integrand's energies,
     /// [`EnergyErrors::of_sum`]; 0 if they are exact.
     pub energy_stderr: f64,
-    /// The contribution to `variance` of the degrees beyond the spectrum, where the pattern is
-    /// assigned the mean power of the degree's parity, [`Spectrum::tail`]: `k (sum_{even l > lmax}
-    /// E(l) P_even + sum_{odd l > lmax} E(l) P_odd)`.
+    /// The contribution to `variance` of the bands beyond the spectrum, where the pattern is
+    /// assigned the mean power of the band's class, [`Spectrum::tail`]; on the sphere,
+    /// `k (sum_{even l > lmax} E(l) P_even + sum_{odd l > lmax} E(l) P_odd)`.
     pub tail: f64,
     /// The estimated error of the tail: the energies beyond the spectrum times the largest
-    /// deviation from the mean power of their parity in the upper octave of the spectrum; see
+    /// deviation from the mean power of their class in the upper octave of the spectrum; see
     /// [`predict`].
     pub tail_error: f64,
     /// The degrees of freedom of `stderr`: one less than the number of realizations, and with errors
@@ -78,17 +78,18 @@ impl Prediction {
 /// spaces the sum is over their bands.
 ///
 /// Let L be the smaller of the two lmax. Degrees beyond L enter with the limit of the pattern's
-/// mean power, separately for even and for odd degrees: `T = `[`Spectrum::tail`], which is 1 unless
-/// points coincide or are antipodes. The error of this assumption is estimated from the octave
-/// below L. It is divided into windows of about `sqrt(N)` degrees, over which the peaks of lattices
-/// and the oscillations of random patterns average out:
+/// mean power, separately for each class of bands (on the sphere, even and odd degrees):
+/// `T = `[`Spectrum::tail`], which is 1 unless points coincide, are antipodes or share coordinates.
+/// The error of this assumption is estimated from the octave below L, for each class below its own
+/// last band. It is divided into windows of about `sqrt(N)` degrees, over which the peaks of
+/// lattices and the oscillations of random patterns average out:
 ///
 /// ```text
-/// tail error = k sum_parities E_beyond max_windows |<P>_E - T|,   <P>_E = sum_window E(l) P(l) / sum_window E(l)
+/// tail error = k sum_classes E_beyond max_windows |<P>_E - T|,   <P>_E = sum_window E(l) P(l) / sum_window E(l)
 /// ```
 ///
-/// The sums run over the degrees of one parity. If the integrand has no energy of a parity in that
-/// octave but some beyond, the windows of the other parity are used; if there are none, the tail
+/// The sums run over the bands of one class. If the integrand has no energy of a class in that
+/// octave but some beyond, the windows of the other classes are used; if there are none, the tail
 /// error equals the tail. Where the power is settled, the mean over the tail is closer to T than
 /// the mean of the worst window; where L is far below `sqrt(N)`, the error is nearly the tail
 /// itself.
@@ -107,14 +108,12 @@ pub fn predict<B: Bands>(spectrum: &Spectrum<B>, energy: &Energy<B>) -> Predicti
     let weights = Weights::new(energy, spectrum.n_points(), spectrum.lmax());
     let scale = weights.scale * (weights.n_points / spectrum.n_effective());
     let errors = weights.per_band.iter().zip(spectrum.stderr()).map(|(w, e)| w * e);
-    let tail_errors = weights.tail.zip(spectrum.tail_stderr()).map(|(w, e)| w * e);
-    let errors = errors.chain([tail_errors.even, tail_errors.odd]);
-    let windows = weights
-        .windows
-        .as_ref()
-        .map(|windows| windows.iter().map(|w| w.mean(spectrum.power())).collect::<Vec<f64>>());
+    let of_tail = |class: usize| weights.tail.get(class) * spectrum.tail_stderr().get(class);
+    let errors = errors.chain((0..B::Tail::COUNT).map(of_tail));
+    let windows = weights.of_windows(|window| window.mean(spectrum.power()));
     let last = weights.per_band.len().min(spectrum.power().len());
-    let of_sum = |errors: &EnergyErrors| errors.of_sum(&spectrum.power()[..last], spectrum.tail());
+    let of_sum =
+        |errors: &EnergyErrors<_>| errors.of_sum(&spectrum.power()[..last], spectrum.tail());
     let energy_error = energy.errors().map_or(0.0, of_sum);
     let prediction = Prediction {
         variance: scale * weights.apply(spectrum.power(), spectrum.tail()),
@@ -134,20 +133,21 @@ pub fn predict<B: Bands>(spectrum: &Spectrum<B>, energy: &Energy<B>) -> Predicti
 }
 
 /// The weights with which an integrand sums a pattern's power:
-/// `scale (sum_bands per_band P + sum_parities tail T)`.
+/// `scale (sum_bands per_band P + sum_classes tail T)`.
 #[derive(Clone, Debug)]
-struct Weights {
+struct Weights<T> {
     /// The variance with white noise. The weights are relative to it, so that squared products of
     /// weights and powers neither overflow nor underflow for integrands of any size.
     scale: f64,
     /// The number of points that `scale` refers to.
     n_points: f64,
     per_band: Vec<f64>,
-    tail: ByParity,
-    windows: ByParity<Vec<Window>>,
+    tail: T,
+    /// The windows of each class.
+    windows: Vec<Vec<Window>>,
 }
 
-/// Consecutive bands from `first` on, with weights that sum to 1; bands of the other parity have
+/// Consecutive bands from `first` on, with weights that sum to 1; bands of other classes have
 /// weight 0.
 #[derive(Clone, Debug)]
 struct Window {
@@ -161,32 +161,41 @@ impl Window {
     }
 }
 
-impl Weights {
-    fn new<B: Bands>(energy: &Energy<B>, n_points: usize, last: usize) -> Self {
+impl<T: TailClasses> Weights<T> {
+    fn new<B: Bands<Tail = T>>(energy: &Energy<B>, n_points: usize, last: usize) -> Self {
         let last = last.min(energy.lmax());
         let whole = energy.centred().sum();
         let share = |e: f64| if whole > 0.0 { e / whole } else { 0.0 };
         let mut per_band: Vec<f64> = energy.per_band()[..=last].iter().map(|&e| share(e)).collect();
         // The number of points is fixed, so the mean has no variance.
         per_band[0] = 0.0;
-        let tail = energy.beyond_by_parity(last).map(share);
-        // Without a tail its error is not needed.
-        let windows =
-            if tail.sum() > 0.0 { windows(energy, n_points, last) } else { ByParity::default() };
+        let tail = energy.beyond_by_class(last).map(share);
+        let of_class = |class: usize| {
+            // Without a tail its error is not needed.
+            let has_tail = tail.sum() > 0.0;
+            if has_tail { windows(energy, n_points, last, class) } else { Vec::new() }
+        };
+        let windows = (0..T::COUNT).map(of_class).collect();
         let scale = energy.bands().factor(n_points) * whole;
         Self { scale, n_points: n_points as f64, per_band, tail, windows }
     }
 
-    fn apply(&self, power: &[f64], tail: ByParity) -> f64 {
+    fn apply(&self, power: &[f64], tail: T) -> f64 {
         let known: f64 = self.per_band.iter().zip(power).map(|(w, p)| w * p).sum();
         known + self.tail.dot(tail)
     }
 
+    /// Returns `f` of the windows of each class.
+    fn of_windows<U>(&self, mut f: impl FnMut(&Window) -> U) -> Vec<Vec<U>> {
+        self.windows.iter().map(|windows| windows.iter().map(&mut f).collect()).collect()
+    }
+
     /// Returns the error of the tail, relative to `scale`, from the mean powers in windows and
     /// those expected beyond.
-    fn tail_error(&self, means: &ByParity<Vec<f64>>, expected: ByParity) -> f64 {
-        let departure = |means: &[f64], windows: &[Window], expected: f64| {
-            let departures = means.iter().zip(windows).map(|(p, w)| {
+    fn tail_error(&self, means: &[Vec<f64>], expected: T) -> f64 {
+        let departure = |class: usize| {
+            let expected = expected.get(class);
+            let departures = means[class].iter().zip(&self.windows[class]).map(|(p, w)| {
                 // The weights of a window sum to 1 up to one rounding per degree.
                 let rounding = f64::EPSILON * w.weights.len() as f64 * expected.max(1.0);
                 let departure = (p - expected).abs();
@@ -194,19 +203,22 @@ impl Weights {
             });
             departures.reduce(f64::max)
         };
-        let even = departure(&means.even, &self.windows.even, expected.even);
-        let odd = departure(&means.odd, &self.windows.odd, expected.odd);
-        let departures =
-            ByParity { even: even.or(odd), odd: odd.or(even) }.map(|d| d.unwrap_or(1.0));
-        self.tail.dot(departures)
+        let departures: Vec<_> = (0..T::COUNT).map(departure).collect();
+        let of_others = departures.iter().copied().flatten().reduce(f64::max).unwrap_or(1.0);
+        self.tail.dot(T::from_fn(|class| departures[class].unwrap_or(of_others)))
     }
 }
 
-/// Returns the windows of the upper octave, with radii from half the largest one on, for each
-/// parity with the integrand's energies as weights. Windows without energy are left out.
-fn windows<B: Bands>(energy: &Energy<B>, n_points: usize, last: usize) -> ByParity<Vec<Window>> {
+/// Returns the windows of a class in its upper octave, with radii from half the largest one on,
+/// with the integrand's energies as weights. Windows without energy are left out.
+fn windows<B: Bands>(
+    energy: &Energy<B>,
+    n_points: usize,
+    last: usize,
+    class: usize,
+) -> Vec<Window> {
     let bands = energy.bands();
-    let largest = shell(bands, last);
+    let largest = shell(bands.extent(class, last));
     let shells = largest / 2 + 1..largest + 1;
     #[expect(
         clippy::cast_possible_truncation,
@@ -217,26 +229,23 @@ fn windows<B: Bands>(energy: &Energy<B>, n_points: usize, last: usize) -> ByPari
     // Windows of nearly equal width, so that none is much narrower than the others.
     let count = (shells.len() / width.max(1)).max(1);
     let cut = |i: usize| first_of_shell(bands, shells.start + i * shells.len() / count, last);
-    let windows = |even: bool| {
-        let window = |i: usize| {
-            let first = cut(i);
-            let energies = energy.per_band().get(first..cut(i + 1))?;
-            let of_parity =
-                |(k, e): (usize, &f64)| if bands.is_even(first + k) == even { *e } else { 0.0 };
-            let energies: Vec<f64> = energies.iter().enumerate().map(of_parity).collect();
-            let total: f64 = energies.iter().sum();
-            let weights = energies.iter().map(|e| e / total).collect();
-            (total > 0.0).then_some(Window { first, weights })
-        };
-        (0..count).filter_map(window).collect()
+    let window = |i: usize| {
+        let first = cut(i);
+        let energies = energy.per_band().get(first..cut(i + 1))?;
+        let of_class =
+            |(k, e): (usize, &f64)| if bands.tail_class(first + k) == class { *e } else { 0.0 };
+        let energies: Vec<f64> = energies.iter().enumerate().map(of_class).collect();
+        let total: f64 = energies.iter().sum();
+        let weights = energies.iter().map(|e| e / total).collect();
+        (total > 0.0).then_some(Window { first, weights })
     };
-    ByParity { even: windows(true), odd: windows(false) }
+    (0..count).filter_map(window).collect()
 }
 
-/// Returns a band's radius rounded up to an integer: each degree is its own shell.
+/// Returns a radius rounded up to an integer: each degree is its own shell.
 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a length")]
-fn shell(bands: &impl Bands, band: usize) -> usize {
-    bands.radius(band).ceil() as usize
+fn shell(radius: f64) -> usize {
+    radius.ceil() as usize
 }
 
 /// Returns the first band of a shell or beyond it, at most the one after `last`.
@@ -244,7 +253,7 @@ fn first_of_shell(bands: &impl Bands, wanted: usize, last: usize) -> usize {
     let (mut low, mut high) = (0, last + 1);
     while low < high {
         let middle = low + (high - low) / 2;
-        if shell(bands, middle) < wanted {
+        if shell(bands.radius(middle)) < wanted {
             low = middle + 1;
         } else {
             high = middle;
@@ -256,34 +265,42 @@ fn first_of_shell(bands: &impl Bands, wanted: usize, last: usize) -> usize {
 /// Accumulates the predicted variance realization by realization, so that its standard error
 /// includes the covariance of the powers of different degrees.
 #[derive(Clone, Debug)]
-pub struct PredictionAccumulator {
-    weights: Weights,
+pub struct PredictionAccumulator<T = ByParity> {
+    weights: Weights<T>,
     /// Moments of the variance relative to that of white noise.
     moments: Moments,
     /// Moments of the power beyond the spectrum.
-    tail: ByParity<Moments>,
-    windows: ByParity<Vec<Moments>>,
+    tail: ClassMoments<T>,
+    /// Moments of the power in the windows of each class.
+    windows: Vec<Vec<Moments>>,
     /// Of estimated energies.
-    errors: Option<ErrorMoments>,
+    errors: Option<ErrorMoments<T>>,
 }
 
-impl PredictionAccumulator {
+impl<T: TailClasses> PredictionAccumulator<T> {
     /// Returns an empty accumulator for an integrand of `energy` and patterns of `n_points` whose
     /// spectrum is computed to band number `last`, the largest degree.
     #[must_use]
-    pub fn new<B: Bands>(energy: &Energy<B>, n_points: usize, last: usize) -> Self {
+    pub fn new<B: Bands<Tail = T>>(energy: &Energy<B>, n_points: usize, last: usize) -> Self {
         let weights = Weights::new(energy, n_points, last);
-        let windows = weights.windows.as_ref().map(|w| vec![Moments::default(); w.len()]);
+        let windows = weights.of_windows(|_| Moments::default());
         let errors = ErrorMoments::new(energy, n_points, weights.per_band.len());
-        Self { weights, moments: Moments::default(), tail: ByParity::default(), windows, errors }
+        Self {
+            weights,
+            moments: Moments::default(),
+            tail: ClassMoments::default(),
+            windows,
+            errors,
+        }
     }
 
     /// Returns the prediction; its standard error is NaN for a single realization.
     #[must_use]
     pub fn finish(&self) -> Prediction {
         let scale = self.weights.scale;
-        let tail = self.tail.as_ref().map(Moments::mean);
-        let windows = self.windows.as_ref().map(|w| w.iter().map(Moments::mean).collect());
+        let tail = self.tail.mean();
+        let means = |windows: &Vec<Moments>| windows.iter().map(Moments::mean).collect();
+        let windows: Vec<_> = self.windows.iter().map(means).collect();
         let prediction = Prediction {
             variance: scale * self.moments.mean(),
             stderr: self.spectrum_stderr(),
@@ -303,28 +320,18 @@ impl PredictionAccumulator {
 
     /// Adds one realization: its effective number of points, the power of every band from 0, and
     /// the mean power beyond, which is called only if there is energy beyond or energies have errors.
-    pub fn push_powers(
-        &mut self,
-        n_effective: f64,
-        powers: &[f64],
-        tail: impl FnOnce() -> ByParity,
-    ) {
+    pub fn push_powers(&mut self, n_effective: f64, powers: &[f64], tail: impl FnOnce() -> T) {
         let has_tail = self.weights.tail.sum() > 0.0 || self.errors.is_some();
-        let tail = if has_tail { tail() } else { ByParity::default() };
+        let tail = if has_tail { tail() } else { T::default() };
         let relative = self.weights.n_points / n_effective;
         self.moments.push(relative * self.weights.apply(powers, tail));
         if let Some(errors) = &mut self.errors {
             errors.push(relative, powers, tail);
         }
-        self.tail.even.push(tail.even);
-        self.tail.odd.push(tail.odd);
-        let mine = [&mut self.windows.even, &mut self.windows.odd];
-        for (all, windows) in
-            mine.into_iter().zip([&self.weights.windows.even, &self.weights.windows.odd])
-        {
-            for (moments, window) in all.iter_mut().zip(windows) {
-                moments.push(window.mean(powers));
-            }
+        self.tail.push(tail);
+        let windows = self.weights.windows.iter().flatten();
+        for (moments, window) in self.windows.iter_mut().flatten().zip(windows) {
+            moments.push(window.mean(powers));
         }
     }
 }
@@ -337,19 +344,13 @@ impl Accumulator for PredictionAccumulator {
 
     fn merge(&mut self, other: &Self) {
         self.moments.merge(&other.moments);
-        self.tail.even.merge(&other.tail.even);
-        self.tail.odd.merge(&other.tail.odd);
+        self.tail.merge(&other.tail);
         if let (Some(mine), Some(theirs)) = (&mut self.errors, &other.errors) {
             mine.merge(theirs);
         }
-        let pairs = [
-            (&mut self.windows.even, &other.windows.even),
-            (&mut self.windows.odd, &other.windows.odd),
-        ];
-        for (mine, theirs) in pairs {
-            for (mine, theirs) in mine.iter_mut().zip(theirs) {
-                mine.merge(theirs);
-            }
+        let windows = self.windows.iter_mut().flatten().zip(other.windows.iter().flatten());
+        for (mine, theirs) in windows {
+            mine.merge(theirs);
         }
     }
 }

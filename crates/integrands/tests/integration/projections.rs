@@ -103,7 +103,7 @@ fn products_of_healpix_maps_have_the_totals_of_their_squares() {
     for (l, m) in projection.orders() {
         let product = projection.coefficient(l, m).unwrap();
         let energy = product.energy(Domain::Sphere, 400).unwrap();
-        let rest = |lmax: usize| energy.beyond_by_parity(lmax);
+        let rest = |lmax: usize| energy.beyond_by_class(lmax);
         for (near, far, total) in [
             (rest(100).even, rest(400).even, energy.centred().even),
             (rest(100).odd, rest(400).odd, energy.centred().odd),

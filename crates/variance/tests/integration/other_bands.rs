@@ -1,5 +1,5 @@
 //! Spectra, sums and predictions over bands that are not the degrees of the sphere: the frequencies
-//! of the circle.
+//! of the circle and of the square.
 
 use std::f64::consts::TAU;
 
@@ -7,7 +7,7 @@ use rand::RngExt;
 use serde::{Deserialize, Serialize};
 use sphvar_integrands::Energy;
 use sphvar_samplers::{Purpose, Streams};
-use sphvar_sh::{Bands, ByParity};
+use sphvar_sh::{Bands, ByAxis, ByParity, Frequencies};
 use sphvar_spectrum::{Spectrum, SpectrumAccumulator};
 use sphvar_variance::{Measurement, PredictionAccumulator, predict};
 
@@ -16,6 +16,8 @@ use sphvar_variance::{Measurement, PredictionAccumulator, predict};
 struct Circle;
 
 impl Bands for Circle {
+    type Tail = ByParity;
+
     fn label(&self) -> &'static str {
         "k"
     }
@@ -32,9 +34,9 @@ impl Bands for Circle {
         band as f64
     }
 
-    /// Under a shift by half a turn.
-    fn is_even(&self, band: usize) -> bool {
-        band.is_multiple_of(2)
+    /// Even or odd under a shift by half a turn.
+    fn tail_class(&self, band: usize) -> usize {
+        band % 2
     }
 
     fn factor(&self, n_points: usize) -> f64 {
@@ -144,4 +146,83 @@ fn weights_change_the_effective_number() {
     let half = exact.clone().with_n_effective(0.5 * N as f64);
     let [whole, half] = [predict(&exact, &energy), predict(&half, &energy)];
     assert!((half.variance / whole.variance - 2.0).abs() < 1e-14);
+}
+
+/// `|g_k|^2` for g(u) = u.
+fn ramp(k: i32) -> f64 {
+    if k == 0 { 0.25 } else { (TAU * f64::from(k)).powi(-2) }
+}
+
+/// Returns the energy of u v, of which 6/7 is on the axes.
+fn product(bands: &Frequencies) -> Energy<Frequencies> {
+    let energy = |band: usize| {
+        let [k1, k2] = bands.frequency(band);
+        bands.multiplicity(band) * ramp(k1) * ramp(k2)
+    };
+    let centred = ByAxis { off: 1.0 / 144.0, u: 1.0 / 48.0, v: 1.0 / 48.0 };
+    Energy::new(bands.clone(), (0..bands.len()).map(energy).collect(), centred)
+}
+
+/// A regular grid with a random shift integrates u v with the product of two independent means, of
+/// mean 1/2 and variance 1/(12 side^2). Its power is N at the multiples of the sides, so the mean
+/// power at high frequencies differs between the axes.
+#[test]
+fn tails_apart_by_axis_are_those_of_the_square() {
+    let bands = Frequencies::new(60).unwrap().with_axes(480).unwrap();
+    let energy = product(&bands);
+    let (rows, columns) = (16, 12);
+    let power = (0..bands.len()).map(|band| {
+        let [k1, k2] = bands.frequency(band);
+        if k1 % rows == 0 && k2 % columns == 0 { f64::from(rows * columns) } else { 0.0 }
+    });
+    let power: Vec<f64> = power.collect();
+    let n_points = 192;
+    let tail = ByAxis { off: 1.0, u: f64::from(columns), v: f64::from(rows) };
+    let spectrum = Spectrum::exact(bands.clone(), n_points, power.clone()).with_tail(tail);
+    let predicted = predict(&spectrum, &energy);
+    let of_mean = |side: i32| 0.25 + 1.0 / (12.0 * f64::from(side).powi(2));
+    let exact = of_mean(rows) * of_mean(columns) - 0.0625;
+    let error = (predicted.variance - exact).abs();
+    assert!(error <= predicted.tail_error, "{predicted:?}, {exact}");
+    assert!(predicted.tail_error < 0.02 * exact && predicted.tail > 0.01 * exact, "{predicted:?}");
+    // With one mean power for all classes the error is several times larger.
+    let other = predict(&spectrum.with_tail(ByAxis { off: 1.0, u: 1.0, v: 1.0 }), &energy);
+    assert!((other.variance - exact).abs() > 2.5 * error, "{other:?}, {exact}");
+
+    let mut sums = PredictionAccumulator::new(&energy, n_points, bands.len() - 1);
+    sums.push_powers(n_points as f64, &power, || tail);
+    let by_realizations = sums.finish();
+    assert!((by_realizations.variance / predicted.variance - 1.0).abs() < 1e-14);
+    assert!((by_realizations.tail_error / predicted.tail_error - 1.0).abs() < 1e-12);
+}
+
+/// Accumulated powers survive serialization and merge exactly; errors of energies are those of
+/// their bands and classes.
+#[test]
+fn sums_over_the_square_merge_and_errors_propagate() {
+    let bands = Frequencies::new(3).unwrap().with_axes(6).unwrap();
+    let last = bands.len() - 1;
+    let powers = |scale: f64| (0..bands.len()).map(move |band| scale * (band + 1) as f64);
+    let tail = ByAxis { off: 1.0, u: 2.0, v: 3.0 };
+    let mut sums = SpectrumAccumulator::new(bands.clone(), 4, last);
+    let mut part = sums.clone();
+    sums.push_powers(4.0, powers(1.0), tail);
+    part.push_powers(4.0, powers(3.0), tail);
+    let saved = serde_json::to_string(&part).unwrap();
+    sums.try_merge(&serde_json::from_str(&saved).unwrap()).unwrap();
+    let spectrum = sums.finish().unwrap();
+    assert_eq!((spectrum.power()[5], spectrum.tail(), sums.realizations()), (12.0, tail, Some(2)));
+    let wider = Frequencies::new(3).unwrap().with_axes(7).unwrap();
+    assert!(sums.try_merge(&SpectrumAccumulator::new(wider, 4, last)).is_err());
+
+    let mut per_band = vec![0.0; bands.len()];
+    let on_axis = bands.band_of([0, 5]).unwrap();
+    per_band[on_axis] = 0.3;
+    let centred = ByAxis { off: 0.0, u: 0.1, v: 0.5 };
+    let energy = product(&bands).with_stderr(per_band, centred);
+    // The rest of the error on the second axis, 0.4, is beyond the last band.
+    let power = 2.0 * (on_axis + 1) as f64;
+    let expected = (0.3 * power).hypot(0.1 * tail.u).hypot(0.4 * tail.v) / 4.0;
+    let got = predict(&spectrum, &energy).energy_stderr;
+    assert!((got / expected - 1.0).abs() < 1e-12, "{got} and {expected}");
 }

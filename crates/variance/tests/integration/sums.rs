@@ -91,7 +91,7 @@ fn constants_and_terms_that_cancel_leave_no_trace() {
     // Two half spaces are odd except for their mean; an even part due to rounding counts as 0.
     let sum = Sum::default().plus(1.0, half).unwrap().plus(1.0, tilted(3, half)).unwrap();
     let energy = sum.energy(Domain::Sphere, 64).unwrap();
-    assert!(energy.beyond_by_parity(64).even == 0.0, "{:?}", energy.centred());
+    assert!(energy.beyond_by_class(64).even == 0.0, "{:?}", energy.centred());
 }
 
 /// The variance of `Y_40` is `4 pi/N P(4)` whatever constant is added, even if the estimates of
