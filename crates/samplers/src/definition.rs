@@ -2,22 +2,23 @@ use std::path::Path;
 
 use sphvar_grammar::{Parametric, ResolveError};
 
-use crate::{Domain, Error, PatternFacts, PointFile, PointFileParameters, Sampler, ValidCounts};
+use crate::{Domain, Error, PatternFacts, PointFile, PointFileParameters, Space, ValidCounts};
 
-/// The definition of a pattern, apart from its name and summary in the list of `patterns`.
+/// The definition of a pattern, apart from its name and summary in the list of the patterns of its
+/// space.
 ///
 /// [`Parametric`] declares the parameters with their ranges and defaults.
-pub(crate) trait Definition: Parametric {
+pub(crate) trait Definition<S: Space = Domain>: Parametric {
     /// Returns the known properties of the pattern with these parameters.
     fn facts(&self) -> PatternFacts;
 
     /// Returns the valid numbers of points.
-    fn valid_counts(&self, _domain: Domain) -> ValidCounts {
+    fn valid_counts(&self, _space: S) -> ValidCounts {
         ValidCounts::Any
     }
 
     /// Returns the sampler of `n_points` points, a valid number.
-    fn build(&self, n_points: usize, domain: Domain) -> Result<Box<dyn Sampler>, Error>;
+    fn build(&self, n_points: usize, space: S) -> Result<Box<S::Sampler>, Error>;
 
     /// Returns the number that distinguishes the random streams of the sampler of `n_points` points
     /// from those of others, if it does not follow from the text of the pattern.

@@ -1,4 +1,4 @@
-use crate::{Domain, Stopped, ValidCounts};
+use crate::{Stopped, ValidCounts};
 
 /// The reason why a sampler cannot be built.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -12,13 +12,13 @@ pub enum Error {
     },
     /// The pattern does not exist with this number of points.
     #[error(
-        "{pattern} has no pattern of {requested} points on the {domain}: N must be {rule}; the nearest valid count is {nearest}"
+        "{pattern} has no pattern of {requested} points on the {space}: N must be {rule}; the nearest valid count is {nearest}"
     )]
     InvalidCount {
         /// The requested pattern.
         pattern: String,
-        /// The requested domain.
-        domain: Domain,
+        /// The requested domain, or the square.
+        space: String,
         /// The requested number of points.
         requested: usize,
         /// The valid number of points nearest to `requested`.

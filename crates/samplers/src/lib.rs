@@ -38,11 +38,13 @@ mod hash;
 mod of_pattern;
 mod optimization;
 mod pattern;
+mod pattern_list;
 mod patterns;
 mod rule;
 mod sampler;
 mod search;
 mod set_distribution;
+mod space;
 mod square;
 mod valid_counts;
 
@@ -64,9 +66,10 @@ pub use rule::Rule;
 pub use sampler::Sampler;
 pub use search::separation;
 pub use set_distribution::{SetDistribution, Strata};
+pub use space::{Point, Space, Square};
 pub use sphvar_grammar as grammar;
 pub use sphvar_sh::Domain;
-pub use square::{CosineHemisphere, JitteredSquare, OnSphere, SquarePattern, WhiteSquare};
+pub use square::*;
 pub use valid_counts::ValidCounts;
 
 #[cfg(doctest)]

@@ -1,16 +1,7 @@
-use std::fmt;
-use std::str::FromStr;
-
-use sphvar_grammar::{Parameter, Spec, describe, read, text};
-
 #[cfg(doc)]
 use crate::PointFileParameters;
-use crate::definition::WithoutFiles;
-use crate::hash::fnv1a;
-use crate::of_pattern::OfPattern;
-use crate::{
-    Domain, Error, FibonacciParameters, FileResolver, Pattern, PatternFacts, Sampler, ValidCounts,
-};
+use crate::pattern_list::PatternList;
+use crate::{Domain, Error, FibonacciParameters, FileResolver, Pattern, Sampler, ValidCounts};
 
 impl Pattern {
     /// The spherical Fibonacci lattice with its default offset.
@@ -39,23 +30,7 @@ impl Pattern {
     /// [`Error::Grammar`] with place, reason and valid values; [`Error::File`] if `files` cannot
     /// read a file.
     pub fn parse(text: &str, files: &dyn FileResolver) -> Result<Self, Error> {
-        let spec = Spec::parse(text)?;
-        let mut pattern =
-            Self::known().find(|pattern| pattern.name() == spec.name).ok_or_else(|| {
-                let names: Vec<&str> = Self::known().map(|pattern| pattern.name()).collect();
-                sphvar_grammar::Error::unknown_name("sampler", &spec.name, &names)
-            })?;
-        pattern.with_definition(|definition| {
-            read(definition, spec)?;
-            definition.resolve(files)
-        })?;
-        Ok(pattern)
-    }
-
-    /// Returns every pattern that can be parsed: [`Self::ALL`], and with empty parameters those
-    /// that need a file.
-    pub fn known() -> impl Iterator<Item = Self> {
-        Self::ALL.into_iter().chain(Self::WITHOUT_DEFAULT)
+        Self::read(text, files)
     }
 
     /// Returns the name in tables and plots: the text of the pattern, for point files with the name
@@ -78,19 +53,6 @@ impl Pattern {
         }
     }
 
-    /// Returns the parameters with their ranges, meanings and defaults, in the order of the text
-    /// form.
-    #[must_use]
-    pub fn parameters(&self) -> Vec<Parameter> {
-        self.default_of_name().with_definition(|definition| describe(definition))
-    }
-
-    /// Returns the known properties of the pattern with its parameters.
-    #[must_use]
-    pub fn facts(&self) -> PatternFacts {
-        self.clone().with_definition(|definition| definition.facts())
-    }
-
     /// Returns whether all sets of the same number of points are identical up to rotation.
     #[must_use]
     pub fn is_deterministic(&self) -> bool {
@@ -100,19 +62,10 @@ impl Pattern {
         self.build(n_points, Domain::Sphere).is_ok_and(|sampler| !sampler.is_random())
     }
 
-    /// Returns a number for [`Streams::new`](crate::Streams::new) that distinguishes the ensembles
-    /// of one run: the number of points combined with a hash of the pattern's text (32-bit FNV-1a),
-    /// or for a point file a hash of its content.
-    #[must_use]
-    pub fn stream_group(&self, n_points: usize) -> usize {
-        let own = self.clone().with_definition(|definition| definition.stream_group(n_points));
-        own.unwrap_or_else(|| fnv1a(self.to_string().as_bytes()) as usize ^ n_points)
-    }
-
     /// Returns the valid numbers of points on `domain`.
     #[must_use]
     pub fn valid_counts(&self, domain: Domain) -> ValidCounts {
-        self.clone().with_definition(|definition| definition.valid_counts(domain))
+        self.counts_in(domain)
     }
 
     /// Returns the valid number of points nearest to `requested`, the smaller one of two equally near;
@@ -140,18 +93,7 @@ impl Pattern {
     /// [`Error::Parameter`] beyond the range of its indices and of its parameters,
     /// [`Error::Infeasible`] if it cannot exist.
     pub fn build(&self, n_points: usize, domain: Domain) -> Result<Box<dyn Sampler>, Error> {
-        if n_points == 0 {
-            return Err(Error::NoPoints { pattern: self.to_string() });
-        }
-        let rule = self.valid_counts(domain);
-        let nearest = rule.nearest(n_points);
-        if nearest != n_points {
-            let (pattern, requested) = (self.to_string(), n_points);
-            return Err(Error::InvalidCount { pattern, domain, requested, nearest, rule });
-        }
-        let sampler =
-            self.clone().with_definition(|definition| definition.build(n_points, domain))?;
-        Ok(Box::new(OfPattern::new(sampler, self.stream_group(n_points))))
+        self.build_in(n_points, domain)
     }
 
     /// Returns [`Sampler::last_empty_degree`] of the sampler of `n_points` points; `None` if there
@@ -167,31 +109,5 @@ impl Pattern {
     pub fn nominal_work(&self, n_points: usize) -> f64 {
         let sampler = self.build(self.nearest_count(n_points, Domain::Sphere), Domain::Sphere);
         sampler.map_or(n_points as f64, |sampler| sampler.nominal_work())
-    }
-
-    /// Returns the pattern of the same name with its default parameters.
-    fn default_of_name(&self) -> Self {
-        let name = self.name();
-        Self::known().find(|pattern| pattern.name() == name).unwrap_or(Self::WhiteNoise)
-    }
-}
-
-/// Reads `name` or `name:key=value,key=value`; texts that name files need [`Pattern::parse`].
-impl FromStr for Pattern {
-    type Err = Error;
-
-    fn from_str(text: &str) -> Result<Self, Error> {
-        Self::parse(text, &WithoutFiles)
-    }
-}
-
-/// Writes the name and, after a colon, the parameters that differ from the defaults.
-impl fmt::Display for Pattern {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let mut default = self.default_of_name();
-        let text = self.clone().with_definition(|definition| {
-            default.with_definition(|default| text(self.name(), definition, default))
-        });
-        f.pad(&text)
     }
 }

@@ -1,7 +1,9 @@
 use glam::DVec3;
 use sphvar_sh::CompensatedSum;
 
-/// A set of directions, with or without weights.
+use crate::Point;
+
+/// A set of directions or of points `[u, v]` of the square, with or without weights.
 ///
 /// An integral is estimated by `area sum_k w_k f(s_k)/sum_k w_k`, so that only ratios of weights
 /// matter.
@@ -17,22 +19,22 @@ use sphvar_sh::CompensatedSum;
 /// assert_eq!(set.n_effective(), 1.6);
 /// ```
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct PointSet {
-    /// Unit vectors.
-    pub points: Vec<DVec3>,
+pub struct PointSet<P = DVec3> {
+    /// Unit vectors, or points of `[0, 1)^2`.
+    pub points: Vec<P>,
     /// One finite weight for each point, of any sign and scale; empty if all are equal.
     pub weights: Vec<f64>,
 }
 
-impl PointSet {
+impl<P> PointSet<P> {
     /// Returns a set of equal weights.
     #[must_use]
-    pub fn new(points: Vec<DVec3>) -> Self {
+    pub fn new(points: Vec<P>) -> Self {
         Self { points, weights: Vec::new() }
     }
 
     /// Clears points and weights and returns the points to be filled; capacity is kept.
-    pub fn start(&mut self) -> &mut Vec<DVec3> {
+    pub fn start(&mut self) -> &mut Vec<P> {
         self.points.clear();
         self.weights.clear();
         &mut self.points
@@ -58,30 +60,6 @@ impl PointSet {
             (n, n_weights) if n_weights == 0 || n_weights == n => Ok(()),
             (n, n_weights) => Err(format!("has {n} points and {n_weights} weights")),
         }
-    }
-
-    /// Rejects invalid realizations: mismatched lengths, points off the unit sphere by more than
-    /// 1e-9, and weights that are not finite or sum to 0; the reason is a phrase without its
-    /// subject.
-    pub(crate) fn check_realization(&self) -> Result<(), String> {
-        self.check_points()?;
-        let estimates = self.n_effective() > 0.0;
-        if estimates { Ok(()) } else { Err("has weights whose sum is 0".to_owned()) }
-    }
-
-    /// Does the same checks except that of the sum of the weights, which spectra do not need.
-    pub(crate) fn check_points(&self) -> Result<(), String> {
-        self.check_lengths()?;
-        let is_unit = |p: &DVec3| (p.length_squared() - 1.0).abs() <= 2e-9;
-        // An early exit would prevent vectorization of the loop.
-        if !self.points.iter().fold(true, |all, p| all & is_unit(p)) {
-            let k = self.points.iter().position(|p| !is_unit(p)).unwrap_or(0);
-            return Err(format!(
-                "has a vector that is not of length 1 at point {k} (0-based): {:?}",
-                self.points[k]
-            ));
-        }
-        self.check_weights()
     }
 
     /// Rejects weights that are not finite; the reason is a phrase without its subject.
@@ -143,6 +121,28 @@ impl PointSet {
     pub fn normalize_weights(&mut self) {
         let scale = weight_scale(&self.weights);
         self.weights.iter_mut().for_each(|w| *w = scale.apply(*w));
+    }
+}
+
+impl<P: Point> PointSet<P> {
+    /// Rejects invalid realizations: mismatched lengths, points off the unit sphere by more than
+    /// 1e-9 or outside the unit square, and weights that are not finite or sum to 0; the reason is
+    /// a phrase without its subject.
+    pub(crate) fn check_realization(&self) -> Result<(), String> {
+        self.check_points()?;
+        let estimates = self.n_effective() > 0.0;
+        if estimates { Ok(()) } else { Err("has weights whose sum is 0".to_owned()) }
+    }
+
+    /// Does the same checks except that of the sum of the weights, which spectra do not need.
+    pub(crate) fn check_points(&self) -> Result<(), String> {
+        self.check_lengths()?;
+        // An early exit would prevent vectorization of the loop.
+        if !self.points.iter().fold(true, |all, p| all & p.is_valid()) {
+            let k = self.points.iter().position(|p| !p.is_valid()).unwrap_or(0);
+            return Err(format!("has {} at point {k} (0-based): {:?}", P::INVALID, self.points[k]));
+        }
+        self.check_weights()
     }
 }
 
@@ -234,6 +234,6 @@ mod tests {
             assert!(weighted(zero.clone()).n_effective().abs() <= 0.0, "{zero:?}");
         }
         assert!(weighted(vec![1.0, -1.0 + 4.0 * f64::EPSILON]).n_effective() > 0.0);
-        assert!(PointSet::default().mean(&[]).is_nan());
+        assert!(weighted(vec![]).mean(&[]).is_nan());
     }
 }

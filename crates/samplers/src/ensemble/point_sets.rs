@@ -1,17 +1,17 @@
 use std::fmt;
 use std::sync::Arc;
 
-use glam::DVec3;
 use rand::{Rng, RngExt};
 
+use crate::space::internal;
 use crate::{
-    Domain, Ensemble, Error, PointSet, Progress, Sampler, SamplerFamily, SetDistribution,
-    ValidCounts,
+    Domain, Ensemble, Error, Point, PointSet, Progress, Sampler, SamplerFamily, SetDistribution,
+    Space, Square, SquareDistribution, SquareSampler, ValidCounts,
 };
 
 /// Given point sets, with or without weights, as a sampler that draws one of them uniformly.
 ///
-/// As an [`Ensemble`] it yields the sets in their order, without rotation. As a [`SamplerFamily`]
+/// As an [`Ensemble`] it yields the sets in their order, without rotation or shift. As a [`SamplerFamily`]
 /// it can be ranked beside patterns, at its own number of points; clones share the points.
 ///
 /// # Examples
@@ -27,37 +27,39 @@ use crate::{
 /// # Ok::<(), sphvar_samplers::Error>(())
 /// ```
 #[derive(Clone)]
-pub struct PointSets {
+pub struct PointSets<S: Space = Domain> {
     name: Arc<str>,
-    sets: Arc<[PointSet]>,
-    domain: Domain,
+    sets: Arc<[PointSet<S::Point>]>,
+    space: S,
     group: usize,
 }
 
-impl PointSets {
-    /// Returns the sampler of one or more sets of one or more points each. Points are normalized to
-    /// length 1; on the hemisphere, those with z < 0 are replaced by their antipodes.
+impl<S: Space> PointSets<S> {
+    /// Returns the sampler of one or more sets of one or more points each. Directions are normalized
+    /// to length 1; on the hemisphere, those with z < 0 are replaced by their antipodes.
     ///
     /// # Errors
     ///
     /// [`Error::Given`] if there are no sets, or if a set is empty, has a number of weights other
-    /// than 0 or its number of points, or contains a zero or non-finite vector, a weight that is
-    /// not finite, or only zero weights.
-    pub fn new(mut sets: Vec<PointSet>, domain: Domain) -> Result<Self, Error> {
+    /// than 0 or its number of points, or contains a zero or non-finite vector, a point outside
+    /// `[0, 1)^2`, a weight that is not finite, or only zero weights.
+    pub fn new(mut sets: Vec<PointSet<S::Point>>, space: S) -> Result<Self, Error> {
         if sets.is_empty() {
             return Err(Error::Given { reason: "there is no set".to_owned() });
         }
         for (i, set) in sets.iter_mut().enumerate() {
-            check(set).map_err(|reason| Error::Given { reason: format!("set {i} {reason}") })?;
-            for p in &mut set.points {
-                // Unit vectors stay bit-identical.
-                let is_unit = (p.length_squared() - 1.0).abs() <= 4.0 * f64::EPSILON;
-                let unit = if is_unit { *p } else { direction(*p).unwrap_or(*p) };
-                *p = domain.representative(unit);
+            let wrong = |reason| Error::Given { reason: format!("set {i} {reason}") };
+            set.check_lengths().map_err(wrong)?;
+            for (k, point) in set.points.iter_mut().enumerate() {
+                *point = space.located(*point).ok_or_else(|| {
+                    let fault = <S::Point as internal::Point>::NOWHERE;
+                    wrong(format!("has {fault} at point {k} (0-based): {point:?}"))
+                })?;
             }
+            check_weights(set).map_err(wrong)?;
         }
         let group = hash(&sets);
-        Ok(Self { name: "point sets".into(), sets: sets.into(), domain, group })
+        Ok(Self { name: "point sets".into(), sets: sets.into(), space, group })
     }
 
     /// Returns the same sets with a name for tables and messages, the `Display` text. The default
@@ -72,19 +74,32 @@ impl PointSets {
         self.group
     }
 
+    /// Returns the mean number of points of the sets, rounded.
+    fn mean_count(&self) -> usize {
+        let total: usize = self.sets.iter().map(PointSet::len).sum();
+        (total + self.sets.len() / 2) / self.sets.len()
+    }
+
+    /// Replaces the content of `set` by one of the sets, drawn uniformly.
+    fn draw(&self, rng: &mut dyn Rng, set: &mut PointSet<S::Point>) {
+        let at = if self.sets.len() == 1 { 0 } else { rng.random_range(0..self.sets.len()) };
+        set.clone_from(&self.sets[at]);
+    }
+
+    /// Returns whether all sets are single points. A mean number of points of 1 is no proof.
+    fn are_single(&self) -> bool {
+        self.sets.iter().all(|set| set.len() == 1)
+    }
+
     /// Returns the sets.
     #[must_use]
-    pub fn sets(&self) -> &[PointSet] {
+    pub fn sets(&self) -> &[PointSet<S::Point>] {
         &self.sets
     }
 }
 
-/// Rejects invalid sets.
-fn check(set: &PointSet) -> Result<(), String> {
-    set.check_lengths()?;
-    if let Some(k) = set.points.iter().position(|p| direction(*p).is_none()) {
-        return Err(format!("has no direction at point {k} (0-based): {:?}", set.points[k]));
-    }
+/// Rejects invalid weights.
+fn check_weights<P>(set: &PointSet<P>) -> Result<(), String> {
     set.check_weights()?;
     if !set.weights.is_empty() && set.weights.iter().all(|&w| w == 0.0) {
         return Err("has no weight: every weight is 0".to_owned());
@@ -92,79 +107,80 @@ fn check(set: &PointSet) -> Result<(), String> {
     Ok(())
 }
 
-/// Returns the unit vector along a vector of any length.
-fn direction(p: DVec3) -> Option<DVec3> {
-    (p / p.abs().max_element()).try_normalize()
-}
-
 /// Returns a hash of all numbers (64-bit FNV-1a, by words).
 #[expect(clippy::cast_possible_truncation, reason = "any bits of a hash suffice")]
-fn hash(sets: &[PointSet]) -> usize {
+fn hash<P: Point>(sets: &[PointSet<P>]) -> usize {
     let step = |hash: u64, word: u64| (hash ^ word).wrapping_mul(0x0100_0000_01b3);
     let mut hash = 0xcbf2_9ce4_8422_2325;
     for set in sets {
         hash = step(hash, set.points.len() as u64);
-        let numbers =
-            set.points.iter().flat_map(|p| p.to_array()).chain(set.weights.iter().copied());
+        let numbers = set
+            .points
+            .iter()
+            .flat_map(|p| internal::Point::coordinates(p))
+            .chain(set.weights.iter().copied());
         hash = numbers.fold(hash, |hash, x| step(hash, x.to_bits().rotate_left(32)));
     }
     (hash ^ (hash >> 32)) as usize
 }
 
 /// Omits the points, which can be numerous.
-impl fmt::Debug for PointSets {
+impl<S: Space> fmt::Debug for PointSets<S> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.debug_struct("PointSets")
             .field("name", &self.name)
             .field("sets", &self.sets.len())
-            .field("n_points", &self.n_points())
-            .field("domain", &self.domain)
+            .field("n_points", &self.mean_count())
+            .field("domain", &self.space)
             .field("group", &self.group)
             .finish()
     }
 }
 
 /// Writes the name.
-impl fmt::Display for PointSets {
+impl<S: Space> fmt::Display for PointSets<S> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.pad(&self.name)
     }
 }
 
 /// The sets at their own number of points, the only valid count.
-impl SamplerFamily for PointSets {
+impl<S: Space> SamplerFamily<S> for PointSets<S> {
     /// # Errors
     ///
     /// [`Error::InvalidCount`] for another number of points, and [`Error::Given`] for another
     /// domain.
-    fn build(&self, n_points: usize, domain: Domain) -> Result<Box<dyn Sampler>, Error> {
-        if domain != self.domain {
-            let reason = format!("{self} are on the {}, not on the {domain}", self.domain);
+    fn build(&self, n_points: usize, space: S) -> Result<Box<S::Sampler>, Error> {
+        if space != self.space {
+            let reason = format!("{self} are on the {}, not on the {space}", self.space);
             return Err(Error::Given { reason });
         }
-        let nearest = self.n_points();
+        let nearest = self.mean_count();
         if n_points != nearest {
-            let (pattern, requested) = (self.name.to_string(), n_points);
-            let rule = ValidCounts::Listed(vec![nearest].into());
-            return Err(Error::InvalidCount { pattern, domain, requested, nearest, rule });
+            return Err(Error::InvalidCount {
+                pattern: self.name.to_string(),
+                space: space.to_string(),
+                requested: n_points,
+                nearest,
+                rule: ValidCounts::Listed(vec![nearest].into()),
+            });
         }
-        Ok(Box::new(self.clone()))
+        Ok(S::boxed(self.clone()))
     }
 
-    fn nearest_count(&self, _requested: usize, _domain: Domain) -> usize {
-        self.n_points()
+    fn nearest_count(&self, _requested: usize, _space: S) -> usize {
+        self.mean_count()
     }
 }
 
 impl Sampler for PointSets {
     /// Returns the mean number of points of the sets, rounded.
     fn n_points(&self) -> usize {
-        let total: usize = self.sets.iter().map(PointSet::len).sum();
-        (total + self.sets.len() / 2) / self.sets.len()
+        self.mean_count()
     }
 
     fn domain(&self) -> Domain {
-        self.domain
+        self.space
     }
 
     fn distribution(&self) -> SetDistribution<'_> {
@@ -175,26 +191,48 @@ impl Sampler for PointSets {
         self.group
     }
 
-    /// Returns `true` if all sets are single points. A mean number of points of 1 is no proof.
     fn is_independent(&self) -> bool {
-        self.sets.iter().all(|set| set.len() == 1)
+        self.are_single()
     }
 
     fn sample_into(&self, rng: &mut dyn Rng, set: &mut PointSet) -> Result<(), Error> {
-        let at = if self.sets.len() == 1 { 0 } else { rng.random_range(0..self.sets.len()) };
-        set.clone_from(&self.sets[at]);
+        self.draw(rng, set);
         Ok(())
     }
 }
 
-impl Ensemble for PointSets {
+impl SquareSampler for PointSets<Square> {
+    /// Returns the mean number of points of the sets, rounded.
+    fn n_points(&self) -> usize {
+        self.mean_count()
+    }
+
+    fn distribution(&self) -> SquareDistribution<'_> {
+        SquareDistribution::OneOf(&self.sets)
+    }
+
+    fn stream_group(&self) -> usize {
+        self.group
+    }
+
+    fn is_independent(&self) -> bool {
+        self.are_single()
+    }
+
+    fn sample_into(&self, rng: &mut dyn Rng, set: &mut PointSet<[f64; 2]>) -> Result<(), Error> {
+        self.draw(rng, set);
+        Ok(())
+    }
+}
+
+impl<S: Space> Ensemble<S::Point> for PointSets<S> {
     /// # Errors
     ///
     /// [`Error::Given`] if there is no set of that number.
     fn realize_into(
         &self,
         index: u64,
-        set: &mut PointSet,
+        set: &mut PointSet<S::Point>,
         progress: &dyn Progress,
     ) -> Result<(), Error> {
         Ensemble::realize_into(&self.sets(), index, set, progress)
@@ -202,14 +240,14 @@ impl Ensemble for PointSets {
 }
 
 /// The given sets in their order; they take no work to generate.
-impl Ensemble for &[PointSet] {
+impl<P: Point> Ensemble<P> for &[PointSet<P>] {
     /// # Errors
     ///
     /// [`Error::Given`] if no set has that index, or the set is invalid.
     fn realize_into(
         &self,
         index: u64,
-        set: &mut PointSet,
+        set: &mut PointSet<P>,
         progress: &dyn Progress,
     ) -> Result<(), Error> {
         let given = usize::try_from(index).ok().and_then(|i| self.get(i));

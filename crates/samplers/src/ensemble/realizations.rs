@@ -1,9 +1,10 @@
-use glam::DMat3;
+use glam::{DMat3, DVec3};
 
 use crate::{Error, PointSet, Progress, Sampler, Share, Streams, rotate, uniform_rotation};
 
-/// A numbered collection of point sets: the realizations of a sampler, or given sets.
-pub trait Ensemble: Sync {
+/// A numbered collection of point sets: the realizations of a sampler, or given sets. `Ensemble` is
+/// one of directions, `Ensemble<[f64; 2]>` one of points of the square.
+pub trait Ensemble<P = DVec3>: Sync {
     /// Replaces `set` by set `index`.
     ///
     /// # Errors
@@ -12,7 +13,7 @@ pub trait Ensemble: Sync {
     fn realize_into(
         &self,
         index: u64,
-        set: &mut PointSet,
+        set: &mut PointSet<P>,
         progress: &dyn Progress,
     ) -> Result<(), Error>;
 }

@@ -1,56 +1,10 @@
-use rand::{Rng, RngExt};
 use sphvar_grammar::Parametric;
 
 use crate::definition::Definition;
-use crate::square::radical_inverse;
-use crate::{
-    CostOrder, Domain, Error, OnSphere, PatternFacts, Rate, Sampler, SquarePattern, count,
-};
+use crate::{CostOrder, Domain, Error, Halton, OnSphere, PatternFacts, Rate, Sampler, Shifted};
 
-/// The first N points of the Halton sequence in bases 2 and 3 (Halton 1960), shifted at random.
-///
-/// Point i, from 0, is `(phi_2(i) + s, phi_3(i) + t)` modulo 1 with one uniform pair (s, t) for the
-/// whole set (Cranley and Patterson 1976): every point is uniform in the square. On the sphere the
-/// shift of the second coordinate is a rotation about the axis.
-#[derive(Clone, Copy, Debug)]
-pub struct Halton {
-    n: u32,
-}
-
-impl Halton {
-    /// Returns the pattern of the first `n_points` points.
-    ///
-    /// # Errors
-    ///
-    /// [`Error::Parameter`] unless `n_points` is from 1 to `u32::MAX`.
-    pub fn new(n_points: usize) -> Result<Self, Error> {
-        Ok(Self { n: count::checked(n_points)? })
-    }
-}
-
-impl SquarePattern for Halton {
-    fn n_points(&self) -> usize {
-        self.n as usize
-    }
-
-    fn is_random(&self) -> bool {
-        true
-    }
-
-    fn fill_into(&self, rng: &mut dyn Rng, points: &mut Vec<[f64; 2]>) -> Result<(), Error> {
-        let [s, t]: [f64; 2] = rng.random();
-        points.clear();
-        points.extend((0..self.n).map(|i| {
-            [
-                radical_inverse::shifted(radical_inverse::base_2(i), s),
-                radical_inverse::shifted(radical_inverse::base_3(i), t),
-            ]
-        }));
-        Ok(())
-    }
-}
-
-/// No parameters.
+/// [`Halton`] points with a random shift by the equal-area map. The shift of the second
+/// coordinate is a rotation about the axis. No parameters.
 pub(super) struct Parameters;
 
 impl Parametric for Parameters {}
@@ -68,6 +22,6 @@ impl Definition for Parameters {
     }
 
     fn build(&self, n_points: usize, domain: Domain) -> Result<Box<dyn Sampler>, Error> {
-        Ok(Box::new(OnSphere::new(Halton::new(n_points)?, domain)))
+        Ok(Box::new(OnSphere::new(Shifted::new(Halton::new(n_points)?), domain)))
     }
 }

@@ -1,8 +1,7 @@
-use glam::DVec3;
 use rand::Rng;
 use sphvar_warps::cosine_hemisphere;
 
-use crate::{Error, SquarePattern};
+use crate::{Error, PointSet, SquareSampler};
 
 /// A pattern of the square mapped to cosine-weighted directions of the hemisphere by the concentric
 /// map.
@@ -16,7 +15,7 @@ use crate::{Error, SquarePattern};
 /// let pattern = CosineHemisphere::new(Sobol::new(256)?);
 /// let rng = &mut Streams::new(0, Purpose::Pattern, 256).realization(0);
 /// // The mean of cos(theta) is 2/3.
-/// let mean = pattern.sample(rng)?.iter().map(|p| p.z).sum::<f64>() / 256.0;
+/// let mean = pattern.sample(rng)?.points.iter().map(|p| p.z).sum::<f64>() / 256.0;
 /// assert!((mean - 2.0 / 3.0).abs() < 1e-2);
 /// # Ok::<(), sphvar_samplers::Error>(())
 /// ```
@@ -25,7 +24,7 @@ pub struct CosineHemisphere<P> {
     pattern: P,
 }
 
-impl<P: SquarePattern> CosineHemisphere<P> {
+impl<P: SquareSampler> CosineHemisphere<P> {
     /// Returns the directions of `pattern`.
     #[must_use]
     pub fn new(pattern: P) -> Self {
@@ -44,15 +43,16 @@ impl<P: SquarePattern> CosineHemisphere<P> {
         self.pattern.is_random()
     }
 
-    /// Replaces the content of `points` by one realization: unit vectors with z >= 0.
+    /// Replaces the content of `set` by one realization: unit vectors with z >= 0, with the weights
+    /// of the pattern.
     ///
     /// # Errors
     ///
-    /// Those of [`SquarePattern::fill_into`].
-    pub fn sample_into(&self, rng: &mut dyn Rng, points: &mut Vec<DVec3>) -> Result<(), Error> {
-        let square = self.pattern.fill(rng)?;
-        points.clear();
-        points.extend(square.iter().map(|&[u, v]| cosine_hemisphere(u, v)));
+    /// Those of [`SquareSampler::sample_into`].
+    pub fn sample_into(&self, rng: &mut dyn Rng, set: &mut PointSet) -> Result<(), Error> {
+        let square = self.pattern.sample(rng)?;
+        set.start().extend(square.points.iter().map(|&[u, v]| cosine_hemisphere(u, v)));
+        set.weights.extend(square.weights);
         Ok(())
     }
 
@@ -60,10 +60,10 @@ impl<P: SquarePattern> CosineHemisphere<P> {
     ///
     /// # Errors
     ///
-    /// Those of [`SquarePattern::fill_into`].
-    pub fn sample(&self, rng: &mut dyn Rng) -> Result<Vec<DVec3>, Error> {
-        let mut points = Vec::with_capacity(self.n_points());
-        self.sample_into(rng, &mut points)?;
-        Ok(points)
+    /// Those of [`SquareSampler::sample_into`].
+    pub fn sample(&self, rng: &mut dyn Rng) -> Result<PointSet, Error> {
+        let mut set = PointSet::new(Vec::with_capacity(self.n_points()));
+        self.sample_into(rng, &mut set)?;
+        Ok(set)
     }
 }

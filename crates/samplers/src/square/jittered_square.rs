@@ -1,6 +1,11 @@
 use rand::{Rng, RngExt};
+use sphvar_grammar::Parametric;
 
-use crate::{Error, SquarePattern, count};
+use crate::definition::Definition;
+use crate::{
+    CostOrder, Error, PatternFacts, PointSet, Rate, Square, SquareDistribution, SquareSampler,
+    ValidCounts, count,
+};
 
 /// One uniform point in each rectangle of a grid on the square: stratified sampling with
 /// N = rows x columns.
@@ -34,17 +39,17 @@ impl JitteredSquare {
     }
 }
 
-impl SquarePattern for JitteredSquare {
+impl SquareSampler for JitteredSquare {
     fn n_points(&self) -> usize {
         self.rows as usize * self.columns as usize
     }
 
-    fn is_random(&self) -> bool {
-        true
+    fn distribution(&self) -> SquareDistribution<'_> {
+        SquareDistribution::Jittered { rows: self.rows as usize, columns: self.columns as usize }
     }
 
-    fn fill_into(&self, rng: &mut dyn Rng, points: &mut Vec<[f64; 2]>) -> Result<(), Error> {
-        points.clear();
+    fn sample_into(&self, rng: &mut dyn Rng, set: &mut PointSet<[f64; 2]>) -> Result<(), Error> {
+        let points = set.start();
         for row in 0..self.rows {
             points.extend((0..self.columns).map(|column| {
                 let [u, v]: [f64; 2] = rng.random();
@@ -52,6 +57,32 @@ impl SquarePattern for JitteredSquare {
             }));
         }
         Ok(())
+    }
+}
+
+/// No parameters.
+pub(super) struct Parameters;
+
+impl Parametric for Parameters {}
+
+impl Definition<Square> for Parameters {
+    fn facts(&self) -> PatternFacts {
+        PatternFacts {
+            cost: CostOrder::LINEAR,
+            low_degrees: "pi^2 |k|^2/(3 N)",
+            smooth_rate: Rate::power(-2.0),
+            jump_rate: Rate::power(-1.5),
+            is_extensible: false,
+            source: "Singh 2015",
+        }
+    }
+
+    fn valid_counts(&self, _: Square) -> ValidCounts {
+        ValidCounts::Squares { unit: 1, root: "k" }
+    }
+
+    fn build(&self, n_points: usize, _: Square) -> Result<Box<dyn SquareSampler>, Error> {
+        Ok(Box::new(JitteredSquare::nearest_to_square(n_points)?))
     }
 }
 

@@ -1,14 +1,41 @@
 //! Patterns of the unit square, and the maps from the square to directions.
+//!
+//! To add a pattern, add a file here that implements `SquareSampler` and `Definition<Square>` and a
+//! line to the list.
+
+use crate::Square;
+use crate::definition::Definition;
+use crate::pattern_list::{PatternList, definition, pattern_list};
 
 mod cosine_hemisphere;
-mod jittered_square;
+mod lattice;
 mod on_sphere;
 pub(crate) mod radical_inverse;
+mod shift;
+mod square_distribution;
 mod square_pattern;
-mod white_square;
+mod square_realizations;
+mod square_sampler;
 
 pub use cosine_hemisphere::CosineHemisphere;
-pub use jittered_square::JitteredSquare;
+pub use lattice::Lattice;
 pub use on_sphere::OnSphere;
-pub use square_pattern::SquarePattern;
-pub use white_square::WhiteSquare;
+pub use shift::{Shifted, shift, uniform_shift};
+pub use square_distribution::SquareDistribution;
+pub use square_realizations::SquareRealizations;
+pub use square_sampler::SquareSampler;
+
+pattern_list! {
+    /// The patterns of the square, by name, with their parameters.
+    ///
+    /// `FromStr` reads what `Display` writes.
+    pub enum SquarePattern of Square;
+
+    "white-square" = white_square::WhiteSquare: "independent uniform points";
+    "jittered-square" = jittered_square::JitteredSquare: "one uniform point in every cell of a square grid";
+    "sobol" = sobol::Sobol: "Owen-scrambled Sobol points";
+    "halton" = halton::Halton: "Halton points in bases 2 and 3";
+    "hammersley" = hammersley::Hammersley: "Hammersley points in base 2";
+
+    without default:
+}

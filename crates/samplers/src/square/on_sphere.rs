@@ -4,7 +4,7 @@ use rand::Rng;
 
 use sphvar_warps::archimedes;
 
-use crate::{Domain, Error, PointSet, Sampler, SetDistribution, SquarePattern};
+use crate::{Domain, Error, PointSet, Sampler, SetDistribution, SquareSampler};
 
 /// A pattern of the square mapped to the sphere or the hemisphere by the area-preserving map of
 /// Archimedes.
@@ -29,7 +29,7 @@ pub struct OnSphere<P> {
     domain: Domain,
 }
 
-impl<P: SquarePattern> OnSphere<P> {
+impl<P: SquareSampler> OnSphere<P> {
     /// Returns `pattern` on `domain`.
     #[must_use]
     pub fn new(pattern: P, domain: Domain) -> Self {
@@ -37,7 +37,7 @@ impl<P: SquarePattern> OnSphere<P> {
     }
 }
 
-impl<P: SquarePattern> Sampler for OnSphere<P> {
+impl<P: SquareSampler> Sampler for OnSphere<P> {
     fn n_points(&self) -> usize {
         self.pattern.n_points()
     }
@@ -55,8 +55,9 @@ impl<P: SquarePattern> Sampler for OnSphere<P> {
             Domain::Sphere => 2.0,
             Domain::Hemisphere => 1.0,
         };
-        let square = self.pattern.fill(rng)?;
-        set.start().extend(square.iter().map(|[u, v]| archimedes(height * u, TAU * v)));
+        let square = self.pattern.sample(rng)?;
+        set.start().extend(square.points.iter().map(|[u, v]| archimedes(height * u, TAU * v)));
+        set.weights.extend(square.weights);
         Ok(())
     }
 }

@@ -20,16 +20,9 @@ pub(crate) fn base_3(mut i: u32) -> f64 {
     mirrored as f64 / power as f64
 }
 
-/// Returns `x + shift` modulo 1, in [0, 1), for both in [0, 1): the shift of Cranley and Patterson
-/// 1976.
-pub(crate) fn shifted(x: f64, shift: f64) -> f64 {
-    let sum = x + shift;
-    if sum >= 1.0 { sum - 1.0 } else { sum }
-}
-
 #[cfg(test)]
 mod tests {
-    use super::{base_2, base_3, shifted};
+    use super::{base_2, base_3};
 
     #[test]
     fn the_first_values() {
@@ -44,14 +37,5 @@ mod tests {
         assert!((base_2(u32::MAX) - (1.0 - 2f64.powi(-32))).abs() <= 0.0);
         // In base 3, 3^20 - 1 is twenty digits 2.
         assert!((base_3(3u32.pow(20) - 1) - (1.0 - 3f64.powi(-20))).abs() < f64::EPSILON);
-    }
-
-    #[test]
-    fn shifts_stay_in_the_unit_interval() {
-        let below = 1.0 - f64::EPSILON / 2.0;
-        for (x, shift) in [(0.0, 0.0), (below, below), (0.5, 0.5), (1e-300, below), (0.25, 0.5)] {
-            let s = shifted(x, shift);
-            assert!((0.0..1.0).contains(&s), "{x} + {shift} gave {s}");
-        }
     }
 }

@@ -1,52 +1,52 @@
-use std::fmt::Debug;
+use crate::pattern_list::PatternList;
+use crate::{Error, FileResolver, Square, SquarePattern, SquareSampler, ValidCounts};
 
-use rand::Rng;
-
-use crate::Error;
-
-/// A pattern of points of the unit square, to be mapped to directions by
-/// [`OnSphere`](crate::OnSphere) or [`CosineHemisphere`](crate::CosineHemisphere).
-///
-/// As for a [`Sampler`](crate::Sampler), a realization is a function of the generator's state
-/// alone. If the pattern is random, a point drawn at random from the set is uniform in the square,
-/// so means over the points are unbiased; each implementor documents how.
-pub trait SquarePattern: Debug + Send + Sync {
-    /// Returns the number of points of every realization, at least 1.
-    fn n_points(&self) -> usize;
-
-    /// Returns whether two realizations can differ.
-    fn is_random(&self) -> bool;
-
-    /// Replaces the content of `points` by one realization: pairs `[u, v]` in [0, 1).
+impl SquarePattern {
+    /// Reads `name` or `name:key=value,key=value`; `files` reads the files that the text names.
     ///
     /// # Errors
     ///
-    /// [`Error::Infeasible`] if this realization cannot be completed; no pattern of this crate
-    /// returns it.
-    fn fill_into(&self, rng: &mut dyn Rng, points: &mut Vec<[f64; 2]>) -> Result<(), Error>;
+    /// [`Error::Grammar`] with place, reason and valid values; [`Error::File`] if `files` cannot
+    /// read a file.
+    pub fn parse(text: &str, files: &dyn FileResolver) -> Result<Self, Error> {
+        Self::read(text, files)
+    }
 
-    /// Returns one realization.
+    /// Returns the valid numbers of points.
+    #[must_use]
+    pub fn valid_counts(&self) -> ValidCounts {
+        self.counts_in(Square)
+    }
+
+    /// Returns the valid number of points nearest to `requested`, the smaller one of two equally
+    /// near; never 0.
+    #[must_use]
+    pub fn nearest_count(&self, requested: usize) -> usize {
+        self.valid_counts().nearest(requested)
+    }
+
+    /// Returns the sampler of this pattern with exactly `n_points` points.
+    ///
+    /// ```
+    /// use sphvar_samplers::{Error, SquarePattern};
+    /// assert_eq!(SquarePattern::JitteredSquare.build(64)?.n_points(), 64);
+    /// let rejected = SquarePattern::JitteredSquare.build(70).unwrap_err();
+    /// assert!(matches!(rejected, Error::InvalidCount { nearest: 64, .. }));
+    /// # Ok::<(), Error>(())
+    /// ```
     ///
     /// # Errors
     ///
-    /// Those of [`Self::fill_into`].
-    fn fill(&self, rng: &mut dyn Rng) -> Result<Vec<[f64; 2]>, Error> {
-        let mut points = Vec::with_capacity(self.n_points());
-        self.fill_into(rng, &mut points)?;
-        Ok(points)
-    }
-}
-
-impl<P: SquarePattern + ?Sized> SquarePattern for Box<P> {
-    fn n_points(&self) -> usize {
-        (**self).n_points()
+    /// Those of [`Pattern::build`](crate::Pattern::build).
+    pub fn build(&self, n_points: usize) -> Result<Box<dyn SquareSampler>, Error> {
+        self.build_in(n_points, Square)
     }
 
-    fn is_random(&self) -> bool {
-        (**self).is_random()
-    }
-
-    fn fill_into(&self, rng: &mut dyn Rng, points: &mut Vec<[f64; 2]>) -> Result<(), Error> {
-        (**self).fill_into(rng, points)
+    /// Returns [`SquareSampler::nominal_work`] of the sampler of `n_points` points, or of the
+    /// nearest valid count; one unit per point if the pattern cannot be built.
+    #[must_use]
+    pub fn nominal_work(&self, n_points: usize) -> f64 {
+        let sampler = self.build(self.nearest_count(n_points));
+        sampler.map_or(n_points as f64, |sampler| sampler.nominal_work())
     }
 }

@@ -1,6 +1,11 @@
 use rand::{Rng, RngExt};
+use sphvar_grammar::Parametric;
 
-use crate::{Error, SquarePattern, count};
+use crate::definition::Definition;
+use crate::{
+    CostOrder, Error, PatternFacts, PointSet, Rate, Square, SquareDistribution, SquareSampler,
+    count,
+};
 
 /// Independent uniform points of the square.
 #[derive(Clone, Copy, Debug)]
@@ -19,18 +24,39 @@ impl WhiteSquare {
     }
 }
 
-impl SquarePattern for WhiteSquare {
+impl SquareSampler for WhiteSquare {
     fn n_points(&self) -> usize {
         self.n as usize
     }
 
-    fn is_random(&self) -> bool {
-        true
+    fn distribution(&self) -> SquareDistribution<'_> {
+        SquareDistribution::Independent
     }
 
-    fn fill_into(&self, rng: &mut dyn Rng, points: &mut Vec<[f64; 2]>) -> Result<(), Error> {
-        points.clear();
-        points.extend((0..self.n).map(|_| rng.random::<[f64; 2]>()));
+    fn sample_into(&self, rng: &mut dyn Rng, set: &mut PointSet<[f64; 2]>) -> Result<(), Error> {
+        set.start().extend((0..self.n).map(|_| rng.random::<[f64; 2]>()));
         Ok(())
+    }
+}
+
+/// No parameters.
+pub(super) struct Parameters;
+
+impl Parametric for Parameters {}
+
+impl Definition<Square> for Parameters {
+    fn facts(&self) -> PatternFacts {
+        PatternFacts {
+            cost: CostOrder::LINEAR,
+            low_degrees: "1",
+            smooth_rate: Rate::power(-1.0),
+            jump_rate: Rate::power(-1.0),
+            is_extensible: true,
+            source: "definition",
+        }
+    }
+
+    fn build(&self, n_points: usize, _: Square) -> Result<Box<dyn SquareSampler>, Error> {
+        Ok(Box::new(WhiteSquare::new(n_points)?))
     }
 }

@@ -7,5 +7,6 @@ mod progress;
 mod registry;
 mod rules;
 mod spectral_control;
+mod square;
 mod survey;
 mod zonal;

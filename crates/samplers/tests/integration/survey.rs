@@ -6,7 +6,7 @@ use glam::DVec3;
 use sphvar_samplers::{
     BestCandidate, CosineHemisphere, Domain, EqualArea, Error, GeneralizedSpiral, Halton,
     Hammersley, JitteredSquare, Lloyd, OnSphere, Placement, PointSet, Purpose, Riesz, Sampler,
-    Sobol, SquarePattern, Streams, WhiteSquare, quantization_energy, riesz_energy,
+    Shifted, Sobol, SquareSampler, Streams, WhiteSquare, quantization_energy, riesz_energy,
 };
 
 const DOMAINS: [Domain; 2] = [Domain::Sphere, Domain::Hemisphere];
@@ -21,7 +21,7 @@ fn boxed<S: Sampler + 'static>(sampler: Result<S, Error>) -> Result<Box<dyn Samp
     sampler.map(|s| Box::new(s) as Box<dyn Sampler>)
 }
 
-fn on_sphere<P: SquarePattern + 'static>(
+fn on_sphere<P: SquareSampler + 'static>(
     pattern: Result<P, Error>,
     domain: Domain,
 ) -> Result<Box<dyn Sampler>, Error> {
@@ -33,8 +33,8 @@ fn on_sphere<P: SquarePattern + 'static>(
 const UNIFORM: [(&str, Build); 6] = [
     ("equal-area", |n, d| boxed(EqualArea::new(n, d, Placement::Jittered))),
     ("sobol", |n, d| on_sphere(Sobol::new(n), d)),
-    ("halton", |n, d| on_sphere(Halton::new(n), d)),
-    ("hammersley", |n, d| on_sphere(Hammersley::new(n), d)),
+    ("halton", |n, d| on_sphere(Halton::new(n).map(Shifted::new), d)),
+    ("hammersley", |n, d| on_sphere(Hammersley::new(n).map(Shifted::new), d)),
     ("white-square", |n, d| on_sphere(WhiteSquare::new(n), d)),
     ("jittered-square", |n, d| on_sphere(JitteredSquare::nearest_to_square(n), d)),
 ];
@@ -151,7 +151,7 @@ fn cell(x: f64, n: usize) -> usize {
 fn scrambled_sobol_points_are_a_net() {
     for m in 0..=12 {
         for realization in 0..4 {
-            let points = Sobol::new(1 << m).unwrap().fill(&mut rng(realization)).unwrap();
+            let points = Sobol::new(1 << m).unwrap().sample(&mut rng(realization)).unwrap().points;
             for rows in 0..=m {
                 let cells: HashSet<[usize; 2]> = points
                     .iter()
@@ -170,7 +170,7 @@ fn scrambling_leaves_only_shared_digits_in_common() {
     const M: u64 = 4000;
     let mut counts = [[0.0; 8]; 8];
     for i in 0..M {
-        let points = Sobol::new(8).unwrap().fill(&mut rng(i)).unwrap();
+        let points = Sobol::new(8).unwrap().sample(&mut rng(i)).unwrap().points;
         let [a, b] = [0, 2].map(|k: usize| cell(points[k][0], 8));
         counts[a][b] += 1.0;
     }
@@ -189,8 +189,9 @@ fn scrambling_leaves_only_shared_digits_in_common() {
 /// Up to shifts the sets match their definitions: differences to the first point are known.
 #[test]
 fn shifted_sets_match_their_definitions() {
-    let halton = Halton::new(6).unwrap().fill(&mut rng(3)).unwrap();
-    let hammersley = Hammersley::new(6).unwrap().fill(&mut rng(3)).unwrap();
+    let halton = Shifted::new(Halton::new(6).unwrap()).sample(&mut rng(3)).unwrap().points;
+    let hammersley = Shifted::new(Hammersley::new(6).unwrap());
+    let hammersley = hammersley.sample(&mut rng(3)).unwrap().points;
     let twos = [0.0, 0.5, 0.25, 0.75, 0.125, 0.625];
     let ninths = [0.0, 3.0, 6.0, 1.0, 4.0, 7.0];
     for i in 0..6 {
@@ -209,7 +210,8 @@ fn shifted_sets_match_their_definitions() {
 #[test]
 fn a_jittered_square_has_one_point_per_rectangle() {
     for (rows, columns) in [(1, 1), (1, 7), (4, 4), (3, 5)] {
-        let points = JitteredSquare::new(rows, columns).unwrap().fill(&mut rng(0)).unwrap();
+        let points =
+            JitteredSquare::new(rows, columns).unwrap().sample(&mut rng(0)).unwrap().points;
         let cells: HashSet<[usize; 2]> =
             points.iter().map(|[u, v]| [cell(*u, rows), cell(*v, columns)]).collect();
         assert_eq!(cells.len(), rows * columns);
@@ -221,22 +223,22 @@ fn a_jittered_square_has_one_point_per_rectangle() {
 fn cosine_weighted_directions_have_their_density() {
     const M: u64 = 2000;
     const N: usize = 16;
-    let patterns: [Box<dyn SquarePattern>; 5] = [
+    let patterns: [Box<dyn SquareSampler>; 5] = [
         Box::new(WhiteSquare::new(N).unwrap()),
         Box::new(JitteredSquare::nearest_to_square(N).unwrap()),
         Box::new(Sobol::new(N).unwrap()),
-        Box::new(Halton::new(N).unwrap()),
-        Box::new(Hammersley::new(N).unwrap()),
+        Box::new(Shifted::new(Halton::new(N).unwrap())),
+        Box::new(Shifted::new(Hammersley::new(N).unwrap())),
     ];
     for pattern in patterns {
         let cosine = CosineHemisphere::new(pattern);
         assert_eq!((cosine.n_points(), cosine.is_random()), (N, true));
         let (mut sums, mut squares) = ([0.0; 5], [0.0; 5]);
-        let mut points = vec![DVec3::NAN; 3];
+        let mut set = PointSet::new(vec![DVec3::NAN; 3]);
         for i in 0..M {
-            cosine.sample_into(&mut rng(i), &mut points).unwrap();
+            cosine.sample_into(&mut rng(i), &mut set).unwrap();
             let mut means = [0.0; 5];
-            for p in &points {
+            for p in &set.points {
                 assert!((p.length() - 1.0).abs() < 1e-15 && p.z >= 0.0, "{p}");
                 let phi = p.y.atan2(p.x);
                 let values = [p.z, p.z * p.z, p.x, p.y, (2.0 * phi).cos()];

@@ -120,7 +120,7 @@ struct Gram<'a> {
 
 impl<'a> Gram<'a> {
     fn new(set: &'a PointSet, domain: Domain, lmax: usize) -> Result<Self, Error> {
-        let mut scaled = PointSet { points: Vec::new(), weights: set.weights.clone() };
+        let mut scaled: PointSet = PointSet { points: Vec::new(), weights: set.weights.clone() };
         scaled.normalize_weights();
         Ok(Self {
             points: &set.points,

@@ -51,7 +51,7 @@ impl Nodes {
             let reason = "the sum of the weights is 0".to_owned();
             return Err(sphvar_samplers::Error::Given { reason }.into());
         }
-        let mut scaled = PointSet { points: Vec::new(), weights: set.weights.clone() };
+        let mut scaled: PointSet = PointSet { points: Vec::new(), weights: set.weights.clone() };
         scaled.normalize_weights();
         let weight = |k: usize| scaled.weights.get(k).copied().unwrap_or(1.0);
         let sum = (0..set.len()).map(weight).collect::<CompensatedSum>().value();

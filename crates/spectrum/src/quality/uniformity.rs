@@ -49,7 +49,7 @@ impl ObservedDiscrepancy {
     /// Returns the discrepancy of a set.
     #[must_use]
     pub fn new(set: &PointSet, discrepancy: f64) -> Self {
-        let mut scaled = PointSet { points: Vec::new(), weights: set.weights.clone() };
+        let mut scaled: PointSet = PointSet { points: Vec::new(), weights: set.weights.clone() };
         scaled.normalize_weights();
         let squares = || scaled.weights.iter().map(|w| w * w);
         let fourth = if set.weights.is_empty() {
