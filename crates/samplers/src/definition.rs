@@ -2,7 +2,10 @@ use std::path::Path;
 
 use sphvar_grammar::{Parametric, ResolveError};
 
-use crate::{Domain, Error, PatternFacts, PointFile, PointFileParameters, Space, ValidCounts};
+use crate::{
+    Domain, Error, PatternFacts, PointFile, PointFileParameters, Space, SquarePointFileParameters,
+    ValidCounts,
+};
 
 /// The definition of a pattern, apart from its name and summary in the list of the patterns of its
 /// space.
@@ -48,6 +51,19 @@ pub trait FileResolver {
     ///
     /// [`ResolveError`] with the reason if a file cannot be read or a template has none.
     fn points(&self, source: &PointFileParameters) -> Result<Vec<PointFile>, ResolveError>;
+
+    /// Returns the content of a file of points `[u, v]` of the square, or of the files of a
+    /// template, as [`Self::points`] does. Default: an error.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`Self::points`].
+    fn square_points(
+        &self,
+        source: &SquarePointFileParameters,
+    ) -> Result<Vec<PointFile<[f64; 2]>>, ResolveError> {
+        Err(without_resolver(source.file()))
+    }
 }
 
 /// Rejects every file.
@@ -65,7 +81,7 @@ impl FileResolver for WithoutFiles {
 
 fn without_resolver(file: &Path) -> ResolveError {
     ResolveError::new(format!(
-        "cannot read {}: a pattern from a file needs a resolver; use Pattern::parse",
+        "cannot read {}: a pattern from a file needs a resolver; use Pattern::parse or SquarePattern::parse",
         file.display()
     ))
 }

@@ -75,7 +75,7 @@ impl<S: Space> PointSets<S> {
     }
 
     /// Returns the mean number of points of the sets, rounded.
-    fn mean_count(&self) -> usize {
+    pub(crate) fn mean_count(&self) -> usize {
         let total: usize = self.sets.iter().map(PointSet::len).sum();
         (total + self.sets.len() / 2) / self.sets.len()
     }

@@ -38,4 +38,5 @@ pattern_list! {
     "hammersley" = hammersley::Hammersley: "Hammersley points in base 2";
 
     without default:
+    "file" = point_file::PointFile(SquarePointFileParameters): "your own point sets, with or without weights, from a file";
 }

@@ -12,6 +12,25 @@ impl SquarePattern {
         Self::read(text, files)
     }
 
+    /// Returns the name in tables and plots, as [`Pattern::label`](crate::Pattern::label) does.
+    #[must_use]
+    pub fn label(&self) -> String {
+        match self {
+            Self::PointFile(file) => Self::PointFile(file.shortened()).to_string(),
+            _ => self.to_string(),
+        }
+    }
+
+    /// Returns the number of points of a pattern that has only one, because it is a single point
+    /// file.
+    #[must_use]
+    pub fn own_count(&self) -> Option<usize> {
+        match self {
+            Self::PointFile(file) => file.own_count(),
+            _ => None,
+        }
+    }
+
     /// Returns the valid numbers of points.
     #[must_use]
     pub fn valid_counts(&self) -> ValidCounts {

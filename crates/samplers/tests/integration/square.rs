@@ -1,10 +1,14 @@
 //! Patterns of the square: ensembles, given sets and the list of names.
 
+use std::path::Path;
+
 use proptest::prelude::*;
 use rand::Rng;
+use sphvar_samplers::grammar::ResolveError;
 use sphvar_samplers::{
-    Ensemble, Error, PointSet, PointSets, Purpose, SamplerFamily, Square, SquareDistribution,
-    SquarePattern, SquareRealizations, SquareSampler, Streams, uniform_shift,
+    Ensemble, Error, FileResolver, PointFile, PointFileParameters, PointSet, PointSets, Purpose,
+    SamplerFamily, Square, SquareDistribution, SquarePattern, SquarePointFileParameters,
+    SquareRealizations, SquareSampler, Streams, uniform_shift,
 };
 
 fn streams(group: usize) -> Streams {
@@ -157,6 +161,56 @@ fn names_are_read_and_counts_are_checked() {
     assert!(error.contains("did you mean \"jittered-square\""), "{error}");
     let error = SquarePattern::JitteredSquare.build(70).unwrap_err().to_string();
     assert!(error.contains("on the square: N must be") && error.contains("is 64"), "{error}");
+}
+
+/// Two files by their numbers of points, one with an invalid point where the name says so.
+struct Files;
+
+impl FileResolver for Files {
+    fn powers(&self, _: &Path) -> Result<Vec<f64>, ResolveError> {
+        Err(ResolveError::new("no powers"))
+    }
+
+    fn points(&self, _: &PointFileParameters) -> Result<Vec<PointFile>, ResolveError> {
+        Err(ResolveError::new("no directions"))
+    }
+
+    fn square_points(
+        &self,
+        source: &SquarePointFileParameters,
+    ) -> Result<Vec<PointFile<[f64; 2]>>, ResolveError> {
+        let name = source.file().display().to_string();
+        let x = if name.contains("outside") { 1.0 } else { 0.5 };
+        let file = |n: usize| PointFile {
+            name: name.clone(),
+            stated_count: name.contains("{n}").then_some(n),
+            sets: vec![PointSet::new(vec![[x, 0.25]; n])],
+            starts: vec![name.clone()],
+            first_below: None,
+        };
+        Ok(if name.contains("{n}") { vec![file(3), file(2)] } else { vec![file(5)] })
+    }
+}
+
+#[test]
+fn files_are_patterns_with_the_numbers_of_points_of_their_sets() {
+    let parse = |text: &str| SquarePattern::parse(text, &Files);
+    let one = parse("file:a/b.csv,columns=\"u,v\"").unwrap();
+    assert_eq!((one.own_count(), one.nearest_count(1)), (Some(5), 5));
+    assert_eq!(one.label(), "file:b.csv,columns=\"u,v\"");
+    let set = one.build(5).unwrap().sample(&mut streams(0).realization(0)).unwrap();
+    assert_eq!(set.points, [[0.5, 0.25]; 5]);
+    let error = one.build(4).unwrap_err().to_string();
+    assert!(error.contains("N must be 5"), "{error}");
+    let template = parse("file:set-{n}.csv").unwrap();
+    assert_eq!((template.own_count(), template.nearest_count(9)), (None, 3));
+    assert_ne!(template.stream_group(2), template.stream_group(3));
+    let error = parse("file:outside.csv").unwrap_err().to_string();
+    assert!(error.contains("outside.csv: set 0 has coordinates outside [0, 1)"), "{error}");
+    let error = parse("file:a.csv,fold=yes").unwrap_err().to_string();
+    assert!(error.contains("unknown parameter \"fold\""), "{error}");
+    let error = "file:a.csv".parse::<SquarePattern>().unwrap_err().to_string();
+    assert!(error.contains("needs a resolver"), "{error}");
 }
 
 proptest! {
