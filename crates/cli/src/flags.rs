@@ -163,6 +163,36 @@ impl DomainArgs {
     }
 }
 
+/// The unit square instead of the sphere.
+#[derive(Clone, Copy, Debug, Args)]
+pub(crate) struct SquareArgs {
+    /// Use the unit square instead of the sphere: patterns and integrands of the square, with toroidal shifts instead of rotations
+    #[arg(long)]
+    pub(crate) square: bool,
+    /// Maximum length |k| of the frequencies on the square, inclusive
+    #[arg(long, value_name = "K", requires = "square", value_parser = parse_one_count)]
+    pub(crate) kmax: Option<usize>,
+}
+
+impl SquareArgs {
+    /// Rejects options of the sphere with `--square`: each with whether it is given and the words
+    /// that say what to use instead.
+    pub(crate) fn without(self, options: &[(&str, bool, &str)]) -> Result<(), CliError> {
+        match options.iter().find(|(_, is_given, _)| self.square && *is_given) {
+            Some((option, _, instead)) => {
+                Err(CliError::Usage(format!("{option} does not apply to --square; {instead}")))
+            }
+            None => Ok(()),
+        }
+    }
+}
+
+/// The words for an option of the sphere that the square does not have, for
+/// [`SquareArgs::without`].
+pub(crate) const USE_KMAX: &str = "use --kmax, the largest frequency, instead of a degree";
+pub(crate) const ONE_DOMAIN: &str = "the square is a domain of its own";
+pub(crate) const SHIFTED: &str = "patterns of the square are shifted, not rotated";
+
 /// The treatment of a number of points that is not valid for a pattern.
 #[derive(Clone, Copy, Debug, Args)]
 pub(crate) struct NearestArgs {
