@@ -169,6 +169,11 @@ pub(crate) struct SquareArgs {
     /// Use the unit square instead of the sphere: patterns and integrands of the square, with toroidal shifts instead of rotations
     #[arg(long)]
     pub(crate) square: bool,
+}
+
+/// The largest frequency on the square.
+#[derive(Clone, Copy, Debug, Args)]
+pub(crate) struct KmaxArgs {
     /// Maximum length |k| of the frequencies on the square, inclusive
     #[arg(long, value_name = "K", requires = "square", value_parser = parse_one_count)]
     pub(crate) kmax: Option<usize>,
