@@ -27,6 +27,7 @@ mod error;
 mod expression;
 mod functions;
 mod integrand;
+mod named_integrands;
 mod projection;
 mod quadrature;
 mod shape;

@@ -37,78 +37,17 @@ pub use rotated::Rotated;
 pub use sampled::SampledFunction;
 pub use sum::Sum;
 
+use glam::DVec3;
+
+use crate::Integrand;
 use crate::definition::Definition;
+use crate::named_integrands::named_integrands;
 
-/// Declares the module, the variant, the name and the summary of every integrand. A variant with
-/// parameters names their type; otherwise the definition is the type `Parameters` of its module.
-macro_rules! integrands {
-    ($($name:literal = $module:ident::$Variant:ident $(($parameters:ident: $Parameters:ident))?: $summary:literal;)*) => {
-        $(
-            pub(crate) mod $module;
-            pub use $module::*;
-        )*
-
-        /// A named integrand with its parameters.
-        ///
-        /// `FromStr` reads what `Display` writes, such as `cap:degrees=60`.
-        #[derive(Clone, Debug, PartialEq)]
-        #[non_exhaustive]
-        pub enum Term {
-            $(
-                #[doc = concat!("`", $name, "`: ", $summary, ".")]
-                $Variant $(($Parameters))?,
-            )*
-        }
-
-        impl Term {
-            /// Returns every named integrand with its default parameters, and examples of required
-            /// ones, in the order of tables.
-            #[must_use]
-            pub fn all() -> Vec<Self> {
-                vec![$(Self::$Variant $(($Parameters::default()))?),*]
-            }
-
-            /// Returns the name.
-            #[must_use]
-            pub const fn name(&self) -> &'static str {
-                match self {
-                    $(Self::$Variant { .. } => $name,)*
-                }
-            }
-
-            /// Returns a one-line description of the integrand.
-            #[must_use]
-            pub const fn summary(&self) -> &'static str {
-                match self {
-                    $(Self::$Variant { .. } => $summary,)*
-                }
-            }
-
-            /// Calls a function with the definition of the integrand.
-            pub(crate) fn with_definition<T>(
-                &mut self,
-                action: impl FnOnce(&mut dyn Definition) -> T,
-            ) -> T {
-                match self {
-                    $(Self::$Variant $(($parameters))? => {
-                        action(definition!($module $($parameters)?))
-                    })*
-                }
-            }
-        }
-    };
-}
-
-macro_rules! definition {
-    ($module:ident) => {
-        &mut $module::Parameters
-    };
-    ($module:ident $parameters:ident) => {
-        $parameters
-    };
-}
-
-integrands! {
+named_integrands! {
+    /// A named integrand with its parameters.
+    ///
+    /// `FromStr` reads what `Display` writes, such as `cap:degrees=60`.
+    Term: Definition -> Integrand;
     "ylm" = harmonic::Harmonic(p: HarmonicParameters): "real spherical harmonic";
     "cap" = cap::Cap(p: CapParameters): "indicator of a spherical cap around +z";
     "double-cap" = double_cap::DoubleCap(p: DoubleCapParameters): "indicator of the caps around +z and -z";
@@ -126,8 +65,6 @@ integrands! {
     "alm" = alm::Alm(p: AlmParameters): "function with harmonic coefficients from a file";
     "values" = values::Values(p: ValuesParameters): "least-squares fit to values at points in a file";
 }
-
-use glam::DVec3;
 
 /// Returns `1 - z` of a unit vector, without cancellation near the pole, where narrow functions are
 /// concentrated.

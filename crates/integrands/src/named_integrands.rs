@@ -1,0 +1,147 @@
+//! Lists of named integrands with parameters, of the sphere and of the square.
+
+/// Declares a list of named integrands: the type of its entries, and the module, the variant, the
+/// name and the summary of every integrand. A variant with parameters names their type; otherwise
+/// the definition is the type `Parameters` of its module.
+macro_rules! named_integrands {
+    (
+        $(#[$meta:meta])*
+        $Term:ident: $Definition:ident -> $Integrand:ident;
+        $($name:literal = $module:ident::$Variant:ident $(($parameters:ident: $Parameters:ident))?: $summary:literal;)*
+    ) => {
+        $(
+            pub(crate) mod $module;
+            pub use $module::*;
+        )*
+
+        $(#[$meta])*
+        #[derive(Clone, Debug, PartialEq)]
+        #[non_exhaustive]
+        pub enum $Term {
+            $(
+                #[doc = concat!("`", $name, "`: ", $summary, ".")]
+                $Variant $(($Parameters))?,
+            )*
+        }
+
+        impl $Term {
+            /// Returns every named integrand with its default parameters, and examples of required
+            /// ones, in the order of tables.
+            #[must_use]
+            pub fn all() -> Vec<Self> {
+                vec![$(Self::$Variant $(($Parameters::default()))?),*]
+            }
+
+            /// Returns the name.
+            #[must_use]
+            pub const fn name(&self) -> &'static str {
+                match self {
+                    $(Self::$Variant { .. } => $name,)*
+                }
+            }
+
+            /// Returns a one-line description of the integrand.
+            #[must_use]
+            pub const fn summary(&self) -> &'static str {
+                match self {
+                    $(Self::$Variant { .. } => $summary,)*
+                }
+            }
+
+            /// Returns the parameters with their ranges, meanings and defaults, in the order of
+            /// texts.
+            #[must_use]
+            pub fn parameters(&self) -> Vec<sphvar_grammar::Parameter> {
+                self.default_of_name()
+                    .with_definition(|definition| sphvar_grammar::describe(definition))
+            }
+
+            /// Returns the form of texts, such as `ylm:l=4[,m=0]`, with examples of what must be
+            /// given.
+            #[must_use]
+            pub fn form(&self) -> String {
+                let name = self.name();
+                self.default_of_name()
+                    .with_definition(|definition| sphvar_grammar::form(name, definition))
+            }
+
+            /// Returns the function; files that the parameters name are read by `files`.
+            ///
+            /// # Errors
+            ///
+            /// [`Error::OfTerm`](crate::Error::OfTerm) with the reason if there is none with these
+            /// parameters; [`Error::File`](crate::Error::File) if `files` cannot read a file.
+            pub fn build(
+                &self,
+                files: &dyn crate::IntegrandResolver,
+            ) -> Result<Box<dyn $Integrand>, crate::Error> {
+                let built = self.clone().with_definition(|definition| definition.build(files));
+                built.map_err(|error| match error {
+                    crate::Error::File(error) => crate::Error::File(error),
+                    reason => {
+                        let (text, reason) = (self.to_string(), Box::new(reason));
+                        crate::Error::OfTerm { text, reason }
+                    }
+                })
+            }
+
+            /// Returns the integrand of the same name with its default parameters.
+            fn default_of_name(&self) -> Self {
+                let same = Self::all().into_iter().find(|term| term.name() == self.name());
+                same.unwrap_or_else(|| self.clone())
+            }
+
+            /// Calls a function with the definition of the integrand.
+            fn with_definition<T>(&mut self, action: impl FnOnce(&mut dyn $Definition) -> T) -> T {
+                match self {
+                    $(Self::$Variant $(($parameters))? => {
+                        action(crate::named_integrands::definition!($module $($parameters)?))
+                    })*
+                }
+            }
+        }
+
+        /// Reads `name` or `name:key=value,key=value`.
+        impl std::str::FromStr for $Term {
+            type Err = crate::Error;
+
+            fn from_str(text: &str) -> Result<Self, crate::Error> {
+                let spec = sphvar_grammar::Spec::parse(text)?;
+                let all = Self::all();
+                let names: Vec<&str> = all.iter().map(Self::name).collect();
+                let unknown =
+                    || sphvar_grammar::Error::unknown_name("integrand", &spec.name, &names);
+                let known = all.iter().find(|term| term.name() == spec.name);
+                let mut term = known.ok_or_else(unknown)?.clone();
+                term.with_definition(|definition| sphvar_grammar::read(definition, spec))?;
+                Ok(term)
+            }
+        }
+
+        /// The name, and after a colon the parameters that must be given or are not the default
+        /// ones.
+        impl std::fmt::Display for $Term {
+            fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+                let mut default = self.default_of_name();
+                let text = self.clone().with_definition(|definition| {
+                    default.with_definition(|default| {
+                        sphvar_grammar::text(self.name(), definition, default)
+                    })
+                });
+                f.pad(&text)
+            }
+        }
+    };
+}
+
+/// Returns the definition of an integrand without or with parameters.
+macro_rules! definition {
+    ($module:ident) => {
+        &mut $module::Parameters
+    };
+    ($module:ident $parameters:ident) => {
+        $parameters
+    };
+}
+
+pub(crate) use {definition, named_integrands};
