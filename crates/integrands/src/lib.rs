@@ -31,6 +31,7 @@ mod named_integrands;
 mod projection;
 mod quadrature;
 mod shape;
+mod square;
 mod term;
 mod vector_integrand;
 mod visible_half_integrand;
@@ -47,6 +48,7 @@ pub use projection::{HarmonicProjection, Irradiance, ProjectedCoefficient};
 pub use shape::{Circle, Shape};
 pub use sphvar_grammar as grammar;
 pub use sphvar_sh::Domain;
+pub use square::*;
 pub use vector_integrand::VectorIntegrand;
 pub use visible_half_integrand::{VisibleHalfEstimator, VisibleHalfIntegrand};
 

@@ -1,0 +1,34 @@
+use sphvar_sh::{Bands, ByAxis, Frequencies};
+
+use crate::{Energy, Error};
+
+/// Returns the energies of a function with a given mean, variances of its three parts
+/// ([`SquareIntegrand::energy`](crate::SquareIntegrand::energy)) and squared moduli `|G_k|^2` of its
+/// coefficients at k other than 0.
+///
+/// # Errors
+///
+/// [`Error::Harmonics`] if memory is exhausted.
+pub(super) fn energy_of_coefficients(
+    frequencies: &Frequencies,
+    mean: f64,
+    centred: ByAxis,
+    mut square: impl FnMut([i32; 2]) -> f64,
+) -> Result<Energy<Frequencies>, Error> {
+    let mut per_band = zeros(frequencies.len())?;
+    per_band[0] = mean * mean;
+    for (band, energy) in per_band.iter_mut().enumerate().skip(1) {
+        *energy = frequencies.multiplicity(band) * square(frequencies.frequency(band));
+    }
+    Ok(Energy::new(frequencies.clone(), per_band, centred))
+}
+
+/// Returns zeros, or an error if memory is exhausted.
+pub(super) fn zeros<T: Clone + Default>(len: usize) -> Result<Vec<T>, Error> {
+    let mut values = Vec::new();
+    values
+        .try_reserve_exact(len)
+        .map_err(|_| sphvar_sh::Error::OutOfMemory { len, bytes_each: size_of::<T>() })?;
+    values.resize(len, T::default());
+    Ok(values)
+}

@@ -1,0 +1,33 @@
+//! Integrands on the unit square: the list of named ones, with one file each, and the tools that
+//! they share.
+//!
+//! To add an integrand, add a file here that implements `SquareDefinition` and a line to the list.
+//! The list declares the modules, so `cargo fmt` does not find these files; `.ci/run` checks them by
+//! name.
+
+mod energy;
+mod integrand;
+mod turns;
+
+pub use integrand::SquareIntegrand;
+
+use sphvar_grammar::Parametric;
+
+use crate::named_integrands::named_integrands;
+use crate::{Error, IntegrandResolver};
+
+/// The definition of an integrand on the square, apart from its name and summary in the list.
+///
+/// [`Parametric`] declares the parameters with their ranges and defaults.
+pub(crate) trait SquareDefinition: Parametric {
+    /// Returns the integrand with these parameters; `files` reads the files that they name.
+    fn build(&self, files: &dyn IntegrandResolver) -> Result<Box<dyn SquareIntegrand>, Error>;
+}
+
+named_integrands! {
+    /// A named integrand on the square with its parameters.
+    ///
+    /// `FromStr` reads what `Display` writes, such as `wave:k1=3,k2=-2`.
+    SquareTerm: SquareDefinition -> SquareIntegrand;
+    "wave" = wave::Wave(p: WaveParameters): "cosine of one frequency, cos(2 pi (k1 u + k2 v))";
+}
