@@ -63,7 +63,7 @@ impl Frequencies {
     pub const MAX_KMAX: usize = 10_000;
 
     /// The maximum frequency on the axes.
-    pub const MAX_AXIS: usize = 1 << 24;
+    pub const MAX_AXIS: usize = 1 << 20;
 
     /// Returns all pairs of frequencies with `|k| <= kmax` in the Euclidean norm.
     ///

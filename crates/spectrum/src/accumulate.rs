@@ -4,10 +4,10 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use glam::DVec3;
 use rayon::prelude::{IntoParallelIterator, ParallelIterator};
 use sphvar_samplers::{Ensemble, PointSet, Progress, Stopped};
-use sphvar_sh::Alm;
+use sphvar_sh::{Alm, Domain};
 use sphvar_sht::{FastTransform, Method, Transform, TransformWorkspace};
 
-use crate::{Accumulator, Error, Realization};
+use crate::{Accumulator, Error, Realization, SpectralBands};
 
 /// Maximum degree and method of a spectrum estimate.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -78,10 +78,79 @@ pub fn accumulate<A: Accumulator>(
 ) -> Result<A, Error> {
     let Resolution { lmax, n_points, method, epsilon } = resolution;
     let transform = Transform::new(method, lmax, n_points, epsilon)?;
-    let begin = || Worker {
+    accumulate_by(&OnSphere { transform, resolution }, sets, indices, empty, progress)
+}
+
+/// The transform of directions with its cost.
+struct OnSphere {
+    transform: Transform,
+    resolution: Resolution,
+}
+
+impl SetTransform for OnSphere {
+    type Bands = Domain;
+    type Workspace = TransformWorkspace;
+
+    fn zeros(&self) -> Result<Alm, Error> {
+        Ok(Alm::zeros(self.resolution.lmax)?)
+    }
+
+    fn run(
+        &self,
+        sets: &[PointSet],
+        workspace: &mut TransformWorkspace,
+        alms: &mut [Alm],
+    ) -> Result<(), Error> {
+        let inputs: Vec<(&[DVec3], Option<&[f64]>)> =
+            sets.iter().map(|set| (&*set.points, given_weights(set))).collect();
+        self.transform.adjoint_batch_into(&inputs, workspace, alms);
+        Ok(())
+    }
+
+    fn work(&self, _n_points: usize) -> f64 {
+        self.resolution.method.nominal_work(self.resolution.n_points, self.resolution.lmax)
+    }
+}
+
+/// Returns the weights of a set; `None` if all are equal.
+pub(crate) fn given_weights<P>(set: &PointSet<P>) -> Option<&[f64]> {
+    (!set.weights.is_empty()).then_some(&*set.weights)
+}
+
+/// A transform of point sets to the coefficients of bands.
+pub(crate) trait SetTransform: Sync {
+    /// The bands.
+    type Bands: SpectralBands;
+    /// Buffers that repeated transforms use.
+    type Workspace: Default + Send;
+
+    /// Returns coefficients of 0.
+    fn zeros(&self) -> Result<<Self::Bands as SpectralBands>::Coefficients, Error>;
+
+    /// Replaces `out` by the coefficients of the sets.
+    fn run(
+        &self,
+        sets: &[PointSet<<Self::Bands as SpectralBands>::Point>],
+        workspace: &mut Self::Workspace,
+        out: &mut [<Self::Bands as SpectralBands>::Coefficients],
+    ) -> Result<(), Error>;
+
+    /// Returns the nominal work of a set of `n_points`.
+    fn work(&self, n_points: usize) -> f64;
+}
+
+/// Accumulates the sets with the given indices as [`accumulate`] does, by any transform.
+pub(crate) fn accumulate_by<T: SetTransform, A: Accumulator<T::Bands>>(
+    transform: &T,
+    sets: &dyn Ensemble<<T::Bands as SpectralBands>::Point>,
+    indices: Range<u64>,
+    empty: &A,
+    progress: &dyn Progress,
+) -> Result<A, Error> {
+    let begin = || Worker::<T, A> {
         sets: Vec::new(),
-        workspace: TransformWorkspace::default(),
-        alms: Vec::new(),
+        workspace: T::Workspace::default(),
+        coefficients: Vec::new(),
         accumulator: empty.clone(),
     };
     // After a stop, no further batch is started.
@@ -90,14 +159,14 @@ pub fn accumulate<A: Accumulator>(
         let stopped = Error::from(Stopped);
         is_stopped.fetch_or(*error == stopped, Ordering::Relaxed);
     };
-    let step = |worker: Result<Worker<A>, Error>, batch: u64| {
+    let step = |worker: Result<Worker<T, A>, Error>, batch: u64| {
         let mut worker = worker?;
         if is_stopped.load(Ordering::Relaxed) {
             return Err(Stopped.into());
         }
         let first = indices.start + batch * BATCH;
         let batch = first..first.saturating_add(BATCH).min(indices.end);
-        worker.process(sets, &transform, resolution, batch, progress).inspect_err(stop)?;
+        worker.process(sets, transform, batch, progress).inspect_err(stop)?;
         Ok(worker)
     };
     let n_batches = indices.end.saturating_sub(indices.start).div_ceil(BATCH);
@@ -116,41 +185,36 @@ pub fn accumulate<A: Accumulator>(
 }
 
 /// The buffers of one thread.
-struct Worker<A> {
-    sets: Vec<PointSet>,
-    workspace: TransformWorkspace,
-    alms: Vec<Alm>,
+struct Worker<T: SetTransform, A> {
+    sets: Vec<PointSet<<T::Bands as SpectralBands>::Point>>,
+    workspace: T::Workspace,
+    coefficients: Vec<<T::Bands as SpectralBands>::Coefficients>,
     accumulator: A,
 }
 
-impl<A: Accumulator> Worker<A> {
+impl<T: SetTransform, A: Accumulator<T::Bands>> Worker<T, A> {
     fn process(
         &mut self,
-        ensemble: &dyn Ensemble,
-        transform: &Transform,
-        resolution: Resolution,
+        ensemble: &dyn Ensemble<<T::Bands as SpectralBands>::Point>,
+        transform: &T,
         batch: Range<u64>,
         progress: &dyn Progress,
     ) -> Result<(), Error> {
         let mut used = 0;
         for index in batch.clone() {
-            if self.alms.len() == used {
+            if self.coefficients.len() == used {
                 self.sets.push(PointSet::default());
-                self.alms.push(Alm::zeros(resolution.lmax)?);
+                self.coefficients.push(transform.zeros()?);
             }
             ensemble.realize_into(index, &mut self.sets[used], progress)?;
             self.sets[used].normalize_weights();
             used += 1;
         }
-        let (sets, alms) = (&self.sets[..used], &mut self.alms[..used]);
-        let weights = |set: &PointSet| !set.weights.is_empty();
-        let inputs: Vec<(&[DVec3], Option<&[f64]>)> =
-            sets.iter().map(|set| (&*set.points, weights(set).then_some(&*set.weights))).collect();
-        transform.adjoint_batch_into(&inputs, &mut self.workspace, alms);
-        let work = resolution.method.nominal_work(resolution.n_points, resolution.lmax);
-        for ((index, set), alm) in batch.zip(sets).zip(alms) {
-            self.accumulator.push(&Realization::new(index, set, alm));
-            progress.tick(work)?;
+        let (sets, coefficients) = (&self.sets[..used], &mut self.coefficients[..used]);
+        transform.run(sets, &mut self.workspace, coefficients)?;
+        for ((index, set), coefficients) in batch.zip(sets).zip(coefficients) {
+            self.accumulator.push(&Realization::new(index, set, coefficients));
+            progress.tick(transform.work(set.len()))?;
         }
         Ok(())
     }

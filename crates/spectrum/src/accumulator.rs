@@ -1,19 +1,22 @@
-use crate::Realization;
+use sphvar_sh::Domain;
 
-/// Accumulates statistics of spherical-harmonic coefficients over an ensemble.
+use crate::{Realization, SpectralBands};
+
+/// Accumulates statistics of the coefficients of point sets over an ensemble: of spherical harmonics,
+/// or of other bands B.
 ///
 /// `merge` must give a result bit-identical to pushing the realizations of `other`, in any order.
 /// Results are then independent of the number of threads.
-pub trait Accumulator: Clone + Send + Sync {
+pub trait Accumulator<B: SpectralBands = Domain>: Clone + Send + Sync {
     /// Adds one realization.
-    fn push(&mut self, realization: &Realization<'_>);
+    fn push(&mut self, realization: &Realization<'_, B>);
     /// Adds the realizations of `other`, which must start from a copy of the same empty
     /// accumulator.
     fn merge(&mut self, other: &Self);
 }
 
-impl<A: Accumulator, B: Accumulator> Accumulator for (A, B) {
-    fn push(&mut self, realization: &Realization<'_>) {
+impl<B: SpectralBands, X: Accumulator<B>, Y: Accumulator<B>> Accumulator<B> for (X, Y) {
+    fn push(&mut self, realization: &Realization<'_, B>) {
         self.0.push(realization);
         self.1.push(realization);
     }
@@ -24,8 +27,8 @@ impl<A: Accumulator, B: Accumulator> Accumulator for (A, B) {
     }
 }
 
-impl<A: Accumulator> Accumulator for Option<A> {
-    fn push(&mut self, realization: &Realization<'_>) {
+impl<B: SpectralBands, A: Accumulator<B>> Accumulator<B> for Option<A> {
+    fn push(&mut self, realization: &Realization<'_, B>) {
         if let Some(inner) = self {
             inner.push(realization);
         }
@@ -38,8 +41,8 @@ impl<A: Accumulator> Accumulator for Option<A> {
     }
 }
 
-impl<A: Accumulator> Accumulator for Vec<A> {
-    fn push(&mut self, realization: &Realization<'_>) {
+impl<B: SpectralBands, A: Accumulator<B>> Accumulator<B> for Vec<A> {
+    fn push(&mut self, realization: &Realization<'_, B>) {
         self.iter_mut().for_each(|inner| inner.push(realization));
     }
 

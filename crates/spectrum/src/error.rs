@@ -5,6 +5,17 @@ pub enum Error {
     /// The transform cannot be constructed.
     #[error(transparent)]
     Transform(#[from] sphvar_sht::Error),
+    /// The transform of points of the square cannot be constructed or computed.
+    #[error(transparent)]
+    SquareTransform(#[from] sphvar_nufft::Error),
+    /// There are too many frequencies for an error of each.
+    #[error("errors of all frequencies are kept to kmax = {max}, got kmax = {kmax}")]
+    Frequencies {
+        /// The requested maximum frequency.
+        kmax: usize,
+        /// The largest supported value.
+        max: usize,
+    },
     /// The sampler cannot generate a realization, or the work was stopped.
     #[error(transparent)]
     Sampler(#[from] sphvar_samplers::Error),
@@ -48,4 +59,20 @@ impl From<sphvar_samplers::Stopped> for Error {
     fn from(stopped: sphvar_samplers::Stopped) -> Self {
         Self::Sampler(stopped.into())
     }
+}
+
+/// Checks that a parameter of two accumulators is equal.
+///
+/// # Errors
+///
+/// [`Error::Mismatch`] if it is not.
+pub(crate) fn check_equal<T: PartialEq + std::fmt::Debug>(
+    what: &'static str,
+    left: &T,
+    right: &T,
+) -> Result<(), Error> {
+    if left == right {
+        return Ok(());
+    }
+    Err(Error::Mismatch { what, left: format!("{left:?}"), right: format!("{right:?}") })
 }

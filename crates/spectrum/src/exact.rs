@@ -20,7 +20,7 @@ use partition::Partition;
 pub use strata_quadrature::StrataQuadrature;
 
 /// The best accuracy of coefficients of the fast transform.
-const EPSILON: f64 = 1e-13;
+pub(crate) const EPSILON: f64 = 1e-13;
 
 /// Mean power per degree of a sampler in closed form: no realizations, standard errors of 0.
 ///

@@ -53,7 +53,9 @@ mod orders;
 mod pair_correlation;
 pub mod quality;
 mod realization;
+mod spectral_bands;
 mod spectrum;
+mod square;
 
 pub use accumulate::{Resolution, accumulate};
 pub use accumulator::Accumulator;
@@ -76,11 +78,16 @@ pub use pair_correlation::{
     PairCorrelation, PairCorrelationAccumulator,
 };
 pub use realization::Realization;
+pub use spectral_bands::SpectralBands;
 pub use spectrum::{Spectrum, SpectrumAccumulator};
 pub use sphvar_samplers::Ensemble;
 pub use sphvar_sht::{
     Fit, FitError, FittedEnergy, LeastSquares, Method, QuadratureError, QuadratureProblem,
     QuadratureWeights, WeightSigns, exact_degree,
+};
+pub use square::{
+    AxisRatio, AxisRatioAccumulator, ExactSquareSpectrum, RadialAccumulator, RadialSpectrum,
+    SquareResolution, accumulate_square, estimate_square, square_tail_power,
 };
 
 #[cfg(doctest)]

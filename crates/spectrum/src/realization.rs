@@ -1,28 +1,31 @@
 use std::cell::OnceCell;
-use std::f64::consts::PI;
 
 use sphvar_samplers::PointSet;
-use sphvar_sh::{Alm, ByParity};
+use sphvar_sh::{Alm, Domain};
 
-use crate::{ExactSum, tail_power};
+use crate::{ExactSum, SpectralBands};
 
 /// One realization of an ensemble and its coefficients, the input of accumulators.
 #[derive(Debug)]
-pub struct Realization<'a> {
+pub struct Realization<'a, B: SpectralBands = Domain> {
     index: u64,
-    set: &'a PointSet,
-    alm: &'a Alm,
+    set: &'a PointSet<B::Point>,
+    coefficients: &'a B::Coefficients,
     normalization: f64,
-    tail: OnceCell<ByParity>,
+    tail: OnceCell<B::Tail>,
 }
 
-impl<'a> Realization<'a> {
+impl<'a, B: SpectralBands> Realization<'a, B> {
     /// Returns the realization for coefficients computed with the weights of `set`.
-    pub(crate) fn new(index: u64, set: &'a PointSet, alm: &'a Alm) -> Self {
+    pub(crate) fn new(
+        index: u64,
+        set: &'a PointSet<B::Point>,
+        coefficients: &'a B::Coefficients,
+    ) -> Self {
         let squares =
             if set.weights.is_empty() { set.len() as f64 } else { sum_of_squares(&set.weights) };
-        let normalization = if squares > 0.0 { 4.0 * PI / squares } else { 0.0 };
-        Self { index, set, alm, normalization, tail: OnceCell::new() }
+        let normalization = if squares > 0.0 { B::UNIT_POWER / squares } else { 0.0 };
+        Self { index, set, coefficients, normalization, tail: OnceCell::new() }
     }
 
     /// Returns the index in the ensemble.
@@ -31,17 +34,18 @@ impl<'a> Realization<'a> {
         self.index
     }
 
-    /// Returns the points, with weights of the scale of [`alm`](Self::alm).
+    /// Returns the points, with weights of the scale of [`coefficients`](Self::coefficients).
     #[must_use]
-    pub fn set(&self) -> &PointSet {
+    pub fn set(&self) -> &PointSet<B::Point> {
         self.set
     }
 
-    /// Returns `S_lm = sum_k w_k conj Y_lm(s_k)`. The weights are scaled by a power of two such
-    /// that the largest is in [1/2, 1); equal weights are 1.
+    /// Returns the coefficients: on the sphere [`alm`](Realization::alm), on the square
+    /// `S_k = sum_j w_j exp(-2 pi i (k1 u_j + k2 v_j))` for every band. The weights are scaled by a
+    /// power of two such that the largest is in [1/2, 1); equal weights are 1.
     #[must_use]
-    pub fn alm(&self) -> &Alm {
-        self.alm
+    pub fn coefficients(&self) -> &B::Coefficients {
+        self.coefficients
     }
 
     /// Returns [`PointSet::n_effective`] of the points: N for equal weights.
@@ -50,24 +54,33 @@ impl<'a> Realization<'a> {
         self.set.n_effective()
     }
 
-    /// Returns the factor that normalizes the power of white noise to 1: `4 pi / sum_k w_k^2`,
-    /// which is 4 pi/N for unit weights; 0 if all weights are 0.
+    /// Returns the factor that normalizes the power of white noise to 1: on the sphere
+    /// `4 pi / sum_k w_k^2`, which is 4 pi/N for unit weights, on the square `1 / sum_k w_k^2`; 0 if
+    /// all weights are 0.
     #[must_use]
     pub fn normalization(&self) -> f64 {
         self.normalization
     }
 
-    /// Returns the mean power of even and of odd degrees at high degrees, [`tail_power`] of the
+    /// Returns the mean power at large radii by class of bands, [`SpectralBands::tail_power`] of the
     /// points.
     #[must_use]
-    pub fn tail(&self) -> ByParity {
-        *self.tail.get_or_init(|| tail_power(&self.set.points, &self.set.weights))
+    pub fn tail(&self) -> B::Tail {
+        *self.tail.get_or_init(|| B::tail_power(self.set))
     }
 
-    /// Returns P(l) for every degree from 0.
+    /// Returns the power of every band from 0, P(l) on the sphere.
     pub fn power(&self) -> impl Iterator<Item = f64> {
-        let normalization = self.normalization;
-        self.alm.power_per_degree().into_iter().map(move |p| normalization * p)
+        B::powers(self.coefficients, self.normalization).into_iter()
+    }
+}
+
+impl Realization<'_> {
+    /// Returns `S_lm = sum_k w_k conj Y_lm(s_k)`. The weights are scaled by a power of two such
+    /// that the largest is in [1/2, 1); equal weights are 1.
+    #[must_use]
+    pub fn alm(&self) -> &Alm {
+        self.coefficients
     }
 }
 

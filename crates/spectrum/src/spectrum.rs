@@ -1,6 +1,7 @@
 use sphvar_sh::{Bands, Domain, TailClasses};
 
-use crate::{Accumulator, ClassMoments, Error, Moments, Realization};
+use crate::error::check_equal;
+use crate::{Accumulator, ClassMoments, Error, Moments, Realization, SpectralBands};
 
 /// Mean power per band of an ensemble, with its standard error. The bands of the sphere are the
 /// degrees.
@@ -230,20 +231,9 @@ impl<B: Bands> SpectrumAccumulator<B> {
     ///
     /// [`Error::Mismatch`] if the accumulators differ in the number of points or in the bands.
     pub fn try_merge(&mut self, other: &Self) -> Result<(), Error> {
-        let pairs = [
-            ("numbers of points", self.n_points, other.n_points),
-            ("numbers of degrees", self.powers.len(), other.powers.len()),
-        ];
-        for (what, left, right) in pairs {
-            if left != right {
-                let (left, right) = (left.to_string(), right.to_string());
-                return Err(Error::Mismatch { what, left, right });
-            }
-        }
-        if self.bands != other.bands {
-            let (left, right) = (format!("{:?}", self.bands), format!("{:?}", other.bands));
-            return Err(Error::Mismatch { what: "domains", left, right });
-        }
+        check_equal("numbers of points", &self.n_points, &other.n_points)?;
+        check_equal("numbers of degrees", &self.powers.len(), &other.powers.len())?;
+        check_equal("domains", &self.bands, &other.bands)?;
         self.merge_powers(other);
         Ok(())
     }
@@ -307,8 +297,8 @@ impl SpectrumAccumulator {
     }
 }
 
-impl Accumulator for SpectrumAccumulator {
-    fn push(&mut self, realization: &Realization<'_>) {
+impl<B: SpectralBands> Accumulator<B> for SpectrumAccumulator<B> {
+    fn push(&mut self, realization: &Realization<'_, B>) {
         self.push_powers(realization.n_effective(), realization.power(), realization.tail());
     }
 

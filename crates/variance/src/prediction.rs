@@ -1,5 +1,7 @@
 use sphvar_sh::{Bands, ByParity, TailClasses};
-use sphvar_spectrum::{Accumulator, ClassMoments, Moments, Realization, Spectrum};
+use sphvar_spectrum::{
+    Accumulator, ClassMoments, Moments, Realization, SpectralBands, Spectrum,
+};
 
 use crate::error_moments::ErrorMoments;
 use crate::student_quantile;
@@ -336,8 +338,8 @@ impl<T: TailClasses> PredictionAccumulator<T> {
     }
 }
 
-impl Accumulator for PredictionAccumulator {
-    fn push(&mut self, realization: &Realization<'_>) {
+impl<B: SpectralBands> Accumulator<B> for PredictionAccumulator<B::Tail> {
+    fn push(&mut self, realization: &Realization<'_, B>) {
         let power: Vec<f64> = realization.power().collect();
         self.push_powers(realization.n_effective(), &power, || realization.tail());
     }

@@ -56,7 +56,7 @@ pub fn exact_degree(
     loop {
         progress.tick(0.0)?;
         let alm = coefficients(&set, lmax, &mut workspace)?;
-        let power: Vec<f64> = Realization::new(0, &set, &alm).power().collect();
+        let power: Vec<f64> = Realization::<Domain>::new(0, &set, &alm).power().collect();
         while exact + step <= lmax {
             let next = exact + step;
             if next > bound || power[next].is_nan() || power[next] > EXACT_POWER {

@@ -1,0 +1,17 @@
+//! Spectra of ensembles on the unit square: one power for each pair {k, -k} of frequencies.
+
+mod axis_ratio;
+mod coincidence;
+mod estimate;
+mod exact;
+mod radial;
+#[cfg(test)]
+mod tests;
+mod transform;
+
+pub use axis_ratio::{AxisRatio, AxisRatioAccumulator};
+pub use coincidence::square_tail_power;
+pub use estimate::{accumulate_square, estimate_square};
+pub use exact::ExactSquareSpectrum;
+pub use radial::{RadialAccumulator, RadialSpectrum};
+pub use transform::SquareResolution;
