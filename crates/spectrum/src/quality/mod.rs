@@ -1,4 +1,5 @@
-//! Measures of one point set as sums over its pairs: discrepancies, worst-case errors, energies.
+//! Measures of one point set: discrepancies, worst-case errors and energies as sums over its pairs;
+//! on the square, star discrepancies and L2 discrepancies.
 
 mod all_pairs;
 mod condition;
@@ -14,6 +15,7 @@ mod nodes;
 mod power_series;
 mod set_quality;
 mod split;
+mod square;
 mod table;
 #[cfg(test)]
 mod test_sets;
@@ -36,6 +38,10 @@ pub use hyperuniformity::{
 pub use measure::Measure;
 pub use set_quality::{MAX_POINTS_OF_COVERING, SetQuality};
 pub use sphvar_samplers::{covering_radius, separation};
+pub use square::{
+    MAX_POINTS_OF_L2_DISCREPANCY, MAX_POINTS_OF_STAR_DISCREPANCY, l2_star_discrepancy,
+    star_discrepancy, wraparound_l2_discrepancy,
+};
 pub use unavailable::Unavailable;
 pub use uniformity::{
     ObservedDiscrepancy, TailProbabilities, UniformityStatistic, test_uniformity,
