@@ -7,8 +7,8 @@ use glam::DVec3;
 use rayon::prelude::{IntoParallelIterator, ParallelIterator};
 use sphvar_integrands::{Cap, Harmonic, Integrand};
 use sphvar_samplers::{
-    BlueParameters, Domain, Error, Pattern, PowerProfile, ProfileParameters, Purpose, Realizations,
-    SpectralControl, StepParameters, Streams,
+    BlueParameters, Domain, Error, NoiseColour, Pattern, PowerProfile, ProfileParameters, Purpose,
+    Realizations, SpectralControl, StepParameters, Streams,
 };
 use sphvar_sht::ExactTransform;
 use sphvar_spectrum::{Resolution, accumulate};
@@ -140,12 +140,22 @@ fn steps_keep_their_promise_at_every_degree() {
 fn profiles_are_met_in_every_realization() {
     let constant =
         PowerProfile::Polynomial { exponent: 0.0, alpha: 1.0, gamma: 0.3, offset: 0.0, to: 2.0 };
-    for (profile, expected) in
-        [(PowerProfile::QUADRATIC, (|x2: f64| x2.min(1.0)) as fn(f64) -> f64), (constant, |_| 0.3)]
-    {
+    let coloured = PowerProfile::Colour;
+    // The profile, the last degree of its target for 256 points, and its power by omega^2.
+    let cases: [(PowerProfile, usize, fn(f64) -> f64); 5] = [
+        (PowerProfile::QUADRATIC, 32, |x2| x2.min(1.0)),
+        (constant, 32, |_| 0.3),
+        (coloured(NoiseColour::Pink), 33, |x2| x2.powf(-0.5)),
+        (coloured(NoiseColour::Green), 32, |x2| 1.6 * x2 * (1.0 - x2).exp()),
+        (coloured(NoiseColour::Blue), 40, |x2| match x2 > 1.21 {
+            true => 1.0 + 0.25 * (-0.5 * ((x2.sqrt() - PI.sqrt()) / 0.3).powi(2)).exp(),
+            false => 0.0,
+        }),
+    ];
+    for (profile, last, expected) in cases {
         let pattern = Pattern::Profile(ProfileParameters { profile, core: 0.0 });
         for (i, points) in realizations(&pattern, Domain::Sphere).iter().enumerate() {
-            let power = power(points, 32);
+            let power = power(points, last);
             for (l, &p) in power.iter().enumerate().skip(1) {
                 let target = expected((l * l) as f64 / N as f64);
                 let off = (p - target).abs();

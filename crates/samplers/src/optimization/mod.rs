@@ -11,4 +11,4 @@ pub use covering_radius::covering_radius;
 pub(crate) use descent::{Descent, Objective};
 pub(crate) use riesz_energy::RieszEnergy;
 pub use riesz_energy::riesz_energy;
-pub use spectral_control::{PowerProfile, SpectralControl, SpectralTarget};
+pub use spectral_control::{NoiseColour, PowerProfile, SpectralControl, SpectralTarget};

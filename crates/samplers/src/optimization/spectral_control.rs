@@ -1,6 +1,7 @@
 mod distance_penalty;
 mod energy;
 mod freedom;
+mod noise_colour;
 mod profile;
 mod target;
 
@@ -14,6 +15,7 @@ use crate::{Domain, Error, PointSet, Progress, Sampler, count};
 use distance_penalty::DistancePenalty;
 use energy::SpectralEnergy;
 use freedom::{coefficients, degree_within, degrees_of_freedom};
+pub use noise_colour::NoiseColour;
 pub use profile::PowerProfile;
 pub use target::SpectralTarget;
 

@@ -29,14 +29,29 @@ impl Parametric for ProfileParameters {
     fn declare(&mut self, d: &mut Declaration<'_>) {
         let table = match &self.profile {
             PowerProfile::Table { name, .. } => Some(PathBuf::from(&**name)),
-            PowerProfile::Polynomial { .. } => None,
+            PowerProfile::Polynomial { .. } | PowerProfile::Colour(_) => None,
         };
         let mut file = table.clone();
-        d.file("file", "table of l,power instead of b to `to`", "none", &mut file);
+        d.file("file", "table of l,power instead of colour or b to `to`", "none", &mut file);
         if let Some(file) = file.filter(|file| Some(file) != table.as_ref()) {
             // The powers are read once all parameters are known.
             let name = file.to_string_lossy().into();
             self.profile = PowerProfile::Table { name, power: [].into() };
+        }
+        if !matches!(self.profile, PowerProfile::Table { .. }) {
+            let mut colour = match self.profile {
+                PowerProfile::Colour(colour) => Some(colour),
+                _ => None,
+            };
+            d.optional_choice(
+                "colour",
+                "colour of noise instead of b to `to`",
+                "none",
+                &mut colour,
+            );
+            if let Some(colour) = colour {
+                self.profile = PowerProfile::Colour(colour);
+            }
         }
         if let PowerProfile::Polynomial { exponent, alpha, gamma, offset, to } = &mut self.profile {
             d.number("b", Range::AT_LEAST_0, "exponent of l/sqrt(N)", exponent);

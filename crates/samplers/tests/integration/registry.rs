@@ -7,9 +7,9 @@ use proptest::sample::select;
 use sphvar_samplers::grammar::{DefaultValue, Parameter, ParameterKind, ResolveError, Value};
 use sphvar_samplers::{
     BestCandidateParameters, BlueParameters, CcvtParameters, DiskMode, Domain, Error, FileResolver,
-    MassPoints, Pattern, PointFile, PointFileParameters, PointSet, PoissonDiskParameters,
-    PowerProfile, ProfileParameters, Purpose, Rate, RieszParameters, SpectralControl,
-    StepParameters, Streams,
+    MassPoints, NoiseColour, Pattern, PointFile, PointFileParameters, PointSet,
+    PoissonDiskParameters, PowerProfile, ProfileParameters, Purpose, Rate, RieszParameters,
+    SpectralControl, StepParameters, Streams,
 };
 
 #[test]
@@ -43,10 +43,27 @@ fn errors_state_the_valid_values() {
         ("spiral:2", "unexpected value \"2\"; valid parameters: none"),
         ("profile:table.csv", "cannot read table.csv: a pattern from a file needs a resolver"),
         ("profile:table.csv,b=2", "unknown parameter \"b\"; valid: file, core"),
+        (
+            "profile:colour=blue,b=2",
+            "unknown parameter \"b\"; valid: file, colour (pink, green, blue), core",
+        ),
+        ("profile:colour=brown", "unknown colour of profile \"brown\"; valid: pink, green, blue"),
+        ("profile:color=blue", "(did you mean \"colour\"?)"),
         ("profile:to=9", "to must be in (0, 8], got 9"),
     ] {
         let error = text.parse::<Pattern>().unwrap_err().to_string();
         assert!(error.contains(message), "{text}: {error}");
+    }
+}
+
+#[test]
+fn colours_replace_the_parameters_of_a_profile() {
+    for colour in NoiseColour::ALL {
+        let text = format!("profile:colour={colour},core=0.25");
+        let profile = PowerProfile::Colour(colour);
+        let pattern = Pattern::Profile(ProfileParameters { profile, core: 0.25 });
+        assert_eq!(text.parse(), Ok(pattern.clone()));
+        assert_eq!(pattern.to_string(), text);
     }
 }
 
@@ -115,7 +132,10 @@ fn value(parameter: Parameter) -> BoxedStrategy<String> {
 fn any_text() -> impl Strategy<Value = String> {
     let texts = |pattern: Pattern| {
         let mut parameters = pattern.parameters();
-        parameters.retain(|parameter| parameter.kind != ParameterKind::File);
+        // A file or a colour excludes other parameters.
+        parameters.retain(|parameter| {
+            parameter.kind != ParameterKind::File && parameter.name != "colour"
+        });
         let items: Vec<_> = parameters
             .into_iter()
             .map(|parameter| {

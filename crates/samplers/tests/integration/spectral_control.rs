@@ -4,8 +4,8 @@ use std::time::{Duration, Instant};
 
 use glam::DVec3;
 use sphvar_samplers::{
-    Domain, Error, PointSet, PowerProfile, Purpose, Sampler, SpectralControl, SpectralTarget,
-    Streams,
+    Domain, Error, NoiseColour, PointSet, PowerProfile, Purpose, Sampler, SpectralControl,
+    SpectralTarget, Streams,
 };
 use sphvar_sht::ExactTransform;
 
@@ -132,14 +132,21 @@ fn few_points_succeed_or_fail_quickly() {
     const LIMIT: Duration = Duration::from_secs(5);
     for domain in DOMAINS {
         for n in 1..=40 {
-            let quadratic = PowerProfile::QUADRATIC;
-            let controls = [
+            let profile = |profile| SpectralControl::profile(n, domain, &profile);
+            let coloured = |colour| profile(PowerProfile::Colour(colour));
+            let mut controls = vec![
                 ("step", SpectralControl::step(n, domain, None, None)),
                 ("bare step", SpectralControl::step(n, domain, None, Some(0.0))),
                 ("steepest step", SpectralControl::step(n, domain, Some(1.38), None)),
                 ("blue", SpectralControl::blue(n, domain, None)),
-                ("profile", SpectralControl::profile(n, domain, &quadratic)),
+                ("profile", profile(PowerProfile::QUADRATIC)),
+                ("pink profile", coloured(NoiseColour::Pink)),
+                ("green profile", coloured(NoiseColour::Green)),
             ];
+            // Descents that stall take longest.
+            if n.is_power_of_two() {
+                controls.push(("blue profile", coloured(NoiseColour::Blue)));
+            }
             for (name, control) in controls {
                 let start = Instant::now();
                 let points = control.and_then(|control| sample(&control, 0));
@@ -149,7 +156,7 @@ fn few_points_succeed_or_fail_quickly() {
                     Ok(points) => assert_eq!(points.len(), n, "{name} of {n}, {domain}"),
                     // The defaults are always feasible.
                     Err(Error::Infeasible { n_points, .. })
-                        if ["steepest step", "profile"].contains(&name) =>
+                        if name == "steepest step" || name.ends_with("profile") =>
                     {
                         assert_eq!(n_points, n, "{name}");
                     }

@@ -2,6 +2,7 @@ use std::sync::Arc;
 
 use sphvar_grammar::Range;
 
+use super::noise_colour::NoiseColour;
 use super::target::SpectralTarget;
 use crate::{Domain, Error, count};
 
@@ -22,6 +23,8 @@ pub enum PowerProfile {
         /// The omega at which the target ends.
         to: f64,
     },
+    /// A colour of noise.
+    Colour(NoiseColour),
     /// A power for every degree, independent of the number of points.
     Table {
         /// The source of the table, for names and messages.
@@ -47,12 +50,27 @@ impl PowerProfile {
     /// positive, `to` in (0, 8], there are 1 to `u32::MAX` points, and a table's powers are finite
     /// and at least 0.
     pub fn target(&self, n_points: usize, domain: Domain) -> Result<SpectralTarget, Error> {
-        let (exponent, alpha, gamma, offset, to) = match self {
-            Self::Table { power, .. } => return SpectralTarget::new(power.to_vec()),
-            Self::Polynomial { exponent, alpha, gamma, offset, to } => {
-                (*exponent, *alpha, *gamma, *offset, *to)
+        match self {
+            Self::Table { power, .. } => SpectralTarget::new(power.to_vec()),
+            Self::Colour(colour) => {
+                sampled(n_points, domain, colour.end(), |omega| colour.power(omega))
             }
-        };
+            &Self::Polynomial { exponent, alpha, gamma, offset, to } => {
+                Self::check_polynomial(exponent, alpha, gamma, offset, to)?;
+                sampled(n_points, domain, to, |omega| {
+                    offset + gamma * (omega / alpha).powf(exponent).min(1.0)
+                })
+            }
+        }
+    }
+
+    fn check_polynomial(
+        exponent: f64,
+        alpha: f64,
+        gamma: f64,
+        offset: f64,
+        to: f64,
+    ) -> Result<(), Error> {
         for (name, got) in [("the exponent b", exponent), ("gamma", gamma), ("offset", offset)] {
             if !(got.is_finite() && got >= 0.0) {
                 return Err(Error::Parameter { name, range: "finite and at least 0", got });
@@ -68,12 +86,20 @@ impl PowerProfile {
         if !Self::TO_RANGE.contains(to) {
             return Err(Error::Parameter { name: "to", range: "in (0, 8]", got: to });
         }
-        // Checked here, before a vector with one entry per degree is allocated.
-        count::checked(n_points)?;
-        let omega = |l: usize| l as f64 / domain.count_on_sphere(n_points).sqrt();
-        let power = (0..).take_while(|&l| omega(l) <= to);
-        SpectralTarget::new(
-            power.map(|l| offset + gamma * (omega(l) / alpha).powf(exponent).min(1.0)).collect(),
-        )
+        Ok(())
     }
+}
+
+/// Returns the target with a power for every degree up to the frequency `to`.
+fn sampled(
+    n_points: usize,
+    domain: Domain,
+    to: f64,
+    power: impl Fn(f64) -> f64,
+) -> Result<SpectralTarget, Error> {
+    // Checked here, before a vector with one entry per degree is allocated.
+    count::checked(n_points)?;
+    let root = domain.count_on_sphere(n_points).sqrt();
+    let omegas = (0_u32..).map(|l| f64::from(l) / root).take_while(|&omega| omega <= to);
+    SpectralTarget::new(omegas.map(power).collect())
 }
