@@ -7,6 +7,8 @@ pub enum Content {
     Curves(Curves),
     /// A set of directions.
     Directions(Directions),
+    /// Points of the unit square.
+    SquarePoints(SquarePoints),
     /// Values on a grid, as colours.
     Field(Field),
     /// A picture of a scene.
@@ -109,6 +111,13 @@ pub struct Directions {
     pub lines: Vec<Vec<DVec3>>,
 }
 
+/// Points of the unit square.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SquarePoints {
+    /// Points [u, v], each coordinate in [0, 1).
+    pub points: Vec<[f64; 2]>,
+}
+
 /// Values on a grid, row by row from the top.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Field {
@@ -124,6 +133,8 @@ pub struct Field {
     pub x: Axis,
     /// The vertical quantity, with the values at the top and bottom edges.
     pub y: Axis,
+    /// Centres of rings around cells of interest, in values of `x` and `y`.
+    pub rings: Vec<[f64; 2]>,
 }
 
 /// The mapping from values to colours.
@@ -157,6 +168,12 @@ impl From<Curves> for Content {
 impl From<Directions> for Content {
     fn from(directions: Directions) -> Self {
         Self::Directions(directions)
+    }
+}
+
+impl From<SquarePoints> for Content {
+    fn from(points: SquarePoints) -> Self {
+        Self::SquarePoints(points)
     }
 }
 

@@ -42,7 +42,9 @@ mod verdict;
 mod visible_half;
 
 pub use claim::{ChoiceOption, Claim, OpenChoice, Stated};
-pub use content::{Axis, Content, Curve, Curves, Directions, Field, Mark, Palette, Picture};
+pub use content::{
+    Axis, Content, Curve, Curves, Directions, Field, Mark, Palette, Picture, SquarePoints,
+};
 pub use ensemble::{Points, ThesisEnsemble};
 pub use erratum::Erratum;
 pub use error::Error;

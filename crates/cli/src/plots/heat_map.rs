@@ -34,6 +34,8 @@ pub(crate) struct HeatMap {
     pub(crate) x: Edges,
     /// Quantity from top to bottom, with the values at the top and bottom edges.
     pub(crate) y: Edges,
+    /// Centres of rings around cells of interest, in values of x and y.
+    pub(crate) rings: Vec<(f64, f64)>,
 }
 
 /// A side of the grid.
@@ -94,6 +96,10 @@ const BAR: (f64, f64) = (22.0, 22.0);
 const BAR_LABELS: f64 = 96.0;
 /// The number of rows of the colour scale.
 const STEPS: u32 = 256;
+/// The radius and width of rings, in pixels.
+const RING: (f64, f64) = (7.0, 2.0);
+/// Orange, legible on all scales.
+const RING_COLOUR: [u8; 3] = [0xff, 0x8c, 0x00];
 
 impl HeatMap {
     /// Writes the map as PNG.
@@ -137,7 +143,30 @@ impl HeatMap {
             let filled = imageops::resize(&cells, size.0, size.1, filter);
             imageops::replace(&mut sheet, &filled, left.into(), top.into());
         }
+        for &(x, y) in &self.rings {
+            let along = |at: f64, (first, last): (f64, f64)| (at - first) / (last - first);
+            let (x, y) = (along(x, self.x.range), along(y, self.y.range));
+            let frame = layout.map;
+            // Rows go down, as in the frame's coordinates.
+            draw_ring(&mut sheet, (frame.x(x), frame.y(1.0 - y)));
+        }
         Ok(sheet)
+    }
+}
+
+/// Draws a ring with smooth edges; pixels outside the sheet are omitted.
+fn draw_ring(sheet: &mut RgbImage, (x, y): (f64, f64)) {
+    let reach = RING.0 + RING.1;
+    let span = |at: f64| pixel(at - reach)..=pixel(at + reach);
+    for (column, row) in span(x).flat_map(|column| span(y).map(move |row| (column, row))) {
+        let from_centre = (f64::from(column) + 0.5 - x).hypot(f64::from(row) + 0.5 - y);
+        let cover = (0.5 + 0.5 * RING.1 - (from_centre - RING.0).abs()).clamp(0.0, 1.0);
+        if let Some(Rgb(below)) = sheet.get_pixel_mut_checked(column, row) {
+            for (channel, ring) in below.iter_mut().zip(RING_COLOUR) {
+                let mixed = f64::from(*channel) * (1.0 - cover) + f64::from(ring) * cover;
+                *channel = u8::try_from(pixel(mixed)).unwrap_or(u8::MAX);
+            }
+        }
     }
 }
 
@@ -277,4 +306,49 @@ fn pixel(at: f64) -> u32 {
 /// Returns the number of columns or rows of a map, cut to the largest size that fits.
 fn whole(n: usize) -> u32 {
     u32::try_from(n).unwrap_or(u32::MAX)
+}
+
+#[cfg(test)]
+mod tests {
+    use image::Rgb;
+
+    use super::{Colours, Edges, HeatMap, RING_COLOUR};
+
+    /// Returns a black map of 4 x 4 cells over x and y from -2 to 2, y upwards.
+    fn map(rings: Vec<(f64, f64)>) -> HeatMap {
+        let edges = |range| Edges { label: String::new(), range };
+        HeatMap {
+            title: String::new(),
+            notes: Vec::new(),
+            size: [4, 4],
+            values: vec![0.0; 16],
+            label: String::new(),
+            colours: Colours::Grey,
+            x: edges((-2.0, 2.0)),
+            y: edges((2.0, -2.0)),
+            rings,
+        }
+    }
+
+    /// Returns the mean position of the pixels of rings.
+    fn centre(map: &HeatMap) -> Option<(f64, f64)> {
+        let sheet = map.raster().unwrap();
+        let of_ring = sheet.enumerate_pixels().filter(|p| *p.2 == Rgb(RING_COLOUR));
+        let places: Vec<_> = of_ring.map(|(x, y, _)| (f64::from(x), f64::from(y))).collect();
+        let n = places.len() as f64;
+        let sum = places.iter().fold((0.0, 0.0), |sum, p| (sum.0 + p.0, sum.1 + p.1));
+        (n > 0.0).then_some((sum.0 / n, sum.1 / n))
+    }
+
+    #[test]
+    fn rings_are_around_their_values() {
+        assert_eq!(centre(&map(Vec::new())), None);
+        let middle = centre(&map(vec![(0.0, 0.0)])).unwrap();
+        // Cells of 150 pixels, up to a pixel.
+        let moved = centre(&map(vec![(1.0, 1.5)])).unwrap();
+        let (right, up) = (moved.0 - middle.0, middle.1 - moved.1);
+        assert!((right - 150.0).abs() < 1.0 && (up - 225.0).abs() < 1.0, "{right} {up}");
+        // Outside of the sheet nothing is drawn.
+        assert_eq!(centre(&map(vec![(1e9, 0.0), (f64::NAN, 0.0)])), None);
+    }
 }

@@ -10,6 +10,7 @@ mod contact_sheet;
 mod dashes;
 mod end_labels;
 mod figure;
+mod headings;
 mod heat_map;
 mod legend;
 mod names;
@@ -19,6 +20,7 @@ mod plane;
 mod plot_error;
 mod series_drawing;
 mod spreading;
+mod square_view;
 mod text_box;
 
 #[cfg(test)]
@@ -35,3 +37,4 @@ pub(crate) use heat_map::{Colours, Edges, HeatMap};
 pub(crate) use orthographic_view::OrthographicView;
 pub(crate) use palette::{Ink, MAX_COLOURS, NOTE_OF_OWN, inks};
 pub(crate) use plot_error::PlotError;
+pub(crate) use square_view::SquareView;

@@ -4,11 +4,11 @@ use std::path::Path;
 
 use glam::DVec3;
 use plotters::prelude::DrawingBackend;
-use plotters::style::text_anchor::HPos;
 
 use super::canvas::{Canvas, Pen};
 use super::figure::{self, Figure};
-use super::palette::{GREY, GRID, INK, Ink};
+use super::headings::{EDGE, draw_headings};
+use super::palette::{GREY, GRID, Ink};
 use super::plot_error::PlotError;
 
 /// The settings of a view: the half of the sphere that faces the viewer, with directions as dots.
@@ -34,10 +34,6 @@ impl Default for OrthographicView {
     }
 }
 
-const EDGE: f64 = 22.0;
-const TITLE: f64 = 24.0;
-const NOTE: f64 = 13.0;
-const LEADING: f64 = 1.35;
 const TICK_DEGREES: u8 = 30;
 /// The radius of a dot relative to the mean distance of points, sqrt(4 pi / N).
 const DOT: f64 = 0.14;
@@ -76,24 +72,8 @@ impl Figure for Sight<'_> {
     }
 
     fn draw<DB: DrawingBackend>(&self, canvas: &Canvas<DB>) -> Result<(), PlotError> {
-        let (width, height) = (f64::from(self.size().0), f64::from(self.size().1));
-        let title = canvas.wrap(&self.view.title, TITLE, width - 2.0 * EDGE)?;
-        let mut notes = Vec::new();
-        for note in &self.view.notes {
-            notes.extend(canvas.wrap(note, NOTE, width - 2.0 * EDGE)?);
-        }
-        let mut top = EDGE;
-        for line in &title {
-            let at = (0.5 * width, top + 0.5 * TITLE);
-            canvas.text(line, at, TITLE, INK, HPos::Center)?;
-            top += LEADING * TITLE;
-        }
-        let mut bottom = height - EDGE;
-        for line in notes.iter().rev() {
-            let at = (EDGE, bottom - 0.5 * NOTE);
-            canvas.text(line, at, NOTE, GREY, HPos::Left)?;
-            bottom -= LEADING * NOTE;
-        }
+        let width = f64::from(self.size().0);
+        let (top, bottom) = draw_headings(&self.view.title, &self.view.notes, self.size(), canvas)?;
         let radius = 0.5 * (bottom - top - 8.0).min(width - 2.0 * EDGE).max(100.0);
         let globe = Globe {
             centre: (0.5 * width, f64::midpoint(top, bottom)),

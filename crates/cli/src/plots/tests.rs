@@ -6,7 +6,10 @@ use glam::DVec3;
 
 use super::figure::svg;
 use super::orthographic_view::Sight;
-use super::{Chart, ImageFormat, Ink, OrthographicView, Panel, Scale, Series, Spread, Style};
+use super::square_view::SquarePoints;
+use super::{
+    Chart, ImageFormat, Ink, OrthographicView, Panel, Scale, Series, Spread, SquareView, Style,
+};
 
 const STYLES: [Style; 4] = [Style::Line, Style::Markers, Style::Joined, Style::Dashed];
 /// The first four colours in the notation of SVG.
@@ -221,4 +224,22 @@ fn unknown_extension_is_named() {
     }
     let message = chart(vec![], Scale::Log).render(&folder.path().join("no/c.svg")).unwrap_err();
     assert!(message.to_string().contains("create it first"), "{message}");
+}
+
+#[test]
+fn points_of_the_square_are_where_they_should_be() {
+    let view = SquareView { title: "<title>".to_owned(), notes: vec!["seed 0".to_owned()] };
+    let points = [[0.0, 0.0], [0.999, 0.0], [0.0, 0.999], [f64::NAN, 0.5]];
+    let document = svg(&SquarePoints { view: &view, points: &points }).unwrap();
+    elements(&document);
+    assert!(document.contains("&lt;title&gt;") && document.contains("seed 0"));
+    let circles = document.lines().filter(|line| line.starts_with("<circle"));
+    let at = |line: &str, key: &str| -> f64 {
+        let value = line.split(&format!("{key}=\"")).nth(1).unwrap();
+        value.split('"').next().unwrap().parse().unwrap()
+    };
+    let places: Vec<_> = circles.map(|line| (at(line, "cx"), at(line, "cy"))).collect();
+    let [origin, right, up] = places[..] else { panic!("{places:?}") };
+    assert!(right.0 > origin.0 + 1000.0 && right.1 == origin.1, "{places:?}");
+    assert!(up.0 == origin.0 && up.1 < origin.1 - 1000.0, "{places:?}");
 }

@@ -113,6 +113,7 @@ fn spheres() -> Result<Field, Error> {
         palette: Palette::Signed,
         x: Axis::linear("order m").over(-edge, edge),
         y: Axis::linear("degree l").over(-0.5, edge),
+        rings: Vec::new(),
     })
 }
 

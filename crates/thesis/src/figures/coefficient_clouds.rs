@@ -140,5 +140,6 @@ fn density(samples: &[Complex<f64>], what: &str) -> Field {
         palette: Palette::Heat,
         x: Axis::linear(&format!("Re {what}")).over(-reach, reach),
         y: Axis::linear(&format!("Im {what}")).over(reach, -reach),
+        rings: Vec::new(),
     }
 }

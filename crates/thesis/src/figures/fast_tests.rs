@@ -42,6 +42,11 @@ fn check_directions(directions: &Directions, place: &str) {
     }
 }
 
+fn check_square_points(points: &[[f64; 2]], place: &str) {
+    assert!(!points.is_empty(), "{place}: no points");
+    assert!(points.iter().flatten().all(|x| (0.0..1.0).contains(x)), "{place}: outside");
+}
+
 fn check_field(field: &Field, place: &str) {
     assert_eq!(field.values.len(), field.size[0] * field.size[1], "{place}: size");
     assert!(field.values.iter().all(|v| !v.is_infinite()), "{place}: infinite");
@@ -70,6 +75,7 @@ fn panels_can_be_drawn() {
             match &panel.content {
                 Content::Curves(curves) => check_curves(curves, &place),
                 Content::Directions(directions) => check_directions(directions, &place),
+                Content::SquarePoints(set) => check_square_points(&set.points, &place),
                 Content::Field(field) => check_field(field, &place),
                 Content::Picture(_) => panic!("{place}: a picture"),
             }

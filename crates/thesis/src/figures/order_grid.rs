@@ -56,6 +56,7 @@ impl<'a> OrderGrid<'a> {
             palette: style.palette,
             x: Axis::linear("order m").over(-edge, edge),
             y: Axis::linear("degree l").over(-0.5, edge),
+            rings: Vec::new(),
         }
     }
 
@@ -78,6 +79,7 @@ impl<'a> OrderGrid<'a> {
             palette: style.palette,
             x: Axis::linear("m, or l at the sides").over(-edge, edge),
             y: Axis::linear("l, or m at the sides").over(-edge, edge),
+            rings: Vec::new(),
         }
     }
 

@@ -24,6 +24,9 @@ pub(super) fn csv_of(content: &Content, provenance: &Provenance) -> String {
         Content::Directions(directions) => {
             ("x,y,z", directions.points.iter().map(|p| p.to_array().map(full).to_vec()).collect())
         }
+        Content::SquarePoints(set) => {
+            ("u,v", set.points.iter().map(|p| p.map(full).to_vec()).collect())
+        }
         Content::Field(field) => ("column,row,value", cells(field.size[0], &field.values)),
         Content::Picture(picture) => ("column,row,value", cells(picture.size[0], &picture.values)),
     };

@@ -2,20 +2,22 @@
 
 use std::path::Path;
 
-use sphvar_thesis::{Axis, Content, Curves, Field, Figure, Mark, Palette, Panel, Picture};
+use sphvar_thesis::{
+    Axis, Content, Curves, Field, Figure, Mark, Palette, Panel, Picture, SquarePoints,
+};
 
 use crate::error::CliError;
 use crate::files::{self, srgb};
 use crate::plots::{
     Chart, Colours, Edges, HeatMap, Ink, OrthographicView, Panel as ChartPanel, Scale, Series,
-    Spread, Style,
+    Spread, SquareView, Style,
 };
 use crate::report::Provenance;
 
 /// Returns the extension of a panel's picture: charts are SVG, heat maps of many cells PNG.
 pub(super) fn extension(content: &Content) -> &'static str {
     match content {
-        Content::Curves(_) | Content::Directions(_) => "svg",
+        Content::Curves(_) | Content::Directions(_) | Content::SquarePoints(_) => "svg",
         Content::Field(_) | Content::Picture(_) => "png",
     }
 }
@@ -39,6 +41,9 @@ pub(super) fn draw(
                 lines: directions.lines.clone(),
             };
             view.render(&directions.points, path)?;
+        }
+        Content::SquarePoints(SquarePoints { points }) => {
+            SquareView { title, notes }.render(points, path)?;
         }
         Content::Field(field) => heat_map(title, notes, field).render(path)?,
         Content::Picture(picture) => write_picture(picture, &title, provenance, path)?,
@@ -106,6 +111,7 @@ fn heat_map(title: String, notes: Vec<String>, field: &Field) -> HeatMap {
         },
         x: edges(&field.x, field.size[0]),
         y: edges(&field.y, field.size[1]),
+        rings: field.rings.iter().map(|&[x, y]| (x, y)).collect(),
     }
 }
 
