@@ -19,6 +19,7 @@ mod lattice_artifacts;
 mod lattice_spectra;
 mod low_frequencies;
 mod mass_points;
+mod noise_colours;
 mod open_hemisphere;
 mod order_grid;
 #[cfg(test)]

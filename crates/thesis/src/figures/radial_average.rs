@@ -6,6 +6,7 @@ use sphvar_spectrum::Spectrum;
 use super::Recipe;
 use super::dart_throwing::with_dart_throwing;
 use super::mass_points::{NOTE, with_both_kinds};
+use super::noise_colours;
 use super::order_grid::{OrderGrid, Style};
 use super::patterns::{OTHER_COLOUR, ThesisPattern};
 use super::sampler_spectra::far_spectrum;
@@ -56,7 +57,7 @@ fn averages(setting: Setting) -> Job {
 
 impl Recipe for RadialAverage {
     fn title(&self) -> &'static str {
-        "From the powers of orders to a radial average, and blue noise"
+        "From the powers of orders to a radial average, and the colours of noise"
     }
 
     fn jobs(&self, setting: Setting) -> Vec<Job> {
@@ -65,6 +66,7 @@ impl Recipe for RadialAverage {
         [orders(setting), averages(setting)]
             .into_iter()
             .chain(spectra.into_iter().flatten())
+            .chain(noise_colours::jobs(setting))
             .collect()
     }
 
@@ -105,7 +107,7 @@ impl Recipe for RadialAverage {
             principal()
         ));
         figure.note(NOTE);
-        Ok(())
+        noise_colours::compose(setting, results, figure)
     }
 }
 
