@@ -11,7 +11,7 @@ use super::plot_error::PlotError;
 use crate::files::{AtomicFile, is_stream};
 
 /// SVG coordinates are integers in tenths of a unit.
-const SVG_ZOOM: u32 = 10;
+pub(super) const SVG_ZOOM: u32 = 10;
 /// PNG is drawn with this factor more pixels per side and averaged down, which smooths all edges.
 const PNG_ZOOM: u32 = 2;
 /// See [`Canvas::new`]: SVG centres lower-case letters, whose middle is a tenth of an em below that

@@ -2,14 +2,17 @@
 
 use std::path::Path;
 
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
 use image::{Rgb, RgbImage, imageops};
 use plotters::prelude::DrawingBackend;
 use plotters::style::text_anchor::HPos;
 
-use super::axis::Axis;
+use super::axis::Scale;
 use super::canvas::{Canvas, Pen};
 use super::chart_layout::{EDGE, LABEL, LEADING, NOTE, TICK, TICK_GAP, TITLE, with_power};
-use super::figure::{self, Figure};
+use super::colour_scale::{ColourScale, Colours, Ruler};
+use super::figure::{self, Figure, ImageFormat};
 use super::palette::{GREY, INK};
 use super::plane::Frame;
 use super::plot_error::PlotError;
@@ -30,6 +33,9 @@ pub(crate) struct HeatMap {
     pub(crate) label: String,
     /// The colours.
     pub(crate) colours: Colours,
+    /// The scale of the colours; a logarithmic one spans six decades below the largest value at most,
+    /// and smaller values have the first colour.
+    pub(crate) scale: Scale,
     /// Quantity from left to right, with the values at the left and right edges.
     pub(crate) x: Edges,
     /// Quantity from top to bottom, with the values at the top and bottom edges.
@@ -45,45 +51,6 @@ pub(crate) struct Edges {
     pub(crate) label: String,
     /// Its values at the first and the last edge.
     pub(crate) range: (f64, f64),
-}
-
-/// The colour scale.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Colours {
-    /// Dark for 0 to bright yellow for the largest value.
-    Heat,
-    /// Black for 0 to white for the largest value.
-    Grey,
-    /// Red for minus the largest magnitude over white for 0 to blue for the largest magnitude.
-    Signed,
-}
-
-impl Colours {
-    /// Returns the values of the first and last colour.
-    fn range(self, values: &[f64]) -> (f64, f64) {
-        let finite = || values.iter().filter(|x| x.is_finite());
-        let size = match self {
-            Self::Heat | Self::Grey => finite().fold(0.0, |a: f64, &b| a.max(b)),
-            Self::Signed => finite().fold(0.0, |a: f64, &b| a.max(b.abs())),
-        };
-        let size = if size > 0.0 { size } else { 1.0 };
-        match self {
-            Self::Heat | Self::Grey => (0.0, size),
-            Self::Signed => (-size, size),
-        }
-    }
-
-    /// Returns the colour at a position from 0 to 1.
-    fn at(self, place: f64) -> Rgb<u8> {
-        let gradient = match self {
-            Self::Heat => colorous::INFERNO,
-            // The gradient of that name runs from white to black.
-            Self::Grey => colorous::GREYS,
-            Self::Signed => colorous::RED_BLUE,
-        };
-        let place = if self == Self::Grey { 1.0 - place } else { place };
-        Rgb(gradient.eval_continuous(place.clamp(0.0, 1.0)).into_array())
-    }
 }
 
 /// The maximum width and height of a map, in pixels.
@@ -102,55 +69,122 @@ const RING: (f64, f64) = (7.0, 2.0);
 const RING_COLOUR: [u8; 3] = [0xff, 0x8c, 0x00];
 
 impl HeatMap {
-    /// Writes the map as PNG.
+    /// Writes the map as `.svg`, in which the cells are an embedded picture, or as `.png`.
     ///
     /// # Errors
-    /// When the file cannot be written.
+    /// When the extension is another one or the file cannot be written.
     pub(crate) fn render(&self, path: &Path) -> Result<(), PlotError> {
-        Ok(AtomicFile::write_whole(path, &figure::encoded(&self.raster()?)?)?)
+        let bytes = match ImageFormat::of_path(path) {
+            Some(ImageFormat::Svg) => self.svg()?.into_bytes(),
+            Some(ImageFormat::Png) => figure::encoded(&self.raster()?)?,
+            None => return Err(PlotError::UnknownExtension { path: path.display().to_string() }),
+        };
+        Ok(AtomicFile::write_whole(path, &bytes)?)
     }
 
     /// Returns the finished picture: the map keeps its pixels, and only lines and letters are
     /// smoothed.
     pub(super) fn raster(&self) -> Result<RgbImage, PlotError> {
-        let range = self.colours.range(&self.values);
-        let place = |value: f64| (value - range.0) / (range.1 - range.0);
         let layout = Layout::new(self);
-        let mut sheet = figure::raster(&Scaffold { map: self, layout: &layout, range })?;
+        let legend = ColourScale::new(&self.values, self.colours, self.scale);
+        let mut sheet = figure::raster(&Scaffold { map: self, layout: &layout, legend: &legend })?;
+        for (cells, frame) in self.pictures(&layout, &legend) {
+            let (place, size) = (frame.corner(), frame.size());
+            // Cells larger than a pixel have sharp borders; a pixel that covers smaller ones shows
+            // their mean.
+            let filter = if shrinks(&cells, size) {
+                imageops::FilterType::Triangle
+            } else {
+                imageops::FilterType::Nearest
+            };
+            let filled = imageops::resize(&cells, size.0, size.1, filter);
+            imageops::replace(&mut sheet, &filled, place.0.into(), place.1.into());
+        }
+        for &ring in &self.rings {
+            draw_ring(&mut sheet, self.place(ring, layout.map));
+        }
+        Ok(sheet)
+    }
+
+    /// Returns the document with the cells as pictures.
+    pub(super) fn svg(&self) -> Result<String, PlotError> {
+        let layout = Layout::new(self);
+        let legend = ColourScale::new(&self.values, self.colours, self.scale);
+        let document = figure::svg(&Scaffold { map: self, layout: &layout, legend: &legend })?;
+        let zoom = figure::SVG_ZOOM;
+        let mut parts = String::new();
+        for (cells, frame) in self.pictures(&layout, &legend) {
+            let ((x, y), size) = (frame.corner(), frame.size());
+            let rendering = if shrinks(&cells, size) { "auto" } else { "pixelated" };
+            parts += &format!(
+                "<image x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\" preserveAspectRatio=\"none\" \
+                 style=\"image-rendering:{rendering}\" href=\"data:image/png;base64,{}\"/>\n",
+                x * zoom,
+                y * zoom,
+                size.0 * zoom,
+                size.1 * zoom,
+                STANDARD.encode(figure::encoded(&cells)?),
+            );
+        }
+        let [red, green, blue] = RING_COLOUR;
+        for &ring in &self.rings {
+            let ((x, y), zoom) = (self.place(ring, layout.map), f64::from(zoom));
+            parts += &format!(
+                "<circle cx=\"{:.0}\" cy=\"{:.0}\" r=\"{:.0}\" fill=\"none\" \
+                 stroke=\"#{red:02x}{green:02x}{blue:02x}\" stroke-width=\"{:.0}\"/>\n",
+                x * zoom,
+                y * zoom,
+                RING.0 * zoom,
+                RING.1 * zoom,
+            );
+        }
+        Ok(document.replacen("</svg>", &(parts + "</svg>"), 1))
+    }
+
+    /// Returns width and height of the figure.
+    pub(super) fn size_in_units(&self) -> (u32, u32) {
+        Layout::new(self).size_in_pixels()
+    }
+
+    /// Returns the cells of the map and of the colour scale, a pixel each, with their frames.
+    fn pictures(&self, layout: &Layout, legend: &ColourScale) -> [(RgbImage, Frame); 2] {
         let [columns, rows] = self.size.map(whole);
         let cells = RgbImage::from_fn(columns, rows, |x, y| {
             let value = self.values.get(y as usize * self.size[0] + x as usize);
             match value.filter(|x| x.is_finite()) {
-                Some(&value) => self.colours.at(place(value)),
+                Some(&value) => self.colours.at(legend.place(value)),
                 None => Rgb([255; 3]),
             }
         });
         let bar = RgbImage::from_fn(1, STEPS, |_, y| {
             self.colours.at(1.0 - f64::from(y) / f64::from(STEPS - 1))
         });
-        for (cells, frame) in [(cells, layout.map), (bar, layout.bar)] {
-            let [left, top, right, bottom] =
-                [frame.left, frame.top, frame.right, frame.bottom].map(pixel);
-            let size = ((right - left).max(1), (bottom - top).max(1));
-            // Cells larger than a pixel have sharp borders; a pixel that covers smaller ones shows
-            // their mean.
-            let shrinks = cells.width() > size.0 || cells.height() > size.1;
-            let filter = if shrinks {
-                imageops::FilterType::Triangle
-            } else {
-                imageops::FilterType::Nearest
-            };
-            let filled = imageops::resize(&cells, size.0, size.1, filter);
-            imageops::replace(&mut sheet, &filled, left.into(), top.into());
-        }
-        for &(x, y) in &self.rings {
-            let along = |at: f64, (first, last): (f64, f64)| (at - first) / (last - first);
-            let (x, y) = (along(x, self.x.range), along(y, self.y.range));
-            let frame = layout.map;
-            // Rows go down, as in the frame's coordinates.
-            draw_ring(&mut sheet, (frame.x(x), frame.y(1.0 - y)));
-        }
-        Ok(sheet)
+        [(cells, layout.map), (bar, layout.bar)]
+    }
+
+    /// Returns the position of values of x and y in the frame of the map.
+    fn place(&self, (x, y): (f64, f64), frame: Frame) -> (f64, f64) {
+        let along = |at: f64, (first, last): (f64, f64)| (at - first) / (last - first);
+        // Rows go down, as in the frame's coordinates.
+        (frame.x(along(x, self.x.range)), frame.y(1.0 - along(y, self.y.range)))
+    }
+}
+
+/// Returns whether a picture has more pixels than the size in which it is shown.
+fn shrinks(cells: &RgbImage, size: (u32, u32)) -> bool {
+    cells.width() > size.0 || cells.height() > size.1
+}
+
+impl Frame {
+    /// Returns the upper left pixel.
+    fn corner(&self) -> (u32, u32) {
+        (pixel(self.left), pixel(self.top))
+    }
+
+    /// Returns width and height in pixels, at least 1.
+    fn size(&self) -> (u32, u32) {
+        let extent = |first: f64, last: f64| (pixel(last).saturating_sub(pixel(first))).max(1);
+        (extent(self.left, self.right), extent(self.top, self.bottom))
     }
 }
 
@@ -199,18 +233,22 @@ impl Layout {
         let width = (bar.right + BAR_LABELS + LABEL + EDGE).max(MIN_WIDTH);
         Self { map: frame, bar, size: (width, frame.bottom + below + EDGE) }
     }
+
+    fn size_in_pixels(&self) -> (u32, u32) {
+        (pixel(self.size.0), pixel(self.size.1))
+    }
 }
 
 /// All parts except the colours.
 struct Scaffold<'a> {
     map: &'a HeatMap,
     layout: &'a Layout,
-    range: (f64, f64),
+    legend: &'a ColourScale,
 }
 
 impl Figure for Scaffold<'_> {
     fn size(&self) -> (u32, u32) {
-        (pixel(self.layout.size.0), pixel(self.layout.size.1))
+        self.layout.size_in_pixels()
     }
 
     fn draw<DB: DrawingBackend>(&self, canvas: &Canvas<DB>) -> Result<(), PlotError> {
@@ -239,7 +277,7 @@ impl Figure for Scaffold<'_> {
                 canvas.line(side, Pen::new(INK, 1.0))?;
             }
         }
-        let x = Ruler::new(self.map.x.range, 7);
+        let x = Ruler::new(self.map.x.range);
         for (at, label) in &x.ticks {
             let at = frame.left + at * (frame.right - frame.left);
             let foot = frame.bottom + 1.0;
@@ -247,14 +285,14 @@ impl Figure for Scaffold<'_> {
             let y = foot + TICK_GAP + 0.5 * TICK;
             canvas.text(label, (at, y), TICK, INK, HPos::Center)?;
         }
-        let y = Ruler::new(self.map.y.range, 7);
+        let y = Ruler::new(self.map.y.range);
         for (at, label) in &y.ticks {
             let at = frame.top + at * (frame.bottom - frame.top);
             let side = frame.left - 1.0;
             canvas.line(&[(side, at), (side - 5.0, at)], Pen::new(INK, 1.0))?;
             canvas.text(label, (side - TICK_GAP, at), TICK, INK, HPos::Right)?;
         }
-        let colours = Ruler::new((self.range.1, self.range.0), 7);
+        let colours = &self.legend.ruler;
         for (at, label) in &colours.ticks {
             let at = bar.top + at * (bar.bottom - bar.top);
             let side = bar.right + 1.0;
@@ -271,26 +309,6 @@ impl Figure for Scaffold<'_> {
         let label = with_power(&self.map.label, colours.power);
         let beside = bar.right + BAR_LABELS;
         canvas.text_upwards(&label, (beside, middle), LABEL, INK)
-    }
-}
-
-/// Labelled ticks between two values in either order.
-struct Ruler {
-    /// Positions from 0 (the first value) to 1.
-    ticks: Vec<(f64, String)>,
-    power: Option<i32>,
-}
-
-impl Ruler {
-    fn new((first, last): (f64, f64), max_labels: u32) -> Self {
-        let (low, high) = (first.min(last), first.max(last));
-        if !(low.is_finite() && high > low) {
-            return Self { ticks: Vec::new(), power: None };
-        }
-        let axis = Axis::between(low, high, max_labels);
-        let place = |at: f64| if first < last { at } else { 1.0 - at };
-        let ticks = axis.ticks.into_iter().map(|tick| (place(tick.at), tick.label)).collect();
-        Self { ticks, power: axis.power }
     }
 }
 
@@ -312,7 +330,7 @@ fn whole(n: usize) -> u32 {
 mod tests {
     use image::Rgb;
 
-    use super::{Colours, Edges, HeatMap, RING_COLOUR};
+    use super::{Colours, Edges, HeatMap, RING_COLOUR, Scale};
 
     /// Returns a black map of 4 x 4 cells over x and y from -2 to 2, y upwards.
     fn map(rings: Vec<(f64, f64)>) -> HeatMap {
@@ -324,6 +342,7 @@ mod tests {
             values: vec![0.0; 16],
             label: String::new(),
             colours: Colours::Grey,
+            scale: Scale::Linear,
             x: edges((-2.0, 2.0)),
             y: edges((2.0, -2.0)),
             rings,

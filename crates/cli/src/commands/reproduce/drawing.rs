@@ -109,6 +109,7 @@ fn heat_map(title: String, notes: Vec<String>, field: &Field) -> HeatMap {
             Palette::Grey => Colours::Grey,
             Palette::Signed => Colours::Signed,
         },
+        scale: Scale::Linear,
         x: edges(&field.x, field.size[0]),
         y: edges(&field.y, field.size[1]),
         rings: field.rings.iter().map(|&[x, y]| (x, y)).collect(),
