@@ -8,9 +8,11 @@ use std::fmt;
 pub struct PatternFacts {
     /// The growth of the time for a set with its number of points N.
     pub cost: CostOrder,
-    /// The power P(l) (1 for white noise) as l goes to 0, in words.
+    /// The power P(l), on the square P(k), as the degree l or the frequency |k| goes to 0, in words;
+    /// 1 for white noise.
     pub low_degrees: &'static str,
-    /// The rate at which the variance falls with N for smooth integrands.
+    /// The rate at which the variance falls with N for smooth integrands; on the square for those
+    /// that are smooth on the torus. A difference between opposite edges counts as a jump.
     pub smooth_rate: Rate,
     /// The rate at which the variance falls with N for integrands with jumps.
     pub jump_rate: Rate,

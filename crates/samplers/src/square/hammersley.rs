@@ -54,6 +54,7 @@ impl Definition<Square> for Parameters {
         PatternFacts {
             cost: CostOrder::LINEAR,
             low_degrees: "irregular",
+            // Faster for N = 2^m.
             smooth_rate: Rate::power(-2.0),
             jump_rate: Rate::power(-1.5),
             is_extensible: false,

@@ -87,6 +87,6 @@ impl Definition<Square> for Parameters {
 }
 
 /// Returns `(index + x)/n`, which must not round to 1.
-fn within(index: u32, n: u32, x: f64) -> f64 {
+pub(super) fn within(index: u32, n: u32, x: f64) -> f64 {
     ((f64::from(index) + x) / f64::from(n)).min(1.0 - f64::EPSILON / 2.0)
 }

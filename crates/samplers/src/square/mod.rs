@@ -12,6 +12,7 @@ mod lattice;
 mod on_sphere;
 pub(crate) mod radical_inverse;
 mod shift;
+mod sobol;
 mod square_distribution;
 mod square_pattern;
 mod square_realizations;
@@ -21,6 +22,7 @@ pub use cosine_hemisphere::CosineHemisphere;
 pub use lattice::Lattice;
 pub use on_sphere::OnSphere;
 pub use shift::{Shifted, shift, uniform_shift};
+pub use sobol::Sobol;
 pub use square_distribution::SquareDistribution;
 pub use square_realizations::SquareRealizations;
 pub use square_sampler::SquareSampler;
@@ -33,7 +35,12 @@ pattern_list! {
 
     "white-square" = white_square::WhiteSquare: "independent uniform points";
     "jittered-square" = jittered_square::JitteredSquare: "one uniform point in every cell of a square grid";
-    "sobol" = sobol::Sobol: "Owen-scrambled Sobol points";
+    "regular-square" = regular_square::RegularSquare: "the centres of the cells of a square grid";
+    "latin-hypercube" = latin_hypercube::LatinHypercube: "one uniform point in each of N columns and of N rows";
+    "fibonacci-lattice" = fibonacci_lattice::FibonacciLattice: "the Fibonacci lattice, a rank-1 lattice for every N";
+    "r2" = r2::R2: "the sequence R2 of the plastic number";
+    "pmj02" = pmj02::Pmj02: "progressive multi-jittered (0,2) samples";
+    "sobol" = sobol_sequence::Sobol: "Owen-scrambled Sobol points";
     "halton" = halton::Halton: "Halton points in bases 2 and 3";
     "hammersley" = hammersley::Hammersley: "Hammersley points in base 2";
 

@@ -1,5 +1,5 @@
 //! Radical inverses: the digits of an integer mirrored at the radix point (van der Corput 1935),
-//! exact or correctly rounded.
+//! exact or correctly rounded, and fractions from digits.
 
 /// Returns the exact radical inverse of `i` in base 2, in [0, 1).
 pub(crate) fn base_2(i: u32) -> f64 {
@@ -18,6 +18,11 @@ pub(crate) fn base_3(mut i: u32) -> f64 {
         i /= 3;
     }
     mirrored as f64 / power as f64
+}
+
+/// Returns the number in [0, 1) whose binary digits are the 53 highest bits of a word.
+pub(super) fn fraction(word: u64) -> f64 {
+    (word >> 11) as f64 * 2f64.powi(-53)
 }
 
 #[cfg(test)]

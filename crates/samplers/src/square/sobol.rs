@@ -1,8 +1,6 @@
 use rand::Rng;
-use sphvar_grammar::Parametric;
 
-use crate::definition::Definition;
-use crate::{CostOrder, Error, PatternFacts, PointSet, Rate, Square, SquareSampler, count};
+use crate::{Error, PointSet, SquareSampler, count};
 
 /// Number of binary digits of a coordinate: those of an evenly spaced `f64` in [0, 1).
 const DIGITS: u32 = 53;
@@ -19,7 +17,8 @@ const DIGITS: u32 = 53;
 /// random bit that depends on all preceding digits. With 2^m >= N no two points share their first m
 /// digits in either coordinate, so that 2^m - 1 bits per coordinate hold every flip that two points
 /// can share, and the digits beyond are independent random bits, down to 2^-53. The cost is 2m
-/// steps per point and 2^(m+1) bits.
+/// steps per point and 2^(m+1) bits. The bits depend on m: [`SobolSequence`](crate::SobolSequence)
+/// has the same distribution, and its points do not depend on N.
 ///
 /// ```
 /// use sphvar_samplers::{Purpose, Sobol, SquareSampler, Streams};
@@ -64,31 +63,9 @@ impl SquareSampler for Sobol {
     }
 }
 
-/// No parameters.
-pub(super) struct Parameters;
-
-impl Parametric for Parameters {}
-
-impl Definition<Square> for Parameters {
-    fn facts(&self) -> PatternFacts {
-        PatternFacts {
-            cost: CostOrder::LINEAR,
-            low_degrees: "irregular",
-            smooth_rate: Rate::power(-2.7),
-            jump_rate: Rate::power(-1.5),
-            is_extensible: true,
-            source: "Sobol 1967; Owen 1995",
-        }
-    }
-
-    fn build(&self, n_points: usize, _: Square) -> Result<Box<dyn SquareSampler>, Error> {
-        Ok(Box::new(Sobol::new(n_points)?))
-    }
-}
-
 /// Returns the digits of the second coordinate of point `i`, with the first digit in the highest
 /// bit.
-fn second_coordinate(i: u32) -> u32 {
+pub(super) fn second_coordinate(i: u32) -> u32 {
     let mut rest = i;
     let mut direction = 1 << 31;
     let mut digits = 0;

@@ -63,9 +63,10 @@ fn shifted_realizations_are_the_unshifted_ones_after_the_shift() {
         let shifted = SquareRealizations::shifted(&*sampler, streams(2));
         let unshifted = SquareRealizations::unshifted(&*sampler, streams(2));
         for index in [0, 1, 9] {
-            let mut by = shifted.shift(index);
-            assert_eq!(by, uniform_shift(&mut streams(2).randomization(index)));
-            assert_eq!(unshifted.shift(index), [0.0; 2]);
+            let by = shifted.shift(index);
+            let drawn = uniform_shift(&mut streams(2).randomization(index));
+            let shifts = [drawn, [0.0; 2]];
+            assert_eq!(shifts.as_slice(), [by, unshifted.shift(index)]);
             let expected = unshifted.realize(index).unwrap().points;
             let got = shifted.realize(index).unwrap().points;
             for (p, q) in expected.iter().zip(&got) {
@@ -75,8 +76,7 @@ fn shifted_realizations_are_the_unshifted_ones_after_the_shift() {
                     assert!((0.0..1.0).contains(&q[d]), "{pattern}: {q:?}");
                 }
             }
-            by = shifted.shift(index + 1);
-            assert_ne!(by, shifted.shift(index));
+            assert_ne!([by].as_slice(), [shifted.shift(index + 1)]);
         }
     }
 }
@@ -84,18 +84,21 @@ fn shifted_realizations_are_the_unshifted_ones_after_the_shift() {
 /// A faulty user-defined sampler causes an error, never a result.
 #[test]
 fn an_invalid_realization_is_an_error() {
+    let set = |points: &[[f64; 2]], weights: &[f64]| PointSet {
+        points: points.to_vec(),
+        weights: weights.to_vec(),
+    };
     let p = [0.5; 2];
-    let cases: [(Vec<[f64; 2]>, &[f64], &str); 7] = [
-        (vec![], &[], "no points"),
-        (vec![p, [0.0, 1.0]], &[], "coordinates outside [0, 1) at point 1"),
-        (vec![[-1e-300, 0.0], p], &[], "outside [0, 1) at point 0"),
-        (vec![p, [f64::NAN, 0.0]], &[], "outside [0, 1) at point 1"),
-        (vec![p, p], &[1.0], "2 points and 1 weights"),
-        (vec![p, p], &[1.0, f64::INFINITY], "not finite at point 1"),
-        (vec![p, p], &[1e200, -1e200], "sum is 0"),
-    ];
-    for (points, weights, expected) in cases {
-        let sampler = Given(PointSet { points, weights: weights.to_vec() });
+    for (given, expected) in [
+        (set(&[], &[]), "no points"),
+        (set(&[p, [0.0, 1.0]], &[]), "coordinates outside [0, 1) at point 1"),
+        (set(&[[-1e-300, 0.0], p], &[]), "outside [0, 1) at point 0"),
+        (set(&[p, [f64::NAN, 0.0]], &[]), "outside [0, 1) at point 1"),
+        (set(&[p, p], &[1.0]), "2 points and 1 weights"),
+        (set(&[p, p], &[1.0, f64::INFINITY]), "not finite at point 1"),
+        (set(&[p, p], &[1e200, -1e200]), "sum is 0"),
+    ] {
+        let sampler = Given(given);
         for sets in [
             SquareRealizations::shifted(&sampler, streams(0)),
             SquareRealizations::unshifted(&sampler, streams(0)),

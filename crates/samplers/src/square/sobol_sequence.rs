@@ -1,0 +1,127 @@
+use rand::Rng;
+use sphvar_grammar::Parametric;
+
+use super::radical_inverse::fraction;
+use super::sobol::second_coordinate;
+use crate::definition::Definition;
+use crate::{CostOrder, Error, PatternFacts, PointSet, Rate, Square, SquareSampler, count};
+
+/// The sequence of Sobol in two dimensions under nested uniform scrambling, as
+/// [`Sobol`](crate::Sobol), drawn point by point: the first points of a realization do not depend on
+/// the number of points.
+///
+/// The digits of a coordinate are flipped by random bits, each of which depends on all preceding
+/// digits. Every point draws a word of bits for each coordinate; the flip of a digit comes from the
+/// word of the first point of the sequence that has the same preceding digits. From
+/// the digit on that distinguishes a point from all points before it, that is the point itself. The
+/// cost is at most 32 steps and 16 bytes per point.
+#[derive(Clone, Copy, Debug)]
+pub struct SobolSequence {
+    n: u32,
+}
+
+impl SobolSequence {
+    /// Returns the first `n_points` points.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Parameter`] unless `n_points` is from 1 to `u32::MAX`.
+    pub fn new(n_points: usize) -> Result<Self, Error> {
+        Ok(Self { n: count::checked(n_points)? })
+    }
+}
+
+impl SquareSampler for SobolSequence {
+    fn n_points(&self) -> usize {
+        self.n as usize
+    }
+
+    fn sample_into(&self, rng: &mut dyn Rng, set: &mut PointSet<[f64; 2]>) -> Result<(), Error> {
+        let words: Vec<[u64; 2]> = (0..self.n).map(|_| [rng.next_u64(), rng.next_u64()]).collect();
+        set.start().extend((0..self.n).map(|i| {
+            // The columns of the inverse generator matrices, modulo 2: the identity, and Pascal's
+            // triangle, which is its own inverse.
+            let u = scrambled(i, i.reverse_bits(), |column| column << 1, |j| words[j][0]);
+            let v = scrambled(i, second_coordinate(i), |c| c ^ c << 1, |j| words[j][1]);
+            [fraction(u), fraction(v)]
+        }));
+        Ok(())
+    }
+}
+
+/// No parameters.
+pub(super) struct Parameters;
+
+impl Parametric for Parameters {}
+
+impl Definition<Square> for Parameters {
+    fn facts(&self) -> PatternFacts {
+        PatternFacts {
+            cost: CostOrder::LINEAR,
+            low_degrees: "irregular",
+            // Owen 1997, for N = 2^m; about N^-2 for other N.
+            smooth_rate: Rate::Power { exponent: -3.0, logarithm: 1.0 },
+            jump_rate: Rate::power(-1.5),
+            is_extensible: true,
+            source: "Sobol 1967; Owen 1995",
+        }
+    }
+
+    fn build(&self, n_points: usize, _: Square) -> Result<Box<dyn SquareSampler>, Error> {
+        Ok(Box::new(SobolSequence::new(n_points)?))
+    }
+}
+
+/// Returns the scrambled digits of a coordinate of point `i`; the first digit is the highest bit.
+///
+/// `next` returns the column of the inverse generator matrix that follows a column, with row 0 in
+/// the lowest bit; `word` returns the random bits of a point.
+fn scrambled(i: u32, digits: u32, next: impl Fn(u32) -> u32, word: impl Fn(usize) -> u64) -> u64 {
+    // Among the first 2^l points, each string of l digits occurs once.
+    let shared = u32::BITS - i.leading_zeros();
+    let (mut first, mut column, mut flips) = (0, 1, 0);
+    for level in 0..shared {
+        flips |= word(first as usize) & 1 << (63 - level);
+        if digits >> (31 - level) & 1 == 1 {
+            first ^= column;
+        }
+        column = next(column);
+    }
+    flips |= word(i as usize) & u64::MAX >> shared;
+    u64::from(digits) << 32 ^ flips
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{scrambled, second_coordinate};
+
+    /// The flip of every digit comes from the first point with the same preceding digits, found by
+    /// a search.
+    #[test]
+    fn flips_are_shared_by_points_with_equal_digits() {
+        // A word that tells which point it is of, at every digit: bit 63 - l of hash(j).
+        let word = |j: usize| (j as u64 + 1).wrapping_mul(0x9E37_79B9_7F4A_7C15).rotate_left(17);
+        let pascal = |c: u32| c ^ c << 1;
+        for i in (0..200).chain([1000, 1023, 1024]) {
+            for coordinate in [0, 1] {
+                let digits_of =
+                    |i: u32| if coordinate == 0 { i.reverse_bits() } else { second_coordinate(i) };
+                let mut expected = u64::from(digits_of(i)) << 32;
+                for level in 0..64 {
+                    let shares = |j: &u32| {
+                        let differ = u64::from(digits_of(i) ^ digits_of(*j)) << 32;
+                        differ.checked_shr(64 - level).unwrap_or(0) == 0
+                    };
+                    let first = (0..=i).find(shares).unwrap();
+                    expected ^= word(first as usize) & 1 << (63 - level);
+                }
+                let digits = digits_of(i);
+                let got = match coordinate {
+                    0 => scrambled(i, digits, |c| c << 1, word),
+                    _ => scrambled(i, digits, pascal, word),
+                };
+                assert_eq!(got, expected, "i = {i}, coordinate {coordinate}");
+            }
+        }
+    }
+}
