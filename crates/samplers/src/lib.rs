@@ -64,7 +64,7 @@ pub use optimization::{
 pub use patterns::*;
 pub use rule::Rule;
 pub use sampler::Sampler;
-pub use search::separation;
+pub use search::{separation, toroidal_separation};
 pub use set_distribution::{SetDistribution, Strata};
 pub use space::{Point, Space, Square};
 pub use sphvar_grammar as grammar;

@@ -56,7 +56,11 @@ pub fn separation(
 
 /// Returns the smaller one of `bound` and the least squared distance of two points, which it
 /// reorders.
-fn closest(points: &mut [DVec3], bound: f64, progress: &dyn Progress) -> Result<f64, Stopped> {
+pub(super) fn closest(
+    points: &mut [DVec3],
+    bound: f64,
+    progress: &dyn Progress,
+) -> Result<f64, Stopped> {
     if bound <= 0.0 {
         return Ok(bound);
     }

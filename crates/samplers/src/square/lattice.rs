@@ -39,6 +39,23 @@ impl Lattice {
         Ok(Self { rows, columns: 1, skew: checked(generator % n_points + 1)? - 1 })
     }
 
+    /// Returns the lattice of this normal form; `skew` is below `rows`.
+    pub(super) fn from_normal_form(rows: u32, columns: u32, skew: u32) -> Self {
+        Self { rows, columns, skew }
+    }
+
+    /// Returns the index of the point with the coordinates `multiples/N`, below 1, if the lattice
+    /// has it.
+    pub(super) fn index_of(&self, multiples: [u32; 2]) -> Option<usize> {
+        let [rows, columns, skew] = self.normal_form();
+        let [u, v] = multiples.map(|k| k as usize);
+        let n = self.n_points();
+        let i = u / columns;
+        let rest = (v + n - i * skew % n) % n;
+        (u.is_multiple_of(columns) && rest.is_multiple_of(rows))
+            .then_some(i * columns + rest / rows)
+    }
+
     /// Returns the number of points.
     #[must_use]
     pub fn n_points(&self) -> usize {
@@ -157,6 +174,7 @@ mod tests {
         // No overflow at the largest size.
         let n = u32::MAX as usize;
         let largest = Lattice::rank_1(n, n - 1).unwrap();
-        assert_eq!(largest.point(n - 1), [1.0 - 1.0 / n as f64, 1.0 / n as f64]);
+        let [u, v] = largest.point(n - 1).map(|x| x * n as f64);
+        assert!((u - (n - 1) as f64).abs() + (v - 1.0).abs() < 1e-6, "{u}, {v}");
     }
 }

@@ -7,6 +7,7 @@ use crate::Square;
 use crate::definition::Definition;
 use crate::pattern_list::{PatternList, definition, pattern_list};
 
+pub mod checks;
 mod cosine_hemisphere;
 mod lattice;
 mod on_sphere;

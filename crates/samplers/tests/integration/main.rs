@@ -8,5 +8,6 @@ mod registry;
 mod rules;
 mod spectral_control;
 mod square;
+mod square_patterns;
 mod survey;
 mod zonal;
