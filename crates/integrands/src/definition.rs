@@ -2,8 +2,8 @@ use sphvar_grammar::{Parametric, ResolveError};
 
 use crate::{
     AlmParameters, EnergiesParameters, EnergyEstimates, EnvironmentMap, EnvironmentParameters,
-    Error, Expansion, FittedFunction, HealpixMap, HealpixMapParameters, Integrand,
-    ValuesParameters,
+    Error, Expansion, FittedFunction, HealpixMap, HealpixMapParameters, ImageParameters, Integrand,
+    SquareImage, ValuesParameters,
 };
 
 /// The definition of an integrand, apart from its name and summary in the list of `functions`.
@@ -14,8 +14,8 @@ pub(crate) trait Definition: Parametric {
     fn build(&self, files: &dyn IntegrandResolver) -> Result<Box<dyn Integrand>, Error>;
 }
 
-/// Reads the files named in integrand specifications, as in `env:FILE` and `map:FILE`. Kinds of
-/// files that it does not implement are rejected.
+/// Reads the files named in integrand specifications, as in `env:FILE`, `map:FILE` and
+/// `image:FILE`. Kinds of files that it does not implement are rejected.
 pub trait IntegrandResolver {
     /// Returns the environment map of a file, with its pole at +z.
     ///
@@ -59,6 +59,15 @@ pub trait IntegrandResolver {
     ///
     /// [`ResolveError`] with the reason if the file has no values, or they do not determine the fit.
     fn fitted_values(&self, wanted: &ValuesParameters) -> Result<FittedFunction, ResolveError> {
+        Err(unread(&wanted.file))
+    }
+
+    /// Returns the picture of a file as a function on the square.
+    ///
+    /// # Errors
+    ///
+    /// [`ResolveError`] with the reason if the file has no such picture.
+    fn square_image(&self, wanted: &ImageParameters) -> Result<SquareImage, ResolveError> {
         Err(unread(&wanted.file))
     }
 

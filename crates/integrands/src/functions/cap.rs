@@ -122,7 +122,7 @@ impl Cap {
 
 /// Returns the kurtosis of a function with one value on a fraction `p` of the domain and another on
 /// a fraction `q`: `(p^3 + q^3)/(p q)`. `None` for a constant.
-pub(super) fn two_valued_kurtosis(p: f64, q: f64) -> Option<f64> {
+pub(crate) fn two_valued_kurtosis(p: f64, q: f64) -> Option<f64> {
     (p > 0.0 && q > 0.0).then(|| (p * p - p * q + q * q) / (p * q))
 }
 

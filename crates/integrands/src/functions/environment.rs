@@ -59,7 +59,7 @@ impl EnvironmentMap {
     }
 
     /// Checks the number of texels and that all are finite.
-    pub(super) fn check_texels(width: usize, height: usize, texels: &[f64]) -> Result<(), Error> {
+    pub(crate) fn check_texels(width: usize, height: usize, texels: &[f64]) -> Result<(), Error> {
         if width.checked_mul(height) != Some(texels.len()) {
             return Err(Error::TexelCount { width, height, got: texels.len() });
         }

@@ -6,7 +6,11 @@
 //! name.
 
 mod energy;
+mod grid;
 mod integrand;
+mod panel_series;
+mod separable;
+mod spherical_bessel;
 mod turns;
 
 pub use integrand::SquareIntegrand;
@@ -29,5 +33,11 @@ named_integrands! {
     ///
     /// `FromStr` reads what `Display` writes, such as `wave:k1=3,k2=-2`.
     SquareTerm: SquareDefinition -> SquareIntegrand;
+    "disk" = disk::Disk(p: DiskParameters): "indicator of a disk, continued across the sides";
+    "half-plane" = half_plane::HalfPlane(p: HalfPlaneParameters): "indicator of one side of a line";
+    "gaussian" = gaussian::Gaussian(p: GaussianParameters): "Gaussian peak, exp(-distance^2/(2 width^2))";
+    "exponential" = exponential::Exponential(p: ExponentialParameters): "exp(a u + b v), smooth but not periodic";
+    "zone-plate" = zone_plate::ZonePlate(p: ZonePlateParameters): "sin(x^2 + y^2) with x = scale u, y = scale v";
+    "image" = image::Image(p: ImageParameters): "picture on the square, row 0 at v = 0";
     "wave" = wave::Wave(p: WaveParameters): "cosine of one frequency, cos(2 pi (k1 u + k2 v))";
 }

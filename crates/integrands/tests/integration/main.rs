@@ -14,3 +14,4 @@ mod pictures;
 mod products;
 mod projections;
 mod random_fields;
+mod square;

@@ -1,0 +1,7 @@
+//! Integrands on the square against quadrature, closed forms and each other.
+
+mod cases;
+mod energies;
+mod extremes;
+mod grammar;
+mod variation;
