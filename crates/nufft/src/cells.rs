@@ -123,11 +123,11 @@ impl Locator {
     }
 
     /// Replaces `cells` by the points, with weights multiplied by `scale`.
-    pub(crate) fn locate<T: Real>(
+    pub(crate) fn locate<T: Real, R: Real>(
         &self,
         arch: Arch,
         points: &impl Places,
-        weights: Option<&[f64]>,
+        weights: Option<&[R]>,
         scale: f64,
         cells: &mut Cells<T>,
     ) {
@@ -158,15 +158,15 @@ impl Locator {
     }
 }
 
-struct Locate<'a, T, P> {
+struct Locate<'a, T, R, P> {
     locator: &'a Locator,
     points: &'a P,
-    weights: Option<&'a [f64]>,
+    weights: Option<&'a [R]>,
     scale: f64,
     cells: &'a mut [Cell<T>],
 }
 
-impl<T: Real, P: Places> WithSimd for Locate<'_, T, P> {
+impl<T: Real, R: Real, P: Places> WithSimd for Locate<'_, T, R, P> {
     type Output = ();
 
     #[inline(always)]
@@ -175,7 +175,7 @@ impl<T: Real, P: Places> WithSimd for Locate<'_, T, P> {
     }
 }
 
-impl<T: Real, P: Places> Locate<'_, T, P> {
+impl<T: Real, R: Real, P: Places> Locate<'_, T, R, P> {
     #[inline(always)]
     fn run<const FUSED: bool>(self) {
         let Self { locator, points, weights, scale, cells } = self;
@@ -190,7 +190,7 @@ impl<T: Real, P: Places> Locate<'_, T, P> {
                     row: rows[i],
                     column: columns[i],
                     t: [T::of(t_u[i]), T::of(t_v[i])],
-                    weight: T::of(weights.map_or(scale, |w| w[i] * scale)),
+                    weight: T::of(weights.map_or(scale, |w| w[i].to_f64() * scale)),
                     index,
                 };
                 index += 1;

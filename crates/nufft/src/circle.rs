@@ -148,7 +148,7 @@ impl CircleTransform {
     ///
     /// # Errors
     ///
-    /// As for [`Self::adjoint`], and [`Error::OutputSize`] if `out` does not have kmax + 1 entries.
+    /// As for [`Self::adjoint`], and [`Error::ValueCount`] if `out` does not have kmax + 1 entries.
     pub fn adjoint_into<R: Real>(
         &self,
         points: &[R],
@@ -158,8 +158,7 @@ impl CircleTransform {
     ) -> Result<(), Error> {
         input::check_circle(points, weights)?;
         if out.len() != self.kmax + 1 {
-            let got = out.len().saturating_sub(1);
-            return Err(Error::OutputSize { expected: self.kmax, got });
+            return Err(Error::ValueCount { expected: self.kmax + 1, got: out.len() });
         }
         let n = self.locator.cells[1];
         let len = n + self.locator.margin + MAX_WIDTH;

@@ -2,7 +2,7 @@ use std::f64::consts::TAU;
 
 use num_complex::Complex;
 
-use crate::coefficients::TorusCoefficients;
+use crate::coefficients::{ComplexTorusCoefficients, TorusCoefficients};
 use crate::error::Error;
 use crate::input;
 use crate::limits::MAX_CIRCLE_KMAX;
@@ -37,21 +37,57 @@ pub fn direct_adjoint(
     points: &[[f64; 2]],
     weights: Option<&[f64]>,
 ) -> Result<TorusCoefficients, Error> {
-    let mut out = TorusCoefficients::zeros(kmax)?;
+    let mut out = TorusCoefficients::<f64>::zeros(kmax)?;
     input::check(points, weights)?;
     let size = weights.map_or(1.0, |w| magnitude(w.iter().copied()));
-    let scale = 1.0 / size;
-    let row_len = 2 * (kmax + 1);
+    let weight = |j: usize| Complex::new(weights.map_or(1.0, |w| w[j]) / size, 0.0);
+    add_waves(kmax, 0.0, points, weight, size, out.values_mut());
+    Ok(out)
+}
+
+/// Returns the coefficients of
+/// [`TorusTransform::adjoint_complex`](crate::TorusTransform::adjoint_complex) by the definition, to
+/// rounding.
+///
+/// # Errors
+///
+/// As for [`direct_adjoint`].
+///
+/// # Performance
+///
+/// The cost is O(N kmax^2).
+pub fn direct_adjoint_complex(
+    kmax: usize,
+    points: &[[f64; 2]],
+    weights: &[Complex<f64>],
+) -> Result<ComplexTorusCoefficients, Error> {
+    let mut out = ComplexTorusCoefficients::zeros(kmax)?;
+    input::check_complex(points, weights)?;
+    let size = magnitude(weights.iter().flat_map(|w| [w.re, w.im]));
+    let first = -(kmax as f64);
+    add_waves(kmax, first, points, |j| weights[j] / size, size, out.values_mut());
+    Ok(out)
+}
+
+/// Replaces `out` by `size` times the coefficients for k2 from `first` to kmax, in compensated sums.
+fn add_waves(
+    kmax: usize,
+    first: f64,
+    points: &[[f64; 2]],
+    weight: impl Fn(usize) -> Complex<f64>,
+    size: f64,
+    out: &mut [Complex<f64>],
+) {
+    let columns = out.len() / (2 * kmax + 1);
     // Real and imaginary parts alternate.
-    let mut sums = vec![0.0; out.values().len() * 2];
+    let mut sums = vec![0.0; out.len() * 2];
     let mut rests = vec![0.0; sums.len()];
-    let mut terms = vec![0.0; row_len];
+    let mut terms = vec![0.0; 2 * columns];
     for (index, &[u, v]) in points.iter().enumerate() {
-        let weight = weights.map_or(scale, |w| w[index] * scale);
-        let by_v: Vec<Complex<f64>> = (0..=kmax).map(|k| wave(k as f64, v)).collect();
-        let rows = sums.chunks_exact_mut(row_len).zip(rests.chunks_exact_mut(row_len));
+        let by_v: Vec<Complex<f64>> = (0..columns).map(|k| wave(first + k as f64, v)).collect();
+        let rows = sums.chunks_exact_mut(2 * columns).zip(rests.chunks_exact_mut(2 * columns));
         for (line, (sums, rests)) in rows.enumerate() {
-            let by_u = wave(line as f64 - kmax as f64, u) * weight;
+            let by_u = wave(line as f64 - kmax as f64, u) * weight(index);
             for (term, by_v) in terms.as_chunks_mut::<2>().0.iter_mut().zip(&by_v) {
                 let product = by_u * by_v;
                 *term = [product.re, product.im];
@@ -60,14 +96,13 @@ pub fn direct_adjoint(
         }
     }
     let parts = sums.as_chunks::<2>().0.iter().zip(rests.as_chunks::<2>().0);
-    for (value, (sum, rest)) in out.values_mut().iter_mut().zip(parts) {
+    for (value, (sum, rest)) in out.iter_mut().zip(parts) {
         *value = Complex::new(sum[0] + rest[0], sum[1] + rest[1]) * size;
     }
-    Ok(out)
 }
 
 /// Returns `e^{-2 pi i k x}`; the angle is rounded once, after reduction by whole turns.
-fn wave(k: f64, x: f64) -> Complex<f64> {
+pub(crate) fn wave(k: f64, x: f64) -> Complex<f64> {
     let turns = k * x;
     let rest = k.mul_add(x, -turns);
     let (sin, cos) = (TAU * (turns - turns.round() + rest)).sin_cos();

@@ -62,16 +62,44 @@ pub enum Error {
         /// The weight.
         weight: f64,
     },
-    /// The sum of the absolute weights overflows f64.
-    #[error("the sum of the absolute weights exceeds the largest number: scale the weights down")]
+    /// A coefficient is not finite.
+    #[error("coefficient {index} (0-based) is {value}: coefficients must be finite")]
+    Coefficient {
+        /// The index in the order of the stored values, 0-based.
+        index: usize,
+        /// The real or imaginary part that is not finite.
+        value: f64,
+    },
+    /// The sum of the absolute weights or coefficients overflows the number type.
+    #[error(
+        "the sum of the absolute weights or coefficients exceeds the largest number: scale them down"
+    )]
     Overflow,
-    /// The output has a different maximum frequency.
-    #[error("the output holds frequencies up to {got}, the transform is for {expected}")]
-    OutputSize {
+    /// Coefficients have a maximum frequency other than that of the transform.
+    #[error("the coefficients have kmax = {got}, the transform has kmax = {expected}")]
+    KmaxMismatch {
         /// The maximum frequency of the transform.
         expected: usize,
-        /// The maximum frequency of the output.
+        /// The maximum frequency of the coefficients.
         got: usize,
+    },
+    /// The numbers of values and points differ.
+    #[error("memory for {got} values given: {expected} are required")]
+    ValueCount {
+        /// The number of values that the points have.
+        expected: usize,
+        /// The number of values that the memory holds.
+        got: usize,
+    },
+    /// The numbers of weight vectors and outputs differ.
+    #[error(
+        "{inputs} weight vectors given for {outputs} outputs: one output per vector is required"
+    )]
+    BatchSize {
+        /// The number of weight vectors.
+        inputs: usize,
+        /// The number of outputs.
+        outputs: usize,
     },
     /// Allocation of grids or coefficients failed.
     #[error(

@@ -1,3 +1,5 @@
+mod inverse;
+
 use std::ops::AddAssign;
 use std::sync::Arc;
 
@@ -12,7 +14,7 @@ use crate::window::Window;
 /// Number of columns transformed together, so that they share cache lines.
 const COLUMNS: usize = 8;
 
-/// Fourier transforms from a real grid on the torus to coefficients, corrected for the window.
+/// Fourier transforms between a real grid on the torus and coefficients, corrected for the window.
 #[derive(Clone)]
 pub(crate) struct Fourier<T> {
     kmax: usize,
@@ -22,6 +24,7 @@ pub(crate) struct Fourier<T> {
     /// `COLUMNS`.
     correction: Box<[T]>,
     fft: Arc<dyn Fft<T>>,
+    inverse_fft: Arc<dyn Fft<T>>,
 }
 
 /// Workspace of [`Fourier`].
@@ -39,8 +42,9 @@ impl<T: Real> Fourier<T> {
         let mut correction: Vec<T> =
             window.transform(cells, kmax).into_iter().map(|t| T::of(1.0 / t)).collect();
         correction.resize((kmax + 1).next_multiple_of(COLUMNS), T::default());
-        let fft = T::fourier_plan(cells, FftDirection::Forward);
-        Self { kmax, cells, correction: correction.into(), fft }
+        let [fft, inverse_fft] = [FftDirection::Forward, FftDirection::Inverse]
+            .map(|direction| T::fourier_plan(cells, direction));
+        Self { kmax, cells, correction: correction.into(), fft, inverse_fft }
     }
 
     /// Returns the length of the spectra of all rows.
@@ -51,14 +55,14 @@ impl<T: Real> Fourier<T> {
     /// Replaces `out` by `scale` times the coefficients of a grid that points were spread on, in
     /// the order of [`TorusCoefficients::values`](crate::TorusCoefficients::values). Overwrites the
     /// grid.
-    pub(crate) fn run(
+    pub(crate) fn run<R: Real>(
         &self,
         arch: Arch,
         grid: &mut [T],
         spreading: &Spreading<T>,
         scale: f64,
         scratch: &mut FourierScratch<T>,
-        out: &mut [Complex<f64>],
+        out: &mut [Complex<R>],
     ) {
         arch.dispatch(Run { fourier: self, grid, spreading, scale, scratch, out });
     }
@@ -109,11 +113,11 @@ impl<T: Real> Fourier<T> {
 
     /// Transforms the columns of the spectra to coefficients.
     #[inline(always)]
-    fn transform_columns(
+    fn transform_columns<R: Real>(
         &self,
         scale: f64,
         scratch: &mut FourierScratch<T>,
-        out: &mut [Complex<f64>],
+        out: &mut [Complex<R>],
     ) {
         let FourierScratch { spectra, columns, fft, .. } = scratch;
         let (n, kmax) = (self.cells, self.kmax);
@@ -123,52 +127,69 @@ impl<T: Real> Fourier<T> {
                     columns[i * n + row] = *value;
                 }
             }
-            self.fft.process_with_scratch(columns, fft);
+            let used = self.used_columns(block);
+            self.fft.process_with_scratch(&mut columns[..used * n], fft);
             for (line, out) in out.chunks_exact_mut(kmax + 1).enumerate() {
-                // Line kmax is that of frequency 0; negative frequencies are at the end of the
-                // column.
-                let (row, size) = if line < kmax {
-                    (n - (kmax - line), kmax - line)
-                } else {
-                    (line - kmax, line - kmax)
-                };
+                let (row, size) = self.row_of(line);
                 let out = out[block * COLUMNS..].iter_mut();
                 for (out, column) in out.zip(columns.chunks_exact(n)) {
                     let value = column[row] * self.correction[size];
-                    *out = Complex::new(value.re.to_f64(), value.im.to_f64()) * scale;
+                    let value = Complex::new(value.re.to_f64(), value.im.to_f64()) * scale;
+                    *out = Complex { re: R::of(value.re), im: R::of(value.im) };
                 }
             }
         }
     }
 }
 
-struct Run<'a, T> {
+impl<T> Fourier<T> {
+    /// Returns the row of a frequency, which is `line - kmax`, and its absolute value. Negative
+    /// frequencies are at the end of a column.
+    #[inline(always)]
+    fn row_of(&self, line: usize) -> (usize, usize) {
+        let (n, kmax) = (self.cells, self.kmax);
+        if line < kmax { (n - (kmax - line), kmax - line) } else { (line - kmax, line - kmax) }
+    }
+
+    /// Returns the number of columns of a block up to frequency kmax.
+    #[inline(always)]
+    fn used_columns(&self, block: usize) -> usize {
+        (self.kmax + 1 - block * COLUMNS).min(COLUMNS)
+    }
+}
+
+struct Run<'a, T, R> {
     fourier: &'a Fourier<T>,
     grid: &'a mut [T],
     spreading: &'a Spreading<T>,
     scale: f64,
     scratch: &'a mut FourierScratch<T>,
-    out: &'a mut [Complex<f64>],
+    out: &'a mut [Complex<R>],
 }
 
-impl<T: Real> NullaryFnOnce for Run<'_, T> {
+impl<T: Real, R: Real> NullaryFnOnce for Run<'_, T, R> {
     type Output = ();
 
     #[inline(always)]
     fn call(self) {
         let Self { fourier, grid, spreading, scale, scratch, out } = self;
         let (stride, margin) = (spreading.stride(), spreading.margin());
-        scratch.fft.resize(fourier.fft.get_inplace_scratch_len(), Complex::default());
-        scratch.pair.resize(fourier.cells + 1, Complex::default());
-        scratch.columns.resize(fourier.cells * COLUMNS, Complex::default());
-        scratch.spectra.resize(fourier.spectra_len(), Complex::default());
+        scratch.resize(fourier);
         fourier.fold(grid, stride, margin);
         fourier.transform_rows(&grid[margin * stride + margin..], stride, scratch);
         fourier.transform_columns(scale, scratch, out);
     }
 }
 
-impl<T> FourierScratch<T> {
+impl<T: Real> FourierScratch<T> {
+    fn resize(&mut self, fourier: &Fourier<T>) {
+        let lengths = [&fourier.fft, &fourier.inverse_fft].map(|fft| fft.get_inplace_scratch_len());
+        self.fft.resize(lengths[0].max(lengths[1]), Complex::default());
+        self.pair.resize(fourier.cells + 1, Complex::default());
+        self.columns.resize(fourier.cells * COLUMNS, Complex::default());
+        self.spectra.resize(fourier.spectra_len(), Complex::default());
+    }
+
     /// Returns the spectra, whose length grows with the square of kmax.
     pub(crate) fn spectra(&mut self) -> &mut Vec<Complex<T>> {
         &mut self.spectra

@@ -1,14 +1,55 @@
+use num_complex::Complex;
+
 use crate::error::Error;
 use crate::real::Real;
 
 /// Checks that points and weights are valid and that the coefficients do not overflow.
-pub(crate) fn check(points: &[[f64; 2]], weights: Option<&[f64]>) -> Result<(), Error> {
+pub(crate) fn check<R: Real>(points: &[[R; 2]], weights: Option<&[R]>) -> Result<(), Error> {
     check_count(points.len())?;
-    if let Some(index) = points.iter().position(|&[u, v]| !(inside(u) && inside(v))) {
-        let [u, v] = points[index];
+    let place = |point: &[R; 2]| point.map(R::to_f64);
+    if let Some(index) = points.iter().position(|point| !place(point).into_iter().all(inside)) {
+        let [u, v] = place(&points[index]);
         return Err(Error::Point { index, u, v });
     }
     weights.map_or(Ok(()), |weights| check_weights(weights, points.len()))
+}
+
+/// Checks points and complex weights in the same way.
+pub(crate) fn check_complex<R: Real>(
+    points: &[[R; 2]],
+    weights: &[Complex<R>],
+) -> Result<(), Error> {
+    check(points, None)?;
+    if weights.len() != points.len() {
+        return Err(Error::WeightCount { weights: weights.len(), points: points.len() });
+    }
+    if let Some((index, weight)) = first_invalid(weights) {
+        return Err(Error::Weight { index, weight });
+    }
+    check_sum::<R>(weights.iter().map(|w| w.re.to_f64().abs() + w.im.to_f64().abs()).sum())
+}
+
+/// Checks that coefficients are finite, and that `factor` times the sum of their absolute values
+/// is.
+pub(crate) fn check_coefficients<R: Real>(values: &[Complex<R>], factor: f64) -> Result<(), Error> {
+    if let Some((index, value)) = first_invalid(values) {
+        return Err(Error::Coefficient { index, value });
+    }
+    let sum: f64 = values.iter().map(|c| c.re.to_f64().abs() + c.im.to_f64().abs()).sum();
+    check_sum::<R>(sum * factor)
+}
+
+/// Checks the number of values that a caller provides memory for.
+pub(crate) fn check_values(expected: usize, got: usize) -> Result<(), Error> {
+    if expected == got { Ok(()) } else { Err(Error::ValueCount { expected, got }) }
+}
+
+/// Returns the index of the first number that is not finite, and its part that is not.
+fn first_invalid<R: Real>(numbers: &[Complex<R>]) -> Option<(usize, f64)> {
+    numbers.iter().enumerate().find_map(|(index, c)| {
+        let part = [c.re, c.im].map(R::to_f64).into_iter().find(|x| !x.is_finite())?;
+        Some((index, part))
+    })
 }
 
 /// Checks coordinates on the circle and weights in the same way.
@@ -40,6 +81,9 @@ fn check_weights<R: Real>(weights: &[R], points: usize) -> Result<(), Error> {
         return Err(Error::Weight { index, weight: weights[index].to_f64() });
     }
     // No coefficient exceeds this sum.
-    let sum: f64 = weights.iter().map(|w| w.to_f64().abs()).sum();
+    check_sum::<R>(weights.iter().map(|w| w.to_f64().abs()).sum())
+}
+
+fn check_sum<R: Real>(sum: f64) -> Result<(), Error> {
     if R::of(sum).to_f64().is_finite() { Ok(()) } else { Err(Error::Overflow) }
 }

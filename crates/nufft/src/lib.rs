@@ -28,6 +28,8 @@ mod circle;
 mod coefficients;
 mod design;
 mod direct;
+mod direct_evaluate;
+mod engine;
 mod error;
 mod fourier;
 mod input;
@@ -43,10 +45,12 @@ mod transform;
 mod window;
 
 pub use circle::{CircleTransform, CircleWorkspace};
-pub use coefficients::TorusCoefficients;
-pub use direct::{direct_adjoint, direct_circle};
+pub use coefficients::{ComplexTorusCoefficients, TorusCoefficients};
+pub use direct::{direct_adjoint, direct_adjoint_complex, direct_circle};
+pub use direct_evaluate::{direct_evaluate, direct_evaluate_complex, direct_gradient};
 pub use error::Error;
 pub use limits::{MAX_CIRCLE_KMAX, MAX_EPSILON, MAX_KMAX, MIN_EPSILON};
+pub use real::Real;
 pub use transform::{TorusTransform, TorusWorkspace};
 
 /// The stages between points and grid, and the arithmetic shared with later stages.

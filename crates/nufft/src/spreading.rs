@@ -1,9 +1,13 @@
-use pulp::{Arch, Simd, WithSimd};
+mod interpolate;
+mod spread;
 
-use crate::cells::{Cell, Cells, Locator, Places, TILE_COLUMNS, TILE_ROWS};
-use crate::long_sum::{SHORT, add_with_rests};
+use pulp::{Arch, Simd};
+
+use crate::cells::{Cells, Locator, Places};
 use crate::real::Real;
 use crate::window::{MAX_WIDTH, Window, WindowTable};
+use interpolate::{Interpolate, InterpolateGradient};
+use spread::Spread;
 
 /// Spreads points onto a grid with the window, and interpolates grid values at points.
 ///
@@ -17,10 +21,6 @@ pub struct Spreading<T> {
     /// The number of points at one place that can be added with negligible rounding error.
     run: usize,
 }
-
-/// The grid values that the windows of a tile's points touch, row by row of `TILE_STRIDE`.
-const TILE_STRIDE: usize = TILE_COLUMNS + MAX_WIDTH;
-type Patch<T> = [T; TILE_STRIDE * (TILE_ROWS + MAX_WIDTH)];
 
 impl<T: Real> Spreading<T> {
     /// Returns the stages for a grid with `cells` cells per turn, for rows and columns, and `rows`
@@ -54,11 +54,11 @@ impl<T: Real> Spreading<T> {
     /// # Panics
     ///
     /// Panics if there are fewer weights than points.
-    pub fn locate(
+    pub fn locate<R: Real>(
         &self,
         arch: Arch,
         points: &impl Places,
-        weights: Option<&[f64]>,
+        weights: Option<&[R]>,
         scale: f64,
         cells: &mut Cells<T>,
     ) {
@@ -67,7 +67,19 @@ impl<T: Real> Spreading<T> {
 
     /// Adds the points to the grid.
     pub fn spread(&self, arch: Arch, cells: &Cells<T>, grid: &mut [T]) {
-        arch.dispatch(Spread { spreading: self, cells, grid });
+        self.spread_together(arch, cells, None, [grid]);
+    }
+
+    /// Adds the points to G grids with different weights, which share the values of the windows.
+    /// `weights` are in the caller's order of points; `None` means those of `cells`.
+    pub(crate) fn spread_together<const G: usize>(
+        &self,
+        arch: Arch,
+        cells: &Cells<T>,
+        weights: Option<&[[T; G]]>,
+        grids: [&mut [T]; G],
+    ) {
+        arch.dispatch(Spread { spreading: self, cells, weights, grids });
     }
 
     /// Writes the values of several functions at the points. `grids` holds their grids one after
@@ -77,15 +89,29 @@ impl<T: Real> Spreading<T> {
     /// # Panics
     ///
     /// Panics if `out` is too short.
-    pub fn interpolate(
+    pub fn interpolate<R: Real>(
         &self,
         arch: Arch,
         cells: &Cells<T>,
         grids: &[T],
         sizes: &[f64],
-        out: &mut [f64],
+        out: &mut [R],
     ) {
         arch.dispatch(Interpolate { spreading: self, cells: cells.sorted(), grids, sizes, out });
+    }
+
+    /// Writes `size` times the value of a function and its derivatives by both coordinates, per
+    /// turn, at the points.
+    pub(crate) fn interpolate_gradient<R: Real>(
+        &self,
+        arch: Arch,
+        cells: &Cells<T>,
+        grid: &[T],
+        size: f64,
+        out: &mut [[R; 3]],
+    ) {
+        let cells = cells.sorted();
+        arch.dispatch(InterpolateGradient { spreading: self, cells, grid, size, out });
     }
 }
 
@@ -108,153 +134,5 @@ pub(crate) fn for_width<S: Simd, W: ByWidth>(padded: usize, work: W) {
         (12, false) => work.run::<12, false>(),
         (16, false) => work.run::<16, false>(),
         (_, false) => work.run::<MAX_WIDTH, false>(),
-    }
-}
-
-struct Spread<'a, T> {
-    spreading: &'a Spreading<T>,
-    cells: &'a Cells<T>,
-    grid: &'a mut [T],
-}
-
-impl<T: Real> WithSimd for Spread<'_, T> {
-    type Output = ();
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) {
-        let padded = self.spreading.table.padded();
-        for_width::<S, _>(padded, self);
-    }
-}
-
-impl<T: Real> ByWidth for Spread<'_, T> {
-    #[inline(always)]
-    fn run<const P: usize, const FUSED: bool>(self) {
-        let Self { spreading, cells, grid } = self;
-        let stride = spreading.stride();
-        for tile in cells.tiles() {
-            if tile.len() <= spreading.run {
-                spreading.add::<P, FUSED>(tile, [0, 0], stride, grid);
-                continue;
-            }
-            // In one long sum all rounding errors can have the same sign: add in short partial sums
-            // and sum these in the same way.
-            let [row, column] = [tile[0].row as usize, tile[0].column as usize];
-            let origin = [row / TILE_ROWS * TILE_ROWS, column / TILE_COLUMNS * TILE_COLUMNS];
-            let n_rows = TILE_ROWS + spreading.table.width();
-            let mut sums: Patch<f64> = [0.0; _];
-            let mut blocks = tile.chunks(spreading.run * SHORT);
-            spreading.add_in_runs::<P, FUSED>(blocks.next().unwrap_or(&[]), origin, &mut sums);
-            if blocks.len() > 0 {
-                let mut rests: Patch<f64> = [0.0; _];
-                for block in blocks {
-                    let mut more: Patch<f64> = [0.0; _];
-                    spreading.add_in_runs::<P, FUSED>(block, origin, &mut more);
-                    add_with_rests(&mut sums, &mut rests, &more);
-                }
-                for (sum, rest) in sums.iter_mut().zip(&rests) {
-                    *sum += rest;
-                }
-            }
-            let lines = grid.chunks_exact_mut(stride).skip(origin[0]);
-            for (line, sums) in lines.zip(sums[..n_rows * TILE_STRIDE].chunks_exact(TILE_STRIDE)) {
-                for (value, &sum) in line[origin[1]..].iter_mut().zip(sums) {
-                    *value += T::of(sum);
-                }
-            }
-        }
-    }
-}
-
-impl<T: Real> Spreading<T> {
-    /// Adds points to the patch of the grid that begins at `origin`, in runs with negligible
-    /// rounding error.
-    #[inline(always)]
-    fn add_in_runs<const P: usize, const FUSED: bool>(
-        &self,
-        points: &[Cell<T>],
-        origin: [usize; 2],
-        sums: &mut Patch<f64>,
-    ) {
-        let mut part: Patch<T> = [T::default(); _];
-        let part = &mut part[..(TILE_ROWS + self.table.width()) * TILE_STRIDE];
-        for points in points.chunks(self.run) {
-            part.fill(T::default());
-            self.add::<P, FUSED>(points, origin, TILE_STRIDE, part);
-            for (sum, part) in sums.iter_mut().zip(&*part) {
-                *sum += part.to_f64();
-            }
-        }
-    }
-
-    /// Adds points to the part of the grid that begins at `origin`.
-    #[inline(always)]
-    fn add<const P: usize, const FUSED: bool>(
-        &self,
-        points: &[Cell<T>],
-        origin: [usize; 2],
-        stride: usize,
-        part: &mut [T],
-    ) {
-        let width = self.table.width();
-        for cell in points {
-            let [by_row, by_column] = self.table.evaluate::<P, FUSED>(cell.t);
-            let [row, column] = [cell.row as usize - origin[0], cell.column as usize - origin[1]];
-            let Some(window) = part.get_mut(row * stride + column..) else { continue };
-            for (line, by_row) in window.chunks_mut(stride).zip(&by_row[..width]) {
-                let factor = *by_row * cell.weight;
-                if let Some(line) = line.first_chunk_mut::<P>() {
-                    for i in 0..P {
-                        line[i] = by_column[i].times_plus::<FUSED>(factor, line[i]);
-                    }
-                }
-            }
-        }
-    }
-}
-
-struct Interpolate<'a, T> {
-    spreading: &'a Spreading<T>,
-    cells: &'a [Cell<T>],
-    grids: &'a [T],
-    sizes: &'a [f64],
-    out: &'a mut [f64],
-}
-
-impl<T: Real> WithSimd for Interpolate<'_, T> {
-    type Output = ();
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) {
-        let padded = self.spreading.table.padded();
-        for_width::<S, _>(padded, self);
-    }
-}
-
-impl<T: Real> ByWidth for Interpolate<'_, T> {
-    #[inline(always)]
-    fn run<const P: usize, const FUSED: bool>(self) {
-        let Self { spreading, cells, grids, sizes, out } = self;
-        let (width, stride) = (spreading.table.width(), spreading.stride());
-        let size = spreading.grid_len();
-        for cell in cells {
-            let [by_row, by_column] = spreading.table.evaluate::<P, FUSED>(cell.t);
-            let start = cell.row as usize * stride + cell.column as usize;
-            let values = &mut out[cell.index as usize * sizes.len()..][..sizes.len()];
-            let functions = grids.chunks_exact(size).zip(sizes);
-            for (value, (grid, scale)) in values.iter_mut().zip(functions) {
-                let Some(window) = grid.get(start..) else { continue };
-                let mut sums = [T::default(); P];
-                for (line, by_row) in window.chunks(stride).zip(&by_row[..width]) {
-                    if let Some(line) = line.first_chunk::<P>() {
-                        for i in 0..P {
-                            sums[i] = line[i].times_plus::<FUSED>(*by_row, sums[i]);
-                        }
-                    }
-                }
-                let products = sums.iter().zip(&by_column).map(|(s, w)| *s * *w);
-                *value = products.fold(T::default(), |sum, p| sum + p).to_f64() * scale;
-            }
-        }
     }
 }

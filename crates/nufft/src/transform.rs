@@ -1,41 +1,44 @@
+use std::f64::consts::TAU;
 use std::fmt;
 
 use num_complex::Complex;
 use pulp::Arch;
 
-use crate::cells::{Cells, LANES, Places, Turns};
-use crate::coefficients::TorusCoefficients;
+use crate::coefficients::{ComplexTorusCoefficients, TorusCoefficients};
 use crate::design::Design;
+use crate::engine::{Engine, Scratch};
 use crate::error::Error;
-use crate::fourier::{Fourier, FourierScratch};
 use crate::input;
 use crate::limits::MAX_KMAX;
-use crate::magnitude::magnitude;
 use crate::memory::resize;
 use crate::real::Real;
-use crate::spreading::Spreading;
 
-/// Nonuniform Fourier transform of type 1, from scattered points on the torus to coefficients: the
-/// adjoint of the evaluation of a Fourier series.
+/// Nonuniform Fourier transforms between scattered points on the torus and Fourier coefficients.
 ///
 /// ```text
-/// c(k1, k2) = sum_j w_j exp(-2 pi i (k1 u_j + k2 v_j))     for |k1|, |k2| <= kmax
+/// type 1    c(k1, k2) = sum_j w_j exp(-2 pi i (k1 u_j + k2 v_j))     for |k1|, |k2| <= kmax
+/// type 2    f(u, v) = sum_k c(k1, k2) exp(2 pi i (k1 u + k2 v))      over the same frequencies
 /// ```
 ///
-/// Coordinates `(u, v)` in `[0, 1)^2` are in turns. Weights are real and default to 1.
+/// [`Self::adjoint`] is of type 1, [`Self::evaluate`] of type 2; each is the adjoint of the other.
+/// Coordinates `(u, v)` in `[0, 1)^2` are in turns. Weights and functions are real, and weights default to
+/// 1; [`Self::adjoint_complex`] and [`Self::evaluate_complex`] take complex ones. Input and
+/// output are of type f32 or f64.
 ///
 /// # Accuracy
 ///
-/// The error of every coefficient is at most epsilon times the sum of the absolute weights. For
-/// weights of one sign, the Euclidean norm of the error over all coefficients is also at most
-/// epsilon times the norm of the exact coefficients.
+/// The error of every coefficient is at most epsilon times the sum of the absolute weights, and the
+/// error of every value at most epsilon times the sum of the absolute coefficients, c(k) and c(-k)
+/// both counted. For weights of one sign, the Euclidean norm of the error over all coefficients is
+/// also at most epsilon times the norm of the exact coefficients. Results in f32 are rounded to it.
 ///
 /// # Performance
 ///
 /// The cost is O(N log^2(1/epsilon) + kmax^2 log kmax), compared with O(N kmax^2) of
-/// [`direct_adjoint`](crate::direct_adjoint). The grid has (2.5 to 5.6)^2 kmax^2 numbers, in f32 if
-/// `epsilon >= 5e-6`; its spectra have twice as many for half of the frequencies. The transform
-/// uses one thread. Results are bit-identical for the same input, independent of earlier calls.
+/// [`direct_adjoint`](crate::direct_adjoint) and [`direct_evaluate`](crate::direct_evaluate). The
+/// grid has (2.5 to 5.6)^2 kmax^2 numbers, in f32 if `epsilon >= 5e-6`; its spectra have twice as
+/// many for half of the frequencies. The transform uses one thread. Results are bit-identical for
+/// the same input, independent of earlier calls.
 ///
 /// # Examples
 ///
@@ -54,6 +57,11 @@ use crate::spreading::Spreading;
 /// let exact = direct_adjoint(12, &points, None)?;
 /// for (fast, exact) in c.values().iter().zip(exact.values()) {
 ///     assert!((fast - exact).norm() <= 25.0 * 1e-9);
+/// }
+///
+/// // The series with these coefficients is 25^2 at the points of the lattice.
+/// for value in transform.evaluate(&c, &points)? {
+///     assert!((value - 625.0).abs() <= 25.0 * 25.0 * 25.0 * 1e-9);
 /// }
 /// # Ok::<(), sphvar_nufft::Error>(())
 /// ```
@@ -75,25 +83,29 @@ enum Precision {
     Double(Engine<f64>),
 }
 
-#[derive(Clone)]
-struct Engine<T> {
-    arch: Arch,
-    spreading: Spreading<T>,
-    fourier: Fourier<T>,
-}
-
 /// Workspace of [`TorusTransform`]; grows to the largest input so far.
 #[derive(Debug, Default)]
 pub struct TorusWorkspace {
     single: Scratch<f32>,
     double: Scratch<f64>,
+    /// The coefficients of the real and of the imaginary part of complex weights or functions.
+    parts: [Vec<Complex<f64>>; 2],
 }
 
-#[derive(Debug, Default)]
-struct Scratch<T> {
-    cells: Cells<T>,
-    grid: Vec<T>,
-    fourier: FourierScratch<T>,
+/// Evaluates an expression with the engine of a plan and the workspace of its precision.
+macro_rules! with_engine {
+    ($plan:expr, $workspace:expr, |$engine:ident, $scratch:ident| $call:expr) => {
+        match &$plan.engine {
+            Precision::Single($engine) => {
+                let $scratch = &mut $workspace.single;
+                $call
+            }
+            Precision::Double($engine) => {
+                let $scratch = &mut $workspace.double;
+                $call
+            }
+        }
+    };
 }
 
 impl fmt::Debug for TorusTransform {
@@ -136,6 +148,17 @@ impl TorusTransform {
         self.kmax
     }
 
+    fn check_kmax(&self, got: usize) -> Result<(), Error> {
+        if got == self.kmax {
+            Ok(())
+        } else {
+            Err(Error::KmaxMismatch { expected: self.kmax, got })
+        }
+    }
+}
+
+/// Type 1, from points to coefficients.
+impl TorusTransform {
     /// Returns the coefficients of the points; `weights` of `None` means unit weights.
     ///
     /// # Errors
@@ -146,11 +169,11 @@ impl TorusTransform {
     /// - [`Error::Overflow`] if the sum of the absolute weights is not finite,
     /// - [`Error::TooManyPoints`] for 2^32 or more points,
     /// - [`Error::OutOfMemory`] if allocation of grids or coefficients fails.
-    pub fn adjoint(
+    pub fn adjoint<R: Real>(
         &self,
-        points: &[[f64; 2]],
-        weights: Option<&[f64]>,
-    ) -> Result<TorusCoefficients, Error> {
+        points: &[[R; 2]],
+        weights: Option<&[R]>,
+    ) -> Result<TorusCoefficients<R>, Error> {
         let mut out = TorusCoefficients::zeros(self.kmax)?;
         self.adjoint_into(points, weights, &mut TorusWorkspace::default(), &mut out)?;
         Ok(out)
@@ -163,74 +186,298 @@ impl TorusTransform {
     ///
     /// # Errors
     ///
-    /// As for [`Self::adjoint`], and [`Error::OutputSize`] if `out` has a different kmax.
-    pub fn adjoint_into(
+    /// As for [`Self::adjoint`], and [`Error::KmaxMismatch`] if `out` has a different kmax.
+    pub fn adjoint_into<R: Real>(
         &self,
-        points: &[[f64; 2]],
-        weights: Option<&[f64]>,
+        points: &[[R; 2]],
+        weights: Option<&[R]>,
         workspace: &mut TorusWorkspace,
-        out: &mut TorusCoefficients,
+        out: &mut TorusCoefficients<R>,
     ) -> Result<(), Error> {
         input::check(points, weights)?;
-        if out.kmax() != self.kmax {
-            return Err(Error::OutputSize { expected: self.kmax, got: out.kmax() });
-        }
+        self.check_kmax(out.kmax())?;
         let values = out.values_mut();
-        match &self.engine {
-            Precision::Single(engine) => {
-                engine.adjoint(points, weights, &mut workspace.single, values)
-            }
-            Precision::Double(engine) => {
-                engine.adjoint(points, weights, &mut workspace.double, values)
+        with_engine!(self, workspace, |engine, scratch| engine
+            .adjoint(points, weights, scratch, values))
+    }
+
+    /// Replaces `outs` by the coefficients of the same points with several vectors of weights.
+    ///
+    /// # Errors
+    ///
+    /// As for [`Self::adjoint_into`], and [`Error::BatchSize`] if the numbers of weight vectors and
+    /// outputs differ.
+    ///
+    /// # Performance
+    ///
+    /// Pairs of vectors share the sorted points and their window values, and use two grids.
+    pub fn adjoint_batch_into<R: Real>(
+        &self,
+        points: &[[R; 2]],
+        weights: &[&[R]],
+        workspace: &mut TorusWorkspace,
+        outs: &mut [TorusCoefficients<R>],
+    ) -> Result<(), Error> {
+        if weights.len() != outs.len() {
+            return Err(Error::BatchSize { inputs: weights.len(), outputs: outs.len() });
+        }
+        for (weights, out) in weights.iter().zip(&*outs) {
+            input::check(points, Some(weights))?;
+            self.check_kmax(out.kmax())?;
+        }
+        for (weights, outs) in weights.chunks(2).zip(outs.chunks_mut(2)) {
+            match outs {
+                [one, other] => {
+                    let weight = |j: usize, b: usize| weights[b][j].to_f64();
+                    let outs = [one.values_mut(), other.values_mut()];
+                    with_engine!(self, workspace, |engine, scratch| engine
+                        .adjoint_pair(points, weight, scratch, outs))?;
+                }
+                outs => {
+                    for (weights, out) in weights.iter().zip(outs) {
+                        self.adjoint_into(points, Some(weights), workspace, out)?;
+                    }
+                }
             }
         }
-    }
-}
-
-impl<T: Real> Engine<T> {
-    fn new(kmax: usize, design: Design, arch: Arch) -> Self {
-        let cells = design.cells(kmax);
-        let spreading = Spreading::new([cells; 2], cells, design.window, design.epsilon);
-        Self { arch, spreading, fourier: Fourier::new(kmax, cells, design.window) }
-    }
-
-    fn adjoint(
-        &self,
-        points: &[[f64; 2]],
-        weights: Option<&[f64]>,
-        scratch: &mut Scratch<T>,
-        out: &mut [Complex<f64>],
-    ) -> Result<(), Error> {
-        let Scratch { cells, grid, fourier } = scratch;
-        cells.reserve(points.len())?;
-        resize(fourier.spectra(), self.fourier.spectra_len())?;
-        grid.clear();
-        resize(grid, self.spreading.grid_len())?;
-        let size = weights.map_or(1.0, |w| magnitude(w.iter().copied()));
-        self.spreading.locate(self.arch, &Points(points), weights, 1.0 / size, cells);
-        self.spreading.spread(self.arch, cells, grid);
-        self.fourier.run(self.arch, grid, &self.spreading, size, fourier, out);
         Ok(())
     }
-}
 
-/// Points given in turns.
-struct Points<'a>(&'a [[f64; 2]]);
-
-impl Places for Points<'_> {
-    fn count(&self) -> usize {
-        self.0.len()
+    /// Returns the coefficients of points with complex weights.
+    ///
+    /// # Errors
+    ///
+    /// As for [`Self::adjoint`]; a weight has a modulus of at most the sum of the absolute values of
+    /// its parts, which replaces the absolute weight for [`Error::Overflow`].
+    pub fn adjoint_complex<R: Real>(
+        &self,
+        points: &[[R; 2]],
+        weights: &[Complex<R>],
+    ) -> Result<ComplexTorusCoefficients<R>, Error> {
+        let mut out = ComplexTorusCoefficients::zeros(self.kmax)?;
+        self.adjoint_complex_into(points, weights, &mut TorusWorkspace::default(), &mut out)?;
+        Ok(out)
     }
 
-    #[inline(always)]
-    fn turns<const FUSED: bool>(&self, first: usize) -> [Turns; 2] {
-        let mut turns = [Turns::default(); 2];
-        for (i, point) in self.0[first..].iter().take(LANES).enumerate() {
-            for (turns, &x) in turns.iter_mut().zip(point) {
-                turns.set(i, x);
+    /// Replaces `out` by the coefficients of points with complex weights. On error `out` is
+    /// unchanged.
+    ///
+    /// # Errors
+    ///
+    /// As for [`Self::adjoint_complex`], and [`Error::KmaxMismatch`] if `out` has a different kmax.
+    pub fn adjoint_complex_into<R: Real>(
+        &self,
+        points: &[[R; 2]],
+        weights: &[Complex<R>],
+        workspace: &mut TorusWorkspace,
+        out: &mut ComplexTorusCoefficients<R>,
+    ) -> Result<(), Error> {
+        input::check_complex(points, weights)?;
+        self.check_kmax(out.kmax())?;
+        let mut parts = workspace.take_parts(self.kmax)?;
+        let [re, im] = &mut parts;
+        let weight = |j: usize, b: usize| [weights[j].re, weights[j].im][b].to_f64();
+        let outs = [&mut **re, &mut **im];
+        let result = with_engine!(self, workspace, |engine, scratch| engine
+            .adjoint_pair(points, weight, scratch, outs));
+        if result.is_ok() {
+            out.set_parts([&parts[0], &parts[1]]);
+        }
+        workspace.parts = parts;
+        result
+    }
+}
+
+/// Type 2, from coefficients to values at points.
+impl TorusTransform {
+    /// Returns the values at the points of the real function with these coefficients: the real part
+    /// of the series, if callers have changed `c(k1, 0)` without `c(-k1, 0)`.
+    ///
+    /// # Errors
+    ///
+    /// - [`Error::KmaxMismatch`] if the coefficients have a different kmax,
+    /// - [`Error::Coefficient`] if a coefficient is not finite,
+    /// - [`Error::Overflow`] if the sum of the absolute coefficients is not finite,
+    /// - [`Error::Point`], [`Error::TooManyPoints`] and [`Error::OutOfMemory`] as for
+    ///   [`Self::adjoint`].
+    pub fn evaluate<R: Real>(
+        &self,
+        coefficients: &TorusCoefficients<R>,
+        points: &[[R; 2]],
+    ) -> Result<Vec<R>, Error> {
+        let mut values = Vec::new();
+        resize(&mut values, points.len())?;
+        self.evaluate_into(coefficients, points, &mut TorusWorkspace::default(), &mut values)?;
+        Ok(values)
+    }
+
+    /// Writes the values of [`Self::evaluate`]. On error `values` is unchanged.
+    ///
+    /// # Errors
+    ///
+    /// As for [`Self::evaluate`], and [`Error::ValueCount`] if values and points differ in number.
+    pub fn evaluate_into<R: Real>(
+        &self,
+        coefficients: &TorusCoefficients<R>,
+        points: &[[R; 2]],
+        workspace: &mut TorusWorkspace,
+        values: &mut [R],
+    ) -> Result<(), Error> {
+        self.evaluate_batch_into(&[coefficients], points, workspace, values)
+    }
+
+    /// Writes the values of several functions at the same points: function b of `n_functions` at
+    /// point j to `values[j * n_functions + b]`. On error `values` is unchanged.
+    ///
+    /// # Errors
+    ///
+    /// As for [`Self::evaluate`], and [`Error::ValueCount`] if there is not one value for each
+    /// function and point.
+    ///
+    /// # Performance
+    ///
+    /// Functions share the sorted points and their window values; each has a grid.
+    pub fn evaluate_batch_into<R: Real>(
+        &self,
+        coefficients: &[&TorusCoefficients<R>],
+        points: &[[R; 2]],
+        workspace: &mut TorusWorkspace,
+        values: &mut [R],
+    ) -> Result<(), Error> {
+        for coefficients in coefficients {
+            self.check_series(coefficients, 1.0)?;
+        }
+        input::check::<R>(points, None)?;
+        input::check_values(points.len().saturating_mul(coefficients.len()), values.len())?;
+        let series: Vec<&[Complex<R>]> = coefficients.iter().map(|c| c.values()).collect();
+        with_engine!(self, workspace, |engine, scratch| engine
+            .evaluate(&series, points, scratch, values))
+    }
+
+    /// Returns `[f, df/du, df/dv]` at the points, for the real function f of [`Self::evaluate`].
+    /// Derivatives are per turn.
+    ///
+    /// The error of a derivative is at most `8 pi max(kmax + 1, 10) max(epsilon, 1e-12)` times the
+    /// sum of the absolute coefficients: the errors of the window have higher frequencies, up to
+    /// that of the grid, and derivatives amplify them.
+    ///
+    /// # Errors
+    ///
+    /// As for [`Self::evaluate`]; for [`Error::Overflow`] coefficients are multiplied by `2 pi
+    /// (kmax + 1)`.
+    ///
+    /// # Performance
+    ///
+    /// Value and derivatives share the grid: the derivative of a window's polynomials is that of the
+    /// function. The cost is that of [`Self::evaluate`] and at most twice its cost per point.
+    pub fn gradient<R: Real>(
+        &self,
+        coefficients: &TorusCoefficients<R>,
+        points: &[[R; 2]],
+    ) -> Result<Vec<[R; 3]>, Error> {
+        let mut values = Vec::new();
+        resize(&mut values, points.len())?;
+        self.gradient_into(coefficients, points, &mut TorusWorkspace::default(), &mut values)?;
+        Ok(values)
+    }
+
+    /// Writes the values of [`Self::gradient`]. On error `values` is unchanged.
+    ///
+    /// # Errors
+    ///
+    /// As for [`Self::gradient`], and [`Error::ValueCount`] if values and points differ in number.
+    pub fn gradient_into<R: Real>(
+        &self,
+        coefficients: &TorusCoefficients<R>,
+        points: &[[R; 2]],
+        workspace: &mut TorusWorkspace,
+        values: &mut [[R; 3]],
+    ) -> Result<(), Error> {
+        self.check_series(coefficients, TAU * (self.kmax as f64 + 1.0))?;
+        input::check::<R>(points, None)?;
+        input::check_values(points.len(), values.len())?;
+        with_engine!(self, workspace, |engine, scratch| engine.gradient(
+            coefficients.values(),
+            points,
+            scratch,
+            values
+        ))
+    }
+
+    /// Returns the values at the points of the complex function with these coefficients.
+    ///
+    /// # Errors
+    ///
+    /// As for [`Self::evaluate`].
+    pub fn evaluate_complex<R: Real>(
+        &self,
+        coefficients: &ComplexTorusCoefficients<R>,
+        points: &[[R; 2]],
+    ) -> Result<Vec<Complex<R>>, Error> {
+        let mut values = Vec::new();
+        resize(&mut values, points.len())?;
+        let workspace = &mut TorusWorkspace::default();
+        self.evaluate_complex_into(coefficients, points, workspace, &mut values)?;
+        Ok(values)
+    }
+
+    /// Writes the values of [`Self::evaluate_complex`]. On error `values` is unchanged.
+    ///
+    /// # Errors
+    ///
+    /// As for [`Self::evaluate_complex`], and [`Error::ValueCount`] if values and points differ in
+    /// number.
+    pub fn evaluate_complex_into<R: Real>(
+        &self,
+        coefficients: &ComplexTorusCoefficients<R>,
+        points: &[[R; 2]],
+        workspace: &mut TorusWorkspace,
+        values: &mut [Complex<R>],
+    ) -> Result<(), Error> {
+        self.check_kmax(coefficients.kmax())?;
+        input::check_coefficients(coefficients.values(), 1.0)?;
+        input::check::<R>(points, None)?;
+        input::check_values(points.len(), values.len())?;
+        let mut parts = workspace.take_parts(self.kmax)?;
+        let [re, im] = &mut parts;
+        coefficients.split_into([re, im]);
+        let mut interleaved = Vec::new();
+        let result = resize(&mut interleaved, 2 * points.len()).and_then(|()| {
+            let series = [&**re, &**im];
+            with_engine!(self, workspace, |engine, scratch| engine.evaluate(
+                &series,
+                points,
+                scratch,
+                &mut interleaved
+            ))
+        });
+        if result.is_ok() {
+            for (value, [re, im]) in values.iter_mut().zip(interleaved.as_chunks::<2>().0) {
+                *value = Complex { re: *re, im: *im };
             }
         }
-        turns
+        workspace.parts = parts;
+        result
+    }
+
+    fn check_series<R: Real>(
+        &self,
+        coefficients: &TorusCoefficients<R>,
+        factor: f64,
+    ) -> Result<(), Error> {
+        self.check_kmax(coefficients.kmax())?;
+        // Each value stands for c(k) and c(-k).
+        input::check_coefficients(coefficients.values(), 2.0 * factor)
+    }
+}
+
+impl TorusWorkspace {
+    /// Takes the parts, with the length of [`TorusCoefficients::values`].
+    fn take_parts(&mut self, kmax: usize) -> Result<[Vec<Complex<f64>>; 2], Error> {
+        for part in &mut self.parts {
+            resize(part, (2 * kmax + 1) * (kmax + 1))?;
+        }
+        Ok(std::mem::take(&mut self.parts))
     }
 }
 

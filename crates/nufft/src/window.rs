@@ -146,6 +146,25 @@ impl<T: Real> WindowTable<T> {
         }
         values
     }
+
+    /// Returns the window and its derivative by t, `[value, slope]`, at the places of
+    /// [`Self::evaluate`].
+    #[inline(always)]
+    pub(crate) fn evaluate_with_slope<const P: usize, const FUSED: bool>(
+        &self,
+        t: [T; 2],
+    ) -> [[[T; P]; 2]; 2] {
+        let mut pairs = [[[T::default(); P]; 2]; 2];
+        for row in self.coefficients.as_chunks::<P>().0 {
+            for ([values, slopes], t) in pairs.iter_mut().zip(t) {
+                for i in 0..P {
+                    slopes[i] = slopes[i].times_plus::<FUSED>(t, values[i]);
+                    values[i] = values[i].times_plus::<FUSED>(t, row[i]);
+                }
+            }
+        }
+        pairs
+    }
 }
 
 #[cfg(test)]

@@ -140,6 +140,6 @@ fn invalid_input_is_an_error() {
 
     let mut out = vec![Complex::new(7.0, 0.0); 4];
     let error = plan.adjoint_into(&[0.5], None, &mut CircleWorkspace::default(), &mut out);
-    assert_eq!(error, Err(Error::OutputSize { expected: 4, got: 3 }));
+    assert_eq!(error, Err(Error::ValueCount { expected: 5, got: 4 }));
     assert_eq!(out, vec![Complex::new(7.0, 0.0); 4]);
 }
