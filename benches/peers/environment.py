@@ -54,10 +54,10 @@ def enter_environment(folder, packages):
 
 
 class Driver:
-    """A process of an example of sphvar-tests that carries out one command a line; see the head of the example."""
+    """A process of an example of a package that carries out one command a line; see the head of the example."""
 
-    def __init__(self, example):
-        command = ["cargo", "build", "--release", "-p", "sphvar-tests", "--example", example]
+    def __init__(self, example, package="sphvar-tests"):
+        command = ["cargo", "build", "--release", "-p", package, "--example", example]
         output = run_checked([*command, "--message-format", "json-render-diagnostics"], f"{example} does not build")
         messages = [json.loads(line) for line in output.splitlines()]
         (executable,) = [m["executable"] for m in messages if m.get("executable")]

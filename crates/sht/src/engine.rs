@@ -155,7 +155,7 @@ impl<T: Real> Engine<T> {
         }
         values.resize(points.len() * alms.len(), 0.0);
         let points = Directions { angles: &self.angles, points };
-        self.spreading.locate(self.arch, &points, None, 1.0, cells);
+        self.spreading.locate::<f64>(self.arch, &points, None, 1.0, cells);
         self.spreading.interpolate(self.arch, cells, grid, sizes, values);
     }
 }

@@ -19,8 +19,10 @@ fn numbers(n: usize, size: impl Fn(usize) -> f64) -> Vec<Complex<f64>> {
     (0..n).map(|i| Complex::new(2.0 * next() - 1.0, 2.0 * next() - 1.0) * size(i)).collect()
 }
 
+type SizeOf = fn(usize) -> f64;
+
 /// Sizes of weights or coefficients by name.
-fn sizes() -> [(&'static str, fn(usize) -> f64); 4] {
+fn sizes() -> [(&'static str, SizeOf); 4] {
     [
         ("of one size", |_| 1.0),
         ("huge", |_| 1e304),
