@@ -29,6 +29,7 @@
 
 mod count;
 mod definition;
+mod disks;
 mod ensemble;
 mod error;
 mod facts;

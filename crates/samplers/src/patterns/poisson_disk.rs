@@ -2,18 +2,19 @@ mod mode;
 mod packing;
 mod parameters;
 mod quarters;
-mod sequential_addition;
+mod sphere_cells;
 
 use glam::DVec3;
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
+use crate::disks::{End, SequentialAddition, attempts, exact_into};
 use crate::ensemble::progress::Tick;
 use crate::{Domain, Error, PointSet, Progress, Sampler};
 pub use mode::DiskMode;
 pub(crate) use packing::greatest_chord;
 pub use parameters::PoissonDiskParameters;
-use sequential_addition::{End, SequentialAddition};
+use sphere_cells::SphereCells;
 
 const NAME: &str = "poisson-disk";
 
@@ -193,12 +194,6 @@ impl PoissonDisk {
         }
     }
 
-    /// Returns the maximum number of attempts for an exact set. Above some hundred points nearly
-    /// all sets of one radius succeed, or nearly none; with few points a large fraction may fail.
-    fn attempts(&self) -> usize {
-        16 + 100_000 / self.n_points
-    }
-
     fn infeasible(&self, reason: String) -> Error {
         Error::Infeasible { pattern: NAME, n_points: self.n_points, reason }
     }
@@ -210,23 +205,18 @@ impl PoissonDisk {
         tick: Tick<'_>,
     ) -> Result<(), Error> {
         let expected = self.saturated_count().min(self.n_points as f64);
-        let mut placed = 0;
-        for _ in 0..self.attempts() {
-            points.clear();
-            let run = SequentialAddition::new(self.domain, self.chord(), expected, rng);
-            if run.run(self.n_points, points, tick)? == End::Full {
-                return Ok(());
-            }
-            placed = placed.max(points.len());
+        let space = || SphereCells::new(self.domain, self.chord(), expected);
+        let placed = exact_into(self.n_points, space, rng, points, tick)?;
+        if placed == self.n_points {
+            return Ok(());
         }
-        points.clear();
         // The largest set had this radius in units of its own number of points; a slightly smaller
         // radius allows for chance.
         let possible = 0.98 * self.radius * (placed as f64 / self.n_points as f64).sqrt();
         Err(self.infeasible(format!(
             "at most {placed} disks of radius {1} fitted in {0} attempts; a radius of {2:.3} is \
              possible",
-            self.attempts(),
+            attempts(self.n_points),
             self.radius,
             possible.min(self.own_default_radius())
         )))
@@ -238,8 +228,8 @@ impl PoissonDisk {
         points: &mut Vec<DVec3>,
         tick: Tick<'_>,
     ) -> Result<(), Error> {
-        let run = SequentialAddition::new(self.domain, self.chord(), self.saturated_count(), rng);
-        match run.run(usize::MAX, points, tick)? {
+        let space = SphereCells::new(self.domain, self.chord(), self.saturated_count());
+        match SequentialAddition::new(space, rng).run(usize::MAX, points, tick)? {
             End::Saturated { unresolved }
                 if unresolved > Self::UNRESOLVED_SHARE * self.domain.area() =>
             {

@@ -1,6 +1,7 @@
 use glam::DVec3;
 use sphvar_healpix::{Cell, Nside};
 
+use super::chains::Chains;
 use crate::Domain;
 
 /// A lower bound, times nside, on the distance between cells that do not touch: every point within
@@ -18,9 +19,6 @@ const COARSEST: Nside = match Nside::new(1) {
     Err(_) => unreachable!(),
 };
 
-/// The end of a chain.
-const NONE: u32 = u32::MAX;
-
 /// The accepted points, indexed by location: HEALPix cells about as wide as the disks, each the
 /// head of a chain of its points.
 ///
@@ -33,14 +31,7 @@ pub(crate) struct Grid {
     /// Whether the disks are so large that all cells form one neighbourhood.
     is_whole: bool,
     domain: Domain,
-    heads: Vec<u32>,
-    nodes: Vec<Node>,
-}
-
-#[derive(Clone, Copy, Debug)]
-struct Node {
-    dir: DVec3,
-    next: u32,
+    chains: Chains<DVec3>,
 }
 
 impl Grid {
@@ -56,13 +47,7 @@ impl Grid {
         )]
         let nside = Nside::new(nside as u32).unwrap_or(COARSEST);
         let n = nside.value() as usize;
-        Self {
-            nside,
-            is_whole: chord > REACH,
-            domain,
-            heads: vec![NONE; 12 * n * n],
-            nodes: Vec::new(),
-        }
+        Self { nside, is_whole: chord > REACH, domain, chains: Chains::new(12 * n * n) }
     }
 
     pub(crate) fn nside(&self) -> Nside {
@@ -94,23 +79,12 @@ impl Grid {
     /// Inserts `dir`, which lies in the cell at `place`.
     #[inline]
     pub(crate) fn insert(&mut self, place: u32, dir: DVec3) {
-        self.chain(place, dir);
+        self.chains.insert(place, dir);
         if self.domain == Domain::Hemisphere
             && let Some(cell) = self.cell(place)
         {
-            self.chain(self.place(cell.antipode()), -dir);
+            self.chains.insert(self.place(cell.antipode()), -dir);
         }
-    }
-
-    #[inline]
-    fn chain(&mut self, place: u32, dir: DVec3) {
-        let head = &mut self.heads[place as usize];
-        let node = Node { dir, next: *head };
-        // The number of points is limited to a quarter of what u32 counts.
-        #[expect(clippy::cast_possible_truncation, reason = "fewer than 2^32 nodes")]
-        let index = self.nodes.len() as u32;
-        *head = index;
-        self.nodes.push(node);
     }
 
     /// Returns whether the grid contains a point within the square root of `chord_squared` of
@@ -118,7 +92,7 @@ impl Grid {
     #[inline]
     pub(crate) fn has_near(&self, place: u32, dir: DVec3, chord_squared: f64) -> bool {
         self.neighbourhood(place)
-            .any(|p| self.points(p).any(|q| q.distance_squared(dir) < chord_squared))
+            .any(|p| self.chains.points(p).any(|q| q.distance_squared(dir) < chord_squared))
     }
 
     /// Replaces the content of `near` by all points that can lie within the disks' radius of the
@@ -131,17 +105,7 @@ impl Grid {
     /// Returns all points that can lie within the disks' radius of the cell at `place`.
     #[inline]
     pub(crate) fn near(&self, place: u32) -> impl Iterator<Item = DVec3> {
-        self.neighbourhood(place).flat_map(|p| self.points(p))
-    }
-
-    #[inline]
-    fn points(&self, place: u32) -> impl Iterator<Item = DVec3> {
-        let mut at = self.heads[place as usize];
-        std::iter::from_fn(move || {
-            let node = self.nodes.get(at as usize)?;
-            at = node.next;
-            Some(node.dir)
-        })
+        self.neighbourhood(place).flat_map(|p| self.chains.points(p))
     }
 
     /// Returns the indices of the cell at `place` and of the cells around it.

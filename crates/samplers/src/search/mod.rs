@@ -1,11 +1,14 @@
-//! Grids that find points near a direction.
+//! Grids that find points near a given one.
 
+mod chains;
 mod cube_grid;
 mod grid;
 mod separation;
 mod toroidal_separation;
+mod square_grid;
 
 pub(crate) use cube_grid::CubeGrid;
 pub(crate) use grid::Grid;
 pub use separation::separation;
 pub use toroidal_separation::toroidal_separation;
+pub(crate) use square_grid::SquareGrid;

@@ -44,6 +44,7 @@ pattern_list! {
     "sobol" = sobol_sequence::Sobol: "Owen-scrambled Sobol points";
     "halton" = halton::Halton: "Halton points in bases 2 and 3";
     "hammersley" = hammersley::Hammersley: "Hammersley points in base 2";
+    "poisson-disk-square" = poisson_disk_square::PoissonDiskSquare(p: PoissonDiskSquareParameters): "random points that keep a minimum distance, toroidal or not";
 
     without default:
     "file" = point_file::PointFile(SquarePointFileParameters): "your own point sets, with or without weights, from a file";

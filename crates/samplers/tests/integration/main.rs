@@ -3,6 +3,7 @@
 mod ccvt;
 mod point_files;
 mod poisson_disk;
+mod poisson_disk_square;
 mod progress;
 mod registry;
 mod rules;

@@ -1,10 +1,8 @@
 use glam::DVec3;
 use sphvar_healpix::Cell;
 
-/// Bit k of a mask of children represents the child at `(2 ix + k % 2, 2 iy + k / 2)`.
-pub(crate) const ALL_CHILDREN: u32 = 0b1111;
-
-/// A cell divided into its four children, with the data to test whether a disk covers them.
+/// A cell divided into its four children, with the data to test whether a disk covers them. Child k
+/// is the one at `(2 ix + k % 2, 2 iy + k / 2)`.
 ///
 /// A child is bounded by four smooth curves. Between its ends such a curve leaves its chord by
 /// at most `max |X''| / (8 nside^2)`, where `X''` is the second derivative with respect to a
