@@ -87,7 +87,7 @@ pub use sphvar_sht::{
 };
 pub use square::{
     AxisRatio, AxisRatioAccumulator, ExactSquareSpectrum, RadialAccumulator, RadialSpectrum,
-    SquareResolution, accumulate_square, estimate_square, square_tail_power,
+    SquareResolution, accumulate_square, estimate_square, frequency_grid, square_tail_power,
 };
 
 #[cfg(doctest)]

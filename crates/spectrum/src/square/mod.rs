@@ -4,6 +4,7 @@ mod axis_ratio;
 mod coincidence;
 mod estimate;
 mod exact;
+mod frequency_grid;
 mod radial;
 #[cfg(test)]
 mod tests;
@@ -13,5 +14,6 @@ pub use axis_ratio::{AxisRatio, AxisRatioAccumulator};
 pub use coincidence::square_tail_power;
 pub use estimate::{accumulate_square, estimate_square};
 pub use exact::ExactSquareSpectrum;
+pub use frequency_grid::frequency_grid;
 pub use radial::{RadialAccumulator, RadialSpectrum};
 pub use transform::SquareResolution;
