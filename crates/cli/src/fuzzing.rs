@@ -9,7 +9,7 @@ use std::path::Path;
 
 use clap::Parser;
 use glam::DVec3;
-use sphvar_samplers::{Domain, PointSet};
+use sphvar_samplers::{Domain, Pattern, PointSet};
 use sphvar_scene::Mesh;
 
 use crate::args::{Cli, Command};
@@ -181,13 +181,21 @@ fn point_texts(_: &Path) -> Vec<Vec<u8>> {
         "1 0 0\n0\t1 0\n#\n0 0 1\n1 0 0\n",
         "lon lat\r\n-180 90\r\n180 -90\r\n",
         "\u{feff}x,y,z\n1,0,0\n",
+        "u,v,w\n0,0.5,1\n0.25,0.999,-2\n",
+        "0.5 0.25\n#\n0.75 0\n",
     ])
 }
 
 fn points(input: &[u8], scratch: &Path) -> Result<(), CliError> {
     write(input, scratch)?;
-    read_points(scratch, &ReadOptions::default())?;
-    Ok(())
+    either_space(scratch, &ReadOptions::default())
+}
+
+/// Reads directions and points of the square; a valid file has one of them.
+fn either_space(scratch: &Path, options: &ReadOptions) -> Result<(), CliError> {
+    let directions = read_points::<DVec3>(scratch, options).map(drop);
+    let square = read_points::<[f64; 2]>(scratch, options).map(drop);
+    Ok(directions.or(square)?)
 }
 
 fn columns_seeds(_: &Path) -> Vec<Vec<u8>> {
@@ -196,6 +204,7 @@ fn columns_seeds(_: &Path) -> Vec<Vec<u8>> {
         "ra=RAJ2000,dec=DEJ2000,w=WEIGHT\nRAJ2000,DEJ2000,WEIGHT,Z\n1,2,3,4\n",
         "x,_,y,z\n1,7,0,0\n0,7,1,0\n",
         "phi,theta\n1 2\n3 1\n",
+        "v,_,u\n0.5 7 0\n",
     ])
 }
 
@@ -204,8 +213,7 @@ fn columns(input: &[u8], scratch: &Path) -> Result<(), CliError> {
     let end = input.iter().position(|&b| b == b'\n').unwrap_or(input.len());
     write(input.get(end + 1..).unwrap_or_default(), scratch)?;
     let columns = Some(text(&input[..end]).parse().map_err(CliError::Usage)?);
-    read_points(scratch, &ReadOptions { columns, ..ReadOptions::default() })?;
-    Ok(())
+    either_space(scratch, &ReadOptions { columns, ..ReadOptions::default() })
 }
 
 fn written_points(scratch: &Path) -> Vec<Vec<u8>> {
@@ -327,7 +335,7 @@ fn sampler_names(_: &Path) -> Vec<Vec<u8>> {
 }
 
 fn samplers(input: &[u8], _: &Path) -> Result<(), CliError> {
-    for pattern in crate::patterns::parse_patterns(&text(input), true)? {
+    for pattern in crate::patterns::parse_patterns::<Pattern>(&text(input), true)? {
         for domain in [Domain::Sphere, Domain::Hemisphere] {
             let n = pattern.nearest_count(48, domain);
             crate::patterns::build(&pattern, n, domain, true)?;

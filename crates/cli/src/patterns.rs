@@ -2,13 +2,17 @@
 
 use std::path::Path;
 
+use glam::DVec3;
 use sphvar_grammar::{ResolveError, quote};
 use sphvar_samplers::{
-    Domain, Error, FileResolver, Pattern, PointFile, PointFileParameters, Sampler,
+    Domain, Error, FileResolver, Pattern, PointFile, PointFileParameters, SamplerFamily, Space,
+    Square, SquarePattern, SquarePointFileParameters,
 };
 
 use crate::error::CliError;
-use crate::files::{OptionSpelling, ReadOptions, point_files, read_points, read_spectrum};
+use crate::files::{
+    FilePoint, OptionSpelling, ReadOptions, point_files, read_points, read_spectrum,
+};
 use crate::flags::missing_count;
 use crate::memory::check_points;
 use crate::report::say;
@@ -17,13 +21,105 @@ use crate::spec::Spec;
 /// The name of all patterns together, for subcommands that accept several.
 const ALL: &str = "all";
 
+/// The patterns of the sphere, or those of the unit square.
+pub(crate) trait PatternKind: SamplerFamily<Self::Space> + Sized {
+    type Space: Space;
+
+    /// Returns every built-in pattern.
+    fn all() -> Vec<Self>;
+
+    /// Reads a text with the files that it names.
+    fn parse(text: &str, files: &PatternFiles) -> Result<Self, Error>;
+
+    /// Returns the name in tables.
+    fn label(&self) -> String;
+
+    /// Has the label show the whole path of a file.
+    fn use_long_label(&mut self);
+
+    /// Returns the number of points of a single file.
+    fn own_count(&self) -> Option<usize>;
+
+    /// Returns the error for the name of a pattern of the other kind.
+    fn other_kind(name: &str) -> Option<String>;
+}
+
+impl PatternKind for Pattern {
+    type Space = Domain;
+
+    fn all() -> Vec<Self> {
+        Self::ALL.to_vec()
+    }
+
+    fn parse(text: &str, files: &PatternFiles) -> Result<Self, Error> {
+        Self::parse(text, files)
+    }
+
+    fn label(&self) -> String {
+        self.label()
+    }
+
+    fn use_long_label(&mut self) {
+        if let Self::PointFile(file) = self {
+            file.has_long_label = true;
+        }
+    }
+
+    fn own_count(&self) -> Option<usize> {
+        self.own_count()
+    }
+
+    fn other_kind(name: &str) -> Option<String> {
+        SquarePattern::known().any(|pattern| pattern.name() == name).then(|| {
+            format!(
+                "{name} is a pattern of the unit square, for the option --square of sample, spectrum, quality, \
+                 variance, compare and choose"
+            )
+        })
+    }
+}
+
+impl PatternKind for SquarePattern {
+    type Space = Square;
+
+    fn all() -> Vec<Self> {
+        Self::ALL.to_vec()
+    }
+
+    fn parse(text: &str, files: &PatternFiles) -> Result<Self, Error> {
+        Self::parse(text, files)
+    }
+
+    fn label(&self) -> String {
+        self.label()
+    }
+
+    fn use_long_label(&mut self) {
+        if let Self::PointFile(file) = self {
+            file.has_long_label = true;
+        }
+    }
+
+    fn own_count(&self) -> Option<usize> {
+        self.own_count()
+    }
+
+    fn other_kind(name: &str) -> Option<String> {
+        Pattern::known().any(|pattern| pattern.name() == name).then(|| {
+            let known: Vec<&str> = Self::ALL.iter().map(Self::name).collect();
+            let known = known.join(", ");
+            format!("{name} is a pattern of the sphere; with --square the patterns are {known}")
+        })
+    }
+}
+
 /// Returns the patterns of a list such as `jittered,white-noise`, or of `all`. Prints remarks on
 /// files unless `quiet`.
-pub(crate) fn parse_patterns(text: &str, quiet: bool) -> Result<Vec<Pattern>, CliError> {
+pub(crate) fn parse_patterns<P: PatternKind>(text: &str, quiet: bool) -> Result<Vec<P>, CliError> {
     let mut patterns = Vec::new();
     for spec in Spec::parse_list(text)? {
         if spec.text == ALL {
-            patterns.extend(Pattern::ALL);
+            patterns.extend(P::all());
         } else {
             patterns.push(parse_pattern(&spec.text, quiet)?);
         }
@@ -33,32 +129,36 @@ pub(crate) fn parse_patterns(text: &str, quiet: bool) -> Result<Vec<Pattern>, Cl
 }
 
 /// Returns the pattern of one name. Prints remarks on files unless `quiet`.
-pub(crate) fn parse_pattern(text: &str, quiet: bool) -> Result<Pattern, CliError> {
-    Pattern::parse(text, &PatternFiles { quiet }).map_err(|error| match error {
+pub(crate) fn parse_pattern<P: PatternKind>(text: &str, quiet: bool) -> Result<P, CliError> {
+    P::parse(text, &PatternFiles { quiet }).map_err(|error| match error {
         Error::File(source) => CliError::of_resolver(&source),
         Error::Given { .. } => CliError::failed(error),
         other if Path::new(text).is_file() => {
             CliError::Usage(format!("{other}; a file is a sampler as file:{}", quote(text)))
         }
-        other => CliError::usage(other),
+        other => {
+            let name = text.split(':').next().unwrap_or_default();
+            let known = || P::all().iter().any(|pattern| pattern.to_string() == name);
+            let of_other_kind = P::other_kind(name).filter(|_| !known());
+            of_other_kind.map_or_else(|| CliError::usage(other), CliError::Usage)
+        }
     })
 }
 
 /// Gives files of the same name labels with their paths.
-fn distinguish(patterns: &mut [Pattern]) {
+fn distinguish<P: PatternKind>(patterns: &mut [P]) {
     let named: Vec<(String, String)> =
         patterns.iter().map(|pattern| (pattern.label(), pattern.to_string())).collect();
     for (pattern, (label, text)) in patterns.iter_mut().zip(&named) {
-        let is_same = |other: &&(String, String)| other.0 == *label && other.1 != *text;
-        if let Pattern::PointFile(file) = pattern {
-            file.has_long_label = named.iter().any(|other| is_same(&other));
+        if named.iter().any(|other| other.0 == *label && other.1 != *text) {
+            pattern.use_long_label();
         }
     }
 }
 
 /// Reads the files that patterns name: `profile:FILE` as the command reads spectra, `file:FILE` as
 /// it reads `--points`.
-struct PatternFiles {
+pub(crate) struct PatternFiles {
     quiet: bool,
 }
 
@@ -73,25 +173,35 @@ impl FileResolver for PatternFiles {
     }
 
     fn points(&self, source: &PointFileParameters) -> Result<Vec<PointFile>, ResolveError> {
-        self.read(source).map_err(ResolveError::new)
+        self.read(source, PointFile::<DVec3>::check).map_err(ResolveError::new)
+    }
+
+    fn square_points(
+        &self,
+        source: &SquarePointFileParameters,
+    ) -> Result<Vec<PointFile<[f64; 2]>>, ResolveError> {
+        self.read(source, PointFile::<[f64; 2]>::check).map_err(ResolveError::new)
     }
 }
 
 impl PatternFiles {
-    fn read(&self, source: &PointFileParameters) -> Result<Vec<PointFile>, CliError> {
+    fn read<S: Space<Point: FilePoint>>(
+        &self,
+        source: &PointFileParameters<S>,
+        check: fn(&PointFile<S::Point>) -> Result<(), Error>,
+    ) -> Result<Vec<PointFile<S::Point>>, CliError> {
         let wrong = |key: &str, reason: String| {
             CliError::Usage(format!("file:{}: {key}: {reason}", source.file().display()))
         };
         let columns = source.columns.as_deref().map(str::parse).transpose();
         let hdu = source.hdu.as_deref().map(str::parse).transpose();
         let options = ReadOptions {
-            format: None,
             columns: columns.map_err(|reason| wrong("columns", reason))?,
             hdu: hdu.map_err(|reason| wrong("hdu", reason))?.unwrap_or_default(),
             skip_invalid: source.skip_invalid,
             normalize: source.normalize,
             spelling: OptionSpelling::Keys,
-            values: false,
+            ..ReadOptions::default()
         };
         let (mut read, mut errors) = (Vec::new(), Vec::new());
         for (stated_count, path) in point_files(source.file())? {
@@ -100,7 +210,7 @@ impl PatternFiles {
                 return Ok(vec![file?]);
             }
             // The files of a template are used without each other.
-            let checked = file.and_then(|file| match file.check() {
+            let checked = file.and_then(|file| match check(&file) {
                 Ok(()) => Ok(file),
                 Err(error) => Err(CliError::failed(error)),
             });
@@ -118,12 +228,12 @@ impl PatternFiles {
         Ok(read)
     }
 
-    fn read_one(
+    fn read_one<P: FilePoint>(
         &self,
         path: &Path,
         stated_count: Option<usize>,
         options: &ReadOptions,
-    ) -> Result<PointFile, CliError> {
+    ) -> Result<PointFile<P>, CliError> {
         let file = read_points(path, options)?;
         let warnings = file.warnings.iter().map(|warning| format!("warning: {warning}"));
         warnings.chain(file.remarks).for_each(|remark| say(self.quiet, &remark));
@@ -153,48 +263,57 @@ impl PatternFiles {
 
 /// Returns the sampler of `n` points or, if `nearest`, of the nearest valid count; for a single
 /// file, the sampler of its own number of points.
-pub(crate) fn build(
-    pattern: &Pattern,
+pub(crate) fn build<P: PatternKind<Space = S>, S: Space>(
+    pattern: &P,
     n: usize,
-    domain: Domain,
+    space: S,
     nearest: bool,
-) -> Result<Box<dyn Sampler>, CliError> {
+) -> Result<Box<S::Sampler>, CliError> {
+    Ok(build_counted(pattern, n, space, nearest)?.1)
+}
+
+/// Returns the number of points and the sampler of [`build`].
+fn build_counted<P: PatternKind<Space = S>, S: Space>(
+    pattern: &P,
+    n: usize,
+    space: S,
+    nearest: bool,
+) -> Result<(usize, Box<S::Sampler>), CliError> {
     let nearest = nearest || pattern.own_count().is_some();
-    let n = if nearest && n > 0 { pattern.nearest_count(n, domain) } else { n };
-    let sampler = pattern.build(n, domain).map_err(|error| match error {
+    let n = if nearest && n > 0 { pattern.nearest_count(n, space) } else { n };
+    let sampler = pattern.build(n, space).map_err(|error| match error {
         Error::InvalidCount { .. } => CliError::Usage(format!("{error} (use --nearest)")),
         Error::Given { .. } => CliError::failed(error),
         _ => CliError::usage(error),
     })?;
-    check_points(sampler.n_points())?;
-    Ok(sampler)
+    check_points(n)?;
+    Ok((n, sampler))
 }
 
 /// Returns the pattern that a text names, and its sampler as [`nearest_sampler`] does.
-pub(crate) fn sampler_of(
+pub(crate) fn sampler_of<P: PatternKind<Space = S>, S: Space>(
     text: &str,
     n: Option<usize>,
-    domain: Domain,
+    space: S,
     nearest: bool,
     quiet: bool,
-) -> Result<(Pattern, Box<dyn Sampler>), CliError> {
+) -> Result<(P, Box<S::Sampler>), CliError> {
     let pattern = parse_pattern(text, quiet)?;
-    let sampler = nearest_sampler(&pattern, n, domain, nearest, quiet)?;
+    let sampler = nearest_sampler(&pattern, n, space, nearest, quiet)?;
     Ok((pattern, sampler))
 }
 
 /// Returns the sampler of `n` points or of the nearest valid count if `nearest`. A single file
 /// needs no `n`. Prints a remark if the number of points differs from `n`, unless `quiet`.
-pub(crate) fn nearest_sampler(
-    pattern: &Pattern,
+pub(crate) fn nearest_sampler<P: PatternKind<Space = S>, S: Space>(
+    pattern: &P,
     n: Option<usize>,
-    domain: Domain,
+    space: S,
     nearest: bool,
     quiet: bool,
-) -> Result<Box<dyn Sampler>, CliError> {
+) -> Result<Box<S::Sampler>, CliError> {
     let n = n.or(pattern.own_count()).ok_or_else(missing_count)?;
-    let sampler = build(pattern, n, domain, nearest)?;
-    let got = sampler.n_points();
+    let (got, sampler) = build_counted(pattern, n, space, nearest)?;
     if got != n {
         let label = pattern.label();
         let why = match pattern.own_count() {

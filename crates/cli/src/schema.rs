@@ -23,7 +23,7 @@ use crate::commands::render::sheet::SheetBody;
 use crate::commands::render::single::RenderBody;
 use crate::commands::render::study::StudyBody;
 use crate::commands::reproduce::ReproductionBody;
-use crate::commands::sample::SampleBody;
+use crate::commands::sample::realized_sets::SampleBody;
 use crate::commands::spectrum::report::SpectrumBody;
 use crate::commands::variance::VarianceBody;
 use crate::commands::weights::WeightsBody;
@@ -63,7 +63,7 @@ fn documents(generator: &mut SchemaGenerator) -> Vec<(&'static str, Schema)> {
         ("render --sheet", document::<SheetBody>(generator)),
         ("render --study", document::<StudyBody>(generator)),
         ("reproduce", document::<ReproductionBody>(generator)),
-        ("sample", document::<SampleBody>(generator)),
+        ("sample", document::<SampleBody<[f64; 3]>>(generator)),
         ("spectrum", document::<SpectrumBody>(generator)),
         ("variance", document::<VarianceBody>(generator)),
         ("variance --no-rotate", document::<FixedOrientationBody>(generator)),

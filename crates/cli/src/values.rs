@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use glam::DVec3;
 use sphvar_samplers::{Domain, PointSet};
 use sphvar_spectrum::{FitError, LeastSquares};
 
@@ -37,7 +38,7 @@ impl Values {
             remarks: Vec::new(),
         };
         for (path, name) in files.iter().zip(&names) {
-            let file = read_points(path, &options)?;
+            let file = read_points::<DVec3>(path, &options)?;
             read.remarks.extend(file.warnings.into_iter().map(|w| format!("warning: {w}")));
             read.remarks.extend(file.remarks);
             let count = file.sets.len();

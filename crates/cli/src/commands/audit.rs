@@ -7,7 +7,9 @@ use std::path::PathBuf;
 
 use clap::Args;
 use glam::DMat3;
-use sphvar_samplers::{Domain, PointSet, Purpose, Realizations, Sampler, SetDistribution, Streams};
+use sphvar_samplers::{
+    Domain, Pattern, PointSet, Purpose, Realizations, Sampler, SetDistribution, Streams,
+};
 use sphvar_spectrum::{
     AuditSettings, Ensemble as PointEnsemble, HomogeneityAccumulator, HomogeneityAudit, Resolution,
     accumulate,
@@ -182,7 +184,8 @@ fn source(args: &AuditArgs, domain: Domain, global: &Global) -> Result<Source, C
         return Ok(Source::Files(sets));
     };
     let (n, nearest) = (args.sets.count.count, args.sets.nearest.nearest);
-    let (pattern, sampler) = patterns::sampler_of(name, n, domain, nearest, global.quiet)?;
+    let (pattern, sampler) =
+        patterns::sampler_of::<Pattern, _>(name, n, domain, nearest, global.quiet)?;
     // A single set is a pattern that is not random; a few are not the ensemble that they come from.
     if let SetDistribution::OneOf(sets) = sampler.distribution()
         && sets.len() > 1

@@ -1,27 +1,26 @@
 //! `sphvar sample`: realizations of a pattern.
 
-use std::path::{Path, PathBuf};
+pub(crate) mod realized_sets;
+
+use std::path::PathBuf;
 
 use clap::Args;
-use glam::DVec3;
-use rayon::prelude::{IntoParallelIterator, ParallelIterator};
-use schemars::JsonSchema;
-use serde::Serialize;
 use sphvar_samplers::{
-    Domain, Ensemble, Pattern, PointSet, Purpose, Realizations, SetDistribution, Streams,
+    Domain, Ensemble, Pattern, Purpose, Realizations, SetDistribution, Square, SquareDistribution,
+    SquarePattern, SquareRealizations, Streams,
 };
 
+use self::realized_sets::RealizedSets;
 use crate::counts::parse_count;
 use crate::error::CliError;
-use crate::files::{AtomicFile, NumberedPath, write_points};
-use crate::flags::{CountArgs, DomainArgs, NearestArgs, SamplerArgs};
+use crate::flags::{
+    CountArgs, DomainArgs, NearestArgs, ONE_DOMAIN, SHIFTED, SamplerArgs, SquareArgs,
+};
 use crate::global::Global;
-use crate::memory::check_memory;
 use crate::patterns;
-use crate::plots::{ImageFormat, OrthographicView};
-use crate::point_sets::RotatedSets;
-use crate::progress::Progress;
-use crate::report::{Document, Provenance, is_stdout, say};
+use crate::plots::{OrthographicView, SquareView};
+use crate::point_sets::{RotatedSets, ShiftedSets};
+use crate::report::say;
 
 pub(crate) const EXAMPLES: &str = "Examples:
   sphvar sample jittered -n 972 -o points.csv
@@ -31,7 +30,8 @@ pub(crate) const EXAMPLES: &str = "Examples:
   sphvar sample poisson-disk:mode=saturated -n 4096 -o disks.ply
   sphvar sample step:alpha=1 -n 4096 -o step.npy    (no power up to degree 64)
   sphvar sample profile:b=2,alpha=1,to=2 -n 1000 -o quadratic.csv
-  sphvar sample file:points.csv -o points.ply       (your own points in another format)";
+  sphvar sample file:points.csv -o points.ply       (your own points in another format)
+  sphvar sample sobol --square -n 1024 -o square.csv      (points u,v of the unit square)";
 
 #[derive(Debug, Args)]
 #[command(
@@ -55,32 +55,14 @@ pub(crate) struct SampleArgs {
     /// Apply an independent uniform random rotation to every realization
     #[arg(long)]
     pub(crate) rotate: bool,
+    #[command(flatten)]
+    pub(crate) square: SquareArgs,
+    /// Apply an independent uniform toroidal shift to every realization of a pattern of the square
+    #[arg(long, requires = "square")]
+    pub(crate) shift: bool,
     /// Write the points to a file: .csv, .npy, .npz or .ply, or a picture as .svg or .png; - is CSV on standard output. {i} in the name is the number of the set, 000000, 000001, ..., one file per set
     #[arg(short, long, default_value = "-", value_name = "FILE")]
     pub(crate) out: PathBuf,
-}
-
-/// Realizations of a pattern: `sample --json`.
-#[derive(Debug, Serialize, JsonSchema)]
-pub(crate) struct SampleBody {
-    /// The sampler with its parameters.
-    sampler: String,
-    /// The number of points; the mean where it is random.
-    n: usize,
-    /// The number of sets.
-    realizations: usize,
-    /// No set has power at any degree from 1 to this, for patterns that are made so.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    last_empty_degree: Option<usize>,
-    /// The number of points of each set, where the pattern does not fix it.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    counts: Option<Vec<usize>>,
-    /// The unit vectors x, y, z of each set, unless they are written to a file.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    points: Option<Vec<Vec<[f64; 3]>>>,
-    /// The weights of the points of each set, if they have weights.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    weights: Option<Vec<Vec<f64>>>,
 }
 
 pub(crate) fn run(args: &SampleArgs, global: &Global) -> Result<(), CliError> {
@@ -91,29 +73,26 @@ pub(crate) fn run(args: &SampleArgs, global: &Global) -> Result<(), CliError> {
     if args.realizations == Some(0) {
         return Err(CliError::Usage("-m must be at least 1, got 0".to_owned()));
     }
+    args.square.without(&[
+        ("--hemisphere", args.domain.hemisphere, ONE_DOMAIN),
+        ("--rotate", args.rotate, SHIFTED),
+    ])?;
+    if args.square.square {
+        sample_square(sampler, args, global)
+    } else {
+        sample_directions(sampler, args, global)
+    }
+}
+
+fn sample_directions(sampler: &str, args: &SampleArgs, global: &Global) -> Result<(), CliError> {
     let (n, nearest) = (args.count.count, args.nearest.nearest);
     let domain = args.domain.domain();
-    let (pattern, sampler) = patterns::sampler_of(sampler, n, domain, nearest, global.quiet)?;
-    let given = match sampler.distribution() {
-        SetDistribution::OneOf(sets) if args.realizations.is_none() => Some(sets),
-        _ => None,
-    };
-    let realizations = args.realizations.unwrap_or(given.map_or(1, <[PointSet]>::len));
-    let numbered = NumberedPath::of(&args.out);
-    let first_and_last = numbered.map_or(vec![args.out.clone()], |numbered| {
-        vec![numbered.path(0), numbered.path(realizations - 1)]
-    });
-    for path in first_and_last {
-        AtomicFile::check(&path)?;
-    }
-    let n_points = sampler.n_points();
-    let total = 24.0 * n_points as f64 * realizations as f64;
-    check_memory(&format!("{realizations} sets of {n_points} points"), total)?;
-
+    let (pattern, sampler) =
+        patterns::sampler_of::<Pattern, _>(sampler, n, domain, nearest, global.quiet)?;
     let last_empty_degree = sampler.last_empty_degree();
-    let empty = last_empty_degree.map(|last| no_power(last, sampler.domain()));
-    if let Some(empty) = &empty {
-        say(global.quiet, &format!("{pattern}, N = {n_points}: {empty}"));
+    let remark = last_empty_degree.map(|last| no_power(last, sampler.domain()));
+    if let Some(empty) = &remark {
+        say(global.quiet, &format!("{pattern}, N = {}: {empty}", sampler.n_points()));
     }
     let streams = Streams::new(global.seed, Purpose::Pattern, sampler.stream_group());
     let drawn = if args.rotate {
@@ -121,77 +100,60 @@ pub(crate) fn run(args: &SampleArgs, global: &Global) -> Result<(), CliError> {
     } else {
         Realizations::unrotated(&*sampler, streams)
     };
+    let given = match sampler.distribution() {
+        SetDistribution::OneOf(sets) if args.realizations.is_none() => Some(sets),
+        _ => None,
+    };
     let given = given.map(|sets| RotatedSets { sets, rotations: drawn });
-    let ensemble: &dyn Ensemble = match &given {
-        Some(given) => given,
-        None => &drawn,
+    let sets = RealizedSets {
+        sampler: pattern.to_string(),
+        label: pattern.label(),
+        n_points: sampler.n_points(),
+        given: given.as_ref().map(|given| given.sets.len()),
+        ensemble: match &given {
+            Some(given) => given as &dyn Ensemble,
+            None => &drawn,
+        },
+        set_work: sampler.nominal_work(),
+        last_empty_degree,
+        remark,
+        picture: |title, notes, points, path| {
+            OrthographicView { title, notes, ..OrthographicView::default() }.render(points, path)
+        },
     };
-    let set_work = if given.is_some() { 0.0 } else { sampler.nominal_work() };
-    let work = realizations as f64 * set_work;
-    let progress = Progress::new(work, global.quiet);
-    progress.stage(&pattern.label());
-    let realize = |i| {
-        let mut set = PointSet::default();
-        ensemble.realize_into(i, &mut set, &progress).map_err(CliError::failed)?;
-        Ok(set)
-    };
-    let sets = (0..realizations as u64)
-        .into_par_iter()
-        .map(realize)
-        .collect::<Result<Vec<_>, CliError>>()?;
-    drop(progress);
-    let provenance = Provenance::new(global.seed);
-    let line = provenance.line();
-    let note = empty.map_or(line.clone(), |empty| format!("{line}; {empty}"));
-    let to_stdout = is_stdout(&args.out);
-    if let Some(numbered) = numbered {
-        for (i, set) in sets.iter().enumerate() {
-            write_sets(&numbered.path(i), std::slice::from_ref(set), &pattern, &note)?;
-        }
-    } else if !(to_stdout && global.json) {
-        if ImageFormat::of_path(&args.out).is_some() && realizations > 1 {
-            say(global.quiet, "the picture shows the first realization");
-        }
-        write_sets(&args.out, &sets, &pattern, &note)?;
-    }
-    if global.json {
-        let coordinates = |set: &PointSet| set.points.iter().map(DVec3::to_array).collect();
-        let points = to_stdout.then(|| sets.iter().map(coordinates).collect());
-        let is_weighted = sets.iter().any(|set| !set.weights.is_empty());
-        let weights = (to_stdout && is_weighted)
-            .then(|| sets.iter().map(|set| set.weights.clone()).collect());
-        let counts: Vec<usize> = sets.iter().map(PointSet::len).collect();
-        let counts = Some(counts).filter(|counts| counts.iter().any(|&count| count != n_points));
-        let body = SampleBody {
-            sampler: pattern.to_string(),
-            n: n_points,
-            realizations,
-            last_empty_degree,
-            counts,
-            points,
-            weights,
-        };
-        return Document::new(&body, &provenance).print();
-    }
-    Ok(())
+    sets.write(args, global)
 }
 
-/// Writes all sets, or a picture of the first one.
-fn write_sets(
-    path: &Path,
-    sets: &[PointSet],
-    pattern: &Pattern,
-    note: &str,
-) -> Result<(), CliError> {
-    if ImageFormat::of_path(path).is_none() {
-        return Ok(write_points(path, None, sets, Some(note))?);
-    }
-    let view = OrthographicView {
-        title: format!("{}, N = {}", pattern.label(), sets[0].len()),
-        notes: vec![note.to_owned()],
-        ..OrthographicView::default()
+fn sample_square(sampler: &str, args: &SampleArgs, global: &Global) -> Result<(), CliError> {
+    let (n, nearest) = (args.count.count, args.nearest.nearest);
+    let (pattern, sampler) =
+        patterns::sampler_of::<SquarePattern, _>(sampler, n, Square, nearest, global.quiet)?;
+    let streams = Streams::new(global.seed, Purpose::Pattern, sampler.stream_group());
+    let drawn = if args.shift {
+        SquareRealizations::shifted(&*sampler, streams)
+    } else {
+        SquareRealizations::unshifted(&*sampler, streams)
     };
-    Ok(view.render(&sets[0].points, path)?)
+    let given = match sampler.distribution() {
+        SquareDistribution::OneOf(sets) if args.realizations.is_none() => Some(sets),
+        _ => None,
+    };
+    let given = given.map(|sets| ShiftedSets { sets, shifts: drawn });
+    let sets = RealizedSets {
+        sampler: pattern.to_string(),
+        label: pattern.label(),
+        n_points: sampler.n_points(),
+        given: given.as_ref().map(|given| given.sets.len()),
+        ensemble: match &given {
+            Some(given) => given as &dyn Ensemble<[f64; 2]>,
+            None => &drawn,
+        },
+        set_work: sampler.nominal_work(),
+        last_empty_degree: None,
+        remark: None,
+        picture: |title, notes, points, path| SquareView { title, notes }.render(points, path),
+    };
+    sets.write(args, global)
 }
 
 /// Returns the remark on sets without power at the degrees up to `last`.

@@ -35,7 +35,7 @@ pub(crate) struct PointFileArgs {
     /// Point files, each set in which is a realization: CSV or other text, .npy, .npz, .ply, FITS tables (file.fits[2] or file.fits[NAME] selects an HDU), each possibly gzipped; - is standard input
     #[arg(long = "points", num_args = 1.., value_name = "FILE", id = "points_from", value_parser = point_file())]
     pub(crate) files: Vec<PathBuf>,
-    /// Columns of point files: roles by position, as in ra,dec,_,w (_ skips a column), or by name, as in ra=RAJ2000,dec=DEJ2000,w=WEIGHT. Roles: x,y,z; theta,phi (radians); lon,lat or ra,dec or glon,glat or l,b (degrees); w (weight); set (label of the realization)
+    /// Columns of point files: roles by position, as in ra,dec,_,w (_ skips a column), or by name, as in ra=RAJ2000,dec=DEJ2000,w=WEIGHT. Roles: x,y,z; theta,phi (radians); u,v (the unit square, with --square); lon,lat or ra,dec or glon,glat or l,b (degrees); w (weight); set (label of the realization)
     #[arg(long, value_name = "ROLES", conflicts_with = "sampler")]
     pub(crate) columns: Option<ColumnChoice>,
     /// HDU of FITS files with the table: its number (0 is the primary one) or its name [default: the first table]
@@ -47,7 +47,7 @@ pub(crate) struct PointFileArgs {
     /// Skip rows with empty, infinite or invalid numbers and report their number
     #[arg(long, conflicts_with = "sampler")]
     pub(crate) skip_invalid: bool,
-    /// Accept vectors x,y,z of any length and scale them to unit length
+    /// Accept vectors x,y,z of any length and scale them to unit length; with --square, take coordinates modulo 1
     #[arg(long, conflicts_with = "sampler")]
     pub(crate) normalize: bool,
 }
@@ -68,13 +68,12 @@ impl PointFileArgs {
     /// Returns the options for reading the files.
     pub(crate) fn options(&self) -> ReadOptions {
         ReadOptions {
-            format: None,
             columns: self.columns.clone(),
             hdu: self.hdu.clone().unwrap_or_default(),
             skip_invalid: self.skip_invalid,
             normalize: self.normalize,
             spelling: OptionSpelling::Flags,
-            values: false,
+            ..ReadOptions::default()
         }
     }
 }

@@ -42,7 +42,9 @@ pub(crate) use numbered_path::NumberedPath;
 pub(crate) use picture::{Picture, PictureFormat, srgb, write_png};
 pub(crate) use piece_store::PieceStore;
 pub(crate) use point_templates::point_files;
-pub(crate) use points::{ColumnChoice, OptionSpelling, ReadOptions, read_points, write_points};
+pub(crate) use points::{
+    ColumnChoice, FilePoint, OptionSpelling, ReadOptions, read_points, write_points,
+};
 pub(crate) use regular::{read_regular, write_regular};
 pub(crate) use shard::{Part, SavedEnsemble, Shard};
 pub(crate) use spectra::read_spectrum;

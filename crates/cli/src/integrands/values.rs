@@ -24,13 +24,13 @@ pub(super) fn fit(
     let columns = wanted.columns.as_deref().map(str::parse).transpose();
     let hdu = wanted.hdu.as_deref().map(str::parse).transpose();
     let options = ReadOptions {
-        format: None,
         columns: columns.map_err(|reason| wrong("columns", reason))?,
         hdu: hdu.map_err(|reason| wrong("hdu", reason))?.unwrap_or_default(),
         skip_invalid: wanted.skip_invalid,
         normalize: wanted.normalize,
         spelling: OptionSpelling::Keys,
         values: true,
+        ..ReadOptions::default()
     };
     let domain = if wanted.hemisphere { Domain::Hemisphere } else { Domain::Sphere };
     let values = Values::read(std::slice::from_ref(&wanted.file), &options, domain)?;

@@ -37,6 +37,7 @@ mod sampler_arguments;
 mod schemas;
 mod several_integrals;
 mod shards;
+mod square;
 mod targets;
 mod weights;
 mod workplace;

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use sphvar_grammar::{Spec, quote};
 use sphvar_samplers::{
-    Domain, Ensemble, PointSet, Purpose, Realizations, Sampler, SetDistribution, Streams,
+    Domain, Ensemble, Pattern, PointSet, Purpose, Realizations, Sampler, SetDistribution, Streams,
 };
 use sphvar_spectrum::quality::Quality;
 
@@ -44,7 +44,7 @@ impl Source {
             .collect();
         // Together, so that files of the same name have different labels.
         let patterns = patterns::parse_patterns(&texts.join(","), global.quiet)?;
-        let sources = patterns.into_iter().map(|pattern| {
+        let sources = patterns.into_iter().map(|pattern: Pattern| {
             let n = args.count.count;
             let sampler = patterns::nearest_sampler(&pattern, n, domain, nearest, global.quiet)?;
             let count = match given_sets(&*sampler) {

@@ -9,7 +9,7 @@ use sphvar_samplers::PointSet;
 use super::angles::{direction_of_degrees, direction_of_radians};
 use super::columns::{Layout, listed};
 use super::lengths::Lengths;
-use super::roles::Coordinates;
+use super::space::FilePoint;
 use super::{PointFile, ReadOptions};
 use crate::files::file_error::{FileError, Place};
 use crate::files::memory_guard::MemoryGuard;
@@ -18,9 +18,6 @@ use crate::files::text_rows::shortened;
 /// The tolerance within which a colatitude above pi is taken as pi: one printed with seven digits
 /// may exceed pi by this much.
 const THETA_SLACK: f64 = 1e-6;
-/// The depth below the plane z = 0 that counts as rounding on the hemisphere: coordinates printed
-/// with seven digits may be off by this much.
-const BELOW_SLACK: f64 = 1e-6;
 /// The number of points between two checks of the memory.
 const STEP: usize = 1 << 12;
 /// The number of bytes of a set without its points.
@@ -30,7 +27,7 @@ const NAMED: usize = 5;
 
 /// The content of a column of a row.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) enum Cell<'a> {
+pub(crate) enum Cell<'a> {
     Number(f64),
     Text(Cow<'a, str>),
     /// An empty cell, or a mark for an unknown value.
@@ -38,18 +35,18 @@ pub(super) enum Cell<'a> {
 }
 
 /// The numbers of a point.
-struct Row {
-    direction: DVec3,
-    weight: Option<f64>,
-    value: Option<f64>,
+pub(crate) struct Row<P> {
+    pub(super) point: P,
+    pub(super) weight: Option<f64>,
+    pub(super) value: Option<f64>,
 }
 
 /// The point sets of one file while it is read.
-pub(super) struct PointCollector<'a> {
+pub(crate) struct PointCollector<'a, P> {
     path: &'a str,
     options: &'a ReadOptions,
     layout: Layout,
-    sets: Vec<PointSet>,
+    sets: Vec<PointSet<P>>,
     values: Vec<f64>,
     /// The place of the first point of each set.
     starts: Vec<Place>,
@@ -68,7 +65,7 @@ pub(super) struct PointCollector<'a> {
     warnings: Vec<String>,
 }
 
-impl<'a> PointCollector<'a> {
+impl<'a, P: FilePoint> PointCollector<'a, P> {
     /// Returns an empty collector for the file of this name.
     ///
     /// # Errors
@@ -122,6 +119,11 @@ impl<'a> PointCollector<'a> {
         })
     }
 
+    /// Returns the options for reading the file.
+    pub(super) fn options(&self) -> &ReadOptions {
+        self.options
+    }
+
     /// Returns the meaning of the columns.
     pub(super) fn layout(&self) -> &Layout {
         &self.layout
@@ -155,8 +157,8 @@ impl<'a> PointCollector<'a> {
         place: Place,
         cell: impl Fn(usize) -> Cell<'c>,
     ) -> Result<(), FileError> {
-        match self.point(place, &cell) {
-            Ok(Row { direction, weight, value }) => {
+        match P::of_row(self, place, &cell) {
+            Ok(Row { point, weight, value }) => {
                 if let Some(set) = self.layout.set {
                     self.select(cell(set));
                 }
@@ -164,10 +166,10 @@ impl<'a> PointCollector<'a> {
                 if set.is_empty() {
                     self.starts[self.current] = place;
                 }
-                if direction.z < -BELOW_SLACK {
-                    self.below.get_or_insert((place, self.current, direction.z));
+                if let Some(z) = point.below() {
+                    self.below.get_or_insert((place, self.current, z));
                 }
-                set.points.push(direction);
+                set.points.push(point);
                 if let Some(weight) = weight {
                     set.weights.push(weight);
                 }
@@ -205,7 +207,7 @@ impl<'a> PointCollector<'a> {
     }
 
     /// Returns the sets, or an error if there are no points or most are not directions.
-    pub(super) fn finish(mut self) -> Result<PointFile, FileError> {
+    pub(super) fn finish(mut self) -> Result<PointFile<P>, FileError> {
         let first_below = self.below.map(|(place, set, z)| {
             let set = self.sets[..set].iter().filter(|set| !set.is_empty()).count();
             let path = self.path;
@@ -263,47 +265,8 @@ impl<'a> PointCollector<'a> {
         Ok(PointFile { sets, values, weight_role, starts, first_below, warnings, remarks })
     }
 
-    /// Returns the numbers of a row.
-    fn point<'c>(
-        &mut self,
-        place: Place,
-        cell: &impl Fn(usize) -> Cell<'c>,
-    ) -> Result<Row, FileError> {
-        let number = |slot: usize| self.number(place, slot, cell(slot));
-        let direction = match self.layout.coordinates {
-            Coordinates::Vector => {
-                let vector = DVec3::new(number(0)?, number(1)?, number(2)?);
-                let (weight, value) = self.weight_and_value(place, cell)?;
-                let direction = self.lengths.direction(vector, place).ok_or_else(|| {
-                    let expected = "a vector that has a direction";
-                    self.error(place, "x, y, z", expected, "the zero vector".to_owned())
-                })?;
-                return Ok(Row { direction, weight, value });
-            }
-            Coordinates::Radians => {
-                let (colatitude, longitude) = (number(0)?, number(1)?);
-                let pi = std::f64::consts::PI;
-                if !(0.0..=pi + THETA_SLACK).contains(&colatitude) {
-                    let expected = "a colatitude in [0, pi] radians (degrees are called lon, lat)";
-                    return Err(self.slot_error(place, 0, expected, &cell(0)));
-                }
-                direction_of_radians(colatitude.min(pi), longitude)
-            }
-            Coordinates::Degrees => {
-                let (longitude, latitude) = (number(0)?, number(1)?);
-                if !(-90.0..=90.0).contains(&latitude) {
-                    let expected = "an angle in [-90, 90] degrees";
-                    return Err(self.slot_error(place, 1, expected, &cell(1)));
-                }
-                direction_of_degrees(longitude, latitude)
-            }
-        };
-        let (weight, value) = self.weight_and_value(place, cell)?;
-        Ok(Row { direction, weight, value })
-    }
-
     /// Returns the weight of a row, stated or from a standard error, and its value.
-    fn weight_and_value<'c>(
+    pub(super) fn weight_and_value<'c>(
         &self,
         place: Place,
         cell: &impl Fn(usize) -> Cell<'c>,
@@ -330,7 +293,12 @@ impl<'a> PointCollector<'a> {
         Ok((weight, value))
     }
 
-    fn number(&self, place: Place, slot: usize, cell: Cell<'_>) -> Result<f64, FileError> {
+    pub(super) fn number(
+        &self,
+        place: Place,
+        slot: usize,
+        cell: Cell<'_>,
+    ) -> Result<f64, FileError> {
         let value = match &cell {
             Cell::Number(value) => Some(*value),
             Cell::Text(text) => text.parse().ok(),
@@ -341,7 +309,13 @@ impl<'a> PointCollector<'a> {
             .ok_or_else(|| self.slot_error(place, slot, "a finite number", &cell))
     }
 
-    fn slot_error(&self, place: Place, slot: usize, expected: &str, cell: &Cell<'_>) -> FileError {
+    pub(super) fn slot_error(
+        &self,
+        place: Place,
+        slot: usize,
+        expected: &str,
+        cell: &Cell<'_>,
+    ) -> FileError {
         let got = match cell {
             Cell::Number(value) => value.to_string(),
             Cell::Text(text) => format!("{:?}{}", shortened(text), advice(text)),
@@ -385,10 +359,56 @@ impl<'a> PointCollector<'a> {
 
     fn check_memory(&mut self) -> Result<(), FileError> {
         let numbers = [self.layout.weight.or(self.layout.sigma), self.layout.value];
-        let of_point = size_of::<DVec3>() + numbers.iter().flatten().count() * size_of::<f64>();
+        let of_point = size_of::<P>() + numbers.iter().flatten().count() * size_of::<f64>();
         let held = self.points * of_point + self.sets.len() * SET_BYTES;
         let what = format!("a set of more than {} points", self.points);
         self.guard.check(self.path, &what, held as u64)
+    }
+}
+
+impl PointCollector<'_, DVec3> {
+    /// Returns the direction of a row with its weight and value.
+    ///
+    /// # Errors
+    ///
+    /// If the row has no direction, or an invalid weight or value.
+    pub(super) fn direction<'c>(
+        &mut self,
+        place: Place,
+        cell: &impl Fn(usize) -> Cell<'c>,
+    ) -> Result<Row<DVec3>, FileError> {
+        let number = |slot: usize| self.number(place, slot, cell(slot));
+        let point = match self.layout.slots[0].role {
+            "x" => {
+                let vector = DVec3::new(number(0)?, number(1)?, number(2)?);
+                let (weight, value) = self.weight_and_value(place, cell)?;
+                let point = self.lengths.direction(vector, place).ok_or_else(|| {
+                    let expected = "a vector that has a direction";
+                    self.error(place, "x, y, z", expected, "the zero vector".to_owned())
+                })?;
+                return Ok(Row { point, weight, value });
+            }
+            "theta" => {
+                let (colatitude, longitude) = (number(0)?, number(1)?);
+                let pi = std::f64::consts::PI;
+                if !(0.0..=pi + THETA_SLACK).contains(&colatitude) {
+                    let expected = "a colatitude in [0, pi] radians (degrees are called lon, lat)";
+                    return Err(self.slot_error(place, 0, expected, &cell(0)));
+                }
+                direction_of_radians(colatitude.min(pi), longitude)
+            }
+            // Longitude and latitude, under any name.
+            _ => {
+                let (longitude, latitude) = (number(0)?, number(1)?);
+                if !(-90.0..=90.0).contains(&latitude) {
+                    let expected = "an angle in [-90, 90] degrees";
+                    return Err(self.slot_error(place, 1, expected, &cell(1)));
+                }
+                direction_of_degrees(longitude, latitude)
+            }
+        };
+        let (weight, value) = self.weight_and_value(place, cell)?;
+        Ok(Row { point, weight, value })
     }
 }
 

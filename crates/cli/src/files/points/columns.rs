@@ -2,7 +2,8 @@
 
 use super::ReadOptions;
 use super::column::Column;
-use super::roles::{CELESTIAL, ColumnChoice, Coordinates, SYSTEMS, SYSTEMS_TEXT, role_of};
+use super::roles::{CELESTIAL, ColumnChoice};
+use super::space::Space;
 use super::suggestion::{suggested, suggestions};
 use crate::files::file_error::{FileError, Place};
 use crate::files::text_rows::shortened;
@@ -26,7 +27,6 @@ pub(super) struct Slot {
 /// The meaning of the columns of one file.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Layout {
-    pub(super) coordinates: Coordinates,
     /// The coordinates in the order of their combination, then the weight, the value and its
     /// standard error, then the set.
     pub(super) slots: Vec<Slot>,
@@ -70,7 +70,7 @@ pub(super) struct Table<'a> {
 }
 
 /// A role with its column and item.
-type Assigned = (&'static str, usize, Option<usize>);
+pub(super) type Assigned = (&'static str, usize, Option<usize>);
 
 impl Table<'_> {
     /// Returns the meaning of the columns.
@@ -80,6 +80,7 @@ impl Table<'_> {
     /// If the columns form no direction or more than one, a name of `--columns` is not
     /// among them, or a required column has no numbers.
     pub(super) fn layout(&self) -> Result<Layout, FileError> {
+        self.check_choice()?;
         let assigned = match &self.options.columns {
             Some(ColumnChoice::Names(names)) => self.by_name(names)?,
             Some(ColumnChoice::Positions(roles)) => self.by_position(roles)?,
@@ -87,6 +88,15 @@ impl Table<'_> {
             None => self.without_names()?,
         };
         let system = self.system(&assigned)?;
+        if self.options.space == Space::Square
+            && system.contains(&"x")
+            && assigned.iter().any(|(role, ..)| *role == "z")
+        {
+            return Err(self.error(
+                "two columns u,v or x,y of points of the unit square".to_owned(),
+                "the columns x,y,z; directions are read without --square".to_owned(),
+            ));
+        }
         let mut slots = Vec::new();
         let of_value: &[&str] = if self.options.values { &["value", "sigma"] } else { &[] };
         let others = ["w"].iter().chain(of_value).chain(&["set"]);
@@ -113,167 +123,18 @@ impl Table<'_> {
             .filter(|&i| !is_used[i] && !is_padding(&self.columns[i]))
             .map(name)
             .collect();
-        let coordinates = Coordinates::of_system(system);
         let others = self.other_system(system, &assigned);
-        Ok(Layout { coordinates, slots, weight, value, sigma, set, unused, others })
+        Ok(Layout { slots, weight, value, sigma, set, unused, others })
     }
 
-    /// Returns the roles that the column names imply.
-    fn by_header(&self) -> Result<Vec<Assigned>, FileError> {
-        let spelling = self.options.spelling;
-        let mut assigned: Vec<Assigned> = Vec::new();
-        for (index, column) in self.columns.iter().enumerate() {
-            let Some(role) = role_of(&column.name) else { continue };
-            if let Some(&(_, other, _)) = assigned.iter().find(|(taken, ..)| *taken == role) {
-                let got = format!("{} and {}", self.name(other), self.name(index));
-                let expected = format!("the column {role} once");
-                let advice = match suggested(self.columns, self.options) {
-                    flags if flags.is_empty() || role == "w" || role == "set" => {
-                        let chosen = spelling.columns(&format!("{role}=NAME,..."));
-                        format!("{chosen} chooses by name")
-                    }
-                    flags => format!("use {flags}"),
-                };
-                return Err(self.error(expected, format!("{got}; {advice}")));
-            }
-            assigned.push((role, index, None));
-        }
-        Ok(assigned)
+    /// Returns the combinations of roles that form a point.
+    pub(super) fn systems(&self) -> &'static [&'static [&'static str]] {
+        self.options.space.systems()
     }
 
-    /// Returns the roles of columns without names.
-    fn without_names(&self) -> Result<Vec<Assigned>, FileError> {
-        let count = self.columns.len();
-        let roles = ["x", "y", "z", "value", "w"];
-        if count == 3 || (self.options.values && (3..=roles.len()).contains(&count)) {
-            return Ok(roles
-                .iter()
-                .take(count)
-                .zip(0..)
-                .map(|(role, i)| (*role, i, None))
-                .collect());
-        }
-        let spelling = self.options.spelling;
-        let example = match count {
-            _ if self.options.values => {
-                format!("{} (_ skips a field)", spelling.columns("x,y,z,value,_,_"))
-            }
-            2 => format!("{} or {}", spelling.columns("theta,phi"), spelling.columns("lon,lat")),
-            4 => spelling.columns("x,y,z,w"),
-            _ => format!("{} (_ skips a field)", spelling.columns("x,y,z,_,_")),
-        };
-        let option = spelling.name("columns");
-        let noun = if count == 1 { "field" } else { "fields" };
-        let known = if self.options.values {
-            "4 fields (x y z value), 5 (x y z value w)"
-        } else {
-            "3 fields (x y z)"
-        };
-        Err(self.error(
-            format!("{known}, or a header, or names by the option {option} such as {example}"),
-            format!("{count} {noun} without a header"),
-        ))
-    }
-
-    /// Returns the roles that `--columns` gives to columns from left to right.
-    ///
-    /// If the file has names that imply all these roles, the names take precedence over the order,
-    /// unless a `_` shows that the order is meant.
-    fn by_position(&self, roles: &[Option<&'static str>]) -> Result<Vec<Assigned>, FileError> {
-        let spelling = self.options.spelling;
-        if self.has_names && roles.iter().all(Option::is_some) {
-            let of_role = |role: &&'static str| {
-                let mut found =
-                    (0..).zip(self.columns).filter(|(_, c)| role_of(&c.name) == Some(*role));
-                let (index, _) = found.next()?;
-                found.next().is_none().then_some((*role, index, None))
-            };
-            let by_name: Option<Vec<Assigned>> = roles.iter().flatten().map(of_role).collect();
-            if let Some(by_name) = by_name {
-                return Ok(by_name);
-            }
-        }
-        let count = self.columns.len();
-        if roles.len() > count || (!self.has_names && roles.len() < count) {
-            let written: Vec<&str> = roles.iter().map(|role| role.unwrap_or("_")).collect();
-            return Err(self.error(
-                format!("{} fields for {}", roles.len(), spelling.columns(&written.join(","))),
-                count.to_string(),
-            ));
-        }
-        let named: Vec<&'static str> =
-            self.columns.iter().filter_map(|column| role_of(&column.name)).collect();
-        let complete = SYSTEMS.iter().filter(|s| s.iter().all(|role| named.contains(role)));
-        let coordinates: Vec<&str> = complete.copied().flatten().copied().collect();
-        let mut assigned = Vec::new();
-        for (index, role) in roles.iter().enumerate() {
-            let Some(role) = *role else { continue };
-            let own = role_of(&self.columns[index].name);
-            // A column with a contradicting name in the file is more likely to be an oversight.
-            if own.is_some_and(|own| own != role && coordinates.contains(&own)) {
-                let name = self.name(index);
-                return Err(self.error(
-                    format!("the column {role} named in {}", spelling.name("columns")),
-                    format!("the header {}; use {role}={name} to read {name}", self.names()),
-                ));
-            }
-            assigned.push((role, index, None));
-        }
-        Ok(assigned)
-    }
-
-    /// Returns the roles that `--columns` assigns to names.
-    fn by_name(&self, names: &[(&'static str, String)]) -> Result<Vec<Assigned>, FileError> {
-        let spelling = self.options.spelling;
-        let option = spelling.name("columns");
-        if !self.has_names {
-            let roles = if self.options.values { "ra,dec,value" } else { "ra,dec,w" };
-            let by_position = spelling.columns(roles);
-            return Err(self.error(
-                format!(
-                    "a header with the names of {option} (without one: {by_position} by position)"
-                ),
-                "none".to_owned(),
-            ));
-        }
-        names
-            .iter()
-            .map(|(role, name)| {
-                if let Some(column) = self.find(name)? {
-                    return Ok((*role, column, None));
-                }
-                let indexed = name.strip_suffix(']').and_then(|n| n.rsplit_once('['));
-                if let Some((name, item)) = indexed
-                    && let Ok(item) = item.trim().parse()
-                    && let Some(column) = self.find(name)?
-                {
-                    return Ok((*role, column, Some(item)));
-                }
-                let expected = format!("the column {} of {option}", shortened(name));
-                Err(self.error(expected, format!("the columns {}", self.names())))
-            })
-            .collect()
-    }
-
-    /// Returns the column of a name: an exact match, or else a match in any case.
-    fn find(&self, name: &str) -> Result<Option<usize>, FileError> {
-        let matching = |equal: &dyn Fn(&str) -> bool| {
-            let columns = self.columns.iter().enumerate();
-            columns.filter(|(_, c)| equal(c.name.trim())).map(|(i, _)| i).collect::<Vec<_>>()
-        };
-        let mut found = matching(&|other| other == name);
-        if found.is_empty() {
-            found = matching(&|other| other.eq_ignore_ascii_case(name));
-        }
-        match found[..] {
-            [] => Ok(None),
-            [column] => Ok(Some(column)),
-            _ => {
-                let expected = format!("one column {}", shortened(name));
-                let got = format!("{} of them; choose by position", found.len());
-                Err(self.error(expected, got))
-            }
-        }
+    /// Returns the role of a column name.
+    pub(super) fn role_of(&self, name: &str) -> Option<&'static str> {
+        self.options.space.role_of(name)
     }
 
     /// Returns the only combination of roles that forms a direction.
@@ -281,7 +142,7 @@ impl Table<'_> {
         let spelling = self.options.spelling;
         let has = |role: &&str| assigned.iter().any(|(other, ..)| other == role);
         let complete: Vec<&'static [&'static str]> =
-            SYSTEMS.into_iter().filter(|system| system.iter().all(&has)).collect();
+            self.systems().iter().copied().filter(|system| system.iter().all(&has)).collect();
         let columns = || {
             // With --columns, or without names, no better combination can exist.
             let flags = match self.options.columns {
@@ -297,10 +158,12 @@ impl Table<'_> {
             [system, ..] if complete.iter().all(|system| CELESTIAL.contains(system)) => Ok(system),
             [] => {
                 // A single b or l more likely denotes something else.
-                let begun =
-                    SYSTEMS.iter().find(|system| **system != ["l", "b"] && system.iter().any(&has));
+                let begun = self.systems().iter().find(|s| **s != ["l", "b"] && s.iter().any(&has));
                 let Some(begun) = begun else {
-                    return Err(self.error(format!("columns named {SYSTEMS_TEXT}"), columns()));
+                    return Err(self.error(
+                        format!("columns named {}", self.options.space.systems_in_words()),
+                        columns(),
+                    ));
                 };
                 let missing: Vec<&str> = begun.iter().copied().filter(|r| !has(r)).collect();
                 Err(self.error(
@@ -326,10 +189,13 @@ impl Table<'_> {
     /// one.
     fn other_system(&self, used: &[&str], assigned: &[Assigned]) -> Option<String> {
         let has = |role: &&str| assigned.iter().any(|(other, ..)| other == role);
-        let other = SYSTEMS.iter().find(|system| **system != used && system.iter().all(has))?;
+        let other =
+            self.systems().iter().find(|system| **system != used && system.iter().all(has))?;
         let start = format!("{}=", other[0]);
         let is_other = |value: &String| value.starts_with(&start);
-        suggestions(self.columns, self.options.values).into_iter().find(is_other)
+        suggestions(self.columns, self.options.space, self.options.values)
+            .into_iter()
+            .find(is_other)
     }
 
     fn slot(&self, (role, column, item): Assigned, others: &[Slot]) -> Result<Slot, FileError> {
@@ -364,20 +230,20 @@ impl Table<'_> {
     }
 
     /// Returns the name of a column for messages.
-    fn name(&self, index: usize) -> String {
+    pub(super) fn name(&self, index: usize) -> String {
         match self.columns[index].name.trim() {
             "" => format!("column {}", index + 1),
             name => shortened(name),
         }
     }
 
-    fn names(&self) -> String {
+    pub(super) fn names(&self) -> String {
         let names: Vec<String> =
             (0..self.columns.len().min(LISTED + 1)).map(|i| self.name(i)).collect();
         listed(&names, self.columns.len())
     }
 
-    fn error(&self, expected: String, got: String) -> FileError {
+    pub(super) fn error(&self, expected: String, got: String) -> FileError {
         FileError::Layout { path: self.path.to_owned(), place: self.place, expected, got }
     }
 }

@@ -5,7 +5,7 @@ use std::io::BufRead;
 use super::collector::{Cell, PointCollector};
 use super::column::Column;
 use super::columns::Table;
-use super::{OptionSpelling, PointFile, ReadOptions};
+use super::{FilePoint, OptionSpelling, PointFile, ReadOptions};
 use crate::files::file_error::{FileError, Place};
 use crate::files::fits::{Hdu, HduChoice, HduReader, Item, TableColumn};
 use crate::files::memory_guard::check_announced;
@@ -18,12 +18,12 @@ const LISTED: usize = 4;
 const MAX_ROW: usize = 1 << 26;
 
 /// Returns the sets of a table, binary or ASCII, from the selected HDU or the first table.
-pub(super) fn read_fits(
+pub(super) fn read_fits<P: FilePoint>(
     input: impl BufRead,
     path: &str,
     options: &ReadOptions,
     file_bytes: Option<u64>,
-) -> Result<PointFile, FileError> {
+) -> Result<PointFile<P>, FileError> {
     let mut file = HduReader::new(input, path);
     let hdu = file.select(&options.hdu, Hdu::is_table, "a table")?;
     let (row, rows) = hdu.table_size(path, MAX_ROW)?;

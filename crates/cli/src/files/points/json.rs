@@ -7,31 +7,32 @@ use serde::Deserialize;
 use super::collector::{Cell, PointCollector};
 use super::column::Column;
 use super::columns::Table;
-use super::{PointFile, ReadOptions};
+use super::{FilePoint, PointFile, ReadOptions};
 use crate::files::file_error::{FileError, Place};
 use crate::files::input::read_rest;
 
 /// The relevant part of the document.
 #[derive(Deserialize)]
-struct Document {
-    points: Vec<Vec<[f64; 3]>>,
+struct Document<N> {
+    points: Vec<Vec<N>>,
     weights: Option<Vec<Vec<f64>>>,
 }
 
-/// Returns the sets of a JSON document with `points`, a list of lists of `[x, y, z]`, and possibly
-/// `weights`, a list of lists of numbers.
-pub(super) fn read_json(
+/// Returns the sets of a JSON document with `points`, a list of lists of `[x, y, z]` or
+/// `[u, v]`, and possibly `weights`, a list of lists of numbers.
+pub(super) fn read_json<P: FilePoint>(
     input: impl BufRead,
     path: &str,
     options: &ReadOptions,
-) -> Result<PointFile, FileError> {
+) -> Result<PointFile<P>, FileError> {
     let text = read_rest(input, path)?;
-    let document: Document = serde_json::from_slice(&text).map_err(|error| FileError::Layout {
-        path: path.to_owned(),
-        place: Place::Whole,
-        expected: "a JSON document with \"points\", as sample --json prints it".to_owned(),
-        got: format!("an error ({error})"),
-    })?;
+    let document: Document<P::Numbers> =
+        serde_json::from_slice(&text).map_err(|error| FileError::Layout {
+            path: path.to_owned(),
+            place: Place::Whole,
+            expected: "a JSON document with \"points\", as sample --json prints it".to_owned(),
+            got: format!("an error ({error})"),
+        })?;
     let place = Place::Whole;
     if let Some(weights) = &document.weights {
         let lengths = |lists: &[usize]| format!("{lists:?}");
@@ -46,10 +47,10 @@ pub(super) fn read_json(
             });
         }
     }
-    let names: &[&str] =
-        if document.weights.is_some() { &["x", "y", "z", "w"] } else { &["", "", ""] };
-    let columns: Vec<Column> = names.iter().map(|&name| Column::single(name)).collect();
     let has_names = document.weights.is_some();
+    let names = P::SPACE.default_roles().iter().chain(has_names.then_some(&"w"));
+    let columns: Vec<Column> =
+        names.map(|name| Column::single(if has_names { *name } else { "" })).collect();
     let table = Table { path, place, columns: &columns, has_names, options };
     let mut points = PointCollector::new(path, table.layout()?, options)?;
     let items: Vec<usize> = points.layout().slots.iter().map(|slot| slot.column).collect();
@@ -59,7 +60,7 @@ pub(super) fn read_json(
             let place = Place::RowOfSet(index, row);
             let weight = document.weights.as_ref().map_or(1.0, |weights| weights[index][row]);
             points.row(place, |slot| {
-                Cell::Number(numbers.get(items[slot]).copied().unwrap_or(weight))
+                Cell::Number(numbers.as_ref().get(items[slot]).copied().unwrap_or(weight))
             })?;
         }
     }

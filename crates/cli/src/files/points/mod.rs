@@ -1,6 +1,7 @@
 //! Point sets in files: CSV and other text, NPY, NPZ, PLY, FITS tables, and our own JSON.
 
 mod angles;
+mod assignment;
 mod collector;
 mod column;
 mod columns;
@@ -12,6 +13,7 @@ mod npy;
 mod npz;
 mod ply;
 mod roles;
+mod space;
 mod spelling;
 mod suggestion;
 mod text;
@@ -24,6 +26,7 @@ use std::fs::{self, File};
 use std::io::{BufRead, BufReader, Cursor};
 use std::path::Path;
 
+use glam::DVec3;
 use sphvar_samplers::PointSet;
 
 use super::file_error::{FileError, Place, input_name, is_dash};
@@ -32,15 +35,16 @@ use super::input::{open_input, read_rest};
 
 pub(crate) use format::PointFormat;
 pub(crate) use roles::ColumnChoice;
+pub(crate) use space::{FilePoint, Space};
 pub(crate) use spelling::OptionSpelling;
 pub(crate) use write::write_points;
 
-/// The content of a file: at least one set, each with at least one direction.
+/// The content of a file: at least one set, each with at least one point.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct PointFile {
-    /// The sets in the order of their first appearance: unit vectors in the order of the file, and
-    /// finite weights of any sign if the file has a column `w` or `weight`.
-    pub(crate) sets: Vec<PointSet>,
+pub(crate) struct PointFile<P = DVec3> {
+    /// The sets in the order of their first appearance: unit vectors, or points in [0, 1)^2, in the
+    /// order of the file, and finite weights of any sign if the file has a column `w` or `weight`.
+    pub(crate) sets: Vec<PointSet<P>>,
     /// The values of the points in the order of the file, if [`ReadOptions::values`] requests them.
     pub(crate) values: Vec<f64>,
     /// The column of the weights: `w`, or `sigma` for their inverse squares; `None` without
@@ -59,6 +63,8 @@ pub(crate) struct PointFile {
 /// Options for reading a file that its content does not determine.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct ReadOptions {
+    /// The space of the points; [`read_points`] sets it to that of its points.
+    pub(crate) space: Space,
     /// The format; `None` takes it from the first bytes or, if these are inconclusive, from the
     /// extension.
     pub(crate) format: Option<PointFormat>,
@@ -68,7 +74,7 @@ pub(crate) struct ReadOptions {
     pub(crate) hdu: HduChoice,
     /// Whether rows without a direction or with an invalid weight are skipped.
     pub(crate) skip_invalid: bool,
-    /// Whether vectors may have any length.
+    /// Whether vectors may have any length; on the square, whether coordinates are taken modulo 1.
     pub(crate) normalize: bool,
     /// How messages write these options.
     pub(crate) spelling: OptionSpelling,
@@ -84,12 +90,12 @@ pub(crate) struct ReadOptions {
 /// the arrays of an NPZ file, the properties of the vertices of a PLY file, the columns of a FITS
 /// table. A direction is `x,y,z`, or `theta,phi` (colatitude and longitude in radians), or
 /// `lon,lat`, `ra,dec`, `glon,glat` or `l,b` (degrees); `w` is its weight, and `set` the label of
-/// its set. Names in catalogues such as `RAJ2000` and `ALPHA_J2000` are recognized;
+/// its set. A point of the square is `u,v` or `x,y` in [0, 1). Names in catalogues such as `RAJ2000` and `ALPHA_J2000` are recognized;
 /// [`ReadOptions::columns`] supports others. Of several celestial systems in a catalogue `ra,dec`
 /// is taken, and `glon,glat` before `l,b`; other pairs of directions are an error.
 ///
-/// In text `#` starts a comment line. Without a header three fields are x y z, and a line that is a
-/// bare `#` starts the next set. The other dimensions of an array are `(N,)` or `(M, N)`.
+/// In text `#` starts a comment line. Without a header three fields are x y z, on the square two are
+/// u v, and a line that is a bare `#` starts the next set. The other dimensions of an array are `(N,)` or `(M, N)`.
 ///
 /// Vectors are scaled to unit length; a warning is returned where that moved a length by more than
 /// 1e-6. Vectors that are unit to rounding keep their bits.
@@ -99,26 +105,24 @@ pub(crate) struct ReadOptions {
 /// If the file cannot be read, contains no points, or contains anything else than the
 /// above, if most vectors are far from unit length, or if the points do not fit in memory; the
 /// message names the file, the line (or row, or vertex), the field, and the expected content.
-pub(crate) fn read_points(path: &Path, options: &ReadOptions) -> Result<PointFile, FileError> {
+pub(crate) fn read_points<P: FilePoint>(
+    path: &Path,
+    options: &ReadOptions,
+) -> Result<PointFile<P>, FileError> {
     let (file, hdu) = HduChoice::of_path(path);
-    let with_hdu;
-    let options = if hdu == HduChoice::First {
-        options
-    } else {
-        with_hdu = ReadOptions { hdu, ..options.clone() };
-        &with_hdu
-    };
+    let hdu = if hdu == HduChoice::First { options.hdu.clone() } else { hdu };
+    let options = &ReadOptions { space: P::SPACE, hdu, ..options.clone() };
     let input = open_input(&file)?;
     let bytes = if is_dash(&file) { None } else { fs::metadata(&file).ok().map(|m| m.len()) };
     read_stream(input, &file, bytes, options)
 }
 
-fn read_stream(
+fn read_stream<P: FilePoint>(
     mut input: Box<dyn BufRead>,
     file: &Path,
     bytes: Option<u64>,
     options: &ReadOptions,
-) -> Result<PointFile, FileError> {
+) -> Result<PointFile<P>, FileError> {
     let name = input_name(file);
     let start =
         input.fill_buf().map_err(|source| FileError::Read { path: name.clone(), source })?;

@@ -5,22 +5,23 @@ use std::io::BufRead;
 use super::collector::{Cell, PointCollector};
 use super::column::Column;
 use super::columns::Table;
-use super::{PointFile, ReadOptions};
+use super::{FilePoint, PointFile, ReadOptions};
 use crate::files::file_error::{FileError, Place};
 use crate::files::memory_guard::check_announced;
 use crate::files::npy::{Field, ItemType, NpyReader};
 
-/// Returns the sets of an NPY file: one for `(N, 3)`, M for `(M, N, 3)`; with `--columns`, that
+/// Returns the sets of an NPY file: one for `(N, 3)`, M for `(M, N, 3)`, with 2 instead of 3 on the
+/// square; with `--columns`, that
 /// option determines the last dimension. Records of shape `(N,)` or `(M, N)`, whose fields are
 /// columns, likewise give one set or M.
 ///
 /// Supports floats of 4 and 8 bytes and integers, of either byte order, in C or Fortran order.
-pub(super) fn read_npy(
+pub(super) fn read_npy<P: FilePoint>(
     mut input: impl BufRead,
     path: &str,
     options: &ReadOptions,
     file_bytes: Option<u64>,
-) -> Result<PointFile, FileError> {
+) -> Result<PointFile<P>, FileError> {
     let start =
         input.fill_buf().map_err(|source| FileError::Read { path: path.to_owned(), source })?;
     if start.is_empty() {
@@ -94,19 +95,26 @@ impl ArrayTable {
         let (points, width, several) = match *array.shape() {
             [points, width] => (points, width, false),
             [_, points, width] => (points, width, true),
-            _ => return Err(array.shape_error("an array of shape (N, 3) or (M, N, 3)")),
+            _ => return Err(array.shape_error(options.space.shapes())),
         };
-        let is_known = width == 3 || (options.values && (3..=5).contains(&width));
+        let known = options.space.default_roles().len();
+        let is_known = width == known || (options.values && (3..=5).contains(&width));
         if !is_known && options.columns.is_none() {
             let error = array.shape_error(match options.values {
                 true => "an array of shape (N, 4) with x,y,z,value, or (N, 5) with w",
-                false => "an array of shape (N, 3) or (M, N, 3)",
+                false => options.space.shapes(),
             });
             let spelling = options.spelling;
             return Err(error.with_hint(&match *array.shape() {
-                [3, _] => "transpose it, a point in a row: array.T in Python".to_owned(),
+                [rows, _] if rows == known => {
+                    "transpose it, a point in a row: array.T in Python".to_owned()
+                }
+                _ if width == 3 => "directions x,y,z are read without --square".to_owned(),
                 _ => {
-                    let roles = if options.values { "ra,dec,value" } else { "ra,dec,w" };
+                    let roles = match options.values {
+                        true => "ra,dec,value",
+                        false => options.space.weighted_example(),
+                    };
                     let (option, example) = (spelling.name("columns"), spelling.columns(roles));
                     format!("{option} names other columns, as in {example}")
                 }

@@ -9,8 +9,8 @@ use super::collector::{Cell, PointCollector};
 use super::column::Column;
 use super::columns::{Layout, Slot, Table};
 use super::npy::ArrayTable;
-use super::roles::{ColumnChoice, SYSTEMS, role_of};
-use super::{PointFile, ReadOptions};
+use super::roles::ColumnChoice;
+use super::{FilePoint, PointFile, ReadOptions};
 use crate::files::file_error::{FileError, Place};
 use crate::files::memory_guard::MemoryGuard;
 use crate::files::npy::{ItemType, NpyReader};
@@ -21,17 +21,17 @@ const MAX_ARRAYS: usize = 4096;
 
 /// Returns the sets of an NPZ file.
 ///
-/// The directions are the array `points`, or the only array of two or three dimensions, as in an
+/// The points are the array `points`, or the only array of two or three dimensions, as in an
 /// NPY file, or the only one of records. The weights are `weights` (or `w` or `weight`) of shape
 /// `(N,)` or `(M, N)`.
 ///
 /// One-dimensional arrays are columns if there is no such array and their names are those of a
-/// direction, or if `--columns` contains names and there are no records.
-pub(super) fn read_npz(
+/// point, or if `--columns` contains names and there are no records.
+pub(super) fn read_npz<P: FilePoint>(
     input: impl Read + Seek,
     path: &str,
     options: &ReadOptions,
-) -> Result<PointFile, FileError> {
+) -> Result<PointFile<P>, FileError> {
     let archive = ZipArchive::new(input).map_err(|error| zip_error(path, &error))?;
     let mut file = Npz { archive, path, options };
     let arrays = file.arrays()?;
@@ -40,9 +40,11 @@ pub(super) fn read_npz(
     }
     let by_name = matches!(options.columns, Some(ColumnChoice::Names(_)));
     let is_column = |role: &&str| {
-        arrays.iter().any(|array| array.shape.len() == 1 && role_of(&array.name) == Some(*role))
+        arrays
+            .iter()
+            .any(|array| array.shape.len() == 1 && P::SPACE.role_of(&array.name) == Some(*role))
     };
-    let has_columns = SYSTEMS.iter().any(|system| system.iter().all(is_column));
+    let has_columns = P::SPACE.systems().iter().any(|system| system.iter().all(is_column));
     let has_points =
         |array: &&Shape| array.has_fields || (!by_name && (2..=3).contains(&array.shape.len()));
     let tables: Vec<&Shape> = arrays.iter().filter(has_points).collect();
@@ -117,7 +119,11 @@ impl<'a, R: Read + Seek> Npz<'a, R> {
     }
 
     /// Returns the sets of an array of directions, with the weights of another one.
-    fn read_points(&mut self, main: &Shape, arrays: &[Shape]) -> Result<PointFile, FileError> {
+    fn read_points<P: FilePoint>(
+        &mut self,
+        main: &Shape,
+        arrays: &[Shape],
+    ) -> Result<PointFile<P>, FileError> {
         let path = self.path;
         let (options, name) = (self.options, format!("{path}: {}", main.name));
         let entry = self.archive.by_index(main.index).map_err(|e| zip_error(path, &e))?;
@@ -134,7 +140,8 @@ impl<'a, R: Read + Seek> Npz<'a, R> {
         // The index of an array, its role and its numbers.
         let mut loaded: Vec<(usize, &str, Vec<f64>)> = Vec::new();
         for &role in roles.iter().filter(|role| !own.contains(role)) {
-            let Some(array) = arrays.iter().find(|a| role_of(&a.name) == Some(role)) else {
+            let Some(array) = arrays.iter().find(|a| P::SPACE.role_of(&a.name) == Some(role))
+            else {
                 continue;
             };
             let fits = array.shape == of_points || (table.several && array.shape == of_points[1..]);
@@ -181,7 +188,7 @@ impl<'a, R: Read + Seek> Npz<'a, R> {
     }
 
     /// Returns the set whose columns are arrays.
-    fn read_columns(&mut self, arrays: &[Shape]) -> Result<PointFile, FileError> {
+    fn read_columns<P: FilePoint>(&mut self, arrays: &[Shape]) -> Result<PointFile<P>, FileError> {
         let columns: Vec<Column> = arrays
             .iter()
             .map(|array| {

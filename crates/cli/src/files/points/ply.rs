@@ -15,7 +15,7 @@ use ply_rs_bw::ply::{
 use super::collector::{Cell, PointCollector};
 use super::column::Column;
 use super::columns::{Layout, Table};
-use super::{PointFile, ReadOptions};
+use super::{FilePoint, PointFile, ReadOptions};
 use crate::files::file_error::{FileError, Place};
 use crate::files::text_rows::shortened;
 
@@ -26,11 +26,11 @@ const CHUNK: usize = 1 << 12;
 
 /// Returns the sets of a PLY file: the element vertex, whose properties are columns. Other elements
 /// are skipped.
-pub(super) fn read_ply(
+pub(super) fn read_ply<P: FilePoint>(
     mut input: impl BufRead,
     path: &str,
     options: &ReadOptions,
-) -> Result<PointFile, FileError> {
+) -> Result<PointFile<P>, FileError> {
     let start =
         input.fill_buf().map_err(|source| FileError::Read { path: path.to_owned(), source })?;
     if start.is_empty() {

@@ -2,13 +2,16 @@
 
 use std::str::FromStr;
 
+use super::space::Space;
 use crate::files::text_rows::shortened;
 
 /// The roles of columns with their names in headers, in any case.
-const ROLES: [(&str, &[&str]); 17] = [
+const ROLES: [(&str, &[&str]); 19] = [
     ("x", &["x"]),
     ("y", &["y"]),
     ("z", &["z"]),
+    ("u", &["u"]),
+    ("v", &["v"]),
     ("theta", &["theta"]),
     ("phi", &["phi"]),
     ("lon", &["lon", "longitude"]),
@@ -55,7 +58,7 @@ const ROLES: [(&str, &[&str]); 17] = [
 ];
 
 /// The combinations of roles that form a direction.
-pub(super) const SYSTEMS: [&[&str]; 6] = [
+pub(super) const SPHERE_SYSTEMS: [&[&str]; 6] = [
     &["x", "y", "z"],
     &["theta", "phi"],
     &["lon", "lat"],
@@ -65,31 +68,8 @@ pub(super) const SYSTEMS: [&[&str]; 6] = [
 ];
 /// The combinations that catalogues provide side by side for the same places.
 pub(super) const CELESTIAL: [&[&str]; 3] = [&["ra", "dec"], &["glon", "glat"], &["l", "b"]];
-/// The same for messages.
-pub(super) const SYSTEMS_TEXT: &str =
-    "x,y,z or theta,phi (radians) or lon,lat or ra,dec or glon,glat or l,b (degrees)";
-
-/// The kind of coordinates of a direction.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Coordinates {
-    /// Cartesian components.
-    Vector,
-    /// Colatitude and longitude in radians.
-    Radians,
-    /// Longitude and latitude, or right ascension and declination, in degrees.
-    Degrees,
-}
-
-impl Coordinates {
-    /// Returns the coordinates of a combination of [`SYSTEMS`].
-    pub(super) fn of_system(system: &[&str]) -> Self {
-        match system[0] {
-            "x" => Self::Vector,
-            "theta" => Self::Radians,
-            _ => Self::Degrees,
-        }
-    }
-}
+/// The combinations of roles that form a point of the square.
+pub(super) const SQUARE_SYSTEMS: [&[&str]; 2] = [&["u", "v"], &["x", "y"]];
 
 /// Returns the role of a column name.
 pub(super) fn role_of(name: &str) -> Option<&'static str> {
@@ -117,15 +97,17 @@ impl ColumnChoice {
         }
     }
 
-    /// Checks that the roles form exactly one direction.
+    /// Checks that the roles form exactly one point, of any space.
     fn check(&self) -> Result<(), String> {
         let roles = self.roles();
         if let Some(twice) = (1..roles.len()).find(|&i| roles[..i].contains(&roles[i])) {
             return Err(format!("{} is given twice", roles[twice]));
         }
         let complete = |system: &&&[&str]| system.iter().all(|role| roles.contains(role));
-        let Some(system) = SYSTEMS.iter().find(complete) else {
-            return Err(format!("expected all of {SYSTEMS_TEXT}"));
+        let mut systems = SPHERE_SYSTEMS.iter().chain(&SQUARE_SYSTEMS);
+        let Some(system) = systems.find(complete) else {
+            let [sphere, square] = [Space::Sphere, Space::Square].map(Space::systems_in_words);
+            return Err(format!("expected all of {sphere}, or with --square {square}"));
         };
         let others = ["w", "value", "sigma", "set"];
         match roles.iter().find(|role| !system.contains(role) && !others.contains(role)) {

@@ -4,7 +4,7 @@ use std::collections::HashMap;
 
 use super::ReadOptions;
 use super::column::Column;
-use super::roles::{SYSTEMS, role_of};
+use super::space::Space;
 
 /// The maximum number of suggestions that a message lists.
 const LISTED: usize = 3;
@@ -23,12 +23,12 @@ const STEMS: [(&str, &str); 9] = [
 /// Suffixes of names in catalogues: the equinox or the unit.
 const ENDINGS: [&str; 7] = ["", "j2000", "b1950", "icrs", "deg", "deg2000", "sky"];
 
-/// Returns the values of `--columns` that form a direction from the columns, the most likely first.
+/// Returns the values of `--columns` that form a point from the columns, the most likely first.
 /// Values that a shell takes only with more than quotes are left out. With `values`, the columns of
 /// values and of their standard errors belong to the points.
-pub(super) fn suggestions(columns: &[Column], values: bool) -> Vec<String> {
+pub(super) fn suggestions(columns: &[Column], space: Space, values: bool) -> Vec<String> {
     let mut found: Vec<String> = Vec::new();
-    for system in SYSTEMS {
+    for system in space.systems() {
         // Names that differ in the role only belong together, as TARGET_RA and TARGET_DEC do.
         let mut families: Vec<Vec<Option<usize>>> = Vec::new();
         let mut numbers: HashMap<String, usize> = HashMap::new();
@@ -51,9 +51,10 @@ pub(super) fn suggestions(columns: &[Column], values: bool) -> Vec<String> {
         }
     }
     // Vectors in one column.
-    for column in columns.iter().filter(|column| column.items == 3) {
+    let roles = space.default_roles();
+    for column in columns.iter().filter(|column| column.items == roles.len()) {
         let name = column.name.trim();
-        let pairs = ["x", "y", "z"].iter().enumerate();
+        let pairs = roles.iter().enumerate();
         let pairs = pairs.map(|(i, role)| pair(role, &format!("{name}[{i}]")));
         found.push(pairs.collect::<Vec<_>>().join(","));
     }
@@ -64,7 +65,7 @@ pub(super) fn suggestions(columns: &[Column], values: bool) -> Vec<String> {
         .iter()
         .filter_map(|role| {
             let mut named =
-                columns.iter().filter(|c| role_of(&c.name) == Some(*role) && c.items == 1);
+                columns.iter().filter(|c| space.role_of(&c.name) == Some(*role) && c.items == 1);
             let single = named.next().filter(|_| named.next().is_none());
             single.map(|column| format!(",{}", pair(role, column.name.trim())))
         })
@@ -79,7 +80,7 @@ pub(super) fn suggestions(columns: &[Column], values: bool) -> Vec<String> {
 
 /// Returns the suggestions as words of a message, or an empty text if there are none.
 pub(super) fn suggested(columns: &[Column], options: &ReadOptions) -> String {
-    let suggestions = suggestions(columns, options.values);
+    let suggestions = suggestions(columns, options.space, options.values);
     let columns: Vec<String> =
         suggestions.iter().map(|value| options.spelling.columns(value)).collect();
     columns.join(" or ")
@@ -121,7 +122,7 @@ fn is_quotable(text: &str) -> bool {
 
 #[cfg(test)]
 mod tests {
-    use super::{Column, suggestions};
+    use super::{Column, Space, suggestions};
 
     #[test]
     fn flags_fit_the_columns() {
@@ -151,13 +152,16 @@ mod tests {
         ];
         for (names, flags) in cases {
             let columns: Vec<Column> = names.iter().map(|name| Column::single(*name)).collect();
-            assert_eq!(suggestions(&columns, false), flags, "{names:?}");
+            assert_eq!(suggestions(&columns, Space::Sphere, false), flags, "{names:?}");
         }
         let names = ["TARGET_RA", "TARGET_DEC", "value", "sigma", "set"];
         let columns = names.map(Column::single);
         let with_values = "ra=TARGET_RA,dec=TARGET_DEC,value=value,sigma=sigma";
-        assert_eq!(suggestions(&columns, true), [with_values]);
+        assert_eq!(suggestions(&columns, Space::Sphere, true), [with_values]);
         let vectors = Column { name: "coord".to_owned(), items: 3, unit: String::new() };
-        assert_eq!(suggestions(&[vectors], false), ["x=coord[0],y=coord[1],z=coord[2]"]);
+        assert_eq!(
+            suggestions(&[vectors], Space::Sphere, false),
+            ["x=coord[0],y=coord[1],z=coord[2]"]
+        );
     }
 }

@@ -3,6 +3,7 @@
 mod choices;
 mod dialects;
 mod messages;
+mod square;
 mod tables;
 
 use std::fs;
@@ -49,7 +50,7 @@ fn read_with(
 /// Returns the message of the error, without the name of the folder.
 fn error(name: &str, content: impl AsRef<[u8]>) -> String {
     let (folder, path) = file(name, content);
-    let message = read_points(&path, &ReadOptions::default()).unwrap_err().to_string();
+    let message = read_points::<DVec3>(&path, &ReadOptions::default()).unwrap_err().to_string();
     message.replace(&format!("{}/", folder.path().display()), "")
 }
 
@@ -109,7 +110,7 @@ fn every_format_keeps_every_bit() {
                 let folder = tempfile::tempdir().unwrap();
                 let path = folder.path().join(format!("points.{extension}"));
                 write_points(&path, None, sets, provenance).unwrap();
-                let back = read_points(&path, &ReadOptions::default()).unwrap();
+                let back = read_points::<DVec3>(&path, &ReadOptions::default()).unwrap();
                 assert!(back.warnings.is_empty(), "{extension}: {:?}", back.warnings);
                 assert_eq!(back.sets.len(), sets.len(), "{extension}");
                 for (set, expected) in back.sets.iter().zip(sets) {
@@ -138,7 +139,7 @@ fn random_unit_vectors_keep_their_bits_as_text() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("p.csv");
     write_points(&path, None, &[PointSet::new(points.clone())], None).unwrap();
-    let back = read_points(&path, &ReadOptions::default()).unwrap();
+    let back = read_points::<DVec3>(&path, &ReadOptions::default()).unwrap();
     assert_eq!(bits(&back.sets[0].points), bits(&points));
 }
 

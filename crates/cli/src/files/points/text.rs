@@ -6,7 +6,7 @@ use std::io::BufRead;
 use super::collector::{Cell, PointCollector};
 use super::column::Column;
 use super::columns::Table;
-use super::{PointFile, ReadOptions};
+use super::{FilePoint, PointFile, ReadOptions};
 use crate::files::file_error::{FileError, Place};
 use crate::files::text_rows::{HeldLine, TextLine, TextRows};
 
@@ -14,11 +14,11 @@ use crate::files::text_rows::{HeldLine, TextLine, TextRows};
 const MAX_SLOTS: usize = 7;
 
 /// Returns the sets of a text file.
-pub(super) fn read_text(
+pub(super) fn read_text<P: FilePoint>(
     input: impl BufRead,
     path: &str,
     options: &ReadOptions,
-) -> Result<PointFile, FileError> {
+) -> Result<PointFile<P>, FileError> {
     let mut reader = TextReader {
         path,
         options,
@@ -41,10 +41,10 @@ pub(super) fn read_text(
     reader.finish()
 }
 
-struct TextReader<'a> {
+struct TextReader<'a, P> {
     path: &'a str,
     options: &'a ReadOptions,
-    table: Option<TextTable<'a>>,
+    table: Option<TextTable<'a, P>>,
     /// The header, before the line below it is known.
     header: Option<HeldLine>,
     /// The line below the header if it has no numbers; it contains units if a rule follows.
@@ -58,15 +58,15 @@ struct TextReader<'a> {
 }
 
 /// The structure of the table, determined by its first line.
-struct TextTable<'a> {
-    points: PointCollector<'a>,
+struct TextTable<'a, P> {
+    points: PointCollector<'a, P>,
     names: Vec<String>,
     has_header: bool,
     /// Whether the first line ends with a separator, so that others may have one more field.
     open_end: bool,
 }
 
-impl<'a> TextReader<'a> {
+impl<'a, P: FilePoint> TextReader<'a, P> {
     fn line(&mut self, line: TextLine<'_>) -> Result<(), FileError> {
         if let Some(table) = &mut self.table {
             if self.comment_inside.is_none() {
@@ -111,7 +111,7 @@ impl<'a> TextReader<'a> {
         &mut self,
         first: TextLine<'_>,
         units: Option<TextLine<'_>>,
-    ) -> Result<&mut TextTable<'a>, FileError> {
+    ) -> Result<&mut TextTable<'a, P>, FileError> {
         let table = table_of(first, units, self)?;
         Ok(self.table.insert(table))
     }
@@ -134,7 +134,7 @@ impl<'a> TextReader<'a> {
         }
     }
 
-    fn finish(mut self) -> Result<PointFile, FileError> {
+    fn finish(mut self) -> Result<PointFile<P>, FileError> {
         if self.table.is_none() {
             self.start_without_rule()?;
         }
@@ -152,11 +152,11 @@ impl<'a> TextReader<'a> {
 }
 
 /// Returns the columns that the first line, a header or a row, determines, with the units below it.
-fn table_of<'a>(
+fn table_of<'a, P: FilePoint>(
     line: TextLine<'_>,
     units: Option<TextLine<'_>>,
-    reader: &TextReader<'a>,
-) -> Result<TextTable<'a>, FileError> {
+    reader: &TextReader<'a, P>,
+) -> Result<TextTable<'a, P>, FileError> {
     let (path, options) = (reader.path, reader.options);
     let has_header = line.is_header();
     let mut fields: Vec<Cow<'_, str>> = line.fields().collect();
@@ -203,7 +203,7 @@ fn table_of<'a>(
     })
 }
 
-impl TextTable<'_> {
+impl<P: FilePoint> TextTable<'_, P> {
     fn row(&mut self, line: TextLine<'_>, path: &str) -> Result<(), FileError> {
         let slots = &self.points.layout().slots;
         let mut picked = [const { Cow::Borrowed("") }; MAX_SLOTS];

@@ -3,12 +3,12 @@
 use std::io::{self, Cursor, Write};
 use std::path::Path;
 
-use glam::DVec3;
 use sphvar_samplers::PointSet;
 use zip::CompressionMethod;
 use zip::write::{SimpleFileOptions, ZipWriter};
 
 use super::format::PointFormat;
+use super::space::FilePoint;
 use crate::files::atomic::AtomicFile;
 use crate::files::file_error::{FileError, output_name};
 use crate::files::npy::write_npy;
@@ -19,15 +19,15 @@ const MAX_SMALL_ENTRY: u64 = 0xffff_ffff;
 
 /// Writes point sets in the format of the extension; `-` is standard output, as CSV.
 ///
-/// - `.csv`: the header `x,y,z`, with a column `w` if a set has weights, and a last column `set`
+/// - `.csv`: the header `x,y,z`, or `u,v` on the square, with a column `w` if a set has weights, and a last column `set`
 ///   (counted from 0) for several sets. Every number has the shortest digits that are read back as
 ///   the same number, at most 17. The header is the first line, for readers that do not support
 ///   comments, so `provenance` is not stored.
-/// - `.npy`: `(N, 3)` for one set, `(M, N, 3)` for several; 8-byte floats, little-endian, C order,
+/// - `.npy`: `(N, 3)` for one set, `(M, N, 3)` for several, or 2 instead of 3; 8-byte floats, little-endian, C order,
 ///   without weights. `provenance` is not stored either.
 /// - `.npz`: the array of `.npy` as `points` and, if a set has weights, `(N,)` or `(M, N)` as
 ///   `weights`; uncompressed, without `provenance`.
-/// - `.ply`: binary little-endian, vertices with doubles x y z, with a double `w` if a set has
+/// - `.ply`: binary little-endian, vertices with doubles x y z, or u v, with a double `w` if a set has
 ///   weights and an int `set` for several sets, and `provenance` as comments.
 ///
 /// If only some sets have weights, the points of others have weight 1. `format` overrides the
@@ -37,10 +37,10 @@ const MAX_SMALL_ENTRY: u64 = 0xffff_ffff;
 ///
 /// If the extension is unknown, there are no sets, sets of different sizes or weights are written
 /// to one array, or the file cannot be written.
-pub(crate) fn write_points(
+pub(crate) fn write_points<P: FilePoint>(
     path: &Path,
     format: Option<PointFormat>,
-    sets: &[PointSet],
+    sets: &[PointSet<P>],
     provenance: Option<&str>,
 ) -> Result<(), FileError> {
     let name = output_name(path);
@@ -61,7 +61,7 @@ pub(crate) fn write_points(
     if is_array && sets.iter().any(|set| set.len() != first.len()) {
         return Err(FileError::InvalidTarget {
             path: name,
-            reason: "the sets differ in size and do not fit one (M, N, 3) array; write one file a set \
+            reason: "the sets differ in size and do not fit one array (M, N, ...); write one file a set \
                      with {i} in the name, as in sets-{i}.npy, or .csv or .ply with the column set",
         });
     }
@@ -84,27 +84,35 @@ pub(crate) fn write_points(
 }
 
 /// Sets to be written with the same columns.
-struct PointTable<'a> {
-    sets: &'a [PointSet],
+struct PointTable<'a, P> {
+    sets: &'a [PointSet<P>],
     has_weights: bool,
 }
 
-impl PointTable<'_> {
+impl<P: FilePoint> PointTable<'_, P> {
+    /// The number of coordinates of a point.
+    const DIMENSION: u64 = (size_of::<P::Numbers>() / size_of::<f64>()) as u64;
+
     /// Returns the points of a set, each with its weight if there are any.
-    fn rows<'s>(&self, set: &'s PointSet) -> impl Iterator<Item = (DVec3, Option<f64>)> + 's {
+    fn rows<'s>(
+        &self,
+        set: &'s PointSet<P>,
+    ) -> impl Iterator<Item = (P::Numbers, Option<f64>)> + use<'s, P> {
         let has_weights = self.has_weights;
         let weight = move |k| has_weights.then(|| set.weights.get(k).copied().unwrap_or(1.0));
-        set.points.iter().enumerate().map(move |(k, &p)| (p, weight(k)))
+        set.points.iter().enumerate().map(move |(k, p)| (p.numbers(), weight(k)))
     }
 
     fn write_csv(&self, out: &mut impl Write) -> io::Result<()> {
         let has_sets = self.sets.len() > 1;
         let weight = if self.has_weights { ",w" } else { "" };
         let set = if has_sets { ",set" } else { "" };
-        writeln!(out, "x,y,z{weight}{set}")?;
+        writeln!(out, "{}{weight}{set}", P::SPACE.default_roles().join(","))?;
         for (index, set) in self.sets.iter().enumerate() {
             for (p, weight) in self.rows(set) {
-                write!(out, "{:?},{:?},{:?}", p.x, p.y, p.z)?;
+                for (k, x) in p.into_iter().enumerate() {
+                    write!(out, "{}{x:?}", if k > 0 { "," } else { "" })?;
+                }
                 if let Some(weight) = weight {
                     write!(out, ",{weight:?}")?;
                 }
@@ -127,13 +135,13 @@ impl PointTable<'_> {
     }
 
     fn write_array(&self, out: &mut impl Write) -> io::Result<()> {
-        let shape = [self.shape(), vec![3]].concat();
-        let numbers = self.sets.iter().flat_map(|set| &set.points).flat_map(DVec3::to_array);
+        let shape = [self.shape(), vec![Self::DIMENSION]].concat();
+        let numbers = self.sets.iter().flat_map(|set| &set.points).flat_map(FilePoint::numbers);
         write_npy(out, "<f8", &shape, numbers)
     }
 
     fn write_archive(&self, out: &mut impl Write) -> io::Result<()> {
-        let numbers: u64 = self.sets.iter().map(|set| 3 * set.len() as u64).sum();
+        let numbers: u64 = self.sets.iter().map(|set| Self::DIMENSION * set.len() as u64).sum();
         let options = SimpleFileOptions::default()
             .compression_method(CompressionMethod::Stored)
             .large_file(8 * numbers + 1024 >= MAX_SMALL_ENTRY);
@@ -156,7 +164,9 @@ impl PointTable<'_> {
             writeln!(out, "comment {line}")?;
         }
         writeln!(out, "element vertex {count}")?;
-        writeln!(out, "property double x\nproperty double y\nproperty double z")?;
+        for name in P::SPACE.default_roles() {
+            writeln!(out, "property double {name}")?;
+        }
         if self.has_weights {
             writeln!(out, "property double w")?;
         }
@@ -168,7 +178,7 @@ impl PointTable<'_> {
             let label = i32::try_from(index)
                 .map_err(|_| io::Error::other("more sets than the PLY type int can count"))?;
             for (point, weight) in self.rows(set) {
-                for number in point.to_array().into_iter().chain(weight) {
+                for number in point.into_iter().chain(weight) {
                     out.write_all(&number.to_le_bytes())?;
                 }
                 if several {

@@ -120,7 +120,8 @@ fn truncated_files_count_their_bytes() {
         let mut in_data = 0;
         for length in 1..whole.len() {
             fs::write(&path, &whole[..length]).unwrap();
-            let message = read_points(&path, &ReadOptions::default()).unwrap_err().to_string();
+            let message =
+                read_points::<DVec3>(&path, &ReadOptions::default()).unwrap_err().to_string();
             assert!(message.contains("expected"), "{extension} cut to {length}: {message}");
             if message.contains(&format!("expected {} bytes, got {length} (", whole.len())) {
                 in_data += 1;
@@ -183,7 +184,7 @@ fn outputs_that_cannot_be() {
     // The same sets are valid as a table, and a format may be forced.
     let path = folder.path().join("p.list");
     write_points(&path, Some(PointFormat::Csv), &sets, None).unwrap();
-    let back = read_points(&path, &ReadOptions::default()).unwrap();
+    let back = read_points::<DVec3>(&path, &ReadOptions::default()).unwrap();
     assert_eq!(back.sets[1].points, [DVec3::Y, DVec3::Z]);
 }
 
@@ -191,7 +192,7 @@ fn outputs_that_cannot_be() {
 fn missing_file_and_folder_are_named() {
     let folder = tempfile::tempdir().unwrap();
     for path in [folder.path().join("none.csv"), folder.path().to_path_buf()] {
-        let message = read_points(&path, &ReadOptions::default()).unwrap_err().to_string();
+        let message = read_points::<DVec3>(&path, &ReadOptions::default()).unwrap_err().to_string();
         assert!(message.starts_with(&format!("cannot open {}", path.display())), "{message}");
     }
 }

@@ -292,18 +292,18 @@ fn the_hdu_may_follow_the_name() {
             columns: Some("ra=RA,dec=DEC".parse().unwrap()),
             ..ReadOptions::default()
         };
-        let back = super::super::read_points(&path, &options).unwrap();
+        let back = super::super::read_points::<DVec3>(&path, &options).unwrap();
         assert_eq!(back.sets[0].points.len(), 3, "{name}");
     }
     let path = folder.path().join("p.csv");
     std::fs::write(&path, "x,y,z\n0,0,1\n").unwrap();
     let path = folder.path().join("p.csv[2]");
-    let message = super::super::read_points(&path, &ReadOptions::default()).unwrap_err();
+    let message = super::super::read_points::<DVec3>(&path, &ReadOptions::default()).unwrap_err();
     assert!(message.to_string().contains("a FITS file with HDU 2"), "{message}");
     // A file with exactly that name takes precedence.
     let path = folder.path().join("k.fits.gz[2]");
     std::fs::write(&path, "x,y,z\n0,0,1\n").unwrap();
-    let back = super::super::read_points(&path, &ReadOptions::default()).unwrap();
+    let back = super::super::read_points::<DVec3>(&path, &ReadOptions::default()).unwrap();
     assert_eq!(back.sets[0].points, [DVec3::Z]);
 }
 

@@ -1,0 +1,140 @@
+//! The realized sets of a pattern of any space, and their output.
+
+use std::path::Path;
+
+use rayon::prelude::{IntoParallelIterator, ParallelIterator};
+use schemars::JsonSchema;
+use serde::Serialize;
+use sphvar_samplers::{Ensemble, PointSet};
+
+use super::SampleArgs;
+use crate::error::CliError;
+use crate::files::{AtomicFile, FilePoint, NumberedPath, write_points};
+use crate::global::Global;
+use crate::memory::check_memory;
+use crate::plots::{ImageFormat, PlotError};
+use crate::progress::Progress;
+use crate::report::{Document, Provenance, is_stdout, say};
+
+/// Realizations of a pattern: `sample --json`.
+#[derive(Debug, Serialize, JsonSchema)]
+pub(crate) struct SampleBody<C> {
+    /// The sampler with its parameters.
+    sampler: String,
+    /// The number of points; the mean where it is random.
+    n: usize,
+    /// The number of sets.
+    realizations: usize,
+    /// No set has power at any degree from 1 to this, for patterns that are made so.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    last_empty_degree: Option<usize>,
+    /// The number of points of each set, where the pattern does not fix it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    counts: Option<Vec<usize>>,
+    /// The unit vectors x, y, z of each set, or the points u, v of the square, unless they are
+    /// written to a file.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "Option<Vec<Vec<Vec<f64>>>>")]
+    points: Option<Vec<Vec<C>>>,
+    /// The weights of the points of each set, if they have weights.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    weights: Option<Vec<Vec<f64>>>,
+}
+
+/// Sets that are generated and written.
+pub(super) struct RealizedSets<'a, P> {
+    /// The sampler with its parameters.
+    pub(super) sampler: String,
+    /// The name in titles and progress.
+    pub(super) label: String,
+    pub(super) n_points: usize,
+    /// The number of given sets, if each of them is taken once.
+    pub(super) given: Option<usize>,
+    pub(super) ensemble: &'a dyn Ensemble<P>,
+    /// The nominal work of a set that is not given.
+    pub(super) set_work: f64,
+    pub(super) last_empty_degree: Option<usize>,
+    /// A remark for the files.
+    pub(super) remark: Option<String>,
+    /// Draws points with a title and notes.
+    pub(super) picture: fn(String, Vec<String>, &[P], &Path) -> Result<(), PlotError>,
+}
+
+impl<P: FilePoint<Numbers: Serialize>> RealizedSets<'_, P> {
+    /// Generates the sets, and writes them to the file of `args` or to standard output.
+    ///
+    /// # Errors
+    ///
+    /// If a set cannot be generated, the sets exceed the memory or a file cannot be written.
+    pub(super) fn write(self, args: &SampleArgs, global: &Global) -> Result<(), CliError> {
+        let realizations = args.realizations.or(self.given).unwrap_or(1);
+        let numbered = NumberedPath::of(&args.out);
+        let first_and_last = numbered.map_or(vec![args.out.clone()], |numbered| {
+            vec![numbered.path(0), numbered.path(realizations - 1)]
+        });
+        for path in first_and_last {
+            AtomicFile::check(&path)?;
+        }
+        let n_points = self.n_points;
+        let total = (size_of::<P>() * n_points) as f64 * realizations as f64;
+        check_memory(&format!("{realizations} sets of {n_points} points"), total)?;
+        let sets = self.realize(realizations as u64, global)?;
+        let provenance = Provenance::new(global.seed);
+        let line = provenance.line();
+        let note = self.remark.as_ref().map_or(line.clone(), |remark| format!("{line}; {remark}"));
+        let to_stdout = is_stdout(&args.out);
+        if let Some(numbered) = numbered {
+            for (i, set) in sets.iter().enumerate() {
+                self.write_sets(&numbered.path(i), std::slice::from_ref(set), &note)?;
+            }
+        } else if !(to_stdout && global.json) {
+            if ImageFormat::of_path(&args.out).is_some() && realizations > 1 {
+                say(global.quiet, "the picture shows the first realization");
+            }
+            self.write_sets(&args.out, &sets, &note)?;
+        }
+        if global.json {
+            let coordinates = |set: &PointSet<P>| set.points.iter().map(P::numbers).collect();
+            let points = to_stdout.then(|| sets.iter().map(coordinates).collect());
+            let is_weighted = sets.iter().any(|set| !set.weights.is_empty());
+            let weights = (to_stdout && is_weighted)
+                .then(|| sets.iter().map(|set| set.weights.clone()).collect());
+            let counts: Vec<usize> = sets.iter().map(PointSet::len).collect();
+            let counts =
+                Some(counts).filter(|counts| counts.iter().any(|&count| count != n_points));
+            let body = SampleBody {
+                sampler: self.sampler,
+                n: n_points,
+                realizations,
+                last_empty_degree: self.last_empty_degree,
+                counts,
+                points,
+                weights,
+            };
+            return Document::new(&body, &provenance).print();
+        }
+        Ok(())
+    }
+
+    /// Returns the sets with the indices from 0.
+    fn realize(&self, count: u64, global: &Global) -> Result<Vec<PointSet<P>>, CliError> {
+        let set_work = if self.given.is_some() { 0.0 } else { self.set_work };
+        let progress = Progress::new(count as f64 * set_work, global.quiet);
+        progress.stage(&self.label);
+        let realize = |i| {
+            let mut set = PointSet::default();
+            self.ensemble.realize_into(i, &mut set, &progress).map_err(CliError::failed)?;
+            Ok(set)
+        };
+        (0..count).into_par_iter().map(realize).collect()
+    }
+
+    /// Writes all sets, or a picture of the first one.
+    fn write_sets(&self, path: &Path, sets: &[PointSet<P>], note: &str) -> Result<(), CliError> {
+        if ImageFormat::of_path(path).is_none() {
+            return Ok(write_points(path, None, sets, Some(note))?);
+        }
+        let title = format!("{}, N = {}", self.label, sets[0].len());
+        Ok((self.picture)(title, vec![note.to_owned()], &sets[0].points, path)?)
+    }
+}
