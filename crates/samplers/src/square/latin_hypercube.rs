@@ -3,14 +3,23 @@ use sphvar_grammar::Parametric;
 
 use super::jittered_square::within;
 use crate::definition::Definition;
-use crate::{CostOrder, Error, PatternFacts, PointSet, Rate, Square, SquareSampler, count};
+use crate::{
+    CostOrder, Error, PatternFacts, PointSet, Rate, Square, SquareDistribution, SquareSampler,
+    count,
+};
 
 /// Latin hypercube samples: each of the N strips of width 1/N in u and each of those in v holds one
 /// uniform point, in a uniform random order.
 ///
-/// On the axes of the frequencies the power is that of jittered points in one dimension,
-/// `P(k, 0) = P(0, k) = 1 - sinc^2(k/N)` with `sinc x = sin(pi x)/(pi x)`; off the axes it is close
-/// to 1.
+/// On the axes of the frequencies the power is that of jittered points in one dimension; off the
+/// axes it is close to 1. With `sinc x = sin(pi x)/(pi x)`, `k1, k2 != 0` and N > 1,
+///
+/// ```text
+/// P(k1, 0) = 1 - sinc^2(k1/N),   P(k1, k2) = 1 + sinc^2(k1/N) sinc^2(k2/N)/(N - 1).
+/// ```
+///
+/// Two points are in different strips of u and, independently, of v: each coordinate contributes the
+/// factor `-sinc^2(k/N)/(N - 1)` to the N - 1 correlations of a point.
 ///
 /// # References
 ///
@@ -38,6 +47,10 @@ impl SquareSampler for LatinHypercube {
         self.n as usize
     }
 
+    fn distribution(&self) -> SquareDistribution<'_> {
+        SquareDistribution::LatinHypercube
+    }
+
     fn sample_into(&self, rng: &mut dyn Rng, set: &mut PointSet<[f64; 2]>) -> Result<(), Error> {
         let points = set.start();
         let mut strips: Vec<u32> = (0..self.n).collect();
@@ -61,7 +74,7 @@ impl Definition<Square> for Parameters {
     fn facts(&self) -> PatternFacts {
         PatternFacts {
             cost: CostOrder::LINEAR,
-            low_degrees: "1 off the axes, 0 on them",
+            low_degrees: "1 off the axes, pi^2 k^2/(3 N^2) on them",
             smooth_rate: Rate::power(-1.0),
             jump_rate: Rate::power(-1.0),
             is_extensible: false,

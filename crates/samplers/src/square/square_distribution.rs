@@ -18,6 +18,9 @@ pub enum SquareDistribution<'a> {
         /// The number of parts in v of each strip.
         columns: usize,
     },
+    /// One uniform point in each of N strips of both coordinates, in a uniform random order; see
+    /// [`LatinHypercube`](crate::LatinHypercube) for its power.
+    LatinHypercube,
     /// Always the same set: one realization determines the spectrum of the pattern.
     Fixed,
     /// Always the same lattice, shifted by a constant: `P(k) = N` at the frequencies of its dual
@@ -34,7 +37,7 @@ impl SquareDistribution<'_> {
         match self {
             Self::Fixed | Self::Lattice(_) => false,
             Self::OneOf(sets) => sets.len() > 1,
-            Self::Random | Self::Independent | Self::Jittered { .. } => true,
+            Self::Random | Self::Independent | Self::Jittered { .. } | Self::LatinHypercube => true,
         }
     }
 }
