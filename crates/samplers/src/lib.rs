@@ -1,4 +1,5 @@
-//! Patterns of N directions on the sphere and the hemisphere, and uniform random rotations.
+//! Patterns of N directions on the sphere and the hemisphere and of N points of the unit square, with
+//! uniform random rotations and shifts.
 //!
 //! The near half of a set of 192 points of eight patterns, and their mean power at the degrees 1 to
 //! 42, relative to white noise (dashed):
@@ -22,6 +23,21 @@
 //! [`Realizations`] combine the two and rotate each set by a [`uniform_rotation`].
 //! [`SpectralControl`] generates patterns with a prescribed power at every degree. [`Pattern`]
 //! lists the patterns that can be built by name, with their valid numbers of points.
+//!
+//! The unit square, a torus, has the same items of its own: [`SquareSampler`], [`SquarePattern`] and
+//! [`SquareRealizations`], which shift each set by a [`uniform_shift`] modulo 1. [`OnSphere`] and
+//! [`CosineHemisphere`] map its points to directions; [`checks`] tests strata, nets and lattices.
+//!
+//! ```
+//! use sphvar_samplers::{Purpose, SquarePattern, SquareRealizations, Streams, toroidal_separation};
+//!
+//! // A Fibonacci lattice, shifted: its separation is 1/sqrt(N) for N = 5, 13, 34, 89, ...
+//! let lattice = SquarePattern::FibonacciLattice.build(89)?;
+//! let ensemble = SquareRealizations::shifted(&*lattice, Streams::new(0, Purpose::Pattern, 89));
+//! let distance = toroidal_separation(&ensemble.realize(0)?.points, &())?.unwrap();
+//! assert!((distance - 1.0 / 89_f64.sqrt()).abs() < 1e-14);
+//! # Ok::<(), sphvar_samplers::Error>(())
+//! ```
 //!
 //! # Features
 //!

@@ -3,7 +3,7 @@ use glam::DVec3;
 use super::separation::closest;
 use crate::{Progress, Stopped};
 
-/// Returns the least distance between two points of `[0, 1)^2` modulo 1: 0 if points coincide,
+/// Returns the smallest distance between two points of `[0, 1)^2` modulo 1: 0 if points coincide,
 /// `None` for fewer than two points. Weights have no part in it.
 ///
 /// # Errors
@@ -54,14 +54,14 @@ mod tests {
             let (low, high) = (a.min(b), a.max(b));
             (high - low).min(low - (high - 1.0))
         };
-        let mut least = f64::INFINITY;
+        let mut smallest = f64::INFINITY;
         for (k, p) in points.iter().enumerate() {
             for q in &points[..k] {
                 let [x, y] = [0, 1].map(|d: usize| along(p[d], q[d]));
-                least = least.min(x * x + y * y);
+                smallest = smallest.min(x * x + y * y);
             }
         }
-        least.sqrt()
+        smallest.sqrt()
     }
 
     #[test]

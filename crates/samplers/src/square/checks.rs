@@ -34,7 +34,7 @@ pub fn is_latin_hypercube(points: &[[f64; 2]]) -> bool {
     is_stratified(points, points.len(), 1) && is_stratified(points, 1, points.len())
 }
 
-/// Returns the least t for which 2^m points are a (t, m, 2)-net in base 2: for which every elementary
+/// Returns the smallest t for which 2^m points are a (t, m, 2)-net in base 2: for which every elementary
 /// interval `[i/2^a, (i+1)/2^a) x [j/2^b, (j+1)/2^b)` with a + b = m - t holds 2^t points. `None` if
 /// the number of points is not a power of two, or if a point is outside the square.
 ///
@@ -76,7 +76,7 @@ pub fn lattice(points: &[[f64; 2]]) -> Option<Lattice> {
         return None;
     }
     let rows = n / columns;
-    // The point with the least positive u, if u has more than one value.
+    // The point with the smallest positive u, if u has more than one value.
     let skew = multiples.iter().find(|p| rows == 1 || p[0] == columns)?[1] % rows;
     let lattice = Lattice::from_normal_form(rows, columns, if rows == 1 { 0 } else { skew });
     let mut is_taken = vec![false; n as usize];
@@ -187,7 +187,7 @@ mod tests {
                 .map(|[u, v]| [shifted(u, 0.911), shifted(v, 1.0 - 1e-17)])
                 .collect();
             assert_eq!(lattice(&points), Some(expected));
-            // Closed under addition is what the definition says; one point elsewhere is not.
+            // With one point elsewhere, or twice, the set is not closed under addition.
             if n > 2 {
                 points[n / 2][1] = shifted(points[n / 2][1], 0.5 / n as f64);
                 assert_eq!(lattice(&points), None, "{expected:?}");

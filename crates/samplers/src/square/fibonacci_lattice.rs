@@ -12,7 +12,7 @@ use crate::{
 /// before N in Fibonacci's sequence if N is one of its numbers.
 ///
 /// For other N, g is the best of the 64 numbers coprime to N that are nearest to N divided by the
-/// golden ratio: the one with the largest Zaremba index, the least product `max(1, |h1|)
+/// golden ratio: the one with the largest Zaremba index, the smallest product `max(1, |h1|)
 /// max(1, |h2|)` over the nonzero frequencies of the dual lattice, and of several the nearest. For N
 /// to 3000 the index is at least `N/6`; no generator guarantees more, since N = 6 has no better one.
 #[derive(Clone, Copy, Debug)]
@@ -94,7 +94,7 @@ fn generator(n: u32) -> u32 {
     candidates.max_by(better).unwrap_or(0)
 }
 
-/// Returns the least product `max(1, |h1|) max(1, |h2|)` over nonzero h with `h1 + g h2 = 0` modulo
+/// Returns the smallest product `max(1, |h1|) max(1, |h2|)` over nonzero h with `h1 + g h2 = 0` modulo
 /// n, for coprime g and n.
 ///
 /// It is taken on at the denominator q of a convergent of g/n, with `h2 = q` and `|h1|` the
@@ -117,7 +117,7 @@ mod tests {
     use super::{gcd, generator, zaremba_index};
 
     #[test]
-    fn the_index_is_the_least_product_of_all_dual_frequencies() {
+    fn the_index_is_the_smallest_product_of_all_dual_frequencies() {
         for n in 1..90_u32 {
             for g in (1..n.max(2)).filter(|&g| gcd(n, g) == 1) {
                 let at = |h2: u32| {

@@ -5,7 +5,8 @@ use std::sync::Mutex;
 
 use glam::DVec3;
 use sphvar_samplers::{
-    Domain, Error, Pattern, PointSet, Progress, Purpose, Realizations, Sampler, Stopped, Streams,
+    Domain, Error, Pattern, PointSet, Progress, Purpose, Realizations, Sampler, SquarePattern,
+    SquareRealizations, Stopped, Streams,
 };
 
 const DOMAINS: [Domain; 2] = [Domain::Sphere, Domain::Hemisphere];
@@ -77,6 +78,33 @@ fn progress_does_not_change_the_points_and_adds_up_to_the_work() {
             }
         }
     }
+}
+
+#[test]
+fn progress_of_the_square_adds_up_to_the_work() {
+    for pattern in SquarePattern::ALL {
+        let sampler = pattern.build(pattern.nearest_count(500)).unwrap();
+        let streams = Streams::new(5, Purpose::Pattern, 1);
+        let mut set = PointSet::default();
+        for ensemble in [
+            SquareRealizations::shifted(&*sampler, streams),
+            SquareRealizations::unshifted(&*sampler, streams),
+        ] {
+            let ticks = Ticks::new(usize::MAX);
+            ensemble.realize_into(1, &mut set, &ticks).unwrap();
+            assert_eq!(set, ensemble.realize(1).unwrap(), "{pattern}");
+            let (_, ticked) = ticks.seen();
+            let work = sampler.nominal_work();
+            assert!((ticked - work).abs() <= 1e-9 * work, "{pattern}: {ticked} of {work} units");
+            let stopped = ensemble.realize_into(1, &mut set, &Ticks::new(1));
+            assert_eq!(stopped, Err(Error::Stopped(Stopped)), "{pattern}");
+        }
+    }
+    // Between the digits of its points.
+    let sampler = SquarePattern::Pmj02.build(500).unwrap();
+    let (mut set, ticks) = (PointSet::default(), Ticks::new(20));
+    let stopped = sampler.sample_watched(&mut rng(1), &mut set, &ticks);
+    assert_eq!((stopped, ticks.seen().0), (Err(Error::Stopped(Stopped)), 20));
 }
 
 #[test]

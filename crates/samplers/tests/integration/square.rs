@@ -166,7 +166,7 @@ fn names_are_read_and_counts_are_checked() {
     assert!(error.contains("on the square: N must be") && error.contains("is 64"), "{error}");
 }
 
-/// Two files by their numbers of points, one with an invalid point where the name says so.
+/// One file, or two for a template; their points are invalid if the name contains `outside`.
 struct Files;
 
 impl FileResolver for Files {
