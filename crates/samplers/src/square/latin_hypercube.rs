@@ -1,11 +1,12 @@
 use rand::{Rng, RngExt};
 use sphvar_grammar::Parametric;
 
+use super::POINTS_PER_TICK;
 use super::jittered_square::within;
 use crate::definition::Definition;
 use crate::{
-    CostOrder, Error, PatternFacts, PointSet, Rate, Square, SquareDistribution, SquareSampler,
-    count,
+    CostOrder, Error, PatternFacts, PointSet, Progress, Rate, Square, SquareDistribution,
+    SquareSampler, count,
 };
 
 /// Latin hypercube samples: each of the N strips of width 1/N in u and each of those in v holds one
@@ -52,9 +53,21 @@ impl SquareSampler for LatinHypercube {
     }
 
     fn sample_into(&self, rng: &mut dyn Rng, set: &mut PointSet<[f64; 2]>) -> Result<(), Error> {
+        self.sample_watched(rng, set, &())
+    }
+
+    fn sample_watched(
+        &self,
+        rng: &mut dyn Rng,
+        set: &mut PointSet<[f64; 2]>,
+        progress: &dyn Progress,
+    ) -> Result<(), Error> {
         let points = set.start();
         let mut strips: Vec<u32> = (0..self.n).collect();
         for row in 0..self.n {
+            if row.is_multiple_of(POINTS_PER_TICK) {
+                progress.tick(0.0)?;
+            }
             // The shuffle of Fisher and Yates, one step for each point.
             let chosen = rng.random_range(row..self.n) as usize;
             strips.swap(row as usize, chosen);

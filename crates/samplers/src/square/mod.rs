@@ -28,6 +28,9 @@ pub use square_distribution::SquareDistribution;
 pub use square_realizations::SquareRealizations;
 pub use square_sampler::SquareSampler;
 
+/// The number of points between two ticks of a progress, a few milliseconds.
+const POINTS_PER_TICK: u32 = 1 << 16;
+
 pattern_list! {
     /// The patterns of the square, by name, with their parameters.
     ///

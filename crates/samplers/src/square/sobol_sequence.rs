@@ -1,10 +1,13 @@
 use rand::Rng;
 use sphvar_grammar::Parametric;
 
+use super::POINTS_PER_TICK;
 use super::radical_inverse::fraction;
 use super::sobol::second_coordinate;
 use crate::definition::Definition;
-use crate::{CostOrder, Error, PatternFacts, PointSet, Rate, Square, SquareSampler, count};
+use crate::{
+    CostOrder, Error, PatternFacts, PointSet, Progress, Rate, Square, SquareSampler, count,
+};
 
 /// The sequence of Sobol in two dimensions under nested uniform scrambling, as
 /// [`Sobol`](crate::Sobol), drawn point by point: the first points of a realization do not depend on
@@ -12,9 +15,9 @@ use crate::{CostOrder, Error, PatternFacts, PointSet, Rate, Square, SquareSample
 ///
 /// The digits of a coordinate are flipped by random bits, each of which depends on all preceding
 /// digits. Every point draws a word of bits for each coordinate; the flip of a digit comes from the
-/// word of the first point of the sequence that has the same preceding digits. From
-/// the digit on that distinguishes a point from all points before it, that is the point itself. The
-/// cost is at most 32 steps and 16 bytes per point.
+/// word of the first point of the sequence that has the same preceding digits, which is the point
+/// itself from the digit on that distinguishes it from all points before it. The cost is at most 32
+/// steps and 16 bytes per point.
 #[derive(Clone, Copy, Debug)]
 pub struct SobolSequence {
     n: u32,
@@ -37,14 +40,28 @@ impl SquareSampler for SobolSequence {
     }
 
     fn sample_into(&self, rng: &mut dyn Rng, set: &mut PointSet<[f64; 2]>) -> Result<(), Error> {
-        let words: Vec<[u64; 2]> = (0..self.n).map(|_| [rng.next_u64(), rng.next_u64()]).collect();
-        set.start().extend((0..self.n).map(|i| {
+        self.sample_watched(rng, set, &())
+    }
+
+    fn sample_watched(
+        &self,
+        rng: &mut dyn Rng,
+        set: &mut PointSet<[f64; 2]>,
+        progress: &dyn Progress,
+    ) -> Result<(), Error> {
+        let points = set.start();
+        let mut words: Vec<[u64; 2]> = Vec::with_capacity(self.n_points());
+        for i in 0..self.n {
+            if i.is_multiple_of(POINTS_PER_TICK) {
+                progress.tick(0.0)?;
+            }
+            words.push([rng.next_u64(), rng.next_u64()]);
             // The columns of the inverse generator matrices, modulo 2: the identity, and Pascal's
             // triangle, which is its own inverse.
             let u = scrambled(i, i.reverse_bits(), |column| column << 1, |j| words[j][0]);
             let v = scrambled(i, second_coordinate(i), |c| c ^ c << 1, |j| words[j][1]);
-            [fraction(u), fraction(v)]
-        }));
+            points.push([fraction(u), fraction(v)]);
+        }
         Ok(())
     }
 }

@@ -100,11 +100,16 @@ fn progress_of_the_square_adds_up_to_the_work() {
             assert_eq!(stopped, Err(Error::Stopped(Stopped)), "{pattern}");
         }
     }
-    // Between the digits of its points.
-    let sampler = SquarePattern::Pmj02.build(500).unwrap();
-    let (mut set, ticks) = (PointSet::default(), Ticks::new(20));
-    let stopped = sampler.sample_watched(&mut rng(1), &mut set, &ticks);
-    assert_eq!((stopped, ticks.seen().0), (Err(Error::Stopped(Stopped)), 20));
+    // Within a realization: between points, and for pmj02 between the digits of all points.
+    for (pattern, n, tick) in [
+        (SquarePattern::Pmj02, 500, 20),
+        (SquarePattern::Sobol, 150_000, 3),
+        (SquarePattern::LatinHypercube, 150_000, 3),
+    ] {
+        let (mut set, ticks) = (PointSet::default(), Ticks::new(tick));
+        let stopped = pattern.build(n).unwrap().sample_watched(&mut rng(1), &mut set, &ticks);
+        assert_eq!((stopped, ticks.seen().0), (Err(Error::Stopped(Stopped)), tick), "{pattern}");
+    }
 }
 
 #[test]
