@@ -63,7 +63,9 @@ mod search;
 mod set_distribution;
 mod space;
 mod square;
+mod tessellation;
 mod valid_counts;
+mod vector;
 
 pub use definition::FileResolver;
 pub(crate) use ensemble::PointFiles;
@@ -87,6 +89,7 @@ pub use space::{Point, Space, Square};
 pub use sphvar_grammar as grammar;
 pub use sphvar_sh::Domain;
 pub use square::*;
+pub use tessellation::Tessellation;
 pub use valid_counts::ValidCounts;
 
 #[cfg(doctest)]

@@ -1,21 +1,20 @@
-mod block;
+mod directions;
 mod distance;
 mod mass_points;
-mod relaxation;
-mod site_tree;
-mod start;
-mod tessellation;
 
 use rand::Rng;
 use sphvar_grammar::{Declaration, Parametric};
 
+pub(crate) use self::directions::Directions;
 pub use self::mass_points::MassPoints;
-pub use self::tessellation::Tessellation;
 
-use self::relaxation::{Outcome, Relaxation};
 use crate::definition::Definition;
+use crate::tessellation::{
+    MAX_PASSES, Relaxation, check_sizes, nominal_work, relax, work_per_pass,
+};
 use crate::{
-    CostOrder, Domain, Error, PatternFacts, PointSet, Progress, Rate, Sampler, ValidCounts,
+    CostOrder, Domain, Error, PatternFacts, PointSet, Progress, Rate, Sampler, Tessellation,
+    ValidCounts,
 };
 
 /// The sites of capacity-constrained Voronoi tessellations (Balzer, Schloemer and Deussen 2009)
@@ -74,7 +73,7 @@ pub struct Ccvt {
 impl Ccvt {
     /// Maximum number of passes, after which a tessellation may be unsettled: far more than the
     /// hundreds that the largest tested capacities take.
-    pub const MAX_PASSES: usize = 10_000;
+    pub const MAX_PASSES: usize = MAX_PASSES;
 
     /// Returns the pattern of tessellations with `n_points` sites of `capacity` mass points each.
     ///
@@ -88,20 +87,8 @@ impl Ccvt {
         capacity: usize,
         mass_points: MassPoints,
     ) -> Result<Self, Error> {
-        let rejected = |name, range, got: f64| Err(Error::Parameter { name, range, got });
-        if n_points == 0 {
-            return rejected("number of points of a CCVT", "at least 1", 0.0);
-        }
-        if capacity == 0 {
-            return rejected("capacity of a CCVT", "at least 1", 0.0);
-        }
-        match n_points.checked_mul(capacity) {
-            Some(count) if u32::try_from(count).is_ok() => mass_points.check(count, domain)?,
-            _ => {
-                let name = "number of mass points of a CCVT (capacity times points)";
-                return rejected(name, "at most 4294967295", n_points as f64 * capacity as f64);
-            }
-        }
+        check_sizes(n_points, capacity)?;
+        mass_points.check(n_points * capacity, domain)?;
         Ok(Self { n_points, domain, capacity, mass_points })
     }
 
@@ -125,31 +112,20 @@ impl Ccvt {
     ///
     /// None for parameters that [`Self::new`] accepts.
     pub fn tessellate(&self, rng: &mut dyn Rng) -> Result<Tessellation, Error> {
-        self.tessellate_watched(rng, &())
+        let site = |s| self.domain.representative(s);
+        Ok(self.relaxed(rng, &())?.tessellation(|p| p, site))
     }
 
-    fn tessellate_watched(
+    fn relaxed(
         &self,
         rng: &mut dyn Rng,
         progress: &dyn Progress,
-    ) -> Result<Tessellation, Error> {
+    ) -> Result<Relaxation<Directions, 3>, Error> {
         let mut mass = PointSet::default();
         self.mass_points.draw_into(self.n_points * self.capacity, self.domain, rng, &mut mass)?;
-        let mut points = mass.points;
-        let antipodal = self.domain == Domain::Hemisphere;
-        start::divide(&mut points, self.capacity, antipodal, rng);
-        let mut relaxation = Relaxation::new(&points, self.capacity, antipodal);
-        drop(points);
-        let outcome = if self.n_points == 1 && self.capacity > 1 {
-            relaxation.place(0, start::random_direction(rng));
-            Outcome { passes: 0, is_settled: true }
-        } else {
-            let expected = 6.0 * (self.n_points as f64).sqrt();
-            let pass = self.nominal_work() / expected;
-            relaxation.run(Self::MAX_PASSES, &|| progress.tick(pass))?
-        };
-        let Outcome { passes, is_settled } = outcome;
-        Ok(Tessellation { relaxation, domain: self.domain, passes, is_settled })
+        let space = Directions { antipodal: self.domain == Domain::Hemisphere };
+        let pass = work_per_pass(self.n_points, self.capacity);
+        Ok(relax(space, mass.points, self.capacity, rng, &|| progress.tick(pass))?)
     }
 }
 
@@ -163,8 +139,7 @@ impl Sampler for Ccvt {
     }
 
     fn nominal_work(&self) -> f64 {
-        let mass = self.capacity.max(2) as f64;
-        1.2 * mass * mass.log2() * self.n_points as f64
+        nominal_work(self.n_points, self.capacity)
     }
 
     fn sample_into(&self, rng: &mut dyn Rng, set: &mut PointSet) -> Result<(), Error> {
@@ -178,7 +153,8 @@ impl Sampler for Ccvt {
         progress: &dyn Progress,
     ) -> Result<(), Error> {
         let points = set.start();
-        self.tessellate_watched(rng, progress)?.sites_into(points);
+        let relaxed = self.relaxed(rng, progress)?;
+        points.extend(relaxed.sites().iter().map(|&s| self.domain.representative(s)));
         Ok(())
     }
 }

@@ -18,6 +18,7 @@ mod square_distribution;
 mod square_pattern;
 mod square_realizations;
 mod square_sampler;
+pub(crate) mod turns;
 
 pub use cosine_hemisphere::CosineHemisphere;
 pub use lattice::Lattice;
@@ -48,6 +49,7 @@ pattern_list! {
     "halton" = halton::Halton: "Halton points in bases 2 and 3";
     "hammersley" = hammersley::Hammersley: "Hammersley points in base 2";
     "poisson-disk-square" = poisson_disk_square::PoissonDiskSquare(p: PoissonDiskSquareParameters): "random points that keep a minimum distance, toroidal or not";
+    "ccvt-square" = ccvt_square::CcvtSquare(p: CcvtSquareParameters): "sites of a capacity-constrained Voronoi tessellation";
 
     without default:
     "file" = point_file::PointFile(SquarePointFileParameters): "your own point sets, with or without weights, from a file";

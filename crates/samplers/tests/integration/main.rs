@@ -2,6 +2,7 @@
 
 mod ccvt;
 mod point_files;
+mod ccvt_square;
 mod poisson_disk;
 mod poisson_disk_square;
 mod progress;

@@ -353,7 +353,7 @@ fn invalid_parameters_are_rejected() {
             let new = |n, radius| PoissonDiskSquare::new(n, mode, is_wrapped, radius);
             for radius in [f64::NAN, 0.0, -0.0, -1.0, f64::INFINITY, f64::NEG_INFINITY] {
                 let message = new(10, Some(radius)).unwrap_err().to_string();
-                assert!(message.contains("positive number such as 0."), "{message}");
+                assert!(message.contains("must be a positive number such as"), "{message}");
             }
             assert!(matches!(new(0, None), Err(Error::NoPoints { .. })));
             let too_many = PoissonDiskSquare::MAX_POINTS + 1;

@@ -1,91 +1,84 @@
-use glam::DVec3;
+use super::mass_space::MassSpace;
 
 /// Maximum number of sites of a leaf; testing two smaller nodes costs more than testing their
 /// pairs.
 const LEAF: usize = 4;
 
-/// A range of sites and a ball that encloses the balls of their mass points. Distances are chords,
-/// not angles: the Euclidean distance, or the smaller of two up to sign, is a metric on both
-/// domains.
+/// A range of sites and a ball that encloses the balls of their mass points.
 #[derive(Clone, Copy, Debug)]
-struct Node {
+struct Node<P> {
     start: usize,
     end: usize,
     /// The two children; 0 for a leaf.
     children: [usize; 2],
-    centre: DVec3,
+    centre: P,
     radius: f64,
 }
 
 /// A tree over the sites, in their order, that finds pairs whose balls of mass points intersect.
-#[derive(Clone, Debug, Default)]
-pub(super) struct SiteTree {
-    nodes: Vec<Node>,
+#[derive(Clone, Debug)]
+pub(super) struct SiteTree<P> {
+    nodes: Vec<Node<P>>,
 }
 
-/// Returns the chord between two sites, or the smallest between the sites and their antipodes.
-#[inline(always)]
-pub(super) fn chord(antipodal: bool, a: DVec3, b: DVec3) -> f64 {
-    let square = a.distance_squared(b);
-    if antipodal { square.min((a + b).length_squared()).sqrt() } else { square.sqrt() }
+impl<P> Default for SiteTree<P> {
+    fn default() -> Self {
+        Self { nodes: Vec::new() }
+    }
 }
 
-impl SiteTree {
-    /// Calls `pair(i, j)` for each i < j with chord(i, j) < radii[i] + radii[j] + `slack`, in an
+impl<P: Copy> SiteTree<P> {
+    /// Calls `pair(i, j)` for each i < j with distance(i, j) < radii[i] + radii[j] + `slack`, in an
     /// order that depends on the arguments alone.
-    pub(super) fn find(
+    pub(super) fn find<S: MassSpace<D, Point = P>, const D: usize>(
         &mut self,
-        antipodal: bool,
-        sites: &[DVec3],
+        space: S,
+        sites: &[P],
         radii: &[f64],
         slack: f64,
         mut pair: impl FnMut(usize, usize),
     ) {
         self.nodes.clear();
-        self.build(antipodal, sites, radii, 0, sites.len());
+        self.build(space, sites, radii, 0, sites.len());
         let nodes = &self.nodes;
-        Query { nodes, antipodal, sites, radii, slack }.within(0, &mut pair);
+        Query { nodes, space, sites, radii, slack }.within(0, &mut pair);
     }
 
-    fn build(
+    fn build<S: MassSpace<D, Point = P>, const D: usize>(
         &mut self,
-        antipodal: bool,
-        sites: &[DVec3],
+        space: S,
+        sites: &[P],
         radii: &[f64],
         start: usize,
         end: usize,
     ) -> usize {
-        let mut sum = sites[start];
-        for &s in &sites[start + 1..end] {
-            sum += if antipodal && s.dot(sum) < 0.0 { -s } else { s };
-        }
-        let centre = sum / (end - start) as f64;
-        let reach = |k: usize| chord(antipodal, centre, sites[k]) + radii[k];
+        let centre = space.middle(&sites[start..end]);
+        let reach = |k: usize| space.distance(centre, sites[k]) + radii[k];
         let radius = (start..end).map(reach).fold(0.0, f64::max);
         let at = self.nodes.len();
         self.nodes.push(Node { start, end, children: [0; 2], centre, radius });
         if end - start > LEAF {
             let middle = usize::midpoint(start, end);
-            let low = self.build(antipodal, sites, radii, start, middle);
-            let high = self.build(antipodal, sites, radii, middle, end);
+            let low = self.build(space, sites, radii, start, middle);
+            let high = self.build(space, sites, radii, middle, end);
             self.nodes[at].children = [low, high];
         }
         at
     }
 }
 
-struct Query<'a> {
-    nodes: &'a [Node],
-    antipodal: bool,
-    sites: &'a [DVec3],
+struct Query<'a, S: MassSpace<D>, const D: usize> {
+    nodes: &'a [Node<S::Point>],
+    space: S,
+    sites: &'a [S::Point],
     radii: &'a [f64],
     slack: f64,
 }
 
-impl Query<'_> {
+impl<S: MassSpace<D>, const D: usize> Query<'_, S, D> {
     fn test(&self, i: usize, j: usize, pair: &mut impl FnMut(usize, usize)) {
         let reach = self.radii[i] + self.radii[j] + self.slack;
-        if chord(self.antipodal, self.sites[i], self.sites[j]) < reach {
+        if self.space.distance(self.sites[i], self.sites[j]) < reach {
             pair(i, j);
         }
     }
@@ -109,7 +102,7 @@ impl Query<'_> {
     fn between(&self, a: usize, b: usize, pair: &mut impl FnMut(usize, usize)) {
         let (low, high) = (self.nodes[a], self.nodes[b]);
         let reach = low.radius + high.radius + self.slack;
-        if chord(self.antipodal, low.centre, high.centre) >= reach {
+        if self.space.distance(low.centre, high.centre) >= reach {
             return;
         }
         let leaf = [low.children == [0; 2], high.children == [0; 2]];
@@ -131,10 +124,30 @@ impl Query<'_> {
 
 #[cfg(test)]
 mod tests {
+    use glam::DVec2;
     use rand::RngExt;
 
-    use super::{SiteTree, chord};
+    use super::SiteTree;
+    use crate::patterns::ccvt::Directions;
+    use crate::square::ccvt_square::Torus;
+    use crate::tessellation::MassSpace;
     use crate::{Domain, Purpose, Sampler, Streams, WhiteNoise};
+
+    fn check<S: MassSpace<D>, const D: usize>(space: S, sites: &[S::Point], radii: &[f64]) {
+        let mut found = Vec::new();
+        SiteTree::default().find(space, sites, radii, 0.05, |i, j| found.push((i, j)));
+        found.sort_unstable();
+        let mut all = Vec::new();
+        for j in 0..sites.len() {
+            for i in 0..j {
+                if space.distance(sites[i], sites[j]) < radii[i] + radii[j] + 0.05 {
+                    all.push((i, j));
+                }
+            }
+        }
+        all.sort_unstable();
+        assert_eq!(found, all, "{space:?}, n = {}", sites.len());
+    }
 
     #[test]
     fn the_pairs_match_an_exhaustive_search() {
@@ -144,20 +157,11 @@ mod tests {
             sites.sort_by(|a, b| a.x.total_cmp(&b.x));
             let radii: Vec<f64> = (0..n).map(|_| scale * rng.random::<f64>()).collect();
             for antipodal in [false, true] {
-                let mut found = Vec::new();
-                SiteTree::default()
-                    .find(antipodal, &sites, &radii, 0.05, |i, j| found.push((i, j)));
-                found.sort_unstable();
-                let mut all = Vec::new();
-                for i in 0..n {
-                    for j in i + 1..n {
-                        if chord(antipodal, sites[i], sites[j]) < radii[i] + radii[j] + 0.05 {
-                            all.push((i, j));
-                        }
-                    }
-                }
-                assert_eq!(found, all, "n = {n}, antipodal: {antipodal}");
+                check(Directions { antipodal }, &sites, &radii);
             }
+            let mut sites: Vec<DVec2> = (0..n).map(|_| rng.random::<[f64; 2]>().into()).collect();
+            sites.sort_by(|a, b| a.x.total_cmp(&b.x));
+            check(Torus, &sites, &radii);
         }
     }
 }

@@ -1,9 +1,15 @@
-use glam::DVec3;
-use pulp::Arch;
+use std::array;
 
-use super::block::Block;
-use super::site_tree::{SiteTree, chord};
+use pulp::Arch;
+use rand::Rng;
+
+use super::division::divide;
+use super::mass_space::MassSpace;
+use super::settled::Tessellation;
+use super::site_tree::SiteTree;
 use crate::Stopped;
+use crate::ensemble::progress::Tick;
+use crate::vector::Vector;
 
 /// Maximum number of steps of a site to its mean. Each step reduces the distance by a factor of the
 /// squared radius of the cell, at worst (half the sphere) to a quarter.
@@ -16,34 +22,50 @@ const SHORTEST_STEP: f64 = 1e-15;
 /// distance by more than the tolerance of exchanges, and exceeds the accumulated rounding of steps.
 const AT_REST: f64 = 1e-13;
 
-/// Margin, in units of sqrt(4 pi/N), by which balls may grow before the list of pairs is rebuilt.
+/// Margin, in units of the root of the area per site, by which balls may grow before the list of pairs is rebuilt.
 /// Values from 0.05 to 0.5 take the same time: a larger margin makes the list longer, a smaller one
 /// makes rebuilding more frequent.
 const SLACK: f64 = 0.2;
 
-/// Squared geodesic distances that differ by less than this count as equal: a few roundings of
-/// `2 - 2 cos d`.
-const ROUNDING: f64 = 2e-15;
+/// Maximum number of passes, after which a tessellation may be unsettled: far more than the hundreds
+/// that the largest tested capacities take.
+pub(crate) const MAX_PASSES: usize = 10_000;
+
+/// Returns the relaxation of mass points, `capacity` to each site, from the regions of repeated
+/// bisection in random directions. `tick` is called at each pass.
+///
+/// A single site is a uniform point, because the mass of the whole space has no mean.
+pub(crate) fn relax<S: MassSpace<D>, const D: usize>(
+    space: S,
+    mut mass_points: Vec<S::Point>,
+    capacity: usize,
+    rng: &mut dyn Rng,
+    tick: Tick<'_>,
+) -> Result<Relaxation<S, D>, Stopped> {
+    divide(space, &mut mass_points, capacity, rng);
+    let mut relaxation = Relaxation::new(space, &mass_points, capacity);
+    drop(mass_points);
+    if relaxation.sites.len() == 1 && capacity > 1 {
+        relaxation.place(0, space.random_point(rng));
+    } else {
+        relaxation.run(MAX_PASSES, tick)?;
+    }
+    Ok(relaxation)
+}
 
 /// Mass points sorted by site, `capacity` to each, and the exchanges that lower their energy.
 #[derive(Clone, Debug)]
-pub(super) struct Relaxation {
+pub(crate) struct Relaxation<S: MassSpace<D>, const D: usize> {
     arch: Arch,
-    antipodal: bool,
+    space: S,
     capacity: usize,
-    x: Vec<f64>,
-    y: Vec<f64>,
-    z: Vec<f64>,
-    sites: Vec<DVec3>,
-    /// Bounds on the chord from a site to its points.
+    /// Coordinates of the mass points.
+    columns: [Vec<f64>; D],
+    sites: Vec<S::Point>,
+    /// Bounds on the distance from a site to its points.
     radii: Vec<f64>,
-}
-
-/// The outcome of a relaxation.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Outcome {
-    pub(super) passes: usize,
-    pub(super) is_settled: bool,
+    passes: usize,
+    is_settled: bool,
 }
 
 /// Two sites whose exchange of points may lower the energy.
@@ -58,9 +80,9 @@ struct Pair {
 
 /// The state kept from pass to pass.
 #[derive(Debug)]
-struct Progress {
+struct Progress<P> {
     pairs: Vec<Pair>,
-    tree: SiteTree,
+    tree: SiteTree<P>,
     /// Number of changes of each site's points.
     changes: Vec<u32>,
     /// Whether the site has not moved to its mean since its points changed.
@@ -76,61 +98,67 @@ struct Progress {
     candidates: [Vec<(f64, usize)>; 2],
 }
 
-impl Relaxation {
-    /// Assigns `capacity` consecutive points to each site and places the sites at their means.
-    pub(super) fn new(points: &[DVec3], capacity: usize, antipodal: bool) -> Self {
-        let column = |of: fn(&DVec3) -> f64| points.iter().map(of).collect();
-        let middle = |cell: &[DVec3]| {
-            // If the points cancel, as few points can, they have no mean; the first point is the
-            // start.
-            cell.iter().sum::<DVec3>().try_normalize().unwrap_or(cell[0])
-        };
-        let sites: Vec<_> = points.chunks_exact(capacity).map(middle).collect();
-        let radii = vec![2.0; sites.len()];
-        let (x, y, z) = (column(|p| p.x), column(|p| p.y), column(|p| p.z));
-        Self { arch: Arch::new(), antipodal, capacity, x, y, z, sites, radii }
+impl<S: MassSpace<D>, const D: usize> Relaxation<S, D> {
+    /// Assigns `capacity` consecutive points to each site and places the sites near their means.
+    fn new(space: S, points: &[S::Point], capacity: usize) -> Self {
+        let columns = array::from_fn(|axis| {
+            points.iter().map(|&p| S::coordinates(p)[axis]).collect::<Vec<_>>()
+        });
+        let sites: Vec<_> = points.chunks_exact(capacity).map(|cell| space.start(cell)).collect();
+        let radii = vec![S::DIAMETER; sites.len()];
+        let arch = Arch::new();
+        Self { arch, space, capacity, columns, sites, radii, passes: 0, is_settled: true }
     }
 
-    pub(super) fn sites(&self) -> &[DVec3] {
+    pub(crate) fn sites(&self) -> &[S::Point] {
         &self.sites
     }
 
-    /// Places a site at the given direction.
-    pub(super) fn place(&mut self, k: usize, site: DVec3) {
+    /// Places a site at the given point.
+    fn place(&mut self, k: usize, site: S::Point) {
         self.sites[k] = site;
-        self.radii[k] = 2.0;
+        self.radii[k] = S::DIAMETER;
     }
 
-    pub(super) fn cell(&self, k: usize) -> impl ExactSizeIterator<Item = DVec3> + '_ {
-        let Block { x, y, z } = self.block(k);
-        x.iter().zip(y).zip(z).map(|((&x, &y), &z)| DVec3::new(x, y, z))
+    /// Returns the tessellation, with sites and mass points in the form that `output` returns.
+    pub(crate) fn tessellation<P>(
+        &self,
+        output: impl Fn(S::Point) -> P,
+        site: impl Fn(S::Point) -> P,
+    ) -> Tessellation<P> {
+        Tessellation {
+            sites: self.sites.iter().map(|&s| site(s)).collect(),
+            mass_points: (0..self.columns[0].len()).map(|p| output(self.point(p))).collect(),
+            energy: self.energy(),
+            passes: self.passes,
+            is_settled: self.is_settled,
+        }
     }
 
     /// Returns the number of sites times the mean squared distance from a point to its site.
-    pub(super) fn energy(&self) -> f64 {
+    fn energy(&self) -> f64 {
         let energy = |k: usize| {
-            let (site, max_chord2) = (self.sites[k], self.radii[k].powi(2));
-            self.block(k).moments(self.arch, self.antipodal, site, max_chord2).energy
+            let (site, max_square) = (self.sites[k], self.radii[k].powi(2));
+            self.space.moments(self.arch, self.block(k), site, max_square).energy
         };
         (0..self.sites.len()).map(energy).sum::<f64>() / self.capacity as f64
     }
 
     /// Exchanges points until no exchange lowers the energy and all sites are at the means of their
     /// points, or until `max_passes` passes are done.
-    pub(super) fn run(
-        &mut self,
-        max_passes: usize,
-        tick: &dyn Fn() -> Result<(), Stopped>,
-    ) -> Result<Outcome, Stopped> {
+    fn run(&mut self, max_passes: usize, tick: Tick<'_>) -> Result<(), Stopped> {
         let n = self.sites.len();
         for k in 0..n {
             self.centre(k, MAX_STEPS);
         }
-        let mut progress = Progress::new(n, self.capacity);
+        let slack = SLACK * (S::AREA / n as f64).sqrt();
+        let mut progress = Progress::new(n, self.capacity, slack);
+        self.is_settled = false;
         self.list_pairs(&mut progress);
         let mut is_thorough = true;
         for passes in 1..=max_passes {
             tick()?;
+            self.passes = passes;
             if progress.has_outgrown(&self.radii) {
                 self.list_pairs(&mut progress);
             }
@@ -149,7 +177,8 @@ impl Relaxation {
                 }
             }
             if is_quiet && is_thorough {
-                return Ok(Outcome { passes, is_settled: true });
+                self.is_settled = true;
+                return Ok(());
             }
             // Apparent convergence is verified without the cached state.
             is_thorough = is_quiet;
@@ -158,16 +187,16 @@ impl Relaxation {
                 self.list_pairs(&mut progress);
             }
         }
-        Ok(Outcome { passes: max_passes, is_settled: false })
+        Ok(())
     }
 
-    fn point(&self, p: usize) -> DVec3 {
-        DVec3::new(self.x[p], self.y[p], self.z[p])
+    fn point(&self, p: usize) -> S::Point {
+        S::point(array::from_fn(|axis| self.columns[axis][p]))
     }
 
-    fn block(&self, k: usize) -> Block<'_> {
+    fn block(&self, k: usize) -> [&[f64]; D] {
         let cell = k * self.capacity..(k + 1) * self.capacity;
-        Block { x: &self.x[cell.clone()], y: &self.y[cell.clone()], z: &self.z[cell] }
+        array::from_fn(|axis| &self.columns[axis][cell.clone()])
     }
 
     /// Takes up to `max_steps` steps to the mean of the site's points: each is the exponential of
@@ -177,17 +206,15 @@ impl Relaxation {
         let mut way = 0.0;
         for _ in 0..max_steps {
             let site = self.sites[k];
-            let max_chord2 = self.radii[k].powi(2);
-            let moments = self.block(k).moments(self.arch, self.antipodal, site, max_chord2);
-            let sum = moments.sum - moments.sum.dot(site) * site;
-            let step = sum / self.capacity as f64;
+            let max_square = self.radii[k].powi(2);
+            let moments = self.space.moments(self.arch, self.block(k), site, max_square);
+            let step = moments.sum / self.capacity as f64;
             let length = step.length();
-            self.radii[k] = moments.max_chord2.max(0.0).sqrt() + length;
+            self.radii[k] = moments.max_square.max(0.0).sqrt() + length;
             if length < SHORTEST_STEP {
                 break;
             }
-            let (sin, cos) = length.sin_cos();
-            self.sites[k] = (site * cos + step * (sin / length)).normalize();
+            self.sites[k] = self.space.moved(site, step);
             way += length;
         }
         way
@@ -195,10 +222,10 @@ impl Relaxation {
 
     /// Lists the pairs of sites whose balls intersect within the margin, and keeps the state of
     /// known pairs.
-    fn list_pairs(&mut self, progress: &mut Progress) {
+    fn list_pairs(&mut self, progress: &mut Progress<S::Point>) {
         let Progress { pairs, tree, .. } = progress;
         let known = std::mem::take(pairs);
-        tree.find(self.antipodal, &self.sites, &self.radii, progress.slack, |i, j| {
+        tree.find(self.space, &self.sites, &self.radii, progress.slack, |i, j| {
             pairs.push(Pair { sites: [i, j], seen: None, limit: 0.0 });
         });
         pairs.sort_unstable_by_key(|pair| pair.sites);
@@ -215,7 +242,7 @@ impl Relaxation {
 
     /// Performs all exchanges between two sites that lower the energy at once, pairing the points
     /// with the largest reductions. Returns whether there were any.
-    fn visit(&mut self, at: usize, progress: &mut Progress) -> bool {
+    fn visit(&mut self, at: usize, progress: &mut Progress<S::Point>) -> bool {
         let Progress { pairs, changes, stale, paths, reductions, candidates, .. } = progress;
         let pair = &mut pairs[at];
         let [i, j] = pair.sites;
@@ -226,7 +253,7 @@ impl Relaxation {
         }
         pair.seen = now;
         let sites = [self.sites[i], self.sites[j]];
-        let distance = chord(self.antipodal, sites[0], sites[1]);
+        let distance = self.space.distance(sites[0], sites[1]);
         let reach = self.radii[i] + self.radii[j];
         if distance >= reach {
             // Every point of a site is at least as near to it as any point of the other site, so no
@@ -234,15 +261,15 @@ impl Relaxation {
             pair.limit = path + 0.5 * (distance - reach);
             return false;
         }
-        let max_chord2 = (distance + self.radii[i].max(self.radii[j])).powi(2);
+        let max_square = (distance + self.radii[i].max(self.radii[j])).powi(2);
         let [max_i, max_j] = [(i, 0, 1), (j, 1, 0)].map(|(k, own, other)| {
             let [from, to] = [sites[own], sites[other]];
-            self.block(k).reductions_into(
+            self.space.reductions_into(
                 self.arch,
-                self.antipodal,
+                self.block(k),
                 from,
                 to,
-                max_chord2,
+                max_square,
                 &mut reductions[own],
             )
         });
@@ -262,11 +289,11 @@ impl Relaxation {
                 break;
             }
             let (a, b) = (i * self.capacity + a, j * self.capacity + b);
-            self.x.swap(a, b);
-            self.y.swap(a, b);
-            self.z.swap(a, b);
-            self.radii[i] = self.radii[i].max(chord(self.antipodal, sites[0], self.point(a)));
-            self.radii[j] = self.radii[j].max(chord(self.antipodal, sites[1], self.point(b)));
+            for column in &mut self.columns {
+                column.swap(a, b);
+            }
+            self.radii[i] = self.radii[i].max(self.space.distance(sites[0], self.point(a)));
+            self.radii[j] = self.radii[j].max(self.space.distance(sites[1], self.point(b)));
         }
         for k in [i, j] {
             changes[k] = changes[k].wrapping_add(1);
@@ -280,12 +307,12 @@ impl Relaxation {
     /// cell's area, and more than rounding, so that the energy decreases every time and the
     /// exchanges terminate.
     fn tolerance(&self) -> f64 {
-        1e-11 / self.sites.len() as f64 + ROUNDING
+        S::TOLERANCE / self.sites.len() as f64 + S::ROUNDING
     }
 }
 
-impl Progress {
-    fn new(n: usize, capacity: usize) -> Self {
+impl<P: Copy> Progress<P> {
+    fn new(n: usize, capacity: usize, slack: f64) -> Self {
         Self {
             pairs: Vec::new(),
             tree: SiteTree::default(),
@@ -293,7 +320,7 @@ impl Progress {
             stale: vec![true; n],
             paths: vec![0.0; n],
             reach: Vec::new(),
-            slack: SLACK * (4.0 * std::f64::consts::PI / n as f64).sqrt(),
+            slack,
             reductions: [vec![0.0; capacity], vec![0.0; capacity]],
             candidates: [Vec::new(), Vec::new()],
         }
