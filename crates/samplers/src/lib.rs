@@ -78,7 +78,8 @@ pub use facts::{CostOrder, PatternFacts, Rate};
 pub use family::SamplerFamily;
 pub use fn_pattern::FnPattern;
 pub use optimization::{
-    NoiseColour, PowerProfile, SpectralControl, SpectralTarget, covering_radius, riesz_energy,
+    NoiseColour, PowerProfile, SpectralControl, SpectralTarget, SquareSpectralControl,
+    covering_radius, riesz_energy,
 };
 pub use patterns::*;
 pub use rule::Rule;

@@ -1,10 +1,12 @@
-//! Minimization over unit vectors.
+//! Minimization over unit vectors or points of the plane.
 
 use std::collections::VecDeque;
 
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 
 use crate::Stopped;
+use crate::ensemble::progress::Tick;
+use crate::vector::Vector;
 
 /// Number of past steps whose gradient changes the method stores.
 const MEMORY: usize = 6;
@@ -15,14 +17,45 @@ const SUFFICIENT: f64 = 1e-4;
 /// Maximum number of step reductions before the method abandons a direction.
 const MAX_TRIALS: u32 = 30;
 
+/// A point of the unit sphere or of the plane, as a vector; so are tangent vectors.
+pub(crate) trait ManifoldPoint: Vector {
+    /// Returns the part of a vector that is tangent at a point.
+    fn tangent(vector: Self, at: Self) -> Self;
+
+    /// Returns the point at the end of a step, a tangent vector.
+    fn moved(self, step: Self) -> Self;
+}
+
+impl ManifoldPoint for DVec3 {
+    fn tangent(vector: Self, at: Self) -> Self {
+        vector - vector.dot(at) * at
+    }
+
+    fn moved(self, step: Self) -> Self {
+        (self + step).normalize_or(self)
+    }
+}
+
+/// The plane is the square with opposite sides joined, unrolled: a point and its periodic images
+/// are the same.
+impl ManifoldPoint for DVec2 {
+    fn tangent(vector: Self, _: Self) -> Self {
+        vector
+    }
+
+    fn moved(self, step: Self) -> Self {
+        self + step
+    }
+}
+
 /// An objective to minimize.
-pub(crate) trait Objective {
+pub(crate) trait Objective<P> {
     /// Returns the energy of the points, or NaN where it is undefined.
-    fn energy(&mut self, points: &[DVec3]) -> f64;
+    fn energy(&mut self, points: &[P]) -> f64;
 
     /// Replaces the content of `gradient` by the gradient in space at the points of the last call
     /// of [`Self::energy`].
-    fn gradient(&mut self, points: &[DVec3], gradient: &mut Vec<DVec3>);
+    fn gradient(&mut self, points: &[P], gradient: &mut Vec<P>);
 
     /// Returns whether the descent ends because the points of the last calls are good enough or
     /// cannot improve. Called once for each accepted step.
@@ -31,9 +64,10 @@ pub(crate) trait Objective {
     }
 }
 
-/// Parameters of the limited-memory BFGS method (Liu and Nocedal 1989) on a product of spheres.
+/// Parameters of the limited-memory BFGS method (Liu and Nocedal 1989) on a product of spheres or
+/// planes.
 ///
-/// Gradients and steps lie in the tangent planes; each step ends with a normalization. No step
+/// Gradients and steps lie in the tangent planes; on spheres each step ends with a normalization. No step
 /// increases the energy, moves a point by more than `reach`, or ends where the energy is NaN. The
 /// stored steps are used in the tangent planes of the next points without transport, which made no
 /// measurable difference.
@@ -52,17 +86,17 @@ impl Descent {
     /// Moves the points until the objective is final or no step decreases it further, and returns
     /// the final energy. The last evaluation of the objective was at the returned points. Before
     /// each step `tick` returns whether to continue.
-    pub(crate) fn run(
+    pub(crate) fn run<P: ManifoldPoint>(
         self,
-        points: &mut Vec<DVec3>,
-        objective: &mut impl Objective,
-        tick: &dyn Fn() -> Result<(), Stopped>,
+        points: &mut Vec<P>,
+        objective: &mut impl Objective<P>,
+        tick: Tick<'_>,
     ) -> Result<f64, Stopped> {
         let mut gradient = Vec::new();
         let mut here = objective.energy(points);
         objective.gradient(points, &mut gradient);
         project(points, &mut gradient);
-        let mut memory = Memory::default();
+        let mut memory = Memory { pairs: VecDeque::new() };
         let (mut step, mut trial, mut trial_gradient) = (Vec::new(), Vec::new(), Vec::new());
         for _ in 0..self.iterations {
             tick()?;
@@ -85,7 +119,7 @@ impl Descent {
             let mut trials = 0;
             let there = loop {
                 trial.clear();
-                trial.extend(points.iter().zip(&step).map(|(&p, &d)| (p + t * d).normalize_or(p)));
+                trial.extend(points.iter().zip(&step).map(|(&p, &d)| p.moved(d * t)));
                 let there = objective.energy(&trial);
                 if there <= here + SUFFICIENT * t * slope {
                     break Some(there);
@@ -125,30 +159,29 @@ fn shortening(here: f64, there: f64, slope: f64) -> f64 {
 }
 
 /// Projects vectors onto the tangent planes.
-fn project(points: &[DVec3], vectors: &mut [DVec3]) {
+fn project<P: ManifoldPoint>(points: &[P], vectors: &mut [P]) {
     for (v, p) in vectors.iter_mut().zip(points) {
-        *v -= v.dot(*p) * *p;
+        *v = P::tangent(*v, *p);
     }
 }
 
 /// Shortens vectors longer than `reach`.
-fn limit(vectors: &mut [DVec3], reach: f64) {
+fn limit<P: Vector>(vectors: &mut [P], reach: f64) {
     for v in vectors {
         *v = v.clamp_length_max(reach);
     }
 }
 
-fn dot(a: &[DVec3], b: &[DVec3]) -> f64 {
+fn dot<P: Vector>(a: &[P], b: &[P]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a.dot(*b)).sum()
 }
 
 /// The latest steps s and changes of the gradient y with s.y > 0, oldest first.
-#[derive(Default)]
-struct Memory {
-    pairs: VecDeque<(Vec<DVec3>, Vec<DVec3>, f64)>,
+struct Memory<P> {
+    pairs: VecDeque<(Vec<P>, Vec<P>, f64)>,
 }
 
-impl Memory {
+impl<P: ManifoldPoint> Memory<P> {
     /// Clears the memory; returns whether it was not empty.
     fn clear(&mut self) -> bool {
         let had_any = !self.pairs.is_empty();
@@ -156,16 +189,15 @@ impl Memory {
         had_any
     }
 
-    fn remember(&mut self, from: &[DVec3], to: &[DVec3], before: &[DVec3], after: &[DVec3]) {
+    fn remember(&mut self, from: &[P], to: &[P], before: &[P], after: &[P]) {
         let (mut step, mut change, _) =
             if self.pairs.len() == MEMORY { self.pairs.pop_front() } else { None }
                 .unwrap_or_default();
         step.clear();
         change.clear();
-        let tangent = |v: DVec3, at: DVec3| v - v.dot(at) * at;
-        step.extend(from.iter().zip(to).map(|(&a, &b)| tangent(b - a, b)));
+        step.extend(from.iter().zip(to).map(|(&a, &b)| P::tangent(b - a, b)));
         let gradients = before.iter().zip(after);
-        change.extend(gradients.zip(to).map(|((&a, &b), &at)| b - tangent(a, at)));
+        change.extend(gradients.zip(to).map(|((&a, &b), &at)| b - P::tangent(a, at)));
         let curvature = dot(&step, &change);
         if curvature > f64::EPSILON * dot(&change, &change).sqrt() * dot(&step, &step).sqrt() {
             self.pairs.push_back((step, change, curvature));
@@ -174,11 +206,11 @@ impl Memory {
 
     /// Computes minus the approximate inverse Hessian times the gradient by the two-loop recursion
     /// of Nocedal 1980.
-    fn direction_into(&self, gradient: &[DVec3], descent: Descent, direction: &mut Vec<DVec3>) {
+    fn direction_into(&self, gradient: &[P], descent: Descent, direction: &mut Vec<P>) {
         direction.clear();
         direction.extend(gradient.iter().map(|g| -*g));
-        let add = |to: &mut [DVec3], c: f64, v: &[DVec3]| {
-            to.iter_mut().zip(v).for_each(|(d, v)| *d += c * *v);
+        let add = |to: &mut [P], c: f64, v: &[P]| {
+            to.iter_mut().zip(v).for_each(|(d, v)| *d += *v * c);
         };
         let mut parts = [0.0; MEMORY];
         for ((step, change, curvature), part) in self.pairs.iter().zip(&mut parts).rev() {
@@ -188,7 +220,7 @@ impl Memory {
         let known = self.pairs.back().filter(|_| descent.is_adaptive);
         let scale = known.map_or(descent.scale, |(_, y, curvature)| curvature / dot(y, y));
         if scale.to_bits() != f64::to_bits(1.0) {
-            direction.iter_mut().for_each(|d| *d *= scale);
+            direction.iter_mut().for_each(|d| *d = *d * scale);
         }
         for ((step, change, curvature), part) in self.pairs.iter().zip(parts) {
             let corrected = part - dot(change, direction) / curvature;
@@ -204,7 +236,7 @@ mod tests {
     /// The same quadratic form, with these axes, on every sphere.
     struct Form(DVec3);
 
-    impl Objective for Form {
+    impl Objective<DVec3> for Form {
         fn energy(&mut self, points: &[DVec3]) -> f64 {
             points.iter().map(|p| (self.0 * *p).dot(*p)).sum()
         }

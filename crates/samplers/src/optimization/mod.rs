@@ -5,6 +5,7 @@ mod covering_radius;
 mod descent;
 mod riesz_energy;
 mod spectral_control;
+mod square_spectral_control;
 pub(crate) mod voronoi;
 
 pub use covering_radius::covering_radius;
@@ -12,3 +13,4 @@ pub(crate) use descent::{Descent, Objective};
 pub(crate) use riesz_energy::RieszEnergy;
 pub use riesz_energy::riesz_energy;
 pub use spectral_control::{NoiseColour, PowerProfile, SpectralControl, SpectralTarget};
+pub use square_spectral_control::SquareSpectralControl;

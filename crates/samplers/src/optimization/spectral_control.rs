@@ -3,20 +3,25 @@ mod energy;
 mod freedom;
 mod noise_colour;
 mod profile;
+mod search;
+mod sphere_bands;
 mod target;
 
+use glam::DVec3;
 use rand::Rng;
 use sphvar_grammar::Range;
 
-use crate::optimization::descent::Descent;
 use crate::patterns::poisson_disk::greatest_chord;
 use crate::patterns::white_noise;
 use crate::{Domain, Error, PointSet, Progress, Sampler, count};
-use distance_penalty::DistancePenalty;
-use energy::SpectralEnergy;
+pub(super) use distance_penalty::DistancePenalty;
+pub(super) use energy::{ACCURACIES, Band, BandTransform, SpectralEnergy};
+pub(super) use freedom::MAX_SHARE;
 use freedom::{coefficients, degree_within, degrees_of_freedom};
 pub use noise_colour::NoiseColour;
 pub use profile::PowerProfile;
+pub(super) use search::{Search, descent_steps, infeasible_power, starts};
+use sphere_bands::SphereBands;
 pub use target::SpectralTarget;
 
 /// Point sets with a prescribed power at every degree of a target, in every realization, obtained
@@ -64,7 +69,7 @@ pub struct SpectralControl {
 impl SpectralControl {
     /// The ratio of vanishing coefficients to degrees of freedom beyond which descents do not
     /// converge in reasonable time.
-    pub const MAX_CONSTRAINED: f64 = freedom::MAX_SHARE;
+    pub const MAX_CONSTRAINED: f64 = MAX_SHARE;
 
     /// The default alpha of a step.
     pub const DEFAULT_ALPHA: f64 = 1.0;
@@ -91,10 +96,6 @@ impl SpectralControl {
     /// Fewer points do not have enough degrees of freedom for a flat spectrum beyond a step.
     const MIN_FLAT: usize = 32;
 
-    /// Maximum number of steps of one descent: some 5000 are needed where the number of vanishing
-    /// coefficients is the largest feasible.
-    const MAX_STEPS: u32 = 20_000;
-
     /// The nominal factor in time for a set with a minimum distance.
     const CORE_WORK: f64 = 2.5;
 
@@ -103,12 +104,6 @@ impl SpectralControl {
         let share =
             self.target.constraints(self.domain) as f64 / degrees_of_freedom(self.n_points());
         descent_steps(share)
-    }
-
-    /// Returns the maximum number of descents per set: for some small numbers of points up to two
-    /// in five stall; with more than 100 points none was observed to stall.
-    fn starts(n: u32) -> u32 {
-        (2048 / n).clamp(4, 16)
     }
 
     /// Returns the pattern with no power at any degree `1 <= l <= alpha sqrt(N)` (2N and even
@@ -235,11 +230,7 @@ impl SpectralControl {
             return Err(Error::Infeasible {
                 pattern: name,
                 n_points,
-                reason: format!(
-                    "{constraints} coefficients cannot vanish with {freedom} degrees of freedom: at most \
-                     {} can",
-                    max_zeros.floor()
-                ),
+                reason: infeasible_power(constraints as f64, freedom),
             });
         }
         Ok(Self { n, domain, name, target, sigma: 0.0, work: 130.0 })
@@ -315,45 +306,31 @@ impl Sampler for SpectralControl {
         progress: &dyn Progress,
     ) -> Result<(), Error> {
         let points = set.start();
-        let core = DistancePenalty { domain: self.domain, sigma: self.sigma };
-        let g2 = self.target.pair_correlation_at_zero(self.n_points(), self.domain);
+        let n = self.n_points();
+        let core = DistancePenalty { space: self.domain, sigma: self.sigma };
+        let g2 = self.target.pair_correlation_at_zero(n, self.domain);
         // Free power beyond the target can balance a slightly negative value, and any value if the
         // target has only zeros.
         let has_tail = self.target.last_degree() > Self::last_empty_degree(self);
-        let starts = if has_tail && g2 < -0.5 { 1 } else { Self::starts(self.n) };
-        let mut reached = [0.0; 2];
+        let starts = if has_tail && g2 < -0.5 { 1 } else { starts(self.n) };
         let step = self.nominal_work() / self.expected_steps();
-        for _ in 0..starts {
-            points.clear();
-            points.extend((0..self.n).map(|_| white_noise::uniform_direction(self.domain, rng)));
-            let mut energy = SpectralEnergy::new(self.domain, &self.target, core, self.n_points())?;
-            let spacing = (self.domain.area() / f64::from(self.n)).sqrt();
-            let descent = Descent {
-                iterations: Self::MAX_STEPS,
-                scale: 1.0,
-                is_adaptive: false,
-                reach: 8.0 * spacing,
-            };
-            descent.run(points, &mut energy, &|| progress.tick(step))?;
-            if energy.has_arrived() {
-                for p in points.iter_mut() {
-                    *p = self.domain.representative(*p);
-                }
-                return Ok(());
+        let search = Search { starts, spacing: (self.domain.area() / n as f64).sqrt() };
+        let start = |points: &mut Vec<DVec3>| {
+            points.extend((0..n).map(|_| white_noise::uniform_direction(self.domain, rng)));
+        };
+        let energy = || {
+            let transform = SphereBands::new(self.target.last_degree(), n)?;
+            let bands = SphereBands::targets(&self.target, self.domain);
+            Ok(SpectralEnergy::new(transform, bands, core, n))
+        };
+        let Some(reached) = search.run(points, start, energy, &|| progress.tick(step))? else {
+            for p in points.iter_mut() {
+                *p = self.domain.representative(*p);
             }
-            reached = energy.residuals();
-        }
-        Err(Error::Infeasible {
-            pattern: self.name,
-            n_points: self.n_points(),
-            reason: format!(
-                "{starts} descents stalled before reaching the target, the last with power {:.1e} where there \
-                 should be none and {:.1e} off elsewhere. With white noise beyond the target the pair \
-                 correlation at distance 0 would be {g2:.3}; no pattern has one below 0. Use a smaller alpha, \
-                 core or range",
-                reached[0], reached[1]
-            ),
-        })
+            return Ok(());
+        };
+        let reason = search.failure(reached, g2);
+        Err(Error::Infeasible { pattern: self.name, n_points: n, reason })
     }
 }
 
@@ -366,14 +343,12 @@ fn relative_work(alpha: f64) -> f64 {
     alpha * alpha * steps(alpha) / steps(default)
 }
 
-/// Returns the approximate number of steps of a descent that constrains a fraction f of the degrees
-/// of freedom, `8 (1 + sqrt f)/(1 - sqrt f)`.
-fn descent_steps(share: f64) -> f64 {
-    let root = share.min(SpectralControl::MAX_CONSTRAINED).sqrt();
-    8.0 * (1.0 + root) / (1.0 - root)
-}
-
 /// Rejects numbers outside a range, which is `words` in messages.
-fn in_range(name: &'static str, words: &'static str, got: f64, range: Range) -> Result<(), Error> {
+pub(super) fn in_range(
+    name: &'static str,
+    words: &'static str,
+    got: f64,
+    range: Range,
+) -> Result<(), Error> {
     if range.contains(got) { Ok(()) } else { Err(Error::Parameter { name, range: words, got }) }
 }

@@ -25,41 +25,74 @@ impl Default for ProfileParameters {
     }
 }
 
+/// The meanings of the parameters of a profile.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct ProfileWords {
+    pub(crate) table: &'static str,
+    pub(crate) exponent: &'static str,
+    pub(crate) alpha: &'static str,
+    pub(crate) offset: &'static str,
+    pub(crate) to: &'static str,
+}
+
+const DEGREES: ProfileWords = ProfileWords {
+    table: "table of l,power instead of colour or b to `to`",
+    exponent: "exponent of l/sqrt(N)",
+    alpha: "where the profile levels off, l/sqrt(N)",
+    offset: "power at degree 0",
+    to: "where the target ends, l/sqrt(N)",
+};
+
+/// Declares the parameters of a profile.
+pub(crate) fn declare_profile(
+    profile: &mut PowerProfile,
+    words: ProfileWords,
+    d: &mut Declaration<'_>,
+) {
+    let table = match &*profile {
+        PowerProfile::Table { name, .. } => Some(PathBuf::from(&**name)),
+        PowerProfile::Polynomial { .. } | PowerProfile::Colour(_) => None,
+    };
+    let mut file = table.clone();
+    d.file("file", words.table, "none", &mut file);
+    if let Some(file) = file.filter(|file| Some(file) != table.as_ref()) {
+        // The powers are read once all parameters are known.
+        let name = file.to_string_lossy().into();
+        *profile = PowerProfile::Table { name, power: [].into() };
+    }
+    if !matches!(profile, PowerProfile::Table { .. }) {
+        let mut colour = match profile {
+            PowerProfile::Colour(colour) => Some(*colour),
+            _ => None,
+        };
+        d.optional_choice("colour", "colour of noise instead of b to `to`", "none", &mut colour);
+        if let Some(colour) = colour {
+            *profile = PowerProfile::Colour(colour);
+        }
+    }
+    if let PowerProfile::Polynomial { exponent, alpha, gamma, offset, to } = profile {
+        d.number("b", Range::AT_LEAST_0, words.exponent, exponent);
+        d.number("alpha", Range::POSITIVE, words.alpha, alpha);
+        d.number("gamma", Range::AT_LEAST_0, "level above the offset", gamma);
+        d.number("offset", Range::AT_LEAST_0, words.offset, offset);
+        d.number("to", PowerProfile::TO_RANGE, words.to, to);
+    }
+}
+
+/// Reads the table that a profile names.
+pub(crate) fn resolve_profile(
+    profile: &mut PowerProfile,
+    files: &dyn FileResolver,
+) -> Result<(), Error> {
+    if let PowerProfile::Table { name, power } = profile {
+        *power = files.powers(Path::new(&**name))?.into();
+    }
+    Ok(())
+}
+
 impl Parametric for ProfileParameters {
     fn declare(&mut self, d: &mut Declaration<'_>) {
-        let table = match &self.profile {
-            PowerProfile::Table { name, .. } => Some(PathBuf::from(&**name)),
-            PowerProfile::Polynomial { .. } | PowerProfile::Colour(_) => None,
-        };
-        let mut file = table.clone();
-        d.file("file", "table of l,power instead of colour or b to `to`", "none", &mut file);
-        if let Some(file) = file.filter(|file| Some(file) != table.as_ref()) {
-            // The powers are read once all parameters are known.
-            let name = file.to_string_lossy().into();
-            self.profile = PowerProfile::Table { name, power: [].into() };
-        }
-        if !matches!(self.profile, PowerProfile::Table { .. }) {
-            let mut colour = match self.profile {
-                PowerProfile::Colour(colour) => Some(colour),
-                _ => None,
-            };
-            d.optional_choice(
-                "colour",
-                "colour of noise instead of b to `to`",
-                "none",
-                &mut colour,
-            );
-            if let Some(colour) = colour {
-                self.profile = PowerProfile::Colour(colour);
-            }
-        }
-        if let PowerProfile::Polynomial { exponent, alpha, gamma, offset, to } = &mut self.profile {
-            d.number("b", Range::AT_LEAST_0, "exponent of l/sqrt(N)", exponent);
-            d.number("alpha", Range::POSITIVE, "where the profile levels off, l/sqrt(N)", alpha);
-            d.number("gamma", Range::AT_LEAST_0, "level above the offset", gamma);
-            d.number("offset", Range::AT_LEAST_0, "power at degree 0", offset);
-            d.number("to", PowerProfile::TO_RANGE, "where the target ends, l/sqrt(N)", to);
-        }
+        declare_profile(&mut self.profile, DEGREES, d);
         let summary = "minimum distance in units of a hexagonal lattice's";
         d.number("core", SpectralControl::CORE_RANGE, summary, &mut self.core);
     }
@@ -83,9 +116,6 @@ impl Definition for ProfileParameters {
     }
 
     fn resolve(&mut self, files: &dyn FileResolver) -> Result<(), Error> {
-        if let PowerProfile::Table { name, power } = &mut self.profile {
-            *power = files.powers(Path::new(&**name))?.into();
-        }
-        Ok(())
+        resolve_profile(&mut self.profile, files)
     }
 }

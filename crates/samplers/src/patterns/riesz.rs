@@ -68,7 +68,7 @@ struct Downhill {
     gradient: Vec<DVec3>,
 }
 
-impl Objective for Downhill {
+impl Objective<DVec3> for Downhill {
     fn energy(&mut self, points: &[DVec3]) -> f64 {
         self.energy.evaluate(points, &mut self.gradient)
     }

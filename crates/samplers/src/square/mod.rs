@@ -50,6 +50,9 @@ pattern_list! {
     "hammersley" = hammersley::Hammersley: "Hammersley points in base 2";
     "poisson-disk-square" = poisson_disk_square::PoissonDiskSquare(p: PoissonDiskSquareParameters): "random points that keep a minimum distance, toroidal or not";
     "ccvt-square" = ccvt_square::CcvtSquare(p: CcvtSquareParameters): "sites of a capacity-constrained Voronoi tessellation";
+    "step-square" = step_square::StepSquare(p: StepSquareParameters): "no power up to |k| = alpha sqrt(N), white noise's beyond";
+    "blue-square" = blue_square::BlueSquare(p: BlueSquareParameters): "no power up to |k| = alpha sqrt(N), points well apart";
+    "profile-square" = profile_square::ProfileSquare(p: ProfileSquareParameters): "a prescribed power at every |k| in every set";
 
     without default:
     "file" = point_file::PointFile(SquarePointFileParameters): "your own point sets, with or without weights, from a file";

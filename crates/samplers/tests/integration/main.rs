@@ -11,5 +11,6 @@ mod rules;
 mod spectral_control;
 mod square;
 mod square_patterns;
+mod square_spectral_control;
 mod survey;
 mod zonal;

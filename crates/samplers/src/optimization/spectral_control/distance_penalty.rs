@@ -1,43 +1,106 @@
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 use sphvar_healpix::Cell;
 
-use crate::Domain;
-use crate::search::Grid;
+use crate::search::{Grid, SquareGrid};
+use crate::square::turns::wrapped;
+use crate::vector::Vector;
+use crate::{Domain, Square};
 
 /// A penalty for pairs nearer than the chord `sigma`:
 /// `(kappa/2) sum_{pairs, r < sigma} (sigma - r)^2`.
 ///
 /// With kappa = 1/2 a unit step along the negative gradient moves an isolated pair exactly to the
 /// distance sigma.
+///
+/// On the square distances are toroidal.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct DistancePenalty {
-    pub(crate) domain: Domain,
-    /// The chord, or 0 for no penalty.
+pub(crate) struct DistancePenalty<S> {
+    pub(crate) space: S,
+    /// The chord or distance, or 0 for no penalty.
     pub(crate) sigma: f64,
 }
 
-const KAPPA: f64 = 0.5;
+/// A space in which pairs of near points are found.
+pub(crate) trait PenaltySpace: Copy {
+    type Point: Vector;
 
-impl DistancePenalty {
-    /// Returns the energy and adds its gradient to `gradient`.
-    ///
-    /// Coincident points contribute to the energy like others, but they have no direction of
-    /// separation and contribute no force.
-    pub(crate) fn add(&self, points: &[DVec3], gradient: &mut [DVec3]) -> f64 {
-        if self.sigma <= 0.0 {
-            return 0.0;
-        }
-        let mut grid = Grid::new(self.domain, self.sigma, points.len() as f64);
+    /// The points by location.
+    type Near;
+
+    /// Returns the points by location for queries within `sigma`, and the location of each.
+    fn locate(self, points: &[Self::Point], sigma: f64) -> (Self::Near, Vec<u32>);
+
+    /// Returns all points that can lie within `sigma` of a point with the given location, itself
+    /// among them, at the images nearest to its [`Self::own_image`].
+    fn near(near: &Self::Near, location: u32) -> impl Iterator<Item = Self::Point>;
+
+    /// Returns the image of a point at its location.
+    fn own_image(point: Self::Point) -> Self::Point;
+}
+
+impl PenaltySpace for Domain {
+    type Point = DVec3;
+    type Near = Grid;
+
+    fn locate(self, points: &[DVec3], sigma: f64) -> (Grid, Vec<u32>) {
+        let mut grid = Grid::new(self, sigma, points.len() as f64);
         let nside = grid.nside();
         let places: Vec<u32> =
             points.iter().map(|&p| grid.place(Cell::containing(nside, p))).collect();
         for (&place, &point) in places.iter().zip(points) {
             grid.insert(place, point);
         }
+        (grid, places)
+    }
+
+    fn near(grid: &Grid, location: u32) -> impl Iterator<Item = DVec3> {
+        grid.near(location)
+    }
+
+    fn own_image(point: DVec3) -> DVec3 {
+        point
+    }
+}
+
+impl PenaltySpace for Square {
+    type Point = DVec2;
+    type Near = SquareGrid;
+
+    fn locate(self, points: &[DVec2], sigma: f64) -> (SquareGrid, Vec<u32>) {
+        let mut grid = SquareGrid::new(true, sigma, points.len() as f64);
+        let places: Vec<u32> = points.iter().map(|&p| grid.index_of(wrapped(p))).collect();
+        for (&place, &point) in places.iter().zip(points) {
+            grid.insert(place, wrapped(point));
+        }
+        (grid, places)
+    }
+
+    fn near(grid: &SquareGrid, location: u32) -> impl Iterator<Item = DVec2> {
+        grid.near(location)
+    }
+
+    fn own_image(point: DVec2) -> DVec2 {
+        wrapped(point)
+    }
+}
+
+const KAPPA: f64 = 0.5;
+
+impl<S: PenaltySpace> DistancePenalty<S> {
+    /// Returns the energy and adds its gradient to `gradient`.
+    ///
+    /// Coincident points contribute to the energy like others, but they have no direction of
+    /// separation and contribute no force.
+    pub(crate) fn add(&self, points: &[S::Point], gradient: &mut [S::Point]) -> f64 {
+        if self.sigma <= 0.0 {
+            return 0.0;
+        }
+        let (near, locations) = self.space.locate(points, self.sigma);
         let mut energy = 0.0;
-        for ((&place, &point), gradient) in places.iter().zip(points).zip(gradient) {
+        for ((&location, &point), gradient) in locations.iter().zip(points).zip(gradient) {
+            let point = S::own_image(point);
             let mut met_itself = false;
-            for other in grid.near(place) {
+            for other in S::near(&near, location) {
                 let apart = point - other;
                 let r = apart.length();
                 if r == 0.0 && !met_itself {
@@ -47,7 +110,7 @@ impl DistancePenalty {
                     // Every pair is visited from both its points.
                     energy += 0.25 * KAPPA * overlap * overlap;
                     if r > 0.0 {
-                        *gradient -= KAPPA * overlap / r * apart;
+                        *gradient -= apart * (KAPPA * overlap / r);
                     }
                 }
             }
@@ -69,18 +132,18 @@ impl DistancePenalty {
 mod tests {
     use super::{DVec3, DistancePenalty, Domain};
 
-    fn energy(core: DistancePenalty, points: &[DVec3]) -> (f64, Vec<DVec3>) {
+    fn energy(core: DistancePenalty<Domain>, points: &[DVec3]) -> (f64, Vec<DVec3>) {
         let mut gradient = vec![DVec3::ZERO; points.len()];
         (core.add(points, &mut gradient), gradient)
     }
 
     /// Computes the energy over all pairs, by the definition.
-    fn definition(core: DistancePenalty, points: &[DVec3]) -> f64 {
+    fn definition(core: DistancePenalty<Domain>, points: &[DVec3]) -> f64 {
         let mut sum = 0.0;
         for (i, p) in points.iter().enumerate() {
             for q in &points[..i] {
                 let mut chords = vec![p.distance(*q)];
-                if core.domain == Domain::Hemisphere {
+                if core.space == Domain::Hemisphere {
                     chords.push(p.distance(-*q));
                 }
                 let overlaps = chords.iter().map(|r| core.sigma - r);
@@ -102,7 +165,7 @@ mod tests {
         points.extend([DVec3::Z, -DVec3::Z, DVec3::X]);
         for domain in [Domain::Sphere, Domain::Hemisphere] {
             for sigma in [0.0, 0.1, 0.5, 1.2] {
-                let core = DistancePenalty { domain, sigma };
+                let core = DistancePenalty { space: domain, sigma };
                 let (got, gradient) = energy(core, &points);
                 let expected = definition(core, &points);
                 assert!(
@@ -129,7 +192,7 @@ mod tests {
 
     #[test]
     fn coincident_points_are_handled() {
-        let core = DistancePenalty { domain: Domain::Sphere, sigma: 0.3 };
+        let core = DistancePenalty { space: Domain::Sphere, sigma: 0.3 };
         let (got, gradient) = energy(core, &[DVec3::Z, DVec3::Z]);
         assert!((got - 0.5 * super::KAPPA * 0.09).abs() < 1e-15, "{got}");
         assert!(gradient.iter().all(|g| *g == DVec3::ZERO), "{gradient:?}");

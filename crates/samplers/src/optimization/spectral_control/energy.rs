@@ -1,17 +1,10 @@
-use std::f64::consts::PI;
-
-use glam::DVec3;
-use sphvar_sh::Alm;
-use sphvar_sht::{Method, Transform, TransformWorkspace};
-
-use super::distance_penalty::DistancePenalty;
-use super::target::SpectralTarget;
-use crate::optimization::descent::Objective;
-use crate::{Domain, Error};
+use super::distance_penalty::{DistancePenalty, PenaltySpace};
+use crate::optimization::descent::{ManifoldPoint, Objective};
+use crate::vector::Vector;
 
 /// Accuracies of the initial and the final transforms. The smallest residual that a transform
 /// resolves is a tenth of the square of its accuracy.
-const ACCURACIES: [f64; 2] = [1e-5, 1e-10];
+pub(crate) const ACCURACIES: [f64; 2] = [1e-5, 1e-10];
 
 /// The residual below which the finer transform is used.
 const ROUGH: f64 = 1e-9;
@@ -27,83 +20,110 @@ const NEAR: f64 = 1e-6;
 const STALLED: f64 = 1e-5;
 const PATIENCE: u32 = 5;
 
-/// The deviation of the amplitudes `|c_l|` of a set of points from those of a target,
+/// The transforms between points and the coefficients of bands of equal or similar eigenvalues of
+/// the Laplacian.
+pub(crate) trait BandTransform {
+    type Point: ManifoldPoint;
+
+    /// The area of the space: `AREA/N` makes the mean square of the coefficients of white noise 1.
+    const AREA: f64;
+
+    /// Replaces `squares` by the sums `|c_b|^2` of the squared moduli of the coefficients of each
+    /// band b, with the finer or the rougher of two accuracies.
+    fn analyze(&mut self, points: &[Self::Point], is_fine: bool, squares: &mut Vec<f64>);
+
+    /// Replaces `gradient` by that of the function whose coefficients are those of the last points
+    /// analyzed, times a factor for each band. Consumes the coefficients.
+    fn gradient_into(
+        &mut self,
+        factors: &[f64],
+        points: &[Self::Point],
+        is_fine: bool,
+        gradient: &mut [Self::Point],
+    );
+}
+
+/// A band with a target.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Band {
+    /// The index among the bands of the transform.
+    pub(crate) index: usize,
+    /// The power P*.
+    pub(crate) target: f64,
+    /// The number of coefficients.
+    pub(crate) multiplicity: f64,
+    /// The eigenvalue of minus the Laplacian.
+    pub(crate) eigenvalue: f64,
+}
+
+/// The deviation of the amplitudes `|c_b|` of a set of points from those of a target,
 ///
 /// ```text
-/// E = 1/2 (4 pi/N) sum_l (|c_l| - a_l)^2/(l(l+1)) + core,   |c_l|^2 = sum_m |c_lm|^2,
-/// a_l^2 = N/(4 pi) (2l+1) P*(l),
+/// E = 1/2 (A/N) sum_b (|c_b| - a_b)^2/lambda_b + core,   |c_b|^2 = sum over band b of |c|^2,
+/// a_b^2 = (N/A) n_b P*(b)
 /// ```
 ///
-/// with the weights of the logarithmic energy, so that a unit step along the negative gradient is
-/// nearly a Newton step.
-pub(crate) struct SpectralEnergy<'a> {
-    domain: Domain,
-    target: &'a SpectralTarget,
-    core: DistancePenalty,
+/// for n_b coefficients in band b, eigenvalues lambda_b of minus the Laplacian and an area A. The
+/// weights are those of the logarithmic energy: for scattered points they make the rows of the
+/// Jacobian of the coefficients nearly orthonormal, so that a unit step along the negative gradient
+/// is nearly a Newton step.
+pub(crate) struct SpectralEnergy<T: BandTransform, S> {
+    transform: T,
+    bands: Vec<Band>,
+    core: DistancePenalty<S>,
     n_points: usize,
-    /// One for each of `ACCURACIES`.
-    transforms: [Transform; 2],
     is_fine: bool,
-    workspace: TransformWorkspace,
-    alms: [Alm; 1],
-    /// `|c_l|^2` by degree.
+    /// `|c_b|^2` by band.
     squares: Vec<f64>,
     core_energy: f64,
-    core_gradient: Vec<DVec3>,
-    values: Vec<f64>,
+    core_gradient: Vec<T::Point>,
     stalled_for: u32,
 }
 
-impl<'a> SpectralEnergy<'a> {
+impl<T: BandTransform, S: PenaltySpace<Point = T::Point>> SpectralEnergy<T, S> {
     pub(crate) fn new(
-        domain: Domain,
-        target: &'a SpectralTarget,
-        core: DistancePenalty,
+        transform: T,
+        bands: Vec<Band>,
+        core: DistancePenalty<S>,
         n_points: usize,
-    ) -> Result<Self, Error> {
-        let lmax = target.last_degree();
-        let transform = |epsilon| {
-            Transform::new(Method::Auto, lmax, n_points, epsilon)
-                .map_err(|error| Error::Degree { last: lmax, reason: error.to_string() })
-        };
-        let alm = Alm::zeros(lmax)
-            .map_err(|error| Error::Degree { last: lmax, reason: error.to_string() })?;
-        Ok(Self {
-            domain,
-            target,
+    ) -> Self {
+        Self {
+            transform,
+            bands,
             core,
             n_points,
-            transforms: [transform(ACCURACIES[0])?, transform(ACCURACIES[1])?],
             is_fine: false,
-            workspace: TransformWorkspace::default(),
-            alms: [alm],
-            squares: vec![0.0; lmax + 1],
+            squares: Vec::new(),
             core_energy: 0.0,
             core_gradient: Vec::new(),
-            values: vec![0.0; n_points],
             stalled_for: 0,
-        })
+        }
     }
 
-    /// Returns `4 pi/N`, the factor that makes the mean square of the coefficients of white noise
-    /// 1.
+    /// Returns the energy with the finer transforms or the rougher ones.
+    #[cfg(test)]
+    pub(crate) fn with_fine(self, is_fine: bool) -> Self {
+        Self { is_fine, ..self }
+    }
+
+    /// Returns `A/N`.
     fn normalization(&self) -> f64 {
-        4.0 * PI / self.n_points as f64
+        T::AREA / self.n_points as f64
     }
 
-    /// Returns `a_l` for a target power.
-    fn amplitude(&self, l: usize, target: f64) -> f64 {
-        ((2 * l + 1) as f64 * target / self.normalization()).sqrt()
+    /// Returns `a_b`.
+    fn amplitude(&self, band: Band) -> f64 {
+        (band.multiplicity * band.target / self.normalization()).sqrt()
     }
 
     /// Returns the largest power where the target is 0, and the largest deviation from the target
     /// elsewhere.
     pub(crate) fn residuals(&self) -> [f64; 2] {
         let mut residuals = [0.0; 2];
-        for (l, target) in self.target.degrees(self.domain) {
-            let power = self.normalization() * self.squares[l] / (2 * l + 1) as f64;
-            let of_kind = &mut residuals[usize::from(target > 0.0)];
-            *of_kind = f64::max(*of_kind, (power - target).abs());
+        for band in &self.bands {
+            let power = self.normalization() * self.squares[band.index] / band.multiplicity;
+            let of_kind = &mut residuals[usize::from(band.target > 0.0)];
+            *of_kind = f64::max(*of_kind, (power - band.target).abs());
         }
         residuals
     }
@@ -117,42 +137,37 @@ impl<'a> SpectralEnergy<'a> {
     }
 }
 
-impl Objective for SpectralEnergy<'_> {
-    fn energy(&mut self, points: &[DVec3]) -> f64 {
-        let transform = &self.transforms[usize::from(self.is_fine)];
-        transform.adjoint_batch_into(&[(points, None)], &mut self.workspace, &mut self.alms);
-        self.squares = self.alms[0].energy_per_degree();
+impl<T, S> Objective<T::Point> for SpectralEnergy<T, S>
+where
+    T: BandTransform,
+    S: PenaltySpace<Point = T::Point>,
+{
+    fn energy(&mut self, points: &[T::Point]) -> f64 {
+        self.transform.analyze(points, self.is_fine, &mut self.squares);
         let mut sum = 0.0;
-        for (l, target) in self.target.degrees(self.domain) {
-            let off = self.squares[l].sqrt() - self.amplitude(l, target);
-            sum += off * off / (l * (l + 1)) as f64;
+        for &band in &self.bands {
+            let off = self.squares[band.index].sqrt() - self.amplitude(band);
+            sum += off * off / band.eigenvalue;
         }
         self.core_gradient.clear();
-        self.core_gradient.resize(points.len(), DVec3::ZERO);
+        self.core_gradient.resize(points.len(), T::Point::ZERO);
         self.core_energy = self.core.add(points, &mut self.core_gradient);
         0.5 * self.normalization() * sum + self.core_energy
     }
 
-    fn gradient(&mut self, points: &[DVec3], gradient: &mut Vec<DVec3>) {
-        // The gradient of E with respect to the points is that of the function with coefficients (4
-        // pi/N) (1 - a_l/|c_l|) c_lm/(l(l+1)).
+    fn gradient(&mut self, points: &[T::Point], gradient: &mut Vec<T::Point>) {
+        // The gradient of E with respect to the points is that of the function with coefficients
+        // (A/N) (1 - a_b/|c_b|) c/lambda_b.
         let mut factors = vec![0.0; self.squares.len()];
         let normalization = self.normalization();
-        for (l, target) in self.target.degrees(self.domain) {
-            let size = self.squares[l].sqrt();
+        for &band in &self.bands {
+            let size = self.squares[band.index].sqrt();
             // A zero amplitude has no direction of increase.
-            let ratio = if size > 0.0 { self.amplitude(l, target) / size } else { 0.0 };
-            factors[l] = normalization * (1.0 - ratio) / (l * (l + 1)) as f64;
+            let ratio = if size > 0.0 { self.amplitude(band) / size } else { 0.0 };
+            factors[band.index] = normalization * (1.0 - ratio) / band.eigenvalue;
         }
-        let alm = &mut self.alms[0];
-        for m in 0..=alm.lmax() {
-            for (a, factor) in alm.column_mut(m).iter_mut().zip(&factors[m..]) {
-                *a *= factor;
-            }
-        }
-        gradient.resize(points.len(), DVec3::ZERO);
-        let transform = &self.transforms[usize::from(self.is_fine)];
-        transform.gradient_into(alm, points, &mut self.workspace, &mut self.values, gradient);
+        gradient.resize(points.len(), T::Point::ZERO);
+        self.transform.gradient_into(&factors, points, self.is_fine, gradient);
         for (gradient, core) in gradient.iter_mut().zip(&self.core_gradient) {
             *gradient += *core;
         }
@@ -172,9 +187,16 @@ impl Objective for SpectralEnergy<'_> {
 
 #[cfg(test)]
 mod tests {
-    use super::{DVec3, DistancePenalty, Domain, Objective, PI, SpectralEnergy, SpectralTarget};
+    use std::f64::consts::PI;
+
+    use glam::DVec3;
+
+    use super::super::sphere_bands::SphereBands;
+    use super::{DistancePenalty, Objective};
     use crate::optimization::descent::Descent;
-    use crate::{Pattern, Purpose, SpectralControl, Streams};
+    use crate::{Domain, Pattern, Purpose, SpectralControl, SpectralTarget, Streams};
+
+    type SpectralEnergy = super::SpectralEnergy<SphereBands, Domain>;
 
     const DOMAINS: [Domain; 2] = [Domain::Sphere, Domain::Hemisphere];
 
@@ -184,15 +206,19 @@ mod tests {
     }
 
     /// Returns a target with zeros and powers, and a penalty that some of 20 points incur.
-    fn mixed(domain: Domain) -> (SpectralTarget, DistancePenalty) {
+    fn mixed(domain: Domain) -> (SpectralTarget, DistancePenalty<Domain>) {
         let power = vec![7.0, 0.0, 0.0, 0.0, 1.0, 1.0, 0.5, 0.0, 2.0];
-        (SpectralTarget::new(power).unwrap(), DistancePenalty { domain, sigma: 0.5 })
+        (SpectralTarget::new(power).unwrap(), DistancePenalty { space: domain, sigma: 0.5 })
     }
 
-    fn fine<'a>(target: &'a SpectralTarget, core: DistancePenalty, n: usize) -> SpectralEnergy<'a> {
-        let mut energy = SpectralEnergy::new(core.domain, target, core, n).unwrap();
-        energy.is_fine = true;
-        energy
+    fn rough(target: &SpectralTarget, core: DistancePenalty<Domain>, n: usize) -> SpectralEnergy {
+        let bands = SphereBands::targets(target, core.space);
+        let transform = SphereBands::new(target.last_degree(), n).unwrap();
+        SpectralEnergy::new(transform, bands, core, n)
+    }
+
+    fn fine(target: &SpectralTarget, core: DistancePenalty<Domain>, n: usize) -> SpectralEnergy {
+        rough(target, core, n).with_fine(true)
     }
 
     /// Returns `|c_l|^2 = (2l+1)/(4 pi) sum_ij P_l(p_i.p_j)` from all pairs, by the addition
@@ -216,11 +242,11 @@ mod tests {
 
     /// Computes the energy by its definition. The penalty comes from its own code, which is tested
     /// separately.
-    fn definition(target: &SpectralTarget, core: DistancePenalty, points: &[DVec3]) -> f64 {
+    fn definition(target: &SpectralTarget, core: DistancePenalty<Domain>, points: &[DVec3]) -> f64 {
         let normalization = 4.0 * PI / points.len() as f64;
         let squares = squares(points, target.last_degree());
         let mut sum = 0.0;
-        for (l, power) in target.degrees(core.domain) {
+        for (l, power) in target.degrees(core.space) {
             let amplitude = ((2 * l + 1) as f64 * power / normalization).sqrt();
             sum += (squares[l].max(0.0).sqrt() - amplitude).powi(2) / (l * (l + 1)) as f64;
         }
@@ -285,9 +311,9 @@ mod tests {
     }
 
     /// An objective that counts its evaluations.
-    struct Counted<'a>(SpectralEnergy<'a>, u32);
+    struct Counted(SpectralEnergy, u32);
 
-    impl Objective for Counted<'_> {
+    impl Objective<DVec3> for Counted {
         fn energy(&mut self, points: &[DVec3]) -> f64 {
             self.1 += 1;
             self.0.energy(points)
@@ -307,8 +333,8 @@ mod tests {
     fn evaluations(n: usize, domain: Domain, realization: u64) -> u32 {
         let step = SpectralControl::step(n, domain, None, Some(0.0)).unwrap();
         let target = step.target();
-        let core = DistancePenalty { domain, sigma: 0.0 };
-        let energy = SpectralEnergy::new(domain, target, core, n).unwrap();
+        let core = DistancePenalty { space: domain, sigma: 0.0 };
+        let energy = rough(target, core, n);
         let mut counted = Counted(energy, 0);
         let mut points = white(n, domain, realization);
         let reach = 8.0 * (domain.area() / n as f64).sqrt();

@@ -4,7 +4,7 @@
 use crate::Domain;
 
 /// The largest ratio of vanishing coefficients to degrees of freedom at which descents converge.
-pub(super) const MAX_SHARE: f64 = 0.97;
+pub(crate) const MAX_SHARE: f64 = 0.97;
 
 /// The last degrees of zero power where the count does not determine them: small sets that exist by
 /// symmetry although they have more coefficients than degrees of freedom, and designs that the

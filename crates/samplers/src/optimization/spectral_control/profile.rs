@@ -1,3 +1,4 @@
+use std::f64::consts::PI;
 use std::sync::Arc;
 
 use sphvar_grammar::Range;
@@ -57,9 +58,45 @@ impl PowerProfile {
             }
             &Self::Polynomial { exponent, alpha, gamma, offset, to } => {
                 Self::check_polynomial(exponent, alpha, gamma, offset, to)?;
-                sampled(n_points, domain, to, |omega| {
-                    offset + gamma * (omega / alpha).powf(exponent).min(1.0)
-                })
+                let power = polynomial(exponent, alpha, gamma, offset);
+                sampled(n_points, domain, to, power)
+            }
+        }
+    }
+
+    /// Returns the last |k| of the target for `n_points` points of the square, and the power as a
+    /// function of |k|: `omega = |k|/sqrt(N)`, for a colour `omega = sqrt(pi) |k|/sqrt(N)`, which
+    /// makes the number of frequencies below omega that of harmonics on the sphere. A table has the
+    /// powers of |k| rounded to an integer.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`Self::target`].
+    pub(crate) fn radial(
+        &self,
+        n_points: usize,
+    ) -> Result<(f64, Box<dyn Fn(f64) -> f64 + '_>), Error> {
+        let root = f64::from(count::checked(n_points)?).sqrt();
+        match self {
+            Self::Table { power, .. } => {
+                SpectralTarget::new(power.to_vec())?;
+                let last = power.len().saturating_sub(1);
+                #[expect(
+                    clippy::cast_possible_truncation,
+                    clippy::cast_sign_loss,
+                    reason = "at least 0"
+                )]
+                let at = move |radius: f64| power[(radius.round() as usize).min(last)];
+                Ok((last as f64, Box::new(at)))
+            }
+            Self::Colour(colour) => {
+                let root = root / PI.sqrt();
+                Ok((colour.end() * root, Box::new(move |radius| colour.power(radius / root))))
+            }
+            &Self::Polynomial { exponent, alpha, gamma, offset, to } => {
+                Self::check_polynomial(exponent, alpha, gamma, offset, to)?;
+                let power = polynomial(exponent, alpha, gamma, offset);
+                Ok((to * root, Box::new(move |radius| power(radius / root))))
             }
         }
     }
@@ -88,6 +125,11 @@ impl PowerProfile {
         }
         Ok(())
     }
+}
+
+/// Returns `offset + gamma min(1, (omega/alpha)^exponent)` as a function of omega.
+fn polynomial(exponent: f64, alpha: f64, gamma: f64, offset: f64) -> impl Fn(f64) -> f64 {
+    move |omega| offset + gamma * (omega / alpha).powf(exponent).min(1.0)
 }
 
 /// Returns the target with a power for every degree up to the frequency `to`.

@@ -1,0 +1,85 @@
+use super::distance_penalty::PenaltySpace;
+use super::energy::{BandTransform, SpectralEnergy};
+use super::freedom;
+use crate::Error;
+use crate::ensemble::progress::Tick;
+use crate::optimization::descent::Descent;
+
+/// Maximum number of steps of one descent: some 5000 are needed where the number of vanishing
+/// coefficients is the largest feasible.
+const MAX_STEPS: u32 = 20_000;
+
+/// Descents from random sets of points until one meets a target.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Search {
+    /// Maximum number of descents.
+    pub(crate) starts: u32,
+    /// The root of the area per point.
+    pub(crate) spacing: f64,
+}
+
+impl Search {
+    /// Replaces the content of `points` by a set that meets the target of `energy`; `start` appends
+    /// a random set to the empty vector. Returns the residuals of the last descent if all stall.
+    pub(crate) fn run<T: BandTransform, S: PenaltySpace<Point = T::Point>>(
+        self,
+        points: &mut Vec<T::Point>,
+        mut start: impl FnMut(&mut Vec<T::Point>),
+        energy: impl Fn() -> Result<SpectralEnergy<T, S>, Error>,
+        tick: Tick<'_>,
+    ) -> Result<Option<[f64; 2]>, Error> {
+        let mut reached = [0.0; 2];
+        for _ in 0..self.starts {
+            points.clear();
+            start(points);
+            let mut energy = energy()?;
+            let descent = Descent {
+                iterations: MAX_STEPS,
+                scale: 1.0,
+                is_adaptive: false,
+                reach: 8.0 * self.spacing,
+            };
+            descent.run(points, &mut energy, tick)?;
+            if energy.has_arrived() {
+                return Ok(None);
+            }
+            reached = energy.residuals();
+        }
+        Ok(Some(reached))
+    }
+
+    /// Returns the reason why no descent met the target: the residuals of the last, and the pair
+    /// correlation at distance 0 with white noise beyond the target.
+    pub(crate) fn failure(self, reached: [f64; 2], g2: f64) -> String {
+        let Self { starts, .. } = self;
+        format!(
+            "{starts} descents stalled before reaching the target, the last with power {:.1e} where there \
+             should be none and {:.1e} off elsewhere. With white noise beyond the target the pair \
+             correlation at distance 0 would be {g2:.3}; no pattern has one below 0. Use a smaller alpha, \
+             core or range",
+            reached[0], reached[1]
+        )
+    }
+}
+
+/// Returns the reason why a target with more zeros than degrees of freedom is infeasible.
+pub(crate) fn infeasible_power(constraints: f64, freedom: f64) -> String {
+    let max_zeros = freedom::MAX_SHARE * freedom;
+    format!(
+        "{constraints} coefficients cannot vanish with {freedom} degrees of freedom: at most {} can",
+        max_zeros.floor()
+    )
+}
+
+/// Returns the maximum number of descents per set: for some small numbers of points up to two
+/// in five stall; with more than 100 points none was observed to stall.
+pub(crate) fn starts(n: u32) -> u32 {
+    (2048 / n).clamp(4, 16)
+}
+
+/// Returns the approximate number of steps of a descent that constrains a fraction f of the degrees
+/// of freedom, `8 (1 + sqrt f)/(1 - sqrt f)`.
+pub(crate) fn descent_steps(share: f64) -> f64 {
+    let root = share.min(freedom::MAX_SHARE).sqrt();
+    8.0 * (1.0 + root) / (1.0 - root)
+}
