@@ -37,10 +37,10 @@ pub use hyperuniformity::{
 };
 pub use measure::Measure;
 pub use set_quality::{MAX_POINTS_OF_COVERING, SetQuality};
-pub use sphvar_samplers::{covering_radius, separation};
+pub use sphvar_samplers::{covering_radius, separation, toroidal_separation};
 pub use square::{
-    MAX_POINTS_OF_L2_DISCREPANCY, MAX_POINTS_OF_STAR_DISCREPANCY, l2_star_discrepancy,
-    star_discrepancy, wraparound_l2_discrepancy,
+    MAX_POINTS_OF_L2_DISCREPANCY, MAX_POINTS_OF_STAR_DISCREPANCY, SquareQuality,
+    l2_star_discrepancy, star_discrepancy, wraparound_l2_discrepancy,
 };
 pub use unavailable::Unavailable;
 pub use uniformity::{

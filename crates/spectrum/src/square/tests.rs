@@ -171,7 +171,7 @@ fn sampled_spectra_are_those_in_closed_form() {
 #[ignore = "statistics"]
 fn more_sampled_spectra_are_those_in_closed_form() {
     for (seed, (rows, columns)) in
-        [(1, 1), (1, 12), (9, 2), (8, 8), (16, 16)].into_iter().enumerate()
+        [(2, 2), (1, 12), (9, 2), (8, 8), (16, 16)].into_iter().enumerate()
     {
         let seed = seed as u64 + 10;
         check_closed_form(&JitteredSquare::new(rows, columns).unwrap(), seed, 10_000);

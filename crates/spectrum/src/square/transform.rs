@@ -36,7 +36,7 @@ pub struct SquareResolution {
 
 impl SquareResolution {
     /// The maximum kmax of spectra with an error for every band; the accumulator of a band takes
-    /// some 300 bytes on every thread.
+    /// about 400 bytes on every thread.
     pub const MAX_KMAX_WITH_ERRORS: usize = 512;
 
     /// Returns the resolution with the default accuracy, [`Resolution::EPSILON`].

@@ -2,7 +2,7 @@ use sphvar_samplers::{Progress, Stopped};
 
 use crate::quality::Unavailable;
 
-/// The largest number of points for which the star discrepancy is computed, in about 2 s.
+/// The largest number of points for which the star discrepancy is computed, in 2 to 3 s.
 pub const MAX_POINTS_OF_STAR_DISCREPANCY: usize = 50_000;
 
 /// Nominal work of a pair of points, from its 1 ns.
