@@ -30,11 +30,12 @@ pub struct RadialSpectrum {
 
 impl RadialSpectrum {
     /// Returns the radial mean of a spectrum. The standard errors treat those of different
-    /// frequencies as independent; see [`Self::with_errors`].
+    /// frequencies as independent; see [`Self::with_errors`]. Rings beyond the last band of the
+    /// spectrum are left out.
     #[must_use]
     pub fn of(spectrum: &Spectrum<Frequencies>) -> Self {
         let mut radial = Self { power: vec![], stderr: vec![], anisotropy: vec![] };
-        for ring in rings(spectrum.bands()) {
+        for ring in rings(spectrum.bands()).take_while(|ring| ring.end <= spectrum.power().len()) {
             let powers = &spectrum.power()[ring.clone()];
             let n = powers.len() as f64;
             let mean = powers.iter().sum::<f64>() / n;
