@@ -17,11 +17,13 @@ pub enum Area {
     Weights,
     /// Least-squares fits of scattered values.
     Fits,
+    /// Transforms on the square.
+    Square,
 }
 
 impl Area {
     /// Every area.
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 9] = [
         Self::Harmonics,
         Self::Indexing,
         Self::Transforms,
@@ -30,6 +32,7 @@ impl Area {
         Self::Quality,
         Self::Weights,
         Self::Fits,
+        Self::Square,
     ];
 
     /// Returns the name of the area in commands and files.
@@ -44,6 +47,7 @@ impl Area {
             Self::Quality => "quality",
             Self::Weights => "weights",
             Self::Fits => "fits",
+            Self::Square => "square",
         }
     }
 }

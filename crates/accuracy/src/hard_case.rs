@@ -1,5 +1,6 @@
 use crate::{
-    Area, Errors, fits, harmonics, indexing, predictions, quality, spectra, transforms, weights,
+    Area, Errors, fits, harmonics, indexing, predictions, quality, spectra, square, transforms,
+    weights,
 };
 
 /// An extreme input at the limits of floating-point numbers, with the bound of its error.
@@ -29,5 +30,6 @@ pub fn hard_cases(area: Area) -> Vec<HardCase> {
         Area::Quality => quality::hard_cases(),
         Area::Weights => weights::hard_cases(),
         Area::Fits => fits::hard_cases(),
+        Area::Square => square::hard_cases(),
     }
 }

@@ -35,6 +35,7 @@ mod predictions;
 mod quality;
 pub mod reference;
 mod spectra;
+mod square;
 mod transforms;
 mod trial;
 mod weights;

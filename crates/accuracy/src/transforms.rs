@@ -12,7 +12,7 @@ mod subjects;
 
 use std::sync::Arc;
 
-pub(crate) use definition::Definition;
+pub(crate) use definition::{Complex, Definition};
 pub(crate) use hard::hard_cases;
 
 use crate::{Area, Effort, Trial};

@@ -1,7 +1,8 @@
 use std::fmt;
 
 use crate::{
-    Area, Errors, fits, harmonics, indexing, predictions, quality, spectra, transforms, weights,
+    Area, Errors, fits, harmonics, indexing, predictions, quality, spectra, square, transforms,
+    weights,
 };
 
 /// The amount of work of a suite.
@@ -69,5 +70,6 @@ pub fn trials(area: Area, effort: Effort) -> Vec<Trial> {
         Area::Quality => quality::trials(effort),
         Area::Weights => weights::trials(effort),
         Area::Fits => fits::trials(effort),
+        Area::Square => square::trials(effort),
     }
 }

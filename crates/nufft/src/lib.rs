@@ -1,13 +1,16 @@
-//! Nonuniform Fourier transform of scattered points on the torus, in two dimensions and to a
+//! Nonuniform Fourier transforms of scattered points on the torus, in two dimensions and to a
 //! requested accuracy.
 //!
-//! [`TorusTransform`] computes the Fourier coefficients of weighted points with
-//! O(N log^2(1/epsilon) + kmax^2 log kmax) operations; [`direct_adjoint`] evaluates the definition.
-//! The transform spreads the points onto a regular grid with a window, applies a Fourier transform,
-//! and divides the coefficients by the transform of the window.
+//! [`TorusTransform`] computes the Fourier coefficients of weighted points (type 1) and the values
+//! and derivatives of a Fourier series at points (type 2), with O(N log^2(1/epsilon) + kmax^2 log
+//! kmax) operations. [`CircleTransform`] is type 1 in one dimension, to much higher frequencies.
+//! [`direct_adjoint`], [`direct_evaluate`] and others evaluate the definitions.
 //!
-//! [`parts`] exports the stages up to the grid, for use in other transforms such as that of the
-//! sphere.
+//! Type 1 spreads the points onto a regular grid with a window, applies a Fourier transform, and
+//! divides the coefficients by the transform of the window. Type 2 takes the same steps in reverse.
+//!
+//! [`parts`] exports the stages between points and grid, for use in other transforms such as that
+//! of the sphere.
 //!
 //! # Examples
 //!

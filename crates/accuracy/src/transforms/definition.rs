@@ -13,9 +13,9 @@ pub(crate) struct Complex {
 
 impl Complex {
     pub(crate) const ZERO: Self = Self { re: DoubleDouble::ZERO, im: DoubleDouble::ZERO };
-    const ONE: Self = Self { re: DoubleDouble::ONE, im: DoubleDouble::ZERO };
+    pub(crate) const ONE: Self = Self { re: DoubleDouble::ONE, im: DoubleDouble::ZERO };
 
-    fn add_product(&mut self, value: Self, factor: DoubleDouble) {
+    pub(crate) fn add_product(&mut self, value: Self, factor: DoubleDouble) {
         self.re += value.re * factor;
         self.im += value.im * factor;
     }

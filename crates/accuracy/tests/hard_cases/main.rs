@@ -22,6 +22,7 @@ mod indexing;
 mod predictions;
 mod quality;
 mod spectra;
+mod square;
 mod transforms;
 mod weights;
 
@@ -50,6 +51,7 @@ fn every_hard_case_has_a_test() {
         quality::NAMES,
         weights::NAMES,
         fits::NAMES,
+        square::NAMES,
     ];
     let mut tested = areas.concat();
     let mut listed: Vec<_> = all().map(|case| case.name).collect();
