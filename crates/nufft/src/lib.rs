@@ -19,7 +19,7 @@
 //!
 //! // A point of weight 2 a quarter of a turn along the second coordinate.
 //! let transform = TorusTransform::new(8, 1e-10)?;
-//! let c = transform.adjoint(&[[0.0, 0.25]], Some(&[2.0]))?;
+//! let c = transform.adjoint(&[[0.0, 0.25_f64]], Some(&[2.0]))?;
 //! // exp(-2 pi i/4) = -i.
 //! let at_one = c.get(0, 1).unwrap();
 //! assert!(at_one.re.abs() < 1e-9 && (at_one.im + 2.0).abs() < 1e-9);
