@@ -21,6 +21,8 @@ const BATCH: usize = 16;
 /// - Independent uniform points have power 1 at every k != 0.
 /// - One uniform point in each cell of a grid of R x C cells has
 ///   `P(k) = 1 - sinc^2(k1/R) sinc^2(k2/C)` with `sinc x = sin(pi x)/(pi x)`.
+/// - A Latin hypercube of N points has `P(k, 0) = P(0, k) = 1 - sinc^2(k/N)` on the axes and
+///   `P(k) = 1 + sinc^2(k1/N) sinc^2(k2/N)/(N - 1)` off them.
 /// - A lattice of N points has the power N at the frequencies of its dual lattice and 0 elsewhere:
 ///   a regular grid at multiples of its sides, the rank-1 lattice (j/N, j g/N) where k1 + g k2 is a
 ///   multiple of N.
@@ -53,6 +55,7 @@ pub struct ExactSquareSpectrum<'a> {
 enum Kind<'a> {
     White,
     Jittered([usize; 2]),
+    LatinHypercube(usize),
     Lattice(Lattice),
     Fixed,
     Sets(&'a [PointSet<[f64; 2]>]),
@@ -65,6 +68,7 @@ impl<'a> ExactSquareSpectrum<'a> {
         let kind = match sampler.distribution() {
             SquareDistribution::Independent => Kind::White,
             SquareDistribution::Jittered { rows, columns } => Kind::Jittered([rows, columns]),
+            SquareDistribution::LatinHypercube => Kind::LatinHypercube(sampler.n_points()),
             SquareDistribution::Lattice(lattice) => Kind::Lattice(lattice),
             SquareDistribution::Fixed => Kind::Fixed,
             SquareDistribution::OneOf(sets) => Kind::Sets(sets),
@@ -92,6 +96,7 @@ impl<'a> ExactSquareSpectrum<'a> {
         Ok(match &self.kind {
             Kind::White => of_bands(&|_| 1.0),
             Kind::Jittered(sides) => of_bands(&|k| of_cells(*sides, k)),
+            Kind::LatinHypercube(n) => of_bands(&|k| of_hypercube(*n, k)),
             Kind::Lattice(lattice) => {
                 let n = lattice.n_points() as f64;
                 let [u, v] = lattice.coordinate_multiplicities().map(|count| count as f64);
@@ -117,12 +122,12 @@ impl<'a> ExactSquareSpectrum<'a> {
     pub fn work(&self, frequencies: &Frequencies) -> f64 {
         let resolution = SquareResolution::new(frequencies.clone());
         match &self.kind {
-            Kind::White | Kind::Jittered(_) | Kind::Lattice(_) => 0.0,
             Kind::Fixed => {
                 let n_points = self.sampler.n_points();
                 self.sampler.nominal_work() + resolution.nominal_work(n_points)
             }
             Kind::Sets(sets) => sets.iter().map(|set| resolution.nominal_work(set.len())).sum(),
+            _ => 0.0,
         }
     }
 
@@ -132,9 +137,9 @@ impl<'a> ExactSquareSpectrum<'a> {
     pub fn bytes(&self, frequencies: &Frequencies, threads: usize) -> f64 {
         let resolution = SquareResolution::new(frequencies.clone());
         let n_sets = match &self.kind {
-            Kind::White | Kind::Jittered(_) | Kind::Lattice(_) => 0,
             Kind::Fixed => 1,
             Kind::Sets(sets) => sets.len(),
+            _ => 0,
         };
         let batch = n_sets.min(BATCH) as f64;
         let transforms = resolution.bytes(self.sampler.n_points(), n_sets as u64, threads);
@@ -185,6 +190,18 @@ impl<'a> ExactSquareSpectrum<'a> {
 fn of_cells(sides: [usize; 2], k: [i32; 2]) -> f64 {
     let [a, b] = [0, 1].map(|axis| missing(k[axis], sides[axis]));
     a + b - a * b
+}
+
+/// Returns the power of a Latin hypercube of n points: two points are in different strips of both
+/// coordinates, and independent otherwise.
+fn of_hypercube(n: usize, k: [i32; 2]) -> f64 {
+    let [a, b] = k.map(|k| missing(k, n));
+    match k {
+        [_, 0] => a,
+        [0, _] => b,
+        // A single point has no pairs: both factors are 0.
+        _ => 1.0 + (1.0 - a) * (1.0 - b) / (n.max(2) - 1) as f64,
+    }
 }
 
 /// Returns `1 - sinc^2(k/n)`.

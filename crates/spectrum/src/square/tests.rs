@@ -4,8 +4,8 @@ use std::f64::consts::TAU;
 
 use rayon::ThreadPoolBuilder;
 use sphvar_samplers::{
-    Ensemble, JitteredSquare, Lattice, PointSet, PointSets, Progress, Purpose, Square,
-    SquareDistribution, SquarePattern, SquareRealizations, SquareSampler, Stopped, Streams,
+    Ensemble, JitteredSquare, LatinHypercube, Lattice, PointSet, PointSets, Progress, Purpose,
+    Square, SquareDistribution, SquarePattern, SquareRealizations, SquareSampler, Stopped, Streams,
     WhiteSquare,
 };
 use sphvar_sh::{ByAxis, Frequencies, TailClasses};
@@ -165,6 +165,7 @@ fn check_closed_form(sampler: &dyn SquareSampler, seed: u64, n_sets: u64) {
 fn sampled_spectra_are_those_in_closed_form() {
     check_closed_form(&WhiteSquare::new(10).unwrap(), 1, 1500);
     check_closed_form(&JitteredSquare::new(3, 7).unwrap(), 2, 1500);
+    check_closed_form(&LatinHypercube::new(5).unwrap(), 3, 1500);
 }
 
 #[test]
@@ -176,6 +177,8 @@ fn more_sampled_spectra_are_those_in_closed_form() {
         let seed = seed as u64 + 10;
         check_closed_form(&JitteredSquare::new(rows, columns).unwrap(), seed, 10_000);
     }
+    check_closed_form(&LatinHypercube::new(2).unwrap(), 20, 10_000);
+    check_closed_form(&LatinHypercube::new(16).unwrap(), 21, 10_000);
 }
 
 #[test]
@@ -193,7 +196,8 @@ fn one_of_several_sets_has_their_mean_power() {
     }
     let n_effective = sets.iter().map(PointSet::n_effective).sum::<f64>() / 3.0;
     assert!((got.n_effective() - n_effective).abs() < 1e-12);
-    assert!((got.tail().u - (1.0 + 1.0 + 6.0) / 3.0).abs() < 1e-14 && got.tail().v == 1.0);
+    assert!((got.tail().u - (1.0 + 1.0 + 6.0) / 3.0).abs() < 1e-14);
+    assert!((got.tail().v - 1.0).abs() < 1e-14);
 }
 
 /// One run equals any parts of it, on any number of threads.
