@@ -19,7 +19,7 @@ use crate::{Bands, ByAxis, Error};
 /// are not periodic have most of their energy at high frequencies on the axes, hence the separate
 /// limit there.
 ///
-/// A clone shares the table of frequencies, of 8 bytes for each band: pi kmax^2/2 + 2 axis_max.
+/// A clone shares the table of frequencies, of 8 bytes for each band: `pi kmax^2/2 + 2 axis_max`.
 ///
 /// # Examples
 ///

@@ -1,7 +1,5 @@
 use sphvar_sh::{Bands, ByParity, TailClasses};
-use sphvar_spectrum::{
-    Accumulator, ClassMoments, Moments, Realization, SpectralBands, Spectrum,
-};
+use sphvar_spectrum::{Accumulator, ClassMoments, Moments, Realization, SpectralBands, Spectrum};
 
 use crate::error_moments::ErrorMoments;
 use crate::student_quantile;
