@@ -46,10 +46,10 @@ pub enum Error {
         /// The reason, and what would be possible.
         reason: String,
     },
-    /// A spectrum up to this degree cannot be computed.
-    #[error("a target to degree {last} cannot be computed: {reason}")]
+    /// A spectrum up to this degree, or this frequency on the square, cannot be computed.
+    #[error("a target to degree or frequency {last} cannot be computed: {reason}")]
     Degree {
-        /// The last degree of the target.
+        /// The last degree or frequency of the target.
         last: usize,
         /// The reason.
         reason: String,

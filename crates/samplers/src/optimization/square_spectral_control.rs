@@ -119,7 +119,7 @@ impl SquareSpectralControl {
         let name = "profile-square";
         let n = count::checked(n_points)?;
         let (last, power) = profile.radial(n_points)?;
-        let target = RadialTarget::new(last, power);
+        let target = RadialTarget::new(last, power)?;
         let (constraints, freedom) = (target.constraints(), degrees_of_freedom(n_points));
         let max_zeros = SpectralControl::MAX_CONSTRAINED * freedom;
         if constraints > max_zeros {
@@ -174,7 +174,7 @@ impl SquareSpectralControl {
         let empty = last as f64 + 0.5;
         let power = |radius: f64| if radius * radius < empty { 0.0 } else { 1.0 };
         // Half of an integer more is clear of rounding.
-        let target = RadialTarget::new((end + 0.5).sqrt(), power);
+        let target = RadialTarget::new((end + 0.5).sqrt(), power)?;
         let relative = |alpha: f64| {
             let share = 2.0 * (alpha / FRAC_2_SQRT_PI).powi(2);
             alpha * alpha * descent_steps(share)

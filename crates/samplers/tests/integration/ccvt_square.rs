@@ -5,8 +5,7 @@ use std::f64::consts::TAU;
 
 use rand::Rng;
 use sphvar_samplers::{
-    CcvtSquare, Error, PointSet, Progress, Purpose, SquareMassPoints, SquareSampler, Stopped,
-    Streams, Tessellation, WhiteSquare,
+    CcvtSquare, Error, Purpose, SquareMassPoints, SquareSampler, Streams, Tessellation, WhiteSquare,
 };
 
 type Point = [f64; 2];
@@ -153,21 +152,4 @@ fn a_single_site_is_uniform_and_large_parameters_are_rejected() {
         let rejected = CcvtSquare::new(n, capacity, SquareMassPoints::White).unwrap_err();
         assert!(matches!(rejected, Error::Parameter { .. }), "{n}, {capacity}");
     }
-}
-
-#[test]
-fn results_depend_on_the_generator_and_work_can_be_stopped() {
-    struct Stop;
-    impl Progress for Stop {
-        fn tick(&self, _: f64) -> Result<(), Stopped> {
-            Err(Stopped)
-        }
-    }
-    let ccvt = CcvtSquare::new(50, 20, SquareMassPoints::Lattice).unwrap();
-    let clean = ccvt.sample(&mut rng(50, 0)).unwrap();
-    let mut dirty = PointSet { points: vec![[f64::NAN; 2]; 77], weights: vec![1.0; 77] };
-    ccvt.sample_into(&mut rng(50, 0), &mut dirty).unwrap();
-    assert_eq!(clean, dirty);
-    let stopped = ccvt.sample_watched(&mut rng(50, 0), &mut dirty, &Stop);
-    assert!(matches!(stopped, Err(Error::Stopped(_))));
 }

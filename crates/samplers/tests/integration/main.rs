@@ -1,8 +1,8 @@
 //! Patterns against their definitions.
 
 mod ccvt;
-mod point_files;
 mod ccvt_square;
+mod point_files;
 mod poisson_disk;
 mod poisson_disk_square;
 mod progress;

@@ -100,11 +100,18 @@ fn progress_of_the_square_adds_up_to_the_work() {
             assert_eq!(stopped, Err(Error::Stopped(Stopped)), "{pattern}");
         }
     }
-    // Within a realization: between points, and for pmj02 between the digits of all points.
+    // Within a realization: between points, for pmj02 between the digits of all points, and between
+    // the steps of iterative patterns.
+    let named = |name: &str| name.parse::<SquarePattern>().unwrap();
     for (pattern, n, tick) in [
         (SquarePattern::Pmj02, 500, 20),
         (SquarePattern::Sobol, 150_000, 3),
         (SquarePattern::LatinHypercube, 150_000, 3),
+        (named("poisson-disk-square"), 200, 3),
+        (named("ccvt-square"), 200, 10),
+        (named("step-square"), 200, 20),
+        (named("blue-square"), 200, 20),
+        (named("profile-square"), 200, 5),
     ] {
         let (mut set, ticks) = (PointSet::default(), Ticks::new(tick));
         let stopped = pattern.build(n).unwrap().sample_watched(&mut rng(1), &mut set, &ticks);

@@ -4,8 +4,7 @@
 use std::f64::consts::{PI, TAU};
 
 use sphvar_samplers::{
-    Error, PointSet, PowerProfile, Progress, Purpose, SquareSampler, SquareSpectralControl,
-    Stopped, Streams,
+    Error, NoiseColour, PowerProfile, Purpose, SquareSampler, SquareSpectralControl, Streams,
 };
 
 type Point = [f64; 2];
@@ -116,6 +115,23 @@ fn rings_have_the_power_of_their_target() {
     }
 }
 
+/// Each colour in the units of the sphere: omega = sqrt(pi) |k|/sqrt(N), 1.1 of blue noise at |k| =
+/// 11 for N = 314.
+#[test]
+fn colours_have_their_power() {
+    for colour in NoiseColour::ALL {
+        let profile = PowerProfile::Colour(colour);
+        let points = sample(&SquareSpectralControl::profile(314, &profile).unwrap(), 0).unwrap();
+        for radius in [1, 3, 6, 9, 14, 17] {
+            let all = frequencies(radius * radius - radius, radius * radius + radius);
+            let of = |k: &Point| colour.power(k[0].hypot(k[1]) * (PI / 314.0).sqrt());
+            let expected = all.iter().map(of).sum::<f64>() / all.len() as f64;
+            let power = ring(&points, radius, 0);
+            assert!((power - expected).abs() < 1e-5, "{colour}, {radius}: {power}, {expected}");
+        }
+    }
+}
+
 /// Returns the name of the rejected parameter.
 fn rejected<T: std::fmt::Debug>(result: Result<T, Error>) -> &'static str {
     match result {
@@ -190,21 +206,4 @@ fn few_points_have_sets_with_the_default_parameters() {
             }
         }
     }
-}
-
-#[test]
-fn results_depend_on_the_generator_and_work_can_be_stopped() {
-    struct Stop;
-    impl Progress for Stop {
-        fn tick(&self, _: f64) -> Result<(), Stopped> {
-            Err(Stopped)
-        }
-    }
-    let step = SquareSpectralControl::step(50, None, None).unwrap();
-    let rng = || Streams::new(1, Purpose::Pattern, 50).realization(0);
-    let mut dirty = PointSet { points: vec![[f64::NAN; 2]; 77], weights: vec![1.0; 77] };
-    step.sample_into(&mut rng(), &mut dirty).unwrap();
-    assert_eq!(step.sample(&mut rng()).unwrap(), dirty);
-    let stopped = step.sample_watched(&mut rng(), &mut dirty, &Stop);
-    assert!(matches!(stopped, Err(Error::Stopped(_))));
 }

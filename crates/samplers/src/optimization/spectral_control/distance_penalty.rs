@@ -130,7 +130,7 @@ impl<S: PenaltySpace> DistancePenalty<S> {
 
 #[cfg(test)]
 mod tests {
-    use super::{DVec3, DistancePenalty, Domain};
+    use super::{DVec2, DVec3, DistancePenalty, Domain, Square};
 
     fn energy(core: DistancePenalty<Domain>, points: &[DVec3]) -> (f64, Vec<DVec3>) {
         let mut gradient = vec![DVec3::ZERO; points.len()];
@@ -185,6 +185,43 @@ mod tests {
                         // The second derivative jumps where the distance of a pair reaches sigma.
                         assert!(off < 1e-5, "{domain}, {sigma}, point {k}: {slope}, {gradient:?}");
                     }
+                }
+            }
+        }
+    }
+
+    /// Toroidal distances, by the definition; points need not be in the square.
+    #[test]
+    fn on_the_square_it_matches_the_sum_over_pairs_of_nearest_images() {
+        let squared = |p: DVec2, q: DVec2| {
+            let d = p - q;
+            (d - d.round()).length_squared()
+        };
+        let mut points: Vec<DVec2> = (0..40)
+            .map(|k| DVec2::new((2.1 * f64::from(k)).sin(), 2.0 * (3.3 * f64::from(k)).cos()))
+            .collect();
+        points.extend([[0.03, 0.999], [0.999, 0.002], [0.5, 0.999]].map(DVec2::from));
+        for sigma in [0.0, 0.05, 0.2, 0.5] {
+            let core = DistancePenalty { space: Square, sigma };
+            let definition = |points: &[DVec2]| {
+                let pairs = (0..points.len()).flat_map(|i| (0..i).map(move |j| (i, j)));
+                let overlaps = pairs.map(|(i, j)| sigma - squared(points[i], points[j]).sqrt());
+                overlaps.filter(|o| *o > 0.0).map(|o| 0.5 * super::KAPPA * o * o).sum::<f64>()
+            };
+            let mut gradient = vec![DVec2::ZERO; points.len()];
+            let (got, expected) = (core.add(&points, &mut gradient), definition(&points));
+            assert!((got - expected).abs() <= 1e-13 * expected, "{sigma}: {got}, {expected}");
+            for k in 0..points.len() {
+                for axis in DVec2::AXES {
+                    let at = |step: f64| {
+                        let mut moved = points.clone();
+                        moved[k] += step * axis;
+                        definition(&moved)
+                    };
+                    let slope = (at(1e-6) - at(-1e-6)) / 2e-6;
+                    // The second derivative jumps where the distance of a pair reaches sigma.
+                    let off = (slope - gradient[k].dot(axis)).abs();
+                    assert!(off < 1e-5, "{sigma}, point {k}: {slope}, {}", gradient[k]);
                 }
             }
         }

@@ -63,8 +63,8 @@ pub(crate) struct Band {
 /// a_b^2 = (N/A) n_b P*(b)
 /// ```
 ///
-/// for n_b coefficients in band b, eigenvalues lambda_b of minus the Laplacian and an area A. The
-/// weights are those of the logarithmic energy: for scattered points they make the rows of the
+/// for `n_b` coefficients in band b, eigenvalues `lambda_b` of minus the Laplacian and an area A.
+/// The weights are those of the logarithmic energy: for scattered points they make the rows of the
 /// Jacobian of the coefficients nearly orthonormal, so that a unit step along the negative gradient
 /// is nearly a Newton step.
 pub(crate) struct SpectralEnergy<T: BandTransform, S> {

@@ -72,10 +72,7 @@ impl PowerProfile {
     /// # Errors
     ///
     /// Those of [`Self::target`].
-    pub(crate) fn radial(
-        &self,
-        n_points: usize,
-    ) -> Result<(f64, Box<dyn Fn(f64) -> f64 + '_>), Error> {
+    pub(crate) fn radial(&self, n_points: usize) -> Result<(f64, RadialPower<'_>), Error> {
         let root = f64::from(count::checked(n_points)?).sqrt();
         match self {
             Self::Table { power, .. } => {
@@ -126,6 +123,9 @@ impl PowerProfile {
         Ok(())
     }
 }
+
+/// A power as a function of |k|.
+pub(crate) type RadialPower<'a> = Box<dyn Fn(f64) -> f64 + 'a>;
 
 /// Returns `offset + gamma min(1, (omega/alpha)^exponent)` as a function of omega.
 fn polynomial(exponent: f64, alpha: f64, gamma: f64, offset: f64) -> impl Fn(f64) -> f64 {

@@ -1,7 +1,7 @@
 use std::f64::consts::PI;
 
 use glam::DVec2;
-use sphvar_nufft::{TorusCoefficients, TorusTransform, TorusWorkspace};
+use sphvar_nufft::{MAX_KMAX, TorusCoefficients, TorusTransform, TorusWorkspace};
 
 use crate::Error;
 use crate::optimization::spectral_control::{ACCURACIES, Band, BandTransform};
@@ -23,12 +23,24 @@ pub(super) struct RadialTarget {
 impl RadialTarget {
     /// Returns the target `power(|k|)` for `0 < |k| <= last`. The target of a ring is the mean over
     /// its frequencies.
-    pub(super) fn new(last: f64, power: impl Fn(f64) -> f64) -> Self {
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Degree`] if there are too many frequencies for a transform or for memory.
+    pub(super) fn new(last: f64, power: impl Fn(f64) -> f64) -> Result<Self, Error> {
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "at least 0")]
         let kmax = last as usize;
-        let mut target =
-            Self { kmax, band_of: vec![NONE; (2 * kmax + 1) * (kmax + 1)], bands: Vec::new() };
+        let mut band_of = Vec::new();
+        let failed = |reason: String| Error::Degree { last: kmax, reason };
+        if kmax > MAX_KMAX {
+            return Err(failed(format!("the largest supported frequency is {MAX_KMAX}")));
+        }
+        let len = (2 * kmax + 1) * (kmax + 1);
+        band_of.try_reserve_exact(len).map_err(|error| failed(error.to_string()))?;
+        band_of.resize(len, NONE);
+        let mut target = Self { kmax, band_of, bands: Vec::new() };
         let mut rings = vec![NONE; kmax + 2];
+        let mut n_bands = 0;
         for index in 0..target.band_of.len() {
             let [k1, k2] = target.frequency(index);
             let square = k1 * k1 + k2 * k2;
@@ -40,13 +52,13 @@ impl RadialTarget {
             let power = power(radius);
             #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "small")]
             let ring = &mut rings[radius.round() as usize];
-            let band = if power > 0.0 && *ring != NONE {
-                *ring
-            } else {
-                let (index, multiplicity, eigenvalue) = (target.bands.len(), 0.0, 0.0);
-                target.bands.push(Band { index, target: 0.0, multiplicity, eigenvalue });
-                index as u32
-            };
+            let is_known = power > 0.0 && *ring != NONE;
+            let band = if is_known { *ring } else { n_bands };
+            if !is_known {
+                let index = target.bands.len();
+                target.bands.push(Band { index, target: 0.0, multiplicity: 0.0, eigenvalue: 0.0 });
+                n_bands += 1;
+            }
             if power > 0.0 {
                 *ring = band;
             }
@@ -63,7 +75,7 @@ impl RadialTarget {
         for k1 in 1..=kmax {
             target.band_of[(kmax - k1) * (kmax + 1)] = target.band_of[(kmax + k1) * (kmax + 1)];
         }
-        target
+        Ok(target)
     }
 
     fn frequency(&self, index: usize) -> [f64; 2] {
@@ -179,7 +191,7 @@ impl BandTransform for TorusBands<'_> {
 mod tests {
     use std::f64::consts::TAU;
 
-    use super::{DVec2, RadialTarget, TorusBands};
+    use super::{DVec2, Error, RadialTarget, TorusBands};
     use crate::Square;
     use crate::optimization::descent::Objective;
     use crate::optimization::spectral_control::{DistancePenalty, SpectralEnergy};
@@ -189,6 +201,7 @@ mod tests {
     /// Zeros, a gap and powers; frequencies to 6.3.
     fn target() -> RadialTarget {
         RadialTarget::new(6.3, |radius| if radius < 3.2 { 0.0 } else { 0.3 * (radius - 3.0) })
+            .unwrap()
     }
 
     fn white(n: usize) -> Vec<DVec2> {
@@ -217,6 +230,11 @@ mod tests {
                 if radius < 3.2 {
                     zeros += square / eigenvalue;
                 } else {
+                    #[expect(
+                        clippy::cast_possible_truncation,
+                        clippy::cast_sign_loss,
+                        reason = "at most 6"
+                    )]
                     let ring = &mut rings[(radius + 0.5).floor() as usize];
                     let power = 0.3 * (radius - 3.0);
                     for (sum, term) in ring.iter_mut().zip([1.0, square, power, eigenvalue]) {
@@ -286,10 +304,11 @@ mod tests {
         let total: f64 = target.bands().iter().map(|b| b.multiplicity).sum();
         assert!((target.constraints() - 36.0).abs() < 0.5, "{}", target.constraints());
         assert!((total - 120.0).abs() < 0.5 && target.has_powers(), "{total}");
-        assert!(!RadialTarget::new(0.9, |_| 1.0).has_powers());
-        let white = RadialTarget::new(9.0, |_| 1.0);
+        assert!(!RadialTarget::new(0.9, |_| 1.0).unwrap().has_powers());
+        let white = RadialTarget::new(9.0, |_| 1.0).unwrap();
         assert!((white.pair_correlation_at_zero(50) - 1.0).abs() < 1e-15);
-        let zeros = RadialTarget::new(2.0, |_| 0.0);
+        let zeros = RadialTarget::new(2.0, |_| 0.0).unwrap();
+        assert!(matches!(RadialTarget::new(5e4, |_| 0.0), Err(Error::Degree { .. })));
         assert!((zeros.pair_correlation_at_zero(13)).abs() < 1e-15, "12 of 12 frequencies");
     }
 }
