@@ -6,7 +6,8 @@ use sphvar_grammar::{find_outside, split_outside};
 use crate::{Cap, Error, Integrand, IntegrandResolver, Product, Rotated, Sum, Term};
 
 /// A sum of products of named integrands with rotations, such as
-/// `cap:degrees=30 @ 40/10 + 0.5 * vmf:kappa=10`.
+/// `cap:degrees=30 @ 40/10 + 0.5 * vmf:kappa=10`; of integrands on the square, without rotations,
+/// with [`SquareTerm`](crate::SquareTerm) as the type of factors.
 ///
 /// `@` has the highest precedence, then `*`, then `+` and `-`. Each operator needs blanks around
 /// it, which keeps numbers and file names intact. Quoted names of files may contain operators.
@@ -25,18 +26,18 @@ use crate::{Cap, Error, Integrand, IntegrandResolver, Product, Rotated, Sum, Ter
 /// # Ok::<(), sphvar_integrands::Error>(())
 /// ```
 #[derive(Clone, Debug, PartialEq)]
-pub struct Expression {
+pub struct Expression<F = Factor> {
     /// The terms of the sum; at least one.
-    pub summands: Vec<Summand>,
+    pub summands: Vec<Summand<F>>,
 }
 
 /// A product of a number and functions.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Summand {
+pub struct Summand<F = Factor> {
     /// The number.
     pub weight: f64,
     /// The functions; none for a constant.
-    pub factors: Vec<Factor>,
+    pub factors: Vec<F>,
 }
 
 /// A named integrand after some rotations.
@@ -127,7 +128,7 @@ impl From<Term> for Expression {
     }
 }
 
-impl Summand {
+impl<F: FromStr<Err = Error>> Summand<F> {
     /// Parses a product; `whole` is the expression, for messages.
     fn parse(sign: f64, text: &str, whole: &str) -> Result<Self, Error> {
         let mut summand = Self { weight: sign, factors: Vec::new() };
@@ -145,7 +146,9 @@ impl Summand {
         }
         Ok(summand)
     }
+}
 
+impl Summand {
     /// Returns the product of the functions, without the weight.
     fn function(
         &self,
@@ -192,7 +195,7 @@ impl Factor {
     }
 }
 
-impl FromStr for Expression {
+impl<F: FromStr<Err = Error>> FromStr for Expression<F> {
     type Err = Error;
 
     fn from_str(text: &str) -> Result<Self, Error> {
@@ -233,7 +236,7 @@ fn angles(text: &str) -> Option<[f64; 3]> {
     }
 }
 
-impl fmt::Display for Expression {
+impl<F: fmt::Display> fmt::Display for Expression<F> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         for (i, summand) in self.summands.iter().enumerate() {
             let (mut weight, factors) = (summand.weight, &summand.factors);

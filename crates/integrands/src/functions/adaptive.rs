@@ -27,7 +27,7 @@ impl Tolerance {
     /// The values of the first three rules, which an error needs.
     pub const MIN_EVALUATIONS: usize = FIRST_NODES;
 
-    fn checked(self) -> Result<Self, Error> {
+    pub(crate) fn checked(self) -> Result<Self, Error> {
         let Self { relative, max_evaluations, .. } = self;
         if !(relative > 0.0 && relative <= 0.1) {
             let range = "above 0 and at most 0.1";

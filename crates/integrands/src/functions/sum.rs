@@ -47,11 +47,17 @@ impl Sum {
     /// [`MAX_WEIGHT`](Self::MAX_WEIGHT) in magnitude, so that squares of integrals neither overflow
     /// nor underflow.
     pub fn plus(mut self, weight: f64, term: impl Integrand + 'static) -> Result<Self, Error> {
+        Self::check_weight(weight)?;
+        self.terms.push((weight, Box::new(term)));
+        Ok(self)
+    }
+
+    /// Checks that a weight is in the range of [`plus`](Self::plus).
+    pub(crate) fn check_weight(weight: f64) -> Result<(), Error> {
         if weight != 0.0 && !(Self::MIN_WEIGHT..=Self::MAX_WEIGHT).contains(&weight.abs()) {
             return Err(Error::Weight { got: weight });
         }
-        self.terms.push((weight, Box::new(term)));
-        Ok(self)
+        Ok(())
     }
 
     fn terms(&self) -> impl Iterator<Item = (f64, &dyn Integrand)> {

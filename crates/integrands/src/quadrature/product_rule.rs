@@ -1,6 +1,5 @@
 use std::f64::consts::{PI, TAU};
 use std::ops::Range;
-use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use glam::{DMat3, DQuat, DVec3};
 use num_complex::Complex;
@@ -8,7 +7,7 @@ use sphvar_nufft::parts::{FftDirection, Real};
 use sphvar_sh::{Alm, ByParity, Colatitude, Domain, GaussLegendre};
 use sphvar_sht::{RingTransform, RingWorkspace};
 
-use super::{Sum, weighted_kurtosis};
+use super::{Sum, finite_values, weighted_kurtosis};
 use crate::{Error, Integrand};
 
 /// The number of values that are requested together.
@@ -175,23 +174,8 @@ impl ProductRule {
 
 /// Writes the values at many directions, all of which must be finite.
 fn values_into(function: &dyn Integrand, dirs: &[DVec3], values: &mut [f64]) -> Result<(), Error> {
-    let outcome = catch_unwind(AssertUnwindSafe(|| function.eval_into(dirs, values)));
-    let invalid = |dir: DVec3, what: &str| Error::Evaluation {
-        reason: format!(
-            "its value at x = {}, y = {}, z = {} {what}; every value must be finite",
-            dir.x, dir.y, dir.z
-        ),
-    };
-    let Ok(result) = outcome else {
-        // One at a time, to find the direction.
-        let panics =
-            |&&dir: &&DVec3| catch_unwind(AssertUnwindSafe(|| function.eval(dir))).is_err();
-        let at = dirs.iter().find(panics).or(dirs.first()).copied().unwrap_or(DVec3::Z);
-        return Err(invalid(at, "cannot be computed: the function panicked"));
-    };
-    result?;
-    match dirs.iter().zip(&*values).find(|(_, value)| !value.is_finite()) {
-        Some((&dir, value)) => Err(invalid(dir, &format!("is {value}"))),
-        None => Ok(()),
-    }
+    let eval_into = |dirs: &[DVec3], values: &mut [f64]| function.eval_into(dirs, values);
+    finite_values(dirs, values, eval_into, |dir| {
+        format!("x = {}, y = {}, z = {}", dir.x, dir.y, dir.z)
+    })
 }

@@ -76,6 +76,10 @@ impl SquareIntegrand for Disk {
         })
     }
 
+    fn feature_size(&self) -> Option<f64> {
+        Some(self.radius)
+    }
+
     fn kurtosis(&self) -> Option<f64> {
         let area = self.area();
         two_valued_kurtosis(area, 1.0 - area)

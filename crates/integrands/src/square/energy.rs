@@ -1,5 +1,6 @@
 use sphvar_sh::{Bands, ByAxis, Frequencies};
 
+use crate::energy::{check_size, norm};
 use crate::{Energy, Error};
 
 /// Returns the energies of a function with a given mean, variances of its three parts
@@ -31,4 +32,13 @@ pub(super) fn zeros<T: Clone + Default>(len: usize) -> Result<Vec<T>, Error> {
         .map_err(|_| sphvar_sh::Error::OutOfMemory { len, bytes_each: size_of::<T>() })?;
     values.resize(len, T::default());
     Ok(values)
+}
+
+/// Checks that the squares of values neither overflow nor underflow.
+///
+/// # Errors
+///
+/// [`Error::Magnitude`] if their root mean square is out of range.
+pub(super) fn check_values(values: &[f64]) -> Result<(), Error> {
+    check_size(norm(values.iter().copied()) / (values.len() as f64).sqrt())
 }

@@ -53,6 +53,10 @@ impl SquareIntegrand for Exponential {
         self.separable.energy(frequencies)
     }
 
+    fn feature_size(&self) -> Option<f64> {
+        Some(self.rates.iter().fold(1.0, |size, rate| f64::min(size, rate.abs().recip())))
+    }
+
     fn kurtosis(&self) -> Option<f64> {
         self.separable.kurtosis()
     }

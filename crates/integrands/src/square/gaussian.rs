@@ -69,6 +69,10 @@ impl SquareIntegrand for Gaussian {
         self.separable.energy(frequencies)
     }
 
+    fn feature_size(&self) -> Option<f64> {
+        Some(self.width.min(1.0))
+    }
+
     fn kurtosis(&self) -> Option<f64> {
         self.separable.kurtosis()
     }

@@ -9,8 +9,12 @@ use super::turns::sinc;
 use crate::functions::cap::two_valued_kurtosis;
 use crate::{Energy, Error, IntegrandResolver, SquareIntegrand};
 
-/// The indicator of the part of the square on one side of a line, `(u - 1/2) cos a + (v - 1/2) sin a
-/// >= offset`: an edge of any direction, such as that of a shadow.
+/// The indicator of the part of the square on one side of a line: an edge of any direction, such as
+/// that of a shadow.
+///
+/// ```text
+/// (u - 1/2) cos a + (v - 1/2) sin a >= offset
+/// ```
 ///
 /// The edge ends at the border of the square, where the periodic extension has further jumps. By
 /// reflections, the exchange of both coordinates and the complement, which change no `|G_k|`, the
@@ -177,6 +181,14 @@ impl SquareIntegrand for HalfPlane {
     fn energy(&self, frequencies: &Frequencies) -> Result<Energy<Frequencies>, Error> {
         let (mean, centred) = (self.areas().0, self.edge.variances());
         energy_of_coefficients(frequencies, mean, centred, |k| self.edge.square(k))
+    }
+
+    /// Returns the extent of a corner, or the width of a strip along a side.
+    fn feature_size(&self) -> Option<f64> {
+        let Edge { is_at_corner, length, width, area, .. } = self.edge;
+        let size = if is_at_corner { length.min(width) } else { area };
+        // Without an edge there is no feature.
+        Some(if area > 0.0 { size } else { 1.0 })
     }
 
     fn kurtosis(&self) -> Option<f64> {

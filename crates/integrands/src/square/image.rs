@@ -4,10 +4,9 @@ use sphvar_grammar::{Choice, Declaration, Parametric};
 use sphvar_sh::{ByAxis, Frequencies};
 
 use super::SquareDefinition;
-use super::energy::energy_of_coefficients;
+use super::energy::{check_values, energy_of_coefficients};
 use super::grid::Grid;
 use super::turns::sinc;
-use crate::energy::{check_size, norm};
 use crate::{Energy, EnvironmentMap, Error, IntegrandResolver, SquareIntegrand, quadrature};
 
 /// A picture on the square, of `width` columns along u and `height` rows along v.
@@ -63,7 +62,7 @@ impl SquareImage {
             }
         }
         EnvironmentMap::check_texels(width, height, &texels)?;
-        check_size(norm(texels.iter().copied()) / (texels.len() as f64).sqrt())?;
+        check_values(&texels)?;
         Ok(Self { width, height, texels, interpolation })
     }
 
@@ -155,6 +154,10 @@ impl SquareIntegrand for SquareImage {
                 .map(|(k, n)| sinc(f64::from(k) / n as f64));
             power.at(k) * (s * t).powi(exponent)
         })
+    }
+
+    fn feature_size(&self) -> Option<f64> {
+        Some(1.0 / self.width.max(self.height) as f64)
     }
 
     fn kurtosis(&self) -> Option<f64> {

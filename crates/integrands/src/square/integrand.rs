@@ -75,6 +75,12 @@ pub trait SquareIntegrand: Sync {
         None
     }
 
+    /// Returns the width of the narrowest feature, at most 1: more than two points in it along both
+    /// coordinates do not miss it. `None` if it is unknown.
+    fn feature_size(&self) -> Option<f64> {
+        None
+    }
+
     /// Returns a length of frequencies beyond which the integrand has no energy, if there is one.
     fn band_limit(&self) -> Option<usize> {
         None
@@ -119,6 +125,10 @@ impl SquareIntegrand for Box<dyn SquareIntegrand + '_> {
 
     fn kurtosis(&self) -> Option<f64> {
         (**self).kurtosis()
+    }
+
+    fn feature_size(&self) -> Option<f64> {
+        (**self).feature_size()
     }
 
     fn band_limit(&self) -> Option<usize> {

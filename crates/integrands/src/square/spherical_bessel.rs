@@ -6,7 +6,8 @@ use super::turns::cis_turns;
 /// 1, ..., for t >= 1e-13.
 ///
 /// The recurrence runs upwards where it is stable, for arguments beyond the last order; below, it
-/// runs downwards from an order where j_n is negligible (Miller's algorithm), scaled by j_0 or j_1.
+/// runs downwards from an order where the functions are negligible (Miller's algorithm), scaled by
+/// the first or the second.
 #[expect(
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,
@@ -52,8 +53,8 @@ pub(super) fn spherical_bessel(t: f64, out: &mut [f64]) {
 mod tests {
     use super::spherical_bessel;
 
-    /// j_1 = sin x/x^2 - cos x/x and j_2 = (3/x^3 - 1/x) sin x - 3 cos x/x^2, the series for small x,
-    /// and the sum rule `sum_n (2n+1) j_n^2 = 1` for all orders.
+    /// The first two are `sin x/x` and `sin x/x^2 - cos x/x`, with series for small x; all orders obey
+    /// `sum_n (2n+1) j_n^2 = 1`.
     #[test]
     fn spherical_bessel_functions_have_closed_forms() {
         for len in [2, 48, 300] {

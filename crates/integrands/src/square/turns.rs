@@ -20,7 +20,7 @@ pub(super) fn sinc(x: f64) -> f64 {
     }
     let nearest = x.round();
     let sin = (pi * (x - nearest)).sin();
-    // The sign of cos(pi n).
-    let is_odd = nearest.rem_euclid(2.0) == 1.0;
+    // sin(pi x) = cos(pi n) sin(pi (x - n)).
+    let is_odd = nearest.rem_euclid(2.0) > 0.5;
     (if is_odd { -sin } else { sin }) / (pi * x)
 }

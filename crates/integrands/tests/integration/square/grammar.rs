@@ -1,7 +1,8 @@
 use sphvar_integrands::grammar::ResolveError;
 use sphvar_integrands::{
-    Error, ImageParameters, IntegrandResolver, NoFiles, SquareImage, SquareTerm,
+    Error, ImageParameters, IntegrandResolver, NoFiles, SquareExpression, SquareImage, SquareTerm,
 };
+use sphvar_sh::{Frequencies, TailClasses};
 
 /// A resolver with one picture.
 struct Picture;
@@ -59,4 +60,67 @@ fn wrong_texts_are_errors_that_name_what_is_right() {
     }
     let image: SquareTerm = "image:a.png".parse().unwrap();
     assert!(matches!(image.build(&NoFiles), Err(Error::File(_))));
+}
+
+#[test]
+fn sums_and_products_are_functions() {
+    let points = [[0.1, 0.2], [0.5, 0.5], [0.9, 0.3]];
+    let of = |text: &str| text.parse::<SquareExpression>().unwrap().build(&NoFiles).unwrap();
+    let texts = [
+        "2 * wave:k1=1,k2=0 - 0.5 * zone-plate * disk:radius=0.3 + 4",
+        "3 * wave:k1=1,k2=0",
+        "gaussian:width=0.2",
+        "disk:radius=0.3 * disk:radius=0.2,u=0.4",
+    ];
+    for text in texts {
+        let expression: SquareExpression = text.parse().unwrap();
+        assert_eq!(expression.to_string(), text);
+    }
+    let [sum, multiple, single, product] = texts.map(of);
+    let [wave, plate, disk] = ["wave:k1=1,k2=0", "zone-plate", "disk:radius=0.3"].map(of);
+    let mut values = [0.0; 3];
+    sum.eval_into(&points, &mut values).unwrap();
+    for (point, value) in points.into_iter().zip(values) {
+        let expected = 2.0 * wave.eval(point) - 0.5 * plate.eval(point) * disk.eval(point) + 4.0;
+        assert!((sum.eval(point) - expected).abs() < 1e-15);
+        assert_eq!(sum.eval(point).to_bits(), value.to_bits());
+    }
+    // A multiple has nine times the energy, and three times the variation.
+    let frequencies = Frequencies::new(5).unwrap();
+    let energy = multiple.energy(&frequencies).unwrap();
+    assert_eq!(energy, wave.energy(&frequencies).unwrap().of_multiple(3.0));
+    assert_eq!(multiple.variation(), wave.variation().map(|v| 3.0 * v));
+    assert_eq!(single.feature_size(), Some(0.2));
+    // The lens of two disks of radii 0.3 and 0.2, whose centres have the distance 0.1.
+    let (integral, error) = product.integral_estimate().unwrap();
+    assert!(product.exact().is_none() && error > 0.0);
+    let area = std::f64::consts::PI * 0.04;
+    assert!((integral - area).abs() < 4.0 * error, "{integral} {area} {error}");
+    let energy = product.energy(&frequencies).unwrap();
+    let (total, stated) = (energy.centred().sum(), energy.centred_stderr().sum());
+    assert!((total - area * (1.0 - area)).abs() < 4.0 * stated, "{total}, {stated}");
+    // Smooth sums are exact.
+    let smooth = of("gaussian:width=0.2 * exponential:a=1,b=2 - 3 * wave:k1=2,k2=1");
+    assert!(smooth.energy(&frequencies).unwrap().errors().is_none());
+    assert!(smooth.exact().is_some());
+    // Features that values would miss are errors, not numbers.
+    let narrow = of("gaussian:width=1e-5 + wave:k1=1,k2=0");
+    assert!(matches!(narrow.energy(&frequencies), Err(Error::NoEnergy { .. })));
+    assert!(narrow.exact().is_some());
+}
+
+#[test]
+fn wrong_expressions_are_errors() {
+    for (text, message) in [
+        ("disk:radius=0.2 +", "disk:radius=0.2 +"),
+        ("disk:radius=0.2 * ", "an operator has no integrand"),
+        ("zone-plate @ 30/0", "zone-plate @ 30/0"),
+        ("2 * cap:degrees=60", "unknown integrand \"cap\""),
+    ] {
+        let error = text.parse::<SquareExpression>().unwrap_err().to_string();
+        assert!(error.contains(message), "{text}: {error}");
+    }
+    let heavy: SquareExpression = "1e200 * zone-plate".parse().unwrap();
+    let error = heavy.build(&NoFiles).map(|_| ()).unwrap_err().to_string();
+    assert!(error.contains("a weight must be 0 or between 1e-150 and 1e150"), "{error}");
 }

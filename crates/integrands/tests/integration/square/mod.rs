@@ -1,5 +1,6 @@
 //! Integrands on the square against quadrature, closed forms and each other.
 
+mod adaptive;
 mod cases;
 mod energies;
 mod extremes;
