@@ -1,5 +1,5 @@
-//! Integrands on the sphere and the hemisphere: values, exact integrals, harmonic coefficients and
-//! energy per degree.
+//! Integrands on the sphere, the hemisphere and the unit square: values, exact integrals, harmonic
+//! coefficients and energy per degree or frequency.
 //!
 //! ```
 //! use sphvar_integrands::{Cap, Domain, Integrand};
@@ -18,6 +18,10 @@
 //! [`AdaptiveFunction`] finds their degree and energies, with errors, and [`SampledFunction`] takes
 //! a degree or a [`Shape`] with edges, which gives integral and energies to rounding. Closed forms
 //! replace quadrature where they are available.
+//!
+//! A [`SquareIntegrand`] is a function on the unit square with its energy per pair of frequencies, off
+//! and on the axes; [`AdaptiveSquareFunction`] finds it for closures, and [`SquareExpression`] reads
+//! named ones, such as `zone-plate * disk:radius=0.3`.
 
 mod coefficients;
 mod definition;

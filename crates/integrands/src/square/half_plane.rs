@@ -83,9 +83,9 @@ impl HalfPlane {
 
 /// Returns the unit vector of an angle, exact for multiples of 45 degrees.
 fn normal(degrees: f64) -> [f64; 2] {
-    let turned = degrees.rem_euclid(360.0);
-    let quarter = (turned / 90.0).floor();
-    let rest = turned - 90.0 * quarter;
+    let angle = degrees.rem_euclid(360.0);
+    let quarter = (angle / 90.0).floor();
+    let rest = angle - 90.0 * quarter;
     let [c, s] = match rest {
         45.0 => [FRAC_1_SQRT_2; 2],
         _ if rest < 45.0 => [rest.to_radians().cos(), rest.to_radians().sin()],

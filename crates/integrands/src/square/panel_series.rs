@@ -17,7 +17,7 @@ const MAX_DEPTH: u32 = 40;
 ///
 /// Panels are intervals `[j, j + 1]/2^d`, so that k times their middles and lengths is exact and the
 /// Fourier coefficients have the period of their phases to the last digit.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub(super) struct PanelSeries {
     means: Vec<f64>,
     /// The means of the series.
@@ -26,7 +26,7 @@ pub(super) struct PanelSeries {
 }
 
 /// An interval with the Legendre coefficients of every function on it.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 struct Panel {
     middle: f64,
     half: f64,

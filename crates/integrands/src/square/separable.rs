@@ -60,7 +60,9 @@ impl Separable {
             let coefficients = series.coefficients(frequencies.axis_max())?;
             Ok(coefficients[0].iter().map(Complex::norm_sqr).collect())
         };
-        let (along_u, along_v) = (axis(&along_u)?, axis(&along_v)?);
+        let different = if along_v == along_u { None } else { Some(axis(&along_v)?) };
+        let along_u = axis(&along_u)?;
+        let along_v = different.as_ref().unwrap_or(&along_u);
         let kmax = frequencies.kmax();
         let (of_u, of_v) = (self.u.coefficients(kmax)?, self.v.coefficients(kmax)?);
         energy_of_coefficients(frequencies, self.mean(), centred, |[k1, k2]| {

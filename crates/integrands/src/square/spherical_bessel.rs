@@ -15,9 +15,9 @@ use super::turns::cis_turns;
 )]
 pub(super) fn spherical_bessel(t: f64, out: &mut [f64]) {
     let x = 2.0 * PI * t;
-    let turned = cis_turns(t);
-    let zeroth = turned.im / x;
-    let first = (zeroth - turned.re) / x;
+    let wave = cis_turns(t);
+    let zeroth = wave.im / x;
+    let first = (zeroth - wave.re) / x;
     let len = out.len();
     if x > len as f64 {
         (out[0], out[1]) = (zeroth, first);
