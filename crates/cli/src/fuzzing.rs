@@ -11,12 +11,13 @@ use clap::Parser;
 use glam::DVec3;
 use sphvar_samplers::{Domain, Pattern, PointSet};
 use sphvar_scene::Mesh;
+use sphvar_spectrum::SpectrumAccumulator;
 
 use crate::args::{Cli, Command};
 use crate::error::CliError;
 use crate::files::{
-    ChannelChoice, Columns, FitsField, HduChoice, ReadOptions, Shard, read_fits_map, read_image,
-    read_list, read_points, read_spectrum, write_points,
+    ChannelChoice, Columns, FitsField, HduChoice, ReadOptions, Shard, ShardSums, SquareSums,
+    read_fits_map, read_image, read_list, read_points, read_spectrum, write_points,
 };
 use crate::message;
 
@@ -293,8 +294,16 @@ fn spectrum(input: &[u8], scratch: &Path) -> Result<(), CliError> {
 }
 
 fn shards(scratch: &Path) -> Vec<Vec<u8>> {
+    ["white-noise -n 5 --lmax 2", "white-square --square -n 5 --kmax 2"]
+        .into_iter()
+        .filter_map(|pattern| saved_sums(pattern, scratch))
+        .collect()
+}
+
+/// Returns the file of the sums of a pattern.
+fn saved_sums(pattern: &str, scratch: &Path) -> Option<Vec<u8>> {
     let out = scratch.with_extension("csv");
-    let words = "sphvar spectrum white-noise -n 5 -m 4 --lmax 2 --shard 1/2 --quiet --save";
+    let words = format!("sphvar spectrum {pattern} -m 4 --shard 1/2 --quiet --save");
     let words = words.split(' ').map(OsStr::new);
     let words = words.chain([scratch.as_os_str(), OsStr::new("-o"), out.as_os_str()]);
     if let Ok(Cli { command: Command::Spectrum(arguments), global }) = Cli::try_parse_from(words) {
@@ -302,23 +311,31 @@ fn shards(scratch: &Path) -> Vec<Vec<u8>> {
         let _ = crate::commands::spectrum::run(&arguments, &global);
         let _ = fs::remove_file(out);
     }
-    fs::read(scratch).into_iter().collect()
+    fs::read(scratch).ok()
 }
 
 /// Corrects the checksum, because otherwise no code after its check would be reached.
 fn shard(input: &[u8], scratch: &Path) -> Result<(), CliError> {
-    const HEAD: usize = 15;
     let mut input = input.to_vec();
+    // It follows the first line.
+    let head = input.iter().position(|&b| b == b'\n').map_or(0, |end| end + 1);
     if let Some((checksum, body)) =
-        input.get_mut(HEAD..).and_then(|rest| rest.split_at_mut_checked(4))
+        input.get_mut(head..).and_then(|rest| rest.split_at_mut_checked(4))
     {
         checksum.copy_from_slice(&crc32fast::hash(body).to_le_bytes());
     }
     write(&input, scratch)?;
-    let mut shard = Shard::read(scratch)?;
-    let same = shard.sums.clone();
-    shard.sums.try_merge(&same)?;
-    shard.sums.finish()?;
+    if Shard::<SquareSums>::begins(scratch) {
+        let mut sums = Shard::<SquareSums>::read(scratch)?.sums;
+        let same = sums.clone();
+        sums.try_merge(&same)?;
+        sums.spectrum.finish()?;
+        return Ok(());
+    }
+    let mut sums = Shard::<SpectrumAccumulator>::read(scratch)?.sums;
+    let same = sums.clone();
+    sums.try_merge(&same)?;
+    sums.finish()?;
     Ok(())
 }
 

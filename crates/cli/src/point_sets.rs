@@ -4,19 +4,20 @@ use schemars::JsonSchema;
 use serde::Serialize;
 use sphvar_samplers::{
     Domain, Ensemble, Error, PointSet, PointSets, Progress, Purpose, Realizations, Sampler,
-    SetDistribution, SquareRealizations, Streams, rotate, shift,
+    SetDistribution, Space, Square, SquareDistribution, SquareRealizations, SquareSampler, Streams,
+    rotate, shift,
 };
 use sphvar_spectrum::Spectrum;
 
 use crate::commands::PointFileArgs;
 use crate::error::CliError;
-use crate::files::read_points;
+use crate::files::{FilePoint, read_points};
 use crate::report::say;
 
 /// The point sets of files.
-pub(crate) struct FileSets {
+pub(crate) struct FileSets<S: Space = Domain> {
     name: String,
-    sets: PointSets,
+    sets: PointSets<S>,
 }
 
 /// Given sets in their order, each with the rotation of a realization.
@@ -71,7 +72,7 @@ pub(crate) struct WeightSums {
 
 impl WeightSums {
     /// Returns the means over sets, or `None` if no set has weights.
-    pub(crate) fn of_sets(sets: &[PointSet]) -> Option<Self> {
+    pub(crate) fn of_sets<P>(sets: &[PointSet<P>]) -> Option<Self> {
         if sets.iter().all(|set| set.weights.is_empty()) {
             return None;
         }
@@ -99,6 +100,15 @@ impl WeightSums {
             _ => Ok(None),
         }
     }
+
+    /// Returns the sums of a sampler of the square whose sets are given, or `None` if they have no
+    /// weights; other patterns of the square have none.
+    pub(crate) fn of_square_sampler(sampler: &dyn SquareSampler) -> Option<Self> {
+        match sampler.distribution() {
+            SquareDistribution::OneOf(sets) => Self::of_sets(sets),
+            _ => None,
+        }
+    }
 }
 
 /// Returns the effective number of points of a sampler's spectrum, or `None` if its sets have no
@@ -122,6 +132,34 @@ impl FileSets {
         domain: Domain,
         quiet: bool,
     ) -> Result<Self, CliError> {
+        Self::read_with(args, domain, quiet, |sets| {
+            let below = match domain {
+                Domain::Sphere => 0,
+                Domain::Hemisphere => {
+                    sets.iter().flat_map(|s| &s.points).filter(|p| p.z < 0.0).count()
+                }
+            };
+            let remark = || format!("{below} points with z < 0 are replaced by their antipodes");
+            (below > 0).then(remark)
+        })
+    }
+}
+
+impl FileSets<Square> {
+    /// Reads the sets of all these files in order. Prints remarks unless `quiet`.
+    pub(crate) fn read_square(args: &PointFileArgs, quiet: bool) -> Result<Self, CliError> {
+        Self::read_with(args, Square, quiet, |_| None)
+    }
+}
+
+impl<S: Space<Point: FilePoint>> FileSets<S> {
+    /// Reads the sets with a remark on them.
+    fn read_with(
+        args: &PointFileArgs,
+        space: S,
+        quiet: bool,
+        remark: impl Fn(&[PointSet<S::Point>]) -> Option<String>,
+    ) -> Result<Self, CliError> {
         let options = args.options();
         let mut sets = Vec::new();
         for path in &args.files {
@@ -138,14 +176,10 @@ impl FileSets {
                 sets.extend(file.sets);
             }
         }
-        let below = match domain {
-            Domain::Sphere => 0,
-            Domain::Hemisphere => sets.iter().flat_map(|s| &s.points).filter(|p| p.z < 0.0).count(),
-        };
-        if below > 0 {
-            say(quiet, &format!("{below} points with z < 0 are replaced by their antipodes"));
+        if let Some(remark) = remark(&sets) {
+            say(quiet, &remark);
         }
-        let sets = PointSets::new(sets, domain).map_err(CliError::failed)?;
+        let sets = PointSets::new(sets, space).map_err(CliError::failed)?;
         let names: Vec<String> = args.files.iter().map(|p| p.display().to_string()).collect();
         let read = Self { name: names.join(" "), sets };
         if read.count() > 1 {
@@ -173,7 +207,7 @@ impl FileSets {
     }
 
     /// Returns the sets, which are both an ensemble and a sampler.
-    pub(crate) fn sets(&self) -> &PointSets {
+    pub(crate) fn sets(&self) -> &PointSets<S> {
         &self.sets
     }
 
@@ -184,12 +218,18 @@ impl FileSets {
 
     /// Returns the mean number of points of a set, rounded.
     pub(crate) fn mean_size(&self) -> usize {
-        self.sets.n_points()
+        let total: usize = self.sets.sets().iter().map(PointSet::len).sum();
+        let count = self.sets.sets().len();
+        (total + count / 2) / count
     }
 }
 
 /// Appends the sets of another file to the single joined set.
-fn join(joined: &mut Vec<PointSet>, sets: Vec<PointSet>, path: &str) -> Result<(), CliError> {
+fn join<P>(
+    joined: &mut Vec<PointSet<P>>,
+    sets: Vec<PointSet<P>>,
+    path: &str,
+) -> Result<(), CliError> {
     for set in sets {
         let Some(one) = joined.first_mut() else {
             joined.push(set);

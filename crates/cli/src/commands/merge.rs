@@ -5,10 +5,11 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use clap::Args;
+use sphvar_spectrum::SpectrumAccumulator;
 
-use super::spectrum::{Remarks, check_save, emit};
+use super::spectrum::{Remarks, SquareResult, check_save, emit, emit_square};
 use crate::error::CliError;
-use crate::files::{Part, Shard};
+use crate::files::{Part, Shard, ShardSums, SquareSums};
 use crate::flags::OutArgs;
 use crate::global::Global;
 use crate::report::{Provenance, check_result, say};
@@ -45,7 +46,26 @@ pub(crate) fn run(args: &MergeArgs, global: &Global) -> Result<(), CliError> {
         check_save(path)?;
     }
     let started = Instant::now();
-    let mut shards = Vec::new();
+    let out = args.out.out.as_deref();
+    let seconds = || started.elapsed().as_secs_f64();
+    if args.files.iter().all(|path| Shard::<SquareSums>::begins(path)) {
+        let Shard { ensemble, sums, .. } = merged::<SquareSums>(args, global)?;
+        let result = SquareResult::of_sums(&sums, !ensemble.is_random)?;
+        let provenance = Provenance::new(ensemble.seed);
+        let (name, remarks) = (&ensemble.sampler, Remarks::default());
+        return emit_square(out, global, name, &result, &remarks, seconds(), &provenance);
+    }
+    let Shard { ensemble, sums, .. } = merged::<SpectrumAccumulator>(args, global)?;
+    let spectrum = sums.finish()?;
+    let spectrum = if ensemble.is_random { spectrum } else { spectrum.into_exact() };
+    let provenance = Provenance::new(ensemble.seed);
+    let (name, remarks) = (&ensemble.sampler, Remarks::default());
+    emit(out, global, name, &spectrum, remarks, seconds(), &provenance)
+}
+
+/// Returns the shards of `args` as one, after it is saved if requested.
+fn merged<S: ShardSums>(args: &MergeArgs, global: &Global) -> Result<Shard<S>, CliError> {
+    let mut shards: Vec<(String, Shard<S>)> = Vec::new();
     for path in &args.files {
         shards.push((path.display().to_string(), Shard::read(path)?));
     }
@@ -83,23 +103,11 @@ pub(crate) fn run(args: &MergeArgs, global: &Global) -> Result<(), CliError> {
     if let Some(path) = &args.save {
         whole.write(path)?;
     }
-    let spectrum = whole.sums.finish()?;
-    let spectrum = if whole.ensemble.is_random { spectrum } else { spectrum.into_exact() };
-    let seconds = started.elapsed().as_secs_f64();
-    let provenance = Provenance::new(whole.ensemble.seed);
-    emit(
-        args.out.out.as_deref(),
-        global,
-        &whole.ensemble.sampler,
-        &spectrum,
-        Remarks::default(),
-        seconds,
-        &provenance,
-    )
+    Ok(whole)
 }
 
 /// Returns an error if two files belong to different ensembles.
-fn check_ensembles(shards: &[(String, Shard)]) -> Result<(), CliError> {
+fn check_ensembles<S: ShardSums>(shards: &[(String, Shard<S>)]) -> Result<(), CliError> {
     let Some(((first, a), others)) = shards.split_first() else { return Ok(()) };
     let a = &a.ensemble;
     for (name, b) in others {
@@ -138,7 +146,7 @@ fn range_in_words(range: &Range<u64>) -> String {
 }
 
 /// Returns the missing parts if all files have the same number of parts, and their realizations.
-fn missing_in_words(whole: &Shard) -> String {
+fn missing_in_words<S: ShardSums>(whole: &Shard<S>) -> String {
     let missing = whole.missing();
     let realizations = format!("realizations {}", in_words(&missing, range_in_words));
     let total = whole.ensemble.realizations;
@@ -178,7 +186,7 @@ fn count(ranges: &[Range<u64>]) -> u64 {
 }
 
 /// Rejects a realization that is in two files.
-fn check_overlap(shards: &[(String, Shard)]) -> Result<(), CliError> {
+fn check_overlap<S: ShardSums>(shards: &[(String, Shard<S>)]) -> Result<(), CliError> {
     let mut parts: Vec<_> = shards
         .iter()
         .flat_map(|(name, s)| s.ranges().into_iter().map(move |range| (range, name)))

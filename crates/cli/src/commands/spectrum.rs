@@ -4,7 +4,11 @@ mod chart;
 mod coefficient;
 mod pairs;
 pub(crate) mod report;
+mod square;
+mod square_chart;
+pub(crate) mod square_report;
 
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -22,11 +26,12 @@ use sphvar_spectrum::{
 use self::coefficient::parse_coefficient;
 use self::pairs::{PairArgs, PairBody};
 pub(crate) use self::report::{Remarks, emit};
+pub(crate) use self::square_report::{SquareResult, emit_square};
 use super::sets_args::SetsArgs;
 use crate::counts::parse_realizations;
 use crate::error::CliError;
 use crate::files::{AtomicFile, Part, SavedEnsemble, Shard};
-use crate::flags::{LmaxArgs, OutArgs, lmax_help, natural_degree_in_words};
+use crate::flags::{KmaxArgs, LmaxArgs, OutArgs, SquareArgs, lmax_help, natural_degree_in_words};
 use crate::global::Global;
 use crate::instruction_set::instruction_set;
 use crate::memory::{check_degree, check_memory, check_transform};
@@ -44,6 +49,7 @@ pub(crate) const EXAMPLES: &str = "Examples:
   sphvar spectrum jittered -n 3888 --exact --lmax 190
   sphvar spectrum jittered -n 3888 -m 300 --shard 2/3 --save second.shard
   sphvar spectrum poisson-disk -n 200 -m 10 --pairs -o pairs.svg
+  sphvar spectrum jittered-square --square -n 64 -m 20 --kmax 32 -o square.png
 
 White noise has power 1 for l >= 1; P(0) = N. The error is the standard error of the mean over the \
 realizations, each with an independent uniform random rotation. It is 0 for deterministic patterns, whose spectrum is \
@@ -53,13 +59,24 @@ equal-area cells (jittered, equal-area) and for deterministic patterns.
 
 --pairs counts pairs of points by their angle: g is the density of pairs relative to that of independent points \
 (1 - 1/N for these), K the area times the share of pairs within a radius, and L the radius of the cap of area K. \
-g smooth is the same from the spectrum, averaged by a heat kernel.";
+g smooth is the same from the spectrum, averaged by a heat kernel.
+
+With --square the power |S_k|^2/N is that of frequencies k = (k1, k2) of points u,v of the unit square under random \
+toroidal shifts. Tables and the lower panel of plots show its mean over rings of |k| and its anisotropy, the relative \
+variance of the power over a ring (1/M for M realizations of white noise).";
+
+/// Why the sums of a file cannot be saved.
+const SAVED_FILE: &str =
+    "--save is for built-in samplers: the sets of a file are not recorded with the sums";
 
 /// The default number of realizations.
 const REALIZATIONS: u64 = 100;
 
 #[derive(Debug, Args)]
-#[command(mut_arg("lmax", |lmax| lmax.help(lmax_help(&natural_degree_in_words()))))]
+#[command(
+    mut_arg("lmax", |lmax| lmax.help(lmax_help(&natural_degree_in_words()))),
+    mut_arg("kmax", |kmax| kmax.help(kmax_help()))
+)]
 pub(crate) struct SpectrumArgs {
     #[command(flatten)]
     pub(crate) sets: SetsArgs,
@@ -80,6 +97,10 @@ pub(crate) struct SpectrumArgs {
     #[command(flatten)]
     pub(crate) lmax: LmaxArgs,
     #[command(flatten)]
+    pub(crate) square: SquareArgs,
+    #[command(flatten)]
+    pub(crate) kmax: KmaxArgs,
+    #[command(flatten)]
     pub(crate) transform: TransformArgs,
     #[command(flatten)]
     pub(crate) pairs: PairArgs,
@@ -97,6 +118,33 @@ pub(crate) struct SpectrumArgs {
     /// Write the samples of one coefficient `S_lm` over the realizations to a CSV file
     #[arg(long, num_args = 3, value_names = ["L", "M", "FILE"])]
     pub(crate) coefficient: Option<Vec<String>>,
+}
+
+impl SpectrumArgs {
+    /// Returns the part of the realizations that is computed.
+    fn share(&self) -> Part {
+        self.shard.unwrap_or(Part::WHOLE)
+    }
+
+    /// Returns the realizations of this part of `count`.
+    ///
+    /// # Errors
+    ///
+    /// If there are none.
+    fn part(&self, count: u64) -> Result<Range<u64>, CliError> {
+        let part = self.share().range(count);
+        if !part.is_empty() {
+            return Ok(part);
+        }
+        let why = if count == 1 && self.realizations != Some(1) {
+            "a deterministic pattern has one set: omit --shard"
+        } else {
+            "use at most as many parts as realizations"
+        };
+        Err(CliError::Usage(format!(
+            "--shard: the part contains none of the {count} realizations; {why}"
+        )))
+    }
 }
 
 /// The mean power of one degree and order, a row of `--per-order`.
@@ -144,6 +192,9 @@ impl Source {
 }
 
 pub(crate) fn run(args: &SpectrumArgs, global: &Global) -> Result<(), CliError> {
+    if args.square.square {
+        return square::run(args, global);
+    }
     let domain = args.sets.domain.domain();
     check_outputs(args, global)?;
     let source = source(args, domain, global)?;
@@ -191,18 +242,7 @@ pub(crate) fn run(args: &SpectrumArgs, global: &Global) -> Result<(), CliError> 
             (&Realizations::rotated(&**sampler, streams), count)
         }
     };
-    let share = args.shard.unwrap_or(Part::WHOLE);
-    let part = share.range(count);
-    if part.is_empty() {
-        let why = if count == 1 && args.realizations != Some(1) {
-            "a deterministic pattern has one set: omit --shard"
-        } else {
-            "use at most as many parts as realizations"
-        };
-        return Err(CliError::Usage(format!(
-            "--shard: the part contains none of the {count} realizations; {why}"
-        )));
-    }
+    let part = args.part(count)?;
     let set_work = match &source {
         Source::Sampler { sampler, .. } if given.is_none() => sampler.nominal_work(),
         _ => 0.0,
@@ -246,7 +286,7 @@ pub(crate) fn run(args: &SpectrumArgs, global: &Global) -> Result<(), CliError> 
             version: provenance.version.to_string(),
             instruction_set: instruction_set(),
         };
-        Shard { ensemble, parts: vec![share], sums }.write(path)?;
+        Shard { ensemble, parts: vec![args.share()], sums }.write(path)?;
     }
     if let (Some(path), Some(orders)) = (&args.per_order, orders) {
         let orders = orders.finish().into_iter().filter(|o| domain.has_degree(o.l));
@@ -325,12 +365,15 @@ fn source(args: &SpectrumArgs, domain: Domain, global: &Global) -> Result<Source
         return Err(sampled_only(&pattern));
     }
     if args.save.is_some() && matches!(pattern, Pattern::PointFile(_)) {
-        return Err(CliError::Usage(
-            "--save is for built-in samplers: the sets of a file are not recorded with the sums"
-                .to_owned(),
-        ));
+        return Err(CliError::Usage(SAVED_FILE.to_owned()));
     }
     Ok(Source::Sampler { pattern, sampler })
+}
+
+/// Returns the help of --kmax with its default in words.
+fn kmax_help() -> String {
+    let default = natural_degree_in_words();
+    format!("Maximum length |k| of the frequencies on the square, inclusive [default: {default}]")
 }
 
 /// Returns the error of `--exact` for a pattern without a closed-form spectrum.

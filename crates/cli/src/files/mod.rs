@@ -46,7 +46,7 @@ pub(crate) use points::{
     ColumnChoice, FilePoint, OptionSpelling, ReadOptions, read_points, write_points,
 };
 pub(crate) use regular::{read_regular, write_regular};
-pub(crate) use shard::{Part, SavedEnsemble, Shard};
+pub(crate) use shard::{Part, SavedEnsemble, Shard, ShardSums, SquareSums};
 pub(crate) use spectra::read_spectrum;
 pub(crate) use target::{is_stdout, is_stream};
 pub(crate) use used_files::record_used_files;

@@ -2,25 +2,93 @@
 
 use std::fmt;
 use std::fs;
+use std::io::Read;
 use std::ops::Range;
 use std::path::Path;
 use std::str::FromStr;
 
+use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use sphvar_samplers::Domain;
-use sphvar_spectrum::SpectrumAccumulator;
+use sphvar_sh::Frequencies;
+use sphvar_spectrum::{Error, RadialAccumulator, SpectrumAccumulator};
 
 use super::used_files::record_input;
 use super::{AtomicFile, FileError, Place};
 
 /// Exact sums, which can be merged in any order.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-pub(crate) struct Shard {
+#[serde(bound = "S: ShardSums")]
+pub(crate) struct Shard<S: ShardSums = SpectrumAccumulator> {
     /// The ensemble of the sums.
-    pub(crate) ensemble: SavedEnsemble,
+    pub(crate) ensemble: SavedEnsemble<S::Domain>,
     /// The parts of its realizations, in order and without overlap.
     pub(crate) parts: Vec<Part>,
-    pub(crate) sums: SpectrumAccumulator,
+    pub(crate) sums: S,
+}
+
+/// The sums of a spectrum, on the sphere or on the square.
+pub(crate) trait ShardSums: Serialize + DeserializeOwned {
+    /// The rest of the first line of the files in this version of their format; a CRC-32 of the rest
+    /// of the file follows, little-endian.
+    const FORM: &'static [u8];
+
+    /// The domain, as far as the sums do not determine it.
+    type Domain: Serialize + DeserializeOwned;
+
+    /// Returns whether the sums are of this number of realizations, and of this ensemble.
+    fn are_of(&self, realizations: u64, ensemble: &SavedEnsemble<Self::Domain>) -> bool;
+
+    /// Adds the realizations of other sums exactly.
+    fn try_merge(&mut self, other: &Self) -> Result<(), Error>;
+}
+
+impl ShardSums for SpectrumAccumulator {
+    const FORM: &'static [u8] = b"4\n";
+
+    type Domain = Domain;
+
+    fn are_of(&self, realizations: u64, ensemble: &SavedEnsemble) -> bool {
+        self.realizations() == Some(realizations)
+            && self.lmax() == Some(ensemble.lmax)
+            && self.domain() == ensemble.domain
+            && self.n_points() > 0
+    }
+
+    fn try_merge(&mut self, other: &Self) -> Result<(), Error> {
+        self.try_merge(other)
+    }
+}
+
+/// The sums of a spectrum on the square and of its radial mean.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub(crate) struct SquareSums {
+    pub(crate) spectrum: SpectrumAccumulator<Frequencies>,
+    pub(crate) radial: RadialAccumulator,
+}
+
+impl ShardSums for SquareSums {
+    const FORM: &'static [u8] = b"square 1\n";
+
+    type Domain = ();
+
+    fn are_of(&self, realizations: u64, ensemble: &SavedEnsemble<()>) -> bool {
+        let Self { spectrum, radial } = self;
+        let bands = spectrum.bands();
+        // Without complete rings there is no radial mean.
+        let has_rings = bands.kmax() > 1;
+        spectrum.realizations() == Some(realizations)
+            && spectrum.lmax() == Some(bands.len() - 1)
+            && bands.kmax() == ensemble.lmax
+            && radial.frequencies() == bands
+            && radial.realizations() == has_rings.then_some(realizations)
+            && spectrum.n_points() > 0
+    }
+
+    fn try_merge(&mut self, other: &Self) -> Result<(), Error> {
+        self.spectrum.try_merge(&other.spectrum)?;
+        self.radial.try_merge(&other.radial)
+    }
 }
 
 /// One of several equal parts of an ensemble, `I/K`, counted from 1.
@@ -32,11 +100,12 @@ pub(crate) struct Part {
 
 /// All quantities that the sums depend on except the realizations.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub(crate) struct SavedEnsemble {
+pub(crate) struct SavedEnsemble<D = Domain> {
     pub(crate) sampler: String,
     /// Whether realizations differ; the single realization of a deterministic pattern has no error.
     pub(crate) is_random: bool,
-    pub(crate) domain: Domain,
+    pub(crate) domain: D,
+    /// The largest degree or, on the square, the largest frequency.
     pub(crate) lmax: usize,
     /// The number of realizations of the whole ensemble.
     pub(crate) realizations: u64,
@@ -51,9 +120,6 @@ pub(crate) struct SavedEnsemble {
 
 /// The first bytes of the files, in every version of the format.
 const NAME: &[u8] = b"sphvar shard ";
-/// The rest of their first line in this version; a CRC-32 of the rest of the file follows,
-/// little-endian.
-const FORM: &[u8] = b"4\n";
 
 impl Part {
     /// The whole ensemble.
@@ -100,7 +166,7 @@ impl fmt::Display for Part {
     }
 }
 
-impl Shard {
+impl<S: ShardSums> Shard<S> {
     /// Writes the file, complete or not at all.
     ///
     /// # Errors
@@ -112,7 +178,7 @@ impl Shard {
             source: std::io::Error::other(error),
         })?;
         let checksum = crc32fast::hash(&body).to_le_bytes();
-        AtomicFile::write_whole(path, &[NAME, FORM, &checksum, &body].concat())
+        AtomicFile::write_whole(path, &[NAME, S::FORM, &checksum, &body].concat())
     }
 
     /// Reads a file.
@@ -132,7 +198,11 @@ impl Shard {
             got: got.to_owned(),
         };
         let rest = bytes.strip_prefix(NAME).ok_or_else(|| wrong("something else"))?;
-        let rest = rest.strip_prefix(FORM).ok_or_else(|| {
+        let rest = rest.strip_prefix(S::FORM).ok_or_else(|| {
+            let is_of_square = |form: &[u8]| form.starts_with(b"square");
+            if is_of_square(rest) != is_of_square(S::FORM) {
+                return wrong("one of another domain: the unit square and the sphere do not mix");
+            }
             wrong("one of another version of sphvar, whose sums cannot be added to those of this one; create it again")
         })?;
         let (checksum, body) =
@@ -179,10 +249,14 @@ impl Shard {
         let filled = ranges.iter().all(|range| range.start < range.end);
         filled
             && apart
-            && sums.realizations() == Some(ranges.iter().map(|range| range.end - range.start).sum())
-            && sums.lmax() == Some(ensemble.lmax)
-            && sums.domain() == ensemble.domain
-            && sums.n_points() > 0
+            && sums.are_of(ranges.iter().map(|range| range.end - range.start).sum(), ensemble)
+    }
+
+    /// Returns whether a file begins as one of these shards.
+    pub(crate) fn begins(path: &Path) -> bool {
+        let mut start = vec![0; NAME.len() + S::FORM.len()];
+        let read = fs::File::open(path).and_then(|mut file| file.read_exact(&mut start));
+        read.is_ok() && start == [NAME, S::FORM].concat()
     }
 }
 
@@ -264,7 +338,7 @@ mod tests {
             ("no points", shard(&[(1, 10)], 3, 0)),
         ] {
             wrong.write(&path).unwrap();
-            let message = Shard::read(&path).unwrap_err().to_string();
+            let message = Shard::<SpectrumAccumulator>::read(&path).unwrap_err().to_string();
             assert!(message.contains("do not fit"), "{what}: {message}");
         }
     }

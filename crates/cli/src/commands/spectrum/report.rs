@@ -147,7 +147,7 @@ fn text(rows: &[PowerRecord], weights: Option<WeightSums>) -> String {
 }
 
 /// Returns a line on the weights, if there are any.
-fn text_of_weights(weights: Option<WeightSums>) -> String {
+pub(super) fn text_of_weights(weights: Option<WeightSums>) -> String {
     weights.map_or(String::new(), |WeightSums { n_effective, sum_w, sum_w2 }| {
         let [n, sum, squares] = [n_effective, sum_w, sum_w2].map(number::value);
         format!("N_eff = {n} (sum w = {sum}, sum w^2 = {squares})\n")
@@ -155,7 +155,7 @@ fn text_of_weights(weights: Option<WeightSums>) -> String {
 }
 
 /// Returns all rows of a short list, or about 40 of a long one with increasing spacing.
-fn thinned<R>(rows: &[R]) -> Vec<&R> {
+pub(super) fn thinned<R>(rows: &[R]) -> Vec<&R> {
     const FEW: usize = 40;
     let mut next = 0;
     rows.iter()

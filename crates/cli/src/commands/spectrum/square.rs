@@ -1,0 +1,208 @@
+//! `sphvar spectrum --square`: the power of frequencies of the unit square.
+
+use std::time::Instant;
+
+use sphvar_samplers::{
+    Ensemble, Purpose, Square, SquareDistribution, SquarePattern, SquareRealizations,
+    SquareSampler, Streams,
+};
+use sphvar_sh::Frequencies;
+use sphvar_spectrum::{
+    ExactSquareSpectrum, Method, RadialAccumulator, SpectrumAccumulator, SquareResolution,
+    accumulate_square,
+};
+
+use super::square_report::{SquareResult, emit_square};
+use super::{REALIZATIONS, Remarks, SAVED_FILE, SpectrumArgs, check_outputs};
+use crate::error::CliError;
+use crate::files::{SavedEnsemble, Shard, SquareSums};
+use crate::flags::{ONE_DOMAIN, USE_KMAX};
+use crate::global::Global;
+use crate::instruction_set::instruction_set;
+use crate::memory::check_memory;
+use crate::patterns;
+use crate::point_sets::{FileSets, WeightSums};
+use crate::progress::Progress;
+use crate::report::Provenance;
+
+/// What takes the place of options for harmonics and for angles on the sphere.
+const OF_SPHERE: &str = "it is for directions";
+
+/// The memory of the sums of a band on every thread, in bytes.
+const BAND_BYTES: f64 = 320.0;
+
+/// The source of the point sets.
+enum Source {
+    Sampler { pattern: SquarePattern, sampler: Box<dyn SquareSampler> },
+    Files(FileSets<Square>),
+}
+
+impl Source {
+    fn new(args: &SpectrumArgs, global: &Global) -> Result<Self, CliError> {
+        let Some(name) = &args.sets.sampler.sampler else {
+            return Ok(Self::Files(FileSets::read_square(&args.sets.files, global.quiet)?));
+        };
+        let (n, nearest) = (args.sets.count.count, args.sets.nearest.nearest);
+        let (pattern, sampler) = patterns::sampler_of(name, n, Square, nearest, global.quiet)?;
+        if args.save.is_some() && matches!(pattern, SquarePattern::PointFile(_)) {
+            return Err(CliError::Usage(SAVED_FILE.to_owned()));
+        }
+        Ok(Self::Sampler { pattern, sampler })
+    }
+
+    /// Returns the name and the number of points.
+    fn facts(&self) -> (String, usize) {
+        match self {
+            Self::Sampler { pattern, sampler } => (pattern.to_string(), sampler.n_points()),
+            Self::Files(sets) => (sets.name().to_owned(), sets.mean_size()),
+        }
+    }
+}
+
+pub(super) fn run(args: &SpectrumArgs, global: &Global) -> Result<(), CliError> {
+    args.square.without(&[
+        ("--hemisphere", args.sets.domain.hemisphere, ONE_DOMAIN),
+        ("--lmax", args.lmax.lmax.is_some(), USE_KMAX),
+        ("--pairs", args.pairs.pairs, OF_SPHERE),
+        ("--per-order", args.per_order.is_some(), OF_SPHERE),
+        ("--coefficient", args.coefficient.is_some(), OF_SPHERE),
+        ("--method", args.transform.checked()?.0 != Method::Auto, OF_SPHERE),
+    ])?;
+    check_outputs(args, global)?;
+    let source = Source::new(args, global)?;
+    let (name, n_points) = source.facts();
+    let kmax = args.kmax.kmax.unwrap_or_else(|| SquareResolution::natural_frequency(n_points));
+    let max = SquareResolution::MAX_KMAX_WITH_ERRORS;
+    if kmax > max {
+        return Err(CliError::Usage(format!(
+            "--kmax: spectra have errors for every frequency to at most {max}, got {kmax}"
+        )));
+    }
+    let frequencies = Frequencies::new(kmax).map_err(CliError::failed)?;
+    let started = Instant::now();
+    let (result, remarks) = match &source {
+        Source::Sampler { pattern, sampler } if args.exact => (
+            exact(pattern, &**sampler, &frequencies, global)?,
+            Remarks { weights: WeightSums::of_square_sampler(&**sampler), ..Remarks::default() },
+        ),
+        _ => sampled(args, global, &source, frequencies)?,
+    };
+    let seconds = started.elapsed().as_secs_f64();
+    let provenance = Provenance::new(global.seed);
+    let out = args.out.out.as_deref();
+    emit_square(out, global, &name, &result, &remarks, seconds, &provenance)
+}
+
+/// Computes the spectrum in closed form.
+fn exact(
+    pattern: &SquarePattern,
+    sampler: &dyn SquareSampler,
+    frequencies: &Frequencies,
+    global: &Global,
+) -> Result<SquareResult, CliError> {
+    let exact = ExactSquareSpectrum::of(sampler).ok_or_else(|| sampled_only(pattern))?;
+    let kmax = frequencies.kmax();
+    let bytes = exact.bytes(frequencies, rayon::current_num_threads());
+    check_memory(&format!("a spectrum to frequency {kmax} (--kmax)"), bytes)?;
+    let progress = Progress::new(exact.work(frequencies), global.quiet);
+    progress.stage(&pattern.to_string());
+    Ok(SquareResult::exact(exact.to(frequencies, &progress)?))
+}
+
+/// Estimates the spectrum from sets, and saves the sums if requested.
+fn sampled(
+    args: &SpectrumArgs,
+    global: &Global,
+    source: &Source,
+    frequencies: Frequencies,
+) -> Result<(SquareResult, Remarks), CliError> {
+    let (name, n_points) = source.facts();
+    let kmax = frequencies.kmax();
+    let (_, epsilon) = args.transform.checked()?;
+    let (given_sets, shifted);
+    // The power does not depend on shifts, which given sets do without.
+    let (sets, count, set_work): (&dyn Ensemble<[f64; 2]>, u64, f64) = match source {
+        Source::Files(sets) => (sets.sets(), sets.count(), 0.0),
+        Source::Sampler { sampler, .. } => {
+            let given = match sampler.distribution() {
+                SquareDistribution::OneOf(sets) if args.realizations.is_none() => Some(sets),
+                _ => None,
+            };
+            if let Some(sets) = given {
+                given_sets = sets;
+                (&given_sets, sets.len() as u64, 0.0)
+            } else {
+                let streams = Streams::new(global.seed, Purpose::Pattern, sampler.stream_group());
+                shifted = SquareRealizations::shifted(&**sampler, streams);
+                let count = args.realizations.unwrap_or(REALIZATIONS);
+                (&shifted, count, sampler.nominal_work())
+            }
+        }
+    };
+    if count == 0 {
+        return Err(CliError::Usage("-m must be at least 1, got 0".to_owned()));
+    }
+    let is_random = match source {
+        Source::Sampler { sampler, .. } => sampler.is_random(),
+        Source::Files(_) => count > 1,
+    };
+    // One set of a deterministic pattern determines its spectrum.
+    let count = if is_random { count } else { 1 };
+    let part = args.part(count)?;
+    let resolution = SquareResolution { frequencies: frequencies.clone(), epsilon };
+    let threads = rayon::current_num_threads();
+    let bytes = resolution.bytes(n_points, count, threads)
+        + BAND_BYTES * frequencies.len() as f64 * threads as f64;
+    check_memory(&format!("a spectrum of {n_points} points to frequency {kmax} (--kmax)"), bytes)?;
+    let work = set_work + resolution.nominal_work(n_points);
+    let progress = Progress::new((part.end - part.start) as f64 * work, global.quiet);
+    progress.stage(&name);
+    let empty = (
+        SpectrumAccumulator::of_square(frequencies.clone(), n_points)?,
+        RadialAccumulator::new(frequencies),
+    );
+    let (spectrum, radial) = accumulate_square(sets, &resolution, part, &empty, &progress)?;
+    drop(progress);
+    let sums = SquareSums { spectrum, radial };
+    let result = SquareResult::of_sums(&sums, !is_random)?;
+    if let Some(path) = &args.save {
+        let ensemble = SavedEnsemble {
+            sampler: name,
+            is_random,
+            domain: (),
+            lmax: kmax,
+            transform: format!("{epsilon:e}"),
+            seed: global.seed,
+            realizations: count,
+            version: Provenance::new(global.seed).version.to_string(),
+            instruction_set: instruction_set(),
+        };
+        Shard { ensemble, parts: vec![args.share()], sums }.write(path)?;
+    }
+    let remarks = match source {
+        Source::Sampler { sampler, .. } => {
+            Remarks { weights: WeightSums::of_square_sampler(&**sampler), ..Remarks::default() }
+        }
+        // A single set in a file is of interest itself, not as a realization of an ensemble.
+        Source::Files(sets) => Remarks {
+            has_no_error: count == 1,
+            weights: WeightSums::of_sets(sets.sets().sets()),
+            pairs: None,
+        },
+    };
+    Ok((result, remarks))
+}
+
+/// Returns the error of `--exact` for a pattern without a closed-form spectrum.
+fn sampled_only(pattern: &SquarePattern) -> CliError {
+    let is_exact = |pattern: &&SquarePattern| {
+        let sampler = pattern.build(pattern.nearest_count(12));
+        sampler.is_ok_and(|sampler| ExactSquareSpectrum::of(&*sampler).is_some())
+    };
+    let exact: Vec<&str> =
+        SquarePattern::ALL.iter().filter(is_exact).map(SquarePattern::name).collect();
+    CliError::Usage(format!(
+        "the spectrum of {pattern} has no closed form; those with one are {}",
+        exact.join(", ")
+    ))
+}
