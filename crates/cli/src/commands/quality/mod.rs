@@ -4,6 +4,8 @@ mod chart;
 mod rank;
 pub(crate) mod record;
 mod source;
+mod square;
+pub(crate) mod square_record;
 mod text;
 
 use clap::Args;
@@ -14,7 +16,7 @@ use self::record::{MeasureRow, QualityRecord};
 use self::source::Source;
 use crate::counts::{Counts, parse_realizations};
 use crate::error::CliError;
-use crate::flags::{CountArgs, DomainArgs, NearestArgs, OutArgs, SamplersArgs};
+use crate::flags::{CountArgs, DomainArgs, NearestArgs, OutArgs, SamplersArgs, SquareArgs};
 use crate::global::Global;
 use crate::memory::check_degree;
 use crate::progress::Progress;
@@ -24,6 +26,7 @@ pub(crate) const EXAMPLES: &str = "Examples:
   sphvar quality fibonacci -n 200
   sphvar quality jittered,healpix,fibonacci -n 192 -o quality.svg
   sphvar quality jittered -n 48 --rank
+  sphvar quality sobol,r2,white-square --square -n 64
 
 Distances are chords; the mesh ratio is twice the covering radius over the separation. The square of \
 the L2 cap discrepancy is the integral, over the heights -1 to 1 of caps, of the mean square of the difference \
@@ -37,7 +40,12 @@ antipodes; the energy of two lines is k(|x - y|) + k(|x + y|).
 
 p-values test independent uniform points, whose probability is that of a smaller discrepancy (lower: small \
 for points that are more regular) or of a larger one (upper: small for points that cluster). They are asymptotic: \
-a p-value of 1 % is right to a third of itself from 20 points on, smaller ones less. A file is measured as it is, each of its sets a realization.";
+a p-value of 1 % is right to a third of itself from 20 points on, smaller ones less. A file is measured as it is, each of its sets a realization.
+
+With --square the measures are the toroidal separation, also relative to that of a hexagonal lattice of N points per unit \
+area, the star discrepancy (the largest difference between the share of points in a box [0,u) x [0,v) and its area), its root mean \
+square over boxes with one corner at the origin and the other anywhere (L2 star discrepancy, Warnock), the same over boxes \
+that wrap around (Hickernell), and the least t for which 2^m points are a (t,m,2)-net in base 2.";
 
 #[derive(Debug, Args)]
 #[command(
@@ -58,6 +66,8 @@ pub(crate) struct QualityArgs {
     pub(crate) realizations: u64,
     #[command(flatten)]
     pub(crate) domain: DomainArgs,
+    #[command(flatten)]
+    pub(crate) square: SquareArgs,
     /// Maximum degree, inclusive, of fits of harmonics whose condition numbers are computed; a list such as 4,8 [default: a fourth and half of sqrt(N)]
     #[arg(long, value_name = "L")]
     pub(crate) lmax: Option<Counts>,
@@ -75,6 +85,9 @@ struct Measured {
 }
 
 pub(crate) fn run(args: &QualityArgs, global: &Global) -> Result<(), CliError> {
+    if args.square.square {
+        return square::run(args, global);
+    }
     if let Some(path) = &args.out.out {
         check_result(path, true)?;
     }

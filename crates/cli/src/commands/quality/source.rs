@@ -11,7 +11,7 @@ use sphvar_spectrum::quality::Quality;
 use super::QualityArgs;
 use crate::error::CliError;
 use crate::global::Global;
-use crate::patterns;
+use crate::patterns::{self, PatternKind, parse_patterns};
 use crate::progress::Progress;
 
 /// A sampler with the number of its realizations.
@@ -33,17 +33,7 @@ impl Source {
         global: &Global,
     ) -> Result<Vec<Self>, CliError> {
         let (domain, nearest) = (args.domain.domain(), args.nearest.nearest);
-        let specs = Spec::parse_list(list)?;
-        let texts: Vec<String> = specs
-            .into_iter()
-            .map(|spec| match Path::new(&spec.text).is_file() {
-                // An existing file needs no `file:`.
-                true => format!("file:{}", quote(&spec.text)),
-                false => spec.text,
-            })
-            .collect();
-        // Together, so that files of the same name have different labels.
-        let patterns = patterns::parse_patterns(&texts.join(","), global.quiet)?;
+        let patterns = patterns_and_files(list, global.quiet)?;
         let sources = patterns.into_iter().map(|pattern: Pattern| {
             let n = args.count.count;
             let sampler = patterns::nearest_sampler(&pattern, n, domain, nearest, global.quiet)?;
@@ -75,6 +65,22 @@ impl Source {
         };
         Ok(Quality::of(sets, self.count, domain, degrees, progress)?)
     }
+}
+
+/// Returns the patterns of a list, in which an existing file needs no `file:`.
+pub(super) fn patterns_and_files<P: PatternKind>(
+    list: &str,
+    quiet: bool,
+) -> Result<Vec<P>, CliError> {
+    let texts: Vec<String> = Spec::parse_list(list)?
+        .into_iter()
+        .map(|spec| match Path::new(&spec.text).is_file() {
+            true => format!("file:{}", quote(&spec.text)),
+            false => spec.text,
+        })
+        .collect();
+    // Together, so that files of the same name have different labels.
+    parse_patterns(&texts.join(","), quiet)
 }
 
 /// Returns the sets of a file.
