@@ -19,12 +19,14 @@ use crate::commands::healpix::HealpixBody;
 use crate::commands::integrate::IntegrateBody;
 use crate::commands::list::ListBody;
 use crate::commands::quality::QualityBody;
+use crate::commands::quality::square_record::SquareQualityBody;
 use crate::commands::render::sheet::SheetBody;
 use crate::commands::render::single::RenderBody;
 use crate::commands::render::study::StudyBody;
 use crate::commands::reproduce::ReproductionBody;
 use crate::commands::sample::realized_sets::SampleBody;
 use crate::commands::spectrum::report::SpectrumBody;
+use crate::commands::spectrum::square_report::SquareSpectrumBody;
 use crate::commands::variance::VarianceBody;
 use crate::commands::weights::WeightsBody;
 use crate::report::Document;
@@ -59,12 +61,14 @@ fn documents(generator: &mut SchemaGenerator) -> Vec<(&'static str, Schema)> {
         ("list", document::<ListBody>(generator)),
         ("merge", document::<SpectrumBody>(generator)),
         ("quality", document::<QualityBody>(generator)),
+        ("quality --square", document::<SquareQualityBody>(generator)),
         ("render", document::<RenderBody>(generator)),
         ("render --sheet", document::<SheetBody>(generator)),
         ("render --study", document::<StudyBody>(generator)),
         ("reproduce", document::<ReproductionBody>(generator)),
         ("sample", document::<SampleBody<[f64; 3]>>(generator)),
         ("spectrum", document::<SpectrumBody>(generator)),
+        ("spectrum --square", document::<SquareSpectrumBody>(generator)),
         ("variance", document::<VarianceBody>(generator)),
         ("variance --no-rotate", document::<FixedOrientationBody>(generator)),
         ("weights", document::<WeightsBody>(generator)),

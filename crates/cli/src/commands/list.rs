@@ -6,13 +6,13 @@ mod page;
 use clap::{Args, ValueEnum};
 use schemars::JsonSchema;
 use serde::Serialize;
-use sphvar_samplers::Pattern;
+use sphvar_samplers::{Pattern, SquarePattern};
 
 use self::entry::{FormatEntry, IntegrandEntry, SamplerEntry};
 use self::page::Page;
 use crate::error::CliError;
 use crate::files::formats;
-use crate::flags::{CountArgs, DomainArgs};
+use crate::flags::{CountArgs, DomainArgs, ONE_DOMAIN, SquareArgs};
 use crate::global::Global;
 use crate::report::{Document, Provenance, print};
 use crate::spec::unknown_name;
@@ -21,6 +21,7 @@ pub(crate) const EXAMPLES: &str = "Examples:
   sphvar list
   sphvar list samplers poisson-disk step
   sphvar list samplers -n 500        (with the largest degree without power)
+  sphvar list samplers --square      (patterns of the unit square)
   sphvar list integrands --json";
 
 #[derive(Debug, Args)]
@@ -34,6 +35,8 @@ pub(crate) struct ListArgs {
     pub(crate) count: CountArgs,
     #[command(flatten)]
     pub(crate) domain: DomainArgs,
+    #[command(flatten)]
+    pub(crate) square: SquareArgs,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -55,6 +58,12 @@ pub(crate) struct ListBody {
     /// Functions of direction.
     #[serde(skip_serializing_if = "Option::is_none")]
     integrands: Option<Vec<IntegrandEntry>>,
+    /// Patterns of the unit square.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    square_samplers: Option<Vec<SamplerEntry>>,
+    /// Functions on the unit square.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    square_integrands: Option<Vec<IntegrandEntry>>,
     /// Formats of files.
     #[serde(skip_serializing_if = "Option::is_none")]
     formats: Option<Vec<FormatEntry>>,
@@ -64,15 +73,26 @@ pub(crate) struct ListBody {
 const LISTED_COUNTS: [usize; 3] = [100, 1000, 10_000];
 
 pub(crate) fn run(args: &ListArgs, global: &Global) -> Result<(), CliError> {
+    args.square.without(&[("--hemisphere", args.domain.hemisphere, ONE_DOMAIN)])?;
     let domain = args.domain.domain();
     let counts = args.count.count.map_or(LISTED_COUNTS.to_vec(), |n| vec![n]);
     let is_listed = |kind| args.kind.is_none_or(|listed| listed == kind);
-    let samplers = is_listed(Kind::Samplers)
+    let of_sphere = |kind| is_listed(kind) && !args.square.square;
+    let of_square = |kind| is_listed(kind) && (args.square.square || args.kind.is_none());
+    let samplers = of_sphere(Kind::Samplers)
         .then(|| Pattern::known().map(|p| SamplerEntry::new(&p, &counts, domain)).collect())
         .map(|all| chosen(all, "sampler", &args.names, |entry| entry.name))
         .transpose()?;
-    let integrands = is_listed(Kind::Integrands)
+    let integrands = of_sphere(Kind::Integrands)
         .then(IntegrandEntry::all)
+        .map(|all| chosen(all, "integrand", &args.names, |entry| entry.name))
+        .transpose()?;
+    let square_samplers = of_square(Kind::Samplers)
+        .then(|| SquarePattern::known().map(|p| SamplerEntry::of_square(&p)).collect())
+        .map(|all| chosen(all, "sampler", &args.names, |entry| entry.name))
+        .transpose()?;
+    let square_integrands = of_square(Kind::Integrands)
+        .then(IntegrandEntry::all_of_square)
         .map(|all| chosen(all, "integrand", &args.names, |entry| entry.name))
         .transpose()?;
     let formats = is_listed(Kind::Formats)
@@ -80,21 +100,41 @@ pub(crate) fn run(args: &ListArgs, global: &Global) -> Result<(), CliError> {
         .map(|all| chosen(all, "format", &args.names, |entry: &FormatEntry| entry.0.name))
         .transpose()?;
     if global.json {
-        let body = ListBody { samplers, integrands, formats };
+        let body = ListBody { samplers, integrands, square_samplers, square_integrands, formats };
         return Document::new(&body, &Provenance::new(global.seed)).print();
     }
     let mut page = Page::default();
     if args.kind.is_none() {
-        page.heading("Samplers");
-        samplers.iter().flatten().for_each(|entry| page.line(entry.name, entry.summary));
-        page.heading("Integrands");
-        integrands.iter().flatten().for_each(|entry| page.line(entry.name, entry.summary));
+        let mut section = |heading, entries: &mut dyn Iterator<Item = (&str, &str)>| {
+            let mut entries = entries.peekable();
+            if entries.peek().is_some() {
+                page.heading(heading);
+                entries.for_each(|(name, summary)| page.line(name, summary));
+            }
+        };
+        let of_samplers = |entry: &'_ SamplerEntry| (entry.name, entry.summary);
+        let of_integrands = |entry: &'_ IntegrandEntry| (entry.name, entry.summary);
+        section("Samplers", &mut samplers.iter().flatten().map(of_samplers));
+        section("Integrands", &mut integrands.iter().flatten().map(of_integrands));
+        let (samplers, integrands) = (square_samplers.iter(), square_integrands.iter());
+        section(
+            "Samplers of the unit square, with --square",
+            &mut samplers.flatten().map(of_samplers),
+        );
+        section(
+            "Integrands on the unit square, with --square",
+            &mut integrands.flatten().map(of_integrands),
+        );
         page.heading("File formats");
         formats.iter().flatten().for_each(|entry| page.line(entry.0.name, &entry.line()));
-        page.paragraph("sphvar list samplers|integrands|formats [NAME...] shows the details.");
+        page.paragraph(
+            "sphvar list samplers|integrands|formats [NAME...] [--square] shows the details.",
+        );
     } else {
         samplers.iter().flatten().for_each(|entry| entry.show(&mut page));
         integrands.iter().flatten().for_each(|entry| entry.show(&mut page));
+        square_samplers.iter().flatten().for_each(|entry| entry.show(&mut page));
+        square_integrands.iter().flatten().for_each(|entry| entry.show(&mut page));
         formats.iter().flatten().for_each(|entry| entry.show(&mut page));
     }
     print(page.text())

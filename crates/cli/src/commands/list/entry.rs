@@ -3,8 +3,11 @@
 use schemars::JsonSchema;
 use serde::Serialize;
 use sphvar_grammar::{DefaultValue, Parameter, ParameterKind, Value};
-use sphvar_integrands::Term;
-use sphvar_samplers::{CostOrder, Domain, Pattern, Rate, SetDistribution};
+use sphvar_integrands::{SquareTerm, Term};
+use sphvar_samplers::{
+    CostOrder, Domain, Pattern, PatternFacts, Rate, SetDistribution, SquareDistribution,
+    SquarePattern,
+};
 
 use super::page::{Page, UNBREAKABLE};
 use crate::files::FileFormat;
@@ -22,7 +25,7 @@ pub(crate) struct SamplerEntry {
     counts: Counts,
     /// The growth of the time for a set with its number of points N.
     cost: CostEntry,
-    /// The power as the degree goes to 0.
+    /// The power as the degree or, on the square, the frequency goes to 0.
     low_degrees: &'static str,
     /// The rate of the variance in N for smooth integrands.
     smooth_rate: RateEntry,
@@ -32,7 +35,7 @@ pub(crate) struct SamplerEntry {
     rates: String,
     /// The known properties of the distribution.
     distribution: &'static str,
-    /// Whether all sets are the same up to rotations.
+    /// Whether all sets are the same up to rotations or shifts.
     deterministic: bool,
     /// Whether the first points of a larger set are a set.
     extensible: bool,
@@ -46,9 +49,14 @@ pub(crate) struct SamplerEntry {
 #[derive(Debug, Serialize, JsonSchema)]
 struct Counts {
     /// On the sphere.
-    sphere: String,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    sphere: Option<String>,
     /// On the hemisphere.
-    hemisphere: String,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    hemisphere: Option<String>,
+    /// On the unit square.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    square: Option<String>,
 }
 
 /// The order of the time for a set: N^exponent (log N)^logarithm, times a factor.
@@ -131,8 +139,6 @@ pub(crate) struct FormatEntry(pub(super) FileFormat);
 
 impl SamplerEntry {
     pub(super) fn new(pattern: &Pattern, counts: &[usize], domain: Domain) -> Self {
-        let facts = pattern.facts();
-        let CostOrder { exponent, logarithm, factor, .. } = facts.cost;
         let last = |&n: &usize| {
             let n = pattern.nearest_count(n, domain);
             Some(LastEmptyDegree { n, l: pattern.last_empty_degree(n, domain)? })
@@ -142,33 +148,83 @@ impl SamplerEntry {
         if last_empty_degrees.iter().all(|last| last.l == 0) {
             last_empty_degrees.clear();
         }
+        let counts = |domain| Some(pattern.valid_counts(domain).to_string());
+        let counts = Counts {
+            sphere: counts(Domain::Sphere),
+            hemisphere: counts(Domain::Hemisphere),
+            square: None,
+        };
         Self {
-            name: pattern.name(),
-            summary: pattern.summary(),
-            parameters: pattern.parameters().into_iter().map(ParameterEntry::new).collect(),
-            counts: Counts {
-                sphere: pattern.valid_counts(Domain::Sphere).to_string(),
-                hemisphere: pattern.valid_counts(Domain::Hemisphere).to_string(),
-            },
+            deterministic: pattern.is_deterministic(),
+            last_empty_degrees,
+            ..Self::with(
+                (pattern.name(), pattern.summary()),
+                pattern.parameters(),
+                &pattern.facts(),
+                counts,
+                distribution(pattern),
+            )
+        }
+    }
+
+    pub(super) fn of_square(pattern: &SquarePattern) -> Self {
+        let counts = Counts {
+            sphere: None,
+            hemisphere: None,
+            square: Some(pattern.valid_counts().to_string()),
+        };
+        let (distribution, deterministic) = square_distribution(pattern);
+        Self {
+            deterministic,
+            ..Self::with(
+                (pattern.name(), pattern.summary()),
+                pattern.parameters(),
+                &pattern.facts(),
+                counts,
+                distribution,
+            )
+        }
+    }
+
+    /// Returns the entry of a random pattern that may have power at every degree.
+    fn with(
+        (name, summary): (&'static str, &'static str),
+        parameters: Vec<Parameter>,
+        facts: &PatternFacts,
+        counts: Counts,
+        distribution: &'static str,
+    ) -> Self {
+        let CostOrder { exponent, logarithm, factor, .. } = facts.cost;
+        Self {
+            name,
+            summary,
+            parameters: parameters.into_iter().map(ParameterEntry::new).collect(),
+            counts,
             cost: CostEntry { text: facts.cost.to_string(), exponent, logarithm, factor },
             low_degrees: facts.low_degrees,
             smooth_rate: RateEntry::new(facts.smooth_rate),
             jump_rate: RateEntry::new(facts.jump_rate),
             rates: facts.rates(),
-            distribution: distribution(pattern),
-            deterministic: pattern.is_deterministic(),
+            distribution,
+            deterministic: false,
             extensible: facts.is_extensible,
-            last_empty_degrees,
+            last_empty_degrees: Vec::new(),
             source: facts.source,
         }
     }
 
     pub(super) fn show(&self, page: &mut Page) {
-        let Counts { sphere, hemisphere } = &self.counts;
-        let counts = if sphere == hemisphere {
-            sphere.clone()
-        } else {
-            format!("{sphere}; on the hemisphere {hemisphere}")
+        let counts = match &self.counts {
+            Counts { sphere: Some(sphere), hemisphere: Some(hemisphere), .. }
+                if sphere != hemisphere =>
+            {
+                format!("{sphere}; on the hemisphere {hemisphere}")
+            }
+            Counts { sphere, square, .. } => sphere.iter().chain(square).cloned().collect(),
+        };
+        let power = match self.counts.square {
+            None => "P(l) as l -> 0",
+            Some(_) => "P(k) as k -> 0",
         };
         let extensible = if self.extensible { "; the first points of a set are a set" } else { "" };
         let last = |last: &LastEmptyDegree| format!("{} for N = {}", last.l, last.n);
@@ -177,7 +233,7 @@ impl SamplerEntry {
         self.parameters.iter().for_each(|parameter| parameter.show(page));
         page.detail("N", &counts);
         page.detail("cost", &self.cost.text);
-        page.detail("P(l) as l -> 0", self.low_degrees);
+        page.detail(power, self.low_degrees);
         page.detail("last empty degree", &last.join(", "));
         page.detail("variance", &self.rates);
         page.detail("sets", &format!("{}{extensible}", self.distribution));
@@ -198,6 +254,24 @@ fn distribution(pattern: &Pattern) -> &'static str {
         SetDistribution::Fixed => "always the same, up to rotation",
         _ => "random",
     }
+}
+
+/// Returns the known properties of a pattern of the square in words, and whether all its sets are the
+/// same up to shifts.
+fn square_distribution(pattern: &SquarePattern) -> (&'static str, bool) {
+    if let SquarePattern::PointFile(_) = pattern {
+        return ("one of the sets in the file, drawn uniformly", false);
+    }
+    let Ok(sampler) = pattern.build(pattern.nearest_count(12)) else { return ("random", false) };
+    let words = match sampler.distribution() {
+        SquareDistribution::Independent => "independent uniform points",
+        SquareDistribution::Jittered { .. } => "one uniform point in each cell of a grid",
+        SquareDistribution::Fixed | SquareDistribution::Lattice(_) => {
+            "always the same, up to a shift"
+        }
+        _ => "random",
+    };
+    (words, !sampler.is_random())
 }
 
 impl RateEntry {
@@ -268,6 +342,17 @@ impl IntegrandEntry {
             parameters: term.parameters().into_iter().map(ParameterEntry::new).collect(),
         };
         Term::all().iter().map(entry).collect()
+    }
+
+    /// Returns the integrands on the unit square.
+    pub(super) fn all_of_square() -> Vec<Self> {
+        let entry = |term: &SquareTerm| Self {
+            name: term.name(),
+            summary: term.summary(),
+            example: term.to_string(),
+            parameters: term.parameters().into_iter().map(ParameterEntry::new).collect(),
+        };
+        SquareTerm::all().iter().map(entry).collect()
     }
 
     pub(super) fn show(&self, page: &mut Page) {
