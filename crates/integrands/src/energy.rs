@@ -171,7 +171,9 @@ impl Energy {
     pub fn domain(&self) -> Domain {
         self.bands
     }
+}
 
+impl<B: Bands> Energy<B> {
     /// Returns the variance below which a prediction is rounding only: power and energies are
     /// squares of sums whose terms have the size of the integrand minus its mean.
     #[must_use]
@@ -180,7 +182,7 @@ impl Energy {
     }
 
     /// Checks that the root mean square of the function is 0 or within
-    /// [`MAGNITUDES`](Self::MAGNITUDES).
+    /// [`MAGNITUDES`](Energy::MAGNITUDES).
     ///
     /// A total whose terms all underflow is 0, so functions of given values or coefficients are
     /// checked before these are squared.

@@ -47,6 +47,9 @@ pub trait Bands: Clone + Debug + PartialEq + Send + Sync {
     /// band 0 has no meaning.
     fn tail_class(&self, band: usize) -> usize;
 
+    /// Returns the area of the space over which functions of the bands are integrated.
+    fn area(&self) -> f64;
+
     /// Returns `factor(N)`, inversely proportional to N: 4 pi/N on the sphere.
     fn factor(&self, n_points: usize) -> f64;
 
@@ -92,6 +95,10 @@ impl Bands for Domain {
 
     fn has_class(&self, class: usize) -> bool {
         self.has_degree(class)
+    }
+
+    fn area(&self) -> f64 {
+        Self::area(*self)
     }
 
     fn factor(&self, n_points: usize) -> f64 {

@@ -214,6 +214,10 @@ impl Bands for Frequencies {
         }
     }
 
+    fn area(&self) -> f64 {
+        1.0
+    }
+
     fn factor(&self, n_points: usize) -> f64 {
         1.0 / n_points as f64
     }

@@ -39,6 +39,10 @@ impl Bands for Circle {
         band % 2
     }
 
+    fn area(&self) -> f64 {
+        TAU
+    }
+
     fn factor(&self, n_points: usize) -> f64 {
         1.0 / n_points as f64
     }
