@@ -1,8 +1,9 @@
-use sphvar_samplers::{Pattern, Progress, SamplerFamily};
+use sphvar_samplers::{Domain, Pattern, Progress, SamplerFamily};
 
 use crate::required_points::ignore_unsupported_count;
+use crate::space::IntegrationSpace;
 use crate::{
-    Error, PredictedCurve, PredictedPoint, Predictor, RequiredPoints, required_points,
+    Error, PredictedCurve, PredictedPoint, PredictorOn, RequiredPoints, required_points,
     valid_between,
 };
 
@@ -42,9 +43,9 @@ pub enum Goal {
 /// # Ok::<(), sphvar_variance::Error>(())
 /// ```
 #[derive(Clone, Debug, PartialEq)]
-pub struct Candidate<F = Pattern> {
+pub struct Candidate<F = Pattern, S: IntegrationSpace = Domain> {
     /// The predictions at the numbers of points that were tried.
-    pub curve: PredictedCurve<F>,
+    pub curve: PredictedCurve<F, S>,
     /// The number of points needed, for [`Goal::Variance`].
     pub required: Option<RequiredPoints>,
     /// The number of points needed, or the valid count used for [`Goal::Points`]; `None` if out of
@@ -55,7 +56,7 @@ pub struct Candidate<F = Pattern> {
     pub variance: Option<(f64, f64)>,
 }
 
-impl<F: SamplerFamily + Clone> Candidate<F> {
+impl<F: SamplerFamily<S> + Clone, S: IntegrationSpace> Candidate<F, S> {
     /// Returns a pattern with its predictions for a goal. Work is ticked as in
     /// [`Predictor::predict`].
     ///
@@ -65,7 +66,7 @@ impl<F: SamplerFamily + Clone> Candidate<F> {
     pub fn new(
         family: F,
         goal: Goal,
-        predictor: &mut Predictor<'_>,
+        predictor: &mut PredictorOn<'_, S>,
         progress: &dyn Progress,
     ) -> Result<Self, Error> {
         Self::with_curve(PredictedCurve::new(family), goal, predictor, progress)
@@ -79,7 +80,7 @@ impl<F: SamplerFamily + Clone> Candidate<F> {
     pub fn ranked(
         families: impl IntoIterator<Item = F>,
         goal: Goal,
-        predictor: &mut Predictor<'_>,
+        predictor: &mut PredictorOn<'_, S>,
         progress: &dyn Progress,
     ) -> Result<Vec<Self>, Error> {
         let candidates = families.into_iter().map(|f| Self::new(f, goal, predictor, progress));
@@ -94,9 +95,9 @@ impl<F: SamplerFamily + Clone> Candidate<F> {
     ///
     /// Returns the errors of [`Self::new`].
     pub fn with_curve(
-        mut curve: PredictedCurve<F>,
+        mut curve: PredictedCurve<F, S>,
         goal: Goal,
-        predictor: &mut Predictor<'_>,
+        predictor: &mut PredictorOn<'_, S>,
         progress: &dyn Progress,
     ) -> Result<Self, Error> {
         let (required, n_points) = match goal {
@@ -120,7 +121,7 @@ impl<F: SamplerFamily + Clone> Candidate<F> {
     }
 }
 
-impl<F> Candidate<F> {
+impl<F, S: IntegrationSpace> Candidate<F, S> {
     /// Returns whether the variance is 0, to rounding.
     #[must_use]
     pub fn is_exact(&self) -> bool {
@@ -141,8 +142,8 @@ impl<F> Candidate<F> {
 
 /// Sorts candidates, best first: by [`Candidate::merit`], ties by variance, remaining ties in the
 /// given order.
-pub fn rank<F>(candidates: &mut [Candidate<F>], goal: Goal) {
-    let variance = |c: &Candidate<F>| c.variance.map_or(f64::INFINITY, |v| v.0);
+pub fn rank<F, S: IntegrationSpace>(candidates: &mut [Candidate<F, S>], goal: Goal) {
+    let variance = |c: &Candidate<F, S>| c.variance.map_or(f64::INFINITY, |v| v.0);
     candidates.sort_by(|a, b| {
         let order = a.merit(goal).total_cmp(&b.merit(goal));
         order.then(variance(a).total_cmp(&variance(b)))
@@ -151,27 +152,27 @@ pub fn rank<F>(candidates: &mut [Candidate<F>], goal: Goal) {
 
 /// Predicts the variance at the valid count nearest to `n`, and returns that count. For the rate,
 /// also predicts roughly, where affordable, at the valid counts nearest to n/2 and n/4.
-fn around<F: SamplerFamily + Clone>(
-    curve: &mut PredictedCurve<F>,
-    predictor: &mut Predictor<'_>,
+fn around<F: SamplerFamily<S> + Clone, S: IntegrationSpace>(
+    curve: &mut PredictedCurve<F, S>,
+    predictor: &mut PredictorOn<'_, S>,
     n: usize,
     progress: &dyn Progress,
 ) -> Result<usize, Error> {
     let family = curve.pattern().clone();
-    let domain = predictor.domain();
-    let valid = |n: usize| family.nearest_count(n, domain);
+    let space = predictor.space();
+    let valid = |n: usize| family.nearest_count(n, space);
     // A count above the budget is used only if the pattern has none below.
-    let fewer = valid_between(&family, domain, 0, n.saturating_add(1), n);
+    let fewer = valid_between(&family, space, 0, n.saturating_add(1), n);
     let at = fewer.unwrap_or_else(|| valid(n));
     curve.predict(predictor, at, progress)?;
     for n in [n / 4, n / 2].map(valid) {
         let rough = predictor.budget().rough();
         // A count that the pattern rejects is left out of the curve.
         if curve.at(n).is_none()
-            && let Ok(sampler) = family.build(n, domain)
-            && predictor.is_affordable_within(rough, &*sampler).unwrap_or(false)
+            && let Ok(sampler) = family.build(n, space)
+            && predictor.is_affordable_within(rough, S::sampler(&sampler)).unwrap_or(false)
         {
-            match predictor.predict_within(rough, &*sampler, progress) {
+            match predictor.predict_within(rough, S::sampler(&sampler), progress) {
                 Ok(point) => curve.insert(point),
                 Err(error) => ignore_unsupported_count(&error)?,
             }

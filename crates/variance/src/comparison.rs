@@ -1,12 +1,14 @@
+use sphvar_sh::{Bands, Domain};
+
 use crate::known_moments::KnownMoments;
 use crate::{BiasTest, Measurement, PredictedPoint, Prediction, RelativeError, VariancePoint};
 
 /// The variance predicted from a pattern's spectrum and the variance measured on independent
 /// realizations, as returned by [`Predictor::compare`](crate::Predictor::compare).
 #[derive(Clone, Debug)]
-pub struct Comparison {
+pub struct Comparison<B: Bands = Domain> {
     /// The spectrum and the variance predicted from it.
-    pub predicted: PredictedPoint,
+    pub predicted: PredictedPoint<B>,
     /// The estimates of the trials.
     pub measurement: Measurement,
     /// The exact integral, if it is known; of a vector, its norm.
@@ -18,7 +20,7 @@ pub struct Comparison {
     pub(crate) known: KnownMoments,
 }
 
-impl Comparison {
+impl<B: Bands> Comparison<B> {
     /// Returns the relative error of the measured variance, from the trials and the known moments
     /// of the integrand.
     #[must_use]

@@ -2,8 +2,9 @@ use std::ops::Range;
 
 use glam::DVec3;
 use rayon::prelude::{IndexedParallelIterator, ParallelIterator, ParallelSliceMut};
-use sphvar_samplers::{PointSet, Progress, Realizations, Sampler};
+use sphvar_samplers::{Domain, Ensemble, Point, PointSet, Progress, Realizations, Sampler};
 
+use crate::space::IntegrationSpace;
 use crate::{Error, Measurement};
 use sphvar_integrands::{Integrand, VectorIntegrand};
 
@@ -21,7 +22,8 @@ pub fn measure(
     trials: u64,
     progress: &dyn Progress,
 ) -> Result<Measurement, Error> {
-    Ok(Measurement::new(estimates(ensemble, integrand, 0..trials, progress)?))
+    let domain = ensemble.sampler().domain();
+    Ok(Measurement::new(estimates(domain, ensemble, integrand, 0..trials, progress)?))
 }
 
 /// Returns estimates of the integrals of all components of `integrand` from the same realizations:
@@ -95,7 +97,9 @@ impl<'a> SharedTrials<'a> {
         let known = self.known();
         if known < trials.end {
             let more = known..trials.end;
-            self.rows.extend(rows(self.ensemble, self.integrand, more, self.progress)?);
+            let eval = |dirs: &[DVec3], values: &mut [f64]| self.integrand.eval_into(dirs, values);
+            let area = self.ensemble.sampler().domain().area();
+            self.rows.extend(rows(area, self.ensemble, (width, &eval), more, self.progress)?);
         }
         let all = self.rows.chunks_exact(width).map(|row| row[component]);
         let [start, end] =
@@ -108,7 +112,12 @@ impl<'a> SharedTrials<'a> {
 /// points.
 #[must_use]
 pub fn trial_work(sampler: &dyn Sampler) -> f64 {
-    sampler.nominal_work() + evaluation_work(sampler.n_points())
+    trial_work_of::<Domain>(sampler)
+}
+
+/// Returns [`trial_work`] for a sampler of any space.
+pub(crate) fn trial_work_of<S: IntegrationSpace>(sampler: S::SamplerRef<'_>) -> f64 {
+    S::nominal_work(sampler) + evaluation_work(S::n_points(sampler))
 }
 
 /// Returns the nominal work of evaluating an integrand, 40 ns per value.
@@ -118,13 +127,15 @@ pub(crate) fn evaluation_work(n_points: usize) -> f64 {
 
 /// Returns the estimates of the given trials, in their order, so that results do not depend on
 /// threads.
-pub(crate) fn estimates(
-    ensemble: &Realizations<'_>,
-    integrand: &dyn Integrand,
+pub(crate) fn estimates<S: IntegrationSpace>(
+    space: S,
+    ensemble: &dyn Ensemble<S::Point>,
+    integrand: S::Integrand<'_>,
     trials: Range<u64>,
     progress: &dyn Progress,
 ) -> Result<Vec<f64>, Error> {
-    rows(ensemble, &Single(integrand), trials, progress)
+    let eval = |points: &[S::Point], values: &mut [f64]| S::eval_into(integrand, points, values);
+    rows(space.area(), ensemble, (1, &eval), trials, progress)
 }
 
 /// An integrand as a vector of one component.
@@ -146,8 +157,8 @@ impl VectorIntegrand for Single<'_> {
 
 /// The buffers of one thread.
 #[derive(Default)]
-struct Buffers {
-    set: PointSet,
+struct Buffers<P> {
+    set: PointSet<P>,
     values: Vec<f64>,
     of_component: Vec<f64>,
 }
@@ -155,21 +166,24 @@ struct Buffers {
 /// The number of trials between which memory is allocated.
 const BLOCK: usize = 1 << 16;
 
-/// Returns the estimates of all components, trial by trial.
-fn rows(
-    ensemble: &Realizations<'_>,
-    integrand: &dyn VectorIntegrand,
+/// Writes the values of all components at points, point by point.
+type Eval<'a, P> = dyn Fn(&[P], &mut [f64]) -> Result<(), sphvar_integrands::Error> + Sync + 'a;
+
+/// Returns the estimates of all components, trial by trial, over a space of an area. `eval` has the
+/// number of components.
+fn rows<P: Point>(
+    area: f64,
+    ensemble: &dyn Ensemble<P>,
+    (width, eval): (usize, &Eval<'_, P>),
     trials: Range<u64>,
     progress: &dyn Progress,
 ) -> Result<Vec<f64>, Error> {
-    let area = ensemble.sampler().domain().area();
-    let width = integrand.components();
-    let trial = |buffers: &mut Buffers, (index, row): (u64, &mut [f64])| -> Result<(), Error> {
+    let trial = |buffers: &mut Buffers<P>, (index, row): (u64, &mut [f64])| -> Result<(), Error> {
         let Buffers { set, values, of_component } = buffers;
         ensemble.realize_into(index, set, progress).map_err(sphvar_spectrum::Error::from)?;
         values.clear();
         values.resize(set.len() * width, 0.0);
-        integrand.eval_into(&set.points, values)?;
+        eval(&set.points, values)?;
         progress.tick(evaluation_work(set.len()))?;
         for (c, estimate) in row.iter_mut().enumerate() {
             of_component.clear();

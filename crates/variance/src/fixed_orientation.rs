@@ -2,12 +2,12 @@ mod linear_form;
 mod within_strata;
 
 use sphvar_samplers::{
-    PointSet, Progress, Purpose, Realizations, Sampler, SetDistribution, Share, Streams,
+    Domain, PointSet, Progress, Purpose, Realizations, Sampler, SetDistribution, Share, Streams,
 };
 use sphvar_spectrum::{StrataQuadrature, accumulate};
 
 use self::linear_form::{LinearForm, LinearFormAccumulator};
-use crate::prediction_budget::realization_work;
+use crate::predictor::realization_work;
 use crate::{Error, Measurement, PredictedPoint, Predictor, RelativeError, measure, trial_work};
 
 /// The errors of integrating one function with a sampler that is not rotated.
@@ -291,8 +291,8 @@ impl Predictor<'_> {
     ) -> Result<LinearForm, Error> {
         let streams = Streams::new(self.seed(), Purpose::Pattern, sampler.stream_group());
         let sets = Realizations::unrotated(sampler, streams);
-        let count = self.max_realizations(self.budget(), sampler, lmax);
-        progress.expect(count as f64 * realization_work(sampler, lmax));
+        let count = self.max_realizations(self.budget(), sampler, &lmax);
+        progress.expect(count as f64 * realization_work::<Domain>(sampler, &lmax));
         let coefficients = self.integrand().coefficients(self.domain(), lmax)?.to_alm()?;
         let empty = LinearFormAccumulator::new(coefficients, self.domain());
         let resolution = self.resolution(lmax, sampler.n_points());

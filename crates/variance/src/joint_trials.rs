@@ -2,7 +2,7 @@ use std::ops::Range;
 use std::sync::{Mutex, PoisonError};
 
 use sphvar_integrands::VectorIntegrand;
-use sphvar_samplers::{Progress, Sampler, Stopped};
+use sphvar_samplers::{Progress, Purpose, Sampler, Stopped};
 
 use crate::estimates::SharedTrials;
 use crate::predictor::predict_together;
@@ -136,7 +136,7 @@ impl<'a> JointTrials<'a> {
         progress: &dyn Progress,
     ) -> Result<Vec<Comparison>, Error> {
         let Some(first) = self.parts.first() else { return Ok(Vec::new()) };
-        let sets = first.predictor.trial_sets(sampler);
+        let sets = first.predictor.realizations(Purpose::Trial, sampler);
         let mut shared = SharedTrials::new(&sets, self.integrand.0, progress);
         let work = SharedWork { progress, expected: Mutex::default() };
         let progress = if self.parts.len() > 1 { &work } else { progress };

@@ -1,16 +1,17 @@
-use sphvar_samplers::{Domain, Pattern, Progress, Sampler, SamplerFamily};
+use sphvar_samplers::{Domain, Pattern, Progress, SamplerFamily};
 
-use crate::{Error, PredictedPoint, Predictor, RateFit, VariancePoint, fit_exact_rate};
+use crate::space::IntegrationSpace;
+use crate::{Error, PredictedPoint, PredictorOn, RateFit, VariancePoint, fit_exact_rate};
 
 /// The predicted variance of one pattern as a function of its number of points.
 #[derive(Clone, Debug, PartialEq)]
-pub struct PredictedCurve<F = Pattern> {
+pub struct PredictedCurve<F = Pattern, S: IntegrationSpace = Domain> {
     pattern: F,
     /// Sorted by number of points, which are distinct.
-    points: Vec<PredictedPoint>,
+    points: Vec<PredictedPoint<S::Bands>>,
 }
 
-impl<F: SamplerFamily> PredictedCurve<F> {
+impl<F: SamplerFamily<S>, S: IntegrationSpace> PredictedCurve<F, S> {
     /// Returns a curve without points.
     #[must_use]
     pub fn new(pattern: F) -> Self {
@@ -25,13 +26,13 @@ impl<F: SamplerFamily> PredictedCurve<F> {
 
     /// Returns the points, sorted by their distinct numbers of points.
     #[must_use]
-    pub fn points(&self) -> &[PredictedPoint] {
+    pub fn points(&self) -> &[PredictedPoint<S::Bands>] {
         &self.points
     }
 
     /// Returns the point at a number of points, if present.
     #[must_use]
-    pub fn at(&self, n_points: usize) -> Option<&PredictedPoint> {
+    pub fn at(&self, n_points: usize) -> Option<&PredictedPoint<S::Bands>> {
         let found = self.points.binary_search_by_key(&n_points, PredictedPoint::n_points);
         found.ok().map(|i| &self.points[i])
     }
@@ -45,16 +46,16 @@ impl<F: SamplerFamily> PredictedCurve<F> {
     /// that number of points.
     pub fn predict(
         &mut self,
-        predictor: &mut Predictor<'_>,
+        predictor: &mut PredictorOn<'_, S>,
         n_points: usize,
         progress: &dyn Progress,
-    ) -> Result<&PredictedPoint, Error> {
+    ) -> Result<&PredictedPoint<S::Bands>, Error> {
         let found = self.points.binary_search_by_key(&n_points, PredictedPoint::n_points);
         let at = match found {
             Ok(at) => at,
             Err(at) => {
-                let sampler = self.build(n_points, predictor.domain())?;
-                let point = predictor.predict(&*sampler, progress)?;
+                let sampler = self.build(n_points, predictor.space())?;
+                let point = predictor.predict(S::sampler(&sampler), progress)?;
                 self.points.insert(at, point);
                 at
             }
@@ -64,9 +65,9 @@ impl<F: SamplerFamily> PredictedCurve<F> {
 
     /// Returns the pattern's sampler of `n_points` points. A family that builds another number of
     /// points causes an error.
-    pub(crate) fn build(&self, n_points: usize, domain: Domain) -> Result<Box<dyn Sampler>, Error> {
-        let sampler = self.pattern.build(n_points, domain)?;
-        let got = sampler.n_points();
+    pub(crate) fn build(&self, n_points: usize, space: S) -> Result<Box<S::Sampler>, Error> {
+        let sampler = self.pattern.build(n_points, space)?;
+        let got = S::n_points(S::sampler(&sampler));
         if got != n_points {
             let reason = format!("{} was built with {got} points, not {n_points}", self.pattern);
             return Err(sphvar_samplers::Error::Given { reason }.into());
@@ -75,7 +76,7 @@ impl<F: SamplerFamily> PredictedCurve<F> {
     }
 
     /// Inserts a point that was predicted before, replacing any at its number of points.
-    pub fn insert(&mut self, point: PredictedPoint) {
+    pub fn insert(&mut self, point: PredictedPoint<S::Bands>) {
         match self.points.binary_search_by_key(&point.n_points(), PredictedPoint::n_points) {
             Ok(at) => self.points[at] = point,
             Err(at) => self.points.insert(at, point),

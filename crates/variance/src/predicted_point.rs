@@ -1,3 +1,4 @@
+use sphvar_sh::{Bands, Domain};
 use sphvar_spectrum::Spectrum;
 
 use crate::{Prediction, VariancePoint};
@@ -6,14 +7,14 @@ use sphvar_integrands::Energy;
 /// The predicted variance of a pattern at one number of points, with the spectrum that it follows
 /// from.
 #[derive(Clone, Debug, PartialEq)]
-pub struct PredictedPoint {
+pub struct PredictedPoint<B: Bands = Domain> {
     /// The mean spectrum of the pattern.
-    pub spectrum: Spectrum,
+    pub spectrum: Spectrum<B>,
     /// The variance predicted from it.
     pub prediction: Prediction,
 }
 
-impl PredictedPoint {
+impl<B: Bands> PredictedPoint<B> {
     /// Returns the number of points N.
     #[must_use]
     pub fn n_points(&self) -> usize {
@@ -29,7 +30,7 @@ impl PredictedPoint {
     /// Returns the pattern's mean power over the degrees 1 to `last`, weighted by the integrand's
     /// energy; it is 1 for white noise and NaN where the integrand has no energy.
     #[must_use]
-    pub fn power_to(&self, energy: &Energy, last: usize) -> f64 {
+    pub fn power_to(&self, energy: &Energy<B>, last: usize) -> f64 {
         let terms = energy.per_band().iter().zip(self.spectrum.power()).take(last + 1).skip(1);
         let (seen, all) = terms.fold((0.0, 0.0), |(s, a), (e, p)| (s + e * p, a + e));
         seen / all

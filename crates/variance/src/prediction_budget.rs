@@ -1,7 +1,8 @@
-use sphvar_samplers::Sampler;
+use sphvar_samplers::{Domain, Sampler};
 use sphvar_spectrum::{Method, Resolution};
 
 use crate::Error;
+use crate::predictor::realization_work;
 
 /// The precision of predictions and the work allowed for each.
 ///
@@ -48,13 +49,18 @@ impl PredictionBudget {
     /// Returns the maximum number of realizations from which a spectrum to degree `lmax` is
     /// estimated: the number that the work allows, between 4 and 16384.
     #[must_use]
+    pub fn realizations(&self, sampler: &dyn Sampler, lmax: usize) -> u64 {
+        self.realizations_of(realization_work::<Domain>(sampler, &lmax))
+    }
+
+    /// Returns the maximum number of realizations of a nominal work.
     #[expect(
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,
         reason = "a positive number, and the cast saturates"
     )]
-    pub fn realizations(&self, sampler: &dyn Sampler, lmax: usize) -> u64 {
-        let affordable = (self.work / realization_work(sampler, lmax)) as u64;
+    pub(crate) fn realizations_of(&self, work: f64) -> u64 {
+        let affordable = (self.work / work) as u64;
         affordable.clamp(Self::MIN_REALIZATIONS, Self::MAX_REALIZATIONS)
     }
 
@@ -94,14 +100,9 @@ impl SpectrumOptions {
     }
 }
 
-/// Returns the nominal work of generating one set and transforming it to degree `lmax`.
-pub(crate) fn realization_work(sampler: &dyn Sampler, lmax: usize) -> f64 {
-    sampler.nominal_work().max(0.0) + transform_work(sampler.n_points(), lmax)
-}
-
 /// Returns the nominal work of a transform: one unit per point, half a unit per pair of degree and
 /// order, and a constant overhead.
-fn transform_work(n_points: usize, lmax: usize) -> f64 {
+pub(crate) fn transform_work(n_points: usize, lmax: usize) -> f64 {
     n_points as f64 + 0.5 * (lmax as f64 + 1.0).powi(2) + 300.0
 }
 

@@ -1,31 +1,27 @@
+mod sphere;
 mod together;
 mod white_noise;
 
 use std::cell::OnceCell;
 use std::collections::BTreeMap;
+use std::collections::btree_map::Entry;
 
-use sphvar_samplers::{Domain, Progress, Purpose, Realizations, Sampler, SetDistribution, Streams};
-use sphvar_sh::{ByParity, MAX_DEGREE};
-use sphvar_spectrum::{Resolution, Spectrum, SpectrumAccumulator, accumulate};
+use sphvar_samplers::{Domain, Ensemble, Progress, Purpose, Streams};
+use sphvar_sh::{Bands, TailClasses};
+use sphvar_spectrum::Spectrum;
 
-use crate::energy_levels::{degrees_of, level};
-use crate::prediction_budget::realization_work;
 use crate::route::Route;
-use crate::{
-    Error, PredictedPoint, Prediction, PredictionBudget, SpectrumOptions, prediction_degree,
-};
-use sphvar_integrands::{Energy, EnergyErrors, Integrand};
+use crate::space::IntegrationSpace;
+use crate::{Error, PredictedPoint, Prediction, PredictionBudget, SpectrumOptions};
+use sphvar_integrands::{Energy, EnergyErrors};
 
-pub(crate) use self::together::predict as predict_together;
+pub(crate) use self::sphere::negligible;
+pub(crate) use self::together::{Sums, predict as predict_together};
 pub(crate) use self::white_noise::ROUNDING;
 
-/// The effective number of degrees, divided by sqrt(N), from which a pattern's mean power is known.
-const MIN_BREADTH: f64 = 1.2;
-/// The minimum effective number of degrees for few points.
-const MIN_EFFECTIVE: f64 = 8.0;
-/// The share of a lattice's variance that may lie beyond its spectrum, where only the mean power is
-/// known, relative to the square of the budget's precision: 1 % for a precision of 2 %.
-const NEGLIGIBLE: f64 = 25.0;
+/// Predicts the variance of integrating one function over the sphere or the hemisphere with any
+/// sampler.
+pub type Predictor<'a> = PredictorOn<'a, Domain>;
 
 /// Predicts the variance of integrating one function with any sampler. All predictions are made by
 /// this type.
@@ -34,24 +30,23 @@ const NEGLIGIBLE: f64 = 25.0;
 /// requires them; white noise requires none. A prediction depends only on the seed, the sampler,
 /// the [`PredictionBudget`] and the [`SpectrumOptions`], not on earlier predictions or on the
 /// command.
-pub struct Predictor<'a> {
-    integrand: &'a dyn Integrand,
-    domain: Domain,
+pub struct PredictorOn<'a, S: IntegrationSpace> {
+    integrand: S::Integrand<'a>,
+    space: S,
     seed: u64,
     budget: PredictionBudget,
     options: SpectrumOptions,
     /// The energy of degree 0 and the total.
-    outline: Energy,
-    /// By level, see [`degrees_of`].
-    energies: BTreeMap<usize, Energy>,
+    outline: Energy<S::Bands>,
+    energies: BTreeMap<S::Level, Energy<S::Bands>>,
     kurtosis: OnceCell<Option<f64>>,
     on_energies: &'a dyn Fn(usize),
 }
 
-impl std::fmt::Debug for Predictor<'_> {
+impl<S: IntegrationSpace> std::fmt::Debug for PredictorOn<'_, S> {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.debug_struct("Predictor")
-            .field("domain", &self.domain)
+            .field("space", &self.space)
             .field("seed", &self.seed)
             .field("budget", &self.budget)
             .field("options", &self.options)
@@ -59,28 +54,20 @@ impl std::fmt::Debug for Predictor<'_> {
     }
 }
 
-impl<'a> Predictor<'a> {
-    /// Returns a predictor for an integrand on a domain; all realizations use the seed.
-    ///
-    /// # Errors
-    ///
-    /// Returns [`Error::Integrand`] if the integrand's energies are unknown, and
-    /// [`Error::Parameter`] for a precision that is not positive.
-    pub fn new(
-        integrand: &'a dyn Integrand,
-        domain: Domain,
+impl<'a, S: IntegrationSpace> PredictorOn<'a, S> {
+    pub(crate) fn in_space(
+        integrand: S::Integrand<'a>,
+        space: S,
         seed: u64,
         budget: PredictionBudget,
     ) -> Result<Self, Error> {
-        let outline = integrand.energy(domain, 0)?;
-        outline.check_magnitude()?;
         Ok(Self {
             integrand,
-            domain,
+            space,
             seed,
             budget: budget.checked()?,
             options: SpectrumOptions::default(),
-            outline,
+            outline: space.outline(integrand)?,
             energies: BTreeMap::new(),
             kurtosis: OnceCell::new(),
             on_energies: &|_| (),
@@ -100,7 +87,11 @@ impl<'a> Predictor<'a> {
         Self { on_energies, ..self }
     }
 
-    pub(crate) fn integrand(&self) -> &'a dyn Integrand {
+    pub(crate) fn options(&self) -> &SpectrumOptions {
+        &self.options
+    }
+
+    pub(crate) fn integrand(&self) -> S::Integrand<'a> {
         self.integrand
     }
 
@@ -108,15 +99,15 @@ impl<'a> Predictor<'a> {
         self.seed
     }
 
-    /// Returns [`Integrand::kurtosis`], computed once.
+    /// Returns the kurtosis of the integrand's values, computed once.
     pub(crate) fn kurtosis(&self) -> Option<f64> {
-        *self.kurtosis.get_or_init(|| self.integrand.kurtosis(self.domain))
+        *self.kurtosis.get_or_init(|| self.space.kurtosis(self.integrand))
     }
 
-    /// Returns the domain of the integral.
+    /// Returns the space of the integral.
     #[must_use]
-    pub fn domain(&self) -> Domain {
-        self.domain
+    pub fn space(&self) -> S {
+        self.space
     }
 
     /// Returns the precision and the work of the predictions.
@@ -127,7 +118,7 @@ impl<'a> Predictor<'a> {
 
     /// Returns the integrand's energies to the highest degree needed so far, initially 0.
     #[must_use]
-    pub fn energy(&self) -> &Energy {
+    pub fn energy(&self) -> &Energy<S::Bands> {
         self.energies.last_key_value().map_or(&self.outline, |(_, energy)| energy)
     }
 
@@ -136,44 +127,6 @@ impl<'a> Predictor<'a> {
     #[must_use]
     pub fn rounding(&self) -> f64 {
         self.outline.prediction_rounding()
-    }
-
-    /// Returns white noise's variance from the degrees beyond `degree`, by parity, or 0 if the
-    /// energy there may be concentrated in few degrees.
-    ///
-    /// The power of a pattern at a single degree is unknown, since any pattern may have a gap
-    /// there. The energy beyond `degree`, in at least `max(4 sqrt(N), 32)` degrees, therefore
-    /// counts only if the effective number of degrees, `(sum E)^2 / sum E^2`, is at least 1.2
-    /// sqrt(N) and 8: the gaps of crystalline patterns are about sqrt(N) wide. The energy of still
-    /// higher degrees does not count, since its distribution over degrees is unknown.
-    ///
-    /// # Errors
-    ///
-    /// Returns the errors of [`Integrand::energy`].
-    pub fn broad_variance(&mut self, degree: usize, n_points: usize) -> Result<ByParity, Error> {
-        let factor = self.domain.variance_factor(n_points);
-        let wide = MIN_BREADTH * self.domain.count_on_sphere(n_points).sqrt();
-        let energy = self.energy_to(degree + Resolution::natural_degree(n_points))?;
-        let total = energy.centred().sum();
-        let (mut sums, mut squares) = (ByParity::both(0.0), 0.0);
-        for (l, e) in energy.per_band().iter().enumerate().skip(degree + 1) {
-            *sums.of_mut(l) += e;
-            // Relative to the total, so that no square overflows or underflows.
-            squares += (e / total).powi(2);
-        }
-        let effective = (sums.sum() / total).powi(2) / squares;
-        let is_broad = effective >= wide.max(MIN_EFFECTIVE);
-        Ok(if is_broad { sums.map(|sum| factor * sum) } else { ByParity::both(0.0) })
-    }
-
-    /// Returns the fraction of white noise's variance that lies beyond a degree.
-    ///
-    /// # Errors
-    ///
-    /// Returns the errors of [`Integrand::energy`].
-    pub fn share_beyond(&mut self, degree: usize) -> Result<f64, Error> {
-        let all = self.outline.beyond(0);
-        Ok(self.energy_to(degree)?.beyond(degree) / all)
     }
 
     /// Returns the predicted variance for a uniformly rotated sampler. Ticks at most
@@ -192,9 +145,9 @@ impl<'a> Predictor<'a> {
     /// errors of [`Integrand::energy`].
     pub fn predict(
         &mut self,
-        sampler: &dyn Sampler,
+        sampler: S::SamplerRef<'_>,
         progress: &dyn Progress,
-    ) -> Result<PredictedPoint, Error> {
+    ) -> Result<PredictedPoint<S::Bands>, Error> {
         self.predict_within(self.budget, sampler, progress)
     }
 
@@ -206,48 +159,43 @@ impl<'a> Predictor<'a> {
     pub fn predict_within(
         &mut self,
         budget: PredictionBudget,
-        sampler: &dyn Sampler,
+        sampler: S::SamplerRef<'_>,
         progress: &dyn Progress,
-    ) -> Result<PredictedPoint, Error> {
+    ) -> Result<PredictedPoint<S::Bands>, Error> {
         // One predictor has one point.
         Ok(predict_together(&mut [self], budget, sampler, progress)?.remove(0))
     }
 
-    /// Returns the spectrum to `lmax` of the same sets from which `point` was predicted.
+    /// Returns the spectrum to another extent, on the sphere the largest degree, of the same sets
+    /// from which `point` was predicted.
     ///
     /// # Errors
     ///
     /// Returns the errors of [`Self::predict`].
     pub fn spectrum_to(
         &self,
-        sampler: &dyn Sampler,
-        point: &PredictedPoint,
-        lmax: usize,
-    ) -> Result<Spectrum, Error> {
-        let n_points = sampler.n_points();
-        let empty = SpectrumAccumulator::new(self.domain, n_points, lmax);
-        let resolution = self.resolution(lmax, n_points);
-        let (sums, is_exact) = match Route::of(&self.options, self.budget, sampler, lmax) {
-            Route::Flat => {
-                return Ok(Spectrum::exact(
-                    self.domain,
-                    n_points,
-                    vec![1.0; lmax.min(MAX_DEGREE) + 1],
-                ));
-            }
-            Route::Exact(exact) => return Ok(exact.to(lmax, &())?),
-            Route::All(sets) => {
-                let all = 0..sets.len() as u64;
-                (accumulate(&sets, resolution, all, &empty, &())?, true)
-            }
-            Route::Sampled => {
-                let count = 0..point.spectrum.realizations().max(1);
-                let sets = self.realizations(sampler);
-                (accumulate(&sets, resolution, count, &empty, &())?, !sampler.is_random())
-            }
+        sampler: S::SamplerRef<'_>,
+        point: &PredictedPoint<S::Bands>,
+        extent: &S::Extent,
+    ) -> Result<Spectrum<S::Bands>, Error> {
+        let size = (S::n_points(sampler), extent);
+        let sums = |sets: &dyn Ensemble<S::Point>, count: u64| {
+            let empty = (self.space.empty_spectrum(size.0, extent)?, Vec::new());
+            Ok::<_, Error>(
+                S::accumulate(sets, &self.options, size, 0..count, &empty, &())?.0.finish()?,
+            )
         };
-        let spectrum = sums.finish()?;
-        Ok(if is_exact { spectrum.into_exact() } else { spectrum })
+        match Route::of::<S>(&self.options, self.budget, sampler, extent) {
+            Route::Flat => self.space.flat_spectrum(size.0, extent),
+            Route::Exact(exact) => S::exact_spectrum(&exact, extent, &()),
+            Route::All(sets) => Ok(sums(&sets, sets.len() as u64)?.into_exact()),
+            Route::Sampled => {
+                let sets = self.realizations(Purpose::Pattern, sampler);
+                let spectrum = sums(&sets, point.spectrum.realizations().max(1))?;
+                let is_random = S::distribution(sampler).is_random();
+                Ok(if is_random { spectrum } else { spectrum.into_exact() })
+            }
+        }
     }
 
     /// Returns the maximum nominal work of a prediction.
@@ -255,19 +203,16 @@ impl<'a> Predictor<'a> {
     /// # Errors
     ///
     /// Returns the errors of [`Self::predict`] that occur without a realization.
-    pub fn work(&mut self, sampler: &dyn Sampler) -> Result<f64, Error> {
-        let lmax = self.degree(self.budget, sampler)?;
-        let each =
-            sampler.nominal_work() + self.options.method.nominal_work(sampler.n_points(), lmax);
-        Ok(match Route::of(&self.options, self.budget, sampler, lmax) {
+    pub fn work(&mut self, sampler: S::SamplerRef<'_>) -> Result<f64, Error> {
+        let extent = self.extent(self.budget, sampler)?;
+        let transform = S::ticked_work(&self.options, S::n_points(sampler), &extent);
+        let each = S::nominal_work(sampler) + transform;
+        Ok(match Route::of::<S>(&self.options, self.budget, sampler, &extent) {
             Route::Flat => 0.0,
-            Route::Exact(exact) => exact.work(lmax),
-            Route::All(sets) => {
-                let method = self.options.method;
-                method.nominal_work(sampler.n_points(), lmax) * sets.len() as f64
-            }
-            Route::Sampled if sampler.is_random() => {
-                each * self.max_realizations(self.budget, sampler, lmax) as f64
+            Route::Exact(exact) => S::exact_work(&exact, &extent),
+            Route::All(sets) => transform * sets.len() as f64,
+            Route::Sampled if S::distribution(sampler).is_random() => {
+                each * self.max_realizations(self.budget, sampler, &extent) as f64
             }
             Route::Sampled => each,
         })
@@ -279,7 +224,7 @@ impl<'a> Predictor<'a> {
     /// # Errors
     ///
     /// Returns the errors of [`Self::predict`] that occur without a realization.
-    pub fn is_affordable(&mut self, sampler: &dyn Sampler) -> Result<bool, Error> {
+    pub fn is_affordable(&mut self, sampler: S::SamplerRef<'_>) -> Result<bool, Error> {
         self.is_affordable_within(self.budget, sampler)
     }
 
@@ -291,26 +236,27 @@ impl<'a> Predictor<'a> {
     pub fn is_affordable_within(
         &mut self,
         budget: PredictionBudget,
-        sampler: &dyn Sampler,
+        sampler: S::SamplerRef<'_>,
     ) -> Result<bool, Error> {
-        let lmax = self.degree(budget, sampler)?;
-        let sets = match Route::of(&self.options, budget, sampler, lmax) {
+        let extent = self.extent(budget, sampler)?;
+        let is_random = S::distribution(sampler).is_random();
+        let sets = match Route::of::<S>(&self.options, budget, sampler, &extent) {
             Route::Flat => return Ok(true),
             // Closed forms of strata take no longer than realizations.
-            Route::Exact(_) if sampler.is_random() => return Ok(true),
+            Route::Exact(_) if is_random => return Ok(true),
             Route::All(sets) => sets.len() as u64,
-            Route::Sampled if sampler.is_random() => PredictionBudget::MIN_REALIZATIONS,
+            Route::Sampled if is_random => PredictionBudget::MIN_REALIZATIONS,
             Route::Exact(_) | Route::Sampled => 1,
         };
-        Ok(sets as f64 * realization_work(sampler, lmax) <= budget.work)
+        Ok(sets as f64 * realization_work::<S>(sampler, &extent) <= budget.work)
     }
 
     /// Returns the prediction for power 1 in every degree, from the integrand's mean and mean
     /// square.
     fn flat_prediction(&self, n_points: usize) -> Prediction {
-        let of_sum = |errors: &EnergyErrors| errors.of_sum(&[], ByParity::both(1.0));
+        let of_sum = |errors: &EnergyErrors<_>| errors.of_sum(&[], TailClasses::all(1.0));
         let error = self.outline.errors().map_or(0.0, of_sum);
-        let energy_stderr = self.domain.variance_factor(n_points) * error;
+        let energy_stderr = self.outline.bands().factor(n_points) * error;
         Prediction {
             variance: self.white_variance(n_points),
             stderr: energy_stderr,
@@ -324,107 +270,48 @@ impl<'a> Predictor<'a> {
     pub(crate) fn max_realizations(
         &self,
         budget: PredictionBudget,
-        sampler: &dyn Sampler,
-        lmax: usize,
+        sampler: S::SamplerRef<'_>,
+        extent: &S::Extent,
     ) -> u64 {
-        self.options.realizations.unwrap_or_else(|| budget.realizations(sampler, lmax))
+        let affordable = || budget.realizations_of(realization_work::<S>(sampler, extent));
+        self.options.realizations.unwrap_or_else(affordable)
     }
 
-    fn realizations<'s>(&self, sampler: &'s dyn Sampler) -> Realizations<'s> {
-        let streams = Streams::new(self.seed, Purpose::Pattern, sampler.stream_group());
-        Realizations::rotated(sampler, streams)
+    /// Returns the realizations of predictions or of trials.
+    pub(crate) fn realizations<'s>(
+        &self,
+        purpose: Purpose,
+        sampler: S::SamplerRef<'s>,
+    ) -> S::Realizations<'s> {
+        S::realizations(sampler, Streams::new(self.seed, purpose, S::stream_group(sampler)))
     }
 
-    pub(crate) fn resolution(&self, lmax: usize, n_points: usize) -> Resolution {
-        let SpectrumOptions { method, epsilon, .. } = self.options;
-        Resolution { lmax, n_points, method, epsilon }
+    /// Returns how far the spectrum of a sampler is computed.
+    fn extent(
+        &mut self,
+        budget: PredictionBudget,
+        sampler: S::SamplerRef<'_>,
+    ) -> Result<S::Extent, Error> {
+        self.space.check(sampler)?;
+        S::extent(self, budget, sampler)
     }
 
-    /// Returns the degree to which a spectrum is computed: [`prediction_degree`], or for a lattice
-    /// a lower one beyond which the integrand has negligible energy.
-    fn degree(&mut self, budget: PredictionBudget, sampler: &dyn Sampler) -> Result<usize, Error> {
-        if sampler.domain() != self.domain {
-            let (expected, got) = (self.domain, sampler.domain());
-            return Err(Error::OtherDomain { expected, got });
-        }
-        if sampler.n_points() == 0 {
-            let reason = "a sampler has no points".to_owned();
-            return Err(sphvar_samplers::Error::Given { reason }.into());
-        }
-        if let SetDistribution::OneOf(sets) = sampler.distribution()
-            && let Some(i) = sets.iter().position(|set| set.n_effective() <= 0.0)
-        {
-            let reason = format!("set {i} has weights whose sum is 0, which estimate no integral");
-            return Err(sphvar_samplers::Error::Given { reason }.into());
-        }
-        let negligible = (NEGLIGIBLE * budget.relative.powi(2)).min(0.1);
-        if let Some(lmax) = self.options.lmax {
-            return Ok(lmax);
-        }
-        let max = prediction_degree(sampler, self.integrand);
-        let natural = Resolution::natural_degree(sampler.n_points());
-        match sampler.distribution() {
-            // If there are few given sets, each may be a lattice.
-            SetDistribution::OneOf(sets)
-                if sets.len() as u64 > budget.realizations(sampler, max) =>
-            {
-                return Ok(max.min(natural));
+    /// Returns the energies to an extent or somewhat beyond.
+    pub(crate) fn energies_to(&mut self, extent: &S::Extent) -> Result<&Energy<S::Bands>, Error> {
+        let energy = match self.energies.entry(S::level(extent)) {
+            Entry::Occupied(known) => known.into_mut(),
+            Entry::Vacant(place) => {
+                place.insert(self.space.energy(self.integrand, extent, self.on_energies)?)
             }
-            SetDistribution::OneOf(_) | SetDistribution::Fixed => {}
-            _ => return Ok(max),
-        }
-        let min_lmax = natural.min(max);
-        let mut requested = min_lmax;
-        loop {
-            let energy = self.energy_to(requested)?;
-            // The mean power of a lattice is 1 from about 2 sqrt(N) on, so this approximates its
-            // variance.
-            let whole = energy.beyond(min_lmax / 2);
-            let mut beyond = energy.beyond(min_lmax);
-            for l in min_lmax..=max.min(energy.lmax()) {
-                if beyond <= negligible * whole {
-                    return Ok(l);
-                }
-                beyond -= energy.per_band().get(l + 1).copied().unwrap_or(0.0);
-            }
-            if energy.lmax() >= max.min(MAX_DEGREE) {
-                return Ok(max);
-            }
-            // Estimated energies end at some degree; spectra beyond it are of no use.
-            if energy.lmax() < requested {
-                return Ok(max.min(energy.lmax().max(min_lmax)));
-            }
-            // If the energy beyond a degree falls as its inverse square, which is fast, it is
-            // negligible here.
-            let factor = (beyond / (negligible * whole)).sqrt();
-            requested = ahead(energy.lmax(), factor).min(max);
-        }
-    }
-
-    /// Returns the energies to degree `lmax` or somewhat beyond.
-    ///
-    /// # Errors
-    ///
-    /// Returns the errors of [`Integrand::energy`].
-    pub fn energy_to(&mut self, lmax: usize) -> Result<&Energy, Error> {
-        // The steps are fixed because the rounding of an environment map's energies depends on
-        // lmax.
-        let level = level(lmax);
-        if !self.energies.contains_key(&level) {
-            let degrees = degrees_of(level);
-            (self.on_energies)(degrees);
-            self.energies.insert(level, self.integrand.energy(self.domain, degrees)?);
-        }
-        Ok(&self.energies[&level])
+        };
+        Ok(energy)
     }
 }
 
-/// Returns the degree `factor` times `lmax`, at least the next one.
-#[expect(
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "a degree, and the cast saturates"
-)]
-fn ahead(lmax: usize, factor: f64) -> usize {
-    ((lmax as f64 * factor) as usize).max(lmax + 1)
+/// Returns the nominal work of generating one set and transforming it.
+pub(crate) fn realization_work<S: IntegrationSpace>(
+    sampler: S::SamplerRef<'_>,
+    extent: &S::Extent,
+) -> f64 {
+    S::nominal_work(sampler).max(0.0) + S::transform_work(S::n_points(sampler), extent)
 }

@@ -1,10 +1,10 @@
 use std::collections::BTreeSet;
 
-use sphvar_samplers::{Domain, Progress, SamplerFamily, SetDistribution};
-use sphvar_spectrum::Resolution;
+use sphvar_samplers::{Progress, SamplerFamily};
 
 use crate::predictor::ROUNDING;
-use crate::{Error, PredictedCurve, PredictedPoint, Prediction, Predictor, RateFit};
+use crate::space::{Distribution, IntegrationSpace};
+use crate::{Error, PredictedCurve, PredictedPoint, Prediction, PredictorOn, RateFit};
 
 /// The number of points that a pattern needs for a variance.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -82,9 +82,9 @@ const RESOLUTION: f64 = 1.02;
 /// assert_eq!(needed.n_points(), Some(3334));
 /// # Ok::<(), sphvar_variance::Error>(())
 /// ```
-pub fn required_points<F: SamplerFamily + Clone>(
-    predictor: &mut Predictor<'_>,
-    curve: &mut PredictedCurve<F>,
+pub fn required_points<F: SamplerFamily<S> + Clone, S: IntegrationSpace>(
+    predictor: &mut PredictorOn<'_, S>,
+    curve: &mut PredictedCurve<F, S>,
     variance: f64,
     max_points: usize,
     progress: &dyn Progress,
@@ -103,19 +103,13 @@ pub fn required_points<F: SamplerFamily + Clone>(
     }
 }
 
-/// The minimum share of white noise's power that random patterns have beyond 4 sqrt(N), averaged
-/// over many degrees.
-const RANDOM_SHARE: f64 = 0.5;
-/// The same share for lattices, at even degrees: there are gaps between their peaks, and antipodal
-/// lattices have no power at odd degrees.
-const LATTICE_SHARE: f64 = 0.01;
 /// A rough prediction decides only if its variance differs from the requested one by more than this
 /// factor (where it is an estimate) and by more than this number of standard errors.
 const CLEAR: (f64, f64) = (1.5, 4.0);
 
-struct Search<'a, 'b, F> {
-    predictor: &'a mut Predictor<'b>,
-    curve: &'a mut PredictedCurve<F>,
+struct Search<'a, 'b, F, S: IntegrationSpace> {
+    predictor: &'a mut PredictorOn<'b, S>,
+    curve: &'a mut PredictedCurve<F, S>,
     variance: f64,
     progress: &'a dyn Progress,
     /// Counts whose prediction on the curve is rough.
@@ -132,13 +126,13 @@ struct Climb {
     is_cut_short: bool,
 }
 
-impl<F: SamplerFamily + Clone> Search<'_, '_, F> {
+impl<F: SamplerFamily<S> + Clone, S: IntegrationSpace> Search<'_, '_, F, S> {
     fn climb(&mut self, max_points: usize) -> Result<Climb, Error> {
-        let domain = self.predictor.domain();
+        let space = self.predictor.space();
         let pattern = self.curve.pattern().clone();
         let mut climb = Climb { too_few: None, enough: None, is_cut_short: false };
         let mut rejection = None;
-        let candidate_counts = candidate_counts(&pattern, domain, max_points);
+        let candidate_counts = candidate_counts(&pattern, space, max_points);
         // The lower bound falls with N: if it rules out the largest number, it rules out all.
         if let Some(&max) = candidate_counts.last()
             && self.is_ruled_out(&pattern, max)?
@@ -146,13 +140,14 @@ impl<F: SamplerFamily + Clone> Search<'_, '_, F> {
             return Ok(climb);
         }
         for n in candidate_counts {
-            let sampler = pattern.build(n, domain);
-            let is_random = sampler.as_ref().is_ok_and(|sampler| sampler.is_random());
+            let sampler = pattern.build(n, space);
+            let is_random = sampler.as_ref().is_ok_and(|sampler| is_random::<S>(sampler));
             if self.is_ruled_out(&pattern, n)? {
                 climb.too_few = Some(n);
                 continue;
             }
-            let is_affordable = sampler.map(|sampler| self.predictor.is_affordable(&*sampler));
+            let is_affordable =
+                sampler.map(|sampler| self.predictor.is_affordable(S::sampler(&sampler)));
             match is_affordable {
                 Ok(Ok(true)) => {}
                 Ok(Ok(false)) => {
@@ -194,17 +189,14 @@ impl<F: SamplerFamily + Clone> Search<'_, '_, F> {
     /// left out, since its predictions are nearly free.
     fn is_ruled_out(&mut self, pattern: &F, n_points: usize) -> Result<bool, Error> {
         let white = self.predictor.white_variance(n_points);
-        let sampler = pattern.build(n_points, self.predictor.domain());
-        let kind =
-            sampler.as_ref().map_or(SetDistribution::Fixed, |sampler| sampler.distribution());
-        if matches!(kind, SetDistribution::Independent) || white <= self.variance {
+        let sampler = pattern.build(n_points, self.predictor.space());
+        let kind = sampler
+            .as_ref()
+            .map_or(Distribution::Fixed, |sampler| S::distribution(S::sampler(sampler)));
+        if matches!(kind, Distribution::Independent) || white <= self.variance {
             return Ok(false);
         }
-        let is_random = kind.is_random();
-        let settled = Resolution::natural_degree(n_points);
-        let broad = self.predictor.broad_variance(settled, n_points)?;
-        let floor = if is_random { RANDOM_SHARE * broad.sum() } else { LATTICE_SHARE * broad.even };
-        Ok(floor > self.variance)
+        Ok(S::min_variance(self.predictor, n_points, kind.is_random())? > self.variance)
     }
 
     /// Returns the answer from a number that suffices and the largest one that does not.
@@ -225,9 +217,10 @@ impl<F: SamplerFamily + Clone> Search<'_, '_, F> {
 
     /// Returns the smallest number found to suffice between one that does not and one that does.
     fn refine(&mut self, mut too_few: usize, mut enough: usize) -> Result<usize, Error> {
-        let domain = self.predictor.domain();
+        let space = self.predictor.space();
         let pattern = self.curve.pattern().clone();
-        let is_lattice = pattern.build(enough, domain).is_ok_and(|sampler| !sampler.is_random());
+        let is_lattice =
+            pattern.build(enough, space).is_ok_and(|sampler| !is_random::<S>(&sampler));
         let mut halve = false;
         loop {
             // Lattices with neighbouring counts differ by more than this.
@@ -239,7 +232,7 @@ impl<F: SamplerFamily + Clone> Search<'_, '_, F> {
                 return Ok(enough);
             }
             let wanted = self.between(too_few, enough, halve);
-            let Some(n) = valid_between(&pattern, domain, too_few, enough, wanted) else {
+            let Some(n) = valid_between(&pattern, space, too_few, enough, wanted) else {
                 return Ok(enough);
             };
             let before = enough as f64 / too_few as f64;
@@ -280,8 +273,9 @@ impl<F: SamplerFamily + Clone> Search<'_, '_, F> {
     fn suffices(&mut self, n_points: usize) -> Result<bool, Error> {
         let budget = self.predictor.budget().rough();
         if self.curve.at(n_points).is_none() {
-            let sampler = self.curve.build(n_points, self.predictor.domain())?;
-            let point = self.predictor.predict_within(budget, &*sampler, self.progress)?;
+            let sampler = self.curve.build(n_points, self.predictor.space())?;
+            let point =
+                self.predictor.predict_within(budget, S::sampler(&sampler), self.progress)?;
             self.rough.insert(n_points);
             self.curve.insert(point);
         }
@@ -306,8 +300,8 @@ impl<F: SamplerFamily + Clone> Search<'_, '_, F> {
     /// Replaces a rough prediction by one with the full budget.
     fn predict_precisely(&mut self, n_points: usize) -> Result<(), Error> {
         if self.rough.remove(&n_points) {
-            let sampler = self.curve.build(n_points, self.predictor.domain())?;
-            let point = self.predictor.predict(&*sampler, self.progress)?;
+            let sampler = self.curve.build(n_points, self.predictor.space())?;
+            let point = self.predictor.predict(S::sampler(&sampler), self.progress)?;
             self.curve.insert(point);
         }
         Ok(())
@@ -333,7 +327,7 @@ impl<F: SamplerFamily + Clone> Search<'_, '_, F> {
                 last /= 2;
             }
             for n in [last, last / 2, last / 4] {
-                let n = pattern.nearest_count(n, self.predictor.domain());
+                let n = pattern.nearest_count(n, self.predictor.space());
                 if let Err(error) = self.suffices(n) {
                     ignore_unsupported_count(&error)?;
                 }
@@ -355,13 +349,13 @@ impl<F: SamplerFamily + Clone> Search<'_, '_, F> {
     }
 
     fn is_affordable(&mut self, n_points: usize) -> Result<bool, Error> {
-        let sampler = self.curve.build(n_points, self.predictor.domain())?;
-        self.predictor.is_affordable(&*sampler)
+        let sampler = self.curve.build(n_points, self.predictor.space())?;
+        self.predictor.is_affordable(S::sampler(&sampler))
     }
 
     /// Returns whether the valid count nearest to `n_points` can be predicted within the budget.
     fn is_affordable_next_to(&mut self, n_points: usize) -> bool {
-        let next = self.curve.pattern().nearest_count(n_points, self.predictor.domain());
+        let next = self.curve.pattern().nearest_count(n_points, self.predictor.space());
         self.is_affordable(next).unwrap_or(false)
     }
 
@@ -382,13 +376,17 @@ impl<F: SamplerFamily + Clone> Search<'_, '_, F> {
             reason = "positive and at most max_points"
         )]
         let n = if n <= max_points as f64 { n.ceil() as usize } else { usize::MAX };
-        let (pattern, domain) = (self.curve.pattern(), self.predictor.domain());
-        let above = valid_between(pattern, domain, n.saturating_sub(1), usize::MAX, n);
+        let (pattern, space) = (self.curve.pattern(), self.predictor.space());
+        let above = valid_between(pattern, space, n.saturating_sub(1), usize::MAX, n);
         match above.filter(|&n| n <= max_points) {
             Some(n_points) => RequiredPoints::Extrapolated { n_points, fit },
             None => RequiredPoints::OutOfReach,
         }
     }
+}
+
+fn is_random<S: IntegrationSpace>(sampler: &S::Sampler) -> bool {
+    S::distribution(S::sampler(sampler)).is_random()
 }
 
 /// Ignores errors for counts that the pattern does not support, and returns any other error.
@@ -405,12 +403,16 @@ pub(crate) fn ignore_unsupported_count(error: &Error) -> Result<(), Error> {
 
 /// Returns the valid counts nearest to 1, 2, 4, ..., and the largest valid count, none beyond
 /// `max_points`.
-fn candidate_counts(pattern: &dyn SamplerFamily, domain: Domain, max_points: usize) -> Vec<usize> {
+fn candidate_counts<S: IntegrationSpace>(
+    pattern: &dyn SamplerFamily<S>,
+    space: S,
+    max_points: usize,
+) -> Vec<usize> {
     let powers = (0..usize::BITS).map(|k| 1_usize << k).take_while(|&n| n < max_points);
     let mut candidate_counts: Vec<usize> =
-        powers.map(|n| pattern.nearest_count(n, domain)).collect();
+        powers.map(|n| pattern.nearest_count(n, space)).collect();
     let beyond = max_points.saturating_add(1);
-    candidate_counts.extend(valid_between(pattern, domain, 0, beyond, max_points));
+    candidate_counts.extend(valid_between(pattern, space, 0, beyond, max_points));
     candidate_counts.retain(|&n| n <= max_points);
     candidate_counts.dedup();
     candidate_counts
@@ -419,9 +421,9 @@ fn candidate_counts(pattern: &dyn SamplerFamily, domain: Domain, max_points: usi
 /// Returns the valid count of a pattern nearest to `wanted` among those above `low` and below
 /// `high`, or `None` if there is none.
 #[must_use]
-pub fn valid_between(
-    pattern: &dyn SamplerFamily,
-    domain: Domain,
+pub fn valid_between<S: IntegrationSpace>(
+    pattern: &dyn SamplerFamily<S>,
+    space: S,
     low: usize,
     high: usize,
     wanted: usize,
@@ -430,7 +432,7 @@ pub fn valid_between(
         return None;
     }
     // The valid count nearest to n never decreases as n grows.
-    let valid = |n: usize| pattern.nearest_count(n, domain);
+    let valid = |n: usize| pattern.nearest_count(n, space);
     let wanted = wanted.clamp(low + 1, high - 1);
     let (mut from, mut to) = (low + 1, high - 1);
     let near = valid(wanted);

@@ -1,45 +1,38 @@
-use sphvar_samplers::{PointSet, Sampler, SetDistribution};
-use sphvar_spectrum::ExactSpectrum;
+use sphvar_samplers::PointSet;
 
+use crate::predictor::realization_work;
+use crate::space::{Distribution, IntegrationSpace};
 use crate::{PredictionBudget, SpectrumOptions};
 
 /// The method by which a spectrum is computed.
-pub(crate) enum Route<'a> {
-    /// The power is 1 in every degree.
+pub(crate) enum Route<'a, P, E> {
+    /// The power is 1 in every band.
     Flat,
     /// In closed form or from the fixed points, without sampling.
-    Exact(ExactSpectrum<'a>),
+    Exact(E),
     /// From all the given sets.
-    All(&'a [PointSet]),
+    All(&'a [PointSet<P>]),
     /// From realizations.
     Sampled,
 }
 
-impl<'a> Route<'a> {
+impl<'a, P, E> Route<'a, P, E> {
     /// Chooses how the spectrum of a sampler is computed.
-    pub(crate) fn of(
+    pub(crate) fn of<S: IntegrationSpace<Point = P, Exact<'a> = E>>(
         options: &SpectrumOptions,
         budget: PredictionBudget,
-        sampler: &'a dyn Sampler,
-        lmax: usize,
+        sampler: S::SamplerRef<'a>,
+        extent: &S::Extent,
     ) -> Self {
         let is_left_open = options.realizations.is_none();
-        match sampler.distribution() {
-            SetDistribution::Independent if is_left_open => Self::Flat,
-            SetDistribution::OneOf(sets) if sets.len() > 1 => {
-                let max = budget.realizations(sampler, lmax);
+        match S::distribution(sampler) {
+            Distribution::Independent if is_left_open => Self::Flat,
+            Distribution::OneOf(sets) => {
+                let max = budget.realizations_of(realization_work::<S>(sampler, extent));
                 let are_few = is_left_open && sets.len() as u64 <= max;
                 if are_few { Self::All(sets) } else { Self::Sampled }
             }
-            kind => {
-                let is_chosen = if kind.is_random() {
-                    is_left_open && PredictionBudget::is_exact(sampler.n_points(), lmax)
-                } else {
-                    options.is_default_transform()
-                };
-                let exact = ExactSpectrum::of(sampler).filter(|_| is_chosen);
-                exact.map_or(Self::Sampled, Self::Exact)
-            }
+            _ => S::exact(options, sampler, extent).map_or(Self::Sampled, Self::Exact),
         }
     }
 }

@@ -63,7 +63,8 @@ pub fn measure_until(
     target: Precision,
     progress: &dyn Progress,
 ) -> Result<Measurement, Error> {
-    let mut source = |trials| estimates(ensemble, integrand, trials, progress);
+    let domain = ensemble.sampler().domain();
+    let mut source = |trials| estimates(domain, ensemble, integrand, trials, progress);
     until(&mut source, trial_work(ensemble.sampler()), start, target, progress)
 }
 

@@ -1,11 +1,13 @@
 use std::ops::Range;
 
-use sphvar_samplers::{Progress, Purpose, Realizations, Sampler, Streams};
+use sphvar_samplers::{Domain, Progress, Purpose, Sampler};
+use sphvar_sh::Bands;
 
-use crate::estimates::estimates;
+use crate::estimates::{estimates, trial_work_of};
 use crate::known_moments::KnownMoments;
+use crate::space::IntegrationSpace;
 use crate::stopping::until;
-use crate::{Comparison, Error, Measurement, Precision, PredictedPoint, Predictor, trial_work};
+use crate::{Comparison, Error, Measurement, Precision, PredictedPoint, PredictorOn};
 
 /// The number of trials from which a variance is measured, fixed or by a requested precision.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -40,19 +42,31 @@ impl Trials {
         clippy::cast_sign_loss,
         reason = "a positive number, and the cast saturates"
     )]
-    pub fn default_for(sampler: &dyn Sampler) -> Self {
-        let affordable = (Self::DEFAULT_WORK / trial_work(sampler)) as u64;
+    pub fn default_of<S: IntegrationSpace>(sampler: S::SamplerRef<'_>) -> Self {
+        let affordable = (Self::DEFAULT_WORK / trial_work_of::<S>(sampler)) as u64;
         Self::new(affordable.clamp(Self::MIN_DEFAULT, Self::DEFAULT))
+    }
+
+    /// Returns [`Self::default_of`] for a sampler of directions.
+    #[must_use]
+    pub fn default_for(sampler: &dyn Sampler) -> Self {
+        Self::default_of::<Domain>(sampler)
     }
 
     /// Returns the nominal work of `count` trials.
     #[must_use]
     pub fn work(&self, sampler: &dyn Sampler) -> f64 {
-        self.count as f64 * trial_work(sampler)
+        self.work_of::<Domain>(sampler)
+    }
+
+    /// Returns [`Self::work`] for a sampler of any space.
+    #[must_use]
+    pub fn work_of<S: IntegrationSpace>(&self, sampler: S::SamplerRef<'_>) -> f64 {
+        self.count as f64 * trial_work_of::<S>(sampler)
     }
 }
 
-impl Predictor<'_> {
+impl<S: IntegrationSpace> PredictorOn<'_, S> {
     /// Returns the predicted and the measured variance for a sampler with uniformly rotated
     /// realizations, by [`Self::predict`] and [`Self::measure`].
     ///
@@ -76,10 +90,10 @@ impl Predictor<'_> {
     /// ```
     pub fn compare(
         &mut self,
-        sampler: &dyn Sampler,
+        sampler: S::SamplerRef<'_>,
         trials: Trials,
         progress: &dyn Progress,
-    ) -> Result<Comparison, Error> {
+    ) -> Result<Comparison<S::Bands>, Error> {
         let predicted = self.predict(sampler, progress)?;
         self.measure(predicted, sampler, trials, progress)
     }
@@ -93,14 +107,14 @@ impl Predictor<'_> {
     /// Returns the errors of [`measure`](crate::measure) and [`measure_until`](crate::measure_until).
     pub fn measure(
         &self,
-        predicted: PredictedPoint,
-        sampler: &dyn Sampler,
+        predicted: PredictedPoint<S::Bands>,
+        sampler: S::SamplerRef<'_>,
         trials: Trials,
         progress: &dyn Progress,
-    ) -> Result<Comparison, Error> {
-        let integrand = self.integrand();
-        let sets = self.trial_sets(sampler);
-        let mut source = |trials| estimates(&sets, integrand, trials, progress);
+    ) -> Result<Comparison<S::Bands>, Error> {
+        let (space, integrand) = (self.space(), self.integrand());
+        let sets = self.realizations(Purpose::Trial, sampler);
+        let mut source = |trials| estimates(space, &sets, integrand, trials, progress);
         self.measure_from(&mut source, predicted, sampler, trials, progress)
     }
 
@@ -108,11 +122,11 @@ impl Predictor<'_> {
     pub(crate) fn measure_from(
         &self,
         source: &mut dyn FnMut(Range<u64>) -> Result<Vec<f64>, Error>,
-        predicted: PredictedPoint,
-        sampler: &dyn Sampler,
+        predicted: PredictedPoint<S::Bands>,
+        sampler: S::SamplerRef<'_>,
         trials: Trials,
         progress: &dyn Progress,
-    ) -> Result<Comparison, Error> {
+    ) -> Result<Comparison<S::Bands>, Error> {
         let known = self.known_moments(sampler);
         // No number of trials makes a variance due to rounding precise.
         let is_visible = predicted.prediction.variance > self.estimate_rounding();
@@ -120,8 +134,8 @@ impl Predictor<'_> {
             None => Measurement::new(source(0..trials.count)?),
             Some(target) => {
                 let start = trials.count.max(known.trials_for(target.relative));
-                progress.expect((start - trials.count) as f64 * trial_work(sampler));
-                until(source, trial_work(sampler), start, target, progress)?
+                progress.expect((start - trials.count) as f64 * trial_work_of::<S>(sampler));
+                until(source, trial_work_of::<S>(sampler), start, target, progress)?
             }
         };
         Ok(self.comparison(predicted, measurement, sampler))
@@ -130,39 +144,33 @@ impl Predictor<'_> {
     /// Returns the comparison of a prediction with a measurement for the same sampler.
     pub(crate) fn comparison(
         &self,
-        predicted: PredictedPoint,
+        predicted: PredictedPoint<S::Bands>,
         measurement: Measurement,
-        sampler: &dyn Sampler,
-    ) -> Comparison {
+        sampler: S::SamplerRef<'_>,
+    ) -> Comparison<S::Bands> {
         Comparison {
             predicted,
             measurement,
-            exact: self.integrand().exact(self.domain()),
+            exact: self.space().integral(self.integrand()),
             rounding: self.estimate_rounding(),
             prediction_rounding: self.energy().prediction_rounding(),
             known: self.known_moments(sampler),
         }
     }
 
-    /// Returns the realizations of the trials.
-    pub(crate) fn trial_sets<'s>(&self, sampler: &'s dyn Sampler) -> Realizations<'s> {
-        let streams = Streams::new(self.seed(), Purpose::Trial, sampler.stream_group());
-        Realizations::rotated(sampler, streams)
-    }
-
-    fn known_moments(&self, sampler: &dyn Sampler) -> KnownMoments {
+    fn known_moments(&self, sampler: S::SamplerRef<'_>) -> KnownMoments {
         KnownMoments {
-            n_points: sampler.n_points() as f64,
-            one_point_variance: self.domain().variance_factor(1) * self.energy().beyond(0),
+            n_points: S::n_points(sampler) as f64,
+            one_point_variance: self.energy().bands().factor(1) * self.energy().beyond(0),
             kurtosis: self.kurtosis(),
-            is_independent: sampler.is_independent(),
+            is_independent: S::is_independent(sampler),
         }
     }
 
     /// Returns the variance that rounding of an estimate alone can produce: an estimate of int F is
     /// a sum of numbers of the size of F, whose roundings partly cancel.
     pub(crate) fn estimate_rounding(&self) -> f64 {
-        self.domain().area() * self.energy().total() * (4.0 * f64::EPSILON).powi(2)
+        self.space().area() * self.energy().total() * (4.0 * f64::EPSILON).powi(2)
     }
 }
 

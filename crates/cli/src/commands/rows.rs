@@ -264,7 +264,7 @@ impl Plan<'_> {
             && self.lmax.is_none()
             && point.spectrum.lmax() < natural
         {
-            point.spectrum = predictor.spectrum_to(&*case.sampler, point, natural)?;
+            point.spectrum = predictor.spectrum_to(&*case.sampler, point, &natural)?;
         }
         Ok(points)
     }

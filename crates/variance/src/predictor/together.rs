@@ -1,11 +1,12 @@
 //! Predictions for several integrands from the same spectra.
 
-use sphvar_samplers::{Progress, Sampler};
-use sphvar_sh::{LmIndex, MAX_DEGREE};
-use sphvar_spectrum::{Accumulator, Spectrum, SpectrumAccumulator, accumulate};
+use sphvar_samplers::{Progress, Purpose};
+use sphvar_sh::Bands;
+use sphvar_spectrum::{Accumulator, SpectrumAccumulator};
 
-use super::Predictor;
+use super::PredictorOn;
 use crate::route::Route;
+use crate::space::IntegrationSpace;
 use crate::{
     Error, PredictedPoint, Prediction, PredictionAccumulator, PredictionBudget,
     predict as predict_from,
@@ -17,29 +18,29 @@ const FIRST: u64 = 8;
 /// Returns the prediction of each predictor for a sampler. Predictors with spectra to the same
 /// degree share them; predictions do not depend on the other predictors, which must have the same
 /// seed, budget and options.
-pub(crate) fn predict(
-    predictors: &mut [&mut Predictor<'_>],
+pub(crate) fn predict<S: IntegrationSpace>(
+    predictors: &mut [&mut PredictorOn<'_, S>],
     budget: PredictionBudget,
-    sampler: &dyn Sampler,
+    sampler: S::SamplerRef<'_>,
     progress: &dyn Progress,
-) -> Result<Vec<PredictedPoint>, Error> {
-    let degrees =
-        predictors.iter_mut().map(|p| p.degree(budget, sampler)).collect::<Result<Vec<_>, _>>()?;
-    let mut points: Vec<Option<PredictedPoint>> = vec![None; predictors.len()];
+) -> Result<Vec<PredictedPoint<S::Bands>>, Error> {
+    let extents =
+        predictors.iter_mut().map(|p| p.extent(budget, sampler)).collect::<Result<Vec<_>, _>>()?;
+    let mut points: Vec<Option<PredictedPoint<S::Bands>>> = vec![None; predictors.len()];
     for first in 0..predictors.len() {
         if points[first].is_some() {
             continue;
         }
-        let lmax = degrees[first];
+        let extent = &extents[first];
         let members: Vec<usize> =
-            (first..predictors.len()).filter(|&i| degrees[i] == lmax).collect();
-        let mut group: Vec<&mut Predictor<'_>> = Vec::new();
+            (first..predictors.len()).filter(|&i| extents[i] == *extent).collect();
+        let mut group: Vec<&mut PredictorOn<'_, S>> = Vec::new();
         for (i, predictor) in predictors.iter_mut().enumerate() {
             if members.contains(&i) {
                 group.push(predictor);
             }
         }
-        let found = of_degree(&mut group, budget, sampler, lmax, progress)?;
+        let found = to_extent(&mut group, budget, sampler, extent, progress)?;
         for ((i, predictor), mut point) in members.into_iter().zip(group).zip(found) {
             if point.prediction.variance <= predictor.rounding() {
                 let Prediction { variance, stderr, energy_stderr, .. } = &mut point.prediction;
@@ -51,71 +52,68 @@ pub(crate) fn predict(
     Ok(points.into_iter().flatten().collect())
 }
 
-/// Returns the predictions from spectra to degree `lmax`.
-fn of_degree(
-    predictors: &mut [&mut Predictor<'_>],
+/// Returns the predictions from spectra to one extent.
+fn to_extent<S: IntegrationSpace>(
+    predictors: &mut [&mut PredictorOn<'_, S>],
     budget: PredictionBudget,
-    sampler: &dyn Sampler,
-    lmax: usize,
+    sampler: S::SamplerRef<'_>,
+    extent: &S::Extent,
     progress: &dyn Progress,
-) -> Result<Vec<PredictedPoint>, Error> {
-    let n_points = sampler.n_points();
+) -> Result<Vec<PredictedPoint<S::Bands>>, Error> {
+    let n_points = S::n_points(sampler);
     let Some(first) = predictors.first() else { return Ok(Vec::new()) };
-    let (domain, resolution) = (first.domain, first.resolution(lmax, n_points));
-    match Route::of(&first.options, budget, sampler, lmax) {
+    let (space, options) = (first.space, first.options);
+    match Route::of::<S>(&options, budget, sampler, extent) {
         Route::Flat => {
-            let power = vec![1.0; lmax.min(MAX_DEGREE) + 1];
-            let spectrum = Spectrum::exact(domain, n_points, power);
-            let point = |p: &&mut Predictor<'_>| PredictedPoint {
+            let spectrum = space.flat_spectrum(n_points, extent)?;
+            let point = |p: &&mut PredictorOn<'_, S>| PredictedPoint {
                 spectrum: spectrum.clone(),
                 prediction: p.flat_prediction(n_points),
             };
             Ok(predictors.iter().map(point).collect())
         }
         Route::Exact(exact) => {
-            let spectrum = exact.to(lmax, progress)?;
-            let point = |p: &mut &mut Predictor<'_>| {
-                let prediction = predict_from(&spectrum, p.energy_to(lmax)?);
+            let spectrum = S::exact_spectrum(&exact, extent, progress)?;
+            let point = |p: &mut &mut PredictorOn<'_, S>| {
+                let prediction = predict_from(&spectrum, p.energies_to(extent)?);
                 Ok(PredictedPoint { spectrum: spectrum.clone(), prediction })
             };
             predictors.iter_mut().map(point).collect()
         }
         Route::All(sets) => {
-            let empty = accumulators(predictors, sampler, lmax)?;
+            let empty = accumulators(predictors, sampler, extent)?;
             let all = 0..sets.len() as u64;
-            exactly(&accumulate(&sets, resolution, all, &empty, progress)?)
+            exactly(&S::accumulate(&sets, &options, (n_points, extent), all, &empty, progress)?)
         }
-        Route::Sampled if !sampler.is_random() => {
-            let empty = accumulators(predictors, sampler, lmax)?;
-            let sets = predictors[0].realizations(sampler);
-            exactly(&accumulate(&sets, resolution, 0..1, &empty, progress)?)
+        Route::Sampled if !S::distribution(sampler).is_random() => {
+            let empty = accumulators(predictors, sampler, extent)?;
+            let sets = predictors[0].realizations(Purpose::Pattern, sampler);
+            exactly(&S::accumulate(&sets, &options, (n_points, extent), 0..1, &empty, progress)?)
         }
-        Route::Sampled => estimate(predictors, budget, sampler, lmax, progress),
+        Route::Sampled => estimate(predictors, budget, sampler, extent, progress),
     }
 }
 
 /// The sums over realizations: the spectrum, and the variance of each integrand.
-type Sums = (SpectrumAccumulator, Vec<PredictionAccumulator>);
+pub(crate) type Sums<B> = (SpectrumAccumulator<B>, Vec<PredictionAccumulator<<B as Bands>::Tail>>);
 
-fn accumulators(
-    predictors: &mut [&mut Predictor<'_>],
-    sampler: &dyn Sampler,
-    lmax: usize,
-) -> Result<Sums, Error> {
-    let n_points = sampler.n_points();
-    // Degrees for which no transform exists need no memory either.
-    LmIndex::new(lmax).map_err(sphvar_spectrum::Error::from)?;
-    let spectrum = SpectrumAccumulator::new(sampler.domain(), n_points, lmax);
+fn accumulators<S: IntegrationSpace>(
+    predictors: &mut [&mut PredictorOn<'_, S>],
+    sampler: S::SamplerRef<'_>,
+    extent: &S::Extent,
+) -> Result<Sums<S::Bands>, Error> {
+    let (n_points, last) = (S::n_points(sampler), S::last_band(extent));
+    let spectrum = predictors[0].space.empty_spectrum(n_points, extent)?;
     let each = predictors
         .iter_mut()
-        .map(|p| Ok(PredictionAccumulator::new(p.energy_to(lmax)?, n_points, lmax)));
+        .map(|p| Ok(PredictionAccumulator::new(p.energies_to(extent)?, n_points, last)));
     Ok((spectrum, each.collect::<Result<_, Error>>()?))
 }
 
 /// Returns the exact predictions from sums over all sets.
-fn exactly((spectrum, predictions): &Sums) -> Result<Vec<PredictedPoint>, Error> {
+fn exactly<B: Bands>((spectrum, predictions): &Sums<B>) -> Result<Vec<PredictedPoint<B>>, Error> {
     let spectrum = spectrum.finish()?.into_exact();
-    let point = |sum: &PredictionAccumulator| {
+    let point = |sum: &PredictionAccumulator<B::Tail>| {
         let prediction = sum.finish();
         let stderr = prediction.energy_stderr;
         let prediction = Prediction { stderr, dof: f64::INFINITY, ..prediction };
@@ -126,23 +124,23 @@ fn exactly((spectrum, predictions): &Sums) -> Result<Vec<PredictedPoint>, Error>
 
 /// Estimates the spectrum and the variances that it predicts from realizations. Each prediction
 /// has the number of realizations that its own precision needs.
-fn estimate(
-    predictors: &mut [&mut Predictor<'_>],
+fn estimate<S: IntegrationSpace>(
+    predictors: &mut [&mut PredictorOn<'_, S>],
     budget: PredictionBudget,
-    sampler: &dyn Sampler,
-    lmax: usize,
+    sampler: S::SamplerRef<'_>,
+    extent: &S::Extent,
     progress: &dyn Progress,
-) -> Result<Vec<PredictedPoint>, Error> {
-    let empty = accumulators(predictors, sampler, lmax)?;
+) -> Result<Vec<PredictedPoint<S::Bands>>, Error> {
+    let empty = accumulators(predictors, sampler, extent)?;
     let Some(predictor) = predictors.first() else { return Ok(Vec::new()) };
-    let max = predictor.max_realizations(budget, sampler, lmax);
-    let resolution = predictor.resolution(lmax, sampler.n_points());
-    let sets = predictor.realizations(sampler);
-    let mut points: Vec<Option<PredictedPoint>> = vec![None; predictors.len()];
+    let max = predictor.max_realizations(budget, sampler, extent);
+    let (options, size) = (predictor.options, (S::n_points(sampler), extent));
+    let sets = predictor.realizations(Purpose::Pattern, sampler);
+    let mut points: Vec<Option<PredictedPoint<S::Bands>>> = vec![None; predictors.len()];
     let (mut sum, mut count) = (empty.clone(), 0);
     let mut next = predictor.options.realizations.unwrap_or(FIRST.min(max));
     loop {
-        sum.merge(&accumulate(&sets, resolution, count..next, &empty, progress)?);
+        sum.merge(&S::accumulate(&sets, &options, size, count..next, &empty, progress)?);
         count = next;
         for ((point, one), predictor) in points.iter_mut().zip(&sum.1).zip(&*predictors) {
             if point.is_some() {

@@ -1,16 +1,19 @@
 //! White noise needs no spectrum: its variance is known in closed form.
 
-use super::Predictor;
+use sphvar_sh::Bands;
+
+use super::PredictorOn;
+use crate::space::IntegrationSpace;
 
 /// A generous bound of the relative rounding errors of predicted and requested variances: if both are
 /// equal by their formulas, either may be computed as the larger one.
 pub(crate) const ROUNDING: f64 = 1e-12;
 
-impl Predictor<'_> {
+impl<S: IntegrationSpace> PredictorOn<'_, S> {
     /// Returns the exact variance with white noise of `n_points`: `k sum_{l >= 1} E(l)`.
     #[must_use]
     pub fn white_variance(&self, n_points: usize) -> f64 {
-        self.domain.variance_factor(n_points) * self.outline.beyond(0)
+        self.outline.bands().factor(n_points) * self.outline.beyond(0)
     }
 
     /// Returns the number of points with which white noise has the requested variance or less, in closed
