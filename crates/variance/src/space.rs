@@ -1,7 +1,10 @@
 //! The spaces on which functions are integrated.
 
+mod frequencies;
 mod sphere;
+mod square;
 
+pub use self::square::SquarePredictor;
 
 use std::ops::Range;
 
@@ -13,7 +16,7 @@ use crate::predictor::Sums;
 use crate::{Error, PredictionBudget, PredictorOn, SpectrumOptions};
 
 /// A space on which functions are integrated, with its samplers, spectra and integrands:
-/// [`Domain`](crate::Domain), the sphere and the hemisphere.
+/// [`Domain`](crate::Domain), the sphere and the hemisphere, and the unit [`Square`](crate::Square).
 ///
 /// [`PredictorOn`] and everything that follows from predictions and measurements are written over
 /// it. It is not meant to be implemented outside this crate.

@@ -14,6 +14,7 @@ mod random_fields;
 mod samplers;
 mod spectra;
 mod spectral_control;
+mod square;
 mod theory_errata;
 mod theory_references;
 mod unbiasedness;

@@ -11,5 +11,6 @@ mod joint_trials;
 mod measured_intervals;
 mod other_bands;
 mod predictions;
+mod square;
 mod sums;
 mod tails;
