@@ -196,6 +196,7 @@ impl SquareArgs {
 /// [`SquareArgs::without`].
 pub(crate) const USE_KMAX: &str = "use --kmax, the largest frequency, instead of a degree";
 pub(crate) const ONE_DOMAIN: &str = "the square is a domain of its own";
+pub(crate) const NO_HARMONICS: &str = "functions on the square have Fourier series";
 pub(crate) const SHIFTED: &str = "patterns of the square are shifted, not rotated";
 
 /// The treatment of a number of points that is not valid for a pattern.

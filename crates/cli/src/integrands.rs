@@ -5,6 +5,7 @@ mod expansion;
 mod healpix_map;
 mod integrals;
 mod rgb;
+mod square;
 mod values;
 
 use std::cell::RefCell;
@@ -16,14 +17,15 @@ use std::rc::Rc;
 use sphvar_grammar::{ResolveError, Spec};
 use sphvar_integrands::{
     AlmParameters, EnergiesParameters, EnergyEstimates, EnvironmentMap, EnvironmentParameters,
-    Error, Expansion, Expression, FittedFunction, HealpixMap, HealpixMapParameters, Integrand,
-    IntegrandResolver, Term, ValuesParameters,
+    Error, Expansion, Expression, FittedFunction, HealpixMap, HealpixMapParameters,
+    ImageParameters, Integrand, IntegrandResolver, SquareImage, SquareTerm, Term, ValuesParameters,
 };
 use sphvar_samplers::Domain;
 
 use self::environment::Environment;
 pub(crate) use self::integrals::{Integral, Integrals, with_integrals};
 pub(crate) use self::rgb::parse_integrands;
+pub(crate) use self::square::{NamedSquareIntegrand, parse_square_integrand};
 use crate::error::CliError;
 use crate::files::HduChoice;
 use crate::memory::check_degree;
@@ -114,7 +116,12 @@ fn parse_expression(text: &str) -> Result<Expression, CliError> {
     } else {
         text.parse::<Expression>()
     };
-    let expression = expression.map_err(CliError::usage)?;
+    let expression = expression.map_err(|error| match text.parse::<SquareTerm>() {
+        Ok(_) => {
+            CliError::Usage(format!("{text} is an integrand on the unit square: use --square"))
+        }
+        Err(_) => CliError::usage(error),
+    })?;
     for term in expression.terms() {
         match term {
             Term::Harmonic(harmonic) => check_degree(&term.to_string(), harmonic.l)?,
@@ -208,6 +215,10 @@ impl IntegrandResolver for IntegrandFiles {
 
     fn fitted_values(&self, wanted: &ValuesParameters) -> Result<FittedFunction, ResolveError> {
         values::fit(wanted, &mut self.remarks.borrow_mut()).map_err(ResolveError::new)
+    }
+
+    fn square_image(&self, wanted: &ImageParameters) -> Result<SquareImage, ResolveError> {
+        self::square::read_image(self, wanted).map_err(ResolveError::new)
     }
 
     fn memory_check(&self) -> fn(usize) -> Result<(), String> {

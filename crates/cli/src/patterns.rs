@@ -1,5 +1,7 @@
 //! The samplers of the command line.
 
+mod predicted;
+
 use std::path::Path;
 
 use glam::DVec3;
@@ -17,6 +19,8 @@ use crate::flags::missing_count;
 use crate::memory::check_points;
 use crate::report::say;
 use crate::spec::Spec;
+
+pub(crate) use self::predicted::{BandsOf, PredictedPattern, SamplerRef, n_effective};
 
 /// The name of all patterns together, for subcommands that accept several.
 const ALL: &str = "all";

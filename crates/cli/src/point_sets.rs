@@ -7,7 +7,6 @@ use sphvar_samplers::{
     SetDistribution, Space, Square, SquareDistribution, SquareRealizations, SquareSampler, Streams,
     rotate, shift,
 };
-use sphvar_spectrum::Spectrum;
 
 use crate::commands::PointFileArgs;
 use crate::error::CliError;
@@ -109,19 +108,6 @@ impl WeightSums {
             _ => None,
         }
     }
-}
-
-/// Returns the effective number of points of a sampler's spectrum, or `None` if its sets have no
-/// weights.
-pub(crate) fn n_effective(sampler: &dyn Sampler, spectrum: &Spectrum) -> Option<f64> {
-    let (n, effective) = (spectrum.n_points() as f64, spectrum.n_effective());
-    let is_weighted = match sampler.distribution() {
-        SetDistribution::OneOf(sets) => sets.iter().any(|set| !set.weights.is_empty()),
-        // Rules with equal weights have none.
-        SetDistribution::Fixed => (effective / n - 1.0).abs() > 1e-9,
-        _ => false,
-    };
-    is_weighted.then_some(effective)
 }
 
 impl FileSets {

@@ -32,6 +32,11 @@ enum MethodArg {
 }
 
 impl TransformArgs {
+    /// Returns whether a method other than the default is chosen.
+    pub(crate) fn is_method_chosen(self) -> bool {
+        self.method != MethodArg::Auto
+    }
+
     /// Returns the method and its accuracy, or an error if the accuracy is out of range.
     pub(crate) fn checked(self) -> Result<(Method, f64), CliError> {
         let (min, max) = (Resolution::MIN_EPSILON, Resolution::MAX_EPSILON);

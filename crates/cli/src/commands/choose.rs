@@ -4,6 +4,7 @@
 mod args;
 mod candidate;
 mod chart;
+mod choosable;
 mod crossings;
 mod presentation;
 mod question;
@@ -12,15 +13,17 @@ mod reason;
 mod recommendation;
 pub(crate) mod record;
 
-use sphvar_samplers::{EqualAreaParameters, Pattern, Placement, Riesz, RieszParameters};
-use sphvar_variance::{Domain, PredictionBudget};
+use sphvar_samplers::Pattern;
+use sphvar_variance::PredictionBudget;
 
 pub(crate) use self::args::ChooseArgs;
+use self::choosable::Choosable;
 use self::presentation::Answer;
 use self::ranking::Ranking;
 use crate::error::CliError;
+use crate::flags::{NO_HARMONICS, ONE_DOMAIN};
 use crate::global::Global;
-use crate::integrands::{parse_integrands, with_integrals};
+use crate::integrands::{parse_integrands, parse_square_integrand, with_integrals};
 use crate::report::check_result;
 
 pub(crate) const EXAMPLES: &str = "Examples:
@@ -29,6 +32,7 @@ pub(crate) const EXAMPLES: &str = "Examples:
   sphvar choose jittered,fibonacci --integrand ylm:l=4 --absolute --error 0.01
   sphvar choose fibonacci,spiral --integrand band:lmax=40 --error 0.1%
   sphvar choose jittered,fibonacci --integrand env:data/city.exr --project 2 -n 64
+  sphvar choose jittered-square,sobol --square --integrand exponential:a=1,b=2 --error 1%
 
 The fourth example asks how many directions a function of bandwidth 40 needs: band:lmax=40 is a random \
 function with mean 1 and variance 1 over the sphere and equal power in all degrees up to 40. The error \
@@ -59,6 +63,9 @@ pub(crate) fn run(args: &ChooseArgs, global: &Global) -> Result<(), CliError> {
         let message = format!("--cost-per-sample must be finite and at least 0, got {cost}");
         return Err(CliError::Usage(message));
     }
+    if args.square.square {
+        return run_square(args, global);
+    }
     let functions = parse_integrands(args.integrand.required()?, global.quiet)?;
     with_integrals(&functions, args.project.project, |integrals| {
         let (domain, quiet) = (args.domain.domain(), global.quiet);
@@ -78,19 +85,20 @@ pub(crate) fn run(args: &ChooseArgs, global: &Global) -> Result<(), CliError> {
     })
 }
 
-/// Returns all patterns, and parameter variants that are the best for some integrands: centred
-/// equal-area points for caps, the logarithmic energy for lobes.
-fn considered() -> Vec<Pattern> {
-    let mut patterns = Pattern::ALL.to_vec();
-    patterns.push(Pattern::EqualArea(EqualAreaParameters { placement: Placement::Centred }));
-    patterns
-        .push(Pattern::Riesz(RieszParameters { s: 0.0, iterations: Riesz::DEFAULT_ITERATIONS }));
-    patterns
+/// Ranks the patterns of the unit square.
+fn run_square(args: &ChooseArgs, global: &Global) -> Result<(), CliError> {
+    args.square.without(&[
+        ("--hemisphere", args.domain.hemisphere, ONE_DOMAIN),
+        ("--project", args.project.project.is_some(), NO_HARMONICS),
+    ])?;
+    let integrand = parse_square_integrand(args.integrand.required()?, global.quiet)?;
+    let ranking = Ranking::on_square(args, global, &integrand)?;
+    Answer::new(vec![ranking], global.seed)?.emit(args, global)
 }
 
 /// Returns the work of the minimum number of realizations of a prediction, in budgets.
-fn budgets(pattern: &Pattern, n_points: usize) -> f64 {
-    let min_work = PredictionBudget::MIN_REALIZATIONS as f64 * pattern.nominal_work(n_points);
+fn budgets<P: Choosable>(pattern: &P, n_points: usize) -> f64 {
+    let min_work = PredictionBudget::MIN_REALIZATIONS as f64 * P::nominal_work(pattern, n_points);
     min_work / PredictionBudget::DEFAULT.work
 }
 
@@ -98,19 +106,4 @@ fn budgets(pattern: &Pattern, n_points: usize) -> f64 {
 /// considered only if it is named.
 pub(crate) fn is_expensive(pattern: &Pattern, n_points: usize) -> bool {
     budgets(pattern, n_points) > MAX_BUDGETS
-}
-
-/// Returns the share of a pattern in the total time, for the progress bar.
-fn share(pattern: &Pattern, n_points: usize, domain: Domain) -> f64 {
-    // Closed forms and single sets take hardly any time.
-    const KNOWN: f64 = 0.02;
-    let is_estimated = pattern.build(n_points, domain).is_ok_and(|sampler| sampler.is_random())
-        && !matches!(pattern, Pattern::WhiteNoise | Pattern::Jittered);
-    let is_designed = matches!(pattern, Pattern::Step { .. } | Pattern::Blue { .. });
-    // A budget, or the minimum number of realizations; designed patterns are also tuned.
-    match (is_estimated, is_designed) {
-        (false, _) => KNOWN,
-        (true, false) => budgets(pattern, n_points).max(1.0),
-        (true, true) => 8.0 * budgets(pattern, n_points).max(1.0),
-    }
 }

@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use sphvar_integrands::Energy;
-use sphvar_samplers::Pattern;
+use sphvar_samplers::Square;
 
 pub(super) use self::charts::variance_chart;
 use self::charts::{integrand_chart, spectra_chart};
@@ -20,25 +20,31 @@ use self::result_folder::{RECORD, ResultFolder};
 use self::text::text;
 use super::crossovers::crossovers;
 use super::effort::EffortArgs;
+use super::power_chart::ShownBands;
 use super::row_record::RowRecord;
-use super::rows::{self, Case, Plan, Row};
+use super::rows::{self, Case, Row};
+use super::square_rows;
 use crate::error::CliError;
 use crate::flags::{CountsArgs, IntegrandArgs, ProjectArgs, SamplersArgs};
 use crate::global::Global;
-use crate::integrands::{self, Integrals, parse_integrands, with_integrals};
-use crate::patterns::parse_patterns;
+use crate::integrands::{
+    self, Integrals, parse_integrands, parse_square_integrand, with_integrals,
+};
+use crate::patterns::{BandsOf, PredictedPattern, parse_patterns};
 use crate::report::{Document, Provenance, csv_of, is_stdout, print, say, write_text};
 
 pub(crate) const EXAMPLES: &str = "Examples:
   sphvar compare
   sphvar compare jittered,fibonacci -n 100,1000 --integrand cap:degrees=60 -o cap
   sphvar compare --hemisphere --integrand cosine -o cosine
+  sphvar compare jittered-square,sobol --square -n 16,64 --integrand exponential:a=1,b=2 -m 50 -o exponential
 
 Without arguments it compares the patterns of Singh's thesis on a photographed light probe, which is built in, within a minute \
 on two cores. Every sampler takes its valid number of points nearest to N. The output folder receives \
 comparison.csv and .json, spectra.csv, and the plots spectra, variance and integrand as .svg and .png. \
 With env:FILE,channel=rgb or --project 2 (see variance) the table has rows for all channels or coefficients; rates, \
-crossovers and plots are those of luminance, or of the irradiance. Running the same command again replaces its own files; the results of another command are overwritten only \
+crossovers and plots are those of luminance, or of the irradiance. With --square it compares patterns of the unit square, by \
+default on the indicator of a disk; spectra are radial means. Running the same command again replaces its own files; the results of another command are overwritten only \
 with --force. Two runs cannot write to one folder at the same time.";
 
 /// The patterns that the thesis compares.
@@ -46,11 +52,25 @@ const SAMPLERS: &str = "white-noise,jittered,poisson-disk,ccvt,healpix,fibonacci
 /// Valid point counts of HEALPix with which the comparison takes less than a minute on two cores.
 const COUNTS: &str = "48,108,192,432,768,1728";
 
+/// The defaults with `--square`.
+const SQUARE_SAMPLERS: &str =
+    "white-square,jittered-square,regular-square,latin-hypercube,fibonacci-lattice,sobol,pmj02";
+const SQUARE_COUNTS: &str = "16,64,256,1024";
+const SQUARE_INTEGRAND: &str = "disk:radius=0.3";
+
 #[derive(Debug, Args)]
 #[command(
-    mut_arg("positional_samplers", |samplers| samplers.default_value(SAMPLERS)),
-    mut_arg("counts", |counts| counts.default_value(COUNTS)),
-    mut_arg("integrand", |integrand| integrand.default_value(integrands::CITY))
+    mut_arg("positional_samplers", |samplers| {
+        samplers.default_value(SAMPLERS).default_value_if("square", "true", SQUARE_SAMPLERS)
+    }),
+    mut_arg("counts", |counts| {
+        counts.default_value(COUNTS).default_value_if("square", "true", SQUARE_COUNTS)
+    }),
+    mut_arg("integrand", |integrand| {
+        integrand
+            .default_value(integrands::CITY)
+            .default_value_if("square", "true", SQUARE_INTEGRAND)
+    })
 )]
 pub(crate) struct CompareArgs {
     #[command(flatten)]
@@ -78,6 +98,9 @@ pub(crate) fn run(args: &CompareArgs, global: &Global) -> Result<(), CliError> {
                 .to_owned(),
         ));
     }
+    if args.effort.square.square {
+        return run_square(args, global);
+    }
     let functions = parse_integrands(args.integrand.required()?, global.quiet)?;
     with_integrals(&functions, args.project.project, |integrals| {
         run_integrals(args, global, integrals)
@@ -90,53 +113,111 @@ fn run_integrals(
     integrals: &Integrals<'_>,
 ) -> Result<(), CliError> {
     let domain = args.effort.domain.domain();
-    let mut patterns: Vec<Pattern> = Vec::new();
-    for pattern in parse_patterns(&args.samplers.required()?, global.quiet)? {
+    let patterns = distinct(parse_patterns(&args.samplers.required()?, global.quiet)?);
+    let cases = Case::all(&patterns, args.counts.list(), domain, true)?;
+    let plan = args.effort.plan(integrals, global, true)?;
+    rows::check(&plan, &cases)?;
+    let output = Output::open(args, global)?;
+    let (rows, energy) = rows::run(&plan, &cases)?;
+    let subject = Subject { text: plan.subject(), integrand: &plan.integrand.name };
+    output.write(&patterns, &rows, &energy, &subject)
+}
+
+/// Compares patterns of the unit square.
+fn run_square(args: &CompareArgs, global: &Global) -> Result<(), CliError> {
+    let effort = square_rows::settings(&args.effort, args.project, &[], global, true)?;
+    let integrand = parse_square_integrand(args.integrand.required()?, global.quiet)?;
+    let patterns = distinct(parse_patterns(&args.samplers.required()?, global.quiet)?);
+    let cases = Case::all(&patterns, args.counts.list(), Square, true)?;
+    let output = Output::open(args, global)?;
+    let (rows, energy) = square_rows::run(&integrand, &effort, &cases)?;
+    let subject = Subject { text: integrand.subject(), integrand: &integrand.name };
+    output.write(&patterns, &rows, &energy, &subject)
+}
+
+/// Returns each pattern once.
+fn distinct<P: PredictedPattern>(all: Vec<P>) -> Vec<P> {
+    let mut patterns: Vec<P> = Vec::new();
+    for pattern in all {
         if !patterns.contains(&pattern) {
             patterns.push(pattern);
         }
     }
-    let cases = Case::all(&patterns, args.counts.list(), domain, true)?;
-    let plan = args.effort.plan(integrals, global, true)?;
-    rows::check(&plan, &cases)?;
-    let provenance = Provenance::new(global.seed);
-    let folder = ResultFolder::open(&args.out, &provenance, args.force)?;
-    let (rows, energy) = rows::run(&plan, &cases)?;
+    patterns
+}
 
-    let curves: Vec<Curve<'_>> = patterns.iter().map(|p| Curve::new(p, &rows)).collect();
-    let samplers: Vec<SamplerRecord> = curves.iter().filter_map(|c| c.summary(&energy)).collect();
-    let best: Vec<_> = curves.iter().map(|c| (c.pattern, c.best())).collect();
-    let crossovers = crossovers(&best, global.seed);
-    let records: Vec<RowRecord> = rows.iter().map(|row| RowRecord::new(row, &plan)).collect();
-    let body = ComparisonBody { rows: records, samplers, crossovers };
-    let written =
-        Written { body: &body, rows: &rows, curves: &curves, energy: &energy, plan: &plan };
-    folder.write(|folder| written.to(folder, &provenance))?;
-    if global.json {
-        return Document::new(&body, &provenance).print();
+/// What is integrated, for titles.
+struct Subject<'a> {
+    text: String,
+    integrand: &'a str,
+}
+
+/// The place of the results.
+struct Output<'a> {
+    args: &'a CompareArgs,
+    global: &'a Global,
+    provenance: Provenance,
+    folder: ResultFolder,
+}
+
+impl<'a> Output<'a> {
+    /// Reserves the folder before the work starts.
+    fn open(args: &'a CompareArgs, global: &'a Global) -> Result<Self, CliError> {
+        let provenance = Provenance::new(global.seed);
+        let folder = ResultFolder::open(&args.out, &provenance, args.force)?;
+        Ok(Self { args, global, provenance, folder })
     }
-    print(&text(&body, &plan))?;
-    say(global.quiet, &format!("Tables and plots are in {}", args.out.display()));
-    Ok(())
+
+    /// Writes the results into the folder and prints the tables.
+    fn write<P: PredictedPattern>(
+        self,
+        patterns: &[P],
+        rows: &[Row<P>],
+        energy: &Energy<BandsOf<P>>,
+        subject: &Subject<'_>,
+    ) -> Result<(), CliError>
+    where
+        BandsOf<P>: ShownBands,
+    {
+        let Self { args, global, provenance, folder } = self;
+        let curves: Vec<Curve<'_, P>> = patterns.iter().map(|p| Curve::new(p, rows)).collect();
+        let samplers: Vec<SamplerRecord> =
+            curves.iter().filter_map(|c| c.summary(energy)).collect();
+        let best: Vec<_> = curves.iter().map(|c| (c.pattern, c.best())).collect();
+        let crossovers = crossovers(&best, global.seed);
+        let records: Vec<RowRecord> = rows.iter().map(RowRecord::new).collect();
+        let body = ComparisonBody { rows: records, samplers, crossovers };
+        let written = Written { body: &body, rows, curves: &curves, energy, subject };
+        folder.write(|folder| written.to(folder, &provenance))?;
+        if global.json {
+            return Document::new(&body, &provenance).print();
+        }
+        print(&text(&body, &subject.text))?;
+        say(global.quiet, &format!("Tables and plots are in {}", args.out.display()));
+        Ok(())
+    }
 }
 
 /// The contents of the result folder.
-struct Written<'a> {
+struct Written<'a, P: PredictedPattern> {
     body: &'a ComparisonBody,
-    rows: &'a [Row],
-    curves: &'a [Curve<'a>],
-    energy: &'a Energy,
-    plan: &'a Plan<'a>,
+    rows: &'a [Row<P>],
+    curves: &'a [Curve<'a, P>],
+    energy: &'a Energy<BandsOf<P>>,
+    subject: &'a Subject<'a>,
 }
 
-impl Written<'_> {
+impl<P: PredictedPattern> Written<'_, P>
+where
+    BandsOf<P>: ShownBands,
+{
     fn to(&self, folder: &Path, provenance: &Provenance) -> Result<(), CliError> {
         write_text(&folder.join("comparison.csv"), &csv_of(provenance, &self.body.rows)?)?;
         write_text(&folder.join("spectra.csv"), &csv_of(provenance, &degrees(self.rows))?)?;
         let charts = [
             ("spectra", spectra_chart(self.curves)),
-            ("variance", variance_chart(self.curves, self.plan)),
-            ("integrand", integrand_chart(self.energy, self.plan)),
+            ("variance", variance_chart(self.curves, &self.subject.text)),
+            ("integrand", integrand_chart(self.energy, self.subject.integrand)),
         ];
         for (name, chart) in charts {
             let chart = chart.with_note(provenance.line());
@@ -149,16 +230,19 @@ impl Written<'_> {
     }
 }
 
-/// Returns all degrees of all spectra.
-fn degrees(rows: &[Row]) -> Vec<DegreeRecord> {
-    let degrees = |row: &Row| {
+/// Returns the power by degree, or by radius, of all spectra.
+fn degrees<P: PredictedPattern>(rows: &[Row<P>]) -> Vec<DegreeRecord>
+where
+    BandsOf<P>: ShownBands,
+{
+    let degrees = |row: &Row<P>| {
         let spectrum = &row.comparison.predicted.spectrum;
         let (sampler, n) = (row.pattern.to_string(), spectrum.n_points());
         let record = move |(l, power, stderr)| {
             let omega = l as f64 / (n as f64).sqrt();
             DegreeRecord { sampler: sampler.clone(), n, l, omega, power, stderr }
         };
-        spectrum.rows().map(record).collect::<Vec<_>>()
+        <BandsOf<P>>::power_by_radius(spectrum).into_iter().map(record).collect::<Vec<_>>()
     };
     // Other integrals of the same sets have the same spectra.
     rows.iter().filter(|row| row.is_main).flat_map(degrees).collect()

@@ -2,9 +2,10 @@
 
 use schemars::JsonSchema;
 use serde::Serialize;
-use sphvar_samplers::{Pattern, Purpose, Streams};
+use sphvar_samplers::{Purpose, Streams};
 use sphvar_variance::{Crossover, VariancePoint};
 
+use crate::patterns::PredictedPattern;
 use crate::report::number;
 
 /// A crossing of the variance curves of two samplers.
@@ -37,8 +38,8 @@ impl CrossoverRecord {
 
 /// Returns the significant crossings of every pair of curves, each given by a sampler and its
 /// points by N. Curves that reach the variance 0 are omitted.
-pub(super) fn crossovers(
-    curves: &[(&Pattern, Vec<VariancePoint>)],
+pub(super) fn crossovers<P: PredictedPattern>(
+    curves: &[(&P, Vec<VariancePoint>)],
     seed: u64,
 ) -> Vec<CrossoverRecord> {
     let mut found = Vec::new();

@@ -1,12 +1,12 @@
 //! The flags for the prediction and measurement of variances, which `variance` and `compare` share.
 
 use clap::Args;
-use sphvar_variance::{Precision, PredictionBudget, Trials};
+use sphvar_variance::{Precision, PredictionBudget, SpectrumOptions, Trials};
 
-use super::rows::Plan;
+use super::rows::{Effort, Plan};
 use crate::counts::parse_realizations;
 use crate::error::CliError;
-use crate::flags::{DomainArgs, LmaxArgs, spectra_lmax_help};
+use crate::flags::{DomainArgs, KmaxArgs, LmaxArgs, SquareArgs, spectra_lmax_help};
 use crate::global::Global;
 use crate::integrands::Integrals;
 use crate::share::parse_share;
@@ -34,6 +34,10 @@ pub(crate) struct EffortArgs {
     pub(crate) transform: TransformArgs,
     #[command(flatten)]
     pub(crate) domain: DomainArgs,
+    #[command(flatten)]
+    pub(crate) square: SquareArgs,
+    #[command(flatten)]
+    pub(crate) kmax: KmaxArgs,
 }
 
 /// Parses a number of trials, which must suffice for the error of a variance.
@@ -73,20 +77,30 @@ impl EffortArgs {
         global: &Global,
         whole_spectra: bool,
     ) -> Result<Plan<'a>, CliError> {
-        let (method, epsilon) = self.transform.checked()?;
         Ok(Plan {
             integrand: integrals.main(),
             integrals,
             domain: self.domain.domain(),
+            effort: self.settings(self.lmax.lmax, global, whole_spectra)?,
+        })
+    }
+
+    /// Returns the settings of predictions and measurements, with the largest degree or frequency of
+    /// spectra.
+    pub(super) fn settings(
+        &self,
+        lmax: Option<usize>,
+        global: &Global,
+        whole_spectra: bool,
+    ) -> Result<Effort, CliError> {
+        let (method, epsilon) = self.transform.checked()?;
+        let realizations = self.spectrum_realizations;
+        let until = |relative| Precision { relative, max_trials: self.max_realizations };
+        Ok(Effort {
             seed: global.seed,
             trials: self.realizations,
-            until: self
-                .until_rel
-                .map(|relative| Precision { relative, max_trials: self.max_realizations }),
-            realizations: self.spectrum_realizations,
-            lmax: self.lmax.lmax,
-            method,
-            epsilon,
+            until: self.until_rel.map(until),
+            spectra: SpectrumOptions { lmax, realizations, method, epsilon },
             whole_spectra,
             quiet: global.quiet,
         })

@@ -2,7 +2,7 @@
 
 use schemars::JsonSchema;
 use serde::Serialize;
-use sphvar_samplers::Pattern;
+use sphvar_samplers::{Domain, Pattern};
 use sphvar_variance::FixedOrientation;
 
 use super::rows::{self, Case, Plan};
@@ -112,19 +112,20 @@ pub(super) fn run(
     cases: &[Case],
 ) -> Result<(FixedOrientationBody, Chart), CliError> {
     rows::check(plan, cases)?;
-    let on_energies = |lmax: usize| plan.integrand.announce_energies(plan.domain, lmax, plan.quiet);
+    let on_energies =
+        |lmax: usize| plan.integrand.announce_energies(plan.domain, lmax, plan.effort.quiet);
     let mut predictor =
         plan.predictor_of(&*plan.integrand.function, plan.domain)?.on_energies(&on_energies);
     let mut work = 0.0;
     for case in cases {
-        let trials = plan.trials_of(case.sampler()).count;
+        let trials = plan.effort.trials_of::<Domain>(case.sampler()).count;
         work += predictor.fixed_orientation_work(case.sampler(), trials)?;
     }
-    let progress = Progress::new(work, plan.quiet);
+    let progress = Progress::new(work, plan.effort.quiet);
     let mut rows = Vec::new();
     for case in cases {
         progress.stage(&format!("{} N = {}", case.pattern, case.n_points()));
-        let trials = plan.trials_of(case.sampler()).count;
+        let trials = plan.effort.trials_of::<Domain>(case.sampler()).count;
         let fixed = predictor.fixed_orientation(case.sampler(), trials, &progress)?;
         let record = FixedOrientationRecord::new(&fixed, case, plan);
         rows.push(Row { pattern: &case.pattern, record });

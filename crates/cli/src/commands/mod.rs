@@ -17,6 +17,7 @@ pub(crate) mod render;
 pub(crate) mod reproduce;
 pub(crate) mod sample;
 pub(crate) mod spectrum;
+mod square_rows;
 pub(crate) mod variance;
 pub(crate) mod weights;
 

@@ -1,6 +1,8 @@
 //! Charts of angular power, for `spectrum`, `compare` and `bounds`.
 
-use sphvar_spectrum::Spectrum;
+use sphvar_integrands::Energy;
+use sphvar_sh::{Bands, Domain, Frequencies};
+use sphvar_spectrum::{RadialSpectrum, Spectrum};
 
 use crate::plots::{Binned, Chart, Ink, Panel, Scale, Series, Spread, Style};
 
@@ -8,6 +10,109 @@ use crate::plots::{Binned, Chart, Ink, Panel, Scale, Series, Spread, Style};
 const ROUNDING: f64 = 1e-20;
 /// With more curves than this, the bands would cover each other.
 const MAX_BANDS: usize = 3;
+
+/// Bands whose spectra and energies are drawn against their radius.
+pub(super) trait ShownBands: Bands {
+    /// The title of charts of spectra.
+    const TITLE: &str;
+    /// The axis of radii divided by sqrt(N).
+    const FREQUENCY: &str;
+    /// The axis of power.
+    const POWER: &str;
+    /// The name of a radius.
+    const UNIT: &str;
+    /// The axis of radii.
+    const RADIUS: &str;
+    /// The axis of energies, before the total.
+    const ENERGY: &str;
+
+    /// Returns the radii from 0 with mean power and standard error.
+    fn power_by_radius(spectrum: &Spectrum<Self>) -> Vec<(usize, f64, f64)>;
+
+    /// Returns the energy by radius from 0.
+    fn energy_by_radius(energy: &Energy<Self>) -> Vec<f64>;
+
+    /// Returns the bands up to a radius, in words.
+    fn range(radius: f64) -> String;
+}
+
+/// Returns the largest radius up to which a spectrum has all bands: the largest degree.
+pub(super) fn largest_radius<B: Bands>(spectrum: &Spectrum<B>) -> usize {
+    radius(spectrum.bands(), spectrum.lmax())
+}
+
+/// Returns the radius up to which bands 0 to `last` are all bands.
+pub(super) fn radius<B: Bands>(bands: &B, last: usize) -> usize {
+    // Only the last class of bands may extend further.
+    whole(bands.extent(0, last))
+}
+
+/// Returns a radius rounded up.
+#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a degree")]
+pub(super) fn whole(radius: f64) -> usize {
+    radius.ceil() as usize
+}
+
+impl ShownBands for Domain {
+    const TITLE: &str = "Angular power spectra";
+    const FREQUENCY: &str = "frequency l / \u{221a}N";
+    const POWER: &str = "power P(l), white noise = 1";
+    const UNIT: &str = "degree";
+    const RADIUS: &str = "degree l";
+    const ENERGY: &str = "energy E(l) / total";
+
+    fn power_by_radius(spectrum: &Spectrum) -> Vec<(usize, f64, f64)> {
+        spectrum.rows().collect()
+    }
+
+    fn energy_by_radius(energy: &Energy) -> Vec<f64> {
+        energy.per_band().to_vec()
+    }
+
+    fn range(radius: f64) -> String {
+        match whole(radius) {
+            1 => "degree 1".to_owned(),
+            l => format!("degrees <= {l}"),
+        }
+    }
+}
+
+impl ShownBands for Frequencies {
+    const TITLE: &str = "Radial means of power spectra";
+    const FREQUENCY: &str = "frequency |k| / \u{221a}N";
+    const POWER: &str = "radial mean of the power, white noise = 1";
+    const UNIT: &str = "frequency";
+    const RADIUS: &str = "frequency |k|";
+    const ENERGY: &str = "energy of all k with this |k| / total";
+
+    fn power_by_radius(spectrum: &Spectrum<Self>) -> Vec<(usize, f64, f64)> {
+        let zero = (0, spectrum.power()[0], 0.0);
+        let radial = RadialSpectrum::of(spectrum);
+        std::iter::once(zero).chain(radial.rows().map(|(k, p, e, _)| (k, p, e))).collect()
+    }
+
+    /// Each frequency counts in the ring rho - 1/2 <= |k| < rho + 1/2, up to kmax - 1.
+    fn energy_by_radius(energy: &Energy<Self>) -> Vec<f64> {
+        let bands = energy.bands();
+        let mut rings = vec![0.0; bands.kmax().max(1)];
+        for (band, e) in energy.per_band().iter().enumerate() {
+            let norm = |k: i32| u64::from(k.unsigned_abs()).pow(2);
+            let [k1, k2] = bands.frequency(band);
+            // |k| >= rho - 1/2 for the integer |k|^2 > rho^2 - rho.
+            let root = (norm(k1) + norm(k2)).isqrt();
+            let is_above = norm(k1) + norm(k2) > root * (root + 1);
+            let ring = usize::try_from(root + u64::from(is_above)).unwrap_or(usize::MAX);
+            if let Some(sum) = rings.get_mut(ring) {
+                *sum += e;
+            }
+        }
+        rings
+    }
+
+    fn range(radius: f64) -> String {
+        format!("frequencies |k| <= {}", whole(radius))
+    }
+}
 
 /// One spectrum of a chart.
 #[derive(Debug)]
@@ -22,15 +127,16 @@ pub(super) struct PowerCurve {
 
 impl PowerCurve {
     /// Returns the curve of the degrees l >= 1 up to `max_frequency` sqrt(N).
-    pub(super) fn new(
+    pub(super) fn new<B: ShownBands>(
         label: impl Into<String>,
-        spectrum: &Spectrum,
+        spectrum: &Spectrum<B>,
         max_frequency: f64,
         ink: Ink,
     ) -> Self {
         let n_points = spectrum.n_points();
         let last = max_frequency * (n_points as f64).sqrt();
-        let rows = spectrum.rows().skip(1).filter(|row| row.0 as f64 <= last).collect();
+        let rows = B::power_by_radius(spectrum).into_iter().skip(1);
+        let rows = rows.filter(|row| row.0 as f64 <= last).collect();
         Self { label: label.into(), n_points, rows, ink }
     }
 }
@@ -38,7 +144,7 @@ impl PowerCurve {
 /// Returns the chart of spectra against l/sqrt(N) beneath other series over the same axes, with
 /// notes on the curves; the caller sets the title. Degrees whose power is 0 to rounding are
 /// skipped.
-pub(super) fn power_chart(curves: &[PowerCurve], over: Vec<Series>) -> Chart {
+pub(super) fn power_chart<B: ShownBands>(curves: &[PowerCurve], over: Vec<Series>) -> Chart {
     let has_bands = curves.len() <= MAX_BANDS;
     let (mut is_binned, mut has_errors) = (false, false);
     let mut series = Vec::new();
@@ -73,9 +179,9 @@ pub(super) fn power_chart(curves: &[PowerCurve], over: Vec<Series>) -> Chart {
     ];
     Chart {
         title: String::new(),
-        x_label: "frequency l / \u{221a}N".to_owned(),
+        x_label: B::FREQUENCY.to_owned(),
         x_scale: Scale::Log,
-        panels: vec![Panel::log("power P(l), white noise = 1", series)],
+        panels: vec![Panel::log(B::POWER, series)],
         notes: notes.into_iter().flatten().map(str::to_owned).collect(),
     }
 }

@@ -4,7 +4,9 @@ use schemars::JsonSchema;
 use serde::Serialize;
 use sphvar_variance::{Comparison, PredictedPoint};
 
-use super::rows::{Plan, Row};
+use super::power_chart::largest_radius;
+use super::rows::Row;
+use crate::patterns::PredictedPattern;
 use crate::report::{Column, number};
 
 /// A pattern at one number of points, with its predicted and measured variance. A number that
@@ -22,13 +24,14 @@ pub(crate) struct RowRecord {
     /// The name of the integral in tables with several.
     #[serde(skip)]
     integral: Option<String>,
-    /// `sphere` or `hemisphere`.
+    /// `sphere`, `hemisphere` or `square`.
     domain: &'static str,
     /// The number of points requested.
     n_requested: usize,
     /// The number of points.
     n: usize,
-    /// The largest degree of the spectrum.
+    /// The largest degree of the spectrum; on the square the largest frequency, at most 256 if the
+    /// spectrum is estimated.
     lmax: usize,
     /// Realizations from which the spectrum was estimated; 0 for a closed form.
     realizations: u64,
@@ -102,7 +105,7 @@ const ROUNDED_AWAY: &str = "rounding of the integrand's values hides its varianc
 const CONFIDENCE: f64 = 0.95;
 
 impl RowRecord {
-    pub(super) fn new(row: &Row, plan: &Plan<'_>) -> Self {
+    pub(super) fn new<P: PredictedPattern>(row: &Row<P>) -> Self {
         let Comparison { predicted, measurement, .. } = &row.comparison;
         let PredictedPoint { spectrum, prediction } = predicted;
         let (ratio, ratio_stderr) = row.comparison.ratio();
@@ -118,21 +121,20 @@ impl RowRecord {
         let of_trials = |x: f64| if is_rounded_away { f64::NAN } else { x };
         // The error of the trials does not include energy that they did not sample.
         let known = |x: f64| if remark.is_some() { f64::NAN } else { x };
-        let integral = &plan.integrals.all()[row.integral];
         // An integral of 0 is known up to rounding.
         let error = prediction.variance.sqrt();
         let exact = row.comparison.exact.filter(|exact| exact.abs() > 1e-10 * error);
         Self {
-            integral: (plan.integrals.all().len() > 1).then(|| integral.label.clone()),
+            integral: row.integral.clone(),
             relative_error: exact.map(|exact| error / exact.abs()).filter(|e| e.is_finite()),
             sampler: row.pattern.to_string(),
             label: row.pattern.label(),
-            integrand: integral.integrand.name.clone(),
-            domain: plan.domain.name(),
+            integrand: row.integrand.clone(),
+            domain: row.domain,
             n_requested: row.requested,
             n: spectrum.n_points(),
             n_effective: row.n_effective,
-            lmax: spectrum.lmax(),
+            lmax: largest_radius(spectrum),
             realizations: spectrum.realizations(),
             trials: measurement.estimates().len(),
             predicted: prediction.variance,

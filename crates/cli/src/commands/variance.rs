@@ -3,19 +3,22 @@
 use clap::Args;
 use schemars::JsonSchema;
 use serde::Serialize;
-use sphvar_samplers::Pattern;
+use sphvar_samplers::Square;
 
 use super::compare::{Curve, variance_chart};
 use super::effort::EffortArgs;
 use super::fixed_orientation::{self, FixedOrientationRecord};
 use super::row_record::RowRecord;
-use super::rows::{self, Case, Plan};
+use super::rows::{self, Case, Plan, Row};
+use super::square_rows;
 use super::visible_half::{self, HalfAxis, VisibleHalfRecord};
 use crate::error::CliError;
-use crate::flags::{CountsArgs, IntegrandArgs, NearestArgs, OutArgs, ProjectArgs, SamplersArgs};
+use crate::flags::{
+    CountsArgs, IntegrandArgs, NearestArgs, OutArgs, ProjectArgs, SHIFTED, SamplersArgs,
+};
 use crate::global::Global;
-use crate::integrands::{Integrals, parse_integrands, with_integrals};
-use crate::patterns::parse_patterns;
+use crate::integrands::{Integrals, parse_integrands, parse_square_integrand, with_integrals};
+use crate::patterns::{PredictedPattern, parse_patterns};
 use crate::report::{Forms, Provenance, check_result, csv_of, emit, is_stdout, table_of};
 
 pub(crate) const EXAMPLES: &str = "Examples:
@@ -25,6 +28,7 @@ pub(crate) const EXAMPLES: &str = "Examples:
   sphvar variance jittered,fibonacci -n 48..768 --nearest --integrand cap:degrees=60 -o v.svg
   sphvar variance fibonacci,jittered -n 192 --integrand ylm:l=4,m=0 -m 200 --no-rotate
   sphvar variance jittered -n 48 --integrand env:data/city.exr --project 2 -m 100
+  sphvar variance jittered-square,sobol --square -n 16,64 --integrand disk:radius=0.3 -m 100
 
 Columns: the variance that the spectra predict and the one measured on independent, uniformly \
 rotated realizations, each with its standard error (that of the prediction with the error of the \
@@ -40,7 +44,10 @@ and relative error with respect to its root mean square. It does not include the
 
 --no-rotate gives the errors in the orientation that a pattern has. For a set that is always the same these are \
 its signed error and the distribution of errors over uniformly random orientations; for a random pattern, the mean \
-error (its bias) and the distribution over realizations, whose variance may differ from that of rotated ones.";
+error (its bias) and the distribution over realizations, whose variance may differ from that of rotated ones.
+
+--square has patterns of the unit square (sphvar list), shifted by a uniformly random vector modulo 1 in each realization: the \
+variance is then the sum over all frequencies k of the power of the pattern times that of the integrand, divided by N.";
 
 #[derive(Debug, Args)]
 #[command(
@@ -90,6 +97,9 @@ pub(crate) fn run(args: &VarianceArgs, global: &Global) -> Result<(), CliError> 
             return Err(CliError::Usage(message.to_owned()));
         }
     }
+    if args.effort.square.square {
+        return run_square(args, global);
+    }
     let functions = parse_integrands(args.integrand.required()?, global.quiet)?;
     with_integrals(&functions, args.project.project, |integrals| {
         run_integrals(args, global, integrals)
@@ -113,22 +123,43 @@ fn run_integrals(
         integrals.only("--visible-half")?;
     }
     let (rows, _) = rows::run(&plan, &cases)?;
-    let records: Vec<RowRecord> = rows.iter().map(|row| RowRecord::new(row, &plan)).collect();
-    let provenance = Provenance::new(global.seed);
     let halves = match args.visible_half {
         Some(axis) => Some(visible_half::run(&plan, axis, &cases, &rows)?),
         None => None,
     };
-    let body = VarianceBody { rows: records, visible_half: halves };
+    write(args, global, &rows, &plan.subject(), halves)
+}
+
+/// Predicts and measures variances on the unit square.
+fn run_square(args: &VarianceArgs, global: &Global) -> Result<(), CliError> {
+    let other = [("--no-rotate", args.no_rotate, SHIFTED)];
+    let effort = square_rows::settings(&args.effort, args.project, &other, global, false)?;
+    let integrand = parse_square_integrand(args.integrand.required()?, global.quiet)?;
+    let patterns = parse_patterns(&args.samplers.required()?, global.quiet)?;
+    let cases = Case::all(&patterns, args.counts.list(), Square, args.nearest.nearest)?;
+    let (rows, _) = square_rows::run(&integrand, &effort, &cases)?;
+    write(args, global, &rows, &integrand.subject(), None)
+}
+
+/// Writes the variances of patterns in the requested form.
+fn write<P: PredictedPattern>(
+    args: &VarianceArgs,
+    global: &Global,
+    rows: &[Row<P>],
+    subject: &str,
+    visible_half: Option<Vec<VisibleHalfRecord>>,
+) -> Result<(), CliError> {
+    let provenance = Provenance::new(global.seed);
+    let body = VarianceBody { rows: rows.iter().map(RowRecord::new).collect(), visible_half };
     let chart = || {
-        let mut patterns: Vec<&Pattern> = Vec::new();
-        for row in &rows {
+        let mut patterns: Vec<&P> = Vec::new();
+        for row in rows {
             if !patterns.contains(&&row.pattern) {
                 patterns.push(&row.pattern);
             }
         }
-        let curves: Vec<_> = patterns.iter().map(|p| Curve::new(p, &rows)).collect();
-        Ok(variance_chart(&curves, &plan))
+        let curves: Vec<_> = patterns.into_iter().map(|p| Curve::new(p, rows)).collect();
+        Ok(variance_chart(&curves, subject))
     };
     let forms = Forms {
         csv: &|| csv_of(&provenance, &body.rows),

@@ -102,16 +102,18 @@ pub(super) fn run(
         .collect::<Result<_, _>>()?;
     let trials = |row: &Row| row.comparison.measurement.estimates().len();
     let work = sphere.iter().zip(rows).map(|(s, r)| trials(r) as f64 * trial_work(&**s)).sum();
-    let progress = Progress::new(work, plan.quiet);
+    let progress = Progress::new(work, plan.effort.quiet);
     let mut records = Vec::new();
     for ((sampler, case), row) in sphere.iter().zip(cases).zip(rows) {
         let m = sampler.n_points();
         progress.stage(&format!("{} M = {m}, visible half", case.pattern));
         let group = sampler.stream_group();
-        let streams = Streams::new(plan.seed, Purpose::Trial, group);
+        let streams = Streams::new(plan.effort.seed, Purpose::Trial, group);
         let axis = match half {
             HalfAxis::Equator => CutAxis::Equator,
-            HalfAxis::Random => CutAxis::Random(Streams::new(plan.seed, Purpose::Resample, group)),
+            HalfAxis::Random => {
+                CutAxis::Random(Streams::new(plan.effort.seed, Purpose::Resample, group))
+            }
         };
         let ensemble = Realizations::rotated(&**sampler, streams);
         let function = &*plan.integrand.function;

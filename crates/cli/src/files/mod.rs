@@ -34,7 +34,7 @@ pub(crate) use file_error::{FileError, Place, input_name};
 pub(crate) use fits::{FitsField, FitsMap, HduChoice, read_fits_map};
 pub(crate) use folder_lock::FolderLock;
 pub(crate) use formats::{FileFormat, formats};
-pub(crate) use image::{ChannelChoice, decode_image, read_image};
+pub(crate) use image::{ChannelChoice, decode_image, decode_picture, read_image};
 pub(crate) use input::read_whole;
 pub(crate) use lists::{Columns, Fault, ListWriter, Number, Written, read_list};
 pub(crate) use live_files::{as_group, remove_all_and_exit};

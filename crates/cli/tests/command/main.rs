@@ -38,6 +38,7 @@ mod schemas;
 mod several_integrals;
 mod shards;
 mod square;
+mod square_variances;
 mod targets;
 mod weights;
 mod workplace;

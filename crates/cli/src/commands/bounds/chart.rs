@@ -63,7 +63,7 @@ pub(super) fn chart(
         series.push(Series { label, points, spread: Spread::None, style, ink: Ink::Rank(rank) });
     }
     let has_sides = records.iter().any(|record| record.side() != "given");
-    let chart = power_chart(&curves, series);
+    let chart = power_chart::<sphvar_samplers::Domain>(&curves, series);
     Ok(if has_sides {
         chart.with_note("Solid colours: upper profiles. Dashed colours: lower profiles.")
     } else {

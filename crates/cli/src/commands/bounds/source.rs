@@ -19,7 +19,7 @@ use crate::global::Global;
 use crate::integrands::NamedIntegrand;
 use crate::memory::{check_degree, check_memory, check_transform};
 use crate::patterns;
-use crate::point_sets::n_effective;
+use crate::patterns::n_effective;
 use crate::progress::Progress;
 
 /// The maximum nominal work of a closed-form spectrum; a spectrum that exceeds it is sampled.
@@ -98,7 +98,7 @@ impl Measured {
             label: pattern.label(),
             sampler: Some(pattern.name()),
             n_points,
-            n_effective: n_effective(&*sampler, &spectrum).unwrap_or(n_points as f64),
+            n_effective: n_effective::<Pattern>(&*sampler, &spectrum).unwrap_or(n_points as f64),
             source: Some(sampler),
             domain,
             power: spectrum.power().to_vec(),

@@ -1,7 +1,9 @@
 use clap::{ArgGroup, Args};
 
 use crate::counts::{parse_number, parse_one_count};
-use crate::flags::{CountArgs, DomainArgs, IntegrandArgs, OutArgs, ProjectArgs, SamplersArgs};
+use crate::flags::{
+    CountArgs, DomainArgs, IntegrandArgs, OutArgs, ProjectArgs, SamplersArgs, SquareArgs,
+};
 
 #[derive(Debug, Args)]
 #[command(
@@ -31,6 +33,8 @@ pub(crate) struct ChooseArgs {
     pub(crate) absolute: bool,
     #[command(flatten)]
     pub(crate) domain: DomainArgs,
+    #[command(flatten)]
+    pub(crate) square: SquareArgs,
     /// Maximum number of points considered for --error
     #[arg(long, default_value = "100000", value_name = "N", value_parser = parse_one_count,
         conflicts_with = "count")]

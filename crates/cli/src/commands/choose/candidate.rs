@@ -2,20 +2,19 @@
 
 use std::time::Instant;
 
-use sphvar_samplers::{
-    Domain, Pattern, PointSet, Purpose, Realizations, SECONDS_PER_WORK, Streams,
-};
+use sphvar_samplers::{Ensemble, PointSet, Purpose, SECONDS_PER_WORK, Streams};
 use sphvar_variance::{
-    Candidate, Goal, PredictedCurve, PredictedPoint, Predictor, RequiredPoints, best_design,
+    Candidate, Goal, IntegrationSpace, PredictedCurve, PredictedPoint, RequiredPoints,
     valid_between,
 };
 
+use super::choosable::{Choosable, PredictorOf};
 use super::question::Question;
 use crate::error::CliError;
 
 /// A pattern with its answer to the question and the time for it.
-pub(super) struct TimedCandidate {
-    pub(super) answer: Candidate,
+pub(super) struct TimedCandidate<P: Choosable> {
+    pub(super) answer: Candidate<P, P::Space>,
     /// Whether it needs more than [`MAX_FACTOR`] times the points of the best pattern, in which
     /// case the exact number is unknown.
     pub(super) is_behind: bool,
@@ -42,19 +41,19 @@ const UNIT_COST: f64 = 60e-9;
 /// The nominal work per point above which a pattern is expensive.
 const EXPENSIVE: f64 = 30.0;
 
-impl TimedCandidate {
+impl<P: Choosable> TimedCandidate<P> {
     /// Returns the pattern unchanged. If `best`, the number of points of the best pattern, is given,
     /// an expensive one is tried with at most four times as many.
     pub(super) fn new(
-        pattern: Pattern,
+        pattern: P,
         best: Option<usize>,
         question: &Question,
-        predictor: &mut Predictor<'_>,
+        predictor: &mut PredictorOf<'_, P>,
         seed: u64,
     ) -> Result<Self, CliError> {
         let max_points = question.max_points();
         let needed = best.map_or(usize::MAX, |best| best.saturating_mul(MAX_FACTOR));
-        if needed < max_points && pattern.nominal_work(needed) >= EXPENSIVE * needed as f64 {
+        if needed < max_points && P::nominal_work(&pattern, needed) >= EXPENSIVE * needed as f64 {
             let curve = PredictedCurve::new(pattern);
             let found = Self::answering(curve, needed, question, predictor, seed)?;
             return Ok(Self { is_behind: found.answer.n_points.is_none(), ..found });
@@ -67,7 +66,7 @@ impl TimedCandidate {
     pub(super) fn tuned(
         self,
         question: &Question,
-        predictor: &mut Predictor<'_>,
+        predictor: &mut PredictorOf<'_, P>,
         best: f64,
         seed: u64,
     ) -> Result<Self, CliError> {
@@ -78,8 +77,8 @@ impl TimedCandidate {
             Goal::Variance { .. } => variance,
             Goal::Points(_) => variance.min(best),
         };
-        let Some((pattern, point)) = best_design(predictor, self.answer.curve.pattern(), n, limit)?
-        else {
+        let own = self.answer.curve.pattern();
+        let Some((pattern, point)) = P::best_design(own, predictor, n, limit)? else {
             return Ok(self);
         };
         let mut curve = PredictedCurve::new(pattern);
@@ -89,10 +88,10 @@ impl TimedCandidate {
     }
 
     fn answering(
-        curve: PredictedCurve,
+        curve: PredictedCurve<P, P::Space>,
         max_points: usize,
         question: &Question,
-        predictor: &mut Predictor<'_>,
+        predictor: &mut PredictorOf<'_, P>,
         seed: u64,
     ) -> Result<Self, CliError> {
         let goal = question.goal(max_points);
@@ -107,8 +106,8 @@ impl TimedCandidate {
         }
         let set_time = match n_points {
             // The sets of a file exist already.
-            Some(n) if !matches!(answer.curve.pattern(), Pattern::PointFile(_)) => {
-                Some(set_time(&answer.curve, question.domain, n, seed)?)
+            Some(n) if !answer.curve.pattern().is_file() => {
+                Some(set_time(&answer.curve, predictor.space(), n, seed)?)
             }
             _ => None,
         };
@@ -134,7 +133,7 @@ impl TimedCandidate {
         let goal = question.goal(usize::MAX);
         let all = |cost: f64, n: usize| {
             // Nominal work, because measured seconds vary from run to run and the answer must not.
-            cost * n as f64 + UNIT_COST * self.answer.curve.pattern().nominal_work(n)
+            cost * n as f64 + UNIT_COST * P::nominal_work(self.answer.curve.pattern(), n)
         };
         match (goal, question.cost_per_sample.zip(self.answer.n_points)) {
             (Goal::Variance { .. }, Some((cost, n))) => all(cost, n),
@@ -153,9 +152,9 @@ const MAX_TIMED_POINTS: usize = 10_000_000;
 const MAX_SET_SECONDS: f64 = 0.2;
 
 /// Returns the time for a set of `n_points`, measured or scaled from the largest predicted set.
-fn set_time(
-    curve: &PredictedCurve,
-    domain: Domain,
+fn set_time<P: Choosable>(
+    curve: &PredictedCurve<P, P::Space>,
+    space: P::Space,
     n_points: usize,
     seed: u64,
 ) -> Result<SetTime, CliError> {
@@ -164,7 +163,7 @@ fn set_time(
     let largest = curve.points().last().map_or(n_points, PredictedPoint::n_points);
     let too_long = largest < n_points && expected(n_points) > MAX_SET_SECONDS;
     let timed = if too_long { largest } else { n_points };
-    let timed = match valid_between(pattern, domain, 0, MAX_TIMED_POINTS, MAX_TIMED_POINTS) {
+    let timed = match valid_between(pattern, space, 0, MAX_TIMED_POINTS, MAX_TIMED_POINTS) {
         Some(max_points) if timed > MAX_TIMED_POINTS => max_points,
         _ => timed,
     };
@@ -172,20 +171,21 @@ fn set_time(
         return Ok(SetTime { seconds: expected(n_points), is_scaled: true });
     }
     let is_scaled = timed < n_points;
-    let seconds = median_seconds(pattern, domain, timed, seed)?;
+    let seconds = median_seconds(pattern, space, timed, seed)?;
     Ok(SetTime { seconds: seconds * expected(n_points) / expected(timed), is_scaled })
 }
 
-/// Returns the median time for a set on one core, rotation included.
-fn median_seconds(
-    pattern: &Pattern,
-    domain: Domain,
+/// Returns the median time for a set on one core, rotation or shift included.
+fn median_seconds<P: Choosable>(
+    pattern: &P,
+    space: P::Space,
     n_points: usize,
     seed: u64,
 ) -> Result<f64, CliError> {
-    let sampler = pattern.build(n_points, domain).map_err(CliError::failed)?;
-    let streams = Streams::new(seed, Purpose::Pattern, pattern.stream_group(n_points));
-    let sets = Realizations::rotated(&*sampler, streams);
+    let sampler = pattern.build(n_points, space).map_err(CliError::failed)?;
+    let sampler = P::Space::sampler(&sampler);
+    let streams = Streams::new(seed, Purpose::Pattern, P::Space::stream_group(sampler));
+    let sets = P::Space::realizations(sampler, streams);
     let mut set = PointSet::new(Vec::with_capacity(n_points));
     let mut seconds = Vec::new();
     for index in 0..TIMED_SETS {
@@ -201,8 +201,8 @@ fn median_seconds(
 }
 
 /// Sorts the candidates, best first; ties are broken by variance.
-pub(super) fn rank(candidates: &mut [TimedCandidate], question: &Question) {
-    let variance = |c: &TimedCandidate| c.answer.variance.map_or(f64::INFINITY, |v| v.0);
+pub(super) fn rank<P: Choosable>(candidates: &mut [TimedCandidate<P>], question: &Question) {
+    let variance = |c: &TimedCandidate<P>| c.answer.variance.map_or(f64::INFINITY, |v| v.0);
     candidates.sort_by(|a, b| {
         let order = a.merit(question).total_cmp(&b.merit(question));
         order.then(variance(a).total_cmp(&variance(b)))
@@ -212,11 +212,11 @@ pub(super) fn rank(candidates: &mut [TimedCandidate], question: &Question) {
 /// Returns the recommended candidate: the first, or one that is less expensive to generate and at
 /// most 10 % worse. If candidates are ranked by total time, it is the first, because that time
 /// includes the generation. An extrapolated candidate is recommended only if none was predicted.
-pub(super) fn recommended<'a>(
-    ranked: &'a [TimedCandidate],
+pub(super) fn recommended<'a, P: Choosable>(
+    ranked: &'a [TimedCandidate<P>],
     question: &Question,
-) -> Option<&'a TimedCandidate> {
-    let sure = |c: &&TimedCandidate| c.basis() == "predicted";
+) -> Option<&'a TimedCandidate<P>> {
+    let sure = |c: &&TimedCandidate<P>| c.basis() == "predicted";
     let any = ranked.iter().find(|c| c.answer.variance.is_some())?;
     let first = ranked.iter().filter(|c| c.answer.variance.is_some()).find(sure).unwrap_or(any);
     if question.cost_per_sample.is_some() {
@@ -225,15 +225,15 @@ pub(super) fn recommended<'a>(
     let limit = 1.1 * first.merit(question);
     let near = ranked.iter().filter(|c| c.basis() == first.basis() && c.merit(question) <= limit);
     // Nominal work, because measured times vary from run to run.
-    let cost = |c: &TimedCandidate| c.answer.n_points.map_or(f64::INFINITY, |n| per_point(c, n));
+    let cost = |c: &TimedCandidate<P>| c.answer.n_points.map_or(f64::INFINITY, |n| per_point(c, n));
     near.min_by(|a, b| cost(a).total_cmp(&cost(b)))
 }
 
 /// Returns the time to generate a set, in seconds, estimated from the nominal work.
-fn expected_seconds(pattern: &Pattern, n_points: usize) -> f64 {
-    SECONDS_PER_WORK * pattern.nominal_work(n_points)
+fn expected_seconds<P: Choosable>(pattern: &P, n_points: usize) -> f64 {
+    SECONDS_PER_WORK * P::nominal_work(pattern, n_points)
 }
 
-fn per_point(candidate: &TimedCandidate, n_points: usize) -> f64 {
-    candidate.answer.curve.pattern().nominal_work(n_points) / n_points as f64
+fn per_point<P: Choosable>(candidate: &TimedCandidate<P>, n_points: usize) -> f64 {
+    P::nominal_work(candidate.answer.curve.pattern(), n_points) / n_points as f64
 }

@@ -1,8 +1,7 @@
 //! The chart of standard errors against N, compared with white noise.
 
-use sphvar_samplers::Pattern;
-
 use super::candidate::TimedCandidate;
+use super::choosable::Choosable;
 use super::question::{Question, Requested};
 use crate::plots::{
     Chart, Ink, MAX_COLOURS, NOTE_OF_OWN, Panel, Scale, Series, Spread, Style, inks,
@@ -10,14 +9,14 @@ use crate::plots::{
 
 /// Returns the chart of the candidates, best first; `white_variance` is the variance of white noise
 /// with one point.
-pub(super) fn chart(
+pub(super) fn chart<P: Choosable>(
     question: &Question,
-    candidates: &[TimedCandidate],
+    candidates: &[TimedCandidate<P>],
     white_variance: f64,
 ) -> Chart {
     let scale = question.integral.map_or(1.0, |i| 100.0 / i.abs());
     let (mut series, mut ratios) = (Vec::new(), Vec::new());
-    let is_own = |c: &TimedCandidate| matches!(c.answer.curve.pattern(), Pattern::PointFile(_));
+    let is_own = |c: &TimedCandidate<P>| c.answer.curve.pattern().is_file();
     let are_own: Vec<bool> = candidates.iter().map(is_own).collect();
     let n_own = are_own.iter().filter(|is_own| **is_own).count();
     // Candidates are sorted, so that the position is the rank.

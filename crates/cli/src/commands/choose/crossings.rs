@@ -4,6 +4,7 @@ use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::candidate::TimedCandidate;
+use super::choosable::Choosable;
 use crate::commands::crossovers::{CrossoverRecord, crossovers};
 
 /// The number of best candidates that are searched for crossovers.
@@ -30,9 +31,12 @@ impl CrossingRecord {
 }
 
 /// Returns the significant crossings of the best candidates' curves in the range that both cover.
-pub(super) fn between(ranked: &[TimedCandidate], seed: u64) -> Vec<CrossingRecord> {
+pub(super) fn between<P: Choosable>(
+    ranked: &[TimedCandidate<P>],
+    seed: u64,
+) -> Vec<CrossingRecord> {
     let best = &ranked[..ranked.len().min(BEST)];
-    let name = |c: &TimedCandidate| c.answer.curve.pattern().to_string();
+    let name = |c: &TimedCandidate<P>| c.answer.curve.pattern().to_string();
     let curves: Vec<_> =
         best.iter().map(|c| (c.answer.curve.pattern(), c.answer.curve.variance_points())).collect();
     let judged = |crossover: CrossoverRecord| {

@@ -1,10 +1,9 @@
 //! The answer as table, JSON, CSV and plot.
 
-use sphvar_variance::Predictor;
-
 use super::args::ChooseArgs;
 use super::candidate::{MAX_FACTOR, TimedCandidate, recommended};
 use super::chart::chart;
+use super::choosable::{Choosable, PredictorOf};
 use super::crossings;
 use super::question::{Question, Requested};
 use super::ranking::Ranking;
@@ -15,21 +14,21 @@ use crate::global::Global;
 use crate::report::{Forms, Provenance, csv_of, emit, number, table_of};
 
 /// The complete answer.
-pub(super) struct Answer<'a> {
+pub(super) struct Answer<'a, P: Choosable> {
     /// The main ranking first.
-    rankings: Vec<Ranking<'a>>,
+    rankings: Vec<Ranking<'a, P>>,
     body: ChoiceBody,
     /// The variance of white noise with one point.
     white_variance: f64,
 }
 
-impl<'a> Answer<'a> {
+impl<'a, P: Choosable> Answer<'a, P> {
     /// Returns the answer from rankings, of which the first decides.
-    pub(super) fn new(mut rankings: Vec<Ranking<'a>>, seed: u64) -> Result<Self, CliError> {
+    pub(super) fn new(mut rankings: Vec<Ranking<'a, P>>, seed: u64) -> Result<Self, CliError> {
         let mut rows = Vec::new();
         for ranking in &mut rankings {
             for i in 0..ranking.candidates.len() {
-                let coefficients = ranking.coefficients(i)?;
+                let coefficients = ranking.coefficients[i].take();
                 let Ranking { question, predictor, candidates, .. } = ranking;
                 let record = CandidateRecord::new(i + 1, &candidates[i], question, predictor);
                 rows.push(CandidateRecord { coefficients, ..record });
@@ -46,7 +45,7 @@ impl<'a> Answer<'a> {
         };
         let body = ChoiceBody {
             integrand: question.integrand.clone(),
-            domain: question.domain.name(),
+            domain: predictor.space().to_string(),
             integral: question.integral,
             error_requested,
             points_requested,
@@ -182,10 +181,10 @@ fn explanation(question: &Question) -> String {
 }
 
 /// Returns a line for one candidate, printed before all are known.
-pub(super) fn line(
-    candidate: &TimedCandidate,
+pub(super) fn line<P: Choosable>(
+    candidate: &TimedCandidate<P>,
     question: &Question,
-    predictor: &Predictor<'_>,
+    predictor: &PredictorOf<'_, P>,
 ) -> String {
     let record = CandidateRecord::new(0, candidate, question, predictor);
     let CandidateRecord { label, basis, .. } = &record;

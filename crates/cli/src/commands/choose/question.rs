@@ -1,11 +1,9 @@
 //! The question: a requested error, or a number of points.
 
-use sphvar_integrands::Energy;
-use sphvar_variance::{Domain, Goal, Predictor};
+use sphvar_variance::{Goal, IntegrationSpace, PredictorOn};
 
 use super::args::ChooseArgs;
 use crate::error::CliError;
-use crate::integrands::Integral;
 use crate::share::parse_share;
 
 /// The question together with the known properties of the integrand.
@@ -14,7 +12,6 @@ pub(super) struct Question {
     pub(super) integrand: String,
     /// What is estimated, in texts.
     pub(super) quantity: &'static str,
-    pub(super) domain: Domain,
     /// The integral, where it is known to 0.1 % or better and not 0.
     pub(super) integral: Option<f64>,
     pub(super) requested: Requested,
@@ -36,20 +33,19 @@ pub(super) enum Requested {
 }
 
 impl Question {
+    /// Returns the question about an integrand whose integral is estimated with an error, and by the
+    /// Cauchy-Schwarz inequality at most `largest`.
     pub(super) fn new(
         args: &ChooseArgs,
-        integral: &Integral<'_>,
-        energy: &Energy,
+        integrand: &str,
+        quantity: &'static str,
+        estimate: Option<(f64, f64)>,
+        largest: f64,
     ) -> Result<Self, CliError> {
-        let (integrand, domain) = (integral.integrand, energy.domain());
-        let quantity = if integral.is_irradiance() { "irradiance" } else { "integral" };
         // An estimate serves as the unit of relative errors if it is accurate to their two digits.
         let is_accurate = |&(integral, error): &(f64, f64)| error <= 1e-3 * f64::abs(integral);
-        let estimate = integrand.function.integral_estimate(domain);
         let known = estimate.filter(is_accurate).map(|(integral, _)| integral);
-        // By the Cauchy-Schwarz inequality, no integral exceeds this; one that rounds to 0 relative
-        // to it is 0.
-        let largest = (domain.area() * energy.total()).sqrt();
+        // An integral that rounds to 0 relative to the largest possible one is 0.
         let integral = known.filter(|i| i.abs() > 1e-12 * largest);
         let requested = match (&args.error, args.count.count) {
             (Some(text), _) => {
@@ -71,8 +67,8 @@ impl Question {
             }
         };
         let cost_per_sample = args.cost_per_sample;
-        let integrand = integrand.name.clone();
-        Ok(Self { integrand, quantity, domain, integral, requested, cost_per_sample })
+        let integrand = integrand.to_owned();
+        Ok(Self { integrand, quantity, integral, requested, cost_per_sample })
     }
 
     /// Returns the question for the library, with at most `max_points` points.
@@ -94,7 +90,10 @@ impl Question {
     }
 
     /// Returns the exact number of points that white noise needs for the requested error.
-    pub(super) fn white_noise_points(&self, predictor: &Predictor<'_>) -> Option<f64> {
+    pub(super) fn white_noise_points<S: IntegrationSpace>(
+        &self,
+        predictor: &PredictorOn<'_, S>,
+    ) -> Option<f64> {
         match self.requested {
             Requested::Error { standard_error, .. } => {
                 Some(predictor.white_points(standard_error * standard_error))

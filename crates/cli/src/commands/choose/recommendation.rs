@@ -1,19 +1,17 @@
 //! The recommendation and its reason in a sentence, or the reason why there is none.
 
-use sphvar_samplers::Pattern;
-use sphvar_variance::{Predictor, settled_degree_of};
-
 use super::candidate::TimedCandidate;
+use super::choosable::{Choosable, PredictorOf};
 use super::question::{Question, Requested};
 use super::reason::Reason;
 use crate::error::CliError;
 use crate::report::number;
 
 /// The recommendation with its reason, in a sentence.
-pub(super) fn recommendation(
-    best: Option<&TimedCandidate>,
+pub(super) fn recommendation<P: Choosable>(
+    best: Option<&TimedCandidate<P>>,
     question: &Question,
-    predictor: &mut Predictor<'_>,
+    predictor: &mut PredictorOf<'_, P>,
 ) -> Result<(Option<Reason>, String), CliError> {
     let white = predictor.white_variance(1);
     if white <= 0.0 {
@@ -31,7 +29,7 @@ pub(super) fn recommendation(
                 number::optional(question.white_noise_points(predictor), number::count)
             );
         }
-        return Ok((None, text + &beyond_help(max_considered, predictor)?));
+        return Ok((None, text + &beyond_help::<P>(max_considered, predictor)?));
     };
     if let Some(text) = no_recommendation(best, n, question, predictor)? {
         return Ok((None, text));
@@ -54,7 +52,7 @@ pub(super) fn recommendation(
     let why = match &reason {
         _ if best.answer.is_exact() => ": it integrates this function exactly".to_owned(),
         Some(reason) => {
-            let name = if name.own_count().is_some() { &label } else { name.name() };
+            let name = if name.own_count().is_some() { &label } else { P::name(name) };
             format!(": {}", reason.sentence(name))
         }
         None => String::new(),
@@ -65,11 +63,11 @@ pub(super) fn recommendation(
 
 /// Returns why not even the best pattern is recommended: its error exceeds the integral, or its
 /// variance is not below white noise's within the known accuracy.
-fn no_recommendation(
-    best: &TimedCandidate,
+fn no_recommendation<P: Choosable>(
+    best: &TimedCandidate<P>,
     n: usize,
     question: &Question,
-    predictor: &mut Predictor<'_>,
+    predictor: &mut PredictorOf<'_, P>,
 ) -> Result<Option<String>, CliError> {
     let Some((variance, stderr)) = best.answer.variance else {
         return Ok(None);
@@ -82,11 +80,11 @@ fn no_recommendation(
             name.label(),
             number::percent(error)
         );
-        return Ok(Some(text + &beyond_help(n, predictor)?));
+        return Ok(Some(text + &beyond_help::<P>(n, predictor)?));
     }
     let unknown = if stderr.is_finite() { 2.0 * stderr } else { 0.0 };
     let is_white = predictor.white_variance(n) <= variance + unknown;
-    let is_white_noise = *name == Pattern::WhiteNoise;
+    let is_white_noise = name.is_white_noise();
     if is_white && !is_white_noise
         || is_white_noise && matches!(question.requested, Requested::Points(_))
     {
@@ -94,23 +92,23 @@ fn no_recommendation(
             "No recommendation: with {n} points no pattern has a significantly smaller variance than white \
              noise."
         );
-        return Ok(Some(text + &beyond_help(n, predictor)?));
+        return Ok(Some(text + &beyond_help::<P>(n, predictor)?));
     }
     Ok(None)
 }
 
 /// Returns a remark if most of the variance lies in degrees in which no pattern has less power than
 /// white noise.
-fn beyond_help(n_points: usize, predictor: &mut Predictor<'_>) -> Result<String, CliError> {
-    let settled = settled_degree_of(n_points, predictor.domain());
-    let share = predictor.share_beyond(settled)?;
-    Ok(if share > 0.5 {
-        format!(
+fn beyond_help<P: Choosable>(
+    n_points: usize,
+    predictor: &mut PredictorOf<'_, P>,
+) -> Result<String, CliError> {
+    Ok(match P::beyond_settled(predictor, n_points)? {
+        Some((settled, share)) if share > 0.5 => format!(
             " No pattern can: {} of the variance lies beyond degree {settled}, where every pattern of \
              {n_points} points has the mean power of white noise.",
             number::percent(share)
-        )
-    } else {
-        String::new()
+        ),
+        _ => String::new(),
     })
 }

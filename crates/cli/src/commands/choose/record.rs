@@ -2,13 +2,15 @@
 
 use schemars::JsonSchema;
 use serde::Serialize;
-use sphvar_variance::{PredictedPoint, Predictor, RequiredPoints};
+use sphvar_variance::{IntegrationSpace, PredictedPoint, RequiredPoints};
 
 use super::candidate::TimedCandidate;
+use super::choosable::{Choosable, PredictorOf};
 use super::crossings::CrossingRecord;
 use super::question::Question;
 use super::reason::Reason;
-use crate::point_sets::n_effective;
+use crate::commands::power_chart::largest_radius;
+use crate::patterns::{BandsOf, n_effective};
 use crate::report::{Column, number};
 
 /// A sampler that was not considered.
@@ -117,8 +119,8 @@ pub(super) struct CurveRecord {
 pub(crate) struct ChoiceBody {
     /// The integrand, as it was given.
     pub(super) integrand: String,
-    /// `sphere` or `hemisphere`.
-    pub(super) domain: &'static str,
+    /// `sphere`, `hemisphere` or `square`.
+    pub(super) domain: String,
     /// The integral, exact or accurate to 0.1 %; null if it is unknown or 0; of an irradiance E, the
     /// norm `sqrt(int E^2)` over all normals.
     pub(super) integral: Option<f64>,
@@ -146,13 +148,13 @@ pub(crate) struct ChoiceBody {
 }
 
 impl CandidateRecord {
-    pub(super) fn new(
+    pub(super) fn new<P: Choosable>(
         rank: usize,
-        candidate: &TimedCandidate,
+        candidate: &TimedCandidate<P>,
         question: &Question,
-        predictor: &Predictor<'_>,
+        predictor: &PredictorOf<'_, P>,
     ) -> Self {
-        let curve = &candidate.answer.curve;
+        let (curve, space) = (&candidate.answer.curve, predictor.space());
         let point = candidate.answer.n_points.and_then(|n| curve.at(n));
         let rate = match candidate.answer.required {
             Some(RequiredPoints::Extrapolated { fit, .. }) => Some(fit),
@@ -161,7 +163,7 @@ impl CandidateRecord {
         let variance = candidate.answer.variance.map(|v| v.0);
         let white = candidate.answer.n_points.map(|n| predictor.white_variance(n));
         let finite = |x: &f64| x.is_finite();
-        let curve_point = |p: &PredictedPoint| CurveRecord {
+        let curve_point = |p: &PredictedPoint<BandsOf<P>>| CurveRecord {
             n: p.n_points(),
             variance: p.prediction.variance,
             variance_stderr: p.prediction.stderr,
@@ -178,8 +180,8 @@ impl CandidateRecord {
             integrand: question.integrand.clone(),
             n: candidate.answer.n_points,
             n_effective: point.and_then(|point| {
-                let sampler = curve.pattern().build(point.n_points(), question.domain).ok()?;
-                n_effective(&*sampler, &point.spectrum)
+                let sampler = curve.pattern().build(point.n_points(), space).ok()?;
+                n_effective::<P>(P::Space::sampler(&sampler), &point.spectrum)
             }),
             basis: candidate.basis(),
             too_few: match candidate.answer.required {
@@ -197,12 +199,12 @@ impl CandidateRecord {
             seconds_per_set: candidate.set_time.map(|m| m.seconds),
             seconds_are_scaled: candidate.set_time.is_some_and(|m| m.is_scaled),
             seconds_in_all: candidate.seconds_in_all,
-            lmax: point.map(|p| p.spectrum.lmax()),
+            lmax: point.map(|p| largest_radius(&p.spectrum)),
             realizations: point.map(|p| p.spectrum.realizations()),
             last_empty_degree: candidate
                 .answer
                 .n_points
-                .and_then(|n| curve.pattern().last_empty_degree(n, question.domain)),
+                .and_then(|n| P::last_empty_degree(curve.pattern(), n, space)),
             curve: curve.points().iter().map(curve_point).collect(),
             coefficients: None,
         }

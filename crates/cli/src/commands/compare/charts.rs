@@ -1,12 +1,11 @@
 //! The charts of `compare`; `variance` shares one of them.
 
 use sphvar_integrands::Energy;
-use sphvar_samplers::Pattern;
 use sphvar_variance::VariancePoint;
 
 use super::curve::Curve;
-use crate::commands::power_chart::{PowerCurve, power_chart};
-use crate::commands::rows::Plan;
+use crate::commands::power_chart::{PowerCurve, ShownBands, power_chart};
+use crate::patterns::{BandsOf, PredictedPattern};
 use crate::plots::{
     Binned, Chart, Ink, MAX_COLOURS, NOTE_OF_OWN, Panel, Scale, Series, Spread, Style, inks,
 };
@@ -22,8 +21,8 @@ const LAST_FREQUENCY: f64 = 4.0;
 
 /// Returns the colours of curves. If there are many curves, only those with the smallest N x
 /// variance have a colour.
-fn inks_of(curves: &[Curve<'_>]) -> Vec<Ink> {
-    let value = |curve: &Curve<'_>| {
+fn inks_of<P: PredictedPattern>(curves: &[Curve<'_, P>]) -> Vec<Ink> {
+    let value = |curve: &Curve<'_, P>| {
         let last = curve.predicted().last().copied();
         last.map_or(f64::NAN, |point: VariancePoint| point.variance * point.n_points)
     };
@@ -32,12 +31,12 @@ fn inks_of(curves: &[Curve<'_>]) -> Vec<Ink> {
 }
 
 /// Returns whether a curve is that of the user's own points.
-fn is_own(curve: &Curve<'_>) -> bool {
-    matches!(curve.pattern, Pattern::PointFile(_))
+fn is_own<P: PredictedPattern>(curve: &Curve<'_, P>) -> bool {
+    curve.pattern.is_file()
 }
 
 /// Returns notes on the colours if there are more curves than colours, or the user's own.
-fn notes_of_colours(curves: &[Curve<'_>]) -> Vec<String> {
+fn notes_of_colours<P: PredictedPattern>(curves: &[Curve<'_, P>]) -> Vec<String> {
     let n_own = curves.iter().filter(|curve| is_own(curve)).count();
     let colours = || format!("In colour: the {MAX_COLOURS} with the smallest N \u{d7} variance.");
     let colours = (curves.len() - n_own > MAX_COLOURS).then(colours);
@@ -45,7 +44,10 @@ fn notes_of_colours(curves: &[Curve<'_>]) -> Vec<String> {
 }
 
 /// Returns the spectra at the largest number of points.
-pub(super) fn spectra_chart(curves: &[Curve<'_>]) -> Chart {
+pub(super) fn spectra_chart<P: PredictedPattern>(curves: &[Curve<'_, P>]) -> Chart
+where
+    BandsOf<P>: ShownBands,
+{
     let shown: Vec<_> = (curves.iter().zip(inks_of(curves)))
         .filter_map(|(curve, ink)| {
             Some((curve.pattern, &curve.rows.last()?.comparison.predicted.spectrum, ink))
@@ -64,13 +66,16 @@ pub(super) fn spectra_chart(curves: &[Curve<'_>]) -> Chart {
         })
         .collect();
     let n_points = common.map_or(String::new(), |n| format!(", N = {n}"));
-    let title = format!("Angular power spectra{n_points}");
-    let chart = Chart { title, ..power_chart(&spectra, Vec::new()) };
+    let title = format!("{}{n_points}", <BandsOf<P>>::TITLE);
+    let chart = Chart { title, ..power_chart::<BandsOf<P>>(&spectra, Vec::new()) };
     notes_of_colours(curves).into_iter().fold(chart, Chart::with_note)
 }
 
 /// Returns predicted and measured variances against N, with their ratio below.
-pub(in crate::commands) fn variance_chart(curves: &[Curve<'_>], plan: &Plan<'_>) -> Chart {
+pub(in crate::commands) fn variance_chart<P: PredictedPattern>(
+    curves: &[Curve<'_, P>],
+    subject: &str,
+) -> Chart {
     let points = |p: &[VariancePoint]| p.iter().map(|p| (p.n_points, p.variance)).collect();
     let (mut series, mut ratios) = (Vec::new(), Vec::new());
     for (curve, ink) in curves.iter().zip(inks_of(curves)) {
@@ -107,7 +112,7 @@ pub(in crate::commands) fn variance_chart(curves: &[Curve<'_>], plan: &Plan<'_>)
         ..Panel::log("measured / predicted", ratios)
     };
     Chart {
-        title: format!("Variance of {}", plan.subject()),
+        title: format!("Variance of {subject}"),
         x_label: "number of points N".to_owned(),
         x_scale: Scale::Log,
         panels: vec![Panel::log("variance", series), ratio],
@@ -122,9 +127,10 @@ pub(in crate::commands) fn variance_chart(curves: &[Curve<'_>], plan: &Plan<'_>)
 }
 
 /// Returns the energies of the integrand against the degree.
-pub(super) fn integrand_chart(energy: &Energy, plan: &Plan<'_>) -> Chart {
+pub(super) fn integrand_chart<B: ShownBands>(energy: &Energy<B>, name: &str) -> Chart {
     let total = energy.total();
-    let degrees = energy.per_band().iter().enumerate().skip(1);
+    let radii = B::energy_by_radius(energy);
+    let degrees = radii.iter().enumerate().skip(1);
     let points: Vec<_> = degrees.map(|(l, e)| (l as f64, e / total)).collect();
     let Binned { points, ranges } = Binned::new(&points, ROUNDING);
     let notes = ranges.iter().map(|_| Binned::NOTE.to_owned()).collect();
@@ -136,11 +142,11 @@ pub(super) fn integrand_chart(energy: &Energy, plan: &Plan<'_>) -> Chart {
         ink: Ink::Rank(0),
     };
     Chart {
-        title: format!("Energy per degree of {}", plan.integrand.name),
-        x_label: "degree l".to_owned(),
+        title: format!("Energy per {} of {name}", B::UNIT),
+        x_label: B::RADIUS.to_owned(),
         x_scale: Scale::Log,
         panels: vec![Panel::log(
-            format!("energy E(l) / total, total = {}", number::value(total)),
+            format!("{}, total = {}", B::ENERGY, number::value(total)),
             vec![series],
         )],
         notes,

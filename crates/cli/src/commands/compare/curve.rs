@@ -2,21 +2,23 @@
 
 use sphvar_integrands::Energy;
 use sphvar_samplers::Pattern;
+use sphvar_sh::Bands;
 use sphvar_variance::{Comparison, RateFit, VariancePoint, fit_exact_rate, fit_rate};
 
 use super::record::SamplerRecord;
 use crate::commands::rows::Row;
+use crate::patterns::{BandsOf, PredictedPattern};
 
 /// The rows of one pattern, by number of points.
-pub(in crate::commands) struct Curve<'a> {
-    pub(super) pattern: &'a Pattern,
-    pub(super) rows: Vec<&'a Row>,
+pub(in crate::commands) struct Curve<'a, P: PredictedPattern = Pattern> {
+    pub(super) pattern: &'a P,
+    pub(super) rows: Vec<&'a Row<P>>,
 }
 
-impl<'a> Curve<'a> {
-    pub(in crate::commands) fn new(pattern: &'a Pattern, rows: &'a [Row]) -> Self {
-        let is_own = |r: &&Row| r.is_main && r.pattern == *pattern;
-        let mut rows: Vec<&Row> = rows.iter().filter(is_own).collect();
+impl<'a, P: PredictedPattern> Curve<'a, P> {
+    pub(in crate::commands) fn new(pattern: &'a P, rows: &'a [Row<P>]) -> Self {
+        let is_own = |r: &&Row<P>| r.is_main && r.pattern == *pattern;
+        let mut rows: Vec<&Row<P>> = rows.iter().filter(is_own).collect();
         rows.sort_by_key(|r| r.comparison.predicted.spectrum.n_points());
         Self { pattern, rows }
     }
@@ -36,11 +38,11 @@ impl<'a> Curve<'a> {
         points.filter(|p| p.stderr.is_finite()).collect()
     }
 
-    pub(super) fn summary(&self, energy: &Energy) -> Option<SamplerRecord> {
+    pub(super) fn summary(&self, energy: &Energy<BandsOf<P>>) -> Option<SamplerRecord> {
         let last = self.rows.last()?;
         let n = last.comparison.predicted.spectrum.n_points();
-        let white = energy.domain().variance_factor(n) * energy.beyond(0);
-        let by_prediction = |c: &Comparison| c.is_prediction_more_precise();
+        let white = energy.bands().factor(n) * energy.beyond(0);
+        let by_prediction = |c: &Comparison<BandsOf<P>>| c.is_prediction_more_precise();
         let n_predicted = self.rows.iter().filter(|r| by_prediction(&r.comparison)).count();
         let (basis, fit) = match n_predicted {
             0 => ("measured", fit_rate(&self.best())),

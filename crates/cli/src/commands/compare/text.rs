@@ -3,12 +3,11 @@
 use super::record::{ComparisonBody, SamplerRecord};
 use crate::commands::crossovers::CrossoverRecord;
 use crate::commands::row_record::RowRecord;
-use crate::commands::rows::Plan;
 use crate::report::{number, table_of};
 
 /// Returns the tables, their explanation, and the sampler with the largest variance reduction.
-pub(super) fn text(body: &ComparisonBody, plan: &Plan<'_>) -> String {
-    let mut text = format!("Variance of {}\n\n", plan.subject());
+pub(super) fn text(body: &ComparisonBody, subject: &str) -> String {
+    let mut text = format!("Variance of {subject}\n\n");
     text += &table_of(&RowRecord::columns(&body.rows), &body.rows);
     text += &RowRecord::remarks(&body.rows);
     // Without a score there is no verdict.

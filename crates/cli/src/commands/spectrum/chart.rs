@@ -10,6 +10,6 @@ pub(super) fn chart(name: &str, spectrum: &Spectrum) -> Chart {
     let curve = PowerCurve::new("", spectrum, f64::INFINITY, Ink::Rank(0));
     Chart {
         title: format!("Angular power spectrum of {name}, N = {}", spectrum.n_points()),
-        ..power_chart(&[curve], Vec::new())
+        ..power_chart::<sphvar_samplers::Domain>(&[curve], Vec::new())
     }
 }

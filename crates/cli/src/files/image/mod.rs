@@ -2,6 +2,7 @@
 
 mod exr_channels;
 mod exr_file;
+mod png_file;
 mod radiance;
 
 use std::path::Path;
@@ -48,6 +49,24 @@ pub(crate) struct ChannelImage {
 /// channel, or does not fit in memory.
 pub(crate) fn read_image(path: &Path, choice: &ChannelChoice) -> Result<ChannelImage, FileError> {
     decode_image(input_name(path), &read_whole(path)?, choice)
+}
+
+/// Reads one channel of a picture for a function on the unit square, as [`decode_image`] or from
+/// PNG.
+///
+/// # Errors
+///
+/// As [`read_image`].
+pub(crate) fn decode_picture(
+    name: String,
+    bytes: &[u8],
+    choice: &ChannelChoice,
+) -> Result<ChannelImage, FileError> {
+    if bytes.starts_with(&png_file::MAGIC) {
+        png_file::read(&name, bytes, choice)
+    } else {
+        decode_image(name, bytes, choice)
+    }
 }
 
 /// Reads one channel of an image in memory; `name` is for messages.

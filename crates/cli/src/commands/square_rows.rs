@@ -1,0 +1,77 @@
+//! Rows of predicted and measured variance on the unit square, for `variance` and `compare`.
+
+use sphvar_integrands::Energy;
+use sphvar_samplers::{Share, Square, SquarePattern};
+use sphvar_sh::Frequencies;
+use sphvar_spectrum::SquareResolution;
+use sphvar_variance::{PredictionBudget, SquarePredictor};
+
+use super::effort::EffortArgs;
+use super::rows::{Case, Effort, Row};
+use crate::error::CliError;
+use crate::flags::{NO_HARMONICS, ONE_DOMAIN, ProjectArgs, USE_KMAX};
+use crate::global::Global;
+use crate::integrands::NamedSquareIntegrand;
+use crate::progress::Progress;
+
+/// The largest frequency of spectra that are shown.
+const MAX_SHOWN: usize = 256;
+
+/// Rejects options that do not apply to the square, and returns the settings of a run; set
+/// `whole_spectra` if the spectra are shown.
+pub(super) fn settings(
+    args: &EffortArgs,
+    project: ProjectArgs,
+    other: &[(&str, bool, &str)],
+    global: &Global,
+    whole_spectra: bool,
+) -> Result<Effort, CliError> {
+    args.square.without(&[
+        ("--hemisphere", args.domain.hemisphere, ONE_DOMAIN),
+        ("--lmax", args.lmax.lmax.is_some(), USE_KMAX),
+        ("--project", project.project.is_some(), NO_HARMONICS),
+        ("--method", args.transform.is_method_chosen(), "its transform is fast (--epsilon)"),
+    ])?;
+    args.square.without(other)?;
+    args.settings(args.kmax.kmax, global, whole_spectra)
+}
+
+/// Runs all cases, with one progress bar, and returns the rows in the order of the cases, with the
+/// energies of the integrand.
+pub(super) fn run(
+    integrand: &NamedSquareIntegrand,
+    effort: &Effort,
+    cases: &[Case<SquarePattern>],
+) -> Result<(Vec<Row<SquarePattern>>, Energy<Frequencies>), CliError> {
+    let wrong = |e| CliError::Usage(format!("{}: {e}", integrand.name));
+    let budget = PredictionBudget::DEFAULT;
+    let predictor =
+        SquarePredictor::new(&*integrand.function, effort.seed, budget).map_err(wrong)?;
+    let mut predictor = predictor.with_options(effort.spectra);
+    effort.check(1)?;
+    let mut work = 0.0;
+    for case in cases {
+        let trials = effort.trials_of::<Square>(case.sampler());
+        work += predictor.work(case.sampler())? + trials.work_of::<Square>(case.sampler());
+    }
+    let progress = Progress::new(work, effort.quiet);
+    let mut rows = Vec::new();
+    for case in cases {
+        progress.stage(&format!("{} N = {}", case.pattern.label(), case.n_points()));
+        let share = Share::new(&progress, predictor.work(case.sampler())?);
+        let mut point = predictor.predict(case.sampler(), &share)?;
+        share.finish().map_err(CliError::failed)?;
+        if effort.whole_spectra && effort.spectra.lmax.is_none() {
+            let natural = SquareResolution::natural_frequency(case.n_points()).min(MAX_SHOWN);
+            if point.spectrum.bands().kmax() < natural {
+                let shown = Frequencies::new(natural).map_err(CliError::failed)?;
+                point.spectrum = predictor.spectrum_to(case.sampler(), &point, &shown)?;
+            }
+        }
+        let trials = effort.trials_of::<Square>(case.sampler());
+        let comparison = predictor.measure(point, case.sampler(), trials, &progress)?;
+        rows.push(case.row(&integrand.name, "square", comparison));
+    }
+    let energy = predictor.energy().clone();
+    Ok((rows, energy))
+}

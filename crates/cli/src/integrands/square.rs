@@ -1,0 +1,69 @@
+//! The integrands on the unit square.
+
+use std::fmt;
+
+use sphvar_integrands::{Error, ImageParameters, SquareImage, SquareIntegrand, SquareTerm, Term};
+
+use super::IntegrandFiles;
+use crate::error::CliError;
+use crate::files::{ChannelChoice, decode_picture, input_name};
+use crate::report::say;
+
+/// An integrand on the square with its name in tables.
+pub(crate) struct NamedSquareIntegrand {
+    /// The name as the user wrote it.
+    pub(crate) name: String,
+    /// The function.
+    pub(crate) function: Box<dyn SquareIntegrand>,
+}
+
+impl NamedSquareIntegrand {
+    /// Returns what is estimated, for titles.
+    pub(crate) fn subject(&self) -> String {
+        format!("integrating {}", self.name)
+    }
+}
+
+/// Returns the integrand of one expression. Reads the files that it names and prints remarks on
+/// them, unless `quiet`.
+pub(crate) fn parse_square_integrand(
+    text: &str,
+    quiet: bool,
+) -> Result<NamedSquareIntegrand, CliError> {
+    let expression: SquareTerm = text.parse().map_err(|error| match text.parse::<Term>() {
+        Ok(_) => CliError::Usage(format!(
+            "{text} is an integrand on the sphere; those on the square are {SquareForms}"
+        )),
+        Err(_) => CliError::usage(error),
+    })?;
+    let files = IntegrandFiles::default();
+    let function = expression.build(&files).map_err(|error| match error {
+        Error::File(source) => CliError::of_resolver(&source),
+        other => CliError::usage(other),
+    })?;
+    files.remarks.take().iter().for_each(|remark| say(quiet, remark));
+    Ok(NamedSquareIntegrand { name: text.to_owned(), function })
+}
+
+/// Returns the picture of a file as a function.
+pub(super) fn read_image(
+    files: &IntegrandFiles,
+    wanted: &ImageParameters,
+) -> Result<SquareImage, CliError> {
+    let choice = ChannelChoice { channel: wanted.channel.clone(), layer: wanted.layer.clone() };
+    let bytes = files.picture(&wanted.file)?;
+    let read = decode_picture(input_name(&wanted.file), &bytes, &choice)?;
+    files.remarks.borrow_mut().extend(read.remarks);
+    SquareImage::new(read.width, read.height, read.values, wanted.interpolation)
+        .map_err(|e| CliError::Failed(format!("{}: {e}", wanted.file.display())))
+}
+
+/// The names of integrands on the square and their parameters; its `Display` text is for help.
+pub(crate) struct SquareForms;
+
+impl fmt::Display for SquareForms {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let forms: Vec<String> = SquareTerm::all().iter().map(SquareTerm::form).collect();
+        f.write_str(&forms.join(" | "))
+    }
+}
