@@ -41,7 +41,7 @@ const BATCH: usize = 16;
 /// let spectrum = ExactSquareSpectrum::of(&*jittered).expect("has cells").to(&frequencies, &())?;
 /// // 1 - (sin(pi/8)/(pi/8))^2.
 /// let band = frequencies.band_of([1, 0]).expect("is in range");
-/// assert!((spectrum.power()[band] - 0.0503554).abs() < 1e-7);
+/// assert!((spectrum.power()[band] - 0.0503588).abs() < 1e-7);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Debug)]
