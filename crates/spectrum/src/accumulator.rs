@@ -2,8 +2,8 @@ use sphvar_sh::Domain;
 
 use crate::{Realization, SpectralBands};
 
-/// Accumulates statistics of the coefficients of point sets over an ensemble: of spherical harmonics,
-/// or of other bands B.
+/// Accumulates statistics of the coefficients of point sets over an ensemble: of spherical
+/// harmonics, or of other bands B.
 ///
 /// `merge` must give a result bit-identical to pushing the realizations of `other`, in any order.
 /// Results are then independent of the number of threads.

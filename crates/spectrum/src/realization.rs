@@ -55,15 +55,15 @@ impl<'a, B: SpectralBands> Realization<'a, B> {
     }
 
     /// Returns the factor that normalizes the power of white noise to 1: on the sphere
-    /// `4 pi / sum_k w_k^2`, which is 4 pi/N for unit weights, on the square `1 / sum_k w_k^2`; 0 if
-    /// all weights are 0.
+    /// `4 pi / sum_k w_k^2`, which is 4 pi/N for unit weights, on the square `1 / sum_k w_k^2`; 0
+    /// if all weights are 0.
     #[must_use]
     pub fn normalization(&self) -> f64 {
         self.normalization
     }
 
-    /// Returns the mean power at large radii by class of bands, [`SpectralBands::tail_power`] of the
-    /// points.
+    /// Returns the mean power at large radii by class of bands, [`SpectralBands::tail_power`] of
+    /// the points.
     #[must_use]
     pub fn tail(&self) -> B::Tail {
         *self.tail.get_or_init(|| B::tail_power(self.set))
@@ -103,8 +103,8 @@ mod tests {
     use crate::{Resolution, SpectrumAccumulator, accumulate};
 
     /// Independent weights, whatever their signs and sizes, leave white noise at P = 1; the same
-    /// weights would have a power of N sum w^2/(sum w)^2 with the other normalization. 20 degrees at
-    /// 5 standard errors: a false alarm in 1e5 runs of other seeds.
+    /// weights would have a power of N sum w^2/(sum w)^2 with the other normalization. 20 degrees
+    /// at 5 standard errors: a false alarm in 1e5 runs of other seeds.
     #[test]
     fn white_noise_with_independent_weights_has_power_1() {
         const N: usize = 60;

@@ -2,8 +2,8 @@ use sphvar_sh::{Bands, Frequencies};
 
 use crate::{Accumulator, Error, Moments, Realization};
 
-/// Mean power on both axes relative to that off the axes, at low frequencies: 1 for patterns without
-/// preferred directions, larger where points keep distances to the edges of the square.
+/// Mean power on both axes relative to that off the axes, at low frequencies: 1 for patterns
+/// without preferred directions, larger where points keep distances to the edges of the square.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AxisRatio {
     /// The ratio of the frequencies (k, 0) and of (0, k).
@@ -56,8 +56,8 @@ impl AxisRatioAccumulator {
         self.radius
     }
 
-    /// Returns the number of realizations added; `None` if the counts of the powers differ, which is
-    /// possible only for deserialized accumulators.
+    /// Returns the number of realizations added; `None` if the counts of the powers differ, which
+    /// is possible only for deserialized accumulators.
     #[must_use]
     pub fn realizations(&self) -> Option<u64> {
         let count = self.means[0].count();

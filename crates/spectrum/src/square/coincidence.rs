@@ -23,8 +23,8 @@ const SAME_COORDINATE: f64 = 1.0 / (1u64 << 40) as f64;
 /// off: sum_points W^2 / sum w^2,   u: sum_coordinates W^2 / sum w^2,   v: the same
 /// ```
 ///
-/// All are exactly 1 if no coordinates are equal; a regular grid of n x n points has n on both axes.
-/// Coordinates at a distance modulo 1 of at most 2^-40 count as equal.
+/// All are exactly 1 if no coordinates are equal; a regular grid of n x n points has n on both
+/// axes. Coordinates at a distance modulo 1 of at most 2^-40 count as equal.
 ///
 /// # Performance
 ///

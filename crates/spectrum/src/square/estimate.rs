@@ -51,8 +51,8 @@ pub fn accumulate_square<A: Accumulator<Frequencies>>(
 /// # Errors
 ///
 /// [`Error::NoRealizations`] if `realizations` is 0; [`Error::Frequencies`] as for
-/// [`SpectrumAccumulator::of_square`]; [`Error::Sampler`] if a set cannot be generated or `progress`
-/// stops the work.
+/// [`SpectrumAccumulator::of_square`]; [`Error::Sampler`] if a set cannot be generated or
+/// `progress` stops the work.
 pub fn estimate_square(
     ensemble: &SquareRealizations<'_>,
     frequencies: &Frequencies,
@@ -73,9 +73,9 @@ impl SpectrumAccumulator<Frequencies> {
     ///
     /// # Errors
     ///
-    /// [`Error::Frequencies`] if kmax exceeds [`SquareResolution::MAX_KMAX_WITH_ERRORS`]: exact sums
-    /// of that many bands do not fit in memory. Predictions, which need no error for every band, have
-    /// no such limit.
+    /// [`Error::Frequencies`] if kmax exceeds [`SquareResolution::MAX_KMAX_WITH_ERRORS`]: exact
+    /// sums of that many bands do not fit in memory. Predictions, which need no error for every
+    /// band, have no such limit.
     pub fn of_square(frequencies: Frequencies, n_points: usize) -> Result<Self, Error> {
         let (kmax, max) = (frequencies.kmax(), SquareResolution::MAX_KMAX_WITH_ERRORS);
         if kmax > max {

@@ -12,11 +12,11 @@ use crate::{Accumulator, Error, Moments, Realization, Spectrum};
 /// A(rho) = s^2(rho)/P(rho)^2,   s^2(rho) = sum (P(k) - P(rho))^2/(n - 1)
 /// ```
 ///
-/// The n frequencies of a ring count as pairs {k, -k}. The anisotropy is the relative variance of the
-/// mean power over a ring (Ulichney 1987). A spectrum averaged over M realizations of white noise has
-/// the anisotropy 1/M, -10 log10 M decibels, because the power of a realization has an exponential
-/// distribution; a spectrum in closed form has that of the pattern alone. It is NaN where the radial
-/// mean is 0.
+/// The n frequencies of a ring count as pairs {k, -k}. The anisotropy is the relative variance of
+/// the mean power over a ring (Ulichney 1987). A spectrum averaged over M realizations of white
+/// noise has the anisotropy 1/M, -10 log10 M decibels, because the power of a realization has an
+/// exponential distribution; a spectrum in closed form has that of the pattern alone. It is NaN
+/// where the radial mean is 0.
 ///
 /// # References
 ///

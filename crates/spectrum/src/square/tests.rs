@@ -139,10 +139,10 @@ fn lattices_have_their_power_at_the_dual_frequencies() {
     }
 }
 
-/// Compares the mean over `n_sets` sets with the closed form. Every band must be within 5.5 standard
-/// errors, which 950 bands exceed by chance for 4e-5 of seeds. The sum of the squared deviations over
-/// their number has the standard deviation 0.046 for independent bands; the limits are more than 3 of
-/// them away, a false alarm in 1 of 500 seeds for each pattern.
+/// Compares the mean over `n_sets` sets with the closed form. Every band must be within 5.5
+/// standard errors, which 950 bands exceed by chance for 4e-5 of seeds. The sum of the squared
+/// deviations over their number has the standard deviation 0.046 for independent bands; the limits
+/// are more than 3 of them away, a false alarm in 1 of 500 seeds for each pattern.
 fn check_closed_form(sampler: &dyn SquareSampler, seed: u64, n_sets: u64) {
     let bands = bands(24, 48);
     let exact = ExactSquareSpectrum::of(sampler).unwrap().to(&bands, &()).unwrap();

@@ -67,8 +67,8 @@ impl SquareResolution {
     }
 
     /// Returns the memory in bytes that [`accumulate_square`](crate::accumulate_square) needs for
-    /// `sets` sets of `n_points` on `threads` threads, excluding the accumulators: a lower bound that
-    /// includes all large allocations.
+    /// `sets` sets of `n_points` on `threads` threads, excluding the accumulators: a lower bound
+    /// that includes all large allocations.
     #[must_use]
     pub fn bytes(&self, n_points: usize, sets: u64, threads: usize) -> f64 {
         let busy = sets.clamp(1, threads.max(1) as u64) as f64;

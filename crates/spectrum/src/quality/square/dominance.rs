@@ -30,9 +30,9 @@ impl<const K: usize> Tree<K> {
     }
 }
 
-/// Calls `f` for every point in the order of u, with the sums of the moments over the earlier points
-/// with v not above and with v above its own. Points with equal coordinates are in the order of their
-/// indices. Moments are numbers in [0, 1].
+/// Calls `f` for every point in the order of u, with the sums of the moments over the earlier
+/// points with v not above and with v above its own. Points with equal coordinates are in the order
+/// of their indices. Moments are numbers in [0, 1].
 pub(super) fn sweep<const K: usize, E>(
     points: &[[f64; 2]],
     moments: impl Fn([f64; 2]) -> [f64; K],

@@ -73,9 +73,9 @@ pub fn l2_star_discrepancy(
     Ok(Ok(sum.value().max(0.0).sqrt() / n))
 }
 
-/// Returns the wrap-around L2 discrepancy of a point set of the square, which shifts modulo 1 do not
-/// change: the root mean square of the difference of counts and areas over the boxes of the torus,
-/// of all dimensions.
+/// Returns the wrap-around L2 discrepancy of a point set of the square, which shifts modulo 1 do
+/// not change: the root mean square of the difference of counts and areas over the boxes of the
+/// torus, of all dimensions.
 ///
 /// ```text
 /// W^2 = (1/N^2) sum_jk K(u_j - u_k) K(v_j - v_k) - 16/9,   K(x) = 3/2 - |x| + x^2

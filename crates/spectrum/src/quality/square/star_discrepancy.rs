@@ -74,8 +74,8 @@ pub fn star_discrepancy(
     Ok(Ok(largest / n))
 }
 
-/// Returns the largest deviation, times N, of the boxes that end at one of the sorted v: closed boxes
-/// to u have too many points, open boxes to `next` too few.
+/// Returns the largest deviation, times N, of the boxes that end at one of the sorted v: closed
+/// boxes to u have too many points, open boxes to `next` too few.
 fn of_column(column: &[f64], n: f64, u: f64, next: f64) -> f64 {
     // Independent maxima, so that the loop is vectorized.
     const LANES: usize = 8;
