@@ -131,6 +131,9 @@ fn documents_fit_their_schema() {
     place.write("pixels.csv", "0\n1\n");
     place.run("spectrum poisson-disk -n 24 -m 4 --lmax 4 --shard 1/2 --save a.shard").ok();
     place.run("spectrum poisson-disk -n 24 -m 4 --lmax 4 --shard 2/2 --save b.shard").ok();
+    place.run("spectrum sobol --square -n 8 -m 4 --kmax 3 --shard 1/2 --save c.shard").ok();
+    place.run("spectrum sobol --square -n 8 -m 4 --kmax 3 --shard 2/2 --save d.shard").ok();
+    place.write("square.csv", "u,v,w\n0.5,0.25,1\n0,0.75,-3\n");
     let render = "render cornell --size 6 --reference-count 150 --cache none";
     let stars = data("stars.csv");
     let runs: Vec<(&str, String)> = [
@@ -158,12 +161,20 @@ fn documents_fit_their_schema() {
         ("integrate", "integrate --integrand cosine --rtol 1%"),
         ("list", "list"),
         ("list", "list samplers step poisson-disk -n 100"),
+        ("list", "list --square"),
         ("merge", "merge a.shard b.shard"),
         ("quality", "quality fibonacci -n 60"),
         ("quality", "quality jittered,healpix -n 12 -m 2 --rank --hemisphere --nearest"),
+        ("quality --square", "quality sobol,square.csv --square -n 8"),
+        ("quality --square", "quality jittered-square --square -n 9 -m 3"),
         ("reproduce", "reproduce 3.1 C.1 --quick -o thesis"),
         ("sample", "sample white-noise -n 5 -m 2"),
         ("sample", "sample step -n 20 -o s.csv"),
+        ("sample", "sample file:square.csv --square"),
+        ("spectrum --square", "spectrum jittered-square --square -n 16 -m 3 --kmax 4"),
+        ("spectrum --square", "spectrum --points square.csv --square --kmax 3"),
+        ("spectrum --square", "spectrum jittered-square --square -n 16 --kmax 1 --exact"),
+        ("spectrum --square", "merge d.shard c.shard"),
         ("spectrum", "spectrum jittered -n 12 -m 4"),
         ("spectrum", "spectrum jittered -n 6 -m 1 --hemisphere"),
         ("spectrum", "spectrum --points weighted.csv --lmax 4"),

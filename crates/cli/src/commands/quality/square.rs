@@ -1,7 +1,8 @@
 //! `sphvar quality --square`: measures of point sets of the unit square.
 
 use sphvar_samplers::{
-    Ensemble, Purpose, Square, SquareDistribution, SquarePattern, SquareRealizations, Streams,
+    Ensemble, Purpose, Square, SquareDistribution, SquarePattern, SquareRealizations,
+    SquareSampler, Streams,
 };
 use sphvar_spectrum::quality::SquareQuality;
 
@@ -34,7 +35,13 @@ pub(super) fn run(args: &QualityArgs, global: &Global) -> Result<(), CliError> {
         .iter()
         .map(|pattern| nearest_sampler(pattern, n, Square, nearest, global.quiet))
         .collect::<Result<Vec<_>, _>>()?;
-    let progress = Progress::new(0.0, global.quiet);
+    let work = |sampler: &dyn SquareSampler| match sampler.distribution() {
+        SquareDistribution::OneOf(_) => 0.0,
+        _ if sampler.is_random() => args.realizations as f64 * sampler.nominal_work(),
+        _ => sampler.nominal_work(),
+    };
+    let progress =
+        Progress::new(samplers.iter().map(|sampler| work(&**sampler)).sum(), global.quiet);
     let mut records = Vec::new();
     for (pattern, sampler) in patterns.iter().zip(&samplers) {
         progress.stage(&pattern.label());

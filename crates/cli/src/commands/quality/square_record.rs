@@ -73,6 +73,9 @@ struct SquareValues {
 /// A measure of a set of the square, if it has one.
 type Measure = fn(&SquareQuality) -> Option<f64>;
 
+/// A measure of a set of the square that may be unavailable.
+type Discrepancy = fn(&SquareQuality) -> &Result<f64, Unavailable>;
+
 /// The measures with their names, in the order of the fields of [`SquareValues`].
 const MEASURES: [(&str, Measure); 5] = [
     ("separation", |set| set.separation),
@@ -118,7 +121,7 @@ impl SquareQualityRecord {
         let total: usize = sets.iter().map(|set| set.n_points).sum();
         let net = sets.iter().map(|set| set.net_parameter).collect::<Option<Vec<_>>>();
         let mut remarks = Vec::new();
-        let discrepancies: [(&str, fn(&SquareQuality) -> &Result<f64, Unavailable>); 3] = [
+        let discrepancies: [(&str, Discrepancy); 3] = [
             ("star discrepancy", |set| &set.star_discrepancy),
             ("L2 star discrepancy", |set| &set.l2_star_discrepancy),
             ("wrap-around L2 discrepancy", |set| &set.wraparound_l2_discrepancy),

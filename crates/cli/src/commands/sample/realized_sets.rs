@@ -41,6 +41,9 @@ pub(crate) struct SampleBody<C> {
     weights: Option<Vec<Vec<f64>>>,
 }
 
+/// Draws points with a title and notes into a file.
+type DrawPoints<P> = fn(String, Vec<String>, &[P], &Path) -> Result<(), PlotError>;
+
 /// Sets that are generated and written.
 pub(super) struct RealizedSets<'a, P> {
     /// The sampler with its parameters.
@@ -57,7 +60,7 @@ pub(super) struct RealizedSets<'a, P> {
     /// A remark for the files.
     pub(super) remark: Option<String>,
     /// Draws points with a title and notes.
-    pub(super) picture: fn(String, Vec<String>, &[P], &Path) -> Result<(), PlotError>,
+    pub(super) picture: DrawPoints<P>,
 }
 
 impl<P: FilePoint<Numbers: Serialize>> RealizedSets<'_, P> {

@@ -84,6 +84,7 @@ fn chart(result: &SquareResult, has_no_error: bool) -> Chart {
         rows.iter().map(|(radius, power, ..)| (*radius as f64, *power)).collect();
     let Binned { points, ranges } = Binned::new(&means, ROUNDING);
     let is_binned = ranges.is_some();
+    let has_empty = means.iter().any(|(_, power)| *power <= ROUNDING);
     let shown = rows.iter().filter(|row| row.1 > ROUNDING);
     let errors: Vec<f64> = shown.map(|row| row.2).collect();
     let has_errors = !has_no_error && !is_binned && errors.iter().any(|&e| e > 0.0);
@@ -92,19 +93,19 @@ fn chart(result: &SquareResult, has_no_error: bool) -> Chart {
         None if has_errors => Spread::Errors(errors),
         None => Spread::None,
     };
+    // A line would connect rings across others without power.
+    let style = if has_empty { Style::Markers } else { Style::Line };
     let series = |points: Vec<(f64, f64)>, spread| Series {
         label: String::new(),
         points: points.into_iter().map(|(radius, y)| (radius / scale, y)).collect(),
         spread,
-        style: Style::Line,
+        style,
         ink: Ink::Rank(0),
     };
     let decibels = rows.iter().map(|(radius, _, _, a)| (*radius as f64, 10.0 * a.log10()));
     // The anisotropy of white noise.
-    let white = match spectrum.realizations() {
-        0 => None,
-        count => Some(-10.0 * (count as f64).log10()),
-    };
+    let is_sampled = spectrum.realizations() > 0 && !spectrum.is_exact();
+    let white = is_sampled.then(|| -10.0 * (spectrum.realizations() as f64).log10());
     let anisotropy = Panel {
         y_label: "anisotropy (dB)".to_owned(),
         y_scale: Scale::Linear,
@@ -113,7 +114,8 @@ fn chart(result: &SquareResult, has_no_error: bool) -> Chart {
         side_by_side: false,
     };
     let notes = [
-        is_binned.then_some(Binned::NOTE),
+        is_binned.then_some("Lines are means over bins of log |k|, and bands their ranges."),
+        has_empty.then_some("Rings without power are left out."),
         has_errors.then_some("Bands: one standard error to either side."),
         white.is_some().then_some("Grey line of the anisotropy: white noise."),
     ];

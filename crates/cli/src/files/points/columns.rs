@@ -160,10 +160,17 @@ impl Table<'_> {
                 // A single b or l more likely denotes something else.
                 let begun = self.systems().iter().find(|s| **s != ["l", "b"] && s.iter().any(&has));
                 let Some(begun) = begun else {
-                    return Err(self.error(
-                        format!("columns named {}", self.options.space.systems_in_words()),
-                        columns(),
-                    ));
+                    let space = self.options.space;
+                    let is_named = |role: &&str| {
+                        self.columns.iter().any(|c| Space::Square.role_of(&c.name) == Some(*role))
+                    };
+                    let is_of_square = space == Space::Sphere && ["u", "v"].iter().all(is_named);
+                    let remedy = match is_of_square {
+                        true => "; points of the unit square are read with --square",
+                        false => "",
+                    };
+                    let expected = format!("columns named {}", space.systems_in_words());
+                    return Err(self.error(expected, columns() + remedy));
                 };
                 let missing: Vec<&str> = begun.iter().copied().filter(|r| !has(r)).collect();
                 Err(self.error(

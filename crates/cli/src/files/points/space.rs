@@ -143,7 +143,7 @@ impl FilePoint for [f64; 2] {
             if (0.0..1.0).contains(&value) {
                 return Ok(value);
             }
-            let expected = if value == 1.0 {
+            let expected = if (1.0..=1.0).contains(&value) {
                 "a coordinate in [0, 1), which excludes 1 (the same place as 0 on the torus)"
             } else {
                 "a coordinate in [0, 1)"

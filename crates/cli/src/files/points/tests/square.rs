@@ -83,9 +83,12 @@ fn two_columns_in_every_dialect() {
     assert_eq!(weighted.sets[1].points, [[0.0, 0.0]]);
 }
 
+/// A file, its content, the value of `--columns`, and parts of the message.
+type Case<'a> = (&'a str, Vec<u8>, Option<&'a str>, &'a [&'a str]);
+
 #[test]
 fn errors_name_the_place_and_the_remedy() {
-    let cases: [(&str, Vec<u8>, Option<&str>, &[&str]); 12] = [
+    let cases: [Case<'_>; 12] = [
         ("p.csv", "u,v\n0,0\n1,0.5\n".into(), None, &["p.csv:3", "u", "excludes 1", "got \"1\""]),
         ("p.csv", "u,v\n0,1.5\n".into(), None, &["p.csv:2", "v", "in [0, 1) (--normalize", "1.5"]),
         ("p.csv", "u,v\n-1e-300,0\n".into(), None, &["p.csv:2", "in [0, 1)"]),
@@ -118,6 +121,8 @@ fn errors_name_the_place_and_the_remedy() {
 fn files_of_directions_may_have_columns_u_and_v() {
     let file = read("p.csv", "ra,dec,u,U,v\n0,90,12.5,12.6,11\n");
     assert_eq!(file.sets[0].points, [glam::DVec3::Z]);
+    let error = super::error("p.csv", "u,v\n0.5,0.5\n");
+    assert!(error.contains("got the columns u,v; points of the unit square"), "{error}");
     let error = read_as("p.txt", "0.5 0.5\n", "u,v").unwrap_err();
     assert!(error.contains("--square"), "{error}");
     let error = square("p.csv", "u,v,U\n0,0,0\n", None).unwrap_err();
