@@ -13,7 +13,7 @@ use crate::fourier::fold_row;
 use crate::input;
 use crate::limits::MAX_CIRCLE_KMAX;
 use crate::long_sum::add_with_rests;
-use crate::magnitude::magnitude;
+use crate::magnitude::magnitude_of;
 use crate::memory::resize;
 use crate::real::Real;
 use crate::spreading::{ByWidth, for_width};
@@ -169,7 +169,7 @@ impl CircleTransform {
         }
         resize(spectrum, n / 2 + 1)?;
         resize(fft, self.fft.get_inplace_scratch_len())?;
-        let size = weights.map_or(1.0, |w| magnitude(w.iter().map(|w| w.to_f64())));
+        let size = weights.map_or(1.0, magnitude_of);
         let scale = 1.0 / size;
         self.arch.dispatch(Spread { transform: self, points, weights, scale, grid, rests });
         for (sum, rest) in grid.iter_mut().zip(&*rests) {

@@ -5,7 +5,7 @@ use crate::cells::{Cells, LANES, Places, Turns};
 use crate::design::Design;
 use crate::error::Error;
 use crate::fourier::{Fourier, FourierScratch};
-use crate::magnitude::magnitude;
+use crate::magnitude::{magnitude, magnitude_of, magnitude_of_complex};
 use crate::memory::resize;
 use crate::real::Real;
 use crate::spreading::Spreading;
@@ -53,7 +53,7 @@ impl<T: Real> Engine<T> {
     ) -> Result<(), Error> {
         self.reserve(points.len(), 1, scratch)?;
         let Scratch { cells, grids, fourier, .. } = scratch;
-        let size = weights.map_or(1.0, |w| magnitude(w.iter().map(|w| w.to_f64())));
+        let size = weights.map_or(1.0, magnitude_of);
         self.spreading.locate(self.arch, &Points(points), weights, 1.0 / size, cells);
         self.spreading.spread(self.arch, cells, grids);
         self.fourier.run(self.arch, grids, &self.spreading, size, fourier, out);
@@ -132,7 +132,7 @@ impl<T: Real> Engine<T> {
         self.spreading.locate::<R>(self.arch, &Points(points), None, 1.0, cells);
         let grids = grids.chunks_exact_mut(self.spreading.grid_len());
         let grid_of = |(coefficients, grid): (&&[Complex<C>], &mut [T])| {
-            let size = magnitude(coefficients.iter().flat_map(|c| [c.re.to_f64(), c.im.to_f64()]));
+            let size = magnitude_of_complex(coefficients);
             let spreading = &self.spreading;
             self.fourier.run_inverse(self.arch, coefficients, 1.0 / size, spreading, fourier, grid);
             size

@@ -1,6 +1,7 @@
 use num_complex::Complex;
 
 use crate::error::Error;
+use crate::magnitude::sum_of_sizes;
 use crate::real::Real;
 
 /// Checks that points and weights are valid and that the coefficients do not overflow.
@@ -23,20 +24,17 @@ pub(crate) fn check_complex<R: Real>(
     if weights.len() != points.len() {
         return Err(Error::WeightCount { weights: weights.len(), points: points.len() });
     }
-    if let Some((index, weight)) = first_invalid(weights) {
-        return Err(Error::Weight { index, weight });
-    }
-    check_sum::<R>(weights.iter().map(|w| w.re.to_f64().abs() + w.im.to_f64().abs()).sum())
+    check_sum::<R>(sum_of_complex(weights)).map_err(|overflow| {
+        first_invalid(weights).map_or(overflow, |(index, weight)| Error::Weight { index, weight })
+    })
 }
 
 /// Checks that coefficients are finite, and that `factor` times the sum of their absolute values
 /// is.
 pub(crate) fn check_coefficients<R: Real>(values: &[Complex<R>], factor: f64) -> Result<(), Error> {
-    if let Some((index, value)) = first_invalid(values) {
-        return Err(Error::Coefficient { index, value });
-    }
-    let sum: f64 = values.iter().map(|c| c.re.to_f64().abs() + c.im.to_f64().abs()).sum();
-    check_sum::<R>(sum * factor)
+    check_sum::<R>(sum_of_complex(values) * factor).map_err(|overflow| {
+        first_invalid(values).map_or(overflow, |(index, value)| Error::Coefficient { index, value })
+    })
 }
 
 /// Checks the number of values that a caller provides memory for.
@@ -77,13 +75,29 @@ fn check_weights<R: Real>(weights: &[R], points: usize) -> Result<(), Error> {
     if weights.len() != points {
         return Err(Error::WeightCount { weights: weights.len(), points });
     }
-    if let Some(index) = weights.iter().position(|w| !w.to_f64().is_finite()) {
-        return Err(Error::Weight { index, weight: weights[index].to_f64() });
-    }
     // No coefficient exceeds this sum.
-    check_sum::<R>(weights.iter().map(|w| w.to_f64().abs()).sum())
+    check_sum::<R>(sum_of_sizes(weights)).map_err(|overflow| {
+        let first = weights.iter().position(|w| !w.to_f64().is_finite());
+        let error = |index: usize| Error::Weight { index, weight: weights[index].to_f64() };
+        first.map_or(overflow, error)
+    })
 }
 
+/// Returns the sum of the absolute values of real and imaginary parts.
+fn sum_of_complex<R: Real>(numbers: &[Complex<R>]) -> f64 {
+    let mut sums = [[0.0; 2]; 8];
+    let (chunks, rest) = numbers.as_chunks::<8>();
+    for chunk in chunks {
+        for ([re, im], c) in sums.iter_mut().zip(chunk) {
+            *re += c.re.to_f64().abs();
+            *im += c.im.to_f64().abs();
+        }
+    }
+    let rest = rest.iter().map(|c| c.re.to_f64().abs() + c.im.to_f64().abs());
+    sums.iter().flatten().sum::<f64>() + rest.sum::<f64>()
+}
+
+/// A sum of sizes is finite only if every number is.
 fn check_sum<R: Real>(sum: f64) -> Result<(), Error> {
     if R::of(sum).to_f64().is_finite() { Ok(()) } else { Err(Error::Overflow) }
 }
