@@ -8,8 +8,9 @@ use sphvar_spectrum::{
 use sphvar_variance::Measurement;
 
 use crate::piece::Piece;
+use crate::plane_spectrum::{self, PlaneSums};
 use crate::results::Outcome;
-use crate::{Error, Pictures, TestIntegrand, ThesisEnsemble};
+use crate::{Error, Pictures, PlaneEnsemble, TestIntegrand, ThesisEnsemble};
 
 /// An ensemble and the statistics computed from it.
 #[derive(Clone, Debug, PartialEq)]
@@ -56,6 +57,15 @@ pub enum Job {
     },
     /// Renders of the Cornell box.
     Pictures(Pictures),
+    /// The mean power of every frequency, of sets of the unit square.
+    PlaneSpectrum {
+        /// Of these sets.
+        ensemble: PlaneEnsemble,
+        /// Of frequencies with `|k| <= kmax`, at least 2.
+        kmax: usize,
+        /// The number of sets in the mean.
+        sets: u64,
+    },
 }
 
 /// The nominal work of a piece, some four seconds of one core: the maximum loss if a run is
@@ -89,6 +99,9 @@ impl Job {
             }
             Self::Trials { ensemble, .. } => format!("trials of {}", ensemble.key()),
             Self::Pictures(pictures) => pictures.key(),
+            Self::PlaneSpectrum { ensemble, kmax, .. } => {
+                format!("spectrum kmax={kmax} of {}", ensemble.key())
+            }
         }
     }
 
@@ -99,7 +112,8 @@ impl Job {
             Self::Spectrum { sets, .. }
             | Self::Orders { sets, .. }
             | Self::Coefficient { sets, .. }
-            | Self::Trials { sets, .. } => *sets,
+            | Self::Trials { sets, .. }
+            | Self::PlaneSpectrum { sets, .. } => *sets,
             Self::Pictures(pictures) => pictures.renders,
         }
     }
@@ -118,6 +132,7 @@ impl Job {
                     + TRIAL_WORK * ensemble.n_points as f64
             }
             Self::Pictures(pictures) => pictures.work(),
+            Self::PlaneSpectrum { ensemble, kmax, .. } => plane_spectrum::work(ensemble, *kmax),
         }
     }
 
@@ -151,6 +166,9 @@ impl Job {
             }
             Self::Trials { ensemble, .. } => Piece::Trials(estimates(ensemble, seed, sets)?),
             Self::Pictures(pictures) => Piece::Pictures(pictures.render(seed, sets)?),
+            Self::PlaneSpectrum { ensemble, kmax, .. } => {
+                Piece::Plane(Box::new(PlaneSums::run(ensemble, *kmax, seed, sets)?))
+            }
         })
     }
 
@@ -170,6 +188,7 @@ impl Job {
                     }
                 }
                 (Piece::Pictures(whole), Piece::Pictures(piece)) => whole.extend(piece),
+                (Piece::Plane(whole), Piece::Plane(piece)) => whole.merge(&piece),
                 _ => return Err(lost()),
             }
         }
@@ -183,6 +202,7 @@ impl Job {
             Piece::Coefficients(samples) => Outcome::Coefficients(samples),
             Piece::Trials(estimates) => Outcome::Trials(estimates.map(Measurement::new)),
             Piece::Pictures(images) => Outcome::Pictures(images),
+            Piece::Plane(sums) => Outcome::Plane(Box::new(sums.finish(self.sets() == 1)?)),
         })
     }
 }
@@ -224,9 +244,9 @@ fn estimates(
 
 #[cfg(test)]
 mod tests {
-    use sphvar_samplers::Pattern;
+    use sphvar_samplers::{Pattern, SquarePattern};
 
-    use super::{Domain, Job, ThesisEnsemble};
+    use super::{Domain, Job, PlaneEnsemble, ThesisEnsemble};
     use crate::{Results, Scale, Setting};
 
     /// Exact sums and lists do not depend on the division into pieces.
@@ -239,6 +259,11 @@ mod tests {
             Job::Orders { ensemble: white.clone(), lmax: 5, sets: 9 },
             Job::Coefficient { ensemble: white.clone(), l: 4, m: 3, sets: 9 },
             Job::Trials { ensemble: white, sets: 9 },
+            Job::PlaneSpectrum {
+                ensemble: PlaneEnsemble::new(SquarePattern::JitteredSquare, 16),
+                kmax: 5,
+                sets: 9,
+            },
         ];
         let finished = |job: &Job, cuts: &[u64]| {
             let pieces = cuts.windows(2).map(|cut| job.work(1, cut[0]..cut[1]).unwrap()).collect();
@@ -248,12 +273,14 @@ mod tests {
         };
         let both =
             jobs.each_ref().map(|job| (finished(job, &[0, 9]), finished(job, &[0, 1, 6, 9])));
-        let [spectra, orders, coefficients, trials] = both;
+        let [spectra, orders, coefficients, trials, plane] = both;
         let same = spectra.0.spectrum(&jobs[0]).unwrap() == spectra.1.spectrum(&jobs[0]).unwrap();
         assert!(same, "spectra");
         assert_eq!(orders.0.orders(&jobs[1]).unwrap(), orders.1.orders(&jobs[1]).unwrap());
         let (whole, cut) = coefficients;
         assert_eq!(whole.coefficients(&jobs[2]).unwrap(), cut.coefficients(&jobs[2]).unwrap());
         assert_eq!(trials.0.trials(&jobs[3]).unwrap(), trials.1.trials(&jobs[3]).unwrap());
+        let plane = [&plane.0, &plane.1].map(|results| results.plane(&jobs[4]).unwrap());
+        assert_eq!(plane[0], plane[1]);
     }
 }

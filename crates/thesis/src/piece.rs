@@ -4,6 +4,7 @@ use sphvar_scene::Image;
 use sphvar_spectrum::{OrderAccumulator, SpectrumAccumulator};
 
 use crate::Job;
+use crate::plane_spectrum::PlaneSums;
 
 /// The result of a piece of a job.
 #[derive(Serialize, Deserialize)]
@@ -13,6 +14,7 @@ pub(crate) enum Piece {
     Coefficients(Vec<Complex<f64>>),
     Trials([Vec<f64>; 2]),
     Pictures(Vec<Image>),
+    Plane(Box<PlaneSums>),
 }
 
 impl Piece {
@@ -37,6 +39,9 @@ impl Piece {
             (Self::Pictures(images), Job::Pictures(pictures)) => {
                 as_many(images.len()) && images.iter().all(|image| is_square(image, pictures.side))
             }
+            (Self::Plane(sums), Job::PlaneSpectrum { ensemble, kmax, .. }) => {
+                sums.fits(ensemble, *kmax, sets)
+            }
             _ => false,
         }
     }
@@ -49,11 +54,11 @@ fn is_square(image: &Image, side: usize) -> bool {
 
 #[cfg(test)]
 mod tests {
-    use sphvar_samplers::{Domain, Pattern};
+    use sphvar_samplers::{Domain, Pattern, SquarePattern};
     use sphvar_scene::DirectionMode;
 
     use super::{OrderAccumulator, Piece, SpectrumAccumulator};
-    use crate::{Job, Lighting, Pictures, ThesisEnsemble};
+    use crate::{Job, Lighting, Pictures, PlaneEnsemble, ThesisEnsemble};
 
     const SETS: u64 = 3;
 
@@ -73,7 +78,13 @@ mod tests {
                 side: 12,
                 renders: SETS,
             }),
+            plane(24, 5),
         ]
+    }
+
+    fn plane(n_points: usize, kmax: usize) -> Job {
+        let ensemble = PlaneEnsemble::new(SquarePattern::WhiteSquare, n_points);
+        Job::PlaneSpectrum { ensemble, kmax, sets: SETS }
     }
 
     #[test]
@@ -102,6 +113,9 @@ mod tests {
         assert!(orders(5).fits(&jobs[1], 0) && !orders(5).fits(&jobs[1], SETS), "empty");
         assert!(!orders(4).fits(&jobs[1], 0), "degrees");
         assert!(!Piece::Trials([vec![0.0; 3], vec![0.0; 2]]).fits(&jobs[3], SETS), "one short");
+        for other in [plane(25, 5), plane(24, 6)] {
+            assert!(!other.work(0, 0..SETS).unwrap().fits(&jobs[5], SETS), "{}", other.key());
+        }
         let Piece::Pictures(mut images) = jobs[4].work(0, 0..SETS).unwrap() else {
             panic!("renders give pictures")
         };

@@ -5,7 +5,7 @@ use sphvar_scene::Image;
 use sphvar_spectrum::{OrderPower, Spectrum};
 use sphvar_variance::Measurement;
 
-use crate::{Error, Job, Setting};
+use crate::{Error, Job, PlaneSpectrum, Setting};
 
 /// The results of jobs in one setting; jobs do not contain the seed of their sets.
 #[derive(Clone, Debug)]
@@ -22,6 +22,7 @@ pub(crate) enum Outcome {
     Coefficients(Vec<Complex<f64>>),
     Trials([Measurement; 2]),
     Pictures(Vec<Image>),
+    Plane(Box<PlaneSpectrum>),
 }
 
 impl Results {
@@ -113,6 +114,18 @@ impl Results {
     pub fn pictures(&self, job: &Job) -> Result<&[Image], Error> {
         match self.outcomes.get(&job.key()) {
             Some(Outcome::Pictures(images)) => Ok(images),
+            _ => Err(missing(job)),
+        }
+    }
+
+    /// Returns the mean power of a [`Job::PlaneSpectrum`].
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Missing`].
+    pub fn plane(&self, job: &Job) -> Result<&PlaneSpectrum, Error> {
+        match self.outcomes.get(&job.key()) {
+            Some(Outcome::Plane(spectrum)) => Ok(spectrum),
             _ => Err(missing(job)),
         }
     }

@@ -3,11 +3,11 @@
 use std::collections::BTreeMap;
 use std::sync::Mutex;
 
-use sphvar_samplers::{Domain, Pattern};
+use sphvar_samplers::{Domain, Pattern, SquarePattern};
 use sphvar_scene::DirectionMode;
 use sphvar_thesis::{
-    Error, Job, Lighting, NoStore, Pictures, Results, Scale, Setting, Store, ThesisEnsemble, run,
-    work,
+    Error, Job, Lighting, NoStore, Pictures, PlaneEnsemble, Results, Scale, Setting, Store,
+    ThesisEnsemble, run, work,
 };
 
 const SETTING: Setting = Setting { scale: Scale::Quick, seed: 5 };
@@ -72,6 +72,11 @@ fn jobs() -> Vec<Job> {
             side: 12,
             renders: 2,
         }),
+        Job::PlaneSpectrum {
+            ensemble: PlaneEnsemble::new(SquarePattern::JitteredSquare, 16),
+            kmax: 6,
+            sets: 8,
+        },
     ]
 }
 
@@ -80,7 +85,7 @@ fn kept_pieces_are_the_same_as_new_ones() {
     let store = Memory::default();
     let first = done(&jobs(), &store).unwrap();
     let saved = *store.saved.lock().unwrap();
-    assert!(saved >= 5);
+    assert!(saved >= 6);
     let second = done(&jobs(), &store).unwrap();
     assert_eq!(*store.saved.lock().unwrap(), saved, "nothing is done twice");
     let jobs = jobs();
@@ -89,6 +94,7 @@ fn kept_pieces_are_the_same_as_new_ones() {
     assert_eq!(first.coefficients(&jobs[2]).unwrap(), second.coefficients(&jobs[2]).unwrap());
     assert_eq!(first.trials(&jobs[3]).unwrap(), second.trials(&jobs[3]).unwrap());
     assert_eq!(first.pictures(&jobs[4]).unwrap(), second.pictures(&jobs[4]).unwrap());
+    assert_eq!(first.plane(&jobs[5]).unwrap(), second.plane(&jobs[5]).unwrap());
 }
 
 #[test]
@@ -105,6 +111,7 @@ fn pieces_that_do_not_fit_are_made_again() {
     let jobs = jobs();
     assert_eq!(first.spectrum(&jobs[0]).unwrap(), second.spectrum(&jobs[0]).unwrap());
     assert_eq!(first.pictures(&jobs[4]).unwrap(), second.pictures(&jobs[4]).unwrap());
+    assert_eq!(first.plane(&jobs[5]).unwrap(), second.plane(&jobs[5]).unwrap());
 }
 
 #[test]
