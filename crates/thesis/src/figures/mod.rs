@@ -25,6 +25,7 @@ mod order_grid;
 #[cfg(test)]
 mod pattern_tests;
 mod patterns;
+mod plane;
 mod point_panel;
 mod profile_rates;
 mod profiles;
@@ -34,6 +35,7 @@ mod sampler_spectra;
 mod significance;
 mod spectra;
 mod spectra_product;
+mod square_patterns;
 mod strata;
 mod tessellation;
 #[cfg(test)]
@@ -41,11 +43,13 @@ mod tests;
 mod variance_comparison;
 mod variance_study;
 mod white_noise_orders;
+mod zone_plate;
 
 use crate::{Error, Figure, Job, Results, Setting};
 use cornell_box::{CornellBoxes, ReferenceImage};
 use profiles::ProfileShapes;
 use rotated_lattices::RotatedLattice;
+use zone_plate::ZonePlates;
 
 /// The recipe of a figure: the jobs that it requires, and its panels and claims.
 pub(crate) trait Recipe: Sync {
@@ -65,9 +69,17 @@ pub(crate) trait Recipe: Sync {
 }
 
 /// Every figure by its number, in the thesis's order.
-pub(crate) const ALL: [(&str, &dyn Recipe); 26] = [
+pub(crate) const ALL: [(&str, &dyn Recipe); 34] = [
     ("2.2", &radial_average::RadialAverage),
     ("3.1", &basis_functions::BasisFunctions),
+    ("4.1", &ZonePlates::Test),
+    ("4.2", &plane::Peaks),
+    ("4.3", &plane::WrappedDisks),
+    ("4.4", &plane::DiskRealizations),
+    ("4.5", &plane::MeanSpectra),
+    ("4.6", &plane::RadialMeans),
+    ("4.7", &plane::LowDiscrepancy),
+    ("4.8", &ZonePlates::Patterns),
     ("4.9", &white_noise_orders::WhiteNoiseOrders),
     ("4.10", &lattice_spectra::LatticeSpectra),
     ("4.11", &RotatedLattice::HEALPIX),

@@ -66,7 +66,7 @@ pub(super) fn check_curves(curves: &Curves, place: &str) {
     }
 }
 
-fn check_picture(picture: &Picture, place: &str) {
+pub(super) fn check_picture(picture: &Picture, place: &str) {
     assert_eq!(picture.values.len(), picture.size[0] * picture.size[1], "{place}: size");
     assert!(picture.values.iter().all(|v| (0.0..=1.0).contains(v)), "{place}: not a share");
     assert!(picture.values.iter().any(|v| *v > 0.1), "{place}: black");
