@@ -26,7 +26,7 @@ pub fn frequency_grid(frequencies: &Frequencies, per_band: &[f64], half: usize) 
     for (band, value) in per_band.iter().enumerate().take(frequencies.len()).skip(1) {
         let [k1, k2] = frequencies.frequency(band);
         for [k1, k2] in [[k1, k2], [-k1, -k2]] {
-            let place = |k: i32| usize::try_from(i64::from(k) + half as i64).ok();
+            let place = |k: i32| half.checked_add_signed(isize::try_from(k).ok()?);
             if let (Some(column), Some(row)) = (place(k1), place(-k2))
                 && column < side
                 && row < side
