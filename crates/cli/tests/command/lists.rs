@@ -64,7 +64,8 @@ fn listed_parameters_are_taken() {
         for parameter in entries(entry, "parameters") {
             let key = parameter["name"].as_str().unwrap();
             for value in entries_or_default(parameter) {
-                place.run(&format!("sample {name}:{key}={value} -n 12 --nearest")).ok();
+                // A number of points for which every value is feasible.
+                place.run(&format!("sample {name}:{key}={value} -n 48 --nearest")).ok();
             }
         }
     }
