@@ -5,11 +5,12 @@ use sphvar_grammar::Choice;
 
 /// A colour of noise, as a power for every frequency `omega = l/sqrt(N)`.
 ///
-/// Colours describe the power at low frequencies relative to white noise, whose power is 1. The power
-/// of every point set tends to 1 at high frequencies, so each profile ends at a frequency `end` and
-/// leaves the higher ones to the points. The pair correlation at distance 0 of points that are white
-/// noise beyond it, `g2(0) = 1 + integral of 2 omega (P - 1)` in the limit of many points, lies
-/// between 0 and 1: such points neither repel beyond what is possible nor cluster in pairs.
+/// Colours describe the power at low frequencies relative to white noise, whose power is 1. The
+/// power of every point set tends to 1 at high frequencies, so each profile ends at a frequency
+/// `end` and leaves the higher ones to the points. The pair correlation at distance 0 of points
+/// that are white noise beyond it, `g2(0) = 1 + integral of 2 omega (P - 1)` in the limit of many
+/// points, lies between 0 and 1: such points neither repel beyond what is possible nor cluster in
+/// pairs.
 ///
 /// # References
 ///
