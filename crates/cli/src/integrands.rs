@@ -18,7 +18,8 @@ use sphvar_grammar::{ResolveError, Spec};
 use sphvar_integrands::{
     AlmParameters, EnergiesParameters, EnergyEstimates, EnvironmentMap, EnvironmentParameters,
     Error, Expansion, Expression, FittedFunction, HealpixMap, HealpixMapParameters,
-    ImageParameters, Integrand, IntegrandResolver, SquareImage, SquareTerm, Term, ValuesParameters,
+    ImageParameters, Integrand, IntegrandResolver, SquareExpression, SquareImage, Term,
+    ValuesParameters,
 };
 use sphvar_samplers::Domain;
 
@@ -116,7 +117,7 @@ fn parse_expression(text: &str) -> Result<Expression, CliError> {
     } else {
         text.parse::<Expression>()
     };
-    let expression = expression.map_err(|error| match text.parse::<SquareTerm>() {
+    let expression = expression.map_err(|error| match text.parse::<SquareExpression>() {
         Ok(_) => {
             CliError::Usage(format!("{text} is an integrand on the unit square: use --square"))
         }
@@ -218,7 +219,7 @@ impl IntegrandResolver for IntegrandFiles {
     }
 
     fn square_image(&self, wanted: &ImageParameters) -> Result<SquareImage, ResolveError> {
-        self::square::read_image(self, wanted).map_err(ResolveError::new)
+        square::read_image(self, wanted).map_err(ResolveError::new)
     }
 
     fn memory_check(&self) -> fn(usize) -> Result<(), String> {

@@ -170,6 +170,20 @@ pub trait IntegrationSpace: Space {
         announce: &dyn Fn(usize),
     ) -> Result<Energy<Self::Bands>, Error>;
 
+    /// Returns the part of a predicted variance that rounding of the energies can hide beyond the
+    /// spectrum; 0 if spectra extend until such energies do not matter.
+    ///
+    /// # Errors
+    ///
+    /// Returns the errors of the integrand's energies.
+    fn hidden_tail(
+        _predictor: &mut PredictorOn<'_, Self>,
+        _sampler: Self::SamplerRef<'_>,
+        _extent: &Self::Extent,
+    ) -> Result<f64, Error> {
+        Ok(0.0)
+    }
+
     /// Returns a lower bound of the variance with `n_points` of any pattern that is random, or
     /// always the same, and not independent; 0 if there is none.
     ///

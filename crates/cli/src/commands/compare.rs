@@ -37,7 +37,7 @@ pub(crate) const EXAMPLES: &str = "Examples:
   sphvar compare
   sphvar compare jittered,fibonacci -n 100,1000 --integrand cap:degrees=60 -o cap
   sphvar compare --hemisphere --integrand cosine -o cosine
-  sphvar compare jittered-square,sobol --square -n 16,64 --integrand exponential:a=1,b=2 -m 50 -o exponential
+  sphvar compare jittered-square,sobol --square -n 16,64 --integrand disk:radius=0.3 -o disk
 
 Without arguments it compares the patterns of Singh's thesis on a photographed light probe, which is built in, within a minute \
 on two cores. Every sampler takes its valid number of points nearest to N. The output folder receives \

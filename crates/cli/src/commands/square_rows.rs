@@ -12,6 +12,7 @@ use crate::error::CliError;
 use crate::flags::{NO_HARMONICS, ONE_DOMAIN, ProjectArgs, USE_KMAX};
 use crate::global::Global;
 use crate::integrands::NamedSquareIntegrand;
+use crate::memory::check_memory;
 use crate::progress::Progress;
 
 /// The largest frequency of spectra that are shown.
@@ -33,7 +34,21 @@ pub(super) fn settings(
         ("--method", args.transform.is_method_chosen(), "its transform is fast (--epsilon)"),
     ])?;
     args.square.without(other)?;
+    if let Some(kmax) = args.kmax.kmax {
+        check_frequencies(kmax)?;
+    }
     args.settings(args.kmax.kmax, global, whole_spectra)
+}
+
+/// Rejects a largest frequency whose spectra exist for no pattern or do not fit in memory.
+fn check_frequencies(kmax: usize) -> Result<(), CliError> {
+    let max = Frequencies::MAX_KMAX;
+    if kmax > max {
+        return Err(CliError::Usage(format!("--kmax: the largest frequency is {max}, got {kmax}")));
+    }
+    // Bytes of the grid of the transform and of the tables of pairs of frequencies, per kmax^2.
+    const BYTES: f64 = 300.0;
+    check_memory(&format!("a spectrum to frequency {kmax} (--kmax)"), BYTES * (kmax as f64).powi(2))
 }
 
 /// Runs all cases, with one progress bar, and returns the rows in the order of the cases, with the

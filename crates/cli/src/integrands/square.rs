@@ -2,7 +2,9 @@
 
 use std::fmt;
 
-use sphvar_integrands::{Error, ImageParameters, SquareImage, SquareIntegrand, SquareTerm, Term};
+use sphvar_integrands::{
+    Error, Expression, ImageParameters, SquareExpression, SquareImage, SquareIntegrand, SquareTerm,
+};
 
 use super::IntegrandFiles;
 use crate::error::CliError;
@@ -30,12 +32,13 @@ pub(crate) fn parse_square_integrand(
     text: &str,
     quiet: bool,
 ) -> Result<NamedSquareIntegrand, CliError> {
-    let expression: SquareTerm = text.parse().map_err(|error| match text.parse::<Term>() {
-        Ok(_) => CliError::Usage(format!(
-            "{text} is an integrand on the sphere; those on the square are {SquareForms}"
-        )),
-        Err(_) => CliError::usage(error),
-    })?;
+    let expression: SquareExpression =
+        text.parse().map_err(|error| match text.parse::<Expression>() {
+            Ok(_) => CliError::Usage(format!(
+                "{text} is an integrand on the sphere; those on the square are {SquareForms}"
+            )),
+            Err(_) => CliError::usage(error),
+        })?;
     let files = IntegrandFiles::default();
     let function = expression.build(&files).map_err(|error| match error {
         Error::File(source) => CliError::of_resolver(&source),

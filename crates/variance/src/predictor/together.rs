@@ -42,6 +42,7 @@ pub(crate) fn predict<S: IntegrationSpace>(
         }
         let found = to_extent(&mut group, budget, sampler, extent, progress)?;
         for ((i, predictor), mut point) in members.into_iter().zip(group).zip(found) {
+            point.prediction.tail_error += S::hidden_tail(predictor, sampler, extent)?;
             if point.prediction.variance <= predictor.rounding() {
                 let Prediction { variance, stderr, energy_stderr, .. } = &mut point.prediction;
                 (*variance, *stderr) = (0.0, *energy_stderr);

@@ -1,7 +1,8 @@
 //! The frequencies to which spectra on the square are computed.
 
+use sphvar_integrands::Energy;
 use sphvar_samplers::{Square, SquareDistribution, SquareSampler};
-use sphvar_sh::{Frequencies, TailClasses};
+use sphvar_sh::{Bands, Frequencies, TailClasses};
 use sphvar_spectrum::SquareResolution;
 
 use super::SquarePredictor;
@@ -52,19 +53,28 @@ pub(super) fn prediction_frequencies(
         _ => return Ok(frequencies(min)?),
     }
     let max = natural.saturating_mul(10).min(MAX_OF_LATTICES).max(natural).min(limit);
-    // The mean power of a lattice is 1 from about 2 sqrt(N) on, so the energy beyond approximates
-    // its variance.
-    let settled = frequencies(min / 2)?.len() - 1;
+    // The mean power of a lattice off the axes is 1 from about 2 sqrt(N) on, so the energy beyond
+    // approximates its variance there.
+    let settled = frequencies(min / 2)?.len();
     let mut kmax = min;
     loop {
         let all = frequencies(kmax)?;
         let energy = predictor.energies_to(&all)?;
-        let beyond = energy.beyond_by_class(all.len() - 1).get(0);
-        let is_negligible = beyond <= negligible(budget) * energy.beyond(settled);
+        let beyond = energy.beyond_by_class(all.len() - 1).get(0).max(unresolved(energy));
+        let bands = energy.per_band().iter().enumerate().skip(settled);
+        let known: f64 = bands.filter(|(b, _)| all.tail_class(*b) == 0).map(|(_, e)| e).sum();
+        let is_negligible = beyond <= negligible(budget) * (known + beyond);
         // Estimated energies end at some frequency; spectra beyond it are of no use.
         if is_negligible || kmax >= max || energy.lmax() + 1 < all.len() {
             return Ok(all);
         }
         kmax = kmax.saturating_mul(2).min(max);
     }
+}
+
+/// Returns the energy beyond known bands that the rounding of their sum hides, a bound of the
+/// differences that [`Energy::beyond_by_class`] replaces by 0.
+pub(super) fn unresolved(energy: &Energy<Frequencies>) -> f64 {
+    let n_bands = energy.per_band().len() as f64;
+    4.0 * f64::EPSILON * energy.centred().sum() * n_bands.sqrt()
 }

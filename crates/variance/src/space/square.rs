@@ -6,12 +6,12 @@ use sphvar_integrands::{Energy, SquareIntegrand};
 use sphvar_samplers::{
     Ensemble, Progress, Square, SquareDistribution, SquareRealizations, SquareSampler, Streams,
 };
-use sphvar_sh::Frequencies;
+use sphvar_sh::{Bands, Frequencies};
 use sphvar_spectrum::{
     ExactSquareSpectrum, Spectrum, SpectrumAccumulator, SquareResolution, accumulate_square,
 };
 
-use super::frequencies::prediction_frequencies;
+use super::frequencies::{prediction_frequencies, unresolved};
 use super::{Distribution, IntegrationSpace, check_given};
 use crate::predictor::Sums;
 use crate::{Error, PredictionBudget, PredictorOn, SpectrumOptions};
@@ -210,6 +210,21 @@ impl IntegrationSpace for Square {
     ) -> Result<Energy<Frequencies>, Error> {
         announce(frequencies.kmax());
         Ok(integrand.energy(frequencies)?)
+    }
+
+    /// Lattices integrate smooth functions so well that the energy at few frequencies far from 0,
+    /// where they have power N, is all of their variance.
+    fn hidden_tail(
+        predictor: &mut SquarePredictor<'_>,
+        sampler: &dyn SquareSampler,
+        frequencies: &Frequencies,
+    ) -> Result<f64, Error> {
+        let limit = predictor.integrand().band_limit().unwrap_or(usize::MAX);
+        if sampler.is_random() || limit <= frequencies.kmax() {
+            return Ok(0.0);
+        }
+        let energy = predictor.energies_to(frequencies)?;
+        Ok(energy.bands().factor(sampler.n_points()) * unresolved(energy))
     }
 
     /// Stratified patterns have less power than white noise at all frequencies close to an axis,
