@@ -73,6 +73,7 @@ fn cells(patterns: &[&str], integrands: &[&str], counts: &[usize], trials: u64) 
 /// and the largest one with a family false-alarm rate of 1e-4.
 #[test]
 #[ignore = "statistics"]
+#[expect(clippy::print_stdout, reason = "the figures of all comparisons")]
 fn scores_are_standard_normal() {
     let cells = cells(&PATTERNS, &INTEGRANDS, &COUNTS, 1000);
     let normal = Normal::standard();

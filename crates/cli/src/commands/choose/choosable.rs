@@ -16,6 +16,9 @@ use crate::patterns::{BandsOf, PatternKind, PredictedPattern};
 /// The predictor of a pattern's variances.
 pub(super) type PredictorOf<'a, P> = PredictorOn<'a, <P as PatternKind>::Space>;
 
+/// A pattern with the prediction of its variance.
+pub(super) type Design<P> = (P, PredictedPoint<BandsOf<P>>);
+
 /// The share of closed forms and single sets, which take hardly any time.
 const KNOWN: f64 = 0.02;
 
@@ -51,7 +54,7 @@ pub(super) trait Choosable: PredictedPattern<Bands: ShownBands> {
         _predictor: &mut PredictorOf<'_, Self>,
         _n_points: usize,
         _limit: f64,
-    ) -> Result<Option<(Self, PredictedPoint<BandsOf<Self>>)>, Error> {
+    ) -> Result<Option<Design<Self>>, Error> {
         Ok(None)
     }
 
@@ -138,7 +141,7 @@ impl Choosable for Pattern {
         predictor: &mut Predictor<'_>,
         n_points: usize,
         limit: f64,
-    ) -> Result<Option<(Self, PredictedPoint)>, Error> {
+    ) -> Result<Option<Design<Self>>, Error> {
         best_design(predictor, self, n_points, limit)
     }
 
