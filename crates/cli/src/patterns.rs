@@ -44,6 +44,9 @@ pub(crate) trait PatternKind: SamplerFamily<Self::Space> + Sized {
     /// Returns the number of points of a single file.
     fn own_count(&self) -> Option<usize>;
 
+    /// Returns whether a pattern has the name.
+    fn is_name(name: &str) -> bool;
+
     /// Returns the error for the name of a pattern of the other kind.
     fn other_kind(name: &str) -> Option<String>;
 }
@@ -73,8 +76,12 @@ impl PatternKind for Pattern {
         self.own_count()
     }
 
+    fn is_name(name: &str) -> bool {
+        Self::known().any(|pattern| pattern.name() == name)
+    }
+
     fn other_kind(name: &str) -> Option<String> {
-        SquarePattern::known().any(|pattern| pattern.name() == name).then(|| {
+        SquarePattern::is_name(name).then(|| {
             format!(
                 "{name} is a pattern of the unit square, for the option --square of sample, spectrum, quality, \
                  variance, compare and choose"
@@ -108,8 +115,12 @@ impl PatternKind for SquarePattern {
         self.own_count()
     }
 
+    fn is_name(name: &str) -> bool {
+        Self::known().any(|pattern| pattern.name() == name)
+    }
+
     fn other_kind(name: &str) -> Option<String> {
-        Pattern::known().any(|pattern| pattern.name() == name).then(|| {
+        Pattern::is_name(name).then(|| {
             let known: Vec<&str> = Self::ALL.iter().map(Self::name).collect();
             let known = known.join(", ");
             format!("{name} is a pattern of the sphere; with --square the patterns are {known}")
@@ -142,8 +153,7 @@ pub(crate) fn parse_pattern<P: PatternKind>(text: &str, quiet: bool) -> Result<P
         }
         other => {
             let name = text.split(':').next().unwrap_or_default();
-            let known = || P::all().iter().any(|pattern| pattern.to_string() == name);
-            let of_other_kind = P::other_kind(name).filter(|_| !known());
+            let of_other_kind = P::other_kind(name).filter(|_| !P::is_name(name));
             of_other_kind.map_or_else(|| CliError::usage(other), CliError::Usage)
         }
     })

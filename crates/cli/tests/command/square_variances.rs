@@ -78,7 +78,7 @@ fn patterns_are_ranked() {
     let document = place.run(&format!("{run} --error 2%")).json();
     let area = std::f64::consts::PI / 16.0;
     let white = ((1.0 - area) / (4e-4 * area)).ceil();
-    assert_eq!(number(&document, "white_noise_points"), white, "{document}");
+    assert!((number(&document, "white_noise_points") - white).abs() < 0.5, "{document}");
     let rows = document["rows"].as_array().unwrap();
     assert_eq!(rows[0]["sampler"], "jittered-square");
     assert!(number(&rows[0], "n") < 0.2 * white && number(&rows[1], "n") >= white);
