@@ -104,12 +104,15 @@ impl Edge {
         let is_swapped = b.abs() > a.abs();
         let (c, s) = if is_swapped { (b.abs(), a.abs()) } else { (a.abs(), b.abs()) };
         let (slope, d) = (s / c, offset.abs());
-        let depth = 0.5 * (c + s) - d;
-        let is_at_corner = d > 0.5 * (c - s);
+        // From d to 1/2, and half of 1 - c: their difference keeps its digits where s or 1/2 - d is
+        // small.
+        let (to_side, turn) = (0.5 - d, 0.5 * s * s / (1.0 + c));
+        let depth = to_side + (0.5 * s - turn);
+        let is_at_corner = to_side < 0.5 * s + turn;
         let (length, width, distance, area) = if depth <= 0.0 {
             (0.0, 0.0, 0.0, 0.0)
         } else if !is_at_corner {
-            let area = 0.5 - d / c;
+            let area = (to_side - turn) / c;
             (1.0, slope, area, area)
         } else {
             let (length, width) = ((depth / s).min(1.0), depth / c);
@@ -194,6 +197,11 @@ impl SquareIntegrand for HalfPlane {
     fn kurtosis(&self) -> Option<f64> {
         let (inside, outside) = self.areas();
         two_valued_kurtosis(inside, outside)
+    }
+
+    /// Returns 0 without an edge.
+    fn band_limit(&self) -> Option<usize> {
+        (self.edge.area == 0.0).then_some(0)
     }
 
     /// Returns 1 for an edge parallel to a side, 0 without an edge; that of other edges is infinite.

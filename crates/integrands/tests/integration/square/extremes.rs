@@ -258,3 +258,34 @@ fn parameters_out_of_range_are_errors() {
     ));
     assert!(matches!(image(2, 1, vec![1e200, 0.0]), Err(Error::Magnitude { .. })));
 }
+
+/// Edges along a side but for a slight slope t, at the distance d from the middle: a corner of area
+/// `(t - 2 e)^2/(8 t)` with `e = d/cos a - 1/2`, or a strip of `1/2 - d/cos a`.
+#[test]
+fn edges_close_to_a_side_keep_their_digits() {
+    for degrees in [1e-12, 1e-9, 1e-5, 1e-2] {
+        for turn in [0.0, 90.0, 180.0, 270.0] {
+            let slope = f64::to_radians(degrees).tan();
+            // 1/cos a - 1 = t^2/(1 + 1/cos a).
+            let excess = slope * slope / (1.0 + (1.0 + slope * slope).sqrt());
+            for (offset, area) in [
+                (0.5, (slope - excess).powi(2) / (8.0 * slope)),
+                (0.5 - 2f64.powi(-40), {
+                    let gap = 2f64.powi(-40) * (1.0 + excess) - 0.5 * excess;
+                    if gap > 0.5 * slope {
+                        gap
+                    } else {
+                        (0.5 * slope + gap).powi(2) / (2.0 * slope)
+                    }
+                }),
+            ] {
+                // Angles near the other axes are rounded.
+                let tolerance = 1e-14 + 4.0 * f64::EPSILON * turn / degrees;
+                let inside = HalfPlane::new(turn + degrees, offset).unwrap().exact().unwrap();
+                close(inside, area, tolerance);
+                let outside = HalfPlane::new(turn + degrees, -offset).unwrap().exact().unwrap();
+                assert!((outside + area - 1.0).abs() < 1e-15, "{turn} {degrees}: {outside}");
+            }
+        }
+    }
+}
