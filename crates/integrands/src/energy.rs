@@ -1,4 +1,4 @@
-use sphvar_sh::{Bands, Domain, TailClasses};
+use sphvar_sh::{Bands, Domain, Frequencies, TailClasses};
 
 use crate::{EnergyErrors, Error};
 
@@ -170,6 +170,17 @@ impl Energy {
     #[must_use]
     pub fn domain(&self) -> Domain {
         self.bands
+    }
+}
+
+impl Energy<Frequencies> {
+    /// Returns the energy of the function plus a constant, given the mean of this sum and its error.
+    pub(crate) fn with_mean(mut self, mean: f64, error: f64) -> Self {
+        self.per_band[0] = mean * mean;
+        if let Some(errors) = &mut self.errors {
+            errors.set_of_mean(error * (2.0 * mean.abs() + error));
+        }
+        self
     }
 }
 

@@ -125,6 +125,11 @@ impl<T: TailClasses> EnergyErrors<T> {
         largest * (sum + beyond.map(|t| t * t).dot(rest)).sqrt()
     }
 
+    /// Replaces the error of band 0, which no sum of energies contains.
+    pub(crate) fn set_of_mean(&mut self, error: f64) {
+        self.per_band[0] = error;
+    }
+
     /// Returns the errors of the first bands.
     pub(crate) fn truncated(&self, n_bands: usize) -> Self {
         self.mapped(|per_band| per_band[..n_bands].to_vec(), |total| total)

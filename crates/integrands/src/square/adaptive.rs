@@ -74,6 +74,9 @@ impl<F: SquareIntegrand> AdaptiveSquareFunction<F> {
 
     /// Returns the error of the energies, summed over all known bands and totals and relative to
     /// their total without the mean; 0 within rounding.
+    ///
+    /// Values far from 0 beside their deviations are rounded by more than 1e-10 of these: that is
+    /// part of the error, also of the energies and of the integral.
     #[must_use]
     pub fn relative_error(&self) -> f64 {
         self.estimate.relative_error

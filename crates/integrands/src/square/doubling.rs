@@ -29,12 +29,53 @@ pub(super) struct SquareEstimate {
     pub(super) kurtosis: Option<f64>,
     pub(super) n_evaluations: usize,
     pub(super) relative_error: f64,
+    rounding: Rounding,
+}
+
+/// The errors of energies that rounding of the values alone produces.
+#[derive(Clone, Copy, Debug)]
+struct Rounding {
+    /// The error of a value, some units of its size, with the mean.
+    of_value: f64,
+    /// The error of the sum of all energies.
+    of_total: f64,
+    /// Whether this is too much for energies that count as exact.
+    is_relevant: bool,
+}
+
+impl Rounding {
+    fn new(total: f64, mean: f64) -> Self {
+        let of_value = 16.0 * f64::EPSILON * (total + mean * mean).sqrt();
+        let of_total = of_value * (total.sqrt() + of_value);
+        // Values that are all the same have no error.
+        Self { of_value, of_total, is_relevant: total > 0.0 && of_total > RESOLVED * total }
+    }
+
+    /// Returns the energies of a function with independent errors of `n` x `n` values on top: those
+    /// of the sum of two functions are at most the square of the sum of both roots.
+    fn added(self, energy: &Energy<Frequencies>, n: usize) -> Energy<Frequencies> {
+        let n = n as f64;
+        let sum = |e: f64, share: f64| (e.sqrt() + share.sqrt() * self.of_value).powi(2);
+        let bands = energy.bands();
+        let of_band = |(band, e): (usize, &f64)| {
+            let is_known = band > 0 && bands.radius(band) <= 0.5 * n;
+            if is_known { sum(*e, bands.multiplicity(band) / (n * n)) } else { *e }
+        };
+        let per_band = energy.per_band().iter().enumerate().map(of_band).collect();
+        let ByAxis { off, u, v } = energy.centred();
+        let centred = ByAxis { off: sum(off, 1.0), u: sum(u, 1.0 / n), v: sum(v, 1.0 / n) };
+        Energy::new(bands.clone(), per_band, centred)
+    }
 }
 
 #[derive(Clone, Debug)]
 enum Energies {
     /// Of the polynomial that the function equals to rounding.
-    Exact(LegendreExpansion),
+    Polynomial {
+        fine: LegendreExpansion,
+        /// That of half as many nodes along a side, if rounding is relevant.
+        coarse: Option<LegendreExpansion>,
+    },
     /// Of the last grid and those before, of which the others are compared.
     Estimated(Vec<GridEnergies>),
 }
@@ -42,6 +83,8 @@ enum Energies {
 /// The energies of the values of a grid, to the frequencies that all compared grids know.
 #[derive(Clone, Debug)]
 struct GridEnergies {
+    /// The number of points along a side.
+    n: usize,
     mean: f64,
     variances: ByAxis,
     /// `|G_k|^2` of the bands of `known`.
@@ -73,15 +116,30 @@ impl SquareEstimate {
             let kurtosis = values.kurtosis();
             let fine = values.expansion()?;
             let total = fine.variances().sum();
-            let error = coarse.as_ref().map(|coarse| fine.distance(coarse));
-            let rounding = rounding(total, fine.mean());
+            let rounding = Rounding::new(total, fine.mean());
             if n_evaluations >= min
-                && let Some(error) = error.filter(|e| *e <= (RESOLVED * total).max(rounding))
+                && let Some(previous) = &coarse
+                && let error = fine.distance(previous)
+                && error <= (RESOLVED * total).max(rounding.of_total)
             {
-                let relative_error = if error <= rounding { 0.0 } else { error / total };
-                let integral = (fine.mean(), 0.0);
-                let energies = Energies::Exact(fine);
-                return Ok(Self { energies, integral, kurtosis, n_evaluations, relative_error });
+                let (mut relative_error, mut of_mean) = (error / total, 0.0);
+                if rounding.is_relevant {
+                    relative_error = rounding.of_total / total;
+                    of_mean = rounding.of_value.max((fine.mean() - previous.mean()).abs());
+                } else if error <= rounding.of_total {
+                    relative_error = 0.0;
+                }
+                return Ok(Self {
+                    integral: (fine.mean(), of_mean),
+                    energies: Energies::Polynomial {
+                        fine,
+                        coarse: coarse.filter(|_| rounding.is_relevant),
+                    },
+                    kurtosis: kurtosis.filter(|_| total > rounding.of_value.powi(2)),
+                    n_evaluations,
+                    relative_error,
+                    rounding,
+                });
             }
             coarse = Some(fine);
             len *= 2;
@@ -99,7 +157,7 @@ impl SquareEstimate {
         let mut sizes = FIRST_GRIDS;
         loop {
             let [n, following] = sizes;
-            let (grid, kurtosis) = grid_values(function, n)?;
+            let grid = grid_values(function, n)?;
             n_evaluations += n * n;
             rules.insert(0, GridEnergies::new(&grid, n)?);
             rules.truncate(COMPARED);
@@ -108,33 +166,54 @@ impl SquareEstimate {
                 continue;
             }
             let known = rules[COMPARED - 1].known.clone();
-            let energy = energy_of_grids(&rules, &known)?;
+            let mut others = energies_of_grids(&rules, &known)?;
+            let energy = others.remove(0).with_estimates(&others);
             let (total, mean) = (rules[0].variances.sum(), rules[0].mean);
             let of_bands = energy.per_band_stderr().unwrap_or_default().iter().skip(1).sum::<f64>();
-            let error = of_bands + energy.centred_stderr().sum();
-            let is_enough = error <= (relative * total).max(rounding(total, mean));
+            let mut error = of_bands + energy.centred_stderr().sum();
+            let rounding = Rounding::new(total, mean);
+            let is_enough = error <= (relative * total).max(rounding.of_total);
             let is_last = n_evaluations.saturating_add(following * following) > max;
             if (is_enough && n_evaluations >= min) || is_last {
                 let deviations = rules.iter().map(|rule| (rule.mean - mean).abs());
-                let integral = (mean, deviations.fold(0.0, f64::max));
-                let relative_error = if total > 0.0 { error / total } else { 0.0 };
-                let energies = Energies::Estimated(rules);
-                return Ok(Self { energies, integral, kurtosis, n_evaluations, relative_error });
+                let mut of_mean = deviations.fold(0.0, f64::max);
+                if rounding.is_relevant {
+                    error = error.max(rounding.of_total);
+                    of_mean = of_mean.max(rounding.of_value);
+                }
+                return Ok(Self {
+                    integral: (mean, of_mean),
+                    energies: Energies::Estimated(rules),
+                    kurtosis: grid.kurtosis().filter(|_| total > rounding.of_value.powi(2)),
+                    n_evaluations,
+                    relative_error: if total > 0.0 { error / total } else { 0.0 },
+                    rounding,
+                });
             }
         }
     }
 
     /// Returns whether the energies are exact to rounding.
     pub(super) fn is_exact(&self) -> bool {
-        matches!(self.energies, Energies::Exact(_))
+        matches!(self.energies, Energies::Polynomial { .. }) && !self.rounding.is_relevant
     }
 
     /// Returns the energies; estimates end at an eighth of the points along a side of the last grid.
     pub(super) fn energy(&self, frequencies: &Frequencies) -> Result<Energy<Frequencies>, Error> {
-        match &self.energies {
-            Energies::Exact(expansion) => expansion.energy(frequencies),
-            Energies::Estimated(rules) => energy_of_grids(rules, frequencies),
+        let (energy, mut others, n) = match &self.energies {
+            Energies::Polynomial { fine, coarse } => {
+                let others = coarse.iter().map(|coarse| coarse.energy(frequencies));
+                (fine.energy(frequencies)?, others.collect::<Result<_, _>>()?, fine.len())
+            }
+            Energies::Estimated(rules) => {
+                let mut energies = energies_of_grids(rules, frequencies)?;
+                (energies.remove(0), energies, rules[0].n)
+            }
+        };
+        if self.rounding.is_relevant {
+            others.push(self.rounding.added(&energy, n));
         }
+        Ok(if others.is_empty() { energy } else { energy.with_estimates(&others) })
     }
 }
 
@@ -144,7 +223,7 @@ impl GridEnergies {
         let known = Frequencies::new(n / 3)?;
         let (power, mean, variances) = (grid.power()?, grid.mean, grid.mean_squares());
         let squares = (0..known.len()).map(|band| power.at(known.frequency(band))).collect();
-        Ok(Self { mean, variances, squares, known })
+        Ok(Self { n, mean, variances, squares, known })
     }
 
     /// Returns the energies of the first bands.
@@ -163,25 +242,21 @@ impl GridEnergies {
     }
 }
 
-/// Returns the energies of the first grid, to the last band that all grids know, with the other grids
-/// as other estimates.
-fn energy_of_grids(
+/// Returns the energies of every grid, to the last band that all grids know.
+fn energies_of_grids(
     rules: &[GridEnergies],
     frequencies: &Frequencies,
-) -> Result<Energy<Frequencies>, Error> {
+) -> Result<Vec<Energy<Frequencies>>, Error> {
     let limits = rules.iter().map(|rule| rule.known.kmax());
     let limit = limits.min().unwrap_or_default() as f64;
     let is_known = |band: &usize| frequencies.radius(*band) <= limit;
     let n_bands = (0..frequencies.len()).take_while(is_known).count();
-    let energies = rules.iter().map(|rule| rule.energy(frequencies, n_bands));
-    let mut energies = energies.collect::<Result<Vec<_>, _>>()?;
-    let fine = energies.remove(0);
-    Ok(fine.with_estimates(&energies))
+    rules.iter().map(|rule| rule.energy(frequencies, n_bands)).collect()
 }
 
-/// Returns the values on a grid of n x n points, and their kurtosis. Every n has an offset of its
-/// own, so that no two grids have the same errors at edges along the sides.
-fn grid_values(function: &dyn SquareIntegrand, n: usize) -> Result<(Grid, Option<f64>), Error> {
+/// Returns the values on a grid of n x n points. Every n has an offset of its own, so that no two
+/// grids have the same errors at edges along the sides.
+fn grid_values(function: &dyn SquareIntegrand, n: usize) -> Result<Grid, Error> {
     /// The fraction of the golden ratio.
     const GOLDEN: f64 = 0.618_033_988_749_894_9;
     let offset = (n as f64 * GOLDEN).fract();
@@ -196,8 +271,7 @@ fn grid_values(function: &dyn SquareIntegrand, n: usize) -> Result<(Grid, Option
         values_into(function, &points, batch)?;
     }
     check_values(&values)?;
-    let kurtosis = quadrature::weighted_kurtosis(|| values.iter().map(|x| (1.0, *x)));
-    Ok((Grid::new(n, values), kurtosis))
+    Ok(Grid::new(n, values))
 }
 
 /// Writes the values at many points, all of which must be finite.
@@ -208,11 +282,4 @@ fn values_into(
 ) -> Result<(), Error> {
     let eval_into = |points: &[[f64; 2]], values: &mut [f64]| function.eval_into(points, values);
     quadrature::finite_values(points, values, eval_into, |[u, v]| format!("u = {u}, v = {v}"))
-}
-
-/// Returns the error of all energies that rounding of the values alone produces: each value is
-/// rounded by some units of its size, with the mean.
-fn rounding(total: f64, mean: f64) -> f64 {
-    let value = 16.0 * f64::EPSILON * (total + mean * mean).sqrt();
-    value * (total.sqrt() + value)
 }

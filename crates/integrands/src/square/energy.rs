@@ -34,6 +34,22 @@ pub(super) fn zeros<T: Clone + Default>(len: usize) -> Result<Vec<T>, Error> {
     Ok(values)
 }
 
+/// Subtracts from at least one value the mean, of which `mean` is the formula, and returns it.
+///
+/// The sum of many values far from 0 loses their deviations, so the mean of differences from one of
+/// them is taken, and corrected once. Equal values become exactly 0.
+pub(super) fn centre(values: &mut [f64], mean: impl Fn(&[f64]) -> f64) -> f64 {
+    let first = values[0];
+    values.iter_mut().for_each(|x| *x -= first);
+    let mut rest = 0.0;
+    for _ in 0..2 {
+        let of_differences = mean(values);
+        values.iter_mut().for_each(|x| *x -= of_differences);
+        rest += of_differences;
+    }
+    first + rest
+}
+
 /// Checks that the squares of values neither overflow nor underflow.
 ///
 /// # Errors

@@ -61,6 +61,11 @@ impl SquareIntegrand for Exponential {
         self.separable.kurtosis()
     }
 
+    /// Returns 0 for the constant.
+    fn band_limit(&self) -> Option<usize> {
+        (self.rates == [0.0; 2]).then_some(0)
+    }
+
     /// Returns that of the product of two monotonic functions.
     fn variation(&self) -> Option<f64> {
         let [u, v] = self.rates.map(|rate| (rate.exp_m1().abs(), rate.exp()));

@@ -2,8 +2,8 @@ use num_complex::Complex;
 use sphvar_nufft::parts::{FftDirection, Real};
 use sphvar_sh::ByAxis;
 
-use super::energy::zeros;
-use crate::Error;
+use super::energy::{centre, zeros};
+use crate::{Error, quadrature};
 
 /// Values on a grid of the square, row by row, as the mean, a part of each coordinate, and the rest.
 #[derive(Clone, Debug)]
@@ -32,8 +32,7 @@ impl Grid {
     pub(super) fn new(width: usize, mut values: Vec<f64>) -> Self {
         let height = values.len() / width;
         let average = |sum: f64, n: usize| sum / n as f64;
-        let mean = average(values.iter().sum(), values.len());
-        values.iter_mut().for_each(|x| *x -= mean);
+        let mean = centre(&mut values, |x| average(x.iter().sum(), x.len()));
         let mut columns = vec![0.0; width];
         let mut rows = Vec::with_capacity(height);
         for row in values.chunks_exact(width) {
@@ -55,6 +54,17 @@ impl Grid {
             u: mean_square(&self.columns),
             v: mean_square(&self.rows),
         }
+    }
+
+    /// Returns the kurtosis of the values.
+    pub(super) fn kurtosis(&self) -> Option<f64> {
+        quadrature::weighted_kurtosis(|| {
+            let rows = self.rest.chunks_exact(self.columns.len()).zip(&self.rows);
+            rows.flat_map(|(rest, of_row)| {
+                let of_columns = rest.iter().zip(&self.columns);
+                of_columns.map(move |(x, of_column)| (1.0, x + (of_row + of_column)))
+            })
+        })
     }
 
     /// Returns the squared moduli of the Fourier coefficients.

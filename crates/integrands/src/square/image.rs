@@ -178,6 +178,11 @@ impl SquareIntegrand for SquareImage {
         })
     }
 
+    /// Returns 0 if all texels are equal.
+    fn band_limit(&self) -> Option<usize> {
+        self.texels.windows(2).all(|pair| pair[0] == pair[1]).then_some(0)
+    }
+
     /// Returns the sum of the mixed differences of neighbours and of the differences along the sides
     /// u = 1 and v = 1, where a bilinear picture is the mean of its first and last texels.
     fn variation(&self) -> Option<f64> {

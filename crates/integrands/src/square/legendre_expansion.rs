@@ -1,7 +1,7 @@
 use num_complex::Complex;
 use sphvar_sh::{ByAxis, Frequencies, GaussLegendre, legendre_p_into};
 
-use super::energy::{check_values, energy_of_coefficients, zeros};
+use super::energy::{centre, check_values, energy_of_coefficients, zeros};
 use super::spherical_bessel::spherical_bessel;
 use crate::{Energy, Error, quadrature};
 
@@ -19,7 +19,8 @@ pub(super) struct LegendreExpansion {
 /// The values of a function at the nodes of a product rule.
 pub(super) struct RuleValues {
     rule: GaussLegendre,
-    /// At every node of u those of all nodes of v.
+    mean: f64,
+    /// At every node of u those of all nodes of v, without the mean.
     values: Vec<f64>,
 }
 
@@ -40,7 +41,14 @@ impl RuleValues {
         let mut values = zeros(len * len)?;
         values_into(&points.collect::<Vec<_>>(), &mut values)?;
         check_values(&values)?;
-        Ok(Self { rule, values })
+        let weights = rule.weights();
+        let row_mean =
+            |row: &[f64]| -> f64 { row.iter().zip(weights).map(|(x, w)| 0.5 * w * x).sum() };
+        let mean = centre(&mut values, |values| {
+            let rows = values.chunks_exact(len).zip(weights);
+            rows.map(|(row, w)| 0.5 * w * row_mean(row)).sum()
+        });
+        Ok(Self { rule, mean, values })
     }
 
     /// Returns the kurtosis of the values.
@@ -53,14 +61,9 @@ impl RuleValues {
     }
 
     /// Returns the polynomial with these values, whose degrees are below the number of nodes.
-    pub(super) fn expansion(mut self) -> Result<LegendreExpansion, Error> {
+    pub(super) fn expansion(self) -> Result<LegendreExpansion, Error> {
         let weights = self.rule.weights();
         let len = weights.len();
-        let rows = || self.values.chunks_exact(len).zip(weights);
-        let row_mean =
-            |row: &[f64]| -> f64 { row.iter().zip(weights).map(|(x, w)| 0.5 * w * x).sum() };
-        let mean: f64 = rows().map(|(row, w)| 0.5 * w * row_mean(row)).sum();
-        self.values.iter_mut().for_each(|x| *x -= mean);
         // Polynomials with the weights and norms of the transform, node by node.
         let mut factors = zeros(len * len)?;
         let transformed = self.rule.nodes().iter().zip(weights).zip(factors.chunks_exact_mut(len));
@@ -74,7 +77,7 @@ impl RuleValues {
         let along_u = product(&self.values, &factors, len)?;
         let mut coefficients = product(&along_u, &factors, len)?;
         coefficients[0] = 0.0;
-        Ok(LegendreExpansion { len, mean, coefficients })
+        Ok(LegendreExpansion { len, mean: self.mean, coefficients })
     }
 }
 
@@ -91,6 +94,11 @@ fn product(a: &[f64], b: &[f64], len: usize) -> Result<Vec<f64>, Error> {
 }
 
 impl LegendreExpansion {
+    /// Returns the number of orders of each coordinate, which is that of nodes along a side.
+    pub(super) fn len(&self) -> usize {
+        self.len
+    }
+
     /// Returns the integral over the square.
     pub(super) fn mean(&self) -> f64 {
         self.mean

@@ -1,14 +1,19 @@
 use std::fmt;
 use std::sync::OnceLock;
 
-use sphvar_sh::Frequencies;
+use sphvar_sh::{ByAxis, Frequencies};
 
 use super::doubling::SquareEstimate;
-use crate::{Energy, Error, Expression, IntegrandResolver, SquareIntegrand, SquareTerm, Sum, Wave};
+use super::energy::energy_of_coefficients;
+use crate::{
+    Energy, Error, Expression, IntegrandResolver, SquareIntegrand, SquareTerm, Sum, Summand,
+};
 
 /// A weighted sum of products of integrands on the square.
 ///
-/// A single integrand times a weight has the energies of that integrand times the square of the
+/// Constants change no energy but that of the mean, and are apart from the other terms: integrands
+/// with a band limit of 0 and a known integral, products of them, and terms without a factor. A
+/// single integrand times a weight has the energies of that integrand times the square of the
 /// weight. The energies of others follow from their values, as those of an
 /// [`AdaptiveSquareFunction`](crate::AdaptiveSquareFunction), with values enough for the narrowest
 /// of their features: they are exact to rounding for smooth functions, otherwise they have errors.
@@ -17,7 +22,7 @@ use crate::{Energy, Error, Expression, IntegrandResolver, SquareIntegrand, Squar
 ///
 /// ```
 /// use sphvar_integrands::{NoFiles, SquareExpression, SquareIntegrand};
-/// use sphvar_sh::Frequencies;
+/// use sphvar_sh::{ByAxis, Frequencies};
 ///
 /// let expression: SquareExpression = "2 * exponential:a=1,b=0 - wave:k1=1,k2=0".parse()?;
 /// let sum = expression.build(&NoFiles)?;
@@ -27,8 +32,20 @@ use crate::{Energy, Error, Expression, IntegrandResolver, SquareIntegrand, Squar
 /// ```
 #[derive(Default)]
 pub struct SquareSum {
-    terms: Vec<(f64, Vec<Box<dyn SquareIntegrand>>)>,
+    constant: f64,
+    varying: Products,
     estimate: OnceLock<Result<SquareEstimate, Error>>,
+}
+
+/// A weighted sum of products, none of which is known to be constant.
+#[derive(Default)]
+struct Products {
+    terms: Vec<(f64, Vec<Box<dyn SquareIntegrand>>)>,
+}
+
+/// Returns the value of a function that is known to be constant.
+fn constant(function: &dyn SquareIntegrand) -> Option<f64> {
+    (function.band_limit()? == 0).then(|| function.exact())?
 }
 
 /// A sum of products of named integrands on the square, such as
@@ -47,29 +64,32 @@ impl SquareSum {
     ///
     /// # Errors
     ///
-    /// [`Error::Weight`] unless the weight is 0 or [`Sum::MIN_WEIGHT`] to [`Sum::MAX_WEIGHT`] in
-    /// magnitude.
+    /// [`Error::Weight`] unless the weight, also times the constant factors, is 0 or
+    /// [`Sum::MIN_WEIGHT`] to [`Sum::MAX_WEIGHT`] in magnitude.
     pub fn plus(
         mut self,
         weight: f64,
         factors: Vec<Box<dyn SquareIntegrand>>,
     ) -> Result<Self, Error> {
         Sum::check_weight(weight)?;
-        self.terms.push((weight, factors));
-        Ok(Self { terms: self.terms, estimate: OnceLock::new() })
-    }
-
-    /// Returns the weight and the integrand, if there is a single one.
-    fn single(&self) -> Option<(f64, &dyn SquareIntegrand)> {
-        match &self.terms[..] {
-            [(weight, factors)] => match &factors[..] {
-                [only] => Some((*weight, only)),
-                _ => None,
-            },
-            _ => None,
+        let (mut scale, mut varying) = (weight, Vec::new());
+        for factor in factors {
+            match constant(&factor) {
+                Some(constant) => scale *= constant,
+                None => varying.push(factor),
+            }
         }
+        Sum::check_weight(scale)?;
+        // A product with 0 is 0.
+        if varying.is_empty() {
+            self.constant += scale;
+        } else if scale != 0.0 {
+            self.varying.terms.push((scale, varying));
+        }
+        Ok(Self { estimate: OnceLock::new(), ..self })
     }
 
+    /// Returns the estimate of the sum without its constant.
     fn estimate(&self) -> Result<&SquareEstimate, Error> {
         self.estimate.get_or_init(|| self.doubled()).as_ref().map_err(Error::clone)
     }
@@ -88,17 +108,46 @@ impl SquareSum {
                          a sum or product; take wider ones",
             });
         }
-        SquareEstimate::new(self, Self::RELATIVE, [min, min.max(Self::VALUES)])
+        SquareEstimate::new(&self.varying, Self::RELATIVE, [min, min.max(Self::VALUES)])
+    }
+}
+
+impl Products {
+    /// Returns the weight and the integrand, if there is a single one.
+    fn single(&self) -> Option<(f64, &dyn SquareIntegrand)> {
+        match &self.terms[..] {
+            [(weight, factors)] => match &factors[..] {
+                [only] => Some((*weight, only)),
+                _ => None,
+            },
+            _ => None,
+        }
+    }
+
+    /// Returns the sum of the integrals and of their errors, which `of` returns for every function, if
+    /// all are known and there are no products of several functions.
+    fn integral(
+        &self,
+        of: impl Fn(&dyn SquareIntegrand) -> Option<(f64, f64)>,
+    ) -> Option<(f64, f64)> {
+        let of_term = |(weight, factors): &(f64, Vec<Box<dyn SquareIntegrand>>)| {
+            let [only] = &factors[..] else { return None };
+            let (integral, error) = of(only)?;
+            Some((weight * integral, weight.abs() * error))
+        };
+        let sum = |(a, b): (f64, f64), (c, d)| (a + c, b + d);
+        self.terms.iter().try_fold((0.0, 0.0), |total, term| Some(sum(total, of_term(term)?)))
     }
 }
 
 impl fmt::Debug for SquareSum {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_list().entries(self.terms.iter().map(|(weight, _)| weight)).finish()
+        let weights = self.varying.terms.iter().map(|(weight, _)| weight);
+        f.debug_list().entry(&self.constant).entries(weights).finish()
     }
 }
 
-impl SquareIntegrand for SquareSum {
+impl SquareIntegrand for Products {
     fn eval(&self, point: [f64; 2]) -> f64 {
         let product = |(weight, factors): &(f64, Vec<Box<dyn SquareIntegrand>>)| {
             weight * factors.iter().map(|f| f.eval(point)).product::<f64>()
@@ -120,92 +169,143 @@ impl SquareIntegrand for SquareSum {
         }
         Ok(())
     }
+}
+
+impl SquareIntegrand for SquareSum {
+    fn eval(&self, point: [f64; 2]) -> f64 {
+        self.varying.eval(point) + self.constant
+    }
+
+    fn eval_into(&self, points: &[[f64; 2]], values: &mut [f64]) -> Result<(), Error> {
+        self.varying.eval_into(points, values)?;
+        values.iter_mut().for_each(|value| *value += self.constant);
+        Ok(())
+    }
 
     /// Returns the sum of the integrals, or that of a product that its values resolve.
     fn exact(&self) -> Option<f64> {
-        let of_term = |(weight, factors): &(f64, Vec<Box<dyn SquareIntegrand>>)| match &factors[..]
-        {
-            [] => Some(*weight),
-            [only] => Some(weight * only.exact()?),
-            _ => None,
-        };
-        self.terms.iter().map(of_term).sum::<Option<f64>>().or_else(|| {
+        let sum = self.varying.integral(|f| f.exact().map(|exact| (exact, 0.0))).or_else(|| {
             let estimate = self.estimate().ok()?;
-            estimate.is_exact().then_some(estimate.integral.0)
-        })
+            estimate.is_exact().then_some(estimate.integral)
+        });
+        sum.map(|(integral, _)| self.constant + integral)
     }
 
     fn integral_estimate(&self) -> Option<(f64, f64)> {
-        match self.exact() {
-            Some(exact) => Some((exact, 0.0)),
-            None => self.estimate().ok().map(|estimate| estimate.integral),
-        }
+        let of_estimate = || self.estimate().ok().map(|estimate| estimate.integral);
+        let (integral, error) =
+            self.varying.integral(|f| f.integral_estimate()).or_else(of_estimate)?;
+        Some((self.constant + integral, error))
     }
 
     fn energy(&self, frequencies: &Frequencies) -> Result<Energy<Frequencies>, Error> {
-        match self.single() {
-            Some((weight, only)) => Ok(only.energy(frequencies)?.of_multiple(weight)),
-            None => self.estimate()?.energy(frequencies),
-        }
+        let varying = match self.varying.single() {
+            _ if self.varying.terms.is_empty() => {
+                energy_of_coefficients(frequencies, 0.0, ByAxis::default(), |_| 0.0)?
+            }
+            Some((weight, only)) => {
+                let energy = only.energy(frequencies)?.of_multiple(weight);
+                if self.constant == 0.0 {
+                    return Ok(energy);
+                }
+                energy
+            }
+            None => self.estimate()?.energy(frequencies)?,
+        };
+        let (mean, error) = self.integral_estimate().ok_or(Error::NoEnergy {
+            reason: "the integral of a term is not known; implement \
+                     `SquareIntegrand::integral_estimate`",
+        })?;
+        Ok(varying.with_mean(mean, error))
     }
 
     fn kurtosis(&self) -> Option<f64> {
-        match self.single() {
-            Some((weight, only)) => only.kurtosis().filter(|_| weight != 0.0),
+        match self.varying.single() {
+            _ if self.varying.terms.is_empty() => None,
+            Some((_, only)) => only.kurtosis(),
             None => self.estimate().ok()?.kurtosis,
         }
     }
 
+    /// Returns the largest one of the terms, that of a product being the sum of those of its
+    /// factors.
     fn band_limit(&self) -> Option<usize> {
-        self.single()?.1.band_limit()
+        let of_product = |factors: &[Box<dyn SquareIntegrand>]| {
+            factors.iter().try_fold(0usize, |sum, f| sum.checked_add(f.band_limit()?))
+        };
+        let terms = self.varying.terms.iter();
+        terms.map(|(_, factors)| of_product(factors)).try_fold(0, |max, x| Some(x?.max(max)))
     }
 
     fn feature_size(&self) -> Option<f64> {
-        let factors = self.terms.iter().flat_map(|(_, factors)| factors);
+        let factors = self.varying.terms.iter().flat_map(|(_, factors)| factors);
         factors.map(|f| f.feature_size()).try_fold(1.0, |least, size| Some(size?.min(least)))
     }
 
     fn variation(&self) -> Option<f64> {
-        let (weight, only) = self.single()?;
+        if self.varying.terms.is_empty() {
+            return Some(0.0);
+        }
+        let (weight, only) = self.varying.single()?;
         Some(weight.abs() * only.variation()?)
     }
 }
 
 impl SquareExpression {
+    /// Returns the summands, of which those with the same factors in any order are one with the sum
+    /// of their weights.
+    fn merged(&self) -> Vec<Summand<SquareTerm>> {
+        let mut merged: Vec<Summand<SquareTerm>> = Vec::new();
+        for summand in &self.summands {
+            match merged.iter_mut().find(|other| are_permutations(&other.factors, &summand.factors))
+            {
+                Some(other) => other.weight += summand.weight,
+                None => merged.push(summand.clone()),
+            }
+        }
+        merged
+    }
+
     /// Returns the function; `files` reads the files that it names.
+    ///
+    /// Terms that appear more than once are merged.
     ///
     /// # Errors
     ///
     /// [`Error::OfTerm`] with the text of the term and the reason, [`Error::File`] if `files` cannot
     /// read a file.
     pub fn build(&self, files: &dyn IntegrandResolver) -> Result<Box<dyn SquareIntegrand>, Error> {
-        let mut sum = SquareSum::default();
+        let of_sum = |error| Error::OfTerm { text: self.to_string(), reason: Box::new(error) };
         for summand in &self.summands {
+            Sum::check_weight(summand.weight).map_err(of_sum)?;
+        }
+        let mut sum = SquareSum::default();
+        let merged = self.merged();
+        for summand in &merged {
             let factors = summand.factors.iter().map(|term| term.build(files));
             let mut factors = factors.collect::<Result<Vec<_>, _>>()?;
-            if let [_] = &*self.summands
-                && summand.weight.to_bits() == 1f64.to_bits()
-                && factors.len() == 1
+            if merged.len() == 1 && summand.weight.to_bits() == 1f64.to_bits() && factors.len() == 1
             {
                 // A single integrand without a weight is returned unchanged.
                 return Ok(factors.remove(0));
             }
-            if factors.is_empty() {
-                // A product of numbers alone is a constant function.
-                factors.push(Box::new(Wave::new([0, 0])?));
-            }
-            let with_term = sum.plus(summand.weight, factors);
-            sum = with_term.map_err(|error| Error::OfTerm {
-                text: self.to_string(),
-                reason: Box::new(error),
-            })?;
+            sum = sum.plus(summand.weight, factors).map_err(of_sum)?;
         }
         Ok(Box::new(sum))
     }
 }
 
+/// Returns whether two lists have the same items, in any order.
+fn are_permutations<T: PartialEq>(a: &[T], b: &[T]) -> bool {
+    let mut rest: Vec<&T> = b.iter().collect();
+    let mut take = |item: &T| {
+        rest.iter().position(|other| *other == item).map(|i| rest.swap_remove(i)).is_some()
+    };
+    a.len() == b.len() && a.iter().all(|item| take(item))
+}
+
 impl From<SquareTerm> for SquareExpression {
     fn from(term: SquareTerm) -> Self {
-        Self { summands: vec![crate::Summand { weight: 1.0, factors: vec![term] }] }
+        Self { summands: vec![Summand { weight: 1.0, factors: vec![term] }] }
     }
 }

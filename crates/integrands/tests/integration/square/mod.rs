@@ -5,4 +5,5 @@ mod cases;
 mod energies;
 mod extremes;
 mod grammar;
+mod sums;
 mod variation;
