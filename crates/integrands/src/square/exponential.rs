@@ -63,7 +63,7 @@ impl SquareIntegrand for Exponential {
 
     /// Returns 0 for the constant.
     fn band_limit(&self) -> Option<usize> {
-        (self.rates == [0.0; 2]).then_some(0)
+        self.rates.iter().all(|rate| *rate == 0.0).then_some(0)
     }
 
     /// Returns that of the product of two monotonic functions.

@@ -180,7 +180,7 @@ impl SquareIntegrand for SquareImage {
 
     /// Returns 0 if all texels are equal.
     fn band_limit(&self) -> Option<usize> {
-        self.texels.windows(2).all(|pair| pair[0] == pair[1]).then_some(0)
+        self.texels.windows(2).all(|pair| pair[0] - pair[1] == 0.0).then_some(0)
     }
 
     /// Returns the sum of the mixed differences of neighbours and of the differences along the sides

@@ -301,7 +301,7 @@ fn are_permutations<T: PartialEq>(a: &[T], b: &[T]) -> bool {
     let mut take = |item: &T| {
         rest.iter().position(|other| *other == item).map(|i| rest.swap_remove(i)).is_some()
     };
-    a.len() == b.len() && a.iter().all(|item| take(item))
+    a.len() == b.len() && a.iter().all(&mut take)
 }
 
 impl From<SquareTerm> for SquareExpression {
