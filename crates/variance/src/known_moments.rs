@@ -1,3 +1,6 @@
+use sphvar_samplers::PointSet;
+
+use crate::space::IntegrationSpace;
 use crate::{Measurement, RelativeError, rarest_seen};
 
 /// Properties of the distribution of estimates that are known without any trial.
@@ -8,7 +11,8 @@ use crate::{Measurement, RelativeError, rarest_seen};
 /// noise.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct KnownMoments {
-    /// The number of points N.
+    /// The number N of equally weighted points whose sum has the same kurtosis if single points hit
+    /// the integrand: [`equal_points`] of given sets, otherwise the number of points.
     pub(crate) n_points: f64,
     /// The variance of the estimate from a single point.
     pub(crate) one_point_variance: f64,
@@ -71,9 +75,73 @@ impl KnownMoments {
     }
 }
 
+/// Returns the number N of equally weighted points for which the mean of rarely hit values has the
+/// kurtosis k/N that it has for one of the given sets, drawn uniformly:
+///
+/// ```text
+/// N = (mean_sets sum_i w_i^2)^2/mean_sets sum_i w_i^4,   sum_i w_i = 1
+/// ```
+///
+/// over the different points i of a set, as coincident points are hit together. It is the number of
+/// points for sets of equally many, equally weighted and different ones, and close to 1 where one
+/// weight exceeds all others together. Returns `None` without sets.
+pub(crate) fn equal_points<S: IntegrationSpace>(sets: &[PointSet<S::Point>]) -> Option<f64> {
+    if sets.is_empty() {
+        return None;
+    }
+    let (mut squares, mut fourths) = (0.0, 0.0);
+    for set in sets {
+        let weights = weights_of_places::<S>(set);
+        let sum: f64 = weights.iter().sum();
+        squares += weights.iter().map(|w| (w / sum).powi(2)).sum::<f64>();
+        fourths += weights.iter().map(|w| (w / sum).powi(4)).sum::<f64>();
+    }
+    Some(squares * squares / (fourths * sets.len() as f64))
+}
+
+/// Returns the total weights of the different points of a set, relative to the largest weight.
+fn weights_of_places<S: IntegrationSpace>(set: &PointSet<S::Point>) -> Vec<f64> {
+    let largest = set.weights.iter().fold(0.0_f64, |max, w| max.max(w.abs()));
+    let weight = |k: usize| set.weights.get(k).map_or(1.0, |w| w / largest);
+    // The sign of a zero does not distinguish points.
+    let key = |k: usize| S::coordinates(&set.points[k]).map(|x| (x + 0.0).to_bits());
+    let mut order: Vec<_> = (0..set.len()).map(|k| (key(k), k)).collect();
+    order.sort_unstable();
+    let places = order.chunk_by(|a, b| a.0 == b.0);
+    places.map(|place| place.iter().map(|&(_, k)| weight(k)).sum()).collect()
+}
+
 #[cfg(test)]
 mod tests {
-    use super::KnownMoments;
+    use sphvar_samplers::{PointSet, Square};
+
+    use super::{KnownMoments, equal_points};
+
+    fn line(weights: &[f64]) -> PointSet<[f64; 2]> {
+        let points = (0..weights.len()).map(|k| [k as f64 / weights.len() as f64, 0.5]).collect();
+        PointSet { points, weights: weights.to_vec() }
+    }
+
+    #[test]
+    fn equal_points_follow_from_the_fourth_powers_of_weights() {
+        let of = |sets: &[PointSet<[f64; 2]>]| equal_points::<Square>(sets);
+        assert_eq!(of(&[]), None);
+        let close = |sets: &[PointSet<[f64; 2]>], expected: f64| {
+            let got = of(sets).unwrap();
+            assert!((got / expected - 1.0).abs() < 1e-14, "{got}, {expected}");
+        };
+        for scale in [1.0, -3.0, 1e-200, 1e300] {
+            close(&[line(&[scale; 7])], 7.0);
+            // Squares 9 + 1 + 1, fourth powers 81 + 1 + 1.
+            close(&[line(&[3.0 * scale, scale, -scale])], 121.0 / 83.0);
+        }
+        close(&[PointSet::new(line(&[1.0; 5]).points)], 5.0);
+        // The mean of sets of 1 and 4 points: squares 1 + 1/4, fourth powers 1 + 1/64.
+        close(&[line(&[1.0]), line(&[1.0; 4])], 1.25f64.powi(2) / (2.0 * (1.0 + 1.0 / 64.0)));
+        // Three of five points coincide.
+        let points = vec![[0.0, 0.5], [0.1, 0.5], [-0.0, 0.5], [0.2, 0.5], [0.0, 0.5]];
+        close(&[PointSet::new(points)], 121.0 / 83.0);
+    }
 
     /// For a value that is 1 with probability p and 0 otherwise, all n trials give 0 only if p is
     /// below 3.7/n (at 97.5 %); the variance p (1 - p) has the corresponding limit.

@@ -61,6 +61,12 @@ pub trait IntegrationSpace: Space {
     /// Returns whether the points of a realization are independent and uniformly distributed.
     fn is_independent(sampler: Self::SamplerRef<'_>) -> bool;
 
+    /// Returns the sets of which a sampler draws one uniformly, if they are given.
+    fn given_sets(sampler: Self::SamplerRef<'_>) -> &[PointSet<Self::Point>];
+
+    /// Returns the coordinates of a point, of which unused ones are 0.
+    fn coordinates(point: &Self::Point) -> [f64; 3];
+
     /// Returns the known properties of the distribution of a sampler.
     fn distribution(sampler: Self::SamplerRef<'_>) -> Distribution<'_, Self::Point>;
 

@@ -4,7 +4,7 @@ use sphvar_samplers::{Domain, Progress, Purpose, Sampler};
 use sphvar_sh::Bands;
 
 use crate::estimates::{estimates, trial_work_of};
-use crate::known_moments::KnownMoments;
+use crate::known_moments::{KnownMoments, equal_points};
 use crate::space::IntegrationSpace;
 use crate::stopping::until;
 use crate::{Comparison, Error, Measurement, Precision, PredictedPoint, PredictorOn};
@@ -160,7 +160,8 @@ impl<S: IntegrationSpace> PredictorOn<'_, S> {
 
     fn known_moments(&self, sampler: S::SamplerRef<'_>) -> KnownMoments {
         KnownMoments {
-            n_points: S::n_points(sampler) as f64,
+            n_points: equal_points::<S>(S::given_sets(sampler))
+                .unwrap_or(S::n_points(sampler) as f64),
             one_point_variance: self.energy().bands().factor(1) * self.energy().beyond(0),
             kurtosis: self.kurtosis(),
             is_independent: S::is_independent(sampler),

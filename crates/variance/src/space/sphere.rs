@@ -5,7 +5,7 @@ use std::ops::Range;
 use glam::DVec3;
 use sphvar_integrands::{Energy, Integrand};
 use sphvar_samplers::{
-    Domain, Ensemble, Progress, Realizations, Sampler, SetDistribution, Streams,
+    Domain, Ensemble, PointSet, Progress, Realizations, Sampler, SetDistribution, Streams,
 };
 use sphvar_sh::{LmIndex, MAX_DEGREE};
 use sphvar_spectrum::{ExactSpectrum, Resolution, Spectrum, SpectrumAccumulator, accumulate};
@@ -45,11 +45,7 @@ impl IntegrationSpace for Domain {
             let (expected, got) = (self, sampler.domain());
             return Err(Error::OtherDomain { expected, got });
         }
-        let sets = match sampler.distribution() {
-            SetDistribution::OneOf(sets) => sets,
-            _ => &[],
-        };
-        check_given(sampler.n_points(), sets)
+        check_given(sampler.n_points(), Self::given_sets(sampler))
     }
 
     fn n_points(sampler: &dyn Sampler) -> usize {
@@ -66,6 +62,17 @@ impl IntegrationSpace for Domain {
 
     fn is_independent(sampler: &dyn Sampler) -> bool {
         sampler.is_independent()
+    }
+
+    fn given_sets(sampler: Self::SamplerRef<'_>) -> &[PointSet] {
+        match sampler.distribution() {
+            SetDistribution::OneOf(sets) => sets,
+            _ => &[],
+        }
+    }
+
+    fn coordinates(point: &DVec3) -> [f64; 3] {
+        point.to_array()
     }
 
     fn distribution(sampler: Self::SamplerRef<'_>) -> Distribution<'_, DVec3> {

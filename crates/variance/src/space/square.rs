@@ -4,7 +4,8 @@ use std::ops::Range;
 
 use sphvar_integrands::{Energy, SquareIntegrand};
 use sphvar_samplers::{
-    Ensemble, Progress, Square, SquareDistribution, SquareRealizations, SquareSampler, Streams,
+    Ensemble, PointSet, Progress, Square, SquareDistribution, SquareRealizations, SquareSampler,
+    Streams,
 };
 use sphvar_sh::{Bands, Frequencies};
 use sphvar_spectrum::{
@@ -77,11 +78,7 @@ impl IntegrationSpace for Square {
     }
 
     fn check(self, sampler: &dyn SquareSampler) -> Result<(), Error> {
-        let sets = match sampler.distribution() {
-            SquareDistribution::OneOf(sets) => sets,
-            _ => &[],
-        };
-        check_given(sampler.n_points(), sets)
+        check_given(sampler.n_points(), Self::given_sets(sampler))
     }
 
     fn n_points(sampler: &dyn SquareSampler) -> usize {
@@ -98,6 +95,17 @@ impl IntegrationSpace for Square {
 
     fn is_independent(sampler: &dyn SquareSampler) -> bool {
         sampler.is_independent()
+    }
+
+    fn given_sets(sampler: Self::SamplerRef<'_>) -> &[PointSet<[f64; 2]>] {
+        match sampler.distribution() {
+            SquareDistribution::OneOf(sets) => sets,
+            _ => &[],
+        }
+    }
+
+    fn coordinates(&[u, v]: &[f64; 2]) -> [f64; 3] {
+        [u, v, 0.0]
     }
 
     fn distribution(sampler: Self::SamplerRef<'_>) -> Distribution<'_, [f64; 2]> {

@@ -4,13 +4,16 @@
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use glam::DVec3;
-use sphvar_integrands::{Cap, Harmonic, Integrand};
+use sphvar_integrands::{Cap, Disk, Harmonic, Integrand};
 use sphvar_samplers::{
     Domain, Error as SamplerError, Pattern, PointSet, PointSets, Progress, Purpose, Sampler,
-    SamplerFamily, Stopped, Streams,
+    SamplerFamily, Square, SquarePattern, Stopped, Streams,
 };
 use sphvar_spectrum::Error as SpectrumError;
-use sphvar_variance::{Candidate, Energy, Error, Goal, PredictionBudget, Predictor, Trials};
+use sphvar_variance::{
+    Candidate, Energy, Error, Goal, PredictionBudget, Predictor, SpectrumOptions, SquarePredictor,
+    Trials,
+};
 
 fn predictor(integrand: &dyn Integrand) -> Predictor<'_> {
     Predictor::new(integrand, Domain::Sphere, 5, PredictionBudget::DEFAULT).unwrap()
@@ -76,19 +79,77 @@ fn several_sets_have_the_mean_variance() {
     let single = |set: &PointSet| {
         let sets = PointSets::new(vec![set.clone()], Domain::Sphere).unwrap();
         // To the same degree as the three together, whose number of points is the mean.
-        let options = sphvar_variance::SpectrumOptions { lmax: Some(300), ..Default::default() };
+        let options = SpectrumOptions { lmax: Some(300), ..Default::default() };
         predictor(&cap).with_options(options).predict(&sets, &()).unwrap().prediction.variance
     };
     let expected = all.iter().map(single).sum::<f64>() / 3.0;
     let sets = PointSets::new(all, Domain::Sphere).unwrap();
     assert!(sets.is_random() && sets.n_points() == 26);
-    let options = sphvar_variance::SpectrumOptions { lmax: Some(300), ..Default::default() };
+    let options = SpectrumOptions { lmax: Some(300), ..Default::default() };
     let mut predictor = predictor(&cap).with_options(options);
     let got = predictor.compare(&sets, Trials::new(4000), &()).unwrap();
     let predicted = got.predicted.prediction;
     assert!((predicted.variance / expected - 1.0).abs() < 1e-12, "{predicted:?}, {expected}");
     assert!(predicted.stderr <= 0.0);
     assert!(got.z_score().abs() < 4.5, "{}", got.z_score());
+}
+
+/// Returns points of white noise in the square the first `coincident` of
+/// which are equal, with the first weight.
+fn unequal(n_points: usize, first: f64, rest: f64, coincident: usize) -> PointSet<[f64; 2]> {
+    let white = SquarePattern::WhiteSquare.build(n_points).unwrap();
+    let mut set = white.sample(&mut Streams::new(3, Purpose::Pattern, 0).realization(0)).unwrap();
+    let at = set.points[0];
+    set.points[..coincident].fill(at);
+    let weight = |k: usize| if k < coincident { first } else { rest };
+    set.weights = (0..n_points).map(weight).collect();
+    set
+}
+
+/// Returns directions of an equal-area map of the square.
+fn on_sphere(set: &PointSet<[f64; 2]>) -> PointSet {
+    let direction = |&[u, v]: &[f64; 2]| {
+        let (z, azimuth) = (2.0 * v - 1.0, u * std::f64::consts::TAU);
+        let radius = (1.0 - z * z).sqrt();
+        DVec3::new(radius * azimuth.cos(), radius * azimuth.sin(), z)
+    };
+    PointSet { points: set.points.iter().map(direction).collect(), weights: set.weights.clone() }
+}
+
+/// Trials that see only points without influence measure nothing: most of the variance comes from
+/// points that fewer than one of them is expected to place in the integrand's support.
+#[test]
+fn unseen_points_of_large_weight_leave_a_variance_unknown() {
+    let cap = Cap::from_degrees(0.2).unwrap();
+    let disk = Disk::new(0.001, [0.5, 0.5]).unwrap();
+    for sets in [
+        // One weight, also negative, exceeds all others together.
+        vec![unequal(1001, 5.0, 1e-4, 1)],
+        vec![unequal(1001, -7.0, 1e-3, 1)],
+        // Coincident points of the same weight as others.
+        vec![unequal(1500, 1.0, 1.0, 500)],
+        // A tenth of the sets has a few points.
+        (0..10).map(|i| unequal(if i == 0 { 2 } else { 1000 }, 1.0, 1.0, 1)).collect(),
+    ] {
+        let directions = sets.iter().map(on_sphere).collect();
+        let directions = PointSets::new(directions, Domain::Sphere).unwrap();
+        let options = SpectrumOptions { lmax: Some(32), ..Default::default() };
+        let mut on_sphere = predictor(&cap).with_options(options);
+        let sphere = on_sphere.compare(&directions, Trials::new(4000), &()).unwrap();
+        let points = PointSets::new(sets, Square).unwrap();
+        let on_square = SquarePredictor::new(&disk, 5, PredictionBudget::DEFAULT).unwrap();
+        let mut on_square = on_square.with_options(options);
+        let square = on_square.compare(&points, Trials::new(4000), &()).unwrap();
+        for (z, bias, interval) in [
+            (sphere.z_score(), sphere.bias(), sphere.measured_interval(0.95)),
+            (square.z_score(), square.bias(), square.measured_interval(0.95)),
+        ] {
+            assert!(
+                z.is_nan() && bias.is_none() && interval.is_none(),
+                "{z}, {bias:?}, {interval:?}"
+            );
+        }
+    }
 }
 
 #[test]
