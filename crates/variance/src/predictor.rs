@@ -296,6 +296,11 @@ impl<'a, S: IntegrationSpace> PredictorOn<'a, S> {
         S::extent(self, budget, sampler)
     }
 
+    /// Returns the energies of a level, if they have been computed.
+    pub(crate) fn known_energies(&self, level: &S::Level) -> Option<&Energy<S::Bands>> {
+        self.energies.get(level)
+    }
+
     /// Returns the energies to an extent or somewhat beyond.
     pub(crate) fn energies_to(&mut self, extent: &S::Extent) -> Result<&Energy<S::Bands>, Error> {
         let energy = match self.energies.entry(S::level(extent)) {
