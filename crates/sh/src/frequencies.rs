@@ -82,7 +82,13 @@ impl Frequencies {
     /// [`Error::Frequency`] if `axis_max` is not from kmax to [`Self::MAX_AXIS`];
     /// [`Error::OutOfMemory`] if allocation of the table fails.
     pub fn with_axes(self, axis_max: usize) -> Result<Self, Error> {
-        Limits { axis_max, ..self.limits }.try_into()
+        let limits = Limits { axis_max, ..self.limits };
+        let beyond = limits.axes_beyond()?;
+        let within = &self.sorted[..self.len() - self.limits.n_beyond()];
+        let mut sorted = reserve(within.len() + limits.n_beyond())?;
+        sorted.extend_from_slice(within);
+        sorted.extend(beyond);
+        Ok(Self { limits, sorted: sorted.into() })
     }
 
     /// Returns the maximum Euclidean norm of frequencies off the axes, inclusive.
@@ -130,36 +136,73 @@ fn key(k: [i32; 2]) -> (u64, [i32; 2]) {
     (square(k[0]) + square(k[1]), [k[1], k[0]])
 }
 
-impl TryFrom<Limits> for Frequencies {
-    type Error = Error;
+impl Limits {
+    /// Returns the number of bands on the axes beyond kmax.
+    fn n_beyond(self) -> usize {
+        2 * (self.axis_max - self.kmax)
+    }
 
-    fn try_from(limits: Limits) -> Result<Self, Error> {
-        let Limits { kmax, axis_max } = limits;
-        if kmax > Self::MAX_KMAX {
-            return Err(Error::Frequency { kmax, min: 0, max: Self::MAX_KMAX });
+    /// Returns the bands on the axes beyond kmax, in their order.
+    fn axes_beyond(self) -> Result<impl Iterator<Item = [i32; 2]>, Error> {
+        let Self { kmax, axis_max } = self;
+        if kmax > Frequencies::MAX_KMAX {
+            return Err(Error::Frequency { kmax, min: 0, max: Frequencies::MAX_KMAX });
         }
-        if !(kmax..=Self::MAX_AXIS).contains(&axis_max) {
-            return Err(Error::Frequency { kmax: axis_max, min: kmax, max: Self::MAX_AXIS });
+        if !(kmax..=Frequencies::MAX_AXIS).contains(&axis_max) {
+            let max = Frequencies::MAX_AXIS;
+            return Err(Error::Frequency { kmax: axis_max, min: kmax, max });
         }
         // Both fit: the limits are far below the range of i32.
         let [inner, outer] = [kmax, axis_max].map(|k| i32::try_from(k).unwrap_or(i32::MAX));
-        let rows = (0..=inner).map(|k2| {
+        Ok((inner + 1..=outer).flat_map(|k| [[k, 0], [0, k]]))
+    }
+
+    /// Returns the representatives within kmax, ordered by k2, then k1.
+    fn within(self) -> impl Iterator<Item = [i32; 2]> {
+        let inner = i32::try_from(self.kmax).unwrap_or(i32::MAX);
+        (0..=inner).flat_map(move |k2| {
             let half_width = (i64::from(inner).pow(2) - i64::from(k2).pow(2)).isqrt();
             let half_width = i32::try_from(half_width).unwrap_or(i32::MAX);
-            (if k2 == 0 { 0 } else { -half_width }, half_width, k2)
-        });
-        let len: usize = rows
-            .clone()
-            .map(|(first, last, _)| last.abs_diff(first) as usize + 1)
-            .chain([2 * (axis_max - kmax)])
-            .sum();
-        let mut sorted = Vec::new();
-        sorted
-            .try_reserve_exact(len)
-            .map_err(|_| Error::OutOfMemory { len, bytes_each: size_of::<[i32; 2]>() })?;
-        sorted.extend(rows.flat_map(|(first, last, k2)| (first..=last).map(move |k1| [k1, k2])));
-        sorted.sort_unstable_by_key(|k| key(*k));
-        sorted.extend((inner + 1..=outer).flat_map(|k| [[k, 0], [0, k]]));
+            let first = if k2 == 0 { 0 } else { -half_width };
+            (first..=half_width).map(move |k1| [k1, k2])
+        })
+    }
+}
+
+/// Returns an empty vector with room for `len` items.
+fn reserve<T>(len: usize) -> Result<Vec<T>, Error> {
+    let mut empty = Vec::new();
+    let failed = |_| Error::OutOfMemory { len, bytes_each: size_of::<T>() };
+    empty.try_reserve_exact(len).map_err(failed)?;
+    Ok(empty)
+}
+
+impl TryFrom<Limits> for Frequencies {
+    type Error = Error;
+
+    /// Sorts by counting, since the squares of the norms are integers up to kmax^2.
+    fn try_from(limits: Limits) -> Result<Self, Error> {
+        let beyond = limits.axes_beyond()?;
+        // At most 1e8, and the numbers of bands at most 1.6e8.
+        let square = |k: [i32; 2]| usize::try_from(key(k).0).unwrap_or(usize::MAX);
+        let norms = limits.kmax * limits.kmax + 1;
+        let mut starts: Vec<u32> = reserve(norms)?;
+        starts.resize(norms, 0);
+        limits.within().for_each(|k| starts[square(k)] += 1);
+        let mut len = 0;
+        for start in &mut starts {
+            len += std::mem::replace(start, len);
+        }
+        let len = len as usize;
+        let mut sorted = reserve(len + limits.n_beyond())?;
+        sorted.resize(len, [0; 2]);
+        // The order among equal norms is that of `within`.
+        for k in limits.within() {
+            let next = &mut starts[square(k)];
+            sorted[*next as usize] = k;
+            *next += 1;
+        }
+        sorted.extend(beyond);
         Ok(Self { limits, sorted: sorted.into() })
     }
 }
@@ -265,6 +308,26 @@ mod tests {
             let radii: Vec<f64> = (0..bands.len()).map(|band| bands.radius(band)).collect();
             assert!(radii.is_sorted() && radii[0] == 0.0);
             assert!(radii[1..].iter().all(|r| *r > 0.0) && !bands.has_band(bands.len()));
+        }
+    }
+
+    /// The order is that of sorting by the norm, k2 and k1, whichever limits came first.
+    #[test]
+    fn bands_are_sorted() {
+        for kmax in [0_usize, 1, 2, 31, 57] {
+            let bands = Frequencies::new(kmax).unwrap();
+            let limit = i32::try_from(kmax).unwrap();
+            let half = (0..=limit).flat_map(|k2| (-limit..=limit).map(move |k1| [k1, k2]));
+            let mut expected: Vec<[i32; 2]> = half
+                .filter(|k| k[1] > 0 || k[0] >= 0)
+                .filter(|k| k[0].pow(2) + k[1].pow(2) <= limit.pow(2))
+                .collect();
+            expected.sort_by_key(|k| (k[0].pow(2) + k[1].pow(2), k[1], k[0]));
+            assert_eq!(*bands.sorted, expected);
+            let again = bands.clone().with_axes(kmax + 9).unwrap().with_axes(kmax + 2).unwrap();
+            expected.extend([1, 2].map(|k| limit + k).into_iter().flat_map(|k| [[k, 0], [0, k]]));
+            assert_eq!((&*again.sorted, again.axis_max()), (&expected, kmax + 2));
+            assert_eq!(*again.with_axes(kmax).unwrap().sorted, *bands.sorted);
         }
     }
 
