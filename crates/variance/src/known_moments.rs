@@ -57,8 +57,7 @@ impl KnownMoments {
     /// which differs by `offset` from the integral if that is known.
     ///
     /// Other estimates have a probability of at most q = [`rarest_seen`], so by the Cauchy-Schwarz
-    /// inequality Other estimates have a probability of at most q = [`rarest_seen`], so that by
-    /// Cauchy and Schwarz
+    /// inequality
     ///
     /// ```text
     /// Var <= E[(x - x_0)^2; x != x_0] <= sqrt(q E (x - x_0)^4),   E (x - x_0)^4 <= (k^(1/4) s_1 + |offset|)^4
