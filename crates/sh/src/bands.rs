@@ -54,8 +54,8 @@ pub trait Bands: Clone + Debug + PartialEq + Send + Sync {
     fn factor(&self, n_points: usize) -> f64;
 
     /// Returns the width in radius over which the peaks of lattices and the oscillations of random
-    /// patterns of N points average out: sqrt(N) on the sphere.
-    fn spacing_radius(&self, n_points: usize) -> f64;
+    /// patterns of N points average out, for bands of a class: sqrt(N) on the sphere.
+    fn spacing_radius(&self, class: usize, n_points: usize) -> f64;
 
     /// Returns whether bands of a class exist. The default implementation returns true.
     fn has_class(&self, _class: usize) -> bool {
@@ -105,7 +105,7 @@ impl Bands for Domain {
         self.variance_factor(n_points)
     }
 
-    fn spacing_radius(&self, n_points: usize) -> f64 {
+    fn spacing_radius(&self, _class: usize, n_points: usize) -> f64 {
         self.count_on_sphere(n_points).sqrt()
     }
 }

@@ -265,8 +265,9 @@ impl Bands for Frequencies {
         1.0 / n_points as f64
     }
 
-    fn spacing_radius(&self, n_points: usize) -> f64 {
-        (n_points as f64).sqrt()
+    /// Projections of N points on an axis have peaks at distances of up to N.
+    fn spacing_radius(&self, class: usize, n_points: usize) -> f64 {
+        if class == 0 { (n_points as f64).sqrt() } else { n_points as f64 }
     }
 
     fn extent(&self, class: usize, last: usize) -> f64 {

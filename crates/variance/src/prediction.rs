@@ -81,8 +81,8 @@ impl Prediction {
 /// mean power, separately for each class of bands (on the sphere, even and odd degrees):
 /// `T = `[`Spectrum::tail`], which is 1 unless points coincide, are antipodes or share coordinates.
 /// The error of this assumption is estimated from the octave below L, for each class below its own
-/// last band. It is divided into windows of about `sqrt(N)` degrees, over which the peaks of
-/// lattices and the oscillations of random patterns average out:
+/// last band. It is divided into windows of about `sqrt(N)` degrees, on the axes of the square about N
+/// frequencies, over which the peaks of lattices and the oscillations of random patterns average out:
 ///
 /// ```text
 /// tail error = k sum_classes E_beyond max_windows |<P>_E - T|,   <P>_E = sum_window E(l) P(l) / sum_window E(l)
@@ -223,9 +223,9 @@ fn windows<B: Bands>(
     #[expect(
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,
-        reason = "the root of a number of points"
+        reason = "a number of points or its root"
     )]
-    let width = bands.spacing_radius(n_points).ceil() as usize;
+    let width = bands.spacing_radius(class, n_points).ceil() as usize;
     // Windows of nearly equal width, so that none is much narrower than the others.
     let count = (shells.len() / width.max(1)).max(1);
     let cut = |i: usize| first_of_shell(bands, shells.start + i * shells.len() / count, last);

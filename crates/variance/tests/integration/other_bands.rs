@@ -47,7 +47,7 @@ impl Bands for Circle {
         1.0 / n_points as f64
     }
 
-    fn spacing_radius(&self, n_points: usize) -> f64 {
+    fn spacing_radius(&self, _class: usize, n_points: usize) -> f64 {
         n_points as f64
     }
 }

@@ -80,6 +80,31 @@ fn predictions_of_given_sets_are_the_sums_over_pairs() {
     }
 }
 
+/// Of a function that is not periodic, much of a lattice's variance is on the axes, at multiples of
+/// N. The error is within that of the tail, which is at most a tenth of the variance.
+#[test]
+fn tails_of_lattices_are_bounded_on_the_axes() {
+    let function = Exponential::new([A, B]).unwrap();
+    for (pattern, n_points) in [
+        (SquarePattern::FibonacciLattice, 55),
+        (SquarePattern::FibonacciLattice, 377),
+        (SquarePattern::Hammersley, 100),
+        (SquarePattern::R2, 200),
+        (SquarePattern::Halton, 333),
+        (SquarePattern::RegularSquare, 361),
+    ] {
+        let name = format!("{pattern} with N = {n_points}");
+        let lattice = pattern.build(n_points).unwrap();
+        let mut rng = Streams::new(0, Purpose::Pattern, 0).realization(0);
+        let exact = variance_of_pairs(&lattice.sample(&mut rng).unwrap());
+        let mut predictor = SquarePredictor::new(&function, 0, PredictionBudget::DEFAULT).unwrap();
+        let got = predictor.predict(&*lattice, &()).unwrap().prediction;
+        let error = (got.variance - exact).abs();
+        assert!(error <= got.tail_error + 1e-9 * exact, "{name}: {got:?}, exact {exact}");
+        assert!(got.tail_error <= 0.1 * exact, "{name}: {got:?}, exact {exact}");
+    }
+}
+
 /// Several sets have the mean of their variances.
 #[test]
 fn predictions_of_several_sets_are_their_mean() {
