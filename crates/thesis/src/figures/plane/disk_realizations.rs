@@ -43,7 +43,7 @@ impl Recipe for DiskRealizations {
             figure.panel(
                 &format!("spectrum-{number}"),
                 format!("Power of realization {number}, N = {N_POINTS}"),
-                SpectrumView::WHOLE.field(&spectrum, Vec::new()),
+                SpectrumView::WHOLE.field(&spectrum, &[]),
             );
             noise.push(relative_variance(&RadialSpectrum::of(&spectrum)));
         }
@@ -52,7 +52,7 @@ impl Recipe for DiskRealizations {
         figure.panel(
             "mean",
             format!("Mean power over {sets} realizations"),
-            SpectrumView::WHOLE.field(&mean.spectrum, Vec::new()),
+            SpectrumView::WHOLE.field(&mean.spectrum, &[]),
         );
         let single = noise.iter().sum::<f64>() / noise.len() as f64;
         let ratio = relative_variance(&mean.radial) / single;
@@ -72,7 +72,8 @@ impl Recipe for DiskRealizations {
         );
         figure.note(format!(
             "Frequencies of a realization have independent powers with an exponential distribution, to a good approximation: \
-             their relative variance is 1, and 1/M in the mean over M = {sets}.",
+             their relative variance is 1, and 1/M in the mean over M = {sets}. The DC peak P(0) = N is left out and has a \
+             ring.",
         ));
         Ok(())
     }

@@ -2,7 +2,7 @@ use sphvar_samplers::toroidal_separation;
 use sphvar_sh::Frequencies;
 use sphvar_spectrum::Spectrum;
 
-use super::panels::{N_POINTS, SpectrumView, peaks_and_zero, points_panel, single_spectrum};
+use super::panels::{N_POINTS, RINGED, SpectrumView, peaks, points_panel, single_spectrum};
 use crate::figures::Recipe;
 use crate::figures::square_patterns::PlanePattern;
 use crate::{Claim, Error, Figure, Job, Quantity, Results, Setting, Stated, Verdict};
@@ -34,8 +34,7 @@ impl Recipe for LowDiscrepancy {
         for pattern in PATTERNS {
             points_panel(pattern, setting, figure)?;
             let spectrum = single_spectrum(pattern, setting, 0)?;
-            // Those of the Fibonacci lattice, which are single cells of the picture.
-            let rings = peaks_and_zero(&spectrum, 0.5 * spectrum.n_points() as f64);
+            let rings = peaks(&spectrum, RINGED * spectrum.n_points() as f64);
             for (part, view, title) in [
                 ("spectrum", SpectrumView::WHOLE, "power"),
                 ("heat", SpectrumView::HEAT, "power, heat map"),
@@ -43,7 +42,7 @@ impl Recipe for LowDiscrepancy {
                 figure.panel(
                     &format!("{}-{part}", pattern.name()),
                     format!("{}, N = {}: {title}", pattern.label(), spectrum.n_points()),
-                    view.field(&spectrum, rings.clone()),
+                    view.field(&spectrum, &rings),
                 );
             }
             shares.push(share_of_peaks(&spectrum));
@@ -81,7 +80,8 @@ impl Recipe for LowDiscrepancy {
         );
         figure.note(format!(
             "Halton in bases 2 and 3, Hammersley in base 2. About {N_POINTS} points, which the thesis does not state; Fibonacci \
-             lattices have Fibonacci numbers of points. Frequencies with at least N/2 have rings.",
+             lattices have Fibonacci numbers of points. Frequencies with a power of \
+             at least N/10 have rings.",
         ));
         Ok(())
     }

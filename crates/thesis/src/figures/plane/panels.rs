@@ -15,6 +15,8 @@ pub(super) const N_SHOWN: usize = 1024;
 pub(super) const KMAX: usize = 160;
 /// The largest displayed power: higher peaks would leave everything else dark.
 const MAX_POWER: f64 = 2.0;
+/// Peaks of at least this part of N have rings in pictures, where each is a single cell.
+pub(super) const RINGED: f64 = 0.1;
 
 /// Returns the spectrum of set `index` by itself.
 pub(super) fn single_spectrum(
@@ -74,34 +76,41 @@ impl SpectrumView {
     /// The frequencies around 0, omega to 1/2.
     pub(super) const LOW: Self = Self { half: 32, palette: Palette::Grey };
 
-    /// Returns the picture, k1 to the right and k2 upwards, with rings around these frequencies.
-    /// The frequency 0, whose power is N, and those beyond the spectrum are empty.
-    pub(super) fn field(&self, spectrum: &Spectrum<Frequencies>, rings: Vec<[f64; 2]>) -> Field {
+    /// Returns the picture, k1 to the right and k2 upwards, with rings around `peaks` and the
+    /// frequency 0. That frequency, whose power is N, and those beyond the spectrum are empty.
+    pub(super) fn field(&self, spectrum: &Spectrum<Frequencies>, peaks: &[[f64; 2]]) -> Field {
         let values = frequency_grid(spectrum.bands(), spectrum.power(), self.half);
+        let is_cut = values.iter().any(|p| *p > MAX_POWER);
         let edge = self.half as f64 + 0.5;
         let is_inside = |k: &[f64; 2]| k.iter().all(|k| k.abs() < edge);
         Field {
             size: [2 * self.half + 1; 2],
             // NaN remains.
             values: values.into_iter().map(|p| if p > MAX_POWER { MAX_POWER } else { p }).collect(),
-            label: format!("power P(k), at most {MAX_POWER}"),
+            label: if is_cut {
+                format!("power P(k), at most {MAX_POWER}")
+            } else {
+                "power P(k)".to_owned()
+            },
             palette: self.palette,
             x: Axis::linear("frequency k1").over(-edge, edge),
             y: Axis::linear("frequency k2").over(edge, -edge),
-            rings: rings.into_iter().filter(is_inside).collect(),
+            rings: std::iter::once([0.0; 2])
+                .chain(peaks.iter().copied().filter(is_inside))
+                .collect(),
         }
     }
 }
 
-/// Returns the frequencies other than 0 with at least this power, both k and -k, and 0 itself.
-pub(super) fn peaks_and_zero(spectrum: &Spectrum<Frequencies>, least: f64) -> Vec<[f64; 2]> {
+/// Returns the frequencies other than 0 with at least this power, both k and -k.
+pub(super) fn peaks(spectrum: &Spectrum<Frequencies>, least: f64) -> Vec<[f64; 2]> {
     let bands = spectrum.bands();
     let high = spectrum.rows().filter(|row| row.0 > 0 && row.1 >= least);
-    let both = high.flat_map(|(band, ..)| {
+    high.flat_map(|(band, ..)| {
         let [k1, k2] = bands.frequency(band).map(f64::from);
         [[k1, k2], [-k1, -k2]]
-    });
-    std::iter::once([0.0; 2]).chain(both).collect()
+    })
+    .collect()
 }
 
 /// Returns the largest power of a frequency other than 0.

@@ -1,4 +1,4 @@
-use super::panels::{SpectrumView, largest_power, peaks_and_zero, points_panel, single_spectrum};
+use super::panels::{SpectrumView, largest_power, peaks, points_panel, single_spectrum};
 use crate::figures::Recipe;
 use crate::figures::square_patterns::PlanePattern;
 use crate::{Claim, Error, Figure, Job, Quantity, Results, Setting, Stated};
@@ -25,11 +25,11 @@ impl Recipe for Peaks {
             points_panel(pattern, setting, figure)?;
             let spectrum = &single_spectrum(pattern, setting, 0)?;
             let n = spectrum.n_points() as f64;
-            let rings = peaks_and_zero(spectrum, PEAK * n);
+            let rings = peaks(spectrum, PEAK * n);
             figure.panel(
                 &format!("{}-spectrum", pattern.name()),
                 format!("{}, N = {n}: power of one set, peaks in rings", pattern.label()),
-                SpectrumView::WHOLE.field(spectrum, rings),
+                SpectrumView::WHOLE.field(spectrum, &rings),
             );
             let largest = Quantity::exact(largest_power(spectrum) / n);
             let what = format!("{}: largest power besides the DC peak, over N", pattern.label());

@@ -42,7 +42,7 @@ impl Recipe for RadialMeans {
             figure.panel(
                 &format!("{}-spectrum", pattern.name()),
                 title("mean power"),
-                SpectrumView::WHOLE.field(&plane.spectrum, vec![[0.0; 2]]),
+                SpectrumView::WHOLE.field(&plane.spectrum, &[]),
             );
             let curves = vec![
                 radial_curve("closed form", OTHER_COLOUR, Mark::Line, &exact, N_POINTS),

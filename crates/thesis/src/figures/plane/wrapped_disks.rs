@@ -40,14 +40,14 @@ impl Recipe for WrappedDisks {
                 figure.panel(
                     &format!("{}-{part}", pattern.name()),
                     format!("{}, N = {n}: {title}", pattern.label()),
-                    view.field(spectrum, Vec::new()),
+                    view.field(spectrum, &[]),
                 );
             }
             claim_axes(pattern, mean, figure);
         }
         figure.note(format!(
             "Sets from dart throwing with exactly N points. The power on an axis, (k, 0) or (0, k), is compared with that of \
-             the other frequencies over 0 < |k| <= sqrt(N)/4, omega to 1/4; means over {} sets.",
+             the other frequencies over 0 < |k| <= sqrt(N)/4, omega to 1/4; means over {} sets. The DC peak P(0) = N is left out and has a ring.",
             realizations(setting)
         ));
         Ok(())
