@@ -11,6 +11,8 @@ pub(super) struct Aliasing {
     /// [`BLOCK`] x [`BLOCK`] pixels, in units of that of independent errors: about 1 for noise, up
     /// to 24 for a single wave in each block.
     pub(super) structure: f64,
+    /// The mean squared difference without the strongest frequency of each block.
+    pub(super) noise: f64,
 }
 
 /// Pixels per side of a block: large enough to resolve frequencies, and small enough that those of
@@ -35,7 +37,8 @@ impl Aliasing {
             strongest += energies.into_iter().fold(0.0, f64::max);
         }
         let mse = errors.iter().map(|e| e * e).sum::<f64>() / errors.len() as f64;
-        Self { mse, structure: strongest / total / share_of_noise() }
+        let share = strongest / total;
+        Self { mse, structure: share / share_of_noise(), noise: mse * (1.0 - share) }
     }
 }
 
@@ -103,6 +106,8 @@ mod tests {
         assert!((got.structure - 1.0).abs() < 0.15, "{got:?}");
         // The variance 1/3 of 16384 uniform variables: standard deviation 0.0023, five of them.
         assert!((got.mse - 1.0 / 3.0).abs() < 0.012, "{got:?}");
+        // Without one of 128 frequencies, the strongest, which has 0.0425 of the energy.
+        assert!((got.noise / got.mse - 0.9575).abs() < 0.15 * 0.0425, "{got:?}");
     }
 
     #[test]
@@ -113,6 +118,6 @@ mod tests {
         let got = Aliasing::new(&wave, &vec![0.0; SIDE * SIDE], SIDE);
         // 128 divided by the sum of 1/k to 128.
         assert!((got.structure - 23.56).abs() < 0.01, "{got:?}");
-        assert!((got.mse - 0.5).abs() < 1e-12, "{got:?}");
+        assert!((got.mse - 0.5).abs() < 1e-12 && got.noise.abs() < 1e-12, "{got:?}");
     }
 }

@@ -7,13 +7,13 @@ use self::aliasing::{Aliasing, BLOCK};
 use self::screen::Screen;
 use super::Recipe;
 use super::square_patterns::PlanePattern;
-use crate::{Claim, Error, Figure, Job, Picture, Quantity, Results, Setting, Stated};
+use crate::{Claim, Error, Figure, Job, Picture, Quantity, Results, Setting, Stated, Verdict};
 
 /// A figure with pictures of the zone plate `sin(x^2 + y^2)`.
 pub(crate) enum ZonePlates {
     /// Figure 4.1: the reference, regular and jittered samples.
     Test,
-    /// Figure 4.8: every pattern of chapter 4.1.
+    /// Figure 4.8: low-discrepancy points, and random ones for comparison.
     Patterns,
 }
 
@@ -31,9 +31,7 @@ impl ZonePlates {
         };
         match self {
             Self::Test => &[Regular, Jittered],
-            Self::Patterns => {
-                &[WhiteNoise, Jittered, PoissonDisk, Regular, Halton, Hammersley, Fibonacci]
-            }
+            Self::Patterns => &[Halton, Hammersley, Fibonacci, WhiteNoise, PoissonDisk],
         }
     }
 }
@@ -53,28 +51,31 @@ impl Recipe for ZonePlates {
     fn compose(&self, setting: Setting, _: &Results, figure: &mut Figure) -> Result<(), Error> {
         let screen = Screen::new(SIDE)?;
         let exact = screen.pixel_means()?;
-        figure.panel(
-            "reference",
-            "Reference",
-            picture(
-                &screen.mitchell()?,
-                "The limit N = infinity of samples per pixel, with the filter of Mitchell and Netravali".to_owned(),
-            ),
-        );
+        if matches!(self, Self::Test) {
+            figure.panel(
+                "reference",
+                "Reference",
+                picture(
+                    &screen.mitchell()?,
+                    "The limit N = infinity of samples per pixel, with the filter of Mitchell and Netravali".to_owned(),
+                ),
+            );
+        }
+        let mut tests = Vec::new();
         for &pattern in self.patterns() {
             let test = Test::run(pattern, &screen, &exact, setting)?;
-            let Quantity { value: structure, .. } = test.structure;
             figure.panel(
                 pattern.name(),
                 format!("{}, one sample per pixel", pattern.label()),
-                picture(
-                    &test.first,
-                    format!("N = {}, MSE {:.3}, structure {structure:.2}", test.n_points, test.mse),
-                ),
+                picture(&test.first, test.caption()),
             );
             figure.claims.extend(self.claim(pattern, test.structure));
+            tests.push(test);
         }
-        notes(&screen, setting, figure);
+        if let (Self::Patterns, [halton, hammersley, fibonacci, ..]) = (self, &tests[..]) {
+            figure.claims.extend(comparisons([halton, hammersley, fibonacci]));
+        }
+        self.notes(&screen, setting, figure);
         Ok(())
     }
 }
@@ -93,7 +94,7 @@ impl ZonePlates {
                 Stated::About { value: 1.0, tolerance: LIKE_NOISE },
                 "\"turns these artifacts into noise\", whose structure is 1",
             ),
-            (Self::Patterns, Regular | Hammersley | Fibonacci) => (
+            (Self::Patterns, Hammersley | Fibonacci) => (
                 structured,
                 "\"effects of high energy Fourier peaks\", which section 4.1.1 ascribes to the pattern, read as twice the \
                  structure of noise",
@@ -103,6 +104,55 @@ impl ZonePlates {
         let what = format!("{}: structure of the error of the zone plate", pattern.label());
         Some(Claim::number(what, stated, structure).because(because))
     }
+
+    fn notes(&self, screen: &Screen, setting: Setting, figure: &mut Figure) {
+        if matches!(self, Self::Patterns) {
+            figure.note(
+                "Figure 4.1 has the reference and the pictures with regular and jittered samples.",
+            );
+        }
+        notes(screen, setting, figure);
+    }
+}
+
+/// Returns the comparisons of Halton, Hammersley and Fibonacci points.
+fn comparisons(tests: [&Test; 3]) -> [Claim; 3] {
+    let [halton, hammersley, fibonacci] = tests.map(|test| test.noise);
+    let structures = tests.map(|test| test.structure.value);
+    let compared = |what: &str, stated, holds, value, others: String| {
+        Claim::words(what, stated, if holds { Verdict::Holds } else { Verdict::Wrong })
+            .measured(Quantity::exact(value))
+            .because(others)
+    };
+    [
+        compared(
+            "Halton: structure of the error of the zone plate, below those of Hammersley and Fibonacci",
+            "shows less artifacts",
+            structures[0] < structures[1].min(structures[2]),
+            structures[0],
+            format!("Hammersley {:.3}, Fibonacci {:.3}", structures[1], structures[2]),
+        ),
+        compared(
+            "Halton: noise of the zone plate, above those of Hammersley and Fibonacci",
+            "appears more noisy",
+            halton > hammersley.max(fibonacci),
+            halton,
+            format!(
+                "Hammersley {hammersley:.3}, Fibonacci {fibonacci:.3}; the mean squared error without the strongest \
+                 frequency of each block"
+            ),
+        ),
+        compared(
+            "Fibonacci lattice: noise of the zone plate, below those of Halton and Hammersley",
+            "structural artifacts, with less noise",
+            fibonacci < halton.min(hammersley),
+            fibonacci,
+            format!(
+                "Halton {halton:.3}, Hammersley {hammersley:.3}; the lattice has {} points, the others {}",
+                tests[2].n_points, tests[0].n_points
+            ),
+        ),
+    ]
 }
 
 /// The pictures of a pattern.
@@ -113,6 +163,7 @@ struct Test {
     /// The mean over all pictures.
     mse: f64,
     structure: Quantity,
+    noise: f64,
 }
 
 impl Test {
@@ -141,7 +192,17 @@ impl Test {
             1 => Quantity::exact(structure),
             _ => Quantity::with_student(structure, (squares / (n * (n - 1.0))).sqrt(), n - 1.0),
         };
-        Ok(Self { n_points: ensemble.n_points, first, mse: mean(|a| a.mse), structure })
+        let n_points = ensemble.n_points;
+        Ok(Self { n_points, first, mse: mean(|a| a.mse), structure, noise: mean(|a| a.noise) })
+    }
+
+    fn caption(&self) -> String {
+        let Quantity { value, interval: (low, high) } = self.structure;
+        let interval = if low < high { format!(" ({low:.2} to {high:.2})") } else { String::new() };
+        format!(
+            "N = {}, MSE {:.3}, structure {value:.2}{interval}, noise {:.3}",
+            self.n_points, self.mse, self.noise
+        )
     }
 }
 
@@ -168,8 +229,10 @@ fn notes(screen: &Screen, setting: Setting, figure: &mut Figure) {
     figure.note(format!(
         "Aliasing: MSE is the mean squared difference from the exact pixel means. It is similar for all patterns; they \
          differ in its structure, the share of the strongest frequency in the energy of the error in blocks of {BLOCK} x \
-         {BLOCK} pixels, relative to that of independent errors. Noise has 1, a wave 24. Means over {} pictures of random \
-         patterns.",
+         {BLOCK} pixels, relative to that of independent errors. Independent errors have 1, a wave 24. Pixels without a \
+         sample repeat a neighbour, which correlates errors; of white noise they are a share of 1/e, so that its \
+         structure exceeds 1. Noise is the MSE without the strongest frequency of each block. Means over {} pictures of \
+         random patterns, with 95 % intervals of the structure.",
         realizations(setting)
     ));
 }
