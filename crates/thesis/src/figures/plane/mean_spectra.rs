@@ -24,7 +24,7 @@ const ZERO: f64 = 0.01;
 const SAME: f64 = 0.2;
 /// Ends of the low frequency region: a quarter of the frequency 1/spacing of a square lattice, and
 /// a half, its Nyquist frequency.
-const REGION_ENDS: [(&str, f64); 2] = [("omega = 0.25", 0.25), ("omega = 0.5", 0.5)];
+const REGION_ENDS: [(&str, f64); 2] = [("a quarter", 0.25), ("a half", 0.5)];
 
 impl Recipe for MeanSpectra {
     fn title(&self) -> &'static str {
@@ -96,7 +96,7 @@ fn flatness(disks: &PlaneSpectrum) -> Claim {
         let because = "\"almost same power over the whole low frequency region around the DC peak\", read as within a fifth";
         (name, claim.because(because))
     });
-    Claim::over_choice("the end of the low frequency region", options.into())
+    Claim::over_choice("omega at the end of the low frequency region", options.into())
 }
 
 fn claim_jitter(jittered: &PlaneSpectrum, figure: &mut Figure) {
