@@ -132,6 +132,25 @@ fn colours_have_their_power() {
     }
 }
 
+/// Few points have too few degrees of freedom for blue noise, and the errors say what helps. The
+/// pair correlation is stated only where it is impossible: it is positive here.
+#[test]
+fn blue_noise_of_few_points_asks_for_more() {
+    let blue = PowerProfile::Colour(NoiseColour::Blue);
+    for (n, cause) in [(1, "stalled"), (3, "cannot vanish"), (7, "stalled"), (9, "stalled")] {
+        let error = SquareSpectralControl::profile(n, &blue)
+            .and_then(|control| sample(&control, 0))
+            .unwrap_err()
+            .to_string();
+        assert!(error.contains(cause) && error.contains("Use more points"), "{n}: {error}");
+        assert!(!error.contains("correlation"), "{n}: {error}");
+    }
+    for n in [2, 4, 10, 14, 26] {
+        let control = SquareSpectralControl::profile(n, &blue).unwrap();
+        assert!(sample(&control, 0).is_ok(), "{n}");
+    }
+}
+
 /// Returns the name of the rejected parameter.
 fn rejected<T: std::fmt::Debug>(result: Result<T, Error>) -> &'static str {
     match result {

@@ -26,8 +26,12 @@ pub enum NoiseColour {
     Green,
     /// No power to omega = 1.1, and `P = 1 + exp(-(omega - sqrt(pi))^2/0.18)/4` from there to
     /// omega = 2.5: a sharp transition, the peak at the principal frequency sqrt(pi) of a square
-    /// lattice, and white noise at high frequencies. g2(0) = 0.44. Fewer than about 32
-    /// points have too few degrees of freedom.
+    /// lattice, and white noise at high frequencies. g2(0) = 0.44.
+    ///
+    /// Few points have too few degrees of freedom, above all where one more degree has just become
+    /// empty. Descents did not find 2 to 23, 25, 30, 31 and 41 points of the sphere, 2 to 13, 15 to
+    /// 22, 27 to 29 and 42 of the hemisphere, or 1, 3, 5 to 9 and 13 of the square; they found all
+    /// other numbers to 140 (60 on the hemisphere).
     ///
     /// Ulichney's ideal has the transition at the principal frequency, but more coefficients than
     /// the points have degrees of freedom would have to vanish for a transition beyond 1.41.

@@ -49,14 +49,21 @@ impl Search {
     }
 
     /// Returns the reason why no descent met the target: the residuals of the last, and the pair
-    /// correlation at distance 0 with white noise beyond the target.
+    /// correlation at distance 0 with white noise beyond the target if no pattern has it.
     pub(crate) fn failure(self, reached: [f64; 2], g2: f64) -> String {
         let Self { starts, .. } = self;
+        let impossible = if g2 < 0.0 {
+            format!(
+                "With white noise beyond the target the pair correlation at distance 0 would be {g2:.3}; no \
+                 pattern has one below 0. "
+            )
+        } else {
+            String::new()
+        };
         format!(
             "{starts} descents stalled before reaching the target, the last with power {:.1e} where there \
-             should be none and {:.1e} off elsewhere. With white noise beyond the target the pair \
-             correlation at distance 0 would be {g2:.3}; no pattern has one below 0. Use a smaller alpha, \
-             core or range",
+             should be none and {:.1e} off elsewhere. {impossible}Use more points, or a smaller alpha, core or \
+             range",
             reached[0], reached[1]
         )
     }
@@ -66,7 +73,8 @@ impl Search {
 pub(crate) fn infeasible_power(constraints: f64, freedom: f64) -> String {
     let max_zeros = freedom::MAX_SHARE * freedom;
     format!(
-        "{constraints} coefficients cannot vanish with {freedom} degrees of freedom: at most {} can",
+        "{constraints} coefficients cannot vanish with {freedom} degrees of freedom: at most {} can. Use more \
+         points, or a smaller range without power",
         max_zeros.floor()
     )
 }
