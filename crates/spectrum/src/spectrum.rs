@@ -151,6 +151,21 @@ impl<B: Bands> Spectrum<B> {
         self
     }
 
+    /// Returns the same spectrum with powers that are rounding errors replaced by 0: those up to
+    /// `1e-24 N`, where N is the effective number of points.
+    ///
+    /// A transform to the default accuracy, 1e-12, has errors up to that fraction of the sum of the
+    /// weights in every coefficient, so it does not distinguish these powers from 0. Use it for
+    /// deterministic sets, such as lattices, whose power is exactly 0 in many bands.
+    #[must_use]
+    pub fn without_rounding(mut self) -> Self {
+        /// The square of the default accuracy of transforms.
+        const ROUNDING: f64 = 1e-24;
+        let floor = ROUNDING * self.n_effective;
+        self.power.iter_mut().filter(|power| **power <= floor).for_each(|power| *power = 0.0);
+        self
+    }
+
     /// Returns the existing bands, starting at 0, each with its mean power and standard error.
     pub fn rows(&self) -> impl Iterator<Item = (usize, f64, f64)> {
         let rows = self.power.iter().zip(&self.stderr).enumerate();

@@ -26,6 +26,11 @@ pub(super) trait ShownBands: Bands {
     /// The axis of energies, before the total.
     const ENERGY: &str;
 
+    /// The note of a chart with bins, with or without their ranges.
+    const BINNED: [&str; 2];
+    /// How curves that lack the radii with power 0 are drawn.
+    const WITH_GAPS: Style;
+
     /// Returns the radii from 0 with mean power and standard error.
     fn power_by_radius(spectrum: &Spectrum<Self>) -> Vec<(usize, f64, f64)>;
 
@@ -60,6 +65,8 @@ impl ShownBands for Domain {
     const UNIT: &str = "degree";
     const RADIUS: &str = "degree l";
     const ENERGY: &str = "energy E(l) / total";
+    const BINNED: [&str; 2] = [Binned::NOTE, Binned::NOTE_OF_MEANS];
+    const WITH_GAPS: Style = Style::Line;
 
     fn power_by_radius(spectrum: &Spectrum) -> Vec<(usize, f64, f64)> {
         spectrum.rows().collect()
@@ -81,9 +88,12 @@ impl ShownBands for Frequencies {
     const TITLE: &str = "Radial means of power spectra";
     const FREQUENCY: &str = "frequency |k| / \u{221a}N";
     const POWER: &str = "radial mean of the power, white noise = 1";
-    const UNIT: &str = "frequency";
+    const UNIT: &str = "ring of |k|";
     const RADIUS: &str = "frequency |k|";
     const ENERGY: &str = "energy of all k with this |k| / total";
+    const BINNED: [&str; 2] = [Binned::NOTE_OF_RINGS, Binned::NOTE_OF_MEANS_OF_RINGS];
+    // A line would connect the peaks of a lattice across rings without power.
+    const WITH_GAPS: Style = Style::Markers;
 
     fn power_by_radius(spectrum: &Spectrum<Self>) -> Vec<(usize, f64, f64)> {
         let zero = (0, spectrum.power()[0], 0.0);
@@ -151,6 +161,7 @@ pub(super) fn power_chart<B: ShownBands>(curves: &[PowerCurve], over: Vec<Series
     for curve in curves {
         let scale = (curve.n_points as f64).sqrt();
         let points: Vec<_> = curve.rows.iter().map(|row| (row.0 as f64, row.1)).collect();
+        let has_gaps = points.iter().any(|point| point.1 <= ROUNDING);
         let Binned { points, ranges } = Binned::new(&points, ROUNDING);
         is_binned |= ranges.is_some();
         let spread = match ranges {
@@ -167,14 +178,14 @@ pub(super) fn power_chart<B: ShownBands>(curves: &[PowerCurve], over: Vec<Series
             label: curve.label.clone(),
             points: points.into_iter().map(|(l, power)| (l / scale, power)).collect(),
             spread,
-            style: Style::Line,
+            style: if has_gaps { B::WITH_GAPS } else { Style::Line },
             ink: curve.ink,
         });
     }
     series.extend(over);
     let notes = [
-        (is_binned && has_bands).then_some(Binned::NOTE),
-        (is_binned && !has_bands).then_some(Binned::NOTE_OF_MEANS),
+        (is_binned && has_bands).then_some(B::BINNED[0]),
+        (is_binned && !has_bands).then_some(B::BINNED[1]),
         has_errors.then_some("Bands: one standard error to either side."),
     ];
     Chart {

@@ -21,6 +21,12 @@ impl Binned {
     /// The note of a chart with bins but without ranges.
     pub(crate) const NOTE_OF_MEANS: &str = "Where degrees are many, lines are means over bins of log l; degrees with \
         0 (to rounding) are left out.";
+    /// The note of a chart over rings of frequencies with bins.
+    pub(crate) const NOTE_OF_RINGS: &str = "Where rings are many, lines are means over bins of log |k| and bands their \
+        ranges; rings with 0 (to rounding) are left out.";
+    /// The note of a chart over rings of frequencies with bins but without ranges.
+    pub(crate) const NOTE_OF_MEANS_OF_RINGS: &str = "Where rings are many, lines are means over bins of log |k|; rings \
+        with 0 (to rounding) are left out.";
 
     /// Returns the points in order of x > 0 with y above `floor`, the rounding level: all points if
     /// they are few, otherwise the mean of each bin of log x, at the geometric mean of its first

@@ -133,7 +133,7 @@ pub(super) fn integrand_chart<B: ShownBands>(energy: &Energy<B>, name: &str) -> 
     let degrees = radii.iter().enumerate().skip(1);
     let points: Vec<_> = degrees.map(|(l, e)| (l as f64, e / total)).collect();
     let Binned { points, ranges } = Binned::new(&points, ROUNDING);
-    let notes = ranges.iter().map(|_| Binned::NOTE.to_owned()).collect();
+    let notes = ranges.iter().map(|_| B::BINNED[0].to_owned()).collect();
     let series = Series {
         label: String::new(),
         points,

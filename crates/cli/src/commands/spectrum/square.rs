@@ -75,7 +75,7 @@ pub(super) fn run(args: &SpectrumArgs, global: &Global) -> Result<(), CliError> 
     let max = SquareResolution::MAX_KMAX_WITH_ERRORS;
     if kmax > max {
         return Err(CliError::Usage(format!(
-            "--kmax: spectra have errors for every frequency to at most {max}, got {kmax}"
+            "--kmax must be at most {max} for spectra, which have every frequency up to it, got {kmax}"
         )));
     }
     let frequencies = Frequencies::new(kmax).map_err(CliError::failed)?;
@@ -106,7 +106,13 @@ fn exact(
     check_memory(&format!("a spectrum to frequency {kmax} (--kmax)"), bytes)?;
     let progress = Progress::new(exact.work(frequencies), global.quiet);
     progress.stage(&pattern.to_string());
-    Ok(SquareResult::exact(exact.to(frequencies, &progress)?))
+    let spectrum = exact.to(frequencies, &progress)?;
+    let is_transformed = matches!(
+        sampler.distribution(),
+        SquareDistribution::Fixed | SquareDistribution::OneOf(_)
+    );
+    let spectrum = if is_transformed { spectrum.without_rounding() } else { spectrum };
+    Ok(SquareResult::exact(spectrum))
 }
 
 /// Estimates the spectrum from sets, and saves the sums if requested.

@@ -102,20 +102,18 @@ fn chart(result: &SquareResult, has_no_error: bool) -> Chart {
         style,
         ink: Ink::Rank(0),
     };
-    let decibels = rows.iter().map(|(radius, _, _, a)| (*radius as f64, 10.0 * a.log10()));
+    let has_anisotropy = |row: &&(usize, f64, f64, f64)| row.1 > ROUNDING && row.3 > ROUNDING;
+    let ratios = rows.iter().filter(has_anisotropy).map(|row| (row.0 as f64, row.3));
     // The anisotropy of white noise.
     let is_sampled = spectrum.realizations() > 0 && !spectrum.is_exact();
-    let white = is_sampled.then(|| -10.0 * (spectrum.realizations() as f64).log10());
+    let white = is_sampled.then(|| 1.0 / spectrum.realizations() as f64);
     let anisotropy = Panel {
-        y_label: "anisotropy (dB)".to_owned(),
-        y_scale: Scale::Linear,
-        series: vec![series(decibels.collect(), Spread::None)],
         reference: white,
-        side_by_side: false,
+        ..Panel::log("anisotropy", vec![series(ratios.collect(), Spread::None)])
     };
     let notes = [
         is_binned.then_some("Lines are means over bins of log |k|, and bands their ranges."),
-        has_empty.then_some("Rings without power are left out."),
+        has_empty.then_some("Rings without power (to rounding) are left out."),
         has_errors.then_some("Bands: one standard error to either side."),
         white.is_some().then_some("Grey line of the anisotropy: white noise."),
     ];

@@ -29,11 +29,12 @@ impl SquareResult {
         Self { radial: RadialSpectrum::of(&spectrum), spectrum }
     }
 
-    /// Returns the result of sums; without errors if one set determines the spectrum.
+    /// Returns the result of sums; without errors, and with 0 for powers that are rounding errors,
+    /// if one set determines the spectrum.
     pub(crate) fn of_sums(sums: &SquareSums, is_exact: bool) -> Result<Self, CliError> {
         let spectrum = sums.spectrum.finish()?;
         if is_exact {
-            return Ok(Self::exact(spectrum.into_exact()));
+            return Ok(Self::exact(spectrum.into_exact().without_rounding()));
         }
         let radial = RadialSpectrum::of(&spectrum).with_errors(&sums.radial)?;
         Ok(Self { spectrum, radial })
@@ -169,7 +170,7 @@ pub(crate) fn emit_square(
     let forms = Forms {
         csv: &|| csv_of(provenance, &rows),
         chart: None,
-        text: &|| text(&rings, remarks.weights),
+        text: &|| text(&rings, remarks),
     };
     let other = if picture.is_some() { None } else { out };
     report::emit(other, global, provenance, &body, &forms)?;
@@ -185,7 +186,7 @@ pub(crate) fn emit_square(
 }
 
 /// Returns the table of the radial mean for the terminal.
-fn text(rings: &[Ring], weights: Option<WeightSums>) -> String {
+fn text(rings: &[Ring], remarks: &Remarks) -> String {
     let columns = [
         Column::number("|k|", |r: &Ring| r.radius.to_string()),
         Column::number("|k|/sqrt(N)", |r: &Ring| number::value(r.omega)),
@@ -193,5 +194,9 @@ fn text(rings: &[Ring], weights: Option<WeightSums>) -> String {
         Column::number("+-", |r: &Ring| number::uncertainty(r.stderr)),
         Column::number("anisotropy", |r: &Ring| number::value(r.anisotropy)),
     ];
-    table_of(&columns, thinned(rings)) + &text_of_weights(weights)
+    let note = match remarks.has_no_error {
+        true => "\nOne set has no standard error; several sets of the same process have one.\n",
+        false => "",
+    };
+    table_of(&columns, thinned(rings)) + note + &text_of_weights(remarks.weights)
 }
