@@ -15,7 +15,7 @@ use sphvar_spectrum::Resolution;
 
 use crate::counts::{Counts, parse_one_count};
 use crate::error::CliError;
-use crate::integrands::FORMS;
+use crate::integrands::{FORMS, SquareForms};
 use crate::spec::{Spec, argument};
 
 /// One number of points.
@@ -177,6 +177,27 @@ pub(crate) struct KmaxArgs {
     /// Maximum length |k| of the frequencies on the square, inclusive
     #[arg(long, value_name = "K", requires = "square", value_parser = parse_one_count)]
     pub(crate) kmax: Option<usize>,
+}
+
+/// Returns the help of --integrand of subcommands with --square.
+pub(crate) fn integrand_help_with_square() -> String {
+    format!(
+        "Integrand: {FORMS}; with --square: {SquareForms}, combined in the same way but not rotated; sphvar list \
+         integrands --square explains them"
+    )
+}
+
+/// Returns the help of --kmax with its default in words.
+pub(crate) fn kmax_help(default: &str) -> String {
+    format!("Maximum length |k| of the frequencies on the square, inclusive [default: {default}]")
+}
+
+/// The default of --kmax in words, for spectra that predict variances.
+pub(crate) fn spectra_kmax_help() -> String {
+    kmax_help(&format!(
+        "{}; for lattices up to {LATTICE_FACTOR} times that; the axes extend further",
+        natural_degree_in_words()
+    ))
 }
 
 impl SquareArgs {

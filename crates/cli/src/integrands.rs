@@ -26,7 +26,7 @@ use sphvar_samplers::Domain;
 use self::environment::Environment;
 pub(crate) use self::integrals::{Integral, Integrals, with_integrals};
 pub(crate) use self::rgb::parse_integrands;
-pub(crate) use self::square::{NamedSquareIntegrand, parse_square_integrand};
+pub(crate) use self::square::{NamedSquareIntegrand, SquareForms, parse_square_integrand};
 use crate::error::CliError;
 use crate::files::HduChoice;
 use crate::memory::check_degree;

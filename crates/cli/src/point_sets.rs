@@ -63,9 +63,11 @@ impl Ensemble<[f64; 2]> for ShiftedSets<'_> {
 pub(crate) struct WeightSums {
     /// `(sum w)^2 / sum w^2`, the number of equal points with the same white noise.
     pub(crate) n_effective: f64,
-    /// The sum of the weights.
+    /// The sum of the weights; null if it overflows.
+    #[schemars(with = "Option<f64>")]
     pub(crate) sum_w: f64,
-    /// The sum of the squares of the weights.
+    /// The sum of the squares of the weights; null if it overflows or underflows.
+    #[schemars(with = "Option<f64>")]
     pub(crate) sum_w2: f64,
 }
 
@@ -81,7 +83,8 @@ impl WeightSums {
             let (sum, squares) = set.weight_sums();
             mean.n_effective += share * set.n_effective();
             mean.sum_w += share * sum;
-            mean.sum_w2 += share * squares;
+            // Sets with weights have one that is not 0.
+            mean.sum_w2 += if squares.is_normal() { share * squares } else { f64::NAN };
         }
         Some(mean)
     }
@@ -156,6 +159,14 @@ impl<S: Space<Point: FilePoint>> FileSets<S> {
             for remark in &file.remarks {
                 say(quiet, remark);
             }
+            if !args.join
+                && let Some(i) = file.sets.iter().position(has_zero_weights)
+            {
+                return Err(CliError::Failed(format!(
+                    "{}: all weights of set {i} (0-based) are 0",
+                    path.display()
+                )));
+            }
             if args.join {
                 join(&mut sets, file.sets, &path.display().to_string())?;
             } else {
@@ -165,9 +176,11 @@ impl<S: Space<Point: FilePoint>> FileSets<S> {
         if let Some(remark) = remark(&sets) {
             say(quiet, &remark);
         }
-        let sets = PointSets::new(sets, space).map_err(CliError::failed)?;
         let names: Vec<String> = args.files.iter().map(|p| p.display().to_string()).collect();
-        let read = Self { name: names.join(" "), sets };
+        let name = names.join(" ");
+        let sets =
+            PointSets::new(sets, space).map_err(|e| CliError::Failed(format!("{name}: {e}")))?;
+        let read = Self { name, sets };
         if read.count() > 1 {
             say(quiet, &read.summary(args.files.len() > 1));
         }
@@ -208,6 +221,11 @@ impl<S: Space<Point: FilePoint>> FileSets<S> {
         let count = self.sets.sets().len();
         (total + count / 2) / count
     }
+}
+
+/// Returns whether a set has weights, all of them 0.
+fn has_zero_weights<P>(set: &PointSet<P>) -> bool {
+    !set.weights.is_empty() && set.weights.iter().all(|&w| w == 0.0)
 }
 
 /// Appends the sets of another file to the single joined set.

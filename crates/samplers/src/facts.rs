@@ -61,13 +61,25 @@ impl PatternFacts {
     /// Returns the rates of the variance in words, such as `N^-2 for smooth integrands, ...`.
     #[must_use]
     pub fn rates(&self) -> String {
+        self.rates_for(["every integrand", "smooth integrands"])
+    }
+
+    /// Returns the same for a pattern of the square, where integrands are smooth if they are so
+    /// across opposite sides too. Integrands of a special form, such as sums of functions of one
+    /// coordinate with Latin hypercubes, may have better rates.
+    #[must_use]
+    pub fn rates_on_torus(&self) -> String {
+        self.rates_for(["integrands in general", "smooth periodic integrands"])
+    }
+
+    fn rates_for(&self, [every, smooth]: [&str; 2]) -> String {
         let Self { smooth_rate, jump_rate, .. } = self;
         match smooth_rate {
             Rate::Power { .. } if smooth_rate == jump_rate => {
-                format!("{smooth_rate} for every integrand")
+                format!("{smooth_rate} for {every}")
             }
             _ if smooth_rate == jump_rate => smooth_rate.to_string(),
-            _ => format!("{smooth_rate} for smooth integrands, {jump_rate} for those with jumps"),
+            _ => format!("{smooth_rate} for {smooth}, {jump_rate} for those with jumps"),
         }
     }
 }

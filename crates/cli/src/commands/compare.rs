@@ -25,7 +25,9 @@ use super::row_record::RowRecord;
 use super::rows::{self, Case, Row};
 use super::square_rows;
 use crate::error::CliError;
-use crate::flags::{CountsArgs, IntegrandArgs, ProjectArgs, SamplersArgs};
+use crate::flags::{
+    CountsArgs, IntegrandArgs, ProjectArgs, SamplersArgs, integrand_help_with_square,
+};
 use crate::global::Global;
 use crate::integrands::{
     self, Integrals, parse_integrands, parse_square_integrand, with_integrals,
@@ -68,6 +70,7 @@ const SQUARE_INTEGRAND: &str = "disk:radius=0.3";
     }),
     mut_arg("integrand", |integrand| {
         integrand
+            .help(integrand_help_with_square())
             .default_value(integrands::CITY)
             .default_value_if("square", "true", SQUARE_INTEGRAND)
     })

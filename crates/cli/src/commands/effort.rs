@@ -6,7 +6,9 @@ use sphvar_variance::{Precision, PredictionBudget, SpectrumOptions, Trials};
 use super::rows::{Effort, Plan};
 use crate::counts::parse_realizations;
 use crate::error::CliError;
-use crate::flags::{DomainArgs, KmaxArgs, LmaxArgs, SquareArgs, spectra_lmax_help};
+use crate::flags::{
+    DomainArgs, KmaxArgs, LmaxArgs, SquareArgs, spectra_kmax_help, spectra_lmax_help,
+};
 use crate::global::Global;
 use crate::integrands::Integrals;
 use crate::share::parse_share;
@@ -14,7 +16,10 @@ use crate::transforms::TransformArgs;
 
 /// Flags for the prediction and measurement of variances.
 #[derive(Debug, Args)]
-#[command(mut_arg("lmax", |lmax| lmax.help(spectra_lmax_help())))]
+#[command(
+    mut_arg("lmax", |lmax| lmax.help(spectra_lmax_help())),
+    mut_arg("kmax", |kmax| kmax.help(spectra_kmax_help()))
+)]
 pub(crate) struct EffortArgs {
     #[arg(short = 'm', long, value_name = "M", value_parser = parse_trials, help = trials_help())]
     pub(crate) realizations: Option<u64>,

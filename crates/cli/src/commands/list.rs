@@ -6,6 +6,7 @@ mod page;
 use clap::{Args, ValueEnum};
 use schemars::JsonSchema;
 use serde::Serialize;
+use sphvar_integrands::{SquareTerm, Term};
 use sphvar_samplers::{Pattern, SquarePattern};
 
 use self::entry::{FormatEntry, IntegrandEntry, SamplerEntry};
@@ -79,6 +80,19 @@ pub(crate) fn run(args: &ListArgs, global: &Global) -> Result<(), CliError> {
     let is_listed = |kind| args.kind.is_none_or(|listed| listed == kind);
     let of_sphere = |kind| is_listed(kind) && !args.square.square;
     let of_square = |kind| is_listed(kind) && (args.square.square || args.kind.is_none());
+    let of_both = |kind, sphere, square| {
+        if is_listed(kind) { check_space(&args.names, sphere, square, args.square) } else { Ok(()) }
+    };
+    of_both(
+        Kind::Samplers,
+        Pattern::known().map(|p| p.name()).collect(),
+        SquarePattern::known().map(|p| p.name()).collect(),
+    )?;
+    of_both(
+        Kind::Integrands,
+        Term::all().iter().map(Term::name).collect(),
+        SquareTerm::all().iter().map(SquareTerm::name).collect(),
+    )?;
     let samplers = of_sphere(Kind::Samplers)
         .then(|| Pattern::known().map(|p| SamplerEntry::new(&p, &counts, domain)).collect())
         .map(|all| chosen(all, "sampler", &args.names, |entry| entry.name))
@@ -138,6 +152,24 @@ pub(crate) fn run(args: &ListArgs, global: &Global) -> Result<(), CliError> {
         formats.iter().flatten().for_each(|entry| entry.show(&mut page));
     }
     print(page.text())
+}
+
+/// Rejects names of the other space.
+fn check_space(
+    names: &[String],
+    sphere: Vec<&str>,
+    square: Vec<&str>,
+    listed: SquareArgs,
+) -> Result<(), CliError> {
+    let (own, other, place) = match listed.square {
+        true => (square, sphere, "the sphere: omit --square"),
+        false => (sphere, square, "the unit square: use --square"),
+    };
+    let is_other = |name: &&String| !own.contains(&name.as_str()) && other.contains(&name.as_str());
+    match names.iter().find(is_other) {
+        Some(name) => Err(CliError::Usage(format!("{name} is of {place}"))),
+        None => Ok(()),
+    }
 }
 
 /// Returns the entries with these names, in this order, or all entries if there are no names.

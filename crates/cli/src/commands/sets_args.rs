@@ -47,7 +47,7 @@ pub(crate) struct PointFileArgs {
     /// Skip rows with empty, infinite or invalid numbers and report their number
     #[arg(long, conflicts_with = "sampler")]
     pub(crate) skip_invalid: bool,
-    /// Accept vectors x,y,z of any length and scale them to unit length; with --square, take coordinates modulo 1
+    /// Accept vectors x,y,z of any length and scale them to unit length; with --square, take coordinates modulo 1 (those in a box of another size must first be divided by it)
     #[arg(long, conflicts_with = "sampler")]
     pub(crate) normalize: bool,
 }

@@ -31,7 +31,9 @@ use super::sets_args::SetsArgs;
 use crate::counts::parse_realizations;
 use crate::error::CliError;
 use crate::files::{AtomicFile, Part, SavedEnsemble, Shard};
-use crate::flags::{KmaxArgs, LmaxArgs, OutArgs, SquareArgs, lmax_help, natural_degree_in_words};
+use crate::flags::{
+    KmaxArgs, LmaxArgs, OutArgs, SquareArgs, kmax_help, lmax_help, natural_degree_in_words,
+};
 use crate::global::Global;
 use crate::instruction_set::instruction_set;
 use crate::memory::{check_degree, check_memory, check_transform};
@@ -63,7 +65,9 @@ g smooth is the same from the spectrum, averaged by a heat kernel.
 
 With --square the power |S_k|^2/N is that of frequencies k = (k1, k2) of points u,v of the unit square under random \
 toroidal shifts. Tables and the lower panel of plots show its mean over rings of |k| and its anisotropy, the relative \
-variance of the power over a ring (1/M for M realizations of white noise).";
+variance of the power over a ring: a ratio, which is 1/M for M realizations of white noise, and absent where the ring has \
+no power. A single set from a file gives a radial mean without an error; several sets of the same process, or -m for a \
+sampler, give one. Powers of deterministic sets up to 1e-24 N, which are rounding errors, are 0.";
 
 /// Why the sums of a file cannot be saved.
 const SAVED_FILE: &str =
@@ -75,7 +79,7 @@ const REALIZATIONS: u64 = 100;
 #[derive(Debug, Args)]
 #[command(
     mut_arg("lmax", |lmax| lmax.help(lmax_help(&natural_degree_in_words()))),
-    mut_arg("kmax", |kmax| kmax.help(kmax_help()))
+    mut_arg("kmax", |kmax| kmax.help(kmax_help(&natural_degree_in_words())))
 )]
 pub(crate) struct SpectrumArgs {
     #[command(flatten)]
@@ -368,12 +372,6 @@ fn source(args: &SpectrumArgs, domain: Domain, global: &Global) -> Result<Source
         return Err(CliError::Usage(SAVED_FILE.to_owned()));
     }
     Ok(Source::Sampler { pattern, sampler })
-}
-
-/// Returns the help of --kmax with its default in words.
-fn kmax_help() -> String {
-    let default = natural_degree_in_words();
-    format!("Maximum length |k| of the frequencies on the square, inclusive [default: {default}]")
 }
 
 /// Returns the error of `--exact` for a pattern without a closed-form spectrum.

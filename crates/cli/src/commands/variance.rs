@@ -15,6 +15,7 @@ use super::visible_half::{self, HalfAxis, VisibleHalfRecord};
 use crate::error::CliError;
 use crate::flags::{
     CountsArgs, IntegrandArgs, NearestArgs, OutArgs, ProjectArgs, SHIFTED, SamplersArgs,
+    integrand_help_with_square,
 };
 use crate::global::Global;
 use crate::integrands::{Integrals, parse_integrands, parse_square_integrand, with_integrals};
@@ -52,7 +53,9 @@ variance is then the sum over all frequencies k of the power of the pattern time
 #[derive(Debug, Args)]
 #[command(
     mut_group("SamplersArgs", |samplers| samplers.required(true)),
-    mut_arg("integrand", |integrand| integrand.required(true))
+    mut_arg("integrand", |integrand| {
+        integrand.required(true).help(integrand_help_with_square())
+    })
 )]
 pub(crate) struct VarianceArgs {
     #[command(flatten)]

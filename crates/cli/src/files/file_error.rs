@@ -169,7 +169,7 @@ pub(crate) enum FileError {
         known: String,
     },
     /// A file contains no points.
-    #[error("{path}: no points: expected at least one direction")]
+    #[error("{path}: no points: expected at least one")]
     Empty {
         /// The path as the user wrote it.
         path: String,

@@ -28,7 +28,9 @@ pub(crate) fn formats() -> Vec<FileFormat> {
     let points = PointFormat::ALL.map(|format| {
         let (name, summary) = match format {
             PointFormat::Csv => ("csv", "text with commas, semicolons, tabs or blanks; gzip too"),
-            PointFormat::Npy => ("npy", "array of NumPy, (N, 3) or (M, N, 3)"),
+            PointFormat::Npy => {
+                ("npy", "array of NumPy, (N, 3) or (M, N, 3), on the square (N, 2) or (M, N, 2)")
+            }
             PointFormat::Npz => ("npz", "archive of arrays of NumPy, with weights"),
             PointFormat::Ply => ("ply", "vertices of a polygon file, ASCII or binary"),
             PointFormat::Fits => ("fits", "table of a FITS file; gzip too"),

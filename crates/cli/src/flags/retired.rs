@@ -46,12 +46,24 @@ pub(crate) fn unknown_value(option: &str, value: &str, known: &[&str]) -> CliErr
     }
 }
 
-/// Adds the replacement to an error about an old spelling; `words` are the arguments.
+/// Adds the replacement to an error about an old spelling, and the subcommands of the square to one
+/// about `--square`; `words` are the arguments.
 pub(crate) fn explain(error: &mut clap::Error, command: &Command, words: &[String]) {
     if error.kind() != ErrorKind::UnknownArgument {
         return;
     }
     let Some(ContextValue::String(unknown)) = error.get(ContextKind::InvalidArg) else { return };
+    if unknown == "--square" {
+        let having: Vec<&str> = command
+            .get_subcommands()
+            .filter(|c| c.get_arguments().any(|arg| arg.get_long() == Some("square")))
+            .map(Command::get_name)
+            .collect();
+        let tip = format!("the unit square is supported by {}", having.join(", "));
+        error.remove(ContextKind::SuggestedArg);
+        error.insert(ContextKind::Suggested, ContextValue::StyledStrs(vec![tip.into()]));
+        return;
+    }
     let Some(retired) = RETIRED.iter().find(|retired| retired.old == unknown) else { return };
     let Some(new) = replacement(subcommand(command, words), retired) else { return };
     let tip = tip(retired, new);
@@ -114,6 +126,25 @@ mod tests {
                 explained += 1;
             }
             assert!(explained > 0, "{} is explained nowhere", retired.old);
+        }
+    }
+
+    /// Every subcommand has --square or names those that have it.
+    #[test]
+    fn the_square_is_where_it_is_supported() {
+        let root = Cli::command();
+        let has_square =
+            |c: &&clap::Command| c.get_arguments().any(|arg| arg.get_long() == Some("square"));
+        let names: Vec<&str> =
+            root.get_subcommands().filter(has_square).map(clap::Command::get_name).collect();
+        assert!(names.contains(&"choose") && !names.contains(&"audit"), "{names:?}");
+        for command in root.get_subcommands().filter(|c| !has_square(c) && !c.has_subcommands()) {
+            let words: Vec<String> =
+                ["sphvar", command.get_name(), "--square"].map(str::to_owned).into();
+            let mut error = Cli::try_parse_from(&words).unwrap_err();
+            explain(&mut error, &root, &words[1..]);
+            let text = error.to_string();
+            assert!(text.contains(&names.join(", ")) && !text.contains("similar"), "{text}");
         }
     }
 

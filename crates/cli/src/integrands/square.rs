@@ -2,6 +2,7 @@
 
 use std::fmt;
 
+use sphvar_grammar::split_outside;
 use sphvar_integrands::{
     Error, Expression, ImageParameters, SquareExpression, SquareImage, SquareIntegrand, SquareTerm,
 };
@@ -34,6 +35,10 @@ pub(crate) fn parse_square_integrand(
 ) -> Result<NamedSquareIntegrand, CliError> {
     let expression: SquareExpression =
         text.parse().map_err(|error| match text.parse::<Expression>() {
+            _ if split_outside(text, " @ ").len() > 1 => CliError::Usage(format!(
+                "{text}: rotations (@) are of integrands on the sphere; those on the square have parameters for their \
+                 place"
+            )),
             Ok(_) => CliError::Usage(format!(
                 "{text} is an integrand on the sphere; those on the square are {SquareForms}"
             )),
@@ -68,5 +73,19 @@ impl fmt::Display for SquareForms {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let forms: Vec<String> = SquareTerm::all().iter().map(SquareTerm::form).collect();
         f.write_str(&forms.join(" | "))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::parse_square_integrand;
+
+    #[test]
+    fn rotations_are_of_the_sphere() {
+        for text in ["disk:radius=0.2 @ 30/10", "0.5 * half-plane:angle=3 @ 1/2/3 + wave:k1=1,k2=0"]
+        {
+            let Err(error) = parse_square_integrand(text, true) else { panic!("{text}") };
+            assert!(error.to_string().contains("rotations (@)"), "{error}");
+        }
     }
 }

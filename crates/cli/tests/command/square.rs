@@ -167,8 +167,51 @@ fn a_lattice_has_the_power_of_its_peaks_without_error() {
     }
     assert_eq!(document["stderr"][5], 0.0);
     assert!((document["tail_u"].as_f64().unwrap() - 4.0).abs() < 1e-12);
-    // Rings without power have no anisotropy.
     assert_eq!(document["anisotropy"].as_array().unwrap().len(), 7);
+}
+
+/// Rings without power have no anisotropy, with and without --exact, from samplers, from their saved
+/// sums, and from files.
+#[test]
+fn rings_of_lattices_without_power_are_empty() {
+    let place = Workplace::new();
+    place.run("sample fibonacci-lattice --square -n 34 -o lattice.npy").ok();
+    place.run("sample regular-square --square -n 36 -s 3 --shift -o grid.csv").ok();
+    place.run("spectrum regular-square --square -n 25 --kmax 12 --save s.shard --quiet").ok();
+    for run in [
+        "spectrum fibonacci-lattice --square -n 34 --kmax 9 --json",
+        "spectrum regular-square --square -n 25 --kmax 12 --exact --json",
+        "spectrum file:lattice.npy --square --exact --kmax 11 --json",
+        "spectrum --points grid.csv --square --kmax 13 --json",
+        "merge s.shard --json",
+    ] {
+        let document = place.run(run).json();
+        let n = document["n"].as_f64().unwrap();
+        let of_peak = |p: f64| (p - n).abs() < 1e-9 * n;
+        assert!(powers(&document).iter().all(|(_, p)| of_peak(*p) || same(*p, 0.0)), "{run}");
+        let powers = document["radial_power"].as_array().unwrap();
+        let empty: Vec<bool> = powers.iter().map(|p| p.as_f64() == Some(0.0)).collect();
+        assert!(empty[0] && empty.contains(&false), "{run}: {empty:?}");
+        let anisotropy = document["anisotropy"].as_array().unwrap();
+        assert!(anisotropy.iter().zip(empty).all(|(a, empty)| a.is_null() == empty), "{run}");
+    }
+}
+
+#[test]
+fn sums_of_weights_that_leave_the_range_are_null() {
+    let place = Workplace::new();
+    for (weight, squares) in [("1e-190", false), ("-1e170", false), ("1e-20", true)] {
+        place.write("w.csv", &format!("u,v,w\n0,0,{weight}\n0.5,0.25,{weight}\n"));
+        let run = "spectrum --points w.csv --square --kmax 2 --json --quiet";
+        let document = place.run(run).json();
+        assert!(document["sum_w"].is_f64() && document["n_effective"] == 2.0, "{document}");
+        assert_eq!(document["sum_w2"].is_f64(), squares, "{weight}: {document}");
+    }
+    place.write("z.csv", "u,v,w,set\n0,0,0,a\n0.5,0.25,0,a\n0.5,0.25,1,b\n");
+    place.write("d.csv", "x,y,z,w\n0,0,1,0\n");
+    place.run("spectrum --points w.csv z.csv --square").fails(1, &["z.csv", "set 0", "weights"]);
+    place.run("spectrum --points d.csv").fails(1, &["d.csv", "set 0", "weights"]);
+    place.run("spectrum --points d.csv --join").fails(1, &["d.csv", "weight"]);
 }
 
 #[test]
@@ -293,5 +336,12 @@ fn lists_show_the_square() {
     assert_eq!(document.get("samplers"), None);
     let text = place.run("list samplers regular-square --square").ok().stdout;
     assert!(text.contains("P(k) as k -> 0") && text.contains("up to a shift"), "{text}");
-    place.run("list samplers regular-square").fails(2, &["regular-square"]);
+    place.run("list samplers regular-square").fails(2, &["regular-square", "--square"]);
+    place.run("list integrands cap disk").fails(2, &["disk", "--square"]);
+    place.run("list samplers sobol jittered --square").fails(2, &["jittered", "omit --square"]);
+    place.run("list samplers nothing --square").fails(2, &["nothing", "pmj02"]);
+    let text = place.run("list samplers sobol latin-hypercube --square").ok().stdout;
+    for part in ["for smooth periodic integrands", "N^-1 for integrands in general"] {
+        assert!(text.contains(part), "{text}");
+    }
 }

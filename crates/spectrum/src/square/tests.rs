@@ -135,6 +135,10 @@ fn lattices_have_their_power_at_the_dual_frequencies() {
                 let k = bands.frequency(band);
                 assert!((p - exact).abs() <= 1e-10 * n as f64, "{lattice:?} {k:?}: {p}, {exact}");
             }
+            let rounded = (*spectrum).clone().without_rounding();
+            for (p, exact) in rounded.power().iter().zip(closed.power()) {
+                assert_eq!(*p == 0.0, *exact == 0.0, "{lattice:?}: {p:e}, {exact}");
+            }
         }
     }
 }

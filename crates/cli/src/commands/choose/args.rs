@@ -3,12 +3,15 @@ use clap::{ArgGroup, Args};
 use crate::counts::{parse_number, parse_one_count};
 use crate::flags::{
     CountArgs, DomainArgs, IntegrandArgs, OutArgs, ProjectArgs, SamplersArgs, SquareArgs,
+    integrand_help_with_square,
 };
 
 #[derive(Debug, Args)]
 #[command(
     group(ArgGroup::new("question").args(["error", "count"]).required(true)),
-    mut_arg("integrand", |integrand| integrand.required(true)),
+    mut_arg("integrand", |integrand| {
+        integrand.required(true).help(integrand_help_with_square())
+    }),
     mut_arg("positional_samplers", |samplers| {
         samplers.help(format!("{} [default: those for which predictions are inexpensive]", SamplersArgs::HELP))
     }),

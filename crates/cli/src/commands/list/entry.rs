@@ -174,12 +174,14 @@ impl SamplerEntry {
             square: Some(pattern.valid_counts().to_string()),
         };
         let (distribution, deterministic) = square_distribution(pattern);
+        let facts = pattern.facts();
         Self {
             deterministic,
+            rates: facts.rates_on_torus(),
             ..Self::with(
                 (pattern.name(), pattern.summary()),
                 pattern.parameters(),
-                &pattern.facts(),
+                &facts,
                 counts,
                 distribution,
             )

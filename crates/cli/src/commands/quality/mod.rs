@@ -71,7 +71,7 @@ pub(crate) struct QualityArgs {
     /// Maximum degree, inclusive, of fits of harmonics whose condition numbers are computed; a list such as 4,8 [default: a fourth and half of sqrt(N)]
     #[arg(long, value_name = "L")]
     pub(crate) lmax: Option<Counts>,
-    /// Rank the set among all patterns that are not expensive at its number of points
+    /// Rank the set among all patterns that are not expensive at its number of points; only of directions
     #[arg(long)]
     pub(crate) rank: bool,
     #[command(flatten)]

@@ -57,7 +57,7 @@ pub(super) fn run(args: &QualityArgs, global: &Global) -> Result<(), CliError> {
             None => (&drawn, 1),
         };
         let qualities = SquareQuality::of(sets, count, &progress)?;
-        records.push(SquareQualityRecord::new(pattern.label(), &qualities));
+        records.push(SquareQualityRecord::new(pattern.to_string(), pattern.label(), &qualities));
     }
     drop(progress);
     let provenance = Provenance::new(global.seed);

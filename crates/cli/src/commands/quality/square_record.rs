@@ -34,6 +34,9 @@ impl SquareQualityBody {
 /// cannot honestly be given is null; `remarks` say why.
 #[derive(Debug, Serialize, JsonSchema)]
 pub(crate) struct SquareQualityRecord {
+    /// The name in tables.
+    #[serde(skip)]
+    label: String,
     /// The sampler with its parameters, or the file.
     sampler: String,
     /// `square`.
@@ -111,7 +114,7 @@ impl SquareValues {
 }
 
 impl SquareQualityRecord {
-    pub(super) fn new(sampler: String, sets: &[SquareQuality]) -> Self {
+    pub(super) fn new(sampler: String, label: String, sets: &[SquareQuality]) -> Self {
         let moments = |measure: Measure| {
             let mut moments = Moments::default();
             sets.iter().try_for_each(|set| measure(set).map(|x| moments.push(x)))?;
@@ -137,6 +140,7 @@ impl SquareQualityRecord {
             remarks.push("(t,m,2)-net: the number of points is not a power of two".to_owned());
         }
         Self {
+            label,
             sampler,
             domain: "square",
             n: (total + count / 2) / count,
@@ -184,7 +188,7 @@ impl SquareMeasureRow {
 /// Returns the table of measures, with a column for each sampler or file, and the remarks.
 pub(super) fn text(records: &[&SquareQualityRecord]) -> String {
     let mut heading = vec!["measure"];
-    heading.extend(records.iter().map(|record| record.sampler.as_str()));
+    heading.extend(records.iter().map(|record| record.label.as_str()));
     let row = |name: &str, cell: &dyn Fn(&SquareQualityRecord) -> String| {
         std::iter::once(name.to_owned()).chain(records.iter().map(|r| cell(r))).collect::<Vec<_>>()
     };
@@ -205,8 +209,7 @@ pub(super) fn text(records: &[&SquareQualityRecord]) -> String {
     let mut text = table(&heading, rows, 1);
     for record in records {
         for remark in &record.remarks {
-            let of =
-                if records.len() == 1 { String::new() } else { format!("{}: ", record.sampler) };
+            let of = if records.len() == 1 { String::new() } else { format!("{}: ", record.label) };
             text += &format!("{of}{remark}\n");
         }
     }

@@ -107,10 +107,8 @@ fn exact(
     let progress = Progress::new(exact.work(frequencies), global.quiet);
     progress.stage(&pattern.to_string());
     let spectrum = exact.to(frequencies, &progress)?;
-    let is_transformed = matches!(
-        sampler.distribution(),
-        SquareDistribution::Fixed | SquareDistribution::OneOf(_)
-    );
+    let is_transformed =
+        matches!(sampler.distribution(), SquareDistribution::Fixed | SquareDistribution::OneOf(_));
     let spectrum = if is_transformed { spectrum.without_rounding() } else { spectrum };
     Ok(SquareResult::exact(spectrum))
 }

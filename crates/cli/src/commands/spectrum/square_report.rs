@@ -167,11 +167,8 @@ pub(crate) fn emit_square(
     if let Some(path) = picture {
         plot(name, result, remarks.has_no_error, provenance).render(path)?;
     }
-    let forms = Forms {
-        csv: &|| csv_of(provenance, &rows),
-        chart: None,
-        text: &|| text(&rings, remarks),
-    };
+    let forms =
+        Forms { csv: &|| csv_of(provenance, &rows), chart: None, text: &|| text(&rings, remarks) };
     let other = if picture.is_some() { None } else { out };
     report::emit(other, global, provenance, &body, &forms)?;
     let shown = thinned(&rings).len();

@@ -63,6 +63,8 @@ pub(crate) struct PointCollector<'a, P> {
     skipped_places: Vec<Place>,
     guard: MemoryGuard,
     warnings: Vec<String>,
+    /// The number of points of the square with coordinates by more than 1 outside.
+    pub(super) n_far: usize,
 }
 
 impl<'a, P: FilePoint> PointCollector<'a, P> {
@@ -116,6 +118,7 @@ impl<'a, P: FilePoint> PointCollector<'a, P> {
             skipped_places: Vec::new(),
             guard: MemoryGuard::default(),
             warnings: Vec::new(),
+            n_far: 0,
         })
     }
 
@@ -238,6 +241,13 @@ impl<'a, P: FilePoint> PointCollector<'a, P> {
                 }),
             };
         }
+        if self.n_far > 0 {
+            self.warn(&format!(
+                "{} of {} points have coordinates beyond [-1, 2), which are taken modulo 1; coordinates in a \
+                 periodic box must be divided by its period",
+                self.n_far, self.points
+            ));
+        }
         let warning = self.lengths.verdict(self.path, self.points, self.options)?;
         self.warnings.extend(warning);
         let unused = &self.layout.unused;
@@ -251,8 +261,9 @@ impl<'a, P: FilePoint> PointCollector<'a, P> {
             let used: Vec<&str> = self.layout.slots.iter().take(2).map(|slot| slot.role).collect();
             let used = used.join(",");
             remarks.push(format!(
-                "{}: directions are {used}; use {} for others",
+                "{}: {} are {used}; use {} for others",
                 self.path,
+                P::SPACE.points_in_words(),
                 self.options.spelling.columns(others)
             ));
         }

@@ -184,7 +184,7 @@ impl Table<'_> {
             }
             _ => Err(self.error(
                 format!(
-                    "one way to name the direction, chosen by the option {}",
+                    "one way to name the point, chosen by the option {}",
                     spelling.name("columns")
                 ),
                 columns(),

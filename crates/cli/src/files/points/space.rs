@@ -1,5 +1,7 @@
 //! The spaces of points in files: the sphere with its directions, and the unit square.
 
+use std::ops::Range;
+
 use glam::DVec3;
 use serde::de::DeserializeOwned;
 use sphvar_samplers::Point;
@@ -34,6 +36,14 @@ impl Space {
                 "x,y,z or theta,phi (radians) or lon,lat or ra,dec or glon,glat or l,b (degrees)"
             }
             Self::Square => "u,v or x,y (points of the unit square)",
+        }
+    }
+
+    /// Returns what the points are, for messages.
+    pub(super) fn points_in_words(self) -> &'static str {
+        match self {
+            Self::Sphere => "directions",
+            Self::Square => "points",
         }
     }
 
@@ -120,6 +130,9 @@ impl FilePoint for DVec3 {
     }
 }
 
+/// Coordinates on the square and its neighbours. Others are rather in units of their own.
+const NEAR: Range<f64> = -1.0..2.0;
+
 impl FilePoint for [f64; 2] {
     const SPACE: Space = Space::Square;
 
@@ -134,9 +147,12 @@ impl FilePoint for [f64; 2] {
         place: Place,
         cell: &impl Fn(usize) -> Cell<'c>,
     ) -> Result<Row<Self>, FileError> {
-        let coordinate = |slot: usize| {
+        let mut is_far = false;
+        let mut coordinate = |slot: usize| {
             let mut value = points.number(place, slot, cell(slot))?;
+            let is_near = NEAR.contains(&value);
             if points.options().normalize {
+                is_far |= !is_near;
                 // The remainder of a tiny negative number rounds to 1.
                 value = value.rem_euclid(1.0) % 1.0;
             }
@@ -145,14 +161,18 @@ impl FilePoint for [f64; 2] {
             }
             let expected = if (1.0..=1.0).contains(&value) {
                 "a coordinate in [0, 1), which excludes 1 (the same place as 0 on the torus)"
-            } else {
+            } else if is_near {
                 "a coordinate in [0, 1)"
+            } else {
+                "a coordinate in [0, 1); divide coordinates in a periodic box by its period"
             };
             let option = points.options().spelling.on("normalize");
-            let expected = format!("{expected} ({option} takes coordinates modulo 1)");
+            let remedy = format!(" ({option} takes coordinates modulo 1)");
+            let expected = format!("{expected}{}", if is_near { &remedy } else { "" });
             Err(points.slot_error(place, slot, &expected, &cell(slot)))
         };
         let point = [coordinate(0)?, coordinate(1)?];
+        points.n_far += usize::from(is_far);
         let (weight, value) = points.weight_and_value(place, cell)?;
         Ok(Row { point, weight, value })
     }

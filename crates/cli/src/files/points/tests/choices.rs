@@ -31,7 +31,7 @@ fn advice_can_be_typed() {
     let cases = [
         (
             "RA,DEC,Z,x,y\n1,2,3,4,5\n",
-            "one way to name the direction",
+            "one way to name the point",
             "ra=RA,dec=DEC or --columns x=x,y=y,z=Z",
         ),
         ("DESI_RA,DESI_DEC,Z\n1,2,3\n", "the column x and y", "ra=DESI_RA,dec=DESI_DEC"),
@@ -43,7 +43,7 @@ fn advice_can_be_typed() {
         ("c.ra,c.dec,w\n1,2,3\n", "columns named x,y,z", "ra=c.ra,dec=c.dec,w=w"),
         (
             "x,y,z,theta,phi\n1,0,0,1,0\n",
-            "one way to name the direction",
+            "one way to name the point",
             "x=x,y=y,z=z or --columns theta=theta,phi=phi",
         ),
     ];

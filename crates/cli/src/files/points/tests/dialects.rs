@@ -101,7 +101,7 @@ fn files_without_lines_of_utf_8_are_named() {
 fn headers_with_several_directions_or_none() {
     let cases = [
         ("ra,dec,RAJ2000,DEJ2000\n0,0,0,0\n", "the column ra once, got ra and RAJ2000"),
-        ("ra,dec,lon,lat\n0,0,0,0\n", "one way to name the direction, chosen by"),
+        ("ra,dec,lon,lat\n0,0,0,0\n", "one way to name the point, chosen by"),
         ("ra,decl\n0,0\n", "the column dec beside the others of ra,dec, got the columns ra,decl"),
         ("ra,dec,ra\n0,0,0\n", "the column ra once"),
         ("ra,dec,w,weight\n0,0,1,1\n", "the column w once, got w and weight"),

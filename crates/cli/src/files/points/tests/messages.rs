@@ -59,7 +59,7 @@ fn errors_of_layouts_state_the_expected_content() {
         ("p.csv", b"a,b,c\n1,2,3\n", "expected columns named x,y,z or theta,phi"),
         ("p.csv", b"x,y,z,x\n1,2,3,4\n", "expected the column x once"),
         ("p.csv", b"x,y,z,w,weight\n1,2,3,4,5\n", "expected the column w once"),
-        ("p.csv", b"x,y,z,lon,lat\n1,2,3,4,5\n", "expected one way to name the direction, chosen by the option --columns"),
+        ("p.csv", b"x,y,z,lon,lat\n1,2,3,4,5\n", "expected one way to name the point, chosen by the option --columns"),
         ("p.csv", b"x,y,z\n1,0,0\n\xff\xfe,0,0\n", "p.csv:3: expected UTF-8 text"),
         ("p.npy", b"x,y,z\n1,0,0\n", "expected the magic bytes of an NPY file"),
         ("p.ply", b"x,y,z\n1,0,0\n", "expected a PLY header"),

@@ -116,6 +116,22 @@ fn errors_name_the_place_and_the_remedy() {
     }
 }
 
+/// Coordinates in a box are not taken modulo 1 by accident.
+#[test]
+fn coordinates_in_a_larger_box_are_divided_by_its_period() {
+    let message = square("p.csv", "u,v\n0.5,0.5\n120.5,33\n", None).unwrap_err();
+    assert!(message.contains("p.csv:3") && message.contains("by its period"), "{message}");
+    assert!(!message.contains("--normalize"), "{message}");
+    let normalized = |text: &str| {
+        let (_folder, path) = file("p.csv", text);
+        let options = ReadOptions { normalize: true, ..ReadOptions::default() };
+        read_points::<[f64; 2]>(&path, &options).unwrap()
+    };
+    let far = normalized("u,v\n120.5,33\n-0.25,1.5\n0.5,-7\n");
+    assert!(far.warnings[0].contains("2 of 3 points"), "{:?}", far.warnings);
+    assert!(normalized("u,v\n1,-0.25\n1.75,0\n").warnings.is_empty());
+}
+
 /// `u` and `v` are magnitudes in catalogues, possibly twice.
 #[test]
 fn files_of_directions_may_have_columns_u_and_v() {
