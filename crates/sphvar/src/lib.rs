@@ -20,6 +20,10 @@
 //! - [`spectrum`]: angular power spectra with errors. [`sht`]: transforms of scattered points.
 //! - [`integrands`]: functions with their energies. [`variance`]: predicted and measured variance, rates, ranks;
 //!   integrals to a tolerance.
+//! - The unit square with toroidal shifts instead of rotations:
+//!   [`SquarePattern`](samplers::SquarePattern), [`SquareIntegrand`](integrands::SquareIntegrand),
+//!   [`ExactSquareSpectrum`](spectrum::ExactSquareSpectrum) and
+//!   [`SquarePredictor`](variance::SquarePredictor).
 //! - [`bounds`]: closed-form bounds and rates. [`scene`]: ambient occlusion and direct light.
 //! - [`grammar`]: specifications of patterns and integrands.
 //! - [`sh`]: spherical harmonics. [`healpix`]: the HEALPix grid. [`nufft`]: nonuniform Fourier transforms on the torus.
