@@ -94,7 +94,7 @@ fn bounds() {
 #[test]
 fn compare() {
     assert_reproducible(
-        "compare jittered,poisson-disk -n 12,27 --integrand cosine -m 40 --spectrum-realizations 30 --json -o out",
+        "compare jittered,poisson-disk -n 12,27 --integrand cosine -m 10 --spectrum-realizations 10 --json -o out",
         &["out/integrand.svg"],
     );
 }

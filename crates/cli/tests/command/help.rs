@@ -164,8 +164,8 @@ fn smaller(example: &str) -> String {
         example = example.replace(large, small);
     }
     let more = match example.split(' ').next().unwrap() {
-        "compare" if example == "compare" => " white-noise,step -n 12 -m 4 -o default",
-        "compare" if !example.contains(" -n ") => " white-noise,step -n 12,48 -m 4 --force",
+        "compare" if example == "compare" => " white-noise,jittered -n 12 -m 4 -o default",
+        "compare" if !example.contains(" -n ") => " white-noise,jittered -n 12,48 -m 4 --force",
         "compare" => " -m 4 --force",
         "choose" if example.contains("-n 48") => " white-noise,jittered",
         "render" if example.contains("--size") => "",

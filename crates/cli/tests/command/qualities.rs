@@ -103,7 +103,7 @@ fn several_sets_are_side_by_side() {
 fn ranks_are_among_all_patterns() {
     let place = Workplace::new();
     let rank = |text: &str| {
-        let document = place.run(&format!("quality {text} -n 48 --rank --json --quiet")).json();
+        let document = place.run(&format!("quality {text} -n 24 --rank --json --quiet")).json();
         document["rank"].clone()
     };
     let (lattice, white) = (rank("fibonacci"), rank("white-noise"));
