@@ -64,7 +64,7 @@ fn degree_100() {
 
 #[test]
 fn degree_513() {
-    check(513, &distinct(100), &ALL);
+    check(513, &distinct(40), &ALL);
 }
 
 #[test]

@@ -146,7 +146,7 @@ fn it_matches_the_functions_of_sphvar_sh() {
 #[test]
 fn it_satisfies_the_addition_theorem_to_rounding() {
     // sum_m |Y_lm|^2 = (2l + 1)/(4 pi)
-    for p in Lcg::new(5).directions(2).into_iter().chain([DVec3::new(1e-9, 0.0, -1.0), DVec3::Y]) {
+    for p in Lcg::new(5).directions(1).into_iter().chain([DVec3::new(1e-9, 0.0, -1.0), DVec3::Y]) {
         let energies = Definition::new(&[p]).adjoint(None, 2048).energy_per_degree();
         for (l, energy) in energies.into_iter().enumerate() {
             let expected = (2 * l + 1) as f64 / (4.0 * PI);
