@@ -172,10 +172,12 @@ fn smaller_errors_need_more_points() {
     let cap = cap60();
     for name in ["white-noise", "jittered", "healpix", "spiral", "equal-area", "sobol"] {
         let pattern = name.parse::<Pattern>().unwrap();
+        let mut predictor = predictor(&cap, Domain::Sphere);
+        let mut curve = PredictedCurve::new(pattern);
         let needed = |relative: f64| {
-            let error = relative * PI;
-            let got = required(&cap, Domain::Sphere, &pattern, error * error, MAX_POINTS);
-            got.n_points().unwrap_or(usize::MAX)
+            let variance = (relative * PI).powi(2);
+            let got = required_points(&mut predictor, &mut curve, variance, MAX_POINTS, &());
+            got.unwrap().n_points().unwrap_or(usize::MAX)
         };
         let all: Vec<usize> = [1.0, 0.5, 0.25, 0.12, 0.06, 0.03].map(needed).to_vec();
         assert!(all.windows(2).all(|pair| pair[0] <= pair[1]), "{name}: {all:?}");
@@ -262,7 +264,7 @@ fn predictions_do_not_depend_on_what_went_before() {
     };
     let fresh = |n: usize| at(&mut predictor(&map, Domain::Sphere), n);
     let mut used = predictor(&map, Domain::Sphere);
-    at(&mut used, 2000);
+    at(&mut used, 1000);
     assert!(used.energy().lmax() > 256, "{:?}", used.energy().lmax());
     assert_eq!(at(&mut used, 48), fresh(48));
     let mut curve = PredictedCurve::new(Pattern::FIBONACCI);

@@ -93,14 +93,14 @@ fn one_random_vector_to_another(rng: &mut dyn Rng) -> DMat3 {
 /// Audits of small homogeneous ensembles, far from normal: a single point, strata, an antipodal
 /// lattice.
 ///
-/// p-values are uniform on multiples of 1/100, so in every family the number of those up to 0.1 is
+/// p-values are uniform on multiples of 1/50, so in every family the number of those up to 0.2 is
 /// binomial; beyond 4.5 standard deviations it is with probability 7e-6, over 5 families 4e-5. The
 /// number of rejections of whole audits is at most that expected for alpha, again within 4.5
-/// deviations.
+/// deviations. Of 210 audits that is a rate between 0.08 and 0.32.
 #[test]
 fn false_alarms_are_as_rare_as_promised() {
-    const AUDITS: u64 = 100;
-    const ALPHA: f64 = 0.1;
+    const AUDITS: u64 = 70;
+    const ALPHA: f64 = 0.2;
     let cases = [
         (Pattern::WhiteNoise, 1, Domain::Sphere),
         (Pattern::Jittered, 12, Domain::Sphere),
@@ -111,7 +111,7 @@ fn false_alarms_are_as_rare_as_promised() {
         let sampler = pattern.build(*n, *domain).unwrap();
         for i in 0..AUDITS {
             let settings = AuditSettings { alpha: ALPHA, tolerance: 0.2, seed: SEED + i };
-            assert_eq!(settings.replicates(), 99);
+            assert_eq!(settings.replicates(), 49);
             let audit = audit_rotated(&*sampler, 4, 30, &settings, uniform_rotation);
             objections += u32::from(audit.verdict == AuditVerdict::Inhomogeneous);
             assert_eq!(audit.findings.len(), AuditFamily::ALL.len());
