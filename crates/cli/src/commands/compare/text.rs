@@ -26,8 +26,8 @@ pub(super) fn text(body: &ComparisonBody, subject: &str) -> String {
     };
     text += &table_of(&SamplerRecord::columns(), &body.samplers);
     text += "\nrate: exponent b of variance ~ N^b; rate and reduction come from predicted or measured variances,\n\
-             whichever are more precise. effective power: mean power of the pattern, weighted by the energy of\n\
-             the integrand per degree; white noise has 1. reduction: variance of white noise divided by this one.\n";
+             whichever are more precise. effective power: mean power of the pattern, weighted by the energies of\n\
+             the integrand; white noise has 1. reduction: variance of white noise divided by this one.\n";
     if body.samplers.iter().any(|s| s.pre_asymptotic) {
         text +=
             "*: the rate changes over these numbers of points, it is not the asymptotic one yet.\n";

@@ -45,7 +45,7 @@ a p-value of 1 % is right to a third of itself from 20 points on, smaller ones l
 With --square the measures are the toroidal separation, also relative to that of a hexagonal lattice of N points per unit \
 area, the star discrepancy (the largest difference between the share of points in a box [0,u) x [0,v) and its area), its root mean \
 square over boxes with one corner at the origin and the other anywhere (L2 star discrepancy, Warnock), the same over boxes \
-that wrap around (Hickernell), and the least t for which 2^m points are a (t,m,2)-net in base 2.";
+that wrap around (Hickernell), and the least t for which 2^m points are a (t,m,2)-net in base 2. They are written as .csv or .json, not as a plot.";
 
 #[derive(Debug, Args)]
 #[command(

@@ -103,14 +103,15 @@ fn chart(result: &SquareResult, has_no_error: bool) -> Chart {
         ink: Ink::Rank(0),
     };
     let has_anisotropy = |row: &&(usize, f64, f64, f64)| row.1 > ROUNDING && row.3 > ROUNDING;
-    let ratios = rows.iter().filter(has_anisotropy).map(|row| (row.0 as f64, row.3));
+    let ratios: Vec<(f64, f64)> =
+        rows.iter().filter(has_anisotropy).map(|row| (row.0 as f64, row.3)).collect();
+    // White noise in closed form has none.
+    let has_ratios = !ratios.is_empty();
     // The anisotropy of white noise.
     let is_sampled = spectrum.realizations() > 0 && !spectrum.is_exact();
     let white = is_sampled.then(|| 1.0 / spectrum.realizations() as f64);
-    let anisotropy = Panel {
-        reference: white,
-        ..Panel::log("anisotropy", vec![series(ratios.collect(), Spread::None)])
-    };
+    let anisotropy =
+        Panel { reference: white, ..Panel::log("anisotropy", vec![series(ratios, Spread::None)]) };
     let notes = [
         is_binned.then_some("Lines are means over bins of log |k|, and bands their ranges."),
         has_empty.then_some("Rings without power (to rounding) are left out."),
@@ -121,7 +122,9 @@ fn chart(result: &SquareResult, has_no_error: bool) -> Chart {
         title: String::new(),
         x_label: "frequency |k| / \u{221a}N".to_owned(),
         x_scale: Scale::Log,
-        panels: vec![Panel::log("radial mean of P(k)", vec![series(points, spread)]), anisotropy],
+        panels: std::iter::once(Panel::log("radial mean of P(k)", vec![series(points, spread)]))
+            .chain(has_ratios.then_some(anisotropy))
+            .collect(),
         notes: notes.into_iter().flatten().map(str::to_owned).collect(),
     }
 }
