@@ -201,7 +201,7 @@ fn rings_of_lattices_without_power_are_empty() {
 fn sums_of_weights_that_leave_the_range_are_null() {
     let place = Workplace::new();
     for (weight, squares) in [("1e-190", false), ("-1e170", false), ("1e-20", true)] {
-        place.write("w.csv", &format!("u,v,w\n0,0,{weight}\n0.5,0.25,{weight}\n"));
+        place.write("w.csv", format!("u,v,w\n0,0,{weight}\n0.5,0.25,{weight}\n"));
         let run = "spectrum --points w.csv --square --kmax 2 --json --quiet";
         let document = place.run(run).json();
         assert!(document["sum_w"].is_f64() && document["n_effective"] == 2.0, "{document}");
