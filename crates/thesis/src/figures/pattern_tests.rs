@@ -141,7 +141,7 @@ fn labels_of_spectra_are_those_of_their_values() -> Result<(), Error> {
             assert!(field.rings[0].iter().all(|k| *k == 0.0), "{number} {}", panel.name);
             assert!(field.values[field.values.len() / 2].is_nan(), "{number} {}", panel.name);
             let largest = field.values.iter().copied().fold(0.0, f64::max);
-            let is_cut = field.label.ends_with("at most 2");
+            let is_cut = field.label.ends_with("clipped at 2");
             assert_eq!(largest >= 2.0, is_cut, "{number} {}: {largest}", panel.name);
             *(if is_cut { &mut cut_fields } else { &mut whole_fields }) += 1;
         }

@@ -88,7 +88,7 @@ impl SpectrumView {
             // NaN remains.
             values: values.into_iter().map(|p| if p > MAX_POWER { MAX_POWER } else { p }).collect(),
             label: if is_cut {
-                format!("power P(k), at most {MAX_POWER}")
+                format!("power P(k), clipped at {MAX_POWER}")
             } else {
                 "power P(k)".to_owned()
             },
