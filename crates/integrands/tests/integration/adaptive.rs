@@ -325,16 +325,16 @@ fn peaks_of_the_stated_area_are_found() {
     let evaluations = Tolerance::default().min_evaluations;
     for i in 0..20 {
         let axis = DVec3::new(0.1 * f64::from(i) - 2.0, 0.7, 0.05 * f64::from(i * i % 17) - 0.3);
-        for (share, min_evaluations) in [(1.0, evaluations), (16.0, 16 * evaluations)] {
+        // Many values take time: only for the first axes.
+        let shares = if i < 5 { &[1, 16][..] } else { &[1] };
+        for &factor in shares {
+            let (share, min_evaluations) = (factor as f64, factor * evaluations);
             let height = 1.0 - 6.0 / (share * evaluations as f64);
             let peak = |d: DVec3| f64::from(d.dot(axis.normalize()) > height);
             let max_evaluations = 2 * min_evaluations;
             let tolerance = Tolerance { relative: 0.1, min_evaluations, max_evaluations };
             let got = AdaptiveFunction::new(peak, Domain::Sphere, tolerance).unwrap();
             assert!(got.relative_error() > 0.0, "{axis}, {share}");
-            if i >= 4 && share > 1.0 {
-                break;
-            }
         }
     }
 }

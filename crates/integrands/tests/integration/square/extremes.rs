@@ -131,8 +131,9 @@ fn half_planes_of_special_angles_are_limits_of_others() {
     }
     for exact in [0.0, 45.0, 90.0, 135.0, 225.0] {
         for offset in [0.0, 0.2, -0.45] {
+            let one = of(exact, offset);
             for difference in [1e-9, -1e-9, 1e-12] {
-                let (one, other) = (of(exact, offset), of(exact + difference, offset));
+                let other = of(exact + difference, offset);
                 let pairs = one.per_band().iter().zip(other.per_band());
                 let largest = pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
                 assert!(largest < 1e-10, "{exact} {offset} {difference}: {largest:e}");
