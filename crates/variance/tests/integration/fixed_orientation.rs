@@ -20,7 +20,8 @@ fn fixed(
     seed: u64,
 ) -> FixedOrientation {
     let domain = sampler.domain();
-    let mut predictor = Predictor::new(integrand, domain, seed, PredictionBudget::DEFAULT).unwrap();
+    let budget = PredictionBudget { relative: 0.06, ..PredictionBudget::DEFAULT };
+    let mut predictor = Predictor::new(integrand, domain, seed, budget).unwrap();
     predictor.fixed_orientation(sampler, trials, &()).unwrap()
 }
 
@@ -63,7 +64,7 @@ fn orders_of_jittered_healpix_have_their_own_variance() {
     let mut mean = 0.0;
     for m in -4..=4 {
         let y = Harmonic::new(4, m).unwrap();
-        let got = fixed_quickly(&y, &*jittered, 0, 100);
+        let got = fixed_quickly(&y, &*jittered, 0, 50);
         let predicted = unrotated(&got);
         assert_eq!(predicted.method, UnrotatedMethod::WithinStrata);
         mean += predicted.variance / rotated / 9.0;
@@ -111,8 +112,8 @@ fn variances_in_strata_add_up_to_the_spectrum() {
     }
 }
 
-/// Measured against predicted variance for every kind of prediction: 9 scores; one exceeds 4.5 by
-/// chance for 6e-5 of seeds.
+/// Measured against predicted variance for every kind of prediction: 7 scores; one exceeds 4.5 by
+/// chance for 5e-5 of seeds. Predictions are good to 6 %, so that an error of a third is found.
 #[test]
 fn unrotated_patterns_have_the_predicted_variance() {
     let lobe = tilted(4.0);
