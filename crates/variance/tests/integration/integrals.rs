@@ -44,7 +44,7 @@ fn is_unknown(integral: &Integral) -> bool {
     integral.error().is_nan() && !integral.has_converged()
 }
 
-/// Features that few or none of the points hit have no error. Of 12 caps that are hit 0.8 times
+/// Features that few or none of the points hit have no error. Of 7 caps that are hit 0.8 times
 /// by all evaluations on average, about half are missed.
 #[test]
 fn errors_of_unseen_features_are_unknown() {
@@ -52,7 +52,7 @@ fn errors_of_unseen_features_are_unknown() {
     let plateau = |d: DVec3| 1.0 + 1e3 * cap.eval(d);
     let lobe = VonMisesFisher::new(1e6).unwrap();
     let (mut missed, mut hit) = (0, 0);
-    for seed in 0..12 {
+    for seed in 0..7 {
         let options = IntegrationOptions { seed, max_points: 1_000_000, ..rtol(1e-4) };
         for f in [&plateau as &dyn Integrand, &cap, &lobe] {
             let integral = integrate(f, &options, &()).unwrap();
@@ -64,7 +64,7 @@ fn errors_of_unseen_features_are_unknown() {
             }
         }
     }
-    assert!(missed > 2 && hit > 12, "{missed}, {hit}");
+    assert!(missed > 2 && hit > 7, "{missed}, {hit}");
     // No number of points finds the single direction of this function.
     let needle = |d: DVec3| if d.z >= 1.0 { 1e9 } else { 1.0 };
     let integral = integrate(&needle, &rtol(0.1), &()).unwrap();

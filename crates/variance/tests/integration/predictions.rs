@@ -228,7 +228,7 @@ fn every_prediction_carries_the_errors_of_energies() {
     let estimated = || Estimated(Cap::from_degrees(60.0).unwrap());
     let rotated = Rotated::new(estimated(), glam::DQuat::from_rotation_x(1.0)).unwrap();
     let multiple = Sum::default().plus(-3.0, rotated).unwrap();
-    for n in [48, 192, 3072] {
+    for n in [48, 192, 972] {
         for pattern in [Pattern::WhiteNoise, Pattern::Jittered, Pattern::FIBONACCI] {
             let sampler = pattern.build(n, Domain::Sphere).unwrap();
             let point = |integrand: &dyn Integrand| {
