@@ -182,19 +182,19 @@ mod tests {
         }
     }
 
-    /// Root mean squares of white noise: over 100 sets the squares have relative standard errors
-    /// below `sqrt(2/3)/10` each, so that 5 of them are exceeded by chance in 1e-5 of seeds.
+    /// Root mean squares of white noise: over 40 sets the squares have relative standard errors
+    /// below `sqrt(2/3/40)` each, so that 5 of them are exceeded by chance in 1e-5 of seeds.
     #[test]
     fn white_noise_has_its_closed_form() {
         for domain in [Domain::Sphere, Domain::Hemisphere] {
             let white = Pattern::WhiteNoise.build(30, domain).unwrap();
             let sets = Realizations::unrotated(&*white, Streams::new(1, Purpose::Pattern, 30));
-            let quality = Quality::of(&sets, 100, domain, Some(&[]), &()).unwrap();
+            let quality = Quality::of(&sets, 40, domain, Some(&[]), &()).unwrap();
             for measure in Measure::ALL {
                 let Some(expected) = measure.white_noise(30, domain) else { continue };
                 let squares = quality.moments(|set| measure.value(set).map(|d| d * d)).unwrap();
                 let ratio = squares.mean() / (expected * expected);
-                assert!((ratio - 1.0).abs() < 0.41, "{measure:?}, {domain}: {ratio}");
+                assert!((ratio - 1.0).abs() < 0.65, "{measure:?}, {domain}: {ratio}");
             }
             // The joint test of all sets.
             let p = quality.cap_p_value.unwrap();
