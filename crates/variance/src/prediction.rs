@@ -269,9 +269,11 @@ pub struct PredictionAccumulator<T = ByParity> {
     weights: Weights<T>,
     /// Moments of the variance relative to that of white noise.
     moments: Moments,
-    /// Moments of the power beyond the spectrum.
+    /// Moments of `r = n_points/N_eff`.
+    relative: Moments,
+    /// Moments of r times the power beyond the spectrum.
     tail: ClassMoments<T>,
-    /// Moments of the power in the windows of each class.
+    /// Moments of r times the power in the windows of each class.
     windows: Vec<Vec<Moments>>,
     /// Of estimated energies.
     errors: Option<ErrorMoments<T>>,
@@ -288,6 +290,7 @@ impl<T: TailClasses> PredictionAccumulator<T> {
         Self {
             weights,
             moments: Moments::default(),
+            relative: Moments::default(),
             tail: ClassMoments::default(),
             windows,
             errors,
@@ -297,12 +300,14 @@ impl<T: TailClasses> PredictionAccumulator<T> {
     /// Returns the prediction; its standard error is NaN for a single realization.
     #[must_use]
     pub fn finish(&self) -> Prediction {
-        let scale = self.weights.scale;
-        let tail = self.tail.mean();
-        let means = |windows: &Vec<Moments>| windows.iter().map(Moments::mean).collect();
-        let windows: Vec<_> = self.windows.iter().map(means).collect();
+        // Realizations count as in the variance, by 1/N_eff, so powers are means with these weights.
+        let relative = self.relative.mean();
+        let scale = self.weights.scale * relative;
+        let tail = self.tail.mean().map(|power| power / relative);
+        let mean = |moments: &Moments| moments.mean() / relative;
+        let windows: Vec<_> = self.windows.iter().map(|w| w.iter().map(mean).collect()).collect();
         let prediction = Prediction {
-            variance: scale * self.moments.mean(),
+            variance: self.weights.scale * self.moments.mean(),
             stderr: self.spectrum_stderr(),
             energy_stderr: 0.0,
             tail: scale * self.weights.tail.dot(tail),
@@ -328,10 +333,11 @@ impl<T: TailClasses> PredictionAccumulator<T> {
         if let Some(errors) = &mut self.errors {
             errors.push(relative, powers, tail);
         }
-        self.tail.push(tail);
+        self.relative.push(relative);
+        self.tail.push(tail.map(|power| relative * power));
         let windows = self.weights.windows.iter().flatten();
         for (moments, window) in self.windows.iter_mut().flatten().zip(windows) {
-            moments.push(window.mean(powers));
+            moments.push(relative * window.mean(powers));
         }
     }
 }
@@ -344,6 +350,7 @@ impl<B: SpectralBands> Accumulator<B> for PredictionAccumulator<B::Tail> {
 
     fn merge(&mut self, other: &Self) {
         self.moments.merge(&other.moments);
+        self.relative.merge(&other.relative);
         self.tail.merge(&other.tail);
         if let (Some(mine), Some(theirs)) = (&mut self.errors, &other.errors) {
             mine.merge(theirs);

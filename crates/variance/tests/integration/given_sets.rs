@@ -152,6 +152,35 @@ fn unseen_points_of_large_weight_leave_a_variance_unknown() {
     }
 }
 
+/// The tail and its error count sets as the variance does, by the mean of 1/N_eff.
+#[test]
+fn tails_of_several_sets_count_each_by_its_effective_number() {
+    let cap = Cap::from_degrees(10.0).unwrap();
+    let predict = |sets: Vec<PointSet>| {
+        let sets = PointSets::new(sets, Domain::Sphere).unwrap();
+        let options = SpectrumOptions { lmax: Some(60), ..Default::default() };
+        predictor(&cap).with_options(options).predict(&sets, &()).unwrap().prediction
+    };
+    let white = |seed: u64, weights: &dyn Fn(usize) -> f64| {
+        let sampler = Pattern::WhiteNoise.build(40, Domain::Sphere).unwrap();
+        let mut rng = Streams::new(seed, Purpose::Pattern, 40).realization(0);
+        let points = sampler.sample(&mut rng).unwrap().points;
+        PointSet { points, weights: (0..40).map(weights).collect() }
+    };
+    let (heavy, plain) = (white(1, &|k| if k == 0 { 1.0 } else { 1e-3 }), white(2, &|_| 1.0));
+    let singles = [heavy.clone(), plain.clone()].map(|set| predict(vec![set]));
+    let is_near = |a: f64, b: f64| (a / b - 1.0).abs() < 1e-12;
+    let twice = predict(vec![heavy.clone(), heavy.clone()]);
+    assert!(is_near(twice.tail, singles[0].tail), "{twice:?}, {singles:?}");
+    assert!(is_near(twice.tail_error, singles[0].tail_error), "{twice:?}, {singles:?}");
+    let both = predict(vec![heavy, plain]);
+    let mean = 0.5 * (singles[0].tail + singles[1].tail);
+    assert!(singles[0].tail > 30.0 * singles[1].tail, "{singles:?}");
+    assert!(is_near(both.tail, mean), "{both:?}, {singles:?}");
+    let largest = 0.5 * (singles[0].tail_error + singles[1].tail_error) * (1.0 + 1e-12);
+    assert!(both.tail_error > 0.0 && both.tail_error <= largest, "{both:?}, {singles:?}");
+}
+
 #[test]
 fn unpredictable_sets_return_an_explaining_error() {
     let cap = Cap::from_degrees(60.0).unwrap();
