@@ -46,6 +46,22 @@ pub enum Error {
         /// The reason, and what would be possible.
         reason: String,
     },
+    /// Memory allocation failed.
+    #[error(
+        "{pattern} has no memory for {len} {items} of {bytes_each} bytes each: choose {remedy}"
+    )]
+    OutOfMemory {
+        /// The pattern's name.
+        pattern: &'static str,
+        /// What the memory would hold, in the plural.
+        items: &'static str,
+        /// Their number.
+        len: usize,
+        /// The bytes that each takes.
+        bytes_each: usize,
+        /// What would reduce the memory.
+        remedy: &'static str,
+    },
     /// A spectrum up to this degree, or this frequency on the square, cannot be computed.
     #[error("a target to degree or frequency {last} cannot be computed: {reason}")]
     Degree {

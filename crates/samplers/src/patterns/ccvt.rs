@@ -10,7 +10,7 @@ pub use self::mass_points::MassPoints;
 
 use crate::definition::Definition;
 use crate::tessellation::{
-    MAX_PASSES, Relaxation, check_sizes, nominal_work, relax, work_per_pass,
+    MAX_PASSES, Relaxation, check_memory, check_sizes, nominal_work, relax, work_per_pass,
 };
 use crate::{
     CostOrder, Domain, Error, PatternFacts, PointSet, Progress, Rate, Sampler, Tessellation,
@@ -110,7 +110,7 @@ impl Ccvt {
     ///
     /// # Errors
     ///
-    /// None for parameters that [`Self::new`] accepts.
+    /// [`Error::OutOfMemory`] if the mass points do not fit in memory.
     pub fn tessellate(&self, rng: &mut dyn Rng) -> Result<Tessellation, Error> {
         let site = |s| self.domain.representative(s);
         Ok(self.relaxed(rng, &())?.tessellation(|p| p, site))
@@ -121,6 +121,7 @@ impl Ccvt {
         rng: &mut dyn Rng,
         progress: &dyn Progress,
     ) -> Result<Relaxation<Directions, 3>, Error> {
+        check_memory(self.n_points, self.capacity)?;
         let mut mass = PointSet::default();
         self.mass_points.draw_into(self.n_points * self.capacity, self.domain, rng, &mut mass)?;
         let space = Directions { antipodal: self.domain == Domain::Hemisphere };

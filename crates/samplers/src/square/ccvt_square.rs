@@ -9,7 +9,7 @@ pub(crate) use self::torus::Torus;
 
 use crate::definition::Definition;
 use crate::tessellation::{
-    MAX_PASSES, Relaxation, check_sizes, nominal_work, relax, work_per_pass,
+    MAX_PASSES, Relaxation, check_memory, check_sizes, nominal_work, relax, work_per_pass,
 };
 use crate::{
     CostOrder, Error, PatternFacts, PointSet, Progress, Rate, Square, SquareSampler, Tessellation,
@@ -84,7 +84,7 @@ impl CcvtSquare {
     ///
     /// # Errors
     ///
-    /// None for parameters that [`Self::new`] accepts.
+    /// [`Error::OutOfMemory`] if the mass points do not fit in memory.
     pub fn tessellate(&self, rng: &mut dyn Rng) -> Result<Tessellation<[f64; 2]>, Error> {
         Ok(self.relaxed(rng, &())?.tessellation(Into::into, Into::into))
     }
@@ -94,6 +94,7 @@ impl CcvtSquare {
         rng: &mut dyn Rng,
         progress: &dyn Progress,
     ) -> Result<Relaxation<Torus, 2>, Error> {
+        check_memory(self.n_points, self.capacity)?;
         let mut mass = PointSet::default();
         self.mass_points.draw_into(self.n_points * self.capacity, rng, &mut mass)?;
         let mass = mass.points.into_iter().map(Into::into).collect();

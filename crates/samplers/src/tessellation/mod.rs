@@ -15,4 +15,4 @@ pub(crate) use lanes::{LANES, largest};
 pub(crate) use mass_space::{MassSpace, Moments};
 pub(crate) use relaxation::{MAX_PASSES, Relaxation, relax};
 pub use settled::Tessellation;
-pub(crate) use sizes::{check_sizes, nominal_work, work_per_pass};
+pub(crate) use sizes::{check_memory, check_sizes, nominal_work, work_per_pass};
