@@ -247,8 +247,8 @@ impl<B: Bands> SpectrumAccumulator<B> {
     /// [`Error::Mismatch`] if the accumulators differ in the number of points or in the bands.
     pub fn try_merge(&mut self, other: &Self) -> Result<(), Error> {
         check_equal("numbers of points", &self.n_points, &other.n_points)?;
+        check_equal("domains or frequencies", &self.bands, &other.bands)?;
         check_equal("numbers of degrees", &self.powers.len(), &other.powers.len())?;
-        check_equal("domains", &self.bands, &other.bands)?;
         self.merge_powers(other);
         Ok(())
     }

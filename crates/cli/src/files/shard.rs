@@ -86,8 +86,9 @@ impl ShardSums for SquareSums {
     }
 
     fn try_merge(&mut self, other: &Self) -> Result<(), Error> {
-        self.spectrum.try_merge(&other.spectrum)?;
-        self.radial.try_merge(&other.radial)
+        // The radial means name the frequencies that differ.
+        self.radial.try_merge(&other.radial)?;
+        self.spectrum.try_merge(&other.spectrum)
     }
 }
 

@@ -132,6 +132,8 @@ impl RadialAccumulator {
     ///
     /// [`Error::Mismatch`] if the accumulators differ in the frequencies.
     pub fn try_merge(&mut self, other: &Self) -> Result<(), Error> {
+        let (kmax, other_kmax) = (self.frequencies.kmax(), other.frequencies.kmax());
+        check_equal("maximum frequencies (kmax)", &kmax, &other_kmax)?;
         check_equal("frequencies", &self.frequencies, &other.frequencies)?;
         check_equal("numbers of rings", &self.rings.len(), &other.rings.len())?;
         Accumulator::merge(self, other);
