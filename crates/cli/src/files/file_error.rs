@@ -151,10 +151,12 @@ pub(crate) enum FileError {
         available: String,
     },
     /// An image is damaged or of an unsupported kind.
-    #[error("cannot read {path} as an EXR or HDR image: {reason}")]
+    #[error("cannot read {path} as {format}: {reason}")]
     Image {
         /// The path as the user wrote it.
         path: String,
+        /// The format, with an article.
+        format: &'static str,
         /// The defect.
         reason: String,
     },

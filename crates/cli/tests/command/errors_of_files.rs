@@ -108,8 +108,8 @@ fn damaged_environment_maps() {
         (&whole[..whole.len() - 1], "EXR or HDR"),
         (&whole[..100], "EXR or HDR"),
         (&whole[..4], "EXR or HDR"),
-        (&[], "EXR or HDR"),
-        (b"no picture at all", "EXR or HDR"),
+        (&[], "OpenEXR (.exr) or Radiance HDR (.hdr)"),
+        (b"no picture at all", "OpenEXR (.exr) or Radiance HDR (.hdr)"),
         (&flipped, "EXR or HDR"),
         (with_nan.get_ref(), "texel (row 2, column 3)"),
     ];

@@ -65,7 +65,7 @@ pub(crate) fn decode_picture(
     if bytes.starts_with(&png_file::MAGIC) {
         png_file::read(&name, bytes, choice)
     } else {
-        decode_image(name, bytes, choice)
+        decode_linear(name, bytes, choice, "PNG (.png), OpenEXR (.exr) or Radiance HDR (.hdr)")
     }
 }
 
@@ -79,6 +79,16 @@ pub(crate) fn decode_image(
     bytes: &[u8],
     choice: &ChannelChoice,
 ) -> Result<ChannelImage, FileError> {
+    decode_linear(name, bytes, choice, "OpenEXR (.exr) or Radiance HDR (.hdr)")
+}
+
+/// Decodes `OpenEXR` and Radiance HDR; the error for other formats says what was `expected`.
+fn decode_linear(
+    name: String,
+    bytes: &[u8],
+    choice: &ChannelChoice,
+    expected: &str,
+) -> Result<ChannelImage, FileError> {
     let mut image = if bytes.starts_with(&exr_file::MAGIC) {
         exr_file::read(&name, bytes, choice)?
     } else if radiance::MAGICS.iter().any(|magic| bytes.starts_with(magic)) {
@@ -90,8 +100,8 @@ pub(crate) fn decode_image(
         return Err(FileError::Layout {
             path: name,
             place: Place::Whole,
-            expected: "OpenEXR (.exr) or Radiance HDR (.hdr)".to_owned(),
-            got: extension.map_or("no EXR or HDR file".to_owned(), |extension| {
+            expected: expected.to_owned(),
+            got: extension.map_or("an unknown format".to_owned(), |extension| {
                 format!("the format of .{extension}")
             }),
         });
@@ -123,7 +133,8 @@ fn check_size(name: &str, width: u64, height: u64) -> Result<(), FileError> {
 }
 
 fn damaged(name: &str, reason: impl std::fmt::Display) -> FileError {
-    FileError::Image { path: name.to_owned(), reason: reason.to_string() }
+    let format = "an EXR or HDR image";
+    FileError::Image { path: name.to_owned(), format, reason: reason.to_string() }
 }
 
 fn unknown_channel(name: &str, channel: &str, known: String) -> FileError {

@@ -2,7 +2,7 @@ use std::path::Path;
 
 use image::ImageFormat;
 
-use super::{ChannelChoice, ChannelImage, read_image};
+use super::{ChannelChoice, ChannelImage, decode_picture, png_file, read_image};
 
 fn choice(channel: &str, layer: &str) -> ChannelChoice {
     let given = |text: &str| Some(text.to_owned()).filter(|text| !text.is_empty());
@@ -47,6 +47,35 @@ fn pictures_that_are_not_linear_are_rejected() {
     let got = read_image(&path, &choice("r", "")).unwrap();
     assert_eq!((got.width, got.height, got.values), (8, 4, vec![0.5; 32]));
     assert!(read_image(Path::new("no such file"), &choice("", "")).is_err());
+}
+
+/// Messages for pictures on the square say that they can be PNG, and the size of too large ones.
+#[test]
+fn errors_of_pictures_name_every_format_and_the_size() {
+    let mut png = Vec::new();
+    let picture = image::RgbImage::from_pixel(8, 4, image::Rgb([51, 0, 255]));
+    picture.write_to(&mut std::io::Cursor::new(&mut png), ImageFormat::Png).unwrap();
+    let decode = |bytes: &[u8]| {
+        decode_picture("p".to_owned(), bytes, &choice("r", "")).map_err(|e| e.to_string())
+    };
+    let got = decode(&png).unwrap();
+    assert_eq!((got.width, got.height), (8, 4));
+    assert!(got.values.iter().all(|r| (r - 0.2).abs() < 1e-7), "{:?}", got.values);
+    let mut huge = png.clone();
+    huge[16..20].copy_from_slice(&0x7fff_ffff_u32.to_be_bytes());
+    huge[20..24].copy_from_slice(&0x7fff_fffe_u32.to_be_bytes());
+    let cases: [(&[u8], &[&str]); 6] = [
+        (&huge, &["2147483647 x 2147483646 texels", "GiB"]),
+        (&png[..png.len() - 20], &["cannot read p as a PNG image"]),
+        (&png[..20], &["cannot read p as a PNG image", "header"]),
+        (&png_file::MAGIC, &["cannot read p as a PNG image", "header"]),
+        (&[], &["expected PNG (.png), OpenEXR (.exr) or Radiance HDR (.hdr)"]),
+        (b"\xff\xd8\xff\xe0", &["expected PNG (.png), OpenEXR", ".jpg"]),
+    ];
+    for (bytes, parts) in cases {
+        let message = decode(bytes).unwrap_err();
+        assert!(parts.iter().all(|part| message.contains(part)), "{parts:?}: {message}");
+    }
 }
 
 #[test]
