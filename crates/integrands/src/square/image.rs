@@ -201,7 +201,8 @@ impl SquareIntegrand for SquareImage {
 /// Parameters of a picture in a file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ImageParameters {
-    /// The file.
+    /// The file. Texels of `OpenEXR` and Radiance HDR are the values in the file; those of PNG the
+    /// stored numbers over their maximum, 255 or 65535, without decoding sRGB.
     pub file: PathBuf,
     /// The channel; default: luminance.
     pub channel: Option<String>,
@@ -221,7 +222,9 @@ impl Default for ImageParameters {
 
 impl Parametric for ImageParameters {
     fn declare(&mut self, d: &mut Declaration<'_>) {
-        d.required_file("file", "picture, PNG, OpenEXR or Radiance HDR", &mut self.file);
+        let summary = "picture: PNG, stored values over their maximum, without decoding sRGB; or \
+                       OpenEXR or Radiance HDR, values as stored";
+        d.required_file("file", summary, &mut self.file);
         let summary = "luminance, r, g, b or a channel's name in the file";
         d.word("channel", summary, "luminance", &mut self.channel);
         d.word("layer", "layer or part of the file", "none", &mut self.layer);
