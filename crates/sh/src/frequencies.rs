@@ -169,7 +169,7 @@ impl Limits {
     }
 }
 
-/// Returns an empty vector with room for `len` items.
+/// Returns an empty vector in which `len` items fit.
 fn reserve<T>(len: usize) -> Result<Vec<T>, Error> {
     let mut empty = Vec::new();
     let failed = |_| Error::OutOfMemory { len, bytes_each: size_of::<T>() };

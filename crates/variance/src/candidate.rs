@@ -58,11 +58,11 @@ pub struct Candidate<F = Pattern, S: IntegrationSpace = Domain> {
 
 impl<F: SamplerFamily<S> + Clone, S: IntegrationSpace> Candidate<F, S> {
     /// Returns a pattern with its predictions for a goal. Work is ticked as in
-    /// [`Predictor::predict`].
+    /// [`PredictorOn::predict`].
     ///
     /// # Errors
     ///
-    /// Returns the errors of [`required_points`] and [`Predictor::predict`].
+    /// Returns the errors of [`required_points`] and [`PredictorOn::predict`].
     pub fn new(
         family: F,
         goal: Goal,

@@ -38,11 +38,11 @@ impl<F: SamplerFamily<S>, S: IntegrationSpace> PredictedCurve<F, S> {
     }
 
     /// Returns the point at a number of points, and predicts it if it is not present. Work is
-    /// ticked as in [`Predictor::predict`].
+    /// ticked as in [`PredictorOn::predict`].
     ///
     /// # Errors
     ///
-    /// Returns the errors of [`Predictor::predict`], and an error if the pattern does not support
+    /// Returns the errors of [`PredictorOn::predict`], and an error if the pattern does not support
     /// that number of points.
     pub fn predict(
         &mut self,

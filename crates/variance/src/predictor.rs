@@ -142,7 +142,7 @@ impl<'a, S: IntegrationSpace> PredictorOn<'a, S> {
     ///
     /// Returns [`Error::OtherDomain`] for a sampler of another domain, [`Error::Spectrum`] with the
     /// sampler's error if a realization cannot be generated or `progress` stops the work, and the
-    /// errors of [`Integrand::energy`].
+    /// errors of [`Integrand::energy`](sphvar_integrands::Integrand::energy).
     pub fn predict(
         &mut self,
         sampler: S::SamplerRef<'_>,

@@ -49,13 +49,13 @@ const RESOLUTION: f64 = 1.02;
 
 /// Returns the smallest number of points, at most `max_points`, with which `curve`'s pattern has a
 /// predicted variance of at most `variance`. Predictions made on the way are added to the curve.
-/// Work is ticked as in [`Predictor::predict`].
+/// Work is ticked as in [`PredictorOn::predict`].
 ///
 /// The valid counts nearest to 1, 2, 4, 8, ... are tried until one suffices and the next one does
 /// too. A pattern that is not random needs two more that suffice, since its variance may rise
 /// again. Numbers are tried only while they are affordable, and only if they are not ruled out by
 /// energy that is spread over many degrees beyond 4 sqrt(N), where random patterns have at least
-/// half of white noise's power ([`Predictor::broad_variance`]). The interval between the last
+/// half of white noise's power ([`PredictorOn::broad_variance`]). The interval between the last
 /// insufficient number and the next one is refined by interpolation in log N and log Var: to the
 /// exact number where the predictions of a random pattern are exact, otherwise to 2 %. Counts that
 /// were not tried are unknown; a lattice may have a larger variance at one of them. A variance that
@@ -64,7 +64,7 @@ const RESOLUTION: f64 = 1.02;
 /// # Errors
 ///
 /// Returns [`Error::Parameter`] for a variance that is not positive and finite, and the errors of
-/// [`Predictor::predict`] if the pattern cannot be built with any of the numbers tried.
+/// [`PredictorOn::predict`] if the pattern cannot be built with any of the numbers tried.
 ///
 /// # Examples
 ///

@@ -138,11 +138,12 @@ fn steps_keep_their_promise_at_every_degree() {
 /// which descents stop.
 #[test]
 fn profiles_are_met_in_every_realization() {
+    // The profile, the last degree of its target for 256 points, and its power by omega^2.
+    type Case = (PowerProfile, usize, fn(f64) -> f64);
     let constant =
         PowerProfile::Polynomial { exponent: 0.0, alpha: 1.0, gamma: 0.3, offset: 0.0, to: 2.0 };
     let coloured = PowerProfile::Colour;
-    // The profile, the last degree of its target for 256 points, and its power by omega^2.
-    let cases: [(PowerProfile, usize, fn(f64) -> f64); 5] = [
+    let cases: [Case; 5] = [
         (PowerProfile::QUADRATIC, 32, |x2| x2.min(1.0)),
         (constant, 32, |_| 0.3),
         (coloured(NoiseColour::Pink), 33, |x2| x2.powf(-0.5)),

@@ -135,7 +135,7 @@ fn colours_have_their_power() {
 /// Few points have too few degrees of freedom for blue noise, and the errors say what helps. The
 /// pair correlation is stated only where it is impossible: it is positive here.
 #[test]
-fn blue_noise_of_few_points_asks_for_more() {
+fn blue_noise_of_few_points_needs_more() {
     let blue = PowerProfile::Colour(NoiseColour::Blue);
     for (n, cause) in [(1, "stalled"), (3, "cannot vanish"), (7, "stalled"), (9, "stalled")] {
         let error = SquareSpectralControl::profile(n, &blue)

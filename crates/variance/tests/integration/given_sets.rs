@@ -152,7 +152,7 @@ fn unseen_points_of_large_weight_leave_a_variance_unknown() {
     }
 }
 
-/// The tail and its error count sets as the variance does, by the mean of 1/N_eff.
+/// The tail and its error count sets as the variance does, by the mean of `1/N_eff`.
 #[test]
 fn tails_of_several_sets_count_each_by_its_effective_number() {
     let cap = Cap::from_degrees(10.0).unwrap();

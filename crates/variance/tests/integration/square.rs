@@ -116,7 +116,7 @@ fn predictions_of_several_sets_are_their_mean() {
     assert!((got.variance / exact - 1.0).abs() < 0.01, "{got:?}, exact {exact}");
 }
 
-/// The same spectrum with another kmax leaves more to the tail, whose error says so.
+/// The same spectrum with another kmax leaves more to the tail, which its error states.
 #[test]
 fn a_low_largest_frequency_has_a_larger_tail_error() {
     let function = Exponential::new([A, B]).unwrap();

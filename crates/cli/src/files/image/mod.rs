@@ -82,7 +82,7 @@ pub(crate) fn decode_image(
     decode_linear(name, bytes, choice, "OpenEXR (.exr) or Radiance HDR (.hdr)")
 }
 
-/// Decodes `OpenEXR` and Radiance HDR; the error for other formats says what was `expected`.
+/// Decodes `OpenEXR` and Radiance HDR; the error for other formats states what was `expected`.
 fn decode_linear(
     name: String,
     bytes: &[u8],
