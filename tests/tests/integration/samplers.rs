@@ -152,7 +152,7 @@ fn check_sampler(pattern: &Pattern, domain: Domain, n: usize, sampler: &dyn Samp
             match outcome {
                 Ok(points) => check_points(pattern, domain, n, points),
                 Err(Error::Infeasible { n_points, reason, .. }) => assert!(
-                    *n_points == n && reason.contains("pair correlation"),
+                    *n_points == n && reason.contains("Use more points"),
                     "{name}, realization {i}: {n_points} points, {reason}"
                 ),
                 Err(error) => panic!("{name}, realization {i}: {error}"),
