@@ -74,7 +74,7 @@ fn values_meet_the_requested_accuracy() {
 
 #[test]
 fn weights_of_a_batch_have_the_coefficients_of_single_calls() {
-    // Tiles with few points, and one with so many that their sums are compensated.
+    // Tiles with few points, and one with enough for compensated sums.
     for points in [points(300), vec![[0.3, 0.7]; 9000]] {
         let weights: Vec<Vec<f64>> = (0..5)
             .map(|b| numbers(points.len(), |i| (i + b) as f64).iter().map(|c| c.re).collect())

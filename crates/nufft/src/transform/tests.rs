@@ -1,0 +1,19 @@
+use pulp::Arch;
+
+use super::TorusTransform;
+use crate::direct::direct_adjoint;
+
+#[test]
+fn the_portable_code_meets_the_requested_accuracy() {
+    let points: Vec<[f64; 2]> = (0..200)
+        .map(|j| [0.754877 * f64::from(j), 0.569840 * f64::from(j)].map(f64::fract))
+        .collect();
+    let exact = direct_adjoint(9, &points, None).unwrap();
+    for epsilon in [1e-1, 1e-4, 1e-6, 1e-9, 1e-13] {
+        let plan = TorusTransform::with_arch(9, epsilon, Arch::Scalar).unwrap();
+        let fast = plan.adjoint(&points, None).unwrap();
+        for (fast, exact) in fast.values().iter().zip(exact.values()) {
+            assert!((fast - exact).norm() <= epsilon * 200.0, "{epsilon:e}: {fast}, {exact}");
+        }
+    }
+}
