@@ -1,25 +1,71 @@
 //! Maps from the unit square to the disk, the sphere and the hemisphere that preserve areas or have
 //! a known density.
 //!
-//! - [`concentric_disk`]: the square to the disk, areas multiplied by pi (Shirley and Chiu 1997).
-//! - [`cosine_hemisphere`] with [`cosine_hemisphere_pdf`]: directions of density cos(theta)/pi
-//!   (Malley).
-//! - [`archimedes`]: height and longitude to a direction, area-preserving.
+//! A [`Warp`] is a map with its density and its inverse. Importance sampling by points of the
+//! square is uniform sampling of the pulled-back integrand f(T(u))/p(T(u)).
+//!
+//! | map | density | accuracy of round trips |
+//! |---|---|---|
+//! | [`UniformCap`] | uniform on sphere, hemisphere or a cap (Archimedes) | 2e-15 |
+//! | [`OctahedralSphere`] | uniform on the sphere (Clarberg) | 1e-15 |
+//! | [`ConcentricDisk`] | uniform on the unit disk (Shirley and Chiu) | 1e-15 |
+//! | [`CosineHemisphere`] | cos(theta)/pi (Malley) | 1e-15 |
+//! | [`PhongLobe`] | cos^n(theta) | 4e-15 |
+//! | [`VonMisesFisherLobe`] | e^(kappa cos(theta)), kappa from 0 to 1e8 | 4e-15 |
+//! | [`SphericalTriangle`] | uniform on a spherical triangle (Arvo) | 2e-16/extent |
+//! | [`SphericalRectangle`] | uniform on the image of a rectangle (Urena et al.) | 2e-16/extent |
+//! | [`DensityMap`] | a luminance map, also times cos(theta), with a floor | 1e-14 |
+//!
+//! [`Oriented`] rotates a map. The functions [`archimedes`], [`concentric_disk`] and
+//! [`cosine_hemisphere`] are the bare maps.
 //!
 //! # Examples
 //!
-//! ```
-//! use sphvar_warps::{cosine_hemisphere, cosine_hemisphere_pdf};
+//! The solid angle that a light subtends, weighted by the cosine, from 256 points of a grid:
 //!
-//! let dir = cosine_hemisphere(0.3, 0.8);
-//! assert_eq!(cosine_hemisphere_pdf(dir), dir.z / std::f64::consts::PI);
+//! ```
+//! use glam::DVec3;
+//! use sphvar_warps::{SphericalRectangle, Warp};
+//!
+//! let corner = DVec3::new(-1.0, -1.0, 2.0);
+//! let light = SphericalRectangle::new(corner, 2.0 * DVec3::X, 2.0 * DVec3::Y)?;
+//! let mut sum = 0.0;
+//! for k in 0..256 {
+//!     let point = [(f64::from(k % 16) + 0.5) / 16.0, (f64::from(k / 16) + 0.5) / 16.0];
+//!     let sample = light.sample(point);
+//!     sum += sample.point.z / sample.density / 256.0;
+//! }
+//! assert!((sum - 0.752_275).abs() < 1e-3);
+//! # Ok::<(), sphvar_warps::Error>(())
 //! ```
 
 mod archimedes;
 mod concentric;
+mod concentric_warps;
+mod density_map;
+mod error;
+mod lobes;
+mod newton;
+mod octahedral;
+mod oriented;
+mod polar;
+mod rectangle;
+mod triangle;
+mod uniform_cap;
+mod warp;
 
 pub use archimedes::archimedes;
 pub use concentric::{concentric_disk, cosine_hemisphere, cosine_hemisphere_pdf};
+pub use concentric_warps::{ConcentricDisk, CosineHemisphere};
+pub use density_map::{DensityMap, Interpolation};
+pub use error::Error;
+pub use lobes::{PhongLobe, VonMisesFisherLobe};
+pub use octahedral::OctahedralSphere;
+pub use oriented::Oriented;
+pub use rectangle::SphericalRectangle;
+pub use triangle::SphericalTriangle;
+pub use uniform_cap::UniformCap;
+pub use warp::{Measure, Support, Warp, WarpSample};
 
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]
