@@ -24,8 +24,12 @@ pub(crate) fn increasing_root(
         let (value, slope) = f(x);
         let residual = value - target;
         let next = x - residual / slope;
-        if residual.abs() <= ROUNDING * target || (next - x).abs() <= ROUNDING * x {
-            return if next.is_finite() { next.clamp(low, high) } else { x };
+        // Where the slope vanishes, a step from rounding errors leads anywhere.
+        if residual.abs() <= ROUNDING * target {
+            return x;
+        }
+        if (next - x).abs() <= ROUNDING * x {
+            return next.clamp(low, high);
         }
         if residual > 0.0 {
             high = x;
@@ -41,6 +45,15 @@ pub(crate) fn increasing_root(
 #[cfg(test)]
 mod tests {
     use super::increasing_root;
+
+    #[test]
+    fn a_root_where_the_slope_vanishes_is_kept() {
+        for target in [1.0, 1.0 - 1e-16, 1.0 - 1e-12] {
+            let f = |x: f64| (x * (2.0 - x), 2.0 * (1.0 - x) + 1e-17);
+            let x = increasing_root(1.0, target, 1.0, f);
+            assert!((x - 1.0).abs() < 2e-6, "{target}: {x}");
+        }
+    }
 
     #[test]
     fn roots_are_found_where_the_slope_vanishes_or_the_target_is_not_reached() {

@@ -190,6 +190,18 @@ fn supports_and_minima_are_exact() {
     }
 }
 
+/// The coordinate 1 is rounded to 1 - 2^-53, which is 2e-8 radians from the south pole.
+#[test]
+fn the_poles_are_inverted() {
+    for interpolation in BOTH {
+        let warp = DensityMap::new(8, 5, texels(8, 5), interpolation).unwrap();
+        for pole in [DVec3::Z, DVec3::NEG_Z] {
+            let image = warp.map(warp.inverse(pole).unwrap());
+            assert!(image.distance(pole) < 1e-7, "{interpolation:?}: {pole} became {image}");
+        }
+    }
+}
+
 /// A map of one colour is the uniform sphere, whatever its unit.
 #[test]
 fn texels_of_every_magnitude_are_scaled() {
