@@ -19,11 +19,13 @@ pub enum Area {
     Fits,
     /// Transforms on the square.
     Square,
+    /// Maps from the square to directions.
+    Warps,
 }
 
 impl Area {
     /// Every area.
-    pub const ALL: [Self; 9] = [
+    pub const ALL: [Self; 10] = [
         Self::Harmonics,
         Self::Indexing,
         Self::Transforms,
@@ -33,6 +35,7 @@ impl Area {
         Self::Weights,
         Self::Fits,
         Self::Square,
+        Self::Warps,
     ];
 
     /// Returns the name of the area in commands and files.
@@ -48,6 +51,7 @@ impl Area {
             Self::Weights => "weights",
             Self::Fits => "fits",
             Self::Square => "square",
+            Self::Warps => "warps",
         }
     }
 }

@@ -1,6 +1,6 @@
 use crate::{
     Area, Errors, fits, harmonics, indexing, predictions, quality, spectra, square, transforms,
-    weights,
+    warps, weights,
 };
 
 /// An extreme input at the limits of floating-point numbers, with the bound of its error.
@@ -31,5 +31,6 @@ pub fn hard_cases(area: Area) -> Vec<HardCase> {
         Area::Weights => weights::hard_cases(),
         Area::Fits => fits::hard_cases(),
         Area::Square => square::hard_cases(),
+        Area::Warps => warps::hard_cases(),
     }
 }

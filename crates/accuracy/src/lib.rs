@@ -38,6 +38,7 @@ mod spectra;
 mod square;
 mod transforms;
 mod trial;
+mod warps;
 mod weights;
 
 pub use area::Area;

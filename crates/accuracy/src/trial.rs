@@ -2,7 +2,7 @@ use std::fmt;
 
 use crate::{
     Area, Errors, fits, harmonics, indexing, predictions, quality, spectra, square, transforms,
-    weights,
+    warps, weights,
 };
 
 /// The amount of work of a suite.
@@ -71,5 +71,6 @@ pub fn trials(area: Area, effort: Effort) -> Vec<Trial> {
         Area::Weights => weights::trials(effort),
         Area::Fits => fits::trials(effort),
         Area::Square => square::trials(effort),
+        Area::Warps => warps::trials(effort),
     }
 }

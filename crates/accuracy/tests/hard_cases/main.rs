@@ -24,6 +24,7 @@ mod quality;
 mod spectra;
 mod square;
 mod transforms;
+mod warps;
 mod weights;
 
 fn all() -> impl Iterator<Item = HardCase> {
@@ -52,6 +53,7 @@ fn every_hard_case_has_a_test() {
         weights::NAMES,
         fits::NAMES,
         square::NAMES,
+        warps::NAMES,
     ];
     let mut tested = areas.concat();
     let mut listed: Vec<_> = all().map(|case| case.name).collect();

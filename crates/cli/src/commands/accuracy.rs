@@ -29,7 +29,7 @@ pub(crate) const EXAMPLES: &str = "Examples:
   sphvar accuracy -o docs/accuracy.md --plot docs/images   (everything; minutes)
 
 Areas are harmonics (associated Legendre functions, spherical harmonics), indexing (HEALPix), transforms \
-(exact and fast), spectra, predictions, quality (sums over pairs), weights (quadrature weights, weighted sets), fits (least squares) and square (transforms on the unit square). Every method is timed (the median of at least 5 runs, 3 with \
+(exact and fast), spectra, predictions, quality (sums over pairs), weights (quadrature weights, weighted sets), fits (least squares), square (transforms on the unit square) and warps (maps from the square to directions). Every method is timed (the median of at least 5 runs, 3 with \
 --quick, of at least 0.1 s in all) and compared with a more accurate reference: values with 25 \
 digits, twice the working precision, or a closed form. Hard cases are extreme inputs. Every maximum \
 error has a bound, and the exit status is 1 if one is exceeded. The seeds of all inputs are fixed, so \
@@ -37,7 +37,7 @@ error has a bound, and the exit status is 1 if one is exceeded. The seeds of all
 
 #[derive(Debug, Args)]
 pub(crate) struct AccuracyArgs {
-    /// Areas to measure: harmonics, indexing, transforms, spectra, predictions, quality, weights, fits, square [default: all]
+    /// Areas to measure: harmonics, indexing, transforms, spectra, predictions, quality, weights, fits, square, warps [default: all]
     #[arg(value_name = "AREAS", value_parser = parse_area)]
     areas: Vec<Area>,
     /// Use smaller inputs: some seconds per area
