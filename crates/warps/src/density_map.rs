@@ -3,6 +3,7 @@ mod longitude;
 mod sampling;
 
 use std::f64::consts::{PI, TAU};
+use std::fmt;
 
 use crate::Error;
 use latitude::{Band, EQUATOR, Profile};
@@ -65,7 +66,7 @@ pub enum Interpolation {
 /// # References
 ///
 /// Pharr, Jakob and Humphreys 2023, appendix A, for rows weighted at their centres.
-#[derive(Clone, Debug)]
+#[derive(Clone)]
 pub struct DensityMap {
     width: usize,
     height: usize,
@@ -85,6 +86,19 @@ pub struct DensityMap {
     floor: f64,
     /// The integrals over the bands above each band, divided by 2 pi, and the total.
     bands: Vec<f64>,
+}
+
+/// Without the texels, of which there may be millions.
+impl fmt::Debug for DensityMap {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("DensityMap")
+            .field("width", &self.width)
+            .field("height", &self.height)
+            .field("interpolation", &self.interpolation)
+            .field("has_cosine", &self.has_cosine)
+            .field("floor_share", &self.floor_share)
+            .finish_non_exhaustive()
+    }
 }
 
 impl DensityMap {
