@@ -44,7 +44,8 @@ pub enum Interpolation {
 /// bits. A texel with less than 1e-16 of the integral is not sampled.
 ///
 /// Performance: 8.5 bytes per texel, which include the texels. Construction reads the texels twice.
-/// A sample takes two bisections and Newton's iteration in theta.
+/// A sample takes two bisections and Newton's iteration in theta. A map of 16384 x 8192 texels takes
+/// 1.1 GB and about a second.
 ///
 /// # Examples
 ///
