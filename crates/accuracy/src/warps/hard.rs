@@ -255,7 +255,7 @@ fn poles() -> Errors {
         Box::new(OctahedralSphere),
         Box::new(CosineHemisphere),
         Box::new(ConcentricDisk),
-        Box::new(PhongLobe::new(3.0).expect(VALID)),
+        Box::new(PhongLobe::new(1.0).expect(VALID)),
         Box::new(VonMisesFisherLobe::new(0.5).expect(VALID)),
         Box::new(SphericalTriangle::OCTANT),
     ];
