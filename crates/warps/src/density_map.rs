@@ -28,9 +28,10 @@ pub enum Interpolation {
 ///
 /// Row 0 is at theta = 0; texel (row i, column j) of H x W has its centre at theta = pi (i +
 /// 1/2)/H, phi = first longitude + 2 pi (j + 1/2)/W, and any H and W of at least 1 are valid. The
-/// [`Interpolation`] states m between the centres; w is 1, or [`cos(theta)`](Self::times_cosine),
-/// on the hemisphere. A [`floor`](Self::with_floor) mixes in the uniform density of the domain, of
-/// solid angle Omega.
+/// [`Interpolation`] states m between the centres; w is 1, or [`cos(theta)`](Self::times_cosine).
+/// The domain is the sphere, or the hemisphere z >= 0 [on request](Self::on_hemisphere) and with
+/// the cosine. A [`floor`](Self::with_floor) mixes in the uniform density of the domain, of solid
+/// angle Omega.
 ///
 /// u selects theta by the marginal distribution, and v the longitude given theta. Both
 /// distributions are integrated and inverted in closed form or to rounding, with the exact solid
@@ -81,6 +82,8 @@ pub struct DensityMap {
     min_positive: f64,
     interpolation: Interpolation,
     first_longitude: f64,
+    /// Whether the domain is the hemisphere; the cosine requires it.
+    is_hemisphere: bool,
     has_cosine: bool,
     floor_share: f64,
     /// The uniform density, in units of texels.
@@ -96,6 +99,7 @@ impl fmt::Debug for DensityMap {
             .field("width", &self.width)
             .field("height", &self.height)
             .field("interpolation", &self.interpolation)
+            .field("is_hemisphere", &self.is_hemisphere)
             .field("has_cosine", &self.has_cosine)
             .field("floor_share", &self.floor_share)
             .finish_non_exhaustive()
@@ -153,6 +157,7 @@ impl DensityMap {
             min_positive: min_positive * scale,
             interpolation,
             first_longitude: 0.0,
+            is_hemisphere: false,
             has_cosine: false,
             floor_share: 0.0,
             floor: 0.0,
@@ -174,13 +179,27 @@ impl DensityMap {
         Self { first_longitude, ..self }
     }
 
+    /// Returns the map restricted to the hemisphere z >= 0, where its density integrates to 1.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::NoDensity`] if the map is 0 on the hemisphere.
+    pub fn on_hemisphere(mut self) -> Result<Self, Error> {
+        if !self.is_hemisphere {
+            self.is_hemisphere = true;
+            self.restrict_minima();
+            self.integrate_bands()?;
+        }
+        Ok(self)
+    }
+
     /// Returns the product with cos(theta), on the hemisphere z >= 0.
     ///
     /// # Errors
     ///
     /// [`Error::NoDensity`] if the map is 0 on the hemisphere.
     pub fn times_cosine(mut self) -> Result<Self, Error> {
-        self.has_cosine = true;
+        (self.is_hemisphere, self.has_cosine) = (true, true);
         self.integrate_bands()?;
         Ok(self)
     }
@@ -200,6 +219,25 @@ impl DensityMap {
         Ok(self)
     }
 
+    /// Replaces the minima of the map by those above the equator.
+    fn restrict_minima(&mut self) {
+        self.floor = 0.0;
+        let (mut min, mut min_positive) = (f64::INFINITY, f64::INFINITY);
+        for band in (0..self.n_bands()).map(|band| self.band(band)) {
+            // A bilinear cell has its minimum at a corner, of which the lower may be on the equator.
+            for t in [0.0, band.extent] {
+                let columns = self.columns(&band, t);
+                for value in (0..self.width).map(|cell| columns.value(cell, 0.0)) {
+                    min = min.min(value);
+                    if value > 0.0 {
+                        min_positive = min_positive.min(value);
+                    }
+                }
+            }
+        }
+        (self.min_texel, self.min_positive) = (min, min_positive);
+    }
+
     /// Computes the integrals over bands.
     fn integrate_bands(&mut self) -> Result<(), Error> {
         let sum_bands = |map: &Self| {
@@ -215,12 +253,12 @@ impl DensityMap {
         self.floor = 0.0;
         let (bands, total) = sum_bands(self);
         if total <= 0.0 {
-            let domain = if self.has_cosine { "the hemisphere z >= 0" } else { "the sphere" };
+            let domain = if self.is_hemisphere { "the hemisphere z >= 0" } else { "the sphere" };
             return Err(Error::NoDensity { domain });
         }
         self.bands = bands;
         if self.floor_share > 0.0 {
-            let height = if self.has_cosine { 1.0 } else { 2.0 };
+            let height = if self.is_hemisphere { 1.0 } else { 2.0 };
             self.floor = self.floor_share / (1.0 - self.floor_share) * total / height;
             self.bands = sum_bands(self).0;
         }
@@ -229,7 +267,7 @@ impl DensityMap {
 
     /// Returns the number of bands of the domain.
     fn n_bands(&self) -> usize {
-        match (self.interpolation, self.has_cosine) {
+        match (self.interpolation, self.is_hemisphere) {
             (Interpolation::Constant, false) => self.height,
             (Interpolation::Constant, true) => self.height.div_ceil(2),
             (Interpolation::Bilinear, false) => self.height + 1,
@@ -255,7 +293,7 @@ impl DensityMap {
                 (edge(2 * band - 1), edge(2 * band + 1), [band - 1, band], step.recip())
             }
         };
-        let bottom = if self.has_cosine { bottom.min(EQUATOR) } else { bottom };
+        let bottom = if self.is_hemisphere { bottom.min(EQUATOR) } else { bottom };
         Band { top, extent: bottom - top, rows, slope }
     }
 

@@ -27,7 +27,7 @@ impl DensityMap {
 
     /// Returns band, t, cell and place in the cell of a direction of the domain.
     fn locate(&self, dir: DVec3) -> Option<(usize, f64, usize, f64)> {
-        if self.has_cosine && dir.z < 0.0 {
+        if self.is_hemisphere && dir.z < 0.0 {
             return None;
         }
         let theta = dir.x.hypot(dir.y).atan2(dir.z);
@@ -60,7 +60,7 @@ impl Warp for DensityMap {
         let theta = band.top + t;
         let (sin_theta, z) = theta.sin_cos();
         // The cosine of pi/2, rounded, may be negative.
-        let z = if self.has_cosine { z.max(0.0) } else { z };
+        let z = if self.is_hemisphere { z.max(0.0) } else { z };
         let point = DVec3::new(sin_theta * cos, sin_theta * sin, z);
         WarpSample { point, density: self.density_of(value) }
     }
@@ -84,7 +84,7 @@ impl Warp for DensityMap {
 
     fn support(&self) -> Support {
         let has_zeros = self.floor == 0.0 && self.has_zero_cell[..self.n_bands()].contains(&true);
-        match (has_zeros, self.has_cosine) {
+        match (has_zeros, self.is_hemisphere) {
             (true, _) => Support::Directions,
             (false, true) => Support::UpperHemisphere,
             (false, false) => Support::Sphere,

@@ -68,6 +68,43 @@ fn densities_are_proportional_to_the_definition() {
     }
 }
 
+/// Above the equator the restriction is the map, rescaled; the order of floor and restriction does
+/// not matter.
+#[test]
+fn the_restriction_to_the_hemisphere_is_the_map_rescaled() {
+    for interpolation in BOTH {
+        for (width, height) in [(40, 20), (1, 6), (7, 1), (17, 5)] {
+            let mut map = texels(width, height);
+            map[width * height.div_ceil(2)..].fill(1e-3);
+            let warp = DensityMap::new(width, height, map, interpolation).unwrap();
+            let upper = warp.clone().on_hemisphere().unwrap();
+            assert_eq!(upper.support(), Support::UpperHemisphere);
+            let visible: f64 = {
+                let above = points(100_000).map(|point| warp.sample(point).point.z > 0.0);
+                above.filter(|is_above| *is_above).count() as f64 / 1e5
+            };
+            let name = format!("{width} x {height} {interpolation:?}");
+            let mut min = f64::INFINITY;
+            for point in points(2000) {
+                let dir = upper.map(point);
+                assert!(dir.z >= 0.0, "{name}: {dir}");
+                assert_eq!((upper.density(-dir), upper.inverse(-dir)), (0.0, None));
+                let share = warp.density(dir) / upper.density(dir);
+                assert!((share - visible).abs() < 1e-3, "{name}: {share}, not {visible}");
+                min = min.min(upper.density(dir));
+            }
+            let ratio = min / upper.min_density();
+            assert!((1.0 - 1e-13..2.0).contains(&ratio), "{name}: {ratio}");
+            let first = upper.with_floor(0.2).unwrap();
+            let last = warp.with_floor(0.2).unwrap().on_hemisphere().unwrap();
+            for point in points(50) {
+                assert_eq!(first.sample(point), last.sample(point), "{name}");
+            }
+            assert_eq!(first.min_density().to_bits(), last.min_density().to_bits(), "{name}");
+        }
+    }
+}
+
 /// The search over blocks agrees with sums over all columns of piecewise constant maps.
 #[test]
 fn the_search_agrees_with_linear_search() {
@@ -107,8 +144,9 @@ fn the_search_agrees_with_linear_search() {
 fn the_floor_is_a_mixture_with_the_uniform_density() {
     for interpolation in BOTH {
         let map = DensityMap::new(40, 20, texels(40, 20), interpolation).unwrap();
+        let upper = map.clone().on_hemisphere().unwrap();
         let cosine = map.clone().times_cosine().unwrap();
-        for (warp, solid_angle) in [(map, 2.0 * TAU), (cosine, TAU)] {
+        for (warp, solid_angle) in [(map, 2.0 * TAU), (upper, TAU), (cosine, TAU)] {
             let mixed = warp.clone().with_floor(0.25).unwrap();
             assert!(mixed.min_density() >= 0.25 / solid_angle * (1.0 - 1e-14));
             for point in points(200) {
@@ -238,10 +276,9 @@ fn invalid_maps_are_errors_that_name_the_texel() {
     );
     assert_eq!(new(2, 2, vec![0.0; 4]).unwrap_err(), Error::NoDensity { domain: "the sphere" });
     let lower = new(1, 2, vec![0.0, 1.0]).unwrap();
-    assert_eq!(
-        lower.times_cosine().unwrap_err(),
-        Error::NoDensity { domain: "the hemisphere z >= 0" }
-    );
+    let expected = Error::NoDensity { domain: "the hemisphere z >= 0" };
+    assert_eq!(lower.clone().on_hemisphere().unwrap_err(), expected);
+    assert_eq!(lower.times_cosine().unwrap_err(), expected);
     for floor in [-0.1, 1.0, f64::NAN] {
         assert!(new(1, 1, vec![1.0]).unwrap().with_floor(floor).is_err());
     }

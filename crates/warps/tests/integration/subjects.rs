@@ -27,7 +27,9 @@ pub(crate) fn maps() -> Vec<Subject> {
             let name = |text: &str| format!("{width} x {height} {interpolation:?}{text}");
             let cosine = map.clone().times_cosine().unwrap();
             let shifted = map.clone().with_first_longitude(2.5).with_floor(0.2).unwrap();
+            let upper = map.clone().on_hemisphere().unwrap();
             maps.push((name(" * cosine"), Box::new(cosine.clone())));
+            maps.push((name(" on the hemisphere"), Box::new(upper)));
             maps.push((name(" * cosine, floor"), Box::new(cosine.with_floor(0.3).unwrap())));
             maps.push((name(", floor, shifted"), Box::new(shifted)));
             maps.push((name(""), Box::new(map)));
